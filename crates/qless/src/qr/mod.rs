@@ -1,0 +1,83 @@
+//! `A P = Q R`, Q never formed (Eq. 21-24): the one thing a backend does.
+//!
+//! A backend factors one block A (m x n, any shape, any rank) and returns plain owned data. It knows
+//! nothing of slaves, scaling or decks. Rather than Q it applies it: any nonsingular row transform W with
+//! `W A P = [R1 R2; 0 0]` serves the callers, so that Gauss elimination is a backend too (W = L^-1).
+
+use crate::Csr;
+
+/// Rank-revealing factorization of one block.
+pub trait Backend: Send + Sync {
+    /// The name users choose it by: `faer`, `spqr`, `gauss`.
+    fn name(&self) -> &'static str;
+
+    /// Name and version of the library that does the work, as the report prints it.
+    fn version(&self) -> String;
+
+    /// Factors A, given by its columns (row j of `columns` is column j of A), and transforms B.
+    ///
+    /// `rhs` is B, m x k by columns (its length is m k). A column of A whose remaining part is at most
+    /// `tolerance` in 2-norm (absolute, as A is given) counts as dependent.
+    ///
+    /// # Errors
+    /// [`BackendError`]; no error leaves memory behind, and the next call works.
+    fn factor(&self, columns: &Csr, rhs: &[f64], tolerance: f64) -> Result<Factor, BackendError>;
+}
+
+/// `W A P = [R1 R2; 0 0]` and `W B`, with R1 upper triangular and nonsingular.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Factor {
+    /// r, the number of columns found independent; R1 is r x r.
+    pub rank: usize,
+    /// P: `order[k]` is the column of A at position k, independent ones first; length n.
+    pub order: Vec<usize>,
+    /// `[R1 R2]`, r x n in the order of `order`; row i has no entry left of column i.
+    pub r: Csr,
+    /// First r rows of W B, r x k by columns.
+    pub rhs: Vec<f64>,
+    /// For each of the k right-hand sides the 2-norm of the rest of W B: what the equations cannot meet.
+    pub rest: Vec<f64>,
+    /// 2-norm (Frobenius) of what was treated as zero to find the rank.
+    pub dropped: f64,
+}
+
+/// Why a backend could not factor a block.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum BackendError {
+    /// The block needs more memory than there is or than is allowed.
+    #[error("{backend}: a block of {rows} x {cols} needs more memory than is available{advice}")]
+    OutOfMemory {
+        /// Which backend.
+        backend: &'static str,
+        /// Rows of the block.
+        rows: usize,
+        /// Columns of the block.
+        cols: usize,
+        /// What the user can do, opening with "; ", or nothing.
+        advice: &'static str,
+    },
+    /// The block is larger than the backend's index type.
+    #[error("{backend}: a block of {rows} x {cols} is larger than its indices can count")]
+    TooLarge {
+        /// Which backend.
+        backend: &'static str,
+        /// Rows of the block.
+        rows: usize,
+        /// Columns of the block.
+        cols: usize,
+    },
+    /// The backend was not compiled in.
+    #[error("{backend}: this build does not have it; rebuild with `--features {backend}`")]
+    NotCompiledIn {
+        /// Which backend.
+        backend: &'static str,
+    },
+    /// Anything else, in the library's own words.
+    #[error("{backend}: {message}")]
+    Failed {
+        /// Which backend.
+        backend: &'static str,
+        /// What it said.
+        message: String,
+    },
+}

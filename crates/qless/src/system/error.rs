@@ -1,0 +1,108 @@
+//! What can be wrong with a constraint system, by row and column.
+
+/// Why a set of equations is not a valid constraint system. Rows and DOFs are 0-based, as in the API.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SystemError {
+    /// A coefficient, right-hand side or prescribed value is NaN or infinite.
+    #[error("{what} is {value}; every number must be finite")]
+    NotFinite {
+        /// Which number, with its row and column.
+        what: Place,
+        /// The value found.
+        value: f64,
+    },
+    /// A DOF number is not below the number of DOFs.
+    #[error("{what} names DOF {dof}, but there are {dofs} DOFs (0 to {}); correct the index or the size", dofs.saturating_sub(1))]
+    DofOutOfRange {
+        /// Where the DOF is named.
+        what: Place,
+        /// The DOF named.
+        dof: usize,
+        /// How many there are.
+        dofs: usize,
+    },
+    /// A row number is not below the number of rows.
+    #[error("entry {entry} is in row {row}, but there are {rows} rows; correct the index or the size")]
+    RowOutOfRange {
+        /// Position of the entry in the list given.
+        entry: usize,
+        /// The row named.
+        row: usize,
+        /// How many there are.
+        rows: usize,
+    },
+    /// Arrays whose lengths must agree do not.
+    #[error("{what} has {found} entries, expected {expected}")]
+    WrongLength {
+        /// Which array.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// The length needed.
+        expected: usize,
+    },
+    /// Compressed columns whose starts are not 0, ascending, nnz.
+    #[error("column start {index} is {value}; starts must begin at 0, never decrease and end at the number of entries")]
+    BadStarts {
+        /// Index into the starts.
+        index: usize,
+        /// The start found there.
+        value: usize,
+    },
+    /// One DOF prescribed with two different values.
+    #[error("DOF {dof} is prescribed twice, as {first} and as {second}; remove one")]
+    PrescribedTwice {
+        /// The DOF.
+        dof: usize,
+        /// The value met first.
+        first: f64,
+        /// The value met later.
+        second: f64,
+    },
+    /// There are no DOFs at all.
+    #[error("the system is empty: it has {rows} equations and no DOFs")]
+    Empty {
+        /// Number of equations.
+        rows: usize,
+    },
+    /// A size that does not fit the 32-bit indices of the library.
+    #[error("{what} is {found}; at most {} are supported", u32::MAX)]
+    TooLarge {
+        /// Which size.
+        what: &'static str,
+        /// The size.
+        found: usize,
+    },
+}
+
+/// Where a number stands in the input.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// Coefficient in a row and column.
+    Coefficient {
+        /// Equation.
+        row: usize,
+        /// DOF.
+        dof: usize,
+    },
+    /// Right-hand side of a row.
+    RightHandSide {
+        /// Equation.
+        row: usize,
+    },
+    /// Prescribed value of a DOF.
+    Prescribed {
+        /// DOF.
+        dof: usize,
+    },
+}
+
+impl std::fmt::Display for Place {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Coefficient { row, dof } => write!(f, "the coefficient in row {row}, DOF {dof}"),
+            Self::RightHandSide { row } => write!(f, "the right-hand side of row {row}"),
+            Self::Prescribed { dof } => write!(f, "the prescribed value of DOF {dof}"),
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! `C u = b` with some DOFs prescribed (Eq. 2, 20): the validated input of everything else.
+//!
+//! A [`ConstraintSystem`] is finite, in range, and has each DOF at most once in a row: coefficients
+//! given for the same row and DOF are summed, and a sum that cancels to rounding (a few units in the
+//! last place of its parts) is no coefficient at all.
+
+mod builder;
+mod csr;
+mod error;
+
+pub use builder::SystemBuilder;
+pub use csr::Csr;
+pub use error::{Place, SystemError};
+
+/// m equations `C u = b` on n DOFs, some of which carry prescribed values.
+///
+/// ```
+/// use qless::SystemBuilder;
+/// // u0 - u1 + 2 u2 = 1, with u2 = 0.5 prescribed.
+/// let mut builder = SystemBuilder::new(3);
+/// builder.labelled_equation("tie 7", [(0, 1.0), (1, -1.0), (2, 2.0)], 1.0);
+/// builder.prescribe(2, 0.5);
+/// let system = builder.build()?;
+/// assert_eq!((system.equations(), system.dofs(), system.free()), (1, 3, 2));
+/// assert_eq!(system.equation_label(0), "tie 7");
+/// # Ok::<(), qless::SystemError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct ConstraintSystem {
+    matrix: Csr,
+    rhs: Vec<f64>,
+    prescribed: Vec<(usize, f64)>,
+    equation_labels: Vec<String>,
+    dof_labels: Vec<String>,
+}
+
+impl ConstraintSystem {
+    /// From triplets `(row, DOF, coefficient)`, summed where they repeat, and b of length `rows`.
+    ///
+    /// # Errors
+    /// [`SystemError`] for an index out of range, a number that is not finite, or a wrong length.
+    pub fn from_triplets(
+        rows: usize,
+        dofs: usize,
+        triplets: &[(usize, usize, f64)],
+        rhs: &[f64],
+        prescribed: &[(usize, f64)],
+    ) -> Result<Self, SystemError> {
+        builder::from_triplets(rows, dofs, triplets, rhs, prescribed)
+    }
+
+    /// From compressed columns: entries `start[j]..start[j + 1]` belong to DOF j.
+    ///
+    /// # Errors
+    /// As [`ConstraintSystem::from_triplets`], and [`SystemError::BadStarts`].
+    pub fn from_csc(
+        rows: usize,
+        start: &[usize],
+        row: &[usize],
+        value: &[f64],
+        rhs: &[f64],
+        prescribed: &[(usize, f64)],
+    ) -> Result<Self, SystemError> {
+        builder::from_csc(rows, start, row, value, rhs, prescribed)
+    }
+
+    /// Names the equations (one per row) and the DOFs; an empty list leaves numbers in their place.
+    ///
+    /// # Errors
+    /// [`SystemError::WrongLength`].
+    pub fn with_labels(mut self, equations: Vec<String>, dofs: Vec<String>) -> Result<Self, SystemError> {
+        for (what, found, expected) in [
+            ("the list of equation labels", equations.len(), self.equations()),
+            ("the list of DOF labels", dofs.len(), self.dofs()),
+        ] {
+            if found != 0 && found != expected {
+                return Err(SystemError::WrongLength { what, found, expected });
+            }
+        }
+        self.equation_labels = equations;
+        self.dof_labels = dofs;
+        Ok(self)
+    }
+
+    /// Number of equations m.
+    pub fn equations(&self) -> usize {
+        self.matrix.rows()
+    }
+
+    /// Number of DOFs n, prescribed ones included.
+    pub fn dofs(&self) -> usize {
+        self.matrix.cols
+    }
+
+    /// Number of DOFs that are not prescribed.
+    pub fn free(&self) -> usize {
+        self.dofs() - self.prescribed.len()
+    }
+
+    /// C, m x n.
+    pub fn matrix(&self) -> &Csr {
+        &self.matrix
+    }
+
+    /// b, length m.
+    pub fn rhs(&self) -> &[f64] {
+        &self.rhs
+    }
+
+    /// Prescribed `(DOF, value)`, ascending by DOF.
+    pub fn prescribed(&self) -> &[(usize, f64)] {
+        &self.prescribed
+    }
+
+    /// The label of an equation, or its 1-based row where it has none.
+    pub fn equation_label(&self, row: usize) -> String {
+        self.equation_labels.get(row).map_or_else(|| format!("row {}", row + 1), Clone::clone)
+    }
+
+    /// The label of a DOF, or its 1-based number where it has none.
+    pub fn dof_label(&self, dof: usize) -> String {
+        self.dof_labels.get(dof).map_or_else(|| format!("DOF {}", dof + 1), Clone::clone)
+    }
+}
