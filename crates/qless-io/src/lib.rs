@@ -1,1 +1,40 @@
-//! x
+//! Constraint systems `C u = b` in files: what is read is checked, what is written is whole.
+//!
+//! A case is a folder, or a lone Matrix Market file:
+//!
+//! | file             | holds                                   | if absent              |
+//! | ---------------- | --------------------------------------- | ---------------------- |
+//! | `C.mtx`          | C, m x n, coordinate real general       | an error               |
+//! | `b.txt`          | b, m numbers, one a line                | zeros                  |
+//! | `prescribed.txt` | `column value` a line, 1-based          | nothing is prescribed  |
+//! | `rows.txt`       | one label a line, for each equation     | `row 5`                |
+//! | `cols.txt`       | one label a line, for each DOF          | `DOF 5`                |
+//!
+//! Rows and columns count from 1 in files and in messages, from 0 in the API. Every error names the
+//! file, the line where there is one, what was found, and what to do.
+//!
+//! ```
+//! use qless_io::{read_case, write_case};
+//! # let place = tempfile::tempdir()?;
+//! let folder = place.path().join("tie");
+//! let mut builder = qless::SystemBuilder::new(2);
+//! builder.labelled_equation("tie 7", [(0, 1.0), (1, -1.0)], 0.5);
+//! let system = builder.build()?;
+//! write_case(&folder, &system)?;
+//! assert_eq!(read_case(&folder, None, None)?, system);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod case;
+mod error;
+mod fault;
+mod lines;
+pub mod matrix_market;
+mod number;
+pub mod vectors;
+pub mod write;
+
+pub use case::read_case;
+pub use error::{ReadError, WriteError};
+pub use fault::{Fault, NumberFault, Quantity};
+pub use write::write_case;

@@ -1,1 +1,35 @@
-//! x
+//! `C u = b` whose rank, redundancy and conflicts are known before anything is factored.
+//!
+//! Each generator returns a [`Scene`]: the [`qless::ConstraintSystem`], the [`Truth`] about it and, where
+//! the model has a shape, the coordinates of its nodes. The same arguments give the same bits on every
+//! machine: random numbers come from [`Rng`], and no function of the platform's mathematical library is used.
+//!
+//! | module | scenes |
+//! | --- | --- |
+//! | [`fssi`] | fluid-structure-soil interaction, sizes and redundancies of the paper's Table 1, tied or mortar-coupled |
+//! | [`paper`] | the paper's figures and small examples |
+//! | [`families`] | sized and seeded families: planted combinations, graphs, rigid spiders, periodic cells, grids |
+//! | [`oracle`] | exact rank, to check all of the above and anything else |
+//!
+//! ```
+//! use qless_scenes::{fssi, oracle};
+//! let scene = fssi::tie(&fssi::Level::P50.mesh(), 1)?;
+//! assert_eq!(scene.system.equations(), 7580);
+//! assert_eq!(scene.truth.redundant, Some(168));
+//! assert_eq!(oracle::rank_free(&scene.system), 7412);
+//! # Ok::<(), qless_scenes::SceneError>(())
+//! ```
+
+mod change;
+mod error;
+pub mod families;
+pub mod fssi;
+pub mod oracle;
+pub mod paper;
+mod rng;
+mod scene;
+
+pub use change::Order;
+pub use error::SceneError;
+pub use rng::Rng;
+pub use scene::{Component, Dof, Scene, Truth};

@@ -4,3 +4,16 @@ pub mod qr;
 mod system;
 
 pub use system::{ConstraintSystem, Csr, Place, SystemBuilder, SystemError};
+mod analysis;
+mod basis;
+mod block;
+mod certificate;
+mod generated;
+mod reduction;
+pub use analysis::{Analysis, AnalysisError, Confidence, Dependent, Kind, PresolveStatistics, Timings, analyse};
+pub use certificate::Because;
+pub use reduction::Reduction;
+mod presolve;
+mod scale;
+mod options;
+pub use options::{BackendChoice, OptionError, Options, Tolerance};

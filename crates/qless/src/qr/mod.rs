@@ -6,6 +6,24 @@
 
 use crate::Csr;
 
+#[cfg(test)]
+pub(crate) mod check;
+pub mod faer;
+mod factor;
+pub mod gauss;
+#[cfg(feature = "spqr")]
+pub mod spqr;
+
+/// The most entries that a dense backend will hold: 2 GiB.
+const DENSE_LIMIT: usize = 1 << 28;
+
+/// Refuses a dense m x n array that would not fit.
+fn dense_len(backend: &'static str, rows: usize, cols: usize) -> Result<usize, BackendError> {
+    let advice = "; keep presolve on, or use the backend spqr, which is sparse";
+    let fits = rows.checked_mul(cols).filter(|&len| len <= DENSE_LIMIT);
+    fits.ok_or(BackendError::OutOfMemory { backend, rows, cols, advice })
+}
+
 /// Rank-revealing factorization of one block.
 pub trait Backend: Send + Sync {
     /// The name users choose it by: `faer`, `spqr`, `gauss`.
@@ -13,6 +31,11 @@ pub trait Backend: Send + Sync {
 
     /// Name and version of the library that does the work, as the report prints it.
     fn version(&self) -> String;
+
+    /// Whether W is orthogonal, so that R has the singular values of A.
+    fn is_orthogonal(&self) -> bool {
+        true
+    }
 
     /// Factors A, given by its columns (row j of `columns` is column j of A), and transforms B.
     ///

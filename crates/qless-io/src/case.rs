@@ -1,0 +1,124 @@
+//! A case: the files of one system, read and checked together.
+
+use std::path::{Path, PathBuf};
+
+use qless::{ConstraintSystem, Place, SystemError};
+
+use crate::fault::Fault;
+use crate::vectors::{read_labels, read_prescribed, read_rhs};
+use crate::{ReadError, matrix_market};
+
+/// Endings of finite-element decks, in lower case.
+const DECKS: [&str; 5] = ["inp", "bdf", "dat", "nas", "cdb"];
+
+/// Reads `path`: a `.mtx` file, or a folder with `C.mtx` and what else it holds of a case.
+///
+/// `rhs` and `prescribed` name the other files of a `.mtx` file; with a folder they replace its own.
+/// Without a right-hand side b is zero. Where a line of labels is empty the number stands in its place.
+///
+/// # Errors
+/// [`ReadError`]: the path is no case, or one of its files is malformed.
+///
+/// ```
+/// use qless_io::read_case;
+/// # let place = tempfile::tempdir()?;
+/// let matrix = place.path().join("C.mtx");
+/// std::fs::write(&matrix, "%%MatrixMarket matrix coordinate real general\n1 2 2\n1 1 1\n1 2 -1\n")?;
+/// let rhs = place.path().join("gap.txt");
+/// std::fs::write(&rhs, "0.25\n")?;
+/// let system = read_case(&matrix, Some(&rhs), None)?;
+/// assert_eq!((system.equations(), system.dofs(), system.rhs()), (1, 2, &[0.25][..]));
+///
+/// let folder = read_case(place.path(), None, None)?;
+/// assert_eq!(folder.rhs(), [0.0]);
+///
+/// std::fs::write(&rhs, "inf\n")?;
+/// let error = read_case(&matrix, Some(&rhs), None).unwrap_err().to_string();
+/// assert!(error.contains("gap.txt:1: the right-hand side of row 1 is `inf`: every number must be finite"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn read_case(path: &Path, rhs: Option<&Path>, prescribed: Option<&Path>) -> Result<ConstraintSystem, ReadError> {
+    let mut files = CaseFiles::find(path)?;
+    files.rhs = rhs.map(Path::to_path_buf).or(files.rhs);
+    files.prescribed = prescribed.map(Path::to_path_buf).or(files.prescribed);
+    files.read()
+}
+
+/// Where the parts of a case are.
+struct CaseFiles {
+    matrix: PathBuf,
+    rhs: Option<PathBuf>,
+    prescribed: Option<PathBuf>,
+    rows: Option<PathBuf>,
+    columns: Option<PathBuf>,
+}
+
+impl CaseFiles {
+    fn find(path: &Path) -> Result<Self, ReadError> {
+        let kind = std::fs::metadata(path).map_err(|source| ReadError::Io { path: path.to_path_buf(), source })?;
+        if kind.is_dir() { Self::in_folder(path) } else { Self::lone(path) }
+    }
+
+    fn in_folder(folder: &Path) -> Result<Self, ReadError> {
+        let part = |name: &str| {
+            let path = folder.join(name);
+            // A link that leads nowhere is there: reading it says so, rather than taking it for absent.
+            path.symlink_metadata().is_ok().then_some(path)
+        };
+        let matrix = part("C.mtx").ok_or_else(|| ReadError::NoMatrix { path: folder.to_path_buf() })?;
+        Ok(Self {
+            matrix,
+            rhs: part("b.txt"),
+            prescribed: part("prescribed.txt"),
+            rows: part("rows.txt"),
+            columns: part("cols.txt"),
+        })
+    }
+
+    fn lone(path: &Path) -> Result<Self, ReadError> {
+        let matrix = path.to_path_buf();
+        let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+        match ending.as_str() {
+            "mtx" => Ok(Self { matrix, rhs: None, prescribed: None, rows: None, columns: None }),
+            deck if DECKS.contains(&deck) => {
+                Err(ReadError::DeckNotSupported { path: matrix, ending: format!(".{ending}") })
+            }
+            _ => Err(ReadError::UnknownEnding { path: matrix }),
+        }
+    }
+
+    fn read(&self) -> Result<ConstraintSystem, ReadError> {
+        let matrix = matrix_market::read(&self.matrix)?;
+        let (m, n) = (matrix.rows, matrix.columns);
+        let rhs = self.rhs.as_deref().map_or_else(|| Ok(vec![0.0; m]), |path| read_rhs(path, m))?;
+        let prescribed = self.prescribed.as_deref().map_or_else(|| Ok(Vec::new()), |path| read_prescribed(path, n))?;
+        let rows = labels(self.rows.as_deref(), m, "row", "row")?;
+        let columns = labels(self.columns.as_deref(), n, "column", "DOF")?;
+        ConstraintSystem::from_triplets(m, n, &matrix.entries, &rhs, &prescribed)
+            .and_then(|system| system.with_labels(rows, columns))
+            .or_else(|error| Err(self.explain(error)?))
+    }
+
+    /// The library's error with file and line. The reader has checked all but the sums of repeats.
+    fn explain(&self, error: SystemError) -> Result<ReadError, ReadError> {
+        let path = self.matrix.clone();
+        let SystemError::NotFinite { what: Place::Coefficient { row, dof }, value: sum } = error else {
+            return Ok(ReadError::System { path, source: error });
+        };
+        let Some((first_line, last)) = matrix_market::lines_of(&path, row, dof)? else {
+            return Ok(ReadError::System { path, source: error });
+        };
+        let fault = Fault::SumNotFinite { row: row + 1, column: dof + 1, first_line, sum };
+        Ok(ReadError::Malformed { path, line: Some(last), fault })
+    }
+}
+
+/// The labels in the file, `fallback` and the 1-based number where a line is empty; none without a file.
+fn labels(path: Option<&Path>, count: usize, each: &'static str, fallback: &str) -> Result<Vec<String>, ReadError> {
+    let Some(path) = path else { return Ok(Vec::new()) };
+    let mut labels = read_labels(path, count, each)?;
+    for (index, label) in labels.iter_mut().enumerate().filter(|(_, label)| label.trim().is_empty()) {
+        *label = format!("{fallback} {}", index + 1);
+    }
+    Ok(labels)
+}

@@ -1,0 +1,121 @@
+//! Why a file could not be read or written; always with its path.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use crate::Fault;
+
+/// Why an input was refused. Lines, rows and columns count from 1.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadError {
+    /// The operating system could not read the file.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// The content is malformed.
+    #[error("{}{}: {fault}", path.display(), line.map(|n| format!(":{n}")).unwrap_or_default())]
+    Malformed {
+        /// The file.
+        path: PathBuf,
+        /// The line, unless the whole file is at fault.
+        line: Option<usize>,
+        /// What is wrong.
+        fault: Fault,
+    },
+    /// A folder that is not a case.
+    #[error("{}: the folder holds no C.mtx; name a folder with one, or a .mtx file", path.display())]
+    NoMatrix {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// A finite-element deck.
+    #[error("{}: {ending} decks are not supported yet; export the constraint matrix as a .mtx file", path.display())]
+    DeckNotSupported {
+        /// The file.
+        path: PathBuf,
+        /// Its ending, in lower case, with the dot.
+        ending: String,
+    },
+    /// An ending that says nothing.
+    #[error("{}: cannot tell what this file is; name a .mtx file or a folder with a C.mtx", path.display())]
+    UnknownEnding {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The library refused what the reader let through.
+    #[error("{}: {source} (rows and DOFs counted from 0)", path.display())]
+    System {
+        /// The matrix file.
+        path: PathBuf,
+        /// The library's reason.
+        source: qless::SystemError,
+    },
+}
+
+/// Why an output was not written. Nothing is left behind.
+#[derive(Debug, thiserror::Error)]
+pub enum WriteError {
+    /// The operating system could not write.
+    #[error("{}: cannot be written: {source}", path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// A folder was to be written where something else stands.
+    #[error("{}: is not a folder; name another place or remove it", path.display())]
+    NotAFolder {
+        /// The path in the way.
+        path: PathBuf,
+    },
+    /// A file was to be written where something else stands.
+    #[error("{}: is not a regular file; name another place or remove it", path.display())]
+    NotAFile {
+        /// The path in the way.
+        path: PathBuf,
+    },
+    /// A label that would be two lines.
+    #[error("{}: label {index} ({label:?}) has a line break; a label is one line", path.display())]
+    LabelLineBreak {
+        /// The file of labels.
+        path: PathBuf,
+        /// 1-based row or column of the label.
+        index: usize,
+        /// The label.
+        label: String,
+    },
+}
+
+impl WriteError {
+    pub(crate) fn io(path: &Path) -> impl FnOnce(io::Error) -> Self + '_ {
+        |source| Self::Io { path: path.to_path_buf(), source }
+    }
+}
+
+/// A fault and its line, before the file is known.
+#[derive(Debug)]
+pub(crate) struct At {
+    pub line: Option<usize>,
+    pub fault: Fault,
+}
+
+impl At {
+    pub fn line(line: usize, fault: Fault) -> Self {
+        Self { line: Some(line), fault }
+    }
+
+    pub fn whole_file(fault: Fault) -> Self {
+        Self { line: None, fault }
+    }
+}
+
+/// Reads a whole file, parses it, and puts its path on what goes wrong.
+pub(crate) fn parse_file<T>(path: &Path, parse: impl FnOnce(&[u8]) -> Result<T, At>) -> Result<T, ReadError> {
+    let bytes = std::fs::read(path).map_err(|source| ReadError::Io { path: path.to_path_buf(), source })?;
+    parse(&bytes).map_err(|At { line, fault }| ReadError::Malformed { path: path.to_path_buf(), line, fault })
+}

@@ -1,0 +1,121 @@
+//! A file's bytes as numbered lines, and a line as words; nothing is copied.
+
+use crate::error::At;
+use crate::fault::{Fault, quote};
+
+/// The lines of a file. LF or CRLF ends a line; a byte order mark is passed over.
+pub(crate) struct Lines<'a> {
+    rest: &'a [u8],
+    number: usize,
+}
+
+/// One line, without its end.
+#[derive(Clone, Copy)]
+pub(crate) struct Line<'a> {
+    pub number: usize,
+    pub text: &'a [u8],
+}
+
+impl<'a> Lines<'a> {
+    pub fn new(bytes: &'a [u8]) -> Self {
+        Self { rest: bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), number: 0 }
+    }
+
+    /// The next line, whatever it holds.
+    pub fn any(&mut self) -> Option<Line<'a>> {
+        if self.rest.is_empty() {
+            return None;
+        }
+        let end = self.rest.iter().position(|&byte| byte == b'\n').unwrap_or(self.rest.len());
+        let text = &self.rest[..end];
+        self.rest = self.rest.get(end + 1..).unwrap_or_default();
+        self.number += 1;
+        Some(Line { number: self.number, text: text.strip_suffix(b"\r").unwrap_or(text) })
+    }
+
+    /// The next line that is neither blank nor a `%` or `#` comment.
+    pub fn content(&mut self) -> Option<Line<'a>> {
+        loop {
+            let line = self.any()?;
+            if line.words().next().is_some() {
+                return Some(line);
+            }
+        }
+    }
+
+    /// Bytes not yet read.
+    pub fn left(&self) -> usize {
+        self.rest.len()
+    }
+
+    /// Number of the line read last.
+    pub fn number(&self) -> usize {
+        self.number
+    }
+}
+
+impl<'a> Line<'a> {
+    /// The words up to a comment.
+    pub fn words(&self) -> Words<'a> {
+        Words { rest: self.text }
+    }
+
+    /// The words if there are exactly N.
+    pub fn fields<const N: usize>(&self) -> Option<[&'a [u8]; N]> {
+        let mut words = self.words();
+        let mut fields = [&b""[..]; N];
+        for field in &mut fields {
+            *field = words.next()?;
+        }
+        words.next().is_none().then_some(fields)
+    }
+
+    pub fn quote(&self) -> String {
+        quote(self.text.trim_ascii())
+    }
+
+    pub fn fault(&self, fault: Fault) -> At {
+        At::line(self.number, fault)
+    }
+
+    /// The fault of a line that has not the form `expected`.
+    pub fn malformed(&self, expected: &'static str) -> At {
+        self.fault(Fault::Entry { expected, found: self.quote() })
+    }
+}
+
+/// Words separated by blanks and tabs; a word that starts with `%` or `#` ends the line.
+pub(crate) struct Words<'a> {
+    rest: &'a [u8],
+}
+
+impl<'a> Iterator for Words<'a> {
+    type Item = &'a [u8];
+
+    fn next(&mut self) -> Option<&'a [u8]> {
+        let start = self.rest.iter().position(|byte| !byte.is_ascii_whitespace())?;
+        let word = &self.rest[start..];
+        if matches!(word[0], b'%' | b'#') {
+            return None;
+        }
+        let end = word.iter().position(u8::is_ascii_whitespace).unwrap_or(word.len());
+        self.rest = &word[end..];
+        Some(&word[..end])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_numbered_and_comments_are_passed_over() {
+        let mut lines = Lines::new(b"\xef\xbb\xbf% head\r\n\r\n\t1  2\t3 # end\r\n #\n4");
+        let line = lines.content().expect("a line");
+        assert_eq!((line.number, line.fields()), (3, Some([&b"1"[..], b"2", b"3"])));
+        assert!(line.fields::<2>().is_none() && line.fields::<4>().is_none());
+        let line = lines.content().expect("a line");
+        assert_eq!((line.number, line.fields()), (5, Some([&b"4"[..]])));
+        assert!(lines.content().is_none() && lines.left() == 0 && lines.number() == 5);
+    }
+}

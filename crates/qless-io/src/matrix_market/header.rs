@@ -1,0 +1,82 @@
+//! `%%MatrixMarket matrix FORMAT FIELD SYMMETRY`: which of them are read, and why the others are not.
+
+use crate::error::At;
+use crate::fault::{Fault, quote};
+use crate::lines::{Line, Lines};
+
+/// How the entries are laid out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Layout {
+    /// `row column value`.
+    Coordinate,
+    /// Values alone, column by column.
+    Array,
+}
+
+/// What a supported header says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Header {
+    pub integer: bool,
+    pub line: usize,
+}
+
+/// Whether the file starts as a Matrix Market file does.
+pub(crate) fn is_present(bytes: &[u8]) -> bool {
+    first_line(&mut Lines::new(bytes)).is_some_and(|line| is_banner(&line))
+}
+
+/// Reads the header of a `layout` file.
+pub(crate) fn read(lines: &mut Lines, layout: Layout) -> Result<Header, At> {
+    let Some(line) = first_line(lines) else {
+        return Err(At::whole_file(Fault::Header { found: quote(b"") }));
+    };
+    let words: Vec<&[u8]> = line.text.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()).collect();
+    let &[_, object, format, field, symmetry] = words.as_slice() else {
+        return Err(line.fault(Fault::Header { found: line.quote() }));
+    };
+    if !is_banner(&line) {
+        return Err(line.fault(Fault::Header { found: line.quote() }));
+    }
+    accept(&line, object, &["matrix"])?;
+    let format_read = if layout == Layout::Coordinate { "coordinate" } else { "array" };
+    accept(&line, format, &[format_read])?;
+    accept(&line, field, &["real", "integer"])?;
+    accept(&line, symmetry, &["general"])?;
+    Ok(Header { integer: field.eq_ignore_ascii_case(b"integer"), line: line.number })
+}
+
+fn first_line<'a>(lines: &mut Lines<'a>) -> Option<Line<'a>> {
+    loop {
+        let line = lines.any()?;
+        if !line.text.trim_ascii().is_empty() {
+            return Some(line);
+        }
+    }
+}
+
+fn is_banner(line: &Line) -> bool {
+    let word = line.text.trim_ascii().split(u8::is_ascii_whitespace).next().unwrap_or_default();
+    [&b"%%MatrixMarket"[..], b"%MatrixMarket"].iter().any(|banner| word.eq_ignore_ascii_case(banner))
+}
+
+fn accept(line: &Line, word: &[u8], known: &[&str]) -> Result<(), At> {
+    if known.iter().any(|known| word.eq_ignore_ascii_case(known.as_bytes())) {
+        return Ok(());
+    }
+    Err(line.fault(Fault::HeaderWord { word: quote(word), advice: advice(word) }))
+}
+
+fn advice(word: &[u8]) -> &'static str {
+    match word.to_ascii_lowercase().as_slice() {
+        b"pattern" => "there are no coefficients; add a value to each entry and write `real`",
+        b"complex" => "coefficients must be real; split each equation in its real and imaginary part and write `real`",
+        b"hermitian" => "only one triangle is stored, of a complex matrix; write all entries as `real general`",
+        b"symmetric" => "only one triangle is stored; write both triangles and `general`",
+        b"skew-symmetric" => {
+            "only one triangle is stored; write both triangles, the upper with the sign changed, and `general`"
+        }
+        b"array" => "the matrix is dense; write its nonzero entries as `row column value` and `coordinate`",
+        b"coordinate" => "the vector is sparse; write all its values, one a line, and `array`",
+        _ => "unknown; expected `matrix coordinate real general` (`array` for a vector)",
+    }
+}

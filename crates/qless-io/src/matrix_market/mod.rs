@@ -1,0 +1,65 @@
+//! Matrix Market files of an m x n sparse matrix: `coordinate`, `real` or `integer`, `general`.
+//!
+//! ```text
+//! %%MatrixMarket matrix coordinate real general
+//! % comments and blank lines may stand anywhere below the header
+//! 2 3 3
+//! 1 1 1.0
+//! 1 3 -1.0
+//! 2 2 1.0D+3
+//! ```
+//!
+//! The first line is the header (`%MatrixMarket` is accepted too, in any case), then
+//! `rows columns entries`, then one `row column value` a line, counted from 1. Repeated entries are
+//! kept as they stand; the library sums them. Exponents may be Fortran's, line ends CRLF.
+//!
+//! Refused, with the line: other headers (`pattern`, `complex`, `symmetric`, `skew-symmetric`,
+//! `hermitian`, `array`), malformed or out-of-range lines, `nan` and `inf`, numbers that overflow or
+//! underflow to zero, and a number of entries other than promised. Memory is proportional to the file,
+//! whatever its sizes claim.
+
+mod coordinate;
+pub(crate) mod header;
+
+use std::path::Path;
+
+use crate::ReadError;
+use crate::error::parse_file;
+
+/// An m x n matrix as the file lists it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Triplets {
+    /// Number of rows m.
+    pub rows: usize,
+    /// Number of columns n.
+    pub columns: usize,
+    /// 0-based `(row, column, value)`, in the order of the file.
+    pub entries: Vec<(usize, usize, f64)>,
+}
+
+/// Reads a Matrix Market file.
+///
+/// # Errors
+/// [`ReadError::Io`], or [`ReadError::Malformed`] with the line.
+///
+/// ```
+/// # let place = tempfile::tempdir()?;
+/// let path = place.path().join("C.mtx");
+/// std::fs::write(&path, "%%MatrixMarket matrix coordinate real general\n2 3 1\n2 3 -1.5\n")?;
+/// let matrix = qless_io::matrix_market::read(&path)?;
+/// assert_eq!((matrix.rows, matrix.columns), (2, 3));
+/// assert_eq!(matrix.entries, [(1, 2, -1.5)]);
+///
+/// std::fs::write(&path, "%%MatrixMarket matrix coordinate real general\n2 3 1\n2 4 -1.5\n")?;
+/// let error = qless_io::matrix_market::read(&path).unwrap_err().to_string();
+/// assert!(error.contains("C.mtx:3: column `4` is out of range: the matrix has 3 columns"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn read(path: &Path) -> Result<Triplets, ReadError> {
+    parse_file(path, coordinate::parse)
+}
+
+/// First and last line that give an entry of this 0-based row and column.
+pub(crate) fn lines_of(path: &Path, row: usize, column: usize) -> Result<Option<(usize, usize)>, ReadError> {
+    parse_file(path, |bytes| coordinate::lines_of(bytes, row, column))
+}

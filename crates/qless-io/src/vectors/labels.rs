@@ -1,0 +1,46 @@
+//! Labels of equations or DOFs: one a line, taken as it stands.
+
+use std::path::Path;
+
+use crate::ReadError;
+use crate::error::{At, parse_file};
+use crate::fault::Fault;
+use crate::lines::Lines;
+
+/// Reads one label for each of `expected` rows or columns (`each` says which).
+///
+/// A label may hold blanks and `#`; an empty line is an empty label. Bytes that are not UTF-8 are
+/// replaced. Empty lines at the end of the file are passed over.
+///
+/// # Errors
+/// [`ReadError::Io`], or [`ReadError::Malformed`] for another number of labels.
+///
+/// ```
+/// use qless_io::vectors::read_labels;
+/// # let place = tempfile::tempdir()?;
+/// let path = place.path().join("rows.txt");
+/// std::fs::write(&path, "RBE2:130\ntie 7, leg 2\n")?;
+/// assert_eq!(read_labels(&path, 2, "row")?, ["RBE2:130", "tie 7, leg 2"]);
+///
+/// let error = read_labels(&path, 3, "row").unwrap_err().to_string();
+/// assert!(error.contains("rows.txt: found 2 labels, expected 3, one for each row"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn read_labels(path: &Path, expected: usize, each: &'static str) -> Result<Vec<String>, ReadError> {
+    parse_file(path, |bytes| parse(bytes, expected, each))
+}
+
+fn parse(bytes: &[u8], expected: usize, each: &'static str) -> Result<Vec<String>, At> {
+    let mut lines = Lines::new(bytes);
+    let mut labels = Vec::new();
+    while let Some(line) = lines.any() {
+        labels.push(String::from_utf8_lossy(line.text).into_owned());
+    }
+    while labels.len() > expected && labels.last().is_some_and(|label| label.trim().is_empty()) {
+        labels.pop();
+    }
+    if labels.len() == expected {
+        return Ok(labels);
+    }
+    Err(At::whole_file(Fault::Count { what: "labels", found: labels.len(), expected, each }))
+}

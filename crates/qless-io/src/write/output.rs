@@ -1,0 +1,157 @@
+//! A set of files that appears whole or not at all.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter, ErrorKind, Write};
+use std::path::{Component, Path, PathBuf};
+
+use qless::Csr;
+use tempfile::TempDir;
+
+use super::{commit, text};
+use crate::WriteError;
+
+/// Files on their way to a folder. They are put there by [`Output::commit`]; dropped before, they are gone.
+///
+/// ```
+/// use qless_io::write::Output;
+/// # let place = tempfile::tempdir()?;
+/// let folder = place.path().join("reduced");
+/// let mut output = Output::new(&folder)?;
+/// output.numbers("g.txt", &[0.5])?;
+/// output.indices("slaves.txt", &[0])?;
+/// assert!(!folder.exists());
+/// output.commit()?;
+/// assert_eq!(std::fs::read_to_string(folder.join("g.txt"))?, "0.5\n");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Output {
+    /// The part of the target that exists.
+    base: PathBuf,
+    /// The folders below it that are to be created.
+    missing: PathBuf,
+    /// A folder in `base`: same filesystem, removed when dropped.
+    stage: TempDir,
+    names: Vec<String>,
+    absent: Vec<String>,
+}
+
+impl Output {
+    /// Starts a set of files for `folder`, which may not exist yet.
+    ///
+    /// # Errors
+    /// [`WriteError`] if `folder` is something else or cannot be written to.
+    pub fn new(folder: &Path) -> Result<Self, WriteError> {
+        let (base, missing) = split(folder)?;
+        let stage = tempfile::Builder::new().prefix(".qless-").tempdir_in(&base).map_err(WriteError::io(folder))?;
+        let output = Self { base, missing, stage, names: Vec::new(), absent: Vec::new() };
+        fs::create_dir_all(output.staged()).map_err(WriteError::io(folder))?;
+        Ok(output)
+    }
+
+    /// Adds a file whose text `write` gives; `name` is a plain file name.
+    ///
+    /// # Errors
+    /// [`WriteError::Io`], with what `write` returns or the system reports.
+    pub fn file(&mut self, name: &str, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), WriteError> {
+        fill(&self.staged().join(name), write).map_err(WriteError::io(&self.place(name)))?;
+        self.names.push(name.to_owned());
+        Ok(())
+    }
+
+    /// Adds a matrix as `coordinate real general`.
+    ///
+    /// # Errors
+    /// [`WriteError::Io`].
+    pub fn matrix(&mut self, name: &str, matrix: &Csr) -> Result<(), WriteError> {
+        self.file(name, |out| text::matrix(out, matrix))
+    }
+
+    /// Adds numbers, one a line.
+    ///
+    /// # Errors
+    /// [`WriteError::Io`].
+    pub fn numbers(&mut self, name: &str, numbers: &[f64]) -> Result<(), WriteError> {
+        self.file(name, |out| text::numbers(out, numbers))
+    }
+
+    /// Adds 0-based indices, one a line, as 1-based ones.
+    ///
+    /// # Errors
+    /// [`WriteError::Io`].
+    pub fn indices(&mut self, name: &str, indices: &[usize]) -> Result<(), WriteError> {
+        self.file(name, |out| text::indices(out, indices))
+    }
+
+    /// Says that the folder must not hold a file of this name, left there from before.
+    pub fn absent(&mut self, name: &str) {
+        self.absent.push(name.to_owned());
+    }
+
+    /// Labels one a line, unless all are `fallback` and their number.
+    pub(super) fn labels(&mut self, name: &str, labels: &[String], fallback: &str) -> Result<(), WriteError> {
+        if labels.iter().enumerate().all(|(index, label)| *label == format!("{fallback} {}", index + 1)) {
+            self.absent(name);
+            return Ok(());
+        }
+        if let Some(index) = labels.iter().position(|label| label.contains(['\n', '\r'])) {
+            let label = labels[index].clone();
+            return Err(WriteError::LabelLineBreak { path: self.place(name), index: index + 1, label });
+        }
+        self.file(name, |out| text::labels(out, labels))
+    }
+
+    /// Puts the files in their place.
+    ///
+    /// # Errors
+    /// [`WriteError`]; then the place is as it was.
+    pub fn commit(self) -> Result<(), WriteError> {
+        match self.missing.components().next() {
+            None => commit::replace(&self.base, self.stage.path(), &self.staged(), &self.names, &self.absent),
+            Some(first) => {
+                let target = self.base.join(first);
+                fs::rename(commit::new_files(self.stage.path()).join(first), &target).map_err(WriteError::io(&target))
+            }
+        }
+    }
+
+    /// Where the files are written first.
+    fn staged(&self) -> PathBuf {
+        commit::new_files(self.stage.path()).join(&self.missing)
+    }
+
+    /// Where a file will be.
+    fn place(&self, name: &str) -> PathBuf {
+        self.base.join(&self.missing).join(name)
+    }
+}
+
+/// Creates and fills a file; synchronised, because some systems report a full disk only then.
+fn fill(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let mut out = BufWriter::with_capacity(1 << 16, File::create_new(path)?);
+    write(&mut out)?;
+    out.into_inner()?.sync_all()
+}
+
+/// The longest part of `folder` that exists, and the rest.
+fn split(folder: &Path) -> Result<(PathBuf, PathBuf), WriteError> {
+    for base in folder.ancestors() {
+        let existing = if base.as_os_str().is_empty() { Path::new(".") } else { base };
+        match fs::metadata(existing) {
+            Ok(kind) if kind.is_dir() => return Ok((existing.to_path_buf(), rest(folder, base)?)),
+            Ok(_) => return Err(WriteError::NotAFolder { path: existing.to_path_buf() }),
+            Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {}
+            Err(error) => return Err(WriteError::io(folder)(error)),
+        }
+    }
+    Err(WriteError::io(folder)(ErrorKind::NotFound.into()))
+}
+
+/// `folder` below `base`; `..` under a folder that does not exist leads nowhere.
+fn rest(folder: &Path, base: &Path) -> Result<PathBuf, WriteError> {
+    let rest = folder.strip_prefix(base).unwrap_or(Path::new(""));
+    if rest.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir)) {
+        return Ok(rest.components().filter(|part| matches!(part, Component::Normal(_))).collect());
+    }
+    Err(WriteError::io(folder)(ErrorKind::NotFound.into()))
+}

@@ -1,0 +1,42 @@
+//! What different programs write, and all of them mean.
+
+use qless_io::read_case;
+
+#[test]
+fn comments_line_ends_tabs_and_fortran_exponents() {
+    let place = tempfile::tempdir().expect("a temporary folder");
+    let write = |name: &str, text: &str| std::fs::write(place.path().join(name), text).expect("written");
+    write(
+        "C.mtx",
+        "\u{feff}%matrixmarket MATRIX Coordinate Integer GENERAL\r\n% by hand\r\n\r\n 2\t3  4 \r\n1\t1\t1\r\n\r\n\
+         1 3 -1.0D+3 % inline\r\n2 2 +5E0\r\n% between\r\n2 2 1.\r\n% the end\r\n\r\n",
+    );
+    write("b.txt", "%%MatrixMarket matrix array real general\n% b\n2 1\n1.5d0\n# two\n-2");
+    write("prescribed.txt", "# column value\n\n3 0.5 # fixed\n3 0.50\n");
+    write("rows.txt", "# one\r\n\r\n\r\n");
+    write("cols.txt", "7:1\n7:2\n7:3");
+    let system = read_case(place.path(), None, None).expect("read");
+    let rows: Vec<Vec<_>> = (0..2).map(|row| system.matrix().row(row).collect()).collect();
+    assert_eq!(rows, [vec![(0, 1.0), (2, -1000.0)], vec![(1, 6.0)]]);
+    assert_eq!((system.rhs(), system.prescribed()), (&[1.5, -2.0][..], &[(2, 0.5)][..]));
+    assert_eq!((system.equation_label(0), system.equation_label(1)), ("# one".into(), "row 2".into()));
+    assert_eq!(system.dof_label(2), "7:3");
+}
+
+#[test]
+fn files_named_explicitly_replace_those_of_the_folder() {
+    let place = tempfile::tempdir().expect("a temporary folder");
+    let file = |name: &str, text: &str| {
+        let path = place.path().join(name);
+        std::fs::write(&path, text).expect("written");
+        path
+    };
+    let matrix = file("C.mtx", "%%MatrixMarket matrix coordinate real general\n1 1 1\n1 1 1\n");
+    file("b.txt", "1");
+    file("prescribed.txt", "1 1");
+    let (b, prescribed) = (file("b2", "2"), file("p2", "1 2"));
+    let folder = read_case(place.path(), Some(&b), Some(&prescribed)).expect("read");
+    assert_eq!((folder.rhs(), folder.prescribed()), (&[2.0][..], &[(0, 2.0)][..]));
+    let lone = read_case(&matrix, None, None).expect("read");
+    assert_eq!((lone.rhs(), lone.prescribed()), (&[0.0][..], &[][..]));
+}

@@ -1,0 +1,46 @@
+//! Why a scene cannot be generated as asked.
+
+use qless::SystemError;
+
+/// Arguments that make no scene.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SceneError {
+    /// A size outside what the scene's construction needs.
+    #[error("{what} is {found}; it must be from {least} to {most}")]
+    Size {
+        /// Which size.
+        what: &'static str,
+        /// The size given.
+        found: usize,
+        /// The smallest that works.
+        least: usize,
+        /// The largest that works.
+        most: usize,
+    },
+    /// A size that must be a multiple of another number.
+    #[error("{what} is {found}; it must be a multiple of {of}")]
+    NotMultiple {
+        /// Which size.
+        what: &'static str,
+        /// The size given.
+        found: usize,
+        /// What must divide it.
+        of: usize,
+    },
+    /// A number that cannot be used, such as a unit of zero.
+    #[error("{what} is {found}; it must be finite and not zero")]
+    Number {
+        /// Which number.
+        what: &'static str,
+        /// Its value.
+        found: f64,
+    },
+    /// The generated equations are not a valid system, for instance because scaling overflowed.
+    #[error(transparent)]
+    System(#[from] SystemError),
+}
+
+/// `least <= found <= most`, or the error that says so.
+pub(crate) fn within(what: &'static str, found: usize, least: usize, most: usize) -> Result<(), SceneError> {
+    if (least..=most).contains(&found) { Ok(()) } else { Err(SceneError::Size { what, found, least, most }) }
+}

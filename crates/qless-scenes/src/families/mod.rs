@@ -1,0 +1,45 @@
+//! Sized, seeded families whose rank follows from their construction.
+//!
+//! | family | equations x DOFs | rank |
+//! | --- | --- | --- |
+//! | [`planted`] | (rows + combos) x dofs | rows |
+//! | [`path`], [`cycle`], [`grid_2d`], [`random_graph`] | edges x nodes | nodes - components |
+//! | [`spider`] | legs x (legs + 1) | legs |
+//! | [`arrow`] | (n + 1) x (n + 1) | n |
+//! | [`ladder`] | rungs x (rungs + 1) | rungs |
+//! | [`rbe2`] | 3 k masters x (3 k + 6 masters) | 3 k, or 3 k + 6 with two masters |
+//! | [`rve`] | 9 (n + 1)^2 x 3 ((n + 1)^3 - (n - 1)^3 + 3) | 3 ((n + 1)^3 - n^3) |
+//! | [`near`] | 3 blocks x 7 blocks | 3 blocks, at distance eps from 2 blocks |
+//! | [`gradient`] | d edges x d nodes of a grid | d nodes, or nodes - 1 for d = 1 |
+//! | [`Windows`] | wide, local windows on a grid | all but the planted combinations |
+//!
+//! Change a scene's scales and order by [`crate::Scene::scale_rows`], [`crate::Scene::scale_dofs`] and
+//! [`crate::Scene::shuffle`]; add rows with a column of their own by [`crate::Scene::with_singletons`].
+//!
+//! ```
+//! use qless_scenes::{families, oracle};
+//! let scene = families::planted(40, 70, 15, 1, false)?;
+//! assert_eq!(oracle::rank_free(&scene.system), 40);
+//! # Ok::<(), qless_scenes::SceneError>(())
+//! ```
+
+mod gradient;
+mod graph;
+mod near;
+mod planted;
+mod rigid;
+mod rve;
+mod shapes;
+mod windows;
+
+pub use gradient::gradient;
+pub use graph::{cycle, grid_2d, incidence, path, random_graph};
+pub use near::{Near, near};
+pub use planted::{Planted, planted};
+pub use rigid::rbe2;
+pub use rve::rve;
+pub use shapes::{arrow, ladder, spider};
+pub use windows::Windows;
+
+/// More than this many of anything is surely a mistake.
+const MOST: usize = 1 << 27;

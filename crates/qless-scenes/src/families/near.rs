@@ -1,0 +1,49 @@
+//! `row_3 = row_1 + row_2` but for a relative change eps in one coefficient: how near is dependent?
+
+use qless::SystemBuilder;
+
+use super::MOST;
+use crate::error::within;
+use crate::{Scene, SceneError, Truth};
+
+/// Where the third row differs from the sum of the other two.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Near {
+    /// In a column that only the first and the third row hold.
+    Own,
+    /// In a column that all three rows hold.
+    Shared,
+}
+
+/// Independent triples of rows on 7 DOFs each, of which the third is the sum of the others but for eps.
+///
+/// Exact rank 3 per triple for any eps that changes the coefficient, else 2. The smallest singular value is
+/// about eps / 10 of the largest; for `|eps|` up to 1e-4 the truth is marked ambiguous.
+///
+/// ```
+/// use qless_scenes::families::{Near, near};
+/// assert_eq!(near(1, 0.0, Near::Own)?.truth.rank_free, Some(2));
+/// assert!(near(1, 1e-8, Near::Shared)?.truth.ambiguous);
+/// # Ok::<(), qless_scenes::SceneError>(())
+/// ```
+///
+/// # Errors
+/// [`SceneError::Size`] without triples; [`SceneError::System`] for an eps that is not finite.
+pub fn near(triples: usize, eps: f64, column: Near) -> Result<Scene, SceneError> {
+    within("triples", triples, 1, MOST / 8)?;
+    let first = [2.0, -1.0, 1.0, 0.0, 0.0, 0.0, 3.0];
+    let second = [1.0, 3.0, 0.0, -2.0, 1.0, 1.0, 0.0];
+    let mut third: [f64; 7] = std::array::from_fn(|j| first[j] + second[j]);
+    let at = if column == Near::Own { 6 } else { 0 };
+    let exact = third[at];
+    third[at] *= 1.0 + eps;
+    let mut builder = SystemBuilder::new(7 * triples);
+    for triple in 0..triples {
+        for row in [first, second, third] {
+            builder.equation(row.into_iter().enumerate().map(|(j, a)| (7 * triple + j, a)), 0.0);
+        }
+    }
+    let distinct = third[at] != exact;
+    let rank = if distinct { 3 * triples } else { 2 * triples };
+    Scene::bare(builder, Truth { ambiguous: distinct && eps.abs() <= 1e-4, ..Truth::rank(3 * triples, rank) })
+}

@@ -1,0 +1,95 @@
+//! `m = 12 columns layers + 3 rings sectors + wall sectors`, of which `12 layers` redundant.
+
+use super::Level;
+use crate::SceneError;
+use crate::error::within;
+
+/// Numbers of nodes of the model's meshes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Mesh {
+    /// Near-field nodes along each horizontal side of the box, corners included.
+    pub columns: usize,
+    /// Near-field nodes from the surface to the bottom.
+    pub layers: usize,
+    /// Far-field nodes along each horizontal side.
+    pub far_columns: usize,
+    /// Far-field nodes from the surface to the bottom.
+    pub far_layers: usize,
+    /// Rings of nodes of the tank's ring foundation.
+    pub rings: usize,
+    /// Nodes per ring, a multiple of 4.
+    pub sectors: usize,
+    /// Rings of nodes on the wetted wall; the lowest is the foundation's outermost.
+    pub wall: usize,
+}
+
+impl Mesh {
+    /// m.
+    pub fn equations(&self) -> usize {
+        12 * self.columns * self.layers + (3 * self.rings + self.wall) * self.sectors
+    }
+
+    /// Equations that the doubly coupled edges make redundant: 4 edges x layers x 3.
+    pub fn redundant(&self) -> usize {
+        12 * self.layers
+    }
+
+    /// The 110 % mesh stretched to about `equations` equations, from some 300 to tens of millions.
+    ///
+    /// ```
+    /// use qless_scenes::fssi::Mesh;
+    /// let four_times = Mesh::with_equations(4 * 31_832);
+    /// assert_eq!((four_times.equations(), four_times.redundant()), (126_728, 600));
+    /// ```
+    #[must_use]
+    pub fn with_equations(equations: usize) -> Self {
+        let base = Level::P110.mesh();
+        let factor = (equations as f64 / base.equations() as f64).sqrt();
+        let stretch = |count: usize, least: usize| ((count as f64 * factor).round() as usize).max(least);
+        let columns = stretch(base.columns - 1, 6) + 1;
+        let mut far_columns = stretch(base.far_columns - 1, 2) + 1;
+        while (columns - 1).is_multiple_of(far_columns - 1) {
+            far_columns += 1;
+        }
+        Self {
+            columns,
+            layers: stretch(base.layers, 2),
+            far_columns,
+            far_layers: stretch(base.far_layers, 3),
+            rings: stretch(base.rings, 2),
+            sectors: 4 * stretch(base.sectors / 4, 2),
+            wall: stretch(base.wall, 1),
+        }
+    }
+
+    /// The same mesh with `far_columns` such that every second near-field column meets a far-field one.
+    ///
+    /// An even number of `columns` grows by one.
+    #[must_use]
+    pub fn nested(self) -> Self {
+        let far_columns = self.columns / 2 + 1;
+        Self { columns: 2 * far_columns - 1, far_columns, ..self }
+    }
+
+    /// Whether every far-field column meets a near-field one, so that far-field functions are near-field ones.
+    pub fn is_nested(&self) -> bool {
+        self.far_columns > 1 && (self.columns - 1).is_multiple_of(self.far_columns - 1)
+    }
+
+    /// Whether the model can be built: the tank stands inside the box and each mesh has cells.
+    ///
+    /// # Errors
+    /// [`SceneError::Size`] or [`SceneError::NotMultiple`] for the first number that is out of place.
+    pub fn check(&self) -> Result<(), SceneError> {
+        let most = 1 << 14;
+        within("columns", self.columns, 7, most)?;
+        within("layers", self.layers, 2, most)?;
+        within("far_columns", self.far_columns, 2, most)?;
+        within("far_layers", self.far_layers, 2, most)?;
+        within("rings", self.rings, 2, most)?;
+        within("sectors", self.sectors, 4, most)?;
+        within("wall", self.wall, 1, most)?;
+        let sectors = SceneError::NotMultiple { what: "sectors", found: self.sectors, of: 4 };
+        if self.sectors.is_multiple_of(4) { Ok(()) } else { Err(sectors) }
+    }
+}

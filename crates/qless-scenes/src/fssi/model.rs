@@ -1,0 +1,134 @@
+//! Numbers nodes and DOFs as they first occur, then shuffles the DOFs and builds the scene.
+
+use qless::SystemBuilder;
+
+use super::{Mesh, geometry};
+use crate::{Component, Dof, Rng, Scene, SceneError, Truth};
+
+/// A mesh of the model, with nodes numbered from 0 within it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Part {
+    /// Near-field soil, sides: `4 (columns - 1)` around times `layers` down.
+    Side,
+    /// Near-field soil, surface: `columns x columns`.
+    Top,
+    /// Far-field soil, sides: `4 (far_columns - 1)` around times `far_layers` down.
+    Far,
+    /// Tank: `rings` of the foundation, then `wall - 1` more, times `sectors`.
+    Tank,
+    /// Fluid at the wall: `wall x sectors`.
+    Fluid,
+}
+
+const UNSEEN: u32 = u32::MAX;
+
+/// The equations so far, with DOFs in order of first occurrence.
+pub(super) struct Model {
+    pub(super) mesh: Mesh,
+    /// Scene node of each part's nodes, [`UNSEEN`] where it has not occurred.
+    node: [Vec<u32>; 5],
+    /// DOF of each part's nodes and their components, likewise.
+    dof: [Vec<[u32; 4]>; 5],
+    nodes: Vec<[f64; 3]>,
+    dofs: Vec<Dof>,
+    names: Vec<String>,
+    equations: Vec<(String, Vec<(usize, f64)>)>,
+}
+
+impl Model {
+    pub(super) fn new(mesh: Mesh) -> Result<Self, SceneError> {
+        mesh.check()?;
+        let sizes = [
+            4 * (mesh.columns - 1) * mesh.layers,
+            mesh.columns * mesh.columns,
+            4 * (mesh.far_columns - 1) * mesh.far_layers,
+            (mesh.rings + mesh.wall - 1) * mesh.sectors,
+            mesh.wall * mesh.sectors,
+        ];
+        Ok(Self {
+            mesh,
+            node: sizes.map(|size| vec![UNSEEN; size]),
+            dof: sizes.map(|size| vec![[UNSEEN; 4]; size]),
+            nodes: Vec::new(),
+            dofs: Vec::new(),
+            names: Vec::new(),
+            equations: Vec::with_capacity(mesh.equations()),
+        })
+    }
+
+    /// Near-field side node: column i of a face (0..4), counted around the box, and layer.
+    pub(super) fn side(&self, face: usize, i: usize, layer: usize) -> usize {
+        around(self.mesh.columns, face, i) + layer * 4 * (self.mesh.columns - 1)
+    }
+
+    /// Far-field side node, likewise.
+    pub(super) fn far(&self, face: usize, i: usize, layer: usize) -> usize {
+        around(self.mesh.far_columns, face, i) + layer * 4 * (self.mesh.far_columns - 1)
+    }
+
+    /// Adds `sum a u = 0` over `(part, node, component, a)`; zero coefficients do not occur.
+    pub(super) fn equation(&mut self, label: String, terms: impl IntoIterator<Item = (Part, usize, Component, f64)>) {
+        let occurring = terms.into_iter().filter(|term| term.3 != 0.0);
+        let row = occurring.map(|(part, node, component, a)| (self.dof(part, node, component), a)).collect();
+        self.equations.push((label, row));
+    }
+
+    fn dof(&mut self, part: Part, node: usize, component: Component) -> usize {
+        let known = self.dof[part as usize][node][component as usize];
+        if known != UNSEEN {
+            return known as usize;
+        }
+        let number = self.dofs.len();
+        self.dof[part as usize][node][component as usize] = number as u32;
+        let place = Dof { node: self.scene_node(part, node), component };
+        self.dofs.push(place);
+        let mesh = ["soil", "soil top", "far", "tank", "fluid"][part as usize];
+        self.names.push(format!("{mesh} {}:{}", node + 1, component.letter()));
+        number
+    }
+
+    fn scene_node(&mut self, part: Part, node: usize) -> usize {
+        if self.node[part as usize][node] == UNSEEN {
+            self.node[part as usize][node] = self.nodes.len() as u32;
+            self.nodes.push(self.point(part, node));
+        }
+        self.node[part as usize][node] as usize
+    }
+
+    fn point(&self, part: Part, node: usize) -> [f64; 3] {
+        let mesh = &self.mesh;
+        let on_side = |columns: usize, layers| {
+            let ring = 4 * (columns - 1);
+            geometry::side(columns, layers, node % ring, node / ring)
+        };
+        let (ring, sector) = (node / mesh.sectors, node % mesh.sectors);
+        match part {
+            Part::Side => on_side(mesh.columns, mesh.layers),
+            Part::Far => on_side(mesh.far_columns, mesh.far_layers),
+            Part::Top => geometry::top(mesh, node % mesh.columns, node / mesh.columns),
+            Part::Tank => geometry::tank(mesh, ring, sector),
+            Part::Fluid => geometry::tank(mesh, ring + mesh.rings - 1, sector),
+        }
+    }
+
+    /// Shuffles the DOF numbers and builds the system.
+    pub(super) fn finish(self, seed: u64, truth: Truth) -> Result<Scene, SceneError> {
+        let number = Rng::new(seed).permutation(self.dofs.len());
+        let mut builder = SystemBuilder::new(self.dofs.len());
+        for (label, row) in self.equations {
+            builder.labelled_equation(label, row.into_iter().map(|(dof, a)| (number[dof], a)), 0.0);
+        }
+        let (mut names, mut dofs) = (vec![String::new(); self.dofs.len()], self.dofs.clone());
+        for ((name, dof), &new) in self.names.into_iter().zip(self.dofs).zip(&number) {
+            names[new] = name;
+            dofs[new] = dof;
+        }
+        builder.dof_labels(names);
+        Ok(Scene { system: builder.build()?, truth, nodes: self.nodes, dofs })
+    }
+}
+
+/// Position around the box of column i of a face, the last of which is the next face's first.
+fn around(columns: usize, face: usize, i: usize) -> usize {
+    (face * (columns - 1) + i) % (4 * (columns - 1))
+}

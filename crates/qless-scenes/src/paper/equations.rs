@@ -1,0 +1,72 @@
+//! Equations (12)-(14) and Figures 5 and 6.
+
+use qless::SystemBuilder;
+
+use crate::{Scene, SceneError, Truth};
+
+/// Equations (12)-(14), of rank 2:
+///
+/// ```text
+/// (12)   u1 -   u2 + 2 u3 = 1
+/// (13)   u1 + 2 u2 -   u3 = 0
+/// (14) 2 u1 +   u2 +   u3 = rhs
+/// ```
+///
+/// The paper prints `u1 - 2 u2 - u3 = 0` as (13), with which the rank is 3; its (16) and (17) need the sign above.
+/// (14) = (12) + (13): redundant for rhs = 1, conflicting for any other (the paper's Figure 3b has 0).
+///
+/// # Errors
+/// [`SceneError::System`] for a right-hand side that is not finite.
+pub fn equations_12_to_14(rhs: f64) -> Result<Scene, SceneError> {
+    Scene::bare(three_equations(rhs), Truth::rank(3, 2).with_conflict(rhs != 1.0).without_generated(rhs == 1.0))
+}
+
+/// Figure 5: equations (12)-(14) with rhs 1 and u2 prescribed, which fixes u1 = 1/3 - u2 and u3 = 1/3 + u2.
+///
+/// # Errors
+/// [`SceneError::System`] for a value that is not finite.
+pub fn figure_5(u2: f64) -> Result<Scene, SceneError> {
+    let mut builder = three_equations(1.0);
+    builder.prescribe(1, u2);
+    let generated = Some(vec![(0, 1.0 / 3.0 - u2), (2, 1.0 / 3.0 + u2)]);
+    Scene::bare(builder, Truth { generated, ..Truth::rank(3, 2) })
+}
+
+/// Figure 6: u4 is prescribed, and u3 and u5 become generated boundary conditions; u1 and u2 stay free.
+///
+/// ```text
+/// u1 - u2 + u3 - u4 = 0
+/// u1 - u2 - u3 + u4 = 0      so u3 = u4
+/// u3 + u4 - u5      = 0      so u5 = 2 u4
+/// u1 - u6           = 0
+/// ```
+///
+/// The paper's text gives the outcome, not the coefficients: these are ours.
+///
+/// # Errors
+/// [`SceneError::System`] for a value that is not finite.
+pub fn figure_6(u4: f64) -> Result<Scene, SceneError> {
+    let mut builder = SystemBuilder::new(6);
+    builder.equation([(0, 1.0), (1, -1.0), (2, 1.0), (3, -1.0)], 0.0);
+    builder.equation([(0, 1.0), (1, -1.0), (2, -1.0), (3, 1.0)], 0.0);
+    builder.equation([(2, 1.0), (3, 1.0), (4, -1.0)], 0.0);
+    builder.equation([(0, 1.0), (5, -1.0)], 0.0);
+    builder.prescribe(3, u4);
+    builder.dof_labels(names(6));
+    let generated = Some(vec![(2, u4), (4, 2.0 * u4)]);
+    Scene::bare(builder, Truth { generated, ..Truth::independent(4) })
+}
+
+fn three_equations(rhs: f64) -> SystemBuilder {
+    let mut builder = SystemBuilder::new(3);
+    builder.labelled_equation("Eq. 12", [(0, 1.0), (1, -1.0), (2, 2.0)], 1.0);
+    builder.labelled_equation("Eq. 13", [(0, 1.0), (1, 2.0), (2, -1.0)], 0.0);
+    builder.labelled_equation("Eq. 14", [(0, 2.0), (1, 1.0), (2, 1.0)], rhs);
+    builder.dof_labels(names(3));
+    builder
+}
+
+/// u1, u2, ...
+pub(super) fn names(count: usize) -> Vec<String> {
+    (1..=count).map(|j| format!("u{j}")).collect()
+}

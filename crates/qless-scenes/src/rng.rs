@@ -1,0 +1,73 @@
+//! `x += phi; z = mix(x)`: SplitMix64 (Steele, Lea, Flood 2014), the same numbers everywhere and always.
+
+/// A stream of pseudo-random numbers; two with the same seed are equal.
+///
+/// ```
+/// use qless_scenes::Rng;
+/// assert_eq!(Rng::new(0).bits(), 0xe220_a839_7b1d_cdaf);
+/// assert!(Rng::new(7).below(3) < 3);
+/// ```
+#[derive(Clone, Debug)]
+pub struct Rng(u64);
+
+impl Rng {
+    /// The stream of a seed.
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    /// 64 random bits.
+    pub fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// A whole number in `0..n`; 0 for n = 0.
+    pub fn below(&mut self, n: usize) -> usize {
+        ((u128::from(self.bits()) * n as u128) >> 64) as usize
+    }
+
+    /// A whole number in `-most..=most` without 0, as a coefficient; `most` of 0 counts as 1.
+    pub fn coefficient(&mut self, most: usize) -> f64 {
+        let size = 1 + self.below(most.max(1));
+        if self.bits() >> 63 == 0 { size as f64 } else { -(size as f64) }
+    }
+
+    /// A multiple of 2^-52 in `-1 <= x < 1`, never 0.
+    pub fn real(&mut self) -> f64 {
+        loop {
+            let x = (self.bits() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0;
+            if x != 0.0 {
+                return x;
+            }
+        }
+    }
+
+    /// Fisher-Yates shuffle.
+    pub fn shuffle<T>(&mut self, items: &mut [T]) {
+        for last in (1..items.len()).rev() {
+            items.swap(last, self.below(last + 1));
+        }
+    }
+
+    /// The numbers `0..n` in random order.
+    pub fn permutation(&mut self, n: usize) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..n).collect();
+        self.shuffle(&mut order);
+        order
+    }
+
+    /// `count` different numbers of `0..n`, in the order drawn; all of them if `count > n`.
+    pub fn distinct(&mut self, count: usize, n: usize) -> Vec<usize> {
+        let mut drawn = Vec::with_capacity(count.min(n));
+        while drawn.len() < count.min(n) {
+            let candidate = self.below(n);
+            if !drawn.contains(&candidate) {
+                drawn.push(candidate);
+            }
+        }
+        drawn
+    }
+}

@@ -1,0 +1,112 @@
+//! `rank C_f = m - redundant`: a constraint system and what is true of it.
+
+use qless::{ConstraintSystem, SystemBuilder};
+
+use crate::SceneError;
+
+/// A generated constraint system with its truth and its geometry.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// m equations on n DOFs, all of which occur unless the generator says otherwise.
+    pub system: ConstraintSystem,
+    /// What is known about the system by construction.
+    pub truth: Truth,
+    /// Coordinates x, y, z of the nodes in metres; empty for a scene without geometry.
+    pub nodes: Vec<[f64; 3]>,
+    /// Where each DOF stands; length n, or empty for a scene without geometry.
+    pub dofs: Vec<Dof>,
+}
+
+/// What is known about a system by construction, `None` where nothing is.
+///
+/// ```
+/// use qless_scenes::Truth;
+/// let truth = Truth::independent(10).with_redundant(2);
+/// assert_eq!((truth.rank_free, truth.redundant, truth.conflicting), (Some(8), Some(2), false));
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Truth {
+    /// Rank of `C_f`, the columns of the free DOFs.
+    pub rank_free: Option<usize>,
+    /// m - rank: equations that are combinations of the others, conflicting ones included.
+    pub redundant: Option<usize>,
+    /// Whether `C_f u_f = b - C_p u_p` has no solution.
+    pub conflicting: bool,
+    /// All generated boundary conditions `(DOF, value)`: free DOFs that have one value in every solution.
+    pub generated: Option<Vec<(usize, f64)>>,
+    /// Whether the exact rank and the numerical rank can differ for good reasons: small singular values without a clear gap.
+    pub ambiguous: bool,
+}
+
+impl Truth {
+    /// m equations of which none depends on the others.
+    pub fn independent(equations: usize) -> Self {
+        Self { rank_free: Some(equations), redundant: Some(0), ..Self::default() }
+    }
+
+    /// m equations of known rank.
+    pub fn rank(equations: usize, rank: usize) -> Self {
+        Self::independent(equations).with_redundant(equations - rank)
+    }
+
+    /// Turns `count` of the independent equations into redundant ones.
+    #[must_use]
+    pub fn with_redundant(mut self, count: usize) -> Self {
+        self.rank_free = self.rank_free.map(|rank| rank - count);
+        self.redundant = self.redundant.map(|redundant| redundant + count);
+        self
+    }
+
+    /// States, where `certain`, that no free DOF has a generated boundary condition.
+    #[must_use]
+    pub(crate) fn without_generated(mut self, certain: bool) -> Self {
+        self.generated = certain.then(Vec::new);
+        self
+    }
+
+    /// States whether the equations contradict one another.
+    #[must_use]
+    pub fn with_conflict(mut self, conflicting: bool) -> Self {
+        self.conflicting = conflicting;
+        self
+    }
+}
+
+/// Where a DOF stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Dof {
+    /// Index into [`Scene::nodes`].
+    pub node: usize,
+    /// What moves.
+    pub component: Component,
+}
+
+/// A displacement component of a node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Component {
+    /// Displacement along x.
+    X,
+    /// Displacement along y.
+    Y,
+    /// Displacement along z, upwards.
+    Z,
+    /// Displacement along the outward normal of a wall.
+    Normal,
+}
+
+impl Component {
+    /// x, y and z.
+    pub const SPACE: [Self; 3] = [Self::X, Self::Y, Self::Z];
+
+    /// As labels write it: `x`, `y`, `z`, `n`.
+    pub fn letter(self) -> char {
+        ['x', 'y', 'z', 'n'][self as usize]
+    }
+}
+
+impl Scene {
+    /// A scene without geometry.
+    pub(crate) fn bare(builder: SystemBuilder, truth: Truth) -> Result<Self, SceneError> {
+        Ok(Self { system: builder.build()?, truth, nodes: Vec::new(), dofs: Vec::new() })
+    }
+}

@@ -1,0 +1,326 @@
+//! The way of the data: equations, scaling, presolve, blocks, backend, classification.
+//!
+//! Each stage is a plain function from one owned value to the next; [`analyse`] reads from top to bottom.
+
+use std::time::{Duration, Instant};
+
+use crate::basis::Basis;
+use crate::block::{self, Block, Solved};
+use crate::certificate::{Because, History};
+use crate::generated::{self, Explainer};
+use crate::presolve::eliminate::{Eliminated, eliminate};
+use crate::presolve::peel::{Peeled, peel};
+use crate::presolve::rows::Row;
+use crate::qr::{Backend, BackendError};
+use crate::reduction::{self, Reduction};
+use crate::scale::{Scaling, equilibrate, ldexp};
+use crate::{ConstraintSystem, OptionError, Options, Tolerance};
+
+/// Why an analysis could not be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum AnalysisError {
+    /// A setting out of its range.
+    #[error(transparent)]
+    Option(#[from] OptionError),
+    /// The backend failed.
+    #[error(transparent)]
+    Backend(#[from] BackendError),
+    /// Numbers so large or so small that the scaled right-hand side leaves the range of doubles.
+    #[error("row {row}: its right-hand side is too large for its coefficients (ratio beyond 1e308); rescale the equation")]
+    Range {
+        /// The equation, 0-based.
+        row: usize,
+    },
+}
+
+/// What an equation is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// No combination of the others that were kept.
+    Independent,
+    /// A combination of kept equations, and consistent with them.
+    Redundant,
+    /// A combination of kept equations whose right-hand side contradicts them.
+    Conflicting,
+}
+
+/// A redundant or conflicting equation.
+#[derive(Clone, Debug)]
+pub struct Dependent {
+    /// The equation, 0-based.
+    pub row: usize,
+    /// Redundant or conflicting.
+    pub kind: Kind,
+    /// `b_k - sum c_i b_i` in the units of the equation, prescribed DOFs moved into b.
+    pub mismatch: f64,
+    /// What was dropped to call the equation dependent, relative to its size.
+    pub dropped: f64,
+    /// Index of the row among those that went through elimination, and its certificate over rows of its block.
+    source: (u32, Vec<(u32, f64)>),
+}
+
+/// How much work presolve saved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct PresolveStatistics {
+    /// Equations taken out with a DOF that occurs in no other (column singletons).
+    pub rows_removed_by_column_singletons: usize,
+    /// Equations taken out by elimination without fill (row singletons, two-term rows, DOFs in two rows).
+    pub rows_removed_by_elimination: usize,
+    /// Equations found dependent before any factorization (empty rows included).
+    pub rows_found_dependent: usize,
+    /// Equations left for the backend.
+    pub core_rows: usize,
+    /// Free DOFs in them.
+    pub core_dofs: usize,
+    /// Number of blocks.
+    pub blocks: usize,
+    /// Rows of the largest block.
+    pub largest_block: usize,
+}
+
+/// How sure the rank is, relative to the equilibrated equations.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Confidence {
+    /// Estimate of the smallest singular value of what was kept (of the blocks; 1 where there are none).
+    pub sigma_kept: f64,
+    /// Largest remainder that was treated as zero.
+    pub sigma_dropped: f64,
+    /// Their ratio; infinite where nothing but exact zeros was dropped.
+    #[serde(serialize_with = "finite_or_null")]
+    pub gap: f64,
+    /// Whether another tolerance might give another rank.
+    pub ambiguous: bool,
+}
+
+fn finite_or_null<S: serde::Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    if value.is_finite() { serializer.serialize_f64(*value) } else { serializer.serialize_none() }
+}
+
+/// Time spent in each stage.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Timings {
+    /// Scaling and presolve.
+    pub presolve: Duration,
+    /// The backend, with everything that follows from its factors.
+    pub factor: Duration,
+    /// Classification and generated boundary conditions.
+    pub classify: Duration,
+}
+
+/// The diagnosis of a constraint system.
+pub struct Analysis {
+    /// What each equation is; length m.
+    pub kinds: Vec<Kind>,
+    /// Redundant and conflicting equations, ascending by row.
+    pub dependent: Vec<Dependent>,
+    /// Free DOFs that the equations fix, and their values; ascending.
+    pub generated: Vec<(usize, f64)>,
+    /// How sure the rank is.
+    pub confidence: Confidence,
+    /// What presolve did.
+    pub presolve: PresolveStatistics,
+    /// Time spent.
+    pub timings: Timings,
+    /// Name and version of the backend.
+    pub backend: (&'static str, String),
+    options: Options,
+    basis: Basis,
+    blocks: Vec<Block>,
+    history: History,
+    scaling: Scaling,
+}
+
+/// Diagnoses `C u = b`: rank, dependent equations, generated boundary conditions.
+///
+/// ```
+/// use qless::{Kind, Options, SystemBuilder, analyse};
+/// // Three equations that tie three DOFs in a ring: the last follows from the others.
+/// let mut builder = SystemBuilder::new(3);
+/// builder.equation([(0, 1.0), (1, -1.0)], 0.0);
+/// builder.equation([(1, 1.0), (2, -1.0)], 0.0);
+/// builder.equation([(0, 1.0), (2, -1.0)], 0.0);
+/// let system = builder.build()?;
+/// let analysis = analyse(&system, &Options::default())?;
+/// assert_eq!((analysis.rank(), analysis.kinds[2]), (2, Kind::Redundant));
+/// let because = analysis.because(&analysis.dependent[0]);
+/// assert_eq!(because.iter().map(|term| (term.row, term.coefficient)).collect::<Vec<_>>(), [(0, 1.0), (1, 1.0)]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`AnalysisError`] where a setting is out of range, a block does not fit into memory, or numbers leave the range of
+/// doubles. No input that is a valid [`ConstraintSystem`] makes it panic.
+pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis, AnalysisError> {
+    options.validate()?;
+    let backend = options.backend.get()?;
+    let tolerance = options.tolerance.value();
+    let start = Instant::now();
+    let is_free = free(system);
+    let scaling = scale(system, &is_free, options.tolerance);
+    let peeled = if options.presolve { peel(system, &is_free, &scaling) } else { Peeled::none(system) };
+    let (names, rows) = gather(system, &peeled, &is_free, &scaling)?;
+    let free_dof = |j: u32| is_free[j as usize];
+    let eliminated = eliminate(rows, system.dofs(), &free_dof, tolerance, options.presolve);
+    let presolved = Instant::now();
+    let blocks: Vec<Block> = block::split::split(&eliminated.rows, &eliminated.core, &is_free)
+        .iter()
+        .map(|rows| Block::new(&eliminated.rows, rows, &is_free))
+        .collect();
+    let solved = blocks.iter().map(|block| block::solve(block, backend.as_ref(), tolerance));
+    let solved = solved.collect::<Result<Vec<Solved>, _>>()?;
+    let factored = Instant::now();
+    let presolve = statistics(&peeled, &eliminated, &blocks);
+    let dependent = classify(&names, &eliminated, &solved, &scaling, tolerance);
+    let confidence = confidence(&eliminated, &solved);
+    let steps = eliminated.steps.iter().map(|step| step.row).collect();
+    let history = History { rows: names, factors: eliminated.factors, steps, exponents: scaling.row.clone() };
+    let basis = Basis::new(peeled.pivots, eliminated.steps, solved, &scaling);
+    let generated = generated::find(system, &basis);
+    let mut kinds = vec![Kind::Independent; system.equations()];
+    dependent.iter().for_each(|d| kinds[d.row] = d.kind);
+    Ok(Analysis {
+        kinds,
+        dependent,
+        generated,
+        confidence,
+        presolve,
+        timings: Timings {
+            presolve: presolved - start,
+            factor: factored - presolved,
+            classify: factored.elapsed(),
+        },
+        backend: (backend.name(), backend.version()),
+        options: *options,
+        basis,
+        blocks,
+        history,
+        scaling,
+    })
+}
+
+fn free(system: &ConstraintSystem) -> Vec<bool> {
+    let mut is_free = vec![true; system.dofs()];
+    system.prescribed().iter().for_each(|&(j, _)| is_free[j] = false);
+    is_free
+}
+
+fn scale(system: &ConstraintSystem, is_free: &[bool], tolerance: Tolerance) -> Scaling {
+    match tolerance {
+        Tolerance::Relative(_) => equilibrate(system, is_free),
+        Tolerance::Paper => Scaling { row: vec![0; system.equations()], col: Vec::new() },
+    }
+}
+
+/// The rows that are left after peeling, scaled, and their numbers in the user's system.
+fn gather(
+    system: &ConstraintSystem,
+    peeled: &Peeled,
+    is_free: &[bool],
+    scaling: &Scaling,
+) -> Result<(Vec<u32>, Vec<Row>), AnalysisError> {
+    let mut value = vec![0.0; system.dofs()];
+    system.prescribed().iter().for_each(|&(j, v)| value[j] = v);
+    let names: Vec<u32> = (0..system.equations() as u32).filter(|&i| peeled.remaining[i as usize]).collect();
+    let mut rows = Vec::with_capacity(names.len());
+    for &name in &names {
+        let i = name as usize;
+        let mut row = Row::new(ldexp(system.rhs()[i], scaling.row[i]));
+        for (j, v) in system.matrix().row(i) {
+            let entry = scaling.entry(i, j, v);
+            row.push(j as u32, entry);
+            if is_free[j] {
+                row.size = row.size.max(entry.abs());
+            } else {
+                row.effective -= entry * value[j];
+                row.effective_size = row.effective_size.max((entry * value[j]).abs());
+            }
+        }
+        row.error = f64::EPSILON * row.size;
+        if !(row.effective.is_finite() && row.effective_size.is_finite() && row.size.is_finite()) {
+            return Err(AnalysisError::Range { row: i });
+        }
+        rows.push(row);
+    }
+    Ok((names, rows))
+}
+
+fn statistics(peeled: &Peeled, eliminated: &Eliminated, blocks: &[Block]) -> PresolveStatistics {
+    PresolveStatistics {
+        rows_removed_by_column_singletons: peeled.pivots.len(),
+        rows_removed_by_elimination: eliminated.steps.len(),
+        rows_found_dependent: eliminated.dead.len(),
+        core_rows: eliminated.core.len(),
+        core_dofs: blocks.iter().map(|block| block.dofs.len()).sum(),
+        blocks: blocks.len(),
+        largest_block: blocks.iter().map(|block| block.rows.len()).max().unwrap_or(0),
+    }
+}
+
+/// Redundant or conflicting, for every dependent row.
+fn classify(
+    names: &[u32],
+    eliminated: &Eliminated,
+    solved: &[Solved],
+    scaling: &Scaling,
+    tolerance: f64,
+) -> Vec<Dependent> {
+    let make = |source: u32, because: Vec<(u32, f64)>, mismatch: f64, size: f64, dropped: f64| {
+        let row = names[source as usize] as usize;
+        let kind = if mismatch.abs() > tolerance * size { Kind::Conflicting } else { Kind::Redundant };
+        Dependent { row, kind, mismatch: ldexp(mismatch, -scaling.row[row]), dropped, source: (source, because) }
+    };
+    let dead = &eliminated.dead;
+    let mut all: Vec<_> =
+        dead.iter().map(|d| make(d.row, Vec::new(), d.mismatch, d.mismatch_size, d.dropped)).collect();
+    for dependent in solved.iter().flat_map(|block| &block.dependent) {
+        let own = &eliminated.rows[dependent.row as usize];
+        let (mut mismatch, mut size) = (own.effective, own.effective_size);
+        for &(i, y) in &dependent.because {
+            let kept = &eliminated.rows[i as usize];
+            mismatch -= y * kept.effective;
+            size = size.max((y * kept.effective_size).abs());
+        }
+        all.push(make(dependent.row, dependent.because.clone(), mismatch, size, dependent.dropped));
+    }
+    all.sort_unstable_by_key(|d| d.row);
+    all
+}
+
+fn confidence(eliminated: &Eliminated, solved: &[Solved]) -> Confidence {
+    let sigma_kept = solved.iter().map(|block| block.sigma).fold(1.0, f64::min);
+    let dead = eliminated.dead.iter().map(|d| d.dropped);
+    let sigma_dropped = dead.chain(solved.iter().flat_map(|b| &b.dependent).map(|d| d.dropped)).fold(0.0, f64::max);
+    let gap = sigma_kept / sigma_dropped;
+    Confidence { sigma_kept, sigma_dropped, gap, ambiguous: sigma_kept < 3e-6 || sigma_dropped > 1e-13 }
+}
+
+impl Analysis {
+    /// Rank of the free part of C, which is the number of slaves.
+    pub fn rank(&self) -> usize {
+        self.basis.rank()
+    }
+
+    /// Why an equation is dependent: `row_k = sum c_i row_i` over its free DOFs, ascending by row.
+    pub fn because(&self, dependent: &Dependent) -> Vec<Because> {
+        self.history.certificate(dependent.source.0, &dependent.source.1)
+    }
+
+    /// Why a DOF of [`Analysis::generated`] is fixed: `e_s = sum c_i row_i` over the free DOFs.
+    ///
+    /// # Errors
+    /// [`BackendError`] if the block of the DOF cannot be factored again.
+    pub fn because_fixed(&self, system: &ConstraintSystem, dof: usize) -> Result<Vec<Because>, BackendError> {
+        let backend: Box<dyn Backend> = self.options.backend.get()?;
+        Explainer::new(system, &self.basis, &self.blocks, &self.history, &self.scaling, backend.as_ref()).because(dof)
+    }
+
+    /// `u_s = T u_q + G u_p + g`.
+    ///
+    /// Conflicting equations are left out, as redundant ones are: the caller decides whether that is wanted.
+    pub fn reduction(&self, system: &ConstraintSystem) -> Reduction {
+        let independent: Vec<bool> = self.kinds.iter().map(|&kind| kind == Kind::Independent).collect();
+        let fixed: Vec<usize> = self.generated.iter().map(|&(dof, _)| dof).collect();
+        reduction::build(system, &self.basis, &independent, &fixed, self.options.growth)
+    }
+}

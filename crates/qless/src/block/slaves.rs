@@ -1,0 +1,87 @@
+//! `C P = Q [R1 R2]` on independent rows: `u_s = -R1^-1 R2 u_q - R1^-1 Q^T C_p u_p + R1^-1 Q^T b` (Eq. 23-26).
+
+use super::dependent::Rows;
+use super::tableau::Tableau;
+use super::{Block, Solved};
+use crate::Csr;
+use crate::qr::faer::Faer;
+use crate::qr::{Backend, BackendError, Factor};
+
+/// Entries of a row of T below this, relative to its largest (or to 1), are rounding.
+const NOISE: f64 = 1e-14;
+
+pub(super) fn choose(block: &Block, rows: Rows, backend: &dyn Backend, tolerance: f64) -> Result<Solved, BackendError> {
+    let factor = full_rank(block, &rows.kept, backend, tolerance)?;
+    let mut tableau = relation(block, &factor);
+    // Of slaves that serve equally well, the earlier DOF, as an equation's first term is by habit.
+    tableau.prefer(|candidate, holder| candidate < holder);
+    let (relation, constant) = sparse(&tableau);
+    let dof = |k: &u32| block.dofs[*k as usize];
+    Ok(Solved {
+        kept: rows.kept.iter().map(|&i| block.rows[i]).collect(),
+        dependent: rows.dependent,
+        slaves: tableau.basic.iter().map(dof).collect(),
+        others: tableau.free.iter().map(dof).chain(block.prescribed.iter().copied()).collect(),
+        relation,
+        constant,
+        sigma: rows.sigma,
+    })
+}
+
+/// The rows are known to be independent: where the backend loses one on C, it is asked again without a tolerance,
+/// and in the last resort QR with column pivoting answers.
+fn full_rank(block: &Block, kept: &[usize], backend: &dyn Backend, tolerance: f64) -> Result<Factor, BackendError> {
+    let (columns, rhs) = kept_columns(block, kept);
+    let mut factor = backend.factor(&columns, &rhs, tolerance)?;
+    if factor.rank < kept.len() {
+        factor = backend.factor(&columns, &rhs, 0.0)?;
+    }
+    if factor.rank < kept.len() { Faer.factor(&columns, &rhs, 0.0) } else { Ok(factor) }
+}
+
+/// The kept rows by columns, and `[C_p b]` of them, dense.
+fn kept_columns(block: &Block, kept: &[usize]) -> (Csr, Vec<f64>) {
+    let (r, k) = (kept.len(), block.prescribed.len());
+    let mut rows = Csr::empty(block.matrix.cols);
+    let mut rhs = vec![0.0; r * (k + 1)];
+    for (position, &i) in kept.iter().enumerate() {
+        rows.push_row(block.matrix.row(i));
+        block.fixed.row(i).for_each(|(c, v)| rhs[c * r + position] = v);
+        rhs[k * r + position] = block.rhs[i];
+    }
+    (rows.transpose(), rhs)
+}
+
+/// `u_s` over masters, prescribed DOFs and the constant.
+fn relation(block: &Block, factor: &Factor) -> Tableau {
+    let (r, k) = (factor.rank, block.prescribed.len());
+    let masters = factor.coefficients();
+    let fixed: Vec<_> = (0..=k).map(|c| factor.solve(&factor.rhs[c * r..(c + 1) * r])).collect();
+    let width = masters.len() + k + 1;
+    let mut data = vec![0.0; r * width];
+    for i in 0..r {
+        let row = &mut data[i * width..(i + 1) * width];
+        masters.iter().chain(&fixed[..k]).enumerate().for_each(|(j, column)| row[j] = -column[i]);
+        row[width - 1] = fixed[k][i];
+    }
+    let position = |j: &usize| *j as u32;
+    Tableau {
+        basic: factor.order[..r].iter().map(position).collect(),
+        free: factor.order[r..].iter().map(position).collect(),
+        width,
+        data,
+    }
+}
+
+/// Drops rounding; splits the constant off.
+fn sparse(tableau: &Tableau) -> (Csr, Vec<f64>) {
+    let mut relation = Csr::empty(tableau.width - 1);
+    let mut constant = Vec::new();
+    for i in 0..tableau.basic.len() {
+        let (last, row) = tableau.row(i).split_last().expect("the constant is a column");
+        let largest = row.iter().fold(1.0, |a: f64, v| a.max(v.abs()));
+        relation.push_row(row.iter().copied().enumerate().filter(|(_, v)| v.abs() > NOISE * largest));
+        constant.push(*last);
+    }
+    (relation, constant)
+}

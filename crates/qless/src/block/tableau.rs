@@ -1,0 +1,93 @@
+//! `x_B = Y x_N`, and what it becomes when a basic and a non-basic variable change places.
+//!
+//! Serves twice: dependent rows over kept rows (`row_k = sum y_ki row_i`), slaves over masters (`u_s = T u_q + ...`).
+//! Exchanging row i with column j divides by `y_ij`, so the determinant of the basis grows by `|y_ij|`: where it is 1
+//! or more nothing is lost.
+
+/// Dense, by rows; the last columns may be fixed (prescribed DOFs and the constant): they never change places.
+#[derive(Clone, Debug)]
+pub(crate) struct Tableau {
+    /// Name of each row's variable.
+    pub basic: Vec<u32>,
+    /// Names of the columns that may change places.
+    pub free: Vec<u32>,
+    /// Columns in all.
+    pub width: usize,
+    pub data: Vec<f64>,
+}
+
+/// Beyond this many entries no exchange is made for the sake of order alone.
+const LARGE: usize = 4_000_000;
+/// An exchange for the sake of order must not cost determinant.
+const NEUTRAL: f64 = 0.9;
+
+impl Tableau {
+    pub fn row(&self, i: usize) -> &[f64] {
+        &self.data[i * self.width..(i + 1) * self.width]
+    }
+
+    /// Exchanges wherever that costs no accuracy and `better(column, row)` says that the column's variable would rather
+    /// be basic. Each exchange must improve the order, so this ends; it is cut short on large tableaus.
+    pub fn prefer(&mut self, better: impl Fn(u32, u32) -> bool) {
+        if self.data.len() > LARGE {
+            return;
+        }
+        let mut budget = 4 * self.basic.len() + 16;
+        for i in 0..self.basic.len() {
+            while let Some(j) = self.best(i, &better).filter(|_| budget > 0) {
+                self.exchange(i, j);
+                budget -= 1;
+            }
+        }
+    }
+
+    fn best(&self, i: usize, better: &impl Fn(u32, u32) -> bool) -> Option<usize> {
+        let row = self.row(i);
+        let wanted = (0..self.free.len()).filter(|&j| row[j].abs() >= NEUTRAL && better(self.free[j], self.basic[i]));
+        wanted.reduce(|a, b| if better(self.free[b], self.free[a]) { b } else { a })
+    }
+
+    /// Row i's variable and column j's change places.
+    pub fn exchange(&mut self, i: usize, j: usize) {
+        let width = self.width;
+        let (start, pivot) = (i * width, self.data[i * width + j]);
+        let mut own: Vec<f64> = self.data[start..start + width].iter().map(|v| -v / pivot).collect();
+        own[j] = 1.0 / pivot;
+        for k in (0..self.basic.len()).filter(|&k| k != i) {
+            let row = &mut self.data[k * width..(k + 1) * width];
+            let factor = std::mem::take(&mut row[j]);
+            if factor != 0.0 {
+                row.iter_mut().zip(&own).for_each(|(x, v)| *x += factor * v);
+            }
+        }
+        self.data[start..start + width].copy_from_slice(&own);
+        std::mem::swap(&mut self.basic[i], &mut self.free[j]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_exchange_keeps_the_relation() {
+        let mut tableau =
+            Tableau { basic: vec![0, 1], free: vec![2, 3], width: 3, data: vec![2.0, -1.0, 5.0, 0.5, 3.0, -2.0] };
+        let (x2, x3) = (0.7, -1.3);
+        let x = [2.0 * x2 - x3 + 5.0, 0.5 * x2 + 3.0 * x3 - 2.0, x2, x3];
+        tableau.exchange(1, 1);
+        assert_eq!((tableau.basic.as_slice(), tableau.free.as_slice()), ([0, 3].as_slice(), [2, 1].as_slice()));
+        for i in 0..2 {
+            let row = tableau.row(i);
+            let value = row[0] * x[tableau.free[0] as usize] + row[1] * x[tableau.free[1] as usize] + row[2];
+            assert!((value - x[tableau.basic[i] as usize]).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn earlier_variables_become_basic_where_it_costs_nothing() {
+        let mut tableau = Tableau { basic: vec![5, 1], free: vec![0, 2], width: 2, data: vec![1.0, 1.0, 0.1, 1.0] };
+        tableau.prefer(|candidate, holder| candidate < holder);
+        assert_eq!(tableau.basic, [0, 1]);
+    }
+}

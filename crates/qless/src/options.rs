@@ -1,0 +1,105 @@
+//! What a caller can choose, with its default.
+
+use crate::qr::{Backend, BackendError};
+
+/// How small is zero.
+///
+/// In words: each equation is first scaled so that its largest coefficient lies in `[1, 2)` (by a power of two, so
+/// nothing is rounded). It counts as a combination of others when what remains of it, after the
+/// others are subtracted, is at most `tolerance` in every coefficient (presolve) or in 2-norm (backend). A
+/// dependent equation conflicts when its right-hand sides disagree by more than `tolerance` of the largest part.
+///
+/// As a formula, with `D_r` and `D_c` powers of two: row k of `D_r C D_c` is dependent iff
+/// `min_y |row_k - sum_i y_i row_i| <= tolerance`, and then conflicting iff
+/// `|b_k - sum_i y_i b_i| > tolerance max(|b_k|, max_i |y_i b_i|)`, prescribed DOFs being moved into b.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Tolerance {
+    /// Relative, as above; the default is 1e-10.
+    Relative(f64),
+    /// The paper's rule (section 3.2): no scaling, absolute 1e-5. It changes its answer with the units.
+    Paper,
+}
+
+impl Tolerance {
+    pub(crate) fn value(self) -> f64 {
+        match self {
+            Self::Relative(value) => value,
+            Self::Paper => 1e-5,
+        }
+    }
+}
+
+/// Which rank-revealing factorization works on what presolve leaves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BackendChoice {
+    /// `faer`.
+    #[default]
+    Auto,
+    /// Pure Rust: QR with column pivoting.
+    Faer,
+    /// SuiteSparseQR; needs the cargo feature `spqr` (GPL-2.0-or-later).
+    Spqr,
+    /// The paper's block-wise Gauss elimination (section 3.1).
+    Gauss,
+}
+
+impl BackendChoice {
+    /// The backend itself.
+    ///
+    /// # Errors
+    /// [`BackendError::NotCompiledIn`] for `Spqr` without the feature.
+    pub fn get(self) -> Result<Box<dyn Backend>, BackendError> {
+        match self {
+            Self::Auto | Self::Faer => Ok(Box::new(crate::qr::faer::Faer)),
+            Self::Gauss => Ok(Box::new(crate::qr::gauss::Gauss)),
+            #[cfg(feature = "spqr")]
+            Self::Spqr => Ok(Box::new(crate::qr::spqr::Spqr)),
+            #[cfg(not(feature = "spqr"))]
+            Self::Spqr => Err(BackendError::NotCompiledIn { backend: "spqr" }),
+        }
+    }
+}
+
+/// Settings of [`crate::analyse`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Which backend factors the blocks that presolve leaves. Default: `Auto`.
+    pub backend: BackendChoice,
+    /// How small is zero. Default: relative 1e-10.
+    pub tolerance: Tolerance,
+    /// Whether equations that need no factorization are taken out first. Default: true.
+    pub presolve: bool,
+    /// Slaves and masters are exchanged until `max |T_ij|` is at most this. At least 1; default 4.
+    pub growth: f64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { backend: BackendChoice::Auto, tolerance: Tolerance::Relative(1e-10), presolve: true, growth: 4.0 }
+    }
+}
+
+/// A setting out of its range.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum OptionError {
+    /// The tolerance must lie strictly between 0 and 1.
+    #[error("the tolerance is {0}; it must lie between 0 and 1, such as 1e-10")]
+    Tolerance(f64),
+    /// Growth below 1 cannot always be reached.
+    #[error("the growth bound is {0}; it must be a number of at least 1, such as 4")]
+    Growth(f64),
+}
+
+impl Options {
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// [`OptionError`].
+    pub fn validate(&self) -> Result<(), OptionError> {
+        match self.tolerance {
+            Tolerance::Relative(value) if !(value > 0.0 && value < 1.0) => Err(OptionError::Tolerance(value)),
+            _ if !(self.growth >= 1.0 && self.growth.is_finite()) => Err(OptionError::Growth(self.growth)),
+            _ => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,329 @@
+//! Elimination without fill: `row_k <- row_k - (a_kj / a_pj) row_p` wherever that adds no net entry.
+//!
+//! A pivot (p, j) adds none if row p has one free DOF (j is fixed: a generated boundary condition), if it has two
+//! (`a u_i + c u_j = d`: chains, cycles, trees of equal DOFs), or if DOF j occurs in at most two remaining rows.
+//! Long chains go in linear time, iteratively. A row whose free part vanishes is dependent.
+//!
+//! Every row carries a bound of its own rounding error and the size of the largest part that went into it. What is
+//! below the first is zero; a row all below `tolerance` times the second is dependent too; a row below [`SUSPECT`] times
+//! it is left to the backend, whose rank is checked.
+
+use std::collections::VecDeque;
+
+use super::rows::Row;
+
+/// A row whose remaining part is smaller than this, relative to what went into it, is no pivot.
+pub(crate) const SUSPECT: f64 = 1e-3;
+/// Cancellation to within this many error bounds is a zero.
+const NOISE: f64 = 16.0;
+/// A pivot is at least this fraction of the entries that it eliminates, which bounds the multipliers, ...
+const THRESHOLD: f64 = 0.1;
+/// ... and, where nothing better is left, at least this fraction of its own row.
+const WEAK: f64 = 1e-3;
+
+/// One pivot: the row as it was when it became the equation of its slave.
+#[derive(Clone, Debug)]
+pub(crate) struct Step {
+    /// Index into the rows given.
+    pub row: u32,
+    /// The slave.
+    pub dof: u32,
+    /// Its coefficient.
+    pub pivot: f64,
+    /// The other entries of the row.
+    pub others: Vec<(u32, f64)>,
+    pub rhs: f64,
+}
+
+/// A row without a free part.
+#[derive(Clone, Debug)]
+pub(crate) struct Dead {
+    pub row: u32,
+    /// What was dropped to call it dependent, relative to its parts.
+    pub dropped: f64,
+    /// `b - C_p u_p` minus the same of its certificate, and the size of the largest part.
+    pub mismatch: f64,
+    pub mismatch_size: f64,
+}
+
+/// What elimination leaves.
+pub(crate) struct Eliminated {
+    pub steps: Vec<Step>,
+    /// For each row given, the steps subtracted from it and the factors, in order of time.
+    pub factors: Vec<Vec<(u32, f64)>>,
+    pub dead: Vec<Dead>,
+    /// Rows left for the backend, ascending.
+    pub core: Vec<u32>,
+    /// The rows as they are now; only those of the core still have entries.
+    pub rows: Vec<Row>,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum State {
+    Active,
+    Done,
+    /// Too small for a pivot here: for the backend.
+    Held,
+}
+
+struct Elimination<'a> {
+    out: Eliminated,
+    state: Vec<State>,
+    is_free: &'a dyn Fn(u32) -> bool,
+    /// Rows that may hold a DOF: a superset without order; `count` is exact.
+    holders: Vec<Vec<u32>>,
+    count: Vec<u32>,
+    short_rows: VecDeque<u32>,
+    rare_dofs: VecDeque<u32>,
+    /// DOFs whose coefficients are too small in their rows, until nothing better is left.
+    weak_dofs: VecDeque<u32>,
+    tolerance: f64,
+}
+
+/// Eliminates as far as no fill arises; with `all` false, closes empty rows and leaves the rest. DOFs are `0..dofs`.
+pub(crate) fn eliminate(
+    rows: Vec<Row>,
+    dofs: usize,
+    is_free: &dyn Fn(u32) -> bool,
+    tolerance: f64,
+    all: bool,
+) -> Eliminated {
+    let m = rows.len();
+    let mut work = Elimination {
+        out: Eliminated { steps: Vec::new(), factors: vec![Vec::new(); m], dead: Vec::new(), core: Vec::new(), rows },
+        state: vec![State::Active; m],
+        is_free,
+        holders: vec![Vec::new(); dofs],
+        count: vec![0; dofs],
+        short_rows: (0..m as u32).collect(),
+        rare_dofs: VecDeque::new(),
+        weak_dofs: VecDeque::new(),
+        tolerance,
+    };
+    work.count();
+    if all {
+        work.run();
+    } else {
+        work.close_empty();
+    }
+    work.finish()
+}
+
+impl Elimination<'_> {
+    fn count(&mut self) {
+        for (i, row) in self.out.rows.iter_mut().enumerate() {
+            row.free = 0;
+            for &(j, _) in row.entries.iter().filter(|&&(j, _)| (self.is_free)(j)) {
+                row.free += 1;
+                self.count[j as usize] += 1;
+                self.holders[j as usize].push(i as u32);
+            }
+        }
+        self.rare_dofs.extend((0..self.count.len() as u32).filter(|&j| self.count[j as usize] <= 2));
+    }
+
+    fn run(&mut self) {
+        loop {
+            if let Some(i) = self.short_rows.pop_front() {
+                self.try_row(i);
+            } else if let Some(j) = self.rare_dofs.pop_front() {
+                if !self.try_dof(j, THRESHOLD) {
+                    self.weak_dofs.push_back(j);
+                }
+            } else if let Some(j) = self.weak_dofs.pop_front() {
+                self.try_dof(j, WEAK);
+            } else {
+                return;
+            }
+        }
+    }
+
+    fn close_empty(&mut self) {
+        for i in 0..self.out.rows.len() as u32 {
+            if self.out.rows[i as usize].free == 0 {
+                self.settle(i);
+            }
+        }
+    }
+
+    fn finish(mut self) -> Eliminated {
+        let left = |&i: &u32| self.state[i as usize] != State::Done;
+        self.out.core = (0..self.out.rows.len() as u32).filter(left).collect();
+        for (row, state) in self.out.rows.iter_mut().zip(&self.state) {
+            row.forget_table();
+            if *state == State::Done {
+                row.entries = Vec::new();
+            }
+        }
+        self.out
+    }
+
+    fn try_row(&mut self, i: u32) {
+        if self.state[i as usize] != State::Active || self.out.rows[i as usize].free > 2 || self.settle(i) {
+            return;
+        }
+        let row = &self.out.rows[i as usize];
+        let free: Vec<_> = row.entries.iter().copied().filter(|&(j, _)| (self.is_free)(j)).collect();
+        let dof = match *free.as_slice() {
+            [(j, _)] => j,
+            [one, two] => self.better_of(one, two),
+            _ => return,
+        };
+        self.pivot(i, dof);
+    }
+
+    /// Of `a u_i + c u_j` eliminates the larger coefficient, or, where both will do, the DOF in far fewer rows.
+    fn better_of(&self, one: (u32, f64), two: (u32, f64)) -> u32 {
+        let (large, small) = if two.1.abs() > one.1.abs() { (two, one) } else { (one, two) };
+        let cheaper = self.count[large.0 as usize] > 4 * self.count[small.0 as usize];
+        if cheaper && small.1.abs() >= THRESHOLD * large.1.abs() { small.0 } else { large.0 }
+    }
+
+    /// Closes a row without free part; holds one that is too small for a pivot. True if the row is out of play.
+    fn settle(&mut self, i: u32) -> bool {
+        let row = &self.out.rows[i as usize];
+        let left = self.largest(i);
+        if left > SUSPECT * row.size {
+            return false;
+        }
+        if left > self.tolerance * row.size {
+            self.state[i as usize] = State::Held;
+            return true;
+        }
+        self.out.dead.push(Dead {
+            row: i,
+            dropped: if row.size > 0.0 { left / row.size } else { 0.0 },
+            mismatch: row.effective,
+            mismatch_size: row.effective_size,
+        });
+        self.retire(i);
+        true
+    }
+
+    fn retire(&mut self, i: u32) {
+        self.state[i as usize] = State::Done;
+        let entries = std::mem::take(&mut self.out.rows[i as usize].entries);
+        for &(j, _) in entries.iter().filter(|&&(j, _)| (self.is_free)(j)) {
+            self.leave(j);
+        }
+        self.out.rows[i as usize].entries = entries;
+    }
+
+    fn leave(&mut self, dof: u32) {
+        let count = &mut self.count[dof as usize];
+        *count -= 1;
+        if *count <= 2 {
+            self.rare_dofs.push_back(dof);
+        }
+    }
+
+    /// False if the DOF could be eliminated but for its small coefficient.
+    fn try_dof(&mut self, j: u32, of_row: f64) -> bool {
+        if self.count[j as usize] == 0 || self.count[j as usize] > 2 {
+            return true;
+        }
+        let holders = self.holding(j);
+        let fit = holders.iter().filter(|&&(i, v)| self.may_pivot(i, v, &holders, of_row));
+        let Some(&(i, _)) = fit.min_by_key(|&&(i, _)| (self.out.rows[i as usize].free, i)) else {
+            return false;
+        };
+        if !self.settle(i) {
+            self.pivot(i, j);
+        }
+        true
+    }
+
+    /// Rows in play that hold a DOF, with its coefficient; forgets the others.
+    fn holding(&mut self, j: u32) -> Vec<(u32, f64)> {
+        let mut list = std::mem::take(&mut self.holders[j as usize]);
+        list.sort_unstable();
+        list.dedup();
+        let found = list.iter().filter(|&&i| self.state[i as usize] != State::Done).filter_map(|&i| {
+            let row = &self.out.rows[i as usize];
+            row.position(j).map(|k| (i, row.entries[k].1))
+        });
+        let found: Vec<_> = found.collect();
+        list.clear();
+        list.extend(found.iter().map(|&(i, _)| i));
+        self.holders[j as usize] = list;
+        found
+    }
+
+    fn may_pivot(&self, i: u32, value: f64, holders: &[(u32, f64)], of_row: f64) -> bool {
+        self.state[i as usize] == State::Active
+            && value.abs() >= of_row * self.largest(i)
+            && holders.iter().all(|&(_, v)| value.abs() >= THRESHOLD * v.abs())
+    }
+
+    /// Largest coefficient of a free DOF in a row.
+    fn largest(&self, i: u32) -> f64 {
+        let entries = &self.out.rows[i as usize].entries;
+        entries.iter().filter(|&&(j, _)| (self.is_free)(j)).map(|&(_, v)| v.abs()).fold(0.0, f64::max)
+    }
+
+    /// Row i becomes the equation of DOF j, which leaves all other rows.
+    fn pivot(&mut self, i: u32, j: u32) {
+        let targets = self.holding(j);
+        self.retire(i);
+        let mut row = std::mem::take(&mut self.out.rows[i as usize]);
+        let position = row.entries.iter().position(|&(l, _)| l == j).expect("the pivot row holds the pivot DOF");
+        let pivot = row.entries.swap_remove(position).1;
+        let largest = row.entries.iter().map(|&(_, v)| v.abs()).fold(0.0, f64::max);
+        for (k, value) in targets.into_iter().filter(|&(k, _)| k != i) {
+            self.subtract(k, j, value / pivot, &row, largest);
+        }
+        self.count[j as usize] = 0;
+        self.holders[j as usize] = Vec::new();
+        self.out.steps.push(Step { row: i, dof: j, pivot, others: row.entries, rhs: row.rhs });
+    }
+
+    /// `row_k <- row_k - factor row`, where `row` no longer holds the pivot DOF `j`.
+    fn subtract(&mut self, k: u32, j: u32, factor: f64, row: &Row, largest: f64) {
+        self.out.factors[k as usize].push((self.out.steps.len() as u32, factor));
+        let target = &mut self.out.rows[k as usize];
+        if let Some(position) = target.position(j) {
+            target.remove(position);
+            target.free -= 1;
+        }
+        let part = factor.abs() * largest;
+        target.size = target.size.max(part);
+        target.error += factor.abs() * row.error + f64::EPSILON * part;
+        target.rhs -= factor * row.rhs;
+        target.effective -= factor * row.effective;
+        target.effective_size = target.effective_size.max(factor.abs() * row.effective_size);
+        for &(l, v) in &row.entries {
+            self.add(k, l, -factor * v);
+        }
+        if self.out.rows[k as usize].free <= 2 {
+            self.short_rows.push_back(k);
+        }
+    }
+
+    fn add(&mut self, k: u32, l: u32, value: f64) {
+        let free = (self.is_free)(l);
+        let row = &mut self.out.rows[k as usize];
+        let noise = NOISE * row.error;
+        match row.position(l) {
+            Some(position) => {
+                let sum = row.entries[position].1 + value;
+                row.entries[position].1 = sum;
+                if sum.abs() <= noise {
+                    row.remove(position);
+                    if free {
+                        row.free -= 1;
+                        self.leave(l);
+                    }
+                }
+            }
+            None if value.abs() > noise => {
+                row.push(l, value);
+                if free {
+                    row.free += 1;
+                    self.count[l as usize] += 1;
+                    self.holders[l as usize].push(k);
+                }
+            }
+            None => {}
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! Column singletons: a DOF that occurs in one remaining row becomes that row's slave.
+//!
+//! Removing the row makes further DOFs singletons, so whole models peel away from their rims without a single
+//! change of a coefficient. Such a row is independent of all others and stands in nobody's certificate.
+//! Cost O(nnz). The slave's coefficient must be the largest of its row, or, where nothing of that kind is left, at
+//! least a tenth of it, or in the end a thousandth (threshold pivoting): what that costs in growth, the exchange of
+//! slaves and masters repairs afterwards.
+
+use std::collections::VecDeque;
+
+use crate::ConstraintSystem;
+use crate::scale::{Scaling, ldexp};
+
+/// Rows that found their slave, in the order found: a slave occurs in no later row.
+pub(crate) struct Peeled {
+    pub pivots: Vec<(u32, u32)>,
+    /// Rows that remain.
+    pub remaining: Vec<bool>,
+}
+
+/// Least size of a slave's coefficient relative to its row, strictest first.
+const THRESHOLDS: [f64; 3] = [1.0, 0.1, 1e-3];
+
+impl Peeled {
+    /// Nothing peeled.
+    pub fn none(system: &ConstraintSystem) -> Self {
+        Self { pivots: Vec::new(), remaining: vec![true; system.equations()] }
+    }
+}
+
+struct Columns {
+    /// Remaining rows that hold the DOF.
+    count: Vec<u32>,
+    /// Exclusive or of those rows: where the count is 1, the row itself.
+    rows: Vec<u32>,
+}
+
+pub(crate) fn peel(system: &ConstraintSystem, is_free: &[bool], scaling: &Scaling) -> Peeled {
+    let mut columns = count(system, is_free);
+    let mut peeled = Peeled { pivots: Vec::new(), remaining: vec![true; system.equations()] };
+    let mut ready: VecDeque<u32> = (0..system.dofs() as u32).filter(|&j| columns.count[j as usize] == 1).collect();
+    let mut held = [VecDeque::new(), VecDeque::new()];
+    loop {
+        let Some((level, dof)) = next(&mut ready, &mut held) else {
+            return peeled;
+        };
+        if columns.count[dof as usize] != 1 {
+            continue;
+        }
+        let row = columns.rows[dof as usize];
+        let (own, largest) = sizes(system, is_free, scaling, row as usize, dof as usize);
+        if own >= THRESHOLDS[level] * largest {
+            peeled.pivots.push((row, dof));
+            remove(system, is_free, row, &mut columns, &mut ready);
+            peeled.remaining[row as usize] = false;
+        } else if let Some(queue) = held.get_mut(level) {
+            queue.push_back(dof);
+        }
+    }
+}
+
+/// The next DOF and how strict to be with it: those with the strictest threshold first.
+fn next(ready: &mut VecDeque<u32>, held: &mut [VecDeque<u32>; 2]) -> Option<(usize, u32)> {
+    let first = ready.pop_front().map(|dof| (0, dof));
+    first.or_else(|| held.iter_mut().enumerate().find_map(|(k, queue)| Some((k + 1, queue.pop_front()?))))
+}
+
+fn count(system: &ConstraintSystem, is_free: &[bool]) -> Columns {
+    let c = system.matrix();
+    let mut columns = Columns { count: vec![0; c.cols], rows: vec![0; c.cols] };
+    for i in 0..c.rows() {
+        for (j, _) in c.row(i).filter(|&(j, _)| is_free[j]) {
+            columns.count[j] += 1;
+            columns.rows[j] ^= i as u32;
+        }
+    }
+    columns
+}
+
+/// Scaled size of the DOF's coefficient, and of the row's largest.
+fn sizes(system: &ConstraintSystem, is_free: &[bool], scaling: &Scaling, row: usize, dof: usize) -> (f64, f64) {
+    let mut own = 0.0;
+    let mut largest = 0.0_f64;
+    for (j, v) in system.matrix().row(row).filter(|&(j, _)| is_free[j]) {
+        let size = ldexp(v.abs(), scaling.row[row] + scaling.col(j));
+        largest = largest.max(size);
+        if j == dof {
+            own = size;
+        }
+    }
+    (own, largest)
+}
+
+fn remove(system: &ConstraintSystem, is_free: &[bool], row: u32, columns: &mut Columns, ready: &mut VecDeque<u32>) {
+    for (j, _) in system.matrix().row(row as usize).filter(|&(j, _)| is_free[j]) {
+        columns.count[j] -= 1;
+        columns.rows[j] ^= row;
+        if columns.count[j] == 1 {
+            ready.push_back(j as u32);
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! The identities that every backend must meet, on blocks of every shape and rank.
+
+use super::{Backend, Factor};
+use crate::Csr;
+
+/// A block with its rank and why it has that rank.
+struct Block {
+    name: &'static str,
+    columns: Csr,
+    rank: usize,
+}
+
+/// A small repeatable generator (xorshift), so that every run tests the same numbers.
+pub(crate) struct Random(pub u64);
+
+impl Random {
+    pub fn below(&mut self, n: usize) -> usize {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 33) as usize % n
+    }
+
+    pub fn signed(&mut self) -> f64 {
+        self.below(2001) as f64 / 1000.0 - 1.0
+    }
+}
+
+fn sparse(rows: usize, cols: usize, seed: u64) -> Vec<Vec<f64>> {
+    let mut random = Random(seed);
+    let entry = |random: &mut Random, diagonal: bool| match (diagonal, random.below(3)) {
+        (true, _) => 3.0 + random.signed(),
+        (false, 0) => random.signed(),
+        _ => 0.0,
+    };
+    (0..rows).map(|i| (0..cols).map(|j| entry(&mut random, i == j)).collect()).collect()
+}
+
+/// `sum of two rows` appended k times: rank as before.
+fn with_combinations(mut rows: Vec<Vec<f64>>, k: usize) -> Vec<Vec<f64>> {
+    let m = rows.len();
+    for i in 0..k {
+        let sum = rows[i % m].iter().zip(&rows[(3 * i + 1) % m]).map(|(a, b)| 2.0 * a - b).collect();
+        rows.push(sum);
+    }
+    rows
+}
+
+fn blocks() -> Vec<Block> {
+    let block = |name, rows: &[Vec<f64>], rank| Block { name, columns: from_dense(rows), rank };
+    vec![
+        block("square", &sparse(8, 8, 1), 8),
+        block("wide", &sparse(6, 15, 2), 6),
+        block("tall", &sparse(15, 6, 3), 6),
+        block("wide deficient", &with_combinations(sparse(6, 20, 4), 5), 6),
+        block("tall deficient", &with_combinations(sparse(5, 7, 5), 9), 5),
+        block("duplicate columns", &[vec![1.0, 1.0, 2.0, 0.0], vec![3.0, 3.0, 6.0, 0.0]], 1),
+        block("one entry", &[vec![0.0, 0.0, 5.0]], 1),
+        block("zero", &[vec![0.0; 3], vec![0.0; 3]], 0),
+    ]
+}
+
+/// Row j of the result is column j of the dense rows.
+pub(crate) fn from_dense(rows: &[Vec<f64>]) -> Csr {
+    let mut a = Csr::empty(rows[0].len());
+    for row in rows {
+        a.push_row(row.iter().copied().enumerate().filter(|&(_, v)| v != 0.0));
+    }
+    a.transpose()
+}
+
+/// Runs a backend over all families.
+pub(crate) fn families(backend: &dyn Backend) {
+    for block in blocks() {
+        let (m, n) = (block.columns.cols, block.columns.rows());
+        let x: Vec<f64> = (0..n).map(|j| 1.0 + j as f64).collect();
+        let mut rhs = block.columns.transpose().times(&x);
+        rhs.extend((0..m).map(|i| if i == 0 { 1e3 } else { 0.0 }));
+        let factor = backend.factor(&block.columns, &rhs, 1e-10).expect(block.name);
+        assert_eq!(factor.rank, block.rank, "{}: rank", block.name);
+        check_shape(&factor, n, block.name);
+        check_dependent_columns(&factor, &block.columns, block.name);
+        check_solution(&factor, &block.columns, &rhs[..m], block.name);
+    }
+}
+
+fn check_shape(factor: &Factor, n: usize, name: &str) {
+    let mut order = factor.order.clone();
+    order.sort_unstable();
+    assert_eq!(order, (0..n).collect::<Vec<_>>(), "{name}: order is a permutation");
+    assert_eq!((factor.r.rows(), factor.r.cols), (factor.rank, n), "{name}: shape of R");
+    assert_eq!((factor.rhs.len(), factor.rest.len()), (2 * factor.rank, 2), "{name}: shape of W B");
+    for i in 0..factor.rank {
+        let columns: Vec<_> = factor.r.row(i).map(|(j, _)| j).collect();
+        assert_eq!(columns[0], i, "{name}: R is trapezoidal with a diagonal");
+        assert!(columns.windows(2).all(|w| w[0] < w[1]), "{name}: columns ascend");
+    }
+}
+
+/// `a_k = A_live R1^-1 R2_k` for every column k found dependent.
+fn check_dependent_columns(factor: &Factor, columns: &Csr, name: &str) {
+    for (y, k) in factor.coefficients().iter().zip(factor.rank..) {
+        let mut rest = column(columns, factor.order[k]);
+        for (i, y) in y.iter().enumerate() {
+            columns.row(factor.order[i]).for_each(|(row, v)| rest[row] -= y * v);
+        }
+        let size: f64 = column(columns, factor.order[k]).iter().map(|v| v.abs()).sum();
+        assert!(rest.iter().all(|v| v.abs() <= 1e-13 * (1.0 + size)), "{name}: column {k} leaves {rest:?}");
+    }
+}
+
+/// `A_live R1^-1 (W b) = b` for b in the range of A, and nothing of b is left over.
+fn check_solution(factor: &Factor, columns: &Csr, b: &[f64], name: &str) {
+    let z = factor.solve(&factor.rhs[..factor.rank]);
+    let mut rest = b.to_vec();
+    for (i, z) in z.iter().enumerate() {
+        columns.row(factor.order[i]).for_each(|(row, v)| rest[row] -= z * v);
+    }
+    let size = b.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
+    assert!(rest.iter().all(|v| v.abs() <= 1e-12 * size), "{name}: residual {rest:?}");
+    assert!(factor.rest[0] <= 1e-12 * size, "{name}: rest {}", factor.rest[0]);
+}
+
+fn column(columns: &Csr, j: usize) -> Vec<f64> {
+    let mut dense = vec![0.0; columns.cols];
+    columns.row(j).for_each(|(i, v)| dense[i] = v);
+    dense
+}

@@ -1,0 +1,104 @@
+//! `A P = Q R` by Householder QR with column pivoting on faer's dense kernels: pure Rust, any shape, any rank.
+//!
+//! Pivoting takes the column with the largest remaining norm, so `|R_11| >= |R_22| >= ...`, and the rank is the number
+//! of diagonal entries above the tolerance. O(m n min(m, n)) time, 8 m (n + k) bytes.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::householder::{
+    apply_block_householder_sequence_transpose_on_the_left_in_place_scratch as apply_scratch,
+    apply_block_householder_sequence_transpose_on_the_left_in_place_with_conj as apply_transpose,
+};
+use faer::linalg::qr::col_pivoting::factor::{qr_in_place, qr_in_place_scratch, recommended_block_size};
+use faer::{Conj, Mat, Par};
+
+use super::{Backend, BackendError, Factor, dense_len};
+use crate::Csr;
+
+/// Dense QR with column pivoting as a [`Backend`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Faer;
+
+impl Backend for Faer {
+    fn name(&self) -> &'static str {
+        "faer"
+    }
+
+    fn version(&self) -> String {
+        "faer 0.24".to_owned()
+    }
+
+    fn factor(&self, columns: &Csr, rhs: &[f64], tolerance: f64) -> Result<Factor, BackendError> {
+        let (m, n) = (columns.cols, columns.rows());
+        let k = rhs.len().checked_div(m).unwrap_or(0);
+        dense_len("faer", m, n + k)?;
+        if m == 0 || n == 0 {
+            return Ok(empty(n, rhs, k));
+        }
+        let mut a = Mat::zeros(m, n);
+        for j in 0..n {
+            columns.row(j).for_each(|(i, v)| a[(i, j)] = v);
+        }
+        let mut b = Mat::from_fn(m, k, |i, c| rhs[c * m + i]);
+        let (order, rank) = factor_in_place(&mut a, &mut b, tolerance);
+        Ok(read(&a, &b, order, rank))
+    }
+}
+
+/// `A <- [R over Householder vectors]`, `B <- Q^T B`; returns P and the rank. One thread, so that bits never depend on
+/// threads. Only the reflectors up to the rank are applied: later ones would turn what is left of B within itself, and
+/// those of columns that are exactly zero are not defined.
+fn factor_in_place(a: &mut Mat<f64>, b: &mut Mat<f64>, tolerance: f64) -> (Vec<usize>, usize) {
+    let (m, n, steps) = (a.nrows(), a.ncols(), a.nrows().min(a.ncols()));
+    let block = recommended_block_size::<f64>(m, n);
+    let mut coefficients = Mat::zeros(block, steps);
+    let (mut order, mut inverse) = (vec![0; n], vec![0; n]);
+    let scratch = qr_in_place_scratch::<usize, f64>(m, n, block, Par::Seq, Default::default());
+    let mut memory = MemBuffer::new(scratch.or(apply_scratch::<f64>(m, block, b.ncols())));
+    let stack = MemStack::new(&mut memory);
+    let params = Default::default();
+    qr_in_place(a.as_mut(), coefficients.as_mut(), &mut order, &mut inverse, Par::Seq, stack, params);
+    let rank = (0..steps).take_while(|&i| a[(i, i)].abs() > tolerance).count();
+    if rank > 0 {
+        let basis = a.as_ref().get(.., ..rank);
+        apply_transpose(basis, coefficients.as_ref().get(.., ..rank), Conj::No, b.as_mut(), Par::Seq, stack);
+    }
+    (order, rank)
+}
+
+fn read(a: &Mat<f64>, b: &Mat<f64>, order: Vec<usize>, rank: usize) -> Factor {
+    let (steps, n) = (a.nrows().min(a.ncols()), a.ncols());
+    let mut r = Csr::empty(n);
+    for i in 0..rank {
+        r.push_row((i..n).map(|j| (j, a[(i, j)])).filter(|&(_, v)| v != 0.0));
+    }
+    let dropped = (rank..steps).flat_map(|i| (i..n).map(move |j| (i, j))).map(|at| a[at].powi(2)).sum::<f64>();
+    Factor {
+        rank,
+        order,
+        r,
+        rhs: (0..b.ncols()).flat_map(|c| (0..rank).map(move |i| (i, c))).map(|at| b[at]).collect(),
+        rest: (0..b.ncols()).map(|c| (rank..b.nrows()).map(|i| b[(i, c)].powi(2)).sum::<f64>().sqrt()).collect(),
+        dropped: dropped.sqrt(),
+    }
+}
+
+fn empty(n: usize, rhs: &[f64], k: usize) -> Factor {
+    let m = rhs.len().checked_div(k).unwrap_or(0);
+    let norm = |c: usize| rhs[c * m..(c + 1) * m].iter().map(|v| v * v).sum::<f64>().sqrt();
+    Factor {
+        rank: 0,
+        order: (0..n).collect(),
+        r: Csr::empty(n),
+        rhs: Vec::new(),
+        rest: (0..k).map(norm).collect(),
+        dropped: 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn identities_hold_on_the_test_families() {
+        crate::qr::check::families(&super::Faer);
+    }
+}

@@ -1,0 +1,171 @@
+//! Real and extreme systems with known rank: run where `QLESS_CORPUS` names the folder that holds `cases/` and
+//! `extremes/`. Prints the score as a table; a `definite` system that is not right fails the test.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use qless::{Analysis, BackendChoice, ConstraintSystem, Kind, Options, Reduction, analyse};
+
+/// What is known of a system.
+#[derive(serde::Deserialize)]
+struct Expected {
+    name: String,
+    class: String,
+    rank: Option<usize>,
+    rank_free: Option<usize>,
+    inconsistent: Option<bool>,
+    inconsistent_free: Option<bool>,
+}
+
+struct Case {
+    folder: PathBuf,
+    expected: Expected,
+}
+
+fn cases(part: &str) -> Vec<Case> {
+    let Some(corpus) = std::env::var_os("QLESS_CORPUS") else {
+        eprintln!("QLESS_CORPUS is not set: the corpus is not there, nothing to run");
+        return Vec::new();
+    };
+    let folder = Path::new(&corpus).join(part);
+    let entries = std::fs::read_dir(&folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
+    let mut folders: Vec<_> = entries.map(|entry| entry.expect("readable").path()).filter(|p| p.is_dir()).collect();
+    folders.sort();
+    let read = |folder: PathBuf| {
+        let text = std::fs::read_to_string(folder.join("expected.json")).expect("expected.json");
+        Case { expected: serde_json::from_str(&text).expect("known fields"), folder }
+    };
+    folders.into_iter().map(read).collect()
+}
+
+fn backends() -> Vec<BackendChoice> {
+    let mut all = vec![BackendChoice::Faer];
+    if cfg!(feature = "spqr") {
+        all.push(BackendChoice::Spqr);
+    }
+    all
+}
+
+/// What is wrong with the answer, if anything.
+fn fault(case: &Case, system: &ConstraintSystem, analysis: &Analysis) -> Option<String> {
+    let expected = &case.expected;
+    let rank = expected.rank_free.or(expected.rank);
+    let conflicting = analysis.kinds.contains(&Kind::Conflicting);
+    let inconsistent = expected.inconsistent_free.or(expected.inconsistent);
+    match expected.class.as_str() {
+        "definite" | "scaling" | "range" => {
+            if rank != Some(analysis.rank()) {
+                return Some(format!("rank {} for {rank:?}", analysis.rank()));
+            }
+            if inconsistent != Some(conflicting) {
+                return Some(format!("conflicting {conflicting} for {inconsistent:?}"));
+            }
+            certificates(system, analysis)
+        }
+        "ambiguous" => (!analysis.confidence.ambiguous).then(|| "not flagged as ambiguous".to_owned()),
+        other => Some(format!("accepted, though {other}")),
+    }
+}
+
+/// `row_k - sum c_i row_i` vanishes on the free DOFs, for the first dependent rows.
+fn certificates(system: &ConstraintSystem, analysis: &Analysis) -> Option<String> {
+    let mut free = vec![true; system.dofs()];
+    system.prescribed().iter().for_each(|&(j, _)| free[j] = false);
+    for dependent in analysis.dependent.iter().take(200) {
+        let mut rest = std::collections::HashMap::new();
+        let mut size = 0.0_f64;
+        let mut add = |row: usize, factor: f64| {
+            for (j, v) in system.matrix().row(row).filter(|&(j, _)| free[j]) {
+                *rest.entry(j).or_insert(0.0) += factor * v;
+                size = size.max((factor * v).abs());
+            }
+        };
+        add(dependent.row, 1.0);
+        for term in analysis.because(dependent) {
+            if analysis.kinds[term.row] != Kind::Independent {
+                return Some(format!("row {} is explained by dependent row {}", dependent.row + 1, term.row + 1));
+            }
+            add(term.row, -term.coefficient);
+        }
+        let left = rest.values().fold(0.0, |a: f64, v: &f64| a.max(v.abs()));
+        if left > 1e-9 * size {
+            return Some(format!("certificate of row {} leaves {left:e} of {size:e}", dependent.row + 1));
+        }
+    }
+    None
+}
+
+fn reduction_fault(case: &Case, reduction: &Reduction, options: &Options) -> Option<String> {
+    if !matches!(case.expected.class.as_str(), "definite") {
+        return None;
+    }
+    if reduction.residual > 1e-12 {
+        return Some(format!("residual {:e}", reduction.residual));
+    }
+    (reduction.growth > options.growth).then(|| format!("growth {}", reduction.growth))
+}
+
+fn run(part: &str, options: &Options) -> Vec<String> {
+    let mut wrong = Vec::new();
+    println!("{:<36} {:<9} {:>7} {:>7} {:>9} {:>9} {:>8} {:>8}  fault", "system", "class", "rows", "rank", "sigma", "dropped", "growth", "seconds");
+    for case in cases(part) {
+        let start = Instant::now();
+        let name = &case.expected.name;
+        let system = match qless_io::read_case(&case.folder, None, None) {
+            Ok(system) => system,
+            Err(error) => {
+                println!("{name:<36} {:<9} {error}", case.expected.class);
+                if case.expected.class != "invalid" {
+                    wrong.push(format!("{name}: {error}"));
+                }
+                continue;
+            }
+        };
+        let analysis = match analyse(&system, options) {
+            Ok(analysis) => analysis,
+            Err(error) => {
+                println!("{name:<36} {:<9} {error}", case.expected.class);
+                if !matches!(case.expected.class.as_str(), "range" | "invalid") {
+                    wrong.push(format!("{name}: {error}"));
+                }
+                continue;
+            }
+        };
+        let mid = start.elapsed();
+        let reduction = analysis.reduction(&system);
+        let fault = fault(&case, &system, &analysis).or_else(|| reduction_fault(&case, &reduction, options));
+        println!(
+            "{name:<36} {:<9} {:>7} {:>7} {:>9.1e} {:>9.1e} {:>8.2} {:>8.3} {:>8.3} {}{}",
+            case.expected.class,
+            system.equations(),
+            analysis.rank(),
+            analysis.confidence.sigma_kept,
+            analysis.confidence.sigma_dropped,
+            reduction.growth,
+            mid.as_secs_f64(),
+            start.elapsed().as_secs_f64(),
+            if analysis.confidence.ambiguous && case.expected.class != "ambiguous" { "FLAGGED " } else { "" },
+            fault.as_deref().unwrap_or(""),
+        );
+        wrong.extend(fault.map(|fault| format!("{name}: {fault}")));
+    }
+    wrong
+}
+
+#[test]
+fn cases_are_right() {
+    for backend in backends() {
+        println!("{backend:?}");
+        let wrong = run("cases", &Options { backend, ..Options::default() });
+        assert!(wrong.is_empty(), "{backend:?}: {wrong:#?}");
+    }
+}
+
+#[test]
+fn extremes_are_right() {
+    for backend in backends() {
+        println!("{backend:?}");
+        let wrong = run("extremes", &Options { backend, ..Options::default() });
+        assert!(wrong.is_empty(), "{backend:?}: {wrong:#?}");
+    }
+}

@@ -1,0 +1,46 @@
+//! Finds SuiteSparseQR, links it, and writes the bindings of the headers found to `OUT_DIR/bindings.rs`.
+//!
+//! `sizeof(cholmod_common)` changes between SuiteSparse releases, so bindings never ship with the crate.
+
+#[path = "build/bindings.rs"]
+mod bindings;
+#[path = "build/probe.rs"]
+mod probe;
+
+use std::path::{Path, PathBuf};
+use std::{env, fs};
+
+const HOW_TO_GO_ON: &str = "install it with `sudo apt-get install libsuitesparse-dev libopenblas-pthread-dev \
+    libclang-dev`, or build without it by leaving out `--features spqr`";
+
+fn main() {
+    println!("cargo::rerun-if-changed=build.rs");
+    println!("cargo::rerun-if-changed=build");
+    println!("cargo::rerun-if-env-changed=DOCS_RS");
+    if let Err(missing) = write_bindings() {
+        println!("cargo::error={}; {HOW_TO_GO_ON}", missing.replace('\n', " "));
+    }
+}
+
+fn write_bindings() -> Result<(), String> {
+    let target = PathBuf::from(env::var_os("OUT_DIR").ok_or("OUT_DIR is not set: run this through cargo")?);
+    let target = target.join("bindings.rs");
+    if env::var_os("DOCS_RS").is_some() {
+        return copy_stub(&target);
+    }
+    let include = probe::find_and_link()?;
+    export_to_tests(&include);
+    bindings::generate(&include, &target)
+}
+
+/// docs.rs has no SuiteSparse: the same names, good for documenting and type checking, never for linking.
+fn copy_stub(target: &Path) -> Result<(), String> {
+    fs::copy("build/docs_stub.rs", target).map(drop).map_err(|e| format!("the bindings' stub cannot be copied: {e}"))
+}
+
+/// `tests/layout.rs` compiles C against the same headers.
+fn export_to_tests(include: &[PathBuf]) {
+    let joined = env::join_paths(include).unwrap_or_default();
+    println!("cargo::rustc-env=SPQR_TEST_INCLUDE={}", joined.to_string_lossy());
+    println!("cargo::rustc-env=SPQR_TEST_TARGET={}", env::var("TARGET").unwrap_or_default());
+}

@@ -1,0 +1,91 @@
+//! Headers = library? A binding made from other headers reads the library's structs at wrong places.
+
+use core::fmt;
+
+/// A release, `major.minor.patch`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Version {
+    /// Changes with the interface.
+    pub major: i32,
+    /// Changes with the layout of structs.
+    pub minor: i32,
+    /// Changes with corrections.
+    pub patch: i32,
+}
+
+/// SuiteSparseQR's release according to the headers (it cannot be asked at run time).
+pub const SPQR: Version =
+    Version { major: crate::SPQR_MAIN_VERSION, minor: crate::SPQR_SUB_VERSION, patch: crate::SPQR_SUBSUB_VERSION };
+
+/// SuiteSparse's release according to the headers this crate was built with.
+pub const HEADERS: Version = Version {
+    major: crate::SUITESPARSE_MAIN_VERSION,
+    minor: crate::SUITESPARSE_SUB_VERSION,
+    patch: crate::SUITESPARSE_SUBSUB_VERSION,
+};
+
+/// The library loaded now differs from the headers in `major.minor`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct VersionMismatch {
+    /// Of the headers at build time.
+    pub headers: Version,
+    /// Of the library at run time.
+    pub library: Version,
+}
+
+/// The release of SuiteSparse loaded now.
+///
+/// # Errors
+/// [`VersionMismatch`] when `major.minor` differs from [`HEADERS`]: then no other function may be called.
+pub fn version() -> Result<Version, VersionMismatch> {
+    compatible(HEADERS, loaded())
+}
+
+fn loaded() -> Version {
+    let mut parts = [0; 3];
+    // SAFETY: the function writes three ints to its argument and does nothing else.
+    unsafe { crate::SuiteSparse_version(parts.as_mut_ptr()) };
+    Version { major: parts[0], minor: parts[1], patch: parts[2] }
+}
+
+fn compatible(headers: Version, library: Version) -> Result<Version, VersionMismatch> {
+    let same = (headers.major, headers.minor) == (library.major, library.minor);
+    if same { Ok(library) } else { Err(VersionMismatch { headers, library }) }
+}
+
+impl fmt::Display for Version {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}.{}.{}", self.major, self.minor, self.patch)
+    }
+}
+
+impl fmt::Display for VersionMismatch {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { headers, library } = self;
+        write!(f, "built for SuiteSparse {headers}, but the library loaded is {library}: rebuild against it")
+    }
+}
+
+impl core::error::Error for VersionMismatch {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BUILT: Version = Version { major: 5, minor: 12, patch: 0 };
+
+    #[test]
+    fn a_patch_may_differ() {
+        let patched = Version { patch: 3, ..BUILT };
+        assert_eq!(compatible(BUILT, patched), Ok(patched));
+    }
+
+    #[test]
+    fn major_and_minor_must_agree() {
+        for library in [Version { minor: 11, ..BUILT }, Version { major: 7, ..BUILT }] {
+            let mismatch = compatible(BUILT, library).unwrap_err();
+            assert_eq!(mismatch, VersionMismatch { headers: BUILT, library });
+            assert!(mismatch.to_string().contains(&library.to_string()));
+        }
+    }
+}
