@@ -26,7 +26,8 @@ pub struct Scene {
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Truth {
-    /// Rank of `C_f`, the columns of the free DOFs.
+    /// Rank of `C_f`, the columns of the free DOFs, in real arithmetic: coefficients that had to be rounded may
+    /// have a higher exact rank as stored, which no sound tolerance sees.
     pub rank_free: Option<usize>,
     /// m - rank: equations that are combinations of the others, conflicting ones included.
     pub redundant: Option<usize>,

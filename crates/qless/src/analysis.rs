@@ -321,6 +321,6 @@ impl Analysis {
     pub fn reduction(&self, system: &ConstraintSystem) -> Reduction {
         let independent: Vec<bool> = self.kinds.iter().map(|&kind| kind == Kind::Independent).collect();
         let fixed: Vec<usize> = self.generated.iter().map(|&(dof, _)| dof).collect();
-        reduction::build(system, &self.basis, &independent, &fixed, self.options.growth)
+        reduction::build(system, &self.basis, &independent, &fixed, self.options.growth, &self.scaling)
     }
 }

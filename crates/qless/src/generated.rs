@@ -13,7 +13,7 @@ use crate::qr::{Backend, BackendError};
 use crate::scale::{Scaling, ldexp};
 
 /// A sum of parts that cancels to within this, relative to the parts, is zero.
-const NOISE: f64 = 1e-10;
+const NOISE: f64 = 1e-11;
 
 /// Slaves that do not move with any master, ascending, and their values `G u_p + g`.
 pub(crate) fn find(system: &ConstraintSystem, basis: &Basis) -> Vec<(usize, f64)> {

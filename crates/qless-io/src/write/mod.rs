@@ -46,10 +46,8 @@ pub fn write_case(folder: &Path, system: &ConstraintSystem) -> Result<(), WriteE
     } else {
         output.file("prescribed.txt", |out| text::prescribed(out, system.prescribed()))?;
     }
-    let rows: Vec<String> = (0..system.equations()).map(|row| system.equation_label(row)).collect();
-    output.labels("rows.txt", &rows, "row")?;
-    let columns: Vec<String> = (0..system.dofs()).map(|dof| system.dof_label(dof)).collect();
-    output.labels("cols.txt", &columns, "DOF")?;
+    output.labels("rows.txt", system.equation_labels())?;
+    output.labels("cols.txt", system.dof_labels())?;
     output.commit()
 }
 

@@ -88,9 +88,9 @@ impl Output {
         self.absent.push(name.to_owned());
     }
 
-    /// Labels one a line, unless all are `fallback` and their number.
-    pub(super) fn labels(&mut self, name: &str, labels: &[String], fallback: &str) -> Result<(), WriteError> {
-        if labels.iter().enumerate().all(|(index, label)| *label == format!("{fallback} {}", index + 1)) {
+    /// Labels one a line; no file where there are none.
+    pub(super) fn labels(&mut self, name: &str, labels: &[String]) -> Result<(), WriteError> {
+        if labels.is_empty() {
             self.absent(name);
             return Ok(());
         }

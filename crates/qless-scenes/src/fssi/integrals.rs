@@ -1,8 +1,8 @@
 //! `D_ij = int phi_i phi_j dx`, `M_ik = int phi_i psi_k dx`: hat functions of two meshes on one line, exactly.
 //!
-//! phi are the hats of n equally spaced nodes, psi those of m, on an interval cut into n - 1 cells of length
-//! 1. On each piece between neighbouring nodes of either mesh a product is a parabola, which the two-point
-//! Gauss rule integrates exactly but for rounding.
+//! The functions phi belong to n equally spaced nodes on an interval of n - 1 cells of length 1, psi to m nodes
+//! on the same interval. On each piece between neighbouring nodes of either mesh a product is a parabola, which
+//! the two-point Gauss rule integrates exactly but for rounding.
 
 /// Band matrix: row i holds its `(column, integral)` with nonzero integrals, ascending.
 pub(super) type Band = Vec<Vec<(usize, f64)>>;

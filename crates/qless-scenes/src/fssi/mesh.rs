@@ -29,9 +29,14 @@ impl Mesh {
         12 * self.columns * self.layers + (3 * self.rings + self.wall) * self.sectors
     }
 
-    /// Equations that the doubly coupled edges make redundant: 4 edges x layers x 3.
+    /// Equations that the doubly tied edges make redundant: 4 edges x layers x 3.
     pub fn redundant(&self) -> usize {
         12 * self.layers
+    }
+
+    /// The same for mortar rows: 12 x layers on a nested mesh, else 12 x (layers - far layers) or 0.
+    pub fn redundant_mortar(&self) -> usize {
+        12 * if self.is_nested() { self.layers } else { self.layers.saturating_sub(self.far_layers) }
     }
 
     /// The 110 % mesh stretched to about `equations` equations, from some 300 to tens of millions.
@@ -47,15 +52,11 @@ impl Mesh {
         let factor = (equations as f64 / base.equations() as f64).sqrt();
         let stretch = |count: usize, least: usize| ((count as f64 * factor).round() as usize).max(least);
         let columns = stretch(base.columns - 1, 6) + 1;
-        let mut far_columns = stretch(base.far_columns - 1, 2) + 1;
-        while (columns - 1).is_multiple_of(far_columns - 1) {
-            far_columns += 1;
-        }
         Self {
             columns,
-            layers: stretch(base.layers, 2),
-            far_columns,
-            far_layers: stretch(base.far_layers, 3),
+            layers: stretch(base.layers, 3),
+            far_columns: without_nesting(columns, stretch(base.far_columns - 1, 2) + 1),
+            far_layers: stretch(base.far_layers, 2),
             rings: stretch(base.rings, 2),
             sectors: 4 * stretch(base.sectors / 4, 2),
             wall: stretch(base.wall, 1),
@@ -69,6 +70,13 @@ impl Mesh {
     pub fn nested(self) -> Self {
         let far_columns = self.columns / 2 + 1;
         Self { columns: 2 * far_columns - 1, far_columns, ..self }
+    }
+
+    /// The same mesh with a far field three times coarser along the box and a little finer over its depth.
+    #[must_use]
+    pub fn deep(self) -> Self {
+        let far_columns = without_nesting(self.columns, 5 * self.columns / 16 + 1);
+        Self { far_columns, far_layers: self.layers + self.layers / 5 + 1, ..self }
     }
 
     /// Whether every far-field column meets a near-field one, so that far-field functions are near-field ones.
@@ -92,4 +100,9 @@ impl Mesh {
         let sectors = SceneError::NotMultiple { what: "sectors", found: self.sectors, of: 4 };
         if self.sectors.is_multiple_of(4) { Ok(()) } else { Err(sectors) }
     }
+}
+
+/// The least number of far-field columns, from `far` up, of which some do not meet near-field ones.
+fn without_nesting(columns: usize, far: usize) -> usize {
+    (far.max(3)..).find(|far| !(columns - 1).is_multiple_of(far - 1)).unwrap_or(far)
 }

@@ -34,7 +34,9 @@ impl Work {
     fn new(rows: Vec<Row>, cols: usize) -> Self {
         let mut holders = vec![Vec::new(); cols];
         for (i, row) in rows.iter().enumerate() {
-            row.iter().for_each(|&(j, _)| holders[j as usize].push(i as u32));
+            for &(j, _) in row {
+                holders[j as usize].push(i as u32);
+            }
         }
         let count: Vec<u32> = holders.iter().map(|rows| rows.len() as u32).collect();
         let singletons = (0..cols as u32).filter(|&j| count[j as usize] == 1).collect();
@@ -69,7 +71,9 @@ impl Work {
     fn eliminate<F: Field>(&mut self, row: usize, col: u32) {
         let pivot_value = self.entry(row as u32, col).expect("the pivot was chosen from this row");
         let pivot = std::mem::take(&mut self.rows[row]);
-        pivot.iter().for_each(|&(j, _)| self.release(j));
+        for &(j, _) in &pivot {
+            self.release(j);
+        }
         let inverse = F::inverse(pivot_value);
         for other in std::mem::take(&mut self.holders[col as usize]) {
             if let Some(value) = self.entry(other, col) {

@@ -6,6 +6,7 @@
 
 pub(crate) mod split;
 mod dependent;
+mod refine;
 mod slaves;
 mod tableau;
 

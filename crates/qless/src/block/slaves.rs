@@ -1,21 +1,28 @@
 //! `C P = Q [R1 R2]` on independent rows: `u_s = -R1^-1 R2 u_q - R1^-1 Q^T C_p u_p + R1^-1 Q^T b` (Eq. 23-26).
 
 use super::dependent::Rows;
+use super::refine;
 use super::tableau::Tableau;
 use super::{Block, Solved};
 use crate::Csr;
 use crate::qr::faer::Faer;
 use crate::qr::{Backend, BackendError, Factor};
 
-/// Entries of a row of T below this, relative to its largest (or to 1), are rounding.
+/// Entries of a row of T below this, relative to its largest, are rounding.
 const NOISE: f64 = 1e-14;
+/// A row of T all below this many units in the last place times the condition is zero: the DOF is fixed ...
+const ZERO_UNITS: f64 = 8.0;
+/// ... but a larger entry than this is kept, however bad the condition.
+const ZERO_LIMIT: f64 = 1e-8;
 
 pub(super) fn choose(block: &Block, rows: Rows, backend: &dyn Backend, tolerance: f64) -> Result<Solved, BackendError> {
     let factor = full_rank(block, &rows.kept, backend, tolerance)?;
     let mut tableau = relation(block, &factor);
     // Of slaves that serve equally well, the earlier DOF, as an equation's first term is by habit.
     tableau.prefer(|candidate, holder| candidate < holder);
-    let (relation, constant) = sparse(&tableau);
+    refine::refine(block, &rows.kept, &mut tableau, backend)?;
+    let zero = (ZERO_UNITS * f64::EPSILON / rows.sigma).clamp(NOISE, ZERO_LIMIT);
+    let (relation, constant) = sparse(&tableau, zero);
     let dof = |k: &u32| block.dofs[*k as usize];
     Ok(Solved {
         kept: rows.kept.iter().map(|&i| block.rows[i]).collect(),
@@ -74,14 +81,17 @@ fn relation(block: &Block, factor: &Factor) -> Tableau {
 }
 
 /// Drops rounding; splits the constant off.
-fn sparse(tableau: &Tableau) -> (Csr, Vec<f64>) {
+fn sparse(tableau: &Tableau, zero: f64) -> (Csr, Vec<f64>) {
     let mut relation = Csr::empty(tableau.width - 1);
     let mut constant = Vec::new();
     for i in 0..tableau.basic.len() {
         let (last, row) = tableau.row(i).split_last().expect("the constant is a column");
-        let largest = row.iter().fold(1.0, |a: f64, v| a.max(v.abs()));
-        relation.push_row(row.iter().copied().enumerate().filter(|(_, v)| v.abs() > NOISE * largest));
+        let largest = row.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
+        let least = if largest <= zero { zero } else { NOISE * largest };
+        relation.push_row(row.iter().copied().enumerate().filter(|(_, v)| v.abs() > least));
         constant.push(*last);
     }
+    let largest = constant.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
+    constant.iter_mut().filter(|v| v.abs() <= NOISE * largest).for_each(|v| *v = 0.0);
     (relation, constant)
 }

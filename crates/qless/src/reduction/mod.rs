@@ -5,6 +5,7 @@ mod rows;
 
 use crate::basis::Basis;
 use crate::generated::random;
+use crate::scale::{Scaling, ldexp};
 use crate::{ConstraintSystem, Csr};
 
 /// The reduced form of a constraint system.
@@ -29,7 +30,8 @@ pub struct Reduction {
     pub growth: f64,
     /// How many times a slave and a master changed places to keep the growth down.
     pub exchanges: usize,
-    /// Largest `|C u - b|` of an independent equation relative to the sum of its parts' sizes, for random u_q and u_p.
+    /// `max_i |C_i u - b_i| / (|C_i D| 1 max_j(s_j / d_j) + |b_i|)` over independent equations, for random u_q and u_p: s_j
+    /// is the sum of the sizes of the parts that make u_j, D the scaling of columns (1 unless units mix).
     pub residual: f64,
 }
 
@@ -40,12 +42,14 @@ pub(crate) fn build(
     independent: &[bool],
     fixed: &[usize],
     bound: f64,
+    scaling: &Scaling,
 ) -> Reduction {
     let mut relation = rows::assemble(system, basis, fixed);
     let exchanges = growth::bound(&mut relation, bound);
     let mut reduction = finish(system, relation);
     reduction.exchanges = exchanges;
-    reduction.residual = residual(system, &reduction, independent);
+    reduction.growth = reduction.t.val.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
+    reduction.residual = residual(system, &reduction, independent, scaling);
     reduction
 }
 
@@ -70,11 +74,22 @@ fn finish(system: &ConstraintSystem, relation: rows::Relation) -> Reduction {
         }
         g.push(relation.constant[row]);
     }
-    let growth = t.val.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
-    Reduction { slaves, masters, prescribed, t, g_matrix, g, growth, exchanges: 0, residual: 0.0 }
+    Reduction { slaves, masters, prescribed, t, g_matrix, g, growth: 0.0, exchanges: 0, residual: 0.0 }
 }
 
 impl Reduction {
+    /// As [`Reduction::expand`], with the sizes of all parts: what the rounding of u is relative to.
+    fn sizes(&self, masters: &[f64], prescribed: &[f64]) -> Vec<f64> {
+        let size = |matrix: &Csr, i: usize, x: &[f64]| matrix.row(i).map(|(j, v)| (v * x[j]).abs()).sum::<f64>();
+        let mut u = vec![0.0; self.slaves.len() + self.masters.len() + self.prescribed.len()];
+        self.masters.iter().zip(masters).for_each(|(&j, &v)| u[j] = v.abs());
+        self.prescribed.iter().zip(prescribed).for_each(|(&j, &v)| u[j] = v.abs());
+        for (i, &j) in self.slaves.iter().enumerate() {
+            u[j] = size(&self.t, i, masters) + size(&self.g_matrix, i, prescribed) + self.g[i].abs();
+        }
+        u
+    }
+
     /// All DOFs from masters (length of `masters`) and prescribed values (length of `prescribed`).
     ///
     /// ```
@@ -97,19 +112,23 @@ impl Reduction {
     }
 }
 
-fn residual(system: &ConstraintSystem, reduction: &Reduction, independent: &[bool]) -> f64 {
+/// For random u_q and u_p: `max_i |C_i u - b_i| / (|C_i D| 1 max_j(s_j / d_j) + |b_i|)`, where s_j is the sum of the
+/// sizes of the parts that make u_j and D the scaling of the columns.
+fn residual(system: &ConstraintSystem, reduction: &Reduction, independent: &[bool], scaling: &Scaling) -> f64 {
     let masters: Vec<f64> = (0..reduction.masters.len() as u64).map(|j| random(1, j)).collect();
     let prescribed: Vec<f64> = (0..reduction.prescribed.len() as u64).map(|j| random(2, j)).collect();
     let u = reduction.expand(&masters, &prescribed);
+    let sizes = reduction.sizes(&masters, &prescribed);
+    let largest = sizes.iter().enumerate().map(|(j, &s)| ldexp(s, -scaling.col(j))).fold(0.0, f64::max);
     let mut worst = 0.0_f64;
     for i in (0..system.equations()).filter(|&i| independent[i]) {
         let b = system.rhs()[i];
         let (mut sum, mut size) = (-b, b.abs());
         for (j, v) in system.matrix().row(i) {
             sum += v * u[j];
-            size += (v * u[j]).abs();
+            size += ldexp(v.abs(), scaling.col(j)) * largest;
         }
-        if size > 0.0 {
+        if sum != 0.0 {
             worst = worst.max(sum.abs() / size);
         }
     }

@@ -80,13 +80,15 @@ pub(crate) fn assemble(system: &ConstraintSystem, basis: &Basis, fixed: &[usize]
     system.prescribed().iter().for_each(|&(j, _)| relation.is_prescribed[j] = true);
     let mut sum = Sum { value: vec![0.0; n], size: vec![0.0; n], touched: Vec::new() };
     basis.visit(system, |slave, terms, constant| {
-        let mut constant = constant;
+        let (mut constant, mut size) = (constant, constant.abs());
         for &(j, v) in terms {
             match relation.row_of[j as usize] {
                 u32::MAX => sum.add(j, v),
                 row => {
                     let row = row as usize;
-                    constant += v * relation.constant[row];
+                    let part = v * relation.constant[row];
+                    constant += part;
+                    size = size.max(part.abs());
                     relation.entries[relation.start[row]..relation.start[row + 1]]
                         .iter()
                         .for_each(|&(l, t)| sum.add(l, v * t));
@@ -95,7 +97,7 @@ pub(crate) fn assemble(system: &ConstraintSystem, basis: &Basis, fixed: &[usize]
         }
         relation.row_of[slave as usize] = relation.slave.len() as u32;
         relation.slave.push(slave);
-        relation.constant.push(constant);
+        relation.constant.push(if constant.abs() > NOISE * size { constant } else { 0.0 });
         let first = relation.entries.len();
         sum.take(&mut relation.entries);
         if is_fixed[slave as usize] {

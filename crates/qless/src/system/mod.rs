@@ -112,6 +112,16 @@ impl ConstraintSystem {
         &self.prescribed
     }
 
+    /// The labels of all equations, or an empty list.
+    pub fn equation_labels(&self) -> &[String] {
+        &self.equation_labels
+    }
+
+    /// The labels of all DOFs, or an empty list.
+    pub fn dof_labels(&self) -> &[String] {
+        &self.dof_labels
+    }
+
     /// The label of an equation, or its 1-based row where it has none.
     pub fn equation_label(&self, row: usize) -> String {
         self.equation_labels.get(row).map_or_else(|| format!("row {}", row + 1), Clone::clone)

@@ -1,0 +1,14 @@
+//! Every scene keeps its word: its truth is checked by exact elimination, its shape by what it models.
+
+/// Scales, order and additions leave the truth standing.
+mod change;
+/// Families at small sizes, several seeds.
+mod families;
+/// Table 1's counts, the tie and mortar twins.
+mod fssi;
+/// The oracle against fraction-free elimination on small whole matrices.
+mod oracle;
+/// The paper's figures and equations.
+mod paper;
+/// Checks shared by the modules above.
+mod support;

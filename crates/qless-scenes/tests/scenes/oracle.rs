@@ -1,0 +1,71 @@
+use qless::Csr;
+use qless_scenes::oracle::exact_rank;
+use qless_scenes::{Rng, SceneError, families};
+
+/// Rank by Bareiss' fraction-free elimination on whole numbers.
+fn bareiss(mut a: Vec<Vec<i128>>) -> usize {
+    let (mut rank, mut previous) = (0, 1);
+    let columns = a[0].len();
+    for col in 0..columns {
+        let Some(pivot) = (rank..a.len()).find(|&i| a[i][col] != 0) else { continue };
+        a.swap(rank, pivot);
+        for i in rank + 1..a.len() {
+            for j in (col..columns).rev() {
+                a[i][j] = (a[rank][col] * a[i][j] - a[i][col] * a[rank][j]) / previous;
+            }
+        }
+        previous = a[rank][col];
+        rank += 1;
+    }
+    rank
+}
+
+fn random(rng: &mut Rng) -> Vec<Vec<i128>> {
+    let (m, n) = (1 + rng.below(12), 1 + rng.below(12));
+    let share = 1 + rng.below(4);
+    let entry = |rng: &mut Rng| if rng.below(4) < share { rng.coefficient(3) as i128 } else { 0 };
+    let mut rows: Vec<Vec<i128>> = (0..m).map(|_| (0..n).map(|_| entry(rng)).collect()).collect();
+    let (a, b, target) = (rng.below(m), rng.below(m), rng.below(m));
+    rows[target] = (0..n).map(|j| rows[a][j] - 2 * rows[b][j]).collect();
+    rows
+}
+
+fn csr(rows: &[Vec<i128>], factor: f64) -> Csr {
+    let mut matrix = Csr::empty(rows[0].len());
+    for row in rows {
+        matrix.push_row(row.iter().enumerate().filter(|(_, v)| **v != 0).map(|(j, &v)| (j, v as f64 * factor)));
+    }
+    matrix
+}
+
+#[test]
+fn agrees_with_fraction_free_elimination() {
+    let mut rng = Rng::new(11);
+    for case in 0..500 {
+        let rows = random(&mut rng);
+        let expected = bareiss(rows.clone());
+        assert_eq!(exact_rank(&csr(&rows, 1.0)), expected, "case {case}: {rows:?}");
+        assert_eq!(exact_rank(&csr(&rows, 0.125)), expected, "case {case}, scaled");
+        assert_eq!(exact_rank(&csr(&rows, 1.0).transpose()), expected, "case {case}, transposed");
+    }
+}
+
+#[test]
+fn a_difference_in_the_last_bit_counts() {
+    let mut matrix = Csr::empty(2);
+    matrix.push_row([(0, 1.0), (1, 1.0)]);
+    matrix.push_row([(0, 1.0), (1, 1.0 + f64::EPSILON)]);
+    assert_eq!(exact_rank(&matrix), 2);
+}
+
+#[test]
+fn no_rows_have_rank_zero() {
+    assert_eq!(exact_rank(&Csr::empty(3)), 0);
+}
+
+#[test]
+fn thirty_thousand_rows_are_within_reach() -> Result<(), SceneError> {
+    let scene = families::grid_2d(125, 125)?;
+    assert_eq!(exact_rank(scene.system.matrix()), 125 * 125 - 1);
+    Ok(())
+}

@@ -1,0 +1,311 @@
+//! `qless.report/1`: a diagnosis as one plain value, which serializes to the JSON object that scripts read.
+//!
+//! Rows and DOFs count from 1 here, as in Matrix Market files. `because` lists kept equations whose combination with
+//! the given coefficients is the dependent equation on the free DOFs (or the fixed DOF itself):
+//! `row_k = sum_i coefficient_i row_i`.
+//!
+//! Certificates can be long: that of the equation which closes a ring of a million names all the others. A report
+//! therefore spends a limited number of terms, first on conflicts, then on generated boundary conditions (at most
+//! half of what is left), then on redundant equations. Where a certificate is left out, `because` is empty and
+//! `because_omitted` holds its number of terms, or null if it was not computed.
+
+mod budget;
+
+use std::time::Duration;
+
+use serde::{Serialize, Serializer};
+
+use crate::{Analysis, Confidence, ConstraintSystem, Kind, PresolveStatistics, Reduction};
+use budget::Budget;
+
+/// The diagnosis of a system, 1-based, with labels; numbers that are not finite serialize as null.
+///
+/// ```
+/// use qless::{Options, Report, SystemBuilder, analyse};
+/// let mut builder = SystemBuilder::new(2);
+/// builder.labelled_equation("tie 7", [(0, 1.0), (1, -1.0)], 0.0);
+/// builder.labelled_equation("tie 8", [(0, 2.0), (1, -2.0)], 0.0);
+/// let system = builder.build()?;
+/// let analysis = analyse(&system, &Options::default())?;
+/// let report = Report::new(&system, &analysis, Report::TERMS);
+/// assert_eq!((report.rank, report.counts.redundant), (1, 1));
+/// let why = &report.dependent[0];
+/// assert_eq!((why.row, why.why.because[0].label.as_str(), why.why.because[0].coefficient), (2, "tie 7", 2.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// [`Report::SCHEMA`].
+    pub schema: &'static str,
+    /// Sizes of what was diagnosed.
+    pub input: InputSizes,
+    /// Conflicting if any equation is, else redundant if any is, else independent.
+    pub status: Kind,
+    /// Rank of the free part of C.
+    pub rank: usize,
+    /// Equations of each kind.
+    pub counts: Counts,
+    /// Redundant and conflicting equations, ascending.
+    pub dependent: Vec<DependentEquation>,
+    /// Free DOFs that the equations fix, ascending.
+    pub generated_boundary_conditions: Vec<GeneratedCondition>,
+    /// How sure the rank is.
+    pub confidence: Confidence,
+    /// The reduced form, where it was computed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reduction: Option<ReductionSizes>,
+    /// What needed no factorization.
+    pub presolve: PresolveStatistics,
+    /// What factored the rest.
+    pub backend: BackendUsed,
+    /// Time spent, in milliseconds.
+    pub timings_ms: Milliseconds,
+}
+
+/// Sizes of a system.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct InputSizes {
+    /// Equations.
+    pub rows: usize,
+    /// DOFs, prescribed ones included.
+    pub dofs: usize,
+    /// Coefficients that are not zero.
+    pub nnz: usize,
+    /// DOFs that are not prescribed.
+    pub free: usize,
+    /// DOFs that are.
+    pub prescribed: usize,
+}
+
+/// Equations of each kind; they sum to all, and `independent` is the rank.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Counts {
+    /// Kept equations.
+    pub independent: usize,
+    /// Combinations of kept equations that are consistent with them.
+    pub redundant: usize,
+    /// Combinations of kept equations that contradict them.
+    pub conflicting: usize,
+}
+
+/// A redundant or conflicting equation.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DependentEquation {
+    /// Its row, from 1.
+    pub row: usize,
+    /// Its label.
+    pub label: String,
+    /// Redundant or conflicting.
+    pub kind: Kind,
+    /// `b_k - sum c_i b_i` in the units of the equation, prescribed DOFs moved into b.
+    pub mismatch: f64,
+    /// `because`, and `because_omitted` where it is left out.
+    #[serde(flatten)]
+    pub why: Why,
+}
+
+/// A free DOF that the equations fix.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct GeneratedCondition {
+    /// The DOF, from 1.
+    pub dof: usize,
+    /// Its label.
+    pub label: String,
+    /// The only value that the equations leave it.
+    pub value: f64,
+    /// `because`, and `because_omitted` where it is left out.
+    #[serde(flatten)]
+    pub why: Why,
+}
+
+/// A certificate, or how much of it was left out.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Why {
+    /// The equations combined, ascending; empty for `0 = b` as well, which needs none.
+    pub because: Vec<Term>,
+    /// What is not in `because`.
+    #[serde(rename = "because_omitted", skip_serializing_if = "Omitted::is_nothing")]
+    pub omitted: Omitted,
+}
+
+/// `coefficient` times an equation.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Term {
+    /// Row of a kept equation, from 1.
+    pub row: usize,
+    /// Its label.
+    pub label: String,
+    /// Its factor.
+    pub coefficient: f64,
+}
+
+/// What a report left out of a certificate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Omitted {
+    /// Nothing; the key is then absent.
+    Nothing,
+    /// All of its terms, this many.
+    Terms(usize),
+    /// It was not computed; serializes as null.
+    NotComputed,
+}
+
+impl Omitted {
+    fn is_nothing(&self) -> bool {
+        *self == Self::Nothing
+    }
+}
+
+impl Serialize for Omitted {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match *self {
+            Self::Terms(count) => serializer.serialize_u64(count as u64),
+            Self::Nothing | Self::NotComputed => serializer.serialize_none(),
+        }
+    }
+}
+
+/// The size and quality of `u_s = T u_q + G u_p + g`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ReductionSizes {
+    /// Number of slaves u_s.
+    pub slaves: usize,
+    /// Number of masters u_q.
+    pub masters: usize,
+    /// `max |T_ij|`.
+    pub growth: f64,
+    /// How well it meets the independent equations, see [`Reduction::residual`].
+    pub residual: f64,
+    /// Entries of T and G.
+    pub nnz: usize,
+    /// How many times a slave and a master changed places to keep the growth down.
+    pub exchanges: usize,
+}
+
+/// What factored the blocks.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct BackendUsed {
+    /// `faer`, `spqr` or `gauss`.
+    pub name: &'static str,
+    /// Threads at work.
+    pub threads: usize,
+    /// Name and version of the library behind it.
+    pub version: String,
+}
+
+/// Time spent in each stage, 0 for a stage that did not run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Milliseconds {
+    /// Reading and checking the input.
+    pub read: f64,
+    /// Scaling and presolve.
+    pub presolve: f64,
+    /// The backend.
+    pub factor: f64,
+    /// Classification and generated boundary conditions.
+    pub classify: f64,
+    /// T, G and g.
+    pub reduce: f64,
+    /// From start to end, with what is in no stage.
+    pub total: f64,
+}
+
+impl Report {
+    /// The version of the form; it changes when a reader of the old form would fail.
+    pub const SCHEMA: &'static str = "qless.report/1";
+
+    /// Terms of certificates that a JSON report spends unless told otherwise.
+    pub const TERMS: usize = 1_000_000;
+
+    /// Reports an analysis of `system`, with certificates of at most `terms` terms in total.
+    ///
+    /// No certificate is computed after the limit is reached, so `terms` bounds the time as well; one for a generated
+    /// boundary condition counts for the factorization that it may take. Reading and reduction are not in it yet:
+    /// see [`Report::with_reduction`] and [`Report::with_timings`].
+    pub fn new(system: &ConstraintSystem, analysis: &Analysis, terms: usize) -> Self {
+        let mut budget = Budget::new(system, analysis, terms);
+        let (dependent, generated_boundary_conditions) = budget.spend();
+        let counts = count(&analysis.kinds);
+        let (name, version) = &analysis.backend;
+        Self {
+            schema: Self::SCHEMA,
+            input: InputSizes::of(system),
+            status: counts.status(),
+            rank: analysis.rank(),
+            counts,
+            dependent,
+            generated_boundary_conditions,
+            confidence: analysis.confidence,
+            reduction: None,
+            presolve: analysis.presolve,
+            backend: BackendUsed { name, threads: 1, version: version.clone() },
+            timings_ms: Milliseconds::of(analysis),
+        }
+    }
+
+    /// Adds what is to be said of the reduced form.
+    #[must_use]
+    pub fn with_reduction(mut self, reduction: &Reduction) -> Self {
+        self.reduction = Some(ReductionSizes {
+            slaves: reduction.slaves.len(),
+            masters: reduction.masters.len(),
+            growth: reduction.growth,
+            residual: reduction.residual,
+            nnz: reduction.t.nnz() + reduction.g_matrix.nnz(),
+            exchanges: reduction.exchanges,
+        });
+        self
+    }
+
+    /// Adds the times that only the caller knows: reading, reduction (zero if there was none) and all together.
+    #[must_use]
+    pub fn with_timings(mut self, read: Duration, reduce: Duration, total: Duration) -> Self {
+        let (read, reduce, total) = (milliseconds(read), milliseconds(reduce), milliseconds(total));
+        self.timings_ms = Milliseconds { read, reduce, total, ..self.timings_ms };
+        self
+    }
+}
+
+impl InputSizes {
+    fn of(system: &ConstraintSystem) -> Self {
+        Self {
+            rows: system.equations(),
+            dofs: system.dofs(),
+            nnz: system.matrix().nnz(),
+            free: system.free(),
+            prescribed: system.prescribed().len(),
+        }
+    }
+}
+
+impl Counts {
+    fn status(self) -> Kind {
+        match self {
+            Self { redundant: 0, conflicting: 0, .. } => Kind::Independent,
+            Self { conflicting: 0, .. } => Kind::Redundant,
+            Self { .. } => Kind::Conflicting,
+        }
+    }
+}
+
+fn count(kinds: &[Kind]) -> Counts {
+    let of = |kind: Kind| kinds.iter().filter(|&&k| k == kind).count();
+    Counts {
+        independent: of(Kind::Independent),
+        redundant: of(Kind::Redundant),
+        conflicting: of(Kind::Conflicting),
+    }
+}
+
+impl Milliseconds {
+    fn of(analysis: &Analysis) -> Self {
+        let times = &analysis.timings;
+        let [presolve, factor, classify] = [times.presolve, times.factor, times.classify].map(milliseconds);
+        Self { presolve, factor, classify, total: presolve + factor + classify, ..Self::default() }
+    }
+}
+
+/// To the microsecond.
+fn milliseconds(time: Duration) -> f64 {
+    (time.as_secs_f64() * 1e6).round() / 1e3
+}

@@ -1,0 +1,79 @@
+//! Which certificates a report holds, given how many terms it may spend.
+
+use super::{DependentEquation, GeneratedCondition, Omitted, Term, Why};
+use crate::{Analysis, Because, ConstraintSystem, Dependent, Kind};
+
+/// Terms that may still be spent.
+pub(super) struct Budget<'a> {
+    system: &'a ConstraintSystem,
+    analysis: &'a Analysis,
+    left: usize,
+}
+
+impl<'a> Budget<'a> {
+    pub fn new(system: &'a ConstraintSystem, analysis: &'a Analysis, left: usize) -> Self {
+        Self { system, analysis, left }
+    }
+
+    /// Conflicts first, then generated boundary conditions with at most half of what is left, then redundancies.
+    pub fn spend(&mut self) -> (Vec<DependentEquation>, Vec<GeneratedCondition>) {
+        let mut dependent = self.equations(Kind::Conflicting);
+        let kept_back = self.left / 2;
+        self.left -= kept_back;
+        let generated = self.analysis.generated.iter().map(|&(dof, value)| self.condition(dof, value)).collect();
+        self.left += kept_back;
+        dependent.extend(self.equations(Kind::Redundant));
+        dependent.sort_unstable_by_key(|equation| equation.row);
+        (dependent, generated)
+    }
+
+    fn equations(&mut self, kind: Kind) -> Vec<DependentEquation> {
+        let of_kind = self.analysis.dependent.iter().filter(|dependent| dependent.kind == kind);
+        of_kind.map(|dependent| self.equation(dependent)).collect()
+    }
+
+    fn equation(&mut self, dependent: &Dependent) -> DependentEquation {
+        let analysis = self.analysis;
+        DependentEquation {
+            row: dependent.row + 1,
+            label: self.system.equation_label(dependent.row),
+            kind: dependent.kind,
+            mismatch: dependent.mismatch,
+            why: self.why(0, || Some(analysis.because(dependent))),
+        }
+    }
+
+    fn condition(&mut self, dof: usize, value: f64) -> GeneratedCondition {
+        let (system, analysis) = (self.system, self.analysis);
+        // A pass over all DOFs, and the factorization of a block: about a thousand operations count as a term.
+        let block = analysis.presolve.largest_block;
+        let work = system.dofs() / 8 + block.saturating_pow(3) / 1000;
+        GeneratedCondition {
+            dof: dof + 1,
+            label: system.dof_label(dof),
+            value,
+            why: self.why(work, || analysis.because_fixed(system, dof).ok()),
+        }
+    }
+
+    /// Computes a certificate while anything is left, and keeps it if there is room for it.
+    fn why(&mut self, work: usize, compute: impl FnOnce() -> Option<Vec<Because>>) -> Why {
+        let left_out = |omitted| Why { because: Vec::new(), omitted };
+        if self.left == 0 {
+            return left_out(Omitted::NotComputed);
+        }
+        let before = self.left;
+        self.left = self.left.saturating_sub(work);
+        let Some(terms) = compute() else { return left_out(Omitted::NotComputed) };
+        self.left = self.left.saturating_sub(terms.len());
+        if terms.len() > before {
+            return left_out(Omitted::Terms(terms.len()));
+        }
+        Why { because: terms.iter().map(|term| self.term(term)).collect(), omitted: Omitted::Nothing }
+    }
+
+    fn term(&self, term: &Because) -> Term {
+        let label = self.system.equation_label(term.row);
+        Term { row: term.row + 1, label, coefficient: term.coefficient }
+    }
+}
