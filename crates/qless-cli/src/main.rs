@@ -1,2 +1,37 @@
-//! x
-fn main() {}
+//! `qless`: says which constraint equations of a finite-element model are redundant or conflicting, and reduces them.
+//!
+//! | module | holds |
+//! | --- | --- |
+//! | [`args`] | the command line |
+//! | [`check`], [`reduce`], [`generate`] | the commands, one each |
+//! | [`diagnose`] | what check and reduce share: read, analyse, time it |
+//! | [`text`], [`json`] | the two forms of the report |
+//! | [`failure`] | what can go wrong, in words, and its exit code |
+
+mod args;
+mod check;
+mod diagnose;
+mod failure;
+mod generate;
+mod json;
+mod progress;
+mod reduce;
+mod scenes;
+mod stdout;
+mod text;
+mod version;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use args::{Cli, Command};
+
+fn main() -> ExitCode {
+    let done = match &Cli::parse().command {
+        Command::Check(args) => check::run(args),
+        Command::Reduce(args) => reduce::run(args),
+        Command::Generate(args) => generate::run(args),
+    };
+    done.unwrap_or_else(|failure| failure.tell())
+}

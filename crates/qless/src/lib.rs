@@ -10,9 +10,14 @@ mod block;
 mod certificate;
 mod generated;
 mod reduction;
+mod report;
 pub use analysis::{Analysis, AnalysisError, Confidence, Dependent, Kind, PresolveStatistics, Timings, analyse};
 pub use certificate::Because;
 pub use reduction::Reduction;
+pub use report::{
+    BackendUsed, Certificate, Counts, DependentEquation, GeneratedCondition, InputSizes, Milliseconds, Omitted,
+    ReductionSizes, Report, Term,
+};
 mod presolve;
 mod scale;
 mod options;

@@ -29,8 +29,9 @@ use budget::Budget;
 /// let analysis = analyse(&system, &Options::default())?;
 /// let report = Report::new(&system, &analysis, Report::TERMS);
 /// assert_eq!((report.rank, report.counts.redundant), (1, 1));
-/// let why = &report.dependent[0];
-/// assert_eq!((why.row, why.why.because[0].label.as_str(), why.why.because[0].coefficient), (2, "tie 7", 2.0));
+/// let last = &report.dependent[0];
+/// let term = &last.certificate.because[0];
+/// assert_eq!((last.row, term.label.as_str(), term.coefficient), (2, "tie 7", 2.0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, Serialize)]
@@ -101,7 +102,7 @@ pub struct DependentEquation {
     pub mismatch: f64,
     /// `because`, and `because_omitted` where it is left out.
     #[serde(flatten)]
-    pub why: Why,
+    pub certificate: Certificate,
 }
 
 /// A free DOF that the equations fix.
@@ -115,12 +116,12 @@ pub struct GeneratedCondition {
     pub value: f64,
     /// `because`, and `because_omitted` where it is left out.
     #[serde(flatten)]
-    pub why: Why,
+    pub certificate: Certificate,
 }
 
 /// A certificate, or how much of it was left out.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Why {
+pub struct Certificate {
     /// The equations combined, ascending; empty for `0 = b` as well, which needs none.
     pub because: Vec<Term>,
     /// What is not in `because`.

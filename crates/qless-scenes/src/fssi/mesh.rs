@@ -104,5 +104,5 @@ impl Mesh {
 
 /// The least number of far-field columns, from `far` up, of which some do not meet near-field ones.
 fn without_nesting(columns: usize, far: usize) -> usize {
-    (far.max(3)..).find(|far| !(columns - 1).is_multiple_of(far - 1)).unwrap_or(far)
+    (far.max(3)..=columns + 1).find(|far| !(columns - 1).is_multiple_of(far - 1)).unwrap_or(far)
 }

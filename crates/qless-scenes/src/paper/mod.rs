@@ -1,7 +1,7 @@
 //! `C_f u_f = b - C_p u_p` as in the paper's figures: small systems with everything about them known.
 //!
-//! The paper is Cho et al., "over-constraints ... Q-less sparse QR", whose figures show drawings; where its text
-//! does not give the equations, a scene is built with the outcome that the text reports, and says so.
+//! The paper (Applied Sciences 15, 13059) shows most of them as drawings. Where its text does not give the
+//! equations, a scene is built with the outcome that the text reports, and says so.
 //!
 //! ```
 //! let scene = qless_scenes::paper::figure_8()?;

@@ -2,7 +2,7 @@ use std::collections::HashMap;
 
 use qless::ConstraintSystem;
 use qless_scenes::fssi::{Level, Mesh, mortar, tie};
-use qless_scenes::{Component, Scene, SceneError, oracle};
+use qless_scenes::{Component, Scene, SceneError};
 
 use crate::support::assert_truth;
 

@@ -2,6 +2,8 @@
 
 /// Scales, order and additions leave the truth standing.
 mod change;
+/// The same bits on every machine.
+mod digests;
 /// Families at small sizes, several seeds.
 mod families;
 /// Table 1's counts, the tie and mortar twins.

@@ -17,7 +17,9 @@ fn every_figure_is_as_its_truth_says() -> Result<(), SceneError> {
         ("figure 6", figure_6(0.5)?),
         ("figure 8", figure_8()?),
     ];
-    scenes.iter().for_each(|(name, scene)| assert_truth_and_generated(scene, name));
+    for (name, scene) in &scenes {
+        assert_truth_and_generated(scene, name);
+    }
     Ok(())
 }
 

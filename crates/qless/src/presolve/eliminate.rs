@@ -18,8 +18,8 @@ pub(crate) const SUSPECT: f64 = 1e-3;
 const NOISE: f64 = 16.0;
 /// A pivot is at least this fraction of the entries that it eliminates, which bounds the multipliers, ...
 const THRESHOLD: f64 = 0.1;
-/// ... and, where nothing better is left, at least this fraction of its own row.
-const WEAK: f64 = 1e-3;
+/// ... and at least this fraction of its own row, the strictest first, which bounds the growth of T as long as it can be.
+const OF_ROW: [f64; 3] = [1.0, 0.1, 1e-3];
 
 /// One pivot: the row as it was when it became the equation of its slave.
 #[derive(Clone, Debug)]
@@ -74,9 +74,8 @@ struct Elimination<'a> {
     holders: Vec<Vec<u32>>,
     count: Vec<u32>,
     short_rows: VecDeque<u32>,
-    rare_dofs: VecDeque<u32>,
-    /// DOFs whose coefficients are too small in their rows, until nothing better is left.
-    weak_dofs: VecDeque<u32>,
+    /// DOFs in at most two rows; those whose coefficients are too small in their rows wait in the next queue.
+    rare_dofs: [VecDeque<u32>; 3],
     tolerance: f64,
 }
 
@@ -96,8 +95,7 @@ pub(crate) fn eliminate(
         holders: vec![Vec::new(); dofs],
         count: vec![0; dofs],
         short_rows: (0..m as u32).collect(),
-        rare_dofs: VecDeque::new(),
-        weak_dofs: VecDeque::new(),
+        rare_dofs: Default::default(),
         tolerance,
     };
     work.count();
@@ -119,23 +117,25 @@ impl Elimination<'_> {
                 self.holders[j as usize].push(i as u32);
             }
         }
-        self.rare_dofs.extend((0..self.count.len() as u32).filter(|&j| self.count[j as usize] <= 2));
+        self.rare_dofs[0].extend((0..self.count.len() as u32).filter(|&j| self.count[j as usize] <= 2));
     }
 
     fn run(&mut self) {
         loop {
             if let Some(i) = self.short_rows.pop_front() {
                 self.try_row(i);
-            } else if let Some(j) = self.rare_dofs.pop_front() {
-                if !self.try_dof(j, THRESHOLD) {
-                    self.weak_dofs.push_back(j);
+            } else if let Some((level, j)) = self.next_dof() {
+                if !self.try_dof(j, OF_ROW[level]) && level + 1 < OF_ROW.len() {
+                    self.rare_dofs[level + 1].push_back(j);
                 }
-            } else if let Some(j) = self.weak_dofs.pop_front() {
-                self.try_dof(j, WEAK);
             } else {
                 return;
             }
         }
+    }
+
+    fn next_dof(&mut self) -> Option<(usize, u32)> {
+        self.rare_dofs.iter_mut().enumerate().find_map(|(level, queue)| Some((level, queue.pop_front()?)))
     }
 
     fn close_empty(&mut self) {
@@ -213,7 +213,7 @@ impl Elimination<'_> {
         let count = &mut self.count[dof as usize];
         *count -= 1;
         if *count <= 2 {
-            self.rare_dofs.push_back(dof);
+            self.rare_dofs[0].push_back(dof);
         }
     }
 

@@ -2,9 +2,8 @@
 //!
 //! Removing the row makes further DOFs singletons, so whole models peel away from their rims without a single
 //! change of a coefficient. Such a row is independent of all others and stands in nobody's certificate.
-//! Cost O(nnz). The slave's coefficient must be the largest of its row, or, where nothing of that kind is left, at
-//! least a tenth of it, or in the end a thousandth (threshold pivoting): what that costs in growth, the exchange of
-//! slaves and masters repairs afterwards.
+//! Cost O(nnz). The slave's coefficient must be the largest of its row, so that peeling adds nothing to growth; what
+//! that leaves, [`super::eliminate`] takes with weaker thresholds.
 
 use std::collections::VecDeque;
 
@@ -17,9 +16,6 @@ pub(crate) struct Peeled {
     /// Rows that remain.
     pub remaining: Vec<bool>,
 }
-
-/// Least size of a slave's coefficient relative to its row, strictest first.
-const THRESHOLDS: [f64; 3] = [1.0, 0.1, 1e-3];
 
 impl Peeled {
     /// Nothing peeled.
@@ -39,30 +35,19 @@ pub(crate) fn peel(system: &ConstraintSystem, is_free: &[bool], scaling: &Scalin
     let mut columns = count(system, is_free);
     let mut peeled = Peeled { pivots: Vec::new(), remaining: vec![true; system.equations()] };
     let mut ready: VecDeque<u32> = (0..system.dofs() as u32).filter(|&j| columns.count[j as usize] == 1).collect();
-    let mut held = [VecDeque::new(), VecDeque::new()];
-    loop {
-        let Some((level, dof)) = next(&mut ready, &mut held) else {
-            return peeled;
-        };
+    while let Some(dof) = ready.pop_front() {
         if columns.count[dof as usize] != 1 {
             continue;
         }
         let row = columns.rows[dof as usize];
         let (own, largest) = sizes(system, is_free, scaling, row as usize, dof as usize);
-        if own >= THRESHOLDS[level] * largest {
+        if own >= largest {
             peeled.pivots.push((row, dof));
             remove(system, is_free, row, &mut columns, &mut ready);
             peeled.remaining[row as usize] = false;
-        } else if let Some(queue) = held.get_mut(level) {
-            queue.push_back(dof);
         }
     }
-}
-
-/// The next DOF and how strict to be with it: those with the strictest threshold first.
-fn next(ready: &mut VecDeque<u32>, held: &mut [VecDeque<u32>; 2]) -> Option<(usize, u32)> {
-    let first = ready.pop_front().map(|dof| (0, dof));
-    first.or_else(|| held.iter_mut().enumerate().find_map(|(k, queue)| Some((k + 1, queue.pop_front()?))))
+    peeled
 }
 
 fn count(system: &ConstraintSystem, is_free: &[bool]) -> Columns {

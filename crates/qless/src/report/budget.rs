@@ -1,6 +1,6 @@
 //! Which certificates a report holds, given how many terms it may spend.
 
-use super::{DependentEquation, GeneratedCondition, Omitted, Term, Why};
+use super::{Certificate, DependentEquation, GeneratedCondition, Omitted, Term};
 use crate::{Analysis, Because, ConstraintSystem, Dependent, Kind};
 
 /// Terms that may still be spent.
@@ -39,7 +39,7 @@ impl<'a> Budget<'a> {
             label: self.system.equation_label(dependent.row),
             kind: dependent.kind,
             mismatch: dependent.mismatch,
-            why: self.why(0, || Some(analysis.because(dependent))),
+            certificate: self.certificate(0, || Some(analysis.because(dependent))),
         }
     }
 
@@ -52,13 +52,13 @@ impl<'a> Budget<'a> {
             dof: dof + 1,
             label: system.dof_label(dof),
             value,
-            why: self.why(work, || analysis.because_fixed(system, dof).ok()),
+            certificate: self.certificate(work, || analysis.because_fixed(system, dof).ok()),
         }
     }
 
     /// Computes a certificate while anything is left, and keeps it if there is room for it.
-    fn why(&mut self, work: usize, compute: impl FnOnce() -> Option<Vec<Because>>) -> Why {
-        let left_out = |omitted| Why { because: Vec::new(), omitted };
+    fn certificate(&mut self, work: usize, compute: impl FnOnce() -> Option<Vec<Because>>) -> Certificate {
+        let left_out = |omitted| Certificate { because: Vec::new(), omitted };
         if self.left == 0 {
             return left_out(Omitted::NotComputed);
         }
@@ -69,7 +69,7 @@ impl<'a> Budget<'a> {
         if terms.len() > before {
             return left_out(Omitted::Terms(terms.len()));
         }
-        Why { because: terms.iter().map(|term| self.term(term)).collect(), omitted: Omitted::Nothing }
+        Certificate { because: terms.iter().map(|term| self.term(term)).collect(), omitted: Omitted::Nothing }
     }
 
     fn term(&self, term: &Because) -> Term {

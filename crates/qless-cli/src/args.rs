@@ -1,0 +1,153 @@
+//! The command line.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use qless::{BackendChoice, Options, Tolerance};
+
+use crate::scenes::SceneArgs;
+use crate::version;
+
+/// Finds redundant and conflicting constraint equations `C u = b` in finite-element models, says why, and reduces them.
+#[derive(Parser)]
+#[command(name = "qless", version = version::LONG, propagate_version = false, after_help = EXIT_CODES)]
+pub struct Cli {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+const EXIT_CODES: &str = "\
+Exit codes:
+  0  solvable: independent, or redundant but consistent
+  1  conflicting equations (with --deny redundant: redundant ones too)
+  2  bad usage or bad input
+  3  out of memory, or the output cannot be written";
+
+#[derive(Subcommand)]
+pub enum Command {
+    /// Says which equations are redundant or conflicting, and why
+    Check(CheckArgs),
+    /// Writes the reduced form u_s = T u_q + G u_p + g
+    Reduce(ReduceArgs),
+    /// Writes a test model of known rank
+    Generate(SceneArgs),
+}
+
+#[derive(Args)]
+pub struct CheckArgs {
+    #[command(flatten)]
+    pub model: ModelArgs,
+}
+
+#[derive(Args)]
+pub struct ReduceArgs {
+    #[command(flatten)]
+    pub model: ModelArgs,
+    /// Folder for T.mtx, G.mtx, g.txt, slaves.txt, masters.txt and prescribed.txt (columns of G), all counted from 1
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+    /// Exchange slaves and masters until no entry of T is larger than this; at least 1
+    #[arg(long, value_name = "X", default_value = "4", value_parser = growth)]
+    pub growth: f64,
+}
+
+/// The model, and how to look at it.
+#[derive(Args)]
+pub struct ModelArgs {
+    /// Matrix C (.mtx), or a folder with C.mtx and, if there are any, b.txt, prescribed.txt, rows.txt, cols.txt
+    pub input: PathBuf,
+    /// Right-hand side b, one number a line [default: b.txt of a folder, else zeros]
+    #[arg(long, value_name = "FILE")]
+    pub rhs: Option<PathBuf>,
+    /// Prescribed DOFs, `column value` a line, columns counted from 1 [default: prescribed.txt of a folder, else none]
+    #[arg(long, value_name = "FILE")]
+    pub prescribed: Option<PathBuf>,
+    /// What factors the equations that presolve leaves
+    #[arg(long, value_enum, value_name = "NAME", default_value = "auto")]
+    pub backend: BackendName,
+    /// How small is zero, relative to each equation's largest coefficient; between 0 and 1 [default: 1e-10]
+    #[arg(long, value_name = "X", value_parser = tolerance)]
+    pub tolerance: Option<f64>,
+    /// The paper's rule instead: absolute 1e-5 without scaling (its answer changes with the units)
+    #[arg(long, conflicts_with = "tolerance")]
+    pub paper_tolerance: bool,
+    /// Most threads to use
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+    /// Leave every equation to the backend
+    #[arg(long)]
+    pub no_presolve: bool,
+    /// Form of the report
+    #[arg(long, value_enum, default_value = "text")]
+    pub format: Format,
+    /// Exit with 1 where equations are redundant too; reduce then writes nothing
+    #[arg(long, value_enum, value_name = "WHAT")]
+    pub deny: Option<Deny>,
+    /// No progress display
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// For people, at most 24 lines
+    Text,
+    /// Everything, as one JSON object
+    Json,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Deny {
+    /// Equations that are combinations of others
+    Redundant,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum BackendName {
+    /// The best for most models: faer
+    Auto,
+    /// Pure Rust, QR with column pivoting
+    Faer,
+    /// SuiteSparseQR, where it is compiled in (see --version)
+    Spqr,
+    /// Block-wise Gauss elimination, for comparison
+    Gauss,
+}
+
+impl ModelArgs {
+    /// The library's settings. It works on one thread so far: `--threads` bounds that and has no field yet.
+    pub fn options(&self) -> Options {
+        let backend = match self.backend {
+            BackendName::Auto => BackendChoice::Auto,
+            BackendName::Faer => BackendChoice::Faer,
+            BackendName::Spqr => BackendChoice::Spqr,
+            BackendName::Gauss => BackendChoice::Gauss,
+        };
+        let standard = Options::default();
+        let relative = self.tolerance.map_or(standard.tolerance, Tolerance::Relative);
+        let tolerance = if self.paper_tolerance { Tolerance::Paper } else { relative };
+        Options { backend, tolerance, presolve: !self.no_presolve, ..standard }
+    }
+}
+
+impl ReduceArgs {
+    pub fn options(&self) -> Options {
+        Options { growth: self.growth, ..self.model.options() }
+    }
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    checked(text, |tolerance| Options { tolerance: Tolerance::Relative(tolerance), ..Options::default() })
+}
+
+fn growth(text: &str) -> Result<f64, String> {
+    checked(text, |growth| Options { growth, ..Options::default() })
+}
+
+/// A number that the library accepts in these options.
+fn checked(text: &str, options: impl Fn(f64) -> Options) -> Result<f64, String> {
+    let number = text.parse().map_err(|_| "not a number; write it as 0.001 or 1e-3".to_owned())?;
+    options(number).validate().map_err(|error| error.to_string())?;
+    Ok(number)
+}

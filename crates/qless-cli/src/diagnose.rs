@@ -1,0 +1,78 @@
+//! Read, analyse, and keep the time: the start of check and reduce.
+
+use std::time::{Duration, Instant};
+
+use qless::{Analysis, ConstraintSystem, Kind, Options, Reduction, Report, analyse};
+use qless_io::read_case;
+
+use crate::args::{Deny, Format, ModelArgs};
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::text::{self, Outcome};
+use crate::{json, stdout};
+
+/// A model and what was found.
+pub struct Diagnosis<'a> {
+    pub args: &'a ModelArgs,
+    pub options: Options,
+    pub system: ConstraintSystem,
+    pub analysis: Analysis,
+    start: Instant,
+    read: Duration,
+}
+
+/// Reads the model and analyses it.
+pub fn diagnose<'a>(args: &'a ModelArgs, options: Options, progress: &Progress) -> Result<Diagnosis<'a>, Failure> {
+    let start = Instant::now();
+    progress.stage("reading");
+    let system = read_case(&args.input, args.rhs.as_deref(), args.prescribed.as_deref())?;
+    let read = start.elapsed();
+    progress.stage("analysing");
+    let analysis =
+        analyse(&system, &options).map_err(|error| Failure::of_analysis(error, &args.input, &system))?;
+    Ok(Diagnosis { args, options, system, analysis, start, read })
+}
+
+impl Diagnosis<'_> {
+    /// Whether the exit code is 1.
+    pub fn is_refused(&self) -> bool {
+        let denied = |kind| match kind {
+            Kind::Independent => false,
+            Kind::Redundant => self.args.deny == Some(Deny::Redundant),
+            Kind::Conflicting => true,
+        };
+        self.analysis.dependent.iter().any(|dependent| denied(dependent.kind))
+    }
+
+    /// Prints the report; `reduced` is the reduction and the time that it took.
+    pub fn print(
+        &self,
+        reduced: Option<(&Reduction, Duration)>,
+        outcome: &Outcome,
+        progress: Progress,
+    ) -> Result<(), Failure> {
+        progress.stage("explaining");
+        match self.args.format {
+            Format::Text => {
+                let report = self.report(reduced, 0);
+                let text = text::render(self, &report, outcome);
+                drop(progress);
+                stdout::write(|out| out.write_all(text.as_bytes()))
+            }
+            Format::Json => {
+                let report = self.report(reduced, Report::TERMS);
+                drop(progress);
+                stdout::write(|out| json::write(out, &report))
+            }
+        }
+    }
+
+    fn report(&self, reduced: Option<(&Reduction, Duration)>, terms: usize) -> Report {
+        let report = Report::new(&self.system, &self.analysis, terms);
+        let (report, time) = match reduced {
+            Some((reduction, time)) => (report.with_reduction(reduction), time),
+            None => (report, Duration::ZERO),
+        };
+        report.with_timings(self.read, time, self.start.elapsed())
+    }
+}

@@ -1,0 +1,88 @@
+//! What stops a command: a message on standard error and the exit code 2 or 3.
+
+use std::fmt;
+use std::io::{self, Write};
+use std::path::Path;
+use std::process::ExitCode;
+
+use qless::qr::BackendError;
+use qless::{AnalysisError, ConstraintSystem};
+use qless_io::{ReadError, WriteError};
+
+/// Why a command could not be done.
+pub enum Failure {
+    /// The user can mend it: exit code 2.
+    Input(String),
+    /// The machine cannot: exit code 3.
+    Resource(String),
+    /// Nobody reads standard output any more: exit code 3, without a word.
+    Hangup,
+}
+
+impl Failure {
+    /// Says it on standard error.
+    pub fn tell(&self) -> ExitCode {
+        let (message, code) = match self {
+            Self::Input(message) => (message.as_str(), 2),
+            Self::Resource(message) => (message.as_str(), 3),
+            Self::Hangup => ("", 3),
+        };
+        if !message.is_empty() {
+            say(format_args!("error: {message}"));
+        }
+        ExitCode::from(code)
+    }
+
+    /// The library refused or failed; names the equation by its label and its row from 1.
+    pub fn of_analysis(error: AnalysisError, input: &Path, system: &ConstraintSystem) -> Self {
+        match error {
+            AnalysisError::Range { row } => Self::Input(format!(
+                "{}: {}: the right-hand side is too large for the coefficients (ratio beyond 1e308); \
+                 rescale the equation",
+                input.display(),
+                crate::text::name::equation(system, row)
+            )),
+            AnalysisError::Option(error) => Self::Input(error.to_string()),
+            AnalysisError::Backend(BackendError::NotCompiledIn { backend }) => Self::Input(format!(
+                "this qless has no backend {backend}: leave out `--backend {backend}`, \
+                 or rebuild with `cargo build --features {backend}`"
+            )),
+            AnalysisError::Backend(error) => Self::Resource(format!("{}: {error}", input.display())),
+        }
+    }
+
+    /// Standard output could not be written.
+    pub fn of_stdout(error: &io::Error) -> Self {
+        match error.kind() {
+            io::ErrorKind::BrokenPipe => Self::Hangup,
+            _ => Self::Resource(format!("the report cannot be written to standard output: {error}")),
+        }
+    }
+}
+
+impl From<ReadError> for Failure {
+    fn from(error: ReadError) -> Self {
+        let advice = match &error {
+            ReadError::Io { source, .. } => match source.kind() {
+                io::ErrorKind::OutOfMemory => return Self::Resource(error.to_string()),
+                io::ErrorKind::NotFound => "; check the name and the folder you are in",
+                io::ErrorKind::PermissionDenied => "; check its permissions",
+                io::ErrorKind::IsADirectory => "; name a file",
+                _ => "",
+            },
+            _ => "",
+        };
+        Self::Input(format!("{error}{advice}"))
+    }
+}
+
+impl From<WriteError> for Failure {
+    fn from(error: WriteError) -> Self {
+        Self::Resource(format!("{error} (nothing was written)"))
+    }
+}
+
+/// A line on standard error; if even that cannot be written there is nobody to tell.
+pub fn say(message: fmt::Arguments) {
+    let _ = writeln!(io::stderr(), "{message}");
+}

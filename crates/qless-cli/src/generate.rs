@@ -1,0 +1,51 @@
+//! `qless generate`: test models of known rank, as case folders.
+
+use std::process::ExitCode;
+
+use clap::CommandFactory;
+use clap::error::ErrorKind;
+use qless_io::write_case;
+use qless_scenes::{Scene, SceneError};
+
+use crate::args::Cli;
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::scenes::SceneArgs;
+use crate::stdout;
+
+/// Writes the scene to the folder and says what is known about it.
+pub fn run(args: &SceneArgs) -> Result<ExitCode, Failure> {
+    let Some(folder) = &args.output else {
+        let missing = "name the folder to write to: -o <DIR>";
+        Cli::command().error(ErrorKind::MissingRequiredArgument, missing).exit()
+    };
+    let progress = Progress::new(args.quiet);
+    progress.stage("generating");
+    let scene = args.scene.generate().map_err(|error| refused(&error))?;
+    progress.stage("writing");
+    write_case(folder, &scene.system)?;
+    drop(progress);
+    stdout::write(|out| writeln!(out, "Wrote {}: {}", folder.display(), describe(&scene)))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn refused(error: &SceneError) -> Failure {
+    Failure::Input(format!("no such scene: {error}"))
+}
+
+/// Sizes, and what is true of the scene by construction.
+fn describe(scene: &Scene) -> String {
+    let (system, truth) = (&scene.system, &scene.truth);
+    let sizes = format!(
+        "{} equations, {} DOFs ({} prescribed), {} coefficients",
+        system.equations(),
+        system.dofs(),
+        system.prescribed().len(),
+        system.matrix().nnz()
+    );
+    let rank = truth.rank_free.map_or_else(String::new, |rank| format!("; rank {rank}"));
+    let dependent = truth.redundant.map_or_else(String::new, |count| format!(", {count} dependent"));
+    let conflict = if truth.conflicting { "; conflicting" } else { "" };
+    let ambiguous = if truth.ambiguous { "; the numerical rank is ambiguous" } else { "" };
+    format!("{sizes}{rank}{dependent}{conflict}{ambiguous}.")
+}

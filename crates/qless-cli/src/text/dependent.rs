@@ -1,0 +1,103 @@
+//! Which equations are dependent, and why: as many as fit, the others by their rows.
+
+use qless::{ConstraintSystem, Dependent, Kind};
+
+use super::COLUMNS;
+use super::combination;
+use super::fit::flow;
+use super::number::number;
+use crate::diagnose::Diagnosis;
+
+/// The equations of one kind in at most `most` lines; only their certificates are computed.
+pub fn section(diagnosis: &Diagnosis, kind: Kind, most: usize) -> Vec<String> {
+    let of_kind: Vec<_> = diagnosis.analysis.dependent.iter().filter(|dependent| dependent.kind == kind).collect();
+    if of_kind.is_empty() {
+        return Vec::new();
+    }
+    let mut lines = vec![heading(kind).to_owned()];
+    for (k, dependent) in of_kind.iter().enumerate() {
+        let entry = entry(diagnosis, dependent);
+        let for_the_rest = usize::from(k + 1 < of_kind.len());
+        if lines.len() + entry.len() + for_the_rest > most {
+            lines.push(rest(&of_kind[k..], k));
+            break;
+        }
+        lines.extend(entry);
+    }
+    lines
+}
+
+fn heading(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Conflicting => "Conflicting: a combination of other equations, but with another right-hand side.",
+        _ => "Redundant: a combination of other equations, which already say the same.",
+    }
+}
+
+fn entry(diagnosis: &Diagnosis, dependent: &Dependent) -> Vec<String> {
+    let because = diagnosis.analysis.because(dependent);
+    let mut lines = combination::lines(&diagnosis.system, dependent.row, &because);
+    if dependent.kind == Kind::Conflicting {
+        lines.push(mismatch(&diagnosis.system, dependent, because.is_empty()));
+    }
+    lines
+}
+
+/// What the right-hand side is, and what it would have to be.
+fn mismatch(system: &ConstraintSystem, dependent: &Dependent, is_alone: bool) -> String {
+    let found = system.rhs()[dependent.row];
+    let needed = found - dependent.mismatch;
+    let has_prescribed = system.matrix().row(dependent.row).any(|(j, _)| is_prescribed(system, j));
+    let who = match (is_alone, has_prescribed) {
+        (true, false) => "it can only be",
+        (true, true) => "the prescribed values require",
+        (false, false) => "the others require",
+        (false, true) => "the others and the prescribed values require",
+    };
+    let off = number(dependent.mismatch);
+    format!("      right-hand side {}, but {who} {} (mismatch {off})", number(found), number(needed))
+}
+
+fn is_prescribed(system: &ConstraintSystem, dof: usize) -> bool {
+    system.prescribed().binary_search_by_key(&dof, |&(j, _)| j).is_ok()
+}
+
+/// `  and 480 more: rows 12, 15, 19-22, ...`.
+fn rest(dependent: &[&Dependent], shown: usize) -> String {
+    let rows: Vec<usize> = dependent.iter().map(|d| d.row + 1).collect();
+    let pieces = ranges(&rows);
+    let plural = if rows.len() == 1 { "" } else { "s" };
+    let and = if shown == 0 { "" } else { "and " };
+    let first = format!("  {and}{} more: row{plural}", rows.len());
+    const TAIL: &str = ", ... (all: --format json)";
+    let flowed = flow(&first, "", &pieces, (1, COLUMNS), TAIL.len());
+    let left_out = flowed.used < pieces.len();
+    let line = flowed.finish("").concat();
+    if left_out { line.trim_end_matches(',').to_owned() + TAIL } else { line }
+}
+
+/// ` 3,`, ` 5-9,`, the last without a comma; no more than a line can hold.
+fn ranges(rows: &[usize]) -> Vec<String> {
+    let mut pieces = Vec::new();
+    let mut rest = rows;
+    while let Some(&first) = rest.first().filter(|_| pieces.len() < COLUMNS) {
+        let run = rest.iter().zip(first..).take_while(|&(&row, expected)| row == expected).count();
+        let comma = if run < rest.len() { "," } else { "" };
+        pieces.push(match run {
+            1 => format!(" {first}{comma}"),
+            _ => format!(" {first}-{}{comma}", first + run - 1),
+        });
+        rest = &rest[run..];
+    }
+    pieces
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ranges;
+
+    #[test]
+    fn runs_of_rows_are_written_short() {
+        assert_eq!(ranges(&[2, 5, 6, 7, 9, 10]).concat(), " 2, 5-7, 9-10");
+    }
+}

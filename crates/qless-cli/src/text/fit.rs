@@ -1,0 +1,92 @@
+//! Text in limited space. A character beyond Latin, Greek and Cyrillic counts as two columns.
+
+/// Columns that a text takes.
+pub fn width(text: &str) -> usize {
+    text.chars().map(columns).sum()
+}
+
+fn columns(c: char) -> usize {
+    if c < '\u{1100}' { 1 } else { 2 }
+}
+
+/// At most `most` columns: the middle is left out, since names differ at their ends.
+pub fn shorten(text: &str, most: usize) -> String {
+    if width(text) <= most {
+        return text.to_owned();
+    }
+    let room = most.saturating_sub(3);
+    let head: String = take(text.chars(), room.div_ceil(2));
+    let tail: String = take(text.chars().rev(), room / 2);
+    head + "..." + &tail.chars().rev().collect::<String>()
+}
+
+fn take(text: impl Iterator<Item = char>, most: usize) -> String {
+    let mut used = 0;
+    let fits = |c: &char| {
+        used += columns(*c);
+        used <= most
+    };
+    text.take_while(fits).collect()
+}
+
+/// Control characters could move the cursor: each becomes a question mark.
+pub fn printable(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { '?' } else { c }).collect()
+}
+
+/// Pieces one after the other in at most `lines` lines of at most `most` columns; the number of those that fit.
+///
+/// The first line starts with `first`, the others with `indent`. `reserve` columns of the last line are kept for
+/// what the caller says about the rest, unless nothing is left out.
+pub fn flow(first: &str, indent: &str, pieces: &[String], (lines, most): (usize, usize), reserve: usize) -> Flow {
+    let mut flow = Flow { lines: vec![first.to_owned()], used: 0 };
+    for (k, piece) in pieces.iter().enumerate() {
+        let is_last_line = flow.lines.len() == lines;
+        let keep = if is_last_line && k + 1 < pieces.len() { reserve } else { 0 };
+        let line = flow.lines.last_mut().expect("starts with one line");
+        if width(line) + width(piece) + keep <= most {
+            line.push_str(piece);
+        } else if is_last_line {
+            break;
+        } else {
+            flow.lines.push(format!("{indent}{}", piece.trim_start()));
+        }
+        flow.used = k + 1;
+    }
+    flow
+}
+
+/// Lines, and how many pieces are in them.
+pub struct Flow {
+    pub lines: Vec<String>,
+    pub used: usize,
+}
+
+impl Flow {
+    /// Adds to the last line.
+    pub fn finish(mut self, tail: &str) -> Vec<String> {
+        self.lines.last_mut().expect("starts with one line").push_str(tail);
+        self.lines
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_middle_is_left_out() {
+        assert_eq!(shorten("tie A/B, node 4711, x", 30), "tie A/B, node 4711, x");
+        assert_eq!(shorten("tie A/B, node 4711, x", 14), "tie A/...11, x");
+        assert_eq!(width(&shorten(&"\u{8282}".repeat(40), 15)), 15);
+    }
+
+    #[test]
+    fn pieces_fill_the_lines_and_leave_the_reserve() {
+        let pieces: Vec<String> = (0..9).map(|k| format!(" piece{k}")).collect();
+        let flowed = flow("first:", "    ", &pieces, (2, 30), 10);
+        assert_eq!(flowed.lines, ["first: piece0 piece1 piece2", "    piece3 piece4"]);
+        assert_eq!(flowed.used, 5);
+        assert_eq!(flow("first:", "    ", &pieces[..2], (1, 20), 10).used, 2);
+    }
+}

@@ -1,0 +1,51 @@
+//! The report for people: what is wrong, why, how sure that is, and what to do; at most [`LINES`] x [`COLUMNS`].
+//!
+//! The verdict comes first, in words. What does not fit is counted, and `--format json` holds all of it.
+
+mod combination;
+mod confidence;
+mod dependent;
+mod fit;
+mod generated;
+pub mod name;
+mod next;
+mod number;
+mod verdict;
+mod work;
+
+use std::path::Path;
+
+use qless::{Kind, Report};
+
+use crate::diagnose::Diagnosis;
+
+/// No line is longer.
+const COLUMNS: usize = 100;
+
+/// Lines of a report at most.
+#[cfg(test)]
+const LINES: usize = 24;
+
+/// What the command did after the diagnosis.
+pub enum Outcome<'a> {
+    /// Nothing: it was `check`.
+    Checked,
+    /// `reduce` wrote nothing because of what was found.
+    Refused,
+    /// `reduce` wrote its files to this folder.
+    Written(&'a Path),
+}
+
+/// The report, ending in a line break.
+pub fn render(diagnosis: &Diagnosis, report: &Report, outcome: &Outcome) -> String {
+    let both = report.counts.conflicting > 0 && report.counts.redundant > 0;
+    let mut lines = vec![verdict::line(report), verdict::input(report)];
+    lines.extend(dependent::section(diagnosis, Kind::Conflicting, if both { 7 } else { 10 }));
+    lines.extend(dependent::section(diagnosis, Kind::Redundant, if both { 4 } else { 9 }));
+    lines.extend(generated::section(report));
+    lines.extend(confidence::lines(diagnosis, report));
+    lines.push(work::presolve(report));
+    lines.push(work::time(report));
+    lines.extend(next::lines(diagnosis, report, outcome));
+    lines.iter().map(|line| fit::shorten(line.trim_end(), COLUMNS) + "\n").collect()
+}

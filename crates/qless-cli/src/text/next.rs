@@ -1,0 +1,55 @@
+//! What was written, and what to do next.
+
+use std::path::Path;
+
+use qless::{Kind, Report};
+
+use super::fit::{printable, shorten, width};
+use super::number::{number, rough};
+use super::Outcome;
+use crate::diagnose::Diagnosis;
+
+/// One or two lines.
+pub fn lines(diagnosis: &Diagnosis, report: &Report, outcome: &Outcome) -> Vec<String> {
+    match outcome {
+        Outcome::Written(folder) => written(report, folder),
+        Outcome::Checked => vec![advice(diagnosis, report)],
+        Outcome::Refused => vec!["Nothing was written.".to_owned(), advice(diagnosis, report)],
+    }
+}
+
+/// Where the files are, and how good T is.
+fn written(report: &Report, folder: &Path) -> Vec<String> {
+    let Some(reduction) = report.reduction else { return Vec::new() };
+    let (slaves, masters) = (reduction.slaves, reduction.masters);
+    let folder = shorten(&printable(&folder.display().to_string()), 60);
+    vec![
+        format!(
+            "Reduced to {masters} masters and {slaves} slaves: max |T_ij| {}, relative residual {}.",
+            number(reduction.growth),
+            rough(reduction.residual)
+        ),
+        format!("Wrote T, G, g and the lists of DOFs to {folder}."),
+    ]
+}
+
+fn advice(diagnosis: &Diagnosis, report: &Report) -> String {
+    let input = quoted(&diagnosis.args.input);
+    match report.status {
+        _ if report.input.rows == 0 => "Next: check that the equations were exported to this input.".to_owned(),
+        Kind::Independent => format!("Next: nothing to mend. `qless reduce {input} -o DIR` writes the reduced form."),
+        Kind::Redundant => {
+            format!("Next: remove the redundant equations, or `qless reduce {input} -o DIR` leaves them out.")
+        }
+        Kind::Conflicting => "Next: correct the right-hand side of each conflicting equation or of one in its combination, \
+                              or remove it."
+            .to_owned(),
+    }
+}
+
+/// The input as a shell takes it, or a stand-in where that is too long.
+fn quoted(path: &Path) -> String {
+    let plain = path.display().to_string();
+    let is_safe = plain.chars().all(|c| c.is_ascii_alphanumeric() || "_-./+,=:@%".contains(c));
+    if is_safe && width(&plain) <= 30 { plain } else { "INPUT".to_owned() }
+}

@@ -1,0 +1,44 @@
+//! The first two lines: what was found, and in what.
+
+use qless::Report;
+
+use super::name::count;
+
+/// `3 of 16 equations are redundant; 1 conflicts; the rest (12) are independent.`
+pub fn line(report: &Report) -> String {
+    let (m, counts) = (report.input.rows, report.counts);
+    match (m, m - counts.independent) {
+        (0, _) => return "There are no equations, so there is nothing to find.".to_owned(),
+        (1, 0) => return "The only equation is independent.".to_owned(),
+        (_, 0) => return format!("All {m} equations are independent."),
+        _ => {}
+    }
+    let of = format!(" of {}", count(m, "equation"));
+    let redundant = some(counts.redundant, &of, "is redundant", "are redundant");
+    let of = if counts.redundant == 0 { of.as_str() } else { "" };
+    let conflicting = some(counts.conflicting, of, "conflicts", "conflict");
+    let rest = match counts.independent {
+        0 => Some("none is independent".to_owned()),
+        1 => Some("the other one is independent".to_owned()),
+        n => Some(format!("the rest ({n}) are independent")),
+    };
+    let parts: Vec<String> = [redundant, conflicting, rest].into_iter().flatten().collect();
+    let hopeless = if counts.conflicting > 0 { " No u satisfies them all." } else { "" };
+    format!("{}.{hopeless}", parts.join("; "))
+}
+
+fn some(n: usize, of: &str, one: &str, many: &str) -> Option<String> {
+    let verb = if n == 1 { one } else { many };
+    (n > 0).then(|| format!("{n}{of} {verb}"))
+}
+
+/// `Input: 16 equations with 32 coefficients on 28 DOFs, 2 of them prescribed.`
+pub fn input(report: &Report) -> String {
+    let input = report.input;
+    let prescribed = match input.prescribed {
+        0 => "none prescribed".to_owned(),
+        n => format!("{n} prescribed"),
+    };
+    let (rows, coefficients) = (count(input.rows, "equation"), count(input.nnz, "coefficient"));
+    format!("Input: {rows} with {coefficients} on {}, {prescribed}.", count(input.dofs, "DOF"))
+}

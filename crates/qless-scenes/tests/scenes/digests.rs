@@ -1,0 +1,44 @@
+use qless_scenes::{Rng, Scene, SceneError, families, fssi};
+
+/// FNV-1a over the bits of matrix and right-hand side.
+fn digest(scene: &Scene) -> u64 {
+    let (matrix, rhs) = (scene.system.matrix(), scene.system.rhs());
+    let starts = matrix.start.iter().map(|&s| s as u64);
+    let columns = matrix.col.iter().map(|&j| u64::from(j));
+    let words = starts.chain(columns).chain(matrix.val.iter().chain(rhs).map(|v| v.to_bits()));
+    let bytes = words.flat_map(u64::to_le_bytes);
+    bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+}
+
+#[test]
+fn scenes_have_the_same_bits_everywhere() -> Result<(), SceneError> {
+    let mesh = fssi::Level::P50.mesh();
+    let windows = families::Windows { extent: [8, 8, 4], d: 2, window: 3, stride: 2, rows: 3, combos: 9 };
+    let found = [
+        digest(&fssi::tie(&mesh, 1)?),
+        digest(&fssi::mortar(&mesh, 1)?),
+        digest(&families::planted(100, 150, 20, 1, false)?),
+        digest(&families::gradient([6, 6, 6], 3, 1)?),
+        digest(&windows.scene(1)?),
+        digest(&families::rbe2(50, 2, 1)?),
+        digest(&families::random_graph(50, 60, 1)?.shuffle(1)?.0),
+    ];
+    let expected = [
+        0x2df8_9599_243d_dbbf,
+        0x46f3_ec65_de83_2cbd,
+        0xa086_4cdd_0df4_58d7,
+        0x0c91_3477_6b83_bbee,
+        0x2b6d_dec2_af5a_9ea5,
+        0x50d2_3b30_dde7_9689,
+        0xe2aa_238f_d710_a15b,
+    ];
+    assert_eq!(found, expected, "found {found:#018x?}");
+    Ok(())
+}
+
+#[test]
+fn random_numbers_are_splitmix64() {
+    let mut rng = Rng::new(1_234_567);
+    let published = [6_457_827_717_110_365_317, 3_203_168_211_198_807_973, 9_817_491_932_198_370_423];
+    assert_eq!(published.map(|_| rng.bits()), published);
+}
