@@ -15,6 +15,8 @@ struct Expected {
     rank_free: Option<usize>,
     inconsistent: Option<bool>,
     inconsistent_free: Option<bool>,
+    rank_low: Option<usize>,
+    rel_distance: Option<f64>,
 }
 
 struct Case {
@@ -62,9 +64,29 @@ fn fault(case: &Case, system: &ConstraintSystem, analysis: &Analysis) -> Option<
             }
             certificates(system, analysis)
         }
-        "ambiguous" => (!analysis.confidence.ambiguous).then(|| "not flagged as ambiguous".to_owned()),
+        "ambiguous" => ambiguous_fault(expected, analysis),
         other => Some(format!("accepted, though {other}")),
     }
+}
+
+/// With tolerance t a system at relative distance d from lower rank must get the full rank if `d > 100 t`, the lower one if
+/// `d < t / 100`, either in between. It must be flagged, or the answer right by this rule and the gap large.
+fn ambiguous_fault(expected: &Expected, analysis: &Analysis) -> Option<String> {
+    const T: f64 = 1e-10;
+    let (full, low) = (expected.rank?, expected.rank_low.or(expected.rank)?);
+    let distance = expected.rel_distance.unwrap_or(T);
+    let (least, most) = if distance > 100.0 * T {
+        (full, full)
+    } else if distance < T / 100.0 {
+        (low, low)
+    } else {
+        (low, full)
+    };
+    let rank = analysis.rank();
+    if rank < least.min(full) && !analysis.confidence.ambiguous || rank > most && !analysis.confidence.ambiguous {
+        return Some(format!("rank {rank}, neither {least} to {most} nor flagged"));
+    }
+    (!analysis.confidence.ambiguous && distance < 1e-6).then(|| "not flagged as ambiguous".to_owned())
 }
 
 /// `row_k - sum c_i row_i` vanishes on the free DOFs, for the first dependent rows.

@@ -73,7 +73,7 @@ pub struct ModelArgs {
     #[arg(long, conflicts_with = "tolerance")]
     pub paper_tolerance: bool,
     /// Most threads to use
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = threads)]
     pub threads: Option<NonZeroUsize>,
     /// Leave every equation to the backend
     #[arg(long)]
@@ -135,6 +135,10 @@ impl ReduceArgs {
     pub fn options(&self) -> Options {
         Options { growth: self.growth, ..self.model.options() }
     }
+}
+
+fn threads(text: &str) -> Result<NonZeroUsize, String> {
+    text.parse().map_err(|_| "expected a whole number of at least 1".to_owned())
 }
 
 fn tolerance(text: &str) -> Result<f64, String> {

@@ -24,12 +24,18 @@ pub struct Diagnosis<'a> {
 /// Reads the model and analyses it.
 pub fn diagnose<'a>(args: &'a ModelArgs, options: Options, progress: &Progress) -> Result<Diagnosis<'a>, Failure> {
     let start = Instant::now();
+    let refused = |error, system| Failure::of_analysis(error, &args.input, system);
+    // Known before the work, so said before the work.
+    options.backend.get().map_err(|error| refused(error.into(), None))?;
     progress.stage("reading");
     let system = read_case(&args.input, args.rhs.as_deref(), args.prescribed.as_deref())?;
     let read = start.elapsed();
     progress.stage("analysing");
-    let analysis =
-        analyse(&system, &options).map_err(|error| Failure::of_analysis(error, &args.input, &system))?;
+    let analysis = analyse(&system, &options).map_err(|error| refused(error, Some(&system)))?;
+    // A large right-hand side over a small coefficient.
+    if let Some(&(dof, _)) = analysis.generated.iter().find(|(_, value)| !value.is_finite()) {
+        return Err(Failure::of_overflow(&args.input, &system, dof));
+    }
     Ok(Diagnosis { args, options, system, analysis, start, read })
 }
 

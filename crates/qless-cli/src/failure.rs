@@ -9,6 +9,8 @@ use qless::qr::BackendError;
 use qless::{AnalysisError, ConstraintSystem};
 use qless_io::{ReadError, WriteError};
 
+use crate::text::name;
+
 /// Why a command could not be done.
 pub enum Failure {
     /// The user can mend it: exit code 2.
@@ -34,13 +36,13 @@ impl Failure {
     }
 
     /// The library refused or failed; names the equation by its label and its row from 1.
-    pub fn of_analysis(error: AnalysisError, input: &Path, system: &ConstraintSystem) -> Self {
+    pub fn of_analysis(error: AnalysisError, input: &Path, system: Option<&ConstraintSystem>) -> Self {
         match error {
             AnalysisError::Range { row } => Self::Input(format!(
                 "{}: {}: the right-hand side is too large for the coefficients (ratio beyond 1e308); \
                  rescale the equation",
                 input.display(),
-                crate::text::name::equation(system, row)
+                system.map_or_else(|| format!("row {}", row + 1), |system| name::equation(system, row))
             )),
             AnalysisError::Option(error) => Self::Input(error.to_string()),
             AnalysisError::Backend(BackendError::NotCompiledIn { backend }) => Self::Input(format!(
@@ -49,6 +51,14 @@ impl Failure {
             )),
             AnalysisError::Backend(error) => Self::Resource(format!("{}: {error}", input.display())),
         }
+    }
+
+    /// A DOF would get a value beyond the range of doubles.
+    pub fn of_overflow(input: &Path, system: &ConstraintSystem, dof: usize) -> Self {
+        let (input, number, label) = (input.display(), dof + 1, name::label(&system.dof_label(dof)));
+        Self::Input(format!(
+            "{input}: column {number} ({label}): the equations give it a value beyond 1e308; rescale them"
+        ))
     }
 
     /// Standard output could not be written.

@@ -81,7 +81,8 @@ mod tests {
         let value = serde_json::json!({"a": {"x": 1, "y": []}, "b": [{"c": [1, 2]}, {"d": null}], "e": []});
         let mut out = Vec::new();
         value.serialize(&mut Serializer::with_formatter(&mut out, Lines { depth: 0 })).expect("written");
-        let expected = "{\n  \"a\": {\"x\": 1, \"y\": []},\n  \"b\": [\n    {\"c\": [1, 2]},\n    {\"d\": null}],\n  \"e\": []\n}";
+        let expected =
+            "{\n  \"a\": {\"x\": 1, \"y\": []},\n  \"b\": [\n    {\"c\": [1, 2]},\n    {\"d\": null}],\n  \"e\": []\n}";
         assert_eq!(String::from_utf8(out).expect("UTF-8"), expected);
     }
 }

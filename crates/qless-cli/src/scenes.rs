@@ -1,12 +1,16 @@
 //! The scenes of `qless generate` and their sizes.
 
+mod values;
+
 use std::path::PathBuf;
 
-use clap::{Args, Subcommand, ValueEnum};
-use qless_scenes::families::{self, Near, Windows};
+use clap::{Args, Subcommand};
+use qless_scenes::families::{self, Windows};
 use qless_scenes::fssi::{self, Level, Mesh};
-use qless_scenes::paper::{self, FloorInput};
+use qless_scenes::paper;
 use qless_scenes::{Scene, SceneError};
+
+use values::{Column, Coupling, Form, finite, level};
 
 /// Which scene, and where to.
 #[derive(Args)]
@@ -140,7 +144,7 @@ pub enum SceneName {
         triples: usize,
         #[arg(long, default_value_t = 1e-8, allow_negative_numbers = true, value_parser = finite)]
         eps: f64,
-        /// Where it differs: in a DOF that only two rows hold, or that all three hold
+        /// Where it differs
         #[arg(long, value_enum, default_value = "own")]
         column: Column,
     },
@@ -205,38 +209,6 @@ pub struct Extent {
     nz: usize,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-pub enum Coupling {
-    /// Each node to the face beside it; 12 redundant equations per layer
-    Tie,
-    /// Mortar integrals; the numerical rank is ambiguous
-    Mortar,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-pub enum Form {
-    Star,
-    Chain,
-    Accepted,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-pub enum Column {
-    Own,
-    Shared,
-}
-
-fn finite(text: &str) -> Result<f64, String> {
-    let number = text.parse().map_err(|_| "not a number; write it as 0.001 or 1e-3".to_owned())?;
-    if f64::is_finite(number) { Ok(number) } else { Err("the number must be finite".to_owned()) }
-}
-
-fn level(text: &str) -> Result<Level, String> {
-    let percent = text.trim_end_matches('%').parse();
-    let of = |percent: usize| Level::ALL.into_iter().find(|level| level.percent() == percent);
-    percent.ok().and_then(of).ok_or_else(|| "the levels are 50, 60, 70, 80, 90, 100 and 110".to_owned())
-}
-
 impl SceneName {
     /// # Errors
     /// [`SceneError`] for sizes that make no scene.
@@ -283,24 +255,5 @@ impl Fssi {
 impl Extent {
     fn sides(&self) -> [usize; 3] {
         [self.nx, self.ny, self.nz]
-    }
-}
-
-impl From<Form> for FloorInput {
-    fn from(form: Form) -> Self {
-        match form {
-            Form::Star => Self::Star,
-            Form::Chain => Self::Chain,
-            Form::Accepted => Self::Accepted,
-        }
-    }
-}
-
-impl From<Column> for Near {
-    fn from(column: Column) -> Self {
-        match column {
-            Column::Own => Self::Own,
-            Column::Shared => Self::Shared,
-        }
     }
 }

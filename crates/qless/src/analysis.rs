@@ -7,13 +7,15 @@ use std::time::{Duration, Instant};
 use crate::basis::Basis;
 use crate::block::{self, Block, Solved};
 use crate::certificate::{Because, History};
+use crate::confidence::Confidence;
 use crate::generated::{self, Explainer};
-use crate::presolve::eliminate::{Eliminated, eliminate};
+use crate::presolve::eliminate::{Eliminated, Mismatch, eliminate};
 use crate::presolve::peel::{Peeled, peel};
-use crate::presolve::rows::Row;
+use crate::presolve::rows::{MORE_THAN_ROUNDING, Row};
 use crate::qr::{Backend, BackendError};
 use crate::reduction::{self, Reduction};
 use crate::scale::{Scaling, equilibrate, ldexp};
+use crate::sensitivity;
 use crate::{ConstraintSystem, OptionError, Options, Tolerance};
 
 /// Why an analysis could not be made.
@@ -32,6 +34,9 @@ pub enum AnalysisError {
         row: usize,
     },
 }
+
+/// Error of a certificate that comes from a factorization, in units in the last place for each of its terms.
+const CERTIFICATE_UNITS: f64 = 8.0;
 
 /// What an equation is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -54,7 +59,9 @@ pub struct Dependent {
     pub kind: Kind,
     /// `b_k - sum c_i b_i` in the units of the equation, prescribed DOFs moved into b.
     pub mismatch: f64,
-    /// What was dropped to call the equation dependent, relative to its size.
+    /// The mismatch relative to the largest part that went into it; 0 if it is no more than rounding.
+    pub relative_mismatch: f64,
+    /// What was dropped to call the equation dependent, relative to its size; 0 if it is no more than rounding.
     pub dropped: f64,
     /// Index of the row among those that went through elimination, and its certificate over rows of its block.
     source: (u32, Vec<(u32, f64)>),
@@ -77,24 +84,6 @@ pub struct PresolveStatistics {
     pub blocks: usize,
     /// Rows of the largest block.
     pub largest_block: usize,
-}
-
-/// How sure the rank is, relative to the equilibrated equations.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Confidence {
-    /// Estimate of the smallest singular value of what was kept (of the blocks; 1 where there are none).
-    pub sigma_kept: f64,
-    /// Largest remainder that was treated as zero.
-    pub sigma_dropped: f64,
-    /// Their ratio; infinite where nothing but exact zeros was dropped.
-    #[serde(serialize_with = "finite_or_null")]
-    pub gap: f64,
-    /// Whether another tolerance might give another rank.
-    pub ambiguous: bool,
-}
-
-fn finite_or_null<S: serde::Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
-    if value.is_finite() { serializer.serialize_f64(*value) } else { serializer.serialize_none() }
 }
 
 /// Time spent in each stage.
@@ -158,45 +147,117 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
     let start = Instant::now();
     let is_free = free(system);
     let scaling = scale(system, &is_free, options.tolerance);
-    let peeled = if options.presolve { peel(system, &is_free, &scaling) } else { Peeled::none(system) };
-    let (names, rows) = gather(system, &peeled, &is_free, &scaling)?;
-    let free_dof = |j: u32| is_free[j as usize];
-    let eliminated = eliminate(rows, system.dofs(), &free_dof, tolerance, options.presolve);
-    let presolved = Instant::now();
-    let blocks: Vec<Block> = block::split::split(&eliminated.rows, &eliminated.core, &is_free)
-        .iter()
-        .map(|rows| Block::new(&eliminated.rows, rows, &is_free))
-        .collect();
-    let solved = blocks.iter().map(|block| block::solve(block, backend.as_ref(), tolerance));
-    let solved = solved.collect::<Result<Vec<Solved>, _>>()?;
-    let factored = Instant::now();
-    let presolve = statistics(&peeled, &eliminated, &blocks);
-    let dependent = classify(&names, &eliminated, &solved, &scaling, tolerance);
-    let confidence = confidence(&eliminated, &solved);
-    let steps = eliminated.steps.iter().map(|step| step.row).collect();
-    let history = History { rows: names, factors: eliminated.factors, steps, exponents: scaling.row.clone() };
-    let basis = Basis::new(peeled.pivots, eliminated.steps, solved, &scaling);
-    let generated = generated::find(system, &basis);
-    let mut kinds = vec![Kind::Independent; system.equations()];
-    dependent.iter().for_each(|d| kinds[d.row] = d.kind);
-    Ok(Analysis {
-        kinds,
-        dependent,
-        generated,
-        confidence,
-        presolve,
-        timings: Timings {
-            presolve: presolved - start,
-            factor: factored - presolved,
-            classify: factored.elapsed(),
-        },
-        backend: (backend.name(), backend.version()),
-        options: *options,
-        basis,
-        blocks,
-        history,
-        scaling,
-    })
+    let mut held = vec![!options.presolve; system.equations()];
+    let mut doubt = None;
+    loop {
+        let stages = Stages::run(system, &is_free, &scaling, &held, backend.as_ref(), tolerance, start)?;
+        let near = sensitivity::largest(system, &stages.basis, &stages.history, &scaling, HARMLESS);
+        doubt = near.map(|n| n.1).into_iter().chain(doubt).reduce(f64::max);
+        // What presolve kept is dependent to within the tolerance: the backend decides.
+        match near.filter(|&(_, entry)| entry * tolerance > 1.0) {
+            Some((slave, _)) if hold_component(system, slave, &is_free, &mut held) => {}
+            _ => return Ok(stages.conclude(system, *options, scaling, backend.as_ref(), doubt)),
+        }
+    }
+}
+
+/// What the stages up to the blocks leave.
+struct Stages {
+    basis: Basis,
+    blocks: Vec<Block>,
+    history: History,
+    dependent: Vec<Dependent>,
+    presolve: PresolveStatistics,
+    started: Instant,
+    presolved: Instant,
+    factored: Instant,
+}
+
+impl Stages {
+    fn run(
+        system: &ConstraintSystem,
+        is_free: &[bool],
+        scaling: &Scaling,
+        held: &[bool],
+        backend: &dyn Backend,
+        tolerance: f64,
+        started: Instant,
+    ) -> Result<Self, AnalysisError> {
+        let peeled = peel(system, is_free, scaling, held);
+        let (names, rows) = gather(system, &peeled, is_free, scaling)?;
+        let held: Vec<bool> = names.iter().map(|&i| held[i as usize]).collect();
+        let eliminated = eliminate(rows, system.dofs(), &|j| is_free[j as usize], tolerance, &held);
+        let presolved = Instant::now();
+        let parts = block::split::split(&eliminated.rows, &eliminated.core, is_free);
+        let blocks: Vec<Block> = parts.iter().map(|rows| Block::new(&eliminated.rows, rows, is_free)).collect();
+        let solved = blocks.iter().map(|block| block::solve(block, backend, tolerance));
+        let solved = solved.collect::<Result<Vec<Solved>, _>>()?;
+        let factored = Instant::now();
+        let presolve = statistics(&peeled, &eliminated, &blocks);
+        let dependent = classify(&names, &eliminated, &solved, scaling, tolerance);
+        let steps = eliminated.steps.iter().map(|step| step.row).collect();
+        let history = History { rows: names, factors: eliminated.factors, steps, exponents: scaling.row.clone() };
+        let basis = Basis::new(peeled.pivots, eliminated.steps, solved, scaling);
+        Ok(Self { basis, blocks, history, dependent, presolve, started, presolved, factored })
+    }
+
+    fn conclude(
+        self,
+        system: &ConstraintSystem,
+        options: Options,
+        scaling: Scaling,
+        backend: &dyn Backend,
+        near: Option<f64>,
+    ) -> Analysis {
+        let generated = generated::find(system, &self.basis);
+        let confidence = Confidence::new(&self.basis.blocks, near, &self.dependent, system);
+        let mut kinds = vec![Kind::Independent; system.equations()];
+        self.dependent.iter().for_each(|d| kinds[d.row] = d.kind);
+        Analysis {
+            kinds,
+            confidence,
+            dependent: self.dependent,
+            generated,
+            presolve: self.presolve,
+            timings: Timings {
+                presolve: self.presolved - self.started,
+                factor: self.factored - self.presolved,
+                classify: self.factored.elapsed(),
+            },
+            backend: (backend.name(), backend.version()),
+            options,
+            basis: self.basis,
+            blocks: self.blocks,
+            history: self.history,
+            scaling,
+        }
+    }
+}
+
+/// Entries of the inverse of the kept equations up to this give no reason for doubt.
+const HARMLESS: f64 = 3e5;
+
+/// Blocks of nearly dependent rows up to this size go to the backend whole.
+const HOLD: usize = 4000;
+
+/// Holds back from presolve all rows connected with a DOF; false if they are already, or too many.
+fn hold_component(system: &ConstraintSystem, dof: u32, is_free: &[bool], held: &mut [bool]) -> bool {
+    let columns = system.matrix().transpose();
+    let (mut rows, mut dofs) = (std::collections::BTreeSet::new(), vec![dof as usize]);
+    let mut seen = vec![false; system.dofs()];
+    while let Some(j) = dofs.pop().filter(|_| rows.len() <= HOLD) {
+        for (i, _) in columns.row(j) {
+            if rows.insert(i) {
+                let free = system.matrix().row(i).map(|(j, _)| j).filter(|&j| is_free[j]);
+                dofs.extend(free.filter(|&j| !std::mem::replace(&mut seen[j], true)));
+            }
+        }
+    }
+    let useful = rows.len() <= HOLD && rows.iter().any(|&i| !held[i]);
+    if useful {
+        rows.iter().for_each(|&i| held[i] = true);
+    }
+    useful
 }
 
 fn free(system: &ConstraintSystem) -> Vec<bool> {
@@ -232,11 +293,12 @@ fn gather(
             if is_free[j] {
                 row.size = row.size.max(entry.abs());
             } else {
-                row.effective -= entry * value[j];
-                row.effective_size = row.effective_size.max((entry * value[j]).abs());
+                let part = entry * value[j];
+                row.effective -= part;
+                row.effective_size = row.effective_size.max(part.abs());
+                row.effective_error += f64::EPSILON * part.abs();
             }
         }
-        row.error = f64::EPSILON * row.size;
         if !(row.effective.is_finite() && row.effective_size.is_finite() && row.size.is_finite()) {
             return Err(AnalysisError::Range { row: i });
         }
@@ -265,34 +327,30 @@ fn classify(
     scaling: &Scaling,
     tolerance: f64,
 ) -> Vec<Dependent> {
-    let make = |source: u32, because: Vec<(u32, f64)>, mismatch: f64, size: f64, dropped: f64| {
+    let make = |source: u32, because: Vec<(u32, f64)>, mismatch: Mismatch, dropped: f64| {
         let row = names[source as usize] as usize;
-        let kind = if mismatch.abs() > tolerance * size { Kind::Conflicting } else { Kind::Redundant };
-        Dependent { row, kind, mismatch: ldexp(mismatch, -scaling.row[row]), dropped, source: (source, because) }
-    };
-    let dead = &eliminated.dead;
-    let mut all: Vec<_> =
-        dead.iter().map(|d| make(d.row, Vec::new(), d.mismatch, d.mismatch_size, d.dropped)).collect();
-    for dependent in solved.iter().flat_map(|block| &block.dependent) {
-        let own = &eliminated.rows[dependent.row as usize];
-        let (mut mismatch, mut size) = (own.effective, own.effective_size);
-        for &(i, y) in &dependent.because {
-            let kept = &eliminated.rows[i as usize];
-            mismatch -= y * kept.effective;
-            size = size.max((y * kept.effective_size).abs());
+        let Mismatch { value, size, error } = mismatch;
+        let conflicting = value.abs() > (tolerance * size).max(MORE_THAN_ROUNDING * error);
+        Dependent {
+            row,
+            kind: if conflicting { Kind::Conflicting } else { Kind::Redundant },
+            mismatch: ldexp(value, -scaling.row[row]),
+            relative_mismatch: if value.abs() > MORE_THAN_ROUNDING * error { value.abs() / size } else { 0.0 },
+            dropped,
+            source: (source, because),
         }
-        all.push(make(dependent.row, dependent.because.clone(), mismatch, size, dependent.dropped));
+    };
+    let mut all: Vec<_> =
+        eliminated.dead.iter().map(|d| make(d.row, Vec::new(), d.mismatch, d.dropped)).collect();
+    for dependent in solved.iter().flat_map(|block| &block.dependent) {
+        let mut mismatch = Mismatch::of(&eliminated.rows[dependent.row as usize]);
+        dependent.because.iter().for_each(|&(i, y)| mismatch.subtract(y, &eliminated.rows[i as usize]));
+        // The coefficients themselves come from a factorization.
+        mismatch.error += CERTIFICATE_UNITS * f64::EPSILON * dependent.because.len() as f64 * mismatch.size;
+        all.push(make(dependent.row, dependent.because.clone(), mismatch, dependent.dropped));
     }
     all.sort_unstable_by_key(|d| d.row);
     all
-}
-
-fn confidence(eliminated: &Eliminated, solved: &[Solved]) -> Confidence {
-    let sigma_kept = solved.iter().map(|block| block.sigma).fold(1.0, f64::min);
-    let dead = eliminated.dead.iter().map(|d| d.dropped);
-    let sigma_dropped = dead.chain(solved.iter().flat_map(|b| &b.dependent).map(|d| d.dropped)).fold(0.0, f64::max);
-    let gap = sigma_kept / sigma_dropped;
-    Confidence { sigma_kept, sigma_dropped, gap, ambiguous: sigma_kept < 3e-6 || sigma_dropped > 1e-13 }
 }
 
 impl Analysis {

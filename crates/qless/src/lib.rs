@@ -8,11 +8,13 @@ mod analysis;
 mod basis;
 mod block;
 mod certificate;
+mod confidence;
 mod generated;
 mod reduction;
 mod report;
-pub use analysis::{Analysis, AnalysisError, Confidence, Dependent, Kind, PresolveStatistics, Timings, analyse};
+pub use analysis::{Analysis, AnalysisError, Dependent, Kind, PresolveStatistics, Timings, analyse};
 pub use certificate::Because;
+pub use confidence::Confidence;
 pub use reduction::Reduction;
 pub use report::{
     BackendUsed, Certificate, Counts, DependentEquation, GeneratedCondition, InputSizes, Milliseconds, Omitted,
@@ -20,5 +22,6 @@ pub use report::{
 };
 mod presolve;
 mod scale;
+mod sensitivity;
 mod options;
 pub use options::{BackendChoice, OptionError, Options, Tolerance};

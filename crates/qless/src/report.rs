@@ -291,11 +291,7 @@ impl Counts {
 
 fn count(kinds: &[Kind]) -> Counts {
     let of = |kind: Kind| kinds.iter().filter(|&&k| k == kind).count();
-    Counts {
-        independent: of(Kind::Independent),
-        redundant: of(Kind::Redundant),
-        conflicting: of(Kind::Conflicting),
-    }
+    Counts { independent: of(Kind::Independent), redundant: of(Kind::Redundant), conflicting: of(Kind::Conflicting) }
 }
 
 impl Milliseconds {

@@ -16,6 +16,13 @@ pub(crate) struct Scaling {
 }
 
 impl Scaling {
+    /// Rows only, whatever the columns are.
+    pub fn rows(system: &ConstraintSystem, is_free: &[bool]) -> Self {
+        let mut scaling = Self { row: vec![0; system.equations()], col: Vec::new() };
+        scale_rows(system.matrix(), is_free, &mut scaling);
+        scaling
+    }
+
     pub fn col(&self, j: usize) -> i32 {
         self.col.get(j).copied().unwrap_or(0)
     }
@@ -46,8 +53,7 @@ pub(crate) fn exponent(x: f64) -> i32 {
 /// Scales `C` by its free columns; a row without free DOFs is scaled by its prescribed ones.
 pub(crate) fn equilibrate(system: &ConstraintSystem, is_free: &[bool]) -> Scaling {
     let c = system.matrix();
-    let mut scaling = Scaling { row: vec![0; c.rows()], col: Vec::new() };
-    scale_rows(c, is_free, &mut scaling);
+    let mut scaling = Scaling::rows(system, is_free);
     if units_mix(c, is_free, &scaling) {
         balance(c, is_free, &mut scaling);
         scale_rows(c, is_free, &mut scaling);

@@ -3,7 +3,7 @@
 use qless::{Because, ConstraintSystem};
 
 use super::COLUMNS;
-use super::fit::flow;
+use super::fit::{Flow, flow};
 use super::name;
 use super::number::number;
 
@@ -14,16 +14,34 @@ const TAIL: usize = 26;
 pub fn lines(system: &ConstraintSystem, row: usize, because: &[Because]) -> Vec<String> {
     let head = format!("  {}", name::equation(system, row));
     if because.is_empty() {
-        return vec![format!("{head} {}", alone(system, row))];
+        return vec![format!("{head} {}", Alone::of(system, row).one())];
     }
+    let flowed = fill(system, &head, because);
+    if flowed.used == because.len() {
+        return flowed.lines;
+    }
+    // Not all of them fit: then the largest rather than the first.
+    let flowed = fill(system, &head, &largest(system, because));
+    let more = because.len() - flowed.used;
+    flowed.finish(&format!(" + ... and {more} more"))
+}
+
+fn fill(system: &ConstraintSystem, head: &str, because: &[Because]) -> Flow {
+    // Two lines hold fewer than this many, however short they are.
     let shown = because.iter().take(20).enumerate();
     let pieces: Vec<String> = shown.map(|(k, term)| piece(system, term, k == 0)).collect();
-    // A piece that is never shown keeps the reserve for the tail when there are more terms than pieces.
-    let flowed = flow(&head, "      ", &pieces, (2, COLUMNS), TAIL);
-    match because.len() - flowed.used {
-        0 => flowed.lines,
-        more => flowed.finish(&format!(" + ... and {more} more")),
-    }
+    flow(head, "      ", &pieces, (2, COLUMNS), TAIL)
+}
+
+/// The terms by what they contribute, largest first; those of the same size by row.
+fn largest(system: &ConstraintSystem, because: &[Because]) -> Vec<Because> {
+    let size = |term: &Because| {
+        let largest = system.matrix().row(term.row).fold(0.0, |size: f64, (_, v)| size.max(v.abs()));
+        term.coefficient.abs() * largest
+    };
+    let mut terms: Vec<_> = because.iter().map(|term| (size(term), *term)).collect();
+    terms.sort_by(|a, b| b.0.total_cmp(&a.0));
+    terms.into_iter().map(|(_, term)| term).collect()
 }
 
 /// ` + 2 * row 3 "tie A/B"`.
@@ -37,10 +55,39 @@ fn piece(system: &ConstraintSystem, term: &Because, is_first: bool) -> String {
     format!(" {sign} {} * {equation}", number(term.coefficient.abs()))
 }
 
-/// What is to be said of an equation that needs no others to be dependent.
-fn alone(system: &ConstraintSystem, row: usize) -> &'static str {
-    match system.matrix().row(row).len() {
-        0 => "has no coefficients: 0 = b",
-        _ => "holds no free DOF: all of its DOFs are prescribed",
+/// Why an equation needs no others to be dependent.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Alone {
+    /// It has no coefficients.
+    Empty,
+    /// All of its DOFs are prescribed.
+    Prescribed,
+    /// It has free DOFs, and so does need others.
+    No,
+}
+
+impl Alone {
+    pub fn of(system: &ConstraintSystem, row: usize) -> Self {
+        let mut entries = system.matrix().row(row);
+        match entries.len() {
+            0 => Self::Empty,
+            _ if entries.all(|(j, _)| is_prescribed(system, j)) => Self::Prescribed,
+            _ => Self::No,
+        }
     }
+
+    /// What one equation of this sort does.
+    pub fn one(self) -> &'static str {
+        if self == Self::Empty { "has no coefficients" } else { "holds no free DOF: all are prescribed" }
+    }
+
+    /// How several are called.
+    pub fn several(self) -> &'static str {
+        if self == Self::Empty { "rows without coefficients" } else { "rows whose DOFs are all prescribed" }
+    }
+}
+
+/// Whether a DOF is prescribed.
+pub fn is_prescribed(system: &ConstraintSystem, dof: usize) -> bool {
+    system.prescribed().binary_search_by_key(&dof, |&(j, _)| j).is_ok()
 }

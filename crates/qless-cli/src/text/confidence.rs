@@ -1,22 +1,23 @@
 //! How sure the rank is, and what to do where it is not.
 
-use qless::{Report, Tolerance};
+use qless::{Kind, Report, Tolerance};
 
 use super::name;
 use super::number::rough;
 use crate::diagnose::Diagnosis;
 
+/// Relative sizes below this are doubtful.
+const NEAR: f64 = 3e-6;
+
 /// One line, and where the rank is ambiguous up to two more with advice.
 pub fn lines(diagnosis: &Diagnosis, report: &Report) -> Vec<String> {
     let (kept, dropped) = (report.confidence.sigma_kept, report.confidence.sigma_dropped);
-    let (rank, kept_text, dropped_text) = (report.rank, rough(kept), rough(dropped));
+    let sizes = format!("relative sizes down to {} kept, {} dropped", rough(kept), dropped_text(report, dropped));
+    let rank = report.rank;
     if !report.confidence.ambiguous {
-        let dropped = if dropped == 0.0 { "exact zeros".into() } else { format!("at most {dropped_text}") };
-        return vec![format!("Rank {rank}, sure: what was kept is at least {kept_text}, what was dropped {dropped}.")];
+        return vec![format!("Rank {rank}, sure: {sizes}.")];
     }
-    let mut lines = vec![format!(
-        "Rank {rank}, AMBIGUOUS: kept down to {kept_text}, dropped up to {dropped_text}; another tolerance may change it."
-    )];
+    let mut lines = vec![format!("Rank {rank}, AMBIGUOUS: {sizes}.")];
     match diagnosis.options.tolerance {
         Tolerance::Paper => lines.push("  Without --paper-tolerance the answer does not depend on units.".to_owned()),
         Tolerance::Relative(_) => lines.extend(advice(diagnosis, kept, dropped)),
@@ -24,18 +25,45 @@ pub fn lines(diagnosis: &Diagnosis, report: &Report) -> Vec<String> {
     lines
 }
 
+fn dropped_text(report: &Report, dropped: f64) -> String {
+    match (report.dependent.len(), dropped) {
+        (0, _) => "nothing".to_owned(),
+        (_, 0.0) => "only rounding".to_owned(),
+        _ => format!("up to {}", rough(dropped)),
+    }
+}
+
+/// For each reason to doubt what it is and which tolerance would decide otherwise; the two weightiest.
 fn advice(diagnosis: &Diagnosis, kept: f64, dropped: f64) -> Vec<String> {
-    let looser = (10.0 * kept).max(1e-9);
-    let nearly = format!(
-        "  Some kept equations nearly repeat others. If only rounding sets them apart: --tolerance {}",
-        rough(looser)
-    );
-    let tighter = dropped / 10.0;
-    let largest = diagnosis.analysis.dependent.iter().max_by(|a, b| a.dropped.total_cmp(&b.dropped));
-    let remains = largest.map(|equation| {
-        let name = name::equation(&diagnosis.system, equation.row);
-        format!("  {name} differs from its combination. If that is meant: --tolerance {}", rough(tighter))
-    });
-    let nearly = (kept < 3e-6).then_some(nearly);
-    nearly.into_iter().chain(remains.filter(|_| dropped > 1e-13)).collect()
+    let reasons = [nearly_dependent(kept), remainder(diagnosis, dropped), small_mismatch(diagnosis)];
+    let mut lines: Vec<String> = reasons.into_iter().flatten().take(2).collect();
+    if lines.is_empty() {
+        lines.push("  A right-hand side differs by very little: check that no digits were lost.".to_owned());
+    }
+    lines
+}
+
+fn nearly_dependent(kept: f64) -> Option<String> {
+    let looser = rough((10.0 * kept).max(1e-9));
+    let line = format!("  Some kept equations nearly repeat others. If only rounding parts them: --tolerance {looser}");
+    (kept < NEAR).then_some(line)
+}
+
+fn remainder(diagnosis: &Diagnosis, dropped: f64) -> Option<String> {
+    let equation = diagnosis.analysis.dependent.iter().max_by(|a, b| a.dropped.total_cmp(&b.dropped))?;
+    let name = name::equation(&diagnosis.system, equation.row);
+    let tighter = rough(dropped / 10.0);
+    let line = format!("  {name} is not quite its combination. If that is meant: --tolerance {tighter}");
+    (dropped > 0.0).then_some(line)
+}
+
+fn small_mismatch(diagnosis: &Diagnosis) -> Option<String> {
+    let small = |size: f64| size > 0.0 && size < NEAR;
+    let equation = diagnosis.analysis.dependent.iter().find(|equation| small(equation.relative_mismatch))?;
+    let name = name::equation(&diagnosis.system, equation.row);
+    let size = equation.relative_mismatch;
+    let (meant, tolerance) =
+        if equation.kind == Kind::Conflicting { ("rounding", 10.0 * size) } else { ("meant", size / 10.0) };
+    let (size, tolerance) = (rough(size), rough(tolerance));
+    Some(format!("  {name} is off by {size} of its parts only. If that is {meant}: --tolerance {tolerance}"))
 }

@@ -3,7 +3,7 @@
 use qless::{ConstraintSystem, Dependent, Kind};
 
 use super::COLUMNS;
-use super::combination;
+use super::combination::{self, Alone, is_prescribed};
 use super::fit::flow;
 use super::number::number;
 use crate::diagnose::Diagnosis;
@@ -15,6 +15,8 @@ pub fn section(diagnosis: &Diagnosis, kind: Kind, most: usize) -> Vec<String> {
         return Vec::new();
     }
     let mut lines = vec![heading(kind).to_owned()];
+    // Many equations that say 0 = 0 would hide the others.
+    let of_kind = if kind == Kind::Redundant { group(diagnosis, of_kind, &mut lines) } else { of_kind };
     for (k, dependent) in of_kind.iter().enumerate() {
         let entry = entry(diagnosis, dependent);
         let for_the_rest = usize::from(k + 1 < of_kind.len());
@@ -25,6 +27,21 @@ pub fn section(diagnosis: &Diagnosis, kind: Kind, most: usize) -> Vec<String> {
         lines.extend(entry);
     }
     lines
+}
+
+/// Moves equations that need no others into one line for each sort, unless there are only a few.
+fn group<'a>(diagnosis: &Diagnosis, of_kind: Vec<&'a Dependent>, lines: &mut Vec<String>) -> Vec<&'a Dependent> {
+    let mut left = of_kind;
+    for sort in [Alone::Empty, Alone::Prescribed] {
+        let is_of_sort = |d: &&Dependent| Alone::of(&diagnosis.system, d.row) == sort;
+        let (of_sort, others): (Vec<_>, Vec<_>) = left.iter().copied().partition(is_of_sort);
+        if of_sort.len() > 1 {
+            let what = format!("  {}:", sort.several());
+            lines.push(rows(&what, &of_sort));
+            left = others;
+        }
+    }
+    left
 }
 
 fn heading(kind: Kind) -> &'static str {
@@ -58,19 +75,19 @@ fn mismatch(system: &ConstraintSystem, dependent: &Dependent, is_alone: bool) ->
     format!("      right-hand side {}, but {who} {} (mismatch {off})", number(found), number(needed))
 }
 
-fn is_prescribed(system: &ConstraintSystem, dof: usize) -> bool {
-    system.prescribed().binary_search_by_key(&dof, |&(j, _)| j).is_ok()
+/// `  and 480 more (why: --format json): rows 12, 15, 19-22, ...`.
+fn rest(dependent: &[&Dependent], shown: usize) -> String {
+    let (count, plural) = (dependent.len(), if dependent.len() == 1 { "" } else { "s" });
+    let more = if shown == 0 { "" } else { " more" };
+    rows(&format!("  and {count}{more} (why: --format json): row{plural}"), dependent)
 }
 
-/// `  and 480 more: rows 12, 15, 19-22, ...`.
-fn rest(dependent: &[&Dependent], shown: usize) -> String {
+/// `first 12, 15, 19-22, ...` in one line; JSON has all of them.
+fn rows(first: &str, dependent: &[&Dependent]) -> String {
+    const TAIL: &str = ", ...";
     let rows: Vec<usize> = dependent.iter().map(|d| d.row + 1).collect();
     let pieces = ranges(&rows);
-    let plural = if rows.len() == 1 { "" } else { "s" };
-    let and = if shown == 0 { "" } else { "and " };
-    let first = format!("  {and}{} more: row{plural}", rows.len());
-    const TAIL: &str = ", ... (all: --format json)";
-    let flowed = flow(&first, "", &pieces, (1, COLUMNS), TAIL.len());
+    let flowed = flow(first, "", &pieces, (1, COLUMNS), TAIL.len());
     let left_out = flowed.used < pieces.len();
     let line = flowed.finish("").concat();
     if left_out { line.trim_end_matches(',').to_owned() + TAIL } else { line }

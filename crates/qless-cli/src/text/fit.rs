@@ -39,10 +39,15 @@ pub fn printable(text: &str) -> String {
 /// The first line starts with `first`, the others with `indent`. `reserve` columns of the last line are kept for
 /// what the caller says about the rest, unless nothing is left out.
 pub fn flow(first: &str, indent: &str, pieces: &[String], (lines, most): (usize, usize), reserve: usize) -> Flow {
+    let whole = fill(first, indent, pieces, (lines, most), 0);
+    if whole.used == pieces.len() { whole } else { fill(first, indent, pieces, (lines, most), reserve) }
+}
+
+fn fill(first: &str, indent: &str, pieces: &[String], (lines, most): (usize, usize), reserve: usize) -> Flow {
     let mut flow = Flow { lines: vec![first.to_owned()], used: 0 };
     for (k, piece) in pieces.iter().enumerate() {
         let is_last_line = flow.lines.len() == lines;
-        let keep = if is_last_line && k + 1 < pieces.len() { reserve } else { 0 };
+        let keep = if is_last_line { reserve } else { 0 };
         let line = flow.lines.last_mut().expect("starts with one line");
         if width(line) + width(piece) + keep <= most {
             line.push_str(piece);

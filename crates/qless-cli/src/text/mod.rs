@@ -1,4 +1,4 @@
-//! The report for people: what is wrong, why, how sure that is, and what to do; at most [`LINES`] x [`COLUMNS`].
+//! The report for people: what is wrong, why, how sure that is, and what to do; at most 24 lines of [`COLUMNS`].
 //!
 //! The verdict comes first, in words. What does not fit is counted, and `--format json` holds all of it.
 
@@ -22,10 +22,6 @@ use crate::diagnose::Diagnosis;
 /// No line is longer.
 const COLUMNS: usize = 100;
 
-/// Lines of a report at most.
-#[cfg(test)]
-const LINES: usize = 24;
-
 /// What the command did after the diagnosis.
 pub enum Outcome<'a> {
     /// Nothing: it was `check`.
@@ -43,8 +39,10 @@ pub fn render(diagnosis: &Diagnosis, report: &Report, outcome: &Outcome) -> Stri
     lines.extend(dependent::section(diagnosis, Kind::Conflicting, if both { 7 } else { 10 }));
     lines.extend(dependent::section(diagnosis, Kind::Redundant, if both { 4 } else { 9 }));
     lines.extend(generated::section(report));
-    lines.extend(confidence::lines(diagnosis, report));
-    lines.push(work::presolve(report));
+    if report.input.rows > 0 {
+        lines.extend(confidence::lines(diagnosis, report));
+        lines.push(work::presolve(report));
+    }
     lines.push(work::time(report));
     lines.extend(next::lines(diagnosis, report, outcome));
     lines.iter().map(|line| fit::shorten(line.trim_end(), COLUMNS) + "\n").collect()

@@ -4,9 +4,10 @@ use std::path::Path;
 
 use qless::{Kind, Report};
 
-use super::fit::{printable, shorten, width};
-use super::number::{number, rough};
 use super::Outcome;
+use super::fit::{printable, shorten, width};
+use super::name::count;
+use super::number::{number, rough};
 use crate::diagnose::Diagnosis;
 
 /// One or two lines.
@@ -21,11 +22,12 @@ pub fn lines(diagnosis: &Diagnosis, report: &Report, outcome: &Outcome) -> Vec<S
 /// Where the files are, and how good T is.
 fn written(report: &Report, folder: &Path) -> Vec<String> {
     let Some(reduction) = report.reduction else { return Vec::new() };
-    let (slaves, masters) = (reduction.slaves, reduction.masters);
     let folder = shorten(&printable(&folder.display().to_string()), 60);
     vec![
         format!(
-            "Reduced to {masters} masters and {slaves} slaves: max |T_ij| {}, relative residual {}.",
+            "Reduced to {} and {}: max |T_ij| {}, relative residual {}.",
+            count(reduction.masters, "master"),
+            count(reduction.slaves, "slave"),
             number(reduction.growth),
             rough(reduction.residual)
         ),
@@ -37,13 +39,17 @@ fn advice(diagnosis: &Diagnosis, report: &Report) -> String {
     let input = quoted(&diagnosis.args.input);
     match report.status {
         _ if report.input.rows == 0 => "Next: check that the equations were exported to this input.".to_owned(),
+        Kind::Conflicting => {
+            "Next: correct each conflicting equation, or one in its combination, or remove it.".to_owned()
+        }
+        _ if report.confidence.ambiguous => {
+            "Next: decide, as said above, which equations are meant to be independent.".to_owned()
+        }
         Kind::Independent => format!("Next: nothing to mend. `qless reduce {input} -o DIR` writes the reduced form."),
         Kind::Redundant => {
-            format!("Next: remove the redundant equations, or `qless reduce {input} -o DIR` leaves them out.")
+            let them = if report.counts.redundant == 1 { "it" } else { "them" };
+            format!("Next: remove {them}, or run `qless reduce {input} -o DIR`, which leaves {them} out.")
         }
-        Kind::Conflicting => "Next: correct the right-hand side of each conflicting equation or of one in its combination, \
-                              or remove it."
-            .to_owned(),
     }
 }
 
@@ -51,5 +57,5 @@ fn advice(diagnosis: &Diagnosis, report: &Report) -> String {
 fn quoted(path: &Path) -> String {
     let plain = path.display().to_string();
     let is_safe = plain.chars().all(|c| c.is_ascii_alphanumeric() || "_-./+,=:@%".contains(c));
-    if is_safe && width(&plain) <= 30 { plain } else { "INPUT".to_owned() }
+    if is_safe && width(&plain) <= 28 { plain } else { "INPUT".to_owned() }
 }

@@ -9,8 +9,8 @@ pub fn line(report: &Report) -> String {
     let (m, counts) = (report.input.rows, report.counts);
     match (m, m - counts.independent) {
         (0, _) => return "There are no equations, so there is nothing to find.".to_owned(),
-        (1, 0) => return "The only equation is independent.".to_owned(),
-        (_, 0) => return format!("All {m} equations are independent."),
+        (1, 0) => return format!("The only equation is independent{}.", doubt(report)),
+        (_, 0) => return format!("All {m} equations are independent{}.", doubt(report)),
         _ => {}
     }
     let of = format!(" of {}", count(m, "equation"));
@@ -23,8 +23,11 @@ pub fn line(report: &Report) -> String {
         n => Some(format!("the rest ({n}) are independent")),
     };
     let parts: Vec<String> = [redundant, conflicting, rest].into_iter().flatten().collect();
-    let hopeless = if counts.conflicting > 0 { " No u satisfies them all." } else { "" };
-    format!("{}.{hopeless}", parts.join("; "))
+    format!("{}{}.", parts.join("; "), doubt(report))
+}
+
+fn doubt(report: &Report) -> &'static str {
+    if report.confidence.ambiguous { " (ambiguous, see below)" } else { "" }
 }
 
 fn some(n: usize, of: &str, one: &str, many: &str) -> Option<String> {

@@ -7,7 +7,7 @@ use super::name::count;
 /// `Presolve settled 12 of 16 equations; faer 0.24 factored the other 4 in 1 block.`
 pub fn presolve(report: &Report) -> String {
     let (rows, presolve) = (report.input.rows, report.presolve);
-    let version = &report.backend.version;
+    let version = report.backend.version.split(',').next().unwrap_or(report.backend.name);
     let blocks = match presolve.blocks {
         1 => "1 block".to_owned(),
         n => format!("{n} blocks of at most {}", presolve.largest_block),
@@ -15,7 +15,9 @@ pub fn presolve(report: &Report) -> String {
     match presolve.core_rows {
         0 => format!("Presolve settled all equations; nothing was left for {version} to factor."),
         core if core == rows => format!("{version} factored all equations, in {blocks}."),
-        core => format!("Presolve settled {} of {rows} equations; {version} factored {core}, in {blocks}.", rows - core),
+        core => {
+            format!("Presolve settled {} of {rows} equations; {version} factored {core}, in {blocks}.", rows - core)
+        }
     }
 }
 

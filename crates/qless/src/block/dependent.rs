@@ -10,6 +10,9 @@ use crate::scale::ldexp;
 /// Coefficients of a certificate below this, relative to its largest, are rounding.
 const NOISE: f64 = 1e-11;
 
+/// Units in the last place, times the root of the size, that a QR may leave of a dependent row.
+const ROUNDING: f64 = 8.0;
+
 /// Kept rows (positions in the block) and dependent ones.
 pub(super) struct Rows {
     pub kept: Vec<usize>,
@@ -19,14 +22,110 @@ pub(super) struct Rows {
 
 pub(super) fn find(block: &Block, backend: &dyn Backend, tolerance: f64) -> Result<Rows, BackendError> {
     let factor = backend.factor(&block.matrix, &[], tolerance)?;
-    let sigma = if backend.is_orthogonal() { factor.smallest_singular_value() } else { sigma_of(block, &factor)? };
-    let left = factor.dropped;
-    let mut tableau = certificates(&factor);
+    let left = beyond_rounding(&factor, block);
+    let (sigma, weakest) = smallest(block, &factor, backend)?;
+    if sigma <= tolerance && factor.rank > 0 {
+        return repair(block, backend, tolerance, &factor, weakest);
+    }
+    Ok(rows(block, certificates(&factor), left, sigma))
+}
+
+fn rows(block: &Block, mut tableau: Tableau, left: f64, sigma: f64) -> Rows {
     // Of equations that say the same, the earlier one is kept.
     tableau.prefer(|candidate, holder| candidate > holder);
     let mut kept: Vec<usize> = tableau.free.iter().map(|&k| k as usize).collect();
     kept.sort_unstable();
-    Ok(Rows { dependent: (0..tableau.basic.len()).map(|i| dependent(block, &tableau, i, left)).collect(), kept, sigma })
+    Rows { dependent: (0..tableau.basic.len()).map(|i| dependent(block, &tableau, i, left)).collect(), kept, sigma }
+}
+
+/// The backend kept rows that are dependent to within the tolerance (no pivot was small, as in Kahan's matrix): row after
+/// row, the one with the largest part in the smallest singular vector is dropped, until what is kept is independent.
+fn repair(
+    block: &Block,
+    backend: &dyn Backend,
+    tolerance: f64,
+    factor: &Factor,
+    weakest: usize,
+) -> Result<Rows, BackendError> {
+    let mut kept = factor.order[..factor.rank].to_vec();
+    let mut dropped = factor.order[factor.rank..].to_vec();
+    let mut drop = weakest;
+    loop {
+        let place = kept.iter().position(|&i| i == drop).unwrap_or(kept.len() - 1);
+        dropped.push(kept.swap_remove(place));
+        let (sigma, weakest) = if kept.is_empty() { (1.0, 0) } else { smallest_of(block, &kept)? };
+        if sigma > tolerance {
+            let tableau = over_kept(block, backend, &kept, &dropped)?;
+            let left = remainder(block, &tableau);
+            return Ok(rows(block, tableau, left, sigma));
+        }
+        drop = weakest;
+    }
+}
+
+/// Smallest singular value of the kept rows, and the row with the largest part in its singular vector.
+fn smallest(block: &Block, factor: &Factor, backend: &dyn Backend) -> Result<(f64, usize), BackendError> {
+    if backend.is_orthogonal() {
+        let (sigma, k) = factor.smallest_singular_value();
+        return Ok((sigma, factor.order.get(k).copied().unwrap_or(0)));
+    }
+    smallest_of(block, &factor.order[..factor.rank])
+}
+
+/// The same from a QR with column pivoting.
+fn smallest_of(block: &Block, kept: &[usize]) -> Result<(f64, usize), BackendError> {
+    let factor = Faer.factor(&select(block, kept), &[], 0.0)?;
+    let (sigma, k) = factor.smallest_singular_value();
+    Ok((sigma, factor.order.get(k).map_or(0, |&k| kept[k])))
+}
+
+fn select(block: &Block, rows: &[usize]) -> Csr {
+    let mut selected = Csr::empty(block.matrix.cols);
+    rows.iter().for_each(|&i| selected.push_row(block.matrix.row(i)));
+    selected
+}
+
+/// The dropped rows over the kept ones: least squares with the kept rows as columns.
+fn over_kept(
+    block: &Block,
+    backend: &dyn Backend,
+    kept: &[usize],
+    dropped: &[usize],
+) -> Result<Tableau, BackendError> {
+    let n = block.matrix.cols;
+    let mut rhs = vec![0.0; n * dropped.len()];
+    for (c, &i) in dropped.iter().enumerate() {
+        block.matrix.row(i).for_each(|(j, v)| rhs[c * n + j] = v);
+    }
+    let factor = backend.factor(&select(block, kept), &rhs, 0.0)?;
+    let r = factor.rank;
+    Ok(Tableau {
+        basic: dropped.iter().map(|&i| i as u32).collect(),
+        free: factor.order[..r].iter().map(|&k| kept[k] as u32).collect(),
+        width: r,
+        data: (0..dropped.len()).flat_map(|c| factor.solve(&factor.rhs[c * r..(c + 1) * r])).collect(),
+    })
+}
+
+/// Largest part of a dependent row that its certificate does not give.
+fn remainder(block: &Block, tableau: &Tableau) -> f64 {
+    let mut worst = 0.0_f64;
+    for i in 0..tableau.basic.len() {
+        let mut rest = vec![0.0; block.matrix.cols];
+        block.matrix.row(tableau.basic[i] as usize).for_each(|(j, v)| rest[j] = v);
+        for (y, &k) in tableau.row(i).iter().zip(&tableau.free) {
+            block.matrix.row(k as usize).for_each(|(j, v)| rest[j] -= y * v);
+        }
+        worst = rest.iter().fold(worst, |a, v| a.max(v.abs()));
+    }
+    worst
+}
+
+/// Root mean square of what was left of the dependent rows, or 0 if rounding explains it.
+fn beyond_rounding(factor: &Factor, block: &Block) -> f64 {
+    let (m, n) = (block.matrix.rows() as f64, block.matrix.cols as f64);
+    let left = factor.dropped / (m - factor.rank as f64).max(1.0).sqrt();
+    if left > ROUNDING * f64::EPSILON * (m.sqrt() + n.sqrt()) { left } else { 0.0 }
 }
 
 /// Row k of the tableau: `R1^-1 R2_k`, the dependent equation over the kept ones.
@@ -50,9 +149,3 @@ fn dependent(block: &Block, tableau: &Tableau, i: usize, left: f64) -> Dependent
     Dependent { row: block.rows[k], because, dropped: left }
 }
 
-/// For a backend whose R is not that of a QR: the same estimate from a QR of the rows that it kept.
-fn sigma_of(block: &Block, factor: &Factor) -> Result<f64, BackendError> {
-    let mut kept = Csr::empty(block.matrix.cols);
-    factor.order[..factor.rank].iter().for_each(|&i| kept.push_row(block.matrix.row(i)));
-    Ok(Faer.factor(&kept, &[], 0.0)?.smallest_singular_value())
-}

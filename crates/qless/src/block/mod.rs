@@ -11,7 +11,7 @@ mod slaves;
 mod tableau;
 
 use crate::Csr;
-use crate::presolve::rows::Row;
+use crate::presolve::rows::{Entry, Row};
 use crate::qr::{Backend, BackendError};
 use crate::scale::{exponent, ldexp};
 
@@ -63,7 +63,7 @@ pub(crate) fn solve(block: &Block, backend: &dyn Backend, tolerance: f64) -> Res
 impl Block {
     /// Gathers the given rows.
     pub fn new(rows: &[Row], block: &[u32], is_free: &[bool]) -> Self {
-        let all = || block.iter().flat_map(|&i| rows[i as usize].entries.iter().map(|&(j, _)| j));
+        let all = || block.iter().flat_map(|&i| rows[i as usize].entries.iter().map(|entry| entry.dof));
         let sorted = |free: bool| {
             let mut dofs: Vec<u32> = all().filter(|&j| is_free[j as usize] == free).collect();
             dofs.sort_unstable();
@@ -87,7 +87,8 @@ impl Block {
     fn push(&mut self, row: &Row) {
         let shift = -exponent(row.size.max(f64::MIN_POSITIVE));
         let part = |dofs: &[u32]| {
-            let found = row.entries.iter().filter_map(|&(j, v)| Some((dofs.binary_search(&j).ok()?, ldexp(v, shift))));
+            let place = |entry: &Entry| Some((dofs.binary_search(&entry.dof).ok()?, ldexp(entry.value, shift)));
+            let found = row.entries.iter().filter_map(place);
             let mut entries: Vec<_> = found.collect();
             entries.sort_unstable_by_key(|&(j, _)| j);
             entries

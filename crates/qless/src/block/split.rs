@@ -7,7 +7,7 @@ pub(crate) fn split(rows: &[Row], core: &[u32], is_free: &[bool]) -> Vec<Vec<u32
     let mut owner = vec![u32::MAX; is_free.len()];
     let mut parent: Vec<u32> = (0..core.len() as u32).collect();
     for (k, &i) in core.iter().enumerate() {
-        for &(j, _) in rows[i as usize].entries.iter().filter(|&&(j, _)| is_free[j as usize]) {
+        for j in rows[i as usize].entries.iter().map(|entry| entry.dof).filter(|&j| is_free[j as usize]) {
             match owner[j as usize] {
                 u32::MAX => owner[j as usize] = k as u32,
                 other => join(&mut parent, other, k as u32),

@@ -4,18 +4,16 @@
 //! (`a u_i + c u_j = d`: chains, cycles, trees of equal DOFs), or if DOF j occurs in at most two remaining rows.
 //! Long chains go in linear time, iteratively. A row whose free part vanishes is dependent.
 //!
-//! Every row carries a bound of its own rounding error and the size of the largest part that went into it. What is
-//! below the first is zero; a row all below `tolerance` times the second is dependent too; a row below [`SUSPECT`] times
-//! it is left to the backend, whose rank is checked.
+//! Every coefficient carries a bound of its rounding error, and every row the size of the largest part that went into it.
+//! What cancels to the first is zero; a row all below `tolerance` times the second is dependent too; a row below
+//! [`SUSPECT`] times it is left to the backend, whose rank is checked.
 
 use std::collections::VecDeque;
 
-use super::rows::Row;
+use super::rows::{Entry, MORE_THAN_ROUNDING, Row};
 
 /// A row whose remaining part is smaller than this, relative to what went into it, is no pivot.
 pub(crate) const SUSPECT: f64 = 1e-3;
-/// Cancellation to within this many error bounds is a zero.
-const NOISE: f64 = 16.0;
 /// A pivot is at least this fraction of the entries that it eliminates, which bounds the multipliers, ...
 const THRESHOLD: f64 = 0.1;
 /// ... and at least this fraction of its own row, the strictest first, which bounds the growth of T as long as it can be.
@@ -39,11 +37,34 @@ pub(crate) struct Step {
 #[derive(Clone, Debug)]
 pub(crate) struct Dead {
     pub row: u32,
-    /// What was dropped to call it dependent, relative to its parts.
+    /// What was dropped to call it dependent, relative to its parts; 0 if no more than rounding was.
     pub dropped: f64,
-    /// `b - C_p u_p` minus the same of its certificate, and the size of the largest part.
-    pub mismatch: f64,
-    pub mismatch_size: f64,
+    /// `b - C_p u_p` minus the same of its certificate.
+    pub mismatch: Mismatch,
+}
+
+/// How far the right-hand side of a dependent row is from that of its certificate.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Mismatch {
+    pub value: f64,
+    /// Largest part that went into it.
+    pub size: f64,
+    /// Bound of its rounding error.
+    pub error: f64,
+}
+
+impl Mismatch {
+    pub fn of(row: &Row) -> Self {
+        Self { value: row.effective, size: row.effective_size, error: row.effective_error }
+    }
+
+    /// Subtracts `factor` times another right-hand side.
+    pub fn subtract(&mut self, factor: f64, row: &Row) {
+        let part = (factor * row.effective_size).abs();
+        self.value -= factor * row.effective;
+        self.size = self.size.max(part);
+        self.error += factor.abs() * row.effective_error + f64::EPSILON * part;
+    }
 }
 
 /// What elimination leaves.
@@ -79,18 +100,18 @@ struct Elimination<'a> {
     tolerance: f64,
 }
 
-/// Eliminates as far as no fill arises; with `all` false, closes empty rows and leaves the rest. DOFs are `0..dofs`.
+/// Eliminates as far as no fill arises. Rows of `held` are no pivots, but are closed if empty. DOFs are `0..dofs`.
 pub(crate) fn eliminate(
     rows: Vec<Row>,
     dofs: usize,
     is_free: &dyn Fn(u32) -> bool,
     tolerance: f64,
-    all: bool,
+    held: &[bool],
 ) -> Eliminated {
     let m = rows.len();
     let mut work = Elimination {
         out: Eliminated { steps: Vec::new(), factors: vec![Vec::new(); m], dead: Vec::new(), core: Vec::new(), rows },
-        state: vec![State::Active; m],
+        state: held.iter().map(|&held| if held { State::Held } else { State::Active }).collect(),
         is_free,
         holders: vec![Vec::new(); dofs],
         count: vec![0; dofs],
@@ -99,11 +120,8 @@ pub(crate) fn eliminate(
         tolerance,
     };
     work.count();
-    if all {
-        work.run();
-    } else {
-        work.close_empty();
-    }
+    work.close_empty();
+    work.run();
     work.finish()
 }
 
@@ -111,7 +129,7 @@ impl Elimination<'_> {
     fn count(&mut self) {
         for (i, row) in self.out.rows.iter_mut().enumerate() {
             row.free = 0;
-            for &(j, _) in row.entries.iter().filter(|&&(j, _)| (self.is_free)(j)) {
+            for j in row.entries.iter().map(|entry| entry.dof).filter(|&j| (self.is_free)(j)) {
                 row.free += 1;
                 self.count[j as usize] += 1;
                 self.holders[j as usize].push(i as u32);
@@ -163,9 +181,9 @@ impl Elimination<'_> {
             return;
         }
         let row = &self.out.rows[i as usize];
-        let free: Vec<_> = row.entries.iter().copied().filter(|&(j, _)| (self.is_free)(j)).collect();
+        let free: Vec<_> = row.entries.iter().copied().filter(|entry| (self.is_free)(entry.dof)).collect();
         let dof = match *free.as_slice() {
-            [(j, _)] => j,
+            [one] => one.dof,
             [one, two] => self.better_of(one, two),
             _ => return,
         };
@@ -173,10 +191,10 @@ impl Elimination<'_> {
     }
 
     /// Of `a u_i + c u_j` eliminates the larger coefficient, or, where both will do, the DOF in far fewer rows.
-    fn better_of(&self, one: (u32, f64), two: (u32, f64)) -> u32 {
-        let (large, small) = if two.1.abs() > one.1.abs() { (two, one) } else { (one, two) };
-        let cheaper = self.count[large.0 as usize] > 4 * self.count[small.0 as usize];
-        if cheaper && small.1.abs() >= THRESHOLD * large.1.abs() { small.0 } else { large.0 }
+    fn better_of(&self, one: Entry, two: Entry) -> u32 {
+        let (large, small) = if two.value.abs() > one.value.abs() { (two, one) } else { (one, two) };
+        let cheaper = self.count[large.dof as usize] > 4 * self.count[small.dof as usize];
+        if cheaper && small.value.abs() >= THRESHOLD * large.value.abs() { small.dof } else { large.dof }
     }
 
     /// Closes a row without free part; holds one that is too small for a pivot. True if the row is out of play.
@@ -190,12 +208,11 @@ impl Elimination<'_> {
             self.state[i as usize] = State::Held;
             return true;
         }
-        self.out.dead.push(Dead {
-            row: i,
-            dropped: if row.size > 0.0 { left / row.size } else { 0.0 },
-            mismatch: row.effective,
-            mismatch_size: row.effective_size,
-        });
+        let rounding = |entry: &&Entry| entry.value.abs() <= MORE_THAN_ROUNDING * f64::from(entry.error);
+        let free = row.entries.iter().filter(|entry| (self.is_free)(entry.dof));
+        let left = free.filter(|entry| !rounding(entry)).map(|entry| entry.value.abs()).fold(row.dropped, f64::max);
+        let dropped = if row.size > 0.0 { left / row.size } else { 0.0 };
+        self.out.dead.push(Dead { row: i, dropped, mismatch: Mismatch::of(row) });
         self.retire(i);
         true
     }
@@ -203,7 +220,7 @@ impl Elimination<'_> {
     fn retire(&mut self, i: u32) {
         self.state[i as usize] = State::Done;
         let entries = std::mem::take(&mut self.out.rows[i as usize].entries);
-        for &(j, _) in entries.iter().filter(|&&(j, _)| (self.is_free)(j)) {
+        for j in entries.iter().map(|entry| entry.dof).filter(|&j| (self.is_free)(j)) {
             self.leave(j);
         }
         self.out.rows[i as usize].entries = entries;
@@ -240,7 +257,7 @@ impl Elimination<'_> {
         list.dedup();
         let found = list.iter().filter(|&&i| self.state[i as usize] != State::Done).filter_map(|&i| {
             let row = &self.out.rows[i as usize];
-            row.position(j).map(|k| (i, row.entries[k].1))
+            row.position(j).map(|k| (i, row.entries[k].value))
         });
         let found: Vec<_> = found.collect();
         list.clear();
@@ -258,7 +275,7 @@ impl Elimination<'_> {
     /// Largest coefficient of a free DOF in a row.
     fn largest(&self, i: u32) -> f64 {
         let entries = &self.out.rows[i as usize].entries;
-        entries.iter().filter(|&&(j, _)| (self.is_free)(j)).map(|&(_, v)| v.abs()).fold(0.0, f64::max)
+        entries.iter().filter(|entry| (self.is_free)(entry.dof)).map(|entry| entry.value.abs()).fold(0.0, f64::max)
     }
 
     /// Row i becomes the equation of DOF j, which leaves all other rows.
@@ -266,64 +283,61 @@ impl Elimination<'_> {
         let targets = self.holding(j);
         self.retire(i);
         let mut row = std::mem::take(&mut self.out.rows[i as usize]);
-        let position = row.entries.iter().position(|&(l, _)| l == j).expect("the pivot row holds the pivot DOF");
-        let pivot = row.entries.swap_remove(position).1;
-        let largest = row.entries.iter().map(|&(_, v)| v.abs()).fold(0.0, f64::max);
+        let position = row.entries.iter().position(|e| e.dof == j).expect("the pivot row holds the pivot DOF");
+        let pivot = row.entries.swap_remove(position);
         for (k, value) in targets.into_iter().filter(|&(k, _)| k != i) {
-            self.subtract(k, j, value / pivot, &row, largest);
+            self.subtract(k, j, value / pivot.value, &pivot, &row);
         }
         self.count[j as usize] = 0;
         self.holders[j as usize] = Vec::new();
-        self.out.steps.push(Step { row: i, dof: j, pivot, others: row.entries, rhs: row.rhs });
+        let others = row.entries.iter().map(|entry| (entry.dof, entry.value)).collect();
+        self.out.steps.push(Step { row: i, dof: j, pivot: pivot.value, others, rhs: row.rhs });
     }
 
-    /// `row_k <- row_k - factor row`, where `row` no longer holds the pivot DOF `j`.
-    fn subtract(&mut self, k: u32, j: u32, factor: f64, row: &Row, largest: f64) {
+    /// `row_k <- row_k - factor row`, where `row` no longer holds the pivot.
+    fn subtract(&mut self, k: u32, j: u32, factor: f64, pivot: &Entry, row: &Row) {
         self.out.factors[k as usize].push((self.out.steps.len() as u32, factor));
         let target = &mut self.out.rows[k as usize];
+        // Relative error of the factor: that of the pivot, of the entry, and one rounding.
+        let mut relative = f64::from(pivot.error) / pivot.value.abs() + f64::EPSILON;
         if let Some(position) = target.position(j) {
-            target.remove(position);
+            let gone = target.remove(position);
             target.free -= 1;
+            relative += f64::from(gone.error) / gone.value.abs();
         }
-        let part = factor.abs() * largest;
-        target.size = target.size.max(part);
-        target.error += factor.abs() * row.error + f64::EPSILON * part;
+        let mut mismatch = Mismatch::of(target);
+        mismatch.subtract(factor, row);
         target.rhs -= factor * row.rhs;
-        target.effective -= factor * row.effective;
-        target.effective_size = target.effective_size.max(factor.abs() * row.effective_size);
-        for &(l, v) in &row.entries {
-            self.add(k, l, -factor * v);
+        (target.effective, target.effective_size, target.effective_error) =
+            (mismatch.value, mismatch.size, mismatch.error + relative * (factor * row.effective).abs());
+        for entry in &row.entries {
+            let part = factor * entry.value;
+            self.add(k, entry.dof, -part, relative * part.abs() + factor.abs() * f64::from(entry.error));
         }
         if self.out.rows[k as usize].free <= 2 {
             self.short_rows.push_back(k);
         }
     }
 
-    fn add(&mut self, k: u32, l: u32, value: f64) {
+    fn add(&mut self, k: u32, l: u32, value: f64, error: f64) {
         let free = (self.is_free)(l);
         let row = &mut self.out.rows[k as usize];
-        let noise = NOISE * row.error;
-        match row.position(l) {
-            Some(position) => {
-                let sum = row.entries[position].1 + value;
-                row.entries[position].1 = sum;
-                if sum.abs() <= noise {
-                    row.remove(position);
-                    if free {
-                        row.free -= 1;
-                        self.leave(l);
-                    }
-                }
-            }
-            None if value.abs() > noise => {
-                row.push(l, value);
+        row.size = row.size.max(value.abs());
+        if let Some(position) = row.position(l) {
+            if row.add(position, value, error) {
+                row.remove(position);
                 if free {
-                    row.free += 1;
-                    self.count[l as usize] += 1;
-                    self.holders[l as usize].push(k);
+                    row.free -= 1;
+                    self.leave(l);
                 }
             }
-            None => {}
+            return;
+        }
+        row.insert(Entry { dof: l, value, error: error as f32 });
+        if free {
+            row.free += 1;
+            self.count[l as usize] += 1;
+            self.holders[l as usize].push(k);
         }
     }
 }

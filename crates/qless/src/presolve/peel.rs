@@ -17,13 +17,6 @@ pub(crate) struct Peeled {
     pub remaining: Vec<bool>,
 }
 
-impl Peeled {
-    /// Nothing peeled.
-    pub fn none(system: &ConstraintSystem) -> Self {
-        Self { pivots: Vec::new(), remaining: vec![true; system.equations()] }
-    }
-}
-
 struct Columns {
     /// Remaining rows that hold the DOF.
     count: Vec<u32>,
@@ -31,8 +24,9 @@ struct Columns {
     rows: Vec<u32>,
 }
 
-pub(crate) fn peel(system: &ConstraintSystem, is_free: &[bool], scaling: &Scaling) -> Peeled {
-    let mut columns = count(system, is_free);
+/// Rows of `held` stay, with every row that shares a DOF with them.
+pub(crate) fn peel(system: &ConstraintSystem, is_free: &[bool], scaling: &Scaling, held: &[bool]) -> Peeled {
+    let mut columns = count(system, is_free, held);
     let mut peeled = Peeled { pivots: Vec::new(), remaining: vec![true; system.equations()] };
     let mut ready: VecDeque<u32> = (0..system.dofs() as u32).filter(|&j| columns.count[j as usize] == 1).collect();
     while let Some(dof) = ready.pop_front() {
@@ -50,10 +44,10 @@ pub(crate) fn peel(system: &ConstraintSystem, is_free: &[bool], scaling: &Scalin
     peeled
 }
 
-fn count(system: &ConstraintSystem, is_free: &[bool]) -> Columns {
+fn count(system: &ConstraintSystem, is_free: &[bool], held: &[bool]) -> Columns {
     let c = system.matrix();
     let mut columns = Columns { count: vec![0; c.cols], rows: vec![0; c.cols] };
-    for i in 0..c.rows() {
+    for i in (0..c.rows()).filter(|&i| !held[i]) {
         for (j, _) in c.row(i).filter(|&(j, _)| is_free[j]) {
             columns.count[j] += 1;
             columns.rows[j] ^= i as u32;

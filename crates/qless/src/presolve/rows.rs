@@ -5,22 +5,36 @@ use std::collections::HashMap;
 /// Rows longer than this find their entries through a table.
 const LONG: usize = 48;
 
+/// A coefficient and a bound of its rounding error (in single precision, which is enough for a bound).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Entry {
+    pub dof: u32,
+    pub error: f32,
+    pub value: f64,
+}
+
+/// A number that was cancelled to within this many times its error bound is a zero.
+const NOISE: f64 = 16.0;
+/// A number that is larger than this many times its error bound is more than rounding.
+pub(crate) const MORE_THAN_ROUNDING: f64 = 2.0;
+
 /// `sum entries = rhs` in scaled coefficients, with what rounding may have done to it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Row {
-    /// (DOF, coefficient); free and prescribed DOFs.
-    pub entries: Vec<(u32, f64)>,
+    /// Free and prescribed DOFs.
+    pub entries: Vec<Entry>,
     /// Number of free DOFs among the entries.
     pub free: u32,
     /// b.
     pub rhs: f64,
-    /// `b - C_p u_p`, and the largest part that went into it.
+    /// `b - C_p u_p`, the largest part that went into it, and a bound of its rounding error.
     pub effective: f64,
     pub effective_size: f64,
+    pub effective_error: f64,
     /// Largest coefficient that ever went into the row: what its entries are relative to.
     pub size: f64,
-    /// Bound of the rounding error in each entry.
-    pub error: f64,
+    /// Largest coefficient that was cancelled though it was more than rounding.
+    pub dropped: f64,
     table: Option<HashMap<u32, u32, Hasher>>,
 }
 
@@ -45,35 +59,55 @@ impl std::hash::Hasher for Multiplicative {
 impl Row {
     /// No terms yet: `0 = rhs`.
     pub fn new(rhs: f64) -> Self {
-        Self { rhs, effective: rhs, effective_size: rhs.abs(), ..Self::default() }
+        let error = f64::EPSILON * rhs.abs();
+        Self { rhs, effective: rhs, effective_size: rhs.abs(), effective_error: error, ..Self::default() }
     }
 
     pub fn position(&self, dof: u32) -> Option<usize> {
         match &self.table {
             Some(table) => table.get(&dof).map(|&k| k as usize),
-            None => self.entries.iter().position(|&(j, _)| j == dof),
+            None => self.entries.iter().position(|entry| entry.dof == dof),
         }
     }
 
+    /// A coefficient as given: right to the last place.
     pub fn push(&mut self, dof: u32, value: f64) {
-        self.entries.push((dof, value));
+        self.insert(Entry { dof, value, error: (f64::EPSILON * value.abs()) as f32 });
+    }
+
+    pub fn insert(&mut self, entry: Entry) {
+        self.entries.push(entry);
+        let last = self.entries.len() as u32 - 1;
         if let Some(table) = &mut self.table {
-            table.insert(dof, self.entries.len() as u32 - 1);
+            table.insert(entry.dof, last);
         } else if self.entries.len() > LONG {
-            self.table = Some(self.entries.iter().enumerate().map(|(k, &(j, _))| (j, k as u32)).collect());
+            self.table = Some(self.entries.iter().map(|entry| entry.dof).zip(0..).collect());
         }
+    }
+
+    /// Adds to the entry at a position; true if nothing is left of it.
+    pub fn add(&mut self, position: usize, value: f64, error: f64) -> bool {
+        let entry = &mut self.entries[position];
+        let sum = entry.value + value;
+        let error = f64::from(entry.error) + error + f64::EPSILON * sum.abs();
+        (entry.value, entry.error) = (sum, error as f32);
+        let zero = sum.abs() <= NOISE * error;
+        if zero && sum.abs() > MORE_THAN_ROUNDING * error {
+            self.dropped = self.dropped.max(sum.abs());
+        }
+        zero
     }
 
     /// Takes the entry at a position out; the last entry moves into its place.
-    pub fn remove(&mut self, position: usize) -> f64 {
-        let (dof, value) = self.entries.swap_remove(position);
+    pub fn remove(&mut self, position: usize) -> Entry {
+        let removed = self.entries.swap_remove(position);
         if let Some(table) = &mut self.table {
-            table.remove(&dof);
-            if let Some(&(moved, _)) = self.entries.get(position) {
-                table.insert(moved, position as u32);
+            table.remove(&removed.dof);
+            if let Some(moved) = self.entries.get(position) {
+                table.insert(moved.dof, position as u32);
             }
         }
-        value
+        removed
     }
 
     pub fn forget_table(&mut self) {

@@ -44,9 +44,12 @@ impl Factor {
         (self.rank..columns.rows()).map(solve).collect()
     }
 
-    /// Estimate of the smallest singular value of R1, from above: five steps of inverse iteration with `R1^T R1`,
-    /// each two triangular solves. 0 is returned for no rank at all.
-    pub fn smallest_singular_value(&self) -> f64 {
+    /// Estimate of the smallest singular value of R1, from above, and the place of the largest entry of its right
+    /// singular vector: five steps of inverse iteration with `R1^T R1`, each two triangular solves. 1 for no rank at all.
+    pub fn smallest_singular_value(&self) -> (f64, usize) {
+        if self.rank == 0 {
+            return (1.0, 0);
+        }
         let mut x: Vec<f64> = (0..self.rank).map(|i| 1.0 + 0.1 * (i % 7) as f64).collect();
         let mut sigma = 0.0;
         for _ in 0..5 {
@@ -56,7 +59,8 @@ impl Factor {
             sigma = 1.0 / self::norm(&half);
             x = self.solve(&half);
         }
-        if sigma.is_finite() { sigma } else { 0.0 }
+        let largest = (0..self.rank).max_by(|&a, &b| x[a].abs().total_cmp(&x[b].abs()).then(b.cmp(&a)));
+        (if sigma.is_finite() { sigma } else { 0.0 }, largest.unwrap_or(0))
     }
 }
 

@@ -1,0 +1,51 @@
+//! How sure the rank is: what was kept, what was dropped, and the gap between them.
+
+use crate::analysis::Dependent;
+use crate::block::Solved;
+use crate::ConstraintSystem;
+
+/// Kept equations with a smaller singular value than this are near dependence, whatever the tolerance.
+const NEAR: f64 = 3e-6;
+/// A mismatch of the right-hand sides below this, relative to its parts, might be meant as none.
+const SMALL_MISMATCH: f64 = 1e-6;
+
+/// How sure the rank is, relative to the equilibrated equations.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Confidence {
+    /// Estimate of the smallest singular value of the blocks' kept rows, or, if that is less, of the distance of presolve's
+    /// kept rows from dependence (`1 / max |(U^-1)_ij|`; 1 where neither gives reason for doubt).
+    pub sigma_kept: f64,
+    /// Largest remainder, beyond rounding, that was treated as zero.
+    pub sigma_dropped: f64,
+    /// Their ratio; infinite (`null` in JSON) where nothing beyond rounding was dropped.
+    #[serde(serialize_with = "finite_or_null")]
+    pub gap: f64,
+    /// Whether another tolerance might give another rank or another verdict.
+    pub ambiguous: bool,
+}
+
+fn finite_or_null<S: serde::Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    if value.is_finite() { serializer.serialize_f64(*value) } else { serializer.serialize_none() }
+}
+
+impl Confidence {
+    pub(crate) fn new(
+        solved: &[Solved],
+        sensitivity: Option<f64>,
+        dependent: &[Dependent],
+        system: &ConstraintSystem,
+    ) -> Self {
+        let presolved = sensitivity.map_or(1.0, |entry| 1.0 / entry);
+        let sigma_kept = solved.iter().map(|block| block.sigma).fold(presolved, f64::min);
+        let sigma_dropped = dependent.iter().map(|d| d.dropped).fold(0.0, f64::max);
+        let largest_rhs = system.rhs().iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let doubtful = |d: &Dependent| {
+            let small = d.relative_mismatch > 0.0 && d.relative_mismatch < SMALL_MISMATCH;
+            // `0 = b` has no parts to be relative to but the other right-hand sides.
+            let empty = system.matrix().row(d.row).len() == 0;
+            small || (empty && d.mismatch != 0.0 && d.mismatch.abs() < SMALL_MISMATCH * largest_rhs)
+        };
+        let ambiguous = sigma_kept < NEAR || sensitivity.is_some() || sigma_dropped > 0.0 || dependent.iter().any(doubtful);
+        Self { sigma_kept, sigma_dropped, gap: sigma_kept / sigma_dropped, ambiguous }
+    }
+}

@@ -1,0 +1,8 @@
+//! The program as its users meet it: exit codes, messages, both forms of the report, and the files of `reduce`.
+
+mod cli {
+    pub mod bad_input;
+    pub mod harness;
+    pub mod report;
+    pub mod written;
+}

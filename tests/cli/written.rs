@@ -1,0 +1,166 @@
+//! The files of `reduce` and `generate`, read back.
+
+use std::fs;
+
+use qless_io::matrix_market::{self, Triplets};
+
+use super::harness::Place;
+
+/// The files of a reduction; indices from 0.
+struct Reduced {
+    t: Triplets,
+    g_matrix: Triplets,
+    g: Vec<f64>,
+    slaves: Vec<usize>,
+    masters: Vec<usize>,
+    prescribed: Vec<usize>,
+}
+
+impl Reduced {
+    fn read(place: &Place, folder: &str) -> Self {
+        let path = |name: &str| place.path(folder).join(name);
+        let text = |name: &str| fs::read_to_string(path(name)).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let indices = |name: &str| text(name).lines().map(|line| line.parse::<usize>().expect("whole") - 1).collect();
+        Self {
+            t: matrix_market::read(&path("T.mtx")).expect("T"),
+            g_matrix: matrix_market::read(&path("G.mtx")).expect("G"),
+            g: text("g.txt").lines().map(|line| line.parse().expect("a number")).collect(),
+            slaves: indices("slaves.txt"),
+            masters: indices("masters.txt"),
+            prescribed: indices("prescribed.txt"),
+        }
+    }
+
+    /// All DOFs, `u_s = T u_q + G u_p + g`; with `constant` 0 the homogeneous part `[T; I] u_q` and `G u_p`.
+    fn expand(&self, u_q: &[f64], u_p: &[f64], constant: f64) -> Vec<f64> {
+        let mut u = vec![0.0; self.slaves.len() + self.masters.len() + self.prescribed.len()];
+        self.masters.iter().zip(u_q).for_each(|(&j, &v)| u[j] = v);
+        self.prescribed.iter().zip(u_p).for_each(|(&j, &v)| u[j] = v);
+        self.slaves.iter().zip(&self.g).for_each(|(&j, &v)| u[j] = constant * v);
+        for (part, x) in [(&self.t, u_q), (&self.g_matrix, u_p)] {
+            part.entries.iter().for_each(|&(i, j, v)| u[self.slaves[i]] += v * x[j]);
+        }
+        u
+    }
+}
+
+/// `C u`.
+fn times(c: &Triplets, u: &[f64]) -> Vec<f64> {
+    let mut result = vec![0.0; c.rows];
+    c.entries.iter().for_each(|&(i, j, v)| result[i] += v * u[j]);
+    result
+}
+
+/// Several ties, one twice and one weighted, with two prescribed DOFs.
+fn model(place: &Place) -> ([f64; 5], [f64; 2]) {
+    let entries = [
+        (1, 1, 1.0),
+        (1, 2, -0.5),
+        (1, 3, -0.5),
+        (2, 2, 2.0),
+        (2, 4, -2.0),
+        (3, 3, 1.0),
+        (3, 5, -1.0),
+        (3, 6, 0.25),
+        (4, 2, -4.0),
+        (4, 4, 4.0),
+        (5, 7, 3.0),
+        (5, 8, -3.0),
+        (5, 1, 1.0),
+    ];
+    let b = [0.25, 1.0, 0.0, -2.0, 0.125];
+    place.case("model", [5, 9], &entries, &b, &[(6, 2.0), (8, -1.0)]);
+    (b, [2.0, -1.0])
+}
+
+#[test]
+fn the_files_of_reduce_solve_the_equations() {
+    let place = Place::new();
+    let (b, u_p) = model(&place);
+    for options in ["", "--no-presolve", "--growth 1.5", "--backend gauss --no-presolve"] {
+        let run = place.run(&format!("reduce model -o out --format json {options}"));
+        assert_eq!(run.code, 0, "{}", run.err);
+        let (c, reduced) = (matrix_market::read(&place.path("model/C.mtx")).expect("C"), Reduced::read(&place, "out"));
+        assert_eq!((reduced.t.rows, reduced.t.columns), (reduced.slaves.len(), reduced.masters.len()));
+        assert_eq!((reduced.slaves.len(), &reduced.prescribed[..]), (4, &[5, 7][..]));
+        for k in 0..reduced.masters.len() {
+            let mut unit = vec![0.0; reduced.masters.len()];
+            unit[k] = 1.0;
+            let u = reduced.expand(&unit, &[0.0; 2], 0.0);
+            assert!(times(&c, &u).iter().all(|v| v.abs() < 1e-14), "C [T; I] = 0, {options}");
+        }
+        let u_q: Vec<f64> = (0..reduced.masters.len()).map(|k| 0.3 - k as f64).collect();
+        let u = reduced.expand(&u_q, &u_p, 1.0);
+        for (sum, b) in times(&c, &u).iter().zip(b) {
+            assert!((sum - b).abs() < 1e-13, "C u = b, {options}: {sum} for {b}");
+        }
+        assert_report(&run.json(), &reduced);
+    }
+}
+
+fn assert_report(report: &serde_json::Value, reduced: &Reduced) {
+    let reduction = &report["reduction"];
+    assert_eq!(reduction["slaves"], reduced.slaves.len());
+    assert_eq!(reduction["masters"], reduced.masters.len());
+    assert_eq!(reduction["nnz"], reduced.t.entries.len() + reduced.g_matrix.entries.len());
+    let growth = reduced.t.entries.iter().fold(0.0, |most: f64, &(_, _, v)| most.max(v.abs()));
+    assert_eq!(reduction["growth"].as_f64(), Some(growth));
+    assert!(reduction["residual"].as_f64().expect("a number") < 1e-14);
+    assert!(reduction["exchanges"].is_u64());
+}
+
+#[test]
+fn conflicting_equations_are_not_reduced() {
+    let place = Place::new();
+    place.paper("model", 0.0);
+    let before = place.everything();
+    for format in ["text", "json"] {
+        let run = place.run(&format!("reduce model -o new/out --format {format}"));
+        assert_eq!(run.code, 1);
+        assert!(run.out.contains("onflict"), "the report says why: {}", run.out);
+        assert!(run.err.contains("nothing was written to new/out"), "{}", run.err);
+        assert!(place.everything() == before);
+    }
+}
+
+#[test]
+fn reduce_replaces_its_own_files_and_no_others() {
+    let place = Place::new();
+    model(&place);
+    place.file("out/T.mtx", "old").file("out/notes.txt", "mine");
+    assert_eq!(place.run("reduce model -o out").code, 0);
+    assert_eq!(Reduced::read(&place, "out").slaves.len(), 4);
+    assert_eq!(fs::read_to_string(place.path("out/notes.txt")).expect("left"), "mine");
+}
+
+#[test]
+fn a_generated_scene_has_what_its_name_promises() {
+    let place = Place::new();
+    let cases = [
+        ("fssi --level 50 --seed 3", 7580, 168, 0),
+        ("fssi --level 50 --coupling tie", 7580, 168, 0),
+        ("figure-8", 16, 2, 0),
+        ("equations --rhs 0", 3, 0, 1),
+        ("gradient --nx 4 --ny 4 --d 2", 48, 16, 0),
+        ("windows --nx 12 --ny 12", 82, 10, 0),
+    ];
+    for (scene, rows, redundant, conflicting) in cases {
+        let run = place.run(&format!("generate {scene} -o scene"));
+        assert_eq!(run.code, 0, "{scene}: {}", run.err);
+        assert!(run.out.starts_with(&format!("Wrote scene: {rows} equations")), "{}", run.out);
+        let report = place.run("check scene --format json").json();
+        assert_eq!(report["input"]["rows"], rows, "{scene}");
+        let counts = &report["counts"];
+        assert_eq!((&counts["redundant"], &counts["conflicting"]), (&redundant.into(), &conflicting.into()), "{scene}");
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_files() {
+    let place = Place::new();
+    for (seed, folder) in [(1, "a"), (1, "b"), (2, "c")] {
+        assert_eq!(place.run(&format!("generate planted --rows 40 --dofs 80 --seed {seed} -o {folder}")).code, 0);
+    }
+    let matrix = |folder: &str| fs::read(place.path(folder).join("C.mtx")).expect("written");
+    assert!(matrix("a") == matrix("b") && matrix("a") != matrix("c"));
+}
