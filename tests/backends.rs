@@ -65,7 +65,7 @@ fn fault(what: String, check: impl FnOnce()) -> Option<String> {
 }
 
 /// Elimination without orthogonality has no bound on the growth of its numbers: these scenes it gets wrong in some order.
-const SCENES_WRONG_WITH_GAUSS: [&str; 0] = [];
+const SCENES_WRONG_WITH_GAUSS: [&str; 2] = ["windows in the plane", "mortar"];
 
 fn check_all(scenes: Vec<(&str, Result<Scene, SceneError>)>) {
     let mut faults = Vec::new();
@@ -204,9 +204,8 @@ fn definite_cases() -> Vec<(Expected, ConstraintSystem)> {
         let system = qless_io::read_case(folder, None, None).unwrap_or_else(|e| panic!("{}: {e}", expected.name));
         (expected, system)
     };
-    let fits = |(expected, system): &(Expected, ConstraintSystem)| {
-        expected.class == "definite" && system.equations() <= 5000
-    };
+    let fits =
+        |(expected, system): &(Expected, ConstraintSystem)| expected.class == "definite" && system.equations() <= 5000;
     folders.iter().map(read).filter(fits).collect()
 }
 

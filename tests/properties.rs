@@ -27,6 +27,7 @@ on_each_backend!(
     small_dense_systems_in_units,
     prescribed_dofs,
     prescribed_dofs_in_units,
+    small_systems_found_wrong_once,
     triples_near_dependence,
     combinations_near_dependence,
 );
@@ -34,7 +35,7 @@ on_each_backend!(
 /// Runs a check on as many random values; the same ones each time.
 fn hold<S: Strategy>(cases: u32, strategy: &S, check: impl Fn(S::Value)) {
     let config = Config {
-        cases: cases * std::env::var("HUNT").map_or(1, |v| v.parse().unwrap()),
+        cases,
         rng_seed: RngSeed::Fixed(20_251_120),
         source_file: Some(file!()),
         failure_persistence: Some(Box::new(FileFailurePersistence::WithSource("proptest-regressions"))),
@@ -68,8 +69,12 @@ enum Units {
 
 fn changes(units: Units) -> impl Strategy<Value = Change> {
     let decades = if units == Units::Kept { vec(0..=0, 0).boxed() } else { vec(-6..=6_i32, 1..=4).boxed() };
-    (0_u64..1000, 0_u64..1000, 0_u64..1000, decades)
-        .prop_map(|(order, rows, units, decades)| Change { order, rows, units, decades })
+    (0_u64..1000, 0_u64..1000, 0_u64..1000, decades).prop_map(|(order, rows, units, decades)| Change {
+        order,
+        rows,
+        units,
+        decades,
+    })
 }
 
 impl Change {
@@ -251,7 +256,7 @@ fn combinations_planted_in_sparse_rows_in_units(backend: BackendChoice) {
 }
 
 fn check_planted(backend: BackendChoice, units: Units) {
-    hold(96, &(planted(), changes(units)), |((planted, seed), change)| {
+    hold(160, &(planted(), changes(units)), |((planted, seed), change)| {
         check(backend, &planted.scene(seed).expect("in range"), &change, None);
     });
 }
@@ -280,7 +285,7 @@ fn graphs_with_closed_cycles_in_units(backend: BackendChoice) {
 }
 
 fn check_graphs(backend: BackendChoice, units: Units) {
-    hold(96, &(graphs(), changes(units)), |((nodes, edges), change)| {
+    hold(240, &(graphs(), changes(units)), |((nodes, edges), change)| {
         let potential = solution(nodes, change.order);
         let steps: Vec<_> = edges.iter().map(|&(a, b, gap)| (a, b, potential[a] - potential[b] + gap)).collect();
         check(backend, &families::incidence(nodes, &steps).expect("in range"), &change, None);
@@ -296,7 +301,7 @@ fn rigid_spiders_in_units(backend: BackendChoice) {
 }
 
 fn check_spiders(backend: BackendChoice, units: Units) {
-    hold(48, &(3_usize..9, 1_usize..=2, 0_u64..1000, changes(units)), |(legs, masters, seed, change)| {
+    hold(40, &(3_usize..9, 1_usize..=2, 0_u64..1000, changes(units)), |(legs, masters, seed, change)| {
         check(backend, &families::rbe2(legs, masters, seed).expect("in range"), &change, None);
     });
 }
@@ -310,7 +315,7 @@ fn periodic_cells_in_units(backend: BackendChoice) {
 }
 
 fn check_cells(backend: BackendChoice, units: Units) {
-    hold(8, &(1_usize..=2, changes(units)), |(n, change)| {
+    hold(6, &(1_usize..=2, changes(units)), |(n, change)| {
         check(backend, &families::rve(n).expect("in range"), &change, None);
     });
 }
@@ -352,12 +357,33 @@ fn small_dense_systems_in_units(backend: BackendChoice) {
 
 fn check_dense(backend: BackendChoice, units: Units) {
     let off = prop_oneof![2 => Just(vec![0; 10]), 1 => vec(-2..=2_i32, 10)];
-    hold(192, &(matrices(), off, changes(units)), |(rows, off, change)| {
+    hold(400, &(matrices(), off, changes(units)), |(rows, off, change)| {
         let solution = solution(rows[0].len(), change.order);
         let consistent = off.iter().all(|&off| off == 0);
         let scene = scene(system(&rows, &solution, &off, &[]));
         check(backend, &scene, &change, consistent.then_some(&solution));
     });
+}
+
+/// Rare in the random tests above, so they stand here.
+fn small_systems_found_wrong_once(backend: BackendChoice) {
+    let found: [(&[[i32; 4]], u64); 4] = [
+        // gauss: the equations that fix DOF 3 were not found, for pivots that were rounding.
+        (&[[0, 26, -3, 15], [0, -26, 2, -15], [0, 0, 0, 0]], 203),
+        (&[[-2, -10, 0, -1], [-1, -1, 0, 3], [3, 11, 8, -2]], 203),
+        // spqr: a fixed DOF was not found, for rounding in its row of T.
+        (&[[-3, 6, -3, -12], [-9, 1, -11, 4], [17, -2, 21, -12]], 263),
+        (&[[11, 14, -9, -18], [2, 13, -8, -6], [-13, 6, -3, 18]], 271),
+    ];
+    for (rows, order) in found {
+        let rows: Vec<Vec<i32>> = rows.iter().map(|row| row.to_vec()).collect();
+        let change = Change { order, rows: 840, units: 0, decades: Vec::new() };
+        let solution = solution(4, order);
+        check(backend, &scene(system(&rows, &solution, &[0; 4], &[])), &change, Some(&solution));
+    }
+    // spqr: an equation that is not needed in a certificate, for rounding in its coefficient.
+    let change = Change { order: 430, rows: 0, units: 0, decades: Vec::new() };
+    check(backend, &families::rbe2(6, 2, 462).expect("in range"), &change, None);
 }
 
 fn prescribed_dofs(backend: BackendChoice) {
@@ -373,7 +399,7 @@ fn check_prescribed(backend: BackendChoice, units: Units) {
     let values = (values, any::<bool>());
     let sparse = (planted(), 0_u64..1000).prop_map(|((planted, seed), _)| whole(&planted.scene(seed).expect("valid")));
     let rows = prop_oneof![matrices(), sparse];
-    hold(192, &(rows, values, changes(units)), |(rows, (values, consistent), change)| {
+    hold(320, &(rows, values, changes(units)), |(rows, (values, consistent), change)| {
         let solution = solution(rows[0].len(), change.order);
         let all = values.iter().cycle().zip(&solution).enumerate().filter(|(_, ((prescribed, _), _))| *prescribed);
         let shift = |off: i32| if consistent { 0.0 } else { f64::from(off) };
@@ -408,31 +434,35 @@ fn check_doubt(backend: BackendChoice, scene: &Scene, change: &Change, ranks: [u
 
 fn triples_near_dependence(backend: BackendChoice) {
     let column = prop_oneof![Just(Near::Own), Just(Near::Shared)];
-    hold(96, &(1_usize..5, 4..=14_i32, column, changes(Units::Kept)), |(triples, digits, column, change)| {
+    hold(160, &(1_usize..5, 4..=14_i32, column, changes(Units::Kept)), |(triples, digits, column, change)| {
         let scene = families::near(triples, 10_f64.powi(-digits), column).expect("in range");
         let least = if digits == 4 { 3 * triples } else { 2 * triples };
         check_doubt(backend, &scene, &change, [least, 3 * triples], digits > 4);
     });
 }
 
-/// A planted combination with one coefficient off by a part in 10^6 to 10^12, which makes it independent: its distance
+/// A planted combination with one coefficient off by a part in 10^6 to 10^10, which makes it independent: its distance
 /// from the others is at most twice that part.
 fn combinations_near_dependence(backend: BackendChoice) {
-    hold(96, &(planted(), 6..=12_i32, any::<prop::sample::Index>(), changes(Units::Kept)), |((planted, seed), digits, index, change)| {
-        let exact = planted.scene(seed).expect("in range").system;
-        let combination = (0..exact.equations()).find(|&i| exact.equation_label(i).starts_with("combination"));
-        let Some(row) = combination.filter(|&i| exact.matrix().row(i).len() > 0) else { return };
-        let off = index.index(exact.matrix().row(row).len());
-        let mut builder = SystemBuilder::new(exact.dofs());
-        for i in 0..exact.equations() {
-            let factor = |k: usize| if (i, k) == (row, off) { 1.0 + 10_f64.powi(-digits) } else { 1.0 };
-            builder.equation(exact.matrix().row(i).enumerate().map(|(k, (j, v))| (j, v * factor(k))), 0.0);
-        }
-        let near = scene(builder.build().expect("valid"));
-        let rank = oracle::rank_free(&near.system);
-        // Where the coefficient's DOF is fixed by the others anyway, the row is as dependent as before.
-        if rank > planted.rows {
-            check_doubt(backend, &near, &change, [planted.rows, rank], true);
-        }
-    });
+    hold(
+        160,
+        &(planted(), 6..=10_i32, any::<prop::sample::Index>(), changes(Units::Kept)),
+        |((planted, seed), digits, index, change)| {
+            let exact = planted.scene(seed).expect("in range").system;
+            let combination = (0..exact.equations()).find(|&i| exact.equation_label(i).starts_with("combination"));
+            let Some(row) = combination.filter(|&i| exact.matrix().row(i).len() > 0) else { return };
+            let off = index.index(exact.matrix().row(row).len());
+            let mut builder = SystemBuilder::new(exact.dofs());
+            for i in 0..exact.equations() {
+                let factor = |k: usize| if (i, k) == (row, off) { 1.0 + 10_f64.powi(-digits) } else { 1.0 };
+                builder.equation(exact.matrix().row(i).enumerate().map(|(k, (j, v))| (j, v * factor(k))), 0.0);
+            }
+            let near = scene(builder.build().expect("valid"));
+            let rank = oracle::rank_free(&near.system);
+            // Where the coefficient's DOF is fixed by the others anyway, the row is as dependent as before.
+            if rank > planted.rows {
+                check_doubt(backend, &near, &change, [planted.rows, rank], true);
+            }
+        },
+    );
 }

@@ -52,9 +52,13 @@ fn nearly_dependent(kept: f64) -> Option<String> {
 fn remainder(diagnosis: &Diagnosis, dropped: f64) -> Option<String> {
     let equation = diagnosis.analysis.dependent.iter().max_by(|a, b| a.dropped.total_cmp(&b.dropped))?;
     let name = name::equation(&diagnosis.system, equation.row);
-    let tighter = rough(dropped / 10.0);
-    let line = format!("  {name} is not quite its combination. If that is meant: --tolerance {tighter}");
-    (dropped > 0.0).then_some(line)
+    // A tolerance below this would take rounding for independence.
+    let advice = if dropped > 1e-13 {
+        format!("If that is meant: --tolerance {}", rough(dropped / 10.0))
+    } else {
+        "Check that no digits were lost.".to_owned()
+    };
+    (dropped > 0.0).then(|| format!("  {name} is not quite its combination. {advice}"))
 }
 
 fn small_mismatch(diagnosis: &Diagnosis) -> Option<String> {
