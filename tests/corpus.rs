@@ -129,7 +129,10 @@ fn reduction_fault(case: &Case, reduction: &Reduction, options: &Options) -> Opt
 
 fn run(part: &str, options: &Options) -> Vec<String> {
     let mut wrong = Vec::new();
-    println!("{:<36} {:<9} {:>7} {:>7} {:>9} {:>9} {:>8} {:>8}  fault", "system", "class", "rows", "rank", "sigma", "dropped", "growth", "seconds");
+    println!(
+        "{:<36} {:<9} {:>7} {:>7} {:>9} {:>9} {:>8} {:>8}  fault",
+        "system", "class", "rows", "rank", "sigma", "dropped", "growth", "seconds"
+    );
     for case in cases(part) {
         let start = Instant::now();
         let name = &case.expected.name;

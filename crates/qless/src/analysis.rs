@@ -28,7 +28,9 @@ pub enum AnalysisError {
     #[error(transparent)]
     Backend(#[from] BackendError),
     /// Numbers so large or so small that the scaled right-hand side leaves the range of doubles.
-    #[error("row {row}: its right-hand side is too large for its coefficients (ratio beyond 1e308); rescale the equation")]
+    #[error(
+        "row {row}: its right-hand side is too large for its coefficients (ratio beyond 1e308); rescale the equation"
+    )]
     Range {
         /// The equation, 0-based.
         row: usize,
@@ -340,8 +342,7 @@ fn classify(
             source: (source, because),
         }
     };
-    let mut all: Vec<_> =
-        eliminated.dead.iter().map(|d| make(d.row, Vec::new(), d.mismatch, d.dropped)).collect();
+    let mut all: Vec<_> = eliminated.dead.iter().map(|d| make(d.row, Vec::new(), d.mismatch, d.dropped)).collect();
     for dependent in solved.iter().flat_map(|block| &block.dependent) {
         let mut mismatch = Mismatch::of(&eliminated.rows[dependent.row as usize]);
         dependent.because.iter().for_each(|&(i, y)| mismatch.subtract(y, &eliminated.rows[i as usize]));

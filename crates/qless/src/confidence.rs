@@ -1,8 +1,8 @@
 //! How sure the rank is: what was kept, what was dropped, and the gap between them.
 
+use crate::ConstraintSystem;
 use crate::analysis::Dependent;
 use crate::block::Solved;
-use crate::ConstraintSystem;
 
 /// Kept equations with a smaller singular value than this are near dependence, whatever the tolerance.
 const NEAR: f64 = 3e-6;
@@ -45,7 +45,8 @@ impl Confidence {
             let empty = system.matrix().row(d.row).len() == 0;
             small || (empty && d.mismatch != 0.0 && d.mismatch.abs() < SMALL_MISMATCH * largest_rhs)
         };
-        let ambiguous = sigma_kept < NEAR || sensitivity.is_some() || sigma_dropped > 0.0 || dependent.iter().any(doubtful);
+        let ambiguous =
+            sigma_kept < NEAR || sensitivity.is_some() || sigma_dropped > 0.0 || dependent.iter().any(doubtful);
         Self { sigma_kept, sigma_dropped, gap: sigma_kept / sigma_dropped, ambiguous }
     }
 }

@@ -1,6 +1,31 @@
 //! Constraints `C u = b` that a finite-element solver can trust.
+//!
+//! m linear equations on n DOFs, some DOFs prescribed: [`analyse`] says which equations are redundant or conflicting and
+//! why, and chooses slaves; [`Analysis::reduction`] gives `u_s = T u_q + G u_p + g` (Eq. 23-26). Equation and
+//! section numbers are those of the paper on over-constraints by Q-less sparse QR (Appl. Sci. 15 (2025) 13059).
+//!
+//! The way of the data, stage by stage: [`ConstraintSystem`] (validated), scaling by powers of two, presolve (what needs no
+//! factorization), blocks, a [`qr::Backend`] per block, checks of the rank, classification with certificates
+//! ([`Analysis`]), and the [`Reduction`] if it is asked for.
+//!
+//! ```
+//! use qless::{Kind, Options, SystemBuilder, analyse};
+//! // Equations (12) to (14): the third is the sum of the others.
+//! let mut builder = SystemBuilder::new(3);
+//! builder.equation([(0, 1.0), (1, -1.0), (2, 2.0)], 1.0);
+//! builder.equation([(0, 1.0), (1, 2.0), (2, -1.0)], 0.0);
+//! builder.equation([(0, 2.0), (1, 1.0), (2, 1.0)], 1.0);
+//! let system = builder.build()?;
+//! let analysis = analyse(&system, &Options::default())?;
+//! assert_eq!((analysis.rank(), analysis.kinds[2]), (2, Kind::Redundant));
+//! // (17) and (18): u1 = -u3 + 2/3, u2 = u3 - 1/3.
+//! let reduction = analysis.reduction(&system);
+//! assert_eq!((reduction.slaves.as_slice(), reduction.masters.as_slice()), ([0, 1].as_slice(), [2].as_slice()));
+//! assert!((reduction.g[0] - 2.0 / 3.0).abs() < 1e-15);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
-pub mod qr;
+mod qr;
 mod system;
 
 pub use system::{ConstraintSystem, Csr, Place, SystemBuilder, SystemError};
@@ -20,8 +45,13 @@ pub use report::{
     BackendUsed, Certificate, Counts, DependentEquation, GeneratedCondition, InputSizes, Milliseconds, Omitted,
     ReductionSizes, Report, Term,
 };
+mod options;
 mod presolve;
 mod scale;
 mod sensitivity;
-mod options;
 pub use options::{BackendChoice, OptionError, Options, Tolerance};
+
+/// The examples of the README, as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

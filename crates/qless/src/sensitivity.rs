@@ -90,13 +90,7 @@ fn largest_row_sum(
 }
 
 /// `max_i |(C_S^-1)_si|` by one transposed solve.
-fn row_of_inverse(
-    system: &ConstraintSystem,
-    basis: &Basis,
-    history: &History,
-    scaling: &Scaling,
-    slave: u32,
-) -> f64 {
+fn row_of_inverse(system: &ConstraintSystem, basis: &Basis, history: &History, scaling: &Scaling, slave: u32) -> f64 {
     let mut rest = vec![0.0; system.dofs()];
     rest[slave as usize] = 1.0;
     let mut largest = 0.0_f64;

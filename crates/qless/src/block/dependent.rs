@@ -86,12 +86,7 @@ fn select(block: &Block, rows: &[usize]) -> Csr {
 }
 
 /// The dropped rows over the kept ones: least squares with the kept rows as columns.
-fn over_kept(
-    block: &Block,
-    backend: &dyn Backend,
-    kept: &[usize],
-    dropped: &[usize],
-) -> Result<Tableau, BackendError> {
+fn over_kept(block: &Block, backend: &dyn Backend, kept: &[usize], dropped: &[usize]) -> Result<Tableau, BackendError> {
     let n = block.matrix.cols;
     let mut rhs = vec![0.0; n * dropped.len()];
     for (c, &i) in dropped.iter().enumerate() {
@@ -143,9 +138,9 @@ fn dependent(block: &Block, tableau: &Tableau, i: usize, left: f64) -> Dependent
     let (k, y) = (tableau.basic[i] as usize, tableau.row(i));
     let largest = y.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
     let terms = y.iter().zip(&tableau.free).filter(|(v, _)| v.abs() > NOISE * largest);
-    let unscaled = |(&v, &i): (&f64, &u32)| (block.rows[i as usize], ldexp(v, block.exponents[i as usize] - block.exponents[k]));
+    let unscaled =
+        |(&v, &i): (&f64, &u32)| (block.rows[i as usize], ldexp(v, block.exponents[i as usize] - block.exponents[k]));
     let mut because: Vec<_> = terms.map(unscaled).collect();
     because.sort_unstable_by_key(|&(row, _)| row);
     Dependent { row: block.rows[k], because, dropped: left }
 }
-

@@ -58,7 +58,8 @@ impl Block {
         let mut active = self.rows.len();
         let mut k = 0;
         while k < active.min(self.n) {
-            let pivot = (k..self.n).max_by(|&a, &b| self.size(k, a).total_cmp(&self.size(k, b)).then(self.order[b].cmp(&self.order[a])));
+            let pivot = (k..self.n)
+                .max_by(|&a, &b| self.size(k, a).total_cmp(&self.size(k, b)).then(self.order[b].cmp(&self.order[a])));
             match pivot.filter(|&j| self.size(k, j) > tolerance) {
                 Some(j) => {
                     self.swap_columns(k, j);

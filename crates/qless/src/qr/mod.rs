@@ -8,8 +8,8 @@ use crate::Csr;
 
 #[cfg(test)]
 pub(crate) mod check;
-pub mod faer;
 mod factor;
+pub mod faer;
 pub mod gauss;
 #[cfg(feature = "spqr")]
 pub mod spqr;

@@ -230,13 +230,8 @@ mod tests {
     #[test]
     fn csc_and_triplets_agree() {
         let a = ConstraintSystem::from_csc(2, &[0, 1, 3], &[1, 0, 1], &[4.0, 5.0, 6.0], &[1.0, 2.0], &[(1, 0.5)]);
-        let b = ConstraintSystem::from_triplets(
-            2,
-            2,
-            &[(0, 1, 5.0), (1, 1, 6.0), (1, 0, 4.0)],
-            &[1.0, 2.0],
-            &[(1, 0.5)],
-        );
+        let b =
+            ConstraintSystem::from_triplets(2, 2, &[(0, 1, 5.0), (1, 1, 6.0), (1, 0, 4.0)], &[1.0, 2.0], &[(1, 0.5)]);
         assert_eq!(a.expect("valid"), b.expect("valid"));
     }
 
