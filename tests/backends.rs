@@ -57,7 +57,7 @@ fn in_every_order(system: &ConstraintSystem) -> Vec<(ConstraintSystem, Vec<usize
 }
 
 /// A failed assertion as text, so that one failure does not hide the next.
-fn fault(what: String, check: impl FnOnce()) -> Option<String> {
+fn fault(what: &str, check: impl FnOnce()) -> Option<String> {
     let panic = catch_unwind(AssertUnwindSafe(check)).err()?;
     let message = panic.downcast_ref::<String>().cloned();
     let message = message.or_else(|| panic.downcast_ref::<&str>().map(ToString::to_string)).unwrap_or_default();
@@ -96,7 +96,7 @@ fn check_scene(name: &str, scene: &Scene, backend: BackendChoice) -> Vec<String>
     for (order, (system, dofs)) in in_every_order(&scene.system).iter().enumerate() {
         for options in settings(backend) {
             let what = format!("{name}, {backend:?}, presolve {}, order {order}", options.presolve);
-            faults.extend(fault(what, || {
+            faults.extend(fault(&what, || {
                 let analysis = diagnose(system, &options);
                 assert_eq!(answer(&analysis, dofs), truth);
                 check_identities(system, &analysis, &options);
@@ -218,7 +218,7 @@ fn corpus_faults(backend: BackendChoice) -> Vec<(String, String)> {
         let conflicting = expected.inconsistent_free.or(expected.inconsistent);
         let random = reorder(&system, &orders(system.equations())[1], &orders(system.dofs())[1]);
         for (order, system) in [("natural", &system), ("random", &random)] {
-            let found = fault(format!("{order} order"), || {
+            let found = fault(&format!("{order} order"), || {
                 let analysis = diagnose(system, &options);
                 let found = (Some(analysis.rank()), Some(analysis.kinds.contains(&Kind::Conflicting)));
                 assert_eq!(found, (rank, conflicting), "rank and conflict");

@@ -83,7 +83,7 @@ fn ambiguous_fault(expected: &Expected, analysis: &Analysis) -> Option<String> {
         (low, full)
     };
     let rank = analysis.rank();
-    if rank < least.min(full) && !analysis.confidence.ambiguous || rank > most && !analysis.confidence.ambiguous {
+    if !(least..=most).contains(&rank) && !analysis.confidence.ambiguous {
         return Some(format!("rank {rank}, neither {least} to {most} nor flagged"));
     }
     (!analysis.confidence.ambiguous && distance < 1e-6).then(|| "not flagged as ambiguous".to_owned())

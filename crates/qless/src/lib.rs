@@ -25,31 +25,31 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod qr;
-mod system;
-
-pub use system::{ConstraintSystem, Csr, Place, SystemBuilder, SystemError};
 mod analysis;
 mod basis;
 mod block;
 mod certificate;
 mod confidence;
 mod generated;
+mod options;
+mod presolve;
+pub mod qr;
 mod reduction;
 mod report;
+mod scale;
+mod sensitivity;
+mod system;
+
 pub use analysis::{Analysis, AnalysisError, Dependent, Kind, PresolveStatistics, Timings, analyse};
 pub use certificate::Because;
 pub use confidence::Confidence;
+pub use options::{BackendChoice, OptionError, Options, Tolerance};
 pub use reduction::Reduction;
 pub use report::{
     BackendUsed, Certificate, Counts, DependentEquation, GeneratedCondition, InputSizes, Milliseconds, Omitted,
     ReductionSizes, Report, Term,
 };
-mod options;
-mod presolve;
-mod scale;
-mod sensitivity;
-pub use options::{BackendChoice, OptionError, Options, Tolerance};
+pub use system::{ConstraintSystem, Csr, Place, SystemBuilder, SystemError};
 
 /// The examples of the README, as tests.
 #[cfg(doctest)]

@@ -9,7 +9,7 @@ use faer::linalg::householder::{
     apply_block_householder_sequence_transpose_on_the_left_in_place_with_conj as apply_transpose,
 };
 use faer::linalg::qr::col_pivoting::factor::{qr_in_place, qr_in_place_scratch, recommended_block_size};
-use faer::{Conj, Mat, Par};
+use faer::{Conj, Mat, Par, Spec};
 
 use super::{Backend, BackendError, Factor, dense_len};
 use crate::Csr;
@@ -52,10 +52,10 @@ fn factor_in_place(a: &mut Mat<f64>, b: &mut Mat<f64>, tolerance: f64) -> (Vec<u
     let block = recommended_block_size::<f64>(m, n);
     let mut coefficients = Mat::zeros(block, steps);
     let (mut order, mut inverse) = (vec![0; n], vec![0; n]);
-    let scratch = qr_in_place_scratch::<usize, f64>(m, n, block, Par::Seq, Default::default());
+    let scratch = qr_in_place_scratch::<usize, f64>(m, n, block, Par::Seq, Spec::default());
     let mut memory = MemBuffer::new(scratch.or(apply_scratch::<f64>(m, block, b.ncols())));
     let stack = MemStack::new(&mut memory);
-    let params = Default::default();
+    let params = Spec::default();
     qr_in_place(a.as_mut(), coefficients.as_mut(), &mut order, &mut inverse, Par::Seq, stack, params);
     let rank = (0..steps).take_while(|&i| a[(i, i)].abs() > tolerance).count();
     if rank > 0 {

@@ -60,16 +60,13 @@ impl Block {
         while k < active.min(self.n) {
             let pivot = (k..self.n)
                 .max_by(|&a, &b| self.size(k, a).total_cmp(&self.size(k, b)).then(self.order[b].cmp(&self.order[a])));
-            match pivot.filter(|&j| self.size(k, j) > tolerance) {
-                Some(j) => {
-                    self.swap_columns(k, j);
-                    self.eliminate_below(k, active);
-                    k += 1;
-                }
-                None => {
-                    active -= 1;
-                    self.rows.swap(k, active);
-                }
+            if let Some(j) = pivot.filter(|&j| self.size(k, j) > tolerance) {
+                self.order.swap(k, j);
+                self.eliminate_below(k, active);
+                k += 1;
+            } else {
+                active -= 1;
+                self.rows.swap(k, active);
             }
         }
         k
@@ -78,10 +75,6 @@ impl Block {
     /// Size of the entry in row i and the column at position j.
     fn size(&self, i: usize, j: usize) -> f64 {
         self.rows[i][self.order[j]].abs()
-    }
-
-    fn swap_columns(&mut self, k: usize, j: usize) {
-        self.order.swap(k, j);
     }
 
     fn eliminate_below(&mut self, k: usize, active: usize) {

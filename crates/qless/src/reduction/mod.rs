@@ -46,14 +46,14 @@ pub(crate) fn build(
 ) -> Reduction {
     let mut relation = rows::assemble(system, basis, fixed);
     let exchanges = growth::bound(&mut relation, bound);
-    let mut reduction = finish(system, relation);
+    let mut reduction = finish(system, &relation);
     reduction.exchanges = exchanges;
     reduction.growth = reduction.t.val.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
     reduction.residual = residual(system, &reduction, independent, scaling);
     reduction
 }
 
-fn finish(system: &ConstraintSystem, relation: rows::Relation) -> Reduction {
+fn finish(system: &ConstraintSystem, relation: &rows::Relation) -> Reduction {
     let is_slave = |j: usize| relation.row_of[j] != u32::MAX;
     let slaves: Vec<usize> = (0..system.dofs()).filter(|&j| is_slave(j)).collect();
     let prescribed: Vec<usize> = system.prescribed().iter().map(|&(j, _)| j).collect();
