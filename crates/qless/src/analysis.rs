@@ -37,8 +37,9 @@ pub enum AnalysisError {
     },
 }
 
-/// Error of a certificate that comes from a factorization, in units in the last place for each of its terms.
-const CERTIFICATE_UNITS: f64 = 8.0;
+/// Error of a certificate that comes from a factorization, in units in the last place for each of its terms, times the
+/// condition of the kept rows.
+const CERTIFICATE_UNITS: f64 = 2.0;
 
 /// What an equation is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -343,11 +344,12 @@ fn classify(
         }
     };
     let mut all: Vec<_> = eliminated.dead.iter().map(|d| make(d.row, Vec::new(), d.mismatch, d.dropped)).collect();
-    for dependent in solved.iter().flat_map(|block| &block.dependent) {
+    for (block, dependent) in solved.iter().flat_map(|block| block.dependent.iter().map(move |d| (block, d))) {
         let mut mismatch = Mismatch::of(&eliminated.rows[dependent.row as usize]);
         dependent.because.iter().for_each(|&(i, y)| mismatch.subtract(y, &eliminated.rows[i as usize]));
         // The coefficients themselves come from a factorization.
-        mismatch.error += CERTIFICATE_UNITS * f64::EPSILON * dependent.because.len() as f64 * mismatch.size;
+        let units = CERTIFICATE_UNITS * dependent.because.len() as f64 / block.sigma.min(1.0);
+        mismatch.error += units * f64::EPSILON * mismatch.size;
         all.push(make(dependent.row, dependent.because.clone(), mismatch, dependent.dropped));
     }
     all.sort_unstable_by_key(|d| d.row);

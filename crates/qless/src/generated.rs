@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use crate::ConstraintSystem;
 use crate::basis::Basis;
 use crate::block::Block;
+use crate::block::dependent::NO_PIVOT;
 use crate::certificate::{Because, History};
 use crate::qr::{Backend, BackendError};
 use crate::scale::{Scaling, ldexp};
@@ -152,7 +153,7 @@ impl<'a> Explainer<'a> {
         let mut columns = crate::Csr::empty(block.dofs.len());
         let kept: Vec<usize> = solved.kept.iter().filter_map(|row| block.rows.binary_search(row).ok()).collect();
         kept.iter().for_each(|&i| columns.push_row(block.matrix.row(i)));
-        let factor = self.backend.factor(&columns, &right, 0.0)?;
+        let factor = self.backend.factor(&columns, &right, NO_PIVOT)?;
         let y = factor.solve(&factor.rhs);
         let largest = y.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
         let terms = y.iter().zip(&factor.order).filter(|(v, _)| v.abs() > NOISE * largest);

@@ -7,8 +7,11 @@ use crate::qr::faer::Faer;
 use crate::qr::{Backend, BackendError, Factor};
 use crate::scale::ldexp;
 
-/// Coefficients of a certificate below this, relative to its largest, are rounding.
+/// Coefficients of a certificate below this, relative to its largest, are rounding; where the kept rows are badly
+/// conditioned, those below [`ROUNDING`] units in the last place times the condition.
 const NOISE: f64 = 1e-11;
+/// Stands for zero where rows are known to be independent and backends must not take rounding for a pivot.
+pub(crate) const NO_PIVOT: f64 = 1e-13;
 
 /// Units in the last place, times the root of the size, that a QR may leave of a dependent row.
 const ROUNDING: f64 = 8.0;
@@ -35,7 +38,9 @@ fn rows(block: &Block, mut tableau: Tableau, left: f64, sigma: f64) -> Rows {
     tableau.prefer(|candidate, holder| candidate > holder);
     let mut kept: Vec<usize> = tableau.free.iter().map(|&k| k as usize).collect();
     kept.sort_unstable();
-    Rows { dependent: (0..tableau.basic.len()).map(|i| dependent(block, &tableau, i, left)).collect(), kept, sigma }
+    let noise = (ROUNDING * f64::EPSILON / sigma).max(NOISE);
+    let all = (0..tableau.basic.len()).map(|i| dependent(block, &tableau, i, left, noise));
+    Rows { dependent: all.collect(), kept, sigma }
 }
 
 /// The backend kept rows that are dependent to within the tolerance (no pivot was small, as in Kahan's matrix): row after
@@ -92,7 +97,7 @@ fn over_kept(block: &Block, backend: &dyn Backend, kept: &[usize], dropped: &[us
     for (c, &i) in dropped.iter().enumerate() {
         block.matrix.row(i).for_each(|(j, v)| rhs[c * n + j] = v);
     }
-    let factor = backend.factor(&select(block, kept), &rhs, 0.0)?;
+    let factor = backend.factor(&select(block, kept), &rhs, NO_PIVOT)?;
     let r = factor.rank;
     Ok(Tableau {
         basic: dropped.iter().map(|&i| i as u32).collect(),
@@ -134,10 +139,10 @@ fn certificates(factor: &Factor) -> Tableau {
     }
 }
 
-fn dependent(block: &Block, tableau: &Tableau, i: usize, left: f64) -> Dependent {
+fn dependent(block: &Block, tableau: &Tableau, i: usize, left: f64, noise: f64) -> Dependent {
     let (k, y) = (tableau.basic[i] as usize, tableau.row(i));
     let largest = y.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
-    let terms = y.iter().zip(&tableau.free).filter(|(v, _)| v.abs() > NOISE * largest);
+    let terms = y.iter().zip(&tableau.free).filter(|(v, _)| v.abs() > noise * largest);
     let unscaled =
         |(&v, &i): (&f64, &u32)| (block.rows[i as usize], ldexp(v, block.exponents[i as usize] - block.exponents[k]));
     let mut because: Vec<_> = terms.map(unscaled).collect();

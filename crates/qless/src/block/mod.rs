@@ -4,7 +4,7 @@
 //! Then C with the independent rows only: `u_s = -R1^-1 R2 u_q - R1^-1 Q^T C_p u_p + R1^-1 Q^T b`. Heath-style rank
 //! detection errs far less often on `C^T` (tall) than on C, and the second factorization knows its rank.
 
-mod dependent;
+pub(crate) mod dependent;
 mod refine;
 mod slaves;
 pub(crate) mod split;

@@ -11,20 +11,21 @@ use crate::qr::{Backend, BackendError};
 /// Residuals up to this, relative to the parts of their equation, are left alone.
 const GOOD: f64 = 1e-14;
 
+/// Returns the largest residual that remains.
 pub(super) fn refine(
     block: &Block,
     kept: &[usize],
     tableau: &mut Tableau,
     backend: &dyn Backend,
-) -> Result<(), BackendError> {
+) -> Result<f64, BackendError> {
     let (residual, worst) = residual(block, kept, tableau);
     if worst <= GOOD {
-        return Ok(());
+        return Ok(worst);
     }
     let factor = backend.factor(&slave_columns(block, kept, tableau), &residual, 0.0)?;
     let r = kept.len();
     if factor.rank < r {
-        return Ok(());
+        return Ok(worst);
     }
     let before = tableau.data.clone();
     for c in 0..tableau.width {
@@ -33,10 +34,11 @@ pub(super) fn refine(
             tableau.data[i * tableau.width + c] -= correction[k];
         }
     }
-    if self::residual(block, kept, tableau).1 > worst {
+    let refined = self::residual(block, kept, tableau).1;
+    if refined > worst {
         tableau.data = before;
     }
-    Ok(())
+    Ok(refined.min(worst))
 }
 
 /// `C_S X - B` by columns, and the largest entry relative to the sum of its parts' sizes.

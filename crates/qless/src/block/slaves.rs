@@ -15,12 +15,19 @@ const ZERO_UNITS: f64 = 8.0;
 /// ... but a larger entry than this is kept, however bad the condition.
 const ZERO_LIMIT: f64 = 1e-8;
 
+/// A relation with a larger residual, refined, rests on slaves that are nearly dependent: others are chosen.
+const ACCEPTABLE: f64 = 1e-13;
+
+/// A sparse QR takes the first independent columns, however large T becomes; slaves are exchanged down to this growth.
+const GROWTH: f64 = 4.0;
+
 pub(super) fn choose(block: &Block, rows: Rows, backend: &dyn Backend, tolerance: f64) -> Result<Solved, BackendError> {
     let factor = full_rank(block, &rows.kept, backend, tolerance)?;
-    let mut tableau = relation(block, &factor);
-    // Of slaves that serve equally well, the earlier DOF, as an equation's first term is by habit.
-    tableau.prefer(|candidate, holder| candidate < holder);
-    refine::refine(block, &rows.kept, &mut tableau, backend)?;
+    let (mut tableau, residual) = relate(block, &rows.kept, &factor, backend)?;
+    if residual > ACCEPTABLE {
+        // A sparse QR does not choose among columns that are independent; with column pivoting the best are taken.
+        tableau = pivoted(block, &rows.kept, residual)?.unwrap_or(tableau);
+    }
     let zero = (ZERO_UNITS * f64::EPSILON / rows.sigma).clamp(NOISE, ZERO_LIMIT);
     let (relation, constant) = sparse(&tableau, zero);
     let dof = |k: &u32| block.dofs[*k as usize];
@@ -33,6 +40,35 @@ pub(super) fn choose(block: &Block, rows: Rows, backend: &dyn Backend, tolerance
         constant,
         sigma: rows.sigma,
     })
+}
+
+/// The relation that a factor gives, refined, and its residual.
+fn relate(
+    block: &Block,
+    kept: &[usize],
+    factor: &Factor,
+    backend: &dyn Backend,
+) -> Result<(Tableau, f64), BackendError> {
+    let mut tableau = relation(block, factor);
+    tableau.limit(GROWTH);
+    // Of slaves that serve equally well, the earlier DOF, as an equation's first term is by habit.
+    tableau.prefer(|candidate, holder| candidate < holder);
+    let residual = refine::refine(block, kept, &mut tableau, backend)?;
+    Ok((tableau, residual))
+}
+
+/// The relation by QR with column pivoting, if it fits into memory and is better.
+fn pivoted(block: &Block, kept: &[usize], residual: f64) -> Result<Option<Tableau>, BackendError> {
+    let (columns, rhs) = kept_columns(block, kept);
+    let factor = match Faer.factor(&columns, &rhs, 0.0) {
+        Err(BackendError::OutOfMemory { .. }) => return Ok(None),
+        other => other?,
+    };
+    if factor.rank < kept.len() {
+        return Ok(None);
+    }
+    let (tableau, better) = relate(block, kept, &factor, &Faer)?;
+    Ok((better < residual).then_some(tableau))
 }
 
 /// The rows are known to be independent: where the backend loses one on C, it is asked again without a tolerance,

@@ -41,6 +41,23 @@ impl Tableau {
         }
     }
 
+    /// Exchanges until no entry of a column that may change places is larger than `bound`: each exchange multiplies the
+    /// determinant of the basis by more than that, so this ends. Left out on large tableaus.
+    pub fn limit(&mut self, bound: f64) {
+        while let Some((i, j)) = self.largest().filter(|&(i, j)| self.row(i)[j].abs() > bound) {
+            if self.data.len() > LARGE {
+                return;
+            }
+            self.exchange(i, j);
+        }
+    }
+
+    fn largest(&self) -> Option<(usize, usize)> {
+        let places = (0..self.basic.len()).flat_map(|i| (0..self.free.len()).map(move |j| (i, j)));
+        let size = |(i, j): (usize, usize)| self.data[i * self.width + j].abs();
+        places.reduce(|a, b| if size(b) > size(a) { b } else { a })
+    }
+
     fn best(&self, i: usize, better: &impl Fn(u32, u32) -> bool) -> Option<usize> {
         let row = self.row(i);
         let wanted = (0..self.free.len()).filter(|&j| row[j].abs() >= NEUTRAL && better(self.free[j], self.basic[i]));
@@ -82,6 +99,14 @@ mod tests {
             let value = row[0] * x[tableau.free[0] as usize] + row[1] * x[tableau.free[1] as usize] + row[2];
             assert!((value - x[tableau.basic[i] as usize]).abs() < 1e-14);
         }
+    }
+
+    #[test]
+    fn exchanges_bring_every_entry_below_the_bound() {
+        let data = vec![1e3, 2.0, 1.0, -5.0, 0.5, 1.0, 7.0, 1e-9, 1.0];
+        let mut tableau = Tableau { basic: vec![0, 1, 2], free: vec![3, 4], width: 3, data };
+        tableau.limit(1.5);
+        assert!((0..3).all(|i| tableau.row(i)[..2].iter().all(|v| v.abs() <= 1.5)), "{tableau:?}");
     }
 
     #[test]
