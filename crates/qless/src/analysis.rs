@@ -212,7 +212,7 @@ impl Stages {
         backend: &dyn Backend,
         near: Option<f64>,
     ) -> Analysis {
-        let generated = generated::find(system, &self.basis);
+        let generated = generated::find(system, &self.basis, &scaling);
         let confidence = Confidence::new(&self.basis.blocks, near, &self.dependent, system);
         let mut kinds = vec![Kind::Independent; system.equations()];
         self.dependent.iter().for_each(|d| kinds[d.row] = d.kind);

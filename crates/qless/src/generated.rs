@@ -17,11 +17,11 @@ use crate::scale::{Scaling, ldexp};
 const NOISE: f64 = 1e-11;
 
 /// Slaves that do not move with any master, ascending, and their values `G u_p + g`.
-pub(crate) fn find(system: &ConstraintSystem, basis: &Basis) -> Vec<(usize, f64)> {
+pub(crate) fn find(system: &ConstraintSystem, basis: &Basis, scaling: &Scaling) -> Vec<(usize, f64)> {
     let mut fixed = vec![false; system.dofs()];
     basis.visit(system, |slave, _, _| fixed[slave as usize] = true);
     for seed in [0x9e37_79b9_u64, 0x85eb_ca6b] {
-        let moved = move_masters(system, basis, seed);
+        let moved = move_masters(system, basis, scaling, seed);
         fixed.iter_mut().zip(moved).for_each(|(fixed, u)| *fixed &= u == 0.0);
     }
     let mut u = vec![0.0; system.dofs()];
@@ -30,9 +30,9 @@ pub(crate) fn find(system: &ConstraintSystem, basis: &Basis) -> Vec<(usize, f64)
     (0..system.dofs()).filter(|&j| fixed[j]).map(|j| (j, u[j])).collect()
 }
 
-/// All DOFs for random masters and zero prescribed values; what cancels is exactly zero.
-fn move_masters(system: &ConstraintSystem, basis: &Basis, seed: u64) -> Vec<f64> {
-    let mut u: Vec<f64> = (0..system.dofs() as u64).map(|j| random(seed, j)).collect();
+/// All DOFs for random masters, each in its unit, and zero prescribed values; what cancels is exactly zero.
+fn move_masters(system: &ConstraintSystem, basis: &Basis, scaling: &Scaling, seed: u64) -> Vec<f64> {
+    let mut u: Vec<f64> = (0..system.dofs()).map(|j| ldexp(random(seed, j as u64), scaling.col(j))).collect();
     system.prescribed().iter().for_each(|&(j, _)| u[j] = 0.0);
     basis.visit(system, |slave, terms, _| {
         let (mut sum, mut size) = (0.0, 0.0_f64);
