@@ -37,7 +37,9 @@ fn ratio(rounds: usize, mut first: impl FnMut(), mut second: impl FnMut()) -> (f
 fn table_1(criterion: &mut Criterion) {
     for level in [Level::P50, Level::P80, Level::P110] {
         let system = fssi::tie(&level.mesh(), 1).expect("a scene").system;
-        let eliminate = || drop(black_box(whole(&system)));
+        let eliminate = || {
+            black_box(whole(&system));
+        };
         let transpose = || drop(black_box(system.matrix().transpose()));
         let (a, b) = ratio(51, eliminate, transpose);
         let percent = level.percent();
