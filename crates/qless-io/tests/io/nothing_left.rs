@@ -88,7 +88,8 @@ fn success_leaves_only_the_files() {
     let place = tempfile::tempdir().expect("a temporary folder");
     let folder = place.path().join("deep/./case");
     write_case(&folder, &labelled("tie")).expect("written");
-    write_case(&folder, &labelled("row 1")).expect("written over");
+    let unlabelled = qless::ConstraintSystem::from_triplets(1, 2, &[(0, 0, 1.0)], &[0.0], &[]).expect("valid");
+    write_case(&folder, &unlabelled).expect("written over");
     fs::write(folder.join("notes.md"), "kept").expect("written");
     write_indices(&folder.join("slaves.txt"), &[1]).expect("written");
     let names: Vec<String> = content(&folder).into_keys().collect();

@@ -42,7 +42,7 @@ pub(super) fn choose(block: &Block, rows: Rows, backend: &dyn Backend, tolerance
     })
 }
 
-/// The relation that a factor gives, refined, and its residual.
+/// The relation that a factor gives, refined, and its residual; infinite where its slaves are too bad to go on with.
 fn relate(
     block: &Block,
     kept: &[usize],
@@ -50,7 +50,9 @@ fn relate(
     backend: &dyn Backend,
 ) -> Result<(Tableau, f64), BackendError> {
     let mut tableau = relation(block, factor);
-    tableau.limit(GROWTH);
+    if !tableau.limit(GROWTH) && backend.name() != Faer.name() {
+        return Ok((tableau, f64::INFINITY));
+    }
     // Of slaves that serve equally well, the earlier DOF, as an equation's first term is by habit.
     tableau.prefer(|candidate, holder| candidate < holder);
     let residual = refine::refine(block, kept, &mut tableau, backend)?;

@@ -18,6 +18,8 @@ pub(crate) struct Tableau {
 
 /// Beyond this many entries no exchange is made for the sake of order alone.
 const LARGE: usize = 4_000_000;
+/// A basis that is further than this many exchanges from a good one is better chosen afresh.
+const MOST_EXCHANGES: usize = 100;
 /// An exchange for the sake of order must not cost determinant.
 const NEUTRAL: f64 = 0.9;
 
@@ -42,14 +44,16 @@ impl Tableau {
     }
 
     /// Exchanges until no entry of a column that may change places is larger than `bound`: each exchange multiplies the
-    /// determinant of the basis by more than that, so this ends. Left out on large tableaus.
-    pub fn limit(&mut self, bound: f64) {
-        while let Some((i, j)) = self.largest().filter(|&(i, j)| self.row(i)[j].abs() > bound) {
-            if self.data.len() > LARGE {
-                return;
+    /// determinant of the basis by more than that, so this ends. False if it was given up: too large, or too far away.
+    pub fn limit(&mut self, bound: f64) -> bool {
+        for _ in 0..MOST_EXCHANGES {
+            match self.largest().filter(|&(i, j)| self.row(i)[j].abs() > bound) {
+                Some(_) if self.data.len() > LARGE => return false,
+                Some((i, j)) => self.exchange(i, j),
+                None => return true,
             }
-            self.exchange(i, j);
         }
+        false
     }
 
     fn largest(&self) -> Option<(usize, usize)> {
@@ -105,7 +109,7 @@ mod tests {
     fn exchanges_bring_every_entry_below_the_bound() {
         let data = vec![1e3, 2.0, 1.0, -5.0, 0.5, 1.0, 7.0, 1e-9, 1.0];
         let mut tableau = Tableau { basic: vec![0, 1, 2], free: vec![3, 4], width: 3, data };
-        tableau.limit(1.5);
+        assert!(tableau.limit(1.5));
         assert!((0..3).all(|i| tableau.row(i)[..2].iter().all(|v| v.abs() <= 1.5)), "{tableau:?}");
     }
 

@@ -2,7 +2,8 @@
 //!
 //! A pivot (p, j) adds none if row p has one free DOF (j is fixed: a generated boundary condition), if it has two
 //! (`a u_i + c u_j = d`: chains, cycles, trees of equal DOFs), or if DOF j occurs in at most two remaining rows.
-//! Long chains go in linear time, iteratively. A row whose free part vanishes is dependent.
+//! Long chains go in linear time, iteratively. A row whose free part vanishes is dependent. While the core is large, DOFs
+//! in few rows are eliminated with some fill, in the manner of Markowitz (1957).
 //!
 //! Every coefficient carries a bound of its rounding error, and every row the size of the largest part that went into it.
 //! What cancels to the first is zero; a row all below `tolerance` times the second is dependent too; a row below
@@ -16,8 +17,29 @@ use super::rows::{Entry, MORE_THAN_ROUNDING, Row};
 pub(crate) const SUSPECT: f64 = 1e-3;
 /// A pivot is at least this fraction of the entries that it eliminates, which bounds the multipliers, ...
 const THRESHOLD: f64 = 0.1;
-/// ... and at least this fraction of its own row, the strictest first, which bounds the growth of T as long as it can be.
-const OF_ROW: [f64; 3] = [1.0, 0.1, 1e-3];
+/// ... and at least a fraction of its own row, the strictest first, which bounds the growth of T as long as it can be.
+/// The first levels make no fill; the others follow only while the core is [`LARGE`].
+const LEVELS: [Level; 6] = [
+    Level { rows: 2, of_row: 1.0 },
+    Level { rows: 2, of_row: 0.1 },
+    Level { rows: 2, of_row: 1e-3 },
+    Level { rows: 3, of_row: 1.0 },
+    Level { rows: 5, of_row: 1.0 },
+    Level { rows: 8, of_row: 1.0 },
+];
+const WITHOUT_FILL: usize = 3;
+
+/// A core with more rows than this is worth some fill: factoring it costs more than eliminating from it.
+const LARGE: usize = 800;
+
+/// Most entries that one pivot may touch, `(row length - 1) (rows - 1)`, where there is fill.
+const MARKOWITZ: u32 = 48;
+
+/// Which DOFs may be eliminated: in at most so many rows, with at least this size relative to their pivot row.
+struct Level {
+    rows: u32,
+    of_row: f64,
+}
 
 /// One pivot: the row as it was when it became the equation of its slave.
 #[derive(Clone, Debug)]
@@ -96,7 +118,10 @@ struct Elimination<'a> {
     count: Vec<u32>,
     short_rows: VecDeque<u32>,
     /// DOFs in at most two rows; those whose coefficients are too small in their rows wait in the next queue.
-    rare_dofs: [VecDeque<u32>; 3],
+    rare_dofs: [VecDeque<u32>; LEVELS.len()],
+    /// Rows that are neither pivots nor dependent.
+    active: usize,
+    filling: bool,
     tolerance: f64,
 }
 
@@ -117,6 +142,8 @@ pub(crate) fn eliminate(
         count: vec![0; dofs],
         short_rows: (0..m as u32).collect(),
         rare_dofs: Default::default(),
+        active: m,
+        filling: false,
         tolerance,
     };
     work.count();
@@ -143,9 +170,10 @@ impl Elimination<'_> {
             if let Some(i) = self.short_rows.pop_front() {
                 self.try_row(i);
             } else if let Some((level, j)) = self.next_dof() {
-                if !self.try_dof(j, OF_ROW[level]) && level + 1 < OF_ROW.len() {
-                    self.rare_dofs[level + 1].push_back(j);
-                }
+                self.try_dof(j, level);
+            } else if !self.filling && self.active > LARGE {
+                self.filling = true;
+                (0..self.count.len() as u32).for_each(|j| self.enqueue(j, WITHOUT_FILL));
             } else {
                 return;
             }
@@ -153,7 +181,17 @@ impl Elimination<'_> {
     }
 
     fn next_dof(&mut self) -> Option<(usize, u32)> {
-        self.rare_dofs.iter_mut().enumerate().find_map(|(level, queue)| Some((level, queue.pop_front()?)))
+        let levels = if self.filling && self.active > LARGE { LEVELS.len() } else { WITHOUT_FILL };
+        self.rare_dofs[..levels].iter_mut().enumerate().find_map(|(level, queue)| Some((level, queue.pop_front()?)))
+    }
+
+    /// Queues a DOF at the first level, from `least` on, that its count allows.
+    fn enqueue(&mut self, j: u32, least: usize) {
+        let levels = if self.filling { LEVELS.len() } else { WITHOUT_FILL };
+        let count = self.count[j as usize];
+        if let Some(level) = (least..levels).find(|&level| count <= LEVELS[level].rows) {
+            self.rare_dofs[level].push_back(j);
+        }
     }
 
     fn close_empty(&mut self) {
@@ -219,6 +257,7 @@ impl Elimination<'_> {
 
     fn retire(&mut self, i: u32) {
         self.state[i as usize] = State::Done;
+        self.active -= 1;
         let entries = std::mem::take(&mut self.out.rows[i as usize].entries);
         for j in entries.iter().map(|entry| entry.dof).filter(|&j| (self.is_free)(j)) {
             self.leave(j);
@@ -227,27 +266,26 @@ impl Elimination<'_> {
     }
 
     fn leave(&mut self, dof: u32) {
-        let count = &mut self.count[dof as usize];
-        *count -= 1;
-        if *count <= 2 {
-            self.rare_dofs[0].push_back(dof);
-        }
+        self.count[dof as usize] -= 1;
+        self.enqueue(dof, 0);
     }
 
-    /// False if the DOF could be eliminated but for its small coefficient.
-    fn try_dof(&mut self, j: u32, of_row: f64) -> bool {
-        if self.count[j as usize] == 0 || self.count[j as usize] > 2 {
-            return true;
+    fn try_dof(&mut self, j: u32, level: usize) {
+        let count = self.count[j as usize];
+        if count == 0 || count > LEVELS[level].rows {
+            return self.enqueue(j, level + 1);
         }
         let holders = self.holding(j);
-        let fit = holders.iter().filter(|&&(i, v)| self.may_pivot(i, v, &holders, of_row));
+        let fit = holders.iter().filter(|&&(i, v)| self.may_pivot(i, v, &holders, LEVELS[level].of_row));
         let Some(&(i, _)) = fit.min_by_key(|&&(i, _)| (self.out.rows[i as usize].free, i)) else {
-            return false;
+            return self.enqueue(j, level + 1);
         };
+        if level >= WITHOUT_FILL && (self.out.rows[i as usize].free - 1) * (count - 1) > MARKOWITZ {
+            return;
+        }
         if !self.settle(i) {
             self.pivot(i, j);
         }
-        true
     }
 
     /// Rows in play that hold a DOF, with its coefficient; forgets the others.
