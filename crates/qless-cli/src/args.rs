@@ -116,7 +116,16 @@ pub enum BackendName {
 }
 
 impl ModelArgs {
-    /// The library's settings. It works on one thread so far: `--threads` bounds that and has no field yet.
+    /// Bounds the threads of the library, which works in the program's pool.
+    ///
+    /// # Errors
+    /// If the pool cannot be made.
+    pub fn bound_threads(&self) -> Result<(), rayon::ThreadPoolBuildError> {
+        let threads = self.threads.map_or(0, NonZeroUsize::get);
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()
+    }
+
+    /// The library's settings.
     pub fn options(&self) -> Options {
         let backend = match self.backend {
             BackendName::Auto => BackendChoice::Auto,

@@ -4,14 +4,18 @@
 
 use std::time::{Duration, Instant};
 
+use rayon::prelude::*;
+
 use crate::basis::Basis;
 use crate::block::{self, Block, Solved};
 use crate::certificate::{Because, History};
+use crate::classify::{Dependent, Kind, classify};
 use crate::confidence::Confidence;
 use crate::generated::{self, Explainer};
-use crate::presolve::eliminate::{Eliminated, Mismatch, eliminate};
+use crate::hold::hold_component;
+use crate::presolve::eliminate::{Eliminated, eliminate};
 use crate::presolve::peel::{Peeled, peel};
-use crate::presolve::rows::{MORE_THAN_ROUNDING, Row};
+use crate::presolve::rows::Row;
 use crate::qr::{Backend, BackendError};
 use crate::reduction::{self, Reduction};
 use crate::scale::{Scaling, equilibrate, ldexp};
@@ -35,39 +39,6 @@ pub enum AnalysisError {
         /// The equation, 0-based.
         row: usize,
     },
-}
-
-/// Error of a certificate that comes from a factorization, in units in the last place for each of its terms, times the
-/// condition of the kept rows.
-const CERTIFICATE_UNITS: f64 = 2.0;
-
-/// What an equation is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Kind {
-    /// No combination of the others that were kept.
-    Independent,
-    /// A combination of kept equations, and consistent with them.
-    Redundant,
-    /// A combination of kept equations whose right-hand side contradicts them.
-    Conflicting,
-}
-
-/// A redundant or conflicting equation.
-#[derive(Clone, Debug)]
-pub struct Dependent {
-    /// The equation, 0-based.
-    pub row: usize,
-    /// Redundant or conflicting.
-    pub kind: Kind,
-    /// `b_k - sum c_i b_i` in the units of the equation, prescribed DOFs moved into b.
-    pub mismatch: f64,
-    /// The mismatch relative to the largest part that went into it; 0 if it is no more than rounding.
-    pub relative_mismatch: f64,
-    /// What was dropped to call the equation dependent, relative to its size; 0 if it is no more than rounding.
-    pub dropped: f64,
-    /// Index of the row among those that went through elimination, and its certificate over rows of its block.
-    source: (u32, Vec<(u32, f64)>),
 }
 
 /// How much work presolve saved.
@@ -193,7 +164,8 @@ impl Stages {
         let presolved = Instant::now();
         let parts = block::split::split(&eliminated.rows, &eliminated.core, is_free);
         let blocks: Vec<Block> = parts.iter().map(|rows| Block::new(&eliminated.rows, rows, is_free)).collect();
-        let solved = blocks.iter().map(|block| block::solve(block, backend, tolerance));
+        // Blocks are independent: in parallel, in the caller's pool, the result in their order whatever the threads.
+        let solved = blocks.par_iter().map(|block| block::solve(block, backend, tolerance));
         let solved = solved.collect::<Result<Vec<Solved>, _>>()?;
         let factored = Instant::now();
         let presolve = statistics(&peeled, &eliminated, &blocks);
@@ -239,29 +211,6 @@ impl Stages {
 
 /// Entries of the inverse of the kept equations up to this give no reason for doubt.
 const HARMLESS: f64 = 3e5;
-
-/// Blocks of nearly dependent rows up to this size go to the backend whole.
-const HOLD: usize = 4000;
-
-/// Holds back from presolve all rows connected with a DOF; false if they are already, or too many.
-fn hold_component(system: &ConstraintSystem, dof: u32, is_free: &[bool], held: &mut [bool]) -> bool {
-    let columns = system.matrix().transpose();
-    let (mut rows, mut dofs) = (std::collections::BTreeSet::new(), vec![dof as usize]);
-    let mut seen = vec![false; system.dofs()];
-    while let Some(j) = dofs.pop().filter(|_| rows.len() <= HOLD) {
-        for (i, _) in columns.row(j) {
-            if rows.insert(i) {
-                let free = system.matrix().row(i).map(|(j, _)| j).filter(|&j| is_free[j]);
-                dofs.extend(free.filter(|&j| !std::mem::replace(&mut seen[j], true)));
-            }
-        }
-    }
-    let useful = rows.len() <= HOLD && rows.iter().any(|&i| !held[i]);
-    if useful {
-        rows.iter().for_each(|&i| held[i] = true);
-    }
-    useful
-}
 
 fn free(system: &ConstraintSystem) -> Vec<bool> {
     let mut is_free = vec![true; system.dofs()];
@@ -320,40 +269,6 @@ fn statistics(peeled: &Peeled, eliminated: &Eliminated, blocks: &[Block]) -> Pre
         blocks: blocks.len(),
         largest_block: blocks.iter().map(|block| block.rows.len()).max().unwrap_or(0),
     }
-}
-
-/// Redundant or conflicting, for every dependent row.
-fn classify(
-    names: &[u32],
-    eliminated: &Eliminated,
-    solved: &[Solved],
-    scaling: &Scaling,
-    tolerance: f64,
-) -> Vec<Dependent> {
-    let make = |source: u32, because: Vec<(u32, f64)>, mismatch: Mismatch, dropped: f64| {
-        let row = names[source as usize] as usize;
-        let Mismatch { value, size, error } = mismatch;
-        let conflicting = value.abs() > (tolerance * size).max(MORE_THAN_ROUNDING * error);
-        Dependent {
-            row,
-            kind: if conflicting { Kind::Conflicting } else { Kind::Redundant },
-            mismatch: ldexp(value, -scaling.row[row]),
-            relative_mismatch: if value.abs() > MORE_THAN_ROUNDING * error { value.abs() / size } else { 0.0 },
-            dropped,
-            source: (source, because),
-        }
-    };
-    let mut all: Vec<_> = eliminated.dead.iter().map(|d| make(d.row, Vec::new(), d.mismatch, d.dropped)).collect();
-    for (block, dependent) in solved.iter().flat_map(|block| block.dependent.iter().map(move |d| (block, d))) {
-        let mut mismatch = Mismatch::of(&eliminated.rows[dependent.row as usize]);
-        dependent.because.iter().for_each(|&(i, y)| mismatch.subtract(y, &eliminated.rows[i as usize]));
-        // The coefficients themselves come from a factorization.
-        let units = CERTIFICATE_UNITS * dependent.because.len() as f64 / block.sigma.min(1.0);
-        mismatch.error += units * f64::EPSILON * mismatch.size;
-        all.push(make(dependent.row, dependent.because.clone(), mismatch, dependent.dropped));
-    }
-    all.sort_unstable_by_key(|d| d.row);
-    all
 }
 
 impl Analysis {

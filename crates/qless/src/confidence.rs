@@ -1,8 +1,8 @@
 //! How sure the rank is: what was kept, what was dropped, and the gap between them.
 
 use crate::ConstraintSystem;
-use crate::analysis::Dependent;
 use crate::block::Solved;
+use crate::classify::Dependent;
 
 /// Kept equations with a smaller singular value than this are near dependence, whatever the tolerance.
 const NEAR: f64 = 3e-6;

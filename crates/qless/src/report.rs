@@ -239,7 +239,7 @@ impl Report {
             confidence: analysis.confidence,
             reduction: None,
             presolve: analysis.presolve,
-            backend: BackendUsed { name, threads: 1, version: version.clone() },
+            backend: BackendUsed { name, threads: rayon::current_num_threads(), version: version.clone() },
             timings_ms: Milliseconds::of(analysis),
         }
     }
