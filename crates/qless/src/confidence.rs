@@ -5,7 +5,7 @@ use crate::block::Solved;
 use crate::classify::Dependent;
 
 /// Kept equations with a smaller singular value than this are near dependence, whatever the tolerance.
-const NEAR: f64 = 3e-6;
+pub(crate) const NEAR: f64 = 3e-6;
 /// A mismatch of the right-hand sides below this, relative to its parts, might be meant as none.
 const SMALL_MISMATCH: f64 = 1e-6;
 

@@ -3,6 +3,7 @@
 use super::tableau::Tableau;
 use super::{Block, Dependent};
 use crate::Csr;
+use crate::confidence::NEAR;
 use crate::qr::faer::Faer;
 use crate::qr::{Backend, BackendError, Factor};
 use crate::scale::ldexp;
@@ -16,6 +17,9 @@ pub(crate) const NO_PIVOT: f64 = 1e-13;
 /// Units in the last place, times the root of the size, that a QR may leave of a dependent row.
 const ROUNDING: f64 = 8.0;
 
+/// Blocks up to this many entries, dense, get a second opinion where the first one is in doubt.
+const SECOND_OPINION: usize = 4_000_000;
+
 /// Kept rows (positions in the block) and dependent ones.
 pub(super) struct Rows {
     pub kept: Vec<usize>,
@@ -24,9 +28,17 @@ pub(super) struct Rows {
 }
 
 pub(super) fn find(block: &Block, backend: &dyn Backend, tolerance: f64) -> Result<Rows, BackendError> {
-    let factor = backend.factor(&block.matrix, &[], tolerance)?;
+    let mut factor = backend.factor(&block.matrix, &[], tolerance)?;
+    let (mut sigma, mut weakest) = smallest(block, &factor, backend)?;
+    if sigma < NEAR && backend.name() != Faer.name() && block.matrix.rows() * block.matrix.cols <= SECOND_OPINION {
+        // The backend may have kept the wrong rows of a sound block: with pivoting the best are kept.
+        let other = Faer.factor(&block.matrix, &[], tolerance)?;
+        let (better, place) = smallest(block, &other, &Faer)?;
+        if better > sigma {
+            (factor, sigma, weakest) = (other, better, place);
+        }
+    }
     let left = beyond_rounding(&factor, block);
-    let (sigma, weakest) = smallest(block, &factor, backend)?;
     if sigma <= tolerance && factor.rank > 0 {
         return repair(block, backend, tolerance, &factor, weakest);
     }
