@@ -70,7 +70,8 @@ fn fault(case: &Case, system: &ConstraintSystem, analysis: &Analysis) -> Option<
 }
 
 /// With tolerance t a system at relative distance d from lower rank must get the full rank if `d > 100 t`, the lower one if
-/// `d < t / 100`, either in between. It must be flagged, or the answer right by this rule and the gap large.
+/// `d < t / 100`, either in between, or be flagged. It must be flagged in any case where d is below 1e-6; above that, the gap to
+/// rounding is large (`rbe2_nearly_collinear`, 3e-6, is not flagged).
 fn ambiguous_fault(expected: &Expected, analysis: &Analysis) -> Option<String> {
     const T: f64 = 1e-10;
     let (full, low) = (expected.rank?, expected.rank_low.or(expected.rank)?);
