@@ -19,7 +19,7 @@ macro_rules! on_each_backend {
 /// Default settings on a backend, with and without presolve.
 pub fn settings(backend: BackendChoice) -> [Options; 2] {
     let options = Options { backend, ..Options::default() };
-    [options, Options { presolve: false, ..options }]
+    [options.clone(), Options { presolve: false, ..options }]
 }
 
 pub fn diagnose(system: &ConstraintSystem, options: &Options) -> Analysis {

@@ -2,6 +2,8 @@
 //!
 //! Each stage is a plain function from one owned value to the next; [`analyse`] reads from top to bottom.
 
+use std::collections::BTreeMap;
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
@@ -9,16 +11,19 @@ use rayon::prelude::*;
 use crate::basis::Basis;
 use crate::block::{self, Block, Solved};
 use crate::certificate::{Because, History};
-use crate::classify::{Dependent, Kind, classify};
+use crate::classify::{Dependent, Kind, Source, classify};
 use crate::confidence::Confidence;
-use crate::generated::{self, Explainer};
+use crate::generated::{self, Explainer, Generated};
 use crate::hold::hold_component;
+use crate::keep::{add, keep};
+use crate::local::{Column, Local, Numbering};
+use crate::preferences::Wishes;
 use crate::presolve::eliminate::{Eliminated, eliminate};
+use crate::presolve::gather::gather;
 use crate::presolve::peel::{Peeled, peel};
-use crate::presolve::rows::Row;
 use crate::qr::{Backend, BackendError};
-use crate::reduction::{self, Reduction};
-use crate::scale::{Scaling, equilibrate, ldexp};
+use crate::reduction::{self, Basics, Reduction};
+use crate::scale::{Scaling, equilibrate};
 use crate::sensitivity;
 use crate::{ConstraintSystem, OptionError, Options, Tolerance};
 
@@ -79,6 +84,8 @@ pub struct Analysis {
     pub dependent: Vec<Dependent>,
     /// Free DOFs that the equations fix, and their values; ascending.
     pub generated: Vec<(usize, f64)>,
+    /// Equations of [`crate::Preferences::equations`] that are dependent on other such equations only, ascending.
+    pub unmet_equations: Vec<usize>,
     /// How sure the rank is.
     pub confidence: Confidence,
     /// What presolve did.
@@ -92,6 +99,10 @@ pub struct Analysis {
     blocks: Vec<Block>,
     history: History,
     scaling: Scaling,
+    numbering: Numbering,
+    /// Local numbers of [`Analysis::generated`].
+    fixed: Vec<u32>,
+    times: OnceLock<Vec<u32>>,
 }
 
 /// Diagnoses `C u = b`: rank, dependent equations, generated boundary conditions.
@@ -116,23 +127,50 @@ pub struct Analysis {
 /// doubles. No input that is a valid [`ConstraintSystem`] makes it panic.
 pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis, AnalysisError> {
     options.validate()?;
+    options.preferences.validate(system)?;
     let backend = options.backend.get()?;
     let tolerance = options.tolerance.value();
     let start = Instant::now();
-    let is_free = free(system);
-    let scaling = scale(system, &is_free, options.tolerance);
+    let (numbering, columns) = Numbering::new(system);
+    let local = numbering.view(system, system.rhs());
+    let scaling = scale(local, options.tolerance);
+    let wishes = Wishes::new(&options.preferences, &numbering, system.dofs());
+    let mut run =
+        Run { local, columns: &columns, scaling: &scaling, wishes: &wishes, backend: backend.as_ref(), tolerance };
     let mut held = vec![!options.presolve; system.equations()];
     let mut doubt = None;
-    loop {
-        let stages = Stages::run(system, &is_free, &scaling, &held, backend.as_ref(), tolerance, start)?;
-        let near = sensitivity::largest(system, &stages.basis, &stages.history, &scaling, HARMLESS);
+    let mut stages = loop {
+        let stages = run.stages(&held, start)?;
+        let near = sensitivity::largest(&stages.basis, &stages.history, &scaling, local.dofs(), HARMLESS);
         doubt = near.map(|n| n.1).into_iter().chain(doubt).reduce(f64::max);
         // What presolve kept is dependent to within the tolerance: the backend decides.
         match near.filter(|&(_, entry)| entry * tolerance > 1.0) {
-            Some((slave, _)) if hold_component(system, slave, &is_free, &mut held) => {}
-            _ => return Ok(stages.conclude(system, *options, scaling, backend.as_ref(), doubt)),
+            Some((slave, _)) if hold_component(local, slave, &mut held) => {}
+            _ => break stages,
         }
+    };
+    let kept = keep(&options.preferences.equations, &mut stages.dependent, &stages.history, &scaling, tolerance);
+    if !kept.overruled.is_empty() {
+        // Equations given up for ones that they contradict leave their trace in the constants: once more without it.
+        let mut rhs = system.rhs().to_vec();
+        kept.overruled.iter().for_each(|&(i, excess)| rhs[i] -= excess);
+        run.local = numbering.view(system, &rhs);
+        let agreeing = run.stages(&held, start)?;
+        (stages.basis, stages.blocks) = (agreeing.basis, agreeing.blocks);
     }
+    let generated = generated::find(local, &stages.basis, &scaling);
+    let confidence = Confidence::new(&stages.basis.blocks, doubt, &stages.dependent, system);
+    Ok(stages.conclude(numbering, scaling, options.clone(), generated, confidence, kept.unmet, backend.as_ref()))
+}
+
+/// What every run of the stages needs.
+struct Run<'a> {
+    local: Local<'a>,
+    columns: &'a [Column],
+    scaling: &'a Scaling,
+    wishes: &'a Wishes,
+    backend: &'a dyn Backend,
+    tolerance: f64,
 }
 
 /// What the stages up to the blocks leave.
@@ -147,52 +185,49 @@ struct Stages {
     factored: Instant,
 }
 
-impl Stages {
-    fn run(
-        system: &ConstraintSystem,
-        is_free: &[bool],
-        scaling: &Scaling,
-        held: &[bool],
-        backend: &dyn Backend,
-        tolerance: f64,
-        started: Instant,
-    ) -> Result<Self, AnalysisError> {
-        let peeled = peel(system, is_free, scaling, held);
-        let (names, rows) = gather(system, &peeled, is_free, scaling)?;
-        let held: Vec<bool> = names.iter().map(|&i| held[i as usize]).collect();
-        let eliminated = eliminate(rows, system.dofs(), &|j| is_free[j as usize], tolerance, &held);
+impl Run<'_> {
+    fn stages(&self, held: &[bool], started: Instant) -> Result<Stages, AnalysisError> {
+        let Self { local, columns, scaling, wishes, backend, tolerance } = *self;
+        let peeled = peel(local, columns, scaling, wishes, Some(held));
+        let gathered = gather(local, &peeled.remaining, scaling).map_err(|row| AnalysisError::Range { row: row.0 })?;
+        let eliminated = eliminate(gathered, tolerance, held);
         let presolved = Instant::now();
-        let parts = block::split::split(&eliminated.rows, &eliminated.core, is_free);
-        let blocks: Vec<Block> = parts.iter().map(|rows| Block::new(&eliminated.rows, rows, is_free)).collect();
+        let parts = block::split::split(&eliminated.rows, &eliminated.core, local.free());
+        let blocks: Vec<Block> = parts.iter().map(|rows| Block::new(&eliminated.rows, rows, local.free())).collect();
         // Blocks are independent: in parallel, in the caller's pool, the result in their order whatever the threads.
         let solved = blocks.par_iter().map(|block| block::solve(block, backend, tolerance));
         let solved = solved.collect::<Result<Vec<Solved>, _>>()?;
         let factored = Instant::now();
         let presolve = statistics(&peeled, &eliminated, &blocks);
-        let dependent = classify(&names, &eliminated, &solved, scaling, tolerance);
+        let dependent = classify(&eliminated, &solved, scaling, tolerance);
         let steps = eliminated.steps.iter().map(|step| step.row).collect();
-        let history = History { rows: names, factors: eliminated.factors, steps, exponents: scaling.row.clone() };
-        let basis = Basis::new(peeled.pivots, eliminated.steps, solved, scaling);
-        Ok(Self { basis, blocks, history, dependent, presolve, started, presolved, factored })
+        let (rows, factors) = (eliminated.names, eliminated.factors);
+        let history = History { rows, factors, steps, exponents: scaling.row.clone() };
+        let mut basis = peeled.basis;
+        basis.extend(eliminated.steps, solved, scaling);
+        Ok(Stages { basis, blocks, history, dependent, presolve, started, presolved, factored })
     }
+}
 
+impl Stages {
     fn conclude(
         self,
-        system: &ConstraintSystem,
-        options: Options,
+        numbering: Numbering,
         scaling: Scaling,
+        options: Options,
+        generated: Generated,
+        confidence: Confidence,
+        unmet_equations: Vec<usize>,
         backend: &dyn Backend,
-        near: Option<f64>,
     ) -> Analysis {
-        let generated = generated::find(system, &self.basis, &scaling);
-        let confidence = Confidence::new(&self.basis.blocks, near, &self.dependent, system);
-        let mut kinds = vec![Kind::Independent; system.equations()];
+        let mut kinds = vec![Kind::Independent; self.history.exponents.len()];
         self.dependent.iter().for_each(|d| kinds[d.row] = d.kind);
         Analysis {
             kinds,
             confidence,
             dependent: self.dependent,
-            generated,
+            generated: generated.values,
+            unmet_equations,
             presolve: self.presolve,
             timings: Timings {
                 presolve: self.presolved - self.started,
@@ -205,6 +240,9 @@ impl Stages {
             blocks: self.blocks,
             history: self.history,
             scaling,
+            numbering,
+            fixed: generated.dofs,
+            times: OnceLock::new(),
         }
     }
 }
@@ -212,56 +250,16 @@ impl Stages {
 /// Entries of the inverse of the kept equations up to this give no reason for doubt.
 const HARMLESS: f64 = 3e5;
 
-fn free(system: &ConstraintSystem) -> Vec<bool> {
-    let mut is_free = vec![true; system.dofs()];
-    system.prescribed().iter().for_each(|&(j, _)| is_free[j] = false);
-    is_free
-}
-
-fn scale(system: &ConstraintSystem, is_free: &[bool], tolerance: Tolerance) -> Scaling {
+fn scale(system: Local, tolerance: Tolerance) -> Scaling {
     match tolerance {
-        Tolerance::Relative(_) => equilibrate(system, is_free),
+        Tolerance::Relative(_) => equilibrate(system),
         Tolerance::Paper => Scaling { row: vec![0; system.equations()], col: Vec::new() },
     }
 }
 
-/// The rows that are left after peeling, scaled, and their numbers in the user's system.
-fn gather(
-    system: &ConstraintSystem,
-    peeled: &Peeled,
-    is_free: &[bool],
-    scaling: &Scaling,
-) -> Result<(Vec<u32>, Vec<Row>), AnalysisError> {
-    let mut value = vec![0.0; system.dofs()];
-    system.prescribed().iter().for_each(|&(j, v)| value[j] = v);
-    let names: Vec<u32> = (0..system.equations() as u32).filter(|&i| peeled.remaining[i as usize]).collect();
-    let mut rows = Vec::with_capacity(names.len());
-    for &name in &names {
-        let i = name as usize;
-        let mut row = Row::new(ldexp(system.rhs()[i], scaling.row[i]));
-        for (j, v) in system.matrix().row(i) {
-            let entry = scaling.entry(i, j, v);
-            row.push(j as u32, entry);
-            if is_free[j] {
-                row.size = row.size.max(entry.abs());
-            } else {
-                let part = entry * value[j];
-                row.effective -= part;
-                row.effective_size = row.effective_size.max(part.abs());
-                row.effective_error += f64::EPSILON * part.abs();
-            }
-        }
-        if !(row.effective.is_finite() && row.effective_size.is_finite() && row.size.is_finite()) {
-            return Err(AnalysisError::Range { row: i });
-        }
-        rows.push(row);
-    }
-    Ok((names, rows))
-}
-
 fn statistics(peeled: &Peeled, eliminated: &Eliminated, blocks: &[Block]) -> PresolveStatistics {
     PresolveStatistics {
-        rows_removed_by_column_singletons: peeled.pivots.len(),
+        rows_removed_by_column_singletons: peeled.basis.peeled.len(),
         rows_removed_by_elimination: eliminated.steps.len(),
         rows_found_dependent: eliminated.dead.len(),
         core_rows: eliminated.core.len(),
@@ -279,24 +277,63 @@ impl Analysis {
 
     /// Why an equation is dependent: `row_k = sum c_i row_i` over its free DOFs, ascending by row.
     pub fn because(&self, dependent: &Dependent) -> Vec<Because> {
-        self.history.certificate(dependent.source.0, &dependent.source.1)
+        dependent.source.explain(&self.history)
     }
 
-    /// Why a DOF of [`Analysis::generated`] is fixed: `e_s = sum c_i row_i` over the free DOFs.
+    /// Why a DOF of [`Analysis::generated`] is fixed: `e_s = sum c_i row_i` over the free DOFs; empty for any other DOF.
     ///
     /// # Errors
     /// [`BackendError`] if the block of the DOF cannot be factored again.
     pub fn because_fixed(&self, system: &ConstraintSystem, dof: usize) -> Result<Vec<Because>, BackendError> {
+        let Ok(place) = self.generated.binary_search_by_key(&dof, |&(j, _)| j) else { return Ok(Vec::new()) };
         let backend: Box<dyn Backend> = self.options.backend.get()?;
-        Explainer::new(system, &self.basis, &self.blocks, &self.history, &self.scaling, backend.as_ref()).because(dof)
+        let explainer = Explainer {
+            system: self.numbering.view(system, system.rhs()),
+            basis: &self.basis,
+            blocks: &self.blocks,
+            history: &self.history,
+            scaling: &self.scaling,
+            backend: backend.as_ref(),
+            time: self.times.get_or_init(|| generated::times(&self.basis, self.numbering.dofs.len())),
+        };
+        explainer.because(self.fixed[place]).map(|terms| self.over_kept(terms))
+    }
+
+    /// Replaces equations that were given up for others by their certificates.
+    fn over_kept(&self, terms: Vec<Because>) -> Vec<Because> {
+        let given =
+            |row: usize| match &self.dependent[self.dependent.binary_search_by_key(&row, |d| d.row).ok()?].source {
+                Source::Given(because) => Some(because),
+                Source::Traced(..) => None,
+            };
+        if !terms.iter().any(|term| given(term.row).is_some()) {
+            return terms;
+        }
+        let mut sum = BTreeMap::new();
+        for Because { row, coefficient } in terms {
+            match given(row) {
+                Some(parts) => parts.iter().for_each(|part| add(&mut sum, part.row, coefficient * part.coefficient)),
+                None => add(&mut sum, row, coefficient),
+            }
+        }
+        sum.into_iter().map(|(row, coefficient)| Because { row, coefficient }).collect()
     }
 
     /// `u_s = T u_q + G u_p + g`.
     ///
     /// Conflicting equations are left out, as redundant ones are: the caller decides whether that is wanted.
     pub fn reduction(&self, system: &ConstraintSystem) -> Reduction {
-        let independent: Vec<bool> = self.kinds.iter().map(|&kind| kind == Kind::Independent).collect();
-        let fixed: Vec<usize> = self.generated.iter().map(|&(dof, _)| dof).collect();
-        reduction::build(system, &self.basis, &independent, &fixed, self.options.growth, &self.scaling)
+        let mut fixed = vec![false; if self.fixed.is_empty() { 0 } else { self.numbering.dofs.len() }];
+        self.fixed.iter().for_each(|&j| fixed[j as usize] = true);
+        let basics = Basics {
+            basis: &self.basis,
+            scaling: &self.scaling,
+            independent: self.kinds.iter().map(|&kind| kind == Kind::Independent).collect(),
+            fixed,
+            wishes: Wishes::new(&self.options.preferences, &self.numbering, system.dofs()),
+            growth: self.options.growth,
+        };
+        let local = self.numbering.view(system, system.rhs());
+        reduction::build(system, local, &basics).compare(&self.options.preferences)
     }
 }

@@ -1,85 +1,168 @@
-//! The kept equations in an order in which each gives its slave: peeled rows, eliminated rows, blocks.
+//! The kept equations, each solved for its slave, in an order in which that can be done: peeled rows, eliminated rows, blocks.
 //!
-//! `u_s = T u_q + G u_p + g` without T: a vector of masters and prescribed values is completed by going through the
-//! blocks first, then the eliminated rows backwards, then the peeled rows backwards. O(nnz).
+//! `u_s = sum_k value_k u_k + constant`, where no slave occurs in a later row. Going from the last row to the first, a vector
+//! of masters and prescribed values is completed without T, in O(nnz). All in local numbers and the user's units.
 
-use crate::ConstraintSystem;
+use std::ops::Range;
+
 use crate::block::Solved;
 use crate::presolve::eliminate::Step;
 use crate::scale::{Scaling, ldexp};
 
-/// Everything needed to express slaves by masters, in the units of the user.
+/// Everything needed to express slaves by masters.
+#[derive(Default)]
 pub(crate) struct Basis {
-    /// (row, slave): the equation is read from the system itself.
-    pub peeled: Vec<(u32, u32)>,
-    pub steps: Vec<Step>,
-    pub blocks: Vec<Solved>,
+    slaves: Vec<u32>,
+    /// Where each row ends in `dofs` and `values`.
+    ends: Vec<usize>,
+    dofs: Vec<u32>,
+    values: Vec<f64>,
+    constants: Vec<f64>,
+    /// Scaled coefficients by which peeled and eliminated rows were divided.
+    pivots: Vec<f64>,
+    /// The equations of the first rows, which are the user's own.
+    pub peeled: Vec<u32>,
+    /// Number of eliminated rows, which follow.
+    pub steps: usize,
+    /// The blocks, the rows of which come last.
+    pub blocks: Vec<Kept>,
 }
 
-/// A term of an equation that gives a slave.
-pub(crate) type Term = (u32, f64);
+/// What remains of a block beside its rows.
+pub(crate) struct Kept {
+    /// Indices of the kept rows among those that went through elimination.
+    pub rows: Vec<u32>,
+    /// Its rows of the basis.
+    pub slaves: Range<usize>,
+    /// Estimate of the smallest singular value of the kept rows.
+    pub sigma: f64,
+}
+
+/// Rows, in order.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Part {
+    Peeled,
+    Eliminated,
+    /// Row of this block.
+    Block(usize),
+}
 
 impl Basis {
-    /// Takes the results of the stages and undoes the scaling of columns.
-    pub fn new(peeled: Vec<(u32, u32)>, mut steps: Vec<Step>, mut blocks: Vec<Solved>, scaling: &Scaling) -> Self {
-        if !scaling.col.is_empty() {
-            steps.iter_mut().for_each(|step| unscale_step(step, scaling));
-            blocks.iter_mut().for_each(|block| unscale_block(block, scaling));
+    /// No rows; room for this many, with their entries.
+    pub fn with_capacity(rows: usize, entries: usize) -> Self {
+        Self {
+            slaves: Vec::with_capacity(rows),
+            ends: Vec::with_capacity(rows),
+            dofs: Vec::with_capacity(entries),
+            values: Vec::with_capacity(entries),
+            constants: Vec::with_capacity(rows),
+            pivots: Vec::with_capacity(rows),
+            peeled: Vec::with_capacity(rows),
+            ..Self::default()
         }
-        Self { peeled, steps, blocks }
+    }
+
+    /// Appends equation `row`, solved for the DOF at `position`; `scaled` is that coefficient after scaling.
+    pub fn peel(&mut self, row: u32, (dofs, values): (&[u32], &[f64]), position: usize, rhs: f64, scaled: f64) {
+        let pivot = values[position];
+        for (k, (&dof, value)) in dofs.iter().zip(values).enumerate() {
+            if k != position {
+                self.dofs.push(dof);
+                self.values.push(-value / pivot);
+            }
+        }
+        self.close(dofs[position], rhs / pivot);
+        self.pivots.push(scaled);
+        self.peeled.push(row);
+    }
+
+    fn close(&mut self, slave: u32, constant: f64) {
+        self.slaves.push(slave);
+        self.ends.push(self.dofs.len());
+        self.constants.push(constant);
+    }
+
+    fn push_step(&mut self, step: &Step, scaling: &Scaling) {
+        let own = scaling.col(step.dof as usize);
+        for &(j, v) in &step.others {
+            self.dofs.push(j);
+            self.values.push(ldexp(-v / step.pivot, own - scaling.col(j as usize)));
+        }
+        self.close(step.dof, ldexp(step.rhs / step.pivot, own));
+        self.pivots.push(step.pivot);
+    }
+
+    fn push_block(&mut self, block: Solved, scaling: &Scaling) {
+        let first = self.rank();
+        for (i, &slave) in block.slaves.iter().enumerate() {
+            let own = scaling.col(slave as usize);
+            for (k, v) in block.relation.row(i) {
+                let other = block.others[k];
+                self.dofs.push(other);
+                self.values.push(ldexp(v, own - scaling.col(other as usize)));
+            }
+            self.close(slave, ldexp(block.constant[i], own));
+        }
+        self.blocks.push(Kept { rows: block.kept, slaves: first..self.rank(), sigma: block.sigma });
+    }
+
+    /// Appends what elimination and blocks found to the peeled rows, in the user's units.
+    pub fn extend(&mut self, steps: Vec<Step>, blocks: Vec<Solved>, scaling: &Scaling) {
+        self.steps = steps.len();
+        steps.into_iter().for_each(|step| self.push_step(&step, scaling));
+        blocks.into_iter().for_each(|block| self.push_block(block, scaling));
     }
 
     /// Number of slaves, which is the rank.
     pub fn rank(&self) -> usize {
-        self.peeled.len() + self.steps.len() + self.blocks.iter().map(|block| block.slaves.len()).sum::<usize>()
+        self.slaves.len()
     }
 
-    /// Visits every slave, its terms `(DOF, coefficient)` and its constant, such that `u_slave = sum + constant` and
-    /// every slave among the terms was visited before.
-    pub fn visit(&self, system: &ConstraintSystem, mut visitor: impl FnMut(u32, &[Term], f64)) {
-        let mut terms: Vec<Term> = Vec::new();
-        for block in &self.blocks {
-            for (i, &slave) in block.slaves.iter().enumerate() {
-                terms.clear();
-                terms.extend(block.relation.row(i).map(|(j, v)| (block.others[j], v)));
-                visitor(slave, &terms, block.constant[i]);
-            }
-        }
-        for step in self.steps.iter().rev() {
-            terms.clear();
-            terms.extend(step.others.iter().map(|&(j, v)| (j, -v / step.pivot)));
-            visitor(step.dof, &terms, step.rhs / step.pivot);
-        }
-        for &(row, slave) in self.peeled.iter().rev() {
-            let entries = system.matrix().row(row as usize);
-            let pivot = entries.clone().find(|&(j, _)| j == slave as usize).map_or(1.0, |(_, v)| v);
-            terms.clear();
-            terms.extend(entries.filter(|&(j, _)| j != slave as usize).map(|(j, v)| (j as u32, -v / pivot)));
-            visitor(slave, &terms, system.rhs()[row as usize] / pivot);
+    pub fn slave(&self, t: usize) -> u32 {
+        self.slaves[t]
+    }
+
+    pub fn slaves(&self) -> &[u32] {
+        &self.slaves
+    }
+
+    pub fn constants(&self) -> &[f64] {
+        &self.constants
+    }
+
+    /// The scaled coefficient of the slave in a peeled or eliminated row.
+    pub fn pivot(&self, t: usize) -> f64 {
+        self.pivots[t]
+    }
+
+    /// DOFs and coefficients of row t.
+    pub fn row(&self, t: usize) -> (&[u32], &[f64]) {
+        let range = (if t == 0 { 0 } else { self.ends[t - 1] })..self.ends[t];
+        (&self.dofs[range.clone()], &self.values[range])
+    }
+
+    /// The rows of a block.
+    pub fn rows_of(&self, block: usize) -> Range<usize> {
+        self.blocks[block].slaves.clone()
+    }
+
+    /// Where row t comes from.
+    pub fn part(&self, t: usize) -> Part {
+        if t < self.peeled.len() {
+            Part::Peeled
+        } else if t < self.pivots.len() {
+            Part::Eliminated
+        } else {
+            Part::Block(self.blocks.partition_point(|kept| kept.slaves.end <= t))
         }
     }
 
-    /// Completes u, in which masters and prescribed DOFs are set; `constants` scales b (0 gives the homogeneous part).
-    pub fn complete(&self, system: &ConstraintSystem, u: &mut [f64], constants: f64) {
-        self.visit(system, |slave, terms, constant| {
-            u[slave as usize] = constants * constant + terms.iter().map(|&(j, v)| v * u[j as usize]).sum::<f64>();
-        });
-    }
-}
-
-/// `u_j = 2^c_j u'_j`: the coefficient of u_j is that of u'_j times `2^-c_j`.
-fn unscale_step(step: &mut Step, scaling: &Scaling) {
-    step.pivot = ldexp(step.pivot, -scaling.col(step.dof as usize));
-    step.others.iter_mut().for_each(|(j, v)| *v = ldexp(*v, -scaling.col(*j as usize)));
-}
-
-fn unscale_block(block: &mut Solved, scaling: &Scaling) {
-    for i in 0..block.slaves.len() {
-        let own = scaling.col(block.slaves[i] as usize);
-        block.constant[i] = ldexp(block.constant[i], own);
-        for k in block.relation.start[i]..block.relation.start[i + 1] {
-            let other = block.others[block.relation.col[k] as usize];
-            block.relation.val[k] = ldexp(block.relation.val[k], own - scaling.col(other as usize));
+    /// Completes u, in which masters and prescribed DOFs are set.
+    pub fn complete(&self, u: &mut [f64]) {
+        for t in (0..self.rank()).rev() {
+            let (dofs, values) = self.row(t);
+            let sum: f64 = dofs.iter().zip(values).map(|(&j, v)| v * u[j as usize]).sum();
+            u[self.slaves[t] as usize] = self.constants[t] + sum;
         }
     }
 }

@@ -1,9 +1,11 @@
 //! Redundant or conflicting: `b_k - sum c_i b_i`, prescribed DOFs moved into b (Eq. 27, 28).
 
 use crate::block::Solved;
-use crate::presolve::eliminate::{Eliminated, Mismatch};
+use crate::certificate::{Because, History};
+use crate::presolve::eliminate::Eliminated;
+pub(crate) use crate::presolve::eliminate::Mismatch;
 use crate::presolve::rows::MORE_THAN_ROUNDING;
-use crate::scale::{Scaling, ldexp};
+use crate::scale::Scaling;
 
 /// Error of a certificate that comes from a factorization, in units in the last place for each of its terms, times the
 /// condition of the kept rows.
@@ -34,30 +36,57 @@ pub struct Dependent {
     pub relative_mismatch: f64,
     /// What was dropped to call the equation dependent, relative to its size; 0 if it is no more than rounding.
     pub dropped: f64,
+    /// The mismatch with its size and error, in the units of the equation.
+    pub(crate) rest: Mismatch,
+    pub(crate) source: Source,
+}
+
+/// Where the certificate of a dependent equation comes from.
+#[derive(Clone, Debug)]
+pub(crate) enum Source {
     /// Index of the row among those that went through elimination, and its certificate over rows of its block.
-    pub(crate) source: (u32, Vec<(u32, f64)>),
+    Traced(u32, Vec<(u32, f64)>),
+    /// The certificate itself.
+    Given(Vec<Because>),
+}
+
+impl Source {
+    pub fn explain(&self, history: &History) -> Vec<Because> {
+        match self {
+            Self::Traced(row, because) => history.certificate(*row, because),
+            Self::Given(because) => because.clone(),
+        }
+    }
+}
+
+impl Dependent {
+    /// Redundant unless the mismatch is more than `tolerance` of its parts and more than rounding.
+    pub(crate) fn new(row: usize, rest: Mismatch, dropped: f64, source: Source, tolerance: f64) -> Self {
+        let Mismatch { value, size, error } = rest;
+        let conflicting = value.abs() > (tolerance * size).max(MORE_THAN_ROUNDING * error);
+        Self {
+            row,
+            kind: if conflicting { Kind::Conflicting } else { Kind::Redundant },
+            mismatch: value,
+            relative_mismatch: if value.abs() > MORE_THAN_ROUNDING * error { value.abs() / size } else { 0.0 },
+            dropped,
+            rest,
+            source,
+        }
+    }
 }
 
 /// Redundant or conflicting, for every dependent row.
 pub(crate) fn classify(
-    names: &[u32],
     eliminated: &Eliminated,
     solved: &[Solved],
     scaling: &Scaling,
     tolerance: f64,
 ) -> Vec<Dependent> {
     let make = |source: u32, because: Vec<(u32, f64)>, mismatch: Mismatch, dropped: f64| {
-        let row = names[source as usize] as usize;
-        let Mismatch { value, size, error } = mismatch;
-        let conflicting = value.abs() > (tolerance * size).max(MORE_THAN_ROUNDING * error);
-        Dependent {
-            row,
-            kind: if conflicting { Kind::Conflicting } else { Kind::Redundant },
-            mismatch: ldexp(value, -scaling.row[row]),
-            relative_mismatch: if value.abs() > MORE_THAN_ROUNDING * error { value.abs() / size } else { 0.0 },
-            dropped,
-            source: (source, because),
-        }
+        let row = eliminated.names[source as usize] as usize;
+        let rest = mismatch.scaled(-scaling.row[row]);
+        Dependent::new(row, rest, dropped, Source::Traced(source, because), tolerance)
     };
     let mut all: Vec<_> = eliminated.dead.iter().map(|d| make(d.row, Vec::new(), d.mismatch, d.dropped)).collect();
     for (block, dependent) in solved.iter().flat_map(|block| block.dependent.iter().map(move |d| (block, d))) {

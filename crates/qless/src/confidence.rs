@@ -1,7 +1,7 @@
 //! How sure the rank is: what was kept, what was dropped, and the gap between them.
 
 use crate::ConstraintSystem;
-use crate::block::Solved;
+use crate::basis::Kept;
 use crate::classify::Dependent;
 
 /// Kept equations with a smaller singular value than this are near dependence, whatever the tolerance.
@@ -31,7 +31,7 @@ fn finite_or_null<S: serde::Serializer>(value: &f64, serializer: S) -> Result<S:
 
 impl Confidence {
     pub(crate) fn new(
-        solved: &[Solved],
+        solved: &[Kept],
         sensitivity: Option<f64>,
         dependent: &[Dependent],
         system: &ConstraintSystem,

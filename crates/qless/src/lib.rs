@@ -33,7 +33,10 @@ mod classify;
 mod confidence;
 mod generated;
 mod hold;
+mod keep;
+mod local;
 mod options;
+mod preferences;
 mod presolve;
 pub mod qr;
 mod reduction;
@@ -47,6 +50,7 @@ pub use certificate::Because;
 pub use classify::{Dependent, Kind};
 pub use confidence::Confidence;
 pub use options::{BackendChoice, OptionError, Options, Tolerance};
+pub use preferences::Preferences;
 pub use reduction::Reduction;
 pub use report::{
     BackendUsed, Certificate, Counts, DependentEquation, GeneratedCondition, InputSizes, Milliseconds, Omitted,

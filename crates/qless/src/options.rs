@@ -1,5 +1,6 @@
 //! What a caller can choose, with its default.
 
+use crate::preferences::Preferences;
 use crate::qr::{Backend, BackendError};
 
 /// How small is zero.
@@ -61,7 +62,7 @@ impl BackendChoice {
 }
 
 /// Settings of [`crate::analyse`].
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// Which backend factors the blocks that presolve leaves. Default: `Auto`.
     pub backend: BackendChoice,
@@ -71,11 +72,19 @@ pub struct Options {
     pub presolve: bool,
     /// Slaves and masters are exchanged until `max |T_ij|` is at most this. At least 1; default 4.
     pub growth: f64,
+    /// DOFs that should or should not be slaves, equations to keep. Default: none.
+    pub preferences: Preferences,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { backend: BackendChoice::Auto, tolerance: Tolerance::Relative(1e-10), presolve: true, growth: 4.0 }
+        Self {
+            backend: BackendChoice::Auto,
+            tolerance: Tolerance::Relative(1e-10),
+            presolve: true,
+            growth: 4.0,
+            preferences: Preferences::default(),
+        }
     }
 }
 
@@ -88,10 +97,23 @@ pub enum OptionError {
     /// Growth below 1 cannot always be reached.
     #[error("the growth bound is {0}; it must be a number of at least 1, such as 4")]
     Growth(f64),
+    /// A preference names what is not there.
+    #[error("a preference names {what} {found}, but there are {count} (numbers from 0 to {last})", last = .count.saturating_sub(1))]
+    Preference {
+        /// "DOF" or "equation".
+        what: &'static str,
+        /// The number given, 0-based.
+        found: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// A DOF cannot be preferred as a slave and excluded from being one.
+    #[error("DOF {0} (from 0) is preferred as a slave and excluded from being one; take it out of one list")]
+    Contradiction(usize),
 }
 
 impl Options {
-    /// Checks every range.
+    /// Checks every range but those of the preferences, which depend on the system.
     ///
     /// # Errors
     /// [`OptionError`].

@@ -5,7 +5,7 @@
 //! `2^-10` after row scaling; then rows and columns are balanced by geometric means (Curtis and Reid 1972)
 //! before the rows get their final scale.
 
-use crate::{ConstraintSystem, Csr};
+use crate::local::Local;
 
 /// Exponents of the scaling: `C'_ij = C_ij 2^(row[i] + col[j])`.
 #[derive(Clone, Debug)]
@@ -16,13 +16,6 @@ pub(crate) struct Scaling {
 }
 
 impl Scaling {
-    /// Rows only, whatever the columns are.
-    pub fn rows(system: &ConstraintSystem, is_free: &[bool]) -> Self {
-        let mut scaling = Self { row: vec![0; system.equations()], col: Vec::new() };
-        scale_rows(system.matrix(), is_free, &mut scaling);
-        scaling
-    }
-
     pub fn col(&self, j: usize) -> i32 {
         self.col.get(j).copied().unwrap_or(0)
     }
@@ -51,60 +44,61 @@ pub(crate) fn exponent(x: f64) -> i32 {
 }
 
 /// Scales `C` by its free columns; a row without free DOFs is scaled by its prescribed ones.
-pub(crate) fn equilibrate(system: &ConstraintSystem, is_free: &[bool]) -> Scaling {
-    let c = system.matrix();
-    let mut scaling = Scaling::rows(system, is_free);
-    if units_mix(c, is_free, &scaling) {
-        balance(c, is_free, &mut scaling);
-        scale_rows(c, is_free, &mut scaling);
+pub(crate) fn equilibrate(system: Local) -> Scaling {
+    let mut scaling = Scaling { row: vec![0; system.equations()], col: Vec::new() };
+    let some_small = scale_rows(system, &mut scaling);
+    if some_small && small_columns(system, &scaling) {
+        balance(system, &mut scaling);
+        scale_rows(system, &mut scaling);
     }
     scaling
 }
 
-fn scale_rows(c: &Csr, is_free: &[bool], scaling: &mut Scaling) {
-    for i in 0..c.rows() {
-        let mut free = i32::MIN;
-        let mut any = i32::MIN;
-        for (j, v) in c.row(i) {
+/// Entries below this power of two in their rows are small.
+const SMALL: i32 = -10;
+
+/// Scales every row; true if some free entry is small.
+fn scale_rows(system: Local, scaling: &mut Scaling) -> bool {
+    let mut any_small = false;
+    for i in 0..system.equations() {
+        let (mut least, mut free, mut any) = (i32::MAX, i32::MIN, i32::MIN);
+        for (j, v) in system.row(i) {
             let e = exponent(v) + scaling.col(j);
             any = any.max(e);
-            if is_free[j] {
+            if system.free()[j] {
                 free = free.max(e);
+                least = least.min(e);
             }
         }
         let top = if free > i32::MIN { free } else { any };
         scaling.row[i] = if top > i32::MIN { -top } else { 0 };
+        any_small |= least < i32::MAX && least - top < SMALL;
     }
+    any_small
 }
 
-fn units_mix(c: &Csr, is_free: &[bool], scaling: &Scaling) -> bool {
-    const SMALL: i32 = -10;
-    let mut top = vec![i32::MIN; c.cols];
-    let mut small_entries = false;
-    for i in 0..c.rows() {
-        for (j, v) in c.row(i) {
-            let e = exponent(v) + scaling.row[i];
-            small_entries |= e < SMALL && is_free[j];
-            top[j] = top[j].max(e);
+/// Whether more than one in twenty of the columns with two entries or more are small in all their rows.
+fn small_columns(system: Local, scaling: &Scaling) -> bool {
+    let mut top = vec![i32::MIN; system.dofs()];
+    let mut count = vec![0_u32; system.dofs()];
+    for i in 0..system.equations() {
+        for (j, v) in system.row(i) {
+            top[j] = top[j].max(exponent(v) + scaling.row[i]);
+            count[j] += 1;
         }
     }
-    if !small_entries {
-        return false;
-    }
-    let mut count = vec![0_u32; c.cols];
-    c.col.iter().for_each(|&j| count[j as usize] += 1);
-    let shared = || (0..c.cols).filter(|&j| is_free[j] && count[j] >= 2);
+    let shared = || (0..system.dofs()).filter(|&j| system.free()[j] && count[j] >= 2);
     20 * shared().filter(|&j| top[j] < SMALL).count() > shared().count()
 }
 
 /// Alternating geometric means of the free part, ten sweeps.
-fn balance(c: &Csr, is_free: &[bool], scaling: &mut Scaling) {
-    let mut row = vec![0.0; c.rows()];
-    let mut col = vec![0.0; c.cols];
+fn balance(c: Local, scaling: &mut Scaling) {
+    let mut row = vec![0.0; c.equations()];
+    let mut col = vec![0.0; c.dofs()];
     for _ in 0..10 {
-        let mut sum = vec![(0.0, 0.0); c.cols];
-        for i in 0..c.rows() {
-            let free = || c.row(i).filter(|&(j, _)| is_free[j]);
+        let mut sum = vec![(0.0, 0.0); c.dofs()];
+        for i in 0..c.equations() {
+            let free = || c.row(i).filter(|&(j, _)| c.free()[j]);
             let total: f64 = free().map(|(j, v)| v.abs().log2() + col[j]).sum();
             row[i] = -total / (free().count().max(1) as f64);
             free().for_each(|(j, v)| {
@@ -122,6 +116,8 @@ fn balance(c: &Csr, is_free: &[bool], scaling: &mut Scaling) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ConstraintSystem;
+    use crate::local::Numbering;
 
     #[test]
     fn powers_of_two_are_exact_over_the_whole_range() {
@@ -142,9 +138,11 @@ mod tests {
             }
         }
         let system = ConstraintSystem::from_triplets(30, 40, &triplets, &[0.0; 30], &[]).expect("valid");
-        let scaling = equilibrate(&system, &[true; 40]);
+        let (numbering, _) = Numbering::new(&system);
+        let local = numbering.view(&system, system.rhs());
+        let scaling = equilibrate(local);
         for i in 0..30 {
-            for (j, v) in system.matrix().row(i) {
+            for (j, v) in local.row(i) {
                 let scaled = scaling.entry(i, j, v);
                 assert!((0.05..2.0).contains(&scaled), "row {i} DOF {j}: {scaled}");
             }

@@ -7,25 +7,23 @@
 //!
 //! A bound of every row sum of `|U^-1| |L^-1|` costs one pass; only where it is large are entries computed.
 
-use crate::ConstraintSystem;
 use crate::basis::Basis;
 use crate::certificate::History;
-use crate::presolve::eliminate::Step;
 use crate::scale::{Scaling, ldexp};
 
 /// The largest entry found of `|C_S^-1|` and the slave in whose row it stands; none where all are below `harmless`.
 pub(crate) fn largest(
-    system: &ConstraintSystem,
     basis: &Basis,
     history: &History,
     scaling: &Scaling,
+    dofs: usize,
     harmless: f64,
 ) -> Option<(u32, f64)> {
-    let (slave, bound) = largest_row_sum(system, basis, history, scaling)?;
+    let (slave, bound) = largest_row_sum(basis, history, scaling, dofs)?;
     if bound <= harmless {
         return None;
     }
-    let entry = row_of_inverse(system, basis, history, scaling, slave);
+    let entry = row_of_inverse(basis, history, scaling, slave, dofs);
     (entry > harmless).then_some((slave, entry))
 }
 
@@ -40,78 +38,51 @@ fn row_sums_of_l(history: &History) -> Vec<f64> {
     sums
 }
 
-/// `(row sum of |L^-1|) / |pivot|` of each slave's equation in scaled numbers, in the order of [`Basis::visit`].
-fn inverse_pivots<'a>(
-    system: &'a ConstraintSystem,
-    basis: &'a Basis,
-    history: &History,
-    scaling: &'a Scaling,
-) -> impl Iterator<Item = f64> + 'a {
-    let mut sums = row_sums_of_l(history);
-    let blocks = basis.blocks.iter().flat_map(|block| block.slaves.iter().map(|_| 1.0 / block.sigma.max(1e-300)));
-    let scale = |step: &Step| ldexp(step.pivot.abs(), scaling.col(step.dof as usize));
-    let steps = basis.steps.iter().rev().map(move |step| sums.pop().unwrap_or(1.0) / scale(step));
-    let peeled = basis.peeled.iter().rev().map(|&(row, dof)| {
-        let entries = &mut system.matrix().row(row as usize);
-        let pivot = entries.find(|&(j, _)| j == dof as usize).map_or(1.0, |(_, v)| v);
-        1.0 / scaling.entry(row as usize, dof as usize, pivot.abs())
-    });
-    blocks.chain(steps).chain(peeled)
-}
-
 /// The slave with the largest bound of `sum_i |(C_S^-1)_si|`.
-fn largest_row_sum(
-    system: &ConstraintSystem,
-    basis: &Basis,
-    history: &History,
-    scaling: &Scaling,
-) -> Option<(u32, f64)> {
-    let mut sum = vec![0.0; system.dofs()];
-    let mut own = inverse_pivots(system, basis, history, scaling);
-    let mut in_blocks: usize = basis.blocks.iter().map(|block| block.slaves.len()).sum();
-    let mut worst = None;
-    basis.visit(system, |slave, terms, _| {
-        let mut total = own.next().unwrap_or(1.0);
-        // Slaves of a block do not rest on one another, and how near to dependence a block is was estimated already.
-        if in_blocks > 0 {
-            in_blocks -= 1;
-        } else {
-            let scale = scaling.col(slave as usize);
-            for &(j, v) in terms {
-                total += ldexp(v.abs(), scaling.col(j as usize) - scale) * sum[j as usize];
-            }
-            if worst.is_none_or(|(_, most)| total > most) {
-                worst = Some((slave, total));
-            }
+fn largest_row_sum(basis: &Basis, history: &History, scaling: &Scaling, dofs: usize) -> Option<(u32, f64)> {
+    let mut sum = vec![0.0; dofs];
+    // Slaves of a block do not rest on one another, and how near to dependence a block is was estimated already.
+    for (block, kept) in basis.blocks.iter().enumerate() {
+        let own = 1.0 / kept.sigma.max(1e-300);
+        basis.slaves()[basis.rows_of(block)].iter().for_each(|&slave| sum[slave as usize] = own);
+    }
+    let of_steps = row_sums_of_l(history);
+    let (mut worst, first) = (None, basis.peeled.len());
+    for t in (0..first + of_steps.len()).rev() {
+        let own = if t < first { 1.0 } else { of_steps[t - first] } / basis.pivot(t).abs();
+        let ((dofs, values), slave) = (basis.row(t), basis.slave(t));
+        let scale = scaling.col(slave as usize);
+        let part = |(&j, v): (&u32, &f64)| ldexp(v.abs(), scaling.col(j as usize) - scale) * sum[j as usize];
+        let total = own + dofs.iter().zip(values).map(part).sum::<f64>();
+        if worst.is_none_or(|(_, most)| total > most) {
+            worst = Some((slave, total));
         }
         sum[slave as usize] = total;
-    });
+    }
     worst
 }
 
 /// `max_i |(C_S^-1)_si|` by one transposed solve.
-fn row_of_inverse(system: &ConstraintSystem, basis: &Basis, history: &History, scaling: &Scaling, slave: u32) -> f64 {
-    let mut rest = vec![0.0; system.dofs()];
+fn row_of_inverse(basis: &Basis, history: &History, scaling: &Scaling, slave: u32, dofs: usize) -> f64 {
+    let mut rest = vec![0.0; dofs];
     rest[slave as usize] = 1.0;
-    let mut largest = 0.0_f64;
-    for &(row, dof) in &basis.peeled {
-        let value = std::mem::take(&mut rest[dof as usize]);
-        if value != 0.0 {
-            let i = row as usize;
-            let entries = || system.matrix().row(i).map(|(j, v)| (j, scaling.entry(i, j, v)));
-            let weight = value / entries().find(|&(j, _)| j == dof as usize).map_or(1.0, |(_, v)| v);
-            largest = largest.max(weight.abs());
-            entries().filter(|&(j, _)| j != dof as usize).for_each(|(j, v)| rest[j] -= weight * v);
+    let (mut largest, first) = (0.0_f64, basis.peeled.len());
+    let mut weights = vec![0.0; basis.steps];
+    for t in 0..first + basis.steps {
+        let own = basis.slave(t);
+        let value = std::mem::take(&mut rest[own as usize]);
+        if value == 0.0 {
+            continue;
         }
-    }
-    let mut weights = vec![0.0; basis.steps.len()];
-    for (t, step) in basis.steps.iter().enumerate() {
-        let value = std::mem::take(&mut rest[step.dof as usize]);
-        if value != 0.0 {
-            let scaled = |j: u32, v: f64| ldexp(v, scaling.col(j as usize));
-            let weight = value / scaled(step.dof, step.pivot);
-            weights[t] = weight;
-            step.others.iter().for_each(|&(j, v)| rest[j as usize] -= weight * scaled(j, v));
+        let (dofs, values) = basis.row(t);
+        for (&j, &v) in dofs.iter().zip(values) {
+            rest[j as usize] += value * ldexp(v, scaling.col(j as usize) - scaling.col(own as usize));
+        }
+        let weight = value / basis.pivot(t);
+        if t < first {
+            largest = largest.max(weight.abs());
+        } else {
+            weights[t - first] = weight;
         }
     }
     for t in (0..weights.len()).rev() {

@@ -11,7 +11,9 @@
 
 use std::collections::VecDeque;
 
+use super::gather::Gathered;
 use super::rows::{Entry, MORE_THAN_ROUNDING, Row};
+use crate::scale::ldexp;
 
 /// A row whose remaining part is smaller than this, relative to what went into it, is no pivot.
 pub(crate) const SUSPECT: f64 = 1e-3;
@@ -80,6 +82,12 @@ impl Mismatch {
         Self { value: row.effective, size: row.effective_size, error: row.effective_error }
     }
 
+    /// All times `2^exponent`.
+    pub fn scaled(self, exponent: i32) -> Self {
+        let Self { value, size, error } = self;
+        Self { value: ldexp(value, exponent), size: ldexp(size, exponent), error: ldexp(error, exponent) }
+    }
+
     /// Subtracts `factor` times another right-hand side.
     pub fn subtract(&mut self, factor: f64, row: &Row) {
         let part = (factor * row.effective_size).abs();
@@ -90,7 +98,10 @@ impl Mismatch {
 }
 
 /// What elimination leaves.
+#[derive(Default)]
 pub(crate) struct Eliminated {
+    /// The user's row of each row given.
+    pub names: Vec<u32>,
     pub steps: Vec<Step>,
     /// For each row given, the steps subtracted from it and the factors, in order of time.
     pub factors: Vec<Vec<(u32, f64)>>,
@@ -112,7 +123,7 @@ enum State {
 struct Elimination<'a> {
     out: Eliminated,
     state: Vec<State>,
-    is_free: &'a dyn Fn(u32) -> bool,
+    is_free: &'a [bool],
     /// Rows that may hold a DOF: a superset without order; `count` is exact.
     holders: Vec<Vec<u32>>,
     count: Vec<u32>,
@@ -125,21 +136,17 @@ struct Elimination<'a> {
     tolerance: f64,
 }
 
-/// Eliminates as far as no fill arises. Rows of `held` are no pivots, but are closed if empty. DOFs are `0..dofs`.
-pub(crate) fn eliminate(
-    rows: Vec<Row>,
-    dofs: usize,
-    is_free: &dyn Fn(u32) -> bool,
-    tolerance: f64,
-    held: &[bool],
-) -> Eliminated {
+/// Eliminates as far as no fill arises. Rows of `held` (by the user's row) are no pivots, but are closed if empty.
+/// DOFs of the result are local ones.
+pub(crate) fn eliminate(gathered: Gathered, tolerance: f64, held: &[bool]) -> Eliminated {
+    let Gathered { names, dofs, free: is_free, rows } = gathered;
     let m = rows.len();
     let mut work = Elimination {
-        out: Eliminated { steps: Vec::new(), factors: vec![Vec::new(); m], dead: Vec::new(), core: Vec::new(), rows },
-        state: held.iter().map(|&held| if held { State::Held } else { State::Active }).collect(),
-        is_free,
-        holders: vec![Vec::new(); dofs],
-        count: vec![0; dofs],
+        out: Eliminated { rows, factors: vec![Vec::new(); m], ..Eliminated::default() },
+        state: names.iter().map(|&i| if held[i as usize] { State::Held } else { State::Active }).collect(),
+        is_free: &is_free,
+        holders: vec![Vec::new(); dofs.len()],
+        count: vec![0; dofs.len()],
         short_rows: (0..m as u32).collect(),
         rare_dofs: Default::default(),
         active: m,
@@ -149,14 +156,14 @@ pub(crate) fn eliminate(
     work.count();
     work.close_empty();
     work.run();
-    work.finish()
+    work.finish(names, &dofs)
 }
 
 impl Elimination<'_> {
     fn count(&mut self) {
         for (i, row) in self.out.rows.iter_mut().enumerate() {
             row.free = 0;
-            for j in row.entries.iter().map(|entry| entry.dof).filter(|&j| (self.is_free)(j)) {
+            for j in row.entries.iter().map(|entry| entry.dof).filter(|&j| self.is_free[j as usize]) {
                 row.free += 1;
                 self.count[j as usize] += 1;
                 self.holders[j as usize].push(i as u32);
@@ -202,7 +209,8 @@ impl Elimination<'_> {
         }
     }
 
-    fn finish(mut self) -> Eliminated {
+    fn finish(mut self, names: Vec<u32>, dofs: &[u32]) -> Eliminated {
+        self.out.names = names;
         let left = |&i: &u32| self.state[i as usize] != State::Done;
         self.out.core = (0..self.out.rows.len() as u32).filter(left).collect();
         for (row, state) in self.out.rows.iter_mut().zip(&self.state) {
@@ -210,6 +218,11 @@ impl Elimination<'_> {
             if *state == State::Done {
                 row.entries = Vec::new();
             }
+            row.entries.iter_mut().for_each(|entry| entry.dof = dofs[entry.dof as usize]);
+        }
+        for step in &mut self.out.steps {
+            step.dof = dofs[step.dof as usize];
+            step.others.iter_mut().for_each(|(j, _)| *j = dofs[*j as usize]);
         }
         self.out
     }
@@ -219,7 +232,7 @@ impl Elimination<'_> {
             return;
         }
         let row = &self.out.rows[i as usize];
-        let free: Vec<_> = row.entries.iter().copied().filter(|entry| (self.is_free)(entry.dof)).collect();
+        let free: Vec<_> = row.entries.iter().copied().filter(|entry| self.is_free[entry.dof as usize]).collect();
         let dof = match *free.as_slice() {
             [one] => one.dof,
             [one, two] => self.better_of(one, two),
@@ -247,7 +260,7 @@ impl Elimination<'_> {
             return true;
         }
         let rounding = |entry: &&Entry| entry.value.abs() <= MORE_THAN_ROUNDING * f64::from(entry.error);
-        let free = row.entries.iter().filter(|entry| (self.is_free)(entry.dof));
+        let free = row.entries.iter().filter(|entry| self.is_free[entry.dof as usize]);
         let left = free.filter(|entry| !rounding(entry)).map(|entry| entry.value.abs()).fold(row.dropped, f64::max);
         let dropped = if row.size > 0.0 { left / row.size } else { 0.0 };
         self.out.dead.push(Dead { row: i, dropped, mismatch: Mismatch::of(row) });
@@ -259,7 +272,7 @@ impl Elimination<'_> {
         self.state[i as usize] = State::Done;
         self.active -= 1;
         let entries = std::mem::take(&mut self.out.rows[i as usize].entries);
-        for j in entries.iter().map(|entry| entry.dof).filter(|&j| (self.is_free)(j)) {
+        for j in entries.iter().map(|entry| entry.dof).filter(|&j| self.is_free[j as usize]) {
             self.leave(j);
         }
         self.out.rows[i as usize].entries = entries;
@@ -313,7 +326,11 @@ impl Elimination<'_> {
     /// Largest coefficient of a free DOF in a row.
     fn largest(&self, i: u32) -> f64 {
         let entries = &self.out.rows[i as usize].entries;
-        entries.iter().filter(|entry| (self.is_free)(entry.dof)).map(|entry| entry.value.abs()).fold(0.0, f64::max)
+        entries
+            .iter()
+            .filter(|entry| self.is_free[entry.dof as usize])
+            .map(|entry| entry.value.abs())
+            .fold(0.0, f64::max)
     }
 
     /// Row i becomes the equation of DOF j, which leaves all other rows.
@@ -358,7 +375,7 @@ impl Elimination<'_> {
     }
 
     fn add(&mut self, k: u32, l: u32, value: f64, error: f64) {
-        let free = (self.is_free)(l);
+        let free = self.is_free[l as usize];
         let row = &mut self.out.rows[k as usize];
         row.size = row.size.max(value.abs());
         if let Some(position) = row.position(l) {

@@ -4,5 +4,6 @@
 //! without fill. The rest is the core, for the backend.
 
 pub(crate) mod eliminate;
+pub(crate) mod gather;
 pub(crate) mod peel;
 pub(crate) mod rows;

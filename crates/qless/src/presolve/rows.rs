@@ -63,6 +63,13 @@ impl Row {
         Self { rhs, effective: rhs, effective_size: rhs.abs(), effective_error: error, ..Self::default() }
     }
 
+    /// Moves a term with a known value into b.
+    pub fn prescribe(&mut self, part: f64) {
+        self.effective -= part;
+        self.effective_size = self.effective_size.max(part.abs());
+        self.effective_error += f64::EPSILON * part.abs();
+    }
+
     pub fn position(&self, dof: u32) -> Option<usize> {
         match &self.table {
             Some(table) => table.get(&dof).map(|&k| k as usize),

@@ -1,133 +1,78 @@
 //! Growth `max |T_ij|`, kept below a bound by exchanging slaves and masters.
 //!
-//! Where `|T_sq| > bound`, master q becomes the slave and s a master: `u_q = (u_s - sum_{l != q} T_sl u_l) / T_sq`. The
-//! determinant of the slaves' columns grows by `|T_sq| > 1` each time, so the exchanges end (Gu and Eisenstat 1996), and
-//! any bound of at least 1 can be reached.
+//! Where `|T_sq| > bound`, master q becomes the slave and s a master. The determinant of the slaves' columns grows by
+//! `|T_sq| > 1` each time, so the exchanges end (Gu and Eisenstat 1996), and any bound of at least 1 can be reached, as far
+//! as no preference stands against it.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::BTreeSet;
 
+use super::exchange::Exchange;
 use super::rows::Relation;
+use crate::preferences::Wishes;
 
-/// Returns the number of exchanges made.
-pub(crate) fn bound(relation: &mut Relation, limit: f64) -> usize {
-    let mut exchange = Exchange { holders: HashMap::new(), relation, limit };
-    let mut queue: BTreeSet<u32> =
-        (0..exchange.relation.rows() as u32).filter(|&i| exchange.excess(i).is_some()).collect();
-    if queue.is_empty() {
-        return 0;
+/// A slave with this part of the steepest coefficient may take its place.
+const NEARLY: f64 = 0.5;
+
+/// Returns the growth and the number of exchanges made.
+pub(super) fn bound(relation: &mut Relation, limit: f64, wishes: &Wishes) -> (f64, usize) {
+    let (growth, steep) = steep_rows(relation, limit);
+    if steep.is_empty() {
+        return (growth, 0);
     }
-    exchange.index();
+    let count = flatten(&mut Exchange::new(relation), steep, limit, wishes);
+    (steep_rows(relation, f64::INFINITY).0, count)
+}
+
+/// `max |T_ij|`, and the rows that hold more than the limit.
+fn steep_rows(relation: &Relation, limit: f64) -> (f64, BTreeSet<u32>) {
+    let mut growth = 0.0_f64;
+    let mut steep = BTreeSet::new();
+    for i in 0..relation.rows() {
+        let mut largest = 0.0_f64;
+        for (j, v) in relation.entries(i) {
+            if v.abs() > largest && relation.system.free()[j as usize] {
+                largest = v.abs();
+            }
+        }
+        growth = growth.max(largest);
+        if largest > limit {
+            steep.insert(i as u32);
+        }
+    }
+    (growth, steep)
+}
+
+fn flatten(exchange: &mut Exchange, mut queue: BTreeSet<u32>, limit: f64, wishes: &Wishes) -> usize {
     let mut count = 0;
-    while let Some(i) = queue.pop_first() {
-        while let Some(master) = exchange.excess(i) {
-            // Of all slaves that follow this master too steeply the steepest, which settles most at once.
-            let steepest = exchange.steepest(master);
-            queue.extend(exchange.swap(steepest, master));
+    while let Some(i) = queue.pop_last() {
+        while let Some(master) = excess(exchange, i, limit, wishes) {
+            let Some(row) = pivot_row(exchange, master, wishes) else { break };
+            queue.extend(exchange.swap(row, master));
             count += 1;
         }
     }
     count
 }
 
-struct Exchange<'a> {
-    relation: &'a mut Relation,
-    /// Rows that may hold a master: a superset.
-    holders: HashMap<u32, Vec<u32>>,
-    limit: f64,
+/// Of all slaves that follow a master nearly as steeply as the steepest, which settles most at once, the one with the
+/// shortest row, which fills least.
+fn pivot_row(exchange: &Exchange, master: u32, wishes: &Wishes) -> Option<u32> {
+    let mut rows = exchange.holding(master);
+    rows.retain(|&(k, _)| wishes.of(master) >= wishes.of(exchange.relation.slave[k as usize]));
+    let steepest = rows.iter().fold(0.0, |a: f64, (_, v)| a.max(v.abs()));
+    let fit = rows.iter().filter(|(_, v)| v.abs() >= NEARLY * steepest).map(|&(k, _)| k);
+    fit.min_by_key(|&k| exchange.relation.row(k as usize).0.len())
 }
 
-impl Exchange<'_> {
-    /// The master with the largest coefficient in row i, if that is above the bound.
-    fn excess(&self, i: u32) -> Option<u32> {
-        let entries = self.relation.row(i as usize).iter().filter(|(j, _)| !self.relation.is_prescribed[*j as usize]);
-        let largest = entries.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
-        (largest.1.abs() > self.limit).then_some(largest.0)
-    }
-
-    fn index(&mut self) {
-        for i in 0..self.relation.rows() {
-            for &(j, _) in self.relation.row(i) {
-                self.holders.entry(j).or_default().push(i as u32);
-            }
+/// The master with the largest coefficient in row i that may become a slave, if that is above the bound.
+fn excess(exchange: &Exchange, i: u32, limit: f64, wishes: &Wishes) -> Option<u32> {
+    let own = wishes.of(exchange.relation.slave[i as usize]);
+    let mut best: Option<(u32, f64)> = None;
+    for (j, v) in exchange.relation.entries(i as usize) {
+        let larger = best.is_none_or(|(_, most)| v.abs() >= most);
+        if v.abs() > limit && larger && exchange.is_free(j) && wishes.of(j) >= own {
+            best = Some((j, v.abs()));
         }
     }
-
-    fn coefficient(&self, i: u32, master: u32) -> f64 {
-        let row = self.relation.row(i as usize);
-        row.binary_search_by_key(&master, |&(j, _)| j).map_or(0.0, |k| row[k].1)
-    }
-
-    fn steepest(&self, master: u32) -> u32 {
-        let rows = self.holders[&master].iter().copied();
-        rows.max_by(|&a, &b| self.coefficient(a, master).abs().total_cmp(&self.coefficient(b, master).abs()))
-            .expect("a row holds the master")
-    }
-
-    /// Makes `master` the slave of row i; returns the other rows that changed.
-    fn swap(&mut self, i: u32, master: u32) -> Vec<u32> {
-        let pivot = self.coefficient(i, master);
-        let slave = self.relation.slave[i as usize];
-        let old = self.relation.row(i as usize);
-        let mut row: Vec<_> = old.iter().filter(|e| e.0 != master).map(|&(j, v)| (j, -v / pivot)).collect();
-        let place = row.partition_point(|&(j, _)| j < slave);
-        row.insert(place, (slave, 1.0 / pivot));
-        let constant = -self.relation.constant[i as usize] / pivot;
-        let mut targets = self.holders.remove(&master).unwrap_or_default();
-        targets.retain(|&k| k != i && self.coefficient(k, master) != 0.0);
-        targets.sort_unstable();
-        targets.dedup();
-        for &k in &targets {
-            self.substitute(k, master, &row, constant);
-        }
-        for &(j, _) in &row {
-            let holders = self.holders.entry(j).or_default();
-            holders.extend(targets.iter().copied().chain([i]));
-            if holders.len() > 2 * self.relation.slave.len() {
-                holders.sort_unstable();
-                holders.dedup();
-            }
-        }
-        self.relation.changed.insert(i, row);
-        self.relation.constant[i as usize] = constant;
-        self.relation.slave[i as usize] = master;
-        self.relation.row_of[slave as usize] = u32::MAX;
-        self.relation.row_of[master as usize] = i;
-        targets
-    }
-
-    /// Replaces the master in row k by what it now equals.
-    fn substitute(&mut self, k: u32, master: u32, row: &[(u32, f64)], constant: f64) {
-        let factor = self.coefficient(k, master);
-        let merged = merge(self.relation.row(k as usize), master, factor, row);
-        self.relation.changed.insert(k, merged);
-        self.relation.constant[k as usize] += factor * constant;
-    }
-}
-
-/// `old - (its entry at master) + factor row`, ascending, without what cancels to rounding.
-fn merge(old: &[(u32, f64)], master: u32, factor: f64, row: &[(u32, f64)]) -> Vec<(u32, f64)> {
-    let mut merged = Vec::with_capacity(old.len() + row.len());
-    let (mut a, mut b) = (old.iter().filter(|e| e.0 != master).peekable(), row.iter().peekable());
-    loop {
-        let next = match (a.peek(), b.peek()) {
-            (None, None) => return merged,
-            (Some(x), Some(y)) if x.0 == y.0 => {
-                let (own, part) = (x.1, factor * y.1);
-                let sum = own + part;
-                (x.0, if sum.abs() <= 1e-14 * own.abs().max(part.abs()) { 0.0 } else { sum }, true, true)
-            }
-            (Some(x), other) if other.is_none_or(|y| x.0 < y.0) => (x.0, x.1, true, false),
-            (_, Some(y)) => (y.0, factor * y.1, false, true),
-            (Some(_), None) => unreachable!("covered by the arm before"),
-        };
-        if next.2 {
-            a.next();
-        }
-        if next.3 {
-            b.next();
-        }
-        if next.1 != 0.0 {
-            merged.push((next.0, next.1));
-        }
-    }
+    best.map(|(j, _)| j)
 }

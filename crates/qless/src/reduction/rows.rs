@@ -1,116 +1,144 @@
-//! Rows of `[T G g]` by substitution, in the order in which [`Basis::visit`] gives the slaves.
+//! Rows of `[T G g]` by substitution, from the last row of the [`Basis`] to the first.
+//!
+//! A slave whose equation names no other slave needs none: its row is the basis' own, which is not copied.
 
-use crate::ConstraintSystem;
 use crate::basis::Basis;
+use crate::local::Local;
 
 /// Entries below this, relative to the largest part that went into them, are rounding.
 const NOISE: f64 = 1e-14;
 
-/// `u_s = sum entries + constant` by rows over masters and prescribed DOFs, named by DOF.
-pub(crate) struct Relation {
+/// `u_s = sum entries + constant` by rows over masters and prescribed DOFs, in local numbers; rows as in the basis.
+pub(crate) struct Relation<'a> {
+    pub system: Local<'a>,
+    basis: &'a Basis,
     /// Row of each slave; `u32::MAX` for other DOFs.
     pub row_of: Vec<u32>,
     /// Slave of each row.
     pub slave: Vec<u32>,
-    pub is_prescribed: Vec<bool>,
-    start: Vec<usize>,
-    entries: Vec<(u32, f64)>,
-    /// Rows that were changed since, ascending by DOF.
-    pub changed: std::collections::HashMap<u32, Vec<(u32, f64)>>,
+    places: Vec<Place>,
+    dofs: Vec<u32>,
+    values: Vec<f64>,
     pub constant: Vec<f64>,
 }
 
-impl Relation {
-    pub fn row(&self, i: usize) -> &[(u32, f64)] {
-        match self.changed.get(&(i as u32)) {
-            Some(row) => row,
-            None => &self.entries[self.start[i]..self.start[i + 1]],
-        }
-    }
+/// Where the entries of a row are.
+enum Place {
+    /// In the basis.
+    Basis,
+    /// Part of [`Relation::dofs`] and [`Relation::values`].
+    Stored { start: usize, len: u32 },
+    /// Changed by an exchange; ascending.
+    Changed(Box<(Vec<u32>, Vec<f64>)>),
+}
 
+impl Relation<'_> {
     pub fn rows(&self) -> usize {
         self.slave.len()
     }
+
+    /// DOFs and coefficients of row i.
+    pub fn row(&self, i: usize) -> (&[u32], &[f64]) {
+        match self.places[i] {
+            Place::Basis => self.basis.row(i),
+            Place::Stored { start, len } => {
+                let range = start..start + len as usize;
+                (&self.dofs[range.clone()], &self.values[range])
+            }
+            Place::Changed(ref row) => (&row.0, &row.1),
+        }
+    }
+
+    /// The entries of row i.
+    pub fn entries(&self, i: usize) -> impl Iterator<Item = (u32, f64)> {
+        let (dofs, values) = self.row(i);
+        dofs.iter().copied().zip(values.iter().copied())
+    }
+
+    /// The entries of row i, ascending.
+    pub fn sorted(&self, i: usize) -> Vec<(u32, f64)> {
+        let mut row: Vec<_> = self.entries(i).collect();
+        row.sort_unstable_by_key(|&(j, _)| j);
+        row
+    }
+
+    pub fn change(&mut self, i: usize, row: &[(u32, f64)]) {
+        self.places[i] = Place::Changed(Box::new(row.iter().copied().unzip()));
+    }
+
+    pub fn is_slave(&self, dof: u32) -> bool {
+        self.row_of[dof as usize] != u32::MAX
+    }
 }
 
-/// A dense row being summed.
+/// A dense row being summed: value and size of the largest part, by DOF.
 struct Sum {
-    value: Vec<f64>,
-    size: Vec<f64>,
+    parts: Vec<(f64, f64)>,
     touched: Vec<u32>,
 }
 
 impl Sum {
     fn add(&mut self, j: u32, part: f64) {
-        let k = j as usize;
-        if self.size[k] == 0.0 {
+        let (value, size) = &mut self.parts[j as usize];
+        if *size == 0.0 {
             self.touched.push(j);
-            self.size[k] = f64::MIN_POSITIVE;
+            *size = f64::MIN_POSITIVE;
         }
-        self.value[k] += part;
-        self.size[k] = self.size[k].max(part.abs());
-    }
-
-    /// Moves the sum into `entries`, ascending, without what is rounding.
-    fn take(&mut self, entries: &mut Vec<(u32, f64)>) {
-        self.touched.sort_unstable();
-        for j in self.touched.drain(..) {
-            let (value, size) = (&mut self.value[j as usize], &mut self.size[j as usize]);
-            if value.abs() > NOISE * *size {
-                entries.push((j, *value));
-            }
-            (*value, *size) = (0.0, 0.0);
-        }
+        *value += part;
+        *size = size.max(part.abs());
     }
 }
 
-pub(crate) fn assemble(system: &ConstraintSystem, basis: &Basis, fixed: &[usize]) -> Relation {
-    let n = system.dofs();
-    let mut is_fixed = vec![false; n];
-    fixed.iter().for_each(|&j| is_fixed[j] = true);
+/// `fixed` slaves (local) move with no master: their rows keep prescribed DOFs only.
+pub(crate) fn assemble<'a>(system: Local<'a>, basis: &'a Basis, fixed: &[bool]) -> Relation<'a> {
+    let (n, rank) = (system.dofs(), basis.rank());
     let mut relation = Relation {
+        system,
+        basis,
         row_of: vec![u32::MAX; n],
-        slave: Vec::with_capacity(basis.rank()),
-        is_prescribed: vec![false; n],
-        start: vec![0],
-        entries: Vec::new(),
-        changed: std::collections::HashMap::new(),
-        constant: Vec::with_capacity(basis.rank()),
+        slave: basis.slaves().to_vec(),
+        places: (0..rank).map(|_| Place::Basis).collect(),
+        dofs: Vec::new(),
+        values: Vec::new(),
+        constant: basis.constants().to_vec(),
     };
-    system.prescribed().iter().for_each(|&(j, _)| relation.is_prescribed[j] = true);
-    let mut sum = Sum { value: vec![0.0; n], size: vec![0.0; n], touched: Vec::new() };
-    basis.visit(system, |slave, terms, constant| {
-        let (mut constant, mut size) = (constant, constant.abs());
-        for &(j, v) in terms {
-            match relation.row_of[j as usize] {
-                u32::MAX => sum.add(j, v),
-                row => {
-                    let row = row as usize;
-                    let part = v * relation.constant[row];
-                    constant += part;
-                    size = size.max(part.abs());
-                    relation.entries[relation.start[row]..relation.start[row + 1]]
-                        .iter()
-                        .for_each(|&(l, t)| sum.add(l, v * t));
-                }
-            }
+    let mut sum = Sum { parts: vec![(0.0, 0.0); n], touched: Vec::new() };
+    for t in (0..rank).rev() {
+        let slave = basis.slave(t);
+        let is_fixed = fixed.get(slave as usize).is_some_and(|&fixed| fixed);
+        if is_fixed || basis.row(t).0.iter().any(|&j| relation.is_slave(j)) {
+            substitute(&mut relation, &mut sum, t, is_fixed);
         }
-        relation.row_of[slave as usize] = relation.slave.len() as u32;
-        relation.slave.push(slave);
-        relation.constant.push(if constant.abs() > NOISE * size { constant } else { 0.0 });
-        let first = relation.entries.len();
-        sum.take(&mut relation.entries);
-        if is_fixed[slave as usize] {
-            let mut k = first;
-            while k < relation.entries.len() {
-                if relation.is_prescribed[relation.entries[k].0 as usize] {
-                    k += 1;
-                } else {
-                    relation.entries.remove(k);
-                }
-            }
-        }
-        relation.start.push(relation.entries.len());
-    });
+        relation.row_of[slave as usize] = t as u32;
+    }
     relation
+}
+
+/// Replaces the slaves among the terms of row t by their own rows.
+fn substitute(relation: &mut Relation, sum: &mut Sum, t: usize, fixed: bool) {
+    let mut constant = relation.constant[t];
+    let mut size = constant.abs();
+    let (dofs, values) = relation.basis.row(t);
+    for (&j, &v) in dofs.iter().zip(values) {
+        match relation.row_of[j as usize] {
+            u32::MAX => sum.add(j, v),
+            row => {
+                let part = v * relation.constant[row as usize];
+                constant += part;
+                size = size.max(part.abs());
+                relation.entries(row as usize).for_each(|(l, t)| sum.add(l, v * t));
+            }
+        }
+    }
+    relation.constant[t] = if constant.abs() > NOISE * size { constant } else { 0.0 };
+    let start = relation.dofs.len();
+    sum.touched.sort_unstable();
+    for j in sum.touched.drain(..) {
+        let (value, size) = std::mem::take(&mut sum.parts[j as usize]);
+        if value.abs() > NOISE * size && !(fixed && relation.system.free()[j as usize]) {
+            relation.dofs.push(j);
+            relation.values.push(value);
+        }
+    }
+    relation.places[t] = Place::Stored { start, len: (relation.dofs.len() - start) as u32 };
 }

@@ -1,0 +1,129 @@
+//! DOFs by first appearance: number l for the l-th DOF that the equations name, row after row.
+//!
+//! Models number their DOFs as they like, also at random; equations of one place stand together. By first appearance an
+//! array over DOFs is read nearly in sequence by every stage, and DOFs outside all equations cost nothing.
+//! O(nnz + n) time, 4 nnz + 5 n bytes.
+
+use crate::ConstraintSystem;
+
+/// The local number of every coefficient's DOF, and what they stand for.
+pub(crate) struct Numbering {
+    /// Local DOF of each entry of C, in the order of C.
+    entries: Vec<u32>,
+    /// The user's number of each local DOF.
+    pub dofs: Vec<u32>,
+    /// Whether each local DOF is free.
+    pub free: Vec<bool>,
+    /// Local prescribed DOFs with their values, in the user's order.
+    prescribed: Vec<(usize, f64)>,
+}
+
+/// Rows that hold a DOF: how many, and their exclusive or, which is the row itself where there is one.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Column {
+    pub count: u32,
+    pub rows: u32,
+}
+
+impl Column {
+    /// Takes a row in.
+    pub fn enter(&mut self, row: u32) {
+        self.count += 1;
+        self.rows ^= row;
+    }
+
+    /// Takes it out again.
+    pub fn leave(&mut self, row: u32) {
+        self.count -= 1;
+        self.rows ^= row;
+    }
+}
+
+impl Numbering {
+    /// Numbers the DOFs and counts their rows on the way.
+    pub fn new(system: &ConstraintSystem) -> (Self, Vec<Column>) {
+        let c = system.matrix();
+        let mut local = vec![u32::MAX; c.cols];
+        let (mut dofs, mut columns) = (Vec::new(), Vec::new());
+        let mut entries = vec![0; c.nnz()];
+        for i in 0..c.rows() {
+            let range = c.start[i]..c.start[i + 1];
+            for (entry, &j) in entries[range.clone()].iter_mut().zip(&c.col[range]) {
+                let l = &mut local[j as usize];
+                if *l == u32::MAX {
+                    *l = dofs.len() as u32;
+                    dofs.push(j);
+                    columns.push(Column::default());
+                }
+                columns[*l as usize].enter(i as u32);
+                *entry = *l;
+            }
+        }
+        let mut free = vec![true; dofs.len()];
+        let named = system.prescribed().iter().filter(|&&(j, _)| local[j] != u32::MAX);
+        let prescribed: Vec<_> = named.map(|&(j, value)| (local[j] as usize, value)).collect();
+        prescribed.iter().for_each(|&(l, _)| free[l] = false);
+        (Self { entries, dofs, free, prescribed }, columns)
+    }
+
+    /// The system with these numbers and b as given.
+    pub fn view<'a>(&'a self, system: &'a ConstraintSystem, rhs: &'a [f64]) -> Local<'a> {
+        Local { system, numbering: self, rhs }
+    }
+}
+
+/// A [`ConstraintSystem`] in local numbers.
+#[derive(Clone, Copy)]
+pub(crate) struct Local<'a> {
+    system: &'a ConstraintSystem,
+    pub numbering: &'a Numbering,
+    rhs: &'a [f64],
+}
+
+impl<'a> Local<'a> {
+    pub fn equations(self) -> usize {
+        self.system.equations()
+    }
+
+    /// Number of coefficients.
+    pub fn entries(self) -> usize {
+        self.numbering.entries.len()
+    }
+
+    /// Number of DOFs that occur.
+    pub fn dofs(self) -> usize {
+        self.numbering.dofs.len()
+    }
+
+    pub fn rhs(self) -> &'a [f64] {
+        self.rhs
+    }
+
+    pub fn free(self) -> &'a [bool] {
+        &self.numbering.free
+    }
+
+    /// Local prescribed DOFs and their values.
+    pub fn prescribed(self) -> &'a [(usize, f64)] {
+        &self.numbering.prescribed
+    }
+
+    /// DOFs and coefficients of an equation, ascending by the user's numbers.
+    pub fn parts(self, i: usize) -> (&'a [u32], &'a [f64]) {
+        let c = self.system.matrix();
+        let range = c.start[i]..c.start[i + 1];
+        (&self.numbering.entries[range.clone()], &c.val[range])
+    }
+
+    /// The entries `(DOF, coefficient)` of an equation.
+    pub fn row(self, i: usize) -> impl ExactSizeIterator<Item = (usize, f64)> + Clone + 'a {
+        let (dofs, values) = self.parts(i);
+        dofs.iter().zip(values).map(|(&j, &v)| (j as usize, v))
+    }
+
+    /// The coefficient of a DOF in an equation that holds it.
+    pub fn coefficient(self, i: usize, dof: u32) -> f64 {
+        let (dofs, values) = self.parts(i);
+        dofs.iter().position(|&j| j == dof).map_or(1.0, |k| values[k])
+    }
+}

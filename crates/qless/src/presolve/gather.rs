@@ -1,0 +1,53 @@
+//! The rows that peeling leaves, scaled, with prescribed DOFs moved into b, over numbers of their own DOFs.
+
+use super::rows::Row;
+use crate::local::Local;
+use crate::scale::{Scaling, ldexp};
+
+/// Rows for elimination.
+pub(crate) struct Gathered {
+    /// The user's row of each.
+    pub names: Vec<u32>,
+    /// Local DOF of each number used in `rows`.
+    pub dofs: Vec<u32>,
+    /// Whether each of them is free.
+    pub free: Vec<bool>,
+    pub rows: Vec<Row>,
+}
+
+/// The scaled right-hand side of this row leaves the range of doubles.
+pub(crate) struct OutOfRange(pub usize);
+
+pub(crate) fn gather(system: Local, remaining: &[bool], scaling: &Scaling) -> Result<Gathered, OutOfRange> {
+    let names: Vec<u32> = (0..system.equations() as u32).filter(|&i| remaining[i as usize]).collect();
+    let mut out = Gathered { dofs: Vec::new(), free: Vec::new(), rows: Vec::with_capacity(names.len()), names };
+    if out.names.is_empty() {
+        return Ok(out);
+    }
+    let mut value = vec![0.0; system.dofs()];
+    system.prescribed().iter().for_each(|&(j, v)| value[j] = v);
+    let mut number = vec![u32::MAX; system.dofs()];
+    for &name in &out.names {
+        let i = name as usize;
+        let mut row = Row::new(ldexp(system.rhs()[i], scaling.row[i]));
+        for (j, v) in system.row(i) {
+            let (entry, free) = (scaling.entry(i, j, v), system.free()[j]);
+            if number[j] == u32::MAX {
+                number[j] = out.dofs.len() as u32;
+                out.dofs.push(j as u32);
+                out.free.push(free);
+            }
+            row.push(number[j], entry);
+            if free {
+                row.size = row.size.max(entry.abs());
+            } else {
+                row.prescribe(entry * value[j]);
+            }
+        }
+        if !(row.effective.is_finite() && row.effective_size.is_finite() && row.size.is_finite()) {
+            return Err(OutOfRange(i));
+        }
+        out.rows.push(row);
+    }
+    Ok(out)
+}

@@ -1,0 +1,103 @@
+//! A slave and a master change places: `u_q = (u_s - sum_{l != q} T_sl u_l) / T_sq`, and q is replaced in all other rows.
+
+use std::collections::HashMap;
+
+use super::rows::Relation;
+
+/// The relation with the rows that hold each master.
+pub(super) struct Exchange<'a, 'b> {
+    pub relation: &'a mut Relation<'b>,
+    /// Rows that may hold a master: a superset.
+    holders: HashMap<u32, Vec<u32>>,
+}
+
+impl<'a, 'b> Exchange<'a, 'b> {
+    pub fn new(relation: &'a mut Relation<'b>) -> Self {
+        let mut holders: HashMap<u32, Vec<u32>> = HashMap::new();
+        for i in 0..relation.rows() {
+            relation.row(i).0.iter().for_each(|&j| holders.entry(j).or_default().push(i as u32));
+        }
+        Self { relation, holders }
+    }
+
+    pub fn is_free(&self, dof: u32) -> bool {
+        self.relation.system.free()[dof as usize]
+    }
+
+    pub fn coefficient(&self, i: u32, master: u32) -> f64 {
+        let (dofs, values) = self.relation.row(i as usize);
+        dofs.iter().position(|&j| j == master).map_or(0.0, |k| values[k])
+    }
+
+    /// Rows that hold a master, ascending, with its coefficient.
+    pub fn holding(&self, master: u32) -> Vec<(u32, f64)> {
+        let mut rows = self.holders.get(&master).cloned().unwrap_or_default();
+        rows.sort_unstable();
+        rows.dedup();
+        rows.into_iter().map(|i| (i, self.coefficient(i, master))).filter(|&(_, v)| v != 0.0).collect()
+    }
+
+    /// Makes `master` the slave of row i; returns the other rows that changed.
+    pub fn swap(&mut self, i: u32, master: u32) -> Vec<u32> {
+        let targets: Vec<_> = self.holding(master).into_iter().filter(|&(k, _)| k != i).collect();
+        let (row, constant) = self.solved_for(i, master);
+        self.holders.remove(&master);
+        for &(k, factor) in &targets {
+            let merged = merge(&self.relation.sorted(k as usize), master, factor, &row);
+            self.relation.change(k as usize, &merged);
+            self.relation.constant[k as usize] += factor * constant;
+        }
+        let changed: Vec<u32> = targets.into_iter().map(|(k, _)| k).collect();
+        for &(j, _) in &row {
+            let holders = self.holders.entry(j).or_default();
+            holders.extend(changed.iter().copied().chain([i]));
+            if holders.len() > 2 * self.relation.slave.len() {
+                holders.sort_unstable();
+                holders.dedup();
+            }
+        }
+        let slave = std::mem::replace(&mut self.relation.slave[i as usize], master);
+        self.relation.change(i as usize, &row);
+        self.relation.constant[i as usize] = constant;
+        self.relation.row_of[slave as usize] = u32::MAX;
+        self.relation.row_of[master as usize] = i;
+        changed
+    }
+
+    /// Row i as an equation of its master.
+    fn solved_for(&self, i: u32, master: u32) -> (Vec<(u32, f64)>, f64) {
+        let (pivot, slave) = (self.coefficient(i, master), self.relation.slave[i as usize]);
+        let old = self.relation.sorted(i as usize);
+        let mut row: Vec<_> = old.into_iter().filter(|e| e.0 != master).map(|(j, v)| (j, -v / pivot)).collect();
+        let place = row.partition_point(|&(j, _)| j < slave);
+        row.insert(place, (slave, 1.0 / pivot));
+        (row, -self.relation.constant[i as usize] / pivot)
+    }
+}
+/// `old - (its entry at master) + factor row`, ascending, without what cancels to rounding.
+fn merge(old: &[(u32, f64)], master: u32, factor: f64, row: &[(u32, f64)]) -> Vec<(u32, f64)> {
+    let mut merged = Vec::with_capacity(old.len() + row.len());
+    let (mut a, mut b) = (old.iter().filter(|e| e.0 != master).peekable(), row.iter().peekable());
+    loop {
+        let next = match (a.peek(), b.peek()) {
+            (None, None) => return merged,
+            (Some(x), Some(y)) if x.0 == y.0 => {
+                let (own, part) = (x.1, factor * y.1);
+                let sum = own + part;
+                (x.0, if sum.abs() <= 1e-14 * own.abs().max(part.abs()) { 0.0 } else { sum }, true, true)
+            }
+            (Some(x), other) if other.is_none_or(|y| x.0 < y.0) => (x.0, x.1, true, false),
+            (_, Some(y)) => (y.0, factor * y.1, false, true),
+            (Some(_), None) => unreachable!("covered by the arm before"),
+        };
+        if next.2 {
+            a.next();
+        }
+        if next.3 {
+            b.next();
+        }
+        if next.1 != 0.0 {
+            merged.push((next.0, next.1));
+        }
+    }
+}
