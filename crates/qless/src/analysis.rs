@@ -195,8 +195,12 @@ impl Run<'_> {
         let parts = block::split::split(&eliminated.rows, &eliminated.core, local.free());
         let blocks: Vec<Block> = parts.iter().map(|rows| Block::new(&eliminated.rows, rows, local.free())).collect();
         // Blocks are independent: in parallel, in the caller's pool, the result in their order whatever the threads.
-        let solved = blocks.par_iter().map(|block| block::solve(block, backend, tolerance));
-        let solved = solved.collect::<Result<Vec<Solved>, _>>()?;
+        let solve = |block: &Block| block::solve(block, backend, tolerance);
+        let solved: Result<Vec<Solved>, _> = match blocks.as_slice() {
+            few @ ([] | [_]) => few.iter().map(solve).collect(),
+            many => many.par_iter().map(solve).collect(),
+        };
+        let solved = solved?;
         let factored = Instant::now();
         let presolve = statistics(&peeled, &eliminated, &blocks);
         let dependent = classify(&eliminated, &solved, scaling, tolerance);

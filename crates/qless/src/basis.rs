@@ -65,11 +65,9 @@ impl Basis {
     /// Appends equation `row`, solved for the DOF at `position`; `scaled` is that coefficient after scaling.
     pub fn peel(&mut self, row: u32, (dofs, values): (&[u32], &[f64]), position: usize, rhs: f64, scaled: f64) {
         let pivot = values[position];
-        for (k, (&dof, value)) in dofs.iter().zip(values).enumerate() {
-            if k != position {
-                self.dofs.push(dof);
-                self.values.push(-value / pivot);
-            }
+        for part in [0..position, position + 1..dofs.len()] {
+            self.dofs.extend_from_slice(&dofs[part.clone()]);
+            self.values.extend(values[part].iter().map(|v| -v / pivot));
         }
         self.close(dofs[position], rhs / pivot);
         self.pivots.push(scaled);
@@ -118,6 +116,7 @@ impl Basis {
         self.slaves.len()
     }
 
+    #[inline]
     pub fn slave(&self, t: usize) -> u32 {
         self.slaves[t]
     }
@@ -131,11 +130,13 @@ impl Basis {
     }
 
     /// The scaled coefficient of the slave in a peeled or eliminated row.
+    #[inline]
     pub fn pivot(&self, t: usize) -> f64 {
         self.pivots[t]
     }
 
     /// DOFs and coefficients of row t.
+    #[inline]
     pub fn row(&self, t: usize) -> (&[u32], &[f64]) {
         let range = (if t == 0 { 0 } else { self.ends[t - 1] })..self.ends[t];
         (&self.dofs[range.clone()], &self.values[range])

@@ -43,7 +43,7 @@ pub(crate) fn find(system: Local, basis: &Basis, scaling: &Scaling) -> Generated
 
 /// Slaves that stay at zero for random masters, each in its unit, and zero prescribed values; what cancels is exactly zero.
 fn still(system: Local, basis: &Basis, scaling: &Scaling, seed: u64) -> Vec<u32> {
-    let mut u: Vec<f64> = (0..system.dofs()).map(|j| ldexp(random(seed, j as u64), scaling.col(j))).collect();
+    let mut u: Vec<f64> = (0..system.dofs()).zip(randoms(seed)).map(|(j, u)| ldexp(u, scaling.col(j))).collect();
     system.prescribed().iter().for_each(|&(j, _)| u[j] = 0.0);
     let mut still = Vec::new();
     for t in (0..basis.rank()).rev() {
@@ -63,12 +63,13 @@ fn still(system: Local, basis: &Basis, scaling: &Scaling, seed: u64) -> Vec<u32>
     still
 }
 
-/// A number in `[0.5, 1.5)` that depends on the seed and the index only (splitmix64).
-pub(crate) fn random(seed: u64, index: u64) -> f64 {
-    let mut x = seed.wrapping_add(index.wrapping_mul(0x9e37_79b9_7f4a_7c15));
-    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    0.5 + ((x ^ (x >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+/// Numbers in `[0.5, 1.5)`, the same for the same seed (a linear congruential generator of 64 bits, the upper 53 used).
+pub(crate) fn randoms(seed: u64) -> impl Iterator<Item = f64> {
+    let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    std::iter::repeat_with(move || {
+        state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
+        0.5 + (state >> 11) as f64 / (1_u64 << 53) as f64
+    })
 }
 
 /// What is left of `e_s` while equations are taken from it, by the time at which each DOF became a slave.

@@ -27,12 +27,14 @@ pub(crate) struct Column {
 
 impl Column {
     /// Takes a row in.
+    #[inline]
     pub fn enter(&mut self, row: u32) {
         self.count += 1;
         self.rows ^= row;
     }
 
     /// Takes it out again.
+    #[inline]
     pub fn leave(&mut self, row: u32) {
         self.count -= 1;
         self.rows ^= row;
@@ -99,6 +101,7 @@ impl<'a> Local<'a> {
         self.rhs
     }
 
+    #[inline]
     pub fn free(self) -> &'a [bool] {
         &self.numbering.free
     }
@@ -109,6 +112,7 @@ impl<'a> Local<'a> {
     }
 
     /// DOFs and coefficients of an equation, ascending by the user's numbers.
+    #[inline]
     pub fn parts(self, i: usize) -> (&'a [u32], &'a [f64]) {
         let c = self.system.matrix();
         let range = c.start[i]..c.start[i + 1];
@@ -116,6 +120,7 @@ impl<'a> Local<'a> {
     }
 
     /// The entries `(DOF, coefficient)` of an equation.
+    #[inline]
     pub fn row(self, i: usize) -> impl ExactSizeIterator<Item = (usize, f64)> + Clone + 'a {
         let (dofs, values) = self.parts(i);
         dofs.iter().zip(values).map(|(&j, &v)| (j as usize, v))

@@ -46,8 +46,8 @@ pub(crate) fn exponent(x: f64) -> i32 {
 /// Scales `C` by its free columns; a row without free DOFs is scaled by its prescribed ones.
 pub(crate) fn equilibrate(system: Local) -> Scaling {
     let mut scaling = Scaling { row: vec![0; system.equations()], col: Vec::new() };
-    let some_small = scale_rows(system, &mut scaling);
-    if some_small && small_columns(system, &scaling) {
+    let small_rows = scale_rows(system, &mut scaling);
+    if small_rows > 0 && small_columns(system, &scaling) {
         balance(system, &mut scaling);
         scale_rows(system, &mut scaling);
     }
@@ -57,38 +57,60 @@ pub(crate) fn equilibrate(system: Local) -> Scaling {
 /// Entries below this power of two in their rows are small.
 const SMALL: i32 = -10;
 
-/// Scales every row; true if some free entry is small.
-fn scale_rows(system: Local, scaling: &mut Scaling) -> bool {
-    let mut any_small = false;
+/// Scales every row; returns the number of rows with small free entries.
+fn scale_rows(system: Local, scaling: &mut Scaling) -> usize {
+    let plain = system.prescribed().is_empty() && scaling.col.is_empty();
+    let mut small = 0;
     for i in 0..system.equations() {
-        let (mut least, mut free, mut any) = (i32::MAX, i32::MIN, i32::MIN);
-        for (j, v) in system.row(i) {
-            let e = exponent(v) + scaling.col(j);
-            any = any.max(e);
-            if system.free()[j] {
-                free = free.max(e);
-                least = least.min(e);
-            }
-        }
-        let top = if free > i32::MIN { free } else { any };
-        scaling.row[i] = if top > i32::MIN { -top } else { 0 };
-        any_small |= least < i32::MAX && least - top < SMALL;
+        let span = if plain { plain_span(system.parts(i).1) } else { span(system, scaling, i) };
+        let (least, top) = span.unwrap_or((0, 0));
+        scaling.row[i] = -top;
+        small += usize::from(least - top < SMALL);
     }
-    any_small
+    small
+}
+
+/// Smallest and largest exponent of a row's free entries, or of all if none is free.
+fn span(system: Local, scaling: &Scaling, i: usize) -> Option<(i32, i32)> {
+    let exponent = |(j, v): (usize, f64)| (exponent(v) + scaling.col(j), system.free()[j]);
+    let limits = |free: bool| {
+        let all = system.row(i).map(exponent).filter(|&(_, is_free)| is_free || !free);
+        all.map(|(e, _)| (e, e)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+    };
+    limits(true).or_else(|| limits(false).map(|(_, top)| (top, top)))
+}
+
+/// The same for free entries without scaled columns.
+fn plain_span(values: &[f64]) -> Option<(i32, i32)> {
+    let biased = |v: &f64| ((v.to_bits() >> 52) & 0x7ff) as i32;
+    let (mut least, mut top) = (i32::MAX, 0);
+    for e in values.iter().map(biased) {
+        least = least.min(e);
+        top = top.max(e);
+    }
+    if values.is_empty() {
+        None
+    } else if least == 0 {
+        let all = values.iter().map(|&v| exponent(v));
+        Some((all.clone().fold(i32::MAX, i32::min), all.fold(i32::MIN, i32::max)))
+    } else {
+        Some((least - 1023, top - 1023))
+    }
 }
 
 /// Whether more than one in twenty of the columns with two entries or more are small in all their rows.
 fn small_columns(system: Local, scaling: &Scaling) -> bool {
-    let mut top = vec![i32::MIN; system.dofs()];
-    let mut count = vec![0_u32; system.dofs()];
+    let mut large = vec![false; system.dofs()];
+    let mut count = vec![0_u8; system.dofs()];
     for i in 0..system.equations() {
+        let least = 2f64.powi(SMALL);
         for (j, v) in system.row(i) {
-            top[j] = top[j].max(exponent(v) + scaling.row[i]);
-            count[j] += 1;
+            large[j] |= ldexp(v.abs(), scaling.row[i]) >= least;
+            count[j] = count[j].saturating_add(1);
         }
     }
     let shared = || (0..system.dofs()).filter(|&j| system.free()[j] && count[j] >= 2);
-    20 * shared().filter(|&j| top[j] < SMALL).count() > shared().count()
+    20 * shared().filter(|&j| !large[j]).count() > shared().count()
 }
 
 /// Alternating geometric means of the free part, ten sweeps.

@@ -16,6 +16,9 @@ pub(crate) struct Peeled {
     pub remaining: Vec<bool>,
 }
 
+/// Stands for the count of a prescribed DOF, which is no slave.
+const PRESCRIBED: u32 = 1 << 31;
+
 struct Peeling<'a> {
     system: Local<'a>,
     scaling: &'a Scaling,
@@ -23,6 +26,8 @@ struct Peeling<'a> {
     columns: Vec<Column>,
     /// DOFs that were left in one row by the removal of others.
     ready: Vec<u32>,
+    /// All rows before this one have been tried.
+    tried: usize,
     out: Peeled,
 }
 
@@ -38,13 +43,13 @@ pub(crate) fn peel(
     let m = system.equations();
     let basis = Basis::with_capacity(m, system.entries() - m.min(system.entries()));
     let mut columns = columns.to_vec();
-    // Prescribed DOFs are no slaves.
-    system.prescribed().iter().for_each(|&(j, _)| columns[j].count = u32::MAX / 2);
+    system.prescribed().iter().for_each(|&(j, _)| columns[j].count = PRESCRIBED);
     let out = Peeled { basis, remaining: vec![true; m] };
-    let mut work = Peeling { system, scaling, wishes, columns, ready: Vec::new(), out };
+    let mut work = Peeling { system, scaling, wishes, columns, ready: Vec::new(), tried: 0, out };
     let is_held = |i: &usize| held.is_some_and(|held| held[*i]);
     (0..m).filter(is_held).for_each(|i| work.leave(i));
     for i in (0..m).filter(|i| !is_held(i)) {
+        work.tried = i;
         work.try_row(i);
         while let Some(dof) = work.ready.pop() {
             let column = work.columns[dof as usize];
@@ -61,7 +66,8 @@ impl Peeling<'_> {
         for &j in self.system.parts(i).0 {
             let column = &mut self.columns[j as usize];
             column.leave(i as u32);
-            if column.count == 1 {
+            // Rows that were not tried yet need no reminder.
+            if column.count == 1 && (column.rows as usize) < self.tried {
                 self.ready.push(j);
             }
         }
@@ -82,26 +88,27 @@ impl Peeling<'_> {
 
     /// Position of a DOF of no other remaining row with the largest coefficient of the row.
     fn slave(&self, i: usize) -> Option<usize> {
-        let (dofs, values) = self.system.parts(i);
-        let size = |k: usize| match self.scaling.col.get(dofs[k] as usize) {
-            None => values[k].abs(),
-            Some(&exponent) => ldexp(values[k].abs(), exponent + self.scaling.row[i]),
-        };
-        let mut best: Option<(usize, f64)> = None;
-        let mut largest = 0.0_f64;
-        for (k, &j) in dofs.iter().enumerate() {
-            let (own, count) = (size(k), self.columns[j as usize].count);
-            // Beyond half of all counts: prescribed.
-            if count < u32::MAX / 4 {
-                largest = largest.max(own);
-            }
-            let wanted = |other: usize, most: f64| {
-                own > most || (own == most && self.wishes.of(j) > self.wishes.of(dofs[other]))
-            };
-            if count == 1 && best.is_none_or(|(other, most)| wanted(other, most)) {
-                best = Some((k, own));
-            }
+        if self.scaling.col.is_empty() && !self.wishes.any() {
+            return self.best(i, |_, v| v.abs(), |_, _| false);
         }
-        best.filter(|&(_, own)| own >= largest).map(|(k, _)| k)
+        let dofs = self.system.parts(i).0;
+        let size = |j: u32, v: f64| ldexp(v.abs(), self.scaling.col(j as usize) + self.scaling.row[i]);
+        self.best(i, size, |j, k| self.wishes.of(j) > self.wishes.of(dofs[k]))
+    }
+
+    /// The same for the given sizes; `rather` decides between the DOFs of equal coefficients.
+    #[inline]
+    fn best(&self, i: usize, size: impl Fn(u32, f64) -> f64, rather: impl Fn(u32, usize) -> bool) -> Option<usize> {
+        let (dofs, values) = self.system.parts(i);
+        let (mut at, mut most, mut largest) = (usize::MAX, 0.0, 0.0);
+        for (k, (&j, &v)) in dofs.iter().zip(values).enumerate() {
+            let (own, count) = (size(j, v), self.columns[j as usize].count);
+            let counted = if count < PRESCRIBED / 2 { own } else { 0.0 };
+            largest = if counted > largest { counted } else { largest };
+            let better = (count == 1) & ((own > most) | (own == most && rather(j, at)));
+            at = if better { k } else { at };
+            most = if better { own } else { most };
+        }
+        (at != usize::MAX && most >= largest).then_some(at)
     }
 }

@@ -13,33 +13,24 @@ use crate::preferences::Wishes;
 /// A slave with this part of the steepest coefficient may take its place.
 const NEARLY: f64 = 0.5;
 
-/// Returns the growth and the number of exchanges made.
-pub(super) fn bound(relation: &mut Relation, limit: f64, wishes: &Wishes) -> (f64, usize) {
-    let (growth, steep) = steep_rows(relation, limit);
-    if steep.is_empty() {
-        return (growth, 0);
+/// Returns the number of exchanges made, those before included.
+pub(super) fn bound(relation: &mut Relation, limit: f64, wishes: &Wishes, exchanged: usize) -> usize {
+    if exchanged > 0 {
+        list_steep(relation, limit);
     }
+    if relation.steep.is_empty() {
+        return exchanged;
+    }
+    let steep: BTreeSet<u32> = relation.steep.iter().copied().collect();
     let count = flatten(&mut Exchange::new(relation), steep, limit, wishes);
-    (steep_rows(relation, f64::INFINITY).0, count)
+    list_steep(relation, limit);
+    exchanged + count
 }
 
-/// `max |T_ij|`, and the rows that hold more than the limit.
-fn steep_rows(relation: &Relation, limit: f64) -> (f64, BTreeSet<u32>) {
-    let mut growth = 0.0_f64;
-    let mut steep = BTreeSet::new();
-    for i in 0..relation.rows() {
-        let mut largest = 0.0_f64;
-        for (j, v) in relation.entries(i) {
-            if v.abs() > largest && relation.system.free()[j as usize] {
-                largest = v.abs();
-            }
-        }
-        growth = growth.max(largest);
-        if largest > limit {
-            steep.insert(i as u32);
-        }
-    }
-    (growth, steep)
+fn list_steep(relation: &mut Relation, limit: f64) {
+    let largest: Vec<f64> = (0..relation.rows()).map(|i| relation.largest(i)).collect();
+    relation.growth = largest.iter().copied().fold(0.0, f64::max);
+    relation.steep = (0..relation.rows() as u32).filter(|&i| largest[i as usize] > limit).collect();
 }
 
 fn flatten(exchange: &mut Exchange, mut queue: BTreeSet<u32>, limit: f64, wishes: &Wishes) -> usize {

@@ -60,11 +60,12 @@ pub(crate) struct Basics<'a> {
 
 /// Builds T, G and g; exchanges slaves and masters until the wishes are met and `max |T_ij|` is below the bound.
 pub(crate) fn build(system: &ConstraintSystem, local: Local, basics: &Basics) -> Reduction {
-    let mut relation = rows::assemble(local, basics.basis, &basics.fixed);
-    let wished = wishes::meet(&mut relation, &basics.wishes, basics.growth);
-    let (growth, exchanges) = growth::bound(&mut relation, basics.growth, &basics.wishes);
+    let mut relation = rows::assemble(local, basics.basis, &basics.fixed, basics.growth);
+    let exchanged = wishes::meet(&mut relation, &basics.wishes, basics.growth);
+    let exchanges = growth::bound(&mut relation, basics.growth, &basics.wishes, exchanged);
     let residual = residual::residual(&relation, &basics.independent, basics.scaling);
-    Reduction { growth, exchanges: wished + exchanges, residual, ..output::write(system, &relation) }
+    let reduction = output::write(system, &relation);
+    Reduction { growth: relation.growth, exchanges, residual, ..reduction }
 }
 
 impl Reduction {

@@ -18,20 +18,21 @@ pub(super) fn write(system: &ConstraintSystem, relation: &Relation) -> Reduction
     drop(places);
     let (mut t, mut g_matrix) = sized(relation, &place, [slaves.len(), masters.len(), prescribed.len()]);
     let mut g = vec![0.0; slaves.len()];
+    let is_free = relation.system.free();
     for (i, &slave) in relation.slave.iter().enumerate() {
         let row = place[slave as usize] as usize;
         g[row] = relation.constant[i];
-        let mut next = [t.start[row], g_matrix.start[row]];
-        for (j, v) in relation.entries(i) {
-            let (matrix, k) = match relation.system.free()[j as usize] {
-                true => (&mut t, &mut next[0]),
-                false => (&mut g_matrix, &mut next[1]),
+        let sorted = relation.row(i).0.is_sorted_by_key(|&j| dofs[j as usize]);
+        if prescribed.is_empty() {
+            fill(&mut t, row, sorted, relation.entries(i).map(|(j, v)| (place[j as usize], v)));
+        } else {
+            let part = |free: bool| {
+                let side = relation.entries(i).filter(move |&(j, _)| is_free[j as usize] == free);
+                side.map(|(j, v)| (place[j as usize], v))
             };
-            (matrix.col[*k], matrix.val[*k]) = (place[j as usize], v);
-            *k += 1;
+            fill(&mut t, row, sorted, part(true));
+            fill(&mut g_matrix, row, sorted, part(false));
         }
-        ascending(&mut t, row);
-        ascending(&mut g_matrix, row);
     }
     Reduction { slaves, masters, prescribed, t, g_matrix, g, ..Reduction::default() }
 }
@@ -56,13 +57,12 @@ fn sides(places: &mut [u32]) -> [Vec<usize>; 3] {
 /// T and G with their rows of the right length and nothing in them.
 fn sized(relation: &Relation, place: &[u32], [slaves, masters, prescribed]: [usize; 3]) -> (Csr, Csr) {
     let (mut t, mut g) = (vec![0; slaves + 1], vec![0; slaves + 1]);
+    let is_free = relation.system.free();
     for (i, &slave) in relation.slave.iter().enumerate() {
-        let (mut free, mut fixed) = (0, 0);
-        for &j in relation.row(i).0 {
-            *(if relation.system.free()[j as usize] { &mut free } else { &mut fixed }) += 1;
-        }
+        let entries = relation.row(i).0;
+        let fixed = if prescribed == 0 { 0 } else { entries.iter().filter(|&&j| !is_free[j as usize]).count() };
         let row = place[slave as usize] as usize;
-        (t[row + 1], g[row + 1]) = (free, fixed);
+        (t[row + 1], g[row + 1]) = (entries.len() - fixed, fixed);
     }
     let make = |cols: usize, mut start: Vec<usize>| {
         (0..slaves).for_each(|i| start[i + 1] += start[i]);
@@ -72,16 +72,16 @@ fn sized(relation: &Relation, place: &[u32], [slaves, masters, prescribed]: [usi
     (make(masters, t), make(prescribed, g))
 }
 
-/// Sorts a row by column, if it is not.
-fn ascending(matrix: &mut Csr, row: usize) {
+/// Writes a row of the right length, ascending.
+#[inline]
+fn fill(matrix: &mut Csr, row: usize, sorted: bool, entries: impl Iterator<Item = (u32, f64)>) {
     let range = matrix.start[row]..matrix.start[row + 1];
-    let (col, val) = (&mut matrix.col[range.clone()], &mut matrix.val[range]);
-    if col.is_sorted() {
-        return;
-    }
-    let mut entries: Vec<_> = col.iter().copied().zip(val.iter().copied()).collect();
-    entries.sort_unstable_by_key(|&(j, _)| j);
-    for ((j, v), (column, value)) in entries.into_iter().zip(col.iter_mut().zip(val)) {
-        (*column, *value) = (j, v);
+    let places = matrix.col[range.clone()].iter_mut().zip(&mut matrix.val[range]);
+    if sorted {
+        places.zip(entries).for_each(|((column, value), entry)| (*column, *value) = entry);
+    } else {
+        let mut entries: Vec<_> = entries.collect();
+        entries.sort_unstable_by_key(|&(j, _)| j);
+        places.zip(entries).for_each(|((column, value), entry)| (*column, *value) = entry);
     }
 }

@@ -2,7 +2,7 @@
 //! the parts that make u_j and D the scaling of columns.
 
 use super::rows::Relation;
-use crate::generated::random;
+use crate::generated::randoms;
 use crate::scale::{Scaling, ldexp};
 
 pub(super) fn residual(relation: &Relation, independent: &[bool], scaling: &Scaling) -> f64 {
@@ -25,7 +25,7 @@ pub(super) fn residual(relation: &Relation, independent: &[bool], scaling: &Scal
 
 /// u, and `max_j s_j / d_j`.
 fn expand(relation: &Relation, scaling: &Scaling) -> (Vec<f64>, f64) {
-    let mut u: Vec<f64> = (0..relation.row_of.len() as u64).map(|j| random(1, j)).collect();
+    let mut u: Vec<f64> = randoms(1).take(relation.row_of.len()).collect();
     let mut largest = 0.0_f64;
     for (j, u) in u.iter().enumerate().filter(|&(j, _)| relation.row_of[j] == u32::MAX) {
         largest = largest.max(ldexp(u.abs(), -scaling.col(j)));

@@ -20,6 +20,10 @@ pub(crate) struct Relation<'a> {
     dofs: Vec<u32>,
     values: Vec<f64>,
     pub constant: Vec<f64>,
+    /// `max |T_ij|` as assembled, ...
+    pub growth: f64,
+    /// ... and the rows that hold more than the limit.
+    pub steep: Vec<u32>,
 }
 
 /// Where the entries of a row are.
@@ -38,6 +42,7 @@ impl Relation<'_> {
     }
 
     /// DOFs and coefficients of row i.
+    #[inline]
     pub fn row(&self, i: usize) -> (&[u32], &[f64]) {
         match self.places[i] {
             Place::Basis => self.basis.row(i),
@@ -50,6 +55,7 @@ impl Relation<'_> {
     }
 
     /// The entries of row i.
+    #[inline]
     pub fn entries(&self, i: usize) -> impl Iterator<Item = (u32, f64)> {
         let (dofs, values) = self.row(i);
         dofs.iter().copied().zip(values.iter().copied())
@@ -62,10 +68,18 @@ impl Relation<'_> {
         row
     }
 
+    /// Largest coefficient of a master in row i.
+    #[inline]
+    pub fn largest(&self, i: usize) -> f64 {
+        let free = self.system.free();
+        self.entries(i).fold(0.0, |most, (j, v)| if v.abs() > most && free[j as usize] { v.abs() } else { most })
+    }
+
     pub fn change(&mut self, i: usize, row: &[(u32, f64)]) {
         self.places[i] = Place::Changed(Box::new(row.iter().copied().unzip()));
     }
 
+    #[inline]
     pub fn is_slave(&self, dof: u32) -> bool {
         self.row_of[dof as usize] != u32::MAX
     }
@@ -89,8 +103,9 @@ impl Sum {
     }
 }
 
-/// `fixed` slaves (local) move with no master: their rows keep prescribed DOFs only.
-pub(crate) fn assemble<'a>(system: Local<'a>, basis: &'a Basis, fixed: &[bool]) -> Relation<'a> {
+/// `fixed` slaves (local) move with no master: their rows keep prescribed DOFs only. Rows with coefficients above `limit` are
+/// listed.
+pub(crate) fn assemble<'a>(system: Local<'a>, basis: &'a Basis, fixed: &[bool], limit: f64) -> Relation<'a> {
     let (n, rank) = (system.dofs(), basis.rank());
     let mut relation = Relation {
         system,
@@ -101,6 +116,8 @@ pub(crate) fn assemble<'a>(system: Local<'a>, basis: &'a Basis, fixed: &[bool]) 
         dofs: Vec::new(),
         values: Vec::new(),
         constant: basis.constants().to_vec(),
+        growth: 0.0,
+        steep: Vec::new(),
     };
     let mut sum = Sum { parts: vec![(0.0, 0.0); n], touched: Vec::new() };
     for t in (0..rank).rev() {
@@ -110,6 +127,11 @@ pub(crate) fn assemble<'a>(system: Local<'a>, basis: &'a Basis, fixed: &[bool]) 
             substitute(&mut relation, &mut sum, t, is_fixed);
         }
         relation.row_of[slave as usize] = t as u32;
+        let largest = relation.largest(t);
+        relation.growth = relation.growth.max(largest);
+        if largest > limit {
+            relation.steep.push(t as u32);
+        }
     }
     relation
 }
