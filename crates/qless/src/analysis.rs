@@ -23,7 +23,7 @@ use crate::presolve::gather::gather;
 use crate::presolve::peel::{Peeled, peel};
 use crate::qr::{Backend, BackendError};
 use crate::reduction::{self, Basics, Reduction};
-use crate::scale::{Scaling, equilibrate};
+use crate::scale::{Balanced, Scaling, Scalings, equilibrate};
 use crate::sensitivity;
 use crate::{ConstraintSystem, OptionError, Options, Tolerance};
 
@@ -133,23 +133,20 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
     let start = Instant::now();
     let (numbering, columns) = Numbering::new(system);
     let local = numbering.view(system, system.rhs());
-    let scaling = scale(local, options.tolerance);
+    let Scalings { rows, balanced } = scale(local, options.tolerance);
     let wishes = Wishes::new(&options.preferences, &numbering, system.dofs());
-    let mut run =
-        Run { local, columns: &columns, scaling: &scaling, wishes: &wishes, backend: backend.as_ref(), tolerance };
-    let mut held = vec![!options.presolve; system.equations()];
-    let mut doubt = None;
-    let mut stages = loop {
-        let stages = run.stages(&held, start)?;
-        let near = sensitivity::largest(&stages.basis, &stages.history, &scaling, local.dofs(), HARMLESS);
-        doubt = near.map(|n| n.1).into_iter().chain(doubt).reduce(f64::max);
-        // What presolve kept is dependent to within the tolerance: the backend decides.
-        match near.filter(|&(_, entry)| entry * tolerance > 1.0) {
-            Some((slave, _)) if hold_component(local, slave, &mut held) => {}
-            _ => break stages,
+    let run = Run { local, columns: &columns, scaling: &rows, wishes: &wishes, backend: backend.as_ref(), tolerance };
+    let (scaling, (mut stages, held, confidence)) = match balanced {
+        Balanced::No => (&rows, run.settle(system, options.presolve, start)?),
+        Balanced::Only(ref both) => (both, Run { scaling: both, ..run }.settle(system, options.presolve, start)?),
+        Balanced::Too(ref both) => {
+            let first = run.settle(system, options.presolve, start)?;
+            let second = Run { scaling: both, ..run }.settle(system, options.presolve, start)?;
+            surer((&rows, first), (both, second))
         }
     };
-    let kept = keep(&options.preferences.equations, &mut stages.dependent, &stages.history, &scaling, tolerance);
+    let mut run = Run { scaling, ..run };
+    let kept = keep(&options.preferences.equations, &mut stages.dependent, &stages.history, scaling, tolerance);
     if !kept.overruled.is_empty() {
         // Equations given up for ones that they contradict leave their trace in the constants: once more without it.
         let mut rhs = system.rhs().to_vec();
@@ -158,12 +155,25 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
         let agreeing = run.stages(&held, start)?;
         (stages.basis, stages.blocks) = (agreeing.basis, agreeing.blocks);
     }
-    let generated = generated::find(local, &stages.basis, &scaling);
-    let confidence = Confidence::new(&stages.basis.blocks, doubt, &stages.dependent, system);
+    let generated = generated::find(local, &stages.basis, scaling);
+    let scaling = scaling.clone();
     Ok(stages.conclude(numbering, scaling, options.clone(), generated, confidence, kept.unmet, backend.as_ref()))
 }
 
+/// Stages, rows held back from presolve, and how sure their rank is.
+type Settled = (Stages, Vec<bool>, Confidence);
+
+/// Of scaled rows and balanced rows and columns the one with the surer rank; ambiguous where they differ.
+fn surer<'a>(rows: (&'a Scaling, Settled), balanced: (&'a Scaling, Settled)) -> (&'a Scaling, Settled) {
+    let (a, b) = (rows.1.2, balanced.1.2);
+    let by_rows = b.ambiguous && (!a.ambiguous || a.sigma_kept > b.sigma_kept);
+    let differ = rows.1.0.basis.rank() != balanced.1.0.basis.rank();
+    let (scaling, (stages, held, _)) = if by_rows { rows } else { balanced };
+    (scaling, (stages, held, a.or_less(b, differ)))
+}
+
 /// What every run of the stages needs.
+#[derive(Clone, Copy)]
 struct Run<'a> {
     local: Local<'a>,
     columns: &'a [Column],
@@ -186,6 +196,26 @@ struct Stages {
 }
 
 impl Run<'_> {
+    /// The stages, repeated with rows held back from presolve until what it keeps is sound; with the rows held back.
+    fn settle(&self, system: &ConstraintSystem, presolve: bool, started: Instant) -> Result<Settled, AnalysisError> {
+        let Self { local, scaling, tolerance, .. } = *self;
+        let mut held = vec![!presolve; local.equations()];
+        let mut doubt = None;
+        loop {
+            let stages = self.stages(&held, started)?;
+            let near = sensitivity::largest(&stages.basis, &stages.history, scaling, local.dofs(), HARMLESS);
+            doubt = near.map(|n| n.1).into_iter().chain(doubt).reduce(f64::max);
+            // What presolve kept is dependent to within the tolerance: the backend decides.
+            match near.filter(|&(_, entry)| entry * tolerance > 1.0) {
+                Some((slave, _)) if hold_component(local, slave, &mut held) => {}
+                _ => {
+                    let confidence = Confidence::new(&stages.basis.blocks, doubt, &stages.dependent, system);
+                    return Ok((stages, held, confidence));
+                }
+            }
+        }
+    }
+
     fn stages(&self, held: &[bool], started: Instant) -> Result<Stages, AnalysisError> {
         let Self { local, columns, scaling, wishes, backend, tolerance } = *self;
         let peeled = peel(local, columns, scaling, wishes, Some(held));
@@ -254,10 +284,10 @@ impl Stages {
 /// Entries of the inverse of the kept equations up to this give no reason for doubt.
 const HARMLESS: f64 = 3e5;
 
-fn scale(system: Local, tolerance: Tolerance) -> Scaling {
+fn scale(system: Local, tolerance: Tolerance) -> Scalings {
     match tolerance {
         Tolerance::Relative(_) => equilibrate(system),
-        Tolerance::Paper => Scaling { row: vec![0; system.equations()], col: Vec::new() },
+        Tolerance::Paper => Scalings { rows: Scaling::none(system.equations()), balanced: Balanced::No },
     }
 }
 

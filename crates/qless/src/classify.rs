@@ -92,9 +92,11 @@ pub(crate) fn classify(
     for (block, dependent) in solved.iter().flat_map(|block| block.dependent.iter().map(move |d| (block, d))) {
         let mut mismatch = Mismatch::of(&eliminated.rows[dependent.row as usize]);
         dependent.because.iter().for_each(|&(i, y)| mismatch.subtract(y, &eliminated.rows[i as usize]));
-        // The coefficients themselves come from a factorization.
+        // The coefficients themselves come from a factorization: its error is relative to the largest of them.
         let units = CERTIFICATE_UNITS * dependent.because.len() as f64 / block.sigma.min(1.0);
-        mismatch.error += units * f64::EPSILON * mismatch.size;
+        let largest = dependent.because.iter().fold(0.0, |a: f64, (_, y)| a.max(y.abs()));
+        let sizes = dependent.because.iter().map(|&(i, _)| eliminated.rows[i as usize].effective_size);
+        mismatch.error += units * f64::EPSILON * sizes.map(|size| largest * size).fold(mismatch.size, f64::max);
         all.push(make(dependent.row, dependent.because.clone(), mismatch, dependent.dropped));
     }
     all.sort_unstable_by_key(|d| d.row);

@@ -50,4 +50,12 @@ impl Confidence {
             sigma_kept < NEAR || sensitivity.is_some() || sigma_dropped > 0.0 || dependent.iter().any(doubtful);
         Self { sigma_kept, sigma_dropped, gap: sigma_kept / sigma_dropped, ambiguous }
     }
+
+    /// In view of another confidence in the same system: no more than that, and ambiguous where the two answers differ.
+    pub(crate) fn or_less(self, other: Self, differ: bool) -> Self {
+        let sigma_kept = self.sigma_kept.min(other.sigma_kept);
+        let sigma_dropped = self.sigma_dropped.max(other.sigma_dropped);
+        let ambiguous = self.ambiguous || other.ambiguous || differ;
+        Self { sigma_kept, sigma_dropped, gap: sigma_kept / sigma_dropped, ambiguous }
+    }
 }

@@ -1,9 +1,10 @@
 //! `C' = D_r C D_c` with powers of two: exact, and it makes every tolerance relative.
 //!
-//! Rows are always scaled, so that the largest coefficient of a free DOF in each row lies in `[1, 2)`. Columns are
-//! scaled only where units mix, that is where more than one column in twenty with two entries or more lies below
-//! `2^-10` after row scaling; then rows and columns are balanced by geometric means (Curtis and Reid 1972)
-//! before the rows get their final scale.
+//! Rows are always scaled, so that the largest coefficient of a free DOF in each row lies in `[1, 2)`. Where units mix,
+//! that is where more than one column in twenty with two entries or more lies below `2^-10` in all its rows, rows and columns
+//! are balanced by geometric means (Curtis and Reid 1972) before the rows get their final scale. Where only some entries are
+//! tiny, below `2^-20`, nobody can know whether they are in another unit or stand for zero: the analysis is made both ways,
+//! the surer one counts, and the rank is reported as ambiguous where the other differs or is in doubt.
 
 use crate::local::Local;
 
@@ -16,6 +17,11 @@ pub(crate) struct Scaling {
 }
 
 impl Scaling {
+    /// Every entry as it is.
+    pub fn none(rows: usize) -> Self {
+        Self { row: vec![0; rows], col: Vec::new() }
+    }
+
     pub fn col(&self, j: usize) -> i32 {
         self.col.get(j).copied().unwrap_or(0)
     }
@@ -43,31 +49,51 @@ pub(crate) fn exponent(x: f64) -> i32 {
     if biased == 0 { exponent(x * 2f64.powi(64)) - 64 } else { biased - 1023 }
 }
 
+/// Scaled rows, and rows balanced with columns where that may be needed.
+pub(crate) struct Scalings {
+    pub rows: Scaling,
+    pub balanced: Balanced,
+}
+
+pub(crate) enum Balanced {
+    /// Entries are of one size.
+    No,
+    /// Units mix.
+    Only(Scaling),
+    /// Some entries are so small that they may be in another unit or stand for zero.
+    Too(Scaling),
+}
+
 /// Scales `C` by its free columns; a row without free DOFs is scaled by its prescribed ones.
-pub(crate) fn equilibrate(system: Local) -> Scaling {
-    let mut scaling = Scaling { row: vec![0; system.equations()], col: Vec::new() };
-    let small_rows = scale_rows(system, &mut scaling);
-    if small_rows > 0 && small_columns(system, &scaling) {
-        balance(system, &mut scaling);
-        scale_rows(system, &mut scaling);
+pub(crate) fn equilibrate(system: Local) -> Scalings {
+    let mut rows = Scaling::none(system.equations());
+    let smallest = scale_rows(system, &mut rows);
+    let units_mix = smallest < SMALL && small_columns(system, &rows);
+    if !units_mix && smallest >= TINY {
+        return Scalings { rows, balanced: Balanced::No };
     }
-    scaling
+    let mut both = rows.clone();
+    balance(system, &mut both);
+    scale_rows(system, &mut both);
+    Scalings { rows, balanced: if units_mix { Balanced::Only(both) } else { Balanced::Too(both) } }
 }
 
 /// Entries below this power of two in their rows are small.
 const SMALL: i32 = -10;
+/// Entries below this one may be meant as zero.
+const TINY: i32 = -20;
 
-/// Scales every row; returns the number of rows with small free entries.
-fn scale_rows(system: Local, scaling: &mut Scaling) -> usize {
+/// Scales every row; returns the exponent of the smallest free entry relative to its row.
+fn scale_rows(system: Local, scaling: &mut Scaling) -> i32 {
     let plain = system.prescribed().is_empty() && scaling.col.is_empty();
-    let mut small = 0;
+    let mut smallest = 0;
     for i in 0..system.equations() {
         let span = if plain { plain_span(system.parts(i).1) } else { span(system, scaling, i) };
         let (least, top) = span.unwrap_or((0, 0));
         scaling.row[i] = -top;
-        small += usize::from(least - top < SMALL);
+        smallest = smallest.min(least - top);
     }
-    small
+    smallest
 }
 
 /// Smallest and largest exponent of a row's free entries, or of all if none is free.
@@ -100,10 +126,10 @@ fn plain_span(values: &[f64]) -> Option<(i32, i32)> {
 
 /// Whether more than one in twenty of the columns with two entries or more are small in all their rows.
 fn small_columns(system: Local, scaling: &Scaling) -> bool {
+    let least = 2f64.powi(SMALL);
     let mut large = vec![false; system.dofs()];
     let mut count = vec![0_u8; system.dofs()];
     for i in 0..system.equations() {
-        let least = 2f64.powi(SMALL);
         for (j, v) in system.row(i) {
             large[j] |= ldexp(v.abs(), scaling.row[i]) >= least;
             count[j] = count[j].saturating_add(1);
@@ -162,7 +188,7 @@ mod tests {
         let system = ConstraintSystem::from_triplets(30, 40, &triplets, &[0.0; 30], &[]).expect("valid");
         let (numbering, _) = Numbering::new(&system);
         let local = numbering.view(&system, system.rhs());
-        let scaling = equilibrate(local);
+        let Balanced::Only(scaling) = equilibrate(local).balanced else { panic!("units mix") };
         for i in 0..30 {
             for (j, v) in local.row(i) {
                 let scaled = scaling.entry(i, j, v);

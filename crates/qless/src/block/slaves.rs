@@ -118,15 +118,19 @@ fn relation(block: &Block, factor: &Factor) -> Tableau {
     }
 }
 
-/// Drops rounding; splits the constant off.
+/// Drops rounding, on the free and on the prescribed side, which are in units of their own; splits the constant off.
 fn sparse(tableau: &Tableau, zero: f64) -> (Csr, Vec<f64>) {
     let mut relation = Csr::empty(tableau.width - 1);
     let mut constant = Vec::new();
+    let masters = tableau.free.len();
     for i in 0..tableau.basic.len() {
         let (last, row) = tableau.row(i).split_last().expect("the constant is a column");
-        let largest = row.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
-        let least = if largest <= zero { zero } else { NOISE * largest };
-        relation.push_row(row.iter().copied().enumerate().filter(|(_, v)| v.abs() > least));
+        let least = [&row[..masters], &row[masters..]].map(|side| {
+            let largest = side.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
+            if largest <= zero { zero } else { NOISE * largest }
+        });
+        let entries = row.iter().copied().enumerate();
+        relation.push_row(entries.filter(|&(j, v)| v.abs() > least[usize::from(j >= masters)]));
         constant.push(*last);
     }
     let largest = constant.iter().fold(0.0, |a: f64, v| a.max(v.abs()));

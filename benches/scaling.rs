@@ -1,0 +1,111 @@
+//! How time and memory grow: the paper's tie model from 3e4 to 3e6 equations, `cargo bench --bench scaling` (`-- --test` for
+//! the two smallest sizes).
+//!
+//! Each size is taken in turns with one transposition of C, in one process. DOFs are numbered at random, so that passes over
+//! DOFs wait for memory as soon as it is larger than the caches: the exponent of the transposition shows how much of
+//! that is the machine's. Exponents are fitted to all sizes by least squares of logarithms.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use peak_alloc::PeakAlloc;
+use qless::{ConstraintSystem, Options, analyse};
+use qless_scenes::fssi::{self, Mesh};
+
+#[global_allocator]
+static MEMORY: PeakAlloc = PeakAlloc;
+
+const SIZES: [usize; 5] = [30_000, 100_000, 300_000, 1_000_000, 3_000_000];
+
+/// One size: equations, seconds of the whole elimination and of one transposition, bytes.
+struct Sample {
+    equations: f64,
+    eliminate: f64,
+    transpose: f64,
+    peak: f64,
+    csc: f64,
+}
+
+fn main() {
+    let short = std::env::args().any(|argument| argument == "--test");
+    let sizes = &SIZES[..if short { 2 } else { SIZES.len() }];
+    println!(
+        "{:>9} {:>10} {:>12} {:>14} {:>8} {:>12}",
+        "equations", "nnz", "time", "transposition", "ratio", "memory / C"
+    );
+    let samples: Vec<Sample> = sizes.iter().map(|&size| measure(size)).collect();
+    let exponent = |of: &dyn Fn(&Sample) -> f64| fit(samples.iter().map(|s| (s.equations.ln(), of(s).ln())));
+    println!(
+        "exponents: time {:.2}, peak memory {:.2}, transposition {:.2}",
+        exponent(&|s| s.eliminate),
+        exponent(&|s| s.peak),
+        exponent(&|s| s.transpose)
+    );
+    let most = samples.iter().map(|s| s.peak / s.csc).fold(0.0, f64::max);
+    assert!(most <= 12.0, "peak memory is {most} times the bytes of C");
+}
+
+fn measure(size: usize) -> Sample {
+    let system = fssi::tie(&Mesh::with_equations(size), 1).expect("a scene").system;
+    let rounds = (3_000_000 / size).clamp(3, 51);
+    let mut times: [Vec<f64>; 2] = Default::default();
+    for _ in 0..rounds {
+        times[0].push(seconds(|| {
+            black_box(whole(&system));
+        }));
+        times[1].push(seconds(|| drop(black_box(system.matrix().transpose()))));
+    }
+    let [eliminate, transpose] = times.map(median);
+    MEMORY.reset_peak_usage();
+    let before = MEMORY.current_usage();
+    black_box(whole(&system));
+    let (nnz, dofs) = (system.matrix().nnz(), system.dofs());
+    let sample = Sample {
+        equations: system.equations() as f64,
+        eliminate,
+        transpose,
+        peak: (MEMORY.peak_usage() - before) as f64,
+        csc: (12 * nnz + 8 * (dofs + 1)) as f64,
+    };
+    println!(
+        "{:>9} {nnz:>10} {:>9.2} ms {:>11.2} ms {:>8.1} {:>12.1}",
+        system.equations(),
+        1e3 * eliminate,
+        1e3 * transpose,
+        eliminate / transpose,
+        sample.peak / sample.csc
+    );
+    sample
+}
+
+/// Rank, named redundancies, T, G and g.
+fn whole(system: &ConstraintSystem) -> usize {
+    let analysis = analyse(system, &Options::default()).expect("a valid system");
+    let named: usize = analysis.dependent.iter().map(|d| analysis.because(d).len()).sum();
+    let reduction = analysis.reduction(system);
+    assert!(reduction.growth <= 1.0, "growth {}", reduction.growth);
+    named + reduction.t.nnz()
+}
+
+fn seconds(work: impl FnOnce()) -> f64 {
+    let start = Instant::now();
+    work();
+    start.elapsed().as_secs_f64()
+}
+
+fn median(mut times: Vec<f64>) -> f64 {
+    times.sort_unstable_by(f64::total_cmp);
+    times[times.len() / 2]
+}
+
+/// Slope of the least-squares line through points.
+fn fit(points: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let points: Vec<_> = points.collect();
+    let n = points.len() as f64;
+    let mean = points.iter().fold((0.0, 0.0), |a, p| (a.0 + p.0 / n, a.1 + p.1 / n));
+    let (above, below) = points.iter().fold((0.0, 0.0), |a, p| {
+        let dx = p.0 - mean.0;
+        (a.0 + dx * (p.1 - mean.1), a.1 + dx * dx)
+    });
+    above / below
+}
