@@ -163,13 +163,17 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
 /// Stages, rows held back from presolve, and how sure their rank is.
 type Settled = (Stages, Vec<bool>, Confidence);
 
-/// Of scaled rows and balanced rows and columns the one with the surer rank; ambiguous where they differ.
+/// Scaled rows if their rank is sure, else the surer of them and of balanced rows and columns; ambiguous where both are sure and
+/// differ.
 fn surer<'a>(rows: (&'a Scaling, Settled), balanced: (&'a Scaling, Settled)) -> (&'a Scaling, Settled) {
     let (a, b) = (rows.1.2, balanced.1.2);
-    let by_rows = b.ambiguous && (!a.ambiguous || a.sigma_kept > b.sigma_kept);
+    let by_rows = !a.ambiguous || (b.ambiguous && a.sigma_kept > b.sigma_kept);
     let differ = rows.1.0.basis.rank() != balanced.1.0.basis.rank();
+    // What is sure is not put in doubt by what is not.
+    let sure = !a.ambiguous && (b.ambiguous || !differ);
+    let confidence = if sure { a } else { a.or_less(b, differ) };
     let (scaling, (stages, held, _)) = if by_rows { rows } else { balanced };
-    (scaling, (stages, held, a.or_less(b, differ)))
+    (scaling, (stages, held, confidence))
 }
 
 /// What every run of the stages needs.

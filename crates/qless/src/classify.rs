@@ -7,10 +7,6 @@ pub(crate) use crate::presolve::eliminate::Mismatch;
 use crate::presolve::rows::MORE_THAN_ROUNDING;
 use crate::scale::Scaling;
 
-/// Error of a certificate that comes from a factorization, in units in the last place for each of its terms, times the
-/// condition of the kept rows.
-const CERTIFICATE_UNITS: f64 = 2.0;
-
 /// What an equation is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -89,15 +85,8 @@ pub(crate) fn classify(
         Dependent::new(row, rest, dropped, Source::Traced(source, because), tolerance)
     };
     let mut all: Vec<_> = eliminated.dead.iter().map(|d| make(d.row, Vec::new(), d.mismatch, d.dropped)).collect();
-    for (block, dependent) in solved.iter().flat_map(|block| block.dependent.iter().map(move |d| (block, d))) {
-        let mut mismatch = Mismatch::of(&eliminated.rows[dependent.row as usize]);
-        dependent.because.iter().for_each(|&(i, y)| mismatch.subtract(y, &eliminated.rows[i as usize]));
-        // The coefficients themselves come from a factorization: its error is relative to the largest of them.
-        let units = CERTIFICATE_UNITS * dependent.because.len() as f64 / block.sigma.min(1.0);
-        let largest = dependent.because.iter().fold(0.0, |a: f64, (_, y)| a.max(y.abs()));
-        let sizes = dependent.because.iter().map(|&(i, _)| eliminated.rows[i as usize].effective_size);
-        mismatch.error += units * f64::EPSILON * sizes.map(|size| largest * size).fold(mismatch.size, f64::max);
-        all.push(make(dependent.row, dependent.because.clone(), mismatch, dependent.dropped));
+    for d in solved.iter().flat_map(|block| &block.dependent) {
+        all.push(make(d.row, d.because.clone(), d.mismatch, d.dropped));
     }
     all.sort_unstable_by_key(|d| d.row);
     all

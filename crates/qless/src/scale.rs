@@ -3,8 +3,8 @@
 //! Rows are always scaled, so that the largest coefficient of a free DOF in each row lies in `[1, 2)`. Where units mix,
 //! that is where more than one column in twenty with two entries or more lies below `2^-10` in all its rows, rows and columns
 //! are balanced by geometric means (Curtis and Reid 1972) before the rows get their final scale. Where only some entries are
-//! tiny, below `2^-20`, nobody can know whether they are in another unit or stand for zero: the analysis is made both ways,
-//! the surer one counts, and the rank is reported as ambiguous where the other differs or is in doubt.
+//! tiny, below `2^-20`, nobody can know whether they are in another unit or stand for zero: the analysis is made both ways.
+//! That of scaled rows counts if it is in no doubt, else the surer one; where the ranks differ, they are ambiguous.
 
 use crate::local::Local;
 

@@ -4,6 +4,7 @@ use super::tableau::Tableau;
 use super::{Block, Dependent};
 use crate::Csr;
 use crate::confidence::NEAR;
+use crate::presolve::eliminate::Mismatch;
 use crate::qr::faer::Faer;
 use crate::qr::{Backend, BackendError, Factor};
 use crate::scale::ldexp;
@@ -19,6 +20,10 @@ const ROUNDING: f64 = 8.0;
 
 /// Blocks up to this many entries, dense, get a second opinion where the first one is in doubt.
 const SECOND_OPINION: usize = 4_000_000;
+
+/// Error of a certificate, in units in the last place of its largest coefficient for each of its terms, times the condition of
+/// the kept rows.
+const CERTIFICATE_UNITS: f64 = 2.0;
 
 /// Kept rows (positions in the block) and dependent ones.
 pub(super) struct Rows {
@@ -51,7 +56,7 @@ fn rows(block: &Block, mut tableau: Tableau, left: f64, sigma: f64) -> Rows {
     let mut kept: Vec<usize> = tableau.free.iter().map(|&k| k as usize).collect();
     kept.sort_unstable();
     let noise = (ROUNDING * f64::EPSILON / sigma).max(NOISE);
-    let all = (0..tableau.basic.len()).map(|i| dependent(block, &tableau, i, left, noise));
+    let all = (0..tableau.basic.len()).map(|i| dependent(block, &tableau, i, left, noise, sigma));
     Rows { dependent: all.collect(), kept, sigma }
 }
 
@@ -151,7 +156,7 @@ fn certificates(factor: &Factor) -> Tableau {
     }
 }
 
-fn dependent(block: &Block, tableau: &Tableau, i: usize, left: f64, noise: f64) -> Dependent {
+fn dependent(block: &Block, tableau: &Tableau, i: usize, left: f64, noise: f64, sigma: f64) -> Dependent {
     let (k, y) = (tableau.basic[i] as usize, tableau.row(i));
     let largest = y.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
     let terms = y.iter().zip(&tableau.free).filter(|(v, _)| v.abs() > noise * largest);
@@ -159,5 +164,22 @@ fn dependent(block: &Block, tableau: &Tableau, i: usize, left: f64, noise: f64) 
         |(&v, &i): (&f64, &u32)| (block.rows[i as usize], ldexp(v, block.exponents[i as usize] - block.exponents[k]));
     let mut because: Vec<_> = terms.map(unscaled).collect();
     because.sort_unstable_by_key(|&(row, _)| row);
-    Dependent { row: block.rows[k], because, dropped: left }
+    let units = CERTIFICATE_UNITS * because.len() as f64 / sigma.min(1.0);
+    let mismatch = mismatch(block, tableau, i, noise * largest, units * f64::EPSILON * largest);
+    Dependent { row: block.rows[k], because, dropped: left, mismatch: mismatch.scaled(-block.exponents[k]) }
+}
+
+/// `b_k - sum y_i b_i`, where each y_i may be off by `error`; those below `noise` may be nothing else.
+fn mismatch(block: &Block, tableau: &Tableau, i: usize, noise: f64, error: f64) -> Mismatch {
+    let mut rest = block.effective[tableau.basic[i] as usize];
+    for (&y, &kept) in tableau.row(i).iter().zip(&tableau.free) {
+        let other = block.effective[kept as usize];
+        rest.error += error * other.size;
+        if y.abs() > noise {
+            rest.subtract(y, other);
+        } else {
+            rest.error += y.abs() * other.size;
+        }
+    }
+    rest
 }

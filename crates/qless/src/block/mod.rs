@@ -11,6 +11,7 @@ pub(crate) mod split;
 mod tableau;
 
 use crate::Csr;
+use crate::presolve::eliminate::Mismatch;
 use crate::presolve::rows::{Entry, Row};
 use crate::qr::{Backend, BackendError};
 use crate::scale::{exponent, ldexp};
@@ -28,6 +29,8 @@ pub(crate) struct Block {
     pub prescribed: Vec<u32>,
     pub fixed: Csr,
     pub rhs: Vec<f64>,
+    /// `b - C_p u_p`, scaled as the rows.
+    pub effective: Vec<Mismatch>,
 }
 
 /// A dependent row of a block.
@@ -38,6 +41,8 @@ pub(crate) struct Dependent {
     pub because: Vec<(u32, f64)>,
     /// What was left of the row, relative to its size.
     pub dropped: f64,
+    /// `b - C_p u_p` minus the same of its certificate.
+    pub mismatch: Mismatch,
 }
 
 /// The block solved: its dependent rows and `u_s = relation (u_q, u_p) + constant`.
@@ -79,6 +84,7 @@ impl Block {
             dofs,
             prescribed,
             rhs: Vec::new(),
+            effective: Vec::new(),
         };
         block.iter().for_each(|&i| gathered.push(&rows[i as usize]));
         gathered
@@ -96,6 +102,7 @@ impl Block {
         self.matrix.push_row(part(&self.dofs));
         self.fixed.push_row(part(&self.prescribed));
         self.rhs.push(ldexp(row.rhs, shift));
+        self.effective.push(Mismatch::of(row).scaled(shift));
         self.exponents.push(shift);
     }
 }

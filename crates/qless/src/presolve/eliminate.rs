@@ -89,11 +89,11 @@ impl Mismatch {
     }
 
     /// Subtracts `factor` times another right-hand side.
-    pub fn subtract(&mut self, factor: f64, row: &Row) {
-        let part = (factor * row.effective_size).abs();
-        self.value -= factor * row.effective;
+    pub fn subtract(&mut self, factor: f64, other: Self) {
+        let part = (factor * other.size).abs();
+        self.value -= factor * other.value;
         self.size = self.size.max(part);
-        self.error += factor.abs() * row.effective_error + f64::EPSILON * part;
+        self.error += factor.abs() * other.error + f64::EPSILON * part;
     }
 }
 
@@ -361,7 +361,7 @@ impl Elimination<'_> {
             relative += f64::from(gone.error) / gone.value.abs();
         }
         let mut mismatch = Mismatch::of(target);
-        mismatch.subtract(factor, row);
+        mismatch.subtract(factor, Mismatch::of(row));
         target.rhs -= factor * row.rhs;
         (target.effective, target.effective_size, target.effective_error) =
             (mismatch.value, mismatch.size, mismatch.error + relative * (factor * row.effective).abs());
