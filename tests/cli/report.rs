@@ -179,3 +179,31 @@ fn help_and_version_succeed() {
         assert!(run.code == 0 && run.out.contains(part), "{arguments}: {}", run.out);
     }
 }
+
+#[test]
+fn preferences_choose_what_is_dependent_and_what_is_a_slave() {
+    let place = Place::new();
+    place.paper("case", 1.0);
+    let kept = place.run("check case --format json --keep 3").json();
+    assert_eq!(kept["dependent"][0]["row"], 1);
+    assert!(kept.get("unmet_preferences").is_none(), "all is met");
+    let forced = place.run("reduce case -o out --format json --keep 1-3 --avoid-slaves 1,2,3").json();
+    assert_eq!(forced["unmet_preferences"], json!({"equations": [3], "masters": [1, 2], "slaves": []}));
+    let text = place.run("reduce case -o out --avoid-slaves 1,2,3").out;
+    assert!(text.contains("Not met: columns 1, 2 are slaves all the same"), "{text}");
+}
+
+#[test]
+fn lists_that_name_nothing_are_refused() {
+    let place = Place::new();
+    place.paper("case", 1.0);
+    for (options, said) in [
+        ("check case --keep 7", "names equation 7, but there are only 3"),
+        ("check case --keep 0", "`0` is no number from 1"),
+        ("check case --keep 9-3", "write 3-9"),
+        ("reduce case -o out --avoid-slaves 1 --prefer-slaves 1", "DOF 1 is in --prefer-slaves and in --avoid-slaves"),
+    ] {
+        let run = place.run(options);
+        assert!(run.code == 2 && run.err.contains(said) && run.out.is_empty(), "{options}: {}", run.err);
+    }
+}

@@ -4,8 +4,9 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use qless::{BackendChoice, Options, Tolerance};
+use qless::{BackendChoice, Options, Preferences, Tolerance};
 
+use crate::numbers::{Numbers, numbers};
 use crate::scenes::SceneArgs;
 use crate::version;
 
@@ -50,6 +51,12 @@ pub struct ReduceArgs {
     /// Exchange slaves and masters until no entry of T is larger than this; at least 1
     #[arg(long, value_name = "X", default_value = "4", value_parser = growth)]
     pub growth: f64,
+    /// DOFs preferred as slaves, such as 3,7,10-20: columns counted from 1
+    #[arg(long, value_name = "LIST", value_parser = numbers)]
+    pub prefer_slaves: Option<Numbers>,
+    /// DOFs that must not be slaves (loaded, interface), as far as the equations allow it; columns counted from 1
+    #[arg(long, value_name = "LIST", value_parser = numbers)]
+    pub avoid_slaves: Option<Numbers>,
 }
 
 /// The model, and how to look at it.
@@ -78,6 +85,9 @@ pub struct ModelArgs {
     /// Leave every equation to the backend
     #[arg(long)]
     pub no_presolve: bool,
+    /// Equations to keep where others can be called dependent instead, such as 3,7,10-20: rows counted from 1
+    #[arg(long, value_name = "LIST", value_parser = numbers)]
+    pub keep: Option<Numbers>,
     /// Form of the report
     #[arg(long, value_enum, default_value = "text")]
     pub format: Format,
@@ -136,14 +146,25 @@ impl ModelArgs {
         let standard = Options::default();
         let relative = self.tolerance.map_or(standard.tolerance, Tolerance::Relative);
         let tolerance = if self.paper_tolerance { Tolerance::Paper } else { relative };
-        Options { backend, tolerance, presolve: !self.no_presolve, ..standard }
+        let preferences = Preferences { equations: listed(self.keep.as_ref()), ..Preferences::default() };
+        Options { backend, tolerance, presolve: !self.no_presolve, preferences, ..standard }
     }
 }
 
 impl ReduceArgs {
     pub fn options(&self) -> Options {
-        Options { growth: self.growth, ..self.model.options() }
+        let options = self.model.options();
+        let preferences = Preferences {
+            slaves: listed(self.prefer_slaves.as_ref()),
+            masters: listed(self.avoid_slaves.as_ref()),
+            ..options.preferences
+        };
+        Options { growth: self.growth, preferences, ..options }
     }
+}
+
+fn listed(numbers: Option<&Numbers>) -> Vec<usize> {
+    numbers.map_or_else(Vec::new, |numbers| numbers.0.clone())
 }
 
 fn threads(text: &str) -> Result<NonZeroUsize, String> {

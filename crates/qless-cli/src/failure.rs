@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use qless::qr::BackendError;
-use qless::{AnalysisError, ConstraintSystem};
+use qless::{AnalysisError, ConstraintSystem, OptionError};
 use qless_io::{ReadError, WriteError};
 
 use crate::text::name;
@@ -43,6 +43,16 @@ impl Failure {
                  rescale the equation",
                 input.display(),
                 system.map_or_else(|| format!("row {}", row + 1), |system| name::equation(system, row))
+            )),
+            AnalysisError::Option(OptionError::Preference { what, found, count }) => {
+                let (input, number) = (input.display(), found + 1);
+                Self::Input(format!(
+                    "{input}: a list names {what} {number}, but there are only {count}; correct the list"
+                ))
+            }
+            AnalysisError::Option(OptionError::Contradiction(dof)) => Self::Input(format!(
+                "DOF {} is in --prefer-slaves and in --avoid-slaves; take it out of one of them",
+                dof + 1
             )),
             AnalysisError::Option(error) => Self::Input(error.to_string()),
             AnalysisError::Backend(BackendError::NotCompiledIn { backend }) => Self::Input(format!(

@@ -14,6 +14,7 @@ mod diagnose;
 mod failure;
 mod generate;
 mod json;
+mod numbers;
 mod progress;
 mod reduce;
 mod scenes;

@@ -54,7 +54,7 @@ pub use preferences::Preferences;
 pub use reduction::Reduction;
 pub use report::{
     BackendUsed, Certificate, Counts, DependentEquation, GeneratedCondition, InputSizes, Milliseconds, Omitted,
-    ReductionSizes, Report, Term,
+    ReductionSizes, Report, Term, Unmet,
 };
 pub use system::{ConstraintSystem, Csr, Place, SystemBuilder, SystemError};
 

@@ -55,6 +55,9 @@ pub struct Report {
     /// The reduced form, where it was computed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reduction: Option<ReductionSizes>,
+    /// Preferences that the equations do not allow; left out where all are met.
+    #[serde(skip_serializing_if = "Unmet::is_empty")]
+    pub unmet_preferences: Unmet,
     /// What needed no factorization.
     pub presolve: PresolveStatistics,
     /// What factored the rest.
@@ -183,6 +186,28 @@ pub struct ReductionSizes {
     pub exchanges: usize,
 }
 
+/// Preferences that are not met, counted from 1.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Unmet {
+    /// Equations that are dependent though they were to be kept.
+    pub equations: Vec<usize>,
+    /// DOFs that are slaves though they must not be.
+    pub masters: Vec<usize>,
+    /// DOFs that are not slaves though that was preferred.
+    pub slaves: Vec<usize>,
+}
+
+impl Unmet {
+    /// Whether every preference is met.
+    pub fn is_empty(&self) -> bool {
+        self.equations.is_empty() && self.masters.is_empty() && self.slaves.is_empty()
+    }
+}
+
+fn from_one(numbers: &[usize]) -> Vec<usize> {
+    numbers.iter().map(|k| k + 1).collect()
+}
+
 /// What factored the blocks.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct BackendUsed {
@@ -238,6 +263,7 @@ impl Report {
             generated_boundary_conditions,
             confidence: analysis.confidence,
             reduction: None,
+            unmet_preferences: Unmet { equations: from_one(&analysis.unmet_equations), ..Unmet::default() },
             presolve: analysis.presolve,
             backend: BackendUsed { name, threads: rayon::current_num_threads(), version: version.clone() },
             timings_ms: Milliseconds::of(analysis),
@@ -255,6 +281,8 @@ impl Report {
             nnz: reduction.t.nnz() + reduction.g_matrix.nnz(),
             exchanges: reduction.exchanges,
         });
+        self.unmet_preferences.masters = from_one(&reduction.unmet_masters);
+        self.unmet_preferences.slaves = from_one(&reduction.unmet_slaves);
         self
     }
 

@@ -10,6 +10,7 @@ mod generated;
 pub mod name;
 mod next;
 mod number;
+mod unmet;
 mod verdict;
 mod work;
 
@@ -43,6 +44,7 @@ pub fn render(diagnosis: &Diagnosis, report: &Report, outcome: &Outcome) -> Stri
         lines.extend(confidence::lines(diagnosis, report));
         lines.push(work::presolve(report));
     }
+    lines.extend(unmet::lines(report));
     lines.push(work::time(report));
     lines.extend(next::lines(diagnosis, report, outcome));
     lines.iter().map(|line| fit::shorten(line.trim_end(), COLUMNS) + "\n").collect()
