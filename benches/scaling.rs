@@ -10,6 +10,7 @@ use std::time::Instant;
 
 use peak_alloc::PeakAlloc;
 use qless::{ConstraintSystem, Options, analyse};
+use qless_scenes::families;
 use qless_scenes::fssi::{self, Mesh};
 
 #[global_allocator]
@@ -41,8 +42,33 @@ fn main() {
         exponent(&|s| s.peak),
         exponent(&|s| s.transpose)
     );
+    extremes(if short { 10_000 } else { 1_000_000 });
     let most = samples.iter().map(|s| s.peak / s.csc).fold(0.0, f64::max);
     assert!(most <= 12.0, "peak memory is {most} times the bytes of C");
+}
+
+/// Shapes that make others slow: long chains, a closed one, and DOFs that occur in every equation.
+fn extremes(size: usize) {
+    let shapes = [
+        ("chain", families::path(size + 1)),
+        ("cycle", families::cycle(size, 0.0)),
+        ("spider", families::spider(size / 10)),
+        ("one DOF in all", families::arrow(size / 10)),
+    ];
+    println!("{:>16} {:>10} {:>10} {:>12}", "shape", "equations", "time", "certificates");
+    for (name, scene) in shapes {
+        let system = scene.expect("a scene").system;
+        let mut terms = 0;
+        let time = median((0..3).map(|_| seconds(|| terms = certificates_and_reduction(&system))).collect());
+        println!("{name:>16} {:>10} {:>7.0} ms {terms:>6} terms", system.equations(), 1e3 * time);
+    }
+}
+
+/// Everything, as [`whole`], whatever the growth; returns the number of terms of all certificates.
+fn certificates_and_reduction(system: &ConstraintSystem) -> usize {
+    let analysis = analyse(system, &Options::default()).expect("a valid system");
+    black_box(analysis.reduction(system).t.nnz());
+    analysis.dependent.iter().map(|d| analysis.because(d).len()).sum()
 }
 
 fn measure(size: usize) -> Sample {

@@ -23,7 +23,7 @@ use crate::presolve::gather::gather;
 use crate::presolve::peel::{Peeled, peel};
 use crate::qr::{Backend, BackendError};
 use crate::reduction::{self, Basics, Reduction};
-use crate::scale::{Balanced, Scaling, Scalings, equilibrate};
+use crate::scale::{Scaling, Spread, balanced, by_rows};
 use crate::sensitivity;
 use crate::{ConstraintSystem, OptionError, Options, Tolerance};
 
@@ -133,20 +133,26 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
     let start = Instant::now();
     let (numbering, columns) = Numbering::new(system);
     let local = numbering.view(system, system.rhs());
-    let Scalings { rows, balanced } = scale(local, options.tolerance);
     let wishes = Wishes::new(&options.preferences, &numbering, system.dofs());
+    let (rows, spread) = scale(local, options.tolerance);
     let run = Run { local, columns: &columns, scaling: &rows, wishes: &wishes, backend: backend.as_ref(), tolerance };
-    let (scaling, (mut stages, held, confidence)) = match balanced {
-        Balanced::No => (&rows, run.settle(system, options.presolve, start)?),
-        Balanced::Only(ref both) => (both, Run { scaling: both, ..run }.settle(system, options.presolve, start)?),
-        Balanced::Too(ref both) => {
-            let first = run.settle(system, options.presolve, start)?;
-            let second = Run { scaling: both, ..run }.settle(system, options.presolve, start)?;
-            surer((&rows, first), (both, second))
+    let settle = |scaling: &Scaling| Run { scaling, ..run }.settle(system, options.presolve, start);
+    let (scaling, (mut stages, held, confidence)) = if spread == Spread::UnitsMix {
+        let scaling = balanced(local);
+        let settled = settle(&scaling)?;
+        (scaling, settled)
+    } else {
+        let settled = settle(&rows)?;
+        if spread == Spread::SomeTiny && settled.2.ambiguous {
+            let other = balanced(local);
+            let compared = settle(&other)?;
+            surer((rows.clone(), settled), (other, compared))
+        } else {
+            (rows.clone(), settled)
         }
     };
-    let mut run = Run { scaling, ..run };
-    let kept = keep(&options.preferences.equations, &mut stages.dependent, &stages.history, scaling, tolerance);
+    let mut run = Run { scaling: &scaling, ..run };
+    let kept = keep(&options.preferences.equations, &mut stages.dependent, &stages.history, &scaling, tolerance);
     if !kept.overruled.is_empty() {
         // Equations given up for ones that they contradict leave their trace in the constants: once more without it.
         let mut rhs = system.rhs().to_vec();
@@ -155,25 +161,20 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
         let agreeing = run.stages(&held, start)?;
         (stages.basis, stages.blocks) = (agreeing.basis, agreeing.blocks);
     }
-    let generated = generated::find(local, &stages.basis, scaling);
-    let scaling = scaling.clone();
+    let generated = generated::find(local, &stages.basis, &scaling);
     Ok(stages.conclude(numbering, scaling, options.clone(), generated, confidence, kept.unmet, backend.as_ref()))
 }
 
 /// Stages, rows held back from presolve, and how sure their rank is.
 type Settled = (Stages, Vec<bool>, Confidence);
 
-/// Scaled rows if their rank is sure, else the surer of them and of balanced rows and columns; ambiguous where both are sure and
-/// differ.
-fn surer<'a>(rows: (&'a Scaling, Settled), balanced: (&'a Scaling, Settled)) -> (&'a Scaling, Settled) {
-    let (a, b) = (rows.1.2, balanced.1.2);
-    let by_rows = !a.ambiguous || (b.ambiguous && a.sigma_kept > b.sigma_kept);
-    let differ = rows.1.0.basis.rank() != balanced.1.0.basis.rank();
-    // What is sure is not put in doubt by what is not.
-    let sure = !a.ambiguous && (b.ambiguous || !differ);
-    let confidence = if sure { a } else { a.or_less(b, differ) };
-    let (scaling, (stages, held, _)) = if by_rows { rows } else { balanced };
-    (scaling, (stages, held, confidence))
+/// Of two scalings that with the surer rank; the doubt of both remains.
+fn surer(a: (Scaling, Settled), b: (Scaling, Settled)) -> (Scaling, Settled) {
+    let confidences = (a.1.2, b.1.2);
+    let differ = a.1.0.basis.rank() != b.1.0.basis.rank();
+    let first = confidences.1.ambiguous && confidences.0.sigma_kept > confidences.1.sigma_kept;
+    let (scaling, (stages, held, _)) = if first { a } else { b };
+    (scaling, (stages, held, confidences.0.or_less(confidences.1, differ)))
 }
 
 /// What every run of the stages needs.
@@ -288,10 +289,10 @@ impl Stages {
 /// Entries of the inverse of the kept equations up to this give no reason for doubt.
 const HARMLESS: f64 = 3e5;
 
-fn scale(system: Local, tolerance: Tolerance) -> Scalings {
+fn scale(system: Local, tolerance: Tolerance) -> (Scaling, Spread) {
     match tolerance {
-        Tolerance::Relative(_) => equilibrate(system),
-        Tolerance::Paper => Scalings { rows: Scaling::none(system.equations()), balanced: Balanced::No },
+        Tolerance::Relative(_) => by_rows(system),
+        Tolerance::Paper => (Scaling::none(system.equations()), Spread::Even),
     }
 }
 

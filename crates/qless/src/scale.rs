@@ -3,8 +3,8 @@
 //! Rows are always scaled, so that the largest coefficient of a free DOF in each row lies in `[1, 2)`. Where units mix,
 //! that is where more than one column in twenty with two entries or more lies below `2^-10` in all its rows, rows and columns
 //! are balanced by geometric means (Curtis and Reid 1972) before the rows get their final scale. Where only some entries are
-//! tiny, below `2^-20`, nobody can know whether they are in another unit or stand for zero: the analysis is made both ways.
-//! That of scaled rows counts if it is in no doubt, else the surer one; where the ranks differ, they are ambiguous.
+//! tiny, below `2^-20`, nobody can know whether they are in another unit or stand for zero: if the rank of scaled rows is in
+//! doubt, the analysis is made again with balanced columns, the surer one counts, and the doubt is reported.
 
 use crate::local::Local;
 
@@ -49,33 +49,36 @@ pub(crate) fn exponent(x: f64) -> i32 {
     if biased == 0 { exponent(x * 2f64.powi(64)) - 64 } else { biased - 1023 }
 }
 
-/// Scaled rows, and rows balanced with columns where that may be needed.
-pub(crate) struct Scalings {
-    pub rows: Scaling,
-    pub balanced: Balanced,
+/// How entries of free DOFs lie in scaled rows.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Spread {
+    /// They are of one size.
+    Even,
+    /// Some are so small that they may be in another unit or stand for zero.
+    SomeTiny,
+    /// Whole columns are small: units mix.
+    UnitsMix,
 }
 
-pub(crate) enum Balanced {
-    /// Entries are of one size.
-    No,
-    /// Units mix.
-    Only(Scaling),
-    /// Some entries are so small that they may be in another unit or stand for zero.
-    Too(Scaling),
-}
-
-/// Scales `C` by its free columns; a row without free DOFs is scaled by its prescribed ones.
-pub(crate) fn equilibrate(system: Local) -> Scalings {
+/// Scales `C` by its free DOFs in each row; a row without any is scaled by its prescribed ones.
+pub(crate) fn by_rows(system: Local) -> (Scaling, Spread) {
     let mut rows = Scaling::none(system.equations());
     let smallest = scale_rows(system, &mut rows);
-    let units_mix = smallest < SMALL && small_columns(system, &rows);
-    if !units_mix && smallest >= TINY {
-        return Scalings { rows, balanced: Balanced::No };
-    }
-    let mut both = rows.clone();
-    balance(system, &mut both);
-    scale_rows(system, &mut both);
-    Scalings { rows, balanced: if units_mix { Balanced::Only(both) } else { Balanced::Too(both) } }
+    let spread = match smallest {
+        SMALL.. => Spread::Even,
+        _ if small_columns(system, &rows) => Spread::UnitsMix,
+        TINY.. => Spread::Even,
+        _ => Spread::SomeTiny,
+    };
+    (rows, spread)
+}
+
+/// Balances rows and columns, then scales rows.
+pub(crate) fn balanced(system: Local) -> Scaling {
+    let mut scaling = Scaling::none(system.equations());
+    balance(system, &mut scaling);
+    scale_rows(system, &mut scaling);
+    scaling
 }
 
 /// Entries below this power of two in their rows are small.
@@ -188,7 +191,8 @@ mod tests {
         let system = ConstraintSystem::from_triplets(30, 40, &triplets, &[0.0; 30], &[]).expect("valid");
         let (numbering, _) = Numbering::new(&system);
         let local = numbering.view(&system, system.rhs());
-        let Balanced::Only(scaling) = equilibrate(local).balanced else { panic!("units mix") };
+        assert!(by_rows(local).1 == Spread::UnitsMix);
+        let scaling = balanced(local);
         for i in 0..30 {
             for (j, v) in local.row(i) {
                 let scaled = scaling.entry(i, j, v);
