@@ -15,26 +15,27 @@ use crate::pattern::{Lists, NONE};
 use crate::symbolic::Symbolic;
 use crate::Error;
 
-/// AMD is tried when COLAMD promises at least this many operations, and so many for each entry of A.
-const WORTH: (f64, f64) = (1e6, 50.0);
-/// `S^T S` may have so many times the entries of S for AMD.
-const PRODUCT: usize = 20;
+/// AMD comes first if `S^T S` has at most so many times the entries of S; it is the faster of the two then.
+const PRODUCT: usize = 24;
+/// The other order is tried too where the first promises so many operations for each entry of S.
+const WORTH: f64 = 2500.0;
 
 /// The analysis; columns in `barred` are not peeled.
 pub(crate) fn analyse(row_count: usize, columns: &Lists, barred: &[bool]) -> Result<Symbolic, Error> {
     let rows = columns.transposed(row_count);
     let peeled = singles::peel(columns, &rows, barred);
     let rest = Rest::new(columns, &rows, &peeled);
-    let order = order::colamd(rest.rows, &rest.columns)?;
-    let first = rest.symbolic(columns, row_count, &peeled, &order);
-    let flops = first.flops();
-    if flops < WORTH.0 || flops < WORTH.1 * columns.index.len() as f64 {
+    let with = |order: Vec<u32>| rest.symbolic(columns, row_count, &peeled, &order);
+    let by_rows = rest.columns.transposed(rest.rows);
+    let Some(order) = order::amd(&rest.columns, &by_rows, PRODUCT * rest.columns.index.len())? else {
+        return order::colamd(rest.rows, &rest.columns).map(with);
+    };
+    let first = with(order);
+    if first.flops() < WORTH * rest.columns.index.len() as f64 {
         return Ok(first);
     }
-    let by_rows = rest.columns.transposed(rest.rows);
-    let Some(order) = order::amd(&rest.columns, &by_rows, PRODUCT * rest.columns.index.len())? else { return Ok(first) };
-    let second = rest.symbolic(columns, row_count, &peeled, &order);
-    Ok(if second.flops() < flops { second } else { first })
+    let second = with(order::colamd(rest.rows, &rest.columns)?);
+    Ok(if second.flops() < first.flops() { second } else { first })
 }
 
 /// S: what peeling leaves.
@@ -45,6 +46,8 @@ struct Rest {
     columns: Lists,
     /// Column of A of each column of S.
     column: Vec<u32>,
+    /// Columns of A without entries outside the peeled rows: dependent by the pattern.
+    void: Vec<u32>,
 }
 
 impl Rest {
@@ -60,13 +63,18 @@ impl Rest {
             *at = count;
             count += 1;
         }
-        let column: Vec<u32> = (0..columns.len() as u32).filter(|&j| kept[j as usize]).collect();
-        let mut left = Lists::new();
-        for &j in &column {
-            left.index.extend(columns.list(j as usize).iter().map(|&i| number[i as usize]).filter(|&i| i != NONE));
-            left.close();
+        let (mut left, mut column, mut void) = (Lists::new(), Vec::new(), Vec::new());
+        for j in (0..columns.len()).filter(|&j| kept[j]) {
+            let before = left.index.len();
+            left.index.extend(columns.list(j).iter().map(|&i| number[i as usize]).filter(|&i| i != NONE));
+            if left.index.len() == before {
+                void.push(j as u32);
+            } else {
+                column.push(j as u32);
+                left.close();
+            }
         }
-        Self { rows: count as usize, columns: left, column }
+        Self { rows: count as usize, columns: left, column, void }
     }
 
     /// The analysis with the columns of S in the given order, up to a postorder of their tree.
@@ -76,7 +84,7 @@ impl Rest {
         let parent = tree::renumbered(&parent, &post);
         let head = peeled.iter().map(|&(column, _)| column);
         let tail = post.iter().map(|&k| self.column[order[k as usize] as usize]);
-        let order: Vec<u32> = head.chain(tail).collect();
+        let order: Vec<u32> = head.chain(tail).chain(self.void.iter().copied()).collect();
         let permuted = Permuted::new(columns, row_count, peeled, &order);
         let count = counts::of_rows(&parent, &permuted.rest(peeled.len()));
         let fronts = Fronts::new(&parent, &count, peeled.len());
@@ -123,7 +131,7 @@ impl Permuted {
     /// Rows of S with columns counted from the first that was not peeled.
     fn rest(&self, peeled: usize) -> Lists {
         let from = self.pattern.start[peeled];
-        let start = self.pattern.start[peeled..].iter().map(|at| at - from).collect();
+        let start: Vec<usize> = self.pattern.start[peeled..].iter().map(|at| at - from).collect();
         Lists { start, index: self.pattern.index[from..].iter().map(|&j| j - peeled as u32).collect() }
     }
 

@@ -26,6 +26,9 @@ pub(super) fn colamd(rows: usize, columns: &Lists) -> Result<Vec<u32>, Error> {
 pub(super) fn amd(columns: &Lists, rows: &Lists, most: usize) -> Result<Option<Vec<u32>>, Error> {
     let Some(product) = product(columns, rows, most) else { return Ok(None) };
     let n = columns.len();
+    if n == 0 {
+        return Ok(Some(Vec::new()));
+    }
     let start = narrow(&product.start);
     let pattern = SymbolicSparseColMatRef::new_checked(n, n, &start, None, &product.index);
     let mut memory = MemBuffer::new(amd::order_scratch::<u32>(n, product.index.len()));
