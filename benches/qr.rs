@@ -73,7 +73,8 @@ fn scenes(test: bool) -> Vec<(String, Csr)> {
     let meshes: Vec<(String, Mesh)> = if test {
         vec![("mortar 300".into(), Mesh::with_equations(300))]
     } else {
-        let levels = [Level::P50, Level::P80, Level::P110].map(|level| (format!("mortar {} %", level.percent()), level.mesh()));
+        let levels =
+            [Level::P50, Level::P80, Level::P110].map(|level| (format!("mortar {} %", level.percent()), level.mesh()));
         let large = Mesh::with_equations(4 * Level::P110.equations());
         levels.into_iter().chain([("mortar 4 x 110 %".into(), large)]).collect()
     };
@@ -83,7 +84,8 @@ fn scenes(test: bool) -> Vec<(String, Csr)> {
 
 fn corpus() -> Vec<(String, Csr)> {
     let Some(folder) = std::env::var_os("QLESS_CORPUS") else { return Vec::new() };
-    let mut paths: Vec<_> = std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path()).collect();
+    let mut paths: Vec<_> =
+        std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path()).collect();
     paths.sort();
     paths.iter().filter_map(|path| case(path)).collect()
 }
@@ -99,7 +101,10 @@ fn main() {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
     let test = words.iter().any(|word| word == "--test");
     let wanted = |name: &str| words.iter().filter(|word| *word != "--test").all(|word| name.contains(word.as_str()));
-    println!("{:<28}{:>8}{:>8}{:>9}{:>10}{:>10}{:>10}{:>10}{:>8}", "system", "m", "n", "nnz", "Mflop", "analysis", "ours ms", "spqr ms", "ratio");
+    println!(
+        "{:<28}{:>8}{:>8}{:>9}{:>10}{:>10}{:>10}{:>10}{:>8}",
+        "system", "m", "n", "nnz", "Mflop", "analysis", "ours ms", "spqr ms", "ratio"
+    );
     let mut ratios = Vec::new();
     for (name, c) in scenes(test).into_iter().chain(corpus()) {
         for (name, columns) in [(name.clone(), c.transpose()), (format!("{name} ^T"), c)] {
@@ -109,5 +114,9 @@ fn main() {
         }
     }
     let mean = (ratios.iter().map(|ratio| ratio.ln()).sum::<f64>() / ratios.len().max(1) as f64).exp();
-    println!("geometric mean of {} ratios: {mean:.2}, largest {:.2}", ratios.len(), ratios.iter().copied().fold(0.0, f64::max));
+    println!(
+        "geometric mean of {} ratios: {mean:.2}, largest {:.2}",
+        ratios.len(),
+        ratios.iter().copied().fold(0.0, f64::max)
+    );
 }

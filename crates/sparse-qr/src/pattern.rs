@@ -47,10 +47,6 @@ impl Lists {
         }
         Self { start, index }
     }
-
-    pub fn bytes(&self) -> usize {
-        size_of::<usize>() * self.start.len() + size_of::<u32>() * self.index.len()
-    }
 }
 
 /// The pattern by columns, if it is one.

@@ -6,7 +6,7 @@ use common::{Matrix, Random, check, rank};
 
 fn matrix(seed: u64) -> (Matrix, Vec<f64>) {
     let mut random = Random::new(seed + 1);
-    let largest = if seed % 50 == 0 { 160 } else { 24 };
+    let largest = if seed.is_multiple_of(50) { 160 } else { 24 };
     let (rows, cols) = (random.below(largest), random.below(largest));
     let density = [20, 60, 150, 400, 1000][random.below(5)];
     let a = Matrix::random(&mut random, rows, cols, density);

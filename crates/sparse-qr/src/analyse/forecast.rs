@@ -81,7 +81,12 @@ impl Run {
     fn new(symbolic: &Symbolic) -> Self {
         let count = symbolic.fronts.len();
         let left = (0..count).map(|_| Left::default()).collect();
-        Self { shapes: Vec::with_capacity(count), flops: Vec::with_capacity(count), left, place: vec![NONE; symbolic.cols] }
+        Self {
+            shapes: Vec::with_capacity(count),
+            flops: Vec::with_capacity(count),
+            left,
+            place: vec![NONE; symbolic.cols],
+        }
     }
 
     fn front(&mut self, symbolic: &Symbolic, f: usize) {

@@ -36,10 +36,6 @@ impl Fronts {
         let first = super::counts::first_descendants(&above);
         Self { pivot, children: children(&above), parent: above, first }
     }
-
-    pub fn bytes(&self) -> usize {
-        4 * (self.pivot.len() + self.parent.len() + self.first.len()) + self.children.bytes()
-    }
 }
 
 fn children(parent: &[u32]) -> Lists {
@@ -84,7 +80,9 @@ fn joined(starts: &[usize], parent: &[u32], count: &[u32]) -> Vec<usize> {
     for &start in starts.iter().rev() {
         let mut group = Group { start, pivots: end - start, width: count[start] as usize, zeros: 0.0 };
         let above = parent[end - 1] as usize;
-        if let Some(join) = groups.last().filter(|next| above < next.start + next.pivots).and_then(|next| join(group, *next)) {
+        if let Some(join) =
+            groups.last().filter(|next| above < next.start + next.pivots).and_then(|next| join(group, *next))
+        {
             groups.pop();
             group = join;
         }

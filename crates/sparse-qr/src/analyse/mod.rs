@@ -11,9 +11,9 @@ mod tree;
 pub(crate) use forecast::{Forecast, Shape, front_bytes, out_bytes, waiting_bytes};
 pub(crate) use fronts::Fronts;
 
+use crate::Error;
 use crate::pattern::{Lists, NONE};
 use crate::symbolic::Symbolic;
-use crate::Error;
 
 /// AMD comes first if `S^T S` has at most so many times the entries of S; it is the faster of the two then.
 const PRODUCT: usize = 24;

@@ -1,5 +1,7 @@
 //! `c <- c - tau v (v^T c)` for four columns at a time, and `v^T v`, in the widest registers the processor has.
 
+#![allow(clippy::inline_always, reason = "code for wider registers must be inlined where they are switched on")]
+
 use pulp::{Simd, WithSimd};
 
 /// The columns of `columns` (each `stride` long), from row `row` on over the length of v.

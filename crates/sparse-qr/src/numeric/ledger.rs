@@ -7,12 +7,13 @@ use crate::Error;
 /// Counts bytes for all threads of one factorization.
 pub(super) struct Ledger {
     held: AtomicUsize,
+    most: AtomicUsize,
     limit: usize,
 }
 
 impl Ledger {
     pub fn new(limit: usize) -> Self {
-        Self { held: AtomicUsize::new(0), limit }
+        Self { held: AtomicUsize::new(0), most: AtomicUsize::new(0), limit }
     }
 
     pub fn limit(&self) -> usize {
@@ -22,7 +23,13 @@ impl Ledger {
     /// Books bytes, or says that they are too many.
     pub fn take(&self, bytes: usize) -> Result<(), Error> {
         let needed = self.held.fetch_add(bytes, Relaxed).saturating_add(bytes);
+        self.most.fetch_max(needed, Relaxed);
         if needed > self.limit { Err(Error::OutOfMemory { needed, limit: self.limit }) } else { Ok(()) }
+    }
+
+    /// The most that was ever held.
+    pub fn most(&self) -> usize {
+        self.most.load(Relaxed)
     }
 
     pub fn give(&self, bytes: usize) {

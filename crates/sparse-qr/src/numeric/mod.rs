@@ -5,6 +5,8 @@ mod front;
 mod ledger;
 mod result;
 mod tasks;
+#[cfg(test)]
+mod tests;
 
 pub(crate) use crate::dense::PANEL;
 
@@ -35,19 +37,21 @@ pub(crate) fn factor(
     let barred = barred(symbolic, &numbers);
     if barred.iter().any(|&at| at) {
         let again = crate::analyse::analyse(symbolic.rows, &symbolic.columns(), &barred)?;
-        return run(&again, &numbers, limit);
+        return run(&again, &numbers, limit).map(|(factor, _)| factor);
     }
-    run(symbolic, &numbers, limit)
+    run(symbolic, &numbers, limit).map(|(factor, _)| factor)
 }
 
-fn run(symbolic: &Symbolic, numbers: &Numbers, limit: usize) -> Result<Factor, Error> {
+/// The factor, and the most bytes that were booked.
+fn run(symbolic: &Symbolic, numbers: &Numbers, limit: usize) -> Result<(Factor, usize), Error> {
     let needed = symbolic.memory(numbers.count);
     if needed > limit {
         return Err(Error::OutOfMemory { needed, limit });
     }
     let ledger = Ledger::new(limit);
     let slots = tasks::run(symbolic, numbers, &ledger)?;
-    result::collect(symbolic, numbers, slots, &ledger)
+    let factor = result::collect(symbolic, numbers, slots, &ledger)?;
+    Ok((factor, ledger.most()))
 }
 
 fn checked<'a>(symbolic: &Symbolic, values: &'a [f64], rhs: &'a [f64], tolerance: f64) -> Result<Numbers<'a>, Error> {

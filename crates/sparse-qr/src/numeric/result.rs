@@ -8,10 +8,16 @@ use crate::symbolic::Symbolic;
 use crate::{Error, Factor, Rows};
 
 /// Builds the result; each front is freed once it is read.
-pub(super) fn collect(symbolic: &Symbolic, numbers: &Numbers, outs: Vec<Out>, ledger: &Ledger) -> Result<Factor, Error> {
+pub(super) fn collect(
+    symbolic: &Symbolic,
+    numbers: &Numbers,
+    outs: Vec<Out>,
+    ledger: &Ledger,
+) -> Result<Factor, Error> {
     let place = places(symbolic, &outs);
     let rank = symbolic.peeled + outs.iter().map(|out| out.lead.len()).sum::<usize>();
-    let entries = symbolic.pattern.start[symbolic.peeled] + outs.iter().map(|out| nonzeros(out, numbers.count)).sum::<usize>();
+    let entries =
+        symbolic.pattern.start[symbolic.peeled] + outs.iter().map(|out| nonzeros(out, numbers.count)).sum::<usize>();
     ledger.take(12 * entries + 8 * (rank + 1 + rank * numbers.count))?;
     let rest = rest(symbolic, numbers, &outs);
     let dropped = outs.iter().fold(0.0, |sum: f64, out| sum.hypot(out.dropped));

@@ -8,10 +8,10 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
+use super::Numbers;
 use super::contribution::{Left, Out};
 use super::front::Bench;
 use super::ledger::Ledger;
-use super::Numbers;
 use crate::Error;
 use crate::pattern::NONE;
 use crate::symbolic::Symbolic;
@@ -39,7 +39,11 @@ pub(super) fn run(symbolic: &Symbolic, numbers: &Numbers, ledger: &Ledger) -> Re
     let tasks = Tasks { symbolic, numbers, ledger, slots, grain };
     let count = symbolic.fronts.len() as u32;
     let roots: Vec<u32> = (0..count).filter(|&f| symbolic.fronts.parent[f as usize] == NONE).collect();
-    if parallel { tasks.siblings(&roots)? } else { tasks.sequence(&[0..count])? }
+    if parallel {
+        tasks.siblings(&roots)?;
+    } else {
+        tasks.sequence(std::slice::from_ref(&(0..count)))?;
+    }
     let out = |slot: Mutex<Slot>| slot.into_inner().unwrap_or_else(PoisonError::into_inner).out;
     Ok(tasks.slots.into_iter().map(out).collect())
 }

@@ -1,5 +1,5 @@
 //! Matrices of every shape and rank, and the identities that their factorizations must meet.
-#![allow(dead_code, missing_docs, reason = "each test file uses its part")]
+#![allow(dead_code, clippy::return_self_not_must_use, reason = "each test file uses its part")]
 
 use qless_qr::{Factor, Symbolic};
 
