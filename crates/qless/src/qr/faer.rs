@@ -4,8 +4,8 @@
 //! `|R_11| >= |R_22| >= ...`, and the rank is the number of diagonal entries above the tolerance. O(m n min(m, n)) time,
 //! 8 m (n + k) bytes. Sparse: multifrontal QR ([`qless_qr`]) with Heath's rank detection, like SuiteSparseQR's.
 //!
-//! The rule: a block of at most [`SMALL`] numbers is dense, for pivoting finds ranks more surely. A larger one is sparse
-//! if the operations that its pattern asks for, times [`GAIN`], are fewer than the 4 m n min(m, n) of the dense way.
+//! The rule: a block of at most `SMALL` numbers is dense, for pivoting finds ranks more surely. A larger one is sparse
+//! if the operations that its pattern asks for, times `GAIN`, are fewer than the 4 m n min(m, n) of the dense way.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::householder::{
@@ -168,7 +168,7 @@ mod tests {
     #[test]
     fn a_large_sparse_block_is_sparse() {
         let mut rows = Csr::empty(300);
-        (0..400).for_each(|i| rows.push_row([(i * 7 % 299, 2.0), (299, 1.0)].into_iter()));
+        (0..400).for_each(|i| rows.push_row([(i * 7 % 299, 2.0), (299, 1.0)]));
         let columns = rows.transpose();
         let factor = super::Faer.factor(&columns, &[], 1e-10).expect("a factorization");
         assert_eq!(Ok(factor), Sparse.factor(&columns, &[], 1e-10));
