@@ -40,7 +40,7 @@ impl Symbolic {
 
     /// Operations of the factorization without right-hand sides, if no column is dependent.
     pub fn flops(&self) -> f64 {
-        self.forecast.flops.iter().sum()
+        self.forecast.flops.iter().fold(0.0, |sum, flops| sum + flops)
     }
 
     /// Entries of `[R1 R2]` if no column is dependent, zeros of joined fronts included.

@@ -75,6 +75,8 @@ struct Run {
     flops: Vec<f64>,
     left: Vec<Left>,
     place: Vec<u32>,
+    columns: Vec<u32>,
+    begins: Vec<usize>,
 }
 
 impl Run {
@@ -86,6 +88,8 @@ impl Run {
             flops: Vec::with_capacity(count),
             left,
             place: vec![NONE; symbolic.cols],
+            columns: Vec::new(),
+            begins: Vec::new(),
         }
     }
 
@@ -94,30 +98,33 @@ impl Run {
         let pivots = (end - from) as usize;
         let children = symbolic.fronts.children.list(f);
         let below: Vec<Left> = children.iter().map(|&child| std::mem::take(&mut self.left[child as usize])).collect();
-        let mut columns: Vec<u32> = (from..end).collect();
-        columns.extend(self.present(symbolic, f, &below, outer));
-        columns.iter().zip(0..).for_each(|(&column, k)| self.place[column as usize] = k);
-        let mut begins = vec![0_usize; columns.len()];
+        self.mark(symbolic, f, &below);
+        let Self { place, columns, begins, .. } = self;
+        columns.clear();
+        columns.extend(from..end);
+        columns.extend(outer.iter().filter(|&&column| place[column as usize] == 0));
+        columns.iter().zip(0..).for_each(|(&column, k)| place[column as usize] = k);
+        begins.clear();
+        begins.resize(columns.len(), 0);
         for i in symbolic.front_rows(f) {
-            begins[self.place[symbolic.pattern.list(i)[0] as usize] as usize] += 1;
+            begins[place[symbolic.pattern.list(i)[0] as usize] as usize] += 1;
         }
         for left in &below {
-            left.lead.iter().for_each(|&at| begins[self.place[left.columns[at as usize] as usize] as usize] += 1);
+            left.lead.iter().for_each(|&at| begins[place[left.columns[at as usize] as usize] as usize] += 1);
         }
-        columns.iter().for_each(|&column| self.place[column as usize] = NONE);
-        let (shape, flops, left) = eliminated(&begins, &columns, pivots);
+        columns.iter().for_each(|&column| place[column as usize] = NONE);
+        let (shape, flops, left) = eliminated(begins, columns, pivots);
         self.shapes.push(shape);
         self.flops.push(flops);
         self.left[f] = left;
     }
 
-    /// The outer columns that some row of the front reaches.
-    fn present(&mut self, symbolic: &Symbolic, f: usize, below: &[Left], outer: &[u32]) -> Vec<u32> {
+    /// Marks the columns that some row of the front reaches.
+    fn mark(&mut self, symbolic: &Symbolic, f: usize, below: &[Left]) {
         let rows = symbolic.front_rows(f);
         let (from, to) = (symbolic.pattern.start[rows.start], symbolic.pattern.start[rows.end]);
         symbolic.pattern.index[from..to].iter().for_each(|&column| self.place[column as usize] = 0);
         below.iter().flat_map(|left| &left.columns).for_each(|&column| self.place[column as usize] = 0);
-        outer.iter().copied().filter(|&column| self.place[column as usize] == 0).collect()
     }
 }
 

@@ -18,7 +18,7 @@ use crate::symbolic::Symbolic;
 /// AMD comes first if `S^T S` has at most so many times the entries of S; it is the faster of the two then.
 const PRODUCT: usize = 24;
 /// The other order is tried too where the first promises so many operations for each entry of S.
-const WORTH: f64 = 2500.0;
+const WORTH: f64 = 2e4;
 
 /// The analysis; columns in `barred` are not peeled.
 pub(crate) fn analyse(row_count: usize, columns: &Lists, barred: &[bool]) -> Result<Symbolic, Error> {
@@ -31,7 +31,7 @@ pub(crate) fn analyse(row_count: usize, columns: &Lists, barred: &[bool]) -> Res
         return order::colamd(rest.rows, &rest.columns).map(with);
     };
     let first = with(order);
-    if first.flops() < WORTH * rest.columns.index.len() as f64 {
+    if first.flops() <= WORTH * rest.columns.index.len() as f64 {
         return Ok(first);
     }
     let second = with(order::colamd(rest.rows, &rest.columns)?);

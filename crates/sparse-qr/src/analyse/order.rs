@@ -38,27 +38,25 @@ pub(super) fn amd(columns: &Lists, rows: &Lists, most: usize) -> Result<Option<V
     Ok(Some(order))
 }
 
-/// The strictly upper part of `S^T S` by columns, ascending.
+/// The strictly lower part of `S^T S` by columns, ascending: transposing sorts.
 fn product(columns: &Lists, rows: &Lists, most: usize) -> Option<Lists> {
-    let mut product = Lists::new();
+    let mut upper = Lists::new();
     let mut seen = vec![u32::MAX; columns.len()];
     for j in 0..columns.len() {
         for &row in columns.list(j) {
             for &i in rows.list(row as usize).iter().take_while(|&&i| (i as usize) < j) {
                 if seen[i as usize] != j as u32 {
                     seen[i as usize] = j as u32;
-                    product.index.push(i);
+                    upper.index.push(i);
                 }
             }
         }
-        let from = product.start[j];
-        product.index[from..].sort_unstable();
-        product.close();
-        if product.index.len() > most {
+        upper.close();
+        if upper.index.len() > most {
             return None;
         }
     }
-    Some(product)
+    Some(upper.transposed(columns.len()))
 }
 
 fn narrow(start: &[usize]) -> Vec<u32> {

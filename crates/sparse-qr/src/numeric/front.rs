@@ -2,7 +2,7 @@
 
 use pulp::Arch;
 
-use super::contribution::{Left, Out, pack, packed_len};
+use super::contribution::{Left, Out, pack, pack_rows, packed_len};
 use super::ledger::Ledger;
 use super::{Numbers, scaled_norm};
 use crate::Error;
@@ -51,7 +51,7 @@ impl<'a> Bench<'a> {
         drop(children);
         let (values, stair, tolerance) = (&mut self.values[..], &self.stair[..], self.numbers.tolerance);
         Dense { values, rows, cols: shape.cols, pivots, stair, tolerance }.eliminate(self.arch, &mut self.work);
-        let done = self.read(rows, pivots)?;
+        let done = self.read(f, rows, pivots)?;
         self.ledger.give(bytes);
         Ok(done)
     }
@@ -147,22 +147,21 @@ impl<'a> Bench<'a> {
     }
 
     /// Splits the eliminated front into rows of R, rows for the parent and rows that are done.
-    fn read(&mut self, rows: usize, pivots: usize) -> Result<(Left, Out), Error> {
+    fn read(&mut self, f: usize, rows: usize, pivots: usize) -> Result<(Left, Out), Error> {
         let (cols, count) = (self.columns.len(), self.numbers.count);
         let lead = &self.work.lead[..];
         let rank = lead.partition_point(|&k| (k as usize) < pivots);
         let (own, others) = lead.split_at(rank);
         let shape = shape(cols, own, others);
         self.ledger.take(out_bytes(&shape, count) + waiting_bytes(&shape, count))?;
-        let mut out = Out { dropped: self.work.dropped, lead: own.to_vec(), ..Out::default() };
-        if rank > 0 {
-            out.outer = self.columns[pivots..].to_vec();
-            out.values = self.ledger.reserve(packed_len(cols, own, count))?;
-            pack(&self.values, rows, cols, 0, own, &mut out.values);
-        }
-        if count > 0 && lead.len() < rows {
+        let mut out = Out::new(own, &self.columns[pivots..], self.symbolic.outer.list(f), self.work.dropped);
+        out.has_rest = count > 0 && lead.len() < rows;
+        let room = packed_len(cols, own, count) + if out.has_rest { count } else { 0 };
+        out.values = self.ledger.reserve(room)?;
+        pack_rows(&self.values, rows, own, &mut out.values);
+        if out.has_rest {
             let columns = self.values[cols * rows..].chunks_exact(rows);
-            out.rest = columns.map(|b| scaled_norm(&b[lead.len()..])).collect();
+            out.values.extend(columns.map(|b| scaled_norm(&b[lead.len()..])));
         }
         Ok((self.left(rows, rank)?, out))
     }

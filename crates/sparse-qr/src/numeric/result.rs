@@ -15,14 +15,25 @@ pub(super) fn collect(
     ledger: &Ledger,
 ) -> Result<Factor, Error> {
     let place = places(symbolic, &outs);
-    let rank = symbolic.peeled + outs.iter().map(|out| out.lead.len()).sum::<usize>();
-    let entries =
-        symbolic.pattern.start[symbolic.peeled] + outs.iter().map(|out| nonzeros(out, numbers.count)).sum::<usize>();
+    let rank = symbolic.peeled + outs.iter().map(|out| out.rank).sum::<usize>();
+    // Zeros among them are room that is never touched.
+    let packed: usize =
+        outs.iter().map(|out| out.values.len() - out.rank * numbers.count - out.rest(numbers.count).len()).sum();
+    let entries = symbolic.pattern.start[symbolic.peeled] + packed;
     ledger.take(12 * entries + 8 * (rank + 1 + rank * numbers.count))?;
     let rest = rest(symbolic, numbers, &outs);
     let dropped = outs.iter().fold(0.0, |sum: f64, out| sum.hypot(out.dropped));
     let r = Rows { start: ledger.reserve(rank + 1)?, col: ledger.reserve(entries)?, val: ledger.reserve(entries)? };
-    let mut builder = Builder { symbolic, numbers, place: &place, rank, r, rhs: vec![0.0; rank * numbers.count] };
+    let mut builder = Builder {
+        symbolic,
+        numbers,
+        place: &place,
+        rank,
+        r,
+        dependent: Vec::new(),
+        columns: Vec::new(),
+        rhs: vec![0.0; rank * numbers.count],
+    };
     builder.r.start.push(0);
     (0..symbolic.peeled).for_each(|i| builder.peeled(i));
     outs.into_iter().enumerate().for_each(|(f, out)| builder.front(f, &out));
@@ -42,16 +53,10 @@ fn places(symbolic: &Symbolic, outs: &[Out]) -> Vec<u32> {
     let mut number = |at: &mut u32| *at = next.next().unwrap_or(NONE);
     place[..symbolic.peeled].iter_mut().for_each(&mut number);
     for (out, &from) in outs.iter().zip(&symbolic.fronts.pivot) {
-        out.lead.iter().for_each(|&k| number(&mut place[(from + k) as usize]));
+        (0..out.rank).for_each(|i| number(&mut place[(from + out.lead(i)) as usize]));
     }
     place.iter_mut().filter(|at| **at == NONE).for_each(number);
     place
-}
-
-/// Entries of R that the front holds and that are not zero.
-fn nonzeros(out: &Out, count: usize) -> usize {
-    let end = out.values.len() - out.lead.len() * count;
-    out.values[..end].iter().filter(|&&v| v != 0.0).count()
 }
 
 /// Norms of what remains of each right-hand side: of rows without entries and of what fronts had no columns for.
@@ -61,7 +66,7 @@ fn rest(symbolic: &Symbolic, numbers: &Numbers, outs: &[Out]) -> Vec<f64> {
     let of = |c: usize| {
         let b = &numbers.rhs[c * symbolic.rows..(c + 1) * symbolic.rows];
         let untouched: Vec<f64> = empty.iter().map(|&i| b[i as usize]).collect();
-        let parts = outs.iter().filter_map(|out| out.rest.get(c));
+        let parts = outs.iter().filter_map(|out| out.rest(numbers.count).get(c));
         parts.fold(scaled_norm(&untouched), |sum, part| sum.hypot(*part))
     };
     (0..numbers.count).map(of).collect()
@@ -73,73 +78,71 @@ struct Builder<'a> {
     place: &'a [u32],
     rank: usize,
     r: Rows,
+    dependent: Vec<(u32, f64)>,
+    columns: Vec<u32>,
     rhs: Vec<f64>,
 }
 
 impl Builder<'_> {
-    fn push(&mut self, position: u32, value: f64) {
-        if value != 0.0 {
-            self.r.col.push(self.place[position as usize]);
+    /// Independent columns stand in their order already; the others wait for the end of the row.
+    fn push(&mut self, column: u32, value: f64) {
+        if value == 0.0 {
+        } else if (column as usize) < self.rank {
+            self.r.col.push(column);
             self.r.val.push(value);
+        } else {
+            self.dependent.push((column, value));
         }
     }
 
-    fn is_live(&self, position: u32) -> bool {
-        (self.place[position as usize] as usize) < self.rank
+    fn close(&mut self) {
+        self.r.col.extend(self.dependent.iter().map(|entry| entry.0));
+        self.r.val.extend(self.dependent.drain(..).map(|entry| entry.1));
+        self.r.start.push(self.r.col.len());
     }
 
     /// Row i of A is row i of R.
     fn peeled(&mut self, i: usize) {
         let symbolic = self.symbolic;
-        for live in [true, false] {
-            for at in symbolic.pattern.start[i]..symbolic.pattern.start[i + 1] {
-                let position = symbolic.pattern.index[at];
-                if self.is_live(position) == live {
-                    self.push(position, self.numbers.values[symbolic.entry[at] as usize]);
-                }
-            }
+        let range = symbolic.pattern.start[i]..symbolic.pattern.start[i + 1];
+        let positions = symbolic.pattern.index[range.clone()].iter();
+        for (&position, &entry) in positions.zip(&symbolic.entry[range]) {
+            self.push(self.place[position as usize], self.numbers.values[entry as usize]);
         }
+        self.close();
         for c in 0..self.numbers.count {
             self.rhs[c * self.rank + i] = self.numbers.rhs[c * symbolic.rows + symbolic.row_order[i] as usize];
         }
-        self.r.start.push(self.r.col.len());
     }
 
     fn front(&mut self, f: usize, out: &Out) {
-        let (from, end, _) = self.symbolic.front_columns(f);
-        let columns: Vec<u32> = (from..end).chain(out.outer.iter().copied()).collect();
-        let (heights, offsets) = extents(out, columns.len());
-        let row = self.r.start.len() - 1;
-        for i in 0..out.lead.len() {
-            for live in [true, false] {
-                for k in out.lead[i] as usize..columns.len() {
-                    if i < heights[k] as usize && self.is_live(columns[k]) == live {
-                        self.push(columns[k], out.values[offsets[k] + i]);
-                    }
-                }
-            }
-            self.r.start.push(self.r.col.len());
+        let (from, end, all) = self.symbolic.front_columns(f);
+        let Self { place, columns, .. } = self;
+        columns.clear();
+        columns.extend_from_slice(&place[from as usize..end as usize]);
+        columns.extend(out.outer(all).iter().map(|&at| place[at as usize]));
+        let columns = std::mem::take(columns);
+        let mut values = &out.values[..];
+        for i in 0..out.rank {
+            let columns = &columns[out.lead(i) as usize..];
+            let (row, behind) = values.split_at(columns.len());
+            let row_number = self.r.start.len() - 1;
+            self.row(columns, row);
+            let (rhs, others) = behind.split_at(self.numbers.count);
+            rhs.iter().enumerate().for_each(|(c, b)| self.rhs[c * self.rank + row_number] = *b);
+            values = others;
         }
-        let rank = out.lead.len();
-        let behind = out.values.len() - rank * self.numbers.count;
-        for c in 0..self.numbers.count {
-            let at = behind + c * rank;
-            self.rhs[c * self.rank + row..][..rank].copy_from_slice(&out.values[at..at + rank]);
-        }
+        self.columns = columns;
     }
-}
 
-/// For each column of a front how many rows it holds, and where.
-fn extents(out: &Out, cols: usize) -> (Vec<u32>, Vec<usize>) {
-    let (mut height, mut offset) = (0, 0);
-    let mut extents = (Vec::with_capacity(cols), Vec::with_capacity(cols));
-    for k in 0..cols {
-        while height < out.lead.len() && out.lead[height] as usize <= k {
-            height += 1;
+    fn row(&mut self, columns: &[u32], values: &[f64]) {
+        let is_plain = |(&column, &value): (&u32, &f64)| value != 0.0 && (column as usize) < self.rank;
+        if columns.iter().zip(values).all(is_plain) {
+            self.r.col.extend_from_slice(columns);
+            self.r.val.extend_from_slice(values);
+        } else {
+            columns.iter().zip(values).for_each(|(&column, &value)| self.push(column, value));
         }
-        extents.0.push(height as u32);
-        extents.1.push(offset);
-        offset += height;
+        self.close();
     }
-    extents
 }
