@@ -1,10 +1,11 @@
-//! `peak(f) = max(peak of the children one after the other, what they left + front + what it leaves)`, in bytes.
+//! `peak(f) = max(peaks of the children one after the other, what they left + what f leaves)` and a front, in bytes.
 //!
 //! Sequentially a child runs beside what its elder siblings left. In parallel all children of a front may be at their
-//! peaks at once. Whatever the values, a front leaves at most `min(rows, outer columns)` rows: what all pivots dead leave.
+//! peaks at once, each with a buffer as large as the largest front below; one after the other they share one. Whatever the values, a front leaves at most `min(rows, outer columns)` rows: what all pivots dead leave.
 
 use super::{Forecast, Shape};
 use crate::numeric::PANEL;
+use crate::pattern::NONE;
 use crate::symbolic::Symbolic;
 
 const NUMBER: usize = size_of::<f64>();
@@ -52,22 +53,22 @@ impl Forecast {
 /// The most that fronts and what waits for a parent hold together.
 fn peak(symbolic: &Symbolic, shapes: &[Shape], k: usize, parallel: bool) -> usize {
     let fronts = &symbolic.fronts;
-    let mut peaks = vec![0; shapes.len()];
     let mut buffer: Vec<usize> = shapes.iter().map(|shape| front_bytes(shape, k)).collect();
+    let largest = buffer.iter().copied().max().unwrap_or(0);
+    let mut peaks = vec![0; shapes.len()];
     for f in 0..shapes.len() {
-        let (mut waiting, mut most, mut all) = (0, 0, 0);
-        for &child in fronts.children.list(f) {
-            let child = child as usize;
-            most = most.max(waiting + peaks[child]);
-            all += peaks[child];
+        let (mut waiting, mut one_by_one, mut together) = (0, 0, 0);
+        for child in fronts.children.list(f).iter().map(|&child| child as usize) {
+            one_by_one = one_by_one.max(waiting + peaks[child]);
+            together += peaks[child];
             waiting += waiting_bytes(&shapes[child], k);
             buffer[f] = buffer[f].max(buffer[child]);
         }
-        let own = waiting + buffer[f] + waiting_bytes(&shapes[f], k);
-        peaks[f] = own.max(if parallel { all } else { most });
+        let own = waiting + waiting_bytes(&shapes[f], k);
+        peaks[f] = if parallel { together.max(own + buffer[f]) } else { one_by_one.max(own) };
     }
-    let roots = (0..shapes.len()).filter(|&f| fronts.parent[f] == crate::pattern::NONE);
-    if parallel { roots.map(|f| peaks[f]).sum() } else { roots.map(|f| peaks[f] + buffer[f]).max().unwrap_or(0) }
+    let roots = (0..shapes.len()).filter(|&f| fronts.parent[f] == NONE).map(|f| peaks[f]);
+    if parallel { roots.sum() } else { largest + roots.max().unwrap_or(0) }
 }
 
 /// Shapes that hold whatever columns are dependent by their values.
