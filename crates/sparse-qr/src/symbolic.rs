@@ -35,7 +35,7 @@ impl Symbolic {
     /// [`Error::Length`], [`Error::Pattern`] or [`Error::TooLarge`] if it is no such pattern.
     pub fn analyse(rows: usize, cols: usize, start: &[usize], index: &[u32]) -> Result<Self, Error> {
         let columns = crate::pattern::checked(rows, cols, start, index)?;
-        crate::analyse::analyse(rows, &columns, &vec![false; cols])
+        crate::analyse::analyse(rows, &columns, &|_| true)
     }
 
     /// Operations of the factorization without right-hand sides, if no column is dependent.

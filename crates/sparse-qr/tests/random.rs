@@ -49,3 +49,48 @@ fn what_is_dropped_is_accounted_for() {
         check(&a, &factor, &rhs, &format!("seed {seed}"));
     }
 }
+
+#[test]
+fn large_fronts_meet_the_identities() {
+    for seed in 0..12 {
+        let mut random = Random::new(900 + seed);
+        let (rows, cols) = ([420, 260, 300][seed as usize % 3], [250, 430, 300][seed as usize % 3]);
+        let density = [8, 15, 60, 1000][seed as usize / 3];
+        let a = Matrix::random(&mut random, rows, cols, density).spoilt(&mut random, 40);
+        let rhs: Vec<f64> = (0..rows * 40).map(|_| random.signed()).collect();
+        let name = format!("large, seed {seed}");
+        let factor = a.factor(&rhs, 1e-9);
+        check(&a, &factor, &rhs, &name);
+        assert_eq!(factor.rank, rank(&a, 1e-9), "{name}: rank");
+    }
+}
+
+#[test]
+fn scale_does_not_matter() {
+    for seed in 0..300 {
+        let (mut a, _) = matrix(seed);
+        let rank = a.factor(&[], 0.01).rank;
+        for scale in [2.0_f64.powi(900), 2.0_f64.powi(-900)] {
+            a.values.iter_mut().for_each(|v| *v *= scale);
+            let mut factor = a.factor(&[], 0.01 * scale);
+            assert_eq!(factor.rank, rank, "seed {seed}, scale {scale:e}");
+            a.values.iter_mut().for_each(|v| *v /= scale);
+            factor.r.val.iter_mut().for_each(|v| *v /= scale);
+            factor.dropped /= scale;
+            check(&a, &factor, &[], &format!("seed {seed}, scale {scale:e}"));
+        }
+    }
+}
+
+#[test]
+fn what_is_peeled_by_the_pattern_must_be_above_the_tolerance() {
+    let columns: Vec<Vec<(u32, f64)>> =
+        vec![vec![(0, 1e-12)], vec![(0, 1e-13)], vec![(0, 2.0)], vec![(0, 1e-12), (1, 3.0)]];
+    let a = Matrix::from_columns(2, &columns);
+    let factor = a.factor(&[3.0, 4.0], 1e-9);
+    assert_eq!((factor.rank, &factor.rest[..]), (2, &[0.0][..]));
+    check(&a, &factor, &[3.0, 4.0], "peeled");
+    let small = Matrix::from_columns(1, &columns[..2]).factor(&[5.0], 1e-9);
+    assert_eq!((small.rank, &small.rest[..]), (0, &[5.0][..]));
+    assert!((small.dropped - 1e-12_f64.hypot(1e-13)).abs() < 1e-20);
+}

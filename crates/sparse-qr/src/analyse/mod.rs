@@ -20,10 +20,10 @@ const PRODUCT: usize = 24;
 /// The other order is tried too where the first promises so many operations for each entry of S.
 const WORTH: f64 = 2e4;
 
-/// The analysis; columns in `barred` are not peeled.
-pub(crate) fn analyse(row_count: usize, columns: &Lists, barred: &[bool]) -> Result<Symbolic, Error> {
+/// The analysis; only entries of A that `may` accepts are peeled.
+pub(crate) fn analyse(row_count: usize, columns: &Lists, may: &dyn Fn(usize) -> bool) -> Result<Symbolic, Error> {
     let rows = columns.transposed(row_count);
-    let peeled = singles::peel(columns, &rows, barred);
+    let peeled = singles::peel(columns, &rows, may);
     let rest = Rest::new(columns, &rows, &peeled);
     let with = |order: Vec<u32>| rest.symbolic(columns, row_count, &peeled, &order);
     let by_rows = rest.columns.transposed(rest.rows);

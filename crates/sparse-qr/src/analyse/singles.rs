@@ -2,12 +2,12 @@
 //!
 //! Peeled by a queue: taking column j with its only row i may leave other columns of row i with one entry (Davis 2011,
 //! Sec. 2.1). R11 is upper triangular in the order of peeling. Whether its diagonal is above the tolerance is known only
-//! when there are values; a column named in `barred` is never peeled.
+//! when there are values; then `may` says which entries of A can be diagonal.
 
 use crate::pattern::Lists;
 
 /// Pairs (column, row) in the order of peeling.
-pub(super) fn peel(columns: &Lists, rows: &Lists, barred: &[bool]) -> Vec<(u32, u32)> {
+pub(super) fn peel(columns: &Lists, rows: &Lists, may: &dyn Fn(usize) -> bool) -> Vec<(u32, u32)> {
     let mut left: Vec<u32> = (0..columns.len()).map(|j| columns.list(j).len() as u32).collect();
     let mut taken = vec![false; rows.len()];
     let mut queue: Vec<u32> = (0..columns.len() as u32).filter(|&j| left[j as usize] == 1).collect();
@@ -16,8 +16,10 @@ pub(super) fn peel(columns: &Lists, rows: &Lists, barred: &[bool]) -> Vec<(u32, 
     while at < queue.len() {
         let column = queue[at];
         at += 1;
-        let row = columns.list(column as usize).iter().copied().find(|&i| !taken[i as usize]);
-        let Some(row) = row.filter(|_| !barred[column as usize]) else { continue };
+        let range = columns.start[column as usize]..columns.start[column as usize + 1];
+        let entry = range.into_iter().find(|&entry| !taken[columns.index[entry] as usize]);
+        let Some(entry) = entry.filter(|&entry| may(entry)) else { continue };
+        let row = columns.index[entry];
         taken[row as usize] = true;
         pairs.push((column, row));
         for &other in rows.list(row as usize) {

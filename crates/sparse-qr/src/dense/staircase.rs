@@ -95,8 +95,8 @@ impl Dense<'_> {
         work.v.resize(base + height, 0.0);
         let v = &mut work.v[base + g - top..];
         v[0] = 1.0;
-        let scale = 1.0 / (alpha - beta);
-        v[1..].iter_mut().zip(&column[1..]).for_each(|(v, a)| *v = a * scale);
+        // Not by the reciprocal, which overflows for the smallest numbers.
+        v[1..].iter_mut().zip(&column[1..]).for_each(|(v, a)| *v = a / (alpha - beta));
         column[0] = beta;
         work.tau.push((beta - alpha) / beta);
         true

@@ -34,12 +34,15 @@ pub(crate) fn factor(
     limit: usize,
 ) -> Result<Factor, Error> {
     let numbers = checked(symbolic, values, rhs, tolerance)?;
-    let barred = barred(symbolic, &numbers);
-    if barred.iter().any(|&at| at) {
-        let again = crate::analyse::analyse(symbolic.rows, &symbolic.columns(), &barred)?;
-        return run(&again, &numbers, limit).map(|(factor, _)| factor);
-    }
-    run(symbolic, &numbers, limit).map(|(factor, _)| factor)
+    let is_live = |entry: usize| values[entry].abs() > tolerance;
+    let diagonal = |i: usize| symbolic.entry[symbolic.pattern.start[i]] as usize;
+    let result = if (0..symbolic.peeled).map(diagonal).all(is_live) {
+        run(symbolic, &numbers, limit)
+    } else {
+        // Peeled by the pattern, but of no size: peel by the values.
+        run(&crate::analyse::analyse(symbolic.rows, &symbolic.columns(), &is_live)?, &numbers, limit)
+    };
+    result.map(|(factor, _)| factor)
 }
 
 /// The factor, and the most bytes that were booked.
@@ -71,14 +74,4 @@ fn checked<'a>(symbolic: &Symbolic, values: &'a [f64], rhs: &'a [f64], tolerance
         }
     }
     Ok(Numbers { values, rhs, count, tolerance })
-}
-
-/// Columns that were peeled by the pattern but whose one number is not above the tolerance.
-fn barred(symbolic: &Symbolic, numbers: &Numbers) -> Vec<bool> {
-    let mut barred = vec![false; symbolic.cols];
-    for i in 0..symbolic.peeled {
-        let diagonal = numbers.values[symbolic.entry[symbolic.pattern.start[i]] as usize];
-        barred[symbolic.order[i] as usize] = diagonal.abs() <= numbers.tolerance;
-    }
-    barred
 }
