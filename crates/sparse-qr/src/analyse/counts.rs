@@ -8,40 +8,66 @@ use crate::pattern::{Lists, NONE};
 
 /// `rows` in the order of their first column, each ascending; empty rows may stand anywhere.
 pub(super) fn of_rows(parent: &[u32], rows: &Lists) -> Vec<u32> {
-    let n = parent.len();
-    let first = first_descendants(parent);
-    let mut delta: Vec<i64> = (0..n).map(|j| i64::from(first[j] == j as u32)).collect();
-    let mut leaf = vec![NONE; n];
-    let mut set: Vec<u32> = (0..n as u32).collect();
+    let mut counter = Counter::new(parent);
     let mut row = 0;
-    for j in 0..n as u32 {
-        if parent[j as usize] != NONE {
-            delta[parent[j as usize] as usize] -= 1;
-        }
+    for j in 0..parent.len() as u32 {
+        counter.end_path(j);
         while row < rows.len() && rows.list(row).first().is_none_or(|&f| f == j) {
-            for &k in rows.list(row).iter().skip(1) {
-                let before = leaf[k as usize];
-                if before != NONE && before >= first[j as usize] {
-                    continue;
-                }
-                delta[j as usize] += 1;
-                leaf[k as usize] = j;
-                if before != NONE {
-                    delta[find(&mut set, before) as usize] -= 1;
-                }
-            }
+            rows.list(row).iter().skip(1).for_each(|&k| counter.path(j, k));
             row += 1;
         }
         if parent[j as usize] != NONE {
-            set[j as usize] = parent[j as usize];
+            counter.set[j as usize] = parent[j as usize];
         }
     }
-    for j in 0..n {
-        if parent[j] != NONE {
-            delta[parent[j] as usize] += delta[j];
+    counter.summed()
+}
+
+struct Counter<'a> {
+    parent: &'a [u32],
+    first: Vec<u32>,
+    delta: Vec<i64>,
+    /// The last leaf of each column's union.
+    leaf: Vec<u32>,
+    /// Nodes done point up to the first ancestor that is not.
+    set: Vec<u32>,
+}
+
+impl<'a> Counter<'a> {
+    fn new(parent: &'a [u32]) -> Self {
+        let first = first_descendants(parent);
+        let delta = first.iter().zip(0..).map(|(&first, j)| i64::from(first == j)).collect();
+        Self { parent, first, delta, leaf: vec![NONE; parent.len()], set: (0..parent.len() as u32).collect() }
+    }
+
+    /// All paths to j end at it.
+    fn end_path(&mut self, j: u32) {
+        if self.parent[j as usize] != NONE {
+            self.delta[self.parent[j as usize] as usize] -= 1;
         }
     }
-    delta.into_iter().map(|count| count as u32).collect()
+
+    /// Adds the path from j to k, unless one from below j holds it.
+    fn path(&mut self, j: u32, k: u32) {
+        let before = self.leaf[k as usize];
+        if before != NONE && before >= self.first[j as usize] {
+            return;
+        }
+        self.delta[j as usize] += 1;
+        self.leaf[k as usize] = j;
+        if before != NONE {
+            self.delta[find(&mut self.set, before) as usize] -= 1;
+        }
+    }
+
+    fn summed(mut self) -> Vec<u32> {
+        for j in 0..self.parent.len() {
+            if self.parent[j] != NONE {
+                self.delta[self.parent[j] as usize] += self.delta[j];
+            }
+        }
+        self.delta.into_iter().map(|count| count as u32).collect()
+    }
 }
 
 /// The root of a node's set, after linking the path to it.

@@ -1,7 +1,8 @@
 //! `peak(f) = max(peaks of the children one after the other, what they left + what f leaves)` and a front, in bytes.
 //!
 //! Sequentially a child runs beside what its elder siblings left. In parallel all children of a front may be at their
-//! peaks at once, each with a buffer as large as the largest front below; one after the other they share one. Whatever the values, a front leaves at most `min(rows, outer columns)` rows: what all pivots dead leave.
+//! peaks at once, each with a buffer as large as the largest front below; one after the other they share one. Whatever
+//! the values, a front leaves at most `min(rows, outer columns)` rows: what all pivots dead leave.
 
 use super::{Forecast, Shape};
 use crate::numeric::PANEL;
