@@ -8,10 +8,10 @@ use pulp::Arch;
 use super::block::Panel;
 use super::reflect::{Reflect, Square};
 
-/// Columns of a panel in fronts that are eliminated by panels.
-pub(crate) const PANEL: usize = 32;
-/// Fronts with fewer entries are eliminated column by column.
-const SMALL: usize = 2500;
+/// The widest panel.
+pub(crate) const PANEL: usize = 48;
+/// Panels of so many columns for fronts of at least so many entries; smaller ones are eliminated column by column.
+const WIDTHS: [(usize, usize); 3] = [(2_000_000, PANEL), (60_000, 32), (2_500, 16)];
 
 /// A front, `rows` x (`cols` + right-hand sides) by columns.
 pub(crate) struct Dense<'a> {
@@ -40,7 +40,8 @@ impl Dense<'_> {
     pub fn eliminate(&mut self, arch: Arch, work: &mut Work) {
         work.lead.clear();
         work.dropped = 0.0;
-        let panel = if self.rows * self.cols < SMALL { self.cols } else { PANEL };
+        let size = self.rows * self.cols;
+        let panel = WIDTHS.iter().find(|&&(least, _)| size >= least).map_or(self.cols, |&(_, width)| width);
         let mut k = 0;
         while k < self.cols && work.lead.len() < self.rows {
             let end = self.cols.min(k + panel);
