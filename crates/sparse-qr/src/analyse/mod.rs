@@ -19,7 +19,7 @@ use crate::symbolic::Symbolic;
 use rest::Rest;
 
 /// AMD comes first if `S^T S` has at most so many times the entries of S; it is the faster of the two then.
-const PRODUCT: usize = 24;
+const PRODUCT: usize = 5;
 /// The other order is tried too where the first promises so many operations for each entry of S.
 const WORTH: f64 = 2e4;
 
