@@ -2,9 +2,10 @@
 //!
 //! Both sides are taken in turns in one process, analysis included; the medians are compared. `--test` takes the smallest
 //! scene only, any other word the systems whose names hold it. Corpus systems are read from the folder QLESS_CORPUS.
+//! `--peak` compares instead how much each side raises the memory of a process of its own (Linux).
 
 use std::hint::black_box;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use qless::Csr;
@@ -69,54 +70,108 @@ fn compare(name: &str, columns: &Csr) -> f64 {
     a / b
 }
 
-fn scenes(test: bool) -> Vec<(String, Csr)> {
-    let meshes: Vec<(String, Mesh)> = if test {
-        vec![("mortar 300".into(), Mesh::with_equations(300))]
-    } else {
-        let levels =
-            [Level::P50, Level::P80, Level::P110].map(|level| (format!("mortar {} %", level.percent()), level.mesh()));
-        let large = Mesh::with_equations(4 * Level::P110.equations());
-        levels.into_iter().chain([("mortar 4 x 110 %".into(), large)]).collect()
-    };
-    let matrix = |mesh: &Mesh| fssi::mortar(mesh, 1).expect("a scene").system.matrix().clone();
-    meshes.iter().map(|(name, mesh)| (name.clone(), matrix(mesh))).collect()
+/// A system that is built when it is wanted.
+struct System {
+    name: String,
+    build: Box<dyn Fn() -> Option<Csr>>,
 }
 
-fn corpus() -> Vec<(String, Csr)> {
+fn mortar(name: String, mesh: Mesh) -> System {
+    let build = Box::new(move || Some(fssi::mortar(&mesh, 1).expect("a scene").system.matrix().clone()));
+    System { name, build }
+}
+
+fn scenes(test: bool) -> Vec<System> {
+    if test {
+        return vec![mortar("mortar 300".into(), Mesh::with_equations(300))];
+    }
+    let levels = [Level::P50, Level::P80, Level::P110];
+    let levels = levels.map(|level| mortar(format!("mortar {} %", level.percent()), level.mesh()));
+    let large = Mesh::with_equations(4 * Level::P110.equations());
+    levels.into_iter().chain([mortar("mortar 4 x 110 %".into(), large)]).collect()
+}
+
+fn corpus() -> Vec<System> {
     let Some(folder) = std::env::var_os("QLESS_CORPUS") else { return Vec::new() };
-    let mut paths: Vec<_> =
-        std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path()).collect();
-    paths.sort();
-    paths.iter().filter_map(|path| case(path)).collect()
+    let entries = std::fs::read_dir(folder).expect("a folder");
+    let mut files: Vec<PathBuf> = entries.map(|entry| entry.expect("an entry").path().join("C.mtx")).collect();
+    files.sort();
+    let name = |file: &PathBuf| Some(file.parent()?.file_name()?.to_string_lossy().into_owned());
+    let case = |file: PathBuf| Some(System { name: name(&file)?, build: Box::new(move || read(&file)) });
+    files.into_iter().filter(|file| file.is_file()).filter_map(case).collect()
 }
 
-fn case(path: &Path) -> Option<(String, Csr)> {
-    let file = path.join("C.mtx");
-    let system = file.is_file().then(|| qless_io::read_case(&file, None, None))?.ok()?;
-    let name = path.file_name()?.to_string_lossy().into_owned();
-    Some((name, system.matrix().clone())).filter(|(_, c)| c.nnz() >= LEAST)
+/// The matrix of a file, if it has enough entries to time.
+fn read(file: &Path) -> Option<Csr> {
+    let system = qless_io::read_case(file, None, None).ok()?;
+    Some(system.matrix().clone()).filter(|c| c.nnz() >= LEAST)
+}
+
+/// MiB that one factorization adds to what this process holds.
+fn raised(columns: &Csr, side: &str) -> f64 {
+    let status = |key: &str| {
+        let text = std::fs::read_to_string("/proc/self/status").expect("Linux");
+        let line = text.lines().find(|line| line.starts_with(key)).expect("a known key");
+        line.split_whitespace().nth(1).and_then(|word| word.parse::<f64>().ok()).expect("a number") / 1024.0
+    };
+    let rhs = vec![1.0; columns.cols];
+    std::fs::write("/proc/self/clear_refs", "5").expect("Linux");
+    let before = status("VmRSS");
+    if side == "ours" {
+        ours(columns, &rhs)
+    } else {
+        theirs(columns, &rhs)
+    };
+    status("VmHWM") - before
+}
+
+/// Both sides' peaks, each in a process of its own; no ratio where a process needs less than its own noise.
+fn compare_peaks(name: &str) -> Option<f64> {
+    let peak = |side: &str| {
+        let program = std::env::current_exe().expect("a program");
+        let child = std::process::Command::new(program).args(["--side", side, name]).output().expect("a process");
+        String::from_utf8_lossy(&child.stdout).trim().parse::<f64>().expect("a number")
+    };
+    let (a, b) = (peak("ours"), peak("spqr"));
+    println!("{name:<28}{a:>10.1} MiB{b:>10.1} MiB{:>8.2}", a / b);
+    (b > 10.0).then_some(a / b)
+}
+
+/// All systems, C and C^T, by columns.
+fn systems(test: bool) -> Vec<System> {
+    let cases = if test { Vec::new() } else { corpus() };
+    let both = |system: System| {
+        let (name, build) = (system.name, std::rc::Rc::new(system.build));
+        let again = build.clone();
+        let straight = System { name: name.clone(), build: Box::new(move || build().map(|c| c.transpose())) };
+        [straight, System { name: format!("{name} ^T"), build: Box::new(move || again()) }]
+    };
+    scenes(test).into_iter().chain(cases).flat_map(both).collect()
 }
 
 fn main() {
-    let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
-    let test = words.iter().any(|word| word == "--test");
-    let wanted = |name: &str| words.iter().filter(|word| *word != "--test").all(|word| name.contains(word.as_str()));
+    let mut words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
+    if let [flag, side, name] = &words[..]
+        && flag == "--side"
+    {
+        let system = systems(name.starts_with("mortar 300")).into_iter().find(|system| system.name == *name);
+        println!("{}", raised(&system.and_then(|system| (system.build)()).expect("a system"), side));
+        return;
+    }
+    let mut has = |flag: &str| words.iter().position(|word| word == flag).map(|at| words.remove(at)).is_some();
+    let (test, peaks) = (has("--test"), has("--peak"));
     println!(
         "{:<28}{:>8}{:>8}{:>9}{:>10}{:>10}{:>10}{:>10}{:>8}",
         "system", "m", "n", "nnz", "Mflop", "analysis", "ours ms", "spqr ms", "ratio"
     );
     let mut ratios = Vec::new();
-    for (name, c) in scenes(test).into_iter().chain(corpus()) {
-        for (name, columns) in [(name.clone(), c.transpose()), (format!("{name} ^T"), c)] {
-            if wanted(&name) {
-                ratios.push(compare(&name, &columns));
-            }
+    for System { name, build } in systems(test) {
+        if words.iter().all(|word| name.contains(word.as_str())) {
+            let ratio = |columns| if peaks { compare_peaks(&name) } else { Some(compare(&name, &columns)) };
+            ratios.extend(build().and_then(ratio));
         }
     }
     let mean = (ratios.iter().map(|ratio| ratio.ln()).sum::<f64>() / ratios.len().max(1) as f64).exp();
-    println!(
-        "geometric mean of {} ratios: {mean:.2}, largest {:.2}",
-        ratios.len(),
-        ratios.iter().copied().fold(0.0, f64::max)
-    );
+    let largest = ratios.iter().copied().fold(0.0, f64::max);
+    println!("geometric mean of {} ratios: {mean:.2}, largest {largest:.2}", ratios.len());
 }

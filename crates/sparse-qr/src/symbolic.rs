@@ -49,10 +49,10 @@ impl Symbolic {
     }
 
     /// Bytes that a factorization with `rhs` right-hand sides allocates at most (result, fronts, what waits for its
-    /// parent), if no column is dependent by its values.
+    /// parent), if no column is dependent by its values and all fronts run on one thread.
     ///
     /// A dependent column leaves a row to the parent that the pattern did not foresee; then [`Self::memory_at_worst`]
-    /// is the bound.
+    /// is the bound. Several threads run subtrees side by side only if the limit has room for that as well.
     pub fn memory(&self, rhs: usize) -> usize {
         self.forecast.bytes(self, rhs, false)
     }

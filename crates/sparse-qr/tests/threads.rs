@@ -106,3 +106,28 @@ fn empty_matrices_have_rank_0() {
         factor.rest.iter().for_each(|rest| assert!((rest - common::norm(&rhs)).abs() < 1e-12));
     }
 }
+
+/// Bands, arrows and many separate blocks: deep trees, wide trees, dense rows and columns.
+#[test]
+fn trees_of_every_form_are_walked() {
+    let n = 60_000_u32;
+    let value = |j: u32| 1.0 + f64::from(j % 3);
+    let band: Vec<Vec<(u32, f64)>> = (0..n).map(|j| (j..j + 3).map(|i| (i, value(i + j))).collect()).collect();
+    // Two dense rows fill all of R; dense columns (transposed) fill nothing.
+    let head = 1000;
+    let arrow: Vec<Vec<(u32, f64)>> = (0..head).map(|j| vec![(j, value(j)), (head, 1.0), (head + 1, 2.0)]).collect();
+    let blocks: Vec<Vec<(u32, f64)>> =
+        (0..n).map(|j| vec![(j / 2 * 3 + j % 2, value(j)), (j / 2 * 3 + 2, 1.0)]).collect();
+    for (rows, columns) in [(n + 2, band), (head + 2, arrow), (n / 2 * 3, blocks)] {
+        let a = Matrix::from_columns(rows as usize, &columns);
+        for a in [a.clone(), a.transposed()] {
+            let rhs = vec![1.0; a.rows];
+            let symbolic = a.analyse();
+            let factor = with_threads(2, &a, &symbolic, &rhs);
+            assert_eq!(factor.rank, columns.len());
+            common::check_shape(&a, &factor, &rhs, "tree");
+            let gap = common::norm(&factor.rhs).hypot(factor.rest[0]) - common::norm(&rhs);
+            assert!(gap.abs() < 1e-9, "norm off by {gap:e}");
+        }
+    }
+}
