@@ -25,7 +25,40 @@ const GAIN: f64 = 8.0;
 /// Bytes that the sparse way may allocate: 16 GiB.
 const SPARSE_LIMIT: usize = 8 * size_of::<f64>() * DENSE_LIMIT;
 
-/// Dense QR with column pivoting, and sparse QR for large sparse blocks, as a [`Backend`].
+/// Dense QR with column pivoting or sparse QR, by the rule above, as a [`Backend`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct DenseOrSparse;
+
+impl Backend for DenseOrSparse {
+    fn name(&self) -> &'static str {
+        Faer.name()
+    }
+
+    fn version(&self) -> String {
+        Faer.version()
+    }
+
+    fn pivots(&self, rows: usize, cols: usize) -> bool {
+        rows.saturating_mul(cols) <= SMALL
+    }
+
+    fn factor(&self, columns: &Csr, rhs: &[f64], tolerance: f64) -> Result<Factor, BackendError> {
+        let (m, n) = (columns.cols, columns.rows());
+        if self.pivots(m, n) {
+            return Faer.factor(columns, rhs, tolerance);
+        }
+        let symbolic = qless_qr::Symbolic::analyse(m, n, &columns.start, &columns.col);
+        let symbolic = symbolic.map_err(|error| refused(&error, m, n))?;
+        let dense = 4.0 * m as f64 * n as f64 * m.min(n) as f64;
+        if symbolic.flops() * GAIN < dense {
+            sparse(&symbolic, columns, rhs, tolerance)
+        } else {
+            Faer.factor(columns, rhs, tolerance)
+        }
+    }
+}
+
+/// Dense QR with column pivoting as a [`Backend`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Faer;
 
@@ -38,16 +71,13 @@ impl Backend for Faer {
         "faer 0.24".to_owned()
     }
 
+    fn pivots(&self, _: usize, _: usize) -> bool {
+        true
+    }
+
     fn factor(&self, columns: &Csr, rhs: &[f64], tolerance: f64) -> Result<Factor, BackendError> {
         let (m, n) = (columns.cols, columns.rows());
         let k = rhs.len().checked_div(m).unwrap_or(0);
-        if m.saturating_mul(n) > SMALL {
-            let symbolic = qless_qr::Symbolic::analyse(m, n, &columns.start, &columns.col);
-            let symbolic = symbolic.map_err(|error| refused(&error, m, n))?;
-            if symbolic.flops() * GAIN < 4.0 * m as f64 * n as f64 * m.min(n) as f64 {
-                return sparse(&symbolic, columns, rhs, tolerance);
-            }
-        }
         dense_len("faer", m, n + k)?;
         if m == 0 || n == 0 {
             return Ok(empty(n, rhs, k));
@@ -140,6 +170,7 @@ mod tests {
     #[test]
     fn identities_hold_on_the_test_families() {
         crate::qr::check::families(&super::Faer);
+        crate::qr::check::families(&super::DenseOrSparse);
     }
 
     /// The sparse way behind the rule, on the same families.
@@ -170,7 +201,7 @@ mod tests {
         let mut rows = Csr::empty(300);
         (0..400).for_each(|i| rows.push_row([(i * 7 % 299, 2.0), (299, 1.0)]));
         let columns = rows.transpose();
-        let factor = super::Faer.factor(&columns, &[], 1e-10).expect("a factorization");
+        let factor = super::DenseOrSparse.factor(&columns, &[], 1e-10).expect("a factorization");
         assert_eq!(Ok(factor), Sparse.factor(&columns, &[], 1e-10));
     }
 }
