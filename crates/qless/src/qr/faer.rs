@@ -18,8 +18,8 @@ use faer::{Conj, Mat, Par, Spec};
 use super::{Backend, BackendError, DENSE_LIMIT, Factor, dense_len};
 use crate::Csr;
 
-/// m n up to which a block is dense.
-const SMALL: usize = 1 << 16;
+/// m n up to which a block is dense (64 MiB): where ranks are delicate, a sparse first opinion costs a dense second one.
+const SMALL: usize = 1 << 23;
 /// How many times fewer operations the sparse way must promise.
 const GAIN: f64 = 8.0;
 /// Bytes that the sparse way may allocate: 16 GiB.
@@ -198,8 +198,8 @@ mod tests {
 
     #[test]
     fn a_large_sparse_block_is_sparse() {
-        let mut rows = Csr::empty(300);
-        (0..400).for_each(|i| rows.push_row([(i * 7 % 299, 2.0), (299, 1.0)]));
+        let mut rows = Csr::empty(3000);
+        (0..4000).for_each(|i| rows.push_row([(i * 7 % 2999, 2.0), (2999, 1.0)]));
         let columns = rows.transpose();
         let factor = super::DenseOrSparse.factor(&columns, &[], 1e-10).expect("a factorization");
         assert_eq!(Ok(factor), Sparse.factor(&columns, &[], 1e-10));
