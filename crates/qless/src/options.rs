@@ -51,7 +51,7 @@ impl BackendChoice {
     /// [`BackendError::NotCompiledIn`] for `Spqr` without the feature.
     pub fn get(self) -> Result<Box<dyn Backend>, BackendError> {
         match self {
-            Self::Auto | Self::Faer => Ok(Box::new(crate::qr::faer::Faer)),
+            Self::Auto | Self::Faer => Ok(Box::new(crate::qr::faer::DenseOrSparse)),
             Self::Gauss => Ok(Box::new(crate::qr::gauss::Gauss)),
             #[cfg(feature = "spqr")]
             Self::Spqr => Ok(Box::new(crate::qr::spqr::Spqr)),

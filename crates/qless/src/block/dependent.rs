@@ -35,7 +35,8 @@ pub(super) struct Rows {
 pub(super) fn find(block: &Block, backend: &dyn Backend, tolerance: f64) -> Result<Rows, BackendError> {
     let mut factor = backend.factor(&block.matrix, &[], tolerance)?;
     let (mut sigma, mut weakest) = smallest(block, &factor, backend)?;
-    if sigma < NEAR && backend.name() != Faer.name() && block.matrix.rows() * block.matrix.cols <= SECOND_OPINION {
+    let (m, n) = (block.matrix.rows(), block.matrix.cols);
+    if sigma < NEAR && !backend.pivots(n, m) && m * n <= SECOND_OPINION {
         // The backend may have kept the wrong rows of a sound block: with pivoting the best are kept.
         let other = Faer.factor(&block.matrix, &[], tolerance)?;
         let (better, place) = smallest(block, &other, &Faer)?;

@@ -50,7 +50,7 @@ fn relate(
     backend: &dyn Backend,
 ) -> Result<(Tableau, f64), BackendError> {
     let mut tableau = relation(block, factor);
-    if !tableau.limit(GROWTH) && backend.name() != Faer.name() {
+    if !tableau.limit(GROWTH) && !backend.pivots(kept.len(), block.matrix.cols) {
         return Ok((tableau, f64::INFINITY));
     }
     // Of slaves that serve equally well, the earlier DOF, as an equation's first term is by habit.

@@ -37,6 +37,11 @@ pub trait Backend: Send + Sync {
         true
     }
 
+    /// Whether it takes the best columns of a block of this size (column pivoting), not just the first independent ones.
+    fn pivots(&self, _rows: usize, _cols: usize) -> bool {
+        false
+    }
+
     /// Factors A, given by its columns (row j of `columns` is column j of A), and transforms B.
     ///
     /// `rhs` is B, m x k by columns (its length is m k). A column of A whose remaining part is at most

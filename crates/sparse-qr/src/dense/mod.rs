@@ -1,0 +1,7 @@
+//! Householder reflections of one front.
+
+mod block;
+mod reflect;
+mod staircase;
+
+pub(crate) use staircase::{Dense, PANEL, Work, scaled_norm};

@@ -1,0 +1,46 @@
+//! Rows of R, rows for the parent, rows that are done.
+
+use super::super::contribution::{Left, Out, pack, pack_rows, packed_len};
+use super::super::scaled_norm;
+use super::Bench;
+use crate::Error;
+use crate::analyse::{Shape, out_bytes, waiting_bytes};
+
+impl Bench<'_> {
+    /// Splits the eliminated front into rows of R, rows for the parent and rows that are done.
+    pub(super) fn read(&mut self, f: usize, rows: usize, pivots: usize) -> Result<(Left, Out), Error> {
+        let (cols, count) = (self.columns.len(), self.numbers.count);
+        let lead = &self.work.lead[..];
+        let rank = lead.partition_point(|&k| (k as usize) < pivots);
+        let (own, others) = lead.split_at(rank);
+        let shape = shape(cols, own, others);
+        self.ledger.take(out_bytes(&shape, count) + waiting_bytes(&shape, count))?;
+        let mut out = Out::new(own, &self.columns[pivots..], self.symbolic.outer.list(f), self.work.dropped);
+        out.has_rest = count > 0 && lead.len() < rows;
+        let room = packed_len(cols, own, count) + if out.has_rest { count } else { 0 };
+        out.values = self.ledger.reserve(room)?;
+        pack_rows(&self.values, rows, own, &mut out.values);
+        if out.has_rest {
+            let columns = self.values[cols * rows..].chunks_exact(rows);
+            out.values.extend(columns.map(|b| scaled_norm(&b[lead.len()..])));
+        }
+        Ok((self.left(rows, rank)?, out))
+    }
+
+    fn left(&self, rows: usize, rank: usize) -> Result<Left, Error> {
+        let lead = &self.work.lead[rank..];
+        let Some(&first) = lead.first() else { return Ok(Left::default()) };
+        let (cols, count) = (self.columns.len(), self.numbers.count);
+        let mut values = self.ledger.reserve(packed_len(cols, lead, count))?;
+        pack(&self.values, rows, cols, rank, lead, &mut values);
+        let columns = self.columns[first as usize..].to_vec();
+        Ok(Left { columns, lead: lead.iter().map(|k| k - first).collect(), values })
+    }
+}
+
+fn shape(cols: usize, own: &[u32], others: &[u32]) -> Shape {
+    let entries = |lead: &[u32]| packed_len(cols, lead, 0);
+    let left_cols = others.first().map_or(0, |&k| cols - k as usize);
+    let (rank, left_rows) = (own.len(), others.len());
+    Shape { rows: 0, cols, rank, entries: entries(own), left_rows, left_cols, left_entries: entries(others) }
+}

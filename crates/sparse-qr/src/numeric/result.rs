@@ -1,0 +1,148 @@
+//! `[R1 R2]` from the fronts' packed rows: independent columns keep their order, the others go behind them.
+
+use super::contribution::Out;
+use super::ledger::Ledger;
+use super::{Numbers, scaled_norm};
+use crate::pattern::NONE;
+use crate::symbolic::Symbolic;
+use crate::{Error, Factor, Rows};
+
+/// Builds the result; each front is freed once it is read.
+pub(super) fn collect(
+    symbolic: &Symbolic,
+    numbers: &Numbers,
+    outs: Vec<Out>,
+    ledger: &Ledger,
+) -> Result<Factor, Error> {
+    let place = places(symbolic, &outs);
+    let rank = symbolic.peeled + outs.iter().map(|out| out.rank).sum::<usize>();
+    // Zeros among them are room that is never touched.
+    let packed: usize =
+        outs.iter().map(|out| out.values.len() - out.rank * numbers.count - out.rest(numbers.count).len()).sum();
+    let entries = symbolic.pattern.start[symbolic.peeled] + packed;
+    ledger.take(12 * entries + 8 * (rank + 1 + rank * numbers.count))?;
+    let rest = rest(symbolic, numbers, &outs);
+    let dropped = outs.iter().fold(0.0, |sum: f64, out| sum.hypot(out.dropped));
+    let r = Rows { start: ledger.reserve(rank + 1)?, col: ledger.reserve(entries)?, val: ledger.reserve(entries)? };
+    let mut builder = Builder {
+        symbolic,
+        numbers,
+        place: &place,
+        rank,
+        r,
+        dependent: Vec::new(),
+        columns: Vec::new(),
+        rhs: vec![0.0; rank * numbers.count],
+    };
+    builder.r.start.push(0);
+    (0..symbolic.peeled).for_each(|i| builder.peeled(i));
+    outs.into_iter().enumerate().for_each(|(f, out)| builder.front(f, &out));
+    let Builder { r, rhs, .. } = builder;
+    if !r.val.iter().chain(&rhs).chain(&rest).all(|v| v.is_finite()) {
+        return Err(Error::Overflow);
+    }
+    let mut order = vec![0; symbolic.cols];
+    place.iter().zip(&symbolic.order).for_each(|(&at, &column)| order[at as usize] = column as usize);
+    Ok(Factor { rank, order, r, rhs, rest, dropped })
+}
+
+/// Final position of every position of the analysis.
+fn places(symbolic: &Symbolic, outs: &[Out]) -> Vec<u32> {
+    let mut place = vec![NONE; symbolic.cols];
+    let mut next = 0..;
+    let mut number = |at: &mut u32| *at = next.next().unwrap_or(NONE);
+    place[..symbolic.peeled].iter_mut().for_each(&mut number);
+    for (out, &from) in outs.iter().zip(&symbolic.fronts.pivot) {
+        (0..out.rank).for_each(|i| number(&mut place[(from + out.lead(i)) as usize]));
+    }
+    place.iter_mut().filter(|at| **at == NONE).for_each(number);
+    place
+}
+
+/// Norms of what remains of each right-hand side: of rows without entries and of what fronts had no columns for.
+fn rest(symbolic: &Symbolic, numbers: &Numbers, outs: &[Out]) -> Vec<f64> {
+    let assembled = symbolic.row.last().map_or(symbolic.peeled, |&end| end as usize);
+    let empty = &symbolic.row_order[assembled..];
+    let of = |c: usize| {
+        let b = &numbers.rhs[c * symbolic.rows..(c + 1) * symbolic.rows];
+        let untouched: Vec<f64> = empty.iter().map(|&i| b[i as usize]).collect();
+        let parts = outs.iter().filter_map(|out| out.rest(numbers.count).get(c));
+        parts.fold(scaled_norm(&untouched), |sum, part| sum.hypot(*part))
+    };
+    (0..numbers.count).map(of).collect()
+}
+
+struct Builder<'a> {
+    symbolic: &'a Symbolic,
+    numbers: &'a Numbers<'a>,
+    place: &'a [u32],
+    rank: usize,
+    r: Rows,
+    dependent: Vec<(u32, f64)>,
+    columns: Vec<u32>,
+    rhs: Vec<f64>,
+}
+
+impl Builder<'_> {
+    /// Independent columns stand in their order already; the others wait for the end of the row.
+    fn push(&mut self, column: u32, value: f64) {
+        if value == 0.0 {
+        } else if (column as usize) < self.rank {
+            self.r.col.push(column);
+            self.r.val.push(value);
+        } else {
+            self.dependent.push((column, value));
+        }
+    }
+
+    fn close(&mut self) {
+        self.r.col.extend(self.dependent.iter().map(|entry| entry.0));
+        self.r.val.extend(self.dependent.drain(..).map(|entry| entry.1));
+        self.r.start.push(self.r.col.len());
+    }
+
+    /// Row i of A is row i of R.
+    fn peeled(&mut self, i: usize) {
+        let symbolic = self.symbolic;
+        let range = symbolic.pattern.start[i]..symbolic.pattern.start[i + 1];
+        let positions = symbolic.pattern.index[range.clone()].iter();
+        for (&position, &entry) in positions.zip(&symbolic.entry[range]) {
+            self.push(self.place[position as usize], self.numbers.values[entry as usize]);
+        }
+        self.close();
+        for c in 0..self.numbers.count {
+            self.rhs[c * self.rank + i] = self.numbers.rhs[c * symbolic.rows + symbolic.row_order[i] as usize];
+        }
+    }
+
+    fn front(&mut self, f: usize, out: &Out) {
+        let (from, end, all) = self.symbolic.front_columns(f);
+        let Self { place, columns, .. } = self;
+        columns.clear();
+        columns.extend_from_slice(&place[from as usize..end as usize]);
+        columns.extend(out.outer(all).iter().map(|&at| place[at as usize]));
+        let columns = std::mem::take(columns);
+        let mut values = &out.values[..];
+        for i in 0..out.rank {
+            let columns = &columns[out.lead(i) as usize..];
+            let (row, behind) = values.split_at(columns.len());
+            let row_number = self.r.start.len() - 1;
+            self.row(columns, row);
+            let (rhs, others) = behind.split_at(self.numbers.count);
+            rhs.iter().enumerate().for_each(|(c, b)| self.rhs[c * self.rank + row_number] = *b);
+            values = others;
+        }
+        self.columns = columns;
+    }
+
+    fn row(&mut self, columns: &[u32], values: &[f64]) {
+        let is_plain = |(&column, &value): (&u32, &f64)| value != 0.0 && (column as usize) < self.rank;
+        if columns.iter().zip(values).all(is_plain) {
+            self.r.col.extend_from_slice(columns);
+            self.r.val.extend_from_slice(values);
+        } else {
+            columns.iter().zip(values).for_each(|(&column, &value)| self.push(column, value));
+        }
+        self.close();
+    }
+}

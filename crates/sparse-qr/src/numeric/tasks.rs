@@ -1,0 +1,147 @@
+//! Subtrees in parallel, fronts one after the other: children before parents.
+//!
+//! A front's numbers depend on its children only, which are assembled in their order, so no schedule changes a bit. A
+//! subtree becomes a task when it is worth one; without threads, or without memory for subtrees side by side, all fronts
+//! run in postorder on the calling thread.
+
+use rayon::prelude::*;
+use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
+
+use super::Numbers;
+use super::contribution::{Left, Out};
+use super::front::Bench;
+use super::ledger::Ledger;
+use crate::Error;
+use crate::pattern::NONE;
+use crate::symbolic::Symbolic;
+
+/// Operations that a task is worth at least.
+const GRAIN: f64 = 2e6;
+/// Tasks are at least this share of the whole, which bounds how deep they nest.
+const SHARE: f64 = 1.0 / 128.0;
+
+/// What a front has left behind.
+#[derive(Default)]
+struct Slot {
+    left: Left,
+    out: Out,
+}
+
+/// Runs all fronts; what they give, in their order.
+pub(super) fn run(symbolic: &Symbolic, numbers: &Numbers, ledger: &Ledger) -> Result<Vec<Out>, Error> {
+    let slots = (0..symbolic.fronts.len()).map(|_| Mutex::default()).collect();
+    let all = symbolic.forecast.flops.iter().sum::<f64>();
+    let parallel = rayon::current_num_threads() > 1
+        && all > 2.0 * GRAIN
+        && symbolic.forecast.bytes_in_parallel(symbolic, numbers.count) <= ledger.limit();
+    let grain = if parallel { GRAIN.max(all * SHARE) } else { f64::INFINITY };
+    let tasks = Tasks { symbolic, numbers, ledger, slots, grain };
+    let count = symbolic.fronts.len() as u32;
+    let roots: Vec<u32> = (0..count).filter(|&f| symbolic.fronts.parent[f as usize] == NONE).collect();
+    if parallel {
+        tasks.siblings(&roots)?;
+    } else {
+        tasks.sequence(std::slice::from_ref(&(0..count)))?;
+    }
+    let out = |slot: Mutex<Slot>| slot.into_inner().unwrap_or_else(PoisonError::into_inner).out;
+    Ok(tasks.slots.into_iter().map(out).collect())
+}
+
+struct Tasks<'a> {
+    symbolic: &'a Symbolic,
+    numbers: &'a Numbers<'a>,
+    ledger: &'a Ledger,
+    slots: Vec<Mutex<Slot>>,
+    grain: f64,
+}
+
+impl Tasks<'_> {
+    /// The subtrees of the given fronts.
+    fn siblings(&self, tops: &[u32]) -> Result<(), Error> {
+        let (heavy, light) = self.divided(tops);
+        let jobs: Vec<Job> = heavy.into_iter().map(Job::Subtree).chain(self.batches(light).map(Job::Batch)).collect();
+        jobs.into_par_iter().try_for_each(|job| match job {
+            Job::Subtree(top) => self.subtree(top),
+            Job::Batch(ranges) => self.sequence(&ranges),
+        })
+    }
+
+    /// Walks down as long as one child alone is worth a task, divides there, and works upwards.
+    fn subtree(&self, top: u32) -> Result<(), Error> {
+        let mut path = vec![top];
+        loop {
+            let children = self.children(path[path.len() - 1]);
+            match self.divided(children).0[..] {
+                [] => break,
+                [only] => path.push(only),
+                _ => {
+                    self.siblings(children)?;
+                    break;
+                }
+            }
+        }
+        let bottom = path[path.len() - 1];
+        let mut ranges = Vec::new();
+        let divided = !self.divided(self.children(bottom)).0.is_empty();
+        if !divided {
+            ranges.push(self.symbolic.fronts.first[bottom as usize]..bottom);
+        }
+        ranges.push(bottom..bottom + 1);
+        for pair in path.windows(2).rev() {
+            ranges.extend(self.divided(self.children(pair[0])).1.into_iter().map(|child| self.range(child)));
+            ranges.push(pair[0]..pair[0] + 1);
+        }
+        self.sequence(&ranges)
+    }
+
+    fn children(&self, f: u32) -> &[u32] {
+        self.symbolic.fronts.children.list(f as usize)
+    }
+
+    fn range(&self, f: u32) -> Range<u32> {
+        self.symbolic.fronts.first[f as usize]..f + 1
+    }
+
+    /// Subtrees that are worth a task, and those that are not.
+    fn divided(&self, tops: &[u32]) -> (Vec<u32>, Vec<u32>) {
+        tops.iter().partition(|&&f| self.symbolic.forecast.work[f as usize] >= self.grain)
+    }
+
+    /// Light subtrees, gathered until they are worth a task.
+    fn batches(&self, light: Vec<u32>) -> impl Iterator<Item = Vec<Range<u32>>> {
+        let (mut batches, mut work) = (vec![Vec::new()], 0.0);
+        for f in light {
+            if work >= self.grain {
+                batches.push(Vec::new());
+                work = 0.0;
+            }
+            work += self.symbolic.forecast.work[f as usize];
+            if let Some(batch) = batches.last_mut() {
+                batch.push(self.range(f));
+            }
+        }
+        batches.into_iter().filter(|batch| !batch.is_empty())
+    }
+
+    /// Fronts one after the other.
+    fn sequence(&self, ranges: &[Range<u32>]) -> Result<(), Error> {
+        let mut bench = Bench::new(self.symbolic, self.numbers, self.ledger);
+        for f in ranges.iter().cloned().flatten() {
+            let left = |child: &u32| std::mem::take(&mut self.slot(*child).left);
+            let children = self.children(f).iter().map(left).collect();
+            let (left, out) = bench.front(f as usize, children)?;
+            *self.slot(f) = Slot { left, out };
+        }
+        Ok(())
+    }
+
+    fn slot(&self, f: u32) -> std::sync::MutexGuard<'_, Slot> {
+        self.slots[f as usize].lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+enum Job {
+    Subtree(u32),
+    Batch(Vec<Range<u32>>),
+}

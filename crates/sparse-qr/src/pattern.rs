@@ -1,0 +1,80 @@
+//! `S = {(i, j): a_ij stored}`, by columns as it is given and by rows as it is assembled.
+
+use crate::Error;
+
+/// No front, no row, no column.
+pub(crate) const NONE: u32 = u32::MAX;
+
+/// The largest count that the analysis holds: indices are 32 bits wide, the ordering's are signed.
+const MOST: usize = i32::MAX as usize / 3;
+
+/// Lists of indices, one after the other: list i is `index[start[i]..start[i + 1]]`.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Lists {
+    pub start: Vec<usize>,
+    pub index: Vec<u32>,
+}
+
+impl Lists {
+    pub fn new() -> Self {
+        Self { start: vec![0], index: Vec::new() }
+    }
+
+    pub fn len(&self) -> usize {
+        self.start.len() - 1
+    }
+
+    pub fn list(&self, i: usize) -> &[u32] {
+        &self.index[self.start[i]..self.start[i + 1]]
+    }
+
+    /// Closes the list that was pushed to `index`.
+    pub fn close(&mut self) {
+        self.start.push(self.index.len());
+    }
+
+    /// Who names i, ascending: list i of the result holds every j whose list holds i < `count`.
+    pub fn transposed(&self, count: usize) -> Self {
+        let mut start = vec![0; count + 1];
+        self.index.iter().for_each(|&i| start[i as usize + 1] += 1);
+        (0..count).for_each(|i| start[i + 1] += start[i]);
+        let (mut next, mut index) = (start.clone(), vec![0; self.index.len()]);
+        for j in 0..self.len() {
+            for &i in self.list(j) {
+                index[next[i as usize]] = j as u32;
+                next[i as usize] += 1;
+            }
+        }
+        Self { start, index }
+    }
+}
+
+/// The pattern by columns, if it is one.
+pub(crate) fn checked(rows: usize, cols: usize, start: &[usize], index: &[u32]) -> Result<Lists, Error> {
+    if start.len() != cols + 1 {
+        return Err(Error::Length { what: "start", found: start.len(), expected: cols + 1 });
+    }
+    if start[cols] != index.len() {
+        return Err(Error::Length { what: "index", found: index.len(), expected: start[cols] });
+    }
+    if rows.max(cols).max(index.len()) > MOST {
+        return Err(Error::TooLarge { rows, cols, entries: index.len() });
+    }
+    let fault = |column: usize| fault(rows, start[column], start[column + 1], index).map(|what| (column, what));
+    match (0..cols).find_map(fault) {
+        _ if start[0] != 0 => Err(Error::Pattern { column: 0, what: "it does not start at 0" }),
+        Some((column, what)) => Err(Error::Pattern { column, what }),
+        None => Ok(Lists { start: start.to_vec(), index: index.to_vec() }),
+    }
+}
+
+fn fault(rows: usize, from: usize, to: usize, index: &[u32]) -> Option<&'static str> {
+    if from > to || to > index.len() {
+        return Some("it ends before it starts");
+    }
+    let column = &index[from..to];
+    if column.windows(2).any(|pair| pair[0] >= pair[1]) {
+        return Some("its row indices do not ascend");
+    }
+    column.last().filter(|&&row| row as usize >= rows).map(|_| "a row index is beyond the rows")
+}

@@ -1,0 +1,99 @@
+//! `P_r A P_c = [R11 R12; 0 S]` and the tree of fronts of S: everything that the pattern alone decides.
+
+use crate::analyse::{Forecast, Fronts};
+use crate::pattern::Lists;
+use crate::{Error, Factor};
+
+/// The analysis of one pattern. It holds no numbers, serves any number of factorizations, and any number at once.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Symbolic {
+    pub(crate) rows: usize,
+    pub(crate) cols: usize,
+    /// Column of A at each position; peeled ones first.
+    pub(crate) order: Vec<u32>,
+    /// How many columns were peeled: position i is the diagonal of row i up to here.
+    pub(crate) peeled: usize,
+    /// Row of A at each row position: peeled ones, then by first column, empty ones last.
+    pub(crate) row_order: Vec<u32>,
+    /// Columns (positions, ascending) of the rows in that order.
+    pub(crate) pattern: Lists,
+    /// Where in A's values each of those entries is.
+    pub(crate) entry: Vec<u32>,
+    pub(crate) fronts: Fronts,
+    /// Front f assembles the rows `row[f]..row[f + 1]` (row positions).
+    pub(crate) row: Vec<u32>,
+    /// Columns of each front that are not pivotal.
+    pub(crate) outer: Lists,
+    pub(crate) forecast: Forecast,
+}
+
+impl Symbolic {
+    /// Analyses the pattern of an m x n matrix, given by columns: column j has entries in the rows
+    /// `index[start[j]..start[j + 1]]`, ascending without duplicates.
+    ///
+    /// # Errors
+    /// [`Error::Length`], [`Error::Pattern`] or [`Error::TooLarge`] if it is no such pattern.
+    pub fn analyse(rows: usize, cols: usize, start: &[usize], index: &[u32]) -> Result<Self, Error> {
+        let columns = crate::pattern::checked(rows, cols, start, index)?;
+        crate::analyse::analyse(rows, &columns, &|_| true)
+    }
+
+    /// Operations of the factorization without right-hand sides, if no column is dependent.
+    pub fn flops(&self) -> f64 {
+        self.forecast.flops.iter().fold(0.0, |sum, flops| sum + flops)
+    }
+
+    /// Entries of `[R1 R2]` if no column is dependent, zeros of joined fronts included.
+    pub fn entries(&self) -> usize {
+        self.forecast.entries
+    }
+
+    /// Bytes that a factorization with `rhs` right-hand sides allocates at most (result, fronts, what waits for its
+    /// parent), if no column is dependent by its values and all fronts run on one thread.
+    ///
+    /// A dependent column leaves a row to the parent that the pattern did not foresee; then [`Self::memory_at_worst`]
+    /// is the bound. Several threads run subtrees side by side only if the limit has room for that as well.
+    pub fn memory(&self, rhs: usize) -> usize {
+        self.forecast.bytes(self, rhs, false)
+    }
+
+    /// As [`Self::memory`], whatever the values.
+    pub fn memory_at_worst(&self, rhs: usize) -> usize {
+        self.forecast.bytes(self, rhs, true)
+    }
+
+    /// Factors the matrix with this pattern and the given values, and transforms B (`rhs`, m x k by columns).
+    ///
+    /// A column whose remaining part is at most `tolerance` in 2-norm counts as dependent. At most `limit` bytes are
+    /// allocated: the forecast is checked before anything is, and what exceeds the forecast before each front.
+    /// Runs on the calling thread's rayon pool; the result has the same bits whatever its size.
+    ///
+    /// # Errors
+    /// Every other variant of [`Error`].
+    pub fn factor(&self, values: &[f64], rhs: &[f64], tolerance: f64, limit: usize) -> Result<Factor, Error> {
+        crate::numeric::factor(self, values, rhs, tolerance, limit)
+    }
+
+    pub(crate) fn front_columns(&self, f: usize) -> (u32, u32, &[u32]) {
+        (self.fronts.pivot[f], self.fronts.pivot[f + 1], self.outer.list(f))
+    }
+
+    pub(crate) fn front_rows(&self, f: usize) -> std::ops::Range<usize> {
+        self.row[f] as usize..self.row[f + 1] as usize
+    }
+
+    /// The pattern by columns as it was given, and the column of each peeled position.
+    pub(crate) fn columns(&self) -> Lists {
+        let mut start = vec![0; self.cols + 1];
+        for &position in &self.pattern.index {
+            start[self.order[position as usize] as usize + 1] += 1;
+        }
+        (0..self.cols).for_each(|j| start[j + 1] += start[j]);
+        let mut index = vec![0; self.entry.len()];
+        for i in 0..self.rows {
+            let entries = &self.entry[self.pattern.start[i]..self.pattern.start[i + 1]];
+            entries.iter().for_each(|&entry| index[entry as usize] = self.row_order[i]);
+        }
+        Lists { start, index }
+    }
+}
