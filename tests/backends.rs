@@ -13,7 +13,7 @@ use support::{check_certificates, check_reduction, diagnose, orders, reorder, se
 
 fn backends() -> Vec<BackendChoice> {
     let spqr = cfg!(feature = "spqr").then_some(BackendChoice::Spqr);
-    [BackendChoice::Faer, BackendChoice::Gauss].into_iter().chain(spqr).collect()
+    [BackendChoice::Faer, BackendChoice::Sparse, BackendChoice::Gauss].into_iter().chain(spqr).collect()
 }
 
 /// What may depend neither on the backend nor on presolve nor on the order.
@@ -222,6 +222,12 @@ fn corpus_faults(backend: BackendChoice) -> Vec<(String, String)> {
 #[test]
 fn corpus_faer() {
     let faults = corpus_faults(BackendChoice::Faer);
+    assert!(faults.is_empty(), "{faults:#?}");
+}
+
+#[test]
+fn corpus_sparse() {
+    let faults = corpus_faults(BackendChoice::Sparse);
     assert!(faults.is_empty(), "{faults:#?}");
 }
 

@@ -41,7 +41,7 @@ fn cases(part: &str) -> Vec<Case> {
 }
 
 fn backends() -> Vec<BackendChoice> {
-    let mut all = vec![BackendChoice::Faer];
+    let mut all = vec![BackendChoice::Faer, BackendChoice::Sparse];
     if cfg!(feature = "spqr") {
         all.push(BackendChoice::Spqr);
     }
@@ -194,4 +194,12 @@ fn extremes_are_right() {
         let wrong = run("extremes", &Options { backend, ..Options::default() });
         assert!(wrong.is_empty(), "{backend:?}: {wrong:#?}");
     }
+}
+
+/// The multifrontal QR by itself: every definite case without presolve.
+#[test]
+fn cases_are_right_on_the_sparse_backend_without_presolve() {
+    let options = Options { backend: BackendChoice::Sparse, presolve: false, ..Options::default() };
+    let wrong = run("cases", &options);
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }

@@ -12,6 +12,7 @@ macro_rules! on_each_backend {
         mod faer { $(#[test] fn $test() { super::$test(qless::BackendChoice::Faer); })* }
         #[cfg(feature = "spqr")]
         mod spqr { $(#[test] fn $test() { super::$test(qless::BackendChoice::Spqr); })* }
+        mod sparse { $(#[test] fn $test() { super::$test(qless::BackendChoice::Sparse); })* }
         mod gauss { $(#[test] fn $test() { super::$test(qless::BackendChoice::Gauss); })* }
     };
 }

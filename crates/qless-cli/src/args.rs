@@ -82,6 +82,9 @@ pub struct ModelArgs {
     /// Most threads to use
     #[arg(long, value_name = "N", value_parser = threads)]
     pub threads: Option<NonZeroUsize>,
+    /// Most memory of one sparse factorization in Rust, in MiB [default: 16384]
+    #[arg(long, value_name = "MIB", value_parser = threads)]
+    pub memory: Option<NonZeroUsize>,
     /// Leave every equation to the backend
     #[arg(long)]
     pub no_presolve: bool,
@@ -117,8 +120,10 @@ pub enum Deny {
 pub enum BackendName {
     /// The best for most models: faer
     Auto,
-    /// Pure Rust, QR with column pivoting
+    /// Pure Rust: QR with column pivoting, multifrontal sparse QR for large blocks
     Faer,
+    /// Pure Rust: multifrontal sparse QR for every block
+    Sparse,
     /// SuiteSparseQR, where it is compiled in (see --version)
     Spqr,
     /// Block-wise Gauss elimination, for comparison
@@ -140,6 +145,7 @@ impl ModelArgs {
         let backend = match self.backend {
             BackendName::Auto => BackendChoice::Auto,
             BackendName::Faer => BackendChoice::Faer,
+            BackendName::Sparse => BackendChoice::Sparse,
             BackendName::Spqr => BackendChoice::Spqr,
             BackendName::Gauss => BackendChoice::Gauss,
         };
@@ -147,7 +153,8 @@ impl ModelArgs {
         let relative = self.tolerance.map_or(standard.tolerance, Tolerance::Relative);
         let tolerance = if self.paper_tolerance { Tolerance::Paper } else { relative };
         let preferences = Preferences { equations: listed(self.keep.as_ref()), ..Preferences::default() };
-        Options { backend, tolerance, presolve: !self.no_presolve, preferences, ..standard }
+        let memory = self.memory.map_or(standard.memory, |mib| mib.get().saturating_mul(1 << 20));
+        Options { backend, tolerance, presolve: !self.no_presolve, memory, preferences, ..standard }
     }
 }
 

@@ -26,7 +26,7 @@ pub fn diagnose<'a>(args: &'a ModelArgs, options: Options, progress: &Progress) 
     let start = Instant::now();
     let refused = |error, system| Failure::of_analysis(error, &args.input, system);
     // Known before the work, so said before the work.
-    options.backend.get().map_err(|error| refused(error.into(), None))?;
+    options.backend.get(options.memory).map_err(|error| refused(error.into(), None))?;
     args.bound_threads().map_err(|error| Failure::Resource(format!("no threads can be started: {error}")))?;
     progress.stage("reading");
     let system = read_case(&args.input, args.rhs.as_deref(), args.prescribed.as_deref())?;

@@ -128,7 +128,7 @@ pub struct Analysis {
 pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis, AnalysisError> {
     options.validate()?;
     options.preferences.validate(system)?;
-    let backend = options.backend.get()?;
+    let backend = options.backend.get(options.memory)?;
     let tolerance = options.tolerance.value();
     let start = Instant::now();
     let (numbering, columns) = Numbering::new(system);
@@ -325,7 +325,7 @@ impl Analysis {
     /// [`BackendError`] if the block of the DOF cannot be factored again.
     pub fn because_fixed(&self, system: &ConstraintSystem, dof: usize) -> Result<Vec<Because>, BackendError> {
         let Ok(place) = self.generated.binary_search_by_key(&dof, |&(j, _)| j) else { return Ok(Vec::new()) };
-        let backend: Box<dyn Backend> = self.options.backend.get()?;
+        let backend: Box<dyn Backend> = self.options.backend.get(self.options.memory)?;
         let explainer = Explainer {
             system: self.numbering.view(system, system.rhs()),
             basis: &self.basis,

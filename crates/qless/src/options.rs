@@ -36,8 +36,10 @@ pub enum BackendChoice {
     /// `faer`.
     #[default]
     Auto,
-    /// Pure Rust: QR with column pivoting.
+    /// Pure Rust: dense QR with column pivoting, multifrontal sparse QR for large blocks.
     Faer,
+    /// Pure Rust: multifrontal sparse QR for every block.
+    Sparse,
     /// SuiteSparseQR; needs the cargo feature `spqr` (GPL-2.0-or-later).
     Spqr,
     /// The paper's block-wise Gauss elimination (section 3.1).
@@ -45,13 +47,14 @@ pub enum BackendChoice {
 }
 
 impl BackendChoice {
-    /// The backend itself.
+    /// The backend itself, which may allocate `memory` bytes for a block where it can tell before ([`Options::memory`]).
     ///
     /// # Errors
     /// [`BackendError::NotCompiledIn`] for `Spqr` without the feature.
-    pub fn get(self) -> Result<Box<dyn Backend>, BackendError> {
+    pub fn get(self, memory: usize) -> Result<Box<dyn Backend>, BackendError> {
         match self {
-            Self::Auto | Self::Faer => Ok(Box::new(crate::qr::faer::DenseOrSparse)),
+            Self::Auto | Self::Faer => Ok(Box::new(crate::qr::choice::DenseOrSparse { memory })),
+            Self::Sparse => Ok(Box::new(crate::qr::sparse::Sparse { memory })),
             Self::Gauss => Ok(Box::new(crate::qr::gauss::Gauss)),
             #[cfg(feature = "spqr")]
             Self::Spqr => Ok(Box::new(crate::qr::spqr::Spqr)),
@@ -72,6 +75,8 @@ pub struct Options {
     pub presolve: bool,
     /// Slaves and masters are exchanged until `max |T_ij|` is at most this. At least 1; default 4.
     pub growth: f64,
+    /// Bytes that a sparse factorization in Rust may allocate for one block; more is refused before the work. Default: 16 GiB.
+    pub memory: usize,
     /// DOFs that should or should not be slaves, equations to keep. Default: none.
     pub preferences: Preferences,
 }
@@ -83,6 +88,7 @@ impl Default for Options {
             tolerance: Tolerance::Relative(1e-10),
             presolve: true,
             growth: 4.0,
+            memory: 16 << 30,
             preferences: Preferences::default(),
         }
     }

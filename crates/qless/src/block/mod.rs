@@ -5,6 +5,7 @@
 //! detection errs far less often on `C^T` (tall) than on C, and the second factorization knows its rank.
 
 pub(crate) mod dependent;
+mod large;
 mod refine;
 mod slaves;
 pub(crate) mod split;

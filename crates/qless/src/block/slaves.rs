@@ -1,15 +1,15 @@
 //! `C P = Q [R1 R2]` on independent rows: `u_s = -R1^-1 R2 u_q - R1^-1 Q^T C_p u_p + R1^-1 Q^T b` (Eq. 23-26).
 
 use super::dependent::Rows;
-use super::refine;
-use super::tableau::Tableau;
+use super::tableau::{LARGE, Tableau};
 use super::{Block, Solved};
+use super::{large, refine};
 use crate::Csr;
 use crate::qr::faer::Faer;
 use crate::qr::{Backend, BackendError, Factor};
 
 /// Entries of a row of T below this, relative to its largest, are rounding.
-const NOISE: f64 = 1e-14;
+pub(super) const NOISE: f64 = 1e-14;
 /// A row of T all below this many units in the last place times the condition is zero: the DOF is fixed ...
 const ZERO_UNITS: f64 = 8.0;
 /// ... but a larger entry than this is kept, however bad the condition.
@@ -23,23 +23,36 @@ const GROWTH: f64 = 4.0;
 
 pub(super) fn choose(block: &Block, rows: Rows, backend: &dyn Backend, tolerance: f64) -> Result<Solved, BackendError> {
     let factor = full_rank(block, &rows.kept, backend, tolerance)?;
+    let zero = (ZERO_UNITS * f64::EPSILON / rows.sigma).clamp(NOISE, ZERO_LIMIT);
+    let width = block.matrix.cols - factor.rank + block.prescribed.len() + 1;
+    if factor.rank.saturating_mul(width) > LARGE && !backend.pivots(rows.kept.len(), block.matrix.cols) {
+        let (columns, constant) = large::columns(&factor, block.prescribed.len());
+        let dofs = |part: &[usize]| part.iter().map(|&j| j as u32).collect::<Vec<_>>();
+        let (slaves, masters) = (dofs(&factor.order[..factor.rank]), dofs(&factor.order[factor.rank..]));
+        let relation = columns.transpose();
+        let relation = clean((0..factor.rank).map(|i| relation.row(i)), masters.len(), columns.rows(), zero);
+        return Ok(solved(block, rows, &slaves, &masters, (relation, without_rounding(constant))));
+    }
     let (mut tableau, residual) = relate(block, &rows.kept, &factor, backend)?;
     if residual > ACCEPTABLE {
         // A sparse QR does not choose among columns that are independent; with column pivoting the best are taken.
         tableau = pivoted(block, &rows.kept, residual)?.unwrap_or(tableau);
     }
-    let zero = (ZERO_UNITS * f64::EPSILON / rows.sigma).clamp(NOISE, ZERO_LIMIT);
-    let (relation, constant) = sparse(&tableau, zero);
+    let relation = sparse(&tableau, zero);
+    Ok(solved(block, rows, &tableau.basic, &tableau.free, relation))
+}
+
+fn solved(block: &Block, rows: Rows, slaves: &[u32], masters: &[u32], (relation, constant): (Csr, Vec<f64>)) -> Solved {
     let dof = |k: &u32| block.dofs[*k as usize];
-    Ok(Solved {
+    Solved {
         kept: rows.kept.iter().map(|&i| block.rows[i]).collect(),
         dependent: rows.dependent,
-        slaves: tableau.basic.iter().map(dof).collect(),
-        others: tableau.free.iter().map(dof).chain(block.prescribed.iter().copied()).collect(),
+        slaves: slaves.iter().map(dof).collect(),
+        others: masters.iter().map(dof).chain(block.prescribed.iter().copied()).collect(),
         relation,
         constant,
         sigma: rows.sigma,
-    })
+    }
 }
 
 /// The relation that a factor gives, refined, and its residual; infinite where its slaves are too bad to go on with.
@@ -118,22 +131,34 @@ fn relation(block: &Block, factor: &Factor) -> Tableau {
     }
 }
 
-/// Drops rounding, on the free and on the prescribed side, which are in units of their own; splits the constant off.
+/// Splits the constant off, without rounding.
 fn sparse(tableau: &Tableau, zero: f64) -> (Csr, Vec<f64>) {
-    let mut relation = Csr::empty(tableau.width - 1);
-    let mut constant = Vec::new();
-    let masters = tableau.free.len();
-    for i in 0..tableau.basic.len() {
-        let (last, row) = tableau.row(i).split_last().expect("the constant is a column");
-        let least = [&row[..masters], &row[masters..]].map(|side| {
-            let largest = side.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
-            if largest <= zero { zero } else { NOISE * largest }
-        });
-        let entries = row.iter().copied().enumerate();
-        relation.push_row(entries.filter(|&(j, v)| v.abs() > least[usize::from(j >= masters)]));
-        constant.push(*last);
+    let width = tableau.width - 1;
+    let rows = (0..tableau.basic.len()).map(|i| tableau.row(i)[..width].iter().copied().enumerate());
+    let constant = (0..tableau.basic.len()).map(|i| tableau.row(i)[width]).collect();
+    (clean(rows, tableau.free.len(), width, zero), without_rounding(constant))
+}
+
+/// Drops rounding, on the free and on the prescribed side, which are in units of their own.
+fn clean<R: Iterator<Item = (usize, f64)> + Clone>(
+    rows: impl Iterator<Item = R>,
+    masters: usize,
+    width: usize,
+    zero: f64,
+) -> Csr {
+    let mut relation = Csr::empty(width);
+    for row in rows {
+        let mut largest = [0.0_f64; 2];
+        row.clone()
+            .for_each(|(j, v)| largest[usize::from(j >= masters)] = largest[usize::from(j >= masters)].max(v.abs()));
+        let least = largest.map(|largest| if largest <= zero { zero } else { NOISE * largest });
+        relation.push_row(row.filter(|&(j, v)| v.abs() > least[usize::from(j >= masters)]));
     }
+    relation
+}
+
+fn without_rounding(mut constant: Vec<f64>) -> Vec<f64> {
     let largest = constant.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
     constant.iter_mut().filter(|v| v.abs() <= NOISE * largest).for_each(|v| *v = 0.0);
-    (relation, constant)
+    constant
 }

@@ -1,11 +1,7 @@
-//! `A P = Q R` in pure Rust, any shape, any rank: dense with column pivoting, or sparse where that is far less work.
+//! `A P = Q R` by Householder QR with column pivoting on faer's dense kernels: pure Rust, any shape, any rank.
 //!
-//! Dense: Householder QR on faer's kernels. Pivoting takes the column with the largest remaining norm, so
-//! `|R_11| >= |R_22| >= ...`, and the rank is the number of diagonal entries above the tolerance. O(m n min(m, n)) time,
-//! 8 m (n + k) bytes. Sparse: multifrontal QR ([`qless_qr`]) with Heath's rank detection, like SuiteSparseQR's.
-//!
-//! The rule: a block of at most `SMALL` numbers is dense, for pivoting finds ranks more surely. A larger one is sparse
-//! if the operations that its pattern asks for, times `GAIN`, are fewer than the 4 m n min(m, n) of the dense way.
+//! Pivoting takes the column with the largest remaining norm, so `|R_11| >= |R_22| >= ...`, and the rank is the number
+//! of diagonal entries above the tolerance. O(m n min(m, n)) time, 8 m (n + k) bytes.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::householder::{
@@ -15,48 +11,8 @@ use faer::linalg::householder::{
 use faer::linalg::qr::col_pivoting::factor::{qr_in_place, qr_in_place_scratch, recommended_block_size};
 use faer::{Conj, Mat, Par, Spec};
 
-use super::{Backend, BackendError, DENSE_LIMIT, Factor, dense_len};
+use super::{Backend, BackendError, Factor, dense_len};
 use crate::Csr;
-
-/// m n up to which a block is dense (64 MiB): where ranks are delicate, a sparse first opinion costs a dense second one.
-const SMALL: usize = 1 << 23;
-/// How many times fewer operations the sparse way must promise.
-const GAIN: f64 = 8.0;
-/// Bytes that the sparse way may allocate: 16 GiB.
-const SPARSE_LIMIT: usize = 8 * size_of::<f64>() * DENSE_LIMIT;
-
-/// Dense QR with column pivoting or sparse QR, by the rule above, as a [`Backend`].
-#[derive(Clone, Copy, Debug, Default)]
-pub struct DenseOrSparse;
-
-impl Backend for DenseOrSparse {
-    fn name(&self) -> &'static str {
-        Faer.name()
-    }
-
-    fn version(&self) -> String {
-        Faer.version()
-    }
-
-    fn pivots(&self, rows: usize, cols: usize) -> bool {
-        rows.saturating_mul(cols) <= SMALL
-    }
-
-    fn factor(&self, columns: &Csr, rhs: &[f64], tolerance: f64) -> Result<Factor, BackendError> {
-        let (m, n) = (columns.cols, columns.rows());
-        if self.pivots(m, n) {
-            return Faer.factor(columns, rhs, tolerance);
-        }
-        let symbolic = qless_qr::Symbolic::analyse(m, n, &columns.start, &columns.col);
-        let symbolic = symbolic.map_err(|error| refused(&error, m, n))?;
-        let dense = 4.0 * m as f64 * n as f64 * m.min(n) as f64;
-        if symbolic.flops() * GAIN < dense {
-            sparse(&symbolic, columns, rhs, tolerance)
-        } else {
-            Faer.factor(columns, rhs, tolerance)
-        }
-    }
-}
 
 /// Dense QR with column pivoting as a [`Backend`].
 #[derive(Clone, Copy, Debug, Default)]
@@ -89,25 +45,6 @@ impl Backend for Faer {
         let mut b = Mat::from_fn(m, k, |i, c| rhs[c * m + i]);
         let (order, rank) = factor_in_place(&mut a, &mut b, tolerance);
         Ok(read(&a, &b, order, rank))
-    }
-}
-
-fn sparse(symbolic: &qless_qr::Symbolic, columns: &Csr, rhs: &[f64], tolerance: f64) -> Result<Factor, BackendError> {
-    let factor = symbolic.factor(&columns.val, rhs, tolerance, SPARSE_LIMIT);
-    let factor = factor.map_err(|error| refused(&error, columns.cols, columns.rows()))?;
-    let qless_qr::Factor { rank, order, r, rhs, rest, dropped } = factor;
-    let r = Csr { cols: columns.rows(), start: r.start, col: r.col, val: r.val };
-    Ok(Factor { rank, order, r, rhs, rest, dropped })
-}
-
-fn refused(error: &qless_qr::Error, rows: usize, cols: usize) -> BackendError {
-    let backend = "faer";
-    match error {
-        qless_qr::Error::OutOfMemory { .. } => {
-            BackendError::OutOfMemory { backend, rows, cols, advice: "; keep presolve on" }
-        }
-        qless_qr::Error::TooLarge { .. } => BackendError::TooLarge { backend, rows, cols },
-        _ => BackendError::Failed { backend, message: error.to_string() },
     }
 }
 
@@ -164,44 +101,8 @@ fn empty(n: usize, rhs: &[f64], k: usize) -> Factor {
 
 #[cfg(test)]
 mod tests {
-    use crate::Csr;
-    use crate::qr::{Backend, BackendError, Factor};
-
     #[test]
     fn identities_hold_on_the_test_families() {
         crate::qr::check::families(&super::Faer);
-        crate::qr::check::families(&super::DenseOrSparse);
-    }
-
-    /// The sparse way behind the rule, on the same families.
-    struct Sparse;
-
-    impl Backend for Sparse {
-        fn name(&self) -> &'static str {
-            "faer"
-        }
-
-        fn version(&self) -> String {
-            String::new()
-        }
-
-        fn factor(&self, columns: &Csr, rhs: &[f64], tolerance: f64) -> Result<Factor, BackendError> {
-            let symbolic = qless_qr::Symbolic::analyse(columns.cols, columns.rows(), &columns.start, &columns.col);
-            super::sparse(&symbolic.expect("a pattern"), columns, rhs, tolerance)
-        }
-    }
-
-    #[test]
-    fn identities_hold_on_the_test_families_by_the_sparse_way() {
-        crate::qr::check::families(&Sparse);
-    }
-
-    #[test]
-    fn a_large_sparse_block_is_sparse() {
-        let mut rows = Csr::empty(3000);
-        (0..4000).for_each(|i| rows.push_row([(i * 7 % 2999, 2.0), (2999, 1.0)]));
-        let columns = rows.transpose();
-        let factor = super::DenseOrSparse.factor(&columns, &[], 1e-10).expect("a factorization");
-        assert_eq!(Ok(factor), Sparse.factor(&columns, &[], 1e-10));
     }
 }

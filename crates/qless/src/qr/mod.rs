@@ -8,9 +8,11 @@ use crate::Csr;
 
 #[cfg(test)]
 pub(crate) mod check;
+pub mod choice;
 mod factor;
 pub mod faer;
 pub mod gauss;
+pub mod sparse;
 #[cfg(feature = "spqr")]
 pub mod spqr;
 
@@ -19,7 +21,7 @@ const DENSE_LIMIT: usize = 1 << 28;
 
 /// Refuses a dense m x n array that would not fit.
 fn dense_len(backend: &'static str, rows: usize, cols: usize) -> Result<usize, BackendError> {
-    let advice = "; keep presolve on, or use the backend spqr, which is sparse";
+    let advice = "; keep presolve on, or use a sparse backend (sparse, spqr)";
     let fits = rows.checked_mul(cols).filter(|&len| len <= DENSE_LIMIT);
     fits.ok_or(BackendError::OutOfMemory { backend, rows, cols, advice })
 }
@@ -83,6 +85,23 @@ pub enum BackendError {
         cols: usize,
         /// What the user can do, opening with "; ", or nothing.
         advice: &'static str,
+    },
+    /// The block needs more memory than the caller allows ([`crate::Options::memory`]).
+    #[error(
+        "{backend}: a block of {rows} x {cols} needs {} MiB of memory and {} are allowed; allow more, or keep presolve on",
+        .needed.div_ceil(1 << 20), .limit >> 20
+    )]
+    OverLimit {
+        /// Which backend.
+        backend: &'static str,
+        /// Rows of the block.
+        rows: usize,
+        /// Columns of the block.
+        cols: usize,
+        /// Bytes needed, as far as known when it stopped.
+        needed: usize,
+        /// Bytes allowed.
+        limit: usize,
     },
     /// The block is larger than the backend's index type.
     #[error("{backend}: a block of {rows} x {cols} is larger than its indices can count")]
