@@ -26,6 +26,7 @@ fn growth_is_that_of_a_strong_rrqr(backend: BackendChoice) {
                 "{name}, presolve {}: {growth:.3} after {} exchanges; dense {:.3}, {:.3} after {}",
                 options.presolve, reduction.exchanges, dense.pivoted, dense.strong, dense.exchanges
             );
+            assert!(reduction.t.val.iter().all(|v| v.is_finite()), "{name}: a number that is none");
             assert_eq!(growth, reduction.growth, "{name}: growth as reported");
             assert!(growth <= BOUND || dense.strong > BOUND, "{name}: {growth}, dense {}", dense.strong);
         }
