@@ -63,8 +63,8 @@ fn residuals_of_families(backend: BackendChoice) {
     }
 }
 
-/// With presolve these lose digits that their rows do not lose: slaves chosen first with `|T_ij|` up to 1e6 are exchanged, but
-/// T keeps their rounding, of 1.5e-11 and 2.4e-11.
+/// With presolve these lose digits that their rows do not lose: the slaves chosen first, with a large T, are exchanged, but
+/// T keeps their rounding: 1.5e-11 and 2.4e-11.
 const DIGITS_LOST: [&str; 2] = ["Kahan, angle 1.28", "Kahan, rows of one size"];
 
 /// The same limit with the smallest singular value of the kept rows instead of what is reported.

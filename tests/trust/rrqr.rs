@@ -1,8 +1,8 @@
 //! `C Pi = Q [R1 R2]`, `T = -R1^-1 R2` and exchanges until `max |T_ij| <= f`: strong rank-revealing QR, dense.
 //!
-//! Gu and Eisenstat (SIAM J. Sci. Comput. 17 (1996) 848): column pivoting first, then a column of R1 and one of R2 change
-//! places as long as that raises `|det R1|` by more than f. Behind the rank nothing is left of C, so that the factor of an
-//! exchange is `|T_ij|` alone.
+//! Gu and Eisenstat (SIAM J. Sci. Comput. 17 (1996) 848): column pivoting first, then a column of R1 and one of R2
+//! change places as long as that raises `|det R1|` by more than f. Behind the rank nothing is left of C, so that the
+//! factor of an exchange is `|T_ij|` alone.
 
 use qless::ConstraintSystem;
 

@@ -15,8 +15,8 @@ on_each_backend!(
     sigma_kept_falls_with_the_distance_from_dependence,
 );
 
-/// Five steps of inverse iteration in the product come from above to within `n^(1/18)` of the smallest value for a random start, 1.43 for
-/// n = 600; a start with a tenth of the expected part in its vector has 1.85.
+/// The product's five steps of inverse iteration come from above to within `n^(1/18)` of the smallest value for a random
+/// start, 1.43 for n = 600; a start with a tenth of the expected part in its vector has 1.85.
 const FACTOR: f64 = 2.0;
 /// Rounding of the SVD, relative to the largest singular value.
 const ROUNDING: f64 = 1e-13;
@@ -40,7 +40,7 @@ fn rank_is_the_number_of_singular_values(backend: BackendChoice) {
     }
 }
 
-/// Without presolve and without dependent rows: `sigma_min <= sigma_kept <= FACTOR sigma_min`, where more than 1 counts as 1.
+/// Without presolve and without dependent rows `sigma_min <= sigma_kept <= FACTOR sigma_min`; more than 1 counts as 1.
 fn check_sigma(name: &str, system: &ConstraintSystem, backend: BackendChoice) -> usize {
     let analysis = diagnose(system, &whole(backend));
     assert_eq!(analysis.presolve.core_rows, system.equations(), "{name}: all rows are in blocks");
@@ -62,8 +62,8 @@ fn sigma_kept_is_the_smallest_of_independent_rows(backend: BackendChoice) {
     }
 }
 
-/// Systems with dependent rows whose estimate is off by more than [`FACTOR`] either way: it is made before rows change places with
-/// earlier ones (`Tableau::prefer`), so it is not that of the rows kept in the end.
+/// Systems with dependent rows whose estimate is off by more than [`FACTOR`] either way: it is made before rows change
+/// places with earlier ones (`Tableau::prefer`), so it is not that of the rows kept in the end.
 fn estimate_of_other_rows(backend: BackendChoice) -> &'static [&'static str] {
     match backend {
         // 0.086 for 0.19, 3.7e-5 for 5.8e-6 and 4.4e-4 for 0.15.
@@ -105,8 +105,8 @@ fn sigma_kept_falls_with_the_distance_from_dependence(backend: BackendChoice) {
     }
 }
 
-/// With presolve these are called ambiguous though `sigma_r > 0.7`: `1 / max |(C_S^-1)_ij|` of the slaves that presolve chose
-/// first counts, not the distance of the rows from dependence, and not the slaves of the end.
+/// With presolve these are called ambiguous though `sigma_r > 0.7`: `1 / max |(C_S^-1)_ij|` of the slaves that presolve
+/// chose first counts, not the distance of the rows from dependence, and not the slaves of the end.
 const DOUBTED: [&str; 3] = ["Kahan, angle 1.28", "Kahan, rows of one size", "Wilkinson"];
 
 /// The systems called ambiguous though their singular values are above 1e-4 or rounding.

@@ -8,8 +8,8 @@ use super::free_of;
 /// Singular values of `D_r C_f`, descending; as many as the smaller of equations and free DOFs.
 ///
 /// C_f are the columns of C whose DOFs are not prescribed, and D_r the powers of two that bring the largest coefficient
-/// of each row into `[1, 2)`, which is how [`qless`] scales rows where units do not mix. Dense, in O(m n min(m, n)): for blocks
-/// of up to about 600 x 600. Values are right to rounding of the largest, so those below 1e-14 of it say "zero".
+/// of each row into `[1, 2)`, which is how [`qless`] scales rows where units do not mix. Dense, in O(m n min(m, n)): for
+/// blocks of up to about 600 x 600. Values are right to rounding of the largest, so those below 1e-14 of it say "zero".
 ///
 /// A path of n nodes, `u_i - u_(i+1) = 0`, has the values `2 sin(k pi / 2n)`:
 ///
