@@ -9,7 +9,7 @@
 //! | [`fssi`] | fluid-structure-soil interaction, sizes and redundancies of the paper's Table 1, tied or mortar-coupled |
 //! | [`paper`] | the paper's figures and small examples |
 //! | [`families`] | sized and seeded families: planted combinations, graphs, rigid spiders, periodic cells, grids |
-//! | [`oracle`] | exact rank, to check all of the above and anything else |
+//! | [`oracle`] | exact rank and dense singular values, to check all of the above and anything else |
 //!
 //! ```
 //! use qless_scenes::{fssi, oracle};

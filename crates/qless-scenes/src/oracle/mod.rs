@@ -9,15 +9,19 @@
 //! its rarest column (Markowitz 1957). Constraint systems of 30,000 rows take well under a second; matrices
 //! without any sparse elimination order, such as random ones of several thousand rows, do not belong here.
 //!
+//! [`singular_values`] is the other truth: how far a rank is from the next one. It is in floating point, and dense.
+//!
 //! Every function panics where a number is NaN or infinite, which no valid [`ConstraintSystem`] contains.
 
 mod eliminate;
 mod field;
+mod singular;
 
 use qless::{ConstraintSystem, Csr};
 
 use eliminate::rank;
 use field::{Field, Mod61};
+pub use singular::singular_values;
 
 /// A row of residues: `(column, value)`, ascending by column, values nonzero.
 type Row = Vec<(u32, u64)>;

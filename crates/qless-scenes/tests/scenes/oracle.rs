@@ -1,5 +1,5 @@
-use qless::Csr;
-use qless_scenes::oracle::exact_rank;
+use qless::{Csr, SystemBuilder};
+use qless_scenes::oracle::{exact_rank, singular_values};
 use qless_scenes::{Rng, SceneError, families};
 
 /// Rank by Bareiss' fraction-free elimination on whole numbers.
@@ -68,4 +68,41 @@ fn thirty_thousand_rows_are_within_reach() -> Result<(), SceneError> {
     let scene = families::grid_2d(125, 125)?;
     assert_eq!(exact_rank(scene.system.matrix()), 125 * 125 - 1);
     Ok(())
+}
+
+fn assert_near(found: &[f64], known: &[f64]) {
+    let near = |(a, b): (&f64, &f64)| (a - b).abs() <= 1e-14 * known[0];
+    assert!(found.len() == known.len() && found.iter().zip(known).all(near), "{found:?} for {known:?}");
+}
+
+/// `[1 1; 0 1]` has the golden ratio and its inverse, whatever the size of its rows and of prescribed DOFs.
+#[test]
+fn singular_values_are_those_of_equilibrated_rows_of_free_dofs() {
+    let mut builder = SystemBuilder::new(3);
+    builder.equation([(0, 3e300), (1, 8.0), (2, 8.0)], 1.0);
+    builder.equation([(0, 1.0), (2, 0.25)], 2.0);
+    builder.prescribe(0, 5.0);
+    let golden = f64::midpoint(1.0, 5_f64.sqrt());
+    assert_near(&singular_values(&builder.build().expect("valid")), &[golden, 1.0 / golden]);
+}
+
+#[test]
+fn singular_values_of_paths_and_cycles() -> Result<(), SceneError> {
+    let sine = |k: usize, n: usize| 2.0 * (std::f64::consts::PI * k as f64 / n as f64).sin();
+    let path: Vec<f64> = (1..50).rev().map(|k| sine(k, 100)).collect();
+    assert_near(&singular_values(&families::path(50)?.system), &path);
+    let mut cycle: Vec<f64> = (0..50).map(|k| sine(k, 50)).collect();
+    cycle.sort_by(|a, b| b.total_cmp(a));
+    assert_near(&singular_values(&families::cycle(50, 0.0)?.system), &cycle);
+    Ok(())
+}
+
+#[test]
+fn rows_without_free_dofs_have_no_singular_values_but_zero() {
+    let mut builder = SystemBuilder::new(2);
+    builder.equation([(0, 1.0)], 1.0);
+    builder.equation([(0, 1.0), (1, 1.5)], 1.0);
+    builder.prescribe(0, 1.0);
+    assert_near(&singular_values(&builder.build().expect("valid")), &[1.5]);
+    assert_eq!(singular_values(&SystemBuilder::new(2).build().expect("valid")), [0.0; 0]);
 }

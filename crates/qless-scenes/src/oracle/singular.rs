@@ -1,0 +1,43 @@
+//! `C' = D_r C_f`, rows of one size, and its singular values by a dense decomposition.
+
+use faer::Mat;
+use qless::ConstraintSystem;
+
+use super::free_of;
+
+/// Singular values of `D_r C_f`, descending; as many as the smaller of equations and free DOFs.
+///
+/// C_f are the columns of C whose DOFs are not prescribed, and D_r the powers of two that bring the largest coefficient
+/// of each row into `[1, 2)`, which is how [`qless`] scales rows where units do not mix. Dense, in O(m n min(m, n)): for
+/// blocks of up to about 600 x 600. Values are right to rounding of the largest, so those below 1e-14 of it say "zero".
+///
+/// A path of n nodes, `u_i - u_(i+1) = 0`, has the values `2 sin(k pi / 2n)`:
+///
+/// ```
+/// use qless_scenes::{families, oracle};
+/// let values = oracle::singular_values(&families::path(3)?.system);
+/// assert!((values[0] - 3_f64.sqrt()).abs() < 1e-14 && (values[1] - 1.0).abs() < 1e-14);
+/// # Ok::<(), qless_scenes::SceneError>(())
+/// ```
+///
+/// # Panics
+/// Where the decomposition does not converge, which no finite matrix is known to cause.
+pub fn singular_values(system: &ConstraintSystem) -> Vec<f64> {
+    let free = free_of(system);
+    let dofs: Vec<usize> = (0..system.dofs()).filter(|&j| free(j)).collect();
+    if system.equations() == 0 || dofs.is_empty() {
+        return Vec::new();
+    }
+    let mut dense = Mat::zeros(system.equations(), dofs.len());
+    for i in 0..system.equations() {
+        let row = || system.matrix().row(i).filter_map(|(j, v)| Some((dofs.binary_search(&j).ok()?, v)));
+        let unit = power_of_two(row().fold(0.0, |a: f64, (_, v)| a.max(v.abs())));
+        row().for_each(|(j, v)| dense[(i, j)] = v / unit);
+    }
+    dense.singular_values().expect("finite numbers")
+}
+
+/// `2^floor(log2 x)` for x >= 0: the double without its mantissa; the smallest normal one for anything below that.
+fn power_of_two(x: f64) -> f64 {
+    f64::from_bits(x.max(f64::MIN_POSITIVE).to_bits() & (0x7ff << 52))
+}

@@ -1,0 +1,43 @@
+//! `max |T_ij| <= 10` wherever a dense strong rank-revealing QR reaches that.
+//!
+//! That T is the right one is shown by the residuals of the same systems in `residual.rs`.
+
+use qless::{BackendChoice, Options};
+
+use super::rrqr::strong_rrqr;
+use super::scenes::{definite, steep};
+use crate::support::{diagnose, settings};
+
+on_each_backend!(growth_is_that_of_a_strong_rrqr, growth_needs_the_bound);
+
+/// What the comparison asks for; the product's default is 4.
+const BOUND: f64 = 10.0;
+
+fn growth_is_that_of_a_strong_rrqr(backend: BackendChoice) {
+    for (name, scene) in [definite(), steep()].concat() {
+        let rank = scene.truth.rank_free.expect("known");
+        let dense = strong_rrqr(&scene.system, rank, BOUND);
+        for options in settings(backend) {
+            let analysis = diagnose(&scene.system, &options);
+            assert_eq!(analysis.rank(), rank, "{name}, presolve {}", options.presolve);
+            let reduction = analysis.reduction(&scene.system);
+            let growth = reduction.t.val.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
+            println!(
+                "{name}, presolve {}: {growth:.3} after {} exchanges; dense {:.3}, {:.3} after {}",
+                options.presolve, reduction.exchanges, dense.pivoted, dense.strong, dense.exchanges
+            );
+            assert!(reduction.t.val.iter().all(|v| v.is_finite()), "{name}: a number that is none");
+            assert_eq!(growth, reduction.growth, "{name}: growth as reported");
+            assert!(growth <= BOUND || dense.strong > BOUND, "{name}: {growth}, dense {}", dense.strong);
+        }
+    }
+}
+
+/// Without a bound T grows beyond it, so that the test above can fail.
+fn growth_needs_the_bound(backend: BackendChoice) {
+    let unbounded = Options { backend, growth: 1e300, ..Options::default() };
+    let growth =
+        |(_, scene): (_, qless_scenes::Scene)| diagnose(&scene.system, &unbounded).reduction(&scene.system).growth;
+    let steepest = steep().into_iter().map(growth).fold(0.0, f64::max);
+    assert!(steepest > 1e3, "{steepest}");
+}
