@@ -62,17 +62,6 @@ fn sigma_kept_is_the_smallest_of_independent_rows(backend: BackendChoice) {
     }
 }
 
-/// Systems with dependent rows whose estimate is off by more than [`FACTOR`] either way: it is made before rows change
-/// places with earlier ones (`Tableau::prefer`), so it is not that of the rows kept in the end.
-fn estimate_of_other_rows(backend: BackendChoice) -> &'static [&'static str] {
-    match backend {
-        // 0.086 for 0.19, 3.7e-5 for 5.8e-6 and 4.4e-4 for 0.15.
-        BackendChoice::Spqr => &["planted and singletons", "gradient of a plane", "gradient in space"],
-        // 0.015 for 1.
-        _ => &["arrow"],
-    }
-}
-
 /// All are held to `FACTOR sigma_r(C)`, which bounds the estimate for any choice of rows.
 fn sigma_kept_is_near_the_smallest_of_the_kept_rows(backend: BackendChoice) {
     let mut off = Vec::new();
@@ -86,7 +75,7 @@ fn sigma_kept_is_near_the_smallest_of_the_kept_rows(backend: BackendChoice) {
         assert!(found > 0.0 && found <= FACTOR * all, "{name}: sigma_kept {found:e}, of all rows {all:e}");
         off.extend((!(least / FACTOR..=FACTOR * least).contains(&found)).then_some(name));
     }
-    assert_eq!(off, estimate_of_other_rows(backend));
+    assert!(off.is_empty(), "{off:?}");
 }
 
 /// Down to 100 times the tolerance: of full rank, measured and flagged.

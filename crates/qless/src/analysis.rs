@@ -249,6 +249,7 @@ impl Run<'_> {
 }
 
 impl Stages {
+    #[expect(clippy::too_many_arguments, reason = "every part of the analysis, once")]
     fn conclude(
         self,
         numbering: Numbering,

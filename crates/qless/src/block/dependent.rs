@@ -48,16 +48,37 @@ pub(super) fn find(block: &Block, backend: &dyn Backend, tolerance: f64) -> Resu
     if sigma <= tolerance && factor.rank > 0 {
         return repair(block, backend, tolerance, &factor, weakest);
     }
-    Ok(rows(block, certificates(&factor), left, sigma))
+    let (tableau, sigma) = in_order(block, backend, certificates(&factor), sigma)?;
+    Ok(rows(block, &tableau, left, sigma))
 }
 
-fn rows(block: &Block, mut tableau: Tableau, left: f64, sigma: f64) -> Rows {
-    // Of equations that say the same, the earlier one is kept.
-    tableau.prefer(|candidate, holder| candidate > holder);
+/// Of equations that say the same the earlier one is kept, and the singular value is that of the rows then kept; all stays as
+/// it is where that would cost accuracy.
+fn in_order(
+    block: &Block,
+    backend: &dyn Backend,
+    tableau: Tableau,
+    sigma: f64,
+) -> Result<(Tableau, f64), BackendError> {
+    let mut ordered = tableau.clone();
+    ordered.prefer(|candidate, holder| candidate > holder);
+    if ordered.basic == tableau.basic {
+        return Ok((tableau, sigma));
+    }
+    let kept: Vec<usize> = ordered.free.iter().map(|&k| k as usize).collect();
+    let (found, _) = if backend.is_orthogonal() {
+        backend.factor(&select(block, &kept), &[], 0.0)?.smallest_singular_value()
+    } else {
+        smallest_of(block, &kept)?
+    };
+    Ok(if 2.0 * found < sigma { (tableau, sigma) } else { (ordered, found) })
+}
+
+fn rows(block: &Block, tableau: &Tableau, left: f64, sigma: f64) -> Rows {
     let mut kept: Vec<usize> = tableau.free.iter().map(|&k| k as usize).collect();
     kept.sort_unstable();
     let noise = (ROUNDING * f64::EPSILON / sigma).max(NOISE);
-    let all = (0..tableau.basic.len()).map(|i| dependent(block, &tableau, i, left, noise, sigma));
+    let all = (0..tableau.basic.len()).map(|i| dependent(block, tableau, i, left, noise, sigma));
     Rows { dependent: all.collect(), kept, sigma }
 }
 
@@ -80,7 +101,7 @@ fn repair(
         if sigma > tolerance {
             let tableau = over_kept(block, backend, &kept, &dropped)?;
             let left = remainder(block, &tableau);
-            return Ok(rows(block, tableau, left, sigma));
+            return Ok(rows(block, &tableau, left, sigma));
         }
         drop = weakest;
     }
