@@ -77,7 +77,9 @@ impl Diagnosis<'_> {
     fn report(&self, reduced: Option<(&Reduction, Duration)>, terms: usize) -> Report {
         let report = Report::new(&self.system, &self.analysis, terms);
         let (report, time) = match reduced {
-            Some((reduction, time)) => (report.with_reduction(reduction), time),
+            Some((reduction, time)) => {
+                (report.with_reduction(reduction, self.analysis.residual(&self.system, reduction)), time)
+            }
             None => (report, Duration::ZERO),
         };
         report.with_timings(self.read, time, self.start.elapsed())

@@ -134,7 +134,7 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
     let (numbering, columns) = Numbering::new(system);
     let local = numbering.view(system, system.rhs());
     let wishes = Wishes::new(&options.preferences, &numbering, system.dofs());
-    let (rows, spread) = scale(local, options.tolerance);
+    let (rows, spread) = scale(local, &columns, options.tolerance);
     let run = Run { local, columns: &columns, scaling: &rows, wishes: &wishes, backend: backend.as_ref(), tolerance };
     let settle = |scaling: &Scaling| Run { scaling, ..run }.settle(system, options.presolve, start);
     let (scaling, (mut stages, held, confidence)) = if spread == Spread::UnitsMix {
@@ -290,9 +290,9 @@ impl Stages {
 /// Entries of the inverse of the kept equations up to this give no reason for doubt.
 const HARMLESS: f64 = 3e5;
 
-fn scale(system: Local, tolerance: Tolerance) -> (Scaling, Spread) {
+fn scale(system: Local, columns: &[Column], tolerance: Tolerance) -> (Scaling, Spread) {
     match tolerance {
-        Tolerance::Relative(_) => by_rows(system),
+        Tolerance::Relative(_) => by_rows(system, columns),
         Tolerance::Paper => (Scaling::none(system.equations()), Spread::Even),
     }
 }
@@ -367,13 +367,22 @@ impl Analysis {
         self.fixed.iter().for_each(|&j| fixed[j as usize] = true);
         let basics = Basics {
             basis: &self.basis,
-            scaling: &self.scaling,
-            independent: self.kinds.iter().map(|&kind| kind == Kind::Independent).collect(),
             fixed,
             wishes: Wishes::new(&self.options.preferences, &self.numbering, system.dofs()),
             growth: self.options.growth,
         };
         let local = self.numbering.view(system, system.rhs());
         reduction::build(system, local, &basics).compare(&self.options.preferences)
+    }
+
+    /// How well a reduction meets the independent equations: for random u_q and u_p
+    /// `max_i |C_i u - b_i| / (|C_i D| 1 max_j(s_j / d_j) + |b_i|)`, where s_j is the sum of the sizes of the parts that make
+    /// u_j and D the scaling of columns (1 unless units mix).
+    ///
+    /// About 1e-16 times the condition of the kept equations, `1 / confidence.sigma_kept`. One pass over C and T.
+    pub fn residual(&self, system: &ConstraintSystem, reduction: &Reduction) -> f64 {
+        let independent: Vec<bool> = self.kinds.iter().map(|&kind| kind == Kind::Independent).collect();
+        let local = self.numbering.view(system, system.rhs());
+        reduction::residual::residual(local, reduction, &independent, &self.scaling)
     }
 }

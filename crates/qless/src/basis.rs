@@ -53,8 +53,8 @@ impl Basis {
         Self {
             slaves: Vec::with_capacity(rows),
             ends: Vec::with_capacity(rows),
-            dofs: Vec::with_capacity(entries),
-            values: Vec::with_capacity(entries),
+            dofs: Vec::with_capacity(entries + 1),
+            values: Vec::with_capacity(entries + 1),
             constants: Vec::with_capacity(rows),
             pivots: Vec::with_capacity(rows),
             peeled: Vec::with_capacity(rows),
@@ -65,10 +65,12 @@ impl Basis {
     /// Appends equation `row`, solved for the DOF at `position`; `scaled` is that coefficient after scaling.
     pub fn peel(&mut self, row: u32, (dofs, values): (&[u32], &[f64]), position: usize, rhs: f64, scaled: f64) {
         let pivot = values[position];
-        for part in [0..position, position + 1..dofs.len()] {
-            self.dofs.extend_from_slice(&dofs[part.clone()]);
-            self.values.extend(values[part].iter().map(|v| -v / pivot));
-        }
+        self.dofs.extend_from_slice(dofs);
+        self.values.extend(values.iter().map(|v| -v / pivot));
+        // The slave's own place closes up.
+        let slave = self.dofs.len() - dofs.len() + position;
+        self.dofs.remove(slave);
+        self.values.remove(slave);
         self.close(dofs[position], rhs / pivot);
         self.pivots.push(scaled);
         self.peeled.push(row);

@@ -46,21 +46,26 @@ impl Numbering {
     pub fn new(system: &ConstraintSystem) -> (Self, Vec<Column>) {
         let c = system.matrix();
         let mut local = vec![u32::MAX; c.cols];
-        let (mut dofs, mut columns) = (Vec::new(), Vec::new());
+        // One place more than there are DOFs: each entry writes to the next free place, without a branch that nobody can predict.
+        let most = c.cols.min(c.nnz()) + 1;
+        let (mut dofs, mut columns) = (vec![0; most], vec![Column::default(); most]);
+        let mut count = 0;
         let mut entries = vec![0; c.nnz()];
         for i in 0..c.rows() {
             let range = c.start[i]..c.start[i + 1];
             for (entry, &j) in entries[range.clone()].iter_mut().zip(&c.col[range]) {
-                let l = &mut local[j as usize];
-                if *l == u32::MAX {
-                    *l = dofs.len() as u32;
-                    dofs.push(j);
-                    columns.push(Column::default());
-                }
-                columns[*l as usize].enter(i as u32);
-                *entry = *l;
+                let known = local[j as usize];
+                let is_new = known == u32::MAX;
+                let l = if is_new { count } else { known };
+                local[j as usize] = l;
+                dofs[count as usize] = j;
+                count += u32::from(is_new);
+                columns[l as usize].enter(i as u32);
+                *entry = l;
             }
         }
+        dofs.truncate(count as usize);
+        columns.truncate(count as usize);
         let mut free = vec![true; dofs.len()];
         let named = system.prescribed().iter().filter(|&&(j, _)| local[j] != u32::MAX);
         let prescribed: Vec<_> = named.map(|&(j, value)| (local[j] as usize, value)).collect();

@@ -178,7 +178,7 @@ pub struct ReductionSizes {
     pub masters: usize,
     /// `max |T_ij|`.
     pub growth: f64,
-    /// How well it meets the independent equations, see [`Reduction::residual`].
+    /// How well it meets the independent equations, see [`Analysis::residual`].
     pub residual: f64,
     /// Entries of T and G.
     pub nnz: usize,
@@ -270,14 +270,14 @@ impl Report {
         }
     }
 
-    /// Adds what is to be said of the reduced form.
+    /// Adds what is to be said of the reduced form; `residual` is that of [`Analysis::residual`].
     #[must_use]
-    pub fn with_reduction(mut self, reduction: &Reduction) -> Self {
+    pub fn with_reduction(mut self, reduction: &Reduction, residual: f64) -> Self {
         self.reduction = Some(ReductionSizes {
             slaves: reduction.slaves.len(),
             masters: reduction.masters.len(),
             growth: reduction.growth,
-            residual: reduction.residual,
+            residual,
             nnz: reduction.t.nnz() + reduction.g_matrix.nnz(),
             exchanges: reduction.exchanges,
         });

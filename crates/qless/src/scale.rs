@@ -6,7 +6,7 @@
 //! tiny, below `2^-20`, nobody can know whether they are in another unit or stand for zero: if the rank of scaled rows is in
 //! doubt, the analysis is made again with balanced columns, the surer one counts, and the doubt is reported.
 
-use crate::local::Local;
+use crate::local::{Column, Local};
 
 /// Exponents of the scaling: `C'_ij = C_ij 2^(row[i] + col[j])`.
 #[derive(Clone, Debug)]
@@ -61,12 +61,12 @@ pub(crate) enum Spread {
 }
 
 /// Scales `C` by its free DOFs in each row; a row without any is scaled by its prescribed ones.
-pub(crate) fn by_rows(system: Local) -> (Scaling, Spread) {
+pub(crate) fn by_rows(system: Local, columns: &[Column]) -> (Scaling, Spread) {
     let mut rows = Scaling::none(system.equations());
     let smallest = scale_rows(system, &mut rows);
     let spread = match smallest {
         SMALL.. => Spread::Even,
-        _ if small_columns(system, &rows) => Spread::UnitsMix,
+        _ if small_columns(system, columns, &rows) => Spread::UnitsMix,
         TINY.. => Spread::Even,
         _ => Spread::SomeTiny,
     };
@@ -88,10 +88,13 @@ const TINY: i32 = -20;
 
 /// Scales every row; returns the exponent of the smallest free entry relative to its row.
 fn scale_rows(system: Local, scaling: &mut Scaling) -> i32 {
-    let plain = system.prescribed().is_empty() && scaling.col.is_empty();
+    let plain = scaling.col.is_empty();
+    let all_free = system.prescribed().is_empty();
     let mut smallest = 0;
     for i in 0..system.equations() {
-        let span = if plain { plain_span(system.parts(i).1) } else { span(system, scaling, i) };
+        let (dofs, values) = system.parts(i);
+        let plain = plain && (all_free || dofs.iter().all(|&j| system.free()[j as usize]));
+        let span = if plain { plain_span(values) } else { span(system, scaling, i) };
         let (least, top) = span.unwrap_or((0, 0));
         scaling.row[i] = -top;
         smallest = smallest.min(least - top);
@@ -128,18 +131,20 @@ fn plain_span(values: &[f64]) -> Option<(i32, i32)> {
 }
 
 /// Whether more than one in twenty of the columns with two entries or more are small in all their rows.
-fn small_columns(system: Local, scaling: &Scaling) -> bool {
-    let least = 2f64.powi(SMALL);
-    let mut large = vec![false; system.dofs()];
-    let mut count = vec![0_u8; system.dofs()];
-    for i in 0..system.equations() {
-        for (j, v) in system.row(i) {
-            large[j] |= ldexp(v.abs(), scaling.row[i]) >= least;
-            count[j] = count[j].saturating_add(1);
-        }
+fn small_columns(system: Local, columns: &[Column], scaling: &Scaling) -> bool {
+    let is_shared = |j: usize| system.free()[j] && columns[j].count >= 2;
+    let shared = (0..system.dofs()).filter(|&j| is_shared(j)).count();
+    let is_small = |i: usize, v: f64| exponent(v) + scaling.row[i] < SMALL;
+    // Each such column holds two small entries at least: where there are too few, no column needs a look.
+    let entries = (0..system.equations()).map(|i| system.parts(i).1.iter().filter(|&&v| is_small(i, v)).count());
+    if 10 * entries.sum::<usize>() <= shared {
+        return false;
     }
-    let shared = || (0..system.dofs()).filter(|&j| system.free()[j] && count[j] >= 2);
-    20 * shared().filter(|&j| !large[j]).count() > shared().count()
+    let mut large = vec![false; system.dofs()];
+    for i in 0..system.equations() {
+        system.row(i).for_each(|(j, v)| large[j] |= !is_small(i, v));
+    }
+    20 * (0..system.dofs()).filter(|&j| is_shared(j) && !large[j]).count() > shared
 }
 
 /// Alternating geometric means of the free part, ten sweeps.
@@ -189,9 +194,9 @@ mod tests {
             }
         }
         let system = ConstraintSystem::from_triplets(30, 40, &triplets, &[0.0; 30], &[]).expect("valid");
-        let (numbering, _) = Numbering::new(&system);
+        let (numbering, columns) = Numbering::new(&system);
         let local = numbering.view(&system, system.rhs());
-        assert!(by_rows(local).1 == Spread::UnitsMix);
+        assert!(by_rows(local, &columns).1 == Spread::UnitsMix);
         let scaling = balanced(local);
         for i in 0..30 {
             for (j, v) in local.row(i) {

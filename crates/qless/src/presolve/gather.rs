@@ -30,6 +30,7 @@ pub(crate) fn gather(system: Local, remaining: &[bool], scaling: &Scaling) -> Re
     for &name in &out.names {
         let i = name as usize;
         let mut row = Row::new(ldexp(system.rhs()[i], scaling.row[i]));
+        row.entries.reserve_exact(system.row(i).len());
         for (j, v) in system.row(i) {
             let (entry, free) = (scaling.entry(i, j, v), system.free()[j]);
             if number[j] == u32::MAX {

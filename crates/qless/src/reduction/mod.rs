@@ -3,14 +3,13 @@
 mod exchange;
 mod growth;
 mod output;
-mod residual;
+pub(crate) mod residual;
 mod rows;
 mod wishes;
 
 use crate::basis::Basis;
 use crate::local::Local;
 use crate::preferences::{Preferences, Wishes};
-use crate::scale::Scaling;
 use crate::{ConstraintSystem, Csr};
 
 /// The reduced form of a constraint system.
@@ -40,17 +39,11 @@ pub struct Reduction {
     pub growth: f64,
     /// How many times a slave and a master changed places to keep the growth down.
     pub exchanges: usize,
-    /// `max_i |C_i u - b_i| / (|C_i D| 1 max_j(s_j / d_j) + |b_i|)` over independent equations, for random u_q and u_p: s_j
-    /// is the sum of the sizes of the parts that make u_j, D the scaling of columns (1 unless units mix).
-    pub residual: f64,
 }
 
 /// What [`build`] needs to know of an analysis.
 pub(crate) struct Basics<'a> {
     pub basis: &'a Basis,
-    pub scaling: &'a Scaling,
-    /// Equations that are kept.
-    pub independent: Vec<bool>,
     /// Local DOFs that move with no master; empty if there are none.
     pub fixed: Vec<bool>,
     pub wishes: Wishes,
@@ -63,9 +56,8 @@ pub(crate) fn build(system: &ConstraintSystem, local: Local, basics: &Basics) ->
     let mut relation = rows::assemble(local, basics.basis, &basics.fixed, basics.growth);
     let exchanged = wishes::meet(&mut relation, &basics.wishes, basics.growth);
     let exchanges = growth::bound(&mut relation, basics.growth, &basics.wishes, exchanged);
-    let residual = residual::residual(&relation, &basics.independent, basics.scaling);
     let reduction = output::write(system, &relation);
-    Reduction { growth: relation.growth, exchanges, residual, ..reduction }
+    Reduction { growth: relation.growth, exchanges, ..reduction }
 }
 
 impl Reduction {

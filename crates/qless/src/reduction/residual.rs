@@ -1,45 +1,45 @@
 //! For random u_q and u_p: `max_i |C_i u - b_i| / (|C_i D| 1 max_j(s_j / d_j) + |b_i|)`, where s_j is the sum of the sizes of
-//! the parts that make u_j and D the scaling of columns.
+//! the parts that make u_j and D the scaling of columns. From T, G and g as delivered, so that it checks every step before.
 
-use super::rows::Relation;
+use super::Reduction;
 use crate::generated::randoms;
+use crate::local::Local;
 use crate::scale::{Scaling, ldexp};
 
-pub(super) fn residual(relation: &Relation, independent: &[bool], scaling: &Scaling) -> f64 {
-    let (u, largest) = expand(relation, scaling);
-    let system = relation.system;
+/// Over the `independent` equations.
+pub(crate) fn residual(local: Local, reduction: &Reduction, independent: &[bool], scaling: &Scaling) -> f64 {
+    let (all, sizes) = expand(reduction);
+    let dofs = &local.numbering.dofs;
+    let unit = |(l, &j): (usize, &u32)| ldexp(sizes[j as usize], -scaling.col(l));
+    let largest = dofs.iter().enumerate().map(unit).fold(0.0, f64::max);
     let mut worst = 0.0_f64;
-    for i in (0..system.equations()).filter(|&i| independent[i]) {
-        let b = system.rhs()[i];
+    for i in (0..local.equations()).filter(|&i| independent[i]) {
+        let b = local.rhs()[i];
         let (mut sum, mut size) = (-b, 0.0);
-        for (j, v) in system.row(i) {
-            sum += v * u[j];
-            size += ldexp(v.abs(), scaling.col(j));
+        for (l, v) in local.row(i) {
+            sum += v * all[dofs[l] as usize];
+            size += ldexp(v.abs(), scaling.col(l));
         }
+        // A sum that is no number must not pass for a small one.
         if sum != 0.0 {
-            worst = worst.max(sum.abs() / (size * largest + b.abs()));
+            worst = worst
+                .max(Some(sum.abs() / (size * largest + b.abs())).filter(|r| !r.is_nan()).unwrap_or(f64::INFINITY));
         }
     }
     worst
 }
 
-/// u, and `max_j s_j / d_j`.
-fn expand(relation: &Relation, scaling: &Scaling) -> (Vec<f64>, f64) {
-    let mut u: Vec<f64> = randoms(1).take(relation.row_of.len()).collect();
-    let mut largest = 0.0_f64;
-    for (j, u) in u.iter().enumerate().filter(|&(j, _)| relation.row_of[j] == u32::MAX) {
-        largest = largest.max(ldexp(u.abs(), -scaling.col(j)));
+/// u, and the sums of the sizes of the parts that make each of its numbers.
+fn expand(reduction: &Reduction) -> (Vec<f64>, Vec<f64>) {
+    let mut random = randoms(1);
+    let mut some = |count: usize| random.by_ref().take(count).collect::<Vec<f64>>();
+    let (masters, prescribed) = (some(reduction.masters.len()), some(reduction.prescribed.len()));
+    let u = reduction.expand(&masters, &prescribed);
+    let mut sizes: Vec<f64> = u.iter().map(|v| v.abs()).collect();
+    for (i, &slave) in reduction.slaves.iter().enumerate() {
+        let by_masters: f64 = reduction.t.row(i).map(|(j, v)| (v * masters[j]).abs()).sum();
+        let by_prescribed: f64 = reduction.g_matrix.row(i).map(|(j, v)| (v * prescribed[j]).abs()).sum();
+        sizes[slave] = by_masters + by_prescribed + reduction.g[i].abs();
     }
-    for (i, &slave) in relation.slave.iter().enumerate() {
-        let constant = relation.constant[i];
-        let (mut sum, mut size) = (constant, constant.abs());
-        for (j, v) in relation.entries(i) {
-            let part = v * u[j as usize];
-            sum += part;
-            size += part.abs();
-        }
-        u[slave as usize] = sum;
-        largest = largest.max(ldexp(size, -scaling.col(slave as usize)));
-    }
-    (u, largest)
+    (u, sizes)
 }

@@ -41,6 +41,11 @@ impl Relation<'_> {
         self.slave.len()
     }
 
+    /// Whether row i is an equation of the user's, solved for a DOF: its terms ascend by the user's numbers.
+    pub fn is_users(&self, i: usize) -> bool {
+        i < self.basis.peeled.len() && matches!(self.places[i], Place::Basis)
+    }
+
     /// DOFs and coefficients of row i.
     #[inline]
     pub fn row(&self, i: usize) -> (&[u32], &[f64]) {
@@ -123,11 +128,17 @@ pub(crate) fn assemble<'a>(system: Local<'a>, basis: &'a Basis, fixed: &[bool], 
     for t in (0..rank).rev() {
         let slave = basis.slave(t);
         let is_fixed = fixed.get(slave as usize).is_some_and(|&fixed| fixed);
-        if is_fixed || basis.row(t).0.iter().any(|&j| relation.is_slave(j)) {
+        let (dofs, values) = basis.row(t);
+        let (mut of_slaves, mut largest) = (false, 0.0_f64);
+        for (&j, v) in dofs.iter().zip(values) {
+            of_slaves |= relation.is_slave(j);
+            largest = largest.max(if system.free()[j as usize] { v.abs() } else { 0.0 });
+        }
+        if is_fixed || of_slaves {
             substitute(&mut relation, &mut sum, t, is_fixed);
+            largest = relation.largest(t);
         }
         relation.row_of[slave as usize] = t as u32;
-        let largest = relation.largest(t);
         relation.growth = relation.growth.max(largest);
         if largest > limit {
             relation.steep.push(t as u32);
