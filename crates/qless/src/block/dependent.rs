@@ -6,7 +6,7 @@ use crate::Csr;
 use crate::confidence::NEAR;
 use crate::presolve::eliminate::Mismatch;
 use crate::qr::faer::Faer;
-use crate::qr::{Backend, BackendError, Factor};
+use crate::qr::{Backend, BackendError, Factor, SMALL};
 use crate::scale::ldexp;
 
 /// Coefficients of a certificate below this, relative to its largest, are rounding; where the kept rows are badly
@@ -18,8 +18,8 @@ pub(crate) const NO_PIVOT: f64 = 1e-13;
 /// Units in the last place, times the root of the size, that a QR may leave of a dependent row.
 const ROUNDING: f64 = 8.0;
 
-/// Blocks up to this many entries, dense, get a second opinion where the first one is in doubt.
-const SECOND_OPINION: usize = 4_000_000;
+/// Most times that rows are dropped and taken back in search of a sound choice.
+const ROUNDS: usize = 8;
 
 /// Error of a certificate, in units in the last place of its largest coefficient for each of its terms, times the condition of
 /// the kept rows.
@@ -36,7 +36,12 @@ pub(super) fn find(block: &Block, backend: &dyn Backend, tolerance: f64) -> Resu
     let mut factor = backend.factor(&block.matrix, &[], tolerance)?;
     let (mut sigma, mut weakest) = smallest(block, &factor, backend)?;
     let (m, n) = (block.matrix.rows(), block.matrix.cols);
-    if sigma < NEAR && !backend.pivots(n, m) && m * n <= SECOND_OPINION {
+    let pivots = backend.pivots(n, m) || sigma >= NEAR;
+    if !pivots && m * n > SMALL && backend.is_orthogonal() {
+        if let Some(rows) = without_weak(block, backend, tolerance, &factor)? {
+            return Ok(rows);
+        }
+    } else if !pivots {
         // The backend may have kept the wrong rows of a sound block: with pivoting the best are kept.
         let other = Faer.factor(&block.matrix, &[], tolerance)?;
         let (better, place) = smallest(block, &other, &Faer)?;
@@ -50,6 +55,58 @@ pub(super) fn find(block: &Block, backend: &dyn Backend, tolerance: f64) -> Resu
     }
     let (tableau, sigma) = in_order(block, backend, certificates(&factor), sigma)?;
     Ok(rows(block, &tableau, left, sigma))
+}
+
+/// The backend kept rows that are combinations of others, as a QR without pivoting does where their remainders are spread over
+/// many: those are found by the singular vectors and dropped, and dropped rows that only such a row had explained come
+/// back. None where that does not end in a sound choice.
+fn without_weak(
+    block: &Block,
+    backend: &dyn Backend,
+    tolerance: f64,
+    factor: &Factor,
+) -> Result<Option<Rows>, BackendError> {
+    let mut kept = factor.order[..factor.rank].to_vec();
+    let mut dropped = factor.order[factor.rank..].to_vec();
+    let Some(mut weak) = factor.weak_columns(NEAR)? else { return Ok(None) };
+    for _ in 0..ROUNDS {
+        weak.sort_unstable_by(|a, b| b.cmp(a));
+        dropped.extend(weak.iter().map(|&k| kept.swap_remove(k)));
+        let factor = backend.factor(&select(block, &kept), &[], 0.0)?;
+        dropped.extend(factor.order[factor.rank..].iter().map(|&k| kept[k]));
+        kept = factor.order[..factor.rank].iter().map(|&k| kept[k]).collect();
+        let Some(still) = factor.weak_columns(NEAR)? else { return Ok(None) };
+        weak = still;
+        if !weak.is_empty() {
+            continue;
+        }
+        let tableau = over_kept(block, backend, &kept, &dropped)?;
+        let unexplained = unexplained(block, &tableau, tolerance)?;
+        if unexplained.is_empty() {
+            let (sigma, _) = factor.smallest_singular_value();
+            let left = Some(remainder(block, &tableau)).filter(|&left| left > noise_of(block)).unwrap_or(0.0);
+            let (tableau, sigma) = in_order(block, backend, tableau, sigma)?;
+            return Ok((sigma >= NEAR).then(|| rows(block, &tableau, left, sigma)));
+        }
+        dropped.retain(|k| !unexplained.contains(k));
+        kept.extend(unexplained);
+    }
+    Ok(None)
+}
+
+/// Dropped rows that are no combination of the kept ones, nor of one another.
+fn unexplained(block: &Block, tableau: &Tableau, tolerance: f64) -> Result<Vec<usize>, BackendError> {
+    let mut rests = Csr::empty(block.matrix.cols);
+    let mut names = Vec::new();
+    for i in 0..tableau.basic.len() {
+        let rest = rest(block, tableau, i);
+        if norm(&rest) > tolerance {
+            rests.push_row(rest.into_iter().enumerate());
+            names.push(tableau.basic[i] as usize);
+        }
+    }
+    let factor = Faer.factor(&rests, &[], tolerance)?;
+    Ok(factor.order[..factor.rank].iter().map(|&k| names[k]).collect())
 }
 
 /// Of equations that say the same the earlier one is kept, and the singular value is that of the rows then kept; all stays as
@@ -148,23 +205,35 @@ fn over_kept(block: &Block, backend: &dyn Backend, kept: &[usize], dropped: &[us
 
 /// Largest part of a dependent row that its certificate does not give.
 fn remainder(block: &Block, tableau: &Tableau) -> f64 {
-    let mut worst = 0.0_f64;
-    for i in 0..tableau.basic.len() {
-        let mut rest = vec![0.0; block.matrix.cols];
-        block.matrix.row(tableau.basic[i] as usize).for_each(|(j, v)| rest[j] = v);
-        for (y, &k) in tableau.row(i).iter().zip(&tableau.free) {
-            block.matrix.row(k as usize).for_each(|(j, v)| rest[j] -= y * v);
-        }
-        worst = rest.iter().fold(worst, |a, v| a.max(v.abs()));
+    let largest = |i: usize| rest(block, tableau, i).iter().fold(0.0, |a: f64, v| a.max(v.abs()));
+    (0..tableau.basic.len()).map(largest).fold(0.0, f64::max)
+}
+
+/// What the certificate of dependent row i leaves of it.
+fn rest(block: &Block, tableau: &Tableau, i: usize) -> Vec<f64> {
+    let mut rest = vec![0.0; block.matrix.cols];
+    block.matrix.row(tableau.basic[i] as usize).for_each(|(j, v)| rest[j] = v);
+    for (y, &k) in tableau.row(i).iter().zip(&tableau.free) {
+        block.matrix.row(k as usize).for_each(|(j, v)| rest[j] -= y * v);
     }
-    worst
+    rest
+}
+
+fn norm(x: &[f64]) -> f64 {
+    x.iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
 /// Root mean square of what was left of the dependent rows, or 0 if rounding explains it.
 fn beyond_rounding(factor: &Factor, block: &Block) -> f64 {
-    let (m, n) = (block.matrix.rows() as f64, block.matrix.cols as f64);
+    let m = block.matrix.rows() as f64;
     let left = factor.dropped / (m - factor.rank as f64).max(1.0).sqrt();
-    if left > ROUNDING * f64::EPSILON * (m.sqrt() + n.sqrt()) { left } else { 0.0 }
+    if left > noise_of(block) { left } else { 0.0 }
+}
+
+/// What rounding may leave of a dependent row.
+fn noise_of(block: &Block) -> f64 {
+    let (m, n) = (block.matrix.rows() as f64, block.matrix.cols as f64);
+    ROUNDING * f64::EPSILON * (m.sqrt() + n.sqrt())
 }
 
 /// Row k of the tableau: `R1^-1 R2_k`, the dependent equation over the kept ones.

@@ -6,6 +6,7 @@
 
 pub(crate) mod dependent;
 mod large;
+mod pick;
 mod refine;
 mod slaves;
 pub(crate) mod split;

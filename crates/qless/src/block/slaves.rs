@@ -1,12 +1,13 @@
 //! `C P = Q [R1 R2]` on independent rows: `u_s = -R1^-1 R2 u_q - R1^-1 Q^T C_p u_p + R1^-1 Q^T b` (Eq. 23-26).
 
 use super::dependent::Rows;
-use super::tableau::{LARGE, Tableau};
+use super::large::{self, Large};
+use super::refine;
+use super::tableau::Tableau;
 use super::{Block, Solved};
-use super::{large, refine};
 use crate::Csr;
 use crate::qr::faer::Faer;
-use crate::qr::{Backend, BackendError, Factor};
+use crate::qr::{Backend, BackendError, Factor, SMALL};
 
 /// Entries of a row of T below this, relative to its largest, are rounding.
 pub(super) const NOISE: f64 = 1e-14;
@@ -22,17 +23,19 @@ const ACCEPTABLE: f64 = 1e-13;
 const GROWTH: f64 = 4.0;
 
 pub(super) fn choose(block: &Block, rows: Rows, backend: &dyn Backend, tolerance: f64) -> Result<Solved, BackendError> {
-    let factor = full_rank(block, &rows.kept, backend, tolerance)?;
     let zero = (ZERO_UNITS * f64::EPSILON / rows.sigma).clamp(NOISE, ZERO_LIMIT);
-    let width = block.matrix.cols - factor.rank + block.prescribed.len() + 1;
-    if factor.rank.saturating_mul(width) > LARGE && !backend.pivots(rows.kept.len(), block.matrix.cols) {
-        let (columns, constant) = large::columns(&factor, block.prescribed.len());
-        let dofs = |part: &[usize]| part.iter().map(|&j| j as u32).collect::<Vec<_>>();
-        let (slaves, masters) = (dofs(&factor.order[..factor.rank]), dofs(&factor.order[factor.rank..]));
+    let (r, n) = (rows.kept.len(), block.matrix.cols);
+    if r.saturating_mul(n) > SMALL
+        && !backend.pivots(r, n)
+        && backend.is_orthogonal()
+        && let Some(Large { slaves, masters, columns, constant }) =
+            large::relation(block, &rows.kept, backend, tolerance)?
+    {
         let relation = columns.transpose();
-        let relation = clean((0..factor.rank).map(|i| relation.row(i)), masters.len(), columns.rows(), zero);
+        let relation = clean((0..r).map(|i| relation.row(i)), masters.len(), columns.rows(), zero);
         return Ok(solved(block, rows, &slaves, &masters, (relation, without_rounding(constant))));
     }
+    let factor = full_rank(block, &rows.kept, backend, tolerance)?;
     let (mut tableau, residual) = relate(block, &rows.kept, &factor, backend)?;
     if residual > ACCEPTABLE {
         // A sparse QR does not choose among columns that are independent; with column pivoting the best are taken.

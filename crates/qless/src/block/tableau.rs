@@ -17,7 +17,7 @@ pub(crate) struct Tableau {
 }
 
 /// Beyond this many entries no exchange is made for the sake of order alone.
-pub(super) const LARGE: usize = 4_000_000;
+const LARGE: usize = 4_000_000;
 /// A basis that is further than this many exchanges from a good one is better chosen afresh.
 const MOST_EXCHANGES: usize = 100;
 /// An exchange for the sake of order must not cost determinant.

@@ -6,11 +6,9 @@
 
 use super::faer::Faer;
 use super::sparse::{Sparse, analyse};
-use super::{Backend, BackendError, Factor};
+use super::{Backend, BackendError, Factor, SMALL};
 use crate::Csr;
 
-/// m n up to which a block is dense (64 MiB): where ranks are delicate, a sparse first opinion costs a dense second one.
-const SMALL: usize = 1 << 23;
 /// How many times fewer operations the sparse way must promise.
 const GAIN: f64 = 8.0;
 

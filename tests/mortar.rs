@@ -1,0 +1,49 @@
+//! Mortar ties of the paper's Table 1: dense coupling, no column singletons, blocks of thousands of rows that are factored sparse.
+//!
+//! A QR without pivoting keeps dependent rows here (30 of 60 at 50 %, on `C^T`), so this is what the checked rank is for. The
+//! number of redundant rows follows from the mesh: both side faces of a vertical edge tie it.
+
+mod support;
+
+use qless::{BackendChoice, Kind, Options};
+use qless_scenes::fssi::{self, Level};
+use support::{check_certificates, check_reduction, diagnose};
+
+fn check(level: Level, redundant: usize, backend: BackendChoice) -> qless::Analysis {
+    let scene = fssi::mortar(&level.mesh(), 1).expect("a scene");
+    let analysis = diagnose(&scene.system, &Options { backend, ..Options::default() });
+    assert_eq!(analysis.rank(), level.equations() - redundant, "{} %", level.percent());
+    assert_eq!(analysis.dependent.iter().filter(|d| d.kind == Kind::Redundant).count(), redundant);
+    check_certificates(&scene.system, &analysis);
+    analysis
+}
+
+fn ranks(backend: BackendChoice) {
+    check(Level::P50, 60, backend);
+    check(Level::P80, 96, backend);
+}
+
+#[test]
+fn ranks_faer() {
+    ranks(BackendChoice::Faer);
+}
+
+#[cfg(feature = "spqr")]
+#[test]
+fn ranks_spqr() {
+    ranks(BackendChoice::Spqr);
+}
+
+/// Slaves of large blocks are well-conditioned, though the first independent columns are not (1e-42).
+#[test]
+fn a_reduction_meets_the_equations() {
+    let scene = fssi::mortar(&fssi::Mesh::with_equations(5000), 1).expect("a scene");
+    let analysis = diagnose(&scene.system, &Options { backend: BackendChoice::Sparse, ..Options::default() });
+    let reduction = analysis.reduction(&scene.system);
+    assert!(analysis.presolve.largest_block > 1200, "{:?}", analysis.presolve);
+    assert!(reduction.growth <= 4.0, "growth {}", reduction.growth);
+    let limit = 1e-13 / analysis.confidence.sigma_kept;
+    let residual = analysis.residual(&scene.system, &reduction);
+    assert!(residual <= limit, "residual {residual:e}, limit {limit:e}");
+    check_reduction(&scene.system, &analysis, &reduction, 10.0 * limit);
+}
