@@ -1,6 +1,6 @@
 //! Dense or sparse: what the backend `faer` does with a block.
 //!
-//! A block of at most [`SMALL`] numbers is dense, for pivoting finds ranks more surely. A larger one is sparse if the
+//! A block of at most 2^20 numbers is dense, for pivoting finds ranks more surely. A larger one is sparse if the
 //! operations that its pattern asks for, times [`GAIN`], are fewer than the `4 m n min(m, n)` of the dense way. Whether C or
 //! `C^T` is factored is no choice: [`crate::analyse`] needs both, `C^T` for the dependent rows, C for the slaves.
 
