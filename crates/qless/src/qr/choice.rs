@@ -1,7 +1,7 @@
 //! Dense or sparse: what the backend `faer` does with a block.
 //!
 //! A block of at most 2^20 numbers is dense, for pivoting finds ranks more surely. A larger one is sparse if the
-//! operations that its pattern asks for, times [`GAIN`], are fewer than the `4 m n min(m, n)` of the dense way. Whether C or
+//! operations that its pattern asks for, times 8, are fewer than the `4 m n min(m, n)` of the dense way. Whether C or
 //! `C^T` is factored is no choice: [`crate::analyse`] needs both, `C^T` for the dependent rows, C for the slaves.
 
 use super::faer::Faer;
