@@ -23,7 +23,7 @@ fn ours(columns: &Csr, rhs: &[f64]) -> usize {
 }
 
 fn theirs(columns: &Csr, rhs: &[f64]) -> usize {
-    black_box(Spqr.factor(columns, rhs, TOLERANCE).expect("a factorization")).rank
+    black_box(Spqr::default().factor(columns, rhs, TOLERANCE).expect("a factorization")).rank
 }
 
 fn time(work: impl FnOnce() -> usize) -> (f64, usize) {

@@ -6,6 +6,8 @@
 mod bindings;
 #[path = "build/probe.rs"]
 mod probe;
+#[path = "build/tbb.rs"]
+mod tbb;
 
 use std::path::{Path, PathBuf};
 use std::{env, fs};
@@ -17,8 +19,10 @@ fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-changed=build");
     println!("cargo::rerun-if-env-changed=DOCS_RS");
+    println!("cargo::rustc-check-cfg=cfg(task_tree)");
     if let Err(missing) = write_bindings() {
-        println!("cargo::error={}; {HOW_TO_GO_ON}", missing.replace('\n', " "));
+        let advice = if missing.contains("apt-get") { String::new() } else { format!("; {HOW_TO_GO_ON}") };
+        println!("cargo::error={}{advice}", missing.replace('\n', " "));
     }
 }
 
@@ -30,6 +34,9 @@ fn write_bindings() -> Result<(), String> {
     }
     let include = probe::find_and_link()?;
     export_to_tests(&include);
+    if env::var_os("CARGO_FEATURE_TBB").is_some() {
+        tbb::compile(&include)?;
+    }
     bindings::generate(&include, &target)
 }
 

@@ -23,7 +23,13 @@ pub const SUITESPARSE_SUBSUB_VERSION: i32 = 0;
 pub struct cholmod_common {
     pub print: c_int,
     pub status: c_int,
+    pub memory_usage: usize,
+    pub SPQR_grain: f64,
+    pub SPQR_small: f64,
+    pub SPQR_analyze_time: f64,
+    pub SPQR_factorize_time: f64,
     pub SPQR_norm_E_fro: f64,
+    pub SPQR_istat: [i64; 10],
 }
 
 #[repr(C)]

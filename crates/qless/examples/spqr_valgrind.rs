@@ -14,7 +14,7 @@ fn main() {
     for (name, columns) in systems() {
         for count in [0, 1, 3] {
             let rhs: Vec<f64> = (0..columns.cols * count).map(|i| (i % 7) as f64 - 3.0).collect();
-            match Spqr.factor(&columns, &rhs, 1e-10) {
+            match Spqr::default().factor(&columns, &rhs, 1e-10) {
                 Ok(factor) => println!("{name}, {count} right-hand sides: rank {}, {:?}", factor.rank, factor.rest),
                 Err(error) => println!("{name}, {count} right-hand sides: {error}"),
             }

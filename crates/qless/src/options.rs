@@ -57,7 +57,7 @@ impl BackendChoice {
             Self::Sparse => Ok(Box::new(crate::qr::sparse::Sparse { memory })),
             Self::Gauss => Ok(Box::new(crate::qr::gauss::Gauss)),
             #[cfg(feature = "spqr")]
-            Self::Spqr => Ok(Box::new(crate::qr::spqr::Spqr)),
+            Self::Spqr => Ok(Box::new(crate::qr::spqr::Spqr::on(0))),
             #[cfg(not(feature = "spqr"))]
             Self::Spqr => Err(BackendError::NotCompiledIn { backend: "spqr" }),
         }

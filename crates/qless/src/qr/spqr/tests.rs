@@ -102,7 +102,7 @@ fn assert_close(case: &Case, a: f64, b: f64, allowed: f64) {
 }
 
 fn factored(case: &Case, rhs: &[f64]) -> Factor {
-    let factor = Spqr.factor(&case.columns, rhs, 1e-10 * norm(&case.columns.val)).unwrap();
+    let factor = Spqr::default().factor(&case.columns, rhs, 1e-10 * norm(&case.columns.val)).unwrap();
     assert_eq!(factor.rank, case.rank, "{}", case.name);
     factor
 }
@@ -198,46 +198,46 @@ fn rest_of_a_mean_is_its_deviation() {
 
 #[test]
 fn matrices_without_rows_or_columns_have_rank_zero() {
-    let without_columns = Spqr.factor(&Csr::empty(2), &[3.0, 4.0, 0.0, 1.0], 0.0).unwrap();
+    let without_columns = Spqr::default().factor(&Csr::empty(2), &[3.0, 4.0, 0.0, 1.0], 0.0).unwrap();
     assert_eq!((without_columns.rank, without_columns.rest), (0, vec![5.0, 1.0]));
-    let without_rows = Spqr.factor(&Csr::empty(3).transpose(), &[], 0.0).unwrap();
+    let without_rows = Spqr::default().factor(&Csr::empty(3).transpose(), &[], 0.0).unwrap();
     assert_eq!((without_rows.order, without_rows.r), (vec![0, 1, 2], Csr::empty(3)));
 }
 
 #[test]
 fn tolerance_zero_keeps_whatever_is_not_zero() {
     let tiny = case("tiny", 2, &[&[1e-150, 1e-150, 0.0], &[1e-150, -1e-150, 0.0], &[0.0; 3]]);
-    assert_eq!(Spqr.factor(&tiny.columns, &[], 0.0).unwrap().rank, tiny.rank);
+    assert_eq!(Spqr::default().factor(&tiny.columns, &[], 0.0).unwrap().rank, tiny.rank);
 }
 
 #[test]
 fn tolerance_is_absolute_and_what_falls_below_is_reported() {
     let square = case("square", 2, &[&[1.0, 1.0], &[1.0, -1.0]]);
     for tolerance in [2.0, f64::INFINITY] {
-        let factor = Spqr.factor(&square.columns, &[3.0, 4.0], tolerance).unwrap();
+        let factor = Spqr::default().factor(&square.columns, &[3.0, 4.0], tolerance).unwrap();
         assert_eq!((factor.rank, factor.r.nnz()), (0, 0));
         assert_close(&square, factor.rest[0], 5.0, 1e-15);
         assert_close(&square, factor.dropped, 2.0, 1e-15);
     }
-    assert_eq!(Spqr.factor(&square.columns, &[], 1.4).unwrap().rank, 2);
+    assert_eq!(Spqr::default().factor(&square.columns, &[], 1.4).unwrap().rank, 2);
 }
 
 #[test]
 #[should_panic(expected = "the tolerance NaN is no distance")]
 fn a_tolerance_that_is_no_number_is_refused() {
-    let _ = Spqr.factor(&cases()[0].columns, &[], f64::NAN);
+    let _ = Spqr::default().factor(&cases()[0].columns, &[], f64::NAN);
 }
 
 #[test]
 #[should_panic(expected = "the tolerance -2 is no distance")]
 fn a_negative_tolerance_is_not_read_as_a_setting() {
-    let _ = Spqr.factor(&cases()[0].columns, &[], -2.0);
+    let _ = Spqr::default().factor(&cases()[0].columns, &[], -2.0);
 }
 
 #[test]
 fn numbers_that_are_not_finite_are_refused() {
     let (finite, nan) = (case("one", 1, &[&[1.0]]), case("NaN", 0, &[&[f64::NAN]]));
-    let message = |case: &Case, rhs: &[f64]| Spqr.factor(&case.columns, rhs, 0.0).unwrap_err().to_string();
+    let message = |case: &Case, rhs: &[f64]| Spqr::default().factor(&case.columns, rhs, 0.0).unwrap_err().to_string();
     assert!(message(&nan, &[]).contains("the 1 x 1 block"));
     assert!(message(&finite, &[f64::INFINITY]).contains("not finite"));
     let huge = case("huge", 0, &[&[1e308, 1e308], &[1e308, -1e308], &[1e308, 1e307], &[1e308, 1e308]]);
@@ -267,7 +267,7 @@ fn statuses_become_errors_that_name_the_block() {
 
 #[test]
 fn version_names_both_libraries() {
-    let version = Spqr.version();
+    let version = Spqr::default().version();
     assert!(version.starts_with("SuiteSparseQR ") && version.contains(", SuiteSparse "), "{version}");
-    assert_eq!(Spqr.name(), "spqr");
+    assert_eq!(Spqr::default().name(), "spqr");
 }
