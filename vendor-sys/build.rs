@@ -19,7 +19,7 @@ fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-changed=build");
     println!("cargo::rerun-if-env-changed=DOCS_RS");
-    println!("cargo::rustc-check-cfg=cfg(task_tree)");
+    println!("cargo::rustc-check-cfg=cfg(task_tree, config_struct)");
     if let Err(missing) = write_bindings() {
         let advice = if missing.contains("apt-get") { String::new() } else { format!("; {HOW_TO_GO_ON}") };
         println!("cargo::error={}{advice}", missing.replace('\n', " "));
@@ -34,10 +34,19 @@ fn write_bindings() -> Result<(), String> {
     }
     let include = probe::find_and_link()?;
     export_to_tests(&include);
+    if has_config_struct(&include) {
+        println!("cargo::rustc-cfg=config_struct");
+    }
     if env::var_os("CARGO_FEATURE_TBB").is_some() {
         tbb::compile(&include)?;
     }
     bindings::generate(&include, &target)
+}
+
+/// SuiteSparse 5 has its allocation hooks in a public struct, later ones behind functions.
+fn has_config_struct(include: &[PathBuf]) -> bool {
+    let declares = |text: String| text.contains("extern struct SuiteSparse_config_struct SuiteSparse_config");
+    include.iter().any(|folder| fs::read_to_string(folder.join("SuiteSparse_config.h")).is_ok_and(declares))
 }
 
 /// docs.rs has no SuiteSparse: the same names, good for documenting and type checking, never for linking.

@@ -12,6 +12,9 @@ use crate::Csr;
 use call::Call;
 use std::time::Instant;
 
+#[cfg(feature = "faults")]
+pub use spqr_sys::memory::faults;
+
 const NAME: &str = "spqr";
 
 /// SuiteSparseQR, ordering by its own default (COLAMD, AMD or METIS).
@@ -107,8 +110,10 @@ impl Spqr {
             call.common.SPQR_small = self.small;
         }
         let blas = spqr_sys::blas::hold();
+        let memory = spqr_sys::memory::call();
         let rank = spqr_sys::tree::with_threads(threads, || call.run(columns, b, tolerance));
-        drop(blas);
+        let rank = if memory.has_failed() { Err(spqr_sys::CHOLMOD_OUT_OF_MEMORY) } else { rank };
+        drop((memory, blas));
         let factor = call.read(rank.map_err(|status| error_of(status, m, n))?, columns, b)?;
         Ok((factor, call.statistics()))
     }

@@ -31,8 +31,11 @@ impl Call {
 
     /// The rank, or CHOLMOD's status. The order must be asked for: without it SPQR 2.1 frees a deficient R twice.
     pub fn run(&mut self, columns: &Csr, b: Tall, tolerance: f64) -> Result<usize, i32> {
-        let mut start: Vec<i64> = columns.start.iter().map(|&entry| entry as i64).collect();
-        let mut index: Vec<i64> = columns.col.iter().map(|&row| i64::from(row)).collect();
+        let no_memory = |_| spqr_sys::CHOLMOD_OUT_OF_MEMORY;
+        let mut start: Vec<i64> = zeros(columns.start.len()).map_err(no_memory)?;
+        start.iter_mut().zip(&columns.start).for_each(|(start, &entry)| *start = entry as i64);
+        let mut index: Vec<i64> = zeros(columns.col.len()).map_err(no_memory)?;
+        index.iter_mut().zip(&columns.col).for_each(|(index, &row)| *index = i64::from(row));
         let mut a = sparse_view(columns, &mut start, &mut index);
         let mut dense = dense_view(b);
         let (b_in, z_out) =
