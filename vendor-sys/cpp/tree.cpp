@@ -9,13 +9,13 @@
 #include "SuiteSparseQR.hpp"
 #include "spqr.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <memory>
 #include <vector>
 
 #include <dlfcn.h>
 #include <tbb/blocked_range.h>
-#include <tbb/global_control.h>
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
@@ -116,11 +116,8 @@ bool run_tree(Blob *blob)
 {
     try
     {
-        // An arena wider than the machine gets its threads only where more are allowed.
-        std::unique_ptr<tbb::global_control> more;
-        if (wanted_threads > tbb::info::default_concurrency())
-            more.reset(new tbb::global_control(tbb::global_control::max_allowed_parallelism, wanted_threads));
-        Tree(blob).run(wanted_threads);
+        // More threads than cores would only take turns.
+        Tree(blob).run(std::min(wanted_threads, tbb::info::default_concurrency()));
     }
     catch (...)
     {

@@ -1,27 +1,119 @@
-//! `size_of::<T>()` in Rust = `sizeof(T)` in C, and the library loads, starts and finishes.
+//! Sizes, places of fields, constants and signatures in Rust = those in the installed headers; the library loads, starts and finishes.
 #![allow(unsafe_code, reason = "calls the library without a wrapper")]
 
 use spqr_sys::{cholmod_common, cholmod_dense, cholmod_sparse};
+use std::ffi::{c_int, c_void};
 use std::mem::{MaybeUninit, offset_of, size_of};
 use std::path::Path;
 use std::process::Command;
 
-const PRINTS_SIZES: &str = "#include <stdio.h>\n#include <stddef.h>\n#include \"SuiteSparseQR_C.h\"\n\
-    int main(void) { printf(\"%zu %zu %zu %zu %zu %zu\", sizeof(cholmod_common), sizeof(cholmod_sparse),\n\
-    sizeof(cholmod_dense), sizeof(SuiteSparse_long), offsetof(cholmod_common, status),\n\
-    offsetof(cholmod_common, SPQR_norm_E_fro)); return 0; }\n";
+/// Sizes, then the places of the fields that are used, then constants, then whether functions have the types given here.
+const QUESTIONS: [&str; 33] = [
+    "sizeof(cholmod_common)",
+    "sizeof(cholmod_sparse)",
+    "sizeof(cholmod_dense)",
+    "sizeof(SuiteSparse_long)",
+    "offsetof(cholmod_common, print)",
+    "offsetof(cholmod_common, status)",
+    "offsetof(cholmod_common, memory_usage)",
+    "offsetof(cholmod_common, SPQR_grain)",
+    "offsetof(cholmod_common, SPQR_small)",
+    "offsetof(cholmod_common, SPQR_analyze_time)",
+    "offsetof(cholmod_common, SPQR_factorize_time)",
+    "offsetof(cholmod_common, SPQR_norm_E_fro)",
+    "offsetof(cholmod_common, SPQR_istat)",
+    "offsetof(cholmod_sparse, p)",
+    "offsetof(cholmod_sparse, packed)",
+    "offsetof(cholmod_dense, x)",
+    "offsetof(cholmod_dense, dtype)",
+    "CHOLMOD_OK",
+    "CHOLMOD_NOT_INSTALLED",
+    "CHOLMOD_OUT_OF_MEMORY",
+    "CHOLMOD_TOO_LARGE",
+    "CHOLMOD_INVALID",
+    "CHOLMOD_LONG",
+    "CHOLMOD_REAL",
+    "CHOLMOD_DOUBLE",
+    "SPQR_ORDERING_DEFAULT",
+    "SPQR_MAIN_VERSION",
+    "SUITESPARSE_MAIN_VERSION",
+    "SAME(SuiteSparseQR_C, L (*)(int, double, L, int, cholmod_sparse *, cholmod_sparse *, cholmod_dense *, \
+        cholmod_sparse **, cholmod_dense **, cholmod_sparse **, L **, cholmod_sparse **, L **, cholmod_dense **, cholmod_common *))",
+    "SAME(cholmod_l_start, int (*)(cholmod_common *))",
+    "SAME(cholmod_l_finish, int (*)(cholmod_common *))",
+    "SAME(cholmod_l_free, void *(*)(size_t, size_t, void *, cholmod_common *))",
+    "SAME(cholmod_l_free_sparse, int (*)(cholmod_sparse **, cholmod_common *))",
+];
+
+/// The same functions in Rust, held to the same types by the compiler.
+fn signatures() {
+    type Sparse = *mut cholmod_sparse;
+    type Dense = *mut cholmod_dense;
+    type Common = *mut cholmod_common;
+    let _: unsafe extern "C" fn(
+        c_int,
+        f64,
+        i64,
+        c_int,
+        Sparse,
+        Sparse,
+        Dense,
+        *mut Sparse,
+        *mut Dense,
+        *mut Sparse,
+        *mut *mut i64,
+        *mut Sparse,
+        *mut *mut i64,
+        *mut Dense,
+        Common,
+    ) -> i64 = spqr_sys::SuiteSparseQR_C;
+    let _: [unsafe extern "C" fn(Common) -> c_int; 2] = [spqr_sys::cholmod_l_start, spqr_sys::cholmod_l_finish];
+    let _: unsafe extern "C" fn(usize, usize, *mut c_void, Common) -> *mut c_void = spqr_sys::cholmod_l_free;
+    let _: unsafe extern "C" fn(*mut Sparse, Common) -> c_int = spqr_sys::cholmod_l_free_sparse;
+}
 
 #[test]
-fn structs_have_the_sizes_of_c() {
-    let in_rust = [
+fn bindings_are_those_of_the_installed_headers() {
+    signatures();
+    let places = [
         size_of::<cholmod_common>(),
         size_of::<cholmod_sparse>(),
         size_of::<cholmod_dense>(),
         size_of::<i64>(),
+        offset_of!(cholmod_common, print),
         offset_of!(cholmod_common, status),
+        offset_of!(cholmod_common, memory_usage),
+        offset_of!(cholmod_common, SPQR_grain),
+        offset_of!(cholmod_common, SPQR_small),
+        offset_of!(cholmod_common, SPQR_analyze_time),
+        offset_of!(cholmod_common, SPQR_factorize_time),
         offset_of!(cholmod_common, SPQR_norm_E_fro),
+        offset_of!(cholmod_common, SPQR_istat),
+        offset_of!(cholmod_sparse, p),
+        offset_of!(cholmod_sparse, packed),
+        offset_of!(cholmod_dense, x),
+        offset_of!(cholmod_dense, dtype),
     ];
-    assert_eq!(in_rust.to_vec(), sizes_in_c(Path::new(env!("CARGO_TARGET_TMPDIR"))));
+    let constants = [
+        spqr_sys::CHOLMOD_OK,
+        spqr_sys::CHOLMOD_NOT_INSTALLED,
+        spqr_sys::CHOLMOD_OUT_OF_MEMORY,
+        spqr_sys::CHOLMOD_TOO_LARGE,
+        spqr_sys::CHOLMOD_INVALID,
+        spqr_sys::CHOLMOD_LONG,
+        spqr_sys::CHOLMOD_REAL,
+        spqr_sys::CHOLMOD_DOUBLE,
+        spqr_sys::SPQR_ORDERING_DEFAULT,
+        spqr_sys::SPQR_MAIN_VERSION,
+        spqr_sys::SUITESPARSE_MAIN_VERSION,
+    ];
+    let in_rust = places.iter().map(|&place| place as i64).chain(constants.map(i64::from)).chain([1; 5]);
+    let in_c = answers(Path::new(env!("CARGO_TARGET_TMPDIR")));
+    let in_rust: Vec<i64> = in_rust.collect();
+    assert_eq!((in_rust.len(), in_c.len()), (QUESTIONS.len(), QUESTIONS.len()));
+    for ((question, rust), c) in QUESTIONS.iter().zip(in_rust).zip(in_c) {
+        assert_eq!(rust, c, "{question}");
+    }
 }
 
 #[test]
@@ -42,13 +134,20 @@ fn starts_and_finishes() {
     assert_eq!((started, status, finished), (1, spqr_sys::CHOLMOD_OK, 1));
 }
 
-fn sizes_in_c(folder: &Path) -> Vec<usize> {
-    let (source, program) = (folder.join("sizes.c"), folder.join("sizes"));
-    std::fs::write(&source, PRINTS_SIZES).unwrap();
+/// What C says to each question.
+fn answers(folder: &Path) -> Vec<i64> {
+    let (source, program) = (folder.join("questions.c"), folder.join("questions"));
+    let lines: String =
+        QUESTIONS.iter().map(|question| format!("    printf(\"%ld\\n\", (long) {question});\n")).collect();
+    let text = format!(
+        "#include <stdio.h>\n#include <stddef.h>\n#include \"SuiteSparseQR_C.h\"\n#define L SuiteSparse_long\n\
+         #define SAME(f, type) __builtin_types_compatible_p(__typeof__(&f), type)\nint main(void) {{\n{lines}    return 0; }}\n"
+    );
+    std::fs::write(&source, text).unwrap();
     let compiled = c_compiler().arg(&source).arg("-o").arg(&program).status().unwrap();
     assert!(compiled.success());
-    let printed = Command::new(program).output().unwrap().stdout;
-    String::from_utf8(printed).unwrap().split(' ').map(|size| size.parse().unwrap()).collect()
+    let printed = String::from_utf8(Command::new(program).output().unwrap().stdout).unwrap();
+    printed.lines().map(|answer| answer.parse().unwrap()).collect()
 }
 
 fn c_compiler() -> Command {

@@ -223,15 +223,66 @@ fn tolerance_is_absolute_and_what_falls_below_is_reported() {
 }
 
 #[test]
-#[should_panic(expected = "the tolerance NaN is no distance")]
-fn a_tolerance_that_is_no_number_is_refused() {
-    let _ = Spqr::default().factor(&cases()[0].columns, &[], f64::NAN);
+fn tolerances_that_are_no_distance_are_not_read_as_settings() {
+    for tolerance in [-2.0, -1e-300, f64::NAN] {
+        let error = Spqr::default().factor(&cases()[0].columns, &[], tolerance).unwrap_err().to_string();
+        assert!(error.contains("is no distance"), "{error}");
+    }
+}
+
+/// Results are plain data; what C holds stays on its thread.
+#[test]
+fn types_are_send_and_sync_where_that_is_true() {
+    trait OrNot {
+        fn is_send() -> bool {
+            false
+        }
+    }
+    struct Is<T>(std::marker::PhantomData<T>);
+    impl<T> OrNot for Is<T> {}
+    impl<T: Send> Is<T> {
+        fn is_send() -> bool {
+            true
+        }
+    }
+    fn both<T: Send + Sync>() {}
+    both::<Spqr>();
+    both::<Factor>();
+    both::<Statistics>();
+    both::<BackendError>();
+    assert!(Is::<Spqr>::is_send() && !Is::<call::Call>::is_send());
+}
+
+/// Shapes at the edge of what there is.
+#[test]
+fn empty_shapes_and_many_right_hand_sides() {
+    for (m, n) in [(0, 0), (0, 3), (3, 0), (1, 1), (5, 2), (2, 5)] {
+        let columns = from_columns(m, n);
+        for count in [0, 1, 40] {
+            let rhs = right_hand_sides(m, count);
+            let factor = Spqr::default().factor(&columns, &rhs, 1e-10).unwrap();
+            let full = if m == 1 { 1 } else { 0 };
+            assert_eq!((factor.rank, factor.order.len(), factor.rhs.len()), (full, n, full * count), "{m} x {n}");
+            assert_eq!(factor.rest.len(), if m == 0 { 0 } else { count });
+        }
+    }
+}
+
+/// m x n without entries, but for 1 x 1.
+fn from_columns(m: usize, n: usize) -> Csr {
+    let mut columns = Csr::empty(m);
+    (0..n).for_each(|_| columns.push_row((m == 1).then_some((0, 2.0))));
+    columns
 }
 
 #[test]
-#[should_panic(expected = "the tolerance -2 is no distance")]
-fn a_negative_tolerance_is_not_read_as_a_setting() {
-    let _ = Spqr::default().factor(&cases()[0].columns, &[], -2.0);
+fn sizes_that_overflow_are_refused() {
+    // More rows than 64-bit indices of C count, without an entry: nothing of that size is ever made.
+    let columns = Csr::empty(usize::MAX);
+    assert_eq!(
+        Spqr::default().factor(&columns, &[], 1e-10).unwrap_err(),
+        BackendError::TooLarge { backend: "spqr", rows: usize::MAX, cols: 0 }
+    );
 }
 
 #[test]
