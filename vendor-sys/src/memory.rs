@@ -45,6 +45,7 @@ impl Drop for Call {
 
 /// Failures on purpose, for tests: of the whole process, so that one test at a time uses them.
 #[cfg(feature = "faults")]
+#[cfg_attr(not(config_struct), allow(dead_code, reason = "nothing calls it without hooks"))]
 pub mod faults {
     use core::sync::atomic::{AtomicBool, AtomicI64, Ordering::SeqCst};
 
