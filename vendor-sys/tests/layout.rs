@@ -137,8 +137,8 @@ fn starts_and_finishes() {
 /// What C says to each question.
 fn answers(folder: &Path) -> Vec<i64> {
     let (source, program) = (folder.join("questions.c"), folder.join("questions"));
-    let lines: String =
-        QUESTIONS.iter().map(|question| format!("    printf(\"%ld\\n\", (long) {question});\n")).collect();
+    let line = |question: &str| format!("    printf(\"%ld\\n\", (long) {question});\n");
+    let lines = QUESTIONS.map(line).concat();
     let text = format!(
         "#include <stdio.h>\n#include <stddef.h>\n#include \"SuiteSparseQR_C.h\"\n#define L SuiteSparse_long\n\
          #define SAME(f, type) __builtin_types_compatible_p(__typeof__(&f), type)\nint main(void) {{\n{lines}    return 0; }}\n"

@@ -261,7 +261,7 @@ fn empty_shapes_and_many_right_hand_sides() {
         for count in [0, 1, 40] {
             let rhs = right_hand_sides(m, count);
             let factor = Spqr::default().factor(&columns, &rhs, 1e-10).unwrap();
-            let full = if m == 1 { 1 } else { 0 };
+            let full = usize::from(m == 1);
             assert_eq!((factor.rank, factor.order.len(), factor.rhs.len()), (full, n, full * count), "{m} x {n}");
             assert_eq!(factor.rest.len(), if m == 0 { 0 } else { count });
         }
