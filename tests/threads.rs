@@ -1,25 +1,46 @@
 //! The answer is the same, bit for bit, for every number of threads.
 
-use qless::{Options, Reduction, analyse};
-use qless_scenes::families;
+#[macro_use]
+mod support;
 
-fn on_threads(threads: usize) -> (Vec<usize>, Reduction) {
-    let scene = families::random_graph(400, 380, 5).expect("a scene");
+use qless::{BackendChoice, ConstraintSystem, Options, Reduction, analyse};
+use qless_scenes::families::{self, Windows};
+
+fn on_threads(system: &ConstraintSystem, options: &Options, threads: usize) -> (Vec<usize>, Reduction) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
     pool.install(|| {
-        let analysis = analyse(&scene.system, &Options { presolve: false, ..Options::default() }).expect("valid");
-        assert!(analysis.presolve.blocks > 1, "several blocks, or there is nothing to share out");
-        let reduction = analysis.reduction(&scene.system);
+        let analysis = analyse(system, options).expect("valid");
+        let reduction = analysis.reduction(system);
         (analysis.dependent.iter().map(|d| d.row).collect(), reduction)
     })
 }
 
-#[test]
-fn one_and_more_threads_agree_to_the_last_bit() {
-    let (rows, reduction) = on_threads(1);
+fn agree(system: &ConstraintSystem, options: &Options) {
+    let (rows, reduction) = on_threads(system, options, 1);
     for threads in [2, 3] {
-        let (other_rows, other) = on_threads(threads);
+        let (other_rows, other) = on_threads(system, options, threads);
         assert_eq!(rows, other_rows);
-        assert_eq!((&reduction.slaves, &reduction.t, &reduction.g), (&other.slaves, &other.t, &other.g));
+        assert!(
+            (&reduction.slaves, &reduction.t, &reduction.g) == (&other.slaves, &other.t, &other.g),
+            "{threads} threads give another reduction"
+        );
     }
 }
+
+fn many_blocks(backend: BackendChoice) {
+    let scene = families::random_graph(400, 380, 5).expect("a scene");
+    let options = Options { backend, presolve: false, ..Options::default() };
+    let blocks = analyse(&scene.system, &options).expect("valid").presolve.blocks;
+    assert!(blocks > 1, "several blocks, or there is nothing to share out");
+    agree(&scene.system, &options);
+}
+
+/// A block with an elimination tree of its own to share out.
+fn one_large_block(backend: BackendChoice) {
+    let windows = Windows { extent: [40, 40, 1], d: 1, window: 4, stride: 2, rows: 2, combos: 60 };
+    let scene = windows.scene(3).expect("a scene");
+    let options = Options { backend, presolve: false, ..Options::default() };
+    agree(&scene.system, &options);
+}
+
+on_each_backend!(many_blocks, one_large_block);

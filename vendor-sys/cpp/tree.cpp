@@ -64,6 +64,7 @@ public:
             if (begin == end && task < root)
                 leaves.push_back(task);
         }
+        ready.store(true, std::memory_order_release);
     }
 
     void run(int threads)
@@ -75,8 +76,10 @@ public:
                 tbb::parallel_for(
                     tbb::blocked_range<size_t>(0, leaves.size(), 1),
                     [this](const tbb::blocked_range<size_t> &range) {
-                        for (size_t k = range.begin(); k != range.end(); k++)
-                            upwards(leaves[k]);
+                        // oneTBB orders this after the constructor, by means that ThreadSanitizer cannot see; so it is said again.
+                        if (ready.load(std::memory_order_acquire))
+                            for (size_t k = range.begin(); k != range.end(); k++)
+                                upwards(leaves[k]);
                     },
                     tbb::simple_partitioner());
             });
@@ -110,6 +113,7 @@ private:
     std::vector<Long> leaves;
     std::unique_ptr<std::atomic<Long>[]> pending;
     std::unique_ptr<std::atomic<bool>[]> done;
+    std::atomic<bool> ready{false};
 };
 
 bool run_tree(Blob *blob)

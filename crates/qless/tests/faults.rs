@@ -52,7 +52,7 @@ fn systems() -> Vec<System> {
         ("a tree of tasks", grid(14)),
     ];
     let in_sequence = Spqr::default();
-    let on_a_tree = Spqr { small: 1.0, grain: 8.0, ..Spqr::on(2) };
+    let on_a_tree = Spqr { small: 1.0, grain: 32.0, ..Spqr::on(2) };
     let mut systems = Vec::new();
     for (name, columns) in shapes {
         for count in [0, 1, 3] {

@@ -77,7 +77,7 @@ fn grid(side: usize) -> Csr {
 
 /// Many small tasks.
 fn on(threads: usize) -> Spqr {
-    Spqr { small: 1.0, grain: 8.0, ..Spqr::on(threads) }
+    Spqr { small: 1.0, grain: 32.0, ..Spqr::on(threads) }
 }
 
 fn bits(factor: &Factor) -> (Vec<usize>, Vec<u64>) {

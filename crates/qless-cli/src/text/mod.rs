@@ -43,6 +43,7 @@ pub fn render(diagnosis: &Diagnosis, report: &Report, outcome: &Outcome) -> Stri
     if report.input.rows > 0 {
         lines.extend(confidence::lines(diagnosis, report));
         lines.push(work::presolve(report));
+        lines.extend(work::backend(report));
     }
     lines.extend(unmet::lines(report));
     lines.push(work::time(report));

@@ -4,21 +4,27 @@ use qless::Report;
 
 use super::name::count;
 
-/// `Presolve settled 12 of 16 equations; faer 0.24 factored the other 4 in 1 block.`
+/// `Presolve settled 12 of 16 equations; faer factored 4, in 1 block.`
 pub fn presolve(report: &Report) -> String {
     let (rows, presolve) = (report.input.rows, report.presolve);
-    let version = report.backend.version.split(',').next().unwrap_or(report.backend.name);
+    let name = report.backend.name;
     let blocks = match presolve.blocks {
         1 => "1 block".to_owned(),
         n => format!("{n} blocks of at most {}", presolve.largest_block),
     };
     match presolve.core_rows {
-        0 => format!("Presolve settled all equations; nothing was left for {version} to factor."),
-        core if core == rows => format!("{version} factored all equations, in {blocks}."),
+        0 => format!("Presolve settled all equations; nothing was left for {name} to factor."),
+        core if core == rows => format!("{name} factored all equations, in {blocks}."),
         core => {
-            format!("Presolve settled {} of {rows} equations; {version} factored {core}, in {blocks}.", rows - core)
+            format!("Presolve settled {} of {rows} equations; {name} factored {core}, in {blocks}.", rows - core)
         }
     }
+}
+
+/// `Backend: SuiteSparseQR 2.1.0, SuiteSparse 5.12.0, task tree on oneTBB 2021.8.`, where the name does not say it all.
+pub fn backend(report: &Report) -> Option<String> {
+    let says_more = report.presolve.core_rows > 0 && report.backend.version.contains(',');
+    says_more.then(|| format!("Backend: {}.", report.backend.version))
 }
 
 /// `Time: 0.53 s (reading 0.21, analysis 0.30).`

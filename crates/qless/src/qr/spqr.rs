@@ -26,7 +26,7 @@ pub struct Spqr {
     /// Threads for the task tree of one factorization; 0 for as many as the caller's rayon pool has. Default: 1, which makes
     /// no tree.
     pub threads: usize,
-    /// The work of the whole over that of a task at most, for each thread. Default: 2; more makes smaller tasks.
+    /// The work of the whole over that of a task at least. Default: 8, whatever the threads; more makes smaller tasks.
     pub grain: f64,
     /// Operations of a task at least. Default: 1e6, below which a thread costs more than it does.
     pub small: f64,
@@ -34,7 +34,7 @@ pub struct Spqr {
 
 impl Default for Spqr {
     fn default() -> Self {
-        Self { threads: 1, grain: 2.0, small: 1e6 }
+        Self { threads: 1, grain: 8.0, small: 1e6 }
     }
 }
 
@@ -106,7 +106,7 @@ impl Spqr {
         let mut call = Call::start(n + b.count);
         let threads = if self.threads == 0 { rayon::current_num_threads() } else { self.threads };
         if threads > 1 && Self::has_trees() {
-            call.common.SPQR_grain = self.grain * threads as f64;
+            call.common.SPQR_grain = self.grain;
             call.common.SPQR_small = self.small;
         }
         let blas = spqr_sys::blas::hold();

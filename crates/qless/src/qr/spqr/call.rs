@@ -80,8 +80,7 @@ impl Call {
         if !all_finite(&r.val) || !all_finite(z.values) {
             return Err(failed(format!("the {m} x {n} block overflows: scale it")));
         }
-        // Its parts are summed task by task, so the last bits depend on the tree, as nothing else does: single precision is kept.
-        let dropped = f64::from(self.common.SPQR_norm_E_fro as f32);
+        let dropped = without_last_bits(self.common.SPQR_norm_E_fro);
         Ok(Factor { rank, order, r, rhs: z.head(rank), rest: z.rest(rank), dropped })
     }
 
@@ -157,6 +156,11 @@ impl Drop for Call {
             spqr_sys::cholmod_l_finish(common);
         }
     }
+}
+
+/// To 24 bits: the parts of this norm are summed task by task, so that its last bits depend on the tree, as nothing else does.
+fn without_last_bits(norm: f64) -> f64 {
+    f64::from_bits((norm.to_bits() + (1 << 28)) & !((1 << 29) - 1))
 }
 
 fn zeros<T: Clone + Default>(length: usize) -> Result<Vec<T>, TryReserveError> {

@@ -1,0 +1,40 @@
+//! ThreadSanitizer over the task tree: several callers at once, each with a tree on two threads.
+//!
+//! oneTBB and SuiteSparseQR are not compiled for it, so it also reports what they order by means that it cannot see; a report
+//! counts if one of its two accesses is made by our own code.
+
+use std::path::Path;
+use std::process::Command;
+
+const SOURCES: [&str; 2] = ["tests/tsan.cpp", "cpp/tree.cpp"];
+
+#[test]
+fn the_sanitizer_finds_no_race_in_the_task_tree() {
+    let program = Path::new(env!("CARGO_TARGET_TMPDIR")).join("tsan");
+    let mut compiler = Command::new("c++");
+    compiler.args(["-std=c++17", "-g", "-O1", "-fsanitize=thread"]).args(SOURCES).arg("-o").arg(&program);
+    compiler.args(std::env::split_paths(env!("SPQR_TEST_INCLUDE")).map(|folder| format!("-I{}", folder.display())));
+    compiler.args(["-lspqr", "-lcholmod", "-lsuitesparseconfig", "-ltbb", "-ldl", "-lpthread"]);
+    assert!(compiler.status().expect("a C++ compiler").success());
+    // The sanitizer's runtime does not know every layout of memory that the kernel may choose.
+    let mut run = Command::new("setarch");
+    let output = run.arg("-R").arg(&program).env("OPENBLAS_NUM_THREADS", "1").output().expect("setarch");
+    let (text, reports) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    if reports.contains("failed to set personality") || reports.contains("unexpected memory mapping") {
+        eprintln!("ThreadSanitizer cannot run here: {reports}");
+        return;
+    }
+    assert!(text.contains("20 trees, ranks as expected"), "{text}{reports}");
+    let ours: Vec<&str> = reports.split("WARNING: ").skip(1).filter(|report| is_ours(report)).collect();
+    assert!(ours.is_empty(), "{}", ours.join("\n"));
+}
+
+/// Whether the code that makes one of the two accesses is `tree.cpp`, perhaps through the standard library's headers.
+fn is_ours(report: &str) -> bool {
+    let accesses = report.split("\n\n").take(2);
+    let place = |access: &str| {
+        let mut frames = access.lines().filter(|line| line.trim_start().starts_with('#'));
+        frames.find(|frame| !frame.contains("/c++/")).map(str::to_owned)
+    };
+    accesses.filter_map(place).any(|frame| frame.contains("cpp/tree.cpp"))
+}

@@ -1,0 +1,72 @@
+// Several callers at once factor grids with task trees, for ThreadSanitizer to watch (threads.rs compiles and runs this).
+
+#include "SuiteSparseQR_C.h"
+
+#include <cstdio>
+#include <thread>
+#include <vector>
+
+extern "C" void qless_tree_kernel(SuiteSparse_long task, void *blob);
+extern "C" int qless_tree_threads(int threads);
+extern "C" unsigned long long qless_tree_count();
+
+// What tree.rs exports to the library.
+extern "C" void stand_in(SuiteSparse_long task, void *blob) __asm__("_Z11spqr_kernelIdEvlP9spqr_blobIT_E");
+extern "C" void stand_in(SuiteSparse_long task, void *blob)
+{
+    qless_tree_kernel(task, blob);
+}
+
+// Edges x nodes of a square grid; the rank, which is one less than the number of nodes.
+static long rank_of_grid(long side)
+{
+    std::vector<std::vector<std::pair<long, double>>> columns(side * side);
+    long rows = 0;
+    for (long node = 0; node < side * side; node++)
+        for (long other : {node % side + 1 < side ? node + 1 : -1, node + side < side * side ? node + side : -1})
+            if (other >= 0)
+            {
+                columns[node].push_back({rows, 1.0});
+                columns[other].push_back({rows++, -1.5});
+            }
+    cholmod_common common;
+    cholmod_l_start(&common);
+    common.SPQR_grain = 16;
+    common.SPQR_small = 1;
+    cholmod_sparse *a = cholmod_l_allocate_sparse(rows, side * side, 2 * rows, 1, 1, 0, CHOLMOD_REAL, &common);
+    long at = 0;
+    for (long j = 0; j <= side * side; j++)
+    {
+        static_cast<SuiteSparse_long *>(a->p)[j] = at;
+        if (j < side * side)
+            for (auto [row, value] : columns[j])
+            {
+                static_cast<SuiteSparse_long *>(a->i)[at] = row;
+                static_cast<double *>(a->x)[at++] = value;
+            }
+    }
+    cholmod_sparse *r = nullptr;
+    SuiteSparse_long *order = nullptr;
+    const long rank = SuiteSparseQR_C(SPQR_ORDERING_DEFAULT, 1e-10, rows, 0, a, nullptr, nullptr, nullptr, nullptr, &r, &order,
+                                      nullptr, nullptr, nullptr, &common);
+    cholmod_l_free(side * side, sizeof(SuiteSparse_long), order, &common);
+    cholmod_l_free_sparse(&r, &common);
+    cholmod_l_free_sparse(&a, &common);
+    cholmod_l_finish(&common);
+    return rank;
+}
+
+int main()
+{
+    std::vector<std::thread> callers;
+    std::vector<long> ranks(4);
+    for (int k = 0; k < 4; k++)
+        callers.emplace_back([k, &ranks] {
+            qless_tree_threads(2);
+            for (int round = 0; round < 5; round++)
+                ranks[k] = rank_of_grid(20 + k) - (20 + k) * (20 + k) + 1;
+        });
+    for (std::thread &caller : callers)
+        caller.join();
+    std::printf("%llu trees, ranks %s\n", qless_tree_count(), ranks == std::vector<long>(4) ? "as expected" : "wrong");
+}
