@@ -80,6 +80,7 @@ public:
                         if (ready.load(std::memory_order_acquire))
                             for (size_t k = range.begin(); k != range.end(); k++)
                                 upwards(leaves[k]);
+                        ended.fetch_add(1, std::memory_order_release);
                     },
                     tbb::simple_partitioner());
             });
@@ -88,6 +89,8 @@ public:
         {
             // oneTBB found no memory or no thread: tasks that ran have run, the rest follows in sequence.
         }
+        // As above, for what threads did last.
+        ended.load(std::memory_order_acquire);
         for (Long task = 0; task < root; task++)
             if (!done[task])
                 own_kernel()(task, blob);
@@ -114,6 +117,7 @@ private:
     std::unique_ptr<std::atomic<Long>[]> pending;
     std::unique_ptr<std::atomic<bool>[]> done;
     std::atomic<bool> ready{false};
+    std::atomic<Long> ended{0};
 };
 
 bool run_tree(Blob *blob)
