@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <atomic>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include <dlfcn.h>
@@ -46,41 +47,55 @@ Kernel own_kernel()
     return kernel;
 }
 
+// Operations of a front at most: a Householder vector for each row or column, applied to the columns right of it.
+double operations(const spqr_symbolic &symbolic, Long front)
+{
+    const double rows = double(symbolic.Fm[front]), columns = double(symbolic.Rp[front + 1] - symbolic.Rp[front]);
+    const double vectors = std::min(rows, columns);
+    return 4 * vectors * (rows * columns - (rows + columns) * vectors / 2 + vectors * vectors / 3);
+}
+
+// Tasks 0 to root - 1, children before parents; the root is a placeholder.
 class Tree
 {
 public:
     explicit Tree(Blob *blob)
-        : blob(blob), root(blob->QRnum->ntasks - 1), parent(root), pending(new std::atomic<Long>[root + 1]),
-          done(new std::atomic<bool>[root + 1])
+        : blob(blob), root(blob->QRnum->ntasks - 1), parent(root, root), path(root + 1),
+          pending(new std::atomic<Long>[root + 1]), done(new std::atomic<bool>[root + 1])
     {
-        const spqr_symbolic *symbolic = blob->QRsym;
+        const spqr_symbolic &symbolic = *blob->QRsym;
         for (Long task = 0; task <= root; task++)
         {
-            const Long begin = symbolic->TaskChildp[task], end = symbolic->TaskChildp[task + 1];
+            const Long begin = symbolic.TaskChildp[task], end = symbolic.TaskChildp[task + 1];
             pending[task] = end - begin;
             done[task] = false;
             for (Long k = begin; k < end; k++)
-                parent[symbolic->TaskChild[k]] = task;
-            if (begin == end && task < root)
-                leaves.push_back(task);
+                parent[symbolic.TaskChild[k]] = task;
         }
-        ready.store(true, std::memory_order_release);
+        for (Long task = root - 1; task >= 0; task--)
+        {
+            path[task] = path[parent[task]];
+            for (Long k = symbolic.TaskFrontp[task]; k < symbolic.TaskFrontp[task + 1]; k++)
+                path[task] += operations(symbolic, symbolic.TaskFront[k]);
+        }
+        ready.reserve(root);
+        for (Long task = 0; task < root; task++)
+            if (pending[task] == 0)
+                push(task);
     }
 
     void run(int threads)
     {
+        const size_t runners = ready_now();
         try
         {
             tbb::task_arena arena(threads);
-            arena.execute([this] {
+            arena.execute([this, runners] {
                 tbb::parallel_for(
-                    tbb::blocked_range<size_t>(0, leaves.size(), 1),
+                    tbb::blocked_range<size_t>(0, runners, 1),
                     [this](const tbb::blocked_range<size_t> &range) {
-                        // oneTBB orders this after the constructor, by means that ThreadSanitizer cannot see; so it is said again.
-                        if (ready.load(std::memory_order_acquire))
-                            for (size_t k = range.begin(); k != range.end(); k++)
-                                upwards(leaves[k]);
-                        ended.fetch_add(1, std::memory_order_release);
+                        for (size_t k = range.begin(); k != range.end(); k++)
+                            take();
                     },
                     tbb::simple_partitioner());
             });
@@ -89,35 +104,62 @@ public:
         {
             // oneTBB found no memory or no thread: tasks that ran have run, the rest follows in sequence.
         }
-        // As above, for what threads did last.
-        ended.load(std::memory_order_acquire);
-        for (Long task = 0; task < root; task++)
-            if (!done[task])
-                own_kernel()(task, blob);
+        // Zero if all have run; reading it also orders all that they did before what follows.
+        if (pending[root] != 0)
+            for (Long task = 0; task < root; task++)
+                if (!done[task])
+                    own_kernel()(task, blob);
     }
 
 private:
-    // Runs a task, and its parent if no other child of it is still to come.
-    void upwards(Long task)
+    // One runner for each task that is ready at first. Each takes the task with the longest way to the root, whichever that is by
+    // then, and goes on if it finished the last child of another: so there is a task for every runner, and none ever waits.
+    void take()
     {
-        while (task < root)
+        for (Long task = pop(); task != root; task = pop())
         {
             own_kernel()(task, blob);
             done[task] = true;
-            task = parent[task];
-            if (pending[task].fetch_sub(1) != 1)
+            const Long next = parent[task];
+            if (pending[next].fetch_sub(1) != 1 || next == root)
                 return;
+            const std::lock_guard<std::mutex> lock(guard);
+            push(next);
         }
+    }
+
+    // Under the mutex, although nobody runs yet: so the first look of each thread comes after all that the constructor wrote.
+    size_t ready_now()
+    {
+        const std::lock_guard<std::mutex> lock(guard);
+        return ready.size();
+    }
+
+    void push(Long task)
+    {
+        ready.push_back(task);
+        std::push_heap(ready.begin(), ready.end(), [this](Long a, Long b) { return path[a] < path[b]; });
+    }
+
+    Long pop()
+    {
+        const std::lock_guard<std::mutex> lock(guard);
+        if (ready.empty())
+            return root; // an exception elsewhere has lost a task, and ends the run
+        std::pop_heap(ready.begin(), ready.end(), [this](Long a, Long b) { return path[a] < path[b]; });
+        const Long task = ready.back();
+        ready.pop_back();
+        return task;
     }
 
     Blob *const blob;
     const Long root;
     std::vector<Long> parent;
-    std::vector<Long> leaves;
+    std::vector<double> path; // operations from a task up to the root
+    std::vector<Long> ready;  // a heap, the longest path on top
+    std::mutex guard;         // of the heap
     std::unique_ptr<std::atomic<Long>[]> pending;
     std::unique_ptr<std::atomic<bool>[]> done;
-    std::atomic<bool> ready{false};
-    std::atomic<Long> ended{0};
 };
 
 bool run_tree(Blob *blob)
