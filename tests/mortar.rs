@@ -1,7 +1,7 @@
 //! Mortar ties of the paper's Table 1: dense coupling, no column singletons, blocks of thousands of rows that are factored sparse.
 //!
-//! A QR without pivoting keeps dependent rows here (30 of 60 at 50 %, on `C^T`), so this is what the checked rank is for. The
-//! number of redundant rows follows from the mesh: both side faces of a vertical edge tie it.
+//! A QR without pivoting keeps dependent rows here, so this is what the checked rank is for. The number of redundant rows follows
+//! from the mesh: 12 for each layer that the near field has more than the far one ([`fssi::mortar`]).
 
 mod support;
 
@@ -9,13 +9,12 @@ use qless::{BackendChoice, Kind, Options};
 use qless_scenes::fssi::{self, Level};
 use support::{check_certificates, check_reduction, diagnose};
 
-fn check(level: Level, redundant: usize, backend: BackendChoice) -> qless::Analysis {
+fn check(level: Level, redundant: usize, backend: BackendChoice) {
     let scene = fssi::mortar(&level.mesh(), 1).expect("a scene");
     let analysis = diagnose(&scene.system, &Options { backend, ..Options::default() });
     assert_eq!(analysis.rank(), level.equations() - redundant, "{} %", level.percent());
     assert_eq!(analysis.dependent.iter().filter(|d| d.kind == Kind::Redundant).count(), redundant);
     check_certificates(&scene.system, &analysis);
-    analysis
 }
 
 fn ranks(backend: BackendChoice) {
@@ -34,7 +33,7 @@ fn ranks_spqr() {
     ranks(BackendChoice::Spqr);
 }
 
-/// Slaves of large blocks are well-conditioned, though the first independent columns are not (1e-42).
+/// Slaves of large blocks are well-conditioned, though the first independent columns are not.
 #[test]
 fn a_reduction_meets_the_equations() {
     let scene = fssi::mortar(&fssi::Mesh::with_equations(5000), 1).expect("a scene");
@@ -45,5 +44,5 @@ fn a_reduction_meets_the_equations() {
     let limit = 1e-13 / analysis.confidence.sigma_kept;
     let residual = analysis.residual(&scene.system, &reduction);
     assert!(residual <= limit, "residual {residual:e}, limit {limit:e}");
-    check_reduction(&scene.system, &analysis, &reduction, 10.0 * limit);
+    check_reduction(&scene.system, &analysis, &reduction, limit);
 }

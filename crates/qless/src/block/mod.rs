@@ -3,6 +3,7 @@
 //! First `C^T` is factored: its dependent columns are the dependent equations, and `R1 y = R2_k` is their certificate.
 //! Then C with the independent rows only: `u_s = -R1^-1 R2 u_q - R1^-1 Q^T C_p u_p + R1^-1 Q^T b`. Heath-style rank
 //! detection errs far less often on `C^T` (tall) than on C, and the second factorization knows its rank.
+//! Blocks of more than 2^20 numbers choose well-conditioned slaves first and find T by seminormal equations.
 
 pub(crate) mod dependent;
 mod large;
