@@ -70,9 +70,6 @@ impl Plan {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn plan(model: &Model, options: &Options) -> Result<Plan, CleanError> {
-    if model.equations() == 0 {
-        return Ok(Plan::default());
-    }
     let prescribed = ever_prescribed(model);
     let common = Common::new(model, &prescribed, options)?;
     for (k, case) in model.cases.iter().enumerate() {
