@@ -10,6 +10,7 @@
 
 mod calculix;
 pub mod clean;
+mod columns;
 mod error;
 mod model;
 mod source;
