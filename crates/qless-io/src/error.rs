@@ -32,6 +32,9 @@ pub enum ReadError {
         /// The folder.
         path: PathBuf,
     },
+    /// A finite-element deck with a fault.
+    #[error(transparent)]
+    Deck(#[from] crate::deck::DeckError),
     /// A finite-element deck.
     #[error("{}: {ending} decks are not supported yet; export the constraint matrix as a .mtx file", path.display())]
     DeckNotSupported {

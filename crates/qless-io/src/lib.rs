@@ -26,6 +26,7 @@
 //! ```
 
 mod case;
+pub mod deck;
 mod error;
 mod fault;
 mod lines;

@@ -1,0 +1,87 @@
+//! `*BOUNDARY` and `*CLOAD`: `node or set, first component, last component, value`, or a named support.
+
+use super::card::Card;
+use super::definitions::Definitions;
+use super::fields::{Fault, Fields, component, number};
+use crate::deck::{DeckError, Dof, Load, Model, Origin, Prescribed, Problem};
+use crate::fault::quote;
+
+/// Named supports and the components that they hold.
+const SUPPORTS: [(&str, &[u8]); 8] = [
+    ("ENCASTRE", &[1, 2, 3, 4, 5, 6]),
+    ("PINNED", &[1, 2, 3]),
+    ("XSYMM", &[1, 5, 6]),
+    ("YSYMM", &[2, 4, 6]),
+    ("ZSYMM", &[3, 4, 5]),
+    ("XASYMM", &[2, 3, 4]),
+    ("YASYMM", &[1, 3, 5]),
+    ("ZASYMM", &[1, 2, 6]),
+];
+
+/// The values that a card prescribes, in its order.
+pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) -> Result<Vec<Prescribed>, DeckError> {
+    let number = model.card("*BOUNDARY", card.file, card.line);
+    let mut prescribed = Vec::new();
+    for line in card.lines() {
+        let origin = Origin { card: number, line: line.number, lines: 1 };
+        let mut fields = Fields::of(&line);
+        let fail = |(field, problem): Fault| model.error(origin, field, problem);
+        let dofs = range(&mut fields, definitions).map_err(fail)?;
+        let value = fields.real().map_err(fail)?.unwrap_or(0.0);
+        prescribed.extend(dofs.into_iter().map(|dof| Prescribed { dof, value, origin }));
+    }
+    Ok(prescribed)
+}
+
+/// The DOFs that a card loads.
+pub fn loads(card: &Card, model: &mut Model, definitions: &Definitions) -> Result<Vec<Load>, DeckError> {
+    let number = model.card("*CLOAD", card.file, card.line);
+    let mut loads = Vec::new();
+    for line in card.lines() {
+        let origin = Origin { card: number, line: line.number, lines: 1 };
+        let mut fields = Fields::of(&line);
+        let fail = |(field, problem): Fault| model.error(origin, field, problem);
+        let nodes = nodes(&mut fields, definitions).map_err(fail)?;
+        let Some(dof) = fields.whole("a degree of freedom").map_err(fail)? else { continue };
+        let component = component(dof, 2).map_err(fail)?;
+        loads.extend(nodes.into_iter().map(|node| Load { dof: Dof { node, component }, origin }));
+    }
+    Ok(loads)
+}
+
+/// `node or set, first, last`, the last the same as the first where it is left out; or `node or set, support`.
+pub fn range(fields: &mut Fields, definitions: &Definitions) -> Result<Vec<Dof>, Fault> {
+    let nodes = nodes(fields, definitions)?;
+    let components = components(fields)?;
+    let dofs = |node| components.iter().map(move |&component| Dof { node, component });
+    Ok(nodes.into_iter().flat_map(dofs).collect())
+}
+
+fn nodes(fields: &mut Fields, definitions: &Definitions) -> Result<Vec<u32>, Fault> {
+    let field = fields.next().unwrap_or_default();
+    if let Ok(node) = number(field, "a node") {
+        return Ok(vec![node]);
+    }
+    if field.is_empty() {
+        let problem = Problem::Expected { expected: "a node or a node set", found: quote(field) };
+        return Err((Some(fields.number), problem));
+    }
+    let set = definitions.nodes(&String::from_utf8_lossy(field));
+    set.map(|nodes| nodes.to_vec()).map_err(|problem| (Some(fields.number), problem))
+}
+
+fn components(fields: &mut Fields) -> Result<Vec<u8>, Fault> {
+    const EXPECTED: &str = "a degree of freedom or a support such as ENCASTRE";
+    let field = fields.next().unwrap_or_default();
+    let word = super::data::name(&String::from_utf8_lossy(field));
+    if let Some((_, held)) = SUPPORTS.iter().find(|(support, _)| *support == word) {
+        return Ok(held.to_vec());
+    }
+    let first = number(field, EXPECTED).map_err(|problem| (Some(fields.number), problem))?;
+    let first = component(first, fields.number)?;
+    let last = match fields.whole("the last degree of freedom")? {
+        Some(last) => component(last, fields.number)?,
+        None => first,
+    };
+    Ok((first..=last.max(first)).collect())
+}

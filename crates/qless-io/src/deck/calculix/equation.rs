@@ -1,0 +1,143 @@
+//! `*EQUATION`: the number of terms, then `node, component, coefficient` for each, as many on a line as fit.
+
+use std::rc::Rc;
+
+use super::card::Card;
+use super::data::DataLine;
+use super::definitions::Definitions;
+use super::fields::{Fault, Fields, component, float, number};
+use crate::deck::{DeckError, Dof, Model, Origin, Problem};
+use crate::fault::quote;
+
+/// Terms of an equation at most.
+const TERMS: u32 = 50_000_000;
+
+/// One term: a node, or the nodes of a set, which stand for as many equations.
+enum Nodes {
+    One(u32),
+    Set(Rc<Vec<u32>>),
+}
+
+struct Term {
+    nodes: Nodes,
+    component: u8,
+    coefficient: f64,
+}
+
+/// Adds the equations of a card.
+pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) -> Result<(), DeckError> {
+    let mut lines = card.lines();
+    let mut terms: Vec<Term> = Vec::new();
+    while let Some(head) = lines.next() {
+        let number = number_for(head.file, head.number, model);
+        let fail = |model: &Model, line: &DataLine, (field, problem): Fault| {
+            model.error(Origin { card: number, line: line.number, lines: 1 }, field, problem)
+        };
+        let mut lines_of_it = 1;
+        let promised = count(&head).map_err(|fault| fail(model, &head, fault))?;
+        terms.clear();
+        while terms.len() < promised {
+            let Some(line) = lines.next() else {
+                let problem = Problem::TooFew { what: "terms", promised, found: terms.len() };
+                return Err(fail(model, &head, (None, problem)));
+            };
+            add_terms(&line, promised, definitions, &mut terms).map_err(|fault| fail(model, &line, fault))?;
+            // An equation that goes on in another file is placed where it begins.
+            if line.file == head.file {
+                lines_of_it = (line.number + 1).saturating_sub(head.number);
+            }
+        }
+        let origin = Origin { card: number, line: head.number, lines: lines_of_it };
+        push(&terms, origin, model).map_err(|problem| fail(model, &head, (None, problem)))?;
+    }
+    Ok(())
+}
+
+/// Cards that follow each other in a file are one, so that a million of them take no room.
+fn number_for(file: u32, line: u32, model: &mut Model) -> u32 {
+    match model.cards.last() {
+        Some(last) if last.name == "*EQUATION" && last.file == file => model.cards.len() as u32 - 1,
+        _ => model.card("*EQUATION", file, line),
+    }
+}
+
+fn count(head: &DataLine) -> Result<usize, Fault> {
+    const EXPECTED: &str = "the number of terms of an equation, at least 1";
+    let mut fields = head.fields();
+    let field = fields.next().unwrap_or_default();
+    let terms = number(field, EXPECTED).map_err(|problem| (Some(1), problem))?;
+    if terms == 0 || fields.any(|field| !field.is_empty()) {
+        return Err((Some(1), Problem::Expected { expected: EXPECTED, found: quote(head.text.trim_ascii()) }));
+    }
+    if terms > TERMS {
+        let limit = TERMS as usize;
+        return Err((Some(1), Problem::Limit { what: "the number of terms", limit, advice: "correct it" }));
+    }
+    Ok(terms as usize)
+}
+
+/// The terms on a line; more than promised are refused.
+fn add_terms(line: &DataLine, promised: usize, definitions: &Definitions, terms: &mut Vec<Term>) -> Result<(), Fault> {
+    let mut fields = line.fields().enumerate().map(|(k, field)| (k + 1, field));
+    while let Some((at, field)) = fields.next() {
+        if terms.len() == promised {
+            let expected = "no more terms than promised";
+            return Err((Some(at), Problem::Expected { expected, found: quote(field) }));
+        }
+        let nodes = nodes(field, definitions).map_err(|problem| (Some(at), problem))?;
+        let (at, field) = fields.next().unwrap_or((at + 1, b""));
+        let dof = number(field, "a degree of freedom").map_err(|problem| (Some(at), problem))?;
+        let component = component(dof, at)?;
+        let (at, field) = fields.next().unwrap_or((at + 1, b""));
+        let coefficient = if field.is_empty() { Ok(0.0) } else { float(field) };
+        terms.push(Term { nodes, component, coefficient: coefficient.map_err(|problem| (Some(at), problem))? });
+    }
+    Ok(())
+}
+
+fn nodes(field: &[u8], definitions: &Definitions) -> Result<Nodes, Problem> {
+    if field.first().is_some_and(u8::is_ascii_digit) || field.is_empty() {
+        return number(field, "a node or a node set").map(Nodes::One);
+    }
+    definitions.nodes(&String::from_utf8_lossy(field)).map(Nodes::Set)
+}
+
+/// One equation, or one for each member of the sets, which must have as many.
+fn push(terms: &[Term], origin: Origin, model: &mut Model) -> Result<(), Problem> {
+    let mut sizes =
+        terms.iter().filter_map(|term| if let Nodes::Set(set) = &term.nodes { Some(set.len()) } else { None });
+    let size = sizes.next().unwrap_or(1);
+    if let Some(other) = sizes.find(|&other| other != size) {
+        let found = quote(format!("sets of {size} and {other} nodes").as_bytes());
+        return Err(Problem::Expected { expected: "node sets of the same size in one equation", found });
+    }
+    for k in 0..size {
+        let term = |term: &Term| {
+            let node = match &term.nodes {
+                Nodes::One(node) => *node,
+                Nodes::Set(set) => set[k],
+            };
+            (Dof { node, component: term.component }, term.coefficient)
+        };
+        model.push(terms.iter().map(term), 0.0, origin);
+    }
+    Ok(())
+}
+
+/// `*EQUATION, REMOVE`: the equations whose slave is listed as `node or set, first, last`, or all.
+pub fn removed(card: &Card, model: &mut Model, definitions: &Definitions) -> Result<Vec<u32>, DeckError> {
+    let all = 0..model.equations() as u32;
+    if card.parameter("REMOVEALL").is_some() {
+        return Ok(all.collect());
+    }
+    let origin = Origin { card: number_for(card.file, card.line, model), line: card.line, lines: 1 };
+    let mut slaves = rustc_hash::FxHashSet::default();
+    for line in card.lines() {
+        let fail = |(field, problem): Fault| model.error(Origin { line: line.number, ..origin }, field, problem);
+        for dof in super::boundary::range(&mut Fields::of(&line), definitions).map_err(fail)? {
+            slaves.insert(dof);
+        }
+    }
+    let slave = |i: u32| model.equation(i as usize).columns.first().map(|&j| model.dofs[j as usize]);
+    Ok(all.filter(|&i| slave(i).is_some_and(|dof| slaves.contains(&dof))).collect())
+}

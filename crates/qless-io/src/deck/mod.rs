@@ -1,0 +1,84 @@
+//! Finite-element decks: their constraints as equations `C u = b`, and decks written back with an independent set.
+//!
+//! | ending | format | module |
+//! | --- | --- | --- |
+//! | `.inp` | CalculiX, Abaqus | [`calculix`] |
+//!
+//! A reader turns the bytes of a deck and of the files that it includes into a [`Model`], which knows the card and the line of
+//! every equation; [`Model::system`] gives `C u = b` for a load case.
+
+pub mod calculix;
+mod error;
+mod model;
+mod source;
+
+use std::path::Path;
+use std::sync::Arc;
+
+pub use error::{DeckError, Problem};
+pub use model::{Card, Dof, Equation, Load, LoadCase, Model, Origin, Prescribed, Warning};
+pub use source::{Open, Sources};
+
+use crate::ReadError;
+
+/// The language of a deck.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// CalculiX and Abaqus, `.inp`.
+    Calculix,
+}
+
+impl Format {
+    /// The format that a path's ending stands for.
+    pub fn of(path: &Path) -> Option<Self> {
+        let ending = path.extension()?.to_str()?.to_ascii_lowercase();
+        match ending.as_str() {
+            "inp" => Some(Self::Calculix),
+            _ => None,
+        }
+    }
+}
+
+/// A deck: its constraints, and the text that they were read from.
+#[derive(Debug)]
+pub struct Deck {
+    /// Its language.
+    pub format: Format,
+    /// Its constraints.
+    pub model: Model,
+    /// The bytes of [`Model::files`].
+    pub texts: Vec<Arc<Vec<u8>>>,
+}
+
+/// Reads a deck and the files that it includes.
+///
+/// # Errors
+/// [`ReadError`]: a file that cannot be read, an ending that is no deck's, or a [`DeckError`] with file, line, card and field.
+///
+/// ```
+/// # let place = tempfile::tempdir()?;
+/// let path = place.path().join("tie.inp");
+/// std::fs::write(&path, "*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n*EQUATION\n2\n1,1,1.,2,1,-1.\n")?;
+/// let deck = qless_io::deck::read(&path)?;
+/// assert_eq!(deck.model.label(0), "tie.inp:5 *EQUATION 1:1");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn read(path: &Path) -> Result<Deck, ReadError> {
+    let Some(format) = Format::of(path) else {
+        return Err(ReadError::UnknownEnding { path: path.to_path_buf() });
+    };
+    let bytes = std::fs::read(path).map_err(|source| ReadError::Io { path: path.to_path_buf(), source })?;
+    Ok(parse(format, path, bytes, &mut |file: &Path| std::fs::read(file))?)
+}
+
+/// Reads a deck from its bytes; `open` gives those of the files that it includes.
+///
+/// # Errors
+/// [`DeckError`].
+pub fn parse(format: Format, path: &Path, bytes: Vec<u8>, open: Open) -> Result<Deck, DeckError> {
+    let mut sources = Sources::new(path, bytes, open);
+    let model = match format {
+        Format::Calculix => calculix::read(&mut sources)?,
+    };
+    Ok(Deck { format, model, texts: sources.into_texts() })
+}

@@ -1,0 +1,257 @@
+//! What a deck constrains, whatever its format: equations on DOFs, prescribed values by load case, and where each stands.
+
+use std::path::PathBuf;
+
+use qless::{ConstraintSystem, SystemBuilder, SystemError};
+use rustc_hash::FxHashMap;
+
+use super::DeckError;
+
+/// One component of one node; `node:component` in reports.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Dof {
+    /// The node's number in the deck.
+    pub node: u32,
+    /// 1 to 3 translations, 4 to 6 rotations, others as the format has them.
+    pub component: u8,
+}
+
+impl std::fmt::Display for Dof {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}:{}", self.node, self.component)
+    }
+}
+
+/// A card that constrains: its name and where it begins.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Card {
+    /// As the deck calls it, such as `*EQUATION` or `RBE2 12`.
+    pub name: String,
+    /// Index into [`Model::files`].
+    pub file: u32,
+    /// First line, from 1.
+    pub line: u32,
+}
+
+/// Where something is said: a card, and the lines of it, from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Origin {
+    /// Index into [`Model::cards`].
+    pub card: u32,
+    /// First line.
+    pub line: u32,
+    /// How many lines.
+    pub lines: u32,
+}
+
+/// One equation `sum a_j u_j = rhs`; its first term is the slave in formats that name one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Equation<'a> {
+    /// Columns, which are indices into [`Model::dofs`], and coefficients; a zero one keeps its place.
+    pub columns: &'a [u32],
+    /// Coefficients, in the order of `columns`.
+    pub coefficients: &'a [f64],
+    /// The right-hand side.
+    pub rhs: f64,
+    /// Where it stands.
+    pub origin: Origin,
+}
+
+/// A DOF with a given value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Prescribed {
+    /// The DOF.
+    pub dof: Dof,
+    /// Its value.
+    pub value: f64,
+    /// Where that is said.
+    pub origin: Origin,
+}
+
+/// A loaded DOF.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Load {
+    /// The DOF.
+    pub dof: Dof,
+    /// Where that is said.
+    pub origin: Origin,
+}
+
+/// What holds at the same time: a step or a subcase.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LoadCase {
+    /// `step 1`, `subcase 2`.
+    pub name: String,
+    /// Prescribed DOFs, ascending, each once.
+    pub prescribed: Vec<Prescribed>,
+    /// Further values of prescribed DOFs that contradict those in `prescribed`.
+    pub clashes: Vec<Prescribed>,
+    /// Loads.
+    pub loads: Vec<Load>,
+    /// Equations that are not in force, ascending.
+    pub removed: Vec<u32>,
+}
+
+/// Something that the user should know.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Warning {
+    /// Index into [`Model::files`].
+    pub file: u32,
+    /// The line, from 1; 0 if it concerns no line.
+    pub line: u32,
+    /// What, in one sentence.
+    pub text: String,
+}
+
+/// The constraints of a deck.
+#[derive(Clone, Debug, Default)]
+pub struct Model {
+    /// The files read, the main one first.
+    pub files: Vec<PathBuf>,
+    /// Cards that constrain, in the order met.
+    pub cards: Vec<Card>,
+    /// DOFs that occur in equations, by column.
+    pub dofs: Vec<Dof>,
+    /// Load cases; at least one.
+    pub cases: Vec<LoadCase>,
+    /// What was not understood or not exact.
+    pub warnings: Vec<Warning>,
+    columns: FxHashMap<Dof, u32>,
+    starts: Vec<u32>,
+    terms: Terms,
+    rhs: Vec<f64>,
+    origins: Vec<Origin>,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Terms {
+    columns: Vec<u32>,
+    coefficients: Vec<f64>,
+}
+
+impl Model {
+    /// A model without equations or load cases, of these files.
+    pub fn new(files: Vec<PathBuf>) -> Self {
+        Self { files, ..Self::default() }
+    }
+
+    /// Number of equations.
+    pub fn equations(&self) -> usize {
+        self.origins.len()
+    }
+
+    /// Number of terms of all equations, zero coefficients included.
+    pub fn terms(&self) -> usize {
+        self.terms.columns.len()
+    }
+
+    /// Equation `i`, from 0.
+    pub fn equation(&self, i: usize) -> Equation<'_> {
+        let range = if i == 0 { 0 } else { self.starts[i - 1] as usize }..self.starts[i] as usize;
+        Equation {
+            columns: &self.terms.columns[range.clone()],
+            coefficients: &self.terms.coefficients[range],
+            rhs: self.rhs[i],
+            origin: self.origins[i],
+        }
+    }
+
+    /// The column of a DOF, if it occurs in an equation.
+    pub fn column(&self, dof: Dof) -> Option<u32> {
+        self.columns.get(&dof).copied()
+    }
+
+    /// Adds an equation. The terms are kept as they come: repeated DOFs and zeros included.
+    pub fn push(&mut self, terms: impl IntoIterator<Item = (Dof, f64)>, rhs: f64, origin: Origin) {
+        for (dof, coefficient) in terms {
+            let next = self.dofs.len() as u32;
+            let column = *self.columns.entry(dof).or_insert(next);
+            if column == next {
+                self.dofs.push(dof);
+            }
+            self.terms.columns.push(column);
+            self.terms.coefficients.push(coefficient);
+        }
+        self.starts.push(self.terms.columns.len() as u32);
+        self.rhs.push(rhs);
+        self.origins.push(origin);
+    }
+
+    /// Adds a card and returns its number.
+    pub fn card(&mut self, name: impl Into<String>, file: u32, line: u32) -> u32 {
+        self.cards.push(Card { name: name.into(), file, line });
+        self.cards.len() as u32 - 1
+    }
+
+    /// Adds a warning about a line.
+    pub fn warn(&mut self, file: u32, line: u32, text: impl Into<String>) {
+        self.warnings.push(Warning { file, line, text: text.into() });
+    }
+
+    /// `deck.inp:41 *EQUATION`: where, and which card.
+    pub fn place(&self, origin: Origin) -> String {
+        let card = &self.cards[origin.card as usize];
+        let file = self.files[card.file as usize].file_name().unwrap_or_default().to_string_lossy();
+        format!("{file}:{} {}", origin.line, card.name)
+    }
+
+    /// `deck.inp:41 *EQUATION 6:3`: the place and the first DOF of equation `i`.
+    pub fn label(&self, i: usize) -> String {
+        let equation = self.equation(i);
+        let place = self.place(equation.origin);
+        match equation.columns.first() {
+            Some(&j) => format!("{place} {}", self.dofs[j as usize]),
+            None => place,
+        }
+    }
+
+    /// The equations in force in a load case, by their number in the deck.
+    pub fn in_force(&self, case: &LoadCase) -> impl Iterator<Item = usize> + '_ {
+        let removed = case.removed.clone();
+        (0..self.equations()).filter(move |&i| removed.binary_search(&(i as u32)).is_err())
+    }
+
+    /// `C u = b` of a load case, labelled in the deck's language: a row for each equation in force and then one for each value
+    /// that contradicts another; a column for each DOF in them.
+    ///
+    /// # Errors
+    /// [`SystemError`] where coefficients of one DOF in one equation overflow when summed.
+    pub fn system(&self, case: &LoadCase) -> Result<ConstraintSystem, SystemError> {
+        let clashing: Vec<Dof> = case.clashes.iter().map(|clash| clash.dof).collect();
+        let mut extra: Vec<Dof> = clashing.iter().copied().filter(|&dof| self.column(dof).is_none()).collect();
+        extra.sort_unstable();
+        extra.dedup();
+        let column = |dof: Dof| match self.column(dof) {
+            Some(j) => Some(j as usize),
+            None => extra.binary_search(&dof).ok().map(|k| self.dofs.len() + k),
+        };
+        // A system has at least one DOF, so that of a deck without constraints has one that nothing holds.
+        let dofs = self.dofs.len() + extra.len();
+        let mut builder = SystemBuilder::new(dofs.max(1));
+        for i in self.in_force(case) {
+            let equation = self.equation(i);
+            let terms = equation.columns.iter().zip(equation.coefficients).filter(|(_, a)| **a != 0.0);
+            builder.labelled_equation(self.label(i), terms.map(|(&j, &a)| (j as usize, a)), equation.rhs);
+        }
+        for clash in &case.clashes {
+            let label = format!("{} {}", self.place(clash.origin), clash.dof);
+            builder.labelled_equation(label, [(column(clash.dof).unwrap_or_default(), 1.0)], clash.value);
+        }
+        for given in &case.prescribed {
+            if let Some(j) = column(given.dof) {
+                builder.prescribe(j, given.value);
+            }
+        }
+        if dofs > 0 {
+            builder.dof_labels(self.dofs.iter().chain(&extra).map(Dof::to_string).collect());
+        }
+        builder.build()
+    }
+
+    /// An error at a line of a card.
+    pub fn error(&self, origin: Origin, field: Option<usize>, problem: super::Problem) -> DeckError {
+        let card = &self.cards[origin.card as usize];
+        let path = self.files[card.file as usize].clone();
+        DeckError { path, line: origin.line as usize, card: card.name.clone(), field, problem }
+    }
+}

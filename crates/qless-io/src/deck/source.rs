@@ -1,0 +1,89 @@
+//! The files of a deck: the main one and those that it includes.
+
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::{DeckError, Problem};
+
+/// Gives the bytes of a file.
+pub type Open<'a> = &'a mut dyn FnMut(&Path) -> io::Result<Vec<u8>>;
+
+/// Files within files at most.
+pub const INCLUDE_DEPTH: usize = 20;
+/// Includes of a deck at most, however often it is gone through.
+pub const INCLUDES: usize = 10_000;
+/// Bytes of a line at most.
+pub const LINE: usize = 1 << 20;
+
+/// The files read so far; each is known by its number.
+pub struct Sources<'a> {
+    paths: Vec<PathBuf>,
+    texts: Vec<Arc<Vec<u8>>>,
+    open: Open<'a>,
+    includes: usize,
+}
+
+impl<'a> Sources<'a> {
+    /// Starts with the main file.
+    pub fn new(path: &Path, bytes: Vec<u8>, open: Open<'a>) -> Self {
+        Self { paths: vec![path.to_path_buf()], texts: vec![Arc::new(bytes)], open, includes: 0 }
+    }
+
+    /// The path of a file.
+    pub fn path(&self, file: usize) -> &Path {
+        &self.paths[file]
+    }
+
+    /// The bytes of a file, which stay where they are while others are read.
+    pub fn text(&self, file: usize) -> Arc<Vec<u8>> {
+        Arc::clone(&self.texts[file])
+    }
+
+    /// All paths, the main file's first.
+    pub fn paths(&self) -> &[PathBuf] {
+        &self.paths
+    }
+
+    /// Reads the file, once, that line `line` of file `from` includes, which is itself `depth` includes deep, and returns its number.
+    /// A relative name is looked up beside the main file, then beside the including one.
+    ///
+    /// # Errors
+    /// [`DeckError`] where it cannot be read, or where there are too many.
+    pub fn include(&mut self, name: &str, from: usize, line: usize, depth: usize) -> Result<usize, DeckError> {
+        let fail =
+            |problem| DeckError { path: self.paths[from].clone(), line, card: "include".into(), field: None, problem };
+        if depth >= INCLUDE_DEPTH {
+            let advice = "break the circle of includes";
+            return Err(fail(Problem::Limit { what: "the depth of includes", limit: INCLUDE_DEPTH, advice }));
+        }
+        if self.includes >= INCLUDES {
+            let advice = "join some of the files";
+            return Err(fail(Problem::Limit { what: "the number of includes", limit: INCLUDES, advice }));
+        }
+        self.includes += 1;
+        let beside = |file: usize| self.paths[file].parent().unwrap_or(Path::new("")).join(name);
+        let candidates = [beside(0), beside(from)];
+        let mut failed = None;
+        for path in candidates {
+            if let Some(file) = self.paths.iter().position(|known| *known == path) {
+                return Ok(file);
+            }
+            match (self.open)(&path) {
+                Ok(bytes) => {
+                    self.paths.push(path);
+                    self.texts.push(Arc::new(bytes));
+                    return Ok(self.paths.len() - 1);
+                }
+                Err(error) => failed = failed.or(Some(error)),
+            }
+        }
+        let reason = failed.map(|error| error.to_string()).unwrap_or_default();
+        Err(fail(Problem::Include { file: name.to_owned(), reason }))
+    }
+
+    /// The bytes of all files.
+    pub fn into_texts(self) -> Vec<Arc<Vec<u8>>> {
+        self.texts
+    }
+}
