@@ -147,7 +147,8 @@ mod tests {
 
     #[test]
     fn axes_are_orthonormal_and_right_handed() {
-        let frame = Frame::through(Kind::Rectangular, [1.0, 2.0, 3.0], [4.0, 1.0, 9.0], [0.3, 7.0, 2.0]).expect("a frame");
+        let frame =
+            Frame::through(Kind::Rectangular, [1.0, 2.0, 3.0], [4.0, 1.0, 9.0], [0.3, 7.0, 2.0]).expect("a frame");
         for kind in [Kind::Rectangular, Kind::Cylindrical, Kind::Spherical] {
             let [a, b, c] = Frame { kind, ..frame }.axes_at([5.0, -6.0, 7.0]);
             near(cross(a, b), c);

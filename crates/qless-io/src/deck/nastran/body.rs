@@ -50,7 +50,7 @@ pub(super) fn product(a: &[f64], b: &[f64]) -> f64 {
 /// `sum`, or 0 if it is only the rounding of terms of this size.
 pub(super) fn clean(sum: f64, size: f64) -> f64 {
     const ROUNDING: f64 = 64.0 * f64::EPSILON;
-    if sum.abs() <= ROUNDING * size { 0.0 } else { sum }
+    if sum.is_finite() && sum.abs() <= ROUNDING * size { 0.0 } else { sum }
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ use std::borrow::Cow;
 
 use super::fault::CardFault;
 use super::number::real;
+use crate::deck::Problem;
 
 const NAME: usize = 8;
 const END_OF_DATA: usize = 72;
@@ -67,7 +68,7 @@ fn starts_late(line: &[u8]) -> bool {
 }
 
 /// The fields of a line that [`content`] has cleaned.
-pub(super) fn split(line: &[u8]) -> Result<Fields<'_>, CardFault> {
+pub(super) fn split(line: &[u8]) -> Result<Fields<'_>, Problem> {
     if line.contains(&b',') { free(line) } else { Ok(fixed(line)) }
 }
 
@@ -85,7 +86,7 @@ fn columns(line: &[u8], from: usize, to: usize) -> &[u8] {
     line.get(from..to.min(line.len())).unwrap_or_default().trim_ascii()
 }
 
-fn free(line: &[u8]) -> Result<Fields<'_>, CardFault> {
+fn free(line: &[u8]) -> Result<Fields<'_>, Problem> {
     let mut words = line.split(|&byte| byte == b',').map(<[u8]>::trim_ascii);
     let (name, wide) = name(words.next().unwrap_or_default());
     let count = if wide { 4 } else { 8 };
@@ -142,7 +143,10 @@ mod tests {
         let found = words("GRID    10611   2       0.      0.      -3.     2               123     +A $ no");
         assert_eq!(found, ["GRID", "10611", "2", "0.", "0.", "-3.", "2", "", "123", "+A"]);
         assert_eq!(words("MAT1    1   "), ["MAT1", "1", "", "", "", "", "", "", "", ""]);
-        assert_eq!(words("CORD2R         7       013.8639613.86396    -20.")[2..6], ["0", "13.86396", "13.86396", "-20."]);
+        assert_eq!(
+            words("CORD2R         7       013.8639613.86396    -20.")[2..6],
+            ["0", "13.86396", "13.86396", "-20."]
+        );
     }
 
     #[test]

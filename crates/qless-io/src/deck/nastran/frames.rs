@@ -6,8 +6,9 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use super::axes::{Frame, Kind};
-use super::fault::CardFault;
+use super::fault::{circle, unknown_frame, unknown_grid};
 use super::vector::Vector;
+use crate::deck::Problem;
 
 /// Frame 0, the basic one.
 pub(super) const BASIC: u32 = 0;
@@ -25,7 +26,7 @@ pub(super) enum Definition {
 pub(super) type Definitions = BTreeMap<u32, Definition>;
 
 /// Frames found so far, by identification.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Frames(HashMap<u32, Frame>);
 
 impl Frames {
@@ -38,7 +39,7 @@ impl Frames {
     pub fn resolve(
         definitions: &Definitions,
         grid: impl Fn(u32) -> Option<(u32, Vector)>,
-    ) -> Result<Self, (u32, CardFault)> {
+    ) -> Result<Self, (u32, Problem)> {
         let mut search =
             Search { definitions, grid, found: HashMap::from([(BASIC, Frame::BASIC)]), open: HashSet::new() };
         for &id in definitions.keys() {
@@ -57,7 +58,7 @@ struct Search<'a, G> {
 
 impl<G: Fn(u32) -> Option<(u32, Vector)>> Search<'_, G> {
     /// Depth first with a stack of its own: a deck may nest frames as deep as it likes.
-    fn find(&mut self, id: u32) -> Result<(), (u32, CardFault)> {
+    fn find(&mut self, id: u32) -> Result<(), (u32, Problem)> {
         let mut stack = vec![id];
         while let Some(&top) = stack.last() {
             let missing = self.rests_on(top).map_err(|fault| (top, fault))?;
@@ -70,7 +71,7 @@ impl<G: Fn(u32) -> Option<(u32, Vector)>> Search<'_, G> {
                 Some(next) => {
                     self.open.insert(top);
                     if self.open.contains(&next) {
-                        return Err((top, CardFault::FrameCycle { frame: next }));
+                        return Err((top, circle("coordinate system", next)));
                     }
                     stack.push(next);
                 }
@@ -80,7 +81,7 @@ impl<G: Fn(u32) -> Option<(u32, Vector)>> Search<'_, G> {
     }
 
     /// A frame that has to be found before this one.
-    fn rests_on(&self, id: u32) -> Result<Option<u32>, CardFault> {
+    fn rests_on(&self, id: u32) -> Result<Option<u32>, Problem> {
         if self.found.contains_key(&id) {
             return Ok(None);
         }
@@ -98,30 +99,30 @@ impl<G: Fn(u32) -> Option<(u32, Vector)>> Search<'_, G> {
         missing.map(|next| self.definition(next).map(|_| next)).transpose()
     }
 
-    fn settle(&mut self, id: u32) -> Result<(), CardFault> {
+    fn settle(&mut self, id: u32) -> Result<(), Problem> {
         if !self.found.contains_key(&id) {
             let (kind, [a, b, c]) = self.points(id)?;
-            let frame = Frame::through(kind, a, b, c).ok_or(CardFault::FrameInLine)?;
+            let frame = Frame::through(kind, a, b, c).ok_or_else(in_line)?;
             self.found.insert(id, frame);
         }
         Ok(())
     }
 
     /// The three points in basic coordinates.
-    fn points(&self, id: u32) -> Result<(Kind, [Vector; 3]), CardFault> {
+    fn points(&self, id: u32) -> Result<(Kind, [Vector; 3]), Problem> {
         let basic = |frame: u32, point: Vector| self.found.get(&frame).map(|frame| frame.point(point));
         let mut at = [[0.0; 3]; 3];
         let kind = match self.definition(id)? {
             Definition::Points { kind, reference, points } => {
                 for (at, &point) in at.iter_mut().zip(points) {
-                    *at = basic(*reference, point).ok_or(CardFault::UnknownFrame { frame: *reference })?;
+                    *at = basic(*reference, point).ok_or_else(|| unknown_frame(*reference))?;
                 }
                 kind
             }
             Definition::Grids { kind, grids } => {
                 for (at, &node) in at.iter_mut().zip(grids) {
                     let (frame, point) = self.grid(node)?;
-                    *at = basic(frame, point).ok_or(CardFault::UnknownFrame { frame })?;
+                    *at = basic(frame, point).ok_or_else(|| unknown_frame(frame))?;
                 }
                 kind
             }
@@ -129,13 +130,17 @@ impl<G: Fn(u32) -> Option<(u32, Vector)>> Search<'_, G> {
         Ok((*kind, at))
     }
 
-    fn definition(&self, id: u32) -> Result<&Definition, CardFault> {
-        self.definitions.get(&id).ok_or(CardFault::UnknownFrame { frame: id })
+    fn definition(&self, id: u32) -> Result<&Definition, Problem> {
+        self.definitions.get(&id).ok_or_else(|| unknown_frame(id))
     }
 
-    fn grid(&self, node: u32) -> Result<(u32, Vector), CardFault> {
-        (self.grid)(node).ok_or(CardFault::UnknownGrid { node })
+    fn grid(&self, node: u32) -> Result<(u32, Vector), Problem> {
+        (self.grid)(node).ok_or_else(|| unknown_grid(node))
     }
+}
+
+fn in_line() -> Problem {
+    Problem::Degenerate { what: "the three points of the coordinate system lie in a line or coincide".into() }
 }
 
 #[cfg(test)]
@@ -157,9 +162,13 @@ mod tests {
 
     #[test]
     fn frames_through_grid_points() {
-        let grids = |node: u32| Some((if node == 12 { 2 } else { 0 }, [[1.0; 3], [1.0, 1.0, 2.0], [2.0, 0.0, 0.0]][node as usize - 10]));
-        let definitions =
-            Definitions::from([(1, Definition::Grids { kind: Kind::Cylindrical, grids: [10, 11, 12] }), (2, on(0, [1.0; 3]))]);
+        let grids = |node: u32| {
+            Some((if node == 12 { 2 } else { 0 }, [[1.0; 3], [1.0, 1.0, 2.0], [2.0, 0.0, 0.0]][node as usize - 10]))
+        };
+        let definitions = Definitions::from([
+            (1, Definition::Grids { kind: Kind::Cylindrical, grids: [10, 11, 12] }),
+            (2, on(0, [1.0; 3])),
+        ]);
         let frames = Frames::resolve(&definitions, grids).expect("frames");
         assert_eq!(frames.get(1).map(|frame| (frame.origin, frame.axes[2])), Some(([1.0; 3], [0.0, 0.0, 1.0])));
     }
@@ -167,15 +176,15 @@ mod tests {
     #[test]
     fn cycles_and_gaps_are_errors() {
         let cycle = Definitions::from([(1, on(2, [0.0; 3])), (2, on(1, [0.0; 3]))]);
-        assert!(matches!(Frames::resolve(&cycle, |_| None), Err((2, CardFault::FrameCycle { frame: 1 }))));
+        assert_eq!(Frames::resolve(&cycle, |_| None).err(), Some((2, circle("coordinate system", 1))));
         let itself = Definitions::from([(7, on(7, [0.0; 3]))]);
-        assert!(matches!(Frames::resolve(&itself, |_| None), Err((7, CardFault::FrameCycle { frame: 7 }))));
+        assert_eq!(Frames::resolve(&itself, |_| None).err(), Some((7, circle("coordinate system", 7))));
         let gap = Definitions::from([(1, on(9, [0.0; 3]))]);
-        assert!(matches!(Frames::resolve(&gap, |_| None), Err((1, CardFault::UnknownFrame { frame: 9 }))));
+        assert_eq!(Frames::resolve(&gap, |_| None).err(), Some((1, unknown_frame(9))));
         let grids = Definitions::from([(1, Definition::Grids { kind: Kind::Rectangular, grids: [1, 2, 3] })]);
-        assert!(matches!(Frames::resolve(&grids, |_| None), Err((1, CardFault::UnknownGrid { node: 1 }))));
+        assert_eq!(Frames::resolve(&grids, |_| None).err(), Some((1, unknown_grid(1))));
         let through = |node| Some((1, [f64::from(node); 3]));
-        assert!(matches!(Frames::resolve(&grids, through), Err((1, CardFault::FrameCycle { frame: 1 }))));
+        assert_eq!(Frames::resolve(&grids, through).err(), Some((1, circle("coordinate system", 1))));
     }
 
     #[test]

@@ -45,9 +45,8 @@ impl Components {
         if word == b"0" {
             return Some(Self(0));
         }
-        word.iter().try_fold(Self(0), |set, &digit| {
-            matches!(digit, b'1'..=b'6').then(|| Self(set.0 | 1 << (digit - b'0')))
-        })
+        word.iter()
+            .try_fold(Self(0), |set, &digit| matches!(digit, b'1'..=b'6').then(|| Self(set.0 | 1 << (digit - b'0'))))
     }
 }
 

@@ -22,7 +22,11 @@ pub(super) fn plus(a: Vector, b: Vector) -> Vector {
 pub(super) fn minus(a: Vector, b: Vector) -> Vector {
     std::array::from_fn(|k| {
         let difference = a[k] - b[k];
-        if difference.abs() <= 4.0 * f64::EPSILON * (a[k].abs() + b[k].abs()) { 0.0 } else { difference }
+        if difference.is_finite() && difference.abs() <= 4.0 * f64::EPSILON * (a[k].abs() + b[k].abs()) {
+            0.0
+        } else {
+            difference
+        }
     })
 }
 
