@@ -37,14 +37,10 @@ impl Pose {
     }
 }
 
-/// a . b; 0 where the terms cancel down to their rounding, so that what is at right angles stays uncoupled.
+/// a . b; 0 where it is only the rounding of vectors of this size, so that what is at right angles stays uncoupled.
 pub(super) fn product(a: &[f64], b: &[f64]) -> f64 {
-    let (mut sum, mut size) = (0.0, 0.0);
-    for (x, y) in a.iter().zip(b) {
-        sum += x * y;
-        size += (x * y).abs();
-    }
-    clean(sum, size)
+    let largest = |v: &[f64]| v.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    clean(a.iter().zip(b).map(|(x, y)| x * y).sum(), largest(a) * largest(b))
 }
 
 /// `sum`, or 0 if it is only the rounding of terms of this size.

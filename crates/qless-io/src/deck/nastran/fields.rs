@@ -122,7 +122,7 @@ fn name(first: &[u8]) -> (&[u8], bool) {
     if let Some(rest) = first.strip_prefix(b"*") {
         return (rest.trim_ascii(), true);
     }
-    let first = first.strip_prefix(b"+").unwrap_or(first);
+    let first = first.strip_prefix(b"+").unwrap_or(first).trim_ascii();
     first.strip_suffix(b"*").map_or((first, false), |name| (name.trim_ascii(), true))
 }
 

@@ -18,16 +18,17 @@ pub(super) fn plus(a: Vector, b: Vector) -> Vector {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
-/// a - b; a component that is only the rounding of the two is 0, so that points in one plane stay in it.
+/// a - b for points; a component that is only the rounding of such coordinates is 0, so that points in one plane stay in it.
 pub(super) fn minus(a: Vector, b: Vector) -> Vector {
+    let rounding = 4.0 * f64::EPSILON * (largest(a) + largest(b));
     std::array::from_fn(|k| {
         let difference = a[k] - b[k];
-        if difference.is_finite() && difference.abs() <= 4.0 * f64::EPSILON * (a[k].abs() + b[k].abs()) {
-            0.0
-        } else {
-            difference
-        }
+        if difference.is_finite() && difference.abs() <= rounding { 0.0 } else { difference }
     })
+}
+
+fn largest(a: Vector) -> f64 {
+    a.iter().fold(0.0, |m: f64, x| m.max(x.abs()))
 }
 
 /// |a|, without overflow.
@@ -37,7 +38,7 @@ pub(super) fn length(a: Vector) -> f64 {
 
 /// a / |a|; none where a is zero or beyond the range of floats.
 pub(super) fn unit(a: Vector) -> Option<Vector> {
-    let largest = a.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let largest = largest(a);
     if !(largest > 0.0 && largest.is_finite()) {
         return None;
     }
