@@ -3,6 +3,7 @@
 //! | ending | format | module |
 //! | --- | --- | --- |
 //! | `.inp` | CalculiX, Abaqus | `calculix` |
+//! | `.bdf`, `.dat`, `.nas` | Nastran | [`nastran`] |
 //!
 //! A reader turns the bytes of a deck and of the files that it includes into a [`Model`], which knows the card and the line of
 //! every equation; [`Model::system`] gives `C u = b` for a load case. [`clean`] decides what must
@@ -13,6 +14,7 @@ pub mod clean;
 mod columns;
 mod error;
 mod model;
+pub mod nastran;
 mod source;
 
 use std::path::Path;
@@ -29,6 +31,8 @@ use crate::ReadError;
 pub enum Format {
     /// CalculiX and Abaqus, `.inp`.
     Calculix,
+    /// Nastran, `.bdf`, `.dat`, `.nas`.
+    Nastran,
 }
 
 impl Format {
@@ -37,6 +41,7 @@ impl Format {
         let ending = path.extension()?.to_str()?.to_ascii_lowercase();
         match ending.as_str() {
             "inp" => Some(Self::Calculix),
+            "bdf" | "dat" | "nas" => Some(Self::Nastran),
             _ => None,
         }
     }
@@ -82,6 +87,7 @@ pub fn parse(format: Format, path: &Path, bytes: Vec<u8>, open: Open) -> Result<
     let mut sources = Sources::new(path, bytes, open);
     let model = match format {
         Format::Calculix => calculix::read(&mut sources)?,
+        Format::Nastran => nastran::read(&mut sources)?,
     };
     Ok(Deck { format, model, texts: sources.into_texts() })
 }
