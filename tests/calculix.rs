@@ -5,6 +5,7 @@
 mod calculix {
     pub mod behaviour;
     pub mod cube;
+    pub mod geometric;
     pub mod periodic;
     pub mod plain;
     pub mod solver;
