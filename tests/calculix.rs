@@ -4,6 +4,7 @@
 
 mod calculix {
     pub mod behaviour;
+    pub mod cleaning;
     pub mod cube;
     pub mod geometric;
     pub mod periodic;

@@ -80,7 +80,6 @@ fn rigid_motions_fulfil_every_card() {
         ("*COUPLING, REF NODE=30, SURFACE=NODES, CONSTRAINT NAME=C, ORIENTATION=ROUND\n*KINEMATIC\n2\n", 4),
         ("*COUPLING, REF NODE=30, SURFACE=TOP, CONSTRAINT NAME=C\n*DISTRIBUTING\n1,6\n", 6),
         ("*KINEMATIC COUPLING, REF NODE=30\nFIVE,1,2\n9,3\n", 9),
-        ("*DISTRIBUTING COUPLING, ELSET=EREF\nFIVE,2.\n9,1.\n", 3),
         ("*MPC\nPLANE,20,21,22,23,\n24\n", 2),
         ("*MPC\nSTRAIGHT,20,21,23\n", 2),
         ("*MPC\nBEAM,20,21\n", 6),
@@ -106,6 +105,22 @@ fn ties_follow_every_even_deformation() {
     let even =
         |x: [f64; 3]| [x[0] + 2.0 * x[1] - x[2], 0.3 * x[0] - x[1] + 0.5 * x[2] + 1.0, x[1] - 0.2 * x[0] + 0.1 * x[2]];
     assert!(residual(&deck.model, &even, [0.0; 3]) < 1e-13);
+}
+
+#[test]
+fn an_old_distributing_coupling_is_a_plain_mean_of_displacements() {
+    let deck = deck("*DISTRIBUTING COUPLING, ELSET=EREF\nFIVE,2.\n9,1.\n");
+    let shift = |_: [f64; 3]| [0.5, -1.0, 2.0];
+    assert_eq!(deck.model.equations(), 3);
+    assert!(residual(&deck.model, &shift, [0.0; 3]) < 1e-15);
+    // Node 5 is the slave, with the weight 2 of 9 in all.
+    let equation = deck.model.equation(0);
+    let reference =
+        equation.columns.iter().position(|&j| deck.model.dofs[j as usize].node == 30).expect("the reference");
+    assert!(
+        (equation.coefficients[reference] + 4.5).abs() < 1e-15
+            && deck.model.dofs[equation.columns[0] as usize].node == 5
+    );
 }
 
 #[test]

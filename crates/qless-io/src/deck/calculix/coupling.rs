@@ -10,8 +10,10 @@ use super::frames::orientation;
 use super::geometric::{Place, Row};
 use super::mesh::Surface;
 use super::rigid::{Reference, kinematic};
+use crate::deck::nastran::axes::BASIC_AXES;
 use crate::deck::nastran::mean::{Group, Mean};
 use crate::deck::nastran::number::Components;
+use crate::deck::nastran::vector::{Vector, scaled};
 use crate::deck::{DeckError, Model, Problem};
 use crate::fault::quote;
 
@@ -90,7 +92,8 @@ pub fn kinematic_coupling(card: &Card, model: &mut Model, definitions: &Definiti
     finish(card, &place, model, rows)
 }
 
-/// `*DISTRIBUTING COUPLING, ELSET=`: `node or set, weight` a line; the element set holds the reference.
+/// `*DISTRIBUTING COUPLING, ELSET=`: `node or set, weight` a line; the element set holds the reference, wherever that is. As CalculiX
+/// has it: `sum w_k u_k - sum w_k u_r = 0` in each direction, the first node being the slave.
 pub fn distributing_coupling(card: &Card, model: &mut Model, definitions: &Definitions) -> Result<(), DeckError> {
     let place = Place::of(card, model, "*DISTRIBUTING COUPLING");
     let rows = || {
@@ -99,17 +102,20 @@ pub fn distributing_coupling(card: &Card, model: &mut Model, definitions: &Defin
             let found = quote(set.as_bytes());
             return Err(Problem::Expected { expected: "an element set with one node, the reference", found });
         };
-        let mut groups = Vec::new();
+        let mut weights: Vec<(u32, f64)> = Vec::new();
         for line in card.lines() {
             let mut fields = line.fields();
             let nodes = definitions.node_or_set(fields.next().unwrap_or_default())?;
             let weight = fields.next().filter(|field| !field.is_empty()).map_or(Ok(1.0), float)?;
-            groups.push(Group { weight, components: translations(), nodes });
+            weights.extend(nodes.into_iter().map(|node| (node, weight)));
         }
-        mean(definitions, reference, &[1, 2, 3], groups)
+        let total: f64 = weights.iter().map(|(_, weight)| weight).sum();
+        weights.push((reference, -total));
+        let gradients = |axis: Vector| weights.iter().map(|&(node, w)| (node, scaled(axis, w))).collect::<Vec<_>>();
+        BASIC_AXES.iter().map(|&axis| Row::along(definitions, &gradients(axis), 0.0)).collect()
     };
     let rows = rows();
-    finish(card, &place, model, rows)
+    place.push(model, rows)
 }
 
 fn finish(card: &Card, place: &Place, model: &mut Model, rows: Result<Vec<Row>, Problem>) -> Result<(), DeckError> {
