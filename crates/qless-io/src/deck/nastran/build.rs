@@ -22,10 +22,7 @@ pub(super) fn model(mut content: Content, sources: &Sources) -> Result<Model, De
         model.warn(file, line, text);
     }
     let points = points(&mut content.bulk, &mut model)?;
-    let selections = match &content.control {
-        Some(control) => control.selections(),
-        None => selected::without_control(&content.bulk, &mut model),
-    };
+    let selections = selected::selections(&content, &mut model);
     let cases = selected::sets(selections, &content.bulk, &mut model)?;
     let sets_of = ties(&content.bulk, &points, &cases, &mut model)?;
     for (name, sets) in &cases {
@@ -76,6 +73,7 @@ fn ties(bulk: &Bulk, points: &Points, cases: &[(String, Sets)], model: &mut Mode
         }
         let rows = rows(tie, points).and_then(finite).map_err(|problem| fail(place, problem, model))?;
         let origin = place.origin(model);
+        model.cards[origin.card as usize].is_fixed = bulk.expanding.contains(&(place.file, place.line));
         for row in rows {
             model.push(row.terms, 0.0, origin);
         }

@@ -50,6 +50,8 @@ pub(super) struct Control {
     /// Each subcase with its own selection and those of its steps.
     subcases: Vec<(u32, Selection, Vec<(u32, Selection)>)>,
     level: Level,
+    /// Every line that selects an MPC set.
+    pub mpc_choices: Vec<Choice>,
 }
 
 impl Control {
@@ -112,7 +114,10 @@ impl Control {
         let choice = Choice { set, file: line.file, line: line.number };
         let Some(selection) = self.current() else { return Ok(()) };
         match word {
-            "MPC" => selection.mpc = Some(choice),
+            "MPC" => {
+                selection.mpc = Some(choice);
+                self.mpc_choices.push(choice);
+            }
             "SPC" => selection.spc = Some(choice),
             _ => selection.load = Some(choice),
         }

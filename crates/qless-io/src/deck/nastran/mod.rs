@@ -10,7 +10,7 @@
 //! let path = place.path().join("lug.bdf");
 //! std::fs::write(&path, "CEND\nBEGIN BULK\nGRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nRBE2,7,1,3,2\nENDDATA\n")?;
 //! let deck = qless_io::deck::read(&path)?;
-//! assert_eq!(deck.model.label(0), "lug.bdf:5 RBE2 7 2:3");
+//! assert_eq!(deck.model.label(0), "line 5 RBE2 7 2:3");
 //! assert_eq!(deck.model.equation(0).coefficients, [1.0, -1.0, 1.0]);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -45,18 +45,19 @@ mod sets;
 mod solved;
 mod spans;
 mod supports;
+mod target;
 mod unread;
 mod vector;
+mod wide;
+mod write;
 
 pub use fault::CardFault;
+pub(super) use write::write;
 
 use super::{DeckError, Model, Sources};
 
 /// Reads a deck.
-///
-/// # Errors
-/// [`DeckError`].
-pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
+pub(super) fn read(sources: &mut Sources) -> Result<Model, DeckError> {
     let content = reader::read(sources)?;
     build::model(content, sources)
 }

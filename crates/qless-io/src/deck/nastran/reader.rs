@@ -4,7 +4,7 @@ use super::bulk::{Bulk, is_read};
 use super::card::{Card, Refused};
 use super::control::{Control, keyword};
 use super::fields::continues;
-use super::lines::{Line, Visitor, walk};
+use super::lines::{Include, Line, Visitor, walk};
 use crate::deck::{DeckError, Problem, Sources};
 
 /// Which part of the deck a line is in.
@@ -19,9 +19,25 @@ enum Section {
     Passed,
 }
 
+/// A file and a line of it, from 1.
+pub(super) type At = (u32, u32);
+
+/// Where the parts of a deck begin, for those who change it.
+#[derive(Debug, Default)]
+pub(super) struct Landmarks {
+    /// The first line of case control.
+    pub control: Option<At>,
+    /// The line after `BEGIN BULK`.
+    pub bulk: Option<At>,
+    /// `ENDDATA`.
+    pub end: Option<At>,
+    pub includes: Vec<Include>,
+}
+
 /// What a deck says.
 #[derive(Debug)]
 pub(super) struct Content {
+    pub landmarks: Landmarks,
     pub bulk: Bulk,
     /// None where the deck is bulk data alone.
     pub control: Option<Control>,
@@ -31,7 +47,7 @@ pub(super) struct Content {
 pub(super) fn read(sources: &mut Sources) -> Result<Content, DeckError> {
     let section = first_section(&sources.text(0));
     let control = (section != Section::Bulk).then(Control::default);
-    let content = Content { bulk: Bulk::default(), control };
+    let content = Content { landmarks: Landmarks::default(), bulk: Bulk::default(), control };
     let mut reader = Reader { content, section, card: Card::default(), passing: true };
     walk(sources, &mut reader)?;
     reader.finish_card(sources)?;
@@ -78,6 +94,10 @@ impl Visitor for Reader {
         Ok(true)
     }
 
+    fn included(&mut self, include: Include) {
+        self.content.landmarks.includes.push(include);
+    }
+
     /// Files of executive control hold procedures, not constraints.
     fn unreadable(&mut self, error: DeckError) -> Result<(), DeckError> {
         if self.section != Section::Executive || !matches!(error.problem, Problem::Include { .. }) {
@@ -92,8 +112,11 @@ impl Visitor for Reader {
 impl Reader {
     fn control(&mut self, line: &Line, sources: &Sources) -> Result<(), DeckError> {
         let (word, rest) = keyword(line.text);
+        if self.section == Section::Control {
+            self.content.landmarks.control.get_or_insert((line.file, line.number));
+        }
         match word.as_str() {
-            "CEND" => self.section = Section::Control,
+            "CEND" => self.end_executive(line),
             "BEGIN" => self.begin(rest, line),
             _ if self.section == Section::Control => {
                 let control = self.content.control.get_or_insert_default();
@@ -107,11 +130,18 @@ impl Reader {
         Ok(())
     }
 
+    fn end_executive(&mut self, line: &Line) {
+        self.section = Section::Control;
+        self.content.control.get_or_insert_default();
+        self.content.landmarks.control.get_or_insert((line.file, line.number + 1));
+    }
+
     /// `BEGIN BULK`, or the part of a superelement.
     fn begin(&mut self, rest: &[u8], line: &Line) {
         let text = String::from_utf8_lossy(rest).trim().to_ascii_uppercase();
         if text.is_empty() || text == "BULK" || text == "BULK SUPER=0" {
             self.section = Section::Bulk;
+            self.content.landmarks.bulk.get_or_insert((line.file, line.number + 1));
             return;
         }
         self.section = Section::Passed;
@@ -131,9 +161,12 @@ impl Reader {
         let mut name = [0; 8];
         let name = card_name(line.text, &mut name);
         match name {
-            b"ENDDATA" => return Ok(false),
+            b"ENDDATA" => {
+                self.content.landmarks.end = Some((line.file, line.number));
+                return Ok(false);
+            }
             name if name.starts_with(b"BEGIN") => self.begin(keyword(line.text).1, line),
-            b"CEND" if self.content.control.is_none() => self.section = Section::Control,
+            b"CEND" if self.content.control.is_none() => self.end_executive(line),
             name if is_read(name) => {
                 self.passing = false;
                 let begun = self.card.begin(name, line.text, line.file, line.number);
