@@ -110,7 +110,7 @@ impl Bulk {
         if let Some((other, place)) = &self.usual
             && *other != usual
         {
-            let other = format!("line {}", place.line);
+            let other = format!("line {}", place.line).into();
             return Err(card.at(0, CardFault::DefinedTwice { what: "GRDSET", id: 1, other }.into()));
         }
         self.usual = Some((usual, Place::of(card)));
@@ -140,7 +140,7 @@ impl Bulk {
         if let (Some(known), Some(other)) = (self.frames.get(&id), self.frame_places.get(&id))
             && *known != definition
         {
-            let other = format!("line {}", other.line);
+            let other = format!("line {}", other.line).into();
             return Err(card.at(0, CardFault::DefinedTwice { what: "coordinate system", id, other }.into()));
         }
         self.frames.insert(id, definition);

@@ -15,7 +15,8 @@ pub(super) fn mpc(set: u32, written: &Written) -> String {
     let mut text = String::new();
     for (k, pair) in fields.chunks(2).enumerate() {
         let head = if k == 0 { format!("MPC*    {set:>16}") } else { format!("*       {:16}", "") };
-        text += &format!("{head}{}\n*       {}\n", pair[0], pair.get(1).map_or("", String::as_str));
+        let second = pair.get(1).map_or("", String::as_str);
+        text.extend([&head, &pair[0], "\n*       ", second, "\n"]);
     }
     text
 }
