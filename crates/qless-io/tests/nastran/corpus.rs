@@ -49,7 +49,7 @@ fn rank(systems: &[&ConstraintSystem]) -> usize {
 fn prescribed(system: &ConstraintSystem) -> BTreeMap<String, f64> {
     let occurs = |j: usize| (0..system.equations()).any(|i| system.matrix().row(i).any(|(column, _)| column == j));
     let given = system.prescribed().iter().filter(|&&(j, _)| occurs(j));
-    given.map(|&(j, value)| (system.dof_label(j).to_string(), value)).collect()
+    given.map(|&(j, value)| (system.dof_label(j), value)).collect()
 }
 
 /// What differs between the deck and the reference, if anything.
