@@ -11,6 +11,7 @@
 
 mod calculix;
 pub mod clean;
+mod columns;
 mod error;
 mod model;
 mod nastran;

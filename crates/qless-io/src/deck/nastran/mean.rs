@@ -18,7 +18,7 @@ use crate::deck::{Dof, Problem};
 
 /// Components of some grid points that have the same weight.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Group {
+pub(in crate::deck) struct Group {
     pub weight: f64,
     pub components: Components,
     pub nodes: Vec<u32>,
@@ -26,7 +26,7 @@ pub(super) struct Group {
 
 /// The element as its card has it.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Mean {
+pub(in crate::deck) struct Mean {
     pub reference: u32,
     pub components: Components,
     pub groups: Vec<Group>,

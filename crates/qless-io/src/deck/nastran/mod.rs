@@ -15,8 +15,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod axes;
-mod body;
+pub(super) mod axes;
+pub(super) mod body;
 mod build;
 mod bulk;
 mod card;
@@ -31,15 +31,15 @@ mod frames;
 mod grid;
 mod lines;
 mod loads;
-mod mean;
+pub(super) mod mean;
 mod mpc;
-mod number;
+pub(super) mod number;
 mod place;
 mod points;
 mod reader;
-mod rigid;
-mod rod;
-mod row;
+pub(super) mod rigid;
+pub(super) mod rod;
+pub(super) mod row;
 mod selected;
 mod sets;
 mod solved;
@@ -47,7 +47,7 @@ mod spans;
 mod supports;
 mod target;
 mod unread;
-mod vector;
+pub(super) mod vector;
 mod wide;
 mod write;
 

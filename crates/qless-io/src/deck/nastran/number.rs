@@ -4,7 +4,7 @@ use crate::{NumberFault, number};
 
 /// Components 1 to 6 of a grid point as a set; the empty set is a scalar point's `0`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Components(u8);
+pub(in crate::deck) struct Components(u8);
 
 impl Components {
     pub const ALL: Self = Self(0b111_1110);
@@ -51,7 +51,7 @@ impl Components {
 }
 
 /// The float nearest to the text: a sign after the first digit starts the exponent.
-pub(super) fn real(word: &[u8]) -> Result<f64, NumberFault> {
+pub(in crate::deck) fn real(word: &[u8]) -> Result<f64, NumberFault> {
     let bare_exponent = word.iter().skip(1).position(|byte| matches!(byte, b'+' | b'-'));
     let Some(sign) = bare_exponent.map(|at| at + 1) else { return plain(word) };
     if matches!(word[sign - 1], b'e' | b'E' | b'd' | b'D') {

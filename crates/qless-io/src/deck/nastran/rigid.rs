@@ -13,11 +13,11 @@ use super::vector::{Vector, length, minus, plus, scaled};
 use crate::deck::{Dof, Problem};
 
 /// Components of grid points, in the order of the card.
-pub(super) type Side = Vec<(u32, Components)>;
+pub(in crate::deck) type Side = Vec<(u32, Components)>;
 
 /// An element that lets its grid points move as one rigid body.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Rigid {
+pub(in crate::deck) struct Rigid {
     /// Six components in all.
     pub independent: Side,
     pub dependent: Side,

@@ -8,7 +8,7 @@ use crate::deck::{Dof, Problem};
 
 /// A rigid rod between two grid points; `dependent` is one of their translations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Rod {
+pub(in crate::deck) struct Rod {
     pub ends: [u32; 2],
     pub dependent: Dof,
 }

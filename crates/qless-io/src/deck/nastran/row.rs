@@ -5,7 +5,7 @@ use crate::deck::{Dof, Problem};
 
 /// An equation. No coefficient is zero.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Row {
+pub(in crate::deck) struct Row {
     pub terms: Vec<(Dof, f64)>,
 }
 
@@ -18,7 +18,7 @@ impl Row {
 }
 
 /// Finds where a grid point is; an error where there is none.
-pub(super) trait Poses {
+pub(in crate::deck) trait Poses {
     fn pose(&self, node: u32) -> Result<Pose, Problem>;
 }
 

@@ -1,25 +1,25 @@
 //! Vectors of three numbers.
 
-pub(super) type Vector = [f64; 3];
+pub(in crate::deck) type Vector = [f64; 3];
 
-pub(super) fn dot(a: Vector, b: Vector) -> f64 {
+pub(in crate::deck) fn dot(a: Vector, b: Vector) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-pub(super) fn cross(a: Vector, b: Vector) -> Vector {
+pub(in crate::deck) fn cross(a: Vector, b: Vector) -> Vector {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-pub(super) fn scaled(a: Vector, factor: f64) -> Vector {
+pub(in crate::deck) fn scaled(a: Vector, factor: f64) -> Vector {
     a.map(|x| x * factor)
 }
 
-pub(super) fn plus(a: Vector, b: Vector) -> Vector {
+pub(in crate::deck) fn plus(a: Vector, b: Vector) -> Vector {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
 /// a - b for points; a component that is only the rounding of such coordinates is 0, so that points in one plane stay in it.
-pub(super) fn minus(a: Vector, b: Vector) -> Vector {
+pub(in crate::deck) fn minus(a: Vector, b: Vector) -> Vector {
     let rounding = 4.0 * f64::EPSILON * (largest(a) + largest(b));
     std::array::from_fn(|k| {
         let difference = a[k] - b[k];
@@ -32,12 +32,12 @@ fn largest(a: Vector) -> f64 {
 }
 
 /// |a|, without overflow.
-pub(super) fn length(a: Vector) -> f64 {
+pub(in crate::deck) fn length(a: Vector) -> f64 {
     a[0].hypot(a[1]).hypot(a[2])
 }
 
 /// a / |a|; none where a is zero or beyond the range of floats.
-pub(super) fn unit(a: Vector) -> Option<Vector> {
+pub(in crate::deck) fn unit(a: Vector) -> Option<Vector> {
     let largest = largest(a);
     if !(largest > 0.0 && largest.is_finite()) {
         return None;
