@@ -170,3 +170,10 @@ fn no_bytes_are_fatal() {
         let _ = read.map(|deck| deck.model.system(&deck.model.cases[0]));
     }
 }
+
+#[test]
+fn copies_by_equals_signs_are_refused_where_they_matter() {
+    let expected = "place/deck.bdf:5: =: expected a card with all of its fields (copies by `=` are not understood), found `=,=,*(2)`; correct it";
+    assert_eq!(message("=,=,*(2)"), expected);
+    assert_eq!(message("CQUAD4,1,1,1,2,3,4\n=,*(1),=,*(1)"), "accepted");
+}

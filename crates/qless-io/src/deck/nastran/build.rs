@@ -9,10 +9,11 @@ use super::fault::CardFault;
 use super::grid::Grid;
 use super::mpc::Term;
 use super::place::Place;
-use super::points::{Point, Points};
+use super::points::{Point, Points, limited};
 use super::reader::Content;
 use super::row::Row;
 use super::selected::{self, Sets};
+use super::warnings::brief;
 use crate::deck::{DeckError, Dof, Model, Origin, Problem, Sources};
 
 /// The model of a deck.
@@ -25,10 +26,14 @@ pub(super) fn model(mut content: Content, sources: &Sources) -> Result<Model, De
     let selections = selected::selections(&content, &mut model);
     let cases = selected::sets(selections, &content.bulk, &mut model)?;
     let sets_of = ties(&content.bulk, &points, &cases, &mut model)?;
+    let mut prescribed = 0;
     for (name, sets) in &cases {
         let case = cases::case(name, sets, &sets_of, &content.bulk, &points, &mut model)?;
+        prescribed += case.prescribed.len();
+        limited(prescribed).map_err(|problem| too_many(&model, problem))?;
         model.cases.push(case);
     }
+    model.warnings = brief(std::mem::take(&mut model.warnings));
     Ok(model)
 }
 
@@ -54,6 +59,10 @@ fn defined_twice(pair: &[Grid; 2], model: &mut Model) -> DeckError {
 pub(super) fn fail(place: &Place, problem: Problem, model: &mut Model) -> DeckError {
     let origin = place.origin(model);
     model.error(origin, None, problem)
+}
+
+fn too_many(model: &Model, problem: Problem) -> DeckError {
+    DeckError { path: model.files[0].clone(), line: 0, card: "all subcases".into(), field: None, problem }
 }
 
 /// Equations of `MPC` cards with their set.

@@ -48,6 +48,7 @@ mod supports;
 mod target;
 mod unread;
 pub(super) mod vector;
+mod warnings;
 mod wide;
 mod write;
 

@@ -6,6 +6,7 @@ use super::control::{Control, keyword};
 use super::fields::continues;
 use super::lines::{Include, Line, Visitor, walk};
 use crate::deck::{DeckError, Problem, Sources};
+use crate::fault::quote;
 
 /// Which part of the deck a line is in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +49,7 @@ pub(super) fn read(sources: &mut Sources) -> Result<Content, DeckError> {
     let section = first_section(&sources.text(0));
     let control = (section != Section::Bulk).then(Control::default);
     let content = Content { landmarks: Landmarks::default(), bulk: Bulk::default(), control };
-    let mut reader = Reader { content, section, card: Card::default(), passing: true };
+    let mut reader = Reader { content, section, card: Card::default(), passing: true, follows_read: false };
     walk(sources, &mut reader)?;
     reader.finish_card(sources)?;
     Ok(reader.content)
@@ -75,6 +76,8 @@ struct Reader {
     card: Card,
     /// Whether the lines are those of a card that is not read.
     passing: bool,
+    /// Whether the last card was read.
+    follows_read: bool,
 }
 
 impl Visitor for Reader {
@@ -167,12 +170,13 @@ impl Reader {
             }
             name if name.starts_with(b"BEGIN") => self.begin(keyword(line.text).1, line),
             b"CEND" if self.content.control.is_none() => self.end_executive(line),
+            name if name.starts_with(b"=") && self.follows_read => return Err(replication(line, sources)),
             name if is_read(name) => {
-                self.passing = false;
+                (self.passing, self.follows_read) = (false, true);
                 let begun = self.card.begin(name, line.text, line.file, line.number);
                 begun.map_err(|refused| self.error(refused, sources))?;
             }
-            _ => {}
+            _ => self.follows_read = false,
         }
         Ok(true)
     }
@@ -189,6 +193,14 @@ impl Reader {
         let path = sources.path(self.card.file as usize).to_path_buf();
         DeckError { path, line: line as usize, card: self.card.title(), field, problem }
     }
+}
+
+/// `=` repeats the fields of the card before it.
+fn replication(line: &Line, sources: &Sources) -> DeckError {
+    let expected = "a card with all of its fields (copies by `=` are not understood)";
+    let problem = Problem::Expected { expected, found: quote(line.text) };
+    let path = sources.path(line.file as usize).to_path_buf();
+    DeckError { path, line: line.number as usize, card: "=".into(), field: None, problem }
 }
 
 /// The first field in capitals, without its `*`; empty if it is too long for a name.

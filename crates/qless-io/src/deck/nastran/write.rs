@@ -21,7 +21,7 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     let target = Target::of(&content, deck, plan)?;
     changes.all.extend(target.changes(&content));
     if !plan.written.is_empty() {
-        let (at, text) = (place_of_new(&content), new_text(target.set, plan));
+        let (at, text) = (place_of_new(&content), new_text(&target, content.control.is_some(), plan));
         changes.all.push((at, 0, text));
     }
     let writer = Writer { deck, content: &content, changes: &changes.all };
@@ -83,11 +83,15 @@ fn place_of_new(content: &Content) -> At {
     content.landmarks.bulk.or(content.landmarks.end).unwrap_or((0, u32::MAX))
 }
 
-fn new_text(set: u32, plan: &Plan) -> String {
+fn new_text(target: &Target, has_control: bool, plan: &Plan) -> String {
     let mut text = String::from(
         "$ qless: independent equations; each first component occurs first once and is not prescribed\n\
          $ qless: numbers of more than 16 columns are rounded to the nearest that Nastran reads\n",
     );
+    let set = target.set;
+    if !has_control {
+        text.extend(["$ qless: select them in case control by MPC = ", &set.to_string(), "\n"]);
+    }
     plan.written.iter().for_each(|written| text += &mpc(set, written));
     text
 }
