@@ -19,7 +19,7 @@ use std::path::PathBuf;
 
 use qless::{AnalysisError, SystemError};
 
-use super::{Deck, DeckError, Format, calculix};
+use super::{Deck, DeckError, Format, calculix, nastran};
 
 /// Why a deck cannot be cleaned.
 #[derive(Debug, thiserror::Error)]
@@ -81,9 +81,6 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     }
     match deck.format {
         Format::Calculix => calculix::write(deck, plan),
-        Format::Nastran => {
-            let path = deck.model.files[0].clone();
-            Err(CleanError::Place { path, line: 1, why: "Nastran decks cannot be written yet" })
-        }
+        Format::Nastran => nastran::write(deck, plan),
     }
 }
