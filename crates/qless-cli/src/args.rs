@@ -31,6 +31,8 @@ pub enum Command {
     Check(CheckArgs),
     /// Writes the reduced form u_s = T u_q + G u_p + g
     Reduce(ReduceArgs),
+    /// Writes a deck with an equivalent, independent set of constraints
+    Clean(CleanArgs),
     /// Writes a test model of known rank
     Generate(SceneArgs),
 }
@@ -59,10 +61,19 @@ pub struct ReduceArgs {
     pub avoid_slaves: Option<Numbers>,
 }
 
+#[derive(Args)]
+pub struct CleanArgs {
+    #[command(flatten)]
+    pub model: ModelArgs,
+    /// The deck to write, of the same format; it may be the input itself
+    #[arg(short, long, value_name = "DECK")]
+    pub output: PathBuf,
+}
+
 /// The model, and how to look at it.
 #[derive(Args)]
 pub struct ModelArgs {
-    /// Matrix C (.mtx), or a folder with C.mtx and, if there are any, b.txt, prescribed.txt, rows.txt, cols.txt
+    /// A deck (.inp), a matrix C (.mtx), or a folder with C.mtx and, if there are any, b.txt, prescribed.txt, rows.txt, cols.txt
     pub input: PathBuf,
     /// Right-hand side b, one number a line [default: b.txt of a folder, else zeros]
     #[arg(long, value_name = "FILE")]

@@ -2,10 +2,12 @@
 
 use std::time::{Duration, Instant};
 
-use qless::{Analysis, ConstraintSystem, Kind, Options, Reduction, Report, analyse};
+use qless::{Analysis, AnalysisError, ConstraintSystem, Kind, Options, Reduction, Report, analyse};
+use qless_io::deck::{self, Format as Language};
 use qless_io::read_case;
 
 use crate::args::{Deny, Format, ModelArgs};
+use crate::deck_input::DeckInput;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::text::{self, Outcome};
@@ -17,6 +19,8 @@ pub struct Diagnosis<'a> {
     pub options: Options,
     pub system: ConstraintSystem,
     pub analysis: Analysis,
+    /// The deck that the system comes from, if it comes from one.
+    pub deck: Option<DeckInput>,
     start: Instant,
     read: Duration,
 }
@@ -24,20 +28,57 @@ pub struct Diagnosis<'a> {
 /// Reads the model and analyses it.
 pub fn diagnose<'a>(args: &'a ModelArgs, options: Options, progress: &Progress) -> Result<Diagnosis<'a>, Failure> {
     let start = Instant::now();
-    let refused = |error, system| Failure::of_analysis(error, &args.input, system);
+    let refused = |error, system: Option<&ConstraintSystem>| Failure::of_analysis(error, &args.input, system);
     // Known before the work, so said before the work.
     options.backend.get(options.memory).map_err(|error| refused(error.into(), None))?;
     args.bound_threads().map_err(|error| Failure::Resource(format!("no threads can be started: {error}")))?;
     progress.stage("reading");
-    let system = read_case(&args.input, args.rhs.as_deref(), args.prescribed.as_deref())?;
+    let input = Input::read(args)?;
     let read = start.elapsed();
     progress.stage("analysing");
-    let analysis = analyse(&system, &options).map_err(|error| refused(error, Some(&system)))?;
+    let (system, analysis, deck) = input.analyse(&options, &refused)?;
     // A large right-hand side over a small coefficient.
     if let Some(&(dof, _)) = analysis.generated.iter().find(|(_, value)| !value.is_finite()) {
         return Err(Failure::of_overflow(&args.input, &system, dof));
     }
-    Ok(Diagnosis { args, options, system, analysis, start, read })
+    Ok(Diagnosis { args, options, system, analysis, deck, start, read })
+}
+
+/// What was read.
+enum Input {
+    Case(ConstraintSystem),
+    Deck(deck::Deck),
+}
+
+impl Input {
+    fn read(args: &ModelArgs) -> Result<Self, Failure> {
+        if Language::of(&args.input).is_none() || args.input.is_dir() {
+            return Ok(Self::Case(read_case(&args.input, args.rhs.as_deref(), args.prescribed.as_deref())?));
+        }
+        if args.rhs.is_some() || args.prescribed.is_some() {
+            let input = args.input.display();
+            return Err(Failure::Input(format!(
+                "{input}: --rhs and --prescribed go with a .mtx file; a deck has its own"
+            )));
+        }
+        Ok(Self::Deck(deck::read(&args.input)?))
+    }
+
+    /// Analyses the system; of a deck every load case, and keeps the worst.
+    fn analyse(
+        self,
+        options: &Options,
+        refused: &dyn Fn(AnalysisError, Option<&ConstraintSystem>) -> Failure,
+    ) -> Result<(ConstraintSystem, Analysis, Option<DeckInput>), Failure> {
+        let run = |system: &ConstraintSystem| analyse(system, options).map_err(|error| refused(error, Some(system)));
+        match self {
+            Self::Case(system) => {
+                let analysis = run(&system)?;
+                Ok((system, analysis, None))
+            }
+            Self::Deck(deck) => DeckInput::analyse(deck, &run),
+        }
+    }
 }
 
 impl Diagnosis<'_> {
@@ -64,12 +105,13 @@ impl Diagnosis<'_> {
                 let report = self.report(reduced, 0);
                 let text = text::render(self, &report, outcome);
                 drop(progress);
+                self.deck.iter().for_each(DeckInput::warn);
                 stdout::write(|out| out.write_all(text.as_bytes()))
             }
             Format::Json => {
                 let report = self.report(reduced, Report::TERMS);
                 drop(progress);
-                stdout::write(|out| json::write(out, &report))
+                stdout::write(|out| json::write(out, &report, self.deck.as_ref()))
             }
         }
     }

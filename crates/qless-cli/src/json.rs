@@ -7,9 +7,21 @@ use qless::Report;
 use serde::Serialize;
 use serde_json::ser::{Formatter, Serializer};
 
+use crate::deck_input::{DeckInput, DeckReport};
+
+/// A report, and what is known of the deck only.
+#[derive(Serialize)]
+struct Whole<'a> {
+    #[serde(flatten)]
+    report: &'a Report,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    deck: Option<DeckReport>,
+}
+
 /// The report and a line break.
-pub fn write(out: &mut dyn Write, report: &Report) -> io::Result<()> {
-    report.serialize(&mut Serializer::with_formatter(&mut *out, Lines { depth: 0 }))?;
+pub fn write(out: &mut dyn Write, report: &Report, deck: Option<&DeckInput>) -> io::Result<()> {
+    let whole = Whole { report, deck: deck.map(DeckInput::report) };
+    whole.serialize(&mut Serializer::with_formatter(&mut *out, Lines { depth: 0 }))?;
     writeln!(out)
 }
 

@@ -3,13 +3,16 @@
 //! | module | holds |
 //! | --- | --- |
 //! | [`args`] | the command line |
-//! | [`check`], [`reduce`], [`generate`] | the commands, one each |
-//! | [`diagnose`] | what check and reduce share: read, analyse, time it |
+//! | [`check`], [`reduce`], [`clean`], [`generate`] | the commands, one each |
+//! | [`diagnose`] | what check, reduce and clean share: read, analyse, time it |
+//! | [`deck_input`] | the load cases of a deck, its warnings, what its solver refuses |
 //! | [`text`], [`json`] | the two forms of the report |
 //! | [`failure`] | what can go wrong, in words, and its exit code |
 
 mod args;
 mod check;
+mod clean;
+mod deck_input;
 mod diagnose;
 mod failure;
 mod generate;
@@ -32,6 +35,7 @@ fn main() -> ExitCode {
     let done = match &Cli::parse().command {
         Command::Check(args) => check::run(args),
         Command::Reduce(args) => reduce::run(args),
+        Command::Clean(args) => clean::run(args),
         Command::Generate(args) => generate::run(args),
     };
     done.unwrap_or_else(|failure| failure.tell())

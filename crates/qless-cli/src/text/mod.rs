@@ -31,6 +31,15 @@ pub enum Outcome<'a> {
     Refused,
     /// `reduce` wrote its files to this folder.
     Written(&'a Path),
+    /// `clean` wrote a deck, in which so many equations were left out and so many written anew.
+    Cleaned {
+        /// The deck.
+        output: &'a Path,
+        /// Equations taken out because they are redundant.
+        removed: usize,
+        /// Equations that took the place of others.
+        written: usize,
+    },
 }
 
 /// The report, ending in a line break.
@@ -40,6 +49,7 @@ pub fn render(diagnosis: &Diagnosis, report: &Report, outcome: &Outcome) -> Stri
     lines.extend(dependent::section(diagnosis, Kind::Conflicting, if both { 7 } else { 10 }));
     lines.extend(dependent::section(diagnosis, Kind::Redundant, if both { 4 } else { 9 }));
     lines.extend(generated::section(report));
+    lines.extend(diagnosis.deck.iter().flat_map(|deck| deck.lines(diagnosis)));
     if report.input.rows > 0 {
         lines.extend(confidence::lines(diagnosis, report));
         lines.push(work::presolve(report));

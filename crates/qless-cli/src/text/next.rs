@@ -8,12 +8,14 @@ use super::Outcome;
 use super::fit::{printable, shorten, width};
 use super::name::count;
 use super::number::{number, rough};
+use crate::deck_input::DeckInput;
 use crate::diagnose::Diagnosis;
 
 /// One or two lines.
 pub fn lines(diagnosis: &Diagnosis, report: &Report, outcome: &Outcome) -> Vec<String> {
     match outcome {
         Outcome::Written(folder) => written(report, folder),
+        Outcome::Cleaned { output, removed, written } => vec![cleaned(output, *removed, *written)],
         Outcome::Checked => vec![advice(diagnosis, report)],
         Outcome::Refused => vec!["Nothing was written.".to_owned(), advice(diagnosis, report)],
     }
@@ -35,8 +37,19 @@ fn written(report: &Report, folder: &Path) -> Vec<String> {
     ]
 }
 
+/// What became of the equations, and where.
+fn cleaned(output: &Path, removed: usize, written: usize) -> String {
+    let output = shorten(&printable(&output.display().to_string()), 60);
+    match (removed, written) {
+        (0, 0) => format!("Wrote {output}: nothing had to be changed."),
+        (_, 0) => format!("Wrote {output}: without {}.", count(removed, "redundant equation")),
+        _ => format!("Wrote {output}: without {}, {written} written anew.", count(removed, "redundant equation")),
+    }
+}
+
 fn advice(diagnosis: &Diagnosis, report: &Report) -> String {
     let input = quoted(&diagnosis.args.input);
+    let is_refused = diagnosis.deck.as_ref().is_some_and(DeckInput::is_refused_by_solver);
     match report.status {
         _ if report.input.rows == 0 => "Next: check that the equations were exported to this input.".to_owned(),
         Kind::Conflicting => {
@@ -44,6 +57,12 @@ fn advice(diagnosis: &Diagnosis, report: &Report) -> String {
         }
         _ if report.confidence.ambiguous => {
             "Next: decide, as said above, which equations are meant to be independent.".to_owned()
+        }
+        Kind::Redundant if diagnosis.deck.is_some() => {
+            format!("Next: `qless clean {input} -o DECK` writes a deck without redundant equations.")
+        }
+        Kind::Independent if is_refused => {
+            format!("Next: `qless clean {input} -o DECK` writes a deck that the solver takes.")
         }
         Kind::Independent => format!("Next: nothing to mend. `qless reduce {input} -o DIR` writes the reduced form."),
         Kind::Redundant => {

@@ -2,12 +2,14 @@
 //!
 //! | ending | format | module |
 //! | --- | --- | --- |
-//! | `.inp` | CalculiX, Abaqus | [`calculix`] |
+//! | `.inp` | CalculiX, Abaqus | `calculix` |
 //!
 //! A reader turns the bytes of a deck and of the files that it includes into a [`Model`], which knows the card and the line of
-//! every equation; [`Model::system`] gives `C u = b` for a load case.
+//! every equation; [`Model::system`] gives `C u = b` for a load case. [`clean`] decides what must
+//! change so that a solver takes it.
 
-pub mod calculix;
+mod calculix;
+pub mod clean;
 mod error;
 mod model;
 mod source;
@@ -60,7 +62,7 @@ pub struct Deck {
 /// let path = place.path().join("tie.inp");
 /// std::fs::write(&path, "*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n*EQUATION\n2\n1,1,1.,2,1,-1.\n")?;
 /// let deck = qless_io::deck::read(&path)?;
-/// assert_eq!(deck.model.label(0), "tie.inp:5 *EQUATION 1:1");
+/// assert_eq!(deck.model.label(0), "line 5 *EQUATION 1:1");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn read(path: &Path) -> Result<Deck, ReadError> {

@@ -31,6 +31,8 @@ pub struct Card {
     pub file: u32,
     /// First line, from 1.
     pub line: u32,
+    /// Whether equations cannot stand in for it, because the solver adds DOFs of its own to it.
+    pub is_fixed: bool,
 }
 
 /// Where something is said: a card, and the lines of it, from 1.
@@ -90,6 +92,13 @@ pub struct LoadCase {
     pub loads: Vec<Load>,
     /// Equations that are not in force, ascending.
     pub removed: Vec<u32>,
+}
+
+impl LoadCase {
+    /// Whether the same holds in another load case, apart from loads.
+    pub fn constrains_as(&self, other: &Self) -> bool {
+        self.prescribed == other.prescribed && self.clashes == other.clashes && self.removed == other.removed
+    }
 }
 
 /// Something that the user should know.
@@ -179,7 +188,7 @@ impl Model {
 
     /// Adds a card and returns its number.
     pub fn card(&mut self, name: impl Into<String>, file: u32, line: u32) -> u32 {
-        self.cards.push(Card { name: name.into(), file, line });
+        self.cards.push(Card { name: name.into(), file, line, is_fixed: false });
         self.cards.len() as u32 - 1
     }
 
@@ -188,14 +197,17 @@ impl Model {
         self.warnings.push(Warning { file, line, text: text.into() });
     }
 
-    /// `deck.inp:41 *EQUATION`: where, and which card.
+    /// Where, and which card: `line 41 *EQUATION` in the main file, `part.inc:41 *EQUATION` in others.
     pub fn place(&self, origin: Origin) -> String {
         let card = &self.cards[origin.card as usize];
         let file = self.files[card.file as usize].file_name().unwrap_or_default().to_string_lossy();
-        format!("{file}:{} {}", origin.line, card.name)
+        match card.file {
+            0 => format!("line {} {}", origin.line, card.name),
+            _ => format!("{file}:{} {}", origin.line, card.name),
+        }
     }
 
-    /// `deck.inp:41 *EQUATION 6:3`: the place and the first DOF of equation `i`.
+    /// `line 41 *EQUATION 6:3`: the place and the first DOF of equation `i`.
     pub fn label(&self, i: usize) -> String {
         let equation = self.equation(i);
         let place = self.place(equation.origin);

@@ -30,6 +30,11 @@ impl<'a> Sources<'a> {
         Self { paths: vec![path.to_path_buf()], texts: vec![Arc::new(bytes)], open, includes: 0 }
     }
 
+    /// The files of a deck that was read before.
+    pub(super) fn again(paths: &[PathBuf], texts: &[Arc<Vec<u8>>], open: Open<'a>) -> Self {
+        Self { paths: paths.to_vec(), texts: texts.to_vec(), open, includes: 0 }
+    }
+
     /// The path of a file.
     pub fn path(&self, file: usize) -> &Path {
         &self.paths[file]

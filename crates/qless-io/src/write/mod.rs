@@ -101,6 +101,22 @@ pub fn write_indices(path: &Path, indices: &[usize]) -> Result<(), WriteError> {
     one_file(path, |output, name| output.indices(name, indices))
 }
 
+/// Writes a file of these bytes, whole or not at all.
+///
+/// # Errors
+/// [`WriteError`]; then nothing has changed.
+///
+/// ```
+/// # let place = tempfile::tempdir()?;
+/// let path = place.path().join("clean.inp");
+/// qless_io::write::write_bytes(&path, b"*NODE\n")?;
+/// assert_eq!(std::fs::read(&path)?, b"*NODE\n");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    one_file(path, |output, name| output.file(name, |out| out.write_all(bytes)))
+}
+
 fn one_file(path: &Path, add: impl FnOnce(&mut Output, &str) -> Result<(), WriteError>) -> Result<(), WriteError> {
     let (Some(folder), Some(name)) = (path.parent(), path.file_name().and_then(|name| name.to_str())) else {
         return Err(WriteError::NotAFile { path: path.to_path_buf() });

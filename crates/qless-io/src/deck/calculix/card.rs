@@ -73,6 +73,9 @@ impl Card {
     }
 }
 
+/// Cards whose data may stand in a file of its own.
+const WITH_INPUT: [&str; 7] = ["*NODE", "*ELEMENT", "*NSET", "*ELSET", "*SURFACE", "*EQUATION", "*BOUNDARY"];
+
 /// What is done with each card.
 pub type Visit<'v> = &'v mut dyn FnMut(&Card) -> Result<(), DeckError>;
 
@@ -121,7 +124,8 @@ impl Walk<'_, '_> {
             } else {
                 self.finish(card, visit)?;
                 card.begin(keyword, file, line);
-                if let Some(name) = card.parameter("INPUT").map(str::to_owned) {
+                let name = card.parameter("INPUT").filter(|_| WITH_INPUT.iter().any(|with| card.is(with)));
+                if let Some(name) = name.map(str::to_owned) {
                     self.include(&name, (file, line), depth, card, visit)?;
                 }
             }
@@ -150,7 +154,7 @@ impl Walk<'_, '_> {
 }
 
 /// Where the next keyword line begins, at or after `from`, which is the start of a line.
-fn next_keyword(text: &[u8], from: usize) -> usize {
+pub fn next_keyword(text: &[u8], from: usize) -> usize {
     memchr::memchr_iter(b'*', &text[from..])
         .map(|k| from + k)
         .find(|&k| (k == from || text[k - 1] == b'\n') && text.get(k + 1) != Some(&b'*'))
@@ -158,7 +162,7 @@ fn next_keyword(text: &[u8], from: usize) -> usize {
 }
 
 /// Where a keyword line ends, with the lines that go on after a trailing comma; and how many lines that is.
-fn keyword_end(text: &[u8], from: usize) -> (usize, usize) {
+pub fn keyword_end(text: &[u8], from: usize) -> (usize, usize) {
     let mut end = from;
     for lines in 1.. {
         let line = &text[end..];
@@ -172,12 +176,12 @@ fn keyword_end(text: &[u8], from: usize) -> (usize, usize) {
     (end, 1)
 }
 
-fn is_include(keyword: &[u8]) -> bool {
+pub fn is_include(keyword: &[u8]) -> bool {
     let word = keyword.split(|&byte| byte == b',').next().unwrap_or_default();
     word.trim_ascii().eq_ignore_ascii_case(b"*INCLUDE")
 }
 
-fn card_input(keyword: &[u8]) -> Option<String> {
+pub fn card_input(keyword: &[u8]) -> Option<String> {
     let mut card = Card::default();
     card.begin(keyword, 0, 0);
     card.parameter("INPUT").map(str::to_owned)

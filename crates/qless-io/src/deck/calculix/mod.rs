@@ -10,5 +10,7 @@ mod definitions;
 mod equation;
 mod fields;
 mod reader;
+mod write;
 
 pub(super) use reader::read;
+pub(super) use write::write;

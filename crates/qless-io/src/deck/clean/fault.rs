@@ -1,0 +1,173 @@
+//! What a solver that eliminates the first DOF of each equation cannot take, besides dependent equations.
+
+use qless::{Options, SystemBuilder, analyse};
+use rustc_hash::FxHashMap;
+
+use super::plan::ever_prescribed;
+use crate::deck::{Dof, Model, Origin};
+
+/// A fault of one equation. Equations are numbered from 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Fault {
+    /// The slave has a prescribed value.
+    SlavePrescribed {
+        /// The equation.
+        equation: usize,
+        /// Its slave.
+        slave: Dof,
+        /// Where the value is given.
+        by: Origin,
+    },
+    /// The slave is that of an earlier equation too.
+    SlaveTwice {
+        /// The equation.
+        equation: usize,
+        /// Its slave.
+        slave: Dof,
+        /// The earlier equation.
+        first: usize,
+    },
+    /// The slave's coefficient is zero, or vanishes beside the others.
+    SlaveVanishes {
+        /// The equation.
+        equation: usize,
+        /// Its slave.
+        slave: Dof,
+    },
+    /// Slaves are expressed by each other in a circle, which leaves some of them next to undetermined.
+    Circle {
+        /// An equation of the circle.
+        equation: usize,
+        /// Its slave.
+        slave: Dof,
+    },
+}
+
+/// A slave's coefficient this much smaller than the largest one makes rounding errors as much larger.
+const SMALL: f64 = 1e-6;
+
+impl Fault {
+    /// The equation at fault.
+    pub fn equation(&self) -> usize {
+        match *self {
+            Self::SlavePrescribed { equation, .. }
+            | Self::SlaveTwice { equation, .. }
+            | Self::SlaveVanishes { equation, .. }
+            | Self::Circle { equation, .. } => equation,
+        }
+    }
+
+    /// In the deck's language: `1:3 is the slave of line 25 *EQUATION, and prescribed in line 19 *BOUNDARY`.
+    pub fn describe(&self, model: &Model) -> String {
+        let place = |i: usize| model.place(model.equation(i).origin);
+        match *self {
+            Self::SlavePrescribed { equation, slave, by } => {
+                format!("{slave} is the slave of {}, and prescribed in {}", place(equation), model.place(by))
+            }
+            Self::SlaveTwice { equation, slave, first } => {
+                format!("{slave} is the slave of {}, and of {}", place(first), place(equation))
+            }
+            Self::SlaveVanishes { equation, slave } => {
+                format!("{slave} is the slave of {}, where its coefficient is next to nothing", place(equation))
+            }
+            Self::Circle { equation, slave } => {
+                format!(
+                    "{slave}, the slave of {}, depends on itself through others and is left undetermined",
+                    place(equation)
+                )
+            }
+        }
+    }
+}
+
+/// The faults of a deck's equations as they stand, with every DOF prescribed that is so in any load case.
+///
+/// ```
+/// # let place = tempfile::tempdir()?;
+/// let path = place.path().join("tie.inp");
+/// std::fs::write(&path, "*BOUNDARY\n1,1\n*EQUATION\n2\n1,1,1.,2,1,-1.\n")?;
+/// let deck = qless_io::deck::read(&path)?;
+/// let faults = qless_io::deck::clean::faults(&deck.model);
+/// assert_eq!(
+///     faults[0].describe(&deck.model),
+///     "1:1 is the slave of line 4 *EQUATION, and prescribed in line 2 *BOUNDARY"
+/// );
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn faults(model: &Model) -> Vec<Fault> {
+    faults_of(model, &ever_prescribed(model), &vec![false; model.equations()])
+}
+
+/// The faults of the equations that are not left out; `prescribed` says where a column's value is given.
+pub(super) fn faults_of(model: &Model, prescribed: &FxHashMap<u32, Origin>, left_out: &[bool]) -> Vec<Fault> {
+    let kept = || (0..model.equations()).filter(|&i| !left_out[i]);
+    let mut slave_of: FxHashMap<u32, usize> = FxHashMap::default();
+    let mut faults = Vec::new();
+    for i in kept() {
+        let equation = model.equation(i);
+        let Some(&column) = equation.columns.first() else { continue };
+        let slave = model.dofs[column as usize];
+        let same = |&(j, _): &(&u32, &f64)| *j == column;
+        let own: f64 = equation.columns.iter().zip(equation.coefficients).filter(same).map(|(_, a)| a).sum();
+        let terms = equation.columns.iter().zip(equation.coefficients);
+        let free = terms.filter(|(j, _)| !prescribed.contains_key(j));
+        let largest = free.fold(0.0_f64, |largest, (_, a)| largest.max(a.abs()));
+        if own == 0.0 || own.abs() <= SMALL * largest {
+            faults.push(Fault::SlaveVanishes { equation: i, slave });
+        }
+        if let Some(&by) = prescribed.get(&column) {
+            faults.push(Fault::SlavePrescribed { equation: i, slave, by });
+        }
+        match slave_of.get(&column) {
+            Some(&first) => faults.push(Fault::SlaveTwice { equation: i, slave, first }),
+            None => drop(slave_of.insert(column, i)),
+        }
+    }
+    faults.extend(circles(model, &slave_of));
+    faults
+}
+
+/// Slaves that depend on each other and are not determined by their equations: what remains when equations all of whose other DOFs are no slaves are taken away again and again.
+fn circles(model: &Model, slave_of: &FxHashMap<u32, usize>) -> Vec<Fault> {
+    let others = |i: usize| {
+        let equation = model.equation(i);
+        let own = equation.columns.first().copied();
+        let terms = equation.columns.iter().zip(equation.coefficients);
+        terms.filter(move |(j, a)| Some(**j) != own && **a != 0.0).filter_map(|(j, _)| slave_of.get(j).copied())
+    };
+    let mut waits: FxHashMap<usize, usize> = slave_of.values().map(|&i| (i, others(i).count())).collect();
+    let mut users: FxHashMap<usize, Vec<usize>> = FxHashMap::default();
+    slave_of.values().for_each(|&i| others(i).for_each(|j| users.entry(j).or_default().push(i)));
+    let mut ready: Vec<usize> = waits.iter().filter(|(_, count)| **count == 0).map(|(&i, _)| i).collect();
+    while let Some(done) = ready.pop() {
+        waits.remove(&done);
+        for &user in users.get(&done).map_or(&[][..], Vec::as_slice) {
+            if let Some(count) = waits.get_mut(&user) {
+                *count -= 1;
+                if *count == 0 {
+                    ready.push(user);
+                }
+            }
+        }
+    }
+    let mut left: Vec<usize> = waits.into_keys().collect();
+    left.sort_unstable();
+    if left.is_empty() || determines_slaves(model, &left) {
+        return Vec::new();
+    }
+    let slave = |i: usize| model.dofs[model.equation(i).columns[0] as usize];
+    left.into_iter().map(|i| Fault::Circle { equation: i, slave: slave(i) }).collect()
+}
+
+/// Whether the equations determine their slaves: whether the square matrix of their coefficients has full rank for sure.
+fn determines_slaves(model: &Model, equations: &[usize]) -> bool {
+    let slaves: FxHashMap<u32, usize> = equations.iter().map(|&i| model.equation(i).columns[0]).zip(0..).collect();
+    let mut builder = SystemBuilder::new(equations.len());
+    for &i in equations {
+        let equation = model.equation(i);
+        let terms = equation.columns.iter().zip(equation.coefficients);
+        builder.equation(terms.filter_map(|(j, a)| Some((*slaves.get(j)?, *a))), 0.0);
+    }
+    let analysis = builder.build().ok().and_then(|system| analyse(&system, &Options::default()).ok());
+    analysis.is_some_and(|analysis| analysis.rank() == equations.len() && !analysis.confidence.ambiguous)
+}

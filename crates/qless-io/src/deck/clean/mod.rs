@@ -1,0 +1,85 @@
+//! A deck with an independent set of equations, each slave once and never prescribed.
+//!
+//! Equations are looked at by connected parts (equations that share free DOFs, or text). A part without faults stays as it is,
+//! byte for byte. Where the dependent equations can simply be left out, they are. Otherwise the whole part is written
+//! anew as `u_s - T u_q - G u_p = g` (Eq. 23-26), in which no slave occurs twice. A deck that was cleaned has no faults left, so
+//! that a second time changes nothing.
+
+mod edit;
+mod fault;
+mod parts;
+mod plan;
+
+pub use fault::{Fault, faults};
+pub use plan::{Plan, Reason, Removed, Written, plan};
+
+pub(super) use edit::Edits;
+
+use std::path::PathBuf;
+
+use qless::{AnalysisError, SystemError};
+
+use super::{Deck, DeckError, Format, calculix};
+
+/// Why a deck cannot be cleaned.
+#[derive(Debug, thiserror::Error)]
+pub enum CleanError {
+    /// The equations contradict each other in this load case.
+    #[error("the equations conflict in {case}: see `qless check`")]
+    Conflicting {
+        /// The load case.
+        case: String,
+    },
+    /// Load cases prescribe different DOFs or remove equations, such that no one set of equations serves all.
+    #[error(
+        "{case} needs {found} independent equations, but only {common} of them can be kept in all load cases; make a deck of each"
+    )]
+    CasesDiffer {
+        /// The load case.
+        case: String,
+        /// Its rank.
+        found: usize,
+        /// The rank with every DOF prescribed that is so in any load case.
+        common: usize,
+    },
+    /// A card that equations cannot stand in for has a fault.
+    #[error("{place} cannot be replaced by equations: {why}; change it or the equations that meet it by hand")]
+    Fixed {
+        /// File, line and card.
+        place: String,
+        /// Why it would have to be replaced.
+        why: String,
+    },
+    /// Text that must change stands where it cannot.
+    #[error("{}:{line}: {why}", path.display())]
+    Place {
+        /// The file.
+        path: PathBuf,
+        /// The line.
+        line: usize,
+        /// What to do.
+        why: &'static str,
+    },
+    /// The deck's numbers cannot be analysed.
+    #[error(transparent)]
+    Analysis(#[from] AnalysisError),
+    /// The deck's numbers are no system.
+    #[error(transparent)]
+    System(#[from] SystemError),
+    /// The deck is at fault.
+    #[error(transparent)]
+    Deck(#[from] DeckError),
+}
+
+/// The text of the main file with the plan carried out.
+///
+/// # Errors
+/// [`CleanError`] where text that must change cannot.
+pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
+    if plan.is_empty() {
+        return Ok(deck.texts[0].to_vec());
+    }
+    match deck.format {
+        Format::Calculix => calculix::write(deck, plan),
+    }
+}
