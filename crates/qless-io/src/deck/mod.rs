@@ -3,11 +3,13 @@
 //! | ending | format | module |
 //! | --- | --- | --- |
 //! | `.inp` | CalculiX, Abaqus | `calculix` |
+//! | `.cdb` | ANSYS | `ansys` |
 //!
 //! A reader turns the bytes of a deck and of the files that it includes into a [`Model`], which knows the card and the line of
 //! every equation; [`Model::system`] gives `C u = b` for a load case. [`clean`] decides what must
 //! change so that a solver takes it.
 
+mod ansys;
 mod calculix;
 pub mod clean;
 mod error;
@@ -28,6 +30,8 @@ use crate::ReadError;
 pub enum Format {
     /// CalculiX and Abaqus, `.inp`.
     Calculix,
+    /// ANSYS archives, `.cdb`.
+    Ansys,
 }
 
 impl Format {
@@ -36,6 +40,7 @@ impl Format {
         let ending = path.extension()?.to_str()?.to_ascii_lowercase();
         match ending.as_str() {
             "inp" => Some(Self::Calculix),
+            "cdb" => Some(Self::Ansys),
             _ => None,
         }
     }
@@ -81,6 +86,7 @@ pub fn parse(format: Format, path: &Path, bytes: Vec<u8>, open: Open) -> Result<
     let mut sources = Sources::new(path, bytes, open);
     let model = match format {
         Format::Calculix => calculix::read(&mut sources)?,
+        Format::Ansys => ansys::read(&mut sources)?,
     };
     Ok(Deck { format, model, texts: sources.into_texts() })
 }

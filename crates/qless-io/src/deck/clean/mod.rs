@@ -19,7 +19,7 @@ use std::path::PathBuf;
 
 use qless::{AnalysisError, SystemError};
 
-use super::{Deck, DeckError, Format, calculix};
+use super::{Deck, DeckError, Format, ansys, calculix};
 
 /// Why a deck cannot be cleaned.
 #[derive(Debug, thiserror::Error)]
@@ -81,5 +81,6 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     }
     match deck.format {
         Format::Calculix => calculix::write(deck, plan),
+        Format::Ansys => ansys::write(deck, plan),
     }
 }
