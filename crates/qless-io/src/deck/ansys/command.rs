@@ -92,7 +92,7 @@ fn key(name: &[u8]) -> Key {
 /// Where the commands of a line end: at each `$`, then at `!` or the end of the line; not between quotes.
 fn ends(text: &[u8]) -> Vec<usize> {
     // A lone quote is an apostrophe.
-    let quotes = text.iter().filter(|&&byte| byte == b'\'').count() % 2 == 0;
+    let quotes = memchr::memchr_iter(b'\'', text).count().is_multiple_of(2);
     let mut ends = Vec::new();
     let mut quoted = false;
     for (at, &byte) in text.iter().enumerate() {

@@ -104,10 +104,8 @@ fn which(command: &Command, end: usize, nodes: &Nodes, selection: Selection) -> 
 /// The components of the labels in these fields, none for `ALL`; or why they are not known.
 fn components(command: &Command, at: &[usize], selection: Selection) -> Result<Result<Components, String>, Fault> {
     if at.iter().any(|&at| command.is(at, "ALL")) {
-        return Ok(match selection.dofs {
-            true => Ok(Vec::new()),
-            false => Err(format!("{} names the selected labels, and selections are not followed", said(command))),
-        });
+        let why = || format!("{} names the selected labels, and selections are not followed", said(command));
+        return Ok(if selection.dofs { Ok(Vec::new()) } else { Err(why()) });
     }
     let given = at.iter().enumerate().filter(|&(k, &at)| k == 0 || !command.field(at).is_empty());
     given.map(|(_, &at)| component(command, at)).collect::<Result<Vec<u8>, Fault>>().map(Ok)

@@ -239,7 +239,7 @@ impl Reader {
             Effect::Nothing => {}
             Effect::MakesNodes => self.nodes.are_generated = true,
             Effect::Constrains => {
-                self.warn(command.line, format!("{title} constrains, but is not understood: left out"))
+                self.warn(command.line, format!("{title} constrains, but is not understood: left out"));
             }
             Effect::BringsOthers if command.key == *b"*REP" && !self.constrained => {}
             Effect::BringsOthers => {

@@ -34,31 +34,24 @@ pub fn equations(plan: &Plan, highest: u32, archive: bool) -> Option<String> {
     let mut number = highest;
     for written in &plan.written {
         number = number.checked_add(1)?;
-        if archive { in_archive(&mut text, written, number) } else { as_command(&mut text, written, number) }
+        text.push_str(&if archive { in_archive(written, number) } else { as_command(written, number) });
     }
     Some(text)
 }
 
-fn in_archive(text: &mut String, written: &Written, number: u32) {
-    let rhs = written.rhs;
-    *text += &format!("CE,R5.0,DEFI,{:>8},{number:>8},{rhs:?}\n", written.terms.len() + 1);
-    for terms in terms(written).chunks(2) {
-        *text += "CE,R5.0,NODE";
-        for &(dof, value) in terms {
-            *text += &format!(",{:>10},{:<4},{value:?}", dof.node, label::name(dof.component));
-        }
-        text.push('\n');
-    }
+fn in_archive(written: &Written, number: u32) -> String {
+    let terms = terms(written);
+    let term = |(dof, value): &(Dof, f64)| format!(",{:>10},{:<4},{value:?}", dof.node, label::name(dof.component));
+    let line = |terms: &[(Dof, f64)]| format!("CE,R5.0,NODE{}\n", terms.iter().map(term).collect::<String>());
+    let head = format!("CE,R5.0,DEFI,{:>8},{number:>8},{:?}\n", terms.len(), written.rhs);
+    std::iter::once(head).chain(terms.chunks(2).map(line)).collect()
 }
 
-fn as_command(text: &mut String, written: &Written, number: u32) {
-    for terms in terms(written).chunks(3) {
-        *text += &format!("CE,{number},{:?}", written.rhs);
-        for &(dof, value) in terms {
-            *text += &format!(",{},{},{value:?}", dof.node, label::name(dof.component));
-        }
-        text.push('\n');
-    }
+fn as_command(written: &Written, number: u32) -> String {
+    let term = |(dof, value): &(Dof, f64)| format!(",{},{},{value:?}", dof.node, label::name(dof.component));
+    let rhs = written.rhs;
+    let line = |terms: &[(Dof, f64)]| format!("CE,{number},{rhs:?}{}\n", terms.iter().map(term).collect::<String>());
+    terms(written).chunks(3).map(line).collect()
 }
 
 /// The terms with the slave first.
