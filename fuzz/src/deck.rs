@@ -17,6 +17,11 @@ pub fn calculix(data: &[u8]) {
     deck(Format::Calculix, "deck.inp", data);
 }
 
+/// Reads and cleans a Nastran deck.
+pub fn nastran(data: &[u8]) {
+    deck(Format::Nastran, "deck.bdf", data);
+}
+
 /// Reads and cleans an ANSYS deck.
 pub fn ansys(data: &[u8]) {
     deck(Format::Ansys, "deck.cdb", data);

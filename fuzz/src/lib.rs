@@ -8,4 +8,4 @@ mod deck;
 mod files;
 
 pub use case::case;
-pub use deck::{ansys, calculix};
+pub use deck::{ansys, calculix, nastran};

@@ -16,9 +16,38 @@ pub(crate) fn whole(word: &[u8]) -> Option<usize> {
 
 /// The float nearest to the text, if it is finite and not zero by underflow.
 pub(crate) fn real(word: &[u8]) -> Result<f64, NumberFault> {
+    if let Some(value) = short(word) {
+        return Ok(value);
+    }
     let text = std::str::from_utf8(word).map_err(|_| NumberFault::NotANumber)?;
     let value = text.parse().or_else(|_| fortran(text))?;
     if f64::is_normal(value) { Ok(value) } else { not_normal(text, value) }
+}
+
+/// A number of at most 15 digits without exponent: an integer over a power of ten, both exact, so that the quotient is the
+/// nearest float. Most numbers of a deck are such.
+fn short(word: &[u8]) -> Option<f64> {
+    const TENS: [f64; 16] = [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15];
+    let (negative, digits) = match word {
+        [b'-', rest @ ..] => (true, rest),
+        _ => (false, word),
+    };
+    if digits.is_empty() || digits.len() > 16 {
+        return None;
+    }
+    let (mut whole, mut count, mut decimals) = (0_u64, 0, None);
+    for &byte in digits {
+        match byte {
+            b'0'..=b'9' => (whole, count) = (10 * whole + u64::from(byte - b'0'), count + 1),
+            b'.' if decimals.is_none() => decimals = Some(count),
+            _ => return None,
+        }
+    }
+    if count == 0 || count > 15 {
+        return None;
+    }
+    let value = whole as f64 / TENS[count - decimals.unwrap_or(count)];
+    Some(if negative { -value } else { value })
 }
 
 /// `1.0D+3` is `1.0e+3`.
@@ -70,6 +99,17 @@ mod tests {
             ("1.7976931348623157E308", f64::MAX),
         ] {
             assert_eq!(real(text.as_bytes()).map(f64::to_bits), Ok(value.to_bits()), "{text}");
+        }
+    }
+
+    #[test]
+    fn short_numbers_are_the_nearest_floats() {
+        for text in ["0", "-0.0", "1.", ".5", "-.25", "0.1", "123456789.012345", "999999999999999", "0.00000000000001"]
+        {
+            assert_eq!(super::short(text.as_bytes()).map(f64::to_bits), text.parse().ok().map(f64::to_bits), "{text}");
+        }
+        for text in ["", "-", ".", "1.2.3", "1234567890123456", "1e3", "+1", "--1"] {
+            assert_eq!(super::short(text.as_bytes()), None, "{text}");
         }
     }
 

@@ -100,4 +100,7 @@ pub enum Problem {
         /// What to do.
         advice: &'static str,
     },
+    /// What only a Nastran card can get wrong.
+    #[error(transparent)]
+    Nastran(#[from] super::nastran::CardFault),
 }

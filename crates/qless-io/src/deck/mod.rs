@@ -4,6 +4,7 @@
 //! | --- | --- | --- |
 //! | `.inp` | CalculiX, Abaqus | `calculix` |
 //! | `.cdb` | ANSYS | `ansys` |
+//! | `.bdf`, `.dat`, `.nas` | Nastran | [`nastran`] |
 //!
 //! A reader turns the bytes of a deck and of the files that it includes into a [`Model`], which knows the card and the line of
 //! every equation; [`Model::system`] gives `C u = b` for a load case. [`clean`] decides what must
@@ -12,8 +13,10 @@
 mod ansys;
 mod calculix;
 pub mod clean;
+mod columns;
 mod error;
 mod model;
+pub mod nastran;
 mod source;
 
 use std::path::Path;
@@ -32,6 +35,8 @@ pub enum Format {
     Calculix,
     /// ANSYS archives, `.cdb`.
     Ansys,
+    /// Nastran, `.bdf`, `.dat`, `.nas`.
+    Nastran,
 }
 
 impl Format {
@@ -41,6 +46,7 @@ impl Format {
         match ending.as_str() {
             "inp" => Some(Self::Calculix),
             "cdb" => Some(Self::Ansys),
+            "bdf" | "dat" | "nas" => Some(Self::Nastran),
             _ => None,
         }
     }
@@ -87,6 +93,7 @@ pub fn parse(format: Format, path: &Path, bytes: Vec<u8>, open: Open) -> Result<
     let model = match format {
         Format::Calculix => calculix::read(&mut sources)?,
         Format::Ansys => ansys::read(&mut sources)?,
+        Format::Nastran => nastran::read(&mut sources)?,
     };
     Ok(Deck { format, model, texts: sources.into_texts() })
 }

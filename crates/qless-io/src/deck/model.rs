@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use qless::{ConstraintSystem, SystemBuilder, SystemError};
-use rustc_hash::FxHashMap;
 
 use super::DeckError;
+use super::columns::Columns;
 
 /// One component of one node; `node:component` in reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -125,11 +125,37 @@ pub struct Model {
     pub cases: Vec<LoadCase>,
     /// What was not understood or not exact.
     pub warnings: Vec<Warning>,
-    columns: FxHashMap<Dof, u32>,
-    starts: Vec<u32>,
+    columns: Columns,
     terms: Terms,
+    /// Where the terms of each equation end.
+    ends: Vec<u32>,
+    /// Right-hand sides up to the last that is not zero.
     rhs: Vec<f64>,
-    origins: Vec<Origin>,
+    runs: Vec<Run>,
+}
+
+/// Equations from `first` on that follow each other evenly: equation `first + k` is that of `origin`, `k stride` lines further on.
+#[derive(Clone, Copy, Debug)]
+struct Run {
+    first: u32,
+    origin: Origin,
+    stride: u32,
+}
+
+impl Run {
+    /// Where equation `i` stands.
+    fn at(&self, i: usize) -> Origin {
+        let further = (i as u32 - self.first).wrapping_mul(self.stride);
+        Origin { line: self.origin.line.wrapping_add(further), ..self.origin }
+    }
+
+    /// Takes equation `i` in, if it follows; the second one sets the stride.
+    fn take(&mut self, i: usize, origin: Origin) -> bool {
+        if self.first + 1 == i as u32 {
+            self.stride = origin.line.wrapping_sub(self.origin.line);
+        }
+        self.at(i) == origin
+    }
 }
 
 #[derive(Clone, Debug, Default)]
@@ -146,7 +172,7 @@ impl Model {
 
     /// Number of equations.
     pub fn equations(&self) -> usize {
-        self.origins.len()
+        self.ends.len()
     }
 
     /// Number of terms of all equations, zero coefficients included.
@@ -156,34 +182,57 @@ impl Model {
 
     /// Equation `i`, from 0.
     pub fn equation(&self, i: usize) -> Equation<'_> {
-        let range = if i == 0 { 0 } else { self.starts[i - 1] as usize }..self.starts[i] as usize;
+        let range = if i == 0 { 0 } else { self.ends[i - 1] as usize }..self.ends[i] as usize;
+        let run = self.runs[self.runs.partition_point(|run| run.first <= i as u32) - 1];
         Equation {
             columns: &self.terms.columns[range.clone()],
             coefficients: &self.terms.coefficients[range],
-            rhs: self.rhs[i],
-            origin: self.origins[i],
+            rhs: self.rhs.get(i).copied().unwrap_or(0.0),
+            origin: run.at(i),
         }
     }
 
     /// The column of a DOF, if it occurs in an equation.
     pub fn column(&self, dof: Dof) -> Option<u32> {
-        self.columns.get(&dof).copied()
+        self.columns.get(dof)
+    }
+
+    /// Makes room for equations and terms to come.
+    pub(super) fn reserve(&mut self, equations: usize, terms: usize) {
+        self.ends.reserve_exact(equations);
+        self.terms.columns.reserve_exact(terms);
+        self.terms.coefficients.reserve_exact(terms);
+        self.dofs.reserve_exact(terms);
+    }
+
+    /// Gives back the room made for DOFs: there can be as many as terms, but mostly there are fewer.
+    pub(super) fn shrink(&mut self) {
+        // To give a little back would copy all for nothing.
+        if self.dofs.len() < self.dofs.capacity() / 2 {
+            self.dofs.shrink_to_fit();
+        }
     }
 
     /// Adds an equation. The terms are kept as they come: repeated DOFs and zeros included.
     pub fn push(&mut self, terms: impl IntoIterator<Item = (Dof, f64)>, rhs: f64, origin: Origin) {
-        for (dof, coefficient) in terms {
+        let i = self.equations();
+        for (turn, (dof, coefficient)) in terms.into_iter().enumerate() {
             let next = self.dofs.len() as u32;
-            let column = *self.columns.entry(dof).or_insert(next);
+            let column = self.columns.get_or_insert(dof, next, turn);
             if column == next {
                 self.dofs.push(dof);
             }
             self.terms.columns.push(column);
             self.terms.coefficients.push(coefficient);
         }
-        self.starts.push(self.terms.columns.len() as u32);
-        self.rhs.push(rhs);
-        self.origins.push(origin);
+        self.ends.push(self.terms.columns.len() as u32);
+        if rhs != 0.0 {
+            self.rhs.resize(i, 0.0);
+            self.rhs.push(rhs);
+        }
+        if !self.runs.last_mut().is_some_and(|run| run.take(i, origin)) {
+            self.runs.push(Run { first: i as u32, origin, stride: 0 });
+        }
     }
 
     /// Adds a card and returns its number.

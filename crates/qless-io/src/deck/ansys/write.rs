@@ -93,7 +93,7 @@ fn says(text: &[u8], before: &Reader, deck: &Deck, plan: &Plan) -> bool {
     let mut expected: Vec<_> = (0..model.equations()).filter(|i| !removed(i)).map(|i| terms(model, i)).collect();
     expected.extend(plan.written.iter().map(|written| {
         let first = std::iter::once((written.slave, 1.0));
-        (first.chain(written.terms.iter().copied()).map(bits).collect(), written.rhs.to_bits())
+        (first.chain(written.terms.iter().copied()).map(bits).collect(), (written.rhs + 0.0).to_bits())
     }));
     let mut found: Vec<_> = (0..after.model.equations()).map(|i| terms(&after.model, i)).collect();
     expected.sort_unstable();
@@ -110,5 +110,6 @@ fn bits((dof, value): (crate::deck::Dof, f64)) -> Bits {
 fn terms(model: &Model, i: usize) -> (Vec<Bits>, u64) {
     let equation = model.equation(i);
     let terms = equation.columns.iter().map(|&j| model.dofs[j as usize]).zip(equation.coefficients.iter().copied());
-    (terms.map(bits).collect(), equation.rhs.to_bits())
+    // A zero has no sign here.
+    (terms.map(bits).collect(), (equation.rhs + 0.0).to_bits())
 }

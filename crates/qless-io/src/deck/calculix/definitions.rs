@@ -36,6 +36,9 @@ pub struct Definitions {
     nodes: Vec<Piece>,
     node_sets: FxHashMap<String, Vec<Part>>,
     known: RefCell<FxHashMap<String, Known>>,
+    /// Bounds of the number of equations and of their terms.
+    pub equations: usize,
+    pub terms: usize,
     /// Whether nodes may exist that no `*NODE` card lists.
     pub generates_nodes: bool,
 }
@@ -52,9 +55,18 @@ impl Definitions {
                 self.part(card.word("NSET"), || Part::Generate(card.data.clone()));
             }
             b"*NSET" => self.part(card.word("NSET"), || Part::List(card.data.clone())),
+            b"*EQUATION" => card.data.iter().for_each(|piece| self.count(piece)),
             b"*NGEN" | b"*NCOPY" | b"*NFILL" | b"*NMAP" => self.generates_nodes = true,
             _ => {}
         }
+    }
+
+    /// An equation takes two lines at least; a line of k terms has 3 k - 1 commas.
+    fn count(&mut self, piece: &Piece) {
+        let text = &piece.text[piece.range.clone()];
+        let lines = memchr::memchr_iter(b'\n', text).count();
+        self.equations += lines / 2;
+        self.terms += (memchr::memchr_iter(b',', text).count() + lines / 2) / 3;
     }
 
     fn part(&mut self, set: Option<String>, part: impl FnOnce() -> Part) {

@@ -56,7 +56,8 @@ struct Reader {
 
 impl Reader {
     fn new(sources: &Sources, definitions: Definitions) -> Self {
-        let model = Model::new(sources.paths().to_vec());
+        let mut model = Model::new(sources.paths().to_vec());
+        model.reserve(definitions.equations, definitions.terms);
         Self {
             model,
             definitions,
@@ -158,6 +159,7 @@ impl Reader {
             self.model.cases.push(case);
         }
         self.check_nodes()?;
+        self.model.shrink();
         Ok(self.model)
     }
 

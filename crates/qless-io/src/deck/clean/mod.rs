@@ -82,5 +82,9 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     match deck.format {
         Format::Calculix => calculix::write(deck, plan),
         Format::Ansys => ansys::write(deck, plan),
+        Format::Nastran => {
+            let path = deck.model.files[0].clone();
+            Err(CleanError::Place { path, line: 1, why: "Nastran decks cannot be written yet" })
+        }
     }
 }

@@ -1,0 +1,112 @@
+//! Reading a deck of a million equations against counting its lines with a buffered reader: `cargo bench --bench decks`
+//! (`-- --test` for a small one).
+//!
+//! Both are taken in turns in one process. Wanted: at most 3 times the time, and at most 3 times the bytes of the file at any moment.
+
+use std::fmt::Write as _;
+use std::hint::black_box;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::time::Instant;
+
+use peak_alloc::PeakAlloc;
+use qless_io::deck;
+
+#[global_allocator]
+static MEMORY: PeakAlloc = PeakAlloc;
+
+const ROUNDS: usize = 11;
+
+/// A deck's text by the number of equations.
+type Text = fn(usize) -> String;
+
+fn main() {
+    let short = std::env::args().any(|argument| argument == "--test");
+    let equations = if short { 20_000 } else { 1_000_000 };
+    let place = tempfile::tempdir().expect("a folder");
+    let decks: [(&str, &str, Text); 4] = [
+        ("inp: one card", "one.inp", |m| calculix(m, false, false)),
+        ("inp: a card each", "each.inp", |m| calculix(m, true, false)),
+        ("inp: nodes too", "nodes.inp", |m| calculix(m, false, true)),
+        ("inp: 3 terms", "terms.inp", three_terms),
+    ];
+    println!(
+        "{:<18} {:>9} {:>8} {:>11} {:>10} {:>6} {:>11}",
+        "deck", "equations", "MB", "counting ms", "reading ms", "ratio", "peak / file"
+    );
+    for (name, file, text) in decks {
+        let path = place.path().join(file);
+        std::fs::write(&path, text(equations)).expect("written");
+        measure(name, &path, equations);
+    }
+}
+
+/// Two-term equations, with one card for all or one for each, and with the cards of the nodes.
+fn calculix(equations: usize, a_card_each: bool, nodes: bool) -> String {
+    let mut text = String::new();
+    if nodes {
+        text += "*NODE\n";
+        (1..=2 * equations)
+            .for_each(|node| writeln!(text, "{node}, {:.6}, 0.25, 1.5", node as f64 * 0.001).expect("text"));
+    }
+    text += if a_card_each { "" } else { "*EQUATION\n" };
+    for i in 1..=equations {
+        text += if a_card_each { "*EQUATION\n" } else { "" };
+        writeln!(text, "2\n{},1,1.0,{},1,-1.0", i + equations, i).expect("text");
+    }
+    text + "*STEP\n*STATIC\n*END STEP\n"
+}
+
+/// What periodicity looks like: the three components of two nodes and of a dummy one.
+fn three_terms(equations: usize) -> String {
+    let mut text = String::from("*EQUATION\n");
+    for i in 0..equations {
+        let (node, image, component) = (i / 3 + 1, i / 3 + 1 + equations, 1 + i % 3);
+        let third = -0.100_001 - 1e-6 * (i % 899_000) as f64;
+        writeln!(text, "3\n{image}, {component}, 1.0, {node}, {component}, -1.0, 9999999, {component}, {third:.6}")
+            .expect("text");
+    }
+    text + "*STEP\n*STATIC\n*END STEP\n"
+}
+
+fn measure(name: &str, path: &Path, equations: usize) {
+    let bytes = std::fs::metadata(path).expect("a file").len() as f64;
+    let (mut counting, mut reading, mut peak) = (Vec::new(), Vec::new(), 0);
+    for _ in 0..ROUNDS {
+        counting.push(seconds(|| {
+            black_box(BufReader::new(std::fs::File::open(path).expect("a file")).lines().count());
+        }));
+        MEMORY.reset_peak_usage();
+        let before = MEMORY.current_usage();
+        reading.push(seconds(|| {
+            let deck = deck::read(path).expect("a deck");
+            assert_eq!(deck.model.equations(), equations);
+            peak = MEMORY.peak_usage() - before;
+        }));
+    }
+    assert!(
+        equations < 1_000_000 || peak as f64 <= 3.0 * bytes,
+        "peak memory is {:.2} times the file",
+        peak as f64 / bytes
+    );
+    let (counting, reading) = (median(counting), median(reading));
+    println!(
+        "{name:<18} {equations:>9} {:>8.1} {:>11.1} {:>10.1} {:>6.2} {:>11.2}",
+        bytes / 1e6,
+        1e3 * counting,
+        1e3 * reading,
+        reading / counting,
+        peak as f64 / bytes
+    );
+}
+
+fn seconds(work: impl FnOnce()) -> f64 {
+    let start = Instant::now();
+    work();
+    start.elapsed().as_secs_f64()
+}
+
+fn median(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}

@@ -1,0 +1,167 @@
+//! A coordinate frame in the basic one: `x = origin + e1 a + e2 b + e3 c`, with `(a, b, c)` from its own coordinates.
+//!
+//! | kind        | coordinates   | (a, b, c)                                        |
+//! | ----------- | ------------- | ------------------------------------------------ |
+//! | rectangular | x, y, z       | as they are                                      |
+//! | cylindrical | r, theta, z   | r cos theta, r sin theta, z                      |
+//! | spherical   | r, theta, phi | r sin theta cos phi, r sin theta sin phi, r cos theta |
+//!
+//! Angles are in degrees; theta of a spherical frame counts from its third axis.
+
+use super::vector::{Vector, cross, dot, length, minus, plus, scaled, unit};
+
+/// What the coordinates of a frame mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::deck) enum Kind {
+    Rectangular,
+    Cylindrical,
+    Spherical,
+}
+
+/// A frame, or the local axes of a point: orthonormal rows `axes` at `origin`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::deck) struct Frame {
+    pub kind: Kind,
+    pub origin: Vector,
+    pub axes: [Vector; 3],
+}
+
+/// The axes of the basic frame.
+pub(in crate::deck) const BASIC_AXES: [Vector; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+impl Frame {
+    pub const BASIC: Self = Self { kind: Kind::Rectangular, origin: [0.0; 3], axes: BASIC_AXES };
+
+    /// The frame with `b - a` as its third axis and `c` in the plane of the first and third; none where they are in line.
+    pub fn through(kind: Kind, a: Vector, b: Vector, c: Vector) -> Option<Self> {
+        const LEAST_SINE: f64 = 1e-10;
+        let third = unit(minus(b, a))?;
+        let towards = unit(minus(c, a))?;
+        let second = cross(third, towards);
+        if length(second) < LEAST_SINE {
+            return None;
+        }
+        let second = unit(second)?;
+        Some(Self { kind, origin: a, axes: [cross(second, third), second, third] })
+    }
+
+    /// The basic coordinates of a point given in this frame.
+    pub fn point(&self, given: Vector) -> Vector {
+        let [p, q, r] = given;
+        let local = match self.kind {
+            Kind::Rectangular => given,
+            Kind::Cylindrical => [p * cosine(q), p * sine(q), r],
+            Kind::Spherical => [p * sine(q) * cosine(r), p * sine(q) * sine(r), p * cosine(q)],
+        };
+        (0..3).fold(self.origin, |sum, k| plus(sum, scaled(self.axes[k], local[k])))
+    }
+
+    /// The directions of displacement at a point given in basic coordinates.
+    pub fn axes_at(&self, point: Vector) -> [Vector; 3] {
+        let from = minus(point, self.origin);
+        let local = self.axes.map(|axis| dot(axis, from));
+        let size = from.iter().zip(point).fold(0.0, |m: f64, (x, y)| m.max(x.abs()).max(y.abs()));
+        match self.kind {
+            Kind::Rectangular => self.axes,
+            Kind::Cylindrical => self.turned(around(local, size)),
+            Kind::Spherical => self.turned(spherical(local, size)),
+        }
+    }
+
+    /// Directions in this frame as directions in the basic one.
+    fn turned(&self, directions: [Vector; 3]) -> [Vector; 3] {
+        directions.map(|d| (0..3).fold([0.0; 3], |sum, k| plus(sum, scaled(self.axes[k], d[k]))))
+    }
+}
+
+/// Radial, tangential and axial direction; on the axis the angle is taken as 0.
+fn around([a, b, _]: Vector, size: f64) -> [Vector; 3] {
+    let [cos, sin] = direction(a, b, size);
+    [[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]]
+}
+
+/// Directions of growing r, theta and phi.
+fn spherical([a, b, c]: Vector, size: f64) -> [Vector; 3] {
+    let [cos_phi, sin_phi] = direction(a, b, size);
+    let [cos, sin] = direction(c, a.hypot(b), size);
+    [[sin * cos_phi, sin * sin_phi, cos], [cos * cos_phi, cos * sin_phi, -sin], [-sin_phi, cos_phi, 0.0]]
+}
+
+/// `(a, b)` of length 1; `(1, 0)` where both are rounding of coordinates of this size.
+fn direction(a: f64, b: f64, size: f64) -> [f64; 2] {
+    let radius = a.hypot(b);
+    if radius <= 16.0 * f64::EPSILON * size { [1.0, 0.0] } else { [a / radius, b / radius] }
+}
+
+/// Sine of degrees, exact at multiples of 90.
+fn sine(degrees: f64) -> f64 {
+    let turn = degrees % 360.0;
+    match turn.abs() {
+        0.0 | 180.0 => 0.0,
+        90.0 => turn.signum(),
+        270.0 => -turn.signum(),
+        _ => turn.to_radians().sin(),
+    }
+}
+
+fn cosine(degrees: f64) -> f64 {
+    match (degrees % 360.0).abs() {
+        90.0 | 270.0 => 0.0,
+        0.0 => 1.0,
+        180.0 => -1.0,
+        turn => turn.to_radians().cos(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn near(a: Vector, b: Vector) {
+        assert!(length(minus(a, b)) < 1e-14, "{a:?} {b:?}");
+    }
+
+    #[test]
+    fn points_in_every_kind_of_frame() {
+        let at = |kind| Frame::through(kind, [1.0, 0.0, 0.0], [1.0, 0.0, 2.0], [3.0, 0.0, 1.0]).expect("a frame");
+        near(at(Kind::Rectangular).point([1.0, 2.0, 3.0]), [2.0, 2.0, 3.0]);
+        near(at(Kind::Cylindrical).point([2.0, 90.0, 3.0]), [1.0, 2.0, 3.0]);
+        near(at(Kind::Spherical).point([2.0, 90.0, 180.0]), [-1.0, 0.0, 0.0]);
+        near(at(Kind::Spherical).point([2.0, 0.0, 17.0]), [1.0, 0.0, 2.0]);
+    }
+
+    #[test]
+    fn directions_follow_the_point() {
+        let frame = Frame::through(Kind::Cylindrical, [0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]).expect("a frame");
+        let [radial, tangential, axial] = frame.axes_at([0.0, 5.0, 2.0]);
+        near(radial, [0.0, 1.0, 0.0]);
+        near(tangential, [-1.0, 0.0, 0.0]);
+        near(axial, [0.0, 0.0, 1.0]);
+        assert_eq!(frame.axes_at([0.0, 0.0, 2.0]), BASIC_AXES);
+        let ball = Frame { kind: Kind::Spherical, ..frame };
+        let [radial, theta, phi] = ball.axes_at([0.0, 3.0, 0.0]);
+        near(radial, [0.0, 1.0, 0.0]);
+        near(theta, [0.0, 0.0, -1.0]);
+        near(phi, [-1.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn axes_are_orthonormal_and_right_handed() {
+        let frame =
+            Frame::through(Kind::Rectangular, [1.0, 2.0, 3.0], [4.0, 1.0, 9.0], [0.3, 7.0, 2.0]).expect("a frame");
+        for kind in [Kind::Rectangular, Kind::Cylindrical, Kind::Spherical] {
+            let [a, b, c] = Frame { kind, ..frame }.axes_at([5.0, -6.0, 7.0]);
+            near(cross(a, b), c);
+            near(cross(b, c), a);
+        }
+    }
+
+    #[test]
+    fn three_points_in_line_make_no_frame() {
+        let make = |b, c| Frame::through(Kind::Rectangular, [1.0, 1.0, 1.0], b, c);
+        assert!(make([1.0, 1.0, 1.0], [2.0, 1.0, 1.0]).is_none());
+        assert!(make([2.0, 2.0, 2.0], [-3.0, -3.0, -3.0]).is_none());
+        assert!(make([2.0, 2.0, 2.0], [f64::INFINITY, 0.0, 0.0]).is_none());
+        assert!(make([2.0, 2.0, 2.0], [2.0, 2.0, 2.1]).is_some());
+    }
+}

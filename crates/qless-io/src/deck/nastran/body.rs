@@ -1,0 +1,80 @@
+//! Rigid motion of a grid point: `u = (t + w x r, w)` along the point's own axes, r from the origin of the motion.
+//!
+//! A motion is six numbers, translation t and rotation w about basic axes. Component i of a point, 1 to 3 along its axes
+//! e and 4 to 6 about them, is a row with six entries: `(e, r x e)` or `(0, e)`.
+
+use super::vector::{Vector, minus};
+
+/// Row of one component: its value is the product with the motion.
+pub(in crate::deck) type MotionRow = [f64; 6];
+
+/// Where a grid point is and along which directions its components count, all in basic coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::deck) struct Pose {
+    pub position: Vector,
+    pub axes: [Vector; 3],
+}
+
+impl Pose {
+    /// The row of component 1 to 6 for motions about `origin`.
+    pub fn row(&self, component: u8, origin: Vector) -> MotionRow {
+        if component > 3 {
+            let [x, y, z] = self.axes[usize::from(component) - 4];
+            return [0.0, 0.0, 0.0, x, y, z];
+        }
+        let [x, y, z] = self.axes[usize::from(component) - 1];
+        let [p, q, r] = minus(self.position, origin);
+        let turning = |a: [f64; 2], b: [f64; 2]| product(&a, &b);
+        [x, y, z, turning([q, -r], [z, y]), turning([r, -p], [x, z]), turning([p, -q], [y, x])]
+    }
+
+    /// The row in this point's own components: entry k is what a unit of component k + 1, the rest held, adds to it.
+    pub fn along(&self, row: MotionRow) -> MotionRow {
+        let [a, b, c, d, e, f] = row;
+        let on = |axis: Vector, v: Vector| product(&axis, &v);
+        let part = |k: usize| if k < 3 { on(self.axes[k], [a, b, c]) } else { on(self.axes[k - 3], [d, e, f]) };
+        std::array::from_fn(part)
+    }
+}
+
+/// a . b; 0 where it is only the rounding of vectors of this size, so that what is at right angles stays uncoupled.
+pub(in crate::deck) fn product(a: &[f64], b: &[f64]) -> f64 {
+    let largest = |v: &[f64]| v.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    clean(a.iter().zip(b).map(|(x, y)| x * y).sum(), largest(a) * largest(b))
+}
+
+/// `sum`, or 0 if it is only the rounding of terms of this size.
+pub(in crate::deck) fn clean(sum: f64, size: f64) -> f64 {
+    const ROUNDING: f64 = 64.0 * f64::EPSILON;
+    if sum.is_finite() && sum.abs() <= ROUNDING * size { 0.0 } else { sum }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::axes::BASIC_AXES;
+    use super::*;
+
+    #[test]
+    fn a_turn_about_the_third_axis_moves_points_around_it() {
+        let turn = [0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+        let point = Pose { position: [2.0, 1.0, 5.0], axes: BASIC_AXES };
+        let moved: Vec<f64> = (1..=6).map(|c| product(&point.row(c, [1.0, 1.0, 0.0]), &turn)).collect();
+        assert_eq!(moved, [0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
+        let turned = Pose { axes: [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], ..point };
+        let moved: Vec<f64> = (1..=6).map(|c| product(&turned.row(c, [1.0, 1.0, 0.0]), &turn)).collect();
+        assert_eq!(moved, [1.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
+    }
+
+    #[test]
+    fn a_row_along_its_own_axes_is_a_unit_row() {
+        let point = Pose { position: [2.0, 1.0, 5.0], axes: [[0.6, 0.8, 0.0], [-0.8, 0.6, 0.0], [0.0, 0.0, 1.0]] };
+        for component in 1..=6 {
+            let row = point.along(point.row(component, point.position));
+            for (k, value) in row.into_iter().enumerate() {
+                let expected = if k + 1 == usize::from(component) { 1.0 } else { 0.0 };
+                assert!((value - expected).abs() < 1e-15, "{component} {k} {value}");
+                assert!(expected != 0.0 || value == 0.0, "rounding is left in {component} {k}");
+            }
+        }
+    }
+}

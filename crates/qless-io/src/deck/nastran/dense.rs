@@ -1,0 +1,104 @@
+//! `A x = b` for a small square A by Gauss elimination with complete pivoting; A may be singular.
+
+/// `P A Q = L U`, with the rank that the pivots show.
+pub(super) struct Factor {
+    n: usize,
+    rank: usize,
+    lu: Vec<f64>,
+    rows: Vec<usize>,
+    columns: Vec<usize>,
+}
+
+/// A pivot below this part of the largest entry counts as zero.
+const SINGULAR: f64 = 1e-10;
+/// A solution has to fulfil the equations without a pivot to this part of the right-hand side.
+const CONSISTENT: f64 = 1e-9;
+
+impl Factor {
+    /// Factors the n x n matrix `a`, by rows.
+    pub fn new(n: usize, a: Vec<f64>) -> Self {
+        let mut factor = Self { n, rank: n, lu: a, rows: (0..n).collect(), columns: (0..n).collect() };
+        let largest = factor.lu.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        factor.rank = (0..n).find(|&k| !factor.eliminate(k, SINGULAR * largest)).unwrap_or(n);
+        factor
+    }
+
+    pub fn is_regular(&self) -> bool {
+        self.rank == self.n
+    }
+
+    /// A solution of `A x = b`; none if there is none.
+    pub fn solve(&self, b: &[f64]) -> Option<Vec<f64>> {
+        let n = self.n;
+        let mut y: Vec<f64> = self.rows.iter().map(|&row| b[row]).collect();
+        for k in 0..self.rank {
+            for i in k + 1..n {
+                y[i] -= self.lu[i * n + k] * y[k];
+            }
+        }
+        let size = b.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        if y[self.rank..].iter().any(|left| left.abs() > CONSISTENT * size) {
+            return None;
+        }
+        let mut x = vec![0.0; n];
+        for k in (0..self.rank).rev() {
+            let known: f64 = (k + 1..self.rank).map(|j| self.lu[k * n + j] * x[self.columns[j]]).sum();
+            x[self.columns[k]] = (y[k] - known) / self.lu[k * n + k];
+        }
+        Some(x)
+    }
+
+    /// Step k; false if no pivot is above `least`.
+    fn eliminate(&mut self, k: usize, least: f64) -> bool {
+        let n = self.n;
+        let places = (k..n).flat_map(|i| (k..n).map(move |j| (i, j)));
+        let size = |&(i, j): &(usize, usize)| self.lu[i * n + j].abs();
+        let Some((row, column)) = places.max_by(|a, b| size(a).total_cmp(&size(b))) else { return false };
+        if !(size(&(row, column)) > least) {
+            return false;
+        }
+        self.exchange(k, row, column);
+        for i in k + 1..n {
+            let factor = self.lu[i * n + k] / self.lu[k * n + k];
+            self.lu[i * n + k] = factor;
+            for j in k + 1..n {
+                self.lu[i * n + j] -= factor * self.lu[k * n + j];
+            }
+        }
+        true
+    }
+
+    fn exchange(&mut self, k: usize, row: usize, column: usize) {
+        let n = self.n;
+        (0..n).for_each(|j| self.lu.swap(k * n + j, row * n + j));
+        (0..n).for_each(|i| self.lu.swap(i * n + k, i * n + column));
+        self.rows.swap(k, row);
+        self.columns.swap(k, column);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn regular_systems() {
+        let factor = Factor::new(3, vec![0.0, 2.0, 1.0, 1.0, 0.0, 3.0, 4.0, 1.0, 0.0]);
+        assert!(factor.is_regular());
+        let x = factor.solve(&[7.0, 10.0, 6.0]).expect("a solution");
+        for (x, expected) in x.iter().zip([1.0, 2.0, 3.0]) {
+            assert!((x - expected).abs() < 1e-14, "{x} for {expected}");
+        }
+    }
+
+    #[test]
+    fn singular_systems_are_solved_where_they_can_be() {
+        let factor = Factor::new(2, vec![1.0, 2.0, 2.0, 4.0]);
+        assert!(!factor.is_regular());
+        let x = factor.solve(&[3.0, 6.0]).expect("a solution");
+        assert_eq!(x[0] + 2.0 * x[1], 3.0);
+        assert!(factor.solve(&[3.0, 5.0]).is_none());
+        assert!(!Factor::new(2, vec![0.0; 4]).is_regular());
+        assert!(!Factor::new(1, vec![f64::NAN]).is_regular());
+    }
+}

@@ -1,0 +1,119 @@
+//! What can be wrong in a Nastran card beside what can be wrong in any deck, and what to do about it.
+
+use crate::deck::Problem;
+use crate::fault::quote;
+
+/// What is wrong in a Nastran card.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CardFault {
+    /// A line in free field with data beyond its last field.
+    #[error("{found} stands after the {count} data fields of the line; go on in a continuation line")]
+    TooManyFields {
+        /// Data fields a line has.
+        count: usize,
+        /// The text beyond, quoted.
+        found: String,
+    },
+    /// A component above 1 of a scalar point.
+    #[error("{node} is a scalar point, which has no component {component}; write 0 or leave the field blank")]
+    ScalarComponent {
+        /// The point.
+        node: u32,
+        /// The component.
+        component: u8,
+    },
+    /// No component where a grid point needs one.
+    #[error("{node} is a grid point, of which a component has to be given; write digits from 1 to 6")]
+    NoComponent {
+        /// The grid point.
+        node: u32,
+    },
+    /// A continuation that names another card's.
+    #[error("the line continues {found}, but the card before it goes on as {expected}; put it right after its card")]
+    Continuation {
+        /// The name the card gives, quoted.
+        expected: String,
+        /// The name the line gives, quoted.
+        found: String,
+    },
+    /// Two definitions of one thing.
+    #[error("{what} {id} is defined otherwise in {other}; keep one of the two")]
+    DefinedTwice {
+        /// "grid point", "coordinate system", "GRDSET".
+        what: &'static str,
+        /// Its number.
+        id: u32,
+        /// File and line of the other.
+        other: String,
+    },
+    /// Not six independent components.
+    #[error("{found} independent components are given; a rigid body has 6, give exactly that many")]
+    IndependentCount {
+        /// How many were found.
+        found: usize,
+    },
+    /// Six components that leave a motion free.
+    #[error("the 6 independent components do not fix the body: some motion moves none of them; choose others")]
+    IndependentSingular,
+    /// A component that is dependent and independent.
+    #[error("{node}:{component} is both dependent and independent; remove it from one list")]
+    OnBothSides {
+        /// The grid point.
+        node: u32,
+        /// The component.
+        component: u8,
+    },
+    /// A rod whose dependent component is at right angles.
+    #[error("{node}:{component} is at right angles to the rod and cannot depend on it; choose another component")]
+    AcrossRod {
+        /// The grid point.
+        node: u32,
+        /// The component.
+        component: u8,
+    },
+    /// A mean that does not determine a component of its reference.
+    #[error(
+        "the connected components do not determine {node}:{component}; connect more of them, or remove it from REFC"
+    )]
+    MeanUndetermined {
+        /// The reference grid point.
+        node: u32,
+        /// The component.
+        component: u8,
+    },
+    /// An UM list of the wrong length.
+    #[error("UM names {found} components, but REFC has {expected}; name as many")]
+    UmCount {
+        /// Components after UM.
+        found: usize,
+        /// Components of REFC.
+        expected: usize,
+    },
+    /// The UM components cannot be solved for.
+    #[error("the element cannot be solved for the components after UM; choose others that it connects")]
+    UmSingular,
+    /// A constraint that couples a component to nothing.
+    #[error("nothing is connected; name at least one grid point and component")]
+    NothingConnected,
+}
+
+impl CardFault {
+    pub(super) fn too_many_fields(count: usize, found: &[u8]) -> Problem {
+        Self::TooManyFields { count, found: quote(found) }.into()
+    }
+}
+
+/// A coordinate system that nothing defines.
+pub(super) fn unknown_frame(frame: u32) -> Problem {
+    Problem::Undefined { what: "coordinate system", name: frame.to_string() }
+}
+
+/// A grid point that nothing defines.
+pub(super) fn unknown_grid(node: u32) -> Problem {
+    Problem::Undefined { what: "grid point", name: node.to_string() }
+}
+
+/// A set or coordinate system that rests on itself.
+pub(super) fn circle(what: &'static str, id: u32) -> Problem {
+    Problem::Circular { what, name: id.to_string() }
+}

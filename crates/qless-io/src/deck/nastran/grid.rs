@@ -1,0 +1,65 @@
+//! `GRID id, CP, X1, X2, X3, CD, PS` and `GRDSET`, which says what the others leave blank.
+
+use super::card::{Card, Refused};
+use super::frames::BASIC;
+use super::number::Components;
+use super::vector::Vector;
+
+/// A `GRID` card.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Grid {
+    pub id: u32,
+    /// Coordinates in the system `given_in`.
+    pub given: Vector,
+    pub usual: Usual,
+    pub file: u32,
+    pub line: u32,
+}
+
+/// What `GRDSET` can give; none where the card leaves it blank.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Usual {
+    /// CP.
+    pub given_in: Option<u32>,
+    /// CD.
+    pub moves_in: Option<u32>,
+    /// PS, components held in every subcase.
+    pub held: Option<Components>,
+}
+
+impl Grid {
+    pub fn read(card: &Card) -> Result<Self, Refused> {
+        let mut given = [0.0; 3];
+        for (i, x) in given.iter_mut().enumerate() {
+            *x = card.real(2 + i)?.unwrap_or(0.0);
+        }
+        let id = card.id(0, "the number of the grid point")?;
+        Ok(Self { id, given, usual: Usual::read(card)?, file: card.file, line: card.line })
+    }
+
+    /// The same point, whatever the card.
+    pub fn is_same(&self, other: &Self) -> bool {
+        Self { file: 0, line: 0, ..*self } == Self { file: 0, line: 0, ..*other }
+    }
+}
+
+impl Usual {
+    pub fn read(card: &Card) -> Result<Self, Refused> {
+        let held = if card.is_blank(6) { None } else { Some(card.components(6)?) };
+        Ok(Self { given_in: frame(card, 1)?, moves_in: frame(card, 5)?, held })
+    }
+
+    /// This, with its blanks filled.
+    pub fn or(self, other: Self) -> Self {
+        Self {
+            given_in: self.given_in.or(other.given_in),
+            moves_in: self.moves_in.or(other.moves_in),
+            held: self.held.or(other.held),
+        }
+    }
+}
+
+/// A coordinate system; -1, which makes a fluid point, counts as the basic one.
+fn frame(card: &Card, i: usize) -> Result<Option<u32>, Refused> {
+    if card.field(i) == b"-1" { Ok(Some(BASIC)) } else { card.optional_whole(i, "a coordinate system") }
+}

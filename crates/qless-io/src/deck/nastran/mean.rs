@@ -1,0 +1,224 @@
+//! `RBE3`: the reference moves as the weighted mean of its grid points, `u_r = A_r S^-1 sum w_k a_k^T u_k` with
+//! `S = sum w_k a_k^T a_k`.
+//!
+//! a_k is the motion row of connected component k, w_k its weight; A_r holds the rows of the reference components. So that
+//! the result does not depend on the unit of length, the weight of a rotation counts times L^2, where L is the mean distance
+//! of the grid points from the reference. With an `UM` list the equations are solved for its components; what they say stays.
+
+use rustc_hash::FxHashMap;
+
+use super::body::{MotionRow, Pose, clean, product};
+use super::dense::Factor;
+use super::fault::CardFault;
+use super::number::Components;
+use super::row::{Poses, Row};
+use super::solved::solved_for;
+use super::vector::{Vector, length, minus, plus, scaled};
+use crate::deck::{Dof, Problem};
+
+/// Components of some grid points that have the same weight.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::deck) struct Group {
+    pub weight: f64,
+    pub components: Components,
+    pub nodes: Vec<u32>,
+}
+
+/// The element as its card has it.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::deck) struct Mean {
+    pub reference: u32,
+    pub components: Components,
+    pub groups: Vec<Group>,
+    /// Components to solve for; empty without `UM`.
+    pub dependent: Vec<(u32, Components)>,
+}
+
+impl Mean {
+    /// One equation for each component of the reference, solved for `UM` if there is one.
+    pub fn rows(&self, poses: &impl Poses) -> Result<Vec<Row>, Problem> {
+        let reference = poses.pose(self.reference)?;
+        let body = Connected::new(self, &reference, poses)?;
+        let row = |component| {
+            let dof = Dof { node: self.reference, component };
+            let undetermined = CardFault::MeanUndetermined { node: dof.node, component };
+            body.mean(&reference, component).map(|terms| Row::new(dof, terms)).ok_or(undetermined)
+        };
+        let rows: Vec<Row> = self.components.iter().map(row).collect::<Result<_, _>>()?;
+        if self.dependent.is_empty() {
+            return Ok(rows);
+        }
+        let named = |&(node, set): &(u32, Components)| set.iter().map(move |component| Dof { node, component });
+        let dependent: Vec<Dof> = self.dependent.iter().flat_map(|part| named(part).collect::<Vec<_>>()).collect();
+        solved_for(&rows, &dependent, body.size)
+    }
+}
+
+/// The connected components with their motion rows, about their centre and with rotations as lengths.
+struct Connected {
+    dofs: Vec<(Dof, MotionRow, f64)>,
+    centre: Vector,
+    size: f64,
+    normal: Factor,
+}
+
+impl Connected {
+    fn new(element: &Mean, reference: &Pose, poses: &impl Poses) -> Result<Self, Problem> {
+        let nodes = element.nodes(poses)?;
+        let count = nodes.len() as f64;
+        let centre = nodes.iter().fold([0.0; 3], |sum, (_, pose)| plus(sum, scaled(pose.position, 1.0 / count)));
+        let from = |point: Vector| nodes.iter().map(move |(_, pose)| length(minus(pose.position, point)));
+        let size = from(centre).fold(0.0, f64::max);
+        let arm = from(reference.position).sum::<f64>() / count;
+        let unit = |length: f64| if length > 0.0 { length } else { 1.0 };
+        let mut body = Self { dofs: Vec::new(), centre, size: unit(size), normal: Factor::new(0, Vec::new()) };
+        let poses: FxHashMap<u32, Pose> = nodes.into_iter().collect();
+        for (dof, weight) in element.weights()? {
+            let weight = if dof.component > 3 { weight * unit(arm).powi(2) } else { weight };
+            body.dofs.push((dof, body.row(&poses[&dof.node], dof.component), weight));
+        }
+        body.normal = Factor::new(6, body.normal_matrix());
+        Ok(body)
+    }
+
+    /// The motion row with every motion as a length.
+    fn row(&self, pose: &Pose, component: u8) -> MotionRow {
+        let [a, b, c, d, e, f] = pose.row(component, self.centre);
+        [a, b, c, d / self.size, e / self.size, f / self.size]
+    }
+
+    /// S by rows.
+    fn normal_matrix(&self) -> Vec<f64> {
+        let mut s = vec![0.0; 36];
+        for (_, row, weight) in &self.dofs {
+            for i in 0..6 {
+                (0..6).for_each(|j| s[6 * i + j] += weight * row[i] * row[j]);
+            }
+        }
+        s
+    }
+
+    /// What each connected component adds to one of the reference; none if they do not determine it.
+    fn mean(&self, reference: &Pose, component: u8) -> Option<Vec<(Dof, f64)>> {
+        let mut motion = self.normal.solve(&self.row(reference, component))?;
+        let largest = motion.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        motion.iter_mut().for_each(|x| *x = clean(*x, largest));
+        Some(self.dofs.iter().map(|(dof, row, weight)| (*dof, weight * product(row, &motion))).collect())
+    }
+}
+
+impl Mean {
+    /// Each connected grid point once, in the order of the card.
+    fn nodes(&self, poses: &impl Poses) -> Result<Vec<(u32, Pose)>, Problem> {
+        let mut seen = rustc_hash::FxHashSet::default();
+        let nodes = self.groups.iter().flat_map(|group| &group.nodes).filter(|node| seen.insert(**node));
+        let nodes: Vec<_> = nodes.map(|&node| poses.pose(node).map(|pose| (node, pose))).collect::<Result<_, _>>()?;
+        if nodes.is_empty() || self.components.is_empty() { Err(CardFault::NothingConnected.into()) } else { Ok(nodes) }
+    }
+
+    /// The weight of each connected component; those given several times add up.
+    fn weights(&self) -> Result<Vec<(Dof, f64)>, Problem> {
+        let mut places = FxHashMap::default();
+        let mut weights: Vec<(Dof, f64)> = Vec::new();
+        for group in &self.groups {
+            for &node in &group.nodes {
+                for component in group.components.iter() {
+                    if node == self.reference && self.components.contains(component) {
+                        return Err(CardFault::OnBothSides { node, component }.into());
+                    }
+                    let dof = Dof { node, component };
+                    let place = *places.entry(dof).or_insert_with(|| {
+                        weights.push((dof, 0.0));
+                        weights.len() - 1
+                    });
+                    weights[place].1 += group.weight;
+                }
+            }
+        }
+        Ok(weights)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::axes::BASIC_AXES;
+    use super::super::row::samples::{Irregular, rigid_residual};
+    use super::*;
+
+    fn set(digits: &str) -> Components {
+        Components::parse(digits.as_bytes()).expect("components")
+    }
+
+    fn mean(refc: &str, groups: &[(f64, &str, &[u32])]) -> Mean {
+        let group = |&(weight, digits, nodes): &(f64, &str, &[u32])| Group {
+            weight,
+            components: set(digits),
+            nodes: nodes.to_vec(),
+        };
+        Mean { reference: 9, components: set(refc), groups: groups.iter().map(group).collect(), dependent: Vec::new() }
+    }
+
+    /// Node k on a unit square about node 9, basic axes.
+    struct Square;
+
+    impl Poses for Square {
+        fn pose(&self, node: u32) -> Result<Pose, Problem> {
+            let position = match node {
+                1 => [1.0, 1.0, 0.0],
+                2 => [-1.0, 1.0, 0.0],
+                3 => [-1.0, -1.0, 0.0],
+                4 => [1.0, -1.0, 0.0],
+                _ => [0.0; 3],
+            };
+            Ok(Pose { position, axes: BASIC_AXES })
+        }
+    }
+
+    #[test]
+    fn the_middle_of_a_square_moves_as_the_mean_of_its_corners() {
+        let rows = mean("16", &[(2.0, "123", &[1, 2, 3, 4])]).rows(&Square).expect("rows");
+        let terms = |row: usize| {
+            rows[row].terms.iter().map(|&(dof, value)| (dof.node, dof.component, value)).collect::<Vec<_>>()
+        };
+        assert_eq!(terms(0), [(9, 1, 1.0), (1, 1, -0.25), (2, 1, -0.25), (3, 1, -0.25), (4, 1, -0.25)]);
+        let turn = [(9, 6, 1.0), (1, 1, 0.125), (1, 2, -0.125), (2, 1, 0.125), (2, 2, 0.125)];
+        assert_eq!(terms(1)[..5], turn);
+    }
+
+    #[test]
+    fn rigid_motions_leave_no_residual() {
+        let groups: [(f64, &str, &[u32]); 4] =
+            [(2.3, "123", &[1, 2]), (12.0, "23", &[3]), (0.4, "456", &[4, 5]), (0.5, "136", &[1, 6])];
+        let mut element = mean("123456", &groups);
+        let rows = element.rows(&Irregular).expect("rows");
+        assert_eq!(rows.len(), 6);
+        assert!(rigid_residual(&rows, &Irregular) < 1e-12, "{}", rigid_residual(&rows, &Irregular));
+        element.dependent = vec![(1, set("12")), (9, set("135")), (4, set("5"))];
+        let rows = element.rows(&Irregular).expect("rows");
+        assert!(rigid_residual(&rows, &Irregular) < 1e-12, "{}", rigid_residual(&rows, &Irregular));
+        let slaves: Vec<_> = rows.iter().map(|row| row.terms[0]).collect();
+        let slave = |node, component| (Dof { node, component }, 1.0);
+        assert_eq!(slaves, [slave(1, 1), slave(1, 2), slave(9, 1), slave(9, 3), slave(9, 5), slave(4, 5)]);
+        let others = rows.iter().flat_map(|row| &row.terms[1..]);
+        assert_eq!(others.filter(|term| slaves.iter().any(|slave| slave.0 == term.0)).count(), 0);
+    }
+
+    #[test]
+    fn one_point_determines_no_rotation() {
+        let undetermined = CardFault::MeanUndetermined { node: 9, component: 6 };
+        assert_eq!(mean("16", &[(1.0, "123", &[5])]).rows(&Square), Err(undetermined.into()));
+        assert_eq!(mean("123", &[(1.0, "123", &[5])]).rows(&Square).map(|rows| rows.len()), Ok(3));
+        assert_eq!(mean("1", &[(1.0, "123", &[])]).rows(&Square), Err(CardFault::NothingConnected.into()));
+        let twice = CardFault::OnBothSides { node: 9, component: 1 };
+        assert_eq!(mean("1", &[(1.0, "123", &[9, 1])]).rows(&Square), Err(twice.into()));
+    }
+
+    #[test]
+    fn um_has_to_be_solvable() {
+        let mut element = mean("12", &[(1.0, "123", &[1, 2, 3, 4])]);
+        element.dependent = vec![(1, set("3")), (2, set("1"))];
+        assert_eq!(element.rows(&Square), Err(CardFault::UmSingular.into()));
+        element.dependent = vec![(1, set("1"))];
+        assert_eq!(element.rows(&Square), Err(CardFault::UmCount { found: 1, expected: 2 }.into()));
+    }
+}

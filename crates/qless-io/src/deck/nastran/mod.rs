@@ -1,0 +1,62 @@
+//! Nastran decks, `.bdf`, `.dat`, `.nas`.
+//!
+//! The deck is read once: what constrains is kept, all other cards are passed over. Rigid elements hold in every load case;
+//! `MPC` and `SPC` cards do where case control selects their set. Equations are homogeneous and in the displacement axes of
+//! their grid points, as Nastran has them; the first term is the dependent component. The one component of a scalar point
+//! is 0.
+//!
+//! ```
+//! # let place = tempfile::tempdir()?;
+//! let path = place.path().join("lug.bdf");
+//! std::fs::write(&path, "CEND\nBEGIN BULK\nGRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nRBE2,7,1,3,2\nENDDATA\n")?;
+//! let deck = qless_io::deck::read(&path)?;
+//! assert_eq!(deck.model.label(0), "line 5 RBE2 7 2:3");
+//! assert_eq!(deck.model.equation(0).coefficients, [1.0, -1.0, 1.0]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub(super) mod axes;
+pub(super) mod body;
+mod build;
+mod bulk;
+mod card;
+mod cases;
+mod control;
+mod coordinates;
+mod dense;
+mod elements;
+mod fault;
+mod fields;
+mod frames;
+mod grid;
+mod lines;
+mod loads;
+pub(super) mod mean;
+mod mpc;
+pub(super) mod number;
+mod place;
+mod points;
+mod reader;
+pub(super) mod rigid;
+pub(super) mod rod;
+pub(super) mod row;
+mod selected;
+mod sets;
+mod solved;
+mod spans;
+mod supports;
+mod unread;
+pub(super) mod vector;
+
+pub use fault::CardFault;
+
+use super::{DeckError, Model, Sources};
+
+/// Reads a deck.
+///
+/// # Errors
+/// [`DeckError`].
+pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
+    let content = reader::read(sources)?;
+    build::model(content, sources)
+}

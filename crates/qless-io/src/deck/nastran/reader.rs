@@ -1,0 +1,171 @@
+//! From lines to cards: executive control, case control, `BEGIN BULK`, bulk data, `ENDDATA`.
+
+use super::bulk::{Bulk, is_read};
+use super::card::{Card, Refused};
+use super::control::{Control, keyword};
+use super::fields::continues;
+use super::lines::{Line, Visitor, walk};
+use crate::deck::{DeckError, Problem, Sources};
+
+/// Which part of the deck a line is in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Section {
+    /// Up to `CEND`.
+    Executive,
+    /// Up to `BEGIN BULK`.
+    Control,
+    Bulk,
+    /// Bulk data of a part that this reader does not follow.
+    Passed,
+}
+
+/// What a deck says.
+#[derive(Debug)]
+pub(super) struct Content {
+    pub bulk: Bulk,
+    /// None where the deck is bulk data alone.
+    pub control: Option<Control>,
+}
+
+/// Reads all lines of a deck.
+pub(super) fn read(sources: &mut Sources) -> Result<Content, DeckError> {
+    let section = first_section(&sources.text(0));
+    let control = (section != Section::Bulk).then(Control::default);
+    let content = Content { bulk: Bulk::default(), control };
+    let mut reader = Reader { content, section, card: Card::default(), passing: true };
+    walk(sources, &mut reader)?;
+    reader.finish_card(sources)?;
+    Ok(reader.content)
+}
+
+/// A deck with neither `CEND` nor `BEGIN BULK` is bulk data from its first line.
+fn first_section(text: &[u8]) -> Section {
+    let starts =
+        |line: &[u8], word: &[u8]| line.get(..word.len()).is_some_and(|start| start.eq_ignore_ascii_case(word));
+    for line in text.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii_start) {
+        if starts(line, b"CEND") {
+            return Section::Executive;
+        }
+        if starts(line, b"BEGIN") {
+            return Section::Control;
+        }
+    }
+    Section::Bulk
+}
+
+struct Reader {
+    content: Content,
+    section: Section,
+    card: Card,
+    /// Whether the lines are those of a card that is not read.
+    passing: bool,
+}
+
+impl Visitor for Reader {
+    fn line(&mut self, line: &Line, sources: &Sources) -> Result<bool, DeckError> {
+        match self.section {
+            Section::Executive | Section::Control => self.control(line, sources)?,
+            Section::Bulk => return self.bulk(line, sources),
+            Section::Passed => {
+                let (word, rest) = keyword(line.text);
+                match word.as_str() {
+                    "ENDDATA" => return Ok(false),
+                    "BEGIN" => self.begin(rest, line),
+                    _ => {}
+                }
+            }
+        }
+        Ok(true)
+    }
+
+    /// Files of executive control hold procedures, not constraints.
+    fn unreadable(&mut self, error: DeckError) -> Result<(), DeckError> {
+        if self.section != Section::Executive || !matches!(error.problem, Problem::Include { .. }) {
+            return Err(error);
+        }
+        let text = format!("{}; executive control is read on without it", error.problem);
+        self.content.bulk.warnings.push((0, error.line as u32, text));
+        Ok(())
+    }
+}
+
+impl Reader {
+    fn control(&mut self, line: &Line, sources: &Sources) -> Result<(), DeckError> {
+        let (word, rest) = keyword(line.text);
+        match word.as_str() {
+            "CEND" => self.section = Section::Control,
+            "BEGIN" => self.begin(rest, line),
+            _ if self.section == Section::Control => {
+                let control = self.content.control.get_or_insert_default();
+                control.line(line).map_err(|problem| {
+                    let path = sources.path(line.file as usize).to_path_buf();
+                    DeckError { path, line: line.number as usize, card: word, field: None, problem }
+                })?;
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// `BEGIN BULK`, or the part of a superelement.
+    fn begin(&mut self, rest: &[u8], line: &Line) {
+        let text = String::from_utf8_lossy(rest).trim().to_ascii_uppercase();
+        if text.is_empty() || text == "BULK" || text == "BULK SUPER=0" {
+            self.section = Section::Bulk;
+            return;
+        }
+        self.section = Section::Passed;
+        let text = format!("BEGIN {text}: this part of the deck is not understood and left out");
+        self.content.bulk.warnings.push((line.file, line.number, text));
+    }
+
+    fn bulk(&mut self, line: &Line, sources: &Sources) -> Result<bool, DeckError> {
+        if continues(line.text) {
+            if !self.passing {
+                let taken = self.card.extend(line.text, line.file, line.number);
+                taken.map_err(|refused| self.error(refused, sources))?;
+            }
+            return Ok(true);
+        }
+        self.finish_card(sources)?;
+        let mut name = [0; 8];
+        let name = card_name(line.text, &mut name);
+        match name {
+            b"ENDDATA" => return Ok(false),
+            name if name.starts_with(b"BEGIN") => self.begin(keyword(line.text).1, line),
+            b"CEND" if self.content.control.is_none() => self.section = Section::Control,
+            name if is_read(name) => {
+                self.passing = false;
+                let begun = self.card.begin(name, line.text, line.file, line.number);
+                begun.map_err(|refused| self.error(refused, sources))?;
+            }
+            _ => {}
+        }
+        Ok(true)
+    }
+
+    fn finish_card(&mut self, sources: &Sources) -> Result<(), DeckError> {
+        if !std::mem::replace(&mut self.passing, true) {
+            self.content.bulk.card(&self.card).map_err(|refused| self.error(refused, sources))?;
+        }
+        Ok(())
+    }
+
+    fn error(&self, refused: Refused, sources: &Sources) -> DeckError {
+        let Refused { line, field, problem } = refused;
+        let path = sources.path(self.card.file as usize).to_path_buf();
+        DeckError { path, line: line as usize, card: self.card.title(), field, problem }
+    }
+}
+
+/// The first field in capitals, without its `*`; empty if it is too long for a name.
+fn card_name<'a>(line: &[u8], place: &'a mut [u8; 8]) -> &'a [u8] {
+    let first = &line[..line.len().min(9)];
+    let end = first.iter().position(|&byte| byte == b',').unwrap_or(first.len().min(8));
+    let word = first[..end].trim_ascii();
+    let word = word.strip_suffix(b"*").unwrap_or(word).trim_ascii();
+    let Some(place) = place.get_mut(..word.len()) else { return b"" };
+    place.copy_from_slice(word);
+    place.make_ascii_uppercase();
+    place
+}

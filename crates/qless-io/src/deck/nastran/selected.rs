@@ -1,0 +1,131 @@
+//! Which sets hold in each load case, and a warning for those that hold in none or do not exist.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::build::fail;
+use super::bulk::{Bulk, Tie};
+use super::control::{Choice, Selection};
+use super::loads::parts;
+use super::place::Place;
+use super::sets::{Unions, members};
+use crate::deck::{DeckError, Model};
+
+/// The sets of a load case, unions taken apart.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Sets {
+    pub mpc: BTreeSet<u32>,
+    pub spc: BTreeSet<u32>,
+    /// Load sets with their factors.
+    pub loads: BTreeMap<u32, f64>,
+}
+
+/// The sets that the selections come down to.
+pub(super) fn sets(
+    selections: Vec<(String, Selection)>,
+    bulk: &Bulk,
+    model: &mut Model,
+) -> Result<Vec<(String, Sets)>, DeckError> {
+    let defined = Defined::of(bulk);
+    let mut cases = Vec::with_capacity(selections.len());
+    let mut missing = BTreeSet::new();
+    for (name, selection) in selections {
+        let mpc = members_of(selection.mpc, &bulk.mpc_unions, model)?;
+        let spc = members_of(selection.spc, &bulk.spc_unions, model)?;
+        note_missing("MPC", selection.mpc, &mpc, &defined.mpc, &mut missing);
+        note_missing("SPC", selection.spc, &spc, &defined.spc, &mut missing);
+        let loads = selection.load.map(|choice| parts(choice.set, &bulk.combinations)).unwrap_or_default();
+        cases.push((name, Sets { mpc, spc, loads }));
+    }
+    for (file, line, text) in missing {
+        model.warn(file, line, text);
+    }
+    defined.warn_of_unused(&cases, model);
+    Ok(cases)
+}
+
+fn members_of(choice: Option<Choice>, unions: &Unions, model: &mut Model) -> Result<BTreeSet<u32>, DeckError> {
+    let members = choice.map(|choice| members(choice.set, unions)).transpose();
+    Ok(members.map_err(|(place, problem)| fail(&place, problem, model))?.unwrap_or_default())
+}
+
+fn note_missing(
+    kind: &str,
+    choice: Option<Choice>,
+    members: &BTreeSet<u32>,
+    defined: &Uses,
+    missing: &mut BTreeSet<(u32, u32, String)>,
+) {
+    for set in members.iter().filter(|set| !defined.contains_key(set)) {
+        if let Some(Choice { file, line, set: chosen }) = choice {
+            let text =
+                format!("{kind} = {chosen} selects set {set}, which no {kind} card defines: it constrains nothing");
+            missing.insert((file, line, text));
+        }
+    }
+}
+
+/// Sets with their first card and the number of cards.
+type Uses = BTreeMap<u32, (Place, usize)>;
+
+/// The sets that the bulk data define.
+struct Defined {
+    mpc: Uses,
+    spc: Uses,
+    enforced: Uses,
+}
+
+impl Defined {
+    fn of(bulk: &Bulk) -> Self {
+        let mut all = Self { mpc: Uses::new(), spc: Uses::new(), enforced: Uses::new() };
+        for (tie, place) in &bulk.ties {
+            if let Tie::Mpc { set, .. } = tie {
+                count(&mut all.mpc, *set, place);
+            }
+        }
+        bulk.supports.iter().for_each(|(set, _, place)| count(&mut all.spc, *set, place));
+        bulk.enforced.iter().for_each(|(set, _, place)| count(&mut all.enforced, *set, place));
+        all
+    }
+
+    fn warn_of_unused(&self, cases: &[(String, Sets)], model: &mut Model) {
+        warn_unused("MPC", &self.mpc, |set| cases.iter().any(|(_, sets)| sets.mpc.contains(&set)), model);
+        warn_unused("SPC", &self.spc, |set| cases.iter().any(|(_, sets)| sets.spc.contains(&set)), model);
+        warn_unused("SPCD", &self.enforced, |set| cases.iter().any(|(_, sets)| sets.loads.contains_key(&set)), model);
+    }
+}
+
+fn count(uses: &mut Uses, set: u32, place: &Place) {
+    uses.entry(set).or_insert_with(|| (place.clone(), 0)).1 += 1;
+}
+
+fn warn_unused(kind: &str, uses: &Uses, used: impl Fn(u32) -> bool, model: &mut Model) {
+    const SHOWN: usize = 10;
+    let unused: Vec<(&u32, &(Place, usize))> = uses.iter().filter(|(set, _)| !used(**set)).collect();
+    let Some((_, (place, _))) = unused.first() else { return };
+    let cards: usize = unused.iter().map(|(_, (_, cards))| cards).sum();
+    let mut names: Vec<String> = unused.iter().take(SHOWN).map(|(set, _)| set.to_string()).collect();
+    if unused.len() > SHOWN {
+        names.push("...".into());
+    }
+    let text = format!("{kind} sets that no subcase selects are left out: {} ({cards} entries)", names.join(", "));
+    model.warn(place.file, place.line, text);
+}
+
+/// Bulk data alone select nothing: the only set of a kind is taken, and that is said.
+pub(super) fn without_control(bulk: &Bulk, model: &mut Model) -> Vec<(String, Selection)> {
+    let defined = Defined::of(bulk);
+    let mpc = only("MPC", &defined.mpc, &bulk.mpc_unions, model);
+    let spc = only("SPC", &defined.spc, &bulk.spc_unions, model);
+    vec![("model".into(), Selection { mpc, spc, load: None })]
+}
+
+fn only(kind: &str, uses: &Uses, unions: &Unions, model: &mut Model) -> Option<Choice> {
+    // A union that takes in all sets is the one meant.
+    let whole = |set: &&u32| members(**set, unions).is_ok_and(|members| uses.keys().all(|set| members.contains(set)));
+    let meant = if uses.len() > 1 { unions.keys().find(whole) } else { uses.keys().next() };
+    let set = *meant?;
+    let (place, _) = uses.values().next()?;
+    let text = format!("the deck has no case control: {kind} set {set}, the only one, is taken");
+    model.warn(place.file, place.line, text);
+    Some(Choice { set, file: place.file, line: place.line })
+}

@@ -1,0 +1,4 @@
+//! Nastran decks in, constraints out.
+
+/// Real decks with known constraints, where they are at hand.
+mod corpus;
