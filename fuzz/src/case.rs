@@ -4,7 +4,7 @@ use std::path::Path;
 
 use qless_io::{ReadError, read_case, write_case};
 
-use crate::files::split;
+use super::files::split;
 
 const PARTS: [&str; 4] = ["b.txt", "prescribed.txt", "rows.txt", "cols.txt"];
 

@@ -7,7 +7,7 @@ use qless::Options;
 use qless_io::deck::clean::{faults, plan, write};
 use qless_io::deck::{Deck, DeckError, Format, parse};
 
-use crate::files::split;
+use super::files::split;
 
 /// Terms of a deck that is cleaned: the reader is what is looked at here.
 const TERMS: usize = 2_000;
