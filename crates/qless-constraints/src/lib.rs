@@ -27,6 +27,7 @@
 mod constraint;
 mod derive;
 mod geometry;
+pub mod newton;
 pub mod scalar;
 mod set;
 pub mod types;

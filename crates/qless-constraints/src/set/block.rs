@@ -27,6 +27,9 @@ pub(super) trait Block: Send + Sync {
     /// Adds the share of these constraints to the rows of H that `out` holds.
     fn add_hessian(&self, u: &[f64], w: &[f64], share: &Share, out: &mut [f64]);
     fn as_any(&mut self) -> &mut dyn Any;
+    /// Compares every formula with dual numbers.
+    #[cfg(test)]
+    fn compare_with_duals(&self, u: &[f64]);
 }
 
 /// All blocks, in the order of first use.
@@ -220,5 +223,13 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
 
     fn as_any(&mut self) -> &mut dyn Any {
         self
+    }
+
+    #[cfg(test)]
+    fn compare_with_duals(&self, u: &[f64]) {
+        let mut local = vec![0.0; self.widest];
+        for (i, item) in self.items.iter().enumerate() {
+            super::tests::compare::compare(item, self.gather(i, u, &mut local));
+        }
     }
 }

@@ -170,3 +170,6 @@ impl ConstraintSet {
         0..self.linear.rows()
     }
 }
+
+#[cfg(test)]
+mod tests;
