@@ -37,7 +37,7 @@ impl Default for NewtonOptions {
 /// One iterate: what was found before its step was made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Iterate {
-    /// `max_i |c_i| / max_j |G_ij|`.
+    /// `max_i |c_i| / max_j |G_ij|`, and what prescribed DOFs have yet to move if that is more.
     pub residual: f64,
     /// Tolerance below which a row counted as dependent.
     pub tolerance: f64,
@@ -175,8 +175,9 @@ impl<'a> Run<'a> {
         }
         let options = Options { tolerance: Tolerance::Relative(self.tolerance), ..self.options.analysis.clone() };
         let analysis = analyse(&system, &options).map_err(|source| NewtonError::Analysis { step, source })?;
+        let ahead = increments.iter().map(|&(_, increment): &(usize, f64)| increment.abs());
         self.iterates.push(Iterate {
-            residual: self.residuals.iter().copied().fold(0.0, f64::max),
+            residual: self.residuals.iter().copied().chain(ahead).fold(0.0, f64::max),
             tolerance: self.tolerance,
             rank: analysis.rank(),
             left_out: dependent(&analysis),

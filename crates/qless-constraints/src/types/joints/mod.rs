@@ -29,7 +29,7 @@ pub enum JointError {
     #[error("an axis has no direction; give a vector that is not zero")]
     Axis,
     /// The axes of a universal joint are not perpendicular.
-    #[error("the cosine of the angle between the axes is {0}; the axes of a universal joint are perpendicular")]
+    #[error("the axes of a universal joint are not perpendicular: the cosine of their angle is {0}")]
     NotPerpendicular(f64),
 }
 
