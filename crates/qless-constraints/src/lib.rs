@@ -26,6 +26,7 @@
 
 mod constraint;
 mod derive;
+pub mod enforce;
 mod geometry;
 pub mod newton;
 pub mod scalar;
