@@ -1,6 +1,7 @@
 //! What a point or a direction is attached to: the ground, a node, or a body with rotations.
 
 use super::rotation::{by_euler, by_vector};
+use super::turned;
 use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, add, lift};
 
@@ -115,5 +116,19 @@ impl Carrier {
         let (position, rotation) = u.split_at(self.kind.positions());
         let turned = add(lift(self.at), self.kind.turn(rotation, self.arm));
         if position.is_empty() { turned } else { add(turned, [position[0], position[1], position[2]]) }
+    }
+
+    /// The gradient of `m . x`, in all DOFs of the body.
+    #[inline]
+    pub fn slope(&self, u: &[f64], m: Vector<f64>, out: &mut [f64]) {
+        let (position, rotation) = out.split_at_mut(self.kind.positions());
+        position.copy_from_slice(&m[..position.len()]);
+        turned::gradient(self.kind, &u[position.len()..], self.arm, m, rotation);
+    }
+
+    /// The lower triangle of the Hessian of `m . x`, in the rotations.
+    #[inline]
+    pub fn curvature(&self, u: &[f64], m: Vector<f64>, out: &mut [f64]) {
+        turned::hessian(self.kind, &u[self.kind.positions()..], self.arm, m, out);
     }
 }

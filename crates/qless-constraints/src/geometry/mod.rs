@@ -5,3 +5,4 @@ pub mod node;
 pub mod project;
 pub mod rotation;
 pub mod shape;
+pub mod turned;

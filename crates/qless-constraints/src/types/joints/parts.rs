@@ -1,4 +1,4 @@
-//! The three equations that all joints consist of. Their derivatives are taken by dual numbers.
+//! The three equations that all joints consist of; the derivatives of the third are taken by dual numbers.
 //!
 //! - points coincide: `x_a + R_a s_a - x_b - R_b s_b = 0`, a length;
 //! - directions keep their angle: `(R_a s) . (R_b t) - s . t = 0`;
@@ -7,6 +7,7 @@
 use std::borrow::Cow;
 
 use crate::geometry::carrier::{Body, Carrier, Kind};
+use crate::geometry::turned;
 use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, dot, sub};
 use crate::{Nonlinear, Store};
@@ -50,6 +51,36 @@ impl Nonlinear for Coincident {
             rotations.clone().for_each(|j| (first..=j).for_each(|k| pair(j, k)));
         }
     }
+
+    /// `[I, d(R_a s_a), -I, -d(R_b s_b)]`.
+    #[inline]
+    fn value_and_jacobian(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
+        self.value(u, c);
+        let (a, b) = u.split_at(self.a.dofs());
+        for (axis, row) in g.chunks_exact_mut(u.len()).enumerate() {
+            let (of_a, of_b) = row.split_at_mut(a.len());
+            self.a.slope(a, unit(axis, 1.0), of_a);
+            self.b.slope(b, unit(axis, -1.0), of_b);
+        }
+    }
+
+    #[inline]
+    fn hessian(&self, u: &[f64], w: &[f64], h: &mut [f64]) {
+        let (a, b) = u.split_at(self.a.dofs());
+        let (of_a, of_b) = h.split_at_mut(triangle(self.a.kind));
+        self.a.curvature(a, [w[0], w[1], w[2]], of_a);
+        self.b.curvature(b, [-w[0], -w[1], -w[2]], of_b);
+    }
+}
+
+/// Entries of the lower triangle of the rotations.
+fn triangle(kind: Kind) -> usize {
+    kind.rotations() * (kind.rotations() + 1) / 2
+}
+
+/// A vector along an axis.
+fn unit(axis: usize, size: f64) -> Vector<f64> {
+    std::array::from_fn(|k| if k == axis { size } else { 0.0 })
 }
 
 /// Two directions at a constant angle.
@@ -68,6 +99,46 @@ impl Nonlinear for Angle {
         let (a, b) = u.split_at(self.a.rotations());
         c[0] = dot(self.a.turn(a, self.s), self.b.turn(b, self.t)) - S::from(self.cosine);
     }
+
+    #[inline]
+    fn value_and_jacobian(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
+        let (a, b) = u.split_at(self.a.rotations());
+        let (s, t) = (self.a.turn(a, self.s), self.b.turn(b, self.t));
+        c[0] = dot(s, t) - self.cosine;
+        let (of_a, of_b) = g.split_at_mut(a.len());
+        turned::gradient(self.a, a, self.s, t, of_a);
+        turned::gradient(self.b, b, self.t, s, of_b);
+    }
+
+    /// Each body as if the other stood still, and `d(R_a s)^T d(R_b t)`.
+    #[inline]
+    fn hessian(&self, u: &[f64], w: &[f64], h: &mut [f64]) {
+        let (a, b) = u.split_at(self.a.rotations());
+        let push = |v: Vector<f64>| v.map(|x| w[0] * x);
+        let (of_a, mut rest) = h.split_at_mut(triangle(self.a));
+        turned::hessian(self.a, a, self.s, push(self.b.turn(b, self.t)), of_a);
+        let mut of_b = [0.0; 10];
+        turned::hessian(self.b, b, self.t, push(self.a.turn(a, self.s)), &mut of_b[..triangle(self.b)]);
+        let (slopes_a, slopes_b) = (slopes(self.a, a, self.s), slopes(self.b, b, self.t));
+        for j in 0..b.len() {
+            let own;
+            (own, rest) = rest.split_at_mut(a.len() + j + 1);
+            (0..a.len()).for_each(|k| own[k] = w[0] * (0..3).map(|i| slopes_a[i][k] * slopes_b[i][j]).sum::<f64>());
+            own[a.len()..].copy_from_slice(&of_b[triangle_before(j)..=triangle_before(j) + j]);
+        }
+    }
+}
+
+/// Where row j of a lower triangle starts.
+fn triangle_before(j: usize) -> usize {
+    j * (j + 1) / 2
+}
+
+/// `d(R s)`, 3 x rotations.
+fn slopes(kind: Kind, u: &[f64], s: Vector<f64>) -> [[f64; 4]; 3] {
+    let mut slopes = [[0.0; 4]; 3];
+    slopes.iter_mut().enumerate().for_each(|(axis, row)| turned::gradient(kind, u, s, unit(axis, 1.0), row));
+    slopes
 }
 
 /// A point at a constant height above another, zero in the reference configuration.
