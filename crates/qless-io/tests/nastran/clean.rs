@@ -131,3 +131,14 @@ fn what_cannot_be_cleaned_is_said() {
     let warm = format!("{GRIDS}RBE2,1,1,123,2,1.-5\nRBE2,2,1,123,2,1.-5\n");
     assert!(refused(&warm).contains("cannot be replaced by equations"), "{}", refused(&warm));
 }
+
+#[test]
+fn a_selection_stands_after_cend_wherever_that_is() {
+    let files = [("exec.inc", "SOL 101\nCEND\n")];
+    let text = format!("INCLUDE 'exec.inc'\nSPC=2\nBEGIN BULK\n{GRIDS}RBE2,7,1,123,2\nSPC1,2,3,2\n");
+    let after = cleaned(&text, &files);
+    assert!(
+        after.contains("changed\nSOL 101\nCEND\n$ qless: selects the equations written below\nMPC = 1\nSPC=2\n"),
+        "{after}"
+    );
+}

@@ -47,8 +47,7 @@ pub(super) struct Content {
 /// Reads all lines of a deck.
 pub(super) fn read(sources: &mut Sources) -> Result<Content, DeckError> {
     let section = first_section(&sources.text(0));
-    let control = (section != Section::Bulk).then(Control::default);
-    let content = Content { landmarks: Landmarks::default(), bulk: Bulk::default(), control };
+    let content = Content { landmarks: Landmarks::default(), bulk: Bulk::default(), control: None };
     let mut reader = Reader { content, section, card: Card::default(), passing: true, follows_read: false };
     walk(sources, &mut reader)?;
     reader.finish_card(sources)?;
@@ -136,7 +135,7 @@ impl Reader {
     fn end_executive(&mut self, line: &Line) {
         self.section = Section::Control;
         self.content.control.get_or_insert_default();
-        self.content.landmarks.control.get_or_insert((line.file, line.number + 1));
+        self.content.landmarks.control = Some((line.file, line.number + 1));
     }
 
     /// `BEGIN BULK`, or the part of a superelement.
