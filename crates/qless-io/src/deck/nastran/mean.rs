@@ -203,6 +203,30 @@ mod tests {
         assert_eq!(others.filter(|term| slaves.iter().any(|slave| slave.0 == term.0)).count(), 0);
     }
 
+    /// Node 1 and 2 on either side of node 9, `L` away.
+    struct Beam(f64);
+
+    impl Poses for Beam {
+        fn pose(&self, node: u32) -> Result<Pose, Problem> {
+            let x = [(1, self.0), (2, -self.0)].into_iter().find_map(|(id, x)| (id == node).then_some(x));
+            Ok(Pose { position: [x.unwrap_or(0.0), 0.0, 0.0], axes: BASIC_AXES })
+        }
+    }
+
+    /// With `S = 2 (L^2 + L^2)` a rotation counts a quarter, in any unit of length; a deflection `L / S`.
+    #[test]
+    fn rotations_weigh_the_same_in_every_unit_of_length() {
+        for size in [1.0, 1000.0] {
+            let rows = mean("6", &[(3.0, "123456", &[1, 2])]).rows(&Beam(size)).expect("a row");
+            let expected = [(9, 6, 1.0), (1, 2, -0.25 / size), (1, 6, -0.25), (2, 2, 0.25 / size), (2, 6, -0.25)];
+            assert_eq!(rows[0].terms.len(), expected.len());
+            for (&(dof, value), (node, component, wanted)) in rows[0].terms.iter().zip(expected) {
+                assert_eq!(dof, Dof { node, component });
+                assert!((value - wanted).abs() < 1e-15, "{dof}: {value} for {wanted}");
+            }
+        }
+    }
+
     #[test]
     fn one_point_determines_no_rotation() {
         let undetermined = CardFault::MeanUndetermined { node: 9, component: 6 };

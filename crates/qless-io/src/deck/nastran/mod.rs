@@ -31,6 +31,7 @@ mod build;
 mod bulk;
 mod card;
 mod cases;
+mod content;
 mod control;
 mod coordinates;
 mod dense;

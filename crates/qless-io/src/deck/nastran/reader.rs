@@ -2,7 +2,8 @@
 
 use super::bulk::{Bulk, is_read};
 use super::card::{Card, Refused};
-use super::control::{Control, keyword};
+use super::content::{Content, Landmarks};
+use super::control::keyword;
 use super::fields::continues;
 use super::lines::{Include, Line, Visitor, walk};
 use crate::deck::{DeckError, Problem, Sources};
@@ -18,30 +19,6 @@ enum Section {
     Bulk,
     /// Bulk data of a part that this reader does not follow.
     Passed,
-}
-
-/// A file and a line of it, from 1.
-pub(super) type At = (u32, u32);
-
-/// Where the parts of a deck begin, for those who change it.
-#[derive(Debug, Default)]
-pub(super) struct Landmarks {
-    /// The first line of case control.
-    pub control: Option<At>,
-    /// The line after `BEGIN BULK`.
-    pub bulk: Option<At>,
-    /// `ENDDATA`.
-    pub end: Option<At>,
-    pub includes: Vec<Include>,
-}
-
-/// What a deck says.
-#[derive(Debug)]
-pub(super) struct Content {
-    pub landmarks: Landmarks,
-    pub bulk: Bulk,
-    /// None where the deck is bulk data alone.
-    pub control: Option<Control>,
 }
 
 /// Reads all lines of a deck.
