@@ -4,11 +4,13 @@
 //! | --- | --- | --- |
 //! | `.inp` | CalculiX, Abaqus | `calculix` |
 //! | `.bdf`, `.dat`, `.nas` | Nastran | `nastran` |
+//! | `.cdb` | ANSYS | `ansys` |
 //!
 //! A reader turns the bytes of a deck and of the files that it includes into a [`Model`], which knows the card and the line of
 //! every equation; [`Model::system`] gives `C u = b` for a load case. [`clean`] decides what must
 //! change so that a solver takes it.
 
+mod ansys;
 mod calculix;
 pub mod clean;
 mod columns;
@@ -32,6 +34,8 @@ use crate::ReadError;
 pub enum Format {
     /// CalculiX and Abaqus, `.inp`.
     Calculix,
+    /// ANSYS archives, `.cdb`.
+    Ansys,
     /// Nastran, `.bdf`, `.dat`, `.nas`.
     Nastran,
 }
@@ -42,6 +46,7 @@ impl Format {
         let ending = path.extension()?.to_str()?.to_ascii_lowercase();
         match ending.as_str() {
             "inp" => Some(Self::Calculix),
+            "cdb" => Some(Self::Ansys),
             "bdf" | "dat" | "nas" => Some(Self::Nastran),
             _ => None,
         }
@@ -88,6 +93,7 @@ pub fn parse(format: Format, path: &Path, bytes: Vec<u8>, open: Open) -> Result<
     let mut sources = Sources::new(path, bytes, open);
     let model = match format {
         Format::Calculix => calculix::read(&mut sources)?,
+        Format::Ansys => ansys::read(&mut sources)?,
         Format::Nastran => nastran::read(&mut sources)?,
     };
     Ok(Deck { format, model, texts: sources.into_texts() })

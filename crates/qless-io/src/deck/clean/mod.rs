@@ -19,7 +19,7 @@ use std::path::PathBuf;
 
 use qless::{AnalysisError, SystemError};
 
-use super::{Deck, DeckError, Format, calculix, nastran};
+use super::{Deck, DeckError, Format, ansys, calculix, nastran};
 
 /// Why a deck cannot be cleaned.
 #[derive(Debug, thiserror::Error)]
@@ -82,5 +82,6 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     match deck.format {
         Format::Calculix => calculix::write(deck, plan),
         Format::Nastran => nastran::write(deck, plan),
+        Format::Ansys => ansys::write(deck, plan),
     }
 }

@@ -1,0 +1,139 @@
+//! `CP`: nodes of a set have the same value in one DOF, `u_j - u_1 = 0` for every node j but the first.
+//!
+//! ```text
+//! CP, NSET, Lab, NODE1, NODE2, ... NODE17
+//! CP, R5.0, nodes, NSET, Lab, NODE1, ... NODE7
+//! ```
+
+use std::collections::BTreeMap;
+
+use rustc_hash::FxHashSet;
+
+use super::command::Command;
+use super::field::{Fault, component, expected, is_nothing, range, signed_node, whole};
+use super::numbering::numbered;
+use crate::deck::{Dof, Problem};
+
+/// One coupled set.
+#[derive(Debug, Default)]
+pub struct Coupled {
+    component: u8,
+    nodes: Vec<u32>,
+    known: FxHashSet<u32>,
+    /// Where it begins.
+    pub line: u32,
+    /// Where its last node stands.
+    pub last_line: u32,
+    promised: Option<usize>,
+    given: usize,
+}
+
+/// The coupled sets of a deck by their number.
+#[derive(Debug, Default)]
+pub struct CoupledSets {
+    pub sets: BTreeMap<u32, Coupled>,
+    /// What should be said about the command read last.
+    pub remark: Option<String>,
+}
+
+impl CoupledSets {
+    /// `CP` in either spelling; returns the number of the set, none if the command is left out.
+    pub fn read(&mut self, command: &Command) -> Result<Option<u32>, Fault> {
+        if command.is(1, "R5.0") {
+            return self.archive(command).map(Some);
+        }
+        if command.is(2, "ALL") {
+            let text = "CP couples all DOFs that the elements have, which this reader does not know: left out";
+            self.remark = Some(text.to_owned());
+            return Ok(None);
+        }
+        if let Some(word) = named(command, 3) {
+            self.remark = Some(format!("CP couples the nodes {word}, which this reader does not follow: left out"));
+            return Ok(None);
+        }
+        let number = numbered(command, 1, &self.sets)?;
+        self.open(command, number, 2)?.add(command, 3)?;
+        Ok(Some(number))
+    }
+
+    /// `CPDELE, NSET1, NSET2, NINC`.
+    pub fn delete(&mut self, command: &Command) -> Result<(), Fault> {
+        if command.is(1, "ALL") {
+            self.sets.clear();
+            return Ok(());
+        }
+        let first =
+            whole(command.field(1)).ok_or_else(|| expected(command, 1, "the number of a coupled set or ALL"))?;
+        let (first, last, step) = range(command, first, 2)?;
+        self.sets.retain(|&number, _| number < first || number > last || !(number - first).is_multiple_of(step));
+        Ok(())
+    }
+
+    /// The first set with fewer nodes than its archive promises.
+    pub fn incomplete(&self) -> Option<(u32, u32, Problem)> {
+        self.sets.iter().find_map(|(&number, set)| {
+            let promised = set.promised.filter(|&promised| promised > set.given)?;
+            Some((number, set.line, Problem::TooFew { what: "nodes", promised, found: set.given }))
+        })
+    }
+
+    /// Every line repeats the head and adds nodes until all are there.
+    fn archive(&mut self, command: &Command) -> Result<u32, Fault> {
+        let promised = whole(command.field(2)).ok_or_else(|| expected(command, 2, "the number of nodes"))? as usize;
+        let number = whole(command.field(3)).ok_or_else(|| expected(command, 3, "the number of the coupled set"))?;
+        let set = self.open(command, number, 4)?;
+        set.promised = Some(promised);
+        set.add(command, 5)?;
+        if set.given > promised {
+            return Err(expected(command, 2, "as many nodes as promised"));
+        }
+        Ok(number)
+    }
+
+    /// The set of this number, with the label in field `at`, which may be left out where the set is known.
+    fn open(&mut self, command: &Command, number: u32, at: usize) -> Result<&mut Coupled, Fault> {
+        let known = self.sets.contains_key(&number);
+        let component = if known && command.field(at).is_empty() { None } else { Some(component(command, at)?) };
+        let set = self.sets.entry(number).or_insert_with(|| Coupled { line: command.line, ..Coupled::default() });
+        set.last_line = command.line;
+        set.component = component.unwrap_or(set.component);
+        Ok(set)
+    }
+}
+
+impl Coupled {
+    /// The equations of the set; the DOF that the first node keeps is the last term of each.
+    pub fn equations(&self) -> impl Iterator<Item = [(Dof, f64); 2]> + '_ {
+        let dof = |node: u32| Dof { node, component: self.component };
+        let first = self.nodes.first().copied().unwrap_or_default();
+        self.nodes.iter().skip(1).map(move |&node| [(dof(node), 1.0), (dof(first), -1.0)])
+    }
+
+    fn add(&mut self, command: &Command, from: usize) -> Result<(), Fault> {
+        for at in (from..=command.fields.len()).filter(|&at| !is_nothing(command, at)) {
+            let (node, takes_away) = signed_node(command, at)?;
+            if takes_away {
+                self.take_away(node);
+                continue;
+            }
+            self.given += 1;
+            if self.known.insert(node) {
+                self.nodes.push(node);
+            }
+        }
+        Ok(())
+    }
+
+    fn take_away(&mut self, node: u32) {
+        if self.known.remove(&node) {
+            self.nodes.retain(|&known| known != node);
+        }
+    }
+}
+
+/// A word where a node should stand: `ALL`, `P` or the name of a component.
+fn named(command: &Command, at: usize) -> Option<String> {
+    let text = command.field(at);
+    let starts = text.first().is_some_and(u8::is_ascii_alphabetic);
+    starts.then(|| String::from_utf8_lossy(&text[..text.len().min(32)]).into_owned())
+}

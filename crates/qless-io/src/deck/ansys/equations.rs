@@ -1,0 +1,166 @@
+//! `CE`: `CONST = sum of C_i U_i`, as commands that add terms and as an archive writes it.
+//!
+//! ```text
+//! CE, NEQN, CONST, NODE1, Lab1, C1, NODE2, Lab2, C2, NODE3, Lab3, C3
+//! CE, R5.0, DEFI, terms, NEQN, CONST
+//! CE, R5.0, NODE, NODE1, Lab1, C1, NODE2, Lab2, C2
+//! ```
+
+use std::collections::BTreeMap;
+
+use super::command::Command;
+use super::field::{Fault, component, expected, is_nothing, range, real, signed_node, whole};
+use super::numbering::numbered;
+use crate::deck::{Dof, Problem};
+use crate::number;
+
+/// One equation.
+#[derive(Debug, Default)]
+pub struct Equation {
+    /// DOFs and coefficients, none of them zero.
+    pub terms: Vec<(Dof, f64)>,
+    /// The right-hand side.
+    pub constant: f64,
+    /// Where it begins.
+    pub line: u32,
+    /// Where its last term stands.
+    pub last_line: u32,
+    /// Terms that an archive promises, and those it has given.
+    promised: Option<usize>,
+    given: usize,
+}
+
+/// The equations of a deck by their number.
+#[derive(Debug, Default)]
+pub struct Equations {
+    pub sets: BTreeMap<u32, Equation>,
+    /// The number of the archive's equation that is being defined.
+    open: u32,
+    /// What should be said about the command read last.
+    pub remark: Option<String>,
+}
+
+impl Equations {
+    /// `CE` in either spelling; returns the equation's number.
+    pub fn read(&mut self, command: &Command) -> Result<u32, Fault> {
+        if !command.is(1, "R5.0") {
+            return self.command(command);
+        }
+        match command.field(2).to_ascii_uppercase().as_slice() {
+            b"DEFI" => self.define(command),
+            b"NODE" => self.nodes(command),
+            _ => Err(expected(command, 2, "DEFI or NODE")),
+        }
+    }
+
+    /// `CECMOD, NEQN, CONST`: another constant.
+    pub fn change_constant(&mut self, command: &Command) -> Result<u32, Fault> {
+        let number = whole(command.field(1)).ok_or_else(|| expected(command, 1, "the number of an equation"))?;
+        let constant = real(command, 2)?;
+        match self.sets.get_mut(&number) {
+            Some(equation) => equation.constant = constant,
+            None => self.remark = Some(format!("CECMOD changes CE {number}, which is not defined: left out")),
+        }
+        Ok(number)
+    }
+
+    /// `CEDELE, NEQN1, NEQN2, NINC`.
+    pub fn delete(&mut self, command: &Command) -> Result<(), Fault> {
+        if command.is(1, "ALL") {
+            self.sets.clear();
+            return Ok(());
+        }
+        let first = whole(command.field(1)).ok_or_else(|| expected(command, 1, "the number of an equation or ALL"))?;
+        let (first, last, step) = range(command, first, 2)?;
+        self.sets.retain(|&number, _| number < first || number > last || !(number - first).is_multiple_of(step));
+        Ok(())
+    }
+
+    /// The first equation with another number of terms than its archive promises.
+    pub fn incomplete(&self) -> Option<(u32, u32, Problem)> {
+        self.sets.iter().find_map(|(&number, equation)| {
+            let promised = equation.promised.filter(|&promised| promised > equation.given)?;
+            Some((number, equation.line, Problem::TooFew { what: "terms", promised, found: equation.given }))
+        })
+    }
+
+    fn command(&mut self, command: &Command) -> Result<u32, Fault> {
+        let number = numbered(command, 1, &self.sets)?;
+        let is_new = !self.sets.contains_key(&number);
+        let constant = if command.field(2).is_empty() { None } else { Some(real(command, 2)?) };
+        let equation = self.sets.entry(number).or_default();
+        if is_new {
+            equation.line = command.line;
+        }
+        equation.last_line = command.line;
+        if let Some(constant) = constant {
+            if !is_new && constant != equation.constant && !is_nothing(command, 3) {
+                let before = equation.constant;
+                self.remark = Some(format!("the constant of CE {number} was {before} and becomes {constant}"));
+            }
+            equation.constant = constant;
+        }
+        let rest = command.fields.iter().skip(11).position(|field| !field.is_empty());
+        if let Some(beyond) = rest {
+            return Err(expected(command, beyond + 12, "no more than 3 terms in a command (repeat it to add terms)"));
+        }
+        for at in [3, 6, 9] {
+            equation.term(command, at)?;
+        }
+        Ok(number)
+    }
+
+    fn define(&mut self, command: &Command) -> Result<u32, Fault> {
+        let promised = number::whole(command.field(3)).ok_or_else(|| expected(command, 3, "the number of terms"))?;
+        let number = whole(command.field(4)).ok_or_else(|| expected(command, 4, "the number of the equation"))?;
+        let constant = real(command, 5)?;
+        let (line, last_line) = (command.line, command.line);
+        let equation = Equation { constant, line, last_line, promised: Some(promised), ..Equation::default() };
+        if self.sets.insert(number, equation).is_some() {
+            self.remark = Some(format!("CE {number} is defined again: the later definition counts"));
+        }
+        self.open = number;
+        Ok(number)
+    }
+
+    fn nodes(&mut self, command: &Command) -> Result<u32, Fault> {
+        let Some(equation) = self.sets.get_mut(&self.open) else {
+            return Err(expected(command, 2, "DEFI, which begins an equation, before NODE"));
+        };
+        equation.last_line = command.line;
+        for at in (3..=command.fields.len()).step_by(3) {
+            let before = equation.given;
+            equation.term(command, at)?;
+            if equation.given > before && equation.promised.is_some_and(|promised| equation.given > promised) {
+                return Err(expected(command, at, "no more terms than DEFI promises"));
+            }
+        }
+        Ok(self.open)
+    }
+}
+
+impl Equation {
+    /// The term `node, label, coefficient` from field `at` on. Zero coefficients make none; a negative node takes its term away.
+    fn term(&mut self, command: &Command, at: usize) -> Result<(), Fault> {
+        if is_nothing(command, at) && command.field(at + 1).is_empty() && is_zero(command, at + 2) {
+            return Ok(());
+        }
+        let (node, takes_away) = signed_node(command, at)?;
+        let dof = Dof { node, component: component(command, at + 1)? };
+        let coefficient = real(command, at + 2)?;
+        if takes_away {
+            self.terms.retain(|(known, _)| *known != dof);
+            return Ok(());
+        }
+        self.given += 1;
+        if coefficient != 0.0 {
+            self.terms.push((dof, coefficient));
+        }
+        Ok(())
+    }
+}
+
+/// Whether field `at` is empty or a zero; a malformed one is not.
+fn is_zero(command: &Command, at: usize) -> bool {
+    real(command, at).is_ok_and(|value| value == 0.0)
+}

@@ -1,0 +1,169 @@
+//! What is prescribed and loaded, in the order of the deck, and the load cases that come of it.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use super::nodes::Nodes;
+use crate::deck::{Dof, Load, LoadCase, Model, Origin, Prescribed, Problem};
+
+/// Values that ranges, groups and `ALL` stand for at most, over all load cases.
+const VALUES: usize = 20_000_000;
+
+/// Which nodes a command means.
+#[derive(Clone, Debug)]
+pub enum Which {
+    /// First, last and step.
+    Range(u32, u32, u32),
+    /// Every node.
+    All,
+    /// Those of a named group.
+    Group(String),
+}
+
+/// Which components of them; all if there are none.
+pub type Components = Vec<u8>;
+
+/// What a command does.
+#[derive(Clone, Debug)]
+pub enum Action {
+    /// `D`: a value that replaces an earlier one.
+    Prescribe(f64),
+    /// `DDELE`.
+    Release,
+    /// `F`.
+    Load,
+    /// `FDELE`.
+    Unload,
+    /// `SOLVE` or `LSWRITE`: a load case.
+    Solve,
+}
+
+/// One command.
+#[derive(Clone, Debug)]
+pub struct Event {
+    pub action: Action,
+    pub which: Which,
+    pub components: Components,
+    pub origin: Origin,
+}
+
+/// The load cases: one for each `SOLVE`, and one of what follows the last.
+pub fn cases(events: &[Event], nodes: &Nodes, model: &mut Model) -> Result<(), (Origin, Problem)> {
+    let mut replay = Replay::new(nodes, model);
+    for event in events {
+        replay.event(event).map_err(|problem| (event.origin, problem))?;
+    }
+    let open = !matches!(events.last(), Some(Event { action: Action::Solve, .. }));
+    if open {
+        replay.solve();
+    }
+    model.cases = replay.cases;
+    Ok(())
+}
+
+struct Replay<'a> {
+    groups: &'a Nodes,
+    /// Numbers of all nodes, ascending.
+    nodes: Vec<u32>,
+    /// Components that occur in equations, ascending.
+    components: Vec<u8>,
+    prescribed: BTreeMap<Dof, Prescribed>,
+    loads: BTreeMap<Dof, Load>,
+    cases: Vec<LoadCase>,
+    left: usize,
+}
+
+impl<'a> Replay<'a> {
+    fn new(groups: &'a Nodes, model: &Model) -> Self {
+        let in_equations = model.dofs.iter().map(|dof| dof.node);
+        let mut nodes: Vec<u32> = groups.numbers.iter().copied().chain(in_equations).collect();
+        let mut components: Vec<u8> = model.dofs.iter().map(|dof| dof.component).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        components.sort_unstable();
+        components.dedup();
+        let (prescribed, loads) = (BTreeMap::new(), BTreeMap::new());
+        Self { groups, nodes, components, prescribed, loads, cases: Vec::new(), left: VALUES }
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), Problem> {
+        if matches!(event.action, Action::Solve) {
+            self.spend(self.prescribed.len() + self.loads.len() + 1)?;
+            self.solve();
+            return Ok(());
+        }
+        let components = if event.components.is_empty() { self.components.clone() } else { event.components.clone() };
+        for (first, last, step) in self.ranges(&event.which) {
+            let nodes = self.members(first, last);
+            self.spend(nodes.len().saturating_mul(components.len() + 1))?;
+            for at in nodes {
+                let node = self.nodes[at];
+                if (node - first).is_multiple_of(step) {
+                    self.node(event, node, &components);
+                }
+            }
+            // A node that neither the deck nor an equation knows matters to nobody but the one who named it.
+            if first == last && self.nodes.binary_search(&first).is_err() {
+                self.node(event, first, &components);
+            }
+        }
+        Ok(())
+    }
+
+    fn ranges(&self, which: &Which) -> Vec<(u32, u32, u32)> {
+        match which {
+            Which::Range(first, last, step) => vec![(*first, *last, *step)],
+            Which::All => vec![(1, u32::MAX, 1)],
+            Which::Group(name) => {
+                let ranges = self.groups.groups.get(name).map_or(&[][..], Vec::as_slice);
+                ranges.iter().map(|&(first, last)| (first, last, 1)).collect()
+            }
+        }
+    }
+
+    /// Places of the nodes between two numbers.
+    fn members(&self, first: u32, last: u32) -> Range<usize> {
+        self.nodes.partition_point(|&node| node < first)..self.nodes.partition_point(|&node| node <= last)
+    }
+
+    fn spend(&mut self, values: usize) -> Result<(), Problem> {
+        let limit =
+            Problem::Limit { what: "the number of values", limit: VALUES, advice: "name fewer nodes at a time" };
+        self.left = self.left.checked_sub(values).ok_or(limit)?;
+        Ok(())
+    }
+
+    fn node(&mut self, event: &Event, node: u32, components: &[u8]) {
+        let origin = event.origin;
+        let dofs = components.iter().map(|&component| Dof { node, component });
+        match event.action {
+            Action::Prescribe(value) => {
+                self.prescribed.extend(dofs.map(|dof| (dof, Prescribed { dof, value, origin })));
+            }
+            Action::Load => self.loads.extend(dofs.map(|dof| (dof, Load { dof, origin }))),
+            Action::Release => take(&mut self.prescribed, event, node, components),
+            Action::Unload => take(&mut self.loads, event, node, components),
+            Action::Solve => {}
+        }
+    }
+
+    fn solve(&mut self) {
+        self.cases.push(LoadCase {
+            name: format!("load step {}", self.cases.len() + 1),
+            prescribed: self.prescribed.values().copied().collect(),
+            loads: self.loads.values().copied().collect(),
+            ..LoadCase::default()
+        });
+    }
+}
+
+/// Takes away what is said of components of a node, or all of it.
+fn take<T>(said: &mut BTreeMap<Dof, T>, event: &Event, node: u32, components: &[u8]) {
+    let dofs: Vec<Dof> = match event.components.as_slice() {
+        [] => said.range(Dof { node, component: 0 }..=Dof { node, component: u8::MAX }).map(|(dof, _)| *dof).collect(),
+        _ => components.iter().map(|&component| Dof { node, component }).collect(),
+    };
+    for dof in dofs {
+        said.remove(&dof);
+    }
+}

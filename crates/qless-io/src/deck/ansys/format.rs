@@ -1,0 +1,98 @@
+//! Fortran formats of blocks, such as `(3i9,6e21.13e3)`: how wide each field of a line is.
+
+/// Fields of a line at most.
+const FIELDS: usize = 100;
+/// Characters of a field at most.
+const WIDTH: usize = 1000;
+
+/// The widths of the whole numbers of a line, which come first, and of the floats after them.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Format {
+    integers: Vec<usize>,
+    floats: Vec<usize>,
+}
+
+impl Format {
+    /// Reads a format; `None` for what is no list of whole numbers and then floats.
+    pub fn parse(text: &[u8]) -> Option<Self> {
+        let text = text.trim_ascii().strip_prefix(b"(")?.strip_suffix(b")")?;
+        let mut format = Self::default();
+        for item in text.split(|&byte| byte == b',') {
+            format.add(&item.trim_ascii().to_ascii_lowercase())?;
+        }
+        (!format.integers.is_empty()).then_some(format)
+    }
+
+    /// The whole numbers of a line; those beyond its end are left out.
+    pub fn integers<'a>(&'a self, line: &'a [u8]) -> impl Iterator<Item = &'a [u8]> + 'a {
+        fields(&self.integers, 0, line)
+    }
+
+    /// The floats of a line; those beyond its end are left out.
+    pub fn floats<'a>(&'a self, line: &'a [u8]) -> impl Iterator<Item = &'a [u8]> + 'a {
+        fields(&self.floats, self.integers.iter().sum(), line)
+    }
+
+    /// `3i9` or `6e21.13e3`.
+    fn add(&mut self, item: &[u8]) -> Option<()> {
+        let at = item.iter().position(u8::is_ascii_alphabetic)?;
+        let repeat = if at == 0 { 1 } else { number(&item[..at])? };
+        let rest = &item[at + 1..];
+        let end = rest.iter().position(|byte| !byte.is_ascii_digit()).unwrap_or(rest.len());
+        let width = number(&rest[..end]).filter(|width| (1..=WIDTH).contains(width))?;
+        let widths = match item[at] {
+            b'i' if self.floats.is_empty() => &mut self.integers,
+            b'e' | b'f' | b'g' | b'd' => &mut self.floats,
+            _ => return None,
+        };
+        let room = FIELDS.checked_sub(widths.len()).filter(|&room| repeat <= room);
+        room.map(|_| widths.extend(std::iter::repeat_n(width, repeat)))
+    }
+}
+
+fn number(digits: &[u8]) -> Option<usize> {
+    crate::number::whole(digits)
+}
+
+fn fields<'a>(widths: &'a [usize], from: usize, line: &'a [u8]) -> impl Iterator<Item = &'a [u8]> + 'a {
+    let mut start = from;
+    widths.iter().map_while(move |width| {
+        let rest = line.get(start..).filter(|rest| !rest.is_empty())?;
+        start += width;
+        Some(rest[..rest.len().min(*width)].trim_ascii())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fields_by_their_width() {
+        let format = Format::parse(b" (1i3,2I2,3e6.1e3) ").expect("a format");
+        let line = b"  1 2 3 -1.5  2.0E";
+        assert_eq!(format.integers(line).collect::<Vec<_>>(), [b"1", b"2", b"3"]);
+        assert_eq!(format.floats(line).collect::<Vec<_>>(), [&b"-1.5"[..], b"2.0E"]);
+        assert_eq!(format.integers(b"  1").count(), 1);
+        assert_eq!(format.floats(b"").count(), 0);
+    }
+
+    #[test]
+    fn what_is_no_format() {
+        for text in [
+            "",
+            "3i9",
+            "()",
+            "(e20.3)",
+            "(i9,e9.3,i9)",
+            "(3x9)",
+            "(i)",
+            "(i0)",
+            "(i99999)",
+            "(101i9)",
+            "(99999999999999999999i9)",
+        ] {
+            assert_eq!(Format::parse(text.as_bytes()), None, "{text}");
+        }
+    }
+}

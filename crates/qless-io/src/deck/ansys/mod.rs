@@ -1,0 +1,27 @@
+//! ANSYS archives and plain decks, `.cdb`: `CE` equations, `CP` coupled sets, `D` values.
+//!
+//! `CONST = sum of C_i U_i` in either spelling of `CE`. Values that `D` gives later replace earlier ones. Components 1 to 6 are UX,
+//! UY, UZ, ROTX, ROTY, ROTZ; 7 WARP, 8 PRES, 9 VOLT, 10 MAG, 11 TEMP, and so on (`label`). All of them are along the axes of
+//! their node. Fields are counted from 1 after the name of the command.
+//!
+//! Lines that begin with a number are data of blocks; only those of `NBLOCK` and of `CMBLOCK` of nodes are read.
+
+mod command;
+mod coupled;
+mod elements;
+mod equations;
+mod events;
+mod field;
+mod format;
+mod known;
+mod label;
+mod model;
+mod nodes;
+mod numbering;
+mod prescribed;
+mod reader;
+mod text;
+mod write;
+
+pub(super) use model::read;
+pub(super) use write::write;

@@ -1,0 +1,95 @@
+//! What the commands say as a model: equations by their number, then coupled sets, and the load cases.
+
+use super::events::cases;
+use super::reader::{Owner, Reader};
+use crate::deck::{DeckError, Model, Origin, Problem, Sources};
+
+/// Reads a deck.
+///
+/// # Errors
+/// [`DeckError`].
+pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
+    let mut reader = Reader::read(sources.path(0), &sources.text(0))?;
+    fill(&mut reader)?;
+    Ok(reader.model)
+}
+
+/// Fills the model of a reader and says what each of its equations comes from.
+pub fn fill(reader: &mut Reader) -> Result<Vec<Owner>, DeckError> {
+    check_complete(reader)?;
+    let owners = push_equations(reader);
+    let Reader { model, nodes, events, .. } = reader;
+    cases(events, nodes, model).map_err(|(origin, problem)| model.error(origin, None, problem))?;
+    check_nodes(reader)?;
+    warn_of_rotated(reader);
+    Ok(owners)
+}
+
+fn check_complete(reader: &Reader) -> Result<(), DeckError> {
+    let equation = reader.equations.incomplete().map(|(number, line, problem)| (format!("CE {number}"), line, problem));
+    let set = || reader.coupled.incomplete().map(|(number, line, problem)| (format!("CP {number}"), line, problem));
+    let Some((card, line, problem)) = equation.or_else(set) else { return Ok(()) };
+    Err(DeckError { path: reader.model.files[0].clone(), line: line as usize, card, field: None, problem })
+}
+
+fn push_equations(reader: &mut Reader) -> Vec<Owner> {
+    let model = &mut reader.model;
+    let mut owners = Vec::new();
+    let origin = |model: &mut Model, name: String, line: u32, last: u32| {
+        let card = model.card(name, 0, line);
+        Origin { card, line, lines: last.saturating_sub(line) + 1 }
+    };
+    for (&number, equation) in &reader.equations.sets {
+        if equation.terms.is_empty() && equation.constant == 0.0 {
+            model.warn(0, equation.line, format!("CE {number} has no terms: left out"));
+            continue;
+        }
+        let origin = origin(model, format!("CE {number}"), equation.line, equation.last_line);
+        model.push(equation.terms.iter().copied(), equation.constant, origin);
+        owners.push(Owner::Equation(number));
+    }
+    for (&number, set) in &reader.coupled.sets {
+        let origin = origin(model, format!("CP {number}"), set.line, set.last_line);
+        for equation in set.equations() {
+            model.push(equation, 0.0, origin);
+            owners.push(Owner::Coupled(number));
+        }
+    }
+    owners
+}
+
+/// A node that no command defines: the first equation that names it is at fault.
+fn check_nodes(reader: &Reader) -> Result<(), DeckError> {
+    let (model, nodes) = (&reader.model, &reader.nodes);
+    if nodes.numbers.is_empty() || nodes.are_generated {
+        return Ok(());
+    }
+    let mut defined = nodes.numbers.clone();
+    defined.sort_unstable();
+    let is_undefined = |node: u32| defined.binary_search(&node).is_err();
+    if !model.dofs.iter().any(|dof| is_undefined(dof.node)) {
+        return Ok(());
+    }
+    for i in 0..model.equations() {
+        let equation = model.equation(i);
+        let mut names = equation.columns.iter().map(|&j| model.dofs[j as usize].node);
+        if let Some(node) = names.find(|&node| is_undefined(node)) {
+            let problem = Problem::Undefined { what: "node", name: node.to_string() };
+            return Err(model.error(equation.origin, None, problem));
+        }
+    }
+    Ok(())
+}
+
+/// Components are along the axes of their node; said where these are not those of the model.
+fn warn_of_rotated(reader: &mut Reader) {
+    let mut rotated = std::mem::take(&mut reader.nodes.rotated);
+    rotated.sort_unstable();
+    rotated.dedup();
+    let model = &mut reader.model;
+    let constrained = model.dofs.iter().find(|dof| rotated.binary_search(&dof.node).is_ok());
+    if let Some(dof) = constrained {
+        let node = dof.node;
+        model.warn(0, 0, format!("nodes with rotated axes, such as {node}, are constrained along these axes"));
+    }
+}

@@ -1,0 +1,118 @@
+//! `D`, `DDELE`, `F` and `FDELE`: which DOFs of which nodes, and what value.
+//!
+//! ```text
+//! D,     NODE, Lab, VALUE, VALUE2, NEND, NINC, Lab2, ... Lab6
+//! DDELE, NODE, Lab, NEND, NINC
+//! F,     NODE, Lab, VALUE, VALUE2, NEND, NINC
+//! FDELE, NODE, Lab, NEND, NINC
+//! ```
+
+use super::command::Command;
+use super::events::{Action, Components, Which};
+use super::field::{Fault, component, expected, range, real, whole};
+use super::label;
+use super::nodes::{Nodes, name};
+
+/// What such a command does, or why it is left out.
+pub enum Reading {
+    /// To these nodes and components.
+    Does(Action, Which, Components),
+    /// The same, with something to be said about it.
+    Roughly(Action, Which, Components, String),
+    /// Nothing that this reader can follow.
+    LeftOut(String),
+}
+
+/// Which nodes and DOFs are selected, as far as it matters.
+#[derive(Clone, Copy, Debug)]
+pub struct Selection {
+    /// Whether all nodes are.
+    pub nodes: bool,
+    /// Whether all DOFs are.
+    pub dofs: bool,
+}
+
+/// `D`.
+pub fn prescribe(command: &Command, nodes: &Nodes, selection: Selection) -> Result<Reading, Fault> {
+    if label::is_rate(command.field(2)) {
+        return Ok(Reading::LeftOut(format!("{} prescribes a velocity or an acceleration", said(command))));
+    }
+    let which = match which(command, 5, nodes, selection)? {
+        Ok(which) => which,
+        Err(why) => return Ok(Reading::LeftOut(why)),
+    };
+    let components = match components(command, &[2, 7, 8, 9, 10, 11], selection)? {
+        Ok(components) => components,
+        Err(why) => return Ok(Reading::LeftOut(why)),
+    };
+    if command.field(3).starts_with(b"%") {
+        let text =
+            format!("{} takes its value from a table: it counts as 0, so contradictions are not seen", said(command));
+        return Ok(Reading::Roughly(Action::Prescribe(0.0), which, components, text));
+    }
+    let action = Action::Prescribe(real(command, 3)?);
+    if real(command, 4)? != 0.0 {
+        let text = format!("the imaginary part of {} is not looked at", said(command));
+        return Ok(Reading::Roughly(action, which, components, text));
+    }
+    Ok(Reading::Does(action, which, components))
+}
+
+/// `DDELE`.
+pub fn release(command: &Command, nodes: &Nodes, selection: Selection) -> Result<Reading, Fault> {
+    if label::is_rate(command.field(2)) {
+        return Ok(Reading::LeftOut(format!("{} deletes a velocity or an acceleration", said(command))));
+    }
+    let which = match which(command, 3, nodes, selection)? {
+        Ok(which) => which,
+        Err(why) => return Ok(Reading::LeftOut(why)),
+    };
+    Ok(match components(command, &[2], selection)? {
+        Ok(components) => Reading::Does(Action::Release, which, components),
+        Err(why) => Reading::LeftOut(why),
+    })
+}
+
+/// `F` and `FDELE`; other loads than those on a DOF do not matter here.
+pub fn load(command: &Command, nodes: &Nodes, selection: Selection, adds: bool) -> Result<Option<Reading>, Fault> {
+    let Ok(which) = which(command, if adds { 5 } else { 3 }, nodes, selection)? else { return Ok(None) };
+    let all = !adds && command.is(2, "ALL");
+    let component = label::loaded(command.field(2));
+    if component.is_none() && !all {
+        return Ok(None);
+    }
+    let action = if adds { Action::Load } else { Action::Unload };
+    Ok(Some(Reading::Does(action, which, component.into_iter().collect())))
+}
+
+/// The nodes of field 1, to field `end` in steps of the next one; or why they are not known.
+fn which(command: &Command, end: usize, nodes: &Nodes, selection: Selection) -> Result<Result<Which, String>, Fault> {
+    let field = command.field(1);
+    if let Some(first) = whole(field) {
+        return range(command, first, end).map(|(first, last, step)| Ok(Which::Range(first, last, step)));
+    }
+    let group = name(field);
+    Ok(match group.as_str() {
+        "ALL" if selection.nodes => Ok(Which::All),
+        "ALL" => Err(format!("{} names the selected nodes, and selections are not followed", said(command))),
+        "P" => Err(format!("{} names nodes that are picked by hand", said(command))),
+        _ if nodes.groups.contains_key(&group) => Ok(Which::Group(group)),
+        _ => return Err(expected(command, 1, "the number of a node, ALL, or a component that CMBLOCK defines")),
+    })
+}
+
+/// The components of the labels in these fields, none for `ALL`; or why they are not known.
+fn components(command: &Command, at: &[usize], selection: Selection) -> Result<Result<Components, String>, Fault> {
+    if at.iter().any(|&at| command.is(at, "ALL")) {
+        let why = || format!("{} names the selected labels, and selections are not followed", said(command));
+        return Ok(if selection.dofs { Ok(Vec::new()) } else { Err(why()) });
+    }
+    let given = at.iter().enumerate().filter(|&(k, &at)| k == 0 || !command.field(at).is_empty());
+    given.map(|(_, &at)| component(command, at)).collect::<Result<Vec<u8>, Fault>>().map(Ok)
+}
+
+/// `D,5,UX`: the command as warnings name it.
+fn said(command: &Command) -> String {
+    let text = |at: usize| String::from_utf8_lossy(&command.field(at)[..command.field(at).len().min(32)]).into_owned();
+    format!("{},{},{}", command.title(), text(1), text(2))
+}

@@ -1,0 +1,115 @@
+//! A deck with other equations: the commands of old ones make way for comments, new ones stand below the last of them.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use rustc_hash::FxHashMap;
+
+use super::command::{Line, parse};
+use super::model::fill;
+use super::reader::{Owner, Reader};
+use super::text::{comment, equations};
+use crate::deck::clean::{CleanError, Edits, Plan, Reason, Removed};
+use crate::deck::{Deck, Model};
+
+/// The main file with the plan carried out.
+pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
+    let text = deck.texts[0].as_slice();
+    let mut reader = Reader::read(&deck.model.files[0], text)?;
+    let owners = fill(&mut reader)?;
+    let place = |line: u32, why: &'static str| CleanError::Place {
+        path: deck.model.files[0].clone(),
+        line: line as usize,
+        why,
+    };
+    let last = reader.places.last().map_or(1, |place| place.line);
+    if let Some(solved) = reader.solved_at.filter(|&solved| solved <= last) {
+        return Err(place(solved, "equations change after this load step; make a deck for each load step"));
+    }
+    let highest = reader.equations.sets.last_key_value().map_or(0, |(&number, _)| number);
+    let new = equations(plan, highest, reader.is_archive);
+    let new = new.ok_or_else(|| place(last, "no numbers are left for new equations; number the equations from 1"))?;
+    let result = edited(text, &reader, &comments(&deck.model, plan, &owners), new);
+    if !says(&result, &reader, deck, plan) {
+        return Err(place(last, "equations numbered by HIGH or NEXT are among those that change; write their numbers"));
+    }
+    Ok(result)
+}
+
+/// What is said in the place of each equation and set that goes.
+fn comments(model: &Model, plan: &Plan, owners: &[Owner]) -> FxHashMap<Owner, String> {
+    let mut chosen: FxHashMap<Owner, &Removed> = FxHashMap::default();
+    for removed in &plan.removed {
+        let before = chosen.entry(owners[removed.equation]).or_insert(removed);
+        if matches!(before.reason, Reason::Redundant(_)) {
+            *before = removed;
+        }
+    }
+    chosen.into_iter().map(|(owner, removed)| (owner, comment(model, removed))).collect()
+}
+
+fn edited(text: &[u8], reader: &Reader, comments: &FxHashMap<Owner, String>, new: String) -> Vec<u8> {
+    let mut lines: BTreeMap<u32, (String, Vec<Range<usize>>)> = BTreeMap::new();
+    let mut left = comments.clone();
+    for place in reader.places.iter().filter(|place| comments.contains_key(&place.of)) {
+        let (said, gone) = lines.entry(place.line).or_default();
+        said.push_str(&left.remove(&place.of).unwrap_or_default());
+        gone.push(place.range.clone());
+    }
+    let mut edits = Edits::default();
+    for (line, (said, gone)) in lines {
+        edits.replace(line, 1, [said.as_bytes(), &rest(text, line, &gone)].concat());
+    }
+    if let Some(last) = reader.places.last().filter(|_| !new.is_empty()) {
+        edits.replace(last.line.saturating_add(1), 0, new.into_bytes());
+    }
+    edits.apply(text)
+}
+
+/// The line without the commands that go; empty if there are no others.
+fn rest(text: &[u8], line: u32, gone: &[Range<usize>]) -> Vec<u8> {
+    let Some(first) = gone.first() else { return Vec::new() };
+    let start = memchr::memrchr(b'\n', &text[..first.start]).map_or(0, |end| end + 1);
+    let end = memchr::memchr(b'\n', &text[start..]).map_or(text.len(), |end| start + end);
+    let Line::Commands(commands) = parse(&text[start..end], start, line) else { return Vec::new() };
+    let kept: Vec<&[u8]> =
+        commands.iter().map(|c| c.range.clone()).filter(|c| !gone.contains(c)).map(|c| &text[c]).collect();
+    if kept.is_empty() {
+        return Vec::new();
+    }
+    let after = commands.last().map_or(end, |command| command.range.end);
+    let comment = memchr::memchr(b'!', &text[after..end]).map_or(&b""[..], |at| &text[after + at..end]);
+    [&kept.join(&b" $ "[..]), &b" "[..], comment].concat().trim_ascii_end().iter().copied().chain([b'\n']).collect()
+}
+
+/// Whether the new text, read again, has the equations that are kept and the new ones, and nothing else.
+fn says(text: &[u8], before: &Reader, deck: &Deck, plan: &Plan) -> bool {
+    let Ok(mut after) = Reader::read(&deck.model.files[0], text) else { return false };
+    if fill(&mut after).is_err() {
+        return false;
+    }
+    let model = &before.model;
+    let removed = |i: &usize| plan.removed.binary_search_by_key(i, |removed| removed.equation).is_ok();
+    let mut expected: Vec<_> = (0..model.equations()).filter(|i| !removed(i)).map(|i| terms(model, i)).collect();
+    expected.extend(plan.written.iter().map(|written| {
+        let first = std::iter::once((written.slave, 1.0));
+        (first.chain(written.terms.iter().copied()).map(bits).collect(), (written.rhs + 0.0).to_bits())
+    }));
+    let mut found: Vec<_> = (0..after.model.equations()).map(|i| terms(&after.model, i)).collect();
+    expected.sort_unstable();
+    found.sort_unstable();
+    expected == found
+}
+
+type Bits = (crate::deck::Dof, u64);
+
+fn bits((dof, value): (crate::deck::Dof, f64)) -> Bits {
+    (dof, value.to_bits())
+}
+
+fn terms(model: &Model, i: usize) -> (Vec<Bits>, u64) {
+    let equation = model.equation(i);
+    let terms = equation.columns.iter().map(|&j| model.dofs[j as usize]).zip(equation.coefficients.iter().copied());
+    // A zero has no sign here.
+    (terms.map(bits).collect(), (equation.rhs + 0.0).to_bits())
+}

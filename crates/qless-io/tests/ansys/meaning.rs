@@ -1,0 +1,129 @@
+//! What the commands mean.
+
+use crate::parse::{deck, equations, prescribed, warnings};
+
+#[test]
+fn equations_as_commands() {
+    // The manual's own example of a command: 0 = UY(3) - UY(1) - 10 ROTZ(2).
+    let model = deck("CE,1,0,3,UY,1,1,UY,-1,2,ROTZ,-10\nce,next,2.5,4,ux,1.0D0 $ CE,HIGH,,5,Temp,-2 ! more\n");
+    assert_eq!(equations(&model), ["3:2 1, 1:2 -1, 2:6 -10 = 0", "4:1 1, 5:11 -2 = 2.5"]);
+    assert_eq!((model.model.label(0), model.model.label(1)), ("line 1 CE 1 3:2".into(), "line 2 CE 2 4:1".into()));
+    assert!(warnings(&model).is_empty());
+}
+
+#[test]
+fn commands_change_equations() {
+    let terms = "CE,7,1,1,UX,1,2,UX,0,3,UX,2\nCE,7,,-3,UX\nCE,7,,4,UX,-1\n";
+    assert_eq!(equations(&deck(terms)), ["1:1 1, 4:1 -1 = 1"]);
+    assert_eq!(equations(&deck(&format!("{terms}CE,7,3\n"))), ["1:1 1, 4:1 -1 = 3"]);
+    assert_eq!(equations(&deck(&format!("{terms}CECMOD,7,4\n"))), ["1:1 1, 4:1 -1 = 4"]);
+    let more = "CE,8,,1,UY,1\nCE,9,,1,UZ,1\nCE,10,,2,UZ,1\n";
+    assert_eq!(equations(&deck(&format!("{terms}{more}CEDELE,7,9,2\n"))), ["1:2 1 = 0", "2:3 1 = 0"]);
+    assert!(equations(&deck(&format!("{terms}{more}CEDELE,ALL\n"))).is_empty());
+}
+
+#[test]
+fn equations_of_an_archive() {
+    let text = "CE,R5.0,DEFI,       3,       1,  0.50000000    \n\
+                CE,R5.0,NODE,      1700,UX  ,  1.00000000    ,      1700,UZ  , -1.00000000    \n\
+                CE,R5.0,NODE,         9,ROTY,  0.25000000    ,         0,    ,  0.00000000    \n\
+                CE,R5.0,DEFI,       1,       2,  0.00000000    \n\
+                CE,R5.0,NODE,      1700,UX  ,  1.00000000    \n\
+                CECMOD,      1,  0.75000000    \n";
+    let deck = deck(text);
+    assert_eq!(equations(&deck), ["1700:1 1, 1700:3 -1, 9:5 0.25 = 0.75", "1700:1 1 = 0"]);
+    assert_eq!((deck.model.equation(0).origin.line, deck.model.equation(0).origin.lines), (1, 3));
+}
+
+#[test]
+fn coupled_sets() {
+    let text = "CP,1,UX,5,3,-5,9\nCP,HIGH,,11\nCP,NEXT,TEMP,1,2\nCP,9,UY,1,2\nCPDELE,9\n";
+    assert_eq!(equations(&deck(text)), ["9:1 1, 3:1 -1 = 0", "11:1 1, 3:1 -1 = 0", "2:11 1, 1:11 -1 = 0"]);
+    let archive = "CP,R5.0,       3,       4,ROTZ,         1,         2\nCP,R5.0,       3,       4,ROTZ,         7\n";
+    assert_eq!(equations(&deck(archive)), ["2:6 1, 1:6 -1 = 0", "7:6 1, 1:6 -1 = 0"]);
+}
+
+#[test]
+fn values_of_nodes() {
+    let values = |text: &str| prescribed(&deck(text), 0);
+    assert_eq!(values("D,5,UX\nD, 6,ROTZ,  0.7853    ,  0.0\n"), ["5:1 0", "6:6 0.7853"]);
+    // The last one counts.
+    assert_eq!(values("D,5,UX,1 $ D,5,UX,2\n"), ["5:1 2"]);
+    assert_eq!(values("D,5,UX,3,,,,UY,TEMP\nDDELE,5,UY\n"), ["5:1 3", "5:11 3"]);
+    let nodes = "N,1\nN,2\nN,3\nN,4\nN,5\n";
+    assert_eq!(values(&format!("{nodes}D,1,UX,3,,5,2\nDDELE,3,ALL\n")), ["1:1 3", "5:1 3"]);
+    let equation = "CE,1,0,1,UX,1,2,UZ,1\n";
+    assert_eq!(values(&format!("{nodes}{equation}D,2,ALL\nD,ALL,UY,1\n"))[..3], ["1:2 1", "2:1 0", "2:2 1"]);
+    let group = "CMBLOCK,ENDS,NODE,       3 ! two ends\n(8i10)\n         1         3        -4\n";
+    assert_eq!(values(&format!("{nodes}{group}D,ends,UX\n")), ["1:1 0", "3:1 0", "4:1 0"]);
+}
+
+#[test]
+fn load_steps() {
+    let deck = deck("CE,1,0,1,UX,1,2,UX,1\nD,1,UX,1\nF,2,FX,10\nSOLVE\nDDELE,1,UX\nD,2,UX,2\nFDELE,2,ALL\nsolve\n");
+    let names: Vec<&str> = deck.model.cases.iter().map(|case| case.name.as_str()).collect();
+    assert_eq!(names, ["load step 1", "load step 2"]);
+    assert_eq!((prescribed(&deck, 0), prescribed(&deck, 1)), (vec!["1:1 1".into()], vec!["2:1 2".to_owned()]));
+    assert_eq!((deck.model.cases[0].loads.len(), deck.model.cases[1].loads.len()), (1, 0));
+}
+
+#[test]
+fn blocks_of_nodes() {
+    let text = "/PREP7\nNBLOCK,6,SOLID,         7,         3\n(3i9,6e20.13)\n\
+        \u{20}       1        0        0-1.0000000000000E+00 1.0000000000000E+00\n\
+        \u{20}       2        0        0\n\
+        \u{20}       7        0        0 0.0000000000000E+00 0.0000000000000E+00 0.0000000000000E+00 4.5000000000000E+01\n\
+        N,R5.3,LOC,       -1,\n\
+        EBLOCK,19,SOLID,         1,         1\n(19i9)\n        1        1        1\n       -1\n";
+    let good = deck(&format!("{text}CE,1,0,1,UX,1,7,UX,1\n"));
+    assert_eq!(warnings(&good), ["0: nodes with rotated axes, such as 7, are constrained along these axes"]);
+    let error = crate::parse::try_deck(&format!("{text}CE,1,0,1,UX,1,3,UX,1\n")).expect_err("no node 3").to_string();
+    assert_eq!(error, "deck.cdb:12: CE 1: node 3 is not defined; define it or correct the name");
+}
+
+#[test]
+fn what_is_not_understood_is_named() {
+    for (text, warning) in [
+        ("CERIG,1,2,ALL\n", "1: CERIG constrains, but is not understood: left out"),
+        ("cerig,1,2\n", "1: CERIG constrains, but is not understood: left out"),
+        ("RBE3,1,ALL,2\n", "1: RBE3 constrains"),
+        ("DSYM,SYMM,X\n", "1: DSYM constrains"),
+        ("/INPUT,more,inp\n", "1: /INPUT is not followed"),
+        ("mymacro,1\n", "1: MYMACRO is not known to this reader"),
+        ("CE,1,0,1,UX,1\n*REPEAT,4,1\n", "2: *REPEAT is not followed"),
+        ("*IF,A,EQ,1,THEN\nCE,1,0,1,UX,1\n*ENDIF\n", "2: CE stands inside *IF, *DO or *CREATE"),
+        ("*DO,I,1,3\nD,I,UX\n*ENDDO\n", "2: D stands inside"),
+        ("NSEL,S,LOC,X,0\nD,ALL,UX\n", "2: D,ALL,UX names the selected nodes"),
+        ("D,1,VELX,1\n", "1: D,1,VELX prescribes a velocity or an acceleration: left out"),
+        ("D,1,UX,%TAB%\n", "1: D,1,UX takes its value from a table"),
+        ("D,1,UX,0,1\n", "1: the imaginary part of D,1,UX is not looked at"),
+        ("ET,1,MPC184\n", "1: MPC184 elements constrain"),
+        ("ET,3,174\nKEYOP,3,2,2\n", "2: contact elements with KEYOPT(2) = 2"),
+        ("CP,1,ALL,1,2\n", "1: CP couples all DOFs"),
+        ("CP,1,UX,ALL\n", "1: CP couples the nodes ALL"),
+        ("CE,1,1,1,UX,1\nCE,1,2,2,UX,1\n", "2: the constant of CE 1 was 1 and becomes 2"),
+        ("CECMOD,4,1\n", "1: CECMOD changes CE 4, which is not defined"),
+        ("SOLVE\nCE,1,1,1,UX,1\n", "2: equations change between load steps"),
+        ("CE,3,0\n", "1: CE 3 has no terms: left out"),
+    ] {
+        let found = warnings(&deck(text));
+        assert!(found.len() == 1 && found[0].starts_with(warning), "{text:?}: {found:?}");
+    }
+}
+
+#[test]
+fn what_an_archive_holds_besides_is_no_matter() {
+    let text = "/COM,ANSYS RELEASE 15.0 $ CERIG,1,2\n/PREP7\n/NOPR\n/TITLE,it's CERIG ! 1\nANTYPE, 0\nNLGEOM, 1\n\
+        *IF,_CDRDOFF,EQ,1,THEN     !if solid model was read in\n_CDRDOFF=             !reset\n*ELSE\nNUMOFF,NODE,  9\n*ENDIF\n\
+        *SET,_BUTTON ,  1.000000000000\nDOF,DELETE\nET,       1,185\nKEYOP,       1, 6,        1\n\
+        TB,HYPE,       1,   1,   3,POLY\nTBDATA,1,-8.05E-001\nMPTEMP,R5.0, 1, 1,  0.0\nBFCUM   ,VELO,REPLACE\n/GO\nFINISH\n";
+    let deck = deck(text);
+    assert_eq!(warnings(&deck), Vec::<String>::new());
+    assert_eq!((deck.model.equations(), deck.model.cases.len()), (0, 1));
+}
+
+#[test]
+fn nothing_after_the_end() {
+    assert!(equations(&deck("/EOF\nCE,1,0,1,UX,1\n")).is_empty());
+    assert_eq!(equations(&deck("\u{feff}CE,1,0,1,UX,1\r\n/eof $ CE,2,0,1,UX,1")), ["1:1 1 = 0"]);
+}
