@@ -142,3 +142,13 @@ fn a_selection_stands_after_cend_wherever_that_is() {
         "{after}"
     );
 }
+
+/// A translation follows a rotation on an arm of 2e6 units of length: a large coefficient, but no vanishing slave.
+#[test]
+fn long_arms_are_no_fault() {
+    for arm in ["2.+6", "3.+9"] {
+        let text = format!("GRID,1\nGRID,2,,{arm}\nRBE2,7,1,123456,2\nRBE3,8,,3,123456,1.,123456,2\nGRID,3,,,1.\n");
+        assert_eq!(cleaned(&text, &[]), text);
+        cleaned(&format!("{text}RBE2,9,2,123456,1\n"), &[]);
+    }
+}
