@@ -25,7 +25,7 @@ enum Section {
 pub(super) fn read(sources: &mut Sources) -> Result<Content, DeckError> {
     let section = first_section(&sources.text(0));
     let content = Content { landmarks: Landmarks::default(), bulk: Bulk::default(), control: None };
-    let mut reader = Reader { content, section, card: Card::default(), passing: true, follows_read: false };
+    let mut reader = Reader { content, section, card: Card::default(), passing: true, follows_read: None };
     walk(sources, &mut reader)?;
     reader.finish_card(sources)?;
     Ok(reader.content)
@@ -52,8 +52,8 @@ struct Reader {
     card: Card,
     /// Whether the lines are those of a card that is not read.
     passing: bool,
-    /// Whether the last card was read.
-    follows_read: bool,
+    /// Whether the last card was read; none before the first.
+    follows_read: Option<bool>,
 }
 
 impl Visitor for Reader {
@@ -119,7 +119,7 @@ impl Reader {
     fn begin(&mut self, rest: &[u8], line: &Line) {
         let text = String::from_utf8_lossy(rest).trim().to_ascii_uppercase();
         if text.is_empty() || text == "BULK" || text == "BULK SUPER=0" {
-            self.section = Section::Bulk;
+            (self.section, self.follows_read) = (Section::Bulk, None);
             self.content.landmarks.bulk.get_or_insert((line.file, line.number + 1));
             return;
         }
@@ -130,6 +130,9 @@ impl Reader {
 
     fn bulk(&mut self, line: &Line, sources: &Sources) -> Result<bool, DeckError> {
         if continues(line.text) {
+            if self.follows_read.is_none() {
+                return Err(error(line, "continuation", "a card before the line that continues it", sources));
+            }
             if !self.passing {
                 let taken = self.card.extend(line.text, line.file, line.number);
                 taken.map_err(|refused| self.error(refused, sources))?;
@@ -146,13 +149,20 @@ impl Reader {
             }
             name if name.starts_with(b"BEGIN") => self.begin(keyword(line.text).1, line),
             b"CEND" if self.content.control.is_none() => self.end_executive(line),
-            name if name.starts_with(b"=") && self.follows_read => return Err(replication(line, sources)),
+            name if name.starts_with(b"=") && self.follows_read == Some(true) => {
+                return Err(error(
+                    line,
+                    "=",
+                    "a card with all of its fields (copies by `=` are not understood)",
+                    sources,
+                ));
+            }
             name if is_read(name) => {
-                (self.passing, self.follows_read) = (false, true);
+                (self.passing, self.follows_read) = (false, Some(true));
                 let begun = self.card.begin(name, line.text, line.file, line.number);
                 begun.map_err(|refused| self.error(refused, sources))?;
             }
-            _ => self.follows_read = false,
+            _ => self.follows_read = Some(false),
         }
         Ok(true)
     }
@@ -171,12 +181,11 @@ impl Reader {
     }
 }
 
-/// `=` repeats the fields of the card before it.
-fn replication(line: &Line, sources: &Sources) -> DeckError {
-    let expected = "a card with all of its fields (copies by `=` are not understood)";
-    let problem = Problem::Expected { expected, found: quote(line.text) };
+/// Something else is expected than the line.
+fn error(line: &Line, card: &str, expected: &'static str, sources: &Sources) -> DeckError {
+    let problem = Problem::Expected { expected, found: quote(line.text.trim_ascii()) };
     let path = sources.path(line.file as usize).to_path_buf();
-    DeckError { path, line: line.number as usize, card: "=".into(), field: None, problem }
+    DeckError { path, line: line.number as usize, card: card.into(), field: None, problem }
 }
 
 /// The first field in capitals, without its `*`; empty if it is too long for a name.
