@@ -39,7 +39,7 @@ pub struct CoupledSets {
 impl CoupledSets {
     /// `CP` in either spelling; returns the number of the set, none if the command is left out.
     pub fn read(&mut self, command: &Command) -> Result<Option<u32>, Fault> {
-        if command.is(1, "R5.0") {
+        if command.archive_tag().is_some() {
             return self.archive(command).map(Some);
         }
         if command.is(2, "ALL") {

@@ -5,6 +5,8 @@
 //! CE, R5.0, DEFI, terms, NEQN, CONST
 //! CE, R5.0, NODE, NODE1, Lab1, C1, NODE2, Lab2, C2
 //! ```
+//!
+//! Later releases write `UNBL` for `R5.0`.
 
 use std::collections::BTreeMap;
 
@@ -43,7 +45,7 @@ pub struct Equations {
 impl Equations {
     /// `CE` in either spelling; returns the equation's number.
     pub fn read(&mut self, command: &Command) -> Result<u32, Fault> {
-        if !command.is(1, "R5.0") {
+        if command.archive_tag().is_none() {
             return self.command(command);
         }
         match command.field(2).to_ascii_uppercase().as_slice() {

@@ -79,9 +79,9 @@ impl Nodes {
         Ok(())
     }
 
-    /// `N, NODE, X, Y, Z, THXY, THYZ, THZX`, or a line of an archive: `N, R5.3, LOC, NODE, ...`.
+    /// `N, NODE, X, Y, Z, THXY, THYZ, THZX`, or a line of an archive: `N, R5.3, LOC, NODE, SOLID, PARM, X, Y, Z`.
     pub fn command(&mut self, command: &Command) -> Result<(), Fault> {
-        let archive = command.field(1).to_ascii_uppercase().starts_with(b"R5.");
+        let archive = command.archive_tag().is_some();
         let text = command.field(if archive { 3 } else { 1 });
         if archive && text.starts_with(b"-") {
             return Ok(());
@@ -94,7 +94,7 @@ impl Nodes {
         let node = whole(text).ok_or_else(|| expected(command, if archive { 3 } else { 1 }, "the number of a node"))?;
         self.numbers.push(node);
         let is_rotated = |at: usize| real(command, at).is_ok_and(|angle| angle != 0.0);
-        let angles = if archive && command.is(2, "ANG") { 4..7 } else { 5..8 };
+        let angles = if archive && command.is(2, "ANG") { 6..9 } else { 5..8 };
         if (!archive || command.is(2, "ANG")) && angles.into_iter().any(is_rotated) {
             self.rotated.push(node);
         }

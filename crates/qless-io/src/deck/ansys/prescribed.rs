@@ -32,6 +32,12 @@ pub struct Selection {
     pub dofs: bool,
 }
 
+impl Default for Selection {
+    fn default() -> Self {
+        Self { nodes: true, dofs: true }
+    }
+}
+
 /// `D`.
 pub fn prescribe(command: &Command, nodes: &Nodes, selection: Selection) -> Result<Reading, Fault> {
     if label::is_rate(command.field(2)) {

@@ -27,7 +27,7 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
         return Err(place(solved, "equations change after this load step; make a deck for each load step"));
     }
     let highest = reader.equations.sets.last_key_value().map_or(0, |(&number, _)| number);
-    let new = equations(plan, highest, reader.is_archive);
+    let new = equations(plan, highest, reader.archive);
     let new = new.ok_or_else(|| place(last, "no numbers are left for new equations; number the equations from 1"))?;
     let result = edited(text, &reader, &comments(&deck.model, plan, &owners), new);
     if !says(&result, &reader, deck, plan) {
