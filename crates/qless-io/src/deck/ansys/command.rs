@@ -85,9 +85,10 @@ pub fn parse(text: &[u8], start: usize, line: u32) -> Line<'_> {
     if WHOLE_LINE.contains(&&key(head)) {
         return Line::Commands(Command::new(text, start, line).into_iter().collect());
     }
-    let mut commands = Vec::new();
+    let end = memchr::memchr2(b'$', b'!', text);
+    let mut commands = Vec::with_capacity(1);
     let mut from = 0;
-    for end in ends(text) {
+    for end in end.map_or_else(|| vec![text.len()], |_| ends(text)) {
         commands.extend(Command::new(&text[from..end], start + from, line));
         from = end + 1;
     }

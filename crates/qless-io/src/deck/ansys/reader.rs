@@ -7,7 +7,7 @@ use super::command::{Command, Line, parse};
 use super::coupled::CoupledSets;
 use super::elements::Elements;
 use super::equations::Equations;
-use super::events::{Action, Event, Which};
+use super::events::{Action, Components, Event, Which};
 use super::field::Fault;
 use super::nodes::Nodes;
 use super::prescribed::{Reading, Selection, load, prescribe, release};
@@ -42,8 +42,8 @@ pub struct Reader {
     pub coupled: CoupledSets,
     pub nodes: Nodes,
     pub events: Vec<Event>,
-    /// Where equations and coupled sets are said, in order.
-    pub places: Vec<Place>,
+    /// Where equations and coupled sets are said, in order, for those who ask.
+    pub places: Option<Vec<Place>>,
     pub selection: Selection,
     pub elements: Elements,
     /// How deep in `*IF`, `*DO` and `*CREATE`.
@@ -62,20 +62,29 @@ pub struct Reader {
 impl Reader {
     /// Reads the text of a deck.
     pub fn read(path: &Path, text: &[u8]) -> Result<Self, DeckError> {
-        let mut reader = Self { model: Model::new(vec![path.to_path_buf()]), ..Self::default() };
+        Self { model: Model::new(vec![path.to_path_buf()]), ..Self::default() }.lines(text)
+    }
+
+    /// The same, with the places of equations and coupled sets.
+    pub fn with_places(path: &Path, text: &[u8]) -> Result<Self, DeckError> {
+        let model = Model::new(vec![path.to_path_buf()]);
+        Self { model, places: Some(Vec::new()), ..Self::default() }.lines(text)
+    }
+
+    fn lines(mut self, text: &[u8]) -> Result<Self, DeckError> {
         let mut start = if text.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
         let mut line = 0;
-        while start < text.len() && !reader.ended {
+        while start < text.len() && !self.ended {
             let end = memchr::memchr(b'\n', &text[start..]).map_or(text.len(), |end| start + end);
             line += 1;
-            reader.line(&text[start..end], start, line)?;
+            self.line(&text[start..end], start, line)?;
             start = end + 1;
         }
-        if reader.unread.unsaid > 0 {
-            let text = format!("and {} more warnings", reader.unread.unsaid);
-            reader.model.warn(0, 0, text);
+        if self.unread.unsaid > 0 {
+            let text = format!("and {} more warnings", self.unread.unsaid);
+            self.model.warn(0, 0, text);
         }
-        Ok(reader)
+        Ok(self)
     }
 
     fn line(&mut self, text: &[u8], start: usize, line: u32) -> Result<(), DeckError> {
@@ -126,7 +135,7 @@ impl Reader {
             }
             b"SOLV" | b"LSWR" => {
                 self.solved_at = self.solved_at.or(Some(command.line));
-                self.push(command, Action::Solve, Which::All, Vec::new());
+                self.push(command, Action::Solve, Which::All, Components::default());
             }
             b"NBLO" => {
                 self.archive = self.archive.or(Some("R5.0"));
@@ -147,7 +156,9 @@ impl Reader {
             b"CEDE" => self.equations.delete(command).map(|()| Owner::Other)?,
             _ => self.coupled.delete(command).map(|()| Owner::Other)?,
         };
-        self.places.push(Place { range: command.range.clone(), line: command.line, of });
+        if let Some(places) = &mut self.places {
+            places.push(Place { range: command.range.clone(), line: command.line, of });
+        }
         let remark = self.equations.remark.take().or(self.coupled.remark.take());
         remark.into_iter().for_each(|text| self.warn(command.line, text));
         if self.solved_at.is_some() {
@@ -168,7 +179,7 @@ impl Reader {
         }
     }
 
-    fn push(&mut self, command: &Command, action: Action, which: Which, components: Vec<u8>) {
+    fn push(&mut self, command: &Command, action: Action, which: Which, components: Components) {
         let name = match action {
             Action::Prescribe(_) => "D",
             Action::Release => "DDELE",
