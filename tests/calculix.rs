@@ -4,7 +4,9 @@
 
 mod calculix {
     pub mod behaviour;
+    pub mod cleaning;
     pub mod cube;
+    pub mod geometric;
     pub mod periodic;
     pub mod plain;
     pub mod solver;

@@ -3,8 +3,8 @@
 //! | ending | format | module |
 //! | --- | --- | --- |
 //! | `.inp` | CalculiX, Abaqus | `calculix` |
+//! | `.bdf`, `.dat`, `.nas` | Nastran | `nastran` |
 //! | `.cdb` | ANSYS | `ansys` |
-//! | `.bdf`, `.dat`, `.nas` | Nastran | [`nastran`] |
 //!
 //! A reader turns the bytes of a deck and of the files that it includes into a [`Model`], which knows the card and the line of
 //! every equation; [`Model::system`] gives `C u = b` for a load case. [`clean`] decides what must
@@ -16,7 +16,7 @@ pub mod clean;
 mod columns;
 mod error;
 mod model;
-pub mod nastran;
+mod nastran;
 mod source;
 
 use std::path::Path;
@@ -24,6 +24,7 @@ use std::sync::Arc;
 
 pub use error::{DeckError, Problem};
 pub use model::{Card, Dof, Equation, Load, LoadCase, Model, Origin, Prescribed, Warning};
+pub use nastran::CardFault;
 pub use source::{Open, Sources};
 
 use crate::ReadError;

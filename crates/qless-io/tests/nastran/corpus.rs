@@ -6,8 +6,11 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use qless::{ConstraintSystem, Kind, Options, SystemBuilder, analyse};
+use qless_io::deck::clean::{faults, plan, write};
 use qless_io::deck::{self, LoadCase, Model};
 use qless_io::read_case;
+
+use super::clean::{assert_same_space, clean};
 
 /// The number or word after `"key": ` in an `expected.json`.
 fn known<'a>(expected: &'a str, key: &str) -> Option<&'a str> {
@@ -49,7 +52,7 @@ fn rank(systems: &[&ConstraintSystem]) -> usize {
 fn prescribed(system: &ConstraintSystem) -> BTreeMap<String, f64> {
     let occurs = |j: usize| (0..system.equations()).any(|i| system.matrix().row(i).any(|(column, _)| column == j));
     let given = system.prescribed().iter().filter(|&&(j, _)| occurs(j));
-    given.map(|&(j, value)| (system.dof_label(j).to_string(), value)).collect()
+    given.map(|&(j, value)| (system.dof_label(j), value)).collect()
 }
 
 /// What differs between the deck and the reference, if anything.
@@ -83,39 +86,55 @@ fn difference(case: &Path, expected: &str, model: &Model, load_case: &LoadCase) 
     ))
 }
 
-#[test]
-fn decks_span_what_their_references_span() {
+/// The folders of Nastran cases with their `expected.json` and deck.
+fn cases() -> Vec<(PathBuf, String, PathBuf)> {
     let Some(root) = std::env::var_os("QLESS_CORPUS") else {
         eprintln!("QLESS_CORPUS is not set: the corpus is not there, nothing to run");
-        return;
+        return Vec::new();
     };
-    let mut wrong = Vec::new();
-    let mut cases: Vec<PathBuf> =
-        std::fs::read_dir(Path::new(&root).join("cases")).expect("cases").flatten().map(|entry| entry.path()).collect();
-    cases.sort();
-    for case in
-        cases.iter().filter(|case| case.file_name().is_some_and(|name| name.to_string_lossy().starts_with("nas_")))
-    {
-        let name = case.file_name().unwrap_or_default().to_string_lossy();
+    let entries = std::fs::read_dir(Path::new(&root).join("cases")).expect("cases").flatten();
+    let is_nastran = |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("nas_"));
+    let mut folders: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(is_nastran).collect();
+    folders.sort();
+    let with_deck = |case: PathBuf| {
         let expected = std::fs::read_to_string(case.join("expected.json")).expect("expected.json");
-        let Some(path) = deck_of(case, &expected) else {
-            println!("{name:<28} no deck");
-            continue;
-        };
+        deck_of(&case, &expected).map(|deck| (case, expected, deck))
+    };
+    folders.into_iter().filter_map(with_deck).collect()
+}
+
+fn name(case: &Path) -> String {
+    case.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+#[test]
+fn decks_span_what_their_references_span() {
+    let mut wrong = Vec::new();
+    for (case, expected, path) in cases() {
         let start = Instant::now();
         let outcome = deck::read(&path).map_err(|error| error.to_string()).and_then(|deck| {
             let seconds = start.elapsed().as_secs_f64();
             deck.model.warnings.iter().for_each(|warning| println!("    line {}: {}", warning.line, warning.text));
-            difference(case, &expected, &deck.model, &deck.model.cases[0])
-                .map(|text| format!("{text}; read in {seconds:.4} s"))
+            let text = difference(&case, &expected, &deck.model, &deck.model.cases[0])?;
+            Ok(format!("{text}; read in {seconds:.4} s"))
         });
-        match outcome {
-            Ok(text) => println!("{name:<28} {text}"),
-            Err(text) => {
-                println!("{name:<28} WRONG {text}");
-                wrong.push(format!("{name}: {text}"));
-            }
-        }
+        println!("{:<28} {}", name(&case), outcome.as_ref().unwrap_or_else(|text| text));
+        wrong.extend(outcome.err().map(|text| format!("{}: {text}", name(&case))));
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn cleaned_decks_say_the_same_and_need_no_more() {
+    for (case, _, path) in cases() {
+        let deck = deck::read(&path).unwrap_or_else(|error| panic!("{error}"));
+        let plan = plan(&deck.model, &Options::default()).unwrap_or_else(|error| panic!("{}: {error}", name(&case)));
+        println!("{:<28} removed {} written {}", name(&case), plan.removed.len(), plan.written.len());
+        let text = write(&deck, &plan).unwrap_or_else(|error| panic!("{}: {error}", name(&case)));
+        let mut open = |path: &Path| std::fs::read(path);
+        let cleaned = deck::parse(deck.format, &path, text, &mut open).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(faults(&cleaned.model), [], "{}", name(&case));
+        assert_eq!(clean(&cleaned).as_bytes(), cleaned.texts[0].as_slice(), "{}", name(&case));
+        assert_same_space(&deck.model, &cleaned.model);
+    }
 }

@@ -1,4 +1,14 @@
 //! Nastran decks in, constraints out.
 
+/// Cleaned decks: independent, equivalent, and left alone the second time.
+mod clean;
 /// Real decks with known constraints, where they are at hand.
 mod corpus;
+/// Decks from text, and what was read as text.
+mod given;
+/// Every kind of fault and its message.
+mod malformed;
+/// Sets, subcases, supports, loads.
+mod selection;
+/// Spellings that are accepted.
+mod spellings;

@@ -5,11 +5,20 @@
 
 mod boundary;
 mod card;
+mod coupling;
 mod data;
 mod definitions;
 mod equation;
 mod fields;
+mod frames;
+mod geometric;
+mod mesh;
+mod mpc;
+mod project;
 mod reader;
+mod rigid;
+mod shape;
+mod tie;
 mod write;
 
 pub(super) use reader::read;

@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::card::{Card, walk};
+use super::coupling::{self, Coupling};
 use super::definitions::Definitions;
-use super::{boundary, equation};
+use super::{boundary, equation, mpc, rigid, tie};
 use crate::deck::{DeckError, Dof, Load, LoadCase, Model, Origin, Prescribed, Problem, Sources};
 
 /// Cards that constrain in ways that this reader does not follow.
@@ -50,6 +51,8 @@ struct Reader {
     clashes: Vec<Prescribed>,
     loads: Vec<Load>,
     removed: Vec<u32>,
+    /// The last `*COUPLING`, for the card that says of which kind it is.
+    coupling: Option<Coupling>,
     steps: usize,
     in_step: bool,
 }
@@ -65,6 +68,7 @@ impl Reader {
             clashes: Vec::new(),
             loads: Vec::new(),
             removed: Vec::new(),
+            coupling: None,
             steps: 0,
             in_step: false,
         }
@@ -78,6 +82,17 @@ impl Reader {
                 self.removed.dedup();
             }
             b"*EQUATION" => equation::read(card, &mut self.model, &self.definitions)?,
+            b"*MPC" => mpc::read(card, &mut self.model, &self.definitions)?,
+            b"*RIGIDBODY" => rigid::read(card, &mut self.model, &self.definitions)?,
+            b"*COUPLING" => self.coupling = Some(Coupling::of(card)),
+            b"*KINEMATIC" | b"*DISTRIBUTING" => {
+                if let Some(coupling) = &self.coupling {
+                    coupling::read(card, coupling, &mut self.model, &self.definitions)?;
+                }
+            }
+            b"*KINEMATICCOUPLING" => coupling::kinematic_coupling(card, &mut self.model, &self.definitions)?,
+            b"*DISTRIBUTINGCOUPLING" => coupling::distributing_coupling(card, &mut self.model, &self.definitions)?,
+            b"*TIE" => tie::read(card, &mut self.model, &self.definitions)?,
             b"*BOUNDARY" => self.boundary(card)?,
             b"*CLOAD" => self.load(card)?,
             b"*STEP" => (self.steps, self.in_step) = (self.steps + 1, true),

@@ -153,10 +153,15 @@ fn comment(model: &Model, removed: &Removed) -> String {
     match &removed.reason {
         Reason::Redundant(because) if because.is_empty() => format!("{what} removed: all of its DOFs are prescribed\n"),
         Reason::Redundant(because) => {
-            let terms: Vec<String> = because.iter().take(NAMED).map(|&(i, c)| format!("{c} * {}", line(i))).collect();
+            let term = |(k, &(i, c)): (usize, &(usize, f64))| match (k, c < 0.0) {
+                (0, _) => format!("{c} * {}", line(i)),
+                (_, false) => format!(" + {c} * {}", line(i)),
+                (_, true) => format!(" - {} * {}", -c, line(i)),
+            };
+            let terms: String = because.iter().take(NAMED).enumerate().map(term).collect();
             let more = because.len().saturating_sub(NAMED);
             let more = if more > 0 { format!(" + {more} more") } else { String::new() };
-            format!("{what} removed, redundant: it is {}{more}\n", terms.join(" + "))
+            format!("{what} removed, redundant: it is {terms}{more}\n")
         }
         Reason::Fault(fault) => format!("{what} written anew below: {}\n", fault.describe(model)),
         Reason::Connected => format!("{what} written anew below: it shares DOFs with others that are\n"),

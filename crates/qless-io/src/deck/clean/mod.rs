@@ -19,7 +19,7 @@ use std::path::PathBuf;
 
 use qless::{AnalysisError, SystemError};
 
-use super::{Deck, DeckError, Format, ansys, calculix};
+use super::{Deck, DeckError, Format, ansys, calculix, nastran};
 
 /// Why a deck cannot be cleaned.
 #[derive(Debug, thiserror::Error)]
@@ -81,10 +81,7 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     }
     match deck.format {
         Format::Calculix => calculix::write(deck, plan),
+        Format::Nastran => nastran::write(deck, plan),
         Format::Ansys => ansys::write(deck, plan),
-        Format::Nastran => {
-            let path = deck.model.files[0].clone();
-            Err(CleanError::Place { path, line: 1, why: "Nastran decks cannot be written yet" })
-        }
     }
 }

@@ -187,18 +187,20 @@ fn check(model: &Model, case: &LoadCase, common: &Common, options: &Options) -> 
     Ok(())
 }
 
-/// Cards that equations cannot stand in for must not be among those that go.
+/// Cards that equations cannot stand in for must not be among those that go; what is said first is what is wrong itself.
 fn check_removable(model: &Model, removed: &[Removed]) -> Result<(), CleanError> {
-    for Removed { equation, reason } in removed {
-        let origin = model.equation(*equation).origin;
-        if model.cards[origin.card as usize].is_fixed {
-            let why = match reason {
-                Reason::Redundant(_) => "it repeats what other such cards say".to_owned(),
-                Reason::Fault(fault) => fault.describe(model),
-                Reason::Connected => "an equation that shares DOFs with it has to be".to_owned(),
-            };
-            return Err(CleanError::Fixed { place: model.place(origin), why });
-        }
-    }
-    Ok(())
+    let card = |removed: &Removed| model.equation(removed.equation).origin.card as usize;
+    let weight = |reason: &Reason| match reason {
+        Reason::Fault(_) => 0,
+        Reason::Redundant(_) => 1,
+        Reason::Connected => 2,
+    };
+    let fixed = removed.iter().filter(|removed| model.cards[card(removed)].is_fixed);
+    let Some(first) = fixed.min_by_key(|removed| weight(&removed.reason)) else { return Ok(()) };
+    let why = match &first.reason {
+        Reason::Fault(fault) => fault.describe(model),
+        Reason::Redundant(_) => "it repeats what other such cards say".to_owned(),
+        Reason::Connected => "an equation that shares DOFs with it has to be".to_owned(),
+    };
+    Err(CleanError::Fixed { place: model.place(model.equation(first.equation).origin), why })
 }

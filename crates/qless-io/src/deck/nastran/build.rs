@@ -9,10 +9,11 @@ use super::fault::CardFault;
 use super::grid::Grid;
 use super::mpc::Term;
 use super::place::Place;
-use super::points::{Point, Points};
+use super::points::{Point, Points, limited};
 use super::reader::Content;
 use super::row::Row;
 use super::selected::{self, Sets};
+use super::warnings::brief;
 use crate::deck::{DeckError, Dof, Model, Origin, Problem, Sources};
 
 /// The model of a deck.
@@ -22,16 +23,17 @@ pub(super) fn model(mut content: Content, sources: &Sources) -> Result<Model, De
         model.warn(file, line, text);
     }
     let points = points(&mut content.bulk, &mut model)?;
-    let selections = match &content.control {
-        Some(control) => control.selections(),
-        None => selected::without_control(&content.bulk, &mut model),
-    };
+    let selections = selected::selections(&content, &mut model);
     let cases = selected::sets(selections, &content.bulk, &mut model)?;
     let sets_of = ties(&content.bulk, &points, &cases, &mut model)?;
+    let mut prescribed = 0;
     for (name, sets) in &cases {
         let case = cases::case(name, sets, &sets_of, &content.bulk, &points, &mut model)?;
+        prescribed += case.prescribed.len();
+        limited(prescribed).map_err(|problem| too_many(&model, problem))?;
         model.cases.push(case);
     }
+    model.warnings = brief(std::mem::take(&mut model.warnings));
     Ok(model)
 }
 
@@ -48,7 +50,7 @@ fn points(bulk: &mut Bulk, model: &mut Model) -> Result<Points, DeckError> {
 
 fn defined_twice(pair: &[Grid; 2], model: &mut Model) -> DeckError {
     let place = |grid: &Grid| Place { name: format!("GRID {}", grid.id), file: grid.file, line: grid.line, lines: 1 };
-    let other = place(&pair[0]).brief(model);
+    let other = place(&pair[0]).brief(model).into();
     let problem = CardFault::DefinedTwice { what: "grid point", id: pair[0].id, other };
     fail(&place(&pair[1]), problem.into(), model)
 }
@@ -57,6 +59,10 @@ fn defined_twice(pair: &[Grid; 2], model: &mut Model) -> DeckError {
 pub(super) fn fail(place: &Place, problem: Problem, model: &mut Model) -> DeckError {
     let origin = place.origin(model);
     model.error(origin, None, problem)
+}
+
+fn too_many(model: &Model, problem: Problem) -> DeckError {
+    DeckError { path: model.files[0].clone(), line: 0, card: "all subcases".into(), field: None, problem }
 }
 
 /// Equations of `MPC` cards with their set.
@@ -76,6 +82,7 @@ fn ties(bulk: &Bulk, points: &Points, cases: &[(String, Sets)], model: &mut Mode
         }
         let rows = rows(tie, points).and_then(finite).map_err(|problem| fail(place, problem, model))?;
         let origin = place.origin(model);
+        model.cards[origin.card as usize].is_fixed = bulk.expanding.contains(&(place.file, place.line));
         for row in rows {
             model.push(row.terms, 0.0, origin);
         }

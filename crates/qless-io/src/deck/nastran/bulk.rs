@@ -1,6 +1,6 @@
 //! Bulk data: the cards that say what is constrained, in their order. All others are passed over.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::axes::Kind;
 use super::card::{Card, Refused};
@@ -39,6 +39,8 @@ pub(super) struct Bulk {
     /// The cards of `frames`.
     pub frame_places: BTreeMap<u32, Place>,
     pub ties: Vec<(Tie, Place)>,
+    /// Lines of cards with thermal expansion, which equations cannot stand in for; by file and line.
+    pub expanding: BTreeSet<(u32, u32)>,
     pub supports: Vec<(u32, Support, Place)>,
     /// `SPCD`.
     pub enforced: Vec<(u32, Support, Place)>,
@@ -97,6 +99,7 @@ impl Bulk {
         if alpha != 0.0 {
             let text = format!("{}: its thermal expansion ALPHA is left out", card.title());
             self.warnings.push((card.file, card.line, text));
+            self.expanding.insert((card.file, card.line));
         }
         self.ties.push((tie, Place::of(card)));
         Ok(())
@@ -107,7 +110,7 @@ impl Bulk {
         if let Some((other, place)) = &self.usual
             && *other != usual
         {
-            let other = format!("line {}", place.line);
+            let other = format!("line {}", place.line).into();
             return Err(card.at(0, CardFault::DefinedTwice { what: "GRDSET", id: 1, other }.into()));
         }
         self.usual = Some((usual, Place::of(card)));
@@ -137,7 +140,7 @@ impl Bulk {
         if let (Some(known), Some(other)) = (self.frames.get(&id), self.frame_places.get(&id))
             && *known != definition
         {
-            let other = format!("line {}", other.line);
+            let other = format!("line {}", other.line).into();
             return Err(card.at(0, CardFault::DefinedTwice { what: "coordinate system", id, other }.into()));
         }
         self.frames.insert(id, definition);

@@ -87,7 +87,7 @@ impl Card {
     fn belongs_elsewhere(&self, fields: &Fields) -> Option<CardFault> {
         let expected = self.mark.strip_prefix(b"+").or(self.mark.strip_prefix(b"*"))?.trim_ascii();
         let differs = !expected.is_empty() && !fields.name.is_empty() && !expected.eq_ignore_ascii_case(fields.name);
-        differs.then(|| CardFault::Continuation { expected: quote(expected), found: quote(fields.name) })
+        differs.then(|| CardFault::Continuation { expected: quote(expected).into(), found: quote(fields.name).into() })
     }
 
     /// Data field `i` from 0; blank beyond the last.

@@ -43,13 +43,22 @@ enum Level {
     Combination,
 }
 
+/// A subcase with its steps.
+#[derive(Debug, Default)]
+struct Subcase {
+    id: u32,
+    own: Selection,
+    steps: Vec<(u32, Selection)>,
+}
+
 /// Case control as read so far.
 #[derive(Debug, Default)]
 pub(super) struct Control {
     all: Selection,
-    /// Each subcase with its own selection and those of its steps.
-    subcases: Vec<(u32, Selection, Vec<(u32, Selection)>)>,
+    subcases: Vec<Subcase>,
     level: Level,
+    /// Every line that selects an MPC set.
+    pub mpc_choices: Vec<Choice>,
 }
 
 impl Control {
@@ -87,7 +96,7 @@ impl Control {
     }
 
     fn each(&self) -> impl Iterator<Item = (String, Selection)> + '_ {
-        self.subcases.iter().flat_map(|(id, own, steps)| {
+        self.subcases.iter().flat_map(|Subcase { id, own, steps }| {
             let outer = own.or(self.all);
             let alone = steps.is_empty().then(|| (id.to_string(), outer));
             let steps = steps.iter().map(move |(step, own)| (format!("{id} step {step}"), own.or(outer)));
@@ -98,8 +107,8 @@ impl Control {
     fn open(&mut self, level: Level, rest: &[u8]) {
         let number = number(rest).unwrap_or(0);
         match (level, self.subcases.last_mut()) {
-            (Level::Step, Some((.., steps))) => steps.push((number, Selection::default())),
-            _ => self.subcases.push((number, Selection::default(), Vec::new())),
+            (Level::Step, Some(subcase)) => subcase.steps.push((number, Selection::default())),
+            _ => self.subcases.push(Subcase { id: number, ..Subcase::default() }),
         }
         self.level = level;
     }
@@ -112,7 +121,10 @@ impl Control {
         let choice = Choice { set, file: line.file, line: line.number };
         let Some(selection) = self.current() else { return Ok(()) };
         match word {
-            "MPC" => selection.mpc = Some(choice),
+            "MPC" => {
+                selection.mpc = Some(choice);
+                self.mpc_choices.push(choice);
+            }
             "SPC" => selection.spc = Some(choice),
             _ => selection.load = Some(choice),
         }
@@ -122,8 +134,8 @@ impl Control {
     fn current(&mut self) -> Option<&mut Selection> {
         match (self.level, self.subcases.last_mut()) {
             (Level::Combination, _) => None,
-            (Level::Step, Some((.., steps))) => steps.last_mut().map(|(_, selection)| selection),
-            (Level::Subcase, Some((_, selection, _))) => Some(selection),
+            (Level::Step, Some(subcase)) => subcase.steps.last_mut().map(|(_, selection)| selection),
+            (Level::Subcase, Some(subcase)) => Some(&mut subcase.own),
             _ => Some(&mut self.all),
         }
     }

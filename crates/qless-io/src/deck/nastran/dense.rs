@@ -1,5 +1,7 @@
 //! `A x = b` for a small square A by Gauss elimination with complete pivoting; A may be singular.
 
+use std::cmp::Ordering;
+
 /// `P A Q = L U`, with the rank that the pivots show.
 pub(super) struct Factor {
     n: usize,
@@ -54,7 +56,8 @@ impl Factor {
         let places = (k..n).flat_map(|i| (k..n).map(move |j| (i, j)));
         let size = |&(i, j): &(usize, usize)| self.lu[i * n + j].abs();
         let Some((row, column)) = places.max_by(|a, b| size(a).total_cmp(&size(b))) else { return false };
-        if !(size(&(row, column)) > least) {
+        // Neither a number too small nor one that is none.
+        if size(&(row, column)).partial_cmp(&least) != Some(Ordering::Greater) {
             return false;
         }
         self.exchange(k, row, column);

@@ -123,10 +123,11 @@ fn is_word(card: &Card, i: usize, word: &[u8]) -> bool {
     card.field(i).eq_ignore_ascii_case(word)
 }
 
-/// A real number has a decimal point or an exponent; what else is not digits is neither.
+/// A real number has a decimal point or an exponent.
 fn is_real(card: &Card, i: usize) -> bool {
     let word = card.field(i);
-    !word.iter().all(u8::is_ascii_digit) && super::number::real(word).is_ok()
+    let marks = |(k, byte): (usize, &u8)| b".eEdD".contains(byte) || k > 0 && b"+-".contains(byte);
+    word.iter().enumerate().any(marks) && super::number::real(word).is_ok()
 }
 
 fn alpha(card: &Card, i: usize) -> Result<f64, Refused> {

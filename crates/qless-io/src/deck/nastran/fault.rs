@@ -32,9 +32,9 @@ pub enum CardFault {
     #[error("the line continues {found}, but the card before it goes on as {expected}; put it right after its card")]
     Continuation {
         /// The name the card gives, quoted.
-        expected: String,
+        expected: Box<str>,
         /// The name the line gives, quoted.
-        found: String,
+        found: Box<str>,
     },
     /// Two definitions of one thing.
     #[error("{what} {id} is defined otherwise in {other}; keep one of the two")]
@@ -44,7 +44,7 @@ pub enum CardFault {
         /// Its number.
         id: u32,
         /// File and line of the other.
-        other: String,
+        other: Box<str>,
     },
     /// Not six independent components.
     #[error("{found} independent components are given; a rigid body has 6, give exactly that many")]

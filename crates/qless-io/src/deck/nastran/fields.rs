@@ -4,7 +4,7 @@
 //! | ----- | -------------------------- | ------- | --------------------- | ----------------- |
 //! | small | otherwise                  | 1 to 8  | 8 fields of 8 columns | 73 to 80          |
 //! | large | the first field has a `*`  | 1 to 8  | 4 fields of 16        | 73 to 80          |
-//! | free  | the line has a comma       | first   | 8, or 4 with a `*`    | the field after   |
+//! | free  | a comma among the first 16 | first   | 8, or 4 with a `*`    | the field after   |
 //!
 //! A tab stands for blanks up to the next multiple of 8. What follows a `$` is a comment.
 
@@ -41,7 +41,7 @@ impl<'a> Fields<'a> {
 pub(super) fn content(line: &[u8]) -> Cow<'_, [u8]> {
     let end = line.iter().position(|&byte| byte == b'$').unwrap_or(line.len());
     let line = line[..end].trim_ascii_end();
-    if line.contains(&b'\t') && !line.contains(&b',') { Cow::Owned(expand_tabs(line)) } else { Cow::Borrowed(line) }
+    if line.contains(&b'\t') && !is_free(line) { Cow::Owned(expand_tabs(line)) } else { Cow::Borrowed(line) }
 }
 
 fn expand_tabs(line: &[u8]) -> Vec<u8> {
@@ -69,7 +69,12 @@ fn starts_late(line: &[u8]) -> bool {
 
 /// The fields of a line that [`content`] has cleaned.
 pub(super) fn split(line: &[u8]) -> Result<Fields<'_>, Problem> {
-    if line.contains(&b',') { free(line) } else { Ok(fixed(line)) }
+    if is_free(line) { free(line) } else { Ok(fixed(line)) }
+}
+
+/// In columns, no comma can stand in the name or the first data field; one further on is part of a text.
+fn is_free(line: &[u8]) -> bool {
+    line[..line.len().min(2 * NAME)].contains(&b',')
 }
 
 fn fixed(line: &[u8]) -> Fields<'_> {
@@ -163,6 +168,10 @@ mod tests {
         assert_eq!(words(",5,1,-1.0,+")[..5], ["", "5", "1", "-1.0", ""]);
         assert_eq!(words("+a,5")[..2], ["a", "5"]);
         assert_eq!(words("MPC,1,2,3,+1.0")[4], "+1.0");
+        assert_eq!(
+            words("SPC1    1       123     4                                               a,b")[..4],
+            ["SPC1", "1", "123", "4"]
+        );
     }
 
     #[test]

@@ -13,10 +13,24 @@ pub(super) struct Line<'a> {
     pub text: &'a [u8],
 }
 
+/// An `INCLUDE` that was followed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Include {
+    pub file: u32,
+    /// Its first line, from 1.
+    pub line: u32,
+    pub lines: u32,
+    /// The file that it includes.
+    pub inner: u32,
+}
+
 /// What is done with the lines.
 pub(super) trait Visitor {
     /// Takes a line that is no `INCLUDE`; false ends the reading.
     fn line(&mut self, line: &Line, sources: &Sources) -> Result<bool, DeckError>;
+
+    /// Takes note of an include before the lines of its file.
+    fn included(&mut self, include: Include);
 
     /// Decides about an included file that cannot be read: the error, or a way on without it.
     fn unreadable(&mut self, error: DeckError) -> Result<(), DeckError>;
@@ -52,6 +66,8 @@ fn file(sources: &mut Sources, number: usize, depth: usize, visitor: &mut impl V
         let name = file_name(&text, &mut rest, &mut line).ok_or_else(|| open_quote(sources, number, first, &text))?;
         match sources.include(&name, number, first, depth) {
             Ok(inner) => {
+                let (lines, inner_file) = ((line + 1 - first) as u32, inner as u32);
+                visitor.included(Include { file: number as u32, line: first as u32, lines, inner: inner_file });
                 if !file(sources, inner, depth + 1, visitor)? {
                     return Ok(false);
                 }

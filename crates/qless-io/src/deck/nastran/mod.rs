@@ -45,18 +45,20 @@ mod sets;
 mod solved;
 mod spans;
 mod supports;
+mod target;
 mod unread;
 pub(super) mod vector;
+mod warnings;
+mod wide;
+mod write;
 
 pub use fault::CardFault;
+pub(super) use write::write;
 
 use super::{DeckError, Model, Sources};
 
 /// Reads a deck.
-///
-/// # Errors
-/// [`DeckError`].
-pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
+pub(super) fn read(sources: &mut Sources) -> Result<Model, DeckError> {
     let content = reader::read(sources)?;
     build::model(content, sources)
 }

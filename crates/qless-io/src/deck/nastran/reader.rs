@@ -4,8 +4,9 @@ use super::bulk::{Bulk, is_read};
 use super::card::{Card, Refused};
 use super::control::{Control, keyword};
 use super::fields::continues;
-use super::lines::{Line, Visitor, walk};
+use super::lines::{Include, Line, Visitor, walk};
 use crate::deck::{DeckError, Problem, Sources};
+use crate::fault::quote;
 
 /// Which part of the deck a line is in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,9 +20,25 @@ enum Section {
     Passed,
 }
 
+/// A file and a line of it, from 1.
+pub(super) type At = (u32, u32);
+
+/// Where the parts of a deck begin, for those who change it.
+#[derive(Debug, Default)]
+pub(super) struct Landmarks {
+    /// The first line of case control.
+    pub control: Option<At>,
+    /// The line after `BEGIN BULK`.
+    pub bulk: Option<At>,
+    /// `ENDDATA`.
+    pub end: Option<At>,
+    pub includes: Vec<Include>,
+}
+
 /// What a deck says.
 #[derive(Debug)]
 pub(super) struct Content {
+    pub landmarks: Landmarks,
     pub bulk: Bulk,
     /// None where the deck is bulk data alone.
     pub control: Option<Control>,
@@ -31,8 +48,8 @@ pub(super) struct Content {
 pub(super) fn read(sources: &mut Sources) -> Result<Content, DeckError> {
     let section = first_section(&sources.text(0));
     let control = (section != Section::Bulk).then(Control::default);
-    let content = Content { bulk: Bulk::default(), control };
-    let mut reader = Reader { content, section, card: Card::default(), passing: true };
+    let content = Content { landmarks: Landmarks::default(), bulk: Bulk::default(), control };
+    let mut reader = Reader { content, section, card: Card::default(), passing: true, follows_read: false };
     walk(sources, &mut reader)?;
     reader.finish_card(sources)?;
     Ok(reader.content)
@@ -59,6 +76,8 @@ struct Reader {
     card: Card,
     /// Whether the lines are those of a card that is not read.
     passing: bool,
+    /// Whether the last card was read.
+    follows_read: bool,
 }
 
 impl Visitor for Reader {
@@ -78,6 +97,10 @@ impl Visitor for Reader {
         Ok(true)
     }
 
+    fn included(&mut self, include: Include) {
+        self.content.landmarks.includes.push(include);
+    }
+
     /// Files of executive control hold procedures, not constraints.
     fn unreadable(&mut self, error: DeckError) -> Result<(), DeckError> {
         if self.section != Section::Executive || !matches!(error.problem, Problem::Include { .. }) {
@@ -92,8 +115,11 @@ impl Visitor for Reader {
 impl Reader {
     fn control(&mut self, line: &Line, sources: &Sources) -> Result<(), DeckError> {
         let (word, rest) = keyword(line.text);
+        if self.section == Section::Control {
+            self.content.landmarks.control.get_or_insert((line.file, line.number));
+        }
         match word.as_str() {
-            "CEND" => self.section = Section::Control,
+            "CEND" => self.end_executive(line),
             "BEGIN" => self.begin(rest, line),
             _ if self.section == Section::Control => {
                 let control = self.content.control.get_or_insert_default();
@@ -107,11 +133,18 @@ impl Reader {
         Ok(())
     }
 
+    fn end_executive(&mut self, line: &Line) {
+        self.section = Section::Control;
+        self.content.control.get_or_insert_default();
+        self.content.landmarks.control.get_or_insert((line.file, line.number + 1));
+    }
+
     /// `BEGIN BULK`, or the part of a superelement.
     fn begin(&mut self, rest: &[u8], line: &Line) {
         let text = String::from_utf8_lossy(rest).trim().to_ascii_uppercase();
         if text.is_empty() || text == "BULK" || text == "BULK SUPER=0" {
             self.section = Section::Bulk;
+            self.content.landmarks.bulk.get_or_insert((line.file, line.number + 1));
             return;
         }
         self.section = Section::Passed;
@@ -131,15 +164,19 @@ impl Reader {
         let mut name = [0; 8];
         let name = card_name(line.text, &mut name);
         match name {
-            b"ENDDATA" => return Ok(false),
+            b"ENDDATA" => {
+                self.content.landmarks.end = Some((line.file, line.number));
+                return Ok(false);
+            }
             name if name.starts_with(b"BEGIN") => self.begin(keyword(line.text).1, line),
-            b"CEND" if self.content.control.is_none() => self.section = Section::Control,
+            b"CEND" if self.content.control.is_none() => self.end_executive(line),
+            name if name.starts_with(b"=") && self.follows_read => return Err(replication(line, sources)),
             name if is_read(name) => {
-                self.passing = false;
+                (self.passing, self.follows_read) = (false, true);
                 let begun = self.card.begin(name, line.text, line.file, line.number);
                 begun.map_err(|refused| self.error(refused, sources))?;
             }
-            _ => {}
+            _ => self.follows_read = false,
         }
         Ok(true)
     }
@@ -156,6 +193,14 @@ impl Reader {
         let path = sources.path(self.card.file as usize).to_path_buf();
         DeckError { path, line: line as usize, card: self.card.title(), field, problem }
     }
+}
+
+/// `=` repeats the fields of the card before it.
+fn replication(line: &Line, sources: &Sources) -> DeckError {
+    let expected = "a card with all of its fields (copies by `=` are not understood)";
+    let problem = Problem::Expected { expected, found: quote(line.text) };
+    let path = sources.path(line.file as usize).to_path_buf();
+    DeckError { path, line: line.number as usize, card: "=".into(), field: None, problem }
 }
 
 /// The first field in capitals, without its `*`; empty if it is too long for a name.

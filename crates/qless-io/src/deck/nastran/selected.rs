@@ -7,6 +7,7 @@ use super::bulk::{Bulk, Tie};
 use super::control::{Choice, Selection};
 use super::loads::parts;
 use super::place::Place;
+use super::reader::Content;
 use super::sets::{Unions, members};
 use crate::deck::{DeckError, Model};
 
@@ -111,8 +112,16 @@ fn warn_unused(kind: &str, uses: &Uses, used: impl Fn(u32) -> bool, model: &mut 
     model.warn(place.file, place.line, text);
 }
 
+/// What the load cases select.
+pub(super) fn selections(content: &Content, model: &mut Model) -> Vec<(String, Selection)> {
+    match &content.control {
+        Some(control) => control.selections(),
+        None => without_control(&content.bulk, model),
+    }
+}
+
 /// Bulk data alone select nothing: the only set of a kind is taken, and that is said.
-pub(super) fn without_control(bulk: &Bulk, model: &mut Model) -> Vec<(String, Selection)> {
+fn without_control(bulk: &Bulk, model: &mut Model) -> Vec<(String, Selection)> {
     let defined = Defined::of(bulk);
     let mpc = only("MPC", &defined.mpc, &bulk.mpc_unions, model);
     let spc = only("SPC", &defined.spc, &bulk.spc_unions, model);

@@ -1,0 +1,64 @@
+//! `*TRANSFORM` and `*ORIENTATION`: local axes by two points a and b.
+//!
+//! Rectangular: the first axis points to a, b lies in the plane of the first two. Cylindrical: the third axis goes from a to b, the first is
+//! radial.
+
+use rustc_hash::FxHashMap;
+
+use super::card::Piece;
+use super::data::Lines;
+use super::definitions::Definitions;
+use super::fields::float;
+use crate::deck::Problem;
+use crate::deck::nastran::axes::{BASIC_AXES, Frame, Kind};
+use crate::deck::nastran::vector::{Vector, cross, minus, unit};
+
+/// Local axes, which may depend on the place.
+pub type Local = Frame;
+
+/// The local axes of transformed nodes.
+pub fn locals(definitions: &Definitions) -> Result<FxHashMap<u32, Local>, Problem> {
+    let mut locals = FxHashMap::default();
+    for (set, cylindrical, data) in &definitions.transforms {
+        let local = local(*cylindrical, data)?;
+        locals.extend(definitions.nodes(set)?.iter().map(|&node| (node, local)));
+    }
+    Ok(locals)
+}
+
+/// The axes of an `*ORIENTATION`.
+pub fn orientation(definitions: &Definitions, name: &str) -> Result<Local, Problem> {
+    let name = super::data::name(name);
+    match definitions.orientations.get(&name) {
+        Some((cylindrical, data)) => local(*cylindrical, data),
+        None => Err(Problem::Undefined { what: "orientation", name }),
+    }
+}
+
+fn local(cylindrical: bool, data: &[Piece]) -> Result<Local, Problem> {
+    let mut numbers = Vec::with_capacity(6);
+    if let Some(line) = Lines::new(data).next() {
+        for field in line.fields().take(6) {
+            numbers.push(if field.is_empty() { 0.0 } else { float(field)? });
+        }
+    }
+    let [ax, ay, az, bx, by, bz] = numbers[..] else {
+        return Err(Problem::TooFew { what: "coordinates of two points", promised: 6, found: numbers.len() });
+    };
+    let axes = if cylindrical { around([ax, ay, az], [bx, by, bz]) } else { along([ax, ay, az], [bx, by, bz]) };
+    axes.ok_or_else(|| Problem::Degenerate { what: "the two points define no axes".into() })
+}
+
+fn along(a: Vector, b: Vector) -> Option<Local> {
+    let first = unit(a)?;
+    let third = unit(cross(first, unit(b)?))?;
+    Some(Frame { kind: Kind::Rectangular, origin: [0.0; 3], axes: [first, cross(third, first), third] })
+}
+
+fn around(a: Vector, b: Vector) -> Option<Local> {
+    let axis = unit(minus(b, a))?;
+    // Any direction across the axis: the radial one at a point does not depend on it.
+    let least = (0..3).min_by(|&i, &j| axis[i].abs().total_cmp(&axis[j].abs()))?;
+    let second = unit(cross(axis, BASIC_AXES[least]))?;
+    Some(Frame { kind: Kind::Cylindrical, origin: a, axes: [cross(second, axis), second, axis] })
+}

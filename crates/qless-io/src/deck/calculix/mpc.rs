@@ -1,0 +1,148 @@
+//! `*MPC`: a type and nodes, linearised at the reference configuration.
+//!
+//! | type | says |
+//! | --- | --- |
+//! | `PLANE a b c k...` | `det[x_k - x_a, x_b - x_a, x_c - x_a] = 0` for each k |
+//! | `STRAIGHT a b k...` | `(x_k - x_a) x (x_b - x_a) = 0` for each k |
+//! | `BEAM a b` | a rigid beam where both nodes rotate (Abaqus), else a constant distance (CalculiX) |
+//! | `LINK a b` | `abs(x_a - x_b)` constant |
+//! | `PIN a b` | `u_a = u_b` |
+//! | `TIE a b` | `u_a = u_b`, rotations too where both nodes have them |
+
+use super::card::Card;
+use super::data::name;
+use super::definitions::Definitions;
+use super::geometric::{Place, Row};
+use super::rigid::{Reference, kinematic};
+use crate::deck::nastran::vector::{Vector, cross, dot, length, minus, plus, scaled};
+use crate::deck::{DeckError, Model, Problem};
+use crate::fault::quote;
+
+/// Adds the equations of a card.
+pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) -> Result<(), DeckError> {
+    let place = Place::of(card, model, "*MPC");
+    let lists = lists(card, definitions).map_err(|problem| place.fail(model, problem))?;
+    for (kind, nodes) in lists {
+        let rows = match kind.as_str() {
+            "PLANE" => plane(definitions, &nodes),
+            "STRAIGHT" => straight(definitions, &nodes),
+            "BEAM" => beam(definitions, &nodes),
+            "LINK" => pair(&nodes).and_then(|(a, b)| Ok(vec![distance(definitions, a, b)?])),
+            "PIN" => pair(&nodes).map(|(a, b)| (1..=3).map(|c| Row::equal(a, b, c)).collect()),
+            "TIE" => pair(&nodes).map(|(a, b)| {
+                let rotate = definitions.rotates(a) && definitions.rotates(b);
+                (1..=if rotate { 6 } else { 3 }).map(|c| Row::equal(a, b, c)).collect()
+            }),
+            _ => {
+                let text =
+                    format!("*MPC of type {kind} constrains {} nodes, but is not understood: left out", nodes.len());
+                model.warn(card.file, card.line, text);
+                continue;
+            }
+        };
+        place.push(model, rows)?;
+        if !matches!(kind.as_str(), "PIN" | "TIE") {
+            // The solver treats them as nonlinear.
+            place.fix(model);
+            model.warn(card.file, card.line, format!("*MPC {kind} is linearised at the reference configuration"));
+        }
+    }
+    Ok(())
+}
+
+/// Types with their nodes; a line that begins with a number goes on.
+fn lists(card: &Card, definitions: &Definitions) -> Result<Vec<(String, Vec<u32>)>, Problem> {
+    let mut lists: Vec<(String, Vec<u32>)> = Vec::new();
+    for line in card.lines() {
+        let mut fields = line.fields().peekable();
+        let starts = fields.peek().is_some_and(|field| !field.first().is_some_and(u8::is_ascii_digit));
+        if starts || lists.is_empty() {
+            lists.push((name(&String::from_utf8_lossy(fields.next().unwrap_or_default())), Vec::new()));
+        }
+        for field in fields.filter(|field| !field.is_empty() && *field != b"0") {
+            let nodes = definitions.node_or_set(field)?;
+            if let Some((_, list)) = lists.last_mut() {
+                list.extend(nodes);
+            }
+        }
+    }
+    Ok(lists)
+}
+
+fn pair(nodes: &[u32]) -> Result<(u32, u32), Problem> {
+    match nodes {
+        [a, b] => Ok((*a, *b)),
+        _ => Err(Problem::Expected { expected: "two nodes", found: quote(nodes.len().to_string().as_bytes()) }),
+    }
+}
+
+fn positions<const N: usize>(definitions: &Definitions, nodes: &[u32]) -> Result<[Vector; N], Problem> {
+    let mut positions = [[0.0; 3]; N];
+    if nodes.len() < N {
+        return Err(Problem::TooFew { what: "nodes", promised: N, found: nodes.len() });
+    }
+    for (position, node) in positions.iter_mut().zip(nodes) {
+        *position = definitions.position(*node)?;
+    }
+    Ok(positions)
+}
+
+fn plane(definitions: &Definitions, nodes: &[u32]) -> Result<Vec<Row>, Problem> {
+    let [a, b, c] = positions(definitions, nodes)?;
+    let (to_b, to_c) = (minus(b, a), minus(c, a));
+    let normal = cross(to_b, to_c);
+    if length(normal) <= 1e-9 * length(to_b) * length(to_c) {
+        return Err(Problem::Degenerate { what: "the three nodes of a plane lie on a line".into() });
+    }
+    let row = |&node: &u32| {
+        let to_k = minus(definitions.position(node)?, a);
+        let (by_b, by_c) = (cross(to_c, to_k), cross(to_k, to_b));
+        let by_a = scaled(plus(plus(normal, by_b), by_c), -1.0);
+        let gradients = [(node, normal), (nodes[0], by_a), (nodes[1], by_b), (nodes[2], by_c)];
+        let off = dot(to_k, normal);
+        let is_off = off.abs() > 1e-6 * length(normal) * length(to_k);
+        Row::along(definitions, &gradients, if is_off { -off } else { 0.0 })
+    };
+    nodes[3..].iter().filter(|node| !nodes[..3].contains(node)).map(row).collect()
+}
+
+fn straight(definitions: &Definitions, nodes: &[u32]) -> Result<Vec<Row>, Problem> {
+    let [a, b] = positions(definitions, nodes)?;
+    let along = minus(b, a);
+    let largest = (0..3).max_by(|&i, &j| along[i].abs().total_cmp(&along[j].abs())).unwrap_or(0);
+    if length(along) == 0.0 {
+        return Err(Problem::Degenerate { what: "the two nodes of a line coincide".into() });
+    }
+    let mut rows = Vec::new();
+    for &node in nodes[2..].iter().filter(|node| !nodes[..2].contains(node)) {
+        let to_k = minus(definitions.position(node)?, a);
+        // The component along the line follows from the other two.
+        for i in (0..3).filter(|&i| i != largest) {
+            let axis: Vector = std::array::from_fn(|k| f64::from(u8::from(k == i)));
+            let (by_k, by_b) = (cross(along, axis), cross(axis, to_k));
+            let by_a = scaled(plus(by_k, by_b), -1.0);
+            let off = dot(cross(to_k, along), axis);
+            let is_off = off.abs() > 1e-6 * length(along) * length(to_k);
+            let gradients = [(node, by_k), (nodes[0], by_a), (nodes[1], by_b)];
+            rows.push(Row::along(definitions, &gradients, if is_off { -off } else { 0.0 })?);
+        }
+    }
+    Ok(rows)
+}
+
+fn beam(definitions: &Definitions, nodes: &[u32]) -> Result<Vec<Row>, Problem> {
+    let (a, b) = pair(nodes)?;
+    if definitions.rotates(a) && definitions.rotates(b) {
+        let reference = Reference { node: b, rotation: None };
+        return kinematic(definitions, reference, std::iter::once(a), &[1, 2, 3, 4, 5, 6], None);
+    }
+    Ok(vec![distance(definitions, a, b)?])
+}
+
+fn distance(definitions: &Definitions, a: u32, b: u32) -> Result<Row, Problem> {
+    let along = minus(definitions.position(a)?, definitions.position(b)?);
+    if length(along) == 0.0 {
+        return Err(Problem::Degenerate { what: format!("nodes {a} and {b} coincide") });
+    }
+    Row::along(definitions, &[(a, along), (b, scaled(along, -1.0))], 0.0)
+}

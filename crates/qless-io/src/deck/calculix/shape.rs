@@ -1,0 +1,145 @@
+//! Shapes of elements: how many nodes they have, and which of them lie on a face.
+
+/// What is known of an element type.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shape {
+    /// Number of nodes; none for a type that is not known, whose lines go on after a comma.
+    pub nodes: Option<usize>,
+    family: Family,
+    /// Whether nodes of the element have rotations.
+    pub rotates: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Family {
+    Hexahedron,
+    Tetrahedron,
+    Wedge,
+    Shell,
+    Plane,
+    Other,
+}
+
+/// Corners of the faces, and where the middle of each edge stands, from 0.
+struct Table {
+    faces: &'static [&'static [usize]],
+    edges: &'static [(usize, usize, usize)],
+}
+
+const HEXAHEDRON: Table = Table {
+    faces: &[&[0, 1, 2, 3], &[4, 7, 6, 5], &[0, 4, 5, 1], &[1, 5, 6, 2], &[2, 6, 7, 3], &[3, 7, 4, 0]],
+    edges: &[
+        (0, 1, 8),
+        (1, 2, 9),
+        (2, 3, 10),
+        (3, 0, 11),
+        (4, 5, 12),
+        (5, 6, 13),
+        (6, 7, 14),
+        (7, 4, 15),
+        (0, 4, 16),
+        (1, 5, 17),
+        (2, 6, 18),
+        (3, 7, 19),
+    ],
+};
+const TETRAHEDRON: Table = Table {
+    faces: &[&[0, 1, 2], &[0, 3, 1], &[1, 3, 2], &[2, 3, 0]],
+    edges: &[(0, 1, 4), (1, 2, 5), (2, 0, 6), (0, 3, 7), (1, 3, 8), (2, 3, 9)],
+};
+const WEDGE: Table = Table {
+    faces: &[&[0, 1, 2], &[3, 5, 4], &[0, 3, 4, 1], &[1, 4, 5, 2], &[2, 5, 3, 0]],
+    edges: &[(0, 1, 6), (1, 2, 7), (2, 0, 8), (3, 4, 9), (4, 5, 10), (5, 3, 11), (0, 3, 12), (1, 4, 13), (2, 5, 14)],
+};
+
+impl Shape {
+    /// The shape of an element type such as `C3D20R`.
+    pub fn of(kind: &str) -> Self {
+        let digits = |text: &str| text.chars().take_while(char::is_ascii_digit).collect::<String>().parse().ok();
+        let starts = |prefix: &str| kind.strip_prefix(prefix).map(digits);
+        let (family, nodes, rotates) =
+            if let Some(nodes) = starts("C3D").or_else(|| starts("F3D")).or_else(|| starts("DC3D")) {
+                let family = match nodes {
+                    Some(8 | 20) => Family::Hexahedron,
+                    Some(4 | 10) => Family::Tetrahedron,
+                    Some(6 | 15) => Family::Wedge,
+                    _ => Family::Other,
+                };
+                (family, nodes, false)
+            } else if let Some(nodes) = starts("CPS").or_else(|| starts("CPE")).or_else(|| starts("CAX")) {
+                (Family::Plane, nodes, false)
+            } else if let Some(nodes) = starts("M3D") {
+                (Family::Shell, nodes, false)
+            } else if let Some(nodes) = starts("S") {
+                (Family::Shell, nodes, true)
+            } else {
+                let is_beam = kind.starts_with('B');
+                let nodes = match kind {
+                    _ if kind.starts_with("B31") || kind.starts_with("T3D2") => Some(2),
+                    _ if kind.starts_with("B32") || kind.starts_with("T3D3") => Some(3),
+                    _ => None,
+                };
+                (Family::Other, nodes, is_beam)
+            };
+        Self { nodes, family, rotates }
+    }
+
+    /// Whether faces are lines: those of plane elements.
+    pub fn is_plane(&self) -> bool {
+        self.family == Family::Plane
+    }
+
+    /// The nodes of face `S3`: corners in turn, then the middles of the edges between them.
+    pub fn face(&self, face: &str, nodes: &[u32]) -> Option<Vec<u32>> {
+        let number: Option<usize> = face.strip_prefix('S').and_then(|number| number.parse().ok());
+        match self.family {
+            Family::Hexahedron => HEXAHEDRON.face(number?, nodes),
+            Family::Tetrahedron => TETRAHEDRON.face(number?, nodes),
+            Family::Wedge => WEDGE.face(number?, nodes),
+            Family::Shell => Some(nodes.to_vec()),
+            Family::Plane => edge(number?, nodes),
+            Family::Other => None,
+        }
+    }
+}
+
+impl Table {
+    fn face(&self, number: usize, nodes: &[u32]) -> Option<Vec<u32>> {
+        let corners = *self.faces.get(number.checked_sub(1)?)?;
+        let mut face: Vec<u32> = corners.iter().map(|&k| nodes.get(k).copied()).collect::<Option<_>>()?;
+        let quadratic = nodes.len() > self.edges.first()?.2;
+        if quadratic {
+            let next = corners.iter().cycle().skip(1);
+            for (&a, &b) in corners.iter().zip(next) {
+                let is_edge = |edge: &&(usize, usize, usize)| (edge.0, edge.1) == (a, b) || (edge.0, edge.1) == (b, a);
+                face.push(*nodes.get(self.edges.iter().find(is_edge)?.2)?);
+            }
+        }
+        Some(face)
+    }
+}
+
+/// Edge `number` of a plane element: its ends and, if there is one, its middle.
+fn edge(number: usize, nodes: &[u32]) -> Option<Vec<u32>> {
+    let corners = if matches!(nodes.len(), 3 | 6) { 3 } else { 4 };
+    let first = number.checked_sub(1).filter(|&k| k < corners)?;
+    let mut edge = vec![*nodes.get(first)?, *nodes.get((first + 1) % corners)?];
+    edge.extend(nodes.get(corners + first));
+    Some(edge)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Shape;
+
+    #[test]
+    fn faces_go_round_their_corners_and_then_their_middles() {
+        let nodes: Vec<u32> = (1..=20).collect();
+        assert_eq!(Shape::of("C3D20R").face("S4", &nodes), Some(vec![2, 6, 7, 3, 18, 14, 19, 10]));
+        assert_eq!(Shape::of("C3D8").face("S6", &nodes[..8]), Some(vec![4, 8, 5, 1]));
+        assert_eq!(Shape::of("C3D10").face("S2", &nodes[..10]), Some(vec![1, 4, 2, 8, 9, 5]));
+        assert_eq!(Shape::of("CPS4").face("S4", &nodes[..4]), Some(vec![4, 1]));
+        assert_eq!(Shape::of("C3D8").face("S7", &nodes[..8]), None);
+        assert!(Shape::of("S8R").rotates && Shape::of("B32R").nodes == Some(3) && !Shape::of("T3D2").rotates);
+    }
+}

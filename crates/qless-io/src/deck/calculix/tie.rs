@@ -1,0 +1,98 @@
+//! `*TIE`: each node of the slave surface moves with the point of the master surface nearest to it, `u_s = sum N_i(xi) u_i`.
+
+use super::card::Card;
+use super::definitions::Definitions;
+use super::fields::float;
+use super::geometric::{Place, Row};
+use super::mesh::Surface;
+use crate::deck::nastran::vector::Vector;
+use crate::deck::{DeckError, Dof, Model, Problem};
+use crate::fault::quote;
+
+use super::project::{Face, Grid};
+
+/// Part of the typical size of a face within which a node is tied, where the card does not say.
+const TOLERANCE: f64 = 0.025;
+
+/// Adds the equations of a card.
+pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) -> Result<(), DeckError> {
+    let place = Place::of(card, model, "*TIE");
+    for special in ["CYCLICSYMMETRY", "MULTISTAGE", "FLUIDPERIODIC", "FLUIDCYCLIC"] {
+        if card.parameter(special).is_some() {
+            let text = format!("*TIE with {special} constrains, but is not understood: left out");
+            model.warn(card.file, card.line, text);
+            return Ok(());
+        }
+    }
+    let tied = tied(card, definitions).map_err(|problem| place.fail(model, problem))?;
+    if let Some(first) = tied.apart.first() {
+        let text = format!(
+            "*TIE leaves {} nodes free that are farther than {} from the master surface, such as {first}",
+            tied.apart.len(),
+            tied.tolerance
+        );
+        model.warn(card.file, card.line, text);
+    }
+    place.push(model, Ok(tied.rows))
+}
+
+struct Tied {
+    rows: Vec<Row>,
+    apart: Vec<u32>,
+    tolerance: f64,
+}
+
+fn tied(card: &Card, definitions: &Definitions) -> Result<Tied, Problem> {
+    let line = card.lines().next();
+    let names: Vec<String> =
+        line.into_iter().flat_map(|line| line.fields()).map(|f| String::from_utf8_lossy(f).into_owned()).collect();
+    let [slave, master, ..] = &names[..] else {
+        return Err(Problem::TooFew { what: "surfaces", promised: 2, found: names.len() });
+    };
+    let slaves = Surface::find(definitions, slave)?.all_nodes();
+    let master = Surface::find(definitions, master)?;
+    if master.faces.is_empty() {
+        let found = quote(names[1].as_bytes());
+        return Err(Problem::Expected { expected: "a master surface of element faces", found });
+    }
+    let is_line = master.is_line;
+    let faces =
+        master.faces.into_iter().map(|nodes| Face::new(nodes, is_line, definitions)).collect::<Result<Vec<_>, _>>()?;
+    let typical = faces.iter().map(Face::size).sum::<f64>() / faces.len() as f64;
+    let given = card.parameter("POSITIONTOLERANCE").map(|text| float(text.as_bytes())).transpose()?;
+    let tolerance = given.unwrap_or(TOLERANCE * typical);
+    let grid = Grid::new(&faces, tolerance);
+    let mut tied = Tied { rows: Vec::new(), apart: Vec::new(), tolerance };
+    for node in slaves {
+        let position: Vector = definitions.position(node)?;
+        match grid.nearest(&faces, position).filter(|near| near.distance <= tolerance) {
+            Some(near) if faces[near.face].nodes.contains(&node) => {}
+            Some(near) => tied.rows.extend(rows(definitions, node, &faces[near.face].nodes, &near.weights)?),
+            None => tied.apart.push(node),
+        }
+    }
+    Ok(tied)
+}
+
+/// The three components of a tied node.
+fn rows(definitions: &Definitions, node: u32, masters: &[u32], weights: &[f64]) -> Result<Vec<Row>, Problem> {
+    use crate::deck::nastran::row::Poses;
+    let plain = crate::deck::nastran::axes::BASIC_AXES;
+    let mut is_plain = definitions.pose(node)?.axes == plain;
+    for &master in masters {
+        is_plain &= definitions.pose(master)?.axes == plain;
+    }
+    let row = |k: usize| {
+        if is_plain {
+            let component = k as u8 + 1;
+            let dof = |node| Dof { node, component };
+            let others = masters.iter().zip(weights).filter(|(_, w)| **w != 0.0).map(|(&m, w)| (dof(m), -w));
+            return Ok(Row { terms: std::iter::once((dof(node), 1.0)).chain(others).collect(), rhs: 0.0 });
+        }
+        let axis = definitions.pose(node)?.axes[k];
+        let others = masters.iter().zip(weights).filter(|(_, w)| **w != 0.0).map(|(&m, w)| (m, axis.map(|x| -w * x)));
+        let gradients: Vec<(u32, Vector)> = std::iter::once((node, axis)).chain(others).collect();
+        Row::along(definitions, &gradients, 0.0)
+    };
+    (0..3).map(row).collect()
+}

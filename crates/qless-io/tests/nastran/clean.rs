@@ -1,0 +1,133 @@
+//! Cleaned decks: independent, each dependent component once and not prescribed, equivalent, unchanged the second time.
+
+use qless::{Kind, Options, SystemBuilder, analyse};
+use qless_io::deck::clean::{faults, plan, write};
+use qless_io::deck::{Deck, Model};
+
+use super::given::parsed;
+
+/// The cleaned text, which is checked to be what it has to be.
+fn cleaned(text: &str, files: &[(&str, &str)]) -> String {
+    let before = parsed(text, files).unwrap_or_else(|error| panic!("{error}"));
+    let after = clean(&before);
+    let deck = parsed(&after, files).unwrap_or_else(|error| panic!("{error}\n{after}"));
+    for (case, old) in deck.model.cases.iter().zip(&before.model.cases) {
+        assert_eq!(case.prescribed.len(), old.prescribed.len());
+        let analysis = analyse(&deck.model.system(case).expect("a system"), &Options::default()).expect("an analysis");
+        assert!(analysis.kinds.iter().all(|kind| *kind == Kind::Independent), "{after}");
+    }
+    assert_eq!(faults(&deck.model), [], "{after}");
+    assert_eq!(clean(&deck), after, "the second time changes something");
+    assert_same_space(&before.model, &deck.model);
+    after
+}
+
+pub fn clean(deck: &Deck) -> String {
+    let plan = plan(&deck.model, &Options::default()).unwrap_or_else(|error| panic!("{error}"));
+    let text = write(deck, &plan).unwrap_or_else(|error| panic!("{error}"));
+    String::from_utf8(text).expect("text")
+}
+
+/// On the free DOFs of the first load case both span the same.
+pub fn assert_same_space(before: &Model, after: &Model) {
+    let rank = |models: &[&Model]| {
+        let mut columns = std::collections::BTreeMap::new();
+        let mut rows = Vec::new();
+        for model in models {
+            let given = &model.cases[0].prescribed;
+            for i in 0..model.equations() {
+                let equation = model.equation(i);
+                let mut row = Vec::new();
+                for (&j, &a) in equation.columns.iter().zip(equation.coefficients) {
+                    let dof = model.dofs[j as usize];
+                    if given.binary_search_by_key(&dof, |given| given.dof).is_err() {
+                        let next = columns.len();
+                        row.push((*columns.entry(dof).or_insert(next), a));
+                    }
+                }
+                rows.push(row);
+            }
+        }
+        let mut builder = SystemBuilder::new(columns.len().max(1));
+        for row in rows {
+            builder.equation(row, 0.0);
+        }
+        let options = Options { presolve: false, ..Options::default() };
+        analyse(&builder.build().expect("a system"), &options).expect("an analysis").rank()
+    };
+    assert_eq!([rank(&[before, after]), rank(&[before]), rank(&[after])], [rank(&[before]); 3]);
+}
+
+const GRIDS: &str = "GRID,1\nGRID,2,,1.\nGRID,3,,,2.\nGRID,4,,,,3.\n";
+
+#[test]
+fn a_sound_deck_stays_as_it_is() {
+    let text = format!("CEND\nMPC=1\nBEGIN BULK\r\n{GRIDS}RBE2,7,1,123,2\nMPC,1,3,1,1.,4,1,-1.");
+    assert_eq!(cleaned(&text, &[]), text);
+}
+
+#[test]
+fn a_repeated_equation_becomes_a_comment() {
+    let text = format!("CEND\nMPC=1\nBEGIN BULK\n{GRIDS}MPC,1,3,1,1.,4,1,-1.\nMPC,1,4,1,2.,3,1,-2.\n");
+    let comment = "$ qless: line 9 MPC 1 removed, redundant: line 9 MPC 1 4:1 is -2 * (line 8 MPC 1 3:1)\n";
+    let expected = text.replace("MPC,1,4,1,2.,3,1,-2.\n", comment);
+    assert_eq!(cleaned(&text, &[]), expected);
+}
+
+#[test]
+fn a_prescribed_dependent_component_is_exchanged() {
+    let text = format!("SOL 101\nCEND\nSPC=2\nBEGIN BULK\n{GRIDS}RBE2,7,1,123,2\nSPC1,2,3,2\nENDDATA\n");
+    let after = cleaned(&text, &[]);
+    assert!(after.contains("CEND\n$ qless: selects the equations written below\nMPC = 1\nSPC=2\n"), "{after}");
+    assert!(after.contains("BEGIN BULK\n$ qless: independent"), "{after}");
+    let comment = "$ qless: line 9 RBE2 7 written anew as MPC: 2:3 is the slave of line 9 RBE2 7, and prescribed in line 10 SPC1 2\n";
+    assert!(after.contains(comment), "{after}");
+}
+
+#[test]
+fn closed_loops_of_rigid_elements_become_equations() {
+    let loops = "RBE2,1,1,123456,2\nRBE2,2,2,123456,3\nRBE2,3,3,123456,1\nRBAR,4,4,1,123456\n";
+    let after = cleaned(&format!("CEND\nMPC = 6\nBEGIN BULK\n{GRIDS}MPCADD,6,8,9\nMPC,8,4,1,1.,3,1,-1.\n{loops}"), &[]);
+    assert!(after.contains("MPC*                   8"), "{after}");
+}
+
+#[test]
+fn bulk_data_alone_are_cleaned() {
+    let after = cleaned(&format!("{GRIDS}RBE2,1,1,123456,2\nRBE2,2,3,123456,2\n"), &[]);
+    assert!(after.contains("MPC*                   1"), "{after}");
+}
+
+#[test]
+fn an_included_file_that_changes_is_written_in() {
+    let files = [("mesh.inc", GRIDS), ("ties.inc", "INCLUDE 'mesh.inc'\nMPC,1,3,1,1.,4,1,-1.\nMPC,1,4,1,2.,3,1,-2.")];
+    let after = cleaned("CEND\nMPC=1\nBEGIN BULK\nINCLUDE 'ties.inc'\nENDDATA\n", &files);
+    let expected = format!(
+        "CEND\nMPC=1\nBEGIN BULK\n$ qless: included here, because it was changed\n$ qless: included here, because it was changed\n{GRIDS}MPC,1,3,1,1.,4,1,-1.\n\
+         $ qless: ties.inc:3 MPC 1 removed, redundant: ties.inc:3 MPC 1 4:1 is -2 * (ties.inc:2 MPC 1 3:1)\nENDDATA\n"
+    );
+    assert_eq!(after, expected);
+}
+
+#[test]
+fn a_set_that_loses_its_last_card_is_not_selected_any_more() {
+    let text = format!("CEND\nMPC=5\nBEGIN BULK\n{GRIDS}RBE2,1,1,123456,2\nMPC,5,2,1,1.,1,1,-1.\n");
+    let after = cleaned(&text, &[]);
+    assert!(after.contains("CEND\n$ qless: MPC = 5 removed, as the set has no cards left\nBEGIN"), "{after}");
+}
+
+#[test]
+fn what_cannot_be_cleaned_is_said() {
+    let refused = |text: &str| {
+        let deck = parsed(text, &[]).unwrap_or_else(|error| panic!("{error}"));
+        let plan = plan(&deck.model, &Options::default());
+        plan.and_then(|plan| write(&deck, &plan)).map_or_else(|error| error.to_string(), |_| "cleaned".into())
+    };
+    let differ = format!(
+        "CEND\nSUBCASE 1\nMPC=1\nSPC=2\nSUBCASE 2\nSPC=2\nBEGIN BULK\n{GRIDS}MPC,1,1,1,1.,2,1,-1.\nSPC1,2,1,1\n"
+    );
+    assert!(refused(&differ).contains("subcases select different MPC sets"), "{}", refused(&differ));
+    let union = format!("CEND\nMPC=9\nBEGIN BULK\n{GRIDS}RBE2,1,1,123456,2\nMPC,5,2,1,1.,1,1,-1.\nMPCADD,9,5\n");
+    assert!(refused(&union).contains("would lose its last card"), "{}", refused(&union));
+    let warm = format!("{GRIDS}RBE2,1,1,123,2,1.-5\nRBE2,2,1,123,2,1.-5\n");
+    assert!(refused(&warm).contains("cannot be replaced by equations"), "{}", refused(&warm));
+}

@@ -1,0 +1,91 @@
+//! Which sets hold in which load case.
+
+use super::given::{equations, model, prescribed, warnings};
+
+const BULK: &str = "BEGIN BULK
+GRDSET,,,,,,,6
+GRID,1
+GRID,2,,,,,,12
+GRID,3
+SPOINT,10,THRU,12
+MPC,1,1,1,1.,2,1,-1.
+MPC,2,3,1,1.,10,,-1.
+MPCADD,9,1,2
+SPC,1,1,3,.5
+SPC1,2,3,1,THRU,3
+SPC1,2,0,11
+SPCADD,8,1,2
+SPCD,4,1,3,2.0
+LOAD,5,2.,3.,4
+FORCE,4,3,,1.,0.,1.,0.
+SPC,1,1,3,.7
+ENDDATA
+";
+
+#[test]
+fn each_subcase_has_its_own_sets() {
+    let model = model(&format!("CEND\nSPC = 8\nSUBCASE 1\nMPC = 9\nSUBCASE 2\nSPC = 1\nMPC = 1\nLOAD = 5\n{BULK}"));
+    let names: Vec<&str> = model.cases.iter().map(|case| case.name.as_str()).collect();
+    assert_eq!(names, ["subcase 1", "subcase 2"]);
+    assert_eq!(equations(&model), ["1 1:1 -1 2:1", "1 3:1 -1 10:0"]);
+    let [first, second] = &model.cases[..] else { panic!("two load cases") };
+    assert_eq!(prescribed(first), ["1:3=0.5", "1:6=0", "2:1=0", "2:2=0", "2:3=0", "3:3=0", "3:6=0", "11:0=0"]);
+    let clashes: Vec<f64> = first.clashes.iter().map(|clash| clash.value).collect();
+    assert_eq!((clashes, first.removed.as_slice()), (vec![0.0, 0.7], &[][..]));
+    assert_eq!(prescribed(second), ["1:3=12", "1:6=0", "2:1=0", "2:2=0", "3:6=0"]);
+    assert_eq!((second.clashes.len(), second.removed.as_slice()), (0, &[1][..]));
+    let loads: Vec<String> = second.loads.iter().map(|load| load.dof.to_string()).collect();
+    assert_eq!(loads, ["3:2"]);
+}
+
+#[test]
+fn what_is_not_selected_is_left_out_and_named() {
+    let model = model(&format!("CEND\n{BULK}"));
+    assert_eq!(model.equations(), 0);
+    let expected = [
+        "line 8: MPC sets that no subcase selects are left out: 1, 2 (2 entries)",
+        "line 11: SPC sets that no subcase selects are left out: 1, 2 (4 entries)",
+        "line 15: SPCD sets that no subcase selects are left out: 4 (1 entries)",
+    ];
+    assert_eq!(warnings(&model), expected);
+}
+
+#[test]
+fn a_selected_set_without_cards_is_named() {
+    let model = model("CEND\nMPC = 7\nSPC = 3\nBEGIN BULK\nGRID,1\nSPCADD,3,4\n");
+    let expected = [
+        "line 2: MPC = 7 selects set 7, which no MPC card defines: it constrains nothing",
+        "line 3: SPC = 3 selects set 4, which no SPC card defines: it constrains nothing",
+    ];
+    assert_eq!(warnings(&model), expected);
+}
+
+#[test]
+fn bulk_data_alone_have_their_only_sets() {
+    let alone = model("GRID,1\nGRID,2\nMPC,3,1,1,1.,2,1,-1.\nSPC1,4,123,1\n");
+    assert_eq!((alone.equations(), alone.cases[0].prescribed.len()), (1, 3));
+    assert_eq!(warnings(&alone)[0], "line 3: the deck has no case control: MPC set 3, the only one, is taken");
+    let several = model("GRID,1\nGRID,2\nMPC,3,1,1,1.,2,1,-1.\nMPC,4,1,2,1.,2,2,-1.\n");
+    assert_eq!(several.equations(), 0);
+    assert_eq!(warnings(&several), ["line 3: MPC sets that no subcase selects are left out: 3, 4 (2 entries)"]);
+    let union = model("GRID,1\nGRID,2\nMPC,3,1,1,1.,2,1,-1.\nMPC,4,1,2,1.,2,2,-1.\nMPCADD,6,3,4\n");
+    assert_eq!(union.equations(), 2);
+}
+
+#[test]
+fn superelements_are_left_out_and_named() {
+    let model = model("CEND\nBEGIN BULK\nGRID,1\nGRID,2\nBEGIN SUPER=3\nRBE2,1,1,3,2\nENDDATA\n");
+    assert_eq!(model.equations(), 0);
+    assert_eq!(warnings(&model), ["line 5: BEGIN SUPER=3: this part of the deck is not understood and left out"]);
+}
+
+#[test]
+fn points_without_definition_are_named() {
+    let model = model("CEND\nMPC=1\nSPC=1\nBEGIN BULK\nGRID,1\nMPC,1,1,1,1.,7,,-1.\nSPC1,1,0,8,9\n");
+    let expected = [
+        "line 6: MPC 1: no GRID or SPOINT defines point 7; taken as it stands",
+        "line 7: SPC1 1: no GRID or SPOINT defines point 8 and 1 more; taken as it stands",
+    ];
+    assert_eq!(warnings(&model), expected);
+    assert_eq!(equations(&model), ["1 1:1 -1 7:0"]);
+}

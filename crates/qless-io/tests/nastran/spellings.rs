@@ -1,0 +1,104 @@
+//! Spellings that are accepted: the same equation in every form.
+
+use super::given::{equations, model, parsed, warnings};
+
+const SMALL: &str = "MPC     5       1       3       1.      2       1       -.5
+                3       2       2.5-1
+";
+const LARGE: &str = "MPC*                   5               1               3              1.
+*                      2               1             -.5
+*                                      3               2           2.5-1
+*
+";
+const MIXED: &str = "MPC*                   5               1               3              1.*A
+*A                     2               1             -.5                +B
++B              3       2       2.5D-1
+";
+const TABS: &str = "MPC\t5\t1\t3\t1.\t2\t1\t-.5\n\t\t3\t2\t.25\n";
+
+#[test]
+fn every_form_of_a_card_is_the_same() {
+    let free = ["MPC,5,1,3,1.,2,1,-.5,,+\n+,,3,2,.25\n", "mpc , 5,1,3, 1.0 ,2,1,-5.-1\n,,3,2,+.25E0\n"];
+    let free_large = "MPC*,5,1,3,1.\n*,2,1,-.5\n*,,3,2,.25\n*\n";
+    let comments = "MPC     5       1       3       1.      2       1       -.5 $ why\n$ in between\n\n,,3,2,.25 $\n";
+    for card in [SMALL, LARGE, MIXED, TABS, free[0], free[1], free_large, comments] {
+        let text = format!(
+            "SOL 101\nCEND\n MPC = 5\nbegin bulk\nGRID,1\nGRID,2\nGRID,3\n{card}ENDDATA\nMPC,5,1,1,1.,2,1,1.\n"
+        );
+        let model = model(&text);
+        assert_eq!(equations(&model), ["1 1:3 -0.5 2:1 0.25 3:2"], "{card}");
+        assert_eq!(warnings(&model), [""; 0], "{card}");
+    }
+}
+
+#[test]
+fn line_ends_and_byte_order_marks_do_not_matter() {
+    let text = format!("\u{feff}CEND\nMPC=5\nBEGIN BULK\nGRID,1\nGRID,2\nGRID,3\n{SMALL}").replace('\n', "\r\n");
+    assert_eq!(equations(&model(&text)), ["1 1:3 -0.5 2:1 0.25 3:2"]);
+}
+
+#[test]
+fn includes_stand_where_they_are_named() {
+    let text = "CEND\nINCLUDE 'control.inc'\nBEGIN BULK\ninclude \"mesh\n.inc\"\nINCLUDE rigid.inc\nENDDATA\n";
+    let files = [
+        ("control.inc", "MPC = 5"),
+        ("mesh.inc", "GRID,1\nGRID,2,,1.\nGRID,3"),
+        ("rigid.inc", "$ elements\nRBE2,7,1,12,2,3\nINCLUDE 'inner.inc'"),
+        ("inner.inc", "MPC,5,1,3,1.,2,3,-1."),
+    ];
+    let model = parsed(text, &files).unwrap_or_else(|error| panic!("{error}")).model;
+    let labels: Vec<String> = (0..model.equations()).map(|i| model.label(i)).collect();
+    let rbe2 = ["rigid.inc:2 RBE2 7 2:1", "rigid.inc:2 RBE2 7 2:2", "rigid.inc:2 RBE2 7 3:1", "rigid.inc:2 RBE2 7 3:2"];
+    assert_eq!(labels[..4], rbe2);
+    assert_eq!(labels[4], "inner.inc:1 MPC 5 1:3");
+}
+
+#[test]
+fn an_include_of_executive_control_may_be_missing() {
+    let model = model("SOL 103\ninclude '/elsewhere/procedure.v9'\nCEND\nBEGIN BULK\n");
+    assert_eq!(model.warnings.len(), 1);
+    assert!(model.warnings[0].text.contains("/elsewhere/procedure.v9"), "{}", model.warnings[0].text);
+}
+
+#[test]
+fn rigid_elements_in_every_form() {
+    let grids = "GRID,1\nGRID,2,,1.\nGRID,3,,,2.\nGRID,4,,3.,4.\n";
+    let dependents = |card: &str| {
+        let model = model(&format!("{grids}{card}"));
+        (0..model.equations())
+            .map(|i| model.dofs[model.equation(i).columns[0] as usize].to_string())
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(dependents("RBE2,7,1,3,2,THRU,4"), ["2:3", "3:3", "4:3"]);
+    assert_eq!(dependents("RBE2,7,1,3,2,4,0.0,20."), ["2:3", "4:3"]);
+    assert_eq!(dependents("RBAR,7,1,2"), ["2:1", "2:2", "2:3", "2:4", "2:5", "2:6"]);
+    assert_eq!(dependents("RBAR,7,1,2,,123456,13"), ["1:1", "1:3"]);
+    assert_eq!(dependents("RBAR,7,1,2,1234,23"), ["1:5", "1:6", "2:1", "2:4", "2:5", "2:6"]);
+    assert_eq!(dependents("RROD,7,1,2,,1"), ["2:1"]);
+    assert_eq!(dependents("RROD,7,1,4,2"), ["1:2"]);
+    assert_eq!(dependents("RBE1,7,1,123,3,13,2,3\n,UM,4,123,1,4"), ["4:1", "4:2", "4:3", "1:4"]);
+    assert_eq!(dependents("RBE3,7,,4,123,1.,123,1,2\n,3"), ["4:1", "4:2", "4:3"]);
+    assert_eq!(
+        dependents("RBE3,7,,4,123,1.,123,1,2\n,3,2.5,123456,2\n,UM,1,2,2,1,4,3\n,ALPHA,0."),
+        ["1:2", "2:1", "4:3"]
+    );
+}
+
+#[test]
+fn thermal_expansion_is_left_out_with_a_warning() {
+    let model = model("GRID,1\nGRID,2\nRBE2,7,1,3,2,1.-5\n");
+    assert_eq!(warnings(&model), ["line 3: RBE2 7: its thermal expansion ALPHA is left out"]);
+}
+
+#[test]
+fn cards_that_are_not_understood_are_named() {
+    let model =
+        model("GRID,1\nRSPLINE,9,,1,2,123,3,123,4\nRTRPLT,8,1,2,3\nCQUAD4,1,1,1,2,3,4\nSUPORT,1,123\nCWELD,4\n");
+    let expected = [
+        "line 2: RSPLINE 9 is an interpolation element of grid points 1, 2, 3, 4; it is not understood and left out",
+        "line 3: RTRPLT 8 is a rigid element of grid points 1, 2, 3; it is not understood and left out",
+        "line 5: SUPORT 1 fixes reference components where there is no inertia relief of grid points 1; it is not understood and left out",
+        "line 6: CWELD 4 joins its parts by equations; it is not understood and left out",
+    ];
+    assert_eq!(warnings(&model), expected);
+}
