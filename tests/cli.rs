@@ -2,6 +2,7 @@
 
 mod cli {
     pub mod bad_input;
+    pub mod decks;
     pub mod harness;
     pub mod report;
     pub mod written;

@@ -28,8 +28,9 @@ const NOTHING: Finding =
 /// What is known of each deck; the others are sound.
 fn known(name: &str) -> Finding {
     match name {
-        "b2_redundant_cycle" | "b3_redundant_numeric" | "b4_redundant_roundoff" => Finding { redundant: 1, ..NOTHING },
-        "e4_scaled_duplicate_other_slave" => Finding { redundant: 1, ..NOTHING },
+        "b2_redundant_cycle" | "b3_redundant_numeric" | "b4_redundant_roundoff" | "e4_scaled_duplicate_other_slave" => {
+            Finding { redundant: 1, ..NOTHING }
+        }
         "b_redundant_repeat" | "e3_duplicate_equation" => Finding { redundant: 1, twice: 1, ..NOTHING },
         "c_slave_in_boundary" | "c3_slave_boundary_in_step" => Finding { prescribed: 1, generated: 1, ..NOTHING },
         "c2_other_slave" => Finding { generated: 1, ..NOTHING },

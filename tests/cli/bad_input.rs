@@ -40,8 +40,7 @@ const USAGE: &[Refused] = &[
 const INPUT: &[Refused] = &[
     ("check missing.mtx", 2, &["missing.mtx", "No such file", "check the name"]),
     ("check empty", 2, &["empty", "no C.mtx"]),
-    ("check model.xyz", 2, &["model.xyz", ".mtx"]),
-    ("check deck.inp", 2, &["deck.inp", "not supported"]),
+    ("check model.xyz", 2, &["model.xyz", ".inp", ".mtx"]),
     ("check header.mtx", 2, &["header.mtx:1:", "`not a header`", "first line"]),
     ("check lone.mtx --rhs short.txt", 2, &["short.txt", "found 1 numbers, expected 2"]),
     ("check lone.mtx --rhs nan.txt", 2, &["nan.txt:2:", "row 2", "`nan`", "finite"]),
@@ -67,7 +66,6 @@ fn place() -> Place {
         .file("file", "in the way")
         .file("empty/readme", "")
         .file("model.xyz", "")
-        .file("deck.inp", "*EQUATION\n")
         .file("header.mtx", "not a header\n")
         .file("short.txt", "1\n")
         .file("nan.txt", "1\nnan\n")

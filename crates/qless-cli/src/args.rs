@@ -47,7 +47,8 @@ pub struct CheckArgs {
 pub struct ReduceArgs {
     #[command(flatten)]
     pub model: ModelArgs,
-    /// Folder for T.mtx, G.mtx, g.txt, slaves.txt, masters.txt and prescribed.txt (columns of G), all counted from 1
+    /// Folder for T.mtx, G.mtx, g.txt, slaves.txt, masters.txt and prescribed.txt (columns of G), all counted from 1, and
+    /// cols.txt (names of the DOFs) where they have names
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
     /// Exchange slaves and masters until no entry of T is larger than this; at least 1
@@ -73,7 +74,7 @@ pub struct CleanArgs {
 /// The model, and how to look at it.
 #[derive(Args)]
 pub struct ModelArgs {
-    /// A deck (.inp), a matrix C (.mtx), or a folder with C.mtx and, if there are any, b.txt, prescribed.txt, rows.txt, cols.txt
+    /// A deck (.inp, .bdf, .dat, .nas, .cdb), a matrix C (.mtx), or a folder with C.mtx and, if there are any, b.txt, prescribed.txt, rows.txt, cols.txt
     pub input: PathBuf,
     /// Right-hand side b, one number a line [default: b.txt of a folder, else zeros]
     #[arg(long, value_name = "FILE")]

@@ -55,5 +55,7 @@ fn check_formats(input: &Path, output: &Path) -> Result<(), Failure> {
 
 fn no_deck(input: &Path) -> Failure {
     let input = input.display();
-    Failure::Input(format!("{input}: only decks (.inp) can be cleaned; for a matrix use `qless reduce`"))
+    Failure::Input(format!(
+        "{input}: only decks (.inp, .bdf, .dat, .nas, .cdb) can be cleaned; for a matrix use `qless reduce`"
+    ))
 }

@@ -27,6 +27,7 @@ pub struct DeckReport {
     load_case: String,
     other_load_cases: Vec<String>,
     solver_refuses: Vec<String>,
+    loads_without_effect: Vec<String>,
     warnings: Vec<String>,
 }
 
@@ -79,16 +80,19 @@ impl DeckInput {
             lines.extend(self.others.iter().take(LINES).map(|other| format!("  Otherwise {other}.")));
         }
         lines.extend(section("The solver refuses, as they stand:", &self.findings()));
-        lines.extend(section("Loads without effect, on DOFs that the equations fix:", &self.swallowed(diagnosis)));
+        lines.extend(section(
+            "Loads without effect, on DOFs that the equations fix:",
+            &self.swallowed(&diagnosis.analysis),
+        ));
         lines
     }
 
     /// Loads on DOFs that the equations fix.
-    fn swallowed(&self, diagnosis: &Diagnosis) -> Vec<String> {
+    fn swallowed(&self, analysis: &Analysis) -> Vec<String> {
         let model = &self.deck.model;
         let is_fixed = |dof: Dof| {
             let column = model.column(dof).map(|j| j as usize);
-            column.is_some_and(|j| diagnosis.analysis.generated.binary_search_by_key(&j, |fixed| fixed.0).is_ok())
+            column.is_some_and(|j| analysis.generated.binary_search_by_key(&j, |fixed| fixed.0).is_ok())
         };
         let name = |load: &Load| format!("{} in {}", load.dof, model.place(load.origin));
         model.cases[self.case].loads.iter().filter(|load| is_fixed(load.dof)).map(name).collect()
@@ -113,11 +117,12 @@ impl DeckInput {
     }
 
     /// For JSON.
-    pub fn report(&self) -> DeckReport {
+    pub fn report(&self, analysis: &Analysis) -> DeckReport {
         DeckReport {
             load_case: self.deck.model.cases[self.case].name.clone(),
             other_load_cases: self.others.clone(),
             solver_refuses: self.findings(),
+            loads_without_effect: self.swallowed(analysis),
             warnings: self.warnings(),
         }
     }

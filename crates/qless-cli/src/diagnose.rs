@@ -47,7 +47,7 @@ pub fn diagnose<'a>(args: &'a ModelArgs, options: Options, progress: &Progress) 
 /// What was read.
 enum Input {
     Case(ConstraintSystem),
-    Deck(deck::Deck),
+    Deck(Box<deck::Deck>),
 }
 
 impl Input {
@@ -61,7 +61,7 @@ impl Input {
                 "{input}: --rhs and --prescribed go with a .mtx file; a deck has its own"
             )));
         }
-        Ok(Self::Deck(deck::read(&args.input)?))
+        Ok(Self::Deck(Box::new(deck::read(&args.input)?)))
     }
 
     /// Analyses the system; of a deck every load case, and keeps the worst.
@@ -76,7 +76,7 @@ impl Input {
                 let analysis = run(&system)?;
                 Ok((system, analysis, None))
             }
-            Self::Deck(deck) => DeckInput::analyse(deck, &run),
+            Self::Deck(deck) => DeckInput::analyse(*deck, &run),
         }
     }
 }
@@ -110,8 +110,9 @@ impl Diagnosis<'_> {
             }
             Format::Json => {
                 let report = self.report(reduced, Report::TERMS);
+                let deck = self.deck.as_ref().map(|deck| deck.report(&self.analysis));
                 drop(progress);
-                stdout::write(|out| json::write(out, &report, self.deck.as_ref()))
+                stdout::write(|out| json::write(out, &report, deck))
             }
         }
     }

@@ -7,7 +7,7 @@ use qless::Report;
 use serde::Serialize;
 use serde_json::ser::{Formatter, Serializer};
 
-use crate::deck_input::{DeckInput, DeckReport};
+use crate::deck_input::DeckReport;
 
 /// A report, and what is known of the deck only.
 #[derive(Serialize)]
@@ -19,8 +19,8 @@ struct Whole<'a> {
 }
 
 /// The report and a line break.
-pub fn write(out: &mut dyn Write, report: &Report, deck: Option<&DeckInput>) -> io::Result<()> {
-    let whole = Whole { report, deck: deck.map(DeckInput::report) };
+pub fn write(out: &mut dyn Write, report: &Report, deck: Option<DeckReport>) -> io::Result<()> {
+    let whole = Whole { report, deck };
     whole.serialize(&mut Serializer::with_formatter(&mut *out, Lines { depth: 0 }))?;
     writeln!(out)
 }

@@ -15,7 +15,7 @@ use crate::progress::Progress;
 use crate::text::Outcome;
 
 /// What is written.
-pub const FILES: [&str; 6] = ["T.mtx", "G.mtx", "g.txt", "slaves.txt", "masters.txt", "prescribed.txt"];
+pub const FILES: [&str; 7] = ["T.mtx", "G.mtx", "g.txt", "slaves.txt", "masters.txt", "prescribed.txt", "cols.txt"];
 
 /// Writes the files and prints the report, or, for conflicting equations, prints the report only.
 pub fn run(args: &ReduceArgs) -> Result<ExitCode, Failure> {
@@ -37,7 +37,7 @@ pub fn run(args: &ReduceArgs) -> Result<ExitCode, Failure> {
         return Err(Failure::of_overflow(&args.model.input, &diagnosis.system, dof));
     }
     progress.stage("writing");
-    write(&args.output, &reduction)?;
+    write(&args.output, &reduction, diagnosis.system.dof_labels())?;
     diagnosis.print(Some((&reduction, time)), &Outcome::Written(&args.output), progress)?;
     Ok(ExitCode::SUCCESS)
 }
@@ -51,7 +51,7 @@ fn overflow(reduction: &Reduction) -> Option<usize> {
     (0..reduction.slaves.len()).find(|&i| !is_finite(i)).map(|i| reduction.slaves[i])
 }
 
-fn write(folder: &Path, reduction: &Reduction) -> Result<(), WriteError> {
+fn write(folder: &Path, reduction: &Reduction, labels: &[String]) -> Result<(), WriteError> {
     let mut output = Output::new(folder)?;
     output.matrix("T.mtx", &reduction.t)?;
     output.matrix("G.mtx", &reduction.g_matrix)?;
@@ -59,6 +59,10 @@ fn write(folder: &Path, reduction: &Reduction) -> Result<(), WriteError> {
     output.indices("slaves.txt", &reduction.slaves)?;
     output.indices("masters.txt", &reduction.masters)?;
     output.indices("prescribed.txt", &reduction.prescribed)?;
+    // Columns of a deck are nobody's numbers.
+    if !labels.is_empty() {
+        output.file("cols.txt", |out| labels.iter().try_for_each(|label| writeln!(out, "{label}")))?;
+    }
     output.commit()
 }
 

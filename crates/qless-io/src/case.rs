@@ -8,9 +8,6 @@ use crate::fault::Fault;
 use crate::vectors::{read_labels, read_prescribed, read_rhs};
 use crate::{ReadError, matrix_market};
 
-/// Endings of finite-element decks, in lower case.
-const DECKS: [&str; 5] = ["inp", "bdf", "dat", "nas", "cdb"];
-
 /// Reads `path`: a `.mtx` file, or a folder with `C.mtx` and what else it holds of a case.
 ///
 /// `rhs` and `prescribed` name the other files of a `.mtx` file; with a folder they replace its own.
@@ -80,9 +77,6 @@ impl CaseFiles {
         let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
         match ending.as_str() {
             "mtx" => Ok(Self { matrix, rhs: None, prescribed: None, rows: None, columns: None }),
-            deck if DECKS.contains(&deck) => {
-                Err(ReadError::DeckNotSupported { path: matrix, ending: format!(".{ending}") })
-            }
             _ => Err(ReadError::UnknownEnding { path: matrix }),
         }
     }

@@ -35,16 +35,8 @@ pub enum ReadError {
     /// A finite-element deck with a fault.
     #[error(transparent)]
     Deck(#[from] crate::deck::DeckError),
-    /// A finite-element deck.
-    #[error("{}: {ending} decks are not supported yet; export the constraint matrix as a .mtx file", path.display())]
-    DeckNotSupported {
-        /// The file.
-        path: PathBuf,
-        /// Its ending, in lower case, with the dot.
-        ending: String,
-    },
     /// An ending that says nothing.
-    #[error("{}: cannot tell what this file is; name a .mtx file or a folder with a C.mtx", path.display())]
+    #[error("{}: cannot tell what this file is; name a deck (.inp, .bdf, .dat, .nas, .cdb), a .mtx file or a folder with a C.mtx", path.display())]
     UnknownEnding {
         /// The file.
         path: PathBuf,

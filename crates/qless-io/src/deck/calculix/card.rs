@@ -84,23 +84,24 @@ pub fn walk(sources: &mut Sources, visit: Visit) -> Result<(), DeckError> {
     let mut card = Card::default();
     let mut walk = Walk { sources };
     walk.file(0, 0, &mut card, visit)?;
-    walk.finish(&mut card, visit)
+    finish(&mut card, visit)
 }
 
 struct Walk<'s, 'o> {
     sources: &'s mut Sources<'o>,
 }
 
-impl Walk<'_, '_> {
-    fn finish(&mut self, card: &mut Card, visit: Visit) -> Result<(), DeckError> {
-        if card.keyword.is_empty() {
-            return Ok(());
-        }
-        visit(card)?;
-        card.keyword.clear();
-        Ok(())
+/// Hands on the card that is complete.
+fn finish(card: &mut Card, visit: Visit) -> Result<(), DeckError> {
+    if card.keyword.is_empty() {
+        return Ok(());
     }
+    visit(card)?;
+    card.keyword.clear();
+    Ok(())
+}
 
+impl Walk<'_, '_> {
     /// One file: alternately a keyword line and what stands before the next.
     fn file(&mut self, file: usize, depth: usize, card: &mut Card, visit: Visit) -> Result<(), DeckError> {
         let text = self.sources.text(file);
@@ -122,7 +123,7 @@ impl Walk<'_, '_> {
             if is_include(keyword) {
                 card_input(keyword).map_or(Ok(()), |name| self.include(&name, (file, line), depth, card, visit))?;
             } else {
-                self.finish(card, visit)?;
+                finish(card, visit)?;
                 card.begin(keyword, file, line);
                 let name = card.parameter("INPUT").filter(|_| WITH_INPUT.iter().any(|with| card.is(with)));
                 if let Some(name) = name.map(str::to_owned) {

@@ -212,12 +212,11 @@ impl Definitions {
             }
             Part::List(pieces) => {
                 for field in Lines::new(pieces).flat_map(|line| line.fields()).filter(|field| !field.is_empty()) {
-                    match number(field, what) {
-                        Ok(member) => members.push(member),
-                        Err(_) => {
-                            let set = name(&String::from_utf8_lossy(field));
-                            members.extend_from_slice(&self.members(of_elements, set)?);
-                        }
+                    if let Ok(member) = number(field, what) {
+                        members.push(member);
+                    } else {
+                        let set = name(&String::from_utf8_lossy(field));
+                        members.extend_from_slice(&self.members(of_elements, set)?);
                     }
                 }
             }

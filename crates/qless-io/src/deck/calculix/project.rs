@@ -171,7 +171,7 @@ mod shape {
         /// Shape functions and their slopes.
         pub fn at(self, [s, t]: [f64; 2]) -> (Vec<f64>, [Vec<f64>; 2]) {
             match self {
-                Self::Line2 => (vec![(1.0 - s) / 2.0, (1.0 + s) / 2.0], [vec![-0.5, 0.5], vec![0.0; 2]]),
+                Self::Line2 => (vec![0.5 - s / 2.0, 0.5 + s / 2.0], [vec![-0.5, 0.5], vec![0.0; 2]]),
                 Self::Line3 => {
                     let n = vec![s * (s - 1.0) / 2.0, s * (s + 1.0) / 2.0, 1.0 - s * s];
                     (n, [vec![s - 0.5, s + 0.5, -2.0 * s], vec![0.0; 3]])

@@ -177,8 +177,11 @@ fn new_text(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
         String::from("** qless: independent equations; each slave, the first DOF, occurs once and is not prescribed\n");
     let dummy = if plan.written.iter().any(|written| written.rhs != 0.0) { Some(unused_node(deck)?) } else { None };
     if let Some(node) = dummy {
-        text += &format!("** qless: node {node} carries the right-hand sides: its first DOF is 1\n");
-        text += &format!("*NODE\n{node},0.,0.,0.\n*BOUNDARY\n{node},1,1,1.\n");
+        let carrier = format!(
+            "** qless: node {node} carries the right-hand sides: its first DOF is 1\n\
+             *NODE\n{node},0.,0.,0.\n*BOUNDARY\n{node},1,1,1.\n"
+        );
+        text.push_str(&carrier);
     }
     text += "*EQUATION\n";
     for written in &plan.written {
@@ -192,7 +195,8 @@ fn add_equation(text: &mut String, written: &Written, dummy: Option<u32>) {
     let term = |dof: crate::deck::Dof, v: f64| format!("{},{},{}", dof.node, dof.component, number(v));
     let first = std::iter::once(term(written.slave, 1.0));
     let terms: Vec<String> = first.chain(written.terms.iter().map(|&(dof, v)| term(dof, v))).chain(rhs).collect();
-    *text += &format!("{}\n", terms.len());
+    text.push_str(&terms.len().to_string());
+    text.push('\n');
     for line in terms.chunks(4) {
         *text += &line.join(",");
         text.push('\n');

@@ -1,0 +1,136 @@
+//! Decks as input: exit codes, the deck's own words in the report, and what `clean` writes or refuses to.
+
+use std::fs;
+
+use super::harness::Place;
+
+/// A brick's nodes and supports, and room for more.
+fn deck(constraints: &str, step: &str) -> String {
+    let nodes = "*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n3,0.,1.,0.\n4,0.,0.,1.\n";
+    format!("{nodes}*BOUNDARY\n1,1,3\n{constraints}*STEP\n*STATIC\n{step}*END STEP\n")
+}
+
+const TWICE: &str = "*EQUATION\n2\n2,1,1.,3,1,-1.\n2\n3,1,2.,2,1,-2.\n";
+
+#[test]
+fn a_redundant_deck_is_named_in_its_own_words_and_cleaned() {
+    let place = Place::new();
+    place.file("twice.inp", deck(TWICE, ""));
+    let run = place.run("check -q twice.inp");
+    assert_eq!((run.code, run.err.as_str()), (0, ""));
+    for part in [
+        "1 of 2 equations is redundant",
+        "\"line 11 *EQUATION 3:1\" = -2 * row 1 \"line 9 *EQUATION 2:1\"",
+        "qless clean",
+    ] {
+        assert!(run.out.contains(part), "{part}\n{}", run.out);
+    }
+    assert_eq!(place.run("check -q twice.inp --deny redundant").code, 1);
+    assert_eq!(place.run("clean -q twice.inp -o clean.inp").code, 0);
+    let cleaned = fs::read_to_string(place.path("clean.inp")).expect("written");
+    assert!(cleaned.contains("** qless: equation of line 11 removed, redundant: it is -2 * line 9\n"), "{cleaned}");
+    let run = place.run("clean -q clean.inp -o again.inp");
+    assert!(run.out.contains("nothing had to be changed"), "{}", run.out);
+    assert_eq!(fs::read_to_string(place.path("again.inp")).expect("written"), cleaned);
+    // In its own place, too.
+    assert_eq!(place.run("clean -q twice.inp -o twice.inp").code, 0);
+    assert_eq!(fs::read_to_string(place.path("twice.inp")).expect("written"), cleaned);
+}
+
+#[test]
+fn a_conflicting_deck_is_refused_and_nothing_is_written() {
+    let place = Place::new();
+    place.file("conflict.inp", deck("*EQUATION\n2\n2,1,1.,3,1,-1.\n", "*BOUNDARY\n2,1,1,1.\n3,1,1,2.\n"));
+    let before = place.everything();
+    let run = place.run("clean -q conflict.inp -o clean.inp");
+    assert_eq!(run.code, 1);
+    assert!(run.out.contains("1 of 1 equation conflicts") && run.err.contains("nothing was written to clean.inp"));
+    assert_eq!(place.everything(), before);
+}
+
+#[test]
+fn the_worst_step_is_shown_and_the_others_are_named() {
+    let place = Place::new();
+    let steps =
+        deck("*EQUATION\n2\n2,1,1.,3,1,-1.\n", "") + "*STEP\n*STATIC\n*BOUNDARY\n2,1,1,1.\n3,1,1,2.\n*END STEP\n";
+    place.file("steps.inp", steps);
+    let run = place.run("check -q steps.inp");
+    assert_eq!(run.code, 1);
+    assert!(run.out.contains("Load case: step 2 of 2."), "{}", run.out);
+    assert!(run.out.contains("Otherwise step 1: 1 independent, 0 redundant, 0 conflicting."), "{}", run.out);
+}
+
+#[test]
+fn what_the_solver_refuses_and_what_loads_it_swallows() {
+    let place = Place::new();
+    place.file("fixed.inp", deck("*EQUATION\n2\n1,1,1.,3,1,-1.\n", "*CLOAD\n3,1,5.\n"));
+    let run = place.run("check -q fixed.inp");
+    assert_eq!(run.code, 0);
+    for part in [
+        "1:1 is the slave of line 9 *EQUATION, and prescribed in line 7 *BOUNDARY",
+        "3:1 in line 14 *CLOAD",
+        "Next: `qless clean fixed.inp -o DECK` writes a deck that the solver takes.",
+    ] {
+        assert!(run.out.contains(part), "{part}\n{}", run.out);
+    }
+    let run = place.run("check -q fixed.inp --format json");
+    let report: serde_json::Value = serde_json::from_str(&run.out).expect("JSON");
+    assert_eq!(report["deck"]["load_case"], "step 1");
+    assert_eq!(report["deck"]["solver_refuses"].as_array().map(Vec::len), Some(1));
+    assert_eq!(report["deck"]["loads_without_effect"][0], "3:1 in line 14 *CLOAD");
+    assert_eq!(report["generated_boundary_conditions"][0]["label"], "3:1");
+}
+
+#[test]
+fn what_is_not_understood_is_named_on_standard_error() {
+    let place = Place::new();
+    place.file("tie.inp", deck("*CYCLIC SYMMETRY MODEL, N=4, TIE=T\n0.,0.,0.,1.,0.,0.\n", ""));
+    let run = place.run("check -q tie.inp");
+    assert_eq!(run.code, 0);
+    assert!(
+        run.err.contains("warning: tie.inp:8: *CYCLICSYMMETRYMODEL constrains, but is not understood"),
+        "{}",
+        run.err
+    );
+    assert!(run.out.contains("There are no equations"), "{}", run.out);
+}
+
+#[test]
+fn a_reduction_names_its_columns() {
+    let place = Place::new();
+    place.file("twice.inp", deck(TWICE, ""));
+    assert_eq!(place.run("reduce -q twice.inp -o reduced").code, 0);
+    assert_eq!(fs::read_to_string(place.path("reduced/cols.txt")).expect("written"), "2:1\n3:1\n");
+}
+
+#[test]
+fn bad_decks_and_bad_usage() {
+    let place = Place::new();
+    place
+        .file("term.inp", deck("*EQUATION\n2\n2,1,1.,3,x,-1.\n", ""))
+        .file("short.inp", deck("*EQUATION\n3\n2,1,1.,3,1,-1.\n", ""))
+        .file("set.inp", deck("*BOUNDARY\nFIXX,1,3\n", ""))
+        .file("node.inp", deck("*EQUATION\n2\n2,1,1.,9,1,-1.\n", ""))
+        .file("include.inp", "*INCLUDE, INPUT=include.inp\n")
+        .file("good.inp", deck(TWICE, ""))
+        .file("lone.mtx", "%%MatrixMarket matrix coordinate real general\n1 1 1\n1 1 1\n");
+    for (arguments, parts) in [
+        ("check term.inp", ["term.inp:10: *EQUATION, field 5", "`x`"]),
+        ("check short.inp", ["short.inp:9: *EQUATION", "3 terms are promised, but the card ends after 2"]),
+        ("check set.inp", ["set.inp:9: *BOUNDARY, field 1", "node set FIXX is not defined"]),
+        ("check node.inp", ["node.inp:9: *EQUATION", "node 9 is not defined"]),
+        ("check include.inp", ["include.inp:1", "the depth of includes exceeds the limit of 20"]),
+        ("check good.inp --rhs b.txt", ["good.inp", "a deck has its own"]),
+        ("clean good.inp -o good.bdf", ["good.bdf", "give it the same ending"]),
+        ("clean lone.mtx -o out.mtx", ["lone.mtx", "only decks"]),
+        ("clean missing.inp -o out.inp", ["missing.inp", "No such file"]),
+    ] {
+        let before = place.everything();
+        let run = place.run(&format!("{arguments} -q"));
+        assert_eq!((run.code, run.out.as_str()), (2, ""), "{arguments}\n{}", run.err);
+        for part in parts {
+            assert!(run.err.contains(part), "{arguments}: {part}\n{}", run.err);
+        }
+        assert_eq!(place.everything(), before, "{arguments}");
+    }
+}
