@@ -108,6 +108,13 @@ fn what_is_not_understood_is_named() {
         ("D,1,UX,0,1\n", "1: the imaginary part of D,1,UX is not looked at"),
         ("ET,1,MPC184\n", "1: MPC184 elements constrain"),
         ("ET,3,174\nKEYOP,3,2,2\n", "2: contact elements with KEYOPT(2) = 2"),
+        ("ETBLOCK,2,2\n(2i9,19a9)\n        1      184        0\n       -1\n", "3: MPC184 elements constrain"),
+        (
+            "ETBLOCK,1,1\n(2i9,19a9)\n        1      174        0        2\n       -1\n",
+            "3: contact elements with KEYOPT(2)",
+        ),
+        ("CM,ENDS,NODE\nD,ENDS,UX\n", "2: D,ENDS,UX names a component of selected nodes"),
+        ("CE,1,0,1,UX,1,2,UX,1,1,UX,1\n", "1: CE 1 names a DOF more than once: its coefficients are added"),
         ("CP,1,ALL,1,2\n", "1: CP couples all DOFs"),
         ("CP,1,UX,ALL\n", "1: CP couples the nodes ALL"),
         ("CE,1,1,1,UX,1\nCE,1,2,2,UX,1\n", "2: the constant of CE 1 was 1 and becomes 2"),

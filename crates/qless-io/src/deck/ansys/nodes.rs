@@ -1,6 +1,6 @@
 //! Nodes and named groups of nodes: `NBLOCK`, `N` and `CMBLOCK`.
 
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::command::Command;
 use super::field::{Fault, expected, real, whole};
@@ -18,6 +18,8 @@ pub struct Nodes {
     pub rotated: Vec<u32>,
     /// Named groups as ranges, in capitals.
     pub groups: FxHashMap<String, Vec<(u32, u32)>>,
+    /// Named groups whose members are not known.
+    pub unknown_groups: FxHashSet<String>,
     /// Whether commands may make nodes that this reader does not see.
     pub are_generated: bool,
     block: Block,
@@ -50,9 +52,17 @@ impl Nodes {
         let items = number::whole(command.field(3)).and_then(|items| u32::try_from(items).ok());
         let items = items.ok_or_else(|| expected(command, 3, "the number of items"))?;
         let name = name(command.field(1));
+        self.unknown_groups.remove(&name);
         self.groups.insert(name.clone(), Vec::new());
         self.block = Block::Group(name, items, None);
         Ok(())
+    }
+
+    /// `CM, Cname, NODE`: a group of the selected nodes, which are not followed.
+    pub fn selected_group(&mut self, command: &Command) {
+        let name = name(command.field(1));
+        self.groups.remove(&name);
+        self.unknown_groups.insert(name);
     }
 
     /// A command ends what data came before.

@@ -102,6 +102,9 @@ fn which(command: &Command, end: usize, nodes: &Nodes, selection: Selection) -> 
         "ALL" if selection.nodes => Ok(Which::All),
         "ALL" => Err(format!("{} names the selected nodes, and selections are not followed", said(command))),
         "P" => Err(format!("{} names nodes that are picked by hand", said(command))),
+        _ if nodes.unknown_groups.contains(&group) => {
+            Err(format!("{} names a component of selected nodes, and selections are not followed", said(command)))
+        }
         _ if nodes.groups.contains_key(&group) => Ok(Which::Group(group.into())),
         _ => return Err(expected(command, 1, "the number of a node, ALL, or a component that CMBLOCK defines")),
     })

@@ -94,6 +94,11 @@ impl Reader {
             return Err(self.error(line, "a line", (None, problem)));
         }
         match parse(text, start, line) {
+            Line::Data(text) if self.elements.in_block => {
+                let warning = self.elements.row(text);
+                warning.into_iter().for_each(|text| self.warn(line, text.to_owned()));
+                Ok(())
+            }
             Line::Data(text) => self.nodes.data(text).map_err(|fault| self.error(line, "a block", fault)),
             Line::Commands(commands) => commands.iter().try_for_each(|command| self.command(command)),
         }
@@ -101,6 +106,7 @@ impl Reader {
 
     fn command(&mut self, command: &Command) -> Result<(), DeckError> {
         self.nodes.end();
+        self.elements.in_block = false;
         if self.ended || command.is_assignment() {
             return Ok(());
         }

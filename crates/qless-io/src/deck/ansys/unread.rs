@@ -34,8 +34,16 @@ impl Reader {
                 self.warn(command.line, "DCUM: values of D are taken to replace earlier ones".to_owned());
             }
             b"DCUM" => {}
-            b"ET  " => self.elements.element_type(command).into_iter().for_each(|text| self.warn(command.line, text)),
-            b"KEYO" => self.elements.option(command).into_iter().for_each(|text| self.warn(command.line, text)),
+            b"ET  " => {
+                let warning = self.elements.element_type(command);
+                warning.into_iter().for_each(|text| self.warn(command.line, text.to_owned()));
+            }
+            b"KEYO" => {
+                let warning = self.elements.option(command);
+                warning.into_iter().for_each(|text| self.warn(command.line, text.to_owned()));
+            }
+            b"ETBL" => self.elements.in_block = true,
+            b"CM  " if command.is(2, "NODE") => self.nodes.selected_group(command),
             _ => self.unread(command),
         }
     }
