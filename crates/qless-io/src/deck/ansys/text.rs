@@ -47,13 +47,13 @@ fn in_archive(written: &Written, number: u32, tag: &str) -> String {
     let terms = terms(written);
     let term = |(dof, value): &(Dof, f64)| format!(",{:>10},{:<4},{value:?}", dof.node, label::name(dof.component));
     let line = |terms: &[(Dof, f64)]| format!("CE,{tag},NODE{}\n", terms.iter().map(term).collect::<String>());
-    let head = format!("CE,{tag},DEFI,{:>8},{number:>8},{:?}\n", terms.len(), written.rhs);
+    let head = format!("CE,{tag},DEFI,{:>8},{number:>8},{:?}\n", terms.len(), written.rhs + 0.0);
     std::iter::once(head).chain(terms.chunks(2).map(line)).collect()
 }
 
 fn as_command(written: &Written, number: u32) -> String {
     let term = |(dof, value): &(Dof, f64)| format!(",{},{},{value:?}", dof.node, label::name(dof.component));
-    let rhs = written.rhs;
+    let rhs = written.rhs + 0.0;
     let line = |terms: &[(Dof, f64)]| format!("CE,{number},{rhs:?}{}\n", terms.iter().map(term).collect::<String>());
     terms(written).chunks(3).map(line).collect()
 }
