@@ -59,6 +59,7 @@ fn a_prescribed_slave_is_written_anew_in_the_form_of_the_deck() {
         "{}",
         cleaned(&archive)
     );
+    assert!(cleaned(&archive.replace("R5.0", "UNBL")).contains("CE,UNBL,DEFI,       2,       8,-0.25\nCE,UNBL,NODE,"));
 }
 
 #[test]

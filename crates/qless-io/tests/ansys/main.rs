@@ -8,3 +8,5 @@ mod malformed;
 mod meaning;
 /// Shared by all.
 mod parse;
+/// Random decks.
+mod property;

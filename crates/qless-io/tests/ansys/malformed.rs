@@ -68,3 +68,17 @@ fn ranges_that_stand_for_too_much() {
     let error = try_deck(&text).expect_err("too many").to_string();
     assert!(error.contains("D: the number of values exceeds the limit of 20000000"), "{error}");
 }
+
+#[test]
+fn searches_that_take_too_long() {
+    use std::fmt::Write;
+    let (mut equation, mut set) = (String::new(), String::from("CP,1,UX,1\n"));
+    for node in 1..=40_000 {
+        writeln!(equation, "CE,1,0,{node},UX,1").expect("written");
+        writeln!(set, "CP,1,UX,{node}").expect("written");
+    }
+    for (text, again) in [(equation, "CE,1,0,-50000,UX\n"), (set, "CP,1,UX,-1,1,-1,1,-1,1,-1,1\n")] {
+        let error = try_deck(&(text + &again.repeat(15_000))).expect_err("too long").to_string();
+        assert!(error.contains("the work of taking terms or nodes away exceeds the limit of 500000000"), "{error}");
+    }
+}

@@ -36,6 +36,15 @@ fn equations_of_an_archive() {
 }
 
 #[test]
+fn later_releases_have_another_tag() {
+    let text = "N,UNBL,LOC,1,,,0.,0.,0.\nN,UNBL,LOC,2\nN,UNBL,ANG,2,,,0.,30.\nN,UNBL,LOC,       -1,\n\
+        CE,UNBL,DEFI,2,1,0\nCE,UNBL,NODE,1,UX,1,2,UX,-1\nCP,UNBL,2,3,UY,1,2\n";
+    let deck = deck(text);
+    assert_eq!(equations(&deck), ["1:1 1, 2:1 -1 = 0", "2:2 1, 1:2 -1 = 0"]);
+    assert_eq!(warnings(&deck), ["0: nodes with rotated axes, such as 2, are constrained along these axes"]);
+}
+
+#[test]
 fn coupled_sets() {
     let text = "CP,1,UX,5,3,-5,9\nCP,HIGH,,11\nCP,NEXT,TEMP,1,2\nCP,9,UY,1,2\nCPDELE,9\n";
     assert_eq!(equations(&deck(text)), ["9:1 1, 3:1 -1 = 0", "11:1 1, 3:1 -1 = 0", "2:11 1, 1:11 -1 = 0"]);
@@ -99,6 +108,13 @@ fn what_is_not_understood_is_named() {
         ("D,1,UX,0,1\n", "1: the imaginary part of D,1,UX is not looked at"),
         ("ET,1,MPC184\n", "1: MPC184 elements constrain"),
         ("ET,3,174\nKEYOP,3,2,2\n", "2: contact elements with KEYOPT(2) = 2"),
+        ("ETBLOCK,2,2\n(2i9,19a9)\n        1      184        0\n       -1\n", "3: MPC184 elements constrain"),
+        (
+            "ETBLOCK,1,1\n(2i9,19a9)\n        1      174        0        2\n       -1\n",
+            "3: contact elements with KEYOPT(2)",
+        ),
+        ("CM,ENDS,NODE\nD,ENDS,UX\n", "2: D,ENDS,UX names a component of selected nodes"),
+        ("CE,1,0,1,UX,1,2,UX,1,1,UX,1\n", "1: CE 1 names a DOF more than once: its coefficients are added"),
         ("CP,1,ALL,1,2\n", "1: CP couples all DOFs"),
         ("CP,1,UX,ALL\n", "1: CP couples the nodes ALL"),
         ("CE,1,1,1,UX,1\nCE,1,2,2,UX,1\n", "2: the constant of CE 1 was 1 and becomes 2"),
@@ -116,7 +132,7 @@ fn what_an_archive_holds_besides_is_no_matter() {
     let text = "/COM,ANSYS RELEASE 15.0 $ CERIG,1,2\n/PREP7\n/NOPR\n/TITLE,it's CERIG ! 1\nANTYPE, 0\nNLGEOM, 1\n\
         *IF,_CDRDOFF,EQ,1,THEN     !if solid model was read in\n_CDRDOFF=             !reset\n*ELSE\nNUMOFF,NODE,  9\n*ENDIF\n\
         *SET,_BUTTON ,  1.000000000000\nDOF,DELETE\nET,       1,185\nKEYOP,       1, 6,        1\n\
-        TB,HYPE,       1,   1,   3,POLY\nTBDATA,1,-8.05E-001\nMPTEMP,R5.0, 1, 1,  0.0\nBFCUM   ,VELO,REPLACE\n/GO\nFINISH\n";
+        TB,HYPE,       1,   1,   3,POLY\nTBDATA,1,-8.05E-001\n_VAR(1,       1,       1) = 0.\nD = 3\nMPTEMP,R5.0, 1, 1,  0.0\nBFCUM   ,VELO,REPLACE\n/GO\nFINISH\n";
     let deck = deck(text);
     assert_eq!(warnings(&deck), Vec::<String>::new());
     assert_eq!((deck.model.equations(), deck.model.cases.len()), (0, 1));

@@ -44,7 +44,20 @@ impl<'a> Command<'a> {
 
     /// The name in capitals, for messages.
     pub fn title(&self) -> String {
-        String::from_utf8_lossy(&self.name[..self.name.len().min(32)]).to_ascii_uppercase()
+        self.name[..self.name.len().min(32)].to_ascii_uppercase().escape_ascii().to_string()
+    }
+
+    /// The tag of an archive in field 1, which says that the fields are those of an archive: `R5.0` and the like, or `UNBL`.
+    pub fn archive_tag(&self) -> Option<&'a [u8]> {
+        let field = self.field(1);
+        (field.to_ascii_uppercase().starts_with(b"R5.") || self.is(1, "UNBL")).then_some(field)
+    }
+
+    /// Whether it is no command but `name = value` or `name(1,2) = value`.
+    pub fn is_assignment(&self) -> bool {
+        let is_word = self.name.first().is_some_and(|byte| byte.is_ascii_alphabetic() || *byte == b'_');
+        let is_element = self.name.contains(&b'(') && self.fields.iter().any(|field| field.contains(&b'='));
+        is_word && (self.name.contains(&b'=') || self.field(1).starts_with(b"=") || is_element)
     }
 
     fn new(text: &'a [u8], start: usize, line: u32) -> Option<Self> {
@@ -72,9 +85,10 @@ pub fn parse(text: &[u8], start: usize, line: u32) -> Line<'_> {
     if WHOLE_LINE.contains(&&key(head)) {
         return Line::Commands(Command::new(text, start, line).into_iter().collect());
     }
-    let mut commands = Vec::new();
+    let end = memchr::memchr2(b'$', b'!', text);
+    let mut commands = Vec::with_capacity(1);
     let mut from = 0;
-    for end in ends(text) {
+    for end in end.map_or_else(|| vec![text.len()], |_| ends(text)) {
         commands.extend(Command::new(&text[from..end], start + from, line));
         from = end + 1;
     }
@@ -142,6 +156,20 @@ mod tests {
         assert_eq!(commands("*SET,A,'x$y!z'"), [one("*SET", &["A", "'x$y!z'"], "*SET,A,'x$y!z'")]);
         assert_eq!(commands("A,it's $ B,it").len(), 2);
         assert!(commands(" $ $ !").is_empty() && commands("").is_empty());
+    }
+
+    #[test]
+    fn assignments_are_no_commands() {
+        let is_assignment = |text: &str| match parse(text.as_bytes(), 0, 1) {
+            Line::Commands(commands) => commands[0].is_assignment(),
+            Line::Data(_) => false,
+        };
+        for text in ["A=3", "D = 3", "_CDRDOFF=   ", "_V(1,       1,       1) = 3.", "t(2) = 1"] {
+            assert!(is_assignment(text), "{text}");
+        }
+        for text in ["D,1,UX,a=b", "/TITLE,a=b", "*SET,A,3", "CE,1"] {
+            assert!(!is_assignment(text), "{text}");
+        }
     }
 
     #[test]

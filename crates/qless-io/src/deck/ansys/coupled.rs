@@ -11,7 +11,7 @@ use rustc_hash::FxHashSet;
 
 use super::command::Command;
 use super::field::{Fault, component, expected, is_nothing, range, signed_node, whole};
-use super::numbering::numbered;
+use super::numbering::{Searches, numbered, too_many_taken_away};
 use crate::deck::{Dof, Problem};
 
 /// One coupled set.
@@ -34,12 +34,13 @@ pub struct CoupledSets {
     pub sets: BTreeMap<u32, Coupled>,
     /// What should be said about the command read last.
     pub remark: Option<String>,
+    left: Searches,
 }
 
 impl CoupledSets {
     /// `CP` in either spelling; returns the number of the set, none if the command is left out.
     pub fn read(&mut self, command: &Command) -> Result<Option<u32>, Fault> {
-        if command.is(1, "R5.0") {
+        if command.archive_tag().is_some() {
             return self.archive(command).map(Some);
         }
         if command.is(2, "ALL") {
@@ -52,7 +53,9 @@ impl CoupledSets {
             return Ok(None);
         }
         let number = numbered(command, 1, &self.sets)?;
-        self.open(command, number, 2)?.add(command, 3)?;
+        let mut left = self.left.0;
+        self.open(command, number, 2)?.add(command, 3, &mut left)?;
+        self.left.0 = left;
         Ok(Some(number))
     }
 
@@ -81,12 +84,14 @@ impl CoupledSets {
     fn archive(&mut self, command: &Command) -> Result<u32, Fault> {
         let promised = whole(command.field(2)).ok_or_else(|| expected(command, 2, "the number of nodes"))? as usize;
         let number = whole(command.field(3)).ok_or_else(|| expected(command, 3, "the number of the coupled set"))?;
+        let mut left = self.left.0;
         let set = self.open(command, number, 4)?;
         set.promised = Some(promised);
-        set.add(command, 5)?;
+        set.add(command, 5, &mut left)?;
         if set.given > promised {
             return Err(expected(command, 2, "as many nodes as promised"));
         }
+        self.left.0 = left;
         Ok(number)
     }
 
@@ -109,10 +114,11 @@ impl Coupled {
         self.nodes.iter().skip(1).map(move |&node| [(dof(node), 1.0), (dof(first), -1.0)])
     }
 
-    fn add(&mut self, command: &Command, from: usize) -> Result<(), Fault> {
+    fn add(&mut self, command: &Command, from: usize, left: &mut usize) -> Result<(), Fault> {
         for at in (from..=command.fields.len()).filter(|&at| !is_nothing(command, at)) {
             let (node, takes_away) = signed_node(command, at)?;
             if takes_away {
+                *left = left.checked_sub(self.nodes.len()).ok_or((Some(at), too_many_taken_away()))?;
                 self.take_away(node);
                 continue;
             }

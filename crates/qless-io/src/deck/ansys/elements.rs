@@ -5,32 +5,49 @@ use rustc_hash::FxHashSet;
 use super::command::Command;
 use super::field::whole;
 
+const CONTACT: &str = "contact elements with KEYOPT(2) = 2 constrain by equations of their own: left out";
+
 /// Types of contact elements met so far; an option of theirs ties by equations.
 #[derive(Debug, Default)]
 pub struct Elements {
     contact: FxHashSet<u32>,
+    /// Whether lines of data are rows of `ETBLOCK`.
+    pub in_block: bool,
 }
 
 impl Elements {
     /// `ET, ITYPE, Ename`: a warning for elements that constrain.
-    pub fn element_type(&mut self, command: &Command) -> Option<String> {
+    pub fn element_type(&mut self, command: &Command) -> Option<&'static str> {
         let name = command.field(2);
         let digits = name.iter().rposition(|byte| !byte.is_ascii_digit()).map_or(name, |at| &name[at + 1..]);
-        match whole(digits)? {
-            179 => Some("PRETS179 elements constrain by equations of their own: left out".to_owned()),
-            184 => Some("MPC184 elements constrain by equations of their own: left out".to_owned()),
+        self.add(whole(command.field(1))?, whole(digits)?)
+    }
+
+    /// `KEYOPT, ITYPE, KNUM, VALUE`: a warning for contact by equations.
+    pub fn option(&self, command: &Command) -> Option<&'static str> {
+        let of_contact = whole(command.field(1)).is_some_and(|number| self.contact.contains(&number));
+        (of_contact && command.is(2, "2") && command.is(3, "2")).then_some(CONTACT)
+    }
+
+    /// A row of `ETBLOCK`: the type's number, the element's, then its options from the first on.
+    pub fn row(&mut self, line: &[u8]) -> Option<&'static str> {
+        let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+        let (number, element) = (whole(words.next()?)?, whole(words.next()?)?);
+        let warning = self.add(number, element);
+        let tied = self.contact.contains(&number) && words.nth(1) == Some(b"2");
+        warning.or(tied.then_some(CONTACT))
+    }
+
+    fn add(&mut self, number: u32, element: u32) -> Option<&'static str> {
+        self.contact.remove(&number);
+        match element {
+            179 => Some("PRETS179 elements constrain by equations of their own: left out"),
+            184 => Some("MPC184 elements constrain by equations of their own: left out"),
             171..=178 => {
-                self.contact.extend(whole(command.field(1)));
+                self.contact.insert(number);
                 None
             }
             _ => None,
         }
-    }
-
-    /// `KEYOPT, ITYPE, KNUM, VALUE`: a warning for contact by equations.
-    pub fn option(&self, command: &Command) -> Option<String> {
-        let of_contact = whole(command.field(1)).is_some_and(|number| self.contact.contains(&number));
-        let text = "contact elements with KEYOPT(2) = 2 constrain by equations of their own: left out";
-        (of_contact && command.is(2, "2") && command.is(3, "2")).then(|| text.to_owned())
     }
 }

@@ -5,12 +5,14 @@
 //! CE, R5.0, DEFI, terms, NEQN, CONST
 //! CE, R5.0, NODE, NODE1, Lab1, C1, NODE2, Lab2, C2
 //! ```
+//!
+//! Later releases write `UNBL` for `R5.0`.
 
 use std::collections::BTreeMap;
 
 use super::command::Command;
 use super::field::{Fault, component, expected, is_nothing, range, real, signed_node, whole};
-use super::numbering::numbered;
+use super::numbering::{Searches, numbered, too_many_taken_away};
 use crate::deck::{Dof, Problem};
 use crate::number;
 
@@ -38,12 +40,13 @@ pub struct Equations {
     open: u32,
     /// What should be said about the command read last.
     pub remark: Option<String>,
+    left: Searches,
 }
 
 impl Equations {
     /// `CE` in either spelling; returns the equation's number.
     pub fn read(&mut self, command: &Command) -> Result<u32, Fault> {
-        if !command.is(1, "R5.0") {
+        if command.archive_tag().is_none() {
             return self.command(command);
         }
         match command.field(2).to_ascii_uppercase().as_slice() {
@@ -105,7 +108,7 @@ impl Equations {
             return Err(expected(command, beyond + 12, "no more than 3 terms in a command (repeat it to add terms)"));
         }
         for at in [3, 6, 9] {
-            equation.term(command, at)?;
+            equation.term(command, at, &mut self.left.0)?;
         }
         Ok(number)
     }
@@ -130,7 +133,7 @@ impl Equations {
         equation.last_line = command.line;
         for at in (3..=command.fields.len()).step_by(3) {
             let before = equation.given;
-            equation.term(command, at)?;
+            equation.term(command, at, &mut self.left.0)?;
             if equation.given > before && equation.promised.is_some_and(|promised| equation.given > promised) {
                 return Err(expected(command, at, "no more terms than DEFI promises"));
             }
@@ -141,7 +144,7 @@ impl Equations {
 
 impl Equation {
     /// The term `node, label, coefficient` from field `at` on. Zero coefficients make none; a negative node takes its term away.
-    fn term(&mut self, command: &Command, at: usize) -> Result<(), Fault> {
+    fn term(&mut self, command: &Command, at: usize, left: &mut usize) -> Result<(), Fault> {
         if is_nothing(command, at) && command.field(at + 1).is_empty() && is_zero(command, at + 2) {
             return Ok(());
         }
@@ -149,6 +152,7 @@ impl Equation {
         let dof = Dof { node, component: component(command, at + 1)? };
         let coefficient = real(command, at + 2)?;
         if takes_away {
+            *left = left.checked_sub(self.terms.len()).ok_or((Some(at), too_many_taken_away()))?;
             self.terms.retain(|(known, _)| *known != dof);
             return Ok(());
         }

@@ -17,11 +17,11 @@ pub enum Which {
     /// Every node.
     All,
     /// Those of a named group.
-    Group(String),
+    Group(Box<str>),
 }
 
-/// Which components of them; all if there are none.
-pub type Components = Vec<u8>;
+/// Which components of them, filled up with zeros; all if there are none.
+pub type Components = [u8; 6];
 
 /// What a command does.
 #[derive(Clone, Debug)]
@@ -45,6 +45,17 @@ pub struct Event {
     pub which: Which,
     pub components: Components,
     pub origin: Origin,
+}
+
+impl Event {
+    fn is_of_all(&self) -> bool {
+        self.components[0] == 0
+    }
+
+    fn named(&self) -> &[u8] {
+        let count = self.components.iter().take_while(|component| **component != 0).count();
+        &self.components[..count]
+    }
 }
 
 /// The load cases: one for each `SOLVE`, and one of what follows the last.
@@ -92,19 +103,20 @@ impl<'a> Replay<'a> {
             self.solve();
             return Ok(());
         }
-        let components = if event.components.is_empty() { self.components.clone() } else { event.components.clone() };
+        let all = event.is_of_all().then(|| self.components.clone());
+        let components = all.as_deref().unwrap_or_else(|| event.named());
         for (first, last, step) in self.ranges(&event.which) {
             let nodes = self.members(first, last);
             self.spend(nodes.len().saturating_mul(components.len() + 1))?;
             for at in nodes {
                 let node = self.nodes[at];
                 if (node - first).is_multiple_of(step) {
-                    self.node(event, node, &components);
+                    self.node(event, node, components);
                 }
             }
             // A node that neither the deck nor an equation knows matters to nobody but the one who named it.
             if first == last && self.nodes.binary_search(&first).is_err() {
-                self.node(event, first, &components);
+                self.node(event, first, components);
             }
         }
         Ok(())
@@ -115,7 +127,7 @@ impl<'a> Replay<'a> {
             Which::Range(first, last, step) => vec![(*first, *last, *step)],
             Which::All => vec![(1, u32::MAX, 1)],
             Which::Group(name) => {
-                let ranges = self.groups.groups.get(name).map_or(&[][..], Vec::as_slice);
+                let ranges = self.groups.groups.get(&**name).map_or(&[][..], Vec::as_slice);
                 ranges.iter().map(|&(first, last)| (first, last, 1)).collect()
             }
         }
@@ -159,9 +171,10 @@ impl<'a> Replay<'a> {
 
 /// Takes away what is said of components of a node, or all of it.
 fn take<T>(said: &mut BTreeMap<Dof, T>, event: &Event, node: u32, components: &[u8]) {
-    let dofs: Vec<Dof> = match event.components.as_slice() {
-        [] => said.range(Dof { node, component: 0 }..=Dof { node, component: u8::MAX }).map(|(dof, _)| *dof).collect(),
-        _ => components.iter().map(|&component| Dof { node, component }).collect(),
+    let dofs: Vec<Dof> = if event.is_of_all() {
+        said.range(Dof { node, component: 0 }..=Dof { node, component: u8::MAX }).map(|(dof, _)| *dof).collect()
+    } else {
+        components.iter().map(|&component| Dof { node, component }).collect()
     };
     for dof in dofs {
         said.remove(&dof);

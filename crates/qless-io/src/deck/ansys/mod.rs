@@ -21,6 +21,7 @@ mod numbering;
 mod prescribed;
 mod reader;
 mod text;
+mod unread;
 mod write;
 
 pub(super) use model::read;

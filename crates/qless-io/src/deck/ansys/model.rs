@@ -2,7 +2,7 @@
 
 use super::events::cases;
 use super::reader::{Owner, Reader};
-use crate::deck::{DeckError, Model, Origin, Problem, Sources};
+use crate::deck::{DeckError, Dof, Model, Origin, Problem, Sources};
 
 /// Reads a deck.
 ///
@@ -44,6 +44,10 @@ fn push_equations(reader: &mut Reader) -> Vec<Owner> {
             model.warn(0, equation.line, format!("CE {number} has no terms: left out"));
             continue;
         }
+        if names_twice(&equation.terms) {
+            let text = format!("CE {number} names a DOF more than once: its coefficients are added");
+            model.warn(0, equation.line, text);
+        }
         let origin = origin(model, format!("CE {number}"), equation.line, equation.last_line);
         model.push(equation.terms.iter().copied(), equation.constant, origin);
         owners.push(Owner::Equation(number));
@@ -56,6 +60,15 @@ fn push_equations(reader: &mut Reader) -> Vec<Owner> {
         }
     }
     owners
+}
+
+fn names_twice(terms: &[(Dof, f64)]) -> bool {
+    if let [(first, _), (second, _)] = terms {
+        return first == second;
+    }
+    let mut dofs: Vec<Dof> = terms.iter().map(|(dof, _)| *dof).collect();
+    dofs.sort_unstable();
+    dofs.windows(2).any(|pair| pair[0] == pair[1])
 }
 
 /// A node that no command defines: the first equation that names it is at fault.

@@ -1,6 +1,6 @@
 //! Nodes and named groups of nodes: `NBLOCK`, `N` and `CMBLOCK`.
 
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::command::Command;
 use super::field::{Fault, expected, real, whole};
@@ -18,6 +18,8 @@ pub struct Nodes {
     pub rotated: Vec<u32>,
     /// Named groups as ranges, in capitals.
     pub groups: FxHashMap<String, Vec<(u32, u32)>>,
+    /// Named groups whose members are not known.
+    pub unknown_groups: FxHashSet<String>,
     /// Whether commands may make nodes that this reader does not see.
     pub are_generated: bool,
     block: Block,
@@ -50,9 +52,17 @@ impl Nodes {
         let items = number::whole(command.field(3)).and_then(|items| u32::try_from(items).ok());
         let items = items.ok_or_else(|| expected(command, 3, "the number of items"))?;
         let name = name(command.field(1));
+        self.unknown_groups.remove(&name);
         self.groups.insert(name.clone(), Vec::new());
         self.block = Block::Group(name, items, None);
         Ok(())
+    }
+
+    /// `CM, Cname, NODE`: a group of the selected nodes, which are not followed.
+    pub fn selected_group(&mut self, command: &Command) {
+        let name = name(command.field(1));
+        self.groups.remove(&name);
+        self.unknown_groups.insert(name);
     }
 
     /// A command ends what data came before.
@@ -79,9 +89,9 @@ impl Nodes {
         Ok(())
     }
 
-    /// `N, NODE, X, Y, Z, THXY, THYZ, THZX`, or a line of an archive: `N, R5.3, LOC, NODE, ...`.
+    /// `N, NODE, X, Y, Z, THXY, THYZ, THZX`, or a line of an archive: `N, R5.3, LOC, NODE, SOLID, PARM, X, Y, Z`.
     pub fn command(&mut self, command: &Command) -> Result<(), Fault> {
-        let archive = command.field(1).to_ascii_uppercase().starts_with(b"R5.");
+        let archive = command.archive_tag().is_some();
         let text = command.field(if archive { 3 } else { 1 });
         if archive && text.starts_with(b"-") {
             return Ok(());
@@ -94,7 +104,7 @@ impl Nodes {
         let node = whole(text).ok_or_else(|| expected(command, if archive { 3 } else { 1 }, "the number of a node"))?;
         self.numbers.push(node);
         let is_rotated = |at: usize| real(command, at).is_ok_and(|angle| angle != 0.0);
-        let angles = if archive && command.is(2, "ANG") { 4..7 } else { 5..8 };
+        let angles = if archive && command.is(2, "ANG") { 6..9 } else { 5..8 };
         if (!archive || command.is(2, "ANG")) && angles.into_iter().any(is_rotated) {
             self.rotated.push(node);
         }

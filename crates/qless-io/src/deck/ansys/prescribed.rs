@@ -32,6 +32,12 @@ pub struct Selection {
     pub dofs: bool,
 }
 
+impl Default for Selection {
+    fn default() -> Self {
+        Self { nodes: true, dofs: true }
+    }
+}
+
 /// `D`.
 pub fn prescribe(command: &Command, nodes: &Nodes, selection: Selection) -> Result<Reading, Fault> {
     if label::is_rate(command.field(2)) {
@@ -82,7 +88,7 @@ pub fn load(command: &Command, nodes: &Nodes, selection: Selection, adds: bool) 
         return Ok(None);
     }
     let action = if adds { Action::Load } else { Action::Unload };
-    Ok(Some(Reading::Does(action, which, component.into_iter().collect())))
+    Ok(Some(Reading::Does(action, which, [component.unwrap_or(0), 0, 0, 0, 0, 0])))
 }
 
 /// The nodes of field 1, to field `end` in steps of the next one; or why they are not known.
@@ -96,7 +102,10 @@ fn which(command: &Command, end: usize, nodes: &Nodes, selection: Selection) -> 
         "ALL" if selection.nodes => Ok(Which::All),
         "ALL" => Err(format!("{} names the selected nodes, and selections are not followed", said(command))),
         "P" => Err(format!("{} names nodes that are picked by hand", said(command))),
-        _ if nodes.groups.contains_key(&group) => Ok(Which::Group(group)),
+        _ if nodes.unknown_groups.contains(&group) => {
+            Err(format!("{} names a component of selected nodes, and selections are not followed", said(command)))
+        }
+        _ if nodes.groups.contains_key(&group) => Ok(Which::Group(group.into())),
         _ => return Err(expected(command, 1, "the number of a node, ALL, or a component that CMBLOCK defines")),
     })
 }
@@ -105,10 +114,14 @@ fn which(command: &Command, end: usize, nodes: &Nodes, selection: Selection) -> 
 fn components(command: &Command, at: &[usize], selection: Selection) -> Result<Result<Components, String>, Fault> {
     if at.iter().any(|&at| command.is(at, "ALL")) {
         let why = || format!("{} names the selected labels, and selections are not followed", said(command));
-        return Ok(if selection.dofs { Ok(Vec::new()) } else { Err(why()) });
+        return Ok(if selection.dofs { Ok(Components::default()) } else { Err(why()) });
     }
+    let mut components = Components::default();
     let given = at.iter().enumerate().filter(|&(k, &at)| k == 0 || !command.field(at).is_empty());
-    given.map(|(_, &at)| component(command, at)).collect::<Result<Vec<u8>, Fault>>().map(Ok)
+    for (place, (_, &at)) in components.iter_mut().zip(given) {
+        *place = component(command, at)?;
+    }
+    Ok(Ok(components))
 }
 
 /// `D,5,UX`: the command as warnings name it.

@@ -24,8 +24,9 @@ pub fn comment(model: &Model, removed: &Removed) -> String {
     }
 }
 
-/// The new equations, numbered from `highest + 1` on; `None` if there are no numbers left.
-pub fn equations(plan: &Plan, highest: u32, archive: bool) -> Option<String> {
+/// The new equations, numbered from `highest + 1` on, with the tag of an archive or as commands; `None` if there are no numbers
+/// left.
+pub fn equations(plan: &Plan, highest: u32, archive: Option<&str>) -> Option<String> {
     if plan.written.is_empty() {
         return Some(String::new());
     }
@@ -34,22 +35,25 @@ pub fn equations(plan: &Plan, highest: u32, archive: bool) -> Option<String> {
     let mut number = highest;
     for written in &plan.written {
         number = number.checked_add(1)?;
-        text.push_str(&if archive { in_archive(written, number) } else { as_command(written, number) });
+        text.push_str(&match archive {
+            Some(tag) => in_archive(written, number, tag),
+            None => as_command(written, number),
+        });
     }
     Some(text)
 }
 
-fn in_archive(written: &Written, number: u32) -> String {
+fn in_archive(written: &Written, number: u32, tag: &str) -> String {
     let terms = terms(written);
     let term = |(dof, value): &(Dof, f64)| format!(",{:>10},{:<4},{value:?}", dof.node, label::name(dof.component));
-    let line = |terms: &[(Dof, f64)]| format!("CE,R5.0,NODE{}\n", terms.iter().map(term).collect::<String>());
-    let head = format!("CE,R5.0,DEFI,{:>8},{number:>8},{:?}\n", terms.len(), written.rhs);
+    let line = |terms: &[(Dof, f64)]| format!("CE,{tag},NODE{}\n", terms.iter().map(term).collect::<String>());
+    let head = format!("CE,{tag},DEFI,{:>8},{number:>8},{:?}\n", terms.len(), written.rhs + 0.0);
     std::iter::once(head).chain(terms.chunks(2).map(line)).collect()
 }
 
 fn as_command(written: &Written, number: u32) -> String {
     let term = |(dof, value): &(Dof, f64)| format!(",{},{},{value:?}", dof.node, label::name(dof.component));
-    let rhs = written.rhs;
+    let rhs = written.rhs + 0.0;
     let line = |terms: &[(Dof, f64)]| format!("CE,{number},{rhs:?}{}\n", terms.iter().map(term).collect::<String>());
     terms(written).chunks(3).map(line).collect()
 }

@@ -7,7 +7,7 @@ use rustc_hash::FxHashMap;
 
 use super::command::{Line, parse};
 use super::model::fill;
-use super::reader::{Owner, Reader};
+use super::reader::{Owner, Place, Reader};
 use super::text::{comment, equations};
 use crate::deck::clean::{CleanError, Edits, Plan, Reason, Removed};
 use crate::deck::{Deck, Model};
@@ -15,21 +15,22 @@ use crate::deck::{Deck, Model};
 /// The main file with the plan carried out.
 pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     let text = deck.texts[0].as_slice();
-    let mut reader = Reader::read(&deck.model.files[0], text)?;
+    let mut reader = Reader::with_places(&deck.model.files[0], text)?;
+    let places = reader.places.take().unwrap_or_default();
     let owners = fill(&mut reader)?;
     let place = |line: u32, why: &'static str| CleanError::Place {
         path: deck.model.files[0].clone(),
         line: line as usize,
         why,
     };
-    let last = reader.places.last().map_or(1, |place| place.line);
+    let last = places.last().map_or(1, |place| place.line);
     if let Some(solved) = reader.solved_at.filter(|&solved| solved <= last) {
         return Err(place(solved, "equations change after this load step; make a deck for each load step"));
     }
     let highest = reader.equations.sets.last_key_value().map_or(0, |(&number, _)| number);
-    let new = equations(plan, highest, reader.is_archive);
+    let new = equations(plan, highest, reader.archive);
     let new = new.ok_or_else(|| place(last, "no numbers are left for new equations; number the equations from 1"))?;
-    let result = edited(text, &reader, &comments(&deck.model, plan, &owners), new);
+    let result = edited(text, &places, &comments(&deck.model, plan, &owners), new);
     if !says(&result, &reader, deck, plan) {
         return Err(place(last, "equations numbered by HIGH or NEXT are among those that change; write their numbers"));
     }
@@ -48,10 +49,10 @@ fn comments(model: &Model, plan: &Plan, owners: &[Owner]) -> FxHashMap<Owner, St
     chosen.into_iter().map(|(owner, removed)| (owner, comment(model, removed))).collect()
 }
 
-fn edited(text: &[u8], reader: &Reader, comments: &FxHashMap<Owner, String>, new: String) -> Vec<u8> {
+fn edited(text: &[u8], places: &[Place], comments: &FxHashMap<Owner, String>, new: String) -> Vec<u8> {
     let mut lines: BTreeMap<u32, (String, Vec<Range<usize>>)> = BTreeMap::new();
     let mut left = comments.clone();
-    for place in reader.places.iter().filter(|place| comments.contains_key(&place.of)) {
+    for place in places.iter().filter(|place| comments.contains_key(&place.of)) {
         let (said, gone) = lines.entry(place.line).or_default();
         said.push_str(&left.remove(&place.of).unwrap_or_default());
         gone.push(place.range.clone());
@@ -60,7 +61,7 @@ fn edited(text: &[u8], reader: &Reader, comments: &FxHashMap<Owner, String>, new
     for (line, (said, gone)) in lines {
         edits.replace(line, 1, [said.as_bytes(), &rest(text, line, &gone)].concat());
     }
-    if let Some(last) = reader.places.last().filter(|_| !new.is_empty()) {
+    if let Some(last) = places.last().filter(|_| !new.is_empty()) {
         edits.replace(last.line.saturating_add(1), 0, new.into_bytes());
     }
     edits.apply(text)
