@@ -134,3 +134,60 @@ fn bad_decks_and_bad_usage() {
         assert_eq!(place.everything(), before, "{arguments}");
     }
 }
+
+/// The JSON of a page.
+fn page_data(page: &str) -> serde_json::Value {
+    let start = page.find("id=\"data\">").expect("data") + 10;
+    let end = page[start..].find("</script>").expect("an end") + start;
+    serde_json::from_str(&page[start..end]).expect("JSON")
+}
+
+#[test]
+fn a_page_needs_nothing_else_and_says_all() {
+    let place = Place::new();
+    place.file("twice.inp", deck(TWICE, "")).file("case/rows.txt", "</script><b>\nplain\n");
+    place
+        .case("case", [2, 1], &[(1, 1, 1.0), (2, 1, 2.0)], &[0.0, 0.0], &[])
+        .file("case/rows.txt", "plain\n</script><b>\n");
+    assert_eq!(place.run("check -q twice.inp --format html -o twice.html").code, 0);
+    let page = fs::read_to_string(place.path("twice.html")).expect("written");
+    let data = page_data(&page);
+    assert_eq!(data["report"]["dependent"][0]["label"], "line 11 *EQUATION 3:1");
+    assert_eq!(data["picture"]["nodes"], serde_json::json!([[2, 1.0, 0.0, 0.0], [3, 0.0, 1.0, 0.0]]));
+    assert_eq!(data["picture"]["blocks"], serde_json::json!([[2, 1]]));
+    assert_eq!(data["picture"]["rows"], serde_json::json!([[1, [2, 3]], [2, [2, 3]]]));
+    // The one address in it names SVG's elements; nothing is loaded.
+    let addresses: Vec<_> = page.match_indices("http").map(|(at, _)| &page[at..at + 26]).collect();
+    assert_eq!(addresses, ["http://www.w3.org/2000/svg"]);
+    assert!(!page.contains(" src=") && !page.contains("<link") && !page.contains("@import"));
+    // A label cannot end the script.
+    let run = place.run("check -q case --format html");
+    assert_eq!(page_data(&run.out)["report"]["dependent"][0]["label"], "</script><b>");
+}
+
+#[test]
+fn a_browser_shows_the_page() {
+    let chromium = |arguments: &[&str]| std::process::Command::new("chromium").args(arguments).output();
+    if chromium(&["--version"]).is_err() {
+        eprintln!("chromium is not installed: nothing to run");
+        return;
+    }
+    let place = Place::new();
+    place.file("twice.inp", deck(TWICE, ""));
+    assert_eq!(place.run("check -q twice.inp --format html -o twice.html").code, 0);
+    let address = format!("file://{}", place.path("twice.html").display());
+    let home = format!("--user-data-dir={}", place.path("browser").display());
+    let options =
+        ["--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=2000", "--dump-dom", &home, &address];
+    let shown = chromium(&options).expect("it ran");
+    let shown = String::from_utf8_lossy(&shown.stdout);
+    for part in [
+        "1 of 2 equations is redundant; the other one is independent.",
+        "<td>line 11 *EQUATION 3:1</td>",
+        "-2 \u{b7} line 9 *EQUATION 2:1",
+        "1 of 1</span>",
+        "<section id=\"space\">",
+    ] {
+        assert!(shown.contains(part), "{part} is not in\n{shown}");
+    }
+}

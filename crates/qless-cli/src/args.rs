@@ -41,6 +41,9 @@ pub enum Command {
 pub struct CheckArgs {
     #[command(flatten)]
     pub model: ModelArgs,
+    /// File for the report, whole or not at all [default: standard output]
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
 }
 
 #[derive(Args)]
@@ -120,6 +123,8 @@ pub enum Format {
     Text,
     /// Everything, as one JSON object
     Json,
+    /// For a browser: one page with tables and pictures that needs no network
+    Html,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -11,7 +11,7 @@ use crate::deck_input::DeckInput;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::text::{self, Outcome};
-use crate::{json, stdout};
+use crate::{html, json, stdout};
 
 /// A model and what was found.
 pub struct Diagnosis<'a> {
@@ -100,20 +100,29 @@ impl Diagnosis<'_> {
         progress: Progress,
     ) -> Result<(), Failure> {
         progress.stage("explaining");
+        let bytes = self.render(reduced, outcome)?;
+        drop(progress);
+        if self.args.format == Format::Text {
+            self.deck.iter().for_each(DeckInput::warn);
+        }
+        stdout::write(|out| out.write_all(&bytes))
+    }
+
+    /// The report in the form that was asked for.
+    pub fn render(&self, reduced: Option<(&Reduction, Duration)>, outcome: &Outcome) -> Result<Vec<u8>, Failure> {
+        let terms = if self.args.format == Format::Text { 0 } else { Report::TERMS };
+        let report = self.report(reduced, terms);
         match self.args.format {
-            Format::Text => {
-                let report = self.report(reduced, 0);
-                let text = text::render(self, &report, outcome);
-                drop(progress);
-                self.deck.iter().for_each(DeckInput::warn);
-                stdout::write(|out| out.write_all(text.as_bytes()))
-            }
+            Format::Text => Ok(text::render(self, &report, outcome).into_bytes()),
             Format::Json => {
-                let report = self.report(reduced, Report::TERMS);
+                let mut bytes = Vec::new();
                 let deck = self.deck.as_ref().map(|deck| deck.report(&self.analysis));
-                drop(progress);
-                stdout::write(|out| json::write(out, &report, deck))
+                json::write(&mut bytes, &report, deck).map_err(|error| Failure::of_stdout(&error))?;
+                Ok(bytes)
             }
+            Format::Html => html::render(self, &report)
+                .map(String::into_bytes)
+                .map_err(|error| Failure::Resource(format!("the page cannot be made: {error}"))),
         }
     }
 

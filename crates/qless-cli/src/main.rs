@@ -6,7 +6,7 @@
 //! | [`check`], [`reduce`], [`clean`], [`generate`] | the commands, one each |
 //! | [`diagnose`] | what check, reduce and clean share: read, analyse, time it |
 //! | [`deck_input`] | the load cases of a deck, its warnings, what its solver refuses |
-//! | [`text`], [`json`] | the two forms of the report |
+//! | [`text`], [`json`], [`html`] | the forms of the report |
 //! | [`failure`] | what can go wrong, in words, and its exit code |
 
 mod args;
@@ -16,6 +16,7 @@ mod deck_input;
 mod diagnose;
 mod failure;
 mod generate;
+mod html;
 mod json;
 mod numbers;
 mod progress;

@@ -42,6 +42,11 @@ pub enum Outcome<'a> {
     },
 }
 
+/// What was found, in one sentence.
+pub fn verdict(report: &Report) -> String {
+    verdict::line(report)
+}
+
 /// The report, ending in a line break.
 pub fn render(diagnosis: &Diagnosis, report: &Report, outcome: &Outcome) -> String {
     let both = report.counts.conflicting > 0 && report.counts.redundant > 0;

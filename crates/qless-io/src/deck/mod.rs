@@ -19,6 +19,7 @@ mod model;
 mod nastran;
 mod source;
 
+use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -62,6 +63,24 @@ pub struct Deck {
     pub model: Model,
     /// The bytes of [`Model::files`].
     pub texts: Vec<Arc<Vec<u8>>>,
+}
+
+impl Deck {
+    /// Where nodes are, by number; empty for formats whose nodes are not kept (Nastran, ANSYS).
+    ///
+    /// ```
+    /// # let place = tempfile::tempdir()?;
+    /// let path = place.path().join("node.inp");
+    /// std::fs::write(&path, "*NODE\n7,1.,2.,3.\n")?;
+    /// assert_eq!(qless_io::deck::read(&path)?.positions()[&7], [1.0, 2.0, 3.0]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn positions(&self) -> HashMap<u32, [f64; 3]> {
+        match self.format {
+            Format::Calculix => calculix::positions(self),
+            Format::Nastran | Format::Ansys => HashMap::new(),
+        }
+    }
 }
 
 /// Reads a deck and the files that it includes.

@@ -235,6 +235,11 @@ impl Definitions {
         self.elements.get_or_init(|| Elements::parse(&self.blocks)).as_ref().map_err(Clone::clone)
     }
 
+    /// Where all nodes are.
+    pub fn all_positions(&self) -> Result<FxHashMap<u32, Vector>, Problem> {
+        positions(Lines::new(&self.nodes))
+    }
+
     /// Where a node is.
     pub fn position(&self, node: u32) -> Result<Vector, Problem> {
         let all = self.positions.get_or_init(|| positions(Lines::new(&self.nodes))).as_ref().map_err(Clone::clone)?;

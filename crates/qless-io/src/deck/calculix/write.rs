@@ -1,12 +1,12 @@
 //! A deck with other equations: old ones become comments, new ones stand before the first step.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
 use super::card::{Card, card_input, is_include, keyword_end, next_keyword, walk};
 use super::definitions::Definitions;
 use crate::deck::clean::{CleanError, Edits, Plan, Reason, Removed, Written};
-use crate::deck::{Deck, Model, Sources};
+use crate::deck::{Deck, DeckError, Model, Sources};
 
 /// Characters of a number that CalculiX reads.
 const NUMBER: usize = 20;
@@ -223,6 +223,13 @@ fn error(text: &str, value: f64) -> f64 {
 
 /// One more than the largest number of a node.
 fn unused_node(deck: &Deck) -> Result<u32, CleanError> {
+    let listed = definitions(deck)?.node_numbers().last().copied().unwrap_or(0);
+    let used = deck.model.dofs.iter().map(|dof| dof.node).max().unwrap_or(0);
+    Ok(listed.max(used).saturating_add(1))
+}
+
+/// What a deck that was read before defines.
+fn definitions(deck: &Deck) -> Result<Definitions, DeckError> {
     let mut none = |_: &Path| Err(std::io::ErrorKind::NotFound.into());
     let mut sources = Sources::again(&deck.model.files, &deck.texts, &mut none);
     let mut definitions = Definitions::default();
@@ -230,9 +237,13 @@ fn unused_node(deck: &Deck) -> Result<u32, CleanError> {
         definitions.note(card);
         Ok(())
     })?;
-    let listed = definitions.node_numbers().last().copied().unwrap_or(0);
-    let used = deck.model.dofs.iter().map(|dof| dof.node).max().unwrap_or(0);
-    Ok(listed.max(used).saturating_add(1))
+    Ok(definitions)
+}
+
+/// Where the nodes of a deck are; none where its nodes cannot be read.
+pub fn positions(deck: &Deck) -> HashMap<u32, [f64; 3]> {
+    let found = definitions(deck).ok().and_then(|definitions| definitions.all_positions().ok());
+    found.map(|all| all.into_iter().collect()).unwrap_or_default()
 }
 
 #[cfg(test)]
