@@ -35,6 +35,8 @@ pub enum Command {
     Clean(CleanArgs),
     /// Writes a test model of known rank
     Generate(SceneArgs),
+    /// Measures what speed costs in accuracy on this machine
+    Bench(BenchArgs),
 }
 
 #[derive(Args)]
@@ -72,6 +74,30 @@ pub struct CleanArgs {
     /// The deck to write, of the same format; it may be the input itself
     #[arg(short, long, value_name = "DECK")]
     pub output: PathBuf,
+}
+
+#[derive(Args)]
+pub struct BenchArgs {
+    /// Folder for trade.csv and the plots trade.svg and growth.svg
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// The smallest systems only, in seconds
+    #[arg(long)]
+    pub short: bool,
+    /// Runs of each method on each system
+    #[arg(long, value_name = "N", default_value = "5", value_parser = threads)]
+    pub runs: NonZeroUsize,
+    /// Seconds after which a method is given up, foreseen from smaller systems of the same family
+    #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = seconds)]
+    pub limit: f64,
+    /// No progress display
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let number: f64 = text.parse().map_err(|_| "not a number; write it as 0.5 or 10".to_owned())?;
+    if number > 0.0 && number.is_finite() { Ok(number) } else { Err("it must be more than 0".to_owned()) }
 }
 
 /// The model, and how to look at it.

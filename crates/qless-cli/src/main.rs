@@ -3,13 +3,14 @@
 //! | module | holds |
 //! | --- | --- |
 //! | [`args`] | the command line |
-//! | [`check`], [`reduce`], [`clean`], [`generate`] | the commands, one each |
+//! | [`check`], [`reduce`], [`clean`], [`generate`], [`bench`] | the commands, one each |
 //! | [`diagnose`] | what check, reduce and clean share: read, analyse, time it |
 //! | [`deck_input`] | the load cases of a deck, its warnings, what its solver refuses |
 //! | [`text`], [`json`], [`html`] | the forms of the report |
 //! | [`failure`] | what can go wrong, in words, and its exit code |
 
 mod args;
+mod bench;
 mod check;
 mod clean;
 mod deck_input;
@@ -38,6 +39,7 @@ fn main() -> ExitCode {
         Command::Reduce(args) => reduce::run(args),
         Command::Clean(args) => clean::run(args),
         Command::Generate(args) => generate::run(args),
+        Command::Bench(args) => bench::run(args),
     };
     done.unwrap_or_else(|failure| failure.tell())
 }

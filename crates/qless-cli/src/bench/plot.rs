@@ -1,0 +1,188 @@
+//! Two plots as SVG: error against time with the Pareto front, and time against the number of equations (the paper's Figure 15).
+
+use std::collections::BTreeMap;
+
+use plotters::coord::combinators::IntoLogRange;
+use plotters::prelude::*;
+
+use super::measure::Sample;
+use super::methods::Method;
+use super::systems::TIE;
+use super::table::verdict;
+
+/// Colours that can be told apart, in print too.
+const COLOURS: [RGBColor; 8] = [
+    RGBColor(31, 78, 140),
+    RGBColor(217, 95, 2),
+    RGBColor(27, 138, 90),
+    RGBColor(170, 45, 120),
+    RGBColor(90, 90, 90),
+    RGBColor(180, 140, 0),
+    RGBColor(0, 140, 170),
+    RGBColor(140, 60, 30),
+];
+
+/// Errors below this are drawn there.
+const LEAST: f64 = 1e-17;
+
+/// File names and their content. The error is what the plotting library says.
+pub fn all(samples: &[Sample], methods: &[Method]) -> Result<Vec<(&'static str, String)>, String> {
+    let text = |error: &dyn std::fmt::Display| format!("a plot cannot be drawn: {error}");
+    Ok(vec![
+        ("trade.svg", trade(samples, methods).map_err(|error| text(&error))?),
+        ("growth.svg", growth(samples, methods).map_err(|error| text(&error))?),
+    ])
+}
+
+/// A method over all systems: mean time relative to the default (geometric), and the worst error: 1 where a rank is wrong without a
+/// warning, else the residual.
+pub struct Point {
+    pub method: &'static str,
+    pub time: f64,
+    pub error: f64,
+}
+
+/// Methods that did every system, or all but those they gave up.
+pub fn points(samples: &[Sample], methods: &[Method]) -> Vec<Point> {
+    let default: BTreeMap<(&str, &str), f64> = samples
+        .iter()
+        .filter(|sample| sample.method == methods[0].name)
+        .filter_map(|sample| Some(((sample.family, sample.size.as_str()), sample.result?.time)))
+        .collect();
+    let point = |method: &Method| {
+        let (mut logs, mut count, mut error) = (0.0, 0.0, LEAST);
+        for sample in samples.iter().filter(|sample| sample.method == method.name) {
+            let (Some(measured), Some(time)) = (&sample.result, default.get(&(sample.family, sample.size.as_str())))
+            else {
+                continue;
+            };
+            logs += (measured.time / time).ln();
+            count += 1.0;
+            let is_right = verdict(sample, measured) == "right" || measured.ambiguous;
+            error = f64::max(error, if is_right { measured.residual } else { 1.0 });
+        }
+        (count > 0.0).then(|| Point { method: method.name, time: f64::exp(logs / count), error: error.min(1.0) })
+    };
+    methods.iter().filter_map(point).collect()
+}
+
+/// Points that no other beats in both, from the fastest on.
+pub fn front(points: &[Point]) -> Vec<&Point> {
+    let mut sorted: Vec<&Point> = points.iter().collect();
+    sorted.sort_by(|a, b| a.time.total_cmp(&b.time).then(a.error.total_cmp(&b.error)));
+    let mut least = f64::INFINITY;
+    sorted.retain(|point| {
+        let is_better = point.error < least;
+        least = least.min(point.error);
+        is_better
+    });
+    sorted
+}
+
+type Drawn = Result<String, Box<dyn std::error::Error>>;
+
+fn trade(samples: &[Sample], methods: &[Method]) -> Drawn {
+    let points = points(samples, methods);
+    let range = |values: &dyn Fn(&Point) -> f64, room: f64| {
+        let low = points.iter().map(values).fold(f64::INFINITY, f64::min);
+        let high = points.iter().map(values).fold(0.0, f64::max);
+        low / room..high * room
+    };
+    let mut svg = String::new();
+    {
+        let root = SVGBackend::with_string(&mut svg, (900, 560)).into_drawing_area();
+        root.fill(&WHITE)?;
+        let mut chart = ChartBuilder::on(&root)
+            .caption("Error against time", ("sans-serif", 20))
+            .margin(16)
+            .x_label_area_size(44)
+            .y_label_area_size(64)
+            .build_cartesian_2d(range(&|p| p.time, 2.5).log_scale(), range(&|p| p.error, 8.0).log_scale())?;
+        chart
+            .configure_mesh()
+            .x_desc("time, relative to the default (geometric mean over the systems)")
+            .y_desc("worst residual; 1 where a rank is wrong without a warning")
+            .y_label_formatter(&|y| format!("{y:.0e}"))
+            .light_line_style(WHITE)
+            .draw()?;
+        let along = front(&points).into_iter().map(|p| (p.time, p.error));
+        chart.draw_series(LineSeries::new(along, COLOURS[4].stroke_width(2)))?.label("Pareto front").legend(|(x, y)| {
+            PathElement::new([(x, y), (x + 20, y)], COLOURS[4].stroke_width(2))
+        });
+        for (k, point) in points.iter().enumerate() {
+            let colour = COLOURS[k % COLOURS.len()];
+            let at = (point.time, point.error);
+            // One above the other where they would meet.
+            let crowd = points[..k].iter().filter(|p| (p.time / at.0).ln().abs() < 0.5 && (p.error / at.1).ln().abs() < 2.0);
+            let lift = -6 - 13 * crowd.count() as i32;
+            chart.draw_series([Circle::new(at, 5, colour.filled())])?;
+            chart.draw_series([EmptyElement::at(at)
+                + Text::new(point.method, (8, lift), ("sans-serif", 12).into_font().color(&colour))])?;
+        }
+        chart.configure_series_labels().border_style(BLACK.mix(0.3)).background_style(WHITE).draw()?;
+        root.present()?;
+    }
+    Ok(svg)
+}
+
+/// Sizes and times of a method on the paper's tie, and the exponent by least squares of logarithms.
+pub fn series(samples: &[Sample], method: &str) -> (Vec<(f64, f64)>, Option<f64>) {
+    let of = samples.iter().filter(|sample| sample.family == TIE && sample.method == method);
+    let points: Vec<(f64, f64)> =
+        of.filter_map(|sample| Some((sample.equations as f64, 1e3 * sample.result?.time))).collect();
+    let n = points.len() as f64;
+    let mean = |f: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / n;
+    let (x, y) = (mean(&|p| p.0.ln()), mean(&|p| p.1.ln()));
+    let (xy, xx) = (mean(&|p| (p.0.ln() - x) * (p.1.ln() - y)), mean(&|p| (p.0.ln() - x).powi(2)));
+    let exponent = (xx > 0.0).then(|| xy / xx);
+    (points, exponent)
+}
+
+fn growth(samples: &[Sample], methods: &[Method]) -> Drawn {
+    let drawn: Vec<&Method> = methods.iter().filter(|method| method.is_drawn).collect();
+    let all: Vec<(f64, f64)> = drawn.iter().flat_map(|method| series(samples, method.name).0).collect();
+    let low = |k: fn(&(f64, f64)) -> f64| all.iter().map(k).fold(f64::INFINITY, f64::min);
+    let high = |k: fn(&(f64, f64)) -> f64| all.iter().map(k).fold(0.0, f64::max);
+    let (x, y) = (low(|p| p.0) / 1.2..high(|p| p.0) * 1.2, low(|p| p.1) / 2.0..high(|p| p.1) * 2.0);
+    let mut svg = String::new();
+    {
+        let root = SVGBackend::with_string(&mut svg, (900, 560)).into_drawing_area();
+        root.fill(&WHITE)?;
+        let mut chart = ChartBuilder::on(&root)
+            .caption("Time of the elimination, tie of Table 1", ("sans-serif", 20))
+            .margin(16)
+            .x_label_area_size(44)
+            .y_label_area_size(64)
+            .build_cartesian_2d(x.log_scale(), y.log_scale())?;
+        chart.configure_mesh().x_desc("equations").y_desc("ms").light_line_style(WHITE).draw()?;
+        for (k, method) in drawn.iter().enumerate() {
+            let (points, exponent) = series(samples, method.name);
+            let colour = COLOURS[k % COLOURS.len()];
+            let label = match exponent {
+                Some(exponent) => format!("{}: exponent {exponent:.2}", method.name),
+                None => method.name.to_owned(),
+            };
+            chart
+                .draw_series(LineSeries::new(points.clone(), colour.stroke_width(2)))?
+                .label(label)
+                .legend(move |(x, y)| PathElement::new([(x, y), (x + 20, y)], colour.stroke_width(2)));
+            chart.draw_series(points.into_iter().map(|at| Circle::new(at, 4, colour.filled())))?;
+        }
+        let place = SeriesLabelPosition::UpperLeft;
+        chart.configure_series_labels().position(place).border_style(BLACK.mix(0.3)).background_style(WHITE).draw()?;
+        root.present()?;
+    }
+    Ok(svg)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Point, front};
+
+    #[test]
+    fn the_front_holds_what_nothing_beats() {
+        let point = |method, time, error| Point { method, time, error };
+        let points = [point("a", 1.0, 1e-3), point("b", 2.0, 1e-3), point("c", 3.0, 1e-9), point("d", 0.5, 1.0)];
+        assert_eq!(front(&points).iter().map(|p| p.method).collect::<Vec<_>>(), ["d", "a", "c"]);
+    }
+}
