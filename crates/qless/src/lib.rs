@@ -29,6 +29,7 @@ mod analysis;
 mod basis;
 mod block;
 mod certificate;
+mod changing;
 mod classify;
 mod confidence;
 mod generated;
@@ -47,6 +48,7 @@ mod system;
 
 pub use analysis::{Analysis, AnalysisError, PresolveStatistics, Timings, analyse};
 pub use certificate::Because;
+pub use changing::{ChangeError, ChangingSystem, EquationId, SolvedBlock};
 pub use classify::{Dependent, Kind};
 pub use confidence::Confidence;
 pub use options::{BackendChoice, OptionError, Options, Tolerance};

@@ -131,3 +131,24 @@ fn what_cannot_be_cleaned_is_said() {
     let warm = format!("{GRIDS}RBE2,1,1,123,2,1.-5\nRBE2,2,1,123,2,1.-5\n");
     assert!(refused(&warm).contains("cannot be replaced by equations"), "{}", refused(&warm));
 }
+
+#[test]
+fn a_selection_stands_after_cend_wherever_that_is() {
+    let files = [("exec.inc", "SOL 101\nCEND\n")];
+    let text = format!("INCLUDE 'exec.inc'\nSPC=2\nBEGIN BULK\n{GRIDS}RBE2,7,1,123,2\nSPC1,2,3,2\n");
+    let after = cleaned(&text, &files);
+    assert!(
+        after.contains("changed\nSOL 101\nCEND\n$ qless: selects the equations written below\nMPC = 1\nSPC=2\n"),
+        "{after}"
+    );
+}
+
+/// A translation follows a rotation on an arm of 2e6 units of length: a large coefficient, but no vanishing slave.
+#[test]
+fn long_arms_are_no_fault() {
+    for arm in ["2.+6", "3.+9"] {
+        let text = format!("GRID,1\nGRID,2,,{arm}\nRBE2,7,1,123456,2\nRBE3,8,,3,123456,1.,123456,2\nGRID,3,,,1.\n");
+        assert_eq!(cleaned(&text, &[]), text);
+        cleaned(&format!("{text}RBE2,9,2,123456,1\n"), &[]);
+    }
+}

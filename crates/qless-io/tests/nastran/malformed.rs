@@ -131,6 +131,13 @@ fn lines_are_named() {
 }
 
 #[test]
+fn a_continuation_needs_a_card() {
+    let expected =
+        "place/deck.bdf:3: continuation: expected a card before the line that continues it, found `+,3`; correct it";
+    assert_eq!(refused("CEND\nBEGIN BULK\n+,3\nGRID,1\n"), expected);
+}
+
+#[test]
 fn includes_have_limits() {
     assert_eq!(
         refused("INCLUDE 'a.inc'\n"),

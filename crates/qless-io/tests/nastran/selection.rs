@@ -1,6 +1,6 @@
 //! Which sets hold in which load case.
 
-use super::given::{equations, model, prescribed, warnings};
+use super::given::{equations, model, parsed, prescribed, warnings};
 
 const BULK: &str = "BEGIN BULK
 GRDSET,,,,,,,6
@@ -88,4 +88,18 @@ fn points_without_definition_are_named() {
     ];
     assert_eq!(warnings(&model), expected);
     assert_eq!(equations(&model), ["1 1:1 -1 7:0"]);
+}
+
+#[test]
+fn executive_and_case_control_may_be_included() {
+    let files = [
+        ("exec.inc", "SOL 101\nCEND\n"),
+        ("case.inc", "MPC = 1\nSUBCASE 1\n"),
+        ("folder/bulk.inc", "GRID,1\nGRID,2\nMPC,1,1,1,1.,2,1,-1.\n"),
+    ];
+    let text = "INCLUDE 'exec.inc'\nINCLUDE 'case.inc'\nBEGIN BULK\nINCLUDE 'folder\\bulk.inc'\nENDDATA\n";
+    let model = parsed(text, &files).unwrap_or_else(|error| panic!("{error}")).model;
+    assert_eq!((equations(&model).len(), model.warnings.len()), (1, 0));
+    let bare = self::model("BEGIN BULK\nGRID,1\nGRID,2\nMPC,1,1,1,1.,2,1,-1.\nENDDATA\n");
+    assert_eq!((bare.equations(), bare.warnings.len()), (1, 1));
 }

@@ -110,7 +110,8 @@ pub(super) fn faults_of(model: &Model, prescribed: &FxHashMap<u32, Origin>, left
         let same = |&(j, _): &(&u32, &f64)| *j == column;
         let own: f64 = equation.columns.iter().zip(equation.coefficients).filter(same).map(|(_, a)| a).sum();
         let terms = equation.columns.iter().zip(equation.coefficients);
-        let free = terms.filter(|(j, _)| !prescribed.contains_key(j));
+        let alike = |j: u32| unit_of(model.dofs[j as usize]) == unit_of(slave);
+        let free = terms.filter(|(j, _)| !prescribed.contains_key(j) && alike(**j));
         let largest = free.fold(0.0_f64, |largest, (_, a)| largest.max(a.abs()));
         if own == 0.0 || own.abs() <= SMALL * largest {
             faults.push(Fault::SlaveVanishes { equation: i, slave });
@@ -125,6 +126,15 @@ pub(super) fn faults_of(model: &Model, prescribed: &FxHashMap<u32, Origin>, left
     }
     faults.extend(circles(model, &slave_of));
     faults
+}
+
+/// Translations and rotations have coefficients in different units, of which neither is large or small beside the other.
+fn unit_of(dof: Dof) -> u8 {
+    match dof.component {
+        1..=3 => 1,
+        4..=6 => 4,
+        other => other,
+    }
 }
 
 /// Slaves that depend on each other and are not determined by their equations: what remains when equations all of whose other DOFs are no slaves are taken away again and again.

@@ -3,7 +3,7 @@
 //! A motion is six numbers, translation t and rotation w about basic axes. Component i of a point, 1 to 3 along its axes
 //! e and 4 to 6 about them, is a row with six entries: `(e, r x e)` or `(0, e)`.
 
-use super::vector::{Vector, minus};
+use super::vector::{Vector, largest, minus};
 
 /// Row of one component: its value is the product with the motion.
 pub(in crate::deck) type MotionRow = [f64; 6];
@@ -28,12 +28,14 @@ impl Pose {
         [x, y, z, turning([q, -r], [z, y]), turning([r, -p], [x, z]), turning([p, -q], [y, x])]
     }
 
-    /// The row in this point's own components: entry k is what a unit of component k + 1, the rest held, adds to it.
-    pub fn along(&self, row: MotionRow) -> MotionRow {
-        let [a, b, c, d, e, f] = row;
-        let on = |axis: Vector, v: Vector| product(&axis, &v);
-        let part = |k: usize| if k < 3 { on(self.axes[k], [a, b, c]) } else { on(self.axes[k - 3], [d, e, f]) };
-        std::array::from_fn(part)
+    /// This point in the axes of another, whose place is the origin: rows are then those of the other's components.
+    pub fn seen_from(&self, other: &Self) -> Self {
+        let arm = minus(self.position, other.position);
+        let rounding = 8.0 * f64::EPSILON * (largest(self.position) + largest(other.position));
+        let along = |axis: Vector| product(&axis, &arm);
+        let position = other.axes.map(along).map(|x| if x.abs() <= rounding { 0.0 } else { x });
+        let axes = self.axes.map(|own| other.axes.map(|axis| product(&axis, &own)));
+        Self { position, axes }
     }
 }
 
@@ -66,10 +68,10 @@ mod tests {
     }
 
     #[test]
-    fn a_row_along_its_own_axes_is_a_unit_row() {
+    fn a_point_seen_from_itself_has_unit_rows() {
         let point = Pose { position: [2.0, 1.0, 5.0], axes: [[0.6, 0.8, 0.0], [-0.8, 0.6, 0.0], [0.0, 0.0, 1.0]] };
         for component in 1..=6 {
-            let row = point.along(point.row(component, point.position));
+            let row = point.seen_from(&point).row(component, [0.0; 3]);
             for (k, value) in row.into_iter().enumerate() {
                 let expected = if k + 1 == usize::from(component) { 1.0 } else { 0.0 };
                 assert!((value - expected).abs() < 1e-15, "{component} {k} {value}");

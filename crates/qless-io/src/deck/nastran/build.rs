@@ -4,13 +4,13 @@ use std::collections::BTreeSet;
 
 use super::bulk::{Bulk, Tie};
 use super::cases;
+use super::content::Content;
 use super::elements::star;
 use super::fault::CardFault;
 use super::grid::Grid;
 use super::mpc::Term;
 use super::place::Place;
 use super::points::{Point, Points, limited};
-use super::reader::Content;
 use super::row::Row;
 use super::selected::{self, Sets};
 use super::warnings::brief;

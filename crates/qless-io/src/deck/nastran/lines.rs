@@ -64,6 +64,8 @@ fn file(sources: &mut Sources, number: usize, depth: usize, visitor: &mut impl V
             continue;
         }
         let name = file_name(&text, &mut rest, &mut line).ok_or_else(|| open_quote(sources, number, first, &text))?;
+        // Decks come from systems where a backslash stands between folders.
+        let name = if cfg!(windows) { name } else { name.replace('\\', "/") };
         match sources.include(&name, number, first, depth) {
             Ok(inner) => {
                 let (lines, inner_file) = ((line + 1 - first) as u32, inner as u32);

@@ -59,7 +59,9 @@ struct Connected {
     dofs: Vec<(Dof, MotionRow, f64)>,
     centre: Vector,
     size: f64,
+    /// `D S D` with ones on its diagonal, and D: rotations may weigh far more than translations.
     normal: Factor,
+    scale: MotionRow,
 }
 
 impl Connected {
@@ -71,13 +73,17 @@ impl Connected {
         let size = from(centre).fold(0.0, f64::max);
         let arm = from(reference.position).sum::<f64>() / count;
         let unit = |length: f64| if length > 0.0 { length } else { 1.0 };
-        let mut body = Self { dofs: Vec::new(), centre, size: unit(size), normal: Factor::new(0, Vec::new()) };
+        let mut body =
+            Self { dofs: Vec::new(), centre, size: unit(size), normal: Factor::new(0, Vec::new()), scale: [1.0; 6] };
         let poses: FxHashMap<u32, Pose> = nodes.into_iter().collect();
         for (dof, weight) in element.weights()? {
             let weight = if dof.component > 3 { weight * unit(arm).powi(2) } else { weight };
             body.dofs.push((dof, body.row(&poses[&dof.node], dof.component), weight));
         }
-        body.normal = Factor::new(6, body.normal_matrix());
+        let s = body.normal_matrix();
+        body.scale = std::array::from_fn(|i| if s[7 * i] > 0.0 { 1.0 / s[7 * i].sqrt() } else { 1.0 });
+        let scaled = s.iter().enumerate().map(|(k, value)| value * body.scale[k / 6] * body.scale[k % 6]);
+        body.normal = Factor::new(6, scaled.collect());
         Ok(body)
     }
 
@@ -100,10 +106,11 @@ impl Connected {
 
     /// What each connected component adds to one of the reference; none if they do not determine it.
     fn mean(&self, reference: &Pose, component: u8) -> Option<Vec<(Dof, f64)>> {
-        let mut motion = self.normal.solve(&self.row(reference, component))?;
+        let scaled = |row: &MotionRow| -> MotionRow { std::array::from_fn(|i| row[i] * self.scale[i]) };
+        let mut motion = self.normal.solve(&scaled(&self.row(reference, component)))?;
         let largest = motion.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
         motion.iter_mut().for_each(|x| *x = clean(*x, largest));
-        Some(self.dofs.iter().map(|(dof, row, weight)| (*dof, weight * product(row, &motion))).collect())
+        Some(self.dofs.iter().map(|(dof, row, weight)| (*dof, weight * product(&scaled(row), &motion))).collect())
     }
 }
 
@@ -201,6 +208,30 @@ mod tests {
         assert_eq!(slaves, [slave(1, 1), slave(1, 2), slave(9, 1), slave(9, 3), slave(9, 5), slave(4, 5)]);
         let others = rows.iter().flat_map(|row| &row.terms[1..]);
         assert_eq!(others.filter(|term| slaves.iter().any(|slave| slave.0 == term.0)).count(), 0);
+    }
+
+    /// Node 1 and 2 on either side of node 9, `L` away.
+    struct Beam(f64);
+
+    impl Poses for Beam {
+        fn pose(&self, node: u32) -> Result<Pose, Problem> {
+            let x = [(1, self.0), (2, -self.0)].into_iter().find_map(|(id, x)| (id == node).then_some(x));
+            Ok(Pose { position: [x.unwrap_or(0.0), 0.0, 0.0], axes: BASIC_AXES })
+        }
+    }
+
+    /// With `S = 2 (L^2 + L^2)` a rotation counts a quarter, in any unit of length; a deflection `L / S`.
+    #[test]
+    fn rotations_weigh_the_same_in_every_unit_of_length() {
+        for size in [1e-9, 1.0, 1000.0, 1e9] {
+            let rows = mean("6", &[(3.0, "123456", &[1, 2])]).rows(&Beam(size)).expect("a row");
+            let expected = [(9, 6, 1.0), (1, 2, -0.25 / size), (1, 6, -0.25), (2, 2, 0.25 / size), (2, 6, -0.25)];
+            assert_eq!(rows[0].terms.len(), expected.len());
+            for (&(dof, value), (node, component, wanted)) in rows[0].terms.iter().zip(expected) {
+                assert_eq!(dof, Dof { node, component });
+                assert!((value - wanted).abs() < 1e-14 * wanted.abs(), "{dof}: {value} for {wanted}");
+            }
+        }
     }
 
     #[test]

@@ -5,6 +5,16 @@
 //! their grid points, as Nastran has them; the first term is the dependent component. The one component of a scalar point
 //! is 0.
 //!
+//! | read | cards |
+//! | --- | --- |
+//! | points and axes | `GRID` `GRDSET` `SPOINT` `EPOINT` `CORD1R/C/S` `CORD2R/C/S` |
+//! | equations | `MPC` `MPCADD` `RBE1` `RBE2` `RBE3` `RBAR` `RROD` |
+//! | values | `SPC` `SPC1` `SPCADD` `SPCD`, PS of `GRID` |
+//! | loads | `LOAD` `FORCE` `MOMENT` `SLOAD` |
+//!
+//! Cards that constrain in other ways (such as `RSPLINE`, `RTRPLT`, `CWELD`) are named in a warning, as are sets that no
+//! subcase selects and selected sets that do not exist.
+//!
 //! ```
 //! # let place = tempfile::tempdir()?;
 //! let path = place.path().join("lug.bdf");
@@ -21,6 +31,7 @@ mod build;
 mod bulk;
 mod card;
 mod cases;
+mod content;
 mod control;
 mod coordinates;
 mod dense;

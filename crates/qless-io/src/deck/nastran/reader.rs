@@ -2,7 +2,8 @@
 
 use super::bulk::{Bulk, is_read};
 use super::card::{Card, Refused};
-use super::control::{Control, keyword};
+use super::content::{Content, Landmarks};
+use super::control::keyword;
 use super::fields::continues;
 use super::lines::{Include, Line, Visitor, walk};
 use crate::deck::{DeckError, Problem, Sources};
@@ -20,36 +21,11 @@ enum Section {
     Passed,
 }
 
-/// A file and a line of it, from 1.
-pub(super) type At = (u32, u32);
-
-/// Where the parts of a deck begin, for those who change it.
-#[derive(Debug, Default)]
-pub(super) struct Landmarks {
-    /// The first line of case control.
-    pub control: Option<At>,
-    /// The line after `BEGIN BULK`.
-    pub bulk: Option<At>,
-    /// `ENDDATA`.
-    pub end: Option<At>,
-    pub includes: Vec<Include>,
-}
-
-/// What a deck says.
-#[derive(Debug)]
-pub(super) struct Content {
-    pub landmarks: Landmarks,
-    pub bulk: Bulk,
-    /// None where the deck is bulk data alone.
-    pub control: Option<Control>,
-}
-
 /// Reads all lines of a deck.
 pub(super) fn read(sources: &mut Sources) -> Result<Content, DeckError> {
     let section = first_section(&sources.text(0));
-    let control = (section != Section::Bulk).then(Control::default);
-    let content = Content { landmarks: Landmarks::default(), bulk: Bulk::default(), control };
-    let mut reader = Reader { content, section, card: Card::default(), passing: true, follows_read: false };
+    let content = Content { landmarks: Landmarks::default(), bulk: Bulk::default(), control: None };
+    let mut reader = Reader { content, section, card: Card::default(), passing: true, follows_read: None };
     walk(sources, &mut reader)?;
     reader.finish_card(sources)?;
     Ok(reader.content)
@@ -76,8 +52,8 @@ struct Reader {
     card: Card,
     /// Whether the lines are those of a card that is not read.
     passing: bool,
-    /// Whether the last card was read.
-    follows_read: bool,
+    /// Whether the last card was read; none before the first.
+    follows_read: Option<bool>,
 }
 
 impl Visitor for Reader {
@@ -136,14 +112,14 @@ impl Reader {
     fn end_executive(&mut self, line: &Line) {
         self.section = Section::Control;
         self.content.control.get_or_insert_default();
-        self.content.landmarks.control.get_or_insert((line.file, line.number + 1));
+        self.content.landmarks.control = Some((line.file, line.number + 1));
     }
 
     /// `BEGIN BULK`, or the part of a superelement.
     fn begin(&mut self, rest: &[u8], line: &Line) {
         let text = String::from_utf8_lossy(rest).trim().to_ascii_uppercase();
         if text.is_empty() || text == "BULK" || text == "BULK SUPER=0" {
-            self.section = Section::Bulk;
+            (self.section, self.follows_read) = (Section::Bulk, None);
             self.content.landmarks.bulk.get_or_insert((line.file, line.number + 1));
             return;
         }
@@ -154,6 +130,9 @@ impl Reader {
 
     fn bulk(&mut self, line: &Line, sources: &Sources) -> Result<bool, DeckError> {
         if continues(line.text) {
+            if self.follows_read.is_none() {
+                return Err(error(line, "continuation", "a card before the line that continues it", sources));
+            }
             if !self.passing {
                 let taken = self.card.extend(line.text, line.file, line.number);
                 taken.map_err(|refused| self.error(refused, sources))?;
@@ -170,13 +149,20 @@ impl Reader {
             }
             name if name.starts_with(b"BEGIN") => self.begin(keyword(line.text).1, line),
             b"CEND" if self.content.control.is_none() => self.end_executive(line),
-            name if name.starts_with(b"=") && self.follows_read => return Err(replication(line, sources)),
+            name if name.starts_with(b"=") && self.follows_read == Some(true) => {
+                return Err(error(
+                    line,
+                    "=",
+                    "a card with all of its fields (copies by `=` are not understood)",
+                    sources,
+                ));
+            }
             name if is_read(name) => {
-                (self.passing, self.follows_read) = (false, true);
+                (self.passing, self.follows_read) = (false, Some(true));
                 let begun = self.card.begin(name, line.text, line.file, line.number);
                 begun.map_err(|refused| self.error(refused, sources))?;
             }
-            _ => self.follows_read = false,
+            _ => self.follows_read = Some(false),
         }
         Ok(true)
     }
@@ -195,12 +181,11 @@ impl Reader {
     }
 }
 
-/// `=` repeats the fields of the card before it.
-fn replication(line: &Line, sources: &Sources) -> DeckError {
-    let expected = "a card with all of its fields (copies by `=` are not understood)";
-    let problem = Problem::Expected { expected, found: quote(line.text) };
+/// Something else is expected than the line.
+fn error(line: &Line, card: &str, expected: &'static str, sources: &Sources) -> DeckError {
+    let problem = Problem::Expected { expected, found: quote(line.text.trim_ascii()) };
     let path = sources.path(line.file as usize).to_path_buf();
-    DeckError { path, line: line.number as usize, card: "=".into(), field: None, problem }
+    DeckError { path, line: line.number as usize, card: card.into(), field: None, problem }
 }
 
 /// The first field in capitals, without its `*`; empty if it is too long for a name.

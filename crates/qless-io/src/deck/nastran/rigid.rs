@@ -52,8 +52,8 @@ impl Rigid {
     fn about_one_point(&self, node: u32, poses: &impl Poses) -> Result<Vec<Row>, Problem> {
         let centre = poses.pose(node)?;
         self.each_dependent(poses, |pose, component| {
-            let along = centre.along(pose.row(component, centre.position));
-            along.into_iter().zip(1..).map(|(value, component)| (Dof { node, component }, value)).collect()
+            let row = pose.seen_from(&centre).row(component, [0.0; 3]);
+            row.into_iter().zip(1..).map(|(value, component)| (Dof { node, component }, value)).collect()
         })
     }
 

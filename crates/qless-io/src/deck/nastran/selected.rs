@@ -4,10 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::build::fail;
 use super::bulk::{Bulk, Tie};
+use super::content::Content;
 use super::control::{Choice, Selection};
 use super::loads::parts;
 use super::place::Place;
-use super::reader::Content;
 use super::sets::{Unions, members};
 use crate::deck::{DeckError, Model};
 

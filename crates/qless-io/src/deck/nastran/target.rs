@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use super::bulk::Tie;
+use super::content::Content;
 use super::control::Selection;
-use super::reader::Content;
 use super::selected::selections;
 use super::sets::members;
 use super::write::Change;

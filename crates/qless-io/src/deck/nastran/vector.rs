@@ -27,7 +27,8 @@ pub(in crate::deck) fn minus(a: Vector, b: Vector) -> Vector {
     })
 }
 
-fn largest(a: Vector) -> f64 {
+/// The largest |a_i|.
+pub(super) fn largest(a: Vector) -> f64 {
     a.iter().fold(0.0, |m: f64, x| m.max(x.abs()))
 }
 

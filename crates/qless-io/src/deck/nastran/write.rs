@@ -3,7 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use super::reader::{At, Content, read};
+use super::content::{At, Content};
+use super::reader::read;
 use super::target::Target;
 use super::wide::mpc;
 use crate::deck::clean::{CleanError, Edits, Plan, Reason, Removed};

@@ -1,0 +1,85 @@
+//! The four duties of a constraint type, after section "constraint library" of the seed.
+//!
+//! | duty | here |
+//! | --- | --- |
+//! | check the input, store the parameters | [`Constraint::process`] |
+//! | list of DOFs, list of DOF pairs | the DOFs given to [`Store`], [`Nonlinear::pairs`] |
+//! | value `c_i`, Jacobian rows `G_i` | [`Nonlinear::value_and_jacobian`] |
+//! | effective Hessian `sum_r w_r H_r` | [`Nonlinear::hessian`]; absent for linear types |
+//!
+//! A new type is one file with these two traits, and one line that names the file.
+
+use crate::derive;
+use crate::scalar::Scalar;
+use crate::set::Store;
+
+/// What the user gives for one constraint.
+///
+/// ```
+/// use qless_constraints::{Constraint, ConstraintSet, Store};
+/// /// `u_a = f u_b`: a gear.
+/// struct Gear {
+///     a: usize,
+///     b: usize,
+///     ratio: f64,
+/// }
+/// #[derive(Debug, thiserror::Error)]
+/// #[error("the ratio of a gear is zero")]
+/// struct NoRatio;
+/// impl Constraint for Gear {
+///     const NAME: &'static str = "gear";
+///     type Error = NoRatio;
+///     fn process(self, store: &mut Store) -> Result<(), NoRatio> {
+///         if self.ratio == 0.0 {
+///             return Err(NoRatio);
+///         }
+///         store.equation("", [(self.a, 1.0), (self.b, -self.ratio)], 0.0);
+///         Ok(())
+///     }
+/// }
+/// let mut builder = ConstraintSet::builder(2);
+/// builder.add("gear 1", Gear { a: 0, b: 1, ratio: 2.0 })?;
+/// let error = builder.add("gear 2", Gear { a: 0, b: 1, ratio: 0.0 }).unwrap_err();
+/// assert_eq!(error.to_string(), "gear \"gear 2\": the ratio of a gear is zero");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub trait Constraint {
+    /// What the type is called in messages.
+    const NAME: &'static str;
+    /// What can be wrong with the input of this type.
+    type Error: std::error::Error + Send + Sync + 'static;
+
+    /// Checks the input and hands its linear equations and nonlinear parts to the store.
+    ///
+    /// # Errors
+    /// One that says what is wrong with the input. DOFs out of range, repeated DOFs and numbers that are not finite are
+    /// found by the store, for all types alike. Nothing is stored then.
+    fn process(self, store: &mut Store) -> Result<(), Self::Error>;
+}
+
+/// The stored parameters of nonlinear equations that share n DOFs: `c(u) = 0`, one row per part.
+///
+/// `u` are the values of the constraint's own DOFs, in the order of its list. Only [`Nonlinear::value`] is required:
+/// without more, derivatives are taken by dual numbers, exact to rounding.
+pub trait Nonlinear: Send + Sync + Sized + 'static {
+    /// A name for each equation, such as "x"; a single equation has an empty one.
+    const PARTS: &'static [&'static str];
+
+    /// `c`, length of `PARTS`.
+    fn value<S: Scalar>(&self, u: &[S], c: &mut [S]);
+
+    /// Calls `pair(j, k)`, `j >= k`, once for each pair of local DOFs for which some `d^2 c / du_j du_k` is not zero.
+    fn pairs(&self, dofs: usize, pair: &mut dyn FnMut(usize, usize)) {
+        (0..dofs).for_each(|j| (0..=j).for_each(|k| pair(j, k)));
+    }
+
+    /// `c`, and `dc_r / du_j` at `g[r * n + j]`; every number is written.
+    fn value_and_jacobian(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
+        derive::jacobian(self, u, c, g);
+    }
+
+    /// `sum_r w_r d^2 c_r / du_j du_k`, one number per pair, in the order of [`Nonlinear::pairs`]; every number is written.
+    fn hessian(&self, u: &[f64], w: &[f64], h: &mut [f64]) {
+        derive::hessian(self, u, w, h);
+    }
+}

@@ -1,0 +1,134 @@
+//! What a point or a direction is attached to: the ground, a node, or a body with rotations.
+
+use super::rotation::{by_euler, by_vector};
+use super::turned;
+use crate::scalar::Scalar;
+use crate::scalar::vector::{Vector, add, lift};
+
+/// A body of a mechanism. All its DOFs are zero in the reference configuration.
+///
+/// Position `x = at + u`. Rotation: a rotation vector `theta` (valid below one turn, where R is regular), or Euler
+/// parameters `p = (1, 0, 0, 0) + u`, which need [`super::super::types::EulerNorm`] once per body.
+///
+/// ```
+/// use qless_constraints::types::Body;
+/// let crank = Body::with_euler([0, 1, 2], [0.5, 0.0, 0.0], [3, 4, 5, 6]);
+/// let rod = Body::with_vector([7, 8, 9], [1.0, 0.0, 0.0], [10, 11, 12]);
+/// assert_ne!(crank, rod);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Body {
+    pub(crate) kind: Kind,
+    pub(crate) position: [usize; 3],
+    pub(crate) at: Vector<f64>,
+    pub(crate) rotation: [usize; 4],
+}
+
+/// How a body moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Kind {
+    Ground,
+    Node,
+    Vector,
+    Euler,
+}
+
+impl Kind {
+    pub fn positions(self) -> usize {
+        if self == Self::Ground { 0 } else { 3 }
+    }
+
+    pub fn rotations(self) -> usize {
+        match self {
+            Self::Ground | Self::Node => 0,
+            Self::Vector => 3,
+            Self::Euler => 4,
+        }
+    }
+
+    /// The vector `s` of the reference configuration, turned; `u` are the rotations.
+    pub fn turn<S: Scalar>(self, u: &[S], s: Vector<f64>) -> Vector<S> {
+        match self {
+            Self::Ground | Self::Node => lift(s),
+            Self::Vector => by_vector([u[0], u[1], u[2]], s),
+            Self::Euler => by_euler([S::from(1.0) + u[0], u[1], u[2], u[3]], s),
+        }
+    }
+}
+
+impl Body {
+    /// What does not move.
+    pub fn ground() -> Self {
+        Self { kind: Kind::Ground, position: [0; 3], at: [0.0; 3], rotation: [0; 4] }
+    }
+
+    /// A node without rotations, for joints that fix a point only.
+    pub fn node(node: super::node::Point) -> Self {
+        Self { kind: Kind::Node, position: node.dofs, at: node.at, ..Self::ground() }
+    }
+
+    /// A body with a rotation vector.
+    pub fn with_vector(position: [usize; 3], at: Vector<f64>, rotation: [usize; 3]) -> Self {
+        let [x, y, z] = rotation;
+        Self { kind: Kind::Vector, position, at, rotation: [x, y, z, 0] }
+    }
+
+    /// A body with Euler parameters.
+    pub fn with_euler(position: [usize; 3], at: Vector<f64>, rotation: [usize; 4]) -> Self {
+        Self { kind: Kind::Euler, position, at, rotation }
+    }
+
+    pub(crate) fn turns(&self) -> bool {
+        self.kind.rotations() > 0
+    }
+
+    pub(crate) fn rotation_dofs(&self) -> &[usize] {
+        &self.rotation[..self.kind.rotations()]
+    }
+
+    pub(crate) fn dofs(&self) -> Vec<usize> {
+        let position = &self.position[..self.kind.positions()];
+        [position, self.rotation_dofs()].concat()
+    }
+
+    /// What moves with the body at `point`, a point of the reference configuration.
+    pub(crate) fn carry(&self, point: Vector<f64>) -> Carrier {
+        let arm = std::array::from_fn(|k| point[k] - self.at[k]);
+        Carrier { kind: self.kind, at: self.at, arm }
+    }
+}
+
+/// A point that moves with a body: `x = at + u + R arm`.
+#[derive(Clone, Copy)]
+pub(crate) struct Carrier {
+    pub kind: Kind,
+    at: Vector<f64>,
+    arm: Vector<f64>,
+}
+
+impl Carrier {
+    pub fn dofs(&self) -> usize {
+        self.kind.positions() + self.kind.rotations()
+    }
+
+    /// Where the point is; `u` are the DOFs of the body.
+    pub fn point<S: Scalar>(&self, u: &[S]) -> Vector<S> {
+        let (position, rotation) = u.split_at(self.kind.positions());
+        let turned = add(lift(self.at), self.kind.turn(rotation, self.arm));
+        if position.is_empty() { turned } else { add(turned, [position[0], position[1], position[2]]) }
+    }
+
+    /// The gradient of `m . x`, in all DOFs of the body.
+    #[inline]
+    pub fn slope(&self, u: &[f64], m: Vector<f64>, out: &mut [f64]) {
+        let (position, rotation) = out.split_at_mut(self.kind.positions());
+        position.copy_from_slice(&m[..position.len()]);
+        turned::gradient(self.kind, &u[position.len()..], self.arm, m, rotation);
+    }
+
+    /// The lower triangle of the Hessian of `m . x`, in the rotations.
+    #[inline]
+    pub fn curvature(&self, u: &[f64], m: Vector<f64>, out: &mut [f64]) {
+        turned::hessian(self.kind, &u[self.kind.positions()..], self.arm, m, out);
+    }
+}

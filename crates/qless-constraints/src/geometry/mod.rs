@@ -1,0 +1,8 @@
+//! Points, faces and rotations that the types share.
+
+pub mod carrier;
+pub mod node;
+pub mod project;
+pub mod rotation;
+pub mod shape;
+pub mod turned;

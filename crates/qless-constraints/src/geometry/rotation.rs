@@ -1,0 +1,71 @@
+//! `R s`: a vector that turns with a body.
+
+use crate::scalar::Scalar;
+use crate::scalar::vector::{Vector, add, cross, dot, lift, scale};
+
+/// `R(theta) s = s + (sin t / t) theta x s + ((1 - cos t) / t^2) theta x (theta x s)` with `t = |theta|` (Rodrigues).
+///
+/// Both factors are smooth functions of `t^2`, and series of it near zero, so that derivatives at rest are exact too.
+pub fn by_vector<S: Scalar>(theta: Vector<S>, s: Vector<f64>) -> Vector<S> {
+    let (sine, versine) = factors(dot(theta, theta));
+    let once = cross(theta, lift(s));
+    let twice = cross(theta, once);
+    add(lift(s), add(scale(sine, once), scale(versine, twice)))
+}
+
+/// `sin t / t` and `(1 - cos t) / t^2` from `y = t^2`.
+fn factors<S: Scalar>(y: S) -> (S, S) {
+    if y.real() < 0.25 {
+        // sum (-y)^k / (2k + 1)! and sum (-y)^k / (2k + 2)!; the ninth term is below 1e-20.
+        return (series(y, 1.0), series(y, 2.0));
+    }
+    let t = y.sqrt();
+    let half = (t * S::from(0.5)).sin();
+    (t.sin() / t, S::from(2.0) * half * half / y)
+}
+
+/// `sum_k (-y)^k / (2k + first)!`, `first` 1 or 2.
+fn series<S: Scalar>(y: S, first: f64) -> S {
+    let mut sum = S::from(1.0);
+    for k in (1..9).rev() {
+        let n = 2.0 * f64::from(k) + first;
+        sum = S::from(1.0) - y * sum / S::from(n * (n - 1.0));
+    }
+    sum / S::from(first)
+}
+
+/// `R(p) s = (e0^2 - e.e) s + 2 (e.s) e + 2 e0 e x s` with Euler parameters `p = (e0, e)`; a rotation if `|p| = 1`.
+pub fn by_euler<S: Scalar>(p: [S; 4], s: Vector<f64>) -> Vector<S> {
+    let (e0, e, s) = (p[0], [p[1], p[2], p[3]], lift(s));
+    let two = S::from(2.0);
+    let along = scale(two * dot(e, s), e);
+    let across = scale(two * e0, cross(e, s));
+    add(scale(e0 * e0 - dot(e, e), s), add(along, across))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scalar::vector::{norm, sub};
+
+    /// A quarter turn and a tiny one about z, and lengths kept on both sides of the switch to series.
+    #[test]
+    fn rotation_vectors_rotate() {
+        let quarter = by_vector([0.0, 0.0, std::f64::consts::FRAC_PI_2], [1.0, 0.0, 0.0]);
+        assert!(norm(sub(quarter, [0.0, 1.0, 0.0])) < 1e-15);
+        for t in [1e-9_f64, 0.3, 0.499_999, 0.500_001, 2.0, 3.1] {
+            let turned = by_vector([0.0, 0.0, t], [1.0, 0.0, 0.0]);
+            assert!(norm(sub(turned, [t.cos(), t.sin(), 0.0])) < 4e-16, "angle {t}");
+        }
+    }
+
+    #[test]
+    fn euler_parameters_are_the_same_rotation() {
+        let theta = [0.3, -0.7, 0.5];
+        let t = norm(theta);
+        let e = scale((t / 2.0).sin() / t, theta);
+        let s = [1.0, 2.0, -0.5];
+        let difference = sub(by_euler([(t / 2.0).cos(), e[0], e[1], e[2]], s), by_vector(theta, s));
+        assert!(norm(difference) < 1e-15);
+    }
+}

@@ -1,0 +1,238 @@
+//! Newton's method with the elimination applied to G: `G du = -c`, `du_s = T du_q + G du_p + g` (Eq. 23-26 at every iterate).
+//!
+//! Redundant constraints are a trap here: off the solution their rows of G are almost, not exactly, dependent, and a step that
+//! satisfies both would be huge. A row therefore counts as independent only by more than G has changed in the last step. What
+//! is left out comes in again as steps get smaller, so that a row is never lost for good unless it is redundant.
+
+mod redundancy;
+mod residual;
+
+use qless::{Analysis, AnalysisError, ConstraintSystem, Kind, Options, SystemError, Tolerance, analyse};
+
+pub use redundancy::{Redundancy, redundancies};
+use residual::{change, residuals};
+
+use crate::{ConstraintSet, Quantities};
+
+/// The largest tolerance that a step is made with.
+const LOOSEST: f64 = 1e-2;
+
+/// Settings of [`solve`].
+#[derive(Clone, Debug)]
+pub struct NewtonOptions {
+    /// Done when `max_i |c_i| / max_j |G_ij| <= tolerance max(1, max |u|)`: what is left to move. Default 1e-12.
+    pub tolerance: f64,
+    /// Most steps. Default 30.
+    pub steps: usize,
+    /// How the linearised equations are analysed. The tolerance is the one at the solution.
+    pub analysis: Options,
+}
+
+impl Default for NewtonOptions {
+    fn default() -> Self {
+        Self { tolerance: 1e-12, steps: 30, analysis: Options::default() }
+    }
+}
+
+/// One iterate: what was found before its step was made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Iterate {
+    /// `max_i |c_i| / max_j |G_ij|`, and what prescribed DOFs have yet to move if that is more.
+    pub residual: f64,
+    /// Tolerance below which a row counted as dependent.
+    pub tolerance: f64,
+    /// Rank of G.
+    pub rank: usize,
+    /// Equations left out of the step.
+    pub left_out: Vec<usize>,
+}
+
+/// A configuration that satisfies all constraints.
+#[derive(Clone, Debug)]
+pub struct Solution {
+    /// The DOFs.
+    pub u: Vec<f64>,
+    /// The way there; the last one is the solution.
+    pub iterates: Vec<Iterate>,
+    /// Equations that are redundant at the solution.
+    pub redundant: Vec<usize>,
+}
+
+/// Why no solution was found.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NewtonError {
+    /// A number of the linearised equations is not finite, or a prescribed DOF is not valid.
+    #[error("at step {step}: {source}")]
+    System {
+        /// From 0.
+        step: usize,
+        /// What is wrong.
+        source: SystemError,
+    },
+    /// The linearised equations cannot be analysed.
+    #[error("at step {step}: {source}")]
+    Analysis {
+        /// From 0.
+        step: usize,
+        /// What is wrong.
+        source: AnalysisError,
+    },
+    /// Constraints that cannot hold together with those that they depend on.
+    #[error("{} cannot hold together with the equations that it depends on: {amount} is left of it", .labels.join(" and "))]
+    Conflict {
+        /// The equations.
+        rows: Vec<usize>,
+        /// Their labels.
+        labels: Vec<String>,
+        /// The largest residual among them.
+        amount: f64,
+    },
+    /// Too many steps.
+    #[error("no convergence in {steps} steps: the residual is {residual}; start nearer to the solution")]
+    NoConvergence {
+        /// Steps made.
+        steps: usize,
+        /// Residual at the end.
+        residual: f64,
+    },
+}
+
+/// Finds `c(u) = 0` from `u`; DOFs that are not slaves stay, prescribed ones `(DOF, value)` take their values.
+///
+/// Near a solution the residual falls as `r_(k+1) <= C r_k^2`, with redundant constraints in the set too.
+///
+/// ```
+/// use qless_constraints::newton::{NewtonOptions, solve};
+/// use qless_constraints::{ConstraintSet, types::{OnSphere, PlanarPoint}};
+/// let point = PlanarPoint::new([0, 1], [1.0, 0.0]);
+/// let mut builder = ConstraintSet::builder(2);
+/// builder.add("crank", OnSphere { point, centre: [0.0; 2], radius: None })?;
+/// let solution = solve(&builder.build(), &[0.0, 0.5], &[(1, 0.6)], &NewtonOptions::default())?;
+/// // (0.8, 0.6) is on the circle.
+/// assert!((solution.u[0] + 0.2).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`NewtonError`].
+///
+/// # Panics
+/// If `u` does not have one value per DOF.
+pub fn solve(
+    set: &ConstraintSet,
+    u: &[f64],
+    prescribed: &[(usize, f64)],
+    options: &NewtonOptions,
+) -> Result<Solution, NewtonError> {
+    let mut run = Run::new(set, u, prescribed, options);
+    for step in 0..=options.steps {
+        let (system, analysis) = run.look(step)?;
+        if run.done() {
+            let redundant = dependent(&analysis);
+            return Ok(Solution { u: run.u, iterates: run.iterates, redundant });
+        }
+        run.check_conflict(&analysis)?;
+        run.advance(&system, &analysis);
+    }
+    Err(NewtonError::NoConvergence { steps: options.steps, residual: run.last() })
+}
+
+/// Equations that are not kept.
+pub(crate) fn dependent(analysis: &Analysis) -> Vec<usize> {
+    analysis.dependent.iter().map(|dependent| dependent.row).collect()
+}
+
+/// The state between two steps.
+struct Run<'a> {
+    set: &'a ConstraintSet,
+    options: &'a NewtonOptions,
+    prescribed: &'a [(usize, f64)],
+    u: Vec<f64>,
+    quantities: Quantities,
+    residuals: Vec<f64>,
+    tolerance: f64,
+    iterates: Vec<Iterate>,
+}
+
+impl<'a> Run<'a> {
+    fn new(set: &'a ConstraintSet, u: &[f64], prescribed: &'a [(usize, f64)], options: &'a NewtonOptions) -> Self {
+        let mut quantities = set.allocate();
+        set.evaluate(u, &mut quantities);
+        let residuals = residuals(&quantities);
+        let u = u.to_vec();
+        Self { set, options, prescribed, u, quantities, residuals, tolerance: base(options), iterates: Vec::new() }
+    }
+
+    /// Linearises and analyses at the present u.
+    fn look(&mut self, step: usize) -> Result<(ConstraintSystem, Analysis), NewtonError> {
+        let increments: Vec<_> = self.prescribed.iter().map(|&(j, v)| (j, v - self.u.get(j).unwrap_or(&0.0))).collect();
+        let system = self
+            .set
+            .linearised(&self.quantities, &increments)
+            .map_err(|source| NewtonError::System { step, source })?;
+        if self.satisfied(|_| true) {
+            self.tolerance = base(self.options);
+        }
+        let options = Options { tolerance: Tolerance::Relative(self.tolerance), ..self.options.analysis.clone() };
+        let analysis = analyse(&system, &options).map_err(|source| NewtonError::Analysis { step, source })?;
+        let ahead = increments.iter().map(|&(_, increment): &(usize, f64)| increment.abs());
+        self.iterates.push(Iterate {
+            residual: self.residuals.iter().copied().chain(ahead).fold(0.0, f64::max),
+            tolerance: self.tolerance,
+            rank: analysis.rank(),
+            left_out: dependent(&analysis),
+        });
+        Ok((system, analysis))
+    }
+
+    fn last(&self) -> f64 {
+        self.iterates.last().map_or(0.0, |iterate| iterate.residual)
+    }
+
+    /// Whether the chosen equations hold to the tolerance.
+    fn satisfied(&self, chosen: impl Fn(usize) -> bool) -> bool {
+        let size = self.u.iter().fold(1.0, |most: f64, u| most.max(u.abs()));
+        let holds = |r: f64| r <= self.options.tolerance * size;
+        self.residuals.iter().enumerate().all(|(row, &r)| holds(r) || !chosen(row))
+    }
+
+    fn done(&self) -> bool {
+        let there = |&(j, v): &(usize, f64)| (self.u[j] - v).abs() <= self.options.tolerance * v.abs().max(1.0);
+        self.satisfied(|_| true) && self.prescribed.iter().all(there)
+    }
+
+    /// All that is kept holds, at the strictest tolerance, and something that is left out does not.
+    fn check_conflict(&self, analysis: &Analysis) -> Result<(), NewtonError> {
+        let strict = self.tolerance <= base(self.options);
+        if !strict || !self.satisfied(|row| analysis.kinds[row] == Kind::Independent) {
+            return Ok(());
+        }
+        let unsatisfied = |&row: &usize| !self.satisfied(|other| other == row);
+        let rows: Vec<usize> = dependent(analysis).into_iter().filter(unsatisfied).collect();
+        if rows.is_empty() {
+            return Ok(());
+        }
+        let labels = rows.iter().map(|&row| self.set.label(row)).collect();
+        let amount = rows.iter().map(|&row| self.residuals[row]).fold(0.0, f64::max);
+        Err(NewtonError::Conflict { rows, labels, amount })
+    }
+
+    /// `u += du`, masters staying where they are.
+    fn advance(&mut self, system: &ConstraintSystem, analysis: &Analysis) {
+        let reduction = analysis.reduction(system);
+        let increments: Vec<f64> = system.prescribed().iter().map(|&(_, v)| v).collect();
+        let du = reduction.expand(&vec![0.0; reduction.masters.len()], &increments);
+        self.u.iter_mut().zip(&du).for_each(|(u, du)| *u += du);
+        let before = self.quantities.g.clone();
+        self.set.evaluate(&self.u, &mut self.quantities);
+        self.residuals = residuals(&self.quantities);
+        self.tolerance = change(&before, &self.quantities.g).clamp(base(self.options), LOOSEST.max(base(self.options)));
+    }
+}
+
+fn base(options: &NewtonOptions) -> f64 {
+    match options.analysis.tolerance {
+        Tolerance::Relative(value) => value,
+        Tolerance::Paper => 1e-10,
+    }
+}

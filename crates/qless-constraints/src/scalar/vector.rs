@@ -1,0 +1,81 @@
+//! Vectors of three: `a + b`, `a . b`, `a x b`.
+
+use super::Scalar;
+
+/// Three components.
+pub type Vector<S> = [S; 3];
+
+/// A constant vector as one of scalars.
+pub fn lift<S: Scalar>(a: Vector<f64>) -> Vector<S> {
+    a.map(S::from)
+}
+
+/// `a + b`.
+pub fn add<S: Scalar>(a: Vector<S>, b: Vector<S>) -> Vector<S> {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+/// `a - b`.
+pub fn sub<S: Scalar>(a: Vector<S>, b: Vector<S>) -> Vector<S> {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// `f a`.
+pub fn scale<S: Scalar>(f: S, a: Vector<S>) -> Vector<S> {
+    a.map(|x| f * x)
+}
+
+/// `a . b`.
+pub fn dot<S: Scalar>(a: Vector<S>, b: Vector<S>) -> S {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// `a x b`.
+pub fn cross<S: Scalar>(a: Vector<S>, b: Vector<S>) -> Vector<S> {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// `|a|`.
+pub fn norm<S: Scalar>(a: Vector<S>) -> S {
+    dot(a, a).sqrt()
+}
+
+/// `a / |a|`, or nothing if its length is zero or not finite.
+///
+/// ```
+/// use qless_constraints::scalar::vector::unit;
+/// assert_eq!(unit([0.0, 3.0, 4.0]), Some([0.0, 0.6, 0.8]));
+/// assert_eq!(unit([0.0; 3]), None);
+/// ```
+pub fn unit(a: Vector<f64>) -> Option<Vector<f64>> {
+    let largest = a.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let sound = a.iter().all(|x| x.is_finite()) && largest > 0.0;
+    let scaled = a.map(|x| x / largest);
+    sound.then(|| scaled.map(|x| x / norm(scaled)))
+}
+
+/// Two unit vectors perpendicular to the unit vector `a` and to each other.
+pub fn perpendicular(a: Vector<f64>) -> [Vector<f64>; 2] {
+    let smallest = (0..3).min_by(|&i, &j| a[i].abs().total_cmp(&a[j].abs())).unwrap_or(0);
+    let mut other = [0.0; 3];
+    other[smallest] = 1.0;
+    let across = cross(a, other);
+    let across = scale(1.0 / norm(across), across);
+    [across, cross(a, across)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn perpendicular_vectors_are_a_frame() {
+        for a in [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [1.0, 2.0, 3.0], [-1.0, 1.0, 1.0]] {
+            let a = unit(a).expect("not zero");
+            let [b, c] = perpendicular(a);
+            for (x, y, truth) in [(a, b, 0.0), (a, c, 0.0), (b, c, 0.0), (b, b, 1.0), (c, c, 1.0)] {
+                assert!((dot(x, y) - truth).abs() < 1e-15);
+            }
+        }
+    }
+}

@@ -1,0 +1,230 @@
+//! `H = sum_r w_r H_r`: where the Hessian of each constraint goes, and the sum itself.
+//!
+//! Rows of H are cut into chunks of about equal work. A task owns one chunk and takes all constraints that touch it, in their
+//! order, so that no two tasks write the same entry and the sum does not depend on the threads. A constraint that
+//! touches two chunks is evaluated twice, which costs less than a lock.
+
+use std::sync::Arc;
+
+use qless::Csr;
+use rayon::prelude::*;
+
+use super::block::Block;
+
+/// Entries of H per task: they stay in the cache of one core.
+const ENTRIES: usize = 1 << 14;
+/// The place of an entry that belongs to another task.
+const ELSEWHERE: u32 = u32::MAX;
+
+/// The pattern of H and the way into it.
+pub(super) struct Plan {
+    start: Vec<usize>,
+    col: Vec<u32>,
+    chunks: Vec<Chunk>,
+}
+
+/// Rows of H that one task owns.
+struct Chunk {
+    entries: usize,
+    /// One share per block; blocks of no interest have none.
+    shares: Vec<(usize, Share)>,
+}
+
+/// Constraints of one block that touch a chunk, and where their entries go.
+pub(super) struct Share {
+    pub items: Vec<u32>,
+    pub places: Vec<u32>,
+    pub mirror: Arc<Mirrors>,
+}
+
+/// How pairs become entries: `(j, k)` and, off the diagonal, `(k, j)`. One for each kind of list that occurs in a block.
+pub(super) struct Mirrors {
+    kinds: Vec<Mirror>,
+    /// Which kind a constraint has; empty if there is only one.
+    kind: Vec<u32>,
+}
+
+/// The pair that each entry comes from.
+#[derive(PartialEq)]
+pub(super) struct Mirror {
+    pub pairs: usize,
+    pub source: Vec<u32>,
+}
+
+impl Mirrors {
+    pub fn of(&self, i: usize) -> &Mirror {
+        &self.kinds[self.kind.get(i).map_or(0, |&kind| kind as usize)]
+    }
+
+    fn new(block: &dyn Block) -> Self {
+        let mut kinds: Vec<Mirror> = Vec::new();
+        let mut kind = Vec::with_capacity(block.items());
+        for i in 0..block.items() {
+            let mirror = mirror(block, i);
+            let known = kinds.iter().position(|k| *k == mirror);
+            kind.push(known.unwrap_or(kinds.len()) as u32);
+            if known.is_none() {
+                kinds.push(mirror);
+            }
+        }
+        if kinds.len() <= 1 {
+            kind = Vec::new();
+        }
+        Self { kinds, kind }
+    }
+}
+
+fn mirror(block: &dyn Block, i: usize) -> Mirror {
+    let mut mirror = Mirror { pairs: 0, source: Vec::new() };
+    block.pairs(i, &mut |j, k| {
+        let copies = if j == k { 1 } else { 2 };
+        mirror.source.extend(std::iter::repeat_n(mirror.pairs as u32, copies));
+        mirror.pairs += 1;
+    });
+    mirror
+}
+
+/// All entries of a constraint, in the order of its [`Mirror`].
+fn entries(block: &dyn Block, i: usize, entry: &mut dyn FnMut(u32, u32)) {
+    block.pairs(i, &mut |j, k| {
+        entry(j, k);
+        if j != k {
+            entry(k, j);
+        }
+    });
+}
+
+impl Plan {
+    /// "All pair lists are combined and sorted, duplicates are eliminated."
+    pub fn new(blocks: &[Box<dyn Block>], dofs: usize) -> Self {
+        let (start, col) = pattern(blocks, dofs);
+        let (chunk_of, first_rows) = cut(&start);
+        let mut chunks: Vec<Chunk> = first_rows
+            .windows(2)
+            .map(|rows| Chunk { entries: start[rows[1]] - start[rows[0]], shares: Vec::new() })
+            .collect();
+        for (b, block) in blocks.iter().enumerate() {
+            share_out(b, block.as_ref(), &chunk_of, &mut chunks);
+        }
+        let mut plan = Self { start, col, chunks };
+        plan.find_places(blocks, &first_rows);
+        plan
+    }
+
+    fn find_places(&mut self, blocks: &[Box<dyn Block>], first_rows: &[usize]) {
+        let (start, col) = (&self.start, &self.col);
+        self.chunks.par_iter_mut().zip(first_rows.par_windows(2)).for_each(|(chunk, rows)| {
+            let base = start[rows[0]];
+            for (b, share) in &mut chunk.shares {
+                for &i in &share.items {
+                    entries(blocks[*b].as_ref(), i as usize, &mut |j, k| {
+                        let row = j as usize;
+                        let inside = (rows[0]..rows[1]).contains(&row);
+                        let place = || position(&col[start[row]..start[row + 1]], k) + start[row] - base;
+                        share.places.push(if inside { place() as u32 } else { ELSEWHERE });
+                    });
+                }
+            }
+        });
+    }
+
+    pub fn nnz(&self) -> usize {
+        self.col.len()
+    }
+
+    pub fn allocate(&self) -> Csr {
+        Csr {
+            cols: self.start.len() - 1,
+            start: self.start.clone(),
+            col: self.col.clone(),
+            val: vec![0.0; self.col.len()],
+        }
+    }
+
+    /// Writes all entries. `linear` rows come first and have no share in H.
+    pub fn fill(&self, blocks: &[Box<dyn Block>], linear: usize, u: &[f64], w: &[f64], out: &mut [f64]) {
+        let mut weights = Vec::with_capacity(blocks.len());
+        let mut rest = &w[linear..];
+        for block in blocks {
+            let own;
+            (own, rest) = rest.split_at(block.rows());
+            weights.push(own);
+        }
+        let mut tasks = Vec::with_capacity(self.chunks.len());
+        let mut rest = out;
+        for chunk in &self.chunks {
+            let own;
+            (own, rest) = rest.split_at_mut(chunk.entries);
+            tasks.push((chunk, own));
+        }
+        tasks.into_par_iter().for_each(|(chunk, out)| {
+            out.fill(0.0);
+            chunk.shares.iter().for_each(|(b, share)| blocks[*b].add_hessian(u, weights[*b], share, out));
+        });
+    }
+}
+
+/// The place of a column that is there.
+fn position(cols: &[u32], k: u32) -> usize {
+    cols.partition_point(|&col| col < k)
+}
+
+/// Compressed rows of all entries, sorted, none twice.
+fn pattern(blocks: &[Box<dyn Block>], dofs: usize) -> (Vec<usize>, Vec<u32>) {
+    let each = |entry: &mut dyn FnMut(u32, u32)| {
+        for block in blocks {
+            (0..block.items()).for_each(|i| entries(block.as_ref(), i, entry));
+        }
+    };
+    let mut next = vec![0_usize; dofs + 1];
+    each(&mut |j, _| next[j as usize + 1] += 1);
+    (0..dofs).for_each(|j| next[j + 1] += next[j]);
+    let raw = next.clone();
+    let mut all = vec![0_u32; raw[dofs]];
+    each(&mut |j, k| {
+        all[next[j as usize]] = k;
+        next[j as usize] += 1;
+    });
+    let (mut start, mut col) = (vec![0], Vec::new());
+    for j in 0..dofs {
+        let row = &mut all[raw[j]..raw[j + 1]];
+        row.sort_unstable();
+        col.extend(row.chunk_by(|a, b| a == b).map(|same| same[0]));
+        start.push(col.len());
+    }
+    (start, col)
+}
+
+/// The chunk of each row, and the first row of each chunk, with one more at the end.
+fn cut(start: &[usize]) -> (Vec<u32>, Vec<usize>) {
+    let rows = start.len() - 1;
+    let (mut chunk_of, mut first) = (Vec::with_capacity(rows), vec![0]);
+    for row in 0..rows {
+        if start[row + 1] - start[first[first.len() - 1]] > ENTRIES && row > first[first.len() - 1] {
+            first.push(row);
+        }
+        chunk_of.push(first.len() as u32 - 1);
+    }
+    first.push(rows);
+    (chunk_of, first)
+}
+
+/// Gives each constraint of a block to the chunks that it touches.
+fn share_out(b: usize, block: &dyn Block, chunk_of: &[u32], chunks: &mut [Chunk]) {
+    let mirror = Arc::new(Mirrors::new(block));
+    for i in 0..block.items() {
+        let mut touched: Vec<u32> = Vec::new();
+        block.pairs(i, &mut |j, k| touched.extend([chunk_of[j as usize], chunk_of[k as usize]]));
+        touched.sort_unstable();
+        touched.dedup();
+        for chunk in touched {
+            let shares = &mut chunks[chunk as usize].shares;
+            if shares.last().is_none_or(|&(last, _)| last != b) {
+                shares.push((b, Share { items: Vec::new(), places: Vec::new(), mirror: Arc::clone(&mirror) }));
+            }
+            if let Some((_, share)) = shares.last_mut() {
+                share.items.push(i as u32);
+            }
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! What can be wrong with any constraint, whatever its type.
+
+/// A fault that the store finds in what a type hands to it. DOFs are 0-based.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StoreError {
+    /// A DOF number is not below the number of DOFs.
+    #[error("it names DOF {dof}, but there are {dofs} DOFs (0 to {}); correct the number or the size", dofs.saturating_sub(1))]
+    DofOutOfRange {
+        /// The DOF named.
+        dof: usize,
+        /// How many there are.
+        dofs: usize,
+    },
+    /// A nonlinear equation names one DOF in two places.
+    #[error("it names DOF {dof} twice; each of its points and bodies needs DOFs of its own")]
+    RepeatedDof {
+        /// The DOF.
+        dof: usize,
+    },
+    /// A coefficient or right-hand side is NaN or infinite.
+    #[error("a number of it is {value}; every number must be finite")]
+    NotFinite {
+        /// The number.
+        value: f64,
+    },
+    /// More equations, DOFs or entries than 32 bits can number.
+    #[error("it is one too many: the set would have {found} {what}, and 4294967294 is the most")]
+    TooLarge {
+        /// What there would be too many of.
+        what: &'static str,
+        /// How many.
+        found: usize,
+    },
+}
+
+/// Why a constraint was not added.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum AddError<E: std::error::Error + 'static> {
+    /// Its type refuses the input.
+    #[error("{name} \"{label}\": {source}")]
+    Input {
+        /// The type.
+        name: &'static str,
+        /// The label given.
+        label: String,
+        /// What is wrong.
+        source: E,
+    },
+    /// A fault that any type can have.
+    #[error("{name} \"{label}\": {source}")]
+    Store {
+        /// The type.
+        name: &'static str,
+        /// The label given.
+        label: String,
+        /// What is wrong.
+        source: StoreError,
+    },
+}

@@ -1,0 +1,31 @@
+//! Who an equation belongs to, and its label "constraint, part".
+
+use std::borrow::Cow;
+
+/// A constraint of a set, by the order in which it was added.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ConstraintId(pub usize);
+
+/// The constraint that equations belong to, and which part of it they are.
+pub(super) struct Owner {
+    pub constraint: u32,
+    pub part: Cow<'static, str>,
+}
+
+impl Owner {
+    pub fn constraint(&self) -> ConstraintId {
+        ConstraintId(self.constraint as usize)
+    }
+
+    /// The name of the constraint and of the parts that have one, with commas.
+    pub fn label(&self, names: &[String], part: &str) -> String {
+        let mut label = names[self.constraint as usize].clone();
+        for part in [self.part.as_ref(), part].into_iter().filter(|part| !part.is_empty()) {
+            if !label.is_empty() {
+                label.push_str(", ");
+            }
+            label.push_str(part);
+        }
+        label
+    }
+}

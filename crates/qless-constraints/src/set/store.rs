@@ -1,0 +1,104 @@
+//! Where a constraint type puts what it consists of, after it has checked its input.
+
+use std::borrow::Cow;
+
+use super::StoreError;
+use super::block::Blocks;
+use super::labels::Owner;
+use crate::constraint::Nonlinear;
+
+/// The linear equations and nonlinear parts of the constraint that is being added.
+#[derive(Default)]
+pub struct Store {
+    dofs: usize,
+    pub(super) equations: Vec<Equation>,
+    pub(super) pieces: Vec<Box<dyn Piece>>,
+    pub(super) fault: Option<StoreError>,
+}
+
+/// `sum a_j u_j = rhs`, DOFs ascending.
+pub(super) struct Equation {
+    pub part: Cow<'static, str>,
+    pub terms: Vec<(u32, f64)>,
+    pub rhs: f64,
+}
+
+impl Store {
+    pub(super) fn new(dofs: usize) -> Self {
+        Self { dofs, ..Self::default() }
+    }
+
+    /// Number of DOFs of the model.
+    pub fn dofs(&self) -> usize {
+        self.dofs
+    }
+
+    /// Adds `sum a_j u_j = rhs`; terms on the same DOF are summed. `part` tells the equations of one constraint apart.
+    pub fn equation(
+        &mut self,
+        part: impl Into<Cow<'static, str>>,
+        terms: impl IntoIterator<Item = (usize, f64)>,
+        rhs: f64,
+    ) {
+        let mut sorted: Vec<(u32, f64)> = Vec::new();
+        for (dof, value) in terms {
+            self.check_dof(dof);
+            self.check_number(value);
+            sorted.push((dof as u32, value));
+        }
+        self.check_number(rhs);
+        sorted.sort_by_key(|&(dof, _)| dof);
+        sorted.dedup_by(|next, kept| {
+            let same = next.0 == kept.0;
+            kept.1 += if same { next.1 } else { 0.0 };
+            same
+        });
+        self.equations.push(Equation { part: part.into(), terms: sorted, rhs });
+    }
+
+    /// Adds the nonlinear equations of `parameters` on the DOFs listed, each of which must occur once.
+    pub fn nonlinear<Q: Nonlinear>(&mut self, part: impl Into<Cow<'static, str>>, dofs: &[usize], parameters: Q) {
+        let mut sorted = dofs.to_vec();
+        sorted.sort_unstable();
+        sorted.iter().for_each(|&dof| self.check_dof(dof));
+        for pair in sorted.windows(2).filter(|pair| pair[0] == pair[1]) {
+            self.fail(StoreError::RepeatedDof { dof: pair[0] });
+        }
+        let dofs = dofs.iter().map(|&dof| dof as u32).collect();
+        self.pieces.push(Box::new(Staged { part: part.into(), dofs, parameters }));
+    }
+
+    fn check_dof(&mut self, dof: usize) {
+        if dof >= self.dofs {
+            self.fail(StoreError::DofOutOfRange { dof, dofs: self.dofs });
+        }
+    }
+
+    fn check_number(&mut self, value: f64) {
+        if !value.is_finite() {
+            self.fail(StoreError::NotFinite { value });
+        }
+    }
+
+    /// The first fault is the one reported.
+    fn fail(&mut self, fault: StoreError) {
+        self.fault.get_or_insert(fault);
+    }
+}
+
+/// Nonlinear equations that have yet to be put among those of their type.
+pub(super) trait Piece {
+    fn commit(self: Box<Self>, constraint: u32, blocks: &mut Blocks);
+}
+
+struct Staged<Q> {
+    part: Cow<'static, str>,
+    dofs: Vec<u32>,
+    parameters: Q,
+}
+
+impl<Q: Nonlinear> Piece for Staged<Q> {
+    fn commit(self: Box<Self>, constraint: u32, blocks: &mut Blocks) {
+        blocks.push(Owner { constraint, part: self.part }, &self.dofs, self.parameters);
+    }
+}

@@ -1,0 +1,45 @@
+//! Formulas of one constraint against its value in dual numbers.
+
+use super::every_type::random;
+use crate::Nonlinear;
+use crate::derive;
+use crate::scalar::HyperDual;
+
+pub fn compare<Q: Nonlinear>(item: &Q, u: &[f64]) {
+    let (m, n) = (Q::PARTS.len(), u.len());
+    let (mut c, mut g) = (vec![f64::NAN; m], vec![f64::NAN; m * n]);
+    item.value_and_jacobian(u, &mut c, &mut g);
+    let (mut value, mut slopes) = (vec![f64::NAN; m], vec![f64::NAN; m * n]);
+    derive::jacobian(item, u, &mut value, &mut slopes);
+    assert_close(&c, &value);
+    assert_close(&g, &slopes);
+    item.value(u, &mut value);
+    assert_close(&c, &value);
+
+    let w: Vec<f64> = (0..m as u64).map(random).collect();
+    let mut listed = vec![0.0; n * n];
+    let mut pairs = Vec::new();
+    item.pairs(n, &mut |j, k| pairs.push((j, k)));
+    let mut h = vec![f64::NAN; pairs.len()];
+    item.hessian(u, &w, &mut h);
+    pairs.iter().zip(&h).for_each(|(&(j, k), &h)| listed[j * n + k] = h);
+    let mut truth = vec![0.0; n * n];
+    (0..n).for_each(|j| (0..=j).for_each(|k| truth[j * n + k] = second(item, u, &w, j, k)));
+    assert_close(&listed, &truth);
+}
+
+/// `sum_r w_r d^2 c_r / du_j du_k`.
+fn second<Q: Nonlinear>(item: &Q, u: &[f64], w: &[f64], j: usize, k: usize) -> f64 {
+    let mut x: Vec<HyperDual> = u.iter().map(|&u| HyperDual::from(u)).collect();
+    (x[j].first, x[k].second) = (1.0, 1.0);
+    let mut c = vec![HyperDual::from(0.0); w.len()];
+    item.value(&x, &mut c);
+    c.iter().zip(w).map(|(c, w)| c.mixed * w).sum()
+}
+
+fn assert_close(found: &[f64], truth: &[f64]) {
+    let size = truth.iter().fold(1.0, |most: f64, x| most.max(x.abs()));
+    for (k, (a, b)) in found.iter().zip(truth).enumerate() {
+        assert!((a - b).abs() <= 1e-13 * size, "entry {k}: {a}, by dual numbers {b}");
+    }
+}

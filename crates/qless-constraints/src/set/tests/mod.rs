@@ -1,0 +1,6 @@
+//! Derivatives of every type, against dual numbers and against differences; sums that do not depend on the threads.
+
+pub(super) mod compare;
+mod derivatives;
+mod every_type;
+mod threads;

@@ -1,0 +1,39 @@
+//! The same bits for every number of threads, with more constraints than fit into one task.
+
+use std::array::from_fn;
+
+use super::every_type::random;
+use crate::types::{Distance, LinearEquation, OnSphere, Point};
+use crate::{ConstraintSet, Quantities};
+
+fn evaluate(set: &ConstraintSet, u: &[f64], w: &[f64], threads: usize) -> Option<Quantities> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok()?;
+    let mut quantities = set.allocate();
+    pool.install(|| {
+        set.evaluate(u, &mut quantities);
+        set.effective_hessian(u, w, &mut quantities);
+    });
+    Some(quantities)
+}
+
+#[test]
+fn results_do_not_depend_on_threads() -> Result<(), Box<dyn std::error::Error>> {
+    let nodes = 3000;
+    let point = |node: usize| Point::new(from_fn(|k| 3 * node + k), from_fn(|k| node as f64 + random(k as u64)));
+    let mut builder = ConstraintSet::builder(3 * nodes);
+    for i in 0..4 * nodes {
+        let other = (i + 1 + (i * i) % 500) % nodes;
+        builder.add("rod", Distance { length: Some(1.0), ..Distance::new(point(i % nodes), point(other)) })?;
+        builder.add("equation", LinearEquation { terms: vec![(i % nodes, 1.5), (other, 0.1)], rhs: 1.0 })?;
+        builder.add("ball", OnSphere { point: point(other), centre: [0.5; 3], radius: Some(2.0) })?;
+    }
+    let set = builder.build();
+    let u: Vec<f64> = (0..3 * nodes as u64).map(random).collect();
+    let w: Vec<f64> = (0..set.equations() as u64).map(|i| random(i + 5)).collect();
+    let one = evaluate(&set, &u, &w, 1).ok_or("no threads")?;
+    assert!(one.h.val.iter().any(|&v| v != 0.0));
+    for threads in [2, 3, 8] {
+        assert!(evaluate(&set, &u, &w, threads).ok_or("no threads")? == one, "{threads} threads");
+    }
+    Ok(())
+}

@@ -1,0 +1,110 @@
+//! `c = (|x_b - x_a|^2 - L^2) / (2 L)`: two nodes at a fixed distance, a rod.
+//!
+//! A polynomial, whose Hessian is constant, and a length: near the solution `c = |x_b - x_a| - L` to first order.
+
+use crate::geometry::node::{Node, moved, separation};
+use crate::scalar::Scalar;
+use crate::{Constraint, Nonlinear, Store};
+
+/// Two nodes at a fixed distance, in D dimensions.
+///
+/// ```
+/// use qless_constraints::{ConstraintSet, types::{Distance, PlanarPoint}};
+/// let a = PlanarPoint::new([0, 1], [0.0, 0.0]);
+/// let b = PlanarPoint::new([2, 3], [3.0, 4.0]);
+/// let mut builder = ConstraintSet::builder(4);
+/// builder.add("rod", Distance::new(a, b))?;
+/// let set = builder.build();
+/// let mut quantities = set.allocate();
+/// set.evaluate(&[0.0; 4], &mut quantities);
+/// // The unit vector along the rod.
+/// assert_eq!(quantities.g.val, [-0.6, -0.8, 0.6, 0.8]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Distance<const D: usize> {
+    /// One end.
+    pub a: Node<D>,
+    /// The other end.
+    pub b: Node<D>,
+    /// L, a length; nothing for the distance at u = 0.
+    pub length: Option<f64>,
+}
+
+/// What can be wrong with a distance.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum DistanceError {
+    /// The length is not a positive number.
+    #[error("the length is {0}; it must be positive (for nodes in one place use equal DOFs)")]
+    Length(f64),
+}
+
+impl<const D: usize> Distance<D> {
+    /// The distance stays what it is at u = 0.
+    pub fn new(a: Node<D>, b: Node<D>) -> Self {
+        Self { a, b, length: None }
+    }
+}
+
+impl<const D: usize> Constraint for Distance<D> {
+    const NAME: &'static str = "distance";
+    type Error = DistanceError;
+
+    fn process(self, store: &mut Store) -> Result<(), DistanceError> {
+        let length = self.length.unwrap_or_else(|| separation(&self.a.at, &self.b.at));
+        if !(length > 0.0 && length.is_finite()) {
+            return Err(DistanceError::Length(length));
+        }
+        let between = std::array::from_fn(|k| self.b.at[k] - self.a.at[k]);
+        let dofs: Vec<usize> = self.a.dofs.into_iter().chain(self.b.dofs).collect();
+        store.nonlinear("", &dofs, Rod::<D> { between, length });
+        Ok(())
+    }
+}
+
+/// The stored parameters of [`Distance`]: `x_b - x_a` at u = 0, and L.
+struct Rod<const D: usize> {
+    between: [f64; D],
+    length: f64,
+}
+
+impl<const D: usize> Nonlinear for Rod<D> {
+    const PARTS: &'static [&'static str] = &[""];
+
+    fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
+        let to_b = moved(&self.between, u, D);
+        let square = (0..D).fold(S::from(0.0), |sum, k| {
+            let d = to_b[k] - u[k];
+            sum + d * d
+        });
+        c[0] = (square - S::from(self.length * self.length)) / S::from(2.0 * self.length);
+    }
+
+    /// `H = [I -I; -I I] / L`.
+    fn pairs(&self, _: usize, pair: &mut dyn FnMut(usize, usize)) {
+        for k in 0..D {
+            pair(k, k);
+            pair(D + k, k);
+            pair(D + k, D + k);
+        }
+    }
+
+    #[inline]
+    fn value_and_jacobian(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
+        let ((a, b), (to_a, to_b)) = (u.split_at(D), g.split_at_mut(D));
+        let (mut square, scale) = (0.0, 1.0 / self.length);
+        for k in 0..D {
+            let d = self.between[k] + b[k] - a[k];
+            square += d * d;
+            to_b[k] = d * scale;
+            to_a[k] = -to_b[k];
+        }
+        c[0] = (square - self.length * self.length) * 0.5 * scale;
+    }
+
+    #[inline]
+    fn hessian(&self, _: &[f64], w: &[f64], h: &mut [f64]) {
+        let value = w[0] / self.length;
+        h.chunks_exact_mut(3).for_each(|h| h.copy_from_slice(&[value, -value, value]));
+    }
+}

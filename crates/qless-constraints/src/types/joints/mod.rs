@@ -1,0 +1,51 @@
+//! Joints of multibody work, each a choice of the equations in [`parts`]. They hold in the reference configuration.
+
+mod fixed;
+pub(crate) mod parts;
+mod prismatic;
+mod revolute;
+mod spherical;
+mod universal;
+
+pub use fixed::Fixed;
+pub use prismatic::Prismatic;
+pub use revolute::Revolute;
+pub use spherical::Spherical;
+pub use universal::Universal;
+
+use crate::geometry::carrier::Body;
+use crate::scalar::vector::{Vector, unit};
+
+/// What can be wrong with a joint.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum JointError {
+    /// Both sides are the ground.
+    #[error("both bodies are the ground; at least one must move")]
+    NothingMoves,
+    /// A body of a joint that fixes directions has none.
+    #[error("the joint fixes directions, but a body is a node without rotations; give it some")]
+    NoRotations,
+    /// An axis has no direction.
+    #[error("an axis has no direction; give a vector that is not zero")]
+    Axis,
+    /// The axes of a universal joint are not perpendicular.
+    #[error("the axes of a universal joint are not perpendicular: the cosine of their angle is {0}")]
+    NotPerpendicular(f64),
+}
+
+/// At least one body moves.
+fn check_moves(a: &Body, b: &Body) -> Result<(), JointError> {
+    if a.dofs().is_empty() && b.dofs().is_empty() { Err(JointError::NothingMoves) } else { Ok(()) }
+}
+
+/// Both bodies are the ground or turn, and one does.
+fn check_turns(a: &Body, b: &Body) -> Result<(), JointError> {
+    check_moves(a, b)?;
+    let sound = |body: &Body| body.turns() || body.dofs().is_empty();
+    if sound(a) && sound(b) { Ok(()) } else { Err(JointError::NoRotations) }
+}
+
+/// The unit vector along an axis.
+fn direction(axis: Vector<f64>) -> Result<Vector<f64>, JointError> {
+    unit(axis).ok_or(JointError::Axis)
+}

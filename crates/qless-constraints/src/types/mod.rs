@@ -1,0 +1,47 @@
+//! The constraint types, one file each.
+//!
+//! Lengths are in the unit of the coordinates, angles in radians. All DOFs are zero in the reference configuration, that is
+//! where the coordinates hold.
+
+mod average;
+mod cyclic;
+mod distance;
+mod equal;
+mod euler_norm;
+mod fluid;
+mod joints;
+mod line_tie;
+mod linear;
+mod mortar;
+mod node_tie;
+mod on_line;
+mod on_plane;
+mod on_sphere;
+mod periodic;
+mod prescribed;
+mod rigid_finite;
+mod rigid_small;
+mod volume;
+
+pub use crate::geometry::carrier::Body;
+pub use crate::geometry::node::{Node, PlanarPoint, Point};
+pub use crate::geometry::shape::Shape;
+pub use average::{Average, AverageError};
+pub use cyclic::{Cyclic, CyclicError, CyclicHarmonic};
+pub use distance::{Distance, DistanceError};
+pub use equal::{Equal, EqualError};
+pub use euler_norm::EulerNorm;
+pub use fluid::{FluidNormal, FluidNormalError};
+pub use joints::{Fixed, JointError, Prismatic, Revolute, Spherical, Universal};
+pub use line_tie::{LineTie, LineTieError};
+pub use linear::{LinearEquation, LinearEquationError};
+pub use mortar::{MortarError, MortarTie};
+pub use node_tie::{NodeTie, NodeTieError};
+pub use on_line::{Line, OnLine, OnLineError};
+pub use on_plane::{OnPlane, OnPlaneError, Plane};
+pub use on_sphere::{OnSphere, OnSphereError};
+pub use periodic::{MacroStrain, Periodic, PeriodicError};
+pub use prescribed::{Prescribed, PrescribedError};
+pub use rigid_finite::{RigidBody, RigidBodyError};
+pub use rigid_small::{SmallRigidBody, SmallRigidBodyError};
+pub use volume::{Volume, VolumeError};

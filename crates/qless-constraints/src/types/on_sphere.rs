@@ -1,0 +1,88 @@
+//! `c = (|x - m|^2 - R^2) / (2 R)`: a node on a fixed sphere, in the plane a circle; an arm hinged to the ground.
+
+use crate::geometry::node::{Node, moved, separation};
+use crate::scalar::Scalar;
+use crate::{Constraint, Nonlinear, Store};
+
+/// A node on a fixed sphere (D = 3) or circle (D = 2).
+///
+/// ```
+/// use qless_constraints::{ConstraintSet, types::{OnSphere, PlanarPoint}};
+/// let tip = PlanarPoint::new([0, 1], [0.0, 2.0]);
+/// let mut builder = ConstraintSet::builder(2);
+/// builder.add("arm", OnSphere { point: tip, centre: [0.0, 0.0], radius: None })?;
+/// let set = builder.build();
+/// let mut quantities = set.allocate();
+/// set.evaluate(&[2.0, -2.0], &mut quantities);
+/// assert_eq!((quantities.c[0], &quantities.g.val[..]), (0.0, &[1.0, 0.0][..]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OnSphere<const D: usize> {
+    /// The node.
+    pub point: Node<D>,
+    /// m, coordinates.
+    pub centre: [f64; D],
+    /// R, a length; nothing for the distance at u = 0.
+    pub radius: Option<f64>,
+}
+
+/// What can be wrong with a sphere.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum OnSphereError {
+    /// The radius is not a positive number.
+    #[error("the radius is {0}; it must be positive")]
+    Radius(f64),
+}
+
+impl<const D: usize> Constraint for OnSphere<D> {
+    const NAME: &'static str = "point on sphere";
+    type Error = OnSphereError;
+
+    fn process(self, store: &mut Store) -> Result<(), OnSphereError> {
+        let radius = self.radius.unwrap_or_else(|| separation(&self.point.at, &self.centre));
+        if !(radius > 0.0 && radius.is_finite()) {
+            return Err(OnSphereError::Radius(radius));
+        }
+        let from = std::array::from_fn(|k| self.point.at[k] - self.centre[k]);
+        store.nonlinear("", &self.point.dofs, Sphere::<D> { from, radius });
+        Ok(())
+    }
+}
+
+/// The stored parameters of [`OnSphere`]: `x - m` at u = 0, and R.
+struct Sphere<const D: usize> {
+    from: [f64; D],
+    radius: f64,
+}
+
+impl<const D: usize> Nonlinear for Sphere<D> {
+    const PARTS: &'static [&'static str] = &[""];
+
+    fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
+        let x = moved(&self.from, u, 0);
+        let square = x.iter().fold(S::from(0.0), |sum, &x| sum + x * x);
+        c[0] = (square - S::from(self.radius * self.radius)) / S::from(2.0 * self.radius);
+    }
+
+    /// `H = I / R`.
+    fn pairs(&self, _: usize, pair: &mut dyn FnMut(usize, usize)) {
+        (0..D).for_each(|k| pair(k, k));
+    }
+
+    #[inline]
+    fn value_and_jacobian(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
+        let (mut square, scale) = (0.0, 1.0 / self.radius);
+        for k in 0..D {
+            let x = self.from[k] + u[k];
+            square += x * x;
+            g[k] = x * scale;
+        }
+        c[0] = (square - self.radius * self.radius) * 0.5 * scale;
+    }
+
+    #[inline]
+    fn hessian(&self, _: &[f64], w: &[f64], h: &mut [f64]) {
+        h.fill(w[0] / self.radius);
+    }
+}

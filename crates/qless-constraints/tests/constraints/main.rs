@@ -1,0 +1,14 @@
+//! Constraint sets as a user meets them.
+
+/// Methods that enforce constraints on a stiffness matrix, against one another.
+mod enforcement;
+/// Types that are linear: fields that they must let through, loads that they must carry.
+mod linear_types;
+/// Planar and spatial linkages, as sets.
+mod linkages;
+/// Known ranks of known mechanisms.
+mod mechanisms;
+/// Residuals of Newton's method.
+mod newton;
+/// Input that must be refused, and what is said.
+mod refused;

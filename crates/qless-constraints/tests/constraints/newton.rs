@@ -1,0 +1,103 @@
+use std::array::from_fn;
+
+use qless_constraints::ConstraintSet;
+use qless_constraints::newton::{NewtonError, NewtonOptions, Solution, solve};
+use qless_constraints::types::{
+    Body, Distance, OnPlane, OnSphere, PlanarPoint, Plane, Point, Prescribed, RigidBody, Volume,
+};
+
+use crate::linkages::{Outcome, bricard, parallelogram, random};
+
+/// Prints the table of residuals; below 1e-2 and above rounding, each is at most `bound` times the square of the one before.
+fn assert_quadratic(name: &str, solution: &Solution, bound: f64) {
+    let residuals: Vec<f64> = solution.iterates.iter().map(|iterate| iterate.residual).collect();
+    println!("{name}\n{:>4} {:>12} {:>12} {:>5}", "step", "residual", "r / r_0^2", "rank");
+    let mut fast = 0;
+    for (k, iterate) in solution.iterates.iter().enumerate() {
+        let ratio = if k == 0 { f64::NAN } else { residuals[k] / residuals[k - 1].powi(2) };
+        println!("{k:>4} {:>12.3e} {ratio:>12.3e} {:>5}", residuals[k], iterate.rank);
+        if k > 0 && residuals[k - 1] < 1e-1 {
+            assert!(residuals[k] <= bound * residuals[k - 1].powi(2) + 2e-15, "{name}, step {k}: {residuals:?}");
+            fast += 1;
+        }
+    }
+    assert!(fast >= 3, "{name}: too few steps to judge, {residuals:?}");
+}
+
+/// Example 1, with a redundant arm: driven by a third of its length in one step.
+#[test]
+fn parallelogram_is_driven() -> Outcome {
+    let set = parallelogram()?.build();
+    let solution = solve(&set, &[0.0; 6], &[(0, 0.35)], &NewtonOptions::default())?;
+    assert_quadratic("parallelogram", &solution, 2.0);
+    assert_eq!(solution.redundant.len(), 1);
+    // All points of the coupler move alike, on circles.
+    for i in 0..3 {
+        assert!((solution.u[2 * i] - 0.35).abs() < 1e-14);
+        assert!((solution.u[2 * i + 1] - (1.0 - 0.35_f64.powi(2)).sqrt() + 1.0).abs() < 1e-14);
+    }
+    Ok(())
+}
+
+/// Example 2, redundant and in space: Bricard's linkage, from a configuration that was disturbed.
+#[test]
+fn bricard_linkage_is_assembled() -> Outcome {
+    let mut builder = bricard()?;
+    builder.add("drive", Prescribed { values: vec![(2, 0.08)] })?;
+    let start: Vec<f64> = (0..35).map(|j| 0.05 * random(j)).collect();
+    let solution = solve(&builder.build(), &start, &[], &NewtonOptions::default())?;
+    assert_quadratic("Bricard's linkage", &solution, 10.0);
+    assert_eq!(solution.redundant.len(), 1);
+    Ok(())
+}
+
+/// Example 3: a block of constant volume stands on a rigid body that arms of new lengths turn, and a node slides on a plane of nodes.
+#[test]
+fn volume_and_rotation() -> Outcome {
+    let corner = |i: usize| from_fn(|k| f64::from(i as u32 >> k & 1));
+    let node = |i: usize| Point::new(from_fn(|k| 3 * i + k), corner(i));
+    let body = Body::with_vector([24, 25, 26], [0.0; 3], [27, 28, 29]);
+    let mut builder = ConstraintSet::builder(33);
+    builder.add("base", RigidBody { body, nodes: (0..4).map(node).collect() })?;
+    let tetrahedra = vec![[0, 1, 2, 4], [1, 3, 2, 7], [1, 7, 2, 4], [1, 5, 7, 4], [2, 7, 6, 4]];
+    builder.add("block", Volume { nodes: (0..8).map(node).collect(), tetrahedra })?;
+    let slider = Point::new([30, 31, 32], [0.3, 0.3, 1.0]);
+    builder.add("slider", OnPlane { point: slider, plane: Plane::Nodes(node(4), node(5), node(6)) })?;
+    for (i, centre) in [(1, [1.5, -0.7, 0.3]), (2, [-0.6, 1.2, -0.4]), (3, [1.7, 1.4, 0.6])] {
+        let at: [f64; 3] = corner(i);
+        let distance = (0..3).fold(0.0, |sum: f64, k| sum.hypot(at[k] - centre[k]));
+        let arm = OnSphere { point: node(i), centre, radius: Some(distance * (1.0 + 0.1 * i as f64)) };
+        builder.add(format!("arm {i}"), arm)?;
+    }
+    let origin = [(24, 0.0), (25, 0.0), (26, 0.0)];
+    let start: Vec<f64> = (0..33).map(|j| 0.2 * random(j + 40)).collect();
+    let solution = solve(&builder.build(), &start, &origin, &NewtonOptions::default())?;
+    assert_quadratic("block of constant volume", &solution, 10.0);
+    assert_eq!(solution.redundant, []);
+    Ok(())
+}
+
+/// A third arm of another length cannot be assembled with the other two, and is named.
+#[test]
+fn what_cannot_be_assembled_is_named() -> Outcome {
+    let mut builder = parallelogram()?;
+    let end = PlanarPoint::new([4, 5], [2.0, 1.0]);
+    builder.add("long arm", OnSphere { point: end, centre: [2.0, 0.0], radius: Some(1.1) })?;
+    match solve(&builder.build(), &[0.0; 6], &[(0, 0.2)], &NewtonOptions::default()) {
+        Err(NewtonError::Conflict { labels, .. }) => assert!(labels.iter().any(|label| label.contains("arm"))),
+        other => panic!("expected a conflict, found {other:?}"),
+    }
+    Ok(())
+}
+
+/// Rods that cannot reach.
+#[test]
+fn what_cannot_be_reached_does_not_converge() -> Outcome {
+    let end = PlanarPoint::new([0, 1], [1.0, 0.0]);
+    let mut builder = ConstraintSet::builder(4);
+    builder.add("arm", OnSphere { point: end, centre: [0.0; 2], radius: None })?;
+    builder.add("rod", Distance::new(end, PlanarPoint::new([2, 3], [2.0, 0.0])))?;
+    let far = solve(&builder.build(), &[0.0; 4], &[(2, 5.0), (3, 0.0)], &NewtonOptions::default());
+    assert!(far.is_err());
+    Ok(())
+}

@@ -1,0 +1,115 @@
+use std::fmt::Debug;
+
+use qless_constraints::types::{
+    Average, Body, Cyclic, Distance, Equal, FluidNormal, Line, LineTie, LinearEquation, MacroStrain, MortarTie,
+    NodeTie, OnLine, OnPlane, OnSphere, Periodic, PlanarPoint, Plane, Point, Prescribed, Revolute, RigidBody, Shape,
+    SmallRigidBody, Spherical, Universal, Volume,
+};
+use qless_constraints::{Constraint, ConstraintSet};
+
+/// What is said of a constraint that must be refused; nothing of it is stored.
+#[track_caller]
+fn assert_refused<C: Constraint>(constraint: C, words: &str)
+where
+    C::Error: Debug,
+{
+    let mut builder = ConstraintSet::builder(12);
+    let message = match builder.add("it", constraint) {
+        Ok(_) => "accepted".to_owned(),
+        Err(error) => error.to_string(),
+    };
+    assert!(message.contains(words) && message.contains("\"it\""), "{message}");
+    assert_eq!(builder.build().equations(), 0);
+}
+
+fn at(node: usize, x: f64) -> PlanarPoint {
+    PlanarPoint::new([2 * node, 2 * node + 1], [x, 0.0])
+}
+
+fn point(node: usize, at: [f64; 3]) -> Point {
+    Point::new([3 * node, 3 * node + 1, 3 * node + 2], at)
+}
+
+#[test]
+fn faults_of_any_type() {
+    assert_refused(Equal::new([0, 12]), "DOF 12, but there are 12 DOFs");
+    assert_refused(LinearEquation { terms: vec![(0, f64::NAN)], rhs: 0.0 }, "NaN");
+    assert_refused(Prescribed { values: vec![(0, f64::INFINITY)] }, "inf");
+    assert_refused(Distance::new(at(0, 0.0), PlanarPoint::new([1, 2], [1.0, 0.0])), "DOF 1 twice");
+    assert_refused(Distance::new(at(0, 0.0), at(7, 1.0)), "DOF 14");
+}
+
+#[test]
+fn faults_of_linear_types() {
+    assert_refused(LinearEquation { terms: vec![], rhs: 1.0 }, "no terms");
+    assert_refused(Prescribed { values: vec![] }, "no DOF");
+    assert_refused(Prescribed { values: vec![(3, 1.0), (3, 2.0)] }, "DOF 3 is prescribed as 1 and as 2");
+    assert_refused(Equal::new([4]), "at least two");
+    assert_refused(Equal::new([4, 5, 4]), "DOF 4 stands in the list twice");
+    let strain = MacroStrain::Given([[0.0; 2]; 2]);
+    assert_refused(Periodic { a: at(0, 1.0), b: at(1, 1.0), strain }, "one place");
+    assert_refused(FluidNormal { structure: [0, 1, 2], fluid: [3, 4, 5], normal: [0.0; 3] }, "no direction");
+    let pair = Cyclic {
+        a: point(0, [1.0, 0.0, 0.0]),
+        b: point(1, [0.0, 2.0, 0.0]),
+        centre: [0.0; 3],
+        axis: [0.0, 0.0, 1.0],
+        angle: std::f64::consts::FRAC_PI_2,
+        tolerance: 0.1,
+    };
+    assert_refused(pair, "1 away from its image");
+    assert_refused(Cyclic { axis: [0.0; 3], ..pair }, "no direction");
+    let reference = point(0, [0.0; 3]);
+    assert_refused(SmallRigidBody { reference, rotations: [3, 4, 5], nodes: vec![] }, "no nodes");
+    let inline = [1.0, 2.0].map(|x| (point(2, [x, 0.0, 0.0]), 1.0)).to_vec();
+    assert_refused(Average { reference, rotations: [3, 4, 5], nodes: inline.clone() }, "lie in a line");
+    let negative = vec![(inline[0].0, -1.0)];
+    assert_refused(Average { reference, rotations: [3, 4, 5], nodes: negative }, "weight 1, from 1, is -1");
+}
+
+#[test]
+fn faults_of_ties() {
+    let (node, far) = (at(0, 0.5), PlanarPoint::new([0, 1], [0.5, 2.0]));
+    let (shape, face) = (Shape::Line2, vec![at(1, 0.0), at(2, 1.0)]);
+    assert_refused(NodeTie { node, shape, face: face[..1].to_vec(), tolerance: 1.0 }, "has 1 nodes; a Line2 has 2");
+    assert_refused(NodeTie { node: far, shape, face: face.clone(), tolerance: 1.0 }, "2 away from the face");
+    assert_refused(NodeTie { node, shape, face: face.clone(), tolerance: f64::NAN }, "more than the tolerance");
+    assert_refused(NodeTie { node, shape, face: vec![at(1, 1.0), at(2, 1.0)], tolerance: 1.0 }, "degenerate");
+    assert_refused(LineTie { slave: vec![far], master: face.clone(), tolerance: 1.0 }, "node 1, from 1, is 2 away");
+    assert_refused(LineTie { slave: vec![node], master: vec![node], tolerance: 1.0 }, "a line of 1");
+    let mortar = |slave: Vec<PlanarPoint>| MortarTie { slave, master: face.clone(), tolerance: 1e-9 };
+    assert_refused(mortar(vec![at(3, 0.0)]), "at least two");
+    assert_refused(mortar(vec![at(3, 0.0), at(4, 2.0)]), "must cover it");
+    assert_refused(mortar(vec![at(3, 0.0), at(4, 0.8), at(5, 0.4)]), "sort the nodes");
+    assert_refused(mortar(vec![at(3, 0.0), PlanarPoint::new([8, 9], [0.5, 1.0]), at(5, 1.0)]), "1 beside the line");
+}
+
+#[test]
+fn faults_of_nonlinear_types() {
+    assert_refused(Distance::new(at(0, 1.0), at(1, 1.0)), "length is 0");
+    let ball = OnSphere { point: at(0, 1.0), centre: [0.0; 2], radius: Some(-1.0) };
+    assert_refused(ball, "radius is -1");
+    let (p, q) = (point(0, [0.0; 3]), point(1, [0.0; 3]));
+    assert_refused(OnLine { point: point(2, [1.0; 3]), line: Line::Nodes(p, q) }, "no direction");
+    let plane = Plane::Nodes(p, point(1, [1.0, 0.0, 0.0]), point(2, [2.0, 0.0, 0.0]));
+    assert_refused(OnPlane { point: point(3, [0.0; 3]), plane }, "no normal");
+    assert_refused(OnPlane { point: p, plane: Plane::Fixed { through: [0.0; 3], normal: [f64::NAN; 3] } }, "no normal");
+    assert_refused(RigidBody { body: Body::ground(), nodes: vec![p] }, "no rotations");
+    assert_refused(RigidBody { body: Body::with_vector([0, 1, 2], [0.0; 3], [3, 4, 5]), nodes: vec![] }, "no nodes");
+    let nodes = vec![p, point(1, [1.0, 0.0, 0.0]), point(2, [0.0, 1.0, 0.0]), point(3, [0.0, 0.0, -1.0])];
+    assert_refused(Volume { nodes: nodes.clone(), tetrahedra: vec![] }, "no tetrahedra");
+    assert_refused(Volume { nodes: nodes.clone(), tetrahedra: vec![[0, 1, 2, 3]] }, "must be positive");
+    assert_refused(Volume { nodes, tetrahedra: vec![[0, 1, 2, 4]] }, "names node 4");
+}
+
+#[test]
+fn faults_of_joints() {
+    let (ground, at) = (Body::ground(), [0.0; 3]);
+    let body = Body::with_vector([0, 1, 2], [0.0; 3], [3, 4, 5]);
+    assert_refused(Spherical { a: ground, b: ground, at }, "both bodies are the ground");
+    assert_refused(Spherical { a: body, b: body, at }, "twice");
+    assert_refused(Revolute { a: ground, b: body, at, axis: [0.0; 3] }, "no direction");
+    assert_refused(Revolute { a: Body::node(point(2, at)), b: body, at, axis: [1.0; 3] }, "without rotations");
+    let slanted = Universal { a: ground, b: body, at, axis_a: [1.0, 0.0, 0.0], axis_b: [1.0, 1.0, 0.0] };
+    assert_refused(slanted, "not perpendicular");
+}

@@ -1,0 +1,212 @@
+//! Constraints that come and go: contact, staged construction.
+//!
+//! ```text
+//! add, remove, change, prescribe, release  ->  equations and DOFs touched
+//! update  ->  blocks that hold them, split or joined anew  ->  analyse and reduce these  ->  kinds, u_s = T u_q + G u_p + g
+//! ```
+//!
+//! Equations that share a free DOF form a block, and blocks know nothing of each other: what a change costs depends on the blocks that
+//! it touches, not on the model. A block's system holds its equations in the order in which they were added and its DOFs in
+//! ascending order, so that the results are those of a fresh run, to the last bit.
+
+mod block;
+mod network;
+
+use rayon::prelude::*;
+
+pub use block::SolvedBlock;
+use network::Network;
+
+use crate::{AnalysisError, Kind, Options, SystemError};
+
+/// An equation of a [`ChangingSystem`]; it keeps its meaning until the equation is removed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct EquationId(pub(crate) u32);
+
+/// Why a change or an update was refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ChangeError {
+    /// A DOF beyond the number given at the start.
+    #[error("DOF {dof} is out of range: there are {dofs}; correct the DOF or start with more")]
+    DofOutOfRange {
+        /// The DOF.
+        dof: usize,
+        /// How many there are.
+        dofs: usize,
+    },
+    /// An equation that was removed before.
+    #[error("equation {0} is not there any more; use the number that adding it gave")]
+    Gone(u32),
+    /// A number that is not finite.
+    #[error("{0} is no finite number; correct it")]
+    NotFinite(f64),
+    /// A block's numbers are no system.
+    #[error(transparent)]
+    System(#[from] SystemError),
+    /// A block could not be analysed.
+    #[error(transparent)]
+    Analysis(#[from] AnalysisError),
+}
+
+/// A set of equations that changes between steps.
+///
+/// ```
+/// use qless::{ChangingSystem, Kind, Options};
+/// let mut set = ChangingSystem::new(4, Options::default());
+/// set.add([(0, 1.0), (1, -1.0)], 0.0)?;
+/// set.add([(2, 1.0), (3, -1.0)], 0.0)?;
+/// assert_eq!(set.update()?, 2);
+/// // Contact closes the ring of the first two DOFs; the other block is not touched.
+/// let closing = set.add([(0, 2.0), (1, -2.0)], 0.5)?;
+/// assert_eq!(set.update()?, 1);
+/// assert_eq!(set.kind(closing), Some(Kind::Conflicting));
+/// set.set_rhs(closing, 0.0)?;
+/// set.update()?;
+/// assert_eq!((set.kind(closing), set.rank()), (Some(Kind::Redundant), 2));
+/// # Ok::<(), qless::ChangeError>(())
+/// ```
+#[derive(Debug)]
+pub struct ChangingSystem {
+    network: Network,
+    options: Options,
+    blocks: Vec<Option<SolvedBlock>>,
+    /// Places in `blocks` that are free.
+    free: Vec<u32>,
+    rank: usize,
+}
+
+impl ChangingSystem {
+    /// No equations on DOFs 0 to `dofs - 1`. Preferences of the options are not used: they number whole systems.
+    pub fn new(dofs: usize, options: Options) -> Self {
+        let options = Options { preferences: crate::Preferences::default(), ..options };
+        Self { network: Network::new(dofs), options, blocks: Vec::new(), free: Vec::new(), rank: 0 }
+    }
+
+    /// Adds `sum a_j u_j = rhs`; repeated DOFs are summed.
+    ///
+    /// # Errors
+    /// [`ChangeError`] for a DOF out of range or a number that is not finite; then nothing changes.
+    pub fn add(&mut self, terms: impl IntoIterator<Item = (usize, f64)>, rhs: f64) -> Result<EquationId, ChangeError> {
+        self.network.add(terms.into_iter().collect(), rhs)
+    }
+
+    /// Takes an equation out.
+    ///
+    /// # Errors
+    /// [`ChangeError::Gone`].
+    pub fn remove(&mut self, equation: EquationId) -> Result<(), ChangeError> {
+        self.network.remove(equation)
+    }
+
+    /// Gives an equation another right-hand side.
+    ///
+    /// # Errors
+    /// [`ChangeError::Gone`], [`ChangeError::NotFinite`].
+    pub fn set_rhs(&mut self, equation: EquationId, rhs: f64) -> Result<(), ChangeError> {
+        self.network.set_rhs(equation, rhs)
+    }
+
+    /// Gives an equation other terms.
+    ///
+    /// # Errors
+    /// [`ChangeError`]; then nothing changes.
+    pub fn set_terms(
+        &mut self,
+        equation: EquationId,
+        terms: impl IntoIterator<Item = (usize, f64)>,
+    ) -> Result<(), ChangeError> {
+        self.network.set_terms(equation, terms.into_iter().collect())
+    }
+
+    /// Gives a DOF a value, whether it had one or not.
+    ///
+    /// # Errors
+    /// [`ChangeError::DofOutOfRange`], [`ChangeError::NotFinite`].
+    pub fn prescribe(&mut self, dof: usize, value: f64) -> Result<(), ChangeError> {
+        self.network.prescribe(dof, Some(value))
+    }
+
+    /// Makes a DOF free.
+    ///
+    /// # Errors
+    /// [`ChangeError::DofOutOfRange`].
+    pub fn release(&mut self, dof: usize) -> Result<(), ChangeError> {
+        self.network.prescribe(dof, None)
+    }
+
+    /// Analyses and reduces what the changes since the last update touch; the number of blocks that were done.
+    ///
+    /// # Errors
+    /// [`ChangeError::System`], [`ChangeError::Analysis`]; the changes stay to be done, the results are those before.
+    pub fn update(&mut self) -> Result<usize, ChangeError> {
+        let region = self.network.region(&|place| self.blocks[place as usize].as_ref().map(|block| block.equations()));
+        let parts = self.network.parts(&region.equations);
+        let solve = |part: &Vec<EquationId>| SolvedBlock::new(part, &self.network, &self.options);
+        // A single block may have parallel work of its own; many share the threads between them.
+        let solved: Result<Vec<SolvedBlock>, ChangeError> =
+            if parts.len() < 2 { parts.iter().map(solve).collect() } else { parts.par_iter().map(solve).collect() };
+        let solved = solved?;
+        for &place in &region.blocks {
+            if let Some(block) = self.blocks[place as usize].take() {
+                self.rank -= block.rank();
+                self.free.push(place);
+            }
+        }
+        let done = solved.len();
+        for block in solved {
+            self.rank += block.rank();
+            let place = self.free.pop().unwrap_or(self.blocks.len() as u32);
+            self.network.place(block.equations(), place);
+            if place as usize == self.blocks.len() {
+                self.blocks.push(Some(block));
+            } else {
+                self.blocks[place as usize] = Some(block);
+            }
+        }
+        self.network.settled();
+        Ok(done)
+    }
+
+    /// What an equation is since the last update; none if it is not there, or newer.
+    pub fn kind(&self, equation: EquationId) -> Option<Kind> {
+        self.block_of(equation).and_then(|block| block.kind(equation))
+    }
+
+    /// Why an equation is dependent: `row_k = sum c_i row_i` over its free DOFs; empty for an independent one.
+    pub fn because(&self, equation: EquationId) -> Vec<(EquationId, f64)> {
+        self.block_of(equation).map_or_else(Vec::new, |block| block.because(equation))
+    }
+
+    /// The block of an equation since the last update.
+    pub fn block_of(&self, equation: EquationId) -> Option<&SolvedBlock> {
+        self.blocks.get(self.network.place_of(equation)? as usize)?.as_ref()
+    }
+
+    /// All blocks, in no particular order.
+    pub fn blocks(&self) -> impl Iterator<Item = &SolvedBlock> {
+        self.blocks.iter().flatten()
+    }
+
+    /// Rank of the free part of C: the number of slaves.
+    pub fn rank(&self) -> usize {
+        self.rank
+    }
+
+    /// Number of equations.
+    pub fn equations(&self) -> usize {
+        self.network.equations()
+    }
+
+    /// Sets slaves and prescribed DOFs of all blocks in `u`, which holds the masters.
+    ///
+    /// # Errors
+    /// [`ChangeError::DofOutOfRange`] if `u` is shorter than the number of DOFs.
+    pub fn expand(&self, u: &mut [f64]) -> Result<(), ChangeError> {
+        if u.len() < self.network.dofs() {
+            return Err(ChangeError::DofOutOfRange { dof: u.len(), dofs: self.network.dofs() });
+        }
+        self.network.given().for_each(|(dof, value)| u[dof] = value);
+        self.blocks().for_each(|block| block.expand(u));
+        Ok(())
+    }
+}

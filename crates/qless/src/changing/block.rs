@@ -1,0 +1,94 @@
+//! One block, analysed and reduced: plain results in the numbers of the whole.
+
+use super::network::Network;
+use super::{ChangeError, EquationId};
+use crate::{Csr, Kind, Options, SystemBuilder, analyse};
+
+/// The results of one block. DOFs are those of the whole.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SolvedBlock {
+    equations: Vec<EquationId>,
+    kinds: Vec<Kind>,
+    /// Certificates of the dependent equations, in their order.
+    certificates: Vec<(EquationId, Vec<(EquationId, f64)>)>,
+    /// u_s, ascending.
+    pub slaves: Vec<usize>,
+    /// u_q, ascending.
+    pub masters: Vec<usize>,
+    /// u_p, ascending.
+    pub prescribed: Vec<usize>,
+    /// T, slaves x masters.
+    pub t: Csr,
+    /// G, slaves x prescribed DOFs.
+    pub g_matrix: Csr,
+    /// g, one number per slave.
+    pub g: Vec<f64>,
+    /// Whether the rank is ambiguous.
+    pub ambiguous: bool,
+}
+
+impl SolvedBlock {
+    /// Analyses the equations of a block, ascending, and reduces them.
+    pub(super) fn new(equations: &[EquationId], network: &Network, options: &Options) -> Result<Self, ChangeError> {
+        let mut dofs: Vec<u32> = equations.iter().flat_map(|&id| network.terms(id)).map(|&(j, _)| j).collect();
+        dofs.sort_unstable();
+        dofs.dedup();
+        // An equation without terms has no DOF, but a system has at least one.
+        let mut builder = SystemBuilder::new(dofs.len().max(1));
+        let local = |j: u32| dofs.binary_search(&j).unwrap_or_default();
+        for &id in equations {
+            builder.equation(network.terms(id).iter().map(|&(j, a)| (local(j), a)), network.rhs(id));
+        }
+        for (k, &j) in dofs.iter().enumerate() {
+            network.value(j).into_iter().for_each(|value| builder.prescribe(k, value));
+        }
+        let system = builder.build()?;
+        let analysis = analyse(&system, options)?;
+        let reduction = analysis.reduction(&system);
+        let certificate = |dependent: &crate::Dependent| {
+            let because = analysis.because(dependent);
+            (equations[dependent.row], because.iter().map(|term| (equations[term.row], term.coefficient)).collect())
+        };
+        let whole = |numbers: &[usize]| numbers.iter().filter_map(|&k| dofs.get(k)).map(|&j| j as usize).collect();
+        Ok(Self {
+            equations: equations.to_vec(),
+            certificates: analysis.dependent.iter().map(certificate).collect(),
+            slaves: whole(&reduction.slaves),
+            masters: whole(&reduction.masters),
+            prescribed: whole(&reduction.prescribed),
+            t: reduction.t,
+            g_matrix: reduction.g_matrix,
+            g: reduction.g,
+            ambiguous: analysis.confidence.ambiguous,
+            kinds: analysis.kinds,
+        })
+    }
+
+    /// Its equations, ascending.
+    pub fn equations(&self) -> &[EquationId] {
+        &self.equations
+    }
+
+    /// Rank of the free part of its equations.
+    pub fn rank(&self) -> usize {
+        self.slaves.len()
+    }
+
+    pub(super) fn kind(&self, equation: EquationId) -> Option<Kind> {
+        self.equations.binary_search(&equation).ok().map(|k| self.kinds[k])
+    }
+
+    pub(super) fn because(&self, equation: EquationId) -> Vec<(EquationId, f64)> {
+        let found = self.certificates.binary_search_by_key(&equation, |(id, _)| *id);
+        found.map_or_else(|_| Vec::new(), |k| self.certificates[k].1.clone())
+    }
+
+    /// `u_s = T u_q + G u_p + g`.
+    pub(super) fn expand(&self, u: &mut [f64]) {
+        for (i, &slave) in self.slaves.iter().enumerate() {
+            let masters: f64 = self.t.row(i).map(|(j, v)| v * u[self.masters[j]]).sum();
+            let given: f64 = self.g_matrix.row(i).map(|(j, v)| v * u[self.prescribed[j]]).sum();
+            u[slave] = masters + given + self.g[i];
+        }
+    }
+}

@@ -1,0 +1,238 @@
+//! Equations and DOFs, which of them meet, and which were touched since the last update.
+
+use std::collections::BTreeSet;
+
+use super::{ChangeError, EquationId};
+
+const NO_BLOCK: u32 = u32::MAX;
+
+#[derive(Debug)]
+struct Equation {
+    /// Ascending by DOF, each once, none zero.
+    terms: Box<[(u32, f64)]>,
+    rhs: f64,
+    /// Place of its block.
+    block: u32,
+}
+
+#[derive(Debug)]
+pub(super) struct Network {
+    equations: Vec<Option<Equation>>,
+    count: usize,
+    /// Equations by DOF.
+    on_dof: Vec<Vec<u32>>,
+    prescribed: Vec<Option<f64>>,
+    /// Equations that changed or that share a DOF with what did.
+    touched: BTreeSet<u32>,
+    /// Blocks of equations that were taken out or changed.
+    stale: BTreeSet<u32>,
+}
+
+/// What an update has to do again.
+pub(super) struct Region {
+    /// Ascending.
+    pub equations: Vec<EquationId>,
+    pub blocks: Vec<u32>,
+}
+
+/// Terms of an equation as they are kept.
+type Terms = Box<[(u32, f64)]>;
+
+impl Network {
+    pub fn new(dofs: usize) -> Self {
+        Self {
+            equations: Vec::new(),
+            count: 0,
+            on_dof: vec![Vec::new(); dofs],
+            prescribed: vec![None; dofs],
+            touched: BTreeSet::new(),
+            stale: BTreeSet::new(),
+        }
+    }
+
+    pub fn add(&mut self, terms: Vec<(usize, f64)>, rhs: f64) -> Result<EquationId, ChangeError> {
+        let terms = self.checked(terms)?;
+        finite(rhs)?;
+        let id = self.equations.len() as u32;
+        terms.iter().for_each(|&(j, _)| self.on_dof[j as usize].push(id));
+        self.equations.push(Some(Equation { terms, rhs, block: NO_BLOCK }));
+        self.touched.insert(id);
+        self.count += 1;
+        Ok(EquationId(id))
+    }
+
+    pub fn remove(&mut self, id: EquationId) -> Result<(), ChangeError> {
+        let equation = self.equations.get_mut(id.0 as usize).and_then(Option::take).ok_or(ChangeError::Gone(id.0))?;
+        self.leave(id, &equation.terms);
+        self.touched.remove(&id.0);
+        if equation.block != NO_BLOCK {
+            self.stale.insert(equation.block);
+        }
+        self.count -= 1;
+        Ok(())
+    }
+
+    pub fn set_rhs(&mut self, id: EquationId, rhs: f64) -> Result<(), ChangeError> {
+        finite(rhs)?;
+        self.get_mut(id)?.rhs = rhs;
+        self.touched.insert(id.0);
+        Ok(())
+    }
+
+    pub fn set_terms(&mut self, id: EquationId, terms: Vec<(usize, f64)>) -> Result<(), ChangeError> {
+        let terms = self.checked(terms)?;
+        let equation = self.get_mut(id)?;
+        let old = std::mem::replace(&mut equation.terms, terms.clone());
+        let block = equation.block;
+        self.leave(id, &old);
+        terms.iter().for_each(|&(j, _)| self.on_dof[j as usize].push(id.0));
+        self.touched.insert(id.0);
+        if block != NO_BLOCK {
+            self.stale.insert(block);
+        }
+        Ok(())
+    }
+
+    /// Gives a DOF a value, or none.
+    pub fn prescribe(&mut self, dof: usize, value: Option<f64>) -> Result<(), ChangeError> {
+        value.map_or(Ok(()), finite)?;
+        let dofs = self.dofs();
+        let place = self.prescribed.get_mut(dof).ok_or(ChangeError::DofOutOfRange { dof, dofs })?;
+        if *place != value {
+            *place = value;
+            self.touched.extend(&self.on_dof[dof]);
+        }
+        Ok(())
+    }
+
+    fn leave(&mut self, id: EquationId, terms: &[(u32, f64)]) {
+        for &(j, _) in terms {
+            self.on_dof[j as usize].retain(|&other| other != id.0);
+        }
+    }
+
+    fn checked(&self, mut terms: Vec<(usize, f64)>) -> Result<Terms, ChangeError> {
+        for &(dof, a) in &terms {
+            finite(a)?;
+            if dof >= self.dofs() {
+                return Err(ChangeError::DofOutOfRange { dof, dofs: self.dofs() });
+            }
+        }
+        terms.sort_by_key(|&(dof, _)| dof);
+        terms.dedup_by(|next, kept| {
+            let same = next.0 == kept.0;
+            kept.1 += if same { next.1 } else { 0.0 };
+            same
+        });
+        terms.iter().try_for_each(|&(_, a)| finite(a))?;
+        Ok(terms.into_iter().filter(|(_, a)| *a != 0.0).map(|(dof, a)| (dof as u32, a)).collect())
+    }
+
+    fn get_mut(&mut self, id: EquationId) -> Result<&mut Equation, ChangeError> {
+        self.equations.get_mut(id.0 as usize).and_then(Option::as_mut).ok_or(ChangeError::Gone(id.0))
+    }
+
+    fn get(&self, id: u32) -> Option<&Equation> {
+        self.equations.get(id as usize).and_then(Option::as_ref)
+    }
+
+    pub fn terms(&self, id: EquationId) -> &[(u32, f64)] {
+        self.get(id.0).map_or(&[], |equation| &equation.terms)
+    }
+
+    pub fn rhs(&self, id: EquationId) -> f64 {
+        self.get(id.0).map_or(0.0, |equation| equation.rhs)
+    }
+
+    /// The value of a DOF that has one.
+    pub fn value(&self, dof: u32) -> Option<f64> {
+        self.prescribed[dof as usize]
+    }
+
+    /// All prescribed DOFs.
+    pub fn given(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        self.prescribed.iter().enumerate().filter_map(|(dof, value)| value.map(|value| (dof, value)))
+    }
+
+    pub fn dofs(&self) -> usize {
+        self.on_dof.len()
+    }
+
+    pub fn equations(&self) -> usize {
+        self.count
+    }
+
+    pub fn place_of(&self, id: EquationId) -> Option<u32> {
+        self.get(id.0).map(|equation| equation.block).filter(|&block| block != NO_BLOCK)
+    }
+
+    /// Says where the block of equations is.
+    pub fn place(&mut self, equations: &[EquationId], place: u32) {
+        for &id in equations {
+            if let Some(equation) = self.equations[id.0 as usize].as_mut() {
+                equation.block = place;
+            }
+        }
+    }
+
+    /// Everything is done.
+    pub fn settled(&mut self) {
+        self.touched.clear();
+        self.stale.clear();
+    }
+
+    /// Touched equations, all of the blocks that they are or were in, and what they meet now.
+    pub fn region<'a>(&self, members: &dyn Fn(u32) -> Option<&'a [EquationId]>) -> Region {
+        let mut blocks = self.stale.clone();
+        let mut equations = self.touched.clone();
+        let mut waiting: Vec<u32> = equations.iter().copied().collect();
+        let take = |block: u32, equations: &mut BTreeSet<u32>, waiting: &mut Vec<u32>| {
+            for id in members(block).unwrap_or_default() {
+                if self.get(id.0).is_some() && equations.insert(id.0) {
+                    waiting.push(id.0);
+                }
+            }
+        };
+        self.stale.iter().for_each(|&block| take(block, &mut equations, &mut waiting));
+        while let Some(id) = waiting.pop() {
+            let Some(equation) = self.get(id) else { continue };
+            if equation.block != NO_BLOCK && blocks.insert(equation.block) {
+                take(equation.block, &mut equations, &mut waiting);
+            }
+            for &(j, _) in equation.terms.iter().filter(|(j, _)| self.value(*j).is_none()) {
+                for &other in &self.on_dof[j as usize] {
+                    if equations.insert(other) {
+                        waiting.push(other);
+                    }
+                }
+            }
+        }
+        let equations = equations.into_iter().map(EquationId).collect();
+        Region { equations, blocks: blocks.into_iter().collect() }
+    }
+
+    /// The equations by connected parts: those that share a free DOF. Parts and their equations ascend.
+    pub fn parts(&self, equations: &[EquationId]) -> Vec<Vec<EquationId>> {
+        let mut left: std::collections::HashSet<u32> = equations.iter().map(|id| id.0).collect();
+        let mut parts = Vec::new();
+        for &EquationId(first) in equations {
+            if !left.remove(&first) {
+                continue;
+            }
+            let (mut part, mut waiting) = (Vec::new(), vec![first]);
+            while let Some(id) = waiting.pop() {
+                part.push(EquationId(id));
+                for &(j, _) in self.terms(EquationId(id)).iter().filter(|(j, _)| self.value(*j).is_none()) {
+                    waiting.extend(self.on_dof[j as usize].iter().filter(|other| left.remove(other)));
+                }
+            }
+            part.sort_unstable();
+            parts.push(part);
+        }
+        parts
+    }
+}
+
+fn finite(value: f64) -> Result<(), ChangeError> {
+    if value.is_finite() { Ok(()) } else { Err(ChangeError::NotFinite(value)) }
+}

@@ -1,0 +1,169 @@
+//! Constraints that come and go: after any history of changes the results are those of a fresh run, to the last bit.
+
+use proptest::prelude::*;
+use qless::{ChangeError, ChangingSystem, EquationId, Kind, Options, SystemBuilder, analyse};
+
+const DOFS: usize = 24;
+
+type Terms = Vec<(usize, f64)>;
+
+/// A change of the set; numbers that name an equation count those that are there.
+#[derive(Clone, Debug)]
+enum Change {
+    Add(Terms, f64),
+    Remove(usize),
+    Rhs(usize, f64),
+    Replace(usize, Terms),
+    Prescribe(usize, f64),
+    Release(usize),
+    Update,
+}
+
+/// Few terms with small whole coefficients on near DOFs: many blocks, many dependent equations.
+fn terms() -> impl Strategy<Value = Terms> {
+    let near = (0..DOFS - 3, prop::collection::vec((0..4_usize, -2..=2_i32), 1..4));
+    near.prop_map(|(first, terms)| terms.into_iter().map(|(d, a)| (first + d, f64::from(a))).collect())
+}
+
+fn change() -> impl Strategy<Value = Change> {
+    let value = || (-2..=2_i32).prop_map(f64::from);
+    prop_oneof![
+        6 => (terms(), value()).prop_map(|(terms, rhs)| Change::Add(terms, rhs)),
+        3 => (0..64_usize).prop_map(Change::Remove),
+        1 => (0..64_usize, value()).prop_map(|(k, rhs)| Change::Rhs(k, rhs)),
+        1 => (0..64_usize, terms()).prop_map(|(k, terms)| Change::Replace(k, terms)),
+        1 => (0..DOFS, value()).prop_map(|(dof, value)| Change::Prescribe(dof, value)),
+        1 => (0..DOFS).prop_map(Change::Release),
+        3 => Just(Change::Update),
+    ]
+}
+
+/// What the set should be.
+#[derive(Default)]
+struct Mirror {
+    equations: Vec<(EquationId, Terms, f64)>,
+    prescribed: std::collections::BTreeMap<usize, f64>,
+}
+
+impl Mirror {
+    fn apply(&mut self, set: &mut ChangingSystem, change: &Change) -> Result<(), ChangeError> {
+        let count = self.equations.len();
+        match change {
+            Change::Add(terms, rhs) => {
+                let id = set.add(terms.clone(), *rhs)?;
+                self.equations.push((id, terms.clone(), *rhs));
+            }
+            Change::Remove(k) if count > 0 => set.remove(self.equations.remove(k % count).0)?,
+            Change::Rhs(k, rhs) if count > 0 => {
+                self.equations[k % count].2 = *rhs;
+                set.set_rhs(self.equations[k % count].0, *rhs)?;
+            }
+            Change::Replace(k, terms) if count > 0 => {
+                self.equations[k % count].1.clone_from(terms);
+                set.set_terms(self.equations[k % count].0, terms.clone())?;
+            }
+            Change::Prescribe(dof, value) => {
+                self.prescribed.insert(*dof, *value);
+                set.prescribe(*dof, *value)?;
+            }
+            Change::Release(dof) => {
+                self.prescribed.remove(dof);
+                set.release(*dof)?;
+            }
+            Change::Update => drop(set.update()?),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// A set that was never anything else.
+    fn fresh(&self) -> (ChangingSystem, Vec<EquationId>) {
+        let mut set = ChangingSystem::new(DOFS, Options::default());
+        self.prescribed.iter().for_each(|(&dof, &value)| set.prescribe(dof, value).expect("in range"));
+        let add = |(_, terms, rhs): &(EquationId, Terms, f64)| set.add(terms.clone(), *rhs).expect("finite");
+        let ids = self.equations.iter().map(add).collect();
+        set.update().expect("analysed");
+        (set, ids)
+    }
+
+    /// Rank and number of conflicts of the whole, as one system.
+    fn whole(&self) -> (usize, usize) {
+        let mut builder = SystemBuilder::new(DOFS);
+        self.equations.iter().for_each(|(_, terms, rhs)| _ = builder.equation(terms.clone(), *rhs));
+        self.prescribed.iter().for_each(|(&dof, &value)| builder.prescribe(dof, value));
+        let analysis = analyse(&builder.build().expect("a system"), &Options::default()).expect("analysed");
+        (analysis.rank(), analysis.kinds.iter().filter(|kind| **kind == Kind::Conflicting).count())
+    }
+}
+
+/// Everything that a block says, equations by their position.
+fn said(set: &ChangingSystem, ids: &[EquationId]) -> Vec<String> {
+    let position = |id: EquationId| ids.iter().position(|other| *other == id);
+    let one = |&id: &EquationId| {
+        let because: Vec<_> = set.because(id).into_iter().map(|(id, c)| (position(id), c.to_bits())).collect();
+        let block = set.block_of(id).expect("updated");
+        let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+        let numbers = (bits(&block.t.val), &block.t.col, &block.t.start, bits(&block.g_matrix.val), bits(&block.g));
+        let members: Vec<_> = block.equations().iter().map(|id| position(*id)).collect();
+        format!("{:?}", (set.kind(id), because, members, &block.slaves, &block.masters, &block.prescribed, numbers))
+    };
+    ids.iter().map(one).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, rng_seed: proptest::test_runner::RngSeed::Fixed(7), ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_history_leaves_what_a_fresh_run_gives(changes in prop::collection::vec(change(), 1..60)) {
+        let mut set = ChangingSystem::new(DOFS, Options::default());
+        let mut mirror = Mirror::default();
+        for change in &changes {
+            mirror.apply(&mut set, change).expect("a valid change");
+        }
+        set.update().expect("analysed");
+        let ids: Vec<EquationId> = mirror.equations.iter().map(|(id, ..)| *id).collect();
+        let (fresh, fresh_ids) = mirror.fresh();
+        prop_assert!(said(&set, &ids) == said(&fresh, &fresh_ids));
+        prop_assert_eq!((set.rank(), set.equations()), (fresh.rank(), ids.len()));
+        // And what the whole gives as one system.
+        let conflicts = ids.iter().filter(|&&id| set.kind(id) == Some(Kind::Conflicting)).count();
+        prop_assert_eq!((set.rank(), conflicts), mirror.whole());
+        // Nothing is left to do.
+        prop_assert_eq!(set.update().expect("analysed"), 0);
+    }
+}
+
+#[test]
+fn only_what_is_touched_is_done_again() {
+    let mut set = ChangingSystem::new(300, Options::default());
+    let ids: Vec<_> = (0..100).map(|k| set.add([(3 * k, 1.0), (3 * k + 1, -1.0)], 0.0).expect("valid")).collect();
+    assert_eq!(set.update().expect("analysed"), 100);
+    let bridge = set.add([(1, 1.0), (4, -1.0)], 0.0).expect("valid");
+    assert_eq!((set.update().expect("analysed"), set.rank()), (1, 101));
+    assert_eq!(set.block_of(ids[0]).map(|block| block.equations().len()), Some(3));
+    set.remove(bridge).expect("there");
+    assert_eq!((set.update().expect("analysed"), set.rank()), (2, 100));
+    // A prescribed DOF parts its block.
+    let other = set.add([(0, 1.0), (2, -1.0)], 0.0).expect("valid");
+    set.update().expect("analysed");
+    set.prescribe(0, 0.5).expect("in range");
+    assert_eq!(set.update().expect("analysed"), 2);
+    let mut u = vec![0.0; 300];
+    set.expand(&mut u).expect("long enough");
+    assert_eq!((u[0], u[1], u[2]), (0.5, 0.5, 0.5));
+    assert_eq!(set.kind(other), Some(Kind::Independent));
+}
+
+#[test]
+fn what_is_wrong_is_refused_and_changes_nothing() {
+    let mut set = ChangingSystem::new(2, Options::default());
+    assert_eq!(set.add([(2, 1.0)], 0.0), Err(ChangeError::DofOutOfRange { dof: 2, dofs: 2 }));
+    assert!(matches!(set.add([(0, f64::NAN)], 0.0), Err(ChangeError::NotFinite(_))));
+    assert!(matches!(set.prescribe(1, f64::INFINITY), Err(ChangeError::NotFinite(_))));
+    let id = set.add([(0, 1.0)], 1.0).expect("valid");
+    set.remove(id).expect("there");
+    assert!(matches!(set.remove(id), Err(ChangeError::Gone(_))));
+    assert!(matches!(set.set_rhs(id, 1.0), Err(ChangeError::Gone(_))));
+    assert!(matches!(set.set_terms(id, [(0, 1.0)]), Err(ChangeError::Gone(_))));
+    assert_eq!((set.update().expect("analysed"), set.equations(), set.kind(id)), (0, 0, None));
+}
