@@ -24,11 +24,13 @@ fn main() {
     let short = std::env::args().any(|argument| argument == "--test");
     let equations = if short { 20_000 } else { 1_000_000 };
     let place = tempfile::tempdir().expect("a folder");
-    let decks: [(&str, &str, Text); 4] = [
+    let decks: [(&str, &str, Text); 6] = [
         ("inp: one card", "one.inp", |m| calculix(m, false, false)),
         ("inp: a card each", "each.inp", |m| calculix(m, true, false)),
         ("inp: nodes too", "nodes.inp", |m| calculix(m, false, true)),
         ("inp: 3 terms", "terms.inp", three_terms),
+        ("bdf: MPC", "mpc.bdf", nastran),
+        ("cdb: CE", "ce.cdb", ansys),
     ];
     println!(
         "{:<18} {:>9} {:>8} {:>11} {:>10} {:>6} {:>11}",
@@ -55,6 +57,29 @@ fn calculix(equations: usize, a_card_each: bool, nodes: bool) -> String {
         writeln!(text, "2\n{},1,1.0,{},1,-1.0", i + equations, i).expect("text");
     }
     text + "*STEP\n*STATIC\n*END STEP\n"
+}
+
+/// `MPC` cards in small field, with the grid points that they need.
+fn nastran(equations: usize) -> String {
+    let mut text = String::from("SOL 101\nCEND\nMPC = 1\nBEGIN BULK\n");
+    for node in 1..=2 * equations {
+        writeln!(text, "GRID    {node:<8}        {:<8.3}0.5     1.5", (node % 1000) as f64 * 0.5).expect("text");
+    }
+    for i in 1..=equations {
+        writeln!(text, "MPC     1       {:<8}1       1.0     {i:<8}1       -1.0", i + equations).expect("text");
+    }
+    text + "ENDDATA\n"
+}
+
+/// `CE` blocks as archives have them.
+fn ansys(equations: usize) -> String {
+    let mut text = String::from("/PREP7\n");
+    for i in 1..=equations {
+        let other = i + equations;
+        write!(text, "CE,R5.0,DEFI,       2,{i:8},  0.00000000    \n").expect("text");
+        writeln!(text, "CE,R5.0,NODE,{other:8},UX  ,  1.00000000    ,{i:8},UX  , -1.00000000").expect("text");
+    }
+    text + "FINISH\n"
 }
 
 /// What periodicity looks like: the three components of two nodes and of a dummy one.

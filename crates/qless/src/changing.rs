@@ -77,8 +77,8 @@ pub struct ChangingSystem {
 
 impl ChangingSystem {
     /// No equations on DOFs 0 to `dofs - 1`. Preferences of the options are not used: they number whole systems.
-    pub fn new(dofs: usize, options: Options) -> Self {
-        let options = Options { preferences: crate::Preferences::default(), ..options };
+    pub fn new(dofs: usize, mut options: Options) -> Self {
+        options.preferences = crate::Preferences::default();
         Self { network: Network::new(dofs), options, blocks: Vec::new(), free: Vec::new(), rank: 0 }
     }
 
@@ -139,7 +139,7 @@ impl ChangingSystem {
     /// # Errors
     /// [`ChangeError::System`], [`ChangeError::Analysis`]; the changes stay to be done, the results are those before.
     pub fn update(&mut self) -> Result<usize, ChangeError> {
-        let region = self.network.region(&|place| self.blocks[place as usize].as_ref().map(|block| block.equations()));
+        let region = self.network.region(&|place| self.blocks[place as usize].as_ref().map(SolvedBlock::equations));
         let parts = self.network.parts(&region.equations);
         let solve = |part: &Vec<EquationId>| SolvedBlock::new(part, &self.network, &self.options);
         // A single block may have parallel work of its own; many share the threads between them.

@@ -93,11 +93,11 @@ fn thermal_expansion_is_left_out_with_a_warning() {
 #[test]
 fn cards_that_are_not_understood_are_named() {
     let model =
-        model("GRID,1\nRSPLINE,9,,1,2,123,3,123,4\nRTRPLT,8,1,2,3\nCQUAD4,1,1,1,2,3,4\nSUPORT,1,123\nCWELD,4\n");
+        model("GRID,1\nRSPLINE,9,,1,2,123,3,123,4\nRTRPLT,8,1,2,3\nCQUAD4,1,1,1,2,3,4\nSUPORT,1,123,4,12\nCWELD,4\n");
     let expected = [
         "line 2: RSPLINE 9 is an interpolation element of grid points 1, 2, 3, 4; it is not understood and left out",
         "line 3: RTRPLT 8 is a rigid element of grid points 1, 2, 3; it is not understood and left out",
-        "line 5: SUPORT 1 fixes reference components where there is no inertia relief of grid points 1; it is not understood and left out",
+        "line 5: SUPORT 1 fixes reference components where there is no inertia relief of grid points 1, 4; it is not understood and left out",
         "line 6: CWELD 4 joins its parts by equations; it is not understood and left out",
     ];
     assert_eq!(warnings(&model), expected);

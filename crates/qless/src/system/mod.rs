@@ -5,6 +5,7 @@
 //! last place of its parts) is no coefficient at all.
 
 mod builder;
+mod convert;
 mod csr;
 mod error;
 
@@ -62,6 +63,24 @@ impl ConstraintSystem {
         prescribed: &[(usize, f64)],
     ) -> Result<Self, SystemError> {
         builder::from_csc(rows, start, row, value, rhs, prescribed)
+    }
+
+    /// From compressed rows, such as those made from the matrices of `sprs` or `nalgebra-sparse` (features of these names).
+    ///
+    /// # Errors
+    /// [`SystemError`], as for [`ConstraintSystem::from_triplets`].
+    ///
+    /// ```
+    /// let mut matrix = qless::Csr::empty(2);
+    /// matrix.push_row([(0, 1.0), (1, -1.0)]);
+    /// let system = qless::ConstraintSystem::from_csr(&matrix, &[0.5], &[])?;
+    /// assert_eq!((system.equations(), system.matrix().nnz()), (1, 2));
+    /// # Ok::<(), qless::SystemError>(())
+    /// ```
+    pub fn from_csr(matrix: &Csr, rhs: &[f64], prescribed: &[(usize, f64)]) -> Result<Self, SystemError> {
+        let row = |i: usize| matrix.row(i).map(move |(j, v)| (i, j, v));
+        let triplets: Vec<_> = (0..matrix.rows()).flat_map(row).collect();
+        builder::from_triplets(matrix.rows(), matrix.cols, &triplets, rhs, prescribed)
     }
 
     /// Names the equations (one per row) and the DOFs; an empty list leaves numbers in their place.

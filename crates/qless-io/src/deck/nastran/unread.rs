@@ -8,13 +8,15 @@ use crate::number::whole;
 enum Listed {
     /// From one field to another.
     Fields(usize, usize),
-    /// Every second field from this one.
-    EverySecond(usize),
+    /// Every second field from this one, each before its components.
+    Pairs(usize),
+    /// A first point, and then pairs.
+    Spline,
     /// Not on the card.
     Elsewhere,
 }
 
-use Listed::{Elsewhere, EverySecond, Fields};
+use Listed::{Elsewhere, Fields, Pairs, Spline};
 
 /// A card that is not understood.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,7 +31,7 @@ const fn unread(name: &'static str, what: &'static str, listed: Listed) -> Unrea
 }
 
 const UNREAD: [Unread; 37] = [
-    unread("RSPLINE", "is an interpolation element", EverySecond(3)),
+    unread("RSPLINE", "is an interpolation element", Spline),
     unread("RBAR1", "is a rigid element", Fields(1, 3)),
     unread("RJOINT", "is a rigid element", Fields(1, 3)),
     unread("RTRPLT", "is a rigid element", Fields(1, 4)),
@@ -59,8 +61,8 @@ const UNREAD: [Unread; 37] = [
     unread("CYJOIN", "joins the sides of a cyclic segment", Elsewhere),
     unread("CYSYM", "is cyclic symmetry", Elsewhere),
     unread("CYAX", "is cyclic symmetry", Elsewhere),
-    unread("SUPORT", "fixes reference components where there is no inertia relief", Fields(0, 1)),
-    unread("SUPORT1", "fixes reference components where there is no inertia relief", Fields(1, 2)),
+    unread("SUPORT", "fixes reference components where there is no inertia relief", Pairs(0)),
+    unread("SUPORT1", "fixes reference components where there is no inertia relief", Pairs(1)),
     unread("SUPAX", "fixes reference components", Elsewhere),
     unread("SEBNDRY", "joins superelements", Elsewhere),
     unread("SECONCT", "joins superelements", Elsewhere),
@@ -84,7 +86,8 @@ impl Unread {
     fn points(&self, card: &Card) -> Vec<String> {
         let fields: Vec<usize> = match self.listed {
             Fields(from, to) => (from..to).collect(),
-            EverySecond(from) => std::iter::once(2).chain((from..card.len()).step_by(2)).collect(),
+            Pairs(from) => (from..card.len()).step_by(2).collect(),
+            Spline => std::iter::once(2).chain((3..card.len()).step_by(2)).collect(),
             Elsewhere => Vec::new(),
         };
         fields.into_iter().filter_map(|i| whole(card.field(i))).map(|node| node.to_string()).collect()
