@@ -11,8 +11,8 @@
 use std::collections::BTreeMap;
 
 use super::command::Command;
-use super::field::{Fault, component, expected, is_nothing, range, real, signed_node, whole};
-use super::numbering::{Searches, numbered, too_many_taken_away};
+use super::field::{Fault, component, expected, is_nothing, real, signed_node, whole};
+use super::numbering::{Searches, delete, numbered, too_many_taken_away};
 use crate::deck::{Dof, Problem};
 use crate::number;
 
@@ -69,14 +69,7 @@ impl Equations {
 
     /// `CEDELE, NEQN1, NEQN2, NINC`.
     pub fn delete(&mut self, command: &Command) -> Result<(), Fault> {
-        if command.is(1, "ALL") {
-            self.sets.clear();
-            return Ok(());
-        }
-        let first = whole(command.field(1)).ok_or_else(|| expected(command, 1, "the number of an equation or ALL"))?;
-        let (first, last, step) = range(command, first, 2)?;
-        self.sets.retain(|&number, _| number < first || number > last || !(number - first).is_multiple_of(step));
-        Ok(())
+        delete(command, &mut self.sets, &mut self.left)
     }
 
     /// The first equation with another number of terms than its archive promises.

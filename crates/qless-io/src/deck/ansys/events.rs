@@ -6,8 +6,10 @@ use std::ops::Range;
 use super::nodes::Nodes;
 use crate::deck::{Dof, Load, LoadCase, Model, Origin, Prescribed, Problem};
 
-/// Values that ranges, groups and `ALL` stand for at most, over all load cases.
-const VALUES: usize = 20_000_000;
+/// Values that all commands stand for at most: bounds the time.
+const VALUES: usize = 50_000_000;
+/// Values and loads that all load cases hold at most: bounds the memory.
+const HELD: usize = 20_000_000;
 
 /// Which nodes a command means.
 #[derive(Clone, Debug)]
@@ -82,6 +84,8 @@ struct Replay<'a> {
     loads: BTreeMap<Dof, Load>,
     cases: Vec<LoadCase>,
     left: usize,
+    /// Values and loads of the load cases so far.
+    held: usize,
 }
 
 impl<'a> Replay<'a> {
@@ -94,20 +98,19 @@ impl<'a> Replay<'a> {
         components.sort_unstable();
         components.dedup();
         let (prescribed, loads) = (BTreeMap::new(), BTreeMap::new());
-        Self { groups, nodes, components, prescribed, loads, cases: Vec::new(), left: VALUES }
+        Self { groups, nodes, components, prescribed, loads, cases: Vec::new(), left: VALUES, held: 0 }
     }
 
     fn event(&mut self, event: &Event) -> Result<(), Problem> {
         if matches!(event.action, Action::Solve) {
-            self.spend(self.prescribed.len() + self.loads.len() + 1)?;
             self.solve();
-            return Ok(());
+            return self.check_held();
         }
         let all = event.is_of_all().then(|| self.components.clone());
         let components = all.as_deref().unwrap_or_else(|| event.named());
         for (first, last, step) in self.ranges(&event.which) {
             let nodes = self.members(first, last);
-            self.spend(nodes.len().saturating_mul(components.len() + 1))?;
+            self.spend(nodes.len().saturating_mul(components.len()).saturating_add(1))?;
             for at in nodes {
                 let node = self.nodes[at];
                 if (node - first).is_multiple_of(step) {
@@ -118,8 +121,17 @@ impl<'a> Replay<'a> {
             if first == last && self.nodes.binary_search(&first).is_err() {
                 self.node(event, first, components);
             }
+            self.check_held()?;
         }
         Ok(())
+    }
+
+    fn check_held(&self) -> Result<(), Problem> {
+        if self.held + self.prescribed.len() + self.loads.len() <= HELD {
+            return Ok(());
+        }
+        let advice = "make a deck of each load step, or prescribe fewer nodes";
+        Err(Problem::Limit { what: "the number of values in all load steps", limit: HELD, advice })
     }
 
     fn ranges(&self, which: &Which) -> Vec<(u32, u32, u32)> {
@@ -160,6 +172,7 @@ impl<'a> Replay<'a> {
     }
 
     fn solve(&mut self) {
+        self.held += self.prescribed.len() + self.loads.len() + 1;
         self.cases.push(LoadCase {
             name: format!("load step {}", self.cases.len() + 1),
             prescribed: self.prescribed.values().copied().collect(),

@@ -4,6 +4,16 @@
 //! UY, UZ, ROTX, ROTY, ROTZ; 7 WARP, 8 PRES, 9 VOLT, 10 MAG, 11 TEMP, and so on (`label`). All of them are along the axes of
 //! their node. Fields are counted from 1 after the name of the command.
 //!
+//! ```
+//! # let place = tempfile::tempdir()?;
+//! let path = place.path().join("lug.cdb");
+//! std::fs::write(&path, "CE,4,0.5,1,UX,1,2,UX,-1 ! a gap\nD,2,UX\n")?;
+//! let deck = qless_io::deck::read(&path)?;
+//! assert_eq!(deck.model.label(0), "line 1 CE 4 1:1");
+//! assert_eq!((deck.model.equation(0).rhs, deck.model.cases[0].prescribed[0].value), (0.5, 0.0));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! Lines that begin with a number are data of blocks; only those of `NBLOCK` and of `CMBLOCK` of nodes are read.
 
 mod command;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::command::Command;
-use super::field::{Fault, expected, whole};
+use super::field::{Fault, expected, range, whole};
 use crate::deck::Problem;
 
 /// Terms or nodes that may still be gone through to find those that are taken away.
@@ -17,6 +17,22 @@ impl Default for Searches {
     fn default() -> Self {
         Self(SEARCHES)
     }
+}
+
+/// Takes away the sets `first, last, step` of a command from field 1 on, or `ALL` of them.
+pub fn delete<T>(command: &Command, sets: &mut BTreeMap<u32, T>, left: &mut Searches) -> Result<(), Fault> {
+    if command.is(1, "ALL") {
+        sets.clear();
+        return Ok(());
+    }
+    let first = whole(command.field(1)).ok_or_else(|| expected(command, 1, "a number from 1 or ALL"))?;
+    let (first, last, step) = range(command, first, 2)?;
+    let numbers: Vec<u32> = sets.range(first..=last).map(|(&number, _)| number).collect();
+    left.0 = left.0.checked_sub(numbers.len()).ok_or((None, too_many_taken_away()))?;
+    for number in numbers.into_iter().filter(|number| (number - first).is_multiple_of(step)) {
+        sets.remove(&number);
+    }
+    Ok(())
 }
 
 /// What is wrong where there are no more.
