@@ -62,6 +62,8 @@ pub trait Constraint {
 /// `u` are the values of the constraint's own DOFs, in the order of its list. Only [`Nonlinear::value`] is required:
 /// without more, derivatives are taken by dual numbers, exact to rounding.
 pub trait Nonlinear: Send + Sync + Sized + 'static {
+    /// How many DOFs each constraint of the type has, or 0 if that varies. A fixed number makes faster loops.
+    const DOFS: usize = 0;
     /// A name for each equation, such as "x"; a single equation has an empty one.
     const PARTS: &'static [&'static str];
 

@@ -15,7 +15,10 @@ const LOWER: [(usize, usize); 10] = [(0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2,
 pub fn gradient(kind: Kind, u: &[f64], s: Vector<f64>, m: Vector<f64>, out: &mut [f64]) {
     match kind {
         Kind::Ground | Kind::Node => (),
-        Kind::Vector => out[..3].copy_from_slice(&Phi::new([u[0], u[1], u[2]], s, m).gradient()),
+        Kind::Vector => {
+            let theta = [u[0], u[1], u[2]];
+            out[..3].copy_from_slice(&Phi::new(theta, s, m, factors(dot(theta, theta))).gradient());
+        }
         Kind::Euler => {
             let (e0, e, n, ms) = (1.0 + u[0], [u[1], u[2], u[3]], cross(s, m), dot(m, s));
             let (em, es) = (dot(e, m), dot(e, s));
@@ -25,12 +28,38 @@ pub fn gradient(kind: Kind, u: &[f64], s: Vector<f64>, m: Vector<f64>, out: &mut
     }
 }
 
+/// `R s`, and `d(R s)`, 3 x rotations.
+#[inline]
+pub fn slopes(kind: Kind, u: &[f64], s: Vector<f64>) -> (Vector<f64>, [[f64; 4]; 3]) {
+    let mut rows = [[0.0; 4]; 3];
+    if kind != Kind::Vector {
+        rows.iter_mut().enumerate().for_each(|(axis, row)| gradient(kind, u, s, unit(axis), row));
+        return (kind.turn(u, s), rows);
+    }
+    let theta = [u[0], u[1], u[2]];
+    let factors = factors(dot(theta, theta));
+    let mut turned = [0.0; 3];
+    for (axis, row) in rows.iter_mut().enumerate() {
+        let phi = Phi::new(theta, s, unit(axis), factors);
+        turned[axis] = phi.ms + phi.a[0] * phi.alpha + phi.b[0] * phi.beta;
+        row[..3].copy_from_slice(&phi.gradient());
+    }
+    (turned, rows)
+}
+
+fn unit(axis: usize) -> Vector<f64> {
+    std::array::from_fn(|k| if k == axis { 1.0 } else { 0.0 })
+}
+
 /// The lower triangle of the Hessian of phi, row by row.
 #[inline]
 pub fn hessian(kind: Kind, u: &[f64], s: Vector<f64>, m: Vector<f64>, out: &mut [f64]) {
     match kind {
         Kind::Ground | Kind::Node => (),
-        Kind::Vector => Phi::new([u[0], u[1], u[2]], s, m).hessian(out),
+        Kind::Vector => {
+            let theta = [u[0], u[1], u[2]];
+            Phi::new(theta, s, m, factors(dot(theta, theta))).hessian(out);
+        }
         Kind::Euler => {
             let (n, ms) = (cross(s, m), dot(m, s));
             let entry = |j: usize, k: usize| match (j, k) {
@@ -63,11 +92,10 @@ struct Phi {
 
 impl Phi {
     #[inline]
-    fn new(theta: Vector<f64>, s: Vector<f64>, m: Vector<f64>) -> Self {
+    fn new(theta: Vector<f64>, s: Vector<f64>, m: Vector<f64>, [a, b]: [[f64; 3]; 2]) -> Self {
         let (n, ms, y) = (cross(s, m), dot(m, s), dot(theta, theta));
         let (mt, st) = (dot(m, theta), dot(s, theta));
         let slope_beta = std::array::from_fn(|k| m[k] * st + s[k] * mt - 2.0 * theta[k] * ms);
-        let [a, b] = factors(y);
         Self { theta, s, m, n, ms, alpha: dot(theta, n), beta: mt * st - y * ms, slope_beta, a, b }
     }
 

@@ -124,7 +124,19 @@ pub fn solve(
     prescribed: &[(usize, f64)],
     options: &NewtonOptions,
 ) -> Result<Solution, NewtonError> {
+    solve_from(base(options), set, u, prescribed, options)
+}
+
+/// [`solve`], with a tolerance for the first step.
+fn solve_from(
+    tolerance: f64,
+    set: &ConstraintSet,
+    u: &[f64],
+    prescribed: &[(usize, f64)],
+    options: &NewtonOptions,
+) -> Result<Solution, NewtonError> {
     let mut run = Run::new(set, u, prescribed, options);
+    run.tolerance = tolerance;
     for step in 0..=options.steps {
         let (system, analysis) = run.look(step)?;
         if run.done() {

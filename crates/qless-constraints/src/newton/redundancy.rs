@@ -7,7 +7,7 @@
 use qless::{Analysis, Csr, Options, analyse};
 
 use super::residual::change;
-use super::{NewtonError, NewtonOptions, dependent, solve};
+use super::{LOOSEST, NewtonError, NewtonOptions, dependent, solve_from};
 use crate::ConstraintSet;
 
 /// How much G changes on the way to the second configuration, relative to its entries.
@@ -106,7 +106,9 @@ impl Here {
             let Some(du) = self.step(set, u, seed) else { continue };
             moves = true;
             let start: Vec<f64> = u.iter().zip(&du).map(|(u, du)| u + du).collect();
-            let Ok(found) = solve(set, &start, &[], options) else { continue };
+            // Off the constraints by STEP^2, on the way to a configuration that differs by STEP: what is dependent within
+            // less than that is left out.
+            let Ok(found) = solve_from(LOOSEST, set, &start, &[], options) else { continue };
             // Newton may have gone back to where it came from.
             if self.change_at(set, &found.u) > STEP / 10.0 {
                 return Nearby::At(found.u);

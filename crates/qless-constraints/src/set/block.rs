@@ -98,13 +98,19 @@ impl<Q: Nonlinear> Homogeneous<Q> {
         self.start.push(self.dofs.len() as u32);
     }
 
+    #[inline]
     fn range(&self, i: usize) -> std::ops::Range<usize> {
+        if Q::DOFS > 0 {
+            return i * Q::DOFS..i * Q::DOFS + Q::DOFS;
+        }
         self.start[i] as usize..self.start[i + 1] as usize
     }
 
+    #[inline]
     fn gather<'a>(&self, i: usize, u: &[f64], local: &'a mut [f64]) -> &'a mut [f64] {
         let dofs = &self.dofs[self.range(i)];
-        let local = &mut local[..dofs.len()];
+        let n = if Q::DOFS > 0 { Q::DOFS } else { dofs.len() };
+        let local = &mut local[..n];
         local.iter_mut().zip(dofs).for_each(|(x, &j)| *x = u[j as usize]);
         local
     }
@@ -131,7 +137,8 @@ impl<Q: Nonlinear> Homogeneous<Q> {
         for (i, c) in (first..).zip(c.chunks_exact_mut(rows)) {
             let local = self.gather(i, u, &mut local);
             let own;
-            (own, rest) = rest.split_at_mut(rows * local.len());
+            let n = if Q::DOFS > 0 { Q::DOFS } else { local.len() };
+            (own, rest) = rest.split_at_mut(rows * n);
             if self.place.is_empty() {
                 self.items[i].value_and_jacobian(local, c, own);
             } else {
@@ -139,6 +146,16 @@ impl<Q: Nonlinear> Homogeneous<Q> {
                 self.items[i].value_and_jacobian(local, c, scratch);
                 scatter(scratch, &self.place[self.range(i)], own);
             }
+        }
+    }
+}
+
+/// Adds the pair that each entry comes from; entries in rows of other tasks have a place beyond the end.
+#[inline]
+fn add(h: &[f64], source: &[u32], places: &[u32], out: &mut [f64]) {
+    for (&place, &k) in places.iter().zip(source) {
+        if let Some(entry) = out.get_mut(place as usize) {
+            *entry += h[k as usize];
         }
     }
 }
@@ -207,17 +224,12 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
         let mut places = share.places.as_slice();
         for &i in &share.items {
             let i = i as usize;
-            let local = self.gather(i, u, &mut local);
             let from = share.mirror.of(i);
-            self.items[i].hessian(local, &w[i * rows..(i + 1) * rows], &mut h[..from.pairs]);
+            let h = &mut h[..from.pairs];
+            self.items[i].hessian(self.gather(i, u, &mut local), &w[i * rows..(i + 1) * rows], h);
             let own;
             (own, places) = places.split_at(from.source.len());
-            for (&place, &k) in own.iter().zip(&from.source) {
-                // Entries in rows of other tasks have a place beyond the end.
-                if let Some(entry) = out.get_mut(place as usize) {
-                    *entry += h[k as usize];
-                }
-            }
+            add(h, &from.source, own, out);
         }
     }
 

@@ -145,6 +145,18 @@ fn redundant_only_where_bars_are_in_line() -> Outcome {
     Ok(())
 }
 
+/// With a third arm one equation is redundant wherever the linkage goes, and one more where it is flat.
+#[test]
+fn flat_parallelogram_with_three_arms() -> Outcome {
+    let set = parallelogram()?.build();
+    let flat = [1.0, -1.0].repeat(3);
+    assert_eq!(rank(&set, &flat)?, 4);
+    let mut places: Vec<_> = redundancies(&set, &flat, &NewtonOptions::default())?.iter().map(|f| f.1).collect();
+    places.sort_by_key(|&place| place == Redundancy::OnlyHere);
+    assert_eq!(places, [Redundancy::Everywhere, Redundancy::OnlyHere]);
+    Ok(())
+}
+
 /// A parallelogram passes through its flat configuration, and is regular before and after it.
 #[test]
 fn flat_parallelogram() -> Outcome {
