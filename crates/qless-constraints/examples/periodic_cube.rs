@@ -83,7 +83,7 @@ fn stiffness(ratio: f64) -> Outcome<SparseColMat<usize, f64>> {
     for cell in 0..cells.pow(3) {
         let place = [cell % cells, cell / cells % cells, cell / cells / cells];
         let factor = if 2 * place[0] >= cells { ratio } else { 1.0 };
-        let dof = |k: usize| 3 * number(from_fn(|axis| place[axis] + (k / 3 >> axis & 1))) + k % 3;
+        let dof = |k: usize| 3 * number(from_fn(|axis| place[axis] + ((k / 3) >> axis & 1))) + k % 3;
         for (a, b) in (0..24).flat_map(|a| (0..24).map(move |b| (a, b))) {
             entries.push(Triplet::new(dof(a), dof(b), factor * brick[a][b]));
         }

@@ -64,6 +64,8 @@ pub trait Constraint {
 pub trait Nonlinear: Send + Sync + Sized + 'static {
     /// How many DOFs each constraint of the type has, or 0 if that varies. A fixed number makes faster loops.
     const DOFS: usize = 0;
+    /// Whether c is a polynomial of degree two: then [`Nonlinear::hessian`] does not depend on u, and is given none.
+    const QUADRATIC: bool = false;
     /// A name for each equation, such as "x"; a single equation has an empty one.
     const PARTS: &'static [&'static str];
 

@@ -56,6 +56,9 @@ impl Blocks {
     }
 }
 
+/// In place of the first place of a list that ascends.
+const IN_ORDER: u32 = u32::MAX;
+
 /// Constraints of type Q.
 struct Homogeneous<Q> {
     items: Vec<Q>,
@@ -63,7 +66,7 @@ struct Homogeneous<Q> {
     /// Where the DOFs of each constraint start; one more than constraints.
     start: Vec<u32>,
     dofs: Vec<u32>,
-    /// Where each DOF stands in its rows of G; empty if all lists ascend.
+    /// Where each DOF stands in its rows of G, or [`IN_ORDER`]; empty if all lists ascend.
     place: Vec<u32>,
     /// Most DOFs of one constraint.
     widest: usize,
@@ -124,6 +127,9 @@ impl<Q: Nonlinear> Homogeneous<Q> {
             let mut order: Vec<u32> = (0..dofs.len() as u32).collect();
             order.sort_unstable_by_key(|&k| dofs[k as usize]);
             order.iter().enumerate().for_each(|(p, &k)| place[range.start + k as usize] = p as u32);
+            if dofs.is_sorted() && !dofs.is_empty() {
+                place[range.start] = IN_ORDER;
+            }
         }
         place
     }
@@ -139,7 +145,8 @@ impl<Q: Nonlinear> Homogeneous<Q> {
             let own;
             let n = if Q::DOFS > 0 { Q::DOFS } else { local.len() };
             (own, rest) = rest.split_at_mut(rows * n);
-            if self.place.is_empty() {
+            let ascends = self.place.get(self.range(i).start).is_none_or(|&place| place == IN_ORDER);
+            if ascends {
                 self.items[i].value_and_jacobian(local, c, own);
             } else {
                 let scratch = &mut scratch[..own.len()];
@@ -150,12 +157,12 @@ impl<Q: Nonlinear> Homogeneous<Q> {
     }
 }
 
-/// Adds the pair that each entry comes from; entries in rows of other tasks have a place beyond the end.
+/// Adds each value at its place; those in rows of other tasks have a place beyond the end.
 #[inline]
-fn add(h: &[f64], source: &[u32], places: &[u32], out: &mut [f64]) {
-    for (&place, &k) in places.iter().zip(source) {
+fn add(places: &[u32], values: impl Iterator<Item = f64>, out: &mut [f64]) {
+    for (&place, value) in places.iter().zip(values) {
         if let Some(entry) = out.get_mut(place as usize) {
-            *entry += h[k as usize];
+            *entry += value;
         }
     }
 }
@@ -226,10 +233,13 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
             let i = i as usize;
             let from = share.mirror.of(i);
             let h = &mut h[..from.pairs];
-            self.items[i].hessian(self.gather(i, u, &mut local), &w[i * rows..(i + 1) * rows], h);
-            let own;
-            (own, places) = places.split_at(from.source.len());
-            add(h, &from.source, own, out);
+            let local = if Q::QUADRATIC { &[][..] } else { self.gather(i, u, &mut local) };
+            self.items[i].hessian(local, &w[i * rows..(i + 1) * rows], h);
+            let (own, mirrored);
+            (own, places) = places.split_at(from.pairs);
+            (mirrored, places) = places.split_at(from.mirrored.len());
+            add(own, h.iter().copied(), out);
+            add(mirrored, from.mirrored.iter().map(|&k| h[k as usize]), out);
         }
     }
 

@@ -70,6 +70,7 @@ struct Rod<const D: usize> {
 
 impl<const D: usize> Nonlinear for Rod<D> {
     const DOFS: usize = 2 * D;
+    const QUADRATIC: bool = true;
     const PARTS: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
