@@ -39,6 +39,22 @@ fn parallelogram_is_driven() -> Outcome {
     Ok(())
 }
 
+/// Off the constraints the redundant arm is almost independent, and G almost singular: a step that satisfied all rows would be
+/// larger than the disturbance by the inverse of what is left. The way back is no longer than the disturbance.
+#[test]
+fn disturbed_parallelogram_goes_back_to_what_is_near() -> Outcome {
+    let set = parallelogram()?.build();
+    for (case, size) in [1e-2, 1e-3, 1e-4, 1e-6].into_iter().enumerate() {
+        let start: Vec<f64> = (0..6).map(|j| size * random(j + 17 * case)).collect();
+        let solution = solve(&set, &start, &[], &NewtonOptions::default())?;
+        let way = start.iter().zip(&solution.u).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+        assert!(way < 4.0 * size, "size {size}: {way}");
+        assert_eq!(solution.redundant.len(), 1);
+        assert!(solution.iterates.len() <= 7, "{:?}", solution.iterates);
+    }
+    Ok(())
+}
+
 /// Example 2, redundant and in space: Bricard's linkage, from a configuration that was disturbed.
 #[test]
 fn bricard_linkage_is_assembled() -> Outcome {
