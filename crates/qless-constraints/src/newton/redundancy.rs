@@ -7,7 +7,7 @@
 use qless::{Analysis, Csr, Options, analyse};
 
 use super::residual::change;
-use super::{LOOSEST, NewtonError, NewtonOptions, dependent, solve_from};
+use super::{NewtonError, NewtonOptions, dependent, solve};
 use crate::ConstraintSet;
 
 /// How much G changes on the way to the second configuration, relative to its entries.
@@ -106,11 +106,10 @@ impl Here {
             let Some(du) = self.step(set, u, seed) else { continue };
             moves = true;
             let start: Vec<f64> = u.iter().zip(&du).map(|(u, du)| u + du).collect();
-            // Not every direction that G allows leads on; with one DOF driven, the others find their way. Regular
-            // configurations are reached without that, and dependent within less than STEP^2.
+            // Not every direction that a singular G allows leads on; with one DOF driven, the others find their way.
             let driven = self.masters[seed as usize % self.masters.len()];
             for drive in [&[][..], &[(driven, start[driven])]] {
-                let found = solve_from(LOOSEST, set, &start, drive, options);
+                let found = solve(set, &start, drive, options);
                 // Newton may have gone back to where it came from.
                 if let Some(found) = found.ok().filter(|found| self.change_at(set, &found.u) > STEP / 10.0) {
                     return Nearby::At(found.u);
