@@ -1,4 +1,4 @@
-//! The four duties of a constraint type, after section "constraint library" of the seed.
+//! The four duties of a constraint type, which are the four functions of the library in dockSIM.
 //!
 //! | duty | here |
 //! | --- | --- |
