@@ -1,4 +1,4 @@
-//! The four duties of a constraint type, after section "constraint library" of the seed.
+//! The four duties of a constraint type, which are the four functions of the library in dockSIM.
 //!
 //! | duty | here |
 //! | --- | --- |
@@ -62,6 +62,10 @@ pub trait Constraint {
 /// `u` are the values of the constraint's own DOFs, in the order of its list. Only [`Nonlinear::value`] is required:
 /// without more, derivatives are taken by dual numbers, exact to rounding.
 pub trait Nonlinear: Send + Sync + Sized + 'static {
+    /// How many DOFs each constraint of the type has, or 0 if that varies. A fixed number makes faster loops.
+    const DOFS: usize = 0;
+    /// Whether c is a polynomial of degree two: then [`Nonlinear::hessian`] does not depend on u, and is given none.
+    const QUADRATIC: bool = false;
     /// A name for each equation, such as "x"; a single equation has an empty one.
     const PARTS: &'static [&'static str];
 

@@ -3,7 +3,7 @@
 //! A [`ConstraintSet`] holds constraints of any types, from linear equations to the joints of multibody work. It evaluates
 //! their values, Jacobian and effective Hessian into sparse matrices whose patterns are made once;
 //! [`ConstraintSet::linearised`] hands `G du = -c` to [`qless::analyse`], which finds redundant and conflicting equations.
-//! The library concept is that of Boungard and Wackerfuß for dockSIM ("the seed").
+//! The library concept is that of Boungard and Wackerfuß for dockSIM.
 //!
 //! ```
 //! use qless::{Options, analyse};

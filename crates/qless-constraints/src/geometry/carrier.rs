@@ -118,12 +118,18 @@ impl Carrier {
         if position.is_empty() { turned } else { add(turned, [position[0], position[1], position[2]]) }
     }
 
-    /// The gradient of `m . x`, in all DOFs of the body.
+    /// The point x, and `sign dx` in the columns from `first` of `g`, 3 x n.
     #[inline]
-    pub fn slope(&self, u: &[f64], m: Vector<f64>, out: &mut [f64]) {
-        let (position, rotation) = out.split_at_mut(self.kind.positions());
-        position.copy_from_slice(&m[..position.len()]);
-        turned::gradient(self.kind, &u[position.len()..], self.arm, m, rotation);
+    pub fn write_slopes(&self, u: &[f64], sign: f64, first: usize, n: usize, g: &mut [f64]) -> Vector<f64> {
+        let (position, rotation) = u.split_at(self.kind.positions());
+        let (turned, slopes) = turned::slopes(self.kind, rotation, self.arm);
+        for (axis, row) in g.chunks_exact_mut(n).enumerate() {
+            let (moves, turns) = row[first..first + u.len()].split_at_mut(position.len());
+            moves.iter_mut().enumerate().for_each(|(k, g)| *g = if k == axis { sign } else { 0.0 });
+            turns.iter_mut().zip(slopes[axis]).for_each(|(g, slope)| *g = sign * slope);
+        }
+        let base = add(self.at, turned);
+        if position.is_empty() { base } else { add(base, [position[0], position[1], position[2]]) }
     }
 
     /// The lower triangle of the Hessian of `m . x`, in the rotations.

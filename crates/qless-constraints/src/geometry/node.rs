@@ -38,6 +38,11 @@ pub(crate) fn moved<S: Scalar, const D: usize>(at: &[f64; D], u: &[S], first: us
     std::array::from_fn(|k| S::from(at[k]) + u[first + k])
 }
 
+/// Whether a distance is at most the tolerance; neither may be NaN.
+pub(crate) fn within(distance: f64, tolerance: f64) -> bool {
+    distance <= tolerance
+}
+
 /// `|a - b|` of points in D dimensions.
 pub(crate) fn separation<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     a.iter().zip(b).fold(0.0, |sum: f64, (a, b)| sum.hypot(a - b))

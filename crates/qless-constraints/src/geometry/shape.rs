@@ -61,7 +61,7 @@ impl Shape {
     /// `[N_k, dN_k / dxi, dN_k / deta]` for each node.
     pub(crate) fn functions(self, [xi, eta]: [f64; 2]) -> Vec<[f64; 3]> {
         match self {
-            Self::Line2 => vec![[(1.0 - xi) / 2.0, -0.5, 0.0], [(1.0 + xi) / 2.0, 0.5, 0.0]],
+            Self::Line2 => vec![[(1.0 - xi) / 2.0, -0.5, 0.0], [f64::midpoint(1.0, xi), 0.5, 0.0]],
             Self::Tri3 => vec![[1.0 - xi - eta, -1.0, -1.0], [xi, 1.0, 0.0], [eta, 0.0, 1.0]],
             Self::Quad4 => CORNERS.map(|corner| bilinear(corner, xi, eta)).to_vec(),
             Self::Tri6 => quadratic_triangle(xi, eta),

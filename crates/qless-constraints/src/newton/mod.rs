@@ -1,21 +1,18 @@
 //! Newton's method with the elimination applied to G: `G du = -c`, `du_s = T du_q + G du_p + g` (Eq. 23-26 at every iterate).
 //!
-//! Redundant constraints are a trap here: off the solution their rows of G are almost, not exactly, dependent, and a step that
-//! satisfies both would be huge. A row therefore counts as independent only by more than G has changed in the last step. What
-//! is left out comes in again as steps get smaller, so that a row is never lost for good unless it is redundant.
+//! Redundant constraints are found by the analysis at every iterate, and left out of the step. Off the solution their rows of G
+//! may be independent by as little as the distance to it. That does no harm: their values differ by the square of the
+//! distance, so that a step which satisfies both is no longer than the distance, and the convergence stays quadratic.
 
 mod redundancy;
 mod residual;
 
-use qless::{Analysis, AnalysisError, ConstraintSystem, Kind, Options, SystemError, Tolerance, analyse};
+use qless::{Analysis, AnalysisError, ConstraintSystem, Kind, Options, SystemError, analyse};
 
 pub use redundancy::{Redundancy, redundancies};
-use residual::{change, residuals};
+use residual::residuals;
 
 use crate::{ConstraintSet, Quantities};
-
-/// The largest tolerance that a step is made with.
-const LOOSEST: f64 = 1e-2;
 
 /// Settings of [`solve`].
 #[derive(Clone, Debug)]
@@ -24,7 +21,7 @@ pub struct NewtonOptions {
     pub tolerance: f64,
     /// Most steps. Default 30.
     pub steps: usize,
-    /// How the linearised equations are analysed. The tolerance is the one at the solution.
+    /// How the linearised equations are analysed.
     pub analysis: Options,
 }
 
@@ -39,8 +36,6 @@ impl Default for NewtonOptions {
 pub struct Iterate {
     /// `max_i |c_i| / max_j |G_ij|`, and what prescribed DOFs have yet to move if that is more.
     pub residual: f64,
-    /// Tolerance below which a row counted as dependent.
-    pub tolerance: f64,
     /// Rank of G.
     pub rank: usize,
     /// Equations left out of the step.
@@ -150,7 +145,6 @@ struct Run<'a> {
     u: Vec<f64>,
     quantities: Quantities,
     residuals: Vec<f64>,
-    tolerance: f64,
     iterates: Vec<Iterate>,
 }
 
@@ -160,7 +154,7 @@ impl<'a> Run<'a> {
         set.evaluate(u, &mut quantities);
         let residuals = residuals(&quantities);
         let u = u.to_vec();
-        Self { set, options, prescribed, u, quantities, residuals, tolerance: base(options), iterates: Vec::new() }
+        Self { set, options, prescribed, u, quantities, residuals, iterates: Vec::new() }
     }
 
     /// Linearises and analyses at the present u.
@@ -170,15 +164,11 @@ impl<'a> Run<'a> {
             .set
             .linearised(&self.quantities, &increments)
             .map_err(|source| NewtonError::System { step, source })?;
-        if self.satisfied(|_| true) {
-            self.tolerance = base(self.options);
-        }
-        let options = Options { tolerance: Tolerance::Relative(self.tolerance), ..self.options.analysis.clone() };
-        let analysis = analyse(&system, &options).map_err(|source| NewtonError::Analysis { step, source })?;
+        let analysis =
+            analyse(&system, &self.options.analysis).map_err(|source| NewtonError::Analysis { step, source })?;
         let ahead = increments.iter().map(|&(_, increment): &(usize, f64)| increment.abs());
         self.iterates.push(Iterate {
             residual: self.residuals.iter().copied().chain(ahead).fold(0.0, f64::max),
-            tolerance: self.tolerance,
             rank: analysis.rank(),
             left_out: dependent(&analysis),
         });
@@ -201,10 +191,9 @@ impl<'a> Run<'a> {
         self.satisfied(|_| true) && self.prescribed.iter().all(there)
     }
 
-    /// All that is kept holds, at the strictest tolerance, and something that is left out does not.
+    /// All that is kept holds, and something that is left out does not.
     fn check_conflict(&self, analysis: &Analysis) -> Result<(), NewtonError> {
-        let strict = self.tolerance <= base(self.options);
-        if !strict || !self.satisfied(|row| analysis.kinds[row] == Kind::Independent) {
+        if !self.satisfied(|row| analysis.kinds[row] == Kind::Independent) {
             return Ok(());
         }
         let unsatisfied = |&row: &usize| !self.satisfied(|other| other == row);
@@ -223,16 +212,7 @@ impl<'a> Run<'a> {
         let increments: Vec<f64> = system.prescribed().iter().map(|&(_, v)| v).collect();
         let du = reduction.expand(&vec![0.0; reduction.masters.len()], &increments);
         self.u.iter_mut().zip(&du).for_each(|(u, du)| *u += du);
-        let before = self.quantities.g.clone();
         self.set.evaluate(&self.u, &mut self.quantities);
         self.residuals = residuals(&self.quantities);
-        self.tolerance = change(&before, &self.quantities.g).clamp(base(self.options), LOOSEST.max(base(self.options)));
-    }
-}
-
-fn base(options: &NewtonOptions) -> f64 {
-    match options.analysis.tolerance {
-        Tolerance::Relative(value) => value,
-        Tolerance::Paper => 1e-10,
     }
 }

@@ -106,10 +106,14 @@ impl Here {
             let Some(du) = self.step(set, u, seed) else { continue };
             moves = true;
             let start: Vec<f64> = u.iter().zip(&du).map(|(u, du)| u + du).collect();
-            let Ok(found) = solve(set, &start, &[], options) else { continue };
-            // Newton may have gone back to where it came from.
-            if self.change_at(set, &found.u) > STEP / 10.0 {
-                return Nearby::At(found.u);
+            // Not every direction that a singular G allows leads on; with one DOF driven, the others find their way.
+            let driven = self.masters[seed as usize % self.masters.len()];
+            for drive in [&[][..], &[(driven, start[driven])]] {
+                let found = solve(set, &start, drive, options);
+                // Newton may have gone back to where it came from.
+                if let Some(found) = found.ok().filter(|found| self.change_at(set, &found.u) > STEP / 10.0) {
+                    return Nearby::At(found.u);
+                }
             }
         }
         if moves { Nearby::None } else { Nearby::Same }

@@ -48,6 +48,7 @@ impl<const N: usize> Sub for Dual<N> {
 
 impl<const N: usize> Mul for Dual<N> {
     type Output = Self;
+    #[allow(clippy::suspicious_arithmetic_impl, reason = "the rule of products and quotients")]
     fn mul(self, b: Self) -> Self {
         Self { real: self.real * b.real, slope: from_fn(|k| self.real * b.slope[k] + self.slope[k] * b.real) }
     }
@@ -55,6 +56,7 @@ impl<const N: usize> Mul for Dual<N> {
 
 impl<const N: usize> Div for Dual<N> {
     type Output = Self;
+    #[allow(clippy::suspicious_arithmetic_impl, reason = "the rule of products and quotients")]
     fn div(self, b: Self) -> Self {
         let real = self.real / b.real;
         Self { real, slope: from_fn(|k| (self.slope[k] - real * b.slope[k]) / b.real) }

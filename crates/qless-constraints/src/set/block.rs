@@ -56,6 +56,9 @@ impl Blocks {
     }
 }
 
+/// In place of the first place of a list that ascends.
+const IN_ORDER: u32 = u32::MAX;
+
 /// Constraints of type Q.
 struct Homogeneous<Q> {
     items: Vec<Q>,
@@ -63,7 +66,7 @@ struct Homogeneous<Q> {
     /// Where the DOFs of each constraint start; one more than constraints.
     start: Vec<u32>,
     dofs: Vec<u32>,
-    /// Where each DOF stands in its rows of G; empty if all lists ascend.
+    /// Where each DOF stands in its rows of G, or [`IN_ORDER`]; empty if all lists ascend.
     place: Vec<u32>,
     /// Most DOFs of one constraint.
     widest: usize,
@@ -98,13 +101,19 @@ impl<Q: Nonlinear> Homogeneous<Q> {
         self.start.push(self.dofs.len() as u32);
     }
 
+    #[inline]
     fn range(&self, i: usize) -> std::ops::Range<usize> {
+        if Q::DOFS > 0 {
+            return i * Q::DOFS..i * Q::DOFS + Q::DOFS;
+        }
         self.start[i] as usize..self.start[i + 1] as usize
     }
 
+    #[inline]
     fn gather<'a>(&self, i: usize, u: &[f64], local: &'a mut [f64]) -> &'a mut [f64] {
         let dofs = &self.dofs[self.range(i)];
-        let local = &mut local[..dofs.len()];
+        let n = if Q::DOFS > 0 { Q::DOFS } else { dofs.len() };
+        let local = &mut local[..n];
         local.iter_mut().zip(dofs).for_each(|(x, &j)| *x = u[j as usize]);
         local
     }
@@ -118,6 +127,9 @@ impl<Q: Nonlinear> Homogeneous<Q> {
             let mut order: Vec<u32> = (0..dofs.len() as u32).collect();
             order.sort_unstable_by_key(|&k| dofs[k as usize]);
             order.iter().enumerate().for_each(|(p, &k)| place[range.start + k as usize] = p as u32);
+            if dofs.is_sorted() && !dofs.is_empty() {
+                place[range.start] = IN_ORDER;
+            }
         }
         place
     }
@@ -131,14 +143,26 @@ impl<Q: Nonlinear> Homogeneous<Q> {
         for (i, c) in (first..).zip(c.chunks_exact_mut(rows)) {
             let local = self.gather(i, u, &mut local);
             let own;
-            (own, rest) = rest.split_at_mut(rows * local.len());
-            if self.place.is_empty() {
+            let n = if Q::DOFS > 0 { Q::DOFS } else { local.len() };
+            (own, rest) = rest.split_at_mut(rows * n);
+            let ascends = self.place.get(self.range(i).start).is_none_or(|&place| place == IN_ORDER);
+            if ascends {
                 self.items[i].value_and_jacobian(local, c, own);
             } else {
                 let scratch = &mut scratch[..own.len()];
                 self.items[i].value_and_jacobian(local, c, scratch);
                 scatter(scratch, &self.place[self.range(i)], own);
             }
+        }
+    }
+}
+
+/// Adds each value at its place; those in rows of other tasks have a place beyond the end.
+#[inline]
+fn add(places: &[u32], values: impl Iterator<Item = f64>, out: &mut [f64]) {
+    for (&place, value) in places.iter().zip(values) {
+        if let Some(entry) = out.get_mut(place as usize) {
+            *entry += value;
         }
     }
 }
@@ -207,17 +231,15 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
         let mut places = share.places.as_slice();
         for &i in &share.items {
             let i = i as usize;
-            let local = self.gather(i, u, &mut local);
             let from = share.mirror.of(i);
-            self.items[i].hessian(local, &w[i * rows..(i + 1) * rows], &mut h[..from.pairs]);
-            let own;
-            (own, places) = places.split_at(from.source.len());
-            for (&place, &k) in own.iter().zip(&from.source) {
-                // Entries in rows of other tasks have a place beyond the end.
-                if let Some(entry) = out.get_mut(place as usize) {
-                    *entry += h[k as usize];
-                }
-            }
+            let h = &mut h[..from.pairs];
+            let local = if Q::QUADRATIC { &[][..] } else { self.gather(i, u, &mut local) };
+            self.items[i].hessian(local, &w[i * rows..(i + 1) * rows], h);
+            let (own, mirrored);
+            (own, places) = places.split_at(from.pairs);
+            (mirrored, places) = places.split_at(from.mirrored.len());
+            add(own, h.iter().copied(), out);
+            add(mirrored, from.mirrored.iter().map(|&k| h[k as usize]), out);
         }
     }
 

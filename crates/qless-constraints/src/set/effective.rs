@@ -44,11 +44,11 @@ pub(super) struct Mirrors {
     kind: Vec<u32>,
 }
 
-/// The pair that each entry comes from.
+/// First come the pairs `(j, k)`, then `(k, j)` for those off the diagonal.
 #[derive(PartialEq)]
 pub(super) struct Mirror {
     pub pairs: usize,
-    pub source: Vec<u32>,
+    pub mirrored: Vec<u32>,
 }
 
 impl Mirrors {
@@ -75,10 +75,11 @@ impl Mirrors {
 }
 
 fn mirror(block: &dyn Block, i: usize) -> Mirror {
-    let mut mirror = Mirror { pairs: 0, source: Vec::new() };
+    let mut mirror = Mirror { pairs: 0, mirrored: Vec::new() };
     block.pairs(i, &mut |j, k| {
-        let copies = if j == k { 1 } else { 2 };
-        mirror.source.extend(std::iter::repeat_n(mirror.pairs as u32, copies));
+        if j != k {
+            mirror.mirrored.push(mirror.pairs as u32);
+        }
         mirror.pairs += 1;
     });
     mirror
@@ -86,8 +87,8 @@ fn mirror(block: &dyn Block, i: usize) -> Mirror {
 
 /// All entries of a constraint, in the order of its [`Mirror`].
 fn entries(block: &dyn Block, i: usize, entry: &mut dyn FnMut(u32, u32)) {
+    block.pairs(i, &mut |j, k| entry(j, k));
     block.pairs(i, &mut |j, k| {
-        entry(j, k);
         if j != k {
             entry(k, j);
         }

@@ -1,6 +1,6 @@
 //! `u_b = R(alpha) u_a`: a node and its image one sector further; for harmonic k, `u_b = e^(i k alpha) R(alpha) u_a`.
 
-use crate::geometry::node::{AXES, Point, separation};
+use crate::geometry::node::{AXES, Point, separation, within};
 use crate::geometry::rotation::by_vector;
 use crate::scalar::vector::{Vector, add, scale, sub, unit};
 use crate::{Constraint, Store};
@@ -88,7 +88,7 @@ impl Cyclic {
         let turn = |s| by_vector(scale(self.angle, axis), s);
         let image = add(self.centre, turn(sub(self.a.at, self.centre)));
         let distance = separation(&image, &self.b.at);
-        if !(distance <= self.tolerance) {
+        if !within(distance, self.tolerance) {
             return Err(CyclicError::NoImage { distance, tolerance: self.tolerance });
         }
         let columns = [turn([1.0, 0.0, 0.0]), turn([0.0, 1.0, 0.0]), turn([0.0, 0.0, 1.0])];

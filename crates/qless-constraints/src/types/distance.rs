@@ -11,14 +11,14 @@ use crate::{Constraint, Nonlinear, Store};
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Distance, PlanarPoint}};
 /// let a = PlanarPoint::new([0, 1], [0.0, 0.0]);
-/// let b = PlanarPoint::new([2, 3], [3.0, 4.0]);
+/// let b = PlanarPoint::new([2, 3], [0.0, 2.0]);
 /// let mut builder = ConstraintSet::builder(4);
 /// builder.add("rod", Distance::new(a, b))?;
 /// let set = builder.build();
 /// let mut quantities = set.allocate();
 /// set.evaluate(&[0.0; 4], &mut quantities);
 /// // The unit vector along the rod.
-/// assert_eq!(quantities.g.val, [-0.6, -0.8, 0.6, 0.8]);
+/// assert_eq!(quantities.g.val, [0.0, -1.0, 0.0, 1.0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,6 +69,8 @@ struct Rod<const D: usize> {
 }
 
 impl<const D: usize> Nonlinear for Rod<D> {
+    const DOFS: usize = 2 * D;
+    const QUADRATIC: bool = true;
     const PARTS: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {

@@ -37,6 +37,8 @@ impl Constraint for EulerNorm {
 struct Norm;
 
 impl Nonlinear for Norm {
+    const DOFS: usize = 4;
+    const QUADRATIC: bool = true;
     const PARTS: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {

@@ -1,6 +1,6 @@
 //! Line to line: `u_p = sum_k N_k u_k` for every node of one line, each on the segment of the other that is nearest to it.
 
-use crate::geometry::node::{AXES, Node};
+use crate::geometry::node::{AXES, Node, within};
 use crate::geometry::project::project;
 use crate::geometry::shape::Shape;
 use crate::{Constraint, Store};
@@ -85,7 +85,7 @@ impl<const D: usize> Constraint for LineTie<D> {
         }
         for (i, node) in self.slave.iter().enumerate() {
             let (segment, weights, distance) = self.nearest(node)?;
-            if !(distance <= self.tolerance) {
+            if !within(distance, self.tolerance) {
                 return Err(LineTieError::TooFar { node: i + 1, distance, tolerance: self.tolerance });
             }
             for axis in 0..D {

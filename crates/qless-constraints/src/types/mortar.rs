@@ -2,7 +2,7 @@
 //!
 //! Linear functions on both lines; products are integrated exactly on each piece between two nodes of either line.
 
-use crate::geometry::node::{AXES, Node, separation};
+use crate::geometry::node::{AXES, Node, separation, within};
 use crate::{Constraint, Store};
 
 /// Two meshes of the same straight line, tied by a mortar method with the functions of the slave side as multipliers.
@@ -89,7 +89,7 @@ impl<const D: usize> MortarTie<D> {
             let s = (0..D).map(|k| (node.at[k] - first[k]) * (last[k] - first[k]) / length).sum::<f64>();
             let foot = std::array::from_fn(|k| first[k] + s / length * (last[k] - first[k]));
             let distance = separation(&foot, &node.at);
-            if !(distance <= self.tolerance) {
+            if !within(distance, self.tolerance) {
                 return Err(MortarError::OffLine { side, node: i + 1, distance, tolerance: self.tolerance });
             }
             if along.last().is_some_and(|&before| s <= before) {

@@ -1,6 +1,6 @@
 //! `u_p = sum_k N_k(xi) u_k`: a node tied to the point of a face or a line that is nearest to it.
 
-use crate::geometry::node::{AXES, Node};
+use crate::geometry::node::{AXES, Node, within};
 use crate::geometry::project::project;
 use crate::geometry::shape::Shape;
 use crate::{Constraint, Store};
@@ -63,8 +63,7 @@ impl<const D: usize> Constraint for NodeTie<D> {
         }
         let corners: Vec<[f64; D]> = self.face.iter().map(|node| node.at).collect();
         let found = project(self.shape, &corners, &self.node.at).ok_or(NodeTieError::Degenerate)?;
-        // Written so that NaN is refused.
-        if !(found.distance <= self.tolerance) {
+        if !within(found.distance, self.tolerance) {
             return Err(NodeTieError::TooFar { distance: found.distance, tolerance: self.tolerance });
         }
         for axis in 0..D {

@@ -64,8 +64,8 @@ impl Constraint for OnPlane {
             Plane::Nodes(a, b, d) => {
                 let (ab, ad) = (sub(b.at, a.at), sub(d.at, a.at));
                 let area = norm(cross(ab, ad));
-                // Written so that NaN is refused.
-                if !(area > 1e-12 * norm(ab) * norm(ad)) {
+                let sound = area > 1e-12 * norm(ab) * norm(ad);
+                if !sound {
                     return Err(OnPlaneError::Normal);
                 }
                 let at = [self.point.at, a.at, b.at, d.at];

@@ -57,6 +57,8 @@ struct Sphere<const D: usize> {
 }
 
 impl<const D: usize> Nonlinear for Sphere<D> {
+    const DOFS: usize = D;
+    const QUADRATIC: bool = true;
     const PARTS: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {

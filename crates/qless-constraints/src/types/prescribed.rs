@@ -52,7 +52,8 @@ impl Constraint for Prescribed {
             return Err(PrescribedError::NoDofs);
         }
         self.values.sort_by_key(|&(dof, _)| dof);
-        for pair in self.values.windows(2).filter(|pair| pair[0].0 == pair[1].0 && pair[0].1 != pair[1].1) {
+        let differ = |pair: &&[(usize, f64)]| pair[0].0 == pair[1].0 && pair[0].1 != pair[1].1;
+        if let Some(pair) = self.values.windows(2).find(differ) {
             return Err(PrescribedError::TwoValues { dof: pair[0].0, first: pair[0].1, second: pair[1].1 });
         }
         self.values.dedup_by_key(|&mut (dof, _)| dof);

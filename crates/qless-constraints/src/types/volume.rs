@@ -107,12 +107,13 @@ impl Constraint for Volume {
         used.sort_unstable();
         used.dedup();
         let place = |node: usize| used.partition_point(|&u| u < node) as u32;
-        let triangles = faces.iter().map(|face| face.map(place)).collect();
+        let triangles: Vec<[u32; 3]> = faces.iter().map(|face| face.map(place)).collect();
         // Coordinates from a node of the patch: no cancellation far away from the origin.
         let origin = self.nodes[used[0]].at;
         let at = used.iter().map(|&node| sub(self.nodes[node].at, origin)).collect();
         let dofs: Vec<usize> = used.iter().flat_map(|&node| self.nodes[node].dofs).collect();
-        store.nonlinear("", &dofs, Patch { at, triangles, volume, scale: volume.powf(-2.0 / 3.0) });
+        let edges = edges(&triangles);
+        store.nonlinear("", &dofs, Patch { at, triangles, edges, volume, scale: volume.powf(-2.0 / 3.0) });
         Ok(())
     }
 }
@@ -121,20 +122,19 @@ impl Constraint for Volume {
 struct Patch {
     at: Vec<Vector<f64>>,
     triangles: Vec<[u32; 3]>,
+    edges: Vec<(usize, usize)>,
     volume: f64,
     scale: f64,
 }
 
-impl Patch {
-    /// Nodes joined by an edge, each once: the greater first.
-    fn edges(&self) -> Vec<(usize, usize)> {
-        let sides = |&[a, b, d]: &[u32; 3]| [(a, b), (b, d), (d, a)];
-        let ordered = |(a, b): (u32, u32)| (a.max(b) as usize, a.min(b) as usize);
-        let mut edges: Vec<_> = self.triangles.iter().flat_map(sides).map(ordered).collect();
-        edges.sort_unstable();
-        edges.dedup();
-        edges
-    }
+/// Nodes joined by an edge, each once, ascending: the greater first.
+fn edges(triangles: &[[u32; 3]]) -> Vec<(usize, usize)> {
+    let sides = |&[a, b, d]: &[u32; 3]| [(a, b), (b, d), (d, a)];
+    let ordered = |(a, b): (u32, u32)| (a.max(b) as usize, a.min(b) as usize);
+    let mut edges: Vec<_> = triangles.iter().flat_map(sides).map(ordered).collect();
+    edges.sort_unstable();
+    edges.dedup();
+    edges
 }
 
 impl Nonlinear for Patch {
@@ -148,7 +148,7 @@ impl Nonlinear for Patch {
 
     /// Different components of nodes that an edge joins.
     fn pairs(&self, _: usize, pair: &mut dyn FnMut(usize, usize)) {
-        for (j, k) in self.edges() {
+        for &(j, k) in &self.edges {
             for row in 0..3 {
                 (0..3).filter(|&col| col != row).for_each(|col| pair(3 * j + row, 3 * k + col));
             }
@@ -171,7 +171,6 @@ impl Nonlinear for Patch {
     /// `d^2 V / da db = -[d]x / 6` for each triangle `(a, b, d)`.
     fn hessian(&self, u: &[f64], w: &[f64], h: &mut [f64]) {
         h.fill(0.0);
-        let edges = self.edges();
         let factor = w[0] * self.scale / 6.0;
         for &[a, b, d] in &self.triangles {
             for (first, second, other) in [(a, b, d), (b, d, a), (d, a, b)] {
@@ -179,7 +178,7 @@ impl Nonlinear for Patch {
                 // d(a . (b x d)) / da_i db_j = e_ijk d_k; transposed, its sign changes.
                 let sign = if first > second { factor } else { -factor };
                 let edge = (first.max(second) as usize, first.min(second) as usize);
-                let slot = 6 * edges.partition_point(|&e| e < edge);
+                let slot = 6 * self.edges.partition_point(|&e| e < edge);
                 let entries = [x[2], -x[1], -x[2], x[0], x[1], -x[0]];
                 (0..6).for_each(|k| h[slot + k] += sign * entries[k]);
             }

@@ -41,7 +41,7 @@ pub fn ring(hinges: &[([f64; 3], [f64; 3])]) -> Outcome<SetBuilder> {
     let bodies = hinges.len();
     let mut builder = ConstraintSet::builder(7 * (bodies - 1));
     let body = |i: usize| {
-        if i % bodies == 0 {
+        if i.is_multiple_of(bodies) {
             return Body::ground();
         }
         // Between its two hinges.

@@ -117,6 +117,24 @@ fn periodic_grids_in_space() -> Outcome {
     Ok(())
 }
 
+/// The field of a macroscopic strain satisfies all pairs, whether the strain is given or DOFs of its own.
+#[test]
+fn periodic_pairs_follow_the_strain() -> Outcome {
+    let (n, e) = (3, [[0.01, 0.02, 0.05], [0.03, -0.01, 0.04], [-0.02, 0.06, 0.005]]);
+    let place = |node: usize| [node / (n * n), node / n % n, node % n];
+    let field = |node: usize| -> [f64; 3] { from_fn(|i| (0..3).map(|k| e[i][k] * place(node)[k] as f64).sum()) };
+    let mut u: Vec<f64> = (0..n.pow(3)).flat_map(field).collect();
+    u.extend(e.iter().flatten());
+    let dofs = MacroStrain::Dofs(from_fn(|i| from_fn(|j| 3 * n.pow(3) + 3 * i + j)));
+    for strain in [MacroStrain::Given(e), dofs] {
+        let set = periodic::<3>(n, strain, u.len())?;
+        let mut quantities = set.allocate();
+        set.evaluate(&u, &mut quantities);
+        assert!(quantities.c.iter().all(|c| c.abs() < 1e-15));
+    }
+    Ok(())
+}
+
 /// In the plane `2 n` equations per component, one redundant, at the corners; none conflicts, whatever the strain.
 #[test]
 fn periodic_grids_in_the_plane() -> Outcome {
@@ -142,6 +160,18 @@ fn redundant_only_where_bars_are_in_line() -> Outcome {
     let set = builder.build();
     let found = redundancies(&set, &[0.0; 3], &NewtonOptions::default())?;
     assert_eq!(found.iter().map(|f| f.1).collect::<Vec<_>>(), [Redundancy::Unknown]);
+    Ok(())
+}
+
+/// With a third arm one equation is redundant wherever the linkage goes, and one more where it is flat.
+#[test]
+fn flat_parallelogram_with_three_arms() -> Outcome {
+    let set = parallelogram()?.build();
+    let flat = [1.0, -1.0].repeat(3);
+    assert_eq!(rank(&set, &flat)?, 4);
+    let mut places: Vec<_> = redundancies(&set, &flat, &NewtonOptions::default())?.iter().map(|f| f.1).collect();
+    places.sort_by_key(|&place| place == Redundancy::OnlyHere);
+    assert_eq!(places, [Redundancy::Everywhere, Redundancy::OnlyHere]);
     Ok(())
 }
 

@@ -6,7 +6,7 @@ use qless_constraints::types::{
     Body, Distance, OnPlane, OnSphere, PlanarPoint, Plane, Point, Prescribed, RigidBody, Volume,
 };
 
-use crate::linkages::{Outcome, bricard, parallelogram, random};
+use crate::linkages::{Outcome, bricard, four_bar, parallelogram, random};
 
 /// Prints the table of residuals; below 1e-2 and above rounding, each is at most `bound` times the square of the one before.
 fn assert_quadratic(name: &str, solution: &Solution, bound: f64) {
@@ -35,6 +35,22 @@ fn parallelogram_is_driven() -> Outcome {
     for i in 0..3 {
         assert!((solution.u[2 * i] - 0.35).abs() < 1e-14);
         assert!((solution.u[2 * i + 1] - (1.0 - 0.35_f64.powi(2)).sqrt() + 1.0).abs() < 1e-14);
+    }
+    Ok(())
+}
+
+/// Off the constraints the redundant arm is almost, not exactly, redundant, and G almost singular. The way back is no longer
+/// than the disturbance all the same, and takes no more steps.
+#[test]
+fn disturbed_parallelogram_goes_back_to_what_is_near() -> Outcome {
+    let set = parallelogram()?.build();
+    for (case, size) in [1e-2, 1e-3, 1e-4, 1e-6].into_iter().enumerate() {
+        let start: Vec<f64> = (0..6).map(|j| size * random(j + 17 * case)).collect();
+        let solution = solve(&set, &start, &[], &NewtonOptions::default())?;
+        let way = start.iter().zip(&solution.u).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+        assert!(way < 4.0 * size, "size {size}: {way}");
+        assert_eq!(solution.redundant.len(), 1);
+        assert!(solution.iterates.len() <= 7, "{:?}", solution.iterates);
     }
     Ok(())
 }
@@ -99,5 +115,23 @@ fn what_cannot_be_reached_does_not_converge() -> Outcome {
     builder.add("rod", Distance::new(end, PlanarPoint::new([2, 3], [2.0, 0.0])))?;
     let far = solve(&builder.build(), &[0.0; 4], &[(2, 5.0), (3, 0.0)], &NewtonOptions::default());
     assert!(far.is_err());
+    Ok(())
+}
+
+/// The same in space, from many disturbed configurations.
+#[test]
+fn disturbed_linkages_go_back_to_what_is_near() -> Outcome {
+    for (name, set, redundant) in [("bricard", bricard()?.build(), 1), ("four-bar", four_bar()?.build(), 3)] {
+        for case in 0..40 {
+            let size = [0.05, 1e-2, 1e-3, 1e-5][case % 4];
+            let start: Vec<f64> = (0..set.dofs()).map(|j| size * random(j + 97 * case)).collect();
+            let solution = solve(&set, &start, &[], &NewtonOptions::default())?;
+            // DOFs that no slave needs stay, so that some ways are longer: up to 16 times the disturbance.
+            let way = start.iter().zip(&solution.u).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+            assert!(way < 50.0 * size, "{name}, case {case}: {way}");
+            assert!(solution.iterates.len() <= 7, "{name}, case {case}: {:?}", solution.iterates);
+            assert_eq!(solution.redundant.len(), redundant, "{name}, case {case}");
+        }
+    }
     Ok(())
 }

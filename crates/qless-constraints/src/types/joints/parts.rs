@@ -55,13 +55,10 @@ impl Nonlinear for Coincident {
     /// `[I, d(R_a s_a), -I, -d(R_b s_b)]`.
     #[inline]
     fn value_and_jacobian(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
-        self.value(u, c);
+        let n = u.len();
         let (a, b) = u.split_at(self.a.dofs());
-        for (axis, row) in g.chunks_exact_mut(u.len()).enumerate() {
-            let (of_a, of_b) = row.split_at_mut(a.len());
-            self.a.slope(a, unit(axis, 1.0), of_a);
-            self.b.slope(b, unit(axis, -1.0), of_b);
-        }
+        let (x_a, x_b) = (self.a.write_slopes(a, 1.0, 0, n, g), self.b.write_slopes(b, -1.0, a.len(), n, g));
+        c.copy_from_slice(&sub(x_a, x_b));
     }
 
     #[inline]
@@ -76,11 +73,6 @@ impl Nonlinear for Coincident {
 /// Entries of the lower triangle of the rotations.
 fn triangle(kind: Kind) -> usize {
     kind.rotations() * (kind.rotations() + 1) / 2
-}
-
-/// A vector along an axis.
-fn unit(axis: usize, size: f64) -> Vector<f64> {
-    std::array::from_fn(|k| if k == axis { size } else { 0.0 })
 }
 
 /// Two directions at a constant angle.
@@ -119,7 +111,8 @@ impl Nonlinear for Angle {
         turned::hessian(self.a, a, self.s, push(self.b.turn(b, self.t)), of_a);
         let mut of_b = [0.0; 10];
         turned::hessian(self.b, b, self.t, push(self.a.turn(a, self.s)), &mut of_b[..triangle(self.b)]);
-        let (slopes_a, slopes_b) = (slopes(self.a, a, self.s), slopes(self.b, b, self.t));
+        let (_, slopes_a) = turned::slopes(self.a, a, self.s);
+        let (_, slopes_b) = turned::slopes(self.b, b, self.t);
         for j in 0..b.len() {
             let own;
             (own, rest) = rest.split_at_mut(a.len() + j + 1);
@@ -132,13 +125,6 @@ impl Nonlinear for Angle {
 /// Where row j of a lower triangle starts.
 fn triangle_before(j: usize) -> usize {
     j * (j + 1) / 2
-}
-
-/// `d(R s)`, 3 x rotations.
-fn slopes(kind: Kind, u: &[f64], s: Vector<f64>) -> [[f64; 4]; 3] {
-    let mut slopes = [[0.0; 4]; 3];
-    slopes.iter_mut().enumerate().for_each(|(axis, row)| turned::gradient(kind, u, s, unit(axis, 1.0), row));
-    slopes
 }
 
 /// A point at a constant height above another, zero in the reference configuration.
