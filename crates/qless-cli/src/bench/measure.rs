@@ -35,13 +35,14 @@ pub struct Measured {
 /// Samples of a family. The error is a scene that cannot be made.
 pub fn measure(family: &Family, methods: &[Method], args: &BenchArgs) -> Result<Vec<Sample>, String> {
     let mut samples: Vec<Sample> = Vec::new();
-    // Seconds per equation squared would be fairer to some and less to others; squares are what dense methods need at least.
+    // Time grows with the square of the equations, which is more than sparse methods need and less than dense ones.
     let mut slowest: Vec<Option<(f64, f64)>> = vec![None; methods.len()];
     for (size, scene) in &family.scenes {
         let scene = scene.as_ref().map_err(|error| format!("{} {size}: {error}", family.name))?;
         let m = scene.system.equations() as f64;
         let is_tried = |k: &usize| slowest[*k].is_none_or(|(time, before)| time * (m / before).powi(2) <= args.limit);
-        let tried: Vec<usize> = (0..methods.len()).filter(is_tried).collect();
+        let tried: Vec<usize> =
+            (0..methods.len()).filter(|&k| scene.system.equations() < methods[k].most).filter(is_tried).collect();
         let mut results: Vec<Option<(Measured, Vec<f64>)>> = methods.iter().map(|_| None).collect();
         for round in 0..args.runs.get() {
             for &k in &tried {
@@ -61,13 +62,7 @@ pub fn measure(family: &Family, methods: &[Method], args: &BenchArgs) -> Result<
     Ok(samples)
 }
 
-fn sample(
-    family: &'static str,
-    size: &str,
-    scene: &Scene,
-    method: &'static str,
-    result: Option<Measured>,
-) -> Sample {
+fn sample(family: &'static str, size: &str, scene: &Scene, method: &'static str, result: Option<Measured>) -> Sample {
     let equations = scene.system.equations();
     let rank = scene.truth.rank_free.unwrap_or(equations);
     Sample { family, size: size.to_owned(), equations, method, rank, result }

@@ -8,15 +8,20 @@ pub struct Method {
     pub options: Options,
     /// Whether it is drawn in the plot of times against sizes.
     pub is_drawn: bool,
+    /// Equations from which on it is known to take minutes.
+    pub most: usize,
 }
 
 /// No bound of the growth, for all that matters.
 const UNBOUNDED: f64 = 1e15;
 
+/// Equations of a system on which a dense method takes half a minute.
+const DENSE: usize = 7_000;
+
 /// All that this program was built with.
 pub fn all() -> Vec<Method> {
     let standard = Options::default();
-    let method = |name, is_drawn, options| Method { name, options, is_drawn };
+    let method = |name, is_drawn, options| Method { name, options, is_drawn, most: usize::MAX };
     let backend = |backend| Options { backend, presolve: false, ..standard.clone() };
     let tolerance = |tolerance| Options { tolerance: Tolerance::Relative(tolerance), ..standard.clone() };
     let mut all = vec![
@@ -28,7 +33,7 @@ pub fn all() -> Vec<Method> {
         all.push(method("spqr alone", true, backend(BackendChoice::Spqr)));
     }
     all.extend([
-        method("gauss alone", true, backend(BackendChoice::Gauss)),
+        Method { most: DENSE, ..method("gauss alone", true, backend(BackendChoice::Gauss)) },
         method("gauss", false, Options { backend: BackendChoice::Gauss, ..standard.clone() }),
         method("growth unbounded", false, Options { growth: UNBOUNDED, ..standard.clone() }),
         method("tolerance 1e-4", false, tolerance(1e-4)),

@@ -106,14 +106,16 @@ fn trade(samples: &[Sample], methods: &[Method]) -> Drawn {
             .light_line_style(WHITE)
             .draw()?;
         let along = front(&points).into_iter().map(|p| (p.time, p.error));
-        chart.draw_series(LineSeries::new(along, COLOURS[4].stroke_width(2)))?.label("Pareto front").legend(|(x, y)| {
-            PathElement::new([(x, y), (x + 20, y)], COLOURS[4].stroke_width(2))
-        });
+        chart
+            .draw_series(LineSeries::new(along, COLOURS[4].stroke_width(2)))?
+            .label("Pareto front")
+            .legend(|(x, y)| PathElement::new([(x, y), (x + 20, y)], COLOURS[4].stroke_width(2)));
         for (k, point) in points.iter().enumerate() {
             let colour = COLOURS[k % COLOURS.len()];
             let at = (point.time, point.error);
             // One above the other where they would meet.
-            let crowd = points[..k].iter().filter(|p| (p.time / at.0).ln().abs() < 0.5 && (p.error / at.1).ln().abs() < 2.0);
+            let crowd =
+                points[..k].iter().filter(|p| (p.time / at.0).ln().abs() < 0.5 && (p.error / at.1).ln().abs() < 2.0);
             let lift = -6 - 13 * crowd.count() as i32;
             chart.draw_series([Circle::new(at, 5, colour.filled())])?;
             chart.draw_series([EmptyElement::at(at)

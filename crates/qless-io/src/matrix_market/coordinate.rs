@@ -14,7 +14,7 @@ const SIZES: &str = "rows columns entries";
 const SHORTEST_ENTRY: usize = 6;
 
 /// Empty rows or columns beyond this many are a slip of the size line, not a model; they cost memory.
-const MOST_EMPTY: usize = 100_000_000;
+const MOST_EMPTY: usize = 10_000_000;
 
 struct Sizes {
     rows: usize,

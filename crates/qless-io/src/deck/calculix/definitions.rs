@@ -131,11 +131,6 @@ impl Definitions {
         }
     }
 
-    /// Whether any node is listed.
-    pub fn has_nodes(&self) -> bool {
-        !self.nodes.is_empty()
-    }
-
     /// The numbers of all nodes listed, ascending.
     pub fn node_numbers(&self) -> Vec<u32> {
         let mut numbers: Vec<u32> =

@@ -180,10 +180,10 @@ impl Reader {
 
     /// A node that no card defines: the first equation that names it is at fault.
     fn check_nodes(&self) -> Result<(), DeckError> {
-        if !self.definitions.has_nodes() || self.definitions.generates_nodes {
+        let defined = self.definitions.node_numbers();
+        if defined.is_empty() || self.definitions.generates_nodes {
             return Ok(());
         }
-        let defined = self.definitions.node_numbers();
         let mut used: Vec<u32> = self.model.dofs.iter().map(|dof| dof.node).collect();
         used.sort_unstable();
         used.dedup();

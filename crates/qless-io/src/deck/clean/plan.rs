@@ -1,7 +1,7 @@
 //! What must change in a deck, and why.
 
 use qless::{Analysis, ConstraintSystem, Kind, Options, Preferences, analyse};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::CleanError;
 use super::fault::{Fault, faults_of};
@@ -71,7 +71,10 @@ impl Plan {
 /// ```
 pub fn plan(model: &Model, options: &Options) -> Result<Plan, CleanError> {
     let prescribed = ever_prescribed(model);
-    let common = Common::new(model, &prescribed, options)?;
+    let before = faults_of(model, &prescribed, &vec![false; model.equations()]);
+    let is_vanishing = |fault: &&Fault| matches!(fault, Fault::SlaveVanishes { .. });
+    let vanishing: FxHashSet<usize> = before.iter().filter(is_vanishing).map(Fault::equation).collect();
+    let common = Common::new(model, &prescribed, &vanishing, options)?;
     for (k, case) in model.cases.iter().enumerate() {
         if k == 0 || !case.constrains_as(&model.cases[k - 1]) {
             check(model, case, &common, options)?;
@@ -79,8 +82,6 @@ pub fn plan(model: &Model, options: &Options) -> Result<Plan, CleanError> {
     }
     let is_dependent: Vec<bool> =
         common.analysis.kinds[..model.equations()].iter().map(|kind| *kind != Kind::Independent).collect();
-    let all = vec![false; model.equations()];
-    let before = faults_of(model, &prescribed, &all);
     let after = faults_of(model, &prescribed, &is_dependent);
     let fault_of: FxHashMap<usize, Fault> = before.iter().rev().map(|fault| (fault.equation(), *fault)).collect();
     let part_of = parts(model, |j| prescribed.contains_key(&j));
@@ -115,7 +116,12 @@ struct Common {
 }
 
 impl Common {
-    fn new(model: &Model, prescribed: &FxHashMap<u32, Origin>, options: &Options) -> Result<Self, CleanError> {
+    fn new(
+        model: &Model,
+        prescribed: &FxHashMap<u32, Origin>,
+        vanishing: &FxHashSet<usize>,
+        options: &Options,
+    ) -> Result<Self, CleanError> {
         let origin = |column: &u32| crate::deck::Prescribed {
             dof: model.dofs[*column as usize],
             value: 0.0,
@@ -124,7 +130,8 @@ impl Common {
         let case = LoadCase { prescribed: prescribed.keys().map(origin).collect(), ..LoadCase::default() };
         let system = model.system(&case)?;
         let fixed = |i: &usize| model.cards[model.equation(*i).origin.card as usize].is_fixed;
-        let first = |i: usize| model.equation(i).columns.first().copied();
+        // The deck's own slaves, but for those that would make others large.
+        let first = |i: usize| model.equation(i).columns.first().copied().filter(|_| !vanishing.contains(&i));
         let mut slaves: Vec<usize> = (0..model.equations()).filter_map(first).map(|j| j as usize).collect();
         slaves.sort_unstable();
         slaves.dedup();
@@ -154,12 +161,18 @@ impl Common {
             terms.for_each(|(&j, _)| concerned[j as usize] = true);
         }
         let reduction = self.analysis.reduction(&self.system);
+        // What sums of right-hand sides leave by rounding is none.
+        let rounding = 1e-14 * (0..model.equations()).fold(0.0, |size: f64, i| size.max(model.equation(i).rhs.abs()));
         let mut written = Vec::new();
         for (row, &slave) in reduction.slaves.iter().enumerate().filter(|(_, slave)| concerned[**slave]) {
             let masters = reduction.t.row(row).map(|(j, v)| (model.dofs[reduction.masters[j]], -v));
             let given = reduction.g_matrix.row(row).map(|(j, v)| (model.dofs[reduction.prescribed[j]], -v));
             let terms = masters.chain(given).filter(|term| term.1 != 0.0).collect();
-            written.push(Written { slave: model.dofs[slave], terms, rhs: reduction.g[row] });
+            written.push(Written {
+                slave: model.dofs[slave],
+                terms,
+                rhs: if reduction.g[row].abs() <= rounding { 0.0 } else { reduction.g[row] },
+            });
         }
         written
     }
