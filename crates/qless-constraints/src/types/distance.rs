@@ -107,6 +107,6 @@ impl<const D: usize> Nonlinear for Rod<D> {
     #[inline]
     fn hessian(&self, _: &[f64], w: &[f64], h: &mut [f64]) {
         let value = w[0] / self.length;
-        h.chunks_exact_mut(3).for_each(|h| h.copy_from_slice(&[value, -value, value]));
+        h.chunks_exact_mut(3).for_each(|h| (h[0], h[1], h[2]) = (value, -value, value));
     }
 }
