@@ -76,7 +76,7 @@ fn ansys(equations: usize) -> String {
     let mut text = String::from("/PREP7\n");
     for i in 1..=equations {
         let other = i + equations;
-        write!(text, "CE,R5.0,DEFI,       2,{i:8},  0.00000000    \n").expect("text");
+        writeln!(text, "CE,R5.0,DEFI,       2,{i:8},  0.00000000    ").expect("text");
         writeln!(text, "CE,R5.0,NODE,{other:8},UX  ,  1.00000000    ,{i:8},UX  , -1.00000000").expect("text");
     }
     text + "FINISH\n"

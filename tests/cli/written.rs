@@ -164,3 +164,19 @@ fn the_same_seed_gives_the_same_files() {
     let matrix = |folder: &str| fs::read(place.path(folder).join("C.mtx")).expect("written");
     assert!(matrix("a") == matrix("b") && matrix("a") != matrix("c"));
 }
+
+#[test]
+fn a_short_bench_writes_its_page_table_and_plots() {
+    let place = Place::new();
+    let run = place.run("bench --short -q --runs 1 --limit 0.5 -o trade");
+    assert_eq!(run.code, 0, "{}", run.err);
+    assert!(run.out.contains("tie 50 %: 7580 equations of rank 7412"), "{}", run.out);
+    let text = |name: &str| fs::read_to_string(place.path("trade").join(name)).expect(name);
+    let default: Vec<String> =
+        text("trade.csv").lines().filter(|line| line.contains(",default,")).map(String::from).collect();
+    assert!(default.len() >= 9 && default.iter().all(|line| line.contains(",right,")), "{default:?}");
+    assert!(text("trade.md").contains("![Error against time](trade.svg)"));
+    for plot in ["trade.svg", "growth.svg"] {
+        assert!(text(plot).starts_with("<svg") && text(plot).contains("default"), "{plot}");
+    }
+}

@@ -78,7 +78,7 @@ pub struct CleanArgs {
 
 #[derive(Args)]
 pub struct BenchArgs {
-    /// Folder for trade.csv and the plots trade.svg and growth.svg
+    /// Folder for the page trade.md with its plots trade.svg and growth.svg, and for trade.csv
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     /// The smallest systems only, in seconds

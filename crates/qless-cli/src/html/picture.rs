@@ -62,13 +62,6 @@ fn spy(diagnosis: &Diagnosis) -> Spy {
 /// Connected sets of equations over free DOFs.
 fn blocks(system: &ConstraintSystem) -> Vec<(usize, usize)> {
     let mut root: Vec<usize> = (0..system.equations()).collect();
-    fn find(root: &mut [usize], mut i: usize) -> usize {
-        while root[i] != i {
-            root[i] = root[root[i]];
-            i = root[i];
-        }
-        i
-    }
     let mut first = vec![None; system.dofs()];
     let is_prescribed = |j: usize| system.prescribed().binary_search_by_key(&j, |given| given.0).is_ok();
     for i in 0..system.equations() {
@@ -83,6 +76,15 @@ fn blocks(system: &ConstraintSystem) -> Vec<(usize, usize)> {
     let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
     sizes.values().for_each(|&size| *counts.entry(size).or_default() += 1);
     counts.into_iter().collect()
+}
+
+/// The representative of an equation's set.
+fn find(root: &mut [usize], mut i: usize) -> usize {
+    while root[i] != i {
+        root[i] = root[root[i]];
+        i = root[i];
+    }
+    i
 }
 
 type Nodes = (Vec<(u32, f64, f64, f64)>, Vec<(usize, Vec<u32>)>);
