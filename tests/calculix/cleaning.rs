@@ -104,6 +104,24 @@ fn a_tie_beside_equations_that_repeat_it() {
     }
 }
 
+#[test]
+fn a_slave_with_a_vanishing_coefficient_is_not_chosen_again() {
+    for equations in [
+        "2\n5,1,11.,6,1,-1e8\n2\n5,1,11.,6,1,-1e8\n",
+        "2\n5,1,1.,6,1,-2965324.\n2\n7,1,1.,6,1,-1999999.\n",
+    ] {
+        // The checks are those of `cleaned`: no faults are left, and a second time changes nothing.
+        let text = brick(&format!("*EQUATION\n{equations}"));
+        assert!(cleaned(&parse(text.as_bytes())).is_ok_and(|cleaned| cleaned != text.as_bytes()));
+    }
+}
+
+#[test]
+fn a_node_card_without_nodes_defines_none() {
+    let deck = parse(b"*NODE\n** none yet\n*EQUATION\n2\n1,1,1.,2,1,-1.\n");
+    assert_eq!(deck.model.equations(), 1);
+}
+
 fn refused(text: &str) -> CleanError {
     let deck = parse(text.as_bytes());
     clean::plan(&deck.model, &Options::default()).expect_err("refused")

@@ -170,7 +170,7 @@ fn growth(samples: &[Sample], methods: &[Method]) -> Drawn {
                 .legend(move |(x, y)| PathElement::new([(x, y), (x + 20, y)], colour.stroke_width(2)));
             chart.draw_series(points.into_iter().map(|at| Circle::new(at, 4, colour.filled())))?;
         }
-        let place = SeriesLabelPosition::UpperLeft;
+        let place = SeriesLabelPosition::MiddleRight;
         chart.configure_series_labels().position(place).border_style(BLACK.mix(0.3)).background_style(WHITE).draw()?;
         root.present()?;
     }
