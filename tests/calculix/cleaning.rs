@@ -106,10 +106,9 @@ fn a_tie_beside_equations_that_repeat_it() {
 
 #[test]
 fn a_slave_with_a_vanishing_coefficient_is_not_chosen_again() {
-    for equations in [
-        "2\n5,1,11.,6,1,-1e8\n2\n5,1,11.,6,1,-1e8\n",
-        "2\n5,1,1.,6,1,-2965324.\n2\n7,1,1.,6,1,-1999999.\n",
-    ] {
+    for equations in
+        ["2\n5,1,11.,6,1,-1e8\n2\n5,1,11.,6,1,-1e8\n", "2\n5,1,1.,6,1,-2965324.\n2\n7,1,1.,6,1,-1999999.\n"]
+    {
         // The checks are those of `cleaned`: no faults are left, and a second time changes nothing.
         let text = brick(&format!("*EQUATION\n{equations}"));
         assert!(cleaned(&parse(text.as_bytes())).is_ok_and(|cleaned| cleaned != text.as_bytes()));

@@ -53,6 +53,8 @@ pub struct Problem<'a> {
     system: &'a ConstraintSystem,
     kept: Vec<usize>,
     redundant: Vec<usize>,
+    /// Free DOFs that the equations fix.
+    fixed: Vec<usize>,
 }
 
 /// Displacements, multipliers and forces.
@@ -94,7 +96,8 @@ impl<'a> Problem<'a> {
             let labels = conflicting.iter().map(|&row| system.equation_label(row)).collect();
             return Err(EnforceError::Conflict { rows: conflicting, labels });
         }
-        Ok(Self { k, f, system, kept: of_kind(Kind::Independent), redundant: of_kind(Kind::Redundant) })
+        let fixed = analysis.generated.iter().map(|&(dof, _)| dof).collect();
+        Ok(Self { k, f, system, kept: of_kind(Kind::Independent), redundant: of_kind(Kind::Redundant), fixed })
     }
 
     /// The equations that are enforced, ascending.
@@ -105,6 +108,27 @@ impl<'a> Problem<'a> {
     /// The equations that follow from others, ascending; they have no multiplier.
     pub fn redundant(&self) -> &[usize] {
         &self.redundant
+    }
+
+    /// `(DOF, load)` for loads on free DOFs that the equations fix (generated boundary conditions): they go into the constraints and
+    /// move nothing.
+    ///
+    /// ```
+    /// use faer::sparse::{SparseColMat, Triplet};
+    /// use qless::SystemBuilder;
+    /// use qless_constraints::enforce::Problem;
+    /// let k = SparseColMat::try_new_from_triplets(2, 2, &[Triplet::new(0, 0, 1.0), Triplet::new(1, 1, 1.0)])?;
+    /// let mut builder = SystemBuilder::new(2);
+    /// builder.equation([(0, 1.0), (1, 1.0)], 0.0);
+    /// builder.equation([(0, 1.0), (1, -1.0)], 0.0);
+    /// let system = builder.build()?;
+    /// let problem = Problem::new(&k, &[3.0, 0.0], &system)?;
+    /// assert_eq!(problem.loads_without_effect(), [(0, 3.0)]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn loads_without_effect(&self) -> Vec<(usize, f64)> {
+        let loaded = self.fixed.iter().map(|&dof| (dof, self.f[dof]));
+        loaded.filter(|&(_, load)| load != 0.0).collect()
     }
 
     /// All slaves eliminated: `K* = T^T K T`, `f* = T^T (f - K u_0)` (Eq. 7-9).

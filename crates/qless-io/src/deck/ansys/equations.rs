@@ -111,7 +111,9 @@ impl Equations {
         let number = whole(command.field(4)).ok_or_else(|| expected(command, 4, "the number of the equation"))?;
         let constant = real(command, 5)?;
         let (line, last_line) = (command.line, command.line);
-        let equation = Equation { constant, line, last_line, promised: Some(promised), ..Equation::default() };
+        // What is promised may be a slip: room for more comes with the terms.
+        let terms = Vec::with_capacity(promised.min(16));
+        let equation = Equation { terms, constant, line, last_line, promised: Some(promised), given: 0 };
         if self.sets.insert(number, equation).is_some() {
             self.remark = Some(format!("CE {number} is defined again: the later definition counts"));
         }

@@ -39,17 +39,19 @@ fn push_equations(reader: &mut Reader) -> Vec<Owner> {
         let card = model.card(name, 0, line);
         Origin { card, line, lines: last.saturating_sub(line) + 1 }
     };
-    for (&number, equation) in &reader.equations.sets {
-        if equation.terms.is_empty() && equation.constant == 0.0 {
+    // Numbers stay for the writer; terms go over, so that a million of them are not there twice.
+    for (&number, equation) in &mut reader.equations.sets {
+        let terms = std::mem::take(&mut equation.terms);
+        if terms.is_empty() && equation.constant == 0.0 {
             model.warn(0, equation.line, format!("CE {number} has no terms: left out"));
             continue;
         }
-        if names_twice(&equation.terms) {
+        if names_twice(&terms) {
             let text = format!("CE {number} names a DOF more than once: its coefficients are added");
             model.warn(0, equation.line, text);
         }
         let origin = origin(model, format!("CE {number}"), equation.line, equation.last_line);
-        model.push(equation.terms.iter().copied(), equation.constant, origin);
+        model.push(terms, equation.constant, origin);
         owners.push(Owner::Equation(number));
     }
     for (&number, set) in &reader.coupled.sets {

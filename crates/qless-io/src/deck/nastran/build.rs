@@ -49,7 +49,8 @@ fn points(bulk: &mut Bulk, model: &mut Model) -> Result<Points, DeckError> {
 }
 
 fn defined_twice(pair: &[Grid; 2], model: &mut Model) -> DeckError {
-    let place = |grid: &Grid| Place { name: format!("GRID {}", grid.id), file: grid.file, line: grid.line, lines: 1 };
+    let place =
+        |grid: &Grid| Place { name: format!("GRID {}", grid.id).into(), file: grid.file, line: grid.line, lines: 1 };
     let other = place(&pair[0]).brief(model).into();
     let problem = CardFault::DefinedTwice { what: "grid point", id: pair[0].id, other };
     fail(&place(&pair[1]), problem.into(), model)

@@ -1,6 +1,7 @@
 //! Bulk data: the cards that say what is constrained, in their order. All others are passed over.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::rc::Rc;
 
 use super::axes::Kind;
 use super::card::{Card, Refused};
@@ -19,14 +20,14 @@ use super::supports::{Support, spc, spc1};
 use super::unread::Unread;
 use super::{coordinates, fault::CardFault};
 
-/// What ties components together.
+/// What ties components together; small, because there can be millions of `MPC`.
 #[derive(Clone, Debug)]
 pub(super) enum Tie {
-    Mpc { set: u32, terms: Vec<Term> },
-    Star(Star),
-    Rigid(Rigid),
+    Mpc { set: u32, terms: Box<[Term]> },
+    Star(Box<Star>),
+    Rigid(Box<Rigid>),
     Rod(Rod),
-    Mean(Mean),
+    Mean(Box<Mean>),
 }
 
 /// What the bulk data of a deck constrains.
@@ -89,11 +90,11 @@ impl Bulk {
 
     fn tie(&mut self, card: &Card) -> Result<(), Refused> {
         let (tie, alpha) = match card.name.as_slice() {
-            b"MPC" => (Tie::Mpc { set: set(card)?, terms: terms(card)? }, 0.0),
-            b"RBE1" => rbe1(card).map(|read| (Tie::Rigid(read.element), read.alpha))?,
-            b"RBE2" => rbe2(card).map(|read| (Tie::Star(read.element), read.alpha))?,
-            b"RBE3" => rbe3(card).map(|read| (Tie::Mean(read.element), read.alpha))?,
-            b"RBAR" => rbar(card).map(|read| (Tie::Rigid(read.element), read.alpha))?,
+            b"MPC" => (Tie::Mpc { set: set(card)?, terms: terms(card)?.into() }, 0.0),
+            b"RBE1" => rbe1(card).map(|read| (Tie::Rigid(Box::new(read.element)), read.alpha))?,
+            b"RBE2" => rbe2(card).map(|read| (Tie::Star(Box::new(read.element)), read.alpha))?,
+            b"RBE3" => rbe3(card).map(|read| (Tie::Mean(Box::new(read.element)), read.alpha))?,
+            b"RBAR" => rbar(card).map(|read| (Tie::Rigid(Box::new(read.element)), read.alpha))?,
             _ => rrod(card).map(|read| (Tie::Rod(read.element), read.alpha))?,
         };
         if alpha != 0.0 {
@@ -101,7 +102,12 @@ impl Bulk {
             self.warnings.push((card.file, card.line, text));
             self.expanding.insert((card.file, card.line));
         }
-        self.ties.push((tie, Place::of(card)));
+        let mut place = Place::of(card);
+        // Cards of one set have one name.
+        if let Some((_, last)) = self.ties.last().filter(|(_, last)| last.name == place.name) {
+            place.name = Rc::clone(&last.name);
+        }
+        self.ties.push((tie, place));
         Ok(())
     }
 

@@ -55,7 +55,7 @@ mod tests {
     use super::*;
 
     fn unions(parts: &[(u32, &[u32])]) -> Unions {
-        let place = |set| Place { name: format!("SPCADD {set}"), file: 0, line: 1, lines: 1 };
+        let place = |set| Place { name: format!("SPCADD {set}").into(), file: 0, line: 1, lines: 1 };
         parts.iter().map(|&(set, of)| (set, vec![(of.to_vec(), place(set))])).collect()
     }
 
