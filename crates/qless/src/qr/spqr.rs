@@ -6,6 +6,7 @@
 //! SuiteSparseQR is GPL-2.0-or-later; a binary built with the feature `spqr` is too.
 
 mod call;
+mod rows;
 
 use super::{Backend, BackendError, Factor};
 use crate::Csr;
@@ -26,7 +27,7 @@ pub struct Spqr {
     /// Threads for the task tree of one factorization; 0 for as many as the caller's rayon pool has. Default: 1, which makes
     /// no tree.
     pub threads: usize,
-    /// The work of the whole over that of a task at least. Default: 8, whatever the threads; more makes smaller tasks.
+    /// The work of the whole over that of a task at least. Default: 5, whatever the threads; more makes smaller tasks.
     pub grain: f64,
     /// Operations of a task at least. Default: 1e6, below which a thread costs more than it does.
     pub small: f64,
@@ -34,7 +35,7 @@ pub struct Spqr {
 
 impl Default for Spqr {
     fn default() -> Self {
-        Self { threads: 1, grain: 8.0, small: 1e6 }
+        Self { threads: 1, grain: 5.0, small: 1e6 }
     }
 }
 
@@ -114,7 +115,7 @@ impl Spqr {
         let rank = spqr_sys::tree::with_threads(threads, || call.run(columns, b, tolerance));
         let rank = if memory.has_failed() { Err(spqr_sys::CHOLMOD_OUT_OF_MEMORY) } else { rank };
         drop((memory, blas));
-        let factor = call.read(rank.map_err(|status| error_of(status, m, n))?, columns, b)?;
+        let factor = call.read(rank.map_err(|status| error_of(status, m, n))?, columns, b, threads)?;
         Ok((factor, call.statistics()))
     }
 }

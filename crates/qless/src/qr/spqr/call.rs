@@ -6,6 +6,7 @@ use std::ptr::{from_mut, null_mut};
 
 use spqr_sys::{cholmod_common, cholmod_dense, cholmod_sparse};
 
+use super::rows::InColumns;
 use super::{Statistics, Tall, all_finite, error_of, failed, is_trapezoidal};
 use crate::Csr;
 use crate::qr::{BackendError, Factor};
@@ -68,10 +69,10 @@ impl Call {
         usize::try_from(rank).ok().filter(|_| accepted).ok_or(self.common.status)
     }
 
-    /// Copies the results.
-    pub fn read(&self, rank: usize, columns: &Csr, b: Tall) -> Result<Factor, BackendError> {
+    /// Copies the results, on so many threads of the caller's pool.
+    pub fn read(&self, rank: usize, columns: &Csr, b: Tall, threads: usize) -> Result<Factor, BackendError> {
         let (m, n) = (columns.cols, columns.rows());
-        let (order, r) = (self.order(n), self.r(rank, n));
+        let (order, r) = (self.order(n), self.r(n).by_rows(rank, threads));
         let r = r.map_err(|_| error_of(spqr_sys::CHOLMOD_OUT_OF_MEMORY, m, n))?;
         if !is_trapezoidal(&r) {
             return Err(failed("SuiteSparseQR returned an R that is not [R1 R2]".into()));
@@ -104,34 +105,14 @@ impl Call {
         unsafe { slice(self.order, n) }.iter().map(|&j| j as usize).collect()
     }
 
-    /// C's R: where its columns start, the row of each entry (in no promised order), its value.
-    fn r_in_c(&self, n: usize) -> (&[i64], &[i64], &[f64]) {
+    fn r(&self, n: usize) -> InColumns<'_> {
         // SAFETY: after `run`, R is packed, real, of 64-bit indices: n + 1 starts and as many entries as they say.
         unsafe {
             let r = &*self.r;
             let start = slice(r.p.cast::<i64>(), n + 1);
             let count = start[n] as usize;
-            (start, slice(r.i.cast::<i64>(), count), slice(r.x.cast::<f64>(), count))
+            InColumns { start, row: slice(r.i.cast::<i64>(), count), value: slice(r.x.cast::<f64>(), count) }
         }
-    }
-
-    /// Rows 0..rank of R without its exact zeros. By far the largest result, so it is copied once, and may fail to.
-    fn r(&self, rank: usize, n: usize) -> Result<Csr, TryReserveError> {
-        let (column_start, row, value) = self.r_in_c(n);
-        let kept = |k: &usize| value[*k] != 0.0 && (row[*k] as usize) < rank;
-        let mut start = vec![0; rank + 1];
-        (0..row.len()).filter(kept).for_each(|k| start[row[k] as usize + 1] += 1);
-        (0..rank).for_each(|i| start[i + 1] += start[i]);
-        let (mut col, mut val) = (zeros::<u32>(start[rank])?, zeros::<f64>(start[rank])?);
-        let mut next = start.clone();
-        for j in 0..n {
-            for k in (column_start[j] as usize..column_start[j + 1] as usize).filter(kept) {
-                let slot = &mut next[row[k] as usize];
-                (col[*slot], val[*slot]) = (j as u32, value[k]);
-                *slot += 1;
-            }
-        }
-        Ok(Csr { cols: n, start, col, val })
     }
 
     /// `Q^T B`, m x k.
