@@ -16,7 +16,7 @@ use crate::confidence::Confidence;
 use crate::generated::{self, Explainer, Generated};
 use crate::hold::hold_component;
 use crate::keep::{add, keep};
-use crate::local::{Column, Local, Numbering};
+use crate::local::{Column, Exponents, Local, Numbering};
 use crate::preferences::Wishes;
 use crate::presolve::eliminate::{Eliminated, eliminate};
 use crate::presolve::gather::gather;
@@ -25,6 +25,7 @@ use crate::qr::{Backend, BackendError};
 use crate::reduction::{self, Basics, Reduction};
 use crate::scale::{Scaling, Spread, balanced, by_rows};
 use crate::sensitivity;
+use crate::sweep::sweep;
 use crate::{ConstraintSystem, OptionError, Options, Tolerance};
 
 /// Why an analysis could not be made.
@@ -131,20 +132,20 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
     let backend = options.backend.get(options.memory)?;
     let tolerance = options.tolerance.value();
     let start = Instant::now();
-    let (numbering, columns) = Numbering::new(system);
+    let (numbering, columns, exponents) = Numbering::new(system);
     let local = numbering.view(system, system.rhs());
     let wishes = Wishes::new(&options.preferences, &numbering, system.dofs());
-    let (rows, spread) = scale(local, &columns, options.tolerance);
+    let (rows, spread) = scale(local, &columns, &exponents, options.tolerance);
     let run = Run { local, columns: &columns, scaling: &rows, wishes: &wishes, backend: backend.as_ref(), tolerance };
     let settle = |scaling: &Scaling| Run { scaling, ..run }.settle(system, options.presolve, start);
     let (scaling, (mut stages, held, confidence)) = if spread == Spread::UnitsMix {
-        let scaling = balanced(local);
+        let scaling = balanced(local, &exponents);
         let settled = settle(&scaling)?;
         (scaling, settled)
     } else {
         let settled = settle(&rows)?;
         if spread == Spread::SomeTiny && settled.2.ambiguous {
-            let other = balanced(local);
+            let other = balanced(local, &exponents);
             let compared = settle(&other)?;
             surer((rows.clone(), settled), (other, compared))
         } else {
@@ -160,8 +161,10 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
         run.local = numbering.view(system, &rhs);
         let agreeing = run.stages(&held, start)?;
         (stages.basis, stages.blocks) = (agreeing.basis, agreeing.blocks);
+        stages.still = sweep(local, &stages.basis, &agreeing.history, &scaling, SEED).still;
     }
-    let generated = generated::find(local, &stages.basis, &scaling);
+    let still = std::mem::take(&mut stages.still);
+    let generated = generated::find(still, local, &stages.basis, &stages.history, &scaling);
     Ok(stages.conclude(numbering, scaling, options.clone(), generated, confidence, kept.unmet, backend.as_ref()))
 }
 
@@ -194,6 +197,8 @@ struct Stages {
     blocks: Vec<Block>,
     history: History,
     dependent: Vec<Dependent>,
+    /// Slaves that may move with no master.
+    still: Vec<u32>,
     presolve: PresolveStatistics,
     started: Instant,
     presolved: Instant,
@@ -207,8 +212,10 @@ impl Run<'_> {
         let mut held = vec![!presolve; local.equations()];
         let mut doubt = None;
         loop {
-            let stages = self.stages(&held, started)?;
-            let near = sensitivity::largest(&stages.basis, &stages.history, scaling, local.dofs(), HARMLESS);
+            let mut stages = self.stages(&held, started)?;
+            let swept = sweep(local, &stages.basis, &stages.history, scaling, SEED);
+            stages.still = swept.still;
+            let near = sensitivity::largest(swept.worst, &stages.basis, &stages.history, scaling, local.dofs());
             doubt = near.map(|n| n.1).into_iter().chain(doubt).reduce(f64::max);
             // What presolve kept is dependent to within the tolerance: the backend decides.
             match near.filter(|&(_, entry)| entry * tolerance > 1.0) {
@@ -244,7 +251,7 @@ impl Run<'_> {
         let history = History { rows, factors, steps, exponents: scaling.row.clone() };
         let mut basis = peeled.basis;
         basis.extend(eliminated.steps, solved, scaling);
-        Ok(Stages { basis, blocks, history, dependent, presolve, started, presolved, factored })
+        Ok(Stages { basis, blocks, history, dependent, still: Vec::new(), presolve, started, presolved, factored })
     }
 }
 
@@ -287,12 +294,12 @@ impl Stages {
     }
 }
 
-/// Entries of the inverse of the kept equations up to this give no reason for doubt.
-const HARMLESS: f64 = 3e5;
+/// Of the random masters that tell which DOFs are fixed.
+const SEED: u64 = 0x9e37_79b9;
 
-fn scale(system: Local, columns: &[Column], tolerance: Tolerance) -> (Scaling, Spread) {
+fn scale(system: Local, columns: &[Column], exponents: &[Exponents], tolerance: Tolerance) -> (Scaling, Spread) {
     match tolerance {
-        Tolerance::Relative(_) => by_rows(system, columns),
+        Tolerance::Relative(_) => by_rows(system, columns, exponents),
         Tolerance::Paper => (Scaling::none(system.equations()), Spread::Even),
     }
 }

@@ -12,6 +12,7 @@ use crate::certificate::{Because, History};
 use crate::local::Local;
 use crate::qr::{Backend, BackendError};
 use crate::scale::{Scaling, ldexp};
+use crate::sweep::sweep;
 
 /// A sum of parts that cancels to within this, relative to the parts, is zero.
 const NOISE: f64 = 1e-11;
@@ -25,13 +26,19 @@ pub(crate) struct Generated {
     pub dofs: Vec<u32>,
 }
 
-/// Slaves that do not move with any master, ascending by the user's numbers, and their values `G u_p + g`.
-pub(crate) fn find(system: Local, basis: &Basis, scaling: &Scaling) -> Generated {
-    let mut fixed = still(system, basis, scaling, 0x9e37_79b9);
+/// Those of `fixed` that move with no other random masters either, ascending by the user's numbers, and their values
+/// `G u_p + g`.
+pub(crate) fn find(
+    mut fixed: Vec<u32>,
+    system: Local,
+    basis: &Basis,
+    history: &History,
+    scaling: &Scaling,
+) -> Generated {
     if fixed.is_empty() {
         return Generated::default();
     }
-    let again: HashSet<u32> = still(system, basis, scaling, 0x85eb_ca6b).into_iter().collect();
+    let again: HashSet<u32> = sweep(system, basis, history, scaling, 0x85eb_ca6b).still.into_iter().collect();
     fixed.retain(|j| again.contains(j));
     let mut u = vec![0.0; system.dofs()];
     system.prescribed().iter().for_each(|&(j, value)| u[j] = value);
@@ -39,37 +46,6 @@ pub(crate) fn find(system: Local, basis: &Basis, scaling: &Scaling) -> Generated
     let named = |&j: &u32| (system.numbering.dofs[j as usize] as usize, u[j as usize]);
     fixed.sort_unstable_by_key(|&j| system.numbering.dofs[j as usize]);
     Generated { values: fixed.iter().map(named).collect(), dofs: fixed }
-}
-
-/// Slaves that stay at zero for random masters, each in its unit, and zero prescribed values; what cancels is exactly zero.
-fn still(system: Local, basis: &Basis, scaling: &Scaling, seed: u64) -> Vec<u32> {
-    let mut u: Vec<f64> = (0..system.dofs()).zip(randoms(seed)).map(|(j, u)| ldexp(u, scaling.col(j))).collect();
-    system.prescribed().iter().for_each(|&(j, _)| u[j] = 0.0);
-    let mut still = Vec::new();
-    for t in (0..basis.rank()).rev() {
-        let (dofs, values) = basis.row(t);
-        let (mut sum, mut size) = (0.0, 0.0_f64);
-        for (&j, v) in dofs.iter().zip(values) {
-            let part = v * u[j as usize];
-            sum += part;
-            size = size.max(part.abs());
-        }
-        let (slave, moves) = (basis.slave(t), sum.abs() > NOISE * size);
-        u[slave as usize] = if moves { sum } else { 0.0 };
-        if !moves {
-            still.push(slave);
-        }
-    }
-    still
-}
-
-/// Numbers in `[0.5, 1.5)`, the same for the same seed (a linear congruential generator of 64 bits, the upper 53 used).
-pub(crate) fn randoms(seed: u64) -> impl Iterator<Item = f64> {
-    let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    std::iter::repeat_with(move || {
-        state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
-        0.5 + (state >> 11) as f64 / (1_u64 << 53) as f64
-    })
 }
 
 /// What is left of `e_s` while equations are taken from it, by the time at which each DOF became a slave.

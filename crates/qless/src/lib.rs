@@ -40,10 +40,12 @@ mod options;
 mod preferences;
 mod presolve;
 pub mod qr;
+mod random;
 mod reduction;
 mod report;
 mod scale;
 mod sensitivity;
+mod sweep;
 mod system;
 
 pub use analysis::{Analysis, AnalysisError, PresolveStatistics, Timings, analyse};

@@ -41,9 +41,27 @@ impl Column {
     }
 }
 
+/// Smallest and largest exponent of a row's coefficients, as their bits hold it: plus 1023, 0 for subnormal numbers.
+#[derive(Clone, Copy)]
+pub(crate) struct Exponents {
+    pub least: u16,
+    pub most: u16,
+}
+
+impl Exponents {
+    /// Of no coefficient.
+    const NONE: Self = Self { least: u16::MAX, most: 0 };
+
+    #[inline]
+    fn with(self, value: f64) -> Self {
+        let biased = ((value.to_bits() >> 52) & 0x7ff) as u16;
+        Self { least: self.least.min(biased), most: self.most.max(biased) }
+    }
+}
+
 impl Numbering {
-    /// Numbers the DOFs and counts their rows on the way.
-    pub fn new(system: &ConstraintSystem) -> (Self, Vec<Column>) {
+    /// Numbers the DOFs; counts their rows and finds the range of each row on the way.
+    pub fn new(system: &ConstraintSystem) -> (Self, Vec<Column>, Vec<Exponents>) {
         let c = system.matrix();
         let mut local = vec![u32::MAX; c.cols];
         // One place more than there are DOFs: each entry writes to the next free place, without a branch that nobody can predict.
@@ -51,9 +69,11 @@ impl Numbering {
         let (mut dofs, mut columns) = (vec![0; most], vec![Column::default(); most]);
         let mut count = 0;
         let mut entries = vec![0; c.nnz()];
+        let mut exponents = Vec::with_capacity(c.rows());
         for i in 0..c.rows() {
             let range = c.start[i]..c.start[i + 1];
-            for (entry, &j) in entries[range.clone()].iter_mut().zip(&c.col[range]) {
+            let mut of_row = Exponents::NONE;
+            for ((entry, &j), &v) in entries[range.clone()].iter_mut().zip(&c.col[range.clone()]).zip(&c.val[range]) {
                 let known = local[j as usize];
                 let is_new = known == u32::MAX;
                 let l = if is_new { count } else { known };
@@ -62,7 +82,9 @@ impl Numbering {
                 count += u32::from(is_new);
                 columns[l as usize].enter(i as u32);
                 *entry = l;
+                of_row = of_row.with(v);
             }
+            exponents.push(of_row);
         }
         dofs.truncate(count as usize);
         columns.truncate(count as usize);
@@ -70,7 +92,7 @@ impl Numbering {
         let named = system.prescribed().iter().filter(|&&(j, _)| local[j] != u32::MAX);
         let prescribed: Vec<_> = named.map(|&(j, value)| (local[j] as usize, value)).collect();
         prescribed.iter().for_each(|&(l, _)| free[l] = false);
-        (Self { entries, dofs, free, prescribed }, columns)
+        (Self { entries, dofs, free, prescribed }, columns, exponents)
     }
 
     /// The system with these numbers and b as given.

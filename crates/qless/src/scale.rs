@@ -6,7 +6,7 @@
 //! tiny, below `2^-20`, nobody can know whether they are in another unit or stand for zero: if the rank of scaled rows is in
 //! doubt, the analysis is made again with balanced columns, the surer one counts, and the doubt is reported.
 
-use crate::local::{Column, Local};
+use crate::local::{Column, Exponents, Local};
 
 /// Exponents of the scaling: `C'_ij = C_ij 2^(row[i] + col[j])`.
 #[derive(Clone, Debug)]
@@ -61,12 +61,12 @@ pub(crate) enum Spread {
 }
 
 /// Scales `C` by its free DOFs in each row; a row without any is scaled by its prescribed ones.
-pub(crate) fn by_rows(system: Local, columns: &[Column]) -> (Scaling, Spread) {
+pub(crate) fn by_rows(system: Local, columns: &[Column], exponents: &[Exponents]) -> (Scaling, Spread) {
     let mut rows = Scaling::none(system.equations());
-    let smallest = scale_rows(system, &mut rows);
+    let smallest = scale_rows(system, exponents, &mut rows);
     let spread = match smallest {
         SMALL.. => Spread::Even,
-        _ if small_columns(system, columns, &rows) => Spread::UnitsMix,
+        _ if small_columns(system, columns, exponents, &rows) => Spread::UnitsMix,
         TINY.. => Spread::Even,
         _ => Spread::SomeTiny,
     };
@@ -74,10 +74,10 @@ pub(crate) fn by_rows(system: Local, columns: &[Column]) -> (Scaling, Spread) {
 }
 
 /// Balances rows and columns, then scales rows.
-pub(crate) fn balanced(system: Local) -> Scaling {
+pub(crate) fn balanced(system: Local, exponents: &[Exponents]) -> Scaling {
     let mut scaling = Scaling::none(system.equations());
     balance(system, &mut scaling);
-    scale_rows(system, &mut scaling);
+    scale_rows(system, exponents, &mut scaling);
     scaling
 }
 
@@ -87,14 +87,14 @@ const SMALL: i32 = -10;
 const TINY: i32 = -20;
 
 /// Scales every row; returns the exponent of the smallest free entry relative to its row.
-fn scale_rows(system: Local, scaling: &mut Scaling) -> i32 {
+fn scale_rows(system: Local, exponents: &[Exponents], scaling: &mut Scaling) -> i32 {
     let plain = scaling.col.is_empty();
     let all_free = system.prescribed().is_empty();
     let mut smallest = 0;
-    for i in 0..system.equations() {
-        let (dofs, values) = system.parts(i);
-        let plain = plain && (all_free || dofs.iter().all(|&j| system.free()[j as usize]));
-        let span = if plain { plain_span(values) } else { span(system, scaling, i) };
+    for (i, of_row) in exponents.iter().enumerate() {
+        let plain =
+            plain && of_row.least > 0 && (all_free || system.parts(i).0.iter().all(|&j| system.free()[j as usize]));
+        let span = if plain { plain_span(*of_row) } else { span(system, scaling, i) };
         let (least, top) = span.unwrap_or((0, 0));
         scaling.row[i] = -top;
         smallest = smallest.min(least - top);
@@ -112,32 +112,23 @@ fn span(system: Local, scaling: &Scaling, i: usize) -> Option<(i32, i32)> {
     limits(true).or_else(|| limits(false).map(|(_, top)| (top, top)))
 }
 
-/// The same for free entries without scaled columns.
-fn plain_span(values: &[f64]) -> Option<(i32, i32)> {
-    let biased = |v: &f64| ((v.to_bits() >> 52) & 0x7ff) as i32;
-    let (mut least, mut top) = (i32::MAX, 0);
-    for e in values.iter().map(biased) {
-        least = least.min(e);
-        top = top.max(e);
-    }
-    if values.is_empty() {
-        None
-    } else if least == 0 {
-        let all = values.iter().map(|&v| exponent(v));
-        Some((all.clone().fold(i32::MAX, i32::min), all.fold(i32::MIN, i32::max)))
-    } else {
-        Some((least - 1023, top - 1023))
-    }
+/// The same for free entries without scaled columns, none of them subnormal.
+fn plain_span(Exponents { least, most }: Exponents) -> Option<(i32, i32)> {
+    (least <= most).then(|| (i32::from(least) - 1023, i32::from(most) - 1023))
 }
 
 /// Whether more than one in twenty of the columns with two entries or more are small in all their rows.
-fn small_columns(system: Local, columns: &[Column], scaling: &Scaling) -> bool {
+fn small_columns(system: Local, columns: &[Column], exponents: &[Exponents], scaling: &Scaling) -> bool {
     let is_shared = |j: usize| system.free()[j] && columns[j].count >= 2;
     let shared = (0..system.dofs()).filter(|&j| is_shared(j)).count();
     let is_small = |i: usize, v: f64| exponent(v) + scaling.row[i] < SMALL;
     // Each such column holds two small entries at least: where there are too few, no column needs a look.
-    let entries = (0..system.equations()).map(|i| system.parts(i).1.iter().filter(|&&v| is_small(i, v)).count());
-    if 10 * entries.sum::<usize>() <= shared {
+    let with_small = |i: &usize| {
+        let least = i32::from(exponents[*i].least);
+        least == 0 || least - 1023 + scaling.row[*i] < SMALL
+    };
+    let count = |i: usize| system.parts(i).1.iter().filter(|&&v| is_small(i, v)).count();
+    if 10 * (0..system.equations()).filter(with_small).map(count).sum::<usize>() <= shared {
         return false;
     }
     let mut large = vec![false; system.dofs()];
@@ -194,10 +185,10 @@ mod tests {
             }
         }
         let system = ConstraintSystem::from_triplets(30, 40, &triplets, &[0.0; 30], &[]).expect("valid");
-        let (numbering, columns) = Numbering::new(&system);
+        let (numbering, columns, exponents) = Numbering::new(&system);
         let local = numbering.view(&system, system.rhs());
-        assert!(by_rows(local, &columns).1 == Spread::UnitsMix);
-        let scaling = balanced(local);
+        assert!(by_rows(local, &columns, &exponents).1 == Spread::UnitsMix);
+        let scaling = balanced(local, &exponents);
         for i in 0..30 {
             for (j, v) in local.row(i) {
                 let scaled = scaling.entry(i, j, v);

@@ -11,55 +11,20 @@ use crate::basis::Basis;
 use crate::certificate::History;
 use crate::scale::{Scaling, ldexp};
 
-/// The largest entry found of `|C_S^-1|` and the slave in whose row it stands; none where all are below `harmless`.
+/// Entries up to this give no reason for doubt.
+const HARMLESS: f64 = 3e5;
+
+/// The largest entry of `|C_S^-1|` in the row of the `worst` slave of a [`crate::sweep`], with that slave; none where all are harmless.
 pub(crate) fn largest(
+    worst: Option<(u32, f64)>,
     basis: &Basis,
     history: &History,
     scaling: &Scaling,
     dofs: usize,
-    harmless: f64,
 ) -> Option<(u32, f64)> {
-    let (slave, bound) = largest_row_sum(basis, history, scaling, dofs)?;
-    if bound <= harmless {
-        return None;
-    }
+    let (slave, _) = worst.filter(|&(_, bound)| bound > HARMLESS)?;
     let entry = row_of_inverse(basis, history, scaling, slave, dofs);
-    (entry > harmless).then_some((slave, entry))
-}
-
-/// Row sums of `|L^-1|`, by step: how much of the user's equations goes into each step.
-fn row_sums_of_l(history: &History) -> Vec<f64> {
-    let mut sums: Vec<f64> = Vec::with_capacity(history.steps.len());
-    for &row in &history.steps {
-        let parts = history.factors[row as usize].iter().map(|&(step, factor)| factor.abs() * sums[step as usize]);
-        let sum = 1.0 + parts.sum::<f64>();
-        sums.push(sum);
-    }
-    sums
-}
-
-/// The slave with the largest bound of `sum_i |(C_S^-1)_si|`.
-fn largest_row_sum(basis: &Basis, history: &History, scaling: &Scaling, dofs: usize) -> Option<(u32, f64)> {
-    let mut sum = vec![0.0; dofs];
-    // Slaves of a block do not rest on one another, and how near to dependence a block is was estimated already.
-    for (block, kept) in basis.blocks.iter().enumerate() {
-        let own = 1.0 / kept.sigma.max(1e-300);
-        basis.slaves()[basis.rows_of(block)].iter().for_each(|&slave| sum[slave as usize] = own);
-    }
-    let of_steps = row_sums_of_l(history);
-    let (mut worst, first) = (None, basis.peeled.len());
-    for t in (0..first + of_steps.len()).rev() {
-        let own = if t < first { 1.0 } else { of_steps[t - first] } / basis.pivot(t).abs();
-        let ((dofs, values), slave) = (basis.row(t), basis.slave(t));
-        let scale = scaling.col(slave as usize);
-        let part = |(&j, v): (&u32, &f64)| ldexp(v.abs(), scaling.col(j as usize) - scale) * sum[j as usize];
-        let total = own + dofs.iter().zip(values).map(part).sum::<f64>();
-        if worst.is_none_or(|(_, most)| total > most) {
-            worst = Some((slave, total));
-        }
-        sum[slave as usize] = total;
-    }
-    worst
+    (entry > HARMLESS).then_some((slave, entry))
 }
 
 /// `max_i |(C_S^-1)_si|` by one transposed solve.

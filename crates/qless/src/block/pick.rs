@@ -7,9 +7,9 @@
 use faer::Mat;
 
 use crate::Csr;
-use crate::generated::randoms;
 use crate::qr::faer::Faer;
 use crate::qr::{Backend, BackendError, Factor};
+use crate::random::randoms;
 
 /// Singular values of the slaves' columns that call for others, the strictest that can be had first.
 const LIMITS: [f64; 3] = [1e-2, 1e-4, 1e-6];

@@ -5,6 +5,8 @@
 //! Cost O(nnz). The slave's coefficient must be the largest of its row, so that peeling adds nothing to growth; what
 //! that leaves, [`super::eliminate`] takes with weaker thresholds.
 
+use std::hint::select_unpredictable;
+
 use crate::basis::Basis;
 use crate::local::{Column, Local};
 use crate::preferences::Wishes;
@@ -24,8 +26,10 @@ struct Peeling<'a> {
     scaling: &'a Scaling,
     wishes: &'a Wishes,
     columns: Vec<Column>,
-    /// DOFs that were left in one row by the removal of others.
+    /// A stack of the DOFs that were left in one row by the removal of others: each comes in once, so that all have room, and ...
     ready: Vec<u32>,
+    /// ... how many there are. DOFs are written without a branch, which nobody could predict.
+    top: usize,
     /// All rows before this one have been tried.
     tried: usize,
     out: Peeled,
@@ -41,17 +45,20 @@ pub(crate) fn peel(
     held: Option<&[bool]>,
 ) -> Peeled {
     let m = system.equations();
-    let basis = Basis::with_capacity(m, system.entries() - m.min(system.entries()));
+    let basis = Basis::with_capacity(m, system.entries());
     let mut columns = columns.to_vec();
     system.prescribed().iter().for_each(|&(j, _)| columns[j].count = PRESCRIBED);
     let out = Peeled { basis, remaining: vec![true; m] };
-    let mut work = Peeling { system, scaling, wishes, columns, ready: Vec::new(), tried: 0, out };
+    let ready = vec![0; system.dofs() + 1];
+    let mut work = Peeling { system, scaling, wishes, columns, ready, top: 0, tried: 0, out };
     let is_held = |i: &usize| held.is_some_and(|held| held[*i]);
     (0..m).filter(is_held).for_each(|i| work.leave(i));
     for i in (0..m).filter(|i| !is_held(i)) {
         work.tried = i;
         work.try_row(i);
-        while let Some(dof) = work.ready.pop() {
+        while work.top > 0 {
+            work.top -= 1;
+            let dof = work.ready[work.top];
             let column = work.columns[dof as usize];
             if column.count == 1 {
                 work.try_row(column.rows as usize);
@@ -63,14 +70,16 @@ pub(crate) fn peel(
 
 impl Peeling<'_> {
     fn leave(&mut self, i: usize) {
-        for &j in self.system.parts(i).0 {
-            let column = &mut self.columns[j as usize];
-            column.leave(i as u32);
-            // Rows that were not tried yet need no reminder.
-            if column.count == 1 && (column.rows as usize) < self.tried {
-                self.ready.push(j);
-            }
-        }
+        self.system.parts(i).0.iter().for_each(|&j| self.leave_column(i, j));
+    }
+
+    #[inline]
+    fn leave_column(&mut self, i: usize, j: u32) {
+        let column = &mut self.columns[j as usize];
+        column.leave(i as u32);
+        // Rows that were not tried yet need no reminder.
+        self.ready[self.top] = j;
+        self.top += usize::from(column.count == 1 && (column.rows as usize) < self.tried);
     }
 
     fn try_row(&mut self, i: usize) {
@@ -78,12 +87,19 @@ impl Peeling<'_> {
             return;
         }
         if let Some(position) = self.slave(i) {
-            let (dofs, values) = self.system.parts(i);
-            let scaled = self.scaling.entry(i, dofs[position] as usize, values[position]);
-            self.out.basis.peel(i as u32, (dofs, values), position, self.system.rhs()[i], scaled);
-            self.out.remaining[i] = false;
-            self.leave(i);
+            self.take(i, position);
         }
+    }
+
+    /// Row i leaves, solved for the DOF at `position`.
+    fn take(&mut self, i: usize, position: usize) {
+        let (dofs, values) = self.system.parts(i);
+        let pivot = values[position];
+        self.out.basis.terms(dofs, values, position);
+        dofs.iter().for_each(|&j| self.leave_column(i, j));
+        let scaled = self.scaling.entry(i, dofs[position] as usize, pivot);
+        self.out.basis.peel(i as u32, dofs[position], self.system.rhs()[i] / pivot, scaled);
+        self.out.remaining[i] = false;
     }
 
     /// Position of a DOF of no other remaining row with the largest coefficient of the row.
@@ -97,17 +113,19 @@ impl Peeling<'_> {
     }
 
     /// The same for the given sizes; `rather` decides between the DOFs of equal coefficients.
+    ///
+    /// Sizes are compared by their bits, whose order is the same: integers are selected without a branch.
     #[inline]
     fn best(&self, i: usize, size: impl Fn(u32, f64) -> f64, rather: impl Fn(u32, usize) -> bool) -> Option<usize> {
         let (dofs, values) = self.system.parts(i);
-        let (mut at, mut most, mut largest) = (usize::MAX, 0.0, 0.0);
+        let (mut at, mut most, mut largest) = (usize::MAX, 0, 0);
         for (k, (&j, &v)) in dofs.iter().zip(values).enumerate() {
-            let (own, count) = (size(j, v), self.columns[j as usize].count);
-            let counted = if count < PRESCRIBED / 2 { own } else { 0.0 };
-            largest = if counted > largest { counted } else { largest };
+            let (own, count) = (size(j, v).to_bits(), self.columns[j as usize].count);
+            let counted = if count < PRESCRIBED / 2 { own } else { 0 };
+            largest = largest.max(counted);
             let better = (count == 1) & ((own > most) | (own == most && rather(j, at)));
-            at = if better { k } else { at };
-            most = if better { own } else { most };
+            at = select_unpredictable(better, k, at);
+            most = select_unpredictable(better, own, most);
         }
         (at != usize::MAX && most >= largest).then_some(at)
     }

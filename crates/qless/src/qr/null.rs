@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::faer::Faer;
 use super::{Backend, BackendError, Factor};
 use crate::Csr;
-use crate::generated::randoms;
+use crate::random::randoms;
 
 /// Steps of inverse iteration: values well below the limit stand out after the first.
 const STEPS: usize = 3;

@@ -23,7 +23,7 @@ pub(super) fn write(system: &ConstraintSystem, relation: &Relation) -> Reduction
         let row = place[slave as usize] as usize;
         g[row] = relation.constant[i];
         let sorted = relation.is_users(i) || relation.row(i).0.is_sorted_by_key(|&j| dofs[j as usize]);
-        if g_matrix.start[row] == g_matrix.start[row + 1] {
+        if g_matrix.nnz() == 0 || g_matrix.start[row] == g_matrix.start[row + 1] {
             fill(&mut t, row, sorted, relation.entries(i).map(|(j, v)| (place[j as usize], v)));
         } else {
             let part = |free: bool| {

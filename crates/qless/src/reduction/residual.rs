@@ -2,8 +2,8 @@
 //! the parts that make u_j and D the scaling of columns. From T, G and g as delivered, so that it checks every step before.
 
 use super::Reduction;
-use crate::generated::randoms;
 use crate::local::Local;
+use crate::random::randoms;
 use crate::scale::{Scaling, ldexp};
 
 /// Over the `independent` equations.
