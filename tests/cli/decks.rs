@@ -191,3 +191,32 @@ fn a_browser_shows_the_page() {
         assert!(shown.contains(part), "{part} is not in\n{shown}");
     }
 }
+
+#[test]
+fn nodes_are_written_for_paraview() {
+    use vtkio::model::{Attribute, DataSet, Piece, Vtk};
+    let place = Place::new();
+    place.file("twice.inp", deck(TWICE, ""));
+    assert_eq!(place.run("check -q twice.inp --format vtu -o twice.vtu").code, 0);
+    let bytes = fs::read(place.path("twice.vtu")).expect("written");
+    let vtk = Vtk::parse_xml(&bytes[..]).expect("VTK");
+    let DataSet::UnstructuredGrid { pieces, .. } = vtk.data else { panic!("another grid") };
+    let Piece::Inline(piece) = &pieces[0] else { panic!("no data") };
+    let array = |name: &str| {
+        let of_name = |attribute: &&Attribute| matches!(attribute, Attribute::DataArray(array) if array.name == name);
+        let Some(Attribute::DataArray(array)) = piece.data.point.iter().find(of_name) else {
+            panic!("{name} is not there")
+        };
+        array.data.clone().into_vec::<i32>().expect("whole numbers")
+    };
+    // Equations hold 2:1 and 3:1 only; of the two equations the second is redundant.
+    assert_eq!(array("node"), [2, 3]);
+    assert_eq!(piece.points.clone().into_vec::<f64>().expect("points"), [1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+    assert_eq!((array("redundant"), array("conflicting"), array("prescribed")), (vec![1, 1], vec![0, 0], vec![0, 0]));
+    let (slaves, masters) = (array("slaves"), array("masters"));
+    assert_eq!((slaves[0] + masters[0], slaves[1] + masters[1], slaves[0] + slaves[1]), (1, 1, 1));
+    place.file("bare.inp", "*EQUATION\n2\n2,1,1.,3,1,-1.\n");
+    let run = place.run("check -q bare.inp --format vtu -o bare.vtu");
+    assert_eq!(run.code, 2);
+    assert!(run.err.contains("add the cards of the nodes") && !place.path("bare.vtu").exists(), "{}", run.err);
+}

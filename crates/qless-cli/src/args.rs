@@ -151,6 +151,8 @@ pub enum Format {
     Json,
     /// For a browser: one page with tables and pictures that needs no network
     Html,
+    /// Nodes of a deck for ParaView: slaves, masters, redundant, conflicting; with -o FILE.vtu
+    Vtu,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]

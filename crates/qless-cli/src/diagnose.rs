@@ -11,7 +11,7 @@ use crate::deck_input::DeckInput;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::text::{self, Outcome};
-use crate::{html, json, stdout};
+use crate::{html, json, stdout, vtu};
 
 /// A model and what was found.
 pub struct Diagnosis<'a> {
@@ -120,6 +120,7 @@ impl Diagnosis<'_> {
                 json::write(&mut bytes, &report, deck).map_err(|error| Failure::of_stdout(&error))?;
                 Ok(bytes)
             }
+            Format::Vtu => vtu::render(self),
             Format::Html => html::render(self, &report)
                 .map(String::into_bytes)
                 .map_err(|error| Failure::Resource(format!("the page cannot be made: {error}"))),

@@ -6,7 +6,7 @@
 //! | [`check`], [`reduce`], [`clean`], [`generate`], [`bench`] | the commands, one each |
 //! | [`diagnose`] | what check, reduce and clean share: read, analyse, time it |
 //! | [`deck_input`] | the load cases of a deck, its warnings, what its solver refuses |
-//! | [`text`], [`json`], [`html`] | the forms of the report |
+//! | [`text`], [`json`], [`html`], [`vtu`] | the forms of the report |
 //! | [`failure`] | what can go wrong, in words, and its exit code |
 
 mod args;
@@ -26,6 +26,7 @@ mod scenes;
 mod stdout;
 mod text;
 mod version;
+mod vtu;
 
 use std::process::ExitCode;
 
