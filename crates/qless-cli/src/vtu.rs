@@ -72,7 +72,7 @@ fn grid(shown: &[(u32, [f64; 3], Counts)]) -> Vtk {
     point.extend((0..COUNTS.len()).map(|k| scalars(COUNTS[k], shown.iter().map(|(.., counts)| counts[k]).collect())));
     let count = shown.len() as u64;
     Vtk {
-        version: Version::new((1, 0)),
+        version: Version::Auto,
         title: String::new(),
         byte_order: ByteOrder::LittleEndian,
         file_path: None,
