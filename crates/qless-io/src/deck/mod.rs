@@ -16,6 +16,7 @@ pub mod clean;
 mod columns;
 mod error;
 mod model;
+mod name;
 mod nastran;
 mod source;
 
@@ -25,6 +26,7 @@ use std::sync::Arc;
 
 pub use error::{DeckError, Problem};
 pub use model::{Card, Dof, Equation, Load, LoadCase, Model, Origin, Prescribed, Warning};
+pub use name::CardName;
 pub use nastran::CardFault;
 pub use source::{Open, Sources};
 

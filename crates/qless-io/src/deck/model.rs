@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use qless::{ConstraintSystem, SystemBuilder, SystemError};
 
-use super::DeckError;
 use super::columns::Columns;
+use super::{CardName, DeckError};
 
 /// One component of one node; `node:component` in reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -26,7 +26,7 @@ impl std::fmt::Display for Dof {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Card {
     /// As the deck calls it, such as `*EQUATION` or `RBE2 12`.
-    pub name: String,
+    pub name: CardName,
     /// Index into [`Model::files`].
     pub file: u32,
     /// First line, from 1.
@@ -134,25 +134,29 @@ pub struct Model {
     runs: Vec<Run>,
 }
 
-/// Equations from `first` on that follow each other evenly: equation `first + k` is that of `origin`, `k stride` lines further on.
+/// Equations from `first` on that follow each other evenly: equation `first + k` is that of `origin`, `k stride` lines and
+/// `k cards` cards further on.
 #[derive(Clone, Copy, Debug)]
 struct Run {
     first: u32,
     origin: Origin,
     stride: u32,
+    cards: u32,
 }
 
 impl Run {
     /// Where equation `i` stands.
     fn at(&self, i: usize) -> Origin {
-        let further = (i as u32 - self.first).wrapping_mul(self.stride);
-        Origin { line: self.origin.line.wrapping_add(further), ..self.origin }
+        let further = |from: u32, stride: u32| from.wrapping_add((i as u32 - self.first).wrapping_mul(stride));
+        let Origin { card, line, lines } = self.origin;
+        Origin { card: further(card, self.cards), line: further(line, self.stride), lines }
     }
 
-    /// Takes equation `i` in, if it follows; the second one sets the stride.
+    /// Takes equation `i` in, if it follows; the second one sets the strides.
     fn take(&mut self, i: usize, origin: Origin) -> bool {
         if self.first + 1 == i as u32 {
             self.stride = origin.line.wrapping_sub(self.origin.line);
+            self.cards = origin.card.wrapping_sub(self.origin.card);
         }
         self.at(i) == origin
     }
@@ -231,12 +235,12 @@ impl Model {
             self.rhs.push(rhs);
         }
         if !self.runs.last_mut().is_some_and(|run| run.take(i, origin)) {
-            self.runs.push(Run { first: i as u32, origin, stride: 0 });
+            self.runs.push(Run { first: i as u32, origin, stride: 0, cards: 0 });
         }
     }
 
     /// Adds a card and returns its number.
-    pub fn card(&mut self, name: impl Into<String>, file: u32, line: u32) -> u32 {
+    pub fn card(&mut self, name: impl Into<CardName>, file: u32, line: u32) -> u32 {
         self.cards.push(Card { name: name.into(), file, line, is_fixed: false });
         self.cards.len() as u32 - 1
     }
@@ -313,6 +317,6 @@ impl Model {
     pub fn error(&self, origin: Origin, field: Option<usize>, problem: super::Problem) -> DeckError {
         let card = &self.cards[origin.card as usize];
         let path = self.files[card.file as usize].clone();
-        DeckError { path, line: origin.line as usize, card: card.name.clone(), field, problem }
+        DeckError { path, line: origin.line as usize, card: card.name.to_string(), field, problem }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::events::cases;
 use super::reader::{Owner, Reader};
-use crate::deck::{DeckError, Dof, Model, Origin, Problem, Sources};
+use crate::deck::{CardName, DeckError, Dof, Model, Origin, Problem, Sources};
 
 /// Reads a deck.
 ///
@@ -35,7 +35,7 @@ fn check_complete(reader: &Reader) -> Result<(), DeckError> {
 fn push_equations(reader: &mut Reader) -> Vec<Owner> {
     let model = &mut reader.model;
     let mut owners = Vec::new();
-    let origin = |model: &mut Model, name: String, line: u32, last: u32| {
+    let origin = |model: &mut Model, name: CardName, line: u32, last: u32| {
         let card = model.card(name, 0, line);
         Origin { card, line, lines: last.saturating_sub(line) + 1 }
     };
@@ -50,12 +50,12 @@ fn push_equations(reader: &mut Reader) -> Vec<Owner> {
             let text = format!("CE {number} names a DOF more than once: its coefficients are added");
             model.warn(0, equation.line, text);
         }
-        let origin = origin(model, format!("CE {number}"), equation.line, equation.last_line);
+        let origin = origin(model, CardName::numbered("CE", number), equation.line, equation.last_line);
         model.push(terms, equation.constant, origin);
         owners.push(Owner::Equation(number));
     }
     for (&number, set) in &reader.coupled.sets {
-        let origin = origin(model, format!("CP {number}"), set.line, set.last_line);
+        let origin = origin(model, CardName::numbered("CP", number), set.line, set.last_line);
         for equation in set.equations() {
             model.push(equation, 0.0, origin);
             owners.push(Owner::Coupled(number));

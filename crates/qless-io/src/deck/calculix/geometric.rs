@@ -52,7 +52,7 @@ pub struct Place {
 
 impl Place {
     /// Registers a card under the name that the deck gives it.
-    pub fn of(card: &Card, model: &mut Model, name: &str) -> Self {
+    pub fn of(card: &Card, model: &mut Model, name: &'static str) -> Self {
         let number = model.card(name, card.file, card.line);
         let last = card.lines().filter(|line| line.file == card.file).last().map_or(card.line, |line| line.number);
         let lines = (last + 1).saturating_sub(card.line).max(1);

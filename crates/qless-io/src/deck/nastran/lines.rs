@@ -11,6 +11,8 @@ pub(super) struct Line<'a> {
     /// From 1.
     pub number: u32,
     pub text: &'a [u8],
+    /// Whether it is sure that the next line does not continue this one.
+    pub is_last: bool,
 }
 
 /// An `INCLUDE` that was followed.
@@ -53,11 +55,12 @@ fn file(sources: &mut Sources, number: usize, depth: usize, visitor: &mut impl V
             return Err(error(sources, number, first, problem));
         }
         let text = content(text);
-        if text.trim_ascii().is_empty() {
+        if text.trim_ascii_start().is_empty() {
             continue;
         }
         if !is_include(&text) {
-            let line = Line { file: number as u32, number: first as u32, text: &text };
+            let is_last = rest.first().is_some_and(|&byte| byte.is_ascii_alphabetic() && !matches!(byte, b'I' | b'i'));
+            let line = Line { file: number as u32, number: first as u32, text: &text, is_last };
             if !visitor.line(&line, sources)? {
                 return Ok(false);
             }
