@@ -1,7 +1,9 @@
 //! What the commands say as a model: equations by their number, then coupled sets, and the load cases.
 
+use super::equations::Equations;
 use super::events::cases;
 use super::reader::{Owner, Reader};
+use super::terms::Term;
 use crate::deck::{CardName, DeckError, Dof, Model, Origin, Problem, Sources};
 
 /// Reads a deck.
@@ -34,19 +36,20 @@ fn check_complete(reader: &Reader) -> Result<(), DeckError> {
 
 fn push_equations(reader: &mut Reader) -> Vec<Owner> {
     let model = &mut reader.model;
-    let mut owners = Vec::new();
+    let Equations { sets, terms, .. } = &reader.equations;
+    let mut owners = Vec::with_capacity(sets.len());
+    model.reserve(sets.len(), terms.len());
     let origin = |model: &mut Model, name: CardName, line: u32, last: u32| {
         let card = model.card(name, 0, line);
         Origin { card, line, lines: last.saturating_sub(line) + 1 }
     };
-    // Numbers stay for the writer; terms go over, so that a million of them are not there twice.
-    for (&number, equation) in &mut reader.equations.sets {
-        let terms = std::mem::take(&mut equation.terms);
-        if terms.is_empty() && equation.constant == 0.0 {
+    for (number, equation) in sets.iter() {
+        let terms = terms.of(&equation.terms);
+        if equation.terms.len() == 0 && equation.constant == 0.0 {
             model.warn(0, equation.line, format!("CE {number} has no terms: left out"));
             continue;
         }
-        if names_twice(&terms) {
+        if names_twice(terms.clone()) {
             let text = format!("CE {number} names a DOF more than once: its coefficients are added");
             model.warn(0, equation.line, text);
         }
@@ -54,21 +57,23 @@ fn push_equations(reader: &mut Reader) -> Vec<Owner> {
         model.push(terms, equation.constant, origin);
         owners.push(Owner::Equation(number));
     }
-    for (&number, set) in &reader.coupled.sets {
+    for (number, set) in reader.coupled.sets.iter() {
         let origin = origin(model, CardName::numbered("CP", number), set.line, set.last_line);
         for equation in set.equations() {
             model.push(equation, 0.0, origin);
             owners.push(Owner::Coupled(number));
         }
     }
+    model.shrink();
     owners
 }
 
-fn names_twice(terms: &[(Dof, f64)]) -> bool {
-    if let [(first, _), (second, _)] = terms {
+fn names_twice(terms: impl Iterator<Item = Term> + Clone) -> bool {
+    let mut first = terms.clone().map(|(dof, _)| dof);
+    if let (Some(first), Some(second), None) = (first.next(), first.next(), first.next()) {
         return first == second;
     }
-    let mut dofs: Vec<Dof> = terms.iter().map(|(dof, _)| *dof).collect();
+    let mut dofs: Vec<Dof> = terms.map(|(dof, _)| dof).collect();
     dofs.sort_unstable();
     dofs.windows(2).any(|pair| pair[0] == pair[1])
 }
@@ -99,6 +104,9 @@ fn check_nodes(reader: &Reader) -> Result<(), DeckError> {
 /// Components are along the axes of their node; said where these are not those of the model.
 fn warn_of_rotated(reader: &mut Reader) {
     let mut rotated = std::mem::take(&mut reader.nodes.rotated);
+    if rotated.is_empty() {
+        return;
+    }
     rotated.sort_unstable();
     rotated.dedup();
     let model = &mut reader.model;

@@ -27,7 +27,7 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     if let Some(solved) = reader.solved_at.filter(|&solved| solved <= last) {
         return Err(place(solved, "equations change after this load step; make a deck for each load step"));
     }
-    let highest = reader.equations.sets.last_key_value().map_or(0, |(&number, _)| number);
+    let highest = reader.equations.sets.highest().unwrap_or(0);
     let new = equations(plan, highest, reader.archive);
     let new = new.ok_or_else(|| place(last, "no numbers are left for new equations; number the equations from 1"))?;
     let result = edited(text, &places, &comments(&deck.model, plan, &owners), new);
