@@ -12,6 +12,8 @@
 
 mod ansys;
 mod calculix;
+mod cards;
+mod chunks;
 pub mod clean;
 mod columns;
 mod error;
@@ -24,8 +26,9 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
+pub use cards::{Card, Cards};
 pub use error::{DeckError, Problem};
-pub use model::{Card, Dof, Equation, Load, LoadCase, Model, Origin, Prescribed, Warning};
+pub use model::{Dof, Equation, Load, LoadCase, Model, Origin, Prescribed, Warning};
 pub use name::CardName;
 pub use nastran::CardFault;
 pub use source::{Open, Sources};

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use qless::{ConstraintSystem, SystemBuilder, SystemError};
 
 use super::columns::Columns;
-use super::{CardName, DeckError};
+use super::{CardName, Cards, DeckError};
 
 /// One component of one node; `node:component` in reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -20,19 +20,6 @@ impl std::fmt::Display for Dof {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}:{}", self.node, self.component)
     }
-}
-
-/// A card that constrains: its name and where it begins.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Card {
-    /// As the deck calls it, such as `*EQUATION` or `RBE2 12`.
-    pub name: CardName,
-    /// Index into [`Model::files`].
-    pub file: u32,
-    /// First line, from 1.
-    pub line: u32,
-    /// Whether equations cannot stand in for it, because the solver adds DOFs of its own to it.
-    pub is_fixed: bool,
 }
 
 /// Where something is said: a card, and the lines of it, from 1.
@@ -118,7 +105,7 @@ pub struct Model {
     /// The files read, the main one first.
     pub files: Vec<PathBuf>,
     /// Cards that constrain, in the order met.
-    pub cards: Vec<Card>,
+    pub cards: Cards,
     /// DOFs that occur in equations, by column.
     pub dofs: Vec<Dof>,
     /// Load cases; at least one.
@@ -241,8 +228,7 @@ impl Model {
 
     /// Adds a card and returns its number.
     pub fn card(&mut self, name: impl Into<CardName>, file: u32, line: u32) -> u32 {
-        self.cards.push(Card { name: name.into(), file, line, is_fixed: false });
-        self.cards.len() as u32 - 1
+        self.cards.push(name.into(), file, line)
     }
 
     /// Adds a warning about a line.
@@ -252,7 +238,7 @@ impl Model {
 
     /// Where, and which card: `line 41 *EQUATION` in the main file, `part.inc:41 *EQUATION` in others.
     pub fn place(&self, origin: Origin) -> String {
-        let card = &self.cards[origin.card as usize];
+        let card = self.cards.get(origin.card);
         let file = self.files[card.file as usize].file_name().unwrap_or_default().to_string_lossy();
         match card.file {
             0 => format!("line {} {}", origin.line, card.name),
@@ -315,7 +301,7 @@ impl Model {
 
     /// An error at a line of a card.
     pub fn error(&self, origin: Origin, field: Option<usize>, problem: super::Problem) -> DeckError {
-        let card = &self.cards[origin.card as usize];
+        let card = self.cards.get(origin.card);
         let path = self.files[card.file as usize].clone();
         DeckError { path, line: origin.line as usize, card: card.name.to_string(), field, problem }
     }

@@ -26,6 +26,22 @@ impl CardName {
         Self(Parts::Numbered(word, number))
     }
 
+    /// The name with a number that is higher by `more`.
+    pub(super) fn counted(&self, more: u32) -> Self {
+        match self.0 {
+            Parts::Numbered(word, number) => Self(Parts::Numbered(word, number.wrapping_add(more))),
+            _ => self.clone(),
+        }
+    }
+
+    /// By how much the number of the other is higher; 0 where one has none.
+    pub(super) fn distance(&self, other: &Self) -> u32 {
+        match (&self.0, &other.0) {
+            (Parts::Numbered(_, number), Parts::Numbered(_, other)) => other.wrapping_sub(*number),
+            _ => 0,
+        }
+    }
+
     fn text(&self) -> Cow<'_, str> {
         match &self.0 {
             Parts::Word(word) => Cow::Borrowed(word),

@@ -29,7 +29,7 @@ pub struct Equation {
     /// Where its last term stands.
     pub last_line: u32,
     /// Terms that an archive promises, and those it has given.
-    promised: Option<usize>,
+    promised: Option<u32>,
     given: u32,
 }
 
@@ -77,8 +77,8 @@ impl Equations {
     /// The first equation with another number of terms than its archive promises.
     pub fn incomplete(&self) -> Option<(u32, u32, Problem)> {
         self.sets.iter().find_map(|(number, equation)| {
+            let promised = equation.promised.filter(|&promised| promised > equation.given)? as usize;
             let found = equation.given as usize;
-            let promised = equation.promised.filter(|&promised| promised > found)?;
             Some((number, equation.line, Problem::TooFew { what: "terms", promised, found }))
         })
     }
@@ -112,12 +112,14 @@ impl Equations {
     fn define(&mut self, command: &Command) -> Result<u32, Fault> {
         let promised = number::whole(command.field(3)).ok_or_else(|| expected(command, 3, "the number of terms"))?;
         let number = whole(command.field(4)).ok_or_else(|| expected(command, 4, "the number of the equation"))?;
+        // No deck has as many as are too many to be counted.
+        let promised = u32::try_from(promised).unwrap_or(u32::MAX);
         self.open(promised, number, real(command, 5)?, command.line);
         Ok(number)
     }
 
     /// Begins an equation of an archive.
-    fn open(&mut self, promised: usize, number: u32, constant: f64, line: u32) {
+    fn open(&mut self, promised: u32, number: u32, constant: f64, line: u32) {
         let equation = Equation { constant, line, last_line: line, promised: Some(promised), ..Equation::default() };
         if self.sets.insert(number, equation).is_some() {
             self.remark = Some(format!("CE {number} is defined again: the later definition counts"));
@@ -128,10 +130,10 @@ impl Equations {
     /// Takes what a line of an archive says; false where it has to be read the long way.
     pub fn quick(&mut self, says: &Says, line: u32) -> bool {
         match says {
-            Says::Define(promised, number, constant) => self.open(*promised as usize, *number, *constant, line),
+            Says::Define(promised, number, constant) => self.open(*promised, *number, *constant, line),
             Says::Terms(first, second) => {
                 let Some(equation) = self.sets.get_mut(self.open) else { return false };
-                let given = equation.given as usize + 1 + usize::from(second.is_some());
+                let given = equation.given + 1 + u32::from(second.is_some());
                 if equation.promised.is_some_and(|promised| given > promised) {
                     return false;
                 }
@@ -153,7 +155,7 @@ impl Equations {
         for at in (3..=command.fields.len()).step_by(3) {
             let before = equation.given;
             equation.term(command, at, &mut self.terms, &mut self.left.0)?;
-            let is_beyond = |promised| equation.given as usize > promised;
+            let is_beyond = |promised| equation.given > promised;
             if equation.given > before && equation.promised.is_some_and(is_beyond) {
                 return Err(expected(command, at, "no more terms than DEFI promises"));
             }
@@ -172,7 +174,7 @@ impl Equation {
         let dof = Dof { node, component: component(command, at + 1)? };
         let coefficient = real(command, at + 2)?;
         if takes_away {
-            *left = left.checked_sub(self.terms.len()).ok_or((Some(at), too_many_taken_away()))?;
+            *left = left.checked_sub(terms.count(&self.terms)).ok_or((Some(at), too_many_taken_away()))?;
             terms.remove(&mut self.terms, dof);
             return Ok(());
         }

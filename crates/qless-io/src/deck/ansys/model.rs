@@ -44,11 +44,11 @@ fn push_equations(reader: &mut Reader) -> Vec<Owner> {
         Origin { card, line, lines: last.saturating_sub(line) + 1 }
     };
     for (number, equation) in sets.iter() {
-        let terms = terms.of(&equation.terms);
-        if equation.terms.len() == 0 && equation.constant == 0.0 {
+        if terms.count(&equation.terms) == 0 && equation.constant == 0.0 {
             model.warn(0, equation.line, format!("CE {number} has no terms: left out"));
             continue;
         }
+        let terms = terms.of(&equation.terms);
         if names_twice(terms.clone()) {
             let text = format!("CE {number} names a DOF more than once: its coefficients are added");
             model.warn(0, equation.line, text);

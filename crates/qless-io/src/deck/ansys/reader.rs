@@ -215,10 +215,7 @@ impl Reader {
             Action::Unload => "FDELE",
             Action::Solve => "SOLVE",
         };
-        let card = match self.model.cards.iter().position(|card| card.name == name) {
-            Some(card) => card as u32,
-            None => self.model.card(name, 0, command.line),
-        };
+        let card = self.model.cards.find(name).unwrap_or_else(|| self.model.card(name, 0, command.line));
         self.events.push(Event { action, which, components, origin: Origin { card, line: command.line, lines: 1 } });
     }
 

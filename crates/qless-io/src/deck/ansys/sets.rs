@@ -3,11 +3,13 @@
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
+use crate::deck::chunks::Chunks;
+
 /// Things by their number.
 #[derive(Debug)]
 pub struct Sets<T> {
     /// Ascending; nothing where one was taken away, but for the last.
-    row: Vec<(u32, Option<T>)>,
+    row: Chunks<(u32, Option<T>)>,
     /// How many were taken away in `row`.
     gone: usize,
     /// Those that came after a higher number.
@@ -16,7 +18,7 @@ pub struct Sets<T> {
 
 impl<T> Default for Sets<T> {
     fn default() -> Self {
-        Self { row: Vec::new(), gone: 0, apart: BTreeMap::new() }
+        Self { row: Chunks::default(), gone: 0, apart: BTreeMap::new() }
     }
 }
 
@@ -61,8 +63,8 @@ impl<T> Sets<T> {
 
     /// The numbers within a range, in no order.
     pub fn within(&self, range: RangeInclusive<u32>) -> Vec<u32> {
-        let row = &self.row[self.row.partition_point(|(number, _)| number < range.start())..];
-        let row = row.iter().take_while(|(number, _)| number <= range.end());
+        let row = self.row.iter_from(self.row.partition_point(|(number, _)| number < range.start()));
+        let row = row.take_while(|(number, _)| number <= range.end());
         let mut numbers: Vec<u32> = row.filter(|(_, value)| value.is_some()).map(|(number, _)| *number).collect();
         numbers.extend(self.apart.range(range).map(|(&number, _)| number));
         numbers
@@ -101,15 +103,17 @@ impl<T> Sets<T> {
         if self.row[last].0 == number {
             return Some(last);
         }
-        self.row.binary_search_by_key(&number, |(number, _)| *number).ok()
+        let place = self.row.partition_point(|(other, _)| *other < number);
+        (place <= last && self.row[place].0 == number).then_some(place)
     }
 
     fn forget(&mut self) {
         if 2 * self.gone > self.row.len() {
-            self.row.retain(|(_, value)| value.is_some());
+            self.row = std::mem::take(&mut self.row).into_items().filter(|(_, value)| value.is_some()).collect();
             self.gone = 0;
         }
-        while self.row.pop_if(|(_, value)| value.is_none()).is_some() {
+        while self.row.last().is_some_and(|(_, value)| value.is_none()) {
+            self.row.pop();
             self.gone -= 1;
         }
     }

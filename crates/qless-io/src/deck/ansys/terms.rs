@@ -1,6 +1,7 @@
 //! Terms of equations, those of all in one row: an equation takes no room of its own unless it goes on after others have begun.
 
 use crate::deck::Dof;
+use crate::deck::chunks::Chunks;
 
 /// A DOF and its coefficient.
 pub type Term = (Dof, f64);
@@ -8,7 +9,9 @@ pub type Term = (Dof, f64);
 /// The row.
 #[derive(Debug, Default)]
 pub struct Terms {
-    row: Vec<Term>,
+    row: Chunks<Term>,
+    /// Terms that came when others stood behind the first ones of their equation.
+    more: Vec<Vec<Term>>,
 }
 
 /// Which terms belong to an equation.
@@ -16,8 +19,8 @@ pub struct Terms {
 pub struct Owned {
     start: u32,
     count: u32,
-    /// Those that came when others stood behind the first ones.
-    more: Option<Box<Vec<Term>>>,
+    /// One more than the index of those that stand apart; 0 if there are none.
+    more: u32,
 }
 
 impl Terms {
@@ -29,44 +32,47 @@ impl Terms {
     /// Adds a term.
     pub fn push(&mut self, to: &mut Owned, term: Term) {
         let end = self.row.len() as u32;
-        if to.count == 0 && to.more.is_none() {
+        if to.count == 0 && to.more == 0 {
             to.start = end;
         }
-        if to.more.is_none() && to.start + to.count == end {
+        if to.more == 0 && to.start + to.count == end {
             self.row.push(term);
             to.count += 1;
-        } else {
-            to.more.get_or_insert_default().push(term);
+            return;
         }
+        if to.more == 0 {
+            self.more.push(Vec::new());
+            to.more = self.more.len() as u32;
+        }
+        self.more[to.more as usize - 1].push(term);
     }
 
     /// Takes away the terms of a DOF.
     pub fn remove(&mut self, of: &mut Owned, dof: Dof) {
-        let own = &mut self.row[of.start as usize..][..of.count as usize];
-        let mut kept = 0;
-        for k in 0..own.len() {
-            if own[k].0 != dof {
-                own[kept] = own[k];
+        let start = of.start as usize;
+        let mut kept = start;
+        for k in start..start + of.count as usize {
+            if self.row[k].0 != dof {
+                self.row[kept] = self.row[k];
                 kept += 1;
             }
         }
-        of.count = kept as u32;
-        if let Some(more) = &mut of.more {
-            more.retain(|(known, _)| *known != dof);
+        of.count = (kept - start) as u32;
+        if let Some(more) = of.more.checked_sub(1) {
+            self.more[more as usize].retain(|(known, _)| *known != dof);
         }
+    }
+
+    /// How many terms.
+    pub fn count(&self, of: &Owned) -> usize {
+        of.count as usize + of.more.checked_sub(1).map_or(0, |more| self.more[more as usize].len())
     }
 
     /// The terms in the order in which they came.
     pub fn of<'a>(&'a self, owned: &'a Owned) -> impl Iterator<Item = Term> + Clone + 'a {
-        let more = owned.more.as_deref().map_or(&[][..], Vec::as_slice);
-        self.row[owned.start as usize..][..owned.count as usize].iter().chain(more).copied()
-    }
-}
-
-impl Owned {
-    /// How many terms.
-    pub fn len(&self) -> usize {
-        self.count as usize + self.more.as_ref().map_or(0, |more| more.len())
+        let more = owned.more.checked_sub(1).map_or(&[][..], |more| &self.more[more as usize]);
+        let row = (owned.start..owned.start + owned.count).map(|k| self.row[k as usize]);
+        row.chain(more.iter().copied())
     }
 }
 
@@ -79,7 +85,7 @@ mod tests {
     }
 
     fn nodes(terms: &Terms, owned: &Owned) -> Vec<u32> {
-        assert_eq!(owned.len(), terms.of(owned).count());
+        assert_eq!(terms.count(owned), terms.of(owned).count());
         terms.of(owned).map(|(dof, _)| dof.node).collect()
     }
 

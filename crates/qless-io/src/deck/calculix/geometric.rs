@@ -74,6 +74,6 @@ impl Place {
 
     /// Marks the card as one that equations cannot stand in for.
     pub fn fix(&self, model: &mut Model) {
-        model.cards[self.origin.card as usize].is_fixed = true;
+        model.cards.fix(self.origin.card, true);
     }
 }

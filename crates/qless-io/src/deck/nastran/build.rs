@@ -72,16 +72,17 @@ fn ties(bulk: &Bulk, points: &Points, cases: &[(String, Sets)], model: &mut Mode
     let selected: BTreeSet<u32> = cases.iter().flat_map(|(_, sets)| sets.mpc.iter().copied()).collect();
     let (mut sets_of, mut row) = (SetsOf::new(), Vec::new());
     if !selected.is_empty() {
-        sets_of.reserve_exact(bulk.ties.mpcs().len());
-        model.reserve(bulk.ties.mpcs().len(), bulk.ties.terms());
+        let (cards, terms) = bulk.ties.counts();
+        sets_of.reserve_exact(cards);
+        model.reserve(cards, terms);
     }
     for tie in bulk.ties.iter() {
         match tie {
-            Tie::Mpc(card, terms) if selected.contains(&card.set) => {
+            Tie::Mpc(card) if selected.contains(&card.set) => {
                 sets_of.push((model.equations() as u32, card.set));
-                mpc(terms, &card.place(), points, &mut row, model)?;
+                mpc(bulk.ties.terms_of(card), &card.place(), points, &mut row, model)?;
             }
-            Tie::Mpc(..) => {}
+            Tie::Mpc(_) => {}
             Tie::Element(element, place) => add(element, place, bulk, points, model)?,
         }
     }
@@ -93,7 +94,7 @@ fn ties(bulk: &Bulk, points: &Points, cases: &[(String, Sets)], model: &mut Mode
 fn add(element: &Element, place: &Place, bulk: &Bulk, points: &Points, model: &mut Model) -> Result<(), DeckError> {
     let rows = rows(element, points).and_then(finite).map_err(|problem| fail(place, problem, model))?;
     let origin = place.origin(model);
-    model.cards[origin.card as usize].is_fixed = bulk.expanding.contains(&(place.file, place.line));
+    model.cards.fix(origin.card, bulk.expanding.contains(&(place.file, place.line)));
     for row in rows {
         model.push(row.terms, 0.0, origin);
     }
@@ -118,7 +119,7 @@ fn finite(rows: Vec<Row>) -> Result<Vec<Row>, Problem> {
 
 /// Adds the equation of an `MPC` card, by way of `row`, which is filled anew.
 fn mpc(
-    terms: &[Term],
+    terms: impl Iterator<Item = Term>,
     place: &Place,
     points: &Points,
     row: &mut Vec<(Dof, f64)>,
@@ -126,7 +127,7 @@ fn mpc(
 ) -> Result<(), DeckError> {
     row.clear();
     let mut is_unknown = false;
-    for &(node, set, value) in terms {
+    for (node, set, value) in terms {
         let kind = points.kind(node);
         is_unknown |= kind == Point::Unknown;
         let dof = Points::dof(node, kind, set).map_err(|fault| fail(place, fault.into(), model))?;

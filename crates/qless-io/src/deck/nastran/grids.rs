@@ -8,6 +8,7 @@ use super::grid::{Given, Usual};
 use super::place::Place;
 use super::vector::Vector;
 use crate::deck::CardName;
+use crate::deck::chunks::Chunks;
 
 /// A grid point.
 #[derive(Clone, Copy, Debug)]
@@ -30,7 +31,7 @@ struct Shared {
 /// The grid points of a deck.
 #[derive(Debug, Default)]
 pub(super) struct Grids {
-    all: Vec<Grid>,
+    all: Chunks<Grid>,
     shared: Vec<Shared>,
     by_shared: FxHashMap<Shared, u32>,
 }
@@ -55,15 +56,17 @@ impl Grids {
 
     /// Puts the points in order, each once; the error is a number with two points that differ.
     pub fn sort(&mut self) -> Result<(), Box<(u32, [Place; 2])>> {
-        if self.all.is_sorted_by(|a, b| a.id < b.id) {
+        if self.all.iter().is_sorted_by(|a, b| a.id < b.id) {
             return Ok(());
         }
-        self.all.sort_by_key(|grid| grid.id);
+        let mut all: Vec<Grid> = std::mem::take(&mut self.all).into_items().collect();
+        all.sort_by_key(|grid| grid.id);
         let differs = |pair: &&[Grid]| pair[0].id == pair[1].id && !self.are_same(&pair[0], &pair[1]);
-        if let Some([first, second]) = self.all.windows(2).find(differs) {
+        if let Some([first, second]) = all.windows(2).find(differs) {
             return Err(Box::new((first.id, [self.place(first), self.place(second)])));
         }
-        self.all.dedup_by_key(|grid| grid.id);
+        all.dedup_by_key(|grid| grid.id);
+        self.all = all.into_iter().collect();
         Ok(())
     }
 
@@ -92,13 +95,13 @@ impl Grids {
     }
 
     /// Points from this number on.
-    pub fn from(&self, id: u32) -> &[Grid] {
-        &self.all[self.all.partition_point(|grid| grid.id < id)..]
+    pub fn from(&self, id: u32) -> impl Iterator<Item = &Grid> {
+        self.all.iter_from(self.all.partition_point(|grid| grid.id < id))
     }
 
     /// The point of a number, of points in order. Where none are missing, it is found at once.
     pub fn get(&self, id: u32) -> Option<&Grid> {
-        let first = self.all.first()?.id;
+        let first = self.all.iter().next()?.id;
         let mut end = self.all.len().min(id.checked_sub(first)? as usize + 1);
         let (mut beyond, mut step) = (end, 1);
         // No point stands further on than if all numbers before it were there.
@@ -110,8 +113,8 @@ impl Grids {
                 Ordering::Greater => (beyond, end, step) = (end - 1, end.saturating_sub(step).max(1), 2 * step),
             }
         }
-        let between = &self.all[end..beyond];
-        between.binary_search_by_key(&id, |grid| grid.id).ok().map(|k| &between[k])
+        let between = self.all.partition_point(|grid| grid.id < id);
+        (between < beyond).then(|| &self.all[between]).filter(|grid| grid.id == id)
     }
 }
 

@@ -100,7 +100,7 @@ impl Points {
                 continue;
             }
             let start = nodes.len();
-            nodes.extend(self.grids.from(span.first).iter().map(|grid| grid.id).take_while(|&id| id <= span.last));
+            nodes.extend(self.grids.from(span.first).map(|grid| grid.id).take_while(|&id| id <= span.last));
             for scalar in &self.scalars {
                 let (first, last) = (scalar.first.max(span.first), scalar.last.min(span.last));
                 limited(nodes.len() + (u64::from(last) + 1).saturating_sub(first.into()) as usize)?;

@@ -78,9 +78,11 @@ struct Defined {
 impl Defined {
     fn of(bulk: &Bulk) -> Self {
         let mut all = Self { mpc: Uses::new(), spc: Uses::new(), enforced: Uses::new() };
-        // Cards of a set mostly stand together.
-        for cards in bulk.ties.mpcs().chunk_by(|a, b| a.set == b.set) {
-            count(&mut all.mpc, cards[0].set, &cards[0].place(), cards.len());
+        let mut cards = bulk.ties.mpcs().peekable();
+        while let Some(card) = cards.next() {
+            // Cards of a set mostly stand together.
+            let more = std::iter::from_fn(|| cards.next_if(|next| next.set == card.set)).count();
+            count(&mut all.mpc, card.set, &card.place(), 1 + more);
         }
         bulk.supports.iter().for_each(|(set, _, place)| count(&mut all.spc, *set, place, 1));
         bulk.enforced.iter().for_each(|(set, _, place)| count(&mut all.enforced, *set, place, 1));

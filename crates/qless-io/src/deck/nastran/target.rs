@@ -53,7 +53,7 @@ impl Target {
     fn without_emptied(mut self, content: &Content, deck: &Deck, plan: &Plan) -> Result<Self, CleanError> {
         let place = |i: usize| {
             let origin = deck.model.equation(i).origin;
-            (deck.model.cards[origin.card as usize].file, origin.line)
+            (deck.model.cards.get(origin.card).file, origin.line)
         };
         let gone: BTreeSet<(u32, u32)> = plan.removed.iter().map(|removed| place(removed.equation)).collect();
         let (mut before, mut after) = (BTreeSet::new(), BTreeSet::new());
@@ -99,7 +99,7 @@ fn set_of(selection: &Selection) -> Option<u32> {
 
 /// One more than the largest number of an MPC set; 1 where there is none.
 fn unused_set(content: &Content) -> u32 {
-    let own = content.bulk.ties.mpcs().iter().map(|card| card.set);
+    let own = content.bulk.ties.mpcs().map(|card| card.set);
     let unions = content.bulk.mpc_unions.iter();
     let named = unions.flat_map(|(&set, cards)| cards.iter().flat_map(|(of, _)| of.iter().copied()).chain([set]));
     own.chain(named).max().unwrap_or(0).saturating_add(1)

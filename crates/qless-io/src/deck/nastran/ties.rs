@@ -7,11 +7,12 @@ use super::place::Place;
 use super::rigid::Rigid;
 use super::rod::Rod;
 use crate::deck::CardName;
+use crate::deck::chunks::Chunks;
 
 /// A card that ties components.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Tie<'a> {
-    Mpc(&'a Mpc, &'a [Term]),
+    Mpc(&'a Mpc),
     Element(&'a Element, &'a Place),
 }
 
@@ -22,7 +23,8 @@ pub(super) struct Mpc {
     pub file: u32,
     pub line: u32,
     lines: u32,
-    /// Where its terms end.
+    /// Where its terms begin and end.
+    start: u32,
     end: u32,
 }
 
@@ -44,8 +46,8 @@ impl Mpc {
 /// All of them.
 #[derive(Debug, Default)]
 pub(super) struct Ties {
-    mpcs: Vec<Mpc>,
-    terms: Vec<Term>,
+    mpcs: Chunks<Mpc>,
+    terms: Chunks<Term>,
     /// Elements with the number of `MPC` cards before them.
     elements: Vec<(usize, Element, Place)>,
 }
@@ -53,8 +55,9 @@ pub(super) struct Ties {
 impl Ties {
     /// Adds an `MPC` card at a file, a line, and so many lines.
     pub fn mpc(&mut self, set: u32, (file, line, lines): (u32, u32, u32), terms: impl IntoIterator<Item = Term>) {
-        self.terms.extend(terms);
-        self.mpcs.push(Mpc { set, file, line, lines, end: self.terms.len() as u32 });
+        let start = self.terms.len() as u32;
+        terms.into_iter().for_each(|term| self.terms.push(term));
+        self.mpcs.push(Mpc { set, file, line, lines, start, end: self.terms.len() as u32 });
     }
 
     pub fn element(&mut self, element: Element, place: Place) {
@@ -62,28 +65,31 @@ impl Ties {
     }
 
     /// `MPC` cards.
-    pub fn mpcs(&self) -> &[Mpc] {
-        &self.mpcs
+    pub fn mpcs(&self) -> impl Iterator<Item = &Mpc> {
+        self.mpcs.iter()
     }
 
-    /// Number of terms of `MPC` cards.
-    pub fn terms(&self) -> usize {
-        self.terms.len()
+    /// The terms of an `MPC` card.
+    pub fn terms_of(&self, card: &Mpc) -> impl Iterator<Item = Term> {
+        (card.start..card.end).map(|k| self.terms[k as usize])
+    }
+
+    /// Number of `MPC` cards and of their terms.
+    pub fn counts(&self) -> (usize, usize) {
+        (self.mpcs.len(), self.terms.len())
     }
 
     /// All in order.
     pub fn iter(&self) -> impl Iterator<Item = Tie<'_>> {
-        let (mut mpc, mut element) = (0, 0);
+        let (mut mpcs, mut count, mut element) = (self.mpcs.iter(), 0, 0);
         std::iter::from_fn(move || match self.elements.get(element) {
-            Some((before, tie, place)) if *before == mpc => {
+            Some((before, tie, place)) if *before == count => {
                 element += 1;
                 Some(Tie::Element(tie, place))
             }
             _ => {
-                let card = self.mpcs.get(mpc)?;
-                let start = mpc.checked_sub(1).map_or(0, |before| self.mpcs[before].end);
-                mpc += 1;
-                Some(Tie::Mpc(card, &self.terms[start as usize..card.end as usize]))
+                count += 1;
+                mpcs.next().map(Tie::Mpc)
             }
         })
     }
