@@ -27,6 +27,7 @@
 
 mod case;
 pub mod deck;
+mod digits;
 mod error;
 mod fault;
 mod lines;

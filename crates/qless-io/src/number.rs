@@ -37,11 +37,11 @@ pub(crate) fn leading(text: &[u8]) -> Option<(f64, usize)> {
         1e20, 1e21, 1e22,
     ];
     let start = usize::from(text.first() == Some(&b'-'));
-    let (whole, mut end) = digits(text, start, 0);
+    let (whole, mut end) = few_digits(text, start, 0);
     let (mut whole, mut count, mut exponent) = (whole, end - start, 0);
     if text.get(end) == Some(&b'.') {
         let point = end + 1;
-        (whole, end) = digits(text, point, whole);
+        (whole, end) = few_digits(text, point, whole);
         (count, exponent) = (count + end - point, -((end - point) as isize));
     }
     // 19 digits do not overflow.
@@ -57,21 +57,21 @@ pub(crate) fn leading(text: &[u8]) -> Option<(f64, usize)> {
     Some((if start > 0 { -size } else { size }, end))
 }
 
-/// Digits from `from` on, which follow those of `before`, and where they end.
-fn digits(text: &[u8], from: usize, before: u64) -> (u64, usize) {
+/// A sign and up to three digits, and where they end.
+fn power(text: &[u8], from: usize) -> Option<(isize, usize)> {
+    let start = from + usize::from(matches!(text.get(from), Some(b'+' | b'-')));
+    let (value, end) = few_digits(text, start, 0);
+    let value = if text.get(from) == Some(&b'-') { -(value as isize) } else { value as isize };
+    (1..=3).contains(&(end - start)).then_some((value, end))
+}
+
+/// Digits from `from` on, which follow those of `before`, and where they end; one by one, as there are few.
+fn few_digits(text: &[u8], from: usize, before: u64) -> (u64, usize) {
     let (mut value, mut end) = (before, from);
     while let Some(digit) = text.get(end).map(|byte| byte.wrapping_sub(b'0')).filter(|digit| *digit < 10) {
         (value, end) = (value.wrapping_mul(10).wrapping_add(u64::from(digit)), end + 1);
     }
     (value, end)
-}
-
-/// A sign and up to three digits, and where they end.
-fn power(text: &[u8], from: usize) -> Option<(isize, usize)> {
-    let start = from + usize::from(matches!(text.get(from), Some(b'+' | b'-')));
-    let (value, end) = digits(text, start, 0);
-    let value = if text.get(from) == Some(&b'-') { -(value as isize) } else { value as isize };
-    (1..=3).contains(&(end - start)).then_some((value, end))
 }
 
 /// `1.0D+3` is `1.0e+3`.

@@ -56,7 +56,11 @@ impl Run {
             self.numbers = self.card.name.distance(&card.name);
             self.lines = card.line.wrapping_sub(self.card.line);
         }
-        self.at(i) == *card
+        let k = i - self.first;
+        let line = self.card.line.wrapping_add(k.wrapping_mul(self.lines));
+        line == card.line
+            && self.card.file == card.file
+            && self.card.name.is_counted(k.wrapping_mul(self.numbers), &card.name)
     }
 }
 

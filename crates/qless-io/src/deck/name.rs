@@ -34,6 +34,16 @@ impl CardName {
         }
     }
 
+    /// Whether the other is this name with a number that is higher by `more`.
+    pub(super) fn is_counted(&self, more: u32, other: &Self) -> bool {
+        match (&self.0, &other.0) {
+            (Parts::Numbered(word, number), Parts::Numbered(other, count)) => {
+                number.wrapping_add(more) == *count && word == other
+            }
+            _ => self.counted(more) == *other,
+        }
+    }
+
     /// By how much the number of the other is higher; 0 where one has none.
     pub(super) fn distance(&self, other: &Self) -> u32 {
         match (&self.0, &other.0) {

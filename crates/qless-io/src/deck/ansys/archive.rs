@@ -10,6 +10,7 @@
 use super::label;
 use super::terms::Term;
 use crate::deck::Dof;
+use crate::digits::{blanks, digits};
 use crate::number::leading;
 
 /// Bytes of such a line at most.
@@ -80,22 +81,15 @@ impl<'a> Rest<'a> {
     }
 
     fn blanks(&mut self) {
-        while let [b' ', rest @ ..] = self.0 {
-            self.0 = rest;
-        }
+        self.0 = &self.0[blanks(self.0)..];
     }
 
     /// A whole number of at most nine digits.
     fn whole(&mut self) -> Option<u32> {
         self.blanks();
-        let (mut value, mut count) = (0, 0);
-        while let [digit @ b'0'..=b'9', rest @ ..] = self.0 {
-            (value, count, self.0) = (10 * value + u64::from(digit - b'0'), count + 1, rest);
-            if count > 9 {
-                return None;
-            }
-        }
-        (count > 0).then_some(value as u32)
+        let (value, count) = digits(self.0);
+        self.0 = &self.0[count..];
+        (1..=9).contains(&count).then_some(value as u32)
     }
 
     fn real(&mut self) -> Option<f64> {

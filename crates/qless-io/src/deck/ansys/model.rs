@@ -16,7 +16,7 @@ pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
     Ok(reader.model)
 }
 
-/// Fills the model of a reader and says what each of its equations comes from.
+/// Fills the model of a reader and says what each of its equations comes from, if the reader keeps places.
 pub fn fill(reader: &mut Reader) -> Result<Vec<Owner>, DeckError> {
     check_complete(reader)?;
     let owners = push_equations(reader);
@@ -37,7 +37,12 @@ fn check_complete(reader: &Reader) -> Result<(), DeckError> {
 fn push_equations(reader: &mut Reader) -> Vec<Owner> {
     let model = &mut reader.model;
     let Equations { sets, terms, .. } = &reader.equations;
-    let mut owners = Vec::with_capacity(sets.len());
+    let mut owners = Vec::new();
+    let mut own = |owner| {
+        if reader.places.is_some() {
+            owners.push(owner);
+        }
+    };
     model.reserve(sets.len(), terms.len());
     let origin = |model: &mut Model, name: CardName, line: u32, last: u32| {
         let card = model.card(name, 0, line);
@@ -55,13 +60,13 @@ fn push_equations(reader: &mut Reader) -> Vec<Owner> {
         }
         let origin = origin(model, CardName::numbered("CE", number), equation.line, equation.last_line);
         model.push(terms, equation.constant, origin);
-        owners.push(Owner::Equation(number));
+        own(Owner::Equation(number));
     }
     for (number, set) in reader.coupled.sets.iter() {
         let origin = origin(model, CardName::numbered("CP", number), set.line, set.last_line);
         for equation in set.equations() {
             model.push(equation, 0.0, origin);
-            owners.push(Owner::Coupled(number));
+            own(Owner::Coupled(number));
         }
     }
     model.shrink();

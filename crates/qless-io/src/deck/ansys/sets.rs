@@ -100,8 +100,8 @@ impl<T> Sets<T> {
 
     fn place(&self, number: u32) -> Option<usize> {
         let last = self.row.len().checked_sub(1)?;
-        if self.row[last].0 == number {
-            return Some(last);
+        if self.row[last].0 <= number {
+            return (self.row[last].0 == number).then_some(last);
         }
         let place = self.row.partition_point(|(other, _)| *other < number);
         (place <= last && self.row[place].0 == number).then_some(place)

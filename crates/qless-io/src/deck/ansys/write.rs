@@ -16,8 +16,8 @@ use crate::deck::{Deck, Model};
 pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     let text = deck.texts[0].as_slice();
     let mut reader = Reader::with_places(&deck.model.files[0], text)?;
-    let places = reader.places.take().unwrap_or_default();
     let owners = fill(&mut reader)?;
+    let places = reader.places.take().unwrap_or_default();
     let place = |line: u32, why: &'static str| CleanError::Place {
         path: deck.model.files[0].clone(),
         line: line as usize,
