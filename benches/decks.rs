@@ -112,7 +112,7 @@ fn measure(name: &str, path: &Path, equations: usize) {
         }));
     }
     // Small numbers weigh more than their share, so a short deck says nothing.
-    let is_within = peak as f64 <= 3.0 * bytes || equations < 1_000_000 || !name.starts_with("inp");
+    let is_within = peak as f64 <= 3.0 * bytes || equations < 1_000_000;
     assert!(is_within, "{name}: peak memory is {:.2} times the file", peak as f64 / bytes);
     let (counting, reading) = (median(counting), median(reading));
     println!(

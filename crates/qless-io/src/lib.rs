@@ -27,7 +27,6 @@
 
 mod case;
 pub mod deck;
-mod digits;
 mod error;
 mod fault;
 mod lines;

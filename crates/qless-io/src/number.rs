@@ -37,13 +37,17 @@ pub(crate) fn leading(text: &[u8]) -> Option<(f64, usize)> {
         1e20, 1e21, 1e22,
     ];
     let start = usize::from(text.first() == Some(&b'-'));
-    let (whole, mut end) = few_digits(text, start, 0);
-    let (mut whole, mut count, mut exponent) = (whole, end - start, 0);
-    if text.get(end) == Some(&b'.') {
-        let point = end + 1;
-        (whole, end) = few_digits(text, point, whole);
-        (count, exponent) = (count + end - point, -((end - point) as isize));
+    let (mut whole, mut end, mut point) = (0_u64, start, None);
+    for &byte in &text[start..] {
+        match byte {
+            b'0'..=b'9' => whole = whole.wrapping_mul(10).wrapping_add(u64::from(byte - b'0')),
+            b'.' if point.is_none() => point = Some(end),
+            _ => break,
+        }
+        end += 1;
     }
+    let decimals = point.map_or(0, |point| end - point - 1);
+    let (count, mut exponent) = (end - start - usize::from(point.is_some()), -(decimals as isize));
     // 19 digits do not overflow.
     if count == 0 || count > 19 || whole > 1 << 53 {
         return None;
@@ -60,18 +64,10 @@ pub(crate) fn leading(text: &[u8]) -> Option<(f64, usize)> {
 /// A sign and up to three digits, and where they end.
 fn power(text: &[u8], from: usize) -> Option<(isize, usize)> {
     let start = from + usize::from(matches!(text.get(from), Some(b'+' | b'-')));
-    let (value, end) = few_digits(text, start, 0);
-    let value = if text.get(from) == Some(&b'-') { -(value as isize) } else { value as isize };
-    (1..=3).contains(&(end - start)).then_some((value, end))
-}
-
-/// Digits from `from` on, which follow those of `before`, and where they end; one by one, as there are few.
-fn few_digits(text: &[u8], from: usize, before: u64) -> (u64, usize) {
-    let (mut value, mut end) = (before, from);
-    while let Some(digit) = text.get(end).map(|byte| byte.wrapping_sub(b'0')).filter(|digit| *digit < 10) {
-        (value, end) = (value.wrapping_mul(10).wrapping_add(u64::from(digit)), end + 1);
-    }
-    (value, end)
+    let count = text[start.min(text.len())..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+    let digits = text.get(start..start + count).filter(|_| (1..=3).contains(&count))?;
+    let value = digits.iter().fold(0, |value, digit| 10 * value + isize::from(digit - b'0'));
+    Some((if text.get(from) == Some(&b'-') { -value } else { value }, start + count))
 }
 
 /// `1.0D+3` is `1.0e+3`.

@@ -47,6 +47,10 @@ impl<T> Chunks<T> {
         self.chunks.last()?.last()
     }
 
+    pub fn last_mut(&mut self) -> Option<&mut T> {
+        self.chunks.last_mut()?.last_mut()
+    }
+
     pub fn iter(&self) -> impl Iterator<Item = &T> + Clone {
         self.chunks.iter().flatten()
     }

@@ -10,7 +10,6 @@
 use super::label;
 use super::terms::Term;
 use crate::deck::Dof;
-use crate::digits::{blanks, digits};
 use crate::number::leading;
 
 /// Bytes of such a line at most.
@@ -81,15 +80,23 @@ impl<'a> Rest<'a> {
     }
 
     fn blanks(&mut self) {
-        self.0 = &self.0[blanks(self.0)..];
+        let mut rest = self.0;
+        while let [b' ', after @ ..] = rest {
+            rest = after;
+        }
+        self.0 = rest;
     }
 
     /// A whole number of at most nine digits.
     fn whole(&mut self) -> Option<u32> {
         self.blanks();
-        let (value, count) = digits(self.0);
-        self.0 = &self.0[count..];
-        (1..=9).contains(&count).then_some(value as u32)
+        let (mut value, mut rest) = (0_u32, self.0);
+        while let [digit @ b'0'..=b'9', after @ ..] = rest {
+            (value, rest) = (value.wrapping_mul(10).wrapping_add(u32::from(digit - b'0')), after);
+        }
+        let count = self.0.len() - rest.len();
+        self.0 = rest;
+        (1..=9).contains(&count).then_some(value)
     }
 
     fn real(&mut self) -> Option<f64> {

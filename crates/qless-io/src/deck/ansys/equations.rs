@@ -132,7 +132,7 @@ impl Equations {
         match says {
             Says::Define(promised, number, constant) => self.open(*promised, *number, *constant, line),
             Says::Terms(first, second) => {
-                let Some(equation) = self.sets.get_mut(self.open) else { return false };
+                let Some(equation) = self.sets.last_mut(self.open) else { return false };
                 let given = equation.given + 1 + u32::from(second.is_some());
                 if equation.promised.is_some_and(|promised| given > promised) {
                     return false;

@@ -40,12 +40,18 @@ impl<T> Sets<T> {
         }
     }
 
+    /// What has this number, if it is the last in the row: it mostly is.
+    pub fn last_mut(&mut self, number: u32) -> Option<&mut T> {
+        self.row.last_mut().filter(|(last, _)| *last == number)?.1.as_mut()
+    }
+
     /// Puts in what has this number from now on, and gives what had it before.
     pub fn insert(&mut self, number: u32, value: T) -> Option<T> {
-        if let Some(known) = self.get_mut(number) {
+        let is_above = self.row.last().is_none_or(|(last, _)| *last < number);
+        if let Some(known) = if is_above { self.apart.get_mut(&number) } else { self.get_mut(number) } {
             return Some(std::mem::replace(known, value));
         }
-        if self.row.last().is_none_or(|(last, _)| *last < number) {
+        if is_above {
             self.row.push((number, Some(value)));
         } else {
             self.apart.insert(number, value);

@@ -60,11 +60,11 @@ pub(super) fn known(name: &[u8]) -> Option<&'static str> {
 
 impl Bulk {
     /// Takes a card that was read the short way.
-    pub fn quick(&mut self, card: Quick, line: &Line) {
+    pub fn quick(&mut self, card: &Quick, line: &Line) {
         match card {
-            Quick::Grid(given) => self.grids.push(&given, line.file, line.number),
+            Quick::Grid(given) => self.grids.push(given, line.file, line.number),
             Quick::Mpc(set, first, second) => {
-                self.ties.mpc(set, (line.file, line.number, 1), std::iter::once(first).chain(second));
+                self.ties.mpc(*set, (line.file, line.number, 1), std::iter::once(*first).chain(*second));
             }
         }
     }

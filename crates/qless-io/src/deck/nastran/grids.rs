@@ -34,6 +34,8 @@ pub(super) struct Grids {
     all: Chunks<Grid>,
     shared: Vec<Shared>,
     by_shared: FxHashMap<Shared, u32>,
+    /// What the point added last shares, and its index.
+    recent: Option<(Shared, u32)>,
 }
 
 impl Grids {
@@ -45,13 +47,17 @@ impl Grids {
 
     fn share(&mut self, shared: Shared) -> u32 {
         // The point before is mostly alike.
-        if let Some(last) = self.all.last().filter(|last| self.shared[last.shared as usize] == shared) {
-            return last.shared;
+        if let Some((recent, index)) = self.recent
+            && recent == shared
+        {
+            return index;
         }
-        *self.by_shared.entry(shared).or_insert_with(|| {
+        let index = *self.by_shared.entry(shared).or_insert_with(|| {
             self.shared.push(shared);
             self.shared.len() as u32 - 1
-        })
+        });
+        self.recent = Some((shared, index));
+        index
     }
 
     /// Puts the points in order, each once; the error is a number with two points that differ.

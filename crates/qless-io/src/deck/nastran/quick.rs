@@ -41,39 +41,39 @@ pub(super) fn read(line: &[u8]) -> Option<Quick> {
 }
 
 fn grid(fields: &[Field; 8]) -> Option<Given> {
-    let [id, given_in, x, y, z, moves_in, held, _] = fields;
-    let held = if *held == BLANK { None } else { Some(Components::parse(word(held))?) };
-    let usual = Usual { given_in: optional(given_in)?, moves_in: optional(moves_in)?, held };
+    let [id, given_in, x, y, z, moves_in, held, _] = *fields;
+    let held = if held == BLANK { None } else { Some(Components::parse(word(&held))?) };
+    let usual = Usual { given_in: optional(given_in).ok()?, moves_in: optional(moves_in).ok()?, held };
     Some(Given { id: id_of(id)?, at: [real(x)?, real(y)?, real(z)?], usual })
 }
 
 fn mpc(fields: &[Field; 8]) -> Option<Quick> {
-    let [set, node, component, value, other @ .., _] = fields;
-    let first = term([*node, *component, *value])?;
-    let second = if *other == [BLANK; 3] { None } else { Some(term(*other)?) };
+    let [set, node, component, value, other @ .., _] = *fields;
+    let first = term([node, component, value])?;
+    let second = if other == [BLANK; 3] { None } else { Some(term(other)?) };
     Some(Quick::Mpc(id_of(set)?, first, second))
 }
 
 fn term([node, component, value]: [Field; 3]) -> Option<Term> {
     let component = Components::parse(word(&component)).filter(|set| set.len() <= 1)?;
-    Some((id_of(&node)?, component, real(&value)?))
+    Some((id_of(node)?, component, real(value)?))
 }
 
-fn id_of(field: &Field) -> Option<u32> {
-    optional(field)?.filter(|&id| id > 0)
+fn id_of(field: Field) -> Option<u32> {
+    optional(field).ok()?.filter(|&id| id > 0)
 }
 
-/// A whole number, which eight columns keep below 2^32; none in a blank field.
-fn optional(field: &Field) -> Option<Option<u32>> {
-    if *field == BLANK {
-        return Some(None);
+/// A whole number, which eight columns keep below 2^32; none in a blank field. The error is anything else.
+fn optional(field: Field) -> Result<Option<u32>, ()> {
+    if field == BLANK {
+        return Ok(None);
     }
-    number::whole(word(field)).map(|value| Some(value as u32))
+    number::whole(word(&field)).map(|value| Some(value as u32)).ok_or(())
 }
 
 /// A real number, 0 where the field is blank.
-fn real(field: &Field) -> Option<f64> {
-    if *field == BLANK { Some(0.0) } else { number::short(word(field)) }
+fn real(field: Field) -> Option<f64> {
+    if field == BLANK { Some(0.0) } else { number::short(word(&field)) }
 }
 
 /// The field without the blanks around it.
@@ -110,12 +110,10 @@ mod tests {
         }
         for line in [
             "MPC     3       7       1       1.0     8               -.5",
-            "MPC            3       7       6     1.0                                 ignored",
+            "MPC            3       7       6     1.0                        ignored",
             "MPC     1       2       0",
         ] {
-            let Some(Quick::Mpc(set, first, second)) = read(line[..line.len().min(64)].as_bytes()) else {
-                panic!("{line}")
-            };
+            let Some(Quick::Mpc(set, first, second)) = read(line.as_bytes()) else { panic!("{line}") };
             let card = card(line);
             assert_eq!(card.id(0, "a set").expect("a set"), set);
             assert_eq!(terms(&card).expect("terms"), std::iter::once(first).chain(second).collect::<Vec<_>>());

@@ -147,7 +147,7 @@ impl Reader {
         self.finish_card(sources)?;
         if let Some(card) = quick::read(line.text).filter(|_| line.is_last) {
             self.follows_read = Some(true);
-            self.content.bulk.quick(card, line);
+            self.content.bulk.quick(&card, line);
             return Ok(true);
         }
         let mut name = [0; 8];
