@@ -163,7 +163,7 @@ mod tests {
     fn read(text: &str) -> Vec<(String, Option<u32>, Option<u32>)> {
         let mut control = Control::default();
         for (text, number) in text.lines().zip(1..) {
-            control.line(&Line { file: 0, number, text: text.as_bytes(), is_last: false }).expect("case control");
+            control.line(&Line { file: 0, number, text: text.as_bytes() }).expect("case control");
         }
         let set = |choice: Option<Choice>| choice.map(|choice| choice.set);
         control.selections().into_iter().map(|(name, s)| (name, set(s.mpc), set(s.spc))).collect()
@@ -192,7 +192,7 @@ mod tests {
 
     #[test]
     fn a_set_has_a_number() {
-        let line = Line { file: 0, number: 1, text: b"SPC = ALL", is_last: false };
+        let line = Line { file: 0, number: 1, text: b"SPC = ALL" };
         assert!(Control::default().line(&line).is_err());
     }
 }

@@ -5,14 +5,12 @@ use crate::deck::source::LINE;
 use crate::deck::{DeckError, Problem, Sources};
 use crate::fault::quote;
 
-/// A line without its comment.
+/// A line, mostly without its comment.
 pub(super) struct Line<'a> {
     pub file: u32,
     /// From 1.
     pub number: u32,
     pub text: &'a [u8],
-    /// Whether it is sure that the next line does not continue this one.
-    pub is_last: bool,
 }
 
 /// An `INCLUDE` that was followed.
@@ -28,6 +26,9 @@ pub(super) struct Include {
 
 /// What is done with the lines.
 pub(super) trait Visitor {
+    /// Takes a line as it stands, comments included, that no other continues; false leaves it to `line`.
+    fn quick(&mut self, line: &Line, sources: &Sources) -> Result<bool, DeckError>;
+
     /// Takes a line that is no `INCLUDE`; false ends the reading.
     fn line(&mut self, line: &Line, sources: &Sources) -> Result<bool, DeckError>;
 
@@ -50,6 +51,11 @@ fn file(sources: &mut Sources, number: usize, depth: usize, visitor: &mut impl V
     let mut line = 0;
     while !rest.is_empty() {
         let (first, text) = (line + 1, next(&mut rest, &mut line));
+        // A letter begins another card, but for `INCLUDE`, after which this one may go on.
+        let is_last = rest.first().is_some_and(|&byte| byte.is_ascii_alphabetic() && !matches!(byte, b'I' | b'i'));
+        if is_last && visitor.quick(&Line { file: number as u32, number: first as u32, text }, sources)? {
+            continue;
+        }
         if text.len() > LINE {
             let problem = Problem::Limit { what: "the length of a line", limit: LINE, advice: "break it" };
             return Err(error(sources, number, first, problem));
@@ -59,8 +65,7 @@ fn file(sources: &mut Sources, number: usize, depth: usize, visitor: &mut impl V
             continue;
         }
         if !is_include(&text) {
-            let is_last = rest.first().is_some_and(|&byte| byte.is_ascii_alphabetic() && !matches!(byte, b'I' | b'i'));
-            let line = Line { file: number as u32, number: first as u32, text: &text, is_last };
+            let line = Line { file: number as u32, number: first as u32, text: &text };
             if !visitor.line(&line, sources)? {
                 return Ok(false);
             }

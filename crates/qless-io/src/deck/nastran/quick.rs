@@ -22,7 +22,7 @@ pub(super) enum Quick {
     Mpc(u32, Term, Option<Term>),
 }
 
-/// Reads a line that no other continues.
+/// Reads a line that no other continues. A comment or a tab, but beyond the fields that count, goes the long way.
 pub(super) fn read(line: &[u8]) -> Option<Quick> {
     let is_grid = match line.first_chunk()? {
         b"GRID    " => true,

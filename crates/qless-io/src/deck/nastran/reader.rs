@@ -62,6 +62,17 @@ struct Reader {
 }
 
 impl Visitor for Reader {
+    fn quick(&mut self, line: &Line, sources: &Sources) -> Result<bool, DeckError> {
+        if self.section != Section::Bulk {
+            return Ok(false);
+        }
+        let Some(card) = quick::read(line.text) else { return Ok(false) };
+        self.finish_card(sources)?;
+        self.follows_read = Some(true);
+        self.content.bulk.quick(&card, line);
+        Ok(true)
+    }
+
     fn line(&mut self, line: &Line, sources: &Sources) -> Result<bool, DeckError> {
         match self.section {
             Section::Executive | Section::Control => self.control(line, sources)?,
@@ -145,11 +156,6 @@ impl Reader {
             return Ok(true);
         }
         self.finish_card(sources)?;
-        if let Some(card) = quick::read(line.text).filter(|_| line.is_last) {
-            self.follows_read = Some(true);
-            self.content.bulk.quick(&card, line);
-            return Ok(true);
-        }
         let mut name = [0; 8];
         let name = card_name(line.text, &mut name);
         match name {
