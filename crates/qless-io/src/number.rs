@@ -24,30 +24,50 @@ pub(crate) fn real(word: &[u8]) -> Result<f64, NumberFault> {
     if f64::is_normal(value) { Ok(value) } else { not_normal(text, value) }
 }
 
-/// A number of at most 15 digits without exponent: an integer over a power of ten, both exact, so that the quotient is the
-/// nearest float. Most numbers of a deck are such.
-fn short(word: &[u8]) -> Option<f64> {
-    const TENS: [f64; 16] = [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15];
-    let (negative, digits) = match word {
-        [b'-', rest @ ..] => (true, rest),
-        _ => (false, word),
-    };
-    if digits.is_empty() || digits.len() > 16 {
-        return None;
-    }
-    let (mut whole, mut count, mut decimals) = (0_u64, 0, None);
-    for &byte in digits {
+/// A number that is no more than [`leading`] reads. Most numbers of a deck are such.
+pub(crate) fn short(word: &[u8]) -> Option<f64> {
+    leading(word).filter(|&(_, length)| length == word.len()).map(|(value, _)| value)
+}
+
+/// The number that the text begins with, and its length: a whole number below 2^53 times or over a power of ten up to 10^22.
+/// Both are exact, so that the result is the nearest float. `None` for what needs more care.
+pub(crate) fn leading(text: &[u8]) -> Option<(f64, usize)> {
+    const TENS: [f64; 23] = [
+        1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19,
+        1e20, 1e21, 1e22,
+    ];
+    let start = usize::from(text.first() == Some(&b'-'));
+    let (mut whole, mut end, mut point) = (0_u64, start, None);
+    for &byte in &text[start..] {
         match byte {
-            b'0'..=b'9' => (whole, count) = (10 * whole + u64::from(byte - b'0'), count + 1),
-            b'.' if decimals.is_none() => decimals = Some(count),
-            _ => return None,
+            b'0'..=b'9' => whole = whole.wrapping_mul(10).wrapping_add(u64::from(byte - b'0')),
+            b'.' if point.is_none() => point = Some(end),
+            _ => break,
         }
+        end += 1;
     }
-    if count == 0 || count > 15 {
+    let decimals = point.map_or(0, |point| end - point - 1);
+    let (count, mut exponent) = (end - start - usize::from(point.is_some()), -(decimals as isize));
+    // 19 digits do not overflow.
+    if count == 0 || count > 19 || whole > 1 << 53 {
         return None;
     }
-    let value = whole as f64 / TENS[count - decimals.unwrap_or(count)];
-    Some(if negative { -value } else { value })
+    if matches!(text.get(end), Some(b'e' | b'E' | b'd' | b'D')) {
+        let (power, after) = power(text, end + 1)?;
+        (exponent, end) = (exponent + power, after);
+    }
+    let ten = *TENS.get(exponent.unsigned_abs())?;
+    let size = if exponent < 0 { whole as f64 / ten } else { whole as f64 * ten };
+    Some((if start > 0 { -size } else { size }, end))
+}
+
+/// A sign and up to three digits, and where they end.
+fn power(text: &[u8], from: usize) -> Option<(isize, usize)> {
+    let start = from + usize::from(matches!(text.get(from), Some(b'+' | b'-')));
+    let count = text[start.min(text.len())..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+    let digits = text.get(start..start + count).filter(|_| (1..=3).contains(&count))?;
+    let value = digits.iter().fold(0, |value, digit| 10 * value + isize::from(digit - b'0'));
+    Some((if text.get(from) == Some(&b'-') { -value } else { value }, start + count))
 }
 
 /// `1.0D+3` is `1.0e+3`.
@@ -104,12 +124,64 @@ mod tests {
 
     #[test]
     fn short_numbers_are_the_nearest_floats() {
-        for text in ["0", "-0.0", "1.", ".5", "-.25", "0.1", "123456789.012345", "999999999999999", "0.00000000000001"]
-        {
-            assert_eq!(super::short(text.as_bytes()).map(f64::to_bits), text.parse().ok().map(f64::to_bits), "{text}");
+        for text in [
+            "0",
+            "-0.0",
+            "1.",
+            ".5",
+            "-.25",
+            "0.1",
+            "123456789.012345",
+            "999999999999999",
+            "0.00000000000001",
+            "1e3",
+            "9007199254740992",
+            "-1.2345678901234E-05",
+            "0.500000000E-01",
+            "3e22",
+            "7.25e+02",
+            "1e-22",
+        ] {
+            assert_eq!(short(text.as_bytes()).map(f64::to_bits), text.parse().ok().map(f64::to_bits), "{text}");
         }
-        for text in ["", "-", ".", "1.2.3", "1234567890123456", "1e3", "+1", "--1"] {
-            assert_eq!(super::short(text.as_bytes()), None, "{text}");
+        assert_eq!(
+            (short(b"1.5D+3"), leading(b"-2.5,UX"), leading(b"3 ")),
+            (Some(1500.0), Some((-2.5, 4)), Some((3.0, 1)))
+        );
+        for text in [
+            "",
+            "-",
+            ".",
+            "1.2.3",
+            "9007199254740993",
+            "0.30000000000000004",
+            "1e",
+            "1e+",
+            "1e0001",
+            "1e23",
+            "12e-25",
+            "+1",
+            "--1",
+            ".e1",
+        ] {
+            assert_eq!(short(text.as_bytes()), None, "{text}");
+        }
+        assert_eq!(leading(b"00000000000000000001"), None);
+    }
+
+    #[test]
+    fn short_numbers_agree_with_the_long_way() {
+        let mut state = 1_u64;
+        let mut next = |below: u64| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) % below
+        };
+        for _ in 0..20_000 {
+            let (whole, part, power) = (next(1 << 20), next(1 << 31), next(50) as i64 - 25);
+            let text = format!("{whole}.{part:0width$}e{power}", width = next(12) as usize);
+            if let Some(value) = short(text.as_bytes()) {
+                assert_eq!(Some(value.to_bits()), text.parse().ok().map(f64::to_bits), "{text}");
+            }
         }
     }
 

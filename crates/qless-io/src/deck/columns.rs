@@ -3,6 +3,7 @@
 use rustc_hash::FxHashMap;
 
 use super::Dof;
+use super::chunks::Chunks;
 
 /// Nodes of a page: numbers that follow each other, as they do in most decks.
 const PAGE: u32 = 16;
@@ -12,7 +13,7 @@ const NONE: u32 = u32::MAX;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Columns {
     pages: FxHashMap<(u32, u8), u32>,
-    entries: Vec<[u32; PAGE as usize]>,
+    entries: Chunks<[u32; PAGE as usize]>,
     /// The pages found last, by place in the equation and component: the same ones come again in the next equation.
     last: [Option<((u32, u8), u32)>; 16],
 }

@@ -12,10 +12,13 @@
 
 mod ansys;
 mod calculix;
+mod cards;
+mod chunks;
 pub mod clean;
 mod columns;
 mod error;
 mod model;
+mod name;
 mod nastran;
 mod source;
 
@@ -23,8 +26,10 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
+pub use cards::{Card, Cards};
 pub use error::{DeckError, Problem};
-pub use model::{Card, Dof, Equation, Load, LoadCase, Model, Origin, Prescribed, Warning};
+pub use model::{Dof, Equation, Load, LoadCase, Model, Origin, Prescribed, Warning};
+pub use name::CardName;
 pub use nastran::CardFault;
 pub use source::{Open, Sources};
 

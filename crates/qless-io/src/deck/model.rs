@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use qless::{ConstraintSystem, SystemBuilder, SystemError};
 
-use super::DeckError;
 use super::columns::Columns;
+use super::{CardName, Cards, DeckError};
 
 /// One component of one node; `node:component` in reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -20,19 +20,6 @@ impl std::fmt::Display for Dof {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}:{}", self.node, self.component)
     }
-}
-
-/// A card that constrains: its name and where it begins.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Card {
-    /// As the deck calls it, such as `*EQUATION` or `RBE2 12`.
-    pub name: String,
-    /// Index into [`Model::files`].
-    pub file: u32,
-    /// First line, from 1.
-    pub line: u32,
-    /// Whether equations cannot stand in for it, because the solver adds DOFs of its own to it.
-    pub is_fixed: bool,
 }
 
 /// Where something is said: a card, and the lines of it, from 1.
@@ -118,7 +105,7 @@ pub struct Model {
     /// The files read, the main one first.
     pub files: Vec<PathBuf>,
     /// Cards that constrain, in the order met.
-    pub cards: Vec<Card>,
+    pub cards: Cards,
     /// DOFs that occur in equations, by column.
     pub dofs: Vec<Dof>,
     /// Load cases; at least one.
@@ -134,25 +121,29 @@ pub struct Model {
     runs: Vec<Run>,
 }
 
-/// Equations from `first` on that follow each other evenly: equation `first + k` is that of `origin`, `k stride` lines further on.
+/// Equations from `first` on that follow each other evenly: equation `first + k` is that of `origin`, `k stride` lines and
+/// `k cards` cards further on.
 #[derive(Clone, Copy, Debug)]
 struct Run {
     first: u32,
     origin: Origin,
     stride: u32,
+    cards: u32,
 }
 
 impl Run {
     /// Where equation `i` stands.
     fn at(&self, i: usize) -> Origin {
-        let further = (i as u32 - self.first).wrapping_mul(self.stride);
-        Origin { line: self.origin.line.wrapping_add(further), ..self.origin }
+        let further = |from: u32, stride: u32| from.wrapping_add((i as u32 - self.first).wrapping_mul(stride));
+        let Origin { card, line, lines } = self.origin;
+        Origin { card: further(card, self.cards), line: further(line, self.stride), lines }
     }
 
-    /// Takes equation `i` in, if it follows; the second one sets the stride.
+    /// Takes equation `i` in, if it follows; the second one sets the strides.
     fn take(&mut self, i: usize, origin: Origin) -> bool {
         if self.first + 1 == i as u32 {
             self.stride = origin.line.wrapping_sub(self.origin.line);
+            self.cards = origin.card.wrapping_sub(self.origin.card);
         }
         self.at(i) == origin
     }
@@ -231,14 +222,13 @@ impl Model {
             self.rhs.push(rhs);
         }
         if !self.runs.last_mut().is_some_and(|run| run.take(i, origin)) {
-            self.runs.push(Run { first: i as u32, origin, stride: 0 });
+            self.runs.push(Run { first: i as u32, origin, stride: 0, cards: 0 });
         }
     }
 
     /// Adds a card and returns its number.
-    pub fn card(&mut self, name: impl Into<String>, file: u32, line: u32) -> u32 {
-        self.cards.push(Card { name: name.into(), file, line, is_fixed: false });
-        self.cards.len() as u32 - 1
+    pub fn card(&mut self, name: impl Into<CardName>, file: u32, line: u32) -> u32 {
+        self.cards.push(name.into(), file, line)
     }
 
     /// Adds a warning about a line.
@@ -248,7 +238,7 @@ impl Model {
 
     /// Where, and which card: `line 41 *EQUATION` in the main file, `part.inc:41 *EQUATION` in others.
     pub fn place(&self, origin: Origin) -> String {
-        let card = &self.cards[origin.card as usize];
+        let card = self.cards.get(origin.card);
         let file = self.files[card.file as usize].file_name().unwrap_or_default().to_string_lossy();
         match card.file {
             0 => format!("line {} {}", origin.line, card.name),
@@ -311,8 +301,8 @@ impl Model {
 
     /// An error at a line of a card.
     pub fn error(&self, origin: Origin, field: Option<usize>, problem: super::Problem) -> DeckError {
-        let card = &self.cards[origin.card as usize];
+        let card = self.cards.get(origin.card);
         let path = self.files[card.file as usize].clone();
-        DeckError { path, line: origin.line as usize, card: card.name.clone(), field, problem }
+        DeckError { path, line: origin.line as usize, card: card.name.to_string(), field, problem }
     }
 }

@@ -5,13 +5,12 @@
 //! CP, R5.0, nodes, NSET, Lab, NODE1, ... NODE7
 //! ```
 
-use std::collections::BTreeMap;
-
 use rustc_hash::FxHashSet;
 
 use super::command::Command;
 use super::field::{Fault, component, expected, is_nothing, signed_node, whole};
 use super::numbering::{Searches, delete, numbered, too_many_taken_away};
+use super::sets::Sets;
 use crate::deck::{Dof, Problem};
 
 /// One coupled set.
@@ -31,7 +30,7 @@ pub struct Coupled {
 /// The coupled sets of a deck by their number.
 #[derive(Debug, Default)]
 pub struct CoupledSets {
-    pub sets: BTreeMap<u32, Coupled>,
+    pub sets: Sets<Coupled>,
     /// What should be said about the command read last.
     pub remark: Option<String>,
     left: Searches,
@@ -66,7 +65,7 @@ impl CoupledSets {
 
     /// The first set with fewer nodes than its archive promises.
     pub fn incomplete(&self) -> Option<(u32, u32, Problem)> {
-        self.sets.iter().find_map(|(&number, set)| {
+        self.sets.iter().find_map(|(number, set)| {
             let promised = set.promised.filter(|&promised| promised > set.given)?;
             Some((number, set.line, Problem::TooFew { what: "nodes", promised, found: set.given }))
         })
@@ -89,9 +88,9 @@ impl CoupledSets {
 
     /// The set of this number, with the label in field `at`, which may be left out where the set is known.
     fn open(&mut self, command: &Command, number: u32, at: usize) -> Result<&mut Coupled, Fault> {
-        let known = self.sets.contains_key(&number);
+        let known = self.sets.get_mut(number).is_some();
         let component = if known && command.field(at).is_empty() { None } else { Some(component(command, at)?) };
-        let set = self.sets.entry(number).or_insert_with(|| Coupled { line: command.line, ..Coupled::default() });
+        let set = self.sets.get_or_insert_with(number, || Coupled { line: command.line, ..Coupled::default() });
         set.last_line = command.line;
         set.component = component.unwrap_or(set.component);
         Ok(set)

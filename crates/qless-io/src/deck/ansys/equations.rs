@@ -8,11 +8,12 @@
 //!
 //! Later releases write `UNBL` for `R5.0`.
 
-use std::collections::BTreeMap;
-
+use super::archive::Says;
 use super::command::Command;
 use super::field::{Fault, component, expected, is_nothing, real, signed_node, whole};
 use super::numbering::{Searches, delete, numbered, too_many_taken_away};
+use super::sets::Sets;
+use super::terms::{Owned, Term, Terms};
 use crate::deck::{Dof, Problem};
 use crate::number;
 
@@ -20,7 +21,7 @@ use crate::number;
 #[derive(Debug, Default)]
 pub struct Equation {
     /// DOFs and coefficients, none of them zero.
-    pub terms: Vec<(Dof, f64)>,
+    pub terms: Owned,
     /// The right-hand side.
     pub constant: f64,
     /// Where it begins.
@@ -28,14 +29,15 @@ pub struct Equation {
     /// Where its last term stands.
     pub last_line: u32,
     /// Terms that an archive promises, and those it has given.
-    promised: Option<usize>,
-    given: usize,
+    promised: Option<u32>,
+    given: u32,
 }
 
 /// The equations of a deck by their number.
 #[derive(Debug, Default)]
 pub struct Equations {
-    pub sets: BTreeMap<u32, Equation>,
+    pub sets: Sets<Equation>,
+    pub terms: Terms,
     /// The number of the archive's equation that is being defined.
     open: u32,
     /// What should be said about the command read last.
@@ -60,7 +62,7 @@ impl Equations {
     pub fn change_constant(&mut self, command: &Command) -> Result<u32, Fault> {
         let number = whole(command.field(1)).ok_or_else(|| expected(command, 1, "the number of an equation"))?;
         let constant = real(command, 2)?;
-        match self.sets.get_mut(&number) {
+        match self.sets.get_mut(number) {
             Some(equation) => equation.constant = constant,
             None => self.remark = Some(format!("CECMOD changes CE {number}, which is not defined: left out")),
         }
@@ -74,17 +76,18 @@ impl Equations {
 
     /// The first equation with another number of terms than its archive promises.
     pub fn incomplete(&self) -> Option<(u32, u32, Problem)> {
-        self.sets.iter().find_map(|(&number, equation)| {
-            let promised = equation.promised.filter(|&promised| promised > equation.given)?;
-            Some((number, equation.line, Problem::TooFew { what: "terms", promised, found: equation.given }))
+        self.sets.iter().find_map(|(number, equation)| {
+            let promised = equation.promised.filter(|&promised| promised > equation.given)? as usize;
+            let found = equation.given as usize;
+            Some((number, equation.line, Problem::TooFew { what: "terms", promised, found }))
         })
     }
 
     fn command(&mut self, command: &Command) -> Result<u32, Fault> {
         let number = numbered(command, 1, &self.sets)?;
-        let is_new = !self.sets.contains_key(&number);
+        let is_new = self.sets.get_mut(number).is_none();
         let constant = if command.field(2).is_empty() { None } else { Some(real(command, 2)?) };
-        let equation = self.sets.entry(number).or_default();
+        let equation = self.sets.get_or_insert_with(number, Equation::default);
         if is_new {
             equation.line = command.line;
         }
@@ -101,7 +104,7 @@ impl Equations {
             return Err(expected(command, beyond + 12, "no more than 3 terms in a command (repeat it to add terms)"));
         }
         for at in [3, 6, 9] {
-            equation.term(command, at, &mut self.left.0)?;
+            equation.term(command, at, &mut self.terms, &mut self.left.0)?;
         }
         Ok(number)
     }
@@ -109,27 +112,51 @@ impl Equations {
     fn define(&mut self, command: &Command) -> Result<u32, Fault> {
         let promised = number::whole(command.field(3)).ok_or_else(|| expected(command, 3, "the number of terms"))?;
         let number = whole(command.field(4)).ok_or_else(|| expected(command, 4, "the number of the equation"))?;
-        let constant = real(command, 5)?;
-        let (line, last_line) = (command.line, command.line);
-        // What is promised may be a slip: room for more comes with the terms.
-        let terms = Vec::with_capacity(promised.min(16));
-        let equation = Equation { terms, constant, line, last_line, promised: Some(promised), given: 0 };
+        // No deck has as many as are too many to be counted.
+        let promised = u32::try_from(promised).unwrap_or(u32::MAX);
+        self.open(promised, number, real(command, 5)?, command.line);
+        Ok(number)
+    }
+
+    /// Begins an equation of an archive.
+    fn open(&mut self, promised: u32, number: u32, constant: f64, line: u32) {
+        let equation = Equation { constant, line, last_line: line, promised: Some(promised), ..Equation::default() };
         if self.sets.insert(number, equation).is_some() {
             self.remark = Some(format!("CE {number} is defined again: the later definition counts"));
         }
         self.open = number;
-        Ok(number)
+    }
+
+    /// Takes what a line of an archive says; false where it has to be read the long way.
+    pub fn quick(&mut self, says: &Says, line: u32) -> bool {
+        match says {
+            Says::Define(promised, number, constant) => self.open(*promised, *number, *constant, line),
+            Says::Terms(first, second) => {
+                let Some(equation) = self.sets.last_mut(self.open) else { return false };
+                let given = equation.given + 1 + u32::from(second.is_some());
+                if equation.promised.is_some_and(|promised| given > promised) {
+                    return false;
+                }
+                equation.last_line = line;
+                [Some(first), second.as_ref()]
+                    .into_iter()
+                    .flatten()
+                    .for_each(|term| equation.add(*term, &mut self.terms));
+            }
+        }
+        true
     }
 
     fn nodes(&mut self, command: &Command) -> Result<u32, Fault> {
-        let Some(equation) = self.sets.get_mut(&self.open) else {
+        let Some(equation) = self.sets.get_mut(self.open) else {
             return Err(expected(command, 2, "DEFI, which begins an equation, before NODE"));
         };
         equation.last_line = command.line;
         for at in (3..=command.fields.len()).step_by(3) {
             let before = equation.given;
-            equation.term(command, at, &mut self.left.0)?;
-            if equation.given > before && equation.promised.is_some_and(|promised| equation.given > promised) {
+            equation.term(command, at, &mut self.terms, &mut self.left.0)?;
+            let is_beyond = |promised| equation.given > promised;
+            if equation.given > before && equation.promised.is_some_and(is_beyond) {
                 return Err(expected(command, at, "no more terms than DEFI promises"));
             }
         }
@@ -139,7 +166,7 @@ impl Equations {
 
 impl Equation {
     /// The term `node, label, coefficient` from field `at` on. Zero coefficients make none; a negative node takes its term away.
-    fn term(&mut self, command: &Command, at: usize, left: &mut usize) -> Result<(), Fault> {
+    fn term(&mut self, command: &Command, at: usize, terms: &mut Terms, left: &mut usize) -> Result<(), Fault> {
         if is_nothing(command, at) && command.field(at + 1).is_empty() && is_zero(command, at + 2) {
             return Ok(());
         }
@@ -147,15 +174,19 @@ impl Equation {
         let dof = Dof { node, component: component(command, at + 1)? };
         let coefficient = real(command, at + 2)?;
         if takes_away {
-            *left = left.checked_sub(self.terms.len()).ok_or((Some(at), too_many_taken_away()))?;
-            self.terms.retain(|(known, _)| *known != dof);
+            *left = left.checked_sub(terms.count(&self.terms)).ok_or((Some(at), too_many_taken_away()))?;
+            terms.remove(&mut self.terms, dof);
             return Ok(());
         }
-        self.given += 1;
-        if coefficient != 0.0 {
-            self.terms.push((dof, coefficient));
-        }
+        self.add((dof, coefficient), terms);
         Ok(())
+    }
+
+    fn add(&mut self, term: Term, terms: &mut Terms) {
+        self.given += 1;
+        if term.1 != 0.0 {
+            terms.push(&mut self.terms, term);
+        }
     }
 }
 

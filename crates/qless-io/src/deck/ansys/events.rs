@@ -62,7 +62,8 @@ impl Event {
 
 /// The load cases: one for each `SOLVE`, and one of what follows the last.
 pub fn cases(events: &[Event], nodes: &Nodes, model: &mut Model) -> Result<(), (Origin, Problem)> {
-    let mut replay = Replay::new(nodes, model);
+    let are_solutions = events.iter().all(|event| matches!(event.action, Action::Solve));
+    let mut replay = if are_solutions { Replay::without_nodes(nodes) } else { Replay::new(nodes, model) };
     for event in events {
         replay.event(event).map_err(|problem| (event.origin, problem))?;
     }
@@ -92,13 +93,19 @@ impl<'a> Replay<'a> {
     fn new(groups: &'a Nodes, model: &Model) -> Self {
         let in_equations = model.dofs.iter().map(|dof| dof.node);
         let mut nodes: Vec<u32> = groups.numbers.iter().copied().chain(in_equations).collect();
-        let mut components: Vec<u8> = model.dofs.iter().map(|dof| dof.component).collect();
+        let mut occurs = [false; 256];
+        model.dofs.iter().for_each(|dof| occurs[usize::from(dof.component)] = true);
+        let components = (0..=u8::MAX).filter(|&component| occurs[usize::from(component)]).collect();
         nodes.sort_unstable();
         nodes.dedup();
-        components.sort_unstable();
-        components.dedup();
+        Self { nodes, components, ..Self::without_nodes(groups) }
+    }
+
+    /// Enough where no command names a node.
+    fn without_nodes(groups: &'a Nodes) -> Self {
         let (prescribed, loads) = (BTreeMap::new(), BTreeMap::new());
-        Self { groups, nodes, components, prescribed, loads, cases: Vec::new(), left: VALUES, held: 0 }
+        let (nodes, components, cases) = (Vec::new(), Vec::new(), Vec::new());
+        Self { groups, nodes, components, prescribed, loads, cases, left: VALUES, held: 0 }
     }
 
     fn event(&mut self, event: &Event) -> Result<(), Problem> {

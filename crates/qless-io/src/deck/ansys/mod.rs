@@ -16,6 +16,7 @@
 //!
 //! Lines that begin with a number are data of blocks; only those of `NBLOCK` and of `CMBLOCK` of nodes are read.
 
+mod archive;
 mod command;
 mod coupled;
 mod elements;
@@ -30,6 +31,8 @@ mod nodes;
 mod numbering;
 mod prescribed;
 mod reader;
+mod sets;
+mod terms;
 mod text;
 mod unread;
 mod write;

@@ -1,8 +1,10 @@
 //! What the commands say as a model: equations by their number, then coupled sets, and the load cases.
 
+use super::equations::Equations;
 use super::events::cases;
 use super::reader::{Owner, Reader};
-use crate::deck::{DeckError, Dof, Model, Origin, Problem, Sources};
+use super::terms::Term;
+use crate::deck::{CardName, DeckError, Dof, Model, Origin, Problem, Sources};
 
 /// Reads a deck.
 ///
@@ -14,7 +16,7 @@ pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
     Ok(reader.model)
 }
 
-/// Fills the model of a reader and says what each of its equations comes from.
+/// Fills the model of a reader and says what each of its equations comes from, if the reader keeps places.
 pub fn fill(reader: &mut Reader) -> Result<Vec<Owner>, DeckError> {
     check_complete(reader)?;
     let owners = push_equations(reader);
@@ -34,41 +36,49 @@ fn check_complete(reader: &Reader) -> Result<(), DeckError> {
 
 fn push_equations(reader: &mut Reader) -> Vec<Owner> {
     let model = &mut reader.model;
+    let Equations { sets, terms, .. } = &reader.equations;
     let mut owners = Vec::new();
-    let origin = |model: &mut Model, name: String, line: u32, last: u32| {
+    let mut own = |owner| {
+        if reader.places.is_some() {
+            owners.push(owner);
+        }
+    };
+    model.reserve(sets.len(), terms.len());
+    let origin = |model: &mut Model, name: CardName, line: u32, last: u32| {
         let card = model.card(name, 0, line);
         Origin { card, line, lines: last.saturating_sub(line) + 1 }
     };
-    // Numbers stay for the writer; terms go over, so that a million of them are not there twice.
-    for (&number, equation) in &mut reader.equations.sets {
-        let terms = std::mem::take(&mut equation.terms);
-        if terms.is_empty() && equation.constant == 0.0 {
+    for (number, equation) in sets.iter() {
+        if terms.count(&equation.terms) == 0 && equation.constant == 0.0 {
             model.warn(0, equation.line, format!("CE {number} has no terms: left out"));
             continue;
         }
-        if names_twice(&terms) {
+        let terms = terms.of(&equation.terms);
+        if names_twice(terms.clone()) {
             let text = format!("CE {number} names a DOF more than once: its coefficients are added");
             model.warn(0, equation.line, text);
         }
-        let origin = origin(model, format!("CE {number}"), equation.line, equation.last_line);
+        let origin = origin(model, CardName::numbered("CE", number), equation.line, equation.last_line);
         model.push(terms, equation.constant, origin);
-        owners.push(Owner::Equation(number));
+        own(Owner::Equation(number));
     }
-    for (&number, set) in &reader.coupled.sets {
-        let origin = origin(model, format!("CP {number}"), set.line, set.last_line);
+    for (number, set) in reader.coupled.sets.iter() {
+        let origin = origin(model, CardName::numbered("CP", number), set.line, set.last_line);
         for equation in set.equations() {
             model.push(equation, 0.0, origin);
-            owners.push(Owner::Coupled(number));
+            own(Owner::Coupled(number));
         }
     }
+    model.shrink();
     owners
 }
 
-fn names_twice(terms: &[(Dof, f64)]) -> bool {
-    if let [(first, _), (second, _)] = terms {
+fn names_twice(terms: impl Iterator<Item = Term> + Clone) -> bool {
+    let mut first = terms.clone().map(|(dof, _)| dof);
+    if let (Some(first), Some(second), None) = (first.next(), first.next(), first.next()) {
         return first == second;
     }
-    let mut dofs: Vec<Dof> = terms.iter().map(|(dof, _)| *dof).collect();
+    let mut dofs: Vec<Dof> = terms.map(|(dof, _)| dof).collect();
     dofs.sort_unstable();
     dofs.windows(2).any(|pair| pair[0] == pair[1])
 }
@@ -99,6 +109,9 @@ fn check_nodes(reader: &Reader) -> Result<(), DeckError> {
 /// Components are along the axes of their node; said where these are not those of the model.
 fn warn_of_rotated(reader: &mut Reader) {
     let mut rotated = std::mem::take(&mut reader.nodes.rotated);
+    if rotated.is_empty() {
+        return;
+    }
     rotated.sort_unstable();
     rotated.dedup();
     let model = &mut reader.model;

@@ -1,9 +1,8 @@
 //! What equations and coupled sets share: numbers, given or `HIGH` or `NEXT`, and a limit on searches.
 
-use std::collections::BTreeMap;
-
 use super::command::Command;
 use super::field::{Fault, expected, range, whole};
+use super::sets::Sets;
 use crate::deck::Problem;
 
 /// Terms or nodes that may still be gone through to find those that are taken away.
@@ -20,17 +19,17 @@ impl Default for Searches {
 }
 
 /// Takes away the sets `first, last, step` of a command from field 1 on, or `ALL` of them.
-pub fn delete<T>(command: &Command, sets: &mut BTreeMap<u32, T>, left: &mut Searches) -> Result<(), Fault> {
+pub fn delete<T>(command: &Command, sets: &mut Sets<T>, left: &mut Searches) -> Result<(), Fault> {
     if command.is(1, "ALL") {
         sets.clear();
         return Ok(());
     }
     let first = whole(command.field(1)).ok_or_else(|| expected(command, 1, "a number from 1 or ALL"))?;
     let (first, last, step) = range(command, first, 2)?;
-    let numbers: Vec<u32> = sets.range(first..=last).map(|(&number, _)| number).collect();
+    let numbers = sets.within(first..=last);
     left.0 = left.0.checked_sub(numbers.len()).ok_or((None, too_many_taken_away()))?;
     for number in numbers.into_iter().filter(|number| (number - first).is_multiple_of(step)) {
-        sets.remove(&number);
+        sets.remove(number);
     }
     Ok(())
 }
@@ -42,9 +41,9 @@ pub fn too_many_taken_away() -> Problem {
 }
 
 /// The number in field `at`: `n`, `HIGH` (the highest so far; also where the field is empty) or `NEXT` (one above).
-pub fn numbered<T>(command: &Command, at: usize, sets: &BTreeMap<u32, T>) -> Result<u32, Fault> {
+pub fn numbered<T>(command: &Command, at: usize, sets: &Sets<T>) -> Result<u32, Fault> {
     const EXPECTED: &str = "a number from 1, HIGH or NEXT";
-    let highest = sets.last_key_value().map_or(0, |(&number, _)| number);
+    let highest = sets.highest().unwrap_or(0);
     match command.field(at).to_ascii_uppercase().as_slice() {
         b"" | b"HIGH" => Ok(highest.max(1)),
         b"NEXT" => highest.checked_add(1).ok_or_else(|| expected(command, at, EXPECTED)),

@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::path::Path;
 
+use super::archive::{self, Quick};
 use super::command::{Command, Line, parse};
 use super::coupled::CoupledSets;
 use super::elements::Elements;
@@ -75,8 +76,12 @@ impl Reader {
         let mut start = if text.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
         let mut line = 0;
         while start < text.len() && !self.ended {
-            let end = memchr::memchr(b'\n', &text[start..]).map_or(text.len(), |end| start + end);
             line += 1;
+            if let Some(length) = self.quick(&text[start..], line) {
+                start += length;
+                continue;
+            }
+            let end = memchr::memchr(b'\n', &text[start..]).map_or(text.len(), |end| start + end);
             self.line(&text[start..end], start, line)?;
             start = end + 1;
         }
@@ -85,6 +90,23 @@ impl Reader {
             self.model.warn(0, 0, text);
         }
         Ok(self)
+    }
+
+    /// Reads a line of an archive the short way and gives its length, where that can be and nobody asks for more.
+    fn quick(&mut self, text: &[u8], line: u32) -> Option<usize> {
+        if self.depth > 0 || self.places.is_some() || self.solved_at.is_some() {
+            return None;
+        }
+        let Quick { tag, length, says } = archive::read(text)?;
+        if !self.equations.quick(&says, line) {
+            return None;
+        }
+        self.nodes.end();
+        self.elements.in_block = false;
+        (self.archive, self.constrained) = (Some(tag), true);
+        let remark = self.equations.remark.take();
+        remark.into_iter().for_each(|text| self.warn(line, text));
+        Some(length)
     }
 
     fn line(&mut self, text: &[u8], start: usize, line: u32) -> Result<(), DeckError> {
@@ -193,10 +215,7 @@ impl Reader {
             Action::Unload => "FDELE",
             Action::Solve => "SOLVE",
         };
-        let card = match self.model.cards.iter().position(|card| card.name == name) {
-            Some(card) => card as u32,
-            None => self.model.card(name, 0, command.line),
-        };
+        let card = self.model.cards.find(name).unwrap_or_else(|| self.model.card(name, 0, command.line));
         self.events.push(Event { action, which, components, origin: Origin { card, line: command.line, lines: 1 } });
     }
 

@@ -16,8 +16,8 @@ use crate::deck::{Deck, Model};
 pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     let text = deck.texts[0].as_slice();
     let mut reader = Reader::with_places(&deck.model.files[0], text)?;
-    let places = reader.places.take().unwrap_or_default();
     let owners = fill(&mut reader)?;
+    let places = reader.places.take().unwrap_or_default();
     let place = |line: u32, why: &'static str| CleanError::Place {
         path: deck.model.files[0].clone(),
         line: line as usize,
@@ -27,7 +27,7 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     if let Some(solved) = reader.solved_at.filter(|&solved| solved <= last) {
         return Err(place(solved, "equations change after this load step; make a deck for each load step"));
     }
-    let highest = reader.equations.sets.last_key_value().map_or(0, |(&number, _)| number);
+    let highest = reader.equations.sets.highest().unwrap_or(0);
     let new = equations(plan, highest, reader.archive);
     let new = new.ok_or_else(|| place(last, "no numbers are left for new equations; number the equations from 1"))?;
     let result = edited(text, &places, &comments(&deck.model, plan, &owners), new);

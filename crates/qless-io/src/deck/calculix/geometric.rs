@@ -52,7 +52,7 @@ pub struct Place {
 
 impl Place {
     /// Registers a card under the name that the deck gives it.
-    pub fn of(card: &Card, model: &mut Model, name: &str) -> Self {
+    pub fn of(card: &Card, model: &mut Model, name: &'static str) -> Self {
         let number = model.card(name, card.file, card.line);
         let last = card.lines().filter(|line| line.file == card.file).last().map_or(card.line, |line| line.number);
         let lines = (last + 1).saturating_sub(card.line).max(1);
@@ -74,6 +74,6 @@ impl Place {
 
     /// Marks the card as one that equations cannot stand in for.
     pub fn fix(&self, model: &mut Model) {
-        model.cards[self.origin.card as usize].is_fixed = true;
+        model.cards.fix(self.origin.card, true);
     }
 }

@@ -19,7 +19,7 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     let mut comments: BTreeMap<(u32, u32), (u32, String)> = BTreeMap::new();
     for removed in &plan.removed {
         let origin = model.equation(removed.equation).origin;
-        let file = model.cards[origin.card as usize].file;
+        let file = model.cards.get(origin.card).file;
         let entry = comments.entry((file, origin.line)).or_insert((origin.lines, String::new()));
         if entry.1.is_empty() || matches!(removed.reason, Reason::Redundant(_)) {
             entry.1 = comment(model, removed);

@@ -129,7 +129,7 @@ impl Common {
         };
         let case = LoadCase { prescribed: prescribed.keys().map(origin).collect(), ..LoadCase::default() };
         let system = model.system(&case)?;
-        let fixed = |i: &usize| model.cards[model.equation(*i).origin.card as usize].is_fixed;
+        let fixed = |i: &usize| model.cards.get(model.equation(*i).origin.card).is_fixed;
         // The deck's own slaves, but for those that would make others large.
         let first = |i: usize| model.equation(i).columns.first().copied().filter(|_| !vanishing.contains(&i));
         let mut slaves: Vec<usize> = (0..model.equations()).filter_map(first).map(|j| j as usize).collect();
@@ -202,13 +202,13 @@ fn check(model: &Model, case: &LoadCase, common: &Common, options: &Options) -> 
 
 /// Cards that equations cannot stand in for must not be among those that go; what is said first is what is wrong itself.
 fn check_removable(model: &Model, removed: &[Removed]) -> Result<(), CleanError> {
-    let card = |removed: &Removed| model.equation(removed.equation).origin.card as usize;
+    let card = |removed: &Removed| model.equation(removed.equation).origin.card;
     let weight = |reason: &Reason| match reason {
         Reason::Fault(_) => 0,
         Reason::Redundant(_) => 1,
         Reason::Connected => 2,
     };
-    let fixed = removed.iter().filter(|removed| model.cards[card(removed)].is_fixed);
+    let fixed = removed.iter().filter(|removed| model.cards.get(card(removed)).is_fixed);
     let Some(first) = fixed.min_by_key(|removed| weight(&removed.reason)) else { return Ok(()) };
     let why = match &first.reason {
         Reason::Fault(fault) => fault.describe(model),

@@ -2,19 +2,19 @@
 
 use std::collections::BTreeSet;
 
-use super::bulk::{Bulk, Tie};
+use super::bulk::Bulk;
 use super::cases;
 use super::content::Content;
 use super::elements::star;
 use super::fault::CardFault;
-use super::grid::Grid;
 use super::mpc::Term;
 use super::place::Place;
-use super::points::{Point, Points, limited};
+use super::points::{Point, Points, Twice, limited};
 use super::row::Row;
 use super::selected::{self, Sets};
+use super::ties::{Element, Tie};
 use super::warnings::brief;
-use crate::deck::{DeckError, Dof, Model, Origin, Problem, Sources};
+use crate::deck::{DeckError, Dof, Model, Problem, Sources};
 
 /// The model of a deck.
 pub(super) fn model(mut content: Content, sources: &Sources) -> Result<Model, DeckError> {
@@ -40,7 +40,7 @@ pub(super) fn model(mut content: Content, sources: &Sources) -> Result<Model, De
 fn points(bulk: &mut Bulk, model: &mut Model) -> Result<Points, DeckError> {
     let usual = bulk.usual.as_ref().map(|(usual, _)| *usual).unwrap_or_default();
     let points = Points::new(std::mem::take(&mut bulk.grids), std::mem::take(&mut bulk.scalars), usual);
-    let mut points = points.map_err(|pair| defined_twice(&pair, model))?;
+    let mut points = points.map_err(|twice| defined_twice(&twice, model))?;
     points.resolve(&bulk.frames).map_err(|(frame, problem)| match bulk.frame_places.get(&frame) {
         Some(place) => fail(place, problem, model),
         None => DeckError { path: model.files[0].clone(), line: 0, card: "CORD".into(), field: None, problem },
@@ -48,12 +48,10 @@ fn points(bulk: &mut Bulk, model: &mut Model) -> Result<Points, DeckError> {
     Ok(points)
 }
 
-fn defined_twice(pair: &[Grid; 2], model: &mut Model) -> DeckError {
-    let place =
-        |grid: &Grid| Place { name: format!("GRID {}", grid.id).into(), file: grid.file, line: grid.line, lines: 1 };
-    let other = place(&pair[0]).brief(model).into();
-    let problem = CardFault::DefinedTwice { what: "grid point", id: pair[0].id, other };
-    fail(&place(&pair[1]), problem.into(), model)
+fn defined_twice(twice: &Twice, model: &mut Model) -> DeckError {
+    let (id, [first, second]) = &**twice;
+    let problem = CardFault::DefinedTwice { what: "grid point", id: *id, other: first.brief(model).into() };
+    fail(second, problem.into(), model)
 }
 
 /// An error of a card.
@@ -72,32 +70,43 @@ pub(super) type SetsOf = Vec<(u32, u32)>;
 /// Adds the equations of all ties that some case selects.
 fn ties(bulk: &Bulk, points: &Points, cases: &[(String, Sets)], model: &mut Model) -> Result<SetsOf, DeckError> {
     let selected: BTreeSet<u32> = cases.iter().flat_map(|(_, sets)| sets.mpc.iter().copied()).collect();
-    let mut sets_of = SetsOf::new();
-    for (tie, place) in &bulk.ties {
-        if let Tie::Mpc { set, terms } = tie {
-            if selected.contains(set) {
-                sets_of.push((model.equations() as u32, *set));
-                mpc(terms, place, points, model)?;
+    let (mut sets_of, mut row) = (SetsOf::new(), Vec::new());
+    if !selected.is_empty() {
+        let (cards, terms) = bulk.ties.counts();
+        sets_of.reserve_exact(cards);
+        model.reserve(cards, terms);
+    }
+    for tie in bulk.ties.iter() {
+        match tie {
+            Tie::Mpc(card) if selected.contains(&card.set) => {
+                sets_of.push((model.equations() as u32, card.set));
+                mpc(bulk.ties.terms_of(card), &card.place(), points, &mut row, model)?;
             }
-            continue;
-        }
-        let rows = rows(tie, points).and_then(finite).map_err(|problem| fail(place, problem, model))?;
-        let origin = place.origin(model);
-        model.cards[origin.card as usize].is_fixed = bulk.expanding.contains(&(place.file, place.line));
-        for row in rows {
-            model.push(row.terms, 0.0, origin);
+            Tie::Mpc(_) => {}
+            Tie::Element(element, place) => add(element, place, bulk, points, model)?,
         }
     }
+    model.shrink();
     Ok(sets_of)
 }
 
-fn rows(tie: &Tie, points: &Points) -> Result<Vec<Row>, Problem> {
-    match tie {
-        Tie::Star(element) => star(element, points.expand(&element.dependent)?)?.rows(points),
-        Tie::Rigid(element) => element.rows(points),
-        Tie::Rod(element) => element.rows(points),
-        Tie::Mean(element) => element.rows(points),
-        Tie::Mpc { .. } => Ok(Vec::new()),
+/// Adds the equations of an element.
+fn add(element: &Element, place: &Place, bulk: &Bulk, points: &Points, model: &mut Model) -> Result<(), DeckError> {
+    let rows = rows(element, points).and_then(finite).map_err(|problem| fail(place, problem, model))?;
+    let origin = place.origin(model);
+    model.cards.fix(origin.card, bulk.expanding.contains(&(place.file, place.line)));
+    for row in rows {
+        model.push(row.terms, 0.0, origin);
+    }
+    Ok(())
+}
+
+fn rows(element: &Element, points: &Points) -> Result<Vec<Row>, Problem> {
+    match element {
+        Element::Star(element) => star(element, points.expand(&element.dependent)?)?.rows(points),
+        Element::Rigid(element) => element.rows(points),
+        Element::Rod(element) => element.rows(points),
+        Element::Mean(element) => element.rows(points),
     }
 }
 
@@ -108,13 +117,27 @@ fn finite(rows: Vec<Row>) -> Result<Vec<Row>, Problem> {
     if whole { Ok(rows) } else { Err(problem()) }
 }
 
-fn mpc(terms: &[Term], place: &Place, points: &Points, model: &mut Model) -> Result<(), DeckError> {
-    let dof = |&(node, set, value): &Term| points.dofs(node, set).map(|dofs| (dofs[0], value));
-    let terms: Result<Vec<(Dof, f64)>, CardFault> = terms.iter().map(dof).collect();
-    let terms = terms.map_err(|fault| fail(place, fault.into(), model))?;
-    warn_of_unknown(terms.iter().map(|(dof, _)| dof.node), place, points, model);
-    let origin: Origin = place.origin(model);
-    model.push(terms, 0.0, origin);
+/// Adds the equation of an `MPC` card, by way of `row`, which is filled anew.
+fn mpc(
+    terms: impl Iterator<Item = Term>,
+    place: &Place,
+    points: &Points,
+    row: &mut Vec<(Dof, f64)>,
+    model: &mut Model,
+) -> Result<(), DeckError> {
+    row.clear();
+    let mut is_unknown = false;
+    for (node, set, value) in terms {
+        let kind = points.kind(node);
+        is_unknown |= kind == Point::Unknown;
+        let dof = Points::dof(node, kind, set).map_err(|fault| fail(place, fault.into(), model))?;
+        row.push((dof, value));
+    }
+    if is_unknown {
+        warn_of_unknown(row.iter().map(|(dof, _)| dof.node), place, points, model);
+    }
+    let origin = place.origin(model);
+    model.push(row.iter().copied(), 0.0, origin);
     Ok(())
 }
 

@@ -1,45 +1,38 @@
 //! Bulk data: the cards that say what is constrained, in their order. All others are passed over.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::rc::Rc;
+use std::sync::LazyLock;
+
+use rustc_hash::FxHashMap;
 
 use super::axes::Kind;
 use super::card::{Card, Refused};
-use super::elements::{Star, rbar, rbe1, rbe2, rbe3, rrod};
+use super::elements::{rbar, rbe1, rbe2, rbe3, rrod};
 use super::frames::{Definition, Definitions};
-use super::grid::{Grid, Usual};
+use super::grid::{Given, Usual};
+use super::grids::Grids;
+use super::lines::Line;
 use super::loads::{self, Combinations, Loaded};
-use super::mean::Mean;
-use super::mpc::{Term, terms};
+use super::mpc::terms;
 use super::place::Place;
-use super::rigid::Rigid;
-use super::rod::Rod;
+use super::quick::Quick;
 use super::sets::{self, Unions};
 use super::spans::{Span, spans};
 use super::supports::{Support, spc, spc1};
-use super::unread::Unread;
+use super::ties::{Element, Ties};
+use super::unread::{self, Unread};
 use super::{coordinates, fault::CardFault};
-
-/// What ties components together; small, because there can be millions of `MPC`.
-#[derive(Clone, Debug)]
-pub(super) enum Tie {
-    Mpc { set: u32, terms: Box<[Term]> },
-    Star(Box<Star>),
-    Rigid(Box<Rigid>),
-    Rod(Rod),
-    Mean(Box<Mean>),
-}
 
 /// What the bulk data of a deck constrains.
 #[derive(Debug, Default)]
 pub(super) struct Bulk {
-    pub grids: Vec<Grid>,
+    pub grids: Grids,
     pub scalars: Vec<Span>,
     pub usual: Option<(Usual, Place)>,
     pub frames: Definitions,
     /// The cards of `frames`.
     pub frame_places: BTreeMap<u32, Place>,
-    pub ties: Vec<(Tie, Place)>,
+    pub ties: Ties,
     /// Lines of cards with thermal expansion, which equations cannot stand in for; by file and line.
     pub expanding: BTreeSet<(u32, u32)>,
     pub supports: Vec<(u32, Support, Place)>,
@@ -53,61 +46,68 @@ pub(super) struct Bulk {
     pub warnings: Vec<(u32, u32, String)>,
 }
 
-/// Whether a card of this name, in capitals, has to be read.
-pub(super) fn is_read(name: &[u8]) -> bool {
-    const READ: [&[u8]; 22] = [
-        b"GRID", b"GRDSET", b"SPOINT", b"EPOINT", b"CORD1R", b"CORD1C", b"CORD1S", b"CORD2R", b"CORD2C", b"CORD2S",
-        b"MPC", b"MPCADD", b"RBE1", b"RBE2", b"RBE3", b"RBAR", b"RROD", b"SPC", b"SPC1", b"SPCADD", b"SPCD", b"LOAD",
+/// The name of a card that has to be read, given in capitals; none for all others.
+pub(super) fn known(name: &[u8]) -> Option<&'static str> {
+    const READ: [&str; 25] = [
+        "GRID", "GRDSET", "SPOINT", "EPOINT", "CORD1R", "CORD1C", "CORD1S", "CORD2R", "CORD2C", "CORD2S", "MPC",
+        "MPCADD", "RBE1", "RBE2", "RBE3", "RBAR", "RROD", "SPC", "SPC1", "SPCADD", "SPCD", "LOAD", "FORCE", "MOMENT",
+        "SLOAD",
     ];
-    const LOADS: [&[u8]; 3] = [b"FORCE", b"MOMENT", b"SLOAD"];
-    READ.contains(&name) || LOADS.contains(&name) || Unread::of(name).is_some()
+    static KNOWN: LazyLock<FxHashMap<&[u8], &str>> =
+        LazyLock::new(|| READ.into_iter().chain(unread::names()).map(|name| (name.as_bytes(), name)).collect());
+    KNOWN.get(name).copied()
 }
 
 impl Bulk {
+    /// Takes a card that was read the short way.
+    pub fn quick(&mut self, card: &Quick, line: &Line) {
+        match card {
+            Quick::Grid(given) => self.grids.push(given, line.file, line.number),
+            Quick::Mpc(set, first, second) => {
+                self.ties.mpc(*set, (line.file, line.number, 1), std::iter::once(*first).chain(*second));
+            }
+        }
+    }
+
     /// Takes a card.
     pub fn card(&mut self, card: &Card) -> Result<(), Refused> {
-        match card.name.as_slice() {
-            b"GRID" => self.grids.push(Grid::read(card)?),
-            b"GRDSET" => self.grdset(card)?,
-            b"SPOINT" | b"EPOINT" => self.scalars.extend(spans(card, 0, card.len())?),
-            b"MPCADD" => sets::read(card, &mut self.mpc_unions)?,
-            b"SPCADD" => sets::read(card, &mut self.spc_unions)?,
-            b"SPC" => self.supports.extend(in_set(card, spc(card)?)?),
-            b"SPC1" => self.supports.extend(in_set(card, vec![spc1(card)?])?),
-            b"SPCD" => self.enforced.extend(in_set(card, spc(card)?)?),
-            b"LOAD" => loads::combination(card, &mut self.combinations)?,
-            b"FORCE" => self.loads.push(loads::vector(card, 1)?),
-            b"MOMENT" => self.loads.push(loads::vector(card, 4)?),
-            b"SLOAD" => self.loads.extend(loads::scalars(card)?),
-            name if name.starts_with(b"CORD") => self.frame(card)?,
+        match card.name {
+            "GRID" => self.grids.push(&Given::read(card)?, card.file, card.line),
+            "GRDSET" => self.grdset(card)?,
+            "SPOINT" | "EPOINT" => self.scalars.extend(spans(card, 0, card.len())?),
+            "MPCADD" => sets::read(card, &mut self.mpc_unions)?,
+            "SPCADD" => sets::read(card, &mut self.spc_unions)?,
+            "SPC" => self.supports.extend(in_set(card, spc(card)?)?),
+            "SPC1" => self.supports.extend(in_set(card, vec![spc1(card)?])?),
+            "SPCD" => self.enforced.extend(in_set(card, spc(card)?)?),
+            "LOAD" => loads::combination(card, &mut self.combinations)?,
+            "FORCE" => self.loads.push(loads::vector(card, 1)?),
+            "MOMENT" => self.loads.push(loads::vector(card, 4)?),
+            "SLOAD" => self.loads.extend(loads::scalars(card)?),
+            "MPC" => self.ties.mpc(set(card)?, (card.file, card.line, card.span()), terms(card)?),
+            name if name.starts_with("CORD") => self.frame(card)?,
             name => match Unread::of(name) {
                 Some(unread) => self.warnings.push((card.file, card.line, unread.warning(card))),
-                None => self.tie(card)?,
+                None => self.element(card)?,
             },
         }
         Ok(())
     }
 
-    fn tie(&mut self, card: &Card) -> Result<(), Refused> {
-        let (tie, alpha) = match card.name.as_slice() {
-            b"MPC" => (Tie::Mpc { set: set(card)?, terms: terms(card)?.into() }, 0.0),
-            b"RBE1" => rbe1(card).map(|read| (Tie::Rigid(Box::new(read.element)), read.alpha))?,
-            b"RBE2" => rbe2(card).map(|read| (Tie::Star(Box::new(read.element)), read.alpha))?,
-            b"RBE3" => rbe3(card).map(|read| (Tie::Mean(Box::new(read.element)), read.alpha))?,
-            b"RBAR" => rbar(card).map(|read| (Tie::Rigid(Box::new(read.element)), read.alpha))?,
-            _ => rrod(card).map(|read| (Tie::Rod(read.element), read.alpha))?,
+    fn element(&mut self, card: &Card) -> Result<(), Refused> {
+        let (element, alpha) = match card.name {
+            "RBE1" => rbe1(card).map(|read| (Element::Rigid(read.element), read.alpha))?,
+            "RBE2" => rbe2(card).map(|read| (Element::Star(read.element), read.alpha))?,
+            "RBE3" => rbe3(card).map(|read| (Element::Mean(read.element), read.alpha))?,
+            "RBAR" => rbar(card).map(|read| (Element::Rigid(read.element), read.alpha))?,
+            _ => rrod(card).map(|read| (Element::Rod(read.element), read.alpha))?,
         };
         if alpha != 0.0 {
             let text = format!("{}: its thermal expansion ALPHA is left out", card.title());
             self.warnings.push((card.file, card.line, text));
             self.expanding.insert((card.file, card.line));
         }
-        let mut place = Place::of(card);
-        // Cards of one set have one name.
-        if let Some((_, last)) = self.ties.last().filter(|(_, last)| last.name == place.name) {
-            place.name = Rc::clone(&last.name);
-        }
-        self.ties.push((tie, place));
+        self.ties.element(element, Place::of(card));
         Ok(())
     }
 
@@ -124,12 +124,12 @@ impl Bulk {
     }
 
     fn frame(&mut self, card: &Card) -> Result<(), Refused> {
-        let kind = match card.name.last() {
+        let kind = match card.name.as_bytes().last() {
             Some(b'C') => Kind::Cylindrical,
             Some(b'S') => Kind::Spherical,
             _ => Kind::Rectangular,
         };
-        let through_grids = card.name.get(4) == Some(&b'1');
+        let through_grids = card.name.starts_with("CORD1");
         let found = if through_grids {
             coordinates::through_grids(card, kind)?
         } else {

@@ -3,7 +3,7 @@
 use super::fault::CardFault;
 use super::fields::{Fields, split};
 use super::number::{Components, real};
-use crate::deck::Problem;
+use crate::deck::{CardName, Problem};
 use crate::fault::quote;
 use crate::number::whole;
 
@@ -14,7 +14,7 @@ pub(super) const PER_LINE: usize = 8;
 #[derive(Debug, Default)]
 pub(super) struct Card {
     /// The name in capitals.
-    pub name: Vec<u8>,
+    pub name: &'static str,
     /// File and first line.
     pub file: u32,
     pub line: u32,
@@ -37,10 +37,9 @@ pub(super) struct Refused {
 
 impl Card {
     /// Starts anew at a line that has been cleaned of its comment.
-    pub fn begin(&mut self, name: &[u8], line: &[u8], file: u32, number: u32) -> Result<(), Refused> {
+    pub fn begin(&mut self, name: &'static str, line: &[u8], file: u32, number: u32) -> Result<(), Refused> {
         self.clear();
-        self.name.extend(name.iter().map(u8::to_ascii_uppercase));
-        (self.file, self.line) = (file, number);
+        (self.name, self.file, self.line) = (name, file, number);
         let fields = split(line).map_err(|problem| refused(number, problem))?;
         self.take(&fields, number);
         Ok(())
@@ -61,7 +60,6 @@ impl Card {
     }
 
     pub fn clear(&mut self) {
-        self.name.clear();
         self.text.clear();
         self.ends.clear();
         self.lines.clear();
@@ -112,9 +110,12 @@ impl Card {
     }
 
     /// The card's name with its number, as `RBE2 12`.
-    pub fn title(&self) -> String {
-        let name = String::from_utf8_lossy(&self.name);
-        whole(self.field(0)).map_or_else(|| name.to_string(), |id| format!("{name} {id}"))
+    pub fn title(&self) -> CardName {
+        match whole(self.field(0)).map(|id| (id, u32::try_from(id))) {
+            Some((_, Ok(id))) => CardName::numbered(self.name, id),
+            Some((id, _)) => format!("{} {id}", self.name).into(),
+            None => self.name.into(),
+        }
     }
 
     /// A whole number from 1.

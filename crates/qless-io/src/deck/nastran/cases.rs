@@ -32,8 +32,7 @@ pub(super) fn case(
 fn held(points: &Points, model: &mut Model) -> Vec<Prescribed> {
     let mut given = Vec::new();
     for (grid, set) in points.held() {
-        let place = Place { name: format!("GRID {}", grid.id).into(), file: grid.file, line: grid.line, lines: 1 };
-        let origin = place.origin(model);
+        let origin = points.place(grid).origin(model);
         given.extend(set.iter().map(|component| Prescribed {
             dof: Dof { node: grid.id, component },
             value: 0.0,

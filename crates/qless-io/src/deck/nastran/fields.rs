@@ -39,7 +39,9 @@ impl<'a> Fields<'a> {
 
 /// The line without its comment, tabs expanded where columns count.
 pub(super) fn content(line: &[u8]) -> Cow<'_, [u8]> {
-    let end = line.iter().position(|&byte| byte == b'$').unwrap_or(line.len());
+    // Few lines have either.
+    let Some(first) = memchr::memchr2(b'$', b'\t', line) else { return Cow::Borrowed(line.trim_ascii_end()) };
+    let end = memchr::memchr(b'$', &line[first..]).map_or(line.len(), |end| first + end);
     let line = line[..end].trim_ascii_end();
     if line.contains(&b'\t') && !is_free(line) { Cow::Owned(expand_tabs(line)) } else { Cow::Borrowed(line) }
 }

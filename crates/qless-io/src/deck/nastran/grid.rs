@@ -5,19 +5,17 @@ use super::frames::BASIC;
 use super::number::Components;
 use super::vector::Vector;
 
-/// A `GRID` card.
+/// What a `GRID` card says.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Grid {
+pub(super) struct Given {
     pub id: u32,
-    /// Coordinates in the system `given_in`.
-    pub given: Vector,
+    /// Coordinates in the system CP.
+    pub at: Vector,
     pub usual: Usual,
-    pub file: u32,
-    pub line: u32,
 }
 
 /// What `GRDSET` can give; none where the card leaves it blank.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub(super) struct Usual {
     /// CP.
     pub given_in: Option<u32>,
@@ -27,19 +25,14 @@ pub(super) struct Usual {
     pub held: Option<Components>,
 }
 
-impl Grid {
+impl Given {
     pub fn read(card: &Card) -> Result<Self, Refused> {
-        let mut given = [0.0; 3];
-        for (i, x) in given.iter_mut().enumerate() {
+        let mut at = [0.0; 3];
+        for (i, x) in at.iter_mut().enumerate() {
             *x = card.real(2 + i)?.unwrap_or(0.0);
         }
         let id = card.id(0, "the number of the grid point")?;
-        Ok(Self { id, given, usual: Usual::read(card)?, file: card.file, line: card.line })
-    }
-
-    /// The same point, whatever the card.
-    pub fn is_same(&self, other: &Self) -> bool {
-        Self { file: 0, line: 0, ..*self } == Self { file: 0, line: 0, ..*other }
+        Ok(Self { id, at, usual: Usual::read(card)? })
     }
 }
 

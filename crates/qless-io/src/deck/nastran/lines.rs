@@ -5,7 +5,7 @@ use crate::deck::source::LINE;
 use crate::deck::{DeckError, Problem, Sources};
 use crate::fault::quote;
 
-/// A line without its comment.
+/// A line, mostly without its comment.
 pub(super) struct Line<'a> {
     pub file: u32,
     /// From 1.
@@ -26,6 +26,9 @@ pub(super) struct Include {
 
 /// What is done with the lines.
 pub(super) trait Visitor {
+    /// Takes a line as it stands, comments included, that no other continues; false leaves it to `line`.
+    fn quick(&mut self, line: &Line, sources: &Sources) -> Result<bool, DeckError>;
+
     /// Takes a line that is no `INCLUDE`; false ends the reading.
     fn line(&mut self, line: &Line, sources: &Sources) -> Result<bool, DeckError>;
 
@@ -48,12 +51,17 @@ fn file(sources: &mut Sources, number: usize, depth: usize, visitor: &mut impl V
     let mut line = 0;
     while !rest.is_empty() {
         let (first, text) = (line + 1, next(&mut rest, &mut line));
+        // A letter begins another card, but for `INCLUDE`, after which this one may go on.
+        let is_last = rest.first().is_some_and(|&byte| byte.is_ascii_alphabetic() && !matches!(byte, b'I' | b'i'));
+        if is_last && visitor.quick(&Line { file: number as u32, number: first as u32, text }, sources)? {
+            continue;
+        }
         if text.len() > LINE {
             let problem = Problem::Limit { what: "the length of a line", limit: LINE, advice: "break it" };
             return Err(error(sources, number, first, problem));
         }
         let text = content(text);
-        if text.trim_ascii().is_empty() {
+        if text.trim_ascii_start().is_empty() {
             continue;
         }
         if !is_include(&text) {

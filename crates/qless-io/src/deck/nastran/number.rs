@@ -3,7 +3,7 @@
 use crate::{NumberFault, number};
 
 /// Components 1 to 6 of a grid point as a set; the empty set is a scalar point's `0`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub(in crate::deck) struct Components(u8);
 
 impl Components {

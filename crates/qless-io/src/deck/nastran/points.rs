@@ -3,8 +3,10 @@
 use super::body::Pose;
 use super::fault::{CardFault, unknown_frame, unknown_grid};
 use super::frames::{BASIC, Definitions, Frames};
-use super::grid::{Grid, Usual};
+use super::grid::Usual;
+use super::grids::{Grid, Grids};
 use super::number::Components;
+use super::place::Place;
 use super::row::Poses;
 use super::spans::Span;
 use super::vector::Vector;
@@ -13,13 +15,16 @@ use crate::deck::{Dof, Problem};
 /// Grid and scalar points.
 #[derive(Debug, Default)]
 pub(super) struct Points {
-    /// Ascending, each number once.
-    grids: Vec<Grid>,
+    /// In order.
+    grids: Grids,
     /// Scalar points: ascending, apart.
     scalars: Vec<Span>,
     usual: Usual,
     frames: Frames,
 }
+
+/// The number of a grid point, and two cards that differ about it.
+pub(super) type Twice = Box<(u32, [Place; 2])>;
 
 /// What a number stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,15 +36,8 @@ pub(super) enum Point {
 
 impl Points {
     /// The error is a grid point that is defined in two ways.
-    pub fn new(mut grids: Vec<Grid>, mut scalars: Vec<Span>, usual: Usual) -> Result<Self, Box<[Grid; 2]>> {
-        if !grids.is_sorted_by_key(|grid| grid.id) {
-            grids.sort_by_key(|grid| grid.id);
-        }
-        let differs = |pair: &&[Grid]| pair[0].id == pair[1].id && !pair[0].is_same(&pair[1]);
-        if let Some(pair) = grids.windows(2).find(differs) {
-            return Err(Box::new([pair[0], pair[1]]));
-        }
-        grids.dedup_by_key(|grid| grid.id);
+    pub fn new(mut grids: Grids, mut scalars: Vec<Span>, usual: Usual) -> Result<Self, Twice> {
+        grids.sort()?;
         scalars.sort_unstable_by_key(|span| span.first);
         scalars.dedup_by(|next, span| {
             let joins = next.first <= span.last;
@@ -51,7 +49,7 @@ impl Points {
 
     /// Finds the coordinate systems. The error names the one at fault.
     pub fn resolve(&mut self, definitions: &Definitions) -> Result<(), (u32, Problem)> {
-        let grid = |node| self.grid(node).map(|grid| (self.usual(grid).given_in.unwrap_or(BASIC), grid.given));
+        let grid = |node| self.grids.get(node).map(|grid| (self.usual(grid).given_in.unwrap_or(BASIC), grid.at));
         self.frames = Frames::resolve(definitions, grid)?;
         Ok(())
     }
@@ -61,23 +59,34 @@ impl Points {
             let after = self.scalars.partition_point(|span| span.first <= node);
             after > 0 && node <= self.scalars[after - 1].last
         };
-        match self.grid(node) {
+        match self.grids.get(node) {
             Some(_) => Point::Grid,
             None if scalar() => Point::Scalar,
             None => Point::Unknown,
         }
     }
 
+    /// The DOF that one component, or none, of a point of this kind means.
+    pub fn dof(node: u32, kind: Point, set: Components) -> Result<Dof, CardFault> {
+        let component = Self::meant(node, kind, set)?.iter().next();
+        Ok(Dof { node, component: component.unwrap_or(0) })
+    }
+
     /// The DOFs that components of a point mean; that of a scalar point is component 0.
     pub fn dofs(&self, node: u32, set: Components) -> Result<Vec<Dof>, CardFault> {
-        let dofs = || set.iter().map(|component| Dof { node, component }).collect();
-        match self.kind(node) {
+        let set = Self::meant(node, self.kind(node), set)?;
+        let one = set.is_empty().then_some(0);
+        Ok(one.into_iter().chain(set.iter()).map(|component| Dof { node, component }).collect())
+    }
+
+    /// The components of a grid point; the empty set stands for the one of a scalar point.
+    fn meant(node: u32, kind: Point, set: Components) -> Result<Components, CardFault> {
+        match kind {
             Point::Grid if set.is_empty() => Err(CardFault::NoComponent { node }),
-            Point::Unknown if set.is_empty() => Ok(vec![Dof { node, component: 0 }]),
-            Point::Grid | Point::Unknown => Ok(dofs()),
+            Point::Grid | Point::Unknown => Ok(set),
             Point::Scalar => match set.without(Components::one(1)).iter().next() {
                 Some(component) => Err(CardFault::ScalarComponent { node, component }),
-                None => Ok(vec![Dof { node, component: 0 }]),
+                None => Ok(Components::default()),
             },
         }
     }
@@ -91,8 +100,7 @@ impl Points {
                 continue;
             }
             let start = nodes.len();
-            let from = self.grids.partition_point(|grid| grid.id < span.first);
-            nodes.extend(self.grids[from..].iter().map(|grid| grid.id).take_while(|&id| id <= span.last));
+            nodes.extend(self.grids.from(span.first).map(|grid| grid.id).take_while(|&id| id <= span.last));
             for scalar in &self.scalars {
                 let (first, last) = (scalar.first.max(span.first), scalar.last.min(span.last));
                 limited(nodes.len() + (u64::from(last) + 1).saturating_sub(first.into()) as usize)?;
@@ -105,22 +113,24 @@ impl Points {
 
     /// Grid points of which components are held in every subcase.
     pub fn held(&self) -> impl Iterator<Item = (&Grid, Components)> {
-        let held = |grid| self.usual(grid).held.filter(|set| !set.is_empty()).map(|set| (grid, set));
-        self.grids.iter().filter_map(held)
+        let held = |usual: Usual| usual.or(self.usual).held.filter(|set| !set.is_empty());
+        let of_any = self.grids.any(|usual| held(usual).is_some()).then(|| self.grids.iter());
+        of_any.into_iter().flatten().filter_map(move |grid| held(self.grids.usual(grid)).map(|set| (grid, set)))
     }
 
-    fn grid(&self, node: u32) -> Option<&Grid> {
-        self.grids.binary_search_by_key(&node, |grid| grid.id).ok().map(|i| &self.grids[i])
+    /// The card of a grid point.
+    pub fn place(&self, grid: &Grid) -> Place {
+        self.grids.place(grid)
     }
 
     fn usual(&self, grid: &Grid) -> Usual {
-        grid.usual.or(self.usual)
+        self.grids.usual(grid).or(self.usual)
     }
 
     /// The position of a grid point.
     fn position(&self, grid: &Grid) -> Result<Vector, Problem> {
         let frame = self.usual(grid).given_in.unwrap_or(BASIC);
-        Ok(self.frames.get(frame).ok_or_else(|| unknown_frame(frame))?.point(grid.given))
+        Ok(self.frames.get(frame).ok_or_else(|| unknown_frame(frame))?.point(grid.at))
     }
 }
 
@@ -137,7 +147,7 @@ pub(super) fn limited(count: usize) -> Result<(), Problem> {
 
 impl Poses for Points {
     fn pose(&self, node: u32) -> Result<Pose, Problem> {
-        let grid = self.grid(node).ok_or_else(|| unknown_grid(node))?;
+        let grid = self.grids.get(node).ok_or_else(|| unknown_grid(node))?;
         let position = self.position(grid)?;
         let frame = self.usual(grid).moves_in.unwrap_or(BASIC);
         let axes = self.frames.get(frame).ok_or_else(|| unknown_frame(frame))?.axes_at(position);

@@ -1,11 +1,12 @@
 //! From lines to cards: executive control, case control, `BEGIN BULK`, bulk data, `ENDDATA`.
 
-use super::bulk::{Bulk, is_read};
+use super::bulk::{Bulk, known};
 use super::card::{Card, Refused};
 use super::content::{Content, Landmarks};
 use super::control::keyword;
 use super::fields::continues;
 use super::lines::{Include, Line, Visitor, walk};
+use super::quick;
 use crate::deck::{DeckError, Problem, Sources};
 use crate::fault::quote;
 
@@ -35,7 +36,11 @@ pub(super) fn read(sources: &mut Sources) -> Result<Content, DeckError> {
 fn first_section(text: &[u8]) -> Section {
     let starts =
         |line: &[u8], word: &[u8]| line.get(..word.len()).is_some_and(|start| start.eq_ignore_ascii_case(word));
-    for line in text.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii_start) {
+    let mut rest = text;
+    while !rest.is_empty() {
+        let end = memchr::memchr(b'\n', rest).unwrap_or(rest.len());
+        let line = rest[..end].trim_ascii_start();
+        rest = rest.get(end + 1..).unwrap_or_default();
         if starts(line, b"CEND") {
             return Section::Executive;
         }
@@ -57,6 +62,17 @@ struct Reader {
 }
 
 impl Visitor for Reader {
+    fn quick(&mut self, line: &Line, sources: &Sources) -> Result<bool, DeckError> {
+        if self.section != Section::Bulk {
+            return Ok(false);
+        }
+        let Some(card) = quick::read(line.text) else { return Ok(false) };
+        self.finish_card(sources)?;
+        self.follows_read = Some(true);
+        self.content.bulk.quick(&card, line);
+        Ok(true)
+    }
+
     fn line(&mut self, line: &Line, sources: &Sources) -> Result<bool, DeckError> {
         match self.section {
             Section::Executive | Section::Control => self.control(line, sources)?,
@@ -157,12 +173,14 @@ impl Reader {
                     sources,
                 ));
             }
-            name if is_read(name) => {
-                (self.passing, self.follows_read) = (false, Some(true));
-                let begun = self.card.begin(name, line.text, line.file, line.number);
-                begun.map_err(|refused| self.error(refused, sources))?;
-            }
-            _ => self.follows_read = Some(false),
+            name => match known(name) {
+                Some(name) => {
+                    (self.passing, self.follows_read) = (false, Some(true));
+                    let begun = self.card.begin(name, line.text, line.file, line.number);
+                    begun.map_err(|refused| self.error(refused, sources))?;
+                }
+                None => self.follows_read = Some(false),
+            },
         }
         Ok(true)
     }
@@ -177,7 +195,7 @@ impl Reader {
     fn error(&self, refused: Refused, sources: &Sources) -> DeckError {
         let Refused { line, field, problem } = refused;
         let path = sources.path(self.card.file as usize).to_path_buf();
-        DeckError { path, line: line as usize, card: self.card.title(), field, problem }
+        DeckError { path, line: line as usize, card: self.card.title().to_string(), field, problem }
     }
 }
 

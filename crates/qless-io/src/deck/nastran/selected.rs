@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::build::fail;
-use super::bulk::{Bulk, Tie};
+use super::bulk::Bulk;
 use super::content::Content;
 use super::control::{Choice, Selection};
 use super::loads::parts;
@@ -78,13 +78,14 @@ struct Defined {
 impl Defined {
     fn of(bulk: &Bulk) -> Self {
         let mut all = Self { mpc: Uses::new(), spc: Uses::new(), enforced: Uses::new() };
-        for (tie, place) in &bulk.ties {
-            if let Tie::Mpc { set, .. } = tie {
-                count(&mut all.mpc, *set, place);
-            }
+        let mut cards = bulk.ties.mpcs().peekable();
+        while let Some(card) = cards.next() {
+            // Cards of a set mostly stand together.
+            let more = std::iter::from_fn(|| cards.next_if(|next| next.set == card.set)).count();
+            count(&mut all.mpc, card.set, &card.place(), 1 + more);
         }
-        bulk.supports.iter().for_each(|(set, _, place)| count(&mut all.spc, *set, place));
-        bulk.enforced.iter().for_each(|(set, _, place)| count(&mut all.enforced, *set, place));
+        bulk.supports.iter().for_each(|(set, _, place)| count(&mut all.spc, *set, place, 1));
+        bulk.enforced.iter().for_each(|(set, _, place)| count(&mut all.enforced, *set, place, 1));
         all
     }
 
@@ -95,8 +96,8 @@ impl Defined {
     }
 }
 
-fn count(uses: &mut Uses, set: u32, place: &Place) {
-    uses.entry(set).or_insert_with(|| (place.clone(), 0)).1 += 1;
+fn count(uses: &mut Uses, set: u32, place: &Place, cards: usize) {
+    uses.entry(set).or_insert_with(|| (place.clone(), 0)).1 += cards;
 }
 
 fn warn_unused(kind: &str, uses: &Uses, used: impl Fn(u32) -> bool, model: &mut Model) {

@@ -53,9 +53,10 @@ pub(super) fn members(set: u32, unions: &Unions) -> Result<BTreeSet<u32>, (Place
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::deck::CardName;
 
     fn unions(parts: &[(u32, &[u32])]) -> Unions {
-        let place = |set| Place { name: format!("SPCADD {set}").into(), file: 0, line: 1, lines: 1 };
+        let place = |set| Place { name: CardName::numbered("SPCADD", set), file: 0, line: 1, lines: 1 };
         parts.iter().map(|&(set, of)| (set, vec![(of.to_vec(), place(set))])).collect()
     }
 

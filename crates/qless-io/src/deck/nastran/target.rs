@@ -2,7 +2,6 @@
 
 use std::collections::BTreeSet;
 
-use super::bulk::Tie;
 use super::content::Content;
 use super::control::Selection;
 use super::selected::selections;
@@ -54,16 +53,14 @@ impl Target {
     fn without_emptied(mut self, content: &Content, deck: &Deck, plan: &Plan) -> Result<Self, CleanError> {
         let place = |i: usize| {
             let origin = deck.model.equation(i).origin;
-            (deck.model.cards[origin.card as usize].file, origin.line)
+            (deck.model.cards.get(origin.card).file, origin.line)
         };
         let gone: BTreeSet<(u32, u32)> = plan.removed.iter().map(|removed| place(removed.equation)).collect();
         let (mut before, mut after) = (BTreeSet::new(), BTreeSet::new());
-        for (tie, place) in &content.bulk.ties {
-            if let Tie::Mpc { set, .. } = tie {
-                before.insert(*set);
-                if !gone.contains(&(place.file, place.line)) {
-                    after.insert(*set);
-                }
+        for card in content.bulk.ties.mpcs() {
+            before.insert(card.set);
+            if !gone.contains(&(card.file, card.line)) {
+                after.insert(card.set);
             }
         }
         if !plan.written.is_empty() {
@@ -102,8 +99,7 @@ fn set_of(selection: &Selection) -> Option<u32> {
 
 /// One more than the largest number of an MPC set; 1 where there is none.
 fn unused_set(content: &Content) -> u32 {
-    let own =
-        content.bulk.ties.iter().filter_map(|(tie, _)| if let Tie::Mpc { set, .. } = tie { Some(*set) } else { None });
+    let own = content.bulk.ties.mpcs().map(|card| card.set);
     let unions = content.bulk.mpc_unions.iter();
     let named = unions.flat_map(|(&set, cards)| cards.iter().flat_map(|(of, _)| of.iter().copied()).chain([set]));
     own.chain(named).max().unwrap_or(0).saturating_add(1)

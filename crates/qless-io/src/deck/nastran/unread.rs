@@ -70,10 +70,15 @@ const UNREAD: [Unread; 37] = [
     unread("RELEASE", "releases components between superelements", Elsewhere),
 ];
 
+/// The names of such cards.
+pub(super) fn names() -> impl Iterator<Item = &'static str> {
+    UNREAD.iter().map(|entry| entry.name)
+}
+
 impl Unread {
     /// The entry of a card's name in capitals.
-    pub fn of(name: &[u8]) -> Option<&'static Self> {
-        UNREAD.iter().find(|entry| entry.name.as_bytes() == name)
+    pub fn of(name: &str) -> Option<&'static Self> {
+        UNREAD.iter().find(|entry| entry.name == name)
     }
 
     /// One sentence: what the card is and which grid points it names.

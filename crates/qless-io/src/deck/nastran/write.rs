@@ -43,7 +43,7 @@ impl Changes {
         let mut texts: BTreeMap<At, (u32, String)> = BTreeMap::new();
         for removed in &plan.removed {
             let origin = model.equation(removed.equation).origin;
-            let file = model.cards[origin.card as usize].file;
+            let file = model.cards.get(origin.card).file;
             let text = texts.entry((file, origin.line)).or_insert((origin.lines, String::new()));
             if text.1.is_empty() || matches!(removed.reason, Reason::Fault(_)) {
                 text.1 = comment(model, removed, !plan.written.is_empty());

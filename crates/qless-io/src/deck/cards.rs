@@ -1,0 +1,149 @@
+//! The cards of a deck. A million that count up evenly, as `CE 1`, `CE 2` and so on do, take no more room than one.
+
+use std::collections::BTreeSet;
+
+use super::CardName;
+
+/// A card that constrains: its name and where it begins.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Card {
+    /// As the deck calls it, such as `*EQUATION` or `RBE2 12`.
+    pub name: CardName,
+    /// Index into [`Model::files`](super::Model::files).
+    pub file: u32,
+    /// First line, from 1.
+    pub line: u32,
+    /// Whether equations cannot stand in for it, because the solver adds DOFs of its own to it.
+    pub is_fixed: bool,
+}
+
+/// Cards by their number, from 0.
+///
+/// ```
+/// # let place = tempfile::tempdir()?;
+/// let path = place.path().join("ties.cdb");
+/// std::fs::write(&path, "CE,4,0,1,UX,1,2,UX,-1\nCE,5,0,1,UY,1,2,UY,-1\n")?;
+/// let cards = qless_io::deck::read(&path)?.model.cards;
+/// assert_eq!((cards.len(), cards.get(1).name.to_string(), cards.get(1).line), (2, "CE 5".to_owned(), 2));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct Cards {
+    runs: Vec<Run>,
+    count: u32,
+    fixed: BTreeSet<u32>,
+}
+
+/// Cards from `first` on: card `first + k` has a name `k numbers` above that of `card` and stands `k lines` lines further on.
+#[derive(Clone, Debug)]
+struct Run {
+    first: u32,
+    card: Card,
+    numbers: u32,
+    lines: u32,
+}
+
+impl Run {
+    fn at(&self, i: u32) -> Card {
+        let k = i - self.first;
+        let name = self.card.name.counted(k.wrapping_mul(self.numbers));
+        Card { name, line: self.card.line.wrapping_add(k.wrapping_mul(self.lines)), ..self.card }
+    }
+
+    /// Takes card `i` in, if it follows; the second one says how they count.
+    fn take(&mut self, i: u32, card: &Card) -> bool {
+        if self.first + 1 == i {
+            self.numbers = self.card.name.distance(&card.name);
+            self.lines = card.line.wrapping_sub(self.card.line);
+        }
+        let k = i - self.first;
+        let line = self.card.line.wrapping_add(k.wrapping_mul(self.lines));
+        line == card.line
+            && self.card.file == card.file
+            && self.card.name.is_counted(k.wrapping_mul(self.numbers), &card.name)
+    }
+}
+
+impl Cards {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.count as usize
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Card `i`, as an [`Origin`](super::Origin) has it.
+    pub fn get(&self, i: u32) -> Card {
+        let run = &self.runs[self.runs.partition_point(|run| run.first <= i) - 1];
+        Card { is_fixed: self.fixed.contains(&i), ..run.at(i) }
+    }
+
+    /// The card added last.
+    pub(super) fn last(&self) -> Option<Card> {
+        self.runs.last().map(|run| run.at(self.count - 1))
+    }
+
+    /// The first card of this name.
+    pub(super) fn find(&self, name: &str) -> Option<u32> {
+        (0..self.count).find(|&i| self.get(i).name == name)
+    }
+
+    /// Adds a card and returns its number.
+    pub(super) fn push(&mut self, name: CardName, file: u32, line: u32) -> u32 {
+        let card = Card { name, file, line, is_fixed: false };
+        if !self.runs.last_mut().is_some_and(|run| run.take(self.count, &card)) {
+            self.runs.push(Run { first: self.count, card, numbers: 0, lines: 0 });
+        }
+        self.count += 1;
+        self.count - 1
+    }
+
+    /// Says whether equations cannot stand in for card `i`.
+    pub(super) fn fix(&mut self, i: u32, is_fixed: bool) {
+        if is_fixed {
+            self.fixed.insert(i);
+        } else {
+            self.fixed.remove(&i);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cards_are_kept_as_they_come() {
+        let numbered = |word, number| CardName::numbered(word, number);
+        let added = [
+            (numbered("CE", 1), 0, 2),
+            (numbered("CE", 2), 0, 4),
+            (numbered("CE", 3), 0, 6),
+            (numbered("CE", 5), 0, 8),
+            (numbered("CE", 7), 0, 10),
+            (numbered("CE", 9), 1, 12),
+            (numbered("CP", 10), 1, 12),
+            ("D".into(), 1, 13),
+            ("D".into(), 1, 14),
+            ("F 1".to_owned().into(), 1, 15),
+            (numbered("F", 2), 1, 16),
+            (numbered("F", u32::MAX), 1, 17),
+        ];
+        let mut cards = Cards::default();
+        for (i, (name, file, line)) in added.iter().enumerate() {
+            assert_eq!(cards.push(name.clone(), *file, *line), i as u32);
+            assert_eq!(cards.last().map(|card| card.name), Some(name.clone()));
+        }
+        cards.fix(4, true);
+        cards.fix(5, true);
+        cards.fix(5, false);
+        for (i, (name, file, line)) in added.into_iter().enumerate() {
+            assert_eq!(cards.get(i as u32), Card { name, file, line, is_fixed: i == 4 });
+        }
+        assert_eq!((cards.find("D"), cards.find("E"), cards.len(), cards.is_empty()), (Some(7), None, 12, false));
+        assert_eq!(cards.runs.len(), 7);
+    }
+}
