@@ -41,6 +41,7 @@ mod preferences;
 mod presolve;
 pub mod qr;
 mod reduction;
+mod refresh;
 mod report;
 mod scale;
 mod sensitivity;
@@ -54,6 +55,7 @@ pub use confidence::Confidence;
 pub use options::{BackendChoice, OptionError, Options, Tolerance};
 pub use preferences::Preferences;
 pub use reduction::Reduction;
+pub use refresh::{RefreshError, Refreshed, Refresher};
 pub use report::{
     BackendUsed, Certificate, Counts, DependentEquation, GeneratedCondition, InputSizes, Milliseconds, Omitted,
     ReductionSizes, Report, Term, Unmet,
