@@ -9,7 +9,7 @@ use qless::{Analysis, ConstraintSystem, Options, Reduction, analyse};
 use qless_scenes::families::{self, Windows};
 use qless_scenes::fssi::{self, Mesh};
 
-const ROUNDS: usize = 7;
+const ROUNDS: usize = 5;
 
 fn main() {
     let short = std::env::args().any(|argument| argument == "--test");
@@ -20,10 +20,10 @@ fn main() {
     );
     let nodes = size(2_000, 300_000);
     measure("graph", &families::random_graph(nodes, nodes, 1).expect("a scene").system);
-    let side = size(20, 120);
+    let side = size(20, 40);
     let windows = Windows { extent: [side, side, 1], d: 1, window: 4, stride: 2, rows: 2, combos: 20 };
     measure("windows in the plane", &windows.scene(1).expect("a scene").system);
-    let mesh = Mesh::with_equations(size(1_000, 8_000));
+    let mesh = Mesh::with_equations(size(1_000, 2_000));
     measure("mortar tie", &fssi::mortar(&mesh, 1).expect("a scene").system);
 }
 
