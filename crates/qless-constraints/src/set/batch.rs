@@ -62,15 +62,16 @@ impl Batch {
         let u = &u[self.base as usize..];
         match (&self.lengths, u.first_chunk::<NEAR>()) {
             // No place has to be checked.
-            (Lengths::Near(all), Some(u)) => {
-                all.iter().for_each(|length| length.evaluate(lists, |j| u[usize::from(j)], c))
-            }
-            (Lengths::Near(all), None) => {
-                all.iter().for_each(|length| length.evaluate(lists, |j| u[usize::from(j)], c))
-            }
-            (Lengths::Far(all), _) => all.iter().for_each(|length| length.evaluate(lists, |j| u[j as usize], c)),
+            (Lengths::Near(all), Some(u)) => each(all, lists, |j| u[usize::from(j)], c),
+            (Lengths::Near(all), None) => each(all, lists, |j| u[usize::from(j)], c),
+            (Lengths::Far(all), _) => each(all, lists, |j| u[j as usize], c),
         }
     }
+}
+
+#[inline]
+fn each<I: Copy>(all: &[Length<I>], lists: &[f64], u: impl Fn(I) -> f64 + Copy, c: &mut [f64]) {
+    all.iter().for_each(|length| length.evaluate(lists, u, c));
 }
 
 fn lengths<I>(equations: &[Equation], lists: &mut Lists, dof: impl Fn(u32) -> I) -> Vec<Length<I>> {
@@ -91,7 +92,7 @@ fn lengths<I>(equations: &[Equation], lists: &mut Lists, dof: impl Fn(u32) -> I)
 
 impl<I: Copy> Length<I> {
     #[inline]
-    fn evaluate(&self, lists: &[f64], u: impl Fn(I) -> f64, c: &mut [f64]) {
+    fn evaluate(&self, lists: &[f64], u: impl Fn(I) -> f64 + Copy, c: &mut [f64]) {
         match self.terms {
             1 => self.fixed::<1>(lists, u, c),
             2 => self.fixed::<2>(lists, u, c),
