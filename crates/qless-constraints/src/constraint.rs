@@ -66,6 +66,10 @@ pub trait Nonlinear: Send + Sync + Sized + 'static {
     const DOFS: usize = 0;
     /// Whether c is a polynomial of degree two: then [`Nonlinear::hessian`] does not depend on u, and is given none.
     const QUADRATIC: bool = false;
+    /// Which number of [`Nonlinear::hessian`] each pair takes, repeated over all pairs; empty if each pair has its own.
+    ///
+    /// Where few numbers make many entries, `[0, 1, 0]` for `v, -v, v, v, -v, v`, only these are written.
+    const NUMBERS: &'static [usize] = &[];
     /// A name for each equation, such as "x"; a single equation has an empty one.
     const PARTS: &'static [&'static str];
 
@@ -82,8 +86,15 @@ pub trait Nonlinear: Send + Sync + Sized + 'static {
         derive::jacobian(self, u, c, g);
     }
 
-    /// `sum_r w_r d^2 c_r / du_j du_k`, one number per pair, in the order of [`Nonlinear::pairs`]; every number is written.
+    /// `sum_r w_r d^2 c_r / du_j du_k`, one number per pair, in the order of [`Nonlinear::pairs`], or as
+    /// [`Nonlinear::NUMBERS`] says; every number is written.
     fn hessian(&self, u: &[f64], w: &[f64], h: &mut [f64]) {
         derive::hessian(self, u, w, h);
+    }
+
+    /// Which number the pair takes that [`Nonlinear::pairs`] names at this place.
+    #[doc(hidden)]
+    fn number(pair: usize) -> usize {
+        if Self::NUMBERS.is_empty() { pair } else { Self::NUMBERS[pair % Self::NUMBERS.len()] }
     }
 }

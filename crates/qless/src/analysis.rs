@@ -95,14 +95,14 @@ pub struct Analysis {
     pub timings: Timings,
     /// Name and version of the backend.
     pub backend: (&'static str, String),
-    options: Options,
-    basis: Basis,
-    blocks: Vec<Block>,
-    history: History,
-    scaling: Scaling,
-    numbering: Numbering,
+    pub(crate) options: Options,
+    pub(crate) basis: Basis,
+    pub(crate) blocks: Vec<Block>,
+    pub(crate) history: History,
+    pub(crate) scaling: Scaling,
+    pub(crate) numbering: Numbering,
     /// Local numbers of [`Analysis::generated`].
-    fixed: Vec<u32>,
+    pub(crate) fixed: Vec<u32>,
     times: OnceLock<Vec<u32>>,
 }
 

@@ -179,10 +179,15 @@ impl Basis {
 
     /// Completes u, in which masters and prescribed DOFs are set.
     pub fn complete(&self, u: &mut [f64]) {
+        self.complete_with(&self.constants, u);
+    }
+
+    /// The same with other constants.
+    pub fn complete_with(&self, constants: &[f64], u: &mut [f64]) {
         for t in (0..self.rank()).rev() {
             let (dofs, values) = self.row(t);
             let sum: f64 = dofs.iter().zip(values).map(|(&j, v)| v * u[j as usize]).sum();
-            u[self.slaves[t] as usize] = self.constants[t] + sum;
+            u[self.slaves[t] as usize] = constants[t] + sum;
         }
     }
 }

@@ -42,6 +42,7 @@ mod presolve;
 pub mod qr;
 mod random;
 mod reduction;
+mod refresh;
 mod report;
 mod scale;
 mod sensitivity;
@@ -56,6 +57,7 @@ pub use confidence::Confidence;
 pub use options::{BackendChoice, OptionError, Options, Tolerance};
 pub use preferences::Preferences;
 pub use reduction::Reduction;
+pub use refresh::{RefreshError, Refreshed, Refresher};
 pub use report::{
     BackendUsed, Certificate, Counts, DependentEquation, GeneratedCondition, InputSizes, Milliseconds, Omitted,
     ReductionSizes, Report, Term, Unmet,

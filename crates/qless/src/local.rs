@@ -16,6 +16,8 @@ pub(crate) struct Numbering {
     pub free: Vec<bool>,
     /// Local prescribed DOFs with their values, in the user's order.
     prescribed: Vec<(usize, f64)>,
+    /// Where each of them stands in the user's list.
+    places: Vec<u32>,
 }
 
 /// Rows that hold a DOF: how many, and their exclusive or, which is the row itself where there is one.
@@ -89,10 +91,11 @@ impl Numbering {
         dofs.truncate(count as usize);
         columns.truncate(count as usize);
         let mut free = vec![true; dofs.len()];
-        let named = system.prescribed().iter().filter(|&&(j, _)| local[j] != u32::MAX);
-        let prescribed: Vec<_> = named.map(|&(j, value)| (local[j] as usize, value)).collect();
+        let named = system.prescribed().iter().zip(0..).filter(|&(&(j, _), _)| local[j] != u32::MAX);
+        let (prescribed, places): (Vec<_>, Vec<_>) =
+            named.map(|(&(j, value), place)| ((local[j] as usize, value), place)).unzip();
         prescribed.iter().for_each(|&(l, _)| free[l] = false);
-        (Self { entries, dofs, free, prescribed }, columns, exponents)
+        (Self { entries, dofs, free, prescribed, places }, columns, exponents)
     }
 
     /// The system with these numbers and b as given.
@@ -136,6 +139,12 @@ impl<'a> Local<'a> {
     /// Local prescribed DOFs and their values.
     pub fn prescribed(self) -> &'a [(usize, f64)] {
         &self.numbering.prescribed
+    }
+
+    /// Local prescribed DOFs and where they stand in the user's list.
+    pub fn prescribed_places(self) -> impl Iterator<Item = (usize, usize)> + 'a {
+        let numbering = self.numbering;
+        numbering.prescribed.iter().zip(&numbering.places).map(|(&(l, _), &place)| (l, place as usize))
     }
 
     /// DOFs and coefficients of an equation, ascending by the user's numbers.

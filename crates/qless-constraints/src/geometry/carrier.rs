@@ -121,15 +121,23 @@ impl Carrier {
     /// The point x, and `sign dx` in the columns from `first` of `g`, 3 x n.
     #[inline]
     pub fn write_slopes(&self, u: &[f64], sign: f64, first: usize, n: usize, g: &mut [f64]) -> Vector<f64> {
-        let (position, rotation) = u.split_at(self.kind.positions());
-        let (turned, slopes) = turned::slopes(self.kind, rotation, self.arm);
-        for (axis, row) in g.chunks_exact_mut(n).enumerate() {
-            let (moves, turns) = row[first..first + u.len()].split_at_mut(position.len());
-            moves.iter_mut().enumerate().for_each(|(k, g)| *g = if k == axis { sign } else { 0.0 });
-            turns.iter_mut().zip(slopes[axis]).for_each(|(g, slope)| *g = sign * slope);
+        if self.kind == Kind::Ground {
+            return add(self.at, self.arm);
         }
-        let base = add(self.at, turned);
-        if position.is_empty() { base } else { add(base, [position[0], position[1], position[2]]) }
+        let (position, rotation) = u.split_at(3);
+        let (turned, slopes) = turned::slopes(self.kind, rotation, self.arm);
+        for axis in 0..3 {
+            let row = &mut g[axis * n + first..][..u.len()];
+            let ([x, y, z], s) =
+                (std::array::from_fn(|k| if k == axis { sign } else { 0.0 }), slopes[axis].map(|s| sign * s));
+            // Written as a whole, in a length that the compiler knows.
+            match self.kind {
+                Kind::Ground | Kind::Node => row.copy_from_slice(&[x, y, z]),
+                Kind::Vector => row.copy_from_slice(&[x, y, z, s[0], s[1], s[2]]),
+                Kind::Euler => row.copy_from_slice(&[x, y, z, s[0], s[1], s[2], s[3]]),
+            }
+        }
+        add(add(self.at, turned), [position[0], position[1], position[2]])
     }
 
     /// The lower triangle of the Hessian of `m . x`, in the rotations.

@@ -1,6 +1,7 @@
 //! Points, faces and rotations that the types share.
 
 pub mod carrier;
+mod factors;
 pub mod node;
 pub mod project;
 pub mod rotation;

@@ -5,6 +5,7 @@
 //! `phi = m.s + a(y) alpha + b(y) beta`, `alpha = theta.n`, `beta = (m.theta)(s.theta) - y m.s`.
 
 use super::carrier::Kind;
+use super::factors::factors;
 use crate::scalar::vector::{Vector, cross, dot};
 
 /// Lower triangles of up to four rotations, row by row.
@@ -31,20 +32,33 @@ pub fn gradient(kind: Kind, u: &[f64], s: Vector<f64>, m: Vector<f64>, out: &mut
 /// `R s`, and `d(R s)`, 3 x rotations.
 #[inline]
 pub fn slopes(kind: Kind, u: &[f64], s: Vector<f64>) -> (Vector<f64>, [[f64; 4]; 3]) {
+    if kind == Kind::Vector {
+        return slopes_by_vector([u[0], u[1], u[2]], s);
+    }
     let mut rows = [[0.0; 4]; 3];
-    if kind != Kind::Vector {
+    if kind == Kind::Euler {
         rows.iter_mut().enumerate().for_each(|(axis, row)| gradient(kind, u, s, unit(axis), row));
-        return (kind.turn(u, s), rows);
     }
-    let theta = [u[0], u[1], u[2]];
-    let factors = factors(dot(theta, theta));
-    let mut turned = [0.0; 3];
-    for (axis, row) in rows.iter_mut().enumerate() {
-        let phi = Phi::new(theta, s, unit(axis), factors);
-        turned[axis] = phi.ms + phi.a[0] * phi.alpha + phi.b[0] * phi.beta;
-        row[..3].copy_from_slice(&phi.gradient());
+    (kind.turn(u, s), rows)
+}
+
+/// `R s = s + a v + b w` with `v = theta x s`, `w = theta x v`, and
+/// `d(R s) = -a [s]x + b ((theta.s) I + theta s^T - 2 s theta^T) + 2 (a' v + b' w) theta^T`.
+#[inline]
+fn slopes_by_vector(theta: Vector<f64>, s: Vector<f64>) -> (Vector<f64>, [[f64; 4]; 3]) {
+    let [a, b] = factors(dot(theta, theta));
+    let once = cross(theta, s);
+    let (twice, along) = (cross(theta, once), b[0] * dot(theta, s));
+    let side: Vector<f64> = std::array::from_fn(|i| 2.0 * (a[1] * once[i] + b[1] * twice[i] - b[0] * s[i]));
+    let spin = s.map(|x| a[0] * x);
+    let skew = [[0.0, spin[2], -spin[1]], [-spin[2], 0.0, spin[0]], [spin[1], -spin[0], 0.0]];
+    let mut rows = [[0.0; 4]; 3];
+    for i in 0..3 {
+        let tilt = b[0] * theta[i];
+        (0..3).for_each(|k| rows[i][k] = skew[i][k] + tilt * s[k] + side[i] * theta[k]);
+        rows[i][i] += along;
     }
-    (turned, rows)
+    (std::array::from_fn(|i| s[i] + a[0] * once[i] + b[0] * twice[i]), rows)
 }
 
 fn unit(axis: usize) -> Vector<f64> {
@@ -106,78 +120,23 @@ impl Phi {
         std::array::from_fn(|k| self.a[0] * self.n[k] + self.b[0] * self.slope_beta[k] + along * self.theta[k])
     }
 
-    /// The derivative of the gradient, term by term.
+    /// The derivative of the gradient: `q theta^T + theta q^T + b (m s^T + s m^T) + d I`.
     #[inline]
     fn hessian(&self, out: &mut [f64]) {
-        let (t, s, m) = (self.theta, self.s, self.m);
-        let side: Vector<f64> = std::array::from_fn(|k| 2.0 * (self.a[1] * self.n[k] + self.b[1] * self.slope_beta[k]));
-        let twice = 4.0 * (self.a[2] * self.alpha + self.b[2] * self.beta);
-        let diagonal = 2.0 * (self.a[1] * self.alpha + self.b[1] * self.beta - self.b[0] * self.ms);
-        for (h, (j, k)) in out.iter_mut().zip(LOWER) {
-            let both = side[j] * t[k] + t[j] * side[k] + self.b[0] * (m[j] * s[k] + s[j] * m[k]);
-            *h = both + twice * t[j] * t[k] + if j == k { diagonal } else { 0.0 };
-        }
-    }
-}
-
-/// `a = sin t / t`, `b = (1 - cos t) / t^2` and two derivatives of each with respect to `y = t^2`.
-fn factors(y: f64) -> [[f64; 3]; 2] {
-    if y < 4.0 {
-        return [series(y, 1.0), series(y, 2.0)];
-    }
-    let t = y.sqrt();
-    let (sin, cos) = t.sin_cos();
-    let half = (0.5 * t).sin();
-    let (a, b) = (sin / t, 2.0 * half * half / y);
-    // d(cos t)/dy = -a / 2, and so on.
-    let (slope_a, slope_b) = ((cos - a) / (2.0 * y), (a - 2.0 * b) / (2.0 * y));
-    let curves = [(-0.5 * a - 3.0 * slope_a) / (2.0 * y), (slope_a - 4.0 * slope_b) / (2.0 * y)];
-    [[a, slope_a, curves[0]], [b, slope_b, curves[1]]]
-}
-
-/// `sum_k (-y)^k / (2k + first)!` and two derivatives, by Horner's rule; for y below 5 the next term is below 1e-25.
-fn series(y: f64, first: f64) -> [f64; 3] {
-    let coefficients = if first == 1.0 { &ODD } else { &EVEN };
-    let (mut value, mut slope, mut half_curve) = (0.0, 0.0, 0.0);
-    // Small rotations are common, and eight terms are enough: the ninth adds less than 1e-20 to the second derivative.
-    let terms = if y < 0.05 { 8 } else { coefficients.len() };
-    for c in coefficients[..terms].iter().rev() {
-        half_curve = half_curve * y + slope;
-        slope = slope * y + value;
-        value = value * y + c;
-    }
-    [value, slope, 2.0 * half_curve]
-}
-
-const ODD: [f64; 16] = inverse_factorials(1);
-const EVEN: [f64; 16] = inverse_factorials(2);
-
-/// `(-1)^k / (2k + first)!`.
-const fn inverse_factorials(first: u32) -> [f64; 16] {
-    let mut all = [0.0; 16];
-    let (mut k, mut c) = (0, 1.0 / first as f64);
-    while k < 16 {
-        all[k] = c;
-        let n = 2 * k as u32 + first;
-        c /= -(((n + 1) * (n + 2)) as f64);
-        k += 1;
-    }
-    all
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The closed forms go on where the series end. Nearer to zero they would lose digits in differences.
-    #[test]
-    fn series_and_closed_forms_agree() {
-        for y in [4.0, 4.5, 5.0] {
-            for (closed, first) in factors(y).iter().zip([1.0, 2.0]) {
-                for (a, b) in closed.iter().zip(series(y, first)) {
-                    assert!((a - b).abs() < 1e-14 * b.abs(), "y = {y}: {a}, {b}");
-                }
-            }
-        }
+        let (t, s, [a, b]) = (self.theta, self.s, [self.a, self.b]);
+        let twice = 2.0 * (a[2] * self.alpha + b[2] * self.beta);
+        let q: Vector<f64> =
+            std::array::from_fn(|k| 2.0 * (a[1] * self.n[k] + b[1] * self.slope_beta[k]) + twice * t[k]);
+        let m = self.m.map(|m| b[0] * m);
+        let diagonal = 2.0 * (a[1] * self.alpha + b[1] * self.beta - b[0] * self.ms);
+        let entry = |j: usize, k: usize| q[j] * t[k] + t[j] * q[k] + (m[j] * s[k] + s[j] * m[k]);
+        out[..6].copy_from_slice(&[
+            entry(0, 0) + diagonal,
+            entry(1, 0),
+            entry(1, 1) + diagonal,
+            entry(2, 0),
+            entry(2, 1),
+            entry(2, 2) + diagonal,
+        ]);
     }
 }

@@ -4,11 +4,13 @@
 //! may be independent by as little as the distance to it. That does no harm: their values differ by the square of the
 //! distance, so that a step which satisfies both is no longer than the distance, and the convergence stays quadratic.
 
+mod linearisation;
 mod redundancy;
 mod residual;
 
-use qless::{Analysis, AnalysisError, ConstraintSystem, Kind, Options, SystemError, analyse};
+use qless::{Analysis, AnalysisError, Kind, Options, SystemError};
 
+use linearisation::Linearisation;
 pub use redundancy::{Redundancy, redundancies};
 use residual::residuals;
 
@@ -120,14 +122,16 @@ pub fn solve(
     options: &NewtonOptions,
 ) -> Result<Solution, NewtonError> {
     let mut run = Run::new(set, u, prescribed, options);
+    let mut before = None;
     for step in 0..=options.steps {
-        let (system, analysis) = run.look(step)?;
+        let mut linearisation = run.look(step, before)?;
         if run.done() {
-            let redundant = dependent(&analysis);
+            let redundant = dependent(&linearisation.analysis);
             return Ok(Solution { u: run.u, iterates: run.iterates, redundant });
         }
-        run.check_conflict(&analysis)?;
-        run.advance(&system, &analysis);
+        run.check_conflict(&linearisation.analysis)?;
+        run.advance(&mut linearisation);
+        before = Some(linearisation);
     }
     Err(NewtonError::NoConvergence { steps: options.steps, residual: run.last() })
 }
@@ -157,22 +161,22 @@ impl<'a> Run<'a> {
         Self { set, options, prescribed, u, quantities, residuals, iterates: Vec::new() }
     }
 
-    /// Linearises and analyses at the present u.
-    fn look(&mut self, step: usize) -> Result<(ConstraintSystem, Analysis), NewtonError> {
+    /// Linearises and analyses at the present u; where all equations are linear, what was found before still holds.
+    fn look(&mut self, step: usize, before: Option<Linearisation>) -> Result<Linearisation, NewtonError> {
         let increments: Vec<_> = self.prescribed.iter().map(|&(j, v)| (j, v - self.u.get(j).unwrap_or(&0.0))).collect();
-        let system = self
-            .set
-            .linearised(&self.quantities, &increments)
-            .map_err(|source| NewtonError::System { step, source })?;
-        let analysis =
-            analyse(&system, &self.options.analysis).map_err(|source| NewtonError::Analysis { step, source })?;
+        let constant = self.set.linear_rows().len() == self.set.equations();
+        let known = before.filter(|_| constant).and_then(|before| before.refreshed(&self.quantities, &increments));
+        let found = match known {
+            Some(known) => known,
+            None => Linearisation::new(self.set, &self.quantities, &increments, (step, self.options))?,
+        };
         let ahead = increments.iter().map(|&(_, increment): &(usize, f64)| increment.abs());
         self.iterates.push(Iterate {
             residual: self.residuals.iter().copied().chain(ahead).fold(0.0, f64::max),
-            rank: analysis.rank(),
-            left_out: dependent(&analysis),
+            rank: found.analysis.rank(),
+            left_out: dependent(&found.analysis),
         });
-        Ok((system, analysis))
+        Ok(found)
     }
 
     fn last(&self) -> f64 {
@@ -207,11 +211,8 @@ impl<'a> Run<'a> {
     }
 
     /// `u += du`, masters staying where they are.
-    fn advance(&mut self, system: &ConstraintSystem, analysis: &Analysis) {
-        let reduction = analysis.reduction(system);
-        let increments: Vec<f64> = system.prescribed().iter().map(|&(_, v)| v).collect();
-        let du = reduction.expand(&vec![0.0; reduction.masters.len()], &increments);
-        self.u.iter_mut().zip(&du).for_each(|(u, du)| *u += du);
+    fn advance(&mut self, linearisation: &mut Linearisation) {
+        self.u.iter_mut().zip(linearisation.step()).for_each(|(u, du)| *u += du);
         self.set.evaluate(&self.u, &mut self.quantities);
         self.residuals = residuals(&self.quantities);
     }

@@ -4,17 +4,16 @@
 //! order, so that no two tasks write the same entry and the sum does not depend on the threads. A constraint that
 //! touches two chunks is evaluated twice, which costs less than a lock.
 
-use std::sync::Arc;
+use std::ops::Range;
 
 use qless::Csr;
 use rayon::prelude::*;
 
 use super::block::Block;
+use super::sums::{NUMBERS, Sums};
 
 /// Entries of H per task: they stay in the cache of one core.
 const ENTRIES: usize = 1 << 14;
-/// The place of an entry that belongs to another task.
-const ELSEWHERE: u32 = u32::MAX;
 
 /// The pattern of H and the way into it.
 pub(super) struct Plan {
@@ -24,73 +23,39 @@ pub(super) struct Plan {
 }
 
 /// Rows of H that one task owns.
+#[derive(Default)]
 struct Chunk {
     entries: usize,
     /// One share per block; blocks of no interest have none.
-    shares: Vec<(usize, Share)>,
+    shares: Vec<Share>,
+    /// Entries from the numbers of all shares.
+    sums: Sums,
 }
 
-/// Constraints of one block that touch a chunk, and where their entries go.
-pub(super) struct Share {
-    pub items: Vec<u32>,
-    pub places: Vec<u32>,
-    pub mirror: Arc<Mirrors>,
+/// Constraints of one block that touch a chunk, and how many numbers their Hessians have.
+struct Share {
+    block: usize,
+    /// Constraints, in runs without gaps.
+    items: Vec<Range<u32>>,
+    numbers: usize,
 }
 
-/// How pairs become entries: `(j, k)` and, off the diagonal, `(k, j)`. One for each kind of list that occurs in a block.
-pub(super) struct Mirrors {
-    kinds: Vec<Mirror>,
-    /// Which kind a constraint has; empty if there is only one.
-    kind: Vec<u32>,
-}
-
-/// First come the pairs `(j, k)`, then `(k, j)` for those off the diagonal.
-#[derive(PartialEq)]
-pub(super) struct Mirror {
-    pub pairs: usize,
-    pub mirrored: Vec<u32>,
-}
-
-impl Mirrors {
-    pub fn of(&self, i: usize) -> &Mirror {
-        &self.kinds[self.kind.get(i).map_or(0, |&kind| kind as usize)]
-    }
-
-    fn new(block: &dyn Block) -> Self {
-        let mut kinds: Vec<Mirror> = Vec::new();
-        let mut kind = Vec::with_capacity(block.items());
-        for i in 0..block.items() {
-            let mirror = mirror(block, i);
-            let known = kinds.iter().position(|k| *k == mirror);
-            kind.push(known.unwrap_or(kinds.len()) as u32);
-            if known.is_none() {
-                kinds.push(mirror);
-            }
+impl Share {
+    fn push(&mut self, i: u32, numbers: usize) {
+        match self.items.last_mut().filter(|run| run.end == i) {
+            Some(run) => run.end += 1,
+            None => self.items.push(i..i + 1),
         }
-        if kinds.len() <= 1 {
-            kind = Vec::new();
-        }
-        Self { kinds, kind }
+        self.numbers += numbers;
     }
 }
 
-fn mirror(block: &dyn Block, i: usize) -> Mirror {
-    let mut mirror = Mirror { pairs: 0, mirrored: Vec::new() };
-    block.pairs(i, &mut |j, k| {
+/// Calls `entry` with row, column and number of all entries of a constraint: `(j, k)` and, off the diagonal, `(k, j)`.
+fn entries(block: &dyn Block, i: usize, entry: &mut dyn FnMut(u32, u32, usize)) {
+    block.pairs(i, &mut |j, k, number| {
+        entry(j, k, number);
         if j != k {
-            mirror.mirrored.push(mirror.pairs as u32);
-        }
-        mirror.pairs += 1;
-    });
-    mirror
-}
-
-/// All entries of a constraint, in the order of its [`Mirror`].
-fn entries(block: &dyn Block, i: usize, entry: &mut dyn FnMut(u32, u32)) {
-    block.pairs(i, &mut |j, k| entry(j, k));
-    block.pairs(i, &mut |j, k| {
-        if j != k {
-            entry(k, j);
+            entry(k, j, number);
         }
     });
 }
@@ -102,7 +67,7 @@ impl Plan {
         let (chunk_of, first_rows) = cut(&start);
         let mut chunks: Vec<Chunk> = first_rows
             .windows(2)
-            .map(|rows| Chunk { entries: start[rows[1]] - start[rows[0]], shares: Vec::new() })
+            .map(|rows| Chunk { entries: start[rows[1]] - start[rows[0]], ..Chunk::default() })
             .collect();
         for (b, block) in blocks.iter().enumerate() {
             share_out(b, block.as_ref(), &chunk_of, &mut chunks);
@@ -115,17 +80,22 @@ impl Plan {
     fn find_places(&mut self, blocks: &[Box<dyn Block>], first_rows: &[usize]) {
         let (start, col) = (&self.start, &self.col);
         self.chunks.par_iter_mut().zip(first_rows.par_windows(2)).for_each(|(chunk, rows)| {
-            let base = start[rows[0]];
-            for (b, share) in &mut chunk.shares {
-                for &i in &share.items {
-                    entries(blocks[*b].as_ref(), i as usize, &mut |j, k| {
+            let inside = start[rows[0]]..start[rows[1]];
+            let mut parts = Vec::with_capacity(inside.len());
+            let mut first = 0;
+            for share in &chunk.shares {
+                for i in share.items.iter().cloned().flatten() {
+                    entries(blocks[share.block].as_ref(), i as usize, &mut |j, k, number| {
                         let row = j as usize;
-                        let inside = (rows[0]..rows[1]).contains(&row);
-                        let place = || position(&col[start[row]..start[row + 1]], k) + start[row] - base;
-                        share.places.push(if inside { place() as u32 } else { ELSEWHERE });
+                        if (rows[0]..rows[1]).contains(&row) {
+                            let place = position(&col[start[row]..start[row + 1]], k) + start[row] - inside.start;
+                            parts.push((place as u32, (first + number) as u32));
+                        }
                     });
+                    first += blocks[share.block].numbers(i as usize);
                 }
             }
+            chunk.sums = Sums::new(inside.len(), first, parts);
         });
     }
 
@@ -158,10 +128,20 @@ impl Plan {
             (own, rest) = rest.split_at_mut(chunk.entries);
             tasks.push((chunk, own));
         }
-        tasks.into_par_iter().for_each(|(chunk, out)| {
-            out.fill(0.0);
-            chunk.shares.iter().for_each(|(b, share)| blocks[*b].add_hessian(u, weights[*b], share, out));
-        });
+        // The numbers of one chunk, in an array for each thread that stays in its cache.
+        tasks.into_par_iter().for_each_init(
+            || vec![0.0; NUMBERS],
+            |numbers, (chunk, out)| {
+                let mut first = 0;
+                for share in &chunk.shares {
+                    let last = first + share.numbers;
+                    numbers.resize(numbers.len().max(last), 0.0);
+                    blocks[share.block].curvatures(&share.items, u, weights[share.block], &mut numbers[first..last]);
+                    first = last;
+                }
+                chunk.sums.write(numbers, out);
+            },
+        );
     }
 }
 
@@ -172,17 +152,17 @@ fn position(cols: &[u32], k: u32) -> usize {
 
 /// Compressed rows of all entries, sorted, none twice.
 fn pattern(blocks: &[Box<dyn Block>], dofs: usize) -> (Vec<usize>, Vec<u32>) {
-    let each = |entry: &mut dyn FnMut(u32, u32)| {
+    let each = |entry: &mut dyn FnMut(u32, u32, usize)| {
         for block in blocks {
             (0..block.items()).for_each(|i| entries(block.as_ref(), i, entry));
         }
     };
     let mut next = vec![0_usize; dofs + 1];
-    each(&mut |j, _| next[j as usize + 1] += 1);
+    each(&mut |j, _, _| next[j as usize + 1] += 1);
     (0..dofs).for_each(|j| next[j + 1] += next[j]);
     let raw = next.clone();
     let mut all = vec![0_u32; raw[dofs]];
-    each(&mut |j, k| {
+    each(&mut |j, k, _| {
         all[next[j as usize]] = k;
         next[j as usize] += 1;
     });
@@ -212,19 +192,18 @@ fn cut(start: &[usize]) -> (Vec<u32>, Vec<usize>) {
 
 /// Gives each constraint of a block to the chunks that it touches.
 fn share_out(b: usize, block: &dyn Block, chunk_of: &[u32], chunks: &mut [Chunk]) {
-    let mirror = Arc::new(Mirrors::new(block));
     for i in 0..block.items() {
         let mut touched: Vec<u32> = Vec::new();
-        block.pairs(i, &mut |j, k| touched.extend([chunk_of[j as usize], chunk_of[k as usize]]));
+        block.pairs(i, &mut |j, k, _| touched.extend([chunk_of[j as usize], chunk_of[k as usize]]));
         touched.sort_unstable();
         touched.dedup();
         for chunk in touched {
             let shares = &mut chunks[chunk as usize].shares;
-            if shares.last().is_none_or(|&(last, _)| last != b) {
-                shares.push((b, Share { items: Vec::new(), places: Vec::new(), mirror: Arc::clone(&mirror) }));
+            if shares.last().is_none_or(|share| share.block != b) {
+                shares.push(Share { block: b, items: Vec::new(), numbers: 0 });
             }
-            if let Some((_, share)) = shares.last_mut() {
-                share.items.push(i as u32);
+            if let Some(share) = shares.last_mut() {
+                share.push(i as u32, block.numbers(i));
             }
         }
     }

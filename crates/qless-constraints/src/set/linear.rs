@@ -1,22 +1,22 @@
 //! All linear equations, `c = G u - b`; G is written once.
 
 use qless::Csr;
-use rayon::prelude::*;
 
+use super::batch::{Batch, ROWS};
 use super::labels::Owner;
-
-/// Rows per task.
-const CHUNK: usize = 4096;
+use super::lists::Lists;
 
 /// Linear equations, whatever types they come from.
 #[derive(Default)]
 pub(super) struct Rows {
-    /// Where each row ends among the terms.
+    owners: Vec<Owner>,
+    nnz: usize,
+    /// Where each row ends among the terms; like these, of no use when the set is built.
     end: Vec<usize>,
-    /// Moved into the pattern when the set is built.
     terms: Vec<(u32, f64)>,
     rhs: Vec<f64>,
-    owners: Vec<Owner>,
+    batches: Vec<Batch>,
+    lists: Vec<f64>,
 }
 
 impl Rows {
@@ -25,40 +25,48 @@ impl Rows {
         self.end.push(self.terms.len());
         self.rhs.push(rhs);
         self.owners.push(owner);
+        self.nnz = self.terms.len();
     }
 
     pub fn rows(&self) -> usize {
-        self.rhs.len()
+        self.owners.len()
     }
 
     pub fn nnz(&self) -> usize {
-        self.end.last().copied().unwrap_or(0)
+        self.nnz
     }
 
     pub fn owner(&self, row: usize) -> &Owner {
         &self.owners[row]
     }
 
-    /// Moves the terms to the end of `g`, which has no rows yet.
+    /// Moves the terms to the end of `g`, which has no rows yet, and into batches.
     pub fn write_pattern(&mut self, g: &mut Csr) {
+        let mut equations = Vec::with_capacity(self.rows());
         let mut first = 0;
-        for &end in &self.end {
+        for (&end, &rhs) in self.end.iter().zip(&self.rhs) {
+            equations.push((&self.terms[first..end], rhs));
             g.push_row(self.terms[first..end].iter().map(|&(j, v)| (j as usize, v)));
             first = end;
         }
-        self.terms = Vec::new();
+        let mut lists = Lists::default();
+        self.batches = equations.chunks(ROWS).map(|equations| Batch::new(equations, &mut lists)).collect();
+        self.lists = lists.numbers();
+        (self.end, self.terms, self.rhs) = (Vec::new(), Vec::new(), Vec::new());
     }
 
-    /// `c = G u - b` with the columns and values of these rows.
-    pub fn evaluate(&self, col: &[u32], val: &[f64], u: &[f64], c: &mut [f64]) {
-        c.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, c)| {
-            let first = chunk * CHUNK;
-            let mut from = if first == 0 { 0 } else { self.end[first - 1] };
-            for ((c, &end), &rhs) in c.iter_mut().zip(&self.end[first..]).zip(&self.rhs[first..]) {
-                let terms = col[from..end].iter().zip(&val[from..end]);
-                *c = terms.map(|(&j, &v)| v * u[j as usize]).sum::<f64>() - rhs;
-                from = end;
-            }
-        });
+    /// Number of batches; each has [`ROWS`] equations, the last one what is left.
+    pub fn batches(&self) -> usize {
+        self.batches.len()
+    }
+
+    /// A DOF of one batch.
+    pub fn first_dof(&self, batch: usize) -> u32 {
+        self.batches[batch].first_dof()
+    }
+
+    /// `c = G u - b` of one batch.
+    pub fn evaluate(&self, batch: usize, u: &[f64], c: &mut [f64]) {
+        self.batches[batch].evaluate(&self.lists, u, c);
     }
 }

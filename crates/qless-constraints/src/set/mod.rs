@@ -4,14 +4,20 @@
 //! A number is always computed by the same operations in the same order, so that the result does not depend on the threads.
 //! Rows: all linear equations in the order in which they were added, then the nonlinear ones, type by type.
 
+mod batch;
 mod block;
 mod builder;
 mod effective;
 mod error;
+mod homogeneous;
 mod labels;
 mod linear;
+mod lists;
+mod order;
 mod store;
+mod sums;
 mod system;
+mod tasks;
 mod weights;
 
 use std::ops::Range;
@@ -103,17 +109,7 @@ impl ConstraintSet {
     pub fn evaluate(&self, u: &[f64], quantities: &mut Quantities) {
         assert_eq!(u.len(), self.dofs, "u has one value per DOF");
         assert_eq!(quantities.g.nnz(), self.pattern.nnz(), "the quantities belong to another set");
-        let (mut c, mut g) = (quantities.c.as_mut_slice(), quantities.g.val.as_mut_slice());
-        let (own_c, own_g);
-        (own_c, c) = c.split_at_mut(self.linear.rows());
-        (own_g, g) = g.split_at_mut(self.linear.nnz());
-        self.linear.evaluate(&quantities.g.col[..own_g.len()], own_g, u, own_c);
-        for block in &self.blocks {
-            let (own_c, own_g);
-            (own_c, c) = c.split_at_mut(block.rows());
-            (own_g, g) = g.split_at_mut(block.nnz());
-            block.evaluate(u, own_c, own_g);
-        }
+        tasks::evaluate(&self.linear, &self.blocks, u, quantities);
     }
 
     /// Writes the effective Hessian `sum_r w_r H_r(u)`, in parallel; `weights` has one number per equation ([`Weights`]).

@@ -71,6 +71,7 @@ struct Rod<const D: usize> {
 impl<const D: usize> Nonlinear for Rod<D> {
     const DOFS: usize = 2 * D;
     const QUADRATIC: bool = true;
+    const NUMBERS: &'static [usize] = &[0, 1, 0];
     const PARTS: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
@@ -107,6 +108,6 @@ impl<const D: usize> Nonlinear for Rod<D> {
     #[inline]
     fn hessian(&self, _: &[f64], w: &[f64], h: &mut [f64]) {
         let value = w[0] / self.length;
-        h.chunks_exact_mut(3).for_each(|h| (h[0], h[1], h[2]) = (value, -value, value));
+        (h[0], h[1]) = (value, -value);
     }
 }

@@ -39,6 +39,7 @@ struct Norm;
 impl Nonlinear for Norm {
     const DOFS: usize = 4;
     const QUADRATIC: bool = true;
+    const NUMBERS: &'static [usize] = &[0];
     const PARTS: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
@@ -58,6 +59,6 @@ impl Nonlinear for Norm {
     }
 
     fn hessian(&self, _: &[f64], w: &[f64], h: &mut [f64]) {
-        h.fill(w[0]);
+        h[0] = w[0];
     }
 }

@@ -59,6 +59,7 @@ struct Sphere<const D: usize> {
 impl<const D: usize> Nonlinear for Sphere<D> {
     const DOFS: usize = D;
     const QUADRATIC: bool = true;
+    const NUMBERS: &'static [usize] = &[0];
     const PARTS: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
@@ -85,6 +86,6 @@ impl<const D: usize> Nonlinear for Sphere<D> {
 
     #[inline]
     fn hessian(&self, _: &[f64], w: &[f64], h: &mut [f64]) {
-        h.fill(w[0] / self.radius);
+        h[0] = w[0] / self.radius;
     }
 }

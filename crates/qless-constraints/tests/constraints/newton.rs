@@ -3,7 +3,7 @@ use std::array::from_fn;
 use qless_constraints::ConstraintSet;
 use qless_constraints::newton::{NewtonError, NewtonOptions, Solution, solve};
 use qless_constraints::types::{
-    Body, Distance, OnPlane, OnSphere, PlanarPoint, Plane, Point, Prescribed, RigidBody, Volume,
+    Body, Distance, Equal, LinearEquation, OnPlane, OnSphere, PlanarPoint, Plane, Point, Prescribed, RigidBody, Volume,
 };
 
 use crate::linkages::{Outcome, bricard, four_bar, parallelogram, random};
@@ -134,4 +134,34 @@ fn disturbed_linkages_go_back_to_what_is_near() -> Outcome {
         }
     }
     Ok(())
+}
+
+/// Linear equations only: analysed once, and the second look at them, with another c, finds the same rank and redundancy.
+#[test]
+fn linear_equations_need_one_step() -> Outcome {
+    let mut builder = ConstraintSet::builder(5);
+    for (label, dofs) in [("ab", [0, 1]), ("bc", [1, 2]), ("ca", [2, 0])] {
+        builder.add(label, Equal::new(dofs))?;
+    }
+    builder.add("lever", LinearEquation { terms: vec![(2, 3.0), (3, -1.0), (4, 0.7)], rhs: 0.1 })?;
+    let set = builder.build();
+    let start = [0.1, -0.4, 0.9, 3.0, -2.0];
+    let solution = solve(&set, &start, &[(4, 0.3), (1, 1.5)], &NewtonOptions::default())?;
+    assert_eq!(solution.iterates.len(), 2);
+    assert!(solution.iterates.iter().all(|iterate| (iterate.rank, iterate.left_out.len()) == (3, 1)));
+    let truth = [1.5, 1.5, 1.5, 3.0 * 1.5 + 0.7 * 0.3 - 0.1, 0.3];
+    assert!(solution.u.iter().zip(truth).all(|(u, truth)| (u - truth).abs() < 1e-14), "{:?}", solution.u);
+    // A gap that closing the ring contradicts is found, from wherever it starts.
+    let gap = set_with_gap(0.25)?;
+    let error = solve(&gap, &[0.3, 0.1, -0.2], &[], &NewtonOptions::default()).expect_err("a gap");
+    assert!(matches!(error, NewtonError::Conflict { amount, .. } if (amount - 0.25).abs() < 1e-14), "{error}");
+    Ok(())
+}
+
+fn set_with_gap(gap: f64) -> Result<ConstraintSet, Box<dyn std::error::Error>> {
+    let mut builder = ConstraintSet::builder(3);
+    builder.add("ab", Equal::new([0, 1]))?;
+    builder.add("bc", Equal::new([1, 2]))?;
+    builder.add("ca", LinearEquation { terms: vec![(2, 1.0), (0, -1.0)], rhs: gap })?;
+    Ok(builder.build())
 }

@@ -62,7 +62,7 @@ pub(super) fn relation(
 }
 
 /// `C_S x = c` for many sparse c.
-struct Solver {
+pub(crate) struct Solver {
     /// C_S by columns, in the order of R.
     c: Csr,
     /// Place among the slaves of each column of R.
@@ -83,7 +83,7 @@ struct Work {
 
 impl Solver {
     /// `factor` is that of the columns of the slaves, of full rank.
-    fn new(c: &Csr, slaves: &[usize], factor: &Factor) -> Self {
+    pub fn new(c: &Csr, slaves: &[usize], factor: &Factor) -> Self {
         let sigma = factor.smallest_singular_value().0;
         Self {
             c: pick::columns(c, factor.order.iter().map(|&k| slaves[k])),
@@ -95,7 +95,7 @@ impl Solver {
     }
 
     /// Row k of the result is the solution for row k of `right`.
-    fn solve(&self, right: &Csr) -> Csr {
+    pub fn solve(&self, right: &Csr) -> Csr {
         let chunks = right.rows().div_ceil(LANES);
         let zero = || vec![[0.0; LANES]; self.order.len()];
         let work = || Work { right: zero(), x: zero(), y: zero() };

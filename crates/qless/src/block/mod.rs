@@ -6,8 +6,8 @@
 //! Blocks of more than 2^20 numbers choose well-conditioned slaves first and find T by seminormal equations.
 
 pub(crate) mod dependent;
-mod large;
-mod pick;
+pub(crate) mod large;
+pub(crate) mod pick;
 mod refine;
 mod slaves;
 pub(crate) mod split;

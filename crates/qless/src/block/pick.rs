@@ -96,7 +96,7 @@ fn most_independent(c: &Csr, picked: &[usize], beyond: &Mat<f64>) -> Result<Vec<
 }
 
 /// Some columns of C.
-pub(super) fn columns(c: &Csr, which: impl Iterator<Item = usize>) -> Csr {
+pub(crate) fn columns(c: &Csr, which: impl Iterator<Item = usize>) -> Csr {
     let mut some = Csr::empty(c.cols);
     which.for_each(|j| some.push_row(c.row(j)));
     some

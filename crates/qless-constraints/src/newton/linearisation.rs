@@ -1,0 +1,49 @@
+//! `G du = -c` analysed: `du_s = T du_q + G du_p + g`. Where G is constant, a new c needs no new factorization.
+
+use qless::{Analysis, ConstraintSystem, Reduction, analyse};
+
+use super::{NewtonError, NewtonOptions};
+use crate::{ConstraintSet, Quantities};
+
+/// The linearised equations at one iterate.
+pub struct Linearisation {
+    system: ConstraintSystem,
+    pub analysis: Analysis,
+    /// Made when a step is wanted.
+    reduction: Option<Reduction>,
+    /// Increments of the prescribed DOFs, in the order of the system.
+    increments: Vec<f64>,
+}
+
+impl Linearisation {
+    /// Linearises and analyses; `increments` are those of prescribed DOFs.
+    pub fn new(
+        set: &ConstraintSet,
+        quantities: &Quantities,
+        increments: &[(usize, f64)],
+        (step, options): (usize, &NewtonOptions),
+    ) -> Result<Self, NewtonError> {
+        let system = set.linearised(quantities, increments).map_err(|source| NewtonError::System { step, source })?;
+        let analysis = analyse(&system, &options.analysis).map_err(|source| NewtonError::Analysis { step, source })?;
+        let increments = system.prescribed().iter().map(|&(_, v)| v).collect();
+        Ok(Self { system, analysis, reduction: None, increments })
+    }
+
+    /// The same G with another c and other increments of the same DOFs; nothing if that cannot be had without a new analysis.
+    pub fn refreshed(mut self, quantities: &Quantities, increments: &[(usize, f64)]) -> Option<Self> {
+        let rhs: Vec<f64> = quantities.c.iter().map(|c| -c).collect();
+        let of = |&(dof, _): &(usize, f64)| increments.iter().find(|&&(j, _)| j == dof).map(|&(_, v)| v);
+        self.increments = self.system.prescribed().iter().map(of).collect::<Option<_>>()?;
+        let refresher = self.analysis.refresher(&self.system).ok()?;
+        let mut reduction = self.reduction.take().unwrap_or_else(|| self.analysis.reduction(&self.system));
+        refresher.refresh(&rhs, &self.increments, &mut reduction).ok()?;
+        self.reduction = Some(reduction);
+        Some(self)
+    }
+
+    /// du with masters staying where they are.
+    pub fn step(&mut self) -> Vec<f64> {
+        let reduction = self.reduction.get_or_insert_with(|| self.analysis.reduction(&self.system));
+        reduction.expand(&vec![0.0; reduction.masters.len()], &self.increments)
+    }
+}

@@ -1,0 +1,185 @@
+//! Nonlinear equations of one type, in flat arrays, so that the inner loop knows the type and calls nothing at run time.
+
+use std::any::Any;
+use std::ops::Range;
+
+use qless::Csr;
+
+use super::block::{Block, CHUNK};
+use super::labels::Owner;
+use super::order::Order;
+use crate::constraint::Nonlinear;
+
+/// Constraints of type Q.
+pub(super) struct Homogeneous<Q> {
+    items: Vec<Q>,
+    owners: Vec<Owner>,
+    /// Where the DOFs of each constraint start; one more than constraints.
+    start: Vec<u32>,
+    dofs: Vec<u32>,
+    order: Order,
+    /// Most DOFs of one constraint.
+    widest: usize,
+    /// Numbers of the Hessian of each constraint.
+    numbers: Vec<u32>,
+}
+
+impl<Q> Default for Homogeneous<Q> {
+    fn default() -> Self {
+        let (dofs, numbers) = (Vec::new(), Vec::new());
+        Self {
+            items: Vec::new(),
+            owners: Vec::new(),
+            start: vec![0],
+            dofs,
+            order: Order::default(),
+            widest: 0,
+            numbers,
+        }
+    }
+}
+
+impl<Q: Nonlinear> Homogeneous<Q> {
+    pub fn push(&mut self, owner: Owner, dofs: &[u32], parameters: Q) {
+        let (mut pairs, mut numbers) = (0, 0);
+        parameters.pairs(dofs.len(), &mut |_, _| {
+            numbers = numbers.max(Q::number(pairs) + 1);
+            pairs += 1;
+        });
+        self.numbers.push(numbers as u32);
+        self.order.push(dofs);
+        self.widest = self.widest.max(dofs.len());
+        self.items.push(parameters);
+        self.owners.push(owner);
+        self.dofs.extend_from_slice(dofs);
+        self.start.push(self.dofs.len() as u32);
+    }
+
+    #[inline]
+    fn dofs(&self, i: usize) -> &[u32] {
+        if Q::DOFS > 0 {
+            return &self.dofs[i * Q::DOFS..][..Q::DOFS];
+        }
+        &self.dofs[self.start[i] as usize..self.start[i + 1] as usize]
+    }
+
+    #[inline]
+    fn gather<'a>(&self, i: usize, u: &[f64], room: &'a mut [f64]) -> &'a mut [f64] {
+        let dofs = self.dofs(i);
+        let local = &mut room[..dofs.len()];
+        local.iter_mut().zip(dofs).for_each(|(x, &j)| *x = u[j as usize]);
+        local
+    }
+
+    /// N is the number of DOFs of every constraint: loops of known length.
+    fn evaluate_fixed<const N: usize>(&self, first: usize, u: &[f64], c: &mut [f64], g: &mut [f64]) {
+        let rows = Q::PARTS.len();
+        let items = self.items[first..].iter().zip(self.dofs[first * N..].as_chunks::<N>().0);
+        let outputs = c.chunks_exact_mut(rows).zip(g.chunks_exact_mut(rows * N));
+        for ((item, dofs), (c, g)) in items.zip(outputs) {
+            let mut local = [0.0; N];
+            (0..N).for_each(|k| local[k] = u[dofs[k] as usize]);
+            item.value_and_jacobian(&local, c, g);
+        }
+    }
+
+    fn evaluate_any(&self, first: usize, u: &[f64], c: &mut [f64], g: &mut [f64]) {
+        let rows = Q::PARTS.len();
+        let mut room = vec![0.0; self.widest];
+        let mut rest = g;
+        for (i, c) in (first..).zip(c.chunks_exact_mut(rows)) {
+            let local = self.gather(i, u, &mut room);
+            let own;
+            (own, rest) = rest.split_at_mut(rows * local.len());
+            self.items[i].value_and_jacobian(local, c, own);
+        }
+    }
+}
+
+impl<Q: Nonlinear> Block for Homogeneous<Q> {
+    fn rows(&self) -> usize {
+        self.items.len() * Q::PARTS.len()
+    }
+
+    fn items(&self) -> usize {
+        self.items.len()
+    }
+
+    fn owner(&self, row: usize) -> (&Owner, &'static str) {
+        (&self.owners[row / Q::PARTS.len()], Q::PARTS[row % Q::PARTS.len()])
+    }
+
+    fn write_pattern(&mut self, g: &mut Csr) {
+        for i in 0..self.items.len() {
+            let mut sorted = self.dofs(i).to_vec();
+            sorted.sort_unstable();
+            for _ in Q::PARTS {
+                g.push_row(sorted.iter().map(|&j| (j as usize, 0.0)));
+            }
+        }
+    }
+
+    fn task(&self, first: usize) -> (usize, usize) {
+        let last = self.items.len().min(first + CHUNK);
+        let dofs = (self.start[last] - self.start[first]) as usize;
+        ((last - first) * Q::PARTS.len(), dofs * Q::PARTS.len())
+    }
+
+    fn first_dof(&self, i: usize) -> u32 {
+        self.dofs(i).first().copied().unwrap_or(0)
+    }
+
+    fn evaluate(&self, first: usize, u: &[f64], c: &mut [f64], g: &mut [f64]) {
+        match Q::DOFS {
+            2 => self.evaluate_fixed::<2>(first, u, c, g),
+            3 => self.evaluate_fixed::<3>(first, u, c, g),
+            4 => self.evaluate_fixed::<4>(first, u, c, g),
+            6 => self.evaluate_fixed::<6>(first, u, c, g),
+            _ => self.evaluate_any(first, u, c, g),
+        }
+        let (rows, base) = (Q::PARTS.len(), self.start[first] as usize);
+        let items = first..first + c.len() / rows;
+        self.order.restore(items, |i| (self.start[i] as usize - base) * rows, rows, g);
+    }
+
+    fn pairs(&self, i: usize, pair: &mut dyn FnMut(u32, u32, usize)) {
+        let dofs = self.dofs(i);
+        let mut count = 0;
+        self.items[i].pairs(dofs.len(), &mut |j, k| {
+            pair(dofs[j], dofs[k], Q::number(count));
+            count += 1;
+        });
+    }
+
+    fn numbers(&self, i: usize) -> usize {
+        self.numbers[i] as usize
+    }
+
+    fn curvatures(&self, items: &[Range<u32>], u: &[f64], w: &[f64], out: &mut [f64]) {
+        let rows = Q::PARTS.len();
+        let mut room = vec![0.0; self.widest];
+        let mut rest = out;
+        for run in items {
+            let run = run.start as usize..run.end as usize;
+            let w = w[run.start * rows..run.end * rows].chunks_exact(rows);
+            for (((i, item), w), &numbers) in run.clone().zip(&self.items[run.clone()]).zip(w).zip(&self.numbers[run]) {
+                let own;
+                (own, rest) = rest.split_at_mut(numbers as usize);
+                let local = if Q::QUADRATIC { &[][..] } else { self.gather(i, u, &mut room) };
+                item.hessian(local, w, own);
+            }
+        }
+    }
+
+    fn as_any(&mut self) -> &mut dyn Any {
+        self
+    }
+
+    #[cfg(test)]
+    fn compare_with_duals(&self, u: &[f64]) {
+        let mut room = vec![0.0; self.widest];
+        for (i, item) in self.items.iter().enumerate() {
+            super::tests::compare::compare(item, self.gather(i, u, &mut room));
+        }
+    }
+}

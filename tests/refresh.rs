@@ -1,0 +1,195 @@
+//! New right-hand sides without a new factorization: as a fresh run finds them, on every backend.
+
+#[macro_use]
+mod support;
+
+use qless::{
+    Analysis, BackendChoice, ConstraintSystem, Kind, Options, Preferences, Reduction, RefreshError, SystemBuilder,
+};
+use qless_scenes::Rng;
+use qless_scenes::families::{self, Windows};
+use qless_scenes::fssi::{self, Mesh};
+use support::{check_reduction, diagnose, settings};
+
+on_each_backend!(
+    right_hand_sides_are_those_of_a_fresh_run,
+    conflicts_come_and_go,
+    prescribed_values_contradict_and_agree,
+    a_kept_equation_still_wins,
+);
+
+fn random(rng: &mut Rng) -> f64 {
+    rng.below(2001) as f64 / 1000.0 - 1.0
+}
+
+/// The same C with other numbers.
+fn with(system: &ConstraintSystem, rhs: &[f64], prescribed: &[f64]) -> ConstraintSystem {
+    let values: Vec<_> = system.prescribed().iter().zip(prescribed).map(|(&(j, _), &v)| (j, v)).collect();
+    ConstraintSystem::from_csr(system.matrix(), rhs, &values).expect("as valid as before")
+}
+
+/// `b = C u` for a random u, and the prescribed values in it.
+fn consistent(system: &ConstraintSystem, seed: u64) -> (Vec<f64>, Vec<f64>) {
+    let mut rng = Rng::new(seed);
+    let u: Vec<f64> = (0..system.dofs()).map(|_| random(&mut rng)).collect();
+    (system.matrix().times(&u), system.prescribed().iter().map(|&(j, _)| u[j]).collect())
+}
+
+fn largest(numbers: impl IntoIterator<Item = f64>) -> f64 {
+    numbers.into_iter().fold(f64::MIN_POSITIVE, |most: f64, v| most.max(v.abs()))
+}
+
+/// T, G and roles to the last bit, g and fixed values to `1e-13` of the largest, and the same kinds.
+fn check(system: &ConstraintSystem, options: &Options, rhs: &[f64], prescribed: &[f64]) -> (Analysis, Reduction) {
+    let analysis = diagnose(system, options);
+    let mut reduction = analysis.reduction(system);
+    let refresher = analysis.refresher(system).expect("factored");
+    let refreshed = refresher.refresh(rhs, prescribed, &mut reduction).expect("valid");
+    let other = with(system, rhs, prescribed);
+    let fresh = diagnose(&other, options);
+    let truth = fresh.reduction(&other);
+    assert_eq!((&reduction.slaves, &reduction.masters), (&truth.slaves, &truth.masters));
+    assert_eq!(reduction.prescribed, truth.prescribed);
+    assert!(reduction.t == truth.t && reduction.g_matrix == truth.g_matrix, "T and G depend on C only");
+    let limit = 1e-13 * largest(truth.g.iter().copied().chain(rhs.iter().copied()));
+    for (i, (a, b)) in reduction.g.iter().zip(&truth.g).enumerate() {
+        assert!((a - b).abs() <= limit, "g[{i}]: {a}, fresh {b}");
+    }
+    assert_eq!(refreshed.kinds, fresh.kinds);
+    assert_eq!(refreshed.generated.len(), fresh.generated.len());
+    for (a, b) in refreshed.generated.iter().zip(&fresh.generated) {
+        assert!(a.0 == b.0 && (a.1 - b.1).abs() <= limit, "{a:?}, fresh {b:?}");
+    }
+    for (a, b) in refreshed.mismatches.iter().zip(&fresh.dependent) {
+        assert!((a - b.mismatch).abs() <= 1e-12 * largest(rhs.iter().copied()), "{a}, fresh {}", b.mismatch);
+    }
+    // Not only as the other run: C u = b, to within the condition.
+    check_reduction(&other, &fresh, &reduction, 1e-12_f64.max(1e-13 / fresh.confidence.sigma_kept));
+    (analysis, reduction)
+}
+
+fn systems() -> Vec<ConstraintSystem> {
+    let windows = Windows { extent: [14, 14, 1], d: 1, window: 4, stride: 2, rows: 2, combos: 20 };
+    let scenes = [
+        families::planted(120, 200, 60, 1, false),
+        families::planted(60, 60, 30, 2, true),
+        families::planted(80, 120, 20, 3, false).and_then(|scene| scene.with_singletons(60, 3, 1)),
+        families::cycle(150, 0.0),
+        families::random_graph(200, 190, 5),
+        windows.scene(1),
+    ];
+    let systems = scenes.into_iter().map(|scene| scene.expect("a scene").system);
+    systems.flat_map(|system| [prescribed(&system), system]).collect()
+}
+
+/// Every eleventh DOF prescribed.
+fn prescribed(system: &ConstraintSystem) -> ConstraintSystem {
+    let values: Vec<_> = (0..system.dofs()).step_by(11).map(|j| (j, 0.25)).collect();
+    ConstraintSystem::from_csr(system.matrix(), system.rhs(), &values).expect("valid")
+}
+
+fn right_hand_sides_are_those_of_a_fresh_run(backend: BackendChoice) {
+    for (seed, system) in systems().iter().enumerate() {
+        for options in settings(backend) {
+            let (rhs, values) = consistent(system, seed as u64 + 1);
+            let (analysis, _) = check(system, &options, &rhs, &values);
+            let refresher = analysis.refresher(system).expect("factored");
+            let refreshed = refresher.refresh(&rhs, &values, &mut analysis.reduction(system)).expect("valid");
+            assert!(!refreshed.kinds.contains(&Kind::Conflicting), "b = C u is consistent");
+            // Wrong in every dependent equation.
+            let wrong: Vec<f64> = (0..rhs.len()).map(|i| rhs[i] + 0.1 * (1 + i % 3) as f64).collect();
+            check(system, &options, &wrong, &values);
+        }
+    }
+}
+
+fn conflicts_come_and_go(backend: BackendChoice) {
+    let system = families::planted(120, 200, 60, 1, false).expect("a scene").system;
+    for options in settings(backend) {
+        let analysis = diagnose(&system, &options);
+        let mut reduction = analysis.reduction(&system);
+        let refresher = analysis.refresher(&system).expect("factored");
+        let (mut rhs, none) = consistent(&system, 9);
+        let before = refresher.refresh(&rhs, &none, &mut reduction).expect("valid");
+        let g = reduction.g.clone();
+        let row = analysis.dependent[3].row;
+        rhs[row] += 0.125;
+        let wrong = refresher.refresh(&rhs, &none, &mut reduction).expect("valid");
+        for (i, (then, now)) in before.kinds.iter().zip(&wrong.kinds).enumerate() {
+            assert_eq!(*now, if i == row { Kind::Conflicting } else { *then }, "row {i}");
+        }
+        assert!((wrong.mismatches[3] - before.mismatches[3] - 0.125).abs() < 1e-13);
+        assert_eq!(reduction.g, g, "an equation that is left out has no part in g");
+        rhs[row] -= 0.125;
+        assert_eq!(refresher.refresh(&rhs, &none, &mut reduction).expect("valid").kinds, before.kinds);
+    }
+}
+
+/// `u_0 = u_1`, `u_1 = u_2 + b` with both ends prescribed: conflicting unless the values differ by b.
+fn prescribed_values_contradict_and_agree(backend: BackendChoice) {
+    let mut builder = SystemBuilder::new(4);
+    builder.equation([(0, 1.0), (1, -1.0)], 0.0);
+    builder.equation([(1, 1.0), (2, -1.0)], 0.0);
+    [(0, 0.0), (2, 0.0)].into_iter().for_each(|(j, v)| builder.prescribe(j, v));
+    let system = builder.build().expect("valid");
+    for options in settings(backend) {
+        for (values, b, truth) in
+            [([1.0, 1.0], 0.0, false), ([1.0, 0.5], 0.0, true), ([1.0, 0.5], 0.5, false), ([0.0, 0.5], 0.5, true)]
+        {
+            let analysis = diagnose(&system, &options);
+            let refresher = analysis.refresher(&system).expect("factored");
+            let refreshed = refresher.refresh(&[0.0, b], &values, &mut analysis.reduction(&system)).expect("valid");
+            assert_eq!(refreshed.kinds.contains(&Kind::Conflicting), truth, "{values:?}, {b}");
+            check(&system, &options, &[0.0, b], &values);
+        }
+    }
+}
+
+/// An equation to be kept makes another one conflicting; g is that of the kept one. Nothing is prescribed, because then C u = b would
+/// hold for the prescribed values given only.
+fn a_kept_equation_still_wins(backend: BackendChoice) {
+    for (seed, system) in systems().iter().filter(|system| system.prescribed().is_empty()).enumerate().take(3) {
+        let wanted: Vec<usize> = (0..system.equations()).rev().step_by(3).collect();
+        let masters: Vec<usize> = (0..system.dofs()).step_by(2).collect();
+        for preferences in [
+            Preferences { equations: wanted.clone(), ..Preferences::default() },
+            Preferences { masters, ..Preferences::default() },
+        ] {
+            for options in settings(backend) {
+                let options = Options { preferences: preferences.clone(), ..options };
+                let (rhs, values) = consistent(system, seed as u64 + 20);
+                check(system, &options, &rhs, &values);
+                let wrong: Vec<f64> = (0..rhs.len()).map(|i| rhs[i] + 0.1 * (i % 2) as f64).collect();
+                check(system, &options, &wrong, &values);
+            }
+        }
+    }
+}
+
+/// A block that is solved by seminormal equations.
+#[test]
+fn large_blocks_too() {
+    let system = fssi::mortar(&Mesh::with_equations(5000), 1).expect("a scene").system;
+    let options = Options { backend: BackendChoice::Sparse, ..Options::default() };
+    let analysis = diagnose(&system, &options);
+    assert!(analysis.presolve.largest_block > 1200, "{:?}", analysis.presolve);
+    let (rhs, values) = consistent(&system, 4);
+    check(&system, &options, &rhs, &values);
+}
+
+#[test]
+fn what_is_no_right_hand_side_is_refused() {
+    let system = families::cycle(5, 0.0).expect("a scene").system;
+    let analysis = diagnose(&system, &Options::default());
+    let mut reduction = analysis.reduction(&system);
+    let before = reduction.g.clone();
+    let refresher = analysis.refresher(&system).expect("factored");
+    let short = refresher.refresh(&[0.0; 4], &[], &mut reduction);
+    assert_eq!(short, Err(RefreshError::WrongLength { what: "the right-hand side", found: 4, expected: 5 }));
+    let extra = refresher.refresh(&[0.0; 5], &[1.0], &mut reduction);
+    assert!(matches!(extra, Err(RefreshError::WrongLength { found: 1, expected: 0, .. })));
+    let infinite = refresher.refresh(&[0.0, 0.0, f64::INFINITY, 0.0, 0.0], &[], &mut reduction);
+    let error = infinite.expect_err("not finite").to_string();
+    assert_eq!(error, "the right-hand side: number 2 (from 0) is inf; give a finite number");
+    assert_eq!(reduction.g, before);
+}
