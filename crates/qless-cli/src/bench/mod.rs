@@ -6,6 +6,8 @@
 mod measure;
 mod methods;
 mod page;
+#[cfg(feature = "peers")]
+mod peers;
 mod plot;
 mod systems;
 mod table;
