@@ -11,7 +11,7 @@ use super::systems::TIE;
 use super::table::verdict;
 
 /// Colours that can be told apart, in print too.
-const COLOURS: [RGBColor; 8] = [
+const COLOURS: [RGBColor; 10] = [
     RGBColor(31, 78, 140),
     RGBColor(217, 95, 2),
     RGBColor(27, 138, 90),
@@ -20,6 +20,8 @@ const COLOURS: [RGBColor; 8] = [
     RGBColor(180, 140, 0),
     RGBColor(0, 140, 170),
     RGBColor(140, 60, 30),
+    RGBColor(110, 70, 190),
+    RGBColor(230, 110, 150),
 ];
 
 /// Errors below this are drawn there.
