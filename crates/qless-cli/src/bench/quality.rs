@@ -21,8 +21,8 @@ use qless_scenes::{Scene, oracle};
 use super::measure::Measured;
 use super::run::Done;
 
-/// Larger systems take the solver more time than the elimination.
-const MOST_DOFS: usize = 20_000;
+/// Larger systems take the sparse LU of the multipliers minutes.
+const MOST_DOFS: usize = 3_000;
 /// Entries of T from which on `T^T K T` may be dense.
 const MOST_ENTRIES: usize = 200_000;
 
