@@ -15,6 +15,7 @@ mod peers;
 mod plot;
 mod quality;
 mod run;
+mod spring;
 mod systems;
 mod table;
 #[cfg(test)]
