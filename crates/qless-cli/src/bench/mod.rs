@@ -87,8 +87,9 @@ fn names(args: &BenchArgs) -> String {
 fn command(args: &BenchArgs) -> String {
     let short = if args.short { " --short" } else { "" };
     let memory = if args.memory { " --memory" } else { "" };
-    let named =
-        |option: &str, names: &[String]| names.iter().map(|name| format!(" --{option} \"{name}\"")).collect::<String>();
+    let named = |option: &str, names: &[String]| {
+        names.iter().flat_map(|name| [" --", option, " \"", name, "\""].map(str::to_owned)).collect::<String>()
+    };
     let only = named("family", &args.family) + &named("method", &args.method);
     format!("qless bench{short} --runs {} --limit {}{memory}{only} -o docs", args.runs, args.limit)
 }

@@ -82,3 +82,49 @@ fn part(system: &ConstraintSystem, rows: &[usize]) -> ConstraintSystem {
     system.prescribed().iter().for_each(|&(dof, value)| builder.prescribe(dof, value));
     builder.build().expect("part of a valid system")
 }
+
+#[cfg(test)]
+mod tests {
+    use qless::Options;
+    use qless_scenes::families::{Near, near, path};
+
+    use super::super::methods;
+    use super::super::run::once;
+    use super::Reference;
+
+    #[test]
+    fn equations_that_are_wrongly_dropped_are_counted() {
+        let scene = near(10, 1e-5, Near::Shared).expect("a scene");
+        let reference = Reference::new(&scene);
+        let judge = |name: &str| {
+            let methods = methods::all(&[name.to_owned()]);
+            reference.judge(&once(&scene.system, &methods[0]).expect("small"))
+        };
+        let (right, wrong) = (judge("default"), judge("tolerance 1e-4"));
+        assert_eq!((right.rank, right.false_drops, right.false_keeps), (30, 0, 0));
+        assert_eq!((wrong.rank, wrong.false_drops, wrong.false_keeps), (20, 10, 0));
+        let (right, wrong) = (right.error.expect("small"), wrong.error.expect("small"));
+        assert!(right < 1e-9 && wrong > 1e-2, "{right:e} {wrong:e}");
+    }
+
+    #[test]
+    fn equations_that_are_wrongly_kept_are_counted() {
+        let scene = near(4, 0.0, Near::Shared).expect("a scene");
+        let reference = Reference::new(&scene);
+        assert_eq!(reference.rank, 8);
+        assert_eq!(reference.rank_of((0..12).collect()), 8);
+        // Two rows of each of four triples, or all of two and none of the others.
+        assert_eq!(reference.rank_of(vec![0, 1, 3, 4, 6, 7, 9, 10]), 8);
+        assert_eq!(reference.rank_of((0..6).collect()), 4);
+    }
+
+    #[test]
+    fn an_exact_reduction_has_no_error() {
+        let scene = path(20).expect("a scene");
+        let analysis = qless::analyse(&scene.system, &Options::default()).expect("valid");
+        let reduction = analysis.reduction(&scene.system);
+        let done = super::Done { time: 1.0, reduction, analysis: Some(analysis) };
+        let measured = Reference::new(&scene).judge(&done);
+        assert!(measured.error.expect("small") < 1e-14 && measured.residual == 0.0);
+    }
+}
