@@ -36,7 +36,7 @@ pub fn run(args: &BenchArgs) -> Result<ExitCode, Failure> {
     let methods = methods::all(&args.method);
     let families = systems::families(args.short, &args.family);
     if methods.is_empty() || families.is_empty() {
-        return Err(Failure::Input(names(args)));
+        return Err(Failure::Input(names()));
     }
     if let Some(size) = &args.child {
         return as_child(size, &families[0], &methods[0]);
@@ -77,9 +77,9 @@ fn as_child(size: &str, family: &systems::Family, method: &methods::Method) -> R
 }
 
 /// What there is to choose from.
-fn names(args: &BenchArgs) -> String {
+fn names() -> String {
     let methods: Vec<&str> = methods::all(&[]).iter().map(|method| method.name).collect();
-    let families: Vec<&str> = systems::families(args.short, &[]).iter().map(|family| family.name).collect();
+    let families: Vec<&str> = systems::families(false, &[]).iter().map(|family| family.name).collect();
     format!("no such family or method; families: {}; methods: {}", families.join(", "), methods.join("; "))
 }
 

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::measure::Sample;
 use super::methods::Method;
-use super::plot::{front, points};
+use super::plot::{GROWTH, TRADE, front, has_growth, points};
 use super::table::{HEAD, cells, exponents};
 
 /// What to choose, whatever the machine; the numbers are in the tables below it.
@@ -48,16 +48,12 @@ absolute 1e-5; dgeqp3 has none, max(m, n) eps abs(R_11) is taken.
 pub fn markdown(samples: &[Sample], methods: &[Method], command: &str) -> String {
     let mut text = format!(
         "# The trade of speed for accuracy\n\nMade by `{command}` (qless {}) on {}, {} threads. Times are medians of the \
-         whole elimination, from the validated system to T, G, g.\n\n![Error against time](trade.svg)\n\n![Time against the \
-         number of equations](growth.svg)\n\n",
+         whole elimination, from the validated system to T, G, g.\n\n",
         env!("CARGO_PKG_VERSION"),
         processor(),
         rayon::current_num_threads()
     );
-    let all = points(samples, methods);
-    let best: Vec<&str> = front(&all).iter().map(|point| point.method).collect();
-    _ = writeln!(text, "On the Pareto front of the first plot: {}.\n", best.join(", "));
-    _ = writeln!(text, "Exponents of the second: {}.\n", exponents(samples, methods));
+    plots(&mut text, samples, methods);
     text += ADVICE;
     text += COLUMNS;
     text += "\n## Every system\n";
@@ -65,6 +61,22 @@ pub fn markdown(samples: &[Sample], methods: &[Method], command: &str) -> String
         system(&mut text, block);
     }
     text
+}
+
+/// The plots that there are, and what is to be read off them.
+fn plots(text: &mut String, samples: &[Sample], methods: &[Method]) {
+    let all = points(samples, methods);
+    if !all.is_empty() {
+        let best: Vec<&str> = front(&all).iter().map(|point| point.method).collect();
+        _ = writeln!(text, "![Error against time]({TRADE})\n\nOn its Pareto front: {}.\n", best.join("; "));
+    }
+    if has_growth(samples, methods) {
+        _ = writeln!(text, "![Time against the number of equations]({GROWTH})\n");
+    }
+    let exponents = exponents(samples, methods);
+    if !exponents.is_empty() {
+        _ = writeln!(text, "Its exponents: {exponents}.\n");
+    }
 }
 
 fn system(text: &mut String, block: &[Sample]) {

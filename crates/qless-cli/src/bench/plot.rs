@@ -27,13 +27,26 @@ const COLOURS: [RGBColor; 10] = [
 /// Errors below this are drawn there.
 const LEAST: f64 = 1e-17;
 
-/// File names and their content. The error is what the plotting library says.
+/// The files' names.
+pub const TRADE: &str = "trade.svg";
+pub const GROWTH: &str = "growth.svg";
+
+/// File names and their content; no plot without data. The error is what the plotting library says.
 pub fn all(samples: &[Sample], methods: &[Method]) -> Result<Vec<(&'static str, String)>, String> {
     let text = |error: &dyn std::fmt::Display| format!("a plot cannot be drawn: {error}");
-    Ok(vec![
-        ("trade.svg", trade(samples, methods).map_err(|error| text(&error))?),
-        ("growth.svg", growth(samples, methods).map_err(|error| text(&error))?),
-    ])
+    let mut plots = Vec::new();
+    if !points(samples, methods).is_empty() {
+        plots.push((TRADE, trade(samples, methods).map_err(|error| text(&error))?));
+    }
+    if has_growth(samples, methods) {
+        plots.push((GROWTH, growth(samples, methods).map_err(|error| text(&error))?));
+    }
+    Ok(plots)
+}
+
+/// Whether there is a time to draw against the number of equations.
+pub fn has_growth(samples: &[Sample], methods: &[Method]) -> bool {
+    methods.iter().any(|method| method.is_drawn && !series(samples, method.name).0.is_empty())
 }
 
 /// A method over all systems: mean time relative to the default (geometric), and the worst error: 1 where a rank is wrong without a

@@ -131,6 +131,21 @@ fn the_plots_show_every_method_that_was_measured() {
 }
 
 #[test]
+fn there_is_no_plot_without_data() {
+    let methods = methods::all(&[]);
+    let mut samples = samples(&methods);
+    samples.iter_mut().for_each(|sample| sample.family = "chain");
+    let names =
+        |samples: &[Sample]| plot::all(samples, &methods).expect("drawn").iter().map(|p| p.0).collect::<Vec<_>>();
+    assert_eq!(names(&samples), [plot::TRADE]);
+    let page = page::markdown(&samples, &methods, "qless bench");
+    assert!(page.contains(plot::TRADE) && !page.contains(plot::GROWTH));
+    samples.iter_mut().for_each(|sample| sample.result = None);
+    assert!(names(&samples).is_empty());
+    assert!(!page::markdown(&samples, &methods, "qless bench").contains(".svg"));
+}
+
+#[test]
 fn the_exponent_is_that_of_the_series() {
     let methods = methods::all(&["default".to_owned()]);
     let mut samples: Vec<Sample> = Vec::new();
