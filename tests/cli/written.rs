@@ -172,11 +172,68 @@ fn a_short_bench_writes_its_page_table_and_plots() {
     assert_eq!(run.code, 0, "{}", run.err);
     assert!(run.out.contains("tie 50 %: 7580 equations of rank 7412"), "{}", run.out);
     let text = |name: &str| fs::read_to_string(place.path("trade").join(name)).expect(name);
-    let default: Vec<String> =
-        text("trade.csv").lines().filter(|line| line.contains(",default,")).map(String::from).collect();
+    let csv = text("trade.csv");
+    let head: Vec<&str> = csv.lines().next().expect("a head").split(',').collect();
+    for column in ["peak_bytes", "false_drops", "false_keeps", "error", "times_first"] {
+        assert!(head.contains(&column), "{head:?}");
+    }
+    let default: Vec<String> = csv.lines().filter(|line| line.contains(",default,")).map(String::from).collect();
     assert!(default.len() >= 9 && default.iter().all(|line| line.contains(",right,")), "{default:?}");
     assert!(text("trade.md").contains("![Error against time](trade.svg)"));
     for plot in ["trade.svg", "growth.svg"] {
         assert!(text(plot).starts_with("<svg") && text(plot).contains("default"), "{plot}");
+    }
+}
+
+/// Its own process measures memory; the lines of the text are those of the CSV.
+#[test]
+fn a_bench_of_chosen_methods_compares_with_the_first_and_counts_memory() {
+    let place = Place::new();
+    let mut command = place.command("bench --short -q --runs 1 --memory -o trade");
+    command.args(["--family", "planted", "--method", "sparse alone", "--method", "tolerance 1e-8"]);
+    let output = command.output().expect("the program starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let csv = fs::read_to_string(place.path("trade/trade.csv")).expect("written");
+    let lines: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(lines.len(), 3, "{csv}");
+    let at = |name: &str| lines[0].iter().position(|head| *head == name).expect(name);
+    for (line, method) in lines[1..].iter().zip(["sparse alone", "tolerance 1e-8"]) {
+        assert_eq!((line[at("family")], line[at("method")], line[at("verdict")]), ("planted", method, "right"));
+        assert_eq!((line[at("rank")], line[at("false_drops")], line[at("false_keeps")]), ("200", "0", "0"));
+        let number = |name: &str| line[at(name)].parse::<f64>().expect(name);
+        assert!(number("error") < 1e-12, "{line:?}");
+        // 220 equations of up to 5 terms, and what their factors need.
+        assert!(!cfg!(target_os = "linux") || number("peak_bytes") < 2e8, "{line:?}");
+    }
+    assert_eq!(lines[1][at("times_first")], "1.000");
+}
+
+#[test]
+fn a_bench_names_what_there_is_where_a_name_is_wrong() {
+    let run = Place::new().run("bench --short -q --family nosuch");
+    assert_eq!(run.code, 2);
+    assert!(run.err.contains("families: tie, mortar, chain") && run.err.contains("gauss alone"), "{}", run.err);
+}
+
+/// A factorization that takes seconds and cannot be interrupted ends with its process.
+#[cfg(feature = "peers")]
+#[test]
+fn other_libraries_are_stopped_at_the_limit() {
+    let place = Place::new();
+    let mut command = place.command("bench --short -q --runs 1 --family ring --limit 0.01 -o trade");
+    command.args(["--method", "default", "--method", "Eigen SparseQR", "--method", "LAPACK dgeqp3"]);
+    let output = command.output().expect("the program starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let csv = fs::read_to_string(place.path("trade/trade.csv")).expect("written");
+    for method in ["Eigen SparseQR", "LAPACK dgeqp3"] {
+        let line = csv.lines().find(|line| line.contains(method)).expect(method);
+        assert!(line.contains(",999,given up,"), "{line}");
+    }
+    let run = place.run("bench --short -q --runs 1 --family planted --limit 30 -o found");
+    assert_eq!(run.code, 0, "{}", run.err);
+    let csv = fs::read_to_string(place.path("found/trade.csv")).expect("written");
+    for method in ["Eigen SparseQR", "\"Eigen SparseQR, paper's tolerance\"", "LAPACK dgeqp3"] {
+        let line = csv.lines().find(|line| line.contains(&format!(",{method},"))).expect(method);
+        assert!(line.contains(",200,200,right,0,0,"), "{line}");
     }
 }

@@ -90,6 +90,18 @@ pub struct BenchArgs {
     /// Seconds after which a method is given up, foreseen from smaller systems of the same family
     #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = seconds)]
     pub limit: f64,
+    /// Only these families, such as tie; may be repeated
+    #[arg(long, value_name = "NAME")]
+    pub family: Vec<String>,
+    /// Only these methods, the first of which is what times are compared with; may be repeated
+    #[arg(long, value_name = "NAME")]
+    pub method: Vec<String>,
+    /// Measures memory too: every method once more in a process of its own (Linux)
+    #[arg(long)]
+    pub memory: bool,
+    /// One method on the system of this size, for the program itself
+    #[arg(long, hide = true, value_name = "SIZE")]
+    pub child: Option<String>,
     /// No progress display
     #[arg(long, short)]
     pub quiet: bool,

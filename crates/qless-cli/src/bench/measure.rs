@@ -1,12 +1,12 @@
 //! One family: every method on every system, taken in turns.
 
-use std::time::Instant;
-
-use qless::{ConstraintSystem, analyse};
 use qless_scenes::Scene;
 
+use super::child;
 use super::methods::Method;
-use super::systems::Family;
+use super::quality::Reference;
+use super::run::{Done, once};
+use super::systems::{Case, Family};
 use crate::args::BenchArgs;
 
 /// A method on a system.
@@ -20,16 +20,22 @@ pub struct Sample {
     pub result: Option<Measured>,
 }
 
-/// What was found, and in what time.
-#[derive(Clone, Copy)]
+/// What was found, and in what time; see [`super::quality`].
+#[derive(Clone, Copy, serde::Serialize, serde::Deserialize)]
 pub struct Measured {
     /// Median and quartiles, seconds.
     pub time: f64,
     pub quartiles: (f64, f64),
     pub rank: usize,
     pub ambiguous: bool,
+    pub false_drops: usize,
+    pub false_keeps: usize,
     pub residual: f64,
     pub growth: f64,
+    /// Of the solved problem; none where it was not solved.
+    pub error: Option<f64>,
+    /// Bytes at the peak beyond those before; none where it was not measured.
+    pub memory: Option<u64>,
 }
 
 /// Samples of a family. The error is a scene that cannot be made.
@@ -37,52 +43,59 @@ pub fn measure(family: &Family, methods: &[Method], args: &BenchArgs) -> Result<
     let mut samples: Vec<Sample> = Vec::new();
     // Time grows with the square of the equations, which is more than sparse methods need and less than dense ones.
     let mut slowest: Vec<Option<(f64, f64)>> = vec![None; methods.len()];
-    for (size, scene) in &family.scenes {
-        let scene = scene.as_ref().map_err(|error| format!("{} {size}: {error}", family.name))?;
+    for case in &family.cases {
+        let scene = case.scene()?;
         let m = scene.system.equations() as f64;
-        let is_tried = |k: &usize| slowest[*k].is_none_or(|(time, before)| time * (m / before).powi(2) <= args.limit);
-        let tried: Vec<usize> =
-            (0..methods.len()).filter(|&k| scene.system.equations() < methods[k].most).filter(is_tried).collect();
-        let mut results: Vec<Option<(Measured, Vec<f64>)>> = methods.iter().map(|_| None).collect();
-        for round in 0..args.runs.get() {
-            for &k in &tried {
-                let is_slow = results[k].as_ref().is_some_and(|(_, times)| times[0] > args.limit / 10.0);
-                if round == 0 || !is_slow {
-                    let Some((measured, time)) = once(&scene.system, &methods[k]) else { continue };
-                    results[k].get_or_insert((measured, Vec::new())).1.push(time);
-                }
-            }
-        }
+        let is_tried = |k: usize| {
+            let foreseen = slowest[k].map_or(0.0, |(time, before)| time * (m / before).powi(2));
+            scene.system.equations() < methods[k].most && foreseen <= args.limit
+        };
+        let tried: Vec<bool> = (0..methods.len()).map(is_tried).collect();
+        let results = in_turns(case, &scene, methods, &tried, args);
         for (k, result) in results.into_iter().enumerate() {
-            let result = result.map(|(measured, times)| summary(measured, times));
             slowest[k] = result.map_or(slowest[k], |result| Some((result.time, m)));
-            samples.push(sample(family.name, size, scene, methods[k].name, result));
+            samples.push(sample(case, &scene, methods[k].name, result));
         }
     }
     Ok(samples)
 }
 
-fn sample(family: &'static str, size: &str, scene: &Scene, method: &'static str, result: Option<Measured>) -> Sample {
-    let equations = scene.system.equations();
-    let rank = scene.truth.rank_free.unwrap_or(equations);
-    Sample { family, size: size.to_owned(), equations, method, rank, result }
+fn in_turns(case: &Case, scene: &Scene, methods: &[Method], tried: &[bool], args: &BenchArgs) -> Vec<Option<Measured>> {
+    let reference = Reference::new(scene);
+    let mut results: Vec<Option<(Measured, Vec<f64>)>> = methods.iter().map(|_| None).collect();
+    for round in 0..args.runs.get() {
+        for (k, method) in methods.iter().enumerate().filter(|&(k, _)| tried[k]) {
+            let is_slow = |times: &[f64]| times[0] > args.limit / 10.0;
+            if round > 0 && results[k].as_ref().is_none_or(|(_, times)| is_slow(times)) {
+                continue;
+            }
+            let measured = if method.is_foreign() {
+                child::measure(case.family, &case.size, method, args.limit)
+            } else {
+                let first = results[k].as_ref().map(|(first, _)| *first);
+                let judge =
+                    |done: Done| Measured { time: done.time, ..first.unwrap_or_else(|| reference.judge(&done)) };
+                once(&scene.system, method).map(judge)
+            };
+            if let Some(measured) = measured {
+                results[k].get_or_insert((measured, Vec::new())).1.push(measured.time);
+            }
+        }
+    }
+    let finish = |(k, result): (usize, Option<(Measured, Vec<f64>)>)| {
+        let mut measured = result.map(|(measured, times)| summary(measured, times))?;
+        if args.memory && !methods[k].is_foreign() {
+            measured.memory = child::measure(case.family, &case.size, &methods[k], args.limit)?.memory;
+        }
+        Some(measured)
+    };
+    results.into_iter().enumerate().map(finish).collect()
 }
 
-/// The whole elimination, and how good it is; none where the method fails (for want of memory).
-fn once(system: &ConstraintSystem, method: &Method) -> Option<(Measured, f64)> {
-    let start = Instant::now();
-    let analysis = analyse(system, &method.options).ok()?;
-    let reduction = analysis.reduction(system);
-    let time = start.elapsed().as_secs_f64();
-    let measured = Measured {
-        time,
-        quartiles: (time, time),
-        rank: analysis.rank(),
-        ambiguous: analysis.confidence.ambiguous,
-        residual: analysis.residual(system, &reduction),
-        growth: reduction.growth,
-    };
-    Some((measured, time))
+fn sample(case: &Case, scene: &Scene, method: &'static str, result: Option<Measured>) -> Sample {
+    let equations = scene.system.equations();
+    let rank = scene.truth.rank_free.unwrap_or(equations);
+    Sample { family: case.family, size: case.size.clone(), equations, method, rank, result }
 }
 
 fn summary(measured: Measured, mut times: Vec<f64>) -> Measured {

@@ -2,10 +2,19 @@
 
 use qless::{BackendChoice, Options, Tolerance};
 
+/// What does the elimination.
+pub enum Engine {
+    /// qless with these settings, on so many threads, or on as many as there are.
+    Qless(Options, Option<usize>),
+    /// Another library with this absolute tolerance, in a process of its own.
+    #[cfg(feature = "peers")]
+    Peer(Box<dyn qless::qr::Backend>, f64),
+}
+
 /// A choice and its name.
 pub struct Method {
     pub name: &'static str,
-    pub options: Options,
+    pub engine: Engine,
     /// Whether it is drawn in the plot of times against sizes.
     pub is_drawn: bool,
     /// Equations from which on it is known to take minutes.
@@ -18,30 +27,72 @@ const UNBOUNDED: f64 = 1e15;
 /// Equations of a system on which a dense method takes half a minute.
 const DENSE: usize = 7_000;
 
-/// All that this program was built with.
-pub fn all() -> Vec<Method> {
+impl Method {
+    fn new(name: &'static str, options: Options) -> Self {
+        Self { name, engine: Engine::Qless(options, None), is_drawn: false, most: usize::MAX }
+    }
+
+    fn drawn(self) -> Self {
+        Self { is_drawn: true, ..self }
+    }
+
+    fn on(name: &'static str, threads: usize) -> Self {
+        Self { engine: Engine::Qless(Options::default(), Some(threads)), ..Self::new(name, Options::default()) }
+    }
+
+    /// Whether it cannot be interrupted and must run in a process of its own.
+    pub fn is_foreign(&self) -> bool {
+        !matches!(self.engine, Engine::Qless(..))
+    }
+}
+
+/// All that this program was built with; with names, those only.
+pub fn all(only: &[String]) -> Vec<Method> {
     let standard = Options::default();
-    let method = |name, is_drawn, options| Method { name, options, is_drawn, most: usize::MAX };
-    let backend = |backend| Options { backend, presolve: false, ..standard.clone() };
+    let alone = |backend| Options { backend, presolve: false, ..standard.clone() };
     let tolerance = |tolerance| Options { tolerance: Tolerance::Relative(tolerance), ..standard.clone() };
     let mut all = vec![
-        method("default", true, standard.clone()),
-        method("faer alone", true, backend(BackendChoice::Faer)),
-        method("sparse alone", true, backend(BackendChoice::Sparse)),
+        Method::new("default", standard.clone()).drawn(),
+        Method::on("default, 1 thread", 1),
+        Method::on("default, 2 threads", 2),
+        Method::new("faer alone", alone(BackendChoice::Faer)).drawn(),
+        Method::new("sparse alone", alone(BackendChoice::Sparse)).drawn(),
     ];
     if cfg!(feature = "spqr") {
-        all.push(method("spqr alone", true, backend(BackendChoice::Spqr)));
+        all.push(Method::new("spqr alone", alone(BackendChoice::Spqr)).drawn());
     }
     all.extend([
-        Method { most: DENSE, ..method("gauss alone", true, backend(BackendChoice::Gauss)) },
-        method("gauss", false, Options { backend: BackendChoice::Gauss, ..standard.clone() }),
-        method("growth unbounded", false, Options { growth: UNBOUNDED, ..standard.clone() }),
-        method("tolerance 1e-4", false, tolerance(1e-4)),
-        method("tolerance 1e-6", false, tolerance(1e-6)),
-        method("tolerance 1e-8", false, tolerance(1e-8)),
-        method("tolerance 1e-12", false, tolerance(1e-12)),
-        method("tolerance 1e-14", false, tolerance(1e-14)),
-        method("paper's tolerance", false, Options { tolerance: Tolerance::Paper, ..standard }),
+        Method { most: DENSE, ..Method::new("gauss alone", alone(BackendChoice::Gauss)).drawn() },
+        Method::new("gauss", Options { backend: BackendChoice::Gauss, ..standard.clone() }),
+        Method::new("growth unbounded", Options { growth: UNBOUNDED, ..standard.clone() }),
+        Method::new("tolerance 1e-4", tolerance(1e-4)),
+        Method::new("tolerance 1e-6", tolerance(1e-6)),
+        Method::new("tolerance 1e-8", tolerance(1e-8)),
+        Method::new("tolerance 1e-12", tolerance(1e-12)),
+        Method::new("tolerance 1e-14", tolerance(1e-14)),
+        Method::new("paper's tolerance", Options { tolerance: Tolerance::Paper, ..standard }),
     ]);
+    #[cfg(feature = "peers")]
+    all.extend(peers());
+    all.retain(|method| only.is_empty() || only.iter().any(|name| name == method.name));
     all
+}
+
+/// What people use today.
+#[cfg(feature = "peers")]
+fn peers() -> [Method; 3] {
+    use super::peers::{Eigen, Lapack, Rule};
+    let peer = |name, backend, tolerance| Method {
+        name,
+        engine: Engine::Peer(backend, tolerance),
+        is_drawn: true,
+        most: usize::MAX,
+    };
+    // The tolerance of the paper, section 3.2.
+    let paper = 1e-5;
+    [
+        peer("Eigen SparseQR", Box::new(Eigen(Rule::Own)), 0.0),
+        peer("Eigen SparseQR, paper's tolerance", Box::new(Eigen(Rule::Call)), paper),
+        peer("LAPACK dgeqp3", Box::new(Lapack(Rule::Own)), 0.0),
+    ]
 }

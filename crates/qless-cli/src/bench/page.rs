@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use super::measure::Sample;
 use super::methods::Method;
-use super::plot::{front, points, series};
-use super::table::verdict;
+use super::plot::{GROWTH, TRADE, front, has_growth, points};
+use super::table::{HEAD, cells, exponents};
 
 /// What to choose, whatever the machine; the numbers are in the tables below it.
 const ADVICE: &str = "\
@@ -24,25 +24,38 @@ const ADVICE: &str = "\
 `alone` means without presolve: the whole system goes to that backend. The other rows change one option of the default.
 ";
 
+/// What the columns of the tables mean.
+const COLUMNS: &str = "
+## The columns
+
+| column | what |
+| --- | --- |
+| ms, quartiles | median and quartiles of the runs |
+| x | time over that of the first line |
+| MiB | most memory beyond that of the system itself, in a process of its own (`--memory`); `-` where it was not measured |
+| rank | against the truth, and whether the report says that it is unsure |
+| drops, keeps | equations taken for dependent that are not, and for independent that are not; of other libraries, which do not name them, the difference of the ranks |
+| residual | of T, G and g in the independent equations, relative |
+| growth | largest entry of T |
+| error | of a solved problem, `max abs(u - u*) / max abs(u*)`: springs of stiffness 1 from each DOF to the ground and to the next, f_j = 1 + j mod 7, solved with T, G, g against Lagrange multipliers refined in twice the precision; `-` for more than 3,000 DOFs |
+
+Other libraries run in processes of their own, which are stopped at the limit, without scaling, presolve or checks of the rank: one
+factorization C P = Q R, then T = -R1^-1 R2 and g = R1^-1 Q^T b. Eigen's own tolerance is 20 (m + n) eps times the largest column, the paper's is
+absolute 1e-5; dgeqp3 has none, max(m, n) eps abs(R_11) is taken.
+";
+
 /// The page; `command` is what makes it again.
 pub fn markdown(samples: &[Sample], methods: &[Method], command: &str) -> String {
     let mut text = format!(
         "# The trade of speed for accuracy\n\nMade by `{command}` (qless {}) on {}, {} threads. Times are medians of the \
-         whole elimination, from the validated system to T, G, g.\n\n![Error against time](trade.svg)\n\n![Time against the \
-         number of equations](growth.svg)\n\n",
+         whole elimination, from the validated system to T, G, g.\n\n",
         env!("CARGO_PKG_VERSION"),
         processor(),
         rayon::current_num_threads()
     );
-    let all = points(samples, methods);
-    let best: Vec<&str> = front(&all).iter().map(|point| point.method).collect();
-    _ = writeln!(text, "On the Pareto front of the first plot: {}.\n", best.join(", "));
-    text += "Exponents of the second: ";
-    let exponent = |method: &Method| Some(format!("{} {:.2}", method.name, series(samples, method.name).1?));
-    let exponents: Vec<String> = methods.iter().filter(|method| method.is_drawn).filter_map(exponent).collect();
-    text += &exponents.join(", ");
-    text += ".\n\n";
+    plots(&mut text, samples, methods);
     text += ADVICE;
+    text += COLUMNS;
     text += "\n## Every system\n";
     for block in samples.chunks(methods.len()) {
         system(&mut text, block);
@@ -50,30 +63,34 @@ pub fn markdown(samples: &[Sample], methods: &[Method], command: &str) -> String
     text
 }
 
+/// The plots that there are, and what is to be read off them.
+fn plots(text: &mut String, samples: &[Sample], methods: &[Method]) {
+    let all = points(samples, methods);
+    if !all.is_empty() {
+        let best: Vec<&str> = front(&all).iter().map(|point| point.method).collect();
+        _ = writeln!(text, "![Error against time]({TRADE})\n\nOn its Pareto front: {}.\n", best.join("; "));
+    }
+    if has_growth(samples, methods) {
+        _ = writeln!(text, "![Time against the number of equations]({GROWTH})\n");
+    }
+    let exponents = exponents(samples, methods);
+    if !exponents.is_empty() {
+        _ = writeln!(text, "Its exponents: {exponents}.\n");
+    }
+}
+
 fn system(text: &mut String, block: &[Sample]) {
     let Sample { family, size, equations, rank, .. } = &block[0];
     _ = writeln!(text, "\n### {family} {size}: {equations} equations of rank {rank}\n");
-    *text += "| method | ms | quartiles | rank | residual | growth |\n| --- | ---: | ---: | --- | ---: | ---: |\n";
-    for sample in block {
-        let Some(m) = &sample.result else {
-            _ = writeln!(text, "| {} | given up | | | | |", sample.method);
-            continue;
-        };
-        let off = m.rank.abs_diff(sample.rank);
-        let wrong = if off > 0 { format!(" {off}") } else { String::new() };
-        let unsure = if m.ambiguous { ", unsure" } else { "" };
-        _ = writeln!(
-            text,
-            "| {} | {:.2} | {:.2}-{:.2} | {}{wrong}{unsure} | {:.1e} | {:.2} |",
-            sample.method,
-            1e3 * m.time,
-            1e3 * m.quartiles.0,
-            1e3 * m.quartiles.1,
-            verdict(sample, m),
-            m.residual,
-            m.growth
-        );
-    }
+    let aligned = |head: &str| if matches!(head, "method" | "rank") { "---" } else { "---:" };
+    row(text, &HEAD);
+    row(text, &HEAD.map(aligned));
+    block.iter().for_each(|sample| row(text, &cells(sample, &block[0])));
+}
+
+fn row(text: &mut String, cells: &[impl AsRef<str>]) {
+    let cells: Vec<&str> = cells.iter().map(AsRef::as_ref).collect();
+    _ = writeln!(text, "| {} |", cells.join(" | "));
 }
 
 /// The processor's name, where the system tells it.

@@ -11,7 +11,7 @@ use super::systems::TIE;
 use super::table::verdict;
 
 /// Colours that can be told apart, in print too.
-const COLOURS: [RGBColor; 8] = [
+const COLOURS: [RGBColor; 10] = [
     RGBColor(31, 78, 140),
     RGBColor(217, 95, 2),
     RGBColor(27, 138, 90),
@@ -20,18 +20,33 @@ const COLOURS: [RGBColor; 8] = [
     RGBColor(180, 140, 0),
     RGBColor(0, 140, 170),
     RGBColor(140, 60, 30),
+    RGBColor(110, 70, 190),
+    RGBColor(230, 110, 150),
 ];
 
 /// Errors below this are drawn there.
 const LEAST: f64 = 1e-17;
 
-/// File names and their content. The error is what the plotting library says.
+/// The files' names.
+pub const TRADE: &str = "trade.svg";
+pub const GROWTH: &str = "growth.svg";
+
+/// File names and their content; no plot without data. The error is what the plotting library says.
 pub fn all(samples: &[Sample], methods: &[Method]) -> Result<Vec<(&'static str, String)>, String> {
     let text = |error: &dyn std::fmt::Display| format!("a plot cannot be drawn: {error}");
-    Ok(vec![
-        ("trade.svg", trade(samples, methods).map_err(|error| text(&error))?),
-        ("growth.svg", growth(samples, methods).map_err(|error| text(&error))?),
-    ])
+    let mut plots = Vec::new();
+    if !points(samples, methods).is_empty() {
+        plots.push((TRADE, trade(samples, methods).map_err(|error| text(&error))?));
+    }
+    if has_growth(samples, methods) {
+        plots.push((GROWTH, growth(samples, methods).map_err(|error| text(&error))?));
+    }
+    Ok(plots)
+}
+
+/// Whether there is a time to draw against the number of equations.
+pub fn has_growth(samples: &[Sample], methods: &[Method]) -> bool {
+    methods.iter().any(|method| method.is_drawn && !series(samples, method.name).0.is_empty())
 }
 
 /// A method over all systems: mean time relative to the default (geometric), and the worst error: 1 where a rank is wrong without a

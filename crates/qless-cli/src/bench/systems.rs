@@ -1,44 +1,90 @@
 //! Systems with a known rank, by family and in ascending size.
 
-use qless_scenes::families::{Near, cycle, grid_2d, near, path, planted, rve};
+use qless_scenes::families::{Near, cycle, grid_2d, ladder, near, path, planted, rve};
 use qless_scenes::fssi::{Level, mortar, tie};
 use qless_scenes::{Scene, SceneError};
+
+use super::linkages::{bricard, four_bar};
 
 /// Systems of one kind.
 pub struct Family {
     pub name: &'static str,
-    pub scenes: Vec<(String, Result<Scene, SceneError>)>,
+    pub cases: Vec<Case>,
+}
+
+/// One system, made when it is asked for.
+pub struct Case {
+    pub family: &'static str,
+    pub size: String,
+    make: Box<dyn Fn() -> Made>,
+}
+
+type Made = Result<Scene, Box<dyn std::error::Error>>;
+
+impl Case {
+    /// The system. The error is one that cannot be made, in words.
+    pub fn scene(&self) -> Result<Scene, String> {
+        (self.make)().map_err(|error| format!("{} {}: {error}", self.family, self.size))
+    }
 }
 
 /// The family of the paper's Table 1.
 pub const TIE: &str = "tie";
 
-/// All families, or the smallest of each.
-pub fn families(short: bool) -> Vec<Family> {
-    let levels: &[Level] = if short { &Level::ALL[..2] } else { &Level::ALL };
-    let named = |level: &Level| format!("{} %", level.percent());
-    let ties = levels.iter().map(|level| (named(level), tie(&level.mesh(), 1))).collect();
-    let mut families = vec![Family { name: TIE, scenes: ties }];
-    if !short {
-        families.push(family("mortar", vec![("50 %".into(), mortar(&Level::P50.mesh(), 1))]));
-    }
-    let sizes = |all: &[usize]| if short { all[..1].to_vec() } else { all.to_vec() };
-    let each = |all: &[usize], scene: &dyn Fn(usize) -> Result<Scene, SceneError>| {
-        sizes(all).into_iter().map(|n| (n.to_string(), scene(n))).collect::<Vec<_>>()
-    };
-    families.extend([
-        family("chain", each(&[1_000, 100_000], &|n| path(n))),
-        family("ring", each(&[1_000, 100_000], &|n| cycle(n, 0.0))),
-        family("grid", each(&[20, 60], &|n| grid_2d(n, n))),
-        family("periodic cube", each(&[4, 8, 16], &rve)),
-        family("planted", each(&[200, 1_000], &|n| planted(n, n + n / 2, n / 10, 1, false))),
-    ]);
-    for (name, eps) in [("near 1e-3", 1e-3), ("near 1e-5", 1e-5), ("near 1e-7", 1e-7)] {
-        families.push(family(name, vec![("30".into(), near(10, eps, Near::Shared))]));
+/// All families, or the smallest of each (without mortar, which is slow to make); with names, those only.
+pub fn families(short: bool, only: &[String]) -> Vec<Family> {
+    let mut families: Vec<Family> = table_1().into_iter().chain(sized()).chain(extremes()).collect();
+    families.retain(|family| only.is_empty() || only.iter().any(|name| name == family.name));
+    if short {
+        families.retain(|family| family.name != "mortar" || !only.is_empty());
+        families.iter_mut().for_each(|family| family.cases.truncate(if family.name == TIE { 2 } else { 1 }));
     }
     families
 }
 
-fn family(name: &'static str, scenes: Vec<(String, Result<Scene, SceneError>)>) -> Family {
-    Family { name, scenes }
+fn table_1() -> [Family; 2] {
+    let family = |name, scene: fn(Level) -> Result<Scene, SceneError>| {
+        let case = |level: Level| Case {
+            family: name,
+            size: format!("{} %", level.percent()),
+            make: Box::new(move || Ok(scene(level)?)),
+        };
+        Family { name, cases: Level::ALL.map(case).into() }
+    };
+    [family(TIE, |level| tie(&level.mesh(), 1)), family("mortar", |level| mortar(&level.mesh(), 1))]
+}
+
+fn sized() -> [Family; 7] {
+    [
+        family("chain", &[1_000, 100_000], |n| Ok(path(n)?)),
+        family("ring", &[1_000, 100_000], |n| Ok(cycle(n, 0.0)?)),
+        family("grid", &[20, 60], |n| Ok(grid_2d(n, n)?)),
+        family("periodic cube", &[4, 8, 16], |n| Ok(rve(n)?)),
+        family("planted", &[200, 1_000], |n| Ok(planted(n, n + n / 2, n / 10, 1, false)?)),
+        family("four-bar linkages", &[1, 100], four_bar),
+        family("Bricard linkages", &[1, 100], bricard),
+    ]
+}
+
+/// Rows and units that differ by powers of two, coefficients that grow along a chain, and rows near others.
+fn extremes() -> [Family; 6] {
+    let planted = |n: usize| planted(n, n + n / 2, n / 10, 2, false);
+    [
+        family("rows scaled 2^40", &[200], move |n| Ok(planted(n)?.scale_rows(40, 3)?.0)),
+        family("units 2^20", &[200], move |n| Ok(planted(n)?.scale_dofs(&units(n + n / 2))?)),
+        family("range 2^n", &[30, 300], |n| Ok(ladder(n)?)),
+        family("near 1e-3", &[30], |n| Ok(near(n / 3, 1e-3, Near::Shared)?)),
+        family("near 1e-5", &[30], |n| Ok(near(n / 3, 1e-5, Near::Shared)?)),
+        family("near 1e-7", &[30], |n| Ok(near(n / 3, 1e-7, Near::Shared)?)),
+    ]
+}
+
+/// From `2^-10` to `2^10`, in no order.
+fn units(count: usize) -> Vec<f64> {
+    (0..count).map(|j| f64::powi(2.0, (j * 8 % 21) as i32 - 10)).collect()
+}
+
+fn family(name: &'static str, sizes: &[usize], scene: impl Fn(usize) -> Made + Copy + 'static) -> Family {
+    let case = |&n: &usize| Case { family: name, size: n.to_string(), make: Box::new(move || scene(n)) };
+    Family { name, cases: sizes.iter().map(case).collect() }
 }

@@ -4,9 +4,11 @@ use std::fmt::Write;
 
 use super::measure::{Measured, Sample};
 use super::methods::Method;
+use super::plot::series;
+use super::systems::TIE;
 
 /// Columns of the CSV file.
-pub const COLUMNS: [&str; 13] = [
+pub const COLUMNS: [&str; 18] = [
     "family",
     "size",
     "equations",
@@ -14,13 +16,25 @@ pub const COLUMNS: [&str; 13] = [
     "ms",
     "ms_lower_quartile",
     "ms_upper_quartile",
+    "times_first",
+    "peak_bytes",
     "rank",
     "rank_true",
     "verdict",
+    "false_drops",
+    "false_keeps",
     "ambiguous",
     "residual",
     "growth",
+    "error",
 ];
+
+/// Columns of the table for people, which [`cells`] fills; `x` is the time over that of the first method.
+pub const HEAD: [&str; 11] =
+    ["method", "ms", "quartiles", "x", "MiB", "rank", "drops", "keeps", "residual", "growth", "error"];
+
+/// Characters of these columns in a terminal; what is not to be on the right begins there.
+const WIDTH: [usize; HEAD.len()] = [34, 11, 20, 10, 9, 15, 6, 6, 10, 10, 10];
 
 /// Whether the rank is right.
 pub fn verdict(sample: &Sample, measured: &Measured) -> &'static str {
@@ -38,60 +52,97 @@ pub fn text(samples: &[Sample], methods: &[Method]) -> String {
     for block in samples.chunks(methods.len()) {
         let Sample { family, size, equations, rank, .. } = &block[0];
         _ = writeln!(text, "\n{family} {size}: {equations} equations of rank {rank}");
-        _ = writeln!(
-            text,
-            "  {:<20}{:>10}{:>16}  {:<14}{:>10}{:>9}",
-            "method", "ms", "quartiles", "rank", "residual", "growth"
-        );
-        block.iter().for_each(|sample| line(&mut text, sample));
+        line(&mut text, &HEAD.map(str::to_owned));
+        block.iter().for_each(|sample| line(&mut text, &cells(sample, &block[0])));
+    }
+    let exponents = exponents(samples, methods);
+    if !exponents.is_empty() {
+        _ = writeln!(text, "\n{TIE}: time grows with the equations to the power of: {exponents}");
     }
     text
 }
 
-fn line(text: &mut String, sample: &Sample) {
-    let Some(measured) = &sample.result else {
-        _ = writeln!(text, "  {:<20}{:>10}", sample.method, "given up");
-        return;
+fn line(text: &mut String, cells: &[String; HEAD.len()]) {
+    let mut out = String::new();
+    for ((cell, width), head) in cells.iter().zip(WIDTH).zip(HEAD) {
+        _ = if matches!(head, "method" | "rank") {
+            write!(out, "  {cell:<width$}")
+        } else {
+            write!(out, "{cell:>width$}")
+        };
+    }
+    _ = writeln!(text, "{}", out.trim_end());
+}
+
+/// What people see of a sample; `first` is the one that times are compared with.
+pub fn cells(sample: &Sample, first: &Sample) -> [String; HEAD.len()] {
+    let Some(m) = &sample.result else {
+        let mut cells = [const { String::new() }; HEAD.len()];
+        (cells[0], cells[1]) = (sample.method.to_owned(), "given up".to_owned());
+        return cells;
     };
-    let off = measured.rank.abs_diff(sample.rank);
-    let rank = match (verdict(sample, measured), measured.ambiguous) {
-        ("right", false) => "right".to_owned(),
-        ("right", true) => "right, unsure".to_owned(),
-        (wrong, false) => format!("{wrong} {off}"),
-        (wrong, true) => format!("{wrong} {off}, unsure"),
-    };
-    let (low, high) = measured.quartiles;
-    let quartiles = format!("{:.2}-{:.2}", 1e3 * low, 1e3 * high);
-    _ = writeln!(
-        text,
-        "  {:<20}{:>10.2}{quartiles:>16}  {rank:<14}{:>10.1e}{:>9.2}",
-        sample.method,
-        1e3 * measured.time,
-        measured.residual,
-        measured.growth
-    );
+    let or_none = |number: Option<String>| number.unwrap_or_else(|| "-".to_owned());
+    let unsure = if m.ambiguous { ", unsure" } else { "" };
+    [
+        sample.method.to_owned(),
+        format!("{:.2}", 1e3 * m.time),
+        format!("{:.2}-{:.2}", 1e3 * m.quartiles.0, 1e3 * m.quartiles.1),
+        or_none(times(m, first).map(|times| if times < 100.0 { format!("{times:.2}") } else { format!("{times:.0}") })),
+        or_none(m.memory.map(|bytes| format!("{:.1}", bytes as f64 / f64::from(1 << 20)))),
+        format!("{}{unsure}", verdict(sample, m)),
+        m.false_drops.to_string(),
+        m.false_keeps.to_string(),
+        format!("{:.1e}", m.residual),
+        if m.growth < 1e4 { format!("{:.2}", m.growth) } else { format!("{:.1e}", m.growth) },
+        or_none(m.error.map(|error| format!("{error:.1e}"))),
+    ]
+}
+
+/// Its time over that of the first method of the table.
+fn times(measured: &Measured, first: &Sample) -> Option<f64> {
+    Some(measured.time / first.result?.time)
+}
+
+/// `method exponent` of all that are drawn, on the paper's tie; empty where there are less than two sizes.
+pub fn exponents(samples: &[Sample], methods: &[Method]) -> String {
+    let exponent = |method: &Method| Some(format!("{} {:.2}", method.name, series(samples, method.name).1?));
+    let drawn = methods.iter().filter(|method| method.is_drawn);
+    drawn.filter_map(exponent).collect::<Vec<_>>().join("; ")
 }
 
 /// One line for each sample; what was given up has no numbers.
-pub fn csv(samples: &[Sample]) -> String {
+pub fn csv(samples: &[Sample], methods: &[Method]) -> String {
     let mut text = COLUMNS.join(",") + "\n";
-    for sample in samples {
-        let Sample { family, size, equations, method, rank, .. } = sample;
-        _ = match &sample.result {
-            None => writeln!(text, "{family},{size},{equations},{method},,,,,{rank},given up,,,"),
-            Some(m) => writeln!(
-                text,
-                "{family},{size},{equations},{method},{:.4},{:.4},{:.4},{},{rank},{},{},{:e},{}",
-                1e3 * m.time,
-                1e3 * m.quartiles.0,
-                1e3 * m.quartiles.1,
-                m.rank,
-                verdict(sample, m),
-                m.ambiguous,
-                m.residual,
-                m.growth
-            ),
-        };
+    for block in samples.chunks(methods.len()) {
+        block.iter().for_each(|sample| csv_line(&mut text, sample, &block[0]));
     }
     text
+}
+
+fn csv_line(text: &mut String, sample: &Sample, first: &Sample) {
+    let Sample { family, size, equations, method, rank, .. } = sample;
+    // A name with a comma is quoted, as CSV has it.
+    let method = if method.contains(',') { format!("\"{method}\"") } else { (*method).to_owned() };
+    let Some(m) = &sample.result else {
+        _ = writeln!(text, "{family},{size},{equations},{method},,,,,,,{rank},given up,,,,,,");
+        return;
+    };
+    let or_empty = |number: Option<String>| number.unwrap_or_default();
+    let numbers = [
+        format!("{:.4}", 1e3 * m.time),
+        format!("{:.4}", 1e3 * m.quartiles.0),
+        format!("{:.4}", 1e3 * m.quartiles.1),
+        or_empty(times(m, first).map(|times| format!("{times:.3}"))),
+        or_empty(m.memory.map(|bytes| bytes.to_string())),
+        m.rank.to_string(),
+        rank.to_string(),
+        verdict(sample, m).to_owned(),
+        m.false_drops.to_string(),
+        m.false_keeps.to_string(),
+        m.ambiguous.to_string(),
+        format!("{:e}", m.residual),
+        m.growth.to_string(),
+        or_empty(m.error.map(|error| format!("{error:e}"))),
+    ];
+    _ = writeln!(text, "{family},{size},{equations},{method},{}", numbers.join(","));
 }

@@ -38,7 +38,7 @@ pub fn reduction(system: &ConstraintSystem, rows: &[usize]) -> Result<Reduction,
 }
 
 /// T of the slaves, and the masters themselves.
-fn triplets(reduction: &Reduction) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
+pub fn triplets(reduction: &Reduction) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
     let slaves = reduction.slaves.iter().enumerate();
     let of_slaves = slaves.flat_map(|(i, &dof)| reduction.t.row(i).map(move |(q, v)| (dof, q, v)));
     of_slaves.chain(reduction.masters.iter().enumerate().map(|(q, &dof)| (dof, q, 1.0)))

@@ -17,6 +17,7 @@ mod expansion;
 mod matrix;
 mod multipliers;
 mod penalty;
+mod reduced;
 mod saddle;
 
 use faer::sparse::SparseColMat;
@@ -26,6 +27,7 @@ pub use blocks::BlockPlan;
 pub use error::EnforceError;
 use expansion::Expansion;
 use matrix::{Matrix, times, times_transposed};
+pub use reduced::reduced;
 
 /// Stiffness, loads and constraints, checked.
 ///

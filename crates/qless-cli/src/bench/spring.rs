@@ -1,0 +1,185 @@
+//! The problem that shows what a reduction does to a solution: `K u + C^T lambda = f`, `C u = b`, with `K = I + L`.
+//!
+//! L are springs of stiffness 1 from each DOF to the next, `f_j = 1 + j mod 7`. Its solution u* comes from a multiplier for each
+//! independent equation ([`Problem::lagrange`]), which needs no T, and is refined with residuals in twice the precision,
+//! so that it is right to rounding where equations are nearly dependent too.
+
+use faer::sparse::{SparseColMat, Triplet};
+use qless::{ConstraintSystem, SystemBuilder};
+use qless_constraints::enforce::{Problem, reduced};
+
+use super::run::Done;
+
+/// Larger systems take the sparse LU of the multipliers minutes.
+const MOST_DOFS: usize = 3_000;
+/// Entries of T from which on `T^T K T` may be dense.
+const MOST_ENTRIES: usize = 200_000;
+/// Steps of refinement at most; each gains the digits that the condition leaves.
+const STEPS: usize = 20;
+/// Relative size of a step that ends it.
+const SETTLED: f64 = 4.0 * f64::EPSILON;
+
+/// K, f and u*.
+pub struct Springs {
+    k: SparseColMat<usize, f64>,
+    f: Vec<f64>,
+    /// u*.
+    pub solution: Vec<f64>,
+    prescribed: Vec<f64>,
+}
+
+impl Springs {
+    /// None for a large system, and where qless finds another rank than the true one.
+    pub fn new(system: &ConstraintSystem, rank: usize) -> Option<Self> {
+        let n = system.dofs();
+        if n > MOST_DOFS {
+            return None;
+        }
+        let k = stiffness(n)?;
+        let f: Vec<f64> = (0..n).map(|j| 1.0 + (j % 7) as f64).collect();
+        let problem = Problem::new(&k, &f, system).ok()?;
+        let rows = problem.kept().to_vec();
+        let first = (rows.len() == rank).then(|| problem.lagrange().ok()).flatten()?;
+        let kept = with_rows(system, &rows, |i| system.rhs()[i], |value| value);
+        let multipliers = rows.iter().map(|&i| first.multipliers[i]).collect();
+        let solution = refined(&k, &f, &kept, first.u, multipliers)?;
+        let prescribed = system.prescribed().iter().map(|&(_, value)| value).collect();
+        Some(Self { k, f, solution, prescribed })
+    }
+
+    /// `max |u - u*| / max |u*|`, u by transformation with T, G and g ([`reduced`]); none where T is nearly dense.
+    pub fn error(&self, done: &Done) -> Option<f64> {
+        if done.reduction.t.nnz() > MOST_ENTRIES {
+            return None;
+        }
+        let u = reduced(&self.k, &self.f, &done.reduction, &self.prescribed).ok()?;
+        let off = largest(u.iter().zip(&self.solution).map(|(u, exact)| u - exact));
+        Some(off / largest(self.solution.iter().copied()))
+    }
+}
+
+fn largest(x: impl Iterator<Item = f64>) -> f64 {
+    x.fold(0.0, |most, v| most.max(v.abs()))
+}
+
+/// u until it does not move any more; none where it goes on moving.
+fn refined(
+    k: &SparseColMat<usize, f64>,
+    f: &[f64],
+    system: &ConstraintSystem,
+    mut u: Vec<f64>,
+    mut lambda: Vec<f64>,
+) -> Option<Vec<f64>> {
+    let rows: Vec<usize> = (0..system.equations()).collect();
+    for _ in 0..STEPS {
+        let (left, apart) = residuals(system, f, &u, &lambda);
+        let rest = with_rows(system, &rows, |i| apart[i], |_| 0.0);
+        let step = Problem::new(k, &left, &rest).ok()?.lagrange().ok()?;
+        u.iter_mut().zip(&step.u).for_each(|(u, du)| *u += du);
+        lambda.iter_mut().zip(step.multipliers).for_each(|(l, dl)| *l += dl);
+        if largest(step.u.iter().copied()) <= SETTLED * largest(u.iter().copied()) {
+            return Some(u);
+        }
+    }
+    None
+}
+
+/// `I + L`.
+fn stiffness(dofs: usize) -> Option<SparseColMat<usize, f64>> {
+    let ground = (0..dofs).map(|j| Triplet::new(j, j, 1.0));
+    let springs = (1..dofs).flat_map(|j| {
+        [(j - 1, j - 1, 1.0), (j, j, 1.0), (j - 1, j, -1.0), (j, j - 1, -1.0)].map(|(i, j, v)| Triplet::new(i, j, v))
+    });
+    SparseColMat::try_new_from_triplets(dofs, dofs, &ground.chain(springs).collect::<Vec<_>>()).ok()
+}
+
+/// Some of the equations with other right-hand sides and prescribed values.
+fn with_rows(
+    system: &ConstraintSystem,
+    rows: &[usize],
+    rhs: impl Fn(usize) -> f64,
+    prescribed: impl Fn(f64) -> f64,
+) -> ConstraintSystem {
+    let mut builder = SystemBuilder::new(system.dofs());
+    rows.iter().for_each(|&i| {
+        builder.equation(system.matrix().row(i), rhs(i));
+    });
+    system.prescribed().iter().for_each(|&(dof, value)| builder.prescribe(dof, prescribed(value)));
+    builder.build().expect("part of a valid system")
+}
+
+/// `f - K u - C^T lambda` and `b - C u`.
+fn residuals(system: &ConstraintSystem, f: &[f64], u: &[f64], lambda: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let n = u.len();
+    let mut left: Vec<Twice> = f.iter().map(|&f| Twice(f, 0.0)).collect();
+    for j in 0..n {
+        left[j].subtract(1.0, u[j]);
+        for other in [j.checked_sub(1), Some(j + 1).filter(|&other| other < n)].into_iter().flatten() {
+            left[j].subtract(1.0, u[j]);
+            left[j].subtract(-1.0, u[other]);
+        }
+    }
+    let mut apart: Vec<Twice> = system.rhs().iter().map(|&b| Twice(b, 0.0)).collect();
+    for (i, apart) in apart.iter_mut().enumerate() {
+        for (j, v) in system.matrix().row(i) {
+            apart.subtract(v, u[j]);
+            left[j].subtract(v, lambda[i]);
+        }
+    }
+    let rounded = |sums: Vec<Twice>| sums.into_iter().map(|Twice(high, low)| high + low).collect();
+    (rounded(left), rounded(apart))
+}
+
+/// A sum in twice the precision: the number is that of both parts together.
+struct Twice(f64, f64);
+
+impl Twice {
+    /// Without a b; what rounding takes from the product and from the sum goes to the lower part.
+    fn subtract(&mut self, a: f64, b: f64) {
+        let product = -a * b;
+        let lost = (-a).mul_add(b, -product);
+        let sum = self.0 + product;
+        let part = sum - self.0;
+        self.1 += (self.0 - (sum - part)) + (product - part) + lost;
+        self.0 = sum;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use qless::{Options, SystemBuilder, analyse};
+
+    use super::super::run::Done;
+    use super::{Springs, Twice};
+
+    #[test]
+    fn a_sum_keeps_what_a_double_loses() {
+        let left = |terms: &[(f64, f64)]| {
+            let mut sum = Twice(1.0, 0.0);
+            terms.iter().for_each(|&(a, b)| sum.subtract(a, b));
+            sum.0 + sum.1
+        };
+        assert_eq!(left(&[(1.0 + f64::EPSILON, 1.0 - f64::EPSILON)]), f64::EPSILON * f64::EPSILON);
+        assert_eq!(left(&[(-1e17, 1.0), (1e17, 1.0)]), 1.0);
+    }
+
+    /// `u0 = u1`, `u1 = (1 + eps) u2`, `u0 = u2 + eps`: so that `eps u2` is the last right-hand side.
+    #[test]
+    fn the_solution_is_right_where_equations_are_nearly_dependent() {
+        let eps = f64::powi(2.0, -24);
+        let mut builder = SystemBuilder::new(3);
+        builder.equation([(0, 1.0), (1, -1.0)], 0.0);
+        builder.equation([(1, 1.0), (2, -1.0 - eps)], 0.0);
+        builder.equation([(0, 1.0), (2, -1.0)], eps);
+        let system = builder.build().expect("valid");
+        let springs = Springs::new(&system, 3).expect("small");
+        let exact = [1.0 + eps, 1.0 + eps, 1.0];
+        for (found, exact) in springs.solution.iter().zip(exact) {
+            assert!((found - exact).abs() <= 4.0 * f64::EPSILON, "{found} for {exact}");
+        }
+        let mut reduction = analyse(&system, &Options::default()).expect("valid").reduction(&system);
+        reduction.g.iter_mut().for_each(|g| *g *= 1.5);
+        let error = springs.error(&Done { time: 0.0, reduction, analysis: None }).expect("small");
+        assert!((error - 0.5).abs() < 1e-9, "{error}");
+    }
+}
