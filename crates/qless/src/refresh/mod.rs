@@ -124,8 +124,9 @@ impl Refresher<'_> {
         let dependent = &self.analysis.dependent;
         let found: Vec<Dependent> = dependent.iter().map(|d| self.classify(d, &replay)).collect();
         // As in the analysis: equations given up for ones that they contradict leave no trace in the constants.
-        let overruled = found.iter().filter(|d| matches!(d.source, Source::Given(_)) && d.kind == Kind::Conflicting);
-        let excess: Vec<_> = overruled.map(|d| (d.row, d.mismatch)).collect();
+        let given = dependent.iter().map(|d| matches!(d.source, Source::Given(_)));
+        let overruled = found.iter().zip(given).filter(|(d, given)| *given && d.kind == Kind::Conflicting);
+        let excess: Vec<_> = overruled.map(|(d, _)| (d.row, d.mismatch)).collect();
         if !excess.is_empty() {
             let mut lowered = rhs.to_vec();
             excess.iter().for_each(|&(row, excess)| lowered[row] -= excess);
@@ -144,7 +145,7 @@ impl Refresher<'_> {
         &self.analysis.basis
     }
 
-    /// A dependent equation with its new mismatch.
+    /// A dependent equation with its new mismatch, without its certificate.
     fn classify(&self, d: &Dependent, replay: &Replay) -> Dependent {
         let rest = match &d.source {
             Source::Traced(row, because) => {
@@ -158,7 +159,7 @@ impl Refresher<'_> {
                 rest
             }
         };
-        Dependent::new(d.row, rest, d.dropped, d.source.clone(), self.analysis.options.tolerance.value())
+        Dependent::new(d.row, rest, d.dropped, Source::Given(Vec::new()), self.analysis.options.tolerance.value())
     }
 
     /// The constant of each row of the basis.

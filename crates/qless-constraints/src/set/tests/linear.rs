@@ -16,14 +16,14 @@ fn terms(i: usize) -> Vec<(usize, f64)> {
         _ => DOFS - 1 - (5 * i + 11 * k) % 3000,
     };
     // Every third list of coefficients is one that came before.
-    let value = |k: usize| if i % 3 == 0 { 1.0 + k as f64 } else { random((31 * i + k) as u64) };
+    let value = |k: usize| if i.is_multiple_of(3) { 1.0 + k as f64 } else { random((31 * i + k) as u64) };
     (0..=i % 12).map(|k| (dof(k), value(k))).collect()
 }
 
 #[test]
 fn values_are_those_of_the_rows() -> Result<(), Box<dyn std::error::Error>> {
     let mut builder = ConstraintSet::builder(DOFS);
-    let rhs = |i: usize| if i % 2 == 0 { 0.0 } else { random(i as u64) };
+    let rhs = |i: usize| if i.is_multiple_of(2) { 0.0 } else { random(i as u64) };
     for i in 0..EQUATIONS {
         builder.add("", LinearEquation { terms: terms(i), rhs: rhs(i) })?;
     }
