@@ -114,7 +114,7 @@ impl Control {
     }
 
     fn choose(&mut self, word: &str, rest: &[u8], line: &Line) -> Result<(), Problem> {
-        let Some(set) = number(rest) else {
+        let Some(set) = only_number(rest) else {
             let expected = "the number of a set, as in `SPC = 3`";
             return Err(Problem::Expected { expected, found: quote(line.text.trim_ascii()) });
         };
@@ -150,10 +150,21 @@ pub(super) fn keyword(text: &[u8]) -> (String, &[u8]) {
 
 /// The number after `=` or blanks.
 fn number(rest: &[u8]) -> Option<u32> {
+    leading(rest).map(|(value, _)| value)
+}
+
+/// The same where a blank or a comment follows, if anything does: `0PO` is no number of a set.
+fn only_number(rest: &[u8]) -> Option<u32> {
+    let (value, after) = leading(rest)?;
+    after.first().is_none_or(|&byte| byte == b'$' || byte.is_ascii_whitespace()).then_some(value)
+}
+
+/// The number after `=` or blanks, and what follows.
+fn leading(rest: &[u8]) -> Option<(u32, &[u8])> {
     let rest = rest.trim_ascii();
     let rest = rest.strip_prefix(b"=").unwrap_or(rest).trim_ascii();
-    let end = rest.iter().position(|byte| !byte.is_ascii_digit()).unwrap_or(rest.len());
-    whole(&rest[..end]).and_then(|value| u32::try_from(value).ok())
+    let (digits, after) = rest.split_at(rest.iter().position(|byte| !byte.is_ascii_digit()).unwrap_or(rest.len()));
+    Some((whole(digits).and_then(|value| u32::try_from(value).ok())?, after))
 }
 
 #[cfg(test)]
@@ -167,6 +178,13 @@ mod tests {
         }
         let set = |choice: Option<Choice>| choice.map(|choice| choice.set);
         control.selections().into_iter().map(|(name, s)| (name, set(s.mpc), set(s.spc))).collect()
+    }
+
+    #[test]
+    fn a_set_is_a_whole_number_and_nothing_else() {
+        let refused = |text: &[u8]| Control::default().line(&Line { file: 0, number: 1, text }).is_err();
+        assert!([&b"MPC = 0PO"[..], b"SPC = 2x", b"SPC = 1.5"].into_iter().all(refused));
+        assert!(![&b"MPC = 2 $ ties"[..], b"SPC 3", b"LOAD=4$"].into_iter().any(refused));
     }
 
     #[test]
