@@ -1,10 +1,13 @@
 //! One equation changed in a set of 1e6 equations in 1e5 blocks, against the full run: `cargo bench --bench changing` (`-- --test` for a
 //! small set). Both in one process, in alternation; wanted: at most 1/1000.
 
+mod timing;
+
 use std::hint::black_box;
-use std::time::Instant;
 
 use qless::{ChangingSystem, EquationId, Options, SystemBuilder, analyse};
+
+use timing::{median, seconds};
 
 const ROUNDS: usize = 5;
 const CHANGES: usize = 101;
@@ -56,15 +59,4 @@ fn as_one(blocks: usize) -> usize {
     let system = builder.build().expect("a system");
     let analysis = analyse(&system, &Options::default()).expect("analysed");
     analysis.reduction(&system).slaves.len()
-}
-
-fn seconds(work: impl FnOnce()) -> f64 {
-    let start = Instant::now();
-    work();
-    start.elapsed().as_secs_f64()
-}
-
-fn median(mut times: Vec<f64>) -> f64 {
-    times.sort_by(f64::total_cmp);
-    times[times.len() / 2]
 }

@@ -3,14 +3,17 @@
 //!
 //! Both are taken in turns in one process. Wanted: at most 3 times the time, and at most 3 times the bytes of the file at any moment.
 
+mod timing;
+
 use std::fmt::Write as _;
 use std::hint::black_box;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
-use std::time::Instant;
 
 use peak_alloc::PeakAlloc;
 use qless_io::deck;
+
+use timing::{median, seconds};
 
 #[global_allocator]
 static MEMORY: PeakAlloc = PeakAlloc;
@@ -123,15 +126,4 @@ fn measure(name: &str, path: &Path, equations: usize) {
         reading / counting,
         peak as f64 / bytes
     );
-}
-
-fn seconds(work: impl FnOnce()) -> f64 {
-    let start = Instant::now();
-    work();
-    start.elapsed().as_secs_f64()
-}
-
-fn median(mut times: Vec<f64>) -> f64 {
-    times.sort_by(f64::total_cmp);
-    times[times.len() / 2]
 }

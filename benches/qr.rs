@@ -4,14 +4,17 @@
 //! scene only, any other word the systems whose names hold it. Corpus systems are read from the folder QLESS_CORPUS.
 //! `--peak` compares instead how much each side raises the memory of a process of its own (Linux).
 
+mod timing;
+
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use qless::Csr;
 use qless::qr::{Backend, spqr::Spqr};
 use qless_qr::Symbolic;
 use qless_scenes::fssi::{self, Level, Mesh};
+
+use timing::{median, seconds};
 
 /// Corpus systems with enough entries to time.
 const LEAST: usize = 3000;
@@ -26,15 +29,10 @@ fn theirs(columns: &Csr, rhs: &[f64]) -> usize {
     black_box(Spqr::default().factor(columns, rhs, TOLERANCE).expect("a factorization")).rank
 }
 
+/// Seconds of a factorization and its rank.
 fn time(work: impl FnOnce() -> usize) -> (f64, usize) {
-    let start = Instant::now();
-    let rank = work();
-    (start.elapsed().as_secs_f64(), rank)
-}
-
-fn median(mut times: Vec<f64>) -> f64 {
-    times.sort_by(f64::total_cmp);
-    times[times.len() / 2]
+    let mut rank = 0;
+    (seconds(|| rank = work()), rank)
 }
 
 /// Ratio of medians; at least three rounds, about a second in all.
@@ -47,21 +45,18 @@ fn compare(name: &str, columns: &Csr) -> f64 {
     let mut other = 0;
     for _ in 0..rounds {
         times.0.push(time(|| ours(columns, &rhs)).0);
-        let (seconds, rank) = time(|| theirs(columns, &rhs));
-        times.1.push(seconds);
+        let (theirs, rank) = time(|| theirs(columns, &rhs));
+        times.1.push(theirs);
         other = rank;
     }
     let (a, b) = (median(times.0), median(times.1));
-    let (symbolic, analysis) = {
-        let start = Instant::now();
-        let symbolic = Symbolic::analyse(m, n, &columns.start, &columns.col).expect("a pattern");
-        (symbolic, start.elapsed().as_secs_f64())
-    };
+    let analyse = || Symbolic::analyse(m, n, &columns.start, &columns.col).expect("a pattern");
+    let analysis = seconds(|| drop(black_box(analyse())));
     let ranks = if rank == other { String::new() } else { format!("  ranks {rank} and {other}") };
     println!(
         "{name:<28}{m:>8}{n:>8}{:>9}{:>10.1}{:>10.2}{:>10.2}{:>10.2}{:>8.2}{ranks}",
         columns.nnz(),
-        symbolic.flops() / 1e6,
+        analyse().flops() / 1e6,
         analysis * 1e3,
         a * 1e3,
         b * 1e3,

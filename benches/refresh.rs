@@ -2,12 +2,15 @@
 //!
 //! Both in one process, in alternation; the ratio is that of the medians. "Preparing" factors the slaves' matrices once.
 
+mod timing;
+
 use std::hint::black_box;
-use std::time::Instant;
 
 use qless::{Analysis, ConstraintSystem, Options, Reduction, analyse};
 use qless_scenes::families::{self, Windows};
 use qless_scenes::fssi::{self, Mesh};
+
+use timing::{median, seconds};
 
 const ROUNDS: usize = 5;
 
@@ -47,15 +50,4 @@ fn full(system: &ConstraintSystem) -> (Analysis, Reduction) {
     let analysis = analyse(system, &Options::default()).expect("analysed");
     let reduction = analysis.reduction(system);
     (analysis, reduction)
-}
-
-fn seconds(work: impl FnOnce()) -> f64 {
-    let start = Instant::now();
-    work();
-    start.elapsed().as_secs_f64()
-}
-
-fn median(mut times: Vec<f64>) -> f64 {
-    times.sort_by(f64::total_cmp);
-    times[times.len() / 2]
 }

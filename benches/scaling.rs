@@ -1,17 +1,21 @@
 //! How time and memory grow: the paper's tie model from 3e4 to 3e6 equations, `cargo bench --bench scaling` (`-- --test` for
 //! the two smallest sizes).
 //!
-//! Each size is taken in turns with one transposition of C, in one process. DOFs are numbered at random, so that passes over
-//! DOFs wait for memory as soon as it is larger than the caches: the exponent of the transposition shows how much of
-//! that is the machine's. Exponents are fitted to all sizes by least squares of logarithms.
+//! Each size is taken in turns with one transposition of C, in one process. DOFs are numbered as equations name them, as a mesh
+//! generator would, and at random: there passes over DOFs wait for memory as soon as it is larger than the caches, and the
+//! exponent of the transposition shows how much of that is the machine's. Exponents are fitted to all sizes by least
+//! squares of logarithms.
+
+mod timing;
 
 use std::hint::black_box;
-use std::time::Instant;
 
 use peak_alloc::PeakAlloc;
-use qless::{ConstraintSystem, Options, analyse};
+use qless::{ConstraintSystem, Csr, Options, analyse};
 use qless_scenes::families;
 use qless_scenes::fssi::{self, Mesh};
+
+use timing::{median, seconds};
 
 #[global_allocator]
 static MEMORY: PeakAlloc = PeakAlloc;
@@ -30,11 +34,20 @@ struct Sample {
 fn main() {
     let short = std::env::args().any(|argument| argument == "--test");
     let sizes = &SIZES[..if short { 2 } else { SIZES.len() }];
+    let orders: [(&str, fn(ConstraintSystem) -> ConstraintSystem); 2] =
+        [("as named", by_appearance), ("random", |s| s)];
+    let most = orders.map(|(name, order)| growth(name, order, sizes)).into_iter().fold(0.0, f64::max);
+    extremes(if short { 10_000 } else { 1_000_000 });
+    assert!(most <= 12.0, "peak memory is {most} times the bytes of C");
+}
+
+/// Prints a table of all sizes; the largest peak memory over the bytes of C.
+fn growth(name: &str, order: fn(ConstraintSystem) -> ConstraintSystem, sizes: &[usize]) -> f64 {
     println!(
-        "{:>9} {:>10} {:>12} {:>14} {:>8} {:>12}",
-        "equations", "nnz", "time", "transposition", "ratio", "memory / C"
+        "{:>9} {:>10} {:>9} {:>12} {:>14} {:>8} {:>12}",
+        "equations", "nnz", "DOFs", "time", "transposition", "ratio", "memory / C"
     );
-    let samples: Vec<Sample> = sizes.iter().map(|&size| measure(size)).collect();
+    let samples: Vec<Sample> = sizes.iter().map(|&size| measure(name, order, size)).collect();
     let exponent = |of: &dyn Fn(&Sample) -> f64| fit(samples.iter().map(|s| (s.equations.ln(), of(s).ln())));
     println!(
         "exponents: time {:.2}, peak memory {:.2}, transposition {:.2}",
@@ -42,9 +55,28 @@ fn main() {
         exponent(&|s| s.peak),
         exponent(&|s| s.transpose)
     );
-    extremes(if short { 10_000 } else { 1_000_000 });
-    let most = samples.iter().map(|s| s.peak / s.csc).fold(0.0, f64::max);
-    assert!(most <= 12.0, "peak memory is {most} times the bytes of C");
+    samples.iter().map(|s| s.peak / s.csc).fold(0.0, f64::max)
+}
+
+/// The same equations with DOFs in the order in which they are named.
+fn by_appearance(system: ConstraintSystem) -> ConstraintSystem {
+    let mut number = vec![usize::MAX; system.dofs()];
+    let mut count = 0;
+    let mut numbered = |j: usize| {
+        if number[j] == usize::MAX {
+            number[j] = count;
+            count += 1;
+        }
+        number[j]
+    };
+    let mut matrix = Csr::empty(system.dofs());
+    for i in 0..system.equations() {
+        let mut row: Vec<_> = system.matrix().row(i).map(|(j, v)| (numbered(j), v)).collect();
+        row.sort_unstable_by_key(|&(j, _)| j);
+        matrix.push_row(row);
+    }
+    let prescribed: Vec<_> = system.prescribed().iter().map(|&(j, value)| (numbered(j), value)).collect();
+    ConstraintSystem::from_csr(&matrix, system.rhs(), &prescribed).expect("the same system")
 }
 
 /// Shapes that make others slow: long chains, a closed one, and DOFs that occur in every equation.
@@ -71,8 +103,8 @@ fn certificates_and_reduction(system: &ConstraintSystem) -> usize {
     analysis.dependent.iter().map(|d| analysis.because(d).len()).sum()
 }
 
-fn measure(size: usize) -> Sample {
-    let system = fssi::tie(&Mesh::with_equations(size), 1).expect("a scene").system;
+fn measure(name: &str, order: fn(ConstraintSystem) -> ConstraintSystem, size: usize) -> Sample {
+    let system = order(fssi::tie(&Mesh::with_equations(size), 1).expect("a scene").system);
     let rounds = (3_000_000 / size).clamp(3, 51);
     let mut times: [Vec<f64>; 2] = Default::default();
     for _ in 0..rounds {
@@ -94,7 +126,7 @@ fn measure(size: usize) -> Sample {
         csc: (12 * nnz + 8 * (dofs + 1)) as f64,
     };
     println!(
-        "{:>9} {nnz:>10} {:>9.2} ms {:>11.2} ms {:>8.1} {:>12.1}",
+        "{:>9} {nnz:>10} {name:>9} {:>9.2} ms {:>11.2} ms {:>8.1} {:>12.1}",
         system.equations(),
         1e3 * eliminate,
         1e3 * transpose,
@@ -111,17 +143,6 @@ fn whole(system: &ConstraintSystem) -> usize {
     let reduction = analysis.reduction(system);
     assert!(reduction.growth <= 1.0, "growth {}", reduction.growth);
     named + reduction.t.nnz()
-}
-
-fn seconds(work: impl FnOnce()) -> f64 {
-    let start = Instant::now();
-    work();
-    start.elapsed().as_secs_f64()
-}
-
-fn median(mut times: Vec<f64>) -> f64 {
-    times.sort_unstable_by(f64::total_cmp);
-    times[times.len() / 2]
 }
 
 /// Slope of the least-squares line through points.

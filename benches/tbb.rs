@@ -4,6 +4,8 @@
 //! if two cores gave at least 1.7 times the work of one just before and just after it, and how many of the rounds did is said.
 //! `--test` takes small sizes.
 
+mod timing;
+
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
@@ -13,6 +15,8 @@ use qless::qr::spqr::{Spqr, Statistics};
 use qless_scenes::families::{Windows, gradient};
 use qless_scenes::fssi::{self, Level};
 use qless_scenes::{Scene, SceneError};
+
+use timing::{median, seconds};
 
 const TOLERANCE: f64 = 1e-10;
 /// What two cores must do for a round to count, in what one does.
@@ -64,21 +68,10 @@ fn factor(spqr: Spqr, columns: &Csr) -> Statistics {
     statistics
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
-}
-
 /// A fixed amount of arithmetic.
 fn spin() {
     let sum = (0..20_000_000_u64).fold(1_u64, |sum, k| sum.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(k));
     black_box(sum);
-}
-
-fn seconds(work: impl FnOnce()) -> f64 {
-    let start = Instant::now();
-    work();
-    start.elapsed().as_secs_f64()
 }
 
 /// How many cores' worth of work two threads do.

@@ -3,12 +3,16 @@
 //! Criterion gives each side's time; the line printed first gives the ratio of medians of both sides taken in turns in one
 //! process, which noise of the machine changes least.
 
+mod timing;
+
 use std::hint::black_box;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use qless::{ConstraintSystem, Options, analyse};
 use qless_scenes::fssi::{self, Level};
+
+use timing::{median, seconds};
 
 fn whole(system: &ConstraintSystem) -> usize {
     let analysis = analyse(system, &Options::default()).expect("a valid system");
@@ -16,20 +20,9 @@ fn whole(system: &ConstraintSystem) -> usize {
     named + analysis.reduction(system).t.nnz()
 }
 
-fn time(work: &mut dyn FnMut()) -> Duration {
-    let start = Instant::now();
-    work();
-    start.elapsed()
-}
-
-fn median(mut times: Vec<Duration>) -> f64 {
-    times.sort_unstable();
-    times[times.len() / 2].as_secs_f64()
-}
-
 /// Median of the first over median of the second, taken in turns.
 fn ratio(rounds: usize, mut first: impl FnMut(), mut second: impl FnMut()) -> (f64, f64) {
-    let pairs: Vec<_> = (0..rounds).map(|_| (time(&mut first), time(&mut second))).collect();
+    let pairs: Vec<_> = (0..rounds).map(|_| (seconds(&mut first), seconds(&mut second))).collect();
     let (a, b): (Vec<_>, Vec<_>) = pairs.into_iter().unzip();
     (median(a), median(b))
 }

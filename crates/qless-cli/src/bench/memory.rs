@@ -22,7 +22,10 @@ fn status(name: &str) -> Option<u64> {
 mod tests {
     #[test]
     fn the_peak_is_what_was_allocated_though_it_is_gone() {
-        let Some(start) = super::start() else { return };
+        let Some(start) = super::start() else {
+            println!("this system does not set the peak back: nothing was tested");
+            return;
+        };
         let block = std::hint::black_box(vec![1_u8; 64 << 20]);
         drop(block);
         let peak = super::peak_since(Some(start)).expect("Linux tells it");

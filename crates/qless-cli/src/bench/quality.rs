@@ -10,12 +10,12 @@
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
-use qless::{Analysis, ConstraintSystem, Kind, Options, SystemBuilder, analyse};
+use qless::{Analysis, ConstraintSystem, Kind, Options, analyse};
 use qless_scenes::{Scene, oracle};
 
 use super::measure::Measured;
 use super::run::Done;
-use super::spring::Springs;
+use super::spring::{Springs, with_rows};
 
 /// A system with its truth and its solution.
 pub struct Reference<'a> {
@@ -73,14 +73,9 @@ fn kept(analysis: &Analysis) -> Vec<usize> {
     (0..analysis.kinds.len()).filter(|&i| analysis.kinds[i] == Kind::Independent).collect()
 }
 
-/// Some of the equations.
+/// Some of the equations, as they are.
 fn part(system: &ConstraintSystem, rows: &[usize]) -> ConstraintSystem {
-    let mut builder = SystemBuilder::new(system.dofs());
-    rows.iter().for_each(|&i| {
-        builder.equation(system.matrix().row(i), system.rhs()[i]);
-    });
-    system.prescribed().iter().for_each(|&(dof, value)| builder.prescribe(dof, value));
-    builder.build().expect("part of a valid system")
+    with_rows(system, rows, |i| system.rhs()[i], |value| value)
 }
 
 #[cfg(test)]

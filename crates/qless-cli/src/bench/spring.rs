@@ -94,7 +94,7 @@ fn stiffness(dofs: usize) -> Option<SparseColMat<usize, f64>> {
 }
 
 /// Some of the equations with other right-hand sides and prescribed values.
-fn with_rows(
+pub fn with_rows(
     system: &ConstraintSystem,
     rows: &[usize],
     rhs: impl Fn(usize) -> f64,
@@ -105,6 +105,7 @@ fn with_rows(
         builder.equation(system.matrix().row(i), rhs(i));
     });
     system.prescribed().iter().for_each(|&(dof, value)| builder.prescribe(dof, prescribed(value)));
+    // It is valid as what it is a part of.
     builder.build().expect("part of a valid system")
 }
 

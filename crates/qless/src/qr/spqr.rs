@@ -6,7 +6,6 @@
 //! SuiteSparseQR is GPL-2.0-or-later; a binary built with the feature `spqr` is too.
 
 mod call;
-mod rows;
 
 use super::{Backend, BackendError, Factor};
 use crate::Csr;

@@ -21,17 +21,20 @@ pub(super) fn write(system: &ConstraintSystem, relation: &Relation) -> Reduction
     let is_free = relation.system.free();
     for (i, &slave) in relation.slave.iter().enumerate() {
         let row = place[slave as usize] as usize;
-        g[row] = relation.constant[i];
-        let sorted = relation.is_users(i) || relation.row(i).0.is_sorted_by_key(|&j| dofs[j as usize]);
-        if g_matrix.nnz() == 0 || g_matrix.start[row] == g_matrix.start[row + 1] {
-            fill(&mut t, row, sorted, relation.entries(i).map(|(j, v)| (place[j as usize], v)));
+        // Memory that need not be touched costs nothing; most constants are zero.
+        if relation.constant[i] != 0.0 {
+            g[row] = relation.constant[i];
+        }
+        let terms = relation.row(i).0;
+        let sorted = relation.is_users(i) || terms.is_sorted_by_key(|&j| dofs[j as usize]);
+        let fixed = relation.prescribed_terms(i);
+        let part = |free: bool| relation.entries(i).filter(move |&(j, _)| is_free[j as usize] == free);
+        let in_place = |(j, v)| (place[j as usize], v);
+        if fixed == 0 {
+            fill(&mut t, row, terms.len(), sorted, relation.entries(i).map(in_place));
         } else {
-            let part = |free: bool| {
-                let side = relation.entries(i).filter(move |&(j, _)| is_free[j as usize] == free);
-                side.map(|(j, v)| (place[j as usize], v))
-            };
-            fill(&mut t, row, sorted, part(true));
-            fill(&mut g_matrix, row, sorted, part(false));
+            fill(&mut t, row, terms.len() - fixed, sorted, part(true).map(in_place));
+            fill(&mut g_matrix, row, fixed, sorted, part(false).map(in_place));
         }
     }
     Reduction { slaves, masters, prescribed, t, g_matrix, g, ..Reduction::default() }
@@ -57,12 +60,10 @@ fn sides(places: &mut [u32]) -> [Vec<usize>; 3] {
 /// T and G with their rows of the right length and nothing in them.
 fn sized(relation: &Relation, place: &[u32], [slaves, masters, prescribed]: [usize; 3]) -> (Csr, Csr) {
     let (mut t, mut g) = (vec![0; slaves + 1], vec![0; slaves + 1]);
-    let is_free = relation.system.free();
     for (i, &slave) in relation.slave.iter().enumerate() {
-        let entries = relation.row(i).0;
-        let fixed = if prescribed == 0 { 0 } else { entries.iter().filter(|&&j| !is_free[j as usize]).count() };
+        let fixed = relation.prescribed_terms(i);
         let row = place[slave as usize] as usize;
-        (t[row + 1], g[row + 1]) = (entries.len() - fixed, fixed);
+        (t[row + 1], g[row + 1]) = (relation.row(i).0.len() - fixed, fixed);
     }
     let make = |cols: usize, mut start: Vec<usize>| {
         (0..slaves).for_each(|i| start[i + 1] += start[i]);
@@ -72,10 +73,14 @@ fn sized(relation: &Relation, place: &[u32], [slaves, masters, prescribed]: [usi
     (make(masters, t), make(prescribed, g))
 }
 
-/// Writes a row of the right length, ascending.
+/// Writes a row of this length, ascending.
+///
+/// The length comes from the caller: where rows are written in any order, a loop that had to wait for `matrix.start` to learn
+/// where it ends would hold up all that follows.
 #[inline]
-fn fill(matrix: &mut Csr, row: usize, sorted: bool, entries: impl Iterator<Item = (u32, f64)>) {
-    let range = matrix.start[row]..matrix.start[row + 1];
+fn fill(matrix: &mut Csr, row: usize, length: usize, sorted: bool, entries: impl Iterator<Item = (u32, f64)>) {
+    let start = matrix.start[row];
+    let range = start..start + length;
     let places = matrix.col[range.clone()].iter_mut().zip(&mut matrix.val[range]);
     if sorted {
         places.zip(entries).for_each(|((column, value), entry)| (*column, *value) = entry);

@@ -66,6 +66,17 @@ impl Relation<'_> {
         dofs.iter().copied().zip(values.iter().copied())
     }
 
+    /// How many terms of row i are prescribed DOFs.
+    #[inline]
+    pub fn prescribed_terms(&self, i: usize) -> usize {
+        let free = self.system.free();
+        if self.system.prescribed().is_empty() {
+            0
+        } else {
+            self.row(i).0.iter().filter(|&&j| !free[j as usize]).count()
+        }
+    }
+
     /// The entries of row i, ascending.
     pub fn sorted(&self, i: usize) -> Vec<(u32, f64)> {
         let mut row: Vec<_> = self.entries(i).collect();

@@ -1,15 +1,17 @@
 //! One call of SuiteSparseQR's C interface: what goes in, what comes out, and who frees it.
 #![allow(unsafe_code, reason = "the one module that calls spqr-sys")]
 
+mod rows;
+
 use std::collections::TryReserveError;
 use std::ptr::{from_mut, null_mut};
 
 use spqr_sys::{cholmod_common, cholmod_dense, cholmod_sparse};
 
-use super::rows::InColumns;
 use super::{Statistics, Tall, all_finite, error_of, failed, is_trapezoidal};
 use crate::Csr;
 use crate::qr::{BackendError, Factor};
+use rows::InColumns;
 
 /// What C allocates for one factorization. Dropping it frees all of it, however the call went.
 pub(super) struct Call {

@@ -38,7 +38,6 @@ impl InColumns<'_> {
         };
         assert_eq!(written, start[rank], "every entry has its place");
         // SAFETY: each part wrote row i from start[i] to start[i + 1], as many entries as were counted, so all of them.
-        #[expect(unsafe_code, reason = "the largest result, whose pages are touched once")]
         unsafe {
             col.set_len(start[rank]);
             val.set_len(start[rank]);
