@@ -100,7 +100,14 @@ fn compare(name: &str, wanted: [f64; 2], columns: &Csr, limit: Duration) {
             std::thread::sleep(PAUSE);
             continue;
         }
-        let pair = (factor(Spqr::default(), columns), factor(Spqr::on(2), columns));
+        // Which comes first changes: a call finds more or fewer pages in place, as the one before it left them.
+        let (mut first, mut second) = (Spqr::default(), Spqr::on(2));
+        let swapped = rounds % 2 == 1;
+        if swapped {
+            std::mem::swap(&mut first, &mut second);
+        }
+        let (first, second) = (factor(first, columns), factor(second, columns));
+        let pair = if swapped { (second, first) } else { (first, second) };
         rounds += 1;
         // Where no round was a good one the last is shown: none of so many.
         let is_good = !late && cores() >= CORES;

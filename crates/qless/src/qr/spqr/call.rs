@@ -74,8 +74,10 @@ impl Call {
     /// Copies the results, on so many threads of the caller's pool.
     pub fn read(&self, rank: usize, columns: &Csr, b: Tall, threads: usize) -> Result<Factor, BackendError> {
         let (m, n) = (columns.cols, columns.rows());
-        let (order, r) = (self.order(n), self.r(n).by_rows(rank, threads));
-        let r = r.map_err(|_| error_of(spqr_sys::CHOLMOD_OUT_OF_MEMORY, m, n))?;
+        let in_columns = self.r(n);
+        // For less the threads take longer to wake up.
+        let threads = if in_columns.row.len() < 1 << 18 { 1 } else { threads };
+        let r = in_columns.by_rows(rank, threads).map_err(|_| error_of(spqr_sys::CHOLMOD_OUT_OF_MEMORY, m, n))?;
         if !is_trapezoidal(&r) {
             return Err(failed("SuiteSparseQR returned an R that is not [R1 R2]".into()));
         }
@@ -84,7 +86,7 @@ impl Call {
             return Err(failed(format!("the {m} x {n} block overflows: scale it")));
         }
         let dropped = without_last_bits(self.common.SPQR_norm_E_fro);
-        Ok(Factor { rank, order, r, rhs: z.head(rank), rest: z.rest(rank), dropped })
+        Ok(Factor { rank, order: self.order(n), r, rhs: z.head(rank), rest: z.rest(rank), dropped })
     }
 
     pub fn statistics(&self) -> Statistics {

@@ -1,11 +1,11 @@
 //! R by rows, from R by columns.
 
 use std::collections::TryReserveError;
-use std::mem::MaybeUninit;
 use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::zeros;
 use crate::Csr;
 
 /// R as C returns it: where each column starts, the row of each entry (in no promised order), its value.
@@ -16,28 +16,33 @@ pub(super) struct InColumns<'a> {
     pub value: &'a [f64],
 }
 
-/// Rows of the result, and the places of their entries.
-struct Part<'a> {
-    rows: Range<usize>,
-    col: &'a mut [MaybeUninit<u32>],
-    val: &'a mut [MaybeUninit<f64>],
+/// Where the entries of the result go.
+#[derive(Clone, Copy)]
+struct Places {
+    col: *mut u32,
+    val: *mut f64,
 }
+
+// SAFETY: threads write to places of their own, see `fill`.
+unsafe impl Sync for Places {}
 
 impl InColumns<'_> {
     /// Rows 0..rank without exact zeros, on so many threads of the caller's pool.
     ///
-    /// By far the largest result, so it is written once, and may find no memory.
+    /// By far the largest result, so it is written once, and may find no memory. Each thread takes some columns, and writes the
+    /// part of each row that is in them behind the parts before.
     pub fn by_rows(self, rank: usize, threads: usize) -> Result<Csr, TryReserveError> {
-        let start = self.starts(rank);
+        let parts = self.split(threads.max(1));
+        let mut places: Vec<Vec<usize>> = parts.iter().map(|_| zeros(rank)).collect::<Result<_, _>>()?;
+        let counting = |(part, counts): (&Range<usize>, &mut Vec<usize>)| self.count(part.clone(), counts);
+        in_parallel(threads, &parts, &mut places, counting);
+        let start = starts(rank, &mut places);
         let (mut col, mut val) = (reserved::<u32>(start[rank])?, reserved::<f64>(start[rank])?);
-        let parts = split(&start, col.spare_capacity_mut(), val.spare_capacity_mut(), threads);
-        let written: usize = if threads > 1 {
-            parts.into_par_iter().map(|part| self.fill(part, &start)).sum()
-        } else {
-            parts.into_iter().map(|part| self.fill(part, &start)).sum()
-        };
-        assert_eq!(written, start[rank], "every entry has its place");
-        // SAFETY: each part wrote row i from start[i] to start[i + 1], as many entries as were counted, so all of them.
+        let to = Places { col: col.as_mut_ptr(), val: val.as_mut_ptr() };
+        // SAFETY: entry by entry as `count` counted them, so each has a place of its own below start[rank], which is reserved.
+        let filling = |(part, next): (&Range<usize>, &mut Vec<usize>)| unsafe { self.fill(part.clone(), next, &to) };
+        in_parallel(threads, &parts, &mut places, filling);
+        // SAFETY: all places were written.
         unsafe {
             col.set_len(start[rank]);
             val.set_len(start[rank]);
@@ -45,66 +50,99 @@ impl InColumns<'_> {
         Ok(Csr { cols: self.start.len() - 1, start, col, val })
     }
 
-    fn starts(self, rank: usize) -> Vec<usize> {
-        let mut start = vec![0; rank + 1];
-        for (&row, _) in self.row.iter().zip(self.value).filter(|(row, value)| **value != 0.0 && **row < rank as i64) {
-            start[row as usize + 1] += 1;
-        }
-        (0..rank).for_each(|i| start[i + 1] += start[i]);
-        start
+    /// Consecutive columns of about as many entries each.
+    fn split(self, count: usize) -> Vec<Range<usize>> {
+        let columns = self.start.len() - 1;
+        let bound = |part: usize| self.start.partition_point(|&at| (at as usize) < self.row.len() / count * part);
+        (0..count).map(|part| bound(part)..if part + 1 == count { columns } else { bound(part + 1) }).collect()
     }
 
-    /// How many entries it wrote.
-    fn fill(self, part: Part, start: &[usize]) -> usize {
-        let Part { rows, col, val } = part;
-        let (first, offset) = (rows.start as i64, start[rows.start]);
-        let count = rows.len() as u64;
-        let mut next: Vec<usize> = start[rows].iter().map(|place| place - offset).collect();
-        let mut written = 0;
-        for (j, bounds) in self.start.windows(2).enumerate() {
-            for k in bounds[0] as usize..bounds[1] as usize {
-                // Rows above the part wrap round to large numbers.
-                let row = (self.row[k] - first) as u64;
-                if row < count && self.value[k] != 0.0 {
-                    let place = &mut next[row as usize];
-                    col[*place].write(j as u32);
-                    val[*place].write(self.value[k]);
-                    *place += 1;
-                    written += 1;
+    /// Rows and values of these columns.
+    fn entries(self, columns: Range<usize>) -> impl Iterator<Item = (usize, f64)> {
+        let range = self.start[columns.start] as usize..self.start[columns.end] as usize;
+        self.row[range.clone()].iter().map(|&row| row as usize).zip(self.value[range].iter().copied())
+    }
+
+    /// Adds up how many entries that count each row has in these columns.
+    fn count(self, columns: Range<usize>, counts: &mut [usize]) {
+        for (row, value) in self.entries(columns) {
+            if value != 0.0 && row < counts.len() {
+                counts[row] += 1;
+            }
+        }
+    }
+
+    /// # Safety
+    /// From `next[row]` on there are as many places as the row has entries in these columns, and they are nobody else's.
+    unsafe fn fill(self, columns: Range<usize>, next: &mut [usize], to: &Places) {
+        for j in columns {
+            for (row, value) in self.entries(j..j + 1) {
+                if value != 0.0 && row < next.len() {
+                    let place = next[row];
+                    // SAFETY: the caller's promise.
+                    unsafe {
+                        to.col.add(place).write(j as u32);
+                        to.val.add(place).write(value);
+                    }
+                    next[row] = place + 1;
                 }
             }
         }
-        written
     }
 }
 
-/// Consecutive rows of about as many entries each.
-fn split<'a>(
-    start: &[usize],
-    mut col: &'a mut [MaybeUninit<u32>],
-    mut val: &'a mut [MaybeUninit<f64>],
-    count: usize,
-) -> Vec<Part<'a>> {
-    let (rank, entries, count) = (start.len() - 1, start[start.len() - 1], count.max(1));
-    let mut parts = Vec::new();
-    let mut from = 0;
-    for part in 1..=count {
-        let to = if part == count {
-            rank
-        } else {
-            start.partition_point(|&place| place < entries / count * part).clamp(from, rank)
-        };
-        let length = start[to] - start[from];
-        let (head, tail) = std::mem::take(&mut col).split_at_mut(length);
-        let (head_val, tail_val) = std::mem::take(&mut val).split_at_mut(length);
-        parts.push(Part { rows: from..to, col: head, val: head_val });
-        (col, val, from) = (tail, tail_val, to);
+/// Where each row starts; turns counts, by part and row, into the first place of each.
+fn starts(rank: usize, counts: &mut [Vec<usize>]) -> Vec<usize> {
+    let mut start = Vec::with_capacity(rank + 1);
+    let mut place = 0;
+    for row in 0..rank {
+        start.push(place);
+        for part in &mut *counts {
+            place += std::mem::replace(&mut part[row], place);
+        }
     }
-    parts
+    start.push(place);
+    start
+}
+
+fn in_parallel<A: Sync, B: Send>(threads: usize, a: &[A], b: &mut [B], work: impl Fn((&A, &mut B)) + Sync + Send) {
+    if threads > 1 { a.par_iter().zip(b).for_each(work) } else { a.iter().zip(b).for_each(work) }
 }
 
 fn reserved<T>(length: usize) -> Result<Vec<T>, TryReserveError> {
     let mut values = Vec::new();
     values.try_reserve_exact(length)?;
     Ok(values)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_the_same_for_every_number_of_threads() {
+        let (columns, rank) = (300, 250);
+        let (mut start, mut row, mut value) = (vec![0], Vec::new(), Vec::new());
+        let mut expected = vec![Vec::new(); rank];
+        for j in 0..columns {
+            // Not ascending, with exact zeros, and beyond the rank.
+            for i in (0..=j).rev().filter(|i| (i * 7 + j * 5) % 11 < 4) {
+                let entry = if (i + j) % 13 == 0 { 0.0 } else { (1 + i) as f64 / (1 + j) as f64 };
+                row.push(i as i64);
+                value.push(entry);
+                if i < rank && entry != 0.0 {
+                    expected[i].push((j, entry));
+                }
+            }
+            start.push(row.len() as i64);
+        }
+        let in_columns = InColumns { start: &start, row: &row, value: &value };
+        for threads in [1, 2, 3, 7, 1000] {
+            let rows = in_columns.by_rows(rank, threads).expect("memory");
+            assert_eq!((rows.cols, rows.rows()), (columns, rank));
+            (0..rank).for_each(|i| assert_eq!(rows.row(i).collect::<Vec<_>>(), expected[i], "{threads} threads"));
+        }
+        let nothing = InColumns { start: &[0], row: &[], value: &[] }.by_rows(0, 2).expect("memory");
+        assert_eq!((nothing.rows(), nothing.nnz()), (0, 0));
+    }
 }
