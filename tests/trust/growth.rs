@@ -3,12 +3,13 @@
 //! That T is the right one is shown by the residuals of the same systems in `residual.rs`.
 
 use qless::{BackendChoice, Options};
+use qless_scenes::families;
 
 use super::rrqr::strong_rrqr;
 use super::scenes::{definite, steep};
-use crate::support::{diagnose, settings};
+use crate::support::{check_reduction, diagnose, settings};
 
-on_each_backend!(growth_is_that_of_a_strong_rrqr, growth_needs_the_bound);
+on_each_backend!(growth_is_that_of_a_strong_rrqr, growth_needs_the_bound, low_bounds_are_reached);
 
 /// What the comparison asks for; the product's default is 4.
 const BOUND: f64 = 10.0;
@@ -31,6 +32,25 @@ fn growth_is_that_of_a_strong_rrqr(backend: BackendChoice) {
             assert!(growth <= BOUND || dense.strong > BOUND, "{name}: {growth}, dense {}", dense.strong);
         }
     }
+}
+
+/// Below 2 a pair of DOFs could change places for ever, at 1 by rounding alone.
+fn low_bounds_are_reached(backend: BackendChoice) {
+    let planted = families::planted(60, 90, 6, 2, false).expect("in range");
+    let mut exchanges = 0;
+    for (name, scene) in definite().into_iter().chain([("planted", planted)]) {
+        for growth in [1.0, 1.5] {
+            let options = Options { backend, growth, ..Options::default() };
+            let analysis = diagnose(&scene.system, &options);
+            let reduction = analysis.reduction(&scene.system);
+            exchanges += reduction.exchanges;
+            let most = reduction.t.val.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
+            assert!(most <= growth * (1.0 + 1e-8), "{name}: {most} for {growth}");
+            assert!(most == reduction.growth, "{name}: growth as reported");
+            check_reduction(&scene.system, &analysis, &reduction, 1e-11);
+        }
+    }
+    assert!(exchanges > 100, "{exchanges}");
 }
 
 /// Without a bound T grows beyond it, so that the test above can fail.

@@ -1,6 +1,6 @@
 //! `rank = #{sigma_i > tolerance}` and `sigma_kept = sigma_min(kept rows)`, by a dense SVD of the equilibrated rows.
 
-use qless::{Analysis, BackendChoice, ConstraintSystem, Options, Tolerance};
+use qless::{Analysis, BackendChoice, ConstraintSystem, Options, SystemBuilder, Tolerance};
 use qless_scenes::Scene;
 use qless_scenes::families::{self, Near};
 use qless_scenes::oracle::singular_values;
@@ -120,4 +120,46 @@ fn no_doubt_where_the_svd_has_none_faer() {
 fn no_doubt_where_the_svd_has_none_spqr() {
     let [presolved, whole] = settings(BackendChoice::Spqr).map(|options| doubted(&options));
     assert_eq!((presolved.as_slice(), whole.as_slice()), (&DOUBTED[..], &[][..]));
+}
+
+/// `u_i - sum_{j > i} u_j = 1`, upper triangular with ones: exactly of full rank, and at `2^-58` from a lower one.
+fn wilkinson() -> ConstraintSystem {
+    let mut builder = SystemBuilder::new(60);
+    for i in 0..60 {
+        builder.equation((i..60).map(|j| (j, if j == i { 1.0 } else { -1.0 })), 1.0);
+    }
+    builder.build().expect("valid")
+}
+
+/// No pivot is small, so that a backend without column pivoting, and presolve, keep all 60 equations.
+#[test]
+fn only_the_check_finds_what_no_pivot_shows() {
+    let system = wilkinson();
+    let [.., last] = singular_values(&system)[..] else { panic!("60 values") };
+    assert!(last < 1e-15);
+    for backend in [BackendChoice::Sparse, BackendChoice::Faer] {
+        for presolve in [true, false] {
+            let run = |check| {
+                let analysis = diagnose(&system, &Options { backend, presolve, check, ..Options::default() });
+                (analysis.rank(), analysis.confidence.ambiguous)
+            };
+            println!("{backend:?} presolve {presolve}: {:?} {:?}", run(true), run(false));
+            assert_eq!(run(true).0, 59, "{backend:?}, presolve {presolve}");
+            if presolve || backend == BackendChoice::Sparse {
+                assert_eq!(run(false), (60, false), "{backend:?}, presolve {presolve}");
+            }
+        }
+    }
+}
+
+/// The rank is the same, the doubt is not.
+#[test]
+fn without_the_check_nobody_is_told_of_a_doubt() {
+    let system = families::near(10, 1e-7, Near::Own).expect("in range").system;
+    for presolve in [true, false] {
+        let checked = diagnose(&system, &Options { presolve, ..Options::default() });
+        let unchecked = diagnose(&system, &Options { presolve, check: false, ..Options::default() });
+        assert_eq!(checked.kinds, unchecked.kinds);
+        assert!(checked.confidence.ambiguous && !unchecked.confidence.ambiguous);
+    }
 }

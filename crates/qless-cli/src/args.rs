@@ -114,6 +114,7 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 /// The model, and how to look at it.
 #[derive(Args)]
+#[expect(clippy::struct_excessive_bools, reason = "each is an option that stands alone")]
 pub struct ModelArgs {
     /// A deck (.inp, .bdf, .dat, .nas, .cdb), a matrix C (.mtx), or a folder with C.mtx and, if there are any, b.txt, prescribed.txt, rows.txt, cols.txt
     pub input: PathBuf,
@@ -141,6 +142,9 @@ pub struct ModelArgs {
     /// Leave every equation to the backend
     #[arg(long)]
     pub no_presolve: bool,
+    /// Leave out the checks of the rank, which can then be wrong without a word
+    #[arg(long)]
+    pub no_check: bool,
     /// Equations to keep where others can be called dependent instead, such as 3,7,10-20: rows counted from 1
     #[arg(long, value_name = "LIST", value_parser = numbers)]
     pub keep: Option<Numbers>,
@@ -211,7 +215,8 @@ impl ModelArgs {
         let tolerance = if self.paper_tolerance { Tolerance::Paper } else { relative };
         let preferences = Preferences { equations: listed(self.keep.as_ref()), ..Preferences::default() };
         let memory = self.memory.map_or(standard.memory, |mib| mib.get().saturating_mul(1 << 20));
-        Options { backend, tolerance, presolve: !self.no_presolve, memory, preferences, ..standard }
+        let (presolve, check) = (!self.no_presolve, !self.no_check);
+        Options { backend, tolerance, presolve, check, memory, preferences, ..standard }
     }
 }
 

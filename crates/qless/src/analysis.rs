@@ -136,7 +136,15 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
     let local = numbering.view(system, system.rhs());
     let wishes = Wishes::new(&options.preferences, &numbering, system.dofs());
     let (rows, spread) = scale(local, &columns, &exponents, options.tolerance);
-    let run = Run { local, columns: &columns, scaling: &rows, wishes: &wishes, backend: backend.as_ref(), tolerance };
+    let run = Run {
+        local,
+        columns: &columns,
+        scaling: &rows,
+        wishes: &wishes,
+        backend: backend.as_ref(),
+        tolerance,
+        check: options.check,
+    };
     let settle = |scaling: &Scaling| Run { scaling, ..run }.settle(system, options.presolve, start);
     let (scaling, (mut stages, held, confidence)) = if spread == Spread::UnitsMix {
         let scaling = balanced(local, &exponents);
@@ -189,6 +197,7 @@ struct Run<'a> {
     wishes: &'a Wishes,
     backend: &'a dyn Backend,
     tolerance: f64,
+    check: bool,
 }
 
 /// What the stages up to the blocks leave.
@@ -215,7 +224,8 @@ impl Run<'_> {
             let mut stages = self.stages(&held, started)?;
             let swept = sweep(local, &stages.basis, &stages.history, scaling, SEED);
             stages.still = swept.still;
-            let near = sensitivity::largest(swept.worst, &stages.basis, &stages.history, scaling, local.dofs());
+            let worst = swept.worst.filter(|_| self.check);
+            let near = sensitivity::largest(worst, &stages.basis, &stages.history, scaling, local.dofs());
             doubt = near.map(|n| n.1).into_iter().chain(doubt).reduce(f64::max);
             // What presolve kept is dependent to within the tolerance: the backend decides.
             match near.filter(|&(_, entry)| entry * tolerance > 1.0) {
@@ -229,7 +239,7 @@ impl Run<'_> {
     }
 
     fn stages(&self, held: &[bool], started: Instant) -> Result<Stages, AnalysisError> {
-        let Self { local, columns, scaling, wishes, backend, tolerance } = *self;
+        let Self { local, columns, scaling, wishes, backend, tolerance, check } = *self;
         let peeled = peel(local, columns, scaling, wishes, Some(held));
         let gathered = gather(local, &peeled.remaining, scaling).map_err(|row| AnalysisError::Range { row: row.0 })?;
         let eliminated = eliminate(gathered, tolerance, held);
@@ -237,7 +247,7 @@ impl Run<'_> {
         let parts = block::split::split(&eliminated.rows, &eliminated.core, local.free());
         let blocks: Vec<Block> = parts.iter().map(|rows| Block::new(&eliminated.rows, rows, local.free())).collect();
         // Blocks are independent: in parallel, in the caller's pool, the result in their order whatever the threads.
-        let solve = |block: &Block| block::solve(block, backend, tolerance);
+        let solve = |block: &Block| block::solve(block, backend, tolerance, check);
         let solved: Result<Vec<Solved>, _> = match blocks.as_slice() {
             few @ ([] | [_]) => few.iter().map(solve).collect(),
             many => many.par_iter().map(solve).collect(),

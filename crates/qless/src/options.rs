@@ -73,7 +73,11 @@ pub struct Options {
     pub tolerance: Tolerance,
     /// Whether equations that need no factorization are taken out first. Default: true.
     pub presolve: bool,
-    /// Slaves and masters are exchanged until `max |T_ij|` is at most this. At least 1; default 4.
+    /// Whether what presolve and the backend keep is checked for near dependence, and chosen anew where it is not sound. Default:
+    /// true. Without, the rank can be wrong and nothing says so: [`crate::Confidence::sigma_kept`] is then 1 unseen.
+    pub check: bool,
+    /// Slaves and masters are exchanged until `max |T_ij|` is at most this. At least 1, which is met to 1e-9; default 4.
+    /// The nearer to 1, the more exchanges.
     pub growth: f64,
     /// Bytes that a sparse factorization in Rust may allocate for one block; more is refused before the work. Default: 16 GiB.
     pub memory: usize,
@@ -87,6 +91,7 @@ impl Default for Options {
             backend: BackendChoice::Auto,
             tolerance: Tolerance::Relative(1e-10),
             presolve: true,
+            check: true,
             growth: 4.0,
             memory: 16 << 30,
             preferences: Preferences::default(),

@@ -1,11 +1,12 @@
 //! The choices: one thing at a time is different from the default.
 
 use qless::{BackendChoice, Options, Tolerance};
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
 /// What does the elimination.
 pub enum Engine {
-    /// qless with these settings, on so many threads, or on as many as there are.
-    Qless(Options, Option<usize>),
+    /// qless with these settings, in this pool or the program's.
+    Qless(Options, Option<ThreadPool>),
     /// Another library with this absolute tolerance, in a process of its own.
     #[cfg(feature = "peers")]
     Peer(Box<dyn qless::qr::Backend>, f64),
@@ -36,8 +37,10 @@ impl Method {
         Self { is_drawn: true, ..self }
     }
 
-    fn on(name: &'static str, threads: usize) -> Self {
-        Self { engine: Engine::Qless(Options::default(), Some(threads)), ..Self::new(name, Options::default()) }
+    /// None where the system gives no threads.
+    fn on(name: &'static str, options: Options, threads: usize) -> Option<Self> {
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build().ok()?;
+        Some(Self { engine: Engine::Qless(options, Some(pool)), ..Self::new(name, Options::default()) })
     }
 
     /// Whether it cannot be interrupted and must run in a process of its own.
@@ -51,19 +54,27 @@ pub fn all(only: &[String]) -> Vec<Method> {
     let standard = Options::default();
     let alone = |backend| Options { backend, presolve: false, ..standard.clone() };
     let tolerance = |tolerance| Options { tolerance: Tolerance::Relative(tolerance), ..standard.clone() };
-    let mut all = vec![
-        Method::new("default", standard.clone()).drawn(),
-        Method::on("default, 1 thread", 1),
-        Method::on("default, 2 threads", 2),
+    let unchecked = |options| Options { check: false, ..options };
+    let mut all = vec![Method::new("default", standard.clone()).drawn()];
+    all.extend(Method::on("default, 1 thread", standard.clone(), 1));
+    all.extend(Method::on("default, 2 threads", standard.clone(), 2));
+    all.extend([
+        Method::new("rank unchecked", unchecked(standard.clone())),
         Method::new("faer alone", alone(BackendChoice::Faer)).drawn(),
         Method::new("sparse alone", alone(BackendChoice::Sparse)).drawn(),
-    ];
+        Method::new("sparse alone, rank unchecked", unchecked(alone(BackendChoice::Sparse))),
+    ]);
     if cfg!(feature = "spqr") {
         all.push(Method::new("spqr alone", alone(BackendChoice::Spqr)).drawn());
+    }
+    if cfg!(feature = "tbb") {
+        // The task tree has as many threads as the pool, so none of it is used here.
+        all.extend(Method::on("spqr alone, 1 thread", alone(BackendChoice::Spqr), 1));
     }
     all.extend([
         Method { most: DENSE, ..Method::new("gauss alone", alone(BackendChoice::Gauss)).drawn() },
         Method::new("gauss", Options { backend: BackendChoice::Gauss, ..standard.clone() }),
+        Method::new("growth 2", Options { growth: 2.0, ..standard.clone() }),
         Method::new("growth unbounded", Options { growth: UNBOUNDED, ..standard.clone() }),
         Method::new("tolerance 1e-4", tolerance(1e-4)),
         Method::new("tolerance 1e-6", tolerance(1e-6)),

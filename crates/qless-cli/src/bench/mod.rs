@@ -4,6 +4,7 @@
 //! that was slow on a smaller system of the same family is not tried on a larger one. Other libraries (feature `peers`) take
 //! their turns in processes of their own, which are stopped at the limit.
 
+mod advice;
 mod child;
 mod linkages;
 mod measure;

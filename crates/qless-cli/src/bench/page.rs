@@ -2,27 +2,11 @@
 
 use std::fmt::Write;
 
+use super::advice::advice;
 use super::measure::Sample;
 use super::methods::Method;
 use super::plot::{GROWTH, TRADE, front, has_growth, points};
 use super::table::{HEAD, cells, exponents};
-
-/// What to choose, whatever the machine; the numbers are in the tables below it.
-const ADVICE: &str = "\
-## Which option for which need
-
-| need | option | what it costs | what it risks |
-| --- | --- | --- | --- |
-| the usual | none: the defaults | nothing | nothing known: doubtful ranks are reported as ambiguous |
-| coefficients typed with few digits | `--tolerance 1e-6` or `1e-4` | nothing | real constraints that nearly repeat others are dropped (rows \"near\" below); the report says that it is unsure |
-| coefficients exact to the last digit | `--tolerance 1e-12` | nothing | rounding in the input counts as independence |
-| T with the smallest entries | `--growth 1` | exchanges of slaves and masters, a few percent on most models | nothing |
-| a second opinion | `--no-presolve`, with `--backend sparse` or `spqr` | factor 10 to 1,000, see \"alone\" below | nothing; ranks are checked the same way |
-| the paper's results | `--paper-tolerance` | nothing | its answer changes with the units |
-| dense elimination without fill-in control | `--backend gauss` | grows with the cube of what presolve leaves | none for the rank; minutes on large blocks |
-
-`alone` means without presolve: the whole system goes to that backend. The other rows change one option of the default.
-";
 
 /// What the columns of the tables mean.
 const COLUMNS: &str = "
@@ -54,7 +38,7 @@ pub fn markdown(samples: &[Sample], methods: &[Method], command: &str) -> String
         rayon::current_num_threads()
     );
     plots(&mut text, samples, methods);
-    text += ADVICE;
+    text += &advice(samples, methods);
     text += COLUMNS;
     text += "\n## Every system\n";
     for block in samples.chunks(methods.len()) {

@@ -19,10 +19,7 @@ pub struct Done {
 pub fn once(system: &ConstraintSystem, method: &Method) -> Option<Done> {
     match &method.engine {
         Engine::Qless(options, None) => qless(system, options),
-        Engine::Qless(options, Some(threads)) => {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(*threads).build().ok()?;
-            pool.install(|| qless(system, options))
-        }
+        Engine::Qless(options, Some(pool)) => pool.install(|| qless(system, options)),
         #[cfg(feature = "peers")]
         Engine::Peer(backend, tolerance) => {
             let start = Instant::now();

@@ -131,6 +131,25 @@ fn the_plots_show_every_method_that_was_measured() {
 }
 
 #[test]
+fn the_advice_has_the_numbers_of_its_methods() {
+    let methods = methods::all(&[]);
+    let mut all = samples(&methods);
+    let place = |name: &str| methods.iter().position(|method| method.name == name).expect(name);
+    let (first, again) = (place("gauss"), samples(&methods));
+    // On a second system one method takes ten times as long, and another one's wrong rank is doubted.
+    all.extend(again);
+    let second = methods.len() + first;
+    all[second].result = all[second].result.map(|found| Measured { time: 10.0 * found.time, rank: 5, ..found });
+    let page = page::markdown(&all, &methods, "qless bench");
+    let n = (first + 1) as f64;
+    let row = format!("| `--backend gauss` | {:.2}, {n:.2} to {:.2} | 1, 1, 2 |", 10.0 * n, 10.0 * n);
+    assert!(page.contains(&row), "{row} is not in the page");
+    all[second].result = all[second].result.map(|found| Measured { ambiguous: true, ..found });
+    let page = page::markdown(&all, &methods, "qless bench");
+    assert!(page.contains(&row.replace("1, 1, 2", "0, 1, 2")));
+}
+
+#[test]
 fn there_is_no_plot_without_data() {
     let methods = methods::all(&[]);
     let mut samples = samples(&methods);

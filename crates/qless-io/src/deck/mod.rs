@@ -17,6 +17,7 @@ mod chunks;
 pub mod clean;
 mod columns;
 mod error;
+mod kinematics;
 mod model;
 mod name;
 mod nastran;
@@ -71,7 +72,8 @@ pub struct Deck {
 }
 
 impl Deck {
-    /// Where nodes are, by number; empty for formats whose nodes are not kept (Nastran, ANSYS).
+    /// Where nodes are in the model's axes, by number. Nodes that commands generate, or give along other axes in a way that is not
+    /// followed (ANSYS), are left out.
     ///
     /// ```
     /// # let place = tempfile::tempdir()?;
@@ -83,8 +85,15 @@ impl Deck {
     pub fn positions(&self) -> HashMap<u32, [f64; 3]> {
         match self.format {
             Format::Calculix => calculix::positions(self),
-            Format::Nastran | Format::Ansys => HashMap::new(),
+            Format::Nastran => nastran::positions(self),
+            Format::Ansys => ansys::positions(self),
         }
+    }
+
+    /// Goes through the deck's text once more.
+    fn again<T>(&self, read: impl FnOnce(&mut Sources) -> T) -> T {
+        let mut none = |_: &Path| Err(std::io::ErrorKind::NotFound.into());
+        read(&mut Sources::again(&self.model.files, &self.texts, &mut none))
     }
 }
 

@@ -62,9 +62,9 @@ pub(crate) struct Solved {
     pub sigma: f64,
 }
 
-/// Solves one block.
-pub(crate) fn solve(block: &Block, backend: &dyn Backend, tolerance: f64) -> Result<Solved, BackendError> {
-    let rows = dependent::find(block, backend, tolerance)?;
+/// Solves one block; `check` as in [`crate::Options`].
+pub(crate) fn solve(block: &Block, backend: &dyn Backend, tolerance: f64, check: bool) -> Result<Solved, BackendError> {
+    let rows = dependent::find(block, backend, tolerance, check)?;
     slaves::choose(block, rows, backend, tolerance)
 }
 

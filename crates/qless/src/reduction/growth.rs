@@ -1,8 +1,9 @@
 //! Growth `max |T_ij|`, kept below a bound by exchanging slaves and masters.
 //!
 //! Where `|T_sq| > bound`, master q becomes the slave and s a master. The determinant of the slaves' columns grows by
-//! `|T_sq| > 1` each time, so the exchanges end (Gu and Eisenstat 1996), and any bound of at least 1 can be reached, as far
-//! as no preference stands against it.
+//! `|T_sq| > 1` each time, so the exchanges end (Gu and Eisenstat 1996), and any bound above 1 can be reached, as far
+//! as no preference stands against it. At 1 itself coefficients that rounding puts above it would be exchanged for ever, so
+//! the bound is [`LEAST`] there.
 
 use std::collections::BTreeSet;
 
@@ -12,6 +13,9 @@ use crate::preferences::Wishes;
 
 /// A slave with this part of the steepest coefficient may take its place.
 const NEARLY: f64 = 0.5;
+
+/// The least bound that is enforced: further above 1 than rounding of T.
+pub(super) const LEAST: f64 = 1.0 + 1e-9;
 
 /// Returns the number of exchanges made, those before included.
 pub(super) fn bound(relation: &mut Relation, limit: f64, wishes: &Wishes, exchanged: usize) -> usize {
@@ -46,12 +50,13 @@ fn flatten(exchange: &mut Exchange, mut queue: BTreeSet<u32>, limit: f64, wishes
 }
 
 /// Of all slaves that follow a master nearly as steeply as the steepest, which settles most at once, the one with the
-/// shortest row, which fills least.
+/// shortest row, which fills least. By a coefficient of 1 two DOFs could change places for ever.
 fn pivot_row(exchange: &Exchange, master: u32, wishes: &Wishes) -> Option<u32> {
     let mut rows = exchange.holding(master);
     rows.retain(|&(k, _)| wishes.of(master) >= wishes.of(exchange.relation.slave[k as usize]));
     let steepest = rows.iter().fold(0.0, |a: f64, (_, v)| a.max(v.abs()));
-    let fit = rows.iter().filter(|(_, v)| v.abs() >= NEARLY * steepest).map(|&(k, _)| k);
+    let least = (NEARLY * steepest).max(LEAST);
+    let fit = rows.iter().filter(|(_, v)| v.abs() >= least).map(|&(k, _)| k);
     fit.min_by_key(|&k| exchange.relation.row(k as usize).0.len())
 }
 

@@ -53,9 +53,10 @@ pub(crate) struct Basics<'a> {
 
 /// Builds T, G and g; exchanges slaves and masters until the wishes are met and `max |T_ij|` is below the bound.
 pub(crate) fn build(system: &ConstraintSystem, local: Local, basics: &Basics) -> Reduction {
-    let mut relation = rows::assemble(local, basics.basis, &basics.fixed, basics.growth);
-    let exchanged = wishes::meet(&mut relation, &basics.wishes, basics.growth);
-    let exchanges = growth::bound(&mut relation, basics.growth, &basics.wishes, exchanged);
+    let limit = basics.growth.max(growth::LEAST);
+    let mut relation = rows::assemble(local, basics.basis, &basics.fixed, limit);
+    let exchanged = wishes::meet(&mut relation, &basics.wishes, limit);
+    let exchanges = growth::bound(&mut relation, limit, &basics.wishes, exchanged);
     let reduction = output::write(system, &relation);
     Reduction { growth: relation.growth, exchanges, ..reduction }
 }

@@ -29,6 +29,7 @@ mod label;
 mod model;
 mod nodes;
 mod numbering;
+mod positions;
 mod prescribed;
 mod reader;
 mod sets;
@@ -38,4 +39,5 @@ mod unread;
 mod write;
 
 pub(super) use model::read;
+pub(super) use positions::positions;
 pub(super) use write::write;

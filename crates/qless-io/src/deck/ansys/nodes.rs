@@ -5,6 +5,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::command::Command;
 use super::field::{Fault, expected, real, whole};
 use super::format::Format;
+use super::positions::Positions;
 use crate::deck::Problem;
 use crate::fault::quote;
 use crate::number;
@@ -22,6 +23,7 @@ pub struct Nodes {
     pub unknown_groups: FxHashSet<String>,
     /// Whether commands may make nodes that this reader does not see.
     pub are_generated: bool,
+    pub positions: Positions,
     block: Block,
 }
 
@@ -103,6 +105,9 @@ impl Nodes {
         }
         let node = whole(text).ok_or_else(|| expected(command, if archive { 3 } else { 1 }, "the number of a node"))?;
         self.numbers.push(node);
+        if !archive || command.is(2, "LOC") {
+            self.positions.command(node, command, if archive { 6 } else { 2 }, archive);
+        }
         let is_rotated = |at: usize| real(command, at).is_ok_and(|angle| angle != 0.0);
         let angles = if archive && command.is(2, "ANG") { 6..9 } else { 5..8 };
         if (!archive || command.is(2, "ANG")) && angles.into_iter().any(is_rotated) {
@@ -120,6 +125,7 @@ impl Nodes {
         let fault = || (Some(1), Problem::Expected { expected: "the number of a node", found: quote(first) });
         let node = whole(first).ok_or_else(fault)?;
         self.numbers.push(node);
+        self.positions.row(node, format.floats(line));
         let mut angles = format.floats(line).enumerate().skip(3).filter(|(_, text)| !text.is_empty());
         let offset = format.integers(line).count() + 1;
         let nonzero = |(k, text): (usize, &[u8])| match number::real(text) {

@@ -72,6 +72,13 @@ impl Reader {
         Self { model, places: Some(Vec::new()), ..Self::default() }.lines(text)
     }
 
+    /// The same, with the positions of nodes.
+    pub fn with_positions(path: &Path, text: &[u8]) -> Result<Self, DeckError> {
+        let mut reader = Self { model: Model::new(vec![path.to_path_buf()]), ..Self::default() };
+        reader.nodes.positions.keep();
+        reader.lines(text)
+    }
+
     fn lines(mut self, text: &[u8]) -> Result<Self, DeckError> {
         let mut start = if text.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
         let mut line = 0;

@@ -50,6 +50,7 @@ impl Reader {
 
     /// A command that is not read: what is known of it, said once where it is unknown.
     fn unread(&mut self, command: &Command) {
+        self.nodes.positions.axes(command);
         let title = command.title();
         match self.effect(command.key) {
             Effect::Nothing => {}

@@ -10,10 +10,10 @@ use super::frames::orientation;
 use super::geometric::{Place, Row};
 use super::mesh::Surface;
 use super::rigid::{Reference, kinematic};
-use crate::deck::nastran::axes::BASIC_AXES;
-use crate::deck::nastran::mean::{Group, Mean};
-use crate::deck::nastran::number::Components;
-use crate::deck::nastran::vector::{Vector, scaled};
+use crate::deck::kinematics::axes::BASIC_AXES;
+use crate::deck::kinematics::components::Components;
+use crate::deck::kinematics::mean::{Group, Mean};
+use crate::deck::kinematics::vector::{Vector, scaled};
 use crate::deck::{DeckError, Model, Problem};
 use crate::fault::quote;
 

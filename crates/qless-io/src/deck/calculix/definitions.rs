@@ -11,9 +11,9 @@ use super::fields::number;
 use super::frames::{Local, locals};
 use super::mesh::{Elements, positions};
 use crate::deck::Problem;
-use crate::deck::nastran::body::Pose;
-use crate::deck::nastran::row::Poses;
-use crate::deck::nastran::vector::Vector;
+use crate::deck::kinematics::body::Pose;
+use crate::deck::kinematics::row::Poses;
+use crate::deck::kinematics::vector::Vector;
 use crate::fault::quote;
 
 /// Members of a set at most.
@@ -258,7 +258,7 @@ impl Poses for Definitions {
         let locals = self.locals.get_or_init(|| locals(self)).as_ref().map_err(Clone::clone)?;
         Ok(Pose {
             position,
-            axes: locals.get(&node).map_or(crate::deck::nastran::axes::BASIC_AXES, |local| local.axes_at(position)),
+            axes: locals.get(&node).map_or(crate::deck::kinematics::axes::BASIC_AXES, |local| local.axes_at(position)),
         })
     }
 }

@@ -10,8 +10,8 @@ use super::data::Lines;
 use super::definitions::Definitions;
 use super::fields::float;
 use crate::deck::Problem;
-use crate::deck::nastran::axes::{BASIC_AXES, Frame, Kind};
-use crate::deck::nastran::vector::{Vector, cross, minus, unit};
+use crate::deck::kinematics::axes::{BASIC_AXES, Frame, Kind};
+use crate::deck::kinematics::vector::{Vector, cross, minus, unit};
 
 /// Local axes, which may depend on the place.
 pub type Local = Frame;

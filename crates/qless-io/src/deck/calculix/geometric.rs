@@ -2,8 +2,8 @@
 
 use super::card::Card;
 use super::definitions::Definitions;
-use crate::deck::nastran::row::Poses;
-use crate::deck::nastran::vector::{Vector, dot};
+use crate::deck::kinematics::row::Poses;
+use crate::deck::kinematics::vector::{Vector, dot};
 use crate::deck::{DeckError, Dof, Model, Origin, Problem};
 
 /// An equation: its terms, the slave first, and the right-hand side.

@@ -7,7 +7,7 @@ use super::definitions::{Block, Definitions};
 use super::fields::{float, number};
 use super::shape::Shape;
 use crate::deck::Problem;
-use crate::deck::nastran::vector::Vector;
+use crate::deck::kinematics::vector::Vector;
 use crate::fault::quote;
 
 /// Elements: what they are and where their nodes stand.

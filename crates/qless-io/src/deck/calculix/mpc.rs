@@ -14,7 +14,7 @@ use super::data::name;
 use super::definitions::Definitions;
 use super::geometric::{Place, Row};
 use super::rigid::{Reference, kinematic};
-use crate::deck::nastran::vector::{Vector, cross, dot, length, minus, plus, scaled};
+use crate::deck::kinematics::vector::{Vector, cross, dot, length, minus, plus, scaled};
 use crate::deck::{DeckError, Model, Problem};
 use crate::fault::quote;
 

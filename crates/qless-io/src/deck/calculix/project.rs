@@ -4,7 +4,7 @@ use rustc_hash::FxHashMap;
 
 use super::definitions::Definitions;
 use crate::deck::Problem;
-use crate::deck::nastran::vector::{Vector, dot, length, minus, plus, scaled};
+use crate::deck::kinematics::vector::{Vector, dot, length, minus, plus, scaled};
 
 /// Shape functions below this are rounding.
 const ROUNDING: f64 = 1e-12;

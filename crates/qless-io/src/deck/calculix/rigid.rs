@@ -5,8 +5,8 @@ use super::definitions::Definitions;
 use super::fields::number;
 use super::frames::Local;
 use super::geometric::{Place, Row};
-use crate::deck::nastran::row::Poses;
-use crate::deck::nastran::vector::{Vector, cross, minus};
+use crate::deck::kinematics::row::Poses;
+use crate::deck::kinematics::vector::{Vector, cross, minus};
 use crate::deck::{DeckError, Dof, Model, Problem};
 
 /// The node whose motion a body follows; its rotations are components 4 to 6, or 1 to 3 of a node of their own.
@@ -24,10 +24,10 @@ impl Reference {
         let mut row = Row::along(definitions, &[(node, direction), (self.node, direction.map(|x| -x))], 0.0)?;
         let pose = definitions.pose(node)?;
         let own = row.terms[0].0.component;
-        let scale = crate::deck::nastran::vector::dot(pose.axes[usize::from(own) - 1], direction);
+        let scale = crate::deck::kinematics::vector::dot(pose.axes[usize::from(own) - 1], direction);
         let moment = cross(arm, direction);
         for (k, axis) in reference.axes.iter().enumerate() {
-            let value = -crate::deck::nastran::body::product(axis, &moment) / scale;
+            let value = -crate::deck::kinematics::body::product(axis, &moment) / scale;
             if value != 0.0 {
                 row.terms.push((self.rotation_dof(k), value));
             }

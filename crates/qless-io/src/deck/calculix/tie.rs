@@ -5,7 +5,7 @@ use super::definitions::Definitions;
 use super::fields::float;
 use super::geometric::{Place, Row};
 use super::mesh::Surface;
-use crate::deck::nastran::vector::Vector;
+use crate::deck::kinematics::vector::Vector;
 use crate::deck::{DeckError, Dof, Model, Problem};
 use crate::fault::quote;
 
@@ -76,8 +76,8 @@ fn tied(card: &Card, definitions: &Definitions) -> Result<Tied, Problem> {
 
 /// The three components of a tied node.
 fn rows(definitions: &Definitions, node: u32, masters: &[u32], weights: &[f64]) -> Result<Vec<Row>, Problem> {
-    use crate::deck::nastran::row::Poses;
-    let plain = crate::deck::nastran::axes::BASIC_AXES;
+    use crate::deck::kinematics::row::Poses;
+    let plain = crate::deck::kinematics::axes::BASIC_AXES;
     let mut is_plain = definitions.pose(node)?.axes == plain;
     for &master in masters {
         is_plain &= definitions.pose(master)?.axes == plain;

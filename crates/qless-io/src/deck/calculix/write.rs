@@ -6,7 +6,7 @@ use std::path::Path;
 use super::card::{Card, card_input, is_include, keyword_end, next_keyword, walk};
 use super::definitions::Definitions;
 use crate::deck::clean::{CleanError, Edits, Plan, Reason, Removed, Written};
-use crate::deck::{Deck, DeckError, Model, Sources};
+use crate::deck::{Deck, DeckError, Model};
 
 /// Characters of a number that CalculiX reads.
 const NUMBER: usize = 20;
@@ -230,13 +230,12 @@ fn unused_node(deck: &Deck) -> Result<u32, CleanError> {
 
 /// What a deck that was read before defines.
 fn definitions(deck: &Deck) -> Result<Definitions, DeckError> {
-    let mut none = |_: &Path| Err(std::io::ErrorKind::NotFound.into());
-    let mut sources = Sources::again(&deck.model.files, &deck.texts, &mut none);
     let mut definitions = Definitions::default();
-    walk(&mut sources, &mut |card: &Card| {
+    let mut note = |card: &Card| {
         definitions.note(card);
         Ok(())
-    })?;
+    };
+    deck.again(|sources| walk(sources, &mut note))?;
     Ok(definitions)
 }
 

@@ -10,10 +10,10 @@ use super::fault::CardFault;
 use super::mpc::Term;
 use super::place::Place;
 use super::points::{Point, Points, Twice, limited};
-use super::row::Row;
 use super::selected::{self, Sets};
 use super::ties::{Element, Tie};
 use super::warnings::brief;
+use crate::deck::kinematics::row::Row;
 use crate::deck::{DeckError, Dof, Model, Problem, Sources};
 
 /// The model of a deck.
@@ -37,7 +37,8 @@ pub(super) fn model(mut content: Content, sources: &Sources) -> Result<Model, De
     Ok(model)
 }
 
-fn points(bulk: &mut Bulk, model: &mut Model) -> Result<Points, DeckError> {
+/// The points with their coordinate systems.
+pub(super) fn points(bulk: &mut Bulk, model: &mut Model) -> Result<Points, DeckError> {
     let usual = bulk.usual.as_ref().map(|(usual, _)| *usual).unwrap_or_default();
     let points = Points::new(std::mem::take(&mut bulk.grids), std::mem::take(&mut bulk.scalars), usual);
     let mut points = points.map_err(|twice| defined_twice(&twice, model))?;

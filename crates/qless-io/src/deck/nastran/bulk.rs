@@ -5,7 +5,6 @@ use std::sync::LazyLock;
 
 use rustc_hash::FxHashMap;
 
-use super::axes::Kind;
 use super::card::{Card, Refused};
 use super::elements::{rbar, rbe1, rbe2, rbe3, rrod};
 use super::frames::{Definition, Definitions};
@@ -22,6 +21,7 @@ use super::supports::{Support, spc, spc1};
 use super::ties::{Element, Ties};
 use super::unread::{self, Unread};
 use super::{coordinates, fault::CardFault};
+use crate::deck::kinematics::axes::Kind;
 
 /// What the bulk data of a deck constrains.
 #[derive(Debug, Default)]

@@ -2,7 +2,8 @@
 
 use super::fault::CardFault;
 use super::fields::{Fields, split};
-use super::number::{Components, real};
+use super::number::real;
+use crate::deck::kinematics::components::Components;
 use crate::deck::{CardName, Problem};
 use crate::fault::quote;
 use crate::number::whole;

@@ -1,8 +1,8 @@
 //! `CORD1R`, `CORD1C`, `CORD1S`, two frames a card, and `CORD2R`, `CORD2C`, `CORD2S`.
 
-use super::axes::Kind;
 use super::card::{Card, Refused};
 use super::frames::{BASIC, Definition};
+use crate::deck::kinematics::axes::Kind;
 
 const ID: &str = "the number of the coordinate system";
 

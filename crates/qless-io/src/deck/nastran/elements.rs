@@ -2,11 +2,11 @@
 
 use super::card::{Card, Refused};
 use super::fault::CardFault;
-use super::mean::{Group, Mean};
-use super::number::Components;
-use super::rigid::{Rigid, Side};
-use super::rod::Rod;
 use super::spans::{Span, spans};
+use crate::deck::kinematics::components::Components;
+use crate::deck::kinematics::mean::{Group, Mean};
+use crate::deck::kinematics::rigid::{Rigid, Side};
+use crate::deck::kinematics::rod::Rod;
 use crate::deck::{Dof, Problem};
 
 const POINT: &str = "a grid point";

@@ -5,10 +5,10 @@
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
-use super::axes::{Frame, Kind};
 use super::fault::{circle, unknown_frame, unknown_grid};
-use super::vector::Vector;
 use crate::deck::Problem;
+use crate::deck::kinematics::axes::{Frame, Kind};
+use crate::deck::kinematics::vector::Vector;
 
 /// Frame 0, the basic one.
 pub(super) const BASIC: u32 = 0;

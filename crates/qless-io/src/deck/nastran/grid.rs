@@ -2,8 +2,8 @@
 
 use super::card::{Card, Refused};
 use super::frames::BASIC;
-use super::number::Components;
-use super::vector::Vector;
+use crate::deck::kinematics::components::Components;
+use crate::deck::kinematics::vector::Vector;
 
 /// What a `GRID` card says.
 #[derive(Clone, Copy, Debug, PartialEq)]

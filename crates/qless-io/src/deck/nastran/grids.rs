@@ -6,9 +6,9 @@ use rustc_hash::FxHashMap;
 
 use super::grid::{Given, Usual};
 use super::place::Place;
-use super::vector::Vector;
 use crate::deck::CardName;
 use crate::deck::chunks::Chunks;
+use crate::deck::kinematics::vector::Vector;
 
 /// A grid point.
 #[derive(Clone, Copy, Debug)]
@@ -144,7 +144,10 @@ mod tests {
 
     #[test]
     fn points_alike_are_one_and_others_clash() {
-        let usual = |held: &[u8]| Usual { held: super::super::number::Components::parse(held), ..Usual::default() };
+        let usual = |held: &[u8]| Usual {
+            held: crate::deck::kinematics::components::Components::parse(held),
+            ..Usual::default()
+        };
         let mut grids = Grids::default();
         for (held, file) in [(b"12", 0), (b"12", 1)] {
             grids.push(&Given { id: 3, at: [1.0; 3], usual: usual(held) }, file, 1 + file);

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::card::{Card, Refused};
-use super::number::Components;
 use super::place::Place;
+use crate::deck::kinematics::components::Components;
 
 /// Load sets with their factors, by the number of the combination.
 pub(super) type Combinations = BTreeMap<u32, Vec<(u32, f64)>>;

@@ -25,8 +25,6 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-pub(super) mod axes;
-pub(super) mod body;
 mod build;
 mod bulk;
 mod card;
@@ -34,7 +32,6 @@ mod cases;
 mod content;
 mod control;
 mod coordinates;
-mod dense;
 mod elements;
 mod fault;
 mod fields;
@@ -43,30 +40,26 @@ mod grid;
 mod grids;
 mod lines;
 mod loads;
-pub(super) mod mean;
 mod mpc;
-pub(super) mod number;
+mod number;
 mod place;
 mod points;
+mod positions;
 mod quick;
 mod reader;
-pub(super) mod rigid;
-pub(super) mod rod;
-pub(super) mod row;
 mod selected;
 mod sets;
-mod solved;
 mod spans;
 mod supports;
 mod target;
 mod ties;
 mod unread;
-pub(super) mod vector;
 mod warnings;
 mod wide;
 mod write;
 
 pub use fault::CardFault;
+pub(super) use positions::positions;
 pub(super) use write::write;
 
 use super::{DeckError, Model, Sources};

@@ -2,7 +2,7 @@
 
 use super::card::{Card, PER_LINE, Refused};
 use super::fault::CardFault;
-use super::number::Components;
+use crate::deck::kinematics::components::Components;
 
 /// A term: point, component (none for a scalar point), coefficient.
 pub(super) type Term = (u32, Components, f64);

@@ -1,15 +1,15 @@
 //! The points of a deck: what a number stands for, where it is, and along which axes its components count.
 
-use super::body::Pose;
 use super::fault::{CardFault, unknown_frame, unknown_grid};
 use super::frames::{BASIC, Definitions, Frames};
 use super::grid::Usual;
 use super::grids::{Grid, Grids};
-use super::number::Components;
 use super::place::Place;
-use super::row::Poses;
 use super::spans::Span;
-use super::vector::Vector;
+use crate::deck::kinematics::body::Pose;
+use crate::deck::kinematics::components::Components;
+use crate::deck::kinematics::row::Poses;
+use crate::deck::kinematics::vector::Vector;
 use crate::deck::{Dof, Problem};
 
 /// Grid and scalar points.
@@ -125,6 +125,11 @@ impl Points {
 
     fn usual(&self, grid: &Grid) -> Usual {
         self.grids.usual(grid).or(self.usual)
+    }
+
+    /// Grid points with their positions in the basic system.
+    pub fn positions(&self) -> impl Iterator<Item = (u32, Vector)> {
+        self.grids.iter().filter_map(|grid| Some((grid.id, self.position(grid).ok()?)))
     }
 
     /// The position of a grid point.

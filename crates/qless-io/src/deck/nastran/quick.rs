@@ -4,7 +4,7 @@
 
 use super::grid::{Given, Usual};
 use super::mpc::Term;
-use super::number::Components;
+use crate::deck::kinematics::components::Components;
 use crate::number;
 
 /// Columns of a field, and of a line without its continuation mark.

@@ -1,8 +1,8 @@
 //! `SPC`, `SPC1` and `SPCD`: points whose components have given values.
 
 use super::card::{Card, Refused};
-use super::number::Components;
 use super::spans::{Span, spans};
+use crate::deck::kinematics::components::Components;
 
 /// Components of some points, and their value.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,13 +1,13 @@
 //! What ties components together, in the order of the deck: millions of `MPC` in little room, other elements between them.
 
 use super::elements::Star;
-use super::mean::Mean;
 use super::mpc::Term;
 use super::place::Place;
-use super::rigid::Rigid;
-use super::rod::Rod;
 use crate::deck::CardName;
 use crate::deck::chunks::Chunks;
+use crate::deck::kinematics::mean::Mean;
+use crate::deck::kinematics::rigid::Rigid;
+use crate::deck::kinematics::rod::Rod;
 
 /// A card that ties components.
 #[derive(Clone, Copy, Debug)]

@@ -1,22 +1,20 @@
 //! A deck with other constraints: cards become comments, new equations are `MPC` cards in the set that is selected.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
 
 use super::content::{At, Content};
 use super::reader::read;
 use super::target::Target;
 use super::wide::mpc;
 use crate::deck::clean::{CleanError, Edits, Plan, Reason, Removed};
-use crate::deck::{Deck, Model, Sources};
+use crate::deck::{Deck, Model};
 
 /// Terms of a certificate that a comment names at most.
 const NAMED: usize = 8;
 
 /// The main file with the plan carried out. Included files that must change are written into it.
 pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
-    let mut none = |_: &Path| Err(std::io::ErrorKind::NotFound.into());
-    let content = read(&mut Sources::again(&deck.model.files, &deck.texts, &mut none))?;
+    let content = deck.again(read)?;
     let mut changes = Changes::default();
     changes.comments(&deck.model, plan);
     let target = Target::of(&content, deck, plan)?;

@@ -1,25 +1,25 @@
 //! Vectors of three numbers.
 
-pub(in crate::deck) type Vector = [f64; 3];
+pub type Vector = [f64; 3];
 
-pub(in crate::deck) fn dot(a: Vector, b: Vector) -> f64 {
+pub fn dot(a: Vector, b: Vector) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-pub(in crate::deck) fn cross(a: Vector, b: Vector) -> Vector {
+pub fn cross(a: Vector, b: Vector) -> Vector {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-pub(in crate::deck) fn scaled(a: Vector, factor: f64) -> Vector {
+pub fn scaled(a: Vector, factor: f64) -> Vector {
     a.map(|x| x * factor)
 }
 
-pub(in crate::deck) fn plus(a: Vector, b: Vector) -> Vector {
+pub fn plus(a: Vector, b: Vector) -> Vector {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
 /// a - b for points; a component that is only the rounding of such coordinates is 0, so that points in one plane stay in it.
-pub(in crate::deck) fn minus(a: Vector, b: Vector) -> Vector {
+pub fn minus(a: Vector, b: Vector) -> Vector {
     let rounding = 4.0 * f64::EPSILON * (largest(a) + largest(b));
     std::array::from_fn(|k| {
         let difference = a[k] - b[k];
@@ -28,17 +28,17 @@ pub(in crate::deck) fn minus(a: Vector, b: Vector) -> Vector {
 }
 
 /// The largest |a_i|.
-pub(super) fn largest(a: Vector) -> f64 {
+pub fn largest(a: Vector) -> f64 {
     a.iter().fold(0.0, |m: f64, x| m.max(x.abs()))
 }
 
 /// |a|, without overflow.
-pub(in crate::deck) fn length(a: Vector) -> f64 {
+pub fn length(a: Vector) -> f64 {
     a[0].hypot(a[1]).hypot(a[2])
 }
 
 /// a / |a|; none where a is zero or beyond the range of floats.
-pub(in crate::deck) fn unit(a: Vector) -> Option<Vector> {
+pub fn unit(a: Vector) -> Option<Vector> {
     let largest = largest(a);
     if !(largest > 0.0 && largest.is_finite()) {
         return None;

@@ -8,17 +8,17 @@
 use rustc_hash::FxHashMap;
 
 use super::body::{MotionRow, Pose, clean, product};
+use super::components::Components;
 use super::dense::Factor;
-use super::fault::CardFault;
-use super::number::Components;
 use super::row::{Poses, Row};
 use super::solved::solved_for;
 use super::vector::{Vector, length, minus, plus, scaled};
+use crate::deck::CardFault;
 use crate::deck::{Dof, Problem};
 
 /// Components of some grid points that have the same weight.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::deck) struct Group {
+pub struct Group {
     pub weight: f64,
     pub components: Components,
     pub nodes: Vec<u32>,
@@ -26,7 +26,7 @@ pub(in crate::deck) struct Group {
 
 /// The element as its card has it.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::deck) struct Mean {
+pub struct Mean {
     pub reference: u32,
     pub components: Components,
     pub groups: Vec<Group>,

@@ -5,19 +5,19 @@
 //! point, A_n is orthogonal and nothing has to be solved.
 
 use super::body::{MotionRow, Pose, clean};
+use super::components::Components;
 use super::dense::Factor;
-use super::fault::CardFault;
-use super::number::Components;
 use super::row::{Poses, Row};
 use super::vector::{Vector, length, minus, plus, scaled};
+use crate::deck::CardFault;
 use crate::deck::{Dof, Problem};
 
 /// Components of grid points, in the order of the card.
-pub(in crate::deck) type Side = Vec<(u32, Components)>;
+pub type Side = Vec<(u32, Components)>;
 
 /// An element that lets its grid points move as one rigid body.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::deck) struct Rigid {
+pub struct Rigid {
     /// Six components in all.
     pub independent: Side,
     pub dependent: Side,

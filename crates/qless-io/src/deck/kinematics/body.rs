@@ -6,11 +6,11 @@
 use super::vector::{Vector, largest, minus};
 
 /// Row of one component: its value is the product with the motion.
-pub(in crate::deck) type MotionRow = [f64; 6];
+pub type MotionRow = [f64; 6];
 
 /// Where a grid point is and along which directions its components count, all in basic coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::deck) struct Pose {
+pub struct Pose {
     pub position: Vector,
     pub axes: [Vector; 3],
 }
@@ -40,13 +40,13 @@ impl Pose {
 }
 
 /// a . b; 0 where it is only the rounding of vectors of this size, so that what is at right angles stays uncoupled.
-pub(in crate::deck) fn product(a: &[f64], b: &[f64]) -> f64 {
+pub fn product(a: &[f64], b: &[f64]) -> f64 {
     let largest = |v: &[f64]| v.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     clean(a.iter().zip(b).map(|(x, y)| x * y).sum(), largest(a) * largest(b))
 }
 
 /// `sum`, or 0 if it is only the rounding of terms of this size.
-pub(in crate::deck) fn clean(sum: f64, size: f64) -> f64 {
+pub fn clean(sum: f64, size: f64) -> f64 {
     const ROUNDING: f64 = 64.0 * f64::EPSILON;
     if sum.is_finite() && sum.abs() <= ROUNDING * size { 0.0 } else { sum }
 }

@@ -1,14 +1,14 @@
 //! `RROD`: a rod that keeps its length, `n . (u_b - u_a) = 0` with n from one end to the other.
 
 use super::body::product;
-use super::fault::CardFault;
 use super::row::{Poses, Row};
 use super::vector::{minus, unit};
+use crate::deck::CardFault;
 use crate::deck::{Dof, Problem};
 
 /// A rigid rod between two grid points; `dependent` is one of their translations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::deck) struct Rod {
+pub struct Rod {
     pub ends: [u32; 2],
     pub dependent: Dof,
 }

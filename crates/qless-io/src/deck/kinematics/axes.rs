@@ -12,7 +12,7 @@ use super::vector::{Vector, cross, dot, length, minus, plus, scaled, unit};
 
 /// What the coordinates of a frame mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::deck) enum Kind {
+pub enum Kind {
     Rectangular,
     Cylindrical,
     Spherical,
@@ -20,14 +20,14 @@ pub(in crate::deck) enum Kind {
 
 /// A frame, or the local axes of a point: orthonormal rows `axes` at `origin`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::deck) struct Frame {
+pub struct Frame {
     pub kind: Kind,
     pub origin: Vector,
     pub axes: [Vector; 3],
 }
 
 /// The axes of the basic frame.
-pub(in crate::deck) const BASIC_AXES: [Vector; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+pub const BASIC_AXES: [Vector; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 impl Frame {
     pub const BASIC: Self = Self { kind: Kind::Rectangular, origin: [0.0; 3], axes: BASIC_AXES };

@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 
 use super::body::clean;
 use super::dense::Factor;
-use super::fault::CardFault;
 use super::row::Row;
+use crate::deck::CardFault;
 use crate::deck::{Dof, Problem};
 
 /// The rows solved for `dependent`, one each. `size` turns a rotation into a length.
-pub(super) fn solved_for(rows: &[Row], dependent: &[Dof], size: f64) -> Result<Vec<Row>, Problem> {
+pub fn solved_for(rows: &[Row], dependent: &[Dof], size: f64) -> Result<Vec<Row>, Problem> {
     let m = rows.len();
     if dependent.len() != m {
         return Err(CardFault::UmCount { found: dependent.len(), expected: m }.into());

@@ -5,7 +5,7 @@ use crate::deck::{Dof, Problem};
 
 /// An equation. No coefficient is zero.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::deck) struct Row {
+pub struct Row {
     pub terms: Vec<(Dof, f64)>,
 }
 
@@ -18,13 +18,13 @@ impl Row {
 }
 
 /// Finds where a grid point is; an error where there is none.
-pub(in crate::deck) trait Poses {
+pub trait Poses {
     fn pose(&self, node: u32) -> Result<Pose, Problem>;
 }
 
 /// Test bodies: grid points at irregular places with irregular axes.
 #[cfg(test)]
-pub(super) mod samples {
+pub mod samples {
     use super::super::axes::{Frame, Kind};
     use super::*;
 

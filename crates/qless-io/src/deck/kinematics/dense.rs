@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 
 /// `P A Q = L U`, with the rank that the pivots show.
-pub(super) struct Factor {
+pub struct Factor {
     n: usize,
     rank: usize,
     lu: Vec<f64>,

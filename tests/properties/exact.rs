@@ -1,0 +1,36 @@
+//! What is true of a system, from the oracle, and what an analysis says of it.
+
+use qless::{Analysis, ConstraintSystem, Kind};
+use qless_scenes::oracle;
+
+/// What is true of the free part of a system.
+#[derive(Debug, PartialEq)]
+pub struct Exact {
+    pub rank: usize,
+    pub dependent: usize,
+    pub conflicting: bool,
+    pub generated: Vec<usize>,
+}
+
+impl Exact {
+    pub fn of(system: &ConstraintSystem) -> Self {
+        let rank = oracle::rank_free(system);
+        Self {
+            rank,
+            dependent: system.equations() - rank,
+            conflicting: !oracle::consistent(system),
+            generated: oracle::generated(system),
+        }
+    }
+
+    pub fn found(analysis: &Analysis, dofs: &[usize]) -> Self {
+        let mut generated: Vec<usize> = analysis.generated.iter().map(|&(j, _)| dofs[j]).collect();
+        generated.sort_unstable();
+        Self {
+            rank: analysis.rank(),
+            dependent: analysis.dependent.len(),
+            conflicting: analysis.kinds.contains(&Kind::Conflicting),
+            generated,
+        }
+    }
+}

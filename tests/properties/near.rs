@@ -1,0 +1,63 @@
+//! Systems near dependence: the rank may be doubted, and must be where that is fair.
+
+use proptest::prelude::*;
+use qless::{BackendChoice, SystemBuilder};
+use qless_scenes::families::{self, Near};
+use qless_scenes::{Scene, oracle};
+
+use super::change::{Change, Units, changes, variants};
+use super::families::planted;
+use crate::support::{diagnose, settings};
+use crate::{hold, scene};
+
+on_each_backend!(triples_near_dependence, combinations_near_dependence);
+
+/// In one's own units only: others would change what is near.
+fn check_doubt(backend: BackendChoice, scene: &Scene, change: &Change, ranks: [usize; 2], ambiguous: bool) {
+    for variant in variants(scene, change) {
+        for options in settings(backend) {
+            let analysis = diagnose(&variant.system, &options);
+            let what = format!("{}, presolve {}, {:?}", variant.name, options.presolve, analysis.confidence);
+            let rank = analysis.rank();
+            assert!((ranks[0]..=ranks[1]).contains(&rank), "rank {rank} for {ranks:?}, {what}");
+            assert_eq!(analysis.confidence.ambiguous, ambiguous, "{what}");
+        }
+    }
+}
+
+fn triples_near_dependence(backend: BackendChoice) {
+    let column = prop_oneof![Just(Near::Own), Just(Near::Shared)];
+    // At 1e-5 either verdict on the doubt is fair.
+    let digits = prop_oneof![Just(4), 6..=14_i32];
+    hold(160, &(1_usize..5, digits, column, changes(Units::Kept)), |(triples, digits, column, change)| {
+        let scene = families::near(triples, 10_f64.powi(-digits), column).expect("in range");
+        let least = if digits == 4 { 3 * triples } else { 2 * triples };
+        check_doubt(backend, &scene, &change, [least, 3 * triples], digits > 4);
+    });
+}
+
+/// A planted combination with one coefficient off by a part in 10^6 to 10^10, which makes it independent: its distance
+/// from the others is at most twice that part.
+fn combinations_near_dependence(backend: BackendChoice) {
+    hold(
+        160,
+        &(planted(), 6..=10_i32, any::<prop::sample::Index>(), changes(Units::Kept)),
+        |((planted, seed), digits, index, change)| {
+            let exact = planted.scene(seed).expect("in range").system;
+            let combination = (0..exact.equations()).find(|&i| exact.equation_label(i).starts_with("combination"));
+            let Some(row) = combination.filter(|&i| exact.matrix().row(i).len() > 0) else { return };
+            let off = index.index(exact.matrix().row(row).len());
+            let mut builder = SystemBuilder::new(exact.dofs());
+            for i in 0..exact.equations() {
+                let factor = |k: usize| if (i, k) == (row, off) { 1.0 + 10_f64.powi(-digits) } else { 1.0 };
+                builder.equation(exact.matrix().row(i).enumerate().map(|(k, (j, v))| (j, v * factor(k))), 0.0);
+            }
+            let near = scene(builder.build().expect("valid"));
+            let rank = oracle::rank_free(&near.system);
+            // Where the coefficient's DOF is fixed by the others anyway, the row is as dependent as before.
+            if rank > planted.rows {
+                check_doubt(backend, &near, &change, [planted.rows, rank], true);
+            }
+        },
+    );
+}
