@@ -85,7 +85,8 @@ fn in_turns(case: &Case, scene: &Scene, methods: &[Method], tried: &[bool], args
     let finish = |(k, result): (usize, Option<(Measured, Vec<f64>)>)| {
         let mut measured = result.map(|(measured, times)| summary(measured, times))?;
         if args.memory && !methods[k].is_foreign() {
-            measured.memory = child::measure(case.family, &case.size, &methods[k], args.limit)?.memory;
+            let again = child::measure(case.family, &case.size, &methods[k], args.limit);
+            measured.memory = again.and_then(|found| found.memory);
         }
         Some(measured)
     };

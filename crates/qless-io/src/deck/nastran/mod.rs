@@ -32,6 +32,7 @@ mod cases;
 mod content;
 mod control;
 mod coordinates;
+mod eight;
 mod elements;
 mod fault;
 mod fields;

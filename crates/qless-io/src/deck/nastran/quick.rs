@@ -2,6 +2,7 @@
 //!
 //! It reads what `Card` reads, or nothing: any other line goes the long way, which also says what is wrong with it.
 
+use super::eight::{self, BLANK, Field};
 use super::grid::{Given, Usual};
 use super::mpc::Term;
 use crate::deck::kinematics::components::Components;
@@ -10,10 +11,6 @@ use crate::number;
 /// Columns of a field, and of a line without its continuation mark.
 const FIELD: usize = 8;
 const LINE: usize = 72;
-
-type Field = [u8; FIELD];
-
-const BLANK: Field = [b' '; FIELD];
 
 /// A card that was read.
 pub(super) enum Quick {
@@ -68,12 +65,12 @@ fn optional(field: Field) -> Result<Option<u32>, ()> {
     if field == BLANK {
         return Ok(None);
     }
-    number::whole(word(&field)).map(|value| Some(value as u32)).ok_or(())
+    eight::whole(field).map(Some).ok_or(())
 }
 
 /// A real number, 0 where the field is blank.
 fn real(field: Field) -> Option<f64> {
-    if field == BLANK { Some(0.0) } else { number::short(word(&field)) }
+    if field == BLANK { Some(0.0) } else { eight::real(field).or_else(|| number::short(word(&field))) }
 }
 
 /// The field without the blanks around it.
