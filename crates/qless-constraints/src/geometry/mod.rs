@@ -5,5 +5,7 @@ mod factors;
 pub mod node;
 pub mod project;
 pub mod rotation;
+pub mod search;
 pub mod shape;
+pub mod surface;
 pub mod turned;

@@ -25,7 +25,9 @@ mod volume;
 
 pub use crate::geometry::carrier::Body;
 pub use crate::geometry::node::{Node, PlanarPoint, Point};
+pub use crate::geometry::search::{FaceSearch, Nearest, SearchError};
 pub use crate::geometry::shape::Shape;
+pub use crate::geometry::surface::{Face, Surface, SurfaceError};
 pub use average::{Average, AverageError};
 pub use cyclic::{Cyclic, CyclicError, CyclicHarmonic};
 pub use distance::{Distance, DistanceError};

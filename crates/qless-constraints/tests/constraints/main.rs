@@ -12,3 +12,5 @@ mod mechanisms;
 mod newton;
 /// Input that must be refused, and what is said.
 mod refused;
+/// The nearest face of a surface.
+mod search;
