@@ -4,11 +4,12 @@
 //! box is farther away than the nearest face so far. With n faces and m points near them: O((n + m) log n).
 
 use rayon::prelude::*;
-use rstar::RTree;
 use rstar::primitives::{GeomWithData, Rectangle};
+use rstar::{AABB, RTree};
 
 use super::node::within;
 use super::project::project;
+use super::shape::Shape;
 use super::surface::{Surface, SurfaceError, bounds};
 
 /// Distances that differ by less than this times the largest coordinate are equal: they are sums of a few rounded products.
@@ -129,5 +130,15 @@ impl<'a, const D: usize> FaceSearch<'a, D> {
             Ok(nearest)
         };
         found.into_iter().enumerate().map(check).collect()
+    }
+
+    /// Faces whose boxes are within a distance of the box of a face, ascending.
+    pub(crate) fn touching(&self, shape: Shape, places: &[[f64; D]], distance: f64) -> Vec<usize> {
+        let [low, high] = bounds(shape, places);
+        let reach = distance.max(0.0) + ROUNDING * self.size;
+        let around = AABB::from_corners(low.map(|x| x - reach), high.map(|x| x + reach));
+        let mut found: Vec<_> = self.tree.locate_in_envelope_intersecting(around).map(|leaf| leaf.data).collect();
+        found.sort_unstable();
+        found
     }
 }

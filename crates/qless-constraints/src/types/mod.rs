@@ -21,6 +21,7 @@ mod periodic;
 mod prescribed;
 mod rigid_finite;
 mod rigid_small;
+mod surface_mortar;
 mod volume;
 
 pub use crate::geometry::carrier::Body;
@@ -46,4 +47,5 @@ pub use periodic::{MacroStrain, Periodic, PeriodicError};
 pub use prescribed::{Prescribed, PrescribedError};
 pub use rigid_finite::{RigidBody, RigidBodyError};
 pub use rigid_small::{SmallRigidBody, SmallRigidBodyError};
+pub use surface_mortar::{SurfaceMortarError, SurfaceMortarTie};
 pub use volume::{Volume, VolumeError};
