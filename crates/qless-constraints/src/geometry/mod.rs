@@ -1,9 +1,13 @@
 //! Points, faces and rotations that the types share.
 
 pub mod carrier;
+pub mod clip;
 mod factors;
 pub mod node;
 pub mod project;
 pub mod rotation;
+pub mod search;
+pub mod segment;
 pub mod shape;
+pub mod surface;
 pub mod turned;

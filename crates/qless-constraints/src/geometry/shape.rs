@@ -15,6 +15,7 @@ pub enum Shape {
     Quad8,
 }
 
+const TRIANGLE: [[f64; 2]; 3] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
 const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
 const MIDDLES: [[f64; 2]; 4] = [[0.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]];
 
@@ -40,6 +41,15 @@ impl Shape {
 
     pub(crate) fn centre(self) -> [f64; 2] {
         if self.is_triangle() { [1.0 / 3.0; 2] } else { [0.0; 2] }
+    }
+
+    /// Parameters of the corners, in order around; a line has no edges, and none.
+    pub(crate) fn corners(self) -> &'static [[f64; 2]] {
+        match self {
+            Self::Line2 => &[],
+            Self::Tri3 | Self::Tri6 => &TRIANGLE,
+            Self::Quad4 | Self::Quad8 => &CORNERS,
+        }
     }
 
     /// The nearest parameters inside, coordinate by coordinate.

@@ -2,7 +2,9 @@
 
 use crate::geometry::node::{AXES, Node, within};
 use crate::geometry::project::project;
+use crate::geometry::search::{FaceSearch, Nearest, SearchError};
 use crate::geometry::shape::Shape;
+use crate::geometry::surface::Surface;
 use crate::{Constraint, Store};
 
 /// A node tied to a face or a line, in D dimensions.
@@ -51,6 +53,40 @@ pub enum NodeTieError {
         /// How far it may be.
         tolerance: f64,
     },
+}
+
+impl<const D: usize> NodeTie<D> {
+    /// Ties each node to the face of a surface that is nearest to it, see [`FaceSearch`]; one tie per node, in their order.
+    ///
+    /// The nodes should not be of the surface: the equations of such a tie would say `0 = 0`.
+    ///
+    /// ```
+    /// use qless_constraints::ConstraintSet;
+    /// use qless_constraints::types::{Face, NodeTie, PlanarPoint, Shape, Surface};
+    /// let at = |i: usize, x: f64| PlanarPoint::new([2 * i, 2 * i + 1], [x, 0.0]);
+    /// let faces = vec![Face::new(Shape::Line2, [0, 1]), Face::new(Shape::Line2, [1, 2])];
+    /// let wall = Surface { nodes: vec![at(0, 0.0), at(1, 1.0), at(2, 2.0)], faces };
+    /// let mut builder = ConstraintSet::builder(10);
+    /// for (i, tie) in NodeTie::to_surface(&[at(3, 0.5), at(4, 1.75)], &wall, 1e-6)?.into_iter().enumerate() {
+    ///     builder.add(format!("tie {}", i + 1), tie)?;
+    /// }
+    /// let g = builder.build().allocate().g;
+    /// assert_eq!(g.row(2).collect::<Vec<_>>(), [(2, -0.25), (4, -0.75), (8, 1.0)]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`SearchError`]: what is wrong with the surface, or the first node without a face within the tolerance, a length.
+    pub fn to_surface(nodes: &[Node<D>], surface: &Surface<D>, tolerance: f64) -> Result<Vec<Self>, SearchError> {
+        let places: Vec<[f64; D]> = nodes.iter().map(|node| node.at).collect();
+        let nearest = FaceSearch::new(surface)?.within(&places, tolerance)?;
+        let tie = |(&node, found): (&Node<D>, Nearest)| {
+            let face = &surface.faces[found.face];
+            let masters = face.nodes.iter().map(|&master| surface.nodes[master]).collect();
+            Self { node, shape: face.shape, face: masters, tolerance }
+        };
+        Ok(nodes.iter().zip(nearest).map(tie).collect())
+    }
 }
 
 impl<const D: usize> Constraint for NodeTie<D> {

@@ -10,5 +10,11 @@ mod linkages;
 mod mechanisms;
 /// Residuals of Newton's method.
 mod newton;
+/// Two blocks of solid elements under tension, tied at meshes that do not match.
+mod patch;
 /// Input that must be refused, and what is said.
 mod refused;
+/// The nearest face of a surface.
+mod search;
+/// Mortar ties of surfaces: identities of D and M.
+mod surface_mortar;

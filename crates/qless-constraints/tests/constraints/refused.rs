@@ -1,9 +1,9 @@
 use std::fmt::Debug;
 
 use qless_constraints::types::{
-    Average, Body, Cyclic, Distance, Equal, FluidNormal, Line, LineTie, LinearEquation, MacroStrain, MortarTie,
+    Average, Body, Cyclic, Distance, Equal, Face, FluidNormal, Line, LineTie, LinearEquation, MacroStrain, MortarTie,
     NodeTie, OnLine, OnPlane, OnSphere, Periodic, PlanarPoint, Plane, Point, Prescribed, Revolute, RigidBody, Shape,
-    SmallRigidBody, Spherical, Universal, Volume,
+    SmallRigidBody, Spherical, Surface, SurfaceMortarTie, Universal, Volume,
 };
 use qless_constraints::{Constraint, ConstraintSet};
 
@@ -82,6 +82,38 @@ fn faults_of_ties() {
     assert_refused(mortar(vec![at(3, 0.0), at(4, 2.0)]), "must cover it");
     assert_refused(mortar(vec![at(3, 0.0), at(4, 0.8), at(5, 0.4)]), "sort the nodes");
     assert_refused(mortar(vec![at(3, 0.0), PlanarPoint::new([8, 9], [0.5, 1.0]), at(5, 1.0)]), "1 beside the line");
+}
+
+/// A square of length 1 at a height, from `x`.
+fn square(x: f64, height: f64) -> Surface<3> {
+    let corners = [[x, 0.0, height], [x + 1.0, 0.0, height], [x + 1.0, 1.0, height], [x, 1.0, height]];
+    let nodes = corners.iter().enumerate().map(|(i, &at)| point(i, at)).collect();
+    Surface { nodes, faces: vec![Face::new(Shape::Quad4, [0, 1, 2, 3])] }
+}
+
+#[test]
+fn faults_of_surface_mortar_ties() {
+    let tie = |slave: Surface<3>, master: Surface<3>, tolerance: f64| SurfaceMortarTie { slave, master, tolerance };
+    let with = |faces: Vec<Face>| Surface { faces, ..square(0.0, 0.0) };
+    let face = |shape: Shape, nodes: &[usize]| with(vec![Face::new(shape, nodes)]);
+    let whole = || square(0.0, 0.0);
+    assert_refused(tie(with(vec![]), whole(), 0.1), "slave side: the surface has no faces");
+    assert_refused(tie(whole(), face(Shape::Quad4, &[0, 1, 2]), 0.1), "master side: face 1, from 1, has 3 nodes");
+    assert_refused(tie(whole(), face(Shape::Tri3, &[0, 1, 4]), 0.1), "names node 4");
+    assert_refused(tie(face(Shape::Tri3, &[0, 1, 1]), whole(), 0.1), "degenerate");
+    assert_refused(tie(face(Shape::Line2, &[0, 1]), whole(), 0.1), "facet 1, from 1, of the slave side is a line");
+    let mut dented = whole();
+    dented.nodes[2].at = [0.3, 0.3, 0.0];
+    assert_refused(tie(whole(), dented, 0.1), "points inwards");
+    assert_refused(tie(whole(), square(0.0, 0.25), 0.1), "one that lies over it is 0.25 away");
+    assert_refused(tie(whole(), whole(), f64::NAN), "within the tolerance NaN");
+    assert_refused(
+        tie(whole(), square(0.25, 0.0), 0.01),
+        "of the area 1 of slave facet 1, from 1; nothing lies over it",
+    );
+    assert_refused(tie(whole(), square(7.0, 0.0), f64::INFINITY), "over 1 of the area 1 of slave facet 1");
+    let twice = with(vec![Face::new(Shape::Quad4, [0, 1, 2, 3]), Face::new(Shape::Tri3, [0, 1, 2])]);
+    assert_refused(tie(whole(), twice, 0.01), "lie over 1.5, more than the area 1 of slave facet 1");
 }
 
 #[test]

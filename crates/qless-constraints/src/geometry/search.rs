@@ -1,0 +1,144 @@
+//! `argmin_f |x_f(xi) - p|`: the face of a surface that is nearest to a point.
+//!
+//! Boxes of faces in an R*-tree, loaded at once, are visited from the nearest on, each face in them projected on, until a
+//! box is farther away than the nearest face so far. With n faces and m points near them: O((n + m) log n).
+
+use rayon::prelude::*;
+use rstar::primitives::{GeomWithData, Rectangle};
+use rstar::{AABB, RTree};
+
+use super::node::within;
+use super::project::project;
+use super::shape::Shape;
+use super::surface::{Surface, SurfaceError, bounds};
+
+/// Distances that differ by less than this times the largest coordinate are equal: they are sums of a few rounded products.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// Finds the nearest faces of a surface in D dimensions, two or more.
+///
+/// Of faces at the same distance, to rounding, the one with the smallest number is found: a point on an edge or a corner has one
+/// face, whatever the order of the search.
+///
+/// ```
+/// use qless_constraints::types::{Face, FaceSearch, PlanarPoint, Shape, Surface};
+/// let at = |i: usize| PlanarPoint::new([2 * i, 2 * i + 1], [i as f64, 0.0]);
+/// let faces = (0..4).map(|i| Face::new(Shape::Line2, [i, i + 1])).collect();
+/// let line = Surface { nodes: (0..5).map(at).collect(), faces };
+/// let search = FaceSearch::new(&line)?;
+/// let found = search.within(&[[2.25, 0.5], [3.0, 0.0]], 0.5)?;
+/// assert_eq!((found[0].face, found[0].distance, &found[0].weights[..]), (2, 0.5, &[0.75, 0.25][..]));
+/// // The third and the fourth face meet in the second point.
+/// assert_eq!(found[1].face, 2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct FaceSearch<'a, const D: usize> {
+    surface: &'a Surface<D>,
+    tree: RTree<GeomWithData<Rectangle<[f64; D]>, usize>>,
+    /// The largest coordinate of a face.
+    size: f64,
+}
+
+/// The face nearest to a point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Nearest {
+    /// The face, from 0.
+    pub face: usize,
+    /// From the point to the face, a length.
+    pub distance: f64,
+    /// `N_k` at the nearest point of the face, one for each of its nodes; they sum to one.
+    pub weights: Vec<f64>,
+}
+
+/// Why no face was found for a point.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum SearchError {
+    /// The surface cannot be searched.
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
+    /// The coordinates of a point are not finite, or so large that distances overflow.
+    #[error("the coordinates of node {node}, from 1, are not finite or too large; correct them")]
+    NoPlace {
+        /// The node, from 1.
+        node: usize,
+    },
+    /// The nearest face is too far away.
+    #[error(
+        "node {node}, from 1, is {distance} away from the nearest face, {face}, from 1, more than the tolerance \
+         {tolerance}: correct the node, add the face that it belongs to, or raise the tolerance"
+    )]
+    TooFar {
+        /// The node, from 1.
+        node: usize,
+        /// The nearest face, from 1.
+        face: usize,
+        /// How far it is.
+        distance: f64,
+        /// How far it may be.
+        tolerance: f64,
+    },
+}
+
+impl<'a, const D: usize> FaceSearch<'a, D> {
+    /// Puts the faces into the tree.
+    ///
+    /// # Errors
+    /// [`SurfaceError`]: no face, a face with the wrong number of nodes or one that is not there, a degenerate face.
+    pub fn new(surface: &'a Surface<D>) -> Result<Self, SurfaceError> {
+        const { assert!(D > 1, "a search needs two dimensions") };
+        surface.check()?;
+        let boxes: Vec<_> =
+            surface.faces.iter().enumerate().map(|(i, face)| bounds(face.shape, &surface.places(i))).collect();
+        let size = boxes.iter().flatten().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let leaves = boxes.iter().enumerate().map(|(i, &[a, b])| GeomWithData::new(Rectangle::from_corners(a, b), i));
+        Ok(Self { surface, tree: RTree::bulk_load(leaves.collect()), size })
+    }
+
+    /// The face nearest to a point, however far; nothing if the coordinates are not finite, or squares of distances overflow.
+    pub fn nearest(&self, point: &[f64; D]) -> Option<Nearest> {
+        let size = point.iter().fold(self.size, |most, x| most.max(x.abs()));
+        // Sums of squares must be numbers, as the tree compares them. (A NaN is lost in `max`.)
+        if size > 1e150 || point.iter().any(|x| x.is_nan()) {
+            return None;
+        }
+        let (rounding, mut least, mut found) = (ROUNDING * size, f64::INFINITY, Vec::new());
+        for (leaf, square) in self.tree.nearest_neighbor_iter_with_distance_2(*point) {
+            if square.sqrt() > least + rounding {
+                break;
+            }
+            let shape = self.surface.faces[leaf.data].shape;
+            if let Some(at) = project(shape, &self.surface.places(leaf.data), point) {
+                least = least.min(at.distance);
+                found.push(Nearest { face: leaf.data, distance: at.distance, weights: at.weights });
+            }
+        }
+        found.into_iter().filter(|face| face.distance <= least + rounding).min_by_key(|face| face.face)
+    }
+
+    /// The nearest face of each point, none farther than the tolerance, a length.
+    ///
+    /// # Errors
+    /// [`SearchError`] for the first point whose nearest face is farther away, or whose coordinates are not finite.
+    pub fn within(&self, points: &[[f64; D]], tolerance: f64) -> Result<Vec<Nearest>, SearchError> {
+        let found: Vec<_> = points.par_iter().map(|point| self.nearest(point)).collect();
+        let check = |(i, nearest): (usize, Option<Nearest>)| {
+            let nearest = nearest.ok_or(SearchError::NoPlace { node: i + 1 })?;
+            let (face, distance) = (nearest.face + 1, nearest.distance);
+            if !within(distance, tolerance) {
+                return Err(SearchError::TooFar { node: i + 1, face, distance, tolerance });
+            }
+            Ok(nearest)
+        };
+        found.into_iter().enumerate().map(check).collect()
+    }
+
+    /// Faces whose boxes are within a distance of the box of a face, ascending.
+    pub(crate) fn touching(&self, shape: Shape, places: &[[f64; D]], distance: f64) -> Vec<usize> {
+        let [low, high] = bounds(shape, places);
+        let reach = distance.max(0.0) + ROUNDING * self.size;
+        let around = AABB::from_corners(low.map(|x| x - reach), high.map(|x| x + reach));
+        let mut found: Vec<_> = self.tree.locate_in_envelope_intersecting(around).map(|leaf| leaf.data).collect();
+        found.sort_unstable();
+        found
+    }
+}

@@ -1,0 +1,162 @@
+//! Faces that share nodes: what a search and a tie of surfaces are given.
+
+use super::node::Node;
+use super::project::project;
+use super::shape::Shape;
+
+/// A face of a surface.
+///
+/// ```
+/// use qless_constraints::types::{Face, Shape};
+/// let face = Face::new(Shape::Tri3, [0, 1, 2]);
+/// assert_eq!(face.nodes.len(), face.shape.nodes());
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Face {
+    /// What kind of face it is.
+    pub shape: Shape,
+    /// Its nodes in the order of the shape, from 0, in the list of [`Surface::nodes`].
+    pub nodes: Vec<usize>,
+}
+
+impl Face {
+    /// A face with its nodes.
+    pub fn new(shape: Shape, nodes: impl Into<Vec<usize>>) -> Self {
+        Self { shape, nodes: nodes.into() }
+    }
+}
+
+/// Faces and the nodes that they share, in D dimensions: `x(xi) = sum_k N_k(xi) x_k` on each face.
+///
+/// Nodes that no face names are allowed: the list may be that of the whole model.
+///
+/// ```
+/// use qless_constraints::types::{Face, Point, Shape, Surface};
+/// let at = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+/// let nodes = (0..4).map(|i| Point::new([3 * i, 3 * i + 1, 3 * i + 2], at[i])).collect();
+/// let faces = vec![Face::new(Shape::Tri3, [0, 1, 2]), Face::new(Shape::Tri3, [0, 2, 3])];
+/// let square = Surface { nodes, faces };
+/// assert_eq!(square.faces.len(), 2);
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surface<const D: usize> {
+    /// The nodes.
+    pub nodes: Vec<Node<D>>,
+    /// The faces, of any shapes.
+    pub faces: Vec<Face>,
+}
+
+/// What can be wrong with a surface.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum SurfaceError {
+    /// There is nothing to search or to integrate over.
+    #[error("the surface has no faces; give at least one")]
+    Empty,
+    /// A face has the wrong number of nodes.
+    #[error("face {face}, from 1, has {found} nodes; a {shape:?} has {}", shape.nodes())]
+    Nodes {
+        /// The face, from 1.
+        face: usize,
+        /// Its shape.
+        shape: Shape,
+        /// How many were given.
+        found: usize,
+    },
+    /// A face names a node that is not in the list.
+    #[error("face {face}, from 1, names node {node} (from 0), but the surface has {nodes}")]
+    NoNode {
+        /// The face, from 1.
+        face: usize,
+        /// The node, from 0.
+        node: usize,
+        /// How many nodes there are.
+        nodes: usize,
+    },
+    /// A face has no length or area, folds, or has a node whose coordinates are not finite.
+    #[error("face {face}, from 1, is degenerate or folded: correct its nodes, their coordinates or their order")]
+    Degenerate {
+        /// The face, from 1.
+        face: usize,
+    },
+}
+
+impl<const D: usize> Surface<D> {
+    /// Where the nodes of a face are.
+    pub(crate) fn places(&self, face: usize) -> Vec<[f64; D]> {
+        self.faces[face].nodes.iter().map(|&node| self.nodes[node].at).collect()
+    }
+
+    /// What is wrong with the surface, if anything is; the first face with a fault is named.
+    pub(crate) fn check(&self) -> Result<(), SurfaceError> {
+        if self.faces.is_empty() {
+            return Err(SurfaceError::Empty);
+        }
+        (0..self.faces.len()).try_for_each(|face| self.check_face(face))
+    }
+
+    fn check_face(&self, index: usize) -> Result<(), SurfaceError> {
+        let (Face { shape, nodes }, face) = (&self.faces[index], index + 1);
+        if nodes.len() != shape.nodes() {
+            return Err(SurfaceError::Nodes { face, shape: *shape, found: nodes.len() });
+        }
+        if let Some(&node) = nodes.iter().find(|&&node| node >= self.nodes.len()) {
+            return Err(SurfaceError::NoNode { face, node, nodes: self.nodes.len() });
+        }
+        let places = self.places(index);
+        let middle = std::array::from_fn(|k| places.iter().map(|x| x[k]).sum::<f64>() / places.len() as f64);
+        let finite = places.iter().flatten().all(|x| x.is_finite());
+        if !finite || project(*shape, &places, &middle).is_none() {
+            return Err(SurfaceError::Degenerate { face });
+        }
+        Ok(())
+    }
+}
+
+/// The corners of a box that holds a face, also where a curved one bulges beyond its nodes: that of the control points of its
+/// Bernstein form, whose convex hull holds it.
+pub(crate) fn bounds<const D: usize>(shape: Shape, places: &[[f64; D]]) -> [[f64; D]; 2] {
+    let control = control_points(shape, places);
+    let extreme = |worst: f64, pick: fn(f64, f64) -> f64| {
+        std::array::from_fn(|k| control.iter().fold(worst, |found, x| pick(found, x[k])))
+    };
+    [extreme(f64::INFINITY, f64::min), extreme(f64::NEG_INFINITY, f64::max)]
+}
+
+/// Corners as they are; `2 m - (a + b) / 2` for the middle m of the edge ab; `sum m - 3/4 sum a` for the middle of a Quad8.
+fn control_points<const D: usize>(shape: Shape, places: &[[f64; D]]) -> Vec<[f64; D]> {
+    let (corners, middles) = places.split_at(shape.corners().len().clamp(2, places.len()));
+    let n = corners.len();
+    let edge = |(k, m): (usize, &[f64; D])| {
+        std::array::from_fn(|d| 2.0 * m[d] - f64::midpoint(corners[k][d], corners[(k + 1) % n][d]))
+    };
+    let sum = |points: &[[f64; D]], d: usize| points.iter().map(|x| x[d]).sum::<f64>();
+    let middle = std::array::from_fn(|d| sum(middles, d) - 0.75 * sum(corners, d));
+    let interior = (shape == Shape::Quad8).then_some(middle);
+    corners.iter().copied().chain(middles.iter().enumerate().map(edge)).chain(interior).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Curved faces stay within their boxes, and touch those of their control points where these lie on them.
+    #[test]
+    fn faces_stay_within_their_bounds() {
+        let at = |seed: u32| f64::from(seed.wrapping_mul(2_654_435_761) >> 8) / f64::from(1_u32 << 24);
+        for (shape, seed) in [Shape::Tri6, Shape::Quad8].into_iter().flat_map(|s| (0..50).map(move |k| (s, k))) {
+            let places: Vec<[f64; 2]> =
+                (0..shape.nodes() as u32).map(|k| [at(97 * seed + 2 * k), at(97 * seed + 2 * k + 1)]).collect();
+            let [low, high] = bounds(shape, &places);
+            for i in 0..441 {
+                let xi = shape.clamp([i % 21, i / 21].map(|i| f64::from(i) / 10.0 - 1.0));
+                let n = shape.functions(xi);
+                for d in 0..2 {
+                    let x: f64 = n.iter().zip(&places).map(|(n, x)| n[0] * x[d]).sum();
+                    assert!(low[d] - 1e-14 <= x && x <= high[d] + 1e-14, "{shape:?} at {xi:?}: {x}");
+                }
+            }
+        }
+        let line = bounds(Shape::Line2, &[[1.0, 0.0], [0.0, 2.0]]);
+        assert_eq!(line, [[0.0, 0.0], [1.0, 2.0]]);
+    }
+}
