@@ -5,7 +5,9 @@
 //! their turns in processes of their own, which are stopped at the limit.
 
 mod advice;
+mod chain;
 mod child;
+mod gradients;
 mod linkages;
 mod measure;
 mod memory;

@@ -1,16 +1,18 @@
 //! The problem that shows what a reduction does to a solution: `K u + C^T lambda = f`, `C u = b`, with `K = I + L`.
 //!
 //! L are springs of stiffness 1 from each DOF to the next, `f_j = 1 + j mod 7`. Its solution u* comes from a multiplier for each
-//! independent equation ([`Problem::lagrange`]), which needs no T, and is refined with residuals in twice the precision,
-//! so that it is right to rounding where equations are nearly dependent too.
+//! independent equation ([`Problem::lagrange`]; in large systems [`with_multipliers`]), which needs no T, and is refined with
+//! residuals in twice the precision, so that it is right to rounding where equations are nearly dependent too.
 
 use faer::sparse::{SparseColMat, Triplet};
-use qless::{ConstraintSystem, SystemBuilder};
+use qless::{ConstraintSystem, Kind, Options, SystemBuilder, analyse};
 use qless_constraints::enforce::{Problem, reduced};
 
+use super::chain::Chain;
+use super::gradients::{with_masters, with_multipliers};
 use super::run::Done;
 
-/// Larger systems take the sparse LU of the multipliers minutes.
+/// Larger systems take the sparse LU of the multipliers minutes: conjugate gradients solve them.
 const MOST_DOFS: usize = 3_000;
 /// Entries of T from which on `T^T K T` may be dense.
 const MOST_ENTRIES: usize = 200_000;
@@ -26,25 +28,45 @@ pub struct Springs {
     /// u*.
     pub solution: Vec<f64>,
     prescribed: Vec<f64>,
+    /// The same K for large systems.
+    large: Option<Chain>,
 }
 
 impl Springs {
-    /// None for a large system, and where qless finds another rank than the true one.
+    /// None where qless finds another rank than the true one, and where a large system has a condition beyond conjugate gradients.
     pub fn new(system: &ConstraintSystem, rank: usize) -> Option<Self> {
+        if system.dofs() > MOST_DOFS { Self::large(system, rank) } else { Self::small(system, rank) }
+    }
+
+    fn small(system: &ConstraintSystem, rank: usize) -> Option<Self> {
         let n = system.dofs();
-        if n > MOST_DOFS {
-            return None;
-        }
         let k = stiffness(n)?;
-        let f: Vec<f64> = (0..n).map(|j| 1.0 + (j % 7) as f64).collect();
+        let f = forces(n);
         let problem = Problem::new(&k, &f, system).ok()?;
         let rows = problem.kept().to_vec();
         let first = (rows.len() == rank).then(|| problem.lagrange().ok()).flatten()?;
         let kept = with_rows(system, &rows, |i| system.rhs()[i], |value| value);
         let multipliers = rows.iter().map(|&i| first.multipliers[i]).collect();
-        let solution = refined(&k, &f, &kept, first.u, multipliers)?;
-        let prescribed = system.prescribed().iter().map(|&(_, value)| value).collect();
-        Some(Self { k, f, solution, prescribed })
+        let rows: Vec<usize> = (0..kept.equations()).collect();
+        let step = |left: &[f64], apart: &[f64]| {
+            let rest = with_rows(&kept, &rows, |i| apart[i], |_| 0.0);
+            let step = Problem::new(&k, left, &rest).ok()?.lagrange().ok()?;
+            Some((step.u, step.multipliers))
+        };
+        let solution = refined(&f, &kept, (first.u, multipliers), step)?;
+        Some(Self { k, f, solution, prescribed: prescribed(system), large: None })
+    }
+
+    fn large(system: &ConstraintSystem, rank: usize) -> Option<Self> {
+        let analysis = analyse(system, &Options::default()).ok().filter(|analysis| analysis.rank() == rank)?;
+        let rows: Vec<usize> = (0..system.equations()).filter(|&i| analysis.kinds[i] == Kind::Independent).collect();
+        let kept = with_rows(system, &rows, |i| system.rhs()[i], |value| value);
+        let (mut free, mut u) = (vec![true; system.dofs()], vec![0.0; system.dofs()]);
+        system.prescribed().iter().for_each(|&(j, value)| (free[j], u[j]) = (false, value));
+        let (chain, f) = (Chain::new(free), forces(system.dofs()));
+        let step = |left: &[f64], apart: &[f64]| with_multipliers(&chain, &kept, left, apart);
+        let solution = refined(&f, &kept, (u, vec![0.0; rows.len()]), step)?;
+        Some(Self { k: stiffness(0)?, f, solution, prescribed: prescribed(system), large: Some(chain) })
     }
 
     /// `max |u - u*| / max |u*|`, u by transformation with T, G and g ([`reduced`]); none where T is nearly dense.
@@ -52,7 +74,10 @@ impl Springs {
         if done.reduction.t.nnz() > MOST_ENTRIES {
             return None;
         }
-        let u = reduced(&self.k, &self.f, &done.reduction, &self.prescribed).ok()?;
+        let u = match &self.large {
+            Some(chain) => with_masters(chain, &self.f, &done.reduction, &self.prescribed)?,
+            None => reduced(&self.k, &self.f, &done.reduction, &self.prescribed).ok()?,
+        };
         let off = largest(u.iter().zip(&self.solution).map(|(u, exact)| u - exact));
         Some(off / largest(self.solution.iter().copied()))
     }
@@ -62,26 +87,35 @@ fn largest(x: impl Iterator<Item = f64>) -> f64 {
     x.fold(0.0, |most, v| most.max(v.abs()))
 }
 
+/// Corrections of u and of the multipliers for what is left of both equations.
+type Step = (Vec<f64>, Vec<f64>);
+
 /// u until it does not move any more; none where it goes on moving.
 fn refined(
-    k: &SparseColMat<usize, f64>,
     f: &[f64],
     system: &ConstraintSystem,
-    mut u: Vec<f64>,
-    mut lambda: Vec<f64>,
+    (mut u, mut lambda): Step,
+    step: impl Fn(&[f64], &[f64]) -> Option<Step>,
 ) -> Option<Vec<f64>> {
-    let rows: Vec<usize> = (0..system.equations()).collect();
     for _ in 0..STEPS {
         let (left, apart) = residuals(system, f, &u, &lambda);
-        let rest = with_rows(system, &rows, |i| apart[i], |_| 0.0);
-        let step = Problem::new(k, &left, &rest).ok()?.lagrange().ok()?;
-        u.iter_mut().zip(&step.u).for_each(|(u, du)| *u += du);
-        lambda.iter_mut().zip(step.multipliers).for_each(|(l, dl)| *l += dl);
-        if largest(step.u.iter().copied()) <= SETTLED * largest(u.iter().copied()) {
+        let (du, dl) = step(&left, &apart)?;
+        u.iter_mut().zip(&du).for_each(|(u, du)| *u += du);
+        lambda.iter_mut().zip(dl).for_each(|(l, dl)| *l += dl);
+        if largest(du.iter().copied()) <= SETTLED * largest(u.iter().copied()) {
             return Some(u);
         }
     }
     None
+}
+
+/// `1 + j mod 7`.
+fn forces(dofs: usize) -> Vec<f64> {
+    (0..dofs).map(|j| 1.0 + (j % 7) as f64).collect()
+}
+
+fn prescribed(system: &ConstraintSystem) -> Vec<f64> {
+    system.prescribed().iter().map(|&(_, value)| value).collect()
 }
 
 /// `I + L`.
@@ -182,5 +216,30 @@ mod tests {
         reduction.g.iter_mut().for_each(|g| *g *= 1.5);
         let error = springs.error(&Done { time: 0.0, reduction, analysis: None }).expect("small");
         assert!((error - 0.5).abs() < 1e-9, "{error}");
+    }
+
+    /// The same equations with and without a factorization.
+    #[test]
+    fn large_systems_have_the_same_solution() {
+        let ring = qless_scenes::families::cycle(60, 0.0).expect("a scene").system;
+        let grid = qless_scenes::families::grid_2d(12, 12).expect("a scene").system;
+        let mut builder = SystemBuilder::new(9);
+        builder.equation([(0, 1.0), (4, -2.0), (5, 3.0)], 0.5);
+        builder.equation([(1, 1e3), (4, -2e3), (8, 5e2)], 2.0);
+        builder.prescribe(5, 0.25);
+        builder.prescribe(2, -1.0);
+        let held = builder.build().expect("valid");
+        for system in [ring, grid, held] {
+            let analysis = analyse(&system, &Options::default()).expect("valid");
+            let [small, large] =
+                [Springs::small, Springs::large].map(|make| make(&system, analysis.rank()).expect("solved"));
+            let size = small.solution.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+            let off = small.solution.iter().zip(&large.solution).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(off <= 1e-15 * size, "{off:e} of {size}");
+            let reduction = analysis.reduction(&system);
+            let done = Done { time: 0.0, reduction, analysis: None };
+            let errors = [small, large].map(|springs| springs.error(&done).expect("sparse"));
+            assert!(errors.iter().all(|error| *error < 1e-13), "{errors:?}");
+        }
     }
 }
