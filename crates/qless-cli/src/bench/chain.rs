@@ -24,14 +24,6 @@ impl Chain {
         &self.free
     }
 
-    /// `K u` on all DOFs.
-    pub fn times(&self, u: &[f64]) -> Vec<f64> {
-        let n = u.len();
-        let next = |j: usize| if j + 1 < n { u[j + 1] } else { 0.0 };
-        let before = |j: usize| if j > 0 { u[j - 1] } else { 0.0 };
-        (0..n).map(|j| diagonal(j, n) * u[j] - before(j) - next(j)).collect()
-    }
-
     /// `K^-1 r` on the free DOFs, 0 on the others.
     pub fn solve(&self, r: &[f64]) -> Vec<f64> {
         let mut x: Vec<f64> = r.iter().zip(&self.free).map(|(&r, &free)| if free { r } else { 0.0 }).collect();
@@ -46,6 +38,14 @@ impl Chain {
     }
 }
 
+/// `K u` on all DOFs.
+pub fn times(u: &[f64]) -> Vec<f64> {
+    let n = u.len();
+    let next = |j: usize| if j + 1 < n { u[j + 1] } else { 0.0 };
+    let before = |j: usize| if j > 0 { u[j - 1] } else { 0.0 };
+    (0..n).map(|j| diagonal(j, n) * u[j] - before(j) - next(j)).collect()
+}
+
 /// The stiffness of DOF j: the ground and its neighbours, of n DOFs in all.
 fn diagonal(j: usize, n: usize) -> f64 {
     1.0 + f64::from(u8::from(j > 0)) + f64::from(u8::from(j + 1 < n))
@@ -53,7 +53,7 @@ fn diagonal(j: usize, n: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::Chain;
+    use super::{Chain, times};
 
     #[test]
     fn what_is_solved_is_what_was_multiplied() {
@@ -61,7 +61,7 @@ mod tests {
             let free: Vec<bool> = (0..10).map(|j| !held.contains(&j)).collect();
             let chain = Chain::new(free.clone());
             let u: Vec<f64> = (0..10).map(|j| if free[j] { f64::from(j as u8 * 7 % 5) - 1.5 } else { 0.0 }).collect();
-            let found = chain.solve(&chain.times(&u));
+            let found = chain.solve(&times(&u));
             assert!(found.iter().zip(&u).all(|(a, b)| (a - b).abs() < 1e-14), "{held:?}: {found:?} for {u:?}");
         }
     }

@@ -1,7 +1,8 @@
 //! A method in a process of its own: it can be stopped, and its memory is its own.
 //!
 //! The parent runs `qless bench --child SIZE --family F --method M`. The child says `ready` when the system is there, `done` after
-//! the elimination, and then what it found, as one line of JSON; or ends. The limit counts between the first two.
+//! the elimination, and then what it found, as one line of JSON (of our own methods the memory alone: the rest the parent
+//! measures itself); or ends. The limit counts between the first two.
 
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, Command, Stdio};
@@ -9,6 +10,7 @@ use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
 use qless_scenes::Scene;
+use serde::de::DeserializeOwned;
 
 use super::measure::Measured;
 use super::memory;
@@ -22,8 +24,17 @@ const AROUND: f64 = 600.0;
 /// A run shorter than this is done twice, the first one to warm the caches; seconds.
 const SHORT: f64 = 0.05;
 
-/// What the child of a system measures; none where it fails or takes more than `limit` seconds.
+/// What the child measures of another library's method; none where it fails or takes more than `limit` seconds.
 pub fn measure(family: &str, size: &str, method: &Method, limit: f64) -> Option<Measured> {
+    ask(family, size, method, limit)
+}
+
+/// The memory of a method of our own; none as before.
+pub fn memory(family: &str, size: &str, method: &Method, limit: f64) -> Option<u64> {
+    ask::<Option<u64>>(family, size, method, limit).flatten()
+}
+
+fn ask<T: DeserializeOwned>(family: &str, size: &str, method: &Method, limit: f64) -> Option<T> {
     let mut command = Command::new(std::env::current_exe().ok()?);
     command.args(["bench", "--child", size, "--family", family, "--method", method.name]);
     command.env("OPENBLAS_NUM_THREADS", rayon::current_num_threads().to_string());
@@ -35,7 +46,7 @@ pub fn measure(family: &str, size: &str, method: &Method, limit: f64) -> Option<
     measured
 }
 
-fn read(child: &mut Child, limit: f64) -> Option<Measured> {
+fn read<T: DeserializeOwned>(child: &mut Child, limit: f64) -> Option<T> {
     let lines = lines(child)?;
     let next = |seconds: f64| lines.recv_timeout(Duration::from_secs_f64(seconds)).ok();
     next(AROUND).filter(|line| line == "ready")?;
@@ -61,9 +72,12 @@ pub fn answer(scene: &Scene, method: &Method, out: &mut dyn Write) -> std::io::R
         done = once(&scene.system, method).unwrap_or(done);
     }
     say(out, "done")?;
-    let mut measured = Reference::new(scene).judge(&done);
-    measured.memory = peak;
-    say(out, &serde_json::to_string(&measured)?)
+    let found = if method.is_foreign() {
+        serde_json::to_string(&Measured { memory: peak, ..Reference::new(scene).judge(&done) })
+    } else {
+        serde_json::to_string(&peak)
+    };
+    say(out, &found?)
 }
 
 fn say(out: &mut dyn Write, line: &str) -> std::io::Result<()> {

@@ -4,10 +4,10 @@
 
 use qless::{ConstraintSystem, Csr, Reduction};
 
-use super::chain::Chain;
+use super::chain::{Chain, times};
 
 /// Steps at most: more mean a condition that they do not get through.
-const STEPS: usize = 3_000;
+const STEPS: usize = 1_000;
 
 /// x with `|S x - r| <= tolerance |r|`, S symmetric and positive definite; none where that is not reached.
 fn solve(apply: impl Fn(&[f64]) -> Vec<f64>, r: &[f64], tolerance: f64) -> Option<Vec<f64>> {
@@ -59,7 +59,7 @@ pub fn with_multipliers(
 }
 
 /// u with `u_s = T u_q + G u_p + g` and `T*^T (K u - f) = 0`, T* being T over the masters' own rows.
-pub fn with_masters(k: &Chain, f: &[f64], reduction: &Reduction, prescribed: &[f64]) -> Option<Vec<f64>> {
+pub fn with_masters(f: &[f64], reduction: &Reduction, prescribed: &[f64]) -> Option<Vec<f64>> {
     let at_rest = reduction.expand(&vec![0.0; reduction.masters.len()], prescribed);
     let moved = |q: &[f64]| -> Vec<f64> {
         let mut u = vec![0.0; at_rest.len()];
@@ -74,8 +74,8 @@ pub fn with_masters(k: &Chain, f: &[f64], reduction: &Reduction, prescribed: &[f
         sum
     };
     let mut rest = f.to_vec();
-    add(&mut rest, -1.0, &k.times(&at_rest));
-    let q = solve(|q| gathered(&k.times(&moved(q))), &gathered(&rest), OF_MASTERS)?;
+    add(&mut rest, -1.0, &times(&at_rest));
+    let q = solve(|q| gathered(&times(&moved(q))), &gathered(&rest), OF_MASTERS)?;
     Some(reduction.expand(&q, prescribed))
 }
 

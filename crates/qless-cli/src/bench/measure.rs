@@ -85,8 +85,7 @@ fn in_turns(case: &Case, scene: &Scene, methods: &[Method], tried: &[bool], args
     let finish = |(k, result): (usize, Option<(Measured, Vec<f64>)>)| {
         let mut measured = result.map(|(measured, times)| summary(measured, times))?;
         if args.memory && !methods[k].is_foreign() {
-            let again = child::measure(case.family, &case.size, &methods[k], args.limit);
-            measured.memory = again.and_then(|found| found.memory);
+            measured.memory = child::memory(case.family, &case.size, &methods[k], args.limit);
         }
         Some(measured)
     };

@@ -23,13 +23,12 @@ const SETTLED: f64 = 4.0 * f64::EPSILON;
 
 /// K, f and u*.
 pub struct Springs {
-    k: SparseColMat<usize, f64>,
+    /// None for large systems, where nothing is factored.
+    k: Option<SparseColMat<usize, f64>>,
     f: Vec<f64>,
     /// u*.
     pub solution: Vec<f64>,
     prescribed: Vec<f64>,
-    /// The same K for large systems.
-    large: Option<Chain>,
 }
 
 impl Springs {
@@ -54,7 +53,7 @@ impl Springs {
             Some((step.u, step.multipliers))
         };
         let solution = refined(&f, &kept, (first.u, multipliers), step)?;
-        Some(Self { k, f, solution, prescribed: prescribed(system), large: None })
+        Some(Self { k: Some(k), f, solution, prescribed: prescribed(system) })
     }
 
     fn large(system: &ConstraintSystem, rank: usize) -> Option<Self> {
@@ -66,7 +65,7 @@ impl Springs {
         let (chain, f) = (Chain::new(free), forces(system.dofs()));
         let step = |left: &[f64], apart: &[f64]| with_multipliers(&chain, &kept, left, apart);
         let solution = refined(&f, &kept, (u, vec![0.0; rows.len()]), step)?;
-        Some(Self { k: stiffness(0)?, f, solution, prescribed: prescribed(system), large: Some(chain) })
+        Some(Self { k: None, f, solution, prescribed: prescribed(system) })
     }
 
     /// `max |u - u*| / max |u*|`, u by transformation with T, G and g ([`reduced`]); none where T is nearly dense.
@@ -74,9 +73,9 @@ impl Springs {
         if done.reduction.t.nnz() > MOST_ENTRIES {
             return None;
         }
-        let u = match &self.large {
-            Some(chain) => with_masters(chain, &self.f, &done.reduction, &self.prescribed)?,
-            None => reduced(&self.k, &self.f, &done.reduction, &self.prescribed).ok()?,
+        let u = match &self.k {
+            None => with_masters(&self.f, &done.reduction, &self.prescribed)?,
+            Some(k) => reduced(k, &self.f, &done.reduction, &self.prescribed).ok()?,
         };
         let off = largest(u.iter().zip(&self.solution).map(|(u, exact)| u - exact));
         Some(off / largest(self.solution.iter().copied()))

@@ -8,9 +8,8 @@ use super::mpc::Term;
 use crate::deck::kinematics::components::Components;
 use crate::number;
 
-/// Columns of a field, and of a line without its continuation mark.
+/// Columns of a field.
 const FIELD: usize = 8;
-const LINE: usize = 72;
 
 /// A card that was read.
 pub(super) enum Quick {
@@ -26,15 +25,17 @@ pub(super) fn read(line: &[u8]) -> Option<Quick> {
         b"MPC     " => false,
         _ => return None,
     };
-    let mut columns = [b' '; LINE];
-    columns.get_mut(..line.len())?.copy_from_slice(line);
-    let (fields, _) = columns[FIELD..].as_chunks();
-    let fields: &[Field; 8] = fields.first_chunk()?;
+    let (whole, rest) = line[FIELD..].as_chunks();
+    let mut fields = [BLANK; 8];
+    fields.get_mut(..whole.len())?.copy_from_slice(whole);
+    if !rest.is_empty() {
+        fields.get_mut(whole.len())?[..rest.len()].copy_from_slice(rest);
+    }
     // A comma in the first fields means that columns do not count.
     if fields[0].contains(&b',') {
         return None;
     }
-    if is_grid { grid(fields).map(Quick::Grid) } else { mpc(fields) }
+    if is_grid { grid(&fields).map(Quick::Grid) } else { mpc(&fields) }
 }
 
 fn grid(fields: &[Field; 8]) -> Option<Given> {
