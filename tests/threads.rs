@@ -3,7 +3,7 @@
 #[macro_use]
 mod support;
 
-use qless::{BackendChoice, ConstraintSystem, Options, Reduction, analyse};
+use qless::{BackendChoice, ConstraintSystem, Options, Reduction, SystemBuilder, analyse};
 use qless_scenes::families::{self, Windows};
 
 fn on_threads(system: &ConstraintSystem, options: &Options, threads: usize) -> (Vec<usize>, Reduction) {
@@ -21,9 +21,32 @@ fn agree(system: &ConstraintSystem, options: &Options) {
         let (other_rows, other) = on_threads(system, options, threads);
         assert_eq!(rows, other_rows);
         assert!(
-            (&reduction.slaves, &reduction.t, &reduction.g) == (&other.slaves, &other.t, &other.g),
+            (&reduction.slaves, &reduction.t, &reduction.g) == (&other.slaves, &other.t, &other.g)
+                && reduction.g_matrix == other.g_matrix,
             "{threads} threads give another reduction"
         );
+    }
+}
+
+/// Enough rows for threads to write T and G together: `u_2i - 2 u_2i+1 - 3 u_last = i`, DOFs in any order, the last one prescribed.
+#[test]
+fn many_rows() {
+    let (rows, last) = (450_000, 900_000);
+    // 7,777 has no divisor in common with the number of DOFs.
+    let anywhere = |j: usize| j * 7_777 % last;
+    let mut builder = SystemBuilder::new(last + 1);
+    for i in 0..rows {
+        builder.equation([(anywhere(2 * i), 1.0), (anywhere(2 * i + 1), -2.0), (last, -3.0)], i as f64);
+    }
+    builder.prescribe(last, 1.0);
+    let system = builder.build().expect("valid");
+    agree(&system, &Options::default());
+    let reduction = on_threads(&system, &Options::default(), 3).1;
+    let masters: Vec<f64> = reduction.masters.iter().map(|&j| j as f64).collect();
+    let u = reduction.expand(&masters, &[1.0]);
+    for i in 0..rows {
+        let (a, b) = (u[anywhere(2 * i)], u[anywhere(2 * i + 1)]);
+        assert!((a - 2.0 * b - 3.0 - i as f64).abs() <= 1e-13 * a.abs().max(b.abs()), "equation {i}");
     }
 }
 

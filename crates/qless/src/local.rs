@@ -4,7 +4,10 @@
 //! array over DOFs is read nearly in sequence by every stage, and DOFs outside all equations cost nothing.
 //! O(nnz + n) time, 4 nnz + 5 n bytes.
 
+use std::hint::black_box;
+
 use crate::ConstraintSystem;
+use crate::ahead::{BATCH, IN_CACHE};
 
 /// The local number of every coefficient's DOF, and what they stand for.
 pub(crate) struct Numbering {
@@ -72,8 +75,14 @@ impl Numbering {
         let mut count = 0;
         let mut entries = vec![0; c.nnz()];
         let mut exponents = Vec::with_capacity(c.rows());
+        let mut asked = if c.cols > IN_CACHE { 0 } else { c.nnz() };
         for i in 0..c.rows() {
             let range = c.start[i]..c.start[i + 1];
+            if range.end > asked {
+                let ahead = asked..(range.end + BATCH).min(c.nnz());
+                asked = ahead.end;
+                black_box(c.col[ahead].iter().fold(0, |all, &j| all ^ local[j as usize]));
+            }
             let mut of_row = Exponents::NONE;
             for ((entry, &j), &v) in entries[range.clone()].iter_mut().zip(&c.col[range.clone()]).zip(&c.val[range]) {
                 let known = local[j as usize];

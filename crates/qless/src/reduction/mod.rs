@@ -2,6 +2,7 @@
 
 mod exchange;
 mod growth;
+mod order;
 mod output;
 pub(crate) mod residual;
 mod rows;

@@ -4,6 +4,7 @@
 //! and independent writes cost far less than reads that wait for one another. O(nnz + n).
 
 use super::Reduction;
+use super::order::{Order, Slab, each, slabs};
 use super::rows::Relation;
 use crate::{ConstraintSystem, Csr};
 
@@ -16,28 +17,53 @@ pub(super) fn write(system: &ConstraintSystem, relation: &Relation) -> Reduction
     // Place within its side of every DOF that occurs.
     let place: Vec<u32> = dofs.iter().map(|&j| places[j as usize]).collect();
     drop(places);
-    let (mut t, mut g_matrix) = sized(relation, &place, [slaves.len(), masters.len(), prescribed.len()]);
+    let order = Order::new(&relation.slave, &place);
+    let mut t = sized(&order, masters.len(), |i| relation.row(i).0.len() - relation.prescribed_terms(i));
+    let mut g_matrix = match prescribed.len() {
+        0 => Csr { start: vec![0; slaves.len() + 1], ..Csr::default() },
+        cols => sized(&order, cols, |i| relation.prescribed_terms(i)),
+    };
     let mut g = vec![0.0; slaves.len()];
-    let is_free = relation.system.free();
-    for (i, &slave) in relation.slave.iter().enumerate() {
-        let row = place[slave as usize] as usize;
-        // Memory that need not be touched costs nothing; most constants are zero.
-        if relation.constant[i] != 0.0 {
-            g[row] = relation.constant[i];
-        }
-        let terms = relation.row(i).0;
-        let sorted = relation.is_users(i) || terms.is_sorted_by_key(|&j| dofs[j as usize]);
-        let fixed = relation.prescribed_terms(i);
-        let part = |free: bool| relation.entries(i).filter(move |&(j, _)| is_free[j as usize] == free);
-        let in_place = |(j, v)| (place[j as usize], v);
-        if fixed == 0 {
-            fill(&mut t, row, terms.len(), sorted, relation.entries(i).map(in_place));
-        } else {
-            fill(&mut t, row, terms.len() - fixed, sorted, part(true).map(in_place));
-            fill(&mut g_matrix, row, fixed, sorted, part(false).map(in_place));
-        }
-    }
+    let constants = g.chunks_mut(order.together);
+    let parts = slabs(&mut t, order.together).into_iter().zip(slabs(&mut g_matrix, order.together)).zip(constants);
+    each(parts.enumerate().collect(), |(k, ((mut t, mut g_matrix), g))| {
+        order.visit(k, |batch| {
+            t.ask_for(batch);
+            batch
+                .iter()
+                .for_each(|&(i, row)| write_row(relation, &place, i as usize, row as usize, &mut t, &mut g_matrix, g));
+        });
+    });
     Reduction { slaves, masters, prescribed, t, g_matrix, g, ..Reduction::default() }
+}
+
+/// Row i of the relation as a row of T, G and g.
+#[inline]
+fn write_row(
+    relation: &Relation,
+    place: &[u32],
+    i: usize,
+    row: usize,
+    t: &mut Slab,
+    g_matrix: &mut Slab,
+    g: &mut [f64],
+) {
+    let (dofs, is_free) = (&relation.system.numbering.dofs, relation.system.free());
+    // Memory that need not be touched costs nothing; most constants are zero.
+    if relation.constant[i] != 0.0 {
+        g[row] = relation.constant[i];
+    }
+    let terms = relation.row(i).0;
+    let sorted = relation.is_users(i) || terms.is_sorted_by_key(|&j| dofs[j as usize]);
+    let fixed = relation.prescribed_terms(i);
+    let part = |free: bool| relation.entries(i).filter(move |&(j, _)| is_free[j as usize] == free);
+    let in_place = |(j, v)| (place[j as usize], v);
+    if fixed == 0 {
+        t.fill(row, terms.len(), sorted, relation.entries(i).map(in_place));
+    } else {
+        t.fill(row, terms.len() - fixed, sorted, part(true).map(in_place));
+        g_matrix.fill(row, fixed, sorted, part(false).map(in_place));
+    }
 }
 
 const SLAVE: u32 = 0;
@@ -57,36 +83,14 @@ fn sides(places: &mut [u32]) -> [Vec<usize>; 3] {
     sides
 }
 
-/// T and G with their rows of the right length and nothing in them.
-fn sized(relation: &Relation, place: &[u32], [slaves, masters, prescribed]: [usize; 3]) -> (Csr, Csr) {
-    let (mut t, mut g) = (vec![0; slaves + 1], vec![0; slaves + 1]);
-    for (i, &slave) in relation.slave.iter().enumerate() {
-        let fixed = relation.prescribed_terms(i);
-        let row = place[slave as usize] as usize;
-        (t[row + 1], g[row + 1]) = (relation.row(i).0.len() - fixed, fixed);
-    }
-    let make = |cols: usize, mut start: Vec<usize>| {
-        (0..slaves).for_each(|i| start[i + 1] += start[i]);
-        let nnz = start[slaves];
-        Csr { cols, start, col: vec![0; nnz], val: vec![0.0; nnz] }
-    };
-    (make(masters, t), make(prescribed, g))
-}
-
-/// Writes a row of this length, ascending.
-///
-/// The length comes from the caller: where rows are written in any order, a loop that had to wait for `matrix.start` to learn
-/// where it ends would hold up all that follows.
-#[inline]
-fn fill(matrix: &mut Csr, row: usize, length: usize, sorted: bool, entries: impl Iterator<Item = (u32, f64)>) {
-    let start = matrix.start[row];
-    let range = start..start + length;
-    let places = matrix.col[range.clone()].iter_mut().zip(&mut matrix.val[range]);
-    if sorted {
-        places.zip(entries).for_each(|((column, value), entry)| (*column, *value) = entry);
-    } else {
-        let mut entries: Vec<_> = entries.collect();
-        entries.sort_unstable_by_key(|&(j, _)| j);
-        places.zip(entries).for_each(|((column, value), entry)| (*column, *value) = entry);
-    }
+/// A matrix with nothing in its rows, which are as long as `length` says of the relation's.
+fn sized(order: &Order, cols: usize, length: impl Fn(usize) -> usize + Sync) -> Csr {
+    let rows = order.rows();
+    let mut start = vec![0; rows + 1];
+    each(start[1..].chunks_mut(order.together).enumerate().collect(), |(k, lengths)| {
+        order.visit(k, |batch| batch.iter().for_each(|&(i, row)| lengths[row as usize] = length(i as usize)));
+    });
+    (0..rows).for_each(|i| start[i + 1] += start[i]);
+    let nnz = start[rows];
+    Csr { cols, start, col: vec![0; nnz], val: vec![0.0; nnz] }
 }

@@ -16,7 +16,9 @@ pub(crate) struct Relation<'a> {
     pub row_of: Vec<u32>,
     /// Slave of each row.
     pub slave: Vec<u32>,
-    places: Vec<Place>,
+    /// Place in [`Relation::own`] of each row that is not the basis'; [`OF_BASIS`] for the others, which are most.
+    place: Vec<u32>,
+    own: Vec<Own>,
     dofs: Vec<u32>,
     values: Vec<f64>,
     pub constant: Vec<f64>,
@@ -26,10 +28,10 @@ pub(crate) struct Relation<'a> {
     pub steep: Vec<u32>,
 }
 
-/// Where the entries of a row are.
-enum Place {
-    /// In the basis.
-    Basis,
+const OF_BASIS: u32 = u32::MAX;
+
+/// Where the entries of a row are that is not the basis'.
+enum Own {
     /// Part of [`Relation::dofs`] and [`Relation::values`].
     Stored { start: usize, len: u32 },
     /// Changed by an exchange; ascending.
@@ -43,19 +45,21 @@ impl Relation<'_> {
 
     /// Whether row i is an equation of the user's, solved for a DOF: its terms ascend by the user's numbers.
     pub fn is_users(&self, i: usize) -> bool {
-        i < self.basis.peeled.len() && matches!(self.places[i], Place::Basis)
+        i < self.basis.peeled.len() && self.place[i] == OF_BASIS
     }
 
     /// DOFs and coefficients of row i.
     #[inline]
     pub fn row(&self, i: usize) -> (&[u32], &[f64]) {
-        match self.places[i] {
-            Place::Basis => self.basis.row(i),
-            Place::Stored { start, len } => {
+        if self.place[i] == OF_BASIS {
+            return self.basis.row(i);
+        }
+        match self.own[self.place[i] as usize] {
+            Own::Stored { start, len } => {
                 let range = start..start + len as usize;
                 (&self.dofs[range.clone()], &self.values[range])
             }
-            Place::Changed(ref row) => (&row.0, &row.1),
+            Own::Changed(ref row) => (&row.0, &row.1),
         }
     }
 
@@ -92,7 +96,16 @@ impl Relation<'_> {
     }
 
     pub fn change(&mut self, i: usize, row: &[(u32, f64)]) {
-        self.places[i] = Place::Changed(Box::new(row.iter().copied().unzip()));
+        self.set(i, Own::Changed(Box::new(row.iter().copied().unzip())));
+    }
+
+    fn set(&mut self, i: usize, own: Own) {
+        if self.place[i] == OF_BASIS {
+            self.place[i] = self.own.len() as u32;
+            self.own.push(own);
+        } else {
+            self.own[self.place[i] as usize] = own;
+        }
     }
 
     #[inline]
@@ -128,7 +141,8 @@ pub(crate) fn assemble<'a>(system: Local<'a>, basis: &'a Basis, fixed: &[bool], 
         basis,
         row_of: vec![u32::MAX; n],
         slave: basis.slaves().to_vec(),
-        places: (0..rank).map(|_| Place::Basis).collect(),
+        place: vec![OF_BASIS; rank],
+        own: Vec::new(),
         dofs: Vec::new(),
         values: Vec::new(),
         constant: basis.constants().to_vec(),
@@ -184,5 +198,5 @@ fn substitute(relation: &mut Relation, sum: &mut Sum, t: usize, fixed: bool) {
             relation.values.push(value);
         }
     }
-    relation.places[t] = Place::Stored { start, len: (relation.dofs.len() - start) as u32 };
+    relation.set(t, Own::Stored { start, len: (relation.dofs.len() - start) as u32 });
 }

@@ -1,0 +1,170 @@
+//! Rows in the order in which they were made, written to places in any order, on all threads of the pool.
+//!
+//! Each thread owns a range of the places, goes over all rows and takes those that belong there: reading in order costs little,
+//! and no two threads write to the same memory, so that the result is the same for any number of them.
+
+use std::hint::black_box;
+
+use rayon::prelude::*;
+
+use crate::Csr;
+use crate::ahead::{BATCH, IN_CACHE};
+
+/// Fewer rows than this are not worth a thread of their own.
+const WORTH_A_THREAD: usize = 1 << 17;
+
+/// Where each row goes.
+pub(super) struct Order<'a> {
+    slave: &'a [u32],
+    place: &'a [u32],
+    /// Places of one thread: those of thread k start at k times this.
+    pub together: usize,
+}
+
+impl<'a> Order<'a> {
+    /// Row i goes to `place[slave[i]]`.
+    pub fn new(slave: &'a [u32], place: &'a [u32]) -> Self {
+        let threads = rayon::current_num_threads().min(slave.len() / WORTH_A_THREAD).max(1);
+        Self { slave, place, together: slave.len().div_ceil(threads).max(1) }
+    }
+
+    pub fn rows(&self) -> usize {
+        self.slave.len()
+    }
+
+    /// The rows of thread k, in order and in batches: number of the row, place among those of the thread.
+    #[inline]
+    pub fn visit(&self, k: usize, mut visit: impl FnMut(&[(u32, u32)])) {
+        let (first, length) = ((k * self.together) as u32, self.together as u32);
+        let mut batch = [(0, 0); BATCH];
+        let mut count = 0;
+        for (&slave, i) in self.slave.iter().zip(0..) {
+            let place = self.place[slave as usize].wrapping_sub(first);
+            // Without a branch, which nobody could predict.
+            batch[count] = (i, place);
+            count += usize::from(place < length);
+            if count == BATCH {
+                visit(&batch);
+                count = 0;
+            }
+        }
+        visit(&batch[..count]);
+    }
+}
+
+/// Does each piece of work, one alone without asking the pool.
+pub(super) fn each<T: Send>(mut work: Vec<T>, job: impl Fn(T) + Send + Sync) {
+    match work.len() {
+        0 => {}
+        1 => work.drain(..).for_each(job),
+        _ => work.into_par_iter().for_each(job),
+    }
+}
+
+/// Rows of a matrix that one thread writes.
+pub(super) struct Slab<'a> {
+    start: &'a [usize],
+    col: &'a mut [u32],
+    val: &'a mut [f64],
+}
+
+/// So many rows in each.
+pub(super) fn slabs(matrix: &mut Csr, together: usize) -> Vec<Slab<'_>> {
+    let Csr { start, col, val, .. } = matrix;
+    let (mut col, mut val) = (col.as_mut_slice(), val.as_mut_slice());
+    let rows = start.len() - 1;
+    let mut slabs = Vec::new();
+    for first in (0..rows).step_by(together) {
+        let start = &start[first..=(first + together).min(rows)];
+        let length = start[start.len() - 1] - start[0];
+        let (of_col, others) = col.split_at_mut(length);
+        let (of_val, other_values) = val.split_at_mut(length);
+        (col, val) = (others, other_values);
+        slabs.push(Slab { start, col: of_col, val: of_val });
+    }
+    slabs
+}
+
+impl Slab<'_> {
+    /// Asks for the memory of these rows.
+    #[inline]
+    pub fn ask_for(&self, batch: &[(u32, u32)]) {
+        if self.start.len() <= IN_CACHE {
+            return;
+        }
+        let mut all = 0;
+        for &(_, row) in batch {
+            let at = self.start[row as usize] - self.start[0];
+            all ^= self.col.get(at).map_or(0, |&j| u64::from(j)) ^ self.val.get(at).map_or(0, |v| v.to_bits());
+        }
+        black_box(all);
+    }
+
+    /// Writes a row of this length, ascending.
+    ///
+    /// The length comes from the caller: where rows are written in any order, a loop that had to wait for `start` to learn
+    /// where it ends would hold up all that follows.
+    #[inline]
+    pub fn fill(&mut self, row: usize, length: usize, sorted: bool, entries: impl Iterator<Item = (u32, f64)>) {
+        let start = self.start[row] - self.start[0];
+        let range = start..start + length;
+        let places = self.col[range.clone()].iter_mut().zip(&mut self.val[range]);
+        if sorted {
+            places.zip(entries).for_each(|((column, value), entry)| (*column, *value) = entry);
+        } else {
+            let mut entries: Vec<_> = entries.collect();
+            entries.sort_unstable_by_key(|&(j, _)| j);
+            places.zip(entries).for_each(|((column, value), entry)| (*column, *value) = entry);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_row_is_visited_once_by_the_thread_of_its_place() {
+        // 37 and 1,000 have no divisor in common.
+        let slave: Vec<u32> = (0..1000).rev().collect();
+        let place: Vec<u32> = (0..1000).map(|j| j * 37 % 1000).collect();
+        for together in [1, 7, 128, 333, 1000, 5000] {
+            let order = Order { slave: &slave, place: &place, together };
+            let mut row_at = vec![u32::MAX; 1000];
+            for k in 0..1000_usize.div_ceil(together) {
+                let mut before = None;
+                order.visit(k, |batch| {
+                    for &(i, row) in batch {
+                        assert!(before.replace(i).is_none_or(|before| before < i), "in order");
+                        assert_eq!(std::mem::replace(&mut row_at[k * together + row as usize], i), u32::MAX);
+                    }
+                });
+            }
+            assert!(row_at.iter().enumerate().all(|(at, &i)| place[slave[i as usize] as usize] as usize == at));
+        }
+    }
+
+    #[test]
+    fn slabs_are_the_matrix_cut_between_rows() {
+        let lengths = [3, 0, 1, 4, 0, 2, 5];
+        let start: Vec<usize> = std::iter::once(0)
+            .chain(lengths.iter().scan(0, |sum, &n| {
+                *sum += n;
+                Some(*sum)
+            }))
+            .collect();
+        for together in 1..10 {
+            let mut matrix = Csr { cols: 9, start: start.clone(), col: vec![0; 15], val: vec![0.0; 15] };
+            for (k, mut slab) in slabs(&mut matrix, together).into_iter().enumerate() {
+                for (row, &length) in lengths.iter().skip(k * together).take(together).enumerate() {
+                    let entries = (0..length as u32).map(|j| (j, (10 * (k * together + row)) as f64 + f64::from(j)));
+                    slab.fill(row, length, false, entries.rev());
+                }
+            }
+            for (i, &length) in lengths.iter().enumerate() {
+                let row: Vec<_> = matrix.row(i).collect();
+                assert_eq!(row, (0..length).map(|j| (j, (10 * i + j) as f64)).collect::<Vec<_>>());
+            }
+        }
+    }
+}
