@@ -5,14 +5,12 @@
 //! at a place that it reads from a list, as an assembly must for H. The ratio of medians to the former should be at most 2; "best" is
 //! that of the shortest times, which other programs on the machine disturb least.
 //!
-//! What stands in the way. Writing is bound by memory: one core nearly saturates it (30 of 32 GB/s on two cores of a Zen 5 server), a
-//! second hardly helps, whereas an assembly needs both. Per linear equation of 5 terms, of which plain writing stores 48 bytes, 8
-//! bytes of c are written and 16 of DOFs and places read, with 5 values of u from a cache: below 2. A rod stores 56 bytes of c and G
-//! and 36 of H, and reads 24 of DOFs, 32 of parameters, and 24 of places in H besides: about as much read as written, and
-//! 40 flops. A rigid link for finite rotations takes about 150 flops for its three rows (44 of them the six factors of the rotation)
-//! and 170 for its curvature, for 290 bytes: 10 ns at the scalar peak of both cores (32 GFlop/s), as long as writing takes, before
-//! anything is read or any chain of dependent operations waited for. It takes five times that; only several links in the lanes
-//! of one instruction could bring it to 2.
+//! What stands in the way. Writing is bound by memory: of the mix's 81 MB one core writes 27 GB/s, two write 33 (a virtual machine on a
+//! Zen 5 server), so that a second core hardly helps, whereas an assembly needs both. Per linear equation of 5 terms, of which plain
+//! writing stores 48 bytes, 8 bytes of c are written and 16 of DOFs and places read, with 5 values of u from a cache: a ratio of 1. A
+//! rod stores 56 bytes of c and G and 36 of H, and reads 24 of DOFs, 32 of parameters, 16 of curvatures and 24 of places in H besides:
+//! more read than written. A rigid link for finite rotations takes about 150 flops for its three rows and 170 for its curvature,
+//! for 290 bytes; they are done for eight links at once, and a third of the time is left, most of it waiting for u.
 
 use std::hint::black_box;
 use std::time::Instant;

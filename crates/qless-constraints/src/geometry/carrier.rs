@@ -1,7 +1,9 @@
 //! What a point or a direction is attached to: the ground, a node, or a body with rotations.
 
+use super::lanes::Lanes;
 use super::rotation::{by_euler, by_vector};
 use super::turned;
+use super::turns::Turns;
 use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, add, lift};
 
@@ -103,7 +105,7 @@ impl Body {
 pub(crate) struct Carrier {
     pub kind: Kind,
     at: Vector<f64>,
-    arm: Vector<f64>,
+    pub arm: Vector<f64>,
 }
 
 impl Carrier {
@@ -118,14 +120,23 @@ impl Carrier {
         if position.is_empty() { turned } else { add(turned, [position[0], position[1], position[2]]) }
     }
 
-    /// The point x, and `sign dx` in the columns from `first` of `g`, 3 x n.
-    #[inline]
-    pub fn write_slopes(&self, u: &[f64], sign: f64, first: usize, n: usize, g: &mut [f64]) -> Vector<f64> {
-        if self.kind == Kind::Ground {
-            return add(self.at, self.arm);
-        }
-        let (position, rotation) = u.split_at(3);
-        let (turned, slopes) = turned::slopes(self.kind, rotation, self.arm);
+    /// The point x, and `sign dx` in the columns from `first` of `g`, 3 x n; rotation vectors as they are in a lane of `turns`.
+    #[expect(clippy::inline_always, reason = "27 numbers would go through memory, which costs a third")]
+    #[inline(always)]
+    pub fn write_slopes(
+        &self,
+        u: &[f64],
+        sign: f64,
+        [first, n]: [usize; 2],
+        g: &mut [f64],
+        (turns, lane): (&Turns, usize),
+    ) -> Vector<f64> {
+        let (turned, slopes) = match self.kind {
+            Kind::Ground => return add(self.at, self.arm),
+            Kind::Node => (self.arm, [[0.0; 4]; 3]),
+            Kind::Vector => turns.of(lane),
+            Kind::Euler => turned::slopes(self.kind, &u[3..], self.arm),
+        };
         for axis in 0..3 {
             let row = &mut g[axis * n + first..][..u.len()];
             let ([x, y, z], s) =
@@ -137,12 +148,16 @@ impl Carrier {
                 Kind::Euler => row.copy_from_slice(&[x, y, z, s[0], s[1], s[2], s[3]]),
             }
         }
-        add(add(self.at, turned), [position[0], position[1], position[2]])
+        add(add(self.at, turned), [u[0], u[1], u[2]])
     }
 
-    /// The lower triangle of the Hessian of `m . x`, in the rotations.
+    /// The lower triangle of the Hessian of `m . x`, in the rotations; for rotation vectors as it is in a lane of `all`.
     #[inline]
-    pub fn curvature(&self, u: &[f64], m: Vector<f64>, out: &mut [f64]) {
-        turned::hessian(self.kind, &u[self.kind.positions()..], self.arm, m, out);
+    pub fn curvature(&self, u: &[f64], m: Vector<f64>, out: &mut [f64], (all, lane): (&[Lanes; 6], usize)) {
+        match self.kind {
+            Kind::Ground | Kind::Node => (),
+            Kind::Vector => (0..6).for_each(|k| out[k] = all[k].0[lane]),
+            Kind::Euler => turned::hessian(self.kind, &u[3..], self.arm, m, out),
+        }
     }
 }

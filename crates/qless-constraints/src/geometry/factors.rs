@@ -4,28 +4,50 @@
 //! `dc_k/dy = (k c_(k+2) - c_(k+1)) / 2`. Two series, for `c_5` and `c_6`, give all six numbers; nothing is divided by y, so that
 //! they are exact at rest.
 
+#![expect(clippy::inline_always, reason = "in functions with wider instructions nothing else gets them")]
+
+use super::lanes::Lanes;
+use crate::scalar::Arithmetic;
+
 /// `a, a', a''` and `b, b', b''`.
 #[inline]
 pub fn factors(y: f64) -> [[f64; 3]; 2] {
     if y < 4.0 { series(y) } else { closed(y) }
 }
 
+/// The same for eight y, each as if it were alone.
+#[inline(always)]
+pub fn factors_of_lanes(y: Lanes) -> [[Lanes; 3]; 2] {
+    let mut all = from_highest(y, highest::<12, _>(y));
+    for (lane, &y) in y.0.iter().enumerate().filter(|&(_, &y)| y >= 4.0) {
+        let of_lane = closed(y);
+        (0..6).for_each(|k| all[k / 3][k % 3].0[lane] = of_lane[k / 3][k % 3]);
+    }
+    all
+}
+
 #[inline]
 fn series(y: f64) -> [[f64; 3]; 2] {
     // Small rotations are common: of c_5 the seventh term is below 1e-20 for y < 0.05, the thirteenth below 1e-17 for y < 5.
-    let [c5, c6] = if y < 0.05 { highest::<6>(y) } else { highest::<12>(y) };
-    let (c3, c4) = (1.0 / 6.0 - y * c5, 1.0 / 24.0 - y * c6);
-    let (c1, c2) = (1.0 - y * c3, 0.5 - y * c4);
-    let of_a = [c1, 0.5 * (c3 - c2), 0.25 * (c3 - 3.0 * (c4 - c5))];
-    [of_a, [c2, c4 - 0.5 * c3, 2.0 * c6 - 1.25 * c5 + 0.25 * c4]]
+    from_highest(y, if y < 0.05 { highest::<6, _>(y) } else { highest::<12, _>(y) })
+}
+
+/// All six from `c_5` and `c_6`.
+#[inline(always)]
+fn from_highest<S: Arithmetic>(y: S, [c5, c6]: [S; 2]) -> [[S; 3]; 2] {
+    let of = S::from;
+    let (c3, c4) = (of(1.0 / 6.0) - y * c5, of(1.0 / 24.0) - y * c6);
+    let (c1, c2) = (of(1.0) - y * c3, of(0.5) - y * c4);
+    let of_a = [c1, of(0.5) * (c3 - c2), of(0.25) * (c3 - of(3.0) * (c4 - c5))];
+    [of_a, [c2, c4 - of(0.5) * c3, of(2.0) * c6 - of(1.25) * c5 + of(0.25) * c4]]
 }
 
 /// `c_5` and `c_6` by Horner's rule.
-#[inline]
-fn highest<const TERMS: usize>(y: f64) -> [f64; 2] {
-    let mut sums = [0.0; 2];
+#[inline(always)]
+fn highest<const TERMS: usize, S: Arithmetic>(y: S) -> [S; 2] {
+    let mut sums = [S::from(0.0); 2];
     for term in INVERSE_FACTORIALS[..TERMS].iter().rev() {
-        sums = [term[0] - y * sums[0], term[1] - y * sums[1]];
+        sums = [S::from(term[0]) - y * sums[0], S::from(term[1]) - y * sums[1]];
     }
     sums
 }
@@ -68,6 +90,18 @@ mod tests {
     #[test]
     fn series_and_closed_forms_agree() {
         [4.0, 4.5, 5.0].into_iter().for_each(|y| assert_same(series(y), closed(y), 1e-14, y));
+    }
+
+    /// Each lane is as if it were alone, whatever stands beside it.
+    #[test]
+    fn lanes_are_those_of_one_number() {
+        let y = [0.0, 1e-9, 0.04, 0.06, 1.0, 3.999, 4.0, 30.0];
+        let all = factors_of_lanes(Lanes(y));
+        for (lane, &y) in y.iter().enumerate() {
+            assert_same(all.map(|of| of.map(|x| x.0[lane])), factors(y), 4e-15, y);
+            let alone = factors_of_lanes(Lanes::from(y));
+            assert_eq!(all.map(|of| of.map(|x| x.0[lane])), alone.map(|of| of.map(|x| x.0[0])), "y = {y}");
+        }
     }
 
     /// The plain power series, term by term, on both sides of the change of their length.

@@ -3,6 +3,7 @@
 pub mod carrier;
 pub mod clip;
 mod factors;
+pub mod lanes;
 pub mod node;
 pub mod project;
 pub mod rotation;
@@ -11,3 +12,4 @@ pub mod segment;
 pub mod shape;
 pub mod surface;
 pub mod turned;
+pub mod turns;

@@ -9,6 +9,17 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 pub use dual::Dual;
 pub use hyper::HyperDual;
 
+/// What sums and products are made of: a number, with or without derivatives, or several side by side.
+pub trait Arithmetic:
+    Copy + From<f64> + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
+{
+}
+
+impl<S> Arithmetic for S where
+    S: Copy + From<f64> + Add<Output = S> + Sub<Output = S> + Mul<Output = S> + Neg<Output = S>
+{
+}
+
 /// A real number, with or without derivatives.
 ///
 /// A constraint whose value is written for every `Scalar` gets its Jacobian and Hessian without a second formula, exact to
@@ -22,15 +33,7 @@ pub use hyper::HyperDual;
 /// assert_eq!(cube(2.0), 8.0);
 /// assert_eq!(cube(Dual::<1>::variable(2.0, 0)).slope, [12.0]);
 /// ```
-pub trait Scalar:
-    Copy
-    + From<f64>
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + Neg<Output = Self>
-{
+pub trait Scalar: Arithmetic + Div<Output = Self> {
     /// The number without its derivatives; branches may depend on it.
     fn real(self) -> f64;
     /// Square root, of a positive number.

@@ -1,37 +1,45 @@
 //! Vectors of three: `a + b`, `a . b`, `a x b`.
 
-use super::Scalar;
+#![expect(clippy::inline_always, reason = "in functions with wider instructions nothing else gets them")]
+
+use super::{Arithmetic, Scalar};
 
 /// Three components.
 pub type Vector<S> = [S; 3];
 
 /// A constant vector as one of scalars.
-pub fn lift<S: Scalar>(a: Vector<f64>) -> Vector<S> {
+#[inline(always)]
+pub fn lift<S: Arithmetic>(a: Vector<f64>) -> Vector<S> {
     a.map(S::from)
 }
 
 /// `a + b`.
-pub fn add<S: Scalar>(a: Vector<S>, b: Vector<S>) -> Vector<S> {
+#[inline(always)]
+pub fn add<S: Arithmetic>(a: Vector<S>, b: Vector<S>) -> Vector<S> {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
 /// `a - b`.
-pub fn sub<S: Scalar>(a: Vector<S>, b: Vector<S>) -> Vector<S> {
+#[inline(always)]
+pub fn sub<S: Arithmetic>(a: Vector<S>, b: Vector<S>) -> Vector<S> {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 /// `f a`.
-pub fn scale<S: Scalar>(f: S, a: Vector<S>) -> Vector<S> {
-    a.map(|x| f * x)
+#[inline(always)]
+pub fn scale<S: Arithmetic>(f: S, a: Vector<S>) -> Vector<S> {
+    [f * a[0], f * a[1], f * a[2]]
 }
 
 /// `a . b`.
-pub fn dot<S: Scalar>(a: Vector<S>, b: Vector<S>) -> S {
+#[inline(always)]
+pub fn dot<S: Arithmetic>(a: Vector<S>, b: Vector<S>) -> S {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// `a x b`.
-pub fn cross<S: Scalar>(a: Vector<S>, b: Vector<S>) -> Vector<S> {
+#[inline(always)]
+pub fn cross<S: Arithmetic>(a: Vector<S>, b: Vector<S>) -> Vector<S> {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 

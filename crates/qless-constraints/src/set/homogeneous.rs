@@ -12,21 +12,23 @@ use crate::constraint::Nonlinear;
 
 /// Constraints of type Q.
 pub(super) struct Homogeneous<Q> {
-    items: Vec<Q>,
+    pub items: Vec<Q>,
     owners: Vec<Owner>,
     /// Where the DOFs of each constraint start; one more than constraints.
     start: Vec<u32>,
     dofs: Vec<u32>,
     order: Order,
     /// Most DOFs of one constraint.
-    widest: usize,
-    /// Numbers of the Hessian of each constraint.
-    numbers: Vec<u32>,
+    pub widest: usize,
+    /// How many numbers the Hessian of each constraint has, ...
+    pub numbers: Vec<u32>,
+    /// ... and, where they depend on the weight alone, those for a weight of 1: [`Homogeneous::UNITS`] of each constraint.
+    pub units: Vec<f64>,
 }
 
 impl<Q> Default for Homogeneous<Q> {
     fn default() -> Self {
-        let (dofs, numbers) = (Vec::new(), Vec::new());
+        let (dofs, numbers, units) = (Vec::new(), Vec::new(), Vec::new());
         Self {
             items: Vec::new(),
             owners: Vec::new(),
@@ -35,6 +37,7 @@ impl<Q> Default for Homogeneous<Q> {
             order: Order::default(),
             widest: 0,
             numbers,
+            units,
         }
     }
 }
@@ -47,6 +50,11 @@ impl<Q: Nonlinear> Homogeneous<Q> {
             pairs += 1;
         });
         self.numbers.push(numbers as u32);
+        if Self::UNITS > 0 {
+            let first = self.units.len();
+            self.units.resize(first + Self::UNITS, 0.0);
+            parameters.hessian(&[], &[1.0], &mut self.units[first..]);
+        }
         self.order.push(dofs);
         self.widest = self.widest.max(dofs.len());
         self.items.push(parameters);
@@ -63,9 +71,10 @@ impl<Q: Nonlinear> Homogeneous<Q> {
         &self.dofs[self.start[i] as usize..self.start[i + 1] as usize]
     }
 
+    /// The DOFs of constraints that follow one another.
     #[inline]
-    fn gather<'a>(&self, i: usize, u: &[f64], room: &'a mut [f64]) -> &'a mut [f64] {
-        let dofs = self.dofs(i);
+    pub fn gather<'a>(&self, items: Range<usize>, u: &[f64], room: &'a mut [f64]) -> &'a mut [f64] {
+        let dofs = &self.dofs[self.start[items.start] as usize..self.start[items.end] as usize];
         let local = &mut room[..dofs.len()];
         local.iter_mut().zip(dofs).for_each(|(x, &j)| *x = u[j as usize]);
         local
@@ -85,13 +94,15 @@ impl<Q: Nonlinear> Homogeneous<Q> {
 
     fn evaluate_any(&self, first: usize, u: &[f64], c: &mut [f64], g: &mut [f64]) {
         let rows = Q::PARTS.len();
-        let mut room = vec![0.0; self.widest];
+        let mut room = vec![0.0; Q::AT_ONCE * self.widest];
         let mut rest = g;
-        for (i, c) in (first..).zip(c.chunks_exact_mut(rows)) {
-            let local = self.gather(i, u, &mut room);
+        for (k, c) in c.chunks_mut(Q::AT_ONCE * rows).enumerate() {
+            let from = first + k * Q::AT_ONCE;
+            let items = from..from + c.len() / rows;
+            let local = self.gather(items.clone(), u, &mut room);
             let own;
             (own, rest) = rest.split_at_mut(rows * local.len());
-            self.items[i].value_and_jacobian(local, c, own);
+            Q::values_and_jacobians(&self.items[items], local, c, own);
         }
     }
 }
@@ -156,19 +167,7 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
     }
 
     fn curvatures(&self, items: &[Range<u32>], u: &[f64], w: &[f64], out: &mut [f64]) {
-        let rows = Q::PARTS.len();
-        let mut room = vec![0.0; self.widest];
-        let mut rest = out;
-        for run in items {
-            let run = run.start as usize..run.end as usize;
-            let w = w[run.start * rows..run.end * rows].chunks_exact(rows);
-            for (((i, item), w), &numbers) in run.clone().zip(&self.items[run.clone()]).zip(w).zip(&self.numbers[run]) {
-                let own;
-                (own, rest) = rest.split_at_mut(numbers as usize);
-                let local = if Q::QUADRATIC { &[][..] } else { self.gather(i, u, &mut room) };
-                item.hessian(local, w, own);
-            }
-        }
+        self.write_curvatures(items, u, w, out);
     }
 
     fn as_any(&mut self) -> &mut dyn Any {
@@ -179,7 +178,7 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
     fn compare_with_duals(&self, u: &[f64]) {
         let mut room = vec![0.0; self.widest];
         for (i, item) in self.items.iter().enumerate() {
-            super::tests::compare::compare(item, self.gather(i, u, &mut room));
+            super::tests::compare::compare(item, self.gather(i..i + 1, u, &mut room));
         }
     }
 }

@@ -7,6 +7,7 @@
 mod batch;
 mod block;
 mod builder;
+mod curvatures;
 mod effective;
 mod error;
 mod homogeneous;

@@ -2,7 +2,7 @@
 
 use crate::geometry::carrier::Body;
 use crate::geometry::node::Point;
-use crate::types::joints::parts::coincident;
+use crate::types::joints::coincident::coincident;
 use crate::{Constraint, Store};
 
 /// A rigid link (one node) or rigid body (many), exact for finite rotations: three equations per node.

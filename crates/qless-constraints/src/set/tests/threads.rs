@@ -3,7 +3,7 @@
 use std::array::from_fn;
 
 use super::every_type::random;
-use crate::types::{Distance, LinearEquation, OnSphere, Point};
+use crate::types::{Body, Distance, LinearEquation, OnSphere, Point, RigidBody};
 use crate::{ConstraintSet, Quantities};
 
 fn evaluate(set: &ConstraintSet, u: &[f64], w: &[f64], threads: usize) -> Option<Quantities> {
@@ -25,6 +25,9 @@ fn results_do_not_depend_on_threads() -> Result<(), Box<dyn std::error::Error>> 
         let other = (i + 1 + (i * i) % 500) % nodes;
         builder.add("rod", Distance { length: Some(1.0), ..Distance::new(point(i % nodes), point(other)) })?;
         builder.add("equation", LinearEquation { terms: vec![(i % nodes, 1.5), (other, 0.1)], rhs: 1.0 })?;
+        // A node before or behind the body.
+        let body = Body::with_vector(point((i + 7) % nodes).dofs, [0.5; 3], point((i + 9) % nodes).dofs);
+        builder.add("link", RigidBody { body, nodes: vec![point((i + [3, 12][i % 2]) % nodes)] })?;
         builder.add("ball", OnSphere { point: point(other), centre: [0.5; 3], radius: Some(2.0) })?;
     }
     let set = builder.build();

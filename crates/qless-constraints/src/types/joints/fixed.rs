@@ -1,6 +1,7 @@
 //! Fixed joint: a weld; three equations for the point, three for the orientation.
 
-use super::parts::{angle, coincident};
+use super::coincident::coincident;
+use super::parts::angle;
 use super::{JointError, check_turns};
 use crate::geometry::carrier::Body;
 use crate::scalar::vector::Vector;

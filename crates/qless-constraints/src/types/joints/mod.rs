@@ -1,7 +1,8 @@
-//! Joints of multibody work, each a choice of the equations in [`parts`]. They hold in the reference configuration.
+//! Joints of multibody work, each a choice of the equations in [`coincident`] and [`parts`]. They hold in the reference configuration.
 
+pub(crate) mod coincident;
 mod fixed;
-pub(crate) mod parts;
+mod parts;
 mod prismatic;
 mod revolute;
 mod spherical;

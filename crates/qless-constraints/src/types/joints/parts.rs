@@ -1,21 +1,13 @@
-//! The three equations that all joints consist of; the derivatives of the third are taken by dual numbers.
+//! The equations that joints consist of, beside [`super::coincident`]; the derivatives of the second are taken by dual numbers.
 //!
-//! - points coincide: `x_a + R_a s_a - x_b - R_b s_b = 0`, a length;
 //! - directions keep their angle: `(R_a s) . (R_b t) - s . t = 0`;
 //! - a point keeps its height: `(R_a s) . (p_b - p_a) - s . (P_b - P_a) = 0`, a length.
-
-use std::borrow::Cow;
 
 use crate::geometry::carrier::{Body, Carrier, Kind};
 use crate::geometry::turned;
 use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, dot, sub};
 use crate::{Nonlinear, Store};
-
-/// The point `at` of both bodies stays one point.
-pub fn coincident(store: &mut Store, part: impl Into<Cow<'static, str>>, a: &Body, b: &Body, at: Vector<f64>) {
-    store.nonlinear(part, &[a.dofs(), b.dofs()].concat(), Coincident { a: a.carry(at), b: b.carry(at) });
-}
 
 /// The direction `s` of body a and `t` of body b keep their angle.
 pub fn angle(store: &mut Store, part: &'static str, a: &Body, b: &Body, [s, t]: [Vector<f64>; 2]) {
@@ -27,52 +19,6 @@ pub fn angle(store: &mut Store, part: &'static str, a: &Body, b: &Body, [s, t]: 
 pub fn height(store: &mut Store, part: &'static str, a: &Body, b: &Body, at: Vector<f64>, s: Vector<f64>) {
     let parameters = Height { a: a.carry(at), b: b.carry(at), s };
     store.nonlinear(part, &[a.dofs(), b.dofs()].concat(), parameters);
-}
-
-/// Two points that coincide.
-struct Coincident {
-    a: Carrier,
-    b: Carrier,
-}
-
-impl Nonlinear for Coincident {
-    const PARTS: &'static [&'static str] = &["x", "y", "z"];
-
-    fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
-        let (a, b) = u.split_at(self.a.dofs());
-        c.copy_from_slice(&sub(self.a.point(a), self.b.point(b)));
-    }
-
-    /// Rotations of one body only.
-    fn pairs(&self, _: usize, pair: &mut dyn FnMut(usize, usize)) {
-        for (first, kind) in [(0, self.a.kind), (self.a.dofs(), self.b.kind)] {
-            let first = first + kind.positions();
-            let rotations = first..first + kind.rotations();
-            rotations.clone().for_each(|j| (first..=j).for_each(|k| pair(j, k)));
-        }
-    }
-
-    /// `[I, d(R_a s_a), -I, -d(R_b s_b)]`.
-    #[inline]
-    fn value_and_jacobian(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
-        let n = u.len();
-        let (a, b) = u.split_at(self.a.dofs());
-        let (x_a, x_b) = (self.a.write_slopes(a, 1.0, 0, n, g), self.b.write_slopes(b, -1.0, a.len(), n, g));
-        c.copy_from_slice(&sub(x_a, x_b));
-    }
-
-    #[inline]
-    fn hessian(&self, u: &[f64], w: &[f64], h: &mut [f64]) {
-        let (a, b) = u.split_at(self.a.dofs());
-        let (of_a, of_b) = h.split_at_mut(triangle(self.a.kind));
-        self.a.curvature(a, [w[0], w[1], w[2]], of_a);
-        self.b.curvature(b, [-w[0], -w[1], -w[2]], of_b);
-    }
-}
-
-/// Entries of the lower triangle of the rotations.
-fn triangle(kind: Kind) -> usize {
-    kind.rotations() * (kind.rotations() + 1) / 2
 }
 
 /// Two directions at a constant angle.
@@ -120,6 +66,11 @@ impl Nonlinear for Angle {
             own[a.len()..].copy_from_slice(&of_b[triangle_before(j)..=triangle_before(j) + j]);
         }
     }
+}
+
+/// Entries of the lower triangle of the rotations.
+pub(super) fn triangle(kind: Kind) -> usize {
+    kind.rotations() * (kind.rotations() + 1) / 2
 }
 
 /// Where row j of a lower triangle starts.

@@ -1,6 +1,7 @@
 //! Revolute joint: a hinge; three equations for the point, two for the axis.
 
-use super::parts::{angle, coincident};
+use super::coincident::coincident;
+use super::parts::angle;
 use super::{JointError, check_turns, direction};
 use crate::geometry::carrier::Body;
 use crate::scalar::vector::{Vector, perpendicular};

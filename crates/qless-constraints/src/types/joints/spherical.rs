@@ -1,6 +1,6 @@
 //! Spherical joint: a point of two bodies coincides; three equations.
 
-use super::parts::coincident;
+use super::coincident::coincident;
 use super::{JointError, check_moves};
 use crate::geometry::carrier::Body;
 use crate::scalar::vector::Vector;

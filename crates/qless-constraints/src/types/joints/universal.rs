@@ -1,6 +1,7 @@
 //! Universal joint: a cross of two axes; three equations for the point, one for the cross.
 
-use super::parts::{angle, coincident};
+use super::coincident::coincident;
+use super::parts::angle;
 use super::{JointError, check_turns, direction};
 use crate::geometry::carrier::Body;
 use crate::scalar::vector::{Vector, dot};
