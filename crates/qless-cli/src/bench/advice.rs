@@ -45,7 +45,7 @@ const ADVICE: [Advice; 9] = [
         risk: "none of its own: ranks are checked in the same way",
     },
     Advice {
-        need: "the least time, on models that are known to be sound",
+        need: "to see what the checks of the rank are worth",
         option: "`--no-check`",
         methods: &["rank unchecked", "sparse alone, rank unchecked"],
         risk: "a wrong or doubtful rank passes without a word",

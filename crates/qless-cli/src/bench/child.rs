@@ -1,8 +1,7 @@
 //! A method in a process of its own: it can be stopped, and its memory is its own.
 //!
 //! The parent runs `qless bench --child SIZE --family F --method M`. The child says `ready` when the system is there, `done` after
-//! the elimination, and then what it found, as one line of JSON (of our own methods the memory alone: the rest the parent
-//! measures itself); or ends. The limit counts between the first two.
+//! the elimination, and then what it found, as one line of JSON (of methods that the parent runs itself the memory alone); or ends. The limit counts between the first two.
 
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, Command, Stdio};
@@ -16,20 +15,17 @@ use super::measure::Measured;
 use super::memory;
 use super::methods::Method;
 use super::quality::Reference;
-use super::run::once;
+use super::run::{once, warmed};
 
 /// Seconds for making the system and for judging the result.
 const AROUND: f64 = 600.0;
 
-/// A run shorter than this is done twice, the first one to warm the caches; seconds.
-const SHORT: f64 = 0.05;
-
-/// What the child measures of another library's method; none where it fails or takes more than `limit` seconds.
+/// What the child measures of a method that runs apart; none where it fails or takes more than `limit` seconds.
 pub fn measure(family: &str, size: &str, method: &Method, limit: f64) -> Option<Measured> {
     ask(family, size, method, limit)
 }
 
-/// The memory of a method of our own; none as before.
+/// The memory of another method; none as before.
 pub fn memory(family: &str, size: &str, method: &Method, limit: f64) -> Option<u64> {
     ask::<Option<u64>>(family, size, method, limit).flatten()
 }
@@ -66,13 +62,11 @@ fn lines(child: &mut Child) -> Option<Receiver<String>> {
 pub fn answer(scene: &Scene, method: &Method, out: &mut dyn Write) -> std::io::Result<()> {
     say(out, "ready")?;
     let start = memory::start();
-    let Some(mut done) = once(&scene.system, method) else { return Ok(()) };
+    let Some(done) = once(&scene.system, method) else { return Ok(()) };
     let peak = memory::peak_since(start);
-    if done.time < SHORT {
-        done = once(&scene.system, method).unwrap_or(done);
-    }
+    let Some(done) = warmed(done, &scene.system, method) else { return Ok(()) };
     say(out, "done")?;
-    let found = if method.is_foreign() {
+    let found = if method.is_apart {
         serde_json::to_string(&Measured { memory: peak, ..Reference::new(scene).judge(&done) })
     } else {
         serde_json::to_string(&peak)

@@ -5,7 +5,7 @@ use qless_scenes::Scene;
 use super::child;
 use super::methods::Method;
 use super::quality::Reference;
-use super::run::{Done, once};
+use super::run::{Done, warm};
 use super::systems::{Case, Family};
 use crate::args::BenchArgs;
 
@@ -69,13 +69,13 @@ fn in_turns(case: &Case, scene: &Scene, methods: &[Method], tried: &[bool], args
             if round > 0 && results[k].as_ref().is_none_or(|(_, times)| is_slow(times)) {
                 continue;
             }
-            let measured = if method.is_foreign() {
+            let measured = if method.is_apart {
                 child::measure(case.family, &case.size, method, args.limit)
             } else {
                 let first = results[k].as_ref().map(|(first, _)| *first);
                 let judge =
                     |done: Done| Measured { time: done.time, ..first.unwrap_or_else(|| reference.judge(&done)) };
-                once(&scene.system, method).map(judge)
+                warm(&scene.system, method).map(judge)
             };
             if let Some(measured) = measured {
                 results[k].get_or_insert((measured, Vec::new())).1.push(measured.time);
@@ -84,7 +84,7 @@ fn in_turns(case: &Case, scene: &Scene, methods: &[Method], tried: &[bool], args
     }
     let finish = |(k, result): (usize, Option<(Measured, Vec<f64>)>)| {
         let mut measured = result.map(|(measured, times)| summary(measured, times))?;
-        if args.memory && !methods[k].is_foreign() {
+        if args.memory && !methods[k].is_apart {
             measured.memory = child::memory(case.family, &case.size, &methods[k], args.limit);
         }
         Some(measured)

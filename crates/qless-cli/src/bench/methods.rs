@@ -20,6 +20,8 @@ pub struct Method {
     pub is_drawn: bool,
     /// Equations from which on it is known to take minutes.
     pub most: usize,
+    /// Whether it runs in a process of its own, where it can be stopped.
+    pub is_apart: bool,
 }
 
 /// No bound of the growth, for all that matters.
@@ -28,12 +30,9 @@ const UNBOUNDED: f64 = 1e15;
 /// Equations of a system on which a dense method takes half a minute.
 const DENSE: usize = 7_000;
 
-/// The same where ranks are not checked.
-const UNSOUND: usize = 10_000;
-
 impl Method {
     fn new(name: &'static str, options: Options) -> Self {
-        Self { name, engine: Engine::Qless(options, None), is_drawn: false, most: usize::MAX }
+        Self { name, engine: Engine::Qless(options, None), is_drawn: false, most: usize::MAX, is_apart: false }
     }
 
     fn drawn(self) -> Self {
@@ -45,11 +44,6 @@ impl Method {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().ok()?;
         Some(Self { engine: Engine::Qless(options, Some(pool)), ..Self::new(name, Options::default()) })
     }
-
-    /// Whether it cannot be interrupted and must run in a process of its own.
-    pub fn is_foreign(&self) -> bool {
-        !matches!(self.engine, Engine::Qless(..))
-    }
 }
 
 /// All that this program was built with; with names, those only.
@@ -58,7 +52,7 @@ pub fn all(only: &[String]) -> Vec<Method> {
     let alone = |backend| Options { backend, presolve: false, ..standard.clone() };
     let tolerance = |tolerance| Options { tolerance: Tolerance::Relative(tolerance), ..standard.clone() };
     // Where ranks are not checked slaves can be so poor that the exchanges take minutes.
-    let unchecked = |name, options| Method { most: UNSOUND, ..Method::new(name, Options { check: false, ..options }) };
+    let unchecked = |name, options| Method { is_apart: true, ..Method::new(name, Options { check: false, ..options }) };
     let mut all = vec![Method::new("default", standard.clone()).drawn()];
     all.extend(Method::on("default, 1 thread", standard.clone(), 1));
     all.extend(Method::on("default, 2 threads", standard.clone(), 2));
@@ -102,6 +96,7 @@ fn peers() -> [Method; 3] {
         engine: Engine::Peer(backend, tolerance),
         is_drawn: true,
         most: usize::MAX,
+        is_apart: true,
     };
     // The tolerance of the paper, section 3.2.
     let paper = 1e-5;

@@ -55,9 +55,24 @@ pub struct Point {
     pub method: &'static str,
     pub time: f64,
     pub error: f64,
+    /// How many of the systems it did, ...
+    pub done: usize,
+    /// ... and how many the default did.
+    pub of: usize,
 }
 
-/// Methods that did every system, or all but those they gave up.
+impl Point {
+    /// Whether it gave none up: what it gave up would have cost most time.
+    fn is_whole(&self) -> bool {
+        self.done == self.of
+    }
+
+    fn label(&self) -> String {
+        if self.is_whole() { self.method.to_owned() } else { format!("{} ({} of {})", self.method, self.done, self.of) }
+    }
+}
+
+/// Methods that did any system, with those that they did.
 pub fn points(samples: &[Sample], methods: &[Method]) -> Vec<Point> {
     let default: BTreeMap<(&str, &str), f64> = samples
         .iter()
@@ -65,25 +80,26 @@ pub fn points(samples: &[Sample], methods: &[Method]) -> Vec<Point> {
         .filter_map(|sample| Some(((sample.family, sample.size.as_str()), sample.result?.time)))
         .collect();
     let point = |method: &Method| {
-        let (mut logs, mut count, mut error) = (0.0, 0.0, LEAST);
+        let (mut logs, mut done, mut error) = (0.0, 0, LEAST);
         for sample in samples.iter().filter(|sample| sample.method == method.name) {
             let (Some(measured), Some(time)) = (&sample.result, default.get(&(sample.family, sample.size.as_str())))
             else {
                 continue;
             };
             logs += (measured.time / time).ln();
-            count += 1.0;
+            done += 1;
             let is_right = verdict(sample, measured) == "right" || measured.ambiguous;
             error = f64::max(error, if is_right { measured.residual } else { 1.0 });
         }
-        (count > 0.0).then(|| Point { method: method.name, time: f64::exp(logs / count), error: error.min(1.0) })
+        let time = f64::exp(logs / done as f64);
+        (done > 0).then(|| Point { method: method.name, time, error: error.min(1.0), done, of: default.len() })
     };
     methods.iter().filter_map(point).collect()
 }
 
-/// Points that no other beats in both, from the fastest on.
+/// Points of methods that did every system that no other such point beats in both, from the fastest on.
 pub fn front(points: &[Point]) -> Vec<&Point> {
-    let mut sorted: Vec<&Point> = points.iter().collect();
+    let mut sorted: Vec<&Point> = points.iter().filter(|point| point.is_whole()).collect();
     sorted.sort_by(|a, b| a.time.total_cmp(&b.time).then(a.error.total_cmp(&b.error)));
     let mut least = f64::INFINITY;
     sorted.retain(|point| {
@@ -117,6 +133,7 @@ fn trade(samples: &[Sample], methods: &[Method]) -> Drawn {
             .configure_mesh()
             .x_desc("time, relative to the default (geometric mean over the systems)")
             .y_desc("worst residual; 1 where a rank is wrong without a warning")
+            .x_label_formatter(&|x| x.to_string())
             .y_label_formatter(&|y| format!("{y:.0e}"))
             .light_line_style(WHITE)
             .draw()?;
@@ -125,21 +142,41 @@ fn trade(samples: &[Sample], methods: &[Method]) -> Drawn {
             .draw_series(LineSeries::new(along, COLOURS[4].stroke_width(2)))?
             .label("Pareto front")
             .legend(|(x, y)| PathElement::new([(x, y), (x + 20, y)], COLOURS[4].stroke_width(2)));
+        let mut labels = Labels::default();
         for (k, point) in points.iter().enumerate() {
             let colour = COLOURS[k % COLOURS.len()];
-            let at = (point.time, point.error);
-            // One above the other where they would meet.
-            let crowd =
-                points[..k].iter().filter(|p| (p.time / at.0).ln().abs() < 0.5 && (p.error / at.1).ln().abs() < 2.0);
-            let lift = -6 - 13 * crowd.count() as i32;
-            chart.draw_series([Circle::new(at, 5, colour.filled())])?;
-            chart.draw_series([EmptyElement::at(at)
-                + Text::new(point.method, (8, lift), ("sans-serif", 12).into_font().color(&colour))])?;
+            let (at, label) = ((point.time, point.error), point.label());
+            let lift = labels.place(chart.backend_coord(&at), label.len());
+            let style = if point.is_whole() { colour.filled() } else { colour.stroke_width(1) };
+            chart.draw_series([Circle::new(at, 5, style)])?;
+            chart.draw_series([
+                EmptyElement::at(at) + Text::new(label, (8, lift), ("sans-serif", 12).into_font().color(&colour))
+            ])?;
         }
         chart.configure_series_labels().border_style(BLACK.mix(0.3)).background_style(WHITE).draw()?;
         root.present()?;
     }
     Ok(svg)
+}
+
+/// Where labels stand already, in pixels: left, right and height of each.
+#[derive(Default)]
+struct Labels(Vec<(i32, i32, i32)>);
+
+impl Labels {
+    /// How far from its point a label of so many letters must move up or down to meet no other.
+    fn place(&mut self, (x, y): (i32, i32), letters: usize) -> i32 {
+        const HEIGHT: i32 = 13;
+        let (left, right) = (x, x + 8 + 6 * letters as i32);
+        let is_free = |lift: &i32| {
+            let meets = |&(l, r, h): &(i32, i32, i32)| left < r && l < right && (y + lift - h).abs() < HEIGHT;
+            !self.0.iter().any(meets)
+        };
+        let lifts = (0..40).map(|k| -6 + HEIGHT * if k % 2 == 0 { k / 2 } else { -(k + 1) / 2 });
+        let lift = lifts.into_iter().find(is_free).unwrap_or(-6);
+        self.0.push((left, right, y + lift));
+        lift
+    }
 }
 
 /// Sizes and times of a method on the paper's tie, and the exponent by least squares of logarithms.
@@ -171,7 +208,14 @@ fn growth(samples: &[Sample], methods: &[Method]) -> Drawn {
             .x_label_area_size(44)
             .y_label_area_size(64)
             .build_cartesian_2d(x.log_scale(), y.log_scale())?;
-        chart.configure_mesh().x_desc("equations").y_desc("ms").light_line_style(WHITE).draw()?;
+        chart
+            .configure_mesh()
+            .x_desc("equations")
+            .y_desc("ms")
+            .x_label_formatter(&|x| x.to_string())
+            .y_label_formatter(&|y| y.to_string())
+            .light_line_style(WHITE)
+            .draw()?;
         for (k, method) in drawn.iter().enumerate() {
             let (points, exponent) = series(samples, method.name);
             let colour = COLOURS[k % COLOURS.len()];
@@ -194,12 +238,23 @@ fn growth(samples: &[Sample], methods: &[Method]) -> Drawn {
 
 #[cfg(test)]
 mod tests {
-    use super::{Point, front};
+    use super::{Labels, Point, front};
 
     #[test]
     fn the_front_holds_what_nothing_beats() {
-        let point = |method, time, error| Point { method, time, error };
-        let points = [point("a", 1.0, 1e-3), point("b", 2.0, 1e-3), point("c", 3.0, 1e-9), point("d", 0.5, 1.0)];
+        let point = |method, time, error| Point { method, time, error, done: 7, of: 7 };
+        let given_up = Point { done: 6, ..point("e", 0.1, 1e-12) };
+        let points =
+            [point("a", 1.0, 1e-3), point("b", 2.0, 1e-3), point("c", 3.0, 1e-9), point("d", 0.5, 1.0), given_up];
         assert_eq!(front(&points).iter().map(|p| p.method).collect::<Vec<_>>(), ["d", "a", "c"]);
+        assert_eq!(points[4].label(), "e (6 of 7)");
+    }
+
+    #[test]
+    fn labels_do_not_meet() {
+        let mut labels = Labels::default();
+        let lifts: Vec<i32> = (0..5).map(|k| labels.place((100 + k, 100), 10)).collect();
+        assert_eq!(lifts, [-6, -19, 7, -32, 20]);
+        assert_eq!((labels.place((300, 100), 10), labels.place((100, 300), 10)), (-6, -6));
     }
 }

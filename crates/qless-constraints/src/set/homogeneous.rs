@@ -49,12 +49,13 @@ impl<Q: Nonlinear> Homogeneous<Q> {
             numbers = numbers.max(Q::number(pairs) + 1);
             pairs += 1;
         });
-        self.numbers.push(numbers as u32);
         if Self::UNITS > 0 {
+            numbers = Self::UNITS;
             let first = self.units.len();
             self.units.resize(first + Self::UNITS, 0.0);
             parameters.hessian(&[], &[1.0], &mut self.units[first..]);
         }
+        self.numbers.push(numbers as u32);
         self.order.push(dofs);
         self.widest = self.widest.max(dofs.len());
         self.items.push(parameters);

@@ -1,0 +1,180 @@
+//! What an analysis says of a constraint system, and what can be asked of it afterwards.
+
+mod run;
+mod stages;
+
+use std::collections::BTreeMap;
+use std::sync::OnceLock;
+use std::time::Duration;
+
+use crate::basis::Basis;
+use crate::block::Block;
+use crate::certificate::{Because, History};
+use crate::classify::{Dependent, Kind, Source};
+use crate::confidence::Confidence;
+use crate::generated::{self, Explainer};
+use crate::keep::add;
+use crate::local::Numbering;
+use crate::preferences::Wishes;
+use crate::qr::{Backend, BackendError};
+use crate::reduction::{self, Basics, Reduction};
+use crate::scale::Scaling;
+use crate::{ConstraintSystem, OptionError, Options};
+
+pub use run::analyse;
+
+/// Why an analysis could not be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum AnalysisError {
+    /// A setting out of its range.
+    #[error(transparent)]
+    Option(#[from] OptionError),
+    /// The backend failed.
+    #[error(transparent)]
+    Backend(#[from] BackendError),
+    /// Numbers so large or so small that the scaled right-hand side leaves the range of doubles.
+    #[error(
+        "row {row}: its right-hand side is too large for its coefficients (ratio beyond 1e308); rescale the equation"
+    )]
+    Range {
+        /// The equation, 0-based.
+        row: usize,
+    },
+}
+
+/// How much work presolve saved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct PresolveStatistics {
+    /// Equations taken out with a DOF that occurs in no other (column singletons).
+    pub rows_removed_by_column_singletons: usize,
+    /// Equations taken out by elimination without fill (row singletons, two-term rows, DOFs in two rows).
+    pub rows_removed_by_elimination: usize,
+    /// Equations found dependent before any factorization (empty rows included).
+    pub rows_found_dependent: usize,
+    /// Equations left for the backend.
+    pub core_rows: usize,
+    /// Free DOFs in them.
+    pub core_dofs: usize,
+    /// Number of blocks.
+    pub blocks: usize,
+    /// Rows of the largest block.
+    pub largest_block: usize,
+}
+
+/// Time spent in each stage.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Timings {
+    /// Scaling and presolve.
+    pub presolve: Duration,
+    /// The backend, with everything that follows from its factors.
+    pub factor: Duration,
+    /// Classification and generated boundary conditions.
+    pub classify: Duration,
+}
+
+/// The diagnosis of a constraint system.
+pub struct Analysis {
+    /// What each equation is; length m.
+    pub kinds: Vec<Kind>,
+    /// Redundant and conflicting equations, ascending by row.
+    pub dependent: Vec<Dependent>,
+    /// Free DOFs that the equations fix, and their values; ascending.
+    pub generated: Vec<(usize, f64)>,
+    /// Equations of [`crate::Preferences::equations`] that are dependent on other such equations only, ascending.
+    pub unmet_equations: Vec<usize>,
+    /// How sure the rank is.
+    pub confidence: Confidence,
+    /// What presolve did.
+    pub presolve: PresolveStatistics,
+    /// Time spent.
+    pub timings: Timings,
+    /// Name and version of the backend.
+    pub backend: (&'static str, String),
+    pub(crate) options: Options,
+    pub(crate) basis: Basis,
+    pub(crate) blocks: Vec<Block>,
+    pub(crate) history: History,
+    pub(crate) scaling: Scaling,
+    pub(crate) numbering: Numbering,
+    /// Local numbers of [`Analysis::generated`].
+    pub(crate) fixed: Vec<u32>,
+    times: OnceLock<Vec<u32>>,
+}
+
+impl Analysis {
+    /// Rank of the free part of C, which is the number of slaves.
+    pub fn rank(&self) -> usize {
+        self.basis.rank()
+    }
+
+    /// Why an equation is dependent: `row_k = sum c_i row_i` over its free DOFs, ascending by row.
+    pub fn because(&self, dependent: &Dependent) -> Vec<Because> {
+        dependent.source.explain(&self.history)
+    }
+
+    /// Why a DOF of [`Analysis::generated`] is fixed: `e_s = sum c_i row_i` over the free DOFs; empty for any other DOF.
+    ///
+    /// # Errors
+    /// [`BackendError`] if the block of the DOF cannot be factored again.
+    pub fn because_fixed(&self, system: &ConstraintSystem, dof: usize) -> Result<Vec<Because>, BackendError> {
+        let Ok(place) = self.generated.binary_search_by_key(&dof, |&(j, _)| j) else { return Ok(Vec::new()) };
+        let backend: Box<dyn Backend> = self.options.backend.get(self.options.memory)?;
+        let explainer = Explainer {
+            system: self.numbering.view(system, system.rhs()),
+            basis: &self.basis,
+            blocks: &self.blocks,
+            history: &self.history,
+            scaling: &self.scaling,
+            backend: backend.as_ref(),
+            time: self.times.get_or_init(|| generated::times(&self.basis, self.numbering.dofs.len())),
+        };
+        explainer.because(self.fixed[place]).map(|terms| self.over_kept(terms))
+    }
+
+    /// Replaces equations that were given up for others by their certificates.
+    fn over_kept(&self, terms: Vec<Because>) -> Vec<Because> {
+        let given =
+            |row: usize| match &self.dependent[self.dependent.binary_search_by_key(&row, |d| d.row).ok()?].source {
+                Source::Given(because) => Some(because),
+                Source::Traced(..) => None,
+            };
+        if !terms.iter().any(|term| given(term.row).is_some()) {
+            return terms;
+        }
+        let mut sum = BTreeMap::new();
+        for Because { row, coefficient } in terms {
+            match given(row) {
+                Some(parts) => parts.iter().for_each(|part| add(&mut sum, part.row, coefficient * part.coefficient)),
+                None => add(&mut sum, row, coefficient),
+            }
+        }
+        sum.into_iter().map(|(row, coefficient)| Because { row, coefficient }).collect()
+    }
+
+    /// `u_s = T u_q + G u_p + g`.
+    ///
+    /// Conflicting equations are left out, as redundant ones are: the caller decides whether that is wanted.
+    pub fn reduction(&self, system: &ConstraintSystem) -> Reduction {
+        let mut fixed = vec![false; if self.fixed.is_empty() { 0 } else { self.numbering.dofs.len() }];
+        self.fixed.iter().for_each(|&j| fixed[j as usize] = true);
+        let basics = Basics {
+            basis: &self.basis,
+            fixed,
+            wishes: Wishes::new(&self.options.preferences, &self.numbering, system.dofs()),
+            growth: self.options.growth,
+        };
+        let local = self.numbering.view(system, system.rhs());
+        reduction::build(system, local, &basics).compare(&self.options.preferences)
+    }
+
+    /// How well a reduction meets the independent equations: for random u_q and u_p
+    /// `max_i |C_i u - b_i| / (|C_i D| 1 max_j(s_j / d_j) + |b_i|)`, where s_j is the sum of the sizes of the parts that make
+    /// u_j and D the scaling of columns (1 unless units mix).
+    ///
+    /// About 1e-16 times the condition of the kept equations, `1 / confidence.sigma_kept`. One pass over C and T.
+    pub fn residual(&self, system: &ConstraintSystem, reduction: &Reduction) -> f64 {
+        let independent: Vec<bool> = self.kinds.iter().map(|&kind| kind == Kind::Independent).collect();
+        let local = self.numbering.view(system, system.rhs());
+        reduction::residual::residual(local, reduction, &independent, &self.scaling)
+    }
+}
