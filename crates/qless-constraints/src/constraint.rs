@@ -65,6 +65,7 @@ pub trait Nonlinear: Send + Sync + Sized + 'static {
     /// How many DOFs each constraint of the type has, or 0 if that varies. A fixed number makes faster loops.
     const DOFS: usize = 0;
     /// Whether c is a polynomial of degree two: then [`Nonlinear::hessian`] does not depend on u, and is given none.
+    /// With one equation and [`Nonlinear::NUMBERS`] it is called once, for a weight of 1, and its multiples are taken from then on.
     const QUADRATIC: bool = false;
     /// Which number of [`Nonlinear::hessian`] each pair takes, repeated over all pairs; empty if each pair has its own.
     ///
