@@ -10,7 +10,7 @@
 //! writing stores 48 bytes, 8 bytes of c are written and 16 of DOFs and places read, with 5 values of u from a cache: a ratio of 1. A
 //! rod stores 56 bytes of c and G and 36 of H, and reads 24 of DOFs, 32 of parameters, 16 of curvatures and 24 of places in H besides:
 //! more read than written. A rigid link for finite rotations takes about 150 flops for its three rows and 170 for its curvature,
-//! for 290 bytes; they are done for eight links at once, and a third of the time is left, most of it waiting for u.
+//! for 290 bytes; they are done for eight links at once.
 
 use std::hint::black_box;
 use std::time::Instant;

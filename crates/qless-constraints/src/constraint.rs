@@ -95,18 +95,21 @@ pub trait Nonlinear: Send + Sync + Sized + 'static {
 
     /// How many constraints [`Nonlinear::values_and_jacobians`] and [`Nonlinear::second_derivatives`] take at once, at most.
     ///
-    /// A type that costs much arithmetic can do the same operations for several constraints in the same instructions.
+    /// A type that costs much arithmetic can do the same operations for several constraints in the same instructions; it then has
+    /// both functions of its own, as those given here take one constraint.
     const AT_ONCE: usize = 1;
 
     /// [`Nonlinear::value_and_jacobian`] of several constraints, `u`, `c` and `g` one after the other.
     #[inline]
     fn values_and_jacobians(items: &[Self], u: &[f64], c: &mut [f64], g: &mut [f64]) {
-        items.iter().for_each(|item| item.value_and_jacobian(u, c, g));
+        debug_assert_eq!(items.len(), 1);
+        items[0].value_and_jacobian(u, c, g);
     }
 
     /// [`Nonlinear::hessian`] of several constraints, `u`, `w` and `h` one after the other.
     fn second_derivatives(items: &[Self], u: &[f64], w: &[f64], h: &mut [f64]) {
-        items.iter().for_each(|item| item.hessian(u, w, h));
+        debug_assert_eq!(items.len(), 1);
+        items[0].hessian(u, w, h);
     }
 
     /// Which number the pair takes that [`Nonlinear::pairs`] names at this place.

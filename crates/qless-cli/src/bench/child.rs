@@ -1,7 +1,8 @@
 //! A method in a process of its own: it can be stopped, and its memory is its own.
 //!
 //! The parent runs `qless bench --child SIZE --family F --method M`. The child says `ready` when the system is there, `done` after
-//! the elimination, and then what it found, as one line of JSON (of methods that the parent runs itself the memory alone); or ends. The limit counts between the first two.
+//! the first elimination, and then what it found, as one line of JSON (of methods that the parent runs itself the memory alone); or
+//! ends. The limit counts between the first two.
 
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, Command, Stdio};
@@ -64,14 +65,12 @@ pub fn answer(scene: &Scene, method: &Method, out: &mut dyn Write) -> std::io::R
     let start = memory::start();
     let Some(done) = once(&scene.system, method) else { return Ok(()) };
     let peak = memory::peak_since(start);
-    let Some(done) = warmed(done, &scene.system, method) else { return Ok(()) };
     say(out, "done")?;
-    let found = if method.is_apart {
-        serde_json::to_string(&Measured { memory: peak, ..Reference::new(scene).judge(&done) })
-    } else {
-        serde_json::to_string(&peak)
-    };
-    say(out, &found?)
+    if !method.is_apart {
+        return say(out, &serde_json::to_string(&peak)?);
+    }
+    let Some(done) = warmed(done, &scene.system, method) else { return Ok(()) };
+    say(out, &serde_json::to_string(&Measured { memory: peak, ..Reference::new(scene).judge(&done) })?)
 }
 
 fn say(out: &mut dyn Write, line: &str) -> std::io::Result<()> {

@@ -53,10 +53,9 @@ impl<'a> Order<'a> {
 }
 
 /// Does each piece of work, one alone without asking the pool.
-pub(super) fn each<T: Send>(mut work: Vec<T>, job: impl Fn(T) + Send + Sync) {
+pub(super) fn each<T: Send>(work: Vec<T>, job: impl Fn(T) + Send + Sync) {
     match work.len() {
-        0 => {}
-        1 => work.drain(..).for_each(job),
+        0 | 1 => work.into_iter().for_each(job),
         _ => work.into_par_iter().for_each(job),
     }
 }
