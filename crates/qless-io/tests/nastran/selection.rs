@@ -103,3 +103,17 @@ fn executive_and_case_control_may_be_included() {
     let bare = self::model("BEGIN BULK\nGRID,1\nGRID,2\nMPC,1,1,1,1.,2,1,-1.\nENDDATA\n");
     assert_eq!((bare.equations(), bare.warnings.len()), (1, 1));
 }
+
+/// `BEGIN BULK` in an included file ends case control as well as one in the main file does.
+#[test]
+fn landmarks_may_be_included() {
+    let bulk = "GRID,1\nGRID,2\nMPC,1,1,1,1.,2,1,-1.\nMPC,2,1,2,1.,2,2,-1.\n";
+    let begun = format!("BEGIN BULK\n{bulk}");
+    let model = parsed("MPC = 2\nINCLUDE 'bulk.inc'\nENDDATA\n", &[("bulk.inc", &begun)]);
+    let model = model.unwrap_or_else(|error| panic!("{error}")).model;
+    assert_eq!((equations(&model), model.warnings.len()), (vec!["1 1:2 -1 2:2".to_owned()], 1));
+    let ended = format!("MPC = 1\nCEND\nMPC = 2\n{begun}");
+    let model = parsed("SOL 101\nINCLUDE 'away.inc'\nINCLUDE 'rest.inc'\n", &[("rest.inc", &ended)]);
+    let model = model.unwrap_or_else(|error| panic!("{error}")).model;
+    assert_eq!(equations(&model), ["1 1:2 -1 2:2"]);
+}

@@ -48,6 +48,7 @@ mod points;
 mod positions;
 mod quick;
 mod reader;
+mod section;
 mod selected;
 mod sets;
 mod spans;

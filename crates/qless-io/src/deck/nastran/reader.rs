@@ -7,48 +7,18 @@ use super::control::keyword;
 use super::fields::continues;
 use super::lines::{Include, Line, Visitor, walk};
 use super::quick;
+use super::section::{self, Section};
 use crate::deck::{DeckError, Problem, Sources};
 use crate::fault::quote;
 
-/// Which part of the deck a line is in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Section {
-    /// Up to `CEND`.
-    Executive,
-    /// Up to `BEGIN BULK`.
-    Control,
-    Bulk,
-    /// Bulk data of a part that this reader does not follow.
-    Passed,
-}
-
 /// Reads all lines of a deck.
 pub(super) fn read(sources: &mut Sources) -> Result<Content, DeckError> {
-    let section = first_section(&sources.text(0));
+    let section = section::first(sources)?;
     let content = Content { landmarks: Landmarks::default(), bulk: Bulk::default(), control: None };
     let mut reader = Reader { content, section, card: Card::default(), passing: true, follows_read: None };
     walk(sources, &mut reader)?;
     reader.finish_card(sources)?;
     Ok(reader.content)
-}
-
-/// A deck with neither `CEND` nor `BEGIN BULK` is bulk data from its first line.
-fn first_section(text: &[u8]) -> Section {
-    let starts =
-        |line: &[u8], word: &[u8]| line.get(..word.len()).is_some_and(|start| start.eq_ignore_ascii_case(word));
-    let mut rest = text;
-    while !rest.is_empty() {
-        let end = memchr::memchr(b'\n', rest).unwrap_or(rest.len());
-        let line = rest[..end].trim_ascii_start();
-        rest = rest.get(end + 1..).unwrap_or_default();
-        if starts(line, b"CEND") {
-            return Section::Executive;
-        }
-        if starts(line, b"BEGIN") {
-            return Section::Control;
-        }
-    }
-    Section::Bulk
 }
 
 struct Reader {
