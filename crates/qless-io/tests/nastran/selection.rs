@@ -61,6 +61,15 @@ fn a_selected_set_without_cards_is_named() {
 }
 
 #[test]
+fn set_0_takes_back_what_was_selected_above() {
+    let model = model(&format!("CEND\nSPC = 1\nMPC = 1\nSUBCASE 1\nSUBCASE 2\nSPC = 0\nMPC = 0\n{BULK}"));
+    let [first, second] = &model.cases[..] else { panic!("two load cases") };
+    assert_eq!((first.removed.as_slice(), second.removed.as_slice()), (&[][..], &[0][..]));
+    assert_eq!(prescribed(second), ["1:6=0", "2:1=0", "2:2=0", "3:6=0"]);
+    assert!(!warnings(&model).iter().any(|warning| warning.contains("set 0")), "{:?}", warnings(&model));
+}
+
+#[test]
 fn bulk_data_alone_have_their_only_sets() {
     let alone = model("GRID,1\nGRID,2\nMPC,3,1,1,1.,2,1,-1.\nSPC1,4,123,1\n");
     assert_eq!((alone.equations(), alone.cases[0].prescribed.len()), (1, 3));

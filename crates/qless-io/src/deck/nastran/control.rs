@@ -27,6 +27,12 @@ impl Selection {
         Self { mpc: self.mpc.or(outer.mpc), spc: self.spc.or(outer.spc), load: self.load.or(outer.load) }
     }
 
+    /// This, without set 0, which no card defines: it takes back what was selected above.
+    fn in_force(self) -> Self {
+        let some = |choice: Option<Choice>| choice.filter(|choice| choice.set != 0);
+        Self { mpc: some(self.mpc), spc: some(self.spc), load: some(self.load) }
+    }
+
     fn sets(self) -> [Option<u32>; 3] {
         [self.mpc, self.spc, self.load].map(|choice| choice.map(|choice| choice.set))
     }
@@ -86,7 +92,7 @@ impl Control {
             }
         }
         if found.is_empty() {
-            return vec![("model".into(), self.all)];
+            return vec![("model".into(), self.all.in_force())];
         }
         let name = |names: Vec<String>| {
             let plural = if names.len() > 1 { "subcases" } else { "subcase" };
@@ -96,12 +102,13 @@ impl Control {
     }
 
     fn each(&self) -> impl Iterator<Item = (String, Selection)> + '_ {
-        self.subcases.iter().flat_map(|Subcase { id, own, steps }| {
+        let subcases = self.subcases.iter().flat_map(|Subcase { id, own, steps }| {
             let outer = own.or(self.all);
             let alone = steps.is_empty().then(|| (id.to_string(), outer));
             let steps = steps.iter().map(move |(step, own)| (format!("{id} step {step}"), own.or(outer)));
             alone.into_iter().chain(steps)
-        })
+        });
+        subcases.map(|(name, selection)| (name, selection.in_force()))
     }
 
     fn open(&mut self, level: Level, rest: &[u8]) {

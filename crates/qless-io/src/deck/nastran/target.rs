@@ -85,8 +85,10 @@ impl Target {
         if let Some(at) = content.landmarks.control.filter(|_| self.is_new) {
             changes.push((at, 0, format!("$ qless: selects the equations written below\nMPC = {}\n", self.set)));
         }
-        for choice in control.mpc_choices.iter().filter(|choice| self.emptied.contains(&choice.set)) {
-            let text = format!("$ qless: MPC = {} removed, as the set has no cards left\n", choice.set);
+        // Where no selection is in force, those that are there would take the place of the new one.
+        for choice in control.mpc_choices.iter().filter(|choice| self.is_new || self.emptied.contains(&choice.set)) {
+            let why = if self.is_new { "another set is selected" } else { "the set has no cards left" };
+            let text = format!("$ qless: MPC = {} removed, as {why}\n", choice.set);
             changes.push(((choice.file, choice.line), 1, text));
         }
         changes
