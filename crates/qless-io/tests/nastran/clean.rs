@@ -126,11 +126,12 @@ fn a_selection_of_set_0_gives_way_to_the_new_one() {
 
 #[test]
 fn what_cannot_be_cleaned_is_said() {
-    let refused = |text: &str| {
-        let deck = parsed(text, &[]).unwrap_or_else(|error| panic!("{error}"));
+    let refused_with = |text: &str, files: &[(&str, &str)]| {
+        let deck = parsed(text, files).unwrap_or_else(|error| panic!("{error}"));
         let plan = plan(&deck.model, &Options::default());
         plan.and_then(|plan| write(&deck, &plan)).map_or_else(|error| error.to_string(), |_| "cleaned".into())
     };
+    let refused = |text: &str| refused_with(text, &[]);
     let differ = format!(
         "CEND\nSUBCASE 1\nMPC=1\nSPC=2\nSUBCASE 2\nSPC=2\nBEGIN BULK\n{GRIDS}MPC,1,1,1,1.,2,1,-1.\nSPC1,2,1,1\n"
     );
@@ -139,6 +140,9 @@ fn what_cannot_be_cleaned_is_said() {
     assert!(refused(&union).contains("would lose its last card"), "{}", refused(&union));
     let warm = format!("{GRIDS}RBE2,1,1,123,2,1.-5\nRBE2,2,1,123,2,1.-5\n");
     assert!(refused(&warm).contains("cannot be replaced by equations"), "{}", refused(&warm));
+    let begins = "MPC=1\nBEGIN BULK\nMPC,1,1,1,0.,2,1,-1.\n";
+    let twice = refused_with("CEND\nINCLUDE 'bulk.inc'\nINCLUDE 'bulk.inc'\n", &[("bulk.inc", begins)]);
+    assert!(twice.contains("bulk.inc:3: ") && twice.contains("included more than once"), "{twice}");
 }
 
 #[test]

@@ -20,8 +20,9 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     let target = Target::of(&content, deck, plan)?;
     changes.all.extend(target.changes(&content));
     if !plan.written.is_empty() {
-        let (at, text) = (place_of_new(&content), new_text(&target, content.control.is_some(), plan));
-        changes.all.push((at, 0, text));
+        let at = place_of_new(&content);
+        once(&content, at, deck)?;
+        changes.all.push((at, 0, new_text(&target, content.control.is_some(), plan)));
     }
     let writer = Writer { deck, content: &content, changes: &changes.all };
     Ok(writer.file(0, false))
@@ -75,6 +76,18 @@ fn comment(model: &Model, removed: &Removed, is_written: bool) -> String {
 
 fn now(is_written: bool) -> &'static str {
     if is_written { "written anew as MPC" } else { "removed" }
+}
+
+/// New cards are written wherever their file is included.
+fn once(content: &Content, (file, line): At, deck: &Deck) -> Result<(), CleanError> {
+    match content.landmarks.includes.iter().filter(|include| include.inner == file).count() {
+        0 | 1 => Ok(()),
+        _ => Err(CleanError::Place {
+            path: deck.model.files[file as usize].clone(),
+            line: line as usize,
+            why: "new cards would stand here, but this file is included more than once; move BEGIN BULK to the main file",
+        }),
+    }
 }
 
 /// After `BEGIN BULK`; in bulk data alone, at the end.
