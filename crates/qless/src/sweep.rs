@@ -16,6 +16,8 @@ pub(crate) struct Sweep {
     pub worst: Option<(u32, f64)>,
     /// Slaves that stay at zero for random masters, each in its unit, and zero prescribed values.
     pub still: Vec<u32>,
+    /// For each row of the basis a bound of that row of T: its own largest coefficient, infinite where it names other slaves.
+    pub bounds: Vec<f64>,
 }
 
 /// A DOF, as far as the pass has come.
@@ -23,7 +25,7 @@ pub(crate) struct Sweep {
 struct State {
     /// Its value for the random masters; what cancels is exactly zero.
     u: f64,
-    /// The bound of its row sum of the inverse, 0 for masters and prescribed DOFs.
+    /// The bound of its row sum of the inverse, 0 for masters and prescribed DOFs only.
     sum: f64,
 }
 
@@ -32,11 +34,12 @@ pub(crate) fn sweep(system: Local, basis: &Basis, history: &History, scaling: &S
     let mut states = start(system, basis, scaling, seed);
     let of_steps = row_sums_of_l(history);
     let (first, last) = (basis.peeled.len(), basis.peeled.len() + of_steps.len());
-    let mut out = Sweep::default();
+    let mut out = Sweep { bounds: vec![0.0; basis.rank()], ..Sweep::default() };
     for t in (0..basis.rank()).rev() {
         let slave = basis.slave(t);
-        let (moves, size, total) = row(basis, t, &states, scaling);
+        let Sums { moves, size, total, bound } = row(basis, t, &states, scaling);
         let moves = if moves.abs() > NOISE * size { moves } else { 0.0 };
+        out.bounds[t] = bound;
         if moves == 0.0 {
             out.still.push(slave);
         }
@@ -65,21 +68,34 @@ fn start(system: Local, basis: &Basis, scaling: &Scaling, seed: u64) -> Vec<Stat
     states
 }
 
-/// `sum_k value_k u_k`, its largest part, and `sum_k |value_k| sum_k` in scaled columns.
+/// What the terms of a row come to.
+struct Sums {
+    /// `sum_k value_k u_k`.
+    moves: f64,
+    /// Its largest part.
+    size: f64,
+    /// `sum_k |value_k| sum_k` in scaled columns.
+    total: f64,
+    /// `max_k |value_k|`; infinite where a slave is among them.
+    bound: f64,
+}
+
 #[inline]
-fn row(basis: &Basis, t: usize, states: &[State], scaling: &Scaling) -> (f64, f64, f64) {
+fn row(basis: &Basis, t: usize, states: &[State], scaling: &Scaling) -> Sums {
     let (dofs, values) = basis.row(t);
     let plain = scaling.col.is_empty();
     let own = scaling.col(basis.slave(t) as usize);
-    let (mut moves, mut size, mut total) = (0.0, 0.0_f64, 0.0);
+    let (mut moves, mut size, mut total, mut bound, mut of_slaves) = (0.0, 0.0_f64, 0.0, 0.0_f64, false);
     for (&j, &v) in dofs.iter().zip(values) {
         let State { u, sum } = states[j as usize];
         let part = v * u;
         moves += part;
         size = size.max(part.abs());
         total += sum * if plain { v.abs() } else { ldexp(v.abs(), scaling.col(j as usize) - own) };
+        bound = bound.max(v.abs());
+        of_slaves |= sum != 0.0;
     }
-    (moves, size, total)
+    Sums { moves, size, total, bound: if of_slaves { f64::INFINITY } else { bound } }
 }
 
 /// Row sums of `|L^-1|`, by step: how much of the user's equations goes into each step.

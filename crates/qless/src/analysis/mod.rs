@@ -92,6 +92,8 @@ pub struct Analysis {
     pub backend: (&'static str, String),
     pub(crate) options: Options,
     pub(crate) basis: Basis,
+    /// Of the rows of T, as [`crate::sweep::Sweep::bounds`] has them.
+    pub(crate) bounds: Vec<f64>,
     pub(crate) blocks: Vec<Block>,
     pub(crate) history: History,
     pub(crate) scaling: Scaling,
@@ -159,6 +161,7 @@ impl Analysis {
         self.fixed.iter().for_each(|&j| fixed[j as usize] = true);
         let basics = Basics {
             basis: &self.basis,
+            bounds: &self.bounds,
             fixed,
             wishes: Wishes::new(&self.options.preferences, &self.numbering, system.dofs()),
             growth: self.options.growth,

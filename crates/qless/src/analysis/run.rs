@@ -77,9 +77,9 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
         run.local = numbering.view(system, &rhs);
         let agreeing = run.stages(&held, start)?;
         (stages.basis, stages.blocks) = (agreeing.basis, agreeing.blocks);
-        stages.still = sweep(local, &stages.basis, &agreeing.history, &scaling, SEED).still;
+        stages.swept = sweep(local, &stages.basis, &agreeing.history, &scaling, SEED);
     }
-    let still = std::mem::take(&mut stages.still);
+    let still = std::mem::take(&mut stages.swept.still);
     let generated = generated::find(still, local, &stages.basis, &stages.history, &scaling);
     Ok(stages.conclude(numbering, scaling, options.clone(), generated, confidence, kept.unmet, backend.as_ref()))
 }

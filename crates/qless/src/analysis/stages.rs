@@ -21,7 +21,7 @@ use crate::presolve::peel::{Peeled, peel};
 use crate::qr::Backend;
 use crate::scale::Scaling;
 use crate::sensitivity;
-use crate::sweep::sweep;
+use crate::sweep::{Sweep, sweep};
 use crate::{ConstraintSystem, Options};
 
 /// Of the random masters that tell which DOFs are fixed.
@@ -48,8 +48,8 @@ pub struct Stages {
     pub blocks: Vec<Block>,
     pub history: History,
     pub dependent: Vec<Dependent>,
-    /// Slaves that may move with no master.
-    pub still: Vec<u32>,
+    /// What was found of the slaves and of their rows of T.
+    pub swept: Sweep,
     presolve: PresolveStatistics,
     started: Instant,
     presolved: Instant,
@@ -69,9 +69,8 @@ impl Run<'_> {
         let mut doubt = None;
         loop {
             let mut stages = self.stages(&held, started)?;
-            let swept = sweep(local, &stages.basis, &stages.history, scaling, SEED);
-            stages.still = swept.still;
-            let worst = swept.worst.filter(|_| self.check);
+            stages.swept = sweep(local, &stages.basis, &stages.history, scaling, SEED);
+            let worst = stages.swept.worst.filter(|_| self.check);
             let near = sensitivity::largest(worst, &stages.basis, &stages.history, scaling, local.dofs());
             doubt = near.map(|n| n.1).into_iter().chain(doubt).reduce(f64::max);
             // What presolve kept is dependent to within the tolerance: the backend decides.
@@ -108,7 +107,17 @@ impl Run<'_> {
         let history = History { rows, factors, steps, exponents: scaling.row.clone() };
         let mut basis = peeled.basis;
         basis.extend(eliminated.steps, solved, scaling);
-        Ok(Stages { basis, blocks, history, dependent, still: Vec::new(), presolve, started, presolved, factored })
+        Ok(Stages {
+            basis,
+            blocks,
+            history,
+            dependent,
+            swept: Sweep::default(),
+            presolve,
+            started,
+            presolved,
+            factored,
+        })
     }
 }
 
@@ -141,6 +150,7 @@ impl Stages {
             backend: (backend.name(), backend.version()),
             options,
             basis: self.basis,
+            bounds: self.swept.bounds,
             blocks: self.blocks,
             history: self.history,
             scaling,

@@ -45,6 +45,8 @@ pub struct Reduction {
 /// What [`build`] needs to know of an analysis.
 pub(crate) struct Basics<'a> {
     pub basis: &'a Basis,
+    /// Bounds of the rows of T, infinite where slaves are to be replaced.
+    pub bounds: &'a [f64],
     /// Local DOFs that move with no master; empty if there are none.
     pub fixed: Vec<bool>,
     pub wishes: Wishes,
@@ -55,7 +57,7 @@ pub(crate) struct Basics<'a> {
 /// Builds T, G and g; exchanges slaves and masters until the wishes are met and `max |T_ij|` is below the bound.
 pub(crate) fn build(system: &ConstraintSystem, local: Local, basics: &Basics) -> Reduction {
     let limit = basics.growth.max(growth::LEAST);
-    let mut relation = rows::assemble(local, basics.basis, &basics.fixed, limit);
+    let mut relation = rows::assemble(local, basics, limit);
     let exchanged = wishes::meet(&mut relation, &basics.wishes, limit);
     let exchanges = growth::bound(&mut relation, limit, &basics.wishes, exchanged);
     let reduction = output::write(system, &relation);

@@ -13,15 +13,15 @@ pub(super) fn write(system: &ConstraintSystem, relation: &Relation) -> Reduction
     let mut places = vec![MASTER; system.dofs()];
     relation.slave.iter().for_each(|&s| places[dofs[s as usize] as usize] = SLAVE);
     system.prescribed().iter().for_each(|&(j, _)| places[j] = PRESCRIBED);
-    let [slaves, masters, prescribed] = sides(&mut places);
+    let [slaves, masters, prescribed] = sides(&mut places, relation.rows(), system.prescribed().len());
     // Place within its side of every DOF that occurs.
     let place: Vec<u32> = dofs.iter().map(|&j| places[j as usize]).collect();
     drop(places);
     let order = Order::new(&relation.slave, &place);
-    let mut t = sized(&order, masters.len(), |i| relation.row(i).0.len() - relation.prescribed_terms(i));
+    let mut t = sized(relation, &order, masters.len(), |terms| terms.len() - relation.prescribed_among(terms));
     let mut g_matrix = match prescribed.len() {
         0 => Csr { start: vec![0; slaves.len() + 1], ..Csr::default() },
-        cols => sized(&order, cols, |i| relation.prescribed_terms(i)),
+        cols => sized(relation, &order, cols, |terms| relation.prescribed_among(terms)),
     };
     let mut g = vec![0.0; slaves.len()];
     let constants = g.chunks_mut(order.together);
@@ -53,13 +53,14 @@ fn write_row(
     if relation.constant[i] != 0.0 {
         g[row] = relation.constant[i];
     }
-    let terms = relation.row(i).0;
+    let (terms, values) = relation.row(i);
     let sorted = relation.is_users(i) || terms.is_sorted_by_key(|&j| dofs[j as usize]);
-    let fixed = relation.prescribed_terms(i);
-    let part = |free: bool| relation.entries(i).filter(move |&(j, _)| is_free[j as usize] == free);
-    let in_place = |(j, v)| (place[j as usize], v);
+    let fixed = relation.prescribed_among(terms);
+    let entries = || terms.iter().zip(values);
+    let part = |free: bool| entries().filter(move |&(&j, _)| is_free[j as usize] == free);
+    let in_place = |(&j, &v): (&u32, &f64)| (place[j as usize], v);
     if fixed == 0 {
-        t.fill(row, terms.len(), sorted, relation.entries(i).map(in_place));
+        t.fill(row, terms.len(), sorted, entries().map(in_place));
     } else {
         t.fill(row, terms.len() - fixed, sorted, part(true).map(in_place));
         g_matrix.fill(row, fixed, sorted, part(false).map(in_place));
@@ -70,25 +71,30 @@ const SLAVE: u32 = 0;
 const MASTER: u32 = 1;
 const PRESCRIBED: u32 = 2;
 
-/// The DOFs of each side, ascending; turns sides into places within them.
-fn sides(places: &mut [u32]) -> [Vec<usize>; 3] {
-    let mut count = [0; 3];
-    places.iter().for_each(|&side| count[side as usize] += 1);
-    let mut sides = count.map(Vec::with_capacity);
+/// The DOFs of each side, ascending, of which `slaves` and `prescribed` say how many there are; turns sides into places within them.
+fn sides(places: &mut [u32], slaves: usize, prescribed: usize) -> [Vec<usize>; 3] {
+    let counts = [slaves, places.len() - slaves - prescribed, prescribed];
+    // Each DOF is written to the next place of every side and stays on its own: without a branch, which nobody could predict.
+    let mut sides = counts.map(|count| vec![0; count + 1]);
+    let mut next = [0; 3];
     for (j, place) in places.iter_mut().enumerate() {
-        let side: &mut Vec<usize> = &mut sides[*place as usize];
-        *place = side.len() as u32;
-        side.push(j);
+        let side = *place;
+        (0..3).for_each(|k| sides[k][next[k]] = j);
+        *place = next[side as usize] as u32;
+        (0..3).for_each(|k| next[k] += usize::from(side == k as u32));
     }
+    sides.iter_mut().zip(counts).for_each(|(side, count)| side.truncate(count));
     sides
 }
 
-/// A matrix with nothing in its rows, which are as long as `length` says of the relation's.
-fn sized(order: &Order, cols: usize, length: impl Fn(usize) -> usize + Sync) -> Csr {
+/// A matrix with nothing in its rows, which are as long as `length` says of the terms of the relation's.
+fn sized(relation: &Relation, order: &Order, cols: usize, length: impl Fn(&[u32]) -> usize + Sync) -> Csr {
     let rows = order.rows();
     let mut start = vec![0; rows + 1];
     each(start[1..].chunks_mut(order.together).enumerate().collect(), |(k, lengths)| {
-        order.visit(k, |batch| batch.iter().for_each(|&(i, row)| lengths[row as usize] = length(i as usize)));
+        order.visit(k, |batch| {
+            batch.iter().for_each(|&(i, row)| lengths[row as usize] = length(relation.row(i as usize).0));
+        });
     });
     (0..rows).for_each(|i| start[i + 1] += start[i]);
     let nnz = start[rows];

@@ -2,6 +2,7 @@
 //!
 //! A slave whose equation names no other slave needs none: its row is the basis' own, which is not copied.
 
+use super::Basics;
 use crate::basis::Basis;
 use crate::local::Local;
 
@@ -70,15 +71,11 @@ impl Relation<'_> {
         dofs.iter().copied().zip(values.iter().copied())
     }
 
-    /// How many terms of row i are prescribed DOFs.
+    /// How many of these DOFs are prescribed.
     #[inline]
-    pub fn prescribed_terms(&self, i: usize) -> usize {
+    pub fn prescribed_among(&self, terms: &[u32]) -> usize {
         let free = self.system.free();
-        if self.system.prescribed().is_empty() {
-            0
-        } else {
-            self.row(i).0.iter().filter(|&&j| !free[j as usize]).count()
-        }
+        if self.system.prescribed().is_empty() { 0 } else { terms.iter().filter(|&&j| !free[j as usize]).count() }
     }
 
     /// The entries of row i, ascending.
@@ -107,11 +104,6 @@ impl Relation<'_> {
             self.own[self.place[i] as usize] = own;
         }
     }
-
-    #[inline]
-    pub fn is_slave(&self, dof: u32) -> bool {
-        self.row_of[dof as usize] != u32::MAX
-    }
 }
 
 /// A dense row being summed: value and size of the largest part, by DOF.
@@ -132,9 +124,9 @@ impl Sum {
     }
 }
 
-/// `fixed` slaves (local) move with no master: their rows keep prescribed DOFs only. Rows with coefficients above `limit` are
-/// listed.
-pub(crate) fn assemble<'a>(system: Local<'a>, basis: &'a Basis, fixed: &[bool], limit: f64) -> Relation<'a> {
+/// Rows of slaves that are fixed keep prescribed DOFs only. Rows with coefficients above `limit` are listed.
+pub(super) fn assemble<'a>(system: Local<'a>, basics: &Basics<'a>, limit: f64) -> Relation<'a> {
+    let Basics { basis, bounds, ref fixed, .. } = *basics;
     let (n, rank) = (system.dofs(), basis.rank());
     let mut relation = Relation {
         system,
@@ -153,20 +145,16 @@ pub(crate) fn assemble<'a>(system: Local<'a>, basis: &'a Basis, fixed: &[bool], 
     for t in (0..rank).rev() {
         let slave = basis.slave(t);
         let is_fixed = fixed.get(slave as usize).is_some_and(|&fixed| fixed);
-        let (dofs, values) = basis.row(t);
-        let (mut of_slaves, mut largest) = (false, 0.0_f64);
-        for (&j, v) in dofs.iter().zip(values) {
-            of_slaves |= relation.is_slave(j);
-            largest = largest.max(if system.free()[j as usize] { v.abs() } else { 0.0 });
-        }
-        if is_fixed || of_slaves {
+        if is_fixed || bounds[t].is_infinite() {
             substitute(&mut relation, &mut sum, t, is_fixed);
-            largest = relation.largest(t);
         }
         relation.row_of[slave as usize] = t as u32;
-        relation.growth = relation.growth.max(largest);
-        if largest > limit {
-            relation.steep.push(t as u32);
+        if bounds[t] > relation.growth.min(limit) {
+            let largest = relation.largest(t);
+            relation.growth = relation.growth.max(largest);
+            if largest > limit {
+                relation.steep.push(t as u32);
+            }
         }
     }
     relation
