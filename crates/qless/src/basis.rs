@@ -9,6 +9,9 @@ use crate::block::Solved;
 use crate::presolve::eliminate::Step;
 use crate::scale::{Scaling, ldexp};
 
+/// Terms for which there is room at once while rows are peeled.
+const ROOM: usize = 1 << 12;
+
 /// Everything needed to express slaves by masters.
 #[derive(Default)]
 pub(crate) struct Basis {
@@ -55,8 +58,8 @@ impl Basis {
         Self {
             slaves: Vec::with_capacity(rows),
             ends: Vec::with_capacity(rows),
-            dofs: vec![0; entries + 1],
-            values: vec![0.0; entries + 1],
+            dofs: Vec::with_capacity(entries + ROOM),
+            values: Vec::with_capacity(entries + ROOM),
             constants: Vec::with_capacity(rows),
             pivots: Vec::with_capacity(rows),
             peeled: Vec::with_capacity(rows),
@@ -71,6 +74,9 @@ impl Basis {
         // A power of two, which most pivots are, has an exact reciprocal, and a product takes less time than a quotient.
         let factor = if pivot.to_bits() << 12 == 0 { 1.0 / pivot } else { f64::NAN };
         let (end, length) = (self.used, dofs.len());
+        if end + length > self.dofs.len() {
+            self.make_room(end + length);
+        }
         let (of_dofs, of_values) = (&mut self.dofs[end..end + length], &mut self.values[end..end + length]);
         let mut at = 0;
         for (k, (&j, &v)) in dofs.iter().zip(values).enumerate() {
@@ -79,6 +85,13 @@ impl Basis {
             at += usize::from(k != position);
         }
         self.used += at;
+    }
+
+    /// Zeros for the next terms: not far ahead, so that they are in a cache when the terms are written.
+    #[cold]
+    fn make_room(&mut self, length: usize) {
+        self.dofs.resize(length + ROOM, 0);
+        self.values.resize(length + ROOM, 0.0);
     }
 
     /// Closes equation `row`, solved for `slave`; `scaled` is the slave's coefficient after scaling.
