@@ -10,9 +10,6 @@ use super::homogeneous::Homogeneous;
 use super::labels::Owner;
 use crate::constraint::Nonlinear;
 
-/// Constraints per task.
-pub(super) const CHUNK: usize = 1024;
-
 /// Equations of one type.
 pub(super) trait Block: Send + Sync {
     fn rows(&self) -> usize;
@@ -20,6 +17,8 @@ pub(super) trait Block: Send + Sync {
     fn owner(&self, row: usize) -> (&Owner, &'static str);
     /// Appends the rows of G, with zeros in them.
     fn write_pattern(&mut self, g: &mut Csr);
+    /// Constraints per task.
+    fn chunk(&self) -> usize;
     /// Rows and entries of G of the task that starts with constraint `first`.
     fn task(&self, first: usize) -> (usize, usize);
     /// A DOF of constraint `i`.

@@ -10,7 +10,8 @@ use qless::Csr;
 use rayon::prelude::*;
 
 use super::block::Block;
-use super::sums::{NUMBERS, Sums};
+use super::sums::Sums;
+use super::tasks::{Task, Work};
 
 /// Entries of H per task: they stay in the cache of one core.
 const ENTRIES: usize = 1 << 14;
@@ -24,7 +25,8 @@ pub(super) struct Plan {
 
 /// Rows of H that one task owns.
 #[derive(Default)]
-struct Chunk {
+pub struct Chunk {
+    last_row: u32,
     entries: usize,
     /// One share per block; blocks of no interest have none.
     shares: Vec<Share>,
@@ -67,7 +69,11 @@ impl Plan {
         let (chunk_of, first_rows) = cut(&start);
         let mut chunks: Vec<Chunk> = first_rows
             .windows(2)
-            .map(|rows| Chunk { entries: start[rows[1]] - start[rows[0]], ..Chunk::default() })
+            .map(|rows| Chunk {
+                last_row: rows[1].saturating_sub(1) as u32,
+                entries: start[rows[1]] - start[rows[0]],
+                ..Chunk::default()
+            })
             .collect();
         for (b, block) in blocks.iter().enumerate() {
             share_out(b, block.as_ref(), &chunk_of, &mut chunks);
@@ -112,36 +118,48 @@ impl Plan {
         }
     }
 
-    /// Writes all entries. `linear` rows come first and have no share in H.
-    pub fn fill(&self, blocks: &[Box<dyn Block>], linear: usize, u: &[f64], w: &[f64], out: &mut [f64]) {
-        let mut weights = Vec::with_capacity(blocks.len());
-        let mut rest = &w[linear..];
-        for block in blocks {
+    /// The tasks that write all entries.
+    pub fn tasks<'a>(&'a self, weighted: &'a Weighted, out: &'a mut [f64]) -> Vec<Task<'a>> {
+        let mut rest = out;
+        let own = |chunk: &'a Chunk| {
+            let h = rest.split_off_mut(..chunk.entries).unwrap_or_default();
+            Task { dof: chunk.last_row, work: Work::Hessian { chunk, weighted, h } }
+        };
+        self.chunks.iter().map(own).collect()
+    }
+}
+
+/// Blocks with the weights of their equations.
+#[derive(Default)]
+pub struct Weighted<'a> {
+    blocks: Vec<(&'a dyn Block, &'a [f64])>,
+}
+
+impl<'a> Weighted<'a> {
+    /// From one weight per equation, of which `linear` come first and have no share in H.
+    pub fn new(blocks: &'a [Box<dyn Block>], linear: usize, weights: &'a [f64]) -> Self {
+        let mut rest = &weights[linear..];
+        let of_block = |block: &'a Box<dyn Block>| {
             let own;
             (own, rest) = rest.split_at(block.rows());
-            weights.push(own);
+            (block.as_ref(), own)
+        };
+        Self { blocks: blocks.iter().map(of_block).collect() }
+    }
+}
+
+impl Chunk {
+    /// Writes these rows of H; `numbers` is room for the numbers of their constraints.
+    pub fn write(&self, weighted: &Weighted, u: &[f64], numbers: &mut Vec<f64>, h: &mut [f64]) {
+        let mut first = 0;
+        for share in &self.shares {
+            let last = first + share.numbers;
+            numbers.resize(numbers.len().max(last), 0.0);
+            let (block, weights) = weighted.blocks[share.block];
+            block.curvatures(&share.items, u, weights, &mut numbers[first..last]);
+            first = last;
         }
-        let mut tasks = Vec::with_capacity(self.chunks.len());
-        let mut rest = out;
-        for chunk in &self.chunks {
-            let own;
-            (own, rest) = rest.split_at_mut(chunk.entries);
-            tasks.push((chunk, own));
-        }
-        // The numbers of one chunk, in an array for each thread that stays in its cache.
-        tasks.into_par_iter().for_each_init(
-            || vec![0.0; NUMBERS],
-            |numbers, (chunk, out)| {
-                let mut first = 0;
-                for share in &chunk.shares {
-                    let last = first + share.numbers;
-                    numbers.resize(numbers.len().max(last), 0.0);
-                    blocks[share.block].curvatures(&share.items, u, weights[share.block], &mut numbers[first..last]);
-                    first = last;
-                }
-                chunk.sums.write(numbers, out);
-            },
-        );
+        self.sums.write(numbers, h);
     }
 }
 

@@ -5,10 +5,17 @@ use std::ops::Range;
 
 use qless::Csr;
 
-use super::block::{Block, CHUNK};
+use super::block::Block;
 use super::labels::Owner;
 use super::order::Order;
 use crate::constraint::Nonlinear;
+
+/// Constraints per task, ...
+const MANY: usize = 1024;
+/// ... of types that take much arithmetic, of which there are fewer in most models: they reach further.
+const FEW: usize = 256;
+/// Constraints whose DOFs are gathered at once: looks into u that do not wait for one another, nor for arithmetic.
+pub(super) const AHEAD: usize = 64;
 
 /// Constraints of type Q.
 pub(super) struct Homogeneous<Q> {
@@ -72,6 +79,11 @@ impl<Q: Nonlinear> Homogeneous<Q> {
         &self.dofs[self.start[i] as usize..self.start[i + 1] as usize]
     }
 
+    /// How many DOFs these constraints have.
+    pub fn width(&self, items: Range<usize>) -> usize {
+        (self.start[items.end] - self.start[items.start]) as usize
+    }
+
     /// The DOFs of constraints that follow one another.
     #[inline]
     pub fn gather<'a>(&self, items: Range<usize>, u: &[f64], room: &'a mut [f64]) -> &'a mut [f64] {
@@ -95,15 +107,19 @@ impl<Q: Nonlinear> Homogeneous<Q> {
 
     fn evaluate_any(&self, first: usize, u: &[f64], c: &mut [f64], g: &mut [f64]) {
         let rows = Q::PARTS.len();
-        let mut room = vec![0.0; Q::AT_ONCE * self.widest];
+        let mut room = vec![0.0; AHEAD * self.widest];
         let mut rest = g;
-        for (k, c) in c.chunks_mut(Q::AT_ONCE * rows).enumerate() {
-            let from = first + k * Q::AT_ONCE;
-            let items = from..from + c.len() / rows;
-            let local = self.gather(items.clone(), u, &mut room);
-            let own;
-            (own, rest) = rest.split_at_mut(rows * local.len());
-            Q::values_and_jacobians(&self.items[items], local, c, own);
+        for (k, c) in c.chunks_mut(AHEAD * rows).enumerate() {
+            let from = first + k * AHEAD;
+            let mut local = &mut *self.gather(from..from + c.len() / rows, u, &mut room);
+            for (k, c) in c.chunks_mut(Q::AT_ONCE * rows).enumerate() {
+                let from = from + k * Q::AT_ONCE;
+                let items = from..from + c.len() / rows;
+                let (own, of_items);
+                (of_items, local) = local.split_at_mut(self.width(items.clone()));
+                (own, rest) = rest.split_at_mut(rows * of_items.len());
+                Q::values_and_jacobians(&self.items[items], of_items, c, own);
+            }
         }
     }
 }
@@ -131,8 +147,12 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
         }
     }
 
+    fn chunk(&self) -> usize {
+        if Q::AT_ONCE > 1 { FEW } else { MANY }
+    }
+
     fn task(&self, first: usize) -> (usize, usize) {
-        let last = self.items.len().min(first + CHUNK);
+        let last = self.items.len().min(first + self.chunk());
         let dofs = (self.start[last] - self.start[first]) as usize;
         ((last - first) * Q::PARTS.len(), dofs * Q::PARTS.len())
     }

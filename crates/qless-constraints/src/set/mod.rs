@@ -27,7 +27,7 @@ use qless::Csr;
 
 use block::Block;
 pub use builder::SetBuilder;
-use effective::Plan;
+use effective::{Plan, Weighted};
 pub use error::{AddError, StoreError};
 pub use labels::ConstraintId;
 use labels::Owner;
@@ -108,9 +108,8 @@ impl ConstraintSet {
     /// # Panics
     /// If `u` does not have length n, or the quantities were not allocated by this set.
     pub fn evaluate(&self, u: &[f64], quantities: &mut Quantities) {
-        assert_eq!(u.len(), self.dofs, "u has one value per DOF");
-        assert_eq!(quantities.g.nnz(), self.pattern.nnz(), "the quantities belong to another set");
-        tasks::evaluate(&self.linear, &self.blocks, u, quantities);
+        self.check(u, None, quantities);
+        tasks::run(tasks::of_values(&self.linear, &self.blocks, &mut quantities.c, &mut quantities.g), u);
     }
 
     /// Writes the effective Hessian `sum_r w_r H_r(u)`, in parallel; `weights` has one number per equation ([`Weights`]).
@@ -118,10 +117,45 @@ impl ConstraintSet {
     /// # Panics
     /// If `u` or `weights` has the wrong length, or the quantities were not allocated by this set.
     pub fn effective_hessian(&self, u: &[f64], weights: &[f64], quantities: &mut Quantities) {
+        self.check(u, Some(weights), quantities);
+        let weighted = Weighted::new(&self.blocks, self.linear.rows(), weights);
+        tasks::run(self.plan.tasks(&weighted, &mut quantities.h.val), u);
+    }
+
+    /// [`ConstraintSet::evaluate`] and [`ConstraintSet::effective_hessian`] at once, which reads u once: for weights that do not rest on c,
+    /// such as multipliers.
+    ///
+    /// ```
+    /// use qless_constraints::ConstraintSet;
+    /// use qless_constraints::types::{Distance, PlanarPoint};
+    /// let (a, b) = (PlanarPoint::new([0, 1], [0.0; 2]), PlanarPoint::new([2, 3], [0.0, 2.0]));
+    /// let mut builder = ConstraintSet::builder(4);
+    /// builder.add("rod", Distance::new(a, b))?;
+    /// let set = builder.build();
+    /// let mut quantities = set.allocate();
+    /// set.assemble(&[0.0; 4], &[6.0], &mut quantities);
+    /// // w H = 6 [I -I; -I I] / 2.
+    /// assert_eq!(quantities.g.val, [0.0, -1.0, 0.0, 1.0]);
+    /// assert_eq!(quantities.h.row(0).collect::<Vec<_>>(), [(0, 3.0), (2, -3.0)]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Panics
+    /// If `u` or `weights` has the wrong length, or the quantities were not allocated by this set.
+    pub fn assemble(&self, u: &[f64], weights: &[f64], quantities: &mut Quantities) {
+        self.check(u, Some(weights), quantities);
+        let Quantities { c, g, h } = quantities;
+        let weighted = Weighted::new(&self.blocks, self.linear.rows(), weights);
+        let mut tasks = tasks::of_values(&self.linear, &self.blocks, c, g);
+        tasks.extend(self.plan.tasks(&weighted, &mut h.val));
+        tasks::run(tasks, u);
+    }
+
+    fn check(&self, u: &[f64], weights: Option<&[f64]>, quantities: &Quantities) {
         assert_eq!(u.len(), self.dofs, "u has one value per DOF");
-        assert_eq!(weights.len(), self.equations(), "one weight per equation");
-        assert_eq!(quantities.h.nnz(), self.plan.nnz(), "the quantities belong to another set");
-        self.plan.fill(&self.blocks, self.linear.rows(), u, weights, &mut quantities.h.val);
+        assert!(weights.is_none_or(|weights| weights.len() == self.equations()), "one weight per equation");
+        let own = (self.pattern.nnz(), self.plan.nnz());
+        assert_eq!((quantities.g.nnz(), quantities.h.nnz()), own, "the quantities belong to another set");
     }
 
     /// Which block of equations a row belongs to, and its row there; nothing for linear equations.

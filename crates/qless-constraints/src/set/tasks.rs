@@ -1,52 +1,76 @@
-//! `c(u)` and `G(u)`: all types in one list of tasks, each with its own part of the arrays, so that threads wait for one another once.
+//! `c(u)`, `G(u)` and `H(u, w)`: all types in one list of tasks, each with its own part of the arrays, so that threads wait for one
+//! another once.
 //!
-//! Tasks are taken in the order of their DOFs: those of all types that read the same part of u follow one another, while it is in a cache.
+//! Tasks are taken in the order of their last DOFs: those of all types that read the same part of u follow one another, while it is in
+//! a cache, and rare types, whose tasks reach far, come when others have read it.
 
 use qless::Csr;
 use rayon::prelude::*;
 
-use super::Quantities;
 use super::batch::ROWS;
-use super::block::{Block, CHUNK};
+use super::block::Block;
+use super::effective::{Chunk, Weighted};
 use super::linear::Rows;
+use super::sums::NUMBERS;
 
 /// What one thread does at a time.
-struct Task<'a> {
-    /// None for linear equations.
-    block: Option<&'a dyn Block>,
-    /// The batch of equations, or the first constraint of the block.
-    first: usize,
-    /// A DOF that it reads.
-    dof: u32,
-    c: &'a mut [f64],
-    g: &'a mut [f64],
+pub struct Task<'a> {
+    /// The last DOF that it reads, or nearly so.
+    pub dof: u32,
+    pub work: Work<'a>,
 }
 
-/// Writes c and the rows of G that depend on u.
-pub fn evaluate(linear: &Rows, blocks: &[Box<dyn Block>], u: &[f64], quantities: &mut Quantities) {
-    let Quantities { c, g: Csr { val, .. }, .. } = quantities;
+/// What is written, and where.
+pub enum Work<'a> {
+    /// c of a batch of linear equations.
+    Linear { rows: &'a Rows, batch: usize, c: &'a mut [f64] },
+    /// c and G of constraints of a block.
+    Nonlinear { block: &'a dyn Block, first: usize, c: &'a mut [f64], g: &'a mut [f64] },
+    /// Rows of H.
+    Hessian { chunk: &'a Chunk, weighted: &'a Weighted<'a>, h: &'a mut [f64] },
+}
+
+/// The tasks that write c and the rows of G that depend on u.
+pub fn of_values<'a>(
+    linear: &'a Rows,
+    blocks: &'a [Box<dyn Block>],
+    c: &'a mut [f64],
+    g: &'a mut Csr,
+) -> Vec<Task<'a>> {
     let (of_linear, c) = c.split_at_mut(linear.rows());
-    let mut tasks = nonlinear(blocks, c, &mut val[linear.nnz()..]);
+    let mut tasks = nonlinear(blocks, c, &mut g.val[linear.nnz()..]);
     debug_assert_eq!(linear.batches(), of_linear.len().div_ceil(ROWS));
-    let batch = |(first, c)| Task { block: None, first, dof: linear.first_dof(first), c, g: &mut [] };
-    tasks.extend(of_linear.chunks_mut(ROWS).enumerate().map(batch));
-    tasks.sort_by_key(|task| task.dof);
-    tasks.into_par_iter().for_each(|task| match task.block {
-        Some(block) => block.evaluate(task.first, u, task.c, task.g),
-        None => linear.evaluate(task.first, u, task.c),
-    });
+    let task = |(batch, c)| Task { dof: linear.first_dof(batch), work: Work::Linear { rows: linear, batch, c } };
+    tasks.extend(of_linear.chunks_mut(ROWS).enumerate().map(task));
+    tasks
 }
 
 fn nonlinear<'a>(blocks: &'a [Box<dyn Block>], mut c: &'a mut [f64], mut g: &'a mut [f64]) -> Vec<Task<'a>> {
     let mut tasks = Vec::new();
     for block in blocks {
-        for first in (0..block.items()).step_by(CHUNK) {
+        for first in (0..block.items()).step_by(block.chunk()) {
             let (rows, nnz) = block.task(first);
             let (own_c, own_g);
             (own_c, c) = c.split_at_mut(rows);
             (own_g, g) = g.split_at_mut(nnz);
-            tasks.push(Task { block: Some(block.as_ref()), first, dof: block.first_dof(first), c: own_c, g: own_g });
+            let last = block.items().min(first + block.chunk()) - 1;
+            let work = Work::Nonlinear { block: block.as_ref(), first, c: own_c, g: own_g };
+            tasks.push(Task { dof: block.first_dof(last), work });
         }
     }
     tasks
+}
+
+/// Does all of them.
+pub fn run(mut tasks: Vec<Task>, u: &[f64]) {
+    tasks.sort_by_key(|task| task.dof);
+    // The numbers of one chunk of H, in an array for each thread that stays in its cache.
+    tasks.into_par_iter().for_each_init(Vec::new, |numbers, task| match task.work {
+        Work::Linear { rows, batch, c } => rows.evaluate(batch, u, c),
+        Work::Nonlinear { block, first, c, g } => block.evaluate(first, u, c, g),
+        Work::Hessian { chunk, weighted, h } => {
+            numbers.resize(numbers.len().max(NUMBERS), 0.0);
+            chunk.write(weighted, u, numbers, h);
+        }
+    });
 }
