@@ -2,8 +2,8 @@
 //!
 //! Beside it, in turns and in one process: the same numbers of non-zeros written once into the same arrays, by as many threads.
 //! "Writing" is one value after the other: no arithmetic, nothing read, as fast as memory can be. "Indexed" writes each value
-//! at a place that it reads from a list, as an assembly must for H. The ratio of medians to the former should be at most 2; "best" is
-//! that of the shortest times, which other programs on the machine disturb least.
+//! at a place that it reads from a list, as an assembly must for H. The ratio of medians of c, G and H at once to the former should be
+//! at most 2; "best" is that of the shortest times, which other programs on the machine disturb least.
 //!
 //! What stands in the way. Writing is bound by memory: of the mix's 81 MB one core writes 27 GB/s, two write 33 (a virtual machine on a
 //! Zen 5 server), so that a second core hardly helps, whereas an assembly needs both. Per linear equation of 5 terms, of which plain

@@ -139,12 +139,13 @@ impl<'a> Weighted<'a> {
     /// From one weight per equation, of which `linear` come first and have no share in H.
     pub fn new(blocks: &'a [Box<dyn Block>], linear: usize, weights: &'a [f64]) -> Self {
         let mut rest = &weights[linear..];
-        let of_block = |block: &'a Box<dyn Block>| {
+        let mut all = Vec::with_capacity(blocks.len());
+        for block in blocks {
             let own;
             (own, rest) = rest.split_at(block.rows());
-            (block.as_ref(), own)
-        };
-        Self { blocks: blocks.iter().map(of_block).collect() }
+            all.push((block.as_ref(), own));
+        }
+        Self { blocks: all }
     }
 }
 

@@ -6,14 +6,16 @@ use super::every_type::random;
 use crate::types::{Body, Distance, LinearEquation, OnSphere, Point, RigidBody};
 use crate::{ConstraintSet, Quantities};
 
-fn evaluate(set: &ConstraintSet, u: &[f64], w: &[f64], threads: usize) -> Option<Quantities> {
+/// In two passes, and in one.
+fn evaluate(set: &ConstraintSet, u: &[f64], w: &[f64], threads: usize) -> Option<[Quantities; 2]> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok()?;
-    let mut quantities = set.allocate();
+    let [mut apart, mut at_once] = [set.allocate(), set.allocate()];
     pool.install(|| {
-        set.evaluate(u, &mut quantities);
-        set.effective_hessian(u, w, &mut quantities);
+        set.evaluate(u, &mut apart);
+        set.effective_hessian(u, w, &mut apart);
+        set.assemble(u, w, &mut at_once);
     });
-    Some(quantities)
+    Some([apart, at_once])
 }
 
 #[test]
@@ -33,10 +35,11 @@ fn results_do_not_depend_on_threads() -> Result<(), Box<dyn std::error::Error>> 
     let set = builder.build();
     let u: Vec<f64> = (0..3 * nodes as u64).map(random).collect();
     let w: Vec<f64> = (0..set.equations() as u64).map(|i| random(i + 5)).collect();
-    let one = evaluate(&set, &u, &w, 1).ok_or("no threads")?;
-    assert!(one.h.val.iter().any(|&v| v != 0.0));
+    let [one, at_once] = evaluate(&set, &u, &w, 1).ok_or("no threads")?;
+    assert!(one.h.val.iter().any(|&v| v != 0.0) && at_once == one);
     for threads in [2, 3, 8] {
-        assert!(evaluate(&set, &u, &w, threads).ok_or("no threads")? == one, "{threads} threads");
+        let more = evaluate(&set, &u, &w, threads).ok_or("no threads")?;
+        assert!(more.iter().all(|quantities| *quantities == one), "{threads} threads");
     }
     Ok(())
 }
