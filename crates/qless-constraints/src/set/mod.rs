@@ -15,6 +15,7 @@ mod labels;
 mod linear;
 mod lists;
 mod order;
+mod pattern;
 mod store;
 mod sums;
 mod system;
