@@ -6,14 +6,13 @@
 //! exponent of the transposition shows how much of that is the machine's. Exponents are fitted to all sizes by least
 //! squares of logarithms.
 //!
-//! The process keeps its memory from one round to the next, as it does at small sizes anyway: by its own rule glibc gives every
-//! array above 32 MB back to the kernel, which then fills page after page with zeros for the next, a cost of large sizes
-//! alone that is not the elimination's. `-- --fresh` leaves glibc its rule.
+//! The process keeps its memory from one round to the next, as it does at small sizes anyway; `-- --fresh` leaves glibc its rule.
 
+mod memory;
 mod timing;
 
 use std::hint::black_box;
-use std::process::{Command, ExitCode};
+use std::process::ExitCode;
 
 use peak_alloc::PeakAlloc;
 use qless::{ConstraintSystem, Csr, Options, analyse};
@@ -39,21 +38,8 @@ struct Sample {
     csc: f64,
 }
 
-/// Settings of glibc by which freed memory stays in the process.
-const KEPT: &str =
-    "glibc.malloc.mmap_threshold=8000000000:glibc.malloc.trim_threshold=32000000000:glibc.malloc.top_pad=3000000000";
-
-/// Runs this program again with memory kept: glibc reads its settings at the start alone.
 fn main() -> ExitCode {
-    const NAME: &str = "GLIBC_TUNABLES";
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    if arguments.iter().any(|argument| argument == "--fresh") || std::env::var_os(NAME).is_some() {
-        run();
-        return ExitCode::SUCCESS;
-    }
-    let again = std::env::current_exe().expect("a program");
-    let status = Command::new(again).args(arguments).env(NAME, KEPT).status().expect("runs again");
-    if status.success() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    memory::kept(run)
 }
 
 fn run() {

@@ -2,11 +2,13 @@
 //!
 //! Both are taken in turns in one process; ratios are of medians. Hosts of virtual machines take cores away at times: a round counts
 //! if two cores gave at least 1.7 times the work of one just before and just after it, and how many of the rounds did is said.
-//! `--test` takes small sizes.
+//! `--test` takes small sizes. The process keeps its memory from one round to the next; `-- --fresh` leaves glibc its rule.
 
+mod memory;
 mod timing;
 
 use std::hint::black_box;
+use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use qless::Csr;
@@ -141,7 +143,11 @@ fn compare(name: &str, wanted: [f64; 2], columns: &Csr, limit: Duration) {
     );
 }
 
-fn main() {
+fn main() -> ExitCode {
+    memory::kept(run)
+}
+
+fn run() {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
     let test = words.iter().any(|word| word == "--test");
     assert!(Spqr::has_trees(), "SuiteSparseQR runs in sequence here: {}", Spqr::default().version());
