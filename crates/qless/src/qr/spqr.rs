@@ -24,7 +24,7 @@ const NAME: &str = "spqr";
 ///
 /// A program that factors large systems again and again saves a fifth of the time if freed memory stays in the process: glibc gives
 /// arrays above 32 MB back and gets zeroed pages for the next ones, unless it is started with
-/// `GLIBC_TUNABLES=glibc.malloc.mmap_threshold=8000000000:glibc.malloc.trim_threshold=32000000000`.
+/// `GLIBC_TUNABLES=glibc.malloc.mmap_threshold=8000000000:glibc.malloc.trim_threshold=32000000000:glibc.malloc.top_pad=1000000000`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spqr {
     /// Threads for the task tree of one factorization; 0 for as many as the caller's rayon pool has. Default: 1, which makes
