@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::homogeneous::{AHEAD, Homogeneous};
+use super::homogeneous::Homogeneous;
 use crate::constraint::Nonlinear;
 
 impl<Q: Nonlinear> Homogeneous<Q> {
@@ -19,7 +19,7 @@ impl<Q: Nonlinear> Homogeneous<Q> {
 
     /// The numbers of the Hessians of constraints in some runs, one after the other.
     pub fn write_curvatures(&self, items: &[Range<u32>], u: &[f64], w: &[f64], out: &mut [f64]) {
-        let mut room = vec![0.0; AHEAD * self.widest];
+        let mut room = vec![0.0; self.ahead() * self.widest];
         let mut rest = out;
         for run in items {
             let run = run.start as usize..run.end as usize;
@@ -68,10 +68,11 @@ impl<Q: Nonlinear> Homogeneous<Q> {
     fn curvatures_together(&self, run: Range<usize>, u: &[f64], w: &[f64], out: &mut [f64], room: &mut [f64]) {
         let rows = Q::PARTS.len();
         let mut rest = out;
-        for first in run.clone().step_by(AHEAD) {
-            let mut local = &mut *self.gather(first..run.end.min(first + AHEAD), u, room);
-            for from in (first..run.end.min(first + AHEAD)).step_by(Q::AT_ONCE) {
-                let items = from..run.end.min(from + Q::AT_ONCE);
+        for first in run.clone().step_by(self.ahead()) {
+            let all = first..run.end.min(first + self.ahead());
+            let mut local = self.gather(all.clone(), u, room);
+            for from in all.clone().step_by(Q::AT_ONCE) {
+                let items = from..all.end.min(from + Q::AT_ONCE);
                 let (own, of_items);
                 (own, rest) = rest.split_at_mut(self.numbers[items.clone()].iter().sum::<u32>() as usize);
                 (of_items, local) = local.split_at_mut(self.width(items.clone()));

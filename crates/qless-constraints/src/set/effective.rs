@@ -121,7 +121,6 @@ impl Plan {
 }
 
 /// Blocks with the weights of their equations.
-#[derive(Default)]
 pub struct Weighted<'a> {
     blocks: Vec<(&'a dyn Block, &'a [f64])>,
 }

@@ -15,7 +15,9 @@ const MANY: usize = 1024;
 /// ... of types that take much arithmetic, of which there are fewer in most models: they reach further.
 const FEW: usize = 256;
 /// Constraints whose DOFs are gathered at once: looks into u that do not wait for one another, nor for arithmetic.
-pub(super) const AHEAD: usize = 64;
+const AHEAD: usize = 64;
+/// The most DOFs of a constraint for which so many are.
+const NARROW: usize = 64;
 
 /// Constraints of type Q.
 pub(super) struct Homogeneous<Q> {
@@ -79,6 +81,11 @@ impl<Q: Nonlinear> Homogeneous<Q> {
         &self.dofs[self.start[i] as usize..self.start[i + 1] as usize]
     }
 
+    /// Constraints whose DOFs are gathered at once.
+    pub fn ahead(&self) -> usize {
+        if self.widest <= NARROW { AHEAD } else { Q::AT_ONCE }
+    }
+
     /// How many DOFs these constraints have.
     pub fn width(&self, items: Range<usize>) -> usize {
         (self.start[items.end] - self.start[items.start]) as usize
@@ -107,10 +114,11 @@ impl<Q: Nonlinear> Homogeneous<Q> {
 
     fn evaluate_any(&self, first: usize, u: &[f64], c: &mut [f64], g: &mut [f64]) {
         let rows = Q::PARTS.len();
-        let mut room = vec![0.0; AHEAD * self.widest];
+        let ahead = self.ahead();
+        let mut room = vec![0.0; ahead * self.widest];
         let mut rest = g;
-        for (k, c) in c.chunks_mut(AHEAD * rows).enumerate() {
-            let from = first + k * AHEAD;
+        for (k, c) in c.chunks_mut(ahead * rows).enumerate() {
+            let from = first + k * ahead;
             let mut local = &mut *self.gather(from..from + c.len() / rows, u, &mut room);
             for (k, c) in c.chunks_mut(Q::AT_ONCE * rows).enumerate() {
                 let from = from + k * Q::AT_ONCE;
