@@ -11,7 +11,7 @@ use crate::Csr;
 use crate::ahead::{BATCH, IN_CACHE};
 
 /// Fewer rows than this are not worth a thread of their own.
-const WORTH_A_THREAD: usize = 1 << 17;
+pub(super) const WORTH_A_THREAD: usize = 1 << 17;
 
 /// Where each row goes.
 pub(super) struct Order<'a> {

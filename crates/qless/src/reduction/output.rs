@@ -3,19 +3,21 @@
 //! Rows are taken in the order in which they were made, and each is written to its place: the user's numbers may be in any order,
 //! and independent writes cost far less than reads that wait for one another. O(nnz + n).
 
+use rayon::prelude::*;
+
 use super::Reduction;
-use super::order::{Order, Slab, each, slabs};
+use super::order::{Order, Slab, WORTH_A_THREAD, each, slabs};
 use super::rows::Relation;
 use crate::{ConstraintSystem, Csr};
 
 pub(super) fn write(system: &ConstraintSystem, relation: &Relation) -> Reduction {
     let dofs = &relation.system.numbering.dofs;
-    let mut places = vec![MASTER; system.dofs()];
-    relation.slave.iter().for_each(|&s| places[dofs[s as usize] as usize] = SLAVE);
-    system.prescribed().iter().for_each(|&(j, _)| places[j] = PRESCRIBED);
-    let [slaves, masters, prescribed] = sides(&mut places, relation.rows(), system.prescribed().len());
+    let mut side = vec![MASTER; system.dofs()];
+    relation.slave.iter().for_each(|&s| side[dofs[s as usize] as usize] = SLAVE);
+    system.prescribed().iter().for_each(|&(j, _)| side[j] = PRESCRIBED);
+    let (places, [slaves, masters, prescribed]) = sides(&side, relation.rows(), system.prescribed().len());
     // Place within its side of every DOF that occurs.
-    let place: Vec<u32> = dofs.iter().map(|&j| places[j as usize]).collect();
+    let place = gather(&places, dofs);
     drop(places);
     let order = Order::new(&relation.slave, &place);
     let mut t = sized(relation, &order, masters.len(), |terms| terms.len() - relation.prescribed_among(terms));
@@ -67,24 +69,30 @@ fn write_row(
     }
 }
 
-const SLAVE: u32 = 0;
-const MASTER: u32 = 1;
-const PRESCRIBED: u32 = 2;
+const SLAVE: u8 = 0;
+const MASTER: u8 = 1;
+const PRESCRIBED: u8 = 2;
 
-/// The DOFs of each side, ascending, of which `slaves` and `prescribed` say how many there are; turns sides into places within them.
-fn sides(places: &mut [u32], slaves: usize, prescribed: usize) -> [Vec<usize>; 3] {
-    let counts = [slaves, places.len() - slaves - prescribed, prescribed];
+/// The place of each DOF within its side, and the DOFs of each side, ascending; `slaves` and `prescribed` say how many there are.
+fn sides(side: &[u8], slaves: usize, prescribed: usize) -> (Vec<u32>, [Vec<usize>; 3]) {
+    let counts = [slaves, side.len() - slaves - prescribed, prescribed];
     // Each DOF is written to the next place of every side and stays on its own: without a branch, which nobody could predict.
     let mut sides = counts.map(|count| vec![0; count + 1]);
     let mut next = [0; 3];
-    for (j, place) in places.iter_mut().enumerate() {
-        let side = *place;
+    let mut places = Vec::with_capacity(side.len());
+    for (j, &side) in side.iter().enumerate() {
         (0..3).for_each(|k| sides[k][next[k]] = j);
-        *place = next[side as usize] as u32;
-        (0..3).for_each(|k| next[k] += usize::from(side == k as u32));
+        places.push(next[side as usize] as u32);
+        (0..3).for_each(|k| next[k] += usize::from(side == k as u8));
     }
     sides.iter_mut().zip(counts).for_each(|(side, count)| side.truncate(count));
-    sides
+    (places, sides)
+}
+
+/// `values[at[k]]`; looks into much memory are shared by all threads.
+fn gather(values: &[u32], at: &[u32]) -> Vec<u32> {
+    let value = |&j: &u32| values[j as usize];
+    if at.len() < WORTH_A_THREAD { at.iter().map(value).collect() } else { at.par_iter().map(value).collect() }
 }
 
 /// A matrix with nothing in its rows, which are as long as `length` says of the terms of the relation's.
