@@ -54,7 +54,7 @@ impl Share {
 }
 
 impl Plan {
-    /// "All pair lists are combined and sorted, duplicates are eliminated."
+    /// Cuts the rows of H into chunks, and finds the constraints and the places of their numbers for each.
     pub fn new(blocks: &[Box<dyn Block>], dofs: usize) -> Self {
         let (start, col) = pattern(blocks, dofs);
         let (chunk_of, first_rows) = cut(&start);

@@ -64,7 +64,7 @@ fn nonlinear<'a>(blocks: &'a [Box<dyn Block>], mut c: &'a mut [f64], mut g: &'a 
 /// Does all of them.
 pub fn run(mut tasks: Vec<Task>, u: &[f64]) {
     tasks.sort_by_key(|task| task.dof);
-    // The numbers of one chunk of H, in an array for each thread that stays in its cache.
+    // The numbers of one chunk of H, in an array that serves one chunk after another and stays in the cache of a core.
     tasks.into_par_iter().for_each_init(Vec::new, |numbers, task| match task.work {
         Work::Linear { rows, batch, c } => rows.evaluate(batch, u, c),
         Work::Nonlinear { block, first, c, g } => block.evaluate(first, u, c, g),
