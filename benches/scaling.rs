@@ -1,10 +1,10 @@
 //! How time and memory grow: the paper's tie model from 3e4 to 3e6 equations, `cargo bench --bench scaling` (`-- --test` for
 //! the two smallest sizes).
 //!
-//! Each size is taken in turns with one transposition of C, in one process. DOFs are numbered as equations name them, as a mesh
-//! generator would, and at random: there passes over DOFs wait for memory as soon as it is larger than the caches, and the
-//! exponent of the transposition shows how much of that is the machine's. Exponents are fitted to all sizes by least
-//! squares of logarithms.
+//! All sizes are taken in turns, each with one transposition of C, in one process, so that a busy minute of the machine falls on
+//! all of them. DOFs are numbered as equations name them, as a mesh generator would, and at random: there passes over DOFs wait
+//! for memory as soon as it is larger than the caches, and the exponent of the transposition shows how much of that is the
+//! machine's. Exponents are fitted to the medians of all sizes by least squares of logarithms.
 //!
 //! The process keeps its memory from one round to the next, as it does at small sizes anyway; `-- --fresh` leaves glibc its rule.
 
@@ -25,6 +25,8 @@ use timing::{median, seconds};
 static MEMORY: PeakAlloc = PeakAlloc;
 
 const SIZES: [usize; 5] = [30_000, 100_000, 300_000, 1_000_000, 3_000_000];
+
+const ROUNDS: usize = 15;
 
 /// Numbers the DOFs of a system again.
 type Order = fn(&ConstraintSystem) -> ConstraintSystem;
@@ -57,7 +59,12 @@ fn growth(name: &str, order: Order, sizes: &[usize]) -> f64 {
         "{:>9} {:>10} {:>9} {:>12} {:>14} {:>8} {:>12}",
         "equations", "nnz", "DOFs", "time", "transposition", "ratio", "memory / C"
     );
-    let samples: Vec<Sample> = sizes.iter().map(|&size| measure(name, order, size)).collect();
+    let system = |&size: &usize| order(&fssi::tie(&Mesh::with_equations(size), 1).expect("a scene").system);
+    let mut all: Vec<(ConstraintSystem, Times)> = sizes.iter().map(|size| (system(size), Times::default())).collect();
+    for _ in 0..ROUNDS {
+        all.iter_mut().for_each(|(system, times)| round(system, times));
+    }
+    let samples: Vec<Sample> = all.into_iter().map(|(system, times)| sample(name, &system, times)).collect();
     let exponent = |of: &dyn Fn(&Sample) -> f64| fit(samples.iter().map(|s| (s.equations.ln(), of(s).ln())));
     println!(
         "exponents: time {:.2}, peak memory {:.2}, transposition {:.2}",
@@ -113,20 +120,25 @@ fn certificates_and_reduction(system: &ConstraintSystem) -> usize {
     analysis.dependent.iter().map(|d| analysis.because(d).len()).sum()
 }
 
-fn measure(name: &str, order: Order, size: usize) -> Sample {
-    let system = order(&fssi::tie(&Mesh::with_equations(size), 1).expect("a scene").system);
-    let rounds = (3_000_000 / size).clamp(3, 51);
-    let mut times: [Vec<f64>; 2] = Default::default();
-    for _ in 0..rounds {
+/// Seconds of the whole elimination and of one transposition, of every round.
+type Times = [Vec<f64>; 2];
+
+/// One round of a size: repeated where it is small, so that most find their own data in the caches and not another size's.
+fn round(system: &ConstraintSystem, times: &mut Times) {
+    for _ in 0..(600_000 / system.equations()).max(1) {
         times[0].push(seconds(|| {
-            black_box(whole(&system));
+            black_box(whole(system));
         }));
         times[1].push(seconds(|| drop(black_box(system.matrix().transpose()))));
     }
+}
+
+/// Prints a line of the table.
+fn sample(name: &str, system: &ConstraintSystem, times: Times) -> Sample {
     let [eliminate, transpose] = times.map(median);
     MEMORY.reset_peak_usage();
     let before = MEMORY.current_usage();
-    black_box(whole(&system));
+    black_box(whole(system));
     let (nnz, dofs) = (system.matrix().nnz(), system.dofs());
     let sample = Sample {
         equations: system.equations() as f64,

@@ -28,10 +28,10 @@ fn agree(system: &ConstraintSystem, options: &Options) {
     }
 }
 
-/// Enough rows for threads to write T and G together: `u_2i - 2 u_2i+1 - 3 u_last = i`, DOFs in any order, the last one prescribed.
+/// Enough rows for threads to number DOFs in halves and to write T and G together: `u_2i - 2 u_2i+1 - 3 u_last = i`, DOFs in any order, the last one prescribed.
 #[test]
 fn many_rows() {
-    let (rows, last) = (450_000, 900_000);
+    let (rows, last) = (1_060_000, 2_120_000);
     // 7,777 has no divisor in common with the number of DOFs.
     let anywhere = |j: usize| j * 7_777 % last;
     let mut builder = SystemBuilder::new(last + 1);

@@ -38,6 +38,7 @@ mod hold;
 mod keep;
 mod local;
 mod options;
+mod pool;
 mod preferences;
 mod presolve;
 pub mod qr;

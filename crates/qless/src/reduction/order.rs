@@ -5,13 +5,9 @@
 
 use std::hint::black_box;
 
-use rayon::prelude::*;
-
 use crate::Csr;
 use crate::ahead::{BATCH, IN_CACHE};
-
-/// Fewer rows than this are not worth a thread of their own.
-pub(super) const WORTH_A_THREAD: usize = 1 << 17;
+use crate::pool::WORTH_A_THREAD;
 
 /// Where each row goes.
 pub(super) struct Order<'a> {
@@ -49,14 +45,6 @@ impl<'a> Order<'a> {
             }
         }
         visit(&batch[..count]);
-    }
-}
-
-/// Does each piece of work, one alone without asking the pool.
-pub(super) fn each<T: Send>(work: Vec<T>, job: impl Fn(T) + Send + Sync) {
-    match work.len() {
-        0 | 1 => work.into_iter().for_each(job),
-        _ => work.into_par_iter().for_each(job),
     }
 }
 

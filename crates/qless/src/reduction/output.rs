@@ -3,11 +3,10 @@
 //! Rows are taken in the order in which they were made, and each is written to its place: the user's numbers may be in any order,
 //! and independent writes cost far less than reads that wait for one another. O(nnz + n).
 
-use rayon::prelude::*;
-
 use super::Reduction;
-use super::order::{Order, Slab, WORTH_A_THREAD, each, slabs};
+use super::order::{Order, Slab, slabs};
 use super::rows::Relation;
+use crate::pool::{each, gather};
 use crate::{ConstraintSystem, Csr};
 
 pub(super) fn write(system: &ConstraintSystem, relation: &Relation) -> Reduction {
@@ -87,12 +86,6 @@ fn sides(side: &[u8], slaves: usize, prescribed: usize) -> (Vec<u32>, [Vec<usize
     }
     sides.iter_mut().zip(counts).for_each(|(side, count)| side.truncate(count));
     (places, sides)
-}
-
-/// `values[at[k]]`; looks into much memory are shared by all threads.
-fn gather(values: &[u32], at: &[u32]) -> Vec<u32> {
-    let value = |&j: &u32| values[j as usize];
-    if at.len() < WORTH_A_THREAD { at.iter().map(value).collect() } else { at.par_iter().map(value).collect() }
 }
 
 /// A matrix with nothing in its rows, which are as long as `length` says of the terms of the relation's.

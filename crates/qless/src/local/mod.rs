@@ -4,10 +4,11 @@
 //! array over DOFs is read nearly in sequence by every stage, and DOFs outside all equations cost nothing.
 //! O(nnz + n) time, 4 nnz + 5 n bytes.
 
-use std::hint::black_box;
+mod pass;
+
+use pass::Pass;
 
 use crate::ConstraintSystem;
-use crate::ahead::{BATCH, IN_CACHE};
 
 /// The local number of every coefficient's DOF, and what they stand for.
 pub(crate) struct Numbering {
@@ -36,6 +37,13 @@ impl Column {
     pub fn enter(&mut self, row: u32) {
         self.count += 1;
         self.rows ^= row;
+    }
+
+    /// Takes in the rows of another count of the same DOF.
+    #[inline]
+    fn join(&mut self, other: Self) {
+        self.count += other.count;
+        self.rows ^= other.rows;
     }
 
     /// Takes it out again.
@@ -67,42 +75,14 @@ impl Exponents {
 impl Numbering {
     /// Numbers the DOFs; counts their rows and finds the range of each row on the way.
     pub fn new(system: &ConstraintSystem) -> (Self, Vec<Column>, Vec<Exponents>) {
-        let c = system.matrix();
-        let mut local = vec![u32::MAX; c.cols];
-        // One place more than there are DOFs: each entry writes to the next free place, without a branch that nobody can predict.
-        let most = c.cols.min(c.nnz()) + 1;
-        let (mut dofs, mut columns) = (vec![0; most], vec![Column::default(); most]);
-        let mut count = 0;
-        let mut entries = vec![0; c.nnz()];
-        let mut exponents = Vec::with_capacity(c.rows());
-        let mut asked = if c.cols > IN_CACHE { 0 } else { c.nnz() };
-        for i in 0..c.rows() {
-            let range = c.start[i]..c.start[i + 1];
-            if range.end > asked {
-                let ahead = asked..(range.end + BATCH).min(c.nnz());
-                asked = ahead.end;
-                black_box(c.col[ahead].iter().fold(0, |all, &j| all ^ local[j as usize]));
-            }
-            let mut of_row = Exponents::NONE;
-            for ((entry, &j), &v) in entries[range.clone()].iter_mut().zip(&c.col[range.clone()]).zip(&c.val[range]) {
-                let known = local[j as usize];
-                let is_new = known == u32::MAX;
-                let l = if is_new { count } else { known };
-                local[j as usize] = l;
-                dofs[count as usize] = j;
-                count += u32::from(is_new);
-                columns[l as usize].enter(i as u32);
-                *entry = l;
-                of_row = of_row.with(v);
-            }
-            exponents.push(of_row);
-        }
-        dofs.truncate(count as usize);
-        columns.truncate(count as usize);
+        let (entries, pass) = pass::number(system.matrix());
+        let named = system.prescribed().iter().zip(0..).filter_map(|(&(j, value), place)| {
+            let l = pass.find(j)?;
+            Some(((l as usize, value), place))
+        });
+        let (prescribed, places): (Vec<_>, Vec<_>) = named.unzip();
+        let Pass { dofs, columns, exponents, .. } = pass;
         let mut free = vec![true; dofs.len()];
-        let named = system.prescribed().iter().zip(0..).filter(|&(&(j, _), _)| local[j] != u32::MAX);
-        let (prescribed, places): (Vec<_>, Vec<_>) =
-            named.map(|(&(j, value), place)| ((local[j] as usize, value), place)).unzip();
         prescribed.iter().for_each(|&(l, _)| free[l] = false);
         (Self { entries, dofs, free, prescribed, places }, columns, exponents)
     }
