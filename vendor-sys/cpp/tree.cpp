@@ -9,6 +9,8 @@
 #include "SuiteSparseQR.hpp"
 #include "spqr.hpp"
 
+#include "threads.hpp"
+
 #include <algorithm>
 #include <atomic>
 #include <memory>
@@ -16,10 +18,7 @@
 #include <vector>
 
 #include <dlfcn.h>
-#include <tbb/blocked_range.h>
 #include <tbb/info.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 #include <tbb/version.h>
 
 #if SPQR_MAIN_VERSION != 2 || SPQR_SUB_VERSION != 1
@@ -32,26 +31,14 @@ namespace
 using Blob = spqr_blob<double>;
 using Kernel = void (*)(Long, Blob *);
 
-// What the caller on this thread asked for: 0 or 1 leaves the library alone.
-thread_local int wanted_threads = 0;
-// The factorization whose tasks have all been run.
+using qless::wanted_threads;
+
+// The factorization whose tasks have all been run, and what it makes.
 thread_local const Blob *finished = nullptr;
+thread_local const void *made = nullptr;
 
 std::atomic<unsigned long long> trees{0};
-
-// oneTBB orders the start of a tree before its tasks and these before its end, by means that ThreadSanitizer cannot see. So it is
-// said again: whoever looks here comes after all who marked it before.
 std::atomic<unsigned long long> marks{0};
-
-void mark()
-{
-    marks.fetch_add(1, std::memory_order_release);
-}
-
-void look()
-{
-    marks.load(std::memory_order_acquire);
-}
 
 // The library's own kernel, the next definition after the program's.
 Kernel own_kernel()
@@ -98,30 +85,9 @@ public:
                 push(task);
     }
 
-    void run(int threads)
+    void run()
     {
-        const size_t runners = ready.size();
-        mark();
-        try
-        {
-            tbb::task_arena arena(threads);
-            arena.execute([this, runners] {
-                tbb::parallel_for(
-                    tbb::blocked_range<size_t>(0, runners, 1),
-                    [this](const tbb::blocked_range<size_t> &range) {
-                        look();
-                        for (size_t k = range.begin(); k != range.end(); k++)
-                            take();
-                        mark();
-                    },
-                    tbb::simple_partitioner());
-            });
-        }
-        catch (...)
-        {
-            // oneTBB found no memory or no thread: tasks that ran have run, the rest follows in sequence.
-        }
-        look();
+        qless::share(ready.size(), [this](std::size_t) { take(); });
         // Zero if all have run.
         if (pending[root] != 0)
             for (Long task = 0; task < root; task++)
@@ -177,8 +143,7 @@ bool run_tree(Blob *blob)
 {
     try
     {
-        // More threads than cores would only take turns.
-        Tree(blob).run(std::min(wanted_threads, tbb::info::default_concurrency()));
+        Tree(blob).run();
     }
     catch (...)
     {
@@ -189,6 +154,33 @@ bool run_tree(Blob *blob)
 }
 
 } // namespace
+
+namespace qless
+{
+
+thread_local int wanted_threads = 0;
+
+int threads()
+{
+    return std::min(wanted_threads, tbb::info::default_concurrency());
+}
+
+bool has_tree(const void *numeric)
+{
+    return wanted_threads > 1 && made == numeric;
+}
+
+void mark()
+{
+    marks.fetch_add(1, std::memory_order_release);
+}
+
+void look()
+{
+    marks.load(std::memory_order_acquire);
+}
+
+} // namespace qless
 
 extern "C" void qless_tree_kernel(Long task, void *data)
 {
@@ -201,9 +193,11 @@ extern "C" void qless_tree_kernel(Long task, void *data)
     if (task == 0)
     {
         finished = nullptr;
+        made = nullptr;
         if (wanted_threads > 1 && blob->QRnum->ntasks > 2 && run_tree(blob))
         {
             finished = blob;
+            made = blob->QRnum;
             trees++;
         }
     }
@@ -216,6 +210,7 @@ extern "C" int qless_tree_threads(int threads)
     const int before = wanted_threads;
     wanted_threads = threads;
     finished = nullptr;
+    made = nullptr;
     return before;
 }
 

@@ -1,7 +1,8 @@
 //! SuiteSparseQR's task tree on oneTBB (`cpp/tree.cpp`), with the feature `tbb` and SuiteSparseQR 2.1; nothing happens without.
 //!
-//! The exported name is that of the library's kernel, which the library calls through the dynamic linker: this definition
-//! takes its place in the whole process. A caller that asked for no threads gets the library's own kernel, as before.
+//! The exported names are those of the library's kernel and of its copy of R (`cpp/result.cpp`), which the library calls through
+//! the dynamic linker: these definitions take their place in the whole process. A caller that asked for no threads gets the
+//! library's own, as before.
 
 #[cfg(task_tree)]
 use linked as backend;
@@ -64,21 +65,48 @@ mod linked {
     const NAME: &CStr = c"_Z11spqr_kernelIdEvlP9spqr_blobIT_E";
 
     unsafe extern "C" {
-        fn qless_tree_kernel(task: c_long, blob: *mut c_void);
         fn qless_tree_threads(threads: c_int) -> c_int;
         fn qless_tree_count() -> c_ulonglong;
         fn qless_tree_runtime() -> *const c_char;
     }
 
-    /// Stands in for `spqr_kernel<double>(task, blob)`.
-    ///
-    /// # Safety
-    /// For SuiteSparseQR itself: `blob` is the `spqr_blob<double>` of a factorization in progress.
-    #[unsafe(export_name = "_Z11spqr_kernelIdEvlP9spqr_blobIT_E")]
-    pub unsafe extern "C" fn kernel(task: c_long, blob: *mut c_void) {
-        // SAFETY: both come from SuiteSparseQR as they are, and no exception leaves the function.
-        unsafe { qless_tree_kernel(task, blob) }
+    /// A function exported under a name of the library's, as C++ mangles it, that hands all it gets to one of ours.
+    macro_rules! stand_in {
+        ($name:ident = $mangled:literal, $ours:ident($($argument:ident: $kind:ty),*)) => {
+            unsafe extern "C" {
+                fn $ours($($argument: $kind),*);
+            }
+
+            /// # Safety
+            /// For SuiteSparseQR itself: the arguments are those of a factorization in progress.
+            #[unsafe(export_name = $mangled)]
+            #[allow(clippy::too_many_arguments, reason = "the library's")]
+            pub unsafe extern "C" fn $name($($argument: $kind),*) {
+                // SAFETY: all comes from SuiteSparseQR as it is, and no exception leaves the function.
+                unsafe { $ours($($argument),*) }
+            }
+        };
     }
+
+    type Data = *mut c_void;
+    type Index = *mut c_long;
+    type Values = *mut f64;
+
+    // spqr_kernel<double>(task, blob), the tasks.
+    stand_in!(kernel = "_Z11spqr_kernelIdEvlP9spqr_blobIT_E", qless_tree_kernel(task: c_long, blob: Data));
+
+    // spqr_rcount<double>, the number of entries in each column of R.
+    stand_in!(count_r = "_Z11spqr_rcountIdEvP13spqr_symbolicP12spqr_numericIT_EllliPlS6_S6_S6_", qless_result_count(
+        symbolic: Data, numeric: Data, first: c_long, econ: c_long, n2: c_long, transpose: c_int,
+        a: Index, b: Index, h: Index, vectors: Index
+    ));
+
+    // spqr_rconvert<double>, the entries.
+    stand_in!(copy_r = "_Z13spqr_rconvertIdEvP13spqr_symbolicP12spqr_numericIT_EllliPlS6_PS3_S6_S6_S7_S6_S6_S7_S7_", qless_result_convert(
+        symbolic: Data, numeric: Data, first: c_long, econ: c_long, n2: c_long, transpose: c_int,
+        a_start: Index, a_row: Index, a_value: Values, b_start: Index, b_row: Index, b_value: Values,
+        h_start: Index, h_row: Index, h_value: Values, tau: Values
+    ));
 
     pub fn threads(threads: c_int) -> c_int {
         // SAFETY: sets numbers of this thread only.

@@ -17,6 +17,28 @@ extern "C" void stand_in(SuiteSparse_long task, void *blob)
     qless_tree_kernel(task, blob);
 }
 
+using Index = SuiteSparse_long;
+extern "C" void qless_result_count(void *, void *, Index, Index, Index, int, Index *, Index *, Index *, Index *);
+extern "C" void qless_result_convert(void *, void *, Index, Index, Index, int, Index *, Index *, double *, Index *, Index *,
+                                     double *, Index *, Index *, double *, double *);
+
+extern "C" void count_r(void *, void *, Index, Index, Index, int, Index *, Index *, Index *, Index *)
+    __asm__("_Z11spqr_rcountIdEvP13spqr_symbolicP12spqr_numericIT_EllliPlS6_S6_S6_");
+extern "C" void count_r(void *symbolic, void *numeric, Index first, Index econ, Index n2, int transpose, Index *a, Index *b,
+                        Index *h, Index *vectors)
+{
+    qless_result_count(symbolic, numeric, first, econ, n2, transpose, a, b, h, vectors);
+}
+
+extern "C" void copy_r(void *, void *, Index, Index, Index, int, Index *, Index *, double *, Index *, Index *, double *, Index *,
+                       Index *, double *, double *)
+    __asm__("_Z13spqr_rconvertIdEvP13spqr_symbolicP12spqr_numericIT_EllliPlS6_PS3_S6_S6_S7_S6_S6_S7_S7_");
+extern "C" void copy_r(void *symbolic, void *numeric, Index first, Index econ, Index n2, int transpose, Index *ap, Index *ai,
+                       double *ax, Index *bp, Index *bi, double *bx, Index *hp, Index *hi, double *hx, double *tau)
+{
+    qless_result_convert(symbolic, numeric, first, econ, n2, transpose, ap, ai, ax, bp, bi, bx, hp, hi, hx, tau);
+}
+
 // Edges x nodes of a square grid; the rank, which is one less than the number of nodes.
 static long rank_of_grid(long side)
 {

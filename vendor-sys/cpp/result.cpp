@@ -1,0 +1,230 @@
+// R by columns, from the fronts of a factorization whose tasks ran in a tree.
+//
+// The library counts the entries of each column (spqr_rcount) and copies them (spqr_rconvert) one front after the other, which
+// takes a tenth of a call whose tasks run in parallel. It makes these calls through the dynamic linker too, so those exported by
+// tree.rs take their place. Each thread counts fronts of its own, and copies columns of its own, in the library's order: R is
+// the same to the last bit.
+//
+// The R block of a front holds, column after column, the rows that the front has found so far: one more with each of its pivot
+// columns that is not dead, and all of them in the columns after.
+
+#include "SuiteSparseQR.hpp"
+#include "spqr.hpp"
+
+#include "threads.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <memory>
+#include <vector>
+
+#include <dlfcn.h>
+
+namespace
+{
+
+using Numeric = spqr_numeric<double>;
+using Count = void (*)(spqr_symbolic *, Numeric *, Long, Long, Long, int, Long *, Long *, Long *, Long *);
+using Convert = void (*)(spqr_symbolic *, Numeric *, Long, Long, Long, int, Long *, Long *, double *, Long *, Long *, double *,
+                         Long *, Long *, double *, double *);
+
+// The library's own function of this name, the next definition after the program's.
+template <class Function> Function own(const char *name)
+{
+    return reinterpret_cast<Function>(dlsym(RTLD_NEXT, name));
+}
+
+// The R blocks of all fronts.
+struct Fronts
+{
+    const spqr_symbolic &symbolic;
+    const Numeric &numeric;
+
+    // Whether pivot column j was found independent.
+    bool is_live(Long j) const
+    {
+        return !numeric.Rdead || !numeric.Rdead[j];
+    }
+
+    // visit(column, entries, how many) for each column of a front; the number of rows found.
+    template <class Visit> Long each_column(Long front, const Visit &visit) const
+    {
+        const Long first = symbolic.Super[front], pivots = symbolic.Super[front + 1] - first;
+        const Long begin = symbolic.Rp[front], columns = symbolic.Rp[front + 1] - begin;
+        const double *entries = numeric.Rblock[front];
+        Long found = 0;
+        for (Long k = 0; k < columns; k++)
+        {
+            found += k < pivots && is_live(first + k);
+            visit(symbolic.Rj[begin + k], entries, found);
+            entries += found;
+        }
+        return found;
+    }
+
+    // The first row of R of each front, and how many there are in all.
+    std::vector<Long> first_rows() const
+    {
+        std::vector<Long> rows(symbolic.nf + 1);
+        for (Long front = 0; front < symbolic.nf; front++)
+        {
+            Long found = 0;
+            for (Long j = symbolic.Super[front]; j < symbolic.Super[front + 1]; j++)
+                found += is_live(j);
+            rows[front + 1] = rows[front] + found;
+        }
+        return rows;
+    }
+};
+
+// Parts of the work: copying waits for memory, and more threads than these only wait together.
+std::size_t parts_of_all()
+{
+    return std::size_t(std::min(qless::threads(), 8));
+}
+
+// As qless::share, but all is done in the end.
+template <class Work> void share_all(std::size_t count, const Work &work)
+{
+    const std::unique_ptr<std::atomic<bool>[]> done(new std::atomic<bool>[count]);
+    for (std::size_t k = 0; k < count; k++)
+        done[k] = false;
+    qless::share(count, [&](std::size_t k) {
+        work(k);
+        done[k] = true;
+    });
+    for (std::size_t k = 0; k < count; k++)
+        if (!done[k])
+            work(k);
+}
+
+// Where to cut `total` (ascending sums) into parts of about the same size.
+std::vector<Long> cuts(const std::vector<Long> &total, std::size_t parts)
+{
+    std::vector<Long> cut(parts + 1);
+    for (std::size_t k = 1; k < parts; k++)
+    {
+        const Long goal = Long(double(total.back()) * double(k) / double(parts));
+        cut[k] = std::max(cut[k - 1], Long(std::lower_bound(total.begin(), total.end(), goal) - total.begin()));
+    }
+    cut[parts] = Long(total.size()) - 1;
+    return cut;
+}
+
+// Adds the entries of each column that are not zero, in rows before `end`.
+void count(const Fronts &fronts, Long n1rows, Long end, std::vector<Long> &counts_of_all)
+{
+    const std::size_t parts = parts_of_all(), n = counts_of_all.size();
+    const std::vector<Long> rows = fronts.first_rows();
+    std::vector<Long> sizes(rows.size());
+    for (std::size_t f = 0; f + 1 < sizes.size(); f++)
+        sizes[f + 1] = sizes[f] + (rows[f + 1] - rows[f]) * (fronts.symbolic.Rp[f + 1] - fronts.symbolic.Rp[f]);
+    const std::vector<Long> cut = cuts(sizes, parts);
+    std::vector<std::vector<Long>> counts(parts, std::vector<Long>(n));
+    share_all(parts, [&](std::size_t part) {
+        Long *const own = counts[part].data();
+        for (Long front = cut[part]; front < cut[part + 1]; front++)
+        {
+            const Long most = std::max(end - n1rows - rows[front], Long(0));
+            fronts.each_column(front, [=](Long j, const double *entries, Long length) {
+                own[j] += std::min(length, most) - std::count(entries, entries + std::min(length, most), 0.0);
+            });
+        }
+    });
+    for (const std::vector<Long> &part : counts)
+        for (std::size_t j = 0; j < n; j++)
+            counts_of_all[j] += part[j];
+}
+
+// One part of R: where each of its columns goes on, rows and values of its entries.
+struct Columns
+{
+    Long *next;
+    Long *row;
+    double *value;
+};
+
+// Copies the entries that are not zero, in rows before `end`: those of the columns before n2 to `a`, the others to `b`.
+void convert(const Fronts &fronts, Long n1rows, Long end, Long n2, const Columns &a, const Columns &b)
+{
+    const std::size_t parts = parts_of_all();
+    const Long n = fronts.symbolic.n;
+    const std::vector<Long> rows = fronts.first_rows();
+    // a.next still says where columns start; how long they are tells how to share them.
+    std::vector<Long> starts(a.next, a.next + n2 + 1);
+    for (Long &at : starts)
+        at -= a.next[0];
+    const std::vector<Long> cut = cuts(starts, parts);
+    share_all(parts, [&](std::size_t part) {
+        // The last takes the columns of `b` too, which are few.
+        const Long from = cut[part], to = part + 1 == parts ? n : cut[part + 1];
+        for (Long front = 0; front < fronts.symbolic.nf; front++)
+        {
+            const Long first = n1rows + rows[front];
+            fronts.each_column(front, [&, first](Long j, const double *entries, Long length) {
+                if (j < from || j >= to)
+                    return;
+                const Columns &out = j < n2 ? a : b;
+                Long &next = out.next[j < n2 ? j : j - n2];
+                Long at = next;
+                for (Long i = 0; i < std::min(length, end - first); i++)
+                    if (entries[i] != 0.0)
+                    {
+                        out.row[at] = first + i;
+                        out.value[at++] = entries[i];
+                    }
+                next = at;
+            });
+        }
+    });
+}
+
+} // namespace
+
+extern "C" void qless_result_count(void *symbolic_in, void *numeric_in, Long n1rows, Long econ, Long n2, int transpose, Long *a,
+                                   Long *b, Long *h, Long *vectors)
+{
+    spqr_symbolic *symbolic = static_cast<spqr_symbolic *>(symbolic_in);
+    Numeric *numeric = static_cast<Numeric *>(numeric_in);
+    if (qless::has_tree(numeric) && !numeric->keepH && !transpose)
+    {
+        try
+        {
+            std::vector<Long> counts(symbolic->n);
+            count(Fronts{*symbolic, *numeric}, n1rows, econ, counts);
+            for (Long j = 0; j < symbolic->n; j++)
+                if (Long *to = j < n2 ? a : b)
+                    to[j < n2 ? j : j - n2] += counts[j];
+            return;
+        }
+        catch (...)
+        {
+            // No memory, and nothing has been added.
+        }
+    }
+    static const Count library = own<Count>("_Z11spqr_rcountIdEvP13spqr_symbolicP12spqr_numericIT_EllliPlS6_S6_S6_");
+    library(symbolic, numeric, n1rows, econ, n2, transpose, a, b, h, vectors);
+}
+
+extern "C" void qless_result_convert(void *symbolic_in, void *numeric_in, Long n1rows, Long econ, Long n2, int transpose, Long *ap,
+                                     Long *ai, double *ax, Long *bp, Long *bi, double *bx, Long *hp, Long *hi, double *hx,
+                                     double *htau)
+{
+    spqr_symbolic *symbolic = static_cast<spqr_symbolic *>(symbolic_in);
+    Numeric *numeric = static_cast<Numeric *>(numeric_in);
+    if (qless::has_tree(numeric) && !numeric->keepH && !transpose && ap && (bp || n2 == symbolic->n))
+    {
+        try
+        {
+            convert(Fronts{*symbolic, *numeric}, n1rows, econ, n2, Columns{ap, ai, ax}, Columns{bp, bi, bx});
+            return;
+        }
+        catch (...)
+        {
+            // No memory, and nothing has been copied.
+        }
+    }
+    static const Convert library = own<Convert>(
+        "_Z13spqr_rconvertIdEvP13spqr_symbolicP12spqr_numericIT_EllliPlS6_PS3_S6_S6_S7_S6_S6_S7_S7_");
+    library(symbolic, numeric, n1rows, econ, n2, transpose, ap, ai, ax, bp, bi, bx, hp, hi, hx, htau);
+}
