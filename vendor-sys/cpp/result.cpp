@@ -1,8 +1,7 @@
 // R by columns, from the fronts of a factorization whose tasks ran in a tree.
 //
-// The library counts the entries of each column (spqr_rcount) and copies them (spqr_rconvert) one front after the other, which
-// takes a tenth of a call whose tasks run in parallel. It makes these calls through the dynamic linker too, so those exported by
-// tree.rs take their place. Each thread counts fronts of its own, and copies columns of its own, in the library's order: R is
+// The library counts the entries of each column (spqr_rcount) and copies them (spqr_rconvert) one front after the other, on one
+// thread. It makes these calls through the dynamic linker too, so those exported by tree.rs take their place. Each thread counts fronts of its own, and copies columns of its own, in the library's order: R is
 // the same to the last bit.
 //
 // The R block of a front holds, column after column, the rows that the front has found so far: one more with each of its pivot
@@ -28,6 +27,9 @@ using Count = void (*)(spqr_symbolic *, Numeric *, Long, Long, Long, int, Long *
 using Convert = void (*)(spqr_symbolic *, Numeric *, Long, Long, Long, int, Long *, Long *, double *, Long *, Long *, double *,
                          Long *, Long *, double *, double *);
 
+// How many times R was copied here.
+std::atomic<unsigned long long> copies{0};
+
 // The library's own function of this name, the next definition after the program's.
 template <class Function> Function own(const char *name)
 {
@@ -46,8 +48,8 @@ struct Fronts
         return !numeric.Rdead || !numeric.Rdead[j];
     }
 
-    // visit(column, entries, how many) for each column of a front; the number of rows found.
-    template <class Visit> Long each_column(Long front, const Visit &visit) const
+    // visit(column, entries, how many) for each column of a front.
+    template <class Visit> void each_column(Long front, const Visit &visit) const
     {
         const Long first = symbolic.Super[front], pivots = symbolic.Super[front + 1] - first;
         const Long begin = symbolic.Rp[front], columns = symbolic.Rp[front + 1] - begin;
@@ -59,7 +61,6 @@ struct Fronts
             visit(symbolic.Rj[begin + k], entries, found);
             entries += found;
         }
-        return found;
     }
 
     // The first row of R of each front, and how many there are in all.
@@ -77,7 +78,7 @@ struct Fronts
     }
 };
 
-// Parts of the work: copying waits for memory, and more threads than these only wait together.
+// Parts of the work: no more than this, as each counts in an array over all columns.
 std::size_t parts_of_all()
 {
     return std::size_t(std::min(qless::threads(), 8));
@@ -217,6 +218,7 @@ extern "C" void qless_result_convert(void *symbolic_in, void *numeric_in, Long n
         try
         {
             convert(Fronts{*symbolic, *numeric}, n1rows, econ, n2, Columns{ap, ai, ax}, Columns{bp, bi, bx});
+            copies++;
             return;
         }
         catch (...)
@@ -227,4 +229,9 @@ extern "C" void qless_result_convert(void *symbolic_in, void *numeric_in, Long n
     static const Convert library = own<Convert>(
         "_Z13spqr_rconvertIdEvP13spqr_symbolicP12spqr_numericIT_EllliPlS6_PS3_S6_S6_S7_S6_S6_S7_S7_");
     library(symbolic, numeric, n1rows, econ, n2, transpose, ap, ai, ax, bp, bi, bx, hp, hi, hx, htau);
+}
+
+extern "C" unsigned long long qless_result_copies()
+{
+    return copies;
 }

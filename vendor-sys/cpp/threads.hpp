@@ -45,6 +45,7 @@ template <class Work> void share(std::size_t count, const Work &work)
     }
     catch (...)
     {
+        // oneTBB found no memory or no thread: what was done is done, the rest is the caller's.
     }
     look();
 }

@@ -108,6 +108,22 @@ mod linked {
         h_start: Index, h_row: Index, h_value: Values, tau: Values
     ));
 
+    #[cfg(test)]
+    #[test]
+    fn the_library_counts_and_copies_r_here() {
+        let ours: [(&CStr, *const c_void); 2] = [
+            (c"_Z11spqr_rcountIdEvP13spqr_symbolicP12spqr_numericIT_EllliPlS6_S6_S6_", count_r as *const c_void),
+            (
+                c"_Z13spqr_rconvertIdEvP13spqr_symbolicP12spqr_numericIT_EllliPlS6_PS3_S6_S6_S7_S6_S6_S7_S7_",
+                copy_r as *const c_void,
+            ),
+        ];
+        for (name, function) in ours {
+            // SAFETY: the name is a C string; nothing is loaded or called.
+            assert!(core::ptr::eq(unsafe { libc::dlsym(libc::RTLD_DEFAULT, name.as_ptr()) }, function), "{name:?}");
+        }
+    }
+
     pub fn threads(threads: c_int) -> c_int {
         // SAFETY: sets numbers of this thread only.
         unsafe { qless_tree_threads(threads) }

@@ -9,6 +9,7 @@
 extern "C" void qless_tree_kernel(SuiteSparse_long task, void *blob);
 extern "C" int qless_tree_threads(int threads);
 extern "C" unsigned long long qless_tree_count();
+extern "C" unsigned long long qless_result_copies();
 
 // What tree.rs exports to the library.
 extern "C" void stand_in(SuiteSparse_long task, void *blob) __asm__("_Z11spqr_kernelIdEvlP9spqr_blobIT_E");
@@ -90,5 +91,5 @@ int main()
         });
     for (std::thread &caller : callers)
         caller.join();
-    std::printf("%llu trees, ranks %s\n", qless_tree_count(), ranks == std::vector<long>(4) ? "as expected" : "wrong");
+    std::printf("%llu trees, %llu copies of R, ranks %s\n", qless_tree_count(), qless_result_copies(), ranks == std::vector<long>(4) ? "as expected" : "wrong");
 }

@@ -13,7 +13,7 @@ use crate::Csr;
 use crate::ahead::{BATCH, IN_CACHE};
 use crate::pool::gather;
 
-/// With fewer equations the second half's array over DOFs drives as much from the caches as the second thread gains.
+/// With fewer equations the second thread gains nothing: measured at 3e5 and 1e6.
 const WORTH_HALVES: usize = 1 << 20;
 
 /// No number yet.
