@@ -42,7 +42,7 @@ pub(crate) fn find(
     fixed.retain(|j| again.contains(j));
     let mut u = vec![0.0; system.dofs()];
     system.prescribed().iter().for_each(|&(j, value)| u[j] = value);
-    basis.complete(&mut u);
+    basis.complete(system, &mut u);
     let named = |&j: &u32| (system.numbering.dofs[j as usize] as usize, u[j as usize]);
     fixed.sort_unstable_by_key(|&j| system.numbering.dofs[j as usize]);
     Generated { values: fixed.iter().map(named).collect(), dofs: fixed }
@@ -97,15 +97,16 @@ impl Explainer<'_> {
                 part => {
                     rest.parts.pop_first();
                     let t = time as usize;
-                    let (dofs, values) = self.basis.row(t);
-                    dofs.iter().zip(values).for_each(|(&j, v)| rest.add(self.time[j as usize], j, value * v));
+                    let terms = self.basis.row(self.system, t).entries();
+                    terms.for_each(|(j, v)| rest.add(self.time[j as usize], j, value * v));
                     if part == Part::Peeled {
                         let row = self.basis.peeled[t];
                         let coefficient = value / self.system.coefficient(row as usize, dof);
                         own.push(Because { row: row as usize, coefficient });
                     } else {
-                        let pivot = ldexp(self.basis.pivot(t), -self.scaling.col(dof as usize));
-                        of_steps.push(((t - self.basis.peeled.len()) as u32, value / pivot));
+                        let step = t - self.basis.peeled.len();
+                        let pivot = ldexp(self.basis.pivot_of_step(step), -self.scaling.col(dof as usize));
+                        of_steps.push((step as u32, value / pivot));
                     }
                 }
             }

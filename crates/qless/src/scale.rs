@@ -36,7 +36,6 @@ impl Scaling {
 pub(crate) fn ldexp(x: f64, k: i32) -> f64 {
     let power = |k: i32| f64::from_bits(((k + 1023) as u64) << 52);
     match k {
-        0 => x,
         -1022..=1023 => x * power(k),
         1024.. => ldexp(x * power(1023), (k - 1023).min(2000)),
         _ => ldexp(x * power(-1022), (k + 1022).max(-2000)),

@@ -9,6 +9,7 @@
 
 use crate::basis::Basis;
 use crate::certificate::History;
+use crate::local::Local;
 use crate::scale::{Scaling, ldexp};
 
 /// Entries up to this give no reason for doubt.
@@ -17,19 +18,19 @@ const HARMLESS: f64 = 3e5;
 /// The largest entry of `|C_S^-1|` in the row of the `worst` slave of a [`crate::sweep`], with that slave; none where all are harmless.
 pub(crate) fn largest(
     worst: Option<(u32, f64)>,
+    system: Local,
     basis: &Basis,
     history: &History,
     scaling: &Scaling,
-    dofs: usize,
 ) -> Option<(u32, f64)> {
     let (slave, _) = worst.filter(|&(_, bound)| bound > HARMLESS)?;
-    let entry = row_of_inverse(basis, history, scaling, slave, dofs);
+    let entry = row_of_inverse(system, basis, history, scaling, slave);
     (entry > HARMLESS).then_some((slave, entry))
 }
 
 /// `max_i |(C_S^-1)_si|` by one transposed solve.
-fn row_of_inverse(basis: &Basis, history: &History, scaling: &Scaling, slave: u32, dofs: usize) -> f64 {
-    let mut rest = vec![0.0; dofs];
+fn row_of_inverse(system: Local, basis: &Basis, history: &History, scaling: &Scaling, slave: u32) -> f64 {
+    let mut rest = vec![0.0; system.dofs()];
     rest[slave as usize] = 1.0;
     let (mut largest, first) = (0.0_f64, basis.peeled.len());
     let mut weights = vec![0.0; basis.steps];
@@ -39,11 +40,11 @@ fn row_of_inverse(basis: &Basis, history: &History, scaling: &Scaling, slave: u3
         if value == 0.0 {
             continue;
         }
-        let (dofs, values) = basis.row(t);
-        for (&j, &v) in dofs.iter().zip(values) {
+        let row = basis.row(system, t);
+        for (j, v) in row.entries() {
             rest[j as usize] += value * ldexp(v, scaling.col(j as usize) - scaling.col(own as usize));
         }
-        let weight = value / basis.pivot(t);
+        let weight = value / basis.pivot(t, &row, scaling);
         if t < first {
             largest = largest.max(weight.abs());
         } else {

@@ -1,6 +1,6 @@
 //! One pass over the kept equations, last to first, for all that can be told of a DOF from those that make it.
 
-use crate::basis::Basis;
+use crate::basis::{Basis, Row};
 use crate::certificate::History;
 use crate::local::Local;
 use crate::random::randoms;
@@ -37,7 +37,8 @@ pub(crate) fn sweep(system: Local, basis: &Basis, history: &History, scaling: &S
     let mut out = Sweep { bounds: vec![0.0; basis.rank()], ..Sweep::default() };
     for t in (0..basis.rank()).rev() {
         let slave = basis.slave(t);
-        let Sums { moves, size, total, bound } = row(basis, t, &states, scaling);
+        let terms = basis.row(system, t);
+        let Sums { moves, size, total, bound } = sums(terms, slave, &states, scaling);
         let moves = if moves.abs() > NOISE * size { moves } else { 0.0 };
         out.bounds[t] = bound;
         if moves == 0.0 {
@@ -47,7 +48,8 @@ pub(crate) fn sweep(system: Local, basis: &Basis, history: &History, scaling: &S
         state.u = moves;
         // Slaves of a block do not rest on one another, and how near to dependence a block is was estimated already.
         if t < last {
-            state.sum = total + if t < first { 1.0 } else { of_steps[t - first] } / basis.pivot(t).abs();
+            state.sum =
+                total + if t < first { 1.0 } else { of_steps[t - first] } / basis.pivot(t, &terms, scaling).abs();
             if out.worst.is_none_or(|(_, most)| state.sum > most) {
                 out.worst = Some((slave, state.sum));
             }
@@ -81,12 +83,11 @@ struct Sums {
 }
 
 #[inline]
-fn row(basis: &Basis, t: usize, states: &[State], scaling: &Scaling) -> Sums {
-    let (dofs, values) = basis.row(t);
+fn sums(terms: Row, slave: u32, states: &[State], scaling: &Scaling) -> Sums {
     let plain = scaling.col.is_empty();
-    let own = scaling.col(basis.slave(t) as usize);
+    let own = scaling.col(slave as usize);
     let (mut moves, mut size, mut total, mut bound, mut of_slaves) = (0.0, 0.0_f64, 0.0, 0.0_f64, false);
-    for (&j, &v) in dofs.iter().zip(values) {
+    for (j, v) in terms.entries() {
         let State { u, sum } = states[j as usize];
         let part = v * u;
         moves += part;

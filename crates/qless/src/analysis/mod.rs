@@ -153,8 +153,9 @@ impl Analysis {
         sum.into_iter().map(|(row, coefficient)| Because { row, coefficient }).collect()
     }
 
-    /// `u_s = T u_q + G u_p + g`.
+    /// `u_s = T u_q + G u_p + g`, of the system that was analysed.
     ///
+    /// Coefficients are read from `system`; b and the prescribed values are those that were analysed, whatever it holds.
     /// Conflicting equations are left out, as redundant ones are: the caller decides whether that is wanted.
     pub fn reduction(&self, system: &ConstraintSystem) -> Reduction {
         let mut fixed = vec![false; if self.fixed.is_empty() { 0 } else { self.numbering.dofs.len() }];

@@ -71,7 +71,7 @@ impl Run<'_> {
             let mut stages = self.stages(&held, started)?;
             stages.swept = sweep(local, &stages.basis, &stages.history, scaling, SEED);
             let worst = stages.swept.worst.filter(|_| self.check);
-            let near = sensitivity::largest(worst, &stages.basis, &stages.history, scaling, local.dofs());
+            let near = sensitivity::largest(worst, local, &stages.basis, &stages.history, scaling);
             doubt = near.map(|n| n.1).into_iter().chain(doubt).reduce(f64::max);
             // What presolve kept is dependent to within the tolerance: the backend decides.
             match near.filter(|&(_, entry)| entry * tolerance > 1.0) {

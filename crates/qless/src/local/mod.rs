@@ -106,11 +106,6 @@ impl<'a> Local<'a> {
         self.system.equations()
     }
 
-    /// Number of coefficients.
-    pub fn entries(self) -> usize {
-        self.numbering.entries.len()
-    }
-
     /// Number of DOFs that occur.
     pub fn dofs(self) -> usize {
         self.numbering.dofs.len()
@@ -142,6 +137,13 @@ impl<'a> Local<'a> {
         let c = self.system.matrix();
         let range = c.start[i]..c.start[i + 1];
         (&self.numbering.entries[range.clone()], &c.val[range])
+    }
+
+    /// Number of coefficients of an equation.
+    #[inline]
+    pub fn length(self, i: usize) -> usize {
+        let start = &self.system.matrix().start;
+        start[i + 1] - start[i]
     }
 
     /// The entries `(DOF, coefficient)` of an equation.

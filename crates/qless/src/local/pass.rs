@@ -16,6 +16,9 @@ use crate::pool::gather;
 /// With fewer equations the second thread gains nothing: measured at 3e5 and 1e6.
 const WORTH_HALVES: usize = 1 << 20;
 
+/// DOFs for which there is room at once: zeros not far ahead are in a cache when they are replaced.
+const ROOM: usize = 1 << 10;
+
 /// No number yet.
 const NONE: u32 = u32::MAX;
 
@@ -57,9 +60,8 @@ impl Pass {
     /// Numbers the DOFs of these equations in `entries`, counts their rows and finds the range of each row on the way.
     fn over(c: &Csr, rows: Range<usize>, entries: &mut [u32]) -> Self {
         let mut local = vec![NONE; c.cols];
-        // One place more than there are DOFs: each entry writes to the next free place, without a branch that nobody can predict.
-        let most = c.cols.min(entries.len()) + 1;
-        let (mut dofs, mut columns) = (vec![0; most], vec![Column::default(); most]);
+        let most = c.cols.min(entries.len()) + ROOM;
+        let (mut dofs, mut columns) = (Vec::with_capacity(most), Vec::with_capacity(most));
         let mut count = 0;
         let mut exponents = Vec::with_capacity(rows.len());
         let (first, end) = (c.start[rows.start], c.start[rows.end]);
@@ -72,6 +74,12 @@ impl Pass {
                 black_box(c.col[ahead].iter().fold(0, |all, &j| all ^ local[j as usize]));
             }
             let mut of_row = Exponents::NONE;
+            if count as usize + range.len() >= dofs.len() {
+                // One place more than this row can need: each entry writes to the next free place, without a branch that nobody
+                // can predict.
+                dofs.resize(count as usize + range.len() + ROOM, 0);
+                columns.resize(count as usize + range.len() + ROOM, Column::default());
+            }
             let of_entries = &mut entries[range.start - first..range.end - first];
             for ((entry, &j), &v) in of_entries.iter_mut().zip(&c.col[range.clone()]).zip(&c.val[range]) {
                 let known = local[j as usize];

@@ -45,7 +45,7 @@ pub(crate) fn peel(
     held: Option<&[bool]>,
 ) -> Peeled {
     let m = system.equations();
-    let basis = Basis::with_capacity(m, system.entries());
+    let basis = Basis::with_capacity(m);
     let mut columns = columns.to_vec();
     system.prescribed().iter().for_each(|&(j, _)| columns[j].count = PRESCRIBED);
     let out = Peeled { basis, remaining: vec![true; m] };
@@ -94,11 +94,8 @@ impl Peeling<'_> {
     /// Row i leaves, solved for the DOF at `position`.
     fn take(&mut self, i: usize, position: usize) {
         let (dofs, values) = self.system.parts(i);
-        let pivot = values[position];
-        self.out.basis.terms(dofs, values, position);
         dofs.iter().for_each(|&j| self.leave_column(i, j));
-        let scaled = self.scaling.entry(i, dofs[position] as usize, pivot);
-        self.out.basis.peel(i as u32, dofs[position], self.system.rhs()[i] / pivot, scaled);
+        self.out.basis.peel(i as u32, dofs[position], position, self.system.rhs()[i] / values[position]);
         self.out.remaining[i] = false;
     }
 

@@ -15,7 +15,7 @@ impl<'a, 'b> Exchange<'a, 'b> {
     pub fn new(relation: &'a mut Relation<'b>) -> Self {
         let mut holders: HashMap<u32, Vec<u32>> = HashMap::new();
         for i in 0..relation.rows() {
-            relation.row(i).0.iter().for_each(|&j| holders.entry(j).or_default().push(i as u32));
+            relation.row(i).dofs().for_each(|j| holders.entry(j).or_default().push(i as u32));
         }
         Self { relation, holders }
     }
@@ -25,8 +25,7 @@ impl<'a, 'b> Exchange<'a, 'b> {
     }
 
     pub fn coefficient(&self, i: u32, master: u32) -> f64 {
-        let (dofs, values) = self.relation.row(i as usize);
-        dofs.iter().position(|&j| j == master).map_or(0.0, |k| values[k])
+        self.relation.row(i as usize).entries().find(|&(j, _)| j == master).map_or(0.0, |(_, v)| v)
     }
 
     /// Rows that hold a master, ascending, with its coefficient.

@@ -57,14 +57,14 @@ fn pivot_row(exchange: &Exchange, master: u32, wishes: &Wishes) -> Option<u32> {
     let steepest = rows.iter().fold(0.0, |a: f64, (_, v)| a.max(v.abs()));
     let least = (NEARLY * steepest).max(LEAST);
     let fit = rows.iter().filter(|(_, v)| v.abs() >= least).map(|&(k, _)| k);
-    fit.min_by_key(|&k| exchange.relation.row(k as usize).0.len())
+    fit.min_by_key(|&k| exchange.relation.row(k as usize).len())
 }
 
 /// The master with the largest coefficient in row i that may become a slave, if that is above the bound.
 fn excess(exchange: &Exchange, i: u32, limit: f64, wishes: &Wishes) -> Option<u32> {
     let own = wishes.of(exchange.relation.slave[i as usize]);
     let mut best: Option<(u32, f64)> = None;
-    for (j, v) in exchange.relation.entries(i as usize) {
+    for (j, v) in exchange.relation.row(i as usize).entries() {
         let larger = best.is_none_or(|(_, most)| v.abs() >= most);
         if v.abs() > limit && larger && exchange.is_free(j) && wishes.of(j) >= own {
             best = Some((j, v.abs()));

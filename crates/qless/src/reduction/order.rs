@@ -3,8 +3,6 @@
 //! Each thread owns a range of the places, goes over all rows and takes those that belong there: reading in order costs little,
 //! and no two threads write to the same memory, so that the result is the same for any number of them.
 
-use std::hint::black_box;
-
 use crate::Csr;
 use crate::ahead::{BATCH, IN_CACHE};
 use crate::pool::WORTH_A_THREAD;
@@ -73,18 +71,22 @@ pub(super) fn slabs(matrix: &mut Csr, together: usize) -> Vec<Slab<'_>> {
 }
 
 impl Slab<'_> {
-    /// Asks for the memory of these rows.
+    /// Asks for the memory of these rows, none of which is written yet.
     #[inline]
-    pub fn ask_for(&self, batch: &[(u32, u32)]) {
-        if self.start.len() <= IN_CACHE {
-            return;
+    pub fn ask_for(&mut self, batch: &[(u32, u32)]) {
+        if self.start.len() > IN_CACHE {
+            batch.iter().for_each(|&(_, row)| self.touch(row as usize));
         }
-        let mut all = 0;
-        for &(_, row) in batch {
-            let at = self.start[row as usize] - self.start[0];
-            all ^= self.col.get(at).map_or(0, |&j| u64::from(j)) ^ self.val.get(at).map_or(0, |v| v.to_bits());
+    }
+
+    /// Writes a zero where the row holds zeros: memory that is new to the process has no pages yet, and reading it would map
+    /// a page that the next write has to replace.
+    #[inline]
+    fn touch(&mut self, row: usize) {
+        let [start, end] = [row, row + 1].map(|row| self.start[row] - self.start[0]);
+        if start < end {
+            (self.col[start], self.val[start]) = (0, 0.0);
         }
-        black_box(all);
     }
 
     /// Writes a row of this length, ascending.
@@ -143,14 +145,17 @@ mod tests {
         for together in 1..10 {
             let mut matrix = Csr { cols: 9, start: start.clone(), col: vec![0; 15], val: vec![0.0; 15] };
             for (k, mut slab) in slabs(&mut matrix, together).into_iter().enumerate() {
-                for (row, &length) in lengths.iter().skip(k * together).take(together).enumerate() {
-                    let entries = (0..length as u32).map(|j| (j, (10 * (k * together + row)) as f64 + f64::from(j)));
+                // From the last on, so that touching an empty row would spoil the one after it.
+                for (row, &length) in lengths.iter().skip(k * together).take(together).enumerate().rev() {
+                    slab.touch(row);
+                    let entries =
+                        (0..length as u32).map(|j| (j, (10 * (k * together + row) + 1) as f64 + f64::from(j)));
                     slab.fill(row, length, false, entries.rev());
                 }
             }
             for (i, &length) in lengths.iter().enumerate() {
                 let row: Vec<_> = matrix.row(i).collect();
-                assert_eq!(row, (0..length).map(|j| (j, (10 * i + j) as f64)).collect::<Vec<_>>());
+                assert_eq!(row, (0..length).map(|j| (j, (10 * i + j + 1) as f64)).collect::<Vec<_>>());
             }
         }
     }

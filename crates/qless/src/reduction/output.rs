@@ -19,10 +19,10 @@ pub(super) fn write(system: &ConstraintSystem, relation: &Relation) -> Reduction
     let place = gather(&places, dofs);
     drop(places);
     let order = Order::new(&relation.slave, &place);
-    let mut t = sized(relation, &order, masters.len(), |terms| terms.len() - relation.prescribed_among(terms));
+    let mut t = sized(&order, masters.len(), |i| relation.length(i) - relation.prescribed_in(i));
     let mut g_matrix = match prescribed.len() {
         0 => Csr { start: vec![0; slaves.len() + 1], ..Csr::default() },
-        cols => sized(relation, &order, cols, |terms| relation.prescribed_among(terms)),
+        cols => sized(&order, cols, |i| relation.prescribed_in(i)),
     };
     let mut g = vec![0.0; slaves.len()];
     let constants = g.chunks_mut(order.together);
@@ -54,14 +54,13 @@ fn write_row(
     if relation.constant[i] != 0.0 {
         g[row] = relation.constant[i];
     }
-    let (terms, values) = relation.row(i);
-    let sorted = relation.is_users(i) || terms.is_sorted_by_key(|&j| dofs[j as usize]);
-    let fixed = relation.prescribed_among(terms);
-    let entries = || terms.iter().zip(values);
-    let part = |free: bool| entries().filter(move |&(&j, _)| is_free[j as usize] == free);
-    let in_place = |(&j, &v): (&u32, &f64)| (place[j as usize], v);
+    let terms = relation.row(i);
+    let sorted = relation.is_users(i) || terms.dofs().is_sorted_by_key(|j| dofs[j as usize]);
+    let fixed = relation.prescribed_in(i);
+    let part = |free: bool| terms.entries().filter(move |&(j, _)| is_free[j as usize] == free);
+    let in_place = |(j, v): (u32, f64)| (place[j as usize], v);
     if fixed == 0 {
-        t.fill(row, terms.len(), sorted, entries().map(in_place));
+        t.fill(row, terms.len(), sorted, terms.entries().map(in_place));
     } else {
         t.fill(row, terms.len() - fixed, sorted, part(true).map(in_place));
         g_matrix.fill(row, fixed, sorted, part(false).map(in_place));
@@ -88,13 +87,13 @@ fn sides(side: &[u8], slaves: usize, prescribed: usize) -> (Vec<u32>, [Vec<usize
     (places, sides)
 }
 
-/// A matrix with nothing in its rows, which are as long as `length` says of the terms of the relation's.
-fn sized(relation: &Relation, order: &Order, cols: usize, length: impl Fn(&[u32]) -> usize + Sync) -> Csr {
+/// A matrix with nothing in its rows, which are as long as `length` says of the relation's.
+fn sized(order: &Order, cols: usize, length: impl Fn(usize) -> usize + Sync) -> Csr {
     let rows = order.rows();
     let mut start = vec![0; rows + 1];
     each(start[1..].chunks_mut(order.together).enumerate().collect(), |(k, lengths)| {
         order.visit(k, |batch| {
-            batch.iter().for_each(|&(i, row)| lengths[row as usize] = length(relation.row(i as usize).0));
+            batch.iter().for_each(|&(i, row)| lengths[row as usize] = length(i as usize));
         });
     });
     (0..rows).for_each(|i| start[i + 1] += start[i]);

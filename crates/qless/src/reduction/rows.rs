@@ -3,7 +3,7 @@
 //! A slave whose equation names no other slave needs none: its row is the basis' own, which is not copied.
 
 use super::Basics;
-use crate::basis::Basis;
+use crate::basis::{Basis, Row};
 use crate::local::Local;
 
 /// Entries below this, relative to the largest part that went into them, are rounding.
@@ -49,38 +49,42 @@ impl Relation<'_> {
         i < self.basis.peeled.len() && self.place[i] == OF_BASIS
     }
 
-    /// DOFs and coefficients of row i.
-    #[inline]
-    pub fn row(&self, i: usize) -> (&[u32], &[f64]) {
+    /// The terms of row i.
+    #[expect(clippy::inline_always, reason = "as for the rows of the basis")]
+    #[inline(always)]
+    pub fn row(&self, i: usize) -> Row<'_> {
         if self.place[i] == OF_BASIS {
-            return self.basis.row(i);
+            return self.basis.row(self.system, i);
         }
+        self.own_row(i)
+    }
+
+    fn own_row(&self, i: usize) -> Row<'_> {
         match self.own[self.place[i] as usize] {
             Own::Stored { start, len } => {
                 let range = start..start + len as usize;
-                (&self.dofs[range.clone()], &self.values[range])
+                Row::new(&self.dofs[range.clone()], &self.values[range])
             }
-            Own::Changed(ref row) => (&row.0, &row.1),
+            Own::Changed(ref row) => Row::new(&row.0, &row.1),
         }
     }
 
-    /// The entries of row i.
+    /// Number of terms of row i.
     #[inline]
-    pub fn entries(&self, i: usize) -> impl Iterator<Item = (u32, f64)> {
-        let (dofs, values) = self.row(i);
-        dofs.iter().copied().zip(values.iter().copied())
+    pub fn length(&self, i: usize) -> usize {
+        if self.place[i] == OF_BASIS { self.basis.length(self.system, i) } else { self.row(i).len() }
     }
 
-    /// How many of these DOFs are prescribed.
+    /// How many DOFs of row i are prescribed.
     #[inline]
-    pub fn prescribed_among(&self, terms: &[u32]) -> usize {
+    pub fn prescribed_in(&self, i: usize) -> usize {
         let free = self.system.free();
-        if self.system.prescribed().is_empty() { 0 } else { terms.iter().filter(|&&j| !free[j as usize]).count() }
+        if self.system.prescribed().is_empty() { 0 } else { self.row(i).dofs().filter(|&j| !free[j as usize]).count() }
     }
 
     /// The entries of row i, ascending.
     pub fn sorted(&self, i: usize) -> Vec<(u32, f64)> {
-        let mut row: Vec<_> = self.entries(i).collect();
+        let mut row: Vec<_> = self.row(i).entries().collect();
         row.sort_unstable_by_key(|&(j, _)| j);
         row
     }
@@ -89,7 +93,7 @@ impl Relation<'_> {
     #[inline]
     pub fn largest(&self, i: usize) -> f64 {
         let free = self.system.free();
-        self.entries(i).fold(0.0, |most, (j, v)| if v.abs() > most && free[j as usize] { v.abs() } else { most })
+        self.row(i).entries().fold(0.0, |most, (j, v)| if v.abs() > most && free[j as usize] { v.abs() } else { most })
     }
 
     pub fn change(&mut self, i: usize, row: &[(u32, f64)]) {
@@ -106,19 +110,25 @@ impl Relation<'_> {
     }
 }
 
-/// A dense row being summed: value and size of the largest part, by DOF.
+/// A row being summed.
+#[derive(Default)]
 struct Sum {
+    /// Place of each DOF among the parts, from 1; nothing before the first row is summed, which many systems do without.
+    place: Vec<u32>,
+    /// Value and size of the largest part, by place.
     parts: Vec<(f64, f64)>,
-    touched: Vec<u32>,
+    dofs: Vec<u32>,
 }
 
 impl Sum {
     fn add(&mut self, j: u32, part: f64) {
-        let (value, size) = &mut self.parts[j as usize];
-        if *size == 0.0 {
-            self.touched.push(j);
-            *size = f64::MIN_POSITIVE;
+        let place = &mut self.place[j as usize];
+        if *place == 0 {
+            self.dofs.push(j);
+            self.parts.push((0.0, 0.0));
+            *place = self.parts.len() as u32;
         }
+        let (value, size) = &mut self.parts[*place as usize - 1];
         *value += part;
         *size = size.max(part.abs());
     }
@@ -127,11 +137,11 @@ impl Sum {
 /// Rows of slaves that are fixed keep prescribed DOFs only. Rows with coefficients above `limit` are listed.
 pub(super) fn assemble<'a>(system: Local<'a>, basics: &Basics<'a>, limit: f64) -> Relation<'a> {
     let Basics { basis, bounds, ref fixed, .. } = *basics;
-    let (n, rank) = (system.dofs(), basis.rank());
+    let rank = basis.rank();
     let mut relation = Relation {
         system,
         basis,
-        row_of: vec![u32::MAX; n],
+        row_of: vec![u32::MAX; system.dofs()],
         slave: basis.slaves().to_vec(),
         place: vec![OF_BASIS; rank],
         own: Vec::new(),
@@ -141,7 +151,7 @@ pub(super) fn assemble<'a>(system: Local<'a>, basics: &Basics<'a>, limit: f64) -
         growth: 0.0,
         steep: Vec::new(),
     };
-    let mut sum = Sum { parts: vec![(0.0, 0.0); n], touched: Vec::new() };
+    let mut sum = Sum::default();
     for t in (0..rank).rev() {
         let slave = basis.slave(t);
         let is_fixed = fixed.get(slave as usize).is_some_and(|&fixed| fixed);
@@ -162,29 +172,32 @@ pub(super) fn assemble<'a>(system: Local<'a>, basics: &Basics<'a>, limit: f64) -
 
 /// Replaces the slaves among the terms of row t by their own rows.
 fn substitute(relation: &mut Relation, sum: &mut Sum, t: usize, fixed: bool) {
+    if sum.place.is_empty() {
+        sum.place = vec![0; relation.system.dofs()];
+    }
     let mut constant = relation.constant[t];
     let mut size = constant.abs();
-    let (dofs, values) = relation.basis.row(t);
-    for (&j, &v) in dofs.iter().zip(values) {
+    for (j, v) in relation.basis.row(relation.system, t).entries() {
         match relation.row_of[j as usize] {
             u32::MAX => sum.add(j, v),
             row => {
                 let part = v * relation.constant[row as usize];
                 constant += part;
                 size = size.max(part.abs());
-                relation.entries(row as usize).for_each(|(l, t)| sum.add(l, v * t));
+                relation.row(row as usize).entries().for_each(|(l, t)| sum.add(l, v * t));
             }
         }
     }
     relation.constant[t] = if constant.abs() > NOISE * size { constant } else { 0.0 };
     let start = relation.dofs.len();
-    sum.touched.sort_unstable();
-    for j in sum.touched.drain(..) {
-        let (value, size) = std::mem::take(&mut sum.parts[j as usize]);
+    sum.dofs.sort_unstable();
+    for j in sum.dofs.drain(..) {
+        let (value, size) = sum.parts[std::mem::take(&mut sum.place[j as usize]) as usize - 1];
         if value.abs() > NOISE * size && !(fixed && relation.system.free()[j as usize]) {
             relation.dofs.push(j);
             relation.values.push(value);
         }
     }
+    sum.parts.clear();
     relation.set(t, Own::Stored { start, len: (relation.dofs.len() - start) as u32 });
 }

@@ -13,6 +13,7 @@ mod square;
 
 use crate::basis::Basis;
 use crate::classify::{Dependent, Kind, Source};
+use crate::local::Local;
 use crate::presolve::eliminate::Mismatch;
 use crate::qr::BackendError;
 use crate::scale::ldexp;
@@ -145,6 +146,10 @@ impl Refresher<'_> {
         &self.analysis.basis
     }
 
+    fn local(&self) -> Local<'_> {
+        self.analysis.numbering.view(self.system, self.system.rhs())
+    }
+
     /// A dependent equation with its new mismatch, without its certificate.
     fn classify(&self, d: &Dependent, replay: &Replay) -> Dependent {
         let rest = match &d.source {
@@ -169,7 +174,7 @@ impl Refresher<'_> {
         let mut constants: Vec<f64> = peeled.collect();
         for (s, step) in replay.steps.iter().enumerate() {
             let t = basis.peeled.len() + s;
-            constants.push(ldexp(step.rhs / basis.pivot(t), scaling.col(basis.slave(t) as usize)));
+            constants.push(ldexp(step.rhs / basis.pivot_of_step(s), scaling.col(basis.slave(t) as usize)));
         }
         for (k, square) in self.squares.iter().enumerate() {
             let rhs: Vec<f64> = basis.blocks[k].rows.iter().map(|&row| replay.row(row).rhs).collect();
@@ -182,10 +187,10 @@ impl Refresher<'_> {
 
     /// u in local numbers, from values of prescribed DOFs; masters are zero.
     fn complete(&self, constants: &[f64], prescribed: &[f64]) -> Vec<f64> {
-        let local = self.analysis.numbering.view(self.system, self.system.rhs());
+        let local = self.local();
         let mut u = vec![0.0; local.dofs()];
         local.prescribed_places().for_each(|(l, place)| u[l] = prescribed.get(place).copied().unwrap_or(0.0));
-        self.basis().complete_with(constants, &mut u);
+        self.basis().complete_with(local, constants, &mut u);
         u
     }
 

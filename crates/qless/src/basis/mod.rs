@@ -2,31 +2,35 @@
 //!
 //! `u_s = sum_k value_k u_k + constant`, where no slave occurs in a later row. Going from the last row to the first, a vector
 //! of masters and prescribed values is completed without T, in O(nnz). All in local numbers and the user's units.
+//!
+//! Peeled rows, which are most, are the user's equations as they are: they are read where they stand and never copied.
+
+mod row;
 
 use std::ops::Range;
 
 use crate::block::Solved;
+use crate::local::Local;
 use crate::presolve::eliminate::Step;
 use crate::scale::{Scaling, ldexp};
 
-/// Terms for which there is room at once while rows are peeled.
-const ROOM: usize = 1 << 12;
+pub(crate) use row::Row;
 
 /// Everything needed to express slaves by masters.
 #[derive(Default)]
 pub(crate) struct Basis {
     slaves: Vec<u32>,
-    /// Where each row ends in `dofs` and `values`.
+    constants: Vec<f64>,
+    /// The equations of the first rows, which are the user's own and stay where they are, ...
+    pub peeled: Vec<u32>,
+    /// ... and where the slave of each stands in its equation.
+    positions: Vec<u32>,
+    /// Where each of the other rows ends in `dofs` and `values`.
     ends: Vec<usize>,
     dofs: Vec<u32>,
     values: Vec<f64>,
-    /// How much of `dofs` and `values` is in use while rows are peeled; the rest is zeros.
-    used: usize,
-    constants: Vec<f64>,
-    /// Scaled coefficients by which peeled and eliminated rows were divided.
+    /// Scaled coefficients by which eliminated rows were divided.
     pivots: Vec<f64>,
-    /// The equations of the first rows, which are the user's own.
-    pub peeled: Vec<u32>,
     /// Number of eliminated rows, which follow.
     pub steps: usize,
     /// The blocks, the rows of which come last.
@@ -53,55 +57,24 @@ pub(crate) enum Part {
 }
 
 impl Basis {
-    /// No rows; room for this many equations, with all their entries.
-    pub fn with_capacity(rows: usize, entries: usize) -> Self {
+    /// No rows; room for this many equations.
+    pub fn with_capacity(rows: usize) -> Self {
         Self {
             slaves: Vec::with_capacity(rows),
-            ends: Vec::with_capacity(rows),
-            dofs: Vec::with_capacity(entries + ROOM),
-            values: Vec::with_capacity(entries + ROOM),
             constants: Vec::with_capacity(rows),
-            pivots: Vec::with_capacity(rows),
             peeled: Vec::with_capacity(rows),
+            positions: Vec::with_capacity(rows),
             ..Self::default()
         }
     }
 
-    /// The terms of the row that [`Basis::peel`] closes: all but the slave's own, divided by its coefficient.
+    /// Takes equation `row` in, solved for `slave`, which stands at a position in it.
     #[inline]
-    pub fn terms(&mut self, dofs: &[u32], values: &[f64], position: usize) {
-        let pivot = -values[position];
-        // A power of two, which most pivots are, has an exact reciprocal, and a product takes less time than a quotient.
-        let factor = if pivot.to_bits() << 12 == 0 { 1.0 / pivot } else { f64::NAN };
-        let (end, length) = (self.used, dofs.len());
-        if end + length > self.dofs.len() {
-            self.make_room(end + length);
-        }
-        let (of_dofs, of_values) = (&mut self.dofs[end..end + length], &mut self.values[end..end + length]);
-        let mut at = 0;
-        for (k, (&j, &v)) in dofs.iter().zip(values).enumerate() {
-            (of_dofs[at], of_values[at]) = (j, if factor.is_nan() { v / pivot } else { v * factor });
-            // Without a branch, which nobody could predict.
-            at += usize::from(k != position);
-        }
-        self.used += at;
-    }
-
-    /// Zeros for the next terms: not far ahead, so that they are in a cache when the terms are written.
-    #[cold]
-    fn make_room(&mut self, length: usize) {
-        self.dofs.resize(length + ROOM, 0);
-        self.values.resize(length + ROOM, 0.0);
-    }
-
-    /// Closes equation `row`, solved for `slave`; `scaled` is the slave's coefficient after scaling.
-    #[inline]
-    pub fn peel(&mut self, row: u32, slave: u32, constant: f64, scaled: f64) {
+    pub fn peel(&mut self, row: u32, slave: u32, position: usize, constant: f64) {
         self.slaves.push(slave);
-        self.ends.push(self.used);
         self.constants.push(constant);
-        self.pivots.push(scaled);
         self.peeled.push(row);
+        self.positions.push(position as u32);
     }
 
     fn close(&mut self, slave: u32, constant: f64) {
@@ -136,8 +109,6 @@ impl Basis {
 
     /// Appends what elimination and blocks found to the peeled rows, in the user's units.
     pub fn extend(&mut self, steps: Vec<Step>, blocks: Vec<Solved>, scaling: &Scaling) {
-        self.dofs.truncate(self.used);
-        self.values.truncate(self.used);
         self.steps = steps.len();
         steps.into_iter().for_each(|step| self.push_step(&step, scaling));
         blocks.into_iter().for_each(|block| self.push_block(block, scaling));
@@ -161,17 +132,45 @@ impl Basis {
         &self.constants
     }
 
-    /// The scaled coefficient of the slave in a peeled or eliminated row.
-    #[inline]
-    pub fn pivot(&self, t: usize) -> f64 {
-        self.pivots[t]
+    /// The scaled coefficient by which the row of a step was divided.
+    pub fn pivot_of_step(&self, step: usize) -> f64 {
+        self.pivots[step]
     }
 
-    /// DOFs and coefficients of row t.
+    /// The same for row t, peeled or eliminated, the terms of which are given.
     #[inline]
-    pub fn row(&self, t: usize) -> (&[u32], &[f64]) {
-        let range = (if t == 0 { 0 } else { self.ends[t - 1] })..self.ends[t];
-        (&self.dofs[range.clone()], &self.values[range])
+    pub fn pivot(&self, t: usize, terms: &Row, scaling: &Scaling) -> f64 {
+        match self.peeled.get(t) {
+            Some(&row) => scaling.entry(row as usize, self.slaves[t] as usize, terms.pivot()),
+            None => self.pivots[t - self.peeled.len()],
+        }
+    }
+
+    /// Number of terms of row t.
+    #[inline]
+    pub fn length(&self, system: Local, t: usize) -> usize {
+        match self.peeled.get(t) {
+            Some(&row) => system.length(row as usize) - 1,
+            None => self.stored(t).len(),
+        }
+    }
+
+    /// Where the terms of a row are that is not the user's.
+    fn stored(&self, t: usize) -> Range<usize> {
+        let k = t - self.peeled.len();
+        (if k == 0 { 0 } else { self.ends[k - 1] })..self.ends[k]
+    }
+
+    /// Row t; of the system that was peeled.
+    #[expect(clippy::inline_always, reason = "a call per row costs a twentieth of the elimination")]
+    #[inline(always)]
+    pub fn row<'a>(&'a self, system: Local<'a>, t: usize) -> Row<'a> {
+        if let Some(&row) = self.peeled.get(t) {
+            let (dofs, values) = system.parts(row as usize);
+            return Row::solved(dofs, values, self.positions[t] as usize);
+        }
+        let range = self.stored(t);
+        Row::new(&self.dofs[range.clone()], &self.values[range])
     }
 
     /// The rows of a block.
@@ -183,7 +182,7 @@ impl Basis {
     pub fn part(&self, t: usize) -> Part {
         if t < self.peeled.len() {
             Part::Peeled
-        } else if t < self.pivots.len() {
+        } else if t < self.peeled.len() + self.steps {
             Part::Eliminated
         } else {
             Part::Block(self.blocks.partition_point(|kept| kept.slaves.end <= t))
@@ -191,15 +190,14 @@ impl Basis {
     }
 
     /// Completes u, in which masters and prescribed DOFs are set.
-    pub fn complete(&self, u: &mut [f64]) {
-        self.complete_with(&self.constants, u);
+    pub fn complete(&self, system: Local, u: &mut [f64]) {
+        self.complete_with(system, &self.constants, u);
     }
 
     /// The same with other constants.
-    pub fn complete_with(&self, constants: &[f64], u: &mut [f64]) {
+    pub fn complete_with(&self, system: Local, constants: &[f64], u: &mut [f64]) {
         for t in (0..self.rank()).rev() {
-            let (dofs, values) = self.row(t);
-            let sum: f64 = dofs.iter().zip(values).map(|(&j, v)| v * u[j as usize]).sum();
+            let sum: f64 = self.row(system, t).entries().map(|(j, v)| v * u[j as usize]).sum();
             u[self.slaves[t] as usize] = constants[t] + sum;
         }
     }
