@@ -86,7 +86,7 @@ struct Sums {
 fn sums(terms: Row, slave: u32, states: &[State], scaling: &Scaling) -> Sums {
     let plain = scaling.col.is_empty();
     let own = scaling.col(slave as usize);
-    let (mut moves, mut size, mut total, mut bound, mut of_slaves) = (0.0, 0.0_f64, 0.0, 0.0_f64, false);
+    let (mut moves, mut size, mut total, mut bound, mut of_slaves) = (0.0, 0.0_f64, 0.0, 0.0_f64, 0.0);
     for (j, v) in terms.entries() {
         let State { u, sum } = states[j as usize];
         let part = v * u;
@@ -94,9 +94,9 @@ fn sums(terms: Row, slave: u32, states: &[State], scaling: &Scaling) -> Sums {
         size = size.max(part.abs());
         total += sum * if plain { v.abs() } else { ldexp(v.abs(), scaling.col(j as usize) - own) };
         bound = bound.max(v.abs());
-        of_slaves |= sum != 0.0;
+        of_slaves += sum;
     }
-    Sums { moves, size, total, bound: if of_slaves { f64::INFINITY } else { bound } }
+    Sums { moves, size, total, bound: if of_slaves != 0.0 { f64::INFINITY } else { bound } }
 }
 
 /// Row sums of `|L^-1|`, by step: how much of the user's equations goes into each step.
