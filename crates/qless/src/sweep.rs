@@ -96,7 +96,7 @@ fn sums(terms: Row, slave: u32, states: &[State], scaling: &Scaling) -> Sums {
         bound = bound.max(v.abs());
         of_slaves += sum;
     }
-    Sums { moves, size, total, bound: if of_slaves != 0.0 { f64::INFINITY } else { bound } }
+    Sums { moves, size, total, bound: if of_slaves == 0.0 { bound } else { f64::INFINITY } }
 }
 
 /// Row sums of `|L^-1|`, by step: how much of the user's equations goes into each step.

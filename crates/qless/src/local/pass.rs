@@ -60,7 +60,8 @@ impl Pass {
     /// Numbers the DOFs of these equations in `entries`, counts their rows and finds the range of each row on the way.
     fn over(c: &Csr, rows: Range<usize>, entries: &mut [u32]) -> Self {
         let mut local = vec![NONE; c.cols];
-        let most = c.cols.min(entries.len()) + ROOM;
+        // One place more than there are DOFs: each entry writes to the next free place, without a branch that nobody can predict.
+        let most = c.cols.min(entries.len()) + 1;
         let (mut dofs, mut columns) = (Vec::with_capacity(most), Vec::with_capacity(most));
         let mut count = 0;
         let mut exponents = Vec::with_capacity(rows.len());
@@ -74,11 +75,11 @@ impl Pass {
                 black_box(c.col[ahead].iter().fold(0, |all, &j| all ^ local[j as usize]));
             }
             let mut of_row = Exponents::NONE;
-            if count as usize + range.len() >= dofs.len() {
-                // One place more than this row can need: each entry writes to the next free place, without a branch that nobody
-                // can predict.
-                dofs.resize(count as usize + range.len() + ROOM, 0);
-                columns.resize(count as usize + range.len() + ROOM, Column::default());
+            let needed = count as usize + range.len() + 1;
+            if needed.min(most) > dofs.len() {
+                let length = (needed + ROOM).min(most);
+                dofs.resize(length, 0);
+                columns.resize(length, Column::default());
             }
             let of_entries = &mut entries[range.start - first..range.end - first];
             for ((entry, &j), &v) in of_entries.iter_mut().zip(&c.col[range.clone()]).zip(&c.val[range]) {
