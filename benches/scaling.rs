@@ -53,7 +53,7 @@ type Times = [Vec<f64>; 2];
 
 /// One round of a size: repeated where it is small, so that most do not find another size's data in the caches.
 ///
-/// All the same 3e4 equations numbered at random take about a fifth longer here than alone (3.1 for 2.6 ms), which takes some
+/// All the same 3e4 equations numbered at random take about a fifth longer here than alone (2.9 for 2.4 ms), which takes some
 /// hundredths from the exponent.
 fn round(system: &ConstraintSystem, times: &mut Times) {
     for _ in 0..(600_000 / system.equations()).max(1) {
