@@ -1,7 +1,7 @@
 //! Memory that stays in the process from one round to the next.
 //!
-//! By its own rule glibc gives large arrays back to the kernel, which then fills page after page with zeros for the next, a cost of
-//! large systems alone that is neither the elimination's nor the factorization's. `-- --fresh` leaves glibc its rule.
+//! By its own rule glibc gives large arrays back to the kernel, which then fills page after page with zeros for the next: a cost
+//! of large systems alone, as small arrays are kept. `-- --fresh` leaves glibc its rule.
 
 use std::process::{Command, ExitCode};
 

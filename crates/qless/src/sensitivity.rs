@@ -33,8 +33,8 @@ fn row_of_inverse(system: Local, basis: &Basis, history: &History, scaling: &Sca
     let mut rest = vec![0.0; system.dofs()];
     rest[slave as usize] = 1.0;
     let (mut largest, first) = (0.0_f64, basis.peeled.len());
-    let mut weights = vec![0.0; basis.steps];
-    for t in 0..first + basis.steps {
+    let mut weights = vec![0.0; basis.steps()];
+    for t in 0..first + basis.steps() {
         let own = basis.slave(t);
         let value = std::mem::take(&mut rest[own as usize]);
         if value == 0.0 {

@@ -29,10 +29,8 @@ pub(crate) struct Basis {
     ends: Vec<usize>,
     dofs: Vec<u32>,
     values: Vec<f64>,
-    /// Scaled coefficients by which eliminated rows were divided.
+    /// Scaled coefficients by which eliminated rows, which follow the peeled ones, were divided.
     pivots: Vec<f64>,
-    /// Number of eliminated rows, which follow.
-    pub steps: usize,
     /// The blocks, the rows of which come last.
     pub blocks: Vec<Kept>,
 }
@@ -109,9 +107,13 @@ impl Basis {
 
     /// Appends what elimination and blocks found to the peeled rows, in the user's units.
     pub fn extend(&mut self, steps: Vec<Step>, blocks: Vec<Solved>, scaling: &Scaling) {
-        self.steps = steps.len();
         steps.into_iter().for_each(|step| self.push_step(&step, scaling));
         blocks.into_iter().for_each(|block| self.push_block(block, scaling));
+    }
+
+    /// Number of eliminated rows.
+    pub fn steps(&self) -> usize {
+        self.pivots.len()
     }
 
     /// Number of slaves, which is the rank.
@@ -162,7 +164,7 @@ impl Basis {
     }
 
     /// Row t; of the system that was peeled.
-    #[expect(clippy::inline_always, reason = "a call per row costs a twentieth of the elimination")]
+    #[expect(clippy::inline_always, reason = "out of line it was a twentieth of the profile of an elimination")]
     #[inline(always)]
     pub fn row<'a>(&'a self, system: Local<'a>, t: usize) -> Row<'a> {
         if let Some(&row) = self.peeled.get(t) {
@@ -182,7 +184,7 @@ impl Basis {
     pub fn part(&self, t: usize) -> Part {
         if t < self.peeled.len() {
             Part::Peeled
-        } else if t < self.peeled.len() + self.steps {
+        } else if t < self.peeled.len() + self.steps() {
             Part::Eliminated
         } else {
             Part::Block(self.blocks.partition_point(|kept| kept.slaves.end <= t))

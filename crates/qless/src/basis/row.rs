@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reciprocal_is_used_where_it_is_exact() {
+    fn coefficients_are_quotients_to_the_last_bit() {
         for pivot in [1.0, -2.0, f64::MIN_POSITIVE, 2f64.powi(1023), 3.0, -1e-300, 5e-324] {
             for v in [1.0, -1e-5, 7e-308, 5e-324, 3.7] {
                 let of = Row::solved(&[0, 1], &[pivot, v], 0).term(0).1;

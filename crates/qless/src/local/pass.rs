@@ -16,7 +16,7 @@ use crate::pool::gather;
 /// With fewer equations the second thread gains nothing: measured at 3e5 and 1e6.
 const WORTH_HALVES: usize = 1 << 20;
 
-/// DOFs for which there is room at once: zeros not far ahead are in a cache when they are replaced.
+/// DOFs for which there is room at once: memory reserved beyond the DOFs that come up is never touched.
 const ROOM: usize = 1 << 10;
 
 /// No number yet.
@@ -76,7 +76,7 @@ impl Pass {
             }
             let mut of_row = Exponents::NONE;
             let needed = count as usize + range.len() + 1;
-            if needed.min(most) > dofs.len() {
+            if needed > dofs.len() && dofs.len() < most {
                 let length = (needed + ROOM).min(most);
                 dofs.resize(length, 0);
                 columns.resize(length, Column::default());
