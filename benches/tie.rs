@@ -17,7 +17,7 @@ use timing::{median, seconds};
 fn whole(system: &ConstraintSystem) -> usize {
     let analysis = analyse(system, &Options::default()).expect("a valid system");
     let named: usize = analysis.dependent.iter().map(|d| analysis.because(d).len()).sum();
-    named + analysis.reduction(system).t.nnz()
+    named + analysis.reduction(system).expect("within the gate").t.nnz()
 }
 
 /// Median of the first over median of the second, taken in turns.

@@ -41,7 +41,7 @@ fn answer(analysis: &Analysis, dofs: &[usize]) -> Answer {
 /// Every identity, and that the default backend does not call doubtful what is not.
 fn check_identities(system: &ConstraintSystem, analysis: &Analysis, options: &Options) {
     check_certificates(system, analysis);
-    let reduction = analysis.reduction(system);
+    let reduction = analysis.reduction(system).expect("within the gate");
     check_reduction(system, analysis, &reduction, 1e-12);
     let residual = analysis.residual(system, &reduction);
     assert!(residual <= 1e-12, "residual {residual:e}");

@@ -158,7 +158,7 @@ fn run(part: &str, options: &Options) -> Vec<String> {
             }
         };
         let mid = start.elapsed();
-        let reduction = analysis.reduction(&system);
+        let reduction = analysis.reduction(&system).expect("within the gate");
         let residual = analysis.residual(&system, &reduction);
         let fault =
             fault(&case, &system, &analysis).or_else(|| reduction_fault(&case, residual, reduction.growth, options));

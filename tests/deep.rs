@@ -12,7 +12,7 @@ fn in_a_small_stack(scene: Scene, rank: usize, certificate: usize) {
         let terms: usize = analysis.dependent.iter().map(|d| analysis.because(d).len()).sum();
         assert_eq!(terms, certificate);
         assert!(analysis.kinds.iter().all(|&kind| kind != Kind::Conflicting));
-        let reduction = analysis.reduction(&scene.system);
+        let reduction = analysis.reduction(&scene.system).expect("within the gate");
         let (growth, residual) = (reduction.growth, analysis.residual(&scene.system, &reduction));
         assert!(residual <= 1e-13 && growth <= 1.0, "{residual} {growth}");
     };

@@ -42,12 +42,12 @@ fn largest(numbers: impl IntoIterator<Item = f64>) -> f64 {
 /// T, G and roles to the last bit, g and fixed values to `1e-13` of the largest, and the same kinds.
 fn check(system: &ConstraintSystem, options: &Options, rhs: &[f64], prescribed: &[f64]) -> (Analysis, Reduction) {
     let analysis = diagnose(system, options);
-    let mut reduction = analysis.reduction(system);
+    let mut reduction = analysis.reduction(system).expect("within the gate");
     let refresher = analysis.refresher(system).expect("factored");
     let refreshed = refresher.refresh(rhs, prescribed, &mut reduction).expect("valid");
     let other = with(system, rhs, prescribed);
     let fresh = diagnose(&other, options);
-    let truth = fresh.reduction(&other);
+    let truth = fresh.reduction(&other).expect("within the gate");
     assert_eq!((&reduction.slaves, &reduction.masters), (&truth.slaves, &truth.masters));
     assert_eq!(reduction.prescribed, truth.prescribed);
     assert!(reduction.t == truth.t && reduction.g_matrix == truth.g_matrix, "T and G depend on C only");
@@ -94,7 +94,9 @@ fn right_hand_sides_are_those_of_a_fresh_run(backend: BackendChoice) {
             let (rhs, values) = consistent(system, seed as u64 + 1);
             let (analysis, _) = check(system, &options, &rhs, &values);
             let refresher = analysis.refresher(system).expect("factored");
-            let refreshed = refresher.refresh(&rhs, &values, &mut analysis.reduction(system)).expect("valid");
+            let refreshed = refresher
+                .refresh(&rhs, &values, &mut analysis.reduction(system).expect("within the gate"))
+                .expect("valid");
             assert!(!refreshed.kinds.contains(&Kind::Conflicting), "b = C u is consistent");
             // Wrong in every dependent equation.
             let wrong: Vec<f64> = (0..rhs.len()).map(|i| rhs[i] + 0.1 * (1 + i % 3) as f64).collect();
@@ -107,7 +109,7 @@ fn conflicts_come_and_go(backend: BackendChoice) {
     let system = families::planted(120, 200, 60, 1, false).expect("a scene").system;
     for options in settings(backend) {
         let analysis = diagnose(&system, &options);
-        let mut reduction = analysis.reduction(&system);
+        let mut reduction = analysis.reduction(&system).expect("within the gate");
         let refresher = analysis.refresher(&system).expect("factored");
         let (mut rhs, none) = consistent(&system, 9);
         let before = refresher.refresh(&rhs, &none, &mut reduction).expect("valid");
@@ -138,7 +140,9 @@ fn prescribed_values_contradict_and_agree(backend: BackendChoice) {
         {
             let analysis = diagnose(&system, &options);
             let refresher = analysis.refresher(&system).expect("factored");
-            let refreshed = refresher.refresh(&[0.0, b], &values, &mut analysis.reduction(&system)).expect("valid");
+            let refreshed = refresher
+                .refresh(&[0.0, b], &values, &mut analysis.reduction(&system).expect("within the gate"))
+                .expect("valid");
             assert_eq!(refreshed.kinds.contains(&Kind::Conflicting), truth, "{values:?}, {b}");
             check(&system, &options, &[0.0, b], &values);
         }
@@ -181,7 +185,7 @@ fn large_blocks_too() {
 fn what_is_no_right_hand_side_is_refused() {
     let system = families::cycle(5, 0.0).expect("a scene").system;
     let analysis = diagnose(&system, &Options::default());
-    let mut reduction = analysis.reduction(&system);
+    let mut reduction = analysis.reduction(&system).expect("within the gate");
     let before = reduction.g.clone();
     let refresher = analysis.refresher(&system).expect("factored");
     let short = refresher.refresh(&[0.0; 4], &[], &mut reduction);

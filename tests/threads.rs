@@ -10,7 +10,7 @@ fn on_threads(system: &ConstraintSystem, options: &Options, threads: usize) -> (
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
     pool.install(|| {
         let analysis = analyse(system, options).expect("valid");
-        let reduction = analysis.reduction(system);
+        let reduction = analysis.reduction(system).expect("within the gate");
         (analysis.dependent.iter().map(|d| d.row).collect(), reduction)
     })
 }

@@ -46,7 +46,7 @@ fn by_appearance(system: &ConstraintSystem) -> ConstraintSystem {
 pub fn whole(system: &ConstraintSystem) -> usize {
     let analysis = analyse(system, &Options::default()).expect("a valid system");
     let named: usize = analysis.dependent.iter().map(|d| analysis.because(d).len()).sum();
-    let reduction = analysis.reduction(system);
+    let reduction = analysis.reduction(system).expect("within the gate");
     assert!(reduction.growth <= 1.0, "growth {}", reduction.growth);
     named + reduction.t.nnz()
 }

@@ -28,7 +28,7 @@ pub fn check(backend: BackendChoice, scene: &Scene, change: &Change, solution: O
 fn check_identities(variant: &Variant, analysis: &Analysis, options: &Options, what: &str) {
     let system = &variant.system;
     check_certificates(system, analysis);
-    let reduction = analysis.reduction(system);
+    let reduction = analysis.reduction(system).expect("within the gate");
     let residual = analysis.residual(system, &reduction);
     assert!(residual <= 1e-12, "residual {residual:e}, {what}");
     // Without presolve QR is right relative to the largest right-hand side of the block only, whatever its unit.

@@ -21,7 +21,7 @@ fn growth_is_that_of_a_strong_rrqr(backend: BackendChoice) {
         for options in settings(backend) {
             let analysis = diagnose(&scene.system, &options);
             assert_eq!(analysis.rank(), rank, "{name}, presolve {}", options.presolve);
-            let reduction = analysis.reduction(&scene.system);
+            let reduction = analysis.reduction(&scene.system).expect("within the gate");
             let growth = reduction.t.val.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
             println!(
                 "{name}, presolve {}: {growth:.3} after {} exchanges; dense {:.3}, {:.3} after {}",
@@ -42,7 +42,7 @@ fn low_bounds_are_reached(backend: BackendChoice) {
         for growth in [1.0, 1.5] {
             let options = Options { backend, growth, ..Options::default() };
             let analysis = diagnose(&scene.system, &options);
-            let reduction = analysis.reduction(&scene.system);
+            let reduction = analysis.reduction(&scene.system).expect("within the gate");
             exchanges += reduction.exchanges;
             let most = reduction.t.val.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
             assert!(most <= growth * (1.0 + 1e-8), "{name}: {most} for {growth}");
@@ -56,8 +56,9 @@ fn low_bounds_are_reached(backend: BackendChoice) {
 /// Without a bound T grows beyond it, so that the test above can fail.
 fn growth_needs_the_bound(backend: BackendChoice) {
     let unbounded = Options { backend, growth: 1e300, ..Options::default() };
-    let growth =
-        |(_, scene): (_, qless_scenes::Scene)| diagnose(&scene.system, &unbounded).reduction(&scene.system).growth;
+    let growth = |(_, scene): (_, qless_scenes::Scene)| {
+        diagnose(&scene.system, &unbounded).reduction(&scene.system).expect("within the gate").growth
+    };
     let steepest = steep().into_iter().map(growth).fold(0.0, f64::max);
     assert!(steepest > 1e3, "{steepest}");
 }

@@ -44,7 +44,7 @@ fn residual(system: &ConstraintSystem, analysis: &Analysis, reduction: &Reductio
 /// What is wrong, if anything, as text.
 fn fault(name: &str, system: &ConstraintSystem, options: &Options) -> Option<String> {
     let analysis = diagnose(system, options);
-    let reduction = analysis.reduction(system);
+    let reduction = analysis.reduction(system).expect("within the gate");
     let limit = PRECISION * (1.0 / analysis.confidence.sigma_kept).max(1.0);
     let own = (1..=3).map(|seed| residual(system, &analysis, &reduction, seed)).fold(0.0, f64::max);
     let sigma = analysis.confidence.sigma_kept;
@@ -74,7 +74,8 @@ fn residuals_by_the_true_condition(backend: BackendChoice) {
         let over = |(name, scene): (&'static str, Scene)| {
             let analysis = diagnose(&scene.system, options);
             let sigma = singular_values(&kept(&scene.system, &analysis))[analysis.rank() - 1];
-            let found = residual(&scene.system, &analysis, &analysis.reduction(&scene.system), 1);
+            let found =
+                residual(&scene.system, &analysis, &analysis.reduction(&scene.system).expect("within the gate"), 1);
             (found > PRECISION * (1.0 / sigma).max(1.0)).then_some(name)
         };
         definite().into_iter().chain(steep()).filter_map(over).collect::<Vec<_>>()
@@ -87,7 +88,7 @@ fn residuals_by_the_true_condition(backend: BackendChoice) {
 fn a_wrong_constant_is_found(backend: BackendChoice) {
     for (name, scene) in definite() {
         let analysis = diagnose(&scene.system, &Options { backend, ..Options::default() });
-        let mut reduction = analysis.reduction(&scene.system);
+        let mut reduction = analysis.reduction(&scene.system).expect("within the gate");
         reduction.g.iter_mut().step_by(10).for_each(|g| *g += 1e-9);
         let found = residual(&scene.system, &analysis, &reduction, 1);
         assert!(found > PRECISION, "{name}: {found:e}");

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use qless::qr::BackendError;
-use qless::{AnalysisError, ConstraintSystem, OptionError};
+use qless::{AnalysisError, ConstraintSystem, OptionError, ReductionError};
 use qless_io::{ReadError, WriteError};
 
 use crate::text::name;
@@ -60,6 +60,20 @@ impl Failure {
                  or rebuild with `cargo build --features {backend}`"
             )),
             AnalysisError::Backend(error) => Self::Resource(format!("{}: {error}", input.display())),
+        }
+    }
+
+    /// The equations cannot be solved for slaves.
+    pub fn of_reduction(error: ReductionError, input: &Path, system: &ConstraintSystem) -> Self {
+        match error {
+            ReductionError::NotFinite { dof } => Self::of_overflow(input, system, dof),
+            ReductionError::Residual { row, residual } => Self::Input(format!(
+                "{}: {}: the reduced form would leave {residual:.1e} of it where 1e-10 is allowed, so nothing was made; the \
+                 equations are too nearly dependent: see what `qless check` says of them, and leave out what is nearly said twice",
+                input.display(),
+                name::equation(system, row)
+            )),
+            error => Self::Resource(format!("{}: {error}", input.display())),
         }
     }
 

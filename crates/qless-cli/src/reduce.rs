@@ -31,24 +31,13 @@ pub fn run(args: &ReduceArgs) -> Result<ExitCode, Failure> {
     }
     progress.stage("reducing");
     let start = Instant::now();
-    let reduction = diagnosis.analysis.reduction(&diagnosis.system);
+    let refused = |error| Failure::of_reduction(error, &args.model.input, &diagnosis.system);
+    let reduction = diagnosis.analysis.reduction(&diagnosis.system).map_err(refused)?;
     let time = start.elapsed();
-    if let Some(dof) = overflow(&reduction) {
-        return Err(Failure::of_overflow(&args.model.input, &diagnosis.system, dof));
-    }
     progress.stage("writing");
     write(&args.output, &reduction, diagnosis.system.dof_labels())?;
     diagnosis.print(Some((&reduction, time)), &Outcome::Written(&args.output), progress)?;
     Ok(ExitCode::SUCCESS)
-}
-
-/// The first slave with a number in its row that is not finite.
-fn overflow(reduction: &Reduction) -> Option<usize> {
-    let is_finite = |i: usize| {
-        let mut entries = reduction.t.row(i).chain(reduction.g_matrix.row(i));
-        reduction.g[i].is_finite() && entries.all(|(_, v)| v.is_finite())
-    };
-    (0..reduction.slaves.len()).find(|&i| !is_finite(i)).map(|i| reduction.slaves[i])
 }
 
 fn write(folder: &Path, reduction: &Reduction, labels: &[String]) -> Result<(), WriteError> {

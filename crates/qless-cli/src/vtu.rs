@@ -28,7 +28,7 @@ pub fn render(diagnosis: &Diagnosis) -> Result<Vec<u8>, Failure> {
         )));
     };
     let positions = deck.deck.positions();
-    let counts = counts(diagnosis, &|j| deck.deck.model.dofs.get(j).map(|dof| dof.node));
+    let counts = counts(diagnosis, &|j| deck.deck.model.dofs.get(j).map(|dof| dof.node))?;
     let shown: Vec<(u32, [f64; 3], Counts)> =
         counts.into_iter().filter_map(|(node, counts)| Some((node, *positions.get(&node)?, counts))).collect();
     if shown.is_empty() {
@@ -43,9 +43,11 @@ pub fn render(diagnosis: &Diagnosis) -> Result<Vec<u8>, Failure> {
 }
 
 /// For each node that an equation holds.
-fn counts(diagnosis: &Diagnosis, node_of: &dyn Fn(usize) -> Option<u32>) -> BTreeMap<u32, Counts> {
+fn counts(diagnosis: &Diagnosis, node_of: &dyn Fn(usize) -> Option<u32>) -> Result<BTreeMap<u32, Counts>, Failure> {
     let system = &diagnosis.system;
-    let reduction = diagnosis.analysis.reduction(system);
+    let input = &diagnosis.args.input;
+    let refused = |error| Failure::of_reduction(error, input, system);
+    let reduction = diagnosis.analysis.reduction(system).map_err(refused)?;
     let mut counts: BTreeMap<u32, Counts> = BTreeMap::new();
     let mut held = vec![false; system.dofs()];
     for (i, kind) in diagnosis.analysis.kinds.iter().enumerate() {
@@ -62,7 +64,7 @@ fn counts(diagnosis: &Diagnosis, node_of: &dyn Fn(usize) -> Option<u32>) -> BTre
             counts.entry(node).or_default()[side] += 1;
         }
     }
-    counts
+    Ok(counts)
 }
 
 fn grid(shown: &[(u32, [f64; 3], Counts)]) -> Vtk {

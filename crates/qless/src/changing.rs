@@ -17,7 +17,7 @@ use rayon::prelude::*;
 pub use block::SolvedBlock;
 use network::Network;
 
-use crate::{AnalysisError, Kind, Options, SystemError};
+use crate::{AnalysisError, Kind, Options, ReductionError, SystemError};
 
 /// An equation of a [`ChangingSystem`]; it keeps its meaning until the equation is removed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -46,6 +46,9 @@ pub enum ChangeError {
     /// A block could not be analysed.
     #[error(transparent)]
     Analysis(#[from] AnalysisError),
+    /// A block could not be reduced; rows and DOFs of the error are counted within the block.
+    #[error(transparent)]
+    Reduction(#[from] ReductionError),
 }
 
 /// A set of equations that changes between steps.

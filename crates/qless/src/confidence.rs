@@ -4,7 +4,7 @@ use crate::ConstraintSystem;
 use crate::basis::Kept;
 use crate::classify::Dependent;
 
-/// Kept equations with a smaller singular value than this are near dependence, whatever the tolerance.
+/// Kept equations that a change of one coefficient by less than this makes dependent are near dependence, whatever the tolerance.
 pub(crate) const NEAR: f64 = 3e-6;
 /// A mismatch of the right-hand sides below this, relative to its parts, might be meant as none.
 const SMALL_MISMATCH: f64 = 1e-6;
@@ -12,8 +12,8 @@ const SMALL_MISMATCH: f64 = 1e-6;
 /// How sure the rank is, relative to the equilibrated equations.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Confidence {
-    /// Estimate of the smallest singular value of the blocks' kept rows, or, if that is less, of the distance of presolve's
-    /// kept rows from dependence (`1 / max |(U^-1)_ij|`; 1 where neither gives reason for doubt).
+    /// Estimate of the smallest singular value of the kept equations, 1 where it is more: of the rows of each block by its factors,
+    /// of those that presolve kept by the columns of their slaves.
     pub sigma_kept: f64,
     /// Largest remainder, beyond rounding, that was treated as zero.
     pub sigma_dropped: f64,
@@ -30,14 +30,15 @@ fn finite_or_null<S: serde::Serializer>(value: &f64, serializer: S) -> Result<S:
 }
 
 impl Confidence {
+    /// `presolved` is sigma of what presolve kept, and `parted` says that two ways to the rank parted.
     pub(crate) fn new(
         solved: &[Kept],
-        sensitivity: Option<f64>,
+        presolved: f64,
+        parted: bool,
         dependent: &[Dependent],
         system: &ConstraintSystem,
     ) -> Self {
-        let presolved = sensitivity.map_or(1.0, |entry| 1.0 / entry);
-        let sigma_kept = solved.iter().map(|block| block.sigma).fold(presolved, f64::min);
+        let sigma_kept = solved.iter().map(|block| block.nearness.sigma).fold(presolved, f64::min);
         let sigma_dropped = dependent.iter().map(|d| d.dropped).fold(0.0, f64::max);
         let largest_rhs = system.rhs().iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         let doubtful = |d: &Dependent| {
@@ -46,8 +47,8 @@ impl Confidence {
             let empty = system.matrix().row(d.row).len() == 0;
             small || (empty && d.mismatch != 0.0 && d.mismatch.abs() < SMALL_MISMATCH * largest_rhs)
         };
-        let ambiguous =
-            sigma_kept < NEAR || sensitivity.is_some() || sigma_dropped > 0.0 || dependent.iter().any(doubtful);
+        let near = solved.iter().any(|block| block.nearness.distance < NEAR);
+        let ambiguous = near || parted || sigma_dropped > 0.0 || dependent.iter().any(doubtful);
         Self { sigma_kept, sigma_dropped, gap: sigma_kept / sigma_dropped, ambiguous }
     }
 

@@ -19,7 +19,7 @@
 //! let analysis = analyse(&system, &Options::default())?;
 //! assert_eq!((analysis.rank(), analysis.kinds[2]), (2, Kind::Redundant));
 //! // (17) and (18): u1 = -u3 + 2/3, u2 = u3 - 1/3.
-//! let reduction = analysis.reduction(&system);
+//! let reduction = analysis.reduction(&system)?;
 //! assert_eq!((reduction.slaves.as_slice(), reduction.masters.as_slice()), ([0, 1].as_slice(), [2].as_slice()));
 //! assert!((reduction.g[0] - 2.0 / 3.0).abs() < 1e-15);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -32,9 +32,9 @@ mod block;
 mod certificate;
 mod changing;
 mod classify;
+mod components;
 mod confidence;
 mod generated;
-mod hold;
 mod keep;
 mod local;
 mod options;
@@ -58,7 +58,7 @@ pub use classify::{Dependent, Kind};
 pub use confidence::Confidence;
 pub use options::{BackendChoice, OptionError, Options, Tolerance};
 pub use preferences::Preferences;
-pub use reduction::Reduction;
+pub use reduction::{Reduction, ReductionError};
 pub use refresh::{RefreshError, Refreshed, Refresher};
 pub use report::{
     BackendUsed, Certificate, Counts, DependentEquation, GeneratedCondition, InputSizes, Milliseconds, Omitted,

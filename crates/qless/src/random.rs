@@ -2,10 +2,25 @@
 
 /// Numbers in `[0.5, 1.5)`, the same for the same seed: a counter, its bits mixed, so that none waits for the one before.
 pub(crate) fn randoms(seed: u64) -> impl Iterator<Item = f64> {
+    (0..).map(move |k| unit(bits(seed, k)))
+}
+
+/// Number k of a seed with a sign: its size lies in `[0.5, 1.5)`, and hardly two cancel.
+#[inline]
+pub(crate) fn signed(seed: u64, k: u64) -> f64 {
+    let bits = bits(seed, k);
+    if bits & 1 == 0 { unit(bits) } else { -unit(bits) }
+}
+
+#[inline]
+fn unit(bits: u64) -> f64 {
+    0.5 + (bits >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+#[inline]
+fn bits(seed: u64, k: u64) -> u64 {
     let first = seed.wrapping_mul(0x5851_f42d_4c95_7f2d);
-    (1_u64..).map(move |k| {
-        let x = k.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(first);
-        let x = (x ^ (x >> 32)).wrapping_mul(0xd6e8_feb8_6659_fd93);
-        0.5 + ((x ^ (x >> 32)) >> 11) as f64 / (1_u64 << 53) as f64
-    })
+    let x = (k + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(first);
+    let x = (x ^ (x >> 32)).wrapping_mul(0xd6e8_feb8_6659_fd93);
+    x ^ (x >> 32)
 }

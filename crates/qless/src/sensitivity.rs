@@ -1,40 +1,49 @@
-//! `max_ij |(C_S^-1)_ij|`: how near to dependence the equations are that presolve kept.
+//! `sigma_min(C_S)`, from above: how near to dependence the equations are that presolve kept.
 //!
-//! The smallest change of one coefficient that makes `C_S = L U` singular (kept rows, slaves' columns, scaled) is
-//! `1 / max |(C_S^-1)_ij|`, in units of the largest coefficient of its equation: a measure that is 1 for a chain of any length, where the
-//! smallest singular value falls with the length. Triangular matrices with harmless diagonals can be nearly
-//! singular (Kahan's, Wilkinson's), so presolve must be checked as any backend.
-//!
-//! A bound of every row sum of `|U^-1| |L^-1|` costs one pass; only where it is large are entries computed.
+//! `C_S = L U` are the kept rows in the slaves' columns, scaled. A sweep completes a random right-hand side, which shows the slave
+//! for which `C_S^-1` is large. Its row of `C_S^-1` by one transposed solve, and that row solved for once more, are a step of
+//! inverse iteration from a start that lies in the right direction.
 
 use crate::basis::Basis;
 use crate::certificate::History;
 use crate::local::Local;
+use crate::qr::norm;
 use crate::scale::{Scaling, ldexp};
 
-/// Entries up to this give no reason for doubt.
-const HARMLESS: f64 = 3e5;
+/// Below this the sample says all that is worth knowing.
+const HARMLESS: f64 = 8.0;
 
-/// The largest entry of `|C_S^-1|` in the row of the `worst` slave of a [`crate::sweep`], with that slave; none where all are harmless.
-pub(crate) fn largest(
-    worst: Option<(u32, f64)>,
+/// Estimate of the smallest singular value, at most 1; `worst` is the row of the basis with the largest number of a sample, and
+/// that number.
+pub(crate) fn sigma(
+    worst: Option<(usize, f64)>,
     system: Local,
     basis: &Basis,
     history: &History,
     scaling: &Scaling,
-) -> Option<(u32, f64)> {
-    let (slave, _) = worst.filter(|&(_, bound)| bound > HARMLESS)?;
-    let entry = row_of_inverse(system, basis, history, scaling, slave);
-    (entry > HARMLESS).then_some((slave, entry))
+) -> f64 {
+    let Some((t, size)) = worst else { return 1.0 };
+    if size <= HARMLESS {
+        return 1.0 / size.max(1.0);
+    }
+    let mut row = row_of_inverse(system, basis, history, scaling, t);
+    let length = norm(&row);
+    if !(length.is_finite() && length > 0.0) {
+        return 0.0;
+    }
+    row.iter_mut().for_each(|v| *v /= length);
+    let solution = norm(&solve(row, system, basis, history, scaling));
+    // Blocks have a part in the sample only.
+    if solution.is_finite() { (1.0 / solution.max(length).max(size / 2.0)).min(1.0) } else { 0.0 }
 }
 
-/// `max_i |(C_S^-1)_si|` by one transposed solve.
-fn row_of_inverse(system: Local, basis: &Basis, history: &History, scaling: &Scaling, slave: u32) -> f64 {
+/// `e_s^T C_S^-1` for the slave of row t, by row of the basis; blocks left out.
+fn row_of_inverse(system: Local, basis: &Basis, history: &History, scaling: &Scaling, t: usize) -> Vec<f64> {
     let mut rest = vec![0.0; system.dofs()];
-    rest[slave as usize] = 1.0;
-    let (mut largest, first) = (0.0_f64, basis.peeled.len());
-    let mut weights = vec![0.0; basis.steps()];
-    for t in 0..first + basis.steps() {
+    rest[basis.slave(t) as usize] = 1.0;
+    let first = basis.peeled.len();
+    let mut weights = vec![0.0; first + basis.steps()];
+    for (t, weight) in weights.iter_mut().enumerate() {
         let own = basis.slave(t);
         let value = std::mem::take(&mut rest[own as usize]);
         if value == 0.0 {
@@ -44,18 +53,29 @@ fn row_of_inverse(system: Local, basis: &Basis, history: &History, scaling: &Sca
         for (j, v) in row.entries() {
             rest[j as usize] += value * ldexp(v, scaling.col(j as usize) - scaling.col(own as usize));
         }
-        let weight = value / basis.pivot(t, &row, scaling);
-        if t < first {
-            largest = largest.max(weight.abs());
-        } else {
-            weights[t - first] = weight;
-        }
+        *weight = value / basis.pivot(t, &row, scaling);
     }
-    for t in (0..weights.len()).rev() {
-        let weight = weights[t];
-        largest = largest.max(weight.abs());
-        let row = history.steps[t] as usize;
-        history.factors[row].iter().for_each(|&(step, factor)| weights[step as usize] -= factor * weight);
+    for t in (first..weights.len()).rev() {
+        let (weight, row) = (weights[t], history.steps[t - first] as usize);
+        history.factors[row].iter().for_each(|&(step, factor)| weights[first + step as usize] -= factor * weight);
     }
-    largest
+    weights
+}
+
+/// `C_S^-1 right`; the slaves of blocks stay at zero.
+fn solve(mut right: Vec<f64>, system: Local, basis: &Basis, history: &History, scaling: &Scaling) -> Vec<f64> {
+    let first = basis.peeled.len();
+    for (t, &row) in history.steps.iter().enumerate() {
+        let sum: f64 = history.factors[row as usize].iter().map(|&(step, f)| f * right[first + step as usize]).sum();
+        right[first + t] -= sum;
+    }
+    let mut x = vec![0.0; system.dofs()];
+    for t in (0..right.len()).rev() {
+        let own = basis.slave(t);
+        let row = basis.row(system, t);
+        let scaled = |(j, v): (u32, f64)| ldexp(v, scaling.col(j as usize) - scaling.col(own as usize)) * x[j as usize];
+        let sum: f64 = row.entries().map(scaled).sum();
+        x[own as usize] = sum + right[t] / basis.pivot(t, &row, scaling);
+    }
+    x
 }

@@ -38,6 +38,11 @@ impl Symbolic {
         crate::analyse::analyse(rows, &columns, &|_| true)
     }
 
+    /// P: the column of A at each position, in an order in which R has few entries; length n.
+    pub fn order(&self) -> &[u32] {
+        &self.order
+    }
+
     /// Operations of the factorization without right-hand sides, if no column is dependent.
     pub fn flops(&self) -> f64 {
         self.forecast.flops.iter().fold(0.0, |sum, flops| sum + flops)

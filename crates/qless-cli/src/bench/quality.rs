@@ -118,7 +118,7 @@ mod tests {
     fn an_exact_reduction_has_no_error() {
         let scene = path(20).expect("a scene");
         let analysis = qless::analyse(&scene.system, &Options::default()).expect("valid");
-        let reduction = analysis.reduction(&scene.system);
+        let reduction = analysis.reduction(&scene.system).expect("within the gate");
         let done = super::Done { time: 1.0, reduction, analysis: Some(analysis) };
         let measured = Reference::new(&scene).judge(&done);
         assert!(measured.error.expect("small") < 1e-14 && measured.residual == 0.0);

@@ -58,6 +58,6 @@ pub fn once(system: &ConstraintSystem, method: &Method) -> Option<Done> {
 fn qless(system: &ConstraintSystem, options: &Options) -> Option<Done> {
     let start = Instant::now();
     let analysis = analyse(system, options).ok()?;
-    let reduction = analysis.reduction(system);
+    let reduction = analysis.reduction(system).ok()?;
     Some(Done { time: start.elapsed().as_secs_f64(), reduction, analysis: Some(analysis) })
 }

@@ -211,7 +211,8 @@ mod tests {
         for (found, exact) in springs.solution.iter().zip(exact) {
             assert!((found - exact).abs() <= 4.0 * f64::EPSILON, "{found} for {exact}");
         }
-        let mut reduction = analyse(&system, &Options::default()).expect("valid").reduction(&system);
+        let mut reduction =
+            analyse(&system, &Options::default()).expect("valid").reduction(&system).expect("within the gate");
         reduction.g.iter_mut().for_each(|g| *g *= 1.5);
         let error = springs.error(&Done { time: 0.0, reduction, analysis: None }).expect("small");
         assert!((error - 0.5).abs() < 1e-9, "{error}");
@@ -235,7 +236,7 @@ mod tests {
             let size = small.solution.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
             let off = small.solution.iter().zip(&large.solution).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(off <= 1e-15 * size, "{off:e} of {size}");
-            let reduction = analysis.reduction(&system);
+            let reduction = analysis.reduction(&system).expect("within the gate");
             let done = Done { time: 0.0, reduction, analysis: None };
             let errors = [small, large].map(|springs| springs.error(&done).expect("sparse"));
             assert!(errors.iter().all(|error| *error < 1e-13), "{errors:?}");

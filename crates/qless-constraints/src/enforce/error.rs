@@ -1,6 +1,6 @@
 //! Why constraints cannot be enforced.
 
-use qless::{AnalysisError, SystemError};
+use qless::{AnalysisError, ReductionError, SystemError};
 
 /// Why constraints cannot be enforced.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -57,6 +57,9 @@ pub enum EnforceError {
     /// The constraints cannot be analysed.
     #[error(transparent)]
     Analysis(#[from] AnalysisError),
+    /// The constraints cannot be solved for slaves.
+    #[error(transparent)]
+    Reduction(#[from] ReductionError),
     /// The equations chosen are no valid system.
     #[error(transparent)]
     System(#[from] SystemError),

@@ -34,7 +34,7 @@ pub fn reduction(system: &ConstraintSystem, rows: &[usize]) -> Result<Reduction,
     });
     system.prescribed().iter().for_each(|&(dof, value)| builder.prescribe(dof, value));
     let part = builder.build()?;
-    Ok(analyse(&part, &Options::default())?.reduction(&part))
+    Ok(analyse(&part, &Options::default())?.reduction(&part)?)
 }
 
 /// T of the slaves, and the masters themselves.

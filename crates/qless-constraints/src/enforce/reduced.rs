@@ -20,7 +20,7 @@ use super::matrix::{Factor, from_triplets, product, times, transposed};
 /// let mut builder = SystemBuilder::new(2);
 /// builder.equation([(0, 1.0), (1, -1.0)], 0.0);
 /// let system = builder.build()?;
-/// let reduction = analyse(&system, &Options::default())?.reduction(&system);
+/// let reduction = analyse(&system, &Options::default())?.reduction(&system)?;
 /// let u = reduced(&k, &[3.0, 0.0], &reduction, &[])?;
 /// assert!((u[0] - 0.5).abs() < 1e-15 && (u[1] - 0.5).abs() < 1e-15);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

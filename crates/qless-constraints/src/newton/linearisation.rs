@@ -1,6 +1,6 @@
 //! `G du = -c` analysed: `du_s = T du_q + G du_p + g`. Where G is constant, a new c needs no new factorization.
 
-use qless::{Analysis, ConstraintSystem, Reduction, analyse};
+use qless::{Analysis, ConstraintSystem, Reduction, ReductionError, analyse};
 
 use super::{NewtonError, NewtonOptions};
 use crate::{ConstraintSet, Quantities};
@@ -35,15 +35,23 @@ impl Linearisation {
         let of = |&(dof, _): &(usize, f64)| increments.iter().find(|&&(j, _)| j == dof).map(|&(_, v)| v);
         self.increments = self.system.prescribed().iter().map(of).collect::<Option<_>>()?;
         let refresher = self.analysis.refresher(&self.system).ok()?;
-        let mut reduction = self.reduction.take().unwrap_or_else(|| self.analysis.reduction(&self.system));
+        let mut reduction = match self.reduction.take() {
+            Some(reduction) => reduction,
+            None => self.analysis.reduction(&self.system).ok()?,
+        };
         refresher.refresh(&rhs, &self.increments, &mut reduction).ok()?;
         self.reduction = Some(reduction);
         Some(self)
     }
 
     /// du with masters staying where they are.
-    pub fn step(&mut self) -> Vec<f64> {
-        let reduction = self.reduction.get_or_insert_with(|| self.analysis.reduction(&self.system));
-        reduction.expand(&vec![0.0; reduction.masters.len()], &self.increments)
+    pub fn step(&mut self) -> Result<Vec<f64>, ReductionError> {
+        let reduction = match self.reduction.take() {
+            Some(reduction) => reduction,
+            None => self.analysis.reduction(&self.system)?,
+        };
+        let du = reduction.expand(&vec![0.0; reduction.masters.len()], &self.increments);
+        self.reduction = Some(reduction);
+        Ok(du)
     }
 }

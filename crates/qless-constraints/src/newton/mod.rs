@@ -8,7 +8,7 @@ mod linearisation;
 mod redundancy;
 mod residual;
 
-use qless::{Analysis, AnalysisError, Kind, Options, SystemError};
+use qless::{Analysis, AnalysisError, Kind, Options, ReductionError, SystemError};
 
 use linearisation::Linearisation;
 pub use redundancy::{Redundancy, redundancies};
@@ -74,6 +74,14 @@ pub enum NewtonError {
         /// What is wrong.
         source: AnalysisError,
     },
+    /// The linearised equations cannot be solved for slaves.
+    #[error("at step {step}: {source}")]
+    Reduction {
+        /// From 0.
+        step: usize,
+        /// What is wrong.
+        source: ReductionError,
+    },
     /// Constraints that cannot hold together with those that they depend on.
     #[error("{} cannot hold together with the equations that it depends on: {amount} is left of it", .labels.join(" and "))]
     Conflict {
@@ -130,7 +138,7 @@ pub fn solve(
             return Ok(Solution { u: run.u, iterates: run.iterates, redundant });
         }
         run.check_conflict(&linearisation.analysis)?;
-        run.advance(&mut linearisation);
+        run.advance(&mut linearisation, step)?;
         before = Some(linearisation);
     }
     Err(NewtonError::NoConvergence { steps: options.steps, residual: run.last() })
@@ -211,9 +219,11 @@ impl<'a> Run<'a> {
     }
 
     /// `u += du`, masters staying where they are.
-    fn advance(&mut self, linearisation: &mut Linearisation) {
-        self.u.iter_mut().zip(linearisation.step()).for_each(|(u, du)| *u += du);
+    fn advance(&mut self, linearisation: &mut Linearisation, step: usize) -> Result<(), NewtonError> {
+        let du = linearisation.step().map_err(|source| NewtonError::Reduction { step, source })?;
+        self.u.iter_mut().zip(du).for_each(|(u, du)| *u += du);
         self.set.evaluate(&self.u, &mut self.quantities);
         self.residuals = residuals(&self.quantities);
+        Ok(())
     }
 }

@@ -92,7 +92,7 @@ impl Here {
         quantities.c.fill(0.0);
         let system = set.linearised(&quantities, &[]).map_err(|source| NewtonError::System { step: 0, source })?;
         let analysis = analyse(&system, options).map_err(|source| NewtonError::Analysis { step: 0, source })?;
-        let reduction = analysis.reduction(&system);
+        let reduction = analysis.reduction(&system).map_err(|source| NewtonError::Reduction { step: 0, source })?;
         let (masters, t, slaves) = (reduction.masters, reduction.t, reduction.slaves);
         Ok(Self { g: quantities.g, analysis, masters, t, slaves })
     }

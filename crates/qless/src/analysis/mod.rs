@@ -17,7 +17,7 @@ use crate::keep::add;
 use crate::local::Numbering;
 use crate::preferences::Wishes;
 use crate::qr::{Backend, BackendError};
-use crate::reduction::{self, Basics, Reduction};
+use crate::reduction::{self, Basics, Reduction, ReductionError, gate};
 use crate::scale::Scaling;
 use crate::{ConstraintSystem, OptionError, Options};
 
@@ -97,6 +97,8 @@ pub struct Analysis {
     pub(crate) blocks: Vec<Block>,
     pub(crate) history: History,
     pub(crate) scaling: Scaling,
+    /// b as analysed, less what equations that were given up for others contradict.
+    pub(crate) rhs: Vec<f64>,
     pub(crate) numbering: Numbering,
     /// Local numbers of [`Analysis::generated`].
     pub(crate) fixed: Vec<u32>,
@@ -157,7 +159,11 @@ impl Analysis {
     ///
     /// Coefficients are read from `system`; b and the prescribed values are those that were analysed, whatever it holds.
     /// Conflicting equations are left out, as redundant ones are: the caller decides whether that is wanted.
-    pub fn reduction(&self, system: &ConstraintSystem) -> Reduction {
+    ///
+    /// # Errors
+    /// [`ReductionError`] where [`Analysis::residual`] would be above 1e-10, or a number beyond the range of doubles: what is
+    /// returned meets the independent equations.
+    pub fn reduction(&self, system: &ConstraintSystem) -> Result<Reduction, ReductionError> {
         let mut fixed = vec![false; if self.fixed.is_empty() { 0 } else { self.numbering.dofs.len() }];
         self.fixed.iter().for_each(|&j| fixed[j as usize] = true);
         let basics = Basics {
@@ -166,19 +172,25 @@ impl Analysis {
             fixed,
             wishes: Wishes::new(&self.options.preferences, &self.numbering, system.dofs()),
             growth: self.options.growth,
+            scaling: &self.scaling,
+            independent: self.independent(),
+            memory: self.options.memory,
         };
-        let local = self.numbering.view(system, system.rhs());
-        reduction::build(system, local, &basics).compare(&self.options.preferences)
+        let local = self.numbering.view(system, &self.rhs);
+        reduction::build(system, local, &basics).map(|reduction| reduction.compare(&self.options.preferences))
     }
 
-    /// How well a reduction meets the independent equations: for random u_q and u_p
+    /// How well a reduction meets the independent equations: for random u_q and u_p, the parts T, G and g each on their own,
     /// `max_i |C_i u - b_i| / (|C_i D| 1 max_j(s_j / d_j) + |b_i|)`, where s_j is the sum of the sizes of the parts that make
-    /// u_j and D the scaling of columns (1 unless units mix).
+    /// u_j, D the scaling of columns (1 unless units mix) and j runs over the DOFs connected with equation i.
     ///
     /// About 1e-16 times the condition of the kept equations, `1 / confidence.sigma_kept`. One pass over C and T.
     pub fn residual(&self, system: &ConstraintSystem, reduction: &Reduction) -> f64 {
-        let independent: Vec<bool> = self.kinds.iter().map(|&kind| kind == Kind::Independent).collect();
-        let local = self.numbering.view(system, system.rhs());
-        reduction::residual::residual(local, reduction, &independent, &self.scaling)
+        let local = self.numbering.view(system, &self.rhs);
+        gate::residuals(local, reduction, &self.independent(), &self.scaling, f64::INFINITY).worst
+    }
+
+    pub(crate) fn independent(&self) -> Vec<bool> {
+        self.kinds.iter().map(|&kind| kind == Kind::Independent).collect()
     }
 }

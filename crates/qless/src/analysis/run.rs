@@ -4,14 +4,15 @@
 
 use std::time::Instant;
 
-use super::stages::{Run, SEED, Settled};
+use super::stages::{Run, Settled};
 use super::{Analysis, AnalysisError};
+use crate::block::Means;
 use crate::generated;
 use crate::keep::keep;
 use crate::local::{Column, Exponents, Local, Numbering};
 use crate::preferences::Wishes;
 use crate::scale::{Scaling, Spread, balanced, by_rows};
-use crate::sweep::sweep;
+use crate::sweep::{SEED, sweep};
 use crate::{ConstraintSystem, Options, Tolerance};
 
 /// Diagnoses `C u = b`: rank, dependent equations, generated boundary conditions.
@@ -44,15 +45,8 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
     let local = numbering.view(system, system.rhs());
     let wishes = Wishes::new(&options.preferences, &numbering, system.dofs());
     let (rows, spread) = scale(local, &columns, &exponents, options.tolerance);
-    let run = Run {
-        local,
-        columns: &columns,
-        scaling: &rows,
-        wishes: &wishes,
-        backend: backend.as_ref(),
-        tolerance,
-        check: options.check,
-    };
+    let run =
+        Run { local, columns: &columns, scaling: &rows, wishes: &wishes, means: Means::new(backend.as_ref(), options) };
     let settle = |scaling: &Scaling| Run { scaling, ..run }.settle(system, options.presolve, start);
     let (scaling, (mut stages, held, confidence)) = if spread == Spread::UnitsMix {
         let scaling = balanced(local, &exponents);
@@ -70,9 +64,9 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
     };
     let mut run = Run { scaling: &scaling, ..run };
     let kept = keep(&options.preferences.equations, &mut stages.dependent, &stages.history, &scaling, tolerance);
+    let mut rhs = system.rhs().to_vec();
     if !kept.overruled.is_empty() {
         // Equations given up for ones that they contradict leave their trace in the constants: once more without it.
-        let mut rhs = system.rhs().to_vec();
         kept.overruled.iter().for_each(|&(i, excess)| rhs[i] -= excess);
         run.local = numbering.view(system, &rhs);
         let agreeing = run.stages(&held, start)?;
@@ -81,7 +75,7 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
     }
     let still = std::mem::take(&mut stages.swept.still);
     let generated = generated::find(still, local, &stages.basis, &stages.history, &scaling);
-    Ok(stages.conclude(numbering, scaling, options.clone(), generated, confidence, kept.unmet, backend.as_ref()))
+    Ok(stages.conclude(numbering, scaling, rhs, options.clone(), generated, confidence, kept.unmet, backend.as_ref()))
 }
 
 /// Of two scalings that with the surer rank; the doubt of both remains.

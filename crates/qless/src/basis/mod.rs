@@ -9,7 +9,7 @@ mod row;
 
 use std::ops::Range;
 
-use crate::block::Solved;
+use crate::block::{Nearness, Solved};
 use crate::local::Local;
 use crate::presolve::eliminate::Step;
 use crate::scale::{Scaling, ldexp};
@@ -31,6 +31,8 @@ pub(crate) struct Basis {
     values: Vec<f64>,
     /// Scaled coefficients by which eliminated rows, which follow the peeled ones, were divided.
     pivots: Vec<f64>,
+    /// As [`Step::reach`].
+    reaches: Vec<f64>,
     /// The blocks, the rows of which come last.
     pub blocks: Vec<Kept>,
 }
@@ -39,10 +41,14 @@ pub(crate) struct Basis {
 pub(crate) struct Kept {
     /// Indices of the kept rows among those that went through elimination.
     pub rows: Vec<u32>,
+    /// Indices of `rows` in an order in which they fill little.
+    pub order: Vec<u32>,
     /// Its rows of the basis.
     pub slaves: Range<usize>,
-    /// Estimate of the smallest singular value of the kept rows.
-    pub sigma: f64,
+    /// How near to dependence the kept rows are.
+    pub nearness: Nearness,
+    /// `C_S^-1` times a random vector, one number for each slave.
+    pub sample: Vec<f64>,
 }
 
 /// Rows, in order.
@@ -89,6 +95,7 @@ impl Basis {
         }
         self.close(step.dof, ldexp(step.rhs / step.pivot, own));
         self.pivots.push(step.pivot);
+        self.reaches.push(step.reach);
     }
 
     fn push_block(&mut self, block: Solved, scaling: &Scaling) {
@@ -102,7 +109,8 @@ impl Basis {
             }
             self.close(slave, ldexp(block.constant[i], own));
         }
-        self.blocks.push(Kept { rows: block.kept, slaves: first..self.rank(), sigma: block.sigma });
+        let Solved { kept: rows, order, nearness, sample, .. } = block;
+        self.blocks.push(Kept { rows, order, slaves: first..self.rank(), nearness, sample });
     }
 
     /// Appends what elimination and blocks found to the peeled rows, in the user's units.
@@ -139,7 +147,12 @@ impl Basis {
         self.pivots[step]
     }
 
-    /// The same for row t, peeled or eliminated, the terms of which are given.
+    /// As [`Step::reach`].
+    pub fn reach_of_step(&self, step: usize) -> f64 {
+        self.reaches[step]
+    }
+
+    /// The scaled coefficient of row t, peeled or eliminated, the terms of which are given.
     #[inline]
     pub fn pivot(&self, t: usize, terms: &Row, scaling: &Scaling) -> f64 {
         match self.peeled.get(t) {

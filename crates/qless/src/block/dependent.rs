@@ -1,12 +1,12 @@
 //! `C^T P = Q [R1 R2]`: which rows of a block are combinations of others, and of which.
 
 use super::tableau::Tableau;
-use super::{Block, Dependent};
+use super::{Block, Dependent, Means, Nearness};
 use crate::Csr;
 use crate::confidence::NEAR;
 use crate::presolve::eliminate::Mismatch;
 use crate::qr::faer::Faer;
-use crate::qr::{Backend, BackendError, Factor, SMALL};
+use crate::qr::{Backend, BackendError, Factor, SMALL, largest_place, norm};
 use crate::scale::ldexp;
 
 /// Coefficients of a certificate below this, relative to its largest, are rounding; where the kept rows are badly
@@ -18,6 +18,9 @@ pub(crate) const NO_PIVOT: f64 = 1e-13;
 /// Units in the last place, times the root of the size, that a QR may leave of a dependent row.
 const ROUNDING: f64 = 8.0;
 
+/// A row of which presolve left less than this is small as a whole.
+const SMALL_ROW: f64 = 1e-9;
+
 /// Most times that rows are dropped and taken back in search of a sound choice.
 const ROUNDS: usize = 8;
 
@@ -28,54 +31,62 @@ const CERTIFICATE_UNITS: f64 = 2.0;
 /// Kept rows (positions in the block) and dependent ones.
 pub(super) struct Rows {
     pub kept: Vec<usize>,
+    /// Indices of `kept` in an order in which they fill little.
+    pub order: Vec<usize>,
     pub dependent: Vec<Dependent>,
-    pub sigma: f64,
+    pub nearness: Nearness,
 }
 
-pub(super) fn find(block: &Block, backend: &dyn Backend, tolerance: f64, check: bool) -> Result<Rows, BackendError> {
+pub(super) fn find(block: &Block, means: Means) -> Result<Rows, BackendError> {
+    let mut rows = independent(block, means)?;
+    rows.order = rows.order.iter().filter_map(|k| rows.kept.binary_search(k).ok()).collect();
+    Ok(rows)
+}
+
+/// As [`find`], with the whole block in `order`.
+fn independent(block: &Block, means: Means) -> Result<Rows, BackendError> {
+    let Means { backend, tolerance, check, .. } = means;
     let mut factor = backend.factor(&block.matrix, &[], tolerance)?;
+    let order = factor.order.clone();
     if !check {
-        return Ok(rows(block, &certificates(&factor), beyond_rounding(&factor, block), 1.0));
+        let unchecked = Nearness { sigma: 1.0, distance: 1.0 };
+        return Ok(rows(block, &certificates(&factor), beyond_rounding(&factor, block), unchecked, order));
     }
-    let (mut sigma, mut weakest) = smallest(block, &factor, backend)?;
+    let (mut near, mut weakest) = nearness(block, &factor, means)?;
     let (m, n) = (block.matrix.rows(), block.matrix.cols);
-    let pivots = backend.pivots(n, m) || sigma >= NEAR;
-    if !pivots && m * n > SMALL && backend.is_orthogonal() {
-        if let Some(rows) = without_weak(block, backend, tolerance, &factor)? {
+    let pivots = backend.pivots(n, m) || near.distance >= NEAR;
+    if !pivots && m * n > SMALL {
+        if let Some(rows) = without_weak(block, means, &factor, &order)? {
             return Ok(rows);
         }
     } else if !pivots {
         // The backend may have kept the wrong rows of a sound block: with pivoting the best are kept.
         let other = Faer.factor(&block.matrix, &[], tolerance)?;
-        let (better, place) = smallest(block, &other, &Faer)?;
-        if better > sigma {
-            (factor, sigma, weakest) = (other, better, place);
+        let (better, place) = nearness(block, &other, Means { backend: &Faer, ..means })?;
+        if better.sigma > near.sigma {
+            (factor, near, weakest) = (other, better, place);
         }
     }
     let left = beyond_rounding(&factor, block);
-    if sigma <= tolerance && factor.rank > 0 {
-        return repair(block, backend, tolerance, &factor, weakest);
+    if near.sigma <= tolerance && near.distance < NEAR && factor.rank > 0 {
+        return repair(block, means, &factor, weakest, order);
     }
-    let (tableau, sigma) = in_order(block, backend, certificates(&factor), sigma)?;
-    Ok(rows(block, &tableau, left, sigma))
+    let (tableau, near) = in_order(block, means, certificates(&factor), near)?;
+    Ok(rows(block, &tableau, left, near, order))
 }
 
 /// The backend kept rows that are combinations of others, as a QR without pivoting does where their remainders are spread over
 /// many: those are found by the singular vectors and dropped, and dropped rows that only such a row had explained come
 /// back. None where that does not end in a sound choice.
-fn without_weak(
-    block: &Block,
-    backend: &dyn Backend,
-    tolerance: f64,
-    factor: &Factor,
-) -> Result<Option<Rows>, BackendError> {
+fn without_weak(block: &Block, means: Means, factor: &Factor, order: &[usize]) -> Result<Option<Rows>, BackendError> {
+    let reference = means.orthogonal();
     let mut kept = factor.order[..factor.rank].to_vec();
     let mut dropped = factor.order[factor.rank..].to_vec();
     let Some(mut weak) = factor.weak_columns(NEAR)? else { return Ok(None) };
     for _ in 0..ROUNDS {
         weak.sort_unstable_by(|a, b| b.cmp(a));
         dropped.extend(weak.iter().map(|&k| kept.swap_remove(k)));
-        let factor = backend.factor(&select(block, &kept), &[], 0.0)?;
+        let factor = reference.factor(&block.select(&kept), &[], 0.0)?;
         dropped.extend(factor.order[factor.rank..].iter().map(|&k| kept[k]));
         kept = factor.order[..factor.rank].iter().map(|&k| kept[k]).collect();
         let Some(still) = factor.weak_columns(NEAR)? else { return Ok(None) };
@@ -83,13 +94,13 @@ fn without_weak(
         if !weak.is_empty() {
             continue;
         }
-        let tableau = over_kept(block, backend, &kept, &dropped)?;
-        let unexplained = unexplained(block, &tableau, tolerance)?;
+        let tableau = over_kept(block, reference, &kept, &dropped)?;
+        let unexplained = unexplained(block, &tableau, means.tolerance)?;
         if unexplained.is_empty() {
-            let (sigma, _) = factor.smallest_singular_value();
+            let near = of_rows(block, &kept, means)?.0;
             let left = Some(remainder(block, &tableau)).filter(|&left| left > noise_of(block)).unwrap_or(0.0);
-            let (tableau, sigma) = in_order(block, backend, tableau, sigma)?;
-            return Ok((sigma >= NEAR).then(|| rows(block, &tableau, left, sigma)));
+            let (tableau, near) = in_order(block, means, tableau, near)?;
+            return Ok((near.distance >= NEAR).then(|| rows(block, &tableau, left, near, order.to_vec())));
         }
         dropped.retain(|k| !unexplained.contains(k));
         kept.extend(unexplained);
@@ -112,44 +123,41 @@ fn unexplained(block: &Block, tableau: &Tableau, tolerance: f64) -> Result<Vec<u
     Ok(factor.order[..factor.rank].iter().map(|&k| names[k]).collect())
 }
 
-/// Of equations that say the same the earlier one is kept, and the singular value is that of the rows then kept; all stays as
-/// it is where that would cost accuracy.
+/// Of equations that say the same the earlier one is kept, and what is said of nearness is that of the rows then kept; all
+/// stays as it is where that would cost accuracy.
 fn in_order(
     block: &Block,
-    backend: &dyn Backend,
+    means: Means,
     tableau: Tableau,
-    sigma: f64,
-) -> Result<(Tableau, f64), BackendError> {
+    near: Nearness,
+) -> Result<(Tableau, Nearness), BackendError> {
     let mut ordered = tableau.clone();
     ordered.prefer(|candidate, holder| candidate > holder);
     if ordered.basic == tableau.basic {
-        return Ok((tableau, sigma));
+        return Ok((tableau, near));
     }
     let kept: Vec<usize> = ordered.free.iter().map(|&k| k as usize).collect();
-    let (found, _) = if backend.is_orthogonal() {
-        backend.factor(&select(block, &kept), &[], 0.0)?.smallest_singular_value()
-    } else {
-        smallest_of(block, &kept)?
-    };
-    Ok(if 2.0 * found < sigma { (tableau, sigma) } else { (ordered, found) })
+    let found = of_rows(block, &kept, means)?.0;
+    Ok(if 2.0 * found.sigma < near.sigma { (tableau, near) } else { (ordered, found) })
 }
 
-fn rows(block: &Block, tableau: &Tableau, left: f64, sigma: f64) -> Rows {
+fn rows(block: &Block, tableau: &Tableau, left: f64, nearness: Nearness, order: Vec<usize>) -> Rows {
+    let sigma = nearness.sigma;
     let mut kept: Vec<usize> = tableau.free.iter().map(|&k| k as usize).collect();
     kept.sort_unstable();
     let noise = (ROUNDING * f64::EPSILON / sigma).max(NOISE);
     let all = (0..tableau.basic.len()).map(|i| dependent(block, tableau, i, left, noise, sigma));
-    Rows { dependent: all.collect(), kept, sigma }
+    Rows { dependent: all.collect(), kept, order, nearness }
 }
 
 /// The backend kept rows that are dependent to within the tolerance (no pivot was small, as in Kahan's matrix): row after
 /// row, the one with the largest part in the smallest singular vector is dropped, until what is kept is independent.
 fn repair(
     block: &Block,
-    backend: &dyn Backend,
-    tolerance: f64,
+    means: Means,
     factor: &Factor,
     weakest: usize,
+    order: Vec<usize>,
 ) -> Result<Rows, BackendError> {
     let mut kept = factor.order[..factor.rank].to_vec();
     let mut dropped = factor.order[factor.rank..].to_vec();
@@ -157,36 +165,45 @@ fn repair(
     loop {
         let place = kept.iter().position(|&i| i == drop).unwrap_or(kept.len() - 1);
         dropped.push(kept.swap_remove(place));
-        let (sigma, weakest) = if kept.is_empty() { (1.0, 0) } else { smallest_of(block, &kept)? };
-        if sigma > tolerance {
-            let tableau = over_kept(block, backend, &kept, &dropped)?;
+        let (near, weakest) = of_rows(block, &kept, means)?;
+        if near.sigma > means.tolerance {
+            let tableau = over_kept(block, means.backend, &kept, &dropped)?;
             let left = remainder(block, &tableau);
-            return Ok(rows(block, &tableau, left, sigma));
+            return Ok(rows(block, &tableau, left, near, order));
         }
         drop = weakest;
     }
 }
 
-/// Smallest singular value of the kept rows, and the row with the largest part in its singular vector.
-fn smallest(block: &Block, factor: &Factor, backend: &dyn Backend) -> Result<(f64, usize), BackendError> {
-    if backend.is_orthogonal() {
-        let (sigma, k) = factor.smallest_singular_value();
-        return Ok((sigma, factor.order.get(k).copied().unwrap_or(0)));
+/// How near the kept rows of a factor are to dependence, and the row with the largest part in the smallest singular vector.
+fn nearness(block: &Block, factor: &Factor, means: Means) -> Result<(Nearness, usize), BackendError> {
+    let kept = &factor.order[..factor.rank];
+    if means.backend.is_orthogonal() { Ok(measure(block, factor, kept)) } else { of_rows(block, kept, means) }
+}
+
+/// The same of any rows.
+fn of_rows(block: &Block, kept: &[usize], means: Means) -> Result<(Nearness, usize), BackendError> {
+    let factor = means.orthogonal().factor(&block.select(kept), &[], 0.0)?;
+    let kept: Vec<usize> = factor.order[..factor.rank].iter().map(|&k| kept[k]).collect();
+    Ok(measure(block, &factor, &kept))
+}
+
+/// `sigma` and, with its singular vectors y of the rows and v of the DOFs, `sigma / (max |y_i| max |v_j|)`: the entry of the
+/// inverse that is largest in the direction in which the rows are nearest to dependence. `kept` are the rows of the factor.
+fn measure(block: &Block, factor: &Factor, kept: &[usize]) -> (Nearness, usize) {
+    let (sigma, y) = factor.smallest_singular_value();
+    let place = largest_place(&y);
+    let weakest = place.map_or(0, |k| kept[k]);
+    let Some(most) = place.map(|k| y[k].abs()).filter(|_| sigma < NEAR) else {
+        return (Nearness { sigma, distance: sigma }, weakest);
+    };
+    let mut v = vec![0.0; block.matrix.cols];
+    for (&i, y) in kept.iter().zip(&y) {
+        block.matrix.row(i).for_each(|(j, c)| v[j] += y * c);
     }
-    smallest_of(block, &factor.order[..factor.rank])
-}
-
-/// The same from a QR with column pivoting.
-fn smallest_of(block: &Block, kept: &[usize]) -> Result<(f64, usize), BackendError> {
-    let factor = Faer.factor(&select(block, kept), &[], 0.0)?;
-    let (sigma, k) = factor.smallest_singular_value();
-    Ok((sigma, factor.order.get(k).map_or(0, |&k| kept[k])))
-}
-
-fn select(block: &Block, rows: &[usize]) -> Csr {
-    let mut selected = Csr::empty(block.matrix.cols);
-    rows.iter().for_each(|&i| selected.push_row(block.matrix.row(i)));
-    selected
+    let largest = v.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
+    let spread = if largest > 0.0 { norm(&v) / largest } else { 1.0 };
+    (Nearness { sigma, distance: sigma * spread / most }, weakest)
 }
 
 /// The dropped rows over the kept ones: least squares with the kept rows as columns.
@@ -196,7 +213,7 @@ fn over_kept(block: &Block, backend: &dyn Backend, kept: &[usize], dropped: &[us
     for (c, &i) in dropped.iter().enumerate() {
         block.matrix.row(i).for_each(|(j, v)| rhs[c * n + j] = v);
     }
-    let factor = backend.factor(&select(block, kept), &rhs, NO_PIVOT)?;
+    let factor = backend.factor(&block.select(kept), &rhs, NO_PIVOT)?;
     let r = factor.rank;
     Ok(Tableau {
         basic: dropped.iter().map(|&i| i as u32).collect(),
@@ -220,10 +237,6 @@ fn rest(block: &Block, tableau: &Tableau, i: usize) -> Vec<f64> {
         block.matrix.row(k as usize).for_each(|(j, v)| rest[j] -= y * v);
     }
     rest
-}
-
-fn norm(x: &[f64]) -> f64 {
-    x.iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
 /// Root mean square of what was left of the dependent rows, or 0 if rounding explains it.
@@ -260,7 +273,13 @@ fn dependent(block: &Block, tableau: &Tableau, i: usize, left: f64, noise: f64, 
     because.sort_unstable_by_key(|&(row, _)| row);
     let units = CERTIFICATE_UNITS * because.len() as f64 / sigma.min(1.0);
     let mismatch = mismatch(block, tableau, i, noise * largest, units * f64::EPSILON * largest);
+    // A row that is small as a whole may be small for good: then its own numbers are what is dropped.
+    let left = if norm_of(block, k) < SMALL_ROW { left.max(block.certain[k]) } else { left };
     Dependent { row: block.rows[k], because, dropped: left, mismatch: mismatch.scaled(-block.exponents[k]) }
+}
+
+fn norm_of(block: &Block, k: usize) -> f64 {
+    block.matrix.row(k).map(|(_, v)| v * v).sum::<f64>().sqrt()
 }
 
 /// `b_k - sum y_i b_i`, where each y_i may be off by `error`; those below `noise` may be nothing else.

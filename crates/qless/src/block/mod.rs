@@ -3,19 +3,21 @@
 //! First `C^T` is factored: its dependent columns are the dependent equations, and `R1 y = R2_k` is their certificate.
 //! Then C with the independent rows only: `u_s = -R1^-1 R2 u_q - R1^-1 Q^T C_p u_p + R1^-1 Q^T b`. Heath-style rank
 //! detection errs far less often on `C^T` (tall) than on C, and the second factorization knows its rank.
-//! Blocks of more than 2^20 numbers choose well-conditioned slaves first and find T by seminormal equations.
+//! Blocks of more than 2^20 numbers find slaves and T by sparse LU.
 
 pub(crate) mod dependent;
 pub(crate) mod large;
-pub(crate) mod pick;
+pub(crate) mod lu;
 mod refine;
 mod slaves;
-pub(crate) mod split;
+pub(crate) mod solver;
 mod tableau;
 
 use crate::Csr;
+use crate::Options;
 use crate::presolve::eliminate::Mismatch;
 use crate::presolve::rows::{Entry, Row};
+use crate::qr::choice::DenseOrSparse;
 use crate::qr::{Backend, BackendError};
 use crate::scale::{exponent, ldexp};
 
@@ -34,6 +36,10 @@ pub(crate) struct Block {
     pub rhs: Vec<f64>,
     /// `b - C_p u_p`, scaled as the rows.
     pub effective: Vec<Mismatch>,
+    /// The largest coefficient of each row that is more than its own rounding.
+    pub certain: Vec<f64>,
+    /// A random right-hand side, after presolve.
+    pub random: Vec<f64>,
 }
 
 /// A dependent row of a block.
@@ -52,25 +58,75 @@ pub(crate) struct Dependent {
 #[derive(Clone, Debug)]
 pub(crate) struct Solved {
     pub kept: Vec<u32>,
+    /// Indices of `kept` in an order in which they fill little.
+    pub order: Vec<u32>,
     pub dependent: Vec<Dependent>,
     pub slaves: Vec<u32>,
     /// Columns of `relation`: masters, then prescribed DOFs.
     pub others: Vec<u32>,
     pub relation: Csr,
     pub constant: Vec<f64>,
-    /// Estimate of the smallest singular value of the kept rows.
-    pub sigma: f64,
+    /// How near to dependence the kept rows are.
+    pub nearness: Nearness,
+    /// `C_S^-1` times a random vector, in the order of `slaves`.
+    pub sample: Vec<f64>,
 }
 
-/// Solves one block; `check` as in [`crate::Options`].
-pub(crate) fn solve(block: &Block, backend: &dyn Backend, tolerance: f64, check: bool) -> Result<Solved, BackendError> {
-    let rows = dependent::find(block, backend, tolerance, check)?;
-    slaves::choose(block, rows, backend, tolerance)
+/// How near to dependence rows are that were kept, in units of the largest coefficient of each.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Nearness {
+    /// Estimate of the smallest singular value.
+    pub sigma: f64,
+    /// Estimate of the smallest change of one coefficient that makes them dependent; at least sigma. Of a chain it does not fall
+    /// with the length.
+    pub distance: f64,
+}
+
+/// What the stages of a block share.
+#[derive(Clone, Copy)]
+pub(crate) struct Means<'a> {
+    pub backend: &'a dyn Backend,
+    pub tolerance: f64,
+    /// As in [`crate::Options`].
+    pub check: bool,
+    /// What finds singular values where the backend does not.
+    pub reference: DenseOrSparse,
+}
+
+impl<'a> Means<'a> {
+    /// With a backend and otherwise as the user wants it.
+    pub fn new(backend: &'a dyn Backend, options: &Options) -> Self {
+        let reference = DenseOrSparse { memory: options.memory };
+        Self { backend, tolerance: options.tolerance.value(), check: options.check, reference }
+    }
+
+    /// A backend that finds singular values.
+    pub fn orthogonal(&self) -> &dyn Backend {
+        if self.backend.is_orthogonal() { self.backend } else { &self.reference }
+    }
+
+    /// Bytes for the sparse factors of a block.
+    pub fn memory(&self) -> usize {
+        self.reference.memory
+    }
+}
+
+/// Solves one block.
+pub(crate) fn solve(block: &Block, means: Means) -> Result<Solved, BackendError> {
+    let rows = dependent::find(block, means)?;
+    slaves::choose(block, rows, means)
 }
 
 impl Block {
-    /// Gathers the given rows.
-    pub fn new(rows: &[Row], block: &[u32], is_free: &[bool]) -> Self {
+    /// Some rows of the matrix.
+    pub fn select(&self, rows: &[usize]) -> Csr {
+        let mut selected = Csr::empty(self.matrix.cols);
+        rows.iter().for_each(|&i| selected.push_row(self.matrix.row(i)));
+        selected
+    }
+
+    /// Gathers the given rows; `random` has a number for every row.
+    pub fn new(rows: &[Row], block: &[u32], is_free: &[bool], random: &[f64]) -> Self {
         let all = || block.iter().flat_map(|&i| rows[i as usize].entries.iter().map(|entry| entry.dof));
         let sorted = |free: bool| {
             let mut dofs: Vec<u32> = all().filter(|&j| is_free[j as usize] == free).collect();
@@ -88,12 +144,14 @@ impl Block {
             prescribed,
             rhs: Vec::new(),
             effective: Vec::new(),
+            certain: Vec::new(),
+            random: Vec::new(),
         };
-        block.iter().for_each(|&i| gathered.push(&rows[i as usize]));
+        block.iter().for_each(|&i| gathered.push(&rows[i as usize], random[i as usize]));
         gathered
     }
 
-    fn push(&mut self, row: &Row) {
+    fn push(&mut self, row: &Row, random: f64) {
         let shift = -exponent(row.size.max(f64::MIN_POSITIVE));
         let part = |dofs: &[u32]| {
             let place = |entry: &Entry| Some((dofs.binary_search(&entry.dof).ok()?, ldexp(entry.value, shift)));
@@ -106,6 +164,10 @@ impl Block {
         self.fixed.push_row(part(&self.prescribed));
         self.rhs.push(ldexp(row.rhs, shift));
         self.effective.push(Mismatch::of(row).scaled(shift));
+        let free = row.entries.iter().filter(|entry| self.dofs.binary_search(&entry.dof).is_ok());
+        let certain = free.filter(|entry| entry.is_certain()).map(|entry| entry.value.abs()).fold(0.0, f64::max);
+        self.certain.push(ldexp(certain, shift));
+        self.random.push(ldexp(random, shift));
         self.exponents.push(shift);
     }
 }

@@ -15,10 +15,11 @@ const GOOD: f64 = 1e-14;
 pub(super) fn refine(
     block: &Block,
     kept: &[usize],
+    random: &[f64],
     tableau: &mut Tableau,
     backend: &dyn Backend,
 ) -> Result<f64, BackendError> {
-    let (residual, worst) = residual(block, kept, tableau);
+    let (residual, worst) = residual(block, kept, random, tableau);
     if worst <= GOOD {
         return Ok(worst);
     }
@@ -34,7 +35,7 @@ pub(super) fn refine(
             tableau.data[i * tableau.width + c] -= correction[k];
         }
     }
-    let refined = self::residual(block, kept, tableau).1;
+    let refined = self::residual(block, kept, random, tableau).1;
     if refined > worst {
         tableau.data = before;
     }
@@ -42,7 +43,7 @@ pub(super) fn refine(
 }
 
 /// `C_S X - B` by columns, and the largest entry relative to the sum of its parts' sizes.
-fn residual(block: &Block, kept: &[usize], tableau: &Tableau) -> (Vec<f64>, f64) {
+fn residual(block: &Block, kept: &[usize], random: &[f64], tableau: &Tableau) -> (Vec<f64>, f64) {
     let (r, width) = (kept.len(), tableau.width);
     let mut slave = vec![usize::MAX; block.dofs.len()];
     tableau.basic.iter().enumerate().for_each(|(i, &j)| slave[j as usize] = i);
@@ -65,7 +66,8 @@ fn residual(block: &Block, kept: &[usize], tableau: &Tableau) -> (Vec<f64>, f64)
             }
         }
         block.fixed.row(i).for_each(|(c, v)| add(tableau.free.len() + c, v));
-        add(width - 1, -block.rhs[i]);
+        add(width - 2, -block.rhs[i]);
+        add(width - 1, -random[position]);
         for c in (0..width).filter(|&c| size[c] > 0.0) {
             worst = worst.max(sum[c].abs() / size[c]);
             result[c * r + position] = sum[c];
@@ -76,9 +78,7 @@ fn residual(block: &Block, kept: &[usize], tableau: &Tableau) -> (Vec<f64>, f64)
 
 /// The slaves' columns of the kept rows.
 fn slave_columns(block: &Block, kept: &[usize], tableau: &Tableau) -> Csr {
-    let mut rows = Csr::empty(block.matrix.cols);
-    kept.iter().for_each(|&i| rows.push_row(block.matrix.row(i)));
-    let all = rows.transpose();
+    let all = block.select(kept).transpose();
     let mut columns = Csr::empty(kept.len());
     tableau.basic.iter().for_each(|&j| columns.push_row(all.row(j as usize)));
     columns

@@ -3,14 +3,13 @@
 use super::dependent::Rows;
 use super::large::{self, Large};
 use super::refine;
+use super::solver::NOISE;
 use super::tableau::Tableau;
-use super::{Block, Solved};
+use super::{Block, Means, Solved};
 use crate::Csr;
 use crate::qr::faer::Faer;
 use crate::qr::{Backend, BackendError, Factor, SMALL};
 
-/// Entries of a row of T below this, relative to its largest, are rounding.
-pub(super) const NOISE: f64 = 1e-14;
 /// A row of T all below this many units in the last place times the condition is zero: the DOF is fixed ...
 const ZERO_UNITS: f64 = 8.0;
 /// ... but a larger entry than this is kept, however bad the condition.
@@ -22,39 +21,47 @@ const ACCEPTABLE: f64 = 1e-13;
 /// A sparse QR takes the first independent columns, however large T becomes; slaves are exchanged down to this growth.
 const GROWTH: f64 = 4.0;
 
-pub(super) fn choose(block: &Block, rows: Rows, backend: &dyn Backend, tolerance: f64) -> Result<Solved, BackendError> {
-    let zero = (ZERO_UNITS * f64::EPSILON / rows.sigma).clamp(NOISE, ZERO_LIMIT);
+pub(super) fn choose(block: &Block, rows: Rows, means: Means) -> Result<Solved, BackendError> {
+    let Means { backend, tolerance, .. } = means;
+    let zero = (ZERO_UNITS * f64::EPSILON / rows.nearness.sigma).clamp(NOISE, ZERO_LIMIT);
     let (r, n) = (rows.kept.len(), block.matrix.cols);
+    let random: Vec<f64> = rows.kept.iter().map(|&i| block.random[i]).collect();
     if r.saturating_mul(n) > SMALL
-        && !backend.pivots(r, n)
-        && backend.is_orthogonal()
-        && let Some(Large { slaves, masters, columns, constant }) =
-            large::relation(block, &rows.kept, backend, tolerance)?
+        && let Some(Large { slaves, masters, columns, constant, sample }) =
+            large::relation(block, &rows.kept, &rows.order, &random, means.memory())?
     {
         let relation = columns.transpose();
         let relation = clean((0..r).map(|i| relation.row(i)), masters.len(), columns.rows(), zero);
-        return Ok(solved(block, rows, &slaves, &masters, (relation, without_rounding(constant))));
+        return Ok(solved(block, rows, &slaves, &masters, (relation, without_rounding(constant), sample)));
     }
-    let factor = full_rank(block, &rows.kept, backend, tolerance)?;
-    let (mut tableau, residual) = relate(block, &rows.kept, &factor, backend)?;
+    let factor = full_rank(block, &rows.kept, &random, backend, tolerance)?;
+    let (mut tableau, residual) = relate(block, &rows.kept, &random, &factor, backend)?;
     if residual > ACCEPTABLE {
         // A sparse QR does not choose among columns that are independent; with column pivoting the best are taken.
-        tableau = pivoted(block, &rows.kept, residual)?.unwrap_or(tableau);
+        tableau = pivoted(block, &rows.kept, &random, residual)?.unwrap_or(tableau);
     }
     let relation = sparse(&tableau, zero);
     Ok(solved(block, rows, &tableau.basic, &tableau.free, relation))
 }
 
-fn solved(block: &Block, rows: Rows, slaves: &[u32], masters: &[u32], (relation, constant): (Csr, Vec<f64>)) -> Solved {
+fn solved(
+    block: &Block,
+    rows: Rows,
+    slaves: &[u32],
+    masters: &[u32],
+    (relation, constant, sample): (Csr, Vec<f64>, Vec<f64>),
+) -> Solved {
     let dof = |k: &u32| block.dofs[*k as usize];
     Solved {
         kept: rows.kept.iter().map(|&i| block.rows[i]).collect(),
+        order: rows.order.iter().map(|&k| k as u32).collect(),
         dependent: rows.dependent,
         slaves: slaves.iter().map(dof).collect(),
         others: masters.iter().map(dof).chain(block.prescribed.iter().copied()).collect(),
         relation,
         constant,
-        sigma: rows.sigma,
+        nearness: rows.nearness,
+        sample,
     }
 }
 
@@ -62,6 +69,7 @@ fn solved(block: &Block, rows: Rows, slaves: &[u32], masters: &[u32], (relation,
 fn relate(
     block: &Block,
     kept: &[usize],
+    random: &[f64],
     factor: &Factor,
     backend: &dyn Backend,
 ) -> Result<(Tableau, f64), BackendError> {
@@ -71,13 +79,13 @@ fn relate(
     }
     // Of slaves that serve equally well, the earlier DOF, as an equation's first term is by habit.
     tableau.prefer(|candidate, holder| candidate < holder);
-    let residual = refine::refine(block, kept, &mut tableau, backend)?;
+    let residual = refine::refine(block, kept, random, &mut tableau, backend)?;
     Ok((tableau, residual))
 }
 
 /// The relation by QR with column pivoting, if it fits into memory and is better.
-fn pivoted(block: &Block, kept: &[usize], residual: f64) -> Result<Option<Tableau>, BackendError> {
-    let (columns, rhs) = kept_columns(block, kept);
+fn pivoted(block: &Block, kept: &[usize], random: &[f64], residual: f64) -> Result<Option<Tableau>, BackendError> {
+    let (columns, rhs) = kept_columns(block, kept, random);
     let factor = match Faer.factor(&columns, &rhs, 0.0) {
         Err(BackendError::OutOfMemory { .. }) => return Ok(None),
         other => other?,
@@ -85,14 +93,20 @@ fn pivoted(block: &Block, kept: &[usize], residual: f64) -> Result<Option<Tablea
     if factor.rank < kept.len() {
         return Ok(None);
     }
-    let (tableau, better) = relate(block, kept, &factor, &Faer)?;
+    let (tableau, better) = relate(block, kept, random, &factor, &Faer)?;
     Ok((better < residual).then_some(tableau))
 }
 
 /// The rows are known to be independent: where the backend loses one on C, it is asked again without a tolerance,
 /// and in the last resort QR with column pivoting answers.
-fn full_rank(block: &Block, kept: &[usize], backend: &dyn Backend, tolerance: f64) -> Result<Factor, BackendError> {
-    let (columns, rhs) = kept_columns(block, kept);
+fn full_rank(
+    block: &Block,
+    kept: &[usize],
+    random: &[f64],
+    backend: &dyn Backend,
+    tolerance: f64,
+) -> Result<Factor, BackendError> {
+    let (columns, rhs) = kept_columns(block, kept, random);
     let mut factor = backend.factor(&columns, &rhs, tolerance)?;
     if factor.rank < kept.len() {
         factor = backend.factor(&columns, &rhs, 0.0)?;
@@ -100,30 +114,29 @@ fn full_rank(block: &Block, kept: &[usize], backend: &dyn Backend, tolerance: f6
     if factor.rank < kept.len() { Faer.factor(&columns, &rhs, 0.0) } else { Ok(factor) }
 }
 
-/// The kept rows by columns, and `[C_p b]` of them, dense.
-fn kept_columns(block: &Block, kept: &[usize]) -> (Csr, Vec<f64>) {
+/// The kept rows by columns, and `[C_p b random]` of them, dense.
+fn kept_columns(block: &Block, kept: &[usize], random: &[f64]) -> (Csr, Vec<f64>) {
     let (r, k) = (kept.len(), block.prescribed.len());
-    let mut rows = Csr::empty(block.matrix.cols);
     let mut rhs = vec![0.0; r * (k + 1)];
     for (position, &i) in kept.iter().enumerate() {
-        rows.push_row(block.matrix.row(i));
         block.fixed.row(i).for_each(|(c, v)| rhs[c * r + position] = v);
         rhs[k * r + position] = block.rhs[i];
     }
-    (rows.transpose(), rhs)
+    rhs.extend(random);
+    (block.select(kept).transpose(), rhs)
 }
 
-/// `u_s` over masters, prescribed DOFs and the constant.
+/// `u_s` over masters, prescribed DOFs, the constant and the random right-hand side.
 fn relation(block: &Block, factor: &Factor) -> Tableau {
     let (r, k) = (factor.rank, block.prescribed.len());
     let masters = factor.coefficients();
-    let fixed: Vec<_> = (0..=k).map(|c| factor.solve(&factor.rhs[c * r..(c + 1) * r])).collect();
-    let width = masters.len() + k + 1;
+    let fixed: Vec<_> = (0..k + 2).map(|c| factor.solve(&factor.rhs[c * r..(c + 1) * r])).collect();
+    let width = masters.len() + k + 2;
     let mut data = vec![0.0; r * width];
     for i in 0..r {
         let row = &mut data[i * width..(i + 1) * width];
         masters.iter().chain(&fixed[..k]).enumerate().for_each(|(j, column)| row[j] = -column[i]);
-        row[width - 1] = fixed[k][i];
+        (row[width - 2], row[width - 1]) = (fixed[k][i], fixed[k + 1][i]);
     }
     let position = |j: &usize| *j as u32;
     Tableau {
@@ -134,12 +147,12 @@ fn relation(block: &Block, factor: &Factor) -> Tableau {
     }
 }
 
-/// Splits the constant off, without rounding.
-fn sparse(tableau: &Tableau, zero: f64) -> (Csr, Vec<f64>) {
-    let width = tableau.width - 1;
+/// Splits the constant, without rounding, and the sample off.
+fn sparse(tableau: &Tableau, zero: f64) -> (Csr, Vec<f64>, Vec<f64>) {
+    let width = tableau.width - 2;
     let rows = (0..tableau.basic.len()).map(|i| tableau.row(i)[..width].iter().copied().enumerate());
-    let constant = (0..tableau.basic.len()).map(|i| tableau.row(i)[width]).collect();
-    (clean(rows, tableau.free.len(), width, zero), without_rounding(constant))
+    let column = |k: usize| (0..tableau.basic.len()).map(|i| tableau.row(i)[k]).collect();
+    (clean(rows, tableau.free.len(), width, zero), without_rounding(column(width)), column(width + 1))
 }
 
 /// Drops rounding, on the free and on the prescribed side, which are in units of their own.

@@ -44,7 +44,7 @@ impl SolvedBlock {
         }
         let system = builder.build()?;
         let analysis = analyse(&system, options)?;
-        let reduction = analysis.reduction(&system);
+        let reduction = analysis.reduction(&system)?;
         let certificate = |dependent: &crate::Dependent| {
             let because = analysis.because(dependent);
             (equations[dependent.row], because.iter().map(|term| (equations[term.row], term.coefficient)).collect())

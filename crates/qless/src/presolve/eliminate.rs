@@ -2,8 +2,8 @@
 //!
 //! A pivot (p, j) adds none if row p has one free DOF (j is fixed: a generated boundary condition), if it has two
 //! (`a u_i + c u_j = d`: chains, cycles, trees of equal DOFs), or if DOF j occurs in at most two remaining rows.
-//! Long chains go in linear time, iteratively. A row whose free part vanishes is dependent. While the core is large, DOFs
-//! in few rows are eliminated with some fill, in the manner of Markowitz (1957).
+//! Long chains go in linear time, iteratively. A row whose free part vanishes is dependent. In connected parts of which much
+//! is left, DOFs in few rows are eliminated with some fill, in the manner of Markowitz (1957).
 //!
 //! Every coefficient carries a bound of its rounding error, and every row the size of the largest part that went into it.
 //! What cancels to the first is zero; a row all below `tolerance` times the second is dependent too; a row below
@@ -12,7 +12,8 @@
 use std::collections::VecDeque;
 
 use super::gather::Gathered;
-use super::rows::{Entry, MORE_THAN_ROUNDING, Row};
+use super::rows::{Entry, Row, bound};
+use crate::components::components;
 use crate::scale::ldexp;
 
 /// A row whose remaining part is smaller than this, relative to what went into it, is no pivot.
@@ -31,7 +32,13 @@ const LEVELS: [Level; 6] = [
 ];
 const WITHOUT_FILL: usize = 3;
 
-/// A core with more rows than this is worth some fill: factoring it costs more than eliminating from it.
+/// Most that coefficients along a way from slave to slave may multiply to: with it numbers of T could grow, and lose digits.
+const PATH: f64 = 1e3;
+
+/// A row with more free DOFs is no pivot for others: each time all of it would go over.
+const LONG: u32 = 64;
+
+/// A connected part with more rows than this is worth some fill: factoring it costs more than eliminating from it.
 const LARGE: usize = 800;
 
 /// Most entries that one pivot may touch, `(row length - 1) (rows - 1)`, where there is fill.
@@ -55,6 +62,8 @@ pub(crate) struct Step {
     /// The other entries of the row.
     pub others: Vec<(u32, f64)>,
     pub rhs: f64,
+    /// As [`Row::reach`].
+    pub reach: f64,
 }
 
 /// A row without a free part.
@@ -63,6 +72,8 @@ pub(crate) struct Dead {
     pub row: u32,
     /// What was dropped to call it dependent, relative to its parts; 0 if no more than rounding was.
     pub dropped: f64,
+    /// As [`Row::reach`].
+    pub reach: f64,
     /// `b - C_p u_p` minus the same of its certificate.
     pub mismatch: Mismatch,
 }
@@ -112,6 +123,14 @@ pub(crate) struct Eliminated {
     pub rows: Vec<Row>,
 }
 
+impl Eliminated {
+    /// The rows of the core that are connected, part by part; `is_free` by the DOFs of the result.
+    pub fn components(&self, is_free: &[bool]) -> Vec<Vec<u32>> {
+        let free = |i: u32| self.rows[i as usize].entries.iter().map(|e| e.dof).filter(|&j| is_free[j as usize]);
+        components(&self.core, is_free.len(), free)
+    }
+}
+
 #[derive(Clone, Copy, PartialEq)]
 enum State {
     Active,
@@ -127,10 +146,14 @@ struct Elimination<'a> {
     /// Rows that may hold a DOF: a superset without order; `count` is exact.
     holders: Vec<Vec<u32>>,
     count: Vec<u32>,
+    /// For each DOF the largest product of coefficients along a way from a slave to it.
+    path: Vec<f64>,
+    /// Largest coefficient of a free DOF in each row; no number where the row has changed since it was last asked for.
+    largest: Vec<f64>,
     short_rows: VecDeque<u32>,
     /// DOFs in at most two rows; those whose coefficients are too small in their rows wait in the next queue.
     rare_dofs: [VecDeque<u32>; LEVELS.len()],
-    /// Rows that are neither pivots nor dependent.
+    /// Rows that are neither pivots nor dependent; while filling, those of the part that is worked on.
     active: usize,
     filling: bool,
     tolerance: f64,
@@ -147,6 +170,8 @@ pub(crate) fn eliminate(gathered: Gathered, tolerance: f64, held: &[bool]) -> El
         is_free: &is_free,
         holders: vec![Vec::new(); dofs.len()],
         count: vec![0; dofs.len()],
+        path: vec![1.0; dofs.len()],
+        largest: vec![f64::NAN; m],
         short_rows: (0..m as u32).collect(),
         rare_dofs: Default::default(),
         active: m,
@@ -156,6 +181,7 @@ pub(crate) fn eliminate(gathered: Gathered, tolerance: f64, held: &[bool]) -> El
     work.count();
     work.close_empty();
     work.run();
+    work.fill();
     work.finish(names, &dofs)
 }
 
@@ -178,12 +204,31 @@ impl Elimination<'_> {
                 self.try_row(i);
             } else if let Some((level, j)) = self.next_dof() {
                 self.try_dof(j, level);
-            } else if !self.filling && self.active > LARGE {
-                self.filling = true;
-                (0..self.count.len() as u32).for_each(|j| self.enqueue(j, WITHOUT_FILL));
             } else {
                 return;
             }
+        }
+    }
+
+    /// Goes on with some fill in each connected part that is large, which no other part has a say in.
+    fn fill(&mut self) {
+        if self.active <= LARGE {
+            return;
+        }
+        let left: Vec<u32> = (0..self.state.len() as u32).filter(|&i| self.state[i as usize] != State::Done).collect();
+        let parts = components(&left, self.count.len(), |i| {
+            self.out.rows[i as usize].entries.iter().map(|entry| entry.dof).filter(|&j| self.is_free[j as usize])
+        });
+        self.filling = true;
+        for part in parts.into_iter().filter(|part| part.len() > LARGE) {
+            let entries = |&i: &u32| self.out.rows[i as usize].entries.iter().map(|entry| entry.dof);
+            let mut dofs: Vec<u32> = part.iter().flat_map(entries).filter(|&j| self.is_free[j as usize]).collect();
+            dofs.sort_unstable();
+            dofs.dedup();
+            self.active = part.len();
+            dofs.into_iter().for_each(|j| self.enqueue(j, WITHOUT_FILL));
+            self.run();
+            self.rare_dofs.iter_mut().for_each(VecDeque::clear);
         }
     }
 
@@ -250,8 +295,8 @@ impl Elimination<'_> {
 
     /// Closes a row without free part; holds one that is too small for a pivot. True if the row is out of play.
     fn settle(&mut self, i: u32) -> bool {
-        let row = &self.out.rows[i as usize];
         let left = self.largest(i);
+        let row = &self.out.rows[i as usize];
         if left > SUSPECT * row.size {
             return false;
         }
@@ -259,11 +304,10 @@ impl Elimination<'_> {
             self.state[i as usize] = State::Held;
             return true;
         }
-        let rounding = |entry: &&Entry| entry.value.abs() <= MORE_THAN_ROUNDING * f64::from(entry.error);
         let free = row.entries.iter().filter(|entry| self.is_free[entry.dof as usize]);
-        let left = free.filter(|entry| !rounding(entry)).map(|entry| entry.value.abs()).fold(row.dropped, f64::max);
+        let left = free.filter(|entry| entry.is_certain()).map(|entry| entry.value.abs()).fold(row.dropped, f64::max);
         let dropped = if row.size > 0.0 { left / row.size } else { 0.0 };
-        self.out.dead.push(Dead { row: i, dropped, mismatch: Mismatch::of(row) });
+        self.out.dead.push(Dead { row: i, dropped, reach: row.reach, mismatch: Mismatch::of(row) });
         self.retire(i);
         true
     }
@@ -288,9 +332,10 @@ impl Elimination<'_> {
         if count == 0 || count > LEVELS[level].rows {
             return self.enqueue(j, level + 1);
         }
-        let holders = self.holding(j);
-        let fit = holders.iter().filter(|&&(i, v)| self.may_pivot(i, v, &holders, LEVELS[level].of_row));
-        let Some(&(i, _)) = fit.min_by_key(|&&(i, _)| (self.out.rows[i as usize].free, i)) else {
+        let mut holders = self.holding(j);
+        holders.sort_unstable_by_key(|&(i, _)| (self.out.rows[i as usize].free, i));
+        let Some(&(i, _)) = holders.iter().find(|&&(i, v)| self.may_pivot((i, j), v, &holders, LEVELS[level].of_row))
+        else {
             return self.enqueue(j, level + 1);
         };
         if level >= WITHOUT_FILL && (self.out.rows[i as usize].free - 1) * (count - 1) > MARKOWITZ {
@@ -317,20 +362,25 @@ impl Elimination<'_> {
         found
     }
 
-    fn may_pivot(&self, i: u32, value: f64, holders: &[(u32, f64)], of_row: f64) -> bool {
-        self.state[i as usize] == State::Active
-            && value.abs() >= of_row * self.largest(i)
+    fn may_pivot(&mut self, (i, j): (u32, u32), value: f64, holders: &[(u32, f64)], of_row: f64) -> bool {
+        let is_short = self.out.rows[i as usize].free <= LONG || holders.len() == 1;
+        if self.state[i as usize] != State::Active || !is_short {
+            return false;
+        }
+        let largest = self.largest(i);
+        value.abs() >= of_row * largest
+            && self.path[j as usize] * largest <= PATH * value.abs()
             && holders.iter().all(|&(_, v)| value.abs() >= THRESHOLD * v.abs())
     }
 
     /// Largest coefficient of a free DOF in a row.
-    fn largest(&self, i: u32) -> f64 {
-        let entries = &self.out.rows[i as usize].entries;
-        entries
-            .iter()
-            .filter(|entry| self.is_free[entry.dof as usize])
-            .map(|entry| entry.value.abs())
-            .fold(0.0, f64::max)
+    fn largest(&mut self, i: u32) -> f64 {
+        if self.largest[i as usize].is_nan() {
+            let entries = self.out.rows[i as usize].entries.iter();
+            let free = entries.filter(|entry| self.is_free[entry.dof as usize]);
+            self.largest[i as usize] = free.map(|entry| entry.value.abs()).fold(0.0, f64::max);
+        }
+        self.largest[i as usize]
     }
 
     /// Row i becomes the equation of DOF j, which leaves all other rows.
@@ -345,13 +395,19 @@ impl Elimination<'_> {
         }
         self.count[j as usize] = 0;
         self.holders[j as usize] = Vec::new();
+        let way = self.path[j as usize] / pivot.value.abs();
+        for entry in &row.entries {
+            let path = &mut self.path[entry.dof as usize];
+            *path = path.max(way * entry.value.abs());
+        }
         let others = row.entries.iter().map(|entry| (entry.dof, entry.value)).collect();
-        self.out.steps.push(Step { row: i, dof: j, pivot: pivot.value, others, rhs: row.rhs });
+        self.out.steps.push(Step { row: i, dof: j, pivot: pivot.value, others, rhs: row.rhs, reach: row.reach });
     }
 
     /// `row_k <- row_k - factor row`, where `row` no longer holds the pivot.
     fn subtract(&mut self, k: u32, j: u32, factor: f64, pivot: &Entry, row: &Row) {
         self.out.factors[k as usize].push((self.out.steps.len() as u32, factor));
+        self.largest[k as usize] = f64::NAN;
         let target = &mut self.out.rows[k as usize];
         // Relative error of the factor: that of the pivot, of the entry, and one rounding.
         let mut relative = f64::from(pivot.error) / pivot.value.abs() + f64::EPSILON;
@@ -363,6 +419,7 @@ impl Elimination<'_> {
         let mut mismatch = Mismatch::of(target);
         mismatch.subtract(factor, Mismatch::of(row));
         target.rhs -= factor * row.rhs;
+        target.reach = target.reach.max(factor.abs() * row.reach);
         (target.effective, target.effective_size, target.effective_error) =
             (mismatch.value, mismatch.size, mismatch.error + relative * (factor * row.effective).abs());
         for entry in &row.entries {
@@ -388,7 +445,7 @@ impl Elimination<'_> {
             }
             return;
         }
-        row.insert(Entry { dof: l, value, error: error as f32 });
+        row.insert(Entry { dof: l, value, error: bound(error) });
         if free {
             row.free += 1;
             self.count[l as usize] += 1;

@@ -13,6 +13,19 @@ pub(crate) struct Entry {
     pub value: f64,
 }
 
+/// A bound in single precision; what its subnormal numbers could tell only roughly is zero.
+pub(crate) fn bound(error: f64) -> f32 {
+    let error = error as f32;
+    if error < f32::MIN_POSITIVE { 0.0 } else { error }
+}
+
+impl Entry {
+    /// Whether it is more than rounding.
+    pub fn is_certain(&self) -> bool {
+        self.value.abs() > MORE_THAN_ROUNDING * f64::from(self.error)
+    }
+}
+
 /// A number that was cancelled to within this many times its error bound is a zero.
 const NOISE: f64 = 16.0;
 /// A number that is larger than this many times its error bound is more than rounding.
@@ -35,6 +48,9 @@ pub(crate) struct Row {
     pub size: f64,
     /// Largest coefficient that was cancelled though it was more than rounding.
     pub dropped: f64,
+    /// How large a multiple of a user's equation went into the row at most, by the product of the factors along its way: what
+    /// rounding of that equation is multiplied by.
+    pub reach: f64,
     table: Option<HashMap<u32, u32, Hasher>>,
 }
 
@@ -60,7 +76,7 @@ impl Row {
     /// No terms yet: `0 = rhs`.
     pub fn new(rhs: f64) -> Self {
         let error = f64::EPSILON * rhs.abs();
-        Self { rhs, effective: rhs, effective_size: rhs.abs(), effective_error: error, ..Self::default() }
+        Self { rhs, effective: rhs, effective_size: rhs.abs(), effective_error: error, reach: 1.0, ..Self::default() }
     }
 
     /// Moves a term with a known value into b.
@@ -79,7 +95,7 @@ impl Row {
 
     /// A coefficient as given: right to the last place.
     pub fn push(&mut self, dof: u32, value: f64) {
-        self.insert(Entry { dof, value, error: (f64::EPSILON * value.abs()) as f32 });
+        self.insert(Entry { dof, value, error: bound(f64::EPSILON * value.abs()) });
     }
 
     pub fn insert(&mut self, entry: Entry) {
@@ -97,7 +113,7 @@ impl Row {
         let entry = &mut self.entries[position];
         let sum = entry.value + value;
         let error = f64::from(entry.error) + error + f64::EPSILON * sum.abs();
-        (entry.value, entry.error) = (sum, error as f32);
+        (entry.value, entry.error) = (sum, bound(error));
         let zero = sum.abs() <= NOISE * error;
         if zero && sum.abs() > MORE_THAN_ROUNDING * error {
             self.dropped = self.dropped.max(sum.abs());

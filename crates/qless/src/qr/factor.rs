@@ -44,26 +44,44 @@ impl Factor {
         (self.rank..columns.rows()).map(solve).collect()
     }
 
-    /// Estimate of the smallest singular value of R1, from above, and the place of the largest entry of its right
-    /// singular vector: five steps of inverse iteration with `R1^T R1`, each two triangular solves. 1 for no rank at all.
-    pub fn smallest_singular_value(&self) -> (f64, usize) {
+    /// Estimate of the smallest singular value of R1, from above, and its right singular vector: five steps of inverse iteration
+    /// with `R1^T R1`, each two triangular solves. 1 and nothing for no rank at all.
+    pub fn smallest_singular_value(&self) -> (f64, Vec<f64>) {
         if self.rank == 0 {
-            return (1.0, 0);
+            return (1.0, Vec::new());
         }
         let mut x: Vec<f64> = (0..self.rank).map(|i| 1.0 + 0.1 * (i % 7) as f64).collect();
         let mut sigma = 0.0;
-        for _ in 0..5 {
-            let norm = norm(&x);
-            x.iter_mut().for_each(|v| *v /= norm);
-            let half = self.solve_transposed(&x);
-            sigma = 1.0 / self::norm(&half);
+        for _ in 0..STEPS {
+            normalize(&mut x);
+            let mut half = self.solve_transposed(&x);
+            sigma = 1.0 / norm(&half);
+            normalize(&mut half);
             x = self.solve(&half);
         }
-        let largest = (0..self.rank).max_by(|&a, &b| x[a].abs().total_cmp(&x[b].abs()).then(b.cmp(&a)));
-        (if sigma.is_finite() { sigma } else { 0.0 }, largest.unwrap_or(0))
+        normalize(&mut x);
+        (if sigma.is_finite() { sigma } else { 0.0 }, x)
     }
 }
 
-fn norm(x: &[f64]) -> f64 {
-    x.iter().map(|v| v * v).sum::<f64>().sqrt()
+/// Steps of inverse iteration.
+const STEPS: usize = 5;
+
+/// Without overflow on the way.
+pub(crate) fn norm(x: &[f64]) -> f64 {
+    let largest = x.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
+    if largest == 0.0 || !largest.is_finite() {
+        return largest;
+    }
+    largest * x.iter().map(|v| (v / largest).powi(2)).sum::<f64>().sqrt()
+}
+
+fn normalize(x: &mut [f64]) {
+    let norm = norm(x);
+    x.iter_mut().for_each(|v| *v /= norm);
+}
+
+/// The place of the number of the largest size, the first of equals.
+pub(crate) fn largest_place(x: &[f64]) -> Option<usize> {
+    (0..x.len()).max_by(|&a, &b| x[a].abs().total_cmp(&x[b].abs()).then(b.cmp(&a)))
 }

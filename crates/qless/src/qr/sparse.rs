@@ -34,6 +34,11 @@ pub(super) fn analyse(columns: &Csr) -> Result<Symbolic, BackendError> {
     Symbolic::analyse(m, n, &columns.start, &columns.col).map_err(|error| refused(&error, m, n))
 }
 
+/// An order of the columns in which they fill little.
+pub(crate) fn order(columns: &Csr) -> Result<Vec<usize>, BackendError> {
+    Ok(analyse(columns)?.order().iter().map(|&j| j as usize).collect())
+}
+
 impl Sparse {
     /// As [`Backend::factor`], with the analysis made before.
     pub(super) fn factor_analysed(

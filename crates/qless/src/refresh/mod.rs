@@ -16,8 +16,9 @@ use crate::classify::{Dependent, Kind, Source};
 use crate::local::Local;
 use crate::presolve::eliminate::Mismatch;
 use crate::qr::BackendError;
+use crate::reduction::gate;
 use crate::scale::ldexp;
-use crate::{Analysis, ConstraintSystem, Reduction};
+use crate::{Analysis, ConstraintSystem, Reduction, ReductionError};
 use replay::Replay;
 use square::Square;
 
@@ -45,7 +46,7 @@ pub struct Refreshed {
 }
 
 /// Why a right-hand side was refused. The reduction is left as it was.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RefreshError {
     /// A list of the wrong length.
     #[error("{what} has {found} numbers; {expected} are needed")]
@@ -57,6 +58,9 @@ pub enum RefreshError {
         /// The length that it must have.
         expected: usize,
     },
+    /// The new g does not meet the equations, or leaves the range of doubles.
+    #[error(transparent)]
+    Reduction(#[from] ReductionError),
     /// A number that is not finite.
     #[error("{what}: number {place} (from 0) is {value}; give a finite number")]
     NotFinite {
@@ -81,7 +85,7 @@ impl Analysis {
     /// builder.equation([(0, 2.0), (1, -2.0)], 0.0);
     /// let system = builder.build()?;
     /// let analysis = analyse(&system, &Options::default())?;
-    /// let mut reduction = analysis.reduction(&system);
+    /// let mut reduction = analysis.reduction(&system)?;
     /// let refresher = analysis.refresher(&system)?;
     /// // A gap of 0.5 in one equation contradicts the other ...
     /// let refreshed = refresher.refresh(&[0.5, 0.0], &[], &mut reduction)?;
@@ -135,7 +139,7 @@ impl Refresher<'_> {
             replay = Replay::new(self, &agreeing, prescribed);
         }
         let constants = self.constants(&replay);
-        self.write(&constants, reduction);
+        self.write(&constants, replay.rhs, reduction)?;
         let mut kinds = vec![Kind::Independent; rhs.len()];
         found.iter().for_each(|d| kinds[d.row] = d.kind);
         let mismatches = found.iter().map(|d| d.mismatch).collect();
@@ -194,8 +198,17 @@ impl Refresher<'_> {
         u
     }
 
-    /// `g = u_s - T u_q`.
-    fn write(&self, constants: &[f64], reduction: &mut Reduction) {
+    /// `g = u_s - T u_q`, which must pass the gate for `rhs`; else the old g stays.
+    fn write(&self, constants: &[f64], rhs: &[f64], reduction: &mut Reduction) -> Result<(), RefreshError> {
+        let old = reduction.g.clone();
+        self.put(constants, reduction);
+        let local = self.analysis.numbering.view(self.system, rhs);
+        let found = gate::residuals_of_g(local, reduction, &self.analysis.independent(), &self.analysis.scaling);
+        gate::pass(&found, reduction).inspect_err(|_| reduction.g = old)?;
+        Ok(())
+    }
+
+    fn put(&self, constants: &[f64], reduction: &mut Reduction) {
         let mut u = vec![0.0; self.system.dofs()];
         let local = self.complete(constants, &[]);
         local.iter().zip(&self.analysis.numbering.dofs).for_each(|(&v, &j)| u[j as usize] = v);

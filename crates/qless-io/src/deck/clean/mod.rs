@@ -17,7 +17,7 @@ pub(super) use edit::Edits;
 
 use std::path::PathBuf;
 
-use qless::{AnalysisError, SystemError};
+use qless::{AnalysisError, ReductionError, SystemError};
 
 use super::{Deck, DeckError, Format, ansys, calculix, nastran};
 
@@ -63,6 +63,9 @@ pub enum CleanError {
     /// The deck's numbers cannot be analysed.
     #[error(transparent)]
     Analysis(#[from] AnalysisError),
+    /// The deck's equations cannot be solved for slaves.
+    #[error("{0} (rows count from 0 in the order of the deck)")]
+    Reduction(#[from] ReductionError),
     /// The deck's numbers are no system.
     #[error(transparent)]
     System(#[from] SystemError),

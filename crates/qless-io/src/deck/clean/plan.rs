@@ -94,7 +94,7 @@ pub fn plan(model: &Model, options: &Options) -> Result<Plan, CleanError> {
         .map(|i| Removed { equation: i, reason: common.reason(i, &fault_of) })
         .collect();
     check_removable(model, &removed)?;
-    let written = if rewrite.contains(&true) { common.written(model, &part_of, &rewrite) } else { Vec::new() };
+    let written = if rewrite.contains(&true) { common.written(model, &part_of, &rewrite)? } else { Vec::new() };
     Ok(Plan { removed, written })
 }
 
@@ -153,14 +153,14 @@ impl Common {
     }
 
     /// `u_s - T u_q - G u_p = g` for the slaves of the parts that are written anew.
-    fn written(&self, model: &Model, part_of: &[usize], rewrite: &[bool]) -> Vec<Written> {
+    fn written(&self, model: &Model, part_of: &[usize], rewrite: &[bool]) -> Result<Vec<Written>, CleanError> {
         let mut concerned = vec![false; model.dofs.len()];
         for i in (0..model.equations()).filter(|&i| rewrite[part_of[i]]) {
             let equation = model.equation(i);
             let terms = equation.columns.iter().zip(equation.coefficients).filter(|(_, a)| **a != 0.0);
             terms.for_each(|(&j, _)| concerned[j as usize] = true);
         }
-        let reduction = self.analysis.reduction(&self.system);
+        let reduction = self.analysis.reduction(&self.system)?;
         // What sums of right-hand sides leave by rounding is none.
         let rounding = 1e-14 * (0..model.equations()).fold(0.0, |size: f64, i| size.max(model.equation(i).rhs.abs()));
         let mut written = Vec::new();
@@ -174,7 +174,7 @@ impl Common {
                 rhs: if reduction.g[row].abs() <= rounding { 0.0 } else { reduction.g[row] },
             });
         }
-        written
+        Ok(written)
     }
 }
 
