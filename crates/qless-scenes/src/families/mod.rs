@@ -10,6 +10,7 @@
 //! | [`rbe2`] | 3 k masters x (3 k + 6 masters) | 3 k, or 3 k + 6 with two masters |
 //! | [`rve`] | 9 (n + 1)^2 x 3 ((n + 1)^3 - (n - 1)^3 + 3) | 3 ((n + 1)^3 - n^3) |
 //! | [`near`] | 3 blocks x 7 blocks | 3 blocks, at distance eps from 2 blocks |
+//! | [`Mortar`], [`mortar_short`] | d slave nodes + sums x d (slave + master nodes) | d slave nodes |
 //! | [`gradient`] | d edges x d nodes of a grid | d nodes, or nodes - 1 for d = 1 |
 //! | [`Windows`] | wide, local windows on a grid | all but the planted combinations |
 //!
@@ -25,6 +26,7 @@
 
 mod gradient;
 mod graph;
+mod mortar;
 mod near;
 mod planted;
 mod rigid;
@@ -34,6 +36,7 @@ mod windows;
 
 pub use gradient::gradient;
 pub use graph::{cycle, grid_2d, incidence, path, random_graph};
+pub use mortar::{Degree, Mortar, Side, mortar_short};
 pub use near::{Near, near};
 pub use planted::{Planted, planted};
 pub use rigid::rbe2;

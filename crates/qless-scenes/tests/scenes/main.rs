@@ -8,6 +8,8 @@ mod digests;
 mod families;
 /// Table 1's counts, the tie and mortar twins.
 mod fssi;
+/// Mortar ties of lines and rectangles.
+mod mortar;
 /// The oracle against fraction-free elimination on small whole matrices.
 mod oracle;
 /// The paper's figures and equations.
