@@ -28,6 +28,10 @@ fn scenes_have_the_same_bits_everywhere() -> Result<(), SceneError> {
         digest(&families::random_graph(50, 60, 1)?.shuffle(1)?.0),
         digest(&families::mortar_short(50)?),
         digest(&families::Mortar { components: 3, skew: true, sums: 4, ..face }.scene(1)?),
+        digest(&families::geometric_chain(50, 1.01)?),
+        digest(&families::spotted_band(50, 1)?),
+        digest(&families::typed_twice(20, 5, 1)?),
+        digest(&families::typed_cosines(5, 5, 1)?.beside(&families::recurrence(9)?)?),
     ];
     let expected = [
         0x2df8_9599_243d_dbbf,
@@ -39,6 +43,10 @@ fn scenes_have_the_same_bits_everywhere() -> Result<(), SceneError> {
         0xe2aa_238f_d710_a15b,
         0x6700_0adb_93a2_5e00,
         0xbbc7_6d40_6edc_adbe,
+        0x3b30_5aba_73d8_3663,
+        0x07b9_bf3e_a3d7_b1d1,
+        0x3c92_9092_eefc_9737,
+        0xd372_8b66_2ac0_08eb,
     ];
     assert_eq!(found, expected, "found {found:#018x?}");
     Ok(())
