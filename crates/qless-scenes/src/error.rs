@@ -35,6 +35,14 @@ pub enum SceneError {
         /// Its value.
         found: f64,
     },
+    /// Ends of elements that do not ascend from 0 to 1.
+    #[error("end {node} (from 0) of the elements is at {found}; ends must ascend from 0 to 1 by at least 2^-30")]
+    Mesh {
+        /// Which end.
+        node: usize,
+        /// Where it is.
+        found: f64,
+    },
     /// The generated equations are not a valid system, for instance because scaling overflowed.
     #[error(transparent)]
     System(#[from] SystemError),

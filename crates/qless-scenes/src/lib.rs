@@ -20,6 +20,7 @@
 //! # Ok::<(), qless_scenes::SceneError>(())
 //! ```
 
+mod beside;
 mod change;
 mod error;
 pub mod families;

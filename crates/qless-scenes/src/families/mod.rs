@@ -9,12 +9,20 @@
 //! | [`ladder`] | rungs x (rungs + 1) | rungs |
 //! | [`rbe2`] | 3 k masters x (3 k + 6 masters) | 3 k, or 3 k + 6 with two masters |
 //! | [`rve`] | 9 (n + 1)^2 x 3 ((n + 1)^3 - (n - 1)^3 + 3) | 3 ((n + 1)^3 - n^3) |
+//! | [`geometric_chain`] | (n - 1) x n, one DOF prescribed | n - 1, near-singular for a factor above 1 |
+//! | [`recurrence`] | rows x (rows + 2), two DOFs prescribed | rows, near-singular |
+//! | [`rotations`] | 2 n x 2 (n + 1) | 2 n |
+//! | [`spotted_band`] | n x n | n |
+//! | [`typed_twice`] | (n + copies) x 2 n | n + copies, at distance 10^-digits from n |
+//! | [`typed_cosines`] | 10 n x (8 n + 2) | 8 n, at distance 10^-digits from 7 n |
 //! | [`near`] | 3 blocks x 7 blocks | 3 blocks, at distance eps from 2 blocks |
+//! | [`Mortar`], [`mortar_short`] | d slave nodes + sums x d (slave + master nodes) | d slave nodes |
 //! | [`gradient`] | d edges x d nodes of a grid | d nodes, or nodes - 1 for d = 1 |
 //! | [`Windows`] | wide, local windows on a grid | all but the planted combinations |
 //!
 //! Change a scene's scales and order by [`crate::Scene::scale_rows`], [`crate::Scene::scale_dofs`] and
-//! [`crate::Scene::shuffle`]; add rows with a column of their own by [`crate::Scene::with_singletons`].
+//! [`crate::Scene::shuffle`]; add rows with a column of their own by
+//! [`crate::Scene::with_singletons`], another scene by [`crate::Scene::beside`].
 //!
 //! ```
 //! use qless_scenes::{families, oracle};
@@ -23,22 +31,32 @@
 //! # Ok::<(), qless_scenes::SceneError>(())
 //! ```
 
+mod band;
+mod chains;
 mod gradient;
 mod graph;
+mod mortar;
 mod near;
 mod planted;
 mod rigid;
+mod rods;
 mod rve;
 mod shapes;
+mod typed;
 mod windows;
 
+pub use band::spotted_band;
+pub use chains::{geometric_chain, recurrence, rotations};
 pub use gradient::gradient;
 pub use graph::{cycle, grid_2d, incidence, path, random_graph};
+pub use mortar::{Degree, Mortar, Side, mortar_short};
 pub use near::{Near, near};
 pub use planted::{Planted, planted};
 pub use rigid::rbe2;
+pub use rods::typed_cosines;
 pub use rve::rve;
 pub use shapes::{arrow, ladder, spider};
+pub use typed::typed_twice;
 pub use windows::Windows;
 
 /// More than this many of anything is surely a mistake.

@@ -67,3 +67,43 @@ fn prescribing_drops_what_is_no_longer_known() -> Result<(), SceneError> {
     assert!(held.with_prescribed(&[(5, 2.0)]).is_err());
     Ok(())
 }
+
+#[test]
+fn scenes_beside_each_other_keep_what_is_known_of_both() -> Result<(), SceneError> {
+    let near = families::near(2, 1e-7, families::Near::Shared)?;
+    let chain = families::geometric_chain(6, 2.0)?;
+    let open = families::cycle(5, 1.0)?;
+    let both = near.beside(&families::rotations(20)?)?;
+    assert_truth(&both, "near dependence beside rotations");
+    assert!(both.truth.ambiguous && !both.truth.conflicting);
+    let solved = paper::figure_6(0.5)?.beside(&chain)?;
+    assert_truth_and_generated(&solved, "figure 6 beside a chain");
+    let generated = [(2, 0.5), (4, 1.0), (7, 2.0), (8, 4.0), (9, 8.0), (10, 16.0), (11, 32.0)];
+    assert_eq!(solved.truth.generated, Some(generated.to_vec()));
+    let mixed = both.beside(&open)?.beside(&solved)?.shuffle(5)?.0;
+    assert_truth(&mixed, "four scenes, shuffled");
+    assert!(mixed.truth.conflicting && mixed.truth.ambiguous);
+    Ok(())
+}
+
+/// Rows of either scene stay as they are, but for the second one's numbers of DOFs; labels and places go along.
+#[test]
+fn scenes_beside_each_other_share_nothing() -> Result<(), SceneError> {
+    let (a, b) = (families::rbe2(3, 1, 1)?, families::rve(1)?);
+    let (m, n) = (a.system.equations(), a.system.dofs());
+    let both = a.beside(&b)?;
+    for row in 0..m {
+        assert!(both.system.matrix().row(row).eq(a.system.matrix().row(row)));
+        assert_eq!(both.system.equation_label(row), a.system.equation_label(row));
+    }
+    for row in 0..b.system.equations() {
+        assert!(both.system.matrix().row(m + row).eq(b.system.matrix().row(row).map(|(j, v)| (n + j, v))));
+        assert_eq!(both.system.equation_label(m + row), b.system.equation_label(row));
+    }
+    assert_eq!(both.system.dof_label(0), a.system.dof_label(0));
+    assert!(both.dofs.is_empty() && both.nodes.is_empty(), "rotations have no place");
+    let twice = b.beside(&b)?;
+    let at = |j: usize| twice.nodes[twice.dofs[j].node];
+    assert!((0..b.system.dofs()).all(|j| at(j) == at(b.system.dofs() + j) && at(j) == b.nodes[b.dofs[j].node]));
+    Ok(())
+}

@@ -1,3 +1,4 @@
+use qless_scenes::families::Degree;
 use qless_scenes::{Rng, Scene, SceneError, families, fssi};
 
 /// FNV-1a over the bits of matrix and right-hand side.
@@ -14,6 +15,9 @@ fn digest(scene: &Scene) -> u64 {
 fn scenes_have_the_same_bits_everywhere() -> Result<(), SceneError> {
     let mesh = fssi::Level::P50.mesh();
     let windows = families::Windows { extent: [8, 8, 4], d: 2, window: 3, stride: 2, rows: 3, combos: 9 };
+    let sides = [families::Side::jittered(3, Degree::Quadratic, 1)?, families::Side::uniform(4, Degree::Linear)?];
+    let [slave, master] = sides.clone();
+    let face = families::Mortar::face(sides, [master, slave]);
     let found = [
         digest(&fssi::tie(&mesh, 1)?),
         digest(&fssi::mortar(&mesh, 1)?),
@@ -22,6 +26,12 @@ fn scenes_have_the_same_bits_everywhere() -> Result<(), SceneError> {
         digest(&windows.scene(1)?),
         digest(&families::rbe2(50, 2, 1)?),
         digest(&families::random_graph(50, 60, 1)?.shuffle(1)?.0),
+        digest(&families::mortar_short(50)?),
+        digest(&families::Mortar { components: 3, skew: true, sums: 4, ..face }.scene(1)?),
+        digest(&families::geometric_chain(50, 1.01)?),
+        digest(&families::spotted_band(50, 1)?),
+        digest(&families::typed_twice(20, 5, 1)?),
+        digest(&families::typed_cosines(5, 5, 1)?.beside(&families::recurrence(9)?)?),
     ];
     let expected = [
         0x2df8_9599_243d_dbbf,
@@ -31,6 +41,12 @@ fn scenes_have_the_same_bits_everywhere() -> Result<(), SceneError> {
         0x2b6d_dec2_af5a_9ea5,
         0x50d2_3b30_dde7_9689,
         0xe2aa_238f_d710_a15b,
+        0x6700_0adb_93a2_5e00,
+        0xbbc7_6d40_6edc_adbe,
+        0x3b30_5aba_73d8_3663,
+        0x07b9_bf3e_a3d7_b1d1,
+        0x3c92_9092_eefc_9737,
+        0xd372_8b66_2ac0_08eb,
     ];
     assert_eq!(found, expected, "found {found:#018x?}");
     Ok(())

@@ -4,10 +4,14 @@
 mod change;
 /// The same bits on every machine.
 mod digests;
+/// Chains, bands and equations typed with few digits: near dependence, or a look of it.
+mod doubtful;
 /// Families at small sizes, several seeds.
 mod families;
 /// Table 1's counts, the tie and mortar twins.
 mod fssi;
+/// Mortar ties of lines and rectangles.
+mod mortar;
 /// The oracle against fraction-free elimination on small whole matrices.
 mod oracle;
 /// The paper's figures and equations.

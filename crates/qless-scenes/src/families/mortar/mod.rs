@@ -1,0 +1,151 @@
+//! `sum_j D_ij u_j - sum_k M_ik v_k = 0` with `D_ij = int phi_i phi_j`, `M_ik = int phi_i psi_k`: mortar ties.
+//!
+//! u belongs to the slave side with functions phi, v to the master side with functions psi; all DOFs are free.
+
+mod integrals;
+mod side;
+
+use qless::SystemBuilder;
+
+use crate::error::within;
+use crate::{Component, Dof, Rng, Scene, SceneError, Truth};
+use integrals::{Band, products};
+pub use side::{Degree, Side};
+
+/// A tie of two meshes of a line or of a rectangle.
+///
+/// D is symmetric and positive definite, so no equation depends on others but for the sums; and its condition does not grow
+/// with the number of elements. A field that both sides can hold, such as a constant one, satisfies every equation.
+///
+/// DOFs are those of the slave nodes, then those of the master nodes, by node and then by component; equations likewise.
+///
+/// ```
+/// use qless_scenes::families::{Degree, Mortar, Side};
+/// let (slave, master) = (Side::uniform(6, Degree::Linear)?, Side::jittered(4, Degree::Quadratic, 1)?);
+/// let scene = Mortar { components: 2, ..Mortar::line(slave, master) }.scene(1)?;
+/// assert_eq!((scene.system.equations(), scene.system.dofs()), (2 * 7, 2 * (7 + 9)));
+/// assert_eq!(scene.truth.rank_free, Some(14));
+/// # Ok::<(), qless_scenes::SceneError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mortar {
+    /// Slave and master mesh along x.
+    pub along: [Side; 2],
+    /// Slave and master mesh along y, for a rectangle: `D = D_x (x) D_y`, `M = M_x (x) M_y`.
+    pub across: Option<[Side; 2]>,
+    /// DOFs per node, 1 to 3.
+    pub components: usize,
+    /// Whether equations are written in axes turned against those of the DOFs, so that each holds all components.
+    pub skew: bool,
+    /// Redundant equations: sums of two others, of such as share no DOF where the seed finds any. Those are exact; others
+    /// are rounded.
+    pub sums: usize,
+}
+
+/// A tie of a line by linear elements, n + 1 on the slave side of which one is ten times shorter, n / 2 + 1 on the other.
+///
+/// n + 2 equations on n + 2 and n / 2 + 2 DOFs, in time linear in n.
+///
+/// # Errors
+/// [`SceneError::Size`] for n = 0, [`SceneError::Mesh`] for n above 1e8.
+pub fn mortar_short(n: usize) -> Result<Scene, SceneError> {
+    let slave = Side::with_short_element(n, Degree::Linear)?;
+    Mortar::line(slave, Side::uniform(n / 2 + 1, Degree::Linear)?).scene(0)
+}
+
+impl Mortar {
+    /// A tie of a line, with one DOF per node.
+    pub fn line(slave: Side, master: Side) -> Self {
+        Self { along: [slave, master], across: None, components: 1, skew: false, sums: 0 }
+    }
+
+    /// A tie of a rectangle, with one DOF per node; meshes along x and y of each side.
+    pub fn face(slave: [Side; 2], master: [Side; 2]) -> Self {
+        let ([slave_x, slave_y], [master_x, master_y]) = (slave, master);
+        Self { across: Some([slave_y, master_y]), ..Self::line(slave_x, master_x) }
+    }
+
+    /// The seed chooses the sums.
+    ///
+    /// # Errors
+    /// [`SceneError::Size`] for other than 1 to 3 components, or too many nodes or sums.
+    pub fn scene(&self, seed: u64) -> Result<Scene, SceneError> {
+        within("components", self.components, 1, 3)?;
+        let [slaves, masters] = [0, 1].map(|side| self.places(side));
+        within("nodes", slaves.len() + masters.len(), 2, super::MOST)?;
+        within("sums", self.sums, 0, super::MOST)?;
+        let rows = self.rows(slaves.len());
+        let nodes = [slaves, masters].concat();
+        let mut builder = SystemBuilder::new(nodes.len() * self.components);
+        for (i, row) in rows.iter().enumerate() {
+            let letter = Component::SPACE[i % self.components].letter();
+            builder.labelled_equation(format!("tie node {}, {letter}", i / self.components + 1), row.clone(), 0.0);
+        }
+        let mut rng = Rng::new(seed);
+        for k in 0..self.sums {
+            let [a, b] = two_rows(&rows, &mut rng);
+            builder.labelled_equation(format!("sum {}", k + 1), [a, b].concat(), 0.0);
+        }
+        let place = |j| Dof { node: j / self.components, component: Component::SPACE[j % self.components] };
+        let dofs = (0..nodes.len() * self.components).map(place).collect();
+        let truth = Truth::rank(rows.len() + self.sums, rows.len()).without_generated(true);
+        Ok(Scene { system: builder.build()?, truth, nodes, dofs })
+    }
+
+    /// Coordinates of the nodes of a side, along x first.
+    fn places(&self, side: usize) -> Vec<[f64; 3]> {
+        let across = self.across.as_ref().map_or_else(|| vec![0.0], |sides| sides[side].nodes());
+        let along = self.along[side].nodes();
+        across.iter().flat_map(|&y| along.iter().map(move |&x| [x, y, 0.0])).collect()
+    }
+
+    /// All equations of the tie, for as many slave nodes.
+    fn rows(&self, slaves: usize) -> Vec<Vec<(usize, f64)>> {
+        let along = [0, 1].map(|side| products(&self.along[0], &self.along[side]));
+        let across = [0, 1].map(|side| {
+            self.across.as_ref().map_or_else(|| vec![vec![(0, 1.0)]], |sides| products(&sides[0], &sides[side]))
+        });
+        let width = [0, 1].map(|side| self.along[side].nodes().len());
+        let mut rows = Vec::with_capacity(slaves * self.components);
+        for (j, i) in (0..across[0].len()).flat_map(|j| (0..along[0].len()).map(move |i| (j, i))) {
+            let terms = |side: usize| tensor(&along[side], &across[side], width[side], [i, j]);
+            let nodes: Vec<_> = terms(0).chain(terms(1).map(|(k, v)| (slaves + k, -v))).collect();
+            rows.extend((0..self.components).map(|c| self.in_frame(&nodes, c)));
+        }
+        rows
+    }
+
+    /// One component of an equation on nodes.
+    fn in_frame(&self, nodes: &[(usize, f64)], component: usize) -> Vec<(usize, f64)> {
+        let third = 1.0 / 3.0;
+        let axes: [[f64; 3]; 3] = match (self.skew, self.components) {
+            (true, 2) => [[0.6, 0.8, 0.0], [-0.8, 0.6, 0.0], [0.0; 3]],
+            (true, 3) => [[2.0, -1.0, 2.0], [2.0, 2.0, -1.0], [-1.0, 2.0, 2.0]].map(|axis| axis.map(|c| c * third)),
+            _ => [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        };
+        let axis = axes[component].into_iter().take(self.components).enumerate().filter(|&(_, cosine)| cosine != 0.0);
+        let on_node =
+            |&(k, v): &(usize, f64)| axis.clone().map(move |(c, cosine)| (self.components * k + c, cosine * v));
+        nodes.iter().flat_map(on_node).collect()
+    }
+}
+
+/// Row (i, j) of `along (x) across`: `(node, value)`.
+fn tensor<'a>(
+    along: &'a Band,
+    across: &'a Band,
+    width: usize,
+    [i, j]: [usize; 2],
+) -> impl Iterator<Item = (usize, f64)> + 'a {
+    across[j].iter().flat_map(move |&(l, y)| along[i].iter().map(move |&(k, x)| (k + width * l, x * y)))
+}
+
+/// Two different rows that share no DOF where a few draws find some.
+fn two_rows<'a>(rows: &'a [Vec<(usize, f64)>], rng: &mut Rng) -> [&'a [(usize, f64)]; 2] {
+    let mut draw = || {
+        let pair = rng.distinct(2, rows.len());
+        [&rows[pair[0]][..], &rows[pair[1]]]
+    };
+    let apart = |[a, b]: &[&[(usize, f64)]; 2]| a.iter().all(|(j, _)| b.iter().all(|(k, _)| j != k));
+    (0..64).map(|_| draw()).find(apart).unwrap_or_else(draw)
+}

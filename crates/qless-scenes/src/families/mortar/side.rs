@@ -1,0 +1,103 @@
+//! `0 = x_0 < x_1 < ... < x_n = 1`: one side of an interface along one axis.
+
+use crate::error::within;
+use crate::{Rng, SceneError};
+
+/// Functions of an element, Lagrange's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Degree {
+    /// Two nodes per element: `1 - t`, `t`.
+    Linear = 1,
+    /// Three nodes per element, one at its middle: `(1 - t)(1 - 2 t)`, `4 t (1 - t)`, `t (2 t - 1)`.
+    Quadratic = 2,
+}
+
+/// A mesh of the interval `[0, 1]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Side {
+    pub(super) ends: Vec<f64>,
+    pub(super) degree: Degree,
+}
+
+/// Shorter elements would lose digits in the integrals.
+const SHORTEST: f64 = 1.0 / (1 << 30) as f64;
+
+impl Side {
+    /// Elements between neighbouring `ends`, of which the first is 0 and the last 1.
+    ///
+    /// # Errors
+    /// [`SceneError::Size`] for fewer than two ends; [`SceneError::Mesh`] where they do not ascend from 0 to 1 by at
+    /// least 2^-30.
+    pub fn new(ends: Vec<f64>, degree: Degree) -> Result<Self, SceneError> {
+        within("ends of elements", ends.len(), 2, 1 << 27)?;
+        let last = ends.len() - 1;
+        let right = |&node: &usize| match node {
+            0 => ends[0] == 0.0,
+            _ => ends[node] - ends[node - 1] >= SHORTEST && (node < last || ends[last] == 1.0),
+        };
+        match (0..=last).find(|node| !right(node)) {
+            Some(node) => Err(SceneError::Mesh { node, found: ends[node] }),
+            None => Ok(Self { ends, degree }),
+        }
+    }
+
+    /// Elements of one length: ends at `k / elements`.
+    ///
+    /// # Errors
+    /// [`SceneError::Size`] without elements.
+    pub fn uniform(elements: usize, degree: Degree) -> Result<Self, SceneError> {
+        Self::new(spaced(elements), degree)
+    }
+
+    /// [`Side::uniform`] with every inner end moved by up to 0.3 of an element's length.
+    ///
+    /// # Errors
+    /// As [`Side::uniform`].
+    pub fn jittered(elements: usize, degree: Degree, seed: u64) -> Result<Self, SceneError> {
+        let (mut rng, mut ends) = (Rng::new(seed), spaced(elements));
+        for end in ends.iter_mut().take(elements).skip(1) {
+            *end += 0.3 * rng.real() / elements as f64;
+        }
+        Self::new(ends, degree)
+    }
+
+    /// [`Side::uniform`] and one more end, a tenth of an element behind the middle one: an element ten times shorter than
+    /// the rest.
+    ///
+    /// # Errors
+    /// As [`Side::uniform`].
+    pub fn with_short_element(elements: usize, degree: Degree) -> Result<Self, SceneError> {
+        within("elements", elements, 1, 1 << 27)?;
+        let (mut ends, middle) = (spaced(elements), elements / 2);
+        ends.insert(middle + 1, (middle as f64 + 0.1) / elements as f64);
+        Self::new(ends, degree)
+    }
+
+    /// Number of elements.
+    pub fn elements(&self) -> usize {
+        self.ends.len() - 1
+    }
+
+    /// Where the nodes are, ascending, those at the middle of quadratic elements included.
+    pub fn nodes(&self) -> Vec<f64> {
+        let middle = |pair: &[f64]| f64::midpoint(pair[0], pair[1]);
+        match self.degree {
+            Degree::Linear => self.ends.clone(),
+            Degree::Quadratic => self.ends.windows(2).flat_map(|pair| [pair[0], middle(pair)]).chain([1.0]).collect(),
+        }
+    }
+
+    /// The node of each function of an element and the function's value at `t` of the way through the element.
+    pub(super) fn functions(&self, element: usize, t: f64) -> impl Iterator<Item = (usize, f64)> {
+        let values = match self.degree {
+            Degree::Linear => [1.0 - t, t, 0.0],
+            Degree::Quadratic => [(1.0 - t) * (1.0 - 2.0 * t), 4.0 * t * (1.0 - t), t * (2.0 * t - 1.0)],
+        };
+        let degree = self.degree as usize;
+        values.into_iter().take(degree + 1).enumerate().map(move |(k, value)| (degree * element + k, value))
+    }
+}
+
+fn spaced(elements: usize) -> Vec<f64> {
+    (0..=elements).map(|k| k as f64 / elements.max(1) as f64).collect()
+}

@@ -1,0 +1,65 @@
+//! `C' = C` rounded to a few decimals: equations that somebody typed a second time.
+
+use qless::SystemBuilder;
+
+use super::MOST;
+use crate::error::within;
+use crate::{Rng, Scene, SceneError, Truth};
+
+type Row = Vec<(usize, f64)>;
+
+/// n random equations with two DOFs of their own each, and about a third of them once more with rounded coefficients.
+///
+/// Own coefficients are from 1 to 2 in size, others, up to four on DOFs of later equations, up to 1/4: so the n equations
+/// alone are well-conditioned. A copy differs by up to `5 10^-digits`, relative to each coefficient. The rank is the
+/// number of all equations, at that distance from n; the truth is marked ambiguous. Rows and DOFs are in random order.
+///
+/// ```
+/// let scene = qless_scenes::families::typed_twice(30, 6, 1)?;
+/// assert_eq!(scene.truth.rank_free, Some(scene.system.equations()));
+/// assert!(scene.system.equations() > 30 && scene.truth.ambiguous);
+/// # Ok::<(), qless_scenes::SceneError>(())
+/// ```
+///
+/// # Errors
+/// [`SceneError::Size`] for n = 0 or digits other than 3 to 8.
+pub fn typed_twice(n: usize, digits: usize, seed: u64) -> Result<Scene, SceneError> {
+    within("n", n, 1, MOST / 2)?;
+    within("digits", digits, 3, 8)?;
+    let mut rng = Rng::new(seed);
+    let place = rng.permutation(2 * n);
+    let mut equations = Vec::new();
+    for i in 0..n {
+        let (row, rhs) = (sound(i, &place, &mut rng), rng.below(7) as f64 - 3.0);
+        if i == 0 || rng.below(3) == 0 {
+            let copy = row.iter().map(|&(j, v)| (j, typed(v, digits))).collect();
+            equations.push((format!("equation {}, typed again", i + 1), copy, rhs));
+        }
+        equations.push((format!("equation {}", i + 1), row, rhs));
+    }
+    rng.shuffle(&mut equations);
+    let truth = Truth { ambiguous: true, ..Truth::independent(equations.len()) };
+    let mut builder = SystemBuilder::new(2 * n);
+    for (label, row, rhs) in equations {
+        builder.labelled_equation(label, row, rhs);
+    }
+    Scene::bare(builder, truth)
+}
+
+/// Own DOFs `place[2 i]` and `place[2 i + 1]`, which no later equation holds.
+fn sound(i: usize, place: &[usize], rng: &mut Rng) -> Row {
+    let mut own = |k: usize| {
+        let v = rng.real();
+        (place[2 * i + k], v + v.signum())
+    };
+    let mut row = vec![own(0), own(1)];
+    let later = &place[2 * i + 2..];
+    let wanted = 1 + rng.below(4);
+    row.extend(rng.distinct(wanted, later.len()).into_iter().map(|k| (later[k], 0.25 * rng.real())));
+    row
+}
+
+/// A number with as many significant decimals, as it would be read from a file.
+pub(super) fn typed(value: f64, digits: usize) -> f64 {
+    format!("{value:.*e}", digits - 1).parse().expect("a number in scientific notation")
+}
