@@ -33,6 +33,7 @@ mod certificate;
 mod changing;
 mod classify;
 mod confidence;
+pub mod exact;
 mod generated;
 mod hold;
 mod keep;

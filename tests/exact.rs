@@ -1,0 +1,7 @@
+//! The exact rank: of numbers as typed against whole-number arithmetic, and the laws that it shares with every other result.
+
+mod exact {
+    mod laws;
+    mod models;
+    mod whole;
+}
