@@ -24,7 +24,9 @@ fn random(rng: &mut Rng) -> ConstraintSystem {
         };
         rows.push(row);
     }
-    rows.into_iter().for_each(|(terms, b)| drop(builder.equation(terms, b)));
+    for (terms, b) in rows {
+        builder.equation(terms, b);
+    }
     let count = rng.below(4);
     rng.distinct(count, n).into_iter().for_each(|dof| builder.prescribe(dof, rng.coefficient(5) / 10.0));
     builder.build().expect("valid")
@@ -45,7 +47,9 @@ fn reordered(systems: &[&ConstraintSystem], rng: &mut Rng) -> (ConstraintSystem,
         first += system.dofs();
     }
     let order = rng.permutation(rows.len());
-    order.iter().for_each(|&i| drop(builder.equation(rows[i].0.clone(), rows[i].1)));
+    for &i in &order {
+        builder.equation(rows[i].0.clone(), rows[i].1);
+    }
     (builder.build().expect("valid"), order)
 }
 

@@ -63,7 +63,9 @@ fn paths_and_rings_of_a_million_equations() {
 fn long_rows_are_changed_in_place() {
     let n = 20_000;
     let mut builder = SystemBuilder::new(2 * n + 1);
-    (0..n).for_each(|i| drop(builder.equation([(2 * i, 1.0), (2 * i + 1, -1.0), (2 * n, -0.1)], 0.5)));
+    for i in 0..n {
+        builder.equation([(2 * i, 1.0), (2 * i + 1, -1.0), (2 * n, -0.1)], 0.5);
+    }
     builder.equation((0..n).map(|i| (2 * i, 0.1)), 0.0);
     builder.equation((0..n).map(|i| (2 * i + 1, 0.3)), 0.0);
     // 3 * first average - second: 0.3 * sum (u - v) = 0.3 * (0.1 n H + 0.5 n), with H = -5.
@@ -75,7 +77,9 @@ fn long_rows_are_changed_in_place() {
 /// `u_(i-1) + 4 u_i + u_(i+1) = 0` with `u_0` and `u_1` prescribed.
 fn recurrence(rows: usize, start: [f64; 2]) -> SystemBuilder {
     let mut builder = SystemBuilder::new(rows + 2);
-    (1..=rows).for_each(|i| drop(builder.equation([(i - 1, 1.0), (i, 4.0), (i + 1, 1.0)], 0.0)));
+    for i in 1..=rows {
+        builder.equation([(i - 1, 1.0), (i, 4.0), (i + 1, 1.0)], 0.0);
+    }
     builder.prescribe(0, start[0]);
     builder.prescribe(1, start[1]);
     builder

@@ -128,15 +128,32 @@ fn numbers_as_typed_have_the_ranks_of_whole_numbers() {
 #[test]
 fn a_tenth_and_two_tenths_are_three_tenths_as_typed_only() {
     let mut builder = SystemBuilder::new(2);
-    for (x, y, b) in [(0.1, 1.0, 0.7), (0.2, 2.0, 1.4), (0.3, 3.0, 2.1)] {
-        builder.equation([(0, x), (1, y)], b);
+    for (x, y) in [(0.1, 1.0), (0.2, 2.0), (0.3, 3.0)] {
+        builder.equation([(0, x), (1, y)], x);
     }
     let system = builder.build().expect("valid");
     let [typed, stored] =
         [Reading::Typed, Reading::Stored].map(|reading| exact::rank(&system, reading).expect("small"));
     assert_eq!((typed.rank, typed.augmented_rank), (1, 1));
-    // 0.3 is not 0.1 + 0.2, and 2.1 not 0.7 + 1.4.
-    assert_eq!((stored.rank, stored.is_solvable()), (2, false));
+    assert_eq!((stored.rank, stored.augmented_rank), (2, 2));
+}
+
+/// u0 = 0.1, u1 = 0.2 and u0 + u1 = 0.3, by a prescribed value as well.
+#[test]
+fn right_hand_sides_and_prescribed_values_are_read_as_typed_too() {
+    for prescribed in [false, true] {
+        let mut builder = SystemBuilder::new(2);
+        builder.equation([(1, 1.0)], 0.2);
+        builder.equation([(0, 1.0), (1, 1.0)], 0.3);
+        if prescribed {
+            builder.prescribe(0, 0.1);
+        } else {
+            builder.equation([(0, 1.0)], 0.1);
+        }
+        let system = builder.build().expect("valid");
+        let solvable = |reading| exact::rank(&system, reading).expect("small").is_solvable();
+        assert!(solvable(Reading::Typed) && !solvable(Reading::Stored));
+    }
 }
 
 /// 1/3 cut to any number of digits is not 1/3.

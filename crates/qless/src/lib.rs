@@ -62,8 +62,8 @@ pub use preferences::Preferences;
 pub use reduction::Reduction;
 pub use refresh::{RefreshError, Refreshed, Refresher};
 pub use report::{
-    BackendUsed, Certificate, Counts, DependentEquation, GeneratedCondition, InputSizes, Milliseconds, Omitted,
-    ReductionSizes, Report, Term, Unmet,
+    BackendUsed, Certificate, Counts, DependentEquation, ExactDifference, ExactFinding, GeneratedCondition, InputSizes,
+    Milliseconds, Omitted, ReductionSizes, Report, Term, Unmet,
 };
 pub use system::{ConstraintSystem, Csr, Place, SystemBuilder, SystemError};
 
