@@ -3,5 +3,6 @@
 mod exact {
     mod laws;
     mod models;
+    mod primes;
     mod whole;
 }

@@ -133,6 +133,12 @@ fn a_solution_that_only_one_of_the_two_finds_is_said() {
     let run = place.run("check sum --exact --tolerance 1e-15");
     assert_eq!(run.code, 1);
     assert_says(&run, &["rank 1000 of 1001, as in floating point.", "As typed the equations have a solution"]);
+    let exact = &place.run("check sum --exact --tolerance 1e-15 --format json").json()["exact_rank"];
+    let part = &exact["differences"][0];
+    assert_eq!((&part["solvable"], &part["analysis_solvable"]), (&json!(true), &json!(false)));
+    // A conflict that both find is no difference.
+    let exact = &place.paper("conflict", 0.0).run("check conflict --exact --format json").json()["exact_rank"];
+    assert_eq!((&exact["solvable"], &exact["differences"]), (&json!(false), &json!([])));
 }
 
 /// A ring of 40,000 equations is more than 1 MiB has room for.
