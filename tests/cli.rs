@@ -3,6 +3,7 @@
 mod cli {
     pub mod bad_input;
     pub mod decks;
+    pub mod exact;
     pub mod harness;
     pub mod report;
     pub mod written;

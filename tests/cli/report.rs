@@ -136,7 +136,7 @@ fn crowded(place: &Place, gap: f64) -> Run {
     };
     place.case("crowded", [504, 8], &entries, &b, &[(1, 2.0)]);
     place.file("crowded/rows.txt", long("tie", 504)).file("crowded/cols.txt", long("node", 8));
-    place.run("check crowded")
+    place.run("check crowded --exact")
 }
 
 #[test]
@@ -147,6 +147,7 @@ fn the_text_report_fits_a_screen_whatever_the_input() {
     for (k, scene) in scenes.iter().enumerate() {
         assert_eq!(place.run(&format!("generate {scene} -o scene{k}")).code, 0, "{scene}");
         runs.push(place.run(&format!("check scene{k}")));
+        runs.push(place.run(&format!("check scene{k} --exact")));
         runs.push(place.run(&format!("reduce scene{k} -o reduced{k}")));
     }
     for run in runs {
@@ -170,6 +171,7 @@ fn help_and_version_succeed() {
     for (arguments, part) in [
         ("--help", "Exit codes"),
         ("check --help", "--paper-tolerance"),
+        ("check --help", "--exact"),
         ("generate --help", "fssi"),
         ("--version", env!("CARGO_PKG_VERSION")),
         ("--version", "faer"),

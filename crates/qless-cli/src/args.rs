@@ -43,6 +43,10 @@ pub enum Command {
 pub struct CheckArgs {
     #[command(flatten)]
     pub model: ModelArgs,
+    /// Take the rank in exact arithmetic as well, of the numbers as typed: 0.1 is 1/10, and no tolerance decides. It settles an
+    /// ambiguous rank, if no coefficient was rounded before it was typed; verdict and exit code stay those of the analysis
+    #[arg(long)]
+    pub exact: bool,
     /// File for the report, whole or not at all [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
@@ -136,7 +140,7 @@ pub struct ModelArgs {
     /// Most threads to use
     #[arg(long, value_name = "N", value_parser = threads)]
     pub threads: Option<NonZeroUsize>,
-    /// Most memory of one sparse factorization in Rust, in MiB [default: 16384]
+    /// Most memory of one sparse factorization in Rust, in MiB [default: 16384], and of --exact [default: 1536]
     #[arg(long, value_name = "MIB", value_parser = threads)]
     pub memory: Option<NonZeroUsize>,
     /// Leave every equation to the backend

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use qless_io::write::write_bytes;
 
-use crate::args::CheckArgs;
+use crate::args::{CheckArgs, Format};
 use crate::diagnose::diagnose;
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -12,8 +12,17 @@ use crate::text::Outcome;
 
 /// Prints the report; exit code 0 or 1.
 pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
+    if args.exact && args.model.format == Format::Vtu {
+        return Err(Failure::Input(
+            "--exact goes with --format text, json or html; a vtu file shows no rank".to_owned(),
+        ));
+    }
     let progress = Progress::new(args.model.quiet);
-    let diagnosis = diagnose(&args.model, args.model.options(), &progress)?;
+    let mut diagnosis = diagnose(&args.model, args.model.options(), &progress)?;
+    if args.exact {
+        progress.stage("exact arithmetic");
+        diagnosis.take_exact_rank()?;
+    }
     match &args.output {
         None => diagnosis.print(None, &Outcome::Checked, progress)?,
         Some(file) => {

@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use qless::exact::{self, ExactRank, Reading, Settings};
 use qless::{Analysis, AnalysisError, ConstraintSystem, Kind, Options, Reduction, Report, analyse};
 use qless_io::deck::{self, Format as Language};
 use qless_io::read_case;
@@ -21,6 +22,8 @@ pub struct Diagnosis<'a> {
     pub analysis: Analysis,
     /// The deck that the system comes from, if it comes from one.
     pub deck: Option<DeckInput>,
+    /// The rank of the numbers as typed, if it was asked for.
+    exact: Option<ExactRank>,
     start: Instant,
     read: Duration,
 }
@@ -41,7 +44,7 @@ pub fn diagnose<'a>(args: &'a ModelArgs, options: Options, progress: &Progress) 
     if let Some(&(dof, _)) = analysis.generated.iter().find(|(_, value)| !value.is_finite()) {
         return Err(Failure::of_overflow(&args.input, &system, dof));
     }
-    Ok(Diagnosis { args, options, system, analysis, deck, start, read })
+    Ok(Diagnosis { args, options, system, analysis, deck, exact: None, start, read })
 }
 
 /// What was read.
@@ -82,6 +85,19 @@ impl Input {
 }
 
 impl Diagnosis<'_> {
+    /// Adds the rank of the numbers as typed, in exact arithmetic.
+    pub fn take_exact_rank(&mut self) -> Result<(), Failure> {
+        let standard = Settings::from(Reading::Typed);
+        // Two primes at a time, 24 bytes for a coefficient.
+        let fill = self.args.memory.map_or(standard.fill, |mib| mib.get().saturating_mul(1 << 20) / 48);
+        let exact = exact::rank(&self.system, Settings { fill, ..standard }).map_err(|error| {
+            let input = self.args.input.display();
+            Failure::Resource(format!("{input}: {error}; leave out --exact, or allow more with --memory"))
+        })?;
+        self.exact = Some(exact);
+        Ok(())
+    }
+
     /// Whether the exit code is 1.
     pub fn is_refused(&self) -> bool {
         let denied = |kind| match kind {
@@ -128,7 +144,10 @@ impl Diagnosis<'_> {
     }
 
     fn report(&self, reduced: Option<(&Reduction, Duration)>, terms: usize) -> Report {
-        let report = Report::new(&self.system, &self.analysis, terms);
+        let mut report = Report::new(&self.system, &self.analysis, terms);
+        if let Some(exact) = &self.exact {
+            report = report.with_exact(&self.system, &self.analysis, exact);
+        }
         let (report, time) = match reduced {
             Some((reduction, time)) => {
                 (report.with_reduction(reduction, self.analysis.residual(&self.system, reduction)), time)

@@ -34,6 +34,7 @@ mod changing;
 mod classify;
 mod components;
 mod confidence;
+pub mod exact;
 mod generated;
 mod keep;
 mod local;
@@ -61,8 +62,8 @@ pub use preferences::Preferences;
 pub use reduction::{Reduction, ReductionError};
 pub use refresh::{RefreshError, Refreshed, Refresher};
 pub use report::{
-    BackendUsed, Certificate, Counts, DependentEquation, GeneratedCondition, InputSizes, Milliseconds, Omitted,
-    ReductionSizes, Report, Term, Unmet,
+    BackendUsed, Certificate, Counts, DependentEquation, ExactDifference, ExactFinding, GeneratedCondition, InputSizes,
+    Milliseconds, Omitted, ReductionSizes, Report, Term, Unmet,
 };
 pub use system::{ConstraintSystem, Csr, Place, SystemBuilder, SystemError};
 

@@ -10,6 +10,7 @@
 //! `because_omitted` holds its number of terms, or null if it was not computed.
 
 mod budget;
+mod exact;
 
 use std::time::Duration;
 
@@ -17,6 +18,7 @@ use serde::{Serialize, Serializer};
 
 use crate::{Analysis, Confidence, ConstraintSystem, Kind, PresolveStatistics, Reduction};
 use budget::Budget;
+pub use exact::{ExactDifference, ExactFinding};
 
 /// The diagnosis of a system, 1-based, with labels; numbers that are not finite serialize as null.
 ///
@@ -52,6 +54,9 @@ pub struct Report {
     pub generated_boundary_conditions: Vec<GeneratedCondition>,
     /// How sure the rank is.
     pub confidence: Confidence,
+    /// The rank in exact arithmetic, where it was taken.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub exact_rank: Option<ExactFinding>,
     /// The reduced form, where it was computed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reduction: Option<ReductionSizes>,
@@ -262,6 +267,7 @@ impl Report {
             dependent,
             generated_boundary_conditions,
             confidence: analysis.confidence,
+            exact_rank: None,
             reduction: None,
             unmet_preferences: Unmet { equations: from_one(&analysis.unmet_equations), ..Unmet::default() },
             presolve: analysis.presolve,

@@ -19,6 +19,7 @@ struct Data<'a> {
     verdict: String,
     version: &'static str,
     report: &'a Report,
+    exact: Vec<String>,
     deck: Option<DeckReport>,
     picture: Picture,
 }
@@ -31,6 +32,7 @@ pub fn render(diagnosis: &Diagnosis, report: &Report) -> Result<String, serde_js
         verdict: text::verdict(report),
         version: env!("CARGO_PKG_VERSION"),
         report,
+        exact: text::exact(diagnosis, report),
         deck: diagnosis.deck.as_ref().map(|deck| deck.report(&diagnosis.analysis)),
         picture: Picture::of(diagnosis),
     };

@@ -5,6 +5,7 @@
 mod combination;
 mod confidence;
 mod dependent;
+mod exact;
 mod fit;
 mod generated;
 pub mod name;
@@ -47,6 +48,11 @@ pub fn verdict(report: &Report) -> String {
     verdict::line(report)
 }
 
+/// What exact arithmetic says, if it was asked.
+pub fn exact(diagnosis: &Diagnosis, report: &Report) -> Vec<String> {
+    exact::lines(diagnosis, report)
+}
+
 /// The report, ending in a line break.
 pub fn render(diagnosis: &Diagnosis, report: &Report, outcome: &Outcome) -> String {
     let both = report.counts.conflicting > 0 && report.counts.redundant > 0;
@@ -57,6 +63,7 @@ pub fn render(diagnosis: &Diagnosis, report: &Report, outcome: &Outcome) -> Stri
     lines.extend(diagnosis.deck.iter().flat_map(|deck| deck.lines(diagnosis)));
     if report.input.rows > 0 {
         lines.extend(confidence::lines(diagnosis, report));
+        lines.extend(exact::lines(diagnosis, report));
         lines.push(work::presolve(report));
         lines.extend(work::backend(report));
     }

@@ -1,0 +1,106 @@
+//! Primes between 2^60 and 2^61, drawn at random.
+
+use super::field::Field;
+
+/// The first twelve primes: Miller and Rabin's test with these bases errs for no number below 3.3e24 (Sorenson, Webster 2015).
+const BASES: [u64; 12] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37];
+
+/// Two different primes in `2^60..2^61`, the same for the same seed; each is as likely as any other.
+pub(super) fn two(seed: u64) -> [u64; 2] {
+    let mut numbers = Bits(seed);
+    let first = draw(&mut numbers);
+    loop {
+        let second = draw(&mut numbers);
+        if second != first {
+            return [first, second];
+        }
+    }
+}
+
+fn draw(numbers: &mut Bits) -> u64 {
+    loop {
+        let odd = (numbers.next() >> 4) | (1 << 60) | 1;
+        if is_prime(odd) {
+            return odd;
+        }
+    }
+}
+
+/// Whether n is prime, without a doubt, for n below 2^62.
+pub(super) fn is_prime(n: u64) -> bool {
+    if n < 2 || BASES.iter().any(|base| n.is_multiple_of(*base)) {
+        return BASES.contains(&n);
+    }
+    let field = Field::new(n);
+    BASES.iter().all(|&base| passes(&field, n, base))
+}
+
+/// `base^d = 1` or `base^(d 2^k) = -1` for a k below s, with `n - 1 = d 2^s` and d odd: what holds for every prime n.
+fn passes(field: &Field, n: u64, base: u64) -> bool {
+    let twos = (n - 1).trailing_zeros();
+    let (one, minus_one) = (field.of(1), field.of(n - 1));
+    let mut power = field.power(field.of(base), (n - 1) >> twos);
+    if power == one {
+        return true;
+    }
+    for _ in 0..twos {
+        if power == minus_one {
+            return true;
+        }
+        power = field.mul(power, power);
+    }
+    false
+}
+
+/// SplitMix64 (Steele, Lea, Flood 2014).
+struct Bits(u64);
+
+impl Bits {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_primes_are_those_of_the_sieve() {
+        let mut composite = vec![false; 20_000];
+        for n in 2..composite.len() {
+            assert_eq!(is_prime(n as u64), !composite[n], "{n}");
+            (2 * n..composite.len()).step_by(n).for_each(|multiple| composite[multiple] = true);
+        }
+        assert!(!is_prime(0) && !is_prime(1));
+    }
+
+    /// Numbers that pass for primes with fewer bases: Carmichael's, and the least that fool the first 4, 8 and 9 bases.
+    #[test]
+    fn composites_that_fool_weaker_tests_are_found_out() {
+        for n in [561, 41_041, 825_265, 3_215_031_751, 341_550_071_728_321, 3_825_123_056_546_413_051] {
+            assert!(!is_prime(n), "{n}");
+        }
+        // Products of two primes of 30 bits.
+        assert!(!is_prime(1_073_741_789 * 1_073_741_783));
+        assert!(is_prime(1_073_741_789) && is_prime((1 << 61) - 1) && is_prime((1 << 61) - 31));
+        assert!(!is_prime((1 << 61) - 3));
+    }
+
+    #[test]
+    fn drawn_primes_are_two_primes_of_61_bits_that_depend_on_the_seed() {
+        let mut seen = Vec::new();
+        for seed in 0..200 {
+            let primes = two(seed);
+            assert!(primes.iter().all(|&p| is_prime(p) && p >> 60 == 1), "{primes:?}");
+            assert_eq!(primes, two(seed));
+            seen.extend(primes);
+        }
+        seen.sort_unstable();
+        seen.dedup();
+        assert_eq!(seen.len(), 400, "none of 2.7e16 is met twice in 400");
+    }
+}
