@@ -87,16 +87,12 @@ fn sigma_kept_falls_with_the_distance_from_dependence(backend: BackendChoice) {
             let rank = check_sigma(&name, &system, backend);
             let least = singular_values(&system)[rank - 1];
             let Analysis { confidence, .. } = diagnose(&system, &Options { backend, ..Options::default() });
-            // The distance in one coefficient is at least sigma_min, and here no more than a few times that.
-            assert!((least..5.0 * least).contains(&confidence.sigma_kept), "{name}: {confidence:?}, not {least:e}");
+            let off = confidence.sigma_kept / least;
+            assert!((0.2..5.0).contains(&off), "{name}: {confidence:?}, not {least:e}");
             assert_eq!(confidence.ambiguous, digits > 5, "{name}: {confidence:?}");
         }
     }
 }
-
-/// With presolve these are called ambiguous though `sigma_r > 0.7`: `1 / max |(C_S^-1)_ij|` of the slaves that presolve
-/// chose first counts, not the distance of the rows from dependence, and not the slaves of the end.
-const DOUBTED: [&str; 3] = ["Kahan, angle 1.28", "Kahan, rows of one size", "Wilkinson"];
 
 /// The systems called ambiguous though their singular values are above 1e-4 or rounding.
 fn doubted(options: &Options) -> Vec<&'static str> {
@@ -111,15 +107,13 @@ fn doubted(options: &Options) -> Vec<&'static str> {
 
 #[test]
 fn no_doubt_where_the_svd_has_none_faer() {
-    let [presolved, whole] = settings(BackendChoice::Faer).map(|options| doubted(&options));
-    assert_eq!((presolved.as_slice(), whole.as_slice()), (&DOUBTED[..], &[][..]));
+    assert_eq!(settings(BackendChoice::Faer).map(|options| doubted(&options)), [const { Vec::<&str>::new() }; 2]);
 }
 
 #[cfg(feature = "spqr")]
 #[test]
 fn no_doubt_where_the_svd_has_none_spqr() {
-    let [presolved, whole] = settings(BackendChoice::Spqr).map(|options| doubted(&options));
-    assert_eq!((presolved.as_slice(), whole.as_slice()), (&DOUBTED[..], &[][..]));
+    assert_eq!(settings(BackendChoice::Spqr).map(|options| doubted(&options)), [const { Vec::<&str>::new() }; 2]);
 }
 
 /// `u_i - sum_{j > i} u_j = 1`, upper triangular with ones: exactly of full rank, and at `2^-58` from a lower one.

@@ -53,14 +53,13 @@ impl Labels {
         }
         Self { of_row, count: count as usize }
     }
-}
 
-/// Holds all rows connected with some.
-pub(crate) fn hold_components(system: Local, rows: &[usize], held: &mut [bool]) {
-    let labels = Labels::of(system);
-    let mut of_label = vec![false; labels.count];
-    rows.iter().for_each(|&i| of_label[labels.of_row[i] as usize] = true);
-    held.iter_mut().zip(&labels.of_row).for_each(|(held, &label)| *held |= of_label[label as usize]);
+    /// Marks all rows that are connected with some.
+    pub fn mark(&self, rows: &[usize], marked: &mut [bool]) {
+        let mut of_label = vec![false; self.count];
+        rows.iter().for_each(|&i| of_label[self.of_row[i] as usize] = true);
+        marked.iter_mut().zip(&self.of_row).for_each(|(marked, &label)| *marked |= of_label[label as usize]);
+    }
 }
 
 fn find(parent: &mut [u32], mut k: u32) -> u32 {

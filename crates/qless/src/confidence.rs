@@ -30,33 +30,29 @@ fn finite_or_null<S: serde::Serializer>(value: &f64, serializer: S) -> Result<S:
 }
 
 impl Confidence {
-    /// `presolved` is sigma of what presolve kept, and `parted` says that two ways to the rank parted.
-    pub(crate) fn new(
-        solved: &[Kept],
-        presolved: f64,
-        parted: bool,
-        dependent: &[Dependent],
-        system: &ConstraintSystem,
-    ) -> Self {
+    /// `presolved` is sigma of what presolve kept, and `doubted` are equations of components whose rank or verdict is in doubt.
+    pub(crate) fn new(solved: &[Kept], presolved: f64, dependent: &[Dependent], doubted: &[usize]) -> Self {
         let sigma_kept = solved.iter().map(|block| block.nearness.sigma).fold(presolved, f64::min);
         let sigma_dropped = dependent.iter().map(|d| d.dropped).fold(0.0, f64::max);
-        let largest_rhs = system.rhs().iter().fold(0.0, |a: f64, b| a.max(b.abs()));
-        let doubtful = |d: &Dependent| {
-            let small = d.relative_mismatch > 0.0 && d.relative_mismatch < SMALL_MISMATCH;
-            // `0 = b` has no parts to be relative to but the other right-hand sides.
-            let empty = system.matrix().row(d.row).len() == 0;
-            small || (empty && d.mismatch != 0.0 && d.mismatch.abs() < SMALL_MISMATCH * largest_rhs)
-        };
-        let near = solved.iter().any(|block| block.nearness.distance < NEAR);
-        let ambiguous = near || parted || sigma_dropped > 0.0 || dependent.iter().any(doubtful);
-        Self { sigma_kept, sigma_dropped, gap: sigma_kept / sigma_dropped, ambiguous }
+        Self { sigma_kept, sigma_dropped, gap: sigma_kept / sigma_dropped, ambiguous: !doubted.is_empty() }
     }
 
-    /// In view of another confidence in the same system: no more than that, and ambiguous where the two answers differ.
-    pub(crate) fn or_less(self, other: Self, differ: bool) -> Self {
+    /// Together with another of the same system that is in doubt: no more than that.
+    pub(crate) fn or_less(self, other: Self) -> Self {
         let sigma_kept = self.sigma_kept.min(other.sigma_kept);
         let sigma_dropped = self.sigma_dropped.max(other.sigma_dropped);
-        let ambiguous = self.ambiguous || other.ambiguous || differ;
-        Self { sigma_kept, sigma_dropped, gap: sigma_kept / sigma_dropped, ambiguous }
+        Self { sigma_kept, sigma_dropped, gap: sigma_kept / sigma_dropped, ambiguous: self.ambiguous || other.ambiguous }
     }
+}
+
+/// Dependent equations that another tolerance might call otherwise.
+pub(crate) fn doubted<'a>(dependent: &'a [Dependent], system: &'a ConstraintSystem) -> impl Iterator<Item = usize> + 'a {
+    let largest_rhs = system.rhs().iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+    let doubtful = move |d: &&Dependent| {
+        let small = d.relative_mismatch > 0.0 && d.relative_mismatch < SMALL_MISMATCH;
+        // `0 = b` has no parts to be relative to but the other right-hand sides.
+        let empty = system.matrix().row(d.row).len() == 0;
+        d.dropped > 0.0 || small || (empty && d.mismatch != 0.0 && d.mismatch.abs() < SMALL_MISMATCH * largest_rhs)
+    };
+    dependent.iter().filter(doubtful).map(|d| d.row)
 }

@@ -1,11 +1,13 @@
 //! `C' = D_r C D_c` with powers of two: exact, and it makes every tolerance relative.
 //!
-//! Rows are always scaled, so that the largest coefficient of a free DOF in each row lies in `[1, 2)`. Where units mix,
-//! that is where more than one column in twenty with two entries or more lies below `2^-10` in all its rows, rows and columns
-//! are balanced by geometric means (Curtis and Reid 1972) before the rows get their final scale. Where only some entries are
-//! tiny, below `2^-20`, nobody can know whether they are in another unit or stand for zero: if the rank of scaled rows is in
-//! doubt, the analysis is made again with balanced columns, the surer one counts, and the doubt is reported.
+//! Rows are always scaled, so that the largest coefficient of a free DOF in each row lies in `[1, 2)`. More is decided for each
+//! connected component by itself. Where units mix, that is where more than one column in twenty with two entries or more lies
+//! below `2^-10` in all its rows, rows and columns are balanced by geometric means (Curtis and Reid 1972) before the rows get
+//! their final scale. Where only some entries are tiny, below `2^-20`, nobody can know whether they are in another unit or stand
+//! for zero: if the rank of scaled rows is in doubt, the analysis is made again with balanced columns, the surer one counts,
+//! and the doubt is reported.
 
+use crate::components::Labels;
 use crate::local::{Column, Exponents, Local};
 
 /// Exponents of the scaling: `C'_ij = C_ij 2^(row[i] + col[j])`.
@@ -48,8 +50,8 @@ pub(crate) fn exponent(x: f64) -> i32 {
     if biased == 0 { exponent(x * 2f64.powi(64)) - 64 } else { biased - 1023 }
 }
 
-/// How entries of free DOFs lie in scaled rows.
-#[derive(Clone, Copy, PartialEq, Eq)]
+/// How entries of free DOFs lie in the scaled rows of a component.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Spread {
     /// They are of one size.
     Even,
@@ -59,24 +61,35 @@ pub(crate) enum Spread {
     UnitsMix,
 }
 
-/// Scales `C` by its free DOFs in each row; a row without any is scaled by its prescribed ones.
-pub(crate) fn by_rows(system: Local, columns: &[Column], exponents: &[Exponents]) -> (Scaling, Spread) {
-    let mut rows = Scaling::none(system.equations());
-    let smallest = scale_rows(system, exponents, &mut rows);
-    let spread = match smallest {
-        SMALL.. => Spread::Even,
-        _ if small_columns(system, columns, exponents, &rows) => Spread::UnitsMix,
-        TINY.. => Spread::Even,
-        _ => Spread::SomeTiny,
-    };
-    (rows, spread)
+/// The components of a system in some of which entries are not of one size.
+pub(crate) struct Spreads {
+    pub labels: Labels,
+    /// By component.
+    pub of: Vec<Spread>,
 }
 
-/// Balances rows and columns, then scales rows.
-pub(crate) fn balanced(system: Local, exponents: &[Exponents]) -> Scaling {
+/// Scales `C` by its free DOFs in each row; a row without any is scaled by its prescribed ones. Says how entries lie where
+/// any is small.
+pub(crate) fn by_rows(system: Local, columns: &[Column], exponents: &[Exponents]) -> (Scaling, Option<Spreads>) {
+    let mut rows = Scaling::none(system.equations());
+    let smallest = scale_rows(system, exponents, &mut rows);
+    let spreads = (smallest < SMALL).then(|| Spreads::new(system, columns, &rows));
+    (rows, spreads.filter(|spreads| spreads.of.iter().any(|&spread| spread != Spread::Even)))
+}
+
+/// Balances rows and columns of some components, by equation, then scales their rows; the others stay as they are.
+pub(crate) fn balanced(system: Local, exponents: &[Exponents], plain: &Scaling, which: &[bool]) -> Scaling {
     let mut scaling = Scaling::none(system.equations());
     balance(system, &mut scaling);
+    let mut keep = vec![true; system.dofs()];
+    for i in (0..system.equations()).filter(|&i| which[i]) {
+        system.parts(i).0.iter().for_each(|&j| keep[j as usize] = false);
+    }
+    scaling.col.iter_mut().zip(keep).filter(|(_, keep)| *keep).for_each(|(col, _)| *col = 0);
     scale_rows(system, exponents, &mut scaling);
+    scaling.row.iter_mut().zip(&plain.row).zip(which).filter(|(_, which)| !**which).for_each(|((row, &plain), _)| {
+        *row = plain;
+    });
     scaling
 }
 
@@ -116,25 +129,55 @@ fn plain_span(Exponents { least, most }: Exponents) -> Option<(i32, i32)> {
     (least <= most).then(|| (i32::from(least) - 1023, i32::from(most) - 1023))
 }
 
-/// Whether more than one in twenty of the columns with two entries or more are small in all their rows.
-fn small_columns(system: Local, columns: &[Column], exponents: &[Exponents], scaling: &Scaling) -> bool {
-    let is_shared = |j: usize| system.free()[j] && columns[j].count >= 2;
-    let shared = (0..system.dofs()).filter(|&j| is_shared(j)).count();
-    let is_small = |i: usize, v: f64| exponent(v) + scaling.row[i] < SMALL;
-    // Each such column holds two small entries at least: where there are too few, no column needs a look.
-    let with_small = |i: &usize| {
-        let least = i32::from(exponents[*i].least);
-        least == 0 || least - 1023 + scaling.row[*i] < SMALL
-    };
-    let count = |i: usize| system.parts(i).1.iter().filter(|&&v| is_small(i, v)).count();
-    if 10 * (0..system.equations()).filter(with_small).map(count).sum::<usize>() <= shared {
-        return false;
+impl Spreads {
+    fn new(system: Local, columns: &[Column], scaling: &Scaling) -> Self {
+        let labels = Labels::of(system);
+        let mut tallies = vec![Tally::default(); labels.count];
+        let mut large = vec![false; system.dofs()];
+        let mut label = vec![0; system.dofs()];
+        for (i, &component) in labels.of_row.iter().enumerate() {
+            for (j, v) in system.row(i).filter(|&(j, _)| system.free()[j]) {
+                let size = exponent(v) + scaling.row[i];
+                large[j] |= size >= SMALL;
+                label[j] = component;
+                let tally = &mut tallies[component as usize];
+                tally.smallest = tally.smallest.min(size);
+            }
+        }
+        for j in (0..system.dofs()).filter(|&j| system.free()[j] && columns[j].count >= 2) {
+            let tally = &mut tallies[label[j] as usize];
+            tally.shared += 1;
+            tally.small += usize::from(!large[j]);
+        }
+        Self { labels, of: tallies.iter().map(Tally::spread).collect() }
     }
-    let mut large = vec![false; system.dofs()];
-    for i in 0..system.equations() {
-        system.row(i).for_each(|(j, v)| large[j] |= !is_small(i, v));
+
+    /// The equations of the components for which a condition holds.
+    pub fn equations(&self, holds: impl Fn(usize) -> bool) -> Vec<bool> {
+        let of: Vec<bool> = (0..self.of.len()).map(holds).collect();
+        self.labels.of_row.iter().map(|&label| of[label as usize]).collect()
     }
-    20 * (0..system.dofs()).filter(|&j| is_shared(j) && !large[j]).count() > shared
+}
+
+/// What is counted of a component.
+#[derive(Clone, Default)]
+struct Tally {
+    /// Smallest exponent of a free entry relative to its row.
+    smallest: i32,
+    /// Columns with two entries or more, ...
+    shared: usize,
+    /// ... and those of them that are small in all their rows.
+    small: usize,
+}
+
+impl Tally {
+    fn spread(&self) -> Spread {
+        match self.smallest {
+            _ if 20 * self.small > self.shared => Spread::UnitsMix,
+            TINY.. => Spread::Even,
+            _ => Spread::SomeTiny,
+        }
+    }
 }
 
 /// Alternating geometric means of the free part, ten sweeps.
@@ -186,8 +229,9 @@ mod tests {
         let system = ConstraintSystem::from_triplets(30, 40, &triplets, &[0.0; 30], &[]).expect("valid");
         let (numbering, columns, exponents) = Numbering::new(&system);
         let local = numbering.view(&system, system.rhs());
-        assert!(by_rows(local, &columns, &exponents).1 == Spread::UnitsMix);
-        let scaling = balanced(local, &exponents);
+        let (rows, spreads) = by_rows(local, &columns, &exponents);
+        assert_eq!(spreads.map(|spreads| spreads.of), Some(vec![Spread::UnitsMix]));
+        let scaling = balanced(local, &exponents, &rows, &[true; 30]);
         for i in 0..30 {
             for (j, v) in local.row(i) {
                 let scaled = scaling.entry(i, j, v);

@@ -11,7 +11,7 @@ use crate::generated;
 use crate::keep::keep;
 use crate::local::{Column, Exponents, Local, Numbering};
 use crate::preferences::Wishes;
-use crate::scale::{Scaling, Spread, balanced, by_rows};
+use crate::scale::{Scaling, Spread, Spreads, balanced, by_rows};
 use crate::sweep::{SEED, sweep};
 use crate::{ConstraintSystem, Options, Tolerance};
 
@@ -44,24 +44,14 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
     let (numbering, columns, exponents) = Numbering::new(system);
     let local = numbering.view(system, system.rhs());
     let wishes = Wishes::new(&options.preferences, &numbering, system.dofs());
-    let (rows, spread) = scale(local, &columns, &exponents, options.tolerance);
-    let run =
-        Run { local, columns: &columns, scaling: &rows, wishes: &wishes, means: Means::new(backend.as_ref(), options) };
+    let (rows, spreads) = scale(local, &columns, &exponents, options.tolerance);
+    let run = Run { local, columns: &columns, scaling: &rows, wishes: &wishes, means: Means::new(backend.as_ref(), options) };
     let settle = |scaling: &Scaling| Run { scaling, ..run }.settle(system, options.presolve, start);
-    let (scaling, (mut stages, held, confidence)) = if spread == Spread::UnitsMix {
-        let scaling = balanced(local, &exponents);
-        let settled = settle(&scaling)?;
-        (scaling, settled)
-    } else {
-        let settled = settle(&rows)?;
-        if spread == Spread::SomeTiny && settled.2.ambiguous {
-            let other = balanced(local, &exponents);
-            let compared = settle(&other)?;
-            surer((rows.clone(), settled), (other, compared))
-        } else {
-            (rows.clone(), settled)
-        }
+    let (scaling, settled) = match spreads {
+        None => (rows.clone(), settle(&rows)?),
+        Some(spreads) => surest(&rows, &spreads, settle, |which| balanced(local, &exponents, &rows, which))?,
     };
+    let Settled { mut stages, held, confidence, .. } = settled;
     let mut run = Run { scaling: &scaling, ..run };
     let kept = keep(&options.preferences.equations, &mut stages.dependent, &stages.history, &scaling, tolerance);
     let mut rhs = system.rhs().to_vec();
@@ -78,18 +68,45 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
     Ok(stages.conclude(numbering, scaling, rhs, options.clone(), generated, confidence, kept.unmet, backend.as_ref()))
 }
 
-/// Of two scalings that with the surer rank; the doubt of both remains.
-fn surer(a: (Scaling, Settled), b: (Scaling, Settled)) -> (Scaling, Settled) {
-    let confidences = (a.1.2, b.1.2);
-    let differ = a.1.0.basis.rank() != b.1.0.basis.rank();
-    let first = confidences.1.ambiguous && confidences.0.sigma_kept > confidences.1.sigma_kept;
-    let (scaling, (stages, held, _)) = if first { a } else { b };
-    (scaling, (stages, held, confidences.0.or_less(confidences.1, differ)))
+/// Balances components in which units mix; of those with some tiny entries, if their rank is in doubt, tries what is surer. The
+/// doubt remains.
+fn surest(
+    rows: &Scaling,
+    spreads: &Spreads,
+    settle: impl Fn(&Scaling) -> Result<Settled, AnalysisError>,
+    balanced: impl Fn(&[bool]) -> Scaling,
+) -> Result<(Scaling, Settled), AnalysisError> {
+    let mixed = |k: usize| spreads.of[k] == Spread::UnitsMix;
+    let scaled = |which: &dyn Fn(usize) -> bool| match (0..spreads.of.len()).any(which) {
+        true => balanced(&spreads.equations(which)),
+        false => rows.clone(),
+    };
+    let first = scaled(&mixed);
+    let plain = settle(&first)?;
+    let doubted = plain.doubted(&spreads.labels);
+    let tried = |k: usize| spreads.of[k] == Spread::SomeTiny && doubted[k];
+    if !(0..spreads.of.len()).any(tried) {
+        return Ok((first, plain));
+    }
+    let second = scaled(&|k| mixed(k) || tried(k));
+    let other = settle(&second)?;
+    let (before, after) = (plain.sigmas(&spreads.labels), other.sigmas(&spreads.labels));
+    let still = other.doubted(&spreads.labels);
+    let back = |k: usize| tried(k) && still[k] && before[k] > after[k];
+    let confidence = plain.confidence.or_less(other.confidence);
+    let (scaling, settled) = if (0..spreads.of.len()).any(back) {
+        let third = scaled(&|k| mixed(k) || (tried(k) && !back(k)));
+        let settled = settle(&third)?;
+        (third, settled)
+    } else {
+        (second, other)
+    };
+    Ok((scaling, Settled { confidence, ..settled }))
 }
 
-fn scale(system: Local, columns: &[Column], exponents: &[Exponents], tolerance: Tolerance) -> (Scaling, Spread) {
+fn scale(system: Local, columns: &[Column], exponents: &[Exponents], tolerance: Tolerance) -> (Scaling, Option<Spreads>) {
     match tolerance {
         Tolerance::Relative(_) => by_rows(system, columns, exponents),
-        Tolerance::Paper => (Scaling::none(system.equations()), Spread::Even),
+        Tolerance::Paper => (Scaling::none(system.equations()), None),
     }
 }

@@ -10,8 +10,8 @@ use crate::basis::Basis;
 use crate::block::{self, Block, Means, Solved};
 use crate::certificate::History;
 use crate::classify::{Dependent, Kind, classify};
-use crate::components::hold_components;
-use crate::confidence::Confidence;
+use crate::components::Labels;
+use crate::confidence::{self, Confidence, NEAR};
 use crate::generated::Generated;
 use crate::local::{Column, Local, Numbering};
 use crate::preferences::Wishes;
@@ -24,8 +24,15 @@ use crate::sensitivity;
 use crate::sweep::{SEED, Sweep, is_far, random_sides, sweep};
 use crate::{ConstraintSystem, Options};
 
-/// Stages, rows held back from presolve, and how sure their rank is.
-pub type Settled = (Stages, Vec<bool>, Confidence);
+/// Stages that presolve's doubts have been taken from.
+pub struct Settled {
+    pub stages: Stages,
+    /// Rows held back from presolve.
+    pub held: Vec<bool>,
+    pub confidence: Confidence,
+    /// Equations of the components whose rank or verdict is in doubt.
+    pub doubted: Vec<usize>,
+}
 
 /// What every run of the stages needs.
 #[derive(Clone, Copy)]
@@ -66,25 +73,27 @@ impl Run<'_> {
         let first = self.swept(&held, started)?;
         let doubtful = if presolve && self.means.check { first.doubtful_rows() } else { Vec::new() };
         if doubtful.is_empty() {
-            let confidence = self.confidence(&first, false, system);
-            return Ok((first, held, confidence));
+            return Ok(self.settled(first, held, Vec::new(), system));
         }
-        hold_components(self.local, &doubtful, &mut held);
-        let (stages, parted) = match self.swept(&held, started) {
-            // Equations that were independent number by number are not quite dependent.
+        let labels = Labels::of(self.local);
+        labels.mark(&doubtful, &mut held);
+        match self.swept(&held, started) {
+            // Where equations were independent number by number, they are not quite dependent.
             Ok(second) => {
-                let parted = first.kept_of(&held) > second.kept_of(&held);
-                (second, parted)
+                let counts = [first.dependent_by(&labels), second.dependent_by(&labels)];
+                let parted = doubtful.into_iter().filter(|&i| {
+                    let label = labels.of_row[i] as usize;
+                    counts[0][label] < counts[1][label]
+                });
+                Ok(self.settled(second, held, parted.collect(), system))
             }
             // Too large for the backend: presolve's answer, in doubt.
             Err(AnalysisError::Backend(BackendError::OverLimit { .. } | BackendError::OutOfMemory { .. })) => {
                 held.fill(false);
-                (first, true)
+                Ok(self.settled(first, held, doubtful, system))
             }
-            Err(error) => return Err(error),
-        };
-        let confidence = self.confidence(&stages, parted, system);
-        Ok((stages, held, confidence))
+            Err(error) => Err(error),
+        }
     }
 
     fn swept(&self, held: &[bool], started: Instant) -> Result<Stages, AnalysisError> {
@@ -93,11 +102,16 @@ impl Run<'_> {
         Ok(stages)
     }
 
-    fn confidence(&self, stages: &Stages, parted: bool, system: &ConstraintSystem) -> Confidence {
-        let Stages { basis, history, dependent, swept, .. } = stages;
+    /// `doubted` are equations on which two ways parted.
+    fn settled(&self, stages: Stages, held: Vec<bool>, mut doubted: Vec<usize>, system: &ConstraintSystem) -> Settled {
+        let Stages { basis, history, dependent, swept, .. } = &stages;
         let worst = swept.worst.filter(|_| self.means.check);
         let sigma = sensitivity::sigma(worst, self.local, basis, history, self.scaling);
-        Confidence::new(&basis.blocks, sigma, parted, dependent, system)
+        doubted.extend(confidence::doubted(dependent, system));
+        let near = basis.blocks.iter().filter(|block| block.nearness.distance < NEAR);
+        doubted.extend(near.filter_map(|block| block.rows.first()).map(|&row| history.rows[row as usize] as usize));
+        let confidence = Confidence::new(&basis.blocks, sigma, dependent, &doubted);
+        Settled { stages, held, confidence, doubted }
     }
 
     pub fn stages(&self, held: &[bool], started: Instant) -> Result<Stages, AnalysisError> {
@@ -141,6 +155,27 @@ impl Run<'_> {
     }
 }
 
+impl Settled {
+    /// Whether the rank or a verdict is in doubt, by component.
+    pub fn doubted(&self, labels: &Labels) -> Vec<bool> {
+        let mut of = vec![false; labels.count];
+        self.doubted.iter().for_each(|&i| of[labels.of_row[i] as usize] = true);
+        of
+    }
+
+    /// The smallest singular value of the blocks, by component; 1 where there are none.
+    pub fn sigmas(&self, labels: &Labels) -> Vec<f64> {
+        let mut of = vec![1.0_f64; labels.count];
+        for block in &self.stages.basis.blocks {
+            if let Some(&row) = block.rows.first() {
+                let label = labels.of_row[self.stages.history.rows[row as usize] as usize] as usize;
+                of[label] = of[label].min(block.nearness.sigma);
+            }
+        }
+        of
+    }
+}
+
 impl Stages {
     /// The user's rows on which presolve should not have decided.
     fn doubtful_rows(&self) -> Vec<usize> {
@@ -153,10 +188,11 @@ impl Stages {
         self.swept.doubtful.iter().map(kept).chain(self.far.iter().map(user)).collect()
     }
 
-    /// How many of the rows that are held in the end were found independent.
-    fn kept_of(&self, held: &[bool]) -> usize {
-        let dependent = self.dependent.iter().filter(|d| held[d.row]).count();
-        held.iter().filter(|&&held| held).count() - dependent
+    /// The number of dependent equations of each component.
+    fn dependent_by(&self, labels: &Labels) -> Vec<u32> {
+        let mut counts = vec![0; labels.count];
+        self.dependent.iter().for_each(|d| counts[labels.of_row[d.row] as usize] += 1);
+        counts
     }
 
     #[expect(clippy::too_many_arguments, reason = "every part of the analysis, once")]
