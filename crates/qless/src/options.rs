@@ -55,7 +55,7 @@ impl BackendChoice {
         match self {
             Self::Auto | Self::Faer => Ok(Box::new(crate::qr::choice::DenseOrSparse { memory })),
             Self::Sparse => Ok(Box::new(crate::qr::sparse::Sparse { memory })),
-            Self::Gauss => Ok(Box::new(crate::qr::gauss::Gauss)),
+            Self::Gauss => Ok(Box::new(crate::qr::gauss::Gauss { memory })),
             #[cfg(feature = "spqr")]
             Self::Spqr => Ok(Box::new(crate::qr::spqr::Spqr::on(0))),
             #[cfg(not(feature = "spqr"))]
