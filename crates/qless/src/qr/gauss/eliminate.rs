@@ -43,15 +43,13 @@ impl Elimination {
         let mut queue = Queue::new(m, n, &mut ledger)?;
         // The first rows come first where lengths are equal.
         (0..m).rev().for_each(|i| queue.set(i as u32, rows[i].len()));
-        let mut column = Vec::new();
-        ledger.reserve(&mut column, m)?;
         Ok(Self {
             rows,
             queue,
-            column,
+            column: ledger.empty(m)?,
             columns: Columns::new(columns, &mut ledger)?,
             right: Right::new(m, rhs, &mut ledger)?,
-            pivots: Vec::new(),
+            pivots: ledger.empty(m.min(n))?,
             dropped: 0.0,
             cancelled: ledger.filled(0.0, m)?,
             pivot: Pivot::new(n, &mut ledger)?,
@@ -59,14 +57,17 @@ impl Elimination {
         })
     }
 
+    /// A row whose entries are all at most the tolerance goes to the bottom of the block, where rows below it still change it:
+    /// it comes back if it grows, and what is left of it in the end was treated as zero.
     pub fn triangularize(&mut self, tolerance: f64) -> Result<(), BackendError> {
-        self.ledger.reserve(&mut self.pivots, self.rows.len().min(self.columns.len()))?;
         while let Some(row) = self.queue.first() {
-            if largest(&self.rows[row as usize]) <= tolerance.max(0.0) {
-                self.drop_row(row as usize);
-            } else {
+            if largest(&self.rows[row as usize]) > tolerance.max(0.0) {
                 let (row, col) = self.choose(row);
                 self.eliminate(row, col)?;
+            } else if self.queue.is_last(row) {
+                self.drop_row(row as usize);
+            } else {
+                self.queue.set_last(row);
             }
         }
         Ok(())

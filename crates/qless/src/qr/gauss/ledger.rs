@@ -48,10 +48,16 @@ impl Ledger {
         Ok(())
     }
 
-    /// A list of `length` copies of `value`.
-    pub fn filled<T: Clone>(&mut self, value: T, length: usize) -> Result<Vec<T>, BackendError> {
+    /// An empty list with room for `length` values.
+    pub fn empty<T>(&mut self, length: usize) -> Result<Vec<T>, BackendError> {
         let mut list = Vec::new();
         self.reserve(&mut list, length)?;
+        Ok(list)
+    }
+
+    /// A list of `length` copies of `value`.
+    pub fn filled<T: Clone>(&mut self, value: T, length: usize) -> Result<Vec<T>, BackendError> {
+        let mut list = self.empty(length)?;
         list.resize(length, value);
         Ok(list)
     }

@@ -7,7 +7,7 @@ const NONE: u32 = u32::MAX;
 
 /// One list of rows for each length, linked both ways; every change takes O(1).
 pub(super) struct Queue {
-    /// The first row of each length.
+    /// The first row of each length; one list more for those that wait behind all others.
     head: Vec<u32>,
     next: Vec<u32>,
     previous: Vec<u32>,
@@ -21,11 +21,11 @@ impl Queue {
     /// Rows `0..rows` of at most `longest` entries, none of them waiting yet.
     pub fn new(rows: usize, longest: usize, ledger: &mut Ledger) -> Result<Self, BackendError> {
         Ok(Self {
-            head: ledger.filled(NONE, longest + 1)?,
+            head: ledger.filled(NONE, longest + 2)?,
             next: ledger.filled(NONE, rows)?,
             previous: ledger.filled(NONE, rows)?,
             length: ledger.filled(NONE, rows)?,
-            least: longest + 1,
+            least: longest + 2,
         })
     }
 
@@ -54,6 +54,15 @@ impl Queue {
         self.next[row as usize] = head;
         self.length[row as usize] = length as u32;
         self.least = self.least.min(length);
+    }
+
+    /// The row waits behind all others until its length is set again.
+    pub fn set_last(&mut self, row: u32) {
+        self.set(row, self.head.len() - 1);
+    }
+
+    pub fn is_last(&self, row: u32) -> bool {
+        self.length[row as usize] as usize == self.head.len() - 1
     }
 
     /// The row no longer waits.
@@ -87,11 +96,16 @@ mod tests {
         let mut lengths = [None; 40];
         for _ in 0..4000 {
             let row = random.below(40);
-            lengths[row] = (random.below(3) > 0).then(|| random.below(10));
+            lengths[row] = (random.below(3) > 0).then(|| random.below(11));
             match lengths[row] {
+                Some(10) => queue.set_last(row as u32),
                 Some(length) => queue.set(row as u32, length),
                 None => queue.remove(row as u32),
             }
+            assert_eq!(
+                (queue.waits(row as u32), queue.is_last(row as u32)),
+                (lengths[row].is_some(), lengths[row] == Some(10))
+            );
             let first = queue.first().map(|row| lengths[row as usize].expect("it waits"));
             assert_eq!(first, lengths.iter().flatten().min().copied());
         }

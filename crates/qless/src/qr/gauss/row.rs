@@ -117,3 +117,49 @@ impl Pivot {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Csr;
+
+    fn row(entries: &[(u32, f64)]) -> Vec<Entry> {
+        entries.iter().map(|&(j, v)| Entry::new(j, v)).collect()
+    }
+
+    #[test]
+    fn what_cancels_to_rounding_leaves_the_row_and_the_rest_stays() -> Result<(), BackendError> {
+        let mut a = Csr::empty(1);
+        [0.3, 1.0, 0.0, 1e100].iter().for_each(|&v| a.push_row([(0, v)]));
+        let mut ledger = Ledger::new(&a, usize::MAX);
+        let (mut columns, mut pivot) = (Columns::new(&a, &mut ledger)?, Pivot::new(4, &mut ledger)?);
+        pivot.load(row(&[(0, 0.1), (1, (1.0 - 1e-14) / 3.0), (2, 2.0)]));
+        let mut target = row(&[(0, 0.3), (1, 1.0), (3, 1e100)]);
+        let cancelled = pivot.subtract_from(&mut target, 3.0, 0, &mut columns, &mut ledger)?;
+        // 0.3 - 3 * 0.1 is -5.6e-17; 1 - (1 - 1e-14) is a number with two digits; column 2 fills in; column 3 is not met.
+        assert!(cancelled > 0.0 && cancelled < 1e-32, "{cancelled:e}");
+        let mut left: Vec<_> = target.iter().map(|entry| (entry.col, entry.value)).collect();
+        left.sort_unstable_by_key(|entry| entry.0);
+        assert!((left[0].1 - 1e-14).abs() < 2e-16, "{left:?}");
+        assert_eq!(left[1..], [(2, -6.0), (3, 1e100)]);
+        assert_eq!([0, 1, 2, 3].map(|j| columns.count(j)), [0, 1, 1, 1]);
+        Ok(())
+    }
+
+    #[test]
+    fn sizes_are_those_of_all_parts_that_went_in() -> Result<(), BackendError> {
+        let mut a = Csr::empty(1);
+        a.push_row([(0, 1.0)]);
+        let mut ledger = Ledger::new(&a, usize::MAX);
+        let (mut columns, mut pivot) = (Columns::new(&a, &mut ledger)?, Pivot::new(1, &mut ledger)?);
+        let mut target = row(&[(0, 1.0)]);
+        pivot.load(row(&[(0, 1.0)]));
+        pivot.subtract_from(&mut target, 1.0 - 1e-12, 0, &mut columns, &mut ledger)?;
+        assert_eq!(target.len(), 1);
+        // Of 1e-12 with an error of 1e-16, 1e-16 is left.
+        let left = target[0].value;
+        pivot.subtract_from(&mut target, left - 1e-16, 0, &mut columns, &mut ledger)?;
+        assert!(target.is_empty(), "{target:?}");
+        Ok(())
+    }
+}

@@ -6,26 +6,24 @@ use crate::qr::{BackendError, Factor};
 
 impl Elimination {
     pub(super) fn into_factor(mut self) -> Result<Factor, BackendError> {
-        let (m, n, rank) = (self.rows.len(), self.columns.len(), self.pivots.len());
+        let (n, width) = (self.columns.len(), self.right.width);
         let mut place = self.ledger.filled(usize::MAX, n)?;
-        self.pivots.iter().zip(0..).for_each(|(&(_, col), k)| place[col as usize] = k);
-        let mut order: Vec<usize> = self.pivots.iter().map(|&(_, col)| col as usize).collect();
-        for j in (0..n).filter(|&j| place[j] == usize::MAX).collect::<Vec<_>>() {
-            place[j] = order.len();
-            order.push(j);
+        let mut order = self.ledger.empty(n)?;
+        order.extend(self.pivots.iter().map(|&(_, col)| col as usize));
+        order.iter().zip(0..).for_each(|(&j, k)| place[j] = k);
+        for j in 0..n {
+            if place[j] == usize::MAX {
+                place[j] = order.len();
+                order.push(j);
+            }
         }
         let r = self.rows_of_r(&place)?;
-        let width = self.right.width;
-        let rows = || self.pivots.iter().map(|&(i, _)| i as usize);
-        debug_assert!(rank <= m.min(n));
-        Ok(Factor {
-            rank,
-            order,
-            r,
-            rhs: (0..width).flat_map(|c| rows().map(move |i| (i, c))).map(|(i, c)| self.right.values[i * width + c]).collect(),
-            rest: self.right.rest.iter().map(|squares| squares.sqrt()).collect(),
-            dropped: self.dropped.sqrt(),
-        })
+        let mut rhs = self.ledger.empty(self.pivots.len() * width)?;
+        for c in 0..width {
+            rhs.extend(self.pivots.iter().map(|&(i, _)| self.right.values[i as usize * width + c]));
+        }
+        let rest = self.right.rest.iter().map(|squares| squares.sqrt()).collect();
+        Ok(Factor { rank: self.pivots.len(), order, r, rhs, rest, dropped: self.dropped.sqrt() })
     }
 
     /// Column j goes to `place[j]`; each row is freed as it is copied.
