@@ -55,7 +55,7 @@ impl BackendChoice {
         match self {
             Self::Auto | Self::Faer => Ok(Box::new(crate::qr::choice::DenseOrSparse { memory })),
             Self::Sparse => Ok(Box::new(crate::qr::sparse::Sparse { memory })),
-            Self::Gauss => Ok(Box::new(crate::qr::gauss::Gauss)),
+            Self::Gauss => Ok(Box::new(crate::qr::gauss::Gauss { memory })),
             #[cfg(feature = "spqr")]
             Self::Spqr => Ok(Box::new(crate::qr::spqr::Spqr::on(0))),
             #[cfg(not(feature = "spqr"))]
@@ -79,7 +79,8 @@ pub struct Options {
     /// Slaves and masters are exchanged until `max |T_ij|` is at most this. At least 1, which is met to 1e-9; default 4.
     /// The nearer to 1, the more exchanges.
     pub growth: f64,
-    /// Bytes that a sparse factorization in Rust may allocate for one block; more is refused before the work. Default: 16 GiB.
+    /// Bytes that a sparse factorization in Rust may allocate for one block. More is refused: before the work by `sparse`, as soon as
+    /// rows have filled in beyond it by `gauss`. Default: 16 GiB.
     pub memory: usize,
     /// DOFs that should or should not be slaves, equations to keep. Default: none.
     pub preferences: Preferences,
