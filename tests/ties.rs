@@ -137,7 +137,7 @@ fn check(backend: BackendChoice, cases: impl IntoIterator<Item = Named>) {
 fn fault(name: &str, scene: &Scene, options: &Options) -> Option<String> {
     let (system, start) = (&scene.system, std::time::Instant::now());
     let analysis = diagnose(system, options);
-    let reduction = analysis.reduction(system);
+    let reduction = analysis.reduction(system).expect("within the gate");
     let rank = analysis.rank();
     let reported = analysis.residual(system, &reduction);
     let found = residual(system, &reduction);

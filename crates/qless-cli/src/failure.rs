@@ -44,6 +44,11 @@ impl Failure {
                 input.display(),
                 system.map_or_else(|| format!("row {}", row + 1), |system| name::equation(system, row))
             )),
+            AnalysisError::Subnormal { row } => Self::Input(format!(
+                "{}: {}: its coefficients are all below 2.2e-308, where numbers lose their digits; rescale the equation",
+                input.display(),
+                system.map_or_else(|| format!("row {}", row + 1), |system| name::equation(system, row))
+            )),
             AnalysisError::Option(OptionError::Preference { what, found, count }) => {
                 let (input, number) = (input.display(), found + 1);
                 Self::Input(format!(

@@ -41,12 +41,20 @@ impl Confidence {
     pub(crate) fn or_less(self, other: Self) -> Self {
         let sigma_kept = self.sigma_kept.min(other.sigma_kept);
         let sigma_dropped = self.sigma_dropped.max(other.sigma_dropped);
-        Self { sigma_kept, sigma_dropped, gap: sigma_kept / sigma_dropped, ambiguous: self.ambiguous || other.ambiguous }
+        Self {
+            sigma_kept,
+            sigma_dropped,
+            gap: sigma_kept / sigma_dropped,
+            ambiguous: self.ambiguous || other.ambiguous,
+        }
     }
 }
 
 /// Dependent equations that another tolerance might call otherwise.
-pub(crate) fn doubted<'a>(dependent: &'a [Dependent], system: &'a ConstraintSystem) -> impl Iterator<Item = usize> + 'a {
+pub(crate) fn doubted<'a>(
+    dependent: &'a [Dependent],
+    system: &'a ConstraintSystem,
+) -> impl Iterator<Item = usize> + 'a {
     let largest_rhs = system.rhs().iter().fold(0.0, |a: f64, b| a.max(b.abs()));
     let doubtful = move |d: &&Dependent| {
         let small = d.relative_mismatch > 0.0 && d.relative_mismatch < SMALL_MISMATCH;

@@ -47,6 +47,7 @@ mod random;
 mod reduction;
 mod refresh;
 mod report;
+mod rounding;
 mod scale;
 mod sensitivity;
 mod sweep;
@@ -62,9 +63,10 @@ pub use preferences::Preferences;
 pub use reduction::{Reduction, ReductionError};
 pub use refresh::{RefreshError, Refreshed, Refresher};
 pub use report::{
-    BackendUsed, Certificate, Counts, DependentEquation, ExactDifference, ExactFinding, GeneratedCondition, InputSizes,
-    Milliseconds, Omitted, ReductionSizes, Report, Term, Unmet,
+    BackendUsed, Certificate, Counts, DependentEquation, ExactDifference, ExactFinding, GeneratedCondition,
+    IgnoredCoefficient, InputSizes, Milliseconds, Omitted, ReductionSizes, Report, Term, Unmet,
 };
+pub use rounding::Ignored;
 pub use system::{ConstraintSystem, Csr, Place, SystemBuilder, SystemError};
 
 /// The examples of the README, as tests.

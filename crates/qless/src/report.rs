@@ -63,12 +63,26 @@ pub struct Report {
     /// Preferences that the equations do not allow; left out where all are met.
     #[serde(skip_serializing_if = "Unmet::is_empty")]
     pub unmet_preferences: Unmet,
+    /// Coefficients that are rounding of their equations, from which nothing was concluded; left out where there are none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub ignored_coefficients: Vec<IgnoredCoefficient>,
     /// What needed no factorization.
     pub presolve: PresolveStatistics,
     /// What factored the rest.
     pub backend: BackendUsed,
     /// Time spent, in milliseconds.
     pub timings_ms: Milliseconds,
+}
+
+/// A coefficient below 1.4e-14 of the largest of its equation, of a DOF that counts in others.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct IgnoredCoefficient {
+    /// Its row, from 1.
+    pub row: usize,
+    /// Its DOF, from 1.
+    pub dof: usize,
+    /// Its value.
+    pub coefficient: f64,
 }
 
 /// Sizes of a system.
@@ -270,6 +284,7 @@ impl Report {
             exact_rank: None,
             reduction: None,
             unmet_preferences: Unmet { equations: from_one(&analysis.unmet_equations), ..Unmet::default() },
+            ignored_coefficients: analysis.ignored.iter().map(IgnoredCoefficient::of).collect(),
             presolve: analysis.presolve,
             backend: BackendUsed { name, threads: rayon::current_num_threads(), version: version.clone() },
             timings_ms: Milliseconds::of(analysis),
@@ -298,6 +313,12 @@ impl Report {
         let (read, reduce, total) = (milliseconds(read), milliseconds(reduce), milliseconds(total));
         self.timings_ms = Milliseconds { read, reduce, total, ..self.timings_ms };
         self
+    }
+}
+
+impl IgnoredCoefficient {
+    fn of(ignored: &crate::Ignored) -> Self {
+        Self { row: ignored.row + 1, dof: ignored.dof + 1, coefficient: ignored.coefficient }
     }
 }
 

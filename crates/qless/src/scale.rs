@@ -7,6 +7,8 @@
 //! for zero: if the rank of scaled rows is in doubt, the analysis is made again with balanced columns, the surer one counts,
 //! and the doubt is reported.
 
+use std::collections::HashSet;
+
 use crate::components::Labels;
 use crate::local::{Column, Exponents, Local};
 
@@ -70,10 +72,15 @@ pub(crate) struct Spreads {
 
 /// Scales `C` by its free DOFs in each row; a row without any is scaled by its prescribed ones. Says how entries lie where
 /// any is small.
-pub(crate) fn by_rows(system: Local, columns: &[Column], exponents: &[Exponents]) -> (Scaling, Option<Spreads>) {
+pub(crate) fn by_rows(
+    system: Local,
+    columns: &[Column],
+    exponents: &[Exponents],
+    uncertain: &HashSet<(u32, u32)>,
+) -> (Scaling, Option<Spreads>) {
     let mut rows = Scaling::none(system.equations());
     let smallest = scale_rows(system, exponents, &mut rows);
-    let spreads = (smallest < SMALL).then(|| Spreads::new(system, columns, &rows));
+    let spreads = (smallest < SMALL).then(|| Spreads::new(system, columns, &rows, uncertain));
     (rows, spreads.filter(|spreads| spreads.of.iter().any(|&spread| spread != Spread::Even)))
 }
 
@@ -130,7 +137,7 @@ fn plain_span(Exponents { least, most }: Exponents) -> Option<(i32, i32)> {
 }
 
 impl Spreads {
-    fn new(system: Local, columns: &[Column], scaling: &Scaling) -> Self {
+    fn new(system: Local, columns: &[Column], scaling: &Scaling, uncertain: &HashSet<(u32, u32)>) -> Self {
         let labels = Labels::of(system);
         let mut tallies = vec![Tally::default(); labels.count];
         let mut large = vec![false; system.dofs()];
@@ -141,7 +148,9 @@ impl Spreads {
                 large[j] |= size >= SMALL;
                 label[j] = component;
                 let tally = &mut tallies[component as usize];
-                tally.smallest = tally.smallest.min(size);
+                if !uncertain.contains(&(i as u32, j as u32)) {
+                    tally.smallest = tally.smallest.min(size);
+                }
             }
         }
         for j in (0..system.dofs()).filter(|&j| system.free()[j] && columns[j].count >= 2) {
@@ -229,7 +238,7 @@ mod tests {
         let system = ConstraintSystem::from_triplets(30, 40, &triplets, &[0.0; 30], &[]).expect("valid");
         let (numbering, columns, exponents) = Numbering::new(&system);
         let local = numbering.view(&system, system.rhs());
-        let (rows, spreads) = by_rows(local, &columns, &exponents);
+        let (rows, spreads) = by_rows(local, &columns, &exponents, &HashSet::new());
         assert_eq!(spreads.map(|spreads| spreads.of), Some(vec![Spread::UnitsMix]));
         let scaling = balanced(local, &exponents, &rows, &[true; 30]);
         for i in 0..30 {

@@ -8,6 +8,7 @@ mod dependent;
 mod exact;
 mod fit;
 mod generated;
+mod ignored;
 pub mod name;
 mod next;
 mod number;
@@ -64,6 +65,7 @@ pub fn render(diagnosis: &Diagnosis, report: &Report, outcome: &Outcome) -> Stri
     if report.input.rows > 0 {
         lines.extend(confidence::lines(diagnosis, report));
         lines.extend(exact::lines(diagnosis, report));
+        lines.extend(ignored::line(diagnosis, report));
         lines.push(work::presolve(report));
         lines.extend(work::backend(report));
     }

@@ -19,7 +19,7 @@ use crate::preferences::Wishes;
 use crate::qr::{Backend, BackendError};
 use crate::reduction::{self, Basics, Reduction, ReductionError, gate};
 use crate::scale::Scaling;
-use crate::{ConstraintSystem, OptionError, Options};
+use crate::{ConstraintSystem, Ignored, OptionError, Options};
 
 pub use run::analyse;
 
@@ -32,6 +32,14 @@ pub enum AnalysisError {
     /// The backend failed.
     #[error(transparent)]
     Backend(#[from] BackendError),
+    /// An equation whose coefficients are all below 2.2e-308, where doubles lose their digits.
+    #[error(
+        "row {row}: its coefficients are all below 2.2e-308, where numbers lose their digits; rescale the equation"
+    )]
+    Subnormal {
+        /// The equation, 0-based.
+        row: usize,
+    },
     /// Numbers so large or so small that the scaled right-hand side leaves the range of doubles.
     #[error(
         "row {row}: its right-hand side is too large for its coefficients (ratio beyond 1e308); rescale the equation"
@@ -84,6 +92,8 @@ pub struct Analysis {
     pub unmet_equations: Vec<usize>,
     /// How sure the rank is.
     pub confidence: Confidence,
+    /// Coefficients that are rounding of their equations, from which nothing was concluded; ascending by row.
+    pub ignored: Vec<Ignored>,
     /// What presolve did.
     pub presolve: PresolveStatistics,
     /// Time spent.

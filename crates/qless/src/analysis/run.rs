@@ -2,6 +2,7 @@
 //!
 //! Each stage is a plain function from one owned value to the next; [`analyse`] reads from top to bottom.
 
+use std::collections::HashSet;
 use std::time::Instant;
 
 use super::stages::{Run, Settled};
@@ -11,6 +12,7 @@ use crate::generated;
 use crate::keep::keep;
 use crate::local::{Column, Exponents, Local, Numbering};
 use crate::preferences::Wishes;
+use crate::rounding;
 use crate::scale::{Scaling, Spread, Spreads, balanced, by_rows};
 use crate::sweep::{SEED, sweep};
 use crate::{ConstraintSystem, Options, Tolerance};
@@ -38,14 +40,28 @@ use crate::{ConstraintSystem, Options, Tolerance};
 pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis, AnalysisError> {
     options.validate()?;
     options.preferences.validate(system)?;
+    let start = Instant::now();
+    let numbered = Numbering::new(system);
+    if let Some(row) = numbered.2.iter().position(|of_row| of_row.is_subnormal()) {
+        return Err(AnalysisError::Subnormal { row });
+    }
+    let (numbering, columns, exponents) = numbered;
     let backend = options.backend.get(options.memory)?;
     let tolerance = options.tolerance.value();
-    let start = Instant::now();
-    let (numbering, columns, exponents) = Numbering::new(system);
     let local = numbering.view(system, system.rhs());
+    let is_relative = matches!(options.tolerance, Tolerance::Relative(_));
+    let ignored = if is_relative && rounding::may_hold(&exponents) { rounding::find(local) } else { Vec::new() };
+    let uncertain = rounding::places(&ignored, local);
     let wishes = Wishes::new(&options.preferences, &numbering, system.dofs());
-    let (rows, spreads) = scale(local, &columns, &exponents, options.tolerance);
-    let run = Run { local, columns: &columns, scaling: &rows, wishes: &wishes, means: Means::new(backend.as_ref(), options) };
+    let (rows, spreads) = scale(local, &columns, &exponents, &uncertain, options.tolerance);
+    let run = Run {
+        local,
+        columns: &columns,
+        scaling: &rows,
+        wishes: &wishes,
+        uncertain: &uncertain,
+        means: Means::new(backend.as_ref(), options),
+    };
     let settle = |scaling: &Scaling| Run { scaling, ..run }.settle(system, options.presolve, start);
     let (scaling, settled) = match spreads {
         None => (rows.clone(), settle(&rows)?),
@@ -65,7 +81,9 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
     }
     let still = std::mem::take(&mut stages.swept.still);
     let generated = generated::find(still, local, &stages.basis, &stages.history, &scaling);
-    Ok(stages.conclude(numbering, scaling, rhs, options.clone(), generated, confidence, kept.unmet, backend.as_ref()))
+    let analysis =
+        stages.conclude(numbering, scaling, rhs, options.clone(), generated, confidence, kept.unmet, backend.as_ref());
+    Ok(Analysis { ignored, ..analysis })
 }
 
 /// Balances components in which units mix; of those with some tiny entries, if their rank is in doubt, tries what is surer. The
@@ -104,9 +122,15 @@ fn surest(
     Ok((scaling, Settled { confidence, ..settled }))
 }
 
-fn scale(system: Local, columns: &[Column], exponents: &[Exponents], tolerance: Tolerance) -> (Scaling, Option<Spreads>) {
+fn scale(
+    system: Local,
+    columns: &[Column],
+    exponents: &[Exponents],
+    uncertain: &HashSet<(u32, u32)>,
+    tolerance: Tolerance,
+) -> (Scaling, Option<Spreads>) {
     match tolerance {
-        Tolerance::Relative(_) => by_rows(system, columns, exponents),
+        Tolerance::Relative(_) => by_rows(system, columns, exponents, uncertain),
         Tolerance::Paper => (Scaling::none(system.equations()), None),
     }
 }

@@ -1,5 +1,6 @@
 //! The stages of an analysis for one scaling, repeated until what presolve keeps is sound.
 
+use std::collections::HashSet;
 use std::sync::OnceLock;
 use std::time::Instant;
 
@@ -41,6 +42,8 @@ pub struct Run<'a> {
     pub columns: &'a [Column],
     pub scaling: &'a Scaling,
     pub wishes: &'a Wishes,
+    /// Rows and DOFs of coefficients that are rounding.
+    pub uncertain: &'a HashSet<(u32, u32)>,
     pub means: Means<'a>,
 }
 
@@ -115,9 +118,10 @@ impl Run<'_> {
     }
 
     pub fn stages(&self, held: &[bool], started: Instant) -> Result<Stages, AnalysisError> {
-        let Self { local, columns, scaling, wishes, means } = *self;
+        let Self { local, columns, scaling, wishes, uncertain, means } = *self;
         let peeled = peel(local, columns, scaling, wishes, Some(held));
-        let gathered = gather(local, &peeled.remaining, scaling).map_err(|row| AnalysisError::Range { row: row.0 })?;
+        let gathered =
+            gather(local, &peeled.remaining, scaling, uncertain).map_err(|row| AnalysisError::Range { row: row.0 })?;
         let eliminated = eliminate(gathered, means.tolerance, held);
         let presolved = Instant::now();
         let parts = eliminated.components(local.free());
@@ -232,6 +236,7 @@ impl Stages {
             numbering,
             fixed: generated.dofs,
             times: OnceLock::new(),
+            ignored: Vec::new(),
         }
     }
 }

@@ -62,6 +62,11 @@ pub(crate) struct Exponents {
 }
 
 impl Exponents {
+    /// Whether there are coefficients and all of them are below the smallest normal number.
+    pub fn is_subnormal(self) -> bool {
+        self.most == 0 && self.least != u16::MAX
+    }
+
     /// Of no coefficient.
     const NONE: Self = Self { least: u16::MAX, most: 0 };
 

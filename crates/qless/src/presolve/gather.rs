@@ -1,5 +1,7 @@
 //! The rows that peeling leaves, scaled, with prescribed DOFs moved into b, over numbers of their own DOFs.
 
+use std::collections::HashSet;
+
 use super::rows::Row;
 use crate::local::Local;
 use crate::scale::{Scaling, ldexp};
@@ -18,7 +20,12 @@ pub(crate) struct Gathered {
 /// The scaled right-hand side of this row leaves the range of doubles.
 pub(crate) struct OutOfRange(pub usize);
 
-pub(crate) fn gather(system: Local, remaining: &[bool], scaling: &Scaling) -> Result<Gathered, OutOfRange> {
+pub(crate) fn gather(
+    system: Local,
+    remaining: &[bool],
+    scaling: &Scaling,
+    uncertain: &HashSet<(u32, u32)>,
+) -> Result<Gathered, OutOfRange> {
     let names: Vec<u32> = (0..system.equations() as u32).filter(|&i| remaining[i as usize]).collect();
     let mut out = Gathered { dofs: Vec::new(), free: Vec::new(), rows: Vec::with_capacity(names.len()), names };
     if out.names.is_empty() {
@@ -38,7 +45,11 @@ pub(crate) fn gather(system: Local, remaining: &[bool], scaling: &Scaling) -> Re
                 out.dofs.push(j as u32);
                 out.free.push(free);
             }
-            row.push(number[j], entry);
+            if !uncertain.is_empty() && uncertain.contains(&(name, j as u32)) {
+                row.push_uncertain(number[j], entry);
+            } else {
+                row.push(number[j], entry);
+            }
             if free {
                 row.size = row.size.max(entry.abs());
             } else {

@@ -98,6 +98,11 @@ impl Row {
         self.insert(Entry { dof, value, error: bound(f64::EPSILON * value.abs()) });
     }
 
+    /// A coefficient that may be nothing but rounding.
+    pub fn push_uncertain(&mut self, dof: u32, value: f64) {
+        self.insert(Entry { dof, value, error: bound(value.abs()) });
+    }
+
     pub fn insert(&mut self, entry: Entry) {
         self.entries.push(entry);
         let last = self.entries.len() as u32 - 1;

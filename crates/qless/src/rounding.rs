@@ -1,0 +1,83 @@
+//! Coefficients that are rounding of their equation: searches and integrations leave them where zero is meant.
+//!
+//! With rows and columns scaled until the largest number of each is 1 (Ruiz 2001), `|a_ij|` below `2^-46` (1.4e-14) is rounding: row i
+//! and DOF j have numbers that count, so that no unit explains it. Left in, such numbers become all that is left of an equation
+//! said twice, and are scaled up into an equation of their own. Nothing is concluded from them, and they are listed.
+
+use std::collections::HashSet;
+
+use crate::local::{Exponents, Local};
+
+/// Powers of two below the largest of its row at which a coefficient is no more than rounding.
+const ROUNDING: i32 = -46;
+/// Sweeps of scaling; each halves what is missing, in powers of two.
+const SWEEPS: usize = 12;
+
+/// A coefficient from which nothing was concluded: below 1.4e-14 of the largest of its equation and of its DOF, each in its unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ignored {
+    /// The equation, 0-based.
+    pub row: usize,
+    /// The DOF, 0-based.
+    pub dof: usize,
+    /// The coefficient.
+    pub coefficient: f64,
+}
+
+/// Whether any row spans so much that rounding may be in it. O(m).
+pub(crate) fn may_hold(exponents: &[Exponents]) -> bool {
+    exponents
+        .iter()
+        .any(|of_row| of_row.least < of_row.most && i32::from(of_row.least) - i32::from(of_row.most) <= ROUNDING)
+}
+
+/// What is rounding, ascending by row and DOF.
+pub(crate) fn find(system: Local) -> Vec<Ignored> {
+    let (row, col) = scaling(system);
+    let mut found = Vec::new();
+    for i in 0..system.equations() {
+        let rounding = |&(j, v): &(usize, f64)| v.abs().log2() + row[i] + col[j] <= f64::from(ROUNDING);
+        let named = |(j, coefficient)| Ignored { row: i, dof: system.numbering.dofs[j] as usize, coefficient };
+        found.extend(free(system, i).filter(rounding).map(named));
+    }
+    found
+}
+
+fn free<'a>(system: Local<'a>, i: usize) -> impl Iterator<Item = (usize, f64)> + 'a {
+    system.row(i).filter(move |&(j, _)| system.free()[j])
+}
+
+/// Powers of two for rows and columns.
+fn scaling(system: Local) -> (Vec<f64>, Vec<f64>) {
+    let (mut row, mut col) = (vec![0.0; system.equations()], vec![0.0; system.dofs()]);
+    for _ in 0..SWEEPS {
+        let mut of_row = vec![f64::NEG_INFINITY; row.len()];
+        let mut of_col = vec![f64::NEG_INFINITY; col.len()];
+        for i in 0..row.len() {
+            for (j, v) in free(system, i) {
+                let power = v.abs().log2() + row[i] + col[j];
+                (of_row[i], of_col[j]) = (of_row[i].max(power), of_col[j].max(power));
+            }
+        }
+        let halve = |scale: &mut Vec<f64>, most: &[f64]| {
+            scale
+                .iter_mut()
+                .zip(most)
+                .filter(|(_, most)| most.is_finite())
+                .for_each(|(scale, most)| *scale -= most / 2.0);
+        };
+        halve(&mut row, &of_row);
+        halve(&mut col, &of_col);
+    }
+    (row, col)
+}
+
+/// Which entries those are, in local numbers.
+pub(crate) fn places(ignored: &[Ignored], system: Local) -> HashSet<(u32, u32)> {
+    let rows: HashSet<usize> = ignored.iter().map(|entry| entry.row).collect();
+    let users: HashSet<(usize, usize)> = ignored.iter().map(|entry| (entry.row, entry.dof)).collect();
+    let name = |j: u32| system.numbering.dofs[j as usize] as usize;
+    let of_row = |&i: &usize| system.parts(i).0.iter().map(move |&j| (i, j)).collect::<Vec<_>>();
+    let all = rows.iter().flat_map(of_row).filter(|&(i, j)| users.contains(&(i, name(j))));
+    all.map(|(i, j)| (i as u32, j)).collect()
+}
