@@ -26,6 +26,9 @@ pub(crate) fn sigma(
     if size <= HARMLESS {
         return 1.0 / size.max(1.0);
     }
+    if !size.is_finite() {
+        return 0.0;
+    }
     let mut row = row_of_inverse(system, basis, history, scaling, t);
     let length = norm(&row);
     if !(length.is_finite() && length > 0.0) {

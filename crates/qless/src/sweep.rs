@@ -75,14 +75,20 @@ pub(crate) fn sweep(system: Local, basis: &Basis, history: &History, scaling: &S
 impl Sweep {
     #[inline]
     fn judge(&mut self, t: usize, sample: f64, moves: f64, far: bool) {
-        if self.worst.is_none_or(|(_, most)| sample > most) {
+        if self.worst.is_none_or(|(_, most)| sample > most || sample.is_nan()) {
             self.worst = Some((t, sample));
         }
         // What is no number is no small one.
-        if far || !(sample <= WEAK) || !(moves <= STEEP) {
+        if far || !is_at_most(sample, WEAK) || !is_at_most(moves, STEEP) {
             self.doubtful.push(t);
         }
     }
+}
+
+/// False for what is no number.
+#[inline]
+fn is_at_most(x: f64, limit: f64) -> bool {
+    x <= limit
 }
 
 /// Whether a dependent row was made of more than this of others.

@@ -12,7 +12,7 @@ use crate::block::{self, Block, Means, Solved};
 use crate::certificate::History;
 use crate::classify::{Dependent, Kind, classify};
 use crate::components::Labels;
-use crate::confidence::{self, Confidence, NEAR};
+use crate::confidence::{self, Confidence};
 use crate::generated::Generated;
 use crate::local::{Column, Local, Numbering};
 use crate::preferences::Wishes;
@@ -76,7 +76,8 @@ impl Run<'_> {
         let first = self.swept(&held, started)?;
         let doubtful = if presolve && self.means.check { first.doubtful_rows() } else { Vec::new() };
         if doubtful.is_empty() {
-            return Ok(self.settled(first, held, Vec::new(), system));
+            let doubted = if presolve { Vec::new() } else { self.second_opinion(&first, system, started)? };
+            return Ok(self.settled(first, held, doubted, system));
         }
         let labels = Labels::of(self.local);
         labels.mark(&doubtful, &mut held);
@@ -84,11 +85,13 @@ impl Run<'_> {
             // Where equations were independent number by number, they are not quite dependent.
             Ok(second) => {
                 let counts = [first.dependent_by(&labels), second.dependent_by(&labels)];
-                let parted = doubtful.into_iter().filter(|&i| {
+                let parted = |&i: &usize| {
                     let label = labels.of_row[i] as usize;
                     counts[0][label] < counts[1][label]
-                });
-                Ok(self.settled(second, held, parted.collect(), system))
+                };
+                let remainders = first.dependent.iter().filter(|d| d.dropped > 0.0 && held[d.row]).map(|d| d.row);
+                let doubted = doubtful.into_iter().filter(parted).chain(remainders).collect();
+                Ok(self.settled(second, held, doubted, system))
             }
             // Too large for the backend: presolve's answer, in doubt.
             Err(AnalysisError::Backend(BackendError::OverLimit { .. } | BackendError::OutOfMemory { .. })) => {
@@ -97,6 +100,28 @@ impl Run<'_> {
             }
             Err(error) => Err(error),
         }
+    }
+
+    /// Equations in doubt by presolve, which follows each number by itself, in components where the backend alone, which sees
+    /// sizes, found dependent ones.
+    fn second_opinion(
+        &self,
+        first: &Stages,
+        system: &ConstraintSystem,
+        started: Instant,
+    ) -> Result<Vec<usize>, AnalysisError> {
+        if !self.means.check || first.dependent.is_empty() {
+            return Ok(Vec::new());
+        }
+        let labels = Labels::of(self.local);
+        let (own, other) = (first.dependent_by(&labels), self.settle(system, true, started)?);
+        let theirs = other.stages.dependent_by(&labels);
+        let parted = first.dependent.iter().map(|d| d.row).filter(|&i| {
+            let label = labels.of_row[i] as usize;
+            theirs[label] < own[label]
+        });
+        let both = parted.chain(other.doubted.iter().copied().filter(|&i| own[labels.of_row[i] as usize] > 0));
+        Ok(both.collect())
     }
 
     fn swept(&self, held: &[bool], started: Instant) -> Result<Stages, AnalysisError> {
@@ -111,7 +136,7 @@ impl Run<'_> {
         let worst = swept.worst.filter(|_| self.means.check);
         let sigma = sensitivity::sigma(worst, self.local, basis, history, self.scaling);
         doubted.extend(confidence::doubted(dependent, system));
-        let near = basis.blocks.iter().filter(|block| block.nearness.distance < NEAR);
+        let near = basis.blocks.iter().filter(|block| !block.nearness.is_sound());
         doubted.extend(near.filter_map(|block| block.rows.first()).map(|&row| history.rows[row as usize] as usize));
         let confidence = Confidence::new(&basis.blocks, sigma, dependent, &doubted);
         Settled { stages, held, confidence, doubted }

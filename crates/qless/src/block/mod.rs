@@ -15,6 +15,7 @@ mod tableau;
 
 use crate::Csr;
 use crate::Options;
+use crate::confidence::NEAR;
 use crate::presolve::eliminate::Mismatch;
 use crate::presolve::rows::{Entry, Row};
 use crate::qr::choice::DenseOrSparse;
@@ -80,6 +81,13 @@ pub(crate) struct Nearness {
     /// Estimate of the smallest change of one coefficient that makes them dependent; at least sigma. Of a chain it does not fall
     /// with the length.
     pub distance: f64,
+}
+
+impl Nearness {
+    /// Whether no doubt is due; what is no number is no distance.
+    pub fn is_sound(self) -> bool {
+        self.distance >= NEAR
+    }
 }
 
 /// What the stages of a block share.
@@ -165,7 +173,8 @@ impl Block {
         self.rhs.push(ldexp(row.rhs, shift));
         self.effective.push(Mismatch::of(row).scaled(shift));
         let free = row.entries.iter().filter(|entry| self.dofs.binary_search(&entry.dof).is_ok());
-        let certain = free.filter(|entry| entry.is_certain()).map(|entry| entry.value.abs()).fold(0.0, f64::max);
+        let certain =
+            free.filter(|entry| entry.is_certain()).map(|entry| entry.value.abs()).fold(row.dropped, f64::max);
         self.certain.push(ldexp(certain, shift));
         self.random.push(ldexp(random, shift));
         self.exponents.push(shift);

@@ -69,7 +69,10 @@ fn residual(block: &Block, kept: &[usize], random: &[f64], tableau: &Tableau) ->
         add(width - 2, -block.rhs[i]);
         add(width - 1, -random[position]);
         for c in (0..width).filter(|&c| size[c] > 0.0) {
-            worst = worst.max(sum[c].abs() / size[c]);
+            // Whether to refine does not hang on random numbers.
+            if c + 1 < width {
+                worst = worst.max(sum[c].abs() / size[c]);
+            }
             result[c * r + position] = sum[c];
         }
     }

@@ -26,7 +26,7 @@ pub(super) fn choose(block: &Block, rows: Rows, means: Means) -> Result<Solved, 
     let zero = (ZERO_UNITS * f64::EPSILON / rows.nearness.sigma).clamp(NOISE, ZERO_LIMIT);
     let (r, n) = (rows.kept.len(), block.matrix.cols);
     let random: Vec<f64> = rows.kept.iter().map(|&i| block.random[i]).collect();
-    if r.saturating_mul(n) > SMALL
+    if (r.saturating_mul(n) > SMALL || !backend.pivots(r, n))
         && let Some(Large { slaves, masters, columns, constant, sample }) =
             large::relation(block, &rows.kept, &rows.order, &random, means.memory())?
     {

@@ -435,6 +435,10 @@ impl Elimination<'_> {
         let free = self.is_free[l as usize];
         let row = &mut self.out.rows[k as usize];
         row.size = row.size.max(value.abs());
+        if value.abs() < f64::MIN_POSITIVE {
+            // A product that left the range of doubles was no zero.
+            row.dropped = row.dropped.max(f64::MIN_POSITIVE);
+        }
         if let Some(position) = row.position(l) {
             if row.add(position, value, error) {
                 row.remove(position);

@@ -1,0 +1,161 @@
+//! Answers that were wrong and sure once, each as small as it can be rebuilt: right, or in doubt, or refused.
+
+mod support;
+
+use qless::{AnalysisError, BackendChoice, ConstraintSystem, Kind, Options, ReductionError, SystemBuilder, analyse};
+use qless_scenes::families::{self, Windows};
+use qless_scenes::{Scene, fssi, oracle};
+use support::{check_reduction, diagnose, settings};
+
+on_each_backend!(
+    near_singular_chains_are_doubted,
+    recurrences_are_doubted,
+    spotted_bands_are_solved,
+    an_ambiguous_block_beside_a_harmless_chain_is_in_doubt,
+    windows_are_sure,
+    weights_of_rounding_decide_nothing,
+    values_beyond_doubles_are_refused,
+);
+
+/// The rank is that of exact arithmetic, or there is doubt.
+fn right_or_doubted(name: &str, scene: &Scene, options: &Options) {
+    let analysis = diagnose(&scene.system, options);
+    let exact = oracle::rank_free(&scene.system);
+    assert!(analysis.rank() == exact || analysis.confidence.ambiguous, "{name}: {:?}", analysis.confidence);
+    let refuses = analysis.kinds.contains(&Kind::Conflicting) && oracle::consistent(&scene.system);
+    assert!(!refuses || analysis.confidence.ambiguous, "{name}: conflicting for sure");
+}
+
+fn near_singular_chains_are_doubted(backend: BackendChoice) {
+    for n in [500, 2000, 2500, 3000, 5000, 12_000] {
+        let scene = families::geometric_chain(n, 1.01).expect("in range");
+        right_or_doubted(&format!("{n} links"), &scene, &Options { backend, ..Options::default() });
+    }
+}
+
+fn recurrences_are_doubted(backend: BackendChoice) {
+    for rows in 2..60 {
+        let scene = families::recurrence(rows).expect("in range");
+        right_or_doubted(&format!("{rows} rows"), &scene, &Options { backend, ..Options::default() });
+    }
+}
+
+fn spotted_bands_are_solved(backend: BackendChoice) {
+    for (n, seed) in [(100, 1), (300, 2), (3000, 3)] {
+        let scene = families::spotted_band(n, seed).expect("in range");
+        for options in settings(backend) {
+            let analysis = diagnose(&scene.system, &options);
+            assert_eq!(analysis.rank(), n);
+            check_reduction(&scene.system, &analysis, &analysis.reduction(&scene.system).expect("sound"), 1e-12);
+        }
+    }
+}
+
+/// Doubt is that of the component, whatever bound stands elsewhere.
+fn an_ambiguous_block_beside_a_harmless_chain_is_in_doubt(backend: BackendChoice) {
+    let harmless = families::rotations(300).expect("in range");
+    let doubtful = families::near(3, 1e-7, families::Near::Own).expect("in range");
+    let both = doubtful.beside(&harmless).expect("apart");
+    for options in settings(backend) {
+        assert!(!diagnose(&harmless.system, &options).confidence.ambiguous);
+        assert!(diagnose(&doubtful.system, &options).confidence.ambiguous);
+        assert!(diagnose(&both.system, &options).confidence.ambiguous);
+    }
+}
+
+/// Equations of local windows, with a few that are combinations: 210, 460 and 1,810.
+fn windows(nodes: usize) -> Scene {
+    let windows = Windows { extent: [nodes, nodes, 1], d: 1, window: 4, stride: 2, rows: 2, combos: 10 };
+    windows.scene(1).expect("in range")
+}
+
+fn windows_are_sure(backend: BackendChoice) {
+    for nodes in [20, 30, 60] {
+        let scene = windows(nodes);
+        let analysis = diagnose(&scene.system, &Options { backend, ..Options::default() });
+        assert_eq!(Some(analysis.rank()), scene.truth.rank_free, "{nodes} nodes a side");
+        assert!(!analysis.confidence.ambiguous, "{nodes} nodes a side: {:?}", analysis.confidence);
+    }
+}
+
+/// A tie found by a search, with weights of 4e-15 where zero is meant, said twice.
+fn weights_of_rounding_decide_nothing(backend: BackendChoice) {
+    let mut builder = SystemBuilder::new(60);
+    for k in 0..20 {
+        let (slave, a, b, c) = (k, 20 + k, 20 + (k + 1) % 20, 40 + k);
+        builder.equation([(slave, 1.0), (a, -0.5), (b, -0.5)], 0.0);
+        builder.equation([(slave, 2.0), (a, -1.0), (b, -1.0), (c, 4e-15)], 0.0);
+        builder.equation([(c, 1.0), (a, 0.25)], 0.0);
+    }
+    let system = builder.build().expect("valid");
+    for options in settings(backend) {
+        let analysis = diagnose(&system, &options);
+        assert_eq!(analysis.rank(), 40, "presolve {}", options.presolve);
+        assert!(!analysis.confidence.ambiguous, "presolve {}: {:?}", options.presolve, analysis.confidence);
+        let ignored: Vec<_> = analysis.ignored.iter().map(|entry| (entry.row, entry.dof)).collect();
+        assert_eq!(ignored, (0..20).map(|k| (3 * k + 1, 40 + k)).collect::<Vec<_>>());
+    }
+}
+
+/// `u_0 = 1e308` and `u_1 - u_0 = 1e308`.
+fn too_large() -> ConstraintSystem {
+    let mut builder = SystemBuilder::new(2);
+    builder.equation([(0, 1.0)], 1e308);
+    builder.equation([(1, 1.0), (0, -1.0)], 1e308);
+    builder.build().expect("valid")
+}
+
+fn values_beyond_doubles_are_refused(backend: BackendChoice) {
+    let system = too_large();
+    for options in settings(backend) {
+        match analyse(&system, &options) {
+            Err(error) => assert!(matches!(error, AnalysisError::Range { .. }), "{error}"),
+            Ok(analysis) => {
+                let refused = analysis.reduction(&system);
+                assert!(matches!(refused, Err(ReductionError::NotFinite { .. } | ReductionError::Residual { .. })));
+            }
+        }
+    }
+}
+
+#[test]
+fn equations_of_subnormal_numbers_are_refused() {
+    for terms in [vec![(0, 5e-324)], vec![(0, 5e-324), (1, -5e-324)], vec![(1, 2e-308)]] {
+        for b in [0.0, 1.0, 5e-324] {
+            let mut builder = SystemBuilder::new(2);
+            builder.equation([(0, 1.0), (1, 1.0)], 0.0);
+            builder.equation(terms.clone(), b);
+            let system = builder.build().expect("valid");
+            let refused = analyse(&system, &Options::default());
+            assert_eq!(refused.err(), Some(AnalysisError::Subnormal { row: 1 }));
+        }
+    }
+}
+
+/// The results for a number of threads.
+fn on_threads(scene: &Scene, threads: usize, options: &Options) -> impl PartialEq + std::fmt::Debug + use<> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+    pool.install(|| {
+        let analysis = diagnose(&scene.system, options);
+        let reduction = analysis.reduction(&scene.system).expect("sound");
+        (analysis.kinds.clone(), analysis.confidence, reduction.slaves, reduction.t, reduction.g)
+    })
+}
+
+fn same_on_any_threads(backend: BackendChoice) {
+    for scene in [windows(60), fssi::mortar(&fssi::Level::P50.mesh(), 1).expect("a scene")] {
+        let options = Options { backend, ..Options::default() };
+        let one = on_threads(&scene, 1, &options);
+        for threads in [2, 3, 8] {
+            assert!(on_threads(&scene, threads, &options) == one, "{threads} threads");
+        }
+    }
+}
+
+#[test]
+fn results_are_the_same_bits_on_any_number_of_threads() {
+    [BackendChoice::Faer, BackendChoice::Sparse].into_iter().for_each(same_on_any_threads);
+    #[cfg(feature = "spqr")]
+    same_on_any_threads(BackendChoice::Spqr);
+    same_on_any_threads(BackendChoice::Gauss);
+}
