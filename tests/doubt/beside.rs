@@ -67,7 +67,10 @@ fn even() -> Vec<Named> {
 
 /// Of other units, or with tiny coefficients: their columns may be scaled.
 fn uneven() -> Vec<Named> {
-    [2, 10].into_iter().flat_map(|class| [11 * 50, 11 * 51, 11 * 52].map(|seed| bare(random::case(seed + class)))).collect()
+    [2, 10]
+        .into_iter()
+        .flat_map(|class| [11 * 50, 11 * 51, 11 * 52].map(|seed| bare(random::case(seed + class))))
+        .collect()
 }
 
 fn bare(case: Case) -> Named {
@@ -96,16 +99,21 @@ fn pairs(firsts: &[Named], seconds: &[Named], backend: BackendChoice, step: usiz
         let seed = k as u64;
         let (mixed, order) = scene.shuffle(seed).expect("valid");
         let (all_rows, all_dofs) = (natural(scene.system.equations()), natural(scene.system.dofs()));
-        let ways = [("in order".to_owned(), scene.system, all_rows, all_dofs), (format!("shuffled ({seed})"), mixed.system, order.rows, order.dofs)];
+        let ways = [
+            ("in order".to_owned(), scene.system, all_rows, all_dofs),
+            (format!("shuffled ({seed})"), mixed.system, order.rows, order.dofs),
+        ];
         for (way, whole, old_rows, old_dofs) in ways {
             let half = |first: bool| {
-                let of = |old: &[usize], limit| (0..old.len()).filter(|&i| (old[i] < limit) == first).collect::<Vec<_>>();
+                let of =
+                    |old: &[usize], limit| (0..old.len()).filter(|&i| (old[i] < limit) == first).collect::<Vec<_>>();
                 Part::of(&whole, of(&old_rows, rows), of(&old_dofs, dofs))
             };
             let parts = [half(true), half(false)];
             for options in options(backend) {
                 let found = compare(&whole, &parts, &options);
-                faults.extend(found.map(|fault| format!("{} beside {}, {way} [{}]: {fault}", a.0, b.0, text(&options))));
+                faults
+                    .extend(found.map(|fault| format!("{} beside {}, {way} [{}]: {fault}", a.0, b.0, text(&options))));
             }
         }
     }
@@ -133,7 +141,11 @@ fn compare(whole: &ConstraintSystem, parts: &[Part; 2], options: &Options) -> Op
         }
     }
     if all.confidence.ambiguous != ambiguous {
-        return Some(format!("ambiguous {}, alone {:?}", all.confidence.ambiguous, alone.map(|(a, _)| a.confidence.ambiguous)));
+        return Some(format!(
+            "ambiguous {}, alone {:?}",
+            all.confidence.ambiguous,
+            alone.map(|(a, _)| a.confidence.ambiguous)
+        ));
     }
     if let Some(fault) = compare_generated(&all, parts, &alone) {
         return Some(fault);
@@ -143,9 +155,12 @@ fn compare(whole: &ConstraintSystem, parts: &[Part; 2], options: &Options) -> Op
             compare_reductions("A", reduced, &parts[0], a).or_else(|| compare_reductions("B", reduced, &parts[1], b))
         }
         (Err(_), a, b) if a.is_err() || b.is_err() => None,
-        (whole, a, b) => {
-            Some(format!("reduction {:?}, alone {:?} and {:?}", whole.as_ref().err(), a.as_ref().err(), b.as_ref().err()))
-        }
+        (whole, a, b) => Some(format!(
+            "reduction {:?}, alone {:?} and {:?}",
+            whole.as_ref().err(),
+            a.as_ref().err(),
+            b.as_ref().err()
+        )),
     }
 }
 
@@ -192,7 +207,8 @@ fn largest(here: &[(Option<usize>, u64)], there: &[(Option<usize>, u64)]) -> Str
     if here.iter().map(|e| e.0).ne(there.iter().map(|e| e.0)) {
         return format!("{} and {} coefficients", here.len(), there.len());
     }
-    let off = |(a, b): (&(Option<usize>, u64), &(Option<usize>, u64))| (f64::from_bits(a.1) - f64::from_bits(b.1)).abs();
+    let off =
+        |(a, b): (&(Option<usize>, u64), &(Option<usize>, u64))| (f64::from_bits(a.1) - f64::from_bits(b.1)).abs();
     format!("by {:.1e}", here.iter().zip(there).map(off).fold(0.0, f64::max))
 }
 

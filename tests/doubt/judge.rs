@@ -3,7 +3,8 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 
-use qless::{Analysis, Options, Tolerance, analyse};
+use qless::{Analysis, Kind, Options, SystemBuilder, Tolerance, analyse};
+use qless_scenes::oracle::consistent;
 
 use super::residual;
 use super::truth::{Case, Truth, kept};
@@ -30,6 +31,10 @@ pub enum Law {
     Rank,
     /// No doubt where the SVD has none.
     Alarm,
+    /// What is called a conflict without doubt is one in exact arithmetic.
+    Conflict,
+    /// Generated boundary conditions follow from the equations where the SVD is clear.
+    Generated,
 }
 
 pub type Fault = (Law, String);
@@ -68,6 +73,8 @@ fn judge(case: &Case, truth: &Truth, options: &Options) -> Vec<Fault> {
     out.extend(gate(case, truth, &analysis));
     out.extend(sigma(case, &analysis).map(|fault| (Law::Sigma, fault)));
     out.extend(rank(truth, &analysis).map(|fault| (Law::Rank, fault)));
+    out.extend(conflict(case, truth, &analysis).map(|fault| (Law::Conflict, fault)));
+    out.extend(generated(case, truth, &analysis).map(|fault| (Law::Generated, fault)));
     if analysis.confidence.ambiguous && truth.is_clear() && !case.near {
         out.push((Law::Alarm, format!("in doubt at sigma {:.1e}: {:?}", truth.sigma(), analysis.confidence)));
     }
@@ -83,7 +90,8 @@ fn gate(case: &Case, truth: &Truth, analysis: &Analysis) -> Option<Fault> {
         Err(_) => None,
         Ok(reduction) => {
             let worst = |seed| residual::worst(&case.system, &case.units, analysis, &reduction, seed);
-            let (most, row, part) = [1, 2].map(worst).into_iter().fold((0.0, 0, "T"), |a, b| if b.0 > a.0 { b } else { a });
+            let (most, row, part) =
+                [1, 2].map(worst).into_iter().fold((0.0, 0, "T"), |a, b| if b.0 > a.0 { b } else { a });
             let reported = analysis.residual(&case.system, &reduction);
             let text = format!("{most:.1e} in row {row} by {part}, reported {reported:.1e}, ambiguous {ambiguous}");
             (most > RESIDUAL || !(reported <= RESIDUAL)).then_some((Law::Residual, text))
@@ -107,12 +115,39 @@ fn sigma(case: &Case, analysis: &Analysis) -> Option<String> {
         .then(|| format!("sigma_kept {found:.1e} for {least:.1e}, factor {:.0e}, ambiguous {ambiguous}", found / least))
 }
 
-/// Where doubt is reported, the rank may be another one unless the dropped rows are dependent to rounding.
+/// Where doubt is reported and fair, the rank may be another one.
 fn rank(truth: &Truth, analysis: &Analysis) -> Option<String> {
     let (found, ambiguous) = (analysis.rank(), analysis.confidence.ambiguous);
-    let must_hold = truth.has_gap() && (!ambiguous || truth.is_exact());
+    let must_hold = if ambiguous { truth.is_clear() } else { truth.has_gap() };
     let around = truth.values.iter().skip(truth.rank.saturating_sub(2)).take(4);
     let around: Vec<String> = around.map(|sigma| format!("{sigma:.1e}")).collect();
     (must_hold && found != truth.rank)
         .then(|| format!("rank {found}, {} by SVD {around:?}, ambiguous {ambiguous}", truth.rank))
+}
+
+/// Equations that have an exact solution are no conflict, unless that is doubted.
+fn conflict(case: &Case, truth: &Truth, analysis: &Analysis) -> Option<String> {
+    let ambiguous = analysis.confidence.ambiguous;
+    let found = analysis.dependent.iter().find(|d| d.kind == Kind::Conflicting).filter(|_| !ambiguous)?;
+    consistent(&case.system).then(|| {
+        let sigma = truth.sigma();
+        format!(
+            "row {} conflicts by {:.1e}, but there is a solution; sigma {sigma:.1e}",
+            found.row, found.relative_mismatch
+        )
+    })
+}
+
+/// With `u_j = value` as further equations the rank is the same.
+fn generated(case: &Case, truth: &Truth, analysis: &Analysis) -> Option<String> {
+    if analysis.generated.is_empty() || !truth.is_clear() {
+        return None;
+    }
+    let system = &case.base;
+    let mut builder = SystemBuilder::new(system.dofs());
+    (0..system.equations()).for_each(|i| _ = builder.equation(system.matrix().row(i), system.rhs()[i]));
+    analysis.generated.iter().for_each(|&(j, _)| _ = builder.equation([(j, 1.0)], 0.0));
+    system.prescribed().iter().for_each(|&(j, value)| builder.prescribe(j, value));
+    let more = Truth::new(&builder.build().expect("valid"), 1e-9).rank.saturating_sub(truth.rank);
+    (more > 0).then(|| format!("{more} of {} generated boundary conditions are none", analysis.generated.len()))
 }

@@ -19,13 +19,7 @@ struct Part {
 }
 
 /// Of the independent equations, for some random u_q and u_p.
-pub fn worst(
-    system: &ConstraintSystem,
-    units: &[f64],
-    analysis: &Analysis,
-    reduction: &Reduction,
-    seed: u64,
-) -> Worst {
+pub fn worst(system: &ConstraintSystem, units: &[f64], analysis: &Analysis, reduction: &Reduction, seed: u64) -> Worst {
     let component = components(system);
     let mut worst = (0.0, 0, "T");
     for part in parts(reduction, units.len(), seed) {

@@ -86,7 +86,8 @@ fn near() -> Vec<Named> {
 
 fn models() -> Vec<Named> {
     let mesh = Mesh { columns: 7, layers: 2, far_columns: 5, far_layers: 2, rings: 2, sectors: 4, wall: 3 };
-    let (mesh, thick) = if mesh.check().is_ok() { (mesh, Mesh { layers: 3, ..mesh }) } else { panic!("{:?}", mesh.check()) };
+    let (mesh, thick) =
+        if mesh.check().is_ok() { (mesh, Mesh { layers: 3, ..mesh }) } else { panic!("{:?}", mesh.check()) };
     collect(vec![
         ("rbe2(50, 1, 1)".into(), families::rbe2(50, 1, 1)),
         ("rbe2(40, 2, 1)".into(), families::rbe2(40, 2, 1)),
@@ -115,17 +116,24 @@ fn mortar() -> Vec<Named> {
         Mortar { sums, components: 2, skew: true, ..line }.scene(1)
     };
     let face = || -> Result<Scene, SceneError> {
-        let sides = |elements, seed| Ok::<_, SceneError>([side(elements, Degree::Linear, seed)?, side(elements, Degree::Linear, seed + 1)?]);
+        let sides = |elements, seed| {
+            Ok::<_, SceneError>([side(elements, Degree::Linear, seed)?, side(elements, Degree::Linear, seed + 1)?])
+        };
         Mortar::face(sides(6, 1)?, sides(5, 3)?).scene(1)
     };
-    let mut all = vec![("mortar line".into(), line(0)), ("mortar line, 10 sums".into(), line(10)), ("mortar face".into(), face())];
+    let mut all = vec![
+        ("mortar line".into(), line(0)),
+        ("mortar line, 10 sums".into(), line(10)),
+        ("mortar face".into(), face()),
+    ];
     all.extend([10, 60, 200].map(|n| (format!("mortar_short({n})"), families::mortar_short(n))));
     collect(all)
 }
 
 /// Triangles on which no pivot is small: of n - 1 equations on n DOFs, so clear, or of n, so near dependence where n is large.
 fn steep() -> Vec<Named> {
-    let name = |c: f64, n: usize, wide: bool| format!("triangle(c {c}, n {n}, {})", if wide { "wide" } else { "square" });
+    let name =
+        |c: f64, n: usize, wide: bool| format!("triangle(c {c}, n {n}, {})", if wide { "wide" } else { "square" });
     let all = [(0.285, 60), (0.5, 40), (1.0, 40), (1.0, 12)];
     let each = all.into_iter().flat_map(|(c, n)| [true, false].map(|wide| (name(c, n, wide), triangle(n, c, wide))));
     each.collect()

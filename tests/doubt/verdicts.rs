@@ -48,12 +48,38 @@ macro_rules! laws {
     ($module:ident, $check:ident) => {
         mod $module {
             use super::Law;
-            #[test] fn every_analysis_ends() { super::$check(Law::Ends); }
-            #[test] fn a_clear_system_has_a_reduction() { super::$check(Law::Gate); }
-            #[test] fn a_reduction_meets_the_equations() { super::$check(Law::Residual); }
-            #[test] fn sigma_is_that_of_the_kept_rows() { super::$check(Law::Sigma); }
-            #[test] fn the_rank_is_that_of_the_svd() { super::$check(Law::Rank); }
-            #[test] fn no_doubt_where_the_svd_has_none() { super::$check(Law::Alarm); }
+            #[test]
+            fn every_analysis_ends() {
+                super::$check(Law::Ends);
+            }
+            #[test]
+            fn a_clear_system_has_a_reduction() {
+                super::$check(Law::Gate);
+            }
+            #[test]
+            fn a_reduction_meets_the_equations() {
+                super::$check(Law::Residual);
+            }
+            #[test]
+            fn sigma_is_that_of_the_kept_rows() {
+                super::$check(Law::Sigma);
+            }
+            #[test]
+            fn the_rank_is_that_of_the_svd() {
+                super::$check(Law::Rank);
+            }
+            #[test]
+            fn no_doubt_where_the_svd_has_none() {
+                super::$check(Law::Alarm);
+            }
+            #[test]
+            fn a_conflict_without_doubt_is_one() {
+                super::$check(Law::Conflict);
+            }
+            #[test]
+            fn generated_boundary_conditions_follow() {
+                super::$check(Law::Generated);
+            }
         }
     };
 }
