@@ -202,13 +202,15 @@ fn compare_reductions(name: &str, all: &Reduction, part: &Part, alone: &Reductio
     None
 }
 
+/// A DOF of the part, and the bits of its coefficient.
+type Entry = (Option<usize>, u64);
+
 /// By how much.
-fn largest(here: &[(Option<usize>, u64)], there: &[(Option<usize>, u64)]) -> String {
+fn largest(here: &[Entry], there: &[Entry]) -> String {
     if here.iter().map(|e| e.0).ne(there.iter().map(|e| e.0)) {
         return format!("{} and {} coefficients", here.len(), there.len());
     }
-    let off =
-        |(a, b): (&(Option<usize>, u64), &(Option<usize>, u64))| (f64::from_bits(a.1) - f64::from_bits(b.1)).abs();
+    let off = |(a, b): (&Entry, &Entry)| (f64::from_bits(a.1) - f64::from_bits(b.1)).abs();
     format!("by {:.1e}", here.iter().zip(there).map(off).fold(0.0, f64::max))
 }
 

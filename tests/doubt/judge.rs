@@ -94,7 +94,7 @@ fn gate(case: &Case, truth: &Truth, analysis: &Analysis) -> Option<Fault> {
                 [1, 2].map(worst).into_iter().fold((0.0, 0, "T"), |a, b| if b.0 > a.0 { b } else { a });
             let reported = analysis.residual(&case.system, &reduction);
             let text = format!("{most:.1e} in row {row} by {part}, reported {reported:.1e}, ambiguous {ambiguous}");
-            (most > RESIDUAL || !(reported <= RESIDUAL)).then_some((Law::Residual, text))
+            (most > RESIDUAL || reported.is_nan() || reported > RESIDUAL).then_some((Law::Residual, text))
         }
     }
 }
@@ -111,7 +111,7 @@ fn sigma(case: &Case, analysis: &Analysis) -> Option<String> {
     let most = FACTOR * least.max(of_kept.rounding());
     let is_low = found < least / FACTOR && least > of_kept.rounding();
     let ambiguous = analysis.confidence.ambiguous;
-    (is_low || !(found <= most))
+    (is_low || found.is_nan() || found > most)
         .then(|| format!("sigma_kept {found:.1e} for {least:.1e}, factor {:.0e}, ambiguous {ambiguous}", found / least))
 }
 

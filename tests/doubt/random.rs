@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use qless::{ConstraintSystem, SystemBuilder};
-use qless_scenes::{Rng, Scene, Truth};
+use qless_scenes::{Rng, Scene, oracle};
 
-use super::truth::Case;
+use super::truth::{Case, Truth};
 
 type Row = (BTreeMap<usize, f64>, f64);
 
@@ -42,7 +42,9 @@ pub fn case(seed: u64) -> Case {
         10 => in_units(name, &mut rng),
         _ => Case::new(name, made(class, &mut rng).system(&mut rng)),
     };
-    case.near = class == 3;
+    // Of chains the exact rank is no matter of rounding: where the SVD says less, doubt is fair.
+    let with_chains = [4, 8, 9, 10].contains(&class);
+    case.near = class == 3 || with_chains && oracle::rank_free(&case.base) > Truth::new(&case.base, 1e-10).rank;
     case
 }
 
@@ -63,7 +65,7 @@ fn made(class: usize, rng: &mut Rng) -> Made {
 fn scaled(name: String, seed: u64, rng: &mut Rng) -> Case {
     let class = [0, 1, 4, 5, 6, 7][rng.below(6)];
     let system = made(class, rng).system(rng);
-    let scene = Scene { system, truth: Truth::default(), nodes: Vec::new(), dofs: Vec::new() };
+    let scene = Scene { system, truth: qless_scenes::Truth::default(), nodes: Vec::new(), dofs: Vec::new() };
     Case::new(name, scene.scale_rows(40, seed).expect("in range").0.system)
 }
 
@@ -73,7 +75,8 @@ fn in_units(name: String, rng: &mut Rng) -> Case {
     let base = made(class, rng).system(rng);
     let decades: Vec<f64> = (0..2 + rng.below(3)).map(|_| 2_f64.powi(rng.below(41) as i32 - 20)).collect();
     let units: Vec<f64> = (0..base.dofs()).map(|_| decades[rng.below(decades.len())]).collect();
-    let scene = Scene { system: base.clone(), truth: Truth::default(), nodes: Vec::new(), dofs: Vec::new() };
+    let scene =
+        Scene { system: base.clone(), truth: qless_scenes::Truth::default(), nodes: Vec::new(), dofs: Vec::new() };
     let system = scene.scale_dofs(&units).expect("in range").system;
     Case { base, units, ..Case::new(name, system) }
 }
@@ -193,7 +196,7 @@ fn band(rng: &mut Rng) -> Made {
 /// Dense blocks of 3 to 12 equations, and some equations that connect them.
 fn blocks(rng: &mut Rng) -> Made {
     let mut made = Made { dofs: 0, rows: Vec::new(), prescribed: Vec::new() };
-    for _ in 0..1 + rng.below(4) {
+    for _ in 0..=rng.below(4) {
         let (rows, dofs, first) = (3 + rng.below(10), 3 + rng.below(12), made.dofs);
         made.dofs += dofs;
         made.rows.extend((0..rows.min(dofs)).map(|_| ((first..first + dofs).map(|j| (j, rng.real())).collect(), 1.0)));
