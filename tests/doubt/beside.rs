@@ -1,0 +1,233 @@
+//! `f(A + B)` is `f(A)` and `f(B)` to the last bit: kinds, ranks, doubt, slaves, T, G and g.
+//!
+//! Where rows and DOFs are shuffled, A alone is taken in the order in which its rows and DOFs then stand.
+
+use qless::{Analysis, BackendChoice, ConstraintSystem, Kind, Options, Reduction, SystemBuilder, Tolerance, analyse};
+use qless_scenes::families::{self, Near};
+use qless_scenes::{Scene, SceneError, fssi, paper};
+
+use super::judge::text;
+use super::random;
+use super::scenes::triangle;
+use super::truth::Case;
+
+/// A part of a whole: its rows and DOFs by their numbers in the whole, ascending, and the part alone.
+struct Part {
+    rows: Vec<usize>,
+    dofs: Vec<usize>,
+    system: ConstraintSystem,
+}
+
+impl Part {
+    /// What is left of `whole` on some rows and DOFs, which are connected with no other.
+    fn of(whole: &ConstraintSystem, rows: Vec<usize>, dofs: Vec<usize>) -> Self {
+        let own = |j: usize| dofs.binary_search(&j).expect("a DOF of the part");
+        let mut builder = SystemBuilder::new(dofs.len());
+        for &i in &rows {
+            builder.equation(whole.matrix().row(i).map(|(j, v)| (own(j), v)), whole.rhs()[i]);
+        }
+        let prescribed = whole.prescribed().iter().filter(|(j, _)| dofs.binary_search(j).is_ok());
+        prescribed.for_each(|&(j, value)| builder.prescribe(own(j), value));
+        Self { system: builder.build().expect("valid"), rows, dofs }
+    }
+}
+
+type Named = (String, Scene);
+
+fn scene(name: &str, scene: Result<Scene, SceneError>) -> Named {
+    (name.into(), scene.unwrap_or_else(|e| panic!("{name}: {e}")))
+}
+
+/// Of rows of one size, so that no column is scaled whatever stands beside.
+fn even() -> Vec<Named> {
+    let mesh = fssi::Mesh { columns: 7, layers: 2, far_columns: 5, far_layers: 2, rings: 2, sectors: 4, wall: 3 };
+    let mut all = vec![
+        scene("near(2, 1e-8, Own)", families::near(2, 1e-8, Near::Own)),
+        scene("near(1, 1e-12, Shared)", families::near(1, 1e-12, Near::Shared)),
+        scene("rotations(30)", families::rotations(30)),
+        scene("planted(20, 30, 10, 1, true)", families::planted(20, 30, 10, 1, true)),
+        scene("planted(40, 40, 10, 2, false)", families::planted(40, 40, 10, 2, false)),
+        scene("recurrence(12)", families::recurrence(12)),
+        scene("geometric_chain(25, 2)", families::geometric_chain(25, 2.0)),
+        scene("ladder(30)", families::ladder(30)),
+        scene("mortar_short(20)", families::mortar_short(20)),
+        scene("rbe2(10, 2, 1)", families::rbe2(10, 2, 1)),
+        scene("rve(1)", families::rve(1)),
+        scene("typed_twice(8, 6, 1)", families::typed_twice(8, 6, 1)),
+        scene("typed_cosines(2, 5, 1)", families::typed_cosines(2, 5, 1)),
+        scene("fssi tie", fssi::tie(&mesh, 1)),
+        scene("paper, figure 6", paper::figure_6(0.5)),
+        scene("triangle(30, 1, wide)", Ok(triangle(30, 1.0, true))),
+        scene("triangle(40, 0.5, square)", Ok(triangle(40, 0.5, false))),
+    ];
+    let classes = [0, 1, 3, 4, 5, 6, 7, 8].map(|class| 11 * 40 + class);
+    all.extend(classes.map(|seed| bare(random::case(seed))));
+    all
+}
+
+/// Of other units, or with tiny coefficients: their columns may be scaled.
+fn uneven() -> Vec<Named> {
+    [2, 10]
+        .into_iter()
+        .flat_map(|class| [11 * 50, 11 * 51, 11 * 52].map(|seed| bare(random::case(seed + class))))
+        .collect()
+}
+
+fn bare(case: Case) -> Named {
+    let truth = qless_scenes::Truth::default();
+    (case.name, Scene { system: case.system, truth, nodes: Vec::new(), dofs: Vec::new() })
+}
+
+fn options(backend: BackendChoice) -> Vec<Options> {
+    let default = Options { backend, ..Options::default() };
+    let with = |presolve, growth, tolerance| {
+        let tolerance = Tolerance::Relative(tolerance);
+        Options { presolve, growth, tolerance, ..default.clone() }
+    };
+    let each = [true, false].into_iter().flat_map(|presolve| [1.5, 4.0, 1e6].map(|growth| (presolve, growth, 1e-10)));
+    each.chain([(true, 4.0, 1e-7), (false, 4.0, 1e-13)]).map(|(p, g, t)| with(p, g, t)).collect()
+}
+
+/// All pairs of some with others, on one backend.
+fn pairs(firsts: &[Named], seconds: &[Named], backend: BackendChoice, step: usize) {
+    let mut faults = Vec::new();
+    let each = firsts.iter().flat_map(|a| seconds.iter().map(move |b| (a, b)));
+    for (k, (a, b)) in each.step_by(step).enumerate() {
+        let scene = a.1.beside(&b.1).expect("small");
+        let (rows, dofs) = (a.1.system.equations(), a.1.system.dofs());
+        let natural = |n: usize| (0..n).collect::<Vec<_>>();
+        let seed = k as u64;
+        let (mixed, order) = scene.shuffle(seed).expect("valid");
+        let (all_rows, all_dofs) = (natural(scene.system.equations()), natural(scene.system.dofs()));
+        let ways = [
+            ("in order".to_owned(), scene.system, all_rows, all_dofs),
+            (format!("shuffled ({seed})"), mixed.system, order.rows, order.dofs),
+        ];
+        for (way, whole, old_rows, old_dofs) in ways {
+            let half = |first: bool| {
+                let of =
+                    |old: &[usize], limit| (0..old.len()).filter(|&i| (old[i] < limit) == first).collect::<Vec<_>>();
+                Part::of(&whole, of(&old_rows, rows), of(&old_dofs, dofs))
+            };
+            let parts = [half(true), half(false)];
+            for options in options(backend) {
+                let found = compare(&whole, &parts, &options);
+                faults
+                    .extend(found.map(|fault| format!("{} beside {}, {way} [{}]: {fault}", a.0, b.0, text(&options))));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
+}
+
+/// The first difference between the whole and its parts.
+fn compare(whole: &ConstraintSystem, parts: &[Part; 2], options: &Options) -> Option<String> {
+    let of = |system: &ConstraintSystem| {
+        let analysis = analyse(system, options).expect("valid");
+        let reduction = analysis.reduction(system);
+        (analysis, reduction)
+    };
+    let (all, reduced) = of(whole);
+    let alone = [of(&parts[0].system), of(&parts[1].system)];
+    let ambiguous = alone.iter().any(|(analysis, _)| analysis.confidence.ambiguous);
+    for (name, part, (analysis, _)) in [("A", &parts[0], &alone[0]), ("B", &parts[1], &alone[1])] {
+        let kinds: Vec<Kind> = part.rows.iter().map(|&i| all.kinds[i]).collect();
+        let count = |kinds: &[Kind]| kinds.iter().filter(|&&kind| kind == Kind::Independent).count();
+        if count(&kinds) != analysis.rank() {
+            return Some(format!("rank of {name} is {}, alone {}", count(&kinds), analysis.rank()));
+        }
+        if let Some(i) = (0..kinds.len()).find(|&i| kinds[i] != analysis.kinds[i]) {
+            return Some(format!("row {i} of {name} is {:?}, alone {:?}", kinds[i], analysis.kinds[i]));
+        }
+    }
+    if all.confidence.ambiguous != ambiguous {
+        return Some(format!(
+            "ambiguous {}, alone {:?}",
+            all.confidence.ambiguous,
+            alone.map(|(a, _)| a.confidence.ambiguous)
+        ));
+    }
+    if let Some(fault) = compare_generated(&all, parts, &alone) {
+        return Some(fault);
+    }
+    match (&reduced, &alone[0].1, &alone[1].1) {
+        (Ok(reduced), Ok(a), Ok(b)) => {
+            compare_reductions("A", reduced, &parts[0], a).or_else(|| compare_reductions("B", reduced, &parts[1], b))
+        }
+        (Err(_), a, b) if a.is_err() || b.is_err() => None,
+        (whole, a, b) => Some(format!(
+            "reduction {:?}, alone {:?} and {:?}",
+            whole.as_ref().err(),
+            a.as_ref().err(),
+            b.as_ref().err()
+        )),
+    }
+}
+
+fn compare_generated<R>(all: &Analysis, parts: &[Part; 2], alone: &[(Analysis, R); 2]) -> Option<String> {
+    let place = |part: &Part, j: usize| part.dofs.binary_search(&j).ok();
+    let bits = |(j, value): (usize, f64)| (j, value.to_bits());
+    ["A", "B"].into_iter().zip(parts.iter().zip(alone)).find_map(|(name, (part, (analysis, _)))| {
+        let here = all.generated.iter().filter_map(|&(j, value)| Some(bits((place(part, j)?, value))));
+        let there = analysis.generated.iter().copied().map(bits);
+        (!here.eq(there)).then(|| format!("generated boundary conditions of {name} differ"))
+    })
+}
+
+/// Slaves, T, G and g to the last bit.
+fn compare_reductions(name: &str, all: &Reduction, part: &Part, alone: &Reduction) -> Option<String> {
+    let place = |j: &usize| part.dofs.binary_search(j).ok();
+    let slaves: Vec<usize> = all.slaves.iter().filter_map(place).collect();
+    if slaves != alone.slaves {
+        let other = slaves.iter().filter(|j| !alone.slaves.contains(j)).count();
+        return Some(format!("{other} of {} slaves of {name} are others", slaves.len()));
+    }
+    let rows = (0..all.slaves.len()).filter(|&i| place(&all.slaves[i]).is_some());
+    for (i, own) in rows.zip(0..) {
+        let slave = alone.slaves[own];
+        let here: Vec<_> = all.t.row(i).map(|(k, v)| (place(&all.masters[k]), v.to_bits())).collect();
+        let there: Vec<_> = alone.t.row(own).map(|(k, v)| (Some(alone.masters[k]), v.to_bits())).collect();
+        if here != there {
+            return Some(format!("T differs in slave {slave} of {name}, {}", largest(&here, &there)));
+        }
+        let here: Vec<_> = all.g_matrix.row(i).map(|(k, v)| (place(&all.prescribed[k]), v.to_bits())).collect();
+        let there: Vec<_> = alone.g_matrix.row(own).map(|(k, v)| (Some(alone.prescribed[k]), v.to_bits())).collect();
+        if here != there {
+            return Some(format!("G differs in slave {slave} of {name}, {}", largest(&here, &there)));
+        }
+        if all.g[i].to_bits() != alone.g[own].to_bits() {
+            return Some(format!("g of slave {slave} of {name} is {:e}, alone {:e}", all.g[i], alone.g[own]));
+        }
+    }
+    None
+}
+
+/// A DOF of the part, and the bits of its coefficient.
+type Entry = (Option<usize>, u64);
+
+/// By how much.
+fn largest(here: &[Entry], there: &[Entry]) -> String {
+    if here.iter().map(|e| e.0).ne(there.iter().map(|e| e.0)) {
+        return format!("{} and {} coefficients", here.len(), there.len());
+    }
+    let off = |(a, b): (&Entry, &Entry)| (f64::from_bits(a.1) - f64::from_bits(b.1)).abs();
+    format!("by {:.1e}", here.iter().zip(there).map(off).fold(0.0, f64::max))
+}
+
+#[test]
+fn a_component_beside_changes_nothing() {
+    pairs(&even(), &even(), BackendChoice::Auto, 1);
+}
+
+/// The choice of scaling is one of each component.
+#[test]
+fn a_component_in_other_units_beside_changes_nothing() {
+    pairs(&uneven(), &[even(), uneven()].concat(), BackendChoice::Auto, 1);
+}
+
+/// A tenth of all pairs.
+fn a_component_beside_changes_nothing_here(backend: BackendChoice) {
+    pairs(&even(), &even(), backend, 11);
+}
+
+on_each_backend!(a_component_beside_changes_nothing_here);

@@ -1,0 +1,153 @@
+//! What is said of one system with some options, against the SVD and the residual.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::{Duration, Instant};
+
+use qless::{Analysis, Kind, Options, SystemBuilder, Tolerance, analyse};
+use qless_scenes::oracle::consistent;
+
+use super::residual;
+use super::truth::{Case, Truth, kept};
+
+/// Largest residual of what leaves the library.
+const RESIDUAL: f64 = 1e-10;
+/// `sigma_kept` may be off by this, either way.
+const FACTOR: f64 = 100.0;
+/// No system here has work for longer than this.
+const LONG: Duration = Duration::from_secs(10);
+
+/// What does not hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Law {
+    /// An error, a panic or no end.
+    Ends,
+    /// A reduction exists where the SVD is clear.
+    Gate,
+    /// What leaves meets the equations.
+    Residual,
+    /// `sigma_kept` is that of the kept rows.
+    Sigma,
+    /// The rank is that of the SVD.
+    Rank,
+    /// No doubt where the SVD has none.
+    Alarm,
+    /// What is called a conflict without doubt is one in exact arithmetic.
+    Conflict,
+    /// Generated boundary conditions follow from the equations where the SVD is clear.
+    Generated,
+}
+
+pub type Fault = (Law, String);
+
+pub fn tolerance(options: &Options) -> f64 {
+    let Tolerance::Relative(tolerance) = options.tolerance else { panic!("relative here") };
+    tolerance
+}
+
+/// In short, what differs from the default.
+pub fn text(options: &Options) -> String {
+    let Options { backend, presolve, growth, tolerance, .. } = options;
+    format!("{backend:?}, presolve {presolve}, growth {growth}, {tolerance:?}")
+}
+
+/// All that is wrong with one system.
+pub fn faults(case: &Case, truth: &Truth, options: &Options) -> Vec<Fault> {
+    let what = format!("{} [{}]", case.name, text(options));
+    let start = Instant::now();
+    let mut faults = match catch_unwind(AssertUnwindSafe(|| judge(case, truth, options))) {
+        Ok(faults) => faults,
+        Err(_) => vec![(Law::Ends, "it panics".into())],
+    };
+    if start.elapsed() > LONG {
+        faults.push((Law::Ends, format!("it takes {:?}", start.elapsed())));
+    }
+    faults.into_iter().map(|(law, fault)| (law, format!("{law:?}: {what}: {fault}"))).collect()
+}
+
+fn judge(case: &Case, truth: &Truth, options: &Options) -> Vec<Fault> {
+    let analysis = match analyse(&case.system, options) {
+        Ok(analysis) => analysis,
+        Err(error) => return vec![(Law::Ends, error.to_string())],
+    };
+    let mut out = Vec::new();
+    out.extend(gate(case, truth, &analysis));
+    out.extend(sigma(case, &analysis).map(|fault| (Law::Sigma, fault)));
+    out.extend(rank(truth, &analysis).map(|fault| (Law::Rank, fault)));
+    out.extend(conflict(case, truth, &analysis).map(|fault| (Law::Conflict, fault)));
+    out.extend(generated(case, truth, &analysis).map(|fault| (Law::Generated, fault)));
+    if analysis.confidence.ambiguous && truth.is_clear() && !case.near {
+        out.push((Law::Alarm, format!("in doubt at sigma {:.1e}: {:?}", truth.sigma(), analysis.confidence)));
+    }
+    out
+}
+
+fn gate(case: &Case, truth: &Truth, analysis: &Analysis) -> Option<Fault> {
+    let ambiguous = analysis.confidence.ambiguous;
+    match analysis.reduction(&case.system) {
+        Err(error) if truth.is_clear() => {
+            Some((Law::Gate, format!("sigma {:.1e}, ambiguous {ambiguous}: {error}", truth.sigma())))
+        }
+        Err(_) => None,
+        Ok(reduction) => {
+            let worst = |seed| residual::worst(&case.system, &case.units, analysis, &reduction, seed);
+            let (most, row, part) =
+                [1, 2].map(worst).into_iter().fold((0.0, 0, "T"), |a, b| if b.0 > a.0 { b } else { a });
+            let reported = analysis.residual(&case.system, &reduction);
+            let text = format!("{most:.1e} in row {row} by {part}, reported {reported:.1e}, ambiguous {ambiguous}");
+            (most > RESIDUAL || reported.is_nan() || reported > RESIDUAL).then_some((Law::Residual, text))
+        }
+    }
+}
+
+/// Only where no column can have been scaled: see [`Case::may_scale_columns`].
+fn sigma(case: &Case, analysis: &Analysis) -> Option<String> {
+    if case.may_scale_columns() || analysis.rank() == 0 {
+        return None;
+    }
+    let of_kept = Truth::new(&kept(&case.system, analysis), 0.0);
+    let least = of_kept.values.last().map_or(0.0, |sigma| sigma.min(1.0));
+    let found = analysis.confidence.sigma_kept;
+    // Below the rounding of the SVD any small number is as good as any other.
+    let most = FACTOR * least.max(of_kept.rounding());
+    let is_low = found < least / FACTOR && least > of_kept.rounding();
+    let ambiguous = analysis.confidence.ambiguous;
+    (is_low || found.is_nan() || found > most)
+        .then(|| format!("sigma_kept {found:.1e} for {least:.1e}, factor {:.0e}, ambiguous {ambiguous}", found / least))
+}
+
+/// Where doubt is reported and fair, the rank may be another one.
+fn rank(truth: &Truth, analysis: &Analysis) -> Option<String> {
+    let (found, ambiguous) = (analysis.rank(), analysis.confidence.ambiguous);
+    let must_hold = if ambiguous { truth.is_clear() } else { truth.has_gap() };
+    let around = truth.values.iter().skip(truth.rank.saturating_sub(2)).take(4);
+    let around: Vec<String> = around.map(|sigma| format!("{sigma:.1e}")).collect();
+    (must_hold && found != truth.rank)
+        .then(|| format!("rank {found}, {} by SVD {around:?}, ambiguous {ambiguous}", truth.rank))
+}
+
+/// Equations that have an exact solution are no conflict, unless that is doubted.
+fn conflict(case: &Case, truth: &Truth, analysis: &Analysis) -> Option<String> {
+    let ambiguous = analysis.confidence.ambiguous;
+    let found = analysis.dependent.iter().find(|d| d.kind == Kind::Conflicting).filter(|_| !ambiguous)?;
+    consistent(&case.system).then(|| {
+        let sigma = truth.sigma();
+        format!(
+            "row {} conflicts by {:.1e}, but there is a solution; sigma {sigma:.1e}",
+            found.row, found.relative_mismatch
+        )
+    })
+}
+
+/// With `u_j = value` as further equations the rank is the same.
+fn generated(case: &Case, truth: &Truth, analysis: &Analysis) -> Option<String> {
+    if analysis.generated.is_empty() || !truth.is_clear() {
+        return None;
+    }
+    let system = &case.base;
+    let mut builder = SystemBuilder::new(system.dofs());
+    (0..system.equations()).for_each(|i| _ = builder.equation(system.matrix().row(i), system.rhs()[i]));
+    analysis.generated.iter().for_each(|&(j, _)| _ = builder.equation([(j, 1.0)], 0.0));
+    system.prescribed().iter().for_each(|&(j, value)| builder.prescribe(j, value));
+    let more = Truth::new(&builder.build().expect("valid"), 1e-9).rank.saturating_sub(truth.rank);
+    (more > 0).then(|| format!("{more} of {} generated boundary conditions are none", analysis.generated.len()))
+}
