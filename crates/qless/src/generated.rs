@@ -12,7 +12,7 @@ use crate::certificate::{Because, History};
 use crate::local::Local;
 use crate::qr::{Backend, BackendError};
 use crate::scale::{Scaling, ldexp};
-use crate::sweep::sweep;
+use crate::sweep::{Keys, sweep};
 
 /// A sum of parts that cancels to within this, relative to the parts, is zero.
 const NOISE: f64 = 1e-11;
@@ -34,11 +34,12 @@ pub(crate) fn find(
     basis: &Basis,
     history: &History,
     scaling: &Scaling,
+    keys: &Keys,
 ) -> Generated {
     if fixed.is_empty() {
         return Generated::default();
     }
-    let again: HashSet<u32> = sweep(system, basis, history, scaling, 0x85eb_ca6b).still.into_iter().collect();
+    let again: HashSet<u32> = sweep(system, basis, history, scaling, keys, 0x85eb_ca6b).still.into_iter().collect();
     fixed.retain(|j| again.contains(j));
     let mut u = vec![0.0; system.dofs()];
     system.prescribed().iter().for_each(|&(j, value)| u[j] = value);

@@ -2,6 +2,7 @@
 
 use crate::basis::{Basis, Row};
 use crate::certificate::History;
+use crate::components::Labels;
 use crate::local::Local;
 use crate::presolve::eliminate::Eliminated;
 use crate::random::signed;
@@ -21,11 +22,60 @@ const FAR: f64 = 1e5;
 /// Of the random masters and right-hand sides.
 pub(crate) const SEED: u64 = 0x9e37_79b9;
 
+/// A sample that is nearer to its limit than this factor is drawn again with numbers that depend on the component alone.
+const NEARLY: f64 = 0.03;
+
+/// By what random numbers are drawn: places within the component, so that they are the same whatever stands beside it, or, where
+/// nothing hangs on them, places in the whole.
+#[derive(Default)]
+pub(crate) struct Keys {
+    rows: Vec<u32>,
+    dofs: Vec<u32>,
+}
+
+impl Keys {
+    /// Places within components.
+    pub fn within(labels: &Labels, system: Local) -> Self {
+        let (mut next_row, mut next_dof) = (vec![0; labels.count], vec![0; labels.count]);
+        let mut rows = Vec::with_capacity(labels.of_row.len());
+        let mut dofs = vec![u32::MAX; system.dofs()];
+        let draw = |next: &mut u32| {
+            *next += 1;
+            *next - 1
+        };
+        for (i, &label) in labels.of_row.iter().enumerate() {
+            rows.push(draw(&mut next_row[label as usize]));
+            for &j in system.parts(i).0.iter().filter(|&&j| system.free()[j as usize]) {
+                if dofs[j as usize] == u32::MAX {
+                    dofs[j as usize] = draw(&mut next_dof[label as usize]);
+                }
+            }
+        }
+        Self { rows, dofs }
+    }
+
+    pub fn are_within(&self) -> bool {
+        !self.rows.is_empty()
+    }
+
+    #[inline]
+    fn row(&self, i: u32) -> u64 {
+        u64::from(self.rows.get(i as usize).copied().unwrap_or(i))
+    }
+
+    #[inline]
+    fn dof(&self, j: usize) -> u64 {
+        self.dofs.get(j).map_or(j as u64, |&key| u64::from(key))
+    }
+}
+
 /// What a pass finds.
 #[derive(Default)]
 pub(crate) struct Sweep {
     /// The row with the largest number of a sample of `C_S^-1`, and its size; C_S as in [`crate::sensitivity`].
     pub worst: Option<(usize, f64)>,
+    /// The largest move of a slave.
+    steepest: f64,
     /// Rows made by presolve that should not be relied on, for growth or for nearness to dependence.
     pub doubtful: Vec<usize>,
     /// Slaves that stay at zero for random masters, each in its unit, and zero prescribed values.
@@ -45,9 +95,16 @@ struct State {
 }
 
 /// Masters and right-hand sides by `seed`. O(nnz).
-pub(crate) fn sweep(system: Local, basis: &Basis, history: &History, scaling: &Scaling, seed: u64) -> Sweep {
-    let mut states = start(system, basis, scaling, seed);
-    let of_steps = steps(history, seed);
+pub(crate) fn sweep(
+    system: Local,
+    basis: &Basis,
+    history: &History,
+    scaling: &Scaling,
+    keys: &Keys,
+    seed: u64,
+) -> Sweep {
+    let mut states = start(system, basis, scaling, keys, seed);
+    let of_steps = steps(history, keys, seed);
     let (first, last) = (basis.peeled.len(), basis.peeled.len() + of_steps.len());
     let mut out = Sweep { bounds: vec![0.0; basis.rank()], ..Sweep::default() };
     for t in (0..basis.rank()).rev() {
@@ -63,7 +120,7 @@ pub(crate) fn sweep(system: Local, basis: &Basis, history: &History, scaling: &S
         state.u = moves;
         // Slaves of a block do not rest on one another, and their sample is known already.
         if t < last {
-            let right = if t < first { signed(seed, t as u64) } else { of_steps[t - first] };
+            let right = if t < first { signed(seed, keys.row(basis.peeled[t])) } else { of_steps[t - first] };
             state.w = apart_from_zero(sample + right / basis.pivot(t, &terms, scaling));
             let far = t >= first && basis.reach_of_step(t - first) > FAR;
             out.judge(t, state.w.abs(), ldexp(moves.abs(), -scaling.col(slave as usize)), far);
@@ -73,11 +130,18 @@ pub(crate) fn sweep(system: Local, basis: &Basis, history: &History, scaling: &S
 }
 
 impl Sweep {
+    /// Whether decisions may hang on how the numbers were drawn.
+    pub fn is_near_a_limit(&self) -> bool {
+        !is_at_most(self.steepest, NEARLY * STEEP)
+            || self.worst.is_some_and(|(_, most)| !is_at_most(most, NEARLY * WEAK))
+    }
+
     #[inline]
     fn judge(&mut self, t: usize, sample: f64, moves: f64, far: bool) {
         if self.worst.is_none_or(|(_, most)| sample > most || sample.is_nan()) {
             self.worst = Some((t, sample));
         }
+        self.steepest = if is_at_most(moves, self.steepest) { self.steepest } else { moves };
         // What is no number is no small one.
         if far || !is_at_most(sample, WEAK) || !is_at_most(moves, STEEP) {
             self.doubtful.push(t);
@@ -103,8 +167,8 @@ fn apart_from_zero(sample: f64) -> f64 {
 }
 
 /// Masters at random, prescribed DOFs at zero, slaves of blocks with the samples of their blocks.
-fn start(system: Local, basis: &Basis, scaling: &Scaling, seed: u64) -> Vec<State> {
-    let master = |j: usize| State { u: ldexp(signed(!seed, j as u64), scaling.col(j)), w: 0.0 };
+fn start(system: Local, basis: &Basis, scaling: &Scaling, keys: &Keys, seed: u64) -> Vec<State> {
+    let master = |j: usize| State { u: ldexp(signed(!seed, keys.dof(j)), scaling.col(j)), w: 0.0 };
     let mut states: Vec<State> = (0..system.dofs()).map(master).collect();
     system.prescribed().iter().for_each(|&(j, _)| states[j].u = 0.0);
     for (block, kept) in basis.blocks.iter().enumerate() {
@@ -144,26 +208,30 @@ fn sums(terms: Row, slave: u32, states: &[State], scaling: &Scaling) -> Sums {
 }
 
 /// `L^-1` times a random right-hand side, by step.
-fn steps(history: &History, seed: u64) -> Vec<f64> {
+fn steps(history: &History, keys: &Keys, seed: u64) -> Vec<f64> {
     let mut right: Vec<f64> = Vec::with_capacity(history.steps.len());
-    history.steps.iter().for_each(|&row| right.push(after(row, &history.factors[row as usize], &right, seed)));
+    for &row in &history.steps {
+        let own = signed(seed, keys.row(history.rows[row as usize]));
+        right.push(after(own, &history.factors[row as usize], &right));
+    }
     right
 }
 
-/// The random right-hand side of a row after the steps that were subtracted from it.
-fn after(row: u32, factors: &[(u32, f64)], steps: &[f64], seed: u64) -> f64 {
-    signed(!seed, u64::from(row)) - factors.iter().map(|&(step, factor)| factor * steps[step as usize]).sum::<f64>()
+/// A right-hand side after the steps that were subtracted from its row.
+fn after(own: f64, factors: &[(u32, f64)], steps: &[f64]) -> f64 {
+    own - factors.iter().map(|&(step, factor)| factor * steps[step as usize]).sum::<f64>()
 }
 
-/// A random right-hand side after elimination, for every row that went through it: the one of which blocks give their samples.
-pub(crate) fn random_sides(eliminated: &Eliminated) -> Vec<f64> {
+/// A random right-hand side after elimination, for every row of the core: the one of which blocks give their samples.
+pub(crate) fn random_sides(eliminated: &Eliminated, keys: &Keys) -> Vec<f64> {
+    let own = |row: u32| signed(SEED, keys.row(eliminated.names[row as usize]));
     let mut steps: Vec<f64> = Vec::with_capacity(eliminated.steps.len());
     for step in &eliminated.steps {
-        steps.push(after(step.row, &eliminated.factors[step.row as usize], &steps, SEED));
+        steps.push(after(own(step.row), &eliminated.factors[step.row as usize], &steps));
     }
     let mut all = vec![0.0; eliminated.rows.len()];
     for &row in &eliminated.core {
-        all[row as usize] = after(row, &eliminated.factors[row as usize], &steps, SEED);
+        all[row as usize] = after(own(row), &eliminated.factors[row as usize], &steps);
     }
     all
 }

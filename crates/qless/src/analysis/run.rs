@@ -77,10 +77,10 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
         run.local = numbering.view(system, &rhs);
         let agreeing = run.stages(&held, start)?;
         (stages.basis, stages.blocks) = (agreeing.basis, agreeing.blocks);
-        stages.swept = sweep(local, &stages.basis, &agreeing.history, &scaling, SEED);
+        stages.swept = sweep(local, &stages.basis, &agreeing.history, &scaling, &stages.keys, SEED);
     }
     let still = std::mem::take(&mut stages.swept.still);
-    let generated = generated::find(still, local, &stages.basis, &stages.history, &scaling);
+    let generated = generated::find(still, local, &stages.basis, &stages.history, &scaling, &stages.keys);
     let analysis =
         stages.conclude(numbering, scaling, rhs, options.clone(), generated, confidence, kept.unmet, backend.as_ref());
     Ok(Analysis { ignored, ..analysis })

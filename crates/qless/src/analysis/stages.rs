@@ -22,7 +22,7 @@ use crate::presolve::peel::{Peeled, peel};
 use crate::qr::{Backend, BackendError};
 use crate::scale::Scaling;
 use crate::sensitivity;
-use crate::sweep::{SEED, Sweep, is_far, random_sides, sweep};
+use crate::sweep::{Keys, SEED, Sweep, is_far, random_sides, sweep};
 use crate::{ConstraintSystem, Options};
 
 /// Stages that presolve's doubts have been taken from.
@@ -55,6 +55,7 @@ pub struct Stages {
     pub dependent: Vec<Dependent>,
     /// Dependent rows, among those that went through elimination, of which much was made of others.
     far: Vec<u32>,
+    pub keys: Keys,
     /// What was found of the slaves and of their rows of T.
     pub swept: Sweep,
     presolve: PresolveStatistics,
@@ -126,7 +127,13 @@ impl Run<'_> {
 
     fn swept(&self, held: &[bool], started: Instant) -> Result<Stages, AnalysisError> {
         let mut stages = self.stages(held, started)?;
-        stages.swept = sweep(self.local, &stages.basis, &stages.history, self.scaling, SEED);
+        let sweep =
+            |stages: &Stages| sweep(self.local, &stages.basis, &stages.history, self.scaling, &stages.keys, SEED);
+        stages.swept = sweep(&stages);
+        if !stages.keys.are_within() && stages.swept.is_near_a_limit() {
+            stages.keys = Keys::within(&Labels::of(self.local), self.local);
+            stages.swept = sweep(&stages);
+        }
         Ok(stages)
     }
 
@@ -150,7 +157,8 @@ impl Run<'_> {
         let eliminated = eliminate(gathered, means.tolerance, held);
         let presolved = Instant::now();
         let parts = eliminated.components(local.free());
-        let random = if parts.is_empty() { Vec::new() } else { random_sides(&eliminated) };
+        let keys = if parts.is_empty() { Keys::default() } else { Keys::within(&Labels::of(local), local) };
+        let random = if parts.is_empty() { Vec::new() } else { random_sides(&eliminated, &keys) };
         let gather = |rows: &Vec<u32>| Block::new(&eliminated.rows, rows, local.free(), &random);
         let blocks: Vec<Block> = parts.iter().map(gather).collect();
         // Blocks are independent: in parallel, in the caller's pool, the result in their order whatever the threads.
@@ -175,6 +183,7 @@ impl Run<'_> {
             history,
             dependent,
             far,
+            keys,
             swept: Sweep::default(),
             presolve,
             started,
