@@ -107,7 +107,9 @@ fn without_weak(block: &Block, means: Means, factor: &Factor, order: &[usize]) -
         dropped.extend(factor.order[factor.rank..].iter().map(|&k| kept[k]));
         kept = factor.order[..factor.rank].iter().map(|&k| kept[k]).collect();
         let Some(still) = factor.weak_columns(limit)? else { return Ok(None) };
-        weak = still.into_iter().filter(|&k| !sure[kept[k]]).collect();
+        // Many rows together can be nearer to dependence than the tolerance, though none of them is.
+        let apart = measure(block, &factor, &kept).1.left > limit;
+        weak = still.into_iter().filter(|&k| !apart && !sure[kept[k]]).collect();
         if !weak.is_empty() {
             continue;
         }
