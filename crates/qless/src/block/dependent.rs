@@ -21,6 +21,9 @@ const ROUNDING: f64 = 8.0;
 /// A row of which presolve left less than this is small as a whole.
 const SMALL_ROW: f64 = 1e-9;
 
+/// The estimate of a smallest singular value is not above this times the value.
+const ESTIMATE: f64 = 10.0;
+
 /// Most times that rows are dropped and taken back in search of a sound choice.
 const ROUNDS: usize = 8;
 
@@ -35,6 +38,14 @@ pub(super) struct Rows {
     pub order: Vec<usize>,
     pub dependent: Vec<Dependent>,
     pub nearness: Nearness,
+}
+
+/// The kept row with the largest part in the smallest singular vector.
+#[derive(Clone, Copy)]
+struct Weakest {
+    row: usize,
+    /// What the other kept rows leave of it, in 2-norm; not less than its distance from their span.
+    left: f64,
 }
 
 pub(super) fn find(block: &Block, means: Means) -> Result<Rows, BackendError> {
@@ -56,7 +67,9 @@ fn independent(block: &Block, means: Means) -> Result<Rows, BackendError> {
     let (m, n) = (block.matrix.rows(), block.matrix.cols);
     let pivots = backend.pivots(n, m) || near.distance >= NEAR;
     if !pivots && m * n > SMALL {
-        if let Some(rows) = without_weak(block, means, &factor, &order)? {
+        // No row is nearer to the others than sigma.
+        let doubtful = near.sigma <= ESTIMATE * tolerance;
+        if let Some(rows) = if doubtful { without_weak(block, means, &factor, &order)? } else { None } {
             return Ok(rows);
         }
     } else if !pivots {
@@ -68,40 +81,48 @@ fn independent(block: &Block, means: Means) -> Result<Rows, BackendError> {
         }
     }
     let left = beyond_rounding(&factor, block);
-    if near.sigma <= tolerance && near.distance < NEAR && factor.rank > 0 {
-        return repair(block, means, &factor, weakest, order);
+    if weakest.left <= tolerance && near.distance < NEAR && factor.rank > 0 {
+        return repair(block, means, &factor, weakest.row, order);
     }
     let (tableau, near) = in_order(block, means, certificates(&factor), near)?;
     Ok(rows(block, &tableau, left, near, order))
 }
 
-/// The backend kept rows that are combinations of others, as a QR without pivoting does where their remainders are spread over
-/// many: those are found by the singular vectors and dropped, and dropped rows that only such a row had explained come
-/// back. None where that does not end in a sound choice.
+/// The backend kept rows that are combinations of others to within the tolerance, as a QR without pivoting does where their
+/// remainders are spread over many: those are found by the singular vectors and dropped. Dropped rows that are no combinations
+/// come back for good: only such a row had explained them, or many together are nearer to dependence than each of them.
+/// None where that does not end in a sound choice.
 fn without_weak(block: &Block, means: Means, factor: &Factor, order: &[usize]) -> Result<Option<Rows>, BackendError> {
     let reference = means.orthogonal();
     let mut kept = factor.order[..factor.rank].to_vec();
     let mut dropped = factor.order[factor.rank..].to_vec();
-    let Some(mut weak) = factor.weak_columns(NEAR)? else { return Ok(None) };
+    let mut sure = vec![false; block.matrix.rows()];
+    let limit = means.tolerance;
+    let first = if means.backend.is_orthogonal() { factor.weak_columns(limit)? } else { Some(Vec::new()) };
+    let Some(mut weak) = first else { return Ok(None) };
     for _ in 0..ROUNDS {
         weak.sort_unstable_by(|a, b| b.cmp(a));
         dropped.extend(weak.iter().map(|&k| kept.swap_remove(k)));
         let factor = reference.factor(&block.select(&kept), &[], 0.0)?;
         dropped.extend(factor.order[factor.rank..].iter().map(|&k| kept[k]));
         kept = factor.order[..factor.rank].iter().map(|&k| kept[k]).collect();
-        let Some(still) = factor.weak_columns(NEAR)? else { return Ok(None) };
-        weak = still;
+        let Some(still) = factor.weak_columns(limit)? else { return Ok(None) };
+        // Many rows together can be nearer to dependence than the tolerance, though none of them is.
+        let apart = measure(block, &factor, &kept).1.left > limit;
+        weak = still.into_iter().filter(|&k| !apart && !sure[kept[k]]).collect();
         if !weak.is_empty() {
             continue;
         }
         let tableau = over_kept(block, reference, &kept, &dropped)?;
         let unexplained = unexplained(block, &tableau, means.tolerance)?;
         if unexplained.is_empty() {
-            let near = of_rows(block, &kept, means)?.0;
+            let (near, weakest) = of_rows(block, &kept, means)?;
             let left = Some(remainder(block, &tableau)).filter(|&left| left > noise_of(block)).unwrap_or(0.0);
             let (tableau, near) = in_order(block, means, tableau, near)?;
-            return Ok((near.distance >= NEAR).then(|| rows(block, &tableau, left, near, order.to_vec())));
+            let sound = near.distance >= NEAR || weakest.left > means.tolerance;
+            return Ok(sound.then(|| rows(block, &tableau, left, near, order.to_vec())));
         }
+        unexplained.iter().for_each(|&k| sure[k] = true);
         dropped.retain(|k| !unexplained.contains(k));
         kept.extend(unexplained);
     }
@@ -166,23 +187,23 @@ fn repair(
         let place = kept.iter().position(|&i| i == drop).unwrap_or(kept.len() - 1);
         dropped.push(kept.swap_remove(place));
         let (near, weakest) = of_rows(block, &kept, means)?;
-        if near.sigma > means.tolerance {
+        if weakest.left > means.tolerance {
             let tableau = over_kept(block, means.backend, &kept, &dropped)?;
             let left = remainder(block, &tableau);
             return Ok(rows(block, &tableau, left, near, order));
         }
-        drop = weakest;
+        drop = weakest.row;
     }
 }
 
 /// How near the kept rows of a factor are to dependence, and the row with the largest part in the smallest singular vector.
-fn nearness(block: &Block, factor: &Factor, means: Means) -> Result<(Nearness, usize), BackendError> {
+fn nearness(block: &Block, factor: &Factor, means: Means) -> Result<(Nearness, Weakest), BackendError> {
     let kept = &factor.order[..factor.rank];
     if means.backend.is_orthogonal() { Ok(measure(block, factor, kept)) } else { of_rows(block, kept, means) }
 }
 
 /// The same of any rows.
-fn of_rows(block: &Block, kept: &[usize], means: Means) -> Result<(Nearness, usize), BackendError> {
+fn of_rows(block: &Block, kept: &[usize], means: Means) -> Result<(Nearness, Weakest), BackendError> {
     let factor = means.orthogonal().factor(&block.select(kept), &[], 0.0)?;
     let kept: Vec<usize> = factor.order[..factor.rank].iter().map(|&k| kept[k]).collect();
     Ok(measure(block, &factor, &kept))
@@ -190,10 +211,10 @@ fn of_rows(block: &Block, kept: &[usize], means: Means) -> Result<(Nearness, usi
 
 /// `sigma` and, with its singular vectors y of the rows and v of the DOFs, `sigma / (max |y_i| max |v_j|)`: the entry of the
 /// inverse that is largest in the direction in which the rows are nearest to dependence. `kept` are the rows of the factor.
-fn measure(block: &Block, factor: &Factor, kept: &[usize]) -> (Nearness, usize) {
+fn measure(block: &Block, factor: &Factor, kept: &[usize]) -> (Nearness, Weakest) {
     let (sigma, y) = factor.smallest_singular_value();
     let place = largest_place(&y);
-    let weakest = place.map_or(0, |k| kept[k]);
+    let weakest = Weakest { row: place.map_or(0, |k| kept[k]), left: place.map_or(sigma, |k| sigma / y[k].abs()) };
     let Some(most) = place.map(|k| y[k].abs()).filter(|_| sigma < NEAR) else {
         return (Nearness { sigma, distance: sigma }, weakest);
     };

@@ -48,10 +48,45 @@ impl Backend for Faer {
     }
 }
 
-/// `A <- [R over Householder vectors]`, `B <- Q^T B`; returns P and the rank. One thread, so that bits never depend on
-/// threads. Only the reflectors up to the rank are applied: later ones would turn what is left of B within itself, and
-/// those of columns that are exactly zero are not defined.
+/// Pivots below this times the first of a stage are chosen anew: norms of what remains are updated, not computed, and below
+/// about 1e-8 of the first they are rounding.
+const GRADE: f64 = 1e-6;
+
+/// `A <- R` above its diagonal, `B <- Q^T B`; returns P and the rank. In stages, so that the columns that remain are compared by
+/// norms computed from what is left of them: one stage where no pivot is small.
 fn factor_in_place(a: &mut Mat<f64>, b: &mut Mat<f64>, tolerance: f64) -> (Vec<usize>, usize) {
+    let (n, steps) = (a.ncols(), a.nrows().min(a.ncols()));
+    let (mut order, mut rank) = stage(a, b, tolerance);
+    while rank < steps && largest_left(a, rank) > tolerance {
+        let mut left = Mat::from_fn(steps - rank, n - rank, |i, j| if i > j { 0.0 } else { a[(rank + i, rank + j)] });
+        let mut rest = Mat::from_fn(steps - rank, b.ncols(), |i, c| b[(rank + i, c)]);
+        let (places, found) = stage(&mut left, &mut rest, tolerance);
+        if found == 0 {
+            break;
+        }
+        for i in 0..rank {
+            let row: Vec<f64> = places.iter().map(|&j| a[(i, rank + j)]).collect();
+            row.into_iter().enumerate().for_each(|(j, v)| a[(i, rank + j)] = v);
+        }
+        a.as_mut().get_mut(rank..steps, rank..).copy_from(&left);
+        b.as_mut().get_mut(rank..steps, ..).copy_from(&rest);
+        let names: Vec<usize> = places.iter().map(|&j| order[rank + j]).collect();
+        order[rank..].copy_from_slice(&names);
+        rank += found;
+    }
+    (order, rank)
+}
+
+/// The largest norm of what remains of a column.
+fn largest_left(r: &Mat<f64>, rank: usize) -> f64 {
+    let steps = r.nrows().min(r.ncols());
+    let norm = |j: usize| (rank..=j.min(steps - 1)).map(|i| r[(i, j)].powi(2)).sum::<f64>().sqrt();
+    (rank..r.ncols()).map(norm).fold(0.0, f64::max)
+}
+
+/// QR with column pivoting as faer does it; returns P and how many pivots are surely the best. One thread, so that bits never
+/// depend on threads. Only reflectors of pivots that are not zero are applied: others are not defined.
+fn stage(a: &mut Mat<f64>, b: &mut Mat<f64>, tolerance: f64) -> (Vec<usize>, usize) {
     let (m, n, steps) = (a.nrows(), a.ncols(), a.nrows().min(a.ncols()));
     let block = recommended_block_size::<f64>(m, n);
     let mut coefficients = Mat::zeros(block, steps);
@@ -61,12 +96,19 @@ fn factor_in_place(a: &mut Mat<f64>, b: &mut Mat<f64>, tolerance: f64) -> (Vec<u
     let stack = MemStack::new(&mut memory);
     let params = Spec::default();
     qr_in_place(a.as_mut(), coefficients.as_mut(), &mut order, &mut inverse, Par::Seq, stack, params);
-    let rank = (0..steps).take_while(|&i| a[(i, i)].abs() > tolerance).count();
-    if rank > 0 {
-        let basis = a.as_ref().get(.., ..rank);
-        apply_transpose(basis, coefficients.as_ref().get(.., ..rank), Conj::No, b.as_mut(), Par::Seq, stack);
+    let limit = tolerance.max(GRADE * a[(0, 0)].abs());
+    let sure = (0..steps).take_while(|&i| a[(i, i)].abs() > limit).count();
+    // What is left is turned only where it counts.
+    let turns = if sure < steps && largest_left(a, sure) > tolerance {
+        (0..steps).take_while(|&i| a[(i, i)] != 0.0).count()
+    } else {
+        sure
+    };
+    if turns > 0 {
+        let basis = a.as_ref().get(.., ..turns);
+        apply_transpose(basis, coefficients.as_ref().get(.., ..turns), Conj::No, b.as_mut(), Par::Seq, stack);
     }
-    (order, rank)
+    (order, sure)
 }
 
 fn read(a: &Mat<f64>, b: &Mat<f64>, order: Vec<usize>, rank: usize) -> Factor {
