@@ -4,17 +4,19 @@
 //! for which `C_S^-1` is large. Its row of `C_S^-1` by one transposed solve, and that row solved for once more, are a step of
 //! inverse iteration from a start that lies in the right direction.
 
+use crate::Csr;
 use crate::basis::Basis;
 use crate::certificate::History;
 use crate::local::Local;
-use crate::qr::norm;
+use crate::qr::sparse::Sparse;
+use crate::qr::{Backend, BackendError, norm};
 use crate::scale::{Scaling, ldexp};
 
 /// Below this the sample says all that is worth knowing.
 const HARMLESS: f64 = 8.0;
 
-/// Estimate of the smallest singular value, at most 1; `worst` is the row of the basis with the largest number of a sample, and
-/// that number.
+/// Estimate of the smallest singular value of what presolve kept, at most 1; `worst` is the row of the basis with the largest number
+/// of a sample, and that number.
 pub(crate) fn sigma(
     worst: Option<(usize, f64)>,
     system: Local,
@@ -26,18 +28,40 @@ pub(crate) fn sigma(
     if size <= HARMLESS {
         return 1.0 / size.max(1.0);
     }
-    if !size.is_finite() {
-        return 0.0;
-    }
     let mut row = row_of_inverse(system, basis, history, scaling, t);
     let length = norm(&row);
-    if !(length.is_finite() && length > 0.0) {
+    if !(size.is_finite() && length.is_finite() && length > 0.0) {
         return 0.0;
     }
     row.iter_mut().for_each(|v| *v /= length);
     let solution = norm(&solve(row, system, basis, history, scaling));
     // Blocks have a part in the sample only.
     if solution.is_finite() { (1.0 / solution.max(length).max(size / 2.0)).min(1.0) } else { 0.0 }
+}
+
+/// Whether the slaves of presolve may say too little of the rows, and are few enough for a closer look.
+pub(crate) fn is_worth_a_look(worst: Option<(usize, f64)>, rank: usize) -> bool {
+    worst.is_some_and(|(_, size)| size > HARMLESS) && rank <= FEW
+}
+
+/// Rows that are factored for the sake of their singular value alone.
+const FEW: usize = 1000;
+
+/// The same of all independent equations by their factors.
+pub(crate) fn by_factors(
+    system: Local,
+    independent: impl Fn(usize) -> bool,
+    scaling: &Scaling,
+    memory: usize,
+) -> Result<f64, BackendError> {
+    let mut rows = Csr::empty(system.dofs());
+    for i in (0..system.equations()).filter(|&i| independent(i)) {
+        let free = system.row(i).filter(|&(j, _)| system.free()[j]);
+        rows.push_row(free.map(|(j, v)| (j, scaling.entry(i, j, v))));
+    }
+    // Local numbers do not ascend within rows: transposing twice sorts them.
+    let factor = Sparse { memory }.factor(&rows.transpose().transpose(), &[], 0.0)?;
+    Ok(factor.smallest_singular_value().0.min(1.0))
 }
 
 /// `e_s^T C_S^-1` for the slave of row t, by row of the basis; blocks left out.

@@ -15,7 +15,7 @@ const NOISE: f64 = 1e-11;
 /// its equations has lost that many digits.
 const STEEP: f64 = 1e3;
 /// A slave that moves more than this, for right-hand sides of size 1, stands for equations that are nearly dependent.
-const WEAK: f64 = 3e5;
+const WEAK: f64 = 3e4;
 /// A row to which more than this of a user's equation was added has lost that many digits.
 const FAR: f64 = 1e5;
 
@@ -23,7 +23,7 @@ const FAR: f64 = 1e5;
 pub(crate) const SEED: u64 = 0x9e37_79b9;
 
 /// A sample that is nearer to its limit than this factor is drawn again with numbers that depend on the component alone.
-const NEARLY: f64 = 0.03;
+const NEARLY: f64 = 0.1;
 
 /// By what random numbers are drawn: places within the component, so that they are the same whatever stands beside it, or, where
 /// nothing hangs on them, places in the whole.

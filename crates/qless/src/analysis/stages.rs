@@ -141,7 +141,13 @@ impl Run<'_> {
     fn settled(&self, stages: Stages, held: Vec<bool>, mut doubted: Vec<usize>, system: &ConstraintSystem) -> Settled {
         let Stages { basis, history, dependent, swept, .. } = &stages;
         let worst = swept.worst.filter(|_| self.means.check);
-        let sigma = sensitivity::sigma(worst, self.local, basis, history, self.scaling);
+        let mut sigma = sensitivity::sigma(worst, self.local, basis, history, self.scaling);
+        if sensitivity::is_worth_a_look(worst, basis.rank()) {
+            let mut is_dependent = vec![false; self.local.equations()];
+            dependent.iter().for_each(|d| is_dependent[d.row] = true);
+            let found = sensitivity::by_factors(self.local, |i| !is_dependent[i], self.scaling, self.means.memory());
+            sigma = found.unwrap_or(sigma);
+        }
         doubted.extend(confidence::doubted(dependent, system));
         let near = basis.blocks.iter().filter(|block| !block.nearness.is_sound());
         doubted.extend(near.filter_map(|block| block.rows.first()).map(|&row| history.rows[row as usize] as usize));

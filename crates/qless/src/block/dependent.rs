@@ -6,7 +6,7 @@ use crate::Csr;
 use crate::confidence::NEAR;
 use crate::presolve::eliminate::Mismatch;
 use crate::qr::faer::Faer;
-use crate::qr::{Backend, BackendError, Factor, SMALL, largest_place, norm};
+use crate::qr::{Backend, BackendError, Factor, SMALL, largest_place, norm, part_of_largest};
 use crate::scale::ldexp;
 
 /// Coefficients of a certificate below this, relative to its largest, are rounding; where the kept rows are badly
@@ -215,16 +215,16 @@ fn measure(block: &Block, factor: &Factor, kept: &[usize]) -> (Nearness, Weakest
     let (sigma, y) = factor.smallest_singular_value();
     let place = largest_place(&y);
     let weakest = Weakest { row: place.map_or(0, |k| kept[k]), left: place.map_or(sigma, |k| sigma / y[k].abs()) };
-    let Some(most) = place.map(|k| y[k].abs()).filter(|_| sigma < NEAR) else {
-        return (Nearness { sigma, distance: sigma }, weakest);
-    };
-    let mut v = vec![0.0; block.matrix.cols];
-    for (&i, y) in kept.iter().zip(&y) {
-        block.matrix.row(i).for_each(|(j, c)| v[j] += y * c);
+    let distance = if sigma < NEAR { distance(&block.matrix, kept, sigma, &y) } else { sigma };
+    (Nearness { sigma, distance }, weakest)
+}
+
+fn distance(rows: &Csr, kept: &[usize], sigma: f64, y: &[f64]) -> f64 {
+    let mut v = vec![0.0; rows.cols];
+    for (&i, y) in kept.iter().zip(y) {
+        rows.row(i).for_each(|(j, c)| v[j] += y * c);
     }
-    let largest = v.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
-    let spread = if largest > 0.0 { norm(&v) / largest } else { 1.0 };
-    (Nearness { sigma, distance: sigma * spread / most }, weakest)
+    sigma / (part_of_largest(y) * part_of_largest(&v))
 }
 
 /// The dropped rows over the kept ones: least squares with the kept rows as columns.

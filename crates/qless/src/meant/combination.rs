@@ -97,9 +97,8 @@ impl Combination {
         let size = rest.values().fold(0.0, |a: f64, &(_, most, _)| a.max(most));
         // Parts that small cannot be told from those that only fit what was rounded.
         let untold = UNTOLD * self.distance.sqrt() * size;
-        let relative = |&(sum, most, count): &(f64, f64, usize)| {
-            sum.abs() / if count > 1 && most > untold { most } else { size }
-        };
+        let relative =
+            |&(sum, most, count): &(f64, f64, usize)| sum.abs() / if count > 1 && most > untold { most } else { size };
         let largest = rest.values().map(relative).fold(0.0, f64::max);
         (-largest.log10()).clamp(0.0, DIGITS).floor() as u32
     }

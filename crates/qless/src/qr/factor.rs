@@ -81,6 +81,12 @@ fn normalize(x: &mut [f64]) {
     x.iter_mut().for_each(|v| *v /= norm);
 }
 
+/// `max |x_i| / |x|`, 1 for nothing.
+pub(crate) fn part_of_largest(x: &[f64]) -> f64 {
+    let largest = x.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
+    if largest > 0.0 { largest / norm(x) } else { 1.0 }
+}
+
 /// The place of the number of the largest size, the first of equals.
 pub(crate) fn largest_place(x: &[f64]) -> Option<usize> {
     (0..x.len()).max_by(|&a, &b| x[a].abs().total_cmp(&x[b].abs()).then(b.cmp(&a)))

@@ -5,7 +5,7 @@
 //! `W A P = [R1 R2; 0 0]` serves the callers, so that Gauss elimination is a backend too (W = L^-1).
 
 use crate::Csr;
-pub(crate) use factor::{largest_place, norm};
+pub(crate) use factor::{largest_place, norm, part_of_largest};
 
 #[cfg(test)]
 pub(crate) mod check;

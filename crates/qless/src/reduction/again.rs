@@ -33,20 +33,32 @@ pub(super) fn compute(
     memory: usize,
 ) -> Result<(), ReductionError> {
     let labels = Labels::of(local);
-    let mut wanted = vec![false; labels.count];
-    rows.iter().for_each(|&i| wanted[labels.of_row[i] as usize] = true);
-    let equations: Vec<usize> =
-        (0..local.equations()).filter(|&i| independent[i] && wanted[labels.of_row[i] as usize]).collect();
+    let mut wanted: Vec<u32> = rows.iter().map(|&i| labels.of_row[i]).collect();
+    wanted.sort_unstable();
+    wanted.dedup();
+    let mut equations = vec![Vec::new(); wanted.len()];
+    for i in (0..local.equations()).filter(|&i| independent[i]) {
+        if let Ok(place) = wanted.binary_search(&labels.of_row[i]) {
+            equations[place].push(i);
+        }
+    }
     let roles = roles(local, reduction);
-    let part = Part::new(local, &equations, &roles, scaling);
-    let order = crate::qr::sparse::order(&part.slaves.transpose())?;
-    let lu = lu::factor(&part.slaves, &order, |_| true, memory)
-        .map_err(|error| error.of_block("sparse LU", &part.slaves, memory))?;
-    let solver = Solver::new(&part.slaves, lu);
-    let (columns, g) = (solver.solve(&part.right), solver.solve_dense(&part.rhs));
-    part.write(reduction, &solver, &columns.transpose(), &g);
+    let mut rows = vec![None; reduction.slaves.len()];
+    for equations in equations {
+        let part = Part::new(local, &equations, &roles, scaling);
+        let order = crate::qr::sparse::order(&part.slaves)?;
+        let lu = lu::factor(&part.slaves, &order, |_| true, memory)
+            .map_err(|error| error.of_block("sparse LU", &part.slaves, memory))?;
+        let solver = Solver::new(&part.slaves, lu);
+        let (columns, g) = (solver.solve(&part.right), solver.solve_dense(&part.rhs));
+        part.write(&mut rows, &solver, &columns.transpose(), &g);
+    }
+    replace(reduction, &rows);
     Ok(())
 }
+
+/// A row of T, one of G, and a number of g.
+type Row = (Vec<(usize, f64)>, Vec<(usize, f64)>, f64);
 
 fn roles(local: Local, reduction: &Reduction) -> Vec<Role> {
     let dofs = &local.numbering.dofs;
@@ -96,44 +108,44 @@ impl Part {
             rest.push_row(local.row(i).filter(|&(j, _)| !is_slave(j)).map(scaled).map(|(j, v)| (j, -v)));
         }
         let rhs = equations.iter().map(|&i| ldexp(local.rhs()[i], scaling.row[i])).collect();
-        Self { slaves, right: rest.transpose(), rhs, places, others }
+        // Local numbers do not ascend within rows: transposing twice sorts them.
+        Self { slaves: slaves.transpose().transpose(), right: rest.transpose(), rhs, places, others }
     }
 
-    /// Replaces rows of the reduction; row k of `solved` belongs to the slave of step k.
-    fn write(&self, reduction: &mut Reduction, solver: &Solver, solved: &Csr, g: &[f64]) {
-        let mut step = vec![u32::MAX; reduction.slaves.len()];
-        for (&slave, k) in solver.slaves().iter().zip(0..) {
+    /// Rows of the reduction, by place; row k of `solved` belongs to the slave of step k.
+    fn write(&self, rows: &mut [Option<Row>], solver: &Solver, solved: &Csr, g: &[f64]) {
+        for (k, &slave) in solver.slaves().iter().enumerate() {
             let (place, exponent) = self.places[slave as usize];
-            step[place as usize] = k;
-            reduction.g[place as usize] = ldexp(g[k as usize], exponent);
-        }
-        let exponent = |k: u32| self.places[solver.slaves()[k as usize] as usize].1;
-        let row = |k: u32, column: &dyn Fn(Role) -> Option<u32>| {
-            let entry = |(c, v): (usize, f64)| {
+            let (mut t, mut g_matrix) = (Vec::new(), Vec::new());
+            for (c, v) in solved.row(k) {
                 let (role, own) = self.others[c];
-                Some((column(role)? as usize, ldexp(v, exponent(k) - own)))
-            };
-            let mut entries: Vec<_> = solved.row(k as usize).filter_map(entry).collect();
-            entries.sort_unstable_by_key(|&(j, _)| j);
-            entries
-        };
-        let free = |role| if let Role::Master(place) = role { Some(place) } else { None };
-        let fixed = |role| if let Role::Prescribed(place) = role { Some(place) } else { None };
-        replace(&mut reduction.t, &step, &|k| row(k, &free));
-        replace(&mut reduction.g_matrix, &step, &|k| row(k, &fixed));
+                let value = ldexp(v, exponent - own);
+                match role {
+                    Role::Prescribed(column) => g_matrix.push((column as usize, value)),
+                    Role::Master(column) | Role::Slave(column) => t.push((column as usize, value)),
+                }
+            }
+            t.sort_unstable_by_key(|&(j, _)| j);
+            g_matrix.sort_unstable_by_key(|&(j, _)| j);
+            rows[place as usize] = Some((t, g_matrix, ldexp(g[k], exponent)));
+        }
     }
 }
 
-/// Row i becomes `row(step[i])` where there is such a step.
-fn replace(matrix: &mut Csr, step: &[u32], row: &dyn Fn(u32) -> Vec<(usize, f64)>) {
-    let mut new = Csr::empty(matrix.cols);
-    for (i, &k) in step.iter().enumerate() {
-        match k {
-            u32::MAX => new.push_row(matrix.row(i)),
-            k => new.push_row(row(k)),
+/// Puts the rows that there are into the reduction.
+fn replace(reduction: &mut Reduction, rows: &[Option<Row>]) {
+    let (mut t, mut g_matrix) = (Csr::empty(reduction.t.cols), Csr::empty(reduction.g_matrix.cols));
+    for (i, row) in rows.iter().enumerate() {
+        if let Some((of_t, of_g, g)) = row {
+            t.push_row(of_t.iter().copied());
+            g_matrix.push_row(of_g.iter().copied());
+            reduction.g[i] = *g;
+        } else {
+            t.push_row(reduction.t.row(i));
+            g_matrix.push_row(reduction.g_matrix.row(i));
         }
     }
-    *matrix = new;
+    (reduction.t, reduction.g_matrix) = (t, g_matrix);
 }
 
 impl From<BackendError> for ReductionError {
