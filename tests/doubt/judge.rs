@@ -75,7 +75,7 @@ fn judge(case: &Case, truth: &Truth, options: &Options) -> Vec<Fault> {
     out.extend(rank(truth, &analysis).map(|fault| (Law::Rank, fault)));
     out.extend(conflict(case, truth, &analysis).map(|fault| (Law::Conflict, fault)));
     out.extend(generated(case, truth, &analysis).map(|fault| (Law::Generated, fault)));
-    if analysis.confidence.ambiguous && truth.is_clear() && !case.near {
+    if analysis.confidence.ambiguous && truth.is_clear() && !case.near && is_clear_as_given(case) {
         out.push((Law::Alarm, format!("in doubt at sigma {:.1e}: {:?}", truth.sigma(), analysis.confidence)));
     }
     out
@@ -138,9 +138,15 @@ fn conflict(case: &Case, truth: &Truth, analysis: &Analysis) -> Option<String> {
     })
 }
 
+/// Rows are what every tolerance is relative to, as the DOFs are given: their units are taken back only where whole columns
+/// are small.
+fn is_clear_as_given(case: &Case) -> bool {
+    Truth::new(&case.system, tolerance(&Options::default())).is_clear()
+}
+
 /// With `u_j = value` as further equations the rank is the same.
 fn generated(case: &Case, truth: &Truth, analysis: &Analysis) -> Option<String> {
-    if analysis.generated.is_empty() || !truth.is_clear() {
+    if analysis.generated.is_empty() || !truth.is_clear() || !is_clear_as_given(case) {
         return None;
     }
     let system = &case.base;

@@ -6,7 +6,9 @@ use crate::classify::Dependent;
 
 /// Kept equations that a change of one coefficient by less than this makes dependent are near dependence, whatever the tolerance.
 pub(crate) const NEAR: f64 = 3e-6;
-/// A mismatch of the right-hand sides below this, relative to its parts, might be meant as none.
+/// A mismatch of the right-hand sides up to this, relative to its parts, is none: sums of rounded numbers part so.
+const NO_MISMATCH: f64 = 1e-12;
+/// A mismatch below this might be meant as none.
 const SMALL_MISMATCH: f64 = 1e-6;
 
 /// How sure the rank is, relative to the equilibrated equations.
@@ -57,7 +59,7 @@ pub(crate) fn doubted<'a>(
 ) -> impl Iterator<Item = usize> + 'a {
     let largest_rhs = system.rhs().iter().fold(0.0, |a: f64, b| a.max(b.abs()));
     let doubtful = move |d: &&Dependent| {
-        let small = d.relative_mismatch > 0.0 && d.relative_mismatch < SMALL_MISMATCH;
+        let small = d.relative_mismatch > NO_MISMATCH && d.relative_mismatch < SMALL_MISMATCH;
         // `0 = b` has no parts to be relative to but the other right-hand sides.
         let empty = system.matrix().row(d.row).len() == 0;
         d.dropped > 0.0 || small || (empty && d.mismatch != 0.0 && d.mismatch.abs() < SMALL_MISMATCH * largest_rhs)

@@ -7,12 +7,10 @@
 use std::collections::HashSet;
 
 use crate::local::{Exponents, Local};
+use crate::scale::{equilibrated, free};
 
 /// Powers of two below the largest of its row at which a coefficient is no more than rounding.
 const ROUNDING: i32 = -46;
-/// Sweeps of scaling; each halves what is missing, in powers of two.
-const SWEEPS: usize = 12;
-
 /// A coefficient from which nothing was concluded: below 1.4e-14 of the largest of its equation and of its DOF, each in its unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ignored {
@@ -33,7 +31,7 @@ pub(crate) fn may_hold(exponents: &[Exponents]) -> bool {
 
 /// What is rounding, ascending by row and DOF.
 pub(crate) fn find(system: Local) -> Vec<Ignored> {
-    let (row, col) = scaling(system);
+    let (row, col) = equilibrated(system);
     let mut found = Vec::new();
     for i in 0..system.equations() {
         let rounding = |&(j, v): &(usize, f64)| v.abs().log2() + row[i] + col[j] <= f64::from(ROUNDING);
@@ -41,35 +39,6 @@ pub(crate) fn find(system: Local) -> Vec<Ignored> {
         found.extend(free(system, i).filter(rounding).map(named));
     }
     found
-}
-
-fn free<'a>(system: Local<'a>, i: usize) -> impl Iterator<Item = (usize, f64)> + 'a {
-    system.row(i).filter(move |&(j, _)| system.free()[j])
-}
-
-/// Powers of two for rows and columns.
-fn scaling(system: Local) -> (Vec<f64>, Vec<f64>) {
-    let (mut row, mut col) = (vec![0.0; system.equations()], vec![0.0; system.dofs()]);
-    for _ in 0..SWEEPS {
-        let mut of_row = vec![f64::NEG_INFINITY; row.len()];
-        let mut of_col = vec![f64::NEG_INFINITY; col.len()];
-        for i in 0..row.len() {
-            for (j, v) in free(system, i) {
-                let power = v.abs().log2() + row[i] + col[j];
-                (of_row[i], of_col[j]) = (of_row[i].max(power), of_col[j].max(power));
-            }
-        }
-        let halve = |scale: &mut Vec<f64>, most: &[f64]| {
-            scale
-                .iter_mut()
-                .zip(most)
-                .filter(|(_, most)| most.is_finite())
-                .for_each(|(scale, most)| *scale -= most / 2.0);
-        };
-        halve(&mut row, &of_row);
-        halve(&mut col, &of_col);
-    }
-    (row, col)
 }
 
 /// Which entries those are, in local numbers.

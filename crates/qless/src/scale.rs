@@ -2,8 +2,8 @@
 //!
 //! Rows are always scaled, so that the largest coefficient of a free DOF in each row lies in `[1, 2)`. More is decided for each
 //! connected component by itself. Where units mix, that is where more than one column in twenty with two entries or more lies
-//! below `2^-10` in all its rows, rows and columns are balanced by geometric means (Curtis and Reid 1972) before the rows get
-//! their final scale. Where only some entries are tiny, below `2^-20`, nobody can know whether they are in another unit or stand
+//! below `2^-10` in all its rows, rows and columns are balanced, the largest number of each being 1 (Ruiz 2001), before the
+//! rows get their final scale. Where only some entries are tiny, below `2^-20`, nobody can know whether they are in another unit or stand
 //! for zero: if the rank of scaled rows is in doubt, the analysis is made again with balanced columns, the surer one counts,
 //! and the doubt is reported.
 
@@ -189,26 +189,41 @@ impl Tally {
     }
 }
 
-/// Alternating geometric means of the free part, ten sweeps.
+/// Rows and columns with a largest number of 1.
 fn balance(c: Local, scaling: &mut Scaling) {
-    let mut row = vec![0.0; c.equations()];
-    let mut col = vec![0.0; c.dofs()];
-    for _ in 0..10 {
-        let mut sum = vec![(0.0, 0.0); c.dofs()];
-        for i in 0..c.equations() {
-            let free = || c.row(i).filter(|&(j, _)| c.free()[j]);
-            let total: f64 = free().map(|(j, v)| v.abs().log2() + col[j]).sum();
-            row[i] = -total / (free().count().max(1) as f64);
-            free().for_each(|(j, v)| {
-                sum[j].0 += v.abs().log2() + row[i];
-                sum[j].1 += 1.0;
-            });
+    scaling.col = equilibrated(c).1.iter().map(|e| e.round() as i32).collect();
+}
+
+/// Sweeps of equilibration; each halves what is missing, in powers of two.
+const SWEEPS: usize = 12;
+
+/// Exponents for rows and columns with which the largest free number of each is 1 (Ruiz 2001).
+pub(crate) fn equilibrated(system: Local) -> (Vec<f64>, Vec<f64>) {
+    let (mut row, mut col) = (vec![0.0; system.equations()], vec![0.0; system.dofs()]);
+    for _ in 0..SWEEPS {
+        let mut of_row = vec![f64::NEG_INFINITY; row.len()];
+        let mut of_col = vec![f64::NEG_INFINITY; col.len()];
+        for i in 0..row.len() {
+            for (j, v) in free(system, i) {
+                let power = v.abs().log2() + row[i] + col[j];
+                (of_row[i], of_col[j]) = (of_row[i].max(power), of_col[j].max(power));
+            }
         }
-        for (j, &(total, count)) in sum.iter().enumerate().filter(|(_, s)| s.1 > 0.0) {
-            col[j] = -total / count;
-        }
+        let halve = |scale: &mut Vec<f64>, most: &[f64]| {
+            scale
+                .iter_mut()
+                .zip(most)
+                .filter(|(_, most)| most.is_finite())
+                .for_each(|(scale, most)| *scale -= most / 2.0);
+        };
+        halve(&mut row, &of_row);
+        halve(&mut col, &of_col);
     }
-    scaling.col = col.iter().map(|&e: &f64| e.round() as i32).collect();
+    (row, col)
+}
+
+pub(crate) fn free<'a>(system: Local<'a>, i: usize) -> impl Iterator<Item = (usize, f64)> + 'a {
+    system.row(i).filter(move |&(j, _)| system.free()[j])
 }
 
 #[cfg(test)]

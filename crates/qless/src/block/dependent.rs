@@ -24,6 +24,9 @@ const SMALL_ROW: f64 = 1e-9;
 /// The estimate of a smallest singular value is not above this times the value.
 const ESTIMATE: f64 = 10.0;
 
+/// Coefficients of certificates above this are exchanged for smaller ones where the kept rows seem nearly dependent.
+const STEEP: f64 = 2.0;
+
 /// Most times that rows are dropped and taken back in search of a sound choice.
 const ROUNDS: usize = 8;
 
@@ -149,16 +152,26 @@ fn unexplained(block: &Block, tableau: &Tableau, tolerance: f64) -> Result<Vec<u
 fn in_order(
     block: &Block,
     means: Means,
-    tableau: Tableau,
-    near: Nearness,
+    mut tableau: Tableau,
+    mut near: Nearness,
 ) -> Result<(Tableau, Nearness), BackendError> {
+    let kept_of = |tableau: &Tableau| tableau.free.iter().map(|&k| k as usize).collect::<Vec<_>>();
+    if !near.is_sound() {
+        // Where certificates are small, no other choice of rows is much better (Gu and Eisenstat 1996).
+        let mut better = tableau.clone();
+        if better.limit(STEEP) && better.basic != tableau.basic {
+            let found = of_rows(block, &kept_of(&better), means)?.0;
+            if found.sigma > near.sigma {
+                (tableau, near) = (better, found);
+            }
+        }
+    }
     let mut ordered = tableau.clone();
     ordered.prefer(|candidate, holder| candidate > holder);
     if ordered.basic == tableau.basic {
         return Ok((tableau, near));
     }
-    let kept: Vec<usize> = ordered.free.iter().map(|&k| k as usize).collect();
-    let found = of_rows(block, &kept, means)?.0;
+    let found = of_rows(block, &kept_of(&ordered), means)?.0;
     Ok(if 2.0 * found.sigma < near.sigma { (tableau, near) } else { (ordered, found) })
 }
 
@@ -294,9 +307,18 @@ fn dependent(block: &Block, tableau: &Tableau, i: usize, left: f64, noise: f64, 
     because.sort_unstable_by_key(|&(row, _)| row);
     let units = CERTIFICATE_UNITS * because.len() as f64 / sigma.min(1.0);
     let mismatch = mismatch(block, tableau, i, noise * largest, units * f64::EPSILON * largest);
+    // What is left of all rows together may be no more than rounding of the parts of each.
+    let left = if left > 0.0 { left.min(confirmed(block, tableau, i)) } else { left };
     // A row that is small as a whole may be small for good: then its own numbers are what is dropped.
     let left = if norm_of(block, k) < SMALL_ROW { left.max(block.certain[k]) } else { left };
     Dependent { row: block.rows[k], because, dropped: left, mismatch: mismatch.scaled(-block.exponents[k]) }
+}
+
+/// What the certificate of dependent row i leaves of it, relative to its parts; 0 if rounding explains it.
+fn confirmed(block: &Block, tableau: &Tableau, i: usize) -> f64 {
+    let parts = tableau.row(i).iter().fold(1.0, |most: f64, y| most.max(y.abs()));
+    let left = rest(block, tableau, i).iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+    if left > noise_of(block) * parts { left } else { 0.0 }
 }
 
 fn norm_of(block: &Block, k: usize) -> f64 {
