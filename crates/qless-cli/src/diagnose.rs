@@ -3,7 +3,8 @@
 use std::time::{Duration, Instant};
 
 use qless::exact::{self, ExactRank, Reading, Settings};
-use qless::{Analysis, AnalysisError, ConstraintSystem, Kind, Options, Reduction, Report, analyse};
+use qless::{Analysis, AnalysisError, ConstraintSystem, Kind, Meant, Options, Reduction, Report, analyse};
+use qless::qr::BackendError;
 use qless_io::deck::{self, Format as Language};
 use qless_io::read_case;
 
@@ -24,6 +25,8 @@ pub struct Diagnosis<'a> {
     pub deck: Option<DeckInput>,
     /// The rank of the numbers as typed, if it was asked for.
     exact: Option<ExactRank>,
+    /// What may be meant instead of what is typed, where the rank is in doubt.
+    pub meant: Option<Meant>,
     start: Instant,
     read: Duration,
 }
@@ -44,7 +47,7 @@ pub fn diagnose<'a>(args: &'a ModelArgs, options: Options, progress: &Progress) 
     if let Some(&(dof, _)) = analysis.generated.iter().find(|(_, value)| !value.is_finite()) {
         return Err(Failure::of_overflow(&args.input, &system, dof));
     }
-    Ok(Diagnosis { args, options, system, analysis, deck, exact: None, start, read })
+    Ok(Diagnosis { args, options, system, analysis, deck, exact: None, meant: None, start, read })
 }
 
 /// What was read.
@@ -98,6 +101,16 @@ impl Diagnosis<'_> {
         Ok(())
     }
 
+    /// Adds the reading in which equations that nearly repeat others are meant to, where the rank is in doubt.
+    pub fn take_meaning(&mut self) -> Result<(), Failure> {
+        if self.analysis.confidence.ambiguous {
+            let meant = self.analysis.meant(&self.system);
+            let refused = |error: BackendError| Failure::of_analysis(error.into(), &self.args.input, Some(&self.system));
+            self.meant = meant.map_err(refused)?;
+        }
+        Ok(())
+    }
+
     /// Whether the exit code is 1.
     pub fn is_refused(&self) -> bool {
         let denied = |kind| match kind {
@@ -147,6 +160,9 @@ impl Diagnosis<'_> {
         let mut report = Report::new(&self.system, &self.analysis, terms);
         if let Some(exact) = &self.exact {
             report = report.with_exact(&self.system, &self.analysis, exact);
+        }
+        if let Some(meant) = &self.meant {
+            report = report.with_meant(&self.system, meant, terms);
         }
         let (report, time) = match reduced {
             Some((reduction, time)) => {

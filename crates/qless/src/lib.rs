@@ -65,7 +65,7 @@ pub use reduction::{Reduction, ReductionError};
 pub use refresh::{RefreshError, Refreshed, Refresher};
 pub use report::{
     BackendUsed, Certificate, Counts, DependentEquation, ExactDifference, ExactFinding, GeneratedCondition, InputSizes,
-    Milliseconds, Omitted, ReductionSizes, Report, Term, Unmet,
+    MeantFinding, Milliseconds, NearEquation, Omitted, ReductionSizes, Report, Term, Unmet,
 };
 pub use system::{ConstraintSystem, Csr, Place, SystemBuilder, SystemError};
 

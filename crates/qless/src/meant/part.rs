@@ -9,10 +9,10 @@ use crate::local::Local;
 use crate::qr::{Backend, BackendError, Factor, largest_place, norm};
 use crate::scale::{Scaling, exponent, ldexp};
 
-/// Rows of which so little remains are candidates; three decimals of a row with several coefficients leave about a third of it.
-const NEAR: f64 = 2e-2;
+/// Rows of which so little remains are candidates: what three decimals leave of two coefficients of 1 at most.
+const NEAR: f64 = 1e-2;
 /// What is kept must be so many times farther from dependence than what is not.
-const GAP: f64 = 8.0;
+const GAP: f64 = 30.0;
 
 /// Rows of one size over DOFs of their own.
 pub(super) struct Part {
