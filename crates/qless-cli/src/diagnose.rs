@@ -3,8 +3,8 @@
 use std::time::{Duration, Instant};
 
 use qless::exact::{self, ExactRank, Reading, Settings};
-use qless::{Analysis, AnalysisError, ConstraintSystem, Kind, Meant, Options, Reduction, Report, analyse};
 use qless::qr::BackendError;
+use qless::{Analysis, AnalysisError, ConstraintSystem, Kind, Meant, Options, Reduction, Report, analyse};
 use qless_io::deck::{self, Format as Language};
 use qless_io::read_case;
 
@@ -105,7 +105,8 @@ impl Diagnosis<'_> {
     pub fn take_meaning(&mut self) -> Result<(), Failure> {
         if self.analysis.confidence.ambiguous {
             let meant = self.analysis.meant(&self.system);
-            let refused = |error: BackendError| Failure::of_analysis(error.into(), &self.args.input, Some(&self.system));
+            let refused =
+                |error: BackendError| Failure::of_analysis(error.into(), &self.args.input, Some(&self.system));
             self.meant = meant.map_err(refused)?;
         }
         Ok(())

@@ -3,7 +3,7 @@
 use qless::{NearDependent, Report};
 
 use super::combination;
-use super::name::count;
+use super::name::{self, count};
 use crate::diagnose::Diagnosis;
 
 /// Nothing where the rank is sure or has no second reading; else the two ranks, and the equation that agrees best.
@@ -19,7 +19,9 @@ pub fn lines(diagnosis: &Diagnosis, report: &Report) -> Vec<String> {
         let agree = format!(" to {} of each coefficient", count(*digits as usize, "digit"));
         let mut combination = combination::lines(&diagnosis.system, *row, because);
         combination.truncate(1);
-        lines.extend(combination.into_iter().map(|line| line.replacen(" = ", " ~ ", 1) + &agree));
+        let head = 2 + name::equation(&diagnosis.system, *row).len();
+        let nearly = |line: String| line[..head].to_owned() + &line[head..].replacen(" = ", " ~ ", 1) + &agree;
+        lines.extend(combination.into_iter().map(nearly));
     }
     lines
 }
