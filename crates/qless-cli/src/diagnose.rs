@@ -3,7 +3,6 @@
 use std::time::{Duration, Instant};
 
 use qless::exact::{self, ExactRank, Reading, Settings};
-use qless::qr::BackendError;
 use qless::{Analysis, AnalysisError, ConstraintSystem, Kind, Meant, Options, Reduction, Report, analyse};
 use qless_io::deck::{self, Format as Language};
 use qless_io::read_case;
@@ -101,15 +100,11 @@ impl Diagnosis<'_> {
         Ok(())
     }
 
-    /// Adds the reading in which equations that nearly repeat others are meant to, where the rank is in doubt.
-    pub fn take_meaning(&mut self) -> Result<(), Failure> {
+    /// Adds the reading in which equations that nearly repeat others are meant to, where the rank is in doubt and memory allows it.
+    pub fn take_meaning(&mut self) {
         if self.analysis.confidence.ambiguous {
-            let meant = self.analysis.meant(&self.system);
-            let refused =
-                |error: BackendError| Failure::of_analysis(error.into(), &self.args.input, Some(&self.system));
-            self.meant = meant.map_err(refused)?;
+            self.meant = self.analysis.meant(&self.system).unwrap_or_default();
         }
-        Ok(())
     }
 
     /// Whether the exit code is 1.

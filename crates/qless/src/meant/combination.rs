@@ -153,7 +153,7 @@ pub(super) fn in_order(part: &Part, found: &mut [Combination]) {
 }
 
 /// In the user's rows and units.
-pub(super) fn explain(part: &Part, found: Combination) -> NearDependent {
+pub(super) fn explain(part: &Part, found: &Combination) -> NearDependent {
     let k = found.row;
     let term = |(&i, &y): (&usize, &f64)| Because {
         row: part.rows[i] as usize,
