@@ -61,7 +61,7 @@ fn stages(criterion: &mut Criterion) {
     }
     let analysis = analysed(&tie);
     criterion.bench_function("reduce (tie)", |bencher| {
-        bencher.iter(|| black_box(analysis.reduction(&tie).expect("within the gate")))
+        bencher.iter(|| black_box(analysis.reduction(&tie).expect("within the gate")));
     });
     condense_and_refresh(criterion, &mortar);
 }

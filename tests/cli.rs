@@ -5,6 +5,7 @@ mod cli {
     pub mod decks;
     pub mod exact;
     pub mod harness;
+    pub mod meant;
     pub mod report;
     pub mod written;
 }

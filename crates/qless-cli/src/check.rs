@@ -19,6 +19,7 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
     }
     let progress = Progress::new(args.model.quiet);
     let mut diagnosis = diagnose(&args.model, args.model.options(), &progress)?;
+    diagnosis.take_meaning();
     if args.exact {
         progress.stage("exact arithmetic");
         diagnosis.take_exact_rank()?;

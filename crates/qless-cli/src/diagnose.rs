@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use qless::exact::{self, ExactRank, Reading, Settings};
-use qless::{Analysis, AnalysisError, ConstraintSystem, Kind, Options, Reduction, Report, analyse};
+use qless::{Analysis, AnalysisError, ConstraintSystem, Kind, Meant, Options, Reduction, Report, analyse};
 use qless_io::deck::{self, Format as Language};
 use qless_io::read_case;
 
@@ -24,6 +24,8 @@ pub struct Diagnosis<'a> {
     pub deck: Option<DeckInput>,
     /// The rank of the numbers as typed, if it was asked for.
     exact: Option<ExactRank>,
+    /// What may be meant instead of what is typed, where the rank is in doubt.
+    pub meant: Option<Meant>,
     start: Instant,
     read: Duration,
 }
@@ -44,7 +46,7 @@ pub fn diagnose<'a>(args: &'a ModelArgs, options: Options, progress: &Progress) 
     if let Some(&(dof, _)) = analysis.generated.iter().find(|(_, value)| !value.is_finite()) {
         return Err(Failure::of_overflow(&args.input, &system, dof));
     }
-    Ok(Diagnosis { args, options, system, analysis, deck, exact: None, start, read })
+    Ok(Diagnosis { args, options, system, analysis, deck, exact: None, meant: None, start, read })
 }
 
 /// What was read.
@@ -98,6 +100,13 @@ impl Diagnosis<'_> {
         Ok(())
     }
 
+    /// Adds the reading in which equations that nearly repeat others are meant to, where the rank is in doubt and memory allows it.
+    pub fn take_meaning(&mut self) {
+        if self.analysis.confidence.ambiguous {
+            self.meant = self.analysis.meant(&self.system).unwrap_or_default();
+        }
+    }
+
     /// Whether the exit code is 1.
     pub fn is_refused(&self) -> bool {
         let denied = |kind| match kind {
@@ -147,6 +156,9 @@ impl Diagnosis<'_> {
         let mut report = Report::new(&self.system, &self.analysis, terms);
         if let Some(exact) = &self.exact {
             report = report.with_exact(&self.system, &self.analysis, exact);
+        }
+        if let Some(meant) = &self.meant {
+            report = report.with_meant(&self.system, meant, terms);
         }
         let (report, time) = match reduced {
             Some((reduction, time)) => {

@@ -78,7 +78,7 @@ impl Failure {
                 input.display(),
                 name::equation(system, row)
             )),
-            error => Self::Resource(format!("{}: {error}", input.display())),
+            ReductionError::Backend(error) => Self::Resource(format!("{}: {error}", input.display())),
         }
     }
 

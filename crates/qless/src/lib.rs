@@ -66,7 +66,8 @@ pub use reduction::{Reduction, ReductionError};
 pub use refresh::{RefreshError, Refreshed, Refresher};
 pub use report::{
     BackendUsed, Certificate, Counts, DependentEquation, ExactDifference, ExactFinding, GeneratedCondition,
-    IgnoredCoefficient, InputSizes, Milliseconds, Omitted, ReductionSizes, Report, Term, Unmet,
+    IgnoredCoefficient, InputSizes, MeantFinding, Milliseconds, NearEquation, Omitted, ReductionSizes, Report, Term,
+    Unmet,
 };
 pub use rounding::Ignored;
 pub use system::{ConstraintSystem, Csr, Place, SystemBuilder, SystemError};

@@ -11,6 +11,7 @@
 
 mod budget;
 mod exact;
+mod meant;
 
 use std::time::Duration;
 
@@ -19,6 +20,7 @@ use serde::{Serialize, Serializer};
 use crate::{Analysis, Confidence, ConstraintSystem, Kind, PresolveStatistics, Reduction};
 use budget::Budget;
 pub use exact::{ExactDifference, ExactFinding};
+pub use meant::{MeantFinding, NearEquation};
 
 /// The diagnosis of a system, 1-based, with labels; numbers that are not finite serialize as null.
 ///
@@ -57,6 +59,9 @@ pub struct Report {
     /// The rank in exact arithmetic, where it was taken.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exact_rank: Option<ExactFinding>,
+    /// The rank as probably meant, where that is less than as typed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub meant: Option<MeantFinding>,
     /// The reduced form, where it was computed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reduction: Option<ReductionSizes>,
@@ -282,6 +287,7 @@ impl Report {
             generated_boundary_conditions,
             confidence: analysis.confidence,
             exact_rank: None,
+            meant: None,
             reduction: None,
             unmet_preferences: Unmet { equations: from_one(&analysis.unmet_equations), ..Unmet::default() },
             ignored_coefficients: analysis.ignored.iter().map(IgnoredCoefficient::of).collect(),

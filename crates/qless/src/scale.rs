@@ -222,7 +222,7 @@ pub(crate) fn equilibrated(system: Local) -> (Vec<f64>, Vec<f64>) {
     (row, col)
 }
 
-pub(crate) fn free<'a>(system: Local<'a>, i: usize) -> impl Iterator<Item = (usize, f64)> + 'a {
+pub(crate) fn free(system: Local<'_>, i: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
     system.row(i).filter(move |&(j, _)| system.free()[j])
 }
 

@@ -9,6 +9,7 @@ mod exact;
 mod fit;
 mod generated;
 mod ignored;
+mod meant;
 pub mod name;
 mod next;
 mod number;
@@ -64,6 +65,7 @@ pub fn render(diagnosis: &Diagnosis, report: &Report, outcome: &Outcome) -> Stri
     lines.extend(diagnosis.deck.iter().flat_map(|deck| deck.lines(diagnosis)));
     if report.input.rows > 0 {
         lines.extend(confidence::lines(diagnosis, report));
+        lines.extend(meant::lines(diagnosis, report));
         lines.extend(exact::lines(diagnosis, report));
         lines.extend(ignored::line(diagnosis, report));
         lines.push(work::presolve(report));

@@ -95,9 +95,8 @@ fn surest(
     balanced: impl Fn(&[bool]) -> Scaling,
 ) -> Result<(Scaling, Settled), AnalysisError> {
     let mixed = |k: usize| spreads.of[k] == Spread::UnitsMix;
-    let scaled = |which: &dyn Fn(usize) -> bool| match (0..spreads.of.len()).any(which) {
-        true => balanced(&spreads.equations(which)),
-        false => rows.clone(),
+    let scaled = |which: &dyn Fn(usize) -> bool| {
+        if (0..spreads.of.len()).any(which) { balanced(&spreads.equations(which)) } else { rows.clone() }
     };
     let first = scaled(&mixed);
     let plain = settle(&first)?;

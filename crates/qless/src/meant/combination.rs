@@ -69,15 +69,17 @@ impl Combination {
         self.distance <= limit && self.digits(part) >= LEAST_DIGITS
     }
 
-    /// What the terms leave of the row, by DOF: the difference and its largest part.
-    fn rest(&self, part: &Part) -> BTreeMap<usize, (f64, f64, usize)> {
-        let mut rest: BTreeMap<usize, (f64, f64, usize)> = BTreeMap::new();
+    /// What the terms leave of the row, by DOF: the difference, its largest part and, where only one equation holds the DOF, its
+    /// coefficient there relative to its largest.
+    fn rest(&self, part: &Part) -> BTreeMap<usize, (f64, f64, Option<f64>)> {
+        let mut rest: BTreeMap<usize, (f64, f64, Option<f64>)> = BTreeMap::new();
         let mut add = |row: usize, y: f64| {
+            let size = part.matrix.row(row).fold(0.0, |a: f64, (_, v)| a.max(v.abs()));
             for (j, v) in part.matrix.row(row) {
-                let (sum, most, count) = rest.entry(j).or_default();
+                let (sum, most, alone) = rest.entry(j).or_default();
+                *alone = (*most == 0.0).then(|| v.abs() / size);
                 *sum += y * v;
                 *most = most.max((y * v).abs());
-                *count += 1;
             }
         };
         add(self.row, 1.0);
@@ -94,11 +96,7 @@ impl Combination {
     /// Decimals at which the row and its combination part.
     fn digits(&self, part: &Part) -> u32 {
         let rest = self.rest(part);
-        let size = rest.values().fold(0.0, |a: f64, &(_, most, _)| a.max(most));
-        // Parts that small cannot be told from those that only fit what was rounded.
-        let untold = UNTOLD * self.distance.sqrt() * size;
-        let relative =
-            |&(sum, most, count): &(f64, f64, usize)| sum.abs() / if count > 1 && most > untold { most } else { size };
+        let relative = |&(sum, most, alone): &(f64, f64, Option<f64>)| alone.unwrap_or_else(|| sum.abs() / most);
         let largest = rest.values().map(relative).fold(0.0, f64::max);
         (-largest.log10()).clamp(0.0, DIGITS).floor() as u32
     }
@@ -155,7 +153,7 @@ pub(super) fn in_order(part: &Part, found: &mut [Combination]) {
 }
 
 /// In the user's rows and units.
-pub(super) fn explain(part: &Part, found: Combination) -> NearDependent {
+pub(super) fn explain(part: &Part, found: &Combination) -> NearDependent {
     let k = found.row;
     let term = |(&i, &y): (&usize, &f64)| Because {
         row: part.rows[i] as usize,

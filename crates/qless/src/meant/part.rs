@@ -9,10 +9,10 @@ use crate::local::Local;
 use crate::qr::{Backend, BackendError, Factor, largest_place, norm};
 use crate::scale::{Scaling, exponent, ldexp};
 
-/// Rows of which so little remains are candidates; three decimals of a row with several coefficients leave about a third of it.
-const NEAR: f64 = 2e-2;
+/// Rows of which so little remains are candidates: what three decimals leave of two coefficients of 1 at most.
+const NEAR: f64 = 1e-2;
 /// What is kept must be so many times farther from dependence than what is not.
-const GAP: f64 = 8.0;
+const GAP: f64 = 30.0;
 
 /// Rows of one size over DOFs of their own.
 pub(super) struct Part {
@@ -21,6 +21,20 @@ pub(super) struct Part {
     /// The power of two by which each was multiplied.
     pub exponents: Vec<i32>,
     pub matrix: Csr,
+}
+
+/// Rows kept, rows near to them, and how far the kept ones are from dependence.
+struct Reading {
+    kept: Vec<usize>,
+    near: Vec<Combination>,
+    distance: f64,
+}
+
+impl Reading {
+    fn is_clear(&self) -> bool {
+        let largest = self.near.iter().map(|c| c.distance).fold(0.0, f64::max);
+        !self.near.is_empty() && self.distance >= GAP * largest
+    }
 }
 
 impl Part {
@@ -54,48 +68,50 @@ impl Part {
     /// The equations nearly dependent on others, or none without a clear gap.
     pub fn near(&self, backend: &dyn Backend) -> Result<Vec<NearDependent>, BackendError> {
         let factor = backend.factor(&self.matrix, &[], NEAR)?;
-        let (mut kept, dropped) = split(&factor, |k| k);
-        let mut found = self.combinations(&factor, &kept, &dropped);
-        let mut measured = self.distance(&factor, &kept);
-        // A chain loses rows by the length of what remains, though no coefficient of it is near anything.
+        let (kept, dropped) = factor.order.split_at(factor.rank);
+        let mut reading = self.read(&factor, kept.to_vec(), dropped);
         let mut limit = NEAR;
         for _ in 0..2 {
-            if found.iter().any(|c| !c.is_near(self, limit)) {
-                let (near, far): (Vec<_>, Vec<_>) = found.into_iter().partition(|c| c.is_near(self, limit));
-                if near.is_empty() {
-                    return Ok(Vec::new());
-                }
-                kept.extend(far.iter().map(|c| c.row));
-                kept.sort_unstable();
-                let factor = backend.factor(&self.select(&kept), &[], 0.0)?;
-                kept = split(&factor, |k| kept[k]).0;
-                found = self.combinations(&factor, &kept, &near.iter().map(|c| c.row).collect::<Vec<_>>());
-                measured = self.distance(&factor, &kept);
-            }
-            let largest = found.iter().map(|c| c.distance).fold(0.0, f64::max);
-            if found.is_empty() || measured >= GAP * largest {
+            reading = self.within(reading, limit, backend)?;
+            if reading.near.is_empty() || reading.is_clear() {
                 break;
             }
-            limit = widest(&found);
+            limit = widest(&reading.near);
         }
-        let largest = found.iter().map(|c| c.distance).fold(0.0, f64::max);
-        if found.is_empty() || measured < GAP * largest {
+        if !reading.is_clear() {
             return Ok(Vec::new());
         }
-        in_order(self, &mut found);
-        Ok(found.into_iter().map(|c| explain(self, c)).collect())
+        in_order(self, &mut reading.near);
+        Ok(reading.near.iter().map(|c| explain(self, c)).collect())
+    }
+
+    /// Takes back what is farther than the limit: a chain loses rows by the length of what remains of them, though no coefficient
+    /// of that is small.
+    fn within(&self, reading: Reading, limit: f64, backend: &dyn Backend) -> Result<Reading, BackendError> {
+        let (near, far): (Vec<_>, Vec<_>) = reading.near.into_iter().partition(|c| c.is_near(self, limit));
+        if near.is_empty() || far.is_empty() {
+            return Ok(Reading { near, ..reading });
+        }
+        let mut kept = reading.kept;
+        kept.extend(far.iter().map(|c| c.row));
+        kept.sort_unstable();
+        let factor = backend.factor(&self.select(&kept), &[], 0.0)?;
+        let kept = factor.order[..factor.rank].iter().map(|&k| kept[k]).collect();
+        Ok(self.read(&factor, kept, &near.iter().map(|c| c.row).collect::<Vec<_>>()))
+    }
+
+    /// Least squares of some rows over the kept ones, whose factor is given.
+    fn read(&self, factor: &Factor, kept: Vec<usize>, rows: &[usize]) -> Reading {
+        let columns = self.select(&kept);
+        let fit = |&row: &usize| Combination::fit(self, factor, &columns, &kept, row);
+        let near: Vec<_> = rows.par_iter().map(fit).collect();
+        Reading { distance: if near.is_empty() { 0.0 } else { self.distance(factor, &kept) }, kept, near }
     }
 
     fn select(&self, rows: &[usize]) -> Csr {
         let mut selected = Csr::empty(self.matrix.cols);
         rows.iter().for_each(|&i| selected.push_row(self.matrix.row(i)));
         selected
-    }
-
-    /// Least squares of some rows over the kept ones, whose factor is given.
-    fn combinations(&self, factor: &Factor, kept: &[usize], rows: &[usize]) -> Vec<Combination> {
-        let columns = self.select(kept);
-        rows.par_iter().map(|&row| Combination::fit(self, factor, &columns, kept, row)).collect()
     }
 
     /// About the smallest change of one coefficient that makes the kept rows dependent.
@@ -109,12 +125,6 @@ impl Part {
         let largest = v.iter().fold(f64::MIN_POSITIVE, |a, v| a.max(v.abs()));
         sigma * (norm(&v) / largest).max(1.0) / y[place].abs()
     }
-}
-
-/// Kept and dropped rows of a factor, by their names.
-fn split(factor: &Factor, name: impl Fn(usize) -> usize) -> (Vec<usize>, Vec<usize>) {
-    let names: Vec<usize> = factor.order.iter().map(|&k| name(k)).collect();
-    (names[..factor.rank].to_vec(), names[factor.rank..].to_vec())
 }
 
 /// A limit in the widest gap between distances.

@@ -143,8 +143,37 @@ fn empty(n: usize, rhs: &[f64], k: usize) -> Factor {
 
 #[cfg(test)]
 mod tests {
+    use crate::qr::Backend;
+
     #[test]
     fn identities_hold_on_the_test_families() {
         crate::qr::check::families(&super::Faer);
+    }
+
+    /// Columns that leave 1e-8 to 1e-13 of themselves, in no order: updated norms are rounding there.
+    #[test]
+    fn pivots_descend_below_the_root_of_rounding() {
+        let mut random = crate::qr::check::Random(5);
+        let left = |k: usize| 10_f64.powi(-8 - (k % 6) as i32);
+        let mut rows = vec![vec![0.0; 60]; 60];
+        for k in 0..30 {
+            for row in &mut rows[..30] {
+                row[k] = random.signed();
+                row[30 + k] = row[k];
+            }
+            rows[30 + k][30 + k] = left(k);
+        }
+        let columns = crate::qr::check::from_dense(&rows);
+        let diagonal = |i: usize, r: &crate::Csr| r.row(i).next().map_or(0.0, |(_, v)| v.abs());
+        for (tolerance, rank) in [(0.0, 60), (1e-14, 60), (1e-12, 55), (1e-9, 35)] {
+            let factor = super::Faer.factor(&columns, &[], tolerance).expect("small");
+            let pivots: Vec<f64> = (0..factor.rank).map(|i| diagonal(i, &factor.r)).collect();
+            assert!(pivots.windows(2).all(|pair| pair[1] <= 1.01 * pair[0]), "{tolerance}: {pivots:?}");
+            if tolerance == 0.0 || tolerance == 1e-14 {
+                assert_eq!(factor.rank, rank, "{tolerance}: {pivots:?}");
+            } else {
+                assert!(factor.dropped <= 6.0 * tolerance, "{tolerance}: {}", factor.dropped);
+            }
+        }
     }
 }
