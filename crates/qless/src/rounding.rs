@@ -31,7 +31,7 @@ pub(crate) fn may_hold(exponents: &[Exponents]) -> bool {
 
 /// What is rounding, ascending by row and DOF.
 pub(crate) fn find(system: Local) -> Vec<Ignored> {
-    let (row, col) = equilibrated(system);
+    let (row, col) = equilibrated(system, vec![0.0; system.equations()], vec![0.0; system.dofs()]);
     let mut found = Vec::new();
     for i in 0..system.equations() {
         let rounding = |&(j, v): &(usize, f64)| v.abs().log2() + row[i] + col[j] <= f64::from(ROUNDING);

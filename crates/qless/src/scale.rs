@@ -189,17 +189,33 @@ impl Tally {
     }
 }
 
-/// Rows and columns with a largest number of 1.
+/// Alternating geometric means of the free part, ten sweeps, then a largest number of 1: the former find the units, the latter
+/// what numbers of many sizes in one row made of them.
 fn balance(c: Local, scaling: &mut Scaling) {
-    scaling.col = equilibrated(c).1.iter().map(|e| e.round() as i32).collect();
+    let mut row = vec![0.0; c.equations()];
+    let mut col = vec![0.0; c.dofs()];
+    for _ in 0..10 {
+        let mut sum = vec![(0.0, 0.0); c.dofs()];
+        for i in 0..c.equations() {
+            let total: f64 = free(c, i).map(|(j, v)| v.abs().log2() + col[j]).sum();
+            row[i] = -total / (free(c, i).count().max(1) as f64);
+            free(c, i).for_each(|(j, v)| {
+                sum[j].0 += v.abs().log2() + row[i];
+                sum[j].1 += 1.0;
+            });
+        }
+        for (j, &(total, count)) in sum.iter().enumerate().filter(|(_, s)| s.1 > 0.0) {
+            col[j] = -total / count;
+        }
+    }
+    scaling.col = equilibrated(c, row, col).1.iter().map(|e| e.round() as i32).collect();
 }
 
 /// Sweeps of equilibration; each halves what is missing, in powers of two.
 const SWEEPS: usize = 12;
 
-/// Exponents for rows and columns with which the largest free number of each is 1 (Ruiz 2001).
-pub(crate) fn equilibrated(system: Local) -> (Vec<f64>, Vec<f64>) {
-    let (mut row, mut col) = (vec![0.0; system.equations()], vec![0.0; system.dofs()]);
+/// Exponents for rows and columns with which the largest free number of each is 1 (Ruiz 2001), from those given.
+pub(crate) fn equilibrated(system: Local, mut row: Vec<f64>, mut col: Vec<f64>) -> (Vec<f64>, Vec<f64>) {
     for _ in 0..SWEEPS {
         let mut of_row = vec![f64::NEG_INFINITY; row.len()];
         let mut of_col = vec![f64::NEG_INFINITY; col.len()];
