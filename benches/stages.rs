@@ -63,6 +63,11 @@ fn stages(criterion: &mut Criterion) {
     criterion.bench_function("reduce (tie)", |bencher| {
         bencher.iter(|| black_box(analysis.reduction(&tie).expect("within the gate")));
     });
+    let reduction = analysis.reduction(&tie).expect("within the gate");
+    // Part of the line above: every reduction is checked against the user's equations.
+    criterion.bench_function("gate (tie)", |bencher| {
+        bencher.iter(|| black_box(analysis.residual(&tie, &reduction)));
+    });
     condense_and_refresh(criterion, &mortar);
 }
 

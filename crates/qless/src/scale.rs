@@ -80,8 +80,9 @@ pub(crate) fn by_rows(
 ) -> (Scaling, Option<Spreads>) {
     let mut rows = Scaling::none(system.equations());
     let smallest = scale_rows(system, exponents, &mut rows);
-    let spreads = (smallest < SMALL).then(|| Spreads::new(system, columns, &rows, uncertain));
-    (rows, spreads.filter(|spreads| spreads.of.iter().any(|&spread| spread != Spread::Even)))
+    let small = smallest < SMALL;
+    let spreads = small.then(|| Spreads::new(system, columns, exponents, &rows, (smallest, uncertain)));
+    (rows, spreads.flatten())
 }
 
 /// Balances rows and columns of some components, by equation, then scales their rows; the others stay as they are.
@@ -136,29 +137,52 @@ fn plain_span(Exponents { least, most }: Exponents) -> Option<(i32, i32)> {
     (least <= most).then(|| (i32::from(least) - 1023, i32::from(most) - 1023))
 }
 
+/// How many entries of each column are small in their rows.
+fn small_entries(system: Local, exponents: &[Exponents], scaling: &Scaling) -> Vec<u32> {
+    let mut small = vec![0; system.dofs()];
+    for (i, of_row) in exponents.iter().enumerate() {
+        let least = i32::from(of_row.least);
+        if least == 0 || least - 1023 + scaling.row[i] < SMALL {
+            let entries = free(system, i).filter(|&(_, v)| exponent(v) + scaling.row[i] < SMALL);
+            entries.for_each(|(j, _)| small[j] += 1);
+        }
+    }
+    small
+}
+
 impl Spreads {
-    fn new(system: Local, columns: &[Column], scaling: &Scaling, uncertain: &HashSet<(u32, u32)>) -> Self {
+    /// None where all entries are of one size everywhere; only where they are not does anybody need to know the components.
+    fn new(
+        system: Local,
+        columns: &[Column],
+        exponents: &[Exponents],
+        scaling: &Scaling,
+        (smallest, uncertain): (i32, &HashSet<(u32, u32)>),
+    ) -> Option<Self> {
+        let small = small_entries(system, exponents, scaling);
+        let is_small = |j: usize| columns[j].count >= 2 && small[j] == columns[j].count;
+        if smallest >= TINY && !(0..system.dofs()).any(is_small) {
+            return None;
+        }
         let labels = Labels::of(system);
         let mut tallies = vec![Tally::default(); labels.count];
-        let mut large = vec![false; system.dofs()];
         let mut label = vec![0; system.dofs()];
         for (i, &component) in labels.of_row.iter().enumerate() {
-            for (j, v) in system.row(i).filter(|&(j, _)| system.free()[j]) {
-                let size = exponent(v) + scaling.row[i];
-                large[j] |= size >= SMALL;
+            let tally = &mut tallies[component as usize];
+            for (j, v) in free(system, i) {
                 label[j] = component;
-                let tally = &mut tallies[component as usize];
                 if !uncertain.contains(&(i as u32, j as u32)) {
-                    tally.smallest = tally.smallest.min(size);
+                    tally.smallest = tally.smallest.min(exponent(v) + scaling.row[i]);
                 }
             }
         }
         for j in (0..system.dofs()).filter(|&j| system.free()[j] && columns[j].count >= 2) {
             let tally = &mut tallies[label[j] as usize];
             tally.shared += 1;
-            tally.small += usize::from(!large[j]);
+            tally.small += usize::from(is_small(j));
         }
-        Self { labels, of: tallies.iter().map(Tally::spread).collect() }
+        let of: Vec<Spread> = tallies.iter().map(Tally::spread).collect();
+        of.iter().any(|&spread| spread != Spread::Even).then_some(Self { labels, of })
     }
 
     /// The equations of the components for which a condition holds.

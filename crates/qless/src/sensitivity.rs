@@ -12,6 +12,9 @@ use crate::qr::sparse::Sparse;
 use crate::qr::{Backend, BackendError, norm};
 use crate::scale::{Scaling, ldexp};
 
+/// Below this the sample is as good as what a closer look would cost.
+const ENOUGH: f64 = 64.0;
+
 /// Below this the sample says all that is worth knowing.
 const HARMLESS: f64 = 8.0;
 
@@ -25,7 +28,7 @@ pub(crate) fn sigma(
     scaling: &Scaling,
 ) -> f64 {
     let Some((t, size)) = worst else { return 1.0 };
-    if size <= HARMLESS {
+    if size <= ENOUGH {
         return 1.0 / size.max(1.0);
     }
     let mut row = row_of_inverse(system, basis, history, scaling, t);

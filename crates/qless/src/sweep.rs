@@ -106,6 +106,7 @@ pub(crate) fn sweep(
     let mut states = start(system, basis, scaling, keys, seed);
     let of_steps = steps(history, keys, seed);
     let (first, last) = (basis.peeled.len(), basis.peeled.len() + of_steps.len());
+    let plain = scaling.col.is_empty();
     let mut out = Sweep { bounds: vec![0.0; basis.rank()], ..Sweep::default() };
     for t in (0..basis.rank()).rev() {
         let slave = basis.slave(t);
@@ -123,7 +124,8 @@ pub(crate) fn sweep(
             let right = if t < first { signed(seed, keys.row(basis.peeled[t])) } else { of_steps[t - first] };
             state.w = apart_from_zero(sample + right / basis.pivot(t, &terms, scaling));
             let far = t >= first && basis.reach_of_step(t - first) > FAR;
-            out.judge(t, state.w.abs(), ldexp(moves.abs(), -scaling.col(slave as usize)), far);
+            let moves = if plain { moves } else { ldexp(moves, -scaling.col(slave as usize)) };
+            out.judge(t, state.w.abs(), moves.abs(), far);
         }
     }
     out
@@ -169,7 +171,12 @@ fn apart_from_zero(sample: f64) -> f64 {
 /// Masters at random, prescribed DOFs at zero, slaves of blocks with the samples of their blocks.
 fn start(system: Local, basis: &Basis, scaling: &Scaling, keys: &Keys, seed: u64) -> Vec<State> {
     let master = |j: usize| State { u: ldexp(signed(!seed, keys.dof(j)), scaling.col(j)), w: 0.0 };
-    let mut states: Vec<State> = (0..system.dofs()).map(master).collect();
+    let plain = |j: usize| State { u: signed(!seed, keys.dof(j)), w: 0.0 };
+    let mut states: Vec<State> = if scaling.col.is_empty() {
+        (0..system.dofs()).map(plain).collect()
+    } else {
+        (0..system.dofs()).map(master).collect()
+    };
     system.prescribed().iter().for_each(|&(j, _)| states[j].u = 0.0);
     for (block, kept) in basis.blocks.iter().enumerate() {
         let slaves = &basis.slaves()[basis.rows_of(block)];
