@@ -39,7 +39,9 @@ fn table_1(criterion: &mut Criterion) {
         println!("tie {percent} %: {:.2} ms, {:.1} transpositions of {:.3} ms", a * 1e3, a / b, b * 1e3);
         let analysis = analyse(&system, &Options::default()).expect("a valid system");
         let reduction = analysis.reduction(&system).expect("within the gate");
-        let gate = || drop(black_box(analysis.residual(&system, &reduction)));
+        let gate = || {
+            black_box(analysis.residual(&system, &reduction));
+        };
         let (gate, b) = ratio(51, gate, transpose);
         println!("  of which the check against the equations: {:.2} ms, {:.1} transpositions", gate * 1e3, gate / b);
         criterion.bench_function(&format!("tie {percent} %/eliminate"), |bencher| bencher.iter(eliminate));
