@@ -6,6 +6,8 @@
 mod support;
 
 mod trust {
+    /// Certificates, relative to their parts in rows and units of any size.
+    mod certificates;
     /// `max |T_ij|` stays within what a dense strong rank-revealing QR guarantees.
     mod growth;
     /// `|C_i u - b_i|` within 1e-13 times the condition reported.

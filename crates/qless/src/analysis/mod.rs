@@ -122,6 +122,9 @@ impl Analysis {
     }
 
     /// Why an equation is dependent: `row_k = sum c_i row_i` over its free DOFs, ascending by row.
+    ///
+    /// The promise is relative to the parts: for every free DOF j, in its own unit, `|row_kj - sum c_i row_ij|` is at most
+    /// `1e-11 / confidence.sigma_kept` of the largest part `|c_i row_il|` of the certificate, whatever the sizes of equations.
     pub fn because(&self, dependent: &Dependent) -> Vec<Because> {
         dependent.source.explain(&self.history)
     }
