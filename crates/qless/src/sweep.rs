@@ -77,11 +77,27 @@ pub(crate) struct Sweep {
     /// The largest move of a slave.
     steepest: f64,
     /// Rows made by presolve that should not be relied on, for growth or for nearness to dependence.
-    pub doubtful: Vec<usize>,
+    pub doubtful: Vec<Doubtful>,
     /// Slaves that stay at zero for random masters, each in its unit, and zero prescribed values.
     pub still: Vec<u32>,
     /// For each row of the basis a bound of that row of T: its own largest coefficient, infinite where it names other slaves.
     pub bounds: Vec<f64>,
+}
+
+/// A row of the basis that should not be relied on.
+#[derive(Clone, Copy)]
+pub(crate) struct Doubtful {
+    pub row: usize,
+    pub sample: f64,
+    /// No digits were lost: it may merely be near to dependence.
+    pub is_near_only: bool,
+}
+
+impl Doubtful {
+    /// Whether the rows are no nearer to dependence than the tolerance, as far as the sample can tell.
+    pub fn is_within(&self, tolerance: f64) -> bool {
+        self.is_near_only && is_at_most(self.sample, 4.0 / tolerance)
+    }
 }
 
 /// A DOF, as far as the pass has come.
@@ -146,7 +162,8 @@ impl Sweep {
         self.steepest = if is_at_most(moves, self.steepest) { self.steepest } else { moves };
         // What is no number is no small one.
         if far || !is_at_most(sample, WEAK) || !is_at_most(moves, STEEP) {
-            self.doubtful.push(t);
+            let is_near_only = !far && is_at_most(moves, STEEP);
+            self.doubtful.push(Doubtful { row: t, sample, is_near_only });
         }
     }
 }

@@ -215,7 +215,8 @@ mod tests {
             analyse(&system, &Options::default()).expect("valid").reduction(&system).expect("within the gate");
         reduction.g.iter_mut().for_each(|g| *g *= 1.5);
         let error = springs.error(&Done { time: 0.0, reduction, analysis: None }).expect("small");
-        assert!((error - 0.5).abs() < 1e-9, "{error}");
+        // The condition of the equations, 1e8, times rounding.
+        assert!((error - 0.5).abs() < 1e-7, "{error}");
     }
 
     /// The same equations with and without a factorization.

@@ -83,16 +83,23 @@ impl Run<'_> {
         let labels = Labels::of(self.local);
         labels.mark(&doubtful, &mut held);
         match self.swept(&held, started) {
-            // Where equations were independent number by number, they are not quite dependent.
             Ok(second) => {
                 let counts = [first.dependent_by(&labels), second.dependent_by(&labels)];
-                let parted = |&i: &usize| {
-                    let label = labels.of_row[i] as usize;
-                    counts[0][label] < counts[1][label]
-                };
+                // Where equations were independent number by number, they are not quite dependent.
+                let parted: Vec<bool> = (0..labels.count).map(|k| counts[0][k] < counts[1][k]).collect();
                 let remainders = first.dependent.iter().filter(|d| d.dropped > 0.0 && held[d.row]).map(|d| d.row);
-                let doubted = doubtful.into_iter().filter(parted).chain(remainders).collect();
-                Ok(self.settled(second, held, doubted, system))
+                let in_parted = doubtful.iter().copied().filter(|&i| parted[labels.of_row[i] as usize]);
+                let doubted = in_parted.chain(remainders).collect();
+                let lost = first.lost_by(&labels, self.means.tolerance);
+                let back: Vec<bool> = (0..labels.count).map(|k| parted[k] && !lost[k]).collect();
+                if !back.contains(&true) {
+                    return Ok(self.settled(second, held, doubted, system));
+                }
+                // No nearer to dependence than the tolerance, as far as presolve can tell: its rank stands.
+                let of_row = held.iter_mut().zip(&labels.of_row);
+                of_row.for_each(|(held, &label)| *held &= !back[label as usize]);
+                let third = self.swept(&held, started)?;
+                Ok(self.settled(third, held, doubted, system))
             }
             // Too large for the backend: presolve's answer, in doubt.
             Err(AnalysisError::Backend(BackendError::OverLimit { .. } | BackendError::OutOfMemory { .. })) => {
@@ -223,13 +230,27 @@ impl Settled {
 impl Stages {
     /// The user's rows on which presolve should not have decided.
     fn doubtful_rows(&self) -> Vec<usize> {
-        let user = |&row: &u32| self.history.rows[row as usize] as usize;
+        let kept = self.swept.doubtful.iter().map(|doubtful| self.users_row(doubtful.row));
+        kept.chain(self.far.iter().map(|&row| self.history.rows[row as usize] as usize)).collect()
+    }
+
+    /// The user's row of row t of the basis, peeled or eliminated.
+    fn users_row(&self, t: usize) -> usize {
         let first = self.basis.peeled.len();
-        let kept = |&t: &usize| match self.basis.peeled.get(t) {
+        match self.basis.peeled.get(t) {
             Some(&row) => row as usize,
-            None => user(&self.history.steps[t - first]),
-        };
-        self.swept.doubtful.iter().map(kept).chain(self.far.iter().map(user)).collect()
+            None => self.history.rows[self.history.steps[t - first] as usize] as usize,
+        }
+    }
+
+    /// By component, whether presolve lost digits there, or kept what is nearer to dependence than the tolerance.
+    fn lost_by(&self, labels: &Labels, tolerance: f64) -> Vec<bool> {
+        let mut lost = vec![false; labels.count];
+        for doubtful in self.swept.doubtful.iter().filter(|doubtful| !doubtful.is_within(tolerance)) {
+            lost[labels.of_row[self.users_row(doubtful.row)] as usize] = true;
+        }
+        self.far.iter().for_each(|&row| lost[labels.of_row[self.history.rows[row as usize] as usize] as usize] = true);
+        lost
     }
 
     /// The number of dependent equations of each component.

@@ -6,27 +6,21 @@
 use super::Block;
 use super::tableau::Tableau;
 use crate::Csr;
+use crate::qr::faer::Faer;
 use crate::qr::{Backend, BackendError};
 
 /// Residuals up to this, relative to the parts of their equation, are left alone.
 const GOOD: f64 = 1e-14;
 
-/// Returns the largest residual that remains.
-pub(super) fn refine(
-    block: &Block,
-    kept: &[usize],
-    random: &[f64],
-    tableau: &mut Tableau,
-    backend: &dyn Backend,
-) -> Result<f64, BackendError> {
+pub(super) fn refine(block: &Block, kept: &[usize], random: &[f64], tableau: &mut Tableau) -> Result<(), BackendError> {
     let (residual, worst) = residual(block, kept, random, tableau);
     if worst <= GOOD {
-        return Ok(worst);
+        return Ok(());
     }
-    let factor = backend.factor(&slave_columns(block, kept, tableau), &residual, 0.0)?;
+    let factor = Faer.factor(&slave_columns(block, kept, tableau), &residual, 0.0)?;
     let r = kept.len();
     if factor.rank < r {
-        return Ok(worst);
+        return Ok(());
     }
     let before = tableau.data.clone();
     for c in 0..tableau.width {
@@ -35,11 +29,10 @@ pub(super) fn refine(
             tableau.data[i * tableau.width + c] -= correction[k];
         }
     }
-    let refined = self::residual(block, kept, random, tableau).1;
-    if refined > worst {
+    if self::residual(block, kept, random, tableau).1 > worst {
         tableau.data = before;
     }
-    Ok(refined.min(worst))
+    Ok(())
 }
 
 /// `C_S X - B` by columns, and the largest entry relative to the sum of its parts' sizes.

@@ -15,18 +15,14 @@ const ZERO_UNITS: f64 = 8.0;
 /// ... but a larger entry than this is kept, however bad the condition.
 const ZERO_LIMIT: f64 = 1e-8;
 
-/// A relation with a larger residual, refined, rests on slaves that are nearly dependent: others are chosen.
-const ACCEPTABLE: f64 = 1e-13;
-
-/// A sparse QR takes the first independent columns, however large T becomes; slaves are exchanged down to this growth.
+/// Column pivoting bounds T in practice; slaves are exchanged where it does not.
 const GROWTH: f64 = 4.0;
 
 pub(super) fn choose(block: &Block, rows: Rows, means: Means) -> Result<Solved, BackendError> {
-    let Means { backend, tolerance, .. } = means;
     let zero = (ZERO_UNITS * f64::EPSILON / rows.nearness.sigma).clamp(NOISE, ZERO_LIMIT);
     let (r, n) = (rows.kept.len(), block.matrix.cols);
     let random: Vec<f64> = rows.kept.iter().map(|&i| block.random[i]).collect();
-    if (r.saturating_mul(n) > SMALL || !backend.pivots(r, n))
+    if r.saturating_mul(n) > SMALL
         && let Some(Large { slaves, masters, columns, constant, sample }) =
             large::relation(block, &rows.kept, &rows.order, &random, means.memory())?
     {
@@ -34,12 +30,9 @@ pub(super) fn choose(block: &Block, rows: Rows, means: Means) -> Result<Solved, 
         let relation = clean((0..r).map(|i| relation.row(i)), masters.len(), columns.rows(), zero);
         return Ok(solved(block, rows, &slaves, &masters, (relation, without_rounding(constant), sample)));
     }
-    let factor = full_rank(block, &rows.kept, &random, backend, tolerance)?;
-    let (mut tableau, residual) = relate(block, &rows.kept, &random, &factor, backend)?;
-    if residual > ACCEPTABLE {
-        // A sparse QR does not choose among columns that are independent; with column pivoting the best are taken.
-        tableau = pivoted(block, &rows.kept, &random, residual)?.unwrap_or(tableau);
-    }
+    let (columns, rhs) = kept_columns(block, &rows.kept, &random);
+    let factor = Faer.factor(&columns, &rhs, 0.0)?;
+    let tableau = relate(block, &rows.kept, &random, &factor)?;
     let relation = sparse(&tableau, zero);
     Ok(solved(block, rows, &tableau.basic, &tableau.free, relation))
 }
@@ -65,53 +58,14 @@ fn solved(
     }
 }
 
-/// The relation that a factor gives, refined, and its residual; infinite where its slaves are too bad to go on with.
-fn relate(
-    block: &Block,
-    kept: &[usize],
-    random: &[f64],
-    factor: &Factor,
-    backend: &dyn Backend,
-) -> Result<(Tableau, f64), BackendError> {
+/// The relation that a factor gives, refined.
+fn relate(block: &Block, kept: &[usize], random: &[f64], factor: &Factor) -> Result<Tableau, BackendError> {
     let mut tableau = relation(block, factor);
-    if !tableau.limit(GROWTH) && !backend.pivots(kept.len(), block.matrix.cols) {
-        return Ok((tableau, f64::INFINITY));
-    }
+    tableau.limit(GROWTH);
     // Of slaves that serve equally well, the earlier DOF, as an equation's first term is by habit.
     tableau.prefer(|candidate, holder| candidate < holder);
-    let residual = refine::refine(block, kept, random, &mut tableau, backend)?;
-    Ok((tableau, residual))
-}
-
-/// The relation by QR with column pivoting, if it fits into memory and is better.
-fn pivoted(block: &Block, kept: &[usize], random: &[f64], residual: f64) -> Result<Option<Tableau>, BackendError> {
-    let (columns, rhs) = kept_columns(block, kept, random);
-    let factor = match Faer.factor(&columns, &rhs, 0.0) {
-        Err(BackendError::OutOfMemory { .. }) => return Ok(None),
-        other => other?,
-    };
-    if factor.rank < kept.len() {
-        return Ok(None);
-    }
-    let (tableau, better) = relate(block, kept, random, &factor, &Faer)?;
-    Ok((better < residual).then_some(tableau))
-}
-
-/// The rows are known to be independent: where the backend loses one on C, it is asked again without a tolerance,
-/// and in the last resort QR with column pivoting answers.
-fn full_rank(
-    block: &Block,
-    kept: &[usize],
-    random: &[f64],
-    backend: &dyn Backend,
-    tolerance: f64,
-) -> Result<Factor, BackendError> {
-    let (columns, rhs) = kept_columns(block, kept, random);
-    let mut factor = backend.factor(&columns, &rhs, tolerance)?;
-    if factor.rank < kept.len() {
-        factor = backend.factor(&columns, &rhs, 0.0)?;
-    }
-    if factor.rank < kept.len() { Faer.factor(&columns, &rhs, 0.0) } else { Ok(factor) }
+    refine::refine(block, kept, random, &mut tableau)?;
+    Ok(tableau)
 }
 
 /// The kept rows by columns, and `[C_p b random]` of them, dense.
