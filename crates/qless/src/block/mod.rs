@@ -1,9 +1,9 @@
 //! What presolve leaves, block by block: which rows depend on which, then which DOFs are slaves (Eq. 21-26).
 //!
 //! First `C^T` is factored: its dependent columns are the dependent equations, and `R1 y = R2_k` is their certificate.
-//! Then C with the independent rows only: `u_s = -R1^-1 R2 u_q - R1^-1 Q^T C_p u_p + R1^-1 Q^T b`. Heath-style rank
-//! detection errs far less often on `C^T` (tall) than on C, and the second factorization knows its rank.
-//! Blocks of more than 2^20 numbers find slaves and T by sparse LU.
+//! Then C with the independent rows only: `u_s = -R1^-1 R2 u_q - R1^-1 Q^T C_p u_p + R1^-1 Q^T b` by QR with column pivoting. Heath-style
+//! rank detection errs far less often on `C^T` (tall) than on C, and the second factorization knows its rank.
+//! Blocks of more than 2^20 numbers find slaves and T by sparse LU of C^T: [`lu`], [`solver`].
 
 pub(crate) mod dependent;
 pub(crate) mod large;
@@ -13,14 +13,13 @@ mod slaves;
 pub(crate) mod solver;
 mod tableau;
 
-use crate::Csr;
-use crate::Options;
 use crate::confidence::NEAR;
 use crate::presolve::eliminate::Mismatch;
 use crate::presolve::rows::{Entry, Row};
 use crate::qr::choice::DenseOrSparse;
 use crate::qr::{Backend, BackendError};
 use crate::scale::{exponent, ldexp};
+use crate::{Csr, Options};
 
 /// One block as a matrix: m rows over the free DOFs `dofs`, with what stands on the other side.
 pub(crate) struct Block {
