@@ -4,9 +4,12 @@
 //! relative to its coefficients and to the largest sum of the sizes of the parts that make a DOF of its component, each DOF in its
 //! unit. One pass over C, T and G; components are looked for only where an equation does not meet its own parts.
 
+use rayon::prelude::*;
+
 use super::{Reduction, ReductionError};
 use crate::components::Labels;
 use crate::local::Local;
+use crate::pool::WORTH_A_THREAD;
 use crate::random::randoms;
 use crate::scale::{Scaling, ldexp};
 
@@ -33,6 +36,14 @@ struct Expanded {
     with_rhs: bool,
 }
 
+/// T, G and g, each on its own.
+#[derive(Clone, Copy)]
+enum Part {
+    Free,
+    Prescribed,
+    Constant,
+}
+
 /// Residuals, with the equations above `above` listed.
 pub(crate) fn residuals(
     local: Local,
@@ -41,20 +52,32 @@ pub(crate) fn residuals(
     scaling: &Scaling,
     above: f64,
 ) -> Found {
-    judge(&parts(local, reduction), local, independent, scaling, above)
+    let has_constant = || local.rhs().iter().any(|&b| b != 0.0) || reduction.g.iter().any(|&g| g != 0.0);
+    let parts = [
+        Some(Part::Free),
+        (!local.prescribed().is_empty()).then_some(Part::Prescribed),
+        has_constant().then_some(Part::Constant),
+    ];
+    judge(parts.into_iter().flatten(), (local, reduction), independent, scaling, above)
 }
 
 /// The same of g alone, where T and G have passed before.
 pub(crate) fn residuals_of_g(local: Local, reduction: &Reduction, independent: &[bool], scaling: &Scaling) -> Found {
-    judge(&[expand(local, reduction, &[], &[], true)], local, independent, scaling, f64::INFINITY)
+    judge([Part::Constant].into_iter(), (local, reduction), independent, scaling, f64::INFINITY)
 }
 
-fn judge(parts: &[Expanded], local: Local, independent: &[bool], scaling: &Scaling, above: f64) -> Found {
+fn judge(
+    parts: impl Iterator<Item = Part>,
+    (local, reduction): (Local, &Reduction),
+    independent: &[bool],
+    scaling: &Scaling,
+    above: f64,
+) -> Found {
     let mut found = Found { worst: 0.0, row: 0, above: Vec::new() };
-    let mut own = vec![0.0; local.equations()];
     for part in parts {
-        let is_fine = part.residuals(local, independent, &mut own);
-        if !is_fine {
+        let part = Expanded::new(part, local, reduction);
+        let mut own = part.residuals(local, independent);
+        if own.iter().any(|&residual| residual > FINE) {
             part.relative_to_components(local, scaling, &mut own);
         }
         for (i, &residual) in own.iter().enumerate() {
@@ -84,53 +107,46 @@ pub(crate) fn pass(found: &Found, reduction: &Reduction) -> Result<(), Reduction
     }
 }
 
-/// T alone, G alone, g alone; only what is there.
-fn parts(local: Local, reduction: &Reduction) -> Vec<Expanded> {
-    let mut random = randoms(1);
-    let mut some = |count: usize| random.by_ref().take(count).collect::<Vec<f64>>();
-    let (masters, prescribed) = (some(reduction.masters.len()), some(reduction.prescribed.len()));
-    let mut parts = vec![expand(local, reduction, &masters, &[], false)];
-    if !local.prescribed().is_empty() {
-        parts.push(expand(local, reduction, &[], &prescribed, false));
-    }
-    if local.rhs().iter().any(|&b| b != 0.0) || reduction.g.iter().any(|&g| g != 0.0) {
-        parts.push(expand(local, reduction, &[], &[], true));
-    }
-    parts
-}
-
-fn expand(local: Local, reduction: &Reduction, masters: &[f64], prescribed: &[f64], with_rhs: bool) -> Expanded {
-    let length = reduction.slaves.len() + reduction.masters.len() + reduction.prescribed.len();
-    let mut users = vec![(0.0, 0.0); length];
-    reduction.masters.iter().zip(masters).for_each(|(&j, &v)| users[j] = (v, v));
-    reduction.prescribed.iter().zip(prescribed).for_each(|(&j, &v)| users[j] = (v, v));
-    let of = |row: &mut dyn Iterator<Item = (usize, f64)>, x: &[f64]| {
-        row.fold((0.0, 0.0), |(sum, size): (f64, f64), (j, v)| (sum + v * x[j], size + (v * x[j]).abs()))
-    };
-    for (i, &slave) in reduction.slaves.iter().enumerate() {
-        users[slave] = match (masters, prescribed) {
-            ([], []) if with_rhs => (reduction.g[i], reduction.g[i].abs()),
-            ([], []) => (0.0, 0.0),
-            ([], prescribed) => of(&mut reduction.g_matrix.row(i), prescribed),
-            (masters, _) => of(&mut reduction.t.row(i), masters),
-        };
-    }
-    let (u, size) = local.numbering.dofs.iter().map(|&j| users[j as usize]).unzip();
-    Expanded { u, size, with_rhs }
+/// `0..count` of a function, in their order, by all threads where that is worth it.
+fn each<T: Send>(count: usize, of: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
+    if count < WORTH_A_THREAD { (0..count).map(of).collect() } else { (0..count).into_par_iter().map(of).collect() }
 }
 
 impl Expanded {
+    /// Random masters, random prescribed values, or neither.
+    fn new(part: Part, local: Local, reduction: &Reduction) -> Self {
+        let (dofs, matrix) = match part {
+            Part::Free => (&reduction.masters[..], Some(&reduction.t)),
+            Part::Prescribed => (&reduction.prescribed[..], Some(&reduction.g_matrix)),
+            Part::Constant => (&[][..], None),
+        };
+        let x: Vec<f64> = randoms(1).take(dofs.len()).collect();
+        let of_slave = |i: usize| match matrix {
+            Some(matrix) => matrix.row(i).fold((0.0, 0.0), |(sum, size): (f64, f64), (j, v)| {
+                let part = v * x[j];
+                (sum + part, size + part.abs())
+            }),
+            None => (reduction.g[i], reduction.g[i].abs()),
+        };
+        let slaves = each(reduction.slaves.len(), of_slave);
+        let length = reduction.slaves.len() + reduction.masters.len() + reduction.prescribed.len();
+        let mut users = vec![(0.0, 0.0); length];
+        dofs.iter().zip(&x).for_each(|(&j, &v)| users[j] = (v, v));
+        reduction.slaves.iter().zip(slaves).for_each(|(&j, of_slave)| users[j] = of_slave);
+        let named = &local.numbering.dofs;
+        let (u, size) = each(named.len(), |l| users[named[l] as usize]).into_iter().unzip();
+        Self { u, size, with_rhs: matches!(part, Part::Constant) }
+    }
+
     fn rhs(&self, local: Local, i: usize) -> f64 {
         if self.with_rhs { local.rhs()[i] } else { 0.0 }
     }
 
-    /// Relative to the equations' own parts; whether all are fine.
-    fn residuals(&self, local: Local, independent: &[bool], out: &mut [f64]) -> bool {
-        let mut is_fine = true;
-        for (i, out) in out.iter_mut().enumerate() {
-            *out = 0.0;
+    /// Relative to the equations' own parts.
+    fn residuals(&self, local: Local, independent: &[bool]) -> Vec<f64> {
+        each(local.equations(), |i| {
             if !independent[i] {
-                continue;
+                return 0.0;
             }
             let b = self.rhs(local, i);
             let (sum, size) = local
@@ -138,10 +154,8 @@ impl Expanded {
                 .fold((-b, b.abs()), |(sum, size), (j, v)| (sum + v * self.u[j], size + v.abs() * self.size[j]));
             // A sum that is no number must not pass for a small one.
             let residual = if sum == 0.0 { 0.0 } else { sum.abs() / size };
-            *out = if residual.is_nan() { f64::INFINITY } else { residual };
-            is_fine &= *out <= FINE;
-        }
-        is_fine
+            if residual.is_nan() { f64::INFINITY } else { residual }
+        })
     }
 
     /// Those that are not fine relative to the largest parts of their components.
