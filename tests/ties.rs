@@ -58,6 +58,11 @@ fn long_lines_with_a_short_element_spqr() {
     long_lines(BackendChoice::Spqr);
 }
 
+#[test]
+fn long_lines_with_a_short_element_gauss() {
+    long_lines(BackendChoice::Gauss);
+}
+
 fn long_lines(backend: BackendChoice) {
     let options = Options { backend, ..Options::default() };
     let fault = |n: usize| fault(&format!("{n} elements"), &mortar_short(n).expect("in range"), &options);
