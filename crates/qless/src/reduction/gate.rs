@@ -112,6 +112,15 @@ fn each<T: Send>(count: usize, of: impl Fn(usize) -> T + Send + Sync) -> Vec<T> 
     if count < WORTH_A_THREAD { (0..count).map(of).collect() } else { (0..count).into_par_iter().map(of).collect() }
 }
 
+/// A sum that is no number, or parts beyond the range of doubles, must not pass for small.
+fn relative(sum: f64, size: f64) -> f64 {
+    match sum.abs() / size {
+        _ if sum == 0.0 => 0.0,
+        residual if residual.is_finite() && size.is_finite() => residual,
+        _ => f64::INFINITY,
+    }
+}
+
 impl Expanded {
     /// Random masters, random prescribed values, or neither.
     fn new(part: Part, local: Local, reduction: &Reduction) -> Self {
@@ -142,19 +151,24 @@ impl Expanded {
         if self.with_rhs { local.rhs()[i] } else { 0.0 }
     }
 
+    /// `C_i u - b_i` and the sum of the sizes of its parts, in a unit.
+    fn sums(&self, local: Local, i: usize, unit: f64) -> (f64, f64) {
+        let b = self.rhs(local, i) * unit;
+        local.row(i).fold((-b, b.abs()), |(sum, size), (j, v)| {
+            (sum + v * (self.u[j] * unit), size + v.abs() * (self.size[j] * unit))
+        })
+    }
+
     /// Relative to the equations' own parts.
     fn residuals(&self, local: Local, independent: &[bool]) -> Vec<f64> {
         each(local.equations(), |i| {
             if !independent[i] {
                 return 0.0;
             }
-            let b = self.rhs(local, i);
-            let (sum, size) = local
-                .row(i)
-                .fold((-b, b.abs()), |(sum, size), (j, v)| (sum + v * self.u[j], size + v.abs() * self.size[j]));
-            // A sum that is no number must not pass for a small one.
-            let residual = if sum == 0.0 { 0.0 } else { sum.abs() / size };
-            if residual.is_nan() { f64::INFINITY } else { residual }
+            let (sum, size) = self.sums(local, i, 1.0);
+            // Near the end of the range of doubles the same is asked in another unit.
+            let (sum, size) = if size.is_finite() { (sum, size) } else { self.sums(local, i, 1e-100) };
+            relative(sum, size)
         })
     }
 
@@ -170,8 +184,20 @@ impl Expanded {
             let b = self.rhs(local, i);
             let sum = local.row(i).fold(-b, |sum, (j, v)| sum + v * self.u[j]);
             let weight: f64 = local.row(i).map(|(j, v)| ldexp(v.abs(), scaling.col(j))).sum();
-            let residual = sum.abs() / (weight * largest[labels.of_row[i] as usize] + b.abs());
-            *out = if residual.is_nan() { f64::INFINITY } else { residual };
+            *out = relative(sum, weight * largest[labels.of_row[i] as usize] + b.abs());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::relative;
+
+    #[test]
+    fn what_cannot_be_compared_is_not_small() {
+        assert_eq!((relative(0.0, 0.0), relative(1.0, 4.0)), (0.0, 0.25));
+        for (sum, size) in [(1e300, f64::INFINITY), (f64::NAN, 1.0), (f64::INFINITY, f64::INFINITY), (1.0, 0.0)] {
+            assert_eq!(relative(sum, size), f64::INFINITY);
         }
     }
 }
