@@ -1,6 +1,6 @@
 //! Redundant or conflicting: `b_k - sum c_i b_i`, prescribed DOFs moved into b (Eq. 27, 28).
 
-use crate::block::Solved;
+use crate::block::Diagnosed;
 use crate::certificate::{Because, History};
 use crate::presolve::eliminate::Eliminated;
 pub(crate) use crate::presolve::eliminate::Mismatch;
@@ -75,7 +75,7 @@ impl Dependent {
 /// Redundant or conflicting, for every dependent row.
 pub(crate) fn classify(
     eliminated: &Eliminated,
-    solved: &[Solved],
+    diagnosed: &[Diagnosed],
     scaling: &Scaling,
     tolerance: f64,
 ) -> Vec<Dependent> {
@@ -85,7 +85,7 @@ pub(crate) fn classify(
         Dependent::new(row, rest, dropped, Source::Traced(source, because), tolerance)
     };
     let mut all: Vec<_> = eliminated.dead.iter().map(|d| make(d.row, Vec::new(), d.mismatch, d.dropped)).collect();
-    for d in solved.iter().flat_map(|block| &block.dependent) {
+    for d in diagnosed.iter().flat_map(|block| &block.dependent) {
         all.push(make(d.row, d.because.clone(), d.mismatch, d.dropped));
     }
     all.sort_unstable_by_key(|d| d.row);

@@ -1,7 +1,7 @@
 //! Generated boundary conditions: free DOFs that the equations fix to a value (section 2.2, Figure 6).
 //!
-//! DOF s is fixed iff its row of T vanishes, that is iff it does not move with the masters. Two random vectors of masters
-//! tell this without T: `u_s = T u_q` is then zero to rounding, and for any other s with probability zero only.
+//! DOF s is fixed iff it does not move in any vector of the null space of the free part of C. Two random ones tell this without T:
+//! u_s is then zero to rounding, and for any other s with probability zero only.
 
 use std::collections::{BTreeMap, HashSet};
 
@@ -12,7 +12,7 @@ use crate::certificate::{Because, History};
 use crate::local::Local;
 use crate::qr::{Backend, BackendError};
 use crate::scale::{Scaling, ldexp};
-use crate::sweep::{Keys, sweep};
+use crate::sweep::{Keys, Sample, sweep};
 
 /// A sum of parts that cancels to within this, relative to the parts, is zero.
 const NOISE: f64 = 1e-11;
@@ -39,10 +39,14 @@ pub(crate) fn find(
     if fixed.is_empty() {
         return Generated::default();
     }
-    let again: HashSet<u32> = sweep(system, basis, history, scaling, keys, 0x85eb_ca6b).still.into_iter().collect();
+    let again: HashSet<u32> = sweep(system, basis, history, scaling, keys, Sample::Second).still.into_iter().collect();
     fixed.retain(|j| again.contains(j));
     let mut u = vec![0.0; system.dofs()];
     system.prescribed().iter().for_each(|&(j, value)| u[j] = value);
+    for block in &basis.blocks {
+        let particular = block.dofs.iter().zip(&block.vectors.particular);
+        particular.for_each(|(&j, &x)| u[j as usize] = ldexp(x, scaling.col(j as usize)));
+    }
     basis.complete(system, &mut u);
     let named = |&j: &u32| (system.numbering.dofs[j as usize] as usize, u[j as usize]);
     fixed.sort_unstable_by_key(|&j| system.numbering.dofs[j as usize]);
@@ -72,14 +76,13 @@ pub(crate) struct Explainer<'a> {
     pub time: &'a [u32],
 }
 
-/// The row of the basis that gives each DOF, or, for slaves of blocks, the first row of the block; `u32::MAX` for masters and
-/// prescribed DOFs.
+/// The row of the basis that gives each DOF; for DOFs of blocks the number of the block, counted on from the rows; `u32::MAX` for
+/// other masters and prescribed DOFs.
 pub(crate) fn times(basis: &Basis, dofs: usize) -> Vec<u32> {
     let mut time = vec![u32::MAX; dofs];
     basis.slaves().iter().zip(0..).for_each(|(&slave, t)| time[slave as usize] = t);
-    for block in 0..basis.blocks.len() {
-        let rows = basis.rows_of(block);
-        basis.slaves()[rows.clone()].iter().for_each(|&slave| time[slave as usize] = rows.start as u32);
+    for (block, t) in basis.blocks.iter().zip(basis.rows() as u32..) {
+        block.dofs.iter().for_each(|&j| time[j as usize] = t);
     }
     time
 }

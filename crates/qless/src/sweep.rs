@@ -1,6 +1,7 @@
 //! One pass over the kept equations, last to first, for all that can be told of a DOF from those that make it.
 
-use crate::basis::{Basis, Row};
+use crate::basis::{Basis, Kept, Row};
+use crate::block::Vectors;
 use crate::certificate::History;
 use crate::components::Labels;
 use crate::local::Local;
@@ -20,7 +21,20 @@ const WEAK: f64 = 3e4;
 const FAR: f64 = 1e5;
 
 /// Of the random masters and right-hand sides.
-pub(crate) const SEED: u64 = 0x9e37_79b9;
+const SEEDS: [u64; 2] = [0x9e37_79b9, 0x85eb_ca6b];
+
+/// Which random numbers.
+#[derive(Clone, Copy)]
+pub(crate) enum Sample {
+    First,
+    Second,
+}
+
+/// A DOF of a block moves if its number in a random vector of the null space is more than so many units in the last place times the
+/// condition, ...
+const ZERO_UNITS: f64 = 32.0;
+/// ... and more than this whatever the condition; more than the last is no rounding.
+const ZERO: [f64; 2] = [1e-13, 1e-8];
 
 /// A sample that is nearer to its limit than this factor is drawn again with numbers that depend on the component alone.
 const NEARLY: f64 = 0.1;
@@ -110,21 +124,24 @@ struct State {
     w: f64,
 }
 
-/// Masters and right-hand sides by `seed`. O(nnz).
+/// The first or the second sample, of masters and right-hand sides. O(nnz).
 pub(crate) fn sweep(
     system: Local,
     basis: &Basis,
     history: &History,
     scaling: &Scaling,
     keys: &Keys,
-    seed: u64,
+    which: Sample,
 ) -> Sweep {
-    let mut states = start(system, basis, scaling, keys, seed);
+    let seed = SEEDS[which as usize];
+    let mut states = start(system, scaling, keys, seed);
+    let mut still = Vec::new();
+    basis.blocks.iter().for_each(|block| enter(block, which, scaling, &mut states, &mut still));
     let of_steps = steps(history, keys, seed);
-    let (first, last) = (basis.peeled.len(), basis.peeled.len() + of_steps.len());
+    let first = basis.peeled.len();
     let plain = scaling.col.is_empty();
-    let mut out = Sweep { bounds: vec![0.0; basis.rank()], ..Sweep::default() };
-    for t in (0..basis.rank()).rev() {
+    let mut out = Sweep { bounds: vec![0.0; basis.rows()], still, ..Sweep::default() };
+    for t in (0..basis.rows()).rev() {
         let slave = basis.slave(t);
         let terms = basis.row(system, t);
         let Sums { moves, size, sample, bound } = sums(terms, slave, &states, scaling);
@@ -135,14 +152,11 @@ pub(crate) fn sweep(
         }
         let state = &mut states[slave as usize];
         state.u = moves;
-        // Slaves of a block do not rest on one another, and their sample is known already.
-        if t < last {
-            let right = if t < first { signed(seed, keys.row(basis.peeled[t])) } else { of_steps[t - first] };
-            state.w = apart_from_zero(sample + right / basis.pivot(t, &terms, scaling));
-            let far = t >= first && basis.reach_of_step(t - first) > FAR;
-            let moves = if plain { moves } else { ldexp(moves, -scaling.col(slave as usize)) };
-            out.judge(t, state.w.abs(), moves.abs(), far);
-        }
+        let right = if t < first { signed(seed, keys.row(basis.peeled[t])) } else { of_steps[t - first] };
+        state.w = apart_from_zero(sample + right / basis.pivot(t, &terms, scaling));
+        let far = t >= first && basis.reach_of_step(t - first) > FAR;
+        let moves = if plain { moves } else { ldexp(moves, -scaling.col(slave as usize)) };
+        out.judge(t, state.w.abs(), moves.abs(), far);
     }
     out
 }
@@ -185,8 +199,8 @@ fn apart_from_zero(sample: f64) -> f64 {
     if sample == 0.0 { f64::MIN_POSITIVE } else { sample }
 }
 
-/// Masters at random, prescribed DOFs at zero, slaves of blocks with the samples of their blocks.
-fn start(system: Local, basis: &Basis, scaling: &Scaling, keys: &Keys, seed: u64) -> Vec<State> {
+/// Masters at random, prescribed DOFs at zero.
+fn start(system: Local, scaling: &Scaling, keys: &Keys, seed: u64) -> Vec<State> {
     let master = |j: usize| State { u: ldexp(signed(!seed, keys.dof(j)), scaling.col(j)), w: 0.0 };
     let plain = |j: usize| State { u: signed(!seed, keys.dof(j)), w: 0.0 };
     let mut states: Vec<State> = if scaling.col.is_empty() {
@@ -195,11 +209,20 @@ fn start(system: Local, basis: &Basis, scaling: &Scaling, keys: &Keys, seed: u64
         (0..system.dofs()).map(master).collect()
     };
     system.prescribed().iter().for_each(|&(j, _)| states[j].u = 0.0);
-    for (block, kept) in basis.blocks.iter().enumerate() {
-        let slaves = &basis.slaves()[basis.rows_of(block)];
-        slaves.iter().zip(&kept.sample).for_each(|(&slave, &w)| states[slave as usize].w = apart_from_zero(w));
-    }
     states
+}
+
+/// The DOFs of a block move as a random vector of its null space says; those that stay are listed.
+fn enter(block: &Kept, which: Sample, scaling: &Scaling, states: &mut [State], still: &mut Vec<u32>) {
+    let zero = (ZERO_UNITS * f64::EPSILON / block.nearness.sigma).clamp(ZERO[0], ZERO[1]);
+    let Vectors { moves, sample, .. } = &block.vectors;
+    for ((&j, &u), &w) in block.dofs.iter().zip(&moves[which as usize]).zip(sample) {
+        let moves = if u.abs() <= zero { 0.0 } else { u };
+        if moves == 0.0 {
+            still.push(j);
+        }
+        states[j as usize] = State { u: ldexp(moves, scaling.col(j as usize)), w: apart_from_zero(w) };
+    }
 }
 
 /// What the terms of a row come to.
@@ -248,7 +271,7 @@ fn after(own: f64, factors: &[(u32, f64)], steps: &[f64]) -> f64 {
 
 /// A random right-hand side after elimination, for every row of the core: the one of which blocks give their samples.
 pub(crate) fn random_sides(eliminated: &Eliminated, keys: &Keys) -> Vec<f64> {
-    let own = |row: u32| signed(SEED, keys.row(eliminated.names[row as usize]));
+    let own = |row: u32| signed(SEEDS[0], keys.row(eliminated.names[row as usize]));
     let mut steps: Vec<f64> = Vec::with_capacity(eliminated.steps.len());
     for step in &eliminated.steps {
         steps.push(after(own(step.row), &eliminated.factors[step.row as usize], &steps));

@@ -3,12 +3,15 @@
 mod run;
 mod stages;
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 use std::time::Duration;
 
+use rayon::prelude::*;
+
 use crate::basis::Basis;
-use crate::block::Block;
+use crate::block::{self, Block};
 use crate::certificate::{Because, History};
 use crate::classify::{Dependent, Kind, Source};
 use crate::confidence::Confidence;
@@ -113,6 +116,8 @@ pub struct Analysis {
     /// Local numbers of [`Analysis::generated`].
     pub(crate) fixed: Vec<u32>,
     times: OnceLock<Vec<u32>>,
+    /// The basis with the rows of the blocks, made when they are wanted.
+    pub(crate) solved: OnceLock<Basis>,
 }
 
 impl Analysis {
@@ -177,11 +182,15 @@ impl Analysis {
     /// [`ReductionError`] where [`Analysis::residual`] would be above 1e-10, or a number beyond the range of doubles: what is
     /// returned meets the independent equations.
     pub fn reduction(&self, system: &ConstraintSystem) -> Result<Reduction, ReductionError> {
+        let basis = self.solved()?;
+        let local = self.numbering.view(system, &self.rhs);
+        let bounds =
+            if basis.blocks.is_empty() { Cow::Borrowed(&self.bounds) } else { Cow::Owned(basis.bounds(local)) };
         let mut fixed = vec![false; if self.fixed.is_empty() { 0 } else { self.numbering.dofs.len() }];
         self.fixed.iter().for_each(|&j| fixed[j as usize] = true);
         let basics = Basics {
-            basis: &self.basis,
-            bounds: &self.bounds,
+            basis,
+            bounds: &bounds,
             fixed,
             wishes: Wishes::new(&self.options.preferences, &self.numbering, system.dofs()),
             growth: self.options.growth,
@@ -189,7 +198,6 @@ impl Analysis {
             independent: self.independent(),
             memory: self.options.memory,
         };
-        let local = self.numbering.view(system, &self.rhs);
         reduction::build(system, local, &basics).map(|reduction| reduction.compare(&self.options.preferences))
     }
 
@@ -201,6 +209,21 @@ impl Analysis {
     pub fn residual(&self, system: &ConstraintSystem, reduction: &Reduction) -> f64 {
         let local = self.numbering.view(system, &self.rhs);
         gate::residuals(local, reduction, &self.independent(), &self.scaling, f64::INFINITY).worst
+    }
+
+    /// The basis with the rows of all blocks.
+    pub(crate) fn solved(&self) -> Result<&Basis, BackendError> {
+        if self.basis.blocks.is_empty() {
+            return Ok(&self.basis);
+        }
+        if let Some(basis) = self.solved.get() {
+            return Ok(basis);
+        }
+        let solve = |(block, kept)| block::solve(block, kept, self.options.memory);
+        let all = self.blocks.par_iter().zip(&self.basis.blocks);
+        let solved: Result<Vec<_>, _> = all.map(solve).collect();
+        let basis = self.basis.with_blocks(solved?, &self.scaling);
+        Ok(self.solved.get_or_init(|| basis))
     }
 
     pub(crate) fn independent(&self) -> Vec<bool> {

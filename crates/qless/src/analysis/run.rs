@@ -14,7 +14,7 @@ use crate::local::{Column, Exponents, Local, Numbering};
 use crate::preferences::Wishes;
 use crate::rounding;
 use crate::scale::{Scaling, Spread, Spreads, balanced, by_rows};
-use crate::sweep::{SEED, sweep};
+use crate::sweep::{Sample, sweep};
 use crate::{ConstraintSystem, Options, Tolerance};
 
 /// Diagnoses `C u = b`: rank, dependent equations, generated boundary conditions.
@@ -77,7 +77,7 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
         run.local = numbering.view(system, &rhs);
         let agreeing = run.stages(&held, start)?;
         (stages.basis, stages.blocks) = (agreeing.basis, agreeing.blocks);
-        stages.swept = sweep(local, &stages.basis, &agreeing.history, &scaling, &stages.keys, SEED);
+        stages.swept = sweep(local, &stages.basis, &agreeing.history, &scaling, &stages.keys, Sample::First);
     }
     let still = std::mem::take(&mut stages.swept.still);
     let generated = generated::find(still, local, &stages.basis, &stages.history, &scaling, &stages.keys);

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::{Analysis, AnalysisError, PresolveStatistics, Timings};
 use crate::basis::Basis;
-use crate::block::{self, Block, Means, Solved};
+use crate::block::{self, Block, Diagnosed, Means};
 use crate::certificate::History;
 use crate::classify::{Dependent, Kind, classify};
 use crate::components::Labels;
@@ -22,7 +22,7 @@ use crate::presolve::peel::{Peeled, peel};
 use crate::qr::{Backend, BackendError};
 use crate::scale::Scaling;
 use crate::sensitivity;
-use crate::sweep::{Keys, SEED, Sweep, is_far, random_sides, sweep};
+use crate::sweep::{Keys, Sample, Sweep, is_far, random_sides, sweep};
 use crate::{ConstraintSystem, Options};
 
 /// Stages that presolve's doubts have been taken from.
@@ -134,8 +134,7 @@ impl Run<'_> {
 
     fn swept(&self, held: &[bool], started: Instant) -> Result<Stages, AnalysisError> {
         let mut stages = self.stages(held, started)?;
-        let sweep =
-            |stages: &Stages| sweep(self.local, &stages.basis, &stages.history, self.scaling, &stages.keys, SEED);
+        let sweep = |s: &Stages| sweep(self.local, &s.basis, &s.history, self.scaling, &s.keys, Sample::First);
         stages.swept = sweep(&stages);
         if !stages.keys.are_within() && stages.swept.is_near_a_limit() {
             stages.keys = Keys::within(&Labels::of(self.local), self.local);
@@ -175,21 +174,22 @@ impl Run<'_> {
         let gather = |rows: &Vec<u32>| Block::new(&eliminated.rows, rows, local.free(), &random);
         let blocks: Vec<Block> = parts.iter().map(gather).collect();
         // Blocks are independent: in parallel, in the caller's pool, the result in their order whatever the threads.
-        let solve = |block: &Block| block::solve(block, means);
-        let solved: Result<Vec<Solved>, _> = match blocks.as_slice() {
-            few @ ([] | [_]) => few.iter().map(solve).collect(),
-            many => many.par_iter().map(solve).collect(),
+        let diagnose = |block: &Block| block::diagnose(block, means);
+        let diagnosed: Result<Vec<Diagnosed>, _> = match blocks.as_slice() {
+            few @ ([] | [_]) => few.iter().map(diagnose).collect(),
+            many => many.par_iter().map(diagnose).collect(),
         };
-        let solved = solved?;
+        let diagnosed = diagnosed?;
         let factored = Instant::now();
         let presolve = statistics(&peeled, &eliminated, &blocks);
-        let dependent = classify(&eliminated, &solved, scaling, means.tolerance);
+        let dependent = classify(&eliminated, &diagnosed, scaling, means.tolerance);
         let far = eliminated.dead.iter().filter(|dead| is_far(dead.reach)).map(|dead| dead.row).collect();
         let steps = eliminated.steps.iter().map(|step| step.row).collect();
         let (rows, factors) = (eliminated.names, eliminated.factors);
         let history = History { rows, factors, steps, exponents: scaling.row.clone() };
         let mut basis = peeled.basis;
-        basis.extend(eliminated.steps, solved, scaling);
+        let dofs = blocks.iter().map(|block| block.dofs.clone());
+        basis.extend(eliminated.steps, dofs.zip(diagnosed), scaling);
         Ok(Stages {
             basis,
             blocks,
@@ -297,6 +297,7 @@ impl Stages {
             numbering,
             fixed: generated.dofs,
             times: OnceLock::new(),
+            solved: OnceLock::new(),
             ignored: Vec::new(),
         }
     }

@@ -9,15 +9,15 @@ mod row;
 
 use std::ops::Range;
 
-use crate::block::{Nearness, Solved};
+use crate::block::{Diagnosed, Nearness, Solved, Vectors};
 use crate::local::Local;
 use crate::presolve::eliminate::Step;
 use crate::scale::{Scaling, ldexp};
 
 pub(crate) use row::Row;
 
-/// Everything needed to express slaves by masters.
-#[derive(Default)]
+/// Everything needed to express slaves by masters. A diagnosis has no rows of blocks: those are added when a reduction is wanted.
+#[derive(Clone, Default)]
 pub(crate) struct Basis {
     slaves: Vec<u32>,
     constants: Vec<f64>,
@@ -33,22 +33,25 @@ pub(crate) struct Basis {
     pivots: Vec<f64>,
     /// As [`Step::reach`].
     reaches: Vec<f64>,
-    /// The blocks, the rows of which come last.
+    /// The blocks, ...
     pub blocks: Vec<Kept>,
+    /// ... the rows of which come last.
+    ranges: Vec<Range<usize>>,
 }
 
 /// What remains of a block beside its rows.
+#[derive(Clone)]
 pub(crate) struct Kept {
     /// Indices of the kept rows among those that went through elimination.
     pub rows: Vec<u32>,
     /// Indices of `rows` in an order in which they fill little.
     pub order: Vec<u32>,
-    /// Its rows of the basis.
-    pub slaves: Range<usize>,
     /// How near to dependence the kept rows are.
     pub nearness: Nearness,
-    /// `C_S^-1` times a random vector, one number for each slave.
-    pub sample: Vec<f64>,
+    /// Its free DOFs, ...
+    pub dofs: Vec<u32>,
+    /// ... and vectors over them.
+    pub vectors: Vectors,
 }
 
 /// Rows, in order.
@@ -56,7 +59,7 @@ pub(crate) struct Kept {
 pub(crate) enum Part {
     Peeled,
     Eliminated,
-    /// Row of this block.
+    /// This block.
     Block(usize),
 }
 
@@ -99,7 +102,7 @@ impl Basis {
     }
 
     fn push_block(&mut self, block: Solved, scaling: &Scaling) {
-        let first = self.rank();
+        let first = self.rows();
         for (i, &slave) in block.slaves.iter().enumerate() {
             let own = scaling.col(slave as usize);
             for (k, v) in block.relation.row(i) {
@@ -109,14 +112,24 @@ impl Basis {
             }
             self.close(slave, ldexp(block.constant[i], own));
         }
-        let Solved { kept: rows, order, nearness, sample, .. } = block;
-        self.blocks.push(Kept { rows, order, slaves: first..self.rank(), nearness, sample });
+        self.ranges.push(first..self.rows());
     }
 
-    /// Appends what elimination and blocks found to the peeled rows, in the user's units.
-    pub fn extend(&mut self, steps: Vec<Step>, blocks: Vec<Solved>, scaling: &Scaling) {
+    /// Appends what elimination found to the peeled rows, in the user's units, and takes note of the blocks.
+    pub fn extend(&mut self, steps: Vec<Step>, blocks: impl Iterator<Item = (Vec<u32>, Diagnosed)>, scaling: &Scaling) {
         steps.into_iter().for_each(|step| self.push_step(&step, scaling));
-        blocks.into_iter().for_each(|block| self.push_block(block, scaling));
+        let kept = |(dofs, block)| {
+            let Diagnosed { kept: rows, order, nearness, vectors, .. } = block;
+            Kept { rows, order, nearness, dofs, vectors }
+        };
+        self.blocks.extend(blocks.map(kept));
+    }
+
+    /// The same with the rows of the blocks.
+    pub fn with_blocks(&self, blocks: Vec<Solved>, scaling: &Scaling) -> Self {
+        let mut all = self.clone();
+        blocks.into_iter().for_each(|block| all.push_block(block, scaling));
+        all
     }
 
     /// Number of eliminated rows.
@@ -124,9 +137,14 @@ impl Basis {
         self.pivots.len()
     }
 
-    /// Number of slaves, which is the rank.
-    pub fn rank(&self) -> usize {
+    /// Number of rows that are there.
+    pub fn rows(&self) -> usize {
         self.slaves.len()
+    }
+
+    /// Number of kept equations.
+    pub fn rank(&self) -> usize {
+        self.peeled.len() + self.steps() + self.blocks.iter().map(|block| block.rows.len()).sum::<usize>()
     }
 
     #[inline]
@@ -188,19 +206,27 @@ impl Basis {
         Row::new(&self.dofs[range.clone()], &self.values[range])
     }
 
-    /// The rows of a block.
-    pub fn rows_of(&self, block: usize) -> Range<usize> {
-        self.blocks[block].slaves.clone()
+    /// Bounds of the rows of T: their own largest coefficients, infinite where they name other slaves.
+    pub fn bounds(&self, system: Local) -> Vec<f64> {
+        let mut is_slave = vec![false; system.dofs()];
+        self.slaves.iter().for_each(|&slave| is_slave[slave as usize] = true);
+        let size = |(j, v): (u32, f64)| if is_slave[j as usize] { f64::INFINITY } else { v.abs() };
+        (0..self.rows()).map(|t| self.row(system, t).entries().map(size).fold(0.0, f64::max)).collect()
     }
 
-    /// Where row t comes from.
+    /// The rows of a block.
+    pub fn rows_of(&self, block: usize) -> Range<usize> {
+        self.ranges[block].clone()
+    }
+
+    /// Where row t comes from, blocks counted as one each.
     pub fn part(&self, t: usize) -> Part {
         if t < self.peeled.len() {
             Part::Peeled
         } else if t < self.peeled.len() + self.steps() {
             Part::Eliminated
         } else {
-            Part::Block(self.blocks.partition_point(|kept| kept.slaves.end <= t))
+            Part::Block(t - self.peeled.len() - self.steps())
         }
     }
 
@@ -211,7 +237,7 @@ impl Basis {
 
     /// The same with other constants.
     pub fn complete_with(&self, system: Local, constants: &[f64], u: &mut [f64]) {
-        for t in (0..self.rank()).rev() {
+        for t in (0..self.rows()).rev() {
             let sum: f64 = self.row(system, t).entries().map(|(j, v)| v * u[j as usize]).sum();
             u[self.slaves[t] as usize] = constants[t] + sum;
         }

@@ -1,13 +1,17 @@
 //! `C^T P = Q [R1 R2]`: which rows of a block are combinations of others, and of which.
 
 use super::tableau::Tableau;
+use super::triangle::{Triangle, seeds};
 use super::{Block, Dependent, Means, Nearness};
 use crate::Csr;
 use crate::confidence::NEAR;
 use crate::presolve::eliminate::Mismatch;
 use crate::qr::faer::Faer;
-use crate::qr::{Backend, BackendError, Factor, SMALL, largest_place, norm, part_of_largest};
+use crate::qr::{Backend, BackendError, Factor, largest_place, norm, part_of_largest};
 use crate::scale::ldexp;
+
+/// m n up to which a block that seems nearly dependent is factored once more, with pivoting.
+const DENSE: usize = 1 << 20;
 
 /// Coefficients of a certificate below this, relative to its largest, are rounding; where the kept rows are badly
 /// conditioned, those below [`ROUNDING`] units in the last place times the condition.
@@ -41,6 +45,15 @@ pub(super) struct Rows {
     pub order: Vec<usize>,
     pub dependent: Vec<Dependent>,
     pub nearness: Nearness,
+    /// Of the kept rows.
+    pub triangle: Triangle,
+}
+
+/// Rows that are kept, with their factor, and what is known of them.
+struct Choice {
+    near: Nearness,
+    weakest: Weakest,
+    triangle: Triangle,
 }
 
 /// The kept row with the largest part in the smallest singular vector.
@@ -60,71 +73,92 @@ pub(super) fn find(block: &Block, means: Means) -> Result<Rows, BackendError> {
 /// As [`find`], with the whole block in `order`.
 fn independent(block: &Block, means: Means) -> Result<Rows, BackendError> {
     let Means { backend, tolerance, check, .. } = means;
-    let mut factor = backend.factor(&block.matrix, &[], tolerance)?;
+    let factor = backend.factor(&block.matrix, &seeds(block), tolerance)?;
     let order = factor.order.clone();
+    let left = beyond_rounding(&factor, block);
+    let dropped = factor.order[factor.rank..].to_vec();
+    let choice = Choice::new(block, factor, means)?;
     if !check {
-        let unchecked = Nearness { sigma: 1.0, distance: 1.0 };
-        return Ok(rows(block, &certificates(&factor), beyond_rounding(&factor, block), unchecked, order));
+        return Ok(rows(block, &over_kept(block, &choice.triangle, &dropped), left, choice, order));
     }
-    let (mut near, mut weakest) = nearness(block, &factor, means)?;
     let (m, n) = (block.matrix.rows(), block.matrix.cols);
-    let pivots = backend.pivots(n, m) || near.distance >= NEAR;
-    if !pivots && m * n > SMALL {
+    let pivots = backend.pivots(n, m) || choice.near.distance >= NEAR;
+    if !pivots && m * n > DENSE {
         // No row is nearer to the others than sigma.
-        let doubtful = near.sigma <= ESTIMATE * tolerance;
-        if let Some(rows) = if doubtful { without_weak(block, means, &factor, &order)? } else { None } {
+        let doubtful = choice.near.sigma <= ESTIMATE * tolerance;
+        if let Some(rows) = if doubtful { without_weak(block, means, &choice, &dropped, &order)? } else { None } {
             return Ok(rows);
         }
     } else if !pivots {
         // The backend may have kept the wrong rows of a sound block: with pivoting the best are kept.
-        let other = Faer.factor(&block.matrix, &[], tolerance)?;
-        let (better, place) = nearness(block, &other, Means { backend: &Faer, ..means })?;
-        if better.sigma > near.sigma {
-            (factor, near, weakest) = (other, better, place);
+        let means = Means { backend: &Faer, ..means };
+        let other = Faer.factor(&block.matrix, &seeds(block), tolerance)?;
+        let left = beyond_rounding(&other, block);
+        let dropped = other.order[other.rank..].to_vec();
+        let better = Choice::new(block, other, means)?;
+        if better.near.sigma > choice.near.sigma {
+            return ordered_or_repaired(block, means, better, (left, dropped), order);
         }
     }
-    let left = beyond_rounding(&factor, block);
-    if weakest.left <= tolerance && near.distance < NEAR && factor.rank > 0 {
-        return repair(block, means, &factor, weakest.row, order);
+    ordered_or_repaired(block, means, choice, (left, dropped), order)
+}
+
+/// Of what a backend kept the rows that are sound.
+fn ordered_or_repaired(
+    block: &Block,
+    means: Means,
+    choice: Choice,
+    (left, dropped): (f64, Vec<usize>),
+    order: Vec<usize>,
+) -> Result<Rows, BackendError> {
+    if choice.weakest.left <= means.tolerance && choice.near.distance < NEAR && !choice.triangle.rows.is_empty() {
+        return repair(block, means, choice, dropped, order);
     }
-    let (tableau, near) = in_order(block, means, certificates(&factor), near)?;
-    Ok(rows(block, &tableau, left, near, order))
+    let tableau = over_kept(block, &choice.triangle, &dropped);
+    let (tableau, choice) = in_order(block, means, tableau, choice)?;
+    Ok(rows(block, &tableau, left, choice, order))
 }
 
 /// The backend kept rows that are combinations of others to within the tolerance, as a QR without pivoting does where their
 /// remainders are spread over many: those are found by the singular vectors and dropped. Dropped rows that are no combinations
 /// come back for good: only such a row had explained them, or many together are nearer to dependence than each of them.
 /// None where that does not end in a sound choice.
-fn without_weak(block: &Block, means: Means, factor: &Factor, order: &[usize]) -> Result<Option<Rows>, BackendError> {
-    let reference = means.orthogonal();
-    let mut kept = factor.order[..factor.rank].to_vec();
-    let mut dropped = factor.order[factor.rank..].to_vec();
+fn without_weak(
+    block: &Block,
+    means: Means,
+    first: &Choice,
+    dropped: &[usize],
+    order: &[usize],
+) -> Result<Option<Rows>, BackendError> {
+    let mut kept = first.triangle.rows.clone();
+    let mut dropped = dropped.to_vec();
     let mut sure = vec![false; block.matrix.rows()];
     let limit = means.tolerance;
-    let first = if means.backend.is_orthogonal() { factor.weak_columns(limit)? } else { Some(Vec::new()) };
-    let Some(mut weak) = first else { return Ok(None) };
+    let Some(mut weak) = first.triangle.factor.weak_columns(limit)? else { return Ok(None) };
     for _ in 0..ROUNDS {
         weak.sort_unstable_by(|a, b| b.cmp(a));
         dropped.extend(weak.iter().map(|&k| kept.swap_remove(k)));
-        let factor = reference.factor(&block.select(&kept), &[], 0.0)?;
-        dropped.extend(factor.order[factor.rank..].iter().map(|&k| kept[k]));
-        kept = factor.order[..factor.rank].iter().map(|&k| kept[k]).collect();
-        let Some(still) = factor.weak_columns(limit)? else { return Ok(None) };
+        let choice = Choice::of(block, &kept, means)?;
+        dropped.extend(kept.iter().filter(|k| !choice.triangle.rows.contains(k)));
+        kept.clone_from(&choice.triangle.rows);
         // Many rows together can be nearer to dependence than the tolerance, though none of them is.
-        let apart = measure(block, &factor, &kept).1.left > limit;
-        weak = still.into_iter().filter(|&k| !apart && !sure[kept[k]]).collect();
-        if !weak.is_empty() {
-            continue;
+        let apart = choice.weakest.left > limit;
+        if !apart {
+            let Some(still) = choice.triangle.factor.weak_columns(limit)? else { return Ok(None) };
+            weak = still.into_iter().filter(|&k| !sure[kept[k]]).collect();
+            if !weak.is_empty() {
+                continue;
+            }
         }
-        let tableau = over_kept(block, reference, &kept, &dropped)?;
+        let tableau = over_kept(block, &choice.triangle, &dropped);
         let unexplained = unexplained(block, &tableau, means.tolerance)?;
         if unexplained.is_empty() {
-            let (near, weakest) = of_rows(block, &kept, means)?;
             let left = Some(remainder(block, &tableau)).filter(|&left| left > noise_of(block)).unwrap_or(0.0);
-            let (tableau, near) = in_order(block, means, tableau, near)?;
-            let sound = near.distance >= NEAR || weakest.left > means.tolerance;
-            return Ok(sound.then(|| rows(block, &tableau, left, near, order.to_vec())));
+            let (tableau, choice) = in_order(block, means, tableau, choice)?;
+            let sound = choice.near.distance >= NEAR || choice.weakest.left > means.tolerance;
+            return Ok(sound.then(|| rows(block, &tableau, left, choice, order.to_vec())));
         }
+        weak.clear();
         unexplained.iter().for_each(|&k| sure[k] = true);
         dropped.retain(|k| !unexplained.contains(k));
         kept.extend(unexplained);
@@ -153,35 +187,36 @@ fn in_order(
     block: &Block,
     means: Means,
     mut tableau: Tableau,
-    mut near: Nearness,
-) -> Result<(Tableau, Nearness), BackendError> {
+    mut choice: Choice,
+) -> Result<(Tableau, Choice), BackendError> {
     let kept_of = |tableau: &Tableau| tableau.free.iter().map(|&k| k as usize).collect::<Vec<_>>();
-    if !near.is_sound() {
+    if !choice.near.is_sound() {
         // Where certificates are small, no other choice of rows is much better (Gu and Eisenstat 1996).
         let mut better = tableau.clone();
         if better.limit(STEEP) && better.basic != tableau.basic {
-            let found = of_rows(block, &kept_of(&better), means)?.0;
-            if found.sigma > near.sigma {
-                (tableau, near) = (better, found);
+            let found = Choice::of(block, &kept_of(&better), means)?;
+            if found.near.sigma > choice.near.sigma {
+                (tableau, choice) = (better, found);
             }
         }
     }
     let mut ordered = tableau.clone();
     ordered.prefer(|candidate, holder| candidate > holder);
     if ordered.basic == tableau.basic {
-        return Ok((tableau, near));
+        return Ok((tableau, choice));
     }
-    let found = of_rows(block, &kept_of(&ordered), means)?.0;
-    Ok(if 2.0 * found.sigma < near.sigma { (tableau, near) } else { (ordered, found) })
+    let found = Choice::of(block, &kept_of(&ordered), means)?;
+    Ok(if 2.0 * found.near.sigma < choice.near.sigma { (tableau, choice) } else { (ordered, found) })
 }
 
-fn rows(block: &Block, tableau: &Tableau, left: f64, nearness: Nearness, order: Vec<usize>) -> Rows {
+fn rows(block: &Block, tableau: &Tableau, left: f64, choice: Choice, order: Vec<usize>) -> Rows {
+    let Choice { near: nearness, triangle, .. } = choice;
     let sigma = nearness.sigma;
     let mut kept: Vec<usize> = tableau.free.iter().map(|&k| k as usize).collect();
     kept.sort_unstable();
     let noise = (ROUNDING * f64::EPSILON / sigma).max(NOISE);
     let all = (0..tableau.basic.len()).map(|i| dependent(block, tableau, i, left, noise, sigma));
-    Rows { dependent: all.collect(), kept, order, nearness }
+    Rows { dependent: all.collect(), kept, order, nearness, triangle }
 }
 
 /// The backend kept rows that are dependent to within the tolerance (no pivot was small, as in Kahan's matrix): row after
@@ -189,47 +224,46 @@ fn rows(block: &Block, tableau: &Tableau, left: f64, nearness: Nearness, order: 
 fn repair(
     block: &Block,
     means: Means,
-    factor: &Factor,
-    weakest: usize,
+    mut choice: Choice,
+    mut dropped: Vec<usize>,
     order: Vec<usize>,
 ) -> Result<Rows, BackendError> {
-    let mut kept = factor.order[..factor.rank].to_vec();
-    let mut dropped = factor.order[factor.rank..].to_vec();
-    let mut drop = weakest;
-    loop {
-        let place = kept.iter().position(|&i| i == drop).unwrap_or(kept.len() - 1);
+    let mut kept = choice.triangle.rows.clone();
+    while choice.weakest.left <= means.tolerance {
+        let place = kept.iter().position(|&i| i == choice.weakest.row).unwrap_or(kept.len() - 1);
         dropped.push(kept.swap_remove(place));
-        let (near, weakest) = of_rows(block, &kept, means)?;
-        if weakest.left > means.tolerance {
-            let tableau = over_kept(block, means.backend, &kept, &dropped)?;
-            let left = remainder(block, &tableau);
-            return Ok(rows(block, &tableau, left, near, order));
-        }
-        drop = weakest.row;
+        choice = Choice::of(block, &kept, means)?;
     }
+    let tableau = over_kept(block, &choice.triangle, &dropped);
+    let left = remainder(block, &tableau);
+    Ok(rows(block, &tableau, left, choice, order))
 }
 
-/// How near the kept rows of a factor are to dependence, and the row with the largest part in the smallest singular vector.
-fn nearness(block: &Block, factor: &Factor, means: Means) -> Result<(Nearness, Weakest), BackendError> {
-    let kept = &factor.order[..factor.rank];
-    if means.backend.is_orthogonal() { Ok(measure(block, factor, kept)) } else { of_rows(block, kept, means) }
-}
+impl Choice {
+    /// What a factor of the whole block kept; factored anew where the backend is not orthogonal.
+    fn new(block: &Block, factor: Factor, means: Means) -> Result<Self, BackendError> {
+        let rows = factor.order[..factor.rank].to_vec();
+        if means.backend.is_orthogonal() {
+            return Ok(Self::measured(block, Triangle { factor, rows }, means));
+        }
+        Self::of(block, &rows, means)
+    }
 
-/// The same of any rows.
-fn of_rows(block: &Block, kept: &[usize], means: Means) -> Result<(Nearness, Weakest), BackendError> {
-    let factor = means.orthogonal().factor(&block.select(kept), &[], 0.0)?;
-    let kept: Vec<usize> = factor.order[..factor.rank].iter().map(|&k| kept[k]).collect();
-    Ok(measure(block, &factor, &kept))
-}
+    /// Some rows, those left out that are dependent to the last bit.
+    fn of(block: &Block, kept: &[usize], means: Means) -> Result<Self, BackendError> {
+        Ok(Self::measured(block, Triangle::of(block, kept, means)?, means))
+    }
 
-/// `sigma` and, with its singular vectors y of the rows and v of the DOFs, `sigma / (max |y_i| max |v_j|)`: the entry of the
-/// inverse that is largest in the direction in which the rows are nearest to dependence. `kept` are the rows of the factor.
-fn measure(block: &Block, factor: &Factor, kept: &[usize]) -> (Nearness, Weakest) {
-    let (sigma, y) = factor.smallest_singular_value();
-    let place = largest_place(&y);
-    let weakest = Weakest { row: place.map_or(0, |k| kept[k]), left: place.map_or(sigma, |k| sigma / y[k].abs()) };
-    let distance = if sigma < NEAR { distance(&block.matrix, kept, sigma, &y) } else { sigma };
-    (Nearness { sigma, distance }, weakest)
+    /// `sigma` and, with its singular vectors y of the rows and v of the DOFs, `sigma / (max |y_i| max |v_j|)`: the entry of the
+    /// inverse that is largest in the direction in which the rows are nearest to dependence.
+    fn measured(block: &Block, triangle: Triangle, means: Means) -> Self {
+        let (sigma, y) = if means.check { triangle.factor.smallest_singular_value() } else { (1.0, Vec::new()) };
+        let place = largest_place(&y);
+        let row = place.map_or(0, |k| triangle.rows[k]);
+        let weakest = Weakest { row, left: place.map_or(sigma, |k| sigma / y[k].abs()) };
+        let distance = if sigma < NEAR { distance(&block.matrix, &triangle.rows, sigma, &y) } else { sigma };
+        Self { near: Nearness { sigma, distance }, weakest, triangle }
+    }
 }
 
 fn distance(rows: &Csr, kept: &[usize], sigma: f64, y: &[f64]) -> f64 {
@@ -240,21 +274,16 @@ fn distance(rows: &Csr, kept: &[usize], sigma: f64, y: &[f64]) -> f64 {
     sigma / (part_of_largest(y) * part_of_largest(&v))
 }
 
-/// The dropped rows over the kept ones: least squares with the kept rows as columns.
-fn over_kept(block: &Block, backend: &dyn Backend, kept: &[usize], dropped: &[usize]) -> Result<Tableau, BackendError> {
-    let n = block.matrix.cols;
-    let mut rhs = vec![0.0; n * dropped.len()];
-    for (c, &i) in dropped.iter().enumerate() {
-        block.matrix.row(i).for_each(|(j, v)| rhs[c * n + j] = v);
-    }
-    let factor = backend.factor(&block.select(kept), &rhs, NO_PIVOT)?;
-    let r = factor.rank;
-    Ok(Tableau {
+/// The dropped rows over the kept ones: `R1^-1 R2` where the factor holds them, otherwise least squares.
+fn over_kept(block: &Block, triangle: &Triangle, dropped: &[usize]) -> Tableau {
+    let holds = triangle.factor.order.len() == triangle.rows.len() + dropped.len();
+    let data = if holds { triangle.factor.coefficients() } else { triangle.certificates(block, dropped) };
+    Tableau {
         basic: dropped.iter().map(|&i| i as u32).collect(),
-        free: factor.order[..r].iter().map(|&k| kept[k] as u32).collect(),
-        width: r,
-        data: (0..dropped.len()).flat_map(|c| factor.solve(&factor.rhs[c * r..(c + 1) * r])).collect(),
-    })
+        free: triangle.rows.iter().map(|&k| k as u32).collect(),
+        width: triangle.rows.len(),
+        data: data.concat(),
+    }
 }
 
 /// Largest part of a dependent row that its certificate does not give.
@@ -284,17 +313,6 @@ fn beyond_rounding(factor: &Factor, block: &Block) -> f64 {
 fn noise_of(block: &Block) -> f64 {
     let (m, n) = (block.matrix.rows() as f64, block.matrix.cols as f64);
     ROUNDING * f64::EPSILON * (m.sqrt() + n.sqrt())
-}
-
-/// Row k of the tableau: `R1^-1 R2_k`, the dependent equation over the kept ones.
-fn certificates(factor: &Factor) -> Tableau {
-    let position = |k: &usize| *k as u32;
-    Tableau {
-        basic: factor.order[factor.rank..].iter().map(position).collect(),
-        free: factor.order[..factor.rank].iter().map(position).collect(),
-        width: factor.rank,
-        data: factor.coefficients().concat(),
-    }
 }
 
 fn dependent(block: &Block, tableau: &Tableau, i: usize, left: f64, noise: f64, sigma: f64) -> Dependent {

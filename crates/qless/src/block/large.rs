@@ -16,22 +16,20 @@ pub(super) struct Large {
     pub masters: Vec<u32>,
     /// A row for each master, then for each prescribed DOF; columns as `slaves`.
     pub columns: Csr,
-    /// One number for each slave: of b ...
+    /// One number for each slave.
     pub constant: Vec<f64>,
-    /// ... and of a random right-hand side.
-    pub sample: Vec<f64>,
 }
 
 /// `kept` are independent rows, `order` is one that fills little. None where the factors do not find them independent.
 pub(super) fn relation(
     block: &Block,
     kept: &[usize],
-    order: &[usize],
-    sample: &[f64],
+    order: &[u32],
     memory: usize,
 ) -> Result<Option<Large>, BackendError> {
     let rows = block.select(kept);
-    let lu = match lu::factor(&rows, order, |_| true, memory) {
+    let order: Vec<usize> = order.iter().map(|&k| k as usize).collect();
+    let lu = match lu::factor(&rows, &order, |_| true, memory) {
         Ok(lu) => lu,
         Err(LuError::Dependent) => return Ok(None),
         Err(error) => return Err(error.of_block("sparse LU", &rows, memory)),
@@ -43,8 +41,8 @@ pub(super) fn relation(
     let masters: Vec<u32> = (0..block.matrix.cols as u32).filter(|&j| !is_slave[j as usize]).collect();
     let columns = solver.solve(&right_sides(block, kept, &rows, &masters));
     let b: Vec<f64> = kept.iter().map(|&i| block.rhs[i]).collect();
-    let (constant, sample) = (solver.solve_dense(&b), solver.solve_dense(sample));
-    Ok(Some(Large { slaves, masters, columns, constant, sample }))
+    let constant = solver.solve_dense(&b);
+    Ok(Some(Large { slaves, masters, columns, constant }))
 }
 
 /// `-[C_M C_p]` by columns.

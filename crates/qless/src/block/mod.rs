@@ -1,9 +1,11 @@
 //! What presolve leaves, block by block: which rows depend on which, then which DOFs are slaves (Eq. 21-26).
 //!
-//! First `C^T` is factored: its dependent columns are the dependent equations, and `R1 y = R2_k` is their certificate.
-//! Then C with the independent rows only: `u_s = -R1^-1 R2 u_q - R1^-1 Q^T C_p u_p + R1^-1 Q^T b` by QR with column pivoting. Heath-style
-//! rank detection errs far less often on `C^T` (tall) than on C, and the second factorization knows its rank.
-//! Blocks of more than 2^20 numbers find slaves and T by sparse LU of C^T: [`lu`], [`solver`].
+//! A diagnosis factors `C^T`: its dependent columns are the dependent equations, and `R1 y = R2_k` is their certificate.
+//! Heath-style rank detection errs far less often on `C^T` (tall) than on C. How DOFs can move is told by random vectors of the
+//! null space ([`triangle`]).
+//!
+//! A reduction, if it is asked for, solves the independent rows: small blocks by QR of C with column pivoting,
+//! `u_s = -R1^-1 R2 u_q - R1^-1 Q^T C_p u_p + R1^-1 Q^T b`, larger ones by sparse LU of C^T: [`lu`], [`solver`].
 
 pub(crate) mod dependent;
 pub(crate) mod large;
@@ -12,6 +14,7 @@ mod refine;
 mod slaves;
 pub(crate) mod solver;
 mod tableau;
+mod triangle;
 
 use crate::confidence::NEAR;
 use crate::presolve::eliminate::Mismatch;
@@ -20,6 +23,9 @@ use crate::qr::choice::DenseOrSparse;
 use crate::qr::{Backend, BackendError};
 use crate::scale::{exponent, ldexp};
 use crate::{Csr, Options};
+use dependent::Rows;
+pub(crate) use slaves::solve;
+pub(crate) use triangle::Vectors;
 
 /// One block as a matrix: m rows over the free DOFs `dofs`, with what stands on the other side.
 pub(crate) struct Block {
@@ -54,22 +60,26 @@ pub(crate) struct Dependent {
     pub mismatch: Mismatch,
 }
 
-/// The block solved: its dependent rows and `u_s = relation (u_q, u_p) + constant`.
-#[derive(Clone, Debug)]
-pub(crate) struct Solved {
+/// The diagnosis of a block. No slave is chosen and no relation formed.
+pub(crate) struct Diagnosed {
     pub kept: Vec<u32>,
     /// Indices of `kept` in an order in which they fill little.
     pub order: Vec<u32>,
     pub dependent: Vec<Dependent>,
+    /// How near to dependence the kept rows are.
+    pub nearness: Nearness,
+    /// Over [`Block::dofs`].
+    pub vectors: Vectors,
+}
+
+/// The block solved for its slaves: `u_s = relation (u_q, u_p) + constant`.
+#[derive(Clone, Debug)]
+pub(crate) struct Solved {
     pub slaves: Vec<u32>,
     /// Columns of `relation`: masters, then prescribed DOFs.
     pub others: Vec<u32>,
     pub relation: Csr,
     pub constant: Vec<f64>,
-    /// How near to dependence the kept rows are.
-    pub nearness: Nearness,
-    /// `C_S^-1` times a random vector, in the order of `slaves`.
-    pub sample: Vec<f64>,
 }
 
 /// How near to dependence rows are that were kept, in units of the largest coefficient of each.
@@ -118,10 +128,12 @@ impl<'a> Means<'a> {
     }
 }
 
-/// Solves one block.
-pub(crate) fn solve(block: &Block, means: Means) -> Result<Solved, BackendError> {
-    let rows = dependent::find(block, means)?;
-    slaves::choose(block, rows, means)
+/// Which rows of a block depend on which, and how its DOFs can move.
+pub(crate) fn diagnose(block: &Block, means: Means) -> Result<Diagnosed, BackendError> {
+    let Rows { kept, order, dependent, nearness, triangle } = dependent::find(block, means)?;
+    let rows = kept.iter().map(|&i| block.rows[i]).collect();
+    let order = order.iter().map(|&k| k as u32).collect();
+    Ok(Diagnosed { kept: rows, order, dependent, nearness, vectors: triangle.vectors(block) })
 }
 
 impl Block {

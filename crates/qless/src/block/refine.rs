@@ -12,8 +12,8 @@ use crate::qr::{Backend, BackendError};
 /// Residuals up to this, relative to the parts of their equation, are left alone.
 const GOOD: f64 = 1e-14;
 
-pub(super) fn refine(block: &Block, kept: &[usize], random: &[f64], tableau: &mut Tableau) -> Result<(), BackendError> {
-    let (residual, worst) = residual(block, kept, random, tableau);
+pub(super) fn refine(block: &Block, kept: &[usize], tableau: &mut Tableau) -> Result<(), BackendError> {
+    let (residual, worst) = residual(block, kept, tableau);
     if worst <= GOOD {
         return Ok(());
     }
@@ -29,14 +29,14 @@ pub(super) fn refine(block: &Block, kept: &[usize], random: &[f64], tableau: &mu
             tableau.data[i * tableau.width + c] -= correction[k];
         }
     }
-    if self::residual(block, kept, random, tableau).1 > worst {
+    if self::residual(block, kept, tableau).1 > worst {
         tableau.data = before;
     }
     Ok(())
 }
 
 /// `C_S X - B` by columns, and the largest entry relative to the sum of its parts' sizes.
-fn residual(block: &Block, kept: &[usize], random: &[f64], tableau: &Tableau) -> (Vec<f64>, f64) {
+fn residual(block: &Block, kept: &[usize], tableau: &Tableau) -> (Vec<f64>, f64) {
     let (r, width) = (kept.len(), tableau.width);
     let mut slave = vec![usize::MAX; block.dofs.len()];
     tableau.basic.iter().enumerate().for_each(|(i, &j)| slave[j as usize] = i);
@@ -59,13 +59,9 @@ fn residual(block: &Block, kept: &[usize], random: &[f64], tableau: &Tableau) ->
             }
         }
         block.fixed.row(i).for_each(|(c, v)| add(tableau.free.len() + c, v));
-        add(width - 2, -block.rhs[i]);
-        add(width - 1, -random[position]);
+        add(width - 1, -block.rhs[i]);
         for c in (0..width).filter(|&c| size[c] > 0.0) {
-            // Whether to refine does not hang on random numbers.
-            if c + 1 < width {
-                worst = worst.max(sum[c].abs() / size[c]);
-            }
+            worst = worst.max(sum[c].abs() / size[c]);
             result[c * r + position] = sum[c];
         }
     }

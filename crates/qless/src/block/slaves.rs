@@ -1,12 +1,12 @@
 //! `C P = Q [R1 R2]` on independent rows: `u_s = -R1^-1 R2 u_q - R1^-1 Q^T C_p u_p + R1^-1 Q^T b` (Eq. 23-26).
 
-use super::dependent::Rows;
 use super::large::{self, Large};
 use super::refine;
 use super::solver::NOISE;
 use super::tableau::Tableau;
-use super::{Block, Means, Solved};
+use super::{Block, Solved};
 use crate::Csr;
+use crate::basis::Kept;
 use crate::qr::faer::Faer;
 use crate::qr::{Backend, BackendError, Factor, SMALL};
 
@@ -18,79 +18,67 @@ const ZERO_LIMIT: f64 = 1e-8;
 /// Column pivoting bounds T in practice; slaves are exchanged where it does not.
 const GROWTH: f64 = 4.0;
 
-pub(super) fn choose(block: &Block, rows: Rows, means: Means) -> Result<Solved, BackendError> {
-    let zero = (ZERO_UNITS * f64::EPSILON / rows.nearness.sigma).clamp(NOISE, ZERO_LIMIT);
-    let (r, n) = (rows.kept.len(), block.matrix.cols);
-    let random: Vec<f64> = rows.kept.iter().map(|&i| block.random[i]).collect();
+/// Solves the kept rows of a block for their slaves; a sparse factorization may allocate `memory` bytes.
+pub(crate) fn solve(block: &Block, kept: &Kept, memory: usize) -> Result<Solved, BackendError> {
+    let zero = (ZERO_UNITS * f64::EPSILON / kept.nearness.sigma).clamp(NOISE, ZERO_LIMIT);
+    let rows: Vec<usize> = kept.rows.iter().filter_map(|row| block.rows.binary_search(row).ok()).collect();
+    let (r, n) = (rows.len(), block.matrix.cols);
     if r.saturating_mul(n) > SMALL
-        && let Some(Large { slaves, masters, columns, constant, sample }) =
-            large::relation(block, &rows.kept, &rows.order, &random, means.memory())?
+        && let Some(Large { slaves, masters, columns, constant }) = large::relation(block, &rows, &kept.order, memory)?
     {
         let relation = columns.transpose();
         let relation = clean((0..r).map(|i| relation.row(i)), masters.len(), columns.rows(), zero);
-        return Ok(solved(block, rows, &slaves, &masters, (relation, without_rounding(constant), sample)));
+        return Ok(solved(block, &slaves, &masters, (relation, without_rounding(constant))));
     }
-    let (columns, rhs) = kept_columns(block, &rows.kept, &random);
+    let (columns, rhs) = kept_columns(block, &rows);
     let factor = Faer.factor(&columns, &rhs, 0.0)?;
-    let tableau = relate(block, &rows.kept, &random, &factor)?;
+    let tableau = relate(block, &rows, &factor)?;
     let relation = sparse(&tableau, zero);
-    Ok(solved(block, rows, &tableau.basic, &tableau.free, relation))
+    Ok(solved(block, &tableau.basic, &tableau.free, relation))
 }
 
-fn solved(
-    block: &Block,
-    rows: Rows,
-    slaves: &[u32],
-    masters: &[u32],
-    (relation, constant, sample): (Csr, Vec<f64>, Vec<f64>),
-) -> Solved {
+fn solved(block: &Block, slaves: &[u32], masters: &[u32], (relation, constant): (Csr, Vec<f64>)) -> Solved {
     let dof = |k: &u32| block.dofs[*k as usize];
     Solved {
-        kept: rows.kept.iter().map(|&i| block.rows[i]).collect(),
-        order: rows.order.iter().map(|&k| k as u32).collect(),
-        dependent: rows.dependent,
         slaves: slaves.iter().map(dof).collect(),
         others: masters.iter().map(dof).chain(block.prescribed.iter().copied()).collect(),
         relation,
         constant,
-        nearness: rows.nearness,
-        sample,
     }
 }
 
 /// The relation that a factor gives, refined.
-fn relate(block: &Block, kept: &[usize], random: &[f64], factor: &Factor) -> Result<Tableau, BackendError> {
+fn relate(block: &Block, kept: &[usize], factor: &Factor) -> Result<Tableau, BackendError> {
     let mut tableau = relation(block, factor);
     tableau.limit(GROWTH);
     // Of slaves that serve equally well, the earlier DOF, as an equation's first term is by habit.
     tableau.prefer(|candidate, holder| candidate < holder);
-    refine::refine(block, kept, random, &mut tableau)?;
+    refine::refine(block, kept, &mut tableau)?;
     Ok(tableau)
 }
 
-/// The kept rows by columns, and `[C_p b random]` of them, dense.
-fn kept_columns(block: &Block, kept: &[usize], random: &[f64]) -> (Csr, Vec<f64>) {
+/// The kept rows by columns, and `[C_p b]` of them, dense.
+fn kept_columns(block: &Block, kept: &[usize]) -> (Csr, Vec<f64>) {
     let (r, k) = (kept.len(), block.prescribed.len());
     let mut rhs = vec![0.0; r * (k + 1)];
     for (position, &i) in kept.iter().enumerate() {
         block.fixed.row(i).for_each(|(c, v)| rhs[c * r + position] = v);
         rhs[k * r + position] = block.rhs[i];
     }
-    rhs.extend(random);
     (block.select(kept).transpose(), rhs)
 }
 
-/// `u_s` over masters, prescribed DOFs, the constant and the random right-hand side.
+/// `u_s` over masters, prescribed DOFs and the constant.
 fn relation(block: &Block, factor: &Factor) -> Tableau {
     let (r, k) = (factor.rank, block.prescribed.len());
     let masters = factor.coefficients();
-    let fixed: Vec<_> = (0..k + 2).map(|c| factor.solve(&factor.rhs[c * r..(c + 1) * r])).collect();
-    let width = masters.len() + k + 2;
+    let fixed: Vec<_> = (0..=k).map(|c| factor.solve(&factor.rhs[c * r..(c + 1) * r])).collect();
+    let width = masters.len() + k + 1;
     let mut data = vec![0.0; r * width];
     for i in 0..r {
         let row = &mut data[i * width..(i + 1) * width];
         masters.iter().chain(&fixed[..k]).enumerate().for_each(|(j, column)| row[j] = -column[i]);
-        (row[width - 2], row[width - 1]) = (fixed[k][i], fixed[k + 1][i]);
+        row[width - 1] = fixed[k][i];
     }
     let position = |j: &usize| *j as u32;
     Tableau {
@@ -101,12 +89,12 @@ fn relation(block: &Block, factor: &Factor) -> Tableau {
     }
 }
 
-/// Splits the constant, without rounding, and the sample off.
-fn sparse(tableau: &Tableau, zero: f64) -> (Csr, Vec<f64>, Vec<f64>) {
-    let width = tableau.width - 2;
+/// Splits the constant, without rounding, off.
+fn sparse(tableau: &Tableau, zero: f64) -> (Csr, Vec<f64>) {
+    let width = tableau.width - 1;
     let rows = (0..tableau.basic.len()).map(|i| tableau.row(i)[..width].iter().copied().enumerate());
-    let column = |k: usize| (0..tableau.basic.len()).map(|i| tableau.row(i)[k]).collect();
-    (clean(rows, tableau.free.len(), width, zero), without_rounding(column(width)), column(width + 1))
+    let constant = (0..tableau.basic.len()).map(|i| tableau.row(i)[width]).collect();
+    (clean(rows, tableau.free.len(), width, zero), without_rounding(constant))
 }
 
 /// Drops rounding, on the free and on the prescribed side, which are in units of their own.

@@ -1,6 +1,9 @@
 //! Triangular solves with `[R1 R2]`.
 
+use rayon::prelude::*;
+
 use super::Factor;
+use super::many::WIDTH;
 
 impl Factor {
     /// `R1^-1 z` for z of length r.
@@ -36,12 +39,15 @@ impl Factor {
     /// `R1^-1 R2`, a vector of length r for each of the n - r dependent columns: how they are made of the others.
     pub fn coefficients(&self) -> Vec<Vec<f64>> {
         let columns = self.r.transpose();
-        let solve = |k: usize| {
-            let mut z = vec![0.0; self.rank];
-            columns.row(k).for_each(|(i, v)| z[i] = v);
-            self.solve(&z)
+        let of = |first: usize| {
+            let count = WIDTH.min(columns.rows() - first);
+            let mut slab = vec![[0.0; WIDTH]; self.rank];
+            (0..count).for_each(|c| columns.row(first + c).for_each(|(i, v)| slab[i][c] = v));
+            self.solve_slab(&mut slab);
+            (0..count).map(|c| slab.iter().map(|row| row[c]).collect()).collect::<Vec<Vec<f64>>>()
         };
-        (self.rank..columns.rows()).map(solve).collect()
+        let first: Vec<usize> = (self.rank..columns.rows()).step_by(WIDTH).collect();
+        first.into_par_iter().flat_map_iter(of).collect()
     }
 
     /// Estimate of the smallest singular value of R1, from above, and its right singular vector: five steps of inverse iteration

@@ -13,6 +13,7 @@ pub mod choice;
 mod factor;
 pub mod faer;
 pub mod gauss;
+pub(crate) mod many;
 mod null;
 pub mod sparse;
 #[cfg(feature = "spqr")]
@@ -21,8 +22,8 @@ pub mod spqr;
 /// The most entries that a dense backend will hold: 2 GiB.
 const DENSE_LIMIT: usize = 1 << 28;
 
-/// m n up to which blocks are dense where there is a choice (8 MiB): pivoting finds ranks more surely, and costs little there.
-pub(crate) const SMALL: usize = 1 << 20;
+/// m n up to which blocks are dense where there is a choice: pivoting finds ranks more surely, and costs nothing there.
+pub(crate) const SMALL: usize = 1 << 14;
 
 /// Refuses a dense m x n array that would not fit.
 fn dense_len(backend: &'static str, rows: usize, cols: usize) -> Result<usize, BackendError> {

@@ -1,20 +1,23 @@
 //! Right singular vectors of R1 that belong to its smallest values: what a QR without pivoting kept and should not have.
 //!
 //! Block inverse iteration `X <- orth(R1^-1 R1^-T X)` with a Ritz step (Foster and Davis 2013, Algorithm 933), the block
-//! doubled until it holds a value above the limit. O(nnz(R1) k) for k values, all columns of X in parallel.
+//! made wider until it holds a value above the limit. O(nnz(R1) k) for k values, all columns of X in parallel.
 
 use faer::Mat;
 use rayon::prelude::*;
 
 use super::faer::Faer;
+use super::many::{Slab, WIDTH, slabs};
 use super::{Backend, BackendError, Factor};
 use crate::Csr;
 use crate::random::randoms;
 
 /// Steps of inverse iteration: values well below the limit stand out after the first.
-const STEPS: usize = 3;
-/// Vectors at first.
-const BLOCK: usize = 16;
+const STEPS: usize = 2;
+/// Vectors at first, ...
+const BLOCK: usize = WIDTH;
+/// ... and how many times more where those are not enough.
+const GROWTH: usize = 4;
 /// Most of them: a matrix that has more such values is no near miss.
 const MOST: usize = 512;
 
@@ -33,7 +36,7 @@ impl Factor {
         Ok(Some(factor.order[..factor.rank].to_vec()))
     }
 
-    /// An orthonormal basis, r x k.
+    /// An orthonormal basis, r x k. Blocks of vectors grow until one holds a value above the limit.
     fn near_null(&self, limit: f64) -> Option<Mat<f64>> {
         let mut width = BLOCK.min(self.rank);
         while width > 0 {
@@ -45,46 +48,41 @@ impl Factor {
             if width == MOST {
                 return None;
             }
-            width = (2 * width).min(MOST).min(self.rank);
+            width = (GROWTH * width).min(MOST).min(self.rank);
         }
         Some(Mat::new())
     }
 
     /// Ritz vectors and values of R1, the values descending.
     fn ritz(&self, width: usize) -> Option<(Mat<f64>, Vec<f64>)> {
-        let mut random = randoms(7);
-        let mut x = Mat::from_fn(self.rank, width, |_, _| random.next().unwrap_or(1.0) - 1.0);
+        let random: Vec<f64> = randoms(7).take(self.rank * width).map(|x| x - 1.0).collect();
+        let mut x = slabs(width, self.rank, |c, i| random[c * self.rank + i]);
+        let mut basis = Mat::new();
         for _ in 0..STEPS {
-            let columns: Vec<_> = (0..width).into_par_iter().map(|c| self.inverse_step(&x, c)).collect();
-            if columns.iter().flatten().any(|v| !v.is_finite()) {
+            x.par_iter_mut().for_each(|slab| self.inverse_step(slab));
+            if x.iter().flatten().flatten().any(|v| !v.is_finite()) {
                 return None;
             }
-            x = Mat::from_fn(self.rank, width, |i, c| columns[c][i]).qr().compute_thin_Q();
+            basis = joined(&x, width).qr().compute_thin_Q();
+            x = slabs(width, self.rank, |c, i| basis[(i, c)]);
         }
-        let columns: Vec<_> = (0..width).into_par_iter().map(|c| self.times(&x, c)).collect();
-        let product = Mat::from_fn(self.rank, width, |i, c| columns[c][i]);
-        let svd = product.thin_svd().ok()?;
-        Some((&x * svd.V(), svd.S().column_vector().iter().copied().collect()))
+        let products: Vec<Slab> = x.par_iter().map(|slab| self.times_slab(slab)).collect();
+        let svd = joined(&products, width).thin_svd().ok()?;
+        Some((basis * svd.V(), svd.S().column_vector().iter().copied().collect()))
     }
 
-    /// `R1^-1 R1^-T x_c`, of size 1.
-    fn inverse_step(&self, x: &Mat<f64>, c: usize) -> Vec<f64> {
-        let mut y = self.solve(&self.solve_transposed(&column(x, c)));
-        let largest = y.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
-        y.iter_mut().for_each(|v| *v /= largest);
-        y
-    }
-
-    /// `R1 x_c`.
-    fn times(&self, x: &Mat<f64>, c: usize) -> Vec<f64> {
-        let x = column(x, c);
-        let entries = |i: usize| self.r.row(i).take_while(|&(j, _)| j < self.rank);
-        (0..self.rank).map(|i| entries(i).map(|(j, v)| v * x[j]).sum()).collect()
+    /// `X <- R1^-1 R1^-T X`, each vector brought to size 1.
+    fn inverse_step(&self, x: &mut Slab) {
+        self.solve_slab_transposed(x);
+        self.solve_slab(x);
+        let mut largest = [f64::MIN_POSITIVE; WIDTH];
+        x.iter().for_each(|row| largest.iter_mut().zip(row).for_each(|(most, v)| *most = most.max(v.abs())));
+        x.iter_mut().for_each(|row| row.iter_mut().zip(&largest).for_each(|(v, most)| *v /= most));
     }
 }
 
-fn column(x: &Mat<f64>, c: usize) -> Vec<f64> {
-    (0..x.nrows()).map(|i| x[(i, c)]).collect()
+fn joined(slabs: &[Slab], width: usize) -> Mat<f64> {
+    Mat::from_fn(slabs[0].len(), width, |i, c| slabs[c / WIDTH][i][c % WIDTH])
 }
 
 #[cfg(test)]

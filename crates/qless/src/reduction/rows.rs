@@ -137,7 +137,7 @@ impl Sum {
 /// Rows of slaves that are fixed keep prescribed DOFs only. Rows with coefficients above `limit` are listed.
 pub(super) fn assemble<'a>(system: Local<'a>, basics: &Basics<'a>, limit: f64) -> Relation<'a> {
     let Basics { basis, bounds, ref fixed, .. } = *basics;
-    let rank = basis.rank();
+    let rank = basis.rows();
     let mut relation = Relation {
         system,
         basis,

@@ -28,6 +28,7 @@ const NOISE: f64 = 1e-14;
 /// Makes g and the kinds of the equations for new right-hand sides. Made by [`Analysis::refresher`].
 pub struct Refresher<'a> {
     analysis: &'a Analysis,
+    basis: &'a Basis,
     system: &'a ConstraintSystem,
     /// The coefficients of the slaves of the peeled equations.
     pivots: Vec<f64>,
@@ -102,11 +103,12 @@ impl Analysis {
     /// [`BackendError`] if a block needs more memory than [`crate::Options::memory`] allows.
     pub fn refresher<'a>(&'a self, system: &'a ConstraintSystem) -> Result<Refresher<'a>, BackendError> {
         let local = self.numbering.view(system, system.rhs());
-        let peeled = self.basis.peeled.iter().zip(self.basis.slaves());
+        let basis = self.solved()?;
+        let peeled = basis.peeled.iter().zip(basis.slaves());
         let pivots = peeled.map(|(&row, &slave)| local.coefficient(row as usize, slave)).collect();
-        let square = |k| Square::new(&self.blocks[k], &self.basis, k, self.options.memory);
+        let square = |k| Square::new(&self.blocks[k], basis, k, self.options.memory);
         let squares: Result<_, _> = (0..self.blocks.len()).map(square).collect();
-        Ok(Refresher { analysis: self, system, pivots, squares: squares? })
+        Ok(Refresher { analysis: self, basis, system, pivots, squares: squares? })
     }
 }
 
@@ -146,10 +148,6 @@ impl Refresher<'_> {
         Ok(Refreshed { kinds, mismatches, generated: self.generated(&constants, prescribed) })
     }
 
-    fn basis(&self) -> &Basis {
-        &self.analysis.basis
-    }
-
     fn local(&self) -> Local<'_> {
         self.analysis.numbering.view(self.system, self.system.rhs())
     }
@@ -173,7 +171,7 @@ impl Refresher<'_> {
 
     /// The constant of each row of the basis.
     fn constants(&self, replay: &Replay) -> Vec<f64> {
-        let (basis, scaling) = (self.basis(), &self.analysis.scaling);
+        let (basis, scaling) = (self.basis, &self.analysis.scaling);
         let peeled = basis.peeled.iter().zip(&self.pivots).map(|(&row, pivot)| replay.rhs[row as usize] / pivot);
         let mut constants: Vec<f64> = peeled.collect();
         for (s, step) in replay.steps.iter().enumerate() {
@@ -194,7 +192,7 @@ impl Refresher<'_> {
         let local = self.local();
         let mut u = vec![0.0; local.dofs()];
         local.prescribed_places().for_each(|(l, place)| u[l] = prescribed.get(place).copied().unwrap_or(0.0));
-        self.basis().complete_with(local, constants, &mut u);
+        self.basis.complete_with(local, constants, &mut u);
         u
     }
 
