@@ -62,7 +62,7 @@ pub use confidence::Confidence;
 pub use meant::{Meant, NearDependent};
 pub use options::{BackendChoice, OptionError, Options, Tolerance};
 pub use preferences::Preferences;
-pub use reduction::{Reduction, ReductionError};
+pub use reduction::{FactoredBlock, Form, Parts, Reduction, ReductionError};
 pub use refresh::{RefreshError, Refreshed, Refresher};
 pub use report::{
     BackendUsed, Certificate, Counts, DependentEquation, ExactDifference, ExactFinding, GeneratedCondition,

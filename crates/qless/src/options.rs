@@ -53,7 +53,7 @@ impl BackendChoice {
     /// [`BackendError::NotCompiledIn`] for `Spqr` without the feature.
     pub fn get(self, memory: usize) -> Result<Box<dyn Backend>, BackendError> {
         match self {
-            Self::Auto | Self::Faer => Ok(Box::new(crate::qr::choice::DenseOrSparse { memory })),
+            Self::Auto | Self::Faer => Ok(Box::new(crate::qr::choice::DenseOrSparse::new(memory))),
             Self::Sparse => Ok(Box::new(crate::qr::sparse::Sparse { memory })),
             Self::Gauss => Ok(Box::new(crate::qr::gauss::Gauss { memory })),
             #[cfg(feature = "spqr")]

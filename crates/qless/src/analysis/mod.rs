@@ -1,26 +1,23 @@
 //! What an analysis says of a constraint system, and what can be asked of it afterwards.
 
+mod reduce;
 mod run;
 mod stages;
 
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 use std::time::Duration;
 
-use rayon::prelude::*;
-
 use crate::basis::Basis;
-use crate::block::{self, Block};
+use crate::block::Block;
 use crate::certificate::{Because, History};
 use crate::classify::{Dependent, Kind, Source};
 use crate::confidence::Confidence;
 use crate::generated::{self, Explainer};
 use crate::keep::add;
 use crate::local::Numbering;
-use crate::preferences::Wishes;
 use crate::qr::{Backend, BackendError};
-use crate::reduction::{self, Basics, Reduction, ReductionError, gate};
+use crate::reduction::{Reduction, gate};
 use crate::scale::Scaling;
 use crate::{ConstraintSystem, Ignored, OptionError, Options};
 
@@ -173,34 +170,6 @@ impl Analysis {
         sum.into_iter().map(|(row, coefficient)| Because { row, coefficient }).collect()
     }
 
-    /// `u_s = T u_q + G u_p + g`, of the system that was analysed.
-    ///
-    /// Coefficients are read from `system`; b and the prescribed values are those that were analysed, whatever it holds.
-    /// Conflicting equations are left out, as redundant ones are: the caller decides whether that is wanted.
-    ///
-    /// # Errors
-    /// [`ReductionError`] where [`Analysis::residual`] would be above 1e-10, or a number beyond the range of doubles: what is
-    /// returned meets the independent equations.
-    pub fn reduction(&self, system: &ConstraintSystem) -> Result<Reduction, ReductionError> {
-        let basis = self.solved()?;
-        let local = self.numbering.view(system, &self.rhs);
-        let bounds =
-            if basis.blocks.is_empty() { Cow::Borrowed(&self.bounds) } else { Cow::Owned(basis.bounds(local)) };
-        let mut fixed = vec![false; if self.fixed.is_empty() { 0 } else { self.numbering.dofs.len() }];
-        self.fixed.iter().for_each(|&j| fixed[j as usize] = true);
-        let basics = Basics {
-            basis,
-            bounds: &bounds,
-            fixed,
-            wishes: Wishes::new(&self.options.preferences, &self.numbering, system.dofs()),
-            growth: self.options.growth,
-            scaling: &self.scaling,
-            independent: self.independent(),
-            memory: self.options.memory,
-        };
-        reduction::build(system, local, &basics).map(|reduction| reduction.compare(&self.options.preferences))
-    }
-
     /// How well a reduction meets the independent equations: for random u_q and u_p, the parts T, G and g each on their own,
     /// `max_i |C_i u - b_i| / (|C_i D| 1 max_j(s_j / d_j) + |b_i|)`, where s_j is the sum of the sizes of the parts that make
     /// u_j, D the scaling of columns (1 unless units mix) and j runs over the DOFs connected with equation i.
@@ -209,21 +178,6 @@ impl Analysis {
     pub fn residual(&self, system: &ConstraintSystem, reduction: &Reduction) -> f64 {
         let local = self.numbering.view(system, &self.rhs);
         gate::residuals(local, reduction, &self.independent(), &self.scaling, f64::INFINITY).worst
-    }
-
-    /// The basis with the rows of all blocks.
-    pub(crate) fn solved(&self) -> Result<&Basis, BackendError> {
-        if self.basis.blocks.is_empty() {
-            return Ok(&self.basis);
-        }
-        if let Some(basis) = self.solved.get() {
-            return Ok(basis);
-        }
-        let solve = |(block, kept)| block::solve(block, kept, self.options.memory);
-        let all = self.blocks.par_iter().zip(&self.basis.blocks);
-        let solved: Result<Vec<_>, _> = all.map(solve).collect();
-        let basis = self.basis.with_blocks(solved?, &self.scaling);
-        Ok(self.solved.get_or_init(|| basis))
     }
 
     pub(crate) fn independent(&self) -> Vec<bool> {

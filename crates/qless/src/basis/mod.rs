@@ -132,6 +132,30 @@ impl Basis {
         all
     }
 
+    /// Only the rows and blocks for which these hold.
+    pub fn only(&self, row: impl Fn(usize) -> bool, block: impl Fn(usize) -> bool) -> Self {
+        let mut some = Self::default();
+        let first = self.peeled.len();
+        for t in (0..first).filter(|&t| row(t)) {
+            some.peel(self.peeled[t], self.slaves[t], self.positions[t] as usize, self.constants[t]);
+        }
+        for t in (first..self.rows()).filter(|&t| row(t)) {
+            let range = self.stored(t);
+            some.dofs.extend_from_slice(&self.dofs[range.clone()]);
+            some.values.extend_from_slice(&self.values[range]);
+            some.close(self.slaves[t], self.constants[t]);
+            some.pivots.push(self.pivots[t - first]);
+            some.reaches.push(self.reaches[t - first]);
+        }
+        some.blocks = (0..self.blocks.len()).filter(|&k| block(k)).map(|k| self.blocks[k].clone()).collect();
+        some
+    }
+
+    /// Takes a slave in whose row is empty: it is given elsewhere.
+    pub fn place(&mut self, slave: u32, constant: f64) {
+        self.close(slave, constant);
+    }
+
     /// Number of eliminated rows.
     pub fn steps(&self) -> usize {
         self.pivots.len()

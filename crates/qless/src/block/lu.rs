@@ -14,6 +14,7 @@ const THRESHOLD: f64 = 0.9;
 const ROUNDING: f64 = f64::EPSILON / 2.0;
 
 /// Which DOFs are slaves, and the factors of their columns. Steps count equations in the order of the elimination.
+#[derive(Clone, Debug)]
 pub(crate) struct Lu {
     /// DOF of each step.
     pub slaves: Vec<u32>,

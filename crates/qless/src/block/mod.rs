@@ -113,7 +113,7 @@ pub(crate) struct Means<'a> {
 impl<'a> Means<'a> {
     /// With a backend and otherwise as the user wants it.
     pub fn new(backend: &'a dyn Backend, options: &Options) -> Self {
-        let reference = DenseOrSparse { memory: options.memory };
+        let reference = DenseOrSparse::new(options.memory);
         Self { backend, tolerance: options.tolerance.value(), check: options.check, reference }
     }
 

@@ -14,6 +14,7 @@ pub(super) const NOISE: f64 = 1e-14;
 const FADED: f64 = 1e-19;
 
 /// The factors with the columns of the slaves.
+#[derive(Clone, Debug)]
 pub(crate) struct Solver {
     lu: Lu,
     /// C_S by columns: row k holds the equations (by step) of the slave of step k.
@@ -123,17 +124,62 @@ impl Solver {
         all
     }
 
-    /// The same for one dense right-hand side, nothing dropped.
-    pub fn solve_dense(&self, right: &[f64]) -> Vec<f64> {
-        let r = self.lu.order.len();
-        let mut work = Work { right: Sparse::new(r), y: Sparse::new(r), x: Sparse::new(r) };
-        right
-            .iter()
-            .enumerate()
-            .filter(|(_, v)| **v != 0.0)
-            .for_each(|(i, &v)| work.right.add(self.step[i] as usize, v));
-        self.refined(&mut work);
-        work.x.values
+    /// `x = C_S^-1 b` for one dense b (by equation), with a step of refinement; x is in the order of the slaves.
+    pub fn solve_dense(&self, b: &[f64]) -> Vec<f64> {
+        let mut rest = vec![0.0; b.len()];
+        self.step.iter().zip(b).for_each(|(&step, &b)| rest[step as usize] = b);
+        let mut x = self.once(rest.clone());
+        for (column, &x) in x.iter().enumerate() {
+            self.columns.row(column).for_each(|(equation, v)| rest[equation] -= v * x);
+        }
+        let correction = self.once(rest);
+        x.iter_mut().zip(correction).for_each(|(x, c)| *x += c);
+        x
+    }
+
+    /// `y = C_S^-T f` for one dense f (in the order of the slaves), with a step of refinement; y is by equation.
+    pub fn solve_transposed(&self, f: &[f64]) -> Vec<f64> {
+        let mut y = self.once_transposed(f.to_vec());
+        let left = |k: usize| f[k] - self.columns.row(k).map(|(equation, v)| v * y[equation]).sum::<f64>();
+        let correction = self.once_transposed((0..f.len()).map(left).collect());
+        y.iter_mut().zip(correction).for_each(|(y, c)| *y += c);
+        self.step.iter().map(|&step| y[step as usize]).collect()
+    }
+
+    /// `L11^-T U^-T x`.
+    fn once(&self, mut x: Vec<f64>) -> Vec<f64> {
+        for k in 0..x.len() {
+            x[k] /= self.lu.diagonal[k];
+            let value = x[k];
+            self.lu.u.row(k).for_each(|(later, v)| x[later] -= v * value);
+        }
+        for k in (0..x.len()).rev() {
+            let value = x[k];
+            self.lu.l.row(k).for_each(|(earlier, v)| x[earlier] -= v * value);
+        }
+        x
+    }
+
+    /// `U^-1 L11^-1 y`.
+    fn once_transposed(&self, mut y: Vec<f64>) -> Vec<f64> {
+        for k in 0..y.len() {
+            y[k] -= self.lu.l.row(k).map(|(earlier, v)| v * y[earlier]).sum::<f64>();
+        }
+        for k in (0..y.len()).rev() {
+            let sum: f64 = self.lu.u.row(k).map(|(later, v)| v * y[later]).sum();
+            y[k] = (y[k] - sum) / self.lu.diagonal[k];
+        }
+        y
+    }
+
+    /// Numbers of the factors.
+    pub fn nnz(&self) -> usize {
+        self.lu.l.nnz() + self.lu.u.nnz() + self.lu.diagonal.len()
+    }
+
+    /// The factors of `C_S = U^T L11^T`.
+    pub fn lu(&self) -> &Lu {
+        &self.lu
     }
 
     fn column(&self, work: &mut Work) -> Vec<(usize, f64)> {

@@ -80,6 +80,10 @@ impl Triangle {
         let seeds = seeds(block);
         let mut moves = slabs(2, n, |c, j| seeds[c * n + j]).swap_remove(0);
         self.subtract_from(block, &weights, &mut moves);
+        // Once more for what large weights have left by rounding.
+        let mut left = self.times(block, &moves);
+        self.normal(&mut left);
+        self.subtract_from(block, &left, &mut moves);
         let sides = |c: usize, i: usize| match c {
             0 => block.random[self.rows[i]],
             _ => block.effective[self.rows[i]].value,

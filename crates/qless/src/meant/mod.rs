@@ -40,6 +40,9 @@ pub struct NearDependent {
     pub because: Vec<Because>,
 }
 
+/// Numbers up to which a part is dense: without pivoting near dependence is easily missed.
+const SMALL: usize = 1 << 20;
+
 impl Meant {
     /// Decimals to which all of the equations agree with others.
     pub fn digits(&self) -> u32 {
@@ -77,7 +80,7 @@ impl Analysis {
         let rows = (0..self.kinds.len() as u32).filter(|&i| self.kinds[i as usize] == Kind::Independent).collect();
         let rows = without_own(local, rows, &self.scaling);
         let free = |i: u32| local.parts(i as usize).0.iter().copied().filter(|&j| local.free()[j as usize]);
-        let backend = DenseOrSparse { memory: self.options.memory };
+        let backend = DenseOrSparse { memory: self.options.memory, small: SMALL };
         let mut number = vec![u32::MAX; local.dofs()];
         let mut equations = Vec::new();
         for rows in components(&rows, local.dofs(), free) {

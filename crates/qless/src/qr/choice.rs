@@ -1,6 +1,6 @@
 //! Dense or sparse: what the backend `faer` does with a block.
 //!
-//! A block of at most 2^20 numbers is dense, for pivoting finds ranks more surely. A larger one is sparse, unless more than
+//! A block of at most 2^14 numbers is dense, for pivoting finds ranks more surely. A larger one is sparse, unless more than
 //! half of its m n numbers are stored. Operations need not be compared, for the sparse way never does more of them than the
 //! dense one, `2 k^2 (l - k / 3)` with k the smaller and l the larger of m and n, and does each faster. On one thread with
 //! AVX-512, in 1e9 operations a second:
@@ -26,6 +26,15 @@ use crate::Csr;
 pub struct DenseOrSparse {
     /// Bytes that a sparse factorization may allocate.
     pub memory: usize,
+    /// Numbers up to which a block is dense.
+    pub small: usize,
+}
+
+impl DenseOrSparse {
+    /// With the rule above; a sparse factorization may allocate `memory` bytes.
+    pub fn new(memory: usize) -> Self {
+        Self { memory, small: SMALL }
+    }
 }
 
 impl Backend for DenseOrSparse {
@@ -38,7 +47,7 @@ impl Backend for DenseOrSparse {
     }
 
     fn pivots(&self, rows: usize, cols: usize) -> bool {
-        rows.saturating_mul(cols) <= SMALL
+        rows.saturating_mul(cols) <= self.small
     }
 
     fn factor(&self, columns: &Csr, rhs: &[f64], tolerance: f64) -> Result<Factor, BackendError> {
@@ -55,7 +64,7 @@ mod tests {
     use super::*;
     use crate::qr::check::Random;
 
-    const CHOICE: DenseOrSparse = DenseOrSparse { memory: usize::MAX };
+    const CHOICE: DenseOrSparse = DenseOrSparse { memory: usize::MAX, small: SMALL };
 
     #[test]
     fn identities_hold_on_the_test_families() {

@@ -142,6 +142,13 @@ impl Expanded {
         let mut users = vec![(0.0, 0.0); length];
         dofs.iter().zip(&x).for_each(|(&j, &v)| users[j] = (v, v));
         reduction.slaves.iter().zip(slaves).for_each(|(&j, of_slave)| users[j] = of_slave);
+        if matrix.is_some() && !reduction.is_explicit() {
+            let mut u: Vec<f64> = users.iter().map(|&(u, _)| u).collect();
+            for block in &reduction.factored {
+                block.set_slaves(&mut u);
+                block.slaves.iter().for_each(|&j| users[j] = (u[j], u[j].abs()));
+            }
+        }
         let named = &local.numbering.dofs;
         let (u, size) = each(named.len(), |l| users[named[l] as usize]).into_iter().unzip();
         Self { u, size, with_rhs: matches!(part, Part::Constant) }

@@ -2,6 +2,7 @@
 
 mod again;
 mod exchange;
+mod factored;
 pub(crate) mod gate;
 mod growth;
 mod order;
@@ -15,6 +16,21 @@ use crate::preferences::{Preferences, Wishes};
 use crate::qr::BackendError;
 use crate::scale::Scaling;
 use crate::{ConstraintSystem, Csr};
+
+pub(crate) use factored::{factor, predict::predict};
+pub use factored::{FactoredBlock, Parts};
+
+/// How T is wanted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Form {
+    /// All of it as numbers.
+    #[default]
+    Explicit,
+    /// Connected parts whose rows are more than single equations solved for a DOF stay factors.
+    Factored,
+    /// Parts stay factors if T would have more than 4 times the nonzeros of their equations and of their factors, and more than 4,096.
+    Auto,
+}
 
 /// Why there is no reduction: none that is wrong leaves the library.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -53,9 +69,9 @@ pub struct Reduction {
     pub masters: Vec<usize>,
     /// u_p, ascending.
     pub prescribed: Vec<usize>,
-    /// T, slaves x masters.
+    /// T, slaves x masters; rows of slaves of factored blocks are empty.
     pub t: Csr,
-    /// G, slaves x prescribed DOFs.
+    /// G, slaves x prescribed DOFs; rows of slaves of factored blocks are empty.
     pub g_matrix: Csr,
     /// g, one number per slave.
     pub g: Vec<f64>,
@@ -64,10 +80,12 @@ pub struct Reduction {
     /// DOFs of [`crate::Preferences::slaves`] that are not slaves, ascending: prescribed, in no equation, or at the cost of
     /// other such DOFs or of growth beyond the bound only.
     pub unmet_slaves: Vec<usize>,
-    /// `max |T_ij|`.
+    /// `max |T_ij|`; of factored blocks the largest entry that was found.
     pub growth: f64,
     /// How many times a slave and a master changed places to keep the growth down.
     pub exchanges: usize,
+    /// Connected parts that stay factors: [`Form`].
+    pub factored: Vec<FactoredBlock>,
 }
 
 /// What [`build`] needs to know of an analysis.
@@ -92,13 +110,19 @@ const LOSS: f64 = 1e-13;
 
 /// Builds T, G and g; exchanges slaves and masters until the wishes are met and `max |T_ij|` is below the bound. What leaves has
 /// passed the gate.
-pub(crate) fn build(system: &ConstraintSystem, local: Local, basics: &Basics) -> Result<Reduction, ReductionError> {
+pub(crate) fn build(
+    system: &ConstraintSystem,
+    local: Local,
+    basics: &Basics,
+    factored: Vec<FactoredBlock>,
+) -> Result<Reduction, ReductionError> {
     let limit = basics.growth.max(growth::LEAST);
     let mut relation = rows::assemble(local, basics, limit);
     let exchanged = wishes::meet(&mut relation, &basics.wishes, limit);
     let exchanges = growth::bound(&mut relation, limit, &basics.wishes, exchanged);
     let reduction = output::write(system, &relation);
-    checked(Reduction { growth: relation.growth, exchanges, ..reduction }, local, basics)
+    let growth = factored.iter().map(|block| block.growth).fold(relation.growth, f64::max);
+    checked(Reduction { growth, exchanges, factored, ..reduction }, local, basics)
 }
 
 /// The reduction, computed again where it has lost digits, if it passes the gate.
@@ -107,6 +131,9 @@ fn checked(reduction: Reduction, local: Local, basics: &Basics) -> Result<Reduct
     let found = gate::residuals(local, &reduction, independent, scaling, LOSS);
     if found.above.is_empty() {
         return Ok(reduction);
+    }
+    if !reduction.is_explicit() {
+        return gate::pass(&found, &reduction).map(|()| reduction);
     }
     let mut again = reduction.clone();
     let computed = again::compute(local, &mut again, independent, scaling, &found.above, memory);
@@ -156,7 +183,55 @@ impl Reduction {
         self.masters.iter().zip(masters).for_each(|(&j, &v)| u[j] = v);
         self.prescribed.iter().zip(prescribed).for_each(|(&j, &v)| u[j] = v);
         let (t, g) = (self.t.times(masters), self.g_matrix.times(prescribed));
-        self.slaves.iter().enumerate().for_each(|(i, &j)| u[j] = t[i] + g[i] + self.g[i]);
+        self.factored.iter().for_each(|block| block.set_slaves(&mut u));
+        // Rows of factored blocks are empty: nothing is lost by adding them.
+        self.slaves.iter().enumerate().for_each(|(i, &j)| u[j] += t[i] + g[i] + self.g[i]);
         u
+    }
+
+    /// Whether all of T is numbers.
+    pub fn is_explicit(&self) -> bool {
+        self.factored.is_empty()
+    }
+
+    /// `f_q = T^T f_s`: what forces on slaves are worth at the masters.
+    pub fn apply_transposed(&self, slaves: &[f64]) -> Vec<f64> {
+        let mut f = vec![0.0; self.slaves.len() + self.masters.len() + self.prescribed.len()];
+        self.slaves.iter().zip(slaves).for_each(|(&j, &v)| f[j] = v);
+        self.factored.iter().for_each(|block| block.pull_back(&mut f));
+        let mut sum: Vec<f64> = self.masters.iter().map(|&j| f[j]).collect();
+        for (i, &v) in slaves.iter().enumerate() {
+            self.t.row(i).for_each(|(q, t)| sum[q] += t * v);
+        }
+        sum
+    }
+
+    /// Row i of T, ascending: how slave `slaves[i]` follows the masters.
+    pub fn row(&self, i: usize) -> Vec<(usize, f64)> {
+        let slave = self.slaves[i];
+        let held = self.factored.iter().find_map(|block| Some((block, block.slaves.iter().position(|&j| j == slave)?)));
+        match held {
+            Some((block, k)) => block.row(k).into_iter().map(|(j, v)| (self.place_of_master(j), v)).collect(),
+            None => self.t.row(i).collect(),
+        }
+    }
+
+    /// Column q of T, ascending: how the slaves follow master `masters[q]`.
+    pub fn column(&self, q: usize) -> Vec<(usize, f64)> {
+        let entry = |i: usize| self.t.row(i).find(|&(j, _)| j == q).map(|(_, v)| (i, v));
+        let mut column: Vec<(usize, f64)> = (0..self.slaves.len()).filter_map(entry).collect();
+        let place = |j: usize| self.slaves.binary_search(&j).unwrap_or_default();
+        for block in &self.factored {
+            if let Ok(k) = block.masters.binary_search(&self.masters[q]) {
+                let own = block.column_of(k).into_iter().zip(&block.slaves).filter(|(v, _)| *v != 0.0);
+                column.extend(own.map(|(v, &j)| (place(j), v)));
+            }
+        }
+        column.sort_unstable_by_key(|&(i, _)| i);
+        column
+    }
+
+    fn place_of_master(&self, dof: usize) -> usize {
+        self.masters.binary_search(&dof).unwrap_or_default()
     }
 }

@@ -1,0 +1,217 @@
+//! Slaves of a factored block by sparse LU, exchanged until no entry of T that can be found is above the bound.
+//!
+//! `max |T_ij|` is looked for as in the estimate of a 1-norm (Higham and Tisseur 2000): from a row to the column of its largest entry
+//! and back, until neither grows; from several starts. Each entry above the bound is exchanged, which multiplies `|det C_S|` by it.
+
+use super::FactoredBlock;
+use crate::Csr;
+use crate::block::lu::{self, LuError};
+use crate::block::solver::Solver;
+use crate::local::Local;
+use crate::qr::{BackendError, largest_place};
+use crate::random::signed;
+use crate::reduction::Basics;
+use crate::scale::ldexp;
+
+/// Starts of the search for the largest entry.
+const STARTS: u64 = 4;
+/// Columns of T that are formed to tell how many nonzeros it has.
+const SAMPLE: usize = 8;
+/// Entries of a column below this, relative to its largest, are rounding.
+const NOISE: f64 = 1e-14;
+/// Steps from row to column and back.
+const STEPS: usize = 6;
+/// Factorizations with other slaves before T is formed after all.
+const ROUNDS: usize = 8;
+
+/// Factors the independent equations of a connected part. None where its slaves cannot be had within the bound and the wishes: then T
+/// must be numbers.
+pub(crate) fn factor(
+    local: Local,
+    equations: &[usize],
+    basics: &Basics,
+    predicted: usize,
+) -> Result<Option<FactoredBlock>, BackendError> {
+    let part = Part::new(local, equations, basics);
+    let order = crate::qr::sparse::order(&part.free)?;
+    let mut may = vec![true; part.dofs.len()];
+    for _ in 0..ROUNDS {
+        let lu = match lu::factor(&part.free, &order, |j| may[j], basics.memory) {
+            Ok(lu) => lu,
+            Err(LuError::Dependent) => return Ok(None),
+            Err(error) => return Err(error.of_block("sparse LU", &part.free, basics.memory)),
+        };
+        let mut block = part.block(lu, predicted, basics);
+        let exchanges = block.search(basics.growth);
+        if exchanges.is_empty() {
+            block.predicted = block.predicted.min(block.sampled());
+            return Ok(Some(block));
+        }
+        may.fill(false);
+        let place = |j: usize| part.dofs.binary_search_by_key(&j, |&l| part.user(l)).unwrap_or_default();
+        block.slaves.iter().for_each(|&j| may[place(j)] = true);
+        for (slave, master) in exchanges {
+            (may[place(slave)], may[place(master)]) = (false, true);
+        }
+    }
+    Ok(None)
+}
+
+/// A connected part with numbers of its own; scaled. DOFs ascend by the user's numbers.
+struct Part<'a> {
+    local: Local<'a>,
+    equations: Vec<usize>,
+    /// Local numbers of the free DOFs, the columns of `free`, ...
+    dofs: Vec<u32>,
+    free: Csr,
+    /// ... and of the prescribed ones.
+    prescribed: Vec<u32>,
+    fixed: Csr,
+    rhs: Vec<f64>,
+}
+
+impl<'a> Part<'a> {
+    fn new(local: Local<'a>, equations: &[usize], basics: &Basics) -> Self {
+        let user = |j: u32| local.numbering.dofs[j as usize];
+        let mut all: Vec<u32> = equations.iter().flat_map(|&i| local.parts(i).0).copied().collect();
+        all.sort_unstable_by_key(|&j| user(j));
+        all.dedup();
+        let (dofs, prescribed): (Vec<u32>, Vec<u32>) = all.into_iter().partition(|&j| local.free()[j as usize]);
+        let mut part = Self {
+            local,
+            equations: equations.to_vec(),
+            free: Csr::empty(dofs.len()),
+            fixed: Csr::empty(prescribed.len()),
+            dofs,
+            prescribed,
+            rhs: Vec::new(),
+        };
+        let place = |list: &[u32], j: usize| list.binary_search_by_key(&user(j as u32), |&l| user(l)).unwrap_or_default();
+        for &i in equations {
+            let side = |free: bool| local.row(i).filter(move |&(j, _)| local.free()[j] == free);
+            let entry = |(j, v): (usize, f64)| basics.scaling.entry(i, j, v);
+            part.free.push_row(side(true).map(|(j, v)| (place(&part.dofs, j), entry((j, v)))));
+            part.fixed.push_row(side(false).map(|(j, v)| (place(&part.prescribed, j), entry((j, v)))));
+            part.rhs.push(ldexp(local.rhs()[i], basics.scaling.row[i]));
+        }
+        part
+    }
+
+    fn user(&self, local: u32) -> usize {
+        self.local.numbering.dofs[local as usize] as usize
+    }
+
+    fn block(&self, lu: lu::Lu, predicted: usize, basics: &Basics) -> FactoredBlock {
+        let mut number = vec![u32::MAX; self.dofs.len()];
+        lu.slaves.iter().for_each(|&j| number[j as usize] = 0);
+        let masters: Vec<usize> = (0..self.dofs.len()).filter(|&j| number[j] != 0).collect();
+        masters.iter().zip(1..).for_each(|(&j, k)| number[j] = k);
+        let mut of_masters = Csr::empty(masters.len());
+        for i in 0..self.free.rows() {
+            let of = self.free.row(i).filter(|&(j, _)| number[j] != 0);
+            of_masters.push_row(of.map(|(j, v)| (number[j] as usize - 1, v)));
+        }
+        let local = [
+            lu.slaves.iter().map(|&j| self.dofs[j as usize]).collect::<Vec<u32>>(),
+            masters.iter().map(|&j| self.dofs[j]).collect(),
+            self.prescribed.clone(),
+        ];
+        let scaled = !basics.scaling.col.is_empty();
+        let exponents = |dofs: &[u32]| match scaled {
+            true => dofs.iter().map(|&j| basics.scaling.col(j as usize)).collect(),
+            false => Vec::new(),
+        };
+        let users = |dofs: &[u32]| dofs.iter().map(|&j| self.user(j)).collect::<Vec<usize>>();
+        FactoredBlock {
+            equations: self.equations.clone(),
+            slaves: users(&local[0]),
+            masters: users(&local[1]),
+            prescribed: users(&local[2]),
+            predicted,
+            growth: 0.0,
+            solver: Solver::new(&self.free, lu),
+            of_masters,
+            of_prescribed: self.fixed.clone(),
+            rhs: self.rhs.clone(),
+            exponents: [exponents(&local[0]), exponents(&local[1]), exponents(&local[2])],
+        }
+    }
+}
+
+impl FactoredBlock {
+    /// Slaves and masters to exchange: entries of T above the limit, in rows and columns of their own. Sets the growth.
+    fn search(&mut self, limit: f64) -> Vec<(usize, usize)> {
+        let mut found: Vec<(usize, usize)> = Vec::new();
+        for start in 0..STARTS {
+            let Some((slave, master, size)) = self.climb(start) else { continue };
+            self.growth = self.growth.max(size);
+            if size > limit && found.iter().all(|&(s, m)| s != slave && m != master) {
+                found.push((slave, master));
+            }
+        }
+        found
+    }
+
+    /// Nonzeros of T, from some columns.
+    fn sampled(&self) -> usize {
+        let count = self.masters.len();
+        let step = count.div_ceil(SAMPLE).max(1);
+        let places: Vec<usize> = (0..count).step_by(step).collect();
+        let nonzeros = |&j: &usize| {
+            let column = self.column_of(j);
+            let least = NOISE * column.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+            column.iter().filter(|v| v.abs() > least).count()
+        };
+        places.iter().map(nonzeros).sum::<usize>() * count / places.len().max(1)
+    }
+
+    /// From a random combination of rows to an entry of T that is the largest of its row and column.
+    fn climb(&self, seed: u64) -> Option<(usize, usize, f64)> {
+        let mut f: Vec<f64> = (0..self.slaves.len() as u64).map(|k| signed(seed, k)).collect();
+        let mut best = None;
+        for _ in 0..STEPS {
+            let row = self.row_of(&f);
+            let j = largest_place(&row)?;
+            let column = self.column_of(j);
+            let i = largest_place(&column)?;
+            let size = column[i].abs();
+            if best.is_some_and(|(_, _, most)| size <= most) {
+                break;
+            }
+            best = Some((self.slaves[i], self.masters[j], size));
+            f.fill(0.0);
+            f[i] = 1.0;
+        }
+        best
+    }
+
+    /// Row k of T (by slave of the block): masters, ascending, and numbers.
+    pub(crate) fn row(&self, k: usize) -> Vec<(usize, f64)> {
+        let mut unit = vec![0.0; self.slaves.len()];
+        unit[k] = 1.0;
+        let row = self.row_of(&unit).into_iter().zip(&self.masters);
+        row.filter(|(v, _)| *v != 0.0).map(|(v, &j)| (j, v)).collect()
+    }
+
+    /// `T^T f` over the masters.
+    pub(crate) fn row_of(&self, f: &[f64]) -> Vec<f64> {
+        let mut f = f.to_vec();
+        super::rescale(&mut f, &self.exponents[0], 1);
+        let y = self.solver.solve_transposed(&f);
+        let mut sum = vec![0.0; self.masters.len()];
+        y.iter().enumerate().for_each(|(i, y)| self.of_masters.row(i).for_each(|(j, v)| sum[j] -= v * y));
+        super::rescale(&mut sum, &self.exponents[1], -1);
+        sum
+    }
+
+    /// Column j of T, by slave.
+    pub(crate) fn column_of(&self, j: usize) -> Vec<f64> {
+        let mut unit = vec![0.0; self.masters.len()];
+        unit[j] = 1.0;
+        super::rescale(&mut unit, &self.exponents[1], -1);
+        let right: Vec<f64> = self.of_masters.times(&unit).into_iter().map(|v| -v).collect();
+        let mut x = self.solver.solve_dense(&right);
+        super::rescale(&mut x, &self.exponents[0], 1);
+        x
+    }
+}

@@ -1,0 +1,145 @@
+//! `u_s = C_S^-1 (b - C_M u_q - C_p u_p)`: a connected part of the equations whose T stays a factor (Eq. 23 without forming it).
+//!
+//! `C_S = U^T L^T` by sparse LU of C^T with threshold pivoting, which chooses well-conditioned slaves among all DOFs of the part.
+//! Each use is two triangular solves and a step of refinement, O(nnz(L) + nnz(U) + nnz(C)).
+
+mod choose;
+pub(crate) mod predict;
+
+use crate::Csr;
+use crate::block::solver::Solver;
+use crate::scale::ldexp;
+
+pub(crate) use choose::factor;
+
+/// A connected part of the equations in factor form. DOFs are the user's, 0-based.
+///
+/// With `C_S`, `C_M` and `C_p` the columns of slaves, masters and prescribed DOFs of its [`FactoredBlock::equations`]:
+/// `u_s = C_S^-1 (b - C_M u_q - C_p u_p)`, and `T^T f_s = -C_M^T C_S^-T f_s`.
+#[derive(Clone, Debug)]
+pub struct FactoredBlock {
+    /// The independent equations of the part, ascending.
+    pub equations: Vec<usize>,
+    /// Slaves, in the order of the elimination.
+    pub slaves: Vec<usize>,
+    /// Free DOFs of the part that are no slaves, ascending.
+    pub masters: Vec<usize>,
+    /// Prescribed DOFs of the part, ascending.
+    pub prescribed: Vec<usize>,
+    /// Nonzeros of its part of T, estimated from a sample of its columns: what it would cost as numbers.
+    pub predicted: usize,
+    /// Largest entry of T that was found.
+    pub growth: f64,
+    solver: Solver,
+    /// C_M and C_p, scaled; columns as `masters` and `prescribed`.
+    of_masters: Csr,
+    of_prescribed: Csr,
+    /// b, scaled.
+    rhs: Vec<f64>,
+    /// Exponents of the scaling of slaves, masters and prescribed DOFs; empty where columns are not scaled.
+    exponents: [Vec<i32>; 3],
+}
+
+/// `x <- 2^exponents x`.
+fn rescale(x: &mut [f64], exponents: &[i32], sign: i32) {
+    x.iter_mut().zip(exponents).for_each(|(x, &e)| *x = ldexp(*x, sign * e));
+}
+
+impl FactoredBlock {
+    /// `u_s = T u_q + G u_p` in u (of all DOFs), in which masters and prescribed DOFs are set.
+    pub(crate) fn set_slaves(&self, u: &mut [f64]) {
+        let taken = |dofs: &[usize], exponents: &[i32]| {
+            let mut x: Vec<f64> = dofs.iter().map(|&j| u[j]).collect();
+            rescale(&mut x, exponents, -1);
+            x
+        };
+        let mut right = vec![0.0; self.rhs.len()];
+        let sides = [
+            (&self.of_masters, taken(&self.masters, &self.exponents[1])),
+            (&self.of_prescribed, taken(&self.prescribed, &self.exponents[2])),
+        ];
+        for (matrix, x) in sides {
+            right.iter_mut().zip(matrix.times(&x)).for_each(|(b, part)| *b -= part);
+        }
+        let mut x = self.solver.solve_dense(&right);
+        rescale(&mut x, &self.exponents[0], 1);
+        self.slaves.iter().zip(x).for_each(|(&j, x)| u[j] = x);
+    }
+
+    /// g, by slave.
+    pub(crate) fn constants(&self) -> Vec<f64> {
+        let mut x = self.solver.solve_dense(&self.rhs);
+        rescale(&mut x, &self.exponents[0], 1);
+        x
+    }
+
+    /// Adds `T^T f_s` to f at its masters and `G^T f_s` at its prescribed DOFs.
+    pub(crate) fn pull_back(&self, f: &mut [f64]) {
+        let mut own: Vec<f64> = self.slaves.iter().map(|&j| f[j]).collect();
+        rescale(&mut own, &self.exponents[0], 1);
+        let y = self.solver.solve_transposed(&own);
+        for (matrix, dofs, exponents) in [
+            (&self.of_masters, &self.masters, &self.exponents[1]),
+            (&self.of_prescribed, &self.prescribed, &self.exponents[2]),
+        ] {
+            let mut sum = vec![0.0; dofs.len()];
+            y.iter().enumerate().for_each(|(i, y)| matrix.row(i).for_each(|(j, v)| sum[j] -= v * y));
+            rescale(&mut sum, exponents, -1);
+            dofs.iter().zip(sum).for_each(|(&j, sum)| f[j] += sum);
+        }
+    }
+
+    /// The same block for another b, which has a number for every equation of the system.
+    pub(crate) fn set_rhs(&mut self, rhs: &[f64], row_exponents: &[i32]) {
+        self.rhs = self.equations.iter().map(|&i| ldexp(rhs[i], row_exponents[i])).collect();
+    }
+
+    /// Numbers that it holds: of L, U, C_M and C_p.
+    pub fn nnz(&self) -> usize {
+        self.solver.nnz() + self.of_masters.nnz() + self.of_prescribed.nnz()
+    }
+
+    /// L by rows without its diagonal of ones, U by rows with its diagonal, C_M and C_p by rows, and b, the rows in the order of the
+    /// elimination: `C_S = U^T L^T`, all of the scaled equations; then the exponents e of the scaling of slaves, masters and prescribed
+    /// DOFs, `u_j = 2^e_j x_j`, empty where there is none.
+    pub fn parts(&self) -> Parts<'_> {
+        let lu = self.solver.lu();
+        let mut upper = Csr::empty(lu.order.len());
+        for (k, &pivot) in lu.diagonal.iter().enumerate() {
+            upper.push_row(std::iter::once((k, pivot)).chain(lu.u.row(k)));
+        }
+        let in_order = |matrix: &Csr| {
+            let mut rows = Csr::empty(matrix.cols);
+            lu.order.iter().for_each(|&i| rows.push_row(matrix.row(i as usize)));
+            rows
+        };
+        Parts {
+            equations: lu.order.iter().map(|&i| self.equations[i as usize]).collect(),
+            lower: &lu.l,
+            upper,
+            of_masters: in_order(&self.of_masters),
+            of_prescribed: in_order(&self.of_prescribed),
+            rhs: lu.order.iter().map(|&i| self.rhs[i as usize]).collect(),
+            exponents: &self.exponents,
+        }
+    }
+}
+
+/// The factors of a [`FactoredBlock`]; see [`FactoredBlock::parts`].
+#[derive(Clone, Debug)]
+pub struct Parts<'a> {
+    /// Equation of each row.
+    pub equations: Vec<usize>,
+    /// L without its diagonal of ones.
+    pub lower: &'a Csr,
+    /// U.
+    pub upper: Csr,
+    /// C_M.
+    pub of_masters: Csr,
+    /// C_p.
+    pub of_prescribed: Csr,
+    /// b.
+    pub rhs: Vec<f64>,
+    /// Exponents of slaves, masters and prescribed DOFs.
+    pub exponents: &'a [Vec<i32>; 3],
+}
