@@ -33,10 +33,8 @@ pub(crate) struct Basis {
     pivots: Vec<f64>,
     /// As [`Step::reach`].
     reaches: Vec<f64>,
-    /// The blocks, ...
+    /// The blocks, the rows of which come last.
     pub blocks: Vec<Kept>,
-    /// ... the rows of which come last.
-    ranges: Vec<Range<usize>>,
 }
 
 /// What remains of a block beside its rows.
@@ -102,7 +100,6 @@ impl Basis {
     }
 
     fn push_block(&mut self, block: Solved, scaling: &Scaling) {
-        let first = self.rows();
         for (i, &slave) in block.slaves.iter().enumerate() {
             let own = scaling.col(slave as usize);
             for (k, v) in block.relation.row(i) {
@@ -112,7 +109,6 @@ impl Basis {
             }
             self.close(slave, ldexp(block.constant[i], own));
         }
-        self.ranges.push(first..self.rows());
     }
 
     /// Appends what elimination found to the peeled rows, in the user's units, and takes note of the blocks.
@@ -236,11 +232,6 @@ impl Basis {
         self.slaves.iter().for_each(|&slave| is_slave[slave as usize] = true);
         let size = |(j, v): (u32, f64)| if is_slave[j as usize] { f64::INFINITY } else { v.abs() };
         (0..self.rows()).map(|t| self.row(system, t).entries().map(size).fold(0.0, f64::max)).collect()
-    }
-
-    /// The rows of a block.
-    pub fn rows_of(&self, block: usize) -> Range<usize> {
-        self.ranges[block].clone()
     }
 
     /// Where row t comes from, blocks counted as one each.

@@ -24,7 +24,7 @@ use crate::qr::{Backend, BackendError};
 use crate::scale::{exponent, ldexp};
 use crate::{Csr, Options};
 use dependent::Rows;
-pub(crate) use slaves::solve;
+pub(crate) use slaves::{may_be_slaves, solve};
 pub(crate) use triangle::Vectors;
 
 /// One block as a matrix: m rows over the free DOFs `dofs`, with what stands on the other side.
@@ -133,7 +133,7 @@ pub(crate) fn diagnose(block: &Block, means: Means) -> Result<Diagnosed, Backend
     let Rows { kept, order, dependent, nearness, triangle } = dependent::find(block, means)?;
     let rows = kept.iter().map(|&i| block.rows[i]).collect();
     let order = order.iter().map(|&k| k as u32).collect();
-    Ok(Diagnosed { kept: rows, order, dependent, nearness, vectors: triangle.vectors(block) })
+    Ok(Diagnosed { kept: rows, order, dependent, nearness, vectors: triangle.vectors(block, nearness.sigma) })
 }
 
 impl Block {

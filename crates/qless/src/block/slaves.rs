@@ -37,6 +37,15 @@ pub(crate) fn solve(block: &Block, kept: &Kept, memory: usize) -> Result<Solved,
     Ok(solved(block, &tableau.basic, &tableau.free, relation))
 }
 
+/// Which DOFs of a block may be slaves so that they are those of [`solve`]: all where sparse LU looks for them.
+pub(crate) fn may_be_slaves(block: &Block, kept: &Kept, memory: usize) -> Result<Vec<bool>, BackendError> {
+    if kept.rows.len().saturating_mul(block.matrix.cols) > SMALL {
+        return Ok(vec![true; block.dofs.len()]);
+    }
+    let slaves = solve(block, kept, memory)?.slaves;
+    Ok(block.dofs.iter().map(|j| slaves.contains(j)).collect())
+}
+
 fn solved(block: &Block, slaves: &[u32], masters: &[u32], (relation, constant): (Csr, Vec<f64>)) -> Solved {
     let dof = |k: &u32| block.dofs[*k as usize];
     Solved {

@@ -18,6 +18,9 @@ use crate::random::signed;
 /// Seeds of the vectors of the null space: two, for a number that is zero in both by chance is none.
 const SEEDS: [u64; 2] = [0x51ed_270b, 0x85eb_ca6b];
 
+/// Rows nearer to dependence than this need more corrections.
+const WEAK: f64 = 1e-4;
+
 /// A solve and its correction.
 const PASSES: usize = 2;
 
@@ -72,7 +75,8 @@ impl Triangle {
     }
 
     /// Everything that is asked of the null space and of solutions.
-    pub fn vectors(&self, block: &Block) -> Vectors {
+    /// `sigma` is the smallest singular value of the rows.
+    pub fn vectors(&self, block: &Block, sigma: f64) -> Vectors {
         let (r, n) = (self.rows.len(), block.matrix.cols);
         let sides = [&self.factor.rhs[..r], &self.factor.rhs[r..2 * r]];
         let mut weights = slabs(2, r, |c, i| sides[c][i]).swap_remove(0);
@@ -80,10 +84,12 @@ impl Triangle {
         let seeds = seeds(block);
         let mut moves = slabs(2, n, |c, j| seeds[c * n + j]).swap_remove(0);
         self.subtract_from(block, &weights, &mut moves);
-        // Once more for what large weights have left by rounding.
-        let mut left = self.times(block, &moves);
-        self.normal(&mut left);
-        self.subtract_from(block, &left, &mut moves);
+        // Again for what large weights have left by rounding.
+        for _ in 0..if sigma < WEAK { 3 } else { 1 } {
+            let mut left = self.times(block, &moves);
+            self.normal(&mut left);
+            self.subtract_from(block, &left, &mut moves);
+        }
         let sides = |c: usize, i: usize| match c {
             0 => block.random[self.rows[i]],
             _ => block.effective[self.rows[i]].value,

@@ -11,7 +11,6 @@
 mod replay;
 mod square;
 
-use crate::basis::Basis;
 use crate::classify::{Dependent, Kind, Source};
 use crate::local::Local;
 use crate::presolve::eliminate::Mismatch;
@@ -28,7 +27,6 @@ const NOISE: f64 = 1e-14;
 /// Makes g and the kinds of the equations for new right-hand sides. Made by [`Analysis::refresher`].
 pub struct Refresher<'a> {
     analysis: &'a Analysis,
-    basis: &'a Basis,
     system: &'a ConstraintSystem,
     /// The coefficients of the slaves of the peeled equations.
     pivots: Vec<f64>,
@@ -103,12 +101,11 @@ impl Analysis {
     /// [`BackendError`] if a block needs more memory than [`crate::Options::memory`] allows.
     pub fn refresher<'a>(&'a self, system: &'a ConstraintSystem) -> Result<Refresher<'a>, BackendError> {
         let local = self.numbering.view(system, system.rhs());
-        let basis = self.solved()?;
-        let peeled = basis.peeled.iter().zip(basis.slaves());
+        let peeled = self.basis.peeled.iter().zip(self.basis.slaves());
         let pivots = peeled.map(|(&row, &slave)| local.coefficient(row as usize, slave)).collect();
-        let square = |k| Square::new(&self.blocks[k], basis, k, self.options.memory);
-        let squares: Result<_, _> = (0..self.blocks.len()).map(square).collect();
-        Ok(Refresher { analysis: self, basis, system, pivots, squares: squares? })
+        let square = |(block, kept)| Square::new(block, kept, &self.scaling, self.options.memory);
+        let squares: Result<_, _> = self.blocks.iter().zip(&self.basis.blocks).map(square).collect();
+        Ok(Refresher { analysis: self, system, pivots, squares: squares? })
     }
 }
 
@@ -140,12 +137,11 @@ impl Refresher<'_> {
             agreeing = lowered;
             replay = Replay::new(self, &agreeing, prescribed);
         }
-        let constants = self.constants(&replay);
-        self.write(&constants, replay.rhs, reduction)?;
+        self.write(&replay, reduction)?;
         let mut kinds = vec![Kind::Independent; rhs.len()];
         found.iter().for_each(|d| kinds[d.row] = d.kind);
         let mismatches = found.iter().map(|d| d.mismatch).collect();
-        Ok(Refreshed { kinds, mismatches, generated: self.generated(&constants, prescribed) })
+        Ok(Refreshed { kinds, mismatches, generated: self.generated(&replay, prescribed) })
     }
 
     fn local(&self) -> Local<'_> {
@@ -169,46 +165,53 @@ impl Refresher<'_> {
         Dependent::new(d.row, rest, d.dropped, Source::Given(Vec::new()), self.analysis.options.tolerance.value())
     }
 
-    /// The constant of each row of the basis.
+    /// The constant of each row that presolve made.
     fn constants(&self, replay: &Replay) -> Vec<f64> {
-        let (basis, scaling) = (self.basis, &self.analysis.scaling);
+        let (basis, scaling) = (&self.analysis.basis, &self.analysis.scaling);
         let peeled = basis.peeled.iter().zip(&self.pivots).map(|(&row, pivot)| replay.rhs[row as usize] / pivot);
         let mut constants: Vec<f64> = peeled.collect();
         for (s, step) in replay.steps.iter().enumerate() {
             let t = basis.peeled.len() + s;
             constants.push(ldexp(step.rhs / basis.pivot_of_step(s), scaling.col(basis.slave(t) as usize)));
         }
-        for (k, square) in self.squares.iter().enumerate() {
-            let rhs: Vec<f64> = basis.blocks[k].rows.iter().map(|&row| replay.row(row).rhs).collect();
-            let slaves = &basis.slaves()[basis.rows_of(k)];
-            let x = square.solve(rhs);
-            constants.extend(x.iter().zip(slaves).map(|(&x, &slave)| ldexp(x, scaling.col(slave as usize))));
-        }
         constants
     }
 
-    /// u in local numbers, from values of prescribed DOFs; masters are zero.
-    fn complete(&self, constants: &[f64], prescribed: &[f64]) -> Vec<f64> {
-        let local = self.local();
+    /// u in local numbers, with zero or the given values of prescribed DOFs; masters are zero.
+    fn complete(&self, replay: &Replay, given: Option<&[f64]>) -> Vec<f64> {
+        let (basis, local) = (&self.analysis.basis, self.local());
         let mut u = vec![0.0; local.dofs()];
-        local.prescribed_places().for_each(|(l, place)| u[l] = prescribed.get(place).copied().unwrap_or(0.0));
-        self.basis.complete_with(local, constants, &mut u);
+        if let Some(given) = given {
+            local.prescribed_places().for_each(|(l, place)| u[l] = given[place]);
+        }
+        for (square, kept) in self.squares.iter().zip(&basis.blocks) {
+            let side = |&row: &u32| {
+                let side = replay.row(row);
+                if given.is_some() { side.effective.value } else { side.rhs }
+            };
+            square.solve(kept.rows.iter().map(side).collect(), &mut u);
+        }
+        basis.complete_with(local, &self.constants(replay), &mut u);
         u
     }
 
-    /// `g = u_s - T u_q`, which must pass the gate for `rhs`; else the old g stays.
-    fn write(&self, constants: &[f64], rhs: &[f64], reduction: &mut Reduction) -> Result<(), RefreshError> {
+    /// `g = u_s - T u_q`, which must pass the gate; else the old g stays.
+    fn write(&self, replay: &Replay, reduction: &mut Reduction) -> Result<(), RefreshError> {
         let old = reduction.g.clone();
-        self.put(constants, reduction);
-        let local = self.analysis.numbering.view(self.system, rhs);
+        let sides = self.put(replay, reduction);
+        let local = self.analysis.numbering.view(self.system, replay.rhs);
         let found = gate::residuals_of_g(local, reduction, &self.analysis.independent(), &self.analysis.scaling);
-        gate::pass(&found, reduction).inspect_err(|_| reduction.g = old)?;
+        gate::pass(&found, reduction).inspect_err(|_| {
+            reduction.g = old;
+            reduction.factored.iter_mut().zip(sides).for_each(|(block, side)| block.rhs = side);
+        })?;
         Ok(())
     }
 
-    fn put(&self, constants: &[f64], reduction: &mut Reduction) {
+    /// Returns the right-hand sides that factored blocks had before.
+    fn put(&self, replay: &Replay, reduction: &mut Reduction) -> Vec<Vec<f64>> {
         let mut u = vec![0.0; self.system.dofs()];
-        let local = self.complete(constants, &[]);
+        let local = self.complete(replay, None);
         local.iter().zip(&self.analysis.numbering.dofs).for_each(|(&v, &j)| u[j as usize] = v);
         for (i, &slave) in reduction.slaves.iter().enumerate() {
             let (mut sum, mut size) = (u[slave], u[slave].abs());
@@ -219,14 +222,23 @@ impl Refresher<'_> {
             }
             reduction.g[i] = if sum.abs() > NOISE * size { sum } else { 0.0 };
         }
+        let mut old = Vec::new();
+        for block in &mut reduction.factored {
+            old.push(block.set_rhs(replay.rhs, &self.analysis.scaling.row));
+            for (slave, g) in block.slaves.iter().zip(block.constants()) {
+                let place = reduction.slaves.binary_search(slave);
+                place.into_iter().for_each(|place| reduction.g[place] = g);
+            }
+        }
+        old
     }
 
-    fn generated(&self, constants: &[f64], prescribed: &[f64]) -> Vec<(usize, f64)> {
+    fn generated(&self, replay: &Replay, prescribed: &[f64]) -> Vec<(usize, f64)> {
         let fixed = &self.analysis.fixed;
         if fixed.is_empty() {
             return Vec::new();
         }
-        let u = self.complete(constants, prescribed);
+        let u = self.complete(replay, Some(prescribed));
         let named = self.analysis.generated.iter().zip(fixed);
         named.map(|(&(dof, _), &l)| (dof, u[l as usize])).collect()
     }

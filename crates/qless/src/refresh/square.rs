@@ -1,44 +1,40 @@
-//! `C_S x = b` on the kept rows and the slaves of one block, again and again, by sparse LU.
+//! `C_S x = b` on the kept rows and slaves of one block, again and again, by sparse LU.
 
-use crate::basis::Basis;
-use crate::block::Block;
+use crate::basis::Kept;
+use crate::block::{self, Block};
 use crate::block::lu;
 use crate::block::solver::Solver;
 use crate::qr::BackendError;
-use crate::scale::ldexp;
+use crate::scale::{Scaling, ldexp};
 
-/// The kept rows and the slaves of a block.
+/// The kept rows of a block, solved for slaves.
 pub struct Square {
     /// Exponents of the kept rows.
     exponents: Vec<i32>,
     solver: Solver,
-    /// Where each slave of the basis stands in a solution.
-    place: Vec<u32>,
+    /// Local DOF of each number of a solution, and the exponent of its scaling.
+    slaves: Vec<(u32, i32)>,
 }
 
 impl Square {
-    /// Block `k` of the basis, factored.
-    pub fn new(block: &Block, basis: &Basis, k: usize, memory: usize) -> Result<Self, BackendError> {
-        let part = &basis.blocks[k];
-        let kept: Vec<usize> = part.rows.iter().filter_map(|row| block.rows.binary_search(row).ok()).collect();
-        let slaves = basis.slaves()[basis.rows_of(k)].iter();
-        let slaves: Vec<usize> = slaves.filter_map(|slave| block.dofs.binary_search(slave).ok()).collect();
-        let mut number = vec![u32::MAX; block.matrix.cols];
-        slaves.iter().zip(0..).for_each(|(&j, i)| number[j] = i);
-        let rows = block.select(&kept);
-        let order: Vec<usize> = part.order.iter().map(|&i| i as usize).collect();
-        let lu = lu::factor(&rows, &order, |j| number[j] != u32::MAX, memory)
-            .map_err(|error| error.of_block("refresher", &rows, memory))?;
-        let mut place = vec![0; slaves.len()];
-        lu.slaves.iter().zip(0..).for_each(|(&j, step)| place[number[j as usize] as usize] = step);
-        let exponents = kept.iter().map(|&i| block.exponents[i]).collect();
-        Ok(Self { exponents, solver: Solver::new(&rows, lu), place })
+    /// A block, factored.
+    pub fn new(block: &Block, kept: &Kept, scaling: &Scaling, memory: usize) -> Result<Self, BackendError> {
+        let rows: Vec<usize> = kept.rows.iter().filter_map(|row| block.rows.binary_search(row).ok()).collect();
+        let matrix = block.select(&rows);
+        let order: Vec<usize> = kept.order.iter().map(|&i| i as usize).collect();
+        let may = block::may_be_slaves(block, kept, memory)?;
+        let lu = lu::factor(&matrix, &order, |j| may[j], memory)
+            .map_err(|error| error.of_block("refresher", &matrix, memory))?;
+        let of = |&j: &u32| (block.dofs[j as usize], scaling.col(block.dofs[j as usize] as usize));
+        let slaves = lu.slaves.iter().map(of).collect();
+        let exponents = rows.iter().map(|&i| block.exponents[i]).collect();
+        Ok(Self { exponents, solver: Solver::new(&matrix, lu), slaves })
     }
 
-    /// One number for each slave; `b` has one for each kept row.
-    pub fn solve(&self, mut b: Vec<f64>) -> Vec<f64> {
+    /// Sets the slaves in u (local), all other DOFs of the block being zero; `b` has a number for each kept row.
+    pub fn solve(&self, mut b: Vec<f64>, u: &mut [f64]) {
         b.iter_mut().zip(&self.exponents).for_each(|(b, &shift)| *b = ldexp(*b, shift));
         let x = self.solver.solve_dense(&b);
-        self.place.iter().map(|&step| x[step as usize]).collect()
+        self.slaves.iter().zip(x).for_each(|(&(j, exponent), x)| u[j as usize] = ldexp(x, exponent));
     }
 }

@@ -35,7 +35,7 @@ pub struct FactoredBlock {
     of_masters: Csr,
     of_prescribed: Csr,
     /// b, scaled.
-    rhs: Vec<f64>,
+    pub(crate) rhs: Vec<f64>,
     /// Exponents of the scaling of slaves, masters and prescribed DOFs; empty where columns are not scaled.
     exponents: [Vec<i32>; 3],
 }
@@ -90,8 +90,10 @@ impl FactoredBlock {
     }
 
     /// The same block for another b, which has a number for every equation of the system.
-    pub(crate) fn set_rhs(&mut self, rhs: &[f64], row_exponents: &[i32]) {
-        self.rhs = self.equations.iter().map(|&i| ldexp(rhs[i], row_exponents[i])).collect();
+    /// Returns the b that it had.
+    pub(crate) fn set_rhs(&mut self, rhs: &[f64], row_exponents: &[i32]) -> Vec<f64> {
+        let new = self.equations.iter().map(|&i| ldexp(rhs[i], row_exponents[i])).collect();
+        std::mem::replace(&mut self.rhs, new)
     }
 
     /// Numbers that it holds: of L, U, C_M and C_p.
