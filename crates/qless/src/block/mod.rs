@@ -133,7 +133,7 @@ pub(crate) fn diagnose(block: &Block, means: Means) -> Result<Diagnosed, Backend
     let Rows { kept, order, dependent, nearness, triangle } = dependent::find(block, means)?;
     let rows = kept.iter().map(|&i| block.rows[i]).collect();
     let order = order.iter().map(|&k| k as u32).collect();
-    Ok(Diagnosed { kept: rows, order, dependent, nearness, vectors: triangle.vectors(block, nearness.sigma) })
+    Ok(Diagnosed { kept: rows, order, dependent, nearness, vectors: triangle.vectors(block) })
 }
 
 impl Block {

@@ -18,8 +18,10 @@ use crate::random::signed;
 /// Seeds of the vectors of the null space: two, for a number that is zero in both by chance is none.
 const SEEDS: [u64; 2] = [0x51ed_270b, 0x85eb_ca6b];
 
-/// Rows nearer to dependence than this need more corrections.
-const WEAK: f64 = 1e-4;
+/// Most corrections of vectors of the null space, ...
+const CORRECTIONS: usize = 4;
+/// ... and weights with which one has brought no more than rounding.
+const DONE: f64 = 1e-12;
 
 /// A solve and its correction.
 const PASSES: usize = 2;
@@ -75,8 +77,7 @@ impl Triangle {
     }
 
     /// Everything that is asked of the null space and of solutions.
-    /// `sigma` is the smallest singular value of the rows.
-    pub fn vectors(&self, block: &Block, sigma: f64) -> Vectors {
+    pub fn vectors(&self, block: &Block) -> Vectors {
         let (r, n) = (self.rows.len(), block.matrix.cols);
         let sides = [&self.factor.rhs[..r], &self.factor.rhs[r..2 * r]];
         let mut weights = slabs(2, r, |c, i| sides[c][i]).swap_remove(0);
@@ -85,10 +86,13 @@ impl Triangle {
         let mut moves = slabs(2, n, |c, j| seeds[c * n + j]).swap_remove(0);
         self.subtract_from(block, &weights, &mut moves);
         // Again for what large weights have left by rounding.
-        for _ in 0..if sigma < WEAK { 3 } else { 1 } {
+        for _ in 0..CORRECTIONS {
             let mut left = self.times(block, &moves);
             self.normal(&mut left);
             self.subtract_from(block, &left, &mut moves);
+            if left.iter().flatten().all(|w| w.abs() <= DONE) {
+                break;
+            }
         }
         let sides = |c: usize, i: usize| match c {
             0 => block.random[self.rows[i]],
