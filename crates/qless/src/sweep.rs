@@ -30,8 +30,8 @@ pub(crate) enum Sample {
     Second,
 }
 
-/// A DOF of a block moves if its number in a random vector of the null space is more than the square of so many units in the last
-/// place times the condition, which the correction of the vector leaves, ...
+/// A DOF of a block moves if its number in a random vector of the null space is more than so many units in the last place times the
+/// condition, ...
 const ZERO_UNITS: f64 = 8.0;
 /// ... and more than this whatever the condition; more than the last is no rounding.
 const ZERO: [f64; 2] = [1e-13, 1e-8];
@@ -214,7 +214,7 @@ fn start(system: Local, scaling: &Scaling, keys: &Keys, seed: u64) -> Vec<State>
 
 /// The DOFs of a block move as a random vector of its null space says; those that stay are listed.
 fn enter(block: &Kept, which: Sample, scaling: &Scaling, states: &mut [State], still: &mut Vec<u32>) {
-    let zero = (ZERO_UNITS * f64::EPSILON / block.nearness.sigma).powi(2).clamp(ZERO[0], ZERO[1]);
+    let zero = (ZERO_UNITS * f64::EPSILON / block.nearness.sigma).clamp(ZERO[0], ZERO[1]);
     let Vectors { moves, sample, .. } = &block.vectors;
     for ((&j, &u), &w) in block.dofs.iter().zip(&moves[which as usize]).zip(sample) {
         let moves = if u.abs() <= zero { 0.0 } else { u };

@@ -19,7 +19,7 @@ use crate::random::signed;
 const SEEDS: [u64; 2] = [0x51ed_270b, 0x85eb_ca6b];
 
 /// Most corrections of vectors of the null space, ...
-const CORRECTIONS: usize = 4;
+const CORRECTIONS: usize = 3;
 /// ... and weights with which one has brought no more than rounding.
 const DONE: f64 = 1e-12;
 
