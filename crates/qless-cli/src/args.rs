@@ -82,7 +82,7 @@ pub struct CleanArgs {
 
 #[derive(Args)]
 pub struct BenchArgs {
-    /// Folder for the page trade.md with its plots trade.svg and growth.svg, and for trade.csv
+    /// Folder for the page trade.md with its plots trade.svg, growth.svg and figure-15.svg, and for trade.csv and figure-15.csv
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     /// The smallest systems only, in seconds
@@ -91,6 +91,9 @@ pub struct BenchArgs {
     /// Runs of each method on each system
     #[arg(long, value_name = "N", default_value = "5", value_parser = threads)]
     pub runs: NonZeroUsize,
+    /// The paper's Figure 15 only: bare factorizations by Gauss elimination and by QR; else it follows tie and mortar
+    #[arg(long, conflicts_with_all = ["method", "memory"])]
+    pub figure_15: bool,
     /// Seconds after which a method is given up, foreseen from smaller systems of the same family
     #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = seconds)]
     pub limit: f64,

@@ -7,7 +7,9 @@
 mod advice;
 mod chain;
 mod child;
+mod figure_15;
 mod gradients;
+mod labels;
 mod linkages;
 mod measure;
 mod memory;
@@ -34,7 +36,14 @@ use crate::progress::Progress;
 use crate::stdout;
 use measure::measure;
 
-/// Measures, prints the table and, where a folder is given, writes it with its plots.
+/// What was measured.
+struct Found {
+    methods: Vec<methods::Method>,
+    samples: Vec<measure::Sample>,
+    levels: Vec<figure_15::Level>,
+}
+
+/// Measures, prints the tables and, where a folder is given, writes them with their plots.
 pub fn run(args: &BenchArgs) -> Result<ExitCode, Failure> {
     let methods = methods::all(&args.method);
     let families = systems::families(args.short, &args.family);
@@ -47,27 +56,54 @@ pub fn run(args: &BenchArgs) -> Result<ExitCode, Failure> {
     if let Some(folder) = &args.output {
         drop(Output::new(folder)?);
     }
-    let progress = Progress::new(args.quiet);
-    let mut samples = Vec::new();
-    for family in families {
-        progress.stage(family.name);
-        samples.extend(measure(&family, &methods, args).map_err(Failure::Input)?);
-    }
-    drop(progress);
-    let text = table::text(&samples, &methods);
-    stdout::write(|out| out.write_all(text.as_bytes()))?;
+    let found = find(methods, &families, args).map_err(Failure::Input)?;
+    stdout::write(|out| out.write_all(text(&found).as_bytes()))?;
     if let Some(folder) = &args.output {
-        let plots = plot::all(&samples, &methods).map_err(Failure::Resource)?;
-        let mut output = Output::new(folder)?;
-        output.file("trade.csv", |out| out.write_all(table::csv(&samples, &methods).as_bytes()))?;
-        let page = page::markdown(&samples, &methods, &command(args));
-        output.file("trade.md", |out| out.write_all(page.as_bytes()))?;
-        for (name, svg) in plots {
-            output.file(name, |out| out.write_all(svg.as_bytes()))?;
-        }
-        output.commit()?;
+        write(&found, args, Output::new(folder)?)?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Figure 15 has methods of its own, so that it is left out where methods are named.
+fn find(methods: Vec<methods::Method>, families: &[systems::Family], args: &BenchArgs) -> Result<Found, String> {
+    let progress = Progress::new(args.quiet);
+    let mut found = Found { methods, samples: Vec::new(), levels: Vec::new() };
+    for family in families {
+        progress.stage(family.name);
+        if !args.figure_15 {
+            found.samples.extend(measure(family, &found.methods, args)?);
+        }
+        if args.method.is_empty() && systems::TABLE_1.contains(&family.name) {
+            found.levels.extend(figure_15::measure(family, args)?);
+        }
+    }
+    Ok(found)
+}
+
+fn text(found: &Found) -> String {
+    let mut text = table::text(&found.samples, &found.methods);
+    if !found.levels.is_empty() {
+        text += &format!("\nFigure 15\n\n{}", figure_15::text(&found.levels));
+    }
+    text
+}
+
+fn write(found: &Found, args: &BenchArgs, mut output: Output) -> Result<(), Failure> {
+    let Found { methods, samples, levels } = found;
+    let mut plots = plot::all(samples, methods).map_err(Failure::Resource)?;
+    plots.extend(figure_15::plots(levels).map_err(Failure::Resource)?);
+    if !samples.is_empty() {
+        output.file("trade.csv", |out| out.write_all(table::csv(samples, methods).as_bytes()))?;
+    }
+    if !levels.is_empty() {
+        output.file(figure_15::CSV, |out| out.write_all(figure_15::csv(levels).as_bytes()))?;
+    }
+    let page = page::markdown(samples, methods, levels, &command(args));
+    output.file("trade.md", |out| out.write_all(page.as_bytes()))?;
+    for (name, svg) in plots {
+        output.file(name, |out| out.write_all(svg.as_bytes()))?;
+    }
+    Ok(output.commit()?)
 }
 
 /// One method on one system, for the process that started this one.
@@ -90,9 +126,10 @@ fn names() -> String {
 fn command(args: &BenchArgs) -> String {
     let short = if args.short { " --short" } else { "" };
     let memory = if args.memory { " --memory" } else { "" };
+    let figure_15 = if args.figure_15 { " --figure-15" } else { "" };
     let named = |option: &str, names: &[String]| {
         names.iter().flat_map(|name| [" --", option, " \"", name, "\""].map(str::to_owned)).collect::<String>()
     };
     let only = named("family", &args.family) + &named("method", &args.method);
-    format!("qless bench{short} --runs {} --limit {}{memory}{only} -o docs", args.runs, args.limit)
+    format!("qless bench{short}{figure_15} --runs {} --limit {}{memory}{only} -o docs", args.runs, args.limit)
 }

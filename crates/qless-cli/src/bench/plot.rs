@@ -5,13 +5,14 @@ use std::collections::BTreeMap;
 use plotters::coord::combinators::IntoLogRange;
 use plotters::prelude::*;
 
+use super::labels::Labels;
 use super::measure::Sample;
 use super::methods::Method;
 use super::systems::TIE;
 use super::table::verdict;
 
 /// Colours that can be told apart, in print too.
-const COLOURS: [RGBColor; 10] = [
+pub const COLOURS: [RGBColor; 10] = [
     RGBColor(31, 78, 140),
     RGBColor(217, 95, 2),
     RGBColor(27, 138, 90),
@@ -110,7 +111,7 @@ pub fn front(points: &[Point]) -> Vec<&Point> {
     sorted
 }
 
-type Drawn = Result<String, Box<dyn std::error::Error>>;
+pub type Drawn = Result<String, Box<dyn std::error::Error>>;
 
 fn trade(samples: &[Sample], methods: &[Method]) -> Drawn {
     let points = points(samples, methods);
@@ -157,26 +158,6 @@ fn trade(samples: &[Sample], methods: &[Method]) -> Drawn {
         root.present()?;
     }
     Ok(svg)
-}
-
-/// Where labels stand already, in pixels: left, right and height of each.
-#[derive(Default)]
-struct Labels(Vec<(i32, i32, i32)>);
-
-impl Labels {
-    /// How far from its point a label of so many letters must move up or down to meet no other.
-    fn place(&mut self, (x, y): (i32, i32), letters: usize) -> i32 {
-        const HEIGHT: i32 = 13;
-        let (left, right) = (x, x + 8 + 6 * letters as i32);
-        let is_free = |lift: &i32| {
-            let meets = |&(l, r, h): &(i32, i32, i32)| left < r && l < right && (y + lift - h).abs() < HEIGHT;
-            !self.0.iter().any(meets)
-        };
-        let lifts = (0..40).map(|k| -6 + HEIGHT * if k % 2 == 0 { k / 2 } else { -(k + 1) / 2 });
-        let lift = lifts.into_iter().find(is_free).unwrap_or(-6);
-        self.0.push((left, right, y + lift));
-        lift
-    }
 }
 
 /// Sizes and times of a method on the paper's tie, and the exponent by least squares of logarithms.
@@ -238,7 +219,7 @@ fn growth(samples: &[Sample], methods: &[Method]) -> Drawn {
 
 #[cfg(test)]
 mod tests {
-    use super::{Labels, Point, front};
+    use super::{Point, front};
 
     #[test]
     fn the_front_holds_what_nothing_beats() {
@@ -248,13 +229,5 @@ mod tests {
             [point("a", 1.0, 1e-3), point("b", 2.0, 1e-3), point("c", 3.0, 1e-9), point("d", 0.5, 1.0), given_up];
         assert_eq!(front(&points).iter().map(|p| p.method).collect::<Vec<_>>(), ["d", "a", "c"]);
         assert_eq!(points[4].label(), "e (6 of 7)");
-    }
-
-    #[test]
-    fn labels_do_not_meet() {
-        let mut labels = Labels::default();
-        let lifts: Vec<i32> = (0..5).map(|k| labels.place((100 + k, 100), 10)).collect();
-        assert_eq!(lifts, [-6, -19, 7, -32, 20]);
-        assert_eq!((labels.place((300, 100), 10), labels.place((100, 300), 10)), (-6, -6));
     }
 }

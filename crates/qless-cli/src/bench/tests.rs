@@ -88,7 +88,7 @@ fn the_csv_has_every_number_under_its_name() {
 fn the_tables_for_people_have_the_same_numbers() {
     let methods = methods::all(&[]);
     let samples = samples(&methods);
-    let (page, text) = (page::markdown(&samples, &methods, "qless bench"), table::text(&samples, &methods));
+    let (page, text) = (page::markdown(&samples, &methods, &[], "qless bench"), table::text(&samples, &methods));
     assert!(page.contains(&format!("| {} |", table::HEAD.join(" | "))));
     assert!(table::HEAD.iter().all(|head| text.contains(head)));
     let expected = [
@@ -140,12 +140,12 @@ fn the_advice_has_the_numbers_of_its_methods() {
     all.extend(again);
     let second = methods.len() + first;
     all[second].result = all[second].result.map(|found| Measured { time: 10.0 * found.time, rank: 5, ..found });
-    let page = page::markdown(&all, &methods, "qless bench");
+    let page = page::markdown(&all, &methods, &[], "qless bench");
     let n = (first + 1) as f64;
     let row = format!("| `--backend gauss` | {:.2}, {n:.2} to {:.2} | 1, 1, 2 |", 10.0 * n, 10.0 * n);
     assert!(page.contains(&row), "{row} is not in the page");
     all[second].result = all[second].result.map(|found| Measured { ambiguous: true, ..found });
-    let page = page::markdown(&all, &methods, "qless bench");
+    let page = page::markdown(&all, &methods, &[], "qless bench");
     assert!(page.contains(&row.replace("1, 1, 2", "0, 1, 2")));
 }
 
@@ -157,11 +157,11 @@ fn there_is_no_plot_without_data() {
     let names =
         |samples: &[Sample]| plot::all(samples, &methods).expect("drawn").iter().map(|p| p.0).collect::<Vec<_>>();
     assert_eq!(names(&samples), [plot::TRADE]);
-    let page = page::markdown(&samples, &methods, "qless bench");
+    let page = page::markdown(&samples, &methods, &[], "qless bench");
     assert!(page.contains(plot::TRADE) && !page.contains(plot::GROWTH));
     samples.iter_mut().for_each(|sample| sample.result = None);
     assert!(names(&samples).is_empty());
-    assert!(!page::markdown(&samples, &methods, "qless bench").contains(".svg"));
+    assert!(!page::markdown(&samples, &methods, &[], "qless bench").contains(".svg"));
 }
 
 #[test]
