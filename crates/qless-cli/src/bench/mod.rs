@@ -1,13 +1,14 @@
 //! `qless bench`: what speed costs in accuracy on this machine, for every choice that a user has.
 //!
 //! Every method runs on every system, in alternation and in one process; times are medians. Truth is known by construction. A method
-//! that was slow on a smaller system of the same family is not tried on a larger one. Other libraries (feature `peers`) take
-//! their turns in processes of their own, which are stopped at the limit.
+//! that was stopped on a smaller system of the same family is not tried on a larger one, and one that was slow runs in a process of its own,
+//! which is stopped at the limit; so do other libraries (feature `peers`), which are not tried where they would be slow.
 
 mod advice;
 mod chain;
 mod child;
 mod figure_15;
+mod given_up;
 mod gradients;
 mod labels;
 mod linkages;
@@ -17,6 +18,7 @@ mod methods;
 mod page;
 #[cfg(feature = "peers")]
 mod peers;
+mod plan;
 mod plot;
 mod quality;
 mod run;
@@ -51,7 +53,7 @@ pub fn run(args: &BenchArgs) -> Result<ExitCode, Failure> {
         return Err(Failure::Input(names()));
     }
     if let Some(size) = &args.child {
-        return as_child(size, &families[0], &methods[0]);
+        return as_child(size, &families[0], &methods[0], args.apart);
     }
     if let Some(folder) = &args.output {
         drop(Output::new(folder)?);
@@ -83,7 +85,8 @@ fn find(methods: Vec<methods::Method>, families: &[systems::Family], args: &Benc
 fn text(found: &Found) -> String {
     let mut text = table::text(&found.samples, &found.methods);
     if !found.levels.is_empty() {
-        text += &format!("\nFigure 15\n\n{}", figure_15::text(&found.levels));
+        text += "\nFigure 15\n\n";
+        text += &figure_15::text(&found.levels);
     }
     text
 }
@@ -107,11 +110,16 @@ fn write(found: &Found, args: &BenchArgs, mut output: Output) -> Result<(), Fail
 }
 
 /// One method on one system, for the process that started this one.
-fn as_child(size: &str, family: &systems::Family, method: &methods::Method) -> Result<ExitCode, Failure> {
+fn as_child(
+    size: &str,
+    family: &systems::Family,
+    method: &methods::Method,
+    is_apart: bool,
+) -> Result<ExitCode, Failure> {
     let case = family.cases.iter().find(|case| case.size == size);
     let case = case.ok_or_else(|| Failure::Input(format!("{} has no size {size}", family.name)))?;
     let scene = case.scene().map_err(Failure::Input)?;
-    stdout::write(|out| child::answer(&scene, method, out))?;
+    stdout::write(|out| child::answer(&scene, method, is_apart, out))?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -131,5 +139,6 @@ fn command(args: &BenchArgs) -> String {
         names.iter().flat_map(|name| [" --", option, " \"", name, "\""].map(str::to_owned)).collect::<String>()
     };
     let only = named("family", &args.family) + &named("method", &args.method);
-    format!("qless bench{short}{figure_15} --runs {} --limit {}{memory}{only} -o docs", args.runs, args.limit)
+    let peers = args.peer_limit.map_or(String::new(), |limit| format!(" --peer-limit {limit}"));
+    format!("qless bench{short}{figure_15} --runs {} --limit {}{peers}{memory}{only} -o docs", args.runs, args.limit)
 }

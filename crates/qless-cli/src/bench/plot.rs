@@ -78,12 +78,13 @@ pub fn points(samples: &[Sample], methods: &[Method]) -> Vec<Point> {
     let default: BTreeMap<(&str, &str), f64> = samples
         .iter()
         .filter(|sample| sample.method == methods[0].name)
-        .filter_map(|sample| Some(((sample.family, sample.size.as_str()), sample.result?.time)))
+        .filter_map(|sample| Some(((sample.family, sample.size.as_str()), sample.measured()?.time)))
         .collect();
     let point = |method: &Method| {
         let (mut logs, mut done, mut error) = (0.0, 0, LEAST);
         for sample in samples.iter().filter(|sample| sample.method == method.name) {
-            let (Some(measured), Some(time)) = (&sample.result, default.get(&(sample.family, sample.size.as_str())))
+            let (Some(measured), Some(time)) =
+                (&sample.measured(), default.get(&(sample.family, sample.size.as_str())))
             else {
                 continue;
             };
@@ -164,7 +165,7 @@ fn trade(samples: &[Sample], methods: &[Method]) -> Drawn {
 pub fn series(samples: &[Sample], method: &str) -> (Vec<(f64, f64)>, Option<f64>) {
     let of = samples.iter().filter(|sample| sample.family == TIE && sample.method == method);
     let points: Vec<(f64, f64)> =
-        of.filter_map(|sample| Some((sample.equations as f64, 1e3 * sample.result?.time))).collect();
+        of.filter_map(|sample| Some((sample.equations as f64, 1e3 * sample.measured()?.time))).collect();
     let n = points.len() as f64;
     let mean = |f: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / n;
     let (x, y) = (mean(&|p| p.0.ln()), mean(&|p| p.1.ln()));

@@ -1,7 +1,7 @@
 //! Systems with a known rank, by family and in ascending size.
 
 use qless_scenes::families::{Near, cycle, grid_2d, ladder, near, path, planted, rve};
-use qless_scenes::fssi::{Level, mortar, tie};
+use qless_scenes::fssi::{Level, Mesh, mortar, tie};
 use qless_scenes::{Scene, SceneError};
 
 use super::linkages::{bricard, four_bar};
@@ -45,16 +45,24 @@ pub fn families(short: bool, only: &[String]) -> Vec<Family> {
 }
 
 fn table_1() -> [Family; 2] {
-    let family = |name, scene: fn(Level) -> Result<Scene, SceneError>| {
-        let case = |level: Level| Case {
-            family: name,
-            size: format!("{} %", level.percent()),
-            make: Box::new(move || Ok(scene(level)?)),
-        };
+    TABLE_1.map(|name| {
+        let case = |level: Level| coupled(name, format!("{} %", level.percent()), level.mesh());
         Family { name, cases: Level::ALL.map(case).into() }
+    })
+}
+
+/// The same model on meshes below those of the paper.
+pub fn below_table_1(family: &'static str) -> Vec<Case> {
+    let case = |equations: usize| {
+        let mesh = Mesh::with_equations(equations);
+        coupled(family, format!("{} equations", mesh.equations()), mesh)
     };
-    let [first, second] = TABLE_1;
-    [family(first, |level| tie(&level.mesh(), 1)), family(second, |level| mortar(&level.mesh(), 1))]
+    [300, 600, 1_200, 2_500, 5_000].map(case).into()
+}
+
+fn coupled(family: &'static str, size: String, mesh: Mesh) -> Case {
+    let scene: fn(&Mesh, u64) -> Result<Scene, SceneError> = if family == TIE { tie } else { mortar };
+    Case { family, size, make: Box::new(move || Ok(scene(&mesh, 1)?)) }
 }
 
 fn sized() -> [Family; 7] {

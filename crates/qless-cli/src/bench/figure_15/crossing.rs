@@ -1,5 +1,7 @@
 //! Where the times of Gauss elimination and of a QR cross, and what to say of it.
 
+use super::super::table::thousands;
+
 /// Both on one system.
 #[derive(Clone)]
 pub struct Pair {
@@ -82,17 +84,4 @@ pub fn sentence(pairs: &[Pair]) -> Option<String> {
 /// To the next hundred, which is more than two levels tell.
 fn rounded(equations: f64) -> String {
     thousands((equations / 100.0).round() as usize * 100)
-}
-
-/// `31,832`.
-pub fn thousands(number: usize) -> String {
-    let digits = number.to_string();
-    let mut out = String::new();
-    for (k, digit) in digits.chars().enumerate() {
-        if k > 0 && (digits.len() - k).is_multiple_of(3) {
-            out.push(',');
-        }
-        out.push(digit);
-    }
-    out
 }

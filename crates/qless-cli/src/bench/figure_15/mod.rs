@@ -9,6 +9,8 @@ mod crossing;
 mod paper;
 mod plot;
 mod section;
+#[cfg(test)]
+mod tests;
 mod time;
 
 pub use plot::plots;
@@ -76,12 +78,11 @@ impl Level {
 /// Backends that were measured, in order.
 fn backends(levels: &[Level]) -> Vec<&'static str> {
     let mut names: Vec<&str> = Vec::new();
-    let all = levels.iter().flat_map(|level| &level.ways).map(|way| way.backend);
-    all.for_each(|name| {
-        if !names.contains(&name) {
-            names.push(name)
+    for way in levels.iter().flat_map(|level| &level.ways) {
+        if !names.contains(&way.backend) {
+            names.push(way.backend);
         }
-    });
+    }
     names
 }
 

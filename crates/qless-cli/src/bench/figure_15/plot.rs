@@ -6,7 +6,6 @@ use plotters::coord::Shift;
 use plotters::coord::combinators::IntoLogRange;
 use plotters::prelude::*;
 
-use super::super::labels::Labels;
 use super::super::plot::{COLOURS, Drawn};
 use super::super::systems::TIE;
 use super::crossing::{Pair, crossings};
@@ -19,6 +18,9 @@ pub const FILE: &str = "figure-15.svg";
 /// What the lines are broken into, in pixels.
 const DASH: (i32, i32) = (6, 4);
 
+/// From one label to the next, in pixels.
+pub const LETTERS: i32 = 13;
+
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 /// A line of the plot: seconds against equations.
@@ -27,6 +29,12 @@ pub struct Line {
     pub points: Vec<(f64, f64)>,
     pub colour: RGBColor,
     pub is_broken: bool,
+}
+
+impl Line {
+    fn last(&self) -> (f64, f64) {
+        self.points.last().copied().unwrap_or_default()
+    }
 }
 
 /// Its name and content, if anything was measured. The error is what the plotting library says.
@@ -74,16 +82,17 @@ pub fn lines(levels: &[Level], family: &str) -> Vec<Line> {
         lines.extend([own("the paper's Gauss", |pair| pair.gauss, false), own("the paper's QR", |pair| pair.qr, true)]);
     }
     lines.retain(|line| !line.points.is_empty());
+    // From the slowest on, so that labels that must move stand in the order of their lines.
+    lines.sort_by(|a, b| b.last().1.total_cmp(&a.last().1));
     lines
 }
 
 /// Room for all points, and on the right for the labels.
 fn ranges(lines: &[Line]) -> (Range<f64>, Range<f64>) {
     let all = || lines.iter().flat_map(|line| &line.points);
-    let last = all().map(|p| p.0).fold(0.0, f64::max);
-    let low = all().map(|p| 1e3 * p.1).fold(f64::INFINITY, f64::min);
-    let high = all().map(|p| 1e3 * p.1).fold(0.0, f64::max);
-    (0.0..1.5 * last, low / 2.0..2.0 * high)
+    let low = |k: fn(&(f64, f64)) -> f64| all().map(k).fold(f64::INFINITY, f64::min);
+    let high = |k: fn(&(f64, f64)) -> f64| all().map(k).fold(0.0, f64::max);
+    (low(|p| p.0) / 1.3..high(|p| p.0) * 6.0, low(|p| 1e3 * p.1) / 2.0..high(|p| 1e3 * p.1) * 2.0)
 }
 
 fn panel(area: &Area, levels: &[Level], family: &str) -> Result<(), Box<dyn std::error::Error>> {
@@ -97,11 +106,11 @@ fn panel(area: &Area, levels: &[Level], family: &str) -> Result<(), Box<dyn std:
         .margin(12)
         .x_label_area_size(40)
         .y_label_area_size(60)
-        .build_cartesian_2d(x, y.log_scale())?;
+        .build_cartesian_2d(x.log_scale(), y.log_scale())?;
     let mut mesh = chart.configure_mesh();
-    mesh.x_desc("equations").y_desc("ms").x_labels(6).x_label_formatter(&|x| format!("{x:.0}"));
+    mesh.x_desc("equations").y_desc("ms").x_label_formatter(&|x| x.to_string());
     mesh.y_label_formatter(&|y| y.to_string()).light_line_style(WHITE).draw()?;
-    let mut labels = Labels::default();
+    let mut taken = i32::MIN / 2;
     for line in &lines {
         let points = line.points.iter().map(|&(n, time)| (n, 1e3 * time));
         let style = line.colour.stroke_width(2);
@@ -110,14 +119,21 @@ fn panel(area: &Area, levels: &[Level], family: &str) -> Result<(), Box<dyn std:
         } else {
             chart.draw_series(LineSeries::new(points.clone(), style))?;
         }
-        chart.draw_series(points.clone().map(|at| Circle::new(at, 3, line.colour.filled())))?;
-        let Some(end) = points.last() else { continue };
-        let lift = labels.place(chart.backend_coord(&end), line.label.len());
+        chart.draw_series(points.map(|at| Circle::new(at, 3, line.colour.filled())))?;
+        let (n, time) = line.last();
+        let end = (n, 1e3 * time);
+        let height = chart.backend_coord(&end).1;
+        taken = below(height, taken);
         let font = ("sans-serif", 12).into_font().color(&line.colour);
-        chart.draw_series([EmptyElement::at(end) + Text::new(line.label.clone(), (8, lift), font)])?;
+        chart.draw_series([EmptyElement::at(end) + Text::new(line.label.clone(), (8, taken - height), font)])?;
     }
     chart.draw_series(marks(levels, family).into_iter().map(|at| Cross::new(at, 6, BLACK.stroke_width(2))))?;
     Ok(())
+}
+
+/// Where the label of a line that ends at `height` stands, in pixels from the top: beside its end, or right below the label above.
+pub fn below(height: i32, above: i32) -> i32 {
+    (height - 6).max(above + LETTERS)
 }
 
 /// Where Gauss crosses a QR on the same matrix: equations and milliseconds.
