@@ -1,7 +1,7 @@
 //! `qless bench`: what speed costs in accuracy on this machine, for every choice that a user has.
 //!
 //! Every method runs on every system, in alternation and in one process; times are medians. Truth is known by construction. A method
-//! that was stopped on a smaller system of the same family is not tried on a larger one, and one that was slow runs in a process of its own,
+//! that was stopped on a smaller system of its family is not tried on a larger one, and one that was slow runs in a process of its own,
 //! which is stopped at the limit; so do other libraries (feature `peers`), which are not tried where they would be slow.
 
 mod advice;
