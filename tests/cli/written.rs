@@ -180,6 +180,9 @@ fn a_short_bench_writes_its_page_table_and_plots() {
     let default: Vec<String> = csv.lines().filter(|line| line.contains(",default,")).map(String::from).collect();
     assert!(default.len() >= 9 && default.iter().all(|line| line.contains(",right,")), "{default:?}");
     assert!(text("trade.md").contains("![Error against time](trade.svg)"));
+    assert!(text("trade.md").contains("![Times of the bare factorizations](figure-15.svg)"));
+    assert!(text("figure-15.csv").contains("tie,50 %,7580,7412,305,Gauss,C,"));
+    assert!(text("figure-15.svg").contains("Gauss, C^T"));
     for plot in ["trade.svg", "growth.svg"] {
         assert!(text(plot).starts_with("<svg") && text(plot).contains("default"), "{plot}");
     }

@@ -81,8 +81,9 @@ pub struct CleanArgs {
 }
 
 #[derive(Args)]
+#[expect(clippy::struct_excessive_bools, reason = "each is an option that stands alone")]
 pub struct BenchArgs {
-    /// Folder for the page trade.md with its plots trade.svg and growth.svg, and for trade.csv
+    /// Folder for the page trade.md with its plots trade.svg, growth.svg and figure-15.svg, and for trade.csv and figure-15.csv
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     /// The smallest systems only, in seconds
@@ -91,9 +92,15 @@ pub struct BenchArgs {
     /// Runs of each method on each system
     #[arg(long, value_name = "N", default_value = "5", value_parser = threads)]
     pub runs: NonZeroUsize,
-    /// Seconds after which a method is given up, foreseen from smaller systems of the same family
+    /// The paper's Figure 15 only: bare factorizations by Gauss elimination and by QR; else it follows tie and mortar
+    #[arg(long, conflicts_with_all = ["method", "memory"])]
+    pub figure_15: bool,
+    /// Seconds after which a method is given up; where more are foreseen from a smaller system it runs in a process of its own
     #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = seconds)]
     pub limit: f64,
+    /// The same for other libraries, which are not tried where more are foreseen [default: that of --limit]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    pub peer_limit: Option<f64>,
     /// Only these families, such as tie; may be repeated
     #[arg(long, value_name = "NAME")]
     pub family: Vec<String>,
@@ -106,6 +113,9 @@ pub struct BenchArgs {
     /// One method on the system of this size, for the program itself
     #[arg(long, hide = true, value_name = "SIZE")]
     pub child: Option<String>,
+    /// With --child: all is measured, not memory alone
+    #[arg(long, hide = true, requires = "child")]
+    pub apart: bool,
     /// No progress display
     #[arg(long, short)]
     pub quiet: bool,

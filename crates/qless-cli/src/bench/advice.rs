@@ -60,13 +60,13 @@ const ADVICE: [Advice; 9] = [
         need: "the paper's elimination on what presolve leaves",
         option: "`--backend gauss`",
         methods: &["gauss"],
-        risk: "time grows with the cube of what presolve leaves",
+        risk: "nothing bounds the fill of what presolve leaves but the memory it may have",
     },
     Advice {
         need: "the paper's elimination of the whole",
         option: "`--backend gauss --no-presolve`",
         methods: &["gauss alone"],
-        risk: "time grows with the cube of the equations",
+        risk: "nothing bounds the fill but the memory it may have",
     },
 ];
 
@@ -92,7 +92,7 @@ pub fn advice(samples: &[Sample], methods: &[Method]) -> String {
 fn compared<'a>(samples: &'a [Sample], methods: usize, name: &str) -> Vec<(f64, &'a Sample, Measured)> {
     let pairs = samples.chunks(methods).filter_map(|block| {
         let sample = block.iter().find(|sample| sample.method == name)?;
-        let (first, own) = (block[0].result?, sample.result?);
+        let (first, own) = (block[0].measured()?, sample.measured()?);
         Some((own.time / first.time, sample, own))
     });
     pairs.collect()

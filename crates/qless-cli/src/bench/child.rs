@@ -2,16 +2,17 @@
 //!
 //! The parent runs `qless bench --child SIZE --family F --method M`. The child says `ready` when the system is there, `done` after
 //! the first elimination, and then what it found, as one line of JSON (of methods that the parent runs itself the memory alone); or
-//! ends. The limit counts between the first two.
+//! why there is nothing. The limit counts between the first two.
 
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, Command, Stdio};
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
 use qless_scenes::Scene;
 use serde::de::DeserializeOwned;
 
+use super::given_up::Reason;
 use super::measure::Measured;
 use super::memory;
 use super::methods::Method;
@@ -21,21 +22,26 @@ use super::run::{once, warmed};
 /// Seconds for making the system and for judging the result.
 const AROUND: f64 = 600.0;
 
-/// What the child measures of a method that runs apart; none where it fails or takes more than `limit` seconds.
-pub fn measure(family: &str, size: &str, method: &Method, limit: f64) -> Option<Measured> {
-    ask(family, size, method, limit)
+/// What an answer opens with that says why there is none.
+const FAILED: &str = "failed: ";
+
+/// What the child measures of a method that takes at most `limit` seconds.
+pub fn measure(family: &str, size: &str, method: &Method, limit: f64) -> Result<Measured, Reason> {
+    ask(family, size, method, limit, &["--apart"])
 }
 
-/// The memory of another method; none as before.
+/// The memory of another method; none where it fails or takes longer.
 pub fn memory(family: &str, size: &str, method: &Method, limit: f64) -> Option<u64> {
-    ask::<Option<u64>>(family, size, method, limit).flatten()
+    ask::<Option<u64>>(family, size, method, limit, &[]).ok().flatten()
 }
 
-fn ask<T: DeserializeOwned>(family: &str, size: &str, method: &Method, limit: f64) -> Option<T> {
-    let mut command = Command::new(std::env::current_exe().ok()?);
-    command.args(["bench", "--child", size, "--family", family, "--method", method.name]);
+fn ask<T: DeserializeOwned>(family: &str, size: &str, method: &Method, limit: f64, more: &[&str]) -> Result<T, Reason> {
+    let failed = |error: std::io::Error| Reason::Failed(format!("its process does not start: {error}"));
+    let mut command = Command::new(std::env::current_exe().map_err(failed)?);
+    command.args(["bench", "--child", size, "--family", family, "--method", method.name]).args(more);
     command.env("OPENBLAS_NUM_THREADS", rayon::current_num_threads().to_string());
-    let mut child = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::inherit()).spawn().ok()?;
+    let mut child =
+        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::inherit()).spawn().map_err(failed)?;
     let measured = read(&mut child, limit);
     // It may have ended by itself.
     _ = child.kill();
@@ -43,12 +49,15 @@ fn ask<T: DeserializeOwned>(family: &str, size: &str, method: &Method, limit: f6
     measured
 }
 
-fn read<T: DeserializeOwned>(child: &mut Child, limit: f64) -> Option<T> {
-    let lines = lines(child)?;
-    let next = |seconds: f64| lines.recv_timeout(Duration::from_secs_f64(seconds)).ok();
-    next(AROUND).filter(|line| line == "ready")?;
-    next(limit).filter(|line| line == "done")?;
-    serde_json::from_str(&next(AROUND)?).ok()
+fn read<T: DeserializeOwned>(child: &mut Child, limit: f64) -> Result<T, Reason> {
+    let lines = lines(child).ok_or(Reason::Ended)?;
+    let next = |seconds: f64| match lines.recv_timeout(Duration::from_secs_f64(seconds)) {
+        Ok(line) => line.strip_prefix(FAILED).map_or(Ok(line.clone()), |why| Err(Reason::Failed(why.to_owned()))),
+        Err(RecvTimeoutError::Timeout) => Err(Reason::Stopped { limit: seconds }),
+        Err(RecvTimeoutError::Disconnected) => Err(Reason::Ended),
+    };
+    let (_ready, _done) = (next(AROUND)?, next(limit)?);
+    serde_json::from_str(&next(AROUND)?).map_err(|_| Reason::Ended)
 }
 
 /// The lines, as they come.
@@ -59,18 +68,35 @@ fn lines(child: &mut Child) -> Option<Receiver<String>> {
     Some(receive)
 }
 
-/// The child's side. The error is that of its standard output.
-pub fn answer(scene: &Scene, method: &Method, out: &mut dyn Write) -> std::io::Result<()> {
+/// The child's side; all is measured of a method that runs apart. The error is that of its standard output.
+pub fn answer(scene: &Scene, method: &Method, is_apart: bool, out: &mut dyn Write) -> std::io::Result<()> {
     say(out, "ready")?;
-    let start = memory::start();
-    let Some(done) = once(&scene.system, method) else { return Ok(()) };
-    let peak = memory::peak_since(start);
-    say(out, "done")?;
-    if !method.is_apart {
-        return say(out, &serde_json::to_string(&peak)?);
+    match found(scene, method, is_apart, out) {
+        Ok(json) => say(out, &json?),
+        // Words of more than one line would be several answers.
+        Err(reason) => say(out, &format!("{FAILED}{}", reason.words(None).replace('\n', " "))),
     }
-    let Some(done) = warmed(done, &scene.system, method) else { return Ok(()) };
-    say(out, &serde_json::to_string(&Measured { memory: peak, ..Reference::new(scene).judge(&done) })?)
+}
+
+/// What it says after `done`, which it says itself.
+fn found(
+    scene: &Scene,
+    method: &Method,
+    is_apart: bool,
+    out: &mut dyn Write,
+) -> Result<std::io::Result<String>, Reason> {
+    let start = memory::start();
+    let done = once(&scene.system, method)?;
+    let peak = memory::peak_since(start);
+    if let Err(error) = say(out, "done") {
+        return Ok(Err(error));
+    }
+    if !is_apart {
+        return Ok(serde_json::to_string(&peak).map_err(Into::into));
+    }
+    let done = warmed(done, &scene.system, method)?;
+    let measured = Measured { memory: peak, ..Reference::new(scene).judge(&done) };
+    Ok(serde_json::to_string(&measured).map_err(Into::into))
 }
 
 fn say(out: &mut dyn Write, line: &str) -> std::io::Result<()> {

@@ -3,7 +3,9 @@
 use qless_scenes::Scene;
 
 use super::child;
+use super::given_up::Reason;
 use super::methods::Method;
+use super::plan::{Past, Plan, limit, plan};
 use super::quality::Reference;
 use super::run::{Done, warm};
 use super::systems::{Case, Family};
@@ -16,8 +18,15 @@ pub struct Sample {
     pub equations: usize,
     pub method: &'static str,
     pub rank: usize,
+    /// The error says why the method was given up.
+    pub result: Result<Measured, String>,
+}
+
+impl Sample {
     /// None where the method was given up.
-    pub result: Option<Measured>,
+    pub fn measured(&self) -> Option<Measured> {
+        self.result.as_ref().ok().copied()
+    }
 }
 
 /// What was found, and in what time; see [`super::quality`].
@@ -38,64 +47,94 @@ pub struct Measured {
     pub memory: Option<u64>,
 }
 
+/// What is measured once only takes longer than this, or than a tenth of the limit; seconds.
+const SLOW: f64 = 5.0;
+
 /// Samples of a family. The error is a scene that cannot be made.
 pub fn measure(family: &Family, methods: &[Method], args: &BenchArgs) -> Result<Vec<Sample>, String> {
     let mut samples: Vec<Sample> = Vec::new();
-    // Time grows with the square of the equations, which is more than sparse methods need and less than dense ones.
-    let mut slowest: Vec<Option<(f64, f64)>> = vec![None; methods.len()];
+    let mut past: Vec<Option<Past>> = vec![None; methods.len()];
     for case in &family.cases {
         let scene = case.scene()?;
-        let m = scene.system.equations() as f64;
-        let is_tried = |k: usize| {
-            let foreseen = slowest[k].map_or(0.0, |(time, before)| time * (m / before).powi(2));
-            scene.system.equations() < methods[k].most && foreseen <= args.limit
-        };
-        let tried: Vec<bool> = (0..methods.len()).map(is_tried).collect();
-        let results = in_turns(case, &scene, methods, &tried, args);
+        let equations = scene.system.equations();
+        let planned = |(method, past): (&Method, &Option<Past>)| plan(method, *past, equations, limit(method, args));
+        let plans = methods.iter().zip(&past).map(planned).collect();
+        let results = in_turns(case, &scene, methods, plans, args);
         for (k, result) in results.into_iter().enumerate() {
-            slowest[k] = result.map_or(slowest[k], |result| Some((result.time, m)));
-            samples.push(sample(case, &scene, methods[k].name, result));
+            past[k] = match &result {
+                Ok(result) => Some(Past::Took { seconds: result.time, equations }),
+                Err(Reason::Stopped { .. }) => Some(Past::Stopped { equations }),
+                Err(_) => past[k],
+            };
+            samples.push(sample(case, &scene, &methods[k], result));
         }
     }
     Ok(samples)
 }
 
-fn in_turns(case: &Case, scene: &Scene, methods: &[Method], tried: &[bool], args: &BenchArgs) -> Vec<Option<Measured>> {
+/// What a method found the first time, and all its times.
+type Found = Result<(Measured, Vec<f64>), Reason>;
+
+fn in_turns(
+    case: &Case,
+    scene: &Scene,
+    methods: &[Method],
+    plans: Vec<Plan>,
+    args: &BenchArgs,
+) -> Vec<Result<Measured, Reason>> {
     let reference = Reference::new(scene);
-    let mut results: Vec<Option<(Measured, Vec<f64>)>> = methods.iter().map(|_| None).collect();
-    for round in 0..args.runs.get() {
-        for (k, method) in methods.iter().enumerate().filter(|&(k, _)| tried[k]) {
-            let is_slow = |times: &[f64]| times[0] > args.limit / 10.0;
-            if round > 0 && results[k].as_ref().is_none_or(|(_, times)| is_slow(times)) {
-                continue;
-            }
-            let measured = if method.is_apart {
-                child::measure(case.family, &case.size, method, args.limit)
-            } else {
-                let first = results[k].as_ref().map(|(first, _)| *first);
-                let judge =
-                    |done: Done| Measured { time: done.time, ..first.unwrap_or_else(|| reference.judge(&done)) };
-                warm(&scene.system, method).map(judge)
-            };
-            if let Some(measured) = measured {
-                results[k].get_or_insert((measured, Vec::new())).1.push(measured.time);
+    let mut results: Vec<Option<Found>> = methods.iter().map(|_| None).collect();
+    for _ in 0..args.runs.get() {
+        for ((method, plan), result) in methods.iter().zip(&plans).zip(&mut results) {
+            let again = turn(case, &reference, method, plan, result.as_ref(), limit(method, args));
+            match (again, &mut *result) {
+                (Some(Ok(measured)), Some(Ok((_, times)))) => times.push(measured.time),
+                (Some(first), None) => *result = Some(first.map(|measured| (measured, vec![measured.time]))),
+                _ => {}
             }
         }
     }
-    let finish = |(k, result): (usize, Option<(Measured, Vec<f64>)>)| {
-        let mut measured = result.map(|(measured, times)| summary(measured, times))?;
-        if args.memory && !methods[k].is_apart {
-            measured.memory = child::memory(case.family, &case.size, &methods[k], args.limit);
+    let finish = |((method, plan), result): ((&Method, Plan), Option<Found>)| {
+        let (measured, times) = result.unwrap_or(Err(Reason::Ended))?;
+        let mut measured = summary(measured, times);
+        if args.memory && matches!(plan, Plan::Here) {
+            measured.memory = child::memory(case.family, &case.size, method, limit(method, args));
         }
-        Some(measured)
+        Ok(measured)
     };
-    results.into_iter().enumerate().map(finish).collect()
+    methods.iter().zip(plans).zip(results).map(finish).collect()
 }
 
-fn sample(case: &Case, scene: &Scene, method: &'static str, result: Option<Measured>) -> Sample {
+/// One run; none where there is nothing to gain from another.
+fn turn(
+    case: &Case,
+    reference: &Reference,
+    method: &Method,
+    plan: &Plan,
+    before: Option<&Found>,
+    limit: f64,
+) -> Option<Result<Measured, Reason>> {
+    let first = match before {
+        Some(Ok((_, times))) if times[0] > SLOW.min(limit / 10.0) => return None,
+        Some(Err(_)) => return None,
+        Some(Ok((first, _))) => Some(*first),
+        None => None,
+    };
+    // What was found once is not judged again.
+    let judge = |done: Done| Measured { time: done.time, ..first.unwrap_or_else(|| reference.judge(&done)) };
+    Some(match plan {
+        Plan::Here => warm(&reference.scene.system, method).map(judge),
+        Plan::Apart => child::measure(case.family, &case.size, method, limit),
+        Plan::Nowhere(reason) => Err(reason.clone()),
+    })
+}
+
+fn sample(case: &Case, scene: &Scene, method: &Method, result: Result<Measured, Reason>) -> Sample {
     let equations = scene.system.equations();
     let rank = scene.truth.rank_free.unwrap_or(equations);
-    Sample { family: case.family, size: case.size.clone(), equations, method, rank, result }
+    let dense = method.is_dense.then_some((equations, scene.system.dofs() - scene.system.prescribed().len()));
+    let result = result.map_err(|reason| reason.words(dense));
+    Sample { family: case.family, size: case.size.clone(), equations, method: method.name, rank, result }
 }
 
 fn summary(measured: Measured, mut times: Vec<f64>) -> Measured {

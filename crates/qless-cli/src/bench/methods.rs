@@ -18,21 +18,23 @@ pub struct Method {
     pub engine: Engine,
     /// Whether it is drawn in the plot of times against sizes.
     pub is_drawn: bool,
-    /// Equations from which on it is known to take minutes.
-    pub most: usize,
     /// Whether it runs in a process of its own, where it can be stopped.
     pub is_apart: bool,
+    /// Whether it holds all of C, zeros too.
+    pub is_dense: bool,
 }
 
 /// No bound of the growth, for all that matters.
 const UNBOUNDED: f64 = 1e15;
 
-/// Equations of a system on which a dense method takes half a minute.
-const DENSE: usize = 7_000;
-
 impl Method {
+    /// Whether the limit for other libraries is its own.
+    pub fn is_peer(&self) -> bool {
+        !matches!(self.engine, Engine::Qless(..))
+    }
+
     fn new(name: &'static str, options: Options) -> Self {
-        Self { name, engine: Engine::Qless(options, None), is_drawn: false, most: usize::MAX, is_apart: false }
+        Self { name, engine: Engine::Qless(options, None), is_drawn: false, is_apart: false, is_dense: false }
     }
 
     fn drawn(self) -> Self {
@@ -70,7 +72,7 @@ pub fn all(only: &[String]) -> Vec<Method> {
         all.extend(Method::on("spqr alone, 1 thread", alone(BackendChoice::Spqr), 1));
     }
     all.extend([
-        Method { most: DENSE, ..Method::new("gauss alone", alone(BackendChoice::Gauss)).drawn() },
+        Method::new("gauss alone", alone(BackendChoice::Gauss)).drawn(),
         Method::new("gauss", Options { backend: BackendChoice::Gauss, ..standard.clone() }),
         Method::new("growth 2", Options { growth: 2.0, ..standard.clone() }),
         Method::new("growth unbounded", Options { growth: UNBOUNDED, ..standard.clone() }),
@@ -95,14 +97,14 @@ fn peers() -> [Method; 3] {
         name,
         engine: Engine::Peer(backend, tolerance),
         is_drawn: true,
-        most: usize::MAX,
         is_apart: true,
+        is_dense: false,
     };
     // The tolerance of the paper, section 3.2.
     let paper = 1e-5;
     [
         peer("Eigen SparseQR", Box::new(Eigen(Rule::Own)), 0.0),
         peer("Eigen SparseQR, paper's tolerance", Box::new(Eigen(Rule::Call)), paper),
-        peer("LAPACK dgeqp3", Box::new(Lapack(Rule::Own)), 0.0),
+        Method { is_dense: true, ..peer("LAPACK dgeqp3", Box::new(Lapack(Rule::Own)), 0.0) },
     ]
 }

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use super::advice::advice;
+use super::figure_15::{self, Level};
 use super::measure::Sample;
 use super::methods::Method;
 use super::plot::{GROWTH, TRADE, front, has_growth, points};
@@ -29,7 +30,7 @@ absolute 1e-5; dgeqp3 has none, max(m, n) eps abs(R_11) is taken.
 ";
 
 /// The page; `command` is what makes it again.
-pub fn markdown(samples: &[Sample], methods: &[Method], command: &str) -> String {
+pub fn markdown(samples: &[Sample], methods: &[Method], levels: &[Level], command: &str) -> String {
     let mut text = format!(
         "# The trade of speed for accuracy\n\nMade by `{command}` (qless {}) on {}, {} threads. Times are medians of the \
          whole elimination, from the validated system to T, G, g.\n\n",
@@ -38,7 +39,14 @@ pub fn markdown(samples: &[Sample], methods: &[Method], command: &str) -> String
         rayon::current_num_threads()
     );
     plots(&mut text, samples, methods);
+    if samples.is_empty() {
+        return text + &figure_15::markdown(levels);
+    }
     text += &advice(samples, methods);
+    if !levels.is_empty() {
+        text += "\n";
+        text += &figure_15::markdown(levels);
+    }
     text += COLUMNS;
     text += "\n## Every system\n";
     for block in samples.chunks(methods.len()) {

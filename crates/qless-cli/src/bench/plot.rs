@@ -5,13 +5,14 @@ use std::collections::BTreeMap;
 use plotters::coord::combinators::IntoLogRange;
 use plotters::prelude::*;
 
+use super::labels::Labels;
 use super::measure::Sample;
 use super::methods::Method;
 use super::systems::TIE;
 use super::table::verdict;
 
 /// Colours that can be told apart, in print too.
-const COLOURS: [RGBColor; 10] = [
+pub const COLOURS: [RGBColor; 10] = [
     RGBColor(31, 78, 140),
     RGBColor(217, 95, 2),
     RGBColor(27, 138, 90),
@@ -77,12 +78,13 @@ pub fn points(samples: &[Sample], methods: &[Method]) -> Vec<Point> {
     let default: BTreeMap<(&str, &str), f64> = samples
         .iter()
         .filter(|sample| sample.method == methods[0].name)
-        .filter_map(|sample| Some(((sample.family, sample.size.as_str()), sample.result?.time)))
+        .filter_map(|sample| Some(((sample.family, sample.size.as_str()), sample.measured()?.time)))
         .collect();
     let point = |method: &Method| {
         let (mut logs, mut done, mut error) = (0.0, 0, LEAST);
         for sample in samples.iter().filter(|sample| sample.method == method.name) {
-            let (Some(measured), Some(time)) = (&sample.result, default.get(&(sample.family, sample.size.as_str())))
+            let (Some(measured), Some(time)) =
+                (&sample.measured(), default.get(&(sample.family, sample.size.as_str())))
             else {
                 continue;
             };
@@ -110,7 +112,7 @@ pub fn front(points: &[Point]) -> Vec<&Point> {
     sorted
 }
 
-type Drawn = Result<String, Box<dyn std::error::Error>>;
+pub type Drawn = Result<String, Box<dyn std::error::Error>>;
 
 fn trade(samples: &[Sample], methods: &[Method]) -> Drawn {
     let points = points(samples, methods);
@@ -159,31 +161,11 @@ fn trade(samples: &[Sample], methods: &[Method]) -> Drawn {
     Ok(svg)
 }
 
-/// Where labels stand already, in pixels: left, right and height of each.
-#[derive(Default)]
-struct Labels(Vec<(i32, i32, i32)>);
-
-impl Labels {
-    /// How far from its point a label of so many letters must move up or down to meet no other.
-    fn place(&mut self, (x, y): (i32, i32), letters: usize) -> i32 {
-        const HEIGHT: i32 = 13;
-        let (left, right) = (x, x + 8 + 6 * letters as i32);
-        let is_free = |lift: &i32| {
-            let meets = |&(l, r, h): &(i32, i32, i32)| left < r && l < right && (y + lift - h).abs() < HEIGHT;
-            !self.0.iter().any(meets)
-        };
-        let lifts = (0..40).map(|k| -6 + HEIGHT * if k % 2 == 0 { k / 2 } else { -(k + 1) / 2 });
-        let lift = lifts.into_iter().find(is_free).unwrap_or(-6);
-        self.0.push((left, right, y + lift));
-        lift
-    }
-}
-
 /// Sizes and times of a method on the paper's tie, and the exponent by least squares of logarithms.
 pub fn series(samples: &[Sample], method: &str) -> (Vec<(f64, f64)>, Option<f64>) {
     let of = samples.iter().filter(|sample| sample.family == TIE && sample.method == method);
     let points: Vec<(f64, f64)> =
-        of.filter_map(|sample| Some((sample.equations as f64, 1e3 * sample.result?.time))).collect();
+        of.filter_map(|sample| Some((sample.equations as f64, 1e3 * sample.measured()?.time))).collect();
     let n = points.len() as f64;
     let mean = |f: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / n;
     let (x, y) = (mean(&|p| p.0.ln()), mean(&|p| p.1.ln()));
@@ -238,7 +220,7 @@ fn growth(samples: &[Sample], methods: &[Method]) -> Drawn {
 
 #[cfg(test)]
 mod tests {
-    use super::{Labels, Point, front};
+    use super::{Point, front};
 
     #[test]
     fn the_front_holds_what_nothing_beats() {
@@ -248,13 +230,5 @@ mod tests {
             [point("a", 1.0, 1e-3), point("b", 2.0, 1e-3), point("c", 3.0, 1e-9), point("d", 0.5, 1.0), given_up];
         assert_eq!(front(&points).iter().map(|p| p.method).collect::<Vec<_>>(), ["d", "a", "c"]);
         assert_eq!(points[4].label(), "e (6 of 7)");
-    }
-
-    #[test]
-    fn labels_do_not_meet() {
-        let mut labels = Labels::default();
-        let lifts: Vec<i32> = (0..5).map(|k| labels.place((100 + k, 100), 10)).collect();
-        assert_eq!(lifts, [-6, -19, 7, -32, 20]);
-        assert_eq!((labels.place((300, 100), 10), labels.place((100, 300), 10)), (-6, -6));
     }
 }

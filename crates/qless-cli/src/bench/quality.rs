@@ -19,7 +19,7 @@ use super::spring::{Springs, with_rows};
 
 /// A system with its truth and its solution.
 pub struct Reference<'a> {
-    scene: &'a Scene,
+    pub scene: &'a Scene,
     rank: usize,
     /// By the defaults, for those who have none of their own.
     analysis: OnceCell<Option<Analysis>>,

@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use qless::{Analysis, ConstraintSystem, Options, Reduction, analyse};
 
+use super::given_up::Reason;
 use super::methods::{Engine, Method};
 
 /// What a method made of a system.
@@ -22,12 +23,12 @@ const WARM: f64 = 0.01;
 const REPEATS: usize = 10;
 
 /// As [`once`], but with warm caches, whatever ran before: else the first method of every round would seem slow.
-pub fn warm(system: &ConstraintSystem, method: &Method) -> Option<Done> {
+pub fn warm(system: &ConstraintSystem, method: &Method) -> Result<Done, Reason> {
     warmed(once(system, method)?, system, method)
 }
 
 /// The same of a method that has run.
-pub fn warmed(mut done: Done, system: &ConstraintSystem, method: &Method) -> Option<Done> {
+pub fn warmed(mut done: Done, system: &ConstraintSystem, method: &Method) -> Result<Done, Reason> {
     let mut total = done.time;
     for repeat in 0..REPEATS {
         if total >= if repeat == 0 { SLOW } else { WARM } {
@@ -38,26 +39,26 @@ pub fn warmed(mut done: Done, system: &ConstraintSystem, method: &Method) -> Opt
         done = once(system, method)?;
         total += done.time;
     }
-    Some(done)
+    Ok(done)
 }
 
-/// None where the method fails (for want of memory).
-pub fn once(system: &ConstraintSystem, method: &Method) -> Option<Done> {
+/// The error is what the method says: mostly that memory is wanting.
+pub fn once(system: &ConstraintSystem, method: &Method) -> Result<Done, Reason> {
     match &method.engine {
         Engine::Qless(options, None) => qless(system, options),
         Engine::Qless(options, Some(pool)) => pool.install(|| qless(system, options)),
         #[cfg(feature = "peers")]
         Engine::Peer(backend, tolerance) => {
             let start = Instant::now();
-            let reduction = super::peers::eliminate::eliminate(system, backend.as_ref(), *tolerance).ok()?;
-            Some(Done { time: start.elapsed().as_secs_f64(), reduction, analysis: None })
+            let reduction = super::peers::eliminate::eliminate(system, backend.as_ref(), *tolerance)?;
+            Ok(Done { time: start.elapsed().as_secs_f64(), reduction, analysis: None })
         }
     }
 }
 
-fn qless(system: &ConstraintSystem, options: &Options) -> Option<Done> {
+fn qless(system: &ConstraintSystem, options: &Options) -> Result<Done, Reason> {
     let start = Instant::now();
-    let analysis = analyse(system, options).ok()?;
-    let reduction = analysis.reduction(system).ok()?;
-    Some(Done { time: start.elapsed().as_secs_f64(), reduction, analysis: Some(analysis) })
+    let analysis = analyse(system, options)?;
+    let reduction = analysis.reduction(system)?;
+    Ok(Done { time: start.elapsed().as_secs_f64(), reduction, analysis: Some(analysis) })
 }

@@ -1,7 +1,7 @@
 //! Systems with a known rank, by family and in ascending size.
 
 use qless_scenes::families::{Near, cycle, grid_2d, ladder, near, path, planted, rve};
-use qless_scenes::fssi::{Level, mortar, tie};
+use qless_scenes::fssi::{Level, Mesh, mortar, tie};
 use qless_scenes::{Scene, SceneError};
 
 use super::linkages::{bricard, four_bar};
@@ -30,28 +30,39 @@ impl Case {
 
 /// The family of the paper's Table 1.
 pub const TIE: &str = "tie";
+/// Both couplings of its model, on all its levels.
+pub const TABLE_1: [&str; 2] = [TIE, "mortar"];
 
 /// All families, or the smallest of each (without mortar, which is slow to make); with names, those only.
 pub fn families(short: bool, only: &[String]) -> Vec<Family> {
     let mut families: Vec<Family> = table_1().into_iter().chain(sized()).chain(extremes()).collect();
     families.retain(|family| only.is_empty() || only.iter().any(|name| name == family.name));
     if short {
-        families.retain(|family| family.name != "mortar" || !only.is_empty());
+        families.retain(|family| family.name != TABLE_1[1] || !only.is_empty());
         families.iter_mut().for_each(|family| family.cases.truncate(if family.name == TIE { 2 } else { 1 }));
     }
     families
 }
 
 fn table_1() -> [Family; 2] {
-    let family = |name, scene: fn(Level) -> Result<Scene, SceneError>| {
-        let case = |level: Level| Case {
-            family: name,
-            size: format!("{} %", level.percent()),
-            make: Box::new(move || Ok(scene(level)?)),
-        };
+    TABLE_1.map(|name| {
+        let case = |level: Level| coupled(name, format!("{} %", level.percent()), level.mesh());
         Family { name, cases: Level::ALL.map(case).into() }
+    })
+}
+
+/// The same model on meshes below those of the paper.
+pub fn below_table_1(family: &'static str) -> Vec<Case> {
+    let case = |equations: usize| {
+        let mesh = Mesh::with_equations(equations);
+        coupled(family, format!("{} equations", mesh.equations()), mesh)
     };
-    [family(TIE, |level| tie(&level.mesh(), 1)), family("mortar", |level| mortar(&level.mesh(), 1))]
+    [300, 600, 1_200, 2_500, 5_000].map(case).into()
+}
+
+fn coupled(family: &'static str, size: String, mesh: Mesh) -> Case {
+    let scene: fn(&Mesh, u64) -> Result<Scene, SceneError> = if family == TIE { tie } else { mortar };
+    Case { family, size, make: Box::new(move || Ok(scene(&mesh, 1)?)) }
 }
 
 fn sized() -> [Family; 7] {

@@ -8,7 +8,7 @@ use super::plot::series;
 use super::systems::TIE;
 
 /// Columns of the CSV file.
-pub const COLUMNS: [&str; 18] = [
+pub const COLUMNS: [&str; 19] = [
     "family",
     "size",
     "equations",
@@ -27,6 +27,7 @@ pub const COLUMNS: [&str; 18] = [
     "residual",
     "growth",
     "error",
+    "reason",
 ];
 
 /// Columns of the table for people, which [`cells`] fills; `x` is the time over that of the first method.
@@ -76,10 +77,13 @@ fn line(text: &mut String, cells: &[String; HEAD.len()]) {
 
 /// What people see of a sample; `first` is the one that times are compared with.
 pub fn cells(sample: &Sample, first: &Sample) -> [String; HEAD.len()] {
-    let Some(m) = &sample.result else {
-        let mut cells = [const { String::new() }; HEAD.len()];
-        (cells[0], cells[1]) = (sample.method.to_owned(), "given up".to_owned());
-        return cells;
+    let m = match &sample.result {
+        Ok(measured) => measured,
+        Err(reason) => {
+            let mut cells = [const { String::new() }; HEAD.len()];
+            (cells[0], cells[1]) = (sample.method.to_owned(), format!("given up: {reason}"));
+            return cells;
+        }
     };
     let or_none = |number: Option<String>| number.unwrap_or_else(|| "-".to_owned());
     let unsure = if m.ambiguous { ", unsure" } else { "" };
@@ -100,7 +104,7 @@ pub fn cells(sample: &Sample, first: &Sample) -> [String; HEAD.len()] {
 
 /// Its time over that of the first method of the table.
 fn times(measured: &Measured, first: &Sample) -> Option<f64> {
-    Some(measured.time / first.result?.time)
+    Some(measured.time / first.measured()?.time)
 }
 
 /// `method exponent` of all that are drawn, on the paper's tie; empty where there are less than two sizes.
@@ -123,9 +127,13 @@ fn csv_line(text: &mut String, sample: &Sample, first: &Sample) {
     let Sample { family, size, equations, method, rank, .. } = sample;
     // A name with a comma is quoted, as CSV has it.
     let method = if method.contains(',') { format!("\"{method}\"") } else { (*method).to_owned() };
-    let Some(m) = &sample.result else {
-        _ = writeln!(text, "{family},{size},{equations},{method},,,,,,,{rank},given up,,,,,,");
-        return;
+    let m = match &sample.result {
+        Ok(measured) => measured,
+        Err(reason) => {
+            let reason = reason.replace('"', "'");
+            _ = writeln!(text, "{family},{size},{equations},{method},,,,,,,{rank},given up,,,,,,,\"{reason}\"");
+            return;
+        }
     };
     let or_empty = |number: Option<String>| number.unwrap_or_default();
     let numbers = [
@@ -143,6 +151,20 @@ fn csv_line(text: &mut String, sample: &Sample, first: &Sample) {
         format!("{:e}", m.residual),
         m.growth.to_string(),
         or_empty(m.error.map(|error| format!("{error:e}"))),
+        String::new(),
     ];
     _ = writeln!(text, "{family},{size},{equations},{method},{}", numbers.join(","));
+}
+
+/// `31,832`.
+pub fn thousands(number: usize) -> String {
+    let digits = number.to_string();
+    let mut out = String::new();
+    for (k, digit) in digits.chars().enumerate() {
+        if k > 0 && (digits.len() - k).is_multiple_of(3) {
+            out.push(',');
+        }
+        out.push(digit);
+    }
+    out
 }

@@ -7,7 +7,8 @@ use super::{methods, page, plot, systems, table};
 fn samples(methods: &[methods::Method]) -> Vec<Sample> {
     let result = |k: usize| {
         let time = 1e-3 * (k + 1) as f64;
-        (k + 1 < methods.len()).then_some(Measured {
+        let given_up = Err("dense 9 x 9 are 0 MiB; stopped at the limit of 10 s".to_owned());
+        let measured = Measured {
             time,
             quartiles: (time / 2.0, 3.0 * time),
             rank: if k == 1 { 6 } else { 7 },
@@ -18,7 +19,8 @@ fn samples(methods: &[methods::Method]) -> Vec<Sample> {
             growth: 1.0 + k as f64,
             error: (k > 0).then_some(1e-15 * k as f64),
             memory: (k > 0).then_some((k as u64) << 20),
-        })
+        };
+        if k + 1 < methods.len() { Ok(measured) } else { given_up }
     };
     let sample = |(k, method): (usize, &methods::Method)| Sample {
         family: systems::TIE,
@@ -63,7 +65,7 @@ fn the_csv_has_every_number_under_its_name() {
             }
             None => assert_eq!(text(name), "", "{name}"),
         };
-        let m = sample.result.as_ref();
+        let m = sample.measured();
         assert_eq!((text("family"), text("size"), text("method")), ("tie", "50 %", sample.method));
         is("equations", Some(9.0));
         is("rank_true", Some(7.0));
@@ -81,6 +83,7 @@ fn the_csv_has_every_number_under_its_name() {
         assert_eq!(text("ambiguous"), m.map_or(String::new(), |m| m.ambiguous.to_string()));
         let verdict = m.map_or("given up", |m| if m.rank == 7 { "right" } else { "drops" });
         assert_eq!(text("verdict"), verdict);
+        assert_eq!(text("reason"), sample.result.as_ref().err().map_or("", |reason| reason));
     }
 }
 
@@ -88,7 +91,7 @@ fn the_csv_has_every_number_under_its_name() {
 fn the_tables_for_people_have_the_same_numbers() {
     let methods = methods::all(&[]);
     let samples = samples(&methods);
-    let (page, text) = (page::markdown(&samples, &methods, "qless bench"), table::text(&samples, &methods));
+    let (page, text) = (page::markdown(&samples, &methods, &[], "qless bench"), table::text(&samples, &methods));
     assert!(page.contains(&format!("| {} |", table::HEAD.join(" | "))));
     assert!(table::HEAD.iter().all(|head| text.contains(head)));
     let expected = [
@@ -105,7 +108,8 @@ fn the_tables_for_people_have_the_same_numbers() {
         assert!(text.lines().any(|line| plain(line) == row), "{row} is not in the text");
     }
     let last = methods[methods.len() - 1].name;
-    assert!(page.contains(&format!("| {last} | given up | ")) && text.contains("given up"));
+    let given_up = "given up: dense 9 x 9 are 0 MiB; stopped at the limit of 10 s";
+    assert!(page.contains(&format!("| {last} | {given_up} | ")) && text.contains(given_up));
 }
 
 #[test]
@@ -139,13 +143,13 @@ fn the_advice_has_the_numbers_of_its_methods() {
     // On a second system one method takes ten times as long, and another one's wrong rank is doubted.
     all.extend(again);
     let second = methods.len() + first;
-    all[second].result = all[second].result.map(|found| Measured { time: 10.0 * found.time, rank: 5, ..found });
-    let page = page::markdown(&all, &methods, "qless bench");
+    all[second].result = all[second].result.clone().map(|found| Measured { time: 10.0 * found.time, rank: 5, ..found });
+    let page = page::markdown(&all, &methods, &[], "qless bench");
     let n = (first + 1) as f64;
     let row = format!("| `--backend gauss` | {:.2}, {n:.2} to {:.2} | 1, 1, 2 |", 10.0 * n, 10.0 * n);
     assert!(page.contains(&row), "{row} is not in the page");
-    all[second].result = all[second].result.map(|found| Measured { ambiguous: true, ..found });
-    let page = page::markdown(&all, &methods, "qless bench");
+    all[second].result = all[second].result.clone().map(|found| Measured { ambiguous: true, ..found });
+    let page = page::markdown(&all, &methods, &[], "qless bench");
     assert!(page.contains(&row.replace("1, 1, 2", "0, 1, 2")));
 }
 
@@ -157,11 +161,11 @@ fn there_is_no_plot_without_data() {
     let names =
         |samples: &[Sample]| plot::all(samples, &methods).expect("drawn").iter().map(|p| p.0).collect::<Vec<_>>();
     assert_eq!(names(&samples), [plot::TRADE]);
-    let page = page::markdown(&samples, &methods, "qless bench");
+    let page = page::markdown(&samples, &methods, &[], "qless bench");
     assert!(page.contains(plot::TRADE) && !page.contains(plot::GROWTH));
-    samples.iter_mut().for_each(|sample| sample.result = None);
+    samples.iter_mut().for_each(|sample| sample.result = Err("no reason".to_owned()));
     assert!(names(&samples).is_empty());
-    assert!(!page::markdown(&samples, &methods, "qless bench").contains(".svg"));
+    assert!(!page::markdown(&samples, &methods, &[], "qless bench").contains(".svg"));
 }
 
 #[test]
