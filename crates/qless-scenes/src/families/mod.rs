@@ -42,6 +42,7 @@ mod rigid;
 mod rods;
 mod rve;
 mod shapes;
+mod sums;
 mod typed;
 mod windows;
 
