@@ -17,6 +17,7 @@
 //! | [`typed_cosines`] | 10 n x (8 n + 2) | 8 n, at distance 10^-digits from 7 n |
 //! | [`near`] | 3 blocks x 7 blocks | 3 blocks, at distance eps from 2 blocks |
 //! | [`Mortar`], [`mortar_short`] | d slave nodes + sums x d (slave + master nodes) | d slave nodes |
+//! | [`MortarSurface`] | 3 slave nodes + sums x 3 (slave + master nodes) | 3 slave nodes |
 //! | [`gradient`] | d edges x d nodes of a grid | d nodes, or nodes - 1 for d = 1 |
 //! | [`Windows`] | wide, local windows on a grid | all but the planted combinations |
 //!
@@ -36,7 +37,9 @@ mod chains;
 mod gradient;
 mod graph;
 mod mortar;
+mod mortar_surface;
 mod near;
+mod patch;
 mod planted;
 mod rigid;
 mod rods;
@@ -51,7 +54,9 @@ pub use chains::{geometric_chain, recurrence, rotations};
 pub use gradient::gradient;
 pub use graph::{cycle, grid_2d, incidence, path, random_graph};
 pub use mortar::{Degree, Mortar, Side, mortar_short};
+pub use mortar_surface::{MortarSurface, Surface};
 pub use near::{Near, near};
+pub use patch::Faces;
 pub use planted::{Planted, planted};
 pub use rigid::rbe2;
 pub use rods::typed_cosines;

@@ -12,6 +12,8 @@ mod families;
 mod fssi;
 /// Mortar ties of lines and rectangles.
 mod mortar;
+/// Mortar ties of curved surfaces.
+mod mortar_surface;
 /// The oracle against fraction-free elimination on small whole matrices.
 mod oracle;
 /// The paper's figures and equations.
