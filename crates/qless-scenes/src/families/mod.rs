@@ -18,6 +18,7 @@
 //! | [`near`] | 3 blocks x 7 blocks | 3 blocks, at distance eps from 2 blocks |
 //! | [`Mortar`], [`mortar_short`] | d slave nodes + sums x d (slave + master nodes) | d slave nodes |
 //! | [`MortarSurface`] | 3 slave nodes + sums x 3 (slave + master nodes) | 3 slave nodes |
+//! | [`PeriodicCell`] | 9 per far face's node x 3 surface nodes + 6 | all but 3 (3 n + 2), or unknown |
 //! | [`gradient`] | d edges x d nodes of a grid | d nodes, or nodes - 1 for d = 1 |
 //! | [`Windows`] | wide, local windows on a grid | all but the planted combinations |
 //!
@@ -40,6 +41,7 @@ mod mortar;
 mod mortar_surface;
 mod near;
 mod patch;
+mod periodic_cell;
 mod planted;
 mod rigid;
 mod rods;
@@ -57,6 +59,7 @@ pub use mortar::{Degree, Mortar, Side, mortar_short};
 pub use mortar_surface::{MortarSurface, Surface};
 pub use near::{Near, near};
 pub use patch::Faces;
+pub use periodic_cell::{Edges, PeriodicCell};
 pub use planted::{Planted, planted};
 pub use rigid::rbe2;
 pub use rods::typed_cosines;

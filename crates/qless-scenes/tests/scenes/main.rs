@@ -18,5 +18,7 @@ mod mortar_surface;
 mod oracle;
 /// The paper's figures and equations.
 mod paper;
+/// Periodic cells whose faces do not match.
+mod periodic_cell;
 /// Checks shared by the modules above.
 mod support;
