@@ -19,6 +19,7 @@
 //! | [`Mortar`], [`mortar_short`] | d slave nodes + sums x d (slave + master nodes) | d slave nodes |
 //! | [`MortarSurface`] | 3 slave nodes + sums x 3 (slave + master nodes) | 3 slave nodes |
 //! | [`PeriodicCell`] | 9 per far face's node x 3 surface nodes + 6 | all but 3 (3 n + 2), or unknown |
+//! | [`Linkage`] | 5 hinges + 3 balls x 6 bodies | all but 3, 1 or 0 per loop |
 //! | [`gradient`] | d edges x d nodes of a grid | d nodes, or nodes - 1 for d = 1 |
 //! | [`Windows`] | wide, local windows on a grid | all but the planted combinations |
 //!
@@ -37,6 +38,7 @@ mod band;
 mod chains;
 mod gradient;
 mod graph;
+mod linkage;
 mod mortar;
 mod mortar_surface;
 mod near;
@@ -55,6 +57,7 @@ pub use band::spotted_band;
 pub use chains::{geometric_chain, recurrence, rotations};
 pub use gradient::gradient;
 pub use graph::{cycle, grid_2d, incidence, path, random_graph};
+pub use linkage::Linkage;
 pub use mortar::{Degree, Mortar, Side, mortar_short};
 pub use mortar_surface::{MortarSurface, Surface};
 pub use near::{Near, near};

@@ -10,6 +10,8 @@ mod doubtful;
 mod families;
 /// Table 1's counts, the tie and mortar twins.
 mod fssi;
+/// Nets of hinged bodies.
+mod linkage;
 /// Mortar ties of lines and rectangles.
 mod mortar;
 /// Mortar ties of curved surfaces.
