@@ -50,7 +50,7 @@ const PER_RUNG: usize = 2;
 impl Linkage {
     /// A square net of at most so many bodies, with a rung at each body of a row: `3 n^2 - 2 n` of them.
     pub fn with_bodies(bodies: usize, balls: bool) -> Self {
-        let side = (1 + (1 + 3 * bodies).isqrt()) / 3;
+        let side = (1 + bodies.saturating_mul(3).saturating_add(1).isqrt()) / 3;
         Self { rows: side, columns: side, pitch: 1, length: 1, balls }
     }
 
@@ -60,7 +60,7 @@ impl Linkage {
     /// [`SceneError::Size`] for a number that is zero or too large, or fewer than two bodies.
     pub fn scene(&self, seed: u64) -> Result<Scene, SceneError> {
         for (what, n) in [("rows", self.rows), ("columns", self.columns), ("pitch", self.pitch)] {
-            within(what, n, 1, MOST.isqrt() / 8)?;
+            within(what, n, 1, MOST / 64)?;
         }
         within("length", self.length, 1, 1 << 20)?;
         within("the number of bodies", self.bodies(), 2, MOST / 64)?;
