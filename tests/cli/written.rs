@@ -143,6 +143,11 @@ fn a_generated_scene_has_what_its_name_promises() {
         ("equations --rhs 0", 3, 0, 1),
         ("gradient --nx 4 --ny 4 --d 2", 48, 16, 0),
         ("windows --nx 12 --ny 12", 82, 10, 0),
+        ("mortar-surface --slave 9 8 --sums 7 --surface waves", 277, 7, 0),
+        ("mortar-surface --equations 300 --slave-faces triangles --master-faces quads", 300, 0, 0),
+        ("periodic-cell --near 4 --far 6", 9 * (25 + 12 + 4), 42, 0),
+        ("linkage --bodies 100", 5 * (95 + 25), 75, 0),
+        ("linkage --rows 2 --columns 5 --pitch 4", 5 * 14, 3, 0),
     ];
     for (scene, rows, redundant, conflicting) in cases {
         let run = place.run(&format!("generate {scene} -o scene"));

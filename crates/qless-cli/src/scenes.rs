@@ -1,5 +1,6 @@
 //! The scenes of `qless generate` and their sizes.
 
+mod large;
 mod values;
 
 use std::path::PathBuf;
@@ -10,6 +11,7 @@ use qless_scenes::fssi::{self, Level, Mesh};
 use qless_scenes::paper;
 use qless_scenes::{Scene, SceneError};
 
+use large::{Cell, Net, Tie};
 use values::{Column, Coupling, Form, finite, level};
 
 /// Which scene, and where to.
@@ -138,6 +140,12 @@ pub enum SceneName {
         #[arg(long, default_value_t = 10)]
         n: usize,
     },
+    /// Periodic unit cell whose opposite faces do not match, each far node interpolated on the near face
+    PeriodicCell(Cell),
+    /// Mortar tie of two meshes of a curved surface that do not match
+    MortarSurface(Tie),
+    /// Rows of hinged bodies with rungs of two bodies between them: a plane mechanism in space
+    Linkage(Net),
     /// Triples of rows, the third the sum of the others but for eps
     Near {
         #[arg(long, default_value_t = 10)]
@@ -233,6 +241,9 @@ impl SceneName {
             Self::Ladder { rungs } => families::ladder(rungs),
             Self::Rbe2 { nodes, masters, seed } => families::rbe2(nodes, masters, seed),
             Self::Rve { n } => families::rve(n),
+            Self::PeriodicCell(ref args) => args.generate(),
+            Self::MortarSurface(ref args) => args.generate(),
+            Self::Linkage(ref args) => args.generate(),
             Self::Near { triples, eps, column } => families::near(triples, eps, column.into()),
             Self::Gradient { ref extent, d, seed } => families::gradient(extent.sides(), d, seed),
             Self::Windows { ref extent, d, window, stride, rows, combos, seed } => {

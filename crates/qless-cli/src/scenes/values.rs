@@ -1,7 +1,7 @@
 //! What the options of scenes can be.
 
 use clap::ValueEnum;
-use qless_scenes::families::Near;
+use qless_scenes::families::{Edges, Faces, Near, Surface};
 use qless_scenes::fssi::Level;
 use qless_scenes::paper::FloorInput;
 
@@ -29,6 +29,34 @@ pub enum Column {
     Own,
     /// In a DOF that all three hold
     Shared,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum FaceKind {
+    /// Bilinear, of hexahedra
+    Quads,
+    /// Linear, of tetrahedra
+    Triangles,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum Shape {
+    /// Flat
+    Plane,
+    /// 106 degrees of a cylinder
+    Cylinder,
+    /// Part of a sphere
+    Sphere,
+    /// Hills and valleys
+    Waves,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum Edging {
+    /// Nodes at the same places
+    Matching,
+    /// Each edge has its own
+    Own,
 }
 
 /// A number that is neither NaN nor infinite.
@@ -59,6 +87,35 @@ impl From<Column> for Near {
         match column {
             Column::Own => Self::Own,
             Column::Shared => Self::Shared,
+        }
+    }
+}
+
+impl From<FaceKind> for Faces {
+    fn from(kind: FaceKind) -> Self {
+        match kind {
+            FaceKind::Quads => Self::Quads,
+            FaceKind::Triangles => Self::Triangles,
+        }
+    }
+}
+
+impl From<Shape> for Surface {
+    fn from(shape: Shape) -> Self {
+        match shape {
+            Shape::Plane => Self::Plane,
+            Shape::Cylinder => Self::Cylinder,
+            Shape::Sphere => Self::Sphere,
+            Shape::Waves => Self::Waves,
+        }
+    }
+}
+
+impl From<Edging> for Edges {
+    fn from(edging: Edging) -> Self {
+        match edging {
+            Edging::Matching => Self::Matching,
+            Edging::Own => Self::Own,
         }
     }
 }

@@ -17,6 +17,9 @@
 //! | [`typed_cosines`] | 10 n x (8 n + 2) | 8 n, at distance 10^-digits from 7 n |
 //! | [`near`] | 3 blocks x 7 blocks | 3 blocks, at distance eps from 2 blocks |
 //! | [`Mortar`], [`mortar_short`] | d slave nodes + sums x d (slave + master nodes) | d slave nodes |
+//! | [`MortarSurface`] | 3 slave nodes + sums x 3 (slave + master nodes) | 3 slave nodes |
+//! | [`PeriodicCell`] | 9 per far face's node x 3 surface nodes + 6 | all but 3 (3 n + 2), or unknown |
+//! | [`Linkage`] | 5 hinges + 3 balls x 6 bodies | all but 3, 1 or 0 per loop |
 //! | [`gradient`] | d edges x d nodes of a grid | d nodes, or nodes - 1 for d = 1 |
 //! | [`Windows`] | wide, local windows on a grid | all but the planted combinations |
 //!
@@ -35,13 +38,18 @@ mod band;
 mod chains;
 mod gradient;
 mod graph;
+mod linkage;
 mod mortar;
+mod mortar_surface;
 mod near;
+mod patch;
+mod periodic_cell;
 mod planted;
 mod rigid;
 mod rods;
 mod rve;
 mod shapes;
+mod sums;
 mod typed;
 mod windows;
 
@@ -49,8 +57,12 @@ pub use band::spotted_band;
 pub use chains::{geometric_chain, recurrence, rotations};
 pub use gradient::gradient;
 pub use graph::{cycle, grid_2d, incidence, path, random_graph};
+pub use linkage::Linkage;
 pub use mortar::{Degree, Mortar, Side, mortar_short};
+pub use mortar_surface::{MortarSurface, Surface};
 pub use near::{Near, near};
+pub use patch::Faces;
+pub use periodic_cell::{Edges, PeriodicCell};
 pub use planted::{Planted, planted};
 pub use rigid::rbe2;
 pub use rods::typed_cosines;

@@ -18,6 +18,7 @@ fn scenes_have_the_same_bits_everywhere() -> Result<(), SceneError> {
     let sides = [families::Side::jittered(3, Degree::Quadratic, 1)?, families::Side::uniform(4, Degree::Linear)?];
     let [slave, master] = sides.clone();
     let face = families::Mortar::face(sides, [master, slave]);
+    let sphere = families::Surface::Sphere;
     let found = [
         digest(&fssi::tie(&mesh, 1)?),
         digest(&fssi::mortar(&mesh, 1)?),
@@ -28,6 +29,9 @@ fn scenes_have_the_same_bits_everywhere() -> Result<(), SceneError> {
         digest(&families::random_graph(50, 60, 1)?.shuffle(1)?.0),
         digest(&families::mortar_short(50)?),
         digest(&families::Mortar { components: 3, skew: true, sums: 4, ..face }.scene(1)?),
+        digest(&families::MortarSurface { sums: 4, ..families::MortarSurface::new(sphere, [7, 5], [5, 5]) }.scene(1)?),
+        digest(&families::PeriodicCell::new(4, 5, families::Edges::Own).scene(1)?),
+        digest(&families::Linkage { rows: 3, columns: 4, pitch: 1, length: 1, balls: true }.scene(1)?),
         digest(&families::geometric_chain(50, 1.01)?),
         digest(&families::spotted_band(50, 1)?),
         digest(&families::typed_twice(20, 5, 1)?),
@@ -43,6 +47,9 @@ fn scenes_have_the_same_bits_everywhere() -> Result<(), SceneError> {
         0xe2aa_238f_d710_a15b,
         0x6700_0adb_93a2_5e00,
         0xbbc7_6d40_6edc_adbe,
+        0xc0a0_a3ae_2a12_e6c3,
+        0x7184_ae1c_b39d_c1ef,
+        0xd032_85eb_cb4b_5ec2,
         0x3b30_5aba_73d8_3663,
         0x07b9_bf3e_a3d7_b1d1,
         0x3c92_9092_eefc_9737,

@@ -10,11 +10,17 @@ mod doubtful;
 mod families;
 /// Table 1's counts, the tie and mortar twins.
 mod fssi;
+/// Nets of hinged bodies.
+mod linkage;
 /// Mortar ties of lines and rectangles.
 mod mortar;
+/// Mortar ties of curved surfaces.
+mod mortar_surface;
 /// The oracle against fraction-free elimination on small whole matrices.
 mod oracle;
 /// The paper's figures and equations.
 mod paper;
+/// Periodic cells whose faces do not match.
+mod periodic_cell;
 /// Checks shared by the modules above.
 mod support;

@@ -1,10 +1,9 @@
 use faer::Mat;
-use qless::ConstraintSystem;
 use qless_scenes::families::{Degree, Mortar, Side, mortar_short};
 use qless_scenes::oracle::singular_values;
 use qless_scenes::{Component, Scene, SceneError};
 
-use crate::support::{assert_truth, assert_truth_and_generated};
+use crate::support::{assert_satisfied, assert_truth, assert_truth_and_generated};
 
 const DEGREES: [Degree; 2] = [Degree::Linear, Degree::Quadratic];
 /// Master elements per 12 slave elements: ratios from 1/12 to 10.
@@ -63,14 +62,6 @@ fn field(scene: &Scene) -> Vec<f64> {
         _ => 1.0,
     };
     scene.dofs.iter().map(|dof| value(scene.nodes[dof.node], dof.component)).collect()
-}
-
-/// `|C u| <= rounding of |C| |u|` in every row.
-fn assert_satisfied(system: &ConstraintSystem, u: &[f64]) {
-    for (i, rest) in system.matrix().times(u).into_iter().enumerate() {
-        let size: f64 = system.matrix().row(i).map(|(j, v)| (v * u[j]).abs()).sum();
-        assert!(rest.abs() <= 1e-14 * size, "row {i}: {rest:e} of {size:e}");
-    }
 }
 
 /// `D 1 = M 1`, and the same for linear fields: the patch test.

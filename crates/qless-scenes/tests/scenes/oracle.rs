@@ -1,6 +1,7 @@
 use qless::{Csr, SystemBuilder};
+use qless_scenes::families::{Edges, PeriodicCell};
 use qless_scenes::oracle::{exact_rank, singular_values};
-use qless_scenes::{Rng, SceneError, families};
+use qless_scenes::{Rng, SceneError, families, oracle};
 
 /// Rank by Bareiss' fraction-free elimination on whole numbers.
 fn bareiss(mut a: Vec<Vec<i128>>) -> usize {
@@ -105,4 +106,14 @@ fn rows_without_free_dofs_have_no_singular_values_but_zero() {
     builder.prescribe(0, 1.0);
     assert_near(&singular_values(&builder.build().expect("valid")), &[1.5]);
     assert_eq!(singular_values(&SystemBuilder::new(2).build().expect("valid")), [0.0; 0]);
+}
+
+/// 42 equal zeros of 225 values, one of which dividing and conquering takes for 2e-5 of the largest.
+#[test]
+fn many_zeros_are_zeros() -> Result<(), SceneError> {
+    let scene = PeriodicCell::new(4, 4, Edges::Matching).scene(6)?;
+    let (rank, values) = (oracle::rank_free(&scene.system), oracle::singular_values(&scene.system));
+    assert_eq!((rank, values.len()), (183, 225));
+    assert!(values[rank] < 1e-14 * values[0], "{:e}", values[rank]);
+    Ok(())
 }

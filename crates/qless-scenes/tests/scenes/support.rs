@@ -1,3 +1,4 @@
+use qless::ConstraintSystem;
 use qless_scenes::{Scene, oracle};
 
 /// Compares all that a scene's truth states with exact elimination.
@@ -18,4 +19,44 @@ pub fn assert_truth_and_generated(scene: &Scene, name: &str) {
         let dofs: Vec<usize> = generated.iter().map(|&(dof, _)| dof).collect();
         assert_eq!(oracle::generated(&scene.system), dofs, "{name}: generated boundary conditions");
     }
+}
+
+/// The rank that the truth states is where the dense singular values fall off, from above 1e-4 to rounding.
+pub fn assert_rank_by_singular_values(scene: &Scene, name: &str) {
+    let values = oracle::singular_values(&scene.system);
+    let rank = scene.truth.rank_free.unwrap_or_else(|| panic!("{name}: the rank is known"));
+    let [last, next] = [rank - 1, rank].map(|k| values.get(k).map_or(0.0, |value| value / values[0]));
+    assert!(last > 1e-4 && next < 1e-14, "{name}: rank {rank}, values {last:e} and {next:e}");
+    assert_eq!(scene.truth.redundant, Some(scene.system.equations() - rank), "{name}: redundant");
+}
+
+/// `|C u| <= rounding of |C| |u|` in every row.
+pub fn assert_satisfied(system: &ConstraintSystem, u: &[f64]) {
+    for (i, rest) in system.matrix().times(u).into_iter().enumerate() {
+        let size: f64 = system.matrix().row(i).map(|(j, v)| (v * u[j]).abs()).sum();
+        assert!(rest.abs() <= 1e-14 * size, "row {i}: {rest:e} of {size:e}");
+    }
+}
+
+/// Connected components of rows and DOFs, DOFs that occur in no row left out.
+pub fn blocks(system: &ConstraintSystem) -> usize {
+    let mut up: Vec<usize> = (0..system.dofs()).collect();
+    let mut occurs = vec![false; system.dofs()];
+    for i in 0..system.equations() {
+        let mut first = None;
+        for (j, _) in system.matrix().row(i) {
+            occurs[j] = true;
+            let (a, b) = (root(&mut up, *first.get_or_insert(j)), root(&mut up, j));
+            up[a] = b;
+        }
+    }
+    (0..system.dofs()).filter(|&j| occurs[j] && up[j] == j).count()
+}
+
+fn root(up: &mut [usize], mut j: usize) -> usize {
+    while up[j] != j {
+        up[j] = up[up[j]];
+        j = up[j];
+    }
+    j
 }

@@ -55,7 +55,7 @@ fn add_piece(sums: &mut [Vec<Entry>], (rows, row): (&Side, usize), (columns, col
 }
 
 /// Points and weights on `[0, 1]`.
-fn gauss() -> [(f64, f64); 3] {
+pub(in super::super) fn gauss() -> [(f64, f64); 3] {
     let offset = 0.5 * 0.6_f64.sqrt();
     [(0.5 - offset, 5.0 / 18.0), (0.5, 4.0 / 9.0), (0.5 + offset, 5.0 / 18.0)]
 }

@@ -7,8 +7,10 @@ mod side;
 
 use qless::SystemBuilder;
 
+use super::sums::{Terms, sum_of_two};
 use crate::error::within;
 use crate::{Component, Dof, Rng, Scene, SceneError, Truth};
+pub(super) use integrals::gauss;
 use integrals::{Band, products};
 pub use side::{Degree, Side};
 
@@ -83,8 +85,8 @@ impl Mortar {
         }
         let mut rng = Rng::new(seed);
         for k in 0..self.sums {
-            let [a, b] = two_rows(&rows, &mut rng);
-            builder.labelled_equation(format!("sum {}", k + 1), [a, b].concat(), 0.0);
+            let sum = sum_of_two(rows.len(), |i| rows[i].clone(), &mut rng);
+            builder.labelled_equation(format!("sum {}", k + 1), sum, 0.0);
         }
         let place = |j| Dof { node: j / self.components, component: Component::SPACE[j % self.components] };
         let dofs = (0..nodes.len() * self.components).map(place).collect();
@@ -100,7 +102,7 @@ impl Mortar {
     }
 
     /// All equations of the tie, for as many slave nodes.
-    fn rows(&self, slaves: usize) -> Vec<Vec<(usize, f64)>> {
+    fn rows(&self, slaves: usize) -> Vec<Terms> {
         let along = [0, 1].map(|side| products(&self.along[0], &self.along[side]));
         let across = [0, 1].map(|side| {
             self.across.as_ref().map_or_else(|| vec![vec![(0, 1.0)]], |sides| products(&sides[0], &sides[side]))
@@ -116,7 +118,7 @@ impl Mortar {
     }
 
     /// One component of an equation on nodes.
-    fn in_frame(&self, nodes: &[(usize, f64)], component: usize) -> Vec<(usize, f64)> {
+    fn in_frame(&self, nodes: &[(usize, f64)], component: usize) -> Terms {
         let third = 1.0 / 3.0;
         let axes: [[f64; 3]; 3] = match (self.skew, self.components) {
             (true, 2) => [[0.6, 0.8, 0.0], [-0.8, 0.6, 0.0], [0.0; 3]],
@@ -138,14 +140,4 @@ fn tensor<'a>(
     [i, j]: [usize; 2],
 ) -> impl Iterator<Item = (usize, f64)> + 'a {
     across[j].iter().flat_map(move |&(l, y)| along[i].iter().map(move |&(k, x)| (k + width * l, x * y)))
-}
-
-/// Two different rows that share no DOF where a few draws find some.
-fn two_rows<'a>(rows: &'a [Vec<(usize, f64)>], rng: &mut Rng) -> [&'a [(usize, f64)]; 2] {
-    let mut draw = || {
-        let pair = rng.distinct(2, rows.len());
-        [&rows[pair[0]][..], &rows[pair[1]]]
-    };
-    let apart = |[a, b]: &[&[(usize, f64)]; 2]| a.iter().all(|(j, _)| b.iter().all(|(k, _)| j != k));
-    (0..64).map(|_| draw()).find(apart).unwrap_or_else(draw)
 }

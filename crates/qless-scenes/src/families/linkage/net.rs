@@ -1,0 +1,83 @@
+//! Bodies in rows, neighbours hinged to each other, and between two rows pairs of bodies with an elbow.
+
+use super::joint::{AXES, Joint, Kind};
+use super::{Linkage, PER_RUNG};
+use crate::Rng;
+
+/// Where everything is, and what that makes redundant.
+pub(super) struct Net {
+    pub(super) centres: Vec<[f64; 3]>,
+    pub(super) joints: Vec<Joint>,
+    pub(super) redundant: usize,
+}
+
+/// Steps from one body to the next: coordinates are whole numbers of steps, so that arms are exact.
+const STEP: usize = 64;
+/// A step, but for the length of the axes, three: bodies are 1.5 long where `length` is one.
+const UNIT: f64 = 1.0 / 128.0;
+
+impl Net {
+    pub(super) fn new(linkage: &Linkage, rng: &mut Rng) -> Self {
+        let mut net = Self { centres: Vec::new(), joints: Vec::new(), redundant: 0 };
+        for row in 0..linkage.rows {
+            for column in 0..linkage.columns {
+                net.centres.push(linkage.place([column, row], [STEP / 2, 0], rng));
+                if column > 0 {
+                    let last = net.centres.len() - 1;
+                    net.join(Kind::Hinge, [last - 1, last], linkage.place([column, row], [0; 2], rng));
+                }
+            }
+        }
+        for row in 1..linkage.rows {
+            for column in (0..linkage.columns).step_by(linkage.pitch) {
+                let balls = if column > 0 && linkage.balls { rng.below(3) } else { 0 };
+                net.add_rung(linkage, [column, row - 1], balls, rng);
+            }
+        }
+        net
+    }
+
+    /// Two bodies and three joints between a body and the one above: `balls` of them let go of the plane.
+    fn add_rung(&mut self, linkage: &Linkage, [column, row]: [usize; 2], balls: usize, rng: &mut Rng) {
+        let lower = self.centres.len();
+        let ends = [row, row + 1].map(|row| column + linkage.columns * row);
+        let mut next = |along: usize, up: usize| linkage.place([column, row], [along, up], rng);
+        self.centres.extend([next(STEP * 3 / 4, STEP / 4), next(STEP * 3 / 4, STEP * 3 / 4)]);
+        let kind = |ball: bool| if ball { Kind::Ball } else { Kind::Hinge };
+        self.join(kind(balls > 1), [ends[0], lower], next(STEP / 2, 0));
+        self.join(kind(balls > 0), [lower, lower + 1], next(STEP, STEP / 2));
+        self.join(Kind::Hinge, [lower + 1, ends[1]], next(STEP / 2, STEP));
+        // The first rung of a row closes no loop.
+        self.redundant += if column > 0 { [3, 1, 0][balls] } else { 0 };
+    }
+
+    fn join(&mut self, kind: Kind, bodies: [usize; 2], at: [f64; 3]) {
+        self.joints.push(Joint { kind, bodies, at });
+    }
+}
+
+impl Linkage {
+    /// Rungs between two rows.
+    pub(super) fn rungs(&self) -> usize {
+        self.columns.div_ceil(self.pitch.max(1))
+    }
+
+    /// Number of bodies.
+    pub fn bodies(&self) -> usize {
+        self.rows * self.columns + PER_RUNG * self.rungs() * self.rows.saturating_sub(1)
+    }
+
+    /// Number of loops.
+    pub fn loops(&self) -> usize {
+        self.rows.saturating_sub(1) * self.rungs().saturating_sub(1)
+    }
+
+    /// A point of the net in space, moved a little in its plane and across: an eighth of a body each way.
+    fn place(&self, cell: [usize; 2], within: [usize; 2], rng: &mut Rng) -> [f64; 3] {
+        let mut moved = || rng.below(STEP / 4 + 1) as f64 - (STEP / 8) as f64;
+        let unit = self.length as f64 * UNIT;
+        let [along, up] = [0, 1].map(|k| unit * ((STEP * cell[k] + within[k]) as f64 + moved()));
+        let across = unit * moved();
+        std::array::from_fn(|k| along * AXES[0][k] + up * AXES[1][k] + across * AXES[2][k])
+    }
+}

@@ -1,0 +1,121 @@
+//! `sum_j D_ij a . u_j - sum_k M_ik a . v_k = 0` for the axes a of node i: ties of curved surfaces that do not match.
+
+mod frame;
+mod integrals;
+mod surface;
+
+use qless::SystemBuilder;
+
+use super::patch::{Faces, Grid};
+use super::sums::{Terms, sum_of_two};
+use crate::error::within;
+use crate::{Component, Dof, Rng, Scene, SceneError, Truth};
+use frame::frame;
+use integrals::{Row, Side};
+pub use surface::Surface;
+
+/// A tie of two meshes of a curved surface in space, u on the slave side and v on the master side.
+///
+/// `D_ij = int N_i N_j dA` and `M_ik = int N_i P_k dA` over the slave faces, by nine Gauss points per face, each with the master
+/// face over the same `(s, t)`. Both meshes are bent rows of cells; the seed moves their nodes and cuts cells in two. Equations of
+/// a node are written along its normal and two tangents, so that all are one block.
+///
+/// D is a mass matrix, symmetric and positive definite, so no equation depends on others but for the sums. Rows of `D - M` add
+/// up to zero; fields that are linear in space pass in the plane, and elsewhere but for the square of the elements' size, as
+/// the meshes lie that far apart. A master node whose faces no Gauss point meets occurs in no equation: there are some where
+/// the master side is twice as fine or finer.
+///
+/// ```
+/// use qless_scenes::families::{Faces, MortarSurface, Surface};
+/// let tie = MortarSurface::new(Surface::Sphere, [6, 5], [4, 4]);
+/// assert_eq!((tie.slave_faces, tie.master_faces), (Faces::Quads, Faces::Triangles));
+/// let scene = MortarSurface { sums: 9, ..tie }.scene(1)?;
+/// assert_eq!((scene.system.equations(), scene.system.dofs()), (3 * 7 * 6 + 9, 3 * (7 * 6 + 5 * 5)));
+/// assert_eq!(scene.truth.rank_free, Some(3 * 7 * 6));
+/// # Ok::<(), qless_scenes::SceneError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MortarSurface {
+    /// What both meshes approximate.
+    pub surface: Surface,
+    /// Cells of the slave side along s and t.
+    pub slave: [usize; 2],
+    /// Cells of the master side along s and t.
+    pub master: [usize; 2],
+    /// Faces of the slave side.
+    pub slave_faces: Faces,
+    /// Faces of the master side.
+    pub master_faces: Faces,
+    /// Redundant equations: sums of two others, of such as share no DOF where the seed finds any. Those are exact; others
+    /// are rounded.
+    pub sums: usize,
+}
+
+impl MortarSurface {
+    /// Hexahedra as slaves of tetrahedra, without sums.
+    pub fn new(surface: Surface, slave: [usize; 2], master: [usize; 2]) -> Self {
+        Self { surface, slave, master, slave_faces: Faces::Quads, master_faces: Faces::Triangles, sums: 0 }
+    }
+
+    /// [`MortarSurface::new`] with as many cells each way as make about `equations`, and two thirds of them on the master side.
+    pub fn with_equations(surface: Surface, equations: usize) -> Self {
+        let cells = (equations / 3).isqrt().max(2) - 1;
+        Self::new(surface, [cells; 2], [cells.div_ceil(3) * 2; 2])
+    }
+
+    /// m.
+    pub fn equations(&self) -> usize {
+        3 * nodes(self.slave) + self.sums
+    }
+
+    /// n.
+    pub fn dofs(&self) -> usize {
+        3 * (nodes(self.slave) + nodes(self.master))
+    }
+
+    /// The equations by slave node and axis, then the sums; the DOFs of slave nodes, then those of master nodes.
+    ///
+    /// # Errors
+    /// [`SceneError::Size`] for no cells or too many, or too many sums.
+    pub fn scene(&self, seed: u64) -> Result<Scene, SceneError> {
+        [self.slave, self.master]
+            .as_flattened()
+            .iter()
+            .try_for_each(|&n| within("cells along a side", n, 1, 1 << 12))?;
+        within("sums", self.sums, 0, super::MOST)?;
+        let mut rng = Rng::new(seed);
+        let slave = self.side(self.slave, self.slave_faces, &mut rng);
+        let master = self.side(self.master, self.master_faces, &mut rng);
+        let rows = integrals::rows(&slave, &master);
+        let frames: Vec<_> = rows.iter().map(|row| frame(row.normal)).collect();
+        let equation = |i: usize| along(&rows[i / 3], rows.len(), frames[i / 3][i % 3]);
+        let mut builder = SystemBuilder::new(self.dofs());
+        for i in 0..3 * rows.len() {
+            let axis = ["normal", "tangent 1", "tangent 2"][i % 3];
+            builder.labelled_equation(format!("tie node {}, {axis}", i / 3 + 1), equation(i), 0.0);
+        }
+        for k in 0..self.sums {
+            let sum = sum_of_two(3 * rows.len(), equation, &mut rng);
+            builder.labelled_equation(format!("sum {}", k + 1), sum, 0.0);
+        }
+        let dofs = (0..self.dofs()).map(|j| Dof { node: j / 3, component: Component::SPACE[j % 3] }).collect();
+        let truth = Truth::rank(self.equations(), 3 * rows.len()).without_generated(true);
+        Ok(Scene { system: builder.build()?, truth, nodes: [slave.space, master.space].concat(), dofs })
+    }
+
+    fn side(&self, cells: [usize; 2], faces: Faces, rng: &mut Rng) -> Side {
+        let Grid { nodes, faces } = Grid::jittered(cells, faces, rng);
+        let space = nodes.iter().map(|&place| self.surface.at(place)).collect();
+        Side { faces, square: nodes, space }
+    }
+}
+
+fn nodes([along, across]: [usize; 2]) -> usize {
+    (along + 1) * (across + 1)
+}
+
+/// An equation along an axis; master nodes come after the slaves.
+fn along(row: &Row, slaves: usize, axis: [f64; 3]) -> Terms {
+    let nodes = row.slave.iter().copied().chain(row.master.iter().map(|&(k, v)| (slaves + k, -v)));
+    nodes.flat_map(|(node, v)| (0..3).map(move |c| (3 * node + c, axis[c] * v))).filter(|term| term.1 != 0.0).collect()
+}

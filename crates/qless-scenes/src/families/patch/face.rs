@@ -1,0 +1,77 @@
+//! Functions of a face and their inverse: bilinear on `0 <= xi, eta <= 1`, linear where in addition `xi + eta <= 1`.
+
+/// Corners of a face, in order around, as numbers of nodes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in super::super) enum Face {
+    Triangle([usize; 3]),
+    Quad([usize; 4]),
+}
+
+/// Value and slopes of a function.
+type Function = [f64; 3];
+
+/// Steps of Newton's method, which takes one on a triangle and about five on a quadrilateral.
+const STEPS: usize = 30;
+/// A step below this, on a face of size one, is rounding or all that Newton's method has left to do.
+const STILL: f64 = 1e-13;
+
+impl Face {
+    pub(in super::super) fn nodes(&self) -> &[usize] {
+        match self {
+            Self::Triangle(nodes) => nodes,
+            Self::Quad(nodes) => nodes,
+        }
+    }
+
+    /// The same face by other numbers.
+    pub(in super::super) fn renumbered(&self, number: impl Fn(usize) -> usize) -> Self {
+        match self {
+            Self::Triangle(nodes) => Self::Triangle(nodes.map(number)),
+            Self::Quad(nodes) => Self::Quad(nodes.map(number)),
+        }
+    }
+
+    /// `[N_k, dN_k / dxi, dN_k / deta]` for each corner, then zeros.
+    pub(in super::super) fn functions(&self, [xi, eta]: [f64; 2]) -> [Function; 4] {
+        match self {
+            Self::Triangle(_) => [[1.0 - xi - eta, -1.0, -1.0], [xi, 1.0, 0.0], [eta, 0.0, 1.0], [0.0; 3]],
+            Self::Quad(_) => {
+                let (p, q) = (1.0 - xi, 1.0 - eta);
+                [[p * q, -q, -p], [xi * q, q, -xi], [xi * eta, eta, xi], [p * eta, -eta, p]]
+            }
+        }
+    }
+
+    /// `(xi, eta)` of a point, from its corners, by Newton's method; none where that does not settle, as far outside.
+    pub(super) fn parameters(&self, corners: &[[f64; 2]; 4], point: [f64; 2]) -> Option<[f64; 2]> {
+        // Differences first, so that faces far from the origin lose no digits.
+        let arms = corners.map(|corner| [corner[0] - point[0], corner[1] - point[1]]);
+        let mut at = [1.0 / 3.0; 2];
+        for _ in 0..STEPS {
+            let functions = self.functions(at);
+            let sum = |what: usize, axis: usize| {
+                functions.iter().zip(&arms).map(|(function, arm)| function[what] * arm[axis]).sum::<f64>()
+            };
+            let step = solve([0, 1].map(|axis| [sum(1, axis), sum(2, axis)]), [0, 1].map(|axis| -sum(0, axis)));
+            at = [at[0] + step[0], at[1] + step[1]];
+            if step.iter().all(|step| step.abs() < STILL) {
+                return Some(at);
+            }
+        }
+        None
+    }
+
+    /// How far inside the parameters are; negative outside.
+    pub(super) fn depth(&self, [xi, eta]: [f64; 2]) -> f64 {
+        match self {
+            Self::Triangle(_) => xi.min(eta).min(1.0 - xi - eta),
+            Self::Quad(_) => xi.min(1.0 - xi).min(eta).min(1.0 - eta),
+        }
+    }
+}
+
+/// Cramer's rule.
+fn solve([[a, b], [c, d]]: [[f64; 2]; 2], [p, q]: [f64; 2]) -> [f64; 2] {
+    let determinant = a * d - b * c;
+    [(p * d - b * q) / determinant, (a * q - p * c) / determinant]
+}
