@@ -1,6 +1,5 @@
 //! How sure the rank is: what was kept, what was dropped, and the gap between them.
 
-use crate::ConstraintSystem;
 use crate::basis::Kept;
 use crate::classify::Dependent;
 
@@ -53,16 +52,9 @@ impl Confidence {
 }
 
 /// Dependent equations that another tolerance might call otherwise.
-pub(crate) fn doubted<'a>(
-    dependent: &'a [Dependent],
-    system: &'a ConstraintSystem,
-) -> impl Iterator<Item = usize> + 'a {
-    let largest_rhs = system.rhs().iter().fold(0.0, |a: f64, b| a.max(b.abs()));
-    let doubtful = move |d: &&Dependent| {
-        let small = d.relative_mismatch > NO_MISMATCH && d.relative_mismatch < SMALL_MISMATCH;
-        // `0 = b` has no parts to be relative to but the other right-hand sides.
-        let empty = system.matrix().row(d.row).len() == 0;
-        d.dropped > 0.0 || small || (empty && d.mismatch != 0.0 && d.mismatch.abs() < SMALL_MISMATCH * largest_rhs)
+pub(crate) fn doubted(dependent: &[Dependent]) -> impl Iterator<Item = usize> + '_ {
+    let is_doubtful = |d: &&Dependent| {
+        d.dropped > 0.0 || (d.relative_mismatch > NO_MISMATCH && d.relative_mismatch < SMALL_MISMATCH)
     };
-    dependent.iter().filter(doubtful).map(|d| d.row)
+    dependent.iter().filter(is_doubtful).map(|d| d.row)
 }

@@ -12,7 +12,7 @@ use crate::certificate::{Because, History};
 use crate::local::Local;
 use crate::qr::{Backend, BackendError};
 use crate::scale::{Scaling, ldexp};
-use crate::sweep::{Keys, Sample, sweep};
+use crate::sweep::{Inverse, Keys, Sample, sweep};
 
 /// A sum of parts that cancels to within this, relative to the parts, is zero.
 const NOISE: f64 = 1e-11;
@@ -39,7 +39,7 @@ pub(crate) fn find(
     if fixed.is_empty() {
         return Generated::default();
     }
-    let again: HashSet<u32> = sweep(system, basis, history, scaling, keys, Sample::Second).still.into_iter().collect();
+    let again: HashSet<u32> = sweep(system, basis, history, scaling, keys, Sample::Second, Inverse::Bound).still.into_iter().collect();
     fixed.retain(|j| again.contains(j));
     let mut u = vec![0.0; system.dofs()];
     system.prescribed().iter().for_each(|&(j, value)| u[j] = value);

@@ -4,73 +4,156 @@
 //! for which `C_S^-1` is large. Its row of `C_S^-1` by one transposed solve, and that row solved for once more, are a step of
 //! inverse iteration from a start that lies in the right direction.
 
+use rayon::prelude::*;
+
 use crate::Csr;
 use crate::basis::Basis;
 use crate::certificate::History;
+use crate::classify::Dependent;
+use crate::components::Labels;
 use crate::local::Local;
 use crate::qr::sparse::Sparse;
-use crate::qr::{Backend, BackendError, norm};
+use crate::qr::{Backend, BackendError};
 use crate::scale::{Scaling, ldexp};
+use crate::sweep::{Sweep, is_harmless};
 
 /// Below this the sample is as good as what a closer look would cost.
 const ENOUGH: f64 = 64.0;
 
-/// Below this the sample says all that is worth knowing.
-const HARMLESS: f64 = 8.0;
-
-/// Estimate of the smallest singular value of what presolve kept, at most 1; `worst` is the row of the basis with the largest number
-/// of a sample, and that number.
-pub(crate) fn sigma(
-    worst: Option<(usize, f64)>,
-    system: Local,
-    basis: &Basis,
-    history: &History,
-    scaling: &Scaling,
-) -> f64 {
-    let Some((t, size)) = worst else { return 1.0 };
-    if size <= ENOUGH {
-        return 1.0 / size.max(1.0);
-    }
-    let mut row = row_of_inverse(system, basis, history, scaling, t);
-    let length = norm(&row);
-    if !(size.is_finite() && length.is_finite() && length > 0.0) {
-        return 0.0;
-    }
-    row.iter_mut().for_each(|v| *v /= length);
-    let solution = norm(&solve(row, system, basis, history, scaling));
-    // Blocks have a part in the sample only.
-    if solution.is_finite() { (1.0 / solution.max(length).max(size / 2.0)).min(1.0) } else { 0.0 }
-}
-
-/// Whether the slaves of presolve may say too little of the rows, and are few enough for a closer look.
-pub(crate) fn is_worth_a_look(worst: Option<(usize, f64)>, rank: usize) -> bool {
-    worst.is_some_and(|(_, size)| size > HARMLESS) && rank <= FEW
-}
-
-/// Rows that are factored for the sake of their singular value alone.
+/// Rows of a component that are factored for the sake of their singular value alone.
 const FEW: usize = 1000;
 
-/// The same of all independent equations by their factors.
-pub(crate) fn by_factors(
-    system: Local,
-    independent: impl Fn(usize) -> bool,
-    scaling: &Scaling,
-    memory: usize,
-) -> Result<f64, BackendError> {
-    let mut rows = Csr::empty(system.dofs());
-    for i in (0..system.equations()).filter(|&i| independent(i)) {
-        let free = system.row(i).filter(|&(j, _)| system.free()[j]);
-        rows.push_row(free.map(|(j, v)| (j, scaling.entry(i, j, v))));
+/// What is kept, in all components.
+#[derive(Clone, Copy)]
+pub(crate) struct Kept<'a> {
+    pub system: Local<'a>,
+    pub basis: &'a Basis,
+    pub history: &'a History,
+    pub scaling: &'a Scaling,
+}
+
+/// A component: its row of the basis for which `C_S^-1` is largest, and how large.
+#[derive(Clone, Copy, Default)]
+struct Worst {
+    bound: f64,
+    row: usize,
+    sample: f64,
+}
+
+impl Worst {
+    fn enter(&mut self, t: usize, bound: f64, sample: f64) {
+        self.bound = self.bound.max(bound);
+        if sample > self.sample || sample.is_nan() {
+            (self.row, self.sample) = (t, sample);
+        }
+    }
+}
+
+impl Kept<'_> {
+    /// Estimate of the smallest singular value of what presolve kept, at most 1: the least of those of the components, each of
+    /// which depends on the component alone. `row(t)` is the user's equation of row t of the basis.
+    pub fn sigma(self, swept: &Sweep, dependent: &[Dependent], row: impl Fn(usize) -> usize, memory: usize) -> f64 {
+        if swept.sample_of_inverse.is_empty() {
+            return 1.0 / swept.largest().max(1.0);
+        }
+        let labels = Labels::of(self.system);
+        let mut worst = vec![Worst::default(); labels.count];
+        let sizes = swept.bound_of_inverse.iter().zip(&swept.sample_of_inverse);
+        for (t, (&bound, &sample)) in sizes.enumerate() {
+            worst[labels.of_row[row(t)] as usize].enter(t, bound, sample);
+        }
+        let mut ranks = vec![0_usize; labels.count];
+        labels.of_row.iter().for_each(|&label| ranks[label as usize] += 1);
+        dependent.iter().for_each(|d| ranks[labels.of_row[d.row] as usize] -= 1);
+        let is_small = |k: usize| ranks[k] <= FEW;
+        let harmless = worst.iter().filter(|of| is_harmless(of.bound)).map(|of| 1.0 / of.bound.max(1.0));
+        let harmed: Vec<usize> = (0..labels.count).filter(|&k| !is_harmless(worst[k].bound)).collect();
+        let (small, large): (Vec<usize>, Vec<usize>) = harmed.into_iter().partition(|&k| is_small(k));
+        let small = self.by_factors(&small, &labels, dependent, memory);
+        let large = self.by_iteration(&large, &worst, &labels, row);
+        harmless.chain(small).chain(large).fold(1.0, f64::min)
+    }
+
+    /// Of some components by the factors of their equations; those too large for the memory are passed over.
+    fn by_factors(self, which: &[usize], labels: &Labels, dependent: &[Dependent], memory: usize) -> Vec<f64> {
+        let mut equations = vec![Vec::new(); labels.count];
+        let mut is_wanted = vec![false; labels.count];
+        which.iter().for_each(|&k| is_wanted[k] = true);
+        let mut is_dependent = vec![false; labels.of_row.len()];
+        dependent.iter().for_each(|d| is_dependent[d.row] = true);
+        for (i, &label) in labels.of_row.iter().enumerate() {
+            if is_wanted[label as usize] && !is_dependent[i] {
+                equations[label as usize].push(i);
+            }
+        }
+        let of = |&k: &usize| by_factors(self.system, &equations[k], self.scaling, memory).ok();
+        which.par_iter().filter_map(of).collect()
+    }
+
+    /// Of some components by a step of inverse iteration, all at once.
+    fn by_iteration(
+        self,
+        which: &[usize],
+        worst: &[Worst],
+        labels: &Labels,
+        row: impl Fn(usize) -> usize,
+    ) -> Vec<f64> {
+        let of = |k: usize| worst[k].sample;
+        let closer: Vec<usize> = which.iter().copied().filter(|&k| !(of(k) <= ENOUGH)).collect();
+        let near = which.iter().filter(|&&k| of(k) <= ENOUGH).map(|&k| 1.0 / of(k).max(1.0));
+        let mut out: Vec<f64> = near.collect();
+        if closer.is_empty() {
+            return out;
+        }
+        let label = |t: usize| labels.of_row[row(t)] as usize;
+        let starts: Vec<usize> = closer.iter().map(|&k| worst[k].row).collect();
+        let mut inverse = row_of_inverse(self, &starts);
+        let lengths = norms(&inverse, labels.count, label);
+        inverse.iter_mut().enumerate().for_each(|(t, v)| *v /= lengths[label(t)]);
+        let solutions = norms(&solve(self, inverse), labels.count, label);
+        // Blocks have a part in the sample only.
+        let sigma = |k: usize| {
+            let all = [of(k) / 2.0, lengths[k], solutions[k]];
+            let largest = all.into_iter().fold(0.0, f64::max);
+            if all.iter().all(|v| v.is_finite()) && lengths[k] > 0.0 { (1.0 / largest).min(1.0) } else { 0.0 }
+        };
+        out.extend(closer.into_iter().map(sigma));
+        out
+    }
+}
+
+/// 2-norms of a vector by row of the basis, part by part.
+fn norms(x: &[f64], count: usize, label: impl Fn(usize) -> usize) -> Vec<f64> {
+    let mut largest = vec![0.0_f64; count];
+    let mut sums = vec![0.0; count];
+    x.iter().enumerate().for_each(|(t, v)| largest[label(t)] = if v.is_nan() { f64::NAN } else { largest[label(t)].max(v.abs()) });
+    for (t, v) in x.iter().enumerate().filter(|(_, v)| **v != 0.0) {
+        sums[label(t)] += (v / largest[label(t)]).powi(2);
+    }
+    largest.iter().zip(sums).map(|(&largest, sum): (&f64, f64)| if largest == 0.0 { 0.0 } else { largest * sum.sqrt() }).collect()
+}
+
+/// The smallest singular value of some equations by their factors.
+fn by_factors(system: Local, equations: &[usize], scaling: &Scaling, memory: usize) -> Result<f64, BackendError> {
+    let free = |i: usize| system.row(i).filter(|&(j, _)| system.free()[j]);
+    let mut dofs: Vec<usize> = equations.iter().flat_map(|&i| free(i)).map(|(j, _)| j).collect();
+    dofs.sort_unstable();
+    dofs.dedup();
+    let mut rows = Csr::empty(dofs.len());
+    for &i in equations {
+        let place = |j: usize| dofs.binary_search(&j).unwrap_or_default();
+        rows.push_row(free(i).map(|(j, v)| (place(j), scaling.entry(i, j, v))));
     }
     // Local numbers do not ascend within rows: transposing twice sorts them.
     let factor = Sparse { memory }.factor(&rows.transpose().transpose(), &[], 0.0)?;
     Ok(factor.smallest_singular_value().0.min(1.0))
 }
 
-/// `e_s^T C_S^-1` for the slave of row t, by row of the basis; blocks left out.
-fn row_of_inverse(system: Local, basis: &Basis, history: &History, scaling: &Scaling, t: usize) -> Vec<f64> {
+/// `e_s^T C_S^-1` for the slaves of some rows, each of another component, by row of the basis; blocks left out.
+fn row_of_inverse(kept: Kept, rows: &[usize]) -> Vec<f64> {
+    let Kept { system, basis, history, scaling } = kept;
     let mut rest = vec![0.0; system.dofs()];
-    rest[basis.slave(t) as usize] = 1.0;
+    rows.iter().for_each(|&t| rest[basis.slave(t) as usize] = 1.0);
     let first = basis.peeled.len();
     let mut weights = vec![0.0; first + basis.steps()];
     for (t, weight) in weights.iter_mut().enumerate() {
@@ -92,8 +175,9 @@ fn row_of_inverse(system: Local, basis: &Basis, history: &History, scaling: &Sca
     weights
 }
 
-/// `C_S^-1 right`; the slaves of blocks stay at zero.
-fn solve(mut right: Vec<f64>, system: Local, basis: &Basis, history: &History, scaling: &Scaling) -> Vec<f64> {
+/// `C_S^-1 right`, by row of the basis; the slaves of blocks stay at zero.
+fn solve(kept: Kept, mut right: Vec<f64>) -> Vec<f64> {
+    let Kept { system, basis, history, scaling } = kept;
     let first = basis.peeled.len();
     for (t, &row) in history.steps.iter().enumerate() {
         let sum: f64 = history.factors[row as usize].iter().map(|&(step, f)| f * right[first + step as usize]).sum();
@@ -107,5 +191,5 @@ fn solve(mut right: Vec<f64>, system: Local, basis: &Basis, history: &History, s
         let sum: f64 = row.entries().map(scaled).sum();
         x[own as usize] = sum + right[t] / basis.pivot(t, &row, scaling);
     }
-    x
+    basis.slaves().iter().map(|&own| x[own as usize]).collect()
 }

@@ -39,6 +39,14 @@ const ZERO: [f64; 2] = [1e-13, 1e-8];
 /// A sample that is nearer to its limit than this factor is drawn again with numbers that depend on the component alone.
 const NEARLY: f64 = 0.1;
 
+/// Rows of `C_S^-1` up to this size are looked at no closer.
+const HARMLESS: f64 = 8.0;
+
+/// Whether a row of `C_S^-1` says all that is worth knowing.
+pub(crate) fn is_harmless(size: f64) -> bool {
+    is_at_most(size, HARMLESS)
+}
+
 /// By what random numbers are drawn: places within the component, so that they are the same whatever stands beside it, or, where
 /// nothing hangs on them, places in the whole.
 #[derive(Default)]
@@ -86,8 +94,10 @@ impl Keys {
 /// What a pass finds.
 #[derive(Default)]
 pub(crate) struct Sweep {
-    /// The row with the largest number of a sample of `C_S^-1`, and its size; C_S as in [`crate::sensitivity`].
-    pub worst: Option<(usize, f64)>,
+    /// By row, the size of the slave for right-hand sides of size 1, C_S as in [`crate::sensitivity`]: [`Inverse::Bound`] of it, ...
+    pub bound_of_inverse: Vec<f64>,
+    /// ... and, where some bound is large, a sample.
+    pub sample_of_inverse: Vec<f64>,
     /// The largest move of a slave.
     steepest: f64,
     /// Rows made by presolve that should not be relied on, for growth or for nearness to dependence.
@@ -124,6 +134,16 @@ struct State {
     w: f64,
 }
 
+/// How large `C_S^-1` is, row by row.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Inverse {
+    /// The sum of the sizes of its numbers, along all ways from slave to slave: it depends on the component alone, however numbers
+    /// are drawn.
+    Bound,
+    /// For random right-hand sides.
+    Sample,
+}
+
 /// The first or the second sample, of masters and right-hand sides. O(nnz).
 pub(crate) fn sweep(
     system: Local,
@@ -132,18 +152,22 @@ pub(crate) fn sweep(
     scaling: &Scaling,
     keys: &Keys,
     which: Sample,
+    inverse: Inverse,
 ) -> Sweep {
     let seed = SEEDS[which as usize];
     let mut states = start(system, scaling, keys, seed);
     let mut still = Vec::new();
     basis.blocks.iter().for_each(|block| enter(block, which, scaling, &mut states, &mut still));
-    let of_steps = steps(history, keys, seed);
+    let is_bound = inverse == Inverse::Bound;
+    let of_steps = if is_bound { bounds_of_steps(history) } else { steps(history, keys, seed) };
     let first = basis.peeled.len();
     let plain = scaling.col.is_empty();
+    let mut sizes = vec![0.0; basis.rows()];
     let mut out = Sweep { bounds: vec![0.0; basis.rows()], still, ..Sweep::default() };
     for t in (0..basis.rows()).rev() {
         let slave = basis.slave(t);
         let terms = basis.row(system, t);
+        let sums = if is_bound { sums::<true> } else { sums::<false> };
         let Sums { moves, size, sample, bound } = sums(terms, slave, &states, scaling);
         let moves = if moves.abs() > NOISE * size { moves } else { 0.0 };
         out.bounds[t] = bound;
@@ -152,27 +176,36 @@ pub(crate) fn sweep(
         }
         let state = &mut states[slave as usize];
         state.u = moves;
-        let right = if t < first { signed(seed, keys.row(basis.peeled[t])) } else { of_steps[t - first] };
-        state.w = apart_from_zero(sample + right / basis.pivot(t, &terms, scaling));
+        let right = match t {
+            _ if t >= first => of_steps[t - first],
+            _ if is_bound => 1.0,
+            _ => signed(seed, keys.row(basis.peeled[t])),
+        };
+        let pivot = basis.pivot(t, &terms, scaling);
+        state.w = apart_from_zero(sample + right / if is_bound { pivot.abs() } else { pivot });
+        sizes[t] = state.w.abs();
         let far = t >= first && basis.reach_of_step(t - first) > FAR;
         let moves = if plain { moves } else { ldexp(moves, -scaling.col(slave as usize)) };
         out.judge(t, state.w.abs(), moves.abs(), far);
     }
+    let of_inverse = if is_bound { &mut out.bound_of_inverse } else { &mut out.sample_of_inverse };
+    *of_inverse = sizes;
     out
 }
 
 impl Sweep {
-    /// Whether decisions may hang on how the numbers were drawn.
-    pub fn is_near_a_limit(&self) -> bool {
-        !is_at_most(self.steepest, NEARLY * STEEP)
-            || self.worst.is_some_and(|(_, most)| !is_at_most(most, NEARLY * WEAK))
+    /// Whether no number is large, so that nothing hangs on how others were drawn.
+    pub fn is_harmless(&self) -> bool {
+        is_at_most(self.steepest, NEARLY * STEEP) && self.doubtful.is_empty() && is_harmless(self.largest())
+    }
+
+    /// The largest bound of a row of `C_S^-1`.
+    pub fn largest(&self) -> f64 {
+        self.bound_of_inverse.iter().fold(0.0, |most, &size| if is_at_most(size, most) { most } else { size })
     }
 
     #[inline]
     fn judge(&mut self, t: usize, sample: f64, moves: f64, far: bool) {
-        if self.worst.is_none_or(|(_, most)| sample > most || sample.is_nan()) {
-            self.worst = Some((t, sample));
-        }
         self.steepest = if is_at_most(moves, self.steepest) { self.steepest } else { moves };
         // What is no number is no small one.
         if far || !is_at_most(sample, WEAK) || !is_at_most(moves, STEEP) {
@@ -238,7 +271,7 @@ struct Sums {
 }
 
 #[inline]
-fn sums(terms: Row, slave: u32, states: &[State], scaling: &Scaling) -> Sums {
+fn sums<const SIZES: bool>(terms: Row, slave: u32, states: &[State], scaling: &Scaling) -> Sums {
     let plain = scaling.col.is_empty();
     let own = scaling.col(slave as usize);
     let (mut moves, mut size, mut sample, mut bound, mut of_slaves) = (0.0, 0.0_f64, 0.0, 0.0_f64, 0.0);
@@ -247,7 +280,8 @@ fn sums(terms: Row, slave: u32, states: &[State], scaling: &Scaling) -> Sums {
         let part = v * u;
         moves += part;
         size = size.max(part.abs());
-        sample += w * if plain { v } else { ldexp(v, scaling.col(j as usize) - own) };
+        let scaled = if plain { v } else { ldexp(v, scaling.col(j as usize) - own) };
+        sample += if SIZES { (w * scaled).abs() } else { w * scaled };
         bound = bound.max(v.abs());
         of_slaves += w.abs();
     }
@@ -262,6 +296,16 @@ fn steps(history: &History, keys: &Keys, seed: u64) -> Vec<f64> {
         right.push(after(own, &history.factors[row as usize], &right));
     }
     right
+}
+
+/// The sizes of the rows of `L^-1`, by step.
+fn bounds_of_steps(history: &History) -> Vec<f64> {
+    let mut bounds: Vec<f64> = Vec::with_capacity(history.steps.len());
+    for &row in &history.steps {
+        let parts = history.factors[row as usize].iter().map(|&(step, factor)| factor.abs() * bounds[step as usize]);
+        bounds.push(parts.fold(1.0, |sum, part| sum + part));
+    }
+    bounds
 }
 
 /// A right-hand side after the steps that were subtracted from its row.

@@ -14,7 +14,7 @@ use crate::local::{Column, Exponents, Local, Numbering};
 use crate::preferences::Wishes;
 use crate::rounding;
 use crate::scale::{Scaling, Spread, Spreads, balanced, by_rows};
-use crate::sweep::{Sample, sweep};
+use crate::sweep::{Inverse, Sample, sweep};
 use crate::{ConstraintSystem, Options, Tolerance};
 
 /// Diagnoses `C u = b`: rank, dependent equations, generated boundary conditions.
@@ -62,7 +62,7 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
         uncertain: &uncertain,
         means: Means::new(backend.as_ref(), options),
     };
-    let settle = |scaling: &Scaling| Run { scaling, ..run }.settle(system, options.presolve, start);
+    let settle = |scaling: &Scaling| Run { scaling, ..run }.settle(options.presolve, start);
     let (scaling, settled) = match spreads {
         None => (rows.clone(), settle(&rows)?),
         Some(spreads) => surest(&rows, &spreads, settle, |which| balanced(local, &exponents, &rows, which))?,
@@ -77,7 +77,7 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
         run.local = numbering.view(system, &rhs);
         let agreeing = run.stages(&held, start)?;
         (stages.basis, stages.blocks) = (agreeing.basis, agreeing.blocks);
-        stages.swept = sweep(local, &stages.basis, &agreeing.history, &scaling, &stages.keys, Sample::First);
+        stages.swept = sweep(local, &stages.basis, &agreeing.history, &scaling, &stages.keys, Sample::First, Inverse::Bound);
     }
     let still = std::mem::take(&mut stages.swept.still);
     let generated = generated::find(still, local, &stages.basis, &stages.history, &scaling, &stages.keys);

@@ -11,7 +11,7 @@ use crate::basis::Basis;
 use crate::block::{self, Block, Diagnosed, Means};
 use crate::certificate::History;
 use crate::classify::{Dependent, Kind, classify};
-use crate::components::Labels;
+use crate::components::{Labels, components};
 use crate::confidence::{self, Confidence};
 use crate::generated::Generated;
 use crate::local::{Column, Local, Numbering};
@@ -22,8 +22,8 @@ use crate::presolve::peel::{Peeled, peel};
 use crate::qr::{Backend, BackendError};
 use crate::scale::Scaling;
 use crate::sensitivity;
-use crate::sweep::{Keys, Sample, Sweep, is_far, random_sides, sweep};
-use crate::{ConstraintSystem, Options};
+use crate::sweep::{Inverse, Keys, Sample, Sweep, is_far, random_sides, sweep};
+use crate::Options;
 
 /// Stages that presolve's doubts have been taken from.
 pub struct Settled {
@@ -69,7 +69,6 @@ impl Run<'_> {
     /// rows held back from presolve.
     pub fn settle(
         &self,
-        system: &ConstraintSystem,
         presolve: bool,
         started: Instant,
     ) -> Result<Settled, AnalysisError> {
@@ -77,8 +76,8 @@ impl Run<'_> {
         let first = self.swept(&held, started)?;
         let doubtful = if presolve && self.means.check { first.doubtful_rows() } else { Vec::new() };
         if doubtful.is_empty() {
-            let doubted = if presolve { Vec::new() } else { self.second_opinion(&first, system, started)? };
-            return Ok(self.settled(first, held, doubted, system));
+            let doubted = if presolve { Vec::new() } else { self.second_opinion(&first, started)? };
+            return Ok(self.settled(first, held, doubted));
         }
         let labels = Labels::of(self.local);
         labels.mark(&doubtful, &mut held);
@@ -93,18 +92,18 @@ impl Run<'_> {
                 let lost = first.lost_by(&labels, self.means.tolerance);
                 let back: Vec<bool> = (0..labels.count).map(|k| parted[k] && !lost[k]).collect();
                 if !back.contains(&true) {
-                    return Ok(self.settled(second, held, doubted, system));
+                    return Ok(self.settled(second, held, doubted));
                 }
                 // No nearer to dependence than the tolerance, as far as presolve can tell: its rank stands.
                 let of_row = held.iter_mut().zip(&labels.of_row);
                 of_row.for_each(|(held, &label)| *held &= !back[label as usize]);
                 let third = self.swept(&held, started)?;
-                Ok(self.settled(third, held, doubted, system))
+                Ok(self.settled(third, held, doubted))
             }
             // Too large for the backend: presolve's answer, in doubt.
             Err(AnalysisError::Backend(BackendError::OverLimit { .. } | BackendError::OutOfMemory { .. })) => {
                 held.fill(false);
-                Ok(self.settled(first, held, doubtful, system))
+                Ok(self.settled(first, held, doubtful))
             }
             Err(error) => Err(error),
         }
@@ -115,14 +114,13 @@ impl Run<'_> {
     fn second_opinion(
         &self,
         first: &Stages,
-        system: &ConstraintSystem,
         started: Instant,
     ) -> Result<Vec<usize>, AnalysisError> {
         if !self.means.check || first.dependent.is_empty() {
             return Ok(Vec::new());
         }
         let labels = Labels::of(self.local);
-        let (own, other) = (first.dependent_by(&labels), self.settle(system, true, started)?);
+        let (own, other) = (first.dependent_by(&labels), self.settle(true, started)?);
         let theirs = other.stages.dependent_by(&labels);
         let parted = first.dependent.iter().map(|d| d.row).filter(|&i| {
             let label = labels.of_row[i] as usize;
@@ -134,27 +132,27 @@ impl Run<'_> {
 
     fn swept(&self, held: &[bool], started: Instant) -> Result<Stages, AnalysisError> {
         let mut stages = self.stages(held, started)?;
-        let sweep = |s: &Stages| sweep(self.local, &s.basis, &s.history, self.scaling, &s.keys, Sample::First);
-        stages.swept = sweep(&stages);
-        if !stages.keys.are_within() && stages.swept.is_near_a_limit() {
-            stages.keys = Keys::within(&Labels::of(self.local), self.local);
-            stages.swept = sweep(&stages);
+        let sweep =
+            |s: &Stages, how| sweep(self.local, &s.basis, &s.history, self.scaling, &s.keys, Sample::First, how);
+        stages.swept = sweep(&stages, Inverse::Bound);
+        if !stages.swept.is_harmless() {
+            if !stages.keys.are_within() {
+                stages.keys = Keys::within(&Labels::of(self.local), self.local);
+            }
+            let bound_of_inverse = std::mem::take(&mut stages.swept.bound_of_inverse);
+            stages.swept = sweep(&stages, Inverse::Sample);
+            stages.swept.bound_of_inverse = bound_of_inverse;
         }
         Ok(stages)
     }
 
     /// `doubted` are equations on which two ways parted.
-    fn settled(&self, stages: Stages, held: Vec<bool>, mut doubted: Vec<usize>, system: &ConstraintSystem) -> Settled {
+    fn settled(&self, stages: Stages, held: Vec<bool>, mut doubted: Vec<usize>) -> Settled {
         let Stages { basis, history, dependent, swept, .. } = &stages;
-        let worst = swept.worst.filter(|_| self.means.check);
-        let mut sigma = sensitivity::sigma(worst, self.local, basis, history, self.scaling);
-        if sensitivity::is_worth_a_look(worst, basis.rank()) {
-            let mut is_dependent = vec![false; self.local.equations()];
-            dependent.iter().for_each(|d| is_dependent[d.row] = true);
-            let found = sensitivity::by_factors(self.local, |i| !is_dependent[i], self.scaling, self.means.memory());
-            sigma = found.unwrap_or(sigma);
-        }
-        doubted.extend(confidence::doubted(dependent, system));
+        let row = |t: usize| stages.users_row(t);
+        let kept = sensitivity::Kept { system: self.local, basis, history, scaling: self.scaling };
+        let sigma = if self.means.check { kept.sigma(swept, dependent, row, self.means.memory()) } else { 1.0 };
+        doubted.extend(confidence::doubted(dependent));
         let near = basis.blocks.iter().filter(|block| !block.nearness.is_sound());
         doubted.extend(near.filter_map(|block| block.rows.first()).map(|&row| history.rows[row as usize] as usize));
         let confidence = Confidence::new(&basis.blocks, sigma, dependent, &doubted);
@@ -164,9 +162,12 @@ impl Run<'_> {
     pub fn stages(&self, held: &[bool], started: Instant) -> Result<Stages, AnalysisError> {
         let Self { local, columns, scaling, wishes, uncertain, means } = *self;
         let peeled = peel(local, columns, scaling, wishes, Some(held));
-        let gathered =
-            gather(local, &peeled.remaining, scaling, uncertain).map_err(|row| AnalysisError::Range { row: row.0 })?;
-        let eliminated = eliminate(gathered, means.tolerance, held);
+        let remaining = (0..local.equations() as u32).filter(|&i| peeled.remaining[i as usize]).collect();
+        let part = |names: Vec<u32>| {
+            gather(local, names, scaling, uncertain).map(|gathered| eliminate(gathered, means.tolerance, held))
+        };
+        let parts: Result<Vec<Eliminated>, _> = groups(local, remaining).into_par_iter().map(part).collect();
+        let eliminated = Eliminated::join(parts.map_err(|row| AnalysisError::Range { row: row.0 })?);
         let presolved = Instant::now();
         let parts = eliminated.components(local.free());
         let keys = if parts.is_empty() { Keys::default() } else { Keys::within(&Labels::of(local), local) };
@@ -204,6 +205,31 @@ impl Run<'_> {
             factored,
         })
     }
+}
+
+/// Fewer rows than this are not worth a thread of their own.
+const WORTH_A_GROUP: usize = 1 << 14;
+/// Most groups: each looks at all DOFs once.
+const MOST_GROUPS: usize = 16;
+
+/// Rows in groups that share no free DOF, for threads of their own: whole components, in order.
+fn groups(local: Local, rows: Vec<u32>) -> Vec<Vec<u32>> {
+    let count = (rows.len() / WORTH_A_GROUP).min(MOST_GROUPS);
+    if count < 2 {
+        return vec![rows];
+    }
+    let free = |i: u32| local.parts(i as usize).0.iter().copied().filter(|&j| local.free()[j as usize]);
+    let each = rows.len().div_ceil(count);
+    let mut groups: Vec<Vec<u32>> = vec![Vec::new()];
+    for part in components(&rows, local.dofs(), free) {
+        if groups.last().is_some_and(|group| group.len() >= each) {
+            groups.push(Vec::new());
+        }
+        groups.last_mut().into_iter().for_each(|group| group.extend(&part));
+    }
+    // Rows of a group are taken in their own order, whatever their components.
+    groups.iter_mut().for_each(|group| group.sort_unstable());
+    groups
 }
 
 impl Settled {

@@ -124,6 +124,38 @@ pub(crate) struct Eliminated {
 }
 
 impl Eliminated {
+    /// Of groups of rows that share no free DOF, together: rows by the user's number, as if they had been eliminated at once.
+    pub fn join(mut groups: Vec<Self>) -> Self {
+        if groups.len() < 2 {
+            return groups.pop().unwrap_or_default();
+        }
+        let mut order: Vec<(u32, usize, usize)> = Vec::new();
+        for (g, group) in groups.iter().enumerate() {
+            order.extend(group.names.iter().enumerate().map(|(i, &name)| (name, g, i)));
+        }
+        order.sort_unstable();
+        let mut number: Vec<Vec<u32>> = groups.iter().map(|group| vec![0; group.names.len()]).collect();
+        order.iter().zip(0..).for_each(|(&(_, g, i), k)| number[g][i] = k);
+        let mut first = vec![0_u32];
+        groups.iter().for_each(|group| first.push(first[first.len() - 1] + group.steps.len() as u32));
+        let mut all = Self::default();
+        for &(name, g, i) in &order {
+            all.names.push(name);
+            let mut factors = std::mem::take(&mut groups[g].factors[i]);
+            factors.iter_mut().for_each(|(step, _)| *step += first[g]);
+            all.factors.push(factors);
+            all.rows.push(std::mem::take(&mut groups[g].rows[i]));
+        }
+        for (group, number) in groups.into_iter().zip(&number) {
+            let renamed = |row: u32| number[row as usize];
+            all.steps.extend(group.steps.into_iter().map(|step| Step { row: renamed(step.row), ..step }));
+            all.dead.extend(group.dead.into_iter().map(|dead| Dead { row: renamed(dead.row), ..dead }));
+            all.core.extend(group.core.into_iter().map(renamed));
+        }
+        all.core.sort_unstable();
+        all
+    }
+
     /// The rows of the core that are connected, part by part; `is_free` by the DOFs of the result.
     pub fn components(&self, is_free: &[bool]) -> Vec<Vec<u32>> {
         let free = |i: u32| self.rows[i as usize].entries.iter().map(|e| e.dof).filter(|&j| is_free[j as usize]);

@@ -22,11 +22,10 @@ pub(crate) struct OutOfRange(pub usize);
 
 pub(crate) fn gather(
     system: Local,
-    remaining: &[bool],
+    names: Vec<u32>,
     scaling: &Scaling,
     uncertain: &HashSet<(u32, u32)>,
 ) -> Result<Gathered, OutOfRange> {
-    let names: Vec<u32> = (0..system.equations() as u32).filter(|&i| remaining[i as usize]).collect();
     let mut out = Gathered { dofs: Vec::new(), free: Vec::new(), rows: Vec::with_capacity(names.len()), names };
     if out.names.is_empty() {
         return Ok(out);
