@@ -53,8 +53,7 @@ impl Confidence {
 
 /// Dependent equations that another tolerance might call otherwise.
 pub(crate) fn doubted(dependent: &[Dependent]) -> impl Iterator<Item = usize> + '_ {
-    let is_doubtful = |d: &&Dependent| {
-        d.dropped > 0.0 || (d.relative_mismatch > NO_MISMATCH && d.relative_mismatch < SMALL_MISMATCH)
-    };
+    let is_doubtful =
+        |d: &&Dependent| d.dropped > 0.0 || (d.relative_mismatch > NO_MISMATCH && d.relative_mismatch < SMALL_MISMATCH);
     dependent.iter().filter(is_doubtful).map(|d| d.row)
 }

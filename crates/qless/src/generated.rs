@@ -39,7 +39,8 @@ pub(crate) fn find(
     if fixed.is_empty() {
         return Generated::default();
     }
-    let again: HashSet<u32> = sweep(system, basis, history, scaling, keys, Sample::Second, Inverse::Bound).still.into_iter().collect();
+    let again: HashSet<u32> =
+        sweep(system, basis, history, scaling, keys, Sample::Second, Inverse::Bound).still.into_iter().collect();
     fixed.retain(|j| again.contains(j));
     let mut u = vec![0.0; system.dofs()];
     system.prescribed().iter().for_each(|&(j, value)| u[j] = value);

@@ -91,13 +91,7 @@ impl Kept<'_> {
     }
 
     /// Of some components by a step of inverse iteration, all at once.
-    fn by_iteration(
-        self,
-        which: &[usize],
-        worst: &[Worst],
-        labels: &Labels,
-        row: impl Fn(usize) -> usize,
-    ) -> Vec<f64> {
+    fn by_iteration(self, which: &[usize], worst: &[Worst], labels: &Labels, row: impl Fn(usize) -> usize) -> Vec<f64> {
         let of = |k: usize| worst[k].sample;
         let closer: Vec<usize> = which.iter().copied().filter(|&k| !(of(k) <= ENOUGH)).collect();
         let near = which.iter().filter(|&&k| of(k) <= ENOUGH).map(|&k| 1.0 / of(k).max(1.0));
@@ -126,11 +120,17 @@ impl Kept<'_> {
 fn norms(x: &[f64], count: usize, label: impl Fn(usize) -> usize) -> Vec<f64> {
     let mut largest = vec![0.0_f64; count];
     let mut sums = vec![0.0; count];
-    x.iter().enumerate().for_each(|(t, v)| largest[label(t)] = if v.is_nan() { f64::NAN } else { largest[label(t)].max(v.abs()) });
+    x.iter()
+        .enumerate()
+        .for_each(|(t, v)| largest[label(t)] = if v.is_nan() { f64::NAN } else { largest[label(t)].max(v.abs()) });
     for (t, v) in x.iter().enumerate().filter(|(_, v)| **v != 0.0) {
         sums[label(t)] += (v / largest[label(t)]).powi(2);
     }
-    largest.iter().zip(sums).map(|(&largest, sum): (&f64, f64)| if largest == 0.0 { 0.0 } else { largest * sum.sqrt() }).collect()
+    largest
+        .iter()
+        .zip(sums)
+        .map(|(&largest, sum): (&f64, f64)| if largest == 0.0 { 0.0 } else { largest * sum.sqrt() })
+        .collect()
 }
 
 /// The smallest singular value of some equations by their factors.

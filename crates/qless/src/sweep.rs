@@ -154,43 +154,62 @@ pub(crate) fn sweep(
     which: Sample,
     inverse: Inverse,
 ) -> Sweep {
-    let seed = SEEDS[which as usize];
-    let mut states = start(system, scaling, keys, seed);
-    let mut still = Vec::new();
-    basis.blocks.iter().for_each(|block| enter(block, which, scaling, &mut states, &mut still));
-    let is_bound = inverse == Inverse::Bound;
-    let of_steps = if is_bound { bounds_of_steps(history) } else { steps(history, keys, seed) };
-    let first = basis.peeled.len();
-    let plain = scaling.col.is_empty();
-    let mut sizes = vec![0.0; basis.rows()];
-    let mut out = Sweep { bounds: vec![0.0; basis.rows()], still, ..Sweep::default() };
-    for t in (0..basis.rows()).rev() {
-        let slave = basis.slave(t);
-        let terms = basis.row(system, t);
-        let sums = if is_bound { sums::<true> } else { sums::<false> };
-        let Sums { moves, size, sample, bound } = sums(terms, slave, &states, scaling);
-        let moves = if moves.abs() > NOISE * size { moves } else { 0.0 };
-        out.bounds[t] = bound;
-        if moves == 0.0 {
-            out.still.push(slave);
-        }
-        let state = &mut states[slave as usize];
-        state.u = moves;
-        let right = match t {
-            _ if t >= first => of_steps[t - first],
-            _ if is_bound => 1.0,
-            _ => signed(seed, keys.row(basis.peeled[t])),
-        };
-        let pivot = basis.pivot(t, &terms, scaling);
-        state.w = apart_from_zero(sample + right / if is_bound { pivot.abs() } else { pivot });
-        sizes[t] = state.w.abs();
-        let far = t >= first && basis.reach_of_step(t - first) > FAR;
-        let moves = if plain { moves } else { ldexp(moves, -scaling.col(slave as usize)) };
-        out.judge(t, state.w.abs(), moves.abs(), far);
+    let pass = Pass { system, basis, history, scaling, keys, which };
+    match inverse {
+        Inverse::Bound => pass.run::<true>(),
+        Inverse::Sample => pass.run::<false>(),
     }
-    let of_inverse = if is_bound { &mut out.bound_of_inverse } else { &mut out.sample_of_inverse };
-    *of_inverse = sizes;
-    out
+}
+
+/// What a pass needs.
+struct Pass<'a> {
+    system: Local<'a>,
+    basis: &'a Basis,
+    history: &'a History,
+    scaling: &'a Scaling,
+    keys: &'a Keys,
+    which: Sample,
+}
+
+impl Pass<'_> {
+    fn run<const BOUND: bool>(&self) -> Sweep {
+        let Self { system, basis, history, scaling, keys, which } = *self;
+        let seed = SEEDS[which as usize];
+        let mut states = start(system, scaling, keys, seed);
+        let mut still = Vec::new();
+        basis.blocks.iter().for_each(|block| enter(block, which, scaling, &mut states, &mut still));
+        let of_steps = if BOUND { bounds_of_steps(history) } else { steps(history, keys, seed) };
+        let first = basis.peeled.len();
+        let plain = scaling.col.is_empty();
+        let mut sizes = vec![0.0; basis.rows()];
+        let mut out = Sweep { bounds: vec![0.0; basis.rows()], still, ..Sweep::default() };
+        for t in (0..basis.rows()).rev() {
+            let slave = basis.slave(t);
+            let terms = basis.row(system, t);
+            let Sums { moves, size, sample, bound } = sums::<BOUND>(terms, slave, &states, scaling);
+            let moves = if moves.abs() > NOISE * size { moves } else { 0.0 };
+            out.bounds[t] = bound;
+            if moves == 0.0 {
+                out.still.push(slave);
+            }
+            let state = &mut states[slave as usize];
+            state.u = moves;
+            let right = match t {
+                _ if t >= first => of_steps[t - first],
+                _ if BOUND => 1.0,
+                _ => signed(seed, keys.row(basis.peeled[t])),
+            };
+            let pivot = basis.pivot(t, &terms, scaling);
+            state.w = apart_from_zero(sample + right / if BOUND { pivot.abs() } else { pivot });
+            sizes[t] = state.w.abs();
+            let far = t >= first && basis.reach_of_step(t - first) > FAR;
+            let moves = if plain { moves } else { ldexp(moves, -scaling.col(slave as usize)) };
+            out.judge(t, state.w.abs(), moves.abs(), far);
+        }
+        let of_inverse = if BOUND { &mut out.bound_of_inverse } else { &mut out.sample_of_inverse };
+        *of_inverse = sizes;
+        out
+    }
 }
 
 impl Sweep {
@@ -270,7 +289,8 @@ struct Sums {
     bound: f64,
 }
 
-#[inline]
+#[expect(clippy::inline_always, reason = "out of line it was a twentieth of the profile of an elimination")]
+#[inline(always)]
 fn sums<const SIZES: bool>(terms: Row, slave: u32, states: &[State], scaling: &Scaling) -> Sums {
     let plain = scaling.col.is_empty();
     let own = scaling.col(slave as usize);

@@ -77,7 +77,8 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
         run.local = numbering.view(system, &rhs);
         let agreeing = run.stages(&held, start)?;
         (stages.basis, stages.blocks) = (agreeing.basis, agreeing.blocks);
-        stages.swept = sweep(local, &stages.basis, &agreeing.history, &scaling, &stages.keys, Sample::First, Inverse::Bound);
+        stages.swept =
+            sweep(local, &stages.basis, &agreeing.history, &scaling, &stages.keys, Sample::First, Inverse::Bound);
     }
     let still = std::mem::take(&mut stages.swept.still);
     let generated = generated::find(still, local, &stages.basis, &stages.history, &scaling, &stages.keys);

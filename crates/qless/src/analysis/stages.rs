@@ -7,6 +7,7 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use super::{Analysis, AnalysisError, PresolveStatistics, Timings};
+use crate::Options;
 use crate::basis::Basis;
 use crate::block::{self, Block, Diagnosed, Means};
 use crate::certificate::History;
@@ -23,7 +24,6 @@ use crate::qr::{Backend, BackendError};
 use crate::scale::Scaling;
 use crate::sensitivity;
 use crate::sweep::{Inverse, Keys, Sample, Sweep, is_far, random_sides, sweep};
-use crate::Options;
 
 /// Stages that presolve's doubts have been taken from.
 pub struct Settled {
@@ -67,11 +67,7 @@ pub struct Stages {
 impl Run<'_> {
     /// The stages; what presolve should not have kept goes to the backend with all that is connected to it, once. With the
     /// rows held back from presolve.
-    pub fn settle(
-        &self,
-        presolve: bool,
-        started: Instant,
-    ) -> Result<Settled, AnalysisError> {
+    pub fn settle(&self, presolve: bool, started: Instant) -> Result<Settled, AnalysisError> {
         let mut held = vec![!presolve; self.local.equations()];
         let first = self.swept(&held, started)?;
         let doubtful = if presolve && self.means.check { first.doubtful_rows() } else { Vec::new() };
@@ -111,11 +107,7 @@ impl Run<'_> {
 
     /// Equations in doubt by presolve, which follows each number by itself, in components where the backend alone, which sees
     /// sizes, found dependent ones.
-    fn second_opinion(
-        &self,
-        first: &Stages,
-        started: Instant,
-    ) -> Result<Vec<usize>, AnalysisError> {
+    fn second_opinion(&self, first: &Stages, started: Instant) -> Result<Vec<usize>, AnalysisError> {
         if !self.means.check || first.dependent.is_empty() {
             return Ok(Vec::new());
         }

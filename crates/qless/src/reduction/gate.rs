@@ -9,7 +9,6 @@ use rayon::prelude::*;
 use super::{Reduction, ReductionError};
 use crate::components::Labels;
 use crate::local::Local;
-use crate::pool::WORTH_A_THREAD;
 use crate::random::randoms;
 use crate::scale::{Scaling, ldexp};
 
@@ -28,10 +27,11 @@ pub(crate) struct Found {
     pub above: Vec<usize>,
 }
 
-/// All DOFs for one part of the reduction, and the sizes of what makes them.
+/// All DOFs for one part of the reduction.
 struct Expanded {
     u: Vec<f64>,
-    size: Vec<f64>,
+    /// The sizes of what makes them, where somebody wants a closer look; until then their own sizes, which are not larger.
+    sizes: Option<Vec<f64>>,
     /// Whether b belongs to this part.
     with_rhs: bool,
 }
@@ -75,10 +75,15 @@ fn judge(
 ) -> Found {
     let mut found = Found { worst: 0.0, row: 0, above: Vec::new() };
     for part in parts {
-        let part = Expanded::new(part, local, reduction);
-        let mut own = part.residuals(local, independent);
-        if own.iter().any(|&residual| residual > FINE) {
-            part.relative_to_components(local, scaling, &mut own);
+        let mut expanded = Expanded::new(part, local, reduction);
+        let mut own = expanded.residuals(local, independent);
+        let is_fine = |own: &[f64]| own.iter().all(|&residual| residual <= FINE);
+        if !is_fine(&own) {
+            expanded.measure(part, local, reduction);
+            own = expanded.residuals(local, independent);
+        }
+        if !is_fine(&own) {
+            expanded.relative_to_components(local, scaling, &mut own);
         }
         for (i, &residual) in own.iter().enumerate() {
             if residual > found.worst {
@@ -107,9 +112,12 @@ pub(crate) fn pass(found: &Found, reduction: &Reduction) -> Result<(), Reduction
     }
 }
 
+/// Fewer equations or DOFs than this are done by one thread.
+const WORTH_A_LOOP: usize = 1 << 14;
+
 /// `0..count` of a function, in their order, by all threads where that is worth it.
 fn each<T: Send>(count: usize, of: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
-    if count < WORTH_A_THREAD { (0..count).map(of).collect() } else { (0..count).into_par_iter().map(of).collect() }
+    if count < WORTH_A_LOOP { (0..count).map(of).collect() } else { (0..count).into_par_iter().map(of).collect() }
 }
 
 /// A sum that is no number, or parts beyond the range of doubles, must not pass for small.
@@ -124,6 +132,20 @@ fn relative(sum: f64, size: f64) -> f64 {
 impl Expanded {
     /// Random masters, random prescribed values, or neither.
     fn new(part: Part, local: Local, reduction: &Reduction) -> Self {
+        let (u, factored) = (Self::by_rows(part, local, reduction, |v| v), !reduction.is_explicit());
+        let mut expanded = Self { u, sizes: None, with_rhs: matches!(part, Part::Constant) };
+        if factored && !expanded.with_rhs {
+            let named = &local.numbering.dofs;
+            let mut users = vec![0.0; reduction.slaves.len() + reduction.masters.len() + reduction.prescribed.len()];
+            named.iter().zip(&expanded.u).for_each(|(&j, &u)| users[j as usize] = u);
+            reduction.factored.iter().for_each(|block| block.set_slaves(&mut users));
+            expanded.u = named.iter().map(|&j| users[j as usize]).collect();
+        }
+        expanded
+    }
+
+    /// Local DOFs, or the sizes of what makes them, by the rows of T, of G, or of g.
+    fn by_rows(part: Part, local: Local, reduction: &Reduction, size: impl Fn(f64) -> f64 + Send + Sync) -> Vec<f64> {
         let (dofs, matrix) = match part {
             Part::Free => (&reduction.masters[..], Some(&reduction.t)),
             Part::Prescribed => (&reduction.prescribed[..], Some(&reduction.g_matrix)),
@@ -131,27 +153,26 @@ impl Expanded {
         };
         let x: Vec<f64> = randoms(1).take(dofs.len()).collect();
         let of_slave = |i: usize| match matrix {
-            Some(matrix) => matrix.row(i).fold((0.0, 0.0), |(sum, size): (f64, f64), (j, v)| {
-                let part = v * x[j];
-                (sum + part, size + part.abs())
-            }),
-            None => (reduction.g[i], reduction.g[i].abs()),
+            Some(matrix) => matrix.row(i).fold(0.0, |sum, (j, v)| sum + size(v * x[j])),
+            None => size(reduction.g[i]),
         };
         let slaves = each(reduction.slaves.len(), of_slave);
-        let length = reduction.slaves.len() + reduction.masters.len() + reduction.prescribed.len();
-        let mut users = vec![(0.0, 0.0); length];
-        dofs.iter().zip(&x).for_each(|(&j, &v)| users[j] = (v, v));
+        let mut users = vec![0.0; reduction.slaves.len() + reduction.masters.len() + reduction.prescribed.len()];
+        dofs.iter().zip(&x).for_each(|(&j, &v)| users[j] = v);
         reduction.slaves.iter().zip(slaves).for_each(|(&j, of_slave)| users[j] = of_slave);
-        if matrix.is_some() && !reduction.is_explicit() {
-            let mut u: Vec<f64> = users.iter().map(|&(u, _)| u).collect();
-            for block in &reduction.factored {
-                block.set_slaves(&mut u);
-                block.slaves.iter().for_each(|&j| users[j] = (u[j], u[j].abs()));
-            }
-        }
         let named = &local.numbering.dofs;
-        let (u, size) = each(named.len(), |l| users[named[l] as usize]).into_iter().unzip();
-        Self { u, size, with_rhs: matches!(part, Part::Constant) }
+        each(named.len(), |l| users[named[l] as usize])
+    }
+
+    /// Takes the sizes of the parts of every DOF.
+    fn measure(&mut self, part: Part, local: Local, reduction: &Reduction) {
+        let mut sizes = Self::by_rows(part, local, reduction, f64::abs);
+        sizes.iter_mut().zip(&self.u).for_each(|(size, u)| *size = size.max(u.abs()));
+        self.sizes = Some(sizes);
+    }
+
+    fn size(&self, j: usize) -> f64 {
+        self.sizes.as_ref().map_or_else(|| self.u[j].abs(), |sizes| sizes[j])
     }
 
     fn rhs(&self, local: Local, i: usize) -> f64 {
@@ -162,7 +183,7 @@ impl Expanded {
     fn sums(&self, local: Local, i: usize, unit: f64) -> (f64, f64) {
         let b = self.rhs(local, i) * unit;
         local.row(i).fold((-b, b.abs()), |(sum, size), (j, v)| {
-            (sum + v * (self.u[j] * unit), size + v.abs() * (self.size[j] * unit))
+            (sum + v * (self.u[j] * unit), size + v.abs() * (self.size(j) * unit))
         })
     }
 
@@ -184,7 +205,7 @@ impl Expanded {
         let labels = Labels::of(local);
         let mut largest = vec![0.0_f64; labels.count];
         for (i, &label) in labels.of_row.iter().enumerate() {
-            let sizes = local.row(i).map(|(j, _)| ldexp(self.size[j], -scaling.col(j)));
+            let sizes = local.row(i).map(|(j, _)| ldexp(self.size(j), -scaling.col(j)));
             largest[label as usize] = sizes.fold(largest[label as usize], f64::max);
         }
         for (i, out) in out.iter_mut().enumerate().filter(|(_, out)| **out > FINE) {

@@ -1,9 +1,9 @@
 //! `C_S x = b` on the kept rows and slaves of one block, again and again, by sparse LU.
 
 use crate::basis::Kept;
-use crate::block::{self, Block};
 use crate::block::lu;
 use crate::block::solver::Solver;
+use crate::block::{self, Block};
 use crate::qr::BackendError;
 use crate::scale::{Scaling, ldexp};
 
