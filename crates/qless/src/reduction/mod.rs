@@ -17,11 +17,12 @@ use crate::qr::BackendError;
 use crate::scale::Scaling;
 use crate::{ConstraintSystem, Csr};
 
-pub(crate) use factored::{factor, predict::predict};
 pub use factored::{FactoredBlock, Parts};
+pub(crate) use factored::{factor, predict::predict};
 
 /// How T is wanted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Form {
     /// All of it as numbers.
     #[default]
