@@ -2,6 +2,7 @@
 
 mod cli {
     pub mod bad_input;
+    pub mod case;
     pub mod decks;
     pub mod exact;
     pub mod factors;

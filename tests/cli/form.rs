@@ -4,7 +4,8 @@ use std::fs;
 
 use serde_json::json;
 
-use super::factors::{Case, Factors, Whole, random};
+use super::case::{Case, random};
+use super::factors::{Factors, Whole};
 use super::harness::Place;
 
 /// Where units mix, entries of T in the user's units say nothing of how well slaves are chosen.
