@@ -65,7 +65,8 @@ Files of a part in factor form, for k = 1, 2, ...; no file has any scaling in it
   C_S = U^T L^T,  u_s = C_S^-1 (b - C_M u_q - C_p u_p): U^T forward, then L^T backward
   T = -C_S^-1 C_M,  T^T f = -C_M^T C_S^-T f: L forward, then U backward
 
-Their rows of T.mtx and G.mtx are empty; those of g.txt are C_S^-1 b. Files block<k>_* of an earlier run are removed.";
+Their rows of T.mtx and G.mtx are empty; those of g.txt are C_S^-1 b. Their largest entry of T is the largest that a
+search found. Files block<k>_* of an earlier run are removed.";
 
 #[derive(Args)]
 #[command(after_long_help = FACTORS)]

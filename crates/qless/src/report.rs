@@ -200,7 +200,7 @@ pub struct ReductionSizes {
     pub slaves: usize,
     /// Number of masters u_q.
     pub masters: usize,
-    /// `max |T_ij|`.
+    /// `max |T_ij|`; of factored parts the largest entry that was found.
     pub growth: f64,
     /// How well it meets the independent equations, see [`Analysis::residual`].
     pub residual: f64,
