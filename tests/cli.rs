@@ -2,8 +2,11 @@
 
 mod cli {
     pub mod bad_input;
+    pub mod case;
     pub mod decks;
     pub mod exact;
+    pub mod factors;
+    pub mod form;
     pub mod harness;
     pub mod meant;
     pub mod report;

@@ -30,6 +30,12 @@ const USAGE: &[Refused] = &[
     ("reduce case -o out --growth 0.5", 2, &["--growth", "0.5", "at least 1"]),
     ("reduce case -o case", 2, &["case", "C.mtx", "overwritten", "another folder"]),
     ("reduce lone.mtx --prescribed out/prescribed.txt -o out", 2, &["out", "prescribed.txt", "part of the input"]),
+    (
+        "reduce lone.mtx --prescribed out/block2_prescribed.txt -o out",
+        2,
+        &["out", "block2_prescribed.txt", "part of the input"],
+    ),
+    ("reduce case -o out --form sparse", 2, &["sparse", "--form", "explicit", "factored", "auto"]),
     ("reduce case -o file", 3, &["file", "not a folder", "another place"]),
     ("reduce case -o file/below", 3, &["file", "not a folder"]),
     ("generate", 2, &["Usage: qless generate"]),
@@ -67,6 +73,7 @@ fn place() -> Place {
         .paper("case", 1.0)
         .file("lone.mtx", &lone)
         .file("out/prescribed.txt", "1 0\n")
+        .file("out/block2_prescribed.txt", "1 0\n")
         .file("file", "in the way")
         .file("empty/readme", "")
         .file("model.xyz", "")

@@ -172,6 +172,8 @@ fn help_and_version_succeed() {
         ("--help", "Exit codes"),
         ("check --help", "--paper-tolerance"),
         ("check --help", "--exact"),
+        ("reduce --help", "u_s = C_S^-1 (b - C_M u_q - C_p u_p)"),
+        ("reduce --help", "As factors where it would have more than 4096 numbers"),
         ("generate --help", "fssi"),
         ("--version", env!("CARGO_PKG_VERSION")),
         ("--version", "faer"),

@@ -4,7 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use qless::{BackendChoice, Options, Preferences, Tolerance};
+use qless::{BackendChoice, Form, Options, Preferences, Tolerance};
 
 use crate::numbers::{Numbers, numbers};
 use crate::scenes::SceneArgs;
@@ -52,7 +52,24 @@ pub struct CheckArgs {
     pub output: Option<PathBuf>,
 }
 
+const FACTORS: &str = "\
+Files of a part in factor form, for k = 1, 2, ...; no file has any scaling in it:
+  block<k>_slaves.txt      columns of C that are slaves, the columns of C_S
+  block<k>_masters.txt     columns of C that are masters, the columns of C_M
+  block<k>_prescribed.txt  columns of C that are prescribed, the columns of C_p
+  block<k>_equations.txt   rows of C, in the order of the elimination: the rows of C_S, C_M, C_p and b
+  block<k>_L.mtx           lower triangular, with ones on its diagonal
+  block<k>_U.mtx           upper triangular
+  block<k>_C_M.mtx, block<k>_C_p.mtx, block<k>_b.txt
+
+  C_S = U^T L^T,  u_s = C_S^-1 (b - C_M u_q - C_p u_p): U^T forward, then L^T backward
+  T = -C_S^-1 C_M,  T^T f = -C_M^T C_S^-T f: L forward, then U backward
+
+Their rows of T.mtx and G.mtx are empty; those of g.txt are C_S^-1 b. Their largest entry of T is the largest that a
+search found. Files block<k>_* of an earlier run are removed.";
+
 #[derive(Args)]
+#[command(after_long_help = FACTORS)]
 pub struct ReduceArgs {
     #[command(flatten)]
     pub model: ModelArgs,
@@ -60,6 +77,9 @@ pub struct ReduceArgs {
     /// cols.txt (names of the DOFs) where they have names
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
+    /// How T is written
+    #[arg(long, value_enum, value_name = "FORM", default_value = "explicit")]
+    pub form: FormName,
     /// Exchange slaves and masters until no entry of T is larger than this; at least 1
     #[arg(long, value_name = "X", default_value = "4", value_parser = growth)]
     pub growth: f64,
@@ -185,6 +205,16 @@ pub enum Format {
     Vtu,
 }
 
+#[derive(Clone, Copy, ValueEnum)]
+pub enum FormName {
+    /// All of it as numbers
+    Explicit,
+    /// As sparse factors, for each connected part of the equations that needs elimination and in which no slave is wished for
+    Factored,
+    /// As factors where it would have more than 4096 numbers and more than 4 times those of the equations and of the factors
+    Auto,
+}
+
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Deny {
     /// Equations that are combinations of others
@@ -235,6 +265,14 @@ impl ModelArgs {
 }
 
 impl ReduceArgs {
+    pub fn form(&self) -> Form {
+        match self.form {
+            FormName::Explicit => Form::Explicit,
+            FormName::Factored => Form::Factored,
+            FormName::Auto => Form::Auto,
+        }
+    }
+
     pub fn options(&self) -> Options {
         let options = self.model.options();
         let preferences = Preferences {

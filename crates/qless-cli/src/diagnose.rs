@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use qless::exact::{self, ExactRank, Reading, Settings};
-use qless::{Analysis, AnalysisError, ConstraintSystem, Kind, Meant, Options, Reduction, Report, analyse};
+use qless::{Analysis, AnalysisError, ConstraintSystem, Form, Kind, Meant, Options, Reduction, Report, analyse};
 use qless_io::deck::{self, Format as Language};
 use qless_io::read_case;
 
@@ -28,6 +28,14 @@ pub struct Diagnosis<'a> {
     pub meant: Option<Meant>,
     start: Instant,
     read: Duration,
+}
+
+/// A reduction, how it was asked for, and the time that it took.
+#[derive(Clone, Copy)]
+pub struct Reduced<'a> {
+    pub reduction: &'a Reduction,
+    pub form: Form,
+    pub time: Duration,
 }
 
 /// Reads the model and analyses it.
@@ -117,13 +125,8 @@ impl Diagnosis<'_> {
         self.analysis.dependent.iter().any(|dependent| denied(dependent.kind))
     }
 
-    /// Prints the report; `reduced` is the reduction and the time that it took.
-    pub fn print(
-        &self,
-        reduced: Option<(&Reduction, Duration)>,
-        outcome: &Outcome,
-        progress: Progress,
-    ) -> Result<(), Failure> {
+    /// Prints the report.
+    pub fn print(&self, reduced: Option<Reduced>, outcome: &Outcome, progress: Progress) -> Result<(), Failure> {
         progress.stage("explaining");
         let bytes = self.render(reduced, outcome)?;
         drop(progress);
@@ -134,7 +137,7 @@ impl Diagnosis<'_> {
     }
 
     /// The report in the form that was asked for.
-    pub fn render(&self, reduced: Option<(&Reduction, Duration)>, outcome: &Outcome) -> Result<Vec<u8>, Failure> {
+    pub fn render(&self, reduced: Option<Reduced>, outcome: &Outcome) -> Result<Vec<u8>, Failure> {
         let terms = if self.args.format == Format::Text { 0 } else { Report::TERMS };
         let report = self.report(reduced, terms);
         match self.args.format {
@@ -145,14 +148,14 @@ impl Diagnosis<'_> {
                 json::write(&mut bytes, &report, deck).map_err(|error| Failure::of_stdout(&error))?;
                 Ok(bytes)
             }
-            Format::Vtu => vtu::render(self),
+            Format::Vtu => vtu::render(self, reduced.map(|reduced| reduced.reduction)),
             Format::Html => html::render(self, &report)
                 .map(String::into_bytes)
                 .map_err(|error| Failure::Resource(format!("the page cannot be made: {error}"))),
         }
     }
 
-    fn report(&self, reduced: Option<(&Reduction, Duration)>, terms: usize) -> Report {
+    fn report(&self, reduced: Option<Reduced>, terms: usize) -> Report {
         let mut report = Report::new(&self.system, &self.analysis, terms);
         if let Some(exact) = &self.exact {
             report = report.with_exact(&self.system, &self.analysis, exact);
@@ -161,8 +164,9 @@ impl Diagnosis<'_> {
             report = report.with_meant(&self.system, meant, terms);
         }
         let (report, time) = match reduced {
-            Some((reduction, time)) => {
-                (report.with_reduction(reduction, self.analysis.residual(&self.system, reduction)), time)
+            Some(Reduced { reduction, form, time }) => {
+                let residual = self.analysis.residual(&self.system, reduction);
+                (report.with_reduction(reduction, residual).with_form(form), time)
             }
             None => (report, Duration::ZERO),
         };

@@ -1,5 +1,9 @@
 //! `qless reduce`: `u_s = T u_q + G u_p + g` as files, all or none.
 
+mod blocks;
+
+use std::collections::BTreeSet;
+use std::io;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -9,12 +13,12 @@ use qless_io::WriteError;
 use qless_io::write::Output;
 
 use crate::args::ReduceArgs;
-use crate::diagnose::diagnose;
+use crate::diagnose::{Reduced, diagnose};
 use crate::failure::{Failure, say};
 use crate::progress::Progress;
 use crate::text::Outcome;
 
-/// What is written.
+/// What is written, besides factors.
 pub const FILES: [&str; 7] = ["T.mtx", "G.mtx", "g.txt", "slaves.txt", "masters.txt", "prescribed.txt", "cols.txt"];
 
 /// Writes the files and prints the report, or, for conflicting equations, prints the report only.
@@ -32,16 +36,29 @@ pub fn run(args: &ReduceArgs) -> Result<ExitCode, Failure> {
     progress.stage("reducing");
     let start = Instant::now();
     let refused = |error| Failure::of_reduction(error, &args.model.input, &diagnosis.system);
-    let reduction = diagnosis.analysis.reduction(&diagnosis.system).map_err(refused)?;
+    let reduction = diagnosis.analysis.reduction_in(&diagnosis.system, args.form()).map_err(refused)?;
     let time = start.elapsed();
     progress.stage("writing");
-    write(&args.output, &reduction, diagnosis.system.dof_labels())?;
-    diagnosis.print(Some((&reduction, time)), &Outcome::Written(&args.output), progress)?;
+    write(args, &reduction, diagnosis.system.dof_labels())?;
+    let reduced = Reduced { reduction: &reduction, form: args.form(), time };
+    diagnosis.print(Some(reduced), &Outcome::Written(&args.output), progress)?;
     Ok(ExitCode::SUCCESS)
 }
 
-fn write(folder: &Path, reduction: &Reduction, labels: &[String]) -> Result<(), WriteError> {
-    let mut output = Output::new(folder)?;
+fn write(args: &ReduceArgs, reduction: &Reduction, labels: &[String]) -> Result<(), Failure> {
+    let mut output = Output::new(&args.output)?;
+    add(&mut output, reduction, labels)?;
+    for (block, k) in reduction.factored.iter().zip(1..) {
+        let parts = block.parts().ok_or_else(|| beyond_range(args, k))?;
+        blocks::write(&mut output, k, block, &parts)?;
+    }
+    for name in stale(&args.output, reduction.factored.len())? {
+        output.absent(&name);
+    }
+    Ok(output.commit()?)
+}
+
+fn add(output: &mut Output, reduction: &Reduction, labels: &[String]) -> Result<(), WriteError> {
     output.matrix("T.mtx", &reduction.t)?;
     output.matrix("G.mtx", &reduction.g_matrix)?;
     output.numbers("g.txt", &reduction.g)?;
@@ -52,7 +69,25 @@ fn write(folder: &Path, reduction: &Reduction, labels: &[String]) -> Result<(), 
     if !labels.is_empty() {
         output.file("cols.txt", |out| labels.iter().try_for_each(|label| writeln!(out, "{label}")))?;
     }
-    output.commit()
+    Ok(())
+}
+
+fn beyond_range(args: &ReduceArgs, number: usize) -> Failure {
+    Failure::Input(format!(
+        "{}: the units of block {number} are too far apart for its factors, which would lie beyond 1e308: rescale its equations, or \
+         use --form explicit",
+        args.model.input.display()
+    ))
+}
+
+/// Factors of an earlier run would be mistaken for new ones.
+fn stale(folder: &Path, count: usize) -> Result<BTreeSet<String>, WriteError> {
+    match blocks::stale(folder, count) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => {
+            Err(WriteError::Io { path: folder.to_path_buf(), source: error })
+        }
+        found => Ok(found.unwrap_or_default()),
+    }
 }
 
 /// The prescribed.txt of a reduction is not that of a case: never write one over the other.
@@ -67,8 +102,9 @@ fn spare_the_input(args: &ReduceArgs) -> Result<(), Failure> {
     let model = &args.model;
     let inputs = [Some(&model.input), model.rhs.as_ref(), model.prescribed.as_ref()];
     let inputs: Vec<_> = inputs.into_iter().flatten().filter_map(|path| path.canonicalize().ok()).collect();
-    for name in FILES {
-        if args.output.join(name).canonicalize().is_ok_and(|path| inputs.contains(&path)) {
+    let written = FILES.map(String::from).into_iter().chain(stale(&args.output, 0).unwrap_or_default());
+    for name in written {
+        if args.output.join(&name).canonicalize().is_ok_and(|path| inputs.contains(&path)) {
             return refuse(format!("{name} there is part of the input"));
         }
     }

@@ -3,9 +3,10 @@
 //! Point data, numbers of DOFs or equations of the node: `slaves`, `masters`, `prescribed`, `redundant`, `conflicting`; and the
 //! deck's number of the `node`.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
-use qless::Kind;
+use qless::{Kind, Reduction};
 use vtkio::model::{
     Attribute, Attributes, ByteOrder, CellType, Cells, DataArrayBase, DataSet, IOBuffer, UnstructuredGridPiece,
     Version, VertexNumbers, Vtk,
@@ -19,8 +20,8 @@ const COUNTS: [&str; 5] = ["slaves", "masters", "prescribed", "redundant", "conf
 
 type Counts = [i32; COUNTS.len()];
 
-/// The file.
-pub fn render(diagnosis: &Diagnosis) -> Result<Vec<u8>, Failure> {
+/// The file; of the slaves of `reduction`, if there is one.
+pub fn render(diagnosis: &Diagnosis, reduction: Option<&Reduction>) -> Result<Vec<u8>, Failure> {
     let input = diagnosis.args.input.display();
     let Some(deck) = &diagnosis.deck else {
         return Err(Failure::Input(format!(
@@ -28,7 +29,7 @@ pub fn render(diagnosis: &Diagnosis) -> Result<Vec<u8>, Failure> {
         )));
     };
     let positions = deck.deck.positions();
-    let counts = counts(diagnosis, &|j| deck.deck.model.dofs.get(j).map(|dof| dof.node))?;
+    let counts = counts(diagnosis, reduction, &|j| deck.deck.model.dofs.get(j).map(|dof| dof.node))?;
     let shown: Vec<(u32, [f64; 3], Counts)> =
         counts.into_iter().filter_map(|(node, counts)| Some((node, *positions.get(&node)?, counts))).collect();
     if shown.is_empty() {
@@ -43,11 +44,18 @@ pub fn render(diagnosis: &Diagnosis) -> Result<Vec<u8>, Failure> {
 }
 
 /// For each node that an equation holds.
-fn counts(diagnosis: &Diagnosis, node_of: &dyn Fn(usize) -> Option<u32>) -> Result<BTreeMap<u32, Counts>, Failure> {
+fn counts(
+    diagnosis: &Diagnosis,
+    reduction: Option<&Reduction>,
+    node_of: &dyn Fn(usize) -> Option<u32>,
+) -> Result<BTreeMap<u32, Counts>, Failure> {
     let system = &diagnosis.system;
     let input = &diagnosis.args.input;
     let refused = |error| Failure::of_reduction(error, input, system);
-    let reduction = diagnosis.analysis.reduction(system).map_err(refused)?;
+    let reduction = match reduction {
+        Some(reduction) => Cow::Borrowed(reduction),
+        None => Cow::Owned(diagnosis.analysis.reduction(system).map_err(refused)?),
+    };
     let mut counts: BTreeMap<u32, Counts> = BTreeMap::new();
     let mut held = vec![false; system.dofs()];
     for (i, kind) in diagnosis.analysis.kinds.iter().enumerate() {

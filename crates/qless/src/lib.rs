@@ -65,9 +65,9 @@ pub use preferences::Preferences;
 pub use reduction::{FactoredBlock, Form, Parts, Reduction, ReductionError};
 pub use refresh::{RefreshError, Refreshed, Refresher};
 pub use report::{
-    BackendUsed, Certificate, Counts, DependentEquation, ExactDifference, ExactFinding, GeneratedCondition,
-    IgnoredCoefficient, InputSizes, MeantFinding, Milliseconds, NearEquation, Omitted, ReductionSizes, Report, Term,
-    Unmet,
+    BackendUsed, Certificate, Counts, DependentEquation, ExactDifference, ExactFinding, FactoredSizes,
+    GeneratedCondition, IgnoredCoefficient, InputSizes, MeantFinding, Milliseconds, NearEquation, Omitted,
+    ReductionSizes, Report, Term, Unmet,
 };
 pub use rounding::Ignored;
 pub use system::{ConstraintSystem, Csr, Place, SystemBuilder, SystemError};

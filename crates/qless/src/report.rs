@@ -17,7 +17,7 @@ use std::time::Duration;
 
 use serde::{Serialize, Serializer};
 
-use crate::{Analysis, Confidence, ConstraintSystem, Kind, PresolveStatistics, Reduction};
+use crate::{Analysis, Confidence, ConstraintSystem, FactoredBlock, Form, Kind, PresolveStatistics, Reduction};
 use budget::Budget;
 pub use exact::{ExactDifference, ExactFinding};
 pub use meant::{MeantFinding, NearEquation};
@@ -194,13 +194,13 @@ impl Serialize for Omitted {
 }
 
 /// The size and quality of `u_s = T u_q + G u_p + g`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ReductionSizes {
     /// Number of slaves u_s.
     pub slaves: usize,
     /// Number of masters u_q.
     pub masters: usize,
-    /// `max |T_ij|`.
+    /// `max |T_ij|`; of factored parts the largest entry that was found.
     pub growth: f64,
     /// How well it meets the independent equations, see [`Analysis::residual`].
     pub residual: f64,
@@ -208,6 +208,25 @@ pub struct ReductionSizes {
     pub nnz: usize,
     /// How many times a slave and a master changed places to keep the growth down.
     pub exchanges: usize,
+    /// The form that was asked for.
+    pub form: Form,
+    /// Connected parts that stay factors: their rows are not in T and G.
+    pub factored: Vec<FactoredSizes>,
+}
+
+/// The size of a connected part that stays factors, see [`FactoredBlock`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct FactoredSizes {
+    /// Its independent equations.
+    pub equations: usize,
+    /// Its slaves.
+    pub slaves: usize,
+    /// Its masters.
+    pub masters: usize,
+    /// Numbers that it holds: of L, U, C_M and C_p.
+    pub nnz: usize,
+    /// Numbers that its part of T would have, estimated.
+    pub predicted: usize,
 }
 
 /// Preferences that are not met, counted from 1.
@@ -307,9 +326,18 @@ impl Report {
             residual,
             nnz: reduction.t.nnz() + reduction.g_matrix.nnz(),
             exchanges: reduction.exchanges,
+            form: if reduction.is_explicit() { Form::Explicit } else { Form::Factored },
+            factored: reduction.factored.iter().map(FactoredSizes::of).collect(),
         });
         self.unmet_preferences.masters = from_one(&reduction.unmet_masters);
         self.unmet_preferences.slaves = from_one(&reduction.unmet_slaves);
+        self
+    }
+
+    /// Says in which form the reduction was asked for; else it is the form that it has.
+    #[must_use]
+    pub fn with_form(mut self, form: Form) -> Self {
+        self.reduction.iter_mut().for_each(|reduction| reduction.form = form);
         self
     }
 
@@ -319,6 +347,18 @@ impl Report {
         let (read, reduce, total) = (milliseconds(read), milliseconds(reduce), milliseconds(total));
         self.timings_ms = Milliseconds { read, reduce, total, ..self.timings_ms };
         self
+    }
+}
+
+impl FactoredSizes {
+    fn of(block: &FactoredBlock) -> Self {
+        Self {
+            equations: block.equations.len(),
+            slaves: block.slaves.len(),
+            masters: block.masters.len(),
+            nnz: block.nnz(),
+            predicted: block.predicted,
+        }
     }
 }
 

@@ -6,6 +6,7 @@ mod combination;
 mod confidence;
 mod dependent;
 mod exact;
+mod factored;
 mod fit;
 mod generated;
 mod ignored;
@@ -72,6 +73,7 @@ pub fn render(diagnosis: &Diagnosis, report: &Report, outcome: &Outcome) -> Stri
         lines.extend(work::backend(report));
     }
     lines.extend(unmet::lines(report));
+    lines.extend(factored::lines(report));
     lines.push(work::time(report));
     lines.extend(next::lines(diagnosis, report, outcome));
     lines.iter().map(|line| fit::shorten(line.trim_end(), COLUMNS) + "\n").collect()

@@ -23,7 +23,7 @@ pub fn lines(diagnosis: &Diagnosis, report: &Report, outcome: &Outcome) -> Vec<S
 
 /// Where the files are, and how good T is.
 fn written(report: &Report, folder: &Path) -> Vec<String> {
-    let Some(reduction) = report.reduction else { return Vec::new() };
+    let Some(reduction) = &report.reduction else { return Vec::new() };
     let folder = shorten(&printable(&folder.display().to_string()), 60);
     vec![
         format!(
@@ -33,7 +33,10 @@ fn written(report: &Report, folder: &Path) -> Vec<String> {
             number(reduction.growth),
             rough(reduction.residual)
         ),
-        format!("Wrote T, G, g and the lists of DOFs to {folder}."),
+        match reduction.factored.len() {
+            0 => format!("Wrote T, G, g and the lists of DOFs to {folder}."),
+            _ => format!("Wrote T, G, g, lists of DOFs and factors to {folder}."),
+        },
     ]
 }
 

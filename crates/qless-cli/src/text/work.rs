@@ -31,7 +31,8 @@ pub fn backend(report: &Report) -> Option<String> {
 pub fn time(report: &Report) -> String {
     let ms = report.timings_ms;
     let analysis = ms.presolve + ms.factor + ms.classify;
-    let reduction = report.reduction.map_or_else(String::new, |_| format!(", reduction {:.2}", ms.reduce / 1e3));
+    let reduction =
+        report.reduction.as_ref().map_or_else(String::new, |_| format!(", reduction {:.2}", ms.reduce / 1e3));
     let (total, read, analysis) = (ms.total / 1e3, ms.read / 1e3, analysis / 1e3);
     let threads = count(report.backend.threads, "thread");
     format!("Time: {total:.2} s (reading {read:.2}, analysis {analysis:.2}{reduction}) on {threads}.")

@@ -21,7 +21,8 @@ pub use factored::{FactoredBlock, Parts};
 pub(crate) use factored::{factor, predict::predict};
 
 /// How T is wanted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Form {
     /// All of it as numbers.
     #[default]

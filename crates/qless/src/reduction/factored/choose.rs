@@ -135,6 +135,7 @@ impl<'a> Part<'a> {
             of_prescribed: self.fixed.clone(),
             rhs: self.rhs.clone(),
             exponents: [exponents(&local[0]), exponents(&local[1]), exponents(&local[2])],
+            rows: self.equations.iter().map(|&i| basics.scaling.row[i]).collect(),
         }
     }
 }

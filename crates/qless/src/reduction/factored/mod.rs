@@ -4,6 +4,7 @@
 //! Each use is two triangular solves and a step of refinement, O(nnz(L) + nnz(U) + nnz(C)).
 
 mod choose;
+mod parts;
 pub(crate) mod predict;
 
 use crate::Csr;
@@ -11,6 +12,7 @@ use crate::block::solver::Solver;
 use crate::scale::ldexp;
 
 pub(crate) use choose::factor;
+pub use parts::Parts;
 
 /// A connected part of the equations in factor form. DOFs are the user's, 0-based.
 ///
@@ -38,6 +40,8 @@ pub struct FactoredBlock {
     pub(crate) rhs: Vec<f64>,
     /// Exponents of the scaling of slaves, masters and prescribed DOFs; empty where columns are not scaled.
     exponents: [Vec<i32>; 3],
+    /// Exponents of the scaling of the equations.
+    rows: Vec<i32>,
 }
 
 /// `x <- 2^exponents x`.
@@ -100,48 +104,4 @@ impl FactoredBlock {
     pub fn nnz(&self) -> usize {
         self.solver.nnz() + self.of_masters.nnz() + self.of_prescribed.nnz()
     }
-
-    /// L by rows without its diagonal of ones, U by rows with its diagonal, C_M and C_p by rows, and b, the rows in the order of the
-    /// elimination: `C_S = U^T L^T`, all of the scaled equations; then the exponents e of the scaling of slaves, masters and prescribed
-    /// DOFs, `u_j = 2^e_j x_j`, empty where there is none.
-    pub fn parts(&self) -> Parts<'_> {
-        let lu = self.solver.lu();
-        let mut upper = Csr::empty(lu.order.len());
-        for (k, &pivot) in lu.diagonal.iter().enumerate() {
-            upper.push_row(std::iter::once((k, pivot)).chain(lu.u.row(k)));
-        }
-        let in_order = |matrix: &Csr| {
-            let mut rows = Csr::empty(matrix.cols);
-            lu.order.iter().for_each(|&i| rows.push_row(matrix.row(i as usize)));
-            rows
-        };
-        Parts {
-            equations: lu.order.iter().map(|&i| self.equations[i as usize]).collect(),
-            lower: &lu.l,
-            upper,
-            of_masters: in_order(&self.of_masters),
-            of_prescribed: in_order(&self.of_prescribed),
-            rhs: lu.order.iter().map(|&i| self.rhs[i as usize]).collect(),
-            exponents: &self.exponents,
-        }
-    }
-}
-
-/// The factors of a [`FactoredBlock`]; see [`FactoredBlock::parts`].
-#[derive(Clone, Debug)]
-pub struct Parts<'a> {
-    /// Equation of each row.
-    pub equations: Vec<usize>,
-    /// L without its diagonal of ones.
-    pub lower: &'a Csr,
-    /// U.
-    pub upper: Csr,
-    /// C_M.
-    pub of_masters: Csr,
-    /// C_p.
-    pub of_prescribed: Csr,
-    /// b.
-    pub rhs: Vec<f64>,
-    /// Exponents of slaves, masters and prescribed DOFs.
-    pub exponents: &'a [Vec<i32>; 3],
 }

@@ -1,0 +1,72 @@
+//! The factors for other programs: in the user's units, without a trace of the scaling.
+//!
+//! The scaled equations are `D_r C D_c` with powers of two, and `D_r C_S D_c = U^T L^T`, so that `C_S = V^T M^T` with
+//! `M = D_c^-1 L D_c`, which has ones on its diagonal as L has, and `V = D_c^-1 U D_r^-1`: exact.
+
+use super::FactoredBlock;
+use crate::Csr;
+use crate::scale::ldexp;
+
+/// The factors of a [`FactoredBlock`]; see [`FactoredBlock::parts`].
+#[derive(Clone, Debug)]
+pub struct Parts {
+    /// Equation of each row of `C_S`, C_M, C_p and b.
+    pub equations: Vec<usize>,
+    /// L, with its diagonal of ones.
+    pub lower: Csr,
+    /// U.
+    pub upper: Csr,
+    /// C_M.
+    pub of_masters: Csr,
+    /// C_p.
+    pub of_prescribed: Csr,
+    /// b.
+    pub rhs: Vec<f64>,
+}
+
+/// `2^e x`, or None where that is not exact.
+fn exactly(x: f64, e: i32) -> Option<f64> {
+    let scaled = ldexp(x, e);
+    (e == 0 || (scaled.is_finite() && ldexp(scaled, -e) == x)).then_some(scaled)
+}
+
+/// Rows of a matrix in an order, with an exponent for each entry.
+fn rescaled<I: Iterator<Item = (usize, f64)>>(
+    cols: usize,
+    rows: impl Iterator<Item = I>,
+    exponent: impl Fn(usize, usize) -> i32,
+) -> Option<Csr> {
+    let mut matrix = Csr::empty(cols);
+    for (k, row) in rows.enumerate() {
+        let row: Option<Vec<_>> = row.map(|(j, v)| Some((j, exactly(v, exponent(k, j))?))).collect();
+        matrix.push_row(row?);
+    }
+    Some(matrix)
+}
+
+impl FactoredBlock {
+    /// `C_S = U^T L^T`, C_M, C_p and b, all of the user's equations in the user's units; rows by [`Parts::equations`], in the order of
+    /// the elimination, columns of `C_S` by [`FactoredBlock::slaves`], of C_M by `masters`, of C_p by `prescribed`.
+    ///
+    /// None where a number of the factors has no place in the range of doubles: units that are more than 1e300 apart.
+    pub fn parts(&self) -> Option<Parts> {
+        let lu = self.solver.lu();
+        let count = lu.order.len();
+        let places = || lu.order.iter().map(|&i| i as usize);
+        let of_row = |k: usize| self.rows[lu.order[k] as usize];
+        let of = |side: usize, j: usize| self.exponents[side].get(j).copied().unwrap_or(0);
+        let lower = (0..count).map(|k| lu.l.row(k).chain([(k, 1.0)]));
+        let upper = (0..count).map(|k| std::iter::once((k, lu.diagonal[k])).chain(lu.u.row(k)));
+        let given = |side: usize, matrix: &Csr| {
+            rescaled(matrix.cols, places().map(|i| matrix.row(i)), |k, j| -of_row(k) - of(side, j))
+        };
+        Some(Parts {
+            equations: places().map(|i| self.equations[i]).collect(),
+            lower: rescaled(count, lower, |k, j| of(0, j) - of(0, k))?,
+            upper: rescaled(count, upper, |k, j| -of(0, k) - of_row(j))?,
+            of_masters: given(1, &self.of_masters)?,
+            of_prescribed: given(2, &self.of_prescribed)?,
+            rhs: places().enumerate().map(|(k, i)| exactly(self.rhs[i], -of_row(k))).collect::<Option<_>>()?,
+        })
+    }
+}
