@@ -66,7 +66,11 @@ impl Analysis {
         }
         let basis = self.rest(local, &labels, &blocks)?;
         let bounds = basis.bounds(local);
-        self.built(system, local, &basics(&basis, &bounds), blocks)
+        match self.built(system, local, &basics(&basis, &bounds), blocks) {
+            // What factors cannot do numbers may: slaves are chosen in another way.
+            Err(ReductionError::Residual { .. } | ReductionError::NotFinite { .. }) => self.reduction(system),
+            done => done,
+        }
     }
 
     fn basics<'a>(&'a self, system: &ConstraintSystem, basis: &'a Basis, bounds: &'a [f64]) -> Basics<'a> {

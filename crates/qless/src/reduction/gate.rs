@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::{Reduction, ReductionError};
 use crate::components::Labels;
 use crate::local::Local;
+use crate::pool::WORTH_A_THREAD;
 use crate::random::randoms;
 use crate::scale::{Scaling, ldexp};
 
@@ -112,12 +113,13 @@ pub(crate) fn pass(found: &Found, reduction: &Reduction) -> Result<(), Reduction
     }
 }
 
-/// Fewer equations or DOFs than this are done by one thread.
-const WORTH_A_LOOP: usize = 1 << 14;
-
 /// `0..count` of a function, in their order, by all threads where that is worth it.
 fn each<T: Send>(count: usize, of: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
-    if count < WORTH_A_LOOP { (0..count).map(of).collect() } else { (0..count).into_par_iter().map(of).collect() }
+    if count < WORTH_A_THREAD || rayon::current_num_threads() == 1 {
+        (0..count).map(of).collect()
+    } else {
+        (0..count).into_par_iter().map(of).collect()
+    }
 }
 
 /// A sum that is no number, or parts beyond the range of doubles, must not pass for small.
@@ -153,7 +155,11 @@ impl Expanded {
         };
         let x: Vec<f64> = randoms(1).take(dofs.len()).collect();
         let of_slave = |i: usize| match matrix {
-            Some(matrix) => matrix.row(i).fold(0.0, |sum, (j, v)| sum + size(v * x[j])),
+            Some(matrix) => {
+                let range = matrix.start[i]..matrix.start[i + 1];
+                let terms = matrix.col[range.clone()].iter().zip(&matrix.val[range]);
+                terms.fold(0.0, |sum, (&j, &v)| sum + size(v * x[j as usize]))
+            }
             None => size(reduction.g[i]),
         };
         let slaves = each(reduction.slaves.len(), of_slave);
@@ -179,23 +185,26 @@ impl Expanded {
         if self.with_rhs { local.rhs()[i] } else { 0.0 }
     }
 
-    /// `C_i u - b_i` and the sum of the sizes of its parts, in a unit.
-    fn sums(&self, local: Local, i: usize, unit: f64) -> (f64, f64) {
+    /// `C_i u - b_i` and the sum of the sizes of its parts, in a unit; `sizes` are those of the DOFs.
+    #[inline]
+    fn sums(&self, local: Local, i: usize, unit: f64, sizes: &[f64]) -> (f64, f64) {
         let b = self.rhs(local, i) * unit;
-        local.row(i).fold((-b, b.abs()), |(sum, size), (j, v)| {
-            (sum + v * (self.u[j] * unit), size + v.abs() * (self.size(j) * unit))
+        let (dofs, values) = local.parts(i);
+        dofs.iter().zip(values).fold((-b, b.abs()), |(sum, size), (&j, v)| {
+            (sum + v * (self.u[j as usize] * unit), size + (v * (sizes[j as usize] * unit)).abs())
         })
     }
 
     /// Relative to the equations' own parts.
     fn residuals(&self, local: Local, independent: &[bool]) -> Vec<f64> {
+        let sizes = self.sizes.as_ref().unwrap_or(&self.u);
         each(local.equations(), |i| {
             if !independent[i] {
                 return 0.0;
             }
-            let (sum, size) = self.sums(local, i, 1.0);
+            let (sum, size) = self.sums(local, i, 1.0, sizes);
             // Near the end of the range of doubles the same is asked in another unit.
-            let (sum, size) = if size.is_finite() { (sum, size) } else { self.sums(local, i, 1e-100) };
+            let (sum, size) = if size.is_finite() { (sum, size) } else { self.sums(local, i, 1e-100, sizes) };
             relative(sum, size)
         })
     }

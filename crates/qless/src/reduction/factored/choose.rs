@@ -3,6 +3,8 @@
 //! `max |T_ij|` is looked for as in the estimate of a 1-norm (Higham and Tisseur 2000): from a row to the column of its largest entry
 //! and back, until neither grows; from several starts. Each entry above the bound is exchanged, which multiplies `|det C_S|` by it.
 
+use rayon::prelude::*;
+
 use super::FactoredBlock;
 use crate::Csr;
 use crate::block::lu::{self, LuError};
@@ -15,6 +17,9 @@ use crate::scale::ldexp;
 
 /// Starts of the search for the largest entry.
 const STARTS: u64 = 4;
+/// From this bound on the threshold of the elimination keeps T below it but for rare entries, which are searched for; below it every
+/// column is looked at.
+const SURE: f64 = 4.0;
 /// Columns of T that are formed to tell how many nonzeros it has.
 const SAMPLE: usize = 8;
 /// Entries of a column below this, relative to its largest, are rounding.
@@ -34,7 +39,7 @@ pub(crate) fn factor(
 ) -> Result<Option<FactoredBlock>, BackendError> {
     let part = Part::new(local, equations, basics);
     let order = crate::qr::sparse::order(&part.free)?;
-    let mut may = vec![true; part.dofs.len()];
+    let mut may = part.preferred(&order, basics)?;
     for _ in 0..ROUNDS {
         let lu = match lu::factor(&part.free, &order, |j| may[j], basics.memory) {
             Ok(lu) => lu,
@@ -98,6 +103,31 @@ impl<'a> Part<'a> {
         part
     }
 
+    /// DOFs that may be slaves: all, or, where columns are scaled, those that are steepest in the user's units, in which T is bounded.
+    fn preferred(&self, order: &[usize], basics: &Basics) -> Result<Vec<bool>, BackendError> {
+        let mut may = vec![true; self.dofs.len()];
+        if basics.scaling.col.is_empty() {
+            return Ok(may);
+        }
+        let mut plain = self.free.clone();
+        for i in 0..plain.rows() {
+            let range = plain.start[i]..plain.start[i + 1];
+            let exponent = |k: usize| -basics.scaling.col(self.dofs[plain.col[k] as usize] as usize);
+            let values: Vec<f64> = range.clone().map(|k| ldexp(plain.val[k], exponent(k))).collect();
+            let largest = values.iter().fold(f64::MIN_POSITIVE, |most: f64, v| most.max(v.abs()));
+            range.zip(values).for_each(|(k, v)| plain.val[k] = ldexp(v, -crate::scale::exponent(largest)));
+        }
+        match lu::factor(&plain, order, |_| true, basics.memory) {
+            Ok(lu) => {
+                may.fill(false);
+                lu.slaves.iter().for_each(|&j| may[j as usize] = true);
+                Ok(may)
+            }
+            Err(LuError::Dependent) => Ok(may),
+            Err(error) => Err(error.of_block("sparse LU", &plain, basics.memory)),
+        }
+    }
+
     fn user(&self, local: u32) -> usize {
         self.local.numbering.dofs[local as usize] as usize
     }
@@ -118,9 +148,9 @@ impl<'a> Part<'a> {
             self.prescribed.clone(),
         ];
         let scaled = !basics.scaling.col.is_empty();
-        let exponents = |dofs: &[u32]| match scaled {
-            true => dofs.iter().map(|&j| basics.scaling.col(j as usize)).collect(),
-            false => Vec::new(),
+        let exponents = |dofs: &[u32]| {
+            let all = dofs.iter().map(|&j| basics.scaling.col(j as usize));
+            if scaled { all.collect() } else { Vec::new() }
         };
         let users = |dofs: &[u32]| dofs.iter().map(|&j| self.user(j)).collect::<Vec<usize>>();
         FactoredBlock {
@@ -144,14 +174,25 @@ impl FactoredBlock {
     /// Slaves and masters to exchange: entries of T above the limit, in rows and columns of their own. Sets the growth.
     fn search(&mut self, limit: f64) -> Vec<(usize, usize)> {
         let mut found: Vec<(usize, usize)> = Vec::new();
-        for start in 0..STARTS {
-            let Some((slave, master, size)) = self.climb(start) else { continue };
+        let entries: Vec<_> = if limit < SURE {
+            (0..self.masters.len()).into_par_iter().filter_map(|j| self.largest_of_column(j)).collect()
+        } else {
+            (0..STARTS).into_par_iter().filter_map(|start| self.climb(start)).collect()
+        };
+        for (slave, master, size) in entries {
             self.growth = self.growth.max(size);
             if size > limit && found.iter().all(|&(s, m)| s != slave && m != master) {
                 found.push((slave, master));
             }
         }
         found
+    }
+
+    /// The largest entry of a column of T.
+    fn largest_of_column(&self, j: usize) -> Option<(usize, usize, f64)> {
+        let column = self.column_of(j);
+        let i = largest_place(&column)?;
+        Some((self.slaves[i], self.masters[j], column[i].abs()))
     }
 
     /// Nonzeros of T, from some columns.
