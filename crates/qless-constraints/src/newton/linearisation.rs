@@ -1,6 +1,9 @@
 //! `G du = -c` analysed: `du_s = T du_q + G du_p + g`. Where G is constant, a new c needs no new factorization.
+//!
+//! A step is `du_q = 0`: of T nothing is needed, and along a chain of bodies it is as large as the square of their number. Connected
+//! parts stay factors.
 
-use qless::{Analysis, ConstraintSystem, Reduction, ReductionError, analyse};
+use qless::{Analysis, ConstraintSystem, Form, Reduction, ReductionError, analyse};
 
 use super::{NewtonError, NewtonOptions};
 use crate::{ConstraintSet, Quantities};
@@ -34,11 +37,12 @@ impl Linearisation {
         let rhs: Vec<f64> = quantities.c.iter().map(|c| -c).collect();
         let of = |&(dof, _): &(usize, f64)| increments.iter().find(|&&(j, _)| j == dof).map(|&(_, v)| v);
         self.increments = self.system.prescribed().iter().map(of).collect::<Option<_>>()?;
+        let mut reduction = self.take().ok()?;
+        if !reduction.is_explicit() {
+            // The refresher writes g of explicit rows only.
+            return None;
+        }
         let refresher = self.analysis.refresher(&self.system).ok()?;
-        let mut reduction = match self.reduction.take() {
-            Some(reduction) => reduction,
-            None => self.analysis.reduction(&self.system).ok()?,
-        };
         refresher.refresh(&rhs, &self.increments, &mut reduction).ok()?;
         self.reduction = Some(reduction);
         Some(self)
@@ -46,12 +50,13 @@ impl Linearisation {
 
     /// du with masters staying where they are.
     pub fn step(&mut self) -> Result<Vec<f64>, ReductionError> {
-        let reduction = match self.reduction.take() {
-            Some(reduction) => reduction,
-            None => self.analysis.reduction(&self.system)?,
-        };
+        let reduction = self.take()?;
         let du = reduction.expand(&vec![0.0; reduction.masters.len()], &self.increments);
         self.reduction = Some(reduction);
         Ok(du)
+    }
+
+    fn take(&mut self) -> Result<Reduction, ReductionError> {
+        self.reduction.take().map_or_else(|| self.analysis.reduction_in(&self.system, Form::Factored), Ok)
     }
 }

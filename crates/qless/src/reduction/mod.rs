@@ -17,8 +17,8 @@ use crate::qr::BackendError;
 use crate::scale::Scaling;
 use crate::{ConstraintSystem, Csr};
 
-pub(crate) use factored::{factor, predict::predict};
 pub use factored::{FactoredBlock, Parts};
+pub(crate) use factored::{factor, predict::predict};
 
 /// How T is wanted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -86,7 +86,8 @@ impl<'a> Part<'a> {
             prescribed,
             rhs: Vec::new(),
         };
-        let place = |list: &[u32], j: usize| list.binary_search_by_key(&user(j as u32), |&l| user(l)).unwrap_or_default();
+        let place =
+            |list: &[u32], j: usize| list.binary_search_by_key(&user(j as u32), |&l| user(l)).unwrap_or_default();
         for &i in equations {
             let side = |free: bool| local.row(i).filter(move |&(j, _)| local.free()[j] == free);
             let entry = |(j, v): (usize, f64)| basics.scaling.entry(i, j, v);
