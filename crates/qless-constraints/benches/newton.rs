@@ -24,7 +24,9 @@ fn main() {
         ("spherical", spherical, &[200, 400, 800, 1_600, 3_200, 6_400, 12_800]),
         ("revolute", revolute, &[250, 500, 1_000, 2_000, 4_000, 8_000]),
     ];
-    for (name, make, sizes) in chains {
+    let wanted =
+        |name: &str| std::env::args().all(|argument| !chains.iter().any(|(n, ..)| *n == argument) || argument == name);
+    for &(name, make, sizes) in chains.iter().filter(|(name, ..)| wanted(name)) {
         growth(name, make, if short { &sizes[..2] } else { sizes });
     }
 }

@@ -4,6 +4,7 @@
 //! and back, until neither grows; from several starts. Each entry above the bound is exchanged, which multiplies `|det C_S|` by it.
 
 use super::FactoredBlock;
+use super::finishing::candidates;
 use crate::Csr;
 use crate::block::lu::{self, LuError};
 use crate::block::solver::Solver;
@@ -33,25 +34,12 @@ pub(crate) fn factor(
     predicted: usize,
 ) -> Result<Option<FactoredBlock>, BackendError> {
     let part = Part::new(local, equations, basics);
-    let order = crate::qr::sparse::order(&part.free)?;
-    let mut may = vec![true; part.dofs.len()];
-    for _ in 0..ROUNDS {
-        let lu = match lu::factor(&part.free, &order, |j| may[j], basics.memory) {
-            Ok(lu) => lu,
-            Err(LuError::Dependent) => return Ok(None),
-            Err(error) => return Err(error.of_block("sparse LU", &part.free, basics.memory)),
-        };
-        let mut block = part.block(lu, predicted, basics);
-        let exchanges = block.search(basics.growth);
-        if exchanges.is_empty() {
+    let every = vec![true; part.dofs.len()];
+    let near = candidates(&part.free);
+    for may in (near != every).then_some(near).into_iter().chain([every]) {
+        if let Some(mut block) = part.within(may, predicted, basics)? {
             block.predicted = block.predicted.min(block.sampled());
             return Ok(Some(block));
-        }
-        may.fill(false);
-        let place = |j: usize| part.dofs.binary_search_by_key(&j, |&l| part.user(l)).unwrap_or_default();
-        block.slaves.iter().for_each(|&j| may[place(j)] = true);
-        for (slave, master) in exchanges {
-            (may[place(slave)], may[place(master)]) = (false, true);
         }
     }
     Ok(None)
@@ -96,6 +84,44 @@ impl<'a> Part<'a> {
             part.rhs.push(ldexp(local.rhs()[i], basics.scaling.row[i]));
         }
         part
+    }
+
+    /// Factors with slaves among those that may be, exchanged until the growth is within the bound.
+    fn within(
+        &self,
+        mut may: Vec<bool>,
+        predicted: usize,
+        basics: &Basics,
+    ) -> Result<Option<FactoredBlock>, BackendError> {
+        for _ in 0..ROUNDS {
+            // L has no rows for DOFs that are masters in any case.
+            let rows = self.only(&may);
+            let order = crate::qr::sparse::order(&rows)?;
+            let lu = match lu::factor(&rows, &order, |j| may[j], basics.memory) {
+                Ok(lu) => lu,
+                Err(LuError::Dependent) => return Ok(None),
+                Err(error) => return Err(error.of_block("sparse LU", &self.free, basics.memory)),
+            };
+            let mut block = self.block(lu, predicted, basics);
+            let exchanges = block.search(basics.growth);
+            if exchanges.is_empty() {
+                return Ok(Some(block));
+            }
+            may.fill(false);
+            let place = |j: usize| self.dofs.binary_search_by_key(&j, |&l| self.user(l)).unwrap_or_default();
+            block.slaves.iter().for_each(|&j| may[place(j)] = true);
+            for (slave, master) in exchanges {
+                (may[place(slave)], may[place(master)]) = (false, true);
+            }
+        }
+        Ok(None)
+    }
+
+    /// The equations on some of the free DOFs.
+    fn only(&self, may: &[bool]) -> Csr {
+        let mut rows = Csr::empty(self.free.cols);
+        (0..self.free.rows()).for_each(|i| rows.push_row(self.free.row(i).filter(|&(j, _)| may[j])));
+        rows
     }
 
     fn user(&self, local: u32) -> usize {
