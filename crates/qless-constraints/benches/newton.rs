@@ -90,7 +90,8 @@ fn step(set: &ConstraintSet, u: &[f64], quantities: &mut Quantities) -> [f64; 4]
     set.evaluate(u, quantities);
     let system = set.linearised(quantities, &[]).expect("finite");
     marks.push(Instant::now());
-    let analysis = analyse(&system, &Options::default()).expect("analysed");
+    // As `newton::solve` does it.
+    let analysis = analyse(&system, &Options { growth: 1e6, ..Options::default() }).expect("analysed");
     marks.push(Instant::now());
     let reduction = analysis.reduction_in(&system, Form::Factored).expect("within the gate");
     marks.push(Instant::now());

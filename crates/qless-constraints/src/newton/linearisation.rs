@@ -3,10 +3,13 @@
 //! A step is `du_q = 0`: of T nothing is needed, and along a chain of bodies it is as large as the square of their number. Connected
 //! parts stay factors.
 
-use qless::{Analysis, ConstraintSystem, Form, Reduction, ReductionError, analyse};
+use qless::{Analysis, ConstraintSystem, Form, Options, Reduction, ReductionError, analyse};
 
 use super::{NewtonError, NewtonOptions};
 use crate::{ConstraintSet, Quantities};
+
+/// T may have entries up to this: masters stay where they are, so that T does not enter a step.
+const GROWTH: f64 = 1e6;
 
 /// The linearised equations at one iterate.
 pub struct Linearisation {
@@ -27,7 +30,9 @@ impl Linearisation {
         (step, options): (usize, &NewtonOptions),
     ) -> Result<Self, NewtonError> {
         let system = set.linearised(quantities, increments).map_err(|source| NewtonError::System { step, source })?;
-        let analysis = analyse(&system, &options.analysis).map_err(|source| NewtonError::Analysis { step, source })?;
+        // Along a chain the end moves by its length where the first hinge turns: to avoid that, slaves would have to be looked for far away.
+        let loose = Options { growth: options.analysis.growth.max(GROWTH), ..options.analysis.clone() };
+        let analysis = analyse(&system, &loose).map_err(|source| NewtonError::Analysis { step, source })?;
         let increments = system.prescribed().iter().map(|&(_, v)| v).collect();
         Ok(Self { system, analysis, reduction: None, increments })
     }

@@ -11,8 +11,8 @@ use crate::Csr;
 
 /// Most equations of a group.
 const GROUP: usize = 8;
-/// A slave's coefficient is at least this part of the largest one in what is left of its group.
-const LEAST: f64 = 0.1;
+/// What is left of a slave's coefficient is at least this part of the largest one of its equation.
+const LEAST: f64 = 0.25;
 
 /// Which DOFs may be slaves: those of groups that are solved, and all in the equations that are left.
 pub(super) fn candidates(equations: &Csr) -> Vec<bool> {
@@ -68,7 +68,8 @@ impl<'a> Work<'a> {
         let mut rows = vec![vec![0.0; dofs.len()]; group.len()];
         for (row, &i) in rows.iter_mut().zip(group) {
             let own = self.equations.row(i).filter_map(|(j, v)| dofs.binary_search(&j).ok().map(|k| (k, v)));
-            own.for_each(|(k, v)| row[k] = v);
+            let largest = self.equations.row(i).fold(0.0, |most: f64, (_, v)| most.max(v.abs()));
+            own.for_each(|(k, v)| row[k] = v / largest);
         }
         Some(pivots(rows)?.into_iter().map(|k| dofs[k]).collect())
     }
@@ -87,16 +88,15 @@ impl<'a> Work<'a> {
     }
 }
 
-/// Columns of the pivots of all rows, each the largest number that is left.
+/// Columns of the pivots of all rows, each the largest number that is left; rows are in units of their largest coefficients.
 fn pivots(mut rows: Vec<Vec<f64>>) -> Option<Vec<usize>> {
     let mut chosen = Vec::with_capacity(rows.len());
-    let mut first = 0.0_f64;
     while !rows.is_empty() {
         let places =
             rows.iter().enumerate().flat_map(|(i, row)| row.iter().enumerate().map(move |(k, v)| (i, k, v.abs())));
         let (i, k, size) = places.max_by(|a, b| a.2.total_cmp(&b.2))?;
-        first = first.max(size);
-        if size <= LEAST * first || size == 0.0 {
+        // What is not a number is no pivot either.
+        if size.total_cmp(&LEAST).is_lt() || !size.is_finite() {
             return None;
         }
         let pivot = rows.swap_remove(i);
