@@ -3,10 +3,16 @@
 //!
 //! A step is: c and G at u, the analysis of `G du = -c`, its reduction in factor form, and du. All sizes have their turns in one
 //! process; exponents are fitted to the medians by least squares of logarithms. Then the same chains are solved from a
-//! configuration that is off by little.
+//! configuration that is off by little. `-- spherical` or `-- revolute` for one of them.
+//!
+//! The process keeps its memory from one round to the next; `-- --fresh` leaves glibc its rule.
+
+#[path = "../../../benches/memory/mod.rs"]
+mod memory;
 
 use std::array::from_fn;
 use std::hint::black_box;
+use std::process::ExitCode;
 use std::time::Instant;
 
 use qless::{Form, Options, analyse};
@@ -15,10 +21,14 @@ use qless_constraints::types::{Body, EulerNorm, Revolute, Spherical};
 use qless_constraints::{ConstraintSet, Quantities, SetBuilder};
 
 /// In each, every size has its turn.
-const ROUNDS: usize = 5;
+const ROUNDS: usize = 9;
 const STAGES: [&str; 4] = ["linearise", "analyse", "reduce", "expand"];
 
-fn main() {
+fn main() -> ExitCode {
+    memory::kept(run)
+}
+
+fn run() {
     let short = std::env::args().any(|argument| argument == "--test");
     let chains: [(&str, fn(usize) -> ConstraintSet, &[usize]); 2] = [
         ("spherical", spherical, &[200, 400, 800, 1_600, 3_200, 6_400, 12_800]),
