@@ -97,7 +97,9 @@ fn enforced_as_with_t(system: &ConstraintSystem, forms: &[Form]) -> Outcome {
     for (name, found) in
         [("transformation", transformed), ("mixed", mixed), ("augmented", problem.augmented(1e6, 1e-13)?)]
     {
-        assert!(difference(&found.u, &truth) < 1e-9, "{name}: {:e}", difference(&found.u, &truth));
+        // Springs a million times stiffer than K cost six digits.
+        let limit = if name == "augmented" { 1e-8 } else { 1e-9 };
+        assert!(difference(&found.u, &truth) < limit, "{name}: {:e}", difference(&found.u, &truth));
         let balance = out_of_balance(&k, &f, system, &found);
         println!("{name}: {balance:?}");
         assert!(balance.0 < 1e-8 && balance.1 < 1e-8, "{name}: {balance:?}");
