@@ -4,6 +4,7 @@
 //! Each use is two triangular solves and a step of refinement, O(nnz(L) + nnz(U) + nnz(C)).
 
 mod choose;
+mod entries;
 mod finishing;
 pub(crate) mod predict;
 
