@@ -24,13 +24,16 @@ use qless_constraints::{ConstraintSet, Quantities, SetBuilder};
 const ROUNDS: usize = 9;
 const STAGES: [&str; 4] = ["linearise", "analyse", "reduce", "expand"];
 
+/// Name, a chain of so many bodies, and sizes.
+type Chain = (&'static str, fn(usize) -> ConstraintSet, &'static [usize]);
+
 fn main() -> ExitCode {
     memory::kept(run)
 }
 
 fn run() {
     let short = std::env::args().any(|argument| argument == "--test");
-    let chains: [(&str, fn(usize) -> ConstraintSet, &[usize]); 2] = [
+    let chains: [Chain; 2] = [
         ("spherical", spherical, &[200, 400, 800, 1_600, 3_200, 6_400, 12_800]),
         ("revolute", revolute, &[250, 500, 1_000, 2_000, 4_000, 8_000]),
     ];
