@@ -102,8 +102,8 @@ fn enforced_as_with_t(system: &ConstraintSystem, forms: &[Form]) -> Outcome {
         assert!(difference(&found.u, &truth) < limit, "{name}: {:e}", difference(&found.u, &truth));
         let balance = out_of_balance(&k, &f, system, &found);
         println!("{name}: {balance:?}");
-        assert!(balance.0 < 1e-8 && balance.1 < 1e-8, "{name}: {balance:?}");
-        assert!(difference(&found.forces, &lagrange.forces) < 1e-8, "{name}: forces");
+        assert!(balance.0 < 10.0 * limit && balance.1 < 10.0 * limit, "{name}: {balance:?}");
+        assert!(difference(&found.forces, &lagrange.forces) < 10.0 * limit, "{name}: forces");
     }
     Ok(())
 }
