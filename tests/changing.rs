@@ -1,7 +1,7 @@
 //! Constraints that come and go: after any history of changes the results are those of a fresh run, to the last bit.
 
 use proptest::prelude::*;
-use qless::{ChangeError, ChangingSystem, EquationId, Kind, Options, SystemBuilder, analyse};
+use qless::{ChangeError, ChangingSystem, EquationId, Kind, Options, Reduction, SystemBuilder, analyse};
 
 const DOFS: usize = 24;
 
@@ -103,7 +103,8 @@ fn said(set: &ChangingSystem, ids: &[EquationId]) -> Vec<String> {
         let because: Vec<_> = set.because(id).into_iter().map(|(id, c)| (position(id), c.to_bits())).collect();
         let block = set.block_of(id).expect("updated");
         let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
-        let numbers = (bits(&block.t.val), &block.t.col, &block.t.start, bits(&block.g_matrix.val), bits(&block.g));
+        let Reduction { t, g_matrix, g, .. } = &block.reduction;
+        let numbers = (bits(&t.val), &t.col, &t.start, bits(&g_matrix.val), bits(g));
         let members: Vec<_> = block.equations().iter().map(|id| position(*id)).collect();
         format!("{:?}", (set.kind(id), because, members, &block.slaves, &block.masters, &block.prescribed, numbers))
     };

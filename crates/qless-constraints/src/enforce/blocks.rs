@@ -91,6 +91,10 @@ impl Problem<'_> {
             weight[dof] = reduction.t.row(i).len() as f64;
             slave[dof] = true;
         }
+        for block in &reduction.factored {
+            let mean = block.predicted as f64 / block.slaves.len() as f64;
+            block.slaves.iter().for_each(|&dof| weight[dof] = mean);
+        }
         let (mut after, mut before) = (vec![0.0; weight.len()], vec![0.0; weight.len()]);
         for (i, j, _) in entries(self.k) {
             for dof in [i, j].into_iter().take(if i == j { 1 } else { 2 }).filter(|&dof| slave[dof]) {

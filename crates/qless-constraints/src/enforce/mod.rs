@@ -135,6 +135,8 @@ impl<'a> Problem<'a> {
 
     /// All slaves eliminated: `K* = T^T K T`, `f* = T^T (f - K u_0)` (Eq. 7-9).
     ///
+    /// Connected parts of which T would fill ([`qless::Form::Auto`]) get multipliers in the same matrix: the solution is the same.
+    ///
     /// # Errors
     /// [`EnforceError::Singular`] if the constraints do not hold the model.
     pub fn transformation(&self) -> Result<Solution, EnforceError> {
@@ -149,7 +151,7 @@ impl<'a> Problem<'a> {
         self.solve(&[], &self.kept)
     }
 
-    /// Elimination of the blocks that are planned so, multipliers on the others ([`Problem::plan`]).
+    /// Elimination of the blocks that are planned so, as in [`Problem::transformation`], multipliers on the others ([`Problem::plan`]).
     ///
     /// # Errors
     /// [`EnforceError::Plan`] if the plan does not have each independent equation once, and as [`Problem::lagrange`].
@@ -171,11 +173,12 @@ impl<'a> Problem<'a> {
 
     fn solve(&self, eliminated: &[usize], others: &[usize]) -> Result<Solution, EnforceError> {
         let expansion = Expansion::new(self.system, eliminated)?;
+        let others = &[others, &expansion.left].concat();
         let (u, lambda) = saddle::solve(self, &expansion, others)?;
         let mut multipliers = vec![0.0; self.system.equations()];
         others.iter().zip(lambda).for_each(|(&row, value)| multipliers[row] = value);
         let rest = self.out_of_balance(&u, &multipliers);
-        multipliers::recover(self.system, eliminated, &expansion.slaves, &rest, &mut multipliers)?;
+        multipliers::recover(self.system, &expansion.rows, &expansion.slaves, &rest, &mut multipliers)?;
         Ok(self.finish(u, multipliers))
     }
 

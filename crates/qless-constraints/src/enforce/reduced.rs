@@ -1,11 +1,14 @@
 //! `T^T K T q = T^T (f - K u_0)`, `u = T q + u_0` (Eq. 6-9) with T, G and g that are given.
+//!
+//! Slaves of factored parts stay unknowns, with `C_S du_s + C_M du_q = 0` by multipliers: `C_S` is the product of the factors.
 
 use faer::sparse::SparseColMat;
-use qless::Reduction;
+use qless::{Csr, Reduction, ReductionError};
 
 use super::EnforceError;
-use super::expansion::triplets;
-use super::matrix::{Factor, from_triplets, product, times, transposed};
+use super::expansion::{held, triplets};
+use super::matrix::{Factor, Matrix, entries, from_triplets, product, times, transposed};
+use super::saddle::bordered;
 
 /// u of all DOFs, by transformation with a reduction, whoever made it; `prescribed` are the values of its prescribed DOFs.
 ///
@@ -47,11 +50,36 @@ pub fn reduced(
             return Err(EnforceError::Size { what, found, dofs });
         }
     }
-    let t = from_triplets(dofs, reduction.masters.len(), triplets(reduction))?;
+    let held = held(reduction);
+    let t = from_triplets(dofs, reduction.masters.len() + held.len(), triplets(reduction))?;
     let back = transposed(&t)?;
     let stiffness = product(&back, &product(k, &t)?)?;
     let constant = reduction.expand(&vec![0.0; reduction.masters.len()], prescribed);
     let load: Vec<f64> = f.iter().zip(times(k, &constant)).map(|(f, stressed)| f - stressed).collect();
-    let q = Factor::new(&stiffness, "the reduced stiffness")?.solve(&times(&back, &load))?;
-    Ok(times(&t, &q).iter().zip(&constant).map(|(u, c)| u + c).collect())
+    let mut rhs = times(&back, &load);
+    let constraints = product(&equations(reduction, dofs)?, &t)?;
+    rhs.resize(t.ncols() + held.len(), 0.0);
+    let x = Factor::new(&bordered(&stiffness, &constraints)?, "the reduced stiffness")?.solve(&rhs)?;
+    Ok(times(&t, &x[..t.ncols()]).iter().zip(&constant).map(|(u, c)| u + c).collect())
+}
+
+/// The equations of factored parts on their free DOFs.
+fn equations(reduction: &Reduction, dofs: usize) -> Result<Matrix, EnforceError> {
+    let (mut all, mut first) = (Vec::new(), 0);
+    for block in &reduction.factored {
+        let out_of_range = || ReductionError::NotFinite { dof: block.slaves[0] };
+        let parts = block.parts().ok_or_else(out_of_range)?;
+        let lower = from_triplets(block.slaves.len(), block.slaves.len(), rows(&parts.lower))?;
+        let upper = from_triplets(block.slaves.len(), block.slaves.len(), rows(&parts.upper))?;
+        let of_slaves = product(&transposed(&upper)?, &transposed(&lower)?)?;
+        let slaves = entries(&of_slaves).map(|(i, j, v)| (first + i, block.slaves[j], v));
+        let masters = rows(&parts.of_masters).map(|(i, j, v)| (first + i, block.masters[j], v));
+        all.extend(slaves.chain(masters));
+        first += block.slaves.len();
+    }
+    from_triplets(first, dofs, all)
+}
+
+fn rows(matrix: &Csr) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
+    (0..matrix.rows()).flat_map(|i| matrix.row(i).map(move |(j, v)| (i, j, v)))
 }

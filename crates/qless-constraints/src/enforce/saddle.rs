@@ -31,7 +31,7 @@ fn chosen(problem: &Problem, rows: &[usize]) -> Result<Matrix, EnforceError> {
 }
 
 /// `[A B^T; B 0]`.
-fn bordered(a: &Matrix, b: &Matrix) -> Result<Matrix, EnforceError> {
+pub fn bordered(a: &Matrix, b: &Matrix) -> Result<Matrix, EnforceError> {
     let (n, size) = (a.nrows(), a.nrows() + b.nrows());
     let border = entries(b).flat_map(|(i, j, v)| [(n + i, j, v), (j, n + i, v)]);
     from_triplets(size, size, entries(a).chain(border))

@@ -1,9 +1,15 @@
 //! `G du = -c` analysed: `du_s = T du_q + G du_p + g`. Where G is constant, a new c needs no new factorization.
+//!
+//! A step is `du_q = 0`: of T nothing is needed, and along a chain of bodies it is as large as the square of their number. Connected
+//! parts stay factors.
 
-use qless::{Analysis, ConstraintSystem, Reduction, ReductionError, analyse};
+use qless::{Analysis, ConstraintSystem, Form, Options, Reduction, ReductionError, analyse};
 
 use super::{NewtonError, NewtonOptions};
 use crate::{ConstraintSet, Quantities};
+
+/// T may have entries up to this: masters stay where they are, so that T does not enter a step.
+const GROWTH: f64 = 1e6;
 
 /// The linearised equations at one iterate.
 pub struct Linearisation {
@@ -24,7 +30,9 @@ impl Linearisation {
         (step, options): (usize, &NewtonOptions),
     ) -> Result<Self, NewtonError> {
         let system = set.linearised(quantities, increments).map_err(|source| NewtonError::System { step, source })?;
-        let analysis = analyse(&system, &options.analysis).map_err(|source| NewtonError::Analysis { step, source })?;
+        // Along a chain the end moves by its length where the first hinge turns: to avoid that, slaves would have to be looked for far away.
+        let loose = Options { growth: options.analysis.growth.max(GROWTH), ..options.analysis.clone() };
+        let analysis = analyse(&system, &loose).map_err(|source| NewtonError::Analysis { step, source })?;
         let increments = system.prescribed().iter().map(|&(_, v)| v).collect();
         Ok(Self { system, analysis, reduction: None, increments })
     }
@@ -34,11 +42,8 @@ impl Linearisation {
         let rhs: Vec<f64> = quantities.c.iter().map(|c| -c).collect();
         let of = |&(dof, _): &(usize, f64)| increments.iter().find(|&&(j, _)| j == dof).map(|&(_, v)| v);
         self.increments = self.system.prescribed().iter().map(of).collect::<Option<_>>()?;
+        let mut reduction = self.take().ok()?;
         let refresher = self.analysis.refresher(&self.system).ok()?;
-        let mut reduction = match self.reduction.take() {
-            Some(reduction) => reduction,
-            None => self.analysis.reduction(&self.system).ok()?,
-        };
         refresher.refresh(&rhs, &self.increments, &mut reduction).ok()?;
         self.reduction = Some(reduction);
         Some(self)
@@ -46,12 +51,13 @@ impl Linearisation {
 
     /// du with masters staying where they are.
     pub fn step(&mut self) -> Result<Vec<f64>, ReductionError> {
-        let reduction = match self.reduction.take() {
-            Some(reduction) => reduction,
-            None => self.analysis.reduction(&self.system)?,
-        };
+        let reduction = self.take()?;
         let du = reduction.expand(&vec![0.0; reduction.masters.len()], &self.increments);
         self.reduction = Some(reduction);
         Ok(du)
+    }
+
+    fn take(&mut self) -> Result<Reduction, ReductionError> {
+        self.reduction.take().map_or_else(|| self.analysis.reduction_in(&self.system, Form::Factored), Ok)
     }
 }

@@ -4,7 +4,7 @@
 //! its equations are independent elsewhere. The answer comes from a second configuration: a random step
 //! `du = T dq` within what the kept equations allow, brought back to the constraints by Newton's method.
 
-use qless::{Analysis, Csr, Options, analyse};
+use qless::{Analysis, Csr, Form, Options, Reduction, analyse};
 
 use super::residual::change;
 use super::{NewtonError, NewtonOptions, dependent, solve};
@@ -71,9 +71,8 @@ pub fn redundancies(
 struct Here {
     g: Csr,
     analysis: Analysis,
-    masters: Vec<usize>,
-    t: Csr,
-    slaves: Vec<usize>,
+    /// Of `G du = 0`: no constants.
+    reduction: Reduction,
 }
 
 /// A second configuration.
@@ -92,13 +91,13 @@ impl Here {
         quantities.c.fill(0.0);
         let system = set.linearised(&quantities, &[]).map_err(|source| NewtonError::System { step: 0, source })?;
         let analysis = analyse(&system, options).map_err(|source| NewtonError::Analysis { step: 0, source })?;
-        let reduction = analysis.reduction(&system).map_err(|source| NewtonError::Reduction { step: 0, source })?;
-        let (masters, t, slaves) = (reduction.masters, reduction.t, reduction.slaves);
-        Ok(Self { g: quantities.g, analysis, masters, t, slaves })
+        let reduction = analysis.reduction_in(&system, Form::Factored);
+        let reduction = reduction.map_err(|source| NewtonError::Reduction { step: 0, source })?;
+        Ok(Self { g: quantities.g, analysis, reduction })
     }
 
     fn nearby(&self, set: &ConstraintSet, u: &[f64], options: &NewtonOptions) -> Nearby {
-        if self.masters.is_empty() {
+        if self.reduction.masters.is_empty() {
             return Nearby::Same;
         }
         let mut moves = false;
@@ -107,7 +106,7 @@ impl Here {
             moves = true;
             let start: Vec<f64> = u.iter().zip(&du).map(|(u, du)| u + du).collect();
             // Not every direction that a singular G allows leads on; with one DOF driven, the others find their way.
-            let driven = self.masters[seed as usize % self.masters.len()];
+            let driven = self.reduction.masters[seed as usize % self.reduction.masters.len()];
             for drive in [&[][..], &[(driven, start[driven])]] {
                 let found = solve(set, &start, drive, options);
                 // Newton may have gone back to where it came from.
@@ -121,10 +120,8 @@ impl Here {
 
     /// A random `du = [T; I] dq`, of such a size that G changes by [`STEP`]; nothing if it does not change.
     fn step(&self, set: &ConstraintSet, u: &[f64], seed: u64) -> Option<Vec<f64>> {
-        let dq: Vec<f64> = (0..self.masters.len() as u64).map(|k| random(seed << 32 | k)).collect();
-        let mut du = vec![0.0; u.len()];
-        self.masters.iter().zip(&dq).for_each(|(&j, &v)| du[j] = v);
-        self.slaves.iter().zip(self.t.times(&dq)).for_each(|(&j, v)| du[j] = v);
+        let dq: Vec<f64> = (0..self.reduction.masters.len() as u64).map(|k| random(seed << 32 | k)).collect();
+        let du = self.reduction.expand(&dq, &[]);
         let moved = |size: f64| u.iter().zip(&du).map(|(u, du)| u + size * du).collect::<Vec<_>>();
         let mut size = u.iter().fold(1.0, |most: f64, u| most.max(u.abs()));
         for _ in 0..60 {

@@ -2,6 +2,8 @@
 
 /// Methods that enforce constraints on a stiffness matrix, against one another.
 mod enforcement;
+/// Parts whose T would fill and that stay factors: the same results as with T.
+mod factored;
 /// Types that are linear: fields that they must let through, loads that they must carry.
 mod linear_types;
 /// Planar and spatial linkages, as sets.

@@ -2,10 +2,10 @@
 
 use super::network::Network;
 use super::{ChangeError, EquationId};
-use crate::{Csr, Kind, Options, SystemBuilder, analyse};
+use crate::{Form, Kind, Options, Reduction, SystemBuilder, analyse};
 
 /// The results of one block. DOFs are those of the whole.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct SolvedBlock {
     equations: Vec<EquationId>,
     kinds: Vec<Kind>,
@@ -17,12 +17,9 @@ pub struct SolvedBlock {
     pub masters: Vec<usize>,
     /// u_p, ascending.
     pub prescribed: Vec<usize>,
-    /// T, slaves x masters.
-    pub t: Csr,
-    /// G, slaves x prescribed DOFs.
-    pub g_matrix: Csr,
-    /// g, one number per slave.
-    pub g: Vec<f64>,
+    /// `u_s = T u_q + G u_p + g`, in [`Form::Auto`]: where T would fill it stays factors. Slaves, masters and prescribed DOFs are in the
+    /// order of those above, but it counts the DOFs of the block only.
+    pub reduction: Reduction,
     /// Whether the rank is ambiguous.
     pub ambiguous: bool,
 }
@@ -44,7 +41,7 @@ impl SolvedBlock {
         }
         let system = builder.build()?;
         let analysis = analyse(&system, options)?;
-        let reduction = analysis.reduction(&system)?;
+        let reduction = analysis.reduction_in(&system, Form::Auto)?;
         let certificate = |dependent: &crate::Dependent| {
             let because = analysis.because(dependent);
             (equations[dependent.row], because.iter().map(|term| (equations[term.row], term.coefficient)).collect())
@@ -56,9 +53,7 @@ impl SolvedBlock {
             slaves: whole(&reduction.slaves),
             masters: whole(&reduction.masters),
             prescribed: whole(&reduction.prescribed),
-            t: reduction.t,
-            g_matrix: reduction.g_matrix,
-            g: reduction.g,
+            reduction,
             ambiguous: analysis.confidence.ambiguous,
             kinds: analysis.kinds,
         })
@@ -85,10 +80,8 @@ impl SolvedBlock {
 
     /// `u_s = T u_q + G u_p + g`.
     pub(super) fn expand(&self, u: &mut [f64]) {
-        for (i, &slave) in self.slaves.iter().enumerate() {
-            let masters: f64 = self.t.row(i).map(|(j, v)| v * u[self.masters[j]]).sum();
-            let given: f64 = self.g_matrix.row(i).map(|(j, v)| v * u[self.prescribed[j]]).sum();
-            u[slave] = masters + given + self.g[i];
-        }
+        let of = |dofs: &[usize]| dofs.iter().map(|&j| u[j]).collect::<Vec<f64>>();
+        let own = self.reduction.expand(&of(&self.masters), &of(&self.prescribed));
+        self.slaves.iter().zip(&self.reduction.slaves).for_each(|(&j, &k)| u[j] = own[k]);
     }
 }

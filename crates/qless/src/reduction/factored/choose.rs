@@ -1,31 +1,17 @@
 //! Slaves of a factored block by sparse LU, exchanged until no entry of T that can be found is above the bound.
 //!
-//! `max |T_ij|` is looked for as in the estimate of a 1-norm (Higham and Tisseur 2000): from a row to the column of its largest entry
-//! and back, until neither grows; from several starts. Each entry above the bound is exchanged, which multiplies `|det C_S|` by it.
-
-use rayon::prelude::*;
+//! Each entry above the bound is exchanged, which multiplies `|det C_S|` by it.
 
 use super::FactoredBlock;
+use super::finishing::candidates;
 use crate::Csr;
 use crate::block::lu::{self, LuError};
 use crate::block::solver::Solver;
 use crate::local::Local;
-use crate::qr::{BackendError, largest_place};
-use crate::random::signed;
+use crate::qr::BackendError;
 use crate::reduction::Basics;
 use crate::scale::ldexp;
 
-/// Starts of the search for the largest entry.
-const STARTS: u64 = 4;
-/// From this bound on the threshold of the elimination keeps T below it but for rare entries, which are searched for; below it every
-/// column is looked at.
-const SURE: f64 = 4.0;
-/// Columns of T that are formed to tell how many nonzeros it has.
-const SAMPLE: usize = 8;
-/// Entries of a column below this, relative to its largest, are rounding.
-const NOISE: f64 = 1e-14;
-/// Steps from row to column and back.
-const STEPS: usize = 6;
 /// Factorizations with other slaves before T is formed after all.
 const ROUNDS: usize = 8;
 
@@ -38,25 +24,12 @@ pub(crate) fn factor(
     predicted: usize,
 ) -> Result<Option<FactoredBlock>, BackendError> {
     let part = Part::new(local, equations, basics);
-    let order = crate::qr::sparse::order(&part.free)?;
-    let mut may = part.preferred(&order, basics)?;
-    for _ in 0..ROUNDS {
-        let lu = match lu::factor(&part.free, &order, |j| may[j], basics.memory) {
-            Ok(lu) => lu,
-            Err(LuError::Dependent) => return Ok(None),
-            Err(error) => return Err(error.of_block("sparse LU", &part.free, basics.memory)),
-        };
-        let mut block = part.block(lu, predicted, basics);
-        let exchanges = block.search(basics.growth);
-        if exchanges.is_empty() {
+    let every = vec![true; part.dofs.len()];
+    let near = candidates(&part.plain(basics));
+    for may in (near != every).then_some(near).into_iter().chain([every]) {
+        if let Some(mut block) = part.within(may, predicted, basics)? {
             block.predicted = block.predicted.min(block.sampled());
             return Ok(Some(block));
-        }
-        may.fill(false);
-        let place = |j: usize| part.dofs.binary_search_by_key(&j, |&l| part.user(l)).unwrap_or_default();
-        block.slaves.iter().for_each(|&j| may[place(j)] = true);
-        for (slave, master) in exchanges {
-            (may[place(slave)], may[place(master)]) = (false, true);
         }
     }
     Ok(None)
@@ -103,13 +76,61 @@ impl<'a> Part<'a> {
         part
     }
 
-    /// DOFs that may be slaves: all, or, where columns are scaled, those that are steepest in the user's units, in which T is bounded.
-    fn preferred(&self, order: &[usize], basics: &Basics) -> Result<Vec<bool>, BackendError> {
-        let mut may = vec![true; self.dofs.len()];
-        if basics.scaling.col.is_empty() {
-            return Ok(may);
+    /// Factors with slaves among those that may be, exchanged until the growth is within the bound.
+    fn within(
+        &self,
+        mut may: Vec<bool>,
+        predicted: usize,
+        basics: &Basics,
+    ) -> Result<Option<FactoredBlock>, BackendError> {
+        if !basics.scaling.col.is_empty() {
+            self.prefer(&mut may, basics)?;
         }
+        for _ in 0..ROUNDS {
+            // L has no rows for DOFs that are masters in any case.
+            let rows = only(&self.free, &may);
+            let order = crate::qr::sparse::order(&rows)?;
+            let lu = match lu::factor(&rows, &order, |j| may[j], basics.memory) {
+                Ok(lu) => lu,
+                Err(LuError::Dependent) => return Ok(None),
+                Err(error) => return Err(error.of_block("sparse LU", &self.free, basics.memory)),
+            };
+            let mut block = self.block(lu, predicted, basics);
+            let exchanges = block.search(basics.growth);
+            if exchanges.is_empty() {
+                return Ok(Some(block));
+            }
+            may.fill(false);
+            let place = |j: usize| self.dofs.binary_search_by_key(&j, |&l| self.user(l)).unwrap_or_default();
+            block.slaves.iter().for_each(|&j| may[place(j)] = true);
+            for (slave, master) in exchanges {
+                (may[place(slave)], may[place(master)]) = (false, true);
+            }
+        }
+        Ok(None)
+    }
+
+    /// Of the DOFs that may be slaves those that are steepest in the user's units, in which T is bounded.
+    fn prefer(&self, may: &mut [bool], basics: &Basics) -> Result<(), BackendError> {
+        let rows = only(&self.plain(basics), may);
+        let order = crate::qr::sparse::order(&rows)?;
+        match lu::factor(&rows, &order, |j| may[j], basics.memory) {
+            Ok(lu) => {
+                may.fill(false);
+                lu.slaves.iter().for_each(|&j| may[j as usize] = true);
+                Ok(())
+            }
+            Err(LuError::Dependent) => Ok(()),
+            Err(error) => Err(error.of_block("sparse LU", &rows, basics.memory)),
+        }
+    }
+
+    /// The equations with columns in the user's units.
+    fn plain(&self, basics: &Basics) -> Csr {
         let mut plain = self.free.clone();
+        if basics.scaling.col.is_empty() {
+            return plain;
+        }
         for i in 0..plain.rows() {
             let range = plain.start[i]..plain.start[i + 1];
             let exponent = |k: usize| -basics.scaling.col(self.dofs[plain.col[k] as usize] as usize);
@@ -117,15 +138,7 @@ impl<'a> Part<'a> {
             let largest = values.iter().fold(f64::MIN_POSITIVE, |most: f64, v| most.max(v.abs()));
             range.zip(values).for_each(|(k, v)| plain.val[k] = ldexp(v, -crate::scale::exponent(largest)));
         }
-        match lu::factor(&plain, order, |_| true, basics.memory) {
-            Ok(lu) => {
-                may.fill(false);
-                lu.slaves.iter().for_each(|&j| may[j as usize] = true);
-                Ok(may)
-            }
-            Err(LuError::Dependent) => Ok(may),
-            Err(error) => Err(error.of_block("sparse LU", &plain, basics.memory)),
-        }
+        plain
     }
 
     fn user(&self, local: u32) -> usize {
@@ -148,9 +161,8 @@ impl<'a> Part<'a> {
             self.prescribed.clone(),
         ];
         let scaled = !basics.scaling.col.is_empty();
-        let exponents = |dofs: &[u32]| {
-            let all = dofs.iter().map(|&j| basics.scaling.col(j as usize));
-            if scaled { all.collect() } else { Vec::new() }
+        let exponents = |dofs: &[u32]| -> Vec<i32> {
+            if scaled { dofs.iter().map(|&j| basics.scaling.col(j as usize)).collect() } else { Vec::new() }
         };
         let users = |dofs: &[u32]| dofs.iter().map(|&j| self.user(j)).collect::<Vec<usize>>();
         FactoredBlock {
@@ -170,91 +182,9 @@ impl<'a> Part<'a> {
     }
 }
 
-impl FactoredBlock {
-    /// Slaves and masters to exchange: entries of T above the limit, in rows and columns of their own. Sets the growth.
-    fn search(&mut self, limit: f64) -> Vec<(usize, usize)> {
-        let mut found: Vec<(usize, usize)> = Vec::new();
-        let entries: Vec<_> = if limit < SURE {
-            (0..self.masters.len()).into_par_iter().filter_map(|j| self.largest_of_column(j)).collect()
-        } else {
-            (0..STARTS).into_par_iter().filter_map(|start| self.climb(start)).collect()
-        };
-        for (slave, master, size) in entries {
-            self.growth = self.growth.max(size);
-            if size > limit && found.iter().all(|&(s, m)| s != slave && m != master) {
-                found.push((slave, master));
-            }
-        }
-        found
-    }
-
-    /// The largest entry of a column of T.
-    fn largest_of_column(&self, j: usize) -> Option<(usize, usize, f64)> {
-        let column = self.column_of(j);
-        let i = largest_place(&column)?;
-        Some((self.slaves[i], self.masters[j], column[i].abs()))
-    }
-
-    /// Nonzeros of T, from some columns.
-    fn sampled(&self) -> usize {
-        let count = self.masters.len();
-        let step = count.div_ceil(SAMPLE).max(1);
-        let places: Vec<usize> = (0..count).step_by(step).collect();
-        let nonzeros = |&j: &usize| {
-            let column = self.column_of(j);
-            let least = NOISE * column.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
-            column.iter().filter(|v| v.abs() > least).count()
-        };
-        places.iter().map(nonzeros).sum::<usize>() * count / places.len().max(1)
-    }
-
-    /// From a random combination of rows to an entry of T that is the largest of its row and column.
-    fn climb(&self, seed: u64) -> Option<(usize, usize, f64)> {
-        let mut f: Vec<f64> = (0..self.slaves.len() as u64).map(|k| signed(seed, k)).collect();
-        let mut best = None;
-        for _ in 0..STEPS {
-            let row = self.row_of(&f);
-            let j = largest_place(&row)?;
-            let column = self.column_of(j);
-            let i = largest_place(&column)?;
-            let size = column[i].abs();
-            if best.is_some_and(|(_, _, most)| size <= most) {
-                break;
-            }
-            best = Some((self.slaves[i], self.masters[j], size));
-            f.fill(0.0);
-            f[i] = 1.0;
-        }
-        best
-    }
-
-    /// Row k of T (by slave of the block): masters, ascending, and numbers.
-    pub(crate) fn row(&self, k: usize) -> Vec<(usize, f64)> {
-        let mut unit = vec![0.0; self.slaves.len()];
-        unit[k] = 1.0;
-        let row = self.row_of(&unit).into_iter().zip(&self.masters);
-        row.filter(|(v, _)| *v != 0.0).map(|(v, &j)| (j, v)).collect()
-    }
-
-    /// `T^T f` over the masters.
-    pub(crate) fn row_of(&self, f: &[f64]) -> Vec<f64> {
-        let mut f = f.to_vec();
-        super::rescale(&mut f, &self.exponents[0], 1);
-        let y = self.solver.solve_transposed(&f);
-        let mut sum = vec![0.0; self.masters.len()];
-        y.iter().enumerate().for_each(|(i, y)| self.of_masters.row(i).for_each(|(j, v)| sum[j] -= v * y));
-        super::rescale(&mut sum, &self.exponents[1], -1);
-        sum
-    }
-
-    /// Column j of T, by slave.
-    pub(crate) fn column_of(&self, j: usize) -> Vec<f64> {
-        let mut unit = vec![0.0; self.masters.len()];
-        unit[j] = 1.0;
-        super::rescale(&mut unit, &self.exponents[1], -1);
-        let right: Vec<f64> = self.of_masters.times(&unit).into_iter().map(|v| -v).collect();
-        let mut x = self.solver.solve_dense(&right);
-        super::rescale(&mut x, &self.exponents[0], 1);
-        x
-    }
+/// The equations on some of the free DOFs.
+fn only(equations: &Csr, may: &[bool]) -> Csr {
+    let mut rows = Csr::empty(equations.cols);
+    (0..equations.rows()).for_each(|i| rows.push_row(equations.row(i).filter(|&(j, _)| may[j])));
+    rows
 }

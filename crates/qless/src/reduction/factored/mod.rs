@@ -4,6 +4,8 @@
 //! Each use is two triangular solves and a step of refinement, O(nnz(L) + nnz(U) + nnz(C)).
 
 mod choose;
+mod entries;
+mod finishing;
 mod parts;
 pub(crate) mod predict;
 
