@@ -12,6 +12,8 @@ use crate::qr::BackendError;
 use crate::reduction::Basics;
 use crate::scale::ldexp;
 
+/// With a bound of growth from here on slaves are looked for near by first: that takes the least time, and T can be large.
+const LOOSE: f64 = 1e3;
 /// Factorizations with other slaves before T is formed after all.
 const ROUNDS: usize = 8;
 
@@ -25,8 +27,8 @@ pub(crate) fn factor(
 ) -> Result<Option<FactoredBlock>, BackendError> {
     let part = Part::new(local, equations, basics);
     let every = vec![true; part.dofs.len()];
-    let near = candidates(&part.plain(basics));
-    for may in (near != every).then_some(near).into_iter().chain([every]) {
+    let near = (basics.growth >= LOOSE).then(|| candidates(&part.plain(basics))).filter(|near| *near != every);
+    for may in near.into_iter().chain([every]) {
         if let Some(mut block) = part.within(may, predicted, basics)? {
             block.predicted = block.predicted.min(block.sampled());
             return Ok(Some(block));
