@@ -1,5 +1,6 @@
 //! How sure the rank is: what was kept, what was dropped, and the gap between them.
 
+use crate::ConstraintSystem;
 use crate::basis::Kept;
 use crate::classify::Dependent;
 
@@ -52,8 +53,16 @@ impl Confidence {
 }
 
 /// Dependent equations that another tolerance might call otherwise.
-pub(crate) fn doubted(dependent: &[Dependent]) -> impl Iterator<Item = usize> + '_ {
-    let is_doubtful =
-        |d: &&Dependent| d.dropped > 0.0 || (d.relative_mismatch > NO_MISMATCH && d.relative_mismatch < SMALL_MISMATCH);
+pub(crate) fn doubted<'a>(
+    dependent: &'a [Dependent],
+    system: &'a ConstraintSystem,
+) -> impl Iterator<Item = usize> + 'a {
+    let largest_rhs = system.rhs().iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+    let is_doubtful = move |d: &&Dependent| {
+        let small = d.relative_mismatch > NO_MISMATCH && d.relative_mismatch < SMALL_MISMATCH;
+        // `0 = b` has no parts and no unit of its own: it is the one equation that is compared with those beside it.
+        let empty = system.matrix().row(d.row).len() == 0;
+        d.dropped > 0.0 || small || (empty && d.mismatch != 0.0 && d.mismatch.abs() < SMALL_MISMATCH * largest_rhs)
+    };
     dependent.iter().filter(is_doubtful).map(|d| d.row)
 }

@@ -144,7 +144,7 @@ impl Run<'_> {
         let row = |t: usize| stages.users_row(t);
         let kept = sensitivity::Kept { system: self.local, basis, history, scaling: self.scaling };
         let sigma = if self.means.check { kept.sigma(swept, dependent, row, self.means.memory()) } else { 1.0 };
-        doubted.extend(confidence::doubted(dependent));
+        doubted.extend(confidence::doubted(dependent, self.local.system()));
         let near = basis.blocks.iter().filter(|block| !block.nearness.is_sound());
         doubted.extend(near.filter_map(|block| block.rows.first()).map(|&row| history.rows[row as usize] as usize));
         let confidence = Confidence::new(&basis.blocks, sigma, dependent, &doubted);

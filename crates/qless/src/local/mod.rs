@@ -107,6 +107,10 @@ pub(crate) struct Local<'a> {
 }
 
 impl<'a> Local<'a> {
+    pub fn system(self) -> &'a ConstraintSystem {
+        self.system
+    }
+
     pub fn equations(self) -> usize {
         self.system.equations()
     }
