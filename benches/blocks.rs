@@ -49,10 +49,14 @@ fn level(level: Level, rounds: usize) {
     let [ours, theirs, factors, parallel] = medians(
         rounds,
         [
-            &mut || one.install(|| drop(black_box(diagnosed(&system)))),
-            &mut || drop(black_box(bare(&system))),
-            &mut || one.install(|| drop(black_box(used(&system, &analysis)))),
-            &mut || two.install(|| drop(black_box(diagnosed(&system)))),
+            &mut || drop(one.install(|| black_box(diagnosed(&system)))),
+            &mut || {
+                black_box(bare(&system));
+            },
+            &mut || {
+                black_box(one.install(|| used(&system, &analysis)));
+            },
+            &mut || drop(two.install(|| black_box(diagnosed(&system)))),
         ],
     );
     println!(
@@ -81,8 +85,8 @@ fn components(name: &str, scene: &Scene, count: usize, rounds: usize) {
     let pools = [1, 2].map(|threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool"));
     let [one, two] = medians(
         rounds,
-        [&mut || pools[0].install(|| drop(black_box(diagnosed(&system)))), &mut || {
-            pools[1].install(|| drop(black_box(diagnosed(&system))))
+        [&mut || drop(pools[0].install(|| black_box(diagnosed(&system)))), &mut || {
+            pools[1].install(|| drop(black_box(diagnosed(&system))));
         }],
     );
     println!("{count} times {name}, {rows} equations: {:.1} ms, two threads {:.2}", one * 1e3, one / two);

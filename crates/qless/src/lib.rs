@@ -25,52 +25,35 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod ahead;
-mod analysis;
-mod basis;
-mod block;
-mod certificate;
-mod changing;
-mod classify;
-mod components;
-mod confidence;
-pub mod exact;
-mod generated;
-mod keep;
-mod local;
-mod meant;
+mod change;
+mod common;
+mod diagnosis;
+mod factor;
+mod input;
 mod options;
-mod pool;
-mod preferences;
 mod presolve;
-pub mod qr;
-mod random;
 mod reduction;
-mod refresh;
 mod report;
-mod rounding;
-mod scale;
-mod sensitivity;
-mod sweep;
-mod system;
 
-pub use analysis::{Analysis, AnalysisError, PresolveStatistics, Timings, analyse};
-pub use certificate::Because;
-pub use changing::{ChangeError, ChangingSystem, EquationId, SolvedBlock};
-pub use classify::{Dependent, Kind};
-pub use confidence::Confidence;
-pub use meant::{Meant, NearDependent};
+pub use change::changing::{ChangeError, ChangingSystem, EquationId, SolvedBlock};
+pub use change::refresh::{RefreshError, Refreshed, Refresher};
+pub use diagnosis::analysis::{Analysis, AnalysisError, PresolveStatistics, Timings, analyse};
+pub use diagnosis::certificate::Because;
+pub use diagnosis::classify::{Dependent, Kind};
+pub use diagnosis::confidence::Confidence;
+pub use diagnosis::exact;
+pub use diagnosis::meant::{Meant, NearDependent};
+pub use factor::qr;
+pub use input::preferences::Preferences;
+pub use input::rounding::Ignored;
+pub use input::system::{ConstraintSystem, Csr, Place, SystemBuilder, SystemError};
 pub use options::{BackendChoice, OptionError, Options, Tolerance};
-pub use preferences::Preferences;
 pub use reduction::{FactoredBlock, Form, Parts, Reduction, ReductionError};
-pub use refresh::{RefreshError, Refreshed, Refresher};
 pub use report::{
     BackendUsed, Certificate, Counts, DependentEquation, ExactDifference, ExactFinding, FactoredSizes,
     GeneratedCondition, IgnoredCoefficient, InputSizes, MeantFinding, Milliseconds, NearEquation, Omitted,
     ReductionSizes, Report, Term, Unmet,
 };
-pub use rounding::Ignored;
-pub use system::{ConstraintSystem, Csr, Place, SystemBuilder, SystemError};
 
 /// The examples of the README, as tests.
 #[cfg(doctest)]

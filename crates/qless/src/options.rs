@@ -1,7 +1,7 @@
 //! What a caller can choose, with its default.
 
-use crate::preferences::Preferences;
-use crate::qr::{Backend, BackendError};
+use crate::factor::qr::{Backend, BackendError};
+use crate::input::preferences::Preferences;
 
 /// How small is zero.
 ///
@@ -53,11 +53,11 @@ impl BackendChoice {
     /// [`BackendError::NotCompiledIn`] for `Spqr` without the feature.
     pub fn get(self, memory: usize) -> Result<Box<dyn Backend>, BackendError> {
         match self {
-            Self::Auto | Self::Faer => Ok(Box::new(crate::qr::choice::DenseOrSparse::new(memory))),
-            Self::Sparse => Ok(Box::new(crate::qr::sparse::Sparse { memory })),
-            Self::Gauss => Ok(Box::new(crate::qr::gauss::Gauss { memory })),
+            Self::Auto | Self::Faer => Ok(Box::new(crate::factor::qr::choice::DenseOrSparse::new(memory))),
+            Self::Sparse => Ok(Box::new(crate::factor::qr::sparse::Sparse { memory })),
+            Self::Gauss => Ok(Box::new(crate::factor::qr::gauss::Gauss { memory })),
             #[cfg(feature = "spqr")]
-            Self::Spqr => Ok(Box::new(crate::qr::spqr::Spqr::on(0))),
+            Self::Spqr => Ok(Box::new(crate::factor::qr::spqr::Spqr::on(0))),
             #[cfg(not(feature = "spqr"))]
             Self::Spqr => Err(BackendError::NotCompiledIn { backend: "spqr" }),
         }

@@ -13,8 +13,8 @@ use std::collections::VecDeque;
 
 use super::gather::Gathered;
 use super::rows::{Entry, Row, bound};
-use crate::components::components;
-use crate::scale::ldexp;
+use crate::input::components::components;
+use crate::input::scale::ldexp;
 
 /// A row whose remaining part is smaller than this, relative to what went into it, is no pivot.
 pub(crate) const SUSPECT: f64 = 1e-3;

@@ -3,8 +3,8 @@
 use std::collections::HashSet;
 
 use super::rows::Row;
-use crate::local::Local;
-use crate::scale::{Scaling, ldexp};
+use crate::input::numbering::Local;
+use crate::input::scale::{Scaling, ldexp};
 
 /// Rows for elimination.
 pub(crate) struct Gathered {

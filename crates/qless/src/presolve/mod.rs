@@ -3,6 +3,7 @@
 //! [`peel`] takes column singletons without touching a coefficient; [`eliminate`] takes what else can go
 //! without fill. The rest is the core, for the backend.
 
+pub(crate) mod basis;
 pub(crate) mod eliminate;
 pub(crate) mod gather;
 pub(crate) mod peel;

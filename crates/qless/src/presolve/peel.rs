@@ -7,10 +7,10 @@
 
 use std::hint::select_unpredictable;
 
-use crate::basis::Basis;
-use crate::local::{Column, Local};
-use crate::preferences::Wishes;
-use crate::scale::{Scaling, ldexp};
+use crate::input::numbering::{Column, Local};
+use crate::input::preferences::Wishes;
+use crate::input::scale::{Scaling, ldexp};
+use crate::presolve::basis::Basis;
 
 /// Rows that found their slave, in the order found, and the others.
 pub(crate) struct Peeled {

@@ -5,12 +5,12 @@
 
 use super::{Reduction, ReductionError};
 use crate::Csr;
-use crate::block::lu;
-use crate::block::solver::Solver;
-use crate::components::Labels;
-use crate::local::Local;
-use crate::qr::BackendError;
-use crate::scale::{Scaling, ldexp};
+use crate::factor::lu;
+use crate::factor::qr::BackendError;
+use crate::factor::solver::Solver;
+use crate::input::components::Labels;
+use crate::input::numbering::Local;
+use crate::input::scale::{Scaling, ldexp};
 
 /// What each DOF is.
 #[derive(Clone, Copy)]
@@ -46,7 +46,7 @@ pub(super) fn compute(
     let mut rows = vec![None; reduction.slaves.len()];
     for equations in equations {
         let part = Part::new(local, &equations, &roles, scaling);
-        let order = crate::qr::sparse::order(&part.slaves)?;
+        let order = crate::factor::qr::sparse::order(&part.slaves)?;
         let lu = lu::factor(&part.slaves, &order, |_| true, memory)
             .map_err(|error| error.of_block("sparse LU", &part.slaves, memory))?;
         let solver = Solver::new(&part.slaves, lu);

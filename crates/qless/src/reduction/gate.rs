@@ -7,11 +7,11 @@
 use rayon::prelude::*;
 
 use super::{Reduction, ReductionError};
-use crate::components::Labels;
-use crate::local::Local;
-use crate::pool::WORTH_A_THREAD;
-use crate::random::randoms;
-use crate::scale::{Scaling, ldexp};
+use crate::common::pool::WORTH_A_THREAD;
+use crate::common::random::randoms;
+use crate::input::components::Labels;
+use crate::input::numbering::Local;
+use crate::input::scale::{Scaling, ldexp};
 
 /// Largest relative residual with which a reduction may leave.
 pub(crate) const LIMIT: f64 = 1e-10;

@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 
 use super::exchange::Exchange;
 use super::rows::Relation;
-use crate::preferences::Wishes;
+use crate::input::preferences::Wishes;
 
 /// A slave with this part of the steepest coefficient may take its place.
 const NEARLY: f64 = 0.5;

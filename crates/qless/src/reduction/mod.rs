@@ -1,20 +1,22 @@
 //! `u_s = T u_q + G u_p + g` (Eq. 23-26): slaves by masters, prescribed DOFs and a constant.
 
 mod again;
+pub(crate) mod block;
 mod exchange;
 mod factored;
 pub(crate) mod gate;
 mod growth;
+mod of_analysis;
 mod order;
 mod output;
 mod rows;
 mod wishes;
 
-use crate::basis::Basis;
-use crate::local::Local;
-use crate::preferences::{Preferences, Wishes};
-use crate::qr::BackendError;
-use crate::scale::Scaling;
+use crate::factor::qr::BackendError;
+use crate::input::numbering::Local;
+use crate::input::preferences::{Preferences, Wishes};
+use crate::input::scale::Scaling;
+use crate::presolve::basis::Basis;
 use crate::{ConstraintSystem, Csr};
 
 pub use factored::{FactoredBlock, Parts};

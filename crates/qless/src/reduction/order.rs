@@ -4,8 +4,8 @@
 //! and no two threads write to the same memory, so that the result is the same for any number of them.
 
 use crate::Csr;
-use crate::ahead::{BATCH, IN_CACHE};
-use crate::pool::WORTH_A_THREAD;
+use crate::common::pool::WORTH_A_THREAD;
+use crate::common::prefetch::{BATCH, IN_CACHE};
 
 /// Where each row goes.
 pub(super) struct Order<'a> {

@@ -6,7 +6,7 @@
 use super::Reduction;
 use super::order::{Order, Slab, slabs};
 use super::rows::Relation;
-use crate::pool::{each, gather};
+use crate::common::pool::{each, gather};
 use crate::{ConstraintSystem, Csr};
 
 pub(super) fn write(system: &ConstraintSystem, relation: &Relation) -> Reduction {

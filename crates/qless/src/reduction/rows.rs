@@ -3,8 +3,8 @@
 //! A slave whose equation names no other slave needs none: its row is the basis' own, which is not copied.
 
 use super::Basics;
-use crate::basis::{Basis, Row};
-use crate::local::Local;
+use crate::input::numbering::Local;
+use crate::presolve::basis::{Basis, Row};
 
 /// Entries below this, relative to the largest part that went into them, are rounding.
 const NOISE: f64 = 1e-14;

@@ -6,7 +6,7 @@
 
 use super::exchange::Exchange;
 use super::rows::Relation;
-use crate::preferences::{Wish, Wishes};
+use crate::input::preferences::{Wish, Wishes};
 
 /// Entries below this, relative to the largest of their row, are too small to divide by.
 const SMALL: f64 = 1e-8;

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::Report;
-use crate::exact::{ExactRank, PartRank, Reading};
+use crate::diagnosis::exact::{ExactRank, PartRank, Reading};
 use crate::{Analysis, ConstraintSystem, Kind};
 
 /// An [`ExactRank`] beside the analysis.

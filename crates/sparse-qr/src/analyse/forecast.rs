@@ -65,7 +65,7 @@ fn summed(fronts: &Fronts, flops: &[f64], shapes: &[Shape]) -> Vec<f64> {
 
 /// Columns of what a front leaves, and for each row where in them it begins.
 #[derive(Default)]
-struct Left {
+struct Remainder {
     columns: Vec<u32>,
     lead: Vec<u32>,
 }
@@ -73,7 +73,7 @@ struct Left {
 struct Run {
     shapes: Vec<Shape>,
     flops: Vec<f64>,
-    left: Vec<Left>,
+    left: Vec<Remainder>,
     place: Vec<u32>,
     columns: Vec<u32>,
     begins: Vec<usize>,
@@ -82,7 +82,7 @@ struct Run {
 impl Run {
     fn new(symbolic: &Symbolic) -> Self {
         let count = symbolic.fronts.len();
-        let left = (0..count).map(|_| Left::default()).collect();
+        let left = (0..count).map(|_| Remainder::default()).collect();
         Self {
             shapes: Vec::with_capacity(count),
             flops: Vec::with_capacity(count),
@@ -97,7 +97,8 @@ impl Run {
         let (from, end, outer) = symbolic.front_columns(f);
         let pivots = (end - from) as usize;
         let children = symbolic.fronts.children.list(f);
-        let below: Vec<Left> = children.iter().map(|&child| std::mem::take(&mut self.left[child as usize])).collect();
+        let below: Vec<Remainder> =
+            children.iter().map(|&child| std::mem::take(&mut self.left[child as usize])).collect();
         self.mark(symbolic, f, &below);
         let Self { place, columns, begins, .. } = self;
         columns.clear();
@@ -120,7 +121,7 @@ impl Run {
     }
 
     /// Marks the columns that some row of the front reaches.
-    fn mark(&mut self, symbolic: &Symbolic, f: usize, below: &[Left]) {
+    fn mark(&mut self, symbolic: &Symbolic, f: usize, below: &[Remainder]) {
         let rows = symbolic.front_rows(f);
         let (from, to) = (symbolic.pattern.start[rows.start], symbolic.pattern.start[rows.end]);
         symbolic.pattern.index[from..to].iter().for_each(|&column| self.place[column as usize] = 0);
@@ -129,7 +130,7 @@ impl Run {
 }
 
 /// The elimination of a front whose column k has `begins[k]` rows that begin there.
-fn eliminated(begins: &[usize], columns: &[u32], pivots: usize) -> (Shape, f64, Left) {
+fn eliminated(begins: &[usize], columns: &[u32], pivots: usize) -> (Shape, f64, Remainder) {
     let cols = columns.len();
     let (mut stair, mut g, mut flops) = (0, 0, 0.0);
     let mut shape = Shape { cols, ..Shape::default() };
@@ -155,5 +156,5 @@ fn eliminated(begins: &[usize], columns: &[u32], pivots: usize) -> (Shape, f64, 
     shape.left_rows = lead.len();
     shape.left_cols = if lead.is_empty() { 0 } else { cols - first };
     shape.left_entries = lead.iter().map(|&k| shape.left_cols - k as usize).sum();
-    (shape, flops, Left { columns: columns[first..].to_vec(), lead })
+    (shape, flops, Remainder { columns: columns[first..].to_vec(), lead })
 }

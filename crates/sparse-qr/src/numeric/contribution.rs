@@ -2,7 +2,7 @@
 
 /// The rows of a front behind its pivotal ones, for its parent.
 #[derive(Default)]
-pub(crate) struct Left {
+pub(crate) struct ContributionBlock {
     /// Columns (positions), ascending.
     pub columns: Vec<u32>,
     /// For each row the index in `columns` at which it begins; ascending, 0 first.

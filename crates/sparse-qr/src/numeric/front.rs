@@ -6,7 +6,7 @@ mod read;
 use pulp::Arch;
 
 use super::Numbers;
-use super::contribution::{Left, Out};
+use super::contribution::{ContributionBlock, Out};
 use super::ledger::Ledger;
 use crate::Error;
 use crate::analyse::{Shape, front_bytes};
@@ -15,7 +15,7 @@ use crate::pattern::NONE;
 use crate::symbolic::Symbolic;
 
 /// What one task needs beside the fronts; reused from front to front.
-pub(super) struct Bench<'a> {
+pub(super) struct Workspace<'a> {
     symbolic: &'a Symbolic,
     numbers: &'a Numbers<'a>,
     ledger: &'a Ledger,
@@ -29,7 +29,7 @@ pub(super) struct Bench<'a> {
     work: Work,
 }
 
-impl<'a> Bench<'a> {
+impl<'a> Workspace<'a> {
     pub fn new(symbolic: &'a Symbolic, numbers: &'a Numbers<'a>, ledger: &'a Ledger) -> Self {
         let place = vec![NONE; symbolic.cols];
         let (columns, stair, next, values) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
@@ -38,7 +38,7 @@ impl<'a> Bench<'a> {
     }
 
     /// Assembles and eliminates front f.
-    pub fn front(&mut self, f: usize, children: Vec<Left>) -> Result<(Left, Out), Error> {
+    pub fn front(&mut self, f: usize, children: Vec<ContributionBlock>) -> Result<(ContributionBlock, Out), Error> {
         let rows = self.symbolic.front_rows(f).len() + children.iter().map(|left| left.lead.len()).sum::<usize>();
         if rows == 0 {
             return Ok(Default::default());
@@ -61,6 +61,6 @@ impl<'a> Bench<'a> {
 }
 
 /// The bytes that were booked for it.
-fn held(left: &Left) -> usize {
+fn held(left: &ContributionBlock) -> usize {
     8 * left.values.len() + 4 * (left.columns.len() + left.lead.len())
 }

@@ -9,8 +9,8 @@ use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
 use super::Numbers;
-use super::contribution::{Left, Out};
-use super::front::Bench;
+use super::contribution::{ContributionBlock, Out};
+use super::front::Workspace;
 use super::ledger::Ledger;
 use crate::Error;
 use crate::pattern::NONE;
@@ -24,7 +24,7 @@ const SHARE: f64 = 1.0 / 128.0;
 /// What a front has left behind.
 #[derive(Default)]
 struct Slot {
-    left: Left,
+    left: ContributionBlock,
     out: Out,
 }
 
@@ -126,11 +126,11 @@ impl Tasks<'_> {
 
     /// Fronts one after the other.
     fn sequence(&self, ranges: &[Range<u32>]) -> Result<(), Error> {
-        let mut bench = Bench::new(self.symbolic, self.numbers, self.ledger);
+        let mut workspace = Workspace::new(self.symbolic, self.numbers, self.ledger);
         for f in ranges.iter().cloned().flatten() {
             let left = |child: &u32| std::mem::take(&mut self.slot(*child).left);
             let children = self.children(f).iter().map(left).collect();
-            let (left, out) = bench.front(f as usize, children)?;
+            let (left, out) = workspace.front(f as usize, children)?;
             *self.slot(f) = Slot { left, out };
         }
         Ok(())

@@ -5,12 +5,12 @@
 use super::FactoredBlock;
 use super::finishing::candidates;
 use crate::Csr;
-use crate::block::lu::{self, LuError};
-use crate::block::solver::Solver;
-use crate::local::Local;
-use crate::qr::BackendError;
+use crate::factor::lu::{self, LuError};
+use crate::factor::qr::BackendError;
+use crate::factor::solver::Solver;
+use crate::input::numbering::Local;
+use crate::input::scale::ldexp;
 use crate::reduction::Basics;
-use crate::scale::ldexp;
 
 /// With a bound of growth from here on slaves are looked for near by first: that takes the least time, and T can be large.
 const LOOSE: f64 = 1e3;
@@ -91,7 +91,7 @@ impl<'a> Part<'a> {
         for _ in 0..ROUNDS {
             // L has no rows for DOFs that are masters in any case.
             let rows = only(&self.free, &may);
-            let order = crate::qr::sparse::order(&rows)?;
+            let order = crate::factor::qr::sparse::order(&rows)?;
             let lu = match lu::factor(&rows, &order, |j| may[j], basics.memory) {
                 Ok(lu) => lu,
                 Err(LuError::Dependent) => return Ok(None),
@@ -115,7 +115,7 @@ impl<'a> Part<'a> {
     /// Of the DOFs that may be slaves those that are steepest in the user's units, in which T is bounded.
     fn prefer(&self, may: &mut [bool], basics: &Basics) -> Result<(), BackendError> {
         let rows = only(&self.plain(basics), may);
-        let order = crate::qr::sparse::order(&rows)?;
+        let order = crate::factor::qr::sparse::order(&rows)?;
         match lu::factor(&rows, &order, |j| may[j], basics.memory) {
             Ok(lu) => {
                 may.fill(false);
@@ -138,7 +138,7 @@ impl<'a> Part<'a> {
             let exponent = |k: usize| -basics.scaling.col(self.dofs[plain.col[k] as usize] as usize);
             let values: Vec<f64> = range.clone().map(|k| ldexp(plain.val[k], exponent(k))).collect();
             let largest = values.iter().fold(f64::MIN_POSITIVE, |most: f64, v| most.max(v.abs()));
-            range.zip(values).for_each(|(k, v)| plain.val[k] = ldexp(v, -crate::scale::exponent(largest)));
+            range.zip(values).for_each(|(k, v)| plain.val[k] = ldexp(v, -crate::input::scale::exponent(largest)));
         }
         plain
     }

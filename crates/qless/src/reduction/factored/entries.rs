@@ -6,8 +6,8 @@
 use rayon::prelude::*;
 
 use super::FactoredBlock;
-use crate::qr::largest_place;
-use crate::random::signed;
+use crate::common::random::signed;
+use crate::factor::qr::largest_place;
 
 /// Starts of the search for the largest entry.
 const STARTS: u64 = 4;

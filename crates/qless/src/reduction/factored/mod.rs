@@ -10,8 +10,8 @@ mod parts;
 pub(crate) mod predict;
 
 use crate::Csr;
-use crate::block::solver::Solver;
-use crate::scale::ldexp;
+use crate::factor::solver::Solver;
+use crate::input::scale::ldexp;
 
 pub(crate) use choose::factor;
 pub use parts::Parts;

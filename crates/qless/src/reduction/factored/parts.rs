@@ -5,7 +5,7 @@
 
 use super::FactoredBlock;
 use crate::Csr;
-use crate::scale::ldexp;
+use crate::input::scale::ldexp;
 
 /// The factors of a [`FactoredBlock`]; see [`FactoredBlock::parts`].
 #[derive(Clone, Debug)]

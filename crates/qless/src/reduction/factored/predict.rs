@@ -1,8 +1,8 @@
 //! How many nonzeros T would have, part by part, before any of it is formed.
 
-use crate::basis::Basis;
-use crate::components::Labels;
-use crate::local::Local;
+use crate::input::components::Labels;
+use crate::input::numbering::Local;
+use crate::presolve::basis::Basis;
 
 /// What is known of a connected part.
 #[derive(Clone, Copy, Default)]

@@ -1,12 +1,12 @@
-//! Rows of A and of the children's leavings to their places, sorted by first column.
+//! Rows of A and of the children's contribution blocks to their places, sorted by first column.
 
-use super::super::contribution::Left;
-use super::Bench;
+use super::super::contribution::ContributionBlock;
+use super::Workspace;
 use crate::Error;
 
-impl Bench<'_> {
+impl Workspace<'_> {
     /// The columns that the front has, with their places; how many are pivotal.
-    pub(super) fn find_columns(&mut self, f: usize, children: &[Left]) -> usize {
+    pub(super) fn find_columns(&mut self, f: usize, children: &[ContributionBlock]) -> usize {
         let symbolic = self.symbolic;
         let (from, end, outer) = symbolic.front_columns(f);
         let rows = symbolic.front_rows(f);
@@ -23,7 +23,7 @@ impl Bench<'_> {
     }
 
     /// `stair[k]`: rows that begin at or before column k; `next[k]`: the first of those that begin at it.
-    pub(super) fn sort_rows(&mut self, f: usize, children: &[Left]) {
+    pub(super) fn sort_rows(&mut self, f: usize, children: &[ContributionBlock]) {
         let symbolic = self.symbolic;
         let Self { place, stair, next, .. } = self;
         stair.clear();
@@ -43,7 +43,7 @@ impl Bench<'_> {
         }
     }
 
-    pub(super) fn assemble(&mut self, f: usize, rows: usize, children: &[Left]) -> Result<(), Error> {
+    pub(super) fn assemble(&mut self, f: usize, rows: usize, children: &[ContributionBlock]) -> Result<(), Error> {
         let length = rows * (self.columns.len() + self.numbers.count);
         self.values.clear();
         if self.values.capacity() < length {
@@ -72,7 +72,7 @@ impl Bench<'_> {
         }
     }
 
-    fn add_left(&mut self, left: &Left, rows: usize) {
+    fn add_left(&mut self, left: &ContributionBlock, rows: usize) {
         let Self { place, next, values, columns, .. } = self;
         let take = |&at: &u32| {
             let slot = &mut next[place[left.columns[at as usize] as usize] as usize];

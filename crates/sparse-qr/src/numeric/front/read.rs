@@ -1,14 +1,14 @@
 //! Rows of R, rows for the parent, rows that are done.
 
-use super::super::contribution::{Left, Out, pack, pack_rows, packed_len};
+use super::super::contribution::{ContributionBlock, Out, pack, pack_rows, packed_len};
 use super::super::scaled_norm;
-use super::Bench;
+use super::Workspace;
 use crate::Error;
 use crate::analyse::{Shape, out_bytes, waiting_bytes};
 
-impl Bench<'_> {
+impl Workspace<'_> {
     /// Splits the eliminated front into rows of R, rows for the parent and rows that are done.
-    pub(super) fn read(&mut self, f: usize, rows: usize, pivots: usize) -> Result<(Left, Out), Error> {
+    pub(super) fn read(&mut self, f: usize, rows: usize, pivots: usize) -> Result<(ContributionBlock, Out), Error> {
         let (cols, count) = (self.columns.len(), self.numbers.count);
         let lead = &self.work.lead[..];
         let rank = lead.partition_point(|&k| (k as usize) < pivots);
@@ -27,14 +27,14 @@ impl Bench<'_> {
         Ok((self.left(rows, rank)?, out))
     }
 
-    fn left(&self, rows: usize, rank: usize) -> Result<Left, Error> {
+    fn left(&self, rows: usize, rank: usize) -> Result<ContributionBlock, Error> {
         let lead = &self.work.lead[rank..];
-        let Some(&first) = lead.first() else { return Ok(Left::default()) };
+        let Some(&first) = lead.first() else { return Ok(ContributionBlock::default()) };
         let (cols, count) = (self.columns.len(), self.numbers.count);
         let mut values = self.ledger.reserve(packed_len(cols, lead, count))?;
         pack(&self.values, rows, cols, rank, lead, &mut values);
         let columns = self.columns[first as usize..].to_vec();
-        Ok(Left { columns, lead: lead.iter().map(|k| k - first).collect(), values })
+        Ok(ContributionBlock { columns, lead: lead.iter().map(|k| k - first).collect(), values })
     }
 }
 

@@ -1,0 +1,255 @@
+//! New b and u_p for the same C: `g = u_s - T u_q` for any u with `C u = b` and `u_p = 0`, without a new factorization.
+//!
+//! ```text
+//! analyse, reduction  ->  T, G     once
+//! Analysis::refresher ->  Refresher: the square matrices of the blocks' slaves, factored     once
+//! Refresher::refresh  ->  g, redundant or conflicting, fixed values     for each b and u_p, O(nnz)
+//! ```
+//!
+//! T, G, the slaves and the independent equations depend on C only and stay as they are, to the last bit.
+
+mod replay;
+mod square;
+
+use crate::diagnosis::classify::{Dependent, Kind, Source};
+use crate::factor::qr::BackendError;
+use crate::input::numbering::Local;
+use crate::input::scale::ldexp;
+use crate::presolve::eliminate::Mismatch;
+use crate::reduction::gate;
+use crate::{Analysis, ConstraintSystem, Reduction, ReductionError};
+use replay::Replay;
+use square::Square;
+
+/// A constant that cancels to within this, relative to its parts, is rounding.
+const NOISE: f64 = 1e-14;
+
+/// Makes g and the kinds of the equations for new right-hand sides. Made by [`Analysis::refresher`].
+pub struct Refresher<'a> {
+    analysis: &'a Analysis,
+    system: &'a ConstraintSystem,
+    /// The coefficients of the slaves of the peeled equations.
+    pivots: Vec<f64>,
+    squares: Vec<Square>,
+}
+
+/// What depends on the right-hand side, beside g.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Refreshed {
+    /// What each equation is; length m. Which are independent never changes.
+    pub kinds: Vec<Kind>,
+    /// For each of [`Analysis::dependent`]: `b_k - sum c_i b_i` in the units of the equation, prescribed DOFs moved into b.
+    pub mismatches: Vec<f64>,
+    /// Free DOFs that the equations fix, and their values; ascending.
+    pub generated: Vec<(usize, f64)>,
+}
+
+/// Why a right-hand side was refused. The reduction is left as it was.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum RefreshError {
+    /// A list of the wrong length.
+    #[error("{what} has {found} numbers; {expected} are needed")]
+    WrongLength {
+        /// Which list.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// The length that it must have.
+        expected: usize,
+    },
+    /// The new g does not meet the equations, or leaves the range of doubles.
+    #[error(transparent)]
+    Reduction(#[from] ReductionError),
+    /// A number that is not finite.
+    #[error("{what}: number {place} (from 0) is {value}; give a finite number")]
+    NotFinite {
+        /// Which list.
+        what: &'static str,
+        /// Where in the list.
+        place: usize,
+        /// The number.
+        value: f64,
+    },
+}
+
+impl Analysis {
+    /// Prepares for new right-hand sides of `system`, the one analysed.
+    ///
+    /// [`Analysis::reduction`] takes g from the b that was analysed, whatever system it is given; this is the way to another.
+    ///
+    /// ```
+    /// use qless::{Kind, Options, SystemBuilder, analyse};
+    /// let mut builder = SystemBuilder::new(2);
+    /// builder.equation([(0, 1.0), (1, -1.0)], 0.0);
+    /// builder.equation([(0, 2.0), (1, -2.0)], 0.0);
+    /// let system = builder.build()?;
+    /// let analysis = analyse(&system, &Options::default())?;
+    /// let mut reduction = analysis.reduction(&system)?;
+    /// let refresher = analysis.refresher(&system)?;
+    /// // A gap of 0.5 in one equation contradicts the other ...
+    /// let refreshed = refresher.refresh(&[0.5, 0.0], &[], &mut reduction)?;
+    /// assert!(refreshed.kinds.contains(&Kind::Conflicting));
+    /// // ... and in both it does not.
+    /// let refreshed = refresher.refresh(&[0.5, 1.0], &[], &mut reduction)?;
+    /// assert!(!refreshed.kinds.contains(&Kind::Conflicting));
+    /// let u = reduction.expand(&[2.0], &[]);
+    /// assert!((u[0] - u[1] - 0.5).abs() < 1e-15);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`BackendError`] if a block needs more memory than [`crate::Options::memory`] allows.
+    pub fn refresher<'a>(&'a self, system: &'a ConstraintSystem) -> Result<Refresher<'a>, BackendError> {
+        let local = self.numbering.view(system, system.rhs());
+        let peeled = self.basis.peeled.iter().zip(self.basis.slaves());
+        let pivots = peeled.map(|(&row, &slave)| local.coefficient(row as usize, slave)).collect();
+        let square = |(block, kept)| Square::new(block, kept, &self.scaling, self.options.memory);
+        let squares: Result<_, _> = self.blocks.iter().zip(&self.basis.blocks).map(square).collect();
+        Ok(Refresher { analysis: self, system, pivots, squares: squares? })
+    }
+}
+
+impl Refresher<'_> {
+    /// Writes g for b = `rhs` (length m) into a reduction of the same analysis; `prescribed` are the values of u_p, in the order
+    /// of [`ConstraintSystem::prescribed`].
+    ///
+    /// # Errors
+    /// [`RefreshError`].
+    pub fn refresh(
+        &self,
+        rhs: &[f64],
+        prescribed: &[f64],
+        reduction: &mut Reduction,
+    ) -> Result<Refreshed, RefreshError> {
+        check("the right-hand side", rhs, self.system.equations())?;
+        check("the list of prescribed values", prescribed, self.system.prescribed().len())?;
+        let agreeing;
+        let mut replay = Replay::new(self, rhs, prescribed);
+        let dependent = &self.analysis.dependent;
+        let found: Vec<Dependent> = dependent.iter().map(|d| self.classify(d, &replay)).collect();
+        // As in the analysis: equations given up for ones that they contradict leave no trace in the constants.
+        let given = dependent.iter().map(|d| matches!(d.source, Source::Given(_)));
+        let overruled = found.iter().zip(given).filter(|(d, given)| *given && d.kind == Kind::Conflicting);
+        let excess: Vec<_> = overruled.map(|(d, _)| (d.row, d.mismatch)).collect();
+        if !excess.is_empty() {
+            let mut lowered = rhs.to_vec();
+            excess.iter().for_each(|&(row, excess)| lowered[row] -= excess);
+            agreeing = lowered;
+            replay = Replay::new(self, &agreeing, prescribed);
+        }
+        self.write(&replay, reduction)?;
+        let mut kinds = vec![Kind::Independent; rhs.len()];
+        found.iter().for_each(|d| kinds[d.row] = d.kind);
+        let mismatches = found.iter().map(|d| d.mismatch).collect();
+        Ok(Refreshed { kinds, mismatches, generated: self.generated(&replay, prescribed) })
+    }
+
+    fn local(&self) -> Local<'_> {
+        self.analysis.numbering.view(self.system, self.system.rhs())
+    }
+
+    /// A dependent equation with its new mismatch, without its certificate.
+    fn classify(&self, d: &Dependent, replay: &Replay) -> Dependent {
+        let rest = match &d.source {
+            Source::Traced(row, because) => {
+                let mut rest = replay.row(*row).effective;
+                because.iter().for_each(|&(i, y)| rest.subtract(y, replay.row(i).effective));
+                rest.scaled(-self.analysis.scaling.row[d.row])
+            }
+            Source::Given(because) => {
+                let mut rest: Mismatch = replay.of_user(d.row);
+                because.iter().for_each(|term| rest.subtract(term.coefficient, replay.of_user(term.row)));
+                rest
+            }
+        };
+        Dependent::new(d.row, rest, d.dropped, Source::Given(Vec::new()), self.analysis.options.tolerance.value())
+    }
+
+    /// The constant of each row that presolve made.
+    fn constants(&self, replay: &Replay) -> Vec<f64> {
+        let (basis, scaling) = (&self.analysis.basis, &self.analysis.scaling);
+        let peeled = basis.peeled.iter().zip(&self.pivots).map(|(&row, pivot)| replay.rhs[row as usize] / pivot);
+        let mut constants: Vec<f64> = peeled.collect();
+        for (s, step) in replay.steps.iter().enumerate() {
+            let t = basis.peeled.len() + s;
+            constants.push(ldexp(step.rhs / basis.pivot_of_step(s), scaling.col(basis.slave(t) as usize)));
+        }
+        constants
+    }
+
+    /// u in local numbers, with zero or the given values of prescribed DOFs; masters are zero.
+    fn complete(&self, replay: &Replay, given: Option<&[f64]>) -> Vec<f64> {
+        let (basis, local) = (&self.analysis.basis, self.local());
+        let mut u = vec![0.0; local.dofs()];
+        if let Some(given) = given {
+            local.prescribed_places().for_each(|(l, place)| u[l] = given[place]);
+        }
+        for (square, kept) in self.squares.iter().zip(&basis.blocks) {
+            let side = |&row: &u32| {
+                let side = replay.row(row);
+                if given.is_some() { side.effective.value } else { side.rhs }
+            };
+            square.solve(kept.rows.iter().map(side).collect(), &mut u);
+        }
+        basis.complete_with(local, &self.constants(replay), &mut u);
+        u
+    }
+
+    /// `g = u_s - T u_q`, which must pass the gate; else the old g stays.
+    fn write(&self, replay: &Replay, reduction: &mut Reduction) -> Result<(), RefreshError> {
+        let old = reduction.g.clone();
+        let sides = self.put(replay, reduction);
+        let local = self.analysis.numbering.view(self.system, replay.rhs);
+        let found = gate::residuals_of_g(local, reduction, &self.analysis.independent(), &self.analysis.scaling);
+        gate::pass(&found, reduction).inspect_err(|_| {
+            reduction.g = old;
+            reduction.factored.iter_mut().zip(sides).for_each(|(block, side)| block.rhs = side);
+        })?;
+        Ok(())
+    }
+
+    /// Returns the right-hand sides that factored blocks had before.
+    fn put(&self, replay: &Replay, reduction: &mut Reduction) -> Vec<Vec<f64>> {
+        let mut u = vec![0.0; self.system.dofs()];
+        let local = self.complete(replay, None);
+        local.iter().zip(&self.analysis.numbering.dofs).for_each(|(&v, &j)| u[j as usize] = v);
+        for (i, &slave) in reduction.slaves.iter().enumerate() {
+            let (mut sum, mut size) = (u[slave], u[slave].abs());
+            for (q, v) in reduction.t.row(i) {
+                let part = v * u[reduction.masters[q]];
+                sum -= part;
+                size = size.max(part.abs());
+            }
+            reduction.g[i] = if sum.abs() > NOISE * size { sum } else { 0.0 };
+        }
+        let mut old = Vec::new();
+        for block in &mut reduction.factored {
+            old.push(block.set_rhs(replay.rhs, &self.analysis.scaling.row));
+            for (slave, g) in block.slaves.iter().zip(block.constants()) {
+                let place = reduction.slaves.binary_search(slave);
+                place.into_iter().for_each(|place| reduction.g[place] = g);
+            }
+        }
+        old
+    }
+
+    fn generated(&self, replay: &Replay, prescribed: &[f64]) -> Vec<(usize, f64)> {
+        let fixed = &self.analysis.fixed;
+        if fixed.is_empty() {
+            return Vec::new();
+        }
+        let u = self.complete(replay, Some(prescribed));
+        let named = self.analysis.generated.iter().zip(fixed);
+        named.map(|(&(dof, _), &l)| (dof, u[l as usize])).collect()
+    }
+}
+
+fn check(what: &'static str, numbers: &[f64], expected: usize) -> Result<(), RefreshError> {
+    if numbers.len() != expected {
+        return Err(RefreshError::WrongLength { what, found: numbers.len(), expected });
+    }
+    match numbers.iter().position(|v| !v.is_finite()) {
+        Some(place) => Err(RefreshError::NotFinite { what, place, value: numbers[place] }),
+        None => Ok(()),
+    }
+}

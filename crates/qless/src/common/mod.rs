@@ -1,0 +1,5 @@
+//! What every stage uses.
+
+pub mod pool;
+pub mod prefetch;
+pub mod random;

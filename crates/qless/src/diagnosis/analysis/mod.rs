@@ -1,0 +1,174 @@
+//! What an analysis says of a constraint system, and what can be asked of it afterwards.
+
+mod run;
+mod stages;
+
+use std::collections::BTreeMap;
+use std::sync::OnceLock;
+use std::time::Duration;
+
+use crate::diagnosis::certificate::{Because, History};
+use crate::diagnosis::classify::{Dependent, Kind, Source};
+use crate::diagnosis::confidence::Confidence;
+use crate::diagnosis::generated::{self, Explainer};
+use crate::diagnosis::wanted::add;
+use crate::factor::block::Block;
+use crate::factor::qr::{Backend, BackendError};
+use crate::input::numbering::Numbering;
+use crate::input::scale::Scaling;
+use crate::presolve::basis::Basis;
+use crate::{ConstraintSystem, Ignored, OptionError, Options};
+
+pub use run::analyse;
+
+/// Why an analysis could not be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum AnalysisError {
+    /// A setting out of its range.
+    #[error(transparent)]
+    Option(#[from] OptionError),
+    /// The backend failed.
+    #[error(transparent)]
+    Backend(#[from] BackendError),
+    /// An equation whose coefficients are all below 2.2e-308, where doubles lose their digits.
+    #[error(
+        "row {row}: its coefficients are all below 2.2e-308, where numbers lose their digits; rescale the equation"
+    )]
+    Subnormal {
+        /// The equation, 0-based.
+        row: usize,
+    },
+    /// Numbers so large or so small that the scaled right-hand side leaves the range of doubles.
+    #[error(
+        "row {row}: its right-hand side is too large for its coefficients (ratio beyond 1e308); rescale the equation"
+    )]
+    Range {
+        /// The equation, 0-based.
+        row: usize,
+    },
+}
+
+/// How much work presolve saved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct PresolveStatistics {
+    /// Equations taken out with a DOF that occurs in no other (column singletons).
+    pub rows_removed_by_column_singletons: usize,
+    /// Equations taken out by elimination without fill (row singletons, two-term rows, DOFs in two rows).
+    pub rows_removed_by_elimination: usize,
+    /// Equations found dependent before any factorization (empty rows included).
+    pub rows_found_dependent: usize,
+    /// Equations left for the backend.
+    pub core_rows: usize,
+    /// Free DOFs in them.
+    pub core_dofs: usize,
+    /// Number of blocks.
+    pub blocks: usize,
+    /// Rows of the largest block.
+    pub largest_block: usize,
+}
+
+/// Time spent in each stage.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Timings {
+    /// Scaling and presolve.
+    pub presolve: Duration,
+    /// The backend, with everything that follows from its factors.
+    pub factor: Duration,
+    /// Classification and generated boundary conditions.
+    pub classify: Duration,
+}
+
+/// The diagnosis of a constraint system.
+pub struct Analysis {
+    /// What each equation is; length m.
+    pub kinds: Vec<Kind>,
+    /// Redundant and conflicting equations, ascending by row.
+    pub dependent: Vec<Dependent>,
+    /// Free DOFs that the equations fix, and their values; ascending.
+    pub generated: Vec<(usize, f64)>,
+    /// Equations of [`crate::Preferences::equations`] that are dependent on other such equations only, ascending.
+    pub unmet_equations: Vec<usize>,
+    /// How sure the rank is.
+    pub confidence: Confidence,
+    /// Coefficients that are rounding of their equations, from which nothing was concluded; ascending by row.
+    pub ignored: Vec<Ignored>,
+    /// What presolve did.
+    pub presolve: PresolveStatistics,
+    /// Time spent.
+    pub timings: Timings,
+    /// Name and version of the backend.
+    pub backend: (&'static str, String),
+    pub(crate) options: Options,
+    pub(crate) basis: Basis,
+    /// Of the rows of T, as [`crate::diagnosis::samples::Sweep::bounds`] has them.
+    pub(crate) bounds: Vec<f64>,
+    pub(crate) blocks: Vec<Block>,
+    pub(crate) history: History,
+    pub(crate) scaling: Scaling,
+    /// b as analysed, less what equations that were given up for others contradict.
+    pub(crate) rhs: Vec<f64>,
+    pub(crate) numbering: Numbering,
+    /// Local numbers of [`Analysis::generated`].
+    pub(crate) fixed: Vec<u32>,
+    times: OnceLock<Vec<u32>>,
+    /// The basis with the rows of the blocks, made when they are wanted.
+    pub(crate) solved: OnceLock<Basis>,
+}
+
+impl Analysis {
+    /// Rank of the free part of C, which is the number of slaves.
+    pub fn rank(&self) -> usize {
+        self.basis.rank()
+    }
+
+    /// Why an equation is dependent: `row_k = sum c_i row_i` over its free DOFs, ascending by row.
+    ///
+    /// The promise is relative to the parts: for every free DOF j, in its own unit, `|row_kj - sum c_i row_ij|` is at most
+    /// `1e-11 / confidence.sigma_kept` of the largest part `|c_i row_il|` of the certificate, whatever the sizes of equations.
+    pub fn because(&self, dependent: &Dependent) -> Vec<Because> {
+        dependent.source.explain(&self.history)
+    }
+
+    /// Why a DOF of [`Analysis::generated`] is fixed: `e_s = sum c_i row_i` over the free DOFs; empty for any other DOF.
+    ///
+    /// # Errors
+    /// [`BackendError`] if the block of the DOF cannot be factored again.
+    pub fn because_fixed(&self, system: &ConstraintSystem, dof: usize) -> Result<Vec<Because>, BackendError> {
+        let Ok(place) = self.generated.binary_search_by_key(&dof, |&(j, _)| j) else { return Ok(Vec::new()) };
+        let backend: Box<dyn Backend> = self.options.backend.get(self.options.memory)?;
+        let explainer = Explainer {
+            system: self.numbering.view(system, system.rhs()),
+            basis: &self.basis,
+            blocks: &self.blocks,
+            history: &self.history,
+            scaling: &self.scaling,
+            backend: backend.as_ref(),
+            time: self.times.get_or_init(|| generated::times(&self.basis, self.numbering.dofs.len())),
+        };
+        explainer.because(self.fixed[place]).map(|terms| self.over_kept(terms))
+    }
+
+    /// Replaces equations that were given up for others by their certificates.
+    fn over_kept(&self, terms: Vec<Because>) -> Vec<Because> {
+        let given =
+            |row: usize| match &self.dependent[self.dependent.binary_search_by_key(&row, |d| d.row).ok()?].source {
+                Source::Given(because) => Some(because),
+                Source::Traced(..) => None,
+            };
+        if !terms.iter().any(|term| given(term.row).is_some()) {
+            return terms;
+        }
+        let mut sum = BTreeMap::new();
+        for Because { row, coefficient } in terms {
+            match given(row) {
+                Some(parts) => parts.iter().for_each(|part| add(&mut sum, part.row, coefficient * part.coefficient)),
+                None => add(&mut sum, row, coefficient),
+            }
+        }
+        sum.into_iter().map(|(row, coefficient)| Because { row, coefficient }).collect()
+    }
+
+    pub(crate) fn independent(&self) -> Vec<bool> {
+        self.kinds.iter().map(|&kind| kind == Kind::Independent).collect()
+    }
+}

@@ -1,0 +1,103 @@
+//! `row_k = sum_i c_i row_i`: why an equation is dependent, in the equations as the user gave them.
+//!
+//! Presolve subtracted steps from rows, and steps are rows from which earlier steps were subtracted. A certificate is
+//! found by undoing that from the last step to the first. If the kept rows are independent it is the only one, and its
+//! support is the smallest set of kept equations that explains the row.
+
+use std::collections::BTreeMap;
+
+use crate::input::scale::ldexp;
+
+/// One term of a certificate: `coefficient` times the equation `row` (0-based).
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Because {
+    /// A kept equation.
+    pub row: usize,
+    /// Its coefficient.
+    pub coefficient: f64,
+}
+
+/// A sum that cancels to within this, relative to its largest part, is zero.
+const NOISE: f64 = 1e-11;
+
+/// How rows were changed on the way to the blocks.
+pub(crate) struct History {
+    /// Row of the user for each row that went through elimination.
+    pub rows: Vec<u32>,
+    /// For each of them, the steps subtracted and the factors.
+    pub factors: Vec<Vec<(u32, f64)>>,
+    /// For each step, the index of its row.
+    pub steps: Vec<u32>,
+    /// Exponents of the row scaling, by row of the user.
+    pub exponents: Vec<i32>,
+}
+
+/// A sum and the largest part that went into it.
+#[derive(Clone, Copy, Default)]
+struct Sum {
+    value: f64,
+    size: f64,
+}
+
+impl Sum {
+    fn add(&mut self, part: f64) {
+        self.value += part;
+        self.size = self.size.max(part.abs());
+    }
+
+    fn is_zero(self) -> bool {
+        self.value.abs() <= NOISE * self.size
+    }
+}
+
+impl History {
+    /// The certificate of row `k`, given how it depends on rows of its block (`because`, empty outside blocks).
+    pub fn certificate(&self, k: u32, because: &[(u32, f64)]) -> Vec<Because> {
+        let mut rows: BTreeMap<u32, Sum> = BTreeMap::new();
+        let mut steps: BTreeMap<u32, Sum> = BTreeMap::new();
+        for &(i, y) in because {
+            rows.entry(i).or_default().add(y);
+            self.undo(i, -y, &mut steps);
+        }
+        self.undo(k, 1.0, &mut steps);
+        self.expand(rows, steps, self.exponents[self.rows[k as usize] as usize])
+    }
+
+    /// The combination of equations that is made of the given amounts of steps and of rows of a block; `exponent` is the
+    /// row scaling of what the combination gives.
+    pub fn combination(&self, steps: &[(u32, f64)], block: &[(u32, f64)], exponent: i32) -> Vec<Because> {
+        let mut rows: BTreeMap<u32, Sum> = BTreeMap::new();
+        let mut sums: BTreeMap<u32, Sum> = BTreeMap::new();
+        steps.iter().for_each(|&(t, w)| sums.entry(t).or_default().add(w));
+        for &(i, y) in block {
+            rows.entry(i).or_default().add(y);
+            self.undo(i, -y, &mut sums);
+        }
+        self.expand(rows, sums, exponent)
+    }
+
+    /// Adds `weight` times what was subtracted from row i.
+    fn undo(&self, i: u32, weight: f64, steps: &mut BTreeMap<u32, Sum>) {
+        for &(step, factor) in &self.factors[i as usize] {
+            steps.entry(step).or_default().add(weight * factor);
+        }
+    }
+
+    /// Steps become rows, the last first.
+    fn expand(&self, mut rows: BTreeMap<u32, Sum>, mut steps: BTreeMap<u32, Sum>, exponent: i32) -> Vec<Because> {
+        while let Some((step, sum)) = steps.pop_last() {
+            if !sum.is_zero() {
+                let row = self.steps[step as usize];
+                rows.entry(row).or_default().add(sum.value);
+                self.undo(row, -sum.value, &mut steps);
+            }
+        }
+        let unscaled = |(&i, sum): (&u32, &Sum)| {
+            let row = self.rows[i as usize] as usize;
+            Because { row, coefficient: ldexp(sum.value, self.exponents[row] - exponent) }
+        };
+        let mut terms: Vec<_> = rows.iter().filter(|(_, sum)| !sum.is_zero()).map(unscaled).collect();
+        terms.sort_unstable_by_key(|term| term.row);
+        terms
+    }
+}

@@ -1,0 +1,143 @@
+//! Generated boundary conditions: free DOFs that the equations fix to a value (section 2.2, Figure 6).
+//!
+//! DOF s is fixed iff it does not move in any vector of the null space of the free part of C. Two random ones tell this without T:
+//! u_s is then zero to rounding, and for any other s with probability zero only.
+
+use std::collections::{BTreeMap, HashSet};
+
+use crate::diagnosis::certificate::{Because, History};
+use crate::diagnosis::samples::{Inverse, Keys, Sample, sweep};
+use crate::factor::block::Block;
+use crate::factor::block::dependent::NO_PIVOT;
+use crate::factor::qr::{Backend, BackendError};
+use crate::input::numbering::Local;
+use crate::input::scale::{Scaling, ldexp};
+use crate::presolve::basis::{Basis, Part};
+
+/// A sum of parts that cancels to within this, relative to the parts, is zero.
+const NOISE: f64 = 1e-11;
+
+/// Fixed DOFs, ascending by the user's numbers.
+#[derive(Default)]
+pub(crate) struct Generated {
+    /// The user's numbers and the values.
+    pub values: Vec<(usize, f64)>,
+    /// The local numbers.
+    pub dofs: Vec<u32>,
+}
+
+/// Those of `fixed` that move with no other random masters either, ascending by the user's numbers, and their values
+/// `G u_p + g`.
+pub(crate) fn find(
+    mut fixed: Vec<u32>,
+    system: Local,
+    basis: &Basis,
+    history: &History,
+    scaling: &Scaling,
+    keys: &Keys,
+) -> Generated {
+    if fixed.is_empty() {
+        return Generated::default();
+    }
+    let again: HashSet<u32> =
+        sweep(system, basis, history, scaling, keys, Sample::Second, Inverse::Bound).still.into_iter().collect();
+    fixed.retain(|j| again.contains(j));
+    let mut u = vec![0.0; system.dofs()];
+    system.prescribed().iter().for_each(|&(j, value)| u[j] = value);
+    for block in &basis.blocks {
+        let particular = block.dofs.iter().zip(&block.vectors.particular);
+        particular.for_each(|(&j, &x)| u[j as usize] = ldexp(x, scaling.col(j as usize)));
+    }
+    basis.complete(system, &mut u);
+    let named = |&j: &u32| (system.numbering.dofs[j as usize] as usize, u[j as usize]);
+    fixed.sort_unstable_by_key(|&j| system.numbering.dofs[j as usize]);
+    Generated { values: fixed.iter().map(named).collect(), dofs: fixed }
+}
+
+/// What is left of `e_s` while equations are taken from it, by the time at which each DOF became a slave.
+struct Rest {
+    parts: BTreeMap<(u32, u32), f64>,
+}
+
+impl Rest {
+    fn add(&mut self, time: u32, dof: u32, value: f64) {
+        *self.parts.entry((time, dof)).or_default() += value;
+    }
+}
+
+/// Explains fixed DOFs: `e_s = sum_i c_i row_i` over the free DOFs.
+pub(crate) struct Explainer<'a> {
+    pub system: Local<'a>,
+    pub basis: &'a Basis,
+    pub blocks: &'a [Block],
+    pub history: &'a History,
+    pub scaling: &'a Scaling,
+    pub backend: &'a dyn Backend,
+    /// As [`times`] gives it.
+    pub time: &'a [u32],
+}
+
+/// The row of the basis that gives each DOF; for DOFs of blocks the number of the block, counted on from the rows; `u32::MAX` for
+/// other masters and prescribed DOFs.
+pub(crate) fn times(basis: &Basis, dofs: usize) -> Vec<u32> {
+    let mut time = vec![u32::MAX; dofs];
+    basis.slaves().iter().zip(0..).for_each(|(&slave, t)| time[slave as usize] = t);
+    for (block, t) in basis.blocks.iter().zip(basis.rows() as u32..) {
+        block.dofs.iter().for_each(|&j| time[j as usize] = t);
+    }
+    time
+}
+
+impl Explainer<'_> {
+    /// The equations that fix DOF s (local).
+    pub fn because(&self, s: u32) -> Result<Vec<Because>, BackendError> {
+        let mut rest = Rest { parts: BTreeMap::from([((self.time[s as usize], s), 1.0)]) };
+        let (mut own, mut of_steps, mut of_blocks) = (Vec::new(), Vec::new(), Vec::new());
+        while let Some((&(time, dof), &value)) = rest.parts.first_key_value() {
+            if time == u32::MAX {
+                break;
+            }
+            match self.basis.part(time as usize) {
+                Part::Block(block) => of_blocks.extend(self.take_block(&mut rest, block)?),
+                part => {
+                    rest.parts.pop_first();
+                    let t = time as usize;
+                    let terms = self.basis.row(self.system, t).entries();
+                    terms.for_each(|(j, v)| rest.add(self.time[j as usize], j, value * v));
+                    if part == Part::Peeled {
+                        let row = self.basis.peeled[t];
+                        let coefficient = value / self.system.coefficient(row as usize, dof);
+                        own.push(Because { row: row as usize, coefficient });
+                    } else {
+                        let step = t - self.basis.peeled.len();
+                        let pivot = ldexp(self.basis.pivot_of_step(step), -self.scaling.col(dof as usize));
+                        of_steps.push((step as u32, value / pivot));
+                    }
+                }
+            }
+        }
+        own.extend(self.history.combination(&of_steps, &of_blocks, 0));
+        own.retain(|term| term.coefficient != 0.0);
+        own.sort_unstable_by_key(|term| term.row);
+        Ok(own)
+    }
+
+    /// All that is left in one block at once: `C_kept^T y = rest`.
+    fn take_block(&self, rest: &mut Rest, k: usize) -> Result<Vec<(u32, f64)>, BackendError> {
+        let (block, solved) = (&self.blocks[k], &self.basis.blocks[k]);
+        let mut right = vec![0.0; block.dofs.len()];
+        for (position, &dof) in block.dofs.iter().enumerate() {
+            if let Some(value) = rest.parts.remove(&(self.time[dof as usize], dof)) {
+                right[position] = ldexp(value, self.scaling.col(dof as usize));
+            }
+        }
+        let mut columns = crate::Csr::empty(block.dofs.len());
+        let kept: Vec<usize> = solved.rows.iter().filter_map(|row| block.rows.binary_search(row).ok()).collect();
+        kept.iter().for_each(|&i| columns.push_row(block.matrix.row(i)));
+        let factor = self.backend.factor(&columns, &right, NO_PIVOT)?;
+        let y = factor.solve(&factor.rhs);
+        let largest = y.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
+        let terms = y.iter().zip(&factor.order).filter(|(v, _)| v.abs() > NOISE * largest);
+        Ok(terms.map(|(v, &i)| (block.rows[kept[i]], ldexp(*v, block.exponents[kept[i]]))).collect())
+    }
+}

@@ -1,0 +1,211 @@
+//! `C^T = [L11; L21] U`, rows in the order of the slaves: sparse LU of independent equations (Gilbert and Peierls 1988).
+//!
+//! Column k of L and U is an equation. Of what is left of it after the equations before, a largest DOF becomes its slave, so that
+//! `|L_ij|` is bounded by `1 / THRESHOLD` and with it, in practice, `T^T = -L21 L11^-1`: slaves are well-conditioned because they were
+//! looked for among all DOFs of the equation, not because they come first. O(operations on numbers that are not zero).
+
+use crate::Csr;
+use crate::factor::qr::BackendError;
+
+/// A slave is at least this fraction of the largest DOF in what is left of its equation.
+const THRESHOLD: f64 = 0.9;
+
+/// What is less than this part of the largest number of an equation, after the elimination, is rounding.
+const ROUNDING: f64 = f64::EPSILON / 2.0;
+
+/// Which DOFs are slaves, and the factors of their columns. Steps count equations in the order of the elimination.
+#[derive(Clone, Debug)]
+pub(crate) struct Lu {
+    /// DOF of each step.
+    pub slaves: Vec<u32>,
+    /// Equation of each step.
+    pub order: Vec<u32>,
+    /// L11 without its diagonal of ones, by rows.
+    pub l: Csr,
+    /// U without its diagonal, by rows.
+    pub u: Csr,
+    /// The diagonal of U.
+    pub diagonal: Vec<f64>,
+}
+
+/// Why there are no factors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum LuError {
+    /// An equation has no DOF left: it depends on those before, or its DOFs may not be slaves.
+    Dependent,
+    /// More memory than this many bytes.
+    Memory(usize),
+}
+
+impl LuError {
+    /// The same for the caller of the library; `memory` is the limit.
+    pub fn of_block(self, backend: &'static str, rows: &Csr, memory: usize) -> BackendError {
+        let (rows, cols) = (rows.rows(), rows.cols);
+        match self {
+            Self::Memory(needed) => BackendError::OverLimit { backend, rows, cols, needed, limit: memory },
+            Self::Dependent => {
+                let message = format!("the slaves of a block of {rows} x {cols} are not independent");
+                BackendError::Failed { backend, message }
+            }
+        }
+    }
+}
+
+const NONE: u32 = u32::MAX;
+
+struct Work<'a> {
+    equations: &'a Csr,
+    /// Number of equations of each DOF; [`NONE`] for those that may not be slaves.
+    count: Vec<u32>,
+    step_of: Vec<u32>,
+    /// Columns of L without the diagonal: DOFs and numbers.
+    start: Vec<usize>,
+    dofs: Vec<u32>,
+    values: Vec<f64>,
+    /// U by columns.
+    upper: Csr,
+    slaves: Vec<u32>,
+    diagonal: Vec<f64>,
+    /// The equation worked on, by DOF.
+    x: Vec<f64>,
+    /// The last step that reached each DOF.
+    seen: Vec<u32>,
+    /// DOFs reached, those that change others before them.
+    reached: Vec<u32>,
+    stack: Vec<(u32, usize)>,
+}
+
+/// Factors `equations` (r x n, independent) in an `order` that fills little; slaves are chosen among the DOFs for which `may` holds.
+/// At most `memory` bytes.
+pub(crate) fn factor(
+    equations: &Csr,
+    order: &[usize],
+    may: impl Fn(usize) -> bool,
+    memory: usize,
+) -> Result<Lu, LuError> {
+    let n = equations.cols;
+    let mut count = vec![0; n];
+    equations.col.iter().for_each(|&j| count[j as usize] += 1);
+    (0..n).filter(|&j| !may(j)).for_each(|j| count[j] = NONE);
+    let mut work = Work {
+        equations,
+        count,
+        step_of: vec![NONE; n],
+        start: vec![0],
+        dofs: Vec::new(),
+        values: Vec::new(),
+        upper: Csr::empty(order.len()),
+        slaves: Vec::with_capacity(order.len()),
+        diagonal: Vec::with_capacity(order.len()),
+        x: vec![0.0; n],
+        seen: vec![NONE; n],
+        reached: Vec::new(),
+        stack: Vec::new(),
+    };
+    for (k, &equation) in order.iter().enumerate() {
+        work.reach(k as u32, equation);
+        work.eliminate(k, equation)?;
+        // Numbers of L and U are held twice when rows are made of columns.
+        let bytes = 32 * (work.values.len() + work.upper.nnz());
+        if bytes > memory {
+            return Err(LuError::Memory(bytes));
+        }
+    }
+    Ok(work.finish(order))
+}
+
+impl Work<'_> {
+    /// Lists the DOFs that the equation will hold, each after those that it changes.
+    fn reach(&mut self, k: u32, equation: usize) {
+        self.reached.clear();
+        for (j, _) in self.equations.row(equation) {
+            if self.seen[j] == k {
+                continue;
+            }
+            self.seen[j] = k;
+            self.stack.push((j as u32, 0));
+            while let Some((dof, next)) = self.stack.pop() {
+                let column = self.column(dof);
+                let rest = &self.dofs[column.start + next..column.end];
+                match rest.iter().position(|&child| self.seen[child as usize] != k) {
+                    Some(at) => {
+                        let child = rest[at];
+                        self.stack.push((dof, next + at + 1));
+                        self.seen[child as usize] = k;
+                        self.stack.push((child, 0));
+                    }
+                    None => self.reached.push(dof),
+                }
+            }
+        }
+    }
+
+    /// Where the column of L of a slave is; nothing for a master.
+    fn column(&self, dof: u32) -> std::ops::Range<usize> {
+        match self.step_of[dof as usize] {
+            NONE => 0..0,
+            step => self.start[step as usize]..self.start[step as usize + 1],
+        }
+    }
+
+    fn eliminate(&mut self, k: usize, equation: usize) -> Result<(), LuError> {
+        self.equations.row(equation).for_each(|(j, v)| self.x[j] = v);
+        let mut column = Vec::new();
+        let mut largest = 0.0_f64;
+        for at in (0..self.reached.len()).rev() {
+            let dof = self.reached[at];
+            let value = self.x[dof as usize];
+            largest = largest.max(value.abs());
+            if self.step_of[dof as usize] != NONE && value != 0.0 {
+                for place in self.column(dof) {
+                    self.x[self.dofs[place] as usize] -= self.values[place] * value;
+                }
+                column.push((self.step_of[dof as usize] as usize, value));
+            }
+        }
+        self.upper.push_row(column);
+        self.choose(k, ROUNDING * largest)
+    }
+
+    /// The slave of step k, and the column of L that it makes of what is left.
+    fn choose(&mut self, k: usize, rounding: f64) -> Result<(), LuError> {
+        let left = |&&dof: &&u32| self.step_of[dof as usize] == NONE;
+        let may = |&&dof: &&u32| self.count[dof as usize] != NONE;
+        let size = |dof: u32| self.x[dof as usize].abs();
+        let largest = self.reached.iter().filter(left).filter(may).fold(0.0, |most: f64, &dof| most.max(size(dof)));
+        let fit = self.reached.iter().filter(left).filter(may).filter(|&&dof| size(dof) >= THRESHOLD * largest);
+        let slave = fit.copied().min_by_key(|&dof| (self.count[dof as usize], dof));
+        let Some(slave) = slave.filter(|_| largest > 0.0) else { return Err(LuError::Dependent) };
+        let pivot = self.x[slave as usize];
+        for &dof in &self.reached {
+            let value = std::mem::take(&mut self.x[dof as usize]);
+            if self.step_of[dof as usize] == NONE && dof != slave && value.abs() > rounding {
+                self.dofs.push(dof);
+                self.values.push(value / pivot);
+            }
+        }
+        self.start.push(self.dofs.len());
+        self.step_of[slave as usize] = k as u32;
+        self.slaves.push(slave);
+        self.diagonal.push(pivot);
+        Ok(())
+    }
+
+    fn finish(self, order: &[usize]) -> Lu {
+        let mut columns = Csr::empty(order.len());
+        for k in 0..order.len() {
+            let places = self.start[k]..self.start[k + 1];
+            let of_slaves = places.filter(|&place| self.step_of[self.dofs[place] as usize] != NONE);
+            columns.push_row(
+                of_slaves.map(|place| (self.step_of[self.dofs[place] as usize] as usize, self.values[place])),
+            );
+        }
+        Lu {
+            slaves: self.slaves,
+            order: order.iter().map(|&i| i as u32).collect(),
+            l: columns.transpose(),
+            u: self.upper.transpose(),
+            diagonal: self.diagonal,
+        }
+    }
+}

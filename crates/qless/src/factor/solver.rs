@@ -1,0 +1,228 @@
+//! `C_S x = c` for many sparse c: `C_S = U^T L11^T` by [`super::lu`], with a step of refinement (Skeel 1980).
+//!
+//! The cost is that of the numbers that are there: sets of bits tell which, in order. What is rounding is dropped from each column.
+
+use rayon::prelude::*;
+
+use super::lu::Lu;
+use crate::Csr;
+
+/// Entries of a column below this, relative to its largest, are rounding.
+pub(crate) const NOISE: f64 = 1e-14;
+
+/// Numbers below this part of the largest of a column are not followed up: they decay without end.
+const FADED: f64 = 1e-19;
+
+/// The factors with the columns of the slaves.
+#[derive(Clone, Debug)]
+pub(crate) struct Solver {
+    lu: Lu,
+    /// C_S by columns: row k holds the equations (by step) of the slave of step k.
+    columns: Csr,
+    /// Step of each equation.
+    step: Vec<u32>,
+}
+
+/// Numbers by step, most of them zero; which are not is told by bits.
+struct Sparse {
+    values: Vec<f64>,
+    bits: Vec<u64>,
+}
+
+impl Sparse {
+    fn new(length: usize) -> Self {
+        Self { values: vec![0.0; length], bits: vec![0; length.div_ceil(64)] }
+    }
+
+    #[inline]
+    fn add(&mut self, k: usize, value: f64) {
+        self.values[k] += value;
+        self.bits[k / 64] |= 1 << (k % 64);
+    }
+
+    fn largest(&self) -> f64 {
+        let mut largest = 0.0_f64;
+        self.visit(|_, value| largest = largest.max(value.abs()));
+        largest
+    }
+
+    fn visit(&self, mut visit: impl FnMut(usize, f64)) {
+        for (word, &bits) in self.bits.iter().enumerate() {
+            let mut bits = bits;
+            while bits != 0 {
+                let k = 64 * word + bits.trailing_zeros() as usize;
+                bits &= bits - 1;
+                visit(k, self.values[k]);
+            }
+        }
+    }
+
+    /// Takes the numbers out in ascending order; `next` may add later ones.
+    fn drain_up(&mut self, mut next: impl FnMut(&mut Self, usize, f64)) {
+        for word in 0..self.bits.len() {
+            while self.bits[word] != 0 {
+                let k = 64 * word + self.bits[word].trailing_zeros() as usize;
+                self.bits[word] &= self.bits[word] - 1;
+                let value = std::mem::take(&mut self.values[k]);
+                next(self, k, value);
+            }
+        }
+    }
+
+    /// The same in descending order; `next` may add earlier ones.
+    fn drain_down(&mut self, mut next: impl FnMut(&mut Self, usize, f64)) {
+        for word in (0..self.bits.len()).rev() {
+            while self.bits[word] != 0 {
+                let k = 64 * word + 63 - self.bits[word].leading_zeros() as usize;
+                self.bits[word] ^= 1 << (k % 64);
+                let value = std::mem::take(&mut self.values[k]);
+                next(self, k, value);
+            }
+        }
+    }
+}
+
+/// Arrays of one thread; empty between columns.
+struct Work {
+    right: Sparse,
+    y: Sparse,
+    x: Sparse,
+}
+
+impl Solver {
+    /// `equations` as they were factored.
+    pub fn new(equations: &Csr, lu: Lu) -> Self {
+        let r = lu.order.len();
+        let mut step = vec![0; r];
+        lu.order.iter().zip(0..).for_each(|(&i, k)| step[i as usize] = k);
+        let mut place = vec![u32::MAX; equations.cols];
+        lu.slaves.iter().zip(0..).for_each(|(&j, k)| place[j as usize] = k);
+        let mut rows = Csr::empty(r);
+        for &i in &lu.order {
+            let of_slaves = equations.row(i as usize).filter(|&(j, _)| place[j] != u32::MAX);
+            rows.push_row(of_slaves.map(|(j, v)| (place[j] as usize, v)));
+        }
+        Self { columns: rows.transpose(), step, lu }
+    }
+
+    /// The slaves, in the order of the columns of [`Solver::solve`].
+    pub fn slaves(&self) -> &[u32] {
+        &self.lu.slaves
+    }
+
+    /// Row k of the result is the solution for row k of `right`, which has an entry for each equation.
+    pub fn solve(&self, right: &Csr) -> Csr {
+        let r = self.lu.order.len();
+        let work = || Work { right: Sparse::new(r), y: Sparse::new(r), x: Sparse::new(r) };
+        let column = |work: &mut Work, k: usize| {
+            right.row(k).for_each(|(i, v)| work.right.add(self.step[i] as usize, v));
+            self.column(work)
+        };
+        let solved: Vec<Vec<(usize, f64)>> = (0..right.rows()).into_par_iter().map_init(work, column).collect();
+        let mut all = Csr::empty(r);
+        solved.into_iter().for_each(|column| all.push_row(column));
+        all
+    }
+
+    /// `x = C_S^-1 b` for one dense b (by equation), with a step of refinement; x is in the order of the slaves.
+    pub fn solve_dense(&self, b: &[f64]) -> Vec<f64> {
+        let mut rest = vec![0.0; b.len()];
+        self.step.iter().zip(b).for_each(|(&step, &b)| rest[step as usize] = b);
+        let mut x = self.once(rest.clone());
+        for (column, &x) in x.iter().enumerate() {
+            self.columns.row(column).for_each(|(equation, v)| rest[equation] -= v * x);
+        }
+        let correction = self.once(rest);
+        x.iter_mut().zip(correction).for_each(|(x, c)| *x += c);
+        x
+    }
+
+    /// `y = C_S^-T f` for one dense f (in the order of the slaves), with a step of refinement; y is by equation.
+    pub fn solve_transposed(&self, f: &[f64]) -> Vec<f64> {
+        let mut y = self.once_transposed(f.to_vec());
+        let left = |k: usize| f[k] - self.columns.row(k).map(|(equation, v)| v * y[equation]).sum::<f64>();
+        let correction = self.once_transposed((0..f.len()).map(left).collect());
+        y.iter_mut().zip(correction).for_each(|(y, c)| *y += c);
+        self.step.iter().map(|&step| y[step as usize]).collect()
+    }
+
+    /// `L11^-T U^-T x`.
+    fn once(&self, mut x: Vec<f64>) -> Vec<f64> {
+        for k in 0..x.len() {
+            x[k] /= self.lu.diagonal[k];
+            let value = x[k];
+            self.lu.u.row(k).for_each(|(later, v)| x[later] -= v * value);
+        }
+        for k in (0..x.len()).rev() {
+            let value = x[k];
+            self.lu.l.row(k).for_each(|(earlier, v)| x[earlier] -= v * value);
+        }
+        x
+    }
+
+    /// `U^-1 L11^-1 y`.
+    fn once_transposed(&self, mut y: Vec<f64>) -> Vec<f64> {
+        for k in 0..y.len() {
+            y[k] -= self.lu.l.row(k).map(|(earlier, v)| v * y[earlier]).sum::<f64>();
+        }
+        for k in (0..y.len()).rev() {
+            let sum: f64 = self.lu.u.row(k).map(|(later, v)| v * y[later]).sum();
+            y[k] = (y[k] - sum) / self.lu.diagonal[k];
+        }
+        y
+    }
+
+    /// Numbers of the factors.
+    pub fn nnz(&self) -> usize {
+        self.lu.l.nnz() + self.lu.u.nnz() + self.lu.diagonal.len()
+    }
+
+    /// The factors of `C_S = U^T L11^T`.
+    pub fn lu(&self) -> &Lu {
+        &self.lu
+    }
+
+    fn column(&self, work: &mut Work) -> Vec<(usize, f64)> {
+        self.refined(work);
+        let noise = NOISE * work.x.largest();
+        let mut out = Vec::new();
+        work.x.drain_up(|_, k, value| out.extend((value.abs() > noise).then_some((k, value))));
+        work.right.drain_up(|_, _, _| {});
+        out
+    }
+
+    /// `x = C_S^-1 right`, the second time for what the first has left.
+    fn refined(&self, work: &mut Work) {
+        self.add_solution(work);
+        self.subtract_product(work);
+        self.add_solution(work);
+    }
+
+    /// `x <- x + L11^-T U^-T right`; `right` stays.
+    fn add_solution(&self, Work { right, y, x }: &mut Work) {
+        let faded = FADED * right.largest().max(x.largest());
+        let mut upper = Sparse { values: std::mem::take(&mut y.values), bits: std::mem::take(&mut y.bits) };
+        let mut lower: Vec<(usize, f64)> = Vec::new();
+        right.visit(|k, value| upper.add(k, value));
+        upper.drain_up(|upper, k, value| {
+            if value.abs() > faded {
+                let value = value / self.lu.diagonal[k];
+                self.lu.u.row(k).for_each(|(later, v)| upper.add(later, -v * value));
+                lower.push((k, value));
+            }
+        });
+        lower.iter().for_each(|&(k, value)| upper.add(k, value));
+        upper.drain_down(|rest, k, value| {
+            if value.abs() > faded {
+                self.lu.l.row(k).for_each(|(earlier, v)| rest.add(earlier, -v * value));
+                x.add(k, value);
+            }
+        });
+        (y.values, y.bits) = (upper.values, upper.bits);
+    }
+
+    /// `right <- right - C_S x`.
+    fn subtract_product(&self, Work { right, x, .. }: &mut Work) {
+        x.visit(|k, value| self.columns.row(k).for_each(|(equation, v)| right.add(equation, -v * value)));
+    }
+}

@@ -1,0 +1,74 @@
+//! What the user wants of the choice of slaves and of kept equations.
+
+use std::collections::HashSet;
+
+use crate::input::numbering::Numbering;
+use crate::{ConstraintSystem, OptionError};
+
+/// Wishes that hold wherever the equations allow it; what they do not allow is reported
+/// ([`crate::Analysis::unmet_equations`], [`crate::Reduction::unmet_masters`], [`crate::Reduction::unmet_slaves`]).
+///
+/// Which sets of DOFs can be slaves is given by the rank alone, so that an exchange of a slave for a master, or of a kept
+/// equation for a dependent one, reaches every wish that can be met: what remains unmet cannot be met by any choice.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Preferences {
+    /// DOFs (0-based) that must not be slaves: loaded ones, interfaces to other codes. A free DOF that is fixed by the
+    /// equations, or that they express by other such DOFs only, is a slave all the same.
+    pub masters: Vec<usize>,
+    /// DOFs (0-based) preferred as slaves, as long as the bound of growth holds.
+    pub slaves: Vec<usize>,
+    /// Equations (0-based) to keep where a choice of the dependent ones is possible.
+    pub equations: Vec<usize>,
+}
+
+impl Preferences {
+    pub(crate) fn validate(&self, system: &ConstraintSystem) -> Result<(), OptionError> {
+        within("DOF", &self.masters, system.dofs())?;
+        within("DOF", &self.slaves, system.dofs())?;
+        within("equation", &self.equations, system.equations())?;
+        let masters: HashSet<_> = self.masters.iter().collect();
+        self.slaves.iter().find(|j| masters.contains(j)).map_or(Ok(()), |&j| Err(OptionError::Contradiction(j)))
+    }
+}
+
+fn within(what: &'static str, numbers: &[usize], count: usize) -> Result<(), OptionError> {
+    let outside = numbers.iter().find(|&&k| k >= count);
+    outside.map_or(Ok(()), |&found| Err(OptionError::Preference { what, found, count }))
+}
+
+/// How much a DOF is wanted as a slave.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Wish {
+    Master,
+    None,
+    Slave,
+}
+
+/// The wish for every local DOF.
+pub(crate) struct Wishes(Vec<Wish>);
+
+impl Wishes {
+    pub fn new(preferences: &Preferences, numbering: &Numbering, dofs: usize) -> Self {
+        if preferences.masters.is_empty() && preferences.slaves.is_empty() {
+            return Self(Vec::new());
+        }
+        let mut by_user = vec![Wish::None; dofs];
+        preferences.slaves.iter().for_each(|&j| by_user[j] = Wish::Slave);
+        preferences.masters.iter().for_each(|&j| by_user[j] = Wish::Master);
+        Self(numbering.dofs.iter().map(|&j| by_user[j as usize]).collect())
+    }
+
+    pub fn of(&self, dof: u32) -> Wish {
+        self.0.get(dof as usize).copied().unwrap_or(Wish::None)
+    }
+
+    /// Whether there is any.
+    pub fn any(&self) -> bool {
+        !self.0.is_empty()
+    }
+
+    /// Local DOFs with a wish.
+    pub fn with(&self, wish: Wish) -> impl Iterator<Item = u32> + '_ {
+        self.0.iter().zip(0..).filter(move |(w, _)| **w == wish).map(|(_, j)| j)
+    }
+}

@@ -1,0 +1,132 @@
+//! `C P = Q [R1 R2]` on independent rows: `u_s = -R1^-1 R2 u_q - R1^-1 Q^T C_p u_p + R1^-1 Q^T b` (Eq. 23-26).
+
+use super::large::{self, Large};
+use super::refine;
+use crate::Csr;
+use crate::factor::block::Block;
+use crate::factor::block::tableau::Tableau;
+use crate::factor::qr::faer::Faer;
+use crate::factor::qr::{Backend, BackendError, Factor, SMALL};
+use crate::factor::solver::NOISE;
+use crate::presolve::basis::Kept;
+use crate::presolve::basis::Solved;
+
+/// A row of T all below this many units in the last place times the condition is zero: the DOF is fixed ...
+const ZERO_UNITS: f64 = 8.0;
+/// ... but a larger entry than this is kept, however bad the condition.
+const ZERO_LIMIT: f64 = 1e-8;
+
+/// Column pivoting bounds T in practice; slaves are exchanged where it does not.
+const GROWTH: f64 = 4.0;
+
+/// Solves the kept rows of a block for their slaves; a sparse factorization may allocate `memory` bytes.
+pub(crate) fn solve(block: &Block, kept: &Kept, memory: usize) -> Result<Solved, BackendError> {
+    let zero = (ZERO_UNITS * f64::EPSILON / kept.nearness.sigma).clamp(NOISE, ZERO_LIMIT);
+    let rows: Vec<usize> = kept.rows.iter().filter_map(|row| block.rows.binary_search(row).ok()).collect();
+    let (r, n) = (rows.len(), block.matrix.cols);
+    if r.saturating_mul(n) > SMALL
+        && let Some(Large { slaves, masters, columns, constant }) = large::relation(block, &rows, &kept.order, memory)?
+    {
+        let relation = columns.transpose();
+        let relation = clean((0..r).map(|i| relation.row(i)), masters.len(), columns.rows(), zero);
+        return Ok(solved(block, &slaves, &masters, (relation, without_rounding(constant))));
+    }
+    let (columns, rhs) = kept_columns(block, &rows);
+    let factor = Faer.factor(&columns, &rhs, 0.0)?;
+    let tableau = relate(block, &rows, &factor)?;
+    let relation = sparse(&tableau, zero);
+    Ok(solved(block, &tableau.basic, &tableau.free, relation))
+}
+
+/// Which DOFs of a block may be slaves so that they are those of [`solve`]: all where sparse LU looks for them.
+pub(crate) fn may_be_slaves(block: &Block, kept: &Kept, memory: usize) -> Result<Vec<bool>, BackendError> {
+    if kept.rows.len().saturating_mul(block.matrix.cols) > SMALL {
+        return Ok(vec![true; block.dofs.len()]);
+    }
+    let slaves = solve(block, kept, memory)?.slaves;
+    Ok(block.dofs.iter().map(|j| slaves.contains(j)).collect())
+}
+
+fn solved(block: &Block, slaves: &[u32], masters: &[u32], (relation, constant): (Csr, Vec<f64>)) -> Solved {
+    let dof = |k: &u32| block.dofs[*k as usize];
+    Solved {
+        slaves: slaves.iter().map(dof).collect(),
+        others: masters.iter().map(dof).chain(block.prescribed.iter().copied()).collect(),
+        relation,
+        constant,
+    }
+}
+
+/// The relation that a factor gives, refined.
+fn relate(block: &Block, kept: &[usize], factor: &Factor) -> Result<Tableau, BackendError> {
+    let mut tableau = relation(block, factor);
+    tableau.limit(GROWTH);
+    // Of slaves that serve equally well, the earlier DOF, as an equation's first term is by habit.
+    tableau.prefer(|candidate, holder| candidate < holder);
+    refine::refine(block, kept, &mut tableau)?;
+    Ok(tableau)
+}
+
+/// The kept rows by columns, and `[C_p b]` of them, dense.
+fn kept_columns(block: &Block, kept: &[usize]) -> (Csr, Vec<f64>) {
+    let (r, k) = (kept.len(), block.prescribed.len());
+    let mut rhs = vec![0.0; r * (k + 1)];
+    for (position, &i) in kept.iter().enumerate() {
+        block.fixed.row(i).for_each(|(c, v)| rhs[c * r + position] = v);
+        rhs[k * r + position] = block.rhs[i];
+    }
+    (block.select(kept).transpose(), rhs)
+}
+
+/// `u_s` over masters, prescribed DOFs and the constant.
+fn relation(block: &Block, factor: &Factor) -> Tableau {
+    let (r, k) = (factor.rank, block.prescribed.len());
+    let masters = factor.coefficients();
+    let fixed: Vec<_> = (0..=k).map(|c| factor.solve(&factor.rhs[c * r..(c + 1) * r])).collect();
+    let width = masters.len() + k + 1;
+    let mut data = vec![0.0; r * width];
+    for i in 0..r {
+        let row = &mut data[i * width..(i + 1) * width];
+        masters.iter().chain(&fixed[..k]).enumerate().for_each(|(j, column)| row[j] = -column[i]);
+        row[width - 1] = fixed[k][i];
+    }
+    let position = |j: &usize| *j as u32;
+    Tableau {
+        basic: factor.order[..r].iter().map(position).collect(),
+        free: factor.order[r..].iter().map(position).collect(),
+        width,
+        data,
+    }
+}
+
+/// Splits the constant, without rounding, off.
+fn sparse(tableau: &Tableau, zero: f64) -> (Csr, Vec<f64>) {
+    let width = tableau.width - 1;
+    let rows = (0..tableau.basic.len()).map(|i| tableau.row(i)[..width].iter().copied().enumerate());
+    let constant = (0..tableau.basic.len()).map(|i| tableau.row(i)[width]).collect();
+    (clean(rows, tableau.free.len(), width, zero), without_rounding(constant))
+}
+
+/// Drops rounding, on the free and on the prescribed side, which are in units of their own.
+fn clean<R: Iterator<Item = (usize, f64)> + Clone>(
+    rows: impl Iterator<Item = R>,
+    masters: usize,
+    width: usize,
+    zero: f64,
+) -> Csr {
+    let mut relation = Csr::empty(width);
+    for row in rows {
+        let mut largest = [0.0_f64; 2];
+        row.clone()
+            .for_each(|(j, v)| largest[usize::from(j >= masters)] = largest[usize::from(j >= masters)].max(v.abs()));
+        let least = largest.map(|largest| if largest <= zero { zero } else { NOISE * largest });
+        relation.push_row(row.filter(|&(j, v)| v.abs() > least[usize::from(j >= masters)]));
+    }
+    relation
+}
+
+fn without_rounding(mut constant: Vec<f64>) -> Vec<f64> {
+    let largest = constant.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
+    constant.iter_mut().filter(|v| v.abs() <= NOISE * largest).for_each(|v| *v = 0.0);
+    constant
+}

@@ -1,0 +1,150 @@
+//! Reductions in factor form: the same solutions, the same bounds and the same bits as numbers, without T.
+
+mod support;
+
+use qless::{Analysis, ConstraintSystem, Csr, Form, Options, Reduction, SystemBuilder, analyse};
+use qless_scenes::families;
+use qless_scenes::fssi::{self, Level};
+
+/// A planted system, in mixed units and with a prescribed DOF for some seeds.
+fn planted(seed: u64) -> Option<ConstraintSystem> {
+    let (rows, more) = (5 + (seed % 40) as usize, (seed / 3 % 30) as usize);
+    let base = families::planted(rows, rows + more, (seed % 7) as usize, seed, false).ok()?.system;
+    let unit = |j: usize| [1.0, 1e-5, 7e4, 1.0, 3e2][if seed % 2 == 1 { (j * 7 + seed as usize) % 5 } else { 0 }];
+    let mut builder = SystemBuilder::new(base.dofs());
+    for i in 0..base.equations() {
+        builder.equation(base.matrix().row(i).map(|(j, v)| (j, v * unit(j))), base.rhs()[i]);
+    }
+    if seed.is_multiple_of(3) {
+        builder.prescribe(0, 0.5);
+    }
+    builder.build().ok()
+}
+
+fn diagnosed(system: &ConstraintSystem, growth: f64) -> Analysis {
+    analyse(system, &Options { growth, ..Options::default() }).expect("valid")
+}
+
+fn random(k: usize) -> f64 {
+    ((k * 7919 + 13) % 101) as f64 / 50.0 - 1.01
+}
+
+/// T by columns, all of it.
+fn t_of(reduction: &Reduction) -> Csr {
+    let mut columns = Csr::empty(reduction.slaves.len());
+    (0..reduction.masters.len()).for_each(|q| columns.push_row(reduction.column(q)));
+    columns.transpose()
+}
+
+/// `f . T x = x . T^T f`, columns and rows of T are those of its products, and none is above the bound.
+fn check(system: &ConstraintSystem, analysis: &Analysis, reduction: &Reduction, growth: f64, what: &str) {
+    assert!(analysis.residual(system, reduction) < 1e-12, "{what}");
+    let t = t_of(reduction);
+    let most = t.val.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+    assert!(most <= growth * (1.0 + 1e-6), "{what}: {most} in T");
+    let x: Vec<f64> = (0..reduction.masters.len()).map(random).collect();
+    let zero = vec![0.0; reduction.prescribed.len()];
+    let u = reduction.expand(&x, &zero);
+    let size = 1.0 + reduction.g.iter().fold(most, |most, g| most.max(g.abs()));
+    for (i, &slave) in reduction.slaves.iter().enumerate() {
+        let by_columns: f64 = t.row(i).map(|(q, v)| v * x[q]).sum();
+        let by_row: f64 = reduction.row(i).iter().map(|&(q, v)| v * x[q]).sum();
+        assert!((by_columns + reduction.g[i] - u[slave]).abs() < 1e-9 * size, "{what}: slave {slave}");
+        assert!((by_columns - by_row).abs() < 1e-9 * size, "{what}: row of slave {slave}");
+    }
+    let f: Vec<f64> = (0..reduction.slaves.len()).map(|i| random(i + 5)).collect();
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let (one, other) = (dot(&f, &t.times(&x)), dot(&x, &reduction.apply_transposed(&f)));
+    assert!((one - other).abs() < 1e-9 * size * f.len() as f64, "{what}: {one} and {other}");
+}
+
+#[test]
+fn factors_are_t_within_the_bound() {
+    let mut factored = 0;
+    for seed in 0..1200 {
+        let Some(system) = planted(seed) else { continue };
+        for growth in [1.5, 4.0] {
+            let analysis = diagnosed(&system, growth);
+            if analysis.confidence.ambiguous {
+                continue;
+            }
+            let reduction = analysis.reduction_in(&system, Form::Factored).expect("within the gate");
+            assert_eq!(reduction.slaves.len(), analysis.rank());
+            factored += usize::from(!reduction.is_explicit());
+            check(&system, &analysis, &reduction, growth, &format!("seed {seed}, growth {growth}"));
+        }
+    }
+    assert!(factored > 2000, "{factored} in factor form");
+}
+
+/// u from factors is a solution of the explicit form, and the other way round: both describe one space.
+#[test]
+fn both_forms_have_the_same_solutions() {
+    for seed in 0..400 {
+        let Some(system) = planted(2 * seed) else { continue };
+        let analysis = diagnosed(&system, 4.0);
+        let explicit = analysis.reduction(&system).expect("within the gate");
+        let factored = analysis.reduction_in(&system, Form::Factored).expect("within the gate");
+        let given = vec![0.25; factored.prescribed.len()];
+        for (a, b) in [(&explicit, &factored), (&factored, &explicit)] {
+            let x: Vec<f64> = (0..a.masters.len()).map(random).collect();
+            let u = a.expand(&x, &given);
+            let again = b.expand(&b.masters.iter().map(|&j| u[j]).collect::<Vec<_>>(), &given);
+            let size = u.iter().fold(1.0, |most: f64, v| most.max(v.abs()));
+            let off = u.iter().zip(&again).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(off < 1e-10 * size, "seed {seed}: {off:e}");
+        }
+    }
+}
+
+#[test]
+fn factors_take_new_right_hand_sides() {
+    for seed in 0..200 {
+        let Some(system) = planted(2 * seed) else { continue };
+        let analysis = diagnosed(&system, 4.0);
+        let mut reduction = analysis.reduction_in(&system, Form::Factored).expect("within the gate");
+        // A right-hand side that some u meets, so that nothing conflicts.
+        let u: Vec<f64> = (0..system.dofs()).map(random).collect();
+        let given: Vec<f64> = system.prescribed().iter().map(|&(j, _)| u[j]).collect();
+        let refresher = analysis.refresher(&system).expect("small");
+        refresher.refresh(&system.matrix().times(&u), &given, &mut reduction).expect("within the gate");
+        let again = reduction.expand(&reduction.masters.iter().map(|&j| u[j]).collect::<Vec<_>>(), &given);
+        let off = u.iter().zip(&again).map(|(a, b)| (a - b).abs() / (1.0 + a.abs())).fold(0.0, f64::max);
+        assert!(off < 1e-8 || analysis.confidence.ambiguous, "seed {seed}: {off:e}");
+    }
+}
+
+/// Bits do not depend on threads, nor on what stands beside.
+#[test]
+fn factors_are_the_same_bits_everywhere() {
+    let scene = fssi::mortar(&Level::P50.mesh(), 1).expect("a scene");
+    let applied = |system: &ConstraintSystem, threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(|| {
+            let reduction = diagnosed(system, 4.0).reduction_in(system, Form::Factored).expect("within the gate");
+            let x: Vec<f64> = reduction.masters.iter().map(|&j| random(j)).collect();
+            (reduction.expand(&x, &[]), reduction.slaves)
+        })
+    };
+    let alone = applied(&scene.system, 1);
+    assert_eq!(alone, applied(&scene.system, 3));
+    let beside = scene.beside(&families::rotations(30).expect("a scene")).expect("small");
+    let (u, slaves) = applied(&beside.system, 2);
+    assert_eq!(u[..alone.0.len()], alone.0);
+    assert_eq!(slaves[..alone.1.len()], alone.1);
+}
+
+/// T that would be dense stays a factor, and one that is sparse does not.
+#[test]
+fn what_is_dense_stays_a_factor() {
+    let windows = families::Windows { extent: [30, 30, 1], d: 1, window: 3, stride: 2, rows: 2, combos: 20 };
+    let dense = windows.scene(1).expect("a scene").system;
+    let analysis = diagnosed(&dense, 4.0);
+    let reduction = analysis.reduction_in(&dense, Form::Auto).expect("within the gate");
+    assert!(!reduction.is_explicit());
+    let numbers = analysis.reduction(&dense).expect("within the gate").t.nnz();
+    let block = &reduction.factored[0];
+    assert!(block.nnz() < numbers && block.predicted > 4 * block.nnz(), "{} and {numbers}", block.nnz());
+    let path = families::path(3000).expect("a scene").system;
+    assert!(diagnosed(&path, 4.0).reduction_in(&path, Form::Auto).expect("within the gate").is_explicit());
+}
