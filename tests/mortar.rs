@@ -6,6 +6,7 @@
 mod support;
 
 use qless::{BackendChoice, Kind, Options};
+use qless_scenes::families;
 use qless_scenes::fssi::{self, Level};
 use support::{check_certificates, check_reduction, diagnose};
 
@@ -45,4 +46,15 @@ fn a_reduction_meets_the_equations() {
     let residual = analysis.residual(&scene.system, &reduction);
     assert!(residual <= limit, "residual {residual:e}, limit {limit:e}");
     check_reduction(&scene.system, &analysis, &reduction, limit);
+}
+
+/// More numbers of certificates than are held at once: 1,253 equations over 15,621 others.
+#[test]
+fn many_redundant_equations_are_explained() {
+    let linkage = families::Linkage::with_bodies(3000, true);
+    let scene = linkage.scene(1).expect("a linkage");
+    let analysis = diagnose(&scene.system, &Options::default());
+    assert_eq!(Some(analysis.rank()), scene.truth.rank_free);
+    assert!(analysis.dependent.len() * analysis.rank() > 4_000_000);
+    check_certificates(&scene.system, &analysis);
 }

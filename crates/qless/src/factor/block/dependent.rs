@@ -25,6 +25,9 @@ const ROUNDING: f64 = 8.0;
 /// A row of which presolve left less than this is small as a whole.
 const SMALL_ROW: f64 = 1e-9;
 
+/// Numbers of certificates that are held at once.
+const MANY: usize = 4_000_000;
+
 /// The estimate of a smallest singular value is not above this times the value.
 const ESTIMATE: f64 = 10.0;
 
@@ -114,9 +117,32 @@ fn ordered_or_repaired(
     if choice.weakest.left <= means.tolerance && choice.near.distance < NEAR && !choice.triangle.rows.is_empty() {
         return repair(block, means, choice, dropped, order);
     }
+    if dropped.len().saturating_mul(choice.triangle.rows.len()) > MANY && choice.triangle.holds(&dropped) {
+        return Ok(many(block, &dropped, left, choice, order));
+    }
     let tableau = over_kept(block, &choice.triangle, &dropped);
     let (tableau, choice) = in_order(block, means, tableau, choice)?;
     Ok(rows(block, &tableau, left, choice, order))
+}
+
+/// As [`rows`], where certificates are too many numbers to be held at once: slab by slab, what is zero being left out. Which of
+/// equal equations is kept is what the factorization says.
+fn many(block: &Block, dropped: &[usize], left: f64, choice: Choice, order: Vec<usize>) -> Rows {
+    let Choice { near: nearness, triangle, .. } = choice;
+    let noise = (ROUNDING * f64::EPSILON / nearness.sigma).max(NOISE);
+    let dependent = triangle.factor.each_coefficients(|first, data| {
+        let some = Tableau {
+            basic: dropped[first..first + data.len()].iter().map(|&i| i as u32).collect(),
+            free: triangle.rows.iter().map(|&k| k as u32).collect(),
+            width: triangle.rows.len(),
+            data: data.concat(),
+        };
+        let of = |i: usize| dependent(block, &some, i, left, noise, nearness.sigma);
+        (0..some.basic.len()).map(of).collect::<Vec<_>>()
+    });
+    let mut kept = triangle.rows.clone();
+    kept.sort_unstable();
+    Rows { dependent: dependent.into_iter().flatten().collect(), kept, order, nearness, triangle }
 }
 
 /// The backend kept rows that are combinations of others to within the tolerance, as a QR without pivoting does where their
@@ -276,8 +302,8 @@ fn distance(rows: &Csr, kept: &[usize], sigma: f64, y: &[f64]) -> f64 {
 
 /// The dropped rows over the kept ones: `R1^-1 R2` where the factor holds them, otherwise least squares.
 fn over_kept(block: &Block, triangle: &Triangle, dropped: &[usize]) -> Tableau {
-    let holds = triangle.factor.order.len() == triangle.rows.len() + dropped.len();
-    let data = if holds { triangle.factor.coefficients() } else { triangle.certificates(block, dropped) };
+    let data =
+        if triangle.holds(dropped) { triangle.factor.coefficients() } else { triangle.certificates(block, dropped) };
     Tableau {
         basic: dropped.iter().map(|&i| i as u32).collect(),
         free: triangle.rows.iter().map(|&k| k as u32).collect(),

@@ -48,6 +48,11 @@ impl Triangle {
         Ok(Self { factor, rows })
     }
 
+    /// Whether the factor has columns for the rows that were dropped.
+    pub fn holds(&self, dropped: &[usize]) -> bool {
+        self.factor.order.len() == self.rows.len() + dropped.len()
+    }
+
     /// Rows of the block over the kept ones: least squares, one column of numbers for each row asked for, in the order of
     /// [`Triangle::rows`].
     pub fn certificates(&self, block: &Block, rows: &[usize]) -> Vec<Vec<f64>> {

@@ -38,16 +38,21 @@ impl Factor {
 
     /// `R1^-1 R2`, a vector of length r for each of the n - r dependent columns: how they are made of the others.
     pub fn coefficients(&self) -> Vec<Vec<f64>> {
+        self.each_coefficients(|_, some| some).into_iter().flatten().collect()
+    }
+
+    /// Does something with the same, slab by slab: the first place of each among the dependent columns, and its vectors.
+    pub(crate) fn each_coefficients<T: Send>(&self, job: impl Fn(usize, Vec<Vec<f64>>) -> T + Sync) -> Vec<T> {
         let columns = self.r.transpose();
         let of = |first: usize| {
             let count = WIDTH.min(columns.rows() - first);
             let mut slab = vec![[0.0; WIDTH]; self.rank];
             (0..count).for_each(|c| columns.row(first + c).for_each(|(i, v)| slab[i][c] = v));
             self.solve_slab(&mut slab);
-            (0..count).map(|c| slab.iter().map(|row| row[c]).collect()).collect::<Vec<Vec<f64>>>()
+            job(first - self.rank, (0..count).map(|c| slab.iter().map(|row| row[c]).collect()).collect())
         };
         let first: Vec<usize> = (self.rank..columns.rows()).step_by(WIDTH).collect();
-        first.into_par_iter().flat_map_iter(of).collect()
+        first.into_par_iter().map(of).collect()
     }
 
     /// Estimate of the smallest singular value of R1, from above, and its right singular vector: five steps of inverse iteration
