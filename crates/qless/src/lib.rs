@@ -1,7 +1,7 @@
 //! Constraints `C u = b` that a finite-element solver can trust.
 //!
-//! m linear equations on n DOFs, some DOFs prescribed: [`analyse`] says which equations are redundant or conflicting and
-//! why, and chooses slaves; [`Analysis::reduction`] gives `u_s = T u_q + G u_p + g` (Eq. 23-26). Equation and
+//! m linear equations on n DOFs, some DOFs prescribed: [`analyse`] says which equations are redundant or conflicting and why;
+//! [`Analysis::reduction`] chooses slaves and gives `u_s = T u_q + G u_p + g` (Eq. 23-26), as numbers or as factors. Equation and
 //! section numbers are those of the paper on over-constraints by Q-less sparse QR (Appl. Sci. 15 (2025) 13059).
 //!
 //! The way of the data, stage by stage: [`ConstraintSystem`] (validated), scaling by powers of two, presolve (what needs no
