@@ -134,6 +134,29 @@ fn factors_are_the_same_bits_everywhere() {
     assert_eq!(slaves[..alone.1.len()], alone.1);
 }
 
+/// The units of one part are none of another's.
+#[test]
+fn units_beside_change_no_bit() {
+    for seed in 0..300 {
+        let (Some(plain), Some(mixed)) = (planted(2 * seed), planted(2 * seed + 1)) else { continue };
+        let mut builder = SystemBuilder::new(plain.dofs() + mixed.dofs());
+        for (system, first) in [(&plain, 0), (&mixed, plain.dofs())] {
+            for i in 0..system.equations() {
+                builder.equation(system.matrix().row(i).map(|(j, v)| (first + j, v)), system.rhs()[i]);
+            }
+            system.prescribed().iter().for_each(|&(j, value)| builder.prescribe(first + j, value));
+        }
+        let both = builder.build().expect("two systems");
+        let solved = |system: &ConstraintSystem| {
+            let reduction = diagnosed(system, 4.0).reduction_in(system, Form::Factored).expect("within the gate");
+            reduction.expand(&vec![0.5; reduction.masters.len()], &vec![0.25; reduction.prescribed.len()])
+        };
+        let (all, own) = (solved(&both), [solved(&plain), solved(&mixed)].concat());
+        let bits = |u: &[f64]| u.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(&all), bits(&own), "seed {seed}");
+    }
+}
+
 /// T that would be dense stays a factor, and one that is sparse does not.
 #[test]
 fn what_is_dense_stays_a_factor() {

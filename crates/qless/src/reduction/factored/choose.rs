@@ -85,7 +85,7 @@ impl<'a> Part<'a> {
         predicted: usize,
         basics: &Basics,
     ) -> Result<Option<FactoredBlock>, BackendError> {
-        if !basics.scaling.col.is_empty() {
+        if self.is_scaled(basics) {
             self.prefer(&mut may, basics)?;
         }
         for _ in 0..ROUNDS {
@@ -127,10 +127,15 @@ impl<'a> Part<'a> {
         }
     }
 
+    /// Whether any of its columns is, whatever stands beside it.
+    fn is_scaled(&self, basics: &Basics) -> bool {
+        self.dofs.iter().any(|&j| basics.scaling.col(j as usize) != 0)
+    }
+
     /// The equations with columns in the user's units.
     fn plain(&self, basics: &Basics) -> Csr {
         let mut plain = self.free.clone();
-        if basics.scaling.col.is_empty() {
+        if !self.is_scaled(basics) {
             return plain;
         }
         for i in 0..plain.rows() {
