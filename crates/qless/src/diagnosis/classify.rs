@@ -40,8 +40,9 @@ pub struct Dependent {
 /// Where the certificate of a dependent equation comes from.
 #[derive(Clone, Debug)]
 pub(crate) enum Source {
-    /// Index of the row among those that went through elimination, and its certificate over rows of its block.
-    Traced(u32, Vec<(u32, f64)>),
+    /// Index of the row among those that went through elimination, its certificate over rows of its block, and by how many units in
+    /// the last place of the largest of them its coefficients may be off.
+    Traced(u32, Vec<(u32, f64)>, f64),
     /// The certificate itself.
     Given(Vec<Because>),
 }
@@ -49,7 +50,7 @@ pub(crate) enum Source {
 impl Source {
     pub fn explain(&self, history: &History) -> Vec<Because> {
         match self {
-            Self::Traced(row, because) => history.certificate(*row, because),
+            Self::Traced(row, because, _) => history.certificate(*row, because),
             Self::Given(because) => because.clone(),
         }
     }
@@ -79,15 +80,15 @@ pub(crate) fn classify(
     scaling: &Scaling,
     tolerance: f64,
 ) -> Vec<Dependent> {
-    let make = |source: u32, because: Vec<(u32, f64)>, mismatch: Mismatch, dropped: f64| {
+    let make = |source: u32, mismatch: Mismatch, dropped: f64, (because, units): (Vec<(u32, f64)>, f64)| {
         let row = eliminated.names[source as usize] as usize;
         let rest = mismatch.scaled(-scaling.row[row]);
-        Dependent::new(row, rest, dropped, Source::Traced(source, because), tolerance)
+        Dependent::new(row, rest, dropped, Source::Traced(source, because, units), tolerance)
     };
-    let mut all: Vec<_> = eliminated.dead.iter().map(|d| make(d.row, Vec::new(), d.mismatch, d.dropped)).collect();
-    for d in diagnosed.iter().flat_map(|block| &block.dependent) {
-        all.push(make(d.row, d.because.clone(), d.mismatch, d.dropped));
-    }
+    let dead = eliminated.dead.iter().map(|d| make(d.row, d.mismatch, d.dropped, (Vec::new(), 0.0)));
+    let dependent = diagnosed.iter().flat_map(|block| &block.dependent);
+    let of_blocks = dependent.map(|d| make(d.row, d.mismatch, d.dropped, (d.because.clone(), d.units)));
+    let mut all: Vec<_> = dead.chain(of_blocks).collect();
     all.sort_unstable_by_key(|d| d.row);
     all
 }

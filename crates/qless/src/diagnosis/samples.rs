@@ -86,7 +86,7 @@ impl Keys {
     }
 
     #[inline]
-    fn dof(&self, j: usize) -> u64 {
+    pub fn dof(&self, j: usize) -> u64 {
         self.dofs.get(j).map_or(j as u64, |&key| u64::from(key))
     }
 }

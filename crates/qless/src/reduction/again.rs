@@ -23,19 +23,15 @@ enum Role {
     Prescribed(u32),
 }
 
-/// Rows of T, G and g of the components that hold the `rows`, computed anew.
+/// Rows of T, G and g of some components (labels, ascending), computed anew; those that cannot be are left out.
 pub(super) fn compute(
     local: Local,
-    reduction: &mut Reduction,
-    independent: &[bool],
+    reduction: &Reduction,
+    (independent, labels): (&[bool], &Labels),
     scaling: &Scaling,
-    rows: &[usize],
+    wanted: &[u32],
     memory: usize,
-) -> Result<(), ReductionError> {
-    let labels = Labels::of(local);
-    let mut wanted: Vec<u32> = rows.iter().map(|&i| labels.of_row[i]).collect();
-    wanted.sort_unstable();
-    wanted.dedup();
+) -> Vec<Option<Row>> {
     let mut equations = vec![Vec::new(); wanted.len()];
     for i in (0..local.equations()).filter(|&i| independent[i]) {
         if let Ok(place) = wanted.binary_search(&labels.of_row[i]) {
@@ -46,19 +42,17 @@ pub(super) fn compute(
     let mut rows = vec![None; reduction.slaves.len()];
     for equations in equations {
         let part = Part::new(local, &equations, &roles, scaling);
-        let order = crate::factor::qr::sparse::order(&part.slaves)?;
-        let lu = lu::factor(&part.slaves, &order, |_| true, memory)
-            .map_err(|error| error.of_block("sparse LU", &part.slaves, memory))?;
+        let Ok(order) = crate::factor::qr::sparse::order(&part.slaves) else { continue };
+        let Ok(lu) = lu::factor(&part.slaves, &order, |_| true, memory) else { continue };
         let solver = Solver::new(&part.slaves, lu);
         let (columns, g) = (solver.solve(&part.right), solver.solve_dense(&part.rhs));
         part.write(&mut rows, &solver, &columns.transpose(), &g);
     }
-    replace(reduction, &rows);
-    Ok(())
+    rows
 }
 
 /// A row of T, one of G, and a number of g.
-type Row = (Vec<(usize, f64)>, Vec<(usize, f64)>, f64);
+pub(super) type Row = (Vec<(usize, f64)>, Vec<(usize, f64)>, f64);
 
 fn roles(local: Local, reduction: &Reduction) -> Vec<Role> {
     let dofs = &local.numbering.dofs;
@@ -133,7 +127,7 @@ impl Part {
 }
 
 /// Puts the rows that there are into the reduction.
-fn replace(reduction: &mut Reduction, rows: &[Option<Row>]) {
+pub(super) fn replace(reduction: &mut Reduction, rows: &[Option<Row>]) {
     let (mut t, mut g_matrix) = (Csr::empty(reduction.t.cols), Csr::empty(reduction.g_matrix.cols));
     for (i, row) in rows.iter().enumerate() {
         if let Some((of_t, of_g, g)) = row {

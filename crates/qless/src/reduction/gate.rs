@@ -4,11 +4,14 @@
 //! relative to its coefficients and to the largest sum of the sizes of the parts that make a DOF of its component, each DOF in its
 //! unit. One pass over C, T and G; components are looked for only where an equation does not meet its own parts.
 
+use std::cmp::Ordering;
+
 use rayon::prelude::*;
 
 use super::{Reduction, ReductionError};
 use crate::common::pool::WORTH_A_THREAD;
-use crate::common::random::randoms;
+use crate::common::random::{randoms, signed};
+use crate::diagnosis::samples::Keys;
 use crate::input::components::Labels;
 use crate::input::numbering::Local;
 use crate::input::scale::{Scaling, ldexp};
@@ -18,14 +21,17 @@ pub(crate) const LIMIT: f64 = 1e-10;
 /// A residual of an equation up to this, relative to its own parts, needs no second look.
 const FINE: f64 = 1e-13;
 
+/// Residuals up to this part of what is fine are so whatever numbers are drawn.
+const NEARLY: f64 = 0.1;
+
 /// The residuals of the independent equations.
 pub(crate) struct Found {
     /// The largest, ...
     pub worst: f64,
     /// ... of this equation.
     pub row: usize,
-    /// Equations above what was asked for.
-    pub above: Vec<usize>,
+    /// Equations above what was asked for, ascending, with their residuals.
+    pub above: Vec<(usize, f64)>,
 }
 
 /// All DOFs for one part of the reduction.
@@ -76,12 +82,18 @@ fn judge(
 ) -> Found {
     let mut found = Found { worst: 0.0, row: 0, above: Vec::new() };
     for part in parts {
-        let mut expanded = Expanded::new(part, local, reduction);
+        let mut expanded = Expanded::new(part, local, reduction, None);
         let mut own = expanded.residuals(local, independent);
         let is_fine = |own: &[f64]| own.iter().all(|&residual| residual <= FINE);
-        if !is_fine(&own) {
-            expanded.measure(part, local, reduction);
+        if !own.iter().all(|&residual| residual <= NEARLY * FINE) {
+            // Something may hang on how numbers were drawn: once more by places within the components.
+            let keys = Keys::within(&Labels::of(local), local);
+            expanded = Expanded::new(part, local, reduction, Some(&keys));
             own = expanded.residuals(local, independent);
+            if !is_fine(&own) {
+                expanded.measure(part, local, reduction, &keys);
+                own = expanded.residuals(local, independent);
+            }
         }
         if !is_fine(&own) {
             expanded.relative_to_components(local, scaling, &mut own);
@@ -90,11 +102,11 @@ fn judge(
             if residual > found.worst {
                 (found.worst, found.row) = (residual, i);
             }
-            found.above.extend((residual > above).then_some(i));
+            found.above.extend((residual > above).then_some((i, residual)));
         }
     }
-    found.above.sort_unstable();
-    found.above.dedup();
+    found.above.sort_unstable_by(|a, b| (a.0, b.1).partial_cmp(&(b.0, a.1)).unwrap_or(Ordering::Equal));
+    found.above.dedup_by_key(|(i, _)| *i);
     found
 }
 
@@ -131,10 +143,18 @@ fn relative(sum: f64, size: f64) -> f64 {
     }
 }
 
+/// A random number for each master, by its place within its component.
+fn by_keys(local: Local, reduction: &Reduction, keys: &Keys) -> Vec<f64> {
+    let mut users = vec![1.0; reduction.slaves.len() + reduction.masters.len() + reduction.prescribed.len()];
+    let named = local.numbering.dofs.iter().enumerate();
+    named.for_each(|(l, &j)| users[j as usize] = signed(1, keys.dof(l)).abs());
+    reduction.masters.iter().map(|&j| users[j]).collect()
+}
+
 impl Expanded {
-    /// Random masters, random prescribed values, or neither.
-    fn new(part: Part, local: Local, reduction: &Reduction) -> Self {
-        let (u, factored) = (Self::by_rows(part, local, reduction, |v| v), !reduction.is_explicit());
+    /// Random masters, random prescribed values, or neither; masters by `keys`, if there are any.
+    fn new(part: Part, local: Local, reduction: &Reduction, keys: Option<&Keys>) -> Self {
+        let (u, factored) = (Self::by_rows(part, local, reduction, keys, |v| v), !reduction.is_explicit());
         let mut expanded = Self { u, sizes: None, with_rhs: matches!(part, Part::Constant) };
         if factored && !expanded.with_rhs {
             let named = &local.numbering.dofs;
@@ -147,13 +167,22 @@ impl Expanded {
     }
 
     /// Local DOFs, or the sizes of what makes them, by the rows of T, of G, or of g.
-    fn by_rows(part: Part, local: Local, reduction: &Reduction, size: impl Fn(f64) -> f64 + Send + Sync) -> Vec<f64> {
+    fn by_rows(
+        part: Part,
+        local: Local,
+        reduction: &Reduction,
+        keys: Option<&Keys>,
+        size: impl Fn(f64) -> f64 + Send + Sync,
+    ) -> Vec<f64> {
         let (dofs, matrix) = match part {
             Part::Free => (&reduction.masters[..], Some(&reduction.t)),
             Part::Prescribed => (&reduction.prescribed[..], Some(&reduction.g_matrix)),
             Part::Constant => (&[][..], None),
         };
-        let x: Vec<f64> = randoms(1).take(dofs.len()).collect();
+        let x = match (part, keys) {
+            (Part::Free, Some(keys)) => by_keys(local, reduction, keys),
+            _ => randoms(1).take(dofs.len()).collect(),
+        };
         let of_slave = |i: usize| match matrix {
             Some(matrix) => {
                 let range = matrix.start[i]..matrix.start[i + 1];
@@ -171,8 +200,8 @@ impl Expanded {
     }
 
     /// Takes the sizes of the parts of every DOF.
-    fn measure(&mut self, part: Part, local: Local, reduction: &Reduction) {
-        let mut sizes = Self::by_rows(part, local, reduction, f64::abs);
+    fn measure(&mut self, part: Part, local: Local, reduction: &Reduction, keys: &Keys) {
+        let mut sizes = Self::by_rows(part, local, reduction, Some(keys), f64::abs);
         sizes.iter_mut().zip(&self.u).for_each(|(size, u)| *size = size.max(u.abs()));
         self.sizes = Some(sizes);
     }

@@ -12,7 +12,10 @@ mod output;
 mod rows;
 mod wishes;
 
+use std::collections::BTreeMap;
+
 use crate::factor::qr::BackendError;
+use crate::input::components::Labels;
 use crate::input::numbering::Local;
 use crate::input::preferences::{Preferences, Wishes};
 use crate::input::scale::Scaling;
@@ -128,27 +131,55 @@ pub(crate) fn build(
     checked(Reduction { growth, exchanges, factored, ..reduction }, local, basics)
 }
 
-/// The reduction, computed again where it has lost digits, if it passes the gate.
-fn checked(reduction: Reduction, local: Local, basics: &Basics) -> Result<Reduction, ReductionError> {
+/// The reduction, computed again component by component where it has lost digits and that brings some back, if it passes the gate.
+fn checked(mut reduction: Reduction, local: Local, basics: &Basics) -> Result<Reduction, ReductionError> {
     let Basics { scaling, ref independent, memory, .. } = *basics;
-    let found = gate::residuals(local, &reduction, independent, scaling, LOSS);
+    let residuals = |reduction: &Reduction| gate::residuals(local, reduction, independent, scaling, LOSS);
+    let found = residuals(&reduction);
     if found.above.is_empty() {
         return Ok(reduction);
     }
-    if !reduction.is_explicit() {
-        return gate::pass(&found, &reduction).map(|()| reduction);
+    let labels = Labels::of(local);
+    let before = worst_by_part(&found, &labels);
+    let is_factored = |label: u32| reduction.factored.iter().any(|block| labels.of_row[block.equations[0]] == label);
+    let wanted: Vec<u32> = before.keys().copied().filter(|&label| !is_factored(label)).collect();
+    let mut rows = again::compute(local, &reduction, (independent, &labels), scaling, &wanted, memory);
+    let mut tried = reduction.clone();
+    again::replace(&mut tried, &rows);
+    let after = worst_by_part(&residuals(&tried), &labels);
+    drop(tried);
+    // What has become no better stays as it was, whatever the others have become.
+    let part = part_of_slaves(local, &reduction, &labels);
+    rows.iter_mut()
+        .zip(&part)
+        .filter(|(_, label)| after.get(label) >= before.get(label))
+        .for_each(|(row, _)| *row = None);
+    if rows.iter().any(Option::is_some) {
+        again::replace(&mut reduction, &rows);
+        let growth = reduction.t.val.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+        reduction.growth = reduction.factored.iter().map(|block| block.growth).fold(growth, f64::max);
     }
-    let mut again = reduction.clone();
-    let computed = again::compute(local, &mut again, independent, scaling, &found.above, memory);
-    let better = computed.is_ok().then(|| gate::residuals(local, &again, independent, scaling, LOSS));
-    match better.filter(|better| better.worst < found.worst) {
-        Some(better) => {
-            gate::pass(&better, &again)?;
-            again.growth = again.t.val.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
-            Ok(again)
-        }
-        None => gate::pass(&found, &reduction).map(|()| reduction),
+    gate::pass(&residuals(&reduction), &reduction).map(|()| reduction)
+}
+
+/// The largest residual of each connected part that has one above what was asked for.
+fn worst_by_part(found: &gate::Found, labels: &Labels) -> BTreeMap<u32, f64> {
+    let mut worst = BTreeMap::new();
+    for &(row, residual) in &found.above {
+        let most: &mut f64 = worst.entry(labels.of_row[row]).or_default();
+        *most = most.max(residual);
     }
+    worst
+}
+
+/// The connected part of each slave.
+fn part_of_slaves(local: Local, reduction: &Reduction, labels: &Labels) -> Vec<u32> {
+    let mut part = vec![0; reduction.slaves.len() + reduction.masters.len() + reduction.prescribed.len()];
+    for (i, &label) in labels.of_row.iter().enumerate() {
+        let free = local.row(i).filter(|&(j, _)| local.free()[j]);
+        free.for_each(|(j, _)| part[local.numbering.dofs[j] as usize] = label);
+    }
+    reduction.slaves.iter().map(|&j| part[j]).collect()
 }
 
 impl Reduction {

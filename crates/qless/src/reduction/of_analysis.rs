@@ -55,23 +55,37 @@ impl Analysis {
     /// returned meets the independent equations.
     pub fn reduction_in(&self, system: &ConstraintSystem, form: Form) -> Result<Reduction, ReductionError> {
         let local = self.numbering.view(system, &self.rhs);
-        let basics = |basis, bounds| self.basics(system, basis, bounds);
         if form == Form::Explicit {
             let basis = self.solved()?;
-            return self.built(system, local, &basics(basis, &self.bounds_of(local, basis)), Vec::new());
+            let bounds = self.bounds_of(local, basis);
+            return self.built(system, local, &self.basics(system, basis, &bounds), Vec::new());
         }
         let labels = Labels::of(local);
-        let parts = self.factored(local, &labels, form, &basics(&self.basis, &self.bounds))?;
-        let blocks: Vec<FactoredBlock> = parts.into_iter().flatten().collect();
-        if blocks.is_empty() {
-            return self.reduction_in(system, Form::Explicit);
-        }
-        let basis = self.rest(local, &labels, &blocks)?;
-        let bounds = basis.bounds(local);
-        match self.built(system, local, &basics(&basis, &bounds), blocks) {
-            // What factors cannot do numbers may: slaves are chosen in another way.
-            Err(ReductionError::Residual { .. } | ReductionError::NotFinite { .. }) => self.reduction(system),
-            done => done,
+        let mut as_numbers = vec![false; labels.count];
+        loop {
+            let parts =
+                self.factored(local, &labels, (form, &as_numbers), &self.basics(system, &self.basis, &self.bounds))?;
+            let blocks: Vec<FactoredBlock> = parts.into_iter().flatten().collect();
+            if blocks.is_empty() {
+                return self.reduction_in(system, Form::Explicit);
+            }
+            let basis = self.rest(local, &labels, &blocks)?;
+            let bounds = basis.bounds(local);
+            let held: HashMap<usize, usize> =
+                blocks.iter().flat_map(|block| block.slaves.iter().map(|&j| (j, block.equations[0]))).collect();
+            let failed = match self.built(system, local, &self.basics(system, &basis, &bounds), blocks) {
+                Err(ReductionError::Residual { row, residual }) => {
+                    let label = labels.of_row[row];
+                    let is_held = held.values().any(|&first| labels.of_row[first] == label);
+                    is_held.then_some(row).ok_or(ReductionError::Residual { row, residual })?
+                }
+                Err(ReductionError::NotFinite { dof }) => {
+                    held.get(&dof).copied().ok_or(ReductionError::NotFinite { dof })?
+                }
+                done => return done,
+            };
+            // What factors cannot do numbers may, for this part alone: there slaves are chosen in another way.
+            as_numbers[labels.of_row[failed] as usize] = true;
         }
     }
 
@@ -154,7 +168,7 @@ impl Analysis {
         &self,
         local: Local,
         labels: &Labels,
-        form: Form,
+        (form, as_numbers): (Form, &[bool]),
         basics: &Basics,
     ) -> Result<Vec<Option<FactoredBlock>>, BackendError> {
         let predicted = predict(local, &self.basis, labels, |t| self.row_of(t), |k| self.row_of_block(k));
@@ -162,7 +176,7 @@ impl Analysis {
         let is_wanted = |label: usize| {
             let part = predicted[label];
             let large = part.predicted > (MULTIPLE * part.given).max(FEW);
-            part.needs_work && !wished[label] && (large || form == Form::Factored)
+            part.needs_work && !wished[label] && !as_numbers[label] && (large || form == Form::Factored)
         };
         let mut equations = vec![Vec::new(); labels.count];
         for (i, &label) in labels.of_row.iter().enumerate() {

@@ -31,6 +31,8 @@ pub struct Refresher<'a> {
     /// The coefficients of the slaves of the peeled equations.
     pivots: Vec<f64>,
     squares: Vec<Square>,
+    /// By which powers of two blocks scaled the rows that went through elimination.
+    exponents: Vec<i32>,
 }
 
 /// What depends on the right-hand side, beside g.
@@ -105,7 +107,11 @@ impl Analysis {
         let pivots = peeled.map(|(&row, &slave)| local.coefficient(row as usize, slave)).collect();
         let square = |(block, kept)| Square::new(block, kept, &self.scaling, self.options.memory);
         let squares: Result<_, _> = self.blocks.iter().zip(&self.basis.blocks).map(square).collect();
-        Ok(Refresher { analysis: self, system, pivots, squares: squares? })
+        let mut exponents = vec![0; self.history.rows.len()];
+        for block in &self.blocks {
+            block.rows.iter().zip(&block.exponents).for_each(|(&row, &shift)| exponents[row as usize] = shift);
+        }
+        Ok(Refresher { analysis: self, system, pivots, squares: squares?, exponents })
     }
 }
 
@@ -151,10 +157,8 @@ impl Refresher<'_> {
     /// A dependent equation with its new mismatch, without its certificate.
     fn classify(&self, d: &Dependent, replay: &Replay) -> Dependent {
         let rest = match &d.source {
-            Source::Traced(row, because) => {
-                let mut rest = replay.row(*row).effective;
-                because.iter().for_each(|&(i, y)| rest.subtract(y, replay.row(i).effective));
-                rest.scaled(-self.analysis.scaling.row[d.row])
+            Source::Traced(row, because, units) => {
+                self.traced(*row, because, *units, replay).scaled(-self.analysis.scaling.row[d.row])
             }
             Source::Given(because) => {
                 let mut rest: Mismatch = replay.of_user(d.row);
@@ -163,6 +167,19 @@ impl Refresher<'_> {
             }
         };
         Dependent::new(d.row, rest, d.dropped, Source::Given(Vec::new()), self.analysis.options.tolerance.value())
+    }
+
+    /// `b_k - sum y_i b_i` over rows of a block, where the certificate is rounded too.
+    fn traced(&self, k: u32, because: &[(u32, f64)], units: f64, replay: &Replay) -> Mismatch {
+        let shift = |i: u32| self.exponents[k as usize] - self.exponents[i as usize];
+        let largest = because.iter().fold(0.0, |most: f64, &(i, y)| most.max(ldexp(y.abs(), shift(i))));
+        let mut rest = replay.row(k).effective;
+        for &(i, y) in because {
+            let other = replay.row(i).effective;
+            rest.subtract(y, other);
+            rest.error += ldexp(units * f64::EPSILON * largest, -shift(i)) * other.size;
+        }
+        rest
     }
 
     /// The constant of each row that presolve made.

@@ -1,5 +1,7 @@
 //! `C^T P = Q [R1 R2]`: which rows of a block are combinations of others, and of which.
 
+use std::collections::HashSet;
+
 use super::tableau::Tableau;
 use super::triangle::{Triangle, seeds};
 use super::{Block, Means};
@@ -165,7 +167,7 @@ fn without_weak(
         weak.sort_unstable_by(|a, b| b.cmp(a));
         dropped.extend(weak.iter().map(|&k| kept.swap_remove(k)));
         let choice = Choice::of(block, &kept, means)?;
-        dropped.extend(kept.iter().filter(|k| !choice.triangle.rows.contains(k)));
+        dropped.extend(choice.left_out_of(&kept));
         kept.clone_from(&choice.triangle.rows);
         // Many rows together can be nearer to dependence than the tolerance, though none of them is.
         let apart = choice.weakest.left > limit;
@@ -259,6 +261,8 @@ fn repair(
         let place = kept.iter().position(|&i| i == choice.weakest.row).unwrap_or(kept.len() - 1);
         dropped.push(kept.swap_remove(place));
         choice = Choice::of(block, &kept, means)?;
+        dropped.extend(choice.left_out_of(&kept));
+        kept.clone_from(&choice.triangle.rows);
     }
     let tableau = over_kept(block, &choice.triangle, &dropped);
     let left = remainder(block, &tableau);
@@ -278,6 +282,15 @@ impl Choice {
     /// Some rows, those left out that are dependent to the last bit.
     fn of(block: &Block, kept: &[usize], means: Means) -> Result<Self, BackendError> {
         Ok(Self::measured(block, Triangle::of(block, kept, means)?, means))
+    }
+
+    /// Rows that were to be kept and are dependent to the last bit.
+    fn left_out_of(&self, kept: &[usize]) -> Vec<usize> {
+        if kept.len() == self.triangle.rows.len() {
+            return Vec::new();
+        }
+        let rows: HashSet<usize> = self.triangle.rows.iter().copied().collect();
+        kept.iter().copied().filter(|k| !rows.contains(k)).collect()
     }
 
     /// `sigma` and, with its singular vectors y of the rows and v of the DOFs, `sigma / (max |y_i| max |v_j|)`: the entry of the
@@ -355,7 +368,7 @@ fn dependent(block: &Block, tableau: &Tableau, i: usize, left: f64, noise: f64, 
     let left = if left > 0.0 { left.min(confirmed(block, tableau, i)) } else { left };
     // A row that is small as a whole may be small for good: then its own numbers are what is dropped.
     let left = if norm_of(block, k) < SMALL_ROW { left.max(block.certain[k]) } else { left };
-    Dependent { row: block.rows[k], because, dropped: left, mismatch: mismatch.scaled(-block.exponents[k]) }
+    Dependent { row: block.rows[k], because, units, dropped: left, mismatch: mismatch.scaled(-block.exponents[k]) }
 }
 
 /// What the certificate of dependent row i leaves of it, relative to its parts; 0 if rounding explains it.

@@ -1,9 +1,8 @@
-//! What presolve leaves, block by block: which rows depend on which, then which DOFs are slaves (Eq. 21-26).
+//! What presolve leaves, block by block: which rows depend on which, and how the DOFs can move (Eq. 21, 22).
 //!
 //! A diagnosis factors `C^T`: its dependent columns are the dependent equations, and `R1 y = R2_k` is their certificate.
 //! Heath-style rank detection errs far less often on `C^T` (tall) than on C. How DOFs can move is told by random vectors of the
-//! null space ([`triangle`]).
-//!
+//! null space ([`triangle`]). No slave is chosen here.
 
 pub(crate) mod dependent;
 pub(crate) mod tableau;

@@ -12,6 +12,8 @@ pub(crate) struct BlockDependent {
     pub row: u32,
     /// `row = sum y_i row_i` over kept rows of the block (indices among those that went through presolve).
     pub because: Vec<(u32, f64)>,
+    /// In units of the block, each y_i may be off by this many units in the last place of the largest.
+    pub units: f64,
     /// What was left of the row, relative to its size.
     pub dropped: f64,
     /// `b - C_p u_p` minus the same of its certificate.
