@@ -260,3 +260,25 @@ fn a_component_beside_changes_nothing_here(backend: BackendChoice) {
 }
 
 on_each_backend!(a_component_beside_changes_nothing_here);
+
+/// Two thousand random systems in pairs, presolved or not: T is computed again, or not, for each alone.
+#[test]
+fn random_systems_beside_change_nothing() {
+    let mut faults = Vec::new();
+    for seed in 0..random::COUNT / 2 {
+        let [(name, a), (_, b)] = [2 * seed, 2 * seed + 1].map(|seed| bare(random::case(seed)));
+        let scene = a.beside(&b).expect("small");
+        let (rows, dofs) = (a.system.equations(), a.system.dofs());
+        let (all_rows, all_dofs) = (scene.system.equations(), scene.system.dofs());
+        let parts = [
+            Part::of(&scene.system, (0..rows).collect(), (0..dofs).collect()),
+            Part::of(&scene.system, (rows..all_rows).collect(), (dofs..all_dofs).collect()),
+        ];
+        for presolve in [true, false] {
+            let options = Options { presolve, growth: 1e6, ..Options::default() };
+            let found = compare(&scene.system, &parts, &options);
+            faults.extend(found.map(|fault| format!("{name} and the next, presolve {presolve}: {fault}")));
+        }
+    }
+    assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
+}
