@@ -11,7 +11,7 @@ use std::hint::black_box;
 
 use qless::qr::{Backend, spqr::Spqr};
 use qless::{Analysis, ConstraintSystem, Form, Options, SystemBuilder, analyse};
-use qless_scenes::fssi::{self, Level};
+use qless_scenes::fssi::{self, Level, Mesh};
 use qless_scenes::{Scene, families};
 
 use timing::{median, seconds};
@@ -41,8 +41,9 @@ fn medians<const N: usize>(rounds: usize, mut works: [&mut dyn FnMut(); N]) -> [
     times.map(median)
 }
 
-fn level(level: Level, rounds: usize) {
-    let system = fssi::mortar(&level.mesh(), 1).expect("a scene").system;
+/// Seconds of the analysis and of the bare QR.
+fn mortar(name: &str, mesh: &Mesh, rounds: usize) -> [f64; 2] {
+    let system = fssi::mortar(mesh, 1).expect("a scene").system;
     let (analysis, rank) = (diagnosed(&system), bare(&system));
     let pools = [1, 2].map(|threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool"));
     let [one, two] = &pools;
@@ -60,8 +61,7 @@ fn level(level: Level, rounds: usize) {
         ],
     );
     println!(
-        "mortar {:>3} %: analyse {:>7.1} ms, bare QR {:>7.1} ms: {:.2}; factor form and its use {:>7.1} ms: {:.2}; two threads {:.2}; rank {}, the bare QR's {rank}",
-        level.percent(),
+        "mortar {name:>9}: analyse {:>7.1} ms, bare QR {:>7.1} ms: {:.2}; factor form and its use {:>7.1} ms: {:.2}; two threads {:.2}; rank {}, the bare QR's {rank}",
         ours * 1e3,
         theirs * 1e3,
         ours / theirs,
@@ -70,6 +70,7 @@ fn level(level: Level, rounds: usize) {
         ours / parallel,
         analysis.rank(),
     );
+    [ours, theirs]
 }
 
 /// Equal components of about 1,000 equations on one thread and on two.
@@ -96,7 +97,14 @@ fn main() {
     let test = std::env::args().any(|arg| arg == "--test");
     let levels = if test { &Level::ALL[..1] } else { &Level::ALL[..] };
     let rounds = if test { 1 } else { 5 };
-    levels.iter().for_each(|&of| level(of, rounds));
+    let times: Vec<_> = levels.iter().map(|of| mortar(&format!("{} %", of.percent()), &of.mesh(), rounds)).collect();
+    if !test {
+        // Four times the equations of the largest level.
+        let growth = 4.0 * Level::P110.equations() as f64 / Level::P50.equations() as f64;
+        let large = mortar("4 x 110 %", &Mesh::with_equations(4 * Level::P110.equations()), 1);
+        let [ours, theirs] = [0, 1].map(|k| (large[k] / times[0][k]).ln() / growth.ln());
+        println!("exponents from 50 % to 4 x 110 %: analyse {ours:.2}, bare QR {theirs:.2}");
+    }
     let count = if test { 10 } else { 1000 };
     components("a chain", &families::path(1001).expect("a scene"), count, rounds);
     components("random blocks on a grid", &families::gradient([16, 17, 1], 2, 1).expect("a scene"), count, rounds);
