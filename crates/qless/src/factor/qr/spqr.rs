@@ -9,9 +9,13 @@ mod call;
 
 use super::{Backend, BackendError, Factor};
 use crate::Csr;
-use call::Call;
+use call::{Call, collected};
+use std::collections::TryReserveError;
 use std::time::Instant;
 
+#[cfg(feature = "faults")]
+#[doc(hidden)]
+pub use spqr_sys as sys;
 #[cfg(feature = "faults")]
 pub use spqr_sys::memory::faults;
 
@@ -98,7 +102,8 @@ impl Spqr {
         let tall = Tall { rows: m, count: rhs.len().checked_div(m).unwrap_or(0), values: rhs };
         debug_assert_eq!(tall.rows * tall.count, rhs.len(), "B is not m x k");
         if columns.nnz() == 0 {
-            return Ok((nothing_to_factor(n, tall), Statistics { tasks: 1, ..Statistics::default() }));
+            let factor = nothing_to_factor(n, tall).map_err(|_| error_of(spqr_sys::CHOLMOD_OUT_OF_MEMORY, m, n))?;
+            return Ok((factor, Statistics { tasks: 1, ..Statistics::default() }));
         }
         let start = Instant::now();
         let (factor, statistics) = self.factor_in_c(columns, tall, tolerance)?;
@@ -107,18 +112,18 @@ impl Spqr {
 
     fn factor_in_c(self, columns: &Csr, b: Tall, tolerance: f64) -> Result<(Factor, Statistics), BackendError> {
         let (m, n) = (columns.cols, columns.rows());
-        let mut call = Call::start(n + b.count);
-        let threads = if self.threads == 0 { rayon::current_num_threads() } else { self.threads };
-        if threads > 1 && Self::has_trees() {
+        let no_memory = || error_of(spqr_sys::CHOLMOD_OUT_OF_MEMORY, m, n);
+        let mut call = Call::start(n + b.count).ok_or_else(no_memory)?;
+        let wanted = if self.threads == 0 { rayon::current_num_threads() } else { self.threads };
+        let blas = spqr_sys::blas::hold(spqr_sys::tree::runners(wanted)).ok_or_else(no_memory)?;
+        let threads = blas.callers();
+        if threads > 1 {
             call.common.SPQR_grain = self.grain;
             call.common.SPQR_small = self.small;
         }
-        let blas = spqr_sys::blas::hold();
-        let memory = spqr_sys::memory::call();
         let rank = spqr_sys::tree::with_threads(threads, || call.run(columns, b, tolerance));
-        let rank = if memory.has_failed() { Err(spqr_sys::CHOLMOD_OUT_OF_MEMORY) } else { rank };
-        drop((memory, blas));
-        let factor = call.read(rank.map_err(|status| error_of(status, m, n))?, columns, b, threads)?;
+        drop(blas);
+        let factor = call.read(rank.map_err(|status| error_of(status, m, n))?, columns, b, wanted)?;
         Ok((factor, call.statistics()))
     }
 }
@@ -155,12 +160,12 @@ impl<'a> Tall<'a> {
         self.values.chunks_exact(self.rows.max(1))
     }
 
-    fn head(self, rank: usize) -> Vec<f64> {
-        self.columns().flat_map(|b| &b[..rank]).copied().collect()
+    fn head(self, rank: usize) -> Result<Vec<f64>, TryReserveError> {
+        collected(self.count * rank, self.columns().flat_map(|b| &b[..rank]).copied())
     }
 
-    fn rest(self, rank: usize) -> Vec<f64> {
-        self.columns().map(|b| norm(&b[rank..])).collect()
+    fn rest(self, rank: usize) -> Result<Vec<f64>, TryReserveError> {
+        collected(self.count, self.columns().map(|b| norm(&b[rank..])))
     }
 }
 
@@ -176,9 +181,9 @@ fn norm(x: &[f64]) -> f64 {
 }
 
 /// A = 0 or without rows or columns: W = I. C is not asked, it does not take every empty matrix.
-fn nothing_to_factor(n: usize, b: Tall) -> Factor {
-    let r = Csr::empty(n);
-    Factor { rank: 0, order: (0..n).collect(), r, rhs: Vec::new(), rest: b.rest(0), dropped: 0.0 }
+fn nothing_to_factor(n: usize, b: Tall) -> Result<Factor, TryReserveError> {
+    let (order, r) = (collected(n, 0..n)?, Csr::empty(n));
+    Ok(Factor { rank: 0, order, r, rhs: Vec::new(), rest: b.rest(0)?, dropped: 0.0 })
 }
 
 /// Row i begins at column i: then R1 is upper triangular and nonsingular.
