@@ -15,7 +15,8 @@
 
 use core::ffi::{CStr, c_int, c_void};
 use core::mem::transmute;
-use std::sync::{Mutex, PoisonError};
+use core::num::NonZero;
+use std::sync::{Condvar, Mutex, PoisonError};
 
 /// One thread until this is dropped; the number before is restored with the last of several.
 #[derive(Debug)]
@@ -36,14 +37,21 @@ struct State {
 
 static STATE: Mutex<State> = Mutex::new(State { holders: 0, callers: 0, buffers: 0, before: 1 });
 
+/// Some of those who hold it have ended.
+static ENDED: Condvar = Condvar::new();
+
 /// Holds OpenBLAS, if that is the BLAS, at one thread for each of so many callers at once, or of fewer if there is no memory
-/// for their buffers; none without memory for one.
+/// for their buffers. Waits for others who hold it if there is none for one; none if there are no others.
+///
+/// Nobody may ask again while holding it.
 pub fn hold(callers: usize) -> Option<Held> {
     let mut state = STATE.lock().unwrap_or_else(PoisonError::into_inner);
-    let callers = reserve(&mut state, callers.max(1));
-    if callers == 0 {
-        return None;
+    let mut granted = reserve(&mut state, callers.max(1));
+    while granted == 0 && state.holders > 0 {
+        state = ENDED.wait(state).unwrap_or_else(PoisonError::into_inner);
+        granted = reserve(&mut state, callers.max(1));
     }
+    let callers = NonZero::new(granted)?.get();
     if state.holders == 0 {
         state.before = threads().unwrap_or(1);
         set(state.before, 1);
@@ -68,6 +76,7 @@ impl Drop for Held {
         if state.holders == 0 {
             set(1, state.before);
         }
+        ENDED.notify_all();
     }
 }
 
