@@ -26,9 +26,7 @@ pub fn compile(include: &[PathBuf]) -> Result<(), String> {
     if std::env::var_os("CARGO_FEATURE_FAULTS").is_some() {
         build.file("cpp/faults.cpp");
     }
-    build
-        .try_compile("qless_tree")
-        .map_err(|e| format!("the task tree: {e}"))?;
+    build.try_compile("qless_tree").map_err(|e| format!("the task tree: {e}"))?;
     println!("cargo::rustc-link-lib=tbb");
     println!("cargo::rustc-cfg=task_tree");
     Ok(())

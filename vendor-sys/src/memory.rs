@@ -36,6 +36,7 @@ pub(crate) struct State {
 
 impl Common {
     /// CHOLMOD's defaults, and nothing printed; none without memory.
+    #[allow(clippy::cast_ptr_alignment, reason = "the layout asked for is that of the struct")]
     pub fn start() -> Option<Self> {
         let layout = Layout::new::<State>();
         // SAFETY: the struct has a size; it is numbers, arrays of them and nullable pointers, of which all zeros is a value.

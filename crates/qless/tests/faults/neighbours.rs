@@ -13,7 +13,8 @@ type Common = *mut cholmod_common;
 unsafe extern "C" {
     fn cholmod_l_analyze(a: *mut cholmod_sparse, common: Common) -> *mut Factor;
     fn cholmod_l_factorize(a: *mut cholmod_sparse, factor: *mut Factor, common: Common) -> c_int;
-    fn cholmod_l_solve(system: c_int, factor: *mut Factor, b: *mut cholmod_dense, common: Common) -> *mut cholmod_dense;
+    fn cholmod_l_solve(system: c_int, factor: *mut Factor, b: *mut cholmod_dense, common: Common)
+    -> *mut cholmod_dense;
     fn cholmod_l_free_factor(factor: *mut *mut Factor, common: Common) -> c_int;
     fn malloc(size: usize) -> *mut c_void;
     fn calloc(count: usize, size: usize) -> *mut c_void;
@@ -39,6 +40,7 @@ static HOOKS: Hooks = Hooks { malloc: my_malloc, calloc: my_calloc, realloc: my_
 
 unsafe extern "C" fn my_malloc(size: usize) -> *mut c_void {
     HELD.fetch_add(1, SeqCst);
+    // SAFETY: passed on as it came, here and below.
     unsafe { malloc(size) }
 }
 
@@ -60,6 +62,7 @@ unsafe extern "C" fn my_free(block: *mut c_void) {
 /// Where SuiteSparse 5 keeps its hooks; none with later releases, where nobody can write to them so.
 fn hooks() -> Option<*mut Hooks> {
     let name: &CStr = c"SuiteSparse_config";
+    // SAFETY: the name is a C string; nothing is loaded or called.
     let found = unsafe { dlsym(null_mut(), name.as_ptr()) };
     assert!(!found.is_null() || sys::HEADERS.major > 5, "SuiteSparse 5 has hooks");
     (!found.is_null() && sys::HEADERS.major <= 5).then_some(found.cast())
@@ -68,7 +71,7 @@ fn hooks() -> Option<*mut Hooks> {
 /// Does `work` while the neighbours are at it. Each of their results is that of before, their hooks stay, and all blocks, of whoever, are freed.
 pub fn undisturbed(work: impl FnOnce()) {
     if let Some(hooks) = hooks() {
-        // Before there are threads, as SuiteSparse wants it.
+        // SAFETY: before there are threads, as SuiteSparse wants it; the struct lives as long as the process.
         unsafe { *hooks = HOOKS };
     }
     let (stop, rounds) = (AtomicBool::new(false), [AtomicU64::new(0), AtomicU64::new(0)]);
@@ -93,6 +96,7 @@ pub fn undisturbed(work: impl FnOnce()) {
     println!("the neighbours worked {rounds:?} times");
     assert!(rounds.iter().all(|&rounds| rounds > 2), "{rounds:?}");
     if let Some(hooks) = hooks() {
+        // SAFETY: as above.
         assert_eq!(unsafe { *hooks }, HOOKS, "somebody wrote to the hooks");
         assert_eq!(HELD.load(SeqCst), 0, "blocks not freed");
     }
@@ -140,6 +144,7 @@ fn least_squares() -> Vec<u64> {
         edges.iter().enumerate().filter_map(of).collect()
     });
     let mut matrix = Matrix::new(edges.len(), columns, 0);
+    // SAFETY: the matrix outlives the call; R has as many entries as its last start says.
     with_common(|common| unsafe {
         let (mut r, mut order) = (null_mut(), null_mut());
         let rank = sys::SuiteSparseQR_C(
@@ -177,6 +182,7 @@ fn cholesky() -> Vec<u64> {
     });
     let mut matrix = Matrix::new(nodes, columns, -1);
     let mut ones = vec![1.0; nodes];
+    // SAFETY: the matrix and B outlive the calls; the solution is as long as B.
     with_common(|common| unsafe {
         let mut b: cholmod_dense = zeroed();
         (b.nrow, b.ncol, b.nzmax, b.d, b.xtype) = (nodes, 1, nodes, nodes, sys::CHOLMOD_REAL);
@@ -191,7 +197,10 @@ fn cholesky() -> Vec<u64> {
     })
 }
 
+/// # Safety
+/// There are so many numbers.
 unsafe fn bits(values: *const c_void, count: usize) -> Vec<u64> {
+    // SAFETY: the caller's promise.
     unsafe { std::slice::from_raw_parts(values.cast::<u64>(), count) }.to_vec()
 }
 

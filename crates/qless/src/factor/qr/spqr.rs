@@ -26,6 +26,10 @@ const NAME: &str = "spqr";
 /// One BLAS thread, whatever the process uses elsewhere, so that results are the same to the last bit for every number of
 /// `threads`. These need the feature `tbb` and SuiteSparseQR 2.1; elsewhere the tasks run in sequence ([`Spqr::trees`]).
 ///
+/// Without memory it returns [`BackendError::OutOfMemory`], whichever allocation fails, of SuiteSparse, of OpenBLAS or of its task
+/// tree; it leaves the hooks of SuiteSparse and the `cholmod_common` of others in the process alone (`spqr_sys::memory`). OpenBLAS itself
+/// starts threads when a program is loaded, unless the program says that it wants none (`spqr_sys::blas`).
+///
 /// A program that factors large systems again and again saves up to a fifth of the time if freed memory stays in the process: glibc gives
 /// arrays above 32 MB back and gets zeroed pages for the next ones, unless it is started with
 /// `GLIBC_TUNABLES=glibc.malloc.mmap_threshold=8000000000:glibc.malloc.trim_threshold=32000000000:glibc.malloc.top_pad=1000000000`.

@@ -35,7 +35,8 @@ impl Call {
         let no_memory = |_| spqr_sys::CHOLMOD_OUT_OF_MEMORY;
         let starts = columns.start.iter().map(|&entry| entry as i64);
         let mut start = collected(columns.start.len(), starts).map_err(no_memory)?;
-        let mut index = collected(columns.col.len(), columns.col.iter().map(|&row| i64::from(row))).map_err(no_memory)?;
+        let mut index =
+            collected(columns.col.len(), columns.col.iter().map(|&row| i64::from(row))).map_err(no_memory)?;
         let mut a = sparse_view(columns, &mut start, &mut index);
         let mut dense = dense_view(b);
         let (b_in, z_out) =
