@@ -10,5 +10,7 @@ mod cli {
     pub mod harness;
     pub mod meant;
     pub mod report;
+    #[cfg(all(feature = "spqr", target_os = "linux"))]
+    pub mod tight;
     pub mod written;
 }

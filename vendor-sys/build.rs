@@ -19,7 +19,7 @@ fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-changed=build");
     println!("cargo::rerun-if-env-changed=DOCS_RS");
-    println!("cargo::rustc-check-cfg=cfg(task_tree, config_struct)");
+    println!("cargo::rustc-check-cfg=cfg(task_tree, interposition)");
     if let Err(missing) = write_bindings() {
         let advice = if missing.contains("apt-get") { String::new() } else { format!("; {HOW_TO_GO_ON}") };
         println!("cargo::error={}{advice}", missing.replace('\n', " "));
@@ -34,8 +34,8 @@ fn write_bindings() -> Result<(), String> {
     }
     let include = probe::find_and_link()?;
     export_to_tests(&include);
-    if has_config_struct(&include) {
-        println!("cargo::rustc-cfg=config_struct");
+    if calls_go_through_the_dynamic_linker() {
+        println!("cargo::rustc-cfg=interposition");
     }
     if env::var_os("CARGO_FEATURE_TBB").is_some() {
         tbb::compile(&include)?;
@@ -43,10 +43,10 @@ fn write_bindings() -> Result<(), String> {
     bindings::generate(&include, &target)
 }
 
-/// SuiteSparse 5 has its allocation hooks in a public struct, later ones behind functions.
-fn has_config_struct(include: &[PathBuf]) -> bool {
-    let declares = |text: String| text.contains("extern struct SuiteSparse_config_struct SuiteSparse_config");
-    include.iter().any(|folder| fs::read_to_string(folder.join("SuiteSparse_config.h")).is_ok_and(declares))
+/// So it is with ELF, where a function of the program takes the place of a library's with the same name.
+fn calls_go_through_the_dynamic_linker() -> bool {
+    let target = |what: &str| env::var(format!("CARGO_CFG_TARGET_{what}")).unwrap_or_default();
+    target("FAMILY") == "unix" && target("VENDOR") != "apple"
 }
 
 /// docs.rs has no SuiteSparse: the same names, good for documenting and type checking, never for linking.

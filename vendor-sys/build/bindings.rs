@@ -4,7 +4,7 @@ use std::panic::{catch_unwind, set_hook, take_hook};
 use std::path::{Path, PathBuf};
 
 const FUNCTIONS: &str = "SuiteSparseQR_C|cholmod_l_(start|finish|free|free_sparse|free_dense)|SuiteSparse_version";
-const CONSTANTS: &str = "SuiteSparse_config|CHOLMOD_(OK|NOT_INSTALLED|OUT_OF_MEMORY|TOO_LARGE|INVALID|GPU_PROBLEM|LONG|REAL|DOUBLE)|\
+const CONSTANTS: &str = "CHOLMOD_(OK|NOT_INSTALLED|OUT_OF_MEMORY|TOO_LARGE|INVALID|GPU_PROBLEM|LONG|REAL|DOUBLE)|\
     SPQR_ORDERING_DEFAULT|(SPQR|SUITESPARSE)_(MAIN|SUB|SUBSUB)_VERSION";
 
 /// Writes `target`; a missing libclang is an error like any other, not a panic.

@@ -1,5 +1,5 @@
 // Stands for the bindings where SuiteSparse is not installed (docs.rs). Sizes and versions are not real.
-use core::ffi::{c_int, c_void};
+use core::ffi::{c_char, c_int, c_void};
 
 pub const CHOLMOD_OK: i32 = 0;
 pub const CHOLMOD_NOT_INSTALLED: i32 = -1;
@@ -22,7 +22,9 @@ pub const SUITESPARSE_SUBSUB_VERSION: i32 = 0;
 #[derive(Clone, Copy, Debug)]
 pub struct cholmod_common {
     pub print: c_int,
+    pub error_handler: Option<unsafe extern "C" fn(c_int, *const c_char, c_int, *const c_char)>,
     pub status: c_int,
+    pub malloc_count: usize,
     pub memory_usage: usize,
     pub SPQR_grain: f64,
     pub SPQR_small: f64,

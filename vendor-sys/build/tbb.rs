@@ -21,10 +21,12 @@ pub fn compile(include: &[PathBuf]) -> Result<(), String> {
         println!("cargo::warning=SuiteSparseQR is not 2.1, whose task tree is known: it runs in sequence");
         return Ok(());
     }
-    builder(include)
-        .files(["cpp/tree.cpp", "cpp/result.cpp"])
-        .try_compile("qless_tree")
-        .map_err(|e| format!("the task tree: {e}"))?;
+    let mut build = builder(include);
+    build.files(["cpp/tree.cpp", "cpp/result.cpp"]);
+    if std::env::var_os("CARGO_FEATURE_FAULTS").is_some() {
+        build.file("cpp/faults.cpp");
+    }
+    build.try_compile("qless_tree").map_err(|e| format!("the task tree: {e}"))?;
     println!("cargo::rustc-link-lib=tbb");
     println!("cargo::rustc-cfg=task_tree");
     Ok(())

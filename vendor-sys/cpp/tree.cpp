@@ -155,6 +155,11 @@ bool run_tree(Blob *blob)
 
 } // namespace
 
+extern "C" int qless_tree_runners(int threads)
+{
+    return std::min(threads, tbb::info::default_concurrency());
+}
+
 namespace qless
 {
 
@@ -162,7 +167,7 @@ thread_local int wanted_threads = 0;
 
 int threads()
 {
-    return std::min(wanted_threads, tbb::info::default_concurrency());
+    return qless_tree_runners(wanted_threads);
 }
 
 bool has_tree(const void *numeric)

@@ -9,6 +9,8 @@
 #![allow(unsafe_code, reason = "bindings to a C library are unsafe by nature; qless holds the safe side")]
 
 pub mod blas;
+#[cfg(interposition)]
+mod guard;
 pub mod memory;
 pub mod tree;
 mod version;

@@ -1,81 +1,157 @@
-//! SuiteSparse's own allocation hooks: an allocation that failed stays failed until the call ends.
+//! A `cholmod_common` of our own, in which the first allocation that fails makes all after it fail.
 //!
 //! SuiteSparseQR 2.1 goes on after some failures, and the next allocation that succeeds resets CHOLMOD's status: it then uses what it
 //! did not get, and crashes. When every later allocation of the call fails as well it stops in time, frees what it has, and
-//! says why. So within [`call`] the first failure is remembered by thread and all that follow are refused; other callers of
-//! SuiteSparse in the process see their own allocators, as before.
+//! says why.
 //!
-//! With SuiteSparse 5, whose hooks are a public struct; with others nothing is done.
+//! The failure is kept behind the `cholmod_common` itself, which each allocation of CHOLMOD is given, on whatever thread it is made: so a call
+//! has one owner of its state, shared by the workers of its task tree. The library calls its allocation functions through the dynamic
+//! linker, and those exported by `guard.rs` take their place. They hand all calls with a `cholmod_common` that is not ours to the
+//! library as they came. Nothing global is written, SuiteSparse's own hooks neither, so that others in the process may use
+//! the library, set hooks and change them, before and while we run.
+//!
+//! Where the library was loaded before this code, as by another `dlopen`ed library, where it is linked with
+//! `-Bsymbolic-functions`, and on other systems than ELF, some or all allocations are the library's own, with its own faults.
 
-use core::cell::Cell;
+use core::ffi::c_char;
+use core::ops::{Deref, DerefMut};
+use core::ptr::{NonNull, fn_addr_eq};
+use core::sync::atomic::{AtomicI32, AtomicU64, Ordering::SeqCst};
+use std::alloc::{Layout, alloc, dealloc};
 
-thread_local! {
-    /// Calls open on this thread, and whether one of their allocations failed.
-    static OPEN: Cell<(u32, bool)> = const { Cell::new((0, false)) };
-}
+use crate::cholmod_common;
 
-/// An open call; ends when dropped.
+/// The parameters of one call and its failure; freed when dropped, after all that was made with it.
 #[derive(Debug)]
-pub struct Call(());
+pub struct Common(NonNull<State>);
 
-/// Opens a call on this thread.
-#[must_use]
-pub fn call() -> Call {
-    #[cfg(config_struct)]
-    hooks::install();
-    OPEN.with(|open| open.set((open.get().0 + 1, open.get().1)));
-    Call(())
+/// What CHOLMOD gets a pointer to, and behind it what only we know.
+#[repr(C)]
+#[derive(Debug)]
+pub(crate) struct State {
+    common: cholmod_common,
+    /// CHOLMOD's status when an allocation failed first; 0 before.
+    failure: AtomicI32,
 }
 
-impl Call {
-    /// Whether an allocation failed since it was opened.
-    pub fn has_failed(&self) -> bool {
-        OPEN.with(Cell::get).1
+impl Common {
+    /// CHOLMOD's defaults, and nothing printed; none without memory.
+    #[allow(clippy::cast_ptr_alignment, reason = "the layout asked for is that of the struct")]
+    pub fn start() -> Option<Self> {
+        let layout = Layout::new::<State>();
+        // SAFETY: the struct has a size; it is numbers, arrays of them and nullable pointers, of which all zeros is a value.
+        let state = unsafe {
+            let state = NonNull::new(alloc(layout).cast::<State>())?;
+            state.write_bytes(0, 1);
+            state
+        };
+        let mut common = Self(state);
+        // SAFETY: the struct is as large as C's (`tests/layout.rs` checks) and stays in place.
+        unsafe { crate::cholmod_l_start(common.as_mut_ptr()) };
+        common.print = 0;
+        common.error_handler = Some(MARK);
+        Some(common)
+    }
+
+    /// For calls of the library.
+    pub fn as_mut_ptr(&mut self) -> *mut cholmod_common {
+        self.0.as_ptr().cast()
+    }
+
+    /// CHOLMOD's status when an allocation failed, if one did.
+    pub fn failure(&self) -> Option<i32> {
+        // SAFETY: ours, and shared only through the atomic.
+        let status = unsafe { &(*self.0.as_ptr()).failure }.load(SeqCst);
+        (status != 0).then_some(status)
     }
 }
 
-impl Drop for Call {
+impl Deref for Common {
+    type Target = cholmod_common;
+
+    fn deref(&self) -> &cholmod_common {
+        // SAFETY: started, in place; the library runs only while it is borrowed mutably.
+        unsafe { &(*self.0.as_ptr()).common }
+    }
+}
+
+impl DerefMut for Common {
+    fn deref_mut(&mut self) -> &mut cholmod_common {
+        // SAFETY: as above.
+        unsafe { &mut (*self.0.as_ptr()).common }
+    }
+}
+
+impl Drop for Common {
     fn drop(&mut self) {
-        OPEN.with(|open| {
-            let (count, failed) = open.get();
-            open.set((count - 1, failed && count > 1));
-        });
+        // SAFETY: started once, and finished once; nobody has the pointer any more.
+        unsafe {
+            crate::cholmod_l_finish(self.as_mut_ptr());
+            #[cfg(feature = "faults")]
+            faults::finished(self.malloc_count);
+            dealloc(self.0.as_ptr().cast(), Layout::new::<State>());
+        }
     }
 }
 
-/// Failures on purpose, for tests: of the whole process, so that one test at a time uses them.
+type Handler = unsafe extern "C" fn(i32, *const c_char, i32, *const c_char);
+
+/// Tells a `cholmod_common` of ours from others. In a static, so that it has one address.
+static MARK: Handler = reported;
+
+/// Errors that the library reported in calls of ours. The number keeps a linker from folding the function into another that
+/// does nothing, which somebody else may have put there.
+static REPORTED: AtomicU64 = AtomicU64::new(0);
+
+extern "C" fn reported(_: i32, _: *const c_char, _: i32, _: *const c_char) {
+    REPORTED.fetch_add(1, SeqCst);
+}
+
+#[cfg_attr(not(interposition), allow(dead_code, reason = "for the guard"))]
+impl State {
+    /// What is behind a `cholmod_common` of ours; none for another's, which is only read.
+    ///
+    /// # Safety
+    /// The pointer is null or the library's to use.
+    pub(crate) unsafe fn behind<'a>(common: *mut cholmod_common) -> Option<&'a AtomicI32> {
+        // SAFETY: the caller's promise; with our mark it is the first field of a `State`.
+        unsafe {
+            let handler = common.as_ref()?.error_handler?;
+            fn_addr_eq(handler, MARK).then(|| &(*common.cast::<Self>()).failure)
+        }
+    }
+}
+
+/// Failures on purpose, for tests: of the calls that are ours, in the whole process, so that one test at a time uses them.
 #[cfg(feature = "faults")]
-#[cfg_attr(not(config_struct), allow(dead_code, reason = "nothing calls it without hooks"))]
+#[cfg_attr(not(interposition), allow(dead_code, reason = "nothing calls it without the guard"))]
 pub mod faults {
-    use core::sync::atomic::{AtomicBool, AtomicI64, Ordering::SeqCst};
+    use core::sync::atomic::{AtomicI64, Ordering::SeqCst};
 
     /// Allocations until the one that fails; negative for none.
     static LEFT: AtomicI64 = AtomicI64::new(-1);
-    static PERSISTENT: AtomicBool = AtomicBool::new(false);
-    static MADE: AtomicI64 = AtomicI64::new(0);
-    static HELD: AtomicI64 = AtomicI64::new(0);
+    static ASKED: AtomicI64 = AtomicI64::new(0);
+    static LEAKED: AtomicI64 = AtomicI64::new(0);
     static INJECTED: AtomicI64 = AtomicI64::new(0);
 
-    /// The `k`-th allocation from now (from 0) fails; with `persistent` all after it too.
-    pub fn fail_at(k: u32, persistent: bool) {
-        PERSISTENT.store(persistent, SeqCst);
+    /// The `k`-th allocation from now (from 0) fails, and with it all after it in its call.
+    pub fn fail_at(k: u32) {
         LEFT.store(i64::from(k), SeqCst);
     }
 
     /// None fails any more.
     pub fn stop() {
         LEFT.store(-1, SeqCst);
-        PERSISTENT.store(false, SeqCst);
     }
 
     /// Allocations asked for so far.
     pub fn asked() -> i64 {
-        MADE.load(SeqCst)
+        ASKED.load(SeqCst)
     }
 
-    /// Blocks allocated and not freed.
-    pub fn held() -> i64 {
-        HELD.load(SeqCst)
+    /// Blocks that calls had not freed when they ended.
+    pub fn leaked() -> i64 {
+        LEAKED.load(SeqCst)
     }
 
     /// Failures made so far.
@@ -83,101 +159,22 @@ pub mod faults {
         INJECTED.load(SeqCst)
     }
 
-    pub(super) fn fails() -> bool {
-        MADE.fetch_add(1, SeqCst);
-        let before = LEFT.load(SeqCst);
-        if before > 0 || (before == 0 && !PERSISTENT.load(SeqCst)) {
-            LEFT.fetch_sub(1, SeqCst);
-        }
-        INJECTED.fetch_add(i64::from(before == 0), SeqCst);
-        before == 0
+    /// Whether the allocation that is asked for now is to fail.
+    pub(crate) fn fails() -> bool {
+        ASKED.fetch_add(1, SeqCst);
+        let fails = LEFT.fetch_update(SeqCst, SeqCst, |left| (left >= 0).then(|| left - 1)) == Ok(0);
+        INJECTED.fetch_add(i64::from(fails), SeqCst);
+        fails
     }
 
-    pub(super) fn hold(blocks: i64) {
-        HELD.fetch_add(blocks, SeqCst);
-    }
-}
-
-#[cfg(not(feature = "faults"))]
-#[cfg(config_struct)]
-mod faults {
-    pub fn fails() -> bool {
-        false
+    /// For `cpp/faults.cpp`: C++ allocates too.
+    #[cfg(task_tree)]
+    #[unsafe(export_name = "qless_fails_on_purpose")]
+    pub extern "C" fn cpp_fails() -> bool {
+        fails()
     }
 
-    pub fn hold(_: i64) {}
-}
-
-#[cfg(config_struct)]
-mod hooks {
-    use core::ffi::c_void;
-    use core::ptr::null_mut;
-    use std::sync::OnceLock;
-
-    use super::{OPEN, faults};
-    use crate::SuiteSparse_config_struct;
-
-    /// What stood in SuiteSparse's struct before.
-    static BEFORE: OnceLock<SuiteSparse_config_struct> = OnceLock::new();
-
-    /// Puts our functions before those that are there, once.
-    pub fn install() {
-        BEFORE.get_or_init(|| {
-            let config = &raw mut crate::SuiteSparse_config;
-            // SAFETY: the struct lives as long as the process. SuiteSparse asks that it be changed before it is used from
-            // several threads, which holds for all who come through here: none of them goes on before this is done.
-            unsafe {
-                let before = *config;
-                (*config).malloc_func = Some(malloc);
-                (*config).calloc_func = Some(calloc);
-                (*config).realloc_func = Some(realloc);
-                (*config).free_func = Some(free);
-                before
-            }
-        });
-    }
-
-    /// `allocate`, unless the call has failed already.
-    fn attempt(allocate: impl FnOnce() -> *mut c_void) -> *mut c_void {
-        let (count, failed) = OPEN.try_with(core::cell::Cell::get).unwrap_or((0, false));
-        let refused = count > 0 && failed || faults::fails();
-        let block = if refused { null_mut() } else { allocate() };
-        if block.is_null() && count > 0 {
-            // An error here means that the thread is ending, and then no call is open.
-            OPEN.try_with(|open| open.set((count, true))).unwrap_or(());
-        }
-        block
-    }
-
-    unsafe extern "C" fn malloc(size: usize) -> *mut c_void {
-        let Some(malloc) = BEFORE.get().and_then(|before| before.malloc_func) else { return null_mut() };
-        // SAFETY: passed on as it came.
-        let block = attempt(|| unsafe { malloc(size) });
-        faults::hold(i64::from(!block.is_null()));
-        block
-    }
-
-    unsafe extern "C" fn calloc(count: usize, size: usize) -> *mut c_void {
-        let Some(calloc) = BEFORE.get().and_then(|before| before.calloc_func) else { return null_mut() };
-        // SAFETY: passed on as it came.
-        let block = attempt(|| unsafe { calloc(count, size) });
-        faults::hold(i64::from(!block.is_null()));
-        block
-    }
-
-    unsafe extern "C" fn realloc(old: *mut c_void, size: usize) -> *mut c_void {
-        let Some(realloc) = BEFORE.get().and_then(|before| before.realloc_func) else { return null_mut() };
-        // SAFETY: passed on as it came.
-        let block = attempt(|| unsafe { realloc(old, size) });
-        faults::hold(i64::from(old.is_null() && !block.is_null()));
-        block
-    }
-
-    unsafe extern "C" fn free(block: *mut c_void) {
-        faults::hold(-i64::from(!block.is_null()));
-        if let Some(free) = BEFORE.get().and_then(|before| before.free_func) {
-            // SAFETY: passed on as it came.
-            unsafe { free(block) };
-        }
+    pub(super) fn finished(blocks: usize) {
+        LEAKED.fetch_add(blocks as i64, SeqCst);
     }
 }

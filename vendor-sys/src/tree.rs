@@ -23,6 +23,11 @@ pub fn with_threads<T>(threads: usize, work: impl FnOnce() -> T) -> T {
     work()
 }
 
+/// How many of so many threads a task tree has at most: no more than cores, and one where there are no trees.
+pub fn runners(threads: usize) -> usize {
+    if is_active() { backend::runners(i32::try_from(threads).unwrap_or(i32::MAX)).max(1) as usize } else { 1 }
+}
+
 /// How many task trees have run in this process.
 pub fn count() -> u64 {
     backend::count()
@@ -41,6 +46,10 @@ pub fn runtime() -> Option<&'static str> {
 #[cfg(not(task_tree))]
 mod without {
     pub fn threads(_: i32) -> i32 {
+        1
+    }
+
+    pub fn runners(_: i32) -> i32 {
         1
     }
 
@@ -66,6 +75,7 @@ mod linked {
 
     unsafe extern "C" {
         fn qless_tree_threads(threads: c_int) -> c_int;
+        fn qless_tree_runners(threads: c_int) -> c_int;
         fn qless_tree_count() -> c_ulonglong;
         fn qless_tree_runtime() -> *const c_char;
     }
@@ -127,6 +137,11 @@ mod linked {
     pub fn threads(threads: c_int) -> c_int {
         // SAFETY: sets numbers of this thread only.
         unsafe { qless_tree_threads(threads) }
+    }
+
+    pub fn runners(threads: c_int) -> c_int {
+        // SAFETY: the smaller of two numbers.
+        unsafe { qless_tree_runners(threads) }
     }
 
     pub fn count() -> u64 {

@@ -8,13 +8,15 @@ use std::path::Path;
 use std::process::Command;
 
 /// Sizes, then the places of the fields that are used, then constants, then whether functions have the types given here.
-const QUESTIONS: [&str; 33] = [
+const QUESTIONS: [&str; 38] = [
     "sizeof(cholmod_common)",
     "sizeof(cholmod_sparse)",
     "sizeof(cholmod_dense)",
     "sizeof(SuiteSparse_long)",
     "offsetof(cholmod_common, print)",
     "offsetof(cholmod_common, status)",
+    "offsetof(cholmod_common, error_handler)",
+    "offsetof(cholmod_common, malloc_count)",
     "offsetof(cholmod_common, memory_usage)",
     "offsetof(cholmod_common, SPQR_grain)",
     "offsetof(cholmod_common, SPQR_small)",
@@ -42,10 +44,13 @@ const QUESTIONS: [&str; 33] = [
     "SAME(cholmod_l_start, int (*)(cholmod_common *))",
     "SAME(cholmod_l_finish, int (*)(cholmod_common *))",
     "SAME(cholmod_l_free, void *(*)(size_t, size_t, void *, cholmod_common *))",
+    "SAME(cholmod_l_malloc, void *(*)(size_t, size_t, cholmod_common *))",
+    "SAME(cholmod_l_calloc, void *(*)(size_t, size_t, cholmod_common *))",
+    "SAME(cholmod_l_realloc, void *(*)(size_t, size_t, void *, size_t *, cholmod_common *))",
     "SAME(cholmod_l_free_sparse, int (*)(cholmod_sparse **, cholmod_common *))",
 ];
 
-/// The same functions in Rust, held to the same types by the compiler.
+/// The same functions in Rust, held to the same types by the compiler; those that `guard.rs` stands in for are written there.
 fn signatures() {
     type Sparse = *mut cholmod_sparse;
     type Dense = *mut cholmod_dense;
@@ -82,6 +87,8 @@ fn bindings_are_those_of_the_installed_headers() {
         size_of::<i64>(),
         offset_of!(cholmod_common, print),
         offset_of!(cholmod_common, status),
+        offset_of!(cholmod_common, error_handler),
+        offset_of!(cholmod_common, malloc_count),
         offset_of!(cholmod_common, memory_usage),
         offset_of!(cholmod_common, SPQR_grain),
         offset_of!(cholmod_common, SPQR_small),
@@ -107,7 +114,7 @@ fn bindings_are_those_of_the_installed_headers() {
         spqr_sys::SPQR_MAIN_VERSION,
         spqr_sys::SUITESPARSE_MAIN_VERSION,
     ];
-    let in_rust = places.iter().map(|&place| place as i64).chain(constants.map(i64::from)).chain([1; 5]);
+    let in_rust = places.iter().map(|&place| place as i64).chain(constants.map(i64::from)).chain([1; 8]);
     let in_c = answers(Path::new(env!("CARGO_TARGET_TMPDIR")));
     let in_rust: Vec<i64> = in_rust.collect();
     assert_eq!((in_rust.len(), in_c.len()), (QUESTIONS.len(), QUESTIONS.len()));

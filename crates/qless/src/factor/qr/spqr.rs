@@ -9,9 +9,13 @@ mod call;
 
 use super::{Backend, BackendError, Factor};
 use crate::Csr;
-use call::Call;
+use call::{Call, collected};
+use std::collections::TryReserveError;
 use std::time::Instant;
 
+#[cfg(feature = "faults")]
+#[doc(hidden)]
+pub use spqr_sys as sys;
 #[cfg(feature = "faults")]
 pub use spqr_sys::memory::faults;
 
@@ -21,6 +25,10 @@ const NAME: &str = "spqr";
 ///
 /// One BLAS thread, whatever the process uses elsewhere, so that results are the same to the last bit for every number of
 /// `threads`. These need the feature `tbb` and SuiteSparseQR 2.1; elsewhere the tasks run in sequence ([`Spqr::trees`]).
+///
+/// Without memory it returns [`BackendError::OutOfMemory`], whichever allocation fails, of SuiteSparse, of OpenBLAS or of its task
+/// tree; it leaves the hooks of SuiteSparse and the `cholmod_common` of others in the process alone (`spqr_sys::memory`). OpenBLAS itself
+/// starts threads when a program is loaded, unless the program says that it wants none (`spqr_sys::blas`).
 ///
 /// A program that factors large systems again and again saves up to a fifth of the time if freed memory stays in the process: glibc gives
 /// arrays above 32 MB back and gets zeroed pages for the next ones, unless it is started with
@@ -98,7 +106,8 @@ impl Spqr {
         let tall = Tall { rows: m, count: rhs.len().checked_div(m).unwrap_or(0), values: rhs };
         debug_assert_eq!(tall.rows * tall.count, rhs.len(), "B is not m x k");
         if columns.nnz() == 0 {
-            return Ok((nothing_to_factor(n, tall), Statistics { tasks: 1, ..Statistics::default() }));
+            let factor = nothing_to_factor(n, tall).map_err(|_| error_of(spqr_sys::CHOLMOD_OUT_OF_MEMORY, m, n))?;
+            return Ok((factor, Statistics { tasks: 1, ..Statistics::default() }));
         }
         let start = Instant::now();
         let (factor, statistics) = self.factor_in_c(columns, tall, tolerance)?;
@@ -107,18 +116,18 @@ impl Spqr {
 
     fn factor_in_c(self, columns: &Csr, b: Tall, tolerance: f64) -> Result<(Factor, Statistics), BackendError> {
         let (m, n) = (columns.cols, columns.rows());
-        let mut call = Call::start(n + b.count);
-        let threads = if self.threads == 0 { rayon::current_num_threads() } else { self.threads };
-        if threads > 1 && Self::has_trees() {
+        let no_memory = || error_of(spqr_sys::CHOLMOD_OUT_OF_MEMORY, m, n);
+        let mut call = Call::start(n + b.count).ok_or_else(no_memory)?;
+        let wanted = if self.threads == 0 { rayon::current_num_threads() } else { self.threads };
+        let blas = spqr_sys::blas::hold(spqr_sys::tree::runners(wanted)).ok_or_else(no_memory)?;
+        let threads = blas.callers();
+        if threads > 1 {
             call.common.SPQR_grain = self.grain;
             call.common.SPQR_small = self.small;
         }
-        let blas = spqr_sys::blas::hold();
-        let memory = spqr_sys::memory::call();
         let rank = spqr_sys::tree::with_threads(threads, || call.run(columns, b, tolerance));
-        let rank = if memory.has_failed() { Err(spqr_sys::CHOLMOD_OUT_OF_MEMORY) } else { rank };
-        drop((memory, blas));
-        let factor = call.read(rank.map_err(|status| error_of(status, m, n))?, columns, b, threads)?;
+        drop(blas);
+        let factor = call.read(rank.map_err(|status| error_of(status, m, n))?, columns, b, wanted)?;
         Ok((factor, call.statistics()))
     }
 }
@@ -155,12 +164,12 @@ impl<'a> Tall<'a> {
         self.values.chunks_exact(self.rows.max(1))
     }
 
-    fn head(self, rank: usize) -> Vec<f64> {
-        self.columns().flat_map(|b| &b[..rank]).copied().collect()
+    fn head(self, rank: usize) -> Result<Vec<f64>, TryReserveError> {
+        collected(self.count * rank, self.columns().flat_map(|b| &b[..rank]).copied())
     }
 
-    fn rest(self, rank: usize) -> Vec<f64> {
-        self.columns().map(|b| norm(&b[rank..])).collect()
+    fn rest(self, rank: usize) -> Result<Vec<f64>, TryReserveError> {
+        collected(self.count, self.columns().map(|b| norm(&b[rank..])))
     }
 }
 
@@ -176,9 +185,9 @@ fn norm(x: &[f64]) -> f64 {
 }
 
 /// A = 0 or without rows or columns: W = I. C is not asked, it does not take every empty matrix.
-fn nothing_to_factor(n: usize, b: Tall) -> Factor {
-    let r = Csr::empty(n);
-    Factor { rank: 0, order: (0..n).collect(), r, rhs: Vec::new(), rest: b.rest(0), dropped: 0.0 }
+fn nothing_to_factor(n: usize, b: Tall) -> Result<Factor, TryReserveError> {
+    let (order, r) = (collected(n, 0..n)?, Csr::empty(n));
+    Ok(Factor { rank: 0, order, r, rhs: Vec::new(), rest: b.rest(0)?, dropped: 0.0 })
 }
 
 /// Row i begins at column i: then R1 is upper triangular and nonsingular.

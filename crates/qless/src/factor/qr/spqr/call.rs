@@ -6,7 +6,8 @@ mod rows;
 use std::collections::TryReserveError;
 use std::ptr::{from_mut, null_mut};
 
-use spqr_sys::{cholmod_common, cholmod_dense, cholmod_sparse};
+use spqr_sys::memory::Common;
+use spqr_sys::{cholmod_dense, cholmod_sparse};
 
 use super::{Statistics, Tall, all_finite, error_of, failed, is_trapezoidal};
 use crate::Csr;
@@ -15,7 +16,7 @@ use rows::InColumns;
 
 /// What C allocates for one factorization. Dropping it frees all of it, however the call went.
 pub(super) struct Call {
-    pub common: Box<cholmod_common>,
+    pub common: Common,
     z: *mut cholmod_dense,
     r: *mut cholmod_sparse,
     order: *mut i64,
@@ -23,22 +24,19 @@ pub(super) struct Call {
 }
 
 impl Call {
-    pub fn start(order_length: usize) -> Self {
-        // SAFETY: the struct is numbers, arrays of them and nullable pointers; all zeros is a value of it.
-        let mut common: Box<cholmod_common> = Box::new(unsafe { std::mem::zeroed() });
-        // SAFETY: the struct is as large as C's (spqr-sys checks) and the box keeps it in place.
-        unsafe { spqr_sys::cholmod_l_start(from_mut(&mut *common)) };
-        common.print = 0;
-        Self { common, z: null_mut(), r: null_mut(), order: null_mut(), order_length }
+    /// None without memory.
+    pub fn start(order_length: usize) -> Option<Self> {
+        let common = Common::start()?;
+        Some(Self { common, z: null_mut(), r: null_mut(), order: null_mut(), order_length })
     }
 
     /// The rank, or CHOLMOD's status. The order must be asked for: without it SPQR 2.1 frees a deficient R twice.
     pub fn run(&mut self, columns: &Csr, b: Tall, tolerance: f64) -> Result<usize, i32> {
         let no_memory = |_| spqr_sys::CHOLMOD_OUT_OF_MEMORY;
-        let mut start: Vec<i64> = zeros(columns.start.len()).map_err(no_memory)?;
-        start.iter_mut().zip(&columns.start).for_each(|(start, &entry)| *start = entry as i64);
-        let mut index: Vec<i64> = zeros(columns.col.len()).map_err(no_memory)?;
-        index.iter_mut().zip(&columns.col).for_each(|(index, &row)| *index = i64::from(row));
+        let starts = columns.start.iter().map(|&entry| entry as i64);
+        let mut start = collected(columns.start.len(), starts).map_err(no_memory)?;
+        let mut index =
+            collected(columns.col.len(), columns.col.iter().map(|&row| i64::from(row))).map_err(no_memory)?;
         let mut a = sparse_view(columns, &mut start, &mut index);
         let mut dense = dense_view(b);
         let (b_in, z_out) =
@@ -63,9 +61,12 @@ impl Call {
                 null_mut(),
                 null_mut(),
                 null_mut(),
-                &raw mut *self.common,
+                self.common.as_mut_ptr(),
             )
         };
+        if let Some(status) = self.common.failure() {
+            return Err(status);
+        }
         let complete = !self.r.is_null() && self.z.is_null() == z_out.is_null();
         let accepted = self.common.status >= spqr_sys::CHOLMOD_OK && complete;
         usize::try_from(rank).ok().filter(|_| accepted).ok_or(self.common.status)
@@ -77,7 +78,8 @@ impl Call {
         let in_columns = self.r(n);
         // For less the threads take longer to wake up.
         let threads = if in_columns.row.len() < 1 << 18 { 1 } else { threads };
-        let r = in_columns.by_rows(rank, threads).map_err(|_| error_of(spqr_sys::CHOLMOD_OUT_OF_MEMORY, m, n))?;
+        let no_memory = |_| error_of(spqr_sys::CHOLMOD_OUT_OF_MEMORY, m, n);
+        let r = in_columns.by_rows(rank, threads).map_err(no_memory)?;
         if !is_trapezoidal(&r) {
             return Err(failed("SuiteSparseQR returned an R that is not [R1 R2]".into()));
         }
@@ -86,7 +88,9 @@ impl Call {
             return Err(failed(format!("the {m} x {n} block overflows: scale it")));
         }
         let dropped = without_last_bits(self.common.SPQR_norm_E_fro);
-        Ok(Factor { rank, order: self.order(n), r, rhs: z.head(rank), rest: z.rest(rank), dropped })
+        let order = self.order(n).map_err(no_memory)?;
+        let (rhs, rest) = (z.head(rank).map_err(no_memory)?, z.rest(rank).map_err(no_memory)?);
+        Ok(Factor { rank, order, r, rhs, rest, dropped })
     }
 
     pub fn statistics(&self) -> Statistics {
@@ -101,12 +105,12 @@ impl Call {
     }
 
     /// P; C returns it for `[A B]`, B last, and returns nothing for the identity.
-    fn order(&self, n: usize) -> Vec<usize> {
+    fn order(&self, n: usize) -> Result<Vec<usize>, TryReserveError> {
         if self.order.is_null() {
-            return (0..n).collect();
+            return collected(n, 0..n);
         }
         // SAFETY: SPQR wrote `order_length` >= n entries.
-        unsafe { slice(self.order, n) }.iter().map(|&j| j as usize).collect()
+        collected(n, unsafe { slice(self.order, n) }.iter().map(|&j| j as usize))
     }
 
     fn r(&self, n: usize) -> InColumns<'_> {
@@ -132,13 +136,12 @@ impl Call {
 
 impl Drop for Call {
     fn drop(&mut self) {
-        let common = &raw mut *self.common;
+        let common = self.common.as_mut_ptr();
         // SAFETY: each pointer is null or was allocated by SPQR under this `common`; freeing null does nothing.
         unsafe {
             spqr_sys::cholmod_l_free_sparse(&raw mut self.r, common);
             spqr_sys::cholmod_l_free_dense(&raw mut self.z, common);
             spqr_sys::cholmod_l_free(self.order_length, size_of::<i64>(), self.order.cast(), common);
-            spqr_sys::cholmod_l_finish(common);
         }
     }
 }
@@ -148,10 +151,16 @@ fn without_last_bits(norm: f64) -> f64 {
     f64::from_bits((norm.to_bits() + (1 << 28)) & !((1 << 29) - 1))
 }
 
-fn zeros<T: Clone + Default>(length: usize) -> Result<Vec<T>, TryReserveError> {
+/// At most `length` values, in memory that may not be there.
+pub(super) fn collected<T>(length: usize, values: impl Iterator<Item = T>) -> Result<Vec<T>, TryReserveError> {
+    let mut collected = reserved(length)?;
+    collected.extend(values.take(length));
+    Ok(collected)
+}
+
+fn reserved<T>(length: usize) -> Result<Vec<T>, TryReserveError> {
     let mut values = Vec::new();
     values.try_reserve_exact(length)?;
-    values.resize(length, T::default());
     Ok(values)
 }
 

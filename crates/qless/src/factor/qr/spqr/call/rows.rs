@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::zeros;
+use super::{collected, reserved};
 use crate::Csr;
 
 /// R as C returns it: where each column starts, the row of each entry (in no promised order), its value.
@@ -33,10 +33,11 @@ impl InColumns<'_> {
     /// part of each row that is in them behind the parts before.
     pub fn by_rows(self, rank: usize, threads: usize) -> Result<Csr, TryReserveError> {
         let parts = self.split(threads.max(1));
-        let mut places: Vec<Vec<usize>> = parts.iter().map(|_| zeros(rank)).collect::<Result<_, _>>()?;
+        let zeros = |_| collected(rank, std::iter::repeat(0));
+        let mut places: Vec<Vec<usize>> = parts.iter().map(zeros).collect::<Result<_, _>>()?;
         let counting = |(part, counts): (&Range<usize>, &mut Vec<usize>)| self.count(part.clone(), counts);
         in_parallel(threads, &parts, &mut places, counting);
-        let start = starts(rank, &mut places);
+        let start = starts(rank, &mut places)?;
         let (mut col, mut val) = (reserved::<u32>(start[rank])?, reserved::<f64>(start[rank])?);
         let to = Places { col: col.as_mut_ptr(), val: val.as_mut_ptr() };
         // SAFETY: entry by entry as `count` counted them, so each has a place of its own below start[rank], which is reserved.
@@ -92,8 +93,8 @@ impl InColumns<'_> {
 }
 
 /// Where each row starts; turns counts, by part and row, into the first place of each.
-fn starts(rank: usize, counts: &mut [Vec<usize>]) -> Vec<usize> {
-    let mut start = Vec::with_capacity(rank + 1);
+fn starts(rank: usize, counts: &mut [Vec<usize>]) -> Result<Vec<usize>, TryReserveError> {
+    let mut start = reserved(rank + 1)?;
     let mut place = 0;
     for row in 0..rank {
         start.push(place);
@@ -102,17 +103,11 @@ fn starts(rank: usize, counts: &mut [Vec<usize>]) -> Vec<usize> {
         }
     }
     start.push(place);
-    start
+    Ok(start)
 }
 
 fn in_parallel<A: Sync, B: Send>(threads: usize, a: &[A], b: &mut [B], work: impl Fn((&A, &mut B)) + Sync + Send) {
     if threads > 1 { a.par_iter().zip(b).for_each(work) } else { a.iter().zip(b).for_each(work) }
-}
-
-fn reserved<T>(length: usize) -> Result<Vec<T>, TryReserveError> {
-    let mut values = Vec::new();
-    values.try_reserve_exact(length)?;
-    Ok(values)
 }
 
 #[cfg(test)]

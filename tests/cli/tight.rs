@@ -1,0 +1,31 @@
+//! The build with SuiteSparseQR under a limit of address space: it ends, in order.
+
+use std::process::{Command, Stdio};
+
+use super::harness::Place;
+
+/// The exit code with so many MiB, 124 after 20 seconds; the machine's own settings of BLAS do not count.
+fn code(mebibytes: usize, arguments: &[&str]) -> i32 {
+    let script = format!("ulimit -v {}; exec timeout 20 \"$@\"", mebibytes << 10);
+    let mut run = Command::new("sh");
+    run.args(["-c", &script, "sh", env!("CARGO_BIN_EXE_qless")]).args(arguments);
+    run.env_remove("OPENBLAS_NUM_THREADS").stdout(Stdio::null()).stderr(Stdio::null());
+    run.status().expect("a shell").code().expect("an end of its own")
+}
+
+/// A thread of OpenBLAS's, which it starts as it is loaded for each core but one, would find no memory and never end.
+#[test]
+fn no_blas_thread_is_started_for_what_needs_none() {
+    assert_eq!(code(190, &["--version"]), 0);
+}
+
+/// OpenBLAS would ask for ever for a buffer of 128 MiB.
+#[test]
+fn a_factorization_that_blas_has_no_memory_for_is_refused() {
+    let place = Place::new();
+    let case = place.path("rve").to_string_lossy().into_owned();
+    assert_eq!(code(4096, &["generate", "rve", "--n", "4", "-o", &case]), 0);
+    let check = ["check", &case, "--backend", "spqr", "--no-presolve", "--threads", "1"];
+    assert_eq!(code(190, &check), 3);
+    assert_eq!(code(1024, &check), 0);
+}

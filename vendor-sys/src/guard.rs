@@ -1,0 +1,145 @@
+//! CHOLMOD's `malloc`, `calloc` and `realloc` under their own names, see [`crate::memory`].
+//!
+//! Each is the library's, unless an allocation under the same `cholmod_common` of ours has failed: then it fails at once.
+
+use core::ffi::{CStr, c_void};
+use core::mem::transmute;
+use core::ptr::null_mut;
+use core::sync::atomic::{AtomicI32, AtomicPtr, Ordering::Relaxed, Ordering::SeqCst};
+
+use crate::memory::State;
+use crate::{CHOLMOD_OUT_OF_MEMORY, cholmod_common};
+
+type Allocate = unsafe extern "C" fn(usize, usize, *mut cholmod_common) -> *mut c_void;
+type Reallocate = unsafe extern "C" fn(usize, usize, *mut c_void, *mut usize, *mut cholmod_common) -> *mut c_void;
+
+/// The library's own function of this name: the next definition after the program's.
+struct Own(&'static CStr, AtomicPtr<c_void>);
+
+impl Own {
+    const fn new(name: &'static CStr) -> Self {
+        Self(name, AtomicPtr::new(null_mut()))
+    }
+
+    fn get(&self) -> *mut c_void {
+        let known = self.1.load(Relaxed);
+        if !known.is_null() {
+            return known;
+        }
+        // SAFETY: the name is a C string; nothing is loaded or called.
+        let found = unsafe { libc::dlsym(libc::RTLD_NEXT, self.0.as_ptr()) };
+        self.1.store(found, Relaxed);
+        found
+    }
+
+    fn allocate(&self) -> Option<Allocate> {
+        // SAFETY: null is none, the rest a function of this type.
+        unsafe { transmute::<*mut c_void, Option<Allocate>>(self.get()) }
+    }
+
+    fn reallocate(&self) -> Option<Reallocate> {
+        // SAFETY: as above.
+        unsafe { transmute::<*mut c_void, Option<Reallocate>>(self.get()) }
+    }
+}
+
+static MALLOC: Own = Own::new(c"cholmod_l_malloc");
+static CALLOC: Own = Own::new(c"cholmod_l_calloc");
+static REALLOC: Own = Own::new(c"cholmod_l_realloc");
+
+/// # Safety
+/// As CHOLMOD's.
+#[unsafe(export_name = "cholmod_l_malloc")]
+pub unsafe extern "C" fn malloc(count: usize, size: usize, common: *mut cholmod_common) -> *mut c_void {
+    // SAFETY: passed on as it came.
+    unsafe { allocated(&MALLOC, count, size, common) }
+}
+
+/// # Safety
+/// As CHOLMOD's.
+#[unsafe(export_name = "cholmod_l_calloc")]
+pub unsafe extern "C" fn calloc(count: usize, size: usize, common: *mut cholmod_common) -> *mut c_void {
+    // SAFETY: passed on as it came.
+    unsafe { allocated(&CALLOC, count, size, common) }
+}
+
+/// # Safety
+/// As CHOLMOD's: leaves the block and its count as they are when it fails.
+#[unsafe(export_name = "cholmod_l_realloc")]
+pub unsafe extern "C" fn realloc(
+    wanted: usize,
+    size: usize,
+    block: *mut c_void,
+    count: *mut usize,
+    common: *mut cholmod_common,
+) -> *mut c_void {
+    // SAFETY: passed on as it came; CHOLMOD's count is that of the block after the call.
+    unsafe {
+        let Some(own) = REALLOC.reallocate() else { return block };
+        let Some(failure) = State::behind(common) else { return own(wanted, size, block, count, common) };
+        if is_refused(failure, common) {
+            return block;
+        }
+        let block = own(wanted, size, block, count, common);
+        if *count != wanted {
+            remember(failure, common);
+        }
+        block
+    }
+}
+
+/// # Safety
+/// Arguments as CHOLMOD gets them.
+unsafe fn allocated(own: &Own, count: usize, size: usize, common: *mut cholmod_common) -> *mut c_void {
+    // SAFETY: passed on as it came.
+    unsafe {
+        let Some(own) = own.allocate() else { return null_mut() };
+        let Some(failure) = State::behind(common) else { return own(count, size, common) };
+        if is_refused(failure, common) {
+            return null_mut();
+        }
+        let block = own(count, size, common);
+        if block.is_null() {
+            remember(failure, common);
+        }
+        block
+    }
+}
+
+/// Whether an allocation has failed before, which is said again.
+///
+/// # Safety
+/// The pointer is to a `cholmod_common` of ours.
+unsafe fn is_refused(failure: &AtomicI32, common: *mut cholmod_common) -> bool {
+    if failure.load(SeqCst) == 0 && fails_on_purpose() {
+        failure.store(CHOLMOD_OUT_OF_MEMORY, SeqCst);
+    }
+    let status = failure.load(SeqCst);
+    if status != 0 {
+        // SAFETY: the caller's promise; the library writes it so too.
+        unsafe { (*common).status = status };
+    }
+    status != 0
+}
+
+/// The library's allocation has just failed, and its status says why.
+///
+/// # Safety
+/// The pointer is to a `cholmod_common` of ours.
+unsafe fn remember(failure: &AtomicI32, common: *mut cholmod_common) {
+    // SAFETY: the caller's promise.
+    let status = unsafe { (*common).status };
+    let why = if status < 0 { status } else { CHOLMOD_OUT_OF_MEMORY };
+    // Another thread may have been first.
+    _ = failure.compare_exchange(0, why, SeqCst, SeqCst);
+}
+
+#[cfg(feature = "faults")]
+fn fails_on_purpose() -> bool {
+    crate::memory::faults::fails()
+}
+
+#[cfg(not(feature = "faults"))]
+fn fails_on_purpose() -> bool {
+    false
+}
