@@ -4,14 +4,17 @@
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::os::unix::fs::DirEntryExt;
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
+
+use rustix::process::{Pid, Signal, kill_process};
 
 use super::harness::Place;
 
-const SIGNALS: [(&str, i32); 3] = [("KILL", 9), ("TERM", 15), ("INT", 2)];
+const SIGNALS: [Signal; 3] = [Signal::KILL, Signal::TERM, Signal::INT];
 
 /// Each file of a folder that is no temporary one.
 type Content = BTreeMap<String, Vec<u8>>;
@@ -68,61 +71,60 @@ fn prepare(place: &Place, case: &Case) {
 
 /// Kills one run; whether the old output is found, the new one, or the run was over.
 fn kill(place: &Place, case: &Case, k: usize) -> usize {
-    let (signal, number) = SIGNALS[k % 3];
+    let signal = SIGNALS[k / 4 % 3];
+    let number = signal.as_raw();
+    let start_of_old = Instant::now();
     let run = place.run(case.old);
+    let took = start_of_old.elapsed();
     assert!(run.code < 2, "{}", run.err);
     let folder = place.path(case.output);
-    let old = content(&folder);
+    let (old, old_numbers) = (content(&folder), numbers(&folder));
+    let hidden = || count_hidden(&place.path("")) + count_hidden(&folder);
+    let (above, before) = (count_hidden(&place.path("")), hidden());
+    let is_one = case.output == "sets";
     let mut child = start(place, case.new);
-    let start = Instant::now();
-    // Commits are short and come late: half of the kills wait until new files do.
-    let stage =
-        || fs::read_dir(&folder).into_iter().flatten().flatten().any(|e| is_hidden(&e.file_name().to_string_lossy()));
-    if k % 2 == 0 {
-        while !stage() && child.try_wait().expect("known").is_none() {}
-        std::thread::sleep(Duration::from_micros(random(k) % 3000));
-    } else {
-        let whole = Duration::from_millis(if case.name == "bench" { 300 } else { 15 });
-        std::thread::sleep(whole.mul_f64(random(k) as f64 / 1e6).saturating_sub(start.elapsed()));
-    }
-    let sent = Command::new("kill").args([format!("-{signal}"), child.id().to_string()]).status().expect("kill runs");
-    assert!(sent.success(), "a child that was not waited for can be sent signals");
+    wait(k, took, || count_hidden(&place.path("")) > above || (is_one && hidden() > before), || hidden() > before);
+    let sent = kill_process(Pid::from_child(&child), signal);
+    assert!(sent.is_ok(), "a child that was not waited for can be sent signals");
     let status = child.wait().expect("it ends");
     let found = content(&folder);
-    let what = format!("{} with {} at kill {k} ({status})", case.name, signal);
+    let what = format!("{} with {signal:?} at kill {k} ({status})", case.name);
     assert!(status.signal() == Some(number) || status.code().is_some_and(|code| code < 2), "{what}");
-    let hidden = hidden(place.path("").as_path()) + hidden(&folder);
-    assert!(number == 9 || hidden == 0, "{what}: temporary folders are left");
-    clear(place.path("").as_path());
-    clear(&folder);
-    if found == old {
+    assert!(signal == Signal::KILL || hidden() == before, "{what}: temporary folders are left");
+    if numbers(&folder) == old_numbers {
+        assert!(found == old, "{what}: the old files have changed");
         return if status.signal().is_some() { 0 } else { 2 };
     }
-    // What the new output is, another run says; times that a bench took are its own.
+    // What the new output is, another run says; times are its own, but every file is another one than before.
     for path in ["notes", "deep/notes"] {
         assert_eq!(found.get(path), old.get(path), "{what}");
     }
-    if case.name == "bench" {
-        let families = |text: &str| ["ring,", "grid,"].map(|family| text.contains(family));
-        let csv = String::from_utf8_lossy(&found["trade.csv"]);
-        assert!(families(&csv) == [false, true] && found["trade.md"] != old["trade.md"], "{what}: a mixture");
-        for name in ["trade.svg", "growth.svg", "trade.md", "trade.csv"] {
-            assert!(found[name] != old[name] && !found[name].is_empty(), "{what}: {name} is not new");
-        }
-    } else {
-        assert!(place.run(case.new).code < 2);
-        let new = content(&folder);
-        let differ: Vec<_> =
-            new.iter().filter(|(name, text)| found.get(*name) != Some(text)).map(|(name, _)| name).collect();
-        assert!(
-            found.len() == new.len() && (differ.is_empty() || case.name == "check"),
-            "{what}: {differ:?} are not new"
-        );
+    let numbers = numbers(&folder);
+    let kept: Vec<_> = numbers.iter().filter(|(name, number)| old_numbers.get(*name) == Some(number)).collect();
+    assert!(kept.iter().all(|(name, _)| *name == "notes"), "{what}: of the old output are {kept:?}");
+    assert!(place.run(case.new).code < 2);
+    let new = content(&folder);
+    assert!(new.keys().eq(found.keys()), "{what}: {:?} instead of {:?}", found.keys(), new.keys());
+    if !matches!(case.name, "bench" | "check") {
+        assert!(new == found, "{what}: the new output differs");
     }
     if status.signal().is_some() { 1 } else { 2 }
 }
 
-fn start(place: &Place, arguments: &str) -> std::process::Child {
+/// Commits are short and come late: every other kill waits for temporary folders, half of them for those of a switch, which are in
+/// the folder above. The others come at any time.
+fn wait(k: usize, took: Duration, is_switch: impl Fn() -> bool, is_stage: impl Fn() -> bool) {
+    let (of, is_due): (Duration, &dyn Fn() -> bool) = match k % 4 {
+        0 => (Duration::from_micros(500), &is_switch),
+        2 => (took, &is_stage),
+        _ => (took, &|| true),
+    };
+    let start = Instant::now();
+    while !is_due() && start.elapsed() < 2 * took {}
+    std::thread::sleep(of.mul_f64(random(k) as f64 / 1e6));
+}
+
+fn start(place: &Place, arguments: &str) -> Child {
     place.command(arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the program starts")
 }
 
@@ -157,15 +159,12 @@ fn collect(folder: &Path, prefix: &str, all: &mut Content) {
     }
 }
 
-fn hidden(folder: &Path) -> usize {
-    fs::read_dir(folder).expect("a folder").flatten().filter(|e| is_hidden(&e.file_name().to_string_lossy())).count()
+/// The numbers of the files, which tell them from others of the same content.
+fn numbers(folder: &Path) -> BTreeMap<String, u64> {
+    let entries = fs::read_dir(folder).expect("a folder").flatten().filter(|entry| !entry.path().is_dir());
+    entries.map(|entry| (entry.file_name().to_string_lossy().into_owned(), entry.ino())).collect()
 }
 
-/// Removes temporary folders, but for one that links of the output lead to.
-fn clear(folder: &Path) {
-    for entry in fs::read_dir(folder).expect("a folder").flatten() {
-        if is_hidden(&entry.file_name().to_string_lossy()) && !entry.path().join("README").exists() {
-            fs::remove_dir_all(entry.path()).expect("removed");
-        }
-    }
+fn count_hidden(folder: &Path) -> usize {
+    fs::read_dir(folder).expect("a folder").flatten().filter(|e| is_hidden(&e.file_name().to_string_lossy())).count()
 }
