@@ -116,8 +116,8 @@ fn kill(place: &Place, case: &Case, k: usize) -> usize {
 fn wait(k: usize, took: Duration, is_switch: impl Fn() -> bool, is_stage: impl Fn() -> bool) {
     let (of, is_due): (Duration, &dyn Fn() -> bool) = match k % 4 {
         0 => (Duration::from_micros(500), &is_switch),
-        2 => (took, &is_stage),
-        _ => (took, &|| true),
+        2 => (took / 5, &is_stage),
+        _ => (took * 4 / 5, &|| true),
     };
     let start = Instant::now();
     while !is_due() && start.elapsed() < 2 * took {}
