@@ -8,7 +8,13 @@ mod cli {
     pub mod factors;
     pub mod form;
     pub mod harness;
+    #[cfg(unix)]
+    pub mod kills;
+    #[cfg(unix)]
+    pub mod limits;
     pub mod meant;
+    #[cfg(unix)]
+    pub mod outputs;
     pub mod report;
     #[cfg(all(feature = "spqr", target_os = "linux"))]
     pub mod tight;

@@ -6,6 +6,8 @@
 mod case;
 mod deck;
 mod files;
+mod folder;
 
 pub use case::case;
 pub use deck::{ansys, calculix, nastran};
+pub use folder::folder;

@@ -165,23 +165,28 @@ fn a_page_needs_nothing_else_and_says_all() {
     assert_eq!(page_data(&run.out)["report"]["dependent"][0]["label"], "</script><b>");
 }
 
-#[test]
-fn a_browser_shows_the_page() {
+/// What a browser makes of a page; nothing where there is none.
+fn shown(place: &Place, page: &str) -> Option<String> {
     let chromium = |arguments: &[&str]| std::process::Command::new("chromium").args(arguments).output();
     if chromium(&["--version"]).is_err() {
         assert!(std::env::var_os("QLESS_CORPUS").is_none(), "install chromium");
         eprintln!("chromium is not installed: nothing to run");
-        return;
+        return None;
     }
-    let place = Place::new();
-    place.file("twice.inp", deck(TWICE, ""));
-    assert_eq!(place.run("check -q twice.inp --format html -o twice.html").code, 0);
-    let address = format!("file://{}", place.path("twice.html").display());
+    let address = format!("file://{}", place.path(page).display());
     let home = format!("--user-data-dir={}", place.path("browser").display());
     let options =
         ["--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=2000", "--dump-dom", &home, &address];
     let shown = chromium(&options).expect("it ran");
-    let shown = String::from_utf8_lossy(&shown.stdout);
+    Some(String::from_utf8(shown.stdout).expect("UTF-8"))
+}
+
+#[test]
+fn a_browser_shows_the_page() {
+    let place = Place::new();
+    place.file("twice.inp", deck(TWICE, ""));
+    assert_eq!(place.run("check -q twice.inp --format html -o twice.html").code, 0);
+    let Some(shown) = shown(&place, "twice.html") else { return };
     for part in [
         "1 of 2 equations is redundant; the other one is independent.",
         "<td>line 11 *EQUATION 3:1</td>",
@@ -190,6 +195,35 @@ fn a_browser_shows_the_page() {
         "<section id=\"space\">",
     ] {
         assert!(shown.contains(part), "{part} is not in\n{shown}");
+    }
+    assert!(!shown.contains("did not run to its end"), "{shown}");
+}
+
+/// A label may hold anything but a line break; the page shows it as it is.
+#[test]
+fn labels_cannot_break_the_page() {
+    let ascii: String = (1..128_u8).map(char::from).filter(|c| !matches!(c, '\n' | '\r')).collect();
+    let labels = ["<!--", "<!-- <script>", "</script><b>", "]]>", "a\u{2028}b\u{2029}c", "\"'`\\u0041 &lt;", &ascii];
+    let place = Place::new();
+    let twice: Vec<_> = (0..=labels.len()).map(|i| (i + 1, 1, 1.0)).collect();
+    place.case("case", [labels.len() + 1, 1], &twice, &vec![0.0; labels.len() + 1], &[]);
+    place.file("case/rows.txt", format!("kept\n{}\n", labels.join("\n")));
+    assert_eq!(place.run("check -q case --format html -o page.html").code, 0);
+    let page = fs::read_to_string(place.path("page.html")).expect("written");
+    let data = page_data(&page);
+    for (k, label) in labels.iter().enumerate() {
+        assert_eq!(data["report"]["dependent"][k]["label"], *label);
+    }
+    if let Some(shown) = shown(&place, "page.html") {
+        assert!(shown.contains("7 of 8 equations are redundant"), "{shown}");
+        assert!(shown.contains("<td>&lt;!--</td>") && shown.contains("<td>&lt;/script&gt;&lt;b&gt;</td>"), "{shown}");
+        assert!(shown.contains("7 of 7</span>") && !shown.contains("did not run to its end"), "{shown}");
+    }
+    // A page whose script fails says so, and no green bar says otherwise.
+    fs::write(place.path("broken.html"), page.replace("id=\"data\">{", "id=\"data\">{,")).expect("written");
+    if let Some(shown) = shown(&place, "broken.html") {
+        assert!(shown.contains("did not run to its end") && shown.contains("SyntaxError"), "{shown}");
+        assert!(shown.contains("<p id=\"verdict\" class=\"verdict\""), "{shown}");
     }
 }
 

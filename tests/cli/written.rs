@@ -216,13 +216,6 @@ fn a_bench_of_chosen_methods_compares_with_the_first_and_counts_memory() {
     assert_eq!(lines[1][at("times_first")], "1.000");
 }
 
-#[test]
-fn a_bench_names_what_there_is_where_a_name_is_wrong() {
-    let run = Place::new().run("bench --short -q --family nosuch");
-    assert_eq!(run.code, 2);
-    assert!(run.err.contains("families: tie, mortar, chain") && run.err.contains("gauss alone"), "{}", run.err);
-}
-
 /// A factorization that takes seconds and cannot be interrupted ends with its process.
 #[cfg(feature = "peers")]
 #[test]

@@ -5,7 +5,10 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use qless::{BackendChoice, Form, Options, Preferences, Tolerance};
+use qless_io::case_files;
+use qless_io::write::Inputs;
 
+use crate::failure::say;
 use crate::numbers::{Numbers, numbers};
 use crate::scenes::SceneArgs;
 use crate::version;
@@ -167,7 +170,7 @@ pub struct ModelArgs {
     /// The paper's rule instead: absolute 1e-5 without scaling (its answer changes with the units)
     #[arg(long, conflicts_with = "tolerance")]
     pub paper_tolerance: bool,
-    /// Most threads to use
+    /// Most threads to use; more than the machine runs at a time are not started
     #[arg(long, value_name = "N", value_parser = threads)]
     pub threads: Option<NonZeroUsize>,
     /// Most memory of one sparse factorization in Rust, in MiB [default: 16384], and of --exact [default: 1536]
@@ -236,12 +239,21 @@ pub enum BackendName {
 }
 
 impl ModelArgs {
-    /// Bounds the threads of the library, which works in the program's pool.
+    /// The files that are named: no output replaces one of them.
+    pub fn inputs(&self) -> Inputs {
+        Inputs::of(case_files(&self.input, self.rhs.as_deref(), self.prescribed.as_deref()))
+    }
+
+    /// Bounds the threads of the library, which works in the program's pool; more than run at a time only take memory.
     ///
     /// # Errors
     /// If the pool cannot be made.
     pub fn bound_threads(&self) -> Result<(), rayon::ThreadPoolBuildError> {
-        let threads = self.threads.map_or(0, NonZeroUsize::get);
+        let most = std::thread::available_parallelism().map_or(usize::MAX, NonZeroUsize::get);
+        let threads = self.threads.map_or(0, |threads| threads.get().min(most));
+        if let Some(asked) = self.threads.filter(|asked| asked.get() > most) {
+            say(format_args!("note: --threads {asked}: this machine runs {most} at a time, so {most} are used"));
+        }
         rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()
     }
 

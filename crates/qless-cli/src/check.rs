@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use qless_io::write::write_bytes;
+use qless_io::write::OneFile;
 
 use crate::args::{CheckArgs, Format};
 use crate::diagnose::diagnose;
@@ -17,6 +17,10 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
             "--exact goes with --format text, json or html; a vtu file shows no rank".to_owned(),
         ));
     }
+    if let Some(file) = &args.output {
+        // A place that cannot be written to is better known before the work than after.
+        drop(OneFile::at(file, args.model.inputs())?);
+    }
     let progress = Progress::new(args.model.quiet);
     let mut diagnosis = diagnose(&args.model, args.model.options(), &progress)?;
     diagnosis.take_meaning();
@@ -28,7 +32,8 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
         None => diagnosis.print(None, &Outcome::Checked, progress)?,
         Some(file) => {
             progress.stage("writing");
-            write_bytes(file, &diagnosis.render(None, &Outcome::Checked)?)?;
+            let bytes = diagnosis.render(None, &Outcome::Checked)?;
+            OneFile::at(file, diagnosis.inputs())?.write(&bytes)?;
         }
     }
     Ok(ExitCode::from(u8::from(diagnosis.is_refused())))

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use qless_io::deck::Format as Language;
 use qless_io::deck::clean::{self, CleanError, Plan, Reason};
-use qless_io::write::write_bytes;
+use qless_io::write::{Inputs, OneFile};
 
 use crate::args::CleanArgs;
 use crate::diagnose::diagnose;
@@ -17,6 +17,8 @@ use crate::text::Outcome;
 pub fn run(args: &CleanArgs) -> Result<ExitCode, Failure> {
     let (input, output) = (&args.model.input, &args.output);
     check_formats(input, output)?;
+    // Known before the work, so said before the work.
+    drop(OneFile::at(output, Inputs::default())?);
     let progress = Progress::new(args.model.quiet);
     let diagnosis = diagnose(&args.model, args.model.options(), &progress)?;
     let Some(deck) = &diagnosis.deck else { return Err(no_deck(input)) };
@@ -30,7 +32,9 @@ pub fn run(args: &CleanArgs) -> Result<ExitCode, Failure> {
     let plan = clean::plan(&deck.deck.model, &diagnosis.options).map_err(fail)?;
     let text = clean::write(&deck.deck, &plan).map_err(fail)?;
     progress.stage("writing");
-    write_bytes(output, &text)?;
+    // It may be the deck itself, but none that it includes.
+    let included = Inputs::of(deck.deck.model.files.iter().skip(1));
+    OneFile::at(output, included)?.write(&text)?;
     let outcome = Outcome::Cleaned { output, removed: redundant(&plan), written: plan.written.len() };
     diagnosis.print(None, &outcome, progress)?;
     Ok(ExitCode::SUCCESS)

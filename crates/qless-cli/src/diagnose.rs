@@ -6,6 +6,7 @@ use qless::exact::{self, ExactRank, Reading, Settings};
 use qless::{Analysis, AnalysisError, ConstraintSystem, Form, Kind, Meant, Options, Reduction, Report, analyse};
 use qless_io::deck::{self, Format as Language};
 use qless_io::read_case;
+use qless_io::write::Inputs;
 
 use crate::args::{Deny, Format, ModelArgs};
 use crate::deck_input::DeckInput;
@@ -95,6 +96,14 @@ impl Input {
 }
 
 impl Diagnosis<'_> {
+    /// All files that were read.
+    pub fn inputs(&self) -> Inputs {
+        match &self.deck {
+            Some(deck) => Inputs::of(&deck.deck.model.files),
+            None => self.args.inputs(),
+        }
+    }
+
     /// Adds the rank of the numbers as typed, in exact arithmetic.
     pub fn take_exact_rank(&mut self) -> Result<(), Failure> {
         let standard = Settings::from(Reading::Typed);

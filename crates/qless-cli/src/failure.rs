@@ -17,21 +17,16 @@ pub enum Failure {
     Input(String),
     /// The machine cannot: exit code 3.
     Resource(String),
-    /// Nobody reads standard output any more: exit code 3, without a word.
-    Hangup,
 }
 
 impl Failure {
     /// Says it on standard error.
     pub fn tell(&self) -> ExitCode {
         let (message, code) = match self {
-            Self::Input(message) => (message.as_str(), 2),
-            Self::Resource(message) => (message.as_str(), 3),
-            Self::Hangup => ("", 3),
+            Self::Input(message) => (message, 2),
+            Self::Resource(message) => (message, 3),
         };
-        if !message.is_empty() {
-            say(format_args!("error: {message}"));
-        }
+        say(format_args!("error: {message}"));
         ExitCode::from(code)
     }
 
@@ -92,18 +87,17 @@ impl Failure {
 
     /// Standard output could not be written.
     pub fn of_stdout(error: &io::Error) -> Self {
-        match error.kind() {
-            io::ErrorKind::BrokenPipe => Self::Hangup,
-            _ => Self::Resource(format!("the report cannot be written to standard output: {error}")),
-        }
+        Self::Resource(format!("the report cannot be written to standard output: {error}"))
     }
 }
 
 impl From<ReadError> for Failure {
     fn from(error: ReadError) -> Self {
+        if error.is_resource() {
+            return Self::Resource(error.to_string());
+        }
         let advice = match &error {
             ReadError::Io { source, .. } => match source.kind() {
-                io::ErrorKind::OutOfMemory => return Self::Resource(error.to_string()),
                 io::ErrorKind::NotFound => "; check the name and the folder you are in",
                 io::ErrorKind::PermissionDenied => "; check its permissions",
                 io::ErrorKind::IsADirectory => "; name a file",
@@ -117,7 +111,11 @@ impl From<ReadError> for Failure {
 
 impl From<WriteError> for Failure {
     fn from(error: WriteError) -> Self {
-        Self::Resource(format!("{error} (nothing was written)"))
+        let message = format!("{error} (nothing was written)");
+        match error {
+            WriteError::IsInput { .. } | WriteError::Linked { .. } => Self::Input(message),
+            _ => Self::Resource(message),
+        }
     }
 }
 

@@ -7,6 +7,7 @@
 //! | [`diagnose`] | what check, reduce and clean share: read, analyse, time it |
 //! | [`deck_input`] | the load cases of a deck, its warnings, what its solver refuses |
 //! | [`text`], [`json`], [`html`], [`vtu`] | the forms of the report |
+//! | [`signals`] | what `SIGTERM` and its like do |
 //! | [`failure`] | what can go wrong, in words, and its exit code |
 
 mod args;
@@ -23,6 +24,8 @@ mod numbers;
 mod progress;
 mod reduce;
 mod scenes;
+#[cfg(unix)]
+mod signals;
 mod stdout;
 mod text;
 mod version;
@@ -33,9 +36,16 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use args::{Cli, Command};
+#[cfg(unix)]
+use failure::Failure;
 
 fn main() -> ExitCode {
-    let done = match &Cli::parse().command {
+    let cli = Cli::parse();
+    #[cfg(unix)]
+    if let Err(error) = signals::watch() {
+        return Failure::Resource(format!("signals cannot be waited for: {error}")).tell();
+    }
+    let done = match &cli.command {
         Command::Check(args) => check::run(args),
         Command::Reduce(args) => reduce::run(args),
         Command::Clean(args) => clean::run(args),

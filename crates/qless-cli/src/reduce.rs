@@ -13,7 +13,7 @@ use qless_io::WriteError;
 use qless_io::write::Output;
 
 use crate::args::ReduceArgs;
-use crate::diagnose::{Reduced, diagnose};
+use crate::diagnose::{Diagnosis, Reduced, diagnose};
 use crate::failure::{Failure, say};
 use crate::progress::Progress;
 use crate::text::Outcome;
@@ -23,9 +23,7 @@ pub const FILES: [&str; 7] = ["T.mtx", "G.mtx", "g.txt", "slaves.txt", "masters.
 
 /// Writes the files and prints the report, or, for conflicting equations, prints the report only.
 pub fn run(args: &ReduceArgs) -> Result<ExitCode, Failure> {
-    spare_the_input(args)?;
-    // A place that cannot be written to is better known before the work than after.
-    drop(Output::new(&args.output)?);
+    check_place(args)?;
     let progress = Progress::new(args.model.quiet);
     let diagnosis = diagnose(&args.model, args.options(), &progress)?;
     if diagnosis.is_refused() {
@@ -39,21 +37,21 @@ pub fn run(args: &ReduceArgs) -> Result<ExitCode, Failure> {
     let reduction = diagnosis.analysis.reduction_in(&diagnosis.system, args.form()).map_err(refused)?;
     let time = start.elapsed();
     progress.stage("writing");
-    write(args, &reduction, diagnosis.system.dof_labels())?;
+    write(args, &reduction, &diagnosis)?;
     let reduced = Reduced { reduction: &reduction, form: args.form(), time };
     diagnosis.print(Some(reduced), &Outcome::Written(&args.output), progress)?;
     Ok(ExitCode::SUCCESS)
 }
 
-fn write(args: &ReduceArgs, reduction: &Reduction, labels: &[String]) -> Result<(), Failure> {
-    let mut output = Output::new(&args.output)?;
-    add(&mut output, reduction, labels)?;
+fn write(args: &ReduceArgs, reduction: &Reduction, diagnosis: &Diagnosis) -> Result<(), Failure> {
+    let mut output = Output::new(&args.output)?.sparing(diagnosis.inputs());
+    add(&mut output, reduction, diagnosis.system.dof_labels())?;
     for (block, k) in reduction.factored.iter().zip(1..) {
         let parts = block.parts().ok_or_else(|| beyond_range(args, k))?;
         blocks::write(&mut output, k, block, &parts)?;
     }
     for name in stale(&args.output, reduction.factored.len())? {
-        output.absent(&name);
+        output.absent(&name)?;
     }
     Ok(output.commit()?)
 }
@@ -90,23 +88,18 @@ fn stale(folder: &Path, count: usize) -> Result<BTreeSet<String>, WriteError> {
     }
 }
 
-/// The prescribed.txt of a reduction is not that of a case: never write one over the other.
-fn spare_the_input(args: &ReduceArgs) -> Result<(), Failure> {
-    let refuse = |what: String| {
-        let folder = args.output.display();
-        Err(Failure::Input(format!("{folder}: {what}, which would be overwritten; name another folder with -o")))
-    };
+/// A place that cannot be written to, or where something would be lost, is better known before the work than after.
+fn check_place(args: &ReduceArgs) -> Result<(), Failure> {
+    // The prescribed.txt of a reduction is not that of a case, whichever it is: never write one over the other.
     if args.output.join("C.mtx").symlink_metadata().is_ok() {
-        return refuse("the folder holds a case (C.mtx) with its own prescribed.txt".to_owned());
+        return Err(Failure::Input(format!(
+            "{}: the folder holds a case (C.mtx) with its own prescribed.txt, which would be overwritten; name another folder with -o",
+            args.output.display()
+        )));
     }
-    let model = &args.model;
-    let inputs = [Some(&model.input), model.rhs.as_ref(), model.prescribed.as_ref()];
-    let inputs: Vec<_> = inputs.into_iter().flatten().filter_map(|path| path.canonicalize().ok()).collect();
-    let written = FILES.map(String::from).into_iter().chain(stale(&args.output, 0).unwrap_or_default());
-    for name in written {
-        if args.output.join(&name).canonicalize().is_ok_and(|path| inputs.contains(&path)) {
-            return refuse(format!("{name} there is part of the input"));
-        }
+    let output = Output::new(&args.output)?.sparing(args.model.inputs());
+    for name in FILES.map(String::from).into_iter().chain(stale(&args.output, 0)?) {
+        output.check(&name)?;
     }
     Ok(())
 }

@@ -41,6 +41,22 @@ pub fn read_case(path: &Path, rhs: Option<&Path>, prescribed: Option<&Path>) -> 
     files.read()
 }
 
+/// The files that [`read_case`] reads, and those that it would read if they were there.
+///
+/// ```
+/// use std::path::Path;
+/// let files = qless_io::case_files(Path::new("C.mtx"), Some(Path::new("gap.txt")), None);
+/// assert_eq!(files, [Path::new("C.mtx"), Path::new("gap.txt")]);
+/// ```
+pub fn case_files(path: &Path, rhs: Option<&Path>, prescribed: Option<&Path>) -> Vec<PathBuf> {
+    let mut files = if path.is_dir() { PARTS.map(|name| path.join(name)).into() } else { vec![path.to_path_buf()] };
+    files.extend([rhs, prescribed].into_iter().flatten().map(Path::to_path_buf));
+    files
+}
+
+/// What a folder may hold of a case.
+const PARTS: [&str; 5] = ["C.mtx", "b.txt", "prescribed.txt", "rows.txt", "cols.txt"];
+
 /// Where the parts of a case are.
 struct CaseFiles {
     matrix: PathBuf,
@@ -62,14 +78,9 @@ impl CaseFiles {
             // A link that leads nowhere is there: reading it says so, rather than taking it for absent.
             path.symlink_metadata().is_ok().then_some(path)
         };
-        let matrix = part("C.mtx").ok_or_else(|| ReadError::NoMatrix { path: folder.to_path_buf() })?;
-        Ok(Self {
-            matrix,
-            rhs: part("b.txt"),
-            prescribed: part("prescribed.txt"),
-            rows: part("rows.txt"),
-            columns: part("cols.txt"),
-        })
+        let [matrix, rhs, prescribed, rows, columns] = PARTS.map(part);
+        let matrix = matrix.ok_or_else(|| ReadError::NoMatrix { path: folder.to_path_buf() })?;
+        Ok(Self { matrix, rhs, prescribed, rows, columns })
     }
 
     fn lone(path: &Path) -> Result<Self, ReadError> {

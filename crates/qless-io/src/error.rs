@@ -74,6 +74,24 @@ pub enum WriteError {
         /// The path in the way.
         path: PathBuf,
     },
+    /// The output would replace an input.
+    #[error("{}: is part of the input, which would be overwritten; name another place", path.display())]
+    IsInput {
+        /// The output.
+        path: PathBuf,
+    },
+    /// One file under several names (hard links).
+    #[error(
+        "{}: the file has {names} names (hard links), and a new one would replace it under this name only; name another \
+         place, or remove this name first",
+        path.display()
+    )]
+    Linked {
+        /// The file.
+        path: PathBuf,
+        /// How many names it has.
+        names: u64,
+    },
     /// A label that would be two lines.
     #[error("{}: label {index} ({label:?}) has a line break; a label is one line", path.display())]
     LabelLineBreak {
@@ -84,6 +102,17 @@ pub enum WriteError {
         /// The label.
         label: String,
     },
+}
+
+impl ReadError {
+    /// Whether there is more to read than there is room for, so that nothing is wrong with what was read.
+    pub fn is_resource(&self) -> bool {
+        match self {
+            Self::Io { source, .. } => crate::bytes::is_too_much(source),
+            Self::Deck(error) => matches!(error.problem, crate::deck::Problem::IncludeTooLarge { .. }),
+            _ => false,
+        }
+    }
 }
 
 impl WriteError {
@@ -111,6 +140,6 @@ impl At {
 
 /// Reads a whole file, parses it, and puts its path on what goes wrong.
 pub(crate) fn parse_file<T>(path: &Path, parse: impl FnOnce(&[u8]) -> Result<T, At>) -> Result<T, ReadError> {
-    let bytes = std::fs::read(path).map_err(|source| ReadError::Io { path: path.to_path_buf(), source })?;
+    let bytes = crate::bytes::read(path).map_err(|source| ReadError::Io { path: path.to_path_buf(), source })?;
     parse(&bytes).map_err(|At { line, fault }| ReadError::Malformed { path: path.to_path_buf(), line, fault })
 }

@@ -25,6 +25,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod bytes;
 mod case;
 pub mod deck;
 mod error;
@@ -35,7 +36,7 @@ mod number;
 pub mod vectors;
 pub mod write;
 
-pub use case::read_case;
+pub use case::{case_files, read_case};
 pub use error::{ReadError, WriteError};
 pub use fault::{Fault, NumberFault, Quantity};
 pub use write::write_case;

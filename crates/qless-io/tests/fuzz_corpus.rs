@@ -30,6 +30,11 @@ fn case_folders() {
 }
 
 #[test]
+fn case_folders_by_their_meaning() {
+    replay("folder", fuzz::folder);
+}
+
+#[test]
 fn calculix_decks() {
     replay("calculix", fuzz::calculix);
 }

@@ -2,10 +2,11 @@
 //!
 //! The parent runs `qless bench --child SIZE --family F --method M`. The child says `ready` when the system is there, `done` after
 //! the first elimination, and then what it found, as one line of JSON (of methods that the parent runs itself the memory alone); or
-//! why there is nothing. The limit counts between the first two.
+//! why there is nothing. The limit counts between the first two. The child ends with its standard input, that is, when the parent does,
+//! however that ends.
 
-use std::io::{BufRead, BufReader, Write};
-use std::process::{Child, Command, Stdio};
+use std::io::{BufRead, BufReader, Write, copy, sink, stdin};
+use std::process::{Child, Command, Stdio, exit};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
@@ -41,7 +42,7 @@ fn ask<T: DeserializeOwned>(family: &str, size: &str, method: &Method, limit: f6
     command.args(["bench", "--child", size, "--family", family, "--method", method.name]).args(more);
     command.env("OPENBLAS_NUM_THREADS", rayon::current_num_threads().to_string());
     let mut child =
-        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::inherit()).spawn().map_err(failed)?;
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::inherit()).spawn().map_err(failed)?;
     let measured = read(&mut child, limit);
     // It may have ended by itself.
     _ = child.kill();
@@ -70,6 +71,11 @@ fn lines(child: &mut Child) -> Option<Receiver<String>> {
 
 /// The child's side; all is measured of a method that runs apart. The error is that of its standard output.
 pub fn answer(scene: &Scene, method: &Method, is_apart: bool, out: &mut dyn Write) -> std::io::Result<()> {
+    std::thread::spawn(|| {
+        // Nothing is ever written there, so that an error says the same as an end.
+        let _ = copy(&mut stdin(), &mut sink());
+        exit(3)
+    });
     say(out, "ready")?;
     match found(scene, method, is_apart, out) {
         Ok(json) => say(out, &json?),

@@ -47,11 +47,9 @@ struct Found {
 
 /// Measures, prints the tables and, where a folder is given, writes them with their plots.
 pub fn run(args: &BenchArgs) -> Result<ExitCode, Failure> {
+    check_names(args)?;
     let methods = methods::all(&args.method);
     let families = systems::families(args.short, &args.family);
-    if methods.is_empty() || families.is_empty() {
-        return Err(Failure::Input(names()));
-    }
     if let Some(size) = &args.child {
         return as_child(size, &families[0], &methods[0], args.apart);
     }
@@ -123,11 +121,16 @@ fn as_child(
     Ok(ExitCode::SUCCESS)
 }
 
-/// What there is to choose from.
-fn names() -> String {
+/// Every name must be one that there is.
+fn check_names(args: &BenchArgs) -> Result<(), Failure> {
     let methods: Vec<&str> = methods::all(&[]).iter().map(|method| method.name).collect();
     let families: Vec<&str> = systems::families(false, &[]).iter().map(|family| family.name).collect();
-    format!("no such family or method; families: {}; methods: {}", families.join(", "), methods.join("; "))
+    for (what, named, known) in [("method", &args.method, methods), ("family", &args.family, families)] {
+        if let Some(name) = named.iter().find(|name| !known.contains(&name.as_str())) {
+            return Err(Failure::Input(format!("no {what} is called `{name}`; there are: {}", known.join("; "))));
+        }
+    }
+    Ok(())
 }
 
 /// The command that measures the same again.

@@ -36,7 +36,13 @@ pub fn render(diagnosis: &Diagnosis, report: &Report) -> Result<String, serde_js
         deck: diagnosis.deck.as_ref().map(|deck| deck.report(&diagnosis.analysis)),
         picture: Picture::of(diagnosis),
     };
-    // A label must not end the script that holds it.
-    let json = serde_json::to_string(&data)?.replace("</", "<\\/").replace("<!--", "<\\!--");
-    Ok(PAGE.replacen("__DATA__", &json, 1))
+    Ok(PAGE.replacen("__DATA__", &in_script(&serde_json::to_string(&data)?), 1))
+}
+
+/// JSON that may stand in a script: no label in it ends the script, or opens a comment that swallows its end.
+fn in_script(json: &str) -> String {
+    // In JSON these stand in strings only.
+    [('<', "\\u003c"), ('>', "\\u003e"), ('&', "\\u0026"), ('\u{2028}', "\\u2028"), ('\u{2029}', "\\u2029")]
+        .into_iter()
+        .fold(json.to_owned(), |json, (found, escaped)| json.replace(found, escaped))
 }

@@ -90,6 +90,12 @@ pub enum Problem {
         /// The system's reason.
         reason: String,
     },
+    /// An included file that is too large, or never ends.
+    #[error("the included file {reason}")]
+    IncludeTooLarge {
+        /// The name in the deck, how much was read, and the limit.
+        reason: String,
+    },
     /// More than this reader takes.
     #[error("{what} exceeds the limit of {limit}; {advice}")]
     Limit {

@@ -34,7 +34,7 @@ pub use name::CardName;
 pub use nastran::CardFault;
 pub use source::{Open, Sources};
 
-use crate::ReadError;
+use crate::{ReadError, bytes};
 
 /// The language of a deck.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,8 +114,8 @@ pub fn read(path: &Path) -> Result<Deck, ReadError> {
     let Some(format) = Format::of(path) else {
         return Err(ReadError::UnknownEnding { path: path.to_path_buf() });
     };
-    let bytes = std::fs::read(path).map_err(|source| ReadError::Io { path: path.to_path_buf(), source })?;
-    Ok(parse(format, path, bytes, &mut |file: &Path| std::fs::read(file))?)
+    let bytes = bytes::read(path).map_err(|source| ReadError::Io { path: path.to_path_buf(), source })?;
+    Ok(parse(format, path, bytes, &mut |file: &Path| bytes::read(file))?)
 }
 
 /// Reads a deck from its bytes; `open` gives those of the files that it includes.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::{DeckError, Problem};
+use crate::bytes::is_too_much;
 
 /// Gives the bytes of a file.
 pub type Open<'a> = &'a mut dyn FnMut(&Path) -> io::Result<Vec<u8>>;
@@ -13,8 +14,6 @@ pub type Open<'a> = &'a mut dyn FnMut(&Path) -> io::Result<Vec<u8>>;
 pub const INCLUDE_DEPTH: usize = 20;
 /// Includes of a deck at most, however often it is gone through.
 pub const INCLUDES: usize = 10_000;
-/// Bytes of a line at most.
-pub const LINE: usize = 1 << 20;
 
 /// The files read so far; each is known by its number.
 pub struct Sources<'a> {
@@ -79,6 +78,10 @@ impl<'a> Sources<'a> {
                     self.paths.push(path);
                     self.texts.push(Arc::new(bytes));
                     return Ok(self.paths.len() - 1);
+                }
+                Err(error) if is_too_much(&error) => {
+                    let reason = format!("{name} is not read to its end: {error}");
+                    return Err(fail(Problem::IncludeTooLarge { reason }));
                 }
                 Err(error) => failed = failed.or(Some(error)),
             }

@@ -1,13 +1,29 @@
 //! Output files: Matrix Market matrices, numbers one a line, 1-based indices one a line.
 //!
-//! Numbers have the fewest digits that read back as the same 64-bit float. All files of one call are
-//! written to a hidden folder beside their place, then moved there; if anything fails, what was there
-//! before is there again and nothing else is left. Missing folders are created.
+//! Numbers have the fewest digits that read back as the same 64-bit float. Missing folders are created.
 //!
-//! [`Output`] does this for any set of files; the functions are its common uses.
+//! All files of one call wait in a hidden folder beside their place, then are put there at once: whoever looks, and whatever kills
+//! the program, finds the old ones or the new ones. If anything fails, what was there before is there again and nothing else is left.
+//! A file that replaces another keeps its mode, and its owner and group where the system permits.
+//!
+//! | module | holds |
+//! | --- | --- |
+//! | `output`, `one_file` | [`Output`], a set of files for a folder; [`OneFile`], one for its path |
+//! | `inputs` | [`Inputs`]: no output replaces one of them |
+//! | `stage` | where files wait; [`abandon`] removes them when a signal ends the program |
+//! | `commit` | how they are put in place, and what holds where: `switch` at once, `moves` one by one |
+//! | `metadata` | what a file keeps, and where links lead |
+//! | `text` | the text of each kind of file |
 
 mod commit;
+mod inputs;
+mod metadata;
+mod moves;
+mod one_file;
 mod output;
+mod stage;
+#[cfg_attr(not(any(target_os = "linux", target_vendor = "apple")), path = "no_switch.rs")]
+mod switch;
 mod text;
 
 use std::path::Path;
@@ -15,7 +31,10 @@ use std::path::Path;
 use qless::{ConstraintSystem, Csr};
 
 use crate::WriteError;
+pub use inputs::Inputs;
+pub use one_file::OneFile;
 pub use output::Output;
+pub use stage::abandon;
 
 /// Writes `C.mtx`, `b.txt` and, if there are any, `prescribed.txt`, `rows.txt` and `cols.txt`.
 ///
@@ -42,7 +61,7 @@ pub fn write_case(folder: &Path, system: &ConstraintSystem) -> Result<(), WriteE
     output.matrix("C.mtx", system.matrix())?;
     output.numbers("b.txt", system.rhs())?;
     if system.prescribed().is_empty() {
-        output.absent("prescribed.txt");
+        output.absent("prescribed.txt")?;
     } else {
         output.file("prescribed.txt", |out| text::prescribed(out, system.prescribed()))?;
     }
@@ -66,7 +85,7 @@ pub fn write_case(folder: &Path, system: &ConstraintSystem) -> Result<(), WriteE
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write_matrix(path: &Path, matrix: &Csr) -> Result<(), WriteError> {
-    one_file(path, |output, name| output.matrix(name, matrix))
+    OneFile::at(path, Inputs::default())?.put(|output, name| output.matrix(name, matrix))
 }
 
 /// Writes numbers, one a line.
@@ -82,7 +101,7 @@ pub fn write_matrix(path: &Path, matrix: &Csr) -> Result<(), WriteError> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write_numbers(path: &Path, numbers: &[f64]) -> Result<(), WriteError> {
-    one_file(path, |output, name| output.numbers(name, numbers))
+    OneFile::at(path, Inputs::default())?.put(|output, name| output.numbers(name, numbers))
 }
 
 /// Writes 0-based indices, one a line, as 1-based ones.
@@ -98,30 +117,5 @@ pub fn write_numbers(path: &Path, numbers: &[f64]) -> Result<(), WriteError> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write_indices(path: &Path, indices: &[usize]) -> Result<(), WriteError> {
-    one_file(path, |output, name| output.indices(name, indices))
-}
-
-/// Writes a file of these bytes, whole or not at all.
-///
-/// # Errors
-/// [`WriteError`]; then nothing has changed.
-///
-/// ```
-/// # let place = tempfile::tempdir()?;
-/// let path = place.path().join("clean.inp");
-/// qless_io::write::write_bytes(&path, b"*NODE\n")?;
-/// assert_eq!(std::fs::read(&path)?, b"*NODE\n");
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
-    one_file(path, |output, name| output.file(name, |out| out.write_all(bytes)))
-}
-
-fn one_file(path: &Path, add: impl FnOnce(&mut Output, &str) -> Result<(), WriteError>) -> Result<(), WriteError> {
-    let (Some(folder), Some(name)) = (path.parent(), path.file_name().and_then(|name| name.to_str())) else {
-        return Err(WriteError::NotAFile { path: path.to_path_buf() });
-    };
-    let mut output = Output::new(folder)?;
-    add(&mut output, name)?;
-    output.commit()
+    OneFile::at(path, Inputs::default())?.put(|output, name| output.indices(name, indices))
 }

@@ -5,9 +5,11 @@ use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Component, Path, PathBuf};
 
 use qless::Csr;
-use tempfile::TempDir;
 
-use super::{commit, text};
+use super::commit::{self, Change};
+use super::inputs::Inputs;
+use super::stage::{NEW, Stage, Turn};
+use super::text;
 use crate::WriteError;
 
 /// Files on their way to a folder. They are put there by [`Output::commit`]; dropped before, they are gone.
@@ -30,10 +32,11 @@ pub struct Output {
     base: PathBuf,
     /// The folders below it that are to be created.
     missing: PathBuf,
-    /// A folder in `base`: same filesystem, removed when dropped.
-    stage: TempDir,
+    /// A folder in `base`: same filesystem.
+    stage: Stage,
     names: Vec<String>,
     absent: Vec<String>,
+    inputs: Inputs,
 }
 
 impl Output {
@@ -43,17 +46,33 @@ impl Output {
     /// [`WriteError`] if `folder` is something else or cannot be written to.
     pub fn new(folder: &Path) -> Result<Self, WriteError> {
         let (base, missing) = split(folder)?;
-        let stage = tempfile::Builder::new().prefix(".qless-").tempdir_in(&base).map_err(WriteError::io(folder))?;
-        let output = Self { base, missing, stage, names: Vec::new(), absent: Vec::new() };
+        let turn = Turn::take();
+        let stage = Stage::new(&base, &turn).map_err(WriteError::io(folder))?;
+        let output = Self { base, missing, stage, names: Vec::new(), absent: Vec::new(), inputs: Inputs::default() };
         fs::create_dir_all(output.staged()).map_err(WriteError::io(folder))?;
         Ok(output)
+    }
+
+    /// Refuses, from now on, every file that would replace one of `inputs`.
+    #[must_use]
+    pub fn sparing(self, inputs: Inputs) -> Self {
+        Self { inputs, ..self }
+    }
+
+    /// Passes a name that a file of this set may have.
+    ///
+    /// # Errors
+    /// [`WriteError::IsInput`].
+    pub fn check(&self, name: &str) -> Result<(), WriteError> {
+        self.inputs.spare(&self.place(name))
     }
 
     /// Adds a file whose text `write` gives; `name` is a plain file name.
     ///
     /// # Errors
-    /// [`WriteError::Io`], with what `write` returns or the system reports.
+    /// [`WriteError::IsInput`], or [`WriteError::Io`] with what `write` returns or the system reports.
     pub fn file(&mut self, name: &str, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), WriteError> {
+        self.check(name)?;
         fill(&self.staged().join(name), write).map_err(WriteError::io(&self.place(name)))?;
         self.names.push(name.to_owned());
         Ok(())
@@ -62,7 +81,7 @@ impl Output {
     /// Adds a matrix as `coordinate real general`.
     ///
     /// # Errors
-    /// [`WriteError::Io`].
+    /// Those of [`Output::file`].
     pub fn matrix(&mut self, name: &str, matrix: &Csr) -> Result<(), WriteError> {
         self.file(name, |out| text::matrix(out, matrix))
     }
@@ -70,7 +89,7 @@ impl Output {
     /// Adds numbers, one a line.
     ///
     /// # Errors
-    /// [`WriteError::Io`].
+    /// Those of [`Output::file`].
     pub fn numbers(&mut self, name: &str, numbers: &[f64]) -> Result<(), WriteError> {
         self.file(name, |out| text::numbers(out, numbers))
     }
@@ -78,21 +97,25 @@ impl Output {
     /// Adds 0-based indices, one a line, as 1-based ones.
     ///
     /// # Errors
-    /// [`WriteError::Io`].
+    /// Those of [`Output::file`].
     pub fn indices(&mut self, name: &str, indices: &[usize]) -> Result<(), WriteError> {
         self.file(name, |out| text::indices(out, indices))
     }
 
     /// Says that the folder must not hold a file of this name, left there from before.
-    pub fn absent(&mut self, name: &str) {
+    ///
+    /// # Errors
+    /// [`WriteError::IsInput`].
+    pub fn absent(&mut self, name: &str) -> Result<(), WriteError> {
+        self.check(name)?;
         self.absent.push(name.to_owned());
+        Ok(())
     }
 
     /// Labels one a line; no file where there are none.
     pub(super) fn labels(&mut self, name: &str, labels: &[String]) -> Result<(), WriteError> {
         if labels.is_empty() {
-            self.absent(name);
-            return Ok(());
+            return self.absent(name);
         }
         if let Some(index) = labels.iter().position(|label| label.contains(['\n', '\r'])) {
             let label = labels[index].clone();
@@ -106,18 +129,17 @@ impl Output {
     /// # Errors
     /// [`WriteError`]; then the place is as it was.
     pub fn commit(self) -> Result<(), WriteError> {
-        match self.missing.components().next() {
-            None => commit::replace(&self.base, self.stage.path(), &self.staged(), &self.names, &self.absent),
-            Some(first) => {
-                let target = self.base.join(first);
-                fs::rename(commit::new_files(self.stage.path()).join(first), &target).map_err(WriteError::io(&target))
-            }
-        }
+        let Self { base, missing, stage, names, absent, .. } = self;
+        let Some(first) = missing.components().next() else {
+            return commit::commit(&base, &stage, Change { names, absent });
+        };
+        let (_turn, target) = (Turn::take(), base.join(first));
+        fs::rename(stage.path().join(NEW).join(first), &target).map_err(WriteError::io(&target))
     }
 
     /// Where the files are written first.
     fn staged(&self) -> PathBuf {
-        commit::new_files(self.stage.path()).join(&self.missing)
+        self.stage.path().join(NEW).join(&self.missing)
     }
 
     /// Where a file will be.
@@ -128,7 +150,11 @@ impl Output {
 
 /// Creates and fills a file; synchronised, because some systems report a full disk only then.
 fn fill(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    let mut out = BufWriter::with_capacity(1 << 16, File::create_new(path)?);
+    let file = {
+        let _turn = Turn::take();
+        File::create_new(path)?
+    };
+    let mut out = BufWriter::with_capacity(1 << 16, file);
     write(&mut out)?;
     out.into_inner()?.sync_all()
 }

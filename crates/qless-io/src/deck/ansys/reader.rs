@@ -13,7 +13,7 @@ use super::field::Fault;
 use super::nodes::Nodes;
 use super::prescribed::{Reading, Selection, load, prescribe, release};
 use super::unread::Unread;
-use crate::deck::source::LINE;
+use crate::bytes::LINE;
 use crate::deck::{DeckError, Model, Origin, Problem};
 
 /// A command that belongs to an equation or a coupled set, for those who change the text.

@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::data::Lines;
-use crate::deck::source::LINE;
+use crate::bytes::LINE;
 use crate::deck::{DeckError, Problem, Sources};
 
 /// A card. It is filled anew for each one, so that a deck of a million cards allocates no more than one of ten.

@@ -1,7 +1,7 @@
 //! The lines of a deck in the order in which they count, wherever `INCLUDE` puts them.
 
 use super::fields::content;
-use crate::deck::source::LINE;
+use crate::bytes::LINE;
 use crate::deck::{DeckError, Problem, Sources};
 use crate::fault::quote;
 

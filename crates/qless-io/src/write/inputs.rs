@@ -1,0 +1,79 @@
+//! Whether an output would go over an input.
+
+use std::ffi::OsString;
+use std::fs;
+use std::path::Path;
+#[cfg(not(unix))]
+use std::path::PathBuf;
+
+use crate::WriteError;
+
+/// The files that a program reads, which none of its outputs may replace.
+///
+/// A path is known by the file that it leads to, so that links and other spellings of it count too; where there is none yet, by
+/// its name and the folder that it would be in.
+///
+/// ```
+/// use qless_io::write::Inputs;
+/// # let place = tempfile::tempdir()?;
+/// let deck = place.path().join("tie.inp");
+/// std::fs::write(&deck, "*NODE\n")?;
+/// let inputs = Inputs::of([&deck]);
+/// let error = inputs.spare(&place.path().join("./tie.inp")).unwrap_err().to_string();
+/// assert!(error.ends_with("tie.inp: is part of the input, which would be overwritten; name another place"));
+/// assert!(inputs.spare(&place.path().join("report.txt")).is_ok());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct Inputs(Vec<Identity>);
+
+impl Inputs {
+    /// Knows these files.
+    pub fn of(paths: impl IntoIterator<Item: AsRef<Path>>) -> Self {
+        Self(paths.into_iter().filter_map(|path| Identity::of(path.as_ref())).collect())
+    }
+
+    /// Passes an output that is none of them.
+    ///
+    /// # Errors
+    /// [`WriteError::IsInput`].
+    pub fn spare(&self, output: &Path) -> Result<(), WriteError> {
+        match Identity::of(output) {
+            Some(identity) if self.0.contains(&identity) => Err(WriteError::IsInput { path: output.to_path_buf() }),
+            _ => Ok(()),
+        }
+    }
+}
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Identity {
+    There(Node),
+    Absent { folder: Node, name: OsString },
+}
+
+impl Identity {
+    fn of(path: &Path) -> Option<Self> {
+        if let Some(node) = node(path) {
+            return Some(Self::There(node));
+        }
+        let folder = path.parent().map(|folder| if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
+        Some(Self::Absent { folder: node(folder?)?, name: path.file_name()?.to_owned() })
+    }
+}
+
+/// Device and number on it; elsewhere the path without links.
+#[cfg(unix)]
+type Node = (u64, u64);
+#[cfg(not(unix))]
+type Node = PathBuf;
+
+#[cfg(unix)]
+fn node(path: &Path) -> Option<Node> {
+    use std::os::unix::fs::MetadataExt;
+    fs::metadata(path).ok().map(|file| (file.dev(), file.ino()))
+}
+
+#[cfg(not(unix))]
+fn node(path: &Path) -> Option<Node> {
+    fs::canonicalize(path).ok()
+}

@@ -1,0 +1,62 @@
+//! A file that appears whole or not at all, in the place of an old one if there is one.
+
+use std::path::Path;
+
+use super::inputs::Inputs;
+use super::metadata::{check_names, follow};
+use super::output::Output;
+use crate::WriteError;
+
+/// A file on its way to a path. Links are followed: what they lead to is replaced.
+///
+/// ```
+/// use qless_io::write::{Inputs, OneFile};
+/// # let place = tempfile::tempdir()?;
+/// let path = place.path().join("clean.inp");
+/// OneFile::at(&path, Inputs::default())?.write(b"*NODE\n")?;
+/// assert_eq!(std::fs::read(&path)?, b"*NODE\n");
+///
+/// let error = OneFile::at(&path, Inputs::of([&path])).unwrap_err().to_string();
+/// assert!(error.contains("clean.inp: is part of the input"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct OneFile {
+    output: Output,
+    name: String,
+}
+
+impl OneFile {
+    /// Starts a file for `path`, which must be none of `inputs`.
+    ///
+    /// A file with several names (hard links) is refused: a new file would replace one of them and leave the old text under the
+    /// others, and a file that is written over in place is not whole if the program is killed.
+    ///
+    /// # Errors
+    /// [`WriteError`] if that is so, or if nothing can be written there.
+    pub fn at(path: &Path, inputs: Inputs) -> Result<Self, WriteError> {
+        inputs.spare(path)?;
+        let path = follow(path).map_err(WriteError::io(path))?;
+        let (Some(folder), Some(name)) = (path.parent(), path.file_name().and_then(|name| name.to_str())) else {
+            return Err(WriteError::NotAFile { path });
+        };
+        check_names(&path)?;
+        Ok(Self { output: Output::new(folder)?.sparing(inputs), name: name.to_owned() })
+    }
+
+    /// Writes these bytes.
+    ///
+    /// # Errors
+    /// [`WriteError`]; then nothing has changed.
+    pub fn write(self, bytes: &[u8]) -> Result<(), WriteError> {
+        self.put(|output, name| output.file(name, |out| out.write_all(bytes)))
+    }
+
+    pub(super) fn put(
+        mut self,
+        add: impl FnOnce(&mut Output, &str) -> Result<(), WriteError>,
+    ) -> Result<(), WriteError> {
+        add(&mut self.output, &self.name)?;
+        self.output.commit()
+    }
+}
