@@ -9,6 +9,7 @@ mod cli {
     pub mod form;
     pub mod harness;
     pub mod meant;
+    pub mod memory;
     pub mod report;
     pub mod written;
 }

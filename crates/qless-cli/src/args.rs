@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use qless::{BackendChoice, Form, Options, Preferences, Tolerance};
 
+use crate::memory;
 use crate::numbers::{Numbers, numbers};
 use crate::scenes::SceneArgs;
 use crate::version;
@@ -37,6 +38,19 @@ pub enum Command {
     Generate(SceneArgs),
     /// Measures what speed costs in accuracy on this machine
     Bench(BenchArgs),
+}
+
+impl Command {
+    /// Bytes that the run may take, if they are bounded.
+    pub fn memory(&self) -> Option<usize> {
+        let model = match self {
+            Self::Check(args) => &args.model,
+            Self::Reduce(args) => &args.model,
+            Self::Clean(args) => &args.model,
+            Self::Generate(_) | Self::Bench(_) => return None,
+        };
+        model.memory.map(NonZeroUsize::get)
+    }
 }
 
 #[derive(Args)]
@@ -170,8 +184,9 @@ pub struct ModelArgs {
     /// Most threads to use
     #[arg(long, value_name = "N", value_parser = threads)]
     pub threads: Option<NonZeroUsize>,
-    /// Most memory of one sparse factorization in Rust, in MiB [default: 16384], and of --exact [default: 1536]
-    #[arg(long, value_name = "MIB", value_parser = threads)]
+    /// Most memory of the whole run, such as 512MiB or 2GiB; without a unit MiB [default: what there is, with 16GiB at most for one
+    /// factorization and 1536MiB for --exact]
+    #[arg(long, value_name = "SIZE", value_parser = memory::parse)]
     pub memory: Option<NonZeroUsize>,
     /// Leave every equation to the backend
     #[arg(long)]
@@ -236,15 +251,6 @@ pub enum BackendName {
 }
 
 impl ModelArgs {
-    /// Bounds the threads of the library, which works in the program's pool.
-    ///
-    /// # Errors
-    /// If the pool cannot be made.
-    pub fn bound_threads(&self) -> Result<(), rayon::ThreadPoolBuildError> {
-        let threads = self.threads.map_or(0, NonZeroUsize::get);
-        rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()
-    }
-
     /// The library's settings.
     pub fn options(&self) -> Options {
         let backend = match self.backend {
@@ -258,9 +264,8 @@ impl ModelArgs {
         let relative = self.tolerance.map_or(standard.tolerance, Tolerance::Relative);
         let tolerance = if self.paper_tolerance { Tolerance::Paper } else { relative };
         let preferences = Preferences { equations: listed(self.keep.as_ref()), ..Preferences::default() };
-        let memory = self.memory.map_or(standard.memory, |mib| mib.get().saturating_mul(1 << 20));
         let (presolve, check) = (!self.no_presolve, !self.no_check);
-        Options { backend, tolerance, presolve, check, memory, preferences, ..standard }
+        Options { backend, tolerance, presolve, check, preferences, ..standard }
     }
 }
 

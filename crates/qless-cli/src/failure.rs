@@ -9,6 +9,7 @@ use qless::qr::BackendError;
 use qless::{AnalysisError, ConstraintSystem, OptionError, ReductionError};
 use qless_io::{ReadError, WriteError};
 
+use crate::memory;
 use crate::text::name;
 
 /// Why a command could not be done.
@@ -64,8 +65,28 @@ impl Failure {
                 "this qless has no backend {backend}: leave out `--backend {backend}`, \
                  or rebuild with `cargo build --features {backend}`"
             )),
-            AnalysisError::Backend(error) => Self::Resource(format!("{}: {error}", input.display())),
+            AnalysisError::Backend(error) => Self::of_backend(&error, input),
         }
+    }
+
+    fn of_backend(error: &BackendError, input: &Path) -> Self {
+        let message = format!("{}: {error}", input.display());
+        match error {
+            BackendError::OutOfMemory { .. } => Self::of_memory(message),
+            _ => Self::Resource(message),
+        }
+    }
+
+    /// No pool of threads.
+    #[expect(clippy::needless_pass_by_value, reason = "for map_err")]
+    pub fn of_threads(error: rayon::ThreadPoolBuildError) -> Self {
+        Self::Resource(format!("no threads can be started: {error}"))
+    }
+
+    /// No memory for something, with what was needed and what was allowed.
+    fn of_memory(message: String) -> Self {
+        let numbers = memory::refusal().map_or_else(String::new, |refusal| format!(": {refusal}"));
+        Self::Resource(message + &numbers)
     }
 
     /// The equations cannot be solved for slaves.
@@ -78,7 +99,7 @@ impl Failure {
                 input.display(),
                 name::equation(system, row)
             )),
-            ReductionError::Backend(error) => Self::Resource(format!("{}: {error}", input.display())),
+            ReductionError::Backend(error) => Self::of_backend(&error, input),
         }
     }
 
@@ -103,7 +124,7 @@ impl From<ReadError> for Failure {
     fn from(error: ReadError) -> Self {
         let advice = match &error {
             ReadError::Io { source, .. } => match source.kind() {
-                io::ErrorKind::OutOfMemory => return Self::Resource(error.to_string()),
+                io::ErrorKind::OutOfMemory => return Self::of_memory(error.to_string()),
                 io::ErrorKind::NotFound => "; check the name and the folder you are in",
                 io::ErrorKind::PermissionDenied => "; check its permissions",
                 io::ErrorKind::IsADirectory => "; name a file",
@@ -117,7 +138,11 @@ impl From<ReadError> for Failure {
 
 impl From<WriteError> for Failure {
     fn from(error: WriteError) -> Self {
-        Self::Resource(format!("{error} (nothing was written)"))
+        let message = format!("{error} (nothing was written)");
+        match &error {
+            WriteError::Io { source, .. } if source.kind() == io::ErrorKind::OutOfMemory => Self::of_memory(message),
+            _ => Self::Resource(message),
+        }
     }
 }
 

@@ -7,6 +7,7 @@
 //! | [`diagnose`] | what check, reduce and clean share: read, analyse, time it |
 //! | [`deck_input`] | the load cases of a deck, its warnings, what its solver refuses |
 //! | [`text`], [`json`], [`html`], [`vtu`] | the forms of the report |
+//! | [`memory`] | the limit on it, and the end of a run that gets none |
 //! | [`failure`] | what can go wrong, in words, and its exit code |
 
 mod args;
@@ -19,6 +20,7 @@ mod failure;
 mod generate;
 mod html;
 mod json;
+mod memory;
 mod numbers;
 mod progress;
 mod reduce;
@@ -33,14 +35,26 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use args::{Cli, Command};
+use failure::Failure;
+
+#[global_allocator]
+static GUARD: memory::Guard = memory::Guard;
 
 fn main() -> ExitCode {
-    let done = match &Cli::parse().command {
+    memory::on_out_of_memory(qless_io::write::abandon);
+    let command = Cli::parse().command;
+    run(&command).unwrap_or_else(|failure| failure.tell())
+}
+
+fn run(command: &Command) -> Result<ExitCode, Failure> {
+    if let Some(bytes) = command.memory() {
+        memory::limit(bytes).map_err(Failure::Resource)?;
+    }
+    match command {
         Command::Check(args) => check::run(args),
         Command::Reduce(args) => reduce::run(args),
         Command::Clean(args) => clean::run(args),
         Command::Generate(args) => generate::run(args),
         Command::Bench(args) => bench::run(args),
-    };
-    done.unwrap_or_else(|failure| failure.tell())
+    }
 }

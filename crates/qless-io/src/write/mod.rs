@@ -8,6 +8,7 @@
 
 mod commit;
 mod output;
+mod stages;
 mod text;
 
 use std::path::Path;
@@ -16,6 +17,7 @@ use qless::{ConstraintSystem, Csr};
 
 use crate::WriteError;
 pub use output::Output;
+pub use stages::abandon;
 
 /// Writes `C.mtx`, `b.txt` and, if there are any, `prescribed.txt`, `rows.txt` and `cols.txt`.
 ///

@@ -5,8 +5,8 @@ use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Component, Path, PathBuf};
 
 use qless::Csr;
-use tempfile::TempDir;
 
+use super::stages::Stage;
 use super::{commit, text};
 use crate::WriteError;
 
@@ -31,7 +31,7 @@ pub struct Output {
     /// The folders below it that are to be created.
     missing: PathBuf,
     /// A folder in `base`: same filesystem, removed when dropped.
-    stage: TempDir,
+    stage: Stage,
     names: Vec<String>,
     absent: Vec<String>,
 }
@@ -43,7 +43,7 @@ impl Output {
     /// [`WriteError`] if `folder` is something else or cannot be written to.
     pub fn new(folder: &Path) -> Result<Self, WriteError> {
         let (base, missing) = split(folder)?;
-        let stage = tempfile::Builder::new().prefix(".qless-").tempdir_in(&base).map_err(WriteError::io(folder))?;
+        let stage = Stage::new(&base).map_err(WriteError::io(folder))?;
         let output = Self { base, missing, stage, names: Vec::new(), absent: Vec::new() };
         fs::create_dir_all(output.staged()).map_err(WriteError::io(folder))?;
         Ok(output)
