@@ -13,6 +13,7 @@ mod cli {
     #[cfg(unix)]
     pub mod limits;
     pub mod meant;
+    pub mod memory;
     #[cfg(unix)]
     pub mod outputs;
     pub mod report;

@@ -9,6 +9,7 @@ use qless_io::case_files;
 use qless_io::write::Inputs;
 
 use crate::failure::say;
+use crate::memory;
 use crate::numbers::{Numbers, numbers};
 use crate::scenes::SceneArgs;
 use crate::version;
@@ -40,6 +41,19 @@ pub enum Command {
     Generate(SceneArgs),
     /// Measures what speed costs in accuracy on this machine
     Bench(BenchArgs),
+}
+
+impl Command {
+    /// Bytes that the run may take, if they are bounded.
+    pub fn memory(&self) -> Option<usize> {
+        let model = match self {
+            Self::Check(args) => &args.model,
+            Self::Reduce(args) => &args.model,
+            Self::Clean(args) => &args.model,
+            Self::Generate(_) | Self::Bench(_) => return None,
+        };
+        model.memory.map(NonZeroUsize::get)
+    }
 }
 
 #[derive(Args)]
@@ -173,8 +187,9 @@ pub struct ModelArgs {
     /// Most threads to use; more than the machine runs at a time are not started
     #[arg(long, value_name = "N", value_parser = threads)]
     pub threads: Option<NonZeroUsize>,
-    /// Most memory of one sparse factorization in Rust, in MiB [default: 16384], and of --exact [default: 1536]
-    #[arg(long, value_name = "MIB", value_parser = threads)]
+    /// Most memory of the whole run, such as 512MiB or 2GiB; without a unit MiB [default: what there is, with 16GiB at most for one
+    /// factorization and 1536MiB for --exact]
+    #[arg(long, value_name = "SIZE", value_parser = memory::parse)]
     pub memory: Option<NonZeroUsize>,
     /// Leave every equation to the backend
     #[arg(long)]
@@ -244,17 +259,13 @@ impl ModelArgs {
         Inputs::of(case_files(&self.input, self.rhs.as_deref(), self.prescribed.as_deref()))
     }
 
-    /// Bounds the threads of the library, which works in the program's pool; more than run at a time only take memory.
-    ///
-    /// # Errors
-    /// If the pool cannot be made.
-    pub fn bound_threads(&self) -> Result<(), rayon::ThreadPoolBuildError> {
-        let most = std::thread::available_parallelism().map_or(usize::MAX, NonZeroUsize::get);
-        let threads = self.threads.map_or(0, |threads| threads.get().min(most));
-        if let Some(asked) = self.threads.filter(|asked| asked.get() > most) {
+    /// As many threads as were asked for, or as run at a time: more only take memory.
+    pub fn threads(&self) -> Option<NonZeroUsize> {
+        let most = std::thread::available_parallelism().unwrap_or(NonZeroUsize::MAX);
+        if let Some(asked) = self.threads.filter(|&asked| asked > most) {
             say(format_args!("note: --threads {asked}: this machine runs {most} at a time, so {most} are used"));
         }
-        rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()
+        self.threads.map(|asked| asked.min(most))
     }
 
     /// The library's settings.
@@ -270,9 +281,8 @@ impl ModelArgs {
         let relative = self.tolerance.map_or(standard.tolerance, Tolerance::Relative);
         let tolerance = if self.paper_tolerance { Tolerance::Paper } else { relative };
         let preferences = Preferences { equations: listed(self.keep.as_ref()), ..Preferences::default() };
-        let memory = self.memory.map_or(standard.memory, |mib| mib.get().saturating_mul(1 << 20));
         let (presolve, check) = (!self.no_presolve, !self.no_check);
-        Options { backend, tolerance, presolve, check, memory, preferences, ..standard }
+        Options { backend, tolerance, presolve, check, preferences, ..standard }
     }
 }
 

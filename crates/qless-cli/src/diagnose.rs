@@ -13,7 +13,7 @@ use crate::deck_input::DeckInput;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::text::{self, Outcome};
-use crate::{html, json, stdout, vtu};
+use crate::{html, json, memory, stdout, vtu};
 
 /// A model and what was found.
 pub struct Diagnosis<'a> {
@@ -40,16 +40,18 @@ pub struct Reduced<'a> {
 }
 
 /// Reads the model and analyses it.
-pub fn diagnose<'a>(args: &'a ModelArgs, options: Options, progress: &Progress) -> Result<Diagnosis<'a>, Failure> {
+pub fn diagnose<'a>(args: &'a ModelArgs, mut options: Options, progress: &Progress) -> Result<Diagnosis<'a>, Failure> {
     let start = Instant::now();
     let refused = |error, system: Option<&ConstraintSystem>| Failure::of_analysis(error, &args.input, system);
     // Known before the work, so said before the work.
     options.backend.get(options.memory).map_err(|error| refused(error.into(), None))?;
-    args.bound_threads().map_err(|error| Failure::Resource(format!("no threads can be started: {error}")))?;
+    memory::threads::start(args.threads()).map_err(Failure::of_threads)?;
     progress.stage("reading");
     let input = Input::read(args)?;
     let read = start.elapsed();
     progress.stage("analysing");
+    // What the model leaves.
+    options.memory = memory::left().map_or(options.memory, |left| left.min(options.memory));
     let (system, analysis, deck) = input.analyse(&options, &refused)?;
     // A large right-hand side over a small coefficient.
     if let Some(&(dof, _)) = analysis.generated.iter().find(|(_, value)| !value.is_finite()) {
@@ -108,7 +110,7 @@ impl Diagnosis<'_> {
     pub fn take_exact_rank(&mut self) -> Result<(), Failure> {
         let standard = Settings::from(Reading::Typed);
         // Two primes at a time, 24 bytes for a coefficient.
-        let fill = self.args.memory.map_or(standard.fill, |mib| mib.get().saturating_mul(1 << 20) / 48);
+        let fill = memory::left().map_or(standard.fill, |bytes| bytes / 48);
         let exact = exact::rank(&self.system, Settings { fill, ..standard }).map_err(|error| {
             let input = self.args.input.display();
             Failure::Resource(format!("{input}: {error}; leave out --exact, or allow more with --memory"))

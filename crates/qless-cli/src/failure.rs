@@ -9,6 +9,7 @@ use qless::qr::BackendError;
 use qless::{AnalysisError, ConstraintSystem, OptionError, ReductionError};
 use qless_io::{ReadError, WriteError};
 
+use crate::memory;
 use crate::text::name;
 
 /// Why a command could not be done.
@@ -59,8 +60,28 @@ impl Failure {
                 "this qless has no backend {backend}: leave out `--backend {backend}`, \
                  or rebuild with `cargo build --features {backend}`"
             )),
-            AnalysisError::Backend(error) => Self::Resource(format!("{}: {error}", input.display())),
+            AnalysisError::Backend(error) => Self::of_backend(&error, input),
         }
+    }
+
+    fn of_backend(error: &BackendError, input: &Path) -> Self {
+        let message = format!("{}: {error}", input.display());
+        match error {
+            BackendError::OutOfMemory { .. } => Self::of_memory(message),
+            _ => Self::Resource(message),
+        }
+    }
+
+    /// No pool of threads.
+    #[expect(clippy::needless_pass_by_value, reason = "for map_err")]
+    pub fn of_threads(error: rayon::ThreadPoolBuildError) -> Self {
+        Self::Resource(format!("no threads can be started: {error}"))
+    }
+
+    /// No memory for something, with what was needed and what was allowed.
+    pub fn of_memory(message: String) -> Self {
+        let numbers = memory::refusal().map_or_else(String::new, |refusal| format!(": {refusal}"));
+        Self::Resource(message + &numbers)
     }
 
     /// The equations cannot be solved for slaves.
@@ -73,7 +94,7 @@ impl Failure {
                 input.display(),
                 name::equation(system, row)
             )),
-            ReductionError::Backend(error) => Self::Resource(format!("{}: {error}", input.display())),
+            ReductionError::Backend(error) => Self::of_backend(&error, input),
         }
     }
 
@@ -98,6 +119,7 @@ impl From<ReadError> for Failure {
         }
         let advice = match &error {
             ReadError::Io { source, .. } => match source.kind() {
+                io::ErrorKind::OutOfMemory => return Self::of_memory(error.to_string()),
                 io::ErrorKind::NotFound => "; check the name and the folder you are in",
                 io::ErrorKind::PermissionDenied => "; check its permissions",
                 io::ErrorKind::IsADirectory => "; name a file",
@@ -112,8 +134,9 @@ impl From<ReadError> for Failure {
 impl From<WriteError> for Failure {
     fn from(error: WriteError) -> Self {
         let message = format!("{error} (nothing was written)");
-        match error {
+        match &error {
             WriteError::IsInput { .. } | WriteError::Linked { .. } => Self::Input(message),
+            WriteError::Io { source, .. } if source.kind() == io::ErrorKind::OutOfMemory => Self::of_memory(message),
             _ => Self::Resource(message),
         }
     }

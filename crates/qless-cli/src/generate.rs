@@ -9,6 +9,7 @@ use qless_scenes::{Scene, SceneError};
 
 use crate::args::Cli;
 use crate::failure::Failure;
+use crate::memory;
 use crate::progress::Progress;
 use crate::scenes::SceneArgs;
 use crate::stdout;
@@ -19,6 +20,7 @@ pub fn run(args: &SceneArgs) -> Result<ExitCode, Failure> {
         let missing = "name the folder to write to: -o <DIR>";
         Cli::command().error(ErrorKind::MissingRequiredArgument, missing).exit()
     };
+    memory::threads::start(None).map_err(Failure::of_threads)?;
     let progress = Progress::new(args.quiet);
     progress.stage("generating");
     let scene = args.scene.generate().map_err(|error| refused(&error))?;

@@ -8,6 +8,7 @@
 //! | [`deck_input`] | the load cases of a deck, its warnings, what its solver refuses |
 //! | [`text`], [`json`], [`html`], [`vtu`] | the forms of the report |
 //! | [`signals`] | what `SIGTERM` and its like do |
+//! | [`memory`] | the limit on it, and the end of a run that gets none |
 //! | [`failure`] | what can go wrong, in words, and its exit code |
 
 mod args;
@@ -20,6 +21,7 @@ mod failure;
 mod generate;
 mod html;
 mod json;
+mod memory;
 mod numbers;
 mod progress;
 mod reduce;
@@ -36,21 +38,28 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use args::{Cli, Command};
-#[cfg(unix)]
 use failure::Failure;
 
+#[global_allocator]
+static GUARD: memory::Guard = memory::Guard;
+
 fn main() -> ExitCode {
-    let cli = Cli::parse();
-    #[cfg(unix)]
-    if let Err(error) = signals::watch() {
-        return Failure::Resource(format!("signals cannot be waited for: {error}")).tell();
+    memory::on_out_of_memory(qless_io::write::abandon_at_once);
+    let command = Cli::parse().command;
+    run(&command).unwrap_or_else(|failure| failure.tell())
+}
+
+fn run(command: &Command) -> Result<ExitCode, Failure> {
+    if let Some(bytes) = command.memory() {
+        memory::limit(bytes).map_err(Failure::Resource)?;
     }
-    let done = match &cli.command {
+    #[cfg(unix)]
+    signals::watch().map_err(|error| Failure::of_memory(format!("signals cannot be waited for: {error}")))?;
+    match command {
         Command::Check(args) => check::run(args),
         Command::Reduce(args) => reduce::run(args),
         Command::Clean(args) => clean::run(args),
         Command::Generate(args) => generate::run(args),
         Command::Bench(args) => bench::run(args),
-    };
-    done.unwrap_or_else(|failure| failure.tell())
+    }
 }

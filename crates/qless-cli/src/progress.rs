@@ -4,6 +4,8 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use crate::memory::threads;
+
 /// A spinner with the stage and the time; gone when dropped.
 pub struct Progress(ProgressBar);
 
@@ -17,7 +19,10 @@ impl Progress {
         if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} ({elapsed})") {
             bar.set_style(style.tick_chars("-\\|/ "));
         }
-        bar.enable_steady_tick(Duration::from_millis(200));
+        // It ticks from a thread of its own, and panics where there is none to be had.
+        if !bar.is_hidden() && threads::is_one_more_possible() {
+            bar.enable_steady_tick(Duration::from_millis(200));
+        }
         Self(bar)
     }
 

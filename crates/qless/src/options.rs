@@ -57,7 +57,10 @@ impl BackendChoice {
             Self::Sparse => Ok(Box::new(crate::factor::qr::sparse::Sparse { memory })),
             Self::Gauss => Ok(Box::new(crate::factor::qr::gauss::Gauss { memory })),
             #[cfg(feature = "spqr")]
-            Self::Spqr => Ok(Box::new(crate::factor::qr::spqr::Spqr::on(0))),
+            Self::Spqr => {
+                let spqr = crate::factor::qr::spqr::Spqr::on(0);
+                Ok(Box::new(crate::factor::qr::spqr::Spqr { memory, ..spqr }))
+            }
             #[cfg(not(feature = "spqr"))]
             Self::Spqr => Err(BackendError::NotCompiledIn { backend: "spqr" }),
         }
@@ -79,8 +82,8 @@ pub struct Options {
     /// Slaves and masters are exchanged until `max |T_ij|` is at most this. At least 1, which is met to 1e-9; default 4.
     /// The nearer to 1, the more exchanges.
     pub growth: f64,
-    /// Bytes that a sparse factorization in Rust may allocate for one block. More is refused: before the work by `sparse`, as soon as
-    /// rows have filled in beyond it by `gauss`. Default: 16 GiB.
+    /// Bytes that the factorization of one block may allocate. More is refused: before the work by `faer`, `sparse` and `spqr`, as
+    /// soon as rows have filled in beyond it by `gauss`. Default: 16 GiB.
     pub memory: usize,
     /// DOFs that should or should not be slaves, equations to keep. Default: none.
     pub preferences: Preferences,

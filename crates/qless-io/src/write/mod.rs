@@ -34,7 +34,7 @@ use crate::WriteError;
 pub use inputs::Inputs;
 pub use one_file::OneFile;
 pub use output::Output;
-pub use stage::abandon;
+pub use stage::{abandon, abandon_at_once};
 
 /// Writes `C.mtx`, `b.txt` and, if there are any, `prescribed.txt`, `rows.txt` and `cols.txt`.
 ///

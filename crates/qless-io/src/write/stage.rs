@@ -59,6 +59,15 @@ pub fn abandon() {
     std::mem::forget((turn, stages));
 }
 
+/// Removes all files that wait for their place, as far as nobody is at them: waits for nobody.
+///
+/// For a program that ends on the thread that failed, which may be the one that is putting files in place.
+pub fn abandon_at_once() {
+    if let (Ok(_turn), Ok(stages)) = (TURN.try_lock(), STAGES.try_lock()) {
+        stages.iter().for_each(|path| remove(path));
+    }
+}
+
 fn known() -> MutexGuard<'static, Vec<PathBuf>> {
     STAGES.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -82,6 +91,8 @@ pub(super) struct Stage {
 impl Stage {
     pub fn new(folder: &Path, _turn: &Turn) -> io::Result<Self> {
         let mut known = known();
+        // Room first: a folder that nobody knows could stay behind.
+        known.reserve(1);
         let path = tempfile::Builder::new().prefix(PREFIX).tempdir_in(folder)?.keep();
         known.push(path.clone());
         let lock = File::open(&path).ok().filter(|folder| folder.try_lock().is_ok());

@@ -24,16 +24,23 @@ use crate::Csr;
 /// Dense QR with column pivoting or sparse QR, by the rule above, as a [`Backend`].
 #[derive(Clone, Copy, Debug)]
 pub struct DenseOrSparse {
-    /// Bytes that a sparse factorization may allocate.
+    /// Bytes that a factorization may allocate.
     pub memory: usize,
     /// Numbers up to which a block is dense.
     pub small: usize,
 }
 
 impl DenseOrSparse {
-    /// With the rule above; a sparse factorization may allocate `memory` bytes.
+    /// With the rule above; a factorization may allocate `memory` bytes.
     pub fn new(memory: usize) -> Self {
         Self { memory, small: SMALL }
+    }
+
+    /// Refuses a dense m x (n + k) array that is too large, before it is allocated. R and what is left of a stage come beside it.
+    fn allow_dense(self, rows: usize, cols: usize, rhs: usize) -> Result<(), BackendError> {
+        let needed = rows.saturating_mul(cols.saturating_add(rhs)).saturating_mul(3 * size_of::<f64>());
+        let (backend, limit) = (Faer.name(), self.memory);
+        if needed > limit { Err(BackendError::OverLimit { backend, rows, cols, needed, limit }) } else { Ok(()) }
     }
 }
 
@@ -53,6 +60,7 @@ impl Backend for DenseOrSparse {
     fn factor(&self, columns: &Csr, rhs: &[f64], tolerance: f64) -> Result<Factor, BackendError> {
         let (m, n) = (columns.cols, columns.rows());
         if self.pivots(m, n) || columns.nnz() > m.saturating_mul(n) / 2 {
+            self.allow_dense(m, n, rhs.len().checked_div(m).unwrap_or(0))?;
             return Faer.factor(columns, rhs, tolerance);
         }
         Sparse { memory: self.memory }.factor(columns, rhs, tolerance)
@@ -89,6 +97,13 @@ mod tests {
             columns.push_row((first..first + count).map(|i| (i, random.signed() + 2e-4)));
         }
         columns
+    }
+
+    #[test]
+    fn a_dense_block_beyond_the_limit_is_refused_before_the_work() {
+        let columns = random(100, 80, 90);
+        let error = DenseOrSparse::new(100 * 80 * 8).factor(&columns, &[], 1e-10).expect_err("R comes beside it");
+        assert!(matches!(error, BackendError::OverLimit { needed: 192_000, limit: 64_000, .. }), "{error}");
     }
 
     #[test]

@@ -59,7 +59,10 @@ impl Sparse {
 fn refused(error: &Error, rows: usize, cols: usize) -> BackendError {
     let backend = "sparse";
     match *error {
-        Error::OutOfMemory { needed, limit } => BackendError::OverLimit { backend, rows, cols, needed, limit },
+        Error::OutOfMemory { needed, limit } if needed > limit => {
+            BackendError::OverLimit { backend, rows, cols, needed, limit }
+        }
+        Error::OutOfMemory { .. } => BackendError::OutOfMemory { backend, rows, cols, advice: "" },
         Error::TooLarge { .. } => BackendError::TooLarge { backend, rows, cols },
         _ => BackendError::Failed { backend, message: error.to_string() },
     }

@@ -7,6 +7,7 @@
 
 mod call;
 
+use super::sparse::analyse;
 use super::{Backend, BackendError, Factor};
 use crate::Csr;
 use call::{Call, collected};
@@ -20,6 +21,9 @@ pub use spqr_sys as sys;
 pub use spqr_sys::memory::faults;
 
 const NAME: &str = "spqr";
+
+/// Bytes for each of m n numbers that a factorization takes at most: a front that holds all, R beside it twice.
+const FULL: usize = 3 * size_of::<f64>();
 
 /// SuiteSparseQR, ordering by its own default (COLAMD, AMD or METIS).
 ///
@@ -42,11 +46,14 @@ pub struct Spqr {
     pub grain: f64,
     /// Operations of a task at least. Default: 1e6, below which a thread costs more than it does.
     pub small: f64,
+    /// Bytes that a factorization may take by the forecast of [`super::sparse`] for the same pattern; more is refused before the
+    /// work. The forecast is for our own order of the columns, so that SuiteSparseQR can take more or less. Default: no limit.
+    pub memory: usize,
 }
 
 impl Default for Spqr {
     fn default() -> Self {
-        Self { threads: 1, grain: 5.0, small: 1e6 }
+        Self { threads: 1, grain: 5.0, small: 1e6, memory: usize::MAX }
     }
 }
 
@@ -110,8 +117,23 @@ impl Spqr {
             return Ok((factor, Statistics { tasks: 1, ..Statistics::default() }));
         }
         let start = Instant::now();
+        self.allow(columns, tall.count)?;
         let (factor, statistics) = self.factor_in_c(columns, tall, tolerance)?;
         Ok((factor, Statistics { total: start.elapsed().as_secs_f64(), ..statistics }))
+    }
+
+    /// Refuses what is foreseen to need more than the limit. What fits even if full is not analysed.
+    fn allow(self, columns: &Csr, rhs: usize) -> Result<(), BackendError> {
+        let (rows, cols, limit) = (columns.cols, columns.rows(), self.memory);
+        let full = rows.saturating_mul(cols.saturating_add(rhs)).saturating_mul(FULL);
+        if full <= limit {
+            return Ok(());
+        }
+        let needed = analyse(columns)?.memory(rhs);
+        if needed > limit {
+            return Err(BackendError::OverLimit { backend: NAME, rows, cols, needed, limit });
+        }
+        Ok(())
     }
 
     fn factor_in_c(self, columns: &Csr, b: Tall, tolerance: f64) -> Result<(Factor, Statistics), BackendError> {

@@ -1,0 +1,172 @@
+//! `held + wanted <= limit`, asked at every allocation.
+//!
+//! Held is the larger of two numbers. The bytes handed out foresee pages that are not yet touched; what stays untouched for long is
+//! not counted, for some libraries take buffers of the size of the cache and use a corner of them. The resident pages hold what is
+//! not ours to count: C's memory, code, stacks, and what was freed but not given back. Reading them takes microseconds, so they
+//! are read again after each 64th of the limit that is handed out.
+//!
+//! Threads count for themselves and add to the common count after each 64 KiB, so that no number is everybody's.
+
+#![allow(unsafe_code, reason = "an allocator is an unsafe trait; all its work is the system's")]
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::sync::atomic::{AtomicIsize, AtomicUsize, Ordering::Relaxed};
+
+use super::refusal::{By, Refusal};
+use super::system;
+
+/// The system's allocator within the limit.
+pub struct Guard;
+
+/// Bytes that a thread counts for itself.
+const BATCH: usize = 64 << 10;
+
+static LIMIT: AtomicUsize = AtomicUsize::new(usize::MAX);
+/// Resident when the limit was set.
+static BASE: AtomicUsize = AtomicUsize::new(0);
+/// Handed out since then and not freed.
+static LIVE: AtomicIsize = AtomicIsize::new(0);
+/// Handed out since the resident pages were read.
+static SINCE: AtomicUsize = AtomicUsize::new(0);
+/// Bytes handed out that were not resident, the last times that these were read.
+static UNTOUCHED: [AtomicUsize; 8] = [const { AtomicUsize::new(0) }; 8];
+/// How often that was.
+static LOOKS: AtomicUsize = AtomicUsize::new(0);
+/// The least of them.
+static IDLE: AtomicUsize = AtomicUsize::new(0);
+
+thread_local! {
+    /// Handed out less freed, and handed out, that this thread has not yet added to the counts.
+    static OWN: Cell<(isize, usize)> = const { Cell::new((0, 0)) };
+}
+
+/// Begins to count, and refuses what would be more than this.
+pub fn limit(bytes: usize) {
+    BASE.store(system::resident(), Relaxed);
+    LIVE.store(0, Relaxed);
+    LIMIT.store(bytes, Relaxed);
+}
+
+/// Refuses nothing any more.
+pub fn lift() {
+    LIMIT.store(usize::MAX, Relaxed);
+}
+
+/// Bytes that may still be allocated; none without a limit.
+pub fn left() -> Option<usize> {
+    let limit = LIMIT.load(Relaxed);
+    (limit != usize::MAX).then(|| limit.saturating_sub(look()))
+}
+
+/// Bytes in use, with those handed out that may soon be touched.
+fn held() -> usize {
+    handed_out().saturating_sub(IDLE.load(Relaxed))
+}
+
+fn handed_out() -> usize {
+    BASE.load(Relaxed).saturating_add_signed(LIVE.load(Relaxed))
+}
+
+/// Books `bytes`; false if there is no room for them.
+fn book(bytes: usize) -> bool {
+    let limit = LIMIT.load(Relaxed);
+    if limit == usize::MAX {
+        return true;
+    }
+    let (net, handed) = OWN.get();
+    let (net, handed) = (net + bytes as isize, handed + bytes);
+    if handed < BATCH {
+        OWN.set((net, handed));
+        return true;
+    }
+    OWN.set((0, 0));
+    // Without these bytes, which nobody has touched.
+    LIVE.fetch_add(net - bytes as isize, Relaxed);
+    if is_time_to_look(handed, limit) || held().saturating_add(bytes) > limit {
+        let fits = || look().saturating_add(bytes) <= limit;
+        if !fits() {
+            system::give_back();
+            if !fits() {
+                Refusal { wanted: bytes, held: look(), allowed: limit, by: By::Option }.keep();
+                return false;
+            }
+        }
+    }
+    LIVE.fetch_add(bytes as isize, Relaxed);
+    true
+}
+
+/// Whether much was handed out since the last look.
+fn is_time_to_look(handed: usize, limit: usize) -> bool {
+    let is_time = SINCE.fetch_add(handed, Relaxed) + handed >= limit / 64;
+    if is_time {
+        SINCE.store(0, Relaxed);
+        // What was not touched at any of the last looks.
+        let place = LOOKS.fetch_add(1, Relaxed) % UNTOUCHED.len();
+        UNTOUCHED[place].store(handed_out().saturating_sub(system::resident()), Relaxed);
+        IDLE.store(UNTOUCHED.iter().map(|bytes| bytes.load(Relaxed)).min().unwrap_or(0), Relaxed);
+    }
+    is_time
+}
+
+/// Bytes in use by either count.
+fn look() -> usize {
+    held().max(system::resident())
+}
+
+fn give(bytes: usize) {
+    if LIMIT.load(Relaxed) == usize::MAX {
+        return;
+    }
+    let (net, handed) = OWN.get();
+    let net = net - bytes as isize;
+    if net.unsigned_abs() < BATCH {
+        OWN.set((net, handed));
+    } else {
+        OWN.set((0, handed));
+        LIVE.fetch_add(net, Relaxed);
+    }
+}
+
+/// Null if there is no room for `bytes` or the system has none; the numbers are kept.
+fn ask(bytes: usize, allocate: impl FnOnce() -> *mut u8) -> *mut u8 {
+    if !book(bytes) {
+        return std::ptr::null_mut();
+    }
+    let block = allocate();
+    if block.is_null() {
+        give(bytes);
+        Refusal::of_system(bytes).keep();
+    }
+    block
+}
+
+// SAFETY: every block comes from and goes back to the system's allocator as it was asked for; counting allocates nothing.
+unsafe impl GlobalAlloc for Guard {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        // SAFETY: passed on as it came.
+        ask(layout.size(), || unsafe { System.alloc(layout) })
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        // SAFETY: passed on as it came.
+        ask(layout.size(), || unsafe { System.alloc_zeroed(layout) })
+    }
+
+    unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
+        // SAFETY: passed on as it came.
+        unsafe { System.dealloc(block, layout) };
+        give(layout.size());
+    }
+
+    unsafe fn realloc(&self, block: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        let more = size.saturating_sub(layout.size());
+        // SAFETY: passed on as it came.
+        let moved = ask(more, || unsafe { System.realloc(block, layout, size) });
+        if !moved.is_null() {
+            give(layout.size().saturating_sub(size));
+        }
+        moved
+    }
+}

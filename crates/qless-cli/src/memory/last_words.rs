@@ -1,0 +1,81 @@
+//! The end of a run that got no memory and cannot go on.
+//!
+//! `handle_alloc_error` aborts, and the signal comes on the thread that failed, outside of the allocator and of its locks: so
+//! the handler may do what ordinary code may. It allocates nothing; for what removes files there is a reserve.
+
+use std::cell::Cell;
+use std::fmt::Write;
+use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
+use std::sync::{Mutex, OnceLock};
+use std::time::Duration;
+
+use super::{guard, refusal, system};
+
+/// Bytes kept for the end; enough to be pages of their own.
+const RESERVE: usize = 256 << 10;
+
+/// Below this much address space each thread's own heap would take what the model needs.
+const SCARCE: usize = 2 << 30;
+
+static CLEAN: OnceLock<fn()> = OnceLock::new();
+static KEPT: Mutex<Option<Vec<u8>>> = Mutex::new(None);
+static ENDING: AtomicBool = AtomicBool::new(false);
+
+thread_local! {
+    static ENDING_HERE: Cell<bool> = const { Cell::new(false) };
+}
+
+/// At the start: from now on a run that cannot go on without memory says so, calls `clean`, and exits with 3.
+///
+/// `clean` removes what must not stay behind. It must not wait for what the thread that failed may hold.
+pub fn on_out_of_memory(clean: fn()) {
+    if system::address_space_allowed().is_some_and(|bytes| bytes < SCARCE) {
+        system::share_heap();
+    }
+    CLEAN.get_or_init(|| clean);
+    if let Ok(mut kept) = KEPT.lock() {
+        let mut reserve = Vec::new();
+        *kept = reserve.try_reserve_exact(RESERVE).is_ok().then_some(reserve);
+    }
+    system::on_abort(end);
+}
+
+extern "C" fn end(_: libc::c_int) {
+    if !refusal::is_here() {
+        // Something else went wrong.
+        return system::abort_as_ever();
+    }
+    if ENDING_HERE.replace(true) {
+        // Not even the reserve was enough.
+        system::exit(3);
+    }
+    while ENDING.swap(true, SeqCst) {
+        // Another thread is at it.
+        std::thread::sleep(Duration::from_secs(1));
+    }
+    let mut line = Line { text: [0; 512], length: 0 };
+    if let Some(refusal) = refusal::largest() {
+        let _ = writeln!(line, "error: out of memory: {refusal}");
+    }
+    system::tell(&line.text[..line.length]);
+    guard::lift();
+    drop(KEPT.try_lock().ok().and_then(|mut kept| kept.take()));
+    CLEAN.get().into_iter().for_each(|clean| clean());
+    system::exit(3);
+}
+
+/// Text of bounded length.
+struct Line {
+    text: [u8; 512],
+    length: usize,
+}
+
+impl Write for Line {
+    fn write_str(&mut self, more: &str) -> std::fmt::Result {
+        let room = &mut self.text[self.length..];
+        let count = more.len().min(room.len());
+        room[..count].copy_from_slice(&more.as_bytes()[..count]);
+        self.length += count;
+        Ok(())
+    }
+}

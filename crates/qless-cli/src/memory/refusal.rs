@@ -1,0 +1,113 @@
+//! What was needed and what was allowed, of the largest allocation that was refused.
+
+use std::cell::Cell;
+use std::fmt;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+
+use super::size::Size;
+use super::system;
+
+/// Who refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum By {
+    /// `--memory`.
+    Option,
+    /// `ulimit -v`, which counts address space.
+    AddressSpace,
+    /// The system; what it has is not known to be a limit of ours.
+    System,
+}
+
+/// One refusal, in bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Refusal {
+    /// Asked for.
+    pub wanted: usize,
+    /// In use then.
+    pub held: usize,
+    pub allowed: usize,
+    pub by: By,
+}
+
+static KEPT: [AtomicUsize; 4] = [const { AtomicUsize::new(0) }; 4];
+
+thread_local! {
+    static HERE: Cell<bool> = const { Cell::new(false) };
+}
+
+/// The refusal in this process with the largest need, if there was one.
+pub fn largest() -> Option<Refusal> {
+    let [wanted, held, allowed, by] = [0, 1, 2, 3].map(|k| KEPT[k].load(Relaxed));
+    let by = [By::Option, By::AddressSpace, By::System][by.min(2)];
+    (wanted > 0).then_some(Refusal { wanted, held, allowed, by })
+}
+
+/// Whether one was on this thread.
+pub fn is_here() -> bool {
+    HERE.get()
+}
+
+impl Refusal {
+    pub fn of_system(wanted: usize) -> Self {
+        match system::address_space_allowed() {
+            Some(allowed) => Self { wanted, held: system::address_space(), allowed, by: By::AddressSpace },
+            None => Self { wanted, held: system::resident(), allowed: system::physical(), by: By::System },
+        }
+    }
+
+    /// Remembers it, unless more was needed before: by what failed, while what follows is the printing of its backtrace. Allocates nothing.
+    pub fn keep(self) {
+        HERE.set(true);
+        if largest().is_some_and(|kept| kept.needed() > self.needed()) {
+            return;
+        }
+        let numbers = [self.wanted, self.held, self.allowed, self.by as usize];
+        KEPT.iter().zip(numbers).for_each(|(kept, number)| kept.store(number, Relaxed));
+    }
+}
+
+impl Refusal {
+    fn needed(self) -> usize {
+        self.held.saturating_add(self.wanted)
+    }
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let (needed, wanted) = (Size(self.needed()), Size(self.wanted));
+        let allowed = Size(self.allowed);
+        match self.by {
+            By::Option => {
+                write!(f, "at least {needed} were needed ({wanted} of them at once) and --memory allows {allowed}")
+            }
+            By::AddressSpace => {
+                write!(
+                    f,
+                    "at least {needed} of address space were needed ({wanted} of them at once) and `ulimit -v` allows {allowed}"
+                )
+            }
+            By::System => {
+                write!(
+                    f,
+                    "at least {needed} were needed ({wanted} of them at once) and the machine, which has {allowed}, gave no more"
+                )
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_words_have_both_numbers_and_who_refused() {
+        let refusal = Refusal { wanted: 3 << 20, held: 6 << 20, allowed: 8 << 20, by: By::Option };
+        assert_eq!(
+            refusal.to_string(),
+            "at least 9.0 MiB were needed (3.0 MiB of them at once) and --memory allows 8.0 MiB"
+        );
+        let refusal = Refusal { by: By::AddressSpace, ..refusal };
+        assert!(refusal.to_string().ends_with("`ulimit -v` allows 8.0 MiB"), "{refusal}");
+    }
+}

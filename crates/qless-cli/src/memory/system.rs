@@ -1,0 +1,102 @@
+//! What the operating system tells of memory, and what it is told. Nothing here allocates.
+
+#![allow(unsafe_code, reason = "calls of libc")]
+
+use std::fs::File;
+use std::io::Read;
+
+/// Bytes of resident pages; 0 where the system does not tell.
+pub fn resident() -> usize {
+    pages(1) * page()
+}
+
+/// Bytes of address space; 0 where the system does not tell.
+pub fn address_space() -> usize {
+    pages(0) * page()
+}
+
+/// A number of `/proc/self/statm`, in pages.
+fn pages(place: usize) -> usize {
+    let mut text = [0; 128];
+    let count = File::open("/proc/self/statm").and_then(|mut file| file.read(&mut text)).unwrap_or(0);
+    let text = str::from_utf8(&text[..count]).unwrap_or("");
+    text.split_ascii_whitespace().nth(place).and_then(|number| number.parse().ok()).unwrap_or(0)
+}
+
+/// Bytes of address space that `ulimit -v` allows; none where it allows all.
+pub fn address_space_allowed() -> Option<usize> {
+    let mut limit = libc::rlimit { rlim_cur: 0, rlim_max: 0 };
+    // SAFETY: the struct is ours and as the call wants it.
+    let got = unsafe { libc::getrlimit(libc::RLIMIT_AS, &raw mut limit) };
+    (got == 0 && limit.rlim_cur != libc::RLIM_INFINITY).then_some(limit.rlim_cur as usize)
+}
+
+/// Bytes of memory that the machine has.
+pub fn physical() -> usize {
+    system_number(libc::_SC_PHYS_PAGES) * page()
+}
+
+fn page() -> usize {
+    system_number(libc::_SC_PAGESIZE)
+}
+
+fn system_number(name: libc::c_int) -> usize {
+    // SAFETY: reads a number.
+    usize::try_from(unsafe { libc::sysconf(name) }).unwrap_or(0)
+}
+
+/// Bytes from which on blocks are pages of their own.
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+const OWN_PAGES: libc::c_int = 256 << 10;
+
+/// What is freed goes back to the system at once, rather than when it pays: for a run with a limit, where resident pages count.
+pub fn give_back_early() {
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    // SAFETY: sets numbers of the allocator.
+    unsafe {
+        libc::mallopt(libc::M_MMAP_THRESHOLD, OWN_PAGES);
+        libc::mallopt(libc::M_TRIM_THRESHOLD, OWN_PAGES);
+    }
+}
+
+/// One heap for all threads: each further one takes 64 MiB of address space, whatever is in it.
+pub fn share_heap() {
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    // SAFETY: sets a number of the allocator.
+    unsafe {
+        libc::mallopt(libc::M_ARENA_MAX, 1);
+    }
+}
+
+/// Gives back what is free within the heap.
+pub fn give_back() {
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    // SAFETY: may be called at any time from any thread.
+    unsafe {
+        libc::malloc_trim(0);
+    }
+}
+
+/// Writes to standard error, whoever has it locked; what cannot be written is lost.
+pub fn tell(text: &[u8]) {
+    // SAFETY: the bytes are there; what is written is theirs.
+    let _ = unsafe { libc::write(libc::STDERR_FILENO, text.as_ptr().cast(), text.len()) };
+}
+
+/// Ends the process now.
+pub fn exit(code: i32) -> ! {
+    // SAFETY: runs no code of ours any more.
+    unsafe { libc::_exit(code) }
+}
+
+/// Calls `handle` when the process aborts; if it returns, the process ends as it would have.
+pub fn on_abort(handle: extern "C" fn(libc::c_int)) {
+    // SAFETY: the handler is a function of this type; nobody else sets one for this signal.
+    unsafe { libc::signal(libc::SIGABRT, handle as *const () as libc::sighandler_t) };
+}
+
+/// Aborts end the process at once again.
+pub fn abort_as_ever() {
+    // SAFETY: as above.
+    unsafe { libc::signal(libc::SIGABRT, libc::SIG_DFL) };
+}

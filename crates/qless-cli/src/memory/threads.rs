@@ -1,0 +1,60 @@
+//! As many threads as were asked for, or as there is address space for.
+
+use std::num::NonZeroUsize;
+use std::sync::mpsc::{Sender, channel};
+use std::thread::{Builder, JoinHandle};
+
+use rayon::{ThreadPoolBuildError, ThreadPoolBuilder};
+
+use super::system;
+
+/// Bytes of a thread's stack.
+const STACK: usize = 2 << 20;
+
+/// Stacks may take this part of the address space.
+const STACKS: usize = 8;
+
+/// Makes the program's pool: of `wanted` threads, by default one for each core; fewer where the system gives no more, and at least the one
+/// that there is.
+///
+/// # Errors
+/// If there is a pool already.
+pub fn start(wanted: Option<NonZeroUsize>) -> Result<(), ThreadPoolBuildError> {
+    let cores = || std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    let count = wanted.map_or_else(cores, NonZeroUsize::get);
+    let room = system::address_space_allowed().map_or(usize::MAX, |bytes| bytes / STACKS / STACK);
+    let found = possible(count.min(room));
+    let builder = ThreadPoolBuilder::new();
+    match (wanted, found) {
+        (_, 0) => builder.num_threads(1).use_current_thread().build_global(),
+        (None, found) if found == count => builder.build_global(),
+        _ => builder.num_threads(found).build_global(),
+    }
+}
+
+/// Whether there is room for one more thread.
+pub fn is_one_more_possible() -> bool {
+    possible(1) == 1
+}
+
+/// How many of `count` threads can be started at once. Their stacks wait for the threads that come after them.
+fn possible(count: usize) -> usize {
+    let started: Vec<(JoinHandle<()>, Sender<()>)> = (0..count).map_while(|_| waiting().ok()).collect();
+    let count = started.len();
+    for (thread, end) in started {
+        drop(end);
+        // It did nothing but wait.
+        let _ = thread.join();
+    }
+    count
+}
+
+/// A thread that ends when the sender is gone.
+fn waiting() -> std::io::Result<(JoinHandle<()>, Sender<()>)> {
+    let (end, wait) = channel::<()>();
+    let thread = Builder::new().spawn(move || {
+        // The sender sends nothing.
+        let _ = wait.recv();
+    })?;
+    Ok((thread, end))
+}

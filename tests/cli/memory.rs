@@ -1,0 +1,151 @@
+//! Tight memory: `--memory` and `ulimit -v`. A run is done, or ends with 3 and says what was needed and what was allowed; nothing
+//! stays behind.
+
+#![cfg(target_os = "linux")]
+
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use super::harness::{Place, Run};
+
+/// Scenes that need presolve alone, dense blocks, sparse factors, and much of all.
+const SCENES: [&str; 6] = [
+    "path --nodes 200000",
+    "spider --legs 50000",
+    "planted --rows 500 --dofs 700 --combos 50",
+    "windows --nx 30 --ny 30",
+    "fssi --equations 4000 --coupling mortar",
+    "grid --nx 60 --ny 60",
+];
+
+#[cfg(not(feature = "spqr"))]
+const BACKENDS: [&str; 3] = ["faer", "sparse", "gauss"];
+#[cfg(feature = "spqr")]
+const BACKENDS: [&str; 4] = ["faer", "sparse", "gauss", "spqr"];
+
+/// A place with the scene in the folder `scene`.
+fn scene(name: &str) -> Place {
+    let place = Place::new();
+    assert_eq!(place.run(&format!("generate {name} -o scene -q")).code, 0, "{name}");
+    place
+}
+
+/// `qless reduce scene -o out` with more arguments, within so many KiB of address space.
+fn within(place: &Place, kib: usize, arguments: &str) -> Run {
+    let program = place.command(&format!("reduce scene -o out -q --form auto {arguments}"));
+    let mut shell = Command::new("sh");
+    shell
+        .args(["-c", &format!("ulimit -v {kib}; exec \"$0\" \"$@\"")])
+        .arg(program.get_program())
+        .args(program.get_args());
+    shell.current_dir(place.path("")).stdin(Stdio::null());
+    ended(shell.output().expect("the shell starts"))
+}
+
+fn ended(output: std::process::Output) -> Run {
+    let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
+    let code = output.status.code().unwrap_or_else(|| panic!("{}: {:?}", output.status, output.stderr));
+    Run { code, out: text(output.stdout), err: text(output.stderr) }
+}
+
+/// Done, or refused with both numbers; nothing but the result is there. Whether it was done.
+fn is_done(place: &Place, run: &Run, what: &str) -> bool {
+    let done = place.path("out").is_dir();
+    assert_eq!(run.code, if done { 0 } else { 3 }, "{what}: {}", run.err);
+    let names: Vec<String> = std::fs::read_dir(place.path(""))
+        .expect("a folder")
+        .map(|entry| entry.expect("an entry").file_name().into_string().expect("UTF-8"))
+        .collect();
+    assert_eq!(names.len(), if done { 2 } else { 1 }, "{what}: {names:?}");
+    if !done {
+        let sizes = run.err.matches(" MiB").count();
+        let allowed = ["allow", "gave no more"].iter().any(|word| run.err.contains(word));
+        assert!(run.err.contains("error: ") && sizes >= 2 && allowed, "{what}: {}", run.err);
+    }
+    if done {
+        std::fs::remove_dir_all(place.path("out")).expect("removed");
+    }
+    done
+}
+
+/// Seven steps for each scene and backend; the last is enough for all.
+#[test]
+fn within_any_address_space_a_run_is_done_or_says_what_it_needs() {
+    for (name, backend) in SCENES.iter().flat_map(|name| BACKENDS.iter().map(move |backend| (name, backend))) {
+        let place = scene(name);
+        let mut counts = [0, 0];
+        for mib in [60, 75, 90, 120, 160, 220, 8000] {
+            let what = format!("{name}, {backend}, {mib} MiB");
+            let run = within(&place, mib << 10, &format!("--backend {backend}"));
+            counts[usize::from(is_done(&place, &run, &what))] += 1;
+        }
+        assert!(counts[1] > 0, "{name}, {backend}: never enough");
+    }
+}
+
+/// The most resident pages of a run, in KiB, as last seen before it ended; and how it ended.
+fn measured(place: &Place, arguments: &str) -> (u64, Run) {
+    let mut command = place.command(&format!("reduce scene -o out -q --form auto {arguments}"));
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("it starts");
+    let status = format!("/proc/{}/status", child.id());
+    let mut most = 0;
+    while child.try_wait().expect("a child").is_none() {
+        let text = std::fs::read_to_string(&status).unwrap_or_default();
+        let seen = text.lines().find_map(|line| line.strip_prefix("VmHWM:")?.trim().strip_suffix(" kB")?.parse().ok());
+        most = most.max(seen.unwrap_or(0));
+        std::thread::sleep(Duration::from_micros(500));
+    }
+    (most, ended(child.wait_with_output().expect("it ended")))
+}
+
+/// From too little for the program to enough; the pages of a run that starts are at most a tenth more than allowed.
+#[test]
+fn a_run_stays_within_its_memory_or_says_what_it_needs() {
+    for (name, backend) in SCENES.iter().flat_map(|name| BACKENDS.iter().map(move |backend| (name, backend))) {
+        let place = scene(name);
+        let mut counts = [0, 0];
+        for mib in [8, 16, 24, 40, 70, 4000] {
+            let what = format!("{name}, {backend}, {mib} MiB");
+            let (kib, run) = measured(&place, &format!("--backend {backend} --memory {mib}MiB"));
+            counts[usize::from(is_done(&place, &run, &what))] += 1;
+            let refused_at_the_start = run.err.contains("the smallest of runs");
+            assert!(refused_at_the_start || kib <= (mib << 10) * 11 / 10, "{what}: {kib} KiB: {}", run.err);
+        }
+        assert!(counts.iter().all(|&count| count > 0), "{name}, {backend}: {counts:?}");
+    }
+}
+
+/// What a run takes is enough for it: the limit is not a guess.
+#[test]
+fn a_run_is_done_with_a_tenth_more_than_it_takes() {
+    for name in ["path --nodes 200000", "spider --legs 100000"] {
+        let place = scene(name);
+        let (kib, run) = measured(&place, "");
+        assert!(is_done(&place, &run, name));
+        let (_, run) = measured(&place, &format!("--memory {}KiB", kib * 11 / 10));
+        assert!(is_done(&place, &run, name), "{name}: {kib} KiB: {}", run.err);
+    }
+}
+
+#[test]
+fn a_limit_below_the_program_itself_is_refused_before_it_starts() {
+    let place = scene("equations");
+    for memory in ["1", "2MiB", "4096KiB"] {
+        // The folder does not exist, which the run would find first.
+        let run = place.run(&format!("check nowhere --memory {memory}"));
+        assert!(run.code == 3 && run.err.contains("the smallest of runs needs"), "{}", run.err);
+        assert!(run.err.contains("--memory allows"), "{}", run.err);
+    }
+    for memory in ["0", "-1", "1.5GiB", "8MB", "much"] {
+        let run = place.run(&format!("check scene --memory={memory}"));
+        assert!(run.code == 2 && run.err.contains("512MiB"), "{}", run.err);
+    }
+}
+
+/// Threads that cannot be had are not missed.
+#[test]
+fn more_threads_than_there_is_address_space_for_are_fewer_threads() {
+    let place = scene("path --nodes 1000");
+    let run = within(&place, 120 << 10, "--threads 64");
+    assert!(is_done(&place, &run, "64 threads"), "{}", run.err);
+}
