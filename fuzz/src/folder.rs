@@ -1,7 +1,6 @@
 //! A case folder by its meaning, not by its bytes: sizes, coefficients, right-hand sides, prescribed values, labels, and lists of
 //! equations and DOFs that are preferred. Most inputs are read, and go on to the analysis and the reduction.
 
-use std::fmt::Write;
 use std::path::Path;
 
 use arbitrary::{Arbitrary, Unstructured};
@@ -71,13 +70,11 @@ pub fn folder(data: &[u8]) {
 impl Folder {
     fn put(&self, path: &Path) {
         std::fs::create_dir(path).expect("a new folder");
-        let put = |name: &str, text: String| std::fs::write(path.join(name), text).expect("written");
+        let put = |name: &str, lines: Vec<String>| std::fs::write(path.join(name), lines.concat()).expect("written");
         let (m, n) = (self.rows % (SIZE + 1), self.columns % SIZE + 1);
-        let mut text = format!("%%MatrixMarket matrix coordinate real general\n{m} {n} {}\n", self.entries.len());
-        for (i, j, number) in &self.entries {
-            let _ = writeln!(text, "{} {} {}", i % m.max(1) + 1, j % n + 1, number.text());
-        }
-        put("C.mtx", text);
+        let head = format!("%%MatrixMarket matrix coordinate real general\n{m} {n} {}\n", self.entries.len());
+        let entry = |(i, j, v): &(u8, u8, Number)| format!("{} {} {}\n", i % m.max(1) + 1, j % n + 1, v.text());
+        put("C.mtx", [head].into_iter().chain(self.entries.iter().map(entry)).collect());
         if let Some(rhs) = &self.rhs {
             let zero = Number::Whole(0);
             put("b.txt", (0..m.into()).map(|i| rhs.get(i).unwrap_or(&zero).text() + "\n").collect());

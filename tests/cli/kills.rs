@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 use rustix::process::{Pid, Signal, kill_process};
 
-use super::harness::Place;
+use super::harness::{Place, lines};
 
 const SIGNALS: [Signal; 3] = [Signal::KILL, Signal::TERM, Signal::INT];
 
@@ -62,7 +62,7 @@ fn prepare(place: &Place, case: &Case) {
     for (name, seed) in [("a", 1), ("b", 2)] {
         let run = place.run(&format!("generate planted --rows 60 --dofs 90 --combos 6 --seed {seed} -o {name} -q"));
         assert_eq!(run.code, 0, "{}", run.err);
-        let nodes: String = (1..9).map(|k| format!("{k},{k}.,0.,0.\n")).collect();
+        let nodes = lines((1..9).map(|k| format!("{k},{k}.,0.,0.\n")));
         let tie = format!("*EQUATION\n2\n1,{seed},1.,2,{seed},-1.\n");
         place.file(&format!("{name}.inp"), format!("*NODE\n{nodes}{tie}{tie}"));
     }
@@ -149,11 +149,9 @@ fn content(folder: &Path) -> Content {
 fn collect(folder: &Path, prefix: &str, all: &mut Content) {
     for entry in fs::read_dir(folder).expect("a folder").flatten() {
         let (path, name) = (entry.path(), entry.file_name().to_string_lossy().into_owned());
-        if is_hidden(&name) {
-            continue;
-        } else if path.is_dir() {
+        if path.is_dir() && !is_hidden(&name) {
             collect(&path, &format!("{prefix}{name}/"), all);
-        } else {
+        } else if !is_hidden(&name) {
             all.insert(format!("{prefix}{name}"), fs::read(path).expect("readable"));
         }
     }

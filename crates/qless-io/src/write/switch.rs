@@ -91,3 +91,44 @@ fn is_same(one: &Path, other: &Path) -> bool {
 fn exchange(one: &Path, other: &Path) -> io::Result<()> {
     Ok(renameat_with(CWD, one, CWD, other, RenameFlags::EXCHANGE)?)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a kill between the two exchanges leaves.
+    #[test]
+    fn amid_the_switch_the_folder_has_the_new_files_and_all_others() {
+        let place = tempfile::tempdir().expect("a temporary folder");
+        let folder = place.path().canonicalize().expect("a path").join("out");
+        fs::create_dir_all(folder.join("deep/er")).expect("created");
+        for (name, text) in [("a", "old"), ("b", "old"), ("gone", "old"), ("notes", "mine"), ("deep/er/notes", "mine")]
+        {
+            fs::write(folder.join(name), text).expect("written");
+        }
+        let turn = Turn::take();
+        let (stage, aside) = (Stage::new(&folder, &turn).expect("one"), Stage::new(place.path(), &turn).expect("one"));
+        fs::create_dir(stage.path().join(NEW)).expect("created");
+        for name in ["a", "b"] {
+            fs::write(stage.path().join(NEW).join(name), "new").expect("written");
+        }
+        let change = Change { names: vec!["a".into(), "b".into()], absent: vec!["gone".into()] };
+        let second = fs::canonicalize(aside.path()).expect("a path").join(SECOND);
+        make(&second, &folder, &stage, &change).expect("made");
+        if exchange(&folder, &second).is_err() {
+            println!("this file system exchanges no folders: nothing was tested");
+            return;
+        }
+        let text = |name: &str| fs::read_to_string(folder.join(name)).ok();
+        let all = ["a", "b", "gone", "notes", "deep/er/notes"].map(text);
+        let [new, mine] = ["new", "mine"].map(|text| Some(text.to_owned()));
+        assert_eq!(all, [new.clone(), new, None, mine.clone(), mine]);
+        // Others may write in between; what they write is theirs.
+        fs::write(folder.join("late"), "theirs").expect("written");
+        exchange(&folder, &second).expect("as before");
+        take_late(&second, &folder, &change);
+        let all = ["a", "b", "gone", "late"].map(|name| fs::read_to_string(folder.join(name)).expect("there"));
+        assert_eq!(all, ["old", "old", "old", "theirs"]);
+        assert!(folder.join("deep").symlink_metadata().expect("there").is_dir());
+    }
+}
