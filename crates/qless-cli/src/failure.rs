@@ -115,7 +115,7 @@ impl Failure {
 impl From<ReadError> for Failure {
     fn from(error: ReadError) -> Self {
         if error.is_resource() {
-            return Self::Resource(error.to_string());
+            return Self::of_memory(error.to_string());
         }
         let advice = match &error {
             ReadError::Io { source, .. } => match source.kind() {

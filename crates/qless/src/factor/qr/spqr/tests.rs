@@ -322,3 +322,12 @@ fn version_names_both_libraries() {
     assert!(version.starts_with("SuiteSparseQR ") && version.contains(", SuiteSparse "), "{version}");
     assert_eq!(Spqr::default().name(), "spqr");
 }
+
+#[test]
+fn what_is_foreseen_to_need_more_than_the_limit_is_refused_before_the_work() {
+    let case = random("a random block", 60, 40, 3);
+    let limited = |memory| Spqr { memory, ..Spqr::default() }.factor(&case.columns, &[], 1e-10);
+    let error = limited(1000).expect_err("more than 1000 bytes");
+    assert!(matches!(error, BackendError::OverLimit { needed, limit: 1000, .. } if needed > 1000), "{error}");
+    assert_eq!(limited(1 << 20), limited(usize::MAX));
+}
