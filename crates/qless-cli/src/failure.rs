@@ -80,8 +80,7 @@ impl Failure {
 
     /// No memory for something, with what was needed and what was allowed.
     pub fn of_memory(message: String) -> Self {
-        let numbers = memory::refusal().map_or_else(String::new, |refusal| format!(": {refusal}"));
-        Self::Resource(message + &numbers)
+        Self::Resource(format!("{message}: {}", memory::refusal()))
     }
 
     /// The equations cannot be solved for slaves.

@@ -32,7 +32,7 @@ pub mod threads;
 
 pub use guard::Guard;
 pub use last_words::on_out_of_memory;
-pub use refusal::largest as refusal;
+use refusal::Refusal;
 pub use size::{Size, parse};
 
 /// Bytes that the smallest of runs takes after its start: code that is first used then, stacks, buffers of files.
@@ -56,4 +56,9 @@ pub fn limit(bytes: usize) -> Result<(), String> {
 /// Bytes that may still be allocated; none without a limit.
 pub fn left() -> Option<usize> {
     guard::left()
+}
+
+/// The largest refusal in this process; where it was not ours, what the system says now.
+pub fn refusal() -> Refusal {
+    refusal::largest().unwrap_or_else(|| Refusal::of_system(0))
 }

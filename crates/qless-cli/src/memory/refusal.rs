@@ -74,24 +74,21 @@ impl Refusal {
 
 impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let (needed, wanted) = (Size(self.needed()), Size(self.wanted));
-        let allowed = Size(self.allowed);
+        // Nothing here allocates.
+        let (needed, allowed) = (Size(self.needed()), Size(self.allowed));
+        write!(f, "at least {needed}")?;
+        if self.by == By::AddressSpace {
+            write!(f, " of address space")?;
+        }
+        match self.wanted {
+            // By a library that does not tell.
+            0 => write!(f, " and more")?,
+            wanted => write!(f, " ({} of them at once)", Size(wanted))?,
+        }
         match self.by {
-            By::Option => {
-                write!(f, "at least {needed} were needed ({wanted} of them at once) and --memory allows {allowed}")
-            }
-            By::AddressSpace => {
-                write!(
-                    f,
-                    "at least {needed} of address space were needed ({wanted} of them at once) and `ulimit -v` allows {allowed}"
-                )
-            }
-            By::System => {
-                write!(
-                    f,
-                    "at least {needed} were needed ({wanted} of them at once) and the machine, which has {allowed}, gave no more"
-                )
-            }
+            By::Option => write!(f, " were needed and --memory allows {allowed}"),
+            By::AddressSpace => write!(f, " were needed and `ulimit -v` allows {allowed}"),
+            By::System => write!(f, " were needed and the machine, which has {allowed}, gave no more"),
         }
     }
 }
@@ -105,7 +102,7 @@ mod tests {
         let refusal = Refusal { wanted: 3 << 20, held: 6 << 20, allowed: 8 << 20, by: By::Option };
         assert_eq!(
             refusal.to_string(),
-            "at least 9.0 MiB were needed (3.0 MiB of them at once) and --memory allows 8.0 MiB"
+            "at least 9.0 MiB (3.0 MiB of them at once) were needed and --memory allows 8.0 MiB"
         );
         let refusal = Refusal { by: By::AddressSpace, ..refusal };
         assert!(refusal.to_string().ends_with("`ulimit -v` allows 8.0 MiB"), "{refusal}");
