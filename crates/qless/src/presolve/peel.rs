@@ -120,7 +120,8 @@ impl Peeling<'_> {
             let (own, count) = (size(j, v).to_bits(), self.columns[j as usize].count);
             let counted = if count < PRESCRIBED / 2 { own } else { 0 };
             largest = largest.max(counted);
-            let better = (count == 1) & ((own > most) | (own == most && rather(j, at)));
+            // Scaled, a coefficient may vanish; such a DOF is no slave, and none to compare with.
+            let better = (count == 1) & ((own > most) | (own == most && most > 0 && rather(j, at)));
             at = select_unpredictable(better, k, at);
             most = select_unpredictable(better, own, most);
         }

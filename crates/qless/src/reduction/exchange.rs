@@ -24,8 +24,9 @@ impl<'a, 'b> Exchange<'a, 'b> {
         self.relation.system.free()[dof as usize]
     }
 
-    pub fn coefficient(&self, i: u32, master: u32) -> f64 {
-        self.relation.row(i as usize).entries().find(|&(j, _)| j == master).map_or(0.0, |(_, v)| v)
+    /// The coefficient of a master in row i; it may have vanished beside others of its equation, and yet be there.
+    fn entry(&self, i: u32, master: u32) -> Option<f64> {
+        self.relation.row(i as usize).entries().find(|&(j, _)| j == master).map(|(_, v)| v)
     }
 
     /// Rows that hold a master, ascending, with its coefficient.
@@ -33,7 +34,7 @@ impl<'a, 'b> Exchange<'a, 'b> {
         let mut rows = self.holders.get(&master).cloned().unwrap_or_default();
         rows.sort_unstable();
         rows.dedup();
-        rows.into_iter().map(|i| (i, self.coefficient(i, master))).filter(|&(_, v)| v != 0.0).collect()
+        rows.into_iter().filter_map(|i| Some((i, self.entry(i, master)?))).collect()
     }
 
     /// Makes `master` the slave of row i; returns the other rows that changed.
@@ -65,7 +66,7 @@ impl<'a, 'b> Exchange<'a, 'b> {
 
     /// Row i as an equation of its master.
     fn solved_for(&self, i: u32, master: u32) -> (Vec<(u32, f64)>, f64) {
-        let (pivot, slave) = (self.coefficient(i, master), self.relation.slave[i as usize]);
+        let (pivot, slave) = (self.entry(i, master).unwrap_or_default(), self.relation.slave[i as usize]);
         let old = self.relation.sorted(i as usize);
         let mut row: Vec<_> = old.into_iter().filter(|e| e.0 != master).map(|(j, v)| (j, -v / pivot)).collect();
         let place = row.partition_point(|&(j, _)| j < slave);
