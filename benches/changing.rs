@@ -58,5 +58,5 @@ fn as_one(blocks: usize) -> usize {
     rows(blocks).for_each(|row| _ = builder.equation(row, 0.0));
     let system = builder.build().expect("a system");
     let analysis = analyse(&system, &Options::default()).expect("analysed");
-    analysis.reduction(&system).expect("within the gate").slaves.len()
+    analysis.reduction().expect("within the gate").slaves().len()
 }

@@ -21,7 +21,7 @@ const LEAST: usize = 3000;
 const TOLERANCE: f64 = 1e-10;
 
 fn ours(columns: &Csr, rhs: &[f64]) -> usize {
-    let symbolic = Symbolic::analyse(columns.cols, columns.rows(), &columns.start, &columns.col).expect("a pattern");
+    let symbolic = Symbolic::analyse(columns.cols(), columns.rows(), &columns.start, &columns.col).expect("a pattern");
     black_box(symbolic.factor(&columns.val, rhs, TOLERANCE, usize::MAX).expect("a factorization")).rank
 }
 
@@ -37,7 +37,7 @@ fn time(work: impl FnOnce() -> usize) -> (f64, usize) {
 
 /// Ratio of medians; at least three rounds, about a second in all.
 fn compare(name: &str, columns: &Csr) -> f64 {
-    let (m, n) = (columns.cols, columns.rows());
+    let (m, n) = (columns.cols(), columns.rows());
     let rhs: Vec<f64> = (0..m).map(|i| (i % 7) as f64 - 3.0).collect();
     let (first, rank) = time(|| ours(columns, &rhs));
     let rounds = ((0.5 / first) as usize).clamp(3, 31);
@@ -109,7 +109,7 @@ fn raised(columns: &Csr, side: &str) -> f64 {
         let line = text.lines().find(|line| line.starts_with(key)).expect("a known key");
         line.split_whitespace().nth(1).and_then(|word| word.parse::<f64>().ok()).expect("a number") / 1024.0
     };
-    let rhs = vec![1.0; columns.cols];
+    let rhs = vec![1.0; columns.cols()];
     std::fs::write("/proc/self/clear_refs", "5").expect("Linux");
     let before = status("VmRSS");
     if side == "ours" {

@@ -48,6 +48,6 @@ fn measure(name: &str, system: &ConstraintSystem) {
 
 fn full(system: &ConstraintSystem) -> (Analysis, Reduction) {
     let analysis = analyse(system, &Options::default()).expect("analysed");
-    let reduction = analysis.reduction(system).expect("within the gate");
+    let reduction = analysis.reduction().expect("within the gate");
     (analysis, reduction)
 }

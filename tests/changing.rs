@@ -92,7 +92,7 @@ impl Mirror {
         self.equations.iter().for_each(|(_, terms, rhs)| _ = builder.equation(terms.clone(), *rhs));
         self.prescribed.iter().for_each(|(&dof, &value)| builder.prescribe(dof, value));
         let analysis = analyse(&builder.build().expect("a system"), &Options::default()).expect("analysed");
-        (analysis.rank(), analysis.kinds.iter().filter(|kind| **kind == Kind::Conflicting).count())
+        (analysis.rank(), analysis.kinds().iter().filter(|kind| **kind == Kind::Conflicting).count())
     }
 }
 
@@ -103,10 +103,10 @@ fn said(set: &ChangingSystem, ids: &[EquationId]) -> Vec<String> {
         let because: Vec<_> = set.because(id).into_iter().map(|(id, c)| (position(id), c.to_bits())).collect();
         let block = set.block_of(id).expect("updated");
         let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
-        let Reduction { t, g_matrix, g, .. } = &block.reduction;
+        let Reduction { t, g_matrix, g, .. } = &block.reduction();
         let numbers = (bits(&t.val), &t.col, &t.start, bits(&g_matrix.val), bits(g));
         let members: Vec<_> = block.equations().iter().map(|id| position(*id)).collect();
-        format!("{:?}", (set.kind(id), because, members, &block.slaves, &block.masters, &block.prescribed, numbers))
+        format!("{:?}", (set.kind(id), because, members, &block.slaves(), &block.masters(), &block.prescribed(), numbers))
     };
     ids.iter().map(one).collect()
 }

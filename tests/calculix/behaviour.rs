@@ -48,17 +48,17 @@ fn known(name: &str) -> Finding {
 fn found(deck: &Deck) -> Finding {
     let system = deck.model.system(&deck.model.cases[0]).expect("a system");
     let analysis = analyse(&system, &Options::default()).expect("analysed");
-    let of = |kind| analysis.dependent.iter().filter(|dependent| dependent.kind == kind).count();
+    let of = |kind| analysis.dependent().iter().filter(|dependent| dependent.kind == kind).count();
     let faults = faults(&deck.model);
     let count = |is: fn(&Fault) -> bool| faults.iter().filter(|fault| is(fault)).count();
     Finding {
         redundant: of(Kind::Redundant),
         conflicting: of(Kind::Conflicting),
-        ambiguous: analysis.confidence.ambiguous,
+        ambiguous: analysis.confidence().ambiguous,
         prescribed: count(|fault| matches!(fault, Fault::SlavePrescribed { .. })),
         twice: count(|fault| matches!(fault, Fault::SlaveTwice { .. })),
         zero: count(|fault| matches!(fault, Fault::SlaveVanishes { .. })),
-        generated: analysis.generated.len(),
+        generated: analysis.generated().len(),
     }
 }
 

@@ -77,8 +77,8 @@ fn right_hand_sides_are_carried_by_a_prescribed_node() {
     let again = parse(&text);
     let system = again.model.system(&again.model.cases[0]).expect("a system");
     let analysis = qless::analyse(&system, &Options::default()).expect("analysed");
-    let reduction = analysis.reduction(&system).expect("within the gate");
-    let u = reduction.expand(&vec![0.0; reduction.masters.len()], &[1.0]);
+    let reduction = analysis.reduction().expect("within the gate");
+    let u = reduction.expand(&vec![0.0; reduction.masters().len()], &[1.0]).expect("of its lengths");
     let value = |node| u[again.model.column(dof(node)).expect("a column") as usize];
     assert!((value(6) - value(7) - 0.25).abs() < 1e-15);
     if is_there() {

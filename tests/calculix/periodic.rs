@@ -13,7 +13,7 @@ fn naive_ties_are_cleaned_to_the_exact_answer() {
         let system = deck.model.system(&deck.model.cases[0]).expect("a system");
         let analysis = analyse(&system, &Options::default()).expect("analysed");
         assert_eq!((system.equations(), analysis.rank()), (equations, rank), "{name}");
-        assert!(analysis.dependent.iter().all(|dependent| dependent.kind == Kind::Redundant), "{name}");
+        assert!(analysis.dependent().iter().all(|dependent| dependent.kind == Kind::Redundant), "{name}");
         assert!(solve(&deck.texts[0]).is_none(), "{name}: ccx refuses the naive deck");
         let solved = solve(&cleaned(&deck).expect("consistent")).expect("ccx solves the cleaned deck");
         let truth = std::fs::read_to_string(folder.join(format!("{name}_clean0.dat"))).expect("the exact answer");

@@ -92,7 +92,7 @@ impl DeckInput {
         let model = &self.deck.model;
         let is_fixed = |dof: Dof| {
             let column = model.column(dof).map(|j| j as usize);
-            column.is_some_and(|j| analysis.generated.binary_search_by_key(&j, |fixed| fixed.0).is_ok())
+            column.is_some_and(|j| analysis.generated().binary_search_by_key(&j, |fixed| fixed.0).is_ok())
         };
         let name = |load: &Load| format!("{} in {}", load.dof, model.place(load.origin));
         model.cases[self.case].loads.iter().filter(|load| is_fixed(load.dof)).map(name).collect()
@@ -142,7 +142,7 @@ fn section(heading: &str, findings: &[String]) -> Vec<String> {
 
 /// Conflicts weigh more than redundancies.
 fn badness(analysis: &Analysis) -> (usize, usize) {
-    let of = |kind| analysis.dependent.iter().filter(|dependent| dependent.kind == kind).count();
+    let of = |kind| analysis.dependent().iter().filter(|dependent| dependent.kind == kind).count();
     (of(Kind::Conflicting), of(Kind::Redundant))
 }
 

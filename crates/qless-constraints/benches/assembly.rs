@@ -126,7 +126,7 @@ fn measure(name: &str, set: &ConstraintSet) -> f64 {
     let w: Vec<f64> = (0..set.equations()).map(|i| (i % 5) as f64).collect();
     let (mut quantities, mut copy) = (set.allocate(), set.allocate());
     let [mut values, mut hessian, mut all, mut writing, mut indexed] = [const { Vec::new() }; 5];
-    let longest = set.equations().max(copy.g.nnz()).max(copy.h.nnz());
+    let longest = set.equations().max(copy.g().nnz()).max(copy.h().nnz());
     let places: Vec<u32> = (0..longest).map(|k| (k % CHUNK) as u32).collect();
     for round in 0..ROUNDS {
         // As long as the assembly, so that neither slips through between two interruptions by other programs.
@@ -140,7 +140,7 @@ fn measure(name: &str, set: &ConstraintSet) -> f64 {
     let shortest = |times: &[f64]| times.iter().copied().fold(f64::INFINITY, f64::min);
     let best = shortest(&all) / shortest(&writing);
     let [values, hessian, all, writing, indexed] = [values, hessian, all, writing, indexed].map(median);
-    let (nnz, ratio, other) = (quantities.g.nnz() + quantities.h.nnz(), all / writing, all / indexed);
+    let (nnz, ratio, other) = (quantities.g().nnz() + quantities.h().nnz(), all / writing, all / indexed);
     let [a, b, c, d, e] = [values, hessian, all, writing, indexed].map(|seconds| 1e3 * seconds);
     print!("{name:>20} {:>9} {nnz:>10} ", set.equations());
     println!("{a:>7.2} ms {b:>7.2} ms {c:>7.2} ms {d:>7.2} ms {e:>7.2} ms {ratio:>6.2} {other:>7.2} {best:>6.2}");
@@ -149,14 +149,14 @@ fn measure(name: &str, set: &ConstraintSet) -> f64 {
 
 /// Every number of c, G and H, once.
 fn write(quantities: &mut Quantities, value: f64) {
-    for array in [&mut quantities.c, &mut quantities.g.val, &mut quantities.h.val] {
+    for array in [&mut quantities.c(), &mut quantities.g().val, &mut quantities.h().val] {
         array.par_chunks_mut(CHUNK).for_each(|chunk| chunk.fill(black_box(value)));
     }
 }
 
 /// The same, each at a place that is read from a list.
 fn write_indexed(quantities: &mut Quantities, places: &[u32], value: f64) {
-    for array in [&mut quantities.c, &mut quantities.g.val, &mut quantities.h.val] {
+    for array in [&mut quantities.c(), &mut quantities.g().val, &mut quantities.h().val] {
         array.par_chunks_mut(CHUNK).zip(places.par_chunks(CHUNK)).for_each(|(chunk, places)| {
             let (value, count) = (black_box(value), chunk.len());
             places[..count].iter().for_each(|&place| chunk[place as usize] = value);

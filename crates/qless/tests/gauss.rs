@@ -68,7 +68,7 @@ fn matrix(seed: u64) -> Columns {
 
 fn sparse(columns: &Columns) -> Csr {
     let mut a = Csr::empty(columns[0].len());
-    columns.iter().for_each(|column| a.push_row(column.iter().copied().enumerate().filter(|&(_, v)| v != 0.0)));
+    columns.iter().for_each(|column| a.push_row(column.iter().copied().enumerate().filter(|&(_, v)| v != 0.0)).expect("ascending"));
     a
 }
 
@@ -86,7 +86,7 @@ fn check_shape(factor: &Factor, n: usize, name: &str) {
     let mut order = factor.order.clone();
     order.sort_unstable();
     assert!(order.into_iter().eq(0..n), "{name}: P");
-    assert_eq!((factor.r.rows(), factor.r.cols), (factor.rank, n), "{name}: shape of R");
+    assert_eq!((factor.r.rows(), factor.r.cols()), (factor.rank, n), "{name}: shape of R");
     for i in 0..factor.rank {
         let row: Vec<_> = factor.r.row(i).collect();
         assert!(row[0].0 == i && row.is_sorted_by(|a, b| a.0 < b.0), "{name}: row {i} of R is {row:?}");
@@ -97,7 +97,7 @@ fn check_shape(factor: &Factor, n: usize, name: &str) {
 
 /// B = I gives the first r rows of W: `W A P = [R1 R2]` entry by entry.
 fn check_transform(a: &Csr, columns: &Columns, name: &str) {
-    let m = a.cols;
+    let m = a.cols();
     let identity: Vec<f64> = (0..m * m).map(|k| f64::from(u8::from(k / m == k % m))).collect();
     let factor = GAUSS.factor(a, &identity, TOLERANCE).expect(name);
     let r = factor.rank;
@@ -151,7 +151,7 @@ fn the_matrices_are_of_every_kind() {
     let kind = |seed: u64| {
         let a = sparse(&matrix(seed));
         let rank = Faer.factor(&a, &[], TOLERANCE).expect("small").rank;
-        (a.cols.cmp(&a.rows()), rank < a.cols.min(a.rows()))
+        (a.cols().cmp(&a.rows()), rank < a.cols().min(a.rows()))
     };
     let mut kinds: Vec<_> = (0..600).map(kind).collect();
     kinds.sort_unstable();
@@ -182,7 +182,7 @@ fn a_long_band_stays_sparse() {
     let (m, n) = (100_000, 150_000);
     let mut random = Random::new(3);
     let mut rows = Csr::empty(n);
-    (0..m).for_each(|i| rows.push_row((0..8).map(|k| (3 * i / 2 + k, random.signed() + 1e-4)).filter(|&(j, _)| j < n)));
+    (0..m).for_each(|i| rows.push_row((0..8).map(|k| (3 * i / 2 + k, random.signed() + 1e-4)).filter(|&(j, _)| j < n)).expect("ascending"));
     let factor = Gauss { memory: 150 << 20 }.factor(&rows.transpose(), &[], 1e-10).expect("it fits");
     assert_eq!(factor.rank, m);
     assert!(factor.r.nnz() < 3 * rows.nnz(), "{} entries from {}", factor.r.nnz(), rows.nnz());

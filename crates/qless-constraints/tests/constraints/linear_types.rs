@@ -15,7 +15,7 @@ fn point(node: usize, at: [f64; 3]) -> Point {
 fn residual(set: &ConstraintSet, u: &[f64]) -> f64 {
     let mut quantities = set.allocate();
     set.evaluate(u, &mut quantities);
-    quantities.c.iter().fold(0.0, |most: f64, c| most.max(c.abs()))
+    quantities.c().iter().fold(0.0, |most: f64, c| most.max(c.abs()))
 }
 
 /// Any displacement that is linear in the coordinates.

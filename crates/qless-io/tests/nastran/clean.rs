@@ -14,7 +14,7 @@ fn cleaned(text: &str, files: &[(&str, &str)]) -> String {
     for (case, old) in deck.model.cases.iter().zip(&before.model.cases) {
         assert_eq!(case.prescribed.len(), old.prescribed.len());
         let analysis = analyse(&deck.model.system(case).expect("a system"), &Options::default()).expect("an analysis");
-        assert!(analysis.kinds.iter().all(|kind| *kind == Kind::Independent), "{after}");
+        assert!(analysis.kinds().iter().all(|kind| *kind == Kind::Independent), "{after}");
     }
     assert_eq!(faults(&deck.model), [], "{after}");
     assert_eq!(clean(&deck), after, "the second time changes something");

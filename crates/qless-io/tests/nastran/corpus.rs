@@ -76,7 +76,7 @@ fn difference(case: &Path, expected: &str, model: &Model, load_case: &LoadCase) 
     }
     let analysis = analyse(&ours, &Options::default()).map_err(|error| error.to_string())?;
     same("free rank", analysis.rank().to_string(), "rank_free")?;
-    same("conflict", analysis.kinds.contains(&Kind::Conflicting).to_string(), "inconsistent")?;
+    same("conflict", analysis.kinds().contains(&Kind::Conflicting).to_string(), "inconsistent")?;
     let nnz = ours.matrix().nnz();
     Ok(format!(
         "rows {} columns {} ranks {ranks:?} nnz {nnz} of {}",

@@ -30,7 +30,7 @@
 //! ```
 //! use qless_scenes::{families, oracle};
 //! let scene = families::planted(40, 70, 15, 1, false)?;
-//! assert_eq!(oracle::rank_free(&scene.system), 40);
+//! assert_eq!(oracle::rank_free(&scene.system)?, 40);
 //! # Ok::<(), qless_scenes::SceneError>(())
 //! ```
 

@@ -179,5 +179,5 @@ fn determines_slaves(model: &Model, equations: &[usize]) -> bool {
         builder.equation(terms.filter_map(|(j, a)| Some((*slaves.get(j)?, *a))), 0.0);
     }
     let analysis = builder.build().ok().and_then(|system| analyse(&system, &Options::default()).ok());
-    analysis.is_some_and(|analysis| analysis.rank() == equations.len() && !analysis.confidence.ambiguous)
+    analysis.is_some_and(|analysis| analysis.rank() == equations.len() && !analysis.confidence().ambiguous)
 }

@@ -81,7 +81,7 @@ pub fn plan(model: &Model, options: &Options) -> Result<Plan, CleanError> {
         }
     }
     let is_dependent: Vec<bool> =
-        common.analysis.kinds[..model.equations()].iter().map(|kind| *kind != Kind::Independent).collect();
+        common.analysis.kinds()[..model.equations()].iter().map(|kind| *kind != Kind::Independent).collect();
     let after = faults_of(model, &prescribed, &is_dependent);
     let fault_of: FxHashMap<usize, Fault> = before.iter().rev().map(|fault| (fault.equation(), *fault)).collect();
     let part_of = parts(model, |j| prescribed.contains_key(&j));
@@ -144,9 +144,8 @@ impl Common {
     }
 
     fn reason(&self, i: usize, fault_of: &FxHashMap<usize, Fault>) -> Reason {
-        let dependent = &self.analysis.dependent;
-        if let Ok(at) = dependent.binary_search_by_key(&i, |dependent| dependent.row) {
-            let because = self.analysis.because(&dependent[at]);
+        if self.analysis.dependent().binary_search_by_key(&i, |dependent| dependent.row).is_ok() {
+            let because = self.analysis.because(i).unwrap_or_default();
             return Reason::Redundant(because.iter().map(|term| (term.row, term.coefficient)).collect());
         }
         fault_of.get(&i).map_or(Reason::Connected, |fault| Reason::Fault(*fault))
@@ -160,18 +159,18 @@ impl Common {
             let terms = equation.columns.iter().zip(equation.coefficients).filter(|(_, a)| **a != 0.0);
             terms.for_each(|(&j, _)| concerned[j as usize] = true);
         }
-        let reduction = self.analysis.reduction(&self.system)?;
+        let reduction = self.analysis.reduction()?;
         // What sums of right-hand sides leave by rounding is none.
         let rounding = 1e-14 * (0..model.equations()).fold(0.0, |size: f64, i| size.max(model.equation(i).rhs.abs()));
         let mut written = Vec::new();
-        for (row, &slave) in reduction.slaves.iter().enumerate().filter(|(_, slave)| concerned[**slave]) {
-            let masters = reduction.t.row(row).map(|(j, v)| (model.dofs[reduction.masters[j]], -v));
-            let given = reduction.g_matrix.row(row).map(|(j, v)| (model.dofs[reduction.prescribed[j]], -v));
+        for (row, &slave) in reduction.slaves().iter().enumerate().filter(|(_, slave)| concerned[**slave]) {
+            let masters = reduction.t().row(row).map(|(j, v)| (model.dofs[reduction.masters()[j]], -v));
+            let given = reduction.g_matrix().row(row).map(|(j, v)| (model.dofs[reduction.prescribed()[j]], -v));
             let terms = masters.chain(given).filter(|term| term.1 != 0.0).collect();
             written.push(Written {
                 slave: model.dofs[slave],
                 terms,
-                rhs: if reduction.g[row].abs() <= rounding { 0.0 } else { reduction.g[row] },
+                rhs: if reduction.g()[row].abs() <= rounding { 0.0 } else { reduction.g()[row] },
             });
         }
         Ok(written)
@@ -190,7 +189,7 @@ fn shared_text<'a>(model: &'a Model, is_dependent: &'a [bool]) -> impl Iterator<
 /// A load case must not conflict, and must need no more equations than can be kept.
 fn check(model: &Model, case: &LoadCase, common: &Common, options: &Options) -> Result<(), CleanError> {
     let analysis = analyse(&model.system(case)?, options)?;
-    if analysis.dependent.iter().any(|dependent| dependent.kind == Kind::Conflicting) {
+    if analysis.dependent().iter().any(|dependent| dependent.kind == Kind::Conflicting) {
         return Err(CleanError::Conflicting { case: case.name.clone() });
     }
     let (found, rank) = (analysis.rank(), common.analysis.rank());

@@ -201,7 +201,7 @@ fn unexplained(block: &Block, tableau: &Tableau, tolerance: f64) -> Result<Vec<u
     for i in 0..tableau.basic.len() {
         let rest = rest(block, tableau, i);
         if norm(&rest) > tolerance {
-            rests.push_row(rest.into_iter().enumerate());
+            rests.append(rest.into_iter().enumerate());
             names.push(tableau.basic[i] as usize);
         }
     }

@@ -43,7 +43,7 @@ impl Factor {
 
     /// Does something with the same, slab by slab: the first place of each among the dependent columns, and its vectors.
     pub(crate) fn each_coefficients<T: Send>(&self, job: impl Fn(usize, Vec<Vec<f64>>) -> T + Sync) -> Vec<T> {
-        let columns = self.r.transpose();
+        let columns = self.r.transposed();
         let of = |first: usize| {
             let count = WIDTH.min(columns.rows() - first);
             let mut slab = vec![[0.0; WIDTH]; self.rank];

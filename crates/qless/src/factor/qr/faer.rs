@@ -115,7 +115,7 @@ fn read(a: &Mat<f64>, b: &Mat<f64>, order: Vec<usize>, rank: usize) -> Factor {
     let (steps, n) = (a.nrows().min(a.ncols()), a.ncols());
     let mut r = Csr::empty(n);
     for i in 0..rank {
-        r.push_row((i..n).map(|j| (j, a[(i, j)])).filter(|&(_, v)| v != 0.0));
+        r.append((i..n).map(|j| (j, a[(i, j)])).filter(|&(_, v)| v != 0.0));
     }
     let dropped = (rank..steps).flat_map(|i| (i..n).map(move |j| (i, j))).map(|at| a[at].powi(2)).sum::<f64>();
     Factor {

@@ -70,8 +70,8 @@ fn residual(block: &Block, kept: &[usize], tableau: &Tableau) -> (Vec<f64>, f64)
 
 /// The slaves' columns of the kept rows.
 fn slave_columns(block: &Block, kept: &[usize], tableau: &Tableau) -> Csr {
-    let all = block.select(kept).transpose();
+    let all = block.select(kept).transposed();
     let mut columns = Csr::empty(kept.len());
-    tableau.basic.iter().for_each(|&j| columns.push_row(all.row(j as usize)));
+    tableau.basic.iter().for_each(|&j| columns.append(all.row(j as usize)));
     columns
 }

@@ -27,7 +27,7 @@ pub(crate) fn solve(block: &Block, kept: &Kept, memory: usize) -> Result<Solved,
     if r.saturating_mul(n) > SMALL
         && let Some(Large { slaves, masters, columns, constant }) = large::relation(block, &rows, &kept.order, memory)?
     {
-        let relation = columns.transpose();
+        let relation = columns.transposed();
         let relation = clean((0..r).map(|i| relation.row(i)), masters.len(), columns.rows(), zero);
         return Ok(solved(block, &slaves, &masters, (relation, without_rounding(constant))));
     }
@@ -75,7 +75,7 @@ fn kept_columns(block: &Block, kept: &[usize]) -> (Csr, Vec<f64>) {
         block.fixed.row(i).for_each(|(c, v)| rhs[c * r + position] = v);
         rhs[k * r + position] = block.rhs[i];
     }
-    (block.select(kept).transpose(), rhs)
+    (block.select(kept).transposed(), rhs)
 }
 
 /// `u_s` over masters, prescribed DOFs and the constant.
@@ -120,7 +120,7 @@ fn clean<R: Iterator<Item = (usize, f64)> + Clone>(
         row.clone()
             .for_each(|(j, v)| largest[usize::from(j >= masters)] = largest[usize::from(j >= masters)].max(v.abs()));
         let least = largest.map(|largest| if largest <= zero { zero } else { NOISE * largest });
-        relation.push_row(row.filter(|&(j, v)| v.abs() > least[usize::from(j >= masters)]));
+        relation.append(row.filter(|&(j, v)| v.abs() > least[usize::from(j >= masters)]));
     }
     relation
 }
