@@ -21,8 +21,9 @@ const LEAST: usize = 3000;
 const TOLERANCE: f64 = 1e-10;
 
 fn ours(columns: &Csr, rhs: &[f64]) -> usize {
-    let symbolic = Symbolic::analyse(columns.cols(), columns.rows(), &columns.start, &columns.col).expect("a pattern");
-    black_box(symbolic.factor(&columns.val, rhs, TOLERANCE, usize::MAX).expect("a factorization")).rank
+    let symbolic =
+        Symbolic::analyse(columns.cols(), columns.rows(), columns.starts(), columns.columns()).expect("a pattern");
+    black_box(symbolic.factor(columns.values(), rhs, TOLERANCE, usize::MAX).expect("a factorization")).rank
 }
 
 fn theirs(columns: &Csr, rhs: &[f64]) -> usize {
@@ -50,7 +51,7 @@ fn compare(name: &str, columns: &Csr) -> f64 {
         other = rank;
     }
     let (a, b) = (median(times.0), median(times.1));
-    let analyse = || Symbolic::analyse(m, n, &columns.start, &columns.col).expect("a pattern");
+    let analyse = || Symbolic::analyse(m, n, columns.starts(), columns.columns()).expect("a pattern");
     let analysis = seconds(|| drop(black_box(analyse())));
     let ranks = if rank == other { String::new() } else { format!("  ranks {rank} and {other}") };
     println!(
@@ -138,7 +139,10 @@ fn systems(test: bool) -> Vec<System> {
     let both = |system: System| {
         let (name, build) = (system.name, std::rc::Rc::new(system.build));
         let again = build.clone();
-        let straight = System { name: name.clone(), build: Box::new(move || build().map(|c| c.transpose())) };
+        let straight = System {
+            name: name.clone(),
+            build: Box::new(move || build().map(|c| c.transpose().expect("few enough columns"))),
+        };
         [straight, System { name: format!("{name} ^T"), build: Box::new(move || again()) }]
     };
     scenes(test).into_iter().chain(cases).flat_map(both).collect()

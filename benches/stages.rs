@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use faer::sparse::{SparseColMat, Triplet};
-use qless::{Analysis, ConstraintSystem, Options, Timings, analyse};
+use qless::{Analysis, ConstraintSystem, Options, Refresher, Timings, analyse};
 use qless_constraints::enforce::reduced;
 use qless_scenes::families::Windows;
 use qless_scenes::fssi::{self, Level, Mesh};
@@ -79,7 +79,7 @@ fn condense_and_refresh(criterion: &mut Criterion, system: &ConstraintSystem) {
     criterion.bench_function("condense (mortar)", |bencher| {
         bencher.iter(|| reduced(&k, &f, &reduction, &values).expect("a solution"));
     });
-    let refresher = analysis.refresher(system).expect("factored");
+    let refresher = Refresher::new(analysis).expect("factored");
     criterion.bench_function("refresh (mortar)", |bencher| {
         bencher.iter(|| refresher.refresh(system.rhs(), &values, &mut reduction).expect("valid"));
     });

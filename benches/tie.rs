@@ -16,7 +16,8 @@ use timing::{median, seconds};
 
 fn whole(system: &ConstraintSystem) -> usize {
     let analysis = analyse(system, &Options::default()).expect("a valid system");
-    let named: usize = analysis.dependent().iter().map(|d| analysis.because(d.row).expect("one of its rows").len()).sum();
+    let named: usize =
+        analysis.dependent().iter().map(|d| analysis.because(d.row).expect("one of its rows").len()).sum();
     named + analysis.reduction().expect("within the gate").t().nnz()
 }
 

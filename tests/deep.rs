@@ -9,7 +9,8 @@ fn in_a_small_stack(scene: Scene, rank: usize, certificate: usize) {
     let work = move || {
         let analysis = analyse(&scene.system, &Options::default()).expect("valid");
         assert_eq!(analysis.rank(), rank);
-        let terms: usize = analysis.dependent().iter().map(|d| analysis.because(d.row).expect("one of its rows").len()).sum();
+        let terms: usize =
+            analysis.dependent().iter().map(|d| analysis.because(d.row).expect("one of its rows").len()).sum();
         assert_eq!(terms, certificate);
         assert!(analysis.kinds().iter().all(|&kind| kind != Kind::Conflicting));
         let reduction = analysis.reduction().expect("within the gate");

@@ -2,7 +2,9 @@
 
 mod support;
 
-use qless::{Analysis, ConstraintSystem, Csr, Form, Options, Reduction, SystemBuilder, analyse};
+use std::sync::Arc;
+
+use qless::{Analysis, ConstraintSystem, Csr, Form, Options, Reduction, Refresher, SystemBuilder, analyse};
 use qless_scenes::families;
 use qless_scenes::fssi::{self, Level};
 
@@ -32,15 +34,16 @@ fn random(k: usize) -> f64 {
 /// T by columns, all of it.
 fn t_of(reduction: &Reduction) -> Csr {
     let mut columns = Csr::empty(reduction.slaves().len());
-    (0..reduction.masters().len()).for_each(|q| columns.push_row(reduction.column(q).expect("a master")).expect("ascending"));
-    columns.transpose()
+    (0..reduction.masters().len())
+        .for_each(|q| columns.push_row(reduction.column(q).expect("a master")).expect("ascending"));
+    columns.transpose().expect("few enough slaves")
 }
 
 /// `f . T x = x . T^T f`, columns and rows of T are those of its products, and none is above the bound.
 fn check(system: &ConstraintSystem, analysis: &Analysis, reduction: &Reduction, growth: f64, what: &str) {
     assert!(analysis.residual(reduction).expect("its own DOFs") < 1e-12, "{what}");
     let t = t_of(reduction);
-    let most = t.val.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+    let most = t.values().iter().fold(0.0, |most: f64, v| most.max(v.abs()));
     assert!(most <= growth * (1.0 + 1e-6), "{what}: {most} in T");
     let x: Vec<f64> = (0..reduction.masters().len()).map(random).collect();
     let zero = vec![0.0; reduction.prescribed().len()];
@@ -48,13 +51,16 @@ fn check(system: &ConstraintSystem, analysis: &Analysis, reduction: &Reduction, 
     let size = 1.0 + reduction.g().iter().fold(most, |most, g| most.max(g.abs()));
     for (i, &slave) in reduction.slaves().iter().enumerate() {
         let by_columns: f64 = t.row(i).map(|(q, v)| v * x[q]).sum();
-        let by_row: f64 = reduction.row(i).iter().map(|&(q, v)| v * x[q]).sum();
+        let by_row: f64 = reduction.row(i).expect("a slave").iter().map(|&(q, v)| v * x[q]).sum();
         assert!((by_columns + reduction.g()[i] - u[slave]).abs() < 1e-9 * size, "{what}: slave {slave}");
         assert!((by_columns - by_row).abs() < 1e-9 * size, "{what}: row of slave {slave}");
     }
     let f: Vec<f64> = (0..reduction.slaves().len()).map(|i| random(i + 5)).collect();
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let (one, other) = (dot(&f, &t.times(&x)), dot(&x, &reduction.apply_transposed(&f).expect("of its lengths")));
+    let (one, other) = (
+        dot(&f, &t.times(&x).expect("a number for each master")),
+        dot(&x, &reduction.apply_transposed(&f).expect("of its lengths")),
+    );
     assert!((one - other).abs() < 1e-9 * size * f.len() as f64, "{what}: {one} and {other}");
 }
 
@@ -89,7 +95,8 @@ fn both_forms_have_the_same_solutions() {
         for (a, b) in [(&explicit, &factored), (&factored, &explicit)] {
             let x: Vec<f64> = (0..a.masters().len()).map(random).collect();
             let u = a.expand(&x, &given).expect("of its lengths");
-            let again = b.expand(&b.masters().iter().map(|&j| u[j]).collect::<Vec<_>>(), &given).expect("of its lengths");
+            let again =
+                b.expand(&b.masters().iter().map(|&j| u[j]).collect::<Vec<_>>(), &given).expect("of its lengths");
             let size = u.iter().fold(1.0, |most: f64, v| most.max(v.abs()));
             let off = u.iter().zip(&again).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(off < 1e-10 * size, "seed {seed}: {off:e}");
@@ -101,14 +108,18 @@ fn both_forms_have_the_same_solutions() {
 fn factors_take_new_right_hand_sides() {
     for seed in 0..200 {
         let Some(system) = planted(2 * seed) else { continue };
-        let analysis = diagnosed(&system, 4.0);
+        let analysis = Arc::new(diagnosed(&system, 4.0));
         let mut reduction = analysis.reduction_in(Form::Factored).expect("within the gate");
         // A right-hand side that some u meets, so that nothing conflicts.
         let u: Vec<f64> = (0..system.dofs()).map(random).collect();
         let given: Vec<f64> = system.prescribed().iter().map(|&(j, _)| u[j]).collect();
-        let refresher = analysis.refresher(&system).expect("small");
-        refresher.refresh(&system.matrix().times(&u).expect("a number for each DOF"), &given, &mut reduction).expect("within the gate");
-        let again = reduction.expand(&reduction.masters().iter().map(|&j| u[j]).collect::<Vec<_>>(), &given).expect("of its lengths");
+        let refresher = Refresher::new(Arc::clone(&analysis)).expect("small");
+        refresher
+            .refresh(&system.matrix().times(&u).expect("a number for each DOF"), &given, &mut reduction)
+            .expect("within the gate");
+        let again = reduction
+            .expand(&reduction.masters().iter().map(|&j| u[j]).collect::<Vec<_>>(), &given)
+            .expect("of its lengths");
         let off = u.iter().zip(&again).map(|(a, b)| (a - b).abs() / (1.0 + a.abs())).fold(0.0, f64::max);
         assert!(off < 1e-8 || analysis.confidence().ambiguous, "seed {seed}: {off:e}");
     }
@@ -123,7 +134,7 @@ fn factors_are_the_same_bits_everywhere() {
         pool.install(|| {
             let reduction = diagnosed(system, 4.0).reduction_in(Form::Factored).expect("within the gate");
             let x: Vec<f64> = reduction.masters().iter().map(|&j| random(j)).collect();
-            (reduction.expand(&x, &[]).expect("of its lengths"), reduction.slaves())
+            (reduction.expand(&x, &[]).expect("of its lengths"), reduction.slaves().to_vec())
         })
     };
     let alone = applied(&scene.system, 1);
@@ -149,7 +160,9 @@ fn units_beside_change_no_bit() {
         let both = builder.build().expect("two systems");
         let solved = |system: &ConstraintSystem| {
             let reduction = diagnosed(system, 4.0).reduction_in(Form::Factored).expect("within the gate");
-            reduction.expand(&vec![0.5; reduction.masters().len()], &vec![0.25; reduction.prescribed().len()]).expect("of its lengths")
+            reduction
+                .expand(&vec![0.5; reduction.masters().len()], &vec![0.25; reduction.prescribed().len()])
+                .expect("of its lengths")
         };
         let (all, own) = (solved(&both), [solved(&plain), solved(&mixed)].concat());
         let bits = |u: &[f64]| u.iter().map(|v| v.to_bits()).collect::<Vec<_>>();

@@ -52,7 +52,8 @@ fn slaves_are_chosen_as_preferred(backend: BackendChoice) {
     hold(|system, flags| {
         let masters = named(flags, system.dofs());
         let all: Vec<usize> = (0..system.equations()).collect();
-        let forced = oracle::rank_free(system).expect("within reach") - oracle::rank_free(&part(system, &all, |j| !masters.contains(&j))).expect("within reach");
+        let forced = oracle::rank_free(system).expect("within reach")
+            - oracle::rank_free(&part(system, &all, |j| !masters.contains(&j))).expect("within reach");
         let slaves = (0..system.dofs()).filter(|j| !masters.contains(j)).take(2).collect::<Vec<_>>();
         for options in settings(backend) {
             let preferences =
@@ -78,7 +79,10 @@ fn equations_are_kept_as_preferred(backend: BackendChoice) {
             let lost = equations.iter().filter(|&&i| analysis.kinds()[i] != Kind::Independent).count();
             assert_eq!((lost, analysis.unmet_equations().len()), (forced, forced), "{:?}", analysis.unmet_equations());
             assert_eq!(analysis.rank(), oracle::rank_free(system).expect("within reach"));
-            assert_eq!(analysis.kinds().contains(&Kind::Conflicting), !oracle::consistent(system).expect("within reach"));
+            assert_eq!(
+                analysis.kinds().contains(&Kind::Conflicting),
+                !oracle::consistent(system).expect("within reach")
+            );
             check_certificates(system, &analysis);
             check_reduction(system, &analysis, &analysis.reduction().expect("within the gate"), 1e-11);
         }

@@ -22,7 +22,8 @@ fn right_or_doubted(name: &str, scene: &Scene, options: &Options) {
     let analysis = diagnose(&scene.system, options);
     let exact = oracle::rank_free(&scene.system).expect("within reach");
     assert!(analysis.rank() == exact || analysis.confidence().ambiguous, "{name}: {:?}", analysis.confidence());
-    let refuses = analysis.kinds().contains(&Kind::Conflicting) && oracle::consistent(&scene.system).expect("within reach");
+    let refuses =
+        analysis.kinds().contains(&Kind::Conflicting) && oracle::consistent(&scene.system).expect("within reach");
     assert!(!refuses || analysis.confidence().ambiguous, "{name}: conflicting for sure");
 }
 
@@ -138,7 +139,8 @@ fn on_threads(scene: &Scene, threads: usize, options: &Options) -> impl PartialE
     pool.install(|| {
         let analysis = diagnose(&scene.system, options);
         let reduction = analysis.reduction().expect("sound");
-        (analysis.kinds().clone(), analysis.confidence(), reduction.slaves(), reduction.t(), reduction.g())
+        let (slaves, t, g) = (reduction.slaves().to_vec(), reduction.t().clone(), reduction.g().to_vec());
+        (analysis.kinds().to_vec(), analysis.confidence(), slaves, t, g)
     })
 }
 

@@ -45,7 +45,8 @@ fn by_appearance(system: &ConstraintSystem) -> ConstraintSystem {
 /// Rank, named redundancies, T, G and g.
 pub fn whole(system: &ConstraintSystem) -> usize {
     let analysis = analyse(system, &Options::default()).expect("a valid system");
-    let named: usize = analysis.dependent().iter().map(|d| analysis.because(d.row).expect("one of its rows").len()).sum();
+    let named: usize =
+        analysis.dependent().iter().map(|d| analysis.because(d.row).expect("one of its rows").len()).sum();
     let reduction = analysis.reduction().expect("within the gate");
     assert!(reduction.growth() <= 1.0, "growth {}", reduction.growth());
     named + reduction.t().nnz()

@@ -173,7 +173,11 @@ fn compare_dependent<R>(all: &Analysis, parts: &[Part; 2], alone: &[(Analysis, R
     }
     let said = |analysis: &Analysis, place: &dyn Fn(usize) -> Option<usize>| -> Vec<_> {
         let said = |d: &qless::Dependent| {
-            let because = analysis.because(d.row).expect("one of its rows").into_iter().map(|term| (place(term.row), term.coefficient.to_bits()));
+            let because = analysis
+                .because(d.row)
+                .expect("one of its rows")
+                .into_iter()
+                .map(|term| (place(term.row), term.coefficient.to_bits()));
             let numbers = [d.mismatch, d.relative_mismatch, d.dropped].map(f64::to_bits);
             Some((place(d.row)?, numbers, because.collect::<Vec<_>>()))
         };
@@ -212,7 +216,8 @@ fn compare_reductions(name: &str, all: &Reduction, part: &Part, alone: &Reductio
             return Some(format!("T differs in slave {slave} of {name}, {}", largest(&here, &there)));
         }
         let here: Vec<_> = all.g_matrix().row(i).map(|(k, v)| (place(&all.prescribed()[k]), v.to_bits())).collect();
-        let there: Vec<_> = alone.g_matrix().row(own).map(|(k, v)| (Some(alone.prescribed()[k]), v.to_bits())).collect();
+        let there: Vec<_> =
+            alone.g_matrix().row(own).map(|(k, v)| (Some(alone.prescribed()[k]), v.to_bits())).collect();
         if here != there {
             return Some(format!("G differs in slave {slave} of {name}, {}", largest(&here, &there)));
         }

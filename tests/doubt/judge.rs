@@ -129,7 +129,7 @@ fn rank(truth: &Truth, analysis: &Analysis) -> Option<String> {
 fn conflict(case: &Case, truth: &Truth, analysis: &Analysis) -> Option<String> {
     let ambiguous = analysis.confidence().ambiguous;
     let found = analysis.dependent().iter().find(|d| d.kind == Kind::Conflicting).filter(|_| !ambiguous)?;
-    consistent(&case.system).then(|| {
+    consistent(&case.system).expect("within reach").then(|| {
         let sigma = truth.sigma();
         format!(
             "row {} conflicts by {:.1e}, but there is a solution; sigma {sigma:.1e}",

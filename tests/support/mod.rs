@@ -68,7 +68,7 @@ pub fn certificate_error(system: &ConstraintSystem, target: &[(usize, f64)], bec
 
 /// Every certificate: over kept equations only, and its identity holds.
 pub fn check_certificates(system: &ConstraintSystem, analysis: &Analysis) {
-    for dependent in &analysis.dependent() {
+    for dependent in analysis.dependent() {
         let because = analysis.because(dependent.row).expect("one of its rows");
         assert!(because.iter().all(|term| analysis.kinds()[term.row] == Kind::Independent), "row {}", dependent.row);
         let target: Vec<_> = system.matrix().row(dependent.row).collect();
@@ -90,7 +90,8 @@ pub fn check_reduction(system: &ConstraintSystem, analysis: &Analysis, reduction
     let zeros = vec![0.0; prescribed.len()];
     let u = reduction.expand(&masters, &prescribed).expect("of its lengths");
     let at_rest = reduction.expand(&vec![0.0; masters.len()], &zeros).expect("of its lengths");
-    let moved: Vec<f64> = reduction.expand(&masters, &zeros).expect("of its lengths").iter().zip(&at_rest).map(|(a, b)| a - b).collect();
+    let moved: Vec<f64> =
+        reduction.expand(&masters, &zeros).expect("of its lengths").iter().zip(&at_rest).map(|(a, b)| a - b).collect();
     for (what, x, constant) in [("C u = b", &u, 1.0), ("C [T; I] = 0", &moved, 0.0)] {
         let largest = x.iter().chain(&at_rest).fold(0.0, |a: f64, v| a.max(v.abs()));
         for i in (0..system.equations()).filter(|&i| analysis.kinds()[i] == Kind::Independent) {

@@ -63,7 +63,7 @@ fn certificates_hold_in_graded_rows_and_mixed_units(backend: BackendChoice) {
 fn check(name: &str, system: &ConstraintSystem, units: &[f64], options: &Options) -> usize {
     let analysis = diagnose(system, options);
     let limit = PRECISION / analysis.confidence().sigma_kept;
-    for dependent in &analysis.dependent() {
+    for dependent in analysis.dependent() {
         assert_ne!(analysis.kinds()[dependent.row], Kind::Independent);
         let left = left(system, units, &analysis, dependent.row);
         assert!(left <= limit, "{name}, presolve {}: row {} leaves {left:e}", options.presolve, dependent.row);

@@ -22,12 +22,16 @@ fn growth_is_that_of_a_strong_rrqr(backend: BackendChoice) {
             let analysis = diagnose(&scene.system, &options);
             assert_eq!(analysis.rank(), rank, "{name}, presolve {}", options.presolve);
             let reduction = analysis.reduction().expect("within the gate");
-            let growth = reduction.t().val.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
+            let growth = reduction.t().values().iter().fold(0.0, |a: f64, v| a.max(v.abs()));
             println!(
                 "{name}, presolve {}: {growth:.3} after {} exchanges; dense {:.3}, {:.3} after {}",
-                options.presolve, reduction.exchanges(), dense.pivoted, dense.strong, dense.exchanges
+                options.presolve,
+                reduction.exchanges(),
+                dense.pivoted,
+                dense.strong,
+                dense.exchanges
             );
-            assert!(reduction.t().val.iter().all(|v| v.is_finite()), "{name}: a number that is none");
+            assert!(reduction.t().values().iter().all(|v| v.is_finite()), "{name}: a number that is none");
             assert_eq!(growth, reduction.growth(), "{name}: growth as reported");
             assert!(growth <= BOUND || dense.strong > BOUND, "{name}: {growth}, dense {}", dense.strong);
         }
@@ -44,7 +48,7 @@ fn low_bounds_are_reached(backend: BackendChoice) {
             let analysis = diagnose(&scene.system, &options);
             let reduction = analysis.reduction().expect("within the gate");
             exchanges += reduction.exchanges();
-            let most = reduction.t().val.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
+            let most = reduction.t().values().iter().fold(0.0, |a: f64, v| a.max(v.abs()));
             assert!(most <= growth * (1.0 + 1e-8), "{name}: {most} for {growth}");
             assert!(most == reduction.growth(), "{name}: growth as reported");
             check_reduction(&scene.system, &analysis, &reduction, 1e-11);

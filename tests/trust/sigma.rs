@@ -86,7 +86,7 @@ fn sigma_kept_falls_with_the_distance_from_dependence(backend: BackendChoice) {
             let name = format!("1e-{digits} {column:?}");
             let rank = check_sigma(&name, &system, backend);
             let least = singular_values(&system).expect("within reach")[rank - 1];
-            let Analysis { confidence, .. } = diagnose(&system, &Options { backend, ..Options::default() });
+            let confidence = diagnose(&system, &Options { backend, ..Options::default() }).confidence();
             let off = confidence.sigma_kept / least;
             assert!((0.2..5.0).contains(&off), "{name}: {confidence:?}, not {least:e}");
             assert_eq!(confidence.ambiguous, digits > 5, "{name}: {confidence:?}");
@@ -98,7 +98,7 @@ fn sigma_kept_falls_with_the_distance_from_dependence(backend: BackendChoice) {
 fn doubted(options: &Options) -> Vec<&'static str> {
     let needless = |(name, scene): (&'static str, Scene)| {
         let values = singular_values(&scene.system).expect("within reach");
-        let Analysis { confidence, .. } = diagnose(&scene.system, options);
+        let confidence = diagnose(&scene.system, options).confidence();
         let doubtful = |sigma: &f64| (ROUNDING..=1e-4).contains(&(sigma / values[0]));
         (confidence.ambiguous && !values.iter().any(doubtful)).then_some(name)
     };

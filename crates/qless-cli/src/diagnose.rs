@@ -3,7 +3,9 @@
 use std::time::{Duration, Instant};
 
 use qless::exact::{self, ExactRank, Reading, Settings};
-use qless::{Analysis, AnalysisError, ArgumentError, ConstraintSystem, Form, Kind, Meant, Options, Reduction, Report, analyse};
+use qless::{
+    Analysis, AnalysisError, ArgumentError, ConstraintSystem, Form, Kind, Meant, Options, Reduction, Report, analyse,
+};
 use qless_io::deck::{self, Format as Language};
 use qless_io::read_case;
 

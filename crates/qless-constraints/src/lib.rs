@@ -34,4 +34,6 @@ mod set;
 pub mod types;
 
 pub use constraint::{Constraint, Nonlinear};
-pub use set::{AddError, ConstraintId, ConstraintSet, LineariseError, Quantities, SetBuilder, Store, StoreError, Weights};
+pub use set::{
+    AddError, ConstraintId, ConstraintSet, LineariseError, Quantities, SetBuilder, Store, StoreError, Weights,
+};

@@ -36,9 +36,9 @@ mod reduction;
 mod report;
 
 pub use change::changing::{ChangeError, ChangingSystem, EquationId, SolvedBlock};
+pub use change::refresh::{RefreshError, Refreshed, Refresher};
 pub use common::argument::ArgumentError;
 pub use common::identity::Identity;
-pub use change::refresh::{RefreshError, Refreshed, Refresher};
 pub use diagnosis::analysis::{Analysis, AnalysisError, PresolveStatistics, Timings, analyse};
 pub use diagnosis::certificate::Because;
 pub use diagnosis::classify::{Dependent, Kind};

@@ -37,7 +37,7 @@ fn grid(side: usize) -> Csr {
     });
     let mut rows = Csr::empty(side * side);
     edges.for_each(|(a, b)| rows.push_row([(a, 1.0), (b, -1.5)]).expect("ascending"));
-    rows.transpose()
+    rows.transpose().expect("few columns")
 }
 
 fn systems() -> Vec<System> {

@@ -81,8 +81,9 @@ fn on(threads: usize) -> Spqr {
 }
 
 fn bits(factor: &Factor) -> (Vec<usize>, Vec<u64>) {
-    let numbers = factor.r.val.iter().chain(&factor.rhs).chain(&factor.rest).chain([&factor.dropped]);
-    let shape = factor.order.iter().chain(&factor.r.start).copied().chain(factor.r.col.iter().map(|&j| j as usize));
+    let numbers = factor.r.values().iter().chain(&factor.rhs).chain(&factor.rest).chain([&factor.dropped]);
+    let shape =
+        factor.order.iter().chain(factor.r.starts()).copied().chain(factor.r.columns().iter().map(|&j| j as usize));
     (shape.collect(), numbers.map(|v| v.to_bits()).collect())
 }
 

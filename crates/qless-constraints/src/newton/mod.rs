@@ -167,7 +167,12 @@ struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    fn new(set: &'a ConstraintSet, u: &[f64], prescribed: &'a [(usize, f64)], options: &'a NewtonOptions) -> Result<Self, NewtonError> {
+    fn new(
+        set: &'a ConstraintSet,
+        u: &[f64],
+        prescribed: &'a [(usize, f64)],
+        options: &'a NewtonOptions,
+    ) -> Result<Self, NewtonError> {
         let mut quantities = set.allocate();
         set.evaluate(u, &mut quantities).map_err(|source| NewtonError::Argument { step: 0, source })?;
         let residuals = residuals(&quantities);

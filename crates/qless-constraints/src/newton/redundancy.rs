@@ -110,7 +110,9 @@ impl Here {
             for drive in [&[][..], &[(driven, start[driven])]] {
                 let found = solve(set, &start, drive, options);
                 // Newton may have gone back to where it came from.
-                if let Some(found) = found.ok().filter(|found| self.change_at(set, &found.u).is_some_and(|change| change > STEP / 10.0)) {
+                if let Some(found) =
+                    found.ok().filter(|found| self.change_at(set, &found.u).is_some_and(|change| change > STEP / 10.0))
+                {
                     return Nearby::At(found.u);
                 }
             }

@@ -20,13 +20,7 @@ pub struct SetBuilder {
 
 impl SetBuilder {
     pub(super) fn new(dofs: usize) -> Self {
-        Self {
-            identity: Identity::new(),
-            dofs,
-            names: Vec::new(),
-            linear: Rows::default(),
-            blocks: Blocks::default(),
-        }
+        Self { identity: Identity::new(), dofs, names: Vec::new(), linear: Rows::default(), blocks: Blocks::default() }
     }
 
     /// Adds a constraint under a label that reports will use.

@@ -148,7 +148,12 @@ impl ConstraintSet {
     ///
     /// # Errors
     /// [`ArgumentError`] if `u` or `weights` has the wrong length, or the quantities were not allocated by this set.
-    pub fn effective_hessian(&self, u: &[f64], weights: &[f64], quantities: &mut Quantities) -> Result<(), ArgumentError> {
+    pub fn effective_hessian(
+        &self,
+        u: &[f64],
+        weights: &[f64],
+        quantities: &mut Quantities,
+    ) -> Result<(), ArgumentError> {
         self.check(u, Some(weights), quantities)?;
         let weighted = Weighted::new(&self.blocks, self.linear.rows(), weights);
         tasks::run(self.plan.tasks(&weighted, quantities.h.values_mut()), u);

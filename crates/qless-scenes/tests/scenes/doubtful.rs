@@ -118,8 +118,8 @@ fn spotted_bands() -> Result<(), SceneError> {
             let scene = spotted_band(n, seed)?;
             assert_truth(&scene, "spotted band");
             let size = |v: &&f64| ![1.0 / 6.0, 4.0 / 6.0].contains(*v);
-            assert!(scene.system.matrix().val.iter().filter(size).all(|v| [-1.0, 4.0].contains(v)));
-            assert!((1..=n.div_ceil(16)).contains(&scene.system.matrix().val.iter().filter(size).count()));
+            assert!(scene.system.matrix().values().iter().filter(size).all(|v| [-1.0, 4.0].contains(v)));
+            assert!((1..=n.div_ceil(16)).contains(&scene.system.matrix().values().iter().filter(size).count()));
             least = pivots(&scene).into_iter().map(f64::abs).fold(least, f64::min);
             assert!(relative(&scene)[n - 1] > 5e-3, "{n}, {seed}: {:e}", relative(&scene)[n - 1]);
         }
@@ -160,7 +160,7 @@ fn cosines_typed_with_few_digits() -> Result<(), SceneError> {
         let scene = typed_cosines(n, digits, seed)?;
         assert_truth(&scene, "typed cosines");
         assert_eq!(scene.truth.rank_free, Some(8 * n));
-        assert!(scene.system.matrix().val.iter().all(|&v| is_typed(v, digits)));
+        assert!(scene.system.matrix().values().iter().all(|&v| is_typed(v, digits)));
         let values = relative(&scene);
         assert!(values[7 * n - 1] > 0.02, "{:e}", values[7 * n - 1]);
         assert!(values[7 * n] < 2.0 * unit && values[8 * n - 1] > 1e-3 * unit, "{digits}: {:?}", &values[7 * n..]);

@@ -45,7 +45,13 @@ fn linear_fields_satisfy_every_equation() -> Result<(), SceneError> {
     let mesh = Mesh::with_equations(2500);
     for scene in [tie(&mesh, 3)?, mortar(&mesh, 3)?, mortar(&mesh.nested(), 3)?, mortar(&mesh.deep(), 3)?] {
         let u = linear_field(&scene);
-        let error = scene.system.matrix().times(&u).expect("a number for each DOF").into_iter().fold(0.0, |worst: f64, r| worst.max(r.abs()));
+        let error = scene
+            .system
+            .matrix()
+            .times(&u)
+            .expect("a number for each DOF")
+            .into_iter()
+            .fold(0.0, |worst: f64, r| worst.max(r.abs()));
         assert!(error < 1e-10, "residual {error:e} of values up to 300");
     }
     Ok(())
@@ -128,7 +134,7 @@ fn mortar_rank_is_the_number_of_singular_values_above_rounding() -> Result<(), S
     let mesh = Mesh { columns: 10, layers: 6, far_columns: 6, far_layers: 4, rings: 2, sectors: 8, wall: 2 };
     assert_eq!((mesh.redundant_mortar(), mesh.nested().redundant_mortar()), (24, 72));
     for mesh in [mesh, mesh.nested()] {
-        let values = singular_values(&mortar(&mesh, 1)?).expect("within reach");
+        let values = singular_values(&mortar(&mesh, 1)?);
         let kept = values.len() - mesh.redundant_mortar() / 3;
         assert!(values[kept - 1] > 1e-4 && values[kept] < 1e-14, "{:?}", &values[kept - 1..]);
     }
@@ -142,7 +148,7 @@ fn deep_mortar_has_small_singular_values_and_full_exact_rank() -> Result<(), Sce
     let scene = mortar(&mesh, 1)?;
     assert!(scene.truth.ambiguous);
     assert_truth(&scene, "deep mortar");
-    let values = singular_values(&scene).expect("within reach");
+    let values = singular_values(&scene);
     let kept = values.len() - 4 * mesh.layers;
     assert!(values[kept - 1] > 0.02 && values[kept] < 1e-3 && values[values.len() - 1] > 1e-6);
     Ok(())

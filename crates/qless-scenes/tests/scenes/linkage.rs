@@ -100,12 +100,12 @@ fn library(
             set.add("ball", Spherical { a, b, at })?;
         }
     }
-    let set = set.build();
+    let set = set.build().expect("few DOFs");
     let mut quantities = set.allocate();
-    set.evaluate(&vec![0.0; set.dofs()], &mut quantities);
+    set.evaluate(&vec![0.0; set.dofs()], &mut quantities).expect("of this set");
     let mut builder = SystemBuilder::new(set.dofs());
     (0..set.equations()).for_each(|row| {
-        builder.equation(quantities.g.row(row), 0.0);
+        builder.equation(quantities.g().row(row), 0.0);
     });
     Ok(builder)
 }

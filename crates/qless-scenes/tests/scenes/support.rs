@@ -17,7 +17,11 @@ pub fn assert_truth_and_generated(scene: &Scene, name: &str) {
     assert_truth(scene, name);
     if let Some(generated) = &scene.truth.generated {
         let dofs: Vec<usize> = generated.iter().map(|&(dof, _)| dof).collect();
-        assert_eq!(oracle::generated(&scene.system).expect("within reach"), dofs, "{name}: generated boundary conditions");
+        assert_eq!(
+            oracle::generated(&scene.system).expect("within reach"),
+            dofs,
+            "{name}: generated boundary conditions"
+        );
     }
 }
 

@@ -34,6 +34,14 @@ pub enum ArgumentError {
         /// The number.
         value: f64,
     },
+    /// A number that must not be below zero.
+    #[error("{what} is {value}; give a number of at least 0")]
+    Negative {
+        /// Which number.
+        what: &'static str,
+        /// The number.
+        value: f64,
+    },
     /// Numbers so large that the result leaves the range of doubles.
     #[error("{what}: number {place} (from 0) is beyond 1e308; give smaller numbers")]
     Overflow {
@@ -43,7 +51,9 @@ pub enum ArgumentError {
         place: usize,
     },
     /// A list that must ascend, or share nothing with another, and does not.
-    #[error("{what}: {value} at place {place} (from 0) is out of order or there twice; give each number once, ascending")]
+    #[error(
+        "{what}: {value} at place {place} (from 0) is out of order or there twice; give each number once, ascending"
+    )]
     NotAscending {
         /// Which list.
         what: &'static str,

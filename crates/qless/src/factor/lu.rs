@@ -196,9 +196,8 @@ impl Work<'_> {
         for k in 0..order.len() {
             let places = self.start[k]..self.start[k + 1];
             let of_slaves = places.filter(|&place| self.step_of[self.dofs[place] as usize] != NONE);
-            columns.append(
-                of_slaves.map(|place| (self.step_of[self.dofs[place] as usize] as usize, self.values[place])),
-            );
+            columns
+                .append(of_slaves.map(|place| (self.step_of[self.dofs[place] as usize] as usize, self.values[place])));
         }
         Lu {
             slaves: self.slaves,

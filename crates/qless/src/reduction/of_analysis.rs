@@ -62,8 +62,7 @@ impl Analysis {
         let labels = Labels::of(local);
         let mut as_numbers = vec![false; labels.count];
         loop {
-            let parts =
-                self.factored(local, &labels, (form, &as_numbers), &self.basics(&self.basis, &self.bounds))?;
+            let parts = self.factored(local, &labels, (form, &as_numbers), &self.basics(&self.basis, &self.bounds))?;
             let blocks: Vec<FactoredBlock> = parts.into_iter().flatten().collect();
             if blocks.is_empty() {
                 return self.reduction_in(Form::Explicit);
@@ -117,12 +116,7 @@ impl Analysis {
         }
     }
 
-    fn built(
-        &self,
-        local: Local,
-        basics: &Basics,
-        blocks: Vec<FactoredBlock>,
-    ) -> Result<Reduction, ReductionError> {
+    fn built(&self, local: Local, basics: &Basics, blocks: Vec<FactoredBlock>) -> Result<Reduction, ReductionError> {
         let reduction = reduction::build(&self.system, local, basics, blocks)?;
         Ok(Reduction { of: self.identity, ..reduction.compare(&self.options.preferences) })
     }

@@ -60,7 +60,8 @@ fn block(c: &Csr, rhs: &[f64], rows: &[usize], place: &mut [usize]) -> Block {
     dofs.dedup();
     dofs.iter().enumerate().for_each(|(at, &j)| place[j] = at);
     let mut transposed = Csr::empty(dofs.len());
-    rows.iter().for_each(|&i| transposed.push_row(c.row(i).map(|(j, v)| (place[j], v))).expect("places ascend as DOFs do"));
+    rows.iter()
+        .for_each(|&i| transposed.push_row(c.row(i).map(|(j, v)| (place[j], v))).expect("places ascend as DOFs do"));
     let c = transposed.transpose().expect("C has few enough columns");
     Block { c, transposed, rhs: rows.iter().map(|&i| rhs[i]).collect() }
 }

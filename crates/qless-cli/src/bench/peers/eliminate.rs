@@ -32,7 +32,7 @@ fn reduction(factor: &Factor, free: &[usize], prescribed: Vec<usize>) -> Reducti
     let mut t = Csr::empty(r);
     master_places.iter().for_each(|&q| t.push_row(by_master.row(q)).expect("a row of another matrix"));
     let t = ordered(&t.transpose().expect("as many columns as slaves"), &slave_places);
-    let fixed: Vec<Vec<f64>> = factor.rhs.chunks(r.max(1)).map(|z| factor.solve(z)).collect();
+    let fixed: Vec<Vec<f64>> = factor.rhs.chunks(r.max(1)).map(|z| factor.solve(z).expect("as long as R1")).collect();
     let mut g_matrix = Csr::empty(prescribed.len());
     let mut g = vec![0.0; r];
     for (i, &place) in slave_places.iter().enumerate() {

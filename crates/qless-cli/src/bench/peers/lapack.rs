@@ -42,7 +42,9 @@ impl Backend for Lapack {
         let extract = call::apply(&a, m, rank, &tau, &mut turned).map_err(|error| refused(NAME, error, m, n))?;
         log(NAME, compute, extract);
         let mut r = Csr::empty(n);
-        (0..rank).for_each(|i| r.push_row((i..n).map(|j| (j, at(i, j))).filter(|&(_, v)| v != 0.0)).expect("columns ascend"));
+        (0..rank).for_each(|i| {
+            r.push_row((i..n).map(|j| (j, at(i, j))).filter(|&(_, v)| v != 0.0)).expect("columns ascend")
+        });
         let square = |i: usize| (i..n).map(|j| at(i, j).powi(2)).sum::<f64>();
         let dropped = (rank..m.min(n)).map(square).sum::<f64>().sqrt();
         let rest =

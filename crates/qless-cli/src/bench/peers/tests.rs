@@ -44,7 +44,7 @@ fn dense(row: impl Iterator<Item = (usize, f64)>, len: usize) -> Vec<f64> {
 
 /// `max |R^T R - P^T A^T A P| / max |A^T A|`.
 fn gram_error(factor: &Factor, columns: &Csr) -> f64 {
-    let r = factor.r.transpose();
+    let r = factor.r.transpose().expect("few enough columns");
     let n = columns.rows();
     let of_r: Vec<_> = (0..n).map(|j| dense(r.row(j), factor.rank)).collect();
     let of_a: Vec<_> = factor.order.iter().map(|&j| dense(columns.row(j), columns.cols())).collect();
@@ -125,14 +125,14 @@ fn eigen_agrees_on_the_papers_table() {
 fn an_absolute_tolerance_changes_its_mind_with_the_units_and_eigens_own_does_not() {
     let scene = families::path(10).expect("a scene");
     let mut small = free_columns(&scene.system);
-    small.val.iter_mut().for_each(|v| *v *= 1e-6);
+    small.values_mut().iter_mut().for_each(|v| *v *= 1e-6);
     let rank = |rule| Eigen(rule).factor(&small, &[], 1e-5).expect("small").rank;
     assert_eq!((rank(Rule::Call), rank(Rule::Own)), (0, 9));
 }
 
 #[test]
 fn what_does_not_fit_is_refused_in_words() {
-    let wide = Csr { cols: 1 << 20, start: vec![0; (1 << 20) + 1], col: Vec::new(), val: Vec::new() };
+    let wide = Csr::from_parts(1 << 20, vec![0; (1 << 20) + 1], Vec::new(), Vec::new()).expect("nothing but zeros");
     let error = Lapack(Rule::Own).factor(&wide, &[], 0.0).expect_err("8 TiB");
     assert!(matches!(error, BackendError::OutOfMemory { .. }), "{error}");
 }

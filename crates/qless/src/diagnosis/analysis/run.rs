@@ -82,8 +82,17 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
     }
     let still = std::mem::take(&mut stages.swept.still);
     let generated = generated::find(still, local, &stages.basis, &stages.history, &scaling, &stages.keys);
-    let analysis =
-        stages.conclude(system.clone(), numbering, scaling, rhs, options.clone(), generated, confidence, kept.unmet, backend.as_ref());
+    let analysis = stages.conclude(
+        system.clone(),
+        numbering,
+        scaling,
+        rhs,
+        options.clone(),
+        generated,
+        confidence,
+        kept.unmet,
+        backend.as_ref(),
+    );
     Ok(Analysis { ignored, ..analysis })
 }
 

@@ -99,7 +99,7 @@ fn check_shape(factor: &Factor, n: usize, name: &str) {
 
 /// `a_k = A_live R1^-1 R2_k` for every column k found dependent.
 fn check_dependent_columns(factor: &Factor, columns: &Csr, name: &str) {
-    for (y, k) in factor.coefficients().iter().zip(factor.rank..) {
+    for (y, k) in factor.all_coefficients().iter().zip(factor.rank..) {
         let mut rest = column(columns, factor.order[k]);
         for (i, y) in y.iter().enumerate() {
             columns.row(factor.order[i]).for_each(|(row, v)| rest[row] -= y * v);
@@ -111,7 +111,7 @@ fn check_dependent_columns(factor: &Factor, columns: &Csr, name: &str) {
 
 /// `A_live R1^-1 (W b) = b` for b in the range of A, and nothing of b is left over.
 fn check_solution(factor: &Factor, columns: &Csr, b: &[f64], name: &str) {
-    let z = factor.solve(&factor.rhs[..factor.rank]);
+    let z = factor.solved(&factor.rhs[..factor.rank]);
     let mut rest = b.to_vec();
     for (i, z) in z.iter().enumerate() {
         columns.row(factor.order[i]).for_each(|(row, v)| rest[row] -= z * v);

@@ -24,7 +24,7 @@ pub(super) fn refine(block: &Block, kept: &[usize], tableau: &mut Tableau) -> Re
     }
     let before = tableau.data.clone();
     for c in 0..tableau.width {
-        let correction = factor.solve(&factor.rhs[c * r..(c + 1) * r]);
+        let correction = factor.solved(&factor.rhs[c * r..(c + 1) * r]);
         for (k, &i) in factor.order.iter().enumerate() {
             tableau.data[i * tableau.width + c] -= correction[k];
         }

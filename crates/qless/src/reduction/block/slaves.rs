@@ -81,8 +81,8 @@ fn kept_columns(block: &Block, kept: &[usize]) -> (Csr, Vec<f64>) {
 /// `u_s` over masters, prescribed DOFs and the constant.
 fn relation(block: &Block, factor: &Factor) -> Tableau {
     let (r, k) = (factor.rank, block.prescribed.len());
-    let masters = factor.coefficients();
-    let fixed: Vec<_> = (0..=k).map(|c| factor.solve(&factor.rhs[c * r..(c + 1) * r])).collect();
+    let masters = factor.all_coefficients();
+    let fixed: Vec<_> = (0..=k).map(|c| factor.solved(&factor.rhs[c * r..(c + 1) * r])).collect();
     let width = masters.len() + k + 1;
     let mut data = vec![0.0; r * width];
     for i in 0..r {
