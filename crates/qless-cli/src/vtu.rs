@@ -29,7 +29,7 @@ pub fn render(diagnosis: &Diagnosis, reduction: Option<&Reduction>) -> Result<Ve
         )));
     };
     let positions = deck.deck.positions();
-    let counts = counts(diagnosis, reduction, &|j| deck.deck.model.dofs.get(j).map(|dof| dof.node))?;
+    let counts = counts(diagnosis, reduction, &|j| deck.deck.model().dofs().get(j).map(|dof| dof.node))?;
     let shown: Vec<(u32, [f64; 3], Counts)> =
         counts.into_iter().filter_map(|(node, counts)| Some((node, *positions.get(&node)?, counts))).collect();
     if shown.is_empty() {

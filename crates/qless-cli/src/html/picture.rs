@@ -92,7 +92,7 @@ type Nodes = (Vec<(u32, f64, f64, f64)>, Vec<(usize, Vec<u32>)>);
 /// Nodes of the deck that equations hold, those of dependent ones first.
 fn nodes(diagnosis: &Diagnosis) -> Nodes {
     let Some(deck) = &diagnosis.deck else { return (Vec::new(), Vec::new()) };
-    let node = |j: usize| deck.deck.model.dofs.get(j).map(|dof| dof.node);
+    let node = |j: usize| deck.deck.model().dofs().get(j).map(|dof| dof.node);
     let of_row =
         |row: usize| -> BTreeSet<u32> { diagnosis.system.matrix().row(row).filter_map(|(j, _)| node(j)).collect() };
     let mut rows: BTreeMap<usize, BTreeSet<u32>> = BTreeMap::new();
@@ -105,7 +105,7 @@ fn nodes(diagnosis: &Diagnosis) -> Nodes {
         }
     }
     let mut shown: BTreeSet<u32> = rows.values().flatten().copied().take(NODES).collect();
-    for dof in &deck.deck.model.dofs {
+    for dof in deck.deck.model().dofs() {
         if shown.len() >= NODES {
             break;
         }
