@@ -88,9 +88,9 @@ impl Fault {
 /// let path = place.path().join("tie.inp");
 /// std::fs::write(&path, "*BOUNDARY\n1,1\n*EQUATION\n2\n1,1,1.,2,1,-1.\n")?;
 /// let deck = qless_io::deck::read(&path)?;
-/// let faults = qless_io::deck::clean::faults(&deck.model);
+/// let faults = qless_io::deck::clean::faults(&deck.model());
 /// assert_eq!(
-///     faults[0].describe(&deck.model),
+///     faults[0].describe(&deck.model()),
 ///     "1:1 is the slave of line 4 *EQUATION, and prescribed in line 2 *BOUNDARY"
 /// );
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -82,7 +82,7 @@ impl Plan {
 /// let path = place.path().join("tie.inp");
 /// std::fs::write(&path, "*EQUATION\n2\n1,1,1.,2,1,-1.\n2\n2,1,3.,1,1,-3.\n")?;
 /// let deck = qless_io::deck::read(&path)?;
-/// let plan = qless_io::deck::clean::plan(&deck.model, &qless::Options::default())?;
+/// let plan = qless_io::deck::clean::plan(&deck.model(), &qless::Options::default())?;
 /// assert_eq!((plan.removed[0].equation, plan.written.len()), (1, 0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
