@@ -72,4 +72,4 @@ pub use typed::typed_twice;
 pub use windows::Windows;
 
 /// More than this many of anything is surely a mistake.
-const MOST: usize = 1 << 27;
+pub(crate) const MOST: usize = 1 << 27;
