@@ -26,9 +26,11 @@ fn bare(system: &ConstraintSystem) -> usize {
 
 /// Reduction in factor form, g, one product with T and one with its transpose.
 fn used(system: &ConstraintSystem, analysis: &Analysis) -> f64 {
-    let reduction = analysis.reduction_in(system, Form::Factored).expect("within the gate");
-    let u = reduction.expand(&vec![1.0; reduction.masters.len()], &vec![0.0; reduction.prescribed.len()]);
-    let f = reduction.apply_transposed(&vec![1.0; reduction.slaves.len()]);
+    let reduction = analysis.reduction_in(Form::Factored).expect("within the gate");
+    let u = reduction
+        .expand(&vec![1.0; reduction.masters().len()], &vec![0.0; reduction.prescribed().len()])
+        .expect("of its lengths");
+    let f = reduction.apply_transposed(&vec![1.0; reduction.slaves().len()]).expect("of its lengths");
     black_box(u[0] + f[0])
 }
 

@@ -110,7 +110,7 @@ fn measure(name: &str, path: &Path, equations: usize) {
         let before = MEMORY.current_usage();
         reading.push(seconds(|| {
             let deck = deck::read(path).expect("a deck");
-            assert_eq!(deck.model.equations(), equations);
+            assert_eq!(deck.model().equations(), equations);
             peak = MEMORY.peak_usage() - before;
         }));
     }

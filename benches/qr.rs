@@ -21,8 +21,9 @@ const LEAST: usize = 3000;
 const TOLERANCE: f64 = 1e-10;
 
 fn ours(columns: &Csr, rhs: &[f64]) -> usize {
-    let symbolic = Symbolic::analyse(columns.cols, columns.rows(), &columns.start, &columns.col).expect("a pattern");
-    black_box(symbolic.factor(&columns.val, rhs, TOLERANCE, usize::MAX).expect("a factorization")).rank
+    let symbolic =
+        Symbolic::analyse(columns.cols(), columns.rows(), columns.starts(), columns.columns()).expect("a pattern");
+    black_box(symbolic.factor(columns.values(), rhs, TOLERANCE, usize::MAX).expect("a factorization")).rank
 }
 
 fn theirs(columns: &Csr, rhs: &[f64]) -> usize {
@@ -37,7 +38,7 @@ fn time(work: impl FnOnce() -> usize) -> (f64, usize) {
 
 /// Ratio of medians; at least three rounds, about a second in all.
 fn compare(name: &str, columns: &Csr) -> f64 {
-    let (m, n) = (columns.cols, columns.rows());
+    let (m, n) = (columns.cols(), columns.rows());
     let rhs: Vec<f64> = (0..m).map(|i| (i % 7) as f64 - 3.0).collect();
     let (first, rank) = time(|| ours(columns, &rhs));
     let rounds = ((0.5 / first) as usize).clamp(3, 31);
@@ -50,7 +51,7 @@ fn compare(name: &str, columns: &Csr) -> f64 {
         other = rank;
     }
     let (a, b) = (median(times.0), median(times.1));
-    let analyse = || Symbolic::analyse(m, n, &columns.start, &columns.col).expect("a pattern");
+    let analyse = || Symbolic::analyse(m, n, columns.starts(), columns.columns()).expect("a pattern");
     let analysis = seconds(|| drop(black_box(analyse())));
     let ranks = if rank == other { String::new() } else { format!("  ranks {rank} and {other}") };
     println!(
@@ -109,7 +110,7 @@ fn raised(columns: &Csr, side: &str) -> f64 {
         let line = text.lines().find(|line| line.starts_with(key)).expect("a known key");
         line.split_whitespace().nth(1).and_then(|word| word.parse::<f64>().ok()).expect("a number") / 1024.0
     };
-    let rhs = vec![1.0; columns.cols];
+    let rhs = vec![1.0; columns.cols()];
     std::fs::write("/proc/self/clear_refs", "5").expect("Linux");
     let before = status("VmRSS");
     if side == "ours" {
@@ -138,7 +139,10 @@ fn systems(test: bool) -> Vec<System> {
     let both = |system: System| {
         let (name, build) = (system.name, std::rc::Rc::new(system.build));
         let again = build.clone();
-        let straight = System { name: name.clone(), build: Box::new(move || build().map(|c| c.transpose())) };
+        let straight = System {
+            name: name.clone(),
+            build: Box::new(move || build().map(|c| c.transpose().expect("few enough columns"))),
+        };
         [straight, System { name: format!("{name} ^T"), build: Box::new(move || again()) }]
     };
     scenes(test).into_iter().chain(cases).flat_map(both).collect()

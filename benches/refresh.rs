@@ -5,8 +5,9 @@
 mod timing;
 
 use std::hint::black_box;
+use std::sync::Arc;
 
-use qless::{Analysis, ConstraintSystem, Options, Reduction, analyse};
+use qless::{Analysis, ConstraintSystem, Options, Reduction, Refresher, analyse};
 use qless_scenes::families::{self, Windows};
 use qless_scenes::fssi::{self, Mesh};
 
@@ -35,8 +36,8 @@ fn measure(name: &str, system: &ConstraintSystem) {
     let [mut whole, mut preparing, mut refreshing] = [const { Vec::new() }; 3];
     for round in 0..ROUNDS {
         whole.push(seconds(|| drop(black_box(full(system)))));
-        preparing.push(seconds(|| drop(black_box(analysis.refresher(system).expect("factored")))));
-        let refresher = analysis.refresher(system).expect("factored");
+        preparing.push(seconds(|| drop(black_box(Refresher::new(Arc::clone(&analysis)).expect("factored")))));
+        let refresher = Refresher::new(Arc::clone(&analysis)).expect("factored");
         let rhs: Vec<f64> = system.rhs().iter().map(|b| b + round as f64).collect();
         let values: Vec<f64> = system.prescribed().iter().map(|&(_, v)| v).collect();
         refreshing.push(seconds(|| _ = black_box(refresher.refresh(&rhs, &values, &mut reduction).expect("valid"))));
@@ -46,8 +47,8 @@ fn measure(name: &str, system: &ConstraintSystem) {
     println!("{:>7.2} ms {:>7}", 1e3 * refreshing, format!("1/{:.0}", whole / refreshing));
 }
 
-fn full(system: &ConstraintSystem) -> (Analysis, Reduction) {
-    let analysis = analyse(system, &Options::default()).expect("analysed");
-    let reduction = analysis.reduction(system).expect("within the gate");
+fn full(system: &ConstraintSystem) -> (Arc<Analysis>, Reduction) {
+    let analysis = Arc::new(analyse(system, &Options::default()).expect("analysed"));
+    let reduction = analysis.reduction().expect("within the gate");
     (analysis, reduction)
 }

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use faer::sparse::{SparseColMat, Triplet};
-use qless::{Analysis, ConstraintSystem, Options, Timings, analyse};
+use qless::{Analysis, ConstraintSystem, Options, Refresher, Timings, analyse};
 use qless_constraints::enforce::reduced;
 use qless_scenes::families::Windows;
 use qless_scenes::fssi::{self, Level, Mesh};
@@ -56,30 +56,30 @@ fn stages(criterion: &mut Criterion) {
     ];
     for (name, system, stage) in timed {
         criterion.bench_function(name, |bencher| {
-            bencher.iter_custom(|rounds| (0..rounds).map(|_| stage(analysed(system).timings)).sum());
+            bencher.iter_custom(|rounds| (0..rounds).map(|_| stage(analysed(system).timings())).sum());
         });
     }
     let analysis = analysed(&tie);
     criterion.bench_function("reduce (tie)", |bencher| {
-        bencher.iter(|| black_box(analysis.reduction(&tie).expect("within the gate")));
+        bencher.iter(|| black_box(analysis.reduction().expect("within the gate")));
     });
-    let reduction = analysis.reduction(&tie).expect("within the gate");
+    let reduction = analysis.reduction().expect("within the gate");
     // Part of the line above: every reduction is checked against the user's equations.
     criterion.bench_function("gate (tie)", |bencher| {
-        bencher.iter(|| black_box(analysis.residual(&tie, &reduction)));
+        bencher.iter(|| black_box(analysis.residual(&reduction).expect("its own DOFs")));
     });
     condense_and_refresh(criterion, &mortar);
 }
 
 fn condense_and_refresh(criterion: &mut Criterion, system: &ConstraintSystem) {
     let analysis = analysed(system);
-    let mut reduction = analysis.reduction(system).expect("within the gate");
+    let mut reduction = analysis.reduction().expect("within the gate");
     let (k, f) = (springs(system.dofs()), vec![1.0; system.dofs()]);
     let values: Vec<f64> = system.prescribed().iter().map(|&(_, value)| value).collect();
     criterion.bench_function("condense (mortar)", |bencher| {
         bencher.iter(|| reduced(&k, &f, &reduction, &values).expect("a solution"));
     });
-    let refresher = analysis.refresher(system).expect("factored");
+    let refresher = Refresher::new(analysis).expect("factored");
     criterion.bench_function("refresh (mortar)", |bencher| {
         bencher.iter(|| refresher.refresh(system.rhs(), &values, &mut reduction).expect("valid"));
     });

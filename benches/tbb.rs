@@ -130,7 +130,7 @@ fn compare(name: &str, wanted: [f64; 2], columns: &Csr, limit: Duration) {
     let holds = inner >= wanted[0] && whole >= wanted[1];
     println!(
         "{name:<20}{:>8}{:>8}{:>6}{:>9.1}{:>9.1}{inner:>9.2}{whole:>8.2}{:>8.0} %{:>8.0}{:>8.0}{:>5}/{rounds:<3}  {}",
-        columns.cols,
+        columns.cols(),
         columns.rows(),
         tree[0].tasks,
         1e3 * of(&alone, |s| s.total),
@@ -169,7 +169,7 @@ fn run() {
     );
     for System { name, wanted, scene } in systems(test) {
         if words.iter().filter(|word| !word.starts_with("--")).all(|word| name.contains(word.as_str())) {
-            let columns = scene.expect("a scene").system.matrix().transpose();
+            let columns = scene.expect("a scene").system.matrix().transpose().expect("it fits");
             compare(name, wanted, &columns, if test { Duration::ZERO } else { LIMIT });
         }
     }

@@ -78,7 +78,7 @@ impl Mirror {
 
     /// A set that was never anything else.
     fn fresh(&self) -> (ChangingSystem, Vec<EquationId>) {
-        let mut set = ChangingSystem::new(DOFS, Options::default());
+        let mut set = ChangingSystem::new(DOFS, Options::default()).expect("few DOFs");
         self.prescribed.iter().for_each(|(&dof, &value)| set.prescribe(dof, value).expect("in range"));
         let add = |(_, terms, rhs): &(EquationId, Terms, f64)| set.add(terms.clone(), *rhs).expect("finite");
         let ids = self.equations.iter().map(add).collect();
@@ -92,7 +92,7 @@ impl Mirror {
         self.equations.iter().for_each(|(_, terms, rhs)| _ = builder.equation(terms.clone(), *rhs));
         self.prescribed.iter().for_each(|(&dof, &value)| builder.prescribe(dof, value));
         let analysis = analyse(&builder.build().expect("a system"), &Options::default()).expect("analysed");
-        (analysis.rank(), analysis.kinds.iter().filter(|kind| **kind == Kind::Conflicting).count())
+        (analysis.rank(), analysis.kinds().iter().filter(|kind| **kind == Kind::Conflicting).count())
     }
 }
 
@@ -100,13 +100,17 @@ impl Mirror {
 fn said(set: &ChangingSystem, ids: &[EquationId]) -> Vec<String> {
     let position = |id: EquationId| ids.iter().position(|other| *other == id);
     let one = |&id: &EquationId| {
-        let because: Vec<_> = set.because(id).into_iter().map(|(id, c)| (position(id), c.to_bits())).collect();
+        let because: Vec<_> =
+            set.because(id).expect("of this set").into_iter().map(|(id, c)| (position(id), c.to_bits())).collect();
         let block = set.block_of(id).expect("updated");
         let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
-        let Reduction { t, g_matrix, g, .. } = &block.reduction;
-        let numbers = (bits(&t.val), &t.col, &t.start, bits(&g_matrix.val), bits(g));
+        let (t, g_matrix, g) = (block.reduction().t(), block.reduction().g_matrix(), block.reduction().g());
+        let numbers = (bits(t.values()), t.columns(), t.starts(), bits(g_matrix.values()), bits(g));
         let members: Vec<_> = block.equations().iter().map(|id| position(*id)).collect();
-        format!("{:?}", (set.kind(id), because, members, &block.slaves, &block.masters, &block.prescribed, numbers))
+        format!(
+            "{:?}",
+            (set.kind(id), because, members, &block.slaves(), &block.masters(), &block.prescribed(), numbers)
+        )
     };
     ids.iter().map(one).collect()
 }
@@ -116,7 +120,7 @@ proptest! {
 
     #[test]
     fn any_history_leaves_what_a_fresh_run_gives(changes in prop::collection::vec(change(), 1..60)) {
-        let mut set = ChangingSystem::new(DOFS, Options::default());
+        let mut set = ChangingSystem::new(DOFS, Options::default()).expect("few DOFs");
         let mut mirror = Mirror::default();
         for change in &changes {
             mirror.apply(&mut set, change).expect("a valid change");
@@ -136,7 +140,7 @@ proptest! {
 
 #[test]
 fn only_what_is_touched_is_done_again() {
-    let mut set = ChangingSystem::new(300, Options::default());
+    let mut set = ChangingSystem::new(300, Options::default()).expect("few DOFs");
     let ids: Vec<_> = (0..100).map(|k| set.add([(3 * k, 1.0), (3 * k + 1, -1.0)], 0.0).expect("valid")).collect();
     assert_eq!(set.update().expect("analysed"), 100);
     let bridge = set.add([(1, 1.0), (4, -1.0)], 0.0).expect("valid");
@@ -157,7 +161,7 @@ fn only_what_is_touched_is_done_again() {
 
 #[test]
 fn what_is_wrong_is_refused_and_changes_nothing() {
-    let mut set = ChangingSystem::new(2, Options::default());
+    let mut set = ChangingSystem::new(2, Options::default()).expect("few DOFs");
     assert_eq!(set.add([(2, 1.0)], 0.0), Err(ChangeError::DofOutOfRange { dof: 2, dofs: 2 }));
     assert!(matches!(set.add([(0, f64::NAN)], 0.0), Err(ChangeError::NotFinite(_))));
     assert!(matches!(set.prescribe(1, f64::INFINITY), Err(ChangeError::NotFinite(_))));

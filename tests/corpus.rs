@@ -52,7 +52,7 @@ fn backends() -> Vec<BackendChoice> {
 fn fault(case: &Case, system: &ConstraintSystem, analysis: &Analysis) -> Option<String> {
     let expected = &case.expected;
     let rank = expected.rank_free.or(expected.rank);
-    let conflicting = analysis.kinds.contains(&Kind::Conflicting);
+    let conflicting = analysis.kinds().contains(&Kind::Conflicting);
     let inconsistent = expected.inconsistent_free.or(expected.inconsistent);
     match expected.class.as_str() {
         "definite" | "scaling" | "range" => {
@@ -84,17 +84,17 @@ fn ambiguous_fault(expected: &Expected, analysis: &Analysis) -> Option<String> {
         (low, full)
     };
     let rank = analysis.rank();
-    if !(least..=most).contains(&rank) && !analysis.confidence.ambiguous {
+    if !(least..=most).contains(&rank) && !analysis.confidence().ambiguous {
         return Some(format!("rank {rank}, neither {least} to {most} nor flagged"));
     }
-    (!analysis.confidence.ambiguous && distance < 1e-6).then(|| "not flagged as ambiguous".to_owned())
+    (!analysis.confidence().ambiguous && distance < 1e-6).then(|| "not flagged as ambiguous".to_owned())
 }
 
 /// `row_k - sum c_i row_i` vanishes on the free DOFs, for the first dependent rows.
 fn certificates(system: &ConstraintSystem, analysis: &Analysis) -> Option<String> {
     let mut free = vec![true; system.dofs()];
     system.prescribed().iter().for_each(|&(j, _)| free[j] = false);
-    for dependent in analysis.dependent.iter().take(200) {
+    for dependent in analysis.dependent().iter().take(200) {
         let mut rest = std::collections::HashMap::new();
         let mut size = 0.0_f64;
         let mut add = |row: usize, factor: f64| {
@@ -104,8 +104,8 @@ fn certificates(system: &ConstraintSystem, analysis: &Analysis) -> Option<String
             }
         };
         add(dependent.row, 1.0);
-        for term in analysis.because(dependent) {
-            if analysis.kinds[term.row] != Kind::Independent {
+        for term in analysis.because(dependent.row).expect("one of its rows") {
+            if analysis.kinds()[term.row] != Kind::Independent {
                 return Some(format!("row {} is explained by dependent row {}", dependent.row + 1, term.row + 1));
             }
             add(term.row, -term.coefficient);
@@ -158,21 +158,21 @@ fn run(part: &str, options: &Options) -> Vec<String> {
             }
         };
         let mid = start.elapsed();
-        let reduction = analysis.reduction(&system).expect("within the gate");
-        let residual = analysis.residual(&system, &reduction);
+        let reduction = analysis.reduction().expect("within the gate");
+        let residual = analysis.residual(&reduction).expect("its own DOFs");
         let fault =
-            fault(&case, &system, &analysis).or_else(|| reduction_fault(&case, residual, reduction.growth, options));
+            fault(&case, &system, &analysis).or_else(|| reduction_fault(&case, residual, reduction.growth(), options));
         println!(
             "{name:<36} {:<9} {:>7} {:>7} {:>9.1e} {:>9.1e} {:>8.2} {:>8.3} {:>8.3} {}{}",
             case.expected.class,
             system.equations(),
             analysis.rank(),
-            analysis.confidence.sigma_kept,
-            analysis.confidence.sigma_dropped,
-            reduction.growth,
+            analysis.confidence().sigma_kept,
+            analysis.confidence().sigma_dropped,
+            reduction.growth(),
             mid.as_secs_f64(),
             start.elapsed().as_secs_f64(),
-            if analysis.confidence.ambiguous && case.expected.class != "ambiguous" { "FLAGGED " } else { "" },
+            if analysis.confidence().ambiguous && case.expected.class != "ambiguous" { "FLAGGED " } else { "" },
             fault.as_deref().unwrap_or(""),
         );
         wrong.extend(fault.map(|fault| format!("{name}: {fault}")));

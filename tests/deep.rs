@@ -9,11 +9,12 @@ fn in_a_small_stack(scene: Scene, rank: usize, certificate: usize) {
     let work = move || {
         let analysis = analyse(&scene.system, &Options::default()).expect("valid");
         assert_eq!(analysis.rank(), rank);
-        let terms: usize = analysis.dependent.iter().map(|d| analysis.because(d).len()).sum();
+        let terms: usize =
+            analysis.dependent().iter().map(|d| analysis.because(d.row).expect("one of its rows").len()).sum();
         assert_eq!(terms, certificate);
-        assert!(analysis.kinds.iter().all(|&kind| kind != Kind::Conflicting));
-        let reduction = analysis.reduction(&scene.system).expect("within the gate");
-        let (growth, residual) = (reduction.growth, analysis.residual(&scene.system, &reduction));
+        assert!(analysis.kinds().iter().all(|&kind| kind != Kind::Conflicting));
+        let reduction = analysis.reduction().expect("within the gate");
+        let (growth, residual) = (reduction.growth(), analysis.residual(&reduction).expect("its own DOFs"));
         assert!(residual <= 1e-13 && growth <= 1.0, "{residual} {growth}");
     };
     std::thread::Builder::new().stack_size(STACK).spawn(work).expect("a thread").join().expect("no overflow");

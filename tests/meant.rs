@@ -9,7 +9,7 @@ use qless_scenes::{Rng, Scene, SceneError};
 
 fn read(system: &ConstraintSystem) -> (Analysis, Option<Meant>) {
     let analysis = analyse(system, &Options::default()).expect("an analysis");
-    let meant = analysis.meant(system).expect("a small system");
+    let meant = analysis.meant().expect("a small system");
     (analysis, meant)
 }
 

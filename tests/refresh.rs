@@ -3,8 +3,11 @@
 #[macro_use]
 mod support;
 
+use std::sync::Arc;
+
 use qless::{
-    Analysis, BackendChoice, ConstraintSystem, Kind, Options, Preferences, Reduction, RefreshError, SystemBuilder,
+    Analysis, ArgumentError, BackendChoice, ConstraintSystem, Kind, Options, Preferences, Reduction, RefreshError,
+    Refresher, SystemBuilder,
 };
 use qless_scenes::Rng;
 use qless_scenes::families::{self, Windows};
@@ -32,7 +35,10 @@ fn with(system: &ConstraintSystem, rhs: &[f64], prescribed: &[f64]) -> Constrain
 fn consistent(system: &ConstraintSystem, seed: u64) -> (Vec<f64>, Vec<f64>) {
     let mut rng = Rng::new(seed);
     let u: Vec<f64> = (0..system.dofs()).map(|_| random(&mut rng)).collect();
-    (system.matrix().times(&u), system.prescribed().iter().map(|&(j, _)| u[j]).collect())
+    (
+        system.matrix().times(&u).expect("a number for each DOF"),
+        system.prescribed().iter().map(|&(j, _)| u[j]).collect(),
+    )
 }
 
 fn largest(numbers: impl IntoIterator<Item = f64>) -> f64 {
@@ -40,31 +46,31 @@ fn largest(numbers: impl IntoIterator<Item = f64>) -> f64 {
 }
 
 /// T, G and roles to the last bit, g and fixed values to `1e-13` of the largest, and the same kinds.
-fn check(system: &ConstraintSystem, options: &Options, rhs: &[f64], prescribed: &[f64]) -> (Analysis, Reduction) {
-    let analysis = diagnose(system, options);
-    let mut reduction = analysis.reduction(system).expect("within the gate");
-    let refresher = analysis.refresher(system).expect("factored");
+fn check(system: &ConstraintSystem, options: &Options, rhs: &[f64], prescribed: &[f64]) -> (Arc<Analysis>, Reduction) {
+    let analysis = Arc::new(diagnose(system, options));
+    let mut reduction = analysis.reduction().expect("within the gate");
+    let refresher = Refresher::new(Arc::clone(&analysis)).expect("factored");
     let refreshed = refresher.refresh(rhs, prescribed, &mut reduction).expect("valid");
     let other = with(system, rhs, prescribed);
     let fresh = diagnose(&other, options);
-    let truth = fresh.reduction(&other).expect("within the gate");
-    assert_eq!((&reduction.slaves, &reduction.masters), (&truth.slaves, &truth.masters));
-    assert_eq!(reduction.prescribed, truth.prescribed);
-    assert!(reduction.t == truth.t && reduction.g_matrix == truth.g_matrix, "T and G depend on C only");
-    let limit = 1e-13 * largest(truth.g.iter().copied().chain(rhs.iter().copied()));
-    for (i, (a, b)) in reduction.g.iter().zip(&truth.g).enumerate() {
+    let truth = fresh.reduction().expect("within the gate");
+    assert_eq!((reduction.slaves(), reduction.masters()), (truth.slaves(), truth.masters()));
+    assert_eq!(reduction.prescribed(), truth.prescribed());
+    assert!(reduction.t() == truth.t() && reduction.g_matrix() == truth.g_matrix(), "T and G depend on C only");
+    let limit = 1e-13 * largest(truth.g().iter().copied().chain(rhs.iter().copied()));
+    for (i, (a, b)) in reduction.g().iter().zip(truth.g()).enumerate() {
         assert!((a - b).abs() <= limit, "g[{i}]: {a}, fresh {b}");
     }
-    assert_eq!(refreshed.kinds, fresh.kinds);
-    assert_eq!(refreshed.generated.len(), fresh.generated.len());
-    for (a, b) in refreshed.generated.iter().zip(&fresh.generated) {
+    assert_eq!(refreshed.kinds, fresh.kinds());
+    assert_eq!(refreshed.generated.len(), fresh.generated().len());
+    for (a, b) in refreshed.generated.iter().zip(fresh.generated()) {
         assert!(a.0 == b.0 && (a.1 - b.1).abs() <= limit, "{a:?}, fresh {b:?}");
     }
-    for (a, b) in refreshed.mismatches.iter().zip(&fresh.dependent) {
+    for (a, b) in refreshed.mismatches.iter().zip(fresh.dependent()) {
         assert!((a - b.mismatch).abs() <= 1e-12 * largest(rhs.iter().copied()), "{a}, fresh {}", b.mismatch);
     }
     // Not only as the other run: C u = b, to within the condition.
-    check_reduction(&other, &fresh, &reduction, 1e-12_f64.max(1e-13 / fresh.confidence.sigma_kept));
+    check_reduction(&other, &fresh, &reduction, 1e-12_f64.max(1e-13 / fresh.confidence().sigma_kept));
     (analysis, reduction)
 }
 
@@ -93,10 +99,9 @@ fn right_hand_sides_are_those_of_a_fresh_run(backend: BackendChoice) {
         for options in settings(backend) {
             let (rhs, values) = consistent(system, seed as u64 + 1);
             let (analysis, _) = check(system, &options, &rhs, &values);
-            let refresher = analysis.refresher(system).expect("factored");
-            let refreshed = refresher
-                .refresh(&rhs, &values, &mut analysis.reduction(system).expect("within the gate"))
-                .expect("valid");
+            let refresher = Refresher::new(Arc::clone(&analysis)).expect("factored");
+            let refreshed =
+                refresher.refresh(&rhs, &values, &mut analysis.reduction().expect("within the gate")).expect("valid");
             assert!(!refreshed.kinds.contains(&Kind::Conflicting), "b = C u is consistent");
             // Wrong in every dependent equation.
             let wrong: Vec<f64> = (0..rhs.len()).map(|i| rhs[i] + 0.1 * (1 + i % 3) as f64).collect();
@@ -108,20 +113,20 @@ fn right_hand_sides_are_those_of_a_fresh_run(backend: BackendChoice) {
 fn conflicts_come_and_go(backend: BackendChoice) {
     let system = families::planted(120, 200, 60, 1, false).expect("a scene").system;
     for options in settings(backend) {
-        let analysis = diagnose(&system, &options);
-        let mut reduction = analysis.reduction(&system).expect("within the gate");
-        let refresher = analysis.refresher(&system).expect("factored");
+        let analysis = Arc::new(diagnose(&system, &options));
+        let mut reduction = analysis.reduction().expect("within the gate");
+        let refresher = Refresher::new(Arc::clone(&analysis)).expect("factored");
         let (mut rhs, none) = consistent(&system, 9);
         let before = refresher.refresh(&rhs, &none, &mut reduction).expect("valid");
-        let g = reduction.g.clone();
-        let row = analysis.dependent[3].row;
+        let g = reduction.g().to_vec();
+        let row = analysis.dependent()[3].row;
         rhs[row] += 0.125;
         let wrong = refresher.refresh(&rhs, &none, &mut reduction).expect("valid");
         for (i, (then, now)) in before.kinds.iter().zip(&wrong.kinds).enumerate() {
             assert_eq!(*now, if i == row { Kind::Conflicting } else { *then }, "row {i}");
         }
         assert!((wrong.mismatches[3] - before.mismatches[3] - 0.125).abs() < 1e-13);
-        assert_eq!(reduction.g, g, "an equation that is left out has no part in g");
+        assert_eq!(reduction.g(), g, "an equation that is left out has no part in g");
         rhs[row] -= 0.125;
         assert_eq!(refresher.refresh(&rhs, &none, &mut reduction).expect("valid").kinds, before.kinds);
     }
@@ -138,10 +143,10 @@ fn prescribed_values_contradict_and_agree(backend: BackendChoice) {
         for (values, b, truth) in
             [([1.0, 1.0], 0.0, false), ([1.0, 0.5], 0.0, true), ([1.0, 0.5], 0.5, false), ([0.0, 0.5], 0.5, true)]
         {
-            let analysis = diagnose(&system, &options);
-            let refresher = analysis.refresher(&system).expect("factored");
+            let analysis = Arc::new(diagnose(&system, &options));
+            let refresher = Refresher::new(Arc::clone(&analysis)).expect("factored");
             let refreshed = refresher
-                .refresh(&[0.0, b], &values, &mut analysis.reduction(&system).expect("within the gate"))
+                .refresh(&[0.0, b], &values, &mut analysis.reduction().expect("within the gate"))
                 .expect("valid");
             assert_eq!(refreshed.kinds.contains(&Kind::Conflicting), truth, "{values:?}, {b}");
             check(&system, &options, &[0.0, b], &values);
@@ -176,7 +181,7 @@ fn large_blocks_too() {
     let system = fssi::mortar(&Mesh::with_equations(5000), 1).expect("a scene").system;
     let options = Options { backend: BackendChoice::Sparse, ..Options::default() };
     let analysis = diagnose(&system, &options);
-    assert!(analysis.presolve.largest_block > 1200, "{:?}", analysis.presolve);
+    assert!(analysis.presolve().largest_block > 1200, "{:?}", analysis.presolve());
     let (rhs, values) = consistent(&system, 4);
     check(&system, &options, &rhs, &values);
 }
@@ -185,15 +190,17 @@ fn large_blocks_too() {
 fn what_is_no_right_hand_side_is_refused() {
     let system = families::cycle(5, 0.0).expect("a scene").system;
     let analysis = diagnose(&system, &Options::default());
-    let mut reduction = analysis.reduction(&system).expect("within the gate");
-    let before = reduction.g.clone();
-    let refresher = analysis.refresher(&system).expect("factored");
+    let mut reduction = analysis.reduction().expect("within the gate");
+    let before = reduction.g().to_vec();
+    let refresher = Refresher::new(analysis).expect("factored");
     let short = refresher.refresh(&[0.0; 4], &[], &mut reduction);
-    assert_eq!(short, Err(RefreshError::WrongLength { what: "the right-hand side", found: 4, expected: 5 }));
+    let error = ArgumentError::WrongLength { what: "the right-hand side", found: 4, expected: 5 };
+    assert_eq!(short, Err(RefreshError::Argument(error)));
     let extra = refresher.refresh(&[0.0; 5], &[1.0], &mut reduction);
-    assert!(matches!(extra, Err(RefreshError::WrongLength { found: 1, expected: 0, .. })));
+    let of_one = |error: &ArgumentError| matches!(error, ArgumentError::WrongLength { found: 1, expected: 0, .. });
+    assert!(matches!(extra, Err(RefreshError::Argument(error)) if of_one(&error)));
     let infinite = refresher.refresh(&[0.0, 0.0, f64::INFINITY, 0.0, 0.0], &[], &mut reduction);
     let error = infinite.expect_err("not finite").to_string();
     assert_eq!(error, "the right-hand side: number 2 (from 0) is inf; give a finite number");
-    assert_eq!(reduction.g, before);
+    assert_eq!(reduction.g(), before);
 }

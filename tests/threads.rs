@@ -10,8 +10,8 @@ fn on_threads(system: &ConstraintSystem, options: &Options, threads: usize) -> (
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
     pool.install(|| {
         let analysis = analyse(system, options).expect("valid");
-        let reduction = analysis.reduction(system).expect("within the gate");
-        (analysis.dependent.iter().map(|d| d.row).collect(), reduction)
+        let reduction = analysis.reduction().expect("within the gate");
+        (analysis.dependent().iter().map(|d| d.row).collect(), reduction)
     })
 }
 
@@ -21,8 +21,8 @@ fn agree(system: &ConstraintSystem, options: &Options) {
         let (other_rows, other) = on_threads(system, options, threads);
         assert_eq!(rows, other_rows);
         assert!(
-            (&reduction.slaves, &reduction.t, &reduction.g) == (&other.slaves, &other.t, &other.g)
-                && reduction.g_matrix == other.g_matrix,
+            (&reduction.slaves(), &reduction.t(), &reduction.g()) == (&other.slaves(), &other.t(), &other.g())
+                && reduction.g_matrix() == other.g_matrix(),
             "{threads} threads give another reduction"
         );
     }
@@ -42,8 +42,8 @@ fn many_rows() {
     let system = builder.build().expect("valid");
     agree(&system, &Options::default());
     let reduction = on_threads(&system, &Options::default(), 3).1;
-    let masters: Vec<f64> = reduction.masters.iter().map(|&j| j as f64).collect();
-    let u = reduction.expand(&masters, &[1.0]);
+    let masters: Vec<f64> = reduction.masters().iter().map(|&j| j as f64).collect();
+    let u = reduction.expand(&masters, &[1.0]).expect("of its lengths");
     for i in 0..rows {
         let (a, b) = (u[anywhere(2 * i)], u[anywhere(2 * i + 1)]);
         assert!((a - 2.0 * b - 3.0 - i as f64).abs() <= 1e-13 * a.abs().max(b.abs()), "equation {i}");
@@ -53,7 +53,7 @@ fn many_rows() {
 fn many_blocks(backend: BackendChoice) {
     let scene = families::random_graph(400, 380, 5).expect("a scene");
     let options = Options { backend, presolve: false, ..Options::default() };
-    let blocks = analyse(&scene.system, &options).expect("valid").presolve.blocks;
+    let blocks = analyse(&scene.system, &options).expect("valid").presolve().blocks;
     assert!(blocks > 1, "several blocks, or there is nothing to share out");
     agree(&scene.system, &options);
 }

@@ -142,11 +142,11 @@ fn check(backend: BackendChoice, cases: impl IntoIterator<Item = Named>) {
 fn fault(name: &str, scene: &Scene, options: &Options) -> Option<String> {
     let (system, start) = (&scene.system, std::time::Instant::now());
     let analysis = diagnose(system, options);
-    let reduction = analysis.reduction(system).expect("within the gate");
+    let reduction = analysis.reduction().expect("within the gate");
     let rank = analysis.rank();
-    let reported = analysis.residual(system, &reduction);
+    let reported = analysis.residual(&reduction).expect("its own DOFs");
     let found = residual(system, &reduction);
-    let growth = growth(&reduction).max(reduction.growth);
+    let growth = growth(&reduction).max(reduction.growth());
     let text = format!(
         "{:?}, presolve {}, {name}: rank {rank} of {}, {}, residual {found:.1e} (reported {reported:.1e}), growth {growth:.3}",
         options.backend,
@@ -154,8 +154,8 @@ fn fault(name: &str, scene: &Scene, options: &Options) -> Option<String> {
         system.equations(),
         confidence(&analysis),
     );
-    println!("{text}, {} exchanges, {:.2} s", reduction.exchanges, start.elapsed().as_secs_f64());
-    let sound = Some(rank) == scene.truth.rank_free && !analysis.confidence.ambiguous;
+    println!("{text}, {} exchanges, {:.2} s", reduction.exchanges(), start.elapsed().as_secs_f64());
+    let sound = Some(rank) == scene.truth.rank_free && !analysis.confidence().ambiguous;
     // A number that is none is no sound one: the comparisons are false for it.
     let met = found <= PRECISION && reported <= PRECISION && growth <= options.growth * (1.0 + 1e-9);
     if sound && met {
@@ -166,16 +166,16 @@ fn fault(name: &str, scene: &Scene, options: &Options) -> Option<String> {
 }
 
 fn confidence(analysis: &Analysis) -> String {
-    let doubt = if analysis.confidence.ambiguous { "ambiguous" } else { "sure" };
-    format!("{doubt} at sigma {:.1e}", analysis.confidence.sigma_kept)
+    let doubt = if analysis.confidence().ambiguous { "ambiguous" } else { "sure" };
+    format!("{doubt} at sigma {:.1e}", analysis.confidence().sigma_kept)
 }
 
 /// `max_i |C_i u - b_i| / (sum_j |C_ij u_j| + |b_i|)` for random masters: every row in its own measure, from the user's
 /// numbers and u alone.
 fn residual(system: &ConstraintSystem, reduction: &Reduction) -> f64 {
     let mut rng = Rng::new(11);
-    let masters: Vec<f64> = reduction.masters.iter().map(|_| rng.real()).collect();
-    let u = reduction.expand(&masters, &[]);
+    let masters: Vec<f64> = reduction.masters().iter().map(|_| rng.real()).collect();
+    let u = reduction.expand(&masters, &[]).expect("of its lengths");
     let of = |i: usize| {
         let (row, b) = (system.matrix().row(i), system.rhs()[i]);
         let size = row.clone().map(|(j, v)| (v * u[j]).abs()).sum::<f64>() + b.abs();
@@ -187,13 +187,13 @@ fn residual(system: &ConstraintSystem, reduction: &Reduction) -> f64 {
 
 /// `max |T_ij|` of columns of T, as the movement of all slaves with one master: all of a few, some of many.
 fn growth(reduction: &Reduction) -> f64 {
-    let masters = reduction.masters.len();
+    let masters = reduction.masters().len();
     let mut unit = vec![0.0; masters];
     let mut largest = 0.0_f64;
     for k in (0..masters).step_by(masters.div_ceil(40).max(1)) {
         unit[k] = 1.0;
-        let u = reduction.expand(&unit, &[]);
-        largest = reduction.slaves.iter().fold(largest, |a, &j| a.max(u[j].abs()));
+        let u = reduction.expand(&unit, &[]).expect("of its lengths");
+        largest = reduction.slaves().iter().fold(largest, |a, &j| a.max(u[j].abs()));
         unit[k] = 0.0;
     }
     largest

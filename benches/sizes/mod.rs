@@ -36,7 +36,7 @@ fn by_appearance(system: &ConstraintSystem) -> ConstraintSystem {
     for i in 0..system.equations() {
         let mut row: Vec<_> = system.matrix().row(i).map(|(j, v)| (numbered(j), v)).collect();
         row.sort_unstable_by_key(|&(j, _)| j);
-        matrix.push_row(row);
+        matrix.push_row(row).expect("ascending");
     }
     let prescribed: Vec<_> = system.prescribed().iter().map(|&(j, value)| (numbered(j), value)).collect();
     ConstraintSystem::from_csr(&matrix, system.rhs(), &prescribed).expect("the same system")
@@ -45,10 +45,11 @@ fn by_appearance(system: &ConstraintSystem) -> ConstraintSystem {
 /// Rank, named redundancies, T, G and g.
 pub fn whole(system: &ConstraintSystem) -> usize {
     let analysis = analyse(system, &Options::default()).expect("a valid system");
-    let named: usize = analysis.dependent.iter().map(|d| analysis.because(d).len()).sum();
-    let reduction = analysis.reduction(system).expect("within the gate");
-    assert!(reduction.growth <= 1.0, "growth {}", reduction.growth);
-    named + reduction.t.nnz()
+    let named: usize =
+        analysis.dependent().iter().map(|d| analysis.because(d.row).expect("one of its rows").len()).sum();
+    let reduction = analysis.reduction().expect("within the gate");
+    assert!(reduction.growth() <= 1.0, "growth {}", reduction.growth());
+    named + reduction.t().nnz()
 }
 
 /// Exponent p of `y = a x^p` by least squares of logarithms.

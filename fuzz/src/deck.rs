@@ -46,33 +46,33 @@ fn read(format: Format, name: &str, main: Vec<u8>, others: &[(String, Vec<u8>)])
 
 /// A deck gives a system, or a typed error, for each load case.
 fn check(deck: &Deck, name: &str, others: &[(String, Vec<u8>)]) {
-    let model = &deck.model;
-    assert!(!model.cases.is_empty(), "a deck has at least one load case");
-    for case in model.cases.iter().take(4) {
+    let model = deck.model();
+    assert!(!model.cases().is_empty(), "a deck has at least one load case");
+    for case in model.cases().iter().take(4) {
         if let Ok(system) = model.system(case) {
             assert_eq!(system.equations(), model.in_force(case).count() + case.clashes.len());
         }
     }
-    if model.terms() <= TERMS && model.cases.len() <= 4 {
+    if model.terms() <= TERMS && model.cases().len() <= 4 {
         clean(deck, name, others);
     }
 }
 
 /// A deck that is cleaned is read again without faults, and cleaned a second time stays as it is.
 fn clean(deck: &Deck, name: &str, others: &[(String, Vec<u8>)]) {
-    let Ok(first) = plan(&deck.model, &Options::default()) else { return };
+    let Ok(first) = plan(deck.model(), &Options::default()) else { return };
     let Ok(text) = write(deck, &first) else { return };
     if first.is_empty() {
-        assert_eq!(text, *deck.texts[0]);
+        assert_eq!(text, *deck.texts()[0]);
         return;
     }
-    let again = match read(deck.format, name, text, others) {
+    let again = match read(deck.format(), name, text, others) {
         Ok(again) => again,
         Err(error) => panic!("what was written is not read: {error}"),
     };
-    let left: Vec<String> = faults(&again.model).iter().map(|fault| fault.describe(&again.model)).collect();
+    let left: Vec<String> = faults(again.model()).iter().map(|fault| fault.describe(again.model())).collect();
     assert!(left.is_empty(), "{left:?}");
-    if let Ok(second) = plan(&again.model, &Options::default()) {
+    if let Ok(second) = plan(again.model(), &Options::default()) {
         assert!(second.is_empty(), "{second:?}");
     }
 }

@@ -46,19 +46,19 @@ fn known(name: &str) -> Finding {
 }
 
 fn found(deck: &Deck) -> Finding {
-    let system = deck.model.system(&deck.model.cases[0]).expect("a system");
+    let system = deck.model().system(&deck.model().cases()[0]).expect("a system");
     let analysis = analyse(&system, &Options::default()).expect("analysed");
-    let of = |kind| analysis.dependent.iter().filter(|dependent| dependent.kind == kind).count();
-    let faults = faults(&deck.model);
+    let of = |kind| analysis.dependent().iter().filter(|dependent| dependent.kind == kind).count();
+    let faults = faults(deck.model());
     let count = |is: fn(&Fault) -> bool| faults.iter().filter(|fault| is(fault)).count();
     Finding {
         redundant: of(Kind::Redundant),
         conflicting: of(Kind::Conflicting),
-        ambiguous: analysis.confidence.ambiguous,
+        ambiguous: analysis.confidence().ambiguous,
         prescribed: count(|fault| matches!(fault, Fault::SlavePrescribed { .. })),
         twice: count(|fault| matches!(fault, Fault::SlaveTwice { .. })),
         zero: count(|fault| matches!(fault, Fault::SlaveVanishes { .. })),
-        generated: analysis.generated.len(),
+        generated: analysis.generated().len(),
     }
 }
 
@@ -89,12 +89,12 @@ fn every_deck_gets_its_diagnosis_and_is_solved_after_cleaning() {
             continue;
         }
         let text = cleaned(&deck).unwrap_or_else(|error| panic!("{name}: {error}"));
-        if text == *deck.texts[0] && is_chain {
+        if text == *deck.texts()[0] && is_chain {
             continue; // Byte for byte what ccx is known to solve.
         }
-        changed += usize::from(text != *deck.texts[0]);
+        changed += usize::from(text != *deck.texts()[0]);
         let after = solve(&text).unwrap_or_else(|| panic!("{name}: ccx refuses the cleaned deck"));
-        if let Some(before) = solve(&deck.texts[0]) {
+        if let Some(before) = solve(&deck.texts()[0]) {
             assert!(difference(&before, &after) <= 1e-6, "{name}");
         }
     }

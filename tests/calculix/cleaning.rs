@@ -53,33 +53,33 @@ fn an_included_file_that_changes_is_written_into_the_deck() {
         &brick("*INCLUDE, INPUT=ties.inc\n*INCLUDE,INPUT=other.inc\n"),
         &[("ties.inc", ties), ("other.inc", "** nothing\n")],
     );
-    assert_eq!(deck.model.label(1), "ties.inc:4 *EQUATION 5:3");
+    assert_eq!(deck.model().label(1).expect("an equation"), "ties.inc:4 *EQUATION 5:3");
     let found = text_of_included(&deck, &[("other.inc", "** nothing\n")]);
     assert!(found.contains("** qless: included here") && found.contains("5,3,1.,8,3,-1."));
     assert!(found.contains("*INCLUDE,INPUT=other.inc") && !found.contains("ties.inc\n"));
 }
 
 fn text_of_included(deck: &Deck, files: &[(&str, &str)]) -> String {
-    let plan = clean::plan(&deck.model, &Options::default()).expect("consistent");
+    let plan = clean::plan(deck.model(), &Options::default()).expect("consistent");
     let text = String::from_utf8(clean::write(deck, &plan).expect("written")).expect("text");
     let again = with_includes(&text, files);
-    assert!(clean::plan(&again.model, &Options::default()).expect("consistent").is_empty());
+    assert!(clean::plan(again.model(), &Options::default()).expect("consistent").is_empty());
     text
 }
 
 #[test]
 fn right_hand_sides_are_carried_by_a_prescribed_node() {
     let deck = parse(brick("*EQUATION\n2\n5,3,1.,8,3,-1.\n2\n8,3,1.,5,3,-1.\n").as_bytes());
-    let mut plan = clean::plan(&deck.model, &Options::default()).expect("consistent");
+    let mut plan = clean::plan(deck.model(), &Options::default()).expect("consistent");
     let dof = |node| qless_io::deck::Dof { node, component: 3 };
     plan.written.push(clean::Written { slave: dof(6), terms: vec![(dof(7), -1.0)], rhs: 0.25 });
     let text = clean::write(&deck, &plan).expect("written");
     let again = parse(&text);
-    let system = again.model.system(&again.model.cases[0]).expect("a system");
+    let system = again.model().system(&again.model().cases()[0]).expect("a system");
     let analysis = qless::analyse(&system, &Options::default()).expect("analysed");
-    let reduction = analysis.reduction(&system).expect("within the gate");
-    let u = reduction.expand(&vec![0.0; reduction.masters.len()], &[1.0]);
-    let value = |node| u[again.model.column(dof(node)).expect("a column") as usize];
+    let reduction = analysis.reduction().expect("within the gate");
+    let u = reduction.expand(&vec![0.0; reduction.masters().len()], &[1.0]).expect("of its lengths");
+    let value = |node| u[again.model().column(dof(node)).expect("a column") as usize];
     assert!((value(6) - value(7) - 0.25).abs() < 1e-15);
     if is_there() {
         assert!(solve(&text).is_some());
@@ -95,7 +95,7 @@ fn a_tie_beside_equations_that_repeat_it() {
     let place = |extra: &str| brick(extra).replacen("*ELEMENT", &(upper.to_owned() + "*ELEMENT"), 1);
     let (plain, doubled) = (place(tie), place(&(tie.to_owned() + again)));
     let deck = parse(doubled.as_bytes());
-    assert_eq!(deck.model.equations(), 13);
+    assert_eq!(deck.model().equations(), 13);
     let text = cleaned(&deck).expect("consistent");
     assert_eq!(String::from_utf8_lossy(&text).matches("*TIE").count(), 1, "the tie stays, the equation goes");
     if is_there() {
@@ -118,12 +118,12 @@ fn a_slave_with_a_vanishing_coefficient_is_not_chosen_again() {
 #[test]
 fn a_node_card_without_nodes_defines_none() {
     let deck = parse(b"*NODE\n** none yet\n*EQUATION\n2\n1,1,1.,2,1,-1.\n");
-    assert_eq!(deck.model.equations(), 1);
+    assert_eq!(deck.model().equations(), 1);
 }
 
 fn refused(text: &str) -> CleanError {
     let deck = parse(text.as_bytes());
-    clean::plan(&deck.model, &Options::default()).expect_err("refused")
+    clean::plan(deck.model(), &Options::default()).expect_err("refused")
 }
 
 #[test]

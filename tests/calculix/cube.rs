@@ -77,7 +77,7 @@ fn displacements(printed: &[String]) -> Vec<[f64; 3]> {
 fn an_even_cube_deforms_evenly() {
     let text = deck(false, &ties());
     let parsed = parse(text.as_bytes());
-    let system = parsed.model.system(&parsed.model.cases[0]).expect("a system");
+    let system = parsed.model().system(&parsed.model().cases()[0]).expect("a system");
     let analysis = analyse(&system, &Options::default()).expect("analysed");
     // Each of the (N+1)^3 images is tied to one of N^3, component by component: the corner at node 1 is prescribed.
     let rank = 3 * ((N + 1).pow(3) - N.pow(3));

@@ -124,27 +124,27 @@ fn pairs(firsts: &[Named], seconds: &[Named], backend: BackendChoice, step: usiz
 fn compare(whole: &ConstraintSystem, parts: &[Part; 2], options: &Options) -> Option<String> {
     let of = |system: &ConstraintSystem| {
         let analysis = analyse(system, options).expect("valid");
-        let reduction = analysis.reduction(system);
+        let reduction = analysis.reduction();
         (analysis, reduction)
     };
     let (all, reduced) = of(whole);
     let alone = [of(&parts[0].system), of(&parts[1].system)];
-    let ambiguous = alone.iter().any(|(analysis, _)| analysis.confidence.ambiguous);
+    let ambiguous = alone.iter().any(|(analysis, _)| analysis.confidence().ambiguous);
     for (name, part, (analysis, _)) in [("A", &parts[0], &alone[0]), ("B", &parts[1], &alone[1])] {
-        let kinds: Vec<Kind> = part.rows.iter().map(|&i| all.kinds[i]).collect();
+        let kinds: Vec<Kind> = part.rows.iter().map(|&i| all.kinds()[i]).collect();
         let count = |kinds: &[Kind]| kinds.iter().filter(|&&kind| kind == Kind::Independent).count();
         if count(&kinds) != analysis.rank() {
             return Some(format!("rank of {name} is {}, alone {}", count(&kinds), analysis.rank()));
         }
-        if let Some(i) = (0..kinds.len()).find(|&i| kinds[i] != analysis.kinds[i]) {
-            return Some(format!("row {i} of {name} is {:?}, alone {:?}", kinds[i], analysis.kinds[i]));
+        if let Some(i) = (0..kinds.len()).find(|&i| kinds[i] != analysis.kinds()[i]) {
+            return Some(format!("row {i} of {name} is {:?}, alone {:?}", kinds[i], analysis.kinds()[i]));
         }
     }
-    if all.confidence.ambiguous != ambiguous {
+    if all.confidence().ambiguous != ambiguous {
         return Some(format!(
             "ambiguous {}, alone {:?}",
-            all.confidence.ambiguous,
-            alone.map(|(a, _)| a.confidence.ambiguous)
+            all.confidence().ambiguous,
+            alone.map(|(a, _)| a.confidence().ambiguous)
         ));
     }
     if let Some(fault) = compare_generated(&all, parts, &alone).or_else(|| compare_dependent(&all, parts, &alone)) {
@@ -166,18 +166,22 @@ fn compare(whole: &ConstraintSystem, parts: &[Part; 2], options: &Options) -> Op
 
 /// What is said of dependent equations, and the least and the most of the estimates, to the last bit.
 fn compare_dependent<R>(all: &Analysis, parts: &[Part; 2], alone: &[(Analysis, R); 2]) -> Option<String> {
-    let [a, b] = [&alone[0].0.confidence, &alone[1].0.confidence];
+    let [a, b] = [&alone[0].0.confidence(), &alone[1].0.confidence()];
     let estimates = (a.sigma_kept.min(b.sigma_kept), a.sigma_dropped.max(b.sigma_dropped));
-    if (all.confidence.sigma_kept, all.confidence.sigma_dropped) != estimates {
-        return Some(format!("{:?}, alone {estimates:?}", all.confidence));
+    if (all.confidence().sigma_kept, all.confidence().sigma_dropped) != estimates {
+        return Some(format!("{:?}, alone {estimates:?}", all.confidence()));
     }
     let said = |analysis: &Analysis, place: &dyn Fn(usize) -> Option<usize>| -> Vec<_> {
         let said = |d: &qless::Dependent| {
-            let because = analysis.because(d).into_iter().map(|term| (place(term.row), term.coefficient.to_bits()));
+            let because = analysis
+                .because(d.row)
+                .expect("one of its rows")
+                .into_iter()
+                .map(|term| (place(term.row), term.coefficient.to_bits()));
             let numbers = [d.mismatch, d.relative_mismatch, d.dropped].map(f64::to_bits);
             Some((place(d.row)?, numbers, because.collect::<Vec<_>>()))
         };
-        analysis.dependent.iter().filter_map(said).collect()
+        analysis.dependent().iter().filter_map(said).collect()
     };
     ["A", "B"].into_iter().zip(parts.iter().zip(alone)).find_map(|(name, (part, (analysis, _)))| {
         let here = said(all, &|row| part.rows.binary_search(&row).ok());
@@ -189,8 +193,8 @@ fn compare_generated<R>(all: &Analysis, parts: &[Part; 2], alone: &[(Analysis, R
     let place = |part: &Part, j: usize| part.dofs.binary_search(&j).ok();
     let bits = |(j, value): (usize, f64)| (j, value.to_bits());
     ["A", "B"].into_iter().zip(parts.iter().zip(alone)).find_map(|(name, (part, (analysis, _)))| {
-        let here = all.generated.iter().filter_map(|&(j, value)| Some(bits((place(part, j)?, value))));
-        let there = analysis.generated.iter().copied().map(bits);
+        let here = all.generated().iter().filter_map(|&(j, value)| Some(bits((place(part, j)?, value))));
+        let there = analysis.generated().iter().copied().map(bits);
         (!here.eq(there)).then(|| format!("generated boundary conditions of {name} differ"))
     })
 }
@@ -198,26 +202,27 @@ fn compare_generated<R>(all: &Analysis, parts: &[Part; 2], alone: &[(Analysis, R
 /// Slaves, T, G and g to the last bit.
 fn compare_reductions(name: &str, all: &Reduction, part: &Part, alone: &Reduction) -> Option<String> {
     let place = |j: &usize| part.dofs.binary_search(j).ok();
-    let slaves: Vec<usize> = all.slaves.iter().filter_map(place).collect();
-    if slaves != alone.slaves {
-        let other = slaves.iter().filter(|j| !alone.slaves.contains(j)).count();
+    let slaves: Vec<usize> = all.slaves().iter().filter_map(place).collect();
+    if slaves != alone.slaves() {
+        let other = slaves.iter().filter(|j| !alone.slaves().contains(j)).count();
         return Some(format!("{other} of {} slaves of {name} are others", slaves.len()));
     }
-    let rows = (0..all.slaves.len()).filter(|&i| place(&all.slaves[i]).is_some());
+    let rows = (0..all.slaves().len()).filter(|&i| place(&all.slaves()[i]).is_some());
     for (i, own) in rows.zip(0..) {
-        let slave = alone.slaves[own];
-        let here: Vec<_> = all.t.row(i).map(|(k, v)| (place(&all.masters[k]), v.to_bits())).collect();
-        let there: Vec<_> = alone.t.row(own).map(|(k, v)| (Some(alone.masters[k]), v.to_bits())).collect();
+        let slave = alone.slaves()[own];
+        let here: Vec<_> = all.t().row(i).map(|(k, v)| (place(&all.masters()[k]), v.to_bits())).collect();
+        let there: Vec<_> = alone.t().row(own).map(|(k, v)| (Some(alone.masters()[k]), v.to_bits())).collect();
         if here != there {
             return Some(format!("T differs in slave {slave} of {name}, {}", largest(&here, &there)));
         }
-        let here: Vec<_> = all.g_matrix.row(i).map(|(k, v)| (place(&all.prescribed[k]), v.to_bits())).collect();
-        let there: Vec<_> = alone.g_matrix.row(own).map(|(k, v)| (Some(alone.prescribed[k]), v.to_bits())).collect();
+        let here: Vec<_> = all.g_matrix().row(i).map(|(k, v)| (place(&all.prescribed()[k]), v.to_bits())).collect();
+        let there: Vec<_> =
+            alone.g_matrix().row(own).map(|(k, v)| (Some(alone.prescribed()[k]), v.to_bits())).collect();
         if here != there {
             return Some(format!("G differs in slave {slave} of {name}, {}", largest(&here, &there)));
         }
-        if all.g[i].to_bits() != alone.g[own].to_bits() {
-            return Some(format!("g of slave {slave} of {name} is {:e}, alone {:e}", all.g[i], alone.g[own]));
+        if all.g()[i].to_bits() != alone.g()[own].to_bits() {
+            return Some(format!("g of slave {slave} of {name} is {:e}, alone {:e}", all.g()[i], alone.g()[own]));
         }
     }
     None

@@ -75,15 +75,15 @@ fn judge(case: &Case, truth: &Truth, options: &Options) -> Vec<Fault> {
     out.extend(rank(truth, &analysis).map(|fault| (Law::Rank, fault)));
     out.extend(conflict(case, truth, &analysis).map(|fault| (Law::Conflict, fault)));
     out.extend(generated(case, truth, &analysis).map(|fault| (Law::Generated, fault)));
-    if analysis.confidence.ambiguous && truth.is_clear() && !case.near && is_clear_as_given(case) {
-        out.push((Law::Alarm, format!("in doubt at sigma {:.1e}: {:?}", truth.sigma(), analysis.confidence)));
+    if analysis.confidence().ambiguous && truth.is_clear() && !case.near && is_clear_as_given(case) {
+        out.push((Law::Alarm, format!("in doubt at sigma {:.1e}: {:?}", truth.sigma(), analysis.confidence())));
     }
     out
 }
 
 fn gate(case: &Case, truth: &Truth, analysis: &Analysis) -> Option<Fault> {
-    let ambiguous = analysis.confidence.ambiguous;
-    match analysis.reduction(&case.system) {
+    let ambiguous = analysis.confidence().ambiguous;
+    match analysis.reduction() {
         Err(error) if truth.is_clear() => {
             Some((Law::Gate, format!("sigma {:.1e}, ambiguous {ambiguous}: {error}", truth.sigma())))
         }
@@ -92,7 +92,7 @@ fn gate(case: &Case, truth: &Truth, analysis: &Analysis) -> Option<Fault> {
             let worst = |seed| residual::worst(&case.system, &case.units, analysis, &reduction, seed);
             let (most, row, part) =
                 [1, 2].map(worst).into_iter().fold((0.0, 0, "T"), |a, b| if b.0 > a.0 { b } else { a });
-            let reported = analysis.residual(&case.system, &reduction);
+            let reported = analysis.residual(&reduction).expect("its own DOFs");
             let text = format!("{most:.1e} in row {row} by {part}, reported {reported:.1e}, ambiguous {ambiguous}");
             (most > RESIDUAL || reported.is_nan() || reported > RESIDUAL).then_some((Law::Residual, text))
         }
@@ -106,18 +106,18 @@ fn sigma(case: &Case, analysis: &Analysis) -> Option<String> {
     }
     let of_kept = Truth::new(&kept(&case.system, analysis), 0.0);
     let least = of_kept.values.last().map_or(0.0, |sigma| sigma.min(1.0));
-    let found = analysis.confidence.sigma_kept;
+    let found = analysis.confidence().sigma_kept;
     // Below the rounding of the SVD any small number is as good as any other.
     let most = FACTOR * least.max(of_kept.rounding());
     let is_low = found < least / FACTOR && least > of_kept.rounding();
-    let ambiguous = analysis.confidence.ambiguous;
+    let ambiguous = analysis.confidence().ambiguous;
     (is_low || found.is_nan() || found > most)
         .then(|| format!("sigma_kept {found:.1e} for {least:.1e}, factor {:.0e}, ambiguous {ambiguous}", found / least))
 }
 
 /// Where doubt is reported and fair, the rank may be another one.
 fn rank(truth: &Truth, analysis: &Analysis) -> Option<String> {
-    let (found, ambiguous) = (analysis.rank(), analysis.confidence.ambiguous);
+    let (found, ambiguous) = (analysis.rank(), analysis.confidence().ambiguous);
     let must_hold = if ambiguous { truth.is_clear() } else { truth.has_gap() };
     let around = truth.values.iter().skip(truth.rank.saturating_sub(2)).take(4);
     let around: Vec<String> = around.map(|sigma| format!("{sigma:.1e}")).collect();
@@ -127,9 +127,9 @@ fn rank(truth: &Truth, analysis: &Analysis) -> Option<String> {
 
 /// Equations that have an exact solution are no conflict, unless that is doubted.
 fn conflict(case: &Case, truth: &Truth, analysis: &Analysis) -> Option<String> {
-    let ambiguous = analysis.confidence.ambiguous;
-    let found = analysis.dependent.iter().find(|d| d.kind == Kind::Conflicting).filter(|_| !ambiguous)?;
-    consistent(&case.system).then(|| {
+    let ambiguous = analysis.confidence().ambiguous;
+    let found = analysis.dependent().iter().find(|d| d.kind == Kind::Conflicting).filter(|_| !ambiguous)?;
+    consistent(&case.system).expect("within reach").then(|| {
         let sigma = truth.sigma();
         format!(
             "row {} conflicts by {:.1e}, but there is a solution; sigma {sigma:.1e}",
@@ -146,14 +146,14 @@ fn is_clear_as_given(case: &Case) -> bool {
 
 /// With `u_j = value` as further equations the rank is the same.
 fn generated(case: &Case, truth: &Truth, analysis: &Analysis) -> Option<String> {
-    if analysis.generated.is_empty() || !truth.is_clear() || !is_clear_as_given(case) {
+    if analysis.generated().is_empty() || !truth.is_clear() || !is_clear_as_given(case) {
         return None;
     }
     let system = &case.base;
     let mut builder = SystemBuilder::new(system.dofs());
     (0..system.equations()).for_each(|i| _ = builder.equation(system.matrix().row(i), system.rhs()[i]));
-    analysis.generated.iter().for_each(|&(j, _)| _ = builder.equation([(j, 1.0)], 0.0));
+    analysis.generated().iter().for_each(|&(j, _)| _ = builder.equation([(j, 1.0)], 0.0));
     system.prescribed().iter().for_each(|&(j, value)| builder.prescribe(j, value));
     let more = Truth::new(&builder.build().expect("valid"), 1e-9).rank.saturating_sub(truth.rank);
-    (more > 0).then(|| format!("{more} of {} generated boundary conditions are none", analysis.generated.len()))
+    (more > 0).then(|| format!("{more} of {} generated boundary conditions are none", analysis.generated().len()))
 }

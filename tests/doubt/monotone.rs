@@ -42,16 +42,16 @@ fn check(backend: BackendChoice, families: &[Family], ends_in_doubt: bool) {
             let (mut lost, mut history) = (Vec::new(), String::new());
             for (step, system) in steps {
                 let analysis = analyse(system, &options).unwrap_or_else(|e| panic!("{name}, {step}: {e}"));
-                let conflict = analysis.kinds.contains(&Kind::Conflicting);
-                let confidence = analysis.confidence;
+                let conflict = analysis.kinds().contains(&Kind::Conflicting);
+                let confidence = analysis.confidence();
                 let flag = confidence.ambiguous;
                 let marks = [(flag, "?"), (conflict, "!")].map(|(is, mark)| if is { mark } else { "" }).concat();
                 write!(history, " {step}:{}{marks}", analysis.rank()).expect("text");
                 match first {
                     None if flag => first = Some(step),
                     Some(first) if !flag => {
-                        let sigma = singular_values(system).last().copied().unwrap_or(0.0);
-                        let rank = (analysis.rank(), rank_free(system));
+                        let sigma = singular_values(system).expect("within reach").last().copied().unwrap_or(0.0);
+                        let rank = (analysis.rank(), rank_free(system).expect("within reach"));
                         let kept = confidence.sigma_kept;
                         lost.push(format!(
                             "{step} (doubt from {first}): sigma {sigma:.1e}, reported {kept:.1e}, rank and exact rank {rank:?}, conflicting {conflict}"
@@ -168,12 +168,12 @@ fn near_dependence_beside_a_chain(backend: BackendChoice) {
                     for (order, scene) in [("in order", &scene), ("shuffled (1)", &shuffled)] {
                         for options in settings(backend) {
                             let analysis = analyse(&scene.system, &options).expect("valid");
-                            if !analysis.confidence.ambiguous {
+                            if !analysis.confidence().ambiguous {
                                 let options = text(&options);
                                 faults.push(format!(
                                     "near(2, 1e-{digits}, {column:?}) {place} {name}, {order} [{options}]: rank {}, {:?}",
                                     analysis.rank(),
-                                    analysis.confidence
+                                    analysis.confidence()
                                 ));
                             }
                         }

@@ -28,7 +28,7 @@ pub fn worst(system: &ConstraintSystem, units: &[f64], analysis: &Analysis, redu
             let of = &mut largest[component[i]];
             system.matrix().row(i).for_each(|(j, _)| *of = of.max(part.size[j] * units[j]));
         }
-        for i in (0..system.equations()).filter(|&i| analysis.kinds[i] == Kind::Independent) {
+        for i in (0..system.equations()).filter(|&i| analysis.kinds()[i] == Kind::Independent) {
             let b = part.constant * system.rhs()[i];
             let sum: f64 = system.matrix().row(i).map(|(j, v)| v * part.u[j]).sum();
             let weight: f64 = system.matrix().row(i).map(|(j, v)| (v / units[j]).abs()).sum();
@@ -44,19 +44,19 @@ pub fn worst(system: &ConstraintSystem, units: &[f64], analysis: &Analysis, redu
 fn parts(reduction: &Reduction, dofs: usize, seed: u64) -> Vec<Part> {
     let mut rng = Rng::new(seed);
     let mut random = |n: usize| (0..n).map(|_| rng.real()).collect::<Vec<f64>>();
-    let (masters, prescribed) = (random(reduction.masters.len()), random(reduction.prescribed.len()));
+    let (masters, prescribed) = (random(reduction.masters().len()), random(reduction.prescribed().len()));
     let mut of_t = Part { name: "T", u: vec![0.0; dofs], size: vec![0.0; dofs], constant: 0.0 };
     let mut of_g = Part { name: "G", u: vec![0.0; dofs], size: vec![0.0; dofs], constant: 0.0 };
     let mut constant = Part { name: "g", u: vec![0.0; dofs], size: vec![0.0; dofs], constant: 1.0 };
     let set = |part: &mut Part, j: usize, terms: &mut dyn Iterator<Item = f64>| {
         (part.u[j], part.size[j]) = terms.fold((0.0, 0.0), |(u, size), term| (u + term, size + term.abs()));
     };
-    reduction.masters.iter().zip(&masters).for_each(|(&j, &v)| set(&mut of_t, j, &mut std::iter::once(v)));
-    reduction.prescribed.iter().zip(&prescribed).for_each(|(&j, &v)| set(&mut of_g, j, &mut std::iter::once(v)));
-    for (i, &slave) in reduction.slaves.iter().enumerate() {
-        set(&mut of_t, slave, &mut reduction.t.row(i).map(|(j, v)| v * masters[j]));
-        set(&mut of_g, slave, &mut reduction.g_matrix.row(i).map(|(j, v)| v * prescribed[j]));
-        set(&mut constant, slave, &mut std::iter::once(reduction.g[i]));
+    reduction.masters().iter().zip(&masters).for_each(|(&j, &v)| set(&mut of_t, j, &mut std::iter::once(v)));
+    reduction.prescribed().iter().zip(&prescribed).for_each(|(&j, &v)| set(&mut of_g, j, &mut std::iter::once(v)));
+    for (i, &slave) in reduction.slaves().iter().enumerate() {
+        set(&mut of_t, slave, &mut reduction.t().row(i).map(|(j, v)| v * masters[j]));
+        set(&mut of_g, slave, &mut reduction.g_matrix().row(i).map(|(j, v)| v * prescribed[j]));
+        set(&mut constant, slave, &mut std::iter::once(reduction.g()[i]));
     }
     vec![of_t, of_g, constant]
 }

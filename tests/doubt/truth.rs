@@ -49,7 +49,7 @@ pub struct Truth {
 
 impl Truth {
     pub fn new(system: &ConstraintSystem, tolerance: f64) -> Self {
-        let values = singular_values(system);
+        let values = singular_values(system).expect("within reach");
         let rank = values.iter().filter(|&&sigma| sigma > tolerance).count();
         Self { values, rank }
     }
@@ -91,7 +91,7 @@ impl Truth {
 /// The equations that were kept, with all boundary conditions.
 pub fn kept(system: &ConstraintSystem, analysis: &Analysis) -> ConstraintSystem {
     let mut builder = SystemBuilder::new(system.dofs());
-    for i in (0..system.equations()).filter(|&i| analysis.kinds[i] == Kind::Independent) {
+    for i in (0..system.equations()).filter(|&i| analysis.kinds()[i] == Kind::Independent) {
         builder.equation(system.matrix().row(i), system.rhs()[i]);
     }
     system.prescribed().iter().for_each(|&(j, value)| builder.prescribe(j, value));

@@ -14,22 +14,22 @@ pub struct Exact {
 
 impl Exact {
     pub fn of(system: &ConstraintSystem) -> Self {
-        let rank = oracle::rank_free(system);
+        let rank = oracle::rank_free(system).expect("within reach");
         Self {
             rank,
             dependent: system.equations() - rank,
-            conflicting: !oracle::consistent(system),
-            generated: oracle::generated(system),
+            conflicting: !oracle::consistent(system).expect("within reach"),
+            generated: oracle::generated(system).expect("within reach"),
         }
     }
 
     pub fn found(analysis: &Analysis, dofs: &[usize]) -> Self {
-        let mut generated: Vec<usize> = analysis.generated.iter().map(|&(j, _)| dofs[j]).collect();
+        let mut generated: Vec<usize> = analysis.generated().iter().map(|&(j, _)| dofs[j]).collect();
         generated.sort_unstable();
         Self {
             rank: analysis.rank(),
-            dependent: analysis.dependent.len(),
-            conflicting: analysis.kinds.contains(&Kind::Conflicting),
+            dependent: analysis.dependent().len(),
+            conflicting: analysis.kinds().contains(&Kind::Conflicting),
             generated,
         }
     }

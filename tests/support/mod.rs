@@ -68,9 +68,9 @@ pub fn certificate_error(system: &ConstraintSystem, target: &[(usize, f64)], bec
 
 /// Every certificate: over kept equations only, and its identity holds.
 pub fn check_certificates(system: &ConstraintSystem, analysis: &Analysis) {
-    for dependent in &analysis.dependent {
-        let because = analysis.because(dependent);
-        assert!(because.iter().all(|term| analysis.kinds[term.row] == Kind::Independent), "row {}", dependent.row);
+    for dependent in analysis.dependent() {
+        let because = analysis.because(dependent.row).expect("one of its rows");
+        assert!(because.iter().all(|term| analysis.kinds()[term.row] == Kind::Independent), "row {}", dependent.row);
         let target: Vec<_> = system.matrix().row(dependent.row).collect();
         let error = certificate_error(system, &target, &because);
         assert!(error <= 1e-9, "row {}: certificate off by {error:e}", dependent.row);
@@ -80,20 +80,21 @@ pub fn check_certificates(system: &ConstraintSystem, analysis: &Analysis) {
 /// `C [T; I] = 0` and `C u = b` in every independent equation for random u_q and u_p; slaves, masters and prescribed
 /// DOFs are all DOFs, once each.
 pub fn check_reduction(system: &ConstraintSystem, analysis: &Analysis, reduction: &Reduction, tolerance: f64) {
-    let mut all = [&reduction.slaves[..], &reduction.masters, &reduction.prescribed].concat();
+    let mut all = [&reduction.slaves()[..], &reduction.masters(), &reduction.prescribed()].concat();
     all.sort_unstable();
     assert_eq!(all, (0..system.dofs()).collect::<Vec<_>>(), "every DOF has one role");
-    assert_eq!(reduction.slaves.len(), analysis.rank());
+    assert_eq!(reduction.slaves().len(), analysis.rank());
     let mut rng = qless_scenes::Rng::new(3);
     let mut numbers = |n: usize| (0..n).map(|_| rng.below(1000) as f64 / 500.0 - 1.0).collect::<Vec<_>>();
-    let (masters, prescribed) = (numbers(reduction.masters.len()), numbers(reduction.prescribed.len()));
+    let (masters, prescribed) = (numbers(reduction.masters().len()), numbers(reduction.prescribed().len()));
     let zeros = vec![0.0; prescribed.len()];
-    let u = reduction.expand(&masters, &prescribed);
-    let at_rest = reduction.expand(&vec![0.0; masters.len()], &zeros);
-    let moved: Vec<f64> = reduction.expand(&masters, &zeros).iter().zip(&at_rest).map(|(a, b)| a - b).collect();
+    let u = reduction.expand(&masters, &prescribed).expect("of its lengths");
+    let at_rest = reduction.expand(&vec![0.0; masters.len()], &zeros).expect("of its lengths");
+    let moved: Vec<f64> =
+        reduction.expand(&masters, &zeros).expect("of its lengths").iter().zip(&at_rest).map(|(a, b)| a - b).collect();
     for (what, x, constant) in [("C u = b", &u, 1.0), ("C [T; I] = 0", &moved, 0.0)] {
         let largest = x.iter().chain(&at_rest).fold(0.0, |a: f64, v| a.max(v.abs()));
-        for i in (0..system.equations()).filter(|&i| analysis.kinds[i] == Kind::Independent) {
+        for i in (0..system.equations()).filter(|&i| analysis.kinds()[i] == Kind::Independent) {
             let b = constant * system.rhs()[i];
             let sum: f64 = system.matrix().row(i).map(|(j, v)| v * x[j]).sum();
             let size: f64 = system.matrix().row(i).map(|(_, v)| v.abs()).sum::<f64>() * largest + b.abs();

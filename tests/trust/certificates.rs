@@ -16,7 +16,7 @@ const PRECISION: f64 = 1e-11;
 
 /// What a certificate leaves of its equation, in DOFs of one unit, relative to its largest part.
 fn left(system: &ConstraintSystem, units: &[f64], analysis: &Analysis, row: usize) -> f64 {
-    let dependent = analysis.dependent.iter().find(|d| d.row == row).expect("listed");
+    let dependent = analysis.dependent().iter().find(|d| d.row == row).expect("listed");
     let mut sums: HashMap<usize, f64> = HashMap::new();
     let mut largest = 0.0_f64;
     let mut add = |row: usize, factor: f64| {
@@ -27,7 +27,7 @@ fn left(system: &ConstraintSystem, units: &[f64], analysis: &Analysis, row: usiz
         }
     };
     add(row, 1.0);
-    analysis.because(dependent).iter().for_each(|term| add(term.row, -term.coefficient));
+    analysis.because(dependent.row).expect("one of its rows").iter().for_each(|term| add(term.row, -term.coefficient));
     let free = |j: &usize| system.prescribed().binary_search_by_key(j, |p| p.0).is_err();
     sums.iter().filter(|(j, _)| free(j)).fold(0.0, |most: f64, (_, v)| most.max(v.abs())) / largest.max(1e-300)
 }
@@ -62,11 +62,11 @@ fn certificates_hold_in_graded_rows_and_mixed_units(backend: BackendChoice) {
 /// Checks all certificates; how many there are.
 fn check(name: &str, system: &ConstraintSystem, units: &[f64], options: &Options) -> usize {
     let analysis = diagnose(system, options);
-    let limit = PRECISION / analysis.confidence.sigma_kept;
-    for dependent in &analysis.dependent {
-        assert_ne!(analysis.kinds[dependent.row], Kind::Independent);
+    let limit = PRECISION / analysis.confidence().sigma_kept;
+    for dependent in analysis.dependent() {
+        assert_ne!(analysis.kinds()[dependent.row], Kind::Independent);
         let left = left(system, units, &analysis, dependent.row);
         assert!(left <= limit, "{name}, presolve {}: row {} leaves {left:e}", options.presolve, dependent.row);
     }
-    analysis.dependent.len()
+    analysis.dependent().len()
 }

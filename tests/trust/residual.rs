@@ -16,13 +16,13 @@ const PRECISION: f64 = 1e-13;
 fn expand(reduction: &Reduction, seed: u64) -> (Vec<f64>, Vec<f64>) {
     let mut rng = Rng::new(seed);
     let mut random = |n: usize| (0..n).map(|_| rng.real()).collect::<Vec<f64>>();
-    let (masters, prescribed) = (random(reduction.masters.len()), random(reduction.prescribed.len()));
-    let u = reduction.expand(&masters, &prescribed);
+    let (masters, prescribed) = (random(reduction.masters().len()), random(reduction.prescribed().len()));
+    let u = reduction.expand(&masters, &prescribed).expect("of its lengths");
     let mut sizes: Vec<f64> = u.iter().map(|v| v.abs()).collect();
-    for (i, &slave) in reduction.slaves.iter().enumerate() {
-        let by_masters: f64 = reduction.t.row(i).map(|(j, v)| (v * masters[j]).abs()).sum();
-        let by_prescribed: f64 = reduction.g_matrix.row(i).map(|(j, v)| (v * prescribed[j]).abs()).sum();
-        sizes[slave] = by_masters + by_prescribed + reduction.g[i].abs();
+    for (i, &slave) in reduction.slaves().iter().enumerate() {
+        let by_masters: f64 = reduction.t().row(i).map(|(j, v)| (v * masters[j]).abs()).sum();
+        let by_prescribed: f64 = reduction.g_matrix().row(i).map(|(j, v)| (v * prescribed[j]).abs()).sum();
+        sizes[slave] = by_masters + by_prescribed + reduction.g()[i].abs();
     }
     assert!(sizes.iter().all(|size| size.is_finite()), "a number that is none");
     (u, sizes)
@@ -38,17 +38,17 @@ fn residual(system: &ConstraintSystem, analysis: &Analysis, reduction: &Reductio
         let size: f64 = system.matrix().row(i).map(|(_, v)| v.abs()).sum::<f64>() * largest + b.abs();
         if sum == b { 0.0 } else { (sum - b).abs() / size }
     };
-    (0..system.equations()).filter(|&i| analysis.kinds[i] == Kind::Independent).map(of).fold(0.0, f64::max)
+    (0..system.equations()).filter(|&i| analysis.kinds()[i] == Kind::Independent).map(of).fold(0.0, f64::max)
 }
 
 /// What is wrong, if anything, as text.
 fn fault(name: &str, system: &ConstraintSystem, options: &Options) -> Option<String> {
     let analysis = diagnose(system, options);
-    let reduction = analysis.reduction(system).expect("within the gate");
-    let limit = PRECISION * (1.0 / analysis.confidence.sigma_kept).max(1.0);
+    let reduction = analysis.reduction().expect("within the gate");
+    let limit = PRECISION * (1.0 / analysis.confidence().sigma_kept).max(1.0);
     let own = (1..=3).map(|seed| residual(system, &analysis, &reduction, seed)).fold(0.0, f64::max);
-    let sigma = analysis.confidence.sigma_kept;
-    let reported = analysis.residual(system, &reduction);
+    let sigma = analysis.confidence().sigma_kept;
+    let reported = analysis.residual(&reduction).expect("its own DOFs");
     let found = format!("{name}: reported {reported:.1e}, found {own:.1e}, sigma {sigma:.1e}");
     println!("{:?}, presolve {}, {found}", options.backend, options.presolve);
     assert!(!reported.is_nan(), "{found}");
@@ -69,9 +69,8 @@ fn residuals_by_the_true_condition(backend: BackendChoice) {
     let lossy = |options: &Options| {
         let over = |(name, scene): (&'static str, Scene)| {
             let analysis = diagnose(&scene.system, options);
-            let sigma = singular_values(&kept(&scene.system, &analysis))[analysis.rank() - 1];
-            let found =
-                residual(&scene.system, &analysis, &analysis.reduction(&scene.system).expect("within the gate"), 1);
+            let sigma = singular_values(&kept(&scene.system, &analysis)).expect("within reach")[analysis.rank() - 1];
+            let found = residual(&scene.system, &analysis, &analysis.reduction().expect("within the gate"), 1);
             (found > PRECISION * (1.0 / sigma).max(1.0)).then_some(name)
         };
         definite().into_iter().chain(steep()).filter_map(over).collect::<Vec<_>>()
@@ -85,8 +84,12 @@ fn residuals_by_the_true_condition(backend: BackendChoice) {
 fn a_wrong_constant_is_found(backend: BackendChoice) {
     for (name, scene) in definite() {
         let analysis = diagnose(&scene.system, &Options { backend, ..Options::default() });
-        let mut reduction = analysis.reduction(&scene.system).expect("within the gate");
-        reduction.g.iter_mut().step_by(10).for_each(|g| *g += 1e-9);
+        let good = analysis.reduction().expect("within the gate");
+        let mut g = good.g().to_vec();
+        g.iter_mut().step_by(10).for_each(|g| *g += 1e-9);
+        let dofs = [good.slaves(), good.masters(), good.prescribed()].map(<[usize]>::to_vec);
+        let reduction =
+            Reduction::from_parts(dofs, good.t().clone(), good.g_matrix().clone(), g).expect("the same DOFs");
         let found = residual(&scene.system, &analysis, &reduction, 1);
         assert!(found > PRECISION, "{name}: {found:e}");
     }

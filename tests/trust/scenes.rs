@@ -112,7 +112,7 @@ fn dense(rows: &[Vec<f64>], rank: usize) -> Scene {
 /// Kept equations with all boundary conditions.
 pub fn kept(system: &ConstraintSystem, analysis: &Analysis) -> ConstraintSystem {
     let mut builder = SystemBuilder::new(system.dofs());
-    for i in (0..system.equations()).filter(|&i| analysis.kinds[i] == Kind::Independent) {
+    for i in (0..system.equations()).filter(|&i| analysis.kinds()[i] == Kind::Independent) {
         builder.equation(system.matrix().row(i), system.rhs()[i]);
     }
     system.prescribed().iter().for_each(|&(j, value)| builder.prescribe(j, value));

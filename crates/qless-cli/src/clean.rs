@@ -29,11 +29,11 @@ pub fn run(args: &CleanArgs) -> Result<ExitCode, Failure> {
     }
     progress.stage("cleaning");
     let fail = |error: CleanError| Failure::Input(format!("{}: {error} (nothing was written)", input.display()));
-    let plan = clean::plan(&deck.deck.model, &diagnosis.options).map_err(fail)?;
+    let plan = clean::plan(deck.deck.model(), &diagnosis.options).map_err(fail)?;
     let text = clean::write(&deck.deck, &plan).map_err(fail)?;
     progress.stage("writing");
     // It may be the deck itself, but none that it includes.
-    let included = Inputs::of(deck.deck.model.files.iter().skip(1));
+    let included = Inputs::of(deck.deck.model().files().iter().skip(1));
     OneFile::at(output, included)?.write(&text)?;
     let outcome = Outcome::Cleaned { output, removed: redundant(&plan), written: plan.written.len() };
     diagnosis.print(None, &outcome, progress)?;

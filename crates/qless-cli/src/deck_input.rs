@@ -36,14 +36,14 @@ type Run<'a> = &'a dyn Fn(&ConstraintSystem) -> Result<Analysis, Failure>;
 impl DeckInput {
     /// Analyses every load case and keeps the worst.
     pub fn analyse(deck: Deck, run: Run) -> Result<(ConstraintSystem, Analysis, Option<Self>), Failure> {
-        let path = deck.model.files[0].display().to_string();
+        let path = deck.model().files()[0].display().to_string();
         let mut worst: Option<(usize, ConstraintSystem, Analysis)> = None;
         let mut found = Vec::new();
-        for (k, case) in deck.model.cases.iter().enumerate() {
-            if k > 0 && case.constrains_as(&deck.model.cases[k - 1]) {
+        for (k, case) in deck.model().cases().iter().enumerate() {
+            if k > 0 && case.constrains_as(&deck.model().cases()[k - 1]) {
                 continue;
             }
-            let system = deck.model.system(case).map_err(|error| Failure::Input(format!("{path}: {error}")))?;
+            let system = deck.model().system(case).map_err(|error| Failure::Input(format!("{path}: {error}")))?;
             let analysis = run(&system)?;
             found.push((k, summary(&case.name, &analysis)));
             if worst.as_ref().is_none_or(|(_, _, before)| badness(&analysis) > badness(before)) {
@@ -59,23 +59,23 @@ impl DeckInput {
 
     /// What the solver would refuse or swallow, besides dependent equations.
     fn findings(&self) -> Vec<String> {
-        let model = &self.deck.model;
+        let model = self.deck.model();
         faults(model).iter().map(|fault| fault.describe(model)).collect()
     }
 
     /// Whether the solver refuses the deck although its equations are consistent.
     pub fn is_refused_by_solver(&self) -> bool {
-        !faults(&self.deck.model).is_empty()
+        !faults(self.deck.model()).is_empty()
     }
 
     /// Lines of the report for people.
     pub fn lines(&self, diagnosis: &Diagnosis) -> Vec<String> {
         let mut lines = Vec::new();
-        if self.deck.model.cases.len() > 1 {
+        if self.deck.model().cases().len() > 1 {
             lines.push(format!(
                 "Load case: {} of {}.",
-                self.deck.model.cases[self.case].name,
-                self.deck.model.cases.len()
+                self.deck.model().cases()[self.case].name,
+                self.deck.model().cases().len()
             ));
             lines.extend(self.others.iter().take(LINES).map(|other| format!("  Otherwise {other}.")));
         }
@@ -89,13 +89,13 @@ impl DeckInput {
 
     /// Loads on DOFs that the equations fix.
     fn swallowed(&self, analysis: &Analysis) -> Vec<String> {
-        let model = &self.deck.model;
+        let model = self.deck.model();
         let is_fixed = |dof: Dof| {
             let column = model.column(dof).map(|j| j as usize);
-            column.is_some_and(|j| analysis.generated.binary_search_by_key(&j, |fixed| fixed.0).is_ok())
+            column.is_some_and(|j| analysis.generated().binary_search_by_key(&j, |fixed| fixed.0).is_ok())
         };
         let name = |load: &Load| format!("{} in {}", load.dof, model.place(load.origin));
-        model.cases[self.case].loads.iter().filter(|load| is_fixed(load.dof)).map(name).collect()
+        model.cases()[self.case].loads.iter().filter(|load| is_fixed(load.dof)).map(name).collect()
     }
 
     /// Says on standard error what was not understood.
@@ -108,18 +108,18 @@ impl DeckInput {
     }
 
     fn warnings(&self) -> Vec<String> {
-        let model = &self.deck.model;
+        let model = self.deck.model();
         let place = |file: u32, line: u32| match line {
-            0 => model.files[file as usize].display().to_string(),
-            _ => format!("{}:{line}", model.files[file as usize].display()),
+            0 => model.files()[file as usize].display().to_string(),
+            _ => format!("{}:{line}", model.files()[file as usize].display()),
         };
-        model.warnings.iter().map(|w| format!("{}: {}", place(w.file, w.line), w.text)).collect()
+        model.warnings().iter().map(|w| format!("{}: {}", place(w.file, w.line), w.text)).collect()
     }
 
     /// For JSON.
     pub fn report(&self, analysis: &Analysis) -> DeckReport {
         DeckReport {
-            load_case: self.deck.model.cases[self.case].name.clone(),
+            load_case: self.deck.model().cases()[self.case].name.clone(),
             other_load_cases: self.others.clone(),
             solver_refuses: self.findings(),
             loads_without_effect: self.swallowed(analysis),
@@ -142,7 +142,7 @@ fn section(heading: &str, findings: &[String]) -> Vec<String> {
 
 /// Conflicts weigh more than redundancies.
 fn badness(analysis: &Analysis) -> (usize, usize) {
-    let of = |kind| analysis.dependent.iter().filter(|dependent| dependent.kind == kind).count();
+    let of = |kind| analysis.dependent().iter().filter(|dependent| dependent.kind == kind).count();
     (of(Kind::Conflicting), of(Kind::Redundant))
 }
 

@@ -3,7 +3,9 @@
 use std::time::{Duration, Instant};
 
 use qless::exact::{self, ExactRank, Reading, Settings};
-use qless::{Analysis, AnalysisError, ConstraintSystem, Form, Kind, Meant, Options, Reduction, Report, analyse};
+use qless::{
+    Analysis, AnalysisError, ArgumentError, ConstraintSystem, Form, Kind, Meant, Options, Reduction, Report, analyse,
+};
 use qless_io::deck::{self, Format as Language};
 use qless_io::read_case;
 use qless_io::write::Inputs;
@@ -54,7 +56,7 @@ pub fn diagnose<'a>(args: &'a ModelArgs, mut options: Options, progress: &Progre
     options.memory = memory::left().map_or(options.memory, |left| left.min(options.memory));
     let (system, analysis, deck) = input.analyse(&options, &refused)?;
     // A large right-hand side over a small coefficient.
-    if let Some(&(dof, _)) = analysis.generated.iter().find(|(_, value)| !value.is_finite()) {
+    if let Some(&(dof, _)) = analysis.generated().iter().find(|(_, value)| !value.is_finite()) {
         return Err(Failure::of_overflow(&args.input, &system, dof));
     }
     Ok(Diagnosis { args, options, system, analysis, deck, exact: None, meant: None, start, read })
@@ -101,7 +103,7 @@ impl Diagnosis<'_> {
     /// All files that were read.
     pub fn inputs(&self) -> Inputs {
         match &self.deck {
-            Some(deck) => Inputs::of(&deck.deck.model.files),
+            Some(deck) => Inputs::of(deck.deck.model().files()),
             None => self.args.inputs(),
         }
     }
@@ -121,8 +123,8 @@ impl Diagnosis<'_> {
 
     /// Adds the reading in which equations that nearly repeat others are meant to, where the rank is in doubt and memory allows it.
     pub fn take_meaning(&mut self) {
-        if self.analysis.confidence.ambiguous {
-            self.meant = self.analysis.meant(&self.system).unwrap_or_default();
+        if self.analysis.confidence().ambiguous {
+            self.meant = self.analysis.meant().unwrap_or_default();
         }
     }
 
@@ -133,7 +135,7 @@ impl Diagnosis<'_> {
             Kind::Redundant => self.args.deny == Some(Deny::Redundant),
             Kind::Conflicting => true,
         };
-        self.analysis.dependent.iter().any(|dependent| denied(dependent.kind))
+        self.analysis.dependent().iter().any(|dependent| denied(dependent.kind))
     }
 
     /// Prints the report.
@@ -150,7 +152,8 @@ impl Diagnosis<'_> {
     /// The report in the form that was asked for.
     pub fn render(&self, reduced: Option<Reduced>, outcome: &Outcome) -> Result<Vec<u8>, Failure> {
         let terms = if self.args.format == Format::Text { 0 } else { Report::TERMS };
-        let report = self.report(reduced, terms);
+        let misfit = |error| Failure::Resource(format!("the report cannot be made: {error}"));
+        let report = self.report(reduced, terms).map_err(misfit)?;
         match self.args.format {
             Format::Text => Ok(text::render(self, &report, outcome).into_bytes()),
             Format::Json => {
@@ -166,21 +169,21 @@ impl Diagnosis<'_> {
         }
     }
 
-    fn report(&self, reduced: Option<Reduced>, terms: usize) -> Report {
-        let mut report = Report::new(&self.system, &self.analysis, terms);
+    fn report(&self, reduced: Option<Reduced>, terms: usize) -> Result<Report, ArgumentError> {
+        let mut report = Report::new(&self.analysis, terms);
         if let Some(exact) = &self.exact {
-            report = report.with_exact(&self.system, &self.analysis, exact);
+            report = report.with_exact(&self.analysis, exact)?;
         }
         if let Some(meant) = &self.meant {
-            report = report.with_meant(&self.system, meant, terms);
+            report = report.with_meant(&self.analysis, meant, terms)?;
         }
         let (report, time) = match reduced {
             Some(Reduced { reduction, form, time }) => {
-                let residual = self.analysis.residual(&self.system, reduction);
+                let residual = self.analysis.residual(reduction)?;
                 (report.with_reduction(reduction, residual).with_form(form), time)
             }
             None => (report, Duration::ZERO),
         };
-        report.with_timings(self.read, time, self.start.elapsed())
+        Ok(report.with_timings(self.read, time, self.start.elapsed()))
     }
 }

@@ -34,7 +34,7 @@ pub fn run(args: &ReduceArgs) -> Result<ExitCode, Failure> {
     progress.stage("reducing");
     let start = Instant::now();
     let refused = |error| Failure::of_reduction(error, &args.model.input, &diagnosis.system);
-    let reduction = diagnosis.analysis.reduction_in(&diagnosis.system, args.form()).map_err(refused)?;
+    let reduction = diagnosis.analysis.reduction_in(args.form()).map_err(refused)?;
     let time = start.elapsed();
     progress.stage("writing");
     write(args, &reduction, &diagnosis)?;
@@ -46,23 +46,23 @@ pub fn run(args: &ReduceArgs) -> Result<ExitCode, Failure> {
 fn write(args: &ReduceArgs, reduction: &Reduction, diagnosis: &Diagnosis) -> Result<(), Failure> {
     let mut output = Output::new(&args.output)?.sparing(diagnosis.inputs());
     add(&mut output, reduction, diagnosis.system.dof_labels())?;
-    for (block, k) in reduction.factored.iter().zip(1..) {
+    for (block, k) in reduction.factored().iter().zip(1..) {
         let parts = block.parts().ok_or_else(|| beyond_range(args, k))?;
         blocks::write(&mut output, k, block, &parts)?;
     }
-    for name in stale(&args.output, reduction.factored.len())? {
+    for name in stale(&args.output, reduction.factored().len())? {
         output.absent(&name)?;
     }
     Ok(output.commit()?)
 }
 
 fn add(output: &mut Output, reduction: &Reduction, labels: &[String]) -> Result<(), WriteError> {
-    output.matrix("T.mtx", &reduction.t)?;
-    output.matrix("G.mtx", &reduction.g_matrix)?;
-    output.numbers("g.txt", &reduction.g)?;
-    output.indices("slaves.txt", &reduction.slaves)?;
-    output.indices("masters.txt", &reduction.masters)?;
-    output.indices("prescribed.txt", &reduction.prescribed)?;
+    output.matrix("T.mtx", &reduction.t())?;
+    output.matrix("G.mtx", &reduction.g_matrix())?;
+    output.numbers("g.txt", &reduction.g())?;
+    output.indices("slaves.txt", &reduction.slaves())?;
+    output.indices("masters.txt", &reduction.masters())?;
+    output.indices("prescribed.txt", &reduction.prescribed())?;
     // Columns of a deck are nobody's numbers.
     if !labels.is_empty() {
         output.file("cols.txt", |out| labels.iter().try_for_each(|label| writeln!(out, "{label}")))?;

@@ -29,7 +29,7 @@ pub fn render(diagnosis: &Diagnosis, reduction: Option<&Reduction>) -> Result<Ve
         )));
     };
     let positions = deck.deck.positions();
-    let counts = counts(diagnosis, reduction, &|j| deck.deck.model.dofs.get(j).map(|dof| dof.node))?;
+    let counts = counts(diagnosis, reduction, &|j| deck.deck.model().dofs().get(j).map(|dof| dof.node))?;
     let shown: Vec<(u32, [f64; 3], Counts)> =
         counts.into_iter().filter_map(|(node, counts)| Some((node, *positions.get(&node)?, counts))).collect();
     if shown.is_empty() {
@@ -54,11 +54,11 @@ fn counts(
     let refused = |error| Failure::of_reduction(error, input, system);
     let reduction = match reduction {
         Some(reduction) => Cow::Borrowed(reduction),
-        None => Cow::Owned(diagnosis.analysis.reduction(system).map_err(refused)?),
+        None => Cow::Owned(diagnosis.analysis.reduction().map_err(refused)?),
     };
     let mut counts: BTreeMap<u32, Counts> = BTreeMap::new();
     let mut held = vec![false; system.dofs()];
-    for (i, kind) in diagnosis.analysis.kinds.iter().enumerate() {
+    for (i, kind) in diagnosis.analysis.kinds().iter().enumerate() {
         system.matrix().row(i).for_each(|(j, _)| held[j] = true);
         let nodes: BTreeSet<u32> = system.matrix().row(i).filter_map(|(j, _)| node_of(j)).collect();
         for node in nodes {
@@ -67,7 +67,7 @@ fn counts(
             counts[4] += i32::from(*kind == Kind::Conflicting);
         }
     }
-    for (side, dofs) in [&reduction.slaves, &reduction.masters, &reduction.prescribed].into_iter().enumerate() {
+    for (side, dofs) in [reduction.slaves(), reduction.masters(), reduction.prescribed()].into_iter().enumerate() {
         for node in dofs.iter().filter(|&&j| held[j]).filter_map(|&j| node_of(j)) {
             counts.entry(node).or_default()[side] += 1;
         }

@@ -110,37 +110,38 @@ fn mixed(constraints: usize) -> ConstraintSet {
             lot -= share;
         }
     }
-    builder.build()
+    builder.build().expect("few DOFs")
 }
 
 fn of_one_kind(constraints: usize, add: Add) -> ConstraintSet {
     let nodes = constraints / 2 + 200;
     let mut builder = ConstraintSet::builder(3 * nodes);
     (0..constraints).for_each(|i| add(&mut builder, i / 2, nodes));
-    builder.build()
+    builder.build().expect("few DOFs")
 }
 
 /// The ratio of medians.
 fn measure(name: &str, set: &ConstraintSet) -> f64 {
     let u: Vec<f64> = (0..set.dofs()).map(|j| 1e-3 * (j % 17) as f64).collect();
     let w: Vec<f64> = (0..set.equations()).map(|i| (i % 5) as f64).collect();
-    let (mut quantities, mut copy) = (set.allocate(), set.allocate());
+    let mut quantities = set.allocate();
+    let mut copy = [set.equations(), quantities.g().nnz(), quantities.h().nnz()].map(|length| vec![0.0; length]);
     let [mut values, mut hessian, mut all, mut writing, mut indexed] = [const { Vec::new() }; 5];
-    let longest = set.equations().max(copy.g.nnz()).max(copy.h.nnz());
+    let longest = copy.iter().map(Vec::len).max().unwrap_or(0);
     let places: Vec<u32> = (0..longest).map(|k| (k % CHUNK) as u32).collect();
     for round in 0..ROUNDS {
         // As long as the assembly, so that neither slips through between two interruptions by other programs.
         writing.push(time(|| (0..REPEATS).for_each(|i| write(&mut copy, (round + i) as f64))) / REPEATS as f64);
         indexed.push(time(|| (0..REPEATS).for_each(|i| write_indexed(&mut copy, &places, i as f64))) / REPEATS as f64);
-        values.push(time(|| set.evaluate(&u, &mut quantities)));
-        hessian.push(time(|| set.effective_hessian(&u, &w, &mut quantities)));
-        all.push(time(|| set.assemble(&u, &w, &mut quantities)));
+        values.push(time(|| set.evaluate(&u, &mut quantities).expect("of this set")));
+        hessian.push(time(|| set.effective_hessian(&u, &w, &mut quantities).expect("of this set")));
+        all.push(time(|| set.assemble(&u, &w, &mut quantities).expect("of this set")));
         black_box((&quantities, &copy));
     }
     let shortest = |times: &[f64]| times.iter().copied().fold(f64::INFINITY, f64::min);
     let best = shortest(&all) / shortest(&writing);
     let [values, hessian, all, writing, indexed] = [values, hessian, all, writing, indexed].map(median);
-    let (nnz, ratio, other) = (quantities.g.nnz() + quantities.h.nnz(), all / writing, all / indexed);
+    let (nnz, ratio, other) = (quantities.g().nnz() + quantities.h().nnz(), all / writing, all / indexed);
     let [a, b, c, d, e] = [values, hessian, all, writing, indexed].map(|seconds| 1e3 * seconds);
     print!("{name:>20} {:>9} {nnz:>10} ", set.equations());
     println!("{a:>7.2} ms {b:>7.2} ms {c:>7.2} ms {d:>7.2} ms {e:>7.2} ms {ratio:>6.2} {other:>7.2} {best:>6.2}");
@@ -148,15 +149,15 @@ fn measure(name: &str, set: &ConstraintSet) -> f64 {
 }
 
 /// Every number of c, G and H, once.
-fn write(quantities: &mut Quantities, value: f64) {
-    for array in [&mut quantities.c, &mut quantities.g.val, &mut quantities.h.val] {
+fn write(numbers: &mut [Vec<f64>; 3], value: f64) {
+    for array in numbers {
         array.par_chunks_mut(CHUNK).for_each(|chunk| chunk.fill(black_box(value)));
     }
 }
 
 /// The same, each at a place that is read from a list.
-fn write_indexed(quantities: &mut Quantities, places: &[u32], value: f64) {
-    for array in [&mut quantities.c, &mut quantities.g.val, &mut quantities.h.val] {
+fn write_indexed(numbers: &mut [Vec<f64>; 3], places: &[u32], value: f64) {
+    for array in numbers {
         array.par_chunks_mut(CHUNK).zip(places.par_chunks(CHUNK)).for_each(|(chunk, places)| {
             let (value, count) = (black_box(value), chunk.len());
             places[..count].iter().for_each(|&place| chunk[place as usize] = value);

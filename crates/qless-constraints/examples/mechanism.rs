@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let solution = solve(&set, &[0.0; 6], &[(0, 0.6)], &options)?;
     println!("{:>4} {:>11} {:>5}  left out", "step", "residual", "rank");
     for (step, iterate) in solution.iterates.iter().enumerate() {
-        let names: Vec<String> = iterate.left_out.iter().map(|&row| set.label(row)).collect();
+        let names: Vec<String> = iterate.left_out.iter().map(|&row| set.label(row)).collect::<Result<_, _>>()?;
         println!("{step:>4} {:>11.3e} {:>5}  {}", iterate.residual, iterate.rank, names.join("; "));
     }
     println!("u = {:.6?}", solution.u);
@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Folded flat, the coupler adds a second, which is redundant in that configuration only.
     for (name, u) in [("driven", solution.u), ("folded flat", vec![1.0, -1.0, 1.0, -1.0, 1.0, -1.0])] {
         for (row, place) in redundancies(&set, &u, &options)? {
-            println!("{name}: redundant, {:?}: {}", place, set.label(row));
+            println!("{name}: redundant, {:?}: {}", place, set.label(row)?);
         }
     }
     Ok(())
@@ -42,5 +42,5 @@ fn linkage() -> Result<ConstraintSet, Box<dyn std::error::Error>> {
         let terms = vec![(2 + axis, 1.0), (axis, -0.5), (4 + axis, -0.5)];
         builder.add(format!("middle of the coupler, {}", ["x", "y"][axis]), LinearEquation { terms, rhs: 0.0 })?;
     }
-    Ok(builder.build())
+    Ok(builder.build()?)
 }

@@ -69,9 +69,9 @@ fn constraints() -> Outcome<ConstraintSystem> {
             builder.add(format!("face {}, node ({i}, {j})", face + 1), pair)?;
         }
     }
-    let set = builder.build();
+    let set = builder.build()?;
     let mut quantities = set.allocate();
-    set.evaluate(&vec![0.0; set.dofs()], &mut quantities);
+    set.evaluate(&vec![0.0; set.dofs()], &mut quantities)?;
     Ok(set.linearised(&quantities, &[(0, 0.0), (1, 0.0), (2, 0.0)])?)
 }
 

@@ -16,9 +16,9 @@
 //! for (i, j) in [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)] {
 //!     builder.add(format!("rod {i}-{j}"), Distance::new(points[i], points[j]))?;
 //! }
-//! let set = builder.build();
+//! let set = builder.build()?;
 //! let mut quantities = set.allocate();
-//! set.evaluate(&[0.0; 8], &mut quantities);
+//! set.evaluate(&[0.0; 8], &mut quantities)?;
 //! let analysis = analyse(&set.linearised(&quantities, &[])?, &Options::default())?;
 //! assert_eq!((set.equations(), analysis.rank()), (6, 5));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -34,4 +34,6 @@ mod set;
 pub mod types;
 
 pub use constraint::{Constraint, Nonlinear};
-pub use set::{AddError, ConstraintId, ConstraintSet, Quantities, SetBuilder, Store, StoreError, Weights};
+pub use set::{
+    AddError, ConstraintId, ConstraintSet, LineariseError, Quantities, SetBuilder, Store, StoreError, Weights,
+};

@@ -30,7 +30,7 @@ impl Scene {
             builder.dof_labels([names(&self.system), names(&other.system)].concat());
         }
         let placed = !self.dofs.is_empty() && !other.dofs.is_empty();
-        let moved = |dof: &Dof| Dof { node: dof.node + self.nodes.len(), ..*dof };
+        let moved = |dof: &Dof| Dof { node: dof.node.saturating_add(self.nodes.len()), ..*dof };
         let dofs = self.dofs.iter().copied().chain(other.dofs.iter().map(moved)).filter(|_| placed).collect();
         let nodes = if placed { [&self.nodes[..], &other.nodes].concat() } else { Vec::new() };
         Ok(Self { system: builder.build()?, truth: self.truth.beside(&other.truth, first), nodes, dofs })
@@ -40,8 +40,8 @@ impl Scene {
 impl Truth {
     /// What holds of two systems without common DOFs, the second one's DOFs being numbered from `first` on.
     fn beside(&self, other: &Self, first: usize) -> Self {
-        let sum = |a: Option<usize>, b: Option<usize>| Some(a? + b?);
-        let moved = |&(dof, value): &(usize, f64)| (first + dof, value);
+        let sum = |a: Option<usize>, b: Option<usize>| Some(a?.saturating_add(b?));
+        let moved = |&(dof, value): &(usize, f64)| (first.saturating_add(dof), value);
         let generated = self.generated.as_ref().zip(other.generated.as_ref());
         Self {
             rank_free: sum(self.rank_free, other.rank_free),

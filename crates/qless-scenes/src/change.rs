@@ -54,7 +54,7 @@ impl Scene {
         let system = rebuild(&self.system, &rows, &dofs, &vec![1.0; rows.len()], units)?;
         let mut truth = self.truth.clone();
         for (dof, value) in truth.generated.iter_mut().flatten() {
-            *value /= units[*dof];
+            *value /= units.get(*dof).unwrap_or(&1.0);
         }
         Ok(Self { system, truth, ..self.clone() })
     }
@@ -78,10 +78,10 @@ impl Scene {
         let new = inverse(&dofs);
         let mut truth = self.truth.clone();
         for (dof, _) in truth.generated.iter_mut().flatten() {
-            *dof = new[*dof];
+            *dof = new.get(*dof).copied().unwrap_or(*dof);
         }
         truth.generated.iter_mut().for_each(|all| all.sort_by_key(|&(dof, _)| dof));
-        let places = if self.dofs.is_empty() { Vec::new() } else { dofs.iter().map(|&j| self.dofs[j]).collect() };
+        let places = dofs.iter().filter_map(|&j| self.dofs.get(j).copied()).collect();
         Ok((Self { system, truth, nodes: self.nodes.clone(), dofs: places }, Order { rows, dofs }))
     }
 
@@ -107,6 +107,7 @@ impl Scene {
     /// [`SceneError::System`] where the system becomes too large.
     pub fn with_singletons(&self, rows: usize, others: usize, seed: u64) -> Result<Self, SceneError> {
         let n = self.system.dofs();
+        crate::error::within("rows", rows, 0, crate::families::MOST)?;
         let mut builder = copy(&self.system, n + rows);
         let mut rng = Rng::new(seed);
         for i in 0..rows {
@@ -114,7 +115,7 @@ impl Scene {
             builder.labelled_equation(format!("singleton {}", i + 1), old.into_iter().chain([(n + i, 1.0)]), 0.0);
         }
         let mut truth = Truth { generated: None, ..self.truth.clone() };
-        truth.rank_free = truth.rank_free.map(|rank| rank + rows);
+        truth.rank_free = truth.rank_free.map(|rank| rank.saturating_add(rows));
         Self::bare(builder, truth)
     }
 }

@@ -2,6 +2,8 @@
 
 use qless::SystemError;
 
+use crate::oracle::OracleError;
+
 /// Arguments that make no scene.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SceneError {
@@ -46,6 +48,9 @@ pub enum SceneError {
     /// The generated equations are not a valid system, for instance because scaling overflowed.
     #[error(transparent)]
     System(#[from] SystemError),
+    /// The truth about the scene cannot be told.
+    #[error(transparent)]
+    Oracle(#[from] OracleError),
 }
 
 /// `least <= found <= most`, or the error that says so.

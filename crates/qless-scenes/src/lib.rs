@@ -16,7 +16,7 @@
 //! let scene = fssi::tie(&fssi::Level::P50.mesh(), 1)?;
 //! assert_eq!(scene.system.equations(), 7580);
 //! assert_eq!(scene.truth.redundant, Some(168));
-//! assert_eq!(oracle::rank_free(&scene.system), 7412);
+//! assert_eq!(oracle::rank_free(&scene.system)?, 7412);
 //! # Ok::<(), qless_scenes::SceneError>(())
 //! ```
 

@@ -47,14 +47,14 @@ impl Truth {
 
     /// m equations of known rank.
     pub fn rank(equations: usize, rank: usize) -> Self {
-        Self::independent(equations).with_redundant(equations - rank)
+        Self::independent(equations).with_redundant(equations.saturating_sub(rank))
     }
 
     /// Turns `count` of the independent equations into redundant ones.
     #[must_use]
     pub fn with_redundant(mut self, count: usize) -> Self {
-        self.rank_free = self.rank_free.map(|rank| rank - count);
-        self.redundant = self.redundant.map(|redundant| redundant + count);
+        self.rank_free = self.rank_free.map(|rank| rank.saturating_sub(count));
+        self.redundant = self.redundant.map(|redundant| redundant.saturating_add(count));
         self
     }
 

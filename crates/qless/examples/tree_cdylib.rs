@@ -10,7 +10,7 @@ use qless::qr::spqr::Spqr;
 pub extern "C" fn example_trees() -> u64 {
     let mut columns = Csr::empty(2000);
     for j in 0..1500 {
-        columns.push_row((0..6).map(|k| (j + 80 * k, 1.0 + ((j * 7 + k * 3) % 11) as f64)));
+        columns.push_row((0..6).map(|k| (j + 80 * k, 1.0 + ((j * 7 + k * 3) % 11) as f64))).expect("rows ascend");
     }
     let spqr = Spqr { small: 1.0, grain: 32.0, ..Spqr::on(2) };
     if spqr.factor(&columns, &[], 1e-10).is_err() { 0 } else { Spqr::trees() }

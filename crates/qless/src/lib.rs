@@ -17,11 +17,11 @@
 //! builder.equation([(0, 2.0), (1, 1.0), (2, 1.0)], 1.0);
 //! let system = builder.build()?;
 //! let analysis = analyse(&system, &Options::default())?;
-//! assert_eq!((analysis.rank(), analysis.kinds[2]), (2, Kind::Redundant));
+//! assert_eq!((analysis.rank(), analysis.kinds()[2]), (2, Kind::Redundant));
 //! // (17) and (18): u1 = -u3 + 2/3, u2 = u3 - 1/3.
-//! let reduction = analysis.reduction(&system)?;
-//! assert_eq!((reduction.slaves.as_slice(), reduction.masters.as_slice()), ([0, 1].as_slice(), [2].as_slice()));
-//! assert!((reduction.g[0] - 2.0 / 3.0).abs() < 1e-15);
+//! let reduction = analysis.reduction()?;
+//! assert_eq!((reduction.slaves(), reduction.masters()), ([0, 1].as_slice(), [2].as_slice()));
+//! assert!((reduction.g()[0] - 2.0 / 3.0).abs() < 1e-15);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -37,6 +37,8 @@ mod report;
 
 pub use change::changing::{ChangeError, ChangingSystem, EquationId, SolvedBlock};
 pub use change::refresh::{RefreshError, Refreshed, Refresher};
+pub use common::argument::ArgumentError;
+pub use common::identity::Identity;
 pub use diagnosis::analysis::{Analysis, AnalysisError, PresolveStatistics, Timings, analyse};
 pub use diagnosis::certificate::Because;
 pub use diagnosis::classify::{Dependent, Kind};

@@ -68,7 +68,9 @@ fn matrix(seed: u64) -> Columns {
 
 fn sparse(columns: &Columns) -> Csr {
     let mut a = Csr::empty(columns[0].len());
-    columns.iter().for_each(|column| a.push_row(column.iter().copied().enumerate().filter(|&(_, v)| v != 0.0)));
+    columns.iter().for_each(|column| {
+        a.push_row(column.iter().copied().enumerate().filter(|&(_, v)| v != 0.0)).expect("ascending")
+    });
     a
 }
 
@@ -86,7 +88,7 @@ fn check_shape(factor: &Factor, n: usize, name: &str) {
     let mut order = factor.order.clone();
     order.sort_unstable();
     assert!(order.into_iter().eq(0..n), "{name}: P");
-    assert_eq!((factor.r.rows(), factor.r.cols), (factor.rank, n), "{name}: shape of R");
+    assert_eq!((factor.r.rows(), factor.r.cols()), (factor.rank, n), "{name}: shape of R");
     for i in 0..factor.rank {
         let row: Vec<_> = factor.r.row(i).collect();
         assert!(row[0].0 == i && row.is_sorted_by(|a, b| a.0 < b.0), "{name}: row {i} of R is {row:?}");
@@ -97,7 +99,7 @@ fn check_shape(factor: &Factor, n: usize, name: &str) {
 
 /// B = I gives the first r rows of W: `W A P = [R1 R2]` entry by entry.
 fn check_transform(a: &Csr, columns: &Columns, name: &str) {
-    let m = a.cols;
+    let m = a.cols();
     let identity: Vec<f64> = (0..m * m).map(|k| f64::from(u8::from(k / m == k % m))).collect();
     let factor = GAUSS.factor(a, &identity, TOLERANCE).expect(name);
     let r = factor.rank;
@@ -121,18 +123,18 @@ fn check(seed: u64) {
     let (a, m, n) = (sparse(&columns), columns[0].len(), columns.len());
     let mut random = Random::new(seed + 5000);
     let x: Vec<f64> = (0..n).map(|_| random.signed()).collect();
-    let mut rhs = a.transpose().times(&x);
+    let mut rhs = a.transpose().expect("few columns").times(&x).expect("a number for each");
     rhs.extend((0..m).map(|_| random.signed()));
     let factor = GAUSS.factor(&a, &rhs, TOLERANCE).expect(&name);
     let dense = Faer.factor(&a, &rhs, TOLERANCE).expect(&name);
     assert_eq!(factor.rank, dense.rank, "{name}, {m} x {n}: rank");
     assert!(factor.dropped <= 1e-12, "{name}: dropped {}", factor.dropped);
     check_shape(&factor, n, &name);
-    for (y, k) in factor.coefficients().iter().zip(factor.rank..) {
+    for (y, k) in factor.coefficients().expect("as made").iter().zip(factor.rank..) {
         let (rest, size) = (left(&columns, &factor, y, &columns[factor.order[k]]), 1.0 + largest(y.iter().copied()));
         assert!(rest <= 1e-13 * size * m as f64, "{name}: column {k} leaves {rest:e} of {size}");
     }
-    let solution = factor.solve(&factor.rhs[..factor.rank]);
+    let solution = factor.solve(&factor.rhs[..factor.rank]).expect("as long as R1");
     let (rest, size) = (left(&columns, &factor, &solution, &rhs[..m]), 1.0 + largest(solution.iter().copied()));
     assert!(rest <= 1e-13 * size * m as f64, "{name}: b leaves {rest:e} of {size}");
     assert!(factor.rest[0] <= 1e-12 * n as f64, "{name}: rest {:e} of b in the range", factor.rest[0]);
@@ -151,7 +153,7 @@ fn the_matrices_are_of_every_kind() {
     let kind = |seed: u64| {
         let a = sparse(&matrix(seed));
         let rank = Faer.factor(&a, &[], TOLERANCE).expect("small").rank;
-        (a.cols.cmp(&a.rows()), rank < a.cols.min(a.rows()))
+        (a.cols().cmp(&a.rows()), rank < a.cols().min(a.rows()))
     };
     let mut kinds: Vec<_> = (0..600).map(kind).collect();
     kinds.sort_unstable();
@@ -170,7 +172,7 @@ fn rounding_is_no_pivot() {
         let (u, v) = (whole(m * rank), whole(rank * n));
         let entry = |i: usize, j: usize| (0..rank).map(|k| u[i * rank + k] * v[k * n + j]).sum();
         let a = sparse(&(0..n).map(|j| (0..m).map(|i| entry(i, j)).collect()).collect());
-        let found = GAUSS.factor(&a, &[], 2e-14 * largest(a.val.iter().copied())).expect("small");
+        let found = GAUSS.factor(&a, &[], 2e-14 * largest(a.values().iter().copied())).expect("small");
         let dense = Faer.factor(&a, &[], TOLERANCE).expect("small");
         assert_eq!(found.rank, dense.rank, "seed {seed}, {m} x {n}, rank {rank}");
     }
@@ -182,8 +184,12 @@ fn a_long_band_stays_sparse() {
     let (m, n) = (100_000, 150_000);
     let mut random = Random::new(3);
     let mut rows = Csr::empty(n);
-    (0..m).for_each(|i| rows.push_row((0..8).map(|k| (3 * i / 2 + k, random.signed() + 1e-4)).filter(|&(j, _)| j < n)));
-    let factor = Gauss { memory: 150 << 20 }.factor(&rows.transpose(), &[], 1e-10).expect("it fits");
+    (0..m).for_each(|i| {
+        rows.push_row((0..8).map(|k| (3 * i / 2 + k, random.signed() + 1e-4)).filter(|&(j, _)| j < n))
+            .expect("ascending")
+    });
+    let factor =
+        Gauss { memory: 150 << 20 }.factor(&rows.transpose().expect("few columns"), &[], 1e-10).expect("it fits");
     assert_eq!(factor.rank, m);
     assert!(factor.r.nnz() < 3 * rows.nnz(), "{} entries from {}", factor.r.nnz(), rows.nnz());
 }

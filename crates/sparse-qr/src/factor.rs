@@ -12,10 +12,14 @@ pub struct Rows {
 }
 
 impl Rows {
-    /// Columns and values of row i.
+    /// Columns and values of row i; none for a row that is not there.
     pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
-        let range = self.start[i]..self.start[i + 1];
-        self.col[range.clone()].iter().zip(&self.val[range]).map(|(&j, &v)| (j as usize, v))
+        let range = match self.start.get(i..).unwrap_or_default() {
+            &[first, last, ..] => first..last,
+            _ => 0..0,
+        };
+        let (col, val) = (self.col.get(range.clone()), self.val.get(range));
+        col.into_iter().flatten().zip(val.into_iter().flatten()).map(|(&j, &v)| (j as usize, v))
     }
 }
 

@@ -60,28 +60,29 @@ pub fn with_multipliers(
 
 /// u with `u_s = T u_q + G u_p + g` and `T*^T (K u - f) = 0`, T* being T over the masters' own rows.
 pub fn with_masters(f: &[f64], reduction: &Reduction, prescribed: &[f64]) -> Option<Vec<f64>> {
-    let at_rest = reduction.expand(&vec![0.0; reduction.masters.len()], prescribed);
+    let at_rest = reduction.expand(&vec![0.0; reduction.masters().len()], prescribed).ok()?;
     let moved = |q: &[f64]| -> Vec<f64> {
         let mut u = vec![0.0; at_rest.len()];
-        reduction.masters.iter().zip(q).for_each(|(&j, &q)| u[j] = q);
-        reduction.slaves.iter().zip(reduction.t.times(q)).for_each(|(&j, value)| u[j] = value);
+        reduction.masters().iter().zip(q).for_each(|(&j, &q)| u[j] = q);
+        let row = |i: usize| reduction.t().row(i).map(|(j, v)| v * q[j]).sum();
+        reduction.slaves().iter().enumerate().for_each(|(i, &j)| u[j] = row(i));
         u
     };
     let gathered = |force: &[f64]| -> Vec<f64> {
-        let of_slaves: Vec<f64> = reduction.slaves.iter().map(|&j| force[j]).collect();
-        let mut sum = transposed(&reduction.t, &of_slaves);
-        sum.iter_mut().zip(&reduction.masters).for_each(|(sum, &j)| *sum += force[j]);
+        let of_slaves: Vec<f64> = reduction.slaves().iter().map(|&j| force[j]).collect();
+        let mut sum = transposed(reduction.t(), &of_slaves);
+        sum.iter_mut().zip(reduction.masters()).for_each(|(sum, &j)| *sum += force[j]);
         sum
     };
     let mut rest = f.to_vec();
     add(&mut rest, -1.0, &times(&at_rest));
     let q = solve(|q| gathered(&times(&moved(q))), &gathered(&rest), OF_MASTERS)?;
-    Some(reduction.expand(&q, prescribed))
+    reduction.expand(&q, prescribed).ok()
 }
 
 /// `C^T x`.
 fn transposed(c: &Csr, x: &[f64]) -> Vec<f64> {
-    let mut sum = vec![0.0; c.cols];
+    let mut sum = vec![0.0; c.cols()];
     for (i, x) in x.iter().enumerate() {
         c.row(i).for_each(|(j, v)| sum[j] += v * x);
     }

@@ -59,6 +59,6 @@ pub fn once(system: &ConstraintSystem, method: &Method) -> Result<Done, Reason> 
 fn qless(system: &ConstraintSystem, options: &Options) -> Result<Done, Reason> {
     let start = Instant::now();
     let analysis = analyse(system, options)?;
-    let reduction = analysis.reduction(system)?;
+    let reduction = analysis.reduction()?;
     Ok(Done { time: start.elapsed().as_secs_f64(), reduction, analysis: Some(analysis) })
 }

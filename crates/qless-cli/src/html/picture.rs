@@ -44,7 +44,7 @@ fn spy(diagnosis: &Diagnosis) -> Spy {
     let cells = m.max(n).clamp(1, CELLS);
     let mut worst: BTreeMap<(usize, usize), u8> = BTreeMap::new();
     for i in 0..m {
-        let kind = match diagnosis.analysis.kinds[i] {
+        let kind = match diagnosis.analysis.kinds()[i] {
             Kind::Independent => 0,
             Kind::Redundant => 1,
             Kind::Conflicting => 2,
@@ -92,12 +92,12 @@ type Nodes = (Vec<(u32, f64, f64, f64)>, Vec<(usize, Vec<u32>)>);
 /// Nodes of the deck that equations hold, those of dependent ones first.
 fn nodes(diagnosis: &Diagnosis) -> Nodes {
     let Some(deck) = &diagnosis.deck else { return (Vec::new(), Vec::new()) };
-    let node = |j: usize| deck.deck.model.dofs.get(j).map(|dof| dof.node);
+    let node = |j: usize| deck.deck.model().dofs().get(j).map(|dof| dof.node);
     let of_row =
         |row: usize| -> BTreeSet<u32> { diagnosis.system.matrix().row(row).filter_map(|(j, _)| node(j)).collect() };
     let mut rows: BTreeMap<usize, BTreeSet<u32>> = BTreeMap::new();
-    for dependent in &diagnosis.analysis.dependent {
-        let because = diagnosis.analysis.because(dependent);
+    for dependent in diagnosis.analysis.dependent() {
+        let because = diagnosis.analysis.because(dependent.row).unwrap_or_default();
         for row in std::iter::once(dependent.row).chain(because.iter().map(|term| term.row)) {
             if rows.len() < ROWS {
                 rows.entry(row).or_insert_with(|| of_row(row));
@@ -105,7 +105,7 @@ fn nodes(diagnosis: &Diagnosis) -> Nodes {
         }
     }
     let mut shown: BTreeSet<u32> = rows.values().flatten().copied().take(NODES).collect();
-    for dof in &deck.deck.model.dofs {
+    for dof in deck.deck.model().dofs() {
         if shown.len() >= NODES {
             break;
         }

@@ -50,7 +50,7 @@ fn nearly_dependent(kept: f64) -> Option<String> {
 }
 
 fn remainder(diagnosis: &Diagnosis, dropped: f64) -> Option<String> {
-    let equation = diagnosis.analysis.dependent.iter().max_by(|a, b| a.dropped.total_cmp(&b.dropped))?;
+    let equation = diagnosis.analysis.dependent().iter().max_by(|a, b| a.dropped.total_cmp(&b.dropped))?;
     let name = name::equation(&diagnosis.system, equation.row);
     // A tolerance below this would take rounding for independence.
     let advice = if dropped > 1e-13 {
@@ -63,7 +63,7 @@ fn remainder(diagnosis: &Diagnosis, dropped: f64) -> Option<String> {
 
 fn small_mismatch(diagnosis: &Diagnosis) -> Option<String> {
     let small = |size: f64| size > 0.0 && size < NEAR;
-    let equation = diagnosis.analysis.dependent.iter().find(|equation| small(equation.relative_mismatch))?;
+    let equation = diagnosis.analysis.dependent().iter().find(|equation| small(equation.relative_mismatch))?;
     let name = name::equation(&diagnosis.system, equation.row);
     let size = equation.relative_mismatch;
     let (meant, tolerance) =

@@ -10,7 +10,7 @@ use crate::diagnose::Diagnosis;
 
 /// The equations of one kind in at most `most` lines; only their certificates are computed.
 pub fn section(diagnosis: &Diagnosis, kind: Kind, most: usize) -> Vec<String> {
-    let of_kind: Vec<_> = diagnosis.analysis.dependent.iter().filter(|dependent| dependent.kind == kind).collect();
+    let of_kind: Vec<_> = diagnosis.analysis.dependent().iter().filter(|dependent| dependent.kind == kind).collect();
     if of_kind.is_empty() {
         return Vec::new();
     }
@@ -52,7 +52,7 @@ fn heading(kind: Kind) -> &'static str {
 }
 
 fn entry(diagnosis: &Diagnosis, dependent: &Dependent) -> Vec<String> {
-    let because = diagnosis.analysis.because(dependent);
+    let because = diagnosis.analysis.because(dependent.row).unwrap_or_default();
     let mut lines = combination::lines(&diagnosis.system, dependent.row, &because);
     if dependent.kind == Kind::Conflicting {
         lines.push(mismatch(&diagnosis.system, dependent, because.is_empty()));

@@ -87,13 +87,13 @@ impl Problem<'_> {
         let reduction = reduction(self.system, &self.kept)?;
         let mut weight = vec![1.0; self.system.dofs()];
         let mut slave = vec![false; self.system.dofs()];
-        for (i, &dof) in reduction.slaves.iter().enumerate() {
-            weight[dof] = reduction.t.row(i).len() as f64;
+        for (i, &dof) in reduction.slaves().iter().enumerate() {
+            weight[dof] = reduction.t().row(i).len() as f64;
             slave[dof] = true;
         }
-        for block in &reduction.factored {
-            let mean = block.predicted as f64 / block.slaves.len() as f64;
-            block.slaves.iter().for_each(|&dof| weight[dof] = mean);
+        for block in reduction.factored() {
+            let mean = block.predicted() as f64 / block.slaves().len() as f64;
+            block.slaves().iter().for_each(|&dof| weight[dof] = mean);
         }
         let (mut after, mut before) = (vec![0.0; weight.len()], vec![0.0; weight.len()]);
         for (i, j, _) in entries(self.k) {

@@ -1,6 +1,6 @@
 //! Why constraints cannot be enforced.
 
-use qless::{AnalysisError, ReductionError, SystemError};
+use qless::{AnalysisError, ArgumentError, ReductionError, SystemError};
 
 /// Why constraints cannot be enforced.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -63,4 +63,7 @@ pub enum EnforceError {
     /// The equations chosen are no valid system.
     #[error(transparent)]
     System(#[from] SystemError),
+    /// Numbers that do not fit, or that lead out of the range of doubles.
+    #[error(transparent)]
+    Argument(#[from] ArgumentError),
 }

@@ -27,17 +27,17 @@ impl Expansion {
     pub fn new(system: &ConstraintSystem, rows: &[usize]) -> Result<Self, EnforceError> {
         let reduction = reduction(system, rows)?;
         let mut dense = vec![false; rows.len()];
-        reduction.factored.iter().flat_map(|block| &block.equations).for_each(|&i| dense[i] = true);
+        reduction.factored().iter().flat_map(|block| block.equations()).for_each(|&i| dense[i] = true);
         let side = |dense_ones: bool| {
             let of = rows.iter().zip(&dense).filter(move |(_, dense)| **dense == dense_ones);
             of.map(|(&row, _)| row).collect::<Vec<usize>>()
         };
         let held: Vec<usize> = held(&reduction);
         let is_held = |dof: &usize| held.binary_search(dof).is_ok();
-        let t = from_triplets(system.dofs(), reduction.masters.len() + held.len(), triplets(&reduction))?;
+        let t = from_triplets(system.dofs(), reduction.masters().len() + held.len(), triplets(&reduction))?;
         let values: Vec<f64> = system.prescribed().iter().map(|&(_, value)| value).collect();
-        let constant = reduction.expand(&vec![0.0; reduction.masters.len()], &values);
-        let slaves = reduction.slaves.iter().copied().filter(|dof| !is_held(dof)).collect();
+        let constant = reduction.expand(&vec![0.0; reduction.masters().len()], &values)?;
+        let slaves = reduction.slaves().iter().copied().filter(|dof| !is_held(dof)).collect();
         Ok(Self { t, constant, rows: side(false), slaves, left: side(true) })
     }
 }
@@ -50,20 +50,20 @@ pub fn reduction(system: &ConstraintSystem, rows: &[usize]) -> Result<Reduction,
     });
     system.prescribed().iter().for_each(|&(dof, value)| builder.prescribe(dof, value));
     let part = builder.build()?;
-    Ok(analyse(&part, &Options::default())?.reduction_in(&part, Form::Auto)?)
+    Ok(analyse(&part, &Options::default())?.reduction_in(Form::Auto)?)
 }
 
 /// Slaves of parts that stay factors, ascending: they are unknowns.
 pub fn held(reduction: &Reduction) -> Vec<usize> {
-    let mut held: Vec<usize> = reduction.factored.iter().flat_map(|block| block.slaves.iter().copied()).collect();
+    let mut held: Vec<usize> = reduction.factored().iter().flat_map(|block| block.slaves().iter().copied()).collect();
     held.sort_unstable();
     held
 }
 
 /// T of the slaves that are eliminated, the masters themselves, and the slaves that are not, which come last.
 pub fn triplets(reduction: &Reduction) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
-    let slaves = reduction.slaves.iter().enumerate();
-    let of_slaves = slaves.flat_map(|(i, &dof)| reduction.t.row(i).map(move |(q, v)| (dof, q, v)));
-    let kept = reduction.masters.iter().copied().chain(held(reduction));
+    let slaves = reduction.slaves().iter().enumerate();
+    let of_slaves = slaves.flat_map(|(i, &dof)| reduction.t().row(i).map(move |(q, v)| (dof, q, v)));
+    let kept = reduction.masters().iter().copied().chain(held(reduction));
     of_slaves.chain(kept.enumerate().map(|(q, dof)| (dof, q, 1.0)))
 }

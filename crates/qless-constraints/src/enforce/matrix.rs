@@ -51,7 +51,7 @@ pub fn times(a: &Matrix, x: &[f64]) -> Vec<f64> {
 
 /// `A^T x` of compressed rows.
 pub fn times_transposed(a: &Csr, x: &[f64]) -> Vec<f64> {
-    let mut y = vec![0.0; a.cols];
+    let mut y = vec![0.0; a.cols()];
     (0..a.rows()).for_each(|i| a.row(i).for_each(|(j, v)| y[j] += v * x[i]));
     y
 }

@@ -92,13 +92,13 @@ impl<'a> Problem<'a> {
             return Err(EnforceError::NotFinite { value });
         }
         let analysis = analyse(system, &Options::default())?;
-        let of_kind = |kind| (0..system.equations()).filter(|&row| analysis.kinds[row] == kind).collect::<Vec<_>>();
+        let of_kind = |kind| (0..system.equations()).filter(|&row| analysis.kinds()[row] == kind).collect::<Vec<_>>();
         let conflicting = of_kind(Kind::Conflicting);
         if !conflicting.is_empty() {
             let labels = conflicting.iter().map(|&row| system.equation_label(row)).collect();
             return Err(EnforceError::Conflict { rows: conflicting, labels });
         }
-        let fixed = analysis.generated.iter().map(|&(dof, _)| dof).collect();
+        let fixed = analysis.generated().iter().map(|&(dof, _)| dof).collect();
         Ok(Self { k, f, system, kept: of_kind(Kind::Independent), redundant: of_kind(Kind::Redundant), fixed })
     }
 

@@ -23,7 +23,7 @@ use super::saddle::bordered;
 /// let mut builder = SystemBuilder::new(2);
 /// builder.equation([(0, 1.0), (1, -1.0)], 0.0);
 /// let system = builder.build()?;
-/// let reduction = analyse(&system, &Options::default())?.reduction(&system)?;
+/// let reduction = analyse(&system, &Options::default())?.reduction()?;
 /// let u = reduced(&k, &[3.0, 0.0], &reduction, &[])?;
 /// assert!((u[0] - 0.5).abs() < 1e-15 && (u[1] - 0.5).abs() < 1e-15);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -38,8 +38,8 @@ pub fn reduced(
     reduction: &Reduction,
     prescribed: &[f64],
 ) -> Result<Vec<f64>, EnforceError> {
-    let dofs = reduction.slaves.len() + reduction.masters.len() + reduction.prescribed.len();
-    let given = dofs - reduction.prescribed.len() + prescribed.len();
+    let dofs = reduction.slaves().len() + reduction.masters().len() + reduction.prescribed().len();
+    let given = dofs - reduction.prescribed().len() + prescribed.len();
     for (what, found) in [
         ("rows of K", k.nrows()),
         ("columns of K", k.ncols()),
@@ -51,10 +51,10 @@ pub fn reduced(
         }
     }
     let held = held(reduction);
-    let t = from_triplets(dofs, reduction.masters.len() + held.len(), triplets(reduction))?;
+    let t = from_triplets(dofs, reduction.masters().len() + held.len(), triplets(reduction))?;
     let back = transposed(&t)?;
     let stiffness = product(&back, &product(k, &t)?)?;
-    let constant = reduction.expand(&vec![0.0; reduction.masters.len()], prescribed);
+    let constant = reduction.expand(&vec![0.0; reduction.masters().len()], prescribed)?;
     let load: Vec<f64> = f.iter().zip(times(k, &constant)).map(|(f, stressed)| f - stressed).collect();
     let mut rhs = times(&back, &load);
     let constraints = product(&equations(reduction, dofs)?, &t)?;
@@ -66,16 +66,16 @@ pub fn reduced(
 /// The equations of factored parts on their free DOFs.
 fn equations(reduction: &Reduction, dofs: usize) -> Result<Matrix, EnforceError> {
     let (mut all, mut first) = (Vec::new(), 0);
-    for block in &reduction.factored {
-        let out_of_range = || ReductionError::NotFinite { dof: block.slaves[0] };
+    for block in reduction.factored() {
+        let out_of_range = || ReductionError::NotFinite { dof: block.slaves()[0] };
         let parts = block.parts().ok_or_else(out_of_range)?;
-        let lower = from_triplets(block.slaves.len(), block.slaves.len(), rows(&parts.lower))?;
-        let upper = from_triplets(block.slaves.len(), block.slaves.len(), rows(&parts.upper))?;
+        let lower = from_triplets(block.slaves().len(), block.slaves().len(), rows(&parts.lower))?;
+        let upper = from_triplets(block.slaves().len(), block.slaves().len(), rows(&parts.upper))?;
         let of_slaves = product(&transposed(&upper)?, &transposed(&lower)?)?;
-        let slaves = entries(&of_slaves).map(|(i, j, v)| (first + i, block.slaves[j], v));
-        let masters = rows(&parts.of_masters).map(|(i, j, v)| (first + i, block.masters[j], v));
+        let slaves = entries(&of_slaves).map(|(i, j, v)| (first + i, block.slaves()[j], v));
+        let masters = rows(&parts.of_masters).map(|(i, j, v)| (first + i, block.masters()[j], v));
         all.extend(slaves.chain(masters));
-        first += block.slaves.len();
+        first += block.slaves().len();
     }
     from_triplets(first, dofs, all)
 }

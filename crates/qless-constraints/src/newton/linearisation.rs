@@ -3,7 +3,9 @@
 //! A step is `du_q = 0`: of T nothing is needed, and along a chain of bodies it is as large as the square of their number. Connected
 //! parts stay factors.
 
-use qless::{Analysis, ConstraintSystem, Form, Options, Reduction, ReductionError, analyse};
+use std::sync::Arc;
+
+use qless::{Analysis, Form, Options, Reduction, ReductionError, Refresher, analyse};
 
 use super::{NewtonError, NewtonOptions};
 use crate::{ConstraintSet, Quantities};
@@ -13,8 +15,9 @@ const GROWTH: f64 = 1e6;
 
 /// The linearised equations at one iterate.
 pub struct Linearisation {
-    system: ConstraintSystem,
-    pub analysis: Analysis,
+    pub analysis: Arc<Analysis>,
+    /// Made when c is new for the first time.
+    refresher: Option<Refresher>,
     /// Made when a step is wanted.
     reduction: Option<Reduction>,
     /// Increments of the prescribed DOFs, in the order of the system.
@@ -34,30 +37,33 @@ impl Linearisation {
         let loose = Options { growth: options.analysis.growth.max(GROWTH), ..options.analysis.clone() };
         let analysis = analyse(&system, &loose).map_err(|source| NewtonError::Analysis { step, source })?;
         let increments = system.prescribed().iter().map(|&(_, v)| v).collect();
-        Ok(Self { system, analysis, reduction: None, increments })
+        Ok(Self { analysis: Arc::new(analysis), refresher: None, reduction: None, increments })
     }
 
     /// The same G with another c and other increments of the same DOFs; nothing if that cannot be had without a new analysis.
     pub fn refreshed(mut self, quantities: &Quantities, increments: &[(usize, f64)]) -> Option<Self> {
-        let rhs: Vec<f64> = quantities.c.iter().map(|c| -c).collect();
+        let rhs: Vec<f64> = quantities.c().iter().map(|c| -c).collect();
         let of = |&(dof, _): &(usize, f64)| increments.iter().find(|&&(j, _)| j == dof).map(|&(_, v)| v);
-        self.increments = self.system.prescribed().iter().map(of).collect::<Option<_>>()?;
+        self.increments = self.analysis.system().prescribed().iter().map(of).collect::<Option<_>>()?;
         let mut reduction = self.take().ok()?;
-        let refresher = self.analysis.refresher(&self.system).ok()?;
+        let made = || Refresher::new(Arc::clone(&self.analysis)).ok();
+        let refresher = self.refresher.take().or_else(made)?;
         refresher.refresh(&rhs, &self.increments, &mut reduction).ok()?;
+        self.refresher = Some(refresher);
         self.reduction = Some(reduction);
         Some(self)
     }
 
     /// du with masters staying where they are.
-    pub fn step(&mut self) -> Result<Vec<f64>, ReductionError> {
-        let reduction = self.take()?;
-        let du = reduction.expand(&vec![0.0; reduction.masters.len()], &self.increments);
+    pub fn step(&mut self, step: usize) -> Result<Vec<f64>, NewtonError> {
+        let reduction = self.take().map_err(|source| NewtonError::Reduction { step, source })?;
+        let du = reduction.expand(&vec![0.0; reduction.masters().len()], &self.increments);
+        let du = du.map_err(|source| NewtonError::Argument { step, source })?;
         self.reduction = Some(reduction);
         Ok(du)
     }
 
     fn take(&mut self) -> Result<Reduction, ReductionError> {
-        self.reduction.take().map_or_else(|| self.analysis.reduction_in(&self.system, Form::Factored), Ok)
+        self.reduction.take().map_or_else(|| self.analysis.reduction_in(Form::Factored), Ok)
     }
 }

@@ -8,12 +8,13 @@ mod linearisation;
 mod redundancy;
 mod residual;
 
-use qless::{Analysis, AnalysisError, Kind, Options, ReductionError, SystemError};
+use qless::{Analysis, AnalysisError, ArgumentError, Kind, Options, ReductionError};
 
 use linearisation::Linearisation;
 pub use redundancy::{Redundancy, redundancies};
 use residual::residuals;
 
+use crate::LineariseError;
 use crate::{ConstraintSet, Quantities};
 
 /// Settings of [`solve`].
@@ -64,7 +65,15 @@ pub enum NewtonError {
         /// From 0.
         step: usize,
         /// What is wrong.
-        source: SystemError,
+        source: LineariseError,
+    },
+    /// u does not have one value per DOF, or a step leads out of the range of doubles.
+    #[error("at step {step}: {source}")]
+    Argument {
+        /// From 0.
+        step: usize,
+        /// What is wrong.
+        source: ArgumentError,
     },
     /// The linearised equations cannot be analysed.
     #[error("at step {step}: {source}")]
@@ -112,7 +121,7 @@ pub enum NewtonError {
 /// let point = PlanarPoint::new([0, 1], [1.0, 0.0]);
 /// let mut builder = ConstraintSet::builder(2);
 /// builder.add("crank", OnSphere { point, centre: [0.0; 2], radius: None })?;
-/// let solution = solve(&builder.build(), &[0.0, 0.5], &[(1, 0.6)], &NewtonOptions::default())?;
+/// let solution = solve(&builder.build()?, &[0.0, 0.5], &[(1, 0.6)], &NewtonOptions::default())?;
 /// // (0.8, 0.6) is on the circle.
 /// assert!((solution.u[0] + 0.2).abs() < 1e-14);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -120,16 +129,13 @@ pub enum NewtonError {
 ///
 /// # Errors
 /// [`NewtonError`].
-///
-/// # Panics
-/// If `u` does not have one value per DOF.
 pub fn solve(
     set: &ConstraintSet,
     u: &[f64],
     prescribed: &[(usize, f64)],
     options: &NewtonOptions,
 ) -> Result<Solution, NewtonError> {
-    let mut run = Run::new(set, u, prescribed, options);
+    let mut run = Run::new(set, u, prescribed, options)?;
     let mut before = None;
     for step in 0..=options.steps {
         let mut linearisation = run.look(step, before)?;
@@ -146,7 +152,7 @@ pub fn solve(
 
 /// Equations that are not kept.
 pub(crate) fn dependent(analysis: &Analysis) -> Vec<usize> {
-    analysis.dependent.iter().map(|dependent| dependent.row).collect()
+    analysis.dependent().iter().map(|dependent| dependent.row).collect()
 }
 
 /// The state between two steps.
@@ -161,12 +167,17 @@ struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    fn new(set: &'a ConstraintSet, u: &[f64], prescribed: &'a [(usize, f64)], options: &'a NewtonOptions) -> Self {
+    fn new(
+        set: &'a ConstraintSet,
+        u: &[f64],
+        prescribed: &'a [(usize, f64)],
+        options: &'a NewtonOptions,
+    ) -> Result<Self, NewtonError> {
         let mut quantities = set.allocate();
-        set.evaluate(u, &mut quantities);
+        set.evaluate(u, &mut quantities).map_err(|source| NewtonError::Argument { step: 0, source })?;
         let residuals = residuals(&quantities);
         let u = u.to_vec();
-        Self { set, options, prescribed, u, quantities, residuals, iterates: Vec::new() }
+        Ok(Self { set, options, prescribed, u, quantities, residuals, iterates: Vec::new() })
     }
 
     /// Linearises and analyses at the present u; where all equations are linear, what was found before still holds.
@@ -205,7 +216,7 @@ impl<'a> Run<'a> {
 
     /// All that is kept holds, and something that is left out does not.
     fn check_conflict(&self, analysis: &Analysis) -> Result<(), NewtonError> {
-        if !self.satisfied(|row| analysis.kinds[row] == Kind::Independent) {
+        if !self.satisfied(|row| analysis.kinds()[row] == Kind::Independent) {
             return Ok(());
         }
         let unsatisfied = |&row: &usize| !self.satisfied(|other| other == row);
@@ -213,16 +224,17 @@ impl<'a> Run<'a> {
         if rows.is_empty() {
             return Ok(());
         }
-        let labels = rows.iter().map(|&row| self.set.label(row)).collect();
+        let labels = rows.iter().filter_map(|&row| self.set.label(row).ok()).collect();
         let amount = rows.iter().map(|&row| self.residuals[row]).fold(0.0, f64::max);
         Err(NewtonError::Conflict { rows, labels, amount })
     }
 
     /// `u += du`, masters staying where they are.
     fn advance(&mut self, linearisation: &mut Linearisation, step: usize) -> Result<(), NewtonError> {
-        let du = linearisation.step().map_err(|source| NewtonError::Reduction { step, source })?;
+        let du = linearisation.step(step)?;
         self.u.iter_mut().zip(du).for_each(|(u, du)| *u += du);
-        self.set.evaluate(&self.u, &mut self.quantities);
+        let argument = |source| NewtonError::Argument { step, source };
+        self.set.evaluate(&self.u, &mut self.quantities).map_err(argument)?;
         self.residuals = residuals(&self.quantities);
         Ok(())
     }

@@ -37,7 +37,7 @@ pub enum Redundancy {
 /// builder.add("arm 1", OnSphere { point: p, centre: [0.0, 0.0], radius: None })?;
 /// builder.add("arm 2", OnSphere { point: q, centre: [2.0, 0.0], radius: None })?;
 /// builder.add("coupler", Distance::new(p, q))?;
-/// let found = redundancies(&builder.build(), &[0.0; 4], &NewtonOptions::default())?;
+/// let found = redundancies(&builder.build()?, &[0.0; 4], &NewtonOptions::default())?;
 /// assert_eq!((found.len(), found[0].1), (1, Redundancy::OnlyHere));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -86,18 +86,18 @@ enum Nearby {
 impl Here {
     fn new(set: &ConstraintSet, u: &[f64], options: &Options) -> Result<Self, NewtonError> {
         let mut quantities = set.allocate();
-        set.evaluate(u, &mut quantities);
+        set.evaluate(u, &mut quantities).map_err(|source| NewtonError::Argument { step: 0, source })?;
         // Only the rank is asked for: c is left out, so that nothing conflicts.
         quantities.c.fill(0.0);
         let system = set.linearised(&quantities, &[]).map_err(|source| NewtonError::System { step: 0, source })?;
         let analysis = analyse(&system, options).map_err(|source| NewtonError::Analysis { step: 0, source })?;
-        let reduction = analysis.reduction_in(&system, Form::Factored);
+        let reduction = analysis.reduction_in(Form::Factored);
         let reduction = reduction.map_err(|source| NewtonError::Reduction { step: 0, source })?;
         Ok(Self { g: quantities.g, analysis, reduction })
     }
 
     fn nearby(&self, set: &ConstraintSet, u: &[f64], options: &NewtonOptions) -> Nearby {
-        if self.reduction.masters.is_empty() {
+        if self.reduction.masters().is_empty() {
             return Nearby::Same;
         }
         let mut moves = false;
@@ -106,11 +106,13 @@ impl Here {
             moves = true;
             let start: Vec<f64> = u.iter().zip(&du).map(|(u, du)| u + du).collect();
             // Not every direction that a singular G allows leads on; with one DOF driven, the others find their way.
-            let driven = self.reduction.masters[seed as usize % self.reduction.masters.len()];
+            let driven = self.reduction.masters()[seed as usize % self.reduction.masters().len()];
             for drive in [&[][..], &[(driven, start[driven])]] {
                 let found = solve(set, &start, drive, options);
                 // Newton may have gone back to where it came from.
-                if let Some(found) = found.ok().filter(|found| self.change_at(set, &found.u) > STEP / 10.0) {
+                if let Some(found) =
+                    found.ok().filter(|found| self.change_at(set, &found.u).is_some_and(|change| change > STEP / 10.0))
+                {
                     return Nearby::At(found.u);
                 }
             }
@@ -120,12 +122,12 @@ impl Here {
 
     /// A random `du = [T; I] dq`, of such a size that G changes by [`STEP`]; nothing if it does not change.
     fn step(&self, set: &ConstraintSet, u: &[f64], seed: u64) -> Option<Vec<f64>> {
-        let dq: Vec<f64> = (0..self.reduction.masters.len() as u64).map(|k| random(seed << 32 | k)).collect();
-        let du = self.reduction.expand(&dq, &[]);
+        let dq: Vec<f64> = (0..self.reduction.masters().len() as u64).map(|k| random(seed << 32 | k)).collect();
+        let du = self.reduction.expand(&dq, &[]).ok()?;
         let moved = |size: f64| u.iter().zip(&du).map(|(u, du)| u + size * du).collect::<Vec<_>>();
         let mut size = u.iter().fold(1.0, |most: f64, u| most.max(u.abs()));
         for _ in 0..60 {
-            let changed = self.change_at(set, &moved(size));
+            let changed = self.change_at(set, &moved(size))?;
             if changed == 0.0 {
                 return None;
             }
@@ -137,10 +139,10 @@ impl Here {
         None
     }
 
-    fn change_at(&self, set: &ConstraintSet, v: &[f64]) -> f64 {
+    fn change_at(&self, set: &ConstraintSet, v: &[f64]) -> Option<f64> {
         let mut quantities = set.allocate();
-        set.evaluate(v, &mut quantities);
-        change(&self.g, &quantities.g)
+        set.evaluate(v, &mut quantities).ok()?;
+        Some(change(&self.g, &quantities.g))
     }
 }
 

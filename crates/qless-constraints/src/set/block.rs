@@ -4,7 +4,7 @@ use std::any::{Any, TypeId};
 use std::collections::HashMap;
 use std::ops::Range;
 
-use qless::Csr;
+use qless::{Csr, SystemError};
 
 use super::homogeneous::Homogeneous;
 use super::labels::Owner;
@@ -16,7 +16,7 @@ pub(super) trait Block: Send + Sync {
     fn items(&self) -> usize;
     fn owner(&self, row: usize) -> (&Owner, &'static str);
     /// Appends the rows of G, with zeros in them.
-    fn write_pattern(&mut self, g: &mut Csr);
+    fn write_pattern(&mut self, g: &mut Csr) -> Result<(), SystemError>;
     /// Constraints per task.
     fn chunk(&self) -> usize;
     /// Rows and entries of G of the task that starts with constraint `first`.

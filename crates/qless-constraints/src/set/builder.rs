@@ -1,6 +1,6 @@
 //! From loose constraints to a [`ConstraintSet`].
 
-use qless::Csr;
+use qless::{Csr, Identity, SystemError};
 
 use super::block::Blocks;
 use super::effective::Plan;
@@ -10,8 +10,8 @@ use super::{AddError, ConstraintId, ConstraintSet, Store, StoreError};
 use crate::constraint::Constraint;
 
 /// Collects constraints of any types in any order; each is checked when it is added.
-#[derive(Default)]
 pub struct SetBuilder {
+    identity: Identity,
     dofs: usize,
     names: Vec<String>,
     linear: Rows,
@@ -20,7 +20,7 @@ pub struct SetBuilder {
 
 impl SetBuilder {
     pub(super) fn new(dofs: usize) -> Self {
-        Self { dofs, ..Self::default() }
+        Self { identity: Identity::new(), dofs, names: Vec::new(), linear: Rows::default(), blocks: Blocks::default() }
     }
 
     /// Adds a constraint under a label that reports will use.
@@ -60,17 +60,23 @@ impl SetBuilder {
             self.linear.push(Owner { constraint, part: equation.part }, &equation.terms, equation.rhs);
         }
         store.pieces.into_iter().for_each(|piece| piece.commit(constraint, &mut self.blocks));
-        ConstraintId(constraint as usize)
+        ConstraintId { set: self.identity, number: constraint as usize }
     }
 
     /// Makes the patterns of G and H from the lists of DOFs and pairs.
-    pub fn build(self) -> ConstraintSet {
+    ///
+    /// # Errors
+    /// [`SystemError::TooLarge`] for more DOFs than 32 bits can number.
+    pub fn build(self) -> Result<ConstraintSet, SystemError> {
+        if self.dofs >= u32::MAX as usize {
+            return Err(SystemError::TooLarge { what: "the number of DOFs", found: self.dofs });
+        }
         let mut pattern = Csr::empty(self.dofs);
-        let mut linear = self.linear;
-        linear.write_pattern(&mut pattern);
-        let mut blocks = self.blocks.all;
-        blocks.iter_mut().for_each(|block| block.write_pattern(&mut pattern));
+        let (mut linear, mut blocks) = (self.linear, self.blocks.all);
+        linear.write_pattern(&mut pattern)?;
+        blocks.iter_mut().try_for_each(|block| block.write_pattern(&mut pattern))?;
         let plan = Plan::new(&blocks, self.dofs);
-        ConstraintSet { dofs: self.dofs, linear, blocks, names: self.names, pattern, plan }
+        let (identity, dofs, names) = (self.identity, self.dofs, self.names);
+        Ok(ConstraintSet { identity, dofs, linear, blocks, names, pattern, plan })
     }
 }

@@ -101,12 +101,9 @@ impl Plan {
     }
 
     pub fn allocate(&self) -> Csr {
-        Csr {
-            cols: self.start.len() - 1,
-            start: self.start.clone(),
-            col: self.col.clone(),
-            val: vec![0.0; self.col.len()],
-        }
+        let (start, col) = (self.start.clone(), self.col.clone());
+        let zeros = vec![0.0; col.len()];
+        Csr::from_parts(start.len() - 1, start, col, zeros).expect("rows are sorted and within the DOFs")
     }
 
     /// The tasks that write all entries.

@@ -1,5 +1,7 @@
 //! What can be wrong with any constraint, whatever its type.
 
+use qless::{ArgumentError, SystemError};
+
 /// A fault that the store finds in what a type hands to it. DOFs are 0-based.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StoreError {
@@ -31,6 +33,17 @@ pub enum StoreError {
         /// How many.
         found: usize,
     },
+}
+
+/// Why there are no linearised equations.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LineariseError {
+    /// The quantities are those of another set.
+    #[error(transparent)]
+    Argument(#[from] ArgumentError),
+    /// An entry of G or c is not finite, or a prescribed DOF is not valid.
+    #[error(transparent)]
+    System(#[from] SystemError),
 }
 
 /// Why a constraint was not added.

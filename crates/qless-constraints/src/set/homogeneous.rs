@@ -3,7 +3,7 @@
 use std::any::Any;
 use std::ops::Range;
 
-use qless::Csr;
+use qless::{Csr, SystemError};
 
 use super::block::Block;
 use super::labels::Owner;
@@ -145,14 +145,15 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
         (&self.owners[row / Q::PARTS.len()], Q::PARTS[row % Q::PARTS.len()])
     }
 
-    fn write_pattern(&mut self, g: &mut Csr) {
+    fn write_pattern(&mut self, g: &mut Csr) -> Result<(), SystemError> {
         for i in 0..self.items.len() {
             let mut sorted = self.dofs(i).to_vec();
             sorted.sort_unstable();
             for _ in Q::PARTS {
-                g.push_row(sorted.iter().map(|&j| (j as usize, 0.0)));
+                g.push_row(sorted.iter().map(|&j| (j as usize, 0.0)))?;
             }
         }
+        Ok(())
     }
 
     fn chunk(&self) -> usize {

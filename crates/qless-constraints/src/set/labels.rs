@@ -2,9 +2,21 @@
 
 use std::borrow::Cow;
 
-/// A constraint of a set, by the order in which it was added.
+use qless::Identity;
+
+/// A constraint of a set, which no other set takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct ConstraintId(pub usize);
+pub struct ConstraintId {
+    pub(super) set: Identity,
+    pub(super) number: usize,
+}
+
+impl ConstraintId {
+    /// How many constraints were added before it.
+    pub fn place(self) -> usize {
+        self.number
+    }
+}
 
 /// The constraint that equations belong to, and which part of it they are.
 pub(super) struct Owner {
@@ -13,8 +25,8 @@ pub(super) struct Owner {
 }
 
 impl Owner {
-    pub fn constraint(&self) -> ConstraintId {
-        ConstraintId(self.constraint as usize)
+    pub fn constraint(&self, set: Identity) -> ConstraintId {
+        ConstraintId { set, number: self.constraint as usize }
     }
 
     /// The name of the constraint and of the parts that have one, with commas.

@@ -1,6 +1,6 @@
 //! All linear equations, `c = G u - b`; G is written once.
 
-use qless::Csr;
+use qless::{Csr, SystemError};
 
 use super::batch::{Batch, ROWS};
 use super::labels::Owner;
@@ -41,18 +41,19 @@ impl Rows {
     }
 
     /// Moves the terms to the end of `g`, which has no rows yet, and into batches.
-    pub fn write_pattern(&mut self, g: &mut Csr) {
+    pub fn write_pattern(&mut self, g: &mut Csr) -> Result<(), SystemError> {
         let mut equations = Vec::with_capacity(self.rows());
         let mut first = 0;
         for (&end, &rhs) in self.end.iter().zip(&self.rhs) {
             equations.push((&self.terms[first..end], rhs));
-            g.push_row(self.terms[first..end].iter().map(|&(j, v)| (j as usize, v)));
+            g.push_row(self.terms[first..end].iter().map(|&(j, v)| (j as usize, v)))?;
             first = end;
         }
         let mut lists = Lists::default();
         self.batches = equations.chunks(ROWS).map(|equations| Batch::new(equations, &mut lists)).collect();
         self.lists = lists.numbers();
         (self.end, self.terms, self.rhs) = (Vec::new(), Vec::new(), Vec::new());
+        Ok(())
     }
 
     /// Number of batches; each has [`ROWS`] equations, the last one what is left.

@@ -24,12 +24,12 @@ mod weights;
 
 use std::ops::Range;
 
-use qless::Csr;
+use qless::{ArgumentError, Csr, Identity};
 
 use block::Block;
 pub use builder::SetBuilder;
 use effective::{Plan, Weighted};
-pub use error::{AddError, StoreError};
+pub use error::{AddError, LineariseError, StoreError};
 pub use labels::ConstraintId;
 use labels::Owner;
 use linear::Rows;
@@ -46,16 +46,17 @@ pub use weights::Weights;
 /// let mut builder = ConstraintSet::builder(6);
 /// builder.add("rod", Distance::new(a, b))?;
 /// builder.add("guide", Equal::new([1, 4]))?;
-/// let set = builder.build();
+/// let set = builder.build()?;
 /// let mut quantities = set.allocate();
 /// // The rod is stretched from 2 to 3: c = (3^2 - 2^2) / (2 * 2).
-/// set.evaluate(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0], &mut quantities);
-/// assert_eq!(quantities.c, [0.0, 1.25]);
-/// assert_eq!(set.label(1), "rod");
-/// assert_eq!(quantities.g.row(1).filter(|&(_, v)| v != 0.0).collect::<Vec<_>>(), [(0, -1.5), (3, 1.5)]);
+/// set.evaluate(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0], &mut quantities)?;
+/// assert_eq!(quantities.c(), [0.0, 1.25]);
+/// assert_eq!(set.label(1)?, "rod");
+/// assert_eq!(quantities.g().row(1).filter(|&(_, v)| v != 0.0).collect::<Vec<_>>(), [(0, -1.5), (3, 1.5)]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct ConstraintSet {
+    identity: Identity,
     dofs: usize,
     linear: Rows,
     blocks: Vec<Box<dyn Block>>,
@@ -65,15 +66,37 @@ pub struct ConstraintSet {
     plan: Plan,
 }
 
-/// What a set evaluates to. Patterns never change; values are those of the last evaluation.
-#[derive(Clone, Debug, PartialEq)]
+/// What a set evaluates to. Patterns never change; values are those of the last evaluation. No other set takes it.
+#[derive(Clone, Debug)]
 pub struct Quantities {
+    of: Identity,
+    pub(crate) c: Vec<f64>,
+    pub(crate) g: Csr,
+    h: Csr,
+}
+
+impl PartialEq for Quantities {
+    /// The same numbers.
+    fn eq(&self, other: &Self) -> bool {
+        (&self.c, &self.g, &self.h) == (&other.c, &other.g, &other.h)
+    }
+}
+
+impl Quantities {
     /// Constraint values, length m.
-    pub c: Vec<f64>,
+    pub fn c(&self) -> &[f64] {
+        &self.c
+    }
+
     /// Jacobian, m x n.
-    pub g: Csr,
+    pub fn g(&self) -> &Csr {
+        &self.g
+    }
+
     /// Effective Hessian, n x n, symmetric, both halves stored.
-    pub h: Csr,
+    pub fn h(&self) -> &Csr {
+        &self.h
+    }
 }
 
 impl ConstraintSet {
@@ -101,26 +124,40 @@ impl ConstraintSet {
     ///
     /// The coefficients of linear equations are written here and stay.
     pub fn allocate(&self) -> Quantities {
-        Quantities { c: vec![0.0; self.equations()], g: self.pattern.clone(), h: self.plan.allocate() }
+        Quantities {
+            of: self.identity,
+            c: vec![0.0; self.equations()],
+            g: self.pattern.clone(),
+            h: self.plan.allocate(),
+        }
     }
 
     /// Writes `c(u)` and `G(u)`, in parallel.
     ///
-    /// # Panics
-    /// If `u` does not have length n, or the quantities were not allocated by this set.
-    pub fn evaluate(&self, u: &[f64], quantities: &mut Quantities) {
-        self.check(u, None, quantities);
+    /// What is not finite in u is not finite in what depends on it; [`ConstraintSet::linearised`] refuses it.
+    ///
+    /// # Errors
+    /// [`ArgumentError`] if `u` does not have length n, or the quantities were not allocated by this set.
+    pub fn evaluate(&self, u: &[f64], quantities: &mut Quantities) -> Result<(), ArgumentError> {
+        self.check(u, None, quantities)?;
         tasks::run(tasks::of_values(&self.linear, &self.blocks, &mut quantities.c, &mut quantities.g), u);
+        Ok(())
     }
 
     /// Writes the effective Hessian `sum_r w_r H_r(u)`, in parallel; `weights` has one number per equation ([`Weights`]).
     ///
-    /// # Panics
-    /// If `u` or `weights` has the wrong length, or the quantities were not allocated by this set.
-    pub fn effective_hessian(&self, u: &[f64], weights: &[f64], quantities: &mut Quantities) {
-        self.check(u, Some(weights), quantities);
+    /// # Errors
+    /// [`ArgumentError`] if `u` or `weights` has the wrong length, or the quantities were not allocated by this set.
+    pub fn effective_hessian(
+        &self,
+        u: &[f64],
+        weights: &[f64],
+        quantities: &mut Quantities,
+    ) -> Result<(), ArgumentError> {
+        self.check(u, Some(weights), quantities)?;
         let weighted = Weighted::new(&self.blocks, self.linear.rows(), weights);
-        tasks::run(self.plan.tasks(&weighted, &mut quantities.h.val), u);
+        tasks::run(self.plan.tasks(&weighted, quantities.h.values_mut()), u);
+        Ok(())
     }
 
     /// [`ConstraintSet::evaluate`] and [`ConstraintSet::effective_hessian`] at once, which reads u once: for weights that do not rest on c,
@@ -132,31 +169,35 @@ impl ConstraintSet {
     /// let (a, b) = (PlanarPoint::new([0, 1], [0.0; 2]), PlanarPoint::new([2, 3], [0.0, 2.0]));
     /// let mut builder = ConstraintSet::builder(4);
     /// builder.add("rod", Distance::new(a, b))?;
-    /// let set = builder.build();
+    /// let set = builder.build()?;
     /// let mut quantities = set.allocate();
-    /// set.assemble(&[0.0; 4], &[6.0], &mut quantities);
+    /// set.assemble(&[0.0; 4], &[6.0], &mut quantities)?;
     /// // w H = 6 [I -I; -I I] / 2.
-    /// assert_eq!(quantities.g.val, [0.0, -1.0, 0.0, 1.0]);
-    /// assert_eq!(quantities.h.row(0).collect::<Vec<_>>(), [(0, 3.0), (2, -3.0)]);
+    /// assert_eq!(quantities.g().values(), [0.0, -1.0, 0.0, 1.0]);
+    /// assert_eq!(quantities.h().row(0).collect::<Vec<_>>(), [(0, 3.0), (2, -3.0)]);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
-    /// # Panics
-    /// If `u` or `weights` has the wrong length, or the quantities were not allocated by this set.
-    pub fn assemble(&self, u: &[f64], weights: &[f64], quantities: &mut Quantities) {
-        self.check(u, Some(weights), quantities);
-        let Quantities { c, g, h } = quantities;
+    /// # Errors
+    /// [`ArgumentError`] if `u` or `weights` has the wrong length, or the quantities were not allocated by this set.
+    pub fn assemble(&self, u: &[f64], weights: &[f64], quantities: &mut Quantities) -> Result<(), ArgumentError> {
+        self.check(u, Some(weights), quantities)?;
+        let Quantities { c, g, h, .. } = quantities;
         let weighted = Weighted::new(&self.blocks, self.linear.rows(), weights);
         let mut tasks = tasks::of_values(&self.linear, &self.blocks, c, g);
-        tasks.extend(self.plan.tasks(&weighted, &mut h.val));
+        tasks.extend(self.plan.tasks(&weighted, h.values_mut()));
         tasks::run(tasks, u);
+        Ok(())
     }
 
-    fn check(&self, u: &[f64], weights: Option<&[f64]>, quantities: &Quantities) {
-        assert_eq!(u.len(), self.dofs, "u has one value per DOF");
-        assert!(weights.is_none_or(|weights| weights.len() == self.equations()), "one weight per equation");
-        let own = (self.pattern.nnz(), self.plan.nnz());
-        assert_eq!((quantities.g.nnz(), quantities.h.nnz()), own, "the quantities belong to another set");
+    fn check(&self, u: &[f64], weights: Option<&[f64]>, quantities: &Quantities) -> Result<(), ArgumentError> {
+        long("u", u.len(), self.dofs)?;
+        weights.map_or(Ok(()), |weights| long("the list of weights", weights.len(), self.equations()))?;
+        self.own("the quantities", quantities.of)
+    }
+
+    fn own(&self, what: &'static str, of: Identity) -> Result<(), ArgumentError> {
+        if of == self.identity { Ok(()) } else { Err(ArgumentError::Foreign { what }) }
     }
 
     /// Which block of equations a row belongs to, and its row there; nothing for linear equations.
@@ -172,24 +213,37 @@ impl ConstraintSet {
     }
 
     /// The constraint of a row and the name of the part that it is.
-    fn owner(&self, row: usize) -> (&Owner, &'static str) {
-        self.place(row).map_or_else(|| (self.linear.owner(row), ""), |(block, own)| block.owner(own))
+    fn owner(&self, row: usize) -> Result<(&Owner, &'static str), ArgumentError> {
+        if row >= self.equations() {
+            return Err(ArgumentError::OutOfRange { what: "equation", found: row, count: self.equations() });
+        }
+        Ok(self.place(row).map_or_else(|| (self.linear.owner(row), ""), |(block, own)| block.owner(own)))
     }
 
     /// Which constraint an equation belongs to.
-    pub fn constraint_of(&self, row: usize) -> ConstraintId {
-        self.owner(row).0.constraint()
+    ///
+    /// # Errors
+    /// [`ArgumentError::OutOfRange`].
+    pub fn constraint_of(&self, row: usize) -> Result<ConstraintId, ArgumentError> {
+        Ok(self.owner(row)?.0.constraint(self.identity))
     }
 
     /// The equations of a constraint, ascending. O(m).
-    pub fn rows_of(&self, constraint: ConstraintId) -> Vec<usize> {
-        (0..self.equations()).filter(|&row| self.constraint_of(row) == constraint).collect()
+    ///
+    /// # Errors
+    /// [`ArgumentError::Foreign`] for a constraint of another set.
+    pub fn rows_of(&self, constraint: ConstraintId) -> Result<Vec<usize>, ArgumentError> {
+        self.own("the constraint", constraint.set)?;
+        Ok((0..self.equations()).filter(|&row| self.constraint_of(row) == Ok(constraint)).collect())
     }
 
     /// The label of an equation: that of its constraint, and which part of it.
-    pub fn label(&self, row: usize) -> String {
-        let (owner, part) = self.owner(row);
-        owner.label(&self.names, part)
+    ///
+    /// # Errors
+    /// [`ArgumentError::OutOfRange`].
+    pub fn label(&self, row: usize) -> Result<String, ArgumentError> {
+        let (owner, part) = self.owner(row)?;
+        Ok(owner.label(&self.names, part))
     }
 
     /// Whether the equation is linear: its row of G never changes.
@@ -201,6 +255,11 @@ impl ConstraintSet {
     pub fn linear_rows(&self) -> Range<usize> {
         0..self.linear.rows()
     }
+}
+
+/// The right length.
+pub(crate) fn long(what: &'static str, found: usize, expected: usize) -> Result<(), ArgumentError> {
+    if found == expected { Ok(()) } else { Err(ArgumentError::WrongLength { what, found, expected }) }
 }
 
 #[cfg(test)]

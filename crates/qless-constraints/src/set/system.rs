@@ -1,8 +1,8 @@
 //! `G du = -c`: the set linearised at u, as linear equations for `qless`.
 
-use qless::{ConstraintSystem, SystemBuilder, SystemError};
+use qless::{ConstraintSystem, SystemBuilder};
 
-use super::{ConstraintSet, Quantities};
+use super::{ConstraintSet, LineariseError, Quantities};
 
 impl ConstraintSet {
     /// The linearised equations `G du = -c` with the labels of the set; `prescribed` are increments `(DOF, du)`.
@@ -15,9 +15,9 @@ impl ConstraintSet {
     /// for (label, dofs) in [("ab", [0, 1]), ("bc", [1, 2]), ("ca", [2, 0])] {
     ///     builder.add(label, Equal::new(dofs))?;
     /// }
-    /// let set = builder.build();
+    /// let set = builder.build()?;
     /// let mut quantities = set.allocate();
-    /// set.evaluate(&[0.0; 3], &mut quantities);
+    /// set.evaluate(&[0.0; 3], &mut quantities)?;
     /// let system = set.linearised(&quantities, &[])?;
     /// assert_eq!(system.equation_label(2), "ca");
     /// assert_eq!(analyse(&system, &Options::default())?.rank(), 2);
@@ -25,17 +25,18 @@ impl ConstraintSet {
     /// ```
     ///
     /// # Errors
-    /// [`SystemError`] if an entry of G or c is not finite at this u, or a prescribed DOF is not valid.
+    /// [`LineariseError`] for quantities of another set, if an entry of G or c is not finite at this u, or a prescribed DOF is not valid.
     pub fn linearised(
         &self,
         quantities: &Quantities,
         prescribed: &[(usize, f64)],
-    ) -> Result<ConstraintSystem, SystemError> {
+    ) -> Result<ConstraintSystem, LineariseError> {
+        self.own("the quantities", quantities.of)?;
         let mut builder = SystemBuilder::new(self.dofs);
         for (row, &c) in quantities.c.iter().enumerate() {
-            builder.labelled_equation(self.label(row), quantities.g.row(row), -c);
+            builder.labelled_equation(self.label(row)?, quantities.g.row(row), -c);
         }
         prescribed.iter().for_each(|&(dof, increment)| builder.prescribe(dof, increment));
-        builder.build()
+        Ok(builder.build()?)
     }
 }

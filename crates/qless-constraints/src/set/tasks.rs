@@ -38,7 +38,7 @@ pub fn of_values<'a>(
     g: &'a mut Csr,
 ) -> Vec<Task<'a>> {
     let (of_linear, c) = c.split_at_mut(linear.rows());
-    let mut tasks = nonlinear(blocks, c, &mut g.val[linear.nnz()..]);
+    let mut tasks = nonlinear(blocks, c, &mut g.values_mut()[linear.nnz()..]);
     debug_assert_eq!(linear.batches(), of_linear.len().div_ceil(ROWS));
     let task = |(batch, c)| Task { dof: linear.first_dof(batch), work: Work::Linear { rows: linear, batch, c } };
     tasks.extend(of_linear.chunks_mut(ROWS).enumerate().map(task));

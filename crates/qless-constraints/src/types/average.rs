@@ -15,7 +15,7 @@ use crate::{Constraint, Store};
 /// let nodes = vec![(at(2, 0.0, 0.0), 1.0), (at(3, 1.0, 0.0), 1.0), (at(4, 0.0, 1.0), 2.0)];
 /// let mut builder = ConstraintSet::builder(15);
 /// builder.add("load", Average { reference: at(0, 0.3, 0.3), rotations: [3, 4, 5], nodes })?;
-/// assert_eq!(builder.build().equations(), 6);
+/// assert_eq!(builder.build()?.equations(), 6);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]

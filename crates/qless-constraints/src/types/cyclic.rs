@@ -15,11 +15,11 @@ use crate::{Constraint, Store};
 /// let pair = Cyclic { a, b, centre: [0.0; 3], axis: [0.0, 0.0, 1.0], angle: quarter, tolerance: 1e-9 };
 /// let mut builder = ConstraintSet::builder(6);
 /// builder.add("sector", pair)?;
-/// let set = builder.build();
+/// let set = builder.build()?;
 /// // Outwards at a is outwards at b.
 /// let mut quantities = set.allocate();
-/// set.evaluate(&[0.1, 0.0, 0.0, 0.0, 0.1, 0.0], &mut quantities);
-/// assert!(quantities.c.iter().all(|c| c.abs() < 1e-16));
+/// set.evaluate(&[0.1, 0.0, 0.0, 0.0, 0.1, 0.0], &mut quantities)?;
+/// assert!(quantities.c().iter().all(|c| c.abs() < 1e-16));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,7 +50,7 @@ pub struct Cyclic {
 /// let real = Cyclic { a, b, centre: [0.0; 3], axis: [0.0, 0.0, 1.0], angle: quarter, tolerance: 1e-9 };
 /// let mut builder = ConstraintSet::builder(12);
 /// builder.add("sector", CyclicHarmonic { real, imaginary_a: [6, 7, 8], imaginary_b: [9, 10, 11], harmonic: 1 })?;
-/// assert_eq!(builder.build().equations(), 6);
+/// assert_eq!(builder.build()?.equations(), 6);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -14,11 +14,11 @@ use crate::{Constraint, Nonlinear, Store};
 /// let b = PlanarPoint::new([2, 3], [0.0, 2.0]);
 /// let mut builder = ConstraintSet::builder(4);
 /// builder.add("rod", Distance::new(a, b))?;
-/// let set = builder.build();
+/// let set = builder.build()?;
 /// let mut quantities = set.allocate();
-/// set.evaluate(&[0.0; 4], &mut quantities);
+/// set.evaluate(&[0.0; 4], &mut quantities)?;
 /// // The unit vector along the rod.
-/// assert_eq!(quantities.g.val, [0.0, -1.0, 0.0, 1.0]);
+/// assert_eq!(quantities.g().values(), [0.0, -1.0, 0.0, 1.0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,8 +8,8 @@ use crate::{Constraint, Store};
 /// use qless_constraints::{ConstraintSet, types::Equal};
 /// let mut builder = ConstraintSet::builder(4);
 /// builder.add("floor", Equal::new([3, 0, 1]))?;
-/// let set = builder.build();
-/// assert_eq!((set.equations(), set.label(1)), (2, "floor, DOF 1".to_owned()));
+/// let set = builder.build()?;
+/// assert_eq!((set.equations(), set.label(1)?), (2, "floor, DOF 1".to_owned()));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]

@@ -11,10 +11,10 @@ use crate::{Constraint, Nonlinear, Store};
 /// use qless_constraints::{ConstraintSet, types::EulerNorm};
 /// let mut builder = ConstraintSet::builder(4);
 /// builder.add("crank", EulerNorm { parameters: [0, 1, 2, 3] })?;
-/// let set = builder.build();
+/// let set = builder.build()?;
 /// let mut quantities = set.allocate();
-/// set.evaluate(&[-0.4, 0.8, 0.0, 0.0], &mut quantities);
-/// assert!(quantities.c[0].abs() < 1e-15);
+/// set.evaluate(&[-0.4, 0.8, 0.0, 0.0], &mut quantities)?;
+/// assert!(quantities.c()[0].abs() < 1e-15);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

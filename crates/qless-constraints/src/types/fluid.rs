@@ -9,7 +9,7 @@ use crate::{Constraint, Store};
 /// use qless_constraints::{ConstraintSet, types::FluidNormal};
 /// let mut builder = ConstraintSet::builder(6);
 /// builder.add("wall", FluidNormal { structure: [0, 1, 2], fluid: [3, 4, 5], normal: [3.0, 4.0, 0.0] })?;
-/// let g = builder.build().allocate().g;
+/// let g = builder.build()?.allocate().g().clone();
 /// assert_eq!(g.row(0).collect::<Vec<_>>(), [(0, 0.6), (1, 0.8), (3, -0.6), (4, -0.8)]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -17,8 +17,8 @@ use crate::{Constraint, Store};
 /// };
 /// let mut builder = ConstraintSet::builder(12);
 /// builder.add("weld", line)?;
-/// let set = builder.build();
-/// assert_eq!((set.equations(), set.label(2)), (6, "weld, node 2, x".to_owned()));
+/// let set = builder.build()?;
+/// assert_eq!((set.equations(), set.label(2)?), (6, "weld, node 2, x".to_owned()));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]

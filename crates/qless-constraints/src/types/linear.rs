@@ -8,10 +8,10 @@ use crate::{Constraint, Store};
 /// use qless_constraints::{ConstraintSet, types::LinearEquation};
 /// let mut builder = ConstraintSet::builder(2);
 /// builder.add("lever", LinearEquation { terms: vec![(0, 1.0), (1, -2.0)], rhs: 3.0 })?;
-/// let set = builder.build();
+/// let set = builder.build()?;
 /// let mut quantities = set.allocate();
-/// set.evaluate(&[5.0, 0.5], &mut quantities);
-/// assert_eq!(quantities.c, [1.0]);
+/// set.evaluate(&[5.0, 0.5], &mut quantities)?;
+/// assert_eq!(quantities.c(), [1.0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]

@@ -14,12 +14,12 @@ use crate::{Constraint, Store};
 /// let master = vec![at(3, 0.0), at(4, 0.7), at(5, 2.0)];
 /// let mut builder = ConstraintSet::builder(12);
 /// builder.add("interface", MortarTie { slave, master, tolerance: 1e-9 })?;
-/// let set = builder.build();
+/// let set = builder.build()?;
 /// // A field that is linear along the line satisfies all equations.
 /// let mut quantities = set.allocate();
 /// let u = [0.0, 1.0, 1.0, 3.0, 2.0, 5.0, 0.0, 1.0, 0.7, 2.4, 2.0, 5.0];
-/// set.evaluate(&u, &mut quantities);
-/// assert!(quantities.c.iter().all(|c| c.abs() < 1e-15));
+/// set.evaluate(&u, &mut quantities)?;
+/// assert!(quantities.c().iter().all(|c| c.abs() < 1e-15));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]

@@ -15,8 +15,8 @@ use crate::{Constraint, Store};
 /// let node = PlanarPoint::new([0, 1], [1.0, 0.0]);
 /// let mut builder = ConstraintSet::builder(6);
 /// builder.add("tie", NodeTie { node, shape: Shape::Line2, face: master, tolerance: 1e-6 })?;
-/// let set = builder.build();
-/// assert_eq!(set.allocate().g.row(0).collect::<Vec<_>>(), [(0, 1.0), (2, -0.75), (4, -0.25)]);
+/// let set = builder.build()?;
+/// assert_eq!(set.allocate().g().row(0).collect::<Vec<_>>(), [(0, 1.0), (2, -0.75), (4, -0.25)]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -70,7 +70,7 @@ impl<const D: usize> NodeTie<D> {
     /// for (i, tie) in NodeTie::to_surface(&[at(3, 0.5), at(4, 1.75)], &wall, 1e-6)?.into_iter().enumerate() {
     ///     builder.add(format!("tie {}", i + 1), tie)?;
     /// }
-    /// let g = builder.build().allocate().g;
+    /// let g = builder.build()?.allocate().g().clone();
     /// assert_eq!(g.row(2).collect::<Vec<_>>(), [(2, -0.25), (4, -0.75), (8, 1.0)]);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

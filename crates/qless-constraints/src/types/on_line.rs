@@ -26,11 +26,11 @@ pub enum Line {
 /// let at = |node: usize, x: f64| Point::new([3 * node, 3 * node + 1, 3 * node + 2], [x, 0.0, 0.0]);
 /// let mut builder = ConstraintSet::builder(9);
 /// builder.add("bead", OnLine { point: at(0, 0.3), line: Line::Nodes(at(1, 0.0), at(2, 1.0)) })?;
-/// let set = builder.build();
+/// let set = builder.build()?;
 /// // Both ends of the line rise by 1, and so does the bead, wherever it slides.
 /// let mut quantities = set.allocate();
-/// set.evaluate(&[0.5, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0], &mut quantities);
-/// assert_eq!(quantities.c, [0.0; 2]);
+/// set.evaluate(&[0.5, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0], &mut quantities)?;
+/// assert_eq!(quantities.c(), [0.0; 2]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]

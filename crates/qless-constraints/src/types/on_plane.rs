@@ -27,11 +27,11 @@ pub enum Plane {
 /// let table = Plane::Fixed { through: [0.0; 3], normal: [0.0, 0.0, 2.0] };
 /// let mut builder = ConstraintSet::builder(3);
 /// builder.add("table", OnPlane { point: ball, plane: table })?;
-/// let set = builder.build();
+/// let set = builder.build()?;
 /// let mut quantities = set.allocate();
-/// set.evaluate(&[0.7, 0.2, 0.0], &mut quantities);
+/// set.evaluate(&[0.7, 0.2, 0.0], &mut quantities)?;
 /// // It hovers at height 1.
-/// assert_eq!(quantities.c, [1.0]);
+/// assert_eq!(quantities.c(), [1.0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]

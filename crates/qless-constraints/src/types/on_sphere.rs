@@ -11,10 +11,10 @@ use crate::{Constraint, Nonlinear, Store};
 /// let tip = PlanarPoint::new([0, 1], [0.0, 2.0]);
 /// let mut builder = ConstraintSet::builder(2);
 /// builder.add("arm", OnSphere { point: tip, centre: [0.0, 0.0], radius: None })?;
-/// let set = builder.build();
+/// let set = builder.build()?;
 /// let mut quantities = set.allocate();
-/// set.evaluate(&[2.0, -2.0], &mut quantities);
-/// assert_eq!((quantities.c[0], &quantities.g.val[..]), (0.0, &[1.0, 0.0][..]));
+/// set.evaluate(&[2.0, -2.0], &mut quantities)?;
+/// assert_eq!((quantities.c()[0], &quantities.g().values()[..]), (0.0, &[1.0, 0.0][..]));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -21,10 +21,10 @@ pub enum MacroStrain<const D: usize> {
 /// let strain = MacroStrain::Given([[0.01, 0.0], [0.0, 0.0]]);
 /// let mut builder = ConstraintSet::builder(4);
 /// builder.add("pair", Periodic { a: left, b: right, strain })?;
-/// let set = builder.build();
+/// let set = builder.build()?;
 /// let mut quantities = set.allocate();
-/// set.evaluate(&[0.0, 0.0, 0.02, 0.0], &mut quantities);
-/// assert_eq!(quantities.c, [0.0, 0.0]);
+/// set.evaluate(&[0.0, 0.0, 0.02, 0.0], &mut quantities)?;
+/// assert_eq!(quantities.c(), [0.0, 0.0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]

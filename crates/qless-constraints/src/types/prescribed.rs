@@ -9,7 +9,7 @@ use crate::{Constraint, Store};
 /// let mut builder = ConstraintSet::builder(4);
 /// builder.add("clamp", Prescribed::fixed([0, 1]))?;
 /// builder.add("push", Prescribed { values: vec![(3, 0.1)] })?;
-/// assert_eq!(builder.build().equations(), 3);
+/// assert_eq!(builder.build()?.equations(), 3);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]

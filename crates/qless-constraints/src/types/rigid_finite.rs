@@ -13,11 +13,11 @@ use crate::{Constraint, Store};
 /// let node = Point::new([6, 7, 8], [2.0, 0.0, 0.0]);
 /// let mut builder = ConstraintSet::builder(9);
 /// builder.add("link", RigidBody { body, nodes: vec![node] })?;
-/// let set = builder.build();
+/// let set = builder.build()?;
 /// // A quarter turn about z brings the node from (2, 0, 0) to (0, 2, 0).
 /// let mut quantities = set.allocate();
-/// set.evaluate(&[0.0, 0.0, 0.0, 0.0, 0.0, std::f64::consts::FRAC_PI_2, -2.0, 2.0, 0.0], &mut quantities);
-/// assert!(quantities.c.iter().all(|c| c.abs() < 1e-15));
+/// set.evaluate(&[0.0, 0.0, 0.0, 0.0, 0.0, std::f64::consts::FRAC_PI_2, -2.0, 2.0, 0.0], &mut quantities)?;
+/// assert!(quantities.c().iter().all(|c| c.abs() < 1e-15));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]

@@ -12,11 +12,11 @@ use crate::{Constraint, Store};
 /// let nodes = vec![Point::new([6, 7, 8], [2.0, 0.0, 0.0])];
 /// let mut builder = ConstraintSet::builder(9);
 /// builder.add("link", SmallRigidBody { reference, rotations: [3, 4, 5], nodes })?;
-/// let set = builder.build();
+/// let set = builder.build()?;
 /// // A turn by 0.1 about z lifts the node by 0.2.
 /// let mut quantities = set.allocate();
-/// set.evaluate(&[0.0, 0.0, 0.0, 0.0, 0.0, 0.1, 0.0, 0.2, 0.0], &mut quantities);
-/// assert!(quantities.c.iter().all(|c| c.abs() < 1e-16));
+/// set.evaluate(&[0.0, 0.0, 0.0, 0.0, 0.0, 0.1, 0.0, 0.2, 0.0], &mut quantities)?;
+/// assert!(quantities.c().iter().all(|c| c.abs() < 1e-16));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]

@@ -38,9 +38,9 @@ const ROUNDING: f64 = 1e-8;
 /// let master = Surface { nodes: corners(4), faces: halves };
 /// let mut builder = ConstraintSet::builder(24);
 /// builder.add("interface", SurfaceMortarTie { slave, master, tolerance: 1e-9 })?;
-/// let set = builder.build();
+/// let set = builder.build()?;
 /// // Row sums of D, here those of the node at (0, 0): the integral of its function.
-/// let d: f64 = set.allocate().g.row(0).filter(|&(dof, _)| dof < 12).map(|(_, value)| value).sum();
+/// let d: f64 = set.allocate().g().row(0).filter(|&(dof, _)| dof < 12).map(|(_, value)| value).sum();
 /// assert!((d - 0.25).abs() < 1e-15);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

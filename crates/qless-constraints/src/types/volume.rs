@@ -17,13 +17,13 @@ use crate::{Constraint, Nonlinear, Store};
 /// let nodes = (0..4).map(|i| Point::new([3 * i, 3 * i + 1, 3 * i + 2], at[i])).collect();
 /// let mut builder = ConstraintSet::builder(12);
 /// builder.add("cell", Volume { nodes, tetrahedra: vec![[0, 1, 2, 3]] })?;
-/// let set = builder.build();
+/// let set = builder.build()?;
 /// let mut quantities = set.allocate();
 /// // The tip moves at constant height: the volume stays.
 /// let mut u = [0.0; 12];
 /// u[9] = 0.4;
-/// set.evaluate(&u, &mut quantities);
-/// assert!(quantities.c[0].abs() < 1e-16);
+/// set.evaluate(&u, &mut quantities)?;
+/// assert!(quantities.c()[0].abs() < 1e-16);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]

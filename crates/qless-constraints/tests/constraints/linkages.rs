@@ -8,7 +8,7 @@ pub type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
 /// Rank of G at u.
 pub fn rank(set: &ConstraintSet, u: &[f64]) -> Outcome<usize> {
     let mut quantities = set.allocate();
-    set.evaluate(u, &mut quantities);
+    set.evaluate(u, &mut quantities).expect("of this set");
     Ok(analyse(&set.linearised(&quantities, &[])?, &Options::default())?.rank())
 }
 

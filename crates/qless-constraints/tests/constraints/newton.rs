@@ -27,7 +27,7 @@ fn assert_quadratic(name: &str, solution: &Solution, bound: f64) {
 /// Example 1, with a redundant arm: driven by a third of its length in one step.
 #[test]
 fn parallelogram_is_driven() -> Outcome {
-    let set = parallelogram()?.build();
+    let set = parallelogram()?.build()?;
     let solution = solve(&set, &[0.0; 6], &[(0, 0.35)], &NewtonOptions::default())?;
     assert_quadratic("parallelogram", &solution, 2.0);
     assert_eq!(solution.redundant.len(), 1);
@@ -43,7 +43,7 @@ fn parallelogram_is_driven() -> Outcome {
 /// than the disturbance all the same, and takes no more steps.
 #[test]
 fn disturbed_parallelogram_goes_back_to_what_is_near() -> Outcome {
-    let set = parallelogram()?.build();
+    let set = parallelogram()?.build()?;
     for (case, size) in [1e-2, 1e-3, 1e-4, 1e-6].into_iter().enumerate() {
         let start: Vec<f64> = (0..6).map(|j| size * random(j + 17 * case)).collect();
         let solution = solve(&set, &start, &[], &NewtonOptions::default())?;
@@ -61,7 +61,7 @@ fn bricard_linkage_is_assembled() -> Outcome {
     let mut builder = bricard()?;
     builder.add("drive", Prescribed { values: vec![(2, 0.08)] })?;
     let start: Vec<f64> = (0..35).map(|j| 0.05 * random(j)).collect();
-    let solution = solve(&builder.build(), &start, &[], &NewtonOptions::default())?;
+    let solution = solve(&builder.build().expect("few DOFs"), &start, &[], &NewtonOptions::default())?;
     assert_quadratic("Bricard's linkage", &solution, 10.0);
     assert_eq!(solution.redundant.len(), 1);
     Ok(())
@@ -87,7 +87,7 @@ fn volume_and_rotation() -> Outcome {
     }
     let origin = [(24, 0.0), (25, 0.0), (26, 0.0)];
     let start: Vec<f64> = (0..33).map(|j| 0.2 * random(j + 40)).collect();
-    let solution = solve(&builder.build(), &start, &origin, &NewtonOptions::default())?;
+    let solution = solve(&builder.build().expect("few DOFs"), &start, &origin, &NewtonOptions::default())?;
     assert_quadratic("block of constant volume", &solution, 10.0);
     assert_eq!(solution.redundant, []);
     Ok(())
@@ -99,7 +99,7 @@ fn what_cannot_be_assembled_is_named() -> Outcome {
     let mut builder = parallelogram()?;
     let end = PlanarPoint::new([4, 5], [2.0, 1.0]);
     builder.add("long arm", OnSphere { point: end, centre: [2.0, 0.0], radius: Some(1.1) })?;
-    match solve(&builder.build(), &[0.0; 6], &[(0, 0.2)], &NewtonOptions::default()) {
+    match solve(&builder.build().expect("few DOFs"), &[0.0; 6], &[(0, 0.2)], &NewtonOptions::default()) {
         Err(NewtonError::Conflict { labels, .. }) => assert!(labels.iter().any(|label| label.contains("arm"))),
         other => panic!("expected a conflict, found {other:?}"),
     }
@@ -113,7 +113,7 @@ fn what_cannot_be_reached_does_not_converge() -> Outcome {
     let mut builder = ConstraintSet::builder(4);
     builder.add("arm", OnSphere { point: end, centre: [0.0; 2], radius: None })?;
     builder.add("rod", Distance::new(end, PlanarPoint::new([2, 3], [2.0, 0.0])))?;
-    let far = solve(&builder.build(), &[0.0; 4], &[(2, 5.0), (3, 0.0)], &NewtonOptions::default());
+    let far = solve(&builder.build().expect("few DOFs"), &[0.0; 4], &[(2, 5.0), (3, 0.0)], &NewtonOptions::default());
     assert!(far.is_err());
     Ok(())
 }
@@ -121,7 +121,7 @@ fn what_cannot_be_reached_does_not_converge() -> Outcome {
 /// The same in space, from many disturbed configurations.
 #[test]
 fn disturbed_linkages_go_back_to_what_is_near() -> Outcome {
-    for (name, set, redundant) in [("bricard", bricard()?.build(), 1), ("four-bar", four_bar()?.build(), 3)] {
+    for (name, set, redundant) in [("bricard", bricard()?.build()?, 1), ("four-bar", four_bar()?.build()?, 3)] {
         for case in 0..40 {
             let size = [0.05, 1e-2, 1e-3, 1e-5][case % 4];
             let start: Vec<f64> = (0..set.dofs()).map(|j| size * random(j + 97 * case)).collect();
@@ -144,7 +144,7 @@ fn linear_equations_need_one_step() -> Outcome {
         builder.add(label, Equal::new(dofs))?;
     }
     builder.add("lever", LinearEquation { terms: vec![(2, 3.0), (3, -1.0), (4, 0.7)], rhs: 0.1 })?;
-    let set = builder.build();
+    let set = builder.build().expect("few DOFs");
     let start = [0.1, -0.4, 0.9, 3.0, -2.0];
     let solution = solve(&set, &start, &[(4, 0.3), (1, 1.5)], &NewtonOptions::default())?;
     assert_eq!(solution.iterates.len(), 2);
@@ -163,5 +163,5 @@ fn set_with_gap(gap: f64) -> Result<ConstraintSet, Box<dyn std::error::Error>> {
     builder.add("ab", Equal::new([0, 1]))?;
     builder.add("bc", Equal::new([1, 2]))?;
     builder.add("ca", LinearEquation { terms: vec![(2, 1.0), (0, -1.0)], rhs: gap })?;
-    Ok(builder.build())
+    Ok(builder.build().expect("few DOFs"))
 }

@@ -23,8 +23,10 @@ pub struct Card {
 /// # let place = tempfile::tempdir()?;
 /// let path = place.path().join("ties.cdb");
 /// std::fs::write(&path, "CE,4,0,1,UX,1,2,UX,-1\nCE,5,0,1,UY,1,2,UY,-1\n")?;
-/// let cards = qless_io::deck::read(&path)?.model.cards;
-/// assert_eq!((cards.len(), cards.get(1).name.to_string(), cards.get(1).line), (2, "CE 5".to_owned(), 2));
+/// let deck = qless_io::deck::read(&path)?;
+/// let cards = deck.model().cards();
+/// let second = cards.get(1).expect("two cards");
+/// assert_eq!((cards.len(), second.name.to_string(), second.line), (2, "CE 5".to_owned(), 2));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, Default)]
@@ -75,8 +77,13 @@ impl Cards {
         self.count == 0
     }
 
-    /// Card `i`, as an [`Origin`](super::Origin) has it.
-    pub fn get(&self, i: u32) -> Card {
+    /// Card `i`, as an [`Origin`](super::Origin) has it, if it is there.
+    pub fn get(&self, i: u32) -> Option<Card> {
+        (i < self.count).then(|| self.nth(i))
+    }
+
+    /// Card `i`, which is there.
+    pub(super) fn nth(&self, i: u32) -> Card {
         let run = &self.runs[self.runs.partition_point(|run| run.first <= i) - 1];
         Card { is_fixed: self.fixed.contains(&i), ..run.at(i) }
     }
@@ -88,7 +95,7 @@ impl Cards {
 
     /// The first card of this name.
     pub(super) fn find(&self, name: &str) -> Option<u32> {
-        (0..self.count).find(|&i| self.get(i).name == name)
+        (0..self.count).find(|&i| self.nth(i).name == name)
     }
 
     /// Adds a card and returns its number.
@@ -141,7 +148,7 @@ mod tests {
         cards.fix(5, true);
         cards.fix(5, false);
         for (i, (name, file, line)) in added.into_iter().enumerate() {
-            assert_eq!(cards.get(i as u32), Card { name, file, line, is_fixed: i == 4 });
+            assert_eq!(cards.nth(i as u32), Card { name, file, line, is_fixed: i == 4 });
         }
         assert_eq!((cards.find("D"), cards.find("E"), cards.len(), cards.is_empty()), (Some(7), None, 12, false));
         assert_eq!(cards.runs.len(), 7);

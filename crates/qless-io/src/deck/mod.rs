@@ -32,7 +32,8 @@ pub use error::{DeckError, Problem};
 pub use model::{Dof, Equation, Load, LoadCase, Model, Origin, Prescribed, Warning};
 pub use name::CardName;
 pub use nastran::CardFault;
-pub use source::{Open, Sources};
+pub use source::Open;
+pub(crate) use source::Sources;
 
 use crate::{ReadError, bytes};
 
@@ -63,15 +64,27 @@ impl Format {
 /// A deck: its constraints, and the text that they were read from.
 #[derive(Debug)]
 pub struct Deck {
-    /// Its language.
-    pub format: Format,
-    /// Its constraints.
-    pub model: Model,
-    /// The bytes of [`Model::files`].
-    pub texts: Vec<Arc<Vec<u8>>>,
+    format: Format,
+    model: Model,
+    texts: Vec<Arc<Vec<u8>>>,
 }
 
 impl Deck {
+    /// Its language.
+    pub fn format(&self) -> Format {
+        self.format
+    }
+
+    /// Its constraints.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// The bytes of [`Model::files`].
+    pub fn texts(&self) -> &[Arc<Vec<u8>>] {
+        &self.texts
+    }
+
     /// Where nodes are in the model's axes, by number. Nodes that commands generate, or give along other axes in a way that is not
     /// followed (ANSYS), are left out.
     ///
@@ -107,7 +120,7 @@ impl Deck {
 /// let path = place.path().join("tie.inp");
 /// std::fs::write(&path, "*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n*EQUATION\n2\n1,1,1.,2,1,-1.\n")?;
 /// let deck = qless_io::deck::read(&path)?;
-/// assert_eq!(deck.model.label(0), "line 5 *EQUATION 1:1");
+/// assert_eq!(deck.model().label(0).as_deref(), Some("line 5 *EQUATION 1:1"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn read(path: &Path) -> Result<Deck, ReadError> {

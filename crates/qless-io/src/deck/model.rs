@@ -1,6 +1,6 @@
 //! What a deck constrains, whatever its format: equations on DOFs, prescribed values by load case, and where each stands.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use qless::{ConstraintSystem, SystemBuilder, SystemError};
 
@@ -102,16 +102,11 @@ pub struct Warning {
 /// The constraints of a deck.
 #[derive(Clone, Debug, Default)]
 pub struct Model {
-    /// The files read, the main one first.
-    pub files: Vec<PathBuf>,
-    /// Cards that constrain, in the order met.
-    pub cards: Cards,
-    /// DOFs that occur in equations, by column.
-    pub dofs: Vec<Dof>,
-    /// Load cases; at least one.
-    pub cases: Vec<LoadCase>,
-    /// What was not understood or not exact.
-    pub warnings: Vec<Warning>,
+    pub(super) files: Vec<PathBuf>,
+    pub(super) cards: Cards,
+    pub(super) dofs: Vec<Dof>,
+    pub(super) cases: Vec<LoadCase>,
+    pub(super) warnings: Vec<Warning>,
     columns: Columns,
     terms: Terms,
     /// Where the terms of each equation end.
@@ -157,8 +152,33 @@ struct Terms {
 
 impl Model {
     /// A model without equations or load cases, of these files.
-    pub fn new(files: Vec<PathBuf>) -> Self {
+    pub(super) fn new(files: Vec<PathBuf>) -> Self {
         Self { files, ..Self::default() }
+    }
+
+    /// The files read, the main one first.
+    pub fn files(&self) -> &[PathBuf] {
+        &self.files
+    }
+
+    /// Cards that constrain, in the order met.
+    pub fn cards(&self) -> &Cards {
+        &self.cards
+    }
+
+    /// DOFs that occur in equations, by column.
+    pub fn dofs(&self) -> &[Dof] {
+        &self.dofs
+    }
+
+    /// Load cases; at least one.
+    pub fn cases(&self) -> &[LoadCase] {
+        &self.cases
+    }
+
+    /// What was not understood or not exact.
+    pub fn warnings(&self) -> &[Warning] {
+        &self.warnings
     }
 
     /// Number of equations.
@@ -171,8 +191,13 @@ impl Model {
         self.terms.columns.len()
     }
 
-    /// Equation `i`, from 0.
-    pub fn equation(&self, i: usize) -> Equation<'_> {
+    /// Equation `i`, from 0, if it is there.
+    pub fn equation(&self, i: usize) -> Option<Equation<'_>> {
+        (i < self.equations()).then(|| self.nth(i))
+    }
+
+    /// Equation `i`, which is there.
+    pub(super) fn nth(&self, i: usize) -> Equation<'_> {
         let range = if i == 0 { 0 } else { self.ends[i - 1] as usize }..self.ends[i] as usize;
         let run = self.runs[self.runs.partition_point(|run| run.first <= i as u32) - 1];
         Equation {
@@ -205,7 +230,7 @@ impl Model {
     }
 
     /// Adds an equation. The terms are kept as they come: repeated DOFs and zeros included.
-    pub fn push(&mut self, terms: impl IntoIterator<Item = (Dof, f64)>, rhs: f64, origin: Origin) {
+    pub(super) fn push(&mut self, terms: impl IntoIterator<Item = (Dof, f64)>, rhs: f64, origin: Origin) {
         let i = self.equations();
         for (turn, (dof, coefficient)) in terms.into_iter().enumerate() {
             let next = self.dofs.len() as u32;
@@ -227,28 +252,35 @@ impl Model {
     }
 
     /// Adds a card and returns its number.
-    pub fn card(&mut self, name: impl Into<CardName>, file: u32, line: u32) -> u32 {
+    pub(super) fn card(&mut self, name: impl Into<CardName>, file: u32, line: u32) -> u32 {
         self.cards.push(name.into(), file, line)
     }
 
     /// Adds a warning about a line.
-    pub fn warn(&mut self, file: u32, line: u32, text: impl Into<String>) {
+    pub(super) fn warn(&mut self, file: u32, line: u32, text: impl Into<String>) {
         self.warnings.push(Warning { file, line, text: text.into() });
     }
 
-    /// Where, and which card: `line 41 *EQUATION` in the main file, `part.inc:41 *EQUATION` in others.
+    /// Where, and which card: `line 41 *EQUATION` in the main file, `part.inc:41 *EQUATION` in others; the line alone for an origin
+    /// that is none of this model.
     pub fn place(&self, origin: Origin) -> String {
-        let card = self.cards.get(origin.card);
-        let file = self.files[card.file as usize].file_name().unwrap_or_default().to_string_lossy();
+        let Some(card) = self.cards.get(origin.card) else { return format!("line {}", origin.line) };
+        let path = self.files.get(card.file as usize).map(PathBuf::as_path);
+        let file = path.and_then(Path::file_name).unwrap_or_default().to_string_lossy();
         match card.file {
             0 => format!("line {} {}", origin.line, card.name),
             _ => format!("{file}:{} {}", origin.line, card.name),
         }
     }
 
-    /// `line 41 *EQUATION 6:3`: the place and the first DOF of equation `i`.
-    pub fn label(&self, i: usize) -> String {
-        let equation = self.equation(i);
+    /// `line 41 *EQUATION 6:3`: the place and the first DOF of equation `i`, if it is there.
+    pub fn label(&self, i: usize) -> Option<String> {
+        (i < self.equations()).then(|| self.label_of(i))
+    }
+
+    /// The label of equation `i`, which is there.
+    pub(super) fn label_of(&self, i: usize) -> String {
+        let equation = self.nth(i);
         let place = self.place(equation.origin);
         match equation.columns.first() {
             Some(&j) => format!("{place} {}", self.dofs[j as usize]),
@@ -280,9 +312,9 @@ impl Model {
         let dofs = self.dofs.len() + extra.len();
         let mut builder = SystemBuilder::new(dofs.max(1));
         for i in self.in_force(case) {
-            let equation = self.equation(i);
+            let equation = self.nth(i);
             let terms = equation.columns.iter().zip(equation.coefficients).filter(|(_, a)| **a != 0.0);
-            builder.labelled_equation(self.label(i), terms.map(|(&j, &a)| (j as usize, a)), equation.rhs);
+            builder.labelled_equation(self.label_of(i), terms.map(|(&j, &a)| (j as usize, a)), equation.rhs);
         }
         for clash in &case.clashes {
             let label = format!("{} {}", self.place(clash.origin), clash.dof);
@@ -300,8 +332,8 @@ impl Model {
     }
 
     /// An error at a line of a card.
-    pub fn error(&self, origin: Origin, field: Option<usize>, problem: super::Problem) -> DeckError {
-        let card = self.cards.get(origin.card);
+    pub(super) fn error(&self, origin: Origin, field: Option<usize>, problem: super::Problem) -> DeckError {
+        let card = self.cards.nth(origin.card);
         let path = self.files[card.file as usize].clone();
         DeckError { path, line: origin.line as usize, card: card.name.to_string(), field, problem }
     }

@@ -79,7 +79,7 @@ pub fn write_case(folder: &Path, system: &ConstraintSystem) -> Result<(), WriteE
 /// # let place = tempfile::tempdir()?;
 /// let path = place.path().join("T.mtx");
 /// let mut matrix = qless::Csr::empty(3);
-/// matrix.push_row([(0, 1e-7), (2, -2.0)]);
+/// matrix.push_row([(0, 1e-7), (2, -2.0)])?;
 /// qless_io::write::write_matrix(&path, &matrix)?;
 /// assert_eq!(qless_io::matrix_market::read(&path)?.entries, [(0, 0, 1e-7), (0, 2, -2.0)]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

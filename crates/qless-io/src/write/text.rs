@@ -6,7 +6,7 @@ use qless::Csr;
 
 pub(super) fn matrix(out: &mut dyn Write, matrix: &Csr) -> Result<()> {
     writeln!(out, "%%MatrixMarket matrix coordinate real general")?;
-    writeln!(out, "{} {} {}", matrix.rows(), matrix.cols, matrix.nnz())?;
+    writeln!(out, "{} {} {}", matrix.rows(), matrix.cols(), matrix.nnz())?;
     for row in 0..matrix.rows() {
         for (column, value) in matrix.row(row) {
             writeln!(out, "{} {} {value:?}", row + 1, column + 1)?;

@@ -7,7 +7,10 @@ fn equations_as_commands() {
     // The manual's own example of a command: 0 = UY(3) - UY(1) - 10 ROTZ(2).
     let model = deck("CE,1,0,3,UY,1,1,UY,-1,2,ROTZ,-10\nce,next,2.5,4,ux,1.0D0 $ CE,HIGH,,5,Temp,-2 ! more\n");
     assert_eq!(equations(&model), ["3:2 1, 1:2 -1, 2:6 -10 = 0", "4:1 1, 5:11 -2 = 2.5"]);
-    assert_eq!((model.model.label(0), model.model.label(1)), ("line 1 CE 1 3:2".into(), "line 2 CE 2 4:1".into()));
+    assert_eq!(
+        (model.model().label(0).expect("an equation"), model.model().label(1).expect("an equation")),
+        ("line 1 CE 1 3:2".into(), "line 2 CE 2 4:1".into())
+    );
     assert!(warnings(&model).is_empty());
 }
 
@@ -32,7 +35,13 @@ fn equations_of_an_archive() {
                 CECMOD,      1,  0.75000000    \n";
     let deck = deck(text);
     assert_eq!(equations(&deck), ["1700:1 1, 1700:3 -1, 9:5 0.25 = 0.75", "1700:1 1 = 0"]);
-    assert_eq!((deck.model.equation(0).origin.line, deck.model.equation(0).origin.lines), (1, 3));
+    assert_eq!(
+        (
+            deck.model().equation(0).expect("an equation").origin.line,
+            deck.model().equation(0).expect("an equation").origin.lines
+        ),
+        (1, 3)
+    );
 }
 
 #[test]
@@ -70,10 +79,10 @@ fn values_of_nodes() {
 #[test]
 fn load_steps() {
     let deck = deck("CE,1,0,1,UX,1,2,UX,1\nD,1,UX,1\nF,2,FX,10\nSOLVE\nDDELE,1,UX\nD,2,UX,2\nFDELE,2,ALL\nsolve\n");
-    let names: Vec<&str> = deck.model.cases.iter().map(|case| case.name.as_str()).collect();
+    let names: Vec<&str> = deck.model().cases().iter().map(|case| case.name.as_str()).collect();
     assert_eq!(names, ["load step 1", "load step 2"]);
     assert_eq!((prescribed(&deck, 0), prescribed(&deck, 1)), (vec!["1:1 1".into()], vec!["2:1 2".to_owned()]));
-    assert_eq!((deck.model.cases[0].loads.len(), deck.model.cases[1].loads.len()), (1, 0));
+    assert_eq!((deck.model().cases()[0].loads.len(), deck.model().cases()[1].loads.len()), (1, 0));
 }
 
 #[test]
@@ -135,7 +144,7 @@ fn what_an_archive_holds_besides_is_no_matter() {
         TB,HYPE,       1,   1,   3,POLY\nTBDATA,1,-8.05E-001\n_VAR(1,       1,       1) = 0.\nD = 3\nMPTEMP,R5.0, 1, 1,  0.0\nBFCUM   ,VELO,REPLACE\n/GO\nFINISH\n";
     let deck = deck(text);
     assert_eq!(warnings(&deck), Vec::<String>::new());
-    assert_eq!((deck.model.equations(), deck.model.cases.len()), (0, 1));
+    assert_eq!((deck.model().equations(), deck.model().cases().len()), (0, 1));
 }
 
 #[test]

@@ -16,10 +16,10 @@ pub fn deck(text: &str) -> Deck {
 
 /// An equation as `node:component coefficient ... = rhs`.
 pub fn equations(deck: &Deck) -> Vec<String> {
-    let model = &deck.model;
-    let term = |j: u32, a: f64| format!("{} {a}", model.dofs[j as usize]);
+    let model = deck.model();
+    let term = |j: u32, a: f64| format!("{} {a}", model.dofs()[j as usize]);
     let text = |i: usize| {
-        let equation = model.equation(i);
+        let equation = model.equation(i).expect("an equation");
         let terms: Vec<String> =
             equation.columns.iter().zip(equation.coefficients).map(|(&j, &a)| term(j, a)).collect();
         format!("{} = {}", terms.join(", "), equation.rhs)
@@ -29,9 +29,9 @@ pub fn equations(deck: &Deck) -> Vec<String> {
 
 /// Prescribed values of a load case as `node:component value`.
 pub fn prescribed(deck: &Deck, case: usize) -> Vec<String> {
-    deck.model.cases[case].prescribed.iter().map(|given| format!("{} {}", given.dof, given.value)).collect()
+    deck.model().cases()[case].prescribed.iter().map(|given| format!("{} {}", given.dof, given.value)).collect()
 }
 
 pub fn warnings(deck: &Deck) -> Vec<String> {
-    deck.model.warnings.iter().map(|warning| format!("{}: {}", warning.line, warning.text)).collect()
+    deck.model().warnings().iter().map(|warning| format!("{}: {}", warning.line, warning.text)).collect()
 }

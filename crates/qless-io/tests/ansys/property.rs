@@ -78,18 +78,18 @@ fn archived(text: &mut String, number: u32, terms: &Terms) {
 
 /// The rank of the equations of all decks together, with the prescribed DOFs of the first.
 fn rank(decks: &[&Deck]) -> usize {
-    let mut dofs: Vec<Dof> = decks.iter().flat_map(|deck| deck.model.dofs.iter().copied()).collect();
+    let mut dofs: Vec<Dof> = decks.iter().flat_map(|deck| deck.model().dofs().iter().copied()).collect();
     dofs.sort_unstable();
     dofs.dedup();
     let column = |dof: &Dof| dofs.binary_search(dof);
     let mut builder = SystemBuilder::new(dofs.len().max(1));
-    for model in decks.iter().map(|deck| &deck.model) {
-        for equation in (0..model.equations()).map(|i| model.equation(i)) {
-            let terms = equation.columns.iter().map(|&j| column(&model.dofs[j as usize]).expect("known"));
+    for model in decks.iter().map(|deck| deck.model()) {
+        for equation in (0..model.equations()).map(|i| model.equation(i).expect("an equation")) {
+            let terms = equation.columns.iter().map(|&j| column(&model.dofs()[j as usize]).expect("known"));
             builder.equation(terms.zip(equation.coefficients.iter().copied()), 0.0);
         }
     }
-    for given in &decks[0].model.cases[0].prescribed {
+    for given in &decks[0].model().cases()[0].prescribed {
         column(&given.dof).into_iter().for_each(|j| builder.prescribe(j, 0.0));
     }
     analyse(&builder.build().expect("a system"), &Options::default()).expect("analysed").rank()
@@ -97,11 +97,11 @@ fn rank(decks: &[&Deck]) -> usize {
 
 /// Whether the displacement that all commands agree with fulfils every equation, but for rounding.
 fn holds(deck: &Deck) -> bool {
-    let model = &deck.model;
+    let model = deck.model();
     let labels = [1, 6, 11];
     let value =
-        |j: u32| labels.iter().position(|label| *label == model.dofs[j as usize].component).map_or(f64::NAN, value);
-    (0..model.equations()).map(|i| model.equation(i)).all(|equation| {
+        |j: u32| labels.iter().position(|label| *label == model.dofs()[j as usize].component).map_or(f64::NAN, value);
+    (0..model.equations()).map(|i| model.equation(i).expect("an equation")).all(|equation| {
         let terms = || equation.columns.iter().zip(equation.coefficients).map(|(&j, a)| a * value(j));
         let scale: f64 = terms().map(f64::abs).sum();
         (terms().sum::<f64>() - equation.rhs).abs() <= 1e-12 * scale.max(1.0)
@@ -114,14 +114,14 @@ proptest! {
     #[test]
     fn a_cleaned_deck_says_the_same(said in prop::collection::vec(said(), 1..12)) {
         let before = deck(&text(&said));
-        let plan = clean::plan(&before.model, &Options::default()).expect("consistent");
+        let plan = clean::plan(before.model(), &Options::default()).expect("consistent");
         let result = clean::write(&before, &plan).expect("written");
         let after = deck(std::str::from_utf8(&result).expect("text"));
         prop_assert!(holds(&before) && holds(&after));
-        prop_assert!(faults(&after.model).is_empty());
-        prop_assert!(clean::plan(&after.model, &Options::default()).expect("consistent").is_empty());
-        prop_assert_eq!(after.model.equations(), rank(&[&before]));
-        prop_assert_eq!(rank(&[&after]), after.model.equations());
-        prop_assert_eq!(rank(&[&before, &after]), after.model.equations());
+        prop_assert!(faults(after.model()).is_empty());
+        prop_assert!(clean::plan(after.model(), &Options::default()).expect("consistent").is_empty());
+        prop_assert_eq!(after.model().equations(), rank(&[&before]));
+        prop_assert_eq!(rank(&[&after]), after.model().equations());
+        prop_assert_eq!(rank(&[&before, &after]), after.model().equations());
     }
 }

@@ -41,7 +41,7 @@ fn systems() -> impl Strategy<Value = ConstraintSystem> {
 
 fn bits(system: &ConstraintSystem) -> Vec<u64> {
     let prescribed = system.prescribed().iter().map(|&(_, value)| value);
-    let numbers = system.matrix().val.iter().chain(system.rhs()).copied().chain(prescribed);
+    let numbers = system.matrix().values().iter().chain(system.rhs()).copied().chain(prescribed);
     numbers.map(f64::to_bits).collect()
 }
 

@@ -11,19 +11,20 @@ fn cleaned(text: &str, files: &[(&str, &str)]) -> String {
     let before = parsed(text, files).unwrap_or_else(|error| panic!("{error}"));
     let after = clean(&before);
     let deck = parsed(&after, files).unwrap_or_else(|error| panic!("{error}\n{after}"));
-    for (case, old) in deck.model.cases.iter().zip(&before.model.cases) {
+    for (case, old) in deck.model().cases().iter().zip(before.model().cases()) {
         assert_eq!(case.prescribed.len(), old.prescribed.len());
-        let analysis = analyse(&deck.model.system(case).expect("a system"), &Options::default()).expect("an analysis");
-        assert!(analysis.kinds.iter().all(|kind| *kind == Kind::Independent), "{after}");
+        let analysis =
+            analyse(&deck.model().system(case).expect("a system"), &Options::default()).expect("an analysis");
+        assert!(analysis.kinds().iter().all(|kind| *kind == Kind::Independent), "{after}");
     }
-    assert_eq!(faults(&deck.model), [], "{after}");
+    assert_eq!(faults(deck.model()), [], "{after}");
     assert_eq!(clean(&deck), after, "the second time changes something");
-    assert_same_space(&before.model, &deck.model);
+    assert_same_space(before.model(), deck.model());
     after
 }
 
 pub fn clean(deck: &Deck) -> String {
-    let plan = plan(&deck.model, &Options::default()).unwrap_or_else(|error| panic!("{error}"));
+    let plan = plan(deck.model(), &Options::default()).unwrap_or_else(|error| panic!("{error}"));
     let text = write(deck, &plan).unwrap_or_else(|error| panic!("{error}"));
     String::from_utf8(text).expect("text")
 }
@@ -34,12 +35,12 @@ pub fn assert_same_space(before: &Model, after: &Model) {
         let mut columns = std::collections::BTreeMap::new();
         let mut rows = Vec::new();
         for model in models {
-            let given = &model.cases[0].prescribed;
+            let given = &model.cases()[0].prescribed;
             for i in 0..model.equations() {
-                let equation = model.equation(i);
+                let equation = model.equation(i).expect("an equation");
                 let mut row = Vec::new();
                 for (&j, &a) in equation.columns.iter().zip(equation.coefficients) {
-                    let dof = model.dofs[j as usize];
+                    let dof = model.dofs()[j as usize];
                     if given.binary_search_by_key(&dof, |given| given.dof).is_err() {
                         let next = columns.len();
                         row.push((*columns.entry(dof).or_insert(next), a));
@@ -128,7 +129,7 @@ fn a_selection_of_set_0_gives_way_to_the_new_one() {
 fn what_cannot_be_cleaned_is_said() {
     let refused_with = |text: &str, files: &[(&str, &str)]| {
         let deck = parsed(text, files).unwrap_or_else(|error| panic!("{error}"));
-        let plan = plan(&deck.model, &Options::default());
+        let plan = plan(deck.model(), &Options::default());
         plan.and_then(|plan| write(&deck, &plan)).map_or_else(|error| error.to_string(), |_| "cleaned".into())
     };
     let refused = |text: &str| refused_with(text, &[]);

@@ -76,7 +76,7 @@ fn difference(case: &Path, expected: &str, model: &Model, load_case: &LoadCase) 
     }
     let analysis = analyse(&ours, &Options::default()).map_err(|error| error.to_string())?;
     same("free rank", analysis.rank().to_string(), "rank_free")?;
-    same("conflict", analysis.kinds.contains(&Kind::Conflicting).to_string(), "inconsistent")?;
+    same("conflict", analysis.kinds().contains(&Kind::Conflicting).to_string(), "inconsistent")?;
     let nnz = ours.matrix().nnz();
     Ok(format!(
         "rows {} columns {} ranks {ranks:?} nnz {nnz} of {}",
@@ -114,8 +114,8 @@ fn decks_span_what_their_references_span() {
         let start = Instant::now();
         let outcome = deck::read(&path).map_err(|error| error.to_string()).and_then(|deck| {
             let seconds = start.elapsed().as_secs_f64();
-            deck.model.warnings.iter().for_each(|warning| println!("    line {}: {}", warning.line, warning.text));
-            let text = difference(&case, &expected, &deck.model, &deck.model.cases[0])?;
+            deck.model().warnings().iter().for_each(|warning| println!("    line {}: {}", warning.line, warning.text));
+            let text = difference(&case, &expected, deck.model(), &deck.model().cases()[0])?;
             Ok(format!("{text}; read in {seconds:.4} s"))
         });
         println!("{:<28} {}", name(&case), outcome.as_ref().unwrap_or_else(|text| text));
@@ -128,13 +128,13 @@ fn decks_span_what_their_references_span() {
 fn cleaned_decks_say_the_same_and_need_no_more() {
     for (case, _, path) in cases() {
         let deck = deck::read(&path).unwrap_or_else(|error| panic!("{error}"));
-        let plan = plan(&deck.model, &Options::default()).unwrap_or_else(|error| panic!("{}: {error}", name(&case)));
+        let plan = plan(deck.model(), &Options::default()).unwrap_or_else(|error| panic!("{}: {error}", name(&case)));
         println!("{:<28} removed {} written {}", name(&case), plan.removed.len(), plan.written.len());
         let text = write(&deck, &plan).unwrap_or_else(|error| panic!("{}: {error}", name(&case)));
         let mut open = |path: &Path| std::fs::read(path);
-        let cleaned = deck::parse(deck.format, &path, text, &mut open).unwrap_or_else(|error| panic!("{error}"));
-        assert_eq!(faults(&cleaned.model), [], "{}", name(&case));
-        assert_eq!(clean(&cleaned).as_bytes(), cleaned.texts[0].as_slice(), "{}", name(&case));
-        assert_same_space(&deck.model, &cleaned.model);
+        let cleaned = deck::parse(deck.format(), &path, text, &mut open).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(faults(cleaned.model()), [], "{}", name(&case));
+        assert_eq!(clean(&cleaned).as_bytes(), cleaned.texts()[0].as_slice(), "{}", name(&case));
+        assert_same_space(deck.model(), cleaned.model());
     }
 }

@@ -15,7 +15,7 @@ pub fn parsed(text: &str, files: &[(&str, &str)]) -> Result<Deck, DeckError> {
 }
 
 pub fn model(text: &str) -> Model {
-    parsed(text, &[]).unwrap_or_else(|error| panic!("{error}")).model
+    parsed(text, &[]).unwrap_or_else(|error| panic!("{error}")).model().clone()
 }
 
 /// The message of a deck that is refused.
@@ -25,8 +25,8 @@ pub fn refused(text: &str) -> String {
 
 /// Equation `i` as `1 1:1 -1 2:1`.
 pub fn equation(model: &Model, i: usize) -> String {
-    let equation = model.equation(i);
-    let term = |(&j, a): (&u32, &f64)| format!("{a} {}", model.dofs[j as usize]);
+    let equation = model.equation(i).expect("an equation");
+    let term = |(&j, a): (&u32, &f64)| format!("{a} {}", model.dofs()[j as usize]);
     equation.columns.iter().zip(equation.coefficients).map(term).collect::<Vec<_>>().join(" ")
 }
 
@@ -42,5 +42,5 @@ pub fn prescribed(case: &LoadCase) -> Vec<String> {
 
 /// Warnings as `line 3: text`.
 pub fn warnings(model: &Model) -> Vec<String> {
-    model.warnings.iter().map(|warning| format!("line {}: {}", warning.line, warning.text)).collect()
+    model.warnings().iter().map(|warning| format!("line {}: {}", warning.line, warning.text)).collect()
 }

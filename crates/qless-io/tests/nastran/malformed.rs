@@ -166,7 +166,7 @@ fn no_bytes_are_fatal() {
                 RBE2    7       1       123     2       THRU    3\nRBE3,8,,1,123456,1.,123,2,3\n,UM,2,123,3,123\nRBAR,9,1,2,123,456\n\
                 MPC*,1,1,1,1.\n*,2,1,-1.-1\nSPC,2,1,1,.5\nSPC1,2,123,2,THRU,9\nSPCADD,3,2\nRROD,4,1,2,1\nRBE1,5,1,123456\n,UM,2,1\nENDDATA\n";
     for cut in 0..deck.len() {
-        let _ = parsed(&deck[..cut], &[]).map(|deck| deck.model.system(&deck.model.cases[0]));
+        let _ = parsed(&deck[..cut], &[]).map(|deck| deck.model().system(&deck.model().cases()[0]));
     }
     for (at, new) in (0..deck.len()).flat_map(|at| b"\n, *+$9-.T\xff\0".iter().map(move |new| (at, *new))) {
         let mut bytes = deck.as_bytes().to_vec();
@@ -174,7 +174,7 @@ fn no_bytes_are_fatal() {
         let mut none = |_: &std::path::Path| Err(std::io::ErrorKind::NotFound.into());
         let path = std::path::Path::new("deck.bdf");
         let read = qless_io::deck::parse(qless_io::deck::Format::Nastran, path, bytes, &mut none);
-        let _ = read.map(|deck| deck.model.system(&deck.model.cases[0]));
+        let _ = read.map(|deck| deck.model().system(&deck.model().cases()[0]));
     }
 }
 

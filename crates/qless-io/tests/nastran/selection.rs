@@ -25,10 +25,10 @@ ENDDATA
 #[test]
 fn each_subcase_has_its_own_sets() {
     let model = model(&format!("CEND\nSPC = 8\nSUBCASE 1\nMPC = 9\nSUBCASE 2\nSPC = 1\nMPC = 1\nLOAD = 5\n{BULK}"));
-    let names: Vec<&str> = model.cases.iter().map(|case| case.name.as_str()).collect();
+    let names: Vec<&str> = model.cases().iter().map(|case| case.name.as_str()).collect();
     assert_eq!(names, ["subcase 1", "subcase 2"]);
     assert_eq!(equations(&model), ["1 1:1 -1 2:1", "1 3:1 -1 10:0"]);
-    let [first, second] = &model.cases[..] else { panic!("two load cases") };
+    let [first, second] = &model.cases()[..] else { panic!("two load cases") };
     assert_eq!(prescribed(first), ["1:3=0.5", "1:6=0", "2:1=0", "2:2=0", "2:3=0", "3:3=0", "3:6=0", "11:0=0"]);
     let clashes: Vec<f64> = first.clashes.iter().map(|clash| clash.value).collect();
     assert_eq!((clashes, first.removed.as_slice()), (vec![0.0, 0.7], &[][..]));
@@ -63,7 +63,7 @@ fn a_selected_set_without_cards_is_named() {
 #[test]
 fn set_0_takes_back_what_was_selected_above() {
     let model = model(&format!("CEND\nSPC = 1\nMPC = 1\nSUBCASE 1\nSUBCASE 2\nSPC = 0\nMPC = 0\n{BULK}"));
-    let [first, second] = &model.cases[..] else { panic!("two load cases") };
+    let [first, second] = &model.cases()[..] else { panic!("two load cases") };
     assert_eq!((first.removed.as_slice(), second.removed.as_slice()), (&[][..], &[0][..]));
     assert_eq!(prescribed(second), ["1:6=0", "2:1=0", "2:2=0", "3:6=0"]);
     assert!(!warnings(&model).iter().any(|warning| warning.contains("set 0")), "{:?}", warnings(&model));
@@ -72,7 +72,7 @@ fn set_0_takes_back_what_was_selected_above() {
 #[test]
 fn bulk_data_alone_have_their_only_sets() {
     let alone = model("GRID,1\nGRID,2\nMPC,3,1,1,1.,2,1,-1.\nSPC1,4,123,1\n");
-    assert_eq!((alone.equations(), alone.cases[0].prescribed.len()), (1, 3));
+    assert_eq!((alone.equations(), alone.cases()[0].prescribed.len()), (1, 3));
     assert_eq!(warnings(&alone)[0], "line 3: the deck has no case control: MPC set 3, the only one, is taken");
     let several = model("GRID,1\nGRID,2\nMPC,3,1,1,1.,2,1,-1.\nMPC,4,1,2,1.,2,2,-1.\n");
     assert_eq!(several.equations(), 0);
@@ -107,10 +107,10 @@ fn executive_and_case_control_may_be_included() {
         ("folder/bulk.inc", "GRID,1\nGRID,2\nMPC,1,1,1,1.,2,1,-1.\n"),
     ];
     let text = "INCLUDE 'exec.inc'\nINCLUDE 'case.inc'\nBEGIN BULK\nINCLUDE 'folder\\bulk.inc'\nENDDATA\n";
-    let model = parsed(text, &files).unwrap_or_else(|error| panic!("{error}")).model;
-    assert_eq!((equations(&model).len(), model.warnings.len()), (1, 0));
+    let model = parsed(text, &files).unwrap_or_else(|error| panic!("{error}")).model().clone();
+    assert_eq!((equations(&model).len(), model.warnings().len()), (1, 0));
     let bare = self::model("BEGIN BULK\nGRID,1\nGRID,2\nMPC,1,1,1,1.,2,1,-1.\nENDDATA\n");
-    assert_eq!((bare.equations(), bare.warnings.len()), (1, 1));
+    assert_eq!((bare.equations(), bare.warnings().len()), (1, 1));
 }
 
 /// `BEGIN BULK` in an included file ends case control as well as one in the main file does.
@@ -119,10 +119,10 @@ fn landmarks_may_be_included() {
     let bulk = "GRID,1\nGRID,2\nMPC,1,1,1,1.,2,1,-1.\nMPC,2,1,2,1.,2,2,-1.\n";
     let begun = format!("BEGIN BULK\n{bulk}");
     let model = parsed("MPC = 2\nINCLUDE 'bulk.inc'\nENDDATA\n", &[("bulk.inc", &begun)]);
-    let model = model.unwrap_or_else(|error| panic!("{error}")).model;
-    assert_eq!((equations(&model), model.warnings.len()), (vec!["1 1:2 -1 2:2".to_owned()], 1));
+    let model = model.unwrap_or_else(|error| panic!("{error}")).model().clone();
+    assert_eq!((equations(&model), model.warnings().len()), (vec!["1 1:2 -1 2:2".to_owned()], 1));
     let ended = format!("MPC = 1\nCEND\nMPC = 2\n{begun}");
     let model = parsed("SOL 101\nINCLUDE 'away.inc'\nINCLUDE 'rest.inc'\n", &[("rest.inc", &ended)]);
-    let model = model.unwrap_or_else(|error| panic!("{error}")).model;
+    let model = model.unwrap_or_else(|error| panic!("{error}")).model().clone();
     assert_eq!(equations(&model), ["1 1:2 -1 2:2"]);
 }

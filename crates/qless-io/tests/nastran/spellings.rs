@@ -46,8 +46,8 @@ fn includes_stand_where_they_are_named() {
         ("rigid.inc", "$ elements\nRBE2,7,1,12,2,3\nINCLUDE 'inner.inc'"),
         ("inner.inc", "MPC,5,1,3,1.,2,3,-1."),
     ];
-    let model = parsed(text, &files).unwrap_or_else(|error| panic!("{error}")).model;
-    let labels: Vec<String> = (0..model.equations()).map(|i| model.label(i)).collect();
+    let model = parsed(text, &files).unwrap_or_else(|error| panic!("{error}")).model().clone();
+    let labels: Vec<String> = (0..model.equations()).map(|i| model.label(i).expect("an equation")).collect();
     let rbe2 = ["rigid.inc:2 RBE2 7 2:1", "rigid.inc:2 RBE2 7 2:2", "rigid.inc:2 RBE2 7 3:1", "rigid.inc:2 RBE2 7 3:2"];
     assert_eq!(labels[..4], rbe2);
     assert_eq!(labels[4], "inner.inc:1 MPC 5 1:3");
@@ -56,8 +56,8 @@ fn includes_stand_where_they_are_named() {
 #[test]
 fn an_include_of_executive_control_may_be_missing() {
     let model = model("SOL 103\ninclude '/elsewhere/procedure.v9'\nCEND\nBEGIN BULK\n");
-    assert_eq!(model.warnings.len(), 1);
-    assert!(model.warnings[0].text.contains("/elsewhere/procedure.v9"), "{}", model.warnings[0].text);
+    assert_eq!(model.warnings().len(), 1);
+    assert!(model.warnings()[0].text.contains("/elsewhere/procedure.v9"), "{}", model.warnings()[0].text);
 }
 
 #[test]
@@ -66,7 +66,7 @@ fn rigid_elements_in_every_form() {
     let dependents = |card: &str| {
         let model = model(&format!("{grids}{card}"));
         (0..model.equations())
-            .map(|i| model.dofs[model.equation(i).columns[0] as usize].to_string())
+            .map(|i| model.dofs()[model.equation(i).expect("an equation").columns[0] as usize].to_string())
             .collect::<Vec<_>>()
     };
     assert_eq!(dependents("RBE2,7,1,3,2,THRU,4"), ["2:3", "3:3", "4:3"]);

@@ -30,7 +30,7 @@
 //! ```
 //! use qless_scenes::{families, oracle};
 //! let scene = families::planted(40, 70, 15, 1, false)?;
-//! assert_eq!(oracle::rank_free(&scene.system), 40);
+//! assert_eq!(oracle::rank_free(&scene.system)?, 40);
 //! # Ok::<(), qless_scenes::SceneError>(())
 //! ```
 
@@ -72,4 +72,4 @@ pub use typed::typed_twice;
 pub use windows::Windows;
 
 /// More than this many of anything is surely a mistake.
-const MOST: usize = 1 << 27;
+pub(crate) const MOST: usize = 1 << 27;

@@ -16,7 +16,7 @@ use crate::{Component, Rng, Scene, SceneError, Truth};
 /// ```
 /// use qless_scenes::{families::rbe2, oracle};
 /// let scene = rbe2(20, 2, 1)?;
-/// assert_eq!(oracle::rank_free(&scene.system), 66);
+/// assert_eq!(oracle::rank_free(&scene.system)?, 66);
 /// # Ok::<(), qless_scenes::SceneError>(())
 /// ```
 ///

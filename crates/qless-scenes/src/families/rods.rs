@@ -35,8 +35,8 @@ pub fn typed_cosines(n: usize, digits: usize, seed: u64) -> Result<Scene, SceneE
         let corners = corners(&mut rng);
         let hinge = nodes[4 * polygon];
         nodes.extend((1..5).map(|k| [0, 1, 2].map(|axis| hinge[axis] + corners[k][axis] - corners[0][axis])));
-        let rods = rods(&corners, digits);
-        rank += exact_rank(&rods);
+        let rods = rods(&corners, digits)?;
+        rank += exact_rank(&rods)?;
         for row in 0..rods.rows() {
             let label = format!("polygon {}, rod {}", polygon + 1, row + 1);
             builder.labelled_equation(label, rods.row(row).map(|(j, v)| (8 * polygon + j, v)), 0.0);
@@ -52,7 +52,7 @@ fn corners(rng: &mut Rng) -> [[f64; 3]; 5] {
 }
 
 /// A row for each two corners. Its coefficients add up to 0 exactly, so the ranks of polygons that share a corner add up.
-fn rods(corners: &[[f64; 3]; 5], digits: usize) -> Csr {
+fn rods(corners: &[[f64; 3]; 5], digits: usize) -> Result<Csr, SceneError> {
     let mut rows = Csr::empty(10);
     for (a, b) in (0..5).flat_map(|b| (0..b).map(move |a| (a, b))) {
         let [x, y] = [0, 1].map(|axis| corners[a][axis] - corners[b][axis]);
@@ -60,7 +60,7 @@ fn rods(corners: &[[f64; 3]; 5], digits: usize) -> Csr {
         let [x, y] = [x, y].map(|side| typed(side / length, digits));
         rows.push_row(
             [(2 * a, x), (2 * a + 1, y), (2 * b, -x), (2 * b + 1, -y)].into_iter().filter(|&(_, v)| v != 0.0),
-        );
+        )?;
     }
-    rows
+    Ok(rows)
 }

@@ -38,6 +38,10 @@ pub struct Windows {
     pub combos: usize,
 }
 
+fn product(sides: [usize; 3]) -> usize {
+    sides.into_iter().fold(1, usize::saturating_mul)
+}
+
 type Equation = (Vec<(usize, f64)>, f64);
 
 impl Windows {
@@ -48,12 +52,12 @@ impl Windows {
 
     /// m.
     pub fn equations(&self) -> usize {
-        self.windows().iter().product::<usize>() * self.rows + self.combos
+        product(self.windows()).saturating_mul(self.rows).saturating_add(self.combos)
     }
 
     /// n. Some DOFs may not occur, where stride and window leave nodes uncovered.
     pub fn dofs(&self) -> usize {
-        self.extent.iter().product::<usize>() * self.d
+        product(self.extent).saturating_mul(self.d)
     }
 
     /// The equations window by window, then the combinations.

@@ -26,17 +26,20 @@ pub struct Mesh {
 impl Mesh {
     /// m.
     pub fn equations(&self) -> usize {
-        12 * self.columns * self.layers + (3 * self.rings + self.wall) * self.sectors
+        let ties = 12_usize.saturating_mul(self.columns).saturating_mul(self.layers);
+        let around = self.rings.saturating_mul(3).saturating_add(self.wall).saturating_mul(self.sectors);
+        ties.saturating_add(around)
     }
 
     /// Equations that the doubly tied edges make redundant: 4 edges x layers x 3.
     pub fn redundant(&self) -> usize {
-        12 * self.layers
+        self.layers.saturating_mul(12)
     }
 
     /// The same for mortar rows: 12 x layers on a nested mesh, else 12 x (layers - far layers) or 0.
     pub fn redundant_mortar(&self) -> usize {
-        12 * if self.is_nested() { self.layers } else { self.layers.saturating_sub(self.far_layers) }
+        let layers = if self.is_nested() { self.layers } else { self.layers.saturating_sub(self.far_layers) };
+        layers.saturating_mul(12)
     }
 
     /// The 110 % mesh stretched to about `equations` equations, from some 300 to tens of millions.
@@ -69,19 +72,19 @@ impl Mesh {
     #[must_use]
     pub fn nested(self) -> Self {
         let far_columns = self.columns / 2 + 1;
-        Self { columns: 2 * far_columns - 1, far_columns, ..self }
+        Self { columns: far_columns.saturating_mul(2) - 1, far_columns, ..self }
     }
 
     /// The same mesh with a far field three times coarser along the box and a little finer over its depth.
     #[must_use]
     pub fn deep(self) -> Self {
-        let far_columns = without_nesting(self.columns, 5 * self.columns / 16 + 1);
-        Self { far_columns, far_layers: self.layers + self.layers / 5 + 1, ..self }
+        let far_columns = without_nesting(self.columns, self.columns / 16 * 5 + self.columns % 16 * 5 / 16 + 1);
+        Self { far_columns, far_layers: self.layers.saturating_add(self.layers / 5 + 1), ..self }
     }
 
     /// Whether every far-field column meets a near-field one, so that far-field functions are near-field ones.
     pub fn is_nested(&self) -> bool {
-        self.far_columns > 1 && (self.columns - 1).is_multiple_of(self.far_columns - 1)
+        self.far_columns > 1 && self.columns > 0 && (self.columns - 1).is_multiple_of(self.far_columns - 1)
     }
 
     /// Whether the model can be built: the tank stands inside the box and each mesh has cells.
@@ -104,5 +107,5 @@ impl Mesh {
 
 /// The least number of far-field columns, from `far` up, of which some do not meet near-field ones.
 fn without_nesting(columns: usize, far: usize) -> usize {
-    (far.max(3)..=columns + 1).find(|far| !(columns - 1).is_multiple_of(far - 1)).unwrap_or(far)
+    (far.max(3)..=columns.saturating_add(1)).find(|far| !(columns - 1).is_multiple_of(far - 1)).unwrap_or(far)
 }

@@ -6,7 +6,10 @@ use faer::linalg::svd::{ComputeSvdVectors, SvdParams, svd, svd_scratch};
 use faer::{Mat, Par, Spec};
 use qless::ConstraintSystem;
 
-use super::free_of;
+use super::{OracleError, free_of};
+
+/// Most entries of a dense matrix.
+const MOST: usize = 100_000_000;
 
 /// Singular values of `D_r C_f`, descending; as many as the smaller of equations and free DOFs.
 ///
@@ -18,18 +21,22 @@ use super::free_of;
 ///
 /// ```
 /// use qless_scenes::{families, oracle};
-/// let values = oracle::singular_values(&families::path(3)?.system);
+/// let values = oracle::singular_values(&families::path(3)?.system)?;
 /// assert!((values[0] - 3_f64.sqrt()).abs() < 1e-14 && (values[1] - 1.0).abs() < 1e-14);
 /// # Ok::<(), qless_scenes::SceneError>(())
 /// ```
 ///
-/// # Panics
-/// Where the decomposition does not converge, which no finite matrix is known to cause.
-pub fn singular_values(system: &ConstraintSystem) -> Vec<f64> {
+/// # Errors
+/// [`OracleError::TooLarge`] for more than 1e8 entries, [`OracleError::NoConvergence`].
+pub fn singular_values(system: &ConstraintSystem) -> Result<Vec<f64>, OracleError> {
     let free = free_of(system);
     let dofs: Vec<usize> = (0..system.dofs()).filter(|&j| free(j)).collect();
     if system.equations() == 0 || dofs.is_empty() {
-        return Vec::new();
+        return Ok(Vec::new());
+    }
+    let found = system.equations().saturating_mul(dofs.len());
+    if found > MOST {
+        return Err(OracleError::TooLarge { found, most: MOST });
     }
     let mut dense = Mat::zeros(system.equations(), dofs.len());
     for i in 0..system.equations() {
@@ -42,15 +49,15 @@ pub fn singular_values(system: &ConstraintSystem) -> Vec<f64> {
 
 /// By the QR algorithm at every size: dividing and conquering, which faer takes from 128 rows on, was seen to give a value of
 /// 2e-5 for a zero among many.
-fn by_qr_algorithm(dense: &Mat<f64>) -> Vec<f64> {
+fn by_qr_algorithm(dense: &Mat<f64>) -> Result<Vec<f64>, OracleError> {
     let mut params = Spec::<SvdParams, f64>::default();
     params.config.recursion_threshold = usize::MAX;
     let ((m, n), none) = (dense.shape(), ComputeSvdVectors::No);
     let mut values = Diag::zeros(m.min(n));
     let mut room = MemBuffer::new(svd_scratch::<f64>(m, n, none, none, Par::Seq, params));
     svd(dense.as_ref(), values.as_mut(), None, None, Par::Seq, MemStack::new(&mut room), params)
-        .expect("finite numbers");
-    values.column_vector().iter().copied().collect()
+        .map_err(|_| OracleError::NoConvergence)?;
+    Ok(values.column_vector().iter().copied().collect())
 }
 
 /// `2^floor(log2 x)` for x >= 0: the double without its mantissa; the smallest normal one for anything below that.

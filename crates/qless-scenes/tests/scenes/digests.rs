@@ -4,9 +4,9 @@ use qless_scenes::{Rng, Scene, SceneError, families, fssi};
 /// FNV-1a over the bits of matrix and right-hand side.
 fn digest(scene: &Scene) -> u64 {
     let (matrix, rhs) = (scene.system.matrix(), scene.system.rhs());
-    let starts = matrix.start.iter().map(|&s| s as u64);
-    let columns = matrix.col.iter().map(|&j| u64::from(j));
-    let words = starts.chain(columns).chain(matrix.val.iter().chain(rhs).map(|v| v.to_bits()));
+    let starts = matrix.starts().iter().map(|&s| s as u64);
+    let columns = matrix.columns().iter().map(|&j| u64::from(j));
+    let words = starts.chain(columns).chain(matrix.values().iter().chain(rhs).map(|v| v.to_bits()));
     let bytes = words.flat_map(u64::to_le_bytes);
     bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }

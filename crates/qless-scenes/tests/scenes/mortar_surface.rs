@@ -70,7 +70,7 @@ fn translations_pass() -> Result<(), SceneError> {
 
 /// The mean of `|C u|` of a row by the row's `|C|`, which is the misfit of u there.
 fn misfit(scene: &Scene) -> f64 {
-    let rest = scene.system.matrix().times(&linear(scene));
+    let rest = scene.system.matrix().times(&linear(scene)).expect("a number for each DOF");
     let size = |i: usize| scene.system.matrix().row(i).map(|(_, v)| v.abs()).sum::<f64>();
     rest.iter().enumerate().map(|(i, rest)| rest.abs() / size(i)).sum::<f64>() / rest.len() as f64
 }

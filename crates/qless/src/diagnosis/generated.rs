@@ -133,9 +133,9 @@ impl Explainer<'_> {
         }
         let mut columns = crate::Csr::empty(block.dofs.len());
         let kept: Vec<usize> = solved.rows.iter().filter_map(|row| block.rows.binary_search(row).ok()).collect();
-        kept.iter().for_each(|&i| columns.push_row(block.matrix.row(i)));
+        kept.iter().for_each(|&i| columns.append(block.matrix.row(i)));
         let factor = self.backend.factor(&columns, &right, NO_PIVOT)?;
-        let y = factor.solve(&factor.rhs);
+        let y = factor.solved(&factor.rhs);
         let largest = y.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
         let terms = y.iter().zip(&factor.order).filter(|(v, _)| v.abs() > NOISE * largest);
         Ok(terms.map(|(v, &i)| (block.rows[kept[i]], ldexp(*v, block.exponents[kept[i]]))).collect())

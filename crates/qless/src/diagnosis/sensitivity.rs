@@ -141,10 +141,10 @@ fn by_factors(system: Local, equations: &[usize], scaling: &Scaling, memory: usi
     let mut rows = Csr::empty(dofs.len());
     for &i in equations {
         let place = |j: usize| dofs.binary_search(&j).unwrap_or_default();
-        rows.push_row(free(i).map(|(j, v)| (place(j), scaling.entry(i, j, v))));
+        rows.append(free(i).map(|(j, v)| (place(j), scaling.entry(i, j, v))));
     }
     // Local numbers do not ascend within rows: transposing twice sorts them.
-    let factor = Sparse { memory }.factor(&rows.transpose().transpose(), &[], 0.0)?;
+    let factor = Sparse { memory }.factor(&rows.transposed().transposed(), &[], 0.0)?;
     Ok(factor.smallest_singular_value().0.min(1.0))
 }
 

@@ -163,7 +163,7 @@ impl Work<'_> {
                 column.push((self.step_of[dof as usize] as usize, value));
             }
         }
-        self.upper.push_row(column);
+        self.upper.append(column);
         self.choose(k, ROUNDING * largest)
     }
 
@@ -196,15 +196,14 @@ impl Work<'_> {
         for k in 0..order.len() {
             let places = self.start[k]..self.start[k + 1];
             let of_slaves = places.filter(|&place| self.step_of[self.dofs[place] as usize] != NONE);
-            columns.push_row(
-                of_slaves.map(|place| (self.step_of[self.dofs[place] as usize] as usize, self.values[place])),
-            );
+            columns
+                .append(of_slaves.map(|place| (self.step_of[self.dofs[place] as usize] as usize, self.values[place])));
         }
         Lu {
             slaves: self.slaves,
             order: order.iter().map(|&i| i as u32).collect(),
-            l: columns.transpose(),
-            u: self.upper.transpose(),
+            l: columns.transposed(),
+            u: self.upper.transposed(),
             diagonal: self.diagonal,
         }
     }

@@ -100,9 +100,9 @@ impl Solver {
         let mut rows = Csr::empty(r);
         for &i in &lu.order {
             let of_slaves = equations.row(i as usize).filter(|&(j, _)| place[j] != u32::MAX);
-            rows.push_row(of_slaves.map(|(j, v)| (place[j] as usize, v)));
+            rows.append(of_slaves.map(|(j, v)| (place[j] as usize, v)));
         }
-        Self { columns: rows.transpose(), step, lu }
+        Self { columns: rows.transposed(), step, lu }
     }
 
     /// The slaves, in the order of the columns of [`Solver::solve`].
@@ -120,7 +120,7 @@ impl Solver {
         };
         let solved: Vec<Vec<(usize, f64)>> = (0..right.rows()).into_par_iter().map_init(work, column).collect();
         let mut all = Csr::empty(r);
-        solved.into_iter().for_each(|column| all.push_row(column));
+        solved.into_iter().for_each(|column| all.append(column));
         all
     }
 

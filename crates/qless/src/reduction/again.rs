@@ -46,7 +46,7 @@ pub(super) fn compute(
         let Ok(lu) = lu::factor(&part.slaves, &order, |_| true, memory) else { continue };
         let solver = Solver::new(&part.slaves, lu);
         let (columns, g) = (solver.solve(&part.right), solver.solve_dense(&part.rhs));
-        part.write(&mut rows, &solver, &columns.transpose(), &g);
+        part.write(&mut rows, &solver, &columns.transposed(), &g);
     }
     rows
 }
@@ -98,12 +98,12 @@ impl Part {
         let is_slave = |j: usize| matches!(roles[j], Role::Slave(_));
         for &i in equations {
             let scaled = |(j, v): (usize, f64)| (number[j], scaling.entry(i, j, v));
-            slaves.push_row(local.row(i).filter(|&(j, _)| is_slave(j)).map(scaled));
-            rest.push_row(local.row(i).filter(|&(j, _)| !is_slave(j)).map(scaled).map(|(j, v)| (j, -v)));
+            slaves.append(local.row(i).filter(|&(j, _)| is_slave(j)).map(scaled));
+            rest.append(local.row(i).filter(|&(j, _)| !is_slave(j)).map(scaled).map(|(j, v)| (j, -v)));
         }
         let rhs = equations.iter().map(|&i| ldexp(local.rhs()[i], scaling.row[i])).collect();
         // Local numbers do not ascend within rows: transposing twice sorts them.
-        Self { slaves: slaves.transpose().transpose(), right: rest.transpose(), rhs, places, others }
+        Self { slaves: slaves.transposed().transposed(), right: rest.transposed(), rhs, places, others }
     }
 
     /// Rows of the reduction, by place; row k of `solved` belongs to the slave of step k.
@@ -131,12 +131,12 @@ pub(super) fn replace(reduction: &mut Reduction, rows: &[Option<Row>]) {
     let (mut t, mut g_matrix) = (Csr::empty(reduction.t.cols), Csr::empty(reduction.g_matrix.cols));
     for (i, row) in rows.iter().enumerate() {
         if let Some((of_t, of_g, g)) = row {
-            t.push_row(of_t.iter().copied());
-            g_matrix.push_row(of_g.iter().copied());
+            t.append(of_t.iter().copied());
+            g_matrix.append(of_g.iter().copied());
             reduction.g[i] = *g;
         } else {
-            t.push_row(reduction.t.row(i));
-            g_matrix.push_row(reduction.g_matrix.row(i));
+            t.append(reduction.t.row(i));
+            g_matrix.append(reduction.g_matrix.row(i));
         }
     }
     (reduction.t, reduction.g_matrix) = (t, g_matrix);

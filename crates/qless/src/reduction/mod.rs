@@ -9,11 +9,14 @@ mod growth;
 mod of_analysis;
 mod order;
 mod output;
+mod parts;
 mod rows;
+mod using;
 mod wishes;
 
 use std::collections::BTreeMap;
 
+use crate::common::identity::Identity;
 use crate::factor::qr::BackendError;
 use crate::input::components::Labels;
 use crate::input::numbering::Local;
@@ -69,29 +72,19 @@ pub enum ReductionError {
 /// DOFs are 0-based; `masters` are all free DOFs that are not slaves, those outside all equations included.
 #[derive(Clone, Debug, Default)]
 pub struct Reduction {
-    /// u_s, ascending.
-    pub slaves: Vec<usize>,
-    /// u_q, ascending.
-    pub masters: Vec<usize>,
-    /// u_p, ascending.
-    pub prescribed: Vec<usize>,
-    /// T, slaves x masters; rows of slaves of factored blocks are empty.
-    pub t: Csr,
-    /// G, slaves x prescribed DOFs; rows of slaves of factored blocks are empty.
-    pub g_matrix: Csr,
-    /// g, one number per slave.
-    pub g: Vec<f64>,
-    /// DOFs of [`crate::Preferences::masters`] that are slaves all the same, ascending: no choice avoids that.
-    pub unmet_masters: Vec<usize>,
-    /// DOFs of [`crate::Preferences::slaves`] that are not slaves, ascending: prescribed, in no equation, or at the cost of
-    /// other such DOFs or of growth beyond the bound only.
-    pub unmet_slaves: Vec<usize>,
-    /// `max |T_ij|`; of factored blocks the largest entry that was found.
-    pub growth: f64,
-    /// How many times a slave and a master changed places to keep the growth down.
-    pub exchanges: usize,
-    /// Connected parts that stay factors: [`Form`].
-    pub factored: Vec<FactoredBlock>,
+    /// The analysis that made it.
+    pub(crate) of: Identity,
+    pub(crate) slaves: Vec<usize>,
+    pub(crate) masters: Vec<usize>,
+    pub(crate) prescribed: Vec<usize>,
+    pub(crate) t: Csr,
+    pub(crate) g_matrix: Csr,
+    pub(crate) g: Vec<f64>,
+    pub(crate) unmet_masters: Vec<usize>,
+    pub(crate) unmet_slaves: Vec<usize>,
+    pub(crate) growth: f64,
+    pub(crate) exchanges: usize,
+    pub(crate) factored: Vec<FactoredBlock>,
 }
 
 /// What [`build`] needs to know of an analysis.
@@ -196,76 +189,5 @@ impl Reduction {
         self.unmet_slaves = listed(&preferences.slaves, &|j| !is_slave(j));
         self.unmet_masters = masters;
         self
-    }
-}
-
-impl Reduction {
-    /// All DOFs from masters (length of `masters`) and prescribed values (length of `prescribed`).
-    ///
-    /// ```
-    /// use qless::{Options, SystemBuilder, analyse};
-    /// let mut builder = SystemBuilder::new(2);
-    /// builder.equation([(0, 1.0), (1, -2.0)], 3.0);
-    /// let system = builder.build()?;
-    /// let reduction = analyse(&system, &Options::default())?.reduction(&system)?;
-    /// let u = reduction.expand(&[0.5], &[]);
-    /// assert!((u[0] - 2.0 * u[1] - 3.0).abs() < 1e-15);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn expand(&self, masters: &[f64], prescribed: &[f64]) -> Vec<f64> {
-        let mut u = vec![0.0; self.slaves.len() + self.masters.len() + self.prescribed.len()];
-        self.masters.iter().zip(masters).for_each(|(&j, &v)| u[j] = v);
-        self.prescribed.iter().zip(prescribed).for_each(|(&j, &v)| u[j] = v);
-        let (t, g) = (self.t.times(masters), self.g_matrix.times(prescribed));
-        self.factored.iter().for_each(|block| block.set_slaves(&mut u));
-        // Rows of factored blocks are empty: nothing is lost by adding them.
-        self.slaves.iter().enumerate().for_each(|(i, &j)| u[j] += t[i] + g[i] + self.g[i]);
-        u
-    }
-
-    /// Whether all of T is numbers.
-    pub fn is_explicit(&self) -> bool {
-        self.factored.is_empty()
-    }
-
-    /// `f_q = T^T f_s`: what forces on slaves are worth at the masters.
-    pub fn apply_transposed(&self, slaves: &[f64]) -> Vec<f64> {
-        let mut f = vec![0.0; self.slaves.len() + self.masters.len() + self.prescribed.len()];
-        self.slaves.iter().zip(slaves).for_each(|(&j, &v)| f[j] = v);
-        self.factored.iter().for_each(|block| block.pull_back(&mut f));
-        let mut sum: Vec<f64> = self.masters.iter().map(|&j| f[j]).collect();
-        for (i, &v) in slaves.iter().enumerate() {
-            self.t.row(i).for_each(|(q, t)| sum[q] += t * v);
-        }
-        sum
-    }
-
-    /// Row i of T, ascending: how slave `slaves[i]` follows the masters.
-    pub fn row(&self, i: usize) -> Vec<(usize, f64)> {
-        let slave = self.slaves[i];
-        let held = self.factored.iter().find_map(|block| Some((block, block.slaves.iter().position(|&j| j == slave)?)));
-        match held {
-            Some((block, k)) => block.row(k).into_iter().map(|(j, v)| (self.place_of_master(j), v)).collect(),
-            None => self.t.row(i).collect(),
-        }
-    }
-
-    /// Column q of T, ascending: how the slaves follow master `masters[q]`.
-    pub fn column(&self, q: usize) -> Vec<(usize, f64)> {
-        let entry = |i: usize| self.t.row(i).find(|&(j, _)| j == q).map(|(_, v)| (i, v));
-        let mut column: Vec<(usize, f64)> = (0..self.slaves.len()).filter_map(entry).collect();
-        let place = |j: usize| self.slaves.binary_search(&j).unwrap_or_default();
-        for block in &self.factored {
-            if let Ok(k) = block.masters.binary_search(&self.masters[q]) {
-                let own = block.column_of(k).into_iter().zip(&block.slaves).filter(|(v, _)| *v != 0.0);
-                column.extend(own.map(|(v, &j)| (place(j), v)));
-            }
-        }
-        column.sort_unstable_by_key(|&(i, _)| i);
-        column
-    }
-
-    fn place_of_master(&self, dof: usize) -> usize {
-        self.masters.binary_search(&dof).unwrap_or_default()
     }
 }

@@ -13,7 +13,7 @@ use crate::input::numbering::Local;
 use crate::input::preferences::{Wish, Wishes};
 use crate::presolve::basis::Basis;
 use crate::reduction::{self, Basics, FactoredBlock, Form, Reduction, ReductionError, factor, gate, predict};
-use crate::{ConstraintSystem, Kind};
+use crate::{ArgumentError, Kind};
 
 /// T is numbers where it has at most this many times the nonzeros of its equations, or of its factors, ...
 const MULTIPLE: usize = 4;
@@ -21,17 +21,16 @@ const MULTIPLE: usize = 4;
 const FEW: usize = 1 << 12;
 
 impl Analysis {
-    /// `u_s = T u_q + G u_p + g`, of the system that was analysed, all of T as numbers: [`Analysis::reduction_in`].
+    /// `u_s = T u_q + G u_p + g`, all of T as numbers: [`Analysis::reduction_in`].
     ///
     /// # Errors
     /// [`ReductionError`].
-    pub fn reduction(&self, system: &ConstraintSystem) -> Result<Reduction, ReductionError> {
-        self.reduction_in(system, Form::Explicit)
+    pub fn reduction(&self) -> Result<Reduction, ReductionError> {
+        self.reduction_in(Form::Explicit)
     }
 
-    /// `u_s = T u_q + G u_p + g`, of the system that was analysed.
+    /// `u_s = T u_q + G u_p + g`.
     ///
-    /// Coefficients are read from `system`; b and the prescribed values are those that were analysed, whatever it holds.
     /// Conflicting equations are left out, as redundant ones are: the caller decides whether that is wanted.
     ///
     /// ```
@@ -42,38 +41,37 @@ impl Analysis {
     ///     builder.equation([(i, 1.0), (i + 1, -1.0)], 0.0);
     /// });
     /// let system = builder.build()?;
-    /// let reduction = analyse(&system, &Options::default())?.reduction_in(&system, Form::Auto)?;
+    /// let reduction = analyse(&system, &Options::default())?.reduction_in(Form::Auto)?;
     /// assert!(reduction.is_explicit());
-    /// let factored = analyse(&system, &Options::default())?.reduction_in(&system, Form::Factored)?;
-    /// assert_eq!(factored.expand(&[2.0], &[]), reduction.expand(&[2.0], &[]));
-    /// assert_eq!(factored.apply_transposed(&[1.0, 1.0, 1.0]), [3.0]);
+    /// let factored = analyse(&system, &Options::default())?.reduction_in(Form::Factored)?;
+    /// assert_eq!(factored.expand(&[2.0], &[])?, reduction.expand(&[2.0], &[])?);
+    /// assert_eq!(factored.apply_transposed(&[1.0, 1.0, 1.0])?, [3.0]);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors
     /// [`ReductionError`] where [`Analysis::residual`] would be above 1e-10, or a number beyond the range of doubles: what is
     /// returned meets the independent equations.
-    pub fn reduction_in(&self, system: &ConstraintSystem, form: Form) -> Result<Reduction, ReductionError> {
-        let local = self.numbering.view(system, &self.rhs);
+    pub fn reduction_in(&self, form: Form) -> Result<Reduction, ReductionError> {
+        let local = self.numbering.view(&self.system, &self.rhs);
         if form == Form::Explicit {
             let basis = self.solved()?;
             let bounds = self.bounds_of(local, basis);
-            return self.built(system, local, &self.basics(system, basis, &bounds), Vec::new());
+            return self.built(local, &self.basics(basis, &bounds), Vec::new());
         }
         let labels = Labels::of(local);
         let mut as_numbers = vec![false; labels.count];
         loop {
-            let parts =
-                self.factored(local, &labels, (form, &as_numbers), &self.basics(system, &self.basis, &self.bounds))?;
+            let parts = self.factored(local, &labels, (form, &as_numbers), &self.basics(&self.basis, &self.bounds))?;
             let blocks: Vec<FactoredBlock> = parts.into_iter().flatten().collect();
             if blocks.is_empty() {
-                return self.reduction_in(system, Form::Explicit);
+                return self.reduction_in(Form::Explicit);
             }
             let basis = self.rest(local, &labels, &blocks)?;
             let bounds = basis.bounds(local);
             let held: HashMap<usize, usize> =
                 blocks.iter().flat_map(|block| block.slaves.iter().map(|&j| (j, block.equations[0]))).collect();
-            let failed = match self.built(system, local, &self.basics(system, &basis, &bounds), blocks) {
+            let failed = match self.built(local, &self.basics(&basis, &bounds), blocks) {
                 Err(ReductionError::Residual { row, residual }) => {
                     let label = labels.of_row[row];
                     let is_held = held.values().any(|&first| labels.of_row[first] == label);
@@ -94,19 +92,23 @@ impl Analysis {
     /// u_j, D the scaling of columns (1 unless units mix) and j runs over the DOFs connected with equation i.
     ///
     /// About 1e-16 times the condition of the kept equations, `1 / confidence.sigma_kept`. One pass over C and T.
-    pub fn residual(&self, system: &ConstraintSystem, reduction: &Reduction) -> f64 {
-        let local = self.numbering.view(system, &self.rhs);
-        gate::residuals(local, reduction, &self.independent(), &self.scaling, f64::INFINITY).worst
+    ///
+    /// # Errors
+    /// [`ArgumentError`] if it is a reduction of other DOFs; of the same DOFs it may be anybody's ([`Reduction::from_parts`]).
+    pub fn residual(&self, reduction: &Reduction) -> Result<f64, ArgumentError> {
+        reduction.fits(&self.system)?;
+        let local = self.numbering.view(&self.system, &self.rhs);
+        Ok(gate::residuals(local, reduction, &self.independent(), &self.scaling, f64::INFINITY).worst)
     }
 
-    fn basics<'a>(&'a self, system: &ConstraintSystem, basis: &'a Basis, bounds: &'a [f64]) -> Basics<'a> {
+    fn basics<'a>(&'a self, basis: &'a Basis, bounds: &'a [f64]) -> Basics<'a> {
         let mut fixed = vec![false; if self.fixed.is_empty() { 0 } else { self.numbering.dofs.len() }];
         self.fixed.iter().for_each(|&j| fixed[j as usize] = true);
         Basics {
             basis,
             bounds,
             fixed,
-            wishes: Wishes::new(&self.options.preferences, &self.numbering, system.dofs()),
+            wishes: Wishes::new(&self.options.preferences, &self.numbering, self.system.dofs()),
             growth: self.options.growth,
             scaling: &self.scaling,
             independent: self.independent(),
@@ -114,14 +116,9 @@ impl Analysis {
         }
     }
 
-    fn built(
-        &self,
-        system: &ConstraintSystem,
-        local: Local,
-        basics: &Basics,
-        blocks: Vec<FactoredBlock>,
-    ) -> Result<Reduction, ReductionError> {
-        reduction::build(system, local, basics, blocks).map(|reduction| reduction.compare(&self.options.preferences))
+    fn built(&self, local: Local, basics: &Basics, blocks: Vec<FactoredBlock>) -> Result<Reduction, ReductionError> {
+        let reduction = reduction::build(&self.system, local, basics, blocks)?;
+        Ok(Reduction { of: self.identity, ..reduction.compare(&self.options.preferences) })
     }
 
     fn bounds_of(&self, local: Local, basis: &Basis) -> Cow<'_, [f64]> {

@@ -11,8 +11,8 @@ pub(super) struct Budget<'a> {
 }
 
 impl<'a> Budget<'a> {
-    pub fn new(system: &'a ConstraintSystem, analysis: &'a Analysis, left: usize) -> Self {
-        Self { system, analysis, left }
+    pub fn new(analysis: &'a Analysis, left: usize) -> Self {
+        Self { system: analysis.system(), analysis, left }
     }
 
     /// Conflicts first, then generated boundary conditions with at most half of what is left, then redundancies.
@@ -39,7 +39,7 @@ impl<'a> Budget<'a> {
             label: self.system.equation_label(dependent.row),
             kind: dependent.kind,
             mismatch: dependent.mismatch,
-            certificate: self.certificate(0, || Some(analysis.because(dependent))),
+            certificate: self.certificate(0, || analysis.because(dependent.row).ok()),
         }
     }
 
@@ -52,7 +52,7 @@ impl<'a> Budget<'a> {
             dof: dof + 1,
             label: system.dof_label(dof),
             value,
-            certificate: self.certificate(work, || analysis.because_fixed(system, dof).ok()),
+            certificate: self.certificate(work, || analysis.because_fixed(dof).ok()),
         }
     }
 

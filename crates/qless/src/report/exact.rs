@@ -3,8 +3,9 @@
 use serde::Serialize;
 
 use super::Report;
+use crate::common::argument::{long, within};
 use crate::diagnosis::exact::{ExactRank, PartRank, Reading};
-use crate::{Analysis, ConstraintSystem, Kind};
+use crate::{Analysis, ArgumentError, ConstraintSystem, Kind};
 
 /// An [`ExactRank`] beside the analysis.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -43,7 +44,7 @@ pub struct ExactDifference {
 }
 
 impl Report {
-    /// Adds what exact arithmetic says; `system` and `analysis` are those of [`Report::new`], `exact` is the rank of that system.
+    /// Adds what exact arithmetic says; `analysis` is that of [`Report::new`], `exact` the rank of its system.
     ///
     /// ```
     /// use qless::exact::{self, Reading};
@@ -55,22 +56,26 @@ impl Report {
     /// let system = builder.build()?;
     /// let analysis = analyse(&system, &Options::default())?;
     /// let exact = exact::rank(&system, Reading::Typed)?;
-    /// let report = Report::new(&system, &analysis, 0).with_exact(&system, &analysis, &exact);
+    /// let report = Report::new(&analysis, 0).with_exact(&analysis, &exact)?;
     /// let finding = report.exact_rank.as_ref().expect("added");
     /// assert_eq!((report.rank, finding.rank, finding.differences[0].row), (1, 2, 1));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    #[must_use]
-    pub fn with_exact(mut self, system: &ConstraintSystem, analysis: &Analysis, exact: &ExactRank) -> Self {
+    ///
+    /// # Errors
+    /// [`ArgumentError`] if `exact` is of a system with another number of equations.
+    pub fn with_exact(mut self, analysis: &Analysis, exact: &ExactRank) -> Result<Self, ArgumentError> {
+        long("the list of connected parts", exact.part_of.len(), analysis.kinds.len())?;
+        exact.part_of.iter().try_for_each(|&part| within("connected part", part as usize, exact.parts.len()))?;
         self.exact_rank = Some(ExactFinding {
             reading: exact.reading,
             rank: exact.rank,
             augmented_rank: exact.augmented_rank,
             solvable: exact.is_solvable(),
             primes: exact.primes.map(|prime| prime.to_string()),
-            differences: differences(system, &analysis.kinds, exact),
+            differences: differences(analysis.system(), &analysis.kinds, exact),
         });
-        self
+        Ok(self)
     }
 }
 

@@ -3,7 +3,8 @@
 use serde::Serialize;
 
 use super::{Certificate, Omitted, Report, Term};
-use crate::{ConstraintSystem, Meant, NearDependent};
+use crate::common::argument::within;
+use crate::{Analysis, ArgumentError, ConstraintSystem, Meant, NearDependent};
 
 /// A [`Meant`], counted from 1 and with labels.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -33,7 +34,7 @@ pub struct NearEquation {
 }
 
 impl Report {
-    /// Adds the second reading of `system`, with combinations of at most `terms` terms in total.
+    /// Adds the second reading of the system, with combinations of at most `terms` terms in total.
     ///
     /// ```
     /// use qless::{Options, Report, SystemBuilder, analyse};
@@ -42,18 +43,26 @@ impl Report {
     /// builder.equation([(0, 1.234_568), (1, -1.0)], 0.0);
     /// let system = builder.build()?;
     /// let analysis = analyse(&system, &Options::default())?;
-    /// let meant = analysis.meant(&system)?.expect("nearly the same");
-    /// let report = Report::new(&system, &analysis, 0).with_meant(&system, &meant, Report::TERMS);
+    /// let meant = analysis.meant()?.expect("nearly the same");
+    /// let report = Report::new(&analysis, 0).with_meant(&analysis, &meant, Report::TERMS)?;
     /// let finding = report.meant.as_ref().expect("added");
     /// assert_eq!((report.rank, finding.rank, finding.equations[0].row), (2, 1, 2));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    #[must_use]
-    pub fn with_meant(mut self, system: &ConstraintSystem, meant: &Meant, terms: usize) -> Self {
+    ///
+    /// # Errors
+    /// [`ArgumentError::OutOfRange`] for an equation that the system does not have.
+    pub fn with_meant(mut self, analysis: &Analysis, meant: &Meant, terms: usize) -> Result<Self, ArgumentError> {
+        let system = analysis.system();
+        let named = |equation: &NearDependent| {
+            let rows = equation.because.iter().map(|term| term.row);
+            rows.chain([equation.row]).try_for_each(|row| within("equation", row, system.equations()))
+        };
+        meant.equations.iter().try_for_each(named)?;
         let mut left = terms;
         let equations = meant.equations.iter().map(|equation| near(system, equation, &mut left)).collect();
         self.meant = Some(MeantFinding { rank: meant.rank, digits: meant.digits(), equations });
-        self
+        Ok(self)
     }
 }
 

@@ -31,7 +31,7 @@ pub use meant::{MeantFinding, NearEquation};
 /// builder.labelled_equation("tie 8", [(0, 2.0), (1, -2.0)], 0.0);
 /// let system = builder.build()?;
 /// let analysis = analyse(&system, &Options::default())?;
-/// let report = Report::new(&system, &analysis, Report::TERMS);
+/// let report = Report::new(&analysis, Report::TERMS);
 /// assert_eq!((report.rank, report.counts.redundant), (1, 1));
 /// let last = &report.dependent[0];
 /// let term = &last.certificate.because[0];
@@ -286,19 +286,19 @@ impl Report {
     /// Terms of certificates that a JSON report spends unless told otherwise.
     pub const TERMS: usize = 1_000_000;
 
-    /// Reports an analysis of `system`, with certificates of at most `terms` terms in total.
+    /// Reports an analysis, with certificates of at most `terms` terms in total.
     ///
     /// No certificate is computed after the limit is reached, so `terms` bounds the time as well; one for a generated
     /// boundary condition counts for the factorization that it may take. Reading and reduction are not in it yet:
     /// see [`Report::with_reduction`] and [`Report::with_timings`].
-    pub fn new(system: &ConstraintSystem, analysis: &Analysis, terms: usize) -> Self {
-        let mut budget = Budget::new(system, analysis, terms);
+    pub fn new(analysis: &Analysis, terms: usize) -> Self {
+        let mut budget = Budget::new(analysis, terms);
         let (dependent, generated_boundary_conditions) = budget.spend();
         let counts = count(&analysis.kinds);
         let (name, version) = &analysis.backend;
         Self {
             schema: Self::SCHEMA,
-            input: InputSizes::of(system),
+            input: InputSizes::of(analysis.system()),
             status: counts.status(),
             rank: analysis.rank(),
             counts,

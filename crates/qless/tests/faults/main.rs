@@ -20,7 +20,7 @@ struct System {
 fn from_entries(m: usize, n: usize, entry: impl Fn(usize, usize) -> f64) -> Csr {
     let mut columns = Csr::empty(m);
     for j in 0..n {
-        columns.push_row((0..m).map(|i| (i, entry(i, j))).filter(|e| e.1 != 0.0));
+        columns.push_row((0..m).map(|i| (i, entry(i, j))).filter(|e| e.1 != 0.0)).expect("ascending");
     }
     columns
 }
@@ -41,8 +41,8 @@ fn grid(side: usize) -> Csr {
         right.into_iter().chain(below)
     });
     let mut rows = Csr::empty(side * side);
-    edges.for_each(|(a, b)| rows.push_row([(a, 1.0), (b, -1.5)]));
-    rows.transpose()
+    edges.for_each(|(a, b)| rows.push_row([(a, 1.0), (b, -1.5)]).expect("ascending"));
+    rows.transpose().expect("few columns")
 }
 
 fn systems() -> Vec<System> {
@@ -61,7 +61,7 @@ fn systems() -> Vec<System> {
     let mut systems = Vec::new();
     for (name, columns) in shapes {
         for count in [0, 1, 3] {
-            let rhs: Vec<f64> = (0..columns.cols * count).map(|i| (i % 7) as f64 - 3.0).collect();
+            let rhs: Vec<f64> = (0..columns.cols() * count).map(|i| (i % 7) as f64 - 3.0).collect();
             systems.push(System { name, columns: columns.clone(), rhs: rhs.clone(), spqr: in_sequence });
             systems.push(System { name, columns: columns.clone(), rhs, spqr: on_a_tree });
         }

@@ -15,7 +15,7 @@ pub struct Block {
 /// The blocks of C without its prescribed DOFs, ordered by their first equation; equations that have no free DOF are in none.
 pub fn blocks(system: &ConstraintSystem) -> Vec<Block> {
     let c = free(system);
-    let mut place = vec![usize::MAX; c.cols];
+    let mut place = vec![usize::MAX; c.cols()];
     parts(&c).iter().map(|rows| block(&c, system.rhs(), rows, &mut place)).collect()
 }
 
@@ -24,16 +24,16 @@ fn free(system: &ConstraintSystem) -> Csr {
     let mut is_free = vec![true; system.dofs()];
     system.prescribed().iter().for_each(|&(j, _)| is_free[j] = false);
     let all = system.matrix();
-    let mut c = Csr::empty(all.cols);
-    (0..all.rows()).for_each(|i| c.push_row(all.row(i).filter(|&(j, _)| is_free[j])));
+    let mut c = Csr::empty(all.cols());
+    (0..all.rows()).for_each(|i| c.push_row(all.row(i).filter(|&(j, _)| is_free[j])).expect("a row of C"));
     c
 }
 
 /// The equations of each connected part, ascending.
 fn parts(c: &Csr) -> Vec<Vec<usize>> {
-    let by_dof = c.transpose();
+    let by_dof = c.transpose().expect("C has few enough columns");
     let mut seen = vec![false; c.rows()];
-    let mut is_spread = vec![false; c.cols];
+    let mut is_spread = vec![false; c.cols()];
     let mut parts = Vec::new();
     for first in (0..c.rows()).filter(|&i| c.row(i).len() > 0) {
         if std::mem::replace(&mut seen[first], true) {
@@ -60,8 +60,10 @@ fn block(c: &Csr, rhs: &[f64], rows: &[usize], place: &mut [usize]) -> Block {
     dofs.dedup();
     dofs.iter().enumerate().for_each(|(at, &j)| place[j] = at);
     let mut transposed = Csr::empty(dofs.len());
-    rows.iter().for_each(|&i| transposed.push_row(c.row(i).map(|(j, v)| (place[j], v))));
-    Block { c: transposed.transpose(), transposed, rhs: rows.iter().map(|&i| rhs[i]).collect() }
+    rows.iter()
+        .for_each(|&i| transposed.push_row(c.row(i).map(|(j, v)| (place[j], v))).expect("places ascend as DOFs do"));
+    let c = transposed.transpose().expect("C has few enough columns");
+    Block { c, transposed, rhs: rows.iter().map(|&i| rhs[i]).collect() }
 }
 
 #[cfg(test)]
@@ -80,9 +82,9 @@ mod tests {
         builder.equation([(5, 1.0)], 0.0);
         builder.prescribe(5, 0.0);
         let found = blocks(&builder.build().expect("valid"));
-        let shape = |k: usize| (found[k].c.cols, found[k].c.rows(), found[k].rhs.clone());
+        let shape = |k: usize| (found[k].c.cols(), found[k].c.rows(), found[k].rhs.clone());
         assert_eq!((found.len(), shape(0), shape(1)), (2, (2, 2, vec![1.0, 3.0]), (1, 2, vec![2.0])));
         assert_eq!(found[0].transposed.row(1).collect::<Vec<_>>(), [(0, 5.0), (1, 6.0)]);
-        assert!(found.iter().all(|block| block.c.transpose() == block.transposed));
+        assert!(found.iter().all(|block| block.c.transpose().as_ref() == Ok(&block.transposed)));
     }
 }

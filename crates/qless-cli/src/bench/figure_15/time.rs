@@ -32,7 +32,7 @@ fn level(case: &Case, pool: &ThreadPool, runs: usize) -> Result<Level, String> {
     let scene = case.scene()?;
     let blocks = blocks(&scene.system);
     let equations = scene.system.equations();
-    let largest = blocks.iter().map(|block| (block.c.cols, block.c.rows())).max();
+    let largest = blocks.iter().map(|block| (block.c.cols(), block.c.rows())).max();
     Ok(Level {
         family: case.family,
         size: case.size.clone(),

@@ -94,11 +94,11 @@ pub fn eigen_version() -> [i32; 3] {
 /// Eigen's SparseQR of A (row j of `columns` is its column j, no row of A is empty); `rhs`, m x k, becomes `Q^T B`.
 /// Without a threshold Eigen takes its own.
 pub fn eigen(columns: &Csr, rhs: &mut [f64], threshold: Option<f64>) -> Result<SparseFactor, CallError> {
-    let (m, n) = (columns.cols, columns.rows());
+    let (m, n) = (columns.cols(), columns.rows());
     let k = rhs.len().checked_div(m).unwrap_or(0);
     assert_eq!(rhs.len(), m * k, "B is not m x k");
-    let start: Vec<c_int> = columns.start.iter().map(|&at| int(at)).collect::<Result<_, _>>()?;
-    let row: Vec<c_int> = columns.col.iter().map(|&i| int(i as usize)).collect::<Result<_, _>>()?;
+    let start: Vec<c_int> = columns.starts().iter().map(|&at| int(at)).collect::<Result<_, _>>()?;
+    let row: Vec<c_int> = columns.columns().iter().map(|&i| int(i as usize)).collect::<Result<_, _>>()?;
     let (rows, cols, count, threshold) = (int(m)?, int(n)?, int(k)?, threshold.unwrap_or(-1.0));
     let mut out = RawFactor {
         rank: 0,
@@ -115,7 +115,7 @@ pub fn eigen(columns: &Csr, rhs: &mut [f64], threshold: Option<f64>) -> Result<S
     // SAFETY: the lengths of all arrays follow from m, n, k and start[n], which was checked to be that of `row` when the
     // Csr was made; C writes into `rhs` and `out` only and keeps no pointer to them.
     let status = unsafe {
-        let (start, row, value) = (start.as_ptr(), row.as_ptr(), columns.val.as_ptr());
+        let (start, row, value) = (start.as_ptr(), row.as_ptr(), columns.values().as_ptr());
         qless_eigen_factor(rows, cols, start, row, value, count, rhs.as_mut_ptr(), threshold, &raw mut out)
     };
     match status {
@@ -136,7 +136,7 @@ fn read(out: &RawFactor, n: usize) -> SparseFactor {
     for i in 0..rank {
         let row = start[i] as usize..start[i + 1] as usize;
         let entries = column[row.clone()].iter().map(|&j| j as usize).zip(value[row].iter().copied());
-        r.push_row(entries.filter(|&(_, v)| v != 0.0));
+        r.push_row(entries.filter(|&(_, v)| v != 0.0)).expect("the shim sorts the columns of a row");
     }
     let order = order.iter().map(|&j| j as usize).collect();
     SparseFactor { order, r, compute: out.compute, extract: out.extract }

@@ -23,7 +23,7 @@ impl Backend for Eigen {
     }
 
     fn factor(&self, columns: &Csr, rhs: &[f64], tolerance: f64) -> Result<Factor, BackendError> {
-        let (m, n) = (columns.cols, columns.rows());
+        let (m, n) = (columns.cols(), columns.rows());
         let Tall { columns: a, full } = without_empty_rows(columns);
         let (rows, k) = (full.len(), rhs.len().checked_div(m).unwrap_or(0));
         if rows == 0 {
@@ -53,13 +53,14 @@ struct Tall {
 }
 
 fn without_empty_rows(columns: &Csr) -> Tall {
-    let mut is_full = vec![false; columns.cols];
-    columns.col.iter().for_each(|&i| is_full[i as usize] = true);
-    let full: Vec<usize> = (0..columns.cols).filter(|&i| is_full[i]).collect();
-    let mut place = vec![0; columns.cols];
+    let mut is_full = vec![false; columns.cols()];
+    columns.columns().iter().for_each(|&i| is_full[i as usize] = true);
+    let full: Vec<usize> = (0..columns.cols()).filter(|&i| is_full[i]).collect();
+    let mut place = vec![0; columns.cols()];
     full.iter().enumerate().for_each(|(at, &i)| place[i] = at as u32);
-    let mut kept = Csr { cols: full.len(), ..columns.clone() };
-    kept.col.iter_mut().for_each(|i| *i = place[*i as usize]);
+    let indices = columns.columns().iter().map(|&i| place[i as usize]).collect();
+    let kept = Csr::from_parts(full.len(), columns.starts().to_vec(), indices, columns.values().to_vec());
+    let kept = kept.expect("without empty rows the others keep their order");
     Tall { columns: kept, full }
 }
 

@@ -11,10 +11,10 @@ use qless::{ConstraintSystem, Csr, Reduction};
 pub fn eliminate(system: &ConstraintSystem, backend: &dyn Backend, tolerance: f64) -> Result<Reduction, BackendError> {
     let prescribed: Vec<usize> = system.prescribed().iter().map(|&(j, _)| j).collect();
     let free: Vec<usize> = (0..system.dofs()).filter(|j| prescribed.binary_search(j).is_err()).collect();
-    let all = system.matrix().transpose();
+    let all = system.matrix().transpose().expect("a system has few enough DOFs");
     let (m, k) = (system.equations(), prescribed.len());
     let mut columns = Csr::empty(m);
-    free.iter().for_each(|&j| columns.push_row(all.row(j)));
+    free.iter().for_each(|&j| columns.push_row(all.row(j)).expect("a row of another matrix"));
     let mut rhs = vec![0.0; m * (k + 1)];
     for (c, &j) in prescribed.iter().enumerate() {
         all.row(j).for_each(|(i, v)| rhs[c * m + i] = v);
@@ -30,19 +30,18 @@ fn reduction(factor: &Factor, free: &[usize], prescribed: Vec<usize>) -> Reducti
     let (masters, master_places) = sorted(&factor.order[r..], free);
     let by_master = solved(factor);
     let mut t = Csr::empty(r);
-    master_places.iter().for_each(|&q| t.push_row(by_master.row(q)));
-    let t = ordered(&t.transpose(), &slave_places);
-    let growth = t.val.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
-    let fixed: Vec<Vec<f64>> = factor.rhs.chunks(r.max(1)).map(|z| factor.solve(z)).collect();
+    master_places.iter().for_each(|&q| t.push_row(by_master.row(q)).expect("a row of another matrix"));
+    let t = ordered(&t.transpose().expect("as many columns as slaves"), &slave_places);
+    let fixed: Vec<Vec<f64>> = factor.rhs.chunks(r.max(1)).map(|z| factor.solve(z).expect("as long as R1")).collect();
     let mut g_matrix = Csr::empty(prescribed.len());
     let mut g = vec![0.0; r];
     for (i, &place) in slave_places.iter().enumerate() {
         let row = fixed[..prescribed.len().min(fixed.len())].iter().enumerate().map(|(c, x)| (c, -x[place]));
-        g_matrix.push_row(row.filter(|&(_, v)| v != 0.0));
+        g_matrix.push_row(row.filter(|&(_, v)| v != 0.0)).expect("prescribed DOFs ascend");
         g[i] = fixed.last().map_or(0.0, |x| x[place]);
     }
     debug_assert_eq!(slaves.len() + masters.len(), n);
-    Reduction { slaves, masters, prescribed, t, g_matrix, g, growth, ..Reduction::default() }
+    Reduction::from_parts([slaves, masters, prescribed], t, g_matrix, g).expect("each DOF is once in the order")
 }
 
 /// DOFs in ascending order, and where each stood.
@@ -53,31 +52,32 @@ fn sorted(order: &[usize], free: &[usize]) -> (Vec<usize>, Vec<usize>) {
 }
 
 fn ordered(rows: &Csr, places: &[usize]) -> Csr {
-    let mut out = Csr::empty(rows.cols);
-    places.iter().for_each(|&place| out.push_row(rows.row(place)));
+    let mut out = Csr::empty(rows.cols());
+    places.iter().for_each(|&place| out.push_row(rows.row(place)).expect("a row of another matrix"));
     out
 }
 
 /// `-R1^-1 R2`, a row for each column of R2, from the last number of each column upwards so that zeros cost nothing much.
 fn solved(factor: &Factor) -> Csr {
-    let columns = factor.r.transpose();
+    let columns = factor.r.transpose().expect("as many columns as free DOFs");
+    let start = columns.starts();
     let mut out = Csr::empty(factor.rank);
     let mut x = vec![0.0; factor.rank];
     for q in factor.rank..columns.rows() {
         let last = columns.row(q).map(|(i, v)| x[i] = -v).count();
-        let from = if last == 0 { 0 } else { columns.col[columns.start[q + 1] - 1] as usize + 1 };
+        let from = if last == 0 { 0 } else { columns.columns()[start[q + 1] - 1] as usize + 1 };
         let mut entries = Vec::new();
-        for j in (0..from).rev().filter(|&j| columns.start[j + 1] > columns.start[j]) {
+        for j in (0..from).rev().filter(|&j| start[j + 1] > start[j]) {
             let value = std::mem::take(&mut x[j]);
             if value != 0.0 {
-                let diagonal = columns.val[columns.start[j + 1] - 1];
+                let diagonal = columns.values()[start[j + 1] - 1];
                 let value = value / diagonal;
                 let above = columns.row(j).len() - 1;
                 columns.row(j).take(above).for_each(|(i, v)| x[i] -= v * value);
                 entries.push((j, value));
             }
         }
-        out.push_row(entries.into_iter().rev());
+        out.push_row(entries.into_iter().rev()).expect("from the last to the first");
     }
     out
 }

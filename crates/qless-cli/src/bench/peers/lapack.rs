@@ -30,7 +30,7 @@ impl Backend for Lapack {
     }
 
     fn factor(&self, columns: &Csr, rhs: &[f64], tolerance: f64) -> Result<Factor, BackendError> {
-        let (m, n) = (columns.cols, columns.rows());
+        let (m, n) = (columns.cols(), columns.rows());
         let k = rhs.len().checked_div(m).unwrap_or(0);
         let mut a = dense(columns)?;
         let (order, tau, compute) = call::geqp3(&mut a, m, n).map_err(|error| refused(NAME, error, m, n))?;
@@ -42,7 +42,9 @@ impl Backend for Lapack {
         let extract = call::apply(&a, m, rank, &tau, &mut turned).map_err(|error| refused(NAME, error, m, n))?;
         log(NAME, compute, extract);
         let mut r = Csr::empty(n);
-        (0..rank).for_each(|i| r.push_row((i..n).map(|j| (j, at(i, j))).filter(|&(_, v)| v != 0.0)));
+        (0..rank).for_each(|i| {
+            r.push_row((i..n).map(|j| (j, at(i, j))).filter(|&(_, v)| v != 0.0)).expect("columns ascend")
+        });
         let square = |i: usize| (i..n).map(|j| at(i, j).powi(2)).sum::<f64>();
         let dropped = (rank..m.min(n)).map(square).sum::<f64>().sqrt();
         let rest =
@@ -54,7 +56,7 @@ impl Backend for Lapack {
 
 /// A by columns; what would not fit is refused.
 fn dense(columns: &Csr) -> Result<Vec<f64>, BackendError> {
-    let (rows, cols) = (columns.cols, columns.rows());
+    let (rows, cols) = (columns.cols(), columns.rows());
     let refuse = || BackendError::OutOfMemory { backend: NAME, rows, cols, advice: "" };
     let len = rows.checked_mul(cols).filter(|&len| len <= MOST).ok_or_else(refuse)?;
     let mut a = Vec::new();

@@ -27,18 +27,22 @@ fn jacobian_is_the_difference_of_values() -> Outcome {
     let step = 1e-5;
     for u in configurations() {
         let mut at = set.allocate();
-        set.evaluate(&u, &mut at);
+        set.evaluate(&u, &mut at).expect("of this set");
         let (mut more, mut less) = (at.clone(), at.clone());
         for j in 0..DOFS {
             let mut v = u.clone();
             v[j] = u[j] + step;
-            set.evaluate(&v, &mut more);
+            set.evaluate(&v, &mut more).expect("of this set");
             v[j] = u[j] - step;
-            set.evaluate(&v, &mut less);
+            set.evaluate(&v, &mut less).expect("of this set");
             for row in 0..set.equations() {
                 let exact = at.g.row(row).find(|&(col, _)| col == j).map_or(0.0, |(_, value)| value);
                 let difference = (more.c[row] - less.c[row]) / (2.0 * step);
-                assert!((exact - difference).abs() < 1e-8, "{} DOF {j}: {exact}, {difference}", set.label(row));
+                assert!(
+                    (exact - difference).abs() < 1e-8,
+                    "{} DOF {j}: {exact}, {difference}",
+                    set.label(row).expect("of this set")
+                );
             }
         }
     }
@@ -52,13 +56,13 @@ fn hessian_is_the_difference_of_jacobians() -> Outcome {
     let (step, w) = (1e-5, (0..set.equations() as u64).map(random).collect::<Vec<_>>());
     for u in configurations() {
         let mut at = set.allocate();
-        set.evaluate(&u, &mut at);
-        set.effective_hessian(&u, &Weights::Multipliers(&w).of(&at.c), &mut at);
-        assert_eq!(at.h, at.h.transpose());
+        set.evaluate(&u, &mut at).expect("of this set");
+        set.effective_hessian(&u, &Weights::Multipliers(&w).of(&at.c).expect("as many"), &mut at).expect("of this set");
+        assert_eq!(Ok(&at.h), at.h.transpose().as_ref());
         let force = |v: &[f64]| {
             let mut moved = set.allocate();
-            set.evaluate(v, &mut moved);
-            moved.g.transpose().times(&w)
+            set.evaluate(v, &mut moved).expect("of this set");
+            moved.g.transpose().expect("few DOFs").times(&w).expect("a weight for each row")
         };
         for j in 0..DOFS {
             let mut v = u.clone();

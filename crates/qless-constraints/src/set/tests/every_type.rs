@@ -38,7 +38,7 @@ pub fn set() -> Result<ConstraintSet, Box<dyn std::error::Error>> {
         joints(&mut builder, a, b)?;
     }
     builder.add("hook", Spherical { a: Body::node(point(4)), b: euler, at: [0.1, 0.2, 0.3] })?;
-    Ok(builder.build())
+    Ok(builder.build().expect("few DOFs"))
 }
 
 fn points(builder: &mut SetBuilder) -> Result<(), Box<dyn std::error::Error>> {

@@ -14,7 +14,7 @@ use crate::{Constraint, Store};
 /// let bracket = Body::with_vector([0, 1, 2], [1.0, 0.0, 0.0], [3, 4, 5]);
 /// let mut builder = ConstraintSet::builder(6);
 /// builder.add("weld", Fixed { a: Body::ground(), b: bracket, at: [0.0; 3] })?;
-/// assert_eq!(builder.build().equations(), 6);
+/// assert_eq!(builder.build()?.equations(), 6);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]

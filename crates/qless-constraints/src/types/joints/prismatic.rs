@@ -15,10 +15,10 @@ use crate::{Constraint, Store};
 /// let piston = Body::with_vector([0, 1, 2], [1.0, 0.0, 0.0], [3, 4, 5]);
 /// let mut builder = ConstraintSet::builder(6);
 /// builder.add("bore", Prismatic { a: Body::ground(), b: piston, at: [1.0, 0.0, 0.0], axis: [1.0, 0.0, 0.0] })?;
-/// let set = builder.build();
+/// let set = builder.build()?;
 /// let mut quantities = set.allocate();
-/// set.evaluate(&[5.0, 0.0, 0.0, 0.0, 0.0, 0.0], &mut quantities);
-/// assert_eq!(quantities.c, [0.0; 5]);
+/// set.evaluate(&[5.0, 0.0, 0.0, 0.0, 0.0, 0.0], &mut quantities)?;
+/// assert_eq!(quantities.c(), [0.0; 5]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -14,8 +14,8 @@ use crate::{Constraint, Store};
 /// let arm = Body::with_vector([0, 1, 2], [1.0, 0.0, 0.0], [3, 4, 5]);
 /// let mut builder = ConstraintSet::builder(6);
 /// builder.add("door", Revolute { a: Body::ground(), b: arm, at: [0.0; 3], axis: [0.0, 0.0, 1.0] })?;
-/// let set = builder.build();
-/// assert_eq!((set.equations(), set.label(3)), (5, "door, axis 1".to_owned()));
+/// let set = builder.build()?;
+/// assert_eq!((set.equations(), set.label(3)?), (5, "door, axis 1".to_owned()));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]

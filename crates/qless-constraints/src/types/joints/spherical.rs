@@ -13,7 +13,7 @@ use crate::{Constraint, Store};
 /// let arm = Body::with_vector([0, 1, 2], [1.0, 0.0, 0.0], [3, 4, 5]);
 /// let mut builder = ConstraintSet::builder(6);
 /// builder.add("hip", Spherical { a: Body::ground(), b: arm, at: [0.0; 3] })?;
-/// assert_eq!(builder.build().equations(), 3);
+/// assert_eq!(builder.build()?.equations(), 3);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]

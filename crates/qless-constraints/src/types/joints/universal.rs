@@ -15,7 +15,7 @@ use crate::{Constraint, Store};
 /// let joint = Universal { a: Body::ground(), b: shaft, at: [0.0; 3], axis_a: [0.0, 1.0, 0.0], axis_b: [0.0, 0.0, 1.0] };
 /// let mut builder = ConstraintSet::builder(6);
 /// builder.add("cardan", joint)?;
-/// assert_eq!(builder.build().equations(), 4);
+/// assert_eq!(builder.build()?.equations(), 4);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -9,8 +9,8 @@
 //! let path = place.path().join("lug.cdb");
 //! std::fs::write(&path, "CE,4,0.5,1,UX,1,2,UX,-1 ! a gap\nD,2,UX\n")?;
 //! let deck = qless_io::deck::read(&path)?;
-//! assert_eq!(deck.model.label(0), "line 1 CE 4 1:1");
-//! assert_eq!((deck.model.equation(0).rhs, deck.model.cases[0].prescribed[0].value), (0.5, 0.0));
+//! assert_eq!(deck.model().label(0).as_deref(), Some("line 1 CE 4 1:1"));
+//! assert_eq!((deck.model().equation(0).expect("one").rhs, deck.model().cases()[0].prescribed[0].value), (0.5, 0.0));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!

@@ -96,7 +96,7 @@ fn check_nodes(reader: &Reader) -> Result<(), DeckError> {
         return Ok(());
     }
     for i in 0..model.equations() {
-        let equation = model.equation(i);
+        let equation = model.nth(i);
         let mut names = equation.columns.iter().map(|&j| model.dofs[j as usize].node);
         if let Some(node) = names.find(|&node| is_undefined(node)) {
             let problem = Problem::Undefined { what: "node", name: node.to_string() };

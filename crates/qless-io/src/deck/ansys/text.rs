@@ -9,7 +9,7 @@ const NAMED: usize = 8;
 
 /// Why an equation is gone, in a line.
 pub fn comment(model: &Model, removed: &Removed) -> String {
-    let name = |i: usize| model.cards.get(model.equation(i).origin.card).name;
+    let name = |i: usize| model.cards.nth(model.nth(i).origin.card).name;
     let what = format!("! qless: {}", name(removed.equation));
     match &removed.reason {
         Reason::Redundant(because) if because.is_empty() => format!("{what} removed: all of its DOFs are prescribed\n"),

@@ -109,7 +109,7 @@ fn bits((dof, value): (crate::deck::Dof, f64)) -> Bits {
 }
 
 fn terms(model: &Model, i: usize) -> (Vec<Bits>, u64) {
-    let equation = model.equation(i);
+    let equation = model.nth(i);
     let terms = equation.columns.iter().map(|&j| model.dofs[j as usize]).zip(equation.coefficients.iter().copied());
     // A zero has no sign here.
     (terms.map(bits).collect(), (equation.rhs + 0.0).to_bits())

@@ -122,7 +122,7 @@ fn finish(card: &Card, place: &Place, model: &mut Model, rows: Result<Vec<Row>, 
     place.push(model, rows)?;
     // The rotations of the reference are DOFs that the solver adds.
     place.fix(model);
-    let name = model.cards.get(place.origin.card).name;
+    let name = model.cards.nth(place.origin.card).name;
     model.warn(card.file, card.line, format!("{name} is linearised at the reference configuration"));
     Ok(())
 }

@@ -138,6 +138,6 @@ pub fn removed(card: &Card, model: &mut Model, definitions: &Definitions) -> Res
             slaves.insert(dof);
         }
     }
-    let slave = |i: u32| model.equation(i as usize).columns.first().map(|&j| model.dofs[j as usize]);
+    let slave = |i: u32| model.nth(i as usize).columns.first().map(|&j| model.dofs[j as usize]);
     Ok(all.filter(|&i| slave(i).is_some_and(|dof| slaves.contains(&dof))).collect())
 }

@@ -193,9 +193,8 @@ impl Reader {
             rest.first() != Some(*node)
         };
         let Some(&node) = used.iter().find(undefined) else { return Ok(()) };
-        let names =
-            |i: &usize| self.model.equation(*i).columns.iter().any(|&j| self.model.dofs[j as usize].node == node);
-        let origin = (0..self.model.equations()).find(names).map(|i| self.model.equation(i).origin);
+        let names = |i: &usize| self.model.nth(*i).columns.iter().any(|&j| self.model.dofs[j as usize].node == node);
+        let origin = (0..self.model.equations()).find(names).map(|i| self.model.nth(i).origin);
         let problem = Problem::Undefined { what: "node", name: node.to_string() };
         origin.map_or(Ok(()), |origin| Err(self.model.error(origin, None, problem)))
     }

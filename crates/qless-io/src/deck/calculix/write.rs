@@ -18,8 +18,8 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     let model = &deck.model;
     let mut comments: BTreeMap<(u32, u32), (u32, String)> = BTreeMap::new();
     for removed in &plan.removed {
-        let origin = model.equation(removed.equation).origin;
-        let file = model.cards.get(origin.card).file;
+        let origin = model.nth(removed.equation).origin;
+        let file = model.cards.nth(origin.card).file;
         let entry = comments.entry((file, origin.line)).or_insert((origin.lines, String::new()));
         if entry.1.is_empty() || matches!(removed.reason, Reason::Redundant(_)) {
             entry.1 = comment(model, removed);
@@ -147,8 +147,8 @@ fn with_end(mut text: Vec<u8>) -> Vec<u8> {
 
 /// Why an equation is gone, in a line.
 fn comment(model: &Model, removed: &Removed) -> String {
-    let origin = model.equation(removed.equation).origin;
-    let line = |i: usize| format!("line {}", model.equation(i).origin.line);
+    let origin = model.nth(removed.equation).origin;
+    let line = |i: usize| format!("line {}", model.nth(i).origin.line);
     let what = format!("** qless: equation of line {}", origin.line);
     match &removed.reason {
         Reason::Redundant(because) if because.is_empty() => format!("{what} removed: all of its DOFs are prescribed\n"),

@@ -59,7 +59,8 @@ impl Fault {
 
     /// In the deck's language: `1:3 is the slave of line 25 *EQUATION, and prescribed in line 19 *BOUNDARY`.
     pub fn describe(&self, model: &Model) -> String {
-        let place = |i: usize| model.place(model.equation(i).origin);
+        let place =
+            |i: usize| model.equation(i).map_or_else(|| format!("equation {}", i + 1), |e| model.place(e.origin));
         match *self {
             Self::SlavePrescribed { equation, slave, by } => {
                 format!("{slave} is the slave of {}, and prescribed in {}", place(equation), model.place(by))
@@ -87,9 +88,9 @@ impl Fault {
 /// let path = place.path().join("tie.inp");
 /// std::fs::write(&path, "*BOUNDARY\n1,1\n*EQUATION\n2\n1,1,1.,2,1,-1.\n")?;
 /// let deck = qless_io::deck::read(&path)?;
-/// let faults = qless_io::deck::clean::faults(&deck.model);
+/// let faults = qless_io::deck::clean::faults(&deck.model());
 /// assert_eq!(
-///     faults[0].describe(&deck.model),
+///     faults[0].describe(&deck.model()),
 ///     "1:1 is the slave of line 4 *EQUATION, and prescribed in line 2 *BOUNDARY"
 /// );
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -104,7 +105,7 @@ pub(super) fn faults_of(model: &Model, prescribed: &FxHashMap<u32, Origin>, left
     let mut slave_of: FxHashMap<u32, usize> = FxHashMap::default();
     let mut faults = Vec::new();
     for i in kept() {
-        let equation = model.equation(i);
+        let equation = model.nth(i);
         let Some(&column) = equation.columns.first() else { continue };
         let slave = model.dofs[column as usize];
         let same = |&(j, _): &(&u32, &f64)| *j == column;
@@ -140,7 +141,7 @@ fn unit_of(dof: Dof) -> u8 {
 /// Slaves that depend on each other and are not determined by their equations: what remains when equations all of whose other DOFs are no slaves are taken away again and again.
 fn circles(model: &Model, slave_of: &FxHashMap<u32, usize>) -> Vec<Fault> {
     let others = |i: usize| {
-        let equation = model.equation(i);
+        let equation = model.nth(i);
         let own = equation.columns.first().copied();
         let terms = equation.columns.iter().zip(equation.coefficients);
         terms.filter(move |(j, a)| Some(**j) != own && **a != 0.0).filter_map(|(j, _)| slave_of.get(j).copied())
@@ -165,19 +166,19 @@ fn circles(model: &Model, slave_of: &FxHashMap<u32, usize>) -> Vec<Fault> {
     if left.is_empty() || determines_slaves(model, &left) {
         return Vec::new();
     }
-    let slave = |i: usize| model.dofs[model.equation(i).columns[0] as usize];
+    let slave = |i: usize| model.dofs[model.nth(i).columns[0] as usize];
     left.into_iter().map(|i| Fault::Circle { equation: i, slave: slave(i) }).collect()
 }
 
 /// Whether the equations determine their slaves: whether the square matrix of their coefficients has full rank for sure.
 fn determines_slaves(model: &Model, equations: &[usize]) -> bool {
-    let slaves: FxHashMap<u32, usize> = equations.iter().map(|&i| model.equation(i).columns[0]).zip(0..).collect();
+    let slaves: FxHashMap<u32, usize> = equations.iter().map(|&i| model.nth(i).columns[0]).zip(0..).collect();
     let mut builder = SystemBuilder::new(equations.len());
     for &i in equations {
-        let equation = model.equation(i);
+        let equation = model.nth(i);
         let terms = equation.columns.iter().zip(equation.coefficients);
         builder.equation(terms.filter_map(|(j, a)| Some((*slaves.get(j)?, *a))), 0.0);
     }
     let analysis = builder.build().ok().and_then(|system| analyse(&system, &Options::default()).ok());
-    analysis.is_some_and(|analysis| analysis.rank() == equations.len() && !analysis.confidence.ambiguous)
+    analysis.is_some_and(|analysis| analysis.rank() == equations.len() && !analysis.confidence().ambiguous)
 }

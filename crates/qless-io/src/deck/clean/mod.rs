@@ -60,6 +60,16 @@ pub enum CleanError {
         /// What to do.
         why: &'static str,
     },
+    /// The plan is that of another deck, or was changed by hand.
+    #[error(
+        "the plan names equation {equation} (from 0), but the deck has {count}, each of which goes once; make a plan of this deck"
+    )]
+    Foreign {
+        /// The equation, or its second mention.
+        equation: usize,
+        /// How many there are.
+        count: usize,
+    },
     /// The deck's numbers cannot be analysed.
     #[error(transparent)]
     Analysis(#[from] AnalysisError),
@@ -79,6 +89,7 @@ pub enum CleanError {
 /// # Errors
 /// [`CleanError`] where text that must change cannot.
 pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
+    plan.check(&deck.model)?;
     if plan.is_empty() {
         return Ok(deck.texts[0].to_vec());
     }

@@ -10,7 +10,7 @@ pub fn parts(model: &Model, is_prescribed: impl Fn(u32) -> bool) -> Vec<usize> {
     let mut by_column: FxHashMap<u32, usize> = FxHashMap::default();
     let mut by_text: FxHashMap<(u32, u32), usize> = FxHashMap::default();
     for i in 0..model.equations() {
-        let equation = model.equation(i);
+        let equation = model.nth(i);
         let free =
             equation.columns.iter().zip(equation.coefficients).filter(|(j, a)| **a != 0.0 && !is_prescribed(**j));
         free.for_each(|(&j, _)| sets.join(*by_column.entry(j).or_insert(i), i));

@@ -53,6 +53,23 @@ impl Plan {
     pub fn is_empty(&self) -> bool {
         self.removed.is_empty()
     }
+
+    /// Equations that go are there, ascending, and so are those that explain why.
+    pub(super) fn check(&self, model: &Model) -> Result<(), CleanError> {
+        let count = model.equations();
+        let mut next = 0;
+        for removed in &self.removed {
+            let because = match &removed.reason {
+                Reason::Redundant(because) => because.iter().map(|&(i, _)| i).max(),
+                Reason::Fault(_) | Reason::Connected => None,
+            };
+            let named = because.into_iter().chain([removed.equation]).find(|&i| i >= count);
+            let outside = named.or((removed.equation < next).then_some(removed.equation));
+            outside.map_or(Ok(()), |equation| Err(CleanError::Foreign { equation, count }))?;
+            next = removed.equation + 1;
+        }
+        Ok(())
+    }
 }
 
 /// Decides what must change so that the equations are independent, each slave once and never prescribed.
@@ -65,7 +82,7 @@ impl Plan {
 /// let path = place.path().join("tie.inp");
 /// std::fs::write(&path, "*EQUATION\n2\n1,1,1.,2,1,-1.\n2\n2,1,3.,1,1,-3.\n")?;
 /// let deck = qless_io::deck::read(&path)?;
-/// let plan = qless_io::deck::clean::plan(&deck.model, &qless::Options::default())?;
+/// let plan = qless_io::deck::clean::plan(&deck.model(), &qless::Options::default())?;
 /// assert_eq!((plan.removed[0].equation, plan.written.len()), (1, 0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -81,7 +98,7 @@ pub fn plan(model: &Model, options: &Options) -> Result<Plan, CleanError> {
         }
     }
     let is_dependent: Vec<bool> =
-        common.analysis.kinds[..model.equations()].iter().map(|kind| *kind != Kind::Independent).collect();
+        common.analysis.kinds()[..model.equations()].iter().map(|kind| *kind != Kind::Independent).collect();
     let after = faults_of(model, &prescribed, &is_dependent);
     let fault_of: FxHashMap<usize, Fault> = before.iter().rev().map(|fault| (fault.equation(), *fault)).collect();
     let part_of = parts(model, |j| prescribed.contains_key(&j));
@@ -129,9 +146,9 @@ impl Common {
         };
         let case = LoadCase { prescribed: prescribed.keys().map(origin).collect(), ..LoadCase::default() };
         let system = model.system(&case)?;
-        let fixed = |i: &usize| model.cards.get(model.equation(*i).origin.card).is_fixed;
+        let fixed = |i: &usize| model.cards.nth(model.nth(*i).origin.card).is_fixed;
         // The deck's own slaves, but for those that would make others large.
-        let first = |i: usize| model.equation(i).columns.first().copied().filter(|_| !vanishing.contains(&i));
+        let first = |i: usize| model.nth(i).columns.first().copied().filter(|_| !vanishing.contains(&i));
         let mut slaves: Vec<usize> = (0..model.equations()).filter_map(first).map(|j| j as usize).collect();
         slaves.sort_unstable();
         slaves.dedup();
@@ -144,9 +161,8 @@ impl Common {
     }
 
     fn reason(&self, i: usize, fault_of: &FxHashMap<usize, Fault>) -> Reason {
-        let dependent = &self.analysis.dependent;
-        if let Ok(at) = dependent.binary_search_by_key(&i, |dependent| dependent.row) {
-            let because = self.analysis.because(&dependent[at]);
+        if self.analysis.dependent().binary_search_by_key(&i, |dependent| dependent.row).is_ok() {
+            let because = self.analysis.because(i).unwrap_or_default();
             return Reason::Redundant(because.iter().map(|term| (term.row, term.coefficient)).collect());
         }
         fault_of.get(&i).map_or(Reason::Connected, |fault| Reason::Fault(*fault))
@@ -156,22 +172,22 @@ impl Common {
     fn written(&self, model: &Model, part_of: &[usize], rewrite: &[bool]) -> Result<Vec<Written>, CleanError> {
         let mut concerned = vec![false; model.dofs.len()];
         for i in (0..model.equations()).filter(|&i| rewrite[part_of[i]]) {
-            let equation = model.equation(i);
+            let equation = model.nth(i);
             let terms = equation.columns.iter().zip(equation.coefficients).filter(|(_, a)| **a != 0.0);
             terms.for_each(|(&j, _)| concerned[j as usize] = true);
         }
-        let reduction = self.analysis.reduction(&self.system)?;
+        let reduction = self.analysis.reduction()?;
         // What sums of right-hand sides leave by rounding is none.
-        let rounding = 1e-14 * (0..model.equations()).fold(0.0, |size: f64, i| size.max(model.equation(i).rhs.abs()));
+        let rounding = 1e-14 * (0..model.equations()).fold(0.0, |size: f64, i| size.max(model.nth(i).rhs.abs()));
         let mut written = Vec::new();
-        for (row, &slave) in reduction.slaves.iter().enumerate().filter(|(_, slave)| concerned[**slave]) {
-            let masters = reduction.t.row(row).map(|(j, v)| (model.dofs[reduction.masters[j]], -v));
-            let given = reduction.g_matrix.row(row).map(|(j, v)| (model.dofs[reduction.prescribed[j]], -v));
+        for (row, &slave) in reduction.slaves().iter().enumerate().filter(|(_, slave)| concerned[**slave]) {
+            let masters = reduction.t().row(row).map(|(j, v)| (model.dofs[reduction.masters()[j]], -v));
+            let given = reduction.g_matrix().row(row).map(|(j, v)| (model.dofs[reduction.prescribed()[j]], -v));
             let terms = masters.chain(given).filter(|term| term.1 != 0.0).collect();
             written.push(Written {
                 slave: model.dofs[slave],
                 terms,
-                rhs: if reduction.g[row].abs() <= rounding { 0.0 } else { reduction.g[row] },
+                rhs: if reduction.g()[row].abs() <= rounding { 0.0 } else { reduction.g()[row] },
             });
         }
         Ok(written)
@@ -182,15 +198,15 @@ impl Common {
 fn shared_text<'a>(model: &'a Model, is_dependent: &'a [bool]) -> impl Iterator<Item = usize> + 'a {
     let mut independent = rustc_hash::FxHashSet::default();
     for i in (0..model.equations()).filter(|&i| !is_dependent[i]) {
-        independent.insert(text_of(model.equation(i).origin));
+        independent.insert(text_of(model.nth(i).origin));
     }
-    (0..model.equations()).filter(move |&i| is_dependent[i] && independent.contains(&text_of(model.equation(i).origin)))
+    (0..model.equations()).filter(move |&i| is_dependent[i] && independent.contains(&text_of(model.nth(i).origin)))
 }
 
 /// A load case must not conflict, and must need no more equations than can be kept.
 fn check(model: &Model, case: &LoadCase, common: &Common, options: &Options) -> Result<(), CleanError> {
     let analysis = analyse(&model.system(case)?, options)?;
-    if analysis.dependent.iter().any(|dependent| dependent.kind == Kind::Conflicting) {
+    if analysis.dependent().iter().any(|dependent| dependent.kind == Kind::Conflicting) {
         return Err(CleanError::Conflicting { case: case.name.clone() });
     }
     let (found, rank) = (analysis.rank(), common.analysis.rank());
@@ -202,18 +218,18 @@ fn check(model: &Model, case: &LoadCase, common: &Common, options: &Options) -> 
 
 /// Cards that equations cannot stand in for must not be among those that go; what is said first is what is wrong itself.
 fn check_removable(model: &Model, removed: &[Removed]) -> Result<(), CleanError> {
-    let card = |removed: &Removed| model.equation(removed.equation).origin.card;
+    let card = |removed: &Removed| model.nth(removed.equation).origin.card;
     let weight = |reason: &Reason| match reason {
         Reason::Fault(_) => 0,
         Reason::Redundant(_) => 1,
         Reason::Connected => 2,
     };
-    let fixed = removed.iter().filter(|removed| model.cards.get(card(removed)).is_fixed);
+    let fixed = removed.iter().filter(|removed| model.cards.nth(card(removed)).is_fixed);
     let Some(first) = fixed.min_by_key(|removed| weight(&removed.reason)) else { return Ok(()) };
     let why = match &first.reason {
         Reason::Fault(fault) => fault.describe(model),
         Reason::Redundant(_) => "it repeats what other such cards say".to_owned(),
         Reason::Connected => "an equation that shares DOFs with it has to be".to_owned(),
     };
-    Err(CleanError::Fixed { place: model.place(model.equation(first.equation).origin), why })
+    Err(CleanError::Fixed { place: model.place(model.nth(first.equation).origin), why })
 }

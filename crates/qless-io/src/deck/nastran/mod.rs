@@ -20,8 +20,8 @@
 //! let path = place.path().join("lug.bdf");
 //! std::fs::write(&path, "CEND\nBEGIN BULK\nGRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nRBE2,7,1,3,2\nENDDATA\n")?;
 //! let deck = qless_io::deck::read(&path)?;
-//! assert_eq!(deck.model.label(0), "line 5 RBE2 7 2:3");
-//! assert_eq!(deck.model.equation(0).coefficients, [1.0, -1.0, 1.0]);
+//! assert_eq!(deck.model().label(0).as_deref(), Some("line 5 RBE2 7 2:3"));
+//! assert_eq!(deck.model().equation(0).expect("one").coefficients, [1.0, -1.0, 1.0]);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

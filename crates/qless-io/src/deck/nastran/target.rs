@@ -52,8 +52,8 @@ impl Target {
     /// Notes selected sets that lose all of their cards and get no new ones.
     fn without_emptied(mut self, content: &Content, deck: &Deck, plan: &Plan) -> Result<Self, CleanError> {
         let place = |i: usize| {
-            let origin = deck.model.equation(i).origin;
-            (deck.model.cards.get(origin.card).file, origin.line)
+            let origin = deck.model.nth(i).origin;
+            (deck.model.cards.nth(origin.card).file, origin.line)
         };
         let gone: BTreeSet<(u32, u32)> = plan.removed.iter().map(|removed| place(removed.equation)).collect();
         let (mut before, mut after) = (BTreeSet::new(), BTreeSet::new());

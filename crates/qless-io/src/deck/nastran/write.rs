@@ -41,8 +41,8 @@ impl Changes {
     fn comments(&mut self, model: &Model, plan: &Plan) {
         let mut texts: BTreeMap<At, (u32, String)> = BTreeMap::new();
         for removed in &plan.removed {
-            let origin = model.equation(removed.equation).origin;
-            let file = model.cards.get(origin.card).file;
+            let origin = model.nth(removed.equation).origin;
+            let file = model.cards.nth(origin.card).file;
             let text = texts.entry((file, origin.line)).or_insert((origin.lines, String::new()));
             if text.1.is_empty() || matches!(removed.reason, Reason::Fault(_)) {
                 text.1 = comment(model, removed, !plan.written.is_empty());
@@ -54,8 +54,8 @@ impl Changes {
 
 /// Why a card is gone, in a line.
 fn comment(model: &Model, removed: &Removed, is_written: bool) -> String {
-    let equation = model.equation(removed.equation);
-    let place = |i: usize| model.label(i);
+    let equation = model.nth(removed.equation);
+    let place = |i: usize| model.label_of(i);
     let what = format!("$ qless: {}", model.place(equation.origin));
     match &removed.reason {
         Reason::Redundant(because) if because.is_empty() => {
@@ -66,7 +66,7 @@ fn comment(model: &Model, removed: &Removed, is_written: bool) -> String {
                 because.iter().take(NAMED).map(|&(i, c)| format!("{c} * ({})", place(i))).collect();
             let more = because.len().saturating_sub(NAMED);
             let more = if more > 0 { format!(" + {more} more") } else { String::new() };
-            let own = model.label(removed.equation);
+            let own = model.label_of(removed.equation);
             format!("{what} removed, redundant: {own} is {}{more}\n", terms.join(" + "))
         }
         Reason::Fault(fault) => format!("{what} {}: {}\n", now(is_written), fault.describe(model)),

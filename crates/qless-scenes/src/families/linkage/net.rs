@@ -64,12 +64,13 @@ impl Linkage {
 
     /// Number of bodies.
     pub fn bodies(&self) -> usize {
-        self.rows * self.columns + PER_RUNG * self.rungs() * self.rows.saturating_sub(1)
+        let rungs = self.rungs().saturating_mul(PER_RUNG).saturating_mul(self.rows.saturating_sub(1));
+        self.rows.saturating_mul(self.columns).saturating_add(rungs)
     }
 
     /// Number of loops.
     pub fn loops(&self) -> usize {
-        self.rows.saturating_sub(1) * self.rungs().saturating_sub(1)
+        self.rows.saturating_sub(1).saturating_mul(self.rungs().saturating_sub(1))
     }
 
     /// A point of the net in space, moved a little in its plane and across: an eighth of a body each way.

@@ -73,8 +73,12 @@ impl Mortar {
     /// [`SceneError::Size`] for other than 1 to 3 components, or too many nodes or sums.
     pub fn scene(&self, seed: u64) -> Result<Scene, SceneError> {
         within("components", self.components, 1, 3)?;
+        let count = |side: usize| {
+            let across = self.across.as_ref().map_or(1, |sides| sides[side].count());
+            self.along[side].count().saturating_mul(across)
+        };
+        within("nodes", count(0).saturating_add(count(1)), 2, super::MOST)?;
         let [slaves, masters] = [0, 1].map(|side| self.places(side));
-        within("nodes", slaves.len() + masters.len(), 2, super::MOST)?;
         within("sums", self.sums, 0, super::MOST)?;
         let rows = self.rows(slaves.len());
         let nodes = [slaves, masters].concat();

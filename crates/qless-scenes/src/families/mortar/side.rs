@@ -46,7 +46,7 @@ impl Side {
     /// # Errors
     /// [`SceneError::Size`] without elements.
     pub fn uniform(elements: usize, degree: Degree) -> Result<Self, SceneError> {
-        Self::new(spaced(elements), degree)
+        Self::new(spaced(elements)?, degree)
     }
 
     /// [`Side::uniform`] with every inner end moved by up to 0.3 of an element's length.
@@ -54,7 +54,7 @@ impl Side {
     /// # Errors
     /// As [`Side::uniform`].
     pub fn jittered(elements: usize, degree: Degree, seed: u64) -> Result<Self, SceneError> {
-        let (mut rng, mut ends) = (Rng::new(seed), spaced(elements));
+        let (mut rng, mut ends) = (Rng::new(seed), spaced(elements)?);
         for end in ends.iter_mut().take(elements).skip(1) {
             *end += 0.3 * rng.real() / elements as f64;
         }
@@ -67,8 +67,7 @@ impl Side {
     /// # Errors
     /// As [`Side::uniform`].
     pub fn with_short_element(elements: usize, degree: Degree) -> Result<Self, SceneError> {
-        within("elements", elements, 1, 1 << 27)?;
-        let (mut ends, middle) = (spaced(elements), elements / 2);
+        let (mut ends, middle) = (spaced(elements)?, elements / 2);
         ends.insert(middle + 1, (middle as f64 + 0.1) / elements as f64);
         Self::new(ends, degree)
     }
@@ -76,6 +75,11 @@ impl Side {
     /// Number of elements.
     pub fn elements(&self) -> usize {
         self.ends.len() - 1
+    }
+
+    /// Number of nodes.
+    pub(super) fn count(&self) -> usize {
+        self.elements() * (self.degree as usize) + 1
     }
 
     /// Where the nodes are, ascending, those at the middle of quadratic elements included.
@@ -98,6 +102,7 @@ impl Side {
     }
 }
 
-fn spaced(elements: usize) -> Vec<f64> {
-    (0..=elements).map(|k| k as f64 / elements.max(1) as f64).collect()
+fn spaced(elements: usize) -> Result<Vec<f64>, SceneError> {
+    within("elements", elements, 1, 1 << 27)?;
+    Ok((0..=elements).map(|k| k as f64 / elements as f64).collect())
 }

@@ -65,12 +65,12 @@ impl MortarSurface {
 
     /// m.
     pub fn equations(&self) -> usize {
-        3 * nodes(self.slave) + self.sums
+        nodes(self.slave).saturating_mul(3).saturating_add(self.sums)
     }
 
     /// n.
     pub fn dofs(&self) -> usize {
-        3 * (nodes(self.slave) + nodes(self.master))
+        nodes(self.slave).saturating_add(nodes(self.master)).saturating_mul(3)
     }
 
     /// The equations by slave node and axis, then the sums; the DOFs of slave nodes, then those of master nodes.
@@ -111,7 +111,7 @@ impl MortarSurface {
 }
 
 fn nodes([along, across]: [usize; 2]) -> usize {
-    (along + 1) * (across + 1)
+    along.saturating_add(1).saturating_mul(across.saturating_add(1))
 }
 
 /// An equation along an axis; master nodes come after the slaves.

@@ -63,12 +63,12 @@ impl PeriodicCell {
 
     /// m: nine for each node inside a far face, and for each of its edges' nodes.
     pub fn equations(&self) -> usize {
-        let (inner, [near, far]) = ((self.far - 1).pow(2), [self.near, self.far].map(|n| n - 1));
+        let [near, far] = [self.near, self.far].map(|n| n.saturating_sub(1));
         let edges = match self.edges {
-            Edges::Matching => 4 * near,
-            Edges::Own => 4 * far,
+            Edges::Matching => near.saturating_mul(4),
+            Edges::Own => far.saturating_mul(4),
         };
-        9 * (inner + edges + 4)
+        far.saturating_pow(2).saturating_add(edges).saturating_add(4).saturating_mul(9)
     }
 
     /// The equations by far face, node and component; the seed places the nodes.

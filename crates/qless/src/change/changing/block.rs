@@ -11,17 +11,11 @@ pub struct SolvedBlock {
     kinds: Vec<Kind>,
     /// Certificates of the dependent equations, in their order.
     certificates: Vec<(EquationId, Vec<(EquationId, f64)>)>,
-    /// u_s, ascending.
-    pub slaves: Vec<usize>,
-    /// u_q, ascending.
-    pub masters: Vec<usize>,
-    /// u_p, ascending.
-    pub prescribed: Vec<usize>,
-    /// `u_s = T u_q + G u_p + g`, in [`Form::Auto`]: where T would fill it stays factors. Slaves, masters and prescribed DOFs are in the
-    /// order of those above, but it counts the DOFs of the block only.
-    pub reduction: Reduction,
-    /// Whether the rank is ambiguous.
-    pub ambiguous: bool,
+    slaves: Vec<usize>,
+    masters: Vec<usize>,
+    prescribed: Vec<usize>,
+    reduction: Reduction,
+    ambiguous: bool,
 }
 
 impl SolvedBlock {
@@ -41,15 +35,16 @@ impl SolvedBlock {
         }
         let system = builder.build()?;
         let analysis = analyse(&system, options)?;
-        let reduction = analysis.reduction_in(&system, Form::Auto)?;
+        let reduction = analysis.reduction_in(Form::Auto)?;
         let certificate = |dependent: &crate::Dependent| {
-            let because = analysis.because(dependent);
-            (equations[dependent.row], because.iter().map(|term| (equations[term.row], term.coefficient)).collect())
+            let because = analysis.because(dependent.row)?;
+            let terms = because.iter().map(|term| (equations[term.row], term.coefficient));
+            Ok((equations[dependent.row], terms.collect()))
         };
         let whole = |numbers: &[usize]| numbers.iter().filter_map(|&k| dofs.get(k)).map(|&j| j as usize).collect();
         Ok(Self {
             equations: equations.to_vec(),
-            certificates: analysis.dependent.iter().map(certificate).collect(),
+            certificates: analysis.dependent.iter().map(certificate).collect::<Result<_, ChangeError>>()?,
             slaves: whole(&reduction.slaves),
             masters: whole(&reduction.masters),
             prescribed: whole(&reduction.prescribed),
@@ -62,6 +57,32 @@ impl SolvedBlock {
     /// Its equations, ascending.
     pub fn equations(&self) -> &[EquationId] {
         &self.equations
+    }
+
+    /// u_s, ascending.
+    pub fn slaves(&self) -> &[usize] {
+        &self.slaves
+    }
+
+    /// u_q, ascending.
+    pub fn masters(&self) -> &[usize] {
+        &self.masters
+    }
+
+    /// u_p, ascending.
+    pub fn prescribed(&self) -> &[usize] {
+        &self.prescribed
+    }
+
+    /// `u_s = T u_q + G u_p + g`, in [`Form::Auto`]: where T would fill it stays factors. Slaves, masters and prescribed DOFs are in the
+    /// order of those above, but it counts the DOFs of the block only.
+    pub fn reduction(&self) -> &Reduction {
+        &self.reduction
+    }
+
+    /// Whether the rank is ambiguous.
+    pub fn ambiguous(&self) -> bool {
+        self.ambiguous
     }
 
     /// Rank of the free part of its equations.
@@ -79,9 +100,10 @@ impl SolvedBlock {
     }
 
     /// `u_s = T u_q + G u_p + g`.
-    pub(super) fn expand(&self, u: &mut [f64]) {
+    pub(super) fn expand(&self, u: &mut [f64]) -> Result<(), ChangeError> {
         let of = |dofs: &[usize]| dofs.iter().map(|&j| u[j]).collect::<Vec<f64>>();
-        let own = self.reduction.expand(&of(&self.masters), &of(&self.prescribed));
+        let own = self.reduction.expand(&of(&self.masters), &of(&self.prescribed))?;
         self.slaves.iter().zip(&self.reduction.slaves).for_each(|(&j, &k)| u[j] = own[k]);
+        Ok(())
     }
 }

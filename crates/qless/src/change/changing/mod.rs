@@ -17,11 +17,17 @@ use rayon::prelude::*;
 pub use block::SolvedBlock;
 use network::Network;
 
+use crate::common::argument::{ArgumentError, long};
+use crate::common::identity::Identity;
 use crate::{AnalysisError, Kind, Options, ReductionError, SystemError};
 
 /// An equation of a [`ChangingSystem`]; it keeps its meaning until the equation is removed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct EquationId(pub(crate) u32);
+pub struct EquationId {
+    /// The set that gave it.
+    set: Identity,
+    number: u32,
+}
 
 /// Why a change or an update was refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -37,6 +43,17 @@ pub enum ChangeError {
     /// An equation that was removed before.
     #[error("equation {0} is not there any more; use the number that adding it gave")]
     Gone(u32),
+    /// An equation of another set.
+    #[error("equation {0} is one of another set; use the number that adding it to this one gave")]
+    Foreign(u32),
+    /// More than can be counted, or than the memory holds.
+    #[error("{what}: {found} are more than can be held")]
+    TooMany {
+        /// What there is too much of.
+        what: &'static str,
+        /// How many.
+        found: usize,
+    },
     /// A number that is not finite.
     #[error("{0} is no finite number; correct it")]
     NotFinite(f64),
@@ -49,13 +66,16 @@ pub enum ChangeError {
     /// A block could not be reduced; rows and DOFs of the error are counted within the block.
     #[error(transparent)]
     Reduction(#[from] ReductionError),
+    /// The values given do not fit.
+    #[error(transparent)]
+    Argument(#[from] ArgumentError),
 }
 
 /// A set of equations that changes between steps.
 ///
 /// ```
 /// use qless::{ChangingSystem, Kind, Options};
-/// let mut set = ChangingSystem::new(4, Options::default());
+/// let mut set = ChangingSystem::new(4, Options::default())?;
 /// set.add([(0, 1.0), (1, -1.0)], 0.0)?;
 /// set.add([(2, 1.0), (3, -1.0)], 0.0)?;
 /// assert_eq!(set.update()?, 2);
@@ -80,15 +100,18 @@ pub struct ChangingSystem {
 
 impl ChangingSystem {
     /// No equations on DOFs 0 to `dofs - 1`. Preferences of the options are not used: they number whole systems.
-    pub fn new(dofs: usize, mut options: Options) -> Self {
+    ///
+    /// # Errors
+    /// [`ChangeError::TooMany`] DOFs.
+    pub fn new(dofs: usize, mut options: Options) -> Result<Self, ChangeError> {
         options.preferences = crate::Preferences::default();
-        Self { network: Network::new(dofs), options, blocks: Vec::new(), free: Vec::new(), rank: 0 }
+        Ok(Self { network: Network::new(dofs)?, options, blocks: Vec::new(), free: Vec::new(), rank: 0 })
     }
 
     /// Adds `sum a_j u_j = rhs`; repeated DOFs are summed.
     ///
     /// # Errors
-    /// [`ChangeError`] for a DOF out of range or a number that is not finite; then nothing changes.
+    /// [`ChangeError`] for a DOF out of range, a number that is not finite or one equation too many; then nothing changes.
     pub fn add(&mut self, terms: impl IntoIterator<Item = (usize, f64)>, rhs: f64) -> Result<EquationId, ChangeError> {
         self.network.add(terms.into_iter().collect(), rhs)
     }
@@ -96,7 +119,7 @@ impl ChangingSystem {
     /// Takes an equation out.
     ///
     /// # Errors
-    /// [`ChangeError::Gone`].
+    /// [`ChangeError::Gone`], [`ChangeError::Foreign`].
     pub fn remove(&mut self, equation: EquationId) -> Result<(), ChangeError> {
         self.network.remove(equation)
     }
@@ -104,7 +127,7 @@ impl ChangingSystem {
     /// Gives an equation another right-hand side.
     ///
     /// # Errors
-    /// [`ChangeError::Gone`], [`ChangeError::NotFinite`].
+    /// [`ChangeError::Gone`], [`ChangeError::Foreign`], [`ChangeError::NotFinite`].
     pub fn set_rhs(&mut self, equation: EquationId, rhs: f64) -> Result<(), ChangeError> {
         self.network.set_rhs(equation, rhs)
     }
@@ -170,14 +193,19 @@ impl ChangingSystem {
         Ok(done)
     }
 
-    /// What an equation is since the last update; none if it is not there, or newer.
+    /// What an equation is since the last update; none if it is not there, newer, or of another set.
     pub fn kind(&self, equation: EquationId) -> Option<Kind> {
         self.block_of(equation).and_then(|block| block.kind(equation))
     }
 
-    /// Why an equation is dependent: `row_k = sum c_i row_i` over its free DOFs; empty for an independent one.
-    pub fn because(&self, equation: EquationId) -> Vec<(EquationId, f64)> {
-        self.block_of(equation).map_or_else(Vec::new, |block| block.because(equation))
+    /// Why an equation is dependent: `row_k = sum c_i row_i` over its free DOFs; empty for an independent one and for
+    /// one that is newer than the last update.
+    ///
+    /// # Errors
+    /// [`ChangeError::Gone`], [`ChangeError::Foreign`].
+    pub fn because(&self, equation: EquationId) -> Result<Vec<(EquationId, f64)>, ChangeError> {
+        self.network.number(equation)?;
+        Ok(self.block_of(equation).map_or_else(Vec::new, |block| block.because(equation)))
     }
 
     /// The block of an equation since the last update.
@@ -203,13 +231,10 @@ impl ChangingSystem {
     /// Sets slaves and prescribed DOFs of all blocks in `u`, which holds the masters.
     ///
     /// # Errors
-    /// [`ChangeError::DofOutOfRange`] if `u` is shorter than the number of DOFs.
+    /// [`ArgumentError`] if `u` does not have a number for each DOF, or one that is not finite; slaves may then have been set.
     pub fn expand(&self, u: &mut [f64]) -> Result<(), ChangeError> {
-        if u.len() < self.network.dofs() {
-            return Err(ChangeError::DofOutOfRange { dof: u.len(), dofs: self.network.dofs() });
-        }
+        long("u", u.len(), self.network.dofs())?;
         self.network.given().for_each(|(dof, value)| u[dof] = value);
-        self.blocks().for_each(|block| block.expand(u));
-        Ok(())
+        self.blocks().try_for_each(|block| block.expand(u))
     }
 }

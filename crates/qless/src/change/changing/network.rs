@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::{ChangeError, EquationId};
+use crate::common::identity::Identity;
 
 const NO_BLOCK: u32 = u32::MAX;
 
@@ -17,6 +18,7 @@ struct Equation {
 
 #[derive(Debug)]
 pub(super) struct Network {
+    identity: Identity,
     equations: Vec<Option<Equation>>,
     count: usize,
     /// Equations by DOF.
@@ -39,32 +41,59 @@ pub(super) struct Region {
 type Terms = Box<[(u32, f64)]>;
 
 impl Network {
-    pub fn new(dofs: usize) -> Self {
-        Self {
+    pub fn new(dofs: usize) -> Result<Self, ChangeError> {
+        let too_many = || ChangeError::TooMany { what: "DOFs", found: dofs };
+        if dofs >= u32::MAX as usize {
+            return Err(too_many());
+        }
+        let (mut on_dof, mut prescribed) = (Vec::new(), Vec::new());
+        on_dof.try_reserve_exact(dofs).map_err(|_| too_many())?;
+        prescribed.try_reserve_exact(dofs).map_err(|_| too_many())?;
+        on_dof.resize_with(dofs, Vec::new);
+        prescribed.resize(dofs, None);
+        Ok(Self {
+            identity: Identity::new(),
             equations: Vec::new(),
             count: 0,
-            on_dof: vec![Vec::new(); dofs],
-            prescribed: vec![None; dofs],
+            on_dof,
+            prescribed,
             touched: BTreeSet::new(),
             stale: BTreeSet::new(),
-        }
+        })
+    }
+
+    /// The number of one of its equations.
+    pub fn number(&self, id: EquationId) -> Result<u32, ChangeError> {
+        self.own(id)?;
+        if self.get(id.number).is_some() { Ok(id.number) } else { Err(ChangeError::Gone(id.number)) }
+    }
+
+    fn own(&self, id: EquationId) -> Result<(), ChangeError> {
+        if id.set == self.identity { Ok(()) } else { Err(ChangeError::Foreign(id.number)) }
+    }
+
+    fn id(&self, number: u32) -> EquationId {
+        EquationId { set: self.identity, number }
     }
 
     pub fn add(&mut self, terms: Vec<(usize, f64)>, rhs: f64) -> Result<EquationId, ChangeError> {
         let terms = self.checked(terms)?;
         finite(rhs)?;
-        let id = self.equations.len() as u32;
+        let found = self.equations.len() + 1;
+        let id = u32::try_from(found - 1).map_err(|_| ChangeError::TooMany { what: "equations", found })?;
         terms.iter().for_each(|&(j, _)| self.on_dof[j as usize].push(id));
         self.equations.push(Some(Equation { terms, rhs, block: NO_BLOCK }));
         self.touched.insert(id);
         self.count += 1;
-        Ok(EquationId(id))
+        Ok(self.id(id))
     }
 
     pub fn remove(&mut self, id: EquationId) -> Result<(), ChangeError> {
-        let equation = self.equations.get_mut(id.0 as usize).and_then(Option::take).ok_or(ChangeError::Gone(id.0))?;
+        self.own(id)?;
+        let equation = self.equations.get_mut(id.number as usize).and_then(Option::take);
+        let equation = equation.ok_or(ChangeError::Gone(id.number))?;
         self.leave(id, &equation.terms);
-        self.touched.remove(&id.0);
+        self.touched.remove(&id.number);
         if equation.block != NO_BLOCK {
             self.stale.insert(equation.block);
         }
@@ -75,7 +104,7 @@ impl Network {
     pub fn set_rhs(&mut self, id: EquationId, rhs: f64) -> Result<(), ChangeError> {
         finite(rhs)?;
         self.get_mut(id)?.rhs = rhs;
-        self.touched.insert(id.0);
+        self.touched.insert(id.number);
         Ok(())
     }
 
@@ -85,8 +114,8 @@ impl Network {
         let old = std::mem::replace(&mut equation.terms, terms.clone());
         let block = equation.block;
         self.leave(id, &old);
-        terms.iter().for_each(|&(j, _)| self.on_dof[j as usize].push(id.0));
-        self.touched.insert(id.0);
+        terms.iter().for_each(|&(j, _)| self.on_dof[j as usize].push(id.number));
+        self.touched.insert(id.number);
         if block != NO_BLOCK {
             self.stale.insert(block);
         }
@@ -107,7 +136,7 @@ impl Network {
 
     fn leave(&mut self, id: EquationId, terms: &[(u32, f64)]) {
         for &(j, _) in terms {
-            self.on_dof[j as usize].retain(|&other| other != id.0);
+            self.on_dof[j as usize].retain(|&other| other != id.number);
         }
     }
 
@@ -129,7 +158,8 @@ impl Network {
     }
 
     fn get_mut(&mut self, id: EquationId) -> Result<&mut Equation, ChangeError> {
-        self.equations.get_mut(id.0 as usize).and_then(Option::as_mut).ok_or(ChangeError::Gone(id.0))
+        self.own(id)?;
+        self.equations.get_mut(id.number as usize).and_then(Option::as_mut).ok_or(ChangeError::Gone(id.number))
     }
 
     fn get(&self, id: u32) -> Option<&Equation> {
@@ -137,11 +167,11 @@ impl Network {
     }
 
     pub fn terms(&self, id: EquationId) -> &[(u32, f64)] {
-        self.get(id.0).map_or(&[], |equation| &equation.terms)
+        self.get(id.number).map_or(&[], |equation| &equation.terms)
     }
 
     pub fn rhs(&self, id: EquationId) -> f64 {
-        self.get(id.0).map_or(0.0, |equation| equation.rhs)
+        self.get(id.number).map_or(0.0, |equation| equation.rhs)
     }
 
     /// The value of a DOF that has one.
@@ -163,13 +193,14 @@ impl Network {
     }
 
     pub fn place_of(&self, id: EquationId) -> Option<u32> {
-        self.get(id.0).map(|equation| equation.block).filter(|&block| block != NO_BLOCK)
+        self.own(id).ok()?;
+        self.get(id.number).map(|equation| equation.block).filter(|&block| block != NO_BLOCK)
     }
 
     /// Says where the block of equations is.
     pub fn place(&mut self, equations: &[EquationId], place: u32) {
         for &id in equations {
-            if let Some(equation) = self.equations[id.0 as usize].as_mut() {
+            if let Some(equation) = self.equations[id.number as usize].as_mut() {
                 equation.block = place;
             }
         }
@@ -188,8 +219,8 @@ impl Network {
         let mut waiting: Vec<u32> = equations.iter().copied().collect();
         let take = |block: u32, equations: &mut BTreeSet<u32>, waiting: &mut Vec<u32>| {
             for id in members(block).unwrap_or_default() {
-                if self.get(id.0).is_some() && equations.insert(id.0) {
-                    waiting.push(id.0);
+                if self.get(id.number).is_some() && equations.insert(id.number) {
+                    waiting.push(id.number);
                 }
             }
         };
@@ -207,22 +238,22 @@ impl Network {
                 }
             }
         }
-        let equations = equations.into_iter().map(EquationId).collect();
+        let equations = equations.into_iter().map(|number| self.id(number)).collect();
         Region { equations, blocks: blocks.into_iter().collect() }
     }
 
     /// The equations by connected parts: those that share a free DOF. Parts and their equations ascend.
     pub fn parts(&self, equations: &[EquationId]) -> Vec<Vec<EquationId>> {
-        let mut left: std::collections::HashSet<u32> = equations.iter().map(|id| id.0).collect();
+        let mut left: std::collections::HashSet<u32> = equations.iter().map(|id| id.number).collect();
         let mut parts = Vec::new();
-        for &EquationId(first) in equations {
+        for &EquationId { number: first, .. } in equations {
             if !left.remove(&first) {
                 continue;
             }
             let (mut part, mut waiting) = (Vec::new(), vec![first]);
             while let Some(id) = waiting.pop() {
-                part.push(EquationId(id));
-                for &(j, _) in self.terms(EquationId(id)).iter().filter(|(j, _)| self.value(*j).is_none()) {
+                part.push(self.id(id));
+                for &(j, _) in self.terms(self.id(id)).iter().filter(|(j, _)| self.value(*j).is_none()) {
                     waiting.extend(self.on_dof[j as usize].iter().filter(|other| left.remove(other)));
                 }
             }

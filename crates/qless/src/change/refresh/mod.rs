@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! analyse, reduction  ->  T, G     once
-//! Analysis::refresher ->  Refresher: the square matrices of the blocks' slaves, factored     once
+//! Refresher::new      ->  the square matrices of the blocks' slaves, factored     once
 //! Refresher::refresh  ->  g, redundant or conflicting, fixed values     for each b and u_p, O(nnz)
 //! ```
 //!
@@ -11,23 +11,27 @@
 mod replay;
 mod square;
 
+use std::sync::Arc;
+
+use crate::common::argument::numbers;
 use crate::diagnosis::classify::{Dependent, Kind, Source};
 use crate::factor::qr::BackendError;
 use crate::input::numbering::Local;
 use crate::input::scale::ldexp;
 use crate::presolve::eliminate::Mismatch;
 use crate::reduction::gate;
-use crate::{Analysis, ConstraintSystem, Reduction, ReductionError};
+use crate::{Analysis, ArgumentError, ConstraintSystem, Reduction, ReductionError};
 use replay::Replay;
 use square::Square;
 
 /// A constant that cancels to within this, relative to its parts, is rounding.
 const NOISE: f64 = 1e-14;
 
-/// Makes g and the kinds of the equations for new right-hand sides. Made by [`Analysis::refresher`].
-pub struct Refresher<'a> {
-    analysis: &'a Analysis,
-    system: &'a ConstraintSystem,
+/// Makes g and the kinds of the equations for new right-hand sides.
+///
+/// It owns its analysis, or shares it: both can be stored together, and sent to other threads.
+pub struct Refresher {
+    analysis: Arc<Analysis>,
     /// The coefficients of the slaves of the peeled equations.
     pivots: Vec<f64>,
     squares: Vec<Square>,
@@ -49,73 +53,60 @@ pub struct Refreshed {
 /// Why a right-hand side was refused. The reduction is left as it was.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RefreshError {
-    /// A list of the wrong length.
-    #[error("{what} has {found} numbers; {expected} are needed")]
-    WrongLength {
-        /// Which list.
-        what: &'static str,
-        /// Its length.
-        found: usize,
-        /// The length that it must have.
-        expected: usize,
-    },
+    /// A list of the wrong length, a number that is not finite, or a reduction of another analysis.
+    #[error(transparent)]
+    Argument(#[from] ArgumentError),
     /// The new g does not meet the equations, or leaves the range of doubles.
     #[error(transparent)]
     Reduction(#[from] ReductionError),
-    /// A number that is not finite.
-    #[error("{what}: number {place} (from 0) is {value}; give a finite number")]
-    NotFinite {
-        /// Which list.
-        what: &'static str,
-        /// Where in the list.
-        place: usize,
-        /// The number.
-        value: f64,
-    },
 }
 
-impl Analysis {
-    /// Prepares for new right-hand sides of `system`, the one analysed.
-    ///
-    /// [`Analysis::reduction`] takes g from the b that was analysed, whatever system it is given; this is the way to another.
+impl Refresher {
+    /// Prepares for new right-hand sides and prescribed values of the system that was analysed. Takes an [`Analysis`], or an
+    /// `Arc` of one that is used elsewhere too.
     ///
     /// ```
-    /// use qless::{Kind, Options, SystemBuilder, analyse};
+    /// use qless::{Kind, Options, Refresher, SystemBuilder, analyse};
     /// let mut builder = SystemBuilder::new(2);
     /// builder.equation([(0, 1.0), (1, -1.0)], 0.0);
     /// builder.equation([(0, 2.0), (1, -2.0)], 0.0);
     /// let system = builder.build()?;
     /// let analysis = analyse(&system, &Options::default())?;
-    /// let mut reduction = analysis.reduction(&system)?;
-    /// let refresher = analysis.refresher(&system)?;
+    /// let mut reduction = analysis.reduction()?;
+    /// let refresher = Refresher::new(analysis)?;
     /// // A gap of 0.5 in one equation contradicts the other ...
     /// let refreshed = refresher.refresh(&[0.5, 0.0], &[], &mut reduction)?;
     /// assert!(refreshed.kinds.contains(&Kind::Conflicting));
     /// // ... and in both it does not.
     /// let refreshed = refresher.refresh(&[0.5, 1.0], &[], &mut reduction)?;
     /// assert!(!refreshed.kinds.contains(&Kind::Conflicting));
-    /// let u = reduction.expand(&[2.0], &[]);
+    /// let u = reduction.expand(&[2.0], &[])?;
     /// assert!((u[0] - u[1] - 0.5).abs() < 1e-15);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors
     /// [`BackendError`] if a block needs more memory than [`crate::Options::memory`] allows.
-    pub fn refresher<'a>(&'a self, system: &'a ConstraintSystem) -> Result<Refresher<'a>, BackendError> {
-        let local = self.numbering.view(system, system.rhs());
-        let peeled = self.basis.peeled.iter().zip(self.basis.slaves());
+    pub fn new(analysis: impl Into<Arc<Analysis>>) -> Result<Self, BackendError> {
+        let analysis = analysis.into();
+        let Analysis { basis, blocks, scaling, history, options, .. } = &*analysis;
+        let local = analysis.numbering.view(&analysis.system, analysis.system.rhs());
+        let peeled = basis.peeled.iter().zip(basis.slaves());
         let pivots = peeled.map(|(&row, &slave)| local.coefficient(row as usize, slave)).collect();
-        let square = |(block, kept)| Square::new(block, kept, &self.scaling, self.options.memory);
-        let squares: Result<_, _> = self.blocks.iter().zip(&self.basis.blocks).map(square).collect();
-        let mut exponents = vec![0; self.history.rows.len()];
-        for block in &self.blocks {
+        let square = |(block, kept)| Square::new(block, kept, scaling, options.memory);
+        let squares: Vec<Square> = blocks.iter().zip(&basis.blocks).map(square).collect::<Result<_, _>>()?;
+        let mut exponents = vec![0; history.rows.len()];
+        for block in blocks {
             block.rows.iter().zip(&block.exponents).for_each(|(&row, &shift)| exponents[row as usize] = shift);
         }
-        Ok(Refresher { analysis: self, system, pivots, squares: squares?, exponents })
+        Ok(Self { pivots, squares, exponents, analysis })
     }
-}
 
-impl Refresher<'_> {
+    /// What it refreshes.
+    pub fn analysis(&self) -> &Arc<Analysis> {
+        &self.analysis
+    }
+
     /// Writes g for b = `rhs` (length m) into a reduction of the same analysis; `prescribed` are the values of u_p, in the order
     /// of [`ConstraintSystem::prescribed`].
     ///
@@ -127,8 +118,11 @@ impl Refresher<'_> {
         prescribed: &[f64],
         reduction: &mut Reduction,
     ) -> Result<Refreshed, RefreshError> {
-        check("the right-hand side", rhs, self.system.equations())?;
-        check("the list of prescribed values", prescribed, self.system.prescribed().len())?;
+        numbers("the right-hand side", rhs, self.system().equations())?;
+        numbers("the list of prescribed values", prescribed, self.system().prescribed().len())?;
+        if reduction.of != self.analysis.identity {
+            return Err(ArgumentError::Foreign { what: "the reduction" }.into());
+        }
         let agreeing;
         let mut replay = Replay::new(self, rhs, prescribed);
         let dependent = &self.analysis.dependent;
@@ -150,8 +144,12 @@ impl Refresher<'_> {
         Ok(Refreshed { kinds, mismatches, generated: self.generated(&replay, prescribed) })
     }
 
+    fn system(&self) -> &ConstraintSystem {
+        &self.analysis.system
+    }
+
     fn local(&self) -> Local<'_> {
-        self.analysis.numbering.view(self.system, self.system.rhs())
+        self.analysis.numbering.view(self.system(), self.system().rhs())
     }
 
     /// A dependent equation with its new mismatch, without its certificate.
@@ -216,7 +214,7 @@ impl Refresher<'_> {
     fn write(&self, replay: &Replay, reduction: &mut Reduction) -> Result<(), RefreshError> {
         let old = reduction.g.clone();
         let sides = self.put(replay, reduction);
-        let local = self.analysis.numbering.view(self.system, replay.rhs);
+        let local = self.analysis.numbering.view(self.system(), replay.rhs);
         let found = gate::residuals_of_g(local, reduction, &self.analysis.independent(), &self.analysis.scaling);
         gate::pass(&found, reduction).inspect_err(|_| {
             reduction.g = old;
@@ -227,7 +225,7 @@ impl Refresher<'_> {
 
     /// Returns the right-hand sides that factored blocks had before.
     fn put(&self, replay: &Replay, reduction: &mut Reduction) -> Vec<Vec<f64>> {
-        let mut u = vec![0.0; self.system.dofs()];
+        let mut u = vec![0.0; self.system().dofs()];
         let local = self.complete(replay, None);
         local.iter().zip(&self.analysis.numbering.dofs).for_each(|(&v, &j)| u[j as usize] = v);
         for (i, &slave) in reduction.slaves.iter().enumerate() {
@@ -258,15 +256,5 @@ impl Refresher<'_> {
         let u = self.complete(replay, Some(prescribed));
         let named = self.analysis.generated.iter().zip(fixed);
         named.map(|(&(dof, _), &l)| (dof, u[l as usize])).collect()
-    }
-}
-
-fn check(what: &'static str, numbers: &[f64], expected: usize) -> Result<(), RefreshError> {
-    if numbers.len() != expected {
-        return Err(RefreshError::WrongLength { what, found: numbers.len(), expected });
-    }
-    match numbers.iter().position(|v| !v.is_finite()) {
-        Some(place) => Err(RefreshError::NotFinite { what, place, value: numbers[place] }),
-        None => Ok(()),
     }
 }

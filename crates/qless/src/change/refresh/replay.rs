@@ -26,7 +26,7 @@ impl Side {
 
 /// All that is known of one b and u_p.
 pub struct Replay<'a> {
-    refresher: &'a Refresher<'a>,
+    refresher: &'a Refresher,
     local: Local<'a>,
     /// b as given.
     pub rhs: &'a [f64],
@@ -37,9 +37,9 @@ pub struct Replay<'a> {
 }
 
 impl<'a> Replay<'a> {
-    pub fn new(refresher: &'a Refresher<'a>, rhs: &'a [f64], prescribed: &[f64]) -> Self {
-        let analysis = refresher.analysis;
-        let local = analysis.numbering.view(refresher.system, rhs);
+    pub fn new(refresher: &'a Refresher, rhs: &'a [f64], prescribed: &[f64]) -> Self {
+        let analysis = &refresher.analysis;
+        let local = analysis.numbering.view(&analysis.system, rhs);
         let mut values = vec![0.0; if prescribed.is_empty() { 0 } else { local.dofs() }];
         local.prescribed_places().for_each(|(l, place)| values[l] = prescribed[place]);
         let steps = Vec::with_capacity(analysis.history.steps.len());

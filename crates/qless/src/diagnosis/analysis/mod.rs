@@ -7,6 +7,8 @@ use std::collections::BTreeMap;
 use std::sync::OnceLock;
 use std::time::Duration;
 
+use crate::common::argument::{ArgumentError, within};
+use crate::common::identity::Identity;
 use crate::diagnosis::certificate::{Because, History};
 use crate::diagnosis::classify::{Dependent, Kind, Source};
 use crate::diagnosis::confidence::Confidence;
@@ -78,26 +80,19 @@ pub struct Timings {
     pub classify: Duration,
 }
 
-/// The diagnosis of a constraint system.
+/// The diagnosis of a constraint system, which it keeps: all that it is asked for is of that system, and of no other.
 pub struct Analysis {
-    /// What each equation is; length m.
-    pub kinds: Vec<Kind>,
-    /// Redundant and conflicting equations, ascending by row.
-    pub dependent: Vec<Dependent>,
-    /// Free DOFs that the equations fix, and their values; ascending.
-    pub generated: Vec<(usize, f64)>,
-    /// Equations of [`crate::Preferences::equations`] that are dependent on other such equations only, ascending.
-    pub unmet_equations: Vec<usize>,
-    /// How sure the rank is.
-    pub confidence: Confidence,
-    /// Coefficients that are rounding of their equations, from which nothing was concluded; ascending by row.
-    pub ignored: Vec<Ignored>,
-    /// What presolve did.
-    pub presolve: PresolveStatistics,
-    /// Time spent.
-    pub timings: Timings,
-    /// Name and version of the backend.
-    pub backend: (&'static str, String),
+    pub(crate) identity: Identity,
+    pub(crate) system: ConstraintSystem,
+    pub(crate) kinds: Vec<Kind>,
+    pub(crate) dependent: Vec<Dependent>,
+    pub(crate) generated: Vec<(usize, f64)>,
+    pub(crate) unmet_equations: Vec<usize>,
+    pub(crate) confidence: Confidence,
+    pub(crate) ignored: Vec<Ignored>,
+    pub(crate) presolve: PresolveStatistics,
+    pub(crate) timings: Timings,
+    pub(crate) backend: (&'static str, String),
     pub(crate) options: Options,
     pub(crate) basis: Basis,
     /// Of the rows of T, as [`crate::diagnosis::samples::Sweep::bounds`] has them.
@@ -121,23 +116,82 @@ impl Analysis {
         self.basis.rank()
     }
 
-    /// Why an equation is dependent: `row_k = sum c_i row_i` over its free DOFs, ascending by row.
+    /// The system that was analysed.
+    pub fn system(&self) -> &ConstraintSystem {
+        &self.system
+    }
+
+    /// What each equation is; length m.
+    pub fn kinds(&self) -> &[Kind] {
+        &self.kinds
+    }
+
+    /// Redundant and conflicting equations, ascending by row.
+    pub fn dependent(&self) -> &[Dependent] {
+        &self.dependent
+    }
+
+    /// Free DOFs that the equations fix, and their values; ascending.
+    pub fn generated(&self) -> &[(usize, f64)] {
+        &self.generated
+    }
+
+    /// Equations of [`crate::Preferences::equations`] that are dependent on other such equations only, ascending.
+    pub fn unmet_equations(&self) -> &[usize] {
+        &self.unmet_equations
+    }
+
+    /// How sure the rank is.
+    pub fn confidence(&self) -> Confidence {
+        self.confidence
+    }
+
+    /// Coefficients that are rounding of their equations, from which nothing was concluded; ascending by row.
+    pub fn ignored(&self) -> &[Ignored] {
+        &self.ignored
+    }
+
+    /// What presolve did.
+    pub fn presolve(&self) -> PresolveStatistics {
+        self.presolve
+    }
+
+    /// Time spent.
+    pub fn timings(&self) -> Timings {
+        self.timings
+    }
+
+    /// Name and version of the backend.
+    pub fn backend(&self) -> (&'static str, &str) {
+        (self.backend.0, &self.backend.1)
+    }
+
+    /// Why an equation is dependent: `row_k = sum c_i row_i` over its free DOFs, ascending by row; empty for an independent one.
     ///
     /// The promise is relative to the parts: for every free DOF j, in its own unit, `|row_kj - sum c_i row_ij|` is at most
     /// `1e-11 / confidence.sigma_kept` of the largest part `|c_i row_il|` of the certificate, whatever the sizes of equations.
-    pub fn because(&self, dependent: &Dependent) -> Vec<Because> {
-        dependent.source.explain(&self.history)
+    ///
+    /// # Errors
+    /// [`ArgumentError::OutOfRange`].
+    pub fn because(&self, row: usize) -> Result<Vec<Because>, ArgumentError> {
+        within("equation", row, self.kinds.len())?;
+        Ok(self.dependent_of(row).map_or_else(Vec::new, |dependent| dependent.source.explain(&self.history)))
+    }
+
+    /// What is known of an equation if it is dependent.
+    fn dependent_of(&self, row: usize) -> Option<&Dependent> {
+        self.dependent.binary_search_by_key(&row, |d| d.row).ok().map(|place| &self.dependent[place])
     }
 
     /// Why a DOF of [`Analysis::generated`] is fixed: `e_s = sum c_i row_i` over the free DOFs; empty for any other DOF.
     ///
     /// # Errors
     /// [`BackendError`] if the block of the DOF cannot be factored again.
-    pub fn because_fixed(&self, system: &ConstraintSystem, dof: usize) -> Result<Vec<Because>, BackendError> {
+    pub fn because_fixed(&self, dof: usize) -> Result<Vec<Because>, BackendError> {
         let Ok(place) = self.generated.binary_search_by_key(&dof, |&(j, _)| j) else { return Ok(Vec::new()) };
         let backend: Box<dyn Backend> = self.options.backend.get(self.options.memory)?;
         let explainer = Explainer {
-            system: self.numbering.view(system, system.rhs()),
+            system: self.numbering.view(&self.system, self.system.rhs()),
             basis: &self.basis,
             blocks: &self.blocks,
             history: &self.history,
@@ -150,11 +204,10 @@ impl Analysis {
 
     /// Replaces equations that were given up for others by their certificates.
     fn over_kept(&self, terms: Vec<Because>) -> Vec<Because> {
-        let given =
-            |row: usize| match &self.dependent[self.dependent.binary_search_by_key(&row, |d| d.row).ok()?].source {
-                Source::Given(because) => Some(because),
-                Source::Traced(..) => None,
-            };
+        let given = |row: usize| match &self.dependent_of(row)?.source {
+            Source::Given(because) => Some(because),
+            Source::Traced(..) => None,
+        };
         if !terms.iter().any(|term| given(term.row).is_some()) {
             return terms;
         }

@@ -28,8 +28,8 @@ use crate::{ConstraintSystem, Options, Tolerance};
 /// builder.equation([(0, 1.0), (2, -1.0)], 0.0);
 /// let system = builder.build()?;
 /// let analysis = analyse(&system, &Options::default())?;
-/// assert_eq!((analysis.rank(), analysis.kinds[2]), (2, Kind::Redundant));
-/// let because = analysis.because(&analysis.dependent[0]);
+/// assert_eq!((analysis.rank(), analysis.kinds()[2]), (2, Kind::Redundant));
+/// let because = analysis.because(2)?;
 /// assert_eq!(because.iter().map(|term| (term.row, term.coefficient)).collect::<Vec<_>>(), [(0, 1.0), (1, 1.0)]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -82,8 +82,17 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
     }
     let still = std::mem::take(&mut stages.swept.still);
     let generated = generated::find(still, local, &stages.basis, &stages.history, &scaling, &stages.keys);
-    let analysis =
-        stages.conclude(numbering, scaling, rhs, options.clone(), generated, confidence, kept.unmet, backend.as_ref());
+    let analysis = stages.conclude(
+        system.clone(),
+        numbering,
+        scaling,
+        rhs,
+        options.clone(),
+        generated,
+        confidence,
+        kept.unmet,
+        backend.as_ref(),
+    );
     Ok(Analysis { ignored, ..analysis })
 }
 

@@ -7,7 +7,7 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use super::{Analysis, AnalysisError, PresolveStatistics, Timings};
-use crate::Options;
+use crate::common::identity::Identity;
 use crate::diagnosis::certificate::History;
 use crate::diagnosis::classify::{Dependent, Kind, classify};
 use crate::diagnosis::confidence::{self, Confidence};
@@ -25,6 +25,7 @@ use crate::presolve::basis::Diagnosed;
 use crate::presolve::eliminate::{Eliminated, eliminate};
 use crate::presolve::gather::gather;
 use crate::presolve::peel::{Peeled, peel};
+use crate::{ConstraintSystem, Options};
 
 /// Stages that presolve's doubts have been taken from.
 pub struct Settled {
@@ -282,6 +283,7 @@ impl Stages {
     #[expect(clippy::too_many_arguments, reason = "every part of the analysis, once")]
     pub fn conclude(
         self,
+        system: ConstraintSystem,
         numbering: Numbering,
         scaling: Scaling,
         rhs: Vec<f64>,
@@ -294,6 +296,8 @@ impl Stages {
         let mut kinds = vec![Kind::Independent; self.history.exponents.len()];
         self.dependent.iter().for_each(|d| kinds[d.row] = d.kind);
         Analysis {
+            identity: Identity::new(),
+            system,
             kinds,
             confidence,
             dependent: self.dependent,

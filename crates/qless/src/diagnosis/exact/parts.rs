@@ -55,7 +55,7 @@ mod tests {
     fn parts_are_joined_by_free_dofs_only() {
         let mut matrix = Csr::empty(8);
         let rows: [&[usize]; 6] = [&[0, 1], &[4, 5], &[3], &[1, 3, 6], &[3, 7], &[5, 6]];
-        rows.iter().for_each(|row| matrix.push_row(row.iter().map(|&j| (j, 1.0))));
+        rows.iter().for_each(|row| matrix.append(row.iter().map(|&j| (j, 1.0))));
         let mut free = [true; 8];
         free[3] = false;
         assert_eq!(parts(&matrix, &free), [0, 0, 1, 0, 2, 0]);

@@ -124,7 +124,7 @@ mod tests {
 
     fn matrix(cols: usize, rows: &[&[usize]]) -> Csr {
         let mut matrix = Csr::empty(cols);
-        rows.iter().for_each(|row| matrix.push_row(row.iter().map(|&j| (j, 1.0))));
+        rows.iter().for_each(|row| matrix.append(row.iter().map(|&j| (j, 1.0))));
         matrix
     }
 

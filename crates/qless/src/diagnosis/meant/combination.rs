@@ -37,7 +37,7 @@ impl Combination {
         let mut rest = dense(part, row);
         let mut y = vec![0.0; kept.len()];
         for _ in 0..2 {
-            let step = factor.solve(&factor.solve_transposed(&columns.times(&rest)));
+            let step = factor.solved(&factor.solve_transposed(&columns.product(&rest)));
             y.iter_mut().zip(&step).for_each(|(y, s)| *y += s);
             rest = dense(part, row);
             for (k, &y) in y.iter().enumerate().filter(|(_, y)| **y != 0.0) {

@@ -12,7 +12,7 @@ use crate::diagnosis::certificate::Because;
 use crate::factor::qr::BackendError;
 use crate::factor::qr::choice::DenseOrSparse;
 use crate::input::components::components;
-use crate::{Analysis, ConstraintSystem, Kind};
+use crate::{Analysis, Kind};
 use own::without_own;
 use part::Part;
 
@@ -54,7 +54,7 @@ impl Analysis {
     /// Equations that are independent as typed but may be meant as combinations of others; None where no such reading stands
     /// out, as in a long chain, whose singular values fall without a gap.
     ///
-    /// Of the system that was analysed. Part by connected part; at most three factorizations each, however many such equations
+    /// Part by connected part; at most three factorizations each, however many such equations
     /// it holds. Of equations that nearly say the same the earlier ones are kept.
     ///
     /// ```
@@ -66,7 +66,7 @@ impl Analysis {
     /// builder.equation([(0, 0.123_457), (1, -0.987_654)], 0.0);
     /// let system = builder.build()?;
     /// let analysis = analyse(&system, &Options::default())?;
-    /// let meant = analysis.meant(&system)?.expect("a second reading");
+    /// let meant = analysis.meant()?.expect("a second reading");
     /// assert_eq!((analysis.rank(), meant.rank), (3, 2));
     /// let last = &meant.equations[0];
     /// assert_eq!((last.row, last.digits, last.because[0].row), (2, 5, 0));
@@ -75,8 +75,8 @@ impl Analysis {
     ///
     /// # Errors
     /// [`BackendError`] where a part is too large for the memory allowed.
-    pub fn meant(&self, system: &ConstraintSystem) -> Result<Option<Meant>, BackendError> {
-        let local = self.numbering.view(system, system.rhs());
+    pub fn meant(&self) -> Result<Option<Meant>, BackendError> {
+        let local = self.numbering.view(&self.system, self.system.rhs());
         let rows = (0..self.kinds.len() as u32).filter(|&i| self.kinds[i as usize] == Kind::Independent).collect();
         let rows = without_own(local, rows, &self.scaling);
         let free = |i: u32| local.parts(i as usize).0.iter().copied().filter(|&j| local.free()[j as usize]);

@@ -61,7 +61,7 @@ impl Part {
             starts.push(entries.len());
         }
         let mut matrix = Csr::empty(dofs as usize);
-        starts.windows(2).for_each(|pair| matrix.push_row(entries[pair[0]..pair[1]].iter().copied()));
+        starts.windows(2).for_each(|pair| matrix.append(entries[pair[0]..pair[1]].iter().copied()));
         Self { rows, exponents, matrix }
     }
 
@@ -110,7 +110,7 @@ impl Part {
 
     fn select(&self, rows: &[usize]) -> Csr {
         let mut selected = Csr::empty(self.matrix.cols);
-        rows.iter().for_each(|&i| selected.push_row(self.matrix.row(i)));
+        rows.iter().for_each(|&i| selected.append(self.matrix.row(i)));
         selected
     }
 

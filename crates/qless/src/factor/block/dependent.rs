@@ -201,7 +201,7 @@ fn unexplained(block: &Block, tableau: &Tableau, tolerance: f64) -> Result<Vec<u
     for i in 0..tableau.basic.len() {
         let rest = rest(block, tableau, i);
         if norm(&rest) > tolerance {
-            rests.push_row(rest.into_iter().enumerate());
+            rests.append(rest.into_iter().enumerate());
             names.push(tableau.basic[i] as usize);
         }
     }
@@ -315,8 +315,11 @@ fn distance(rows: &Csr, kept: &[usize], sigma: f64, y: &[f64]) -> f64 {
 
 /// The dropped rows over the kept ones: `R1^-1 R2` where the factor holds them, otherwise least squares.
 fn over_kept(block: &Block, triangle: &Triangle, dropped: &[usize]) -> Tableau {
-    let data =
-        if triangle.holds(dropped) { triangle.factor.coefficients() } else { triangle.certificates(block, dropped) };
+    let data = if triangle.holds(dropped) {
+        triangle.factor.all_coefficients()
+    } else {
+        triangle.certificates(block, dropped)
+    };
     Tableau {
         basic: dropped.iter().map(|&i| i as u32).collect(),
         free: triangle.rows.iter().map(|&k| k as u32).collect(),

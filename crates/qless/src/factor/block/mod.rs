@@ -79,7 +79,7 @@ impl Block {
     /// Some rows of the matrix.
     pub fn select(&self, rows: &[usize]) -> Csr {
         let mut selected = Csr::empty(self.matrix.cols);
-        rows.iter().for_each(|&i| selected.push_row(self.matrix.row(i)));
+        rows.iter().for_each(|&i| selected.append(self.matrix.row(i)));
         selected
     }
 
@@ -118,8 +118,8 @@ impl Block {
             entries.sort_unstable_by_key(|&(j, _)| j);
             entries
         };
-        self.matrix.push_row(part(&self.dofs));
-        self.fixed.push_row(part(&self.prescribed));
+        self.matrix.append(part(&self.dofs));
+        self.fixed.append(part(&self.prescribed));
         self.rhs.push(ldexp(row.rhs, shift));
         self.effective.push(Mismatch::of(row).scaled(shift));
         let free = row.entries.iter().filter(|entry| self.dofs.binary_search(&entry.dof).is_ok());

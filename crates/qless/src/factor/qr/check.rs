@@ -64,9 +64,9 @@ fn blocks() -> Vec<Block> {
 pub(crate) fn from_dense(rows: &[Vec<f64>]) -> Csr {
     let mut a = Csr::empty(rows[0].len());
     for row in rows {
-        a.push_row(row.iter().copied().enumerate().filter(|&(_, v)| v != 0.0));
+        a.append(row.iter().copied().enumerate().filter(|&(_, v)| v != 0.0));
     }
-    a.transpose()
+    a.transposed()
 }
 
 /// Runs a backend over all families.
@@ -74,7 +74,7 @@ pub(crate) fn families(backend: &dyn Backend) {
     for block in blocks() {
         let (m, n) = (block.columns.cols, block.columns.rows());
         let x: Vec<f64> = (0..n).map(|j| 1.0 + j as f64).collect();
-        let mut rhs = block.columns.transpose().times(&x);
+        let mut rhs = block.columns.transposed().product(&x);
         rhs.extend((0..m).map(|i| if i == 0 { 1e3 } else { 0.0 }));
         let factor = backend.factor(&block.columns, &rhs, 1e-10).expect(block.name);
         assert_eq!(factor.rank, block.rank, "{}: rank", block.name);
@@ -99,7 +99,7 @@ fn check_shape(factor: &Factor, n: usize, name: &str) {
 
 /// `a_k = A_live R1^-1 R2_k` for every column k found dependent.
 fn check_dependent_columns(factor: &Factor, columns: &Csr, name: &str) {
-    for (y, k) in factor.coefficients().iter().zip(factor.rank..) {
+    for (y, k) in factor.all_coefficients().iter().zip(factor.rank..) {
         let mut rest = column(columns, factor.order[k]);
         for (i, y) in y.iter().enumerate() {
             columns.row(factor.order[i]).for_each(|(row, v)| rest[row] -= y * v);
@@ -111,7 +111,7 @@ fn check_dependent_columns(factor: &Factor, columns: &Csr, name: &str) {
 
 /// `A_live R1^-1 (W b) = b` for b in the range of A, and nothing of b is left over.
 fn check_solution(factor: &Factor, columns: &Csr, b: &[f64], name: &str) {
-    let z = factor.solve(&factor.rhs[..factor.rank]);
+    let z = factor.solved(&factor.rhs[..factor.rank]);
     let mut rest = b.to_vec();
     for (i, z) in z.iter().enumerate() {
         columns.row(factor.order[i]).for_each(|(row, v)| rest[row] -= z * v);

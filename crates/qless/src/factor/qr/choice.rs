@@ -82,8 +82,8 @@ mod tests {
     #[test]
     fn a_large_sparse_block_is_sparse() {
         let mut rows = Csr::empty(3000);
-        (0..4000).for_each(|i| rows.push_row([(i * 7 % 2999, 2.0), (2999, 1.0)]));
-        let columns = rows.transpose();
+        (0..4000).for_each(|i| rows.append([(i * 7 % 2999, 2.0), (2999, 1.0)]));
+        let columns = rows.transposed();
         let factor = CHOICE.factor(&columns, &[], 1e-10).expect("a factorization");
         assert_eq!(Ok(factor), Sparse { memory: usize::MAX }.factor(&columns, &[], 1e-10));
     }
@@ -94,7 +94,7 @@ mod tests {
         let mut columns = Csr::empty(m);
         for _ in 0..n {
             let first = random.below(m - count + 1);
-            columns.push_row((first..first + count).map(|i| (i, random.signed() + 2e-4)));
+            columns.append((first..first + count).map(|i| (i, random.signed() + 2e-4)));
         }
         columns
     }
@@ -129,7 +129,7 @@ mod tests {
                 let terms = others.iter().map(|&at| (pair(at, place(k, l)), 1.0));
                 let mut row: Vec<_> = std::iter::once((place(k, l), -1.0)).chain(terms).collect();
                 row.sort_unstable_by_key(|&(j, _)| j);
-                rows.push_row(row);
+                rows.append(row);
             }
         }
         rows
@@ -153,7 +153,7 @@ mod tests {
             let mut columns: Vec<_> = (0..20).map(|_| random.below(1100)).collect();
             columns.sort_unstable();
             columns.dedup();
-            rows.push_row(columns.into_iter().map(|j| (j, random.signed() + 2e-4)));
+            rows.append(columns.into_iter().map(|j| (j, random.signed() + 2e-4)));
         }
         let factor = CHOICE.factor(&rows, &[], 1e-10).expect("a factorization");
         assert!(factor.r.nnz() > 500_000, "{} of 605,550", factor.r.nnz());

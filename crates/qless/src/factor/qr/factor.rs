@@ -4,10 +4,37 @@ use rayon::prelude::*;
 
 use super::Factor;
 use super::many::WIDTH;
+use crate::ArgumentError;
+use crate::common::argument::long;
 
 impl Factor {
+    /// `R1^-1 z`.
+    ///
+    /// # Errors
+    /// [`ArgumentError::WrongLength`] unless z has length r, and R at least r columns and r rows.
+    pub fn solve(&self, z: &[f64]) -> Result<Vec<f64>, ArgumentError> {
+        self.check()?;
+        long("z", z.len(), self.rank)?;
+        Ok(self.solved(z))
+    }
+
+    /// `R1^-1 R2`, a vector of length r for each of the n - r dependent columns: how they are made of the others.
+    ///
+    /// # Errors
+    /// [`ArgumentError::WrongLength`] unless R has r rows and at least r columns.
+    pub fn coefficients(&self) -> Result<Vec<Vec<f64>>, ArgumentError> {
+        self.check()?;
+        Ok(self.all_coefficients())
+    }
+
+    /// The sizes of R, which anybody may have put together.
+    fn check(&self) -> Result<(), ArgumentError> {
+        long("the list of rows of R", self.r.rows(), self.rank)?;
+        long("the list of columns of R1", self.r.cols().min(self.rank), self.rank)
+    }
+
     /// `R1^-1 z` for z of length r.
-    pub fn solve(&self, z: &[f64]) -> Vec<f64> {
+    pub(crate) fn solved(&self, z: &[f64]) -> Vec<f64> {
         let mut x = z.to_vec();
         for i in (0..self.rank).rev() {
             let mut diagonal = 1.0;
@@ -25,7 +52,7 @@ impl Factor {
     }
 
     /// `R1^-T z` for z of length r.
-    pub fn solve_transposed(&self, z: &[f64]) -> Vec<f64> {
+    pub(crate) fn solve_transposed(&self, z: &[f64]) -> Vec<f64> {
         let mut x = z.to_vec();
         for i in 0..self.rank {
             let mut row = self.r.row(i).take_while(|&(j, _)| j < self.rank);
@@ -36,14 +63,14 @@ impl Factor {
         x
     }
 
-    /// `R1^-1 R2`, a vector of length r for each of the n - r dependent columns: how they are made of the others.
-    pub fn coefficients(&self) -> Vec<Vec<f64>> {
+    /// [`Factor::coefficients`] of a factor that a backend made.
+    pub(crate) fn all_coefficients(&self) -> Vec<Vec<f64>> {
         self.each_coefficients(|_, some| some).into_iter().flatten().collect()
     }
 
     /// Does something with the same, slab by slab: the first place of each among the dependent columns, and its vectors.
     pub(crate) fn each_coefficients<T: Send>(&self, job: impl Fn(usize, Vec<Vec<f64>>) -> T + Sync) -> Vec<T> {
-        let columns = self.r.transpose();
+        let columns = self.r.transposed();
         let of = |first: usize| {
             let count = WIDTH.min(columns.rows() - first);
             let mut slab = vec![[0.0; WIDTH]; self.rank];
@@ -57,7 +84,7 @@ impl Factor {
 
     /// Estimate of the smallest singular value of R1, from above, and its right singular vector: five steps of inverse iteration
     /// with `R1^T R1`, each two triangular solves. 1 and nothing for no rank at all.
-    pub fn smallest_singular_value(&self) -> (f64, Vec<f64>) {
+    pub(crate) fn smallest_singular_value(&self) -> (f64, Vec<f64>) {
         if self.rank == 0 {
             return (1.0, Vec::new());
         }
@@ -68,7 +95,7 @@ impl Factor {
             let mut half = self.solve_transposed(&x);
             sigma = 1.0 / norm(&half);
             normalize(&mut half);
-            x = self.solve(&half);
+            x = self.solved(&half);
         }
         normalize(&mut x);
         (if sigma.is_finite() { sigma } else { 0.0 }, x)

@@ -11,7 +11,7 @@ use faer::linalg::householder::{
 use faer::linalg::qr::col_pivoting::factor::{qr_in_place, qr_in_place_scratch, recommended_block_size};
 use faer::{Conj, Mat, Par, Spec};
 
-use super::{Backend, BackendError, Factor, dense_len};
+use super::{Backend, BackendError, Factor, check_block, dense_len};
 use crate::Csr;
 
 /// Dense QR with column pivoting as a [`Backend`].
@@ -33,6 +33,7 @@ impl Backend for Faer {
 
     fn factor(&self, columns: &Csr, rhs: &[f64], tolerance: f64) -> Result<Factor, BackendError> {
         let (m, n) = (columns.cols, columns.rows());
+        check_block(columns, rhs, tolerance)?;
         let k = rhs.len().checked_div(m).unwrap_or(0);
         dense_len("faer", m, n + k)?;
         if m == 0 || n == 0 {
@@ -115,7 +116,7 @@ fn read(a: &Mat<f64>, b: &Mat<f64>, order: Vec<usize>, rank: usize) -> Factor {
     let (steps, n) = (a.nrows().min(a.ncols()), a.ncols());
     let mut r = Csr::empty(n);
     for i in 0..rank {
-        r.push_row((i..n).map(|j| (j, a[(i, j)])).filter(|&(_, v)| v != 0.0));
+        r.append((i..n).map(|j| (j, a[(i, j)])).filter(|&(_, v)| v != 0.0));
     }
     let dropped = (rank..steps).flat_map(|i| (i..n).map(move |j| (i, j))).map(|at| a[at].powi(2)).sum::<f64>();
     Factor {

@@ -4,7 +4,8 @@
 //! nothing of slaves, scaling or decks. Rather than Q it applies it: any nonsingular row transform W with
 //! `W A P = [R1 R2; 0 0]` serves the callers, so that Gauss elimination is a backend too (W = L^-1).
 
-use crate::Csr;
+use crate::common::argument::numbers;
+use crate::{ArgumentError, Csr};
 pub(crate) use factor::{largest_place, norm, part_of_largest};
 
 #[cfg(test)]
@@ -32,6 +33,17 @@ fn dense_len(backend: &'static str, rows: usize, cols: usize) -> Result<usize, B
     fits.ok_or(BackendError::OutOfMemory { backend, rows, cols, advice })
 }
 
+/// Refuses numbers that are not finite, a B that is not m x k, and a tolerance below zero.
+fn check_block(columns: &Csr, rhs: &[f64], tolerance: f64) -> Result<(), ArgumentError> {
+    let (m, found) = (columns.cols, rhs.len());
+    if found.checked_rem(m).unwrap_or(found) != 0 {
+        return Err(ArgumentError::WrongLength { what: "B", found, expected: m });
+    }
+    numbers("the block", &columns.val, columns.nnz())?;
+    numbers("B", rhs, found)?;
+    if tolerance >= 0.0 { Ok(()) } else { Err(ArgumentError::Negative { what: "the tolerance", value: tolerance }) }
+}
+
 /// Rank-revealing factorization of one block.
 pub trait Backend: Send + Sync {
     /// The name users choose it by: `faer`, `spqr`, `gauss`.
@@ -52,7 +64,7 @@ pub trait Backend: Send + Sync {
 
     /// Factors A, given by its columns (row j of `columns` is column j of A), and transforms B.
     ///
-    /// `rhs` is B, m x k by columns (its length is m k). A column of A whose remaining part is at most
+    /// `rhs` is B, m x k by columns (its length is a multiple of m). A column of A whose remaining part is at most
     /// `tolerance` in 2-norm (absolute, as A is given) counts as dependent.
     ///
     /// # Errors
@@ -78,7 +90,7 @@ pub struct Factor {
 }
 
 /// Why a backend could not factor a block.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BackendError {
     /// The block needs more memory than there is or than is allowed.
     #[error("{backend}: a block of {rows} x {cols} needs more memory than is available{advice}")]
@@ -125,6 +137,9 @@ pub enum BackendError {
         /// Which backend.
         backend: &'static str,
     },
+    /// Numbers that are not finite, right-hand sides that do not fit to the block, or a tolerance that is no distance.
+    #[error(transparent)]
+    Argument(#[from] ArgumentError),
     /// Anything else, in the library's own words.
     #[error("{backend}: {message}")]
     Failed {

@@ -31,7 +31,7 @@ impl Factor {
         }
         // N^T, k x r, by its columns: QR with pivoting takes the k that are most independent.
         let mut rows = Csr::empty(null.ncols());
-        (0..null.nrows()).for_each(|i| rows.push_row((0..null.ncols()).map(|k| (k, null[(i, k)]))));
+        (0..null.nrows()).for_each(|i| rows.append((0..null.ncols()).map(|k| (k, null[(i, k)]))));
         let factor = Faer.factor(&rows, &[], 0.0)?;
         Ok(Some(factor.order[..factor.rank].to_vec()))
     }
@@ -111,7 +111,7 @@ mod tests {
             columns.push(column);
         }
         let mut r = Csr::empty(rank);
-        (0..rank).for_each(|i| r.push_row((i..rank).map(|j| (j, columns[j][i])).filter(|&(_, v)| v != 0.0)));
+        (0..rank).for_each(|i| r.append((i..rank).map(|j| (j, columns[j][i])).filter(|&(_, v)| v != 0.0)));
         Factor { rank, order: (0..rank).collect(), r, rhs: Vec::new(), rest: Vec::new(), dropped: 0.0 }
     }
 
@@ -122,9 +122,9 @@ mod tests {
             let weak = factor.weak_columns(1e-6).expect("a small dense QR").expect("not too many");
             assert_eq!(weak.len(), sums);
             let kept: Vec<usize> = (0..120).filter(|j| !weak.contains(j)).collect();
-            let columns = factor.r.transpose();
+            let columns = factor.r.transposed();
             let mut left = Csr::empty(120);
-            kept.iter().for_each(|&j| left.push_row(columns.row(j)));
+            kept.iter().for_each(|&j| left.append(columns.row(j)));
             let sigma = Faer.factor(&left, &[], 0.0).expect("small").smallest_singular_value().0;
             assert!(sigma > 1e-3, "{sums} sums: {sigma:e}");
         }

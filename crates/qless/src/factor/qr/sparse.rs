@@ -4,7 +4,7 @@
 
 use qless_qr::{Error, Symbolic};
 
-use super::{Backend, BackendError, Factor};
+use super::{Backend, BackendError, Factor, check_block};
 use crate::Csr;
 
 /// Sparse QR as a [`Backend`], whatever the size of the block.
@@ -24,6 +24,7 @@ impl Backend for Sparse {
     }
 
     fn factor(&self, columns: &Csr, rhs: &[f64], tolerance: f64) -> Result<Factor, BackendError> {
+        check_block(columns, rhs, tolerance)?;
         self.factor_analysed(&analyse(columns)?, columns, rhs, tolerance)
     }
 }

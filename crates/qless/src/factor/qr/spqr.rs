@@ -8,7 +8,7 @@
 mod call;
 
 use super::sparse::analyse;
-use super::{Backend, BackendError, Factor};
+use super::{Backend, BackendError, Factor, check_block};
 use crate::Csr;
 use call::{Call, collected};
 use std::collections::TryReserveError;
@@ -107,11 +107,9 @@ impl Spqr {
         if u32::try_from(n).is_err() || i64::try_from(m).is_err() {
             return Err(BackendError::TooLarge { backend: NAME, rows: m, cols: n });
         }
-        if !all_finite(&columns.val) || !all_finite(rhs) {
-            return Err(failed(format!("a number of the {m} x {n} block or of its right-hand sides is not finite")));
-        }
+        // SuiteSparseQR takes a NaN for an independent entry and reports success.
+        check_block(columns, rhs, tolerance)?;
         let tall = Tall { rows: m, count: rhs.len().checked_div(m).unwrap_or(0), values: rhs };
-        debug_assert_eq!(tall.rows * tall.count, rhs.len(), "B is not m x k");
         if columns.nnz() == 0 {
             let factor = nothing_to_factor(n, tall).map_err(|_| error_of(spqr_sys::CHOLMOD_OUT_OF_MEMORY, m, n))?;
             return Ok((factor, Statistics { tasks: 1, ..Statistics::default() }));
@@ -195,7 +193,6 @@ impl<'a> Tall<'a> {
     }
 }
 
-/// SuiteSparseQR takes a NaN for an independent entry and reports success.
 fn all_finite(values: &[f64]) -> bool {
     values.iter().all(|v| v.is_finite())
 }

@@ -8,7 +8,7 @@ mod pass;
 
 use pass::Pass;
 
-use crate::ConstraintSystem;
+use crate::{ConstraintSystem, Csr};
 
 /// The local number of every coefficient's DOF, and what they stand for.
 pub(crate) struct Numbering {
@@ -94,7 +94,7 @@ impl Numbering {
 
     /// The system with these numbers and b as given.
     pub fn view<'a>(&'a self, system: &'a ConstraintSystem, rhs: &'a [f64]) -> Local<'a> {
-        Local { system, numbering: self, rhs }
+        Local { system, matrix: system.matrix(), numbering: self, rhs }
     }
 }
 
@@ -102,6 +102,7 @@ impl Numbering {
 #[derive(Clone, Copy)]
 pub(crate) struct Local<'a> {
     system: &'a ConstraintSystem,
+    matrix: &'a Csr,
     pub numbering: &'a Numbering,
     rhs: &'a [f64],
 }
@@ -143,7 +144,7 @@ impl<'a> Local<'a> {
     /// DOFs and coefficients of an equation, ascending by the user's numbers.
     #[inline]
     pub fn parts(self, i: usize) -> (&'a [u32], &'a [f64]) {
-        let c = self.system.matrix();
+        let c = self.matrix;
         let range = c.start[i]..c.start[i + 1];
         (&self.numbering.entries[range.clone()], &c.val[range])
     }
@@ -151,7 +152,7 @@ impl<'a> Local<'a> {
     /// Number of coefficients of an equation.
     #[inline]
     pub fn length(self, i: usize) -> usize {
-        let start = &self.system.matrix().start;
+        let start = &self.matrix.start;
         start[i + 1] - start[i]
     }
 

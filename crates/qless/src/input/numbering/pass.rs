@@ -134,7 +134,7 @@ mod tests {
             let mut row = [7, 31, 101].map(|k| (k * i + i * i + k) % cols).to_vec();
             row.sort_unstable();
             row.dedup();
-            c.push_row(row.into_iter().map(|j| (j as usize, f64::from(i + j + 1))));
+            c.append(row.into_iter().map(|j| (j as usize, f64::from(i + j + 1))));
         }
         c
     }

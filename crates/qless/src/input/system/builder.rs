@@ -1,6 +1,9 @@
 //! From loose equations to a validated [`ConstraintSystem`].
 
-use super::{ConstraintSystem, Csr, Place, SystemError};
+use std::sync::Arc;
+
+use super::csr::{check_starts, fits};
+use super::{ConstraintSystem, Csr, Numbers, Place, SystemError};
 
 /// Collects equations one by one; nothing is checked before [`SystemBuilder::build`].
 #[derive(Clone, Debug, Default)]
@@ -82,6 +85,8 @@ pub(super) fn from_triplets(
     prescribed: &[(usize, f64)],
 ) -> Result<ConstraintSystem, SystemError> {
     check_sizes(rows, dofs)?;
+    // Before anything of that size is made.
+    check_rhs(rhs, rows)?;
     let mut start = vec![0; rows + 1];
     for (entry, &(row, _, _)) in triplets.iter().enumerate() {
         if row >= rows {
@@ -114,19 +119,7 @@ pub(super) fn from_csc(
     prescribed: &[(usize, f64)],
 ) -> Result<ConstraintSystem, SystemError> {
     let nnz = row.len();
-    if value.len() != nnz {
-        return Err(SystemError::WrongLength { what: "the list of values", found: value.len(), expected: nnz });
-    }
-    if start.is_empty() {
-        return Err(SystemError::WrongLength { what: "the list of column starts", found: 0, expected: 1 });
-    }
-    for (index, &value) in start.iter().enumerate() {
-        let low = if index == 0 { 0 } else { start[index - 1] };
-        let high = if index == 0 { 0 } else { nnz };
-        if value < low || value > high || (index + 1 == start.len() && value != nnz) {
-            return Err(SystemError::BadStarts { index, value });
-        }
-    }
+    check_starts(start, nnz, value.len())?;
     let mut triplets = Vec::with_capacity(nnz);
     for j in 0..start.len() - 1 {
         triplets.extend((start[j]..start[j + 1]).map(|k| (row[k], j, value[k])));
@@ -135,12 +128,8 @@ pub(super) fn from_csc(
 }
 
 fn check_sizes(rows: usize, dofs: usize) -> Result<(), SystemError> {
-    // One value is kept back: the library marks "none" with u32::MAX.
-    for (what, found) in [("the number of equations", rows), ("the number of DOFs", dofs)] {
-        if found >= u32::MAX as usize {
-            return Err(SystemError::TooLarge { what, found });
-        }
-    }
+    fits("the number of equations", rows)?;
+    fits("the number of DOFs", dofs)?;
     if dofs == 0 { Err(SystemError::Empty { rows }) } else { Ok(()) }
 }
 
@@ -171,24 +160,23 @@ fn push_checked(matrix: &mut Csr, row: usize, terms: &mut [(usize, f64)]) -> Res
     Ok(())
 }
 
-fn finish(matrix: Csr, rhs: &[f64], prescribed: &[(usize, f64)]) -> Result<ConstraintSystem, SystemError> {
-    if rhs.len() != matrix.rows() {
-        return Err(SystemError::WrongLength {
-            what: "the right-hand side",
-            found: rhs.len(),
-            expected: matrix.rows(),
-        });
+fn check_rhs(rhs: &[f64], expected: usize) -> Result<(), SystemError> {
+    let found = rhs.len();
+    if found == expected {
+        Ok(())
+    } else {
+        Err(SystemError::WrongLength { what: "the right-hand side", found, expected })
     }
+}
+
+fn finish(matrix: Csr, rhs: &[f64], prescribed: &[(usize, f64)]) -> Result<ConstraintSystem, SystemError> {
+    check_rhs(rhs, matrix.rows())?;
     for (row, &value) in rhs.iter().enumerate() {
         finite(value, Place::RightHandSide { row })?;
     }
-    Ok(ConstraintSystem {
-        prescribed: unique_prescribed(matrix.cols, prescribed)?,
-        matrix,
-        rhs: rhs.to_vec(),
-        equation_labels: Vec::new(),
-        dof_labels: Vec::new(),
-    })
+    let prescribed = unique_prescribed(matrix.cols, prescribed)?;
+    let numbers = Numbers { matrix, rhs: rhs.to_vec(), prescribed };
+    Ok(ConstraintSystem { numbers: Arc::new(numbers), labels: Arc::default() })
 }
 
 /// Ascending by DOF; the same value twice is accepted, two values are not.

@@ -31,7 +31,7 @@ where
     for row in rows {
         let mut entries: Vec<(usize, f64)> = row.collect();
         entries.sort_by_key(|entry| entry.0);
-        matrix.push_row(entries);
+        matrix.append(entries);
     }
     Ok(matrix)
 }
@@ -42,9 +42,9 @@ mod tests {
 
     fn tie() -> Csr {
         let mut matrix = Csr::empty(3);
-        matrix.push_row([(0, 1.0), (2, -1.0)]);
-        matrix.push_row([]);
-        matrix.push_row([(1, 0.5), (2, 0.25)]);
+        matrix.append([(0, 1.0), (2, -1.0)]);
+        matrix.append([]);
+        matrix.append([(1, 0.5), (2, 0.25)]);
         matrix
     }
 

@@ -1,16 +1,23 @@
 //! `A` as compressed rows: row `i` holds `(col[k], val[k])` for `k` in `start[i]..start[i + 1]`.
 
+use super::SystemError;
+
 /// Sparse m x n matrix in compressed rows; columns ascend within a row and none repeats.
-#[derive(Clone, Debug, Default, PartialEq)]
+///
+/// Whatever made it, it is whole: starts ascend from 0 to the number of entries, columns are below n.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Csr {
-    /// Number of columns n.
-    pub cols: usize,
-    /// Where each row starts in `col` and `val`; length m + 1.
-    pub start: Vec<usize>,
-    /// 0-based column of each entry.
-    pub col: Vec<u32>,
-    /// Value of each entry.
-    pub val: Vec<f64>,
+    pub(crate) cols: usize,
+    pub(crate) start: Vec<usize>,
+    pub(crate) col: Vec<u32>,
+    pub(crate) val: Vec<f64>,
+}
+
+impl Default for Csr {
+    /// The 0 x 0 matrix.
+    fn default() -> Self {
+        Self::empty(0)
+    }
 }
 
 impl Csr {
@@ -19,12 +26,36 @@ impl Csr {
     /// ```
     /// use qless::Csr;
     /// let mut a = Csr::empty(3);
-    /// a.push_row([(0, 1.0), (2, -1.0)]);
-    /// assert_eq!((a.rows(), a.cols, a.nnz()), (1, 3, 2));
+    /// a.push_row([(0, 1.0), (2, -1.0)])?;
+    /// assert_eq!((a.rows(), a.cols(), a.nnz()), (1, 3, 2));
     /// assert_eq!(a.row(0).collect::<Vec<_>>(), [(0, 1.0), (2, -1.0)]);
+    /// # Ok::<(), qless::SystemError>(())
     /// ```
     pub fn empty(cols: usize) -> Self {
         Self { cols, start: vec![0], col: Vec::new(), val: Vec::new() }
+    }
+
+    /// From its arrays, as other libraries have them: row `i` holds `(col[k], val[k])` for `k` in `start[i]..start[i + 1]`.
+    ///
+    /// ```
+    /// use qless::{Csr, SystemError};
+    /// let a = Csr::from_parts(2, vec![0, 1, 3], vec![1, 0, 1], vec![4.0, 5.0, 6.0])?;
+    /// assert_eq!(a.row(1).collect::<Vec<_>>(), [(0, 5.0), (1, 6.0)]);
+    /// let bad = Csr::from_parts(2, vec![0, 2, 1], vec![1], vec![4.0]);
+    /// assert_eq!(bad, Err(SystemError::BadStarts { index: 1, value: 2 }));
+    /// # Ok::<(), SystemError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`SystemError::WrongLength`], [`SystemError::BadStarts`], [`SystemError::DofOutOfRange`] for a column that is not below
+    /// `cols`, [`SystemError::NotAscending`], [`SystemError::TooLarge`].
+    pub fn from_parts(cols: usize, start: Vec<usize>, col: Vec<u32>, val: Vec<f64>) -> Result<Self, SystemError> {
+        check_starts(&start, col.len(), val.len())?;
+        fits("the number of rows", start.len() - 1)?;
+        for (row, range) in start.windows(2).enumerate() {
+            check_row(row, cols, col[range[0]..range[1]].iter().map(|&j| j as usize))?;
+        }
+        Ok(Self { cols, start, col, val })
     }
 
     /// Number of rows m.
@@ -32,19 +63,68 @@ impl Csr {
         self.start.len() - 1
     }
 
+    /// Number of columns n.
+    pub fn cols(&self) -> usize {
+        self.cols
+    }
+
     /// Number of stored entries.
     pub fn nnz(&self) -> usize {
         self.col.len()
     }
 
-    /// The entries `(column, value)` of row `i`.
+    /// Where each row starts in [`Csr::columns`] and [`Csr::values`]; length m + 1.
+    pub fn starts(&self) -> &[usize] {
+        &self.start
+    }
+
+    /// 0-based column of each entry.
+    pub fn columns(&self) -> &[u32] {
+        &self.col
+    }
+
+    /// Value of each entry.
+    pub fn values(&self) -> &[f64] {
+        &self.val
+    }
+
+    /// The values, for others in the same pattern.
+    pub fn values_mut(&mut self) -> &mut [f64] {
+        &mut self.val
+    }
+
+    /// The entries `(column, value)` of row `i`; rows from m on have none.
+    #[inline]
     pub fn row(&self, i: usize) -> impl ExactSizeIterator<Item = (usize, f64)> + Clone + '_ {
-        let range = self.start[i]..self.start[i + 1];
+        let range = if i < self.rows() { self.start[i]..self.start[i + 1] } else { 0..0 };
         self.col[range.clone()].iter().zip(&self.val[range]).map(|(&j, &v)| (j as usize, v))
     }
 
     /// Appends a row; its entries must ascend by column.
-    pub fn push_row(&mut self, entries: impl IntoIterator<Item = (usize, f64)>) {
+    ///
+    /// # Errors
+    /// [`SystemError::DofOutOfRange`] for a column that is not below n, [`SystemError::NotAscending`],
+    /// [`SystemError::TooLarge`]; the matrix is then as it was.
+    pub fn push_row(&mut self, entries: impl IntoIterator<Item = (usize, f64)>) -> Result<(), SystemError> {
+        fits("the number of rows", self.rows() + 1)?;
+        let first = self.col.len();
+        let mut before = None;
+        for (column, value) in entries {
+            if let Err(error) = check_next(self.rows(), self.cols, before, column) {
+                self.col.truncate(first);
+                self.val.truncate(first);
+                return Err(error);
+            }
+            before = Some(column);
+            self.col.push(column as u32);
+            self.val.push(value);
+        }
+        self.start.push(self.col.len());
+        Ok(())
+    }
+
+    /// Appends a row that is known to be one; where they are sorted later, entries may come in any order.
+    pub(crate) fn append(&mut self, entries: impl IntoIterator<Item = (usize, f64)>) {
         for (j, v) in entries {
             debug_assert!(j < self.cols);
             self.col.push(j as u32);
@@ -58,19 +138,39 @@ impl Csr {
     /// ```
     /// use qless::Csr;
     /// let mut a = Csr::empty(2);
-    /// a.push_row([(1, 5.0)]);
-    /// assert_eq!(a.transpose().row(1).collect::<Vec<_>>(), [(0, 5.0)]);
+    /// a.push_row([(1, 5.0)])?;
+    /// assert_eq!(a.transpose()?.row(1).collect::<Vec<_>>(), [(0, 5.0)]);
+    /// # Ok::<(), qless::SystemError>(())
     /// ```
+    ///
+    /// # Errors
+    /// [`SystemError::TooLarge`] if there are too many columns for rows, or for the memory that is there.
+    pub fn transpose(&self) -> Result<Self, SystemError> {
+        fits("the number of columns", self.cols)?;
+        // Only the number of columns can be large without anything having been stored for it.
+        let room = |_| SystemError::TooLarge { what: "the number of columns", found: self.cols };
+        let (mut start, mut next) = (Vec::new(), Vec::new());
+        start.try_reserve_exact(self.cols + 1).map_err(room)?;
+        next.try_reserve_exact(self.cols + 1).map_err(room)?;
+        start.resize(self.cols + 1, 0);
+        Ok(self.transposed_with(start, next))
+    }
+
+    /// [`Csr::transpose`] of a matrix whose columns are known to be few enough.
     #[must_use]
-    pub fn transpose(&self) -> Self {
-        let mut start = vec![0; self.cols + 1];
+    pub(crate) fn transposed(&self) -> Self {
+        self.transposed_with(vec![0; self.cols + 1], Vec::new())
+    }
+
+    /// In `start`, zero for each column and one more, and with the room of `next`.
+    fn transposed_with(&self, mut start: Vec<usize>, mut next: Vec<usize>) -> Self {
         for &j in &self.col {
             start[j as usize + 1] += 1;
         }
         for j in 0..self.cols {
             start[j + 1] += start[j];
         }
-        let mut next = start.clone();
+        next.extend_from_slice(&start);
         let mut col = vec![0; self.nnz()];
         let mut val = vec![0.0; self.nnz()];
         for i in 0..self.rows() {
@@ -84,8 +184,62 @@ impl Csr {
         Self { cols: self.rows(), start, col, val }
     }
 
+    /// `A x`.
+    ///
+    /// # Errors
+    /// [`SystemError::WrongLength`] unless x has length n.
+    pub fn times(&self, x: &[f64]) -> Result<Vec<f64>, SystemError> {
+        if x.len() != self.cols {
+            return Err(SystemError::WrongLength { what: "the vector", found: x.len(), expected: self.cols });
+        }
+        Ok(self.product(x))
+    }
+
     /// `A x` for x of length n.
-    pub fn times(&self, x: &[f64]) -> Vec<f64> {
+    pub(crate) fn product(&self, x: &[f64]) -> Vec<f64> {
         (0..self.rows()).map(|i| self.row(i).map(|(j, v)| v * x[j]).sum()).collect()
+    }
+}
+
+/// Indices are 32-bit, and the library marks "none" with `u32::MAX`.
+pub(super) fn fits(what: &'static str, found: usize) -> Result<(), SystemError> {
+    if found < u32::MAX as usize { Ok(()) } else { Err(SystemError::TooLarge { what, found }) }
+}
+
+/// Starts of compressed rows or columns: 0, never decreasing, the number of entries; as many values as indices.
+pub(super) fn check_starts(start: &[usize], nnz: usize, values: usize) -> Result<(), SystemError> {
+    if values != nnz {
+        return Err(SystemError::WrongLength { what: "the list of values", found: values, expected: nnz });
+    }
+    let Some(last) = start.len().checked_sub(1) else {
+        return Err(SystemError::WrongLength { what: "the list of starts", found: 0, expected: 1 });
+    };
+    for (index, &value) in start.iter().enumerate() {
+        let (low, high) = if index == 0 { (0, 0) } else { (start[index - 1], nnz) };
+        if value < low || value > high || (index == last && value != nnz) {
+            return Err(SystemError::BadStarts { index, value });
+        }
+    }
+    Ok(())
+}
+
+/// Columns ascend, and are below `cols`.
+fn check_row(row: usize, cols: usize, columns: impl Iterator<Item = usize>) -> Result<(), SystemError> {
+    let mut before = None;
+    for column in columns {
+        check_next(row, cols, before, column)?;
+        before = Some(column);
+    }
+    Ok(())
+}
+
+fn check_next(row: usize, cols: usize, before: Option<usize>, column: usize) -> Result<(), SystemError> {
+    if column >= cols.min(u32::MAX as usize) {
+        let what = super::Place::Coefficient { row, dof: column };
+        return Err(SystemError::DofOutOfRange { what, dof: column, dofs: cols });
+    }
+    match before {
+        Some(before) if before >= column => Err(SystemError::NotAscending { row, column, before }),
+        _ => Ok(()),
     }
 }

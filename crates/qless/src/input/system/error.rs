@@ -2,6 +2,7 @@
 
 /// Why a set of equations is not a valid constraint system. Rows and DOFs are 0-based, as in the API.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SystemError {
     /// A coefficient, right-hand side or prescribed value is NaN or infinite.
     #[error("{what} is {value}; every number must be finite")]
@@ -41,8 +42,18 @@ pub enum SystemError {
         /// The length needed.
         expected: usize,
     },
-    /// Compressed columns whose starts are not 0, ascending, nnz.
-    #[error("column start {index} is {value}; starts must begin at 0, never decrease and end at the number of entries")]
+    /// Columns of a compressed row that do not ascend.
+    #[error("row {row}: column {column} comes after column {before}; columns must ascend and not repeat within a row")]
+    NotAscending {
+        /// The row.
+        row: usize,
+        /// The column found.
+        column: usize,
+        /// The one before it.
+        before: usize,
+    },
+    /// Compressed rows or columns whose starts are not 0, ascending, nnz.
+    #[error("start {index} is {value}; starts must begin at 0, never decrease and end at the number of entries")]
     BadStarts {
         /// Index into the starts.
         index: usize,
@@ -65,7 +76,7 @@ pub enum SystemError {
         /// Number of equations.
         rows: usize,
     },
-    /// A size that does not fit the 32-bit indices of the library.
+    /// A size that does not fit the 32-bit indices of the library, or the memory.
     #[error("{what} is {found}; at most {} are supported", u32::MAX)]
     TooLarge {
         /// Which size.

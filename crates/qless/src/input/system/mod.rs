@@ -9,6 +9,8 @@ mod convert;
 mod csr;
 mod error;
 
+use std::sync::Arc;
+
 pub use builder::SystemBuilder;
 pub use csr::Csr;
 pub use error::{Place, SystemError};
@@ -26,13 +28,26 @@ pub use error::{Place, SystemError};
 /// assert_eq!(system.equation_label(0), "tie 7");
 /// # Ok::<(), qless::SystemError>(())
 /// ```
+///
+/// It never changes, and a clone shares all of it: [`crate::Analysis`] keeps one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConstraintSystem {
+    numbers: Arc<Numbers>,
+    labels: Arc<Labels>,
+}
+
+#[derive(Debug, PartialEq)]
+struct Numbers {
     matrix: Csr,
     rhs: Vec<f64>,
     prescribed: Vec<(usize, f64)>,
-    equation_labels: Vec<String>,
-    dof_labels: Vec<String>,
+}
+
+/// Of all equations and all DOFs, or empty.
+#[derive(Debug, Default, PartialEq)]
+struct Labels {
+    equations: Vec<String>,
+    dofs: Vec<String>,
 }
 
 impl ConstraintSystem {
@@ -72,7 +87,7 @@ impl ConstraintSystem {
     ///
     /// ```
     /// let mut matrix = qless::Csr::empty(2);
-    /// matrix.push_row([(0, 1.0), (1, -1.0)]);
+    /// matrix.push_row([(0, 1.0), (1, -1.0)])?;
     /// let system = qless::ConstraintSystem::from_csr(&matrix, &[0.5], &[])?;
     /// assert_eq!((system.equations(), system.matrix().nnz()), (1, 2));
     /// # Ok::<(), qless::SystemError>(())
@@ -87,7 +102,7 @@ impl ConstraintSystem {
     ///
     /// # Errors
     /// [`SystemError::WrongLength`].
-    pub fn with_labels(mut self, equations: Vec<String>, dofs: Vec<String>) -> Result<Self, SystemError> {
+    pub fn with_labels(self, equations: Vec<String>, dofs: Vec<String>) -> Result<Self, SystemError> {
         for (what, found, expected) in [
             ("the list of equation labels", equations.len(), self.equations()),
             ("the list of DOF labels", dofs.len(), self.dofs()),
@@ -96,58 +111,61 @@ impl ConstraintSystem {
                 return Err(SystemError::WrongLength { what, found, expected });
             }
         }
-        self.equation_labels = equations;
-        self.dof_labels = dofs;
-        Ok(self)
+        Ok(Self { labels: Arc::new(Labels { equations, dofs }), ..self })
     }
 
     /// Number of equations m.
     pub fn equations(&self) -> usize {
-        self.matrix.rows()
+        self.numbers.matrix.rows()
     }
 
     /// Number of DOFs n, prescribed ones included.
     pub fn dofs(&self) -> usize {
-        self.matrix.cols
+        self.numbers.matrix.cols
     }
 
     /// Number of DOFs that are not prescribed.
     pub fn free(&self) -> usize {
-        self.dofs() - self.prescribed.len()
+        self.dofs() - self.numbers.prescribed.len()
     }
 
     /// C, m x n.
     pub fn matrix(&self) -> &Csr {
-        &self.matrix
+        &self.numbers.matrix
     }
 
     /// b, length m.
     pub fn rhs(&self) -> &[f64] {
-        &self.rhs
+        &self.numbers.rhs
     }
 
     /// Prescribed `(DOF, value)`, ascending by DOF.
     pub fn prescribed(&self) -> &[(usize, f64)] {
-        &self.prescribed
+        &self.numbers.prescribed
     }
 
     /// The labels of all equations, or an empty list.
     pub fn equation_labels(&self) -> &[String] {
-        &self.equation_labels
+        &self.labels.equations
     }
 
     /// The labels of all DOFs, or an empty list.
     pub fn dof_labels(&self) -> &[String] {
-        &self.dof_labels
+        &self.labels.dofs
     }
 
     /// The label of an equation, or its 1-based row where it has none.
     pub fn equation_label(&self, row: usize) -> String {
-        self.equation_labels.get(row).map_or_else(|| format!("row {}", row + 1), Clone::clone)
+        self.labels.equations.get(row).map_or_else(|| format!("row {}", from_one(row)), Clone::clone)
     }
 
     /// The label of a DOF, or its 1-based number where it has none.
     pub fn dof_label(&self, dof: usize) -> String {
-        self.dof_labels.get(dof).map_or_else(|| format!("DOF {}", dof + 1), Clone::clone)
+        self.labels.dofs.get(dof).map_or_else(|| format!("DOF {}", from_one(dof)), Clone::clone)
     }
+}
+
+/// Also of the largest place, which is none of a system but may be asked for.
+fn from_one(place: usize) -> u128 {
+    place as u128 + 1
 }

@@ -47,12 +47,12 @@ pub(super) fn relation(
 
 /// `-[C_M C_p]` by columns.
 fn right_sides(block: &Block, kept: &[usize], rows: &Csr, masters: &[u32]) -> Csr {
-    let by_column = rows.transpose();
+    let by_column = rows.transposed();
     let mut right = Csr::empty(kept.len());
-    masters.iter().for_each(|&j| right.push_row(by_column.row(j as usize).map(|(i, v)| (i, -v))));
+    masters.iter().for_each(|&j| right.append(by_column.row(j as usize).map(|(i, v)| (i, -v))));
     let mut fixed = Csr::empty(block.prescribed.len());
-    kept.iter().for_each(|&i| fixed.push_row(block.fixed.row(i).map(|(c, v)| (c, -v))));
-    let fixed = fixed.transpose();
-    (0..block.prescribed.len()).for_each(|c| right.push_row(fixed.row(c)));
+    kept.iter().for_each(|&i| fixed.append(block.fixed.row(i).map(|(c, v)| (c, -v))));
+    let fixed = fixed.transposed();
+    (0..block.prescribed.len()).for_each(|c| right.append(fixed.row(c)));
     right
 }

@@ -24,7 +24,7 @@ pub(super) fn refine(block: &Block, kept: &[usize], tableau: &mut Tableau) -> Re
     }
     let before = tableau.data.clone();
     for c in 0..tableau.width {
-        let correction = factor.solve(&factor.rhs[c * r..(c + 1) * r]);
+        let correction = factor.solved(&factor.rhs[c * r..(c + 1) * r]);
         for (k, &i) in factor.order.iter().enumerate() {
             tableau.data[i * tableau.width + c] -= correction[k];
         }
@@ -70,8 +70,8 @@ fn residual(block: &Block, kept: &[usize], tableau: &Tableau) -> (Vec<f64>, f64)
 
 /// The slaves' columns of the kept rows.
 fn slave_columns(block: &Block, kept: &[usize], tableau: &Tableau) -> Csr {
-    let all = block.select(kept).transpose();
+    let all = block.select(kept).transposed();
     let mut columns = Csr::empty(kept.len());
-    tableau.basic.iter().for_each(|&j| columns.push_row(all.row(j as usize)));
+    tableau.basic.iter().for_each(|&j| columns.append(all.row(j as usize)));
     columns
 }

@@ -27,7 +27,7 @@ pub(crate) fn solve(block: &Block, kept: &Kept, memory: usize) -> Result<Solved,
     if r.saturating_mul(n) > SMALL
         && let Some(Large { slaves, masters, columns, constant }) = large::relation(block, &rows, &kept.order, memory)?
     {
-        let relation = columns.transpose();
+        let relation = columns.transposed();
         let relation = clean((0..r).map(|i| relation.row(i)), masters.len(), columns.rows(), zero);
         return Ok(solved(block, &slaves, &masters, (relation, without_rounding(constant))));
     }
@@ -75,14 +75,14 @@ fn kept_columns(block: &Block, kept: &[usize]) -> (Csr, Vec<f64>) {
         block.fixed.row(i).for_each(|(c, v)| rhs[c * r + position] = v);
         rhs[k * r + position] = block.rhs[i];
     }
-    (block.select(kept).transpose(), rhs)
+    (block.select(kept).transposed(), rhs)
 }
 
 /// `u_s` over masters, prescribed DOFs and the constant.
 fn relation(block: &Block, factor: &Factor) -> Tableau {
     let (r, k) = (factor.rank, block.prescribed.len());
-    let masters = factor.coefficients();
-    let fixed: Vec<_> = (0..=k).map(|c| factor.solve(&factor.rhs[c * r..(c + 1) * r])).collect();
+    let masters = factor.all_coefficients();
+    let fixed: Vec<_> = (0..=k).map(|c| factor.solved(&factor.rhs[c * r..(c + 1) * r])).collect();
     let width = masters.len() + k + 1;
     let mut data = vec![0.0; r * width];
     for i in 0..r {
@@ -120,7 +120,7 @@ fn clean<R: Iterator<Item = (usize, f64)> + Clone>(
         row.clone()
             .for_each(|(j, v)| largest[usize::from(j >= masters)] = largest[usize::from(j >= masters)].max(v.abs()));
         let least = largest.map(|largest| if largest <= zero { zero } else { NOISE * largest });
-        relation.push_row(row.filter(|&(j, v)| v.abs() > least[usize::from(j >= masters)]));
+        relation.append(row.filter(|&(j, v)| v.abs() > least[usize::from(j >= masters)]));
     }
     relation
 }

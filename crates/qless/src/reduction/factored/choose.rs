@@ -71,8 +71,8 @@ impl<'a> Part<'a> {
         for &i in equations {
             let side = |free: bool| local.row(i).filter(move |&(j, _)| local.free()[j] == free);
             let entry = |(j, v): (usize, f64)| basics.scaling.entry(i, j, v);
-            part.free.push_row(side(true).map(|(j, v)| (place(&part.dofs, j), entry((j, v)))));
-            part.fixed.push_row(side(false).map(|(j, v)| (place(&part.prescribed, j), entry((j, v)))));
+            part.free.append(side(true).map(|(j, v)| (place(&part.dofs, j), entry((j, v)))));
+            part.fixed.append(side(false).map(|(j, v)| (place(&part.prescribed, j), entry((j, v)))));
             part.rhs.push(ldexp(local.rhs()[i], basics.scaling.row[i]));
         }
         part
@@ -160,7 +160,7 @@ impl<'a> Part<'a> {
         let mut of_masters = Csr::empty(masters.len());
         for i in 0..self.free.rows() {
             let of = self.free.row(i).filter(|&(j, _)| number[j] != 0);
-            of_masters.push_row(of.map(|(j, v)| (number[j] as usize - 1, v)));
+            of_masters.append(of.map(|(j, v)| (number[j] as usize - 1, v)));
         }
         let local = [
             lu.slaves.iter().map(|&j| self.dofs[j as usize]).collect::<Vec<u32>>(),
@@ -192,6 +192,6 @@ impl<'a> Part<'a> {
 /// The equations on some of the free DOFs.
 fn only(equations: &Csr, may: &[bool]) -> Csr {
     let mut rows = Csr::empty(equations.cols);
-    (0..equations.rows()).for_each(|i| rows.push_row(equations.row(i).filter(|&(j, _)| may[j])));
+    (0..equations.rows()).for_each(|i| rows.append(equations.row(i).filter(|&(j, _)| may[j])));
     rows
 }

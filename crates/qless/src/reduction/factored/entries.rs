@@ -103,7 +103,7 @@ impl FactoredBlock {
         let mut unit = vec![0.0; self.masters.len()];
         unit[j] = 1.0;
         super::rescale(&mut unit, &self.exponents[1], -1);
-        let right: Vec<f64> = self.of_masters.times(&unit).into_iter().map(|v| -v).collect();
+        let right: Vec<f64> = self.of_masters.product(&unit).into_iter().map(|v| -v).collect();
         let mut x = self.solver.solve_dense(&right);
         super::rescale(&mut x, &self.exponents[0], 1);
         x

@@ -46,7 +46,7 @@ struct Work<'a> {
 
 impl<'a> Work<'a> {
     fn new(equations: &'a Csr) -> Self {
-        let columns = equations.transpose();
+        let columns = equations.transposed();
         let count = (0..equations.cols).map(|j| columns.row(j).len()).collect();
         Self { equations, columns, done: vec![false; equations.rows()], count, may: vec![false; equations.cols] }
     }
@@ -119,7 +119,7 @@ mod tests {
     #[test]
     fn chains_are_solved_from_their_end() {
         let mut rows = Csr::empty(8);
-        (0..3).for_each(|i| rows.push_row([(2 * i, 1.0), (2 * i + 1, 0.5), (2 * i + 2, -1.0)]));
+        (0..3).for_each(|i| rows.append([(2 * i, 1.0), (2 * i + 1, 0.5), (2 * i + 2, -1.0)]));
         let may = candidates(&rows);
         assert_eq!(may.iter().filter(|may| **may).count(), 3, "{may:?}");
     }
@@ -128,9 +128,9 @@ mod tests {
     #[test]
     fn what_cannot_be_solved_is_left() {
         let mut rows = Csr::empty(4);
-        rows.push_row([(0, 1.0), (1, 1.0), (2, 1.0)]);
-        rows.push_row([(0, 1.0), (1, 1.0), (2, 2.0)]);
-        rows.push_row([(2, 1.0), (3, 1e-9)]);
+        rows.append([(0, 1.0), (1, 1.0), (2, 1.0)]);
+        rows.append([(0, 1.0), (1, 1.0), (2, 2.0)]);
+        rows.append([(2, 1.0), (3, 1e-9)]);
         let may = candidates(&rows);
         assert!(may[..3].iter().all(|may| *may), "{may:?}");
     }

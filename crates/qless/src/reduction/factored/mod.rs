@@ -22,18 +22,12 @@ pub use parts::Parts;
 /// `u_s = C_S^-1 (b - C_M u_q - C_p u_p)`, and `T^T f_s = -C_M^T C_S^-T f_s`.
 #[derive(Clone, Debug)]
 pub struct FactoredBlock {
-    /// The independent equations of the part, ascending.
-    pub equations: Vec<usize>,
-    /// Slaves, in the order of the elimination.
-    pub slaves: Vec<usize>,
-    /// Free DOFs of the part that are no slaves, ascending.
-    pub masters: Vec<usize>,
-    /// Prescribed DOFs of the part, ascending.
-    pub prescribed: Vec<usize>,
-    /// Nonzeros of its part of T, estimated from a sample of its columns: what it would cost as numbers.
-    pub predicted: usize,
-    /// Largest entry of T that was found.
-    pub growth: f64,
+    pub(crate) equations: Vec<usize>,
+    pub(crate) slaves: Vec<usize>,
+    pub(crate) masters: Vec<usize>,
+    pub(crate) prescribed: Vec<usize>,
+    pub(crate) predicted: usize,
+    pub(crate) growth: f64,
     solver: Solver,
     /// C_M and C_p, scaled; columns as `masters` and `prescribed`.
     of_masters: Csr,
@@ -52,6 +46,36 @@ fn rescale(x: &mut [f64], exponents: &[i32], sign: i32) {
 }
 
 impl FactoredBlock {
+    /// The independent equations of the part, ascending.
+    pub fn equations(&self) -> &[usize] {
+        &self.equations
+    }
+
+    /// Slaves, in the order of the elimination.
+    pub fn slaves(&self) -> &[usize] {
+        &self.slaves
+    }
+
+    /// Free DOFs of the part that are no slaves, ascending.
+    pub fn masters(&self) -> &[usize] {
+        &self.masters
+    }
+
+    /// Prescribed DOFs of the part, ascending.
+    pub fn prescribed(&self) -> &[usize] {
+        &self.prescribed
+    }
+
+    /// Nonzeros of its part of T, estimated from a sample of its columns: what it would cost as numbers.
+    pub fn predicted(&self) -> usize {
+        self.predicted
+    }
+
+    /// Largest entry of T that was found.
+    pub fn growth(&self) -> f64 {
+        self.growth
+    }
+
     /// `u_s = T u_q + G u_p` in u (of all DOFs), in which masters and prescribed DOFs are set.
     pub(crate) fn set_slaves(&self, u: &mut [f64]) {
         let taken = |dofs: &[usize], exponents: &[i32]| {
@@ -65,7 +89,7 @@ impl FactoredBlock {
             (&self.of_prescribed, taken(&self.prescribed, &self.exponents[2])),
         ];
         for (matrix, x) in sides {
-            right.iter_mut().zip(matrix.times(&x)).for_each(|(b, part)| *b -= part);
+            right.iter_mut().zip(matrix.product(&x)).for_each(|(b, part)| *b -= part);
         }
         let mut x = self.solver.solve_dense(&right);
         rescale(&mut x, &self.exponents[0], 1);

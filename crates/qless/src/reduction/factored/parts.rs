@@ -39,7 +39,7 @@ fn rescaled<I: Iterator<Item = (usize, f64)>>(
     let mut matrix = Csr::empty(cols);
     for (k, row) in rows.enumerate() {
         let row: Option<Vec<_>> = row.map(|(j, v)| Some((j, exactly(v, exponent(k, j))?))).collect();
-        matrix.push_row(row?);
+        matrix.append(row?);
     }
     Some(matrix)
 }

@@ -13,7 +13,7 @@ mod queue;
 mod row;
 mod triangle;
 
-use super::{Backend, BackendError, Factor};
+use super::{Backend, BackendError, Factor, check_block};
 use crate::Csr;
 use eliminate::Elimination;
 use ledger::Ledger;
@@ -39,6 +39,7 @@ impl Backend for Gauss {
     }
 
     fn factor(&self, columns: &Csr, rhs: &[f64], tolerance: f64) -> Result<Factor, BackendError> {
+        check_block(columns, rhs, tolerance)?;
         let ledger = Ledger::new(columns, self.memory);
         let mut elimination = Elimination::new(columns, rhs, ledger)?;
         elimination.triangularize(tolerance)?;

@@ -130,7 +130,7 @@ mod tests {
     #[test]
     fn what_cancels_to_rounding_leaves_the_row_and_the_rest_stays() -> Result<(), BackendError> {
         let mut a = Csr::empty(1);
-        [0.3, 1.0, 0.0, 1e100].iter().for_each(|&v| a.push_row([(0, v)]));
+        [0.3, 1.0, 0.0, 1e100].iter().for_each(|&v| a.append([(0, v)]));
         let mut ledger = Ledger::new(&a, usize::MAX);
         let (mut columns, mut pivot) = (Columns::new(&a, &mut ledger)?, Pivot::new(4, &mut ledger)?);
         pivot.load(row(&[(0, 0.1), (1, (1.0 - 1e-14) / 3.0), (2, 2.0)]));
@@ -149,7 +149,7 @@ mod tests {
     #[test]
     fn sizes_are_those_of_all_parts_that_went_in() -> Result<(), BackendError> {
         let mut a = Csr::empty(1);
-        a.push_row([(0, 1.0)]);
+        a.append([(0, 1.0)]);
         let mut ledger = Ledger::new(&a, usize::MAX);
         let (mut columns, mut pivot) = (Columns::new(&a, &mut ledger)?, Pivot::new(1, &mut ledger)?);
         let mut target = row(&[(0, 1.0)]);

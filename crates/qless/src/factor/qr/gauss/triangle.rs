@@ -36,7 +36,7 @@ impl Elimination {
         for k in 0..self.pivots.len() {
             let mut row = std::mem::take(&mut self.rows[self.pivots[k].0 as usize]);
             row.sort_unstable_by_key(|entry| place[entry.col as usize]);
-            r.push_row(row.iter().map(|entry| (place[entry.col as usize], entry.value)));
+            r.append(row.iter().map(|entry| (place[entry.col as usize], entry.value)));
             self.ledger.free(row);
         }
         Ok(r)

@@ -13,9 +13,9 @@ fn case(name: &'static str, rank: usize, rows: &[&[f64]]) -> Case {
     let n = rows.first().map_or(0, |row| row.len());
     let mut a = Csr::empty(n);
     for row in rows {
-        a.push_row(row.iter().copied().enumerate().filter(|e| e.1 != 0.0));
+        a.append(row.iter().copied().enumerate().filter(|e| e.1 != 0.0));
     }
-    Case { name, columns: a.transpose(), rank }
+    Case { name, columns: a.transposed(), rank }
 }
 
 /// Numbers in -1..1 from a fixed seed.
@@ -48,7 +48,7 @@ fn random(name: &'static str, m: usize, n: usize, period: usize) -> Case {
     }
     let mut columns = Csr::empty(m);
     for column in &dense {
-        columns.push_row(column.iter().copied().enumerate().filter(|e| e.1 != 0.0));
+        columns.append(column.iter().copied().enumerate().filter(|e| e.1 != 0.0));
     }
     Case { name, columns, rank: (0..n).filter(|j| j % period != period - 1).count().min(m) }
 }
@@ -142,7 +142,7 @@ fn r_has_the_products_of_the_columns() {
     every_case(|case, _, factor| {
         let size = norm(&case.columns.val);
         assert!(factor.dropped <= 1e-13 * size, "{}: dropped {}", case.name, factor.dropped);
-        let (a, r) = (ordered(case, factor), dense(&factor.r.transpose()));
+        let (a, r) = (ordered(case, factor), dense(&factor.r.transposed()));
         for (i, j) in (0..a.len()).flat_map(|i| (0..=i).map(move |j| (i, j))) {
             let allowed = (1e-13 * size + 2.0 * factor.dropped) * size;
             assert_close(case, dot(&r[i], &r[j]), dot(&a[i], &a[j]), allowed);
@@ -153,7 +153,7 @@ fn r_has_the_products_of_the_columns() {
 #[test]
 fn right_hand_sides_have_the_products_with_the_columns() {
     every_case(|case, rhs, factor| {
-        let (a, r) = (ordered(case, factor), dense(&factor.r.transpose()));
+        let (a, r) = (ordered(case, factor), dense(&factor.r.transposed()));
         let allowed = (1e-13 * norm(&case.columns.val) + factor.dropped) * norm(rhs);
         for (k, b) in rhs.chunks(case.columns.cols).enumerate() {
             let head = &factor.rhs[k * factor.rank..(k + 1) * factor.rank];
@@ -200,7 +200,7 @@ fn rest_of_a_mean_is_its_deviation() {
 fn matrices_without_rows_or_columns_have_rank_zero() {
     let without_columns = Spqr::default().factor(&Csr::empty(2), &[3.0, 4.0, 0.0, 1.0], 0.0).unwrap();
     assert_eq!((without_columns.rank, without_columns.rest), (0, vec![5.0, 1.0]));
-    let without_rows = Spqr::default().factor(&Csr::empty(3).transpose(), &[], 0.0).unwrap();
+    let without_rows = Spqr::default().factor(&Csr::empty(3).transposed(), &[], 0.0).unwrap();
     assert_eq!((without_rows.order, without_rows.r), (vec![0, 1, 2], Csr::empty(3)));
 }
 
@@ -271,7 +271,7 @@ fn empty_shapes_and_many_right_hand_sides() {
 /// m x n without entries, but for 1 x 1.
 fn from_columns(m: usize, n: usize) -> Csr {
     let mut columns = Csr::empty(m);
-    (0..n).for_each(|_| columns.push_row((m == 1).then_some((0, 2.0))));
+    (0..n).for_each(|_| columns.append((m == 1).then_some((0, 2.0))));
     columns
 }
 

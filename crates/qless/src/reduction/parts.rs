@@ -1,0 +1,126 @@
+//! What a reduction consists of, and one from parts that others made.
+
+use super::{FactoredBlock, Reduction};
+use crate::common::argument::long;
+use crate::{ArgumentError, ConstraintSystem, Csr};
+
+impl Reduction {
+    /// A reduction that something else made, to be judged ([`crate::Analysis::residual`]) and used as any other; no
+    /// [`crate::Refresher`] takes it.
+    ///
+    /// ```
+    /// use qless::{Csr, Options, Reduction, SystemBuilder, analyse};
+    /// // u0 = 2 u1 + 3, solved by hand.
+    /// let mut builder = SystemBuilder::new(2);
+    /// builder.equation([(0, 1.0), (1, -2.0)], 3.0);
+    /// let t = Csr::from_parts(1, vec![0, 1], vec![0], vec![2.0])?;
+    /// let g_matrix = Csr::from_parts(0, vec![0, 0], Vec::new(), Vec::new())?;
+    /// let ours = Reduction::from_parts([vec![0], vec![1], Vec::new()], t, g_matrix, vec![3.0])?;
+    /// assert_eq!(analyse(&builder.build()?, &Options::default())?.residual(&ours)?, 0.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ArgumentError`] unless slaves, masters and prescribed DOFs each ascend and together are all DOFs from 0 on, once each, and
+    /// T, G and g have a row for each slave and a column for each master and prescribed DOF.
+    pub fn from_parts(dofs: [Vec<usize>; 3], t: Csr, g_matrix: Csr, g: Vec<f64>) -> Result<Self, ArgumentError> {
+        let [slaves, masters, prescribed] = dofs;
+        once([("slaves", &slaves), ("masters", &masters), ("prescribed DOFs", &prescribed)])?;
+        for (of_rows, of_columns, matrix, columns) in [
+            ("the list of rows of T", "the list of columns of T", &t, masters.len()),
+            ("the list of rows of G", "the list of columns of G", &g_matrix, prescribed.len()),
+        ] {
+            long(of_rows, matrix.rows(), slaves.len())?;
+            long(of_columns, matrix.cols, columns)?;
+        }
+        long("g", g.len(), slaves.len())?;
+        let growth = t.val.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+        Ok(Self { slaves, masters, prescribed, t, g_matrix, g, growth, ..Self::default() })
+    }
+
+    /// u_s, ascending.
+    pub fn slaves(&self) -> &[usize] {
+        &self.slaves
+    }
+
+    /// u_q, ascending.
+    pub fn masters(&self) -> &[usize] {
+        &self.masters
+    }
+
+    /// u_p, ascending.
+    pub fn prescribed(&self) -> &[usize] {
+        &self.prescribed
+    }
+
+    /// T, slaves x masters; rows of slaves of factored blocks are empty.
+    pub fn t(&self) -> &Csr {
+        &self.t
+    }
+
+    /// G, slaves x prescribed DOFs; rows of slaves of factored blocks are empty.
+    pub fn g_matrix(&self) -> &Csr {
+        &self.g_matrix
+    }
+
+    /// g, one number per slave.
+    pub fn g(&self) -> &[f64] {
+        &self.g
+    }
+
+    /// DOFs of [`crate::Preferences::masters`] that are slaves all the same, ascending: no choice avoids that.
+    pub fn unmet_masters(&self) -> &[usize] {
+        &self.unmet_masters
+    }
+
+    /// DOFs of [`crate::Preferences::slaves`] that are not slaves, ascending: prescribed, in no equation, or at the cost of
+    /// other such DOFs or of growth beyond the bound only.
+    pub fn unmet_slaves(&self) -> &[usize] {
+        &self.unmet_slaves
+    }
+
+    /// `max |T_ij|`; of factored blocks the largest entry that was found.
+    pub fn growth(&self) -> f64 {
+        self.growth
+    }
+
+    /// How many times a slave and a master changed places to keep the growth down.
+    pub fn exchanges(&self) -> usize {
+        self.exchanges
+    }
+
+    /// Connected parts that stay factors: [`crate::Form`].
+    pub fn factored(&self) -> &[FactoredBlock] {
+        &self.factored
+    }
+
+    /// Whether all of T is numbers.
+    pub fn is_explicit(&self) -> bool {
+        self.factored.is_empty()
+    }
+
+    /// Whether it is one of the DOFs of a system, and of those that are prescribed there.
+    pub(crate) fn fits(&self, system: &ConstraintSystem) -> Result<(), ArgumentError> {
+        long("the reduction's list of DOFs", self.dofs(), system.dofs())?;
+        let same = self.prescribed.iter().eq(system.prescribed().iter().map(|(j, _)| j));
+        if same { Ok(()) } else { Err(ArgumentError::Foreign { what: "the reduction" }) }
+    }
+}
+
+/// Lists that ascend and together hold `0..n`, once each.
+fn once(lists: [(&'static str, &[usize]); 3]) -> Result<(), ArgumentError> {
+    let count: usize = lists.iter().map(|(_, list)| list.len()).sum();
+    let mut seen = vec![false; count];
+    for (what, list) in lists {
+        for (place, &value) in list.iter().enumerate() {
+            if value >= count {
+                return Err(ArgumentError::OutOfRange { what, found: value, count });
+            }
+            let ascends = place == 0 || list[place - 1] < value;
+            if !ascends || std::mem::replace(&mut seen[value], true) {
+                return Err(ArgumentError::NotAscending { what, place, value });
+            }
+        }
+    }
+    Ok(())
+}
