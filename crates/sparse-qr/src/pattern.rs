@@ -51,14 +51,14 @@ impl Lists {
 
 /// The pattern by columns, if it is one.
 pub(crate) fn checked(rows: usize, cols: usize, start: &[usize], index: &[u32]) -> Result<Lists, Error> {
+    if rows.max(cols).max(index.len()) > MOST {
+        return Err(Error::TooLarge { rows, cols, entries: index.len() });
+    }
     if start.len() != cols + 1 {
         return Err(Error::Length { what: "start", found: start.len(), expected: cols + 1 });
     }
     if start[cols] != index.len() {
         return Err(Error::Length { what: "index", found: index.len(), expected: start[cols] });
-    }
-    if rows.max(cols).max(index.len()) > MOST {
-        return Err(Error::TooLarge { rows, cols, entries: index.len() });
     }
     let fault = |column: usize| fault(rows, start[column], start[column + 1], index).map(|what| (column, what));
     match (0..cols).find_map(fault) {

@@ -32,6 +32,7 @@ impl Linearisation {
         increments: &[(usize, f64)],
         (step, options): (usize, &NewtonOptions),
     ) -> Result<Self, NewtonError> {
+        options.analysis.validate().map_err(|source| NewtonError::Analysis { step, source: source.into() })?;
         let system = set.linearised(quantities, increments).map_err(|source| NewtonError::System { step, source })?;
         // Along a chain the end moves by its length where the first hinge turns: to avoid that, slaves would have to be looked for far away.
         let loose = Options { growth: options.analysis.growth.max(GROWTH), ..options.analysis.clone() };

@@ -96,10 +96,6 @@ impl Plan {
         });
     }
 
-    pub fn nnz(&self) -> usize {
-        self.col.len()
-    }
-
     pub fn allocate(&self) -> Csr {
         let (start, col) = (self.start.clone(), self.col.clone());
         let zeros = vec![0.0; col.len()];

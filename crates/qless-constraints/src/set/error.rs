@@ -19,6 +19,14 @@ pub enum StoreError {
         /// The DOF.
         dof: usize,
     },
+    /// A nonlinear equation that has another number of DOFs than its type.
+    #[error("it names {found} DOFs, but its type has {expected}")]
+    DofCount {
+        /// How many it names.
+        found: usize,
+        /// How many the type has.
+        expected: usize,
+    },
     /// A coefficient or right-hand side is NaN or infinite.
     #[error("a number of it is {value}; every number must be finite")]
     NotFinite {

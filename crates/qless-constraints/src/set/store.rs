@@ -58,7 +58,9 @@ impl Store {
 
     /// Adds the nonlinear equations of `parameters` on the DOFs listed, each of which must occur once.
     pub fn nonlinear<Q: Nonlinear>(&mut self, part: impl Into<Cow<'static, str>>, dofs: &[usize], parameters: Q) {
-        debug_assert!(Q::DOFS == 0 || Q::DOFS == dofs.len(), "the type has {} DOFs", Q::DOFS);
+        if Q::DOFS != 0 && Q::DOFS != dofs.len() {
+            self.fail(StoreError::DofCount { found: dofs.len(), expected: Q::DOFS });
+        }
         let mut sorted = dofs.to_vec();
         sorted.sort_unstable();
         sorted.iter().for_each(|&dof| self.check_dof(dof));

@@ -20,7 +20,7 @@ pub(super) fn numbers(out: &mut dyn Write, numbers: &[f64]) -> Result<()> {
 }
 
 pub(super) fn indices(out: &mut dyn Write, indices: &[usize]) -> Result<()> {
-    indices.iter().try_for_each(|index| writeln!(out, "{}", index + 1))
+    indices.iter().try_for_each(|index| writeln!(out, "{}", *index as u128 + 1))
 }
 
 pub(super) fn prescribed(out: &mut dyn Write, prescribed: &[(usize, f64)]) -> Result<()> {

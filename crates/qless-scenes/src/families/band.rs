@@ -18,7 +18,7 @@ const FIRST: usize = 8;
 ///
 /// ```
 /// let scene = qless_scenes::families::spotted_band(100, 1)?;
-/// assert!(scene.system.matrix().val.iter().any(|&v| v == 4.0 || v == -1.0));
+/// assert!(scene.system.matrix().values().iter().any(|&v| v == 4.0 || v == -1.0));
 /// # Ok::<(), qless_scenes::SceneError>(())
 /// ```
 ///

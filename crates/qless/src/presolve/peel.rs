@@ -111,7 +111,7 @@ impl Peeling<'_> {
 
     /// The same for the given sizes; `rather` decides between the DOFs of equal coefficients.
     ///
-    /// Sizes are compared by their bits, whose order is the same: integers are selected without a branch.
+    /// None where all sizes are zero, which scaling makes of what is 1e308 times smaller than others. Sizes are compared by their bits, whose order is the same: integers are selected without a branch.
     #[inline]
     fn best(&self, i: usize, size: impl Fn(u32, f64) -> f64, rather: impl Fn(u32, usize) -> bool) -> Option<usize> {
         let (dofs, values) = self.system.parts(i);

@@ -1,6 +1,6 @@
 //! What must change in a deck, and why.
 
-use qless::{Analysis, ConstraintSystem, Kind, Options, Preferences, analyse};
+use qless::{Analysis, Kind, Options, Preferences, analyse};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::CleanError;
@@ -128,7 +128,6 @@ pub(super) fn ever_prescribed(model: &Model) -> FxHashMap<u32, Origin> {
 
 /// The equations with every DOF prescribed that is so in any load case.
 struct Common {
-    system: ConstraintSystem,
     analysis: Analysis,
 }
 
@@ -157,7 +156,7 @@ impl Common {
         let preferences = Preferences { slaves, equations, ..Preferences::default() };
         let options = Options { preferences, ..options.clone() };
         let analysis = analyse(&system, &options)?;
-        Ok(Self { system, analysis })
+        Ok(Self { analysis })
     }
 
     fn reason(&self, i: usize, fault_of: &FxHashMap<usize, Fault>) -> Reason {

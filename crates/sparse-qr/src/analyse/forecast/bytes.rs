@@ -33,6 +33,8 @@ pub(crate) fn out_bytes(shape: &Shape, k: usize) -> usize {
 
 impl Forecast {
     pub fn bytes(&self, symbolic: &Symbolic, k: usize, worst: bool) -> usize {
+        // More right-hand sides than any memory holds would lead beyond what can be counted.
+        let k = k.min((usize::MAX >> 13) / (symbolic.rows + symbolic.cols + 2));
         let worst_shapes = if worst { at_worst(symbolic) } else { Vec::new() };
         let shapes = if worst { &worst_shapes } else { &self.shapes };
         let peeled = symbolic.pattern.start[symbolic.peeled];

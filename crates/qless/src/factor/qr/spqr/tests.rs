@@ -289,8 +289,8 @@ fn sizes_that_overflow_are_refused() {
 fn numbers_that_are_not_finite_are_refused() {
     let (finite, nan) = (case("one", 1, &[&[1.0]]), case("NaN", 0, &[&[f64::NAN]]));
     let message = |case: &Case, rhs: &[f64]| Spqr::default().factor(&case.columns, rhs, 0.0).unwrap_err().to_string();
-    assert!(message(&nan, &[]).contains("the block"));
-    assert!(message(&finite, &[f64::INFINITY]).contains("not finite"));
+    assert!(message(&nan, &[]).contains("the block: number 0 (from 0) is NaN"));
+    assert!(message(&finite, &[f64::INFINITY]).contains("B: number 0 (from 0) is inf"));
     let huge = case("huge", 0, &[&[1e308, 1e308], &[1e308, -1e308], &[1e308, 1e307], &[1e308, 1e308]]);
     assert!(message(&huge, &[]).contains("overflows"));
 }
