@@ -102,9 +102,7 @@ fn every_type(x: f64, dof: usize) {
     take(SmallRigidBody { reference: odd, rotations: [30, 31, 32], nodes: vec![p, q] });
     take(RigidBody { body, nodes: vec![q, r] });
     take(RigidBody { body: euler, nodes: vec![s] });
-    for strain in [MacroStrain::Given([[x; 3]; 3])] {
-        take(Periodic { a: odd, b: p, strain });
-    }
+    take(Periodic { a: odd, b: p, strain: MacroStrain::Given([[x; 3]; 3]) });
     take(OnSphere { point: odd, centre: at, radius: Some(x) });
     take(OnLine { point: q, line: Line::Nodes(p, odd) });
     take(OnPlane { point: q, plane: Plane::Fixed { through: at, normal: [x; 3] } });

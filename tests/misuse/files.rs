@@ -5,7 +5,7 @@ use std::path::Path;
 use qless::{Csr, Options};
 use qless_io::deck::clean::{self, Plan, Reason, Removed, Written};
 use qless_io::deck::{self, CardName, Deck, Dof, Format, Load, LoadCase, Origin, Prescribed};
-use qless_io::write::{Output, write_bytes, write_indices, write_matrix, write_numbers};
+use qless_io::write::{Inputs, OneFile, Output, write_indices, write_matrix, write_numbers};
 use qless_io::{matrix_market, read_case, vectors, write_case};
 
 use super::{refused, ring, survives};
@@ -29,7 +29,7 @@ fn paths_that_are_none() {
         refused("a matrix", || write_matrix(path, &Csr::default()));
         refused("numbers", || write_numbers(path, &[]));
         refused("indices", || write_indices(path, &[]));
-        refused("bytes", || write_bytes(path, &[]));
+        refused("bytes", || OneFile::at(path, Inputs::default())?.write(&[]));
     }
 }
 

@@ -67,7 +67,7 @@ impl Failure {
     fn of_backend(error: &BackendError, input: &Path) -> Self {
         let message = format!("{}: {error}", input.display());
         match error {
-            BackendError::OutOfMemory { .. } => Self::of_memory(message),
+            BackendError::OutOfMemory { .. } => Self::of_memory(&message),
             _ => Self::Resource(message),
         }
     }
@@ -79,7 +79,7 @@ impl Failure {
     }
 
     /// No memory for something, with what was needed and what was allowed.
-    pub fn of_memory(message: String) -> Self {
+    pub fn of_memory(message: &str) -> Self {
         Self::Resource(format!("{message}: {}", memory::refusal()))
     }
 
@@ -113,12 +113,14 @@ impl Failure {
 
 impl From<ReadError> for Failure {
     fn from(error: ReadError) -> Self {
+        if matches!(&error, ReadError::Io { source, .. } if source.kind() == io::ErrorKind::OutOfMemory) {
+            return Self::of_memory(&error.to_string());
+        }
         if error.is_resource() {
-            return Self::of_memory(error.to_string());
+            return Self::Resource(error.to_string());
         }
         let advice = match &error {
             ReadError::Io { source, .. } => match source.kind() {
-                io::ErrorKind::OutOfMemory => return Self::of_memory(error.to_string()),
                 io::ErrorKind::NotFound => "; check the name and the folder you are in",
                 io::ErrorKind::PermissionDenied => "; check its permissions",
                 io::ErrorKind::IsADirectory => "; name a file",
@@ -135,7 +137,7 @@ impl From<WriteError> for Failure {
         let message = format!("{error} (nothing was written)");
         match &error {
             WriteError::IsInput { .. } | WriteError::Linked { .. } => Self::Input(message),
-            WriteError::Io { source, .. } if source.kind() == io::ErrorKind::OutOfMemory => Self::of_memory(message),
+            WriteError::Io { source, .. } if source.kind() == io::ErrorKind::OutOfMemory => Self::of_memory(&message),
             _ => Self::Resource(message),
         }
     }

@@ -54,7 +54,7 @@ fn run(command: &Command) -> Result<ExitCode, Failure> {
         memory::limit(bytes).map_err(Failure::Resource)?;
     }
     #[cfg(unix)]
-    signals::watch().map_err(|error| Failure::of_memory(format!("signals cannot be waited for: {error}")))?;
+    signals::watch().map_err(|error| Failure::of_memory(&format!("signals cannot be waited for: {error}")))?;
     match command {
         Command::Check(args) => check::run(args),
         Command::Reduce(args) => reduce::run(args),
