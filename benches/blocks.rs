@@ -25,7 +25,7 @@ fn bare(system: &ConstraintSystem) -> usize {
 }
 
 /// Reduction in factor form, g, one product with T and one with its transpose.
-fn used(system: &ConstraintSystem, analysis: &Analysis) -> f64 {
+fn used(_system: &ConstraintSystem, analysis: &Analysis) -> f64 {
     let reduction = analysis.reduction_in(Form::Factored).expect("within the gate");
     let u = reduction
         .expand(&vec![1.0; reduction.masters().len()], &vec![0.0; reduction.prescribed().len()])

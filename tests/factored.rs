@@ -40,7 +40,7 @@ fn t_of(reduction: &Reduction) -> Csr {
 }
 
 /// `f . T x = x . T^T f`, columns and rows of T are those of its products, and none is above the bound.
-fn check(system: &ConstraintSystem, analysis: &Analysis, reduction: &Reduction, growth: f64, what: &str) {
+fn check(_system: &ConstraintSystem, analysis: &Analysis, reduction: &Reduction, growth: f64, what: &str) {
     assert!(analysis.residual(reduction).expect("its own DOFs") < 1e-12, "{what}");
     let t = t_of(reduction);
     let most = t.values().iter().fold(0.0, |most: f64, v| most.max(v.abs()));

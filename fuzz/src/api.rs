@@ -189,12 +189,16 @@ fn calls(system: &ConstraintSystem, analysis: Analysis, calls: &[Call]) {
             Call::Expand(q, p) => _ = last.map(|last| finite(last.expand(&numbers(q), &numbers(p)))),
             Call::ExpandFitting(v) => {
                 let values = |list: &[usize]| vec![v.get(); list.len()];
-                last.map(|last| finite(last.expand(&values(last.masters()), &values(last.prescribed()))));
+                if let Some(last) = last {
+                    finite(last.expand(&values(last.masters()), &values(last.prescribed())));
+                }
             }
             Call::Transposed(f) => _ = last.map(|last| finite(last.apply_transposed(&numbers(f)))),
             Call::Row(i) => _ = last.map(|last| place(i.of(last.slaves().len()), last.slaves().len(), |i| last.row(i))),
             Call::Column(q) => {
-                last.map(|last| place(q.of(last.masters().len()), last.masters().len(), |q| last.column(q)));
+                if let Some(last) = last {
+                    place(q.of(last.masters().len()), last.masters().len(), |q| last.column(q));
+                }
             }
             Call::Residual => _ = last.map(|last| analysis.residual(last).expect("the same DOFs")),
             Call::Refresh(b, u) => refresh(&analysis, &mut refresher, &mut reductions, &numbers(b), &numbers(u)),

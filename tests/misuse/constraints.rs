@@ -102,7 +102,8 @@ fn every_type(x: f64, dof: usize) {
     take(SmallRigidBody { reference: odd, rotations: [30, 31, 32], nodes: vec![p, q] });
     take(RigidBody { body, nodes: vec![q, r] });
     take(RigidBody { body: euler, nodes: vec![s] });
-    for strain in [MacroStrain::Given([[x; 3]; 3])] {
+    {
+        let strain = MacroStrain::Given([[x; 3]; 3]);
         take(Periodic { a: odd, b: p, strain });
     }
     take(OnSphere { point: odd, centre: at, radius: Some(x) });

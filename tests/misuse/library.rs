@@ -229,6 +229,12 @@ fn a_refresher_takes_its_own_only() {
     }
 }
 
+/// What a model keeps from step to step.
+struct Model {
+    refresher: Refresher,
+    reduction: Reduction,
+}
+
 #[test]
 fn analyses_and_refreshers_can_be_kept_and_sent() {
     fn kept<T: Send + Sync + 'static>() {}
@@ -236,10 +242,6 @@ fn analyses_and_refreshers_can_be_kept_and_sent() {
     kept::<Refresher>();
     kept::<Reduction>();
     kept::<ConstraintSystem>();
-    struct Model {
-        refresher: Refresher,
-        reduction: Reduction,
-    }
     let analysis = analysed(&ring(4));
     let reduction = analysis.reduction().expect("reduced");
     let mut model = Model { refresher: Refresher::new(analysis).expect("small"), reduction };

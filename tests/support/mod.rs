@@ -80,7 +80,7 @@ pub fn check_certificates(system: &ConstraintSystem, analysis: &Analysis) {
 /// `C [T; I] = 0` and `C u = b` in every independent equation for random u_q and u_p; slaves, masters and prescribed
 /// DOFs are all DOFs, once each.
 pub fn check_reduction(system: &ConstraintSystem, analysis: &Analysis, reduction: &Reduction, tolerance: f64) {
-    let mut all = [&reduction.slaves()[..], &reduction.masters(), &reduction.prescribed()].concat();
+    let mut all = [reduction.slaves(), reduction.masters(), reduction.prescribed()].concat();
     all.sort_unstable();
     assert_eq!(all, (0..system.dofs()).collect::<Vec<_>>(), "every DOF has one role");
     assert_eq!(reduction.slaves().len(), analysis.rank());

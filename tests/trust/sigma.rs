@@ -1,6 +1,6 @@
 //! `rank = #{sigma_i > tolerance}` and `sigma_kept = sigma_min(kept rows)`, by a dense SVD of the equilibrated rows.
 
-use qless::{Analysis, BackendChoice, ConstraintSystem, Options, SystemBuilder, Tolerance};
+use qless::{BackendChoice, ConstraintSystem, Options, SystemBuilder, Tolerance};
 use qless_scenes::Scene;
 use qless_scenes::families::{self, Near};
 use qless_scenes::oracle::singular_values;

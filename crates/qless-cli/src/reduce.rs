@@ -59,12 +59,12 @@ fn write(args: &ReduceArgs, reduction: &Reduction, labels: &[String]) -> Result<
 }
 
 fn add(output: &mut Output, reduction: &Reduction, labels: &[String]) -> Result<(), WriteError> {
-    output.matrix("T.mtx", &reduction.t())?;
-    output.matrix("G.mtx", &reduction.g_matrix())?;
-    output.numbers("g.txt", &reduction.g())?;
-    output.indices("slaves.txt", &reduction.slaves())?;
-    output.indices("masters.txt", &reduction.masters())?;
-    output.indices("prescribed.txt", &reduction.prescribed())?;
+    output.matrix("T.mtx", reduction.t())?;
+    output.matrix("G.mtx", reduction.g_matrix())?;
+    output.numbers("g.txt", reduction.g())?;
+    output.indices("slaves.txt", reduction.slaves())?;
+    output.indices("masters.txt", reduction.masters())?;
+    output.indices("prescribed.txt", reduction.prescribed())?;
     // Columns of a deck are nobody's numbers.
     if !labels.is_empty() {
         output.file("cols.txt", |out| labels.iter().try_for_each(|label| writeln!(out, "{label}")))?;

@@ -18,7 +18,7 @@ use std::time::Instant;
 use qless_constraints::types::{
     Body, Distance, Equal, LinearEquation, NodeTie, OnSphere, Point, RigidBody, Shape, SmallRigidBody, Spherical,
 };
-use qless_constraints::{ConstraintSet, Quantities, SetBuilder};
+use qless_constraints::{ConstraintSet, SetBuilder};
 use rayon::prelude::*;
 
 /// Values per task of what is only written.

@@ -69,7 +69,7 @@ fn matrix(seed: u64) -> Columns {
 fn sparse(columns: &Columns) -> Csr {
     let mut a = Csr::empty(columns[0].len());
     columns.iter().for_each(|column| {
-        a.push_row(column.iter().copied().enumerate().filter(|&(_, v)| v != 0.0)).expect("ascending")
+        a.push_row(column.iter().copied().enumerate().filter(|&(_, v)| v != 0.0)).expect("ascending");
     });
     a
 }
@@ -186,7 +186,7 @@ fn a_long_band_stays_sparse() {
     let mut rows = Csr::empty(n);
     (0..m).for_each(|i| {
         rows.push_row((0..8).map(|k| (3 * i / 2 + k, random.signed() + 1e-4)).filter(|&(j, _)| j < n))
-            .expect("ascending")
+            .expect("ascending");
     });
     let factor =
         Gauss { memory: 150 << 20 }.factor(&rows.transpose().expect("few columns"), &[], 1e-10).expect("it fits");

@@ -22,9 +22,9 @@ pub fn write(output: &mut Output, number: usize, block: &FactoredBlock, parts: &
     output.matrix(&name("C_p.mtx"), &parts.of_prescribed)?;
     output.numbers(&name("b.txt"), &parts.rhs)?;
     output.indices(&name("equations.txt"), &parts.equations)?;
-    output.indices(&name("slaves.txt"), &block.slaves())?;
-    output.indices(&name("masters.txt"), &block.masters())?;
-    output.indices(&name("prescribed.txt"), &block.prescribed())
+    output.indices(&name("slaves.txt"), block.slaves())?;
+    output.indices(&name("masters.txt"), block.masters())?;
+    output.indices(&name("prescribed.txt"), block.prescribed())
 }
 
 /// Files of blocks after the first `count` in a folder: of an earlier run, to be mistaken for new ones.

@@ -27,7 +27,7 @@ impl Expansion {
     pub fn new(system: &ConstraintSystem, rows: &[usize]) -> Result<Self, EnforceError> {
         let reduction = reduction(system, rows)?;
         let mut dense = vec![false; rows.len()];
-        reduction.factored().iter().flat_map(|block| block.equations()).for_each(|&i| dense[i] = true);
+        reduction.factored().iter().flat_map(qless::FactoredBlock::equations).for_each(|&i| dense[i] = true);
         let side = |dense_ones: bool| {
             let of = rows.iter().zip(&dense).filter(move |(_, dense)| **dense == dense_ones);
             of.map(|(&row, _)| row).collect::<Vec<usize>>()

@@ -28,7 +28,7 @@ fn each_subcase_has_its_own_sets() {
     let names: Vec<&str> = model.cases().iter().map(|case| case.name.as_str()).collect();
     assert_eq!(names, ["subcase 1", "subcase 2"]);
     assert_eq!(equations(&model), ["1 1:1 -1 2:1", "1 3:1 -1 10:0"]);
-    let [first, second] = &model.cases()[..] else { panic!("two load cases") };
+    let [first, second] = model.cases() else { panic!("two load cases") };
     assert_eq!(prescribed(first), ["1:3=0.5", "1:6=0", "2:1=0", "2:2=0", "2:3=0", "3:3=0", "3:6=0", "11:0=0"]);
     let clashes: Vec<f64> = first.clashes.iter().map(|clash| clash.value).collect();
     assert_eq!((clashes, first.removed.as_slice()), (vec![0.0, 0.7], &[][..]));
@@ -63,7 +63,7 @@ fn a_selected_set_without_cards_is_named() {
 #[test]
 fn set_0_takes_back_what_was_selected_above() {
     let model = model(&format!("CEND\nSPC = 1\nMPC = 1\nSUBCASE 1\nSUBCASE 2\nSPC = 0\nMPC = 0\n{BULK}"));
-    let [first, second] = &model.cases()[..] else { panic!("two load cases") };
+    let [first, second] = model.cases() else { panic!("two load cases") };
     assert_eq!((first.removed.as_slice(), second.removed.as_slice()), (&[][..], &[0][..]));
     assert_eq!(prescribed(second), ["1:6=0", "2:1=0", "2:2=0", "3:6=0"]);
     assert!(!warnings(&model).iter().any(|warning| warning.contains("set 0")), "{:?}", warnings(&model));

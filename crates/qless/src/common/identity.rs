@@ -16,7 +16,6 @@ impl Identity {
     pub const NONE: Self = Self(0);
 
     /// One that nothing else has.
-    #[expect(clippy::new_without_default, reason = "the default is of none")]
     pub fn new() -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(1);
         Self(NEXT.fetch_add(1, Ordering::Relaxed))

@@ -43,7 +43,7 @@ impl Backend for Lapack {
         log(NAME, compute, extract);
         let mut r = Csr::empty(n);
         (0..rank).for_each(|i| {
-            r.push_row((i..n).map(|j| (j, at(i, j))).filter(|&(_, v)| v != 0.0)).expect("columns ascend")
+            r.push_row((i..n).map(|j| (j, at(i, j))).filter(|&(_, v)| v != 0.0)).expect("columns ascend");
         });
         let square = |i: usize| (i..n).map(|j| at(i, j).powi(2)).sum::<f64>();
         let dropped = (rank..m.min(n)).map(square).sum::<f64>().sqrt();

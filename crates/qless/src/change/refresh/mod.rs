@@ -99,7 +99,7 @@ impl Refresher {
         for block in blocks {
             block.rows.iter().zip(&block.exponents).for_each(|(&row, &shift)| exponents[row as usize] = shift);
         }
-        Ok(Self { pivots, squares, exponents, analysis })
+        Ok(Self { analysis, pivots, squares, exponents })
     }
 
     /// What it refreshes.
