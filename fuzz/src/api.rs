@@ -9,37 +9,59 @@ use qless::{
     Refresher, Report, SystemBuilder, Tolerance, analyse,
 };
 
-/// A small index, most often; sometimes any.
-#[derive(Arbitrary, Clone, Copy, Debug)]
-enum Index {
-    Small(u8),
-    Other(u8),
-    Any(usize),
+/// At most 16 of them: a count and that many, so that inputs are lists and not ends of lists.
+#[derive(Debug)]
+struct List<T>(Vec<T>);
+
+impl<'a, T: Arbitrary<'a>> Arbitrary<'a> for List<T> {
+    fn arbitrary(u: &mut Unstructured<'a>) -> arbitrary::Result<Self> {
+        let count = u8::arbitrary(u)? % 16;
+        (0..count).map(|_| T::arbitrary(u)).collect::<arbitrary::Result<_>>().map(Self)
+    }
 }
 
+impl<T> std::ops::Deref for List<T> {
+    type Target = [T];
+
+    fn deref(&self) -> &[T] {
+        &self.0
+    }
+}
+
+/// A place that is there, most often; sometimes any.
+#[derive(Arbitrary, Clone, Copy, Debug)]
+struct Index(u8, u8);
+
 impl Index {
-    fn get(self) -> usize {
-        match self {
-            Self::Small(k) | Self::Other(k) => usize::from(k % 24),
-            Self::Any(k) => k,
+    /// Of so many.
+    fn of(self, count: usize) -> usize {
+        match self.1 {
+            255 => usize::MAX,
+            254 => 1 << 32,
+            253 => count,
+            _ => usize::from(self.0) % count.max(1),
         }
     }
 }
 
-/// A small whole number, most often; sometimes any double.
+/// A small number, most often; sometimes one that is none, or near the end of the range.
 #[derive(Arbitrary, Clone, Copy, Debug)]
-enum Number {
-    Small(i8),
-    Tenths(i8),
-    Any(f64),
-}
+struct Number(i8, u8);
 
 impl Number {
     fn get(self) -> f64 {
-        match self {
-            Self::Small(k) => f64::from(k % 5),
-            Self::Tenths(k) => f64::from(k) / 10.0,
-            Self::Any(v) => v,
+        let own = f64::from(self.0);
+        match self.1 {
+            255 => f64::NAN,
+            254 => f64::INFINITY,
+            253 => f64::MAX,
+            252 => f64::MIN_POSITIVE,
+            251 => 5e-324,
+            240..251 => own * 1e300,
+            230..240 => own * 1e-300,
+            200..230 => own * 1e-9,
+            100..200 => own / 10.0,
+            _ => own % 4.0,
         }
     }
 }
@@ -47,33 +69,33 @@ impl Number {
 #[derive(Arbitrary, Debug)]
 struct Settled {
     backend: u8,
-    tolerance: Option<Number>,
+    tolerance: Option<Index>,
     presolve: bool,
     unchecked: bool,
     growth: Option<Number>,
     memory: Option<u32>,
-    masters: Vec<Index>,
-    slaves: Vec<Index>,
-    equations: Vec<Index>,
+    masters: List<Index>,
+    slaves: List<Index>,
+    equations: List<Index>,
 }
 
 impl Settled {
-    fn options(&self) -> Options {
+    fn options(&self, dofs: usize, equations: usize) -> Options {
         let backends = [BackendChoice::Auto, BackendChoice::Faer, BackendChoice::Sparse, BackendChoice::Gauss];
-        let all = |list: &[Index]| list.iter().map(|k| k.get()).collect();
+        let all = |list: &[Index], count: usize| list.iter().take(4).map(|k| k.of(count)).collect::<Vec<usize>>();
         let default = Options::default();
+        let masters: Vec<usize> = all(&self.masters, dofs);
+        let slaves = all(&self.slaves, dofs).into_iter().filter(|j| self.backend > 250 || !masters.contains(j));
         Options {
             backend: backends[usize::from(self.backend) % 4],
-            tolerance: self.tolerance.map_or(default.tolerance, |v| Tolerance::Relative(v.get())),
+            tolerance: self
+                .tolerance
+                .map_or(default.tolerance, |k| Tolerance::Relative(10_f64.powi(2 - k.of(20) as i32))),
             presolve: self.presolve,
             check: !self.unchecked,
-            growth: self.growth.map_or(default.growth, Number::get),
+            growth: self.growth.map_or(default.growth, |v| v.get().abs() + 1.0),
             memory: self.memory.map_or(default.memory, |bytes| bytes as usize),
-            preferences: Preferences {
-                masters: all(&self.masters),
-                slaves: all(&self.slaves),
-                equations: all(&self.equations),
-            },
+            preferences: Preferences { slaves: slaves.collect(), masters, equations: all(&self.equations, equations) },
         }
     }
 }
@@ -84,26 +106,26 @@ enum Call {
     BecauseFixed(Index),
     Meant,
     Reduce(u8),
-    Expand(Vec<Number>, Vec<Number>),
+    Expand(List<Number>, List<Number>),
     ExpandFitting(Number),
-    Transposed(Vec<Number>),
+    Transposed(List<Number>),
     Row(Index),
     Column(Index),
     Residual,
-    Refresh(Vec<Number>, Vec<Number>),
+    Refresh(List<Number>, List<Number>),
     RefreshFitting(Number, Number),
     Report(u8),
     Exact(u64, bool, Option<u8>),
-    Parts(Vec<u8>, Vec<u32>, Vec<Number>),
-    System(u8, Vec<Index>, Vec<Index>, Vec<Number>),
+    Parts(List<u8>, List<u32>, List<Number>),
+    System(u8, List<Index>, List<Index>, List<Number>),
 }
 
 #[derive(Arbitrary, Debug)]
 enum Change {
-    Add(Vec<(Index, Number)>, Number),
+    Add(List<(Index, Number)>, Number),
     Remove(u8),
     Rhs(u8, Number),
-    Terms(u8, Vec<(Index, Number)>),
+    Terms(u8, List<(Index, Number)>),
     Prescribe(Index, Number),
     Release(Index),
     Update,
@@ -114,23 +136,26 @@ enum Change {
 #[derive(Arbitrary, Debug)]
 struct Input {
     dofs: u8,
-    equations: Vec<(Vec<(Index, Number)>, Number)>,
-    prescribed: Vec<(Index, Number)>,
+    equations: List<(List<(Index, Number)>, Number)>,
+    prescribed: List<(Index, Number)>,
     settled: Settled,
-    calls: Vec<Call>,
-    changes: Vec<Change>,
+    calls: List<Call>,
+    changes: List<Change>,
 }
 
 /// Makes the calls that the bytes stand for.
 pub fn api(data: &[u8]) {
     let Ok(input) = Input::arbitrary_take_rest(Unstructured::new(data)) else { return };
-    let dofs = usize::from(input.dofs % 24);
+    let dofs = if input.dofs == u8::MAX { 0 } else { 1 + usize::from(input.dofs % 24) };
     let mut builder = SystemBuilder::new(dofs);
-    for (terms, rhs) in &input.equations {
-        builder.equation(terms.iter().map(|(j, v)| (j.get(), v.get())), rhs.get());
+    for (terms, rhs) in input.equations.iter() {
+        builder.equation(terms.iter().map(|(j, v)| (j.of(dofs), v.get())), rhs.get());
     }
-    input.prescribed.iter().for_each(|(j, v)| builder.prescribe(j.get(), v.get()));
-    let options = input.settled.options();
+    // One value for each, most often.
+    let mut held = std::collections::BTreeSet::new();
+    let given = input.prescribed.iter().filter(|(j, v)| held.insert(j.of(dofs)) || v.1 > 250);
+    given.for_each(|(j, v)| builder.prescribe(j.of(dofs), v.get()));
+    let options = input.settled.options(dofs, input.equations.len());
     if let Ok(system) = builder.build()
         && let Ok(analysis) = analyse(&system, &options)
     {
@@ -147,8 +172,11 @@ fn calls(system: &ConstraintSystem, analysis: Analysis, calls: &[Call]) {
     for call in calls {
         let last = reductions.last();
         match call {
-            Call::Because(row) => assert_eq!(analysis.because(row.get()).is_ok(), row.get() < system.equations()),
-            Call::BecauseFixed(dof) => _ = analysis.because_fixed(dof.get()),
+            Call::Because(row) => {
+                let row = row.of(system.equations());
+                assert_eq!(analysis.because(row).is_ok(), row < system.equations());
+            }
+            Call::BecauseFixed(dof) => _ = analysis.because_fixed(dof.of(system.dofs())),
             Call::Meant => {
                 if let Ok(Some(meant)) = analysis.meant() {
                     Report::new(&analysis, 0).with_meant(&analysis, &meant, 5).expect("of this system");
@@ -161,12 +189,16 @@ fn calls(system: &ConstraintSystem, analysis: Analysis, calls: &[Call]) {
             Call::Expand(q, p) => _ = last.map(|last| finite(last.expand(&numbers(q), &numbers(p)))),
             Call::ExpandFitting(v) => {
                 let values = |list: &[usize]| vec![v.get(); list.len()];
-                last.map(|last| finite(last.expand(&values(last.masters()), &values(last.prescribed()))));
+                if let Some(last) = last {
+                    finite(last.expand(&values(last.masters()), &values(last.prescribed())));
+                }
             }
             Call::Transposed(f) => _ = last.map(|last| finite(last.apply_transposed(&numbers(f)))),
-            Call::Row(i) => _ = last.map(|last| assert_eq!(last.row(i.get()).is_ok(), i.get() < last.slaves().len())),
+            Call::Row(i) => _ = last.map(|last| place(i.of(last.slaves().len()), last.slaves().len(), |i| last.row(i))),
             Call::Column(q) => {
-                last.map(|last| assert_eq!(last.column(q.get()).is_ok(), q.get() < last.masters().len()));
+                if let Some(last) = last {
+                    place(q.of(last.masters().len()), last.masters().len(), |q| last.column(q));
+                }
             }
             Call::Residual => _ = last.map(|last| analysis.residual(last).expect("the same DOFs")),
             Call::Refresh(b, u) => refresh(&analysis, &mut refresher, &mut reductions, &numbers(b), &numbers(u)),
@@ -185,18 +217,26 @@ fn calls(system: &ConstraintSystem, analysis: Analysis, calls: &[Call]) {
             }
             Call::Parts(start, col, val) => {
                 let start = start.iter().map(|&k| usize::from(k)).collect();
-                if let Ok(matrix) = Csr::from_parts(24, start, col.clone(), numbers(val)) {
-                    assert_eq!(matrix.transpose().and_then(|by_column| by_column.transpose()).map(|m| m.nnz()), Ok(matrix.nnz()));
+                if let Ok(matrix) = Csr::from_parts(24, start, col.to_vec(), numbers(val)) {
+                    assert_eq!(
+                        matrix.transpose().and_then(|by_column| by_column.transpose()).map(|m| m.nnz()),
+                        Ok(matrix.nnz())
+                    );
                     ConstraintSystem::from_csr(&matrix, &vec![0.0; matrix.rows()], &[]).ok();
                 }
             }
             Call::System(rows, start, row, values) => {
-                let all = |list: &[Index]| list.iter().map(|k| k.get()).collect::<Vec<_>>();
+                let all = |list: &[Index]| list.iter().map(|k| k.of(24)).collect::<Vec<_>>();
                 let b = vec![0.0; usize::from(*rows)];
                 ConstraintSystem::from_csc(usize::from(*rows), &all(start), &all(row), &numbers(values), &b, &[]).ok();
             }
         }
     }
+}
+
+/// A row or a column that is there, or an error.
+fn place<T, E>(k: usize, count: usize, of: impl FnOnce(usize) -> Result<T, E>) {
+    assert_eq!(of(k).is_ok(), k < count);
 }
 
 fn numbers(list: &[Number]) -> Vec<f64> {
@@ -233,7 +273,7 @@ fn changes(dofs: usize, options: Options, changes: &[Change]) {
     let mut other = ChangingSystem::new(dofs, options).expect("few DOFs");
     let mut known: Vec<EquationId> = other.add([], 0.0).into_iter().collect();
     let foreign = known[0];
-    let terms = |list: &[(Index, Number)]| list.iter().map(|(j, v)| (j.get(), v.get())).collect::<Vec<_>>();
+    let terms = |list: &[(Index, Number)]| list.iter().map(|(j, v)| (j.of(dofs), v.get())).collect::<Vec<_>>();
     for change in changes {
         let pick = |k: &u8| known[usize::from(*k) % known.len()];
         match change {
@@ -241,8 +281,8 @@ fn changes(dofs: usize, options: Options, changes: &[Change]) {
             Change::Remove(k) => assert!(set.remove(pick(k)).is_err() || pick(k) != foreign),
             Change::Rhs(k, rhs) => assert!(set.set_rhs(pick(k), rhs.get()).is_err() || pick(k) != foreign),
             Change::Terms(k, list) => assert!(set.set_terms(pick(k), terms(list)).is_err() || pick(k) != foreign),
-            Change::Prescribe(dof, value) => _ = set.prescribe(dof.get(), value.get()),
-            Change::Release(dof) => _ = set.release(dof.get()),
+            Change::Prescribe(dof, value) => _ = set.prescribe(dof.of(dofs), value.get()),
+            Change::Release(dof) => _ = set.release(dof.of(dofs)),
             Change::Update => _ = set.update(),
             Change::Ask(k) => {
                 assert!(set.because(pick(k)).is_err() || pick(k) != foreign);
