@@ -24,16 +24,16 @@ impl<'a, 'b> Exchange<'a, 'b> {
         self.relation.system.free()[dof as usize]
     }
 
-    pub fn coefficient(&self, i: u32, master: u32) -> f64 {
-        self.relation.row(i as usize).entries().find(|&(j, _)| j == master).map_or(0.0, |(_, v)| v)
+    fn entry(&self, i: u32, master: u32) -> Option<f64> {
+        self.relation.row(i as usize).entries().find(|&(j, _)| j == master).map(|(_, v)| v)
     }
 
-    /// Rows that hold a master, ascending, with its coefficient.
+    /// Rows that hold a master, ascending, with its coefficient, which is zero where the scaling has made it too small for a double.
     pub fn holding(&self, master: u32) -> Vec<(u32, f64)> {
         let mut rows = self.holders.get(&master).cloned().unwrap_or_default();
         rows.sort_unstable();
         rows.dedup();
-        rows.into_iter().map(|i| (i, self.coefficient(i, master))).filter(|&(_, v)| v != 0.0).collect()
+        rows.into_iter().filter_map(|i| Some((i, self.entry(i, master)?))).collect()
     }
 
     /// Makes `master` the slave of row i; returns the other rows that changed.
@@ -42,8 +42,12 @@ impl<'a, 'b> Exchange<'a, 'b> {
         let (row, constant) = self.solved_for(i, master);
         self.holders.remove(&master);
         for &(k, factor) in &targets {
-            let merged = merge(&self.relation.sorted(k as usize), master, factor, &row);
-            self.relation.change(k as usize, &merged);
+            let old = self.relation.sorted(k as usize);
+            if factor == 0.0 {
+                self.relation.change(k as usize, &merge(&old, master, factor, &[]));
+                continue;
+            }
+            self.relation.change(k as usize, &merge(&old, master, factor, &row));
             self.relation.constant[k as usize] += factor * constant;
         }
         let changed: Vec<u32> = targets.into_iter().map(|(k, _)| k).collect();
@@ -65,7 +69,7 @@ impl<'a, 'b> Exchange<'a, 'b> {
 
     /// Row i as an equation of its master.
     fn solved_for(&self, i: u32, master: u32) -> (Vec<(u32, f64)>, f64) {
-        let (pivot, slave) = (self.coefficient(i, master), self.relation.slave[i as usize]);
+        let (pivot, slave) = (self.entry(i, master).unwrap_or_default(), self.relation.slave[i as usize]);
         let old = self.relation.sorted(i as usize);
         let mut row: Vec<_> = old.into_iter().filter(|e| e.0 != master).map(|(j, v)| (j, -v / pivot)).collect();
         let place = row.partition_point(|&(j, _)| j < slave);
