@@ -125,7 +125,7 @@ fn typed_twice(seed: u64, digits: usize) -> ConstraintSystem {
         let mut row: Vec<(usize, f64)> = (0..2).map(|k| (2 * i + k, rng.real())).collect();
         row.iter_mut().for_each(|(_, v)| *v += v.signum());
         let later = 2 * (n - 1 - i);
-        let others = rng.distinct(3, later);
+        let others = rng.distinct(3, later).expect("few");
         row.extend(others.into_iter().map(|k| (2 * i + 2 + k, 0.25 * rng.real())));
         if i % 3 == 0 {
             let typed = |v: f64| format!("{v:.*e}", digits - 1).parse::<f64>().expect("a number");

@@ -86,7 +86,7 @@ impl Made {
     /// Rows in random order.
     fn system(&self, rng: &mut Rng) -> ConstraintSystem {
         let mut builder = SystemBuilder::new(self.dofs);
-        for i in rng.permutation(self.rows.len()) {
+        for i in rng.permutation(self.rows.len()).expect("few") {
             let (terms, b) = &self.rows[i];
             builder.equation(terms.iter().filter(|(_, v)| **v != 0.0).map(|(&j, &v)| (j, v)), *b);
         }
@@ -101,7 +101,7 @@ fn sparse(rng: &mut Rng, coefficient: impl Fn(&mut Rng) -> f64) -> Made {
     let count = 1 + rng.below(dofs);
     let row = |rng: &mut Rng| {
         let terms = 2 + rng.below(5);
-        let terms = rng.distinct(terms, dofs).into_iter().map(|j| (j, coefficient(rng))).collect();
+        let terms = rng.distinct(terms, dofs).expect("few").into_iter().map(|j| (j, coefficient(rng))).collect();
         (terms, rng.below(9) as f64 - 4.0)
     };
     Made { dofs, rows: (0..count).map(|_| row(rng)).collect(), prescribed: Vec::new() }
@@ -113,7 +113,7 @@ fn combine(made: &mut Made, most: usize, rng: &mut Rng, factor: impl Fn(&mut Rng
     for _ in 0..rng.below(most + 1) {
         let (mut terms, mut b) = (BTreeMap::new(), 0.0);
         let parts = 2 + rng.below(3);
-        for k in rng.distinct(parts, rows) {
+        for k in rng.distinct(parts, rows).expect("few") {
             let factor = factor(rng);
             made.rows[k].0.iter().for_each(|(&j, v)| *terms.entry(j).or_insert(0.0) += factor * v);
             b += factor * made.rows[k].1;
@@ -204,7 +204,8 @@ fn blocks(rng: &mut Rng) -> Made {
     }
     for _ in 0..rng.below(4) {
         let dofs = made.dofs;
-        made.rows.push((rng.distinct(2, dofs).into_iter().map(|j| (j, rng.coefficient(2))).collect(), 0.0));
+        made.rows
+            .push((rng.distinct(2, dofs).expect("few").into_iter().map(|j| (j, rng.coefficient(2))).collect(), 0.0));
     }
     combine(&mut made, 6, rng, |rng| rng.coefficient(3));
     made
@@ -212,7 +213,8 @@ fn blocks(rng: &mut Rng) -> Made {
 
 fn with_prescribed(mut made: Made, rng: &mut Rng) -> Made {
     let count = 1 + rng.below(made.dofs / 3 + 1);
-    made.prescribed = rng.distinct(count, made.dofs).into_iter().map(|j| (j, rng.coefficient(3))).collect();
+    made.prescribed =
+        rng.distinct(count, made.dofs).expect("few").into_iter().map(|j| (j, rng.coefficient(3))).collect();
     made
 }
 

@@ -18,7 +18,8 @@ fn random(rng: &mut Rng) -> ConstraintSystem {
             }
             _ => {
                 let count = 1 + rng.below(4);
-                let terms = rng.distinct(count, n).into_iter().map(|j| (j, rng.coefficient(9) / 8.0)).collect();
+                let terms =
+                    rng.distinct(count, n).expect("few").into_iter().map(|j| (j, rng.coefficient(9) / 8.0)).collect();
                 (terms, rng.coefficient(4))
             }
         };
@@ -28,14 +29,14 @@ fn random(rng: &mut Rng) -> ConstraintSystem {
         builder.equation(terms, b);
     }
     let count = rng.below(4);
-    rng.distinct(count, n).into_iter().for_each(|dof| builder.prescribe(dof, rng.coefficient(5) / 10.0));
+    rng.distinct(count, n).expect("few").into_iter().for_each(|dof| builder.prescribe(dof, rng.coefficient(5) / 10.0));
     builder.build().expect("valid")
 }
 
 /// The equations of several systems side by side, row i where `order` says, DOFs numbered anew.
 fn reordered(systems: &[&ConstraintSystem], rng: &mut Rng) -> (ConstraintSystem, Vec<usize>) {
     let dofs = systems.iter().map(|system| system.dofs()).sum();
-    let columns = rng.permutation(dofs);
+    let columns = rng.permutation(dofs).expect("few");
     let (mut rows, mut first) = (Vec::new(), 0);
     let mut builder = SystemBuilder::new(dofs);
     for system in systems {
@@ -46,7 +47,7 @@ fn reordered(systems: &[&ConstraintSystem], rng: &mut Rng) -> (ConstraintSystem,
         system.prescribed().iter().for_each(|&(dof, value)| builder.prescribe(columns[first + dof], value));
         first += system.dofs();
     }
-    let order = rng.permutation(rows.len());
+    let order = rng.permutation(rows.len()).expect("few");
     for &i in &order {
         builder.equation(rows[i].0.clone(), rows[i].1);
     }
@@ -132,7 +133,8 @@ fn fill_beyond_the_limit_is_refused_with_its_size() {
     let mut matrix = |n: usize, count: usize| {
         let mut builder = SystemBuilder::new(n);
         for _ in 0..n {
-            let terms: Vec<_> = rng.distinct(count, n).into_iter().map(|j| (j, rng.coefficient(99))).collect();
+            let terms: Vec<_> =
+                rng.distinct(count, n).expect("few").into_iter().map(|j| (j, rng.coefficient(99))).collect();
             builder.equation(terms, 1.0);
         }
         builder.build().expect("valid")

@@ -44,7 +44,8 @@ impl Decimal {
             rows[rng.below(m)][n] += rng.coefficient(2) as Cents;
         }
         let count = rng.below(n.min(3) + 1);
-        let prescribed = rng.distinct(count, n).into_iter().map(|dof| (dof, rng.coefficient(20) as i128)).collect();
+        let prescribed =
+            rng.distinct(count, n).expect("few").into_iter().map(|dof| (dof, rng.coefficient(20) as i128)).collect();
         Self { rows, prescribed }
     }
 

@@ -4,13 +4,14 @@ use faer::sparse::{SparseColMat, Triplet};
 use qless::{Options, SystemBuilder, analyse};
 use qless_constraints::enforce::{BlockPlan, Problem, reduced};
 use qless_constraints::newton::{NewtonOptions, redundancies, solve};
+use qless_constraints::scalar::Scalar;
 use qless_constraints::types::{
     Average, Body, Cyclic, CyclicHarmonic, Distance, Equal, EulerNorm, Face, FaceSearch, Fixed, FluidNormal, Line,
     LineTie, LinearEquation, MacroStrain, MortarTie, NodeTie, OnLine, OnPlane, OnSphere, Periodic, PlanarPoint, Plane,
     Point, Prescribed, Prismatic, Revolute, RigidBody, Shape, SmallRigidBody, Spherical, Surface, SurfaceMortarTie,
     Universal, Volume,
 };
-use qless_constraints::{Constraint, ConstraintSet, Weights};
+use qless_constraints::{Constraint, ConstraintSet, Nonlinear, Store, Weights};
 
 use super::{BAD, HUGE, refused, survives};
 
@@ -211,5 +212,44 @@ fn enforcement_of_what_does_not_fit() {
         refused("K", || reduced(&diagonal(3, bad), &f, &reduction, &[1.0]));
         refused("f", || reduced(&k, &[bad; 3], &reduction, &[1.0]));
     }
+    let (none, load) = (diagonal(3, 0.0), [f64::MAX; 3]);
+    let loose = Problem::new(&none, &load, &system).expect("finite");
+    refused("nothing holds it", || loose.transformation());
+    survives("multipliers", || loose.lagrange()).ok();
+    survives("springs", || loose.penalty(f64::MAX)).ok();
+    survives("loads", || loose.loads_without_effect());
     refused("a singular K", || reduced(&diagonal(3, 0.0), &f, &reduction, &[1.0]));
+}
+
+/// A type that hands over another number of DOFs than it has.
+struct Miscounted(Vec<usize>);
+
+/// `u_0 u_1`.
+struct Product;
+
+impl Nonlinear for Product {
+    const DOFS: usize = 2;
+    const PARTS: &'static [&'static str] = &[""];
+
+    fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
+        c[0] = u[0] * u[1];
+    }
+}
+
+impl Constraint for Miscounted {
+    const NAME: &'static str = "product";
+    type Error = std::fmt::Error;
+
+    fn process(self, store: &mut Store) -> Result<(), Self::Error> {
+        store.nonlinear("", &self.0, Product);
+        Ok(())
+    }
+}
+
+#[test]
+fn types_of_the_user_are_held_to_their_number_of_dofs() {
+    for dofs in [vec![], vec![0], vec![0, 1, 2], vec![0, usize::MAX], vec![1, 1]] {
+        refused("DOFs", || ConstraintSet::builder(3).add("it", Miscounted(dofs)));
+    }
+    take(Miscounted(vec![0, 1]));
 }

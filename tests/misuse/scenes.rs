@@ -50,6 +50,11 @@ fn sizes_out_of_range() {
         no("linkage", &|| Linkage { rows: 2, columns: 2, pitch: n, length: 1, balls: true }.scene(1));
         no("fssi", &|| fssi::tie(&Mesh { columns: n, ..Mesh::with_equations(100) }, 1));
         no("fssi", &|| fssi::mortar(&Mesh { sectors: n, ..Mesh::with_equations(100) }, 1));
+        if n > 0 {
+            refused("a permutation", || Rng::new(1).permutation(n));
+            refused("numbers", || Rng::new(1).distinct(n, n));
+            refused("a short element", || families::mortar_short(n));
+        }
         refused("a side", || Side::uniform(n, Degree::Linear));
         refused("a side", || Side::jittered(n, Degree::Quadratic, 1));
         refused("a side", || Side::with_short_element(n, Degree::Linear));
@@ -106,7 +111,7 @@ fn numbers_that_make_no_scene() {
     refused("an edge", || families::incidence(2, &[(0, 2, 0.0)]));
     refused("an edge", || families::incidence(2, &[(usize::MAX, 0, 0.0)]));
     refused("ends", || Side::new(vec![], Degree::Linear));
-    survives("nothing", || Rng::new(0).distinct(usize::MAX, 0).len() + Rng::new(0).below(0));
+    survives("nothing", || Rng::new(0).distinct(usize::MAX, 0).expect("none").len() + Rng::new(0).below(0));
     survives("nothing", || Rng::new(0).coefficient(0) + Rng::new(0).coefficient(usize::MAX));
 }
 

@@ -72,8 +72,8 @@ impl Scene {
     /// None in practice: [`SceneError::System`] would mean that the scene itself was not valid.
     pub fn shuffle(&self, seed: u64) -> Result<(Self, Order), SceneError> {
         let mut rng = Rng::new(seed);
-        let rows = rng.permutation(self.system.equations());
-        let dofs = rng.permutation(self.system.dofs());
+        let rows = rng.shuffled(self.system.equations());
+        let dofs = rng.shuffled(self.system.dofs());
         let system = rebuild(&self.system, &rows, &dofs, &vec![1.0; rows.len()], &vec![1.0; dofs.len()])?;
         let new = inverse(&dofs);
         let mut truth = self.truth.clone();
@@ -108,10 +108,11 @@ impl Scene {
     pub fn with_singletons(&self, rows: usize, others: usize, seed: u64) -> Result<Self, SceneError> {
         let n = self.system.dofs();
         crate::error::within("rows", rows, 0, crate::families::MOST)?;
+        crate::error::within("others", others.min(n), 0, 1 << 16)?;
         let mut builder = copy(&self.system, n + rows);
         let mut rng = Rng::new(seed);
         for i in 0..rows {
-            let old = rng.distinct(others, n).into_iter().map(|j| (j, rng.real())).collect::<Vec<_>>();
+            let old = rng.drawn(others, n).into_iter().map(|j| (j, rng.real())).collect::<Vec<_>>();
             builder.labelled_equation(format!("singleton {}", i + 1), old.into_iter().chain([(n + i, 1.0)]), 0.0);
         }
         let mut truth = Truth { generated: None, ..self.truth.clone() };

@@ -1,5 +1,9 @@
 //! `x += phi; z = mix(x)`: SplitMix64 (Steele, Lea, Flood 2014), the same numbers everywhere and always.
 
+use crate::SceneError;
+use crate::error::within;
+use crate::families::MOST;
+
 /// A stream of pseudo-random numbers; two with the same seed are equal.
 ///
 /// ```
@@ -53,14 +57,32 @@ impl Rng {
     }
 
     /// The numbers `0..n` in random order.
-    pub fn permutation(&mut self, n: usize) -> Vec<usize> {
+    ///
+    /// # Errors
+    /// [`SceneError::Size`] for more than 2^27 of them.
+    pub fn permutation(&mut self, n: usize) -> Result<Vec<usize>, SceneError> {
+        within("n", n, 0, MOST)?;
+        Ok(self.shuffled(n))
+    }
+
+    /// `count` different numbers of `0..n`, in the order drawn; all of them if `count > n`. O(count^2).
+    ///
+    /// # Errors
+    /// [`SceneError::Size`] for more than 2^16 of them.
+    pub fn distinct(&mut self, count: usize, n: usize) -> Result<Vec<usize>, SceneError> {
+        within("count", count.min(n), 0, 1 << 16)?;
+        Ok(self.drawn(count, n))
+    }
+
+    /// [`Rng::permutation`] of a number of things that are there.
+    pub(crate) fn shuffled(&mut self, n: usize) -> Vec<usize> {
         let mut order: Vec<usize> = (0..n).collect();
         self.shuffle(&mut order);
         order
     }
 
-    /// `count` different numbers of `0..n`, in the order drawn; all of them if `count > n`.
-    pub fn distinct(&mut self, count: usize, n: usize) -> Vec<usize> {
+    /// [`Rng::distinct`] of a number of things that are few.
+    pub(crate) fn drawn(&mut self, count: usize, n: usize) -> Vec<usize> {
         let mut drawn = Vec::with_capacity(count.min(n));
         while drawn.len() < count.min(n) {
             let candidate = self.below(n);

@@ -48,7 +48,7 @@ impl Planted {
         within("terms", self.terms, 2, 1000)?;
         within("combos", self.combos, usize::from(self.conflict), MOST)?;
         let mut rng = Rng::new(seed);
-        let order = rng.permutation(self.dofs);
+        let order = rng.shuffled(self.dofs);
         let mut equations: Vec<Equation> = (0..self.rows).map(|i| self.independent(i, &order, &mut rng)).collect();
         for _ in 0..self.combos {
             equations.push(combination(&equations[..self.rows], &mut rng));
@@ -64,14 +64,14 @@ impl Planted {
     fn independent(&self, i: usize, order: &[usize], rng: &mut Rng) -> Equation {
         let later = &order[i + 1..];
         let wanted = 1 + rng.below(self.terms - 1);
-        let others = rng.distinct(wanted, later.len()).into_iter().map(|k| later[k]);
+        let others = rng.drawn(wanted, later.len()).into_iter().map(|k| later[k]);
         let terms = others.chain([order[i]]).map(|dof| (dof, rng.coefficient(2))).collect();
         (terms, rng.below(7) as f64 - 3.0)
     }
 
     fn in_random_order(&self, equations: &[Equation], rng: &mut Rng) -> SystemBuilder {
         let mut builder = SystemBuilder::new(self.dofs);
-        for k in rng.permutation(equations.len()) {
+        for k in rng.shuffled(equations.len()) {
             let (terms, rhs) = &equations[k];
             let label = if k < self.rows {
                 format!("independent {}", k + 1)
@@ -87,7 +87,7 @@ impl Planted {
 fn combination(rows: &[Equation], rng: &mut Rng) -> Equation {
     let (mut terms, mut rhs) = (BTreeMap::new(), 0.0);
     let parts = 2 + rng.below(3);
-    for k in rng.distinct(parts, rows.len()) {
+    for k in rng.drawn(parts, rows.len()) {
         let factor = rng.coefficient(2);
         rows[k].0.iter().for_each(|(&dof, &a)| *terms.entry(dof).or_insert(0.0) += factor * a);
         rhs += factor * rows[k].1;

@@ -8,7 +8,7 @@ pub(super) type Terms = Vec<(usize, f64)>;
 /// The sum of two of `count` rows, of such as share no DOF where a few draws find some: then it is exact.
 pub(super) fn sum_of_two(count: usize, row: impl Fn(usize) -> Terms, rng: &mut Rng) -> Terms {
     let mut draw = || {
-        let pair = rng.distinct(2, count);
+        let pair = rng.drawn(2, count);
         [row(pair[0]), row(pair[1])]
     };
     let apart = |[a, b]: &[Terms; 2]| a.iter().all(|(j, _)| b.iter().all(|(k, _)| j != k));

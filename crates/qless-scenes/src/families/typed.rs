@@ -27,7 +27,7 @@ pub fn typed_twice(n: usize, digits: usize, seed: u64) -> Result<Scene, SceneErr
     within("n", n, 1, MOST / 2)?;
     within("digits", digits, 3, 8)?;
     let mut rng = Rng::new(seed);
-    let place = rng.permutation(2 * n);
+    let place = rng.shuffled(2 * n);
     let mut equations = Vec::new();
     for i in 0..n {
         let (row, rhs) = (sound(i, &place, &mut rng), rng.below(7) as f64 - 3.0);
@@ -55,7 +55,7 @@ fn sound(i: usize, place: &[usize], rng: &mut Rng) -> Row {
     let mut row = vec![own(0), own(1)];
     let later = &place[2 * i + 2..];
     let wanted = 1 + rng.below(4);
-    row.extend(rng.distinct(wanted, later.len()).into_iter().map(|k| (later[k], 0.25 * rng.real())));
+    row.extend(rng.drawn(wanted, later.len()).into_iter().map(|k| (later[k], 0.25 * rng.real())));
     row
 }
 

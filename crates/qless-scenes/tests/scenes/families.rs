@@ -36,7 +36,7 @@ fn steps_around_cycles() -> Result<(), SceneError> {
     let mut rng = Rng::new(5);
     for _ in 0..50 {
         let potential: Vec<f64> = (0..20).map(|_| rng.coefficient(50)).collect();
-        let pairs: Vec<_> = (0..40).map(|_| rng.distinct(2, 20)).map(|pair| (pair[0], pair[1])).collect();
+        let pairs: Vec<_> = (0..40).map(|_| rng.distinct(2, 20).expect("few")).map(|pair| (pair[0], pair[1])).collect();
         let mut edges: Vec<_> = pairs.iter().map(|&(a, b)| (a, b, potential[a] - potential[b])).collect();
         assert_truth(&incidence(20, &edges)?, "potential");
         assert!(!incidence(20, &edges)?.truth.conflicting);
