@@ -1,12 +1,12 @@
 //! `C_k^T P = Q R` of the kept rows: all that a diagnosis asks of a block, by triangular solves with R.
 //!
 //! ```text
-//! certificate of row c    y = R^-1 R^-T C_k c                  with a step of correction (Björck 1987)
+//! certificate of row c    y = R^-1 Q^T c                       Q^T c from the factorization
 //! vector of the null space  u = v - C_k^T R^-1 (Q^T v)          Q^T v from the factorization
 //! shortest solution       x = C_k^T R^-1 R^-T b                with a step of correction
 //! ```
 //!
-//! Sixteen vectors at a time; O(nnz R) for each.
+//! O(nnz R) for each, sixteen certificates at a time.
 
 use rayon::prelude::*;
 
@@ -27,11 +27,18 @@ const DONE: f64 = 1e-12;
 /// A solve and its correction.
 const PASSES: usize = 2;
 
+/// Two vectors, number by number.
+type Pair = Slab<2>;
+
 /// The factor of some rows of a block.
 pub(crate) struct Triangle {
     pub factor: Factor,
     /// Row of the block for each column of R1.
     pub rows: Vec<usize>,
+    /// Rows of which the factor can tell the certificates: those asked for, then those left out as dependent.
+    pub dropped: Vec<usize>,
+    /// How many were asked for.
+    asked: usize,
 }
 
 /// The random vectors, by columns, as right-hand sides of a factorization of `C^T`.
@@ -41,44 +48,62 @@ pub(super) fn seeds(block: &Block) -> Vec<f64> {
 }
 
 impl Triangle {
-    /// Factors rows that are known to be independent; those that are not, to the last bit, are left out.
-    pub fn of(block: &Block, kept: &[usize], means: Means) -> Result<Self, BackendError> {
-        let factor = means.orthogonal().factor(&block.select(kept), &seeds(block), 0.0)?;
-        let rows = factor.order[..factor.rank].iter().map(|&k| kept[k]).collect();
-        Ok(Self { factor, rows })
+    /// What a backend kept of a whole block.
+    pub fn whole(factor: Factor) -> Self {
+        let (rows, dropped) = factor.order.split_at(factor.rank);
+        let (rows, dropped) = (rows.to_vec(), dropped.to_vec());
+        Self { factor, rows, dropped, asked: 0 }
     }
 
-    /// Whether the factor has columns for the rows that were dropped.
-    pub fn holds(&self, dropped: &[usize]) -> bool {
-        self.factor.order.len() == self.rows.len() + dropped.len()
+    /// Factors rows that are known to be independent; those that are not, to the last bit, are left out. With the rows `asked`, of
+    /// which certificates will be wanted, as right-hand sides.
+    pub fn of(block: &Block, kept: &[usize], asked: &[usize], means: Means) -> Result<Self, BackendError> {
+        let mut sides = seeds(block);
+        for &k in asked {
+            let first = sides.len();
+            sides.resize(first + block.matrix.cols, 0.0);
+            block.matrix.row(k).for_each(|(j, v)| sides[first + j] = v);
+        }
+        let factor = means.orthogonal().factor(&block.select(kept), &sides, 0.0)?;
+        let (rows, left_out) = factor.order.split_at(factor.rank);
+        let rows = rows.iter().map(|&k| kept[k]).collect();
+        let dropped = asked.iter().copied().chain(left_out.iter().map(|&k| kept[k])).collect();
+        Ok(Self { factor, rows, dropped, asked: asked.len() })
     }
 
-    /// Rows of the block over the kept ones: least squares, one column of numbers for each row asked for, in the order of
-    /// [`Triangle::rows`].
-    pub fn certificates(&self, block: &Block, rows: &[usize]) -> Vec<Vec<f64>> {
-        let of = |asked: &[usize]| {
-            let mut right = vec![[0.0; WIDTH]; block.matrix.cols];
-            asked.iter().enumerate().for_each(|(c, &k)| block.matrix.row(k).for_each(|(j, v)| right[j][c] = v));
-            let mut y = vec![[0.0; WIDTH]; self.rows.len()];
-            for _ in 0..PASSES {
-                let mut step = self.times(block, &right);
-                self.normal(&mut step);
-                self.subtract_from(block, &step, &mut right);
-                y.iter_mut().zip(&step).for_each(|(y, step)| add(y, step));
-            }
-            (0..asked.len()).map(|c| y.iter().map(|y| y[c]).collect()).collect::<Vec<Vec<f64>>>()
+    /// Whether all that was dropped stands in R2, where certificates can be made some at a time.
+    pub fn holds_dropped(&self) -> bool {
+        self.asked == 0
+    }
+
+    /// 2-norm of what the rows leave of each row that was asked for.
+    pub fn rests(&self) -> &[f64] {
+        &self.factor.rest[SEEDS.len()..]
+    }
+
+    /// `y = R1^-1 Q^T c` for [`Triangle::dropped`], in the order of [`Triangle::rows`].
+    pub fn certificates(&self) -> Vec<Vec<f64>> {
+        let r = self.factor.rank;
+        let asked = self.factor.rhs[SEEDS.len() * r..].chunks(r.max(1));
+        let sides: Vec<&[f64]> = asked.collect();
+        let of = |some: &[&[f64]]| {
+            let mut y = slabs(some.len(), r, |c, i| some[c][i]).swap_remove(0);
+            self.factor.solve_slab(&mut y);
+            (0..some.len()).map(|c| y.iter().map(|y| y[c]).collect()).collect::<Vec<Vec<f64>>>()
         };
-        rows.par_chunks(WIDTH).flat_map_iter(of).collect()
+        let mut all: Vec<Vec<f64>> = sides.par_chunks(WIDTH).flat_map_iter(of).collect();
+        all.extend(self.factor.all_coefficients());
+        all
     }
 
     /// Everything that is asked of the null space and of solutions.
     pub fn vectors(&self, block: &Block) -> Vectors {
         let (r, n) = (self.rows.len(), block.matrix.cols);
         let sides = [&self.factor.rhs[..r], &self.factor.rhs[r..2 * r]];
-        let mut weights = slabs(2, r, |c, i| sides[c][i]).swap_remove(0);
+        let mut weights = pair(r, |c, i| sides[c][i]);
         self.factor.solve_slab(&mut weights);
         let seeds = seeds(block);
-        let mut moves = slabs(2, n, |c, j| seeds[c * n + j]).swap_remove(0);
+        let mut moves = pair(n, |c, j| seeds[c * n + j]);
         self.subtract_from(block, &weights, &mut moves);
         // Again for what large weights have left by rounding.
         for _ in 0..CORRECTIONS {
@@ -93,16 +118,16 @@ impl Triangle {
             0 => block.random[self.rows[i]],
             _ => block.effective[self.rows[i]].value,
         };
-        let x = self.shortest(block, &slabs(2, r, sides)[0]);
-        let lane = |slab: &Slab, c: usize| slab.iter().map(|row| row[c]).collect::<Vec<f64>>();
+        let x = self.shortest(block, &pair(r, sides));
+        let lane = |slab: &Pair, c: usize| slab.iter().map(|row| row[c]).collect::<Vec<f64>>();
         Vectors { moves: [lane(&moves, 0), lane(&moves, 1)], sample: lane(&x, 0), particular: lane(&x, 1) }
     }
 
     /// `x` with `C_k x = b`, in the range of `C_k^T`.
-    fn shortest(&self, block: &Block, b: &Slab) -> Slab {
-        let mut x = vec![[0.0; WIDTH]; block.matrix.cols];
+    fn shortest(&self, block: &Block, b: &Pair) -> Pair {
+        let mut x = vec![[0.0; 2]; block.matrix.cols];
         for _ in 0..PASSES {
-            let mut step: Slab = self.times(block, &x);
+            let mut step: Pair = self.times(block, &x);
             step.iter_mut().zip(b).for_each(|(step, b)| step.iter_mut().zip(b).for_each(|(step, b)| *step -= b));
             self.normal(&mut step);
             self.subtract_from(block, &step, &mut x);
@@ -111,15 +136,15 @@ impl Triangle {
     }
 
     /// `Z <- (R^T R)^-1 Z`.
-    fn normal(&self, z: &mut Slab) {
+    fn normal(&self, z: &mut Pair) {
         self.factor.solve_slab_transposed(z);
         self.factor.solve_slab(z);
     }
 
     /// `C_k X`.
-    fn times(&self, block: &Block, x: &Slab) -> Slab {
+    fn times(&self, block: &Block, x: &Pair) -> Pair {
         let product = |&k: &usize| {
-            let mut sum = [0.0; WIDTH];
+            let mut sum = [0.0; 2];
             block.matrix.row(k).for_each(|(j, v)| sum.iter_mut().zip(&x[j]).for_each(|(sum, x)| *sum += v * x));
             sum
         };
@@ -127,13 +152,14 @@ impl Triangle {
     }
 
     /// `X <- X - C_k^T W`.
-    fn subtract_from(&self, block: &Block, w: &Slab, x: &mut Slab) {
+    fn subtract_from(&self, block: &Block, w: &Pair, x: &mut Pair) {
         for (&k, w) in self.rows.iter().zip(w) {
             block.matrix.row(k).for_each(|(j, v)| x[j].iter_mut().zip(w).for_each(|(x, w)| *x -= v * w));
         }
     }
 }
 
-fn add(a: &mut [f64; WIDTH], b: &[f64; WIDTH]) {
-    a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+/// Two vectors, number by number.
+fn pair(length: usize, of: impl Fn(usize, usize) -> f64) -> Pair {
+    (0..length).map(|i| [of(0, i), of(1, i)]).collect()
 }

@@ -11,17 +11,17 @@ use super::Factor;
 /// Vectors of a slab.
 pub(crate) const WIDTH: usize = 16;
 
-/// `WIDTH` vectors, number by number.
-pub(crate) type Slab = Vec<[f64; WIDTH]>;
+/// `W` vectors, number by number.
+pub(crate) type Slab<const W: usize = WIDTH> = Vec<[f64; W]>;
 
 impl Factor {
     /// `Z <- R1^-1 Z`.
-    pub(crate) fn solve_slab(&self, z: &mut Slab) {
+    pub(crate) fn solve_slab<const W: usize>(&self, z: &mut Slab<W>) {
         Arch::new().dispatch(Upward { r: self, z });
     }
 
     /// `Z <- R1^-T Z`.
-    pub(crate) fn solve_slab_transposed(&self, z: &mut Slab) {
+    pub(crate) fn solve_slab_transposed<const W: usize>(&self, z: &mut Slab<W>) {
         Arch::new().dispatch(Downward { r: self, z });
     }
 
@@ -42,12 +42,12 @@ impl Factor {
     }
 }
 
-struct Upward<'a> {
+struct Upward<'a, const W: usize> {
     r: &'a Factor,
-    z: &'a mut [[f64; WIDTH]],
+    z: &'a mut [[f64; W]],
 }
 
-impl NullaryFnOnce for Upward<'_> {
+impl<const W: usize> NullaryFnOnce for Upward<'_, W> {
     type Output = ();
 
     #[inline(always)]
@@ -65,12 +65,12 @@ impl NullaryFnOnce for Upward<'_> {
     }
 }
 
-struct Downward<'a> {
+struct Downward<'a, const W: usize> {
     r: &'a Factor,
-    z: &'a mut [[f64; WIDTH]],
+    z: &'a mut [[f64; W]],
 }
 
-impl NullaryFnOnce for Downward<'_> {
+impl<const W: usize> NullaryFnOnce for Downward<'_, W> {
     type Output = ();
 
     #[inline(always)]
@@ -109,14 +109,14 @@ impl NullaryFnOnce for Product<'_> {
 
 /// `a <- a - v b`.
 #[inline(always)]
-fn subtract(a: &mut [f64; WIDTH], v: f64, b: &[f64; WIDTH]) {
-    for c in 0..WIDTH {
+fn subtract<const W: usize>(a: &mut [f64; W], v: f64, b: &[f64; W]) {
+    for c in 0..W {
         a[c] -= v * b[c];
     }
 }
 
 #[inline(always)]
-fn divide(a: &mut [f64; WIDTH], v: f64) {
+fn divide<const W: usize>(a: &mut [f64; W], v: f64) {
     for a in a {
         *a /= v;
     }

@@ -15,10 +15,11 @@ mod factor;
 pub mod faer;
 pub mod gauss;
 pub(crate) mod many;
-mod null;
+pub(crate) mod null;
 pub mod sparse;
 #[cfg(feature = "spqr")]
 pub mod spqr;
+mod tall;
 
 /// The most entries that a dense backend will hold: 2 GiB.
 const DENSE_LIMIT: usize = 1 << 28;

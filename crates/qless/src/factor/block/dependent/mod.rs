@@ -1,0 +1,166 @@
+//! `C^T P = Q [R1 R2]`: which rows of a block are combinations of others, and of which.
+
+mod certificate;
+mod choice;
+mod weak;
+
+use super::tableau::Tableau;
+use super::triangle::{Triangle, seeds};
+use super::{Block, Means};
+use crate::factor::qr::faer::Faer;
+use crate::factor::qr::{Backend, BackendError};
+use crate::presolve::basis::{BlockDependent as Dependent, NEAR, Nearness};
+use certificate::{NOISE, ROUNDING, beyond_rounding, by_row, dependent, over_kept, rows};
+use choice::Choice;
+use weak::without_weak;
+
+/// m n up to which a block that seems nearly dependent is factored once more, with pivoting.
+const DENSE: usize = 1 << 20;
+
+/// Stands for zero where rows are known to be independent and backends must not take rounding for a pivot.
+pub(crate) const NO_PIVOT: f64 = 1e-13;
+
+/// Numbers of certificates that are held at once.
+const MANY: usize = 4_000_000;
+
+/// The estimate of a smallest singular value is not above this times the value.
+const ESTIMATE: f64 = 10.0;
+
+/// Coefficients of certificates above this are exchanged for smaller ones where the kept rows seem nearly dependent.
+const STEEP: f64 = 2.0;
+
+/// Kept rows (positions in the block) and dependent ones.
+pub(super) struct Rows {
+    pub kept: Vec<usize>,
+    /// Indices of `kept` in an order in which they fill little.
+    pub order: Vec<usize>,
+    pub dependent: Vec<Dependent>,
+    pub nearness: Nearness,
+    /// Of the kept rows.
+    pub triangle: Triangle,
+}
+
+pub(super) fn find(block: &Block, means: Means) -> Result<Rows, BackendError> {
+    let mut rows = independent(block, means)?;
+    rows.order = rows.order.iter().filter_map(|k| rows.kept.binary_search(k).ok()).collect();
+    Ok(rows)
+}
+
+/// As [`find`], with the whole block in `order`.
+fn independent(block: &Block, means: Means) -> Result<Rows, BackendError> {
+    let Means { backend, tolerance, check, .. } = means;
+    let factor = backend.factor(&block.matrix, &seeds(block), tolerance)?;
+    let order = factor.order.clone();
+    let left = beyond_rounding(&factor, block);
+    let choice = Choice::new(block, factor, means)?;
+    if !check {
+        return Ok(rows(block, &over_kept(&choice.triangle), left, choice, order));
+    }
+    let (m, n) = (block.matrix.rows(), block.matrix.cols);
+    let pivots = backend.pivots(n, m) || choice.near.distance >= NEAR;
+    if !pivots && m * n > DENSE {
+        // No row is nearer to the others than sigma.
+        let doubtful = choice.near.sigma <= ESTIMATE * tolerance;
+        if let Some(rows) = if doubtful { without_weak(block, means, &choice, &order)? } else { None } {
+            return Ok(rows);
+        }
+    } else if !pivots {
+        // The backend may have kept the wrong rows of a sound block: with pivoting the best are kept.
+        let means = Means { backend: &Faer, ..means };
+        let other = Faer.factor(&block.matrix, &seeds(block), tolerance)?;
+        let left = beyond_rounding(&other, block);
+        let better = Choice::new(block, other, means)?;
+        if better.near.sigma > choice.near.sigma {
+            return ordered_or_repaired(block, means, better, left, order);
+        }
+    }
+    ordered_or_repaired(block, means, choice, left, order)
+}
+
+/// Of what a backend kept the rows that are sound.
+fn ordered_or_repaired(
+    block: &Block,
+    means: Means,
+    choice: Choice,
+    left: f64,
+    order: Vec<usize>,
+) -> Result<Rows, BackendError> {
+    if choice.weakest.left <= means.tolerance && choice.near.distance < NEAR && !choice.triangle.rows.is_empty() {
+        return repair(block, means, choice, order);
+    }
+    let Triangle { rows: kept, dropped, .. } = &choice.triangle;
+    if dropped.len().saturating_mul(kept.len()) > MANY && choice.triangle.holds_dropped() {
+        return Ok(many(block, left, choice, order));
+    }
+    let tableau = over_kept(&choice.triangle);
+    let (tableau, choice) = in_order(block, means, tableau, choice)?;
+    Ok(rows(block, &tableau, left, choice, order))
+}
+
+/// As [`rows`], where certificates are too many numbers to be held at once: slab by slab, what is zero being left out. Which of
+/// equal equations is kept is what the factorization says.
+fn many(block: &Block, left: f64, choice: Choice, order: Vec<usize>) -> Rows {
+    let Choice { near: nearness, triangle, .. } = choice;
+    let noise = (ROUNDING * f64::EPSILON / nearness.sigma).max(NOISE);
+    let free: Vec<u32> = triangle.rows.iter().map(|&k| k as u32).collect();
+    let columns = by_row(block, &free);
+    let dependent = triangle.factor.each_coefficients(|first, data| {
+        let some = Tableau {
+            basic: triangle.dropped[first..first + data.len()].iter().map(|&i| i as u32).collect(),
+            free: free.clone(),
+            width: triangle.rows.len(),
+            data: data.concat(),
+        };
+        let of = |i: usize| dependent(block, &some, i, &columns, left, noise, nearness.sigma);
+        (0..some.basic.len()).map(of).collect::<Vec<_>>()
+    });
+    let mut kept = triangle.rows.clone();
+    kept.sort_unstable();
+    Rows { dependent: dependent.into_iter().flatten().collect(), kept, order, nearness, triangle }
+}
+
+/// Which of equations that say the same is rather dropped.
+fn later(candidate: u32, holder: u32) -> bool {
+    candidate > holder
+}
+
+/// Of equations that say the same the earlier one is kept, and what is said of nearness is that of the rows then kept; all
+/// stays as it is where that would cost accuracy.
+fn in_order(
+    block: &Block,
+    means: Means,
+    mut tableau: Tableau,
+    mut choice: Choice,
+) -> Result<(Tableau, Choice), BackendError> {
+    let kept_of = |tableau: &Tableau| tableau.free.iter().map(|&k| k as usize).collect::<Vec<_>>();
+    if !choice.near.is_sound() {
+        // Where certificates are small, no other choice of rows is much better (Gu and Eisenstat 1996).
+        let mut better = tableau.clone();
+        if better.limit(STEEP) && better.basic != tableau.basic {
+            let found = Choice::of(block, &kept_of(&better), &[], means)?;
+            if found.near.sigma > choice.near.sigma {
+                (tableau, choice) = (better, found);
+            }
+        }
+    }
+    let mut ordered = tableau.clone();
+    ordered.prefer(later);
+    if ordered.basic == tableau.basic {
+        return Ok((tableau, choice));
+    }
+    let found = Choice::of(block, &kept_of(&ordered), &[], means)?;
+    Ok(if 2.0 * found.near.sigma < choice.near.sigma { (tableau, choice) } else { (ordered, found) })
+}
+
+/// The backend kept rows that are dependent to within the tolerance (no pivot was small, as in Kahan's matrix): row after
+/// row, the one with the largest part in the smallest singular vector is dropped, until what is kept is independent.
+fn repair(block: &Block, means: Means, mut choice: Choice, order: Vec<usize>) -> Result<Rows, BackendError> {
+    while choice.weakest.left <= means.tolerance {
+        let Triangle { rows: mut kept, mut dropped, .. } = choice.triangle;
+        let place = kept.iter().position(|&i| i == choice.weakest.row).unwrap_or(kept.len() - 1);
+        dropped.push(kept.swap_remove(place));
+        choice = Choice::of(block, &kept, &dropped, means)?;
+    }
+    let (tableau, left) = (over_kept(&choice.triangle), choice.remainder(block));
+    Ok(rows(block, &tableau, left, choice, order))
+}

@@ -1,0 +1,140 @@
+//! Rows that a QR without pivoting kept although they are combinations of others to within the tolerance.
+//!
+//! ```text
+//! N^T rows = 0      N, r x k: the near null space of R1, of the kept rows
+//! row_d = Y rows    R1 Y = R2: the dropped rows over the kept ones, as far as R1 tells
+//! row_W = ...       both solved for k weak rows W and the dropped ones: each over the rest
+//! ```
+//!
+//! Two factorizations in all: which of equations that say the same are kept is settled between them, by these first certificates,
+//! good to some digits; the second factorization makes them good to all that there are.
+
+use super::certificate::{over_kept, rest, rows};
+use super::choice::Choice;
+use super::{MANY, Rows, STEEP, in_order, later};
+use crate::Csr;
+use crate::factor::block::tableau::Tableau;
+use crate::factor::block::triangle::Triangle;
+use crate::factor::block::{Block, Means};
+use crate::factor::qr::faer::Faer;
+use crate::factor::qr::null::Weak;
+use crate::factor::qr::{Backend, BackendError};
+use crate::presolve::basis::NEAR;
+
+/// Most times that rows are dropped and taken back in search of a sound choice.
+const ROUNDS: usize = 8;
+
+/// Name of a combination of rows that is nothing.
+const NOTHING: u32 = u32::MAX;
+
+/// The backend kept rows that are combinations of others to within the tolerance, as a QR without pivoting does where their
+/// remainders are spread over many: those are found by the singular vectors and dropped. Dropped rows that are no combinations
+/// come back for good: only such a row had explained them, or many together are nearer to dependence than each of them.
+/// None where that does not end in a sound choice.
+pub(super) fn without_weak(
+    block: &Block,
+    means: Means,
+    first: &Choice,
+    order: &[usize],
+) -> Result<Option<Rows>, BackendError> {
+    let limit = means.tolerance;
+    let Triangle { factor, rows: kept, dropped, .. } = &first.triangle;
+    let (mut kept, mut dropped) = (kept.clone(), dropped.clone());
+    let mut sure = vec![false; block.matrix.rows()];
+    let Some(found) = factor.weak_columns(limit, dropped.len())? else { return Ok(None) };
+    match foreseen(first, &found) {
+        Some(Tableau { basic, free, .. }) => {
+            let names = |some: Vec<u32>| some.into_iter().map(|k| k as usize).collect();
+            (kept, dropped) = (names(free), names(basic));
+        }
+        None => drop_weak(found.columns, &mut kept, &mut dropped),
+    }
+    for _ in 0..ROUNDS {
+        let choice = Choice::of(block, &kept, &dropped, means)?;
+        kept.clone_from(&choice.triangle.rows);
+        // Many rows together can be nearer to dependence than the tolerance, though none of them is.
+        if choice.weakest.left <= limit {
+            let Some(still) = choice.triangle.factor.weak_columns(limit, 0)? else { return Ok(None) };
+            let weak: Vec<usize> = still.columns.into_iter().filter(|&k| !sure[kept[k]]).collect();
+            if !weak.is_empty() {
+                dropped.clone_from(&choice.triangle.dropped);
+                drop_weak(weak, &mut kept, &mut dropped);
+                continue;
+            }
+        }
+        let tableau = over_kept(&choice.triangle);
+        let unexplained = unexplained(block, &tableau, choice.triangle.rests(), limit)?;
+        if unexplained.is_empty() {
+            let left = choice.remainder(block);
+            let (tableau, choice) = in_order(block, means, tableau, choice)?;
+            let sound = choice.near.distance >= NEAR || choice.weakest.left > limit;
+            return Ok(sound.then(|| rows(block, &tableau, left, choice, order.to_vec())));
+        }
+        unexplained.iter().for_each(|&k| sure[k] = true);
+        dropped = choice.triangle.dropped.iter().copied().filter(|k| !unexplained.contains(k)).collect();
+        kept.extend(unexplained);
+    }
+    Ok(None)
+}
+
+/// Moves rows, by position among the kept ones, to the dropped ones.
+fn drop_weak(mut weak: Vec<usize>, kept: &mut Vec<usize>, dropped: &mut Vec<usize>) {
+    weak.sort_unstable_by(|a, b| b.cmp(a));
+    dropped.extend(weak.into_iter().map(|k| kept.swap_remove(k)));
+}
+
+/// The dropped rows and the weak ones over the rest, steep certificates and equal equations exchanged. None where that is too many
+/// numbers, or some of them are none.
+fn foreseen(first: &Choice, weak: &Weak) -> Option<Tableau> {
+    let mut tableau = without(weak, with_null_space(first, weak)?)?;
+    tableau.limit(STEEP);
+    // One exchange can make another worth while.
+    for _ in 0..ROUNDS {
+        let before = tableau.basic.clone();
+        tableau.prefer(later);
+        if tableau.basic == before {
+            break;
+        }
+    }
+    Some(tableau)
+}
+
+/// Over all that was kept: the dropped rows, and the combinations of kept rows that are nothing, which have no name.
+fn with_null_space(first: &Choice, weak: &Weak) -> Option<Tableau> {
+    let Triangle { factor, rows, dropped, .. } = &first.triangle;
+    let (width, nothings) = (rows.len(), weak.columns.len());
+    if (dropped.len() + nothings).saturating_mul(width) > MANY || !first.triangle.holds_dropped() {
+        return None;
+    }
+    let mut data = factor.all_coefficients().concat();
+    data.reserve(nothings * width);
+    (0..nothings).for_each(|c| data.extend((0..width).map(|i| weak.null[(i, c)])));
+    let names = |some: &[usize]| some.iter().map(|&k| k as u32).collect::<Vec<_>>();
+    let basic = [names(dropped), vec![NOTHING; nothings]].concat();
+    data.iter().all(|v| v.is_finite()).then(|| Tableau { basic, free: names(rows), width, data })
+}
+
+/// Weak rows change places with the nothings, which are then left out.
+fn without(weak: &Weak, mut tableau: Tableau) -> Option<Tableau> {
+    let mut weak = weak.columns.clone();
+    for i in (0..tableau.basic.len()).filter(|&i| tableau.basic[i] == NOTHING).collect::<Vec<_>>() {
+        let row = tableau.row(i);
+        let best = (0..weak.len()).max_by(|&a, &b| row[weak[a]].abs().total_cmp(&row[weak[b]].abs()))?;
+        tableau.exchange(i, weak.swap_remove(best));
+    }
+    let stays: Vec<bool> = tableau.free.iter().map(|&k| k != NOTHING).collect();
+    let mut place = (0..tableau.data.len()).map(|k| stays[k % stays.len()]);
+    tableau.data.retain(|_| place.next().unwrap_or_default());
+    tableau.free.retain(|&k| k != NOTHING);
+    tableau.width = tableau.free.len();
+    tableau.data.iter().all(|v| v.is_finite()).then_some(tableau)
+}
+
+/// Dropped rows that are no combination of the kept ones, nor of one another: of those asked for, which come first, `rests` are left.
+fn unexplained(block: &Block, tableau: &Tableau, rests: &[f64], tolerance: f64) -> Result<Vec<usize>, BackendError> {
+    let large: Vec<usize> = (0..rests.len()).filter(|&i| rests[i] > tolerance).collect();
+    let mut rows = Csr::empty(block.matrix.cols);
+    large.iter().for_each(|&i| rows.append(rest(block, tableau, i).into_iter().enumerate()));
+    let factor = Faer.factor(&rows, &[], tolerance)?;
+    Ok(factor.order[..factor.rank].iter().map(|&k| tableau.basic[large[k]] as usize).collect())
+}
