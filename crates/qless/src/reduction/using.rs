@@ -87,7 +87,7 @@ impl Reduction {
         self.masters.binary_search(&dof).unwrap_or_default()
     }
 
-    pub(super) fn dofs(&self) -> usize {
+    pub(crate) fn dofs(&self) -> usize {
         self.slaves.len() + self.masters.len() + self.prescribed.len()
     }
 }

@@ -76,6 +76,26 @@ pub enum SystemError {
         /// Number of equations.
         rows: usize,
     },
+    /// An index of a matrix of the caller that is no row or column of it.
+    #[error("entry {place} (from 0) stands in a row or column that is not there; the matrix must be {dofs} x {dofs}")]
+    BadIndex {
+        /// Where in the list of indices.
+        place: usize,
+        /// Rows and columns of the matrix.
+        dofs: usize,
+    },
+    /// An entry in the half of a symmetric matrix that is said not to be stored.
+    #[error(
+        "entry {place} (from 0) stands at ({row}, {column}), in the half that is not stored; leave it out, or say that all is stored"
+    )]
+    WrongHalf {
+        /// Where in the list of indices.
+        place: usize,
+        /// Its row.
+        row: usize,
+        /// Its column.
+        column: usize,
+    },
     /// A size that does not fit the 32-bit indices of the library, or the memory.
     #[error("{what} is {found}; at most {} are supported", u32::MAX)]
     TooLarge {

@@ -1,0 +1,61 @@
+//! Compressed lines of K_q, and of what slaves bring into it.
+
+/// Line i holds `index[k]` for `k` in `starts[i]..starts[i + 1]`.
+#[derive(Clone, Debug)]
+pub(super) struct Lines {
+    pub starts: Vec<u32>,
+    pub index: Vec<u32>,
+}
+
+impl Default for Lines {
+    fn default() -> Self {
+        Self { starts: vec![0], index: Vec::new() }
+    }
+}
+
+impl Lines {
+    /// Ends a line; false if there are more entries than can be counted.
+    #[must_use]
+    pub fn close(&mut self) -> bool {
+        self.starts.push(self.index.len() as u32);
+        u32::try_from(self.index.len()).is_ok()
+    }
+
+    #[inline]
+    pub fn range(&self, i: usize) -> std::ops::Range<usize> {
+        self.starts[i] as usize..self.starts[i + 1] as usize
+    }
+
+    #[inline]
+    pub fn line(&self, i: usize) -> &[u32] {
+        &self.index[self.range(i)]
+    }
+}
+
+/// The union of lists, ascending.
+pub(super) struct Union {
+    /// The last line that each index was seen in.
+    seen: Vec<u32>,
+    line: u32,
+    found: Vec<u32>,
+}
+
+impl Union {
+    pub fn new(count: usize) -> Self {
+        Self { seen: vec![u32::MAX; count], line: 0, found: Vec::new() }
+    }
+
+    pub fn add(&mut self, index: u32) {
+        if self.seen[index as usize] != self.line {
+            self.seen[index as usize] = self.line;
+            self.found.push(index);
+        }
+    }
+
+    /// What was added since the last time.
+    pub fn take(&mut self, into: &mut Vec<u32>) {
+        self.found.sort_unstable();
+        into.append(&mut self.found);
+        self.line += 1;
+    }
+}

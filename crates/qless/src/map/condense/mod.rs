@@ -1,0 +1,184 @@
+//! `K_q = L^T K L` and `f_q = L^T (f - K u_0)`: the pattern once, the values in every step.
+//!
+//! ```text
+//! pattern    number of each DOF, lines of K_q, and what of K goes where        O(nnz K + contributions of slaves)
+//! W = K_S L       the lines of slaves over what is left                         O(contributions)
+//! K_q(q, :) = K(q, :) L + sum_{a follows q} L_aq W(a, :)                        O(nnz K + contributions)
+//! ```
+//!
+//! Lines of K without slaves or prescribed DOFs, which are most, are copied. Each line of K_q is made by one thread, in one order: the
+//! bits are the same on any number of threads. Lines are rows or columns, as K has them.
+
+mod elements;
+mod lines;
+mod load;
+mod plan;
+mod values;
+
+use super::view::{Index, Storage, View};
+use super::{Map, MapError};
+use crate::common::argument::long;
+use crate::common::identity::Identity;
+use crate::{ArgumentError, Csr};
+use lines::Lines;
+use plan::{Half, Plan};
+
+/// What becomes of prescribed DOFs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Given {
+    /// They are gone from K_q, and their values are in f_q.
+    #[default]
+    Eliminated,
+    /// They stay unknowns of K_q, for a solver that prescribes them itself.
+    Kept,
+}
+
+/// The pattern of K_q, and how K fills it. For the map that made it, and its [`Map::refresh`]ed states.
+#[derive(Clone, Debug)]
+pub struct Condensed {
+    of: Identity,
+    given: Given,
+    storage: Storage,
+    half: Half,
+    /// L: a row for each slave, over the unknowns of K_q.
+    l: Csr,
+    /// `L^T`: for each unknown the slaves that follow it.
+    followers: Csr,
+    /// DOF of each unknown, ascending.
+    dofs: Vec<usize>,
+    /// Unknown of each DOF; [`NONE`] for slaves and what is eliminated.
+    number: Vec<u32>,
+    /// Slave (by place) of each DOF; [`NONE`] for others.
+    slave: Vec<u32>,
+    lines: Lines,
+    plan: Plan,
+}
+
+/// Marks no place.
+const NONE: u32 = u32::MAX;
+
+impl Map {
+    /// The pattern of K_q for matrices of the pattern of K: compressed as K is (rows or columns, the same half if it is symmetric),
+    /// counted from 0, indices ascending.
+    ///
+    /// ```
+    /// use qless::{Given, Map, Options, Storage, SystemBuilder, View};
+    /// // u2 = (u0 + u1) / 2; K by its lower half.
+    /// let mut builder = SystemBuilder::new(3);
+    /// builder.equation([(2, 2.0), (0, -1.0), (1, -1.0)], 0.0);
+    /// let map = Map::new(&builder.build()?, &Options::default())?;
+    /// let lower = View::rows(&[0, 1, 2, 4], &[0_u32, 1, 0, 2]).storing(Storage::Lower);
+    /// let condensed = map.condensed(lower, Given::Eliminated)?;
+    /// let (mut k_q, mut f_q) = (vec![0.0; condensed.nnz()], vec![0.0; condensed.unknowns()]);
+    /// condensed.condense_into(&map, &[4.0, 1.0, 3.0, 8.0], &[0.0; 3], &mut k_q, &mut f_q)?;
+    /// assert_eq!((condensed.starts(), condensed.index()), ([0, 1, 3].as_slice(), [0, 0, 1].as_slice()));
+    /// assert_eq!(k_q.len(), 3);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`MapError::Matrix`] if the arrays are no n x n pattern, [`MapError::Factored`] if parts of T are no numbers.
+    pub fn condensed<P: Index, I: Index>(&self, k: View<P, I>, given: Given) -> Result<Condensed, MapError> {
+        if !self.reduction.is_explicit() {
+            return Err(MapError::Factored);
+        }
+        Condensed::new(self, k.checked(self.dofs())?, given)
+    }
+}
+
+impl Condensed {
+    fn new<P: Index, I: Index>(map: &Map, k: View<P, I>, given: Given) -> Result<Self, MapError> {
+        let kept = given == Given::Kept;
+        let mut dofs = map.masters().to_vec();
+        if kept {
+            dofs.extend(map.prescribed());
+            dofs.sort_unstable();
+        }
+        let mut number = vec![NONE; map.dofs()];
+        dofs.iter().zip(0..).for_each(|(&j, c)| number[j] = c);
+        let mut slave = vec![NONE; map.dofs()];
+        map.slaves().iter().zip(0..).for_each(|(&j, i)| slave[j] = i);
+        let l = rows_over(map, &number, dofs.len(), kept);
+        let mut condensed = Self {
+            of: map.analysis.identity,
+            given,
+            storage: k.storage,
+            half: Half::of(&k),
+            followers: l.transposed(),
+            l,
+            dofs,
+            number,
+            slave,
+            lines: Lines::default(),
+            plan: Plan::default(),
+        };
+        condensed.plan(k)?;
+        Ok(condensed)
+    }
+
+    /// Number of unknowns of K_q, in the order of [`Condensed::dofs`].
+    pub fn unknowns(&self) -> usize {
+        self.dofs.len()
+    }
+
+    /// DOF of each unknown, ascending: the masters, with the prescribed DOFs if they are kept.
+    pub fn dofs(&self) -> &[usize] {
+        &self.dofs
+    }
+
+    /// Number of stored entries of K_q.
+    pub fn nnz(&self) -> usize {
+        self.lines.index.len()
+    }
+
+    /// Where each line of K_q starts in [`Condensed::index`]; one more than there are unknowns.
+    pub fn starts(&self) -> &[u32] {
+        &self.lines.starts
+    }
+
+    /// Indices of the lines of K_q, ascending within each.
+    pub fn index(&self) -> &[u32] {
+        &self.lines.index
+    }
+
+    /// Which half is stored; that of K.
+    pub fn storage(&self) -> Storage {
+        self.storage
+    }
+
+    /// The value of each prescribed DOF as an unknown adds nothing to `u_0`.
+    fn shift(&self, map: &Map, dof: usize) -> f64 {
+        match (map.roles.of[dof], self.given) {
+            (super::Role::Slave(i), Given::Eliminated) => map.roles.constants[i as usize],
+            (super::Role::Slave(i), Given::Kept) => map.reduction.g[i as usize],
+            (super::Role::Prescribed(p), Given::Eliminated) => map.given[p as usize],
+            _ => 0.0,
+        }
+    }
+
+    /// The map that made it, and values of K_q of the right length.
+    fn check(&self, map: &Map, values: usize) -> Result<(), ArgumentError> {
+        if map.analysis.identity != self.of {
+            return Err(ArgumentError::Foreign { what: "the map" });
+        }
+        long("the list of values of K_q", values, self.nnz())
+    }
+}
+
+/// T, with G if prescribed DOFs are unknowns too.
+fn rows_over(map: &Map, number: &[u32], unknowns: usize, kept: bool) -> Csr {
+    let reduction = &map.reduction;
+    let mut rows = Csr::empty(unknowns);
+    for i in 0..reduction.slaves.len() {
+        let of_masters = reduction.t.row(i).map(|(q, v)| (number[reduction.masters[q]] as usize, v));
+        if kept {
+            let of_given = reduction.g_matrix.row(i).map(|(p, v)| (number[reduction.prescribed[p]] as usize, v));
+            let mut all: Vec<_> = of_masters.chain(of_given).collect();
+            all.sort_unstable_by_key(|&(c, _)| c);
+            rows.append(all);
+        } else {
+            rows.append(of_masters);
+        }
+    }
+    rows
+}

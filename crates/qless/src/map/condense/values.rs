@@ -1,0 +1,139 @@
+//! `K_q(q, :) = K(q, :) L + sum_{a follows q} L_aq W(a, :)`, each line by one thread.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::plan::Source;
+use super::{Condensed, NONE};
+use crate::ArgumentError;
+use crate::common::argument::{long, numbers};
+use crate::map::Map;
+
+/// Fewer entries of K_q than this are not worth a thread of their own.
+const WORTH_A_THREAD: usize = 1 << 15;
+
+impl Condensed {
+    /// `K_q = L^T K L` and `f_q = L^T (f - K u_0)` for values of K in the order of its pattern and forces on all DOFs.
+    ///
+    /// # Errors
+    /// [`ArgumentError`] for a wrong length, a number that is not finite, or another map.
+    pub fn condense_into(
+        &self,
+        map: &Map,
+        k: &[f64],
+        f: &[f64],
+        k_q: &mut [f64],
+        f_q: &mut [f64],
+    ) -> Result<(), ArgumentError> {
+        numbers("the list of forces", f, map.dofs())?;
+        long("the list of forces on unknowns", f_q.len(), self.unknowns())?;
+        self.condense_matrix_into(map, k, k_q)?;
+        self.load(map, k, f, f_q)
+    }
+
+    /// `L^T K L` alone: for masses, dampings, and whatever has the pattern of K.
+    ///
+    /// # Errors
+    /// As [`Condensed::condense_into`].
+    pub fn condense_matrix_into(&self, map: &Map, k: &[f64], k_q: &mut [f64]) -> Result<(), ArgumentError> {
+        self.check(map, k_q.len())?;
+        long("the list of values of K", k.len(), self.plan.entries)?;
+        let w = self.of_slaves(k);
+        let stretch = |(range, out): (Range<usize>, &mut [f64])| self.fill(range, out, k, &w);
+        let finite = match self.stretches(k_q, 4 * rayon::current_num_threads()) {
+            few if few.len() < 2 => few.into_iter().all(stretch),
+            many => many.into_par_iter().map(stretch).reduce(|| true, |a, b| a && b),
+        };
+        if finite {
+            return Ok(());
+        }
+        match k.iter().position(|v| !v.is_finite()) {
+            Some(place) => Err(ArgumentError::NotFinite { what: "the list of values of K", place, value: k[place] }),
+            None => Err(ArgumentError::Overflow { what: "K_q", place: position(k_q) }),
+        }
+    }
+
+    /// Lines in stretches of about the same number of entries, with their values.
+    pub(super) fn stretches<'a>(&self, mut values: &'a mut [f64], most: usize) -> Vec<(Range<usize>, &'a mut [f64])> {
+        let count = if rayon::current_num_threads() == 1 { 1 } else { most.min(values.len() / WORTH_A_THREAD).max(1) };
+        let (total, starts) = (values.len(), &self.lines.starts);
+        let mut all = Vec::new();
+        let mut first = 0;
+        for part in 1..=count {
+            let end = if part == count {
+                self.unknowns()
+            } else {
+                starts.partition_point(|&s| (s as usize) < total * part / count)
+            };
+            let end = end.clamp(first, self.unknowns());
+            let (own, rest) = values.split_at_mut((starts[end] - starts[first]) as usize);
+            all.push((first..end, own));
+            (values, first) = (rest, end);
+        }
+        all
+    }
+
+    /// Writes some lines; false if a number is not finite.
+    fn fill(&self, range: Range<usize>, mut out: &mut [f64], k: &[f64], w: &[f64]) -> bool {
+        // Made where the first line is that needs it.
+        let mut sums = Vec::new();
+        let mut finite = true;
+        for q in range {
+            let line = self.lines.line(q);
+            let (own, rest) = out.split_at_mut(line.len());
+            out = rest;
+            match self.plan.source[q] {
+                Source::Copied(first) => own.copy_from_slice(&k[first as usize..first as usize + own.len()]),
+                Source::Mixed(m) => {
+                    sums.resize(self.unknowns(), 0.0);
+                    line.iter().for_each(|&r| sums[r as usize] = 0.0);
+                    self.add_line(self.plan.mixed.line(m as usize), k, &mut sums, |r| self.is_stored(q, r));
+                    for (a, v) in self.followers.row(q) {
+                        let of_slave = self.plan.w.line(a).iter().zip(&w[self.plan.w.range(a)]);
+                        of_slave.filter(|(r, _)| self.is_stored(q, **r)).for_each(|(&r, w)| sums[r as usize] += v * w);
+                    }
+                    own.iter_mut().zip(line).for_each(|(own, &r)| *own = sums[r as usize]);
+                }
+            }
+            finite &= own.iter().fold(0.0, |sum, v| sum + 0.0 * v) == 0.0;
+        }
+        finite
+    }
+
+    /// `sums += line of K times L`.
+    fn add_line(&self, entries: &[(u32, u32)], k: &[f64], sums: &mut [f64], stored: impl Fn(u32) -> bool) {
+        for &(e, j) in entries {
+            let (v, number) = (k[e as usize], self.number[j as usize]);
+            if number != NONE {
+                if stored(number) {
+                    sums[number as usize] += v;
+                }
+            } else if self.slave[j as usize] != NONE {
+                let row = self.l.row(self.slave[j as usize] as usize);
+                row.filter(|&(r, _)| stored(r as u32)).for_each(|(r, l)| sums[r] += v * l);
+            }
+        }
+    }
+
+    /// `W = K_S L`.
+    fn of_slaves(&self, k: &[f64]) -> Vec<f64> {
+        let w = &self.plan.w;
+        let line = |sums: &mut Vec<f64>, a: usize| {
+            sums.resize(self.unknowns(), 0.0);
+            w.line(a).iter().for_each(|&r| sums[r as usize] = 0.0);
+            self.add_line(self.plan.of_slaves.line(a), k, sums, |_| true);
+            w.line(a).iter().map(|&r| sums[r as usize]).collect::<Vec<f64>>()
+        };
+        let slaves = w.starts.len() - 1;
+        if w.index.len() < WORTH_A_THREAD {
+            let mut sums = Vec::new();
+            return (0..slaves).flat_map(|a| line(&mut sums, a)).collect();
+        }
+        (0..slaves).into_par_iter().map_init(Vec::new, line).flatten_iter().collect()
+    }
+}
+
+fn position(values: &[f64]) -> usize {
+    values.iter().position(|v| !v.is_finite()).unwrap_or_default()
+}

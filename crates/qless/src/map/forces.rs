@@ -1,0 +1,100 @@
+//! `C_S^T lambda = (f - K u)_S`: what constraints carry, for any solver's u.
+
+use qless_qr::Symbolic;
+
+use super::{Map, MapError};
+use crate::common::argument::numbers;
+use crate::factor::lu;
+use crate::factor::qr::BackendError;
+use crate::factor::solver::Solver;
+use crate::{ArgumentError, Csr, Kind};
+
+/// The independent equations in the columns of their slaves, factored.
+pub(super) struct Multipliers {
+    /// The independent equations.
+    equations: Vec<usize>,
+    solver: Solver,
+}
+
+impl Multipliers {
+    fn new(map: &Map) -> Result<Self, BackendError> {
+        let system = map.analysis.system();
+        // Which equations are independent never changes.
+        let equations: Vec<usize> = (0..map.kinds.len()).filter(|&i| map.kinds[i] == Kind::Independent).collect();
+        let mut rows = Csr::empty(map.slaves().len());
+        let place = |(j, v): (usize, f64)| map.slaves().binary_search(&j).ok().map(|k| (k, v));
+        equations.iter().for_each(|&i| rows.append(system.matrix().row(i).filter_map(place)));
+        let memory = map.analysis.options.memory;
+        let failed =
+            |error: qless_qr::Error| BackendError::Failed { backend: "multipliers", message: error.to_string() };
+        let symbolic = Symbolic::analyse(rows.cols, rows.rows(), &rows.start, &rows.col).map_err(failed)?;
+        let order: Vec<usize> = symbolic.order().iter().map(|&i| i as usize).collect();
+        let factors = lu::factor(&rows, &order, |_| true, memory);
+        let factors = factors.map_err(|error| error.of_block("multipliers", &rows, memory))?;
+        Ok(Self { equations, solver: Solver::new(&rows, factors) })
+    }
+}
+
+impl Map {
+    /// lambda of `K u + C^T lambda = f`, by equation, from `residual = f - K u` of any solver's u; zero for dependent equations. The
+    /// equations in the columns of the slaves are factored once, when this is first called.
+    ///
+    /// ```
+    /// use qless::{Map, Options, SystemBuilder};
+    /// // u0 = u1 under forces 3 and 1, held at rest: the tie carries what one pushes more than it is held by.
+    /// let mut builder = SystemBuilder::new(2);
+    /// builder.equation([(0, 1.0), (1, -1.0)], 0.0);
+    /// let map = Map::new(&builder.build()?, &Options::default())?;
+    /// assert_eq!(map.multipliers(&[1.0, -1.0])?, [1.0]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`MapError::Argument`] for a wrong length or a number that is not finite, [`MapError::Backend`].
+    pub fn multipliers(&self, residual: &[f64]) -> Result<Vec<f64>, MapError> {
+        numbers("the residual", residual, self.dofs())?;
+        let of_slaves: Vec<f64> = self.slaves().iter().map(|&j| residual[j]).collect();
+        let mut all = vec![0.0; self.kinds.len()];
+        let factored = if let Some(factored) = self.multipliers.get() {
+            factored
+        } else {
+            let made = Multipliers::new(self)?;
+            self.multipliers.get_or_init(|| made)
+        };
+        let by_step: Vec<f64> = factored.solver.slaves().iter().map(|&k| of_slaves[k as usize]).collect();
+        let lambda = factored.solver.solve_transposed(&by_step);
+        for (&i, lambda) in factored.equations.iter().zip(lambda) {
+            if !lambda.is_finite() {
+                return Err(ArgumentError::Overflow { what: "lambda", place: i }.into());
+            }
+            all[i] = lambda;
+        }
+        Ok(all)
+    }
+
+    /// `C^T lambda - (f - K u)` at each prescribed DOF: what holds it. In the order of [`Map::prescribed`].
+    ///
+    /// # Errors
+    /// [`ArgumentError`] for wrong lengths or numbers that are not finite.
+    pub fn reactions(&self, residual: &[f64], multipliers: &[f64]) -> Result<Vec<f64>, ArgumentError> {
+        numbers("the residual", residual, self.dofs())?;
+        numbers("the list of multipliers", multipliers, self.kinds.len())?;
+        let mut held = vec![0.0; self.dofs()];
+        let matrix = self.analysis.system().matrix();
+        for (i, lambda) in multipliers.iter().enumerate().filter(|(_, lambda)| **lambda != 0.0) {
+            matrix.row(i).for_each(|(j, v)| held[j] += v * lambda);
+        }
+        Ok(self.prescribed().iter().map(|&j| held[j] - residual[j]).collect())
+    }
+
+    /// `(DOF, force)` for forces on free DOFs that the equations fix (generated boundary conditions): they go into the constraints and
+    /// move nothing.
+    ///
+    /// # Errors
+    /// [`ArgumentError`] for a wrong length or a number that is not finite.
+    pub fn loads_without_effect(&self, forces: &[f64]) -> Result<Vec<(usize, f64)>, ArgumentError> {
+        numbers("the list of forces", forces, self.dofs())?;
+        let fixed = self.analysis.generated().iter().map(|&(j, _)| (j, forces[j]));
+        Ok(fixed.filter(|&(_, force)| force != 0.0).collect())
+    }
+}

@@ -1,0 +1,254 @@
+//! `u = L u_q + u_0`: what a finite-element code does with its constraints in every step.
+//!
+//! ```text
+//! expand       u  = L u_q + u_0        u_q (masters) -> u (all DOFs)         O(n + nnz T)
+//! increment    du = L du_q             the same without u_0                  O(n + nnz T)
+//! project      f_q = L^T f             forces on all DOFs -> on masters      O(n + nnz T)
+//! condense     K_q = L^T K L,  f_q = L^T (f - K u_0)                         O(nnz K + contributions of slaves)
+//! multipliers  C_S^T lambda = (f - K u)_S                                    O(nnz of the LU of C_S), once factored
+//! refresh      g for new b and u_p                                           O(nnz C)
+//! ```
+//!
+//! L has a row of the identity for each master, the row of T for each slave and nothing for prescribed DOFs, which are in u_0 with g.
+
+mod apply;
+mod condense;
+mod error;
+mod forces;
+mod operator;
+mod roles;
+mod view;
+
+use std::sync::{Arc, OnceLock};
+
+use crate::change::refresh::Refresher;
+use crate::{Analysis, ConstraintSystem, Form, Kind, Options, Reduction, analyse};
+use forces::Multipliers;
+use roles::{Role, Roles};
+
+pub use condense::{Condensed, Given};
+pub use error::MapError;
+pub use operator::Operator;
+pub use view::{Index, Storage, View};
+
+/// A constraint system, analysed and solved for its slaves: owned, `Send + Sync`, made once and kept beside the model.
+///
+/// ```
+/// use qless::{Given, Map, Options, SystemBuilder, View};
+/// // Three springs in a row, u0 = 0 prescribed, u3 tied to u2 by u3 = u2 + 0.5 (said twice).
+/// let mut builder = SystemBuilder::new(4);
+/// builder.equation([(3, 1.0), (2, -1.0)], 0.5);
+/// builder.equation([(3, 2.0), (2, -2.0)], 1.0);
+/// builder.prescribe(0, 0.0);
+/// let map = Map::new(&builder.build()?, &Options::default())?;
+///
+/// // K in the caller's arrays; its pattern once, its values in every step.
+/// let (starts, columns) = ([0, 2, 5, 8, 10], [0_u32, 1, 0, 1, 2, 1, 2, 3, 2, 3]);
+/// let k = [1.0, -1.0, -1.0, 2.0, -1.0, -1.0, 2.0, -1.0, -1.0, 1.0];
+/// let condensed = map.condensed(View::rows(&starts, &columns), Given::Eliminated)?;
+/// let (mut k_q, mut f_q) = (vec![0.0; condensed.nnz()], vec![0.0; 2]);
+/// condensed.condense_into(&map, &k, &[0.0, 0.0, 3.0, 0.0], &mut k_q, &mut f_q)?;
+/// assert_eq!((k_q.as_slice(), f_q.as_slice()), ([2.0, -1.0, -1.0, 1.0].as_slice(), [0.0, 3.0].as_slice()));
+///
+/// // u_q = K_q^-1 f_q = (3, 6), by any solver, and back.
+/// let mut u = vec![0.0; 4];
+/// map.expand_into(&[3.0, 6.0], &mut u)?;
+/// assert_eq!(u, [0.0, 3.0, 6.0, 6.5]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Map {
+    analysis: Arc<Analysis>,
+    reduction: Reduction,
+    roles: Roles,
+    /// b, ...
+    rhs: Vec<f64>,
+    /// ... and the values of the prescribed DOFs, as they are now.
+    given: Vec<f64>,
+    kinds: Vec<Kind>,
+    /// Made when it is first needed.
+    refresher: OnceLock<Refresher>,
+    multipliers: OnceLock<Multipliers>,
+}
+
+impl std::fmt::Debug for Map {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let [slaves, masters, prescribed] = [self.slaves(), self.masters(), self.prescribed()].map(<[usize]>::len);
+        write!(f, "Map {{ slaves: {slaves}, masters: {masters}, prescribed: {prescribed} }}")
+    }
+}
+
+impl Map {
+    /// Analyses a system and solves it for slaves; all of T as numbers.
+    ///
+    /// # Errors
+    /// [`MapError::Conflicting`] where equations contradict one another; [`MapError::Analysis`], [`MapError::Reduction`].
+    pub fn new(system: &ConstraintSystem, options: &Options) -> Result<Self, MapError> {
+        Self::of(analyse(system, options)?, Form::Explicit)
+    }
+
+    /// From an analysis, or an `Arc` of one. Parts of T that stay factors ([`Form`]) serve to expand, project and refresh, not to
+    /// condense.
+    ///
+    /// # Errors
+    /// As [`Map::new`].
+    pub fn of(analysis: impl Into<Arc<Analysis>>, form: Form) -> Result<Self, MapError> {
+        let analysis = analysis.into();
+        refuse_conflicts(analysis.kinds(), analysis.system())?;
+        let reduction = analysis.reduction_in(form)?;
+        let given: Vec<f64> = analysis.system().prescribed().iter().map(|&(_, value)| value).collect();
+        Ok(Self {
+            roles: Roles::new(&reduction, &given),
+            rhs: analysis.system().rhs().to_vec(),
+            given,
+            kinds: analysis.kinds().to_vec(),
+            reduction,
+            analysis,
+            refresher: OnceLock::new(),
+            multipliers: OnceLock::new(),
+        })
+    }
+
+    /// What is known of the equations: certificates, confidence, generated boundary conditions.
+    pub fn analysis(&self) -> &Arc<Analysis> {
+        &self.analysis
+    }
+
+    /// T, G and g, for b and u_p as they are now.
+    pub fn reduction(&self) -> &Reduction {
+        &self.reduction
+    }
+
+    /// What each equation is, for b and u_p as they are now.
+    pub fn kinds(&self) -> &[Kind] {
+        &self.kinds
+    }
+
+    /// Number of DOFs n.
+    pub fn dofs(&self) -> usize {
+        self.analysis.system().dofs()
+    }
+
+    /// u_s, ascending.
+    pub fn slaves(&self) -> &[usize] {
+        self.reduction.slaves()
+    }
+
+    /// u_q, ascending.
+    pub fn masters(&self) -> &[usize] {
+        self.reduction.masters()
+    }
+
+    /// u_p, ascending.
+    pub fn prescribed(&self) -> &[usize] {
+        self.reduction.prescribed()
+    }
+
+    /// Values of u_p, as they are now.
+    pub fn prescribed_values(&self) -> &[f64] {
+        &self.given
+    }
+
+    /// Whether a DOF follows others; no DOF from n on does.
+    pub fn is_slave(&self, dof: usize) -> bool {
+        matches!(self.roles.of.get(dof), Some(Role::Slave(_)))
+    }
+
+    /// `u_dof = sum value u_j + g` of a slave: (j, value) for masters and prescribed DOFs, ascending, and g. None for other DOFs, and
+    /// for slaves of factored parts ([`Reduction::row`]).
+    ///
+    /// ```
+    /// # use qless::{Map, Options, SystemBuilder};
+    /// let mut builder = SystemBuilder::new(3);
+    /// builder.equation([(0, 1.0), (1, -0.5), (2, -0.5)], 1.0).prescribe(2, 4.0);
+    /// let map = Map::new(&builder.build()?, &Options::default())?;
+    /// let (terms, g) = map.row(0).expect("a slave");
+    /// assert_eq!((terms, g), (vec![(1, 0.5), (2, 0.5)], 1.0));
+    /// assert_eq!(map.masters_of(0), [1]);
+    /// assert!(map.row(1).is_none());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn row(&self, dof: usize) -> Option<(Vec<(usize, f64)>, f64)> {
+        let Some(&Role::Slave(i)) = self.roles.of.get(dof) else { return None };
+        let (i, reduction) = (i as usize, &self.reduction);
+        if self.roles.is_held(i) {
+            return None;
+        }
+        let of_masters = reduction.t.row(i).map(|(q, v)| (reduction.masters[q], v));
+        let mut terms: Vec<_> = of_masters.collect();
+        terms.extend(reduction.g_matrix.row(i).map(|(p, v)| (reduction.prescribed[p], v)));
+        terms.sort_unstable_by_key(|&(j, _)| j);
+        Some((terms, reduction.g[i]))
+    }
+
+    /// The masters that a slave follows, ascending; none for other DOFs.
+    pub fn masters_of(&self, dof: usize) -> Vec<usize> {
+        let Some(&Role::Slave(i)) = self.roles.of.get(dof) else { return Vec::new() };
+        let row = self.reduction.row(i as usize).unwrap_or_default();
+        row.into_iter().map(|(q, _)| self.reduction.masters[q]).collect()
+    }
+
+    /// New right-hand sides b (length m) and prescribed values (in the order of [`Map::prescribed`]). Slaves and T stay as they are,
+    /// to the last bit.
+    ///
+    /// ```
+    /// # use qless::{Map, Options, SystemBuilder};
+    /// let mut builder = SystemBuilder::new(3);
+    /// builder.equation([(0, 1.0), (1, -1.0), (2, -1.0)], 0.0).prescribe(2, 0.0);
+    /// let mut map = Map::new(&builder.build()?, &Options::default())?;
+    /// for step in 1..=3 {
+    ///     let t = f64::from(step);
+    ///     map.refresh(&[0.5 * t], &[t * t])?;
+    ///     let mut u = [0.0; 3];
+    ///     map.expand_into(&[0.0], &mut u)?;
+    ///     assert_eq!(u[0] - u[1], t * t + 0.5 * t);
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`MapError::Refresh`], and [`MapError::Conflicting`] where equations contradict one another now; the map is then as it was.
+    pub fn refresh(&mut self, rhs: &[f64], prescribed: &[f64]) -> Result<(), MapError> {
+        let g = self.reduction.g.clone();
+        let Self { analysis, refresher, reduction, .. } = self;
+        if refresher.get().is_none() {
+            // Nobody else can have set it: this is the only reference.
+            let _ = refresher.set(Refresher::new(Arc::clone(analysis)).map_err(MapError::Backend)?);
+        }
+        let Some(refresher) = refresher.get() else { return Ok(()) };
+        let refreshed = refresher.refresh(rhs, prescribed, reduction)?;
+        if let Err(error) = refuse_conflicts(&refreshed.kinds, analysis.system()) {
+            refresher.refresh(&self.rhs, &self.given, reduction)?;
+            reduction.g = g;
+            return Err(error);
+        }
+        self.kinds = refreshed.kinds;
+        self.rhs.copy_from_slice(rhs);
+        self.given.copy_from_slice(prescribed);
+        self.roles.refresh(&self.reduction, prescribed);
+        Ok(())
+    }
+
+    /// [`Map::refresh`] by functions of the equation and of the prescribed DOF, at a time that they know.
+    ///
+    /// # Errors
+    /// As [`Map::refresh`].
+    pub fn refresh_with(
+        &mut self,
+        rhs: impl Fn(usize) -> f64,
+        prescribed: impl Fn(usize) -> f64,
+    ) -> Result<(), MapError> {
+        let rhs: Vec<f64> = (0..self.kinds.len()).map(rhs).collect();
+        let prescribed: Vec<f64> = self.prescribed().iter().map(|&dof| prescribed(dof)).collect();
+        self.refresh(&rhs, &prescribed)
+    }
+}
+
+/// Equations that contradict others have no solution that a model could follow.
+fn refuse_conflicts(kinds: &[Kind], system: &ConstraintSystem) -> Result<(), MapError> {
+    let rows: Vec<usize> = (0..kinds.len()).filter(|&i| kinds[i] == Kind::Conflicting).collect();
+    if rows.is_empty() {
+        return Ok(());
+    }
+    let labels = rows.iter().map(|&row| system.equation_label(row)).collect();
+    Err(MapError::Conflicting { rows, labels })
+}

@@ -1,0 +1,50 @@
+//! `x -> L^T K L x` without K_q, for Krylov methods.
+
+use super::Map;
+use crate::ArgumentError;
+
+/// The condensed matrix as a product: K is a function that multiplies vectors over all DOFs.
+///
+/// ```
+/// use qless::{Map, Options, SystemBuilder};
+/// let mut builder = SystemBuilder::new(3);
+/// builder.equation([(2, 1.0), (0, -1.0)], 0.0);
+/// let map = Map::new(&builder.build()?, &Options::default())?;
+/// let mut operator = map.operator(|u: &[f64], f: &mut [f64]| f.iter_mut().zip(u).for_each(|(f, u)| *f = 2.0 * u));
+/// let mut product = [0.0; 2];
+/// operator.apply_into(&[1.0, 3.0], &mut product)?;
+/// assert_eq!(product, [4.0, 6.0]);
+/// # Ok::<(), qless::MapError>(())
+/// ```
+pub struct Operator<'a, K> {
+    map: &'a Map,
+    k: K,
+    u: Vec<f64>,
+    f: Vec<f64>,
+}
+
+impl<K> std::fmt::Debug for Operator<'_, K> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Operator of {:?}", self.map)
+    }
+}
+
+impl Map {
+    /// `L^T K L`; `k(u, f)` writes `f = K u`, f being zero before.
+    pub fn operator<K: FnMut(&[f64], &mut [f64])>(&self, k: K) -> Operator<'_, K> {
+        Operator { map: self, k, u: vec![0.0; self.dofs()], f: vec![0.0; self.dofs()] }
+    }
+}
+
+impl<K: FnMut(&[f64], &mut [f64])> Operator<'_, K> {
+    /// `y = L^T K L x`, both over [`Map::masters`].
+    ///
+    /// # Errors
+    /// As [`Map::project_into`].
+    pub fn apply_into(&mut self, x: &[f64], y: &mut [f64]) -> Result<(), ArgumentError> {
+        self.map.expand_increment_into(x, &mut self.u)?;
+        self.f.fill(0.0);
+        (self.k)(&self.u, &mut self.f);
+        self.map.project_into(&self.f, y)
+    }
+}
