@@ -48,7 +48,7 @@ fn limit(bytes: u64) {
 }
 
 #[test]
-fn callers_wait_for_a_buffer_where_there_is_no_room_for_another() {
+fn nobody_asks_for_ever_where_there_is_no_room() {
     // Has the library linked, and with it its BLAS.
     drop(spqr_sys::memory::Common::start().expect("memory"));
     let Some(call) = call() else {

@@ -20,7 +20,8 @@ use std::path::Path;
 use rustix::fs::{CWD, RenameFlags, renameat_with};
 
 use super::commit::Change;
-use super::stage::{self, NEW, NOTE, SECOND, Stage, Turn};
+use super::stage::{self, NEW, NOTE, SECOND, Stage};
+use super::turn::Turn;
 use super::{metadata, moves};
 use crate::WriteError;
 
