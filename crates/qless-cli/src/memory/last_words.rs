@@ -30,16 +30,28 @@ pub fn on_out_of_memory(clean: fn()) {
         system::share_heap();
     }
     CLEAN.get_or_init(|| clean);
-    system::on_abort(end);
+    system::on_abort(end_of_abort);
+    let other = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        // Some libraries panic where they get no memory.
+        if refusal::is_here() {
+            end();
+        }
+        other(panic);
+    }));
     #[cfg(feature = "faults")]
     super::faults::begin();
 }
 
-extern "C" fn end(_: libc::c_int) {
-    if !refusal::is_here() {
-        // Something else went wrong.
-        return system::abort_as_ever();
+extern "C" fn end_of_abort(_: libc::c_int) {
+    if refusal::is_here() {
+        end();
     }
+    // Something else went wrong.
+    system::abort_as_ever();
+}
+
+fn end() -> ! {
     if ENDING_HERE.replace(true) {
         // Not even the reserve was enough.
         system::exit(3);
