@@ -1,6 +1,8 @@
 //! The program as its users meet it: exit codes, messages, both forms of the report, and the files of `reduce`.
 
 mod cli {
+    #[cfg(all(feature = "faults", unix))]
+    pub mod allocations;
     pub mod bad_input;
     pub mod case;
     pub mod decks;

@@ -2,22 +2,18 @@
 //!
 //! `QLESS_KILLS` says how often, for each command; by default few times. Times of the kills follow a seed.
 
-use std::collections::BTreeMap;
-use std::fs;
-use std::os::unix::fs::DirEntryExt;
+mod folder;
+
 use std::os::unix::process::ExitStatusExt;
-use std::path::Path;
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
 use rustix::process::{Pid, Signal, kill_process};
 
 use super::harness::{Place, lines};
+use folder::{content, hidden, numbers};
 
 const SIGNALS: [Signal; 3] = [Signal::KILL, Signal::TERM, Signal::INT];
-
-/// Each file of a folder that is no temporary one.
-type Content = BTreeMap<String, Vec<u8>>;
 
 /// A command with two results: that of `old` and that of `new`, in what `output` names.
 struct Case {
@@ -79,18 +75,20 @@ fn kill(place: &Place, case: &Case, k: usize) -> usize {
     assert!(run.code < 2, "{}", run.err);
     let folder = place.path(case.output);
     let (old, old_numbers) = (content(&folder), numbers(&folder));
-    let hidden = || count_hidden(&place.path("")) + count_hidden(&folder);
-    let (above, before) = (count_hidden(&place.path("")), hidden());
+    // What earlier kills left, and a run removes after a minute.
+    let before = [hidden(&place.path("")), hidden(&folder)];
+    let is_more_above = || !hidden(&place.path("")).is_subset(&before[0]);
+    let is_more = || is_more_above() || !hidden(&folder).is_subset(&before[1]);
     let is_one = case.output == "sets";
     let mut child = start(place, case.new);
-    wait(k, took, || count_hidden(&place.path("")) > above || (is_one && hidden() > before), || hidden() > before);
+    wait(k, took, || if is_one { is_more() } else { is_more_above() }, is_more);
     let sent = kill_process(Pid::from_child(&child), signal);
     assert!(sent.is_ok(), "a child that was not waited for can be sent signals");
     let status = child.wait().expect("it ends");
     let found = content(&folder);
     let what = format!("{} with {signal:?} at kill {k} ({status})", case.name);
     assert!(status.signal() == Some(number) || status.code().is_some_and(|code| code < 2), "{what}");
-    assert!(signal == Signal::KILL || hidden() == before, "{what}: temporary folders are left");
+    assert!(signal == Signal::KILL || !is_more(), "{what}: temporary folders are left");
     if numbers(&folder) == old_numbers {
         assert!(found == old, "{what}: the old files have changed");
         return if status.signal().is_some() { 0 } else { 2 };
@@ -134,35 +132,4 @@ fn random(k: usize) -> u64 {
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     (x ^ (x >> 31)) % 1_000_000
-}
-
-fn is_hidden(name: &str) -> bool {
-    name.starts_with(".qless-")
-}
-
-fn content(folder: &Path) -> Content {
-    let mut all = Content::new();
-    collect(folder, "", &mut all);
-    all
-}
-
-fn collect(folder: &Path, prefix: &str, all: &mut Content) {
-    for entry in fs::read_dir(folder).expect("a folder").flatten() {
-        let (path, name) = (entry.path(), entry.file_name().to_string_lossy().into_owned());
-        if path.is_dir() && !is_hidden(&name) {
-            collect(&path, &format!("{prefix}{name}/"), all);
-        } else if !is_hidden(&name) {
-            all.insert(format!("{prefix}{name}"), fs::read(path).expect("readable"));
-        }
-    }
-}
-
-/// The numbers of the files, which tell them from others of the same content.
-fn numbers(folder: &Path) -> BTreeMap<String, u64> {
-    let entries = fs::read_dir(folder).expect("a folder").flatten().filter(|entry| !entry.path().is_dir());
-    entries.map(|entry| (entry.file_name().to_string_lossy().into_owned(), entry.ino())).collect()
-}
-
-fn count_hidden(folder: &Path) -> usize {
-    fs::read_dir(folder).expect("a folder").flatten().filter(|e| is_hidden(&e.file_name().to_string_lossy())).count()
 }

@@ -4,8 +4,11 @@
 //! tree they also cost far more than they gain. The setting is the process's: other callers of OpenBLAS have one thread
 //! for that time too. Found at run time: with another BLAS nothing happens.
 //!
-//! OpenBLAS makes a buffer for each call that runs at the same time as others, keeps it, and asks for ever where there is no memory for one. So
-//! [`hold`] has it make what is needed, after a look whether there is room.
+//! OpenBLAS gives each call the first of its buffers that no other call has at that moment. Where all are in use it makes another, keeps it,
+//! and asks for ever where there is no memory for it. So [`hold`] has it make what is needed, after a look whether there is room, and lets no
+//! more callers in than there are buffers. To have one made, all others must be taken, which callers that run at that time may miss: the
+//! look is for theirs too. (So it is in builds with one set of buffers for all threads, OpenBLAS's default and that of the
+//! distributions; with `USE_TLS` each thread has its own, which nobody else can make.)
 //!
 //! When it is loaded, OpenBLAS starts a thread for each core, each with such a buffer: where there is no room they run for ever,
 //! and `exit` waits for them. A program, not a library, may say that it wants none, with the feature `serial-blas` of this
@@ -46,10 +49,10 @@ static ENDED: Condvar = Condvar::new();
 /// Nobody may ask again while holding it.
 pub fn hold(callers: usize) -> Option<Held> {
     let mut state = STATE.lock().unwrap_or_else(PoisonError::into_inner);
-    let mut granted = reserve(&mut state, callers.max(1));
+    let mut granted = admit(&mut state, callers.max(1));
     while granted == 0 && state.holders > 0 {
         state = ENDED.wait(state).unwrap_or_else(PoisonError::into_inner);
-        granted = reserve(&mut state, callers.max(1));
+        granted = admit(&mut state, callers.max(1));
     }
     let callers = NonZero::new(granted)?.get();
     if state.holders == 0 {
@@ -97,21 +100,36 @@ fn set(from: c_int, to: c_int) {
     }
 }
 
-/// For how many more callers, of those wanted, there are buffers: takes as many at once as all may need, and gives them back.
-fn reserve(state: &mut State, wanted: usize) -> usize {
+/// For how many more callers, of those wanted, there are buffers.
+fn admit(state: &mut State, wanted: usize) -> usize {
     let Some((take, give_back)) = buffer_functions() else { return wanted };
-    let mut taken = Vec::new();
-    if taken.try_reserve_exact(state.callers + wanted).is_err() {
-        return 0;
+    if state.buffers < state.callers + wanted {
+        make(state, state.callers + wanted, take, give_back);
     }
-    // Some of those that it has may be in use.
-    let unused = state.buffers.saturating_sub(state.callers);
-    while taken.len() < state.callers + wanted && (taken.len() < unused || room::is_left()) {
-        taken.push(take(0));
-    }
+    wanted.min(state.buffers.saturating_sub(state.callers))
+}
+
+/// Has OpenBLAS make buffers, until there are `wanted` or no room: takes as many at once, and gives them back.
+fn make(state: &mut State, wanted: usize, take: Take, give_back: GiveBack) {
+    let taken = taken(state, wanted, room::is_left, || take(0));
     taken.iter().filter(|buffer| !buffer.is_null()).for_each(|&buffer| give_back(buffer));
     state.buffers = state.buffers.max(taken.len());
-    taken.len().saturating_sub(state.callers)
+}
+
+/// So many buffers, or fewer where there is no room (`is_left`) for those that may have to be made.
+fn taken<T>(state: &State, wanted: usize, is_left: impl Fn(usize) -> bool, mut take: impl FnMut() -> T) -> Vec<T> {
+    let mut taken = Vec::new();
+    if taken.try_reserve_exact(wanted).is_ok() {
+        while taken.len() < wanted && is_left(made_at_most(state, taken.len())) {
+            taken.push(take());
+        }
+    }
+    taken
+}
+
+/// How many buffers OpenBLAS may have to make, for us and for callers that run, if one more is taken than so many.
+fn made_at_most(state: &State, taken: usize) -> usize {
+    (taken + 1 + state.callers).saturating_sub(state.buffers.max(taken))
 }
 
 type Take = extern "C" fn(c_int) -> *mut c_void;
@@ -127,23 +145,30 @@ fn buffer_functions() -> Option<(Take, GiveBack)> {
 mod room {
     use core::ptr::null_mut;
 
-    /// A buffer of OpenBLAS on x86-64 and ARM64, and something for what comes between.
-    const BUFFER: usize = (128 << 20) + (1 << 20);
+    /// A buffer of OpenBLAS on x86-64 and ARM64.
+    const BUFFER: usize = 128 << 20;
 
-    /// Whether there is room for another buffer: the same request as OpenBLAS's, given back at once.
-    pub fn is_left() -> bool {
+    /// What other threads may allocate between the look and OpenBLAS's request, which nothing can make one.
+    const BETWEEN: usize = 16 << 20;
+
+    /// Whether there is room for so many more buffers: a request as large as OpenBLAS's, given back at once.
+    pub fn is_left(buffers: usize) -> bool {
+        if buffers == 0 {
+            return true;
+        }
+        let size = buffers.saturating_mul(BUFFER).saturating_add(BETWEEN);
         let (access, kind) = (libc::PROT_READ | libc::PROT_WRITE, libc::MAP_PRIVATE | libc::MAP_ANONYMOUS);
         // SAFETY: new memory, which nobody else knows of, and no other.
         unsafe {
-            let block = libc::mmap(null_mut(), BUFFER, access, kind, -1, 0);
-            block != libc::MAP_FAILED && libc::munmap(block, BUFFER) == 0
+            let block = libc::mmap(null_mut(), size, access, kind, -1, 0);
+            block != libc::MAP_FAILED && libc::munmap(block, size) == 0
         }
     }
 }
 
 #[cfg(not(unix))]
 mod room {
-    pub fn is_left() -> bool {
+    pub fn is_left(_: usize) -> bool {
         true
     }
 }
@@ -174,7 +199,34 @@ fn find(_: &CStr) -> Option<*mut c_void> {
 
 #[cfg(test)]
 mod tests {
+    use core::cell::Cell;
+
     use super::*;
+
+    /// For all small numbers: others take all that they may at any moment, and give them back at the next or never.
+    #[test]
+    fn no_buffer_is_asked_for_without_room() {
+        for k in 0..4_usize.pow(5) {
+            let [buffers, callers, more, room, moment] =
+                core::array::from_fn(|digit| k / 4_usize.pow(digit as u32) % 4);
+            if callers > buffers {
+                continue;
+            }
+            for stays in [false, true] {
+                let state = State { holders: callers, callers, buffers, before: 1 };
+                let (ours, made) = (Cell::new(0), Cell::new(buffers));
+                let take = || {
+                    let others = if ours.get() == moment || (stays && ours.get() > moment) { callers } else { 0 };
+                    ours.set(ours.get() + 1);
+                    made.set(made.get().max(ours.get() + others));
+                };
+                let is_left = |count| made.get() + count <= buffers + room;
+                let taken = taken(&state, callers + more, is_left, take).len();
+                assert!(made.get().max(taken + callers) <= buffers.max(callers) + room, "{k}: {}", made.get());
+                assert!(callers > 0 || taken == more.min(buffers + room), "{k}: {taken}");
+            }
+        }
+    }
 
     #[test]
     fn the_last_of_several_holders_restores_the_number() {

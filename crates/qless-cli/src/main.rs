@@ -44,7 +44,7 @@ use failure::Failure;
 static GUARD: memory::Guard = memory::Guard;
 
 fn main() -> ExitCode {
-    memory::on_out_of_memory(qless_io::write::abandon_at_once);
+    memory::on_out_of_memory(qless_io::write::abandon_unless_at_work);
     let command = Cli::parse().command;
     run(&command).unwrap_or_else(|failure| failure.tell())
 }

@@ -14,7 +14,7 @@ use std::cell::Cell;
 use std::sync::atomic::{AtomicIsize, AtomicUsize, Ordering::Relaxed};
 
 use super::refusal::{By, Refusal};
-use super::system;
+use super::{reserve, system};
 
 /// The system's allocator within the limit.
 pub struct Guard;
@@ -131,6 +131,11 @@ fn give(bytes: usize) {
 
 /// Null if there is no room for `bytes` or the system has none; the numbers are kept.
 fn ask(bytes: usize, allocate: impl FnOnce() -> *mut u8) -> *mut u8 {
+    #[cfg(feature = "faults")]
+    if super::faults::fails() {
+        Refusal::of_system(bytes).keep();
+        return std::ptr::null_mut();
+    }
     if !book(bytes) {
         return std::ptr::null_mut();
     }
@@ -142,31 +147,52 @@ fn ask(bytes: usize, allocate: impl FnOnce() -> *mut u8) -> *mut u8 {
     block
 }
 
-// SAFETY: every block comes from and goes back to the system's allocator as it was asked for; counting allocates nothing.
+/// `block`, or one of the reserve where there is none for what must not be cut off.
+fn or_reserve(block: *mut u8, layout: Layout) -> *mut u8 {
+    if block.is_null() && qless_io::write::is_at_work() { reserve::take(layout) } else { block }
+}
+
+// SAFETY: every block comes from and goes back to the system's allocator as it was asked for, or is of the reserve; counting allocates nothing.
 unsafe impl GlobalAlloc for Guard {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         // SAFETY: passed on as it came.
-        ask(layout.size(), || unsafe { System.alloc(layout) })
+        or_reserve(ask(layout.size(), || unsafe { System.alloc(layout) }), layout)
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
         // SAFETY: passed on as it came.
-        ask(layout.size(), || unsafe { System.alloc_zeroed(layout) })
+        or_reserve(ask(layout.size(), || unsafe { System.alloc_zeroed(layout) }), layout)
     }
 
     unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
-        // SAFETY: passed on as it came.
-        unsafe { System.dealloc(block, layout) };
-        give(layout.size());
+        if !reserve::owns(block) {
+            // SAFETY: passed on as it came.
+            unsafe { System.dealloc(block, layout) };
+            give(layout.size());
+        }
     }
 
     unsafe fn realloc(&self, block: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        let more = size.saturating_sub(layout.size());
-        // SAFETY: passed on as it came.
-        let moved = ask(more, || unsafe { System.realloc(block, layout, size) });
+        let moved = if reserve::owns(block) {
+            std::ptr::null_mut()
+        } else {
+            let more = size.saturating_sub(layout.size());
+            // SAFETY: passed on as it came.
+            ask(more, || unsafe { System.realloc(block, layout, size) })
+        };
         if !moved.is_null() {
             give(layout.size().saturating_sub(size));
+            return moved;
         }
-        moved
+        // SAFETY: the size is one that a layout may have, by the caller's promise; old and new block are two, and each is as long as is copied.
+        unsafe {
+            let wanted = Layout::from_size_align_unchecked(size, layout.align());
+            let moved = if reserve::owns(block) { self.alloc(wanted) } else { or_reserve(moved, wanted) };
+            if !moved.is_null() {
+                moved.copy_from_nonoverlapping(block, size.min(layout.size()));
+                self.dealloc(block, layout);
+            }
+            moved
+        }
     }
 }

@@ -1,24 +1,20 @@
 //! The end of a run that got no memory and cannot go on.
 //!
 //! `handle_alloc_error` aborts, and the signal comes on the thread that failed, outside of the allocator and of its locks: so
-//! the handler may do what ordinary code may. It allocates nothing; for what removes files there is a reserve.
+//! the handler may do what ordinary code may. It allocates nothing; what removes files has [`super::reserve`].
 
 use std::cell::Cell;
 use std::fmt::Write;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
-use std::sync::{Mutex, OnceLock};
 use std::time::Duration;
 
 use super::{guard, refusal, system};
-
-/// Bytes kept for the end; enough to be pages of their own.
-const RESERVE: usize = 256 << 10;
 
 /// Below this much address space each thread's own heap would take what the model needs.
 const SCARCE: usize = 2 << 30;
 
 static CLEAN: OnceLock<fn()> = OnceLock::new();
-static KEPT: Mutex<Option<Vec<u8>>> = Mutex::new(None);
 static ENDING: AtomicBool = AtomicBool::new(false);
 
 thread_local! {
@@ -27,24 +23,35 @@ thread_local! {
 
 /// At the start: from now on a run that cannot go on without memory says so, calls `clean`, and exits with 3.
 ///
-/// `clean` removes what must not stay behind. It must not wait for what the thread that failed may hold.
+/// `clean` removes what must not stay behind. It must not wait for what the thread that failed may hold. What it allocates comes from
+/// the [`reserve`](super::reserve) if need be, if it counts as [`qless_io::write::is_at_work`].
 pub fn on_out_of_memory(clean: fn()) {
     if system::address_space_allowed().is_some_and(|bytes| bytes < SCARCE) {
         system::share_heap();
     }
     CLEAN.get_or_init(|| clean);
-    if let Ok(mut kept) = KEPT.lock() {
-        let mut reserve = Vec::new();
-        *kept = reserve.try_reserve_exact(RESERVE).is_ok().then_some(reserve);
-    }
-    system::on_abort(end);
+    system::on_abort(end_of_abort);
+    let other = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        // Some libraries panic where they get no memory.
+        if refusal::is_here() {
+            end();
+        }
+        other(panic);
+    }));
+    #[cfg(feature = "faults")]
+    super::faults::begin();
 }
 
-extern "C" fn end(_: libc::c_int) {
-    if !refusal::is_here() {
-        // Something else went wrong.
-        return system::abort_as_ever();
+extern "C" fn end_of_abort(_: libc::c_int) {
+    if refusal::is_here() {
+        end();
     }
+    // Something else went wrong.
+    system::abort_as_ever();
+}
+
+fn end() -> ! {
     if ENDING_HERE.replace(true) {
         // Not even the reserve was enough.
         system::exit(3);
@@ -59,7 +66,6 @@ extern "C" fn end(_: libc::c_int) {
     }
     system::tell(&line.text[..line.length]);
     guard::lift();
-    drop(KEPT.try_lock().ok().and_then(|mut kept| kept.take()));
     CLEAN.get().into_iter().for_each(|clean| clean());
     system::exit(3);
 }

@@ -16,16 +16,21 @@
 //! | --- | --- |
 //! | [`guard`] | the allocator: counts and refuses |
 //! | [`refusal`] | the numbers of a refusal, in words |
+//! | [`reserve`] | memory for what must not be cut off |
 //! | [`last_words`] | the end of a run that cannot go on |
 //! | [`threads`] | as many threads as there is address space for |
 //! | [`size`] | `8MiB` and how sizes are written |
 //! | [`system`] | what the operating system tells and is told |
+//! | `faults` | allocations that fail on purpose, for tests |
 //!
 //! The counts cost nothing without `--memory`: [`Guard`] then looks at one number that no thread changes.
 
+#[cfg(feature = "faults")]
+mod faults;
 mod guard;
 mod last_words;
 mod refusal;
+mod reserve;
 mod size;
 mod system;
 pub mod threads;

@@ -13,7 +13,8 @@
 use std::fs;
 use std::path::Path;
 
-use super::stage::{self, NEW, Stage, Turn};
+use super::stage::{self, NEW, Stage};
+use super::turn::Turn;
 use super::{metadata, moves, switch};
 use crate::WriteError;
 

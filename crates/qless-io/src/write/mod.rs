@@ -11,6 +11,7 @@
 //! | `output`, `one_file` | [`Output`], a set of files for a folder; [`OneFile`], one for its path |
 //! | `inputs` | [`Inputs`]: no output replaces one of them |
 //! | `stage` | where files wait; [`abandon`] removes them when a signal ends the program |
+//! | `turn` | one thread at a time creates files and puts them in place |
 //! | `commit` | how they are put in place, and what holds where: `switch` at once, `moves` one by one |
 //! | `metadata` | what a file keeps, and where links lead |
 //! | `text` | the text of each kind of file |
@@ -25,6 +26,7 @@ mod stage;
 #[cfg_attr(not(any(target_os = "linux", target_vendor = "apple")), path = "no_switch.rs")]
 mod switch;
 mod text;
+mod turn;
 
 use std::path::Path;
 
@@ -34,7 +36,8 @@ use crate::WriteError;
 pub use inputs::Inputs;
 pub use one_file::OneFile;
 pub use output::Output;
-pub use stage::{abandon, abandon_at_once};
+pub use stage::{abandon, abandon_unless_at_work};
+pub use turn::is_at_work;
 
 /// Writes `C.mtx`, `b.txt` and, if there are any, `prescribed.txt`, `rows.txt` and `cols.txt`.
 ///

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use super::commit::Change;
-use super::stage::{Stage, Turn};
+use super::stage::Stage;
+use super::turn::Turn;
 use crate::WriteError;
 
 /// Always `None`.

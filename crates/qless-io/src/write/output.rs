@@ -8,8 +8,9 @@ use qless::Csr;
 
 use super::commit::{self, Change};
 use super::inputs::Inputs;
-use super::stage::{NEW, Stage, Turn};
+use super::stage::{NEW, Stage};
 use super::text;
+use super::turn::Turn;
 use crate::WriteError;
 
 /// Files on their way to a folder. They are put there by [`Output::commit`]; dropped before, they are gone.

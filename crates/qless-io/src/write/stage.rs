@@ -14,6 +14,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use super::turn::{Turn, is_at_work};
+
 /// How the names of all stages begin.
 const PREFIX: &str = ".qless-";
 /// Where new files wait in a stage.
@@ -26,19 +28,8 @@ const SETTLED: Duration = Duration::from_secs(60);
 /// Removing meets files that another thread is removing, too.
 const TRIES: usize = 100;
 
-static TURN: Mutex<()> = Mutex::new(());
-/// The folders that [`abandon`] removes. Locked after [`TURN`] where both are.
+/// The folders that [`abandon`] removes. Locked after the turn is taken where both are.
 static STAGES: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
-
-/// The right to create files and to put them in place.
-pub(super) struct Turn(#[expect(dead_code, reason = "it is held")] MutexGuard<'static, ()>);
-
-impl Turn {
-    /// Waits for it; forever, once the program is ending.
-    pub fn take() -> Self {
-        Self(TURN.lock().unwrap_or_else(PoisonError::into_inner))
-    }
-}
 
 /// Removes all files that wait for their place, and stops every thread that wants to write another.
 ///
@@ -59,12 +50,12 @@ pub fn abandon() {
     std::mem::forget((turn, stages));
 }
 
-/// Removes all files that wait for their place, as far as nobody is at them: waits for nobody.
+/// [`abandon`], unless this thread [is at work](super::is_at_work) itself, and what it does cannot be finished.
 ///
-/// For a program that ends on the thread that failed, which may be the one that is putting files in place.
-pub fn abandon_at_once() {
-    if let (Ok(_turn), Ok(stages)) = (TURN.try_lock(), STAGES.try_lock()) {
-        stages.iter().for_each(|path| remove(path));
+/// For a program that ends on the thread that failed.
+pub fn abandon_unless_at_work() {
+    if !is_at_work() {
+        abandon();
     }
 }
 

@@ -1,0 +1,39 @@
+//! Memory for what must not be cut off where there is no more: files that are being put in place, and the end of the run.
+//!
+//! Each byte is handed out once. It is for paths and lists of names, and only where the system or the limit has refused.
+
+#![allow(unsafe_code, reason = "memory that an allocator hands out")]
+
+use std::alloc::Layout;
+use std::cell::UnsafeCell;
+use std::ptr::null_mut;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+
+const SIZE: usize = 512 << 10;
+const ALIGN: usize = 16;
+
+/// Pages that nobody touches are none.
+#[repr(align(16))]
+struct Room(UnsafeCell<[u8; SIZE]>);
+
+// SAFETY: parts that do not overlap are handed out, each to one owner; nobody refers to the whole.
+unsafe impl Sync for Room {}
+
+static ROOM: Room = Room(UnsafeCell::new([0; SIZE]));
+static USED: AtomicUsize = AtomicUsize::new(0);
+
+/// Zeroed bytes; null if there are not so many left.
+pub fn take(layout: Layout) -> *mut u8 {
+    let start = |used: usize| used.next_multiple_of(layout.align().max(1));
+    let end = |used| start(used).checked_add(layout.size()).filter(|&end| end <= SIZE && layout.align() <= ALIGN);
+    match USED.fetch_update(Relaxed, Relaxed, end) {
+        Ok(used) => ROOM.0.get().cast::<u8>().wrapping_add(start(used)),
+        Err(_) => null_mut(),
+    }
+}
+
+/// Whether a block is from here.
+pub fn owns(block: *const u8) -> bool {
+    let start = ROOM.0.get() as usize;
+    (start..start + SIZE).contains(&(block as usize))
+}
