@@ -1,7 +1,7 @@
 //! Matrices of every shape and rank, and the identities that their factorizations must meet.
 #![allow(dead_code, clippy::return_self_not_must_use, reason = "each test file uses its part")]
 
-use qless_qr::{Factor, Symbolic};
+use qless_qr::{Factor, Matrix as View, Options, Rows, Symbolic, Tolerance};
 
 /// A small repeatable generator (xorshift).
 pub struct Random(pub u64);
@@ -21,6 +21,27 @@ impl Random {
     pub fn signed(&mut self) -> f64 {
         self.below(2001) as f64 / 1000.0 - 1.0
     }
+}
+
+pub fn absolute(tolerance: f64) -> Options {
+    Options::new().tolerance(Tolerance::Absolute(tolerance))
+}
+
+/// What a factor says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    pub rank: usize,
+    pub order: Vec<usize>,
+    pub r: Rows,
+    pub rhs: Vec<f64>,
+    pub rest: Vec<f64>,
+    pub dropped: f64,
+}
+
+pub fn found(factor: Factor) -> Found {
+    let (rank, dropped) = (factor.rank(), factor.dropped());
+    let parts = factor.into_parts();
+    Found { rank, order: parts.order, r: parts.r, rhs: parts.rhs, rest: parts.rest, dropped }
 }
 
 /// A sparse matrix by columns.
@@ -62,8 +83,12 @@ impl Matrix {
         Symbolic::analyse(self.rows, self.cols, &self.start, &self.index).expect("a pattern")
     }
 
-    pub fn factor(&self, rhs: &[f64], tolerance: f64) -> Factor {
-        self.analyse().factor(&self.values, rhs, tolerance, usize::MAX).expect("a factorization")
+    pub fn factor(&self, rhs: &[f64], tolerance: f64) -> Found {
+        found(self.analyse().factor(&self.values, rhs, absolute(tolerance)).expect("a factorization"))
+    }
+
+    pub fn view(&self) -> View<'_> {
+        View::by_columns(self.rows, self.cols, &self.start, &self.index, &self.values).expect("a matrix")
     }
 
     /// Random entries with the given density in thousandths.
@@ -106,7 +131,7 @@ pub fn dot(x: &[f64], y: &[f64]) -> f64 {
 }
 
 /// Every identity, to a relative accuracy.
-pub fn check(a: &Matrix, factor: &Factor, rhs: &[f64], name: &str) {
+pub fn check(a: &Matrix, factor: &Found, rhs: &[f64], name: &str) {
     check_shape(a, factor, rhs, name);
     let n = a.cols;
     let columns: Vec<Vec<f64>> = factor.order.iter().map(|&j| a.dense(j)).collect();
@@ -132,7 +157,7 @@ pub fn check(a: &Matrix, factor: &Factor, rhs: &[f64], name: &str) {
     }
 }
 
-pub fn check_shape(a: &Matrix, factor: &Factor, rhs: &[f64], name: &str) {
+pub fn check_shape(a: &Matrix, factor: &Found, rhs: &[f64], name: &str) {
     let mut order = factor.order.clone();
     order.sort_unstable();
     assert_eq!(order, (0..a.cols).collect::<Vec<_>>(), "{name}: the order is a permutation");
