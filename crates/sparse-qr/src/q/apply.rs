@@ -39,11 +39,12 @@ impl Q {
     }
 
     fn in_groups(&self, b: &mut [f64], work: impl Fn(&Self, &mut [f64], &mut Vec<f64>) + Sync) {
-        let size = (TOGETHER * self.row.len()).max(1);
-        if b.len() <= size {
-            return work(self, b, &mut Vec::new());
+        let size = TOGETHER * self.row.len();
+        if b.len() > size {
+            b.par_chunks_mut(size).for_each(|group| work(self, group, &mut Vec::new()));
+        } else if !b.is_empty() {
+            work(self, b, &mut Vec::new());
         }
-        b.par_chunks_mut(size).for_each(|group| work(self, group, &mut Vec::new()));
     }
 }
 

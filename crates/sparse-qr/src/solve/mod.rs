@@ -86,8 +86,8 @@ pub fn least_squares<P: Index, I: Index>(a: &Matrix<P, I>, b: &[f64], options: O
 
 /// The shortest x of least `|A x - b|`, `x = A^+ b`, for A of any shape and rank, and k right-hand sides by columns.
 ///
-/// Tall matrices are factored as they are, wide ones as `A^T` with Q kept; only where the rank is not full there is a
-/// second factorization, of `[R1 R2]^T`.
+/// Tall matrices are factored as they are, wide ones as `A^T` with Q kept. Only where the rank is not full (of wide ones:
+/// and the dependent equations contradict the others) there is a second factorization, of `[R1 R2]^T`.
 ///
 /// ```
 /// use qless_qr::{Matrix, Options, minimum_norm};
@@ -125,14 +125,27 @@ fn wide<P: Index, I: Index>(a: &Matrix<P, I>, b: &[f64], options: Options) -> Re
     if !b.iter().all(|v| v.is_finite()) {
         return Err(Error::NotFinite("the right-hand side"));
     }
-    let complete = if factor.rank() == a.rows() { None } else { Some(factor.complete(options.memory)?) };
-    let shortest = |b: &[f64]| match &complete {
-        None => factor.solve_transposed(b),
-        Some(complete) => complete.solve_transposed(b),
-    };
-    let mut x = shortest(b)?;
-    refine::repeat(a, b, &mut x, options.refinements, shortest)?;
+    let mut x = factor.solve_transposed(b)?;
+    if factor.rank() == a.rows() || agree(a, b, &x, &factor) {
+        refine::repeat(a, b, &mut x, options.refinements, |b| factor.solve_transposed(b))?;
+    } else {
+        let complete = factor.complete(options.memory)?;
+        x = complete.solve_transposed(b)?;
+        refine::repeat(a, b, &mut x, options.refinements, |b| complete.solve_transposed(b))?;
+    }
     finished(a, b, x, &factor)
+}
+
+/// Whether the dependent equations hold where the independent ones do, but for what counts as zero: then these decide.
+fn agree<P: Index, I: Index>(a: &Matrix<P, I>, b: &[f64], x: &[f64], factor: &Factor) -> bool {
+    let (rounding, dependent) = (20.0 * (a.rows() + a.cols()) as f64 * f64::EPSILON, a.rows() - factor.rank());
+    let taken = factor.tolerance() * (dependent as f64).sqrt();
+    let pairs = b.chunks_exact(a.rows().max(1)).zip(each(x, a.cols()));
+    pairs.into_iter().all(|(b, x)| {
+        let mut left = b.to_vec();
+        a.add_product(-1.0, x, &mut left);
+        scaled_norm(&left) <= taken * scaled_norm(x) + rounding * scaled_norm(b)
+    })
 }
 
 fn finished<P: Index, I: Index>(a: &Matrix<P, I>, b: &[f64], x: Vec<f64>, factor: &Factor) -> Result<Solution, Error> {

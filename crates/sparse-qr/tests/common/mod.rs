@@ -1,6 +1,8 @@
 //! Matrices of every shape and rank, and the identities that their factorizations must meet.
 #![allow(dead_code, clippy::return_self_not_must_use, reason = "each test file uses its part")]
 
+pub mod dense;
+
 use qless_qr::{Factor, Matrix as View, Options, Rows, Symbolic, Tolerance};
 
 /// A small repeatable generator (xorshift).
@@ -114,6 +116,37 @@ impl Matrix {
         }
         Self::from_columns(self.rows, &columns)
     }
+}
+
+/// Matrices of every kind: square, tall, wide, dense, sparse, with dependent and empty columns and rows, graded, 1 x 1, empty.
+pub fn any(seed: u64) -> (Matrix, Random) {
+    let mut random = Random::new(seed + 77);
+    let largest = [1, 4, 12, 24][random.below(4)] + 1;
+    let (rows, cols) = match random.below(3) {
+        0 => (largest - 1, largest - 1),
+        _ => (random.below(largest), random.below(largest)),
+    };
+    let density = [60, 150, 400, 1000][random.below(4)];
+    let a = Matrix::random(&mut random, rows, cols, density);
+    let spoils = random.below(4) * random.below(3);
+    let a = a.spoilt(&mut random, spoils);
+    let lost = random.below(2) * random.below(3);
+    let a = a.transposed().spoilt(&mut random, lost).transposed();
+    let grade = [0, 0, 1][random.below(3)];
+    let scale = |i: u32| 2.0_f64.powi(-grade * (i as i32 % 12));
+    let columns: Vec<Vec<(u32, f64)>> =
+        (0..a.cols).map(|j| a.column(j).map(|(i, v)| (i as u32, v * scale(i as u32))).collect()).collect();
+    (Matrix::from_columns(a.rows, &columns), random)
+}
+
+pub fn multiply(a: &Matrix, x: &[f64]) -> Vec<f64> {
+    let mut y = vec![0.0; a.rows];
+    (0..a.cols).for_each(|j| a.column(j).for_each(|(i, v)| y[i] += v * x[j]));
+    y
+}
+
+pub fn minus(x: &[f64], y: &[f64]) -> Vec<f64> {
+    x.iter().zip(y).map(|(x, y)| x - y).collect()
 }
 
 fn sum(a: &[(u32, f64)], b: &[(u32, f64)]) -> Vec<(u32, f64)> {
