@@ -41,6 +41,10 @@ mod q;
 mod solve;
 mod symbolic;
 
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
+
 pub use error::Error;
 pub use factor::{Factor, Parts, Rows};
 pub use matrix::{Index, Matrix};

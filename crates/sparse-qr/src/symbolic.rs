@@ -1,8 +1,8 @@
 //! `P_r A P_c = [R11 R12; 0 S]` and the tree of fronts of S: everything that the pattern alone decides.
 
 use crate::analyse::{Forecast, Fronts};
-use crate::pattern::Lists;
 use crate::matrix::Gather;
+use crate::pattern::Lists;
 use crate::{Error, Factor, Options};
 use std::borrow::Cow;
 
@@ -88,8 +88,9 @@ impl Symbolic {
     /// use qless_qr::{Options, Symbolic};
     /// let symbolic = Symbolic::analyse(2, 2, &[0, 2, 3], &[0, 1, 1])?;
     /// for scale in [1.0, 2.0] {
-    ///     let factor = symbolic.factor(&[3.0 * scale, 4.0 * scale, 5.0], &[], Options::new())?;
-    ///     assert!((factor.r().val[0].abs() - 5.0 * scale).abs() < 1e-12);
+    ///     let (values, b) = ([3.0 * scale, 4.0, 5.0], [3.0 * scale, 9.0]);
+    ///     let x = symbolic.factor(&values, &b, Options::new())?.basic()?;
+    ///     assert!((x[0] - 1.0).abs() < 1e-14 && (x[1] - 1.0).abs() < 1e-14);
     /// }
     /// # Ok::<(), qless_qr::Error>(())
     /// ```

@@ -12,7 +12,7 @@ fn with_q(a: &Matrix, rhs: &[f64]) -> Factor {
 /// Q by columns.
 fn formed(factor: &Factor) -> Vec<f64> {
     let m = factor.rows();
-    let mut q: Vec<f64> = (0..m * m).map(|at| f64::from(u8::from(at % (m + 1) == 0))).collect();
+    let mut q: Vec<f64> = (0..m * m).map(|at| f64::from(u8::from(at.is_multiple_of(m + 1)))).collect();
     factor.apply_q(&mut q).expect("Q");
     q
 }
@@ -37,7 +37,7 @@ fn check(a: &Matrix, factor: &Factor, name: &str) {
     }
     let mut back = q;
     factor.apply_q_transposed(&mut back).expect("Q");
-    let identity = |at: usize| f64::from(u8::from(at % (m + 1) == 0));
+    let identity = |at: usize| f64::from(u8::from(at.is_multiple_of(m + 1)));
     assert!(back.iter().enumerate().all(|(at, v)| (v - identity(at)).abs() < 1e-13), "{name}: Q^T (Q I) is not I");
 }
 
@@ -95,7 +95,9 @@ fn one_vector_is_turned_as_many_are() {
 fn bits_do_not_depend_on_threads() {
     let mut random = Random::new(3);
     let columns: Vec<Vec<(u32, f64)>> = (0..6000_u32)
-        .map(|j| [0, 1, 77, 78, 79].iter().map(|d| (j + d, random.signed() + if *d == 77 { 3.0 } else { 0.1 })).collect())
+        .map(|j| {
+            [0, 1, 77, 78, 79].iter().map(|d| (j + d, random.signed() + if *d == 77 { 3.0 } else { 0.1 })).collect()
+        })
         .collect();
     let a = Matrix::from_columns(6100, &columns);
     let symbolic = a.analyse();
@@ -117,7 +119,7 @@ fn bits_do_not_depend_on_threads() {
 
 #[test]
 fn vectors_of_another_length_are_refused() {
-    let (a, _) = (Matrix::from_columns(3, &[vec![(0, 1.0), (2, 2.0)]]), ());
+    let a = Matrix::from_columns(3, &[vec![(0, 1.0), (2, 2.0)]]);
     let factor = with_q(&a, &[]);
     for length in [1, 2, 4] {
         let refused = Err(Error::Length { what: "b", found: length, expected: 3 });

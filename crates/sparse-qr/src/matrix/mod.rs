@@ -61,13 +61,7 @@ impl<'a, P: Index, I: Index> Matrix<'a, P, I> {
     ///
     /// # Errors
     /// As [`Self::by_columns`].
-    pub fn by_rows(
-        rows: usize,
-        cols: usize,
-        start: &'a [P],
-        index: &'a [I],
-        values: &'a [f64],
-    ) -> Result<Self, Error> {
+    pub fn by_rows(rows: usize, cols: usize, start: &'a [P], index: &'a [I], values: &'a [f64]) -> Result<Self, Error> {
         Self { rows, cols, is_by_rows: true, start, index, values }.checked()
     }
 

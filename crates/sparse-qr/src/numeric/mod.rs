@@ -27,12 +27,7 @@ pub(crate) struct Numbers<'a> {
 }
 
 /// Factors one matrix of the analysed pattern.
-pub(crate) fn factor(
-    symbolic: &Symbolic,
-    values: &[f64],
-    rhs: &[f64],
-    options: Options,
-) -> Result<Factor, Error> {
+pub(crate) fn factor(symbolic: &Symbolic, values: &[f64], rhs: &[f64], options: Options) -> Result<Factor, Error> {
     let values = &*symbolic.gathered(values)?;
     let numbers = checked(symbolic, values, rhs, options)?;
     let (tolerance, limit) = (numbers.tolerance, options.memory);

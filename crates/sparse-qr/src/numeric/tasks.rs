@@ -32,9 +32,8 @@ struct Slot {
 pub(super) fn run(symbolic: &Symbolic, numbers: &Numbers, ledger: &Ledger) -> Result<Vec<Out>, Error> {
     let slots = (0..symbolic.fronts.len()).map(|_| Mutex::default()).collect();
     let all = symbolic.forecast.flops.iter().sum::<f64>();
-    let parallel = rayon::current_num_threads() > 1
-        && all > 2.0 * GRAIN
-        && bytes_in_parallel(symbolic, numbers) <= ledger.limit();
+    let parallel =
+        rayon::current_num_threads() > 1 && all > 2.0 * GRAIN && bytes_in_parallel(symbolic, numbers) <= ledger.limit();
     let grain = if parallel { GRAIN.max(all * SHARE) } else { f64::INFINITY };
     let tasks = Tasks { symbolic, numbers, ledger, slots, grain };
     let count = symbolic.fronts.len() as u32;

@@ -44,8 +44,7 @@ pub(crate) fn kept_bytes(shape: &Shape) -> usize {
 impl Forecast {
     /// What Q takes beside the rest: all that is kept, the largest room for it, the names of what waits.
     pub fn bytes_of_q(&self, symbolic: &Symbolic) -> usize {
-        let kept: usize =
-            self.shapes.iter().map(|shape| reflection_bytes(shape.rows, shape.turns, shape.turned)).sum();
+        let kept: usize = self.shapes.iter().map(|shape| reflection_bytes(shape.rows, shape.turns, shape.turned)).sum();
         let room = self.shapes.iter().map(kept_bytes).max().unwrap_or(0);
         let waiting: usize = self.shapes.iter().map(|shape| INDEX * shape.left_rows).sum();
         kept + room + waiting + INDEX * symbolic.rows
