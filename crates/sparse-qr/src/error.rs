@@ -69,7 +69,7 @@ pub enum Error {
         /// Bytes allowed.
         limit: usize,
     },
-    /// [`solve`](crate::solve) was given a matrix that is not square.
+    /// [`solve`](crate::solve()) was given a matrix that is not square.
     #[error("a {rows} x {cols} matrix is not square: see least_squares and minimum_norm")]
     NotSquare {
         /// Rows.
@@ -77,7 +77,7 @@ pub enum Error {
         /// Columns.
         cols: usize,
     },
-    /// [`solve`](crate::solve) was given a matrix with dependent columns.
+    /// [`solve`](crate::solve()) was given a matrix with dependent columns.
     #[error("the rank is {rank}, not {cols}: see least_squares and minimum_norm")]
     Singular {
         /// Rank found.

@@ -96,7 +96,7 @@ impl Options {
         Self { keep_q, ..self }
     }
 
-    /// Steps of iterative refinement in [`solve`](crate::solve), [`least_squares`](crate::least_squares) and
+    /// Steps of iterative refinement in [`solve`](crate::solve()), [`least_squares`](crate::least_squares) and
     /// [`minimum_norm`](crate::minimum_norm); the factorizations themselves have none.
     #[must_use]
     pub fn refinements(self, refinements: usize) -> Self {

@@ -71,7 +71,7 @@ impl Symbolic {
         self.forecast.bytes(self, rhs, true)
     }
 
-    /// Bytes that [`Options::keep_q`] adds to [`Self::memory`].
+    /// Bytes that [`Options::keep_q`] adds to [`Self::memory`], if no column is dependent by its values.
     pub fn memory_of_q(&self) -> usize {
         self.forecast.bytes_of_q(self)
     }

@@ -31,7 +31,7 @@ pub(crate) struct Out {
     pub has_rest: bool,
     pub dropped: f64,
     /// If Q is kept.
-    pub reflections: Reflections,
+    pub reflections: Option<Box<Reflections>>,
     /// Rows of the front that are neither rows of R nor left to the parent come from here on.
     pub done: usize,
 }

@@ -56,11 +56,12 @@ fn q(symbolic: &Symbolic, outs: &mut [Out], ledger: &Ledger) -> Result<Q, Error>
     let mut row = ledger.reserve(symbolic.rows)?;
     let assembled = symbolic.row.last().map_or(symbolic.peeled, |&end| end as usize);
     row.extend_from_slice(&symbolic.row_order[..symbolic.peeled]);
-    outs.iter().for_each(|out| row.extend_from_slice(out.reflections.rows.get(..out.rank).unwrap_or_default()));
-    outs.iter().for_each(|out| row.extend_from_slice(out.reflections.rows.get(out.done..).unwrap_or_default()));
+    let kept = || outs.iter().filter_map(|out| Some((out, &out.reflections.as_ref()?.rows[..])));
+    kept().for_each(|(out, rows)| row.extend_from_slice(&rows[..out.rank]));
+    kept().for_each(|(out, rows)| row.extend_from_slice(&rows[out.done..]));
     row.extend_from_slice(&symbolic.row_order[assembled..]);
-    let fronts = outs.iter_mut().map(|out| std::mem::take(&mut out.reflections));
-    Ok(Q { row, fronts: fronts.filter(|front| !front.tau.is_empty()).collect() })
+    let fronts = outs.iter_mut().filter_map(|out| out.reflections.take()).filter(|front| !front.tau.is_empty());
+    Ok(Q { row, fronts: fronts.map(|front| *front).collect() })
 }
 
 /// Final position of every position of the analysis.

@@ -18,12 +18,12 @@ impl Workspace<'_> {
     }
 
     /// What the front keeps of Q; nothing if it is not asked for.
-    pub(super) fn reflections(&self) -> Result<Reflections, Error> {
-        let Some(kept) = &self.work.kept else { return Ok(Reflections::default()) };
+    pub(super) fn reflections(&self) -> Result<Option<Box<Reflections>>, Error> {
+        let Some(kept) = &self.work.kept else { return Ok(None) };
         self.ledger.take(reflection_bytes(self.names.len(), kept.tau.len(), kept.v.len()))?;
         let mut v = self.ledger.reserve(kept.v.len())?;
         v.extend_from_slice(&kept.v);
         let (first, end, tau) = (kept.first.clone(), kept.end.clone(), kept.tau.clone());
-        Ok(Reflections { rows: self.names.clone(), first, end, tau, v })
+        Ok(Some(Box::new(Reflections { rows: self.names.clone(), first, end, tau, v })))
     }
 }
