@@ -11,9 +11,9 @@ use crate::q::Q;
 
 /// A rank-revealing factorization `A P = Q [R1 R2; 0 0]` of an m x n matrix, with `Q^T B` and, on request, with Q.
 ///
-/// How to solve with it: [`basic`](Self::basic) and [`minimum_norm`](Self::minimum_norm) for the B that was transformed,
-/// [`solve`](Self::solve), [`solve_transposed`](Self::solve_transposed) and [`complete`](Self::complete) for others
-/// with Q kept, [`solve_seminormal`](Self::solve_seminormal) without.
+/// How to solve with it: [`basic`](Self::basic) for the B that was transformed, [`solve`](Self::solve) and
+/// [`solve_transposed`](Self::solve_transposed) for others with Q kept, [`solve_seminormal`](Self::solve_seminormal)
+/// without; [`complete`](Self::complete) for the shortest solutions where the rank is not full.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Factor {
     pub(crate) rows: usize,
