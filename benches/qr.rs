@@ -2,8 +2,10 @@
 //!
 //! Both sides are taken in turns in one process, analysis included; the medians are compared. `--test` takes the smallest
 //! scene only, any other word the systems whose names hold it. Corpus systems are read from the folder QLESS_CORPUS.
+//! `--solve` compares `x = A\b` of both, on these and on square, tall and wide systems of full rank.
 //! `--peak` compares instead how much each side raises the memory of a process of its own (Linux).
 
+mod solve;
 mod timing;
 
 use std::hint::black_box;
@@ -11,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 use qless::Csr;
 use qless::qr::{Backend, spqr::Spqr};
-use qless_qr::Symbolic;
+use qless_qr::{Options, Symbolic, Tolerance};
 use qless_scenes::fssi::{self, Level, Mesh};
 
 use timing::{median, seconds};
@@ -23,7 +25,8 @@ const TOLERANCE: f64 = 1e-10;
 fn ours(columns: &Csr, rhs: &[f64]) -> usize {
     let symbolic =
         Symbolic::analyse(columns.cols(), columns.rows(), columns.starts(), columns.columns()).expect("a pattern");
-    black_box(symbolic.factor(columns.values(), rhs, TOLERANCE, usize::MAX).expect("a factorization")).rank
+    let options = Options::new().tolerance(Tolerance::Absolute(TOLERANCE));
+    black_box(symbolic.factor(columns.values(), rhs, options).expect("a factorization")).rank()
 }
 
 fn theirs(columns: &Csr, rhs: &[f64]) -> usize {
@@ -158,19 +161,34 @@ fn main() {
         return;
     }
     let mut has = |flag: &str| words.iter().position(|word| word == flag).map(|at| words.remove(at)).is_some();
-    let (test, peaks) = (has("--test"), has("--peak"));
-    println!(
-        "{:<28}{:>8}{:>8}{:>9}{:>10}{:>10}{:>10}{:>10}{:>8}",
-        "system", "m", "n", "nnz", "Mflop", "analysis", "ours ms", "spqr ms", "ratio"
-    );
+    let (test, peaks, solves) = (has("--test"), has("--peak"), has("--solve"));
     let mut ratios = Vec::new();
+    if solves {
+        solve::heading();
+        let shapes = solve::shapes(test).into_iter();
+        let wanted = shapes.filter(|(name, _)| words.iter().all(|word| name.contains(word.as_str())));
+        ratios.extend(wanted.map(|(name, columns)| solve::compare(name, &columns, false)));
+    } else {
+        heading();
+    }
     for System { name, build } in systems(test) {
         if words.iter().all(|word| name.contains(word.as_str())) {
-            let ratio = |columns| if peaks { compare_peaks(&name) } else { Some(compare(&name, &columns)) };
+            let ratio = |columns| match (peaks, solves) {
+                (true, _) => compare_peaks(&name),
+                (_, true) => Some(solve::compare(&name, &columns, true)),
+                _ => Some(compare(&name, &columns)),
+            };
             ratios.extend(build().and_then(ratio));
         }
     }
     let mean = (ratios.iter().map(|ratio| ratio.ln()).sum::<f64>() / ratios.len().max(1) as f64).exp();
     let largest = ratios.iter().copied().fold(0.0, f64::max);
     println!("geometric mean of {} ratios: {mean:.2}, largest {largest:.2}", ratios.len());
+}
+
+fn heading() {
+    println!(
+        "{:<28}{:>8}{:>8}{:>9}{:>10}{:>10}{:>10}{:>10}{:>8}",
+        "system", "m", "n", "nnz", "Mflop", "analysis", "ours ms", "spqr ms", "ratio"
+    );
 }

@@ -2,7 +2,7 @@
 
 use qless::qr::Factor;
 use qless::{BackendChoice, Csr};
-use qless_qr::{Rows, Symbolic};
+use qless_qr::{Options, Rows, Symbolic, Tolerance};
 
 use super::{BAD, HUGE, refused, survives};
 
@@ -10,6 +10,10 @@ fn backends() -> Vec<Box<dyn qless::qr::Backend>> {
     let choices = [BackendChoice::Auto, BackendChoice::Faer, BackendChoice::Sparse, BackendChoice::Gauss];
     let all = choices.into_iter().chain(cfg!(feature = "spqr").then_some(BackendChoice::Spqr));
     all.map(|choice| choice.get(1 << 30).expect("compiled in")).collect()
+}
+
+fn absolute(tolerance: f64, memory: usize) -> Options {
+    Options::new().tolerance(Tolerance::Absolute(tolerance)).memory(memory)
 }
 
 fn columns(value: f64) -> Csr {
@@ -83,21 +87,21 @@ fn patterns_that_are_none() {
 fn numbers_that_do_not_fit_to_a_pattern() {
     let symbolic = Symbolic::analyse(2, 2, &[0, 2, 3], &[0, 1, 1]).expect("a pattern");
     for count in [0, 2, 4] {
-        refused("values", || symbolic.factor(&vec![1.0; count], &[], 0.0, 1 << 20));
+        refused("values", || symbolic.factor(&vec![1.0; count], &[], absolute(0.0, 1 << 20)));
     }
     for bad in BAD {
-        refused("a value", || symbolic.factor(&[1.0, bad, 1.0], &[], 0.0, 1 << 20));
-        refused("b", || symbolic.factor(&[1.0; 3], &[1.0, bad], 0.0, 1 << 20));
+        refused("a value", || symbolic.factor(&[1.0, bad, 1.0], &[], absolute(0.0, 1 << 20)));
+        refused("b", || symbolic.factor(&[1.0; 3], &[1.0, bad], absolute(0.0, 1 << 20)));
     }
-    refused("b", || symbolic.factor(&[1.0; 3], &[1.0; 3], 0.0, 1 << 20));
-    refused("a tolerance", || symbolic.factor(&[1.0; 3], &[], f64::NAN, 1 << 20));
-    refused("a tolerance", || symbolic.factor(&[1.0; 3], &[], -1.0, 1 << 20));
-    refused("no memory", || symbolic.factor(&[1.0; 3], &[], 0.0, 0));
+    refused("b", || symbolic.factor(&[1.0; 3], &[1.0; 3], absolute(0.0, 1 << 20)));
+    refused("a tolerance", || symbolic.factor(&[1.0; 3], &[], absolute(f64::NAN, 1 << 20)));
+    refused("a tolerance", || symbolic.factor(&[1.0; 3], &[], absolute(-1.0, 1 << 20)));
+    refused("no memory", || symbolic.factor(&[1.0; 3], &[], absolute(0.0, 0)));
     for count in [0, usize::MAX] {
         survives("memory", || symbolic.memory(count).max(symbolic.memory_at_worst(count)));
     }
     let same = [1.0, 2.0, 3.0, 4.0];
-    survives("one list as both", || symbolic.factor(&same[..3], &same, 0.0, usize::MAX)).expect("valid");
+    survives("one list as both", || symbolic.factor(&same[..3], &same, absolute(0.0, usize::MAX))).expect("valid");
 }
 
 #[test]

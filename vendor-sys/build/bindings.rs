@@ -3,9 +3,10 @@
 use std::panic::{catch_unwind, set_hook, take_hook};
 use std::path::{Path, PathBuf};
 
-const FUNCTIONS: &str = "SuiteSparseQR_C|cholmod_l_(start|finish|free|free_sparse|free_dense)|SuiteSparse_version";
+const FUNCTIONS: &str = "SuiteSparseQR_C(_backslash_default|_factorize|_solve|_qmult|_free)?|\
+    cholmod_l_(start|finish|free|free_sparse|free_dense|transpose)|SuiteSparse_version";
 const CONSTANTS: &str = "CHOLMOD_(OK|NOT_INSTALLED|OUT_OF_MEMORY|TOO_LARGE|INVALID|GPU_PROBLEM|LONG|REAL|DOUBLE)|\
-    SPQR_ORDERING_DEFAULT|(SPQR|SUITESPARSE)_(MAIN|SUB|SUBSUB)_VERSION";
+    SPQR_(ORDERING_DEFAULT|DEFAULT_TOL|RTX_EQUALS_ETB|QX)|(SPQR|SUITESPARSE)_(MAIN|SUB|SUBSUB)_VERSION";
 
 /// Writes `target`; a missing libclang is an error like any other, not a panic.
 pub fn generate(include: &[PathBuf], target: &Path) -> Result<(), String> {

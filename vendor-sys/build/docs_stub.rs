@@ -11,6 +11,9 @@ pub const CHOLMOD_LONG: i32 = 2;
 pub const CHOLMOD_REAL: i32 = 1;
 pub const CHOLMOD_DOUBLE: i32 = 0;
 pub const SPQR_ORDERING_DEFAULT: i32 = 7;
+pub const SPQR_DEFAULT_TOL: i32 = -2;
+pub const SPQR_RTX_EQUALS_ETB: i32 = 3;
+pub const SPQR_QX: i32 = 1;
 pub const SPQR_MAIN_VERSION: i32 = 0;
 pub const SPQR_SUB_VERSION: i32 = 0;
 pub const SPQR_SUBSUB_VERSION: i32 = 0;
@@ -66,7 +69,39 @@ pub struct cholmod_dense {
     pub dtype: c_int,
 }
 
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct SuiteSparseQR_C_factorization {
+    pub xtype: c_int,
+    pub factors: *mut c_void,
+}
+
 unsafe extern "C" {
+    pub fn cholmod_l_transpose(A: *mut cholmod_sparse, values: c_int, cc: *mut cholmod_common) -> *mut cholmod_sparse;
+    pub fn SuiteSparseQR_C_backslash_default(
+        A: *mut cholmod_sparse,
+        B: *mut cholmod_dense,
+        cc: *mut cholmod_common,
+    ) -> *mut cholmod_dense;
+    pub fn SuiteSparseQR_C_factorize(
+        ordering: c_int,
+        tol: f64,
+        A: *mut cholmod_sparse,
+        cc: *mut cholmod_common,
+    ) -> *mut SuiteSparseQR_C_factorization;
+    pub fn SuiteSparseQR_C_solve(
+        system: c_int,
+        QR: *mut SuiteSparseQR_C_factorization,
+        B: *mut cholmod_dense,
+        cc: *mut cholmod_common,
+    ) -> *mut cholmod_dense;
+    pub fn SuiteSparseQR_C_qmult(
+        method: c_int,
+        QR: *mut SuiteSparseQR_C_factorization,
+        X: *mut cholmod_dense,
+        cc: *mut cholmod_common,
+    ) -> *mut cholmod_dense;
+    pub fn SuiteSparseQR_C_free(QR: *mut *mut SuiteSparseQR_C_factorization, cc: *mut cholmod_common) -> c_int;
     pub fn SuiteSparse_version(version: *mut c_int) -> c_int;
     pub fn cholmod_l_start(common: *mut cholmod_common) -> c_int;
     pub fn cholmod_l_finish(common: *mut cholmod_common) -> c_int;

@@ -1,7 +1,7 @@
 //! `A P = Q R`: raw bindings to SuiteSparseQR's C interface, made from the headers found at build time.
 //!
 //! SuiteSparseQR is GPL-2.0-or-later, so a binary that links this crate is too; the code of this crate
-//! itself is MIT OR Apache-2.0. No logic lives here beyond [`version`], [`blas`], [`memory`] and, with the feature
+//! itself is MIT OR Apache-2.0. No logic lives here beyond [`version`], [`blas`], [`memory`], [`solve`] and, with the feature
 //! `tbb`, the task tree on oneTBB: `qless` wraps the calls safely.
 //!
 //! Searched in this order: the folders in `SUITESPARSE_INCLUDE_DIR` and `SUITESPARSE_LIB_DIR`, pkg-config,
@@ -12,6 +12,7 @@ pub mod blas;
 #[cfg(interposition)]
 mod guard;
 pub mod memory;
+pub mod solve;
 pub mod tree;
 mod version;
 

@@ -49,11 +49,14 @@ impl Lists {
     }
 }
 
+/// Refuses what 32-bit indices cannot count.
+pub(crate) fn countable(rows: usize, cols: usize, entries: usize) -> Result<(), Error> {
+    if rows.max(cols).max(entries) > MOST { Err(Error::TooLarge { rows, cols, entries }) } else { Ok(()) }
+}
+
 /// The pattern by columns, if it is one.
 pub(crate) fn checked(rows: usize, cols: usize, start: &[usize], index: &[u32]) -> Result<Lists, Error> {
-    if rows.max(cols).max(index.len()) > MOST {
-        return Err(Error::TooLarge { rows, cols, entries: index.len() });
-    }
+    countable(rows, cols, index.len())?;
     if start.len() != cols + 1 {
         return Err(Error::Length { what: "start", found: start.len(), expected: cols + 1 });
     }

@@ -1,8 +1,10 @@
 //! `P_r A P_c = [R11 R12; 0 S]` and the tree of fronts of S: everything that the pattern alone decides.
 
 use crate::analyse::{Forecast, Fronts};
+use crate::matrix::Gather;
 use crate::pattern::Lists;
-use crate::{Error, Factor};
+use crate::{Error, Factor, Options};
+use std::borrow::Cow;
 
 /// The analysis of one pattern. It holds no numbers, serves any number of factorizations, and any number at once.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +27,8 @@ pub struct Symbolic {
     /// Columns of each front that are not pivotal.
     pub(crate) outer: Lists,
     pub(crate) forecast: Forecast,
+    /// How the values that are given become those of the pattern.
+    pub(crate) gather: Gather,
 }
 
 impl Symbolic {
@@ -67,16 +71,44 @@ impl Symbolic {
         self.forecast.bytes(self, rhs, true)
     }
 
-    /// Factors the matrix with this pattern and the given values, and transforms B (`rhs`, m x k by columns).
+    /// Bytes that [`Options::keep_q`] adds to [`Self::memory`], if no column is dependent by its values.
+    pub fn memory_of_q(&self) -> usize {
+        self.forecast.bytes_of_q(self)
+    }
+
+    /// Factors the matrix with this pattern and the given values, and transforms B (`rhs`, m x k by columns, or nothing).
     ///
-    /// A column whose remaining part is at most `tolerance` in 2-norm counts as dependent. At most `limit` bytes are
-    /// allocated: the forecast is checked before anything is, and what exceeds the forecast before each front.
+    /// [`Options`] say which columns count as dependent, how many bytes are allocated at most (the forecast is checked
+    /// before anything is, and what exceeds the forecast before each front) and whether Q stays.
     /// Runs on the calling thread's rayon pool; the result has the same bits whatever its size.
     ///
+    /// The analysis serves any number of matrices of its pattern:
+    ///
+    /// ```
+    /// use qless_qr::{Options, Symbolic};
+    /// let symbolic = Symbolic::analyse(2, 2, &[0, 2, 3], &[0, 1, 1])?;
+    /// for scale in [1.0, 2.0] {
+    ///     let (values, b) = ([3.0 * scale, 4.0, 5.0], [3.0 * scale, 9.0]);
+    ///     let x = symbolic.factor(&values, &b, Options::new())?.basic()?;
+    ///     assert!((x[0] - 1.0).abs() < 1e-14 && (x[1] - 1.0).abs() < 1e-14);
+    /// }
+    /// # Ok::<(), qless_qr::Error>(())
+    /// ```
+    ///
     /// # Errors
-    /// Every other variant of [`Error`].
-    pub fn factor(&self, values: &[f64], rhs: &[f64], tolerance: f64, limit: usize) -> Result<Factor, Error> {
-        crate::numeric::factor(self, values, rhs, tolerance, limit)
+    /// [`Error::Length`], [`Error::Tolerance`], [`Error::NotFinite`], [`Error::Overflow`], [`Error::OutOfMemory`] or
+    /// [`Error::Ordering`].
+    pub fn factor(&self, values: &[f64], rhs: &[f64], options: Options) -> Result<Factor, Error> {
+        crate::numeric::factor(self, values, rhs, options)
+    }
+
+    /// The values by columns, rows ascending, each entry once.
+    pub(crate) fn gathered<'a>(&self, values: &'a [f64]) -> Result<Cow<'a, [f64]>, Error> {
+        let expected = self.gather.given(self.entry.len());
+        if values.len() != expected {
+            return Err(Error::Length { what: "values", found: values.len(), expected });
+        }
+        Ok(self.gather.of(values, self.entry.len()))
     }
 
     pub(crate) fn front_columns(&self, f: usize) -> (u32, u32, &[u32]) {

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Matrix, Random, check, rank};
+use common::{Matrix, Random, absolute, check, found, rank};
 
 fn matrix(seed: u64) -> (Matrix, Vec<f64>) {
     let mut random = Random::new(seed + 1);
@@ -34,9 +34,9 @@ fn a_reused_analysis_gives_the_same_bits() {
     for seed in 0..200 {
         let (mut a, rhs) = matrix(seed);
         let symbolic = a.analyse();
-        symbolic.factor(&a.values, &rhs, 1e-9, usize::MAX).expect("a factorization");
+        symbolic.factor(&a.values, &rhs, absolute(1e-9)).expect("a factorization");
         a.values.iter_mut().for_each(|v| *v = 1.0 - *v);
-        let again = symbolic.factor(&a.values, &rhs, 1e-9, usize::MAX).expect("a factorization");
+        let again = found(symbolic.factor(&a.values, &rhs, absolute(1e-9)).expect("a factorization"));
         assert_eq!(again, a.factor(&rhs, 1e-9), "seed {seed}");
     }
 }

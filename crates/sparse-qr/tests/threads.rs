@@ -2,8 +2,8 @@
 
 mod common;
 
-use common::{Matrix, Random};
-use qless_qr::{Error, Factor, Symbolic};
+use common::{Found, Matrix, Random, absolute, found};
+use qless_qr::{Error, Symbolic};
 
 /// Rows that couple neighbours on a grid, the last `twice` of them repeated with a factor.
 fn grid(side: usize, rows_per_node: usize, twice: usize) -> Matrix {
@@ -25,9 +25,9 @@ fn grid(side: usize, rows_per_node: usize, twice: usize) -> Matrix {
     Matrix::from_columns(side * side, &rows).transposed()
 }
 
-fn with_threads(threads: usize, a: &Matrix, symbolic: &Symbolic, rhs: &[f64]) -> Factor {
+fn with_threads(threads: usize, a: &Matrix, symbolic: &Symbolic, rhs: &[f64]) -> Found {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-    pool.install(|| symbolic.factor(&a.values, rhs, 1e-9, usize::MAX)).expect("a factorization")
+    found(pool.install(|| symbolic.factor(&a.values, rhs, absolute(1e-9))).expect("a factorization"))
 }
 
 #[test]
@@ -59,9 +59,9 @@ fn a_limit_below_the_forecast_is_refused_before_the_work() {
     let symbolic = a.analyse();
     let needed = symbolic.memory(1);
     let rhs = vec![1.0; a.rows];
-    let refused = symbolic.factor(&a.values, &rhs, 1e-9, needed - 1);
-    assert_eq!(refused, Err(Error::OutOfMemory { needed, limit: needed - 1 }));
-    assert!(symbolic.factor(&a.values, &rhs, 1e-9, needed).is_ok());
+    let refused = symbolic.factor(&a.values, &rhs, absolute(1e-9).memory(needed - 1));
+    assert_eq!(refused.err(), Some(Error::OutOfMemory { needed, limit: needed - 1 }));
+    assert!(symbolic.factor(&a.values, &rhs, absolute(1e-9).memory(needed)).is_ok());
     assert!(needed <= symbolic.memory_at_worst(1));
 }
 
@@ -71,7 +71,7 @@ fn dependent_columns_fit_in_the_worst_forecast() {
     a.values.fill(1.0);
     let symbolic = a.analyse();
     let limit = symbolic.memory_at_worst(0);
-    assert!(symbolic.factor(&a.values, &[], 10.0, limit).is_ok());
+    assert!(symbolic.factor(&a.values, &[], absolute(10.0).memory(limit)).is_ok());
 }
 
 #[test]
@@ -87,7 +87,7 @@ fn what_is_no_matrix_is_refused() {
 #[test]
 fn what_is_no_number_is_refused() {
     let symbolic = Symbolic::analyse(2, 2, &[0, 1, 2], &[0, 1]).expect("a pattern");
-    let factor = |values: &[f64], rhs: &[f64], tolerance| symbolic.factor(values, rhs, tolerance, usize::MAX).err();
+    let factor = |values: &[f64], rhs: &[f64], tolerance| symbolic.factor(values, rhs, absolute(tolerance)).err();
     assert_eq!(factor(&[1.0, f64::NAN], &[], 0.0), Some(Error::NotFinite("the matrix")));
     assert_eq!(factor(&[1.0, 1.0], &[f64::INFINITY, 0.0], 0.0), Some(Error::NotFinite("the right-hand side")));
     assert_eq!(factor(&[1.0, 1.0], &[], -1.0), Some(Error::Tolerance(-1.0)));
@@ -100,7 +100,7 @@ fn empty_matrices_have_rank_0() {
     for (rows, cols) in [(0, 0), (0, 3), (3, 0), (4, 4)] {
         let symbolic = Symbolic::analyse(rows, cols, &vec![0; cols + 1], &[]).expect("a pattern");
         let rhs = vec![3.0; rows];
-        let factor = symbolic.factor(&[], &rhs, 0.0, usize::MAX).expect("a factorization");
+        let factor = found(symbolic.factor(&[], &rhs, absolute(0.0)).expect("a factorization"));
         assert_eq!((factor.rank, factor.order.len()), (0, cols));
         assert_eq!(factor.rest.len(), usize::from(rows > 0));
         factor.rest.iter().for_each(|rest| assert!((rest - common::norm(&rhs)).abs() < 1e-12));

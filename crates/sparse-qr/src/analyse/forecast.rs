@@ -9,7 +9,7 @@ use super::fronts::Fronts;
 use crate::pattern::NONE;
 use crate::symbolic::Symbolic;
 
-pub(crate) use bytes::{front_bytes, out_bytes, waiting_bytes};
+pub(crate) use bytes::{INDEX, front_bytes, kept_bytes, out_bytes, reflection_bytes, waiting_bytes};
 
 /// Sizes of one front.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -26,6 +26,9 @@ pub(crate) struct Shape {
     pub left_rows: usize,
     pub left_cols: usize,
     pub left_entries: usize,
+    /// Reflections and the numbers of their vectors.
+    pub turns: usize,
+    pub turned: usize,
 }
 
 /// Sizes and work of all fronts.
@@ -140,6 +143,8 @@ fn eliminated(begins: &[usize], columns: &[u32], pivots: usize) -> (Shape, f64, 
         if stair > g {
             if stair > g + 1 {
                 flops += 4.0 * (stair - g) as f64 * (cols - k) as f64;
+                shape.turns += 1;
+                shape.turned += stair - g;
             }
             g += 1;
             if k < pivots {

@@ -10,7 +10,9 @@ mod rest;
 mod singles;
 mod tree;
 
-pub(crate) use forecast::{Forecast, Shape, front_bytes, out_bytes, waiting_bytes};
+pub(crate) use forecast::{
+    Forecast, INDEX, Shape, front_bytes, kept_bytes, out_bytes, reflection_bytes, waiting_bytes,
+};
 pub(crate) use fronts::Fronts;
 
 use crate::Error;

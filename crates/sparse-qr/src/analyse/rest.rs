@@ -3,6 +3,7 @@
 use super::fronts::Fronts;
 use super::permuted::Permuted;
 use super::{Forecast, counts, patterns, tree};
+use crate::matrix::Gather;
 use crate::pattern::{Lists, NONE};
 use crate::symbolic::Symbolic;
 
@@ -58,11 +59,11 @@ impl Rest {
         let fronts = Fronts::new(&parent, &count, peeled.len());
         let row = permuted.front_rows(&fronts, peeled.len());
         let outer = patterns::outer(&fronts, &permuted.pattern, &row, columns.len());
-        let forecast = Forecast::default();
+        let (forecast, gather) = (Forecast::default(), Gather::default());
         let Permuted { row_order, pattern, entry } = permuted;
         let (rows, cols, peeled) = (row_count, columns.len(), peeled.len());
         let mut symbolic =
-            Symbolic { rows, cols, order, peeled, row_order, pattern, entry, fronts, row, outer, forecast };
+            Symbolic { rows, cols, order, peeled, row_order, pattern, entry, fronts, row, outer, forecast, gather };
         symbolic.forecast = Forecast::new(&symbolic);
         symbolic
     }

@@ -4,4 +4,5 @@ mod block;
 mod reflect;
 mod staircase;
 
+pub(crate) use reflect::Reflect;
 pub(crate) use staircase::{Dense, PANEL, Work, scaled_norm};

@@ -5,7 +5,7 @@
 use pulp::{Simd, WithSimd};
 
 /// The columns of `columns` (each `stride` long), from row `row` on over the length of v.
-pub(super) struct Reflect<'a> {
+pub(crate) struct Reflect<'a> {
     pub v: &'a [f64],
     pub tau: f64,
     pub columns: &'a mut [f64],

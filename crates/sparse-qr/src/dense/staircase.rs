@@ -7,6 +7,7 @@ use pulp::Arch;
 
 use super::block::Panel;
 use super::reflect::{Reflect, Square};
+use crate::q::Reflections;
 
 /// The widest panel.
 pub(crate) const PANEL: usize = 48;
@@ -34,12 +35,23 @@ pub(crate) struct Work {
     pub lead: Vec<u32>,
     /// Norm of the parts treated as zero.
     pub dropped: f64,
+    /// The reflections of the front, if they are to be kept.
+    pub kept: Option<Reflections>,
+}
+
+impl Work {
+    pub fn new(keep_q: bool) -> Self {
+        Self { kept: keep_q.then(Reflections::default), ..Self::default() }
+    }
 }
 
 impl Dense<'_> {
     pub fn eliminate(&mut self, arch: Arch, work: &mut Work) {
         work.lead.clear();
         work.dropped = 0.0;
+        if let Some(kept) = &mut work.kept {
+            kept.clear();
+        }
         let size = self.rows * self.cols;
         let panel = WIDTHS.iter().find(|&&(least, _)| size >= least).map_or(self.cols, |&(_, width)| width);
         let mut k = 0;
@@ -64,6 +76,9 @@ impl Dense<'_> {
                 let v = &work.v[from..from + self.stair[j] as usize + 1 - work.lead.len()];
                 let columns = &mut self.values[(j + 1) * self.rows..reach];
                 let (tau, row) = (work.tau[work.tau.len() - 1], work.lead.len() - 1);
+                if let Some(kept) = &mut work.kept {
+                    kept.push(row, tau, v);
+                }
                 arch.dispatch(Reflect { v, tau, columns, stride: self.rows, row });
             }
         }

@@ -1,5 +1,7 @@
 //! What a front leaves: `[echelon | Q^T b]` for its parent, `[R | Q^T b]` for the result.
 
+use crate::q::Reflections;
+
 /// The rows of a front behind its pivotal ones, for its parent.
 #[derive(Default)]
 pub(crate) struct ContributionBlock {
@@ -7,6 +9,8 @@ pub(crate) struct ContributionBlock {
     pub columns: Vec<u32>,
     /// For each row the index in `columns` at which it begins; ascending, 0 first.
     pub lead: Vec<u32>,
+    /// Row of A that holds each row, if Q is kept.
+    pub names: Vec<u32>,
     /// Column c holds the rows that begin at or before it; then the right-hand sides hold all rows.
     pub values: Vec<f64>,
 }
@@ -26,6 +30,10 @@ pub(crate) struct Out {
     pub values: Vec<f64>,
     pub has_rest: bool,
     pub dropped: f64,
+    /// If Q is kept.
+    pub reflections: Option<Box<Reflections>>,
+    /// Rows of the front that are neither rows of R nor left to the parent come from here on.
+    pub done: usize,
 }
 
 impl Out {

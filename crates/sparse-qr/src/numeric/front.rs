@@ -1,6 +1,7 @@
 //! `F_f = [rows of A that begin in f; what the children left]`, sorted by first column, and its elimination.
 
 mod assemble;
+mod keep;
 mod read;
 
 use pulp::Arch;
@@ -9,7 +10,7 @@ use super::Numbers;
 use super::contribution::{ContributionBlock, Out};
 use super::ledger::Ledger;
 use crate::Error;
-use crate::analyse::{Shape, front_bytes};
+use crate::analyse::{Shape, front_bytes, kept_bytes};
 use crate::dense::{Dense, Work};
 use crate::pattern::NONE;
 use crate::symbolic::Symbolic;
@@ -25,6 +26,8 @@ pub(super) struct Workspace<'a> {
     columns: Vec<u32>,
     stair: Vec<u32>,
     next: Vec<u32>,
+    /// Row of A that holds each row, if Q is kept.
+    names: Vec<u32>,
     values: Vec<f64>,
     work: Work,
 }
@@ -32,9 +35,20 @@ pub(super) struct Workspace<'a> {
 impl<'a> Workspace<'a> {
     pub fn new(symbolic: &'a Symbolic, numbers: &'a Numbers<'a>, ledger: &'a Ledger) -> Self {
         let place = vec![NONE; symbolic.cols];
-        let (columns, stair, next, values) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let work = Work::default();
-        Self { symbolic, numbers, ledger, arch: Arch::new(), place, columns, stair, next, values, work }
+        let work = Work::new(numbers.keep_q);
+        Self {
+            symbolic,
+            numbers,
+            ledger,
+            arch: Arch::new(),
+            place,
+            columns: Vec::new(),
+            stair: Vec::new(),
+            next: Vec::new(),
+            names: Vec::new(),
+            values: Vec::new(),
+            work,
+        }
     }
 
     /// Assembles and eliminates front f.
@@ -45,8 +59,9 @@ impl<'a> Workspace<'a> {
         }
         let pivots = self.find_columns(f, &children);
         let shape = Shape { rows, cols: self.columns.len(), ..Shape::default() };
-        let bytes = front_bytes(&shape, self.numbers.count);
+        let bytes = front_bytes(&shape, self.numbers.count) + if self.numbers.keep_q { kept_bytes(&shape) } else { 0 };
         self.ledger.take(bytes)?;
+        self.reserve_q(&shape)?;
         self.sort_rows(f, &children);
         self.assemble(f, rows, &children)?;
         self.columns.iter().for_each(|&column| self.place[column as usize] = NONE);
@@ -62,5 +77,5 @@ impl<'a> Workspace<'a> {
 
 /// The bytes that were booked for it.
 fn held(left: &ContributionBlock) -> usize {
-    8 * left.values.len() + 4 * (left.columns.len() + left.lead.len())
+    8 * left.values.len() + 4 * (left.columns.len() + left.lead.len() + left.names.len())
 }

@@ -12,7 +12,7 @@ pub(crate) use crate::dense::PANEL;
 
 use crate::dense::scaled_norm;
 use crate::symbolic::Symbolic;
-use crate::{Error, Factor};
+use crate::{Error, Factor, Options};
 use ledger::Ledger;
 
 /// The numbers of one factorization.
@@ -23,17 +23,14 @@ pub(crate) struct Numbers<'a> {
     pub rhs: &'a [f64],
     pub count: usize,
     pub tolerance: f64,
+    pub keep_q: bool,
 }
 
 /// Factors one matrix of the analysed pattern.
-pub(crate) fn factor(
-    symbolic: &Symbolic,
-    values: &[f64],
-    rhs: &[f64],
-    tolerance: f64,
-    limit: usize,
-) -> Result<Factor, Error> {
-    let numbers = checked(symbolic, values, rhs, tolerance)?;
+pub(crate) fn factor(symbolic: &Symbolic, values: &[f64], rhs: &[f64], options: Options) -> Result<Factor, Error> {
+    let values = &*symbolic.gathered(values)?;
+    let numbers = checked(symbolic, values, rhs, options)?;
+    let (tolerance, limit) = (numbers.tolerance, options.memory);
     let is_live = |entry: usize| values[entry].abs() > tolerance;
     let diagonal = |i: usize| symbolic.entry[symbolic.pattern.start[i]] as usize;
     let result = if (0..symbolic.peeled).map(diagonal).all(is_live) {
@@ -47,7 +44,8 @@ pub(crate) fn factor(
 
 /// The factor, and the most bytes that were booked.
 fn run(symbolic: &Symbolic, numbers: &Numbers, limit: usize) -> Result<(Factor, usize), Error> {
-    let needed = symbolic.memory(numbers.count);
+    let of_q = if numbers.keep_q { symbolic.memory_of_q() } else { 0 };
+    let needed = symbolic.memory(numbers.count).saturating_add(of_q);
     if needed > limit {
         return Err(Error::OutOfMemory { needed, limit });
     }
@@ -57,21 +55,16 @@ fn run(symbolic: &Symbolic, numbers: &Numbers, limit: usize) -> Result<(Factor, 
     Ok((factor, ledger.most()))
 }
 
-fn checked<'a>(symbolic: &Symbolic, values: &'a [f64], rhs: &'a [f64], tolerance: f64) -> Result<Numbers<'a>, Error> {
-    if values.len() != symbolic.entry.len() {
-        return Err(Error::Length { what: "values", found: values.len(), expected: symbolic.entry.len() });
-    }
+fn checked<'a>(symbolic: &Symbolic, values: &'a [f64], rhs: &'a [f64], options: Options) -> Result<Numbers<'a>, Error> {
     let count = rhs.len().checked_div(symbolic.rows).unwrap_or(0);
     if count * symbolic.rows != rhs.len() {
         return Err(Error::Length { what: "rhs", found: rhs.len(), expected: symbolic.rows });
-    }
-    if tolerance.is_nan() || tolerance < 0.0 {
-        return Err(Error::Tolerance(tolerance));
     }
     for (what, numbers) in [("the matrix", values), ("the right-hand side", rhs)] {
         if !numbers.iter().all(|v| v.is_finite()) {
             return Err(Error::NotFinite(what));
         }
     }
-    Ok(Numbers { values, rhs, count, tolerance })
+    let tolerance = options.tolerance.distance(symbolic, values)?;
+    Ok(Numbers { values, rhs, count, tolerance, keep_q: options.keep_q })
 }

@@ -3,7 +3,9 @@
 use super::contribution::Out;
 use super::ledger::Ledger;
 use super::{Numbers, scaled_norm};
+use crate::analyse::INDEX;
 use crate::pattern::NONE;
+use crate::q::Q;
 use crate::symbolic::Symbolic;
 use crate::{Error, Factor, Rows};
 
@@ -11,7 +13,7 @@ use crate::{Error, Factor, Rows};
 pub(super) fn collect(
     symbolic: &Symbolic,
     numbers: &Numbers,
-    outs: Vec<Out>,
+    mut outs: Vec<Out>,
     ledger: &Ledger,
 ) -> Result<Factor, Error> {
     let place = places(symbolic, &outs);
@@ -22,6 +24,7 @@ pub(super) fn collect(
     let entries = symbolic.pattern.start[symbolic.peeled] + packed;
     ledger.take(12 * entries + 8 * (rank + 1 + rank * numbers.count))?;
     let rest = rest(symbolic, numbers, &outs);
+    let q = if numbers.keep_q { Some(q(symbolic, &mut outs, ledger)?) } else { None };
     let dropped = outs.iter().fold(0.0, |sum: f64, out| sum.hypot(out.dropped));
     let r = Rows { start: ledger.reserve(rank + 1)?, col: ledger.reserve(entries)?, val: ledger.reserve(entries)? };
     let mut builder = Builder {
@@ -43,7 +46,22 @@ pub(super) fn collect(
     }
     let mut order = vec![0; symbolic.cols];
     place.iter().zip(&symbolic.order).for_each(|(&at, &column)| order[at as usize] = column as usize);
-    Ok(Factor { rank, order, r, rhs, rest, dropped })
+    let (rows, tolerance) = (symbolic.rows, numbers.tolerance);
+    Ok(Factor { rows, order, r, rhs, rest, dropped, tolerance, q })
+}
+
+/// Q with the rows of `Q^T A` in their order: rows of R, rows that fronts had no columns for, rows without entries.
+fn q(symbolic: &Symbolic, outs: &mut [Out], ledger: &Ledger) -> Result<Q, Error> {
+    ledger.take(INDEX * symbolic.rows)?;
+    let mut row = ledger.reserve(symbolic.rows)?;
+    let assembled = symbolic.row.last().map_or(symbolic.peeled, |&end| end as usize);
+    row.extend_from_slice(&symbolic.row_order[..symbolic.peeled]);
+    let kept = || outs.iter().filter_map(|out| Some((out, &out.reflections.as_ref()?.rows[..])));
+    kept().for_each(|(out, rows)| row.extend_from_slice(&rows[..out.rank]));
+    kept().for_each(|(out, rows)| row.extend_from_slice(&rows[out.done..]));
+    row.extend_from_slice(&symbolic.row_order[assembled..]);
+    let fronts = outs.iter_mut().filter_map(|out| out.reflections.take()).filter(|front| !front.tau.is_empty());
+    Ok(Q { row, fronts: fronts.map(|front| *front).collect() })
 }
 
 /// Final position of every position of the analysis.

@@ -32,9 +32,8 @@ struct Slot {
 pub(super) fn run(symbolic: &Symbolic, numbers: &Numbers, ledger: &Ledger) -> Result<Vec<Out>, Error> {
     let slots = (0..symbolic.fronts.len()).map(|_| Mutex::default()).collect();
     let all = symbolic.forecast.flops.iter().sum::<f64>();
-    let parallel = rayon::current_num_threads() > 1
-        && all > 2.0 * GRAIN
-        && symbolic.forecast.bytes_in_parallel(symbolic, numbers.count) <= ledger.limit();
+    let parallel =
+        rayon::current_num_threads() > 1 && all > 2.0 * GRAIN && bytes_in_parallel(symbolic, numbers) <= ledger.limit();
     let grain = if parallel { GRAIN.max(all * SHARE) } else { f64::INFINITY };
     let tasks = Tasks { symbolic, numbers, ledger, slots, grain };
     let count = symbolic.fronts.len() as u32;
@@ -46,6 +45,12 @@ pub(super) fn run(symbolic: &Symbolic, numbers: &Numbers, ledger: &Ledger) -> Re
     }
     let out = |slot: Mutex<Slot>| slot.into_inner().unwrap_or_else(PoisonError::into_inner).out;
     Ok(tasks.slots.into_iter().map(out).collect())
+}
+
+/// With Q, room for reflections in each thread.
+fn bytes_in_parallel(symbolic: &Symbolic, numbers: &Numbers) -> usize {
+    let of_q = if numbers.keep_q { symbolic.memory_of_q().saturating_mul(rayon::current_num_threads()) } else { 0 };
+    symbolic.forecast.bytes_in_parallel(symbolic, numbers.count).saturating_add(of_q)
 }
 
 struct Tasks<'a> {

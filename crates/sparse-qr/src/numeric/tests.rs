@@ -30,9 +30,12 @@ fn bookings_stay_within_the_forecast() {
         let (symbolic, values, rows) = random(seed);
         let rhs = vec![1.0; 2 * rows];
         let count = if rows == 0 { 0 } else { 2 };
-        let numbers = |tolerance| Numbers { values: &values, rhs: &rhs, count, tolerance };
+        let numbers = |tolerance| Numbers { values: &values, rhs: &rhs, count, tolerance, keep_q: false };
         let (_, most) = run(&symbolic, &numbers(0.0), usize::MAX).expect("a factorization");
         assert!(most <= symbolic.memory(count), "seed {seed}: {most} of {}", symbolic.memory(count));
+        let (_, most) = run(&symbolic, &Numbers { keep_q: true, ..numbers(0.0) }, usize::MAX).expect("a factorization");
+        let foreseen = symbolic.memory(count) + symbolic.memory_of_q();
+        assert!(most <= foreseen, "seed {seed}: {most} of {foreseen} with Q");
         for tolerance in [100.0, 700.0, 1e4] {
             let (_, most) = run(&symbolic, &numbers(tolerance), usize::MAX).expect("a factorization");
             let worst = symbolic.memory_at_worst(count);

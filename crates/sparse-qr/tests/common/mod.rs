@@ -1,7 +1,9 @@
 //! Matrices of every shape and rank, and the identities that their factorizations must meet.
 #![allow(dead_code, clippy::return_self_not_must_use, reason = "each test file uses its part")]
 
-use qless_qr::{Factor, Symbolic};
+pub mod dense;
+
+use qless_qr::{Factor, Matrix as View, Options, Rows, Symbolic, Tolerance};
 
 /// A small repeatable generator (xorshift).
 pub struct Random(pub u64);
@@ -21,6 +23,27 @@ impl Random {
     pub fn signed(&mut self) -> f64 {
         self.below(2001) as f64 / 1000.0 - 1.0
     }
+}
+
+pub fn absolute(tolerance: f64) -> Options {
+    Options::new().tolerance(Tolerance::Absolute(tolerance))
+}
+
+/// What a factor says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    pub rank: usize,
+    pub order: Vec<usize>,
+    pub r: Rows,
+    pub rhs: Vec<f64>,
+    pub rest: Vec<f64>,
+    pub dropped: f64,
+}
+
+pub fn found(factor: Factor) -> Found {
+    let (rank, dropped) = (factor.rank(), factor.dropped());
+    let parts = factor.into_parts();
+    Found { rank, order: parts.order, r: parts.r, rhs: parts.rhs, rest: parts.rest, dropped }
 }
 
 /// A sparse matrix by columns.
@@ -62,8 +85,12 @@ impl Matrix {
         Symbolic::analyse(self.rows, self.cols, &self.start, &self.index).expect("a pattern")
     }
 
-    pub fn factor(&self, rhs: &[f64], tolerance: f64) -> Factor {
-        self.analyse().factor(&self.values, rhs, tolerance, usize::MAX).expect("a factorization")
+    pub fn factor(&self, rhs: &[f64], tolerance: f64) -> Found {
+        found(self.analyse().factor(&self.values, rhs, absolute(tolerance)).expect("a factorization"))
+    }
+
+    pub fn view(&self) -> View<'_> {
+        View::by_columns(self.rows, self.cols, &self.start, &self.index, &self.values).expect("a matrix")
     }
 
     /// Random entries with the given density in thousandths.
@@ -91,6 +118,37 @@ impl Matrix {
     }
 }
 
+/// Matrices of every kind: square, tall, wide, dense, sparse, with dependent and empty columns and rows, graded, 1 x 1, empty.
+pub fn any(seed: u64) -> (Matrix, Random) {
+    let mut random = Random::new(seed + 77);
+    let largest = [1, 4, 12, 24][random.below(4)] + 1;
+    let (rows, cols) = match random.below(3) {
+        0 => (largest - 1, largest - 1),
+        _ => (random.below(largest), random.below(largest)),
+    };
+    let density = [60, 150, 400, 1000][random.below(4)];
+    let a = Matrix::random(&mut random, rows, cols, density);
+    let spoils = random.below(4) * random.below(3);
+    let a = a.spoilt(&mut random, spoils);
+    let lost = random.below(2) * random.below(3);
+    let a = a.transposed().spoilt(&mut random, lost).transposed();
+    let grade = [0, 0, 1][random.below(3)];
+    let scale = |i: u32| 2.0_f64.powi(-grade * (i as i32 % 12));
+    let columns: Vec<Vec<(u32, f64)>> =
+        (0..a.cols).map(|j| a.column(j).map(|(i, v)| (i as u32, v * scale(i as u32))).collect()).collect();
+    (Matrix::from_columns(a.rows, &columns), random)
+}
+
+pub fn multiply(a: &Matrix, x: &[f64]) -> Vec<f64> {
+    let mut y = vec![0.0; a.rows];
+    (0..a.cols).for_each(|j| a.column(j).for_each(|(i, v)| y[i] += v * x[j]));
+    y
+}
+
+pub fn minus(x: &[f64], y: &[f64]) -> Vec<f64> {
+    x.iter().zip(y).map(|(x, y)| x - y).collect()
+}
+
 fn sum(a: &[(u32, f64)], b: &[(u32, f64)]) -> Vec<(u32, f64)> {
     let mut sum = std::collections::BTreeMap::new();
     a.iter().chain(b).for_each(|&(i, v)| *sum.entry(i).or_insert(0.0) += v);
@@ -106,7 +164,7 @@ pub fn dot(x: &[f64], y: &[f64]) -> f64 {
 }
 
 /// Every identity, to a relative accuracy.
-pub fn check(a: &Matrix, factor: &Factor, rhs: &[f64], name: &str) {
+pub fn check(a: &Matrix, factor: &Found, rhs: &[f64], name: &str) {
     check_shape(a, factor, rhs, name);
     let n = a.cols;
     let columns: Vec<Vec<f64>> = factor.order.iter().map(|&j| a.dense(j)).collect();
@@ -132,7 +190,7 @@ pub fn check(a: &Matrix, factor: &Factor, rhs: &[f64], name: &str) {
     }
 }
 
-pub fn check_shape(a: &Matrix, factor: &Factor, rhs: &[f64], name: &str) {
+pub fn check_shape(a: &Matrix, factor: &Found, rhs: &[f64], name: &str) {
     let mut order = factor.order.clone();
     order.sort_unstable();
     assert_eq!(order, (0..a.cols).collect::<Vec<_>>(), "{name}: the order is a permutation");

@@ -2,7 +2,7 @@
 //!
 //! The memory that the pattern asks for is known before anything is allocated; more than the limit is refused.
 
-use qless_qr::{Error, Symbolic};
+use qless_qr::{Error, Options, Parts, Symbolic, Tolerance};
 
 use super::{Backend, BackendError, Factor, check_block};
 use crate::Csr;
@@ -49,9 +49,11 @@ impl Sparse {
         rhs: &[f64],
         tolerance: f64,
     ) -> Result<Factor, BackendError> {
-        let factor = symbolic.factor(&columns.val, rhs, tolerance, self.memory);
+        let options = Options::new().tolerance(Tolerance::Absolute(tolerance)).memory(self.memory);
+        let factor = symbolic.factor(&columns.val, rhs, options);
         let factor = factor.map_err(|error| refused(&error, columns.cols, columns.rows()))?;
-        let qless_qr::Factor { rank, order, r, rhs, rest, dropped } = factor;
+        let (rank, dropped) = (factor.rank(), factor.dropped());
+        let Parts { order, r, rhs, rest, .. } = factor.into_parts();
         let r = Csr { cols: columns.rows(), start: r.start, col: r.col, val: r.val };
         Ok(Factor { rank, order, r, rhs, rest, dropped })
     }

@@ -10,7 +10,7 @@ use crate::pattern::NONE;
 use crate::symbolic::Symbolic;
 
 const NUMBER: usize = size_of::<f64>();
-const INDEX: usize = size_of::<u32>();
+pub(crate) const INDEX: usize = size_of::<u32>();
 /// Book-keeping of a front beside its arrays.
 const EACH: usize = 512;
 
@@ -31,7 +31,25 @@ pub(crate) fn out_bytes(shape: &Shape, k: usize) -> usize {
     NUMBER * (shape.entries + (shape.rank + 1) * k) + 2 * INDEX * shape.cols + EACH
 }
 
+/// What a front keeps of Q, of so many rows, reflections and numbers of their vectors.
+pub(crate) fn reflection_bytes(rows: usize, turns: usize, turned: usize) -> usize {
+    NUMBER * turned + (INDEX + 2 * NUMBER) * turns + INDEX * rows
+}
+
+/// Room for the reflections of a front while it is eliminated.
+pub(crate) fn kept_bytes(shape: &Shape) -> usize {
+    NUMBER * shape.rows * shape.rows.min(shape.cols)
+}
+
 impl Forecast {
+    /// What Q takes beside the rest: all that is kept, the largest room for it, the names of what waits.
+    pub fn bytes_of_q(&self, symbolic: &Symbolic) -> usize {
+        let kept: usize = self.shapes.iter().map(|shape| reflection_bytes(shape.rows, shape.turns, shape.turned)).sum();
+        let room = self.shapes.iter().map(kept_bytes).max().unwrap_or(0);
+        let waiting: usize = self.shapes.iter().map(|shape| INDEX * shape.left_rows).sum();
+        kept + room + waiting + INDEX * symbolic.rows
+    }
+
     pub fn bytes(&self, symbolic: &Symbolic, k: usize, worst: bool) -> usize {
         // More right-hand sides than any memory holds would lead beyond what can be counted.
         let k = k.min((usize::MAX >> 13) / (symbolic.rows + symbolic.cols + 2));
@@ -88,7 +106,8 @@ pub(crate) fn at_worst(symbolic: &Symbolic) -> Vec<Shape> {
         let entries = rank * cols - rank * rank.saturating_sub(1) / 2;
         let left_entries = left * outer.len() - left * left.saturating_sub(1) / 2;
         let left_cols = if left == 0 { 0 } else { outer.len() };
-        shapes.push(Shape { rows, cols, rank, entries, left_rows: left, left_cols, left_entries });
+        let (turns, turned) = (rows.min(cols), rows * rows.min(cols));
+        shapes.push(Shape { rows, cols, rank, entries, left_rows: left, left_cols, left_entries, turns, turned });
     }
     shapes
 }

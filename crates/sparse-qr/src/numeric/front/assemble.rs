@@ -51,6 +51,10 @@ impl Workspace<'_> {
             self.values = self.ledger.reserve(length)?;
         }
         self.values.resize(length, 0.0);
+        if self.numbers.keep_q {
+            self.names.clear();
+            self.names.resize(rows, 0);
+        }
         self.symbolic.front_rows(f).for_each(|i| self.add_row(i, rows));
         children.iter().for_each(|left| self.add_left(left, rows));
         Ok(())
@@ -62,6 +66,9 @@ impl Workspace<'_> {
         let slot = &mut self.next[self.place[symbolic.pattern.index[from] as usize] as usize];
         let row = *slot as usize;
         *slot += 1;
+        if let Some(name) = self.names.get_mut(row) {
+            *name = symbolic.row_order[i];
+        }
         for (&column, &entry) in symbolic.pattern.index[from..to].iter().zip(&symbolic.entry[from..to]) {
             self.values[self.place[column as usize] as usize * rows + row] = self.numbers.values[entry as usize];
         }
@@ -73,13 +80,14 @@ impl Workspace<'_> {
     }
 
     fn add_left(&mut self, left: &ContributionBlock, rows: usize) {
-        let Self { place, next, values, columns, .. } = self;
+        let Self { place, next, values, columns, names, .. } = self;
         let take = |&at: &u32| {
             let slot = &mut next[place[left.columns[at as usize] as usize] as usize];
             *slot += 1;
             *slot - 1
         };
         let target: Vec<u32> = left.lead.iter().map(take).collect();
+        target.iter().zip(&left.names).for_each(|(&row, &name)| names[row as usize] = name);
         let (mut height, mut at) = (0, 0);
         let inner = left.columns.iter().map(|&column| place[column as usize] as usize);
         let behind = (columns.len()..).take(self.numbers.count);

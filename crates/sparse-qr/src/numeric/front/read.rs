@@ -4,7 +4,7 @@ use super::super::contribution::{ContributionBlock, Out, pack, pack_rows, packed
 use super::super::scaled_norm;
 use super::Workspace;
 use crate::Error;
-use crate::analyse::{Shape, out_bytes, waiting_bytes};
+use crate::analyse::{INDEX, Shape, out_bytes, waiting_bytes};
 
 impl Workspace<'_> {
     /// Splits the eliminated front into rows of R, rows for the parent and rows that are done.
@@ -14,7 +14,8 @@ impl Workspace<'_> {
         let rank = lead.partition_point(|&k| (k as usize) < pivots);
         let (own, others) = lead.split_at(rank);
         let shape = shape(cols, own, others);
-        self.ledger.take(out_bytes(&shape, count) + waiting_bytes(&shape, count))?;
+        let names = if self.numbers.keep_q { INDEX * shape.left_rows } else { 0 };
+        self.ledger.take(out_bytes(&shape, count) + waiting_bytes(&shape, count) + names)?;
         let mut out = Out::new(own, &self.columns[pivots..], self.symbolic.outer.list(f), self.work.dropped);
         out.has_rest = count > 0 && lead.len() < rows;
         let room = packed_len(cols, own, count) + if out.has_rest { count } else { 0 };
@@ -24,6 +25,8 @@ impl Workspace<'_> {
             let columns = self.values[cols * rows..].chunks_exact(rows);
             out.values.extend(columns.map(|b| scaled_norm(&b[lead.len()..])));
         }
+        out.done = lead.len();
+        out.reflections = self.reflections()?;
         Ok((self.left(rows, rank)?, out))
     }
 
@@ -34,7 +37,8 @@ impl Workspace<'_> {
         let mut values = self.ledger.reserve(packed_len(cols, lead, count))?;
         pack(&self.values, rows, cols, rank, lead, &mut values);
         let columns = self.columns[first as usize..].to_vec();
-        Ok(ContributionBlock { columns, lead: lead.iter().map(|k| k - first).collect(), values })
+        let names = if self.numbers.keep_q { self.names[rank..rank + lead.len()].to_vec() } else { Vec::new() };
+        Ok(ContributionBlock { columns, lead: lead.iter().map(|k| k - first).collect(), names, values })
     }
 }
 
@@ -42,5 +46,6 @@ fn shape(cols: usize, own: &[u32], others: &[u32]) -> Shape {
     let entries = |lead: &[u32]| packed_len(cols, lead, 0);
     let left_cols = others.first().map_or(0, |&k| cols - k as usize);
     let (rank, left_rows) = (own.len(), others.len());
-    Shape { rows: 0, cols, rank, entries: entries(own), left_rows, left_cols, left_entries: entries(others) }
+    let (entries, left_entries) = (entries(own), entries(others));
+    Shape { cols, rank, entries, left_rows, left_cols, left_entries, ..Shape::default() }
 }

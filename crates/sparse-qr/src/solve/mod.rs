@@ -1,0 +1,116 @@
+//! `x = A^+ b` and its relatives, from `A P = Q [R1 R2; 0 0]`.
+//!
+//! | stage | formula | in | out | operations beside the QR |
+//! | --- | --- | --- | --- | --- |
+//! | basic | `x = P [R1^{-1} (Q^T b)_1; 0]` | b, m x k | x, n x k | 2 k nnz(R1) |
+//! | transposed | `x = Q [R1^{-T} (P^T c)_1; 0]` | c, n x k | x, m x k | 2 k nnz(R1) + 4 k nnz(Q) |
+//! | complete | `[R1 R2]^T P2 = Q2 [R3; 0]`, `x = P Q2 [R3^{-T} P2^T (Q^T b)_1; 0]` | b, m x k | x, n x k | a second QR, n x r |
+//! | seminormal | `x = P [R1^{-1} R1^{-T} (P^T A^T b)_1; 0]` | A, b | x | 4 k nnz(R1) + 4 k nnz(A), each time |
+//! | refined | `[I A; A^T 0] [dr; dx] = [b - r - A x; -A^T r]` | A, b, x | x | 4 k (nnz(R1) + 2 nnz(Q)) each step |
+//!
+//! Basic: some x of least `|A x - b|` with at most r numbers that are not zero. Complete: the shortest of all x of least
+//! `|A x - b|` (Golub, Van Loan, Sec. 5.5.3). Transposed: the shortest x with `A^T x = c`, for wide systems, which are
+//! factored as `A^T`. Sources: Björck, Numerical Methods for Least Squares Problems, 1996, Sec. 2.7, 2.9, 6.6.
+
+mod basic;
+mod complete;
+mod refine;
+mod seminormal;
+mod shortest;
+
+pub use complete::Complete;
+pub use shortest::minimum_norm;
+
+use crate::dense::scaled_norm;
+use crate::factor::columns_of;
+use crate::{Error, Factor, Index, Matrix, Options};
+
+/// Solutions for all right-hand sides, and what is known about them.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Solution {
+    /// X, n x k by columns.
+    pub x: Vec<f64>,
+    /// `|A x - b|` of each.
+    pub residuals: Vec<f64>,
+    /// Rank of A, as far as the tolerance tells.
+    pub rank: usize,
+    /// The tolerance as a distance.
+    pub tolerance: f64,
+}
+
+/// Solves `A x = b` with a square nonsingular A, for k right-hand sides by columns.
+///
+/// ```
+/// use qless_qr::{Matrix, Options, solve};
+/// let a = Matrix::by_columns(2, 2, &[0, 2, 3], &[0_u32, 1, 1], &[2.0, 1.0, 4.0])?;
+/// let solution = solve(&a, &[2.0, 9.0], Options::new())?;
+/// assert!((solution.x[0] - 1.0).abs() < 1e-15 && (solution.x[1] - 2.0).abs() < 1e-15);
+/// # Ok::<(), qless_qr::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::NotSquare`], [`Error::Singular`], or as [`least_squares`].
+pub fn solve<P: Index, I: Index>(a: &Matrix<P, I>, b: &[f64], options: Options) -> Result<Solution, Error> {
+    let (rows, cols) = (a.rows(), a.cols());
+    if rows != cols {
+        return Err(Error::NotSquare { rows, cols });
+    }
+    let solution = least_squares(a, b, options)?;
+    if solution.rank < cols { Err(Error::Singular { rank: solution.rank, cols }) } else { Ok(solution) }
+}
+
+/// An x of least `|A x - b|` for A of any shape and rank, and k right-hand sides by columns: what `x = A\b` is to
+/// SuiteSparseQR. With dependent columns it is a basic solution, zero for those. A matrix without rows has one
+/// right-hand side.
+///
+/// ```
+/// use qless_qr::{Matrix, Options, least_squares};
+/// // The line x0 + x1 t through (0, 1), (1, 3), (2, 4).
+/// let a = Matrix::by_rows(3, 2, &[0, 1, 3, 5], &[0_u32, 0, 1, 0, 1], &[1.0, 1.0, 1.0, 1.0, 2.0])?;
+/// let solution = least_squares(&a, &[1.0, 3.0, 4.0], Options::new())?;
+/// assert!((solution.x[0] - 7.0 / 6.0).abs() < 1e-14 && (solution.x[1] - 1.5).abs() < 1e-14);
+/// assert!((solution.residuals[0] - 6.0_f64.sqrt() / 6.0).abs() < 1e-14);
+/// # Ok::<(), qless_qr::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Length`], [`Error::TooLarge`], [`Error::Tolerance`], [`Error::NotFinite`], [`Error::Overflow`],
+/// [`Error::OutOfMemory`] or [`Error::Ordering`].
+pub fn least_squares<P: Index, I: Index>(a: &Matrix<P, I>, b: &[f64], options: Options) -> Result<Solution, Error> {
+    columns_of(b.len(), a.rows())?;
+    let options = options.keep_q(options.refinements > 0);
+    let factor = a.analyse()?.factor(a.values(), b, options)?;
+    let mut x = if a.rows() == 0 { vec![0.0; a.cols()] } else { factor.basic()? };
+    factor.refine(a, b, &mut x, options.refinements)?;
+    finished(a, b, x, &factor)
+}
+
+fn finished<P: Index, I: Index>(a: &Matrix<P, I>, b: &[f64], x: Vec<f64>, factor: &Factor) -> Result<Solution, Error> {
+    let mut left = b.to_vec();
+    for (left, x) in left.chunks_exact_mut(a.rows().max(1)).zip(each(&x, a.cols())) {
+        a.add_product(-1.0, x, left);
+    }
+    let count = columns_of(b.len(), a.rows())?;
+    let residuals = (0..count).map(|c| scaled_norm(&left[c * a.rows()..(c + 1) * a.rows()])).collect();
+    let (rank, tolerance) = (factor.rank(), factor.tolerance());
+    Ok(Solution { x: all_finite(x)?, residuals, rank, tolerance })
+}
+
+/// Vectors of a length, any number of them if that is 0.
+fn each(x: &[f64], length: usize) -> impl Iterator<Item = &[f64]> {
+    (0..).map(move |c| x.get(c * length..(c + 1) * length).unwrap_or_default())
+}
+
+fn all_finite(x: Vec<f64>) -> Result<Vec<f64>, Error> {
+    if x.iter().all(|v| v.is_finite()) { Ok(x) } else { Err(Error::Overflow) }
+}
+
+/// Refuses a matrix of another shape than the one that was factored.
+fn same_shape<P: Index, I: Index>(a: &Matrix<P, I>, factor: &Factor) -> Result<(), Error> {
+    let pairs = [("the matrix by rows", a.rows(), factor.rows()), ("the matrix by columns", a.cols(), factor.cols())];
+    match pairs.into_iter().find(|&(_, found, expected)| found != expected) {
+        Some((what, found, expected)) => Err(Error::Length { what, found, expected }),
+        None => Ok(()),
+    }
+}
