@@ -1,31 +1,8 @@
 //! The pattern of anybody's sparse matrix, where it stands: compressed rows or columns, in any index type, counted from 0 or 1.
 
+pub use qless_qr::Index;
+
 use crate::SystemError;
-
-/// An integer that counts rows, columns or entries.
-pub trait Index: Copy + Send + Sync + 'static {
-    /// The number, if it is one.
-    fn to_usize(self) -> Option<usize>;
-    /// The number, known to be one.
-    fn at(self) -> usize;
-}
-
-macro_rules! index {
-    ($($type:ty),*) => {$(
-        impl Index for $type {
-            fn to_usize(self) -> Option<usize> {
-                usize::try_from(self).ok()
-            }
-
-            #[inline]
-            fn at(self) -> usize {
-                self as usize
-            }
-        }
-    )*};
-}
-
-index!(u32, i32, u64, i64, usize);
 
 /// Which entries of a symmetric matrix are stored.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -91,13 +68,13 @@ impl<'a, P: Index, I: Index> View<'a, P, I> {
     /// Entries of line i.
     #[inline]
     pub(super) fn range(&self, i: usize) -> std::ops::Range<usize> {
-        self.starts[i].at() - self.base..self.starts[i + 1].at() - self.base
+        self.starts[i].position() - self.base..self.starts[i + 1].position() - self.base
     }
 
     /// The other index of entry k.
     #[inline]
     pub(super) fn index(&self, k: usize) -> usize {
-        self.index[k].at() - self.base
+        self.index[k].position() - self.base
     }
 
     /// Whether it is the pattern of an n x n matrix. Indices may be in any order, and repeat; entries at the same place add up.
@@ -111,7 +88,7 @@ impl<'a, P: Index, I: Index> View<'a, P, I> {
         }
         let mut before = self.base;
         for (line, start) in self.starts.iter().enumerate() {
-            let value = start.to_usize().unwrap_or(usize::MAX);
+            let value = start.position();
             let last = self.base + self.nnz();
             let fits = if line == 0 { value == self.base } else { value >= before && value <= last };
             if !fits || (line == n && value != last) {
@@ -121,7 +98,7 @@ impl<'a, P: Index, I: Index> View<'a, P, I> {
         }
         for line in 0..n {
             for k in self.range(line) {
-                let found = self.index[k].to_usize().and_then(|j| j.checked_sub(self.base)).filter(|&j| j < n);
+                let found = self.index[k].position().checked_sub(self.base).filter(|&j| j < n);
                 let Some(j) = found else {
                     return Err(SystemError::BadIndex { place: k, dofs: n });
                 };
