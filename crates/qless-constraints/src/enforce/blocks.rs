@@ -3,7 +3,7 @@
 //! A block is a connected component of independent equations and free DOFs. Its fill is predicted before any product is formed:
 //! an entry `K_ij` becomes up to `t_i t_j` entries of `T^T K T`, where `t_i` is the number of entries in row i of T.
 
-use super::expansion::reduction;
+use super::condensation::map_of;
 use super::matrix::entries;
 use super::{EnforceError, Problem};
 
@@ -84,7 +84,8 @@ impl Problem<'_> {
 
     /// The predicted fill of each block, by its name.
     fn fills(&self, block_of: &[usize]) -> Result<Vec<f64>, EnforceError> {
-        let reduction = reduction(self.system, &self.kept)?;
+        let map = map_of(self.system, &self.kept)?;
+        let reduction = map.reduction();
         let mut weight = vec![1.0; self.system.dofs()];
         let mut slave = vec![false; self.system.dofs()];
         for (i, &dof) in reduction.slaves().iter().enumerate() {

@@ -1,6 +1,6 @@
 //! Why constraints cannot be enforced.
 
-use qless::{AnalysisError, ArgumentError, ReductionError, SystemError};
+use qless::{AnalysisError, ArgumentError, MapError, ReductionError, SystemError};
 
 /// Why constraints cannot be enforced.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -63,6 +63,9 @@ pub enum EnforceError {
     /// The equations chosen are no valid system.
     #[error(transparent)]
     System(#[from] SystemError),
+    /// The equations cannot be put into the form that K is condensed with.
+    #[error(transparent)]
+    Map(#[from] MapError),
     /// Numbers that do not fit, or that lead out of the range of doubles.
     #[error(transparent)]
     Argument(#[from] ArgumentError),

@@ -1,5 +1,7 @@
 //! Sparse matrices by columns: `A B`, `A x`, `A^T x`, and `A x = b` by LU.
 
+use std::borrow::Cow;
+
 use faer::Mat;
 use faer::prelude::Solve;
 use faer::sparse::linalg::matmul::sparse_sparse_matmul;
@@ -21,6 +23,14 @@ pub fn from_triplets(
     // What can go wrong here is memory: then the matrix is of no use.
     Matrix::try_new_from_triplets(rows, cols, &entries)
         .map_err(|_| EnforceError::Singular { what: "a matrix too large" })
+}
+
+/// The same matrix with its columns one after the other, as [`qless::View`] takes it.
+pub fn compressed(a: &Matrix) -> Result<Cow<'_, Matrix>, EnforceError> {
+    if a.symbolic().col_nnz().is_none() && a.val().len() == a.symbolic().row_idx().len() {
+        return Ok(Cow::Borrowed(a));
+    }
+    from_triplets(a.nrows(), a.ncols(), entries(a)).map(Cow::Owned)
 }
 
 /// All entries `(row, column, value)`, column by column.

@@ -12,10 +12,9 @@
 //! K need not be symmetric, nor regular without the constraints. Prescribed DOFs keep their values.
 
 mod blocks;
+mod condensation;
 mod error;
-mod expansion;
 mod matrix;
-mod multipliers;
 mod penalty;
 mod reduced;
 mod saddle;
@@ -25,7 +24,7 @@ use qless::{ConstraintSystem, Kind, Options, analyse};
 
 pub use blocks::BlockPlan;
 pub use error::EnforceError;
-use expansion::Expansion;
+use condensation::Condensation;
 use matrix::{Matrix, times, times_transposed};
 pub use reduced::reduced;
 
@@ -172,13 +171,13 @@ impl<'a> Problem<'a> {
     }
 
     fn solve(&self, eliminated: &[usize], others: &[usize]) -> Result<Solution, EnforceError> {
-        let expansion = Expansion::new(self.system, eliminated)?;
-        let others = &[others, &expansion.left].concat();
-        let (u, lambda) = saddle::solve(self, &expansion, others)?;
+        let condensation = Condensation::new(self.system, eliminated, &*self.stiffness()?)?;
+        let (u, lambda) = saddle::solve(self, &condensation, others)?;
         let mut multipliers = vec![0.0; self.system.equations()];
         others.iter().zip(lambda).for_each(|(&row, value)| multipliers[row] = value);
         let rest = self.out_of_balance(&u, &multipliers);
-        multipliers::recover(self.system, &expansion.rows, &expansion.slaves, &rest, &mut multipliers)?;
+        let carried = condensation.map.multipliers(&rest)?;
+        eliminated.iter().zip(carried).for_each(|(&row, value)| multipliers[row] = value);
         Ok(self.finish(u, multipliers))
     }
 

@@ -3,8 +3,8 @@
 //! D is scaled from K, so that the factor has no units: it says how much stiffer a constraint is than what it holds. The error
 //! of u falls as 1 / factor until rounding, which grows as factor, takes over.
 
-use super::expansion::Expansion;
-use super::matrix::{Factor, entries, from_triplets, product, times, transposed};
+use super::condensation::Condensation;
+use super::matrix::{Factor, Matrix, entries, from_triplets};
 use super::{EnforceError, Problem, Solution};
 
 /// Steps of augmented Lagrange before it gives up.
@@ -63,7 +63,10 @@ struct Springs<'a> {
     problem: &'a Problem<'a>,
     /// `(row, D_i)`.
     stiffness: Vec<(usize, f64)>,
-    expansion: Expansion,
+    /// `K + C^T D C`, ...
+    sum: Matrix,
+    /// ... on the DOFs that are not prescribed.
+    free: Condensation,
     factor: Factor,
 }
 
@@ -79,24 +82,20 @@ impl<'a> Springs<'a> {
         });
         let n = problem.system.dofs();
         let sum = from_triplets(n, n, entries(problem.k).chain(springs))?;
-        let expansion = Expansion::new(problem.system, &[])?;
-        let matrix = product(&transposed(&expansion.t)?, &product(&sum, &expansion.t)?)?;
-        let factor = Factor::new(&matrix, "the stiffness with penalties")?;
-        Ok(Self { problem, stiffness, expansion, factor })
+        let free = Condensation::new(problem.system, &[], &sum)?;
+        let factor = Factor::new(&free.matrix(&sum)?, "the stiffness with penalties")?;
+        Ok(Self { problem, stiffness, sum, free, factor })
     }
 
     /// `(K + C^T D C) u = f + C^T (D b - lambda)`, prescribed DOFs moved to the right.
     fn solve(&self, multipliers: &[f64]) -> Result<Vec<f64>, EnforceError> {
-        let (system, constant) = (self.problem.system, &self.expansion.constant);
-        let stressed = times(self.problem.k, constant);
-        let mut load: Vec<f64> = self.problem.f.iter().zip(stressed).map(|(f, k)| f - k).collect();
+        let system = self.problem.system;
+        let mut load = self.problem.f.to_vec();
         for &(row, d) in &self.stiffness {
-            let held: f64 = system.matrix().row(row).map(|(j, v)| v * constant[j]).sum();
-            let pull = d * (system.rhs()[row] - held) - multipliers[row];
+            let pull = d * system.rhs()[row] - multipliers[row];
             system.matrix().row(row).for_each(|(j, v)| load[j] += v * pull);
         }
-        let q = self.factor.solve(&times(&transposed(&self.expansion.t)?, &load))?;
-        Ok(times(&self.expansion.t, &q).iter().zip(constant).map(|(u, c)| u + c).collect())
+        self.free.expand(&self.factor.solve(&self.free.load(&self.sum, &load)?)?)
     }
 
     /// `lambda += D (C u - b)`.

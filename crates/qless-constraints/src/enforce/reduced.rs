@@ -6,7 +6,6 @@ use faer::sparse::SparseColMat;
 use qless::{Csr, Reduction, ReductionError};
 
 use super::EnforceError;
-use super::expansion::{held, triplets};
 use super::matrix::{Factor, Matrix, entries, from_triplets, product, times, transposed};
 use super::saddle::bordered;
 
@@ -82,4 +81,19 @@ fn equations(reduction: &Reduction, dofs: usize) -> Result<Matrix, EnforceError>
 
 fn rows(matrix: &Csr) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
     (0..matrix.rows()).flat_map(|i| matrix.row(i).map(move |(j, v)| (i, j, v)))
+}
+
+/// Slaves of parts that stay factors, ascending: they are unknowns.
+fn held(reduction: &Reduction) -> Vec<usize> {
+    let mut held: Vec<usize> = reduction.factored().iter().flat_map(|block| block.slaves().iter().copied()).collect();
+    held.sort_unstable();
+    held
+}
+
+/// T of the slaves that are eliminated, the masters themselves, and the slaves that are not, which come last.
+fn triplets(reduction: &Reduction) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
+    let slaves = reduction.slaves().iter().enumerate();
+    let of_slaves = slaves.flat_map(|(i, &dof)| reduction.t().row(i).map(move |(q, v)| (dof, q, v)));
+    let kept = reduction.masters().iter().copied().chain(held(reduction));
+    of_slaves.chain(kept.enumerate().map(|(q, dof)| (dof, q, 1.0)))
 }

@@ -1,33 +1,36 @@
-//! `[T^T K T, (C T)^T; C T, 0] [q; lambda] = [T^T (f - K u_0); b - C u_0]`: elimination and multipliers in one matrix.
+//! `[K_q, C_q^T; C_q, 0] [q; lambda] = [f_q; b_q]`: elimination and multipliers in one matrix.
 //!
-//! With no rows in C it is the transformation (Eq. 7-9), with T only picking free DOFs it is Lagrange's method (Eq. 10).
+//! With no rows in C it is the transformation (Eq. 7-9), with nothing eliminated it is Lagrange's method (Eq. 10).
 
-use super::expansion::Expansion;
-use super::matrix::{Factor, Matrix, entries, from_triplets, product, times, transposed};
+use super::condensation::Condensation;
+use super::matrix::{Factor, Matrix, entries, from_triplets};
 use super::{EnforceError, Problem};
 
-/// u and the multipliers of `rows`.
-pub fn solve(problem: &Problem, expansion: &Expansion, rows: &[usize]) -> Result<(Vec<f64>, Vec<f64>), EnforceError> {
-    let back = transposed(&expansion.t)?;
-    let constraints = chosen(problem, rows)?;
-    let stiffness = product(&back, &product(problem.k, &expansion.t)?)?;
-    let matrix = bordered(&stiffness, &product(&constraints, &expansion.t)?)?;
-    let stressed = times(problem.k, &expansion.constant);
-    let load: Vec<f64> = problem.f.iter().zip(stressed).map(|(f, k)| f - k).collect();
-    let mut rhs = times(&back, &load);
-    let offset = times(&constraints, &expansion.constant);
-    rhs.extend(rows.iter().zip(offset).map(|(&row, c)| problem.system.rhs()[row] - c));
+/// u and the multipliers of `rows`, where the slaves of others are eliminated.
+pub fn solve(problem: &Problem, some: &Condensation, rows: &[usize]) -> Result<(Vec<f64>, Vec<f64>), EnforceError> {
+    let k = problem.stiffness()?;
+    let all: Vec<usize> = [rows, &some.left].concat();
+    let (border, offsets) = over_unknowns(problem, some, &all)?;
+    let stiffness = some.matrix(&k)?;
+    let mut rhs = some.load(&k, problem.f)?;
+    rhs.extend(offsets);
     let what = if rows.is_empty() { "the reduced stiffness" } else { "the matrix with multipliers" };
+    let matrix = if all.is_empty() { stiffness } else { bordered(&stiffness, &border)? };
     let x = Factor::new(&matrix, what)?.solve(&rhs)?;
-    let (q, lambda) = x.split_at(stiffness.nrows());
-    let u = times(&expansion.t, q).iter().zip(&expansion.constant).map(|(u, c)| u + c).collect();
-    Ok((u, lambda.to_vec()))
+    let (q, lambda) = x.split_at(some.condensed.unknowns());
+    Ok((some.expand(q)?, lambda[..rows.len()].to_vec()))
 }
 
-/// Some rows of C.
-fn chosen(problem: &Problem, rows: &[usize]) -> Result<Matrix, EnforceError> {
-    let row = |(i, &row): (usize, &usize)| problem.system.matrix().row(row).map(move |(j, v)| (i, j, v));
-    from_triplets(rows.len(), problem.system.dofs(), rows.iter().enumerate().flat_map(row))
+/// Some rows of C and b, over the unknowns.
+fn over_unknowns(problem: &Problem, some: &Condensation, rows: &[usize]) -> Result<(Matrix, Vec<f64>), EnforceError> {
+    let (mut triplets, mut offsets) = (Vec::new(), Vec::new());
+    for (i, &row) in rows.iter().enumerate() {
+        let equation = problem.system.matrix().row(row);
+        let (terms, b) = some.condensed.equation(&some.map, equation, problem.system.rhs()[row])?;
+        triplets.extend(terms.into_iter().map(|(j, v)| (i, j, v)));
+        offsets.push(b);
+    }
+    Ok((from_triplets(rows.len(), some.condensed.unknowns(), triplets)?, offsets))
 }
 
 /// `[A B^T; B 0]`.
@@ -45,8 +48,8 @@ impl Problem<'_> {
     /// # Errors
     /// [`EnforceError`] if the matrix does not fit into memory.
     pub fn lagrange_matrix(&self, rows: &[usize]) -> Result<Matrix, EnforceError> {
-        let free = Expansion::new(self.system, &[])?.t;
-        let stiffness = product(&transposed(&free)?, &product(self.k, &free)?)?;
-        bordered(&stiffness, &product(&chosen(self, rows)?, &free)?)
+        let k = self.stiffness()?;
+        let free = Condensation::new(self.system, &[], &k)?;
+        bordered(&free.matrix(&k)?, &over_unknowns(self, &free, rows)?.0)
     }
 }

@@ -33,9 +33,6 @@ pub enum MapError {
     /// A block needs more memory than is allowed, or could not be factored.
     #[error(transparent)]
     Backend(#[from] BackendError),
-    /// Parts of T are factors, of which no rows are at hand.
-    #[error("T has parts that stay factors, and K cannot be condensed with them; make the map with Form::Explicit")]
-    Factored,
 }
 
 /// The first few of many.

@@ -86,8 +86,7 @@ impl Map {
         Self::of(analyse(system, options)?, Form::Explicit)
     }
 
-    /// From an analysis, or an `Arc` of one. Parts of T that stay factors ([`Form`]) serve to expand, project and refresh, not to
-    /// condense.
+    /// From an analysis, or an `Arc` of one; parts of T may stay factors ([`Form`]).
     ///
     /// # Errors
     /// As [`Map::new`].

@@ -37,7 +37,7 @@ impl Map {
     /// ```
     ///
     /// # Errors
-    /// [`MapError::Argument`] for a DOF that is not there, [`MapError::Factored`].
+    /// [`MapError::Argument`] for a DOF that is not there.
     pub fn condensed_for_elements<D: AsRef<[usize]>>(
         &self,
         elements: usize,

@@ -3,10 +3,19 @@
 use super::plan::Source;
 use super::{Condensed, NONE};
 use crate::ArgumentError;
+use crate::common::argument::{long, numbers};
 use crate::map::Map;
 
 impl Condensed {
-    pub(super) fn load(&self, map: &Map, k: &[f64], f: &[f64], f_q: &mut [f64]) -> Result<(), ArgumentError> {
+    /// `f_q = L^T (f - K u_0)` alone, for other forces or after a [`Map::refresh`].
+    ///
+    /// # Errors
+    /// As [`Condensed::condense_into`].
+    pub fn load_into(&self, map: &Map, k: &[f64], f: &[f64], f_q: &mut [f64]) -> Result<(), ArgumentError> {
+        self.check(map, self.nnz())?;
+        long("the list of values of K", k.len(), self.plan.entries)?;
+        numbers("the list of forces", f, map.dofs())?;
+        long("the list of forces on unknowns", f_q.len(), self.unknowns())?;
         let stress = self.stress(map, k);
         let left = |dof: usize| f[dof] - stress[dof];
         let slaves = map.slaves();

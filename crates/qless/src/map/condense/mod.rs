@@ -15,9 +15,11 @@ mod load;
 mod plan;
 mod values;
 
+use std::collections::BTreeMap;
+
 use super::view::{Index, Storage, View};
 use super::{Map, MapError};
-use crate::common::argument::long;
+use crate::common::argument::{long, within};
 use crate::common::identity::Identity;
 use crate::{ArgumentError, Csr};
 use lines::Lines;
@@ -76,12 +78,12 @@ impl Map {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
+    /// Slaves of parts of T that stay factors ([`crate::Form`]) are unknowns as well: their equations are left for multipliers
+    /// ([`Condensed::left`]).
+    ///
     /// # Errors
-    /// [`MapError::Matrix`] if the arrays are no n x n pattern, [`MapError::Factored`] if parts of T are no numbers.
+    /// [`MapError::Matrix`] if the arrays are no n x n pattern.
     pub fn condensed<P: Index, I: Index>(&self, k: View<P, I>, given: Given) -> Result<Condensed, MapError> {
-        if !self.reduction.is_explicit() {
-            return Err(MapError::Factored);
-        }
         Condensed::new(self, k.checked(self.dofs())?, given)
     }
 }
@@ -92,12 +94,14 @@ impl Condensed {
         let mut dofs = map.masters().to_vec();
         if kept {
             dofs.extend(map.prescribed());
-            dofs.sort_unstable();
         }
+        dofs.extend(map.reduction.factored.iter().flat_map(|block| &block.slaves));
+        dofs.sort_unstable();
         let mut number = vec![NONE; map.dofs()];
         dofs.iter().zip(0..).for_each(|(&j, c)| number[j] = c);
         let mut slave = vec![NONE; map.dofs()];
-        map.slaves().iter().zip(0..).for_each(|(&j, i)| slave[j] = i);
+        let eliminated = map.slaves().iter().zip(0..).filter(|&(&j, _)| number[j] == NONE);
+        eliminated.for_each(|(&j, i)| slave[j] = i);
         let l = rows_over(map, &number, dofs.len(), kept);
         let mut condensed = Self {
             of: map.analysis.identity,
@@ -112,7 +116,7 @@ impl Condensed {
             lines: Lines::default(),
             plan: Plan::default(),
         };
-        condensed.plan(k)?;
+        condensed.plan(map.slaves(), k)?;
         Ok(condensed)
     }
 
@@ -121,7 +125,7 @@ impl Condensed {
         self.dofs.len()
     }
 
-    /// DOF of each unknown, ascending: the masters, with the prescribed DOFs if they are kept.
+    /// DOF of each unknown, ascending: the masters, with the prescribed DOFs if they are kept, and the slaves of factored parts.
     pub fn dofs(&self) -> &[usize] {
         &self.dofs
     }
@@ -146,8 +150,56 @@ impl Condensed {
         self.storage
     }
 
-    /// The value of each prescribed DOF as an unknown adds nothing to `u_0`.
+    /// Equations that unknowns have to meet, for multipliers: those of factored parts.
+    pub fn left(&self, map: &Map) -> Vec<usize> {
+        let mut left: Vec<usize> = map.reduction.factored.iter().flat_map(|block| block.equations.clone()).collect();
+        left.sort_unstable();
+        left
+    }
+
+    /// `sum_j c_j u_j = b` over the unknowns: (unknown, coefficient), ascending, and what is left of b.
+    ///
+    /// ```
+    /// use qless::{Given, Map, Options, SystemBuilder, View};
+    /// let mut builder = SystemBuilder::new(3);
+    /// builder.equation([(0, 1.0), (1, -2.0)], 1.0).prescribe(2, 4.0);
+    /// let map = Map::new(&builder.build()?, &Options::default())?;
+    /// let condensed = map.condensed(View::rows(&[0, 1, 2, 3], &[0_u32, 1, 2]), Given::Eliminated)?;
+    /// // u0 + u1 + u2 = 6, where u0 = 2 u1 + 1 and u2 = 4: 3 u1 = 1.
+    /// let (terms, b) = condensed.equation(&map, [(0, 1.0), (1, 1.0), (2, 1.0)], 6.0)?;
+    /// assert_eq!((terms, b), (vec![(0, 3.0)], 1.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ArgumentError`] for a DOF that is not there, or another map.
+    pub fn equation(
+        &self,
+        map: &Map,
+        terms: impl IntoIterator<Item = (usize, f64)>,
+        mut rhs: f64,
+    ) -> Result<(Vec<(usize, f64)>, f64), ArgumentError> {
+        self.check(map, self.nnz())?;
+        let mut sums = BTreeMap::new();
+        for (j, c) in terms {
+            within("DOF", j, self.number.len())?;
+            rhs -= c * self.shift(map, j);
+            match (self.number[j], self.slave[j]) {
+                (NONE, NONE) => {}
+                (NONE, slave) => {
+                    self.l.row(slave as usize).for_each(|(r, v)| *sums.entry(r).or_insert(0.0) += c * v);
+                }
+                (number, _) => *sums.entry(number as usize).or_insert(0.0) += c,
+            }
+        }
+        Ok((sums.into_iter().collect(), rhs))
+    }
+
+    /// The value of an unknown is no part of `u_0`.
     fn shift(&self, map: &Map, dof: usize) -> f64 {
+        if self.number[dof] != NONE {
+            return 0.0;
+        }
         match (map.roles.of[dof], self.given) {
             (super::Role::Slave(i), Given::Eliminated) => map.roles.constants[i as usize],
             (super::Role::Slave(i), Given::Kept) => map.reduction.g[i as usize],

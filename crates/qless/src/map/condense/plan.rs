@@ -60,7 +60,7 @@ impl Entries {
 
 impl Condensed {
     /// Makes the pattern and the plan.
-    pub(super) fn plan<P: Index, I: Index>(&mut self, k: View<P, I>) -> Result<(), MapError> {
+    pub(super) fn plan<P: Index, I: Index>(&mut self, slaves: &[usize], k: View<P, I>) -> Result<(), MapError> {
         let many = |found| MapError::Matrix(SystemError::TooLarge { what: "the number of entries", found });
         if u32::try_from(k.nnz()).is_err() {
             return Err(many(k.nnz()));
@@ -73,8 +73,10 @@ impl Condensed {
         let mut plan =
             Plan { entries: k.nnz(), by_columns: k.by_columns && k.storage == Storage::Full, ..Plan::default() };
         let mut union = Union::new(self.unknowns());
-        for (&dof, i) in self.slaves().iter().zip(0..) {
-            plan.of_slaves.push(entries(dof as usize));
+        for (i, &dof) in slaves.iter().enumerate() {
+            // Slaves of factored parts are unknowns.
+            let is_eliminated = self.number[dof] == NONE;
+            plan.of_slaves.push(entries(dof).filter(|_| is_eliminated));
             plan.of_slaves.line(i).iter().for_each(|&(_, j)| self.reached(j, &mut union, |_| true));
             union.take(&mut plan.w.index);
             if !plan.w.close() {
@@ -113,11 +115,6 @@ impl Condensed {
         }
         (self.lines, self.plan) = (lines, plan);
         Ok(())
-    }
-
-    /// DOFs of the slaves, ascending.
-    fn slaves(&self) -> Vec<u32> {
-        (0..self.slave.len()).filter(|&j| self.slave[j] != NONE).map(|j| j as u32).collect()
     }
 
     /// The unknowns that DOF j stands for.

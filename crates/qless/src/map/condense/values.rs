@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::plan::Source;
 use super::{Condensed, NONE};
 use crate::ArgumentError;
-use crate::common::argument::{long, numbers};
+use crate::common::argument::long;
 use crate::map::Map;
 
 /// Fewer entries of K_q than this are not worth a thread of their own.
@@ -26,10 +26,8 @@ impl Condensed {
         k_q: &mut [f64],
         f_q: &mut [f64],
     ) -> Result<(), ArgumentError> {
-        numbers("the list of forces", f, map.dofs())?;
-        long("the list of forces on unknowns", f_q.len(), self.unknowns())?;
         self.condense_matrix_into(map, k, k_q)?;
-        self.load(map, k, f, f_q)
+        self.load_into(map, k, f, f_q)
     }
 
     /// `L^T K L` alone: for masses, dampings, and whatever has the pattern of K.
