@@ -21,7 +21,8 @@ impl Condensation {
     /// Eliminates the slaves of `rows` where T stays sparse; with no rows, prescribed DOFs alone.
     pub fn new(system: &ConstraintSystem, rows: &[usize], k: &Matrix) -> Result<Self, EnforceError> {
         let map = map_of(system, rows)?;
-        let condensed = map.condensed(View::columns(k.symbolic().col_ptr(), k.symbolic().row_idx()), Given::Eliminated)?;
+        let condensed =
+            map.condensed(View::columns(k.symbolic().col_ptr(), k.symbolic().row_idx()), Given::Eliminated)?;
         let left = condensed.left(&map).into_iter().map(|i| rows[i]).collect();
         Ok(Self { map, condensed, left })
     }

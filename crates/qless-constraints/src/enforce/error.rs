@@ -1,5 +1,6 @@
 //! Why constraints cannot be enforced.
 
+use super::SolverError;
 use qless::{AnalysisError, ArgumentError, MapError, ReductionError, SystemError};
 
 /// Why constraints cannot be enforced.
@@ -46,6 +47,14 @@ pub enum EnforceError {
         /// Which matrix.
         what: &'static str,
     },
+    /// Parts of T stay factors.
+    #[error(
+        "T has parts that stay factors, of which no step is made; make the map with Form::Explicit, or use Problem"
+    )]
+    Factored,
+    /// The author's solver gave no solution.
+    #[error(transparent)]
+    Solver(#[from] SolverError),
     /// Augmented Lagrange did not come to an end.
     #[error("{left} of the constraints is left after {steps} steps; use a larger penalty factor")]
     NoConvergence {

@@ -18,15 +18,19 @@ mod matrix;
 mod penalty;
 mod reduced;
 mod saddle;
+mod solver;
+mod steps;
 
 use faer::sparse::SparseColMat;
 use qless::{ConstraintSystem, Kind, Options, analyse};
 
 pub use blocks::BlockPlan;
-pub use error::EnforceError;
 use condensation::Condensation;
+pub use error::EnforceError;
 use matrix::{Matrix, times, times_transposed};
 pub use reduced::reduced;
+pub use solver::{Columns, Ldlt, Llt, Lu, Solver, SolverError};
+pub use steps::Steps;
 
 /// Stiffness, loads and constraints, checked.
 ///

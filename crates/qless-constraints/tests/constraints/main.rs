@@ -18,5 +18,6 @@ mod patch;
 mod refused;
 /// The nearest face of a surface.
 mod search;
+mod steps;
 /// Mortar ties of surfaces: identities of D and M.
 mod surface_mortar;

@@ -41,6 +41,7 @@ pub struct Condensed {
     of: Identity,
     given: Given,
     storage: Storage,
+    by_columns: bool,
     half: Half,
     /// L: a row for each slave, over the unknowns of K_q.
     l: Csr,
@@ -107,6 +108,7 @@ impl Condensed {
             of: map.analysis.identity,
             given,
             storage: k.storage,
+            by_columns: k.by_columns,
             half: Half::of(&k),
             followers: l.transposed(),
             l,
@@ -193,6 +195,11 @@ impl Condensed {
             }
         }
         Ok((sums.into_iter().collect(), rhs))
+    }
+
+    /// Whether lines are columns; those of K.
+    pub fn is_by_columns(&self) -> bool {
+        self.by_columns
     }
 
     /// The value of an unknown is no part of `u_0`.
