@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::Map;
-use super::roles::Role;
+use super::roles::{Role, product};
 use crate::ArgumentError;
 use crate::common::argument::{long, numbers};
 
@@ -62,7 +62,7 @@ impl Map {
         long("the list of masters", masters.len(), self.masters().len())?;
         let (places, slaves, columns) = (self.masters(), self.slaves(), &self.roles.of_masters);
         if self.reduction.is_explicit() {
-            let of = |q: usize| forces[places[q]] + columns.row(q).map(|(i, v)| v * forces[slaves[i]]).sum::<f64>();
+            let of = |q: usize| forces[places[q]] + product(columns, q, forces);
             return fill(masters, "L^T f", of);
         }
         let of_slaves: Vec<f64> = slaves.iter().map(|&j| forces[j]).collect();
@@ -104,7 +104,7 @@ impl Map {
             let role = self.roles.of[j];
             match role {
                 Role::Master(q) => masters[q as usize],
-                Role::Slave(i) => constant(role) + t.row(i as usize).map(|(q, v)| v * masters[q]).sum::<f64>(),
+                Role::Slave(i) => constant(role) + product(t, i as usize, masters),
                 Role::Prescribed(_) => constant(role),
             }
         })

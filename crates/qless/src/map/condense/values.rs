@@ -94,7 +94,7 @@ impl Condensed {
                     own.iter_mut().zip(line).for_each(|(own, &r)| *own = sums[r as usize]);
                 }
             }
-            finite &= own.iter().fold(0.0, |sum, v| sum + 0.0 * v) == 0.0;
+            finite &= own.iter().fold(true, |all, v| all & v.is_finite());
         }
         finite
     }
