@@ -134,24 +134,25 @@ fn give(bytes: usize) {
     }
 }
 
-/// Bytes of a block of this size and layout that are counted when it is handed out.
-fn counted(size: usize, layout: Layout) -> usize {
-    if layout.align() < PAGE { size } else { 0 }
+/// How many bytes of a block of this alignment are counted when they are handed out.
+fn counted(bytes: usize, layout: Layout) -> usize {
+    if layout.align() < PAGE { bytes } else { 0 }
 }
 
 /// Null if there is no room for `bytes` or the system has none; the numbers are kept.
-fn ask(bytes: usize, allocate: impl FnOnce() -> *mut u8) -> *mut u8 {
+fn ask(bytes: usize, layout: Layout, allocate: impl FnOnce() -> *mut u8) -> *mut u8 {
     #[cfg(feature = "faults")]
     if super::faults::fails() {
         Refusal::of_system(bytes).keep();
         return std::ptr::null_mut();
     }
-    if !book(bytes) {
+    let counted = counted(bytes, layout);
+    if !book(counted) {
         return std::ptr::null_mut();
     }
     let block = allocate();
     if block.is_null() {
-        give(bytes);
+        give(counted);
         Refusal::of_system(bytes).keep();
     }
     block
@@ -166,12 +167,12 @@ fn or_reserve(block: *mut u8, layout: Layout) -> *mut u8 {
 unsafe impl GlobalAlloc for Guard {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         // SAFETY: passed on as it came.
-        or_reserve(ask(counted(layout.size(), layout), || unsafe { System.alloc(layout) }), layout)
+        or_reserve(ask(layout.size(), layout, || unsafe { System.alloc(layout) }), layout)
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
         // SAFETY: passed on as it came.
-        or_reserve(ask(counted(layout.size(), layout), || unsafe { System.alloc_zeroed(layout) }), layout)
+        or_reserve(ask(layout.size(), layout, || unsafe { System.alloc_zeroed(layout) }), layout)
     }
 
     unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
@@ -186,9 +187,9 @@ unsafe impl GlobalAlloc for Guard {
         let moved = if reserve::owns(block) {
             std::ptr::null_mut()
         } else {
-            let more = counted(size.saturating_sub(layout.size()), layout);
+            let more = size.saturating_sub(layout.size());
             // SAFETY: passed on as it came.
-            ask(more, || unsafe { System.realloc(block, layout, size) })
+            ask(more, layout, || unsafe { System.realloc(block, layout, size) })
         };
         if !moved.is_null() {
             give(counted(layout.size().saturating_sub(size), layout));
