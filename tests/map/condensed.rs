@@ -77,7 +77,7 @@ fn elements_condensed_one_by_one_make_the_same_matrix() {
         let (n, storage) = (system.dofs(), STORAGES[rng.below(3)]);
         let given = [Given::Eliminated, Given::Kept][rng.below(2)];
         let elements: Vec<Vec<usize>> =
-            (0..1 + rng.below(8)).map(|_| (0..n).filter(|_| rng.below(3) == 0).collect()).collect();
+            (0..=rng.below(8)).map(|_| (0..n).filter(|_| rng.below(3) == 0).collect()).collect();
         let mut k = vec![vec![0.0; n]; n];
         let mut f = vec![0.0; n];
         let mut matrices = Vec::new();

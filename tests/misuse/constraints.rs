@@ -4,7 +4,7 @@ use faer::sparse::{SparseColMat, Triplet};
 use qless::{Options, SystemBuilder, analyse};
 use qless_constraints::enforce::{BlockPlan, Problem, reduced};
 use qless_constraints::newton::{NewtonOptions, redundancies, solve};
-use qless_constraints::scalar::Scalar;
+use qless_constraints::scalar::{Dual, Scalar, vector};
 use qless_constraints::types::{
     Average, Body, Cyclic, CyclicHarmonic, Distance, Equal, EulerNorm, Face, FaceSearch, Fixed, FluidNormal, Line,
     LineTie, LinearEquation, MacroStrain, MortarTie, NodeTie, OnLine, OnPlane, OnSphere, Periodic, PlanarPoint, Plane,
@@ -47,7 +47,9 @@ fn sets_take_their_own_only() {
     refused("of a twin", || set.assemble(&[0.0; 4], &[0.0; 3], &mut foreign));
     refused("of a twin", || set.linearised(&foreign, &[]));
     refused("a constraint", || set.rows_of(twin.constraint_of(0).expect("a row")));
+    assert_eq!(ConstraintSet::builder(0).build().expect("empty").linear_rows(), 0..0);
     for row in [3, usize::MAX] {
+        assert!(!set.linear_rows().contains(&row));
         refused("a row", || set.label(row));
         refused("a row", || set.constraint_of(row));
         assert!(!survives("a row", || set.is_linear(row)));
@@ -200,6 +202,12 @@ fn enforcement_of_what_does_not_fit() {
     for rows in [vec![], vec![0, 0], vec![usize::MAX], vec![0, 1]] {
         refused("a plan", || problem.mixed(&[block(rows)]));
     }
+    for rows in [vec![2], vec![usize::MAX], vec![0, system.equations()]] {
+        refused("a row", || problem.lagrange_matrix(&rows));
+    }
+    for rows in [vec![], vec![0, 0]] {
+        survives("rows", || problem.lagrange_matrix(&rows)).expect("few DOFs");
+    }
     let reduction = analyse(&system, &Options::default()).expect("analysed").reduction().expect("reduced");
     for n in [0, 2, 4] {
         refused("K", || reduced(&diagonal(n, 1.0), &f, &reduction, &[1.0]));
@@ -219,6 +227,24 @@ fn enforcement_of_what_does_not_fit() {
     survives("springs", || loose.penalty(f64::MAX)).ok();
     survives("loads", || loose.loads_without_effect());
     refused("a singular K", || reduced(&diagonal(3, 0.0), &f, &reduction, &[1.0]));
+}
+
+#[test]
+fn vectors_and_derivatives_of_what_is_no_number() {
+    for x in BAD.into_iter().chain([0.0, f64::MAX, 5e-324]) {
+        let a = [x, 0.0, x];
+        survives("vectors", || {
+            let lifted = vector::lift::<f64>(a);
+            let sums = [vector::add(a, lifted), vector::sub(a, a), vector::scale(x, a), vector::cross(a, a)];
+            (sums, vector::dot(a, a), vector::norm(a), vector::perpendicular(a))
+        });
+        let unit = survives("a unit vector", || vector::unit(a));
+        let lengths = unit.map(|unit| (vector::norm(unit) - 1.0).abs());
+        assert!(if x.is_finite() && x != 0.0 { lengths < Some(1e-15) } else { lengths.is_none() }, "{x}: {unit:?}");
+        for k in HUGE {
+            assert_eq!(survives("a direction", || Dual::<2>::variable(x, k)).slope, [0.0; 2]);
+        }
+    }
 }
 
 /// A type that hands over another number of DOFs than it has.

@@ -6,7 +6,7 @@ use qless::{Csr, Options};
 use qless_io::deck::clean::{self, Plan, Reason, Removed, Written};
 use qless_io::deck::{self, CardName, Deck, Dof, Format, Load, LoadCase, Origin, Prescribed};
 use qless_io::write::{Inputs, OneFile, Output, write_indices, write_matrix, write_numbers};
-use qless_io::{matrix_market, read_case, vectors, write_case};
+use qless_io::{case_files, matrix_market, read_case, vectors, write_case};
 
 use super::{refused, ring, survives};
 
@@ -48,6 +48,42 @@ fn names_and_numbers_that_cannot_be_written() {
     survives("numbers", || write_numbers(&place.path().join("nan.txt"), &[f64::NAN, f64::INFINITY])).ok();
     let system = ring(3).with_labels(["a\n", "b\r", "\0"].map(str::to_owned).to_vec(), Vec::new()).expect("three");
     survives("labels", || write_case(&place.path().join("case"), &system)).ok();
+}
+
+/// Nothing of a set of files is put in place that would go over an input.
+#[test]
+fn files_that_would_go_over_an_input() {
+    let place = tempfile::tempdir().expect("a folder");
+    let input = place.path().join("in.txt");
+    std::fs::write(&input, "as it was").expect("written");
+    let inputs = || Inputs::of([&input, &input]);
+    refused("the input", || inputs().spare(&input));
+    for other in ["", NOWHERE, "/", "\0", "a/../b"] {
+        survives("another", || inputs().spare(Path::new(other))).expect("no input");
+        survives("none", || Inputs::of([other]).spare(&input)).expect("no input");
+    }
+    let mut output = Output::new(place.path()).expect("a folder").sparing(inputs());
+    refused("the input", || output.check("in.txt"));
+    refused("a file", || output.file("in.txt", |out| out.write_all(b"lost")));
+    refused("absent", || output.absent("in.txt"));
+    refused("a fault", || output.file("other.txt", |_| Err(std::io::ErrorKind::Other.into())));
+    for name in ["", "..", "a/b", "\0"] {
+        survives("a name", || (output.check(name).is_ok(), output.absent(name).is_ok()));
+    }
+    assert!(!survives("at work", qless_io::write::is_at_work));
+    drop(output);
+    assert_eq!(std::fs::read_to_string(&input).expect("there"), "as it was");
+    assert_eq!(std::fs::read_dir(place.path()).expect("there").count(), 1);
+}
+
+#[test]
+fn what_would_be_read_of_paths_that_are_none() {
+    for path in ["", NOWHERE, "/", "\0"] {
+        let path = Path::new(path);
+        let files = survives("files", || case_files(path, Some(path), Some(path)));
+        assert!(files.len() >= 3);
+        assert!(!refused("a case", || read_case(path, Some(path), Some(path))).is_resource(), "{path:?}");
+    }
 }
 
 #[test]
@@ -99,6 +135,10 @@ fn what_no_deck_holds() {
             removed: vec![u32::MAX, 0],
         };
         refused("a value that is none", || model.system(&foreign));
+        assert!(survives("cases", || model.cases().iter().all(|case| !case.constrains_as(&foreign))));
+        assert!(!foreign.constrains_as(&foreign), "a value that is none is not itself");
+        survives("told", || (deck.positions().len(), model.warnings().len()));
+        assert_eq!(deck.texts().len(), model.files().len());
         survives("a case", || model.in_force(&foreign).count());
         let written = vec![Written { slave: dof, terms: vec![(dof, f64::NAN)], rhs: f64::INFINITY }];
         for equations in [vec![usize::MAX], vec![0, 0], vec![1, 0], vec![model.equations()]] {

@@ -1,11 +1,12 @@
 //! `analyse`, `Analysis`, `Reduction`, `Refresher`, `ChangingSystem`, `Report`, `exact`.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use qless::exact::{self, ExactRank, Reading, Settings};
 use qless::{
-    Analysis, ArgumentError, ChangeError, ChangingSystem, ConstraintSystem, Csr, Form, Meant, NearDependent, Options,
-    Preferences, Reduction, RefreshError, Refresher, Report, SystemBuilder, Tolerance, analyse,
+    Analysis, ArgumentError, ChangeError, ChangingSystem, ConstraintSystem, Csr, FactoredBlock, Form, Meant,
+    NearDependent, Options, Preferences, Reduction, RefreshError, Refresher, Report, SystemBuilder, Tolerance, analyse,
 };
 
 use super::{BAD, HUGE, refused, ring, survives};
@@ -62,6 +63,39 @@ fn options_out_of_range() {
             }
         }
     }
+}
+
+/// All that an analysis and a reduction tell, of systems with little in them.
+#[test]
+fn what_is_told_of_little() {
+    let mut doubtful = SystemBuilder::new(3);
+    doubtful.equation([(0, 1.0), (1, 1e-300)], 0.0);
+    doubtful.equation([(0, 1.0)], 1.0);
+    doubtful.prescribe(2, f64::MAX);
+    for system in [SystemBuilder::new(1).build(), doubtful.build(), Ok(ring(3)), Ok(coupled())] {
+        let system = system.expect("valid");
+        let analysis = analysed(&system);
+        let free = survives("free DOFs", || system.free());
+        assert_eq!((free, system.equation_labels().len()), (system.dofs() - system.prescribed().len(), 0));
+        survives("told", || (analysis.confidence(), analysis.timings(), analysis.ignored().len()));
+        assert!(analysis.dependent().iter().all(|dependent| dependent.row < system.equations()));
+        assert!(analysis.unmet_equations().is_empty());
+        for form in FORMS {
+            let reduction = analysis.reduction_in(form).expect("reduced");
+            let size = (reduction.g_matrix().rows(), reduction.g_matrix().cols());
+            assert_eq!(size, (reduction.slaves().len(), system.prescribed().len()));
+            assert!(reduction.unmet_masters().is_empty() && reduction.unmet_slaves().is_empty());
+            assert_eq!(reduction.is_explicit(), reduction.factored().is_empty());
+            survives("told", || {
+                (reduction.exchanges(), reduction.factored().iter().map(FactoredBlock::predicted).sum::<usize>())
+            });
+        }
+        let exact = exact::rank(&system, Reading::Typed).expect("small");
+        assert_eq!(exact.is_solvable(), exact.rank == exact.augmented_rank);
+    }
+    let odd =
+        ExactRank { rank: usize::MAX, parts: Vec::new(), ..exact::rank(&ring(3), Reading::Typed).expect("small") };
+    survives("a rank of nobody's", || odd.is_solvable());
 }
 
 /// No equations, empty ones, all DOFs prescribed: all that can be asked of them.
@@ -303,6 +337,8 @@ fn findings_of_another_system_are_not_reported() {
     let near = NearDependent { row: usize::MAX, digits: 0, distance: f64::NAN, because: Vec::new() };
     refused("meant", || report().with_meant(&analysis, &Meant { rank: 1, equations: vec![near] }, usize::MAX));
     survives("nothing", || report().with_reduction(&Reduction::default(), f64::NAN));
+    survives("a form of nothing", || report().with_form(Form::Factored));
+    survives("times without end", || report().with_timings(Duration::MAX, Duration::ZERO, Duration::MAX));
     for fill in [0, usize::MAX] {
         survives("fill", || exact::rank(&system, Settings { fill, seed: u64::MAX, ..Reading::Typed.into() })).ok();
     }

@@ -92,6 +92,22 @@ fn counts_of_what_cannot_be_made() {
     });
 }
 
+/// What takes nothing that could be wrong.
+#[test]
+fn scenes_and_truths_of_any_size() {
+    use paper::FloorInput::{Accepted, Chain, Star};
+    for scene in [paper::figure_8(), paper::figure_2(Star), paper::figure_2(Chain), paper::figure_2(Accepted)] {
+        survives("a figure", || scene).expect("always there");
+    }
+    for n in [0, 1].into_iter().chain(HUGE) {
+        let truth = survives("a truth", || Truth::independent(n).with_conflict(true).with_redundant(usize::MAX));
+        assert_eq!((truth.rank_free, truth.redundant, truth.conflicting), (Some(0), Some(usize::MAX), true));
+    }
+    assert_eq!(fssi::Level::ALL.map(fssi::Level::percent), [50, 60, 70, 80, 90, 100, 110]);
+    assert_eq!([Component::X, Component::Normal].map(Component::letter), ['x', 'n']);
+    assert_eq!(Side::uniform(1, Degree::Linear).expect("one").elements(), 1);
+}
+
 #[test]
 fn numbers_that_make_no_scene() {
     for bad in BAD {

@@ -1,6 +1,6 @@
 //! `Csr`, `ConstraintSystem`, `SystemBuilder`.
 
-use qless::{ConstraintSystem, Csr, SystemBuilder, SystemError};
+use qless::{ConstraintSystem, Csr, Storage, SystemBuilder, SystemError, View};
 
 use super::{BAD, HUGE, refused, ring, survives};
 
@@ -103,6 +103,41 @@ fn builders_say_what_is_wrong_at_the_end() {
     with(&|builder| builder.prescribe(2, 0.0));
     with(&|builder| builder.prescribe(0, f64::NAN));
     with(&|builder| builder.dof_labels(vec!["one".to_owned()]));
+}
+
+/// A matrix may hold what no system may.
+#[test]
+fn values_that_are_written_into_a_matrix() {
+    for bad in BAD {
+        let mut matrix = ring(3).matrix().clone();
+        matrix.values_mut().fill(bad);
+        refused("a system of it", || ConstraintSystem::from_csr(&matrix, &[0.0; 3], &[]));
+    }
+    assert!(Csr::default().values_mut().is_empty());
+}
+
+#[test]
+fn patterns_that_are_no_matrix() {
+    let check = |starts: &[i64], index: &[i32], n: usize| {
+        refused("a pattern", || View::rows(starts, index).checked(n).map(drop))
+    };
+    for n in [0, 1, 3].into_iter().chain(HUGE) {
+        check(&[0, 1, 2], &[0, 1], n);
+        check(&[], &[], n);
+    }
+    for starts in [[-1, 1, 2], [0, 3, 2], [0, 1, i64::MAX], [1, 2, 2], [i64::MIN, 0, 2]] {
+        check(&starts, &[0, 1], 2);
+        refused("from 1", || View::columns(&starts, &[0, 1_i32]).one_based().checked(2).map(drop));
+    }
+    for index in [[-1, 0], [0, 2], [i32::MIN, i32::MAX]] {
+        check(&[0, 1, 2], &index, 2);
+    }
+    for (index, storage) in [([1, 1], Storage::Lower), ([0, 0], Storage::Upper)] {
+        refused("the other half", || View::rows(&[0_u32, 1, 2], &index).storing(storage).checked(2).map(drop));
+    }
+    // Starts and indices may be one list.
+    let both = [0_u32, 1, 2];
+    assert_eq!(survives("one list", || View::rows(&both, &both[..2]).checked(2)).expect("a diagonal").nnz(), 2);
 }
 
 #[test]

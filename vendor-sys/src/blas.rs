@@ -230,7 +230,10 @@ mod tests {
 
     #[test]
     fn the_last_of_several_holders_restores_the_number() {
-        let Some(before) = threads() else { return };
+        let Some(before) = threads() else {
+            // Another BLAS: everybody has as many as he wants.
+            return assert_eq!([hold(1), hold(2)].map(|held| held.expect("no limit").callers), [1, 2]);
+        };
         // Set by hand, so that there is something to restore on a machine with one core too.
         set(before, 3);
         let (first, second) = (hold(1), hold(2));

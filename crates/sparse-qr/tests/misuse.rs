@@ -48,10 +48,15 @@ fn use_it(a: &View<i32, i32>, random: &mut Random) -> usize {
         let short = [complete.minimum_norm(), complete.solve(&b), complete.solve_transposed(&b)];
         answers += short.into_iter().flatten().filter(|x| x.iter().all(|x| x.is_finite())).count();
     }
+    assert!(symbolic.flops() >= 0.0 && factor.rest().iter().all(|&rest| rest >= 0.0) && factor.dropped() >= 0.0);
+    let turned = a.transposed();
+    assert_eq!((turned.rows(), turned.cols(), turned.transposed().rows()), (a.cols(), a.rows(), a.rows()));
+    assert_eq!(turned.analyse().expect("few entries").order().len(), a.rows());
     let mut x = vec![1.0; a.cols()];
     if factor.refine(a, &b, &mut x, 2).is_err() {
         assert!(x.iter().all(|&x| x == 1.0), "changed in spite of an error");
     }
+    assert_eq!(factor.into_parts().order.len(), a.cols());
     answers + solved.into_iter().flatten().count()
 }
 

@@ -2,6 +2,8 @@
 //!
 //! With no rows in C it is the transformation (Eq. 7-9), with nothing eliminated it is Lagrange's method (Eq. 10).
 
+use qless::ArgumentError;
+
 use super::condensation::Condensation;
 use super::matrix::{Factor, Matrix, entries, from_triplets};
 use super::{EnforceError, Problem};
@@ -46,8 +48,12 @@ impl Problem<'_> {
     /// With a redundant equation among them it is singular, whatever K is.
     ///
     /// # Errors
-    /// [`EnforceError`] if the matrix does not fit into memory.
+    /// [`EnforceError::Argument`] for a row that is not there, another [`EnforceError`] if the matrix does not fit into memory.
     pub fn lagrange_matrix(&self, rows: &[usize]) -> Result<Matrix, EnforceError> {
+        let count = self.system.equations();
+        if let Some(&found) = rows.iter().find(|&&row| row >= count) {
+            return Err(ArgumentError::OutOfRange { what: "equation", found, count }.into());
+        }
         let k = self.stiffness()?;
         let free = Condensation::new(self.system, &[], &k)?;
         bordered(&free.matrix(&k)?, &over_unknowns(self, &free, rows)?.0)

@@ -82,8 +82,9 @@ impl<'a, P: Index, I: Index> View<'a, P, I> {
     /// # Errors
     /// [`SystemError::WrongLength`], [`SystemError::BadStarts`], [`SystemError::BadIndex`].
     pub fn checked(self, n: usize) -> Result<Self, SystemError> {
-        if self.starts.len() != n + 1 {
-            let (found, expected) = (self.starts.len(), n + 1);
+        let expected = n.saturating_add(1);
+        if self.starts.len() != expected {
+            let found = self.starts.len();
             return Err(SystemError::WrongLength { what: "the list of starts", found, expected });
         }
         let mut before = self.base;
