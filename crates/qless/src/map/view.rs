@@ -58,6 +58,8 @@ pub struct View<'a, P = usize, I = u32> {
     starts: &'a [P],
     index: &'a [I],
     base: usize,
+    /// Lines without entries after those of the arrays.
+    empty: usize,
     pub(super) by_columns: bool,
     pub(super) storage: Storage,
 }
@@ -65,7 +67,7 @@ pub struct View<'a, P = usize, I = u32> {
 impl<'a, P: Index, I: Index> View<'a, P, I> {
     /// Compressed rows, counted from 0.
     pub fn rows(starts: &'a [P], columns: &'a [I]) -> Self {
-        Self { starts, index: columns, base: 0, by_columns: false, storage: Storage::Full }
+        Self { starts, index: columns, base: 0, empty: 0, by_columns: false, storage: Storage::Full }
     }
 
     /// Compressed columns, counted from 0.
@@ -83,6 +85,18 @@ impl<'a, P: Index, I: Index> View<'a, P, I> {
         Self { storage, ..self }
     }
 
+    /// The same, with lines without entries after it: for DOFs that only constraints know, as the rotations of a rigid body.
+    ///
+    /// ```
+    /// use qless::View;
+    /// let view = View::rows(&[0_usize, 1, 2], &[0_u32, 1]).then_empty(3);
+    /// assert!(view.checked(5).is_ok() && view.checked(2).is_err());
+    /// # Ok::<(), qless::SystemError>(())
+    /// ```
+    pub fn then_empty(self, lines: usize) -> Self {
+        Self { empty: lines, ..self }
+    }
+
     /// Number of stored entries.
     pub fn nnz(&self) -> usize {
         self.index.len()
@@ -91,7 +105,10 @@ impl<'a, P: Index, I: Index> View<'a, P, I> {
     /// Entries of line i.
     #[inline]
     pub(super) fn range(&self, i: usize) -> std::ops::Range<usize> {
-        self.starts[i].at() - self.base..self.starts[i + 1].at() - self.base
+        match self.starts.get(i + 1) {
+            Some(end) => self.starts[i].at() - self.base..end.at() - self.base,
+            None => self.nnz()..self.nnz(),
+        }
     }
 
     /// The other index of entry k.
@@ -105,21 +122,22 @@ impl<'a, P: Index, I: Index> View<'a, P, I> {
     /// # Errors
     /// [`SystemError::WrongLength`], [`SystemError::BadStarts`], [`SystemError::BadIndex`].
     pub fn checked(self, n: usize) -> Result<Self, SystemError> {
-        if self.starts.len() != n + 1 {
-            let (found, expected) = (self.starts.len(), n + 1);
+        // Lines of the arrays: at least none, with one start.
+        let Some(lines) = n.checked_sub(self.empty).filter(|lines| self.starts.len() == lines + 1) else {
+            let (found, expected) = (self.starts.len(), n.saturating_sub(self.empty) + 1);
             return Err(SystemError::WrongLength { what: "the list of starts", found, expected });
-        }
+        };
         let mut before = self.base;
         for (line, start) in self.starts.iter().enumerate() {
             let value = start.to_usize().unwrap_or(usize::MAX);
             let last = self.base + self.nnz();
             let fits = if line == 0 { value == self.base } else { value >= before && value <= last };
-            if !fits || (line == n && value != last) {
+            if !fits || (line == lines && value != last) {
                 return Err(SystemError::BadStarts { index: line, value });
             }
             before = value;
         }
-        for line in 0..n {
+        for line in 0..lines {
             for k in self.range(line) {
                 let found = self.index[k].to_usize().and_then(|j| j.checked_sub(self.base)).filter(|&j| j < n);
                 let Some(j) = found else {
