@@ -10,7 +10,7 @@ use faer::prelude::Solve;
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Mat, Side};
 use fenris::assembly::global::CsrAssembler;
-use fenris::assembly::local::{ElementConnectivityAssembler, ElementEllipticAssemblerBuilder, ElementMatrixAssembler};
+use fenris::assembly::local::{ElementConnectivityAssembler, ElementMatrixAssembler};
 use fenris::nalgebra::{DMatrixViewMut, DVector};
 use fenris::nalgebra_sparse::CsrMatrix;
 use fenris::quadrature::CanonicalStiffnessQuadrature;
@@ -37,7 +37,13 @@ fn run(cells: usize) -> eyre::Result<()> {
     println!("{map:?}: {} of {} equations redundant", map.analysis().dependent().len(), map.kinds().len());
 
     // Both patterns once: for fenris' K, and for its elements, which need no K.
-    let pattern = CsrAssembler::<f64>::default().assemble_pattern(&mesh);
+    let (material, none) = (MaterialEllipticOperator::new(&LinearElasticMaterial), DVector::zeros(known));
+    let softened = |t: f64| {
+        let lame = LameParameters::from(YoungPoisson { young: 1.0 - 0.5 * t, poisson: 0.3 });
+        mesh.canonical_stiffness_quadrature().with_uniform_data(lame)
+    };
+    let pattern =
+        CsrAssembler::<f64>::default().assemble_pattern(&model::stiffness(&mesh, &material, &softened(0.0), &none));
     let rows = View::rows(pattern.major_offsets(), pattern.minor_indices()).then_empty(RIGID);
     let condensed = map.condensed(rows, Given::Eliminated)?;
     let cell_dofs =
@@ -59,15 +65,8 @@ fn run(cells: usize) -> eyre::Result<()> {
             |dof| if dof < known { 0.0 } else { [0.01, 0.0, -0.1 * t, 0.0, 0.0, 0.2][dof - known] * t },
         )?;
 
-        let lame = LameParameters::from(YoungPoisson { young: 1.0 - 0.5 * t, poisson: 0.3 });
-        let quadrature = mesh.canonical_stiffness_quadrature().with_uniform_data(lame);
-        let (operator, none) = (MaterialEllipticOperator::new(&LinearElasticMaterial), DVector::zeros(known));
-        let elements = ElementEllipticAssemblerBuilder::new()
-            .with_finite_element_space(&mesh)
-            .with_operator(&operator)
-            .with_quadrature_table(&quadrature)
-            .with_u(&none)
-            .build();
+        let quadrature = softened(t);
+        let elements = model::stiffness(&mesh, &material, &quadrature, &none);
         k.values_mut().fill(0.0);
         CsrAssembler::default().assemble_into_csr(&mut k, &elements)?;
 

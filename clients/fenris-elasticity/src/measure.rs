@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use fenris::assembly::global::{CsrAssembler, CsrParAssembler, color_nodes};
-use fenris::assembly::local::{ElementEllipticAssemblerBuilder, ElementMatrixAssembler};
+use fenris::assembly::local::ElementMatrixAssembler;
 use fenris::nalgebra::{DMatrixViewMut, DVector};
 use fenris::nalgebra_sparse::CsrMatrix;
 use fenris::quadrature::CanonicalStiffnessQuadrature;
@@ -20,7 +20,10 @@ pub fn measure(cells: usize) -> eyre::Result<()> {
     let system = model::constraints(&mesh)?;
     let (map, of_map) = timed(|| Map::new(&system, &Options::default()));
     let (map, known) = (map?, 3 * mesh.vertices().len());
-    let pattern = CsrAssembler::<f64>::default().assemble_pattern(&mesh);
+    let quadrature = mesh.canonical_stiffness_quadrature().with_uniform_data(LameParameters { mu: 0.4, lambda: 0.6 });
+    let (operator, none) = (MaterialEllipticOperator::new(&LinearElasticMaterial), DVector::zeros(known));
+    let elements = model::stiffness(&mesh, &operator, &quadrature, &none);
+    let pattern = CsrAssembler::<f64>::default().assemble_pattern(&elements);
     let rows = View::rows(pattern.major_offsets(), pattern.minor_indices()).then_empty(RIGID);
     let (condensed, of_pattern) = timed(|| map.condensed(rows, Given::Eliminated));
     let condensed = condensed?;
@@ -33,14 +36,6 @@ pub fn measure(cells: usize) -> eyre::Result<()> {
     let nnz = pattern.nnz();
     let mut k =
         CsrMatrix::try_from_pattern_and_values(pattern, vec![0.0; nnz]).map_err(|error| eyre::eyre!("{error}"))?;
-    let quadrature = mesh.canonical_stiffness_quadrature().with_uniform_data(LameParameters { mu: 0.4, lambda: 0.6 });
-    let (operator, none) = (MaterialEllipticOperator::new(&LinearElasticMaterial), DVector::zeros(known));
-    let elements = ElementEllipticAssemblerBuilder::new()
-        .with_finite_element_space(&mesh)
-        .with_operator(&operator)
-        .with_quadrature_table(&quadrature)
-        .with_u(&none)
-        .build();
     let cell_dofs = |e: usize| -> [usize; 24] { std::array::from_fn(|i| 3 * mesh.connectivity()[e].0[i / 3] + i % 3) };
     let count = mesh.connectivity().len();
     let (colours, f) = (color_nodes(&mesh), vec![0.0; map.dofs()]);

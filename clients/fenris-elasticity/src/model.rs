@@ -1,9 +1,12 @@
 //! Two blocks of different meshes, one on the other, and what constrains them.
 
+use fenris::assembly::local::{ElementEllipticAssembler, ElementEllipticAssemblerBuilder, UniformQuadratureTable};
 use fenris::connectivity::{Connectivity, Hex8Connectivity};
 use fenris::mesh::HexMesh;
 use fenris::mesh::procedural::create_unit_box_uniform_hex_mesh_3d;
-use fenris::nalgebra::Vector3;
+use fenris::nalgebra::{DVector, U3, Vector3};
+use fenris_solid::MaterialEllipticOperator;
+use fenris_solid::materials::{LameParameters, LinearElasticMaterial};
 use qless::ConstraintSystem;
 use qless_constraints::ConstraintSet;
 use qless_constraints::types::{Face, MacroStrain, NodeTie, Periodic, Point, Shape, SmallRigidBody, Surface, pairs};
@@ -19,6 +22,24 @@ pub fn two_blocks(cells: usize) -> HexMesh<f64> {
     let raised = upper.connectivity().iter().map(|cell| Hex8Connectivity(cell.0.map(|node| first + node)));
     let cells = lower.connectivity().iter().copied().chain(raised).collect();
     HexMesh::from_vertices_and_connectivity([lower.vertices(), upper.vertices()].concat(), cells)
+}
+
+pub type Material<'a> = MaterialEllipticOperator<'a, LinearElasticMaterial>;
+pub type Quadrature = UniformQuadratureTable<f64, U3, LameParameters<f64>>;
+
+/// Stiffness matrices of the cells.
+pub fn stiffness<'a>(
+    mesh: &'a HexMesh<f64>,
+    material: &'a Material<'a>,
+    quadrature: &'a Quadrature,
+    u: &'a DVector<f64>,
+) -> ElementEllipticAssembler<'a, f64, HexMesh<f64>, Material<'a>, Quadrature> {
+    ElementEllipticAssemblerBuilder::new()
+        .with_finite_element_space(mesh)
+        .with_operator(material)
+        .with_quadrature_table(quadrature)
+        .with_u(u)
+        .build()
 }
 
 /// The upper block is tied to the lower one and has a rigid top; the lower one is periodic in x and y under a macroscopic strain, and

@@ -65,14 +65,26 @@ impl Lagrange {
     }
 }
 
-/// The largest difference, relative to the largest number; an error if it is more than [`TOLERANCE`], or no number.
+/// The largest difference, relative to the largest number; an error if it is more than [`TOLERANCE`], no number, or if all that is
+/// expected is zero, which would say nothing.
 pub fn agree(what: &str, found: &[f64], expected: &[f64]) -> Result<f64, String> {
     if found.len() != expected.len() {
         return Err(format!("{what}: {} numbers for {}", found.len(), expected.len()));
     }
     let largest = expected.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
     let differences = found.iter().zip(expected).map(|(a, b)| (a - b).abs());
-    // A NaN would be lost in `max`.
-    let worst = differences.fold(0.0, |most: f64, d| if d <= most { most } else { d }) / largest.max(f64::MIN_POSITIVE);
+    // `max` would lose a NaN.
+    let worst = differences.fold(0.0, |most: f64, d| if most.is_nan() || d <= most { most } else { d }) / largest;
     if worst <= TOLERANCE { Ok(worst) } else { Err(format!("{what}: off by {worst:e} of the largest, {largest:e}")) }
+}
+
+#[test]
+fn only_what_agrees_does() {
+    assert_eq!(agree("u", &[1.0, -2.0], &[1.0, -2.0]), Ok(0.0));
+    let refused = |found: &[f64], expected: &[f64]| assert!(agree("u", found, expected).is_err(), "{found:?}");
+    refused(&[1.0, 2.0 + 1e-9], &[1.0, 2.0]);
+    refused(&[f64::NAN, 2.0], &[1.0, 2.0]);
+    refused(&[1.0, f64::NAN], &[1.0, 2.0]);
+    refused(&[1.0], &[1.0, 2.0]);
+    refused(&[0.0], &[0.0]);
 }
