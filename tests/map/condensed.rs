@@ -28,6 +28,10 @@ fn spread(condensed: &Condensed, values: &[f64], by_columns: bool) -> Dense {
             dense[i][j] = values[k];
         }
     }
+    for ((i, j), value) in condensed.entries().zip(values) {
+        assert!(dense[i][j].to_bits() == value.to_bits(), "({i}, {j}) as a triplet");
+    }
+    assert_eq!(condensed.entries().len(), condensed.nnz());
     dense
 }
 
@@ -157,6 +161,32 @@ fn bits_do_not_depend_on_threads() {
     };
     let one = run(1);
     [2, 3, 8].into_iter().for_each(|threads| assert!(run(threads) == one, "{threads} threads"));
+}
+
+/// DOFs that K does not know: as lines left out at its end, or as empty ones.
+#[test]
+fn lines_behind_the_arrays_are_empty() {
+    for seed in 0..300 {
+        let mut rng = Rng::new(seed);
+        let system = random_system(&mut rng);
+        let Some(map) = map_of(&system, Form::Explicit) else { continue };
+        let (n, by_columns, base) = (system.dofs(), rng.below(2) == 1, rng.below(2));
+        let (storage, known) = (STORAGES[rng.below(3)], rng.below(n + 1));
+        let mut k = random(n, storage != Storage::Full, &mut rng);
+        (0..n).for_each(|i| (0..n).filter(|&j| i.max(j) >= known).for_each(|j| k[i][j] = 0.0));
+        let arrays = held(&k, by_columns, storage, base, &mut rng);
+        let whole = map.condensed(view(&arrays, by_columns, storage, base), Given::Kept).expect("a pattern");
+        let short = Held { starts: arrays.starts[..=known].to_vec(), ..arrays };
+        let view = view(&short, by_columns, storage, base);
+        let part = map.condensed(view.then_empty(n - known), Given::Kept).expect("a pattern");
+        let values = |condensed: &Condensed| {
+            let mut k_q = vec![f64::NAN; condensed.nnz()];
+            condensed.condense_matrix_into(&map, &short.values, &mut k_q).expect("finite");
+            (condensed.starts().to_vec(), condensed.index().to_vec(), k_q)
+        };
+        assert!(values(&whole) == values(&part), "seed {seed}");
+        assert!(matches!(map.condensed(view.then_empty(n + 1), Given::Kept), Err(MapError::Matrix(_))));
+    }
 }
 
 #[test]

@@ -5,6 +5,7 @@ pub mod clip;
 mod factors;
 pub mod lanes;
 pub mod node;
+pub mod pairs;
 pub mod project;
 pub mod rotation;
 pub mod search;

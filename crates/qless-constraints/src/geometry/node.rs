@@ -31,6 +31,11 @@ impl<const D: usize> Node<D> {
     pub fn new(dofs: [usize; D], at: [f64; D]) -> Self {
         Self { dofs, at }
     }
+
+    /// A node of a field with one value per node, as a temperature: that value is its only DOF.
+    pub fn of_field(dof: usize, at: [f64; D]) -> Self {
+        Self { dofs: [dof; D], at }
+    }
 }
 
 /// `at + u` for the D values that start at `first`.

@@ -1,7 +1,10 @@
 use std::array::from_fn;
 
 use qless_constraints::ConstraintSet;
-use qless_constraints::types::{Face, FaceSearch, Nearest, NodeTie, Point, SearchError, Shape, Surface, SurfaceError};
+use qless_constraints::types::{
+    Face, FaceSearch, FieldTie, Nearest, Node, NodeTie, PairError, Point, SearchError, Shape, Surface, SurfaceError,
+    pairs,
+};
 
 use crate::linkages::{Outcome, random};
 
@@ -151,4 +154,49 @@ fn faults_of_a_search_are_named() -> Outcome {
         assert_eq!(error(&with(face)), Some(SurfaceError::Degenerate { face: 2 }));
     }
     Ok(())
+}
+
+/// The tie of a field has the weights of the tie of displacements, once.
+#[test]
+fn a_field_is_tied_as_a_component_of_displacements() {
+    let surface = scattered(40);
+    let field = Surface {
+        nodes: surface.nodes.iter().enumerate().map(|(i, node)| Node::of_field(i, node.at)).collect(),
+        faces: surface.faces.clone(),
+    };
+    let count = surface.nodes.len();
+    let places: Vec<[f64; 3]> = (0..30).map(|i| from_fn(|k| 10.0 * random(7 * i + k))).collect();
+    let nodes: Vec<_> = places.iter().enumerate().map(|(i, &at)| point(count + i, at)).collect();
+    let of_field: Vec<_> = places.iter().enumerate().map(|(i, &at)| Node::of_field(count + i, at)).collect();
+    let (mut all, mut one) = (ConstraintSet::builder(3 * (count + 30)), ConstraintSet::builder(count + 30));
+    for tie in NodeTie::to_surface(&nodes, &surface, 20.0).expect("near") {
+        all.add("tie", tie).expect("a tie");
+    }
+    for tie in FieldTie::to_surface(&of_field, &field, 20.0).expect("near") {
+        one.add("tie", tie).expect("a tie");
+    }
+    let [all, one] = [all, one].map(|set| set.build().expect("few").allocate().g().clone());
+    assert_eq!((one.rows(), all.rows()), (30, 90));
+    for i in 0..30 {
+        let first: Vec<_> = all.row(3 * i).map(|(dof, v)| (dof / 3, v)).collect();
+        assert_eq!(one.row(i).collect::<Vec<_>>(), first);
+    }
+}
+
+#[test]
+fn pairs_are_found_in_any_order() {
+    let step = [0.3, -2.0, 1.0];
+    let from: Vec<_> = (0..200).map(|i| point(i, from_fn(|k| random(3 * i + k)))).collect();
+    let image = |i: usize| point(200 + i, from_fn(|k| from[i].at[k] + step[k] + 1e-7 * random(i + k)));
+    let to: Vec<_> = (0..200).map(|i| image((i * 77) % 200)).collect();
+    let found = pairs(&from, &to, step, 1e-5).expect("images");
+    assert!(found.iter().enumerate().all(|(i, (a, b))| *a == from[i] && *b == image(i)));
+    assert!(matches!(pairs(&from, &to[1..], step, 1e-5), Err(PairError::Counts { from: 200, to: 199 })));
+    assert!(matches!(pairs(&from, &to, step, 1e-9), Err(PairError::NoImage { node: 1, .. })));
+    let twice = vec![from[0]; 200];
+    assert!(matches!(pairs(&twice, &to, step, 1e-5), Err(PairError::Shared { first: 1, second: 2 })));
+    let nowhere = vec![point(0, [f64::NAN; 3]); 200];
+    assert!(matches!(pairs(&from, &nowhere, step, 1e-5), Err(PairError::NoImage { .. })));
+    assert!(matches!(pairs(&nowhere, &to, step, 1e-5), Err(PairError::NoImage { .. })));
+    assert!(matches!(pairs(&from, &to, step, f64::NAN), Err(PairError::NoImage { .. })));
 }

@@ -112,7 +112,7 @@ impl Map {
 }
 
 /// Number k of a result by a function of k, which must be finite.
-fn fill(out: &mut [f64], what: &'static str, of: impl Fn(usize) -> f64 + Sync) -> Result<(), ArgumentError> {
+pub(super) fn fill(out: &mut [f64], what: &'static str, of: impl Fn(usize) -> f64 + Sync) -> Result<(), ArgumentError> {
     let all = |first: usize, out: &mut [f64]| {
         let mut finite = true;
         for (k, out) in out.iter_mut().enumerate() {

@@ -35,6 +35,8 @@ pub struct View<'a, P = usize, I = u32> {
     starts: &'a [P],
     index: &'a [I],
     base: usize,
+    /// Lines without entries after those of the arrays.
+    empty: usize,
     pub(super) by_columns: bool,
     pub(super) storage: Storage,
 }
@@ -42,7 +44,7 @@ pub struct View<'a, P = usize, I = u32> {
 impl<'a, P: Index, I: Index> View<'a, P, I> {
     /// Compressed rows, counted from 0.
     pub fn rows(starts: &'a [P], columns: &'a [I]) -> Self {
-        Self { starts, index: columns, base: 0, by_columns: false, storage: Storage::Full }
+        Self { starts, index: columns, base: 0, empty: 0, by_columns: false, storage: Storage::Full }
     }
 
     /// Compressed columns, counted from 0.
@@ -60,6 +62,18 @@ impl<'a, P: Index, I: Index> View<'a, P, I> {
         Self { storage, ..self }
     }
 
+    /// The same, with lines without entries after it: for DOFs that only constraints know, as the rotations of a rigid body.
+    ///
+    /// ```
+    /// use qless::View;
+    /// let view = View::rows(&[0_usize, 1, 2], &[0_u32, 1]).then_empty(3);
+    /// assert!(view.checked(5).is_ok() && view.checked(2).is_err());
+    /// # Ok::<(), qless::SystemError>(())
+    /// ```
+    pub fn then_empty(self, lines: usize) -> Self {
+        Self { empty: lines, ..self }
+    }
+
     /// Number of stored entries.
     pub fn nnz(&self) -> usize {
         self.index.len()
@@ -68,7 +82,10 @@ impl<'a, P: Index, I: Index> View<'a, P, I> {
     /// Entries of line i.
     #[inline]
     pub(super) fn range(&self, i: usize) -> std::ops::Range<usize> {
-        self.starts[i].position() - self.base..self.starts[i + 1].position() - self.base
+        match self.starts.get(i + 1) {
+            Some(end) => self.starts[i].position() - self.base..end.position() - self.base,
+            None => self.nnz()..self.nnz(),
+        }
     }
 
     /// The other index of entry k.
@@ -82,22 +99,23 @@ impl<'a, P: Index, I: Index> View<'a, P, I> {
     /// # Errors
     /// [`SystemError::WrongLength`], [`SystemError::BadStarts`], [`SystemError::BadIndex`].
     pub fn checked(self, n: usize) -> Result<Self, SystemError> {
-        let expected = n.saturating_add(1);
-        if self.starts.len() != expected {
-            let found = self.starts.len();
+        // Lines of the arrays: at least none, with one start.
+        let Some(lines) = n.checked_sub(self.empty).filter(|lines| self.starts.len().checked_sub(1) == Some(*lines))
+        else {
+            let (found, expected) = (self.starts.len(), n.saturating_sub(self.empty).saturating_add(1));
             return Err(SystemError::WrongLength { what: "the list of starts", found, expected });
-        }
+        };
         let mut before = self.base;
         for (line, start) in self.starts.iter().enumerate() {
             let value = start.position();
             let last = self.base + self.nnz();
             let fits = if line == 0 { value == self.base } else { value >= before && value <= last };
-            if !fits || (line == n && value != last) {
+            if !fits || (line == lines && value != last) {
                 return Err(SystemError::BadStarts { index: line, value });
             }
             before = value;
         }
-        for line in 0..n {
+        for line in 0..lines {
             for k in self.range(line) {
                 let found = self.index[k].position().checked_sub(self.base).filter(|&j| j < n);
                 let Some(j) = found else {

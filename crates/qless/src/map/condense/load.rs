@@ -1,10 +1,16 @@
 //! `f_q = L^T (f - K u_0)`; u_0 is zero but for slaves and prescribed DOFs.
 
+use rayon::prelude::*;
+
 use super::plan::Source;
 use super::{Condensed, NONE};
 use crate::ArgumentError;
 use crate::common::argument::{long, numbers};
 use crate::map::Map;
+use crate::map::apply::fill;
+
+/// Fewer slaves than this are not worth a thread of their own.
+const WORTH_A_THREAD: usize = 1 << 9;
 
 impl Condensed {
     /// `f_q = L^T (f - K u_0)` alone, for other forces or after a [`Map::refresh`].
@@ -16,40 +22,37 @@ impl Condensed {
         long("the list of values of K", k.len(), self.plan.entries)?;
         numbers("the list of forces", f, map.dofs())?;
         long("the list of forces on unknowns", f_q.len(), self.unknowns())?;
-        let stress = self.stress(map, k);
-        let left = |dof: usize| f[dof] - stress[dof];
-        let slaves = map.slaves();
-        for (q, &dof) in self.dofs.iter().enumerate() {
-            f_q[q] = left(dof) + self.followers.row(q).map(|(a, v)| v * left(slaves[a])).sum::<f64>();
-        }
-        match f_q.iter().position(|v| !v.is_finite()) {
-            Some(place) => Err(ArgumentError::Overflow { what: "f_q", place }),
-            None => Ok(()),
-        }
-    }
-
-    /// `K u_0` where somebody asks for it: at unknowns and slaves.
-    fn stress(&self, map: &Map, k: &[f64]) -> Vec<f64> {
-        let mut stress = vec![0.0; map.dofs()];
         let (plan, slaves) = (&self.plan, map.slaves());
-        if plan.by_columns {
-            let of_given = plan.of_given.iter().map(|(dof, entries)| (*dof as usize, entries.line(0)));
-            for (dof, line) in slaves.iter().enumerate().map(|(a, &dof)| (dof, plan.of_slaves.line(a))).chain(of_given)
-            {
-                let u = self.shift(map, dof);
-                line.iter().for_each(|&(e, i)| stress[i as usize] += k[e as usize] * u);
+        let by_columns = if plan.by_columns { self.stress_by_columns(map, k) } else { Vec::new() };
+        // `(K u_0)_dof` for a line of K, which may be left out where it has no DOFs that move by themselves.
+        let stress = |dof: usize, line: &[(u32, u32)]| {
+            if plan.by_columns {
+                return by_columns[dof];
             }
-            return stress;
-        }
-        let sum = |line: &[(u32, u32)]| {
             let moved = line.iter().filter(|&&(_, j)| self.number[j as usize] == NONE);
             moved.map(|&(e, j)| k[e as usize] * self.shift(map, j as usize)).sum()
         };
-        slaves.iter().enumerate().for_each(|(a, &dof)| stress[dof] = sum(plan.of_slaves.line(a)));
-        for (source, &dof) in plan.source.iter().zip(&self.dofs) {
-            if let Source::Mixed(m) = *source {
-                stress[dof] = sum(plan.mixed.line(m as usize));
-            }
+        let of_slave = |a: usize| f[slaves[a]] - stress(slaves[a], plan.of_slaves.line(a));
+        let of_slaves: Vec<f64> = if slaves.len() < 2 * WORTH_A_THREAD {
+            (0..slaves.len()).map(of_slave).collect()
+        } else {
+            (0..slaves.len()).into_par_iter().with_min_len(WORTH_A_THREAD).map(of_slave).collect()
+        };
+        fill(f_q, "f_q", |q| {
+            let line = if let Source::Mixed(m) = plan.source[q] { plan.mixed.line(m as usize) } else { &[] };
+            let own = f[self.dofs[q]] - stress(self.dofs[q], line);
+            own + self.followers.row(q).map(|(a, v)| v * of_slaves[a]).sum::<f64>()
+        })
+    }
+
+    /// `K u_0` at all DOFs, where lines of K are columns.
+    fn stress_by_columns(&self, map: &Map, k: &[f64]) -> Vec<f64> {
+        let mut stress = vec![0.0; map.dofs()];
+        let of_slaves = map.slaves().iter().enumerate().map(|(a, &dof)| (dof, self.plan.of_slaves.line(a)));
+        let of_given = self.plan.of_given.iter().map(|(dof, entries)| (*dof as usize, entries.line(0)));
+        for (dof, line) in of_slaves.chain(of_given) {
+            let u = self.shift(map, dof);
+            line.iter().for_each(|&(e, i)| stress[i as usize] += k[e as usize] * u);
         }
         stress
     }

@@ -147,6 +147,29 @@ impl Condensed {
         &self.lines.index
     }
 
+    /// `(row, column)` of each stored entry, in the order of the values: for codes that take matrices as triplets.
+    ///
+    /// ```
+    /// use qless::{Given, Map, Options, SystemBuilder, View};
+    /// let mut builder = SystemBuilder::new(3);
+    /// builder.equation([(1, 1.0), (2, -1.0)], 0.0);
+    /// let map = Map::new(&builder.build()?, &Options::default())?;
+    /// let columns = View::columns(&[0, 2, 3, 4], &[0_u32, 2, 1, 2]);
+    /// let condensed = map.condensed(columns, Given::Eliminated)?;
+    /// let entries: Vec<_> = condensed.entries().collect();
+    /// assert_eq!((entries, condensed.unknowns()), (vec![(0, 0), (1, 0), (1, 1)], 2));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn entries(&self) -> impl ExactSizeIterator<Item = (usize, usize)> + '_ {
+        let mut line = 0;
+        self.lines.index.iter().enumerate().map(move |(k, &other)| {
+            while self.lines.starts[line + 1] as usize <= k {
+                line += 1;
+            }
+            if self.by_columns { (other as usize, line) } else { (line, other as usize) }
+        })
+    }
+
     /// Which half is stored; that of K.
     pub fn storage(&self) -> Storage {
         self.storage

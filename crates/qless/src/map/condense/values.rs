@@ -13,6 +13,9 @@ use crate::map::Map;
 /// Fewer entries of K_q than this are not worth a thread of their own.
 const WORTH_A_THREAD: usize = 1 << 15;
 
+/// As many slaves at least share one list of sums.
+const LEAST_SLAVES: usize = 1 << 8;
+
 impl Condensed {
     /// `K_q = L^T K L` and `f_q = L^T (f - K u_0)` for values of K in the order of its pattern and forces on all DOFs.
     ///
@@ -128,7 +131,7 @@ impl Condensed {
             let mut sums = Vec::new();
             return (0..slaves).flat_map(|a| line(&mut sums, a)).collect();
         }
-        (0..slaves).into_par_iter().map_init(Vec::new, line).flatten_iter().collect()
+        (0..slaves).into_par_iter().with_min_len(LEAST_SLAVES).map_init(Vec::new, line).flatten_iter().collect()
     }
 }
 

@@ -1,0 +1,86 @@
+//! `X_b = X_a + step`: which nodes of opposite faces belong together.
+
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
+
+use super::node::{Node, separation, within};
+
+/// Why nodes are no pairs.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum PairError {
+    /// The sides have different numbers of nodes.
+    #[error("one side has {from} nodes, the other {to}; give each node of one side one image on the other")]
+    Counts {
+        /// Nodes of one side.
+        from: usize,
+        /// Nodes of the other side.
+        to: usize,
+    },
+    /// A node has no image.
+    #[error(
+        "node {node}, from 1, has no image: the nearest node of the other side is {distance} away from where it should \
+         be, more than the tolerance {tolerance}; correct the nodes or the step, or raise the tolerance"
+    )]
+    NoImage {
+        /// The node, from 1.
+        node: usize,
+        /// How far the nearest one is, infinite if the coordinates are no numbers that can be compared.
+        distance: f64,
+        /// How far it may be.
+        tolerance: f64,
+    },
+    /// Two nodes have the same image.
+    #[error(
+        "nodes {first} and {second}, from 1, have the same image; two of them are in one place, or the tolerance is too wide"
+    )]
+    Shared {
+        /// One node, from 1.
+        first: usize,
+        /// The other.
+        second: usize,
+    },
+}
+
+/// Each node of one side with its image on the other, which is a step away: for [`Periodic`](crate::types::Periodic),
+/// [`Cyclic`](crate::types::Cyclic) or equations of a field. In the order of the first side; the order of the other does not matter.
+///
+/// ```
+/// use qless_constraints::types::{PlanarPoint, pairs};
+/// let at = |i: usize, x: f64, y: f64| PlanarPoint::new([2 * i, 2 * i + 1], [x, y]);
+/// let (left, right) = ([at(0, 0.0, 0.0), at(1, 0.0, 1.0)], [at(2, 3.0, 1.0), at(3, 3.0, 0.0)]);
+/// let found = pairs(&left, &right, [3.0, 0.0], 1e-9)?;
+/// assert_eq!(found, [(left[0], right[1]), (left[1], right[0])]);
+/// # Ok::<(), qless_constraints::types::PairError>(())
+/// ```
+///
+/// # Errors
+/// [`PairError`]: different counts, or the first node whose nearest image is farther away than the tolerance, a length, or taken.
+pub fn pairs<const D: usize>(
+    from: &[Node<D>],
+    to: &[Node<D>],
+    step: [f64; D],
+    tolerance: f64,
+) -> Result<Vec<(Node<D>, Node<D>)>, PairError> {
+    const { assert!(D > 1, "a search needs two dimensions") };
+    if from.len() != to.len() {
+        return Err(PairError::Counts { from: from.len(), to: to.len() });
+    }
+    // Squares of distances must be numbers, as the tree compares them.
+    let sound = |at: &[f64; D]| at.iter().all(|x| x.abs() < 1e150);
+    let places = to.iter().enumerate().filter(|(_, node)| sound(&node.at));
+    let tree = RTree::bulk_load(places.map(|(k, node)| GeomWithData::new(node.at, k)).collect());
+    let mut taken = vec![None; to.len()];
+    let pair = |(i, &a): (usize, &Node<D>)| {
+        let place = std::array::from_fn(|k| a.at[k] + step[k]);
+        let nearest = if sound(&place) { tree.nearest_neighbor(place) } else { None };
+        let distance = nearest.map_or(f64::INFINITY, |found| separation(found.geom(), &place));
+        let Some(found) = nearest.filter(|_| within(distance, tolerance)) else {
+            return Err(PairError::NoImage { node: i + 1, distance, tolerance });
+        };
+        if let Some(first) = taken[found.data].replace(i) {
+            return Err(PairError::Shared { first: first + 1, second: i + 1 });
+        }
+        Ok((a, to[found.data]))
+    };
+    from.iter().enumerate().map(pair).collect()
+}
