@@ -3,7 +3,6 @@
 mod support;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::Path;
 
 use qless::{Analysis, BackendChoice, ConstraintSystem, Kind, Options};
 use qless_scenes::families::{self, Near, Windows};
@@ -178,16 +177,9 @@ struct Expected {
     inconsistent_free: Option<bool>,
 }
 
-/// All definite systems of the corpus with at most 5,000 equations, or none where `QLESS_CORPUS` is not set.
+/// All definite systems of the corpus with at most 5,000 equations.
 fn definite_cases() -> Vec<(Expected, ConstraintSystem)> {
-    let Some(corpus) = std::env::var_os("QLESS_CORPUS") else {
-        eprintln!("QLESS_CORPUS is not set: the corpus is not there, nothing to run");
-        return Vec::new();
-    };
-    let folder = Path::new(&corpus).join("cases");
-    let entries = std::fs::read_dir(&folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
-    let mut folders: Vec<_> = entries.map(|entry| entry.expect("readable").path()).filter(|p| p.is_dir()).collect();
-    folders.sort();
+    let folders = support::corpus::folders("cases");
     let read = |folder: &std::path::PathBuf| {
         let text = std::fs::read_to_string(folder.join("expected.json")).expect("expected.json");
         let expected: Expected = serde_json::from_str(&text).expect("known fields");

@@ -1,6 +1,9 @@
 //! CalculiX decks: the diagnosis of each, and what the real `ccx` makes of the cleaned ones.
 //!
-//! Decks with known behaviour are run where `QLESS_CORPUS` names the folder that holds `decks/`; then `ccx` must be installed.
+//! Decks with known behaviour are those of the folder that `QLESS_CORPUS` names; then `ccx` must be installed.
+
+#[path = "support/corpus.rs"]
+mod known;
 
 mod calculix {
     pub mod behaviour;

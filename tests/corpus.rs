@@ -1,7 +1,9 @@
-//! Real and extreme systems with known rank: run where `QLESS_CORPUS` names the folder that holds `cases/` and
-//! `extremes/`. Prints the score as a table; a `definite` system that is not right fails the test.
+//! Real and extreme systems with known rank: those of `tests/corpus`, and of the folder that `QLESS_CORPUS` names. Prints the score as a table; a `definite` system that is not right fails the test.
 
-use std::path::{Path, PathBuf};
+#[path = "support/corpus.rs"]
+mod known;
+
+use std::path::PathBuf;
 use std::time::Instant;
 
 use qless::{Analysis, BackendChoice, ConstraintSystem, Kind, Options, analyse};
@@ -25,19 +27,11 @@ struct Case {
 }
 
 fn cases(part: &str) -> Vec<Case> {
-    let Some(corpus) = std::env::var_os("QLESS_CORPUS") else {
-        eprintln!("QLESS_CORPUS is not set: the corpus is not there, nothing to run");
-        return Vec::new();
-    };
-    let folder = Path::new(&corpus).join(part);
-    let entries = std::fs::read_dir(&folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
-    let mut folders: Vec<_> = entries.map(|entry| entry.expect("readable").path()).filter(|p| p.is_dir()).collect();
-    folders.sort();
     let read = |folder: PathBuf| {
         let text = std::fs::read_to_string(folder.join("expected.json")).expect("expected.json");
         Case { expected: serde_json::from_str(&text).expect("known fields"), folder }
     };
-    folders.into_iter().map(read).collect()
+    known::folders(part).into_iter().map(read).collect()
 }
 
 fn backends() -> Vec<BackendChoice> {
@@ -204,4 +198,37 @@ fn cases_are_right_on_the_sparse_backend_without_presolve() {
     let options = Options { backend: BackendChoice::Sparse, presolve: false, ..Options::default() };
     let wrong = run("cases", &options);
     assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+/// What the small corpus says of itself, in exact arithmetic.
+#[test]
+fn the_small_corpus_is_what_it_says() {
+    let small = known::small("cases");
+    let cases: Vec<_> = cases("cases").into_iter().filter(|case| case.folder.starts_with(&small)).collect();
+    assert!(cases.len() >= 24, "{} cases", cases.len());
+    for case in cases {
+        let name = &case.expected.name;
+        let system = qless_io::read_case(&case.folder, None, None).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let rank = qless_scenes::oracle::rank_free(&system).unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert_eq!(Some(rank), case.expected.rank_free, "{name}");
+    }
+}
+
+/// Sizes, rank and conflict of each small deck; cleaned it is independent, unless it conflicts.
+#[test]
+fn small_decks_are_right() {
+    let folder = known::small("decks");
+    let expected = std::fs::read_to_string(folder.join("expected.csv")).expect("expected.csv");
+    let lines: Vec<_> = expected.lines().skip(1).collect();
+    assert_eq!(lines.len() + 1, std::fs::read_dir(&folder).expect("a folder").count(), "each deck has its line");
+    for line in lines {
+        let (name, truth) = line.split_once(',').expect("a name and a truth");
+        let deck = qless_io::deck::read(&folder.join(name)).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let system = deck.model().system(&deck.model().cases()[0]).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let analysis = analyse(&system, &Options::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let conflicting = analysis.kinds().contains(&Kind::Conflicting);
+        assert_eq!(format!("{},{},{conflicting}", system.equations(), analysis.rank()), truth, "{name}");
+        let plan = qless_io::deck::clean::plan(deck.model(), &Options::default());
+        assert_eq!(plan.is_err(), conflicting, "{name}: conflicting decks are not cleaned");
+    }
 }

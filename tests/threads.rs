@@ -6,6 +6,21 @@ mod support;
 use qless::{BackendChoice, ConstraintSystem, Options, Reduction, SystemBuilder, analyse};
 use qless_scenes::families::{self, Windows};
 
+/// What is kept beside a model can be sent and shared.
+#[test]
+fn everything_can_be_sent_and_shared() {
+    fn both<T: Send + Sync>() {}
+    both::<qless::Analysis>();
+    both::<qless::ChangingSystem>();
+    both::<qless::Map>();
+    both::<qless::Refresher>();
+    both::<ConstraintSystem>();
+    both::<Reduction>();
+    both::<qless_constraints::ConstraintSet>();
+    both::<qless::AnalysisError>();
+    both::<qless::ReductionError>();
+}
+
 fn on_threads(system: &ConstraintSystem, options: &Options, threads: usize) -> (Vec<usize>, Reduction) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
     pool.install(|| {

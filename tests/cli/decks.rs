@@ -169,8 +169,9 @@ fn a_page_needs_nothing_else_and_says_all() {
 fn shown(place: &Place, page: &str) -> Option<String> {
     let chromium = |arguments: &[&str]| std::process::Command::new("chromium").args(arguments).output();
     if chromium(&["--version"]).is_err() {
-        assert!(std::env::var_os("QLESS_CORPUS").is_none(), "install chromium");
-        eprintln!("chromium is not installed: nothing to run");
+        let left_out = std::env::var_os("QLESS_CORPUS").is_some_and(|corpus| corpus == "none");
+        assert!(left_out, "install chromium, or say QLESS_CORPUS=none");
+        eprintln!("SKIPPED: chromium is not installed: nothing to run");
         return None;
     }
     let address = format!("file://{}", place.path(page).display());

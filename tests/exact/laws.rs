@@ -120,9 +120,10 @@ fn threads_change_nothing_and_primes_only_themselves() {
         let first = exact(&system, Reading::Typed);
         assert_eq!(one.install(|| exact(&system, Reading::Typed)), first);
         assert_eq!(two.install(|| exact(&system, Reading::Typed)), first);
-        let other = exact::rank(&system, Settings { seed: seed + 2, ..Reading::Typed.into() }).expect("small");
+        let mut other = exact::rank(&system, Settings { seed: seed + 2, ..Reading::Typed.into() }).expect("small");
         assert!(other.primes.iter().all(|p| !first.primes.contains(p)));
-        assert_eq!(ExactRank { primes: first.primes, ..other }, first);
+        other.primes = first.primes;
+        assert_eq!(other, first);
     }
 }
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use qless::exact::{self, ExactRank, Reading, Settings};
+use qless::exact::{self, Reading, Settings};
 use qless::{
     Analysis, ArgumentError, ChangeError, ChangingSystem, ConstraintSystem, Csr, FactoredBlock, Form, Meant,
     NearDependent, Options, Preferences, Reduction, RefreshError, Refresher, Report, SystemBuilder, Tolerance, analyse,
@@ -332,8 +332,11 @@ fn findings_of_another_system_are_not_reported() {
     let exact = exact::rank(&system, Reading::Stored).expect("small");
     refused("exact", || report().with_exact(&analysis, &exact));
     let own = exact::rank(analysis.system(), Reading::Stored).expect("small");
-    refused("no parts", || report().with_exact(&analysis, &ExactRank { parts: Vec::new(), ..own.clone() }));
-    refused("part", || report().with_exact(&analysis, &ExactRank { part_of: vec![u32::MAX; 4], ..own }));
+    let (mut no_parts, mut strange_parts) = (own.clone(), own);
+    no_parts.parts = Vec::new();
+    strange_parts.part_of = vec![u32::MAX; 4];
+    refused("no parts", || report().with_exact(&analysis, &no_parts));
+    refused("part", || report().with_exact(&analysis, &strange_parts));
     let near = NearDependent { row: usize::MAX, digits: 0, distance: f64::NAN, because: Vec::new() };
     refused("meant", || report().with_meant(&analysis, &Meant { rank: 1, equations: vec![near] }, usize::MAX));
     survives("nothing", || report().with_reduction(&Reduction::default(), f64::NAN));

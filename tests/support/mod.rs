@@ -1,6 +1,8 @@
 //! What the tests of results share: every backend, every order, the identities.
 #![allow(dead_code, reason = "each test binary uses a part")]
 
+pub mod corpus;
+
 use std::collections::HashMap;
 
 use qless::{Analysis, BackendChoice, Because, ConstraintSystem, Kind, Options, Reduction, SystemBuilder, analyse};

@@ -1,6 +1,6 @@
 //! `|C_i u - b_i| <= 1e-13 max(1, 1 / sigma_kept)` in every independent equation, relative to its parts.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use qless::{Analysis, BackendChoice, ConstraintSystem, Kind, Options, Reduction};
 use qless_scenes::oracle::singular_values;
@@ -97,19 +97,6 @@ fn a_wrong_constant_is_found(backend: BackendChoice) {
 
 on_each_backend!(residuals_of_families, residuals_by_the_true_condition, a_wrong_constant_is_found);
 
-/// Folders of a part of the corpus; none where `QLESS_CORPUS` is not set.
-fn folders(part: &str) -> Vec<PathBuf> {
-    let Some(corpus) = std::env::var_os("QLESS_CORPUS") else {
-        eprintln!("QLESS_CORPUS is not set: the corpus is not there, nothing to run");
-        return Vec::new();
-    };
-    let folder = Path::new(&corpus).join(part);
-    let entries = std::fs::read_dir(&folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
-    let mut folders: Vec<_> = entries.map(|entry| entry.expect("readable").path()).filter(|p| p.is_dir()).collect();
-    folders.sort();
-    folders
-}
-
 fn class(folder: &Path) -> String {
     let text = std::fs::read_to_string(folder.join("expected.json")).expect("expected.json");
     let expected: serde_json::Value = serde_json::from_str(&text).expect("JSON");
@@ -120,7 +107,11 @@ fn class(folder: &Path) -> String {
 fn check_corpus(backend: BackendChoice) {
     let options = Options { backend, ..Options::default() };
     let mut faults = Vec::new();
-    for folder in ["cases", "extremes"].into_iter().flat_map(folders).filter(|folder| class(folder) == "definite") {
+    for folder in ["cases", "extremes"]
+        .into_iter()
+        .flat_map(crate::support::corpus::folders)
+        .filter(|folder| class(folder) == "definite")
+    {
         let name = folder.file_name().expect("a folder").to_string_lossy().into_owned();
         let system = qless_io::read_case(&folder, None, None).unwrap_or_else(|e| panic!("{name}: {e}"));
         if system.equations() <= 5000 {

@@ -61,6 +61,7 @@ impl Failure {
                  or rebuild with `cargo build --features {backend}`"
             )),
             AnalysisError::Backend(error) => Self::of_backend(&error, input),
+            error => Self::Input(format!("{}: {error}", input.display())),
         }
     }
 
@@ -94,6 +95,7 @@ impl Failure {
                 name::equation(system, row)
             )),
             ReductionError::Backend(error) => Self::of_backend(&error, input),
+            error => Self::Input(format!("{}: {error}", input.display())),
         }
     }
 

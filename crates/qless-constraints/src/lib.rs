@@ -37,3 +37,8 @@ pub use constraint::{Constraint, Nonlinear};
 pub use set::{
     AddError, ConstraintId, ConstraintSet, LineariseError, Quantities, SetBuilder, Store, StoreError, Weights,
 };
+
+/// The example of the README, as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -7,6 +7,7 @@ use crate::Fault;
 
 /// Why an input was refused. Lines, rows and columns count from 1.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ReadError {
     /// The operating system could not read the file.
     #[error("{}: cannot be read: {source}", path.display())]
@@ -53,6 +54,7 @@ pub enum ReadError {
 
 /// Why an output was not written. Nothing is left behind.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum WriteError {
     /// The operating system could not write.
     #[error("{}: cannot be written: {source}", path.display())]

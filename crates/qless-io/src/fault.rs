@@ -4,6 +4,7 @@ use std::fmt;
 
 /// What is wrong. Text that was found is quoted, cut and escaped where needed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum Fault {
     /// The first line is no Matrix Market header.
     #[error(
@@ -143,6 +144,7 @@ pub enum Fault {
 
 /// What is wrong with the text of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum NumberFault {
     /// No number at all.
     #[error("not a number; write it as 1.5 or 1.5e-3")]

@@ -40,3 +40,8 @@ pub use case::{case_files, read_case};
 pub use error::{ReadError, WriteError};
 pub use fault::{Fault, NumberFault, Quantity};
 pub use write::write_case;
+
+/// The example of the README, as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

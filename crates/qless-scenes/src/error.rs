@@ -6,6 +6,7 @@ use crate::oracle::OracleError;
 
 /// Arguments that make no scene.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SceneError {
     /// A size outside what the scene's construction needs.
     #[error("{what} is {found}; it must be from {least} to {most}")]

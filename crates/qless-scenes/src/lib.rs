@@ -34,3 +34,8 @@ pub use change::Order;
 pub use error::SceneError;
 pub use rng::Rng;
 pub use scene::{Component, Dof, Scene, Truth};
+
+/// The example of the README, as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -14,6 +14,7 @@ use crate::input::preferences::Preferences;
 /// `min_y |row_k - sum_i y_i row_i| <= tolerance`, and then conflicting iff
 /// `|b_k - sum_i y_i b_i| > tolerance max(|b_k|, max_i |y_i b_i|)`, prescribed DOFs being moved into b.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Tolerance {
     /// Relative, as above; the default is 1e-10.
     Relative(f64),
@@ -32,6 +33,7 @@ impl Tolerance {
 
 /// Which rank-revealing factorization works on what presolve leaves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum BackendChoice {
     /// `faer`.
     #[default]
@@ -105,6 +107,7 @@ impl Default for Options {
 
 /// A setting out of its range.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum OptionError {
     /// The tolerance must lie strictly between 0 and 1.
     #[error("the tolerance is {0}; it must lie between 0 and 1, such as 1e-10")]

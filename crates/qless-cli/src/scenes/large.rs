@@ -6,7 +6,7 @@ use qless_scenes::{Scene, SceneError};
 
 use super::values::{Edging, FaceKind, Shape};
 
-#[derive(Args)]
+#[derive(Args, Debug)]
 pub struct Cell {
     /// Elements per side of the near faces
     #[arg(long, default_value_t = 10)]
@@ -24,7 +24,7 @@ pub struct Cell {
     seed: u64,
 }
 
-#[derive(Args)]
+#[derive(Args, Debug)]
 pub struct Tie {
     /// What both meshes approximate
     #[arg(long, value_enum, default_value = "sphere")]
@@ -51,7 +51,7 @@ pub struct Tie {
     seed: u64,
 }
 
-#[derive(Args)]
+#[derive(Args, Debug)]
 pub struct Net {
     /// A square net of at most so many bodies
     #[arg(long, default_value_t = 1000)]

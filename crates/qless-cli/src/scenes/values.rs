@@ -5,7 +5,7 @@ use qless_scenes::families::{Edges, Faces, Near, Surface};
 use qless_scenes::fssi::Level;
 use qless_scenes::paper::FloorInput;
 
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum Coupling {
     /// Each node to the face beside it; 12 redundant equations per layer
     Tie,
@@ -13,7 +13,7 @@ pub enum Coupling {
     Mortar,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum Form {
     /// All with u1
     Star,
@@ -23,7 +23,7 @@ pub enum Form {
     Accepted,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum Column {
     /// In a DOF that two of the three rows hold
     Own,
@@ -31,7 +31,7 @@ pub enum Column {
     Shared,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum FaceKind {
     /// Bilinear, of hexahedra
     Quads,
@@ -39,7 +39,7 @@ pub enum FaceKind {
     Triangles,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum Shape {
     /// Flat
     Plane,
@@ -51,7 +51,7 @@ pub enum Shape {
     Waves,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum Edging {
     /// Nodes at the same places
     Matching,

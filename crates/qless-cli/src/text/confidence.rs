@@ -20,7 +20,7 @@ pub fn lines(diagnosis: &Diagnosis, report: &Report) -> Vec<String> {
     let mut lines = vec![format!("Rank {rank}, AMBIGUOUS: {sizes}.")];
     match diagnosis.options.tolerance {
         Tolerance::Paper => lines.push("  Without --paper-tolerance the answer does not depend on units.".to_owned()),
-        Tolerance::Relative(_) => lines.extend(advice(diagnosis, kept, dropped)),
+        _ => lines.extend(advice(diagnosis, kept, dropped)),
     }
     lines
 }

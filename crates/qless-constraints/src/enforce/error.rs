@@ -5,6 +5,7 @@ use qless::{AnalysisError, ArgumentError, MapError, ReductionError, SystemError}
 
 /// Why constraints cannot be enforced.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum EnforceError {
     /// K or f does not fit to the constraints.
     #[error("there are {found} {what}, but the constraints are on {dofs} DOFs")]

@@ -62,6 +62,14 @@ pub struct Problem<'a> {
     fixed: Vec<usize>,
 }
 
+impl std::fmt::Debug for Problem<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mut text = f.debug_struct("Problem");
+        text.field("dofs", &self.f.len()).field("kept", &self.kept.len()).field("redundant", &self.redundant);
+        text.finish_non_exhaustive()
+    }
+}
+
 /// Displacements, multipliers and forces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {

@@ -39,6 +39,12 @@ pub struct FaceSearch<'a, const D: usize> {
     size: f64,
 }
 
+impl<const D: usize> std::fmt::Debug for FaceSearch<'_, D> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("FaceSearch").field("faces", &self.tree.size()).finish_non_exhaustive()
+    }
+}
+
 /// The face nearest to a point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Nearest {
@@ -52,6 +58,7 @@ pub struct Nearest {
 
 /// Why no face was found for a point.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SearchError {
     /// The surface cannot be searched.
     #[error(transparent)]

@@ -48,6 +48,7 @@ pub struct Surface<const D: usize> {
 
 /// What can be wrong with a surface.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SurfaceError {
     /// There is nothing to search or to integrate over.
     #[error("the surface has no faces; give at least one")]

@@ -58,6 +58,7 @@ pub struct Solution {
 
 /// Why no solution was found.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum NewtonError {
     /// A number of the linearised equations is not finite, or a prescribed DOF is not valid.
     #[error("at step {step}: {source}")]

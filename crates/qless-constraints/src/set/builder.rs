@@ -18,6 +18,13 @@ pub struct SetBuilder {
     blocks: Blocks,
 }
 
+impl std::fmt::Debug for SetBuilder {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mut text = f.debug_struct("SetBuilder");
+        text.field("dofs", &self.dofs).field("constraints", &self.names.len()).finish_non_exhaustive()
+    }
+}
+
 impl SetBuilder {
     pub(super) fn new(dofs: usize) -> Self {
         Self { identity: Identity::new(), dofs, names: Vec::new(), linear: Rows::default(), blocks: Blocks::default() }

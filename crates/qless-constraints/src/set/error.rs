@@ -4,6 +4,7 @@ use qless::{ArgumentError, SystemError};
 
 /// A fault that the store finds in what a type hands to it. DOFs are 0-based.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum StoreError {
     /// A DOF number is not below the number of DOFs.
     #[error("it names DOF {dof}, but there are {dofs} DOFs (0 to {}); correct the number or the size", dofs.saturating_sub(1))]
@@ -45,6 +46,7 @@ pub enum StoreError {
 
 /// Why there are no linearised equations.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum LineariseError {
     /// The quantities are those of another set.
     #[error(transparent)]
@@ -56,6 +58,7 @@ pub enum LineariseError {
 
 /// Why a constraint was not added.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum AddError<E: std::error::Error + 'static> {
     /// Its type refuses the input.
     #[error("{name} \"{label}\": {source}")]

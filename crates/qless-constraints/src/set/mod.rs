@@ -66,6 +66,13 @@ pub struct ConstraintSet {
     plan: Plan,
 }
 
+impl std::fmt::Debug for ConstraintSet {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mut text = f.debug_struct("ConstraintSet");
+        text.field("dofs", &self.dofs).field("constraints", &self.names.len()).finish_non_exhaustive()
+    }
+}
+
 /// What a set evaluates to. Patterns never change; values are those of the last evaluation. No other set takes it.
 #[derive(Clone, Debug)]
 pub struct Quantities {

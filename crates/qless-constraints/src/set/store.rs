@@ -16,6 +16,14 @@ pub struct Store {
     pub(super) fault: Option<StoreError>,
 }
 
+impl std::fmt::Debug for Store {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mut text = f.debug_struct("Store");
+        text.field("equations", &self.equations.len()).field("pieces", &self.pieces.len());
+        text.field("fault", &self.fault).finish_non_exhaustive()
+    }
+}
+
 /// `sum a_j u_j = rhs`, DOFs ascending.
 pub(super) struct Equation {
     pub part: Cow<'static, str>,

@@ -30,6 +30,7 @@ pub struct Average {
 
 /// What can be wrong with an average.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum AverageError {
     /// A weight is not a positive number.
     #[error("weight {node}, from 1, is {weight}; weights must be positive")]

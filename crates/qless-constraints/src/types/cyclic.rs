@@ -67,6 +67,7 @@ pub struct CyclicHarmonic {
 
 /// What can be wrong with cyclic symmetry.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum CyclicError {
     /// The axis has no direction.
     #[error("the axis has no direction; give a vector that is not zero")]

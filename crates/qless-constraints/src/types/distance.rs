@@ -33,6 +33,7 @@ pub struct Distance<const D: usize> {
 
 /// What can be wrong with a distance.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum DistanceError {
     /// The length is not a positive number.
     #[error("the length is {0}; it must be positive (for nodes in one place use equal DOFs)")]

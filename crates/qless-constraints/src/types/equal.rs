@@ -20,6 +20,7 @@ pub struct Equal {
 
 /// What can be wrong with equal DOFs.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum EqualError {
     /// Fewer than two DOFs.
     #[error("{found} DOF named; at least two are needed for them to be equal")]

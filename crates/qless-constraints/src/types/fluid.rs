@@ -25,6 +25,7 @@ pub struct FluidNormal {
 
 /// What can be wrong with a coupling of normal displacements.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum FluidNormalError {
     /// The normal has no direction.
     #[error("the normal has no direction; give a vector that is not zero")]

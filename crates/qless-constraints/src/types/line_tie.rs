@@ -33,6 +33,7 @@ pub struct LineTie<const D: usize> {
 
 /// What can be wrong with a tie of lines.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum LineTieError {
     /// A line needs two nodes, and something to be tied.
     #[error("{slave} nodes are tied to a line of {master}; give at least one and two")]

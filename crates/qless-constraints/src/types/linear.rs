@@ -24,6 +24,7 @@ pub struct LinearEquation {
 
 /// What can be wrong with a linear equation.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum LinearEquationError {
     /// It has no terms.
     #[error("the equation has no terms; give at least one DOF and its coefficient")]

@@ -34,6 +34,7 @@ pub struct MortarTie<const D: usize> {
 
 /// What can be wrong with a mortar tie.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum MortarError {
     /// Each side needs two nodes.
     #[error("the sides have {slave} and {master} nodes; each needs at least two")]

@@ -33,6 +33,7 @@ pub struct NodeTie<const D: usize> {
 
 /// What can be wrong with a tie of a node.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum NodeTieError {
     /// The face has the wrong number of nodes.
     #[error("the face has {found} nodes; a {shape:?} has {}", shape.nodes())]

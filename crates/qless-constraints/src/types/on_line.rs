@@ -43,6 +43,7 @@ pub struct OnLine {
 
 /// What can be wrong with a line.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum OnLineError {
     /// The line has no direction.
     #[error("the line has no direction: its vector is zero, or its nodes are in one place")]

@@ -44,6 +44,7 @@ pub struct OnPlane {
 
 /// What can be wrong with a plane.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum OnPlaneError {
     /// The plane has no normal.
     #[error("the plane has no normal: its vector is zero, or its nodes lie in a line")]

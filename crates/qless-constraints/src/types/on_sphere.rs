@@ -29,6 +29,7 @@ pub struct OnSphere<const D: usize> {
 
 /// What can be wrong with a sphere.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum OnSphereError {
     /// The radius is not a positive number.
     #[error("the radius is {0}; it must be positive")]

@@ -39,6 +39,7 @@ pub struct Periodic<const D: usize> {
 
 /// What can be wrong with a periodic pair.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum PeriodicError {
     /// Both nodes are in one place.
     #[error("the two nodes are in one place; a node and its image lie on opposite faces")]

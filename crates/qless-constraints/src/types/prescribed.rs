@@ -20,6 +20,7 @@ pub struct Prescribed {
 
 /// What can be wrong with prescribed DOFs.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum PrescribedError {
     /// No DOF is named.
     #[error("no DOF is named; give at least one")]

@@ -30,6 +30,7 @@ pub struct RigidBody {
 
 /// What can be wrong with a rigid body.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum RigidBodyError {
     /// No node follows.
     #[error("the rigid body has no nodes; give at least one")]

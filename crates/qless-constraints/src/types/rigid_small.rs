@@ -31,6 +31,7 @@ pub struct SmallRigidBody {
 
 /// What can be wrong with a rigid body for small rotations.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SmallRigidBodyError {
     /// No node follows.
     #[error("the rigid body has no nodes besides its reference; give at least one")]

@@ -57,6 +57,7 @@ pub struct SurfaceMortarTie {
 
 /// What can be wrong with a mortar tie of surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SurfaceMortarError {
     /// A side is not a surface.
     #[error("{side} side: {source}")]

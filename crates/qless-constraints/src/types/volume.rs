@@ -36,6 +36,7 @@ pub struct Volume {
 
 /// What can be wrong with a patch.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum VolumeError {
     /// A tetrahedron names a node that is not in the list.
     #[error("tetrahedron {tetrahedron}, from 1, names node {node} (from 0), but the patch has {nodes}")]

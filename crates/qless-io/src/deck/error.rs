@@ -12,6 +12,7 @@ use crate::NumberFault;
     if *line == 0 { String::new() } else { format!(":{line}") },
     field.map(|field| format!(", field {field}")).unwrap_or_default()
 )]
+#[non_exhaustive]
 pub struct DeckError {
     /// The file that holds the line.
     pub path: PathBuf,
@@ -27,6 +28,7 @@ pub struct DeckError {
 
 /// What can be wrong in a deck.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum Problem {
     /// Something else was expected.
     #[error("expected {expected}, found {found}; correct it")]

@@ -10,6 +10,9 @@ use qless_io::deck::clean::{faults, plan, write};
 use qless_io::deck::{self, LoadCase, Model};
 use qless_io::read_case;
 
+#[path = "../../../../tests/support/corpus.rs"]
+mod known;
+
 use super::clean::{assert_same_space, clean};
 
 /// The number or word after `"key": ` in an `expected.json`.
@@ -88,11 +91,8 @@ fn difference(case: &Path, expected: &str, model: &Model, load_case: &LoadCase) 
 
 /// The folders of Nastran cases with their `expected.json` and deck.
 fn cases() -> Vec<(PathBuf, String, PathBuf)> {
-    let Some(root) = std::env::var_os("QLESS_CORPUS") else {
-        eprintln!("QLESS_CORPUS is not set: the corpus is not there, nothing to run");
-        return Vec::new();
-    };
-    let entries = std::fs::read_dir(Path::new(&root).join("cases")).expect("cases").flatten();
+    let Some(root) = known::larger() else { return Vec::new() };
+    let entries = std::fs::read_dir(root.join("cases")).expect("cases").flatten();
     let is_nastran = |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("nas_"));
     let mut folders: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(is_nastran).collect();
     folders.sort();

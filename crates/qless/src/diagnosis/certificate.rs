@@ -9,7 +9,8 @@ use std::collections::BTreeMap;
 use crate::input::scale::ldexp;
 
 /// One term of a certificate: `coefficient` times the equation `row` (0-based).
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Because {
     /// A kept equation.
     pub row: usize,

@@ -8,8 +8,9 @@ pub(crate) use crate::presolve::eliminate::Mismatch;
 use crate::presolve::rows::MORE_THAN_ROUNDING;
 
 /// What an equation is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum Kind {
     /// No combination of the others that were kept.
     Independent,
@@ -21,6 +22,7 @@ pub enum Kind {
 
 /// A redundant or conflicting equation.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Dependent {
     /// The equation, 0-based.
     pub row: usize,

@@ -10,7 +10,9 @@ const NO_MISMATCH: f64 = 1e-12;
 const SMALL_MISMATCH: f64 = 1e-6;
 
 /// How sure the rank is, relative to the equilibrated equations.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct Confidence {
     /// Estimate of the smallest singular value of the kept equations, 1 where it is more: of the rows of each block by its factors,
     /// of those that presolve kept by the columns of their slaves.
@@ -18,12 +20,13 @@ pub struct Confidence {
     /// Largest remainder, beyond rounding, that was treated as zero.
     pub sigma_dropped: f64,
     /// Their ratio; infinite (`null` in JSON) where nothing beyond rounding was dropped.
-    #[serde(serialize_with = "finite_or_null")]
+    #[cfg_attr(feature = "serde", serde(serialize_with = "finite_or_null"))]
     pub gap: f64,
     /// Whether another tolerance might give another rank or another verdict.
     pub ambiguous: bool,
 }
 
+#[cfg(feature = "serde")]
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature that serde calls")]
 fn finite_or_null<S: serde::Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
     if value.is_finite() { serializer.serialize_f64(*value) } else { serializer.serialize_none() }

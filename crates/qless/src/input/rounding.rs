@@ -13,6 +13,7 @@ use crate::input::scale::{equilibrated, free};
 const ROUNDING: i32 = -46;
 /// A coefficient from which nothing was concluded: below 1.4e-14 of the largest of its equation and of its DOF, each in its unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Ignored {
     /// The equation, 0-based.
     pub row: usize,

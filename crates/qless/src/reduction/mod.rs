@@ -29,8 +29,9 @@ pub use factored::{FactoredBlock, Parts};
 pub(crate) use factored::{factor, predict::predict};
 
 /// How T is wanted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum Form {
     /// All of it as numbers.
     #[default]
@@ -43,6 +44,7 @@ pub enum Form {
 
 /// Why there is no reduction: none that is wrong leaves the library.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ReductionError {
     /// T, G and g do not meet an equation.
     #[error(

@@ -1,14 +1,14 @@
 //! `exact_rank`: what exact arithmetic says of the same system, and of which parts the analysis says otherwise.
 
-use serde::Serialize;
-
 use super::Report;
 use crate::common::argument::{long, within};
 use crate::diagnosis::exact::{ExactRank, PartRank, Reading};
 use crate::{Analysis, ArgumentError, ConstraintSystem, Kind};
 
 /// An [`ExactRank`] beside the analysis.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct ExactFinding {
     /// What number a double was taken for.
     pub reading: Reading,
@@ -25,7 +25,9 @@ pub struct ExactFinding {
 }
 
 /// A connected part of which exact arithmetic and the analysis do not say the same.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct ExactDifference {
     /// Its first equation, from 1.
     pub row: usize,

@@ -1,13 +1,13 @@
 //! `meant`: the second reading of a system with near-dependences.
 
-use serde::Serialize;
-
 use super::{Certificate, Omitted, Report, Term};
 use crate::common::argument::within;
 use crate::{Analysis, ArgumentError, ConstraintSystem, Meant, NearDependent};
 
 /// A [`Meant`], counted from 1 and with labels.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct MeantFinding {
     /// Rank as meant; [`Report::rank`] is the rank as typed.
     pub rank: usize,
@@ -18,7 +18,9 @@ pub struct MeantFinding {
 }
 
 /// A [`NearDependent`].
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct NearEquation {
     /// Its row, from 1.
     pub row: usize,
@@ -29,7 +31,7 @@ pub struct NearEquation {
     /// About the smallest relative change of one coefficient that makes it a combination.
     pub distance: f64,
     /// `because`, and `because_omitted` where it is left out.
-    #[serde(flatten)]
+    #[cfg_attr(feature = "serde", serde(flatten))]
     pub certificate: Certificate,
 }
 

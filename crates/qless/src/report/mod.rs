@@ -1,4 +1,4 @@
-//! `qless.report/1`: a diagnosis as one plain value, which serializes to the JSON object that scripts read.
+//! `qless.report/1`: a diagnosis as one plain value; with the feature `serde` it serializes to the JSON object that scripts read.
 //!
 //! Rows and DOFs count from 1 here, as in Matrix Market files. `because` lists kept equations whose combination with
 //! the given coefficients is the dependent equation on the free DOFs (or the fixed DOF itself):
@@ -14,8 +14,6 @@ mod exact;
 mod meant;
 
 use std::time::Duration;
-
-use serde::{Serialize, Serializer};
 
 use crate::{Analysis, Confidence, ConstraintSystem, FactoredBlock, Form, Kind, PresolveStatistics, Reduction};
 use budget::Budget;
@@ -38,7 +36,9 @@ pub use meant::{MeantFinding, NearEquation};
 /// assert_eq!((last.row, term.label.as_str(), term.coefficient), (2, "tie 7", 2.0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct Report {
     /// [`Report::SCHEMA`].
     pub schema: &'static str,
@@ -57,19 +57,19 @@ pub struct Report {
     /// How sure the rank is.
     pub confidence: Confidence,
     /// The rank in exact arithmetic, where it was taken.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub exact_rank: Option<ExactFinding>,
     /// The rank as probably meant, where that is less than as typed.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub meant: Option<MeantFinding>,
     /// The reduced form, where it was computed.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub reduction: Option<ReductionSizes>,
     /// Preferences that the equations do not allow; left out where all are met.
-    #[serde(skip_serializing_if = "Unmet::is_empty")]
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Unmet::is_empty"))]
     pub unmet_preferences: Unmet,
     /// Coefficients that are rounding of their equations, from which nothing was concluded; left out where there are none.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Vec::is_empty"))]
     pub ignored_coefficients: Vec<IgnoredCoefficient>,
     /// What needed no factorization.
     pub presolve: PresolveStatistics,
@@ -80,7 +80,9 @@ pub struct Report {
 }
 
 /// A coefficient below 1.4e-14 of the largest of its equation, of a DOF that counts in others.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct IgnoredCoefficient {
     /// Its row, from 1.
     pub row: usize,
@@ -91,7 +93,9 @@ pub struct IgnoredCoefficient {
 }
 
 /// Sizes of a system.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct InputSizes {
     /// Equations.
     pub rows: usize,
@@ -106,7 +110,9 @@ pub struct InputSizes {
 }
 
 /// Equations of each kind; they sum to all, and `independent` is the rank.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct Counts {
     /// Kept equations.
     pub independent: usize,
@@ -117,7 +123,9 @@ pub struct Counts {
 }
 
 /// A redundant or conflicting equation.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct DependentEquation {
     /// Its row, from 1.
     pub row: usize,
@@ -128,12 +136,14 @@ pub struct DependentEquation {
     /// `b_k - sum c_i b_i` in the units of the equation, prescribed DOFs moved into b.
     pub mismatch: f64,
     /// `because`, and `because_omitted` where it is left out.
-    #[serde(flatten)]
+    #[cfg_attr(feature = "serde", serde(flatten))]
     pub certificate: Certificate,
 }
 
 /// A free DOF that the equations fix.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct GeneratedCondition {
     /// The DOF, from 1.
     pub dof: usize,
@@ -142,22 +152,26 @@ pub struct GeneratedCondition {
     /// The only value that the equations leave it.
     pub value: f64,
     /// `because`, and `because_omitted` where it is left out.
-    #[serde(flatten)]
+    #[cfg_attr(feature = "serde", serde(flatten))]
     pub certificate: Certificate,
 }
 
 /// A certificate, or how much of it was left out.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct Certificate {
     /// The equations combined, ascending; empty for `0 = b` as well, which needs none.
     pub because: Vec<Term>,
     /// What is not in `because`.
-    #[serde(rename = "because_omitted", skip_serializing_if = "Omitted::is_nothing")]
+    #[cfg_attr(feature = "serde", serde(rename = "because_omitted", skip_serializing_if = "Omitted::is_nothing"))]
     pub omitted: Omitted,
 }
 
 /// `coefficient` times an equation.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct Term {
     /// Row of a kept equation, from 1.
     pub row: usize,
@@ -179,13 +193,15 @@ pub enum Omitted {
 }
 
 impl Omitted {
+    #[cfg(feature = "serde")]
     fn is_nothing(&self) -> bool {
         *self == Self::Nothing
     }
 }
 
-impl Serialize for Omitted {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+#[cfg(feature = "serde")]
+impl serde::Serialize for Omitted {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match *self {
             Self::Terms(count) => serializer.serialize_u64(count as u64),
             Self::Nothing | Self::NotComputed => serializer.serialize_none(),
@@ -194,7 +210,9 @@ impl Serialize for Omitted {
 }
 
 /// The size and quality of `u_s = T u_q + G u_p + g`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct ReductionSizes {
     /// Number of slaves u_s.
     pub slaves: usize,
@@ -215,7 +233,9 @@ pub struct ReductionSizes {
 }
 
 /// The size of a connected part that stays factors, see [`FactoredBlock`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct FactoredSizes {
     /// Its independent equations.
     pub equations: usize,
@@ -230,7 +250,9 @@ pub struct FactoredSizes {
 }
 
 /// Preferences that are not met, counted from 1.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct Unmet {
     /// Equations that are dependent though they were to be kept.
     pub equations: Vec<usize>,
@@ -252,7 +274,9 @@ fn from_one(numbers: &[usize]) -> Vec<usize> {
 }
 
 /// What factored the blocks.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct BackendUsed {
     /// `faer`, `spqr` or `gauss`.
     pub name: &'static str,
@@ -263,7 +287,9 @@ pub struct BackendUsed {
 }
 
 /// Time spent in each stage, 0 for a stage that did not run.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct Milliseconds {
     /// Reading and checking the input.
     pub read: f64,

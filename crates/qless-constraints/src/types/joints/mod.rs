@@ -19,6 +19,7 @@ use crate::scalar::vector::{Vector, unit};
 
 /// What can be wrong with a joint.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum JointError {
     /// Both sides are the ground.
     #[error("both bodies are the ground; at least one must move")]

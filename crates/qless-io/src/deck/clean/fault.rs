@@ -8,6 +8,7 @@ use crate::deck::{Dof, Model, Origin};
 
 /// A fault of one equation. Equations are numbered from 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Fault {
     /// The slave has a prescribed value.
     SlavePrescribed {

@@ -23,6 +23,7 @@ use super::{Deck, DeckError, Format, ansys, calculix, nastran};
 
 /// Why a deck cannot be cleaned.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum CleanError {
     /// The equations contradict each other in this load case.
     #[error("the equations conflict in {case}: see `qless check`")]

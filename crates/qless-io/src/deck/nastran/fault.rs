@@ -5,6 +5,7 @@ use crate::fault::quote;
 
 /// What is wrong in a Nastran card.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum CardFault {
     /// A line in free field with data beyond its last field.
     #[error("{found} stands after the {count} data fields of the line; go on in a continuation line")]

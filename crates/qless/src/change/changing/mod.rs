@@ -31,6 +31,7 @@ pub struct EquationId {
 
 /// Why a change or an update was refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ChangeError {
     /// A DOF beyond the number given at the start.
     #[error("DOF {dof} is out of range: there are {dofs}; correct the DOF or start with more")]

@@ -39,8 +39,15 @@ pub struct Refresher {
     exponents: Vec<i32>,
 }
 
+impl std::fmt::Debug for Refresher {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Refresher").field("analysis", &self.analysis).finish_non_exhaustive()
+    }
+}
+
 /// What depends on the right-hand side, beside g.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Refreshed {
     /// What each equation is; length m. Which are independent never changes.
     pub kinds: Vec<Kind>,
@@ -52,6 +59,7 @@ pub struct Refreshed {
 
 /// Why a right-hand side was refused. The reduction is left as it was.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum RefreshError {
     /// A list of the wrong length, a number that is not finite, or a reduction of another analysis.
     #[error(transparent)]

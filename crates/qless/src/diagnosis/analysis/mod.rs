@@ -25,6 +25,7 @@ pub use run::analyse;
 
 /// Why an analysis could not be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum AnalysisError {
     /// A setting out of its range.
     #[error(transparent)]
@@ -51,7 +52,9 @@ pub enum AnalysisError {
 }
 
 /// How much work presolve saved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct PresolveStatistics {
     /// Equations taken out with a DOF that occurs in no other (column singletons).
     pub rows_removed_by_column_singletons: usize,
@@ -71,6 +74,7 @@ pub struct PresolveStatistics {
 
 /// Time spent in each stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Timings {
     /// Scaling and presolve.
     pub presolve: Duration,
@@ -108,6 +112,16 @@ pub struct Analysis {
     times: OnceLock<Vec<u32>>,
     /// The basis with the rows of the blocks, made when they are wanted.
     pub(crate) solved: OnceLock<Basis>,
+}
+
+/// Sizes and verdict: the factors would fill pages.
+impl std::fmt::Debug for Analysis {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mut text = f.debug_struct("Analysis");
+        text.field("equations", &self.kinds.len()).field("rank", &self.rank());
+        text.field("dependent", &self.dependent.len()).field("confidence", &self.confidence);
+        text.finish_non_exhaustive()
+    }
 }
 
 impl Analysis {

@@ -2,6 +2,7 @@
 
 /// An exact rank that was given up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ExactError {
     /// Elimination fills the rows in beyond the memory allowed.
     #[error(

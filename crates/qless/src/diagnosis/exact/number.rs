@@ -1,10 +1,9 @@
 //! `± digits base^exponent`: what a double stands for.
 
-use serde::Serialize;
-
 /// What number a double means.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum Reading {
     /// The shortest decimal that reads back as the double, so 0.1 is 1/10 and `0.1 + 0.2 = 0.3`.
     ///

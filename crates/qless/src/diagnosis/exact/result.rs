@@ -4,6 +4,7 @@ use super::Reading;
 
 /// `rank C_f` and `rank [C_f | b - C_p u_p]`; see [`rank`](super::rank()).
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct ExactRank {
     /// What a double was taken for.
     pub reading: Reading,
@@ -21,6 +22,7 @@ pub struct ExactRank {
 
 /// The rank of one connected part.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct PartRank {
     /// Its number of equations.
     pub equations: usize,

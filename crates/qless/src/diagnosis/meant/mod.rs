@@ -17,7 +17,8 @@ use own::without_own;
 use part::Part;
 
 /// The second reading of a system: as it is probably meant.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Meant {
     /// Rank if the equations below are meant as combinations of others; [`Analysis::rank`] is the rank as typed.
     pub rank: usize,
@@ -26,7 +27,8 @@ pub struct Meant {
 }
 
 /// An equation that is nearly a combination of others, none of which is in [`Meant::equations`].
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct NearDependent {
     /// The equation, 0-based.
     pub row: usize,

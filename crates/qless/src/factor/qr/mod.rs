@@ -92,6 +92,7 @@ pub struct Factor {
 
 /// Why a backend could not factor a block.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum BackendError {
     /// The block needs more memory than there is or than is allowed.
     #[error("{backend}: a block of {rows} x {cols} needs more memory than is available{advice}")]
