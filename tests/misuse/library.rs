@@ -93,9 +93,6 @@ fn what_is_told_of_little() {
         let exact = exact::rank(&system, Reading::Typed).expect("small");
         assert_eq!(exact.is_solvable(), exact.rank == exact.augmented_rank);
     }
-    let odd =
-        ExactRank { rank: usize::MAX, parts: Vec::new(), ..exact::rank(&ring(3), Reading::Typed).expect("small") };
-    survives("a rank of nobody's", || odd.is_solvable());
 }
 
 /// No equations, empty ones, all DOFs prescribed: all that can be asked of them.
