@@ -49,7 +49,8 @@ pub fn constraints(mesh: &HexMesh<f64>) -> eyre::Result<ConstraintSystem> {
     let nodes: Vec<Point> =
         (0..mesh.vertices().len()).map(|i| Point::new([3 * i, 3 * i + 1, 3 * i + 2], at(i))).collect();
     let (n, is) = (3 * nodes.len(), |x: f64, plane: f64| (x - plane).abs() < 1e-9);
-    let is_lower = |node: &Point| node.dofs[0] < 3 * first_of_upper(mesh);
+    let upper = 3 * first_of_upper(mesh);
+    let is_lower = |node: &Point| node.dofs[0] < upper;
     let on = |lower: bool, axis: usize, plane: f64| {
         let those = nodes.iter().filter(move |node| is_lower(node) == lower && is(node.at[axis], plane));
         those.copied().collect::<Vec<Point>>()
