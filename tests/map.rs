@@ -4,6 +4,8 @@
 mod condensed;
 #[path = "map/dense.rs"]
 mod dense;
+#[path = "map/edges.rs"]
+mod edges;
 #[path = "map/matrix.rs"]
 mod matrix;
 #[path = "map/vectors.rs"]

@@ -243,6 +243,11 @@ fn numbers_that_do_not_fit_are_refused() {
         let found = pattern.condense_into(&map, &vec![1.0; k], &vec![1.0; f], &mut k_q, &mut f_q);
         assert!(matches!(found, Err(ArgumentError::WrongLength { .. })), "{found:?}");
     }
+    let equation = |terms: [(usize, f64); 1], b: f64| pattern.equation(&map, terms, b).expect_err("refused");
+    assert!(matches!(equation([(n, 1.0)], 0.0), ArgumentError::OutOfRange { .. }));
+    assert!(matches!(equation([(0, f64::NAN)], 0.0), ArgumentError::NotFinite { .. }));
+    assert!(matches!(equation([(0, 1.0)], f64::INFINITY), ArgumentError::NotFinite { .. }));
+    assert!(matches!(pattern.equation(&other, [(0, 1.0)], 0.0), Err(ArgumentError::Foreign { .. })));
     let mut add = |dofs: &[usize], matrix: &[f64], forces: &[f64]| {
         pattern.add_element(&map, dofs, (matrix, forces), &mut k_q, &mut f_q)
     };

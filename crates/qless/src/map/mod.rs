@@ -48,11 +48,12 @@ pub use view::{Index, Storage, View};
 /// let condensed = map.condensed(View::rows(&starts, &columns), Given::Eliminated)?;
 /// let (mut k_q, mut f_q) = (vec![0.0; condensed.nnz()], vec![0.0; 2]);
 /// condensed.condense_into(&map, &k, &[0.0, 0.0, 3.0, 0.0], &mut k_q, &mut f_q)?;
-/// assert_eq!((k_q.as_slice(), f_q.as_slice()), ([2.0, -1.0, -1.0, 1.0].as_slice(), [0.0, 3.0].as_slice()));
+/// assert_eq!((map.masters(), k_q.as_slice()), ([1, 3].as_slice(), [2.0, -1.0, -1.0, 1.0].as_slice()));
+/// assert_eq!(f_q, [-0.5, 3.5]);
 ///
-/// // u_q = K_q^-1 f_q = (3, 6), by any solver, and back.
+/// // u_q = K_q^-1 f_q = (3, 6.5), by any solver, and back.
 /// let mut u = vec![0.0; 4];
-/// map.expand_into(&[3.0, 6.0], &mut u)?;
+/// map.expand_into(&[3.0, 6.5], &mut u)?;
 /// assert_eq!(u, [0.0, 3.0, 6.0, 6.5]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -158,7 +159,8 @@ impl Map {
     /// ```
     /// # use qless::{Map, Options, SystemBuilder};
     /// let mut builder = SystemBuilder::new(3);
-    /// builder.equation([(0, 1.0), (1, -0.5), (2, -0.5)], 1.0).prescribe(2, 4.0);
+    /// builder.equation([(0, 1.0), (1, -0.5), (2, -0.5)], 1.0);
+    /// builder.prescribe(2, 4.0);
     /// let map = Map::new(&builder.build()?, &Options::default())?;
     /// let (terms, g) = map.row(0).expect("a slave");
     /// assert_eq!((terms, g), (vec![(1, 0.5), (2, 0.5)], 1.0));
@@ -192,7 +194,8 @@ impl Map {
     /// ```
     /// # use qless::{Map, Options, SystemBuilder};
     /// let mut builder = SystemBuilder::new(3);
-    /// builder.equation([(0, 1.0), (1, -1.0), (2, -1.0)], 0.0).prescribe(2, 0.0);
+    /// builder.equation([(0, 1.0), (1, -1.0), (2, -1.0)], 0.0);
+    /// builder.prescribe(2, 0.0);
     /// let mut map = Map::new(&builder.build()?, &Options::default())?;
     /// for step in 1..=3 {
     ///     let t = f64::from(step);

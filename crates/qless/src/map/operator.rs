@@ -12,8 +12,9 @@ use crate::ArgumentError;
 /// let map = Map::new(&builder.build()?, &Options::default())?;
 /// let mut operator = map.operator(|u: &[f64], f: &mut [f64]| f.iter_mut().zip(u).for_each(|(f, u)| *f = 2.0 * u));
 /// let mut product = [0.0; 2];
+/// // u1 = 1 and u2 = 3, which u0 follows.
 /// operator.apply_into(&[1.0, 3.0], &mut product)?;
-/// assert_eq!(product, [4.0, 6.0]);
+/// assert_eq!(product, [2.0, 12.0]);
 /// # Ok::<(), qless::MapError>(())
 /// ```
 pub struct Operator<'a, K> {

@@ -24,7 +24,8 @@ impl Map {
     /// use qless::{Given, Map, Options, Storage, SystemBuilder};
     /// // A chain of springs, its ends tied together; K is never assembled.
     /// let mut builder = SystemBuilder::new(4);
-    /// builder.equation([(3, 1.0), (0, -1.0)], 0.0).prescribe(1, 1.0);
+    /// builder.equation([(3, 1.0), (0, -1.0)], 0.0);
+    /// builder.prescribe(1, 1.0);
     /// let map = Map::new(&builder.build()?, &Options::default())?;
     /// let dofs = |e: usize| vec![e, e + 1];
     /// let condensed = map.condensed_for_elements(3, dofs, Storage::Lower, Given::Eliminated)?;
@@ -221,10 +222,16 @@ impl Condensed {
         let (line, base) = (self.lines.range(q), self.lines.starts[part.lines.start] as usize);
         let index = &self.lines.index[line.clone()];
         let values = &mut part.values[line.start - base..line.end - base];
+        // DOFs of a node stand side by side: most entries follow the one before.
+        let mut next = 0;
         let mut add = |r: u32, v: f64| {
             if self.is_stored(q, r) {
-                let place = index.binary_search(&r).map_err(|_| ArgumentError::Foreign { what: "an element" })?;
+                let place = match index.get(next) {
+                    Some(&found) if found == r => next,
+                    _ => index.binary_search(&r).map_err(|_| ArgumentError::Foreign { what: "an element" })?,
+                };
                 values[place] += v;
+                next = place + 1;
             }
             Ok(())
         };

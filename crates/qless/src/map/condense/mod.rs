@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 
 use super::view::{Index, Storage, View};
 use super::{Map, MapError};
-use crate::common::argument::{long, within};
+use crate::common::argument::{long, numbers, within};
 use crate::common::identity::Identity;
 use crate::{ArgumentError, Csr};
 use lines::Lines;
@@ -187,17 +187,18 @@ impl Condensed {
     /// ```
     /// use qless::{Given, Map, Options, SystemBuilder, View};
     /// let mut builder = SystemBuilder::new(3);
-    /// builder.equation([(0, 1.0), (1, -2.0)], 1.0).prescribe(2, 4.0);
+    /// builder.equation([(0, 1.0), (1, -2.0)], 1.0);
+    /// builder.prescribe(2, 4.0);
     /// let map = Map::new(&builder.build()?, &Options::default())?;
     /// let condensed = map.condensed(View::rows(&[0, 1, 2, 3], &[0_u32, 1, 2]), Given::Eliminated)?;
-    /// // u0 + u1 + u2 = 6, where u0 = 2 u1 + 1 and u2 = 4: 3 u1 = 1.
+    /// // u0 + u1 + u2 = 6, where u1 = (u0 - 1) / 2 and u2 = 4: 1.5 u0 = 2.5.
     /// let (terms, b) = condensed.equation(&map, [(0, 1.0), (1, 1.0), (2, 1.0)], 6.0)?;
-    /// assert_eq!((terms, b), (vec![(0, 3.0)], 1.0));
+    /// assert_eq!((terms, b), (vec![(0, 1.5)], 2.5));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors
-    /// [`ArgumentError`] for a DOF that is not there, or another map.
+    /// [`ArgumentError`] for a DOF that is not there, a number that is not finite, or another map.
     pub fn equation(
         &self,
         map: &Map,
@@ -205,9 +206,13 @@ impl Condensed {
         mut rhs: f64,
     ) -> Result<(Vec<(usize, f64)>, f64), ArgumentError> {
         self.check(map, self.nnz())?;
+        numbers("b", &[rhs], 1)?;
         let mut sums = BTreeMap::new();
-        for (j, c) in terms {
+        for (place, (j, c)) in terms.into_iter().enumerate() {
             within("DOF", j, self.number.len())?;
+            if !c.is_finite() {
+                return Err(ArgumentError::NotFinite { what: "the list of terms", place, value: c });
+            }
             rhs -= c * self.shift(map, j);
             match (self.number[j], self.slave[j]) {
                 (NONE, NONE) => {}
