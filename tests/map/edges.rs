@@ -53,7 +53,7 @@ fn elements_may_name_a_dof_twice_and_hold_their_own_masters() {
     builder.prescribe(3, 0.25);
     let map = map(builder);
     let dofs = |_| [0_usize, 1, 1, 3];
-    let matrix: Vec<f64> = (0..16).map(|k| 1.0 / (1 + k % 5 + k / 4) as f64).collect();
+    let matrix: Vec<f64> = (0..16).map(|k| 1.0 / f64::from(1 + k % 5 + k / 4)).collect();
     let forces = [1.0, 2.0, 3.0, 4.0];
     // K of DOFs 0, 1 and 3, by hand.
     let mut k = [[0.0; 4]; 4];
