@@ -1,0 +1,102 @@
+//! What a rank sends, counted.
+
+use std::cell::Cell;
+
+use super::{Message, Ranks};
+
+/// What one rank has sent to others, and how often all have waited for one another.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Messages to other ranks.
+    pub messages: u64,
+    /// Their bytes.
+    pub bytes: u64,
+    /// Bytes that came from other ranks.
+    pub received: u64,
+    /// Collective operations.
+    pub rounds: u64,
+}
+
+/// Ranks that count what they send.
+#[derive(Debug)]
+pub struct Counted<'a, R: Ranks + ?Sized> {
+    ranks: &'a R,
+    counts: Cell<Counts>,
+}
+
+impl<'a, R: Ranks + ?Sized> Counted<'a, R> {
+    /// Counts from zero.
+    pub fn new(ranks: &'a R) -> Self {
+        Self { ranks, counts: Cell::default() }
+    }
+
+    /// What was sent so far.
+    pub fn counts(&self) -> Counts {
+        self.counts.get()
+    }
+
+    fn count(&self, messages: u64, bytes: u64, received: u64) {
+        let counts = self.counts.get();
+        self.counts.set(Counts {
+            messages: counts.messages + messages,
+            bytes: counts.bytes + bytes,
+            received: counts.received + received,
+            rounds: counts.rounds + 1,
+        });
+    }
+
+    fn sizes(&self, messages: &[Message]) -> (u64, u64) {
+        let others = messages.iter().filter(|message| message.rank != self.rank());
+        others.fold((0, 0), |(count, bytes), message| (count + 1, bytes + 8 * message.words.len() as u64))
+    }
+
+    fn around(&self, sent: (u64, u64), came: &[Message]) {
+        self.count(sent.0, sent.1, self.sizes(came).1);
+    }
+
+    /// Sums and their like travel along a tree: as many messages as it has levels.
+    fn count_tree(&self, words: usize) {
+        let levels = u64::from(self.size().next_power_of_two().trailing_zeros());
+        self.count(levels, levels * 8 * words as u64, levels * 8 * words as u64);
+    }
+}
+
+impl<R: Ranks + ?Sized> Ranks for Counted<'_, R> {
+    fn rank(&self) -> usize {
+        self.ranks.rank()
+    }
+
+    fn size(&self) -> usize {
+        self.ranks.size()
+    }
+
+    fn exchange(&self, messages: Vec<Message>) -> Vec<Message> {
+        let sent = self.sizes(&messages);
+        let came = self.ranks.exchange(messages);
+        self.around(sent, &came);
+        came
+    }
+
+    fn overlap(&self, messages: Vec<Message>, from: &[usize], work: &mut dyn FnMut()) -> Vec<Message> {
+        let sent = self.sizes(&messages);
+        let came = self.ranks.overlap(messages, from, work);
+        self.around(sent, &came);
+        came
+    }
+
+    fn sum(&self, numbers: &mut [u64]) {
+        self.count_tree(numbers.len());
+        self.ranks.sum(numbers);
+    }
+
+    fn max(&self, numbers: &mut [u64]) {
+        self.count_tree(numbers.len());
+        self.ranks.max(numbers);
+    }
+
+    fn gather(&self, numbers: &[u64]) -> Vec<u64> {
+        let all = self.size() * numbers.len();
+        self.count(self.size() as u64 - 1, 8 * (all - numbers.len()) as u64, 8 * (all - numbers.len()) as u64);
+        self.ranks.gather(numbers)
+    }
+}

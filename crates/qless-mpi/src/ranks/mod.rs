@@ -1,0 +1,49 @@
+//! What the ranks of a job say to one another: messages of 64-bit words, sums, nothing else.
+//!
+//! Everything above is written against [`Ranks`], so that the same code runs on MPI ([`World`]), on one rank ([`Alone`]) and on
+//! many ranks within one process ([`together`]), where what is sent can be counted ([`Counted`]).
+
+mod alone;
+mod counted;
+mod post;
+mod together;
+
+pub use alone::Alone;
+pub use counted::{Counted, Counts};
+pub(crate) use post::{Post, real};
+pub use together::together;
+
+/// Words to a rank, or from one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Message {
+    /// The rank that gets it, or that sent it.
+    pub rank: usize,
+    /// What it says.
+    pub words: Vec<u64>,
+}
+
+/// The ranks of a job, as one of them sees them. All methods but [`Ranks::rank`] and [`Ranks::size`] are collective: every rank
+/// calls the same ones in the same order.
+pub trait Ranks {
+    /// The number of this rank, from 0.
+    fn rank(&self) -> usize;
+
+    /// How many there are.
+    fn size(&self) -> usize;
+
+    /// Sends messages, at most one to each rank, and returns those that came, ascending by sender. Nobody needs to know before who will
+    /// send. A message to the own rank comes back.
+    fn exchange(&self, messages: Vec<Message>) -> Vec<Message>;
+
+    /// The same where the senders are known: one message comes from each rank of `from`, ascending. `work` is done while they travel.
+    fn overlap(&self, messages: Vec<Message>, from: &[usize], work: &mut dyn FnMut()) -> Vec<Message>;
+
+    /// Adds up each number over all ranks.
+    fn sum(&self, numbers: &mut [u64]);
+
+    /// The largest of each number over all ranks.
+    fn max(&self, numbers: &mut [u64]);
+
+    /// The numbers of all ranks, rank by rank; the same count on each.
+    fn gather(&self, numbers: &[u64]) -> Vec<u64>;
+}
