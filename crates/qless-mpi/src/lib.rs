@@ -1,5 +1,14 @@
 //! Constraints `C u = b` of models that are spread over ranks.
 
+mod analysis;
+mod deal;
+mod error;
+mod parts;
 mod ranks;
+mod share;
+mod solve;
 
-pub use ranks::{Alone, Counted, Counts, Message, Ranks, together};
+pub use analysis::{Analysis, Because, Counts, Dealt, Dependent, Term, analyse};
+pub use error::Error;
+pub use ranks::{Alone, Counted, Message, Ranks, Sent, together};
+pub use share::{Share, ShareError, SharePlace};

@@ -6,7 +6,7 @@ use super::{Message, Ranks};
 
 /// What one rank has sent to others, and how often all have waited for one another.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Counts {
+pub struct Sent {
     /// Messages to other ranks.
     pub messages: u64,
     /// Their bytes.
@@ -21,23 +21,23 @@ pub struct Counts {
 #[derive(Debug)]
 pub struct Counted<'a, R: Ranks + ?Sized> {
     ranks: &'a R,
-    counts: Cell<Counts>,
+    counts: Cell<Sent>,
 }
 
 impl<'a, R: Ranks + ?Sized> Counted<'a, R> {
-    /// Counts from zero.
+    /// Sent from zero.
     pub fn new(ranks: &'a R) -> Self {
         Self { ranks, counts: Cell::default() }
     }
 
     /// What was sent so far.
-    pub fn counts(&self) -> Counts {
+    pub fn counts(&self) -> Sent {
         self.counts.get()
     }
 
     fn count(&self, messages: u64, bytes: u64, received: u64) {
         let counts = self.counts.get();
-        self.counts.set(Counts {
+        self.counts.set(Sent {
             messages: counts.messages + messages,
             bytes: counts.bytes + bytes,
             received: counts.received + received,

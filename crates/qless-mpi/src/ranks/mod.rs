@@ -9,7 +9,7 @@ mod post;
 mod together;
 
 pub use alone::Alone;
-pub use counted::{Counted, Counts};
+pub use counted::{Counted, Sent};
 pub(crate) use post::{Post, real};
 pub use together::together;
 

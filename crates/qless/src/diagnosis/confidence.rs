@@ -37,19 +37,19 @@ impl Confidence {
     pub(crate) fn new(solved: &[Kept], presolved: f64, dependent: &[Dependent], doubted: &[usize]) -> Self {
         let sigma_kept = solved.iter().map(|block| block.nearness.sigma).fold(presolved, f64::min);
         let sigma_dropped = dependent.iter().map(|d| d.dropped).fold(0.0, f64::max);
-        Self { sigma_kept, sigma_dropped, gap: sigma_kept / sigma_dropped, ambiguous: !doubted.is_empty() }
+        Self::of(sigma_kept, sigma_dropped, !doubted.is_empty())
+    }
+
+    /// From its parts, for what puts several analyses together: the gap is their ratio.
+    pub fn of(sigma_kept: f64, sigma_dropped: f64, ambiguous: bool) -> Self {
+        Self { sigma_kept, sigma_dropped, gap: sigma_kept / sigma_dropped, ambiguous }
     }
 
     /// Together with another of the same system that is in doubt: no more than that.
     pub(crate) fn or_less(self, other: Self) -> Self {
         let sigma_kept = self.sigma_kept.min(other.sigma_kept);
         let sigma_dropped = self.sigma_dropped.max(other.sigma_dropped);
-        Self {
-            sigma_kept,
-            sigma_dropped,
-            gap: sigma_kept / sigma_dropped,
-            ambiguous: self.ambiguous || other.ambiguous,
-        }
+        Self::of(sigma_kept, sigma_dropped, self.ambiguous || other.ambiguous)
     }
 }
 

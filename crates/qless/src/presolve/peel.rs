@@ -4,6 +4,9 @@
 //! change of a coefficient. Such a row is independent of all others and stands in nobody's certificate.
 //! Cost O(nnz). The slave's coefficient must be the largest of its row, so that peeling adds nothing to growth; what
 //! that leaves, [`super::eliminate`] takes with weaker thresholds.
+//!
+//! Rows whose slave is larger than all others come first: which these are does not depend on any order, so that a part of
+//! them can be taken out elsewhere, on ranks that see nothing else, and the rest is as it would have been.
 
 use std::hint::select_unpredictable;
 
@@ -32,6 +35,8 @@ struct Peeling<'a> {
     top: usize,
     /// All rows before this one have been tried.
     tried: usize,
+    /// Whether a slave must be larger than all others of its row, and not only as large.
+    strictly: bool,
     out: Peeled,
 }
 
@@ -50,20 +55,12 @@ pub(crate) fn peel(
     system.prescribed().iter().for_each(|&(j, _)| columns[j].count = PRESCRIBED);
     let out = Peeled { basis, remaining: vec![true; m] };
     let ready = vec![0; system.dofs() + 1];
-    let mut work = Peeling { system, scaling, wishes, columns, ready, top: 0, tried: 0, out };
+    let mut work = Peeling { system, scaling, wishes, columns, ready, top: 0, tried: 0, strictly: true, out };
     let is_held = |i: &usize| held.is_some_and(|held| held[*i]);
     (0..m).filter(is_held).for_each(|i| work.leave(i));
-    for i in (0..m).filter(|i| !is_held(i)) {
-        work.tried = i;
-        work.try_row(i);
-        while work.top > 0 {
-            work.top -= 1;
-            let dof = work.ready[work.top];
-            let column = work.columns[dof as usize];
-            if column.count == 1 {
-                work.try_row(column.rows as usize);
-            }
-        }
+    for strictly in [true, false] {
+        work.strictly = strictly;
+        (0..m).filter(|i| !is_held(i)).for_each(|i| work.try_with_followers(i));
     }
     work.out
 }
@@ -82,6 +79,22 @@ impl Peeling<'_> {
         self.top += usize::from(column.count == 1 && (column.rows as usize) < self.tried);
     }
 
+    /// Row i, and every row that its removal leaves a DOF of its own.
+    #[inline]
+    fn try_with_followers(&mut self, i: usize) {
+        self.tried = i;
+        self.try_row(i);
+        while self.top > 0 {
+            self.top -= 1;
+            let dof = self.ready[self.top];
+            let column = self.columns[dof as usize];
+            if column.count == 1 {
+                self.try_row(column.rows as usize);
+            }
+        }
+    }
+
+    #[inline]
     fn try_row(&mut self, i: usize) {
         if !self.out.remaining[i] {
             return;
@@ -115,16 +128,18 @@ impl Peeling<'_> {
     #[inline]
     fn best(&self, i: usize, size: impl Fn(u32, f64) -> f64, rather: impl Fn(u32, usize) -> bool) -> Option<usize> {
         let (dofs, values) = self.system.parts(i);
-        let (mut at, mut most, mut largest) = (usize::MAX, 0, 0);
+        let (mut at, mut most, mut largest, mut equals) = (usize::MAX, 0, 0, 0);
         for (k, (&j, &v)) in dofs.iter().zip(values).enumerate() {
             let (own, count) = (size(j, v).to_bits(), self.columns[j as usize].count);
             let counted = if count < PRESCRIBED / 2 { own } else { 0 };
+            equals = u32::from(counted == largest) + select_unpredictable(counted > largest, 0, equals);
             largest = largest.max(counted);
             // Scaled, a coefficient may vanish; such a DOF is no slave, and none to compare with.
             let better = (count == 1) & ((own > most) | (own == most && most > 0 && rather(j, at)));
             at = select_unpredictable(better, k, at);
             most = select_unpredictable(better, own, most);
         }
-        (at != usize::MAX && most >= largest).then_some(at)
+        let is_largest = most >= largest && (equals == 0 || !self.strictly);
+        (at != usize::MAX && is_largest).then_some(at)
     }
 }

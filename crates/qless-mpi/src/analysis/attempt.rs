@@ -1,0 +1,144 @@
+//! One way through the stages: what may be solved where it stands, what is dealt out, what comes home.
+
+use qless::{Confidence, Options};
+
+use super::Dealt;
+use super::run::loads;
+use crate::deal::{Peel, balance, peel, travel};
+use crate::error::{Error, agree};
+use crate::parts::{Component, Components, Known, Layout, Touched};
+use crate::ranks::{Post, Ranks, real};
+use crate::share::Rows;
+use crate::solve::{Findings, Lines, Solved, Soundness, ask, send_home, substitute};
+
+/// What does not change between attempts.
+pub(super) struct Job<'a> {
+    pub ranks: &'a dyn Ranks,
+    pub layout: &'a Layout,
+    pub rows: &'a Rows,
+    pub touched: &'a Touched,
+    pub known: &'a Known,
+    pub options: &'a Options,
+}
+
+/// What an attempt came to.
+pub(super) struct Attempt {
+    pub findings: Findings,
+    pub confidence: Confidence,
+    pub dealt: Dealt,
+    /// Parts of the whole that should not have been solved apart.
+    pub troubled: Vec<bool>,
+}
+
+/// Bytes for each term of a component that is analysed, and for each equation: what the serial analysis takes at its peak where all is
+/// presolved; factorizations have limits of their own.
+const BYTES_OF_TERM: u64 = 60;
+const BYTES_OF_EQUATION: u64 = 200;
+
+impl Job<'_> {
+    /// Collective.
+    pub fn attempt(&self, whole: &Components, may_peel: &[bool]) -> Result<Attempt, Error> {
+        let Self { ranks, layout, rows, touched, known, options } = *self;
+        let part = |i: usize| whole.of_row[i] as usize;
+        let peels = peel(rows, touched, known, |i| may_peel[part(i)]);
+        let mut gone = vec![false; rows.len()];
+        peels.iter().for_each(|peel| gone[peel.row] = true);
+        let rest = Components::of(ranks, layout, self.parts(), |i| !gone[i]);
+        let components = rest.total(ranks, &loads(rows, &rest), |total, part| {
+            *total = [total[0] + part[0], total[1] + part[1]];
+        });
+        agree(ranks, self.fits(components.values()))?;
+        let to = balance(ranks, &rest, &components);
+        let dealt_to = |i: usize| (!gone[i]).then(|| to[rest.of_row[i] as usize] as usize);
+        // Cores, the rest of whose component is solved apart, by themselves: what is in doubt there says nothing of others.
+        let is_core = |i: usize| may_peel[part(i)];
+        let cores = travel(ranks, self.parts(), |i| dealt_to(i).filter(|_| is_core(i)));
+        let others = travel(ranks, self.parts(), |i| dealt_to(i).filter(|_| !is_core(i)));
+        let analysed = cores.rows.len() + others.rows.len();
+        let solve = |guests| Solved::new(guests, options).map_err(|failure| failure.on(ranks.rank()));
+        let solved = solve(cores).and_then(|cores| Ok((cores, solve(others)?)));
+        let (cores, others) = agree(ranks, solved)?;
+        let mut troubled = self.unsound(cores.as_ref(), whole);
+        let solved: Vec<Solved> = cores.into_iter().chain(others).collect();
+        let mut findings = send_home(ranks, layout, &solved);
+        let confidence = self.confidence(&solved);
+        findings.lines = findings.lines.sort();
+        self.substitute(&peels, &mut findings, |i| troubled[part(i)] = true);
+        let sent = (0..rows.len()).filter(|&i| dealt_to(i).is_some_and(|rank| rank != ranks.rank())).count();
+        let dealt = Dealt { peeled: peels.len(), analysed, sent, attempts: 0 };
+        Ok(Attempt { findings, confidence, dealt, troubled })
+    }
+
+    fn fits<'a>(&self, components: impl Iterator<Item = &'a Component<2>>) -> Result<(), Error> {
+        let limit = self.options.memory as u64;
+        for &Component { total: [equations, terms], .. } in components {
+            let bytes = BYTES_OF_EQUATION * equations + BYTES_OF_TERM * terms;
+            if bytes > limit {
+                return Err(Error::TooLarge { equations, terms, bytes, limit });
+            }
+        }
+        Ok(())
+    }
+
+    /// The parts of which a core was found unsound by the rank that analysed it.
+    fn unsound(&self, cores: Option<&Solved>, whole: &Components) -> Vec<bool> {
+        let mut post = Post::default();
+        if let Some(solved) = cores.filter(|solved| solved.soundness() == Soundness::Unsound) {
+            solved.guests.home.iter().for_each(|&(rank, place)| post.to(rank).push(place));
+        }
+        let mut troubled = vec![false; whole.parts()];
+        for message in post.send(self.ranks) {
+            message.words.iter().for_each(|&i| troubled[whole.of_row[i as usize] as usize] = true);
+        }
+        troubled
+    }
+
+    /// Of all ranks together; `0 = b` is compared with the largest right-hand side of all.
+    fn confidence(&self, solved: &[Solved]) -> Confidence {
+        let bits = |x: f64| x.to_bits();
+        let of = |pick: &dyn Fn(Confidence) -> f64, start: f64, with: fn(f64, f64) -> f64| {
+            solved.iter().map(|solved| pick(solved.confidence())).fold(start, with)
+        };
+        let largest = self.rows.rhs.iter().fold(0.0, |most: f64, b| most.max(b.abs()));
+        let mut most = [u64::MAX - bits(of(&|c| c.sigma_kept, 1.0, f64::min)), bits(of(&|c| c.sigma_dropped, 0.0, f64::max)), bits(largest)];
+        self.ranks.max(&mut most);
+        let largest = real(most[2]);
+        let is_small = |solved: &Solved| {
+            let empty = |row: usize| solved.guests.rows.row(row).next().is_none();
+            solved.analysis.dependent().iter().any(|d| {
+                empty(d.row) && d.mismatch != 0.0 && d.mismatch.abs() < SMALL_MISMATCH * largest
+            })
+        };
+        let mut doubts = [u64::from(solved.iter().any(|solved| solved.confidence().ambiguous || is_small(solved)))];
+        self.ranks.max(&mut doubts);
+        let (sigma_kept, sigma_dropped) = (real(u64::MAX - most[0]), real(most[1]));
+        Confidence::of(sigma_kept, sigma_dropped, doubts[0] == 1)
+    }
+
+    /// Rows of the peeled equations, sent to the owners of their slaves; `troubled` hears of equations that should not have been.
+    fn substitute(&self, peels: &[Peel], findings: &mut Findings, mut troubled: impl FnMut(usize)) {
+        let Self { ranks, layout, rows, touched, known, options } = *self;
+        let mut asked: Vec<u64> = Vec::new();
+        for &Peel { row, position } in peels {
+            let others = touched.row(rows, row).iter().zip(rows.row(row)).enumerate();
+            let free = others.filter(|&(k, (&j, _))| k != position && known.free[j as usize]);
+            asked.extend(free.map(|(_, (_, (dof, _)))| dof));
+        }
+        asked.sort_unstable();
+        asked.dedup();
+        // Slaves of peeled equations are in no other equation: nobody asks for them.
+        let slaves = ask(ranks, layout, &findings.lines, &asked).sort();
+        let mut made = Lines::new();
+        for &peel in peels {
+            if substitute(&mut made, peel, self.parts(), &slaves, options.growth) == Soundness::Unsound {
+                troubled(peel.row);
+            }
+        }
+        let mut post = Post::default();
+        made.iter().for_each(|line| line.write(post.to(layout.owner(line.slave))));
+        post.send(ranks).iter().for_each(|message| findings.lines.read(&message.words));
+    }
+}
+
+/// As in the serial confidence.
+const SMALL_MISMATCH: f64 = 1e-6;

@@ -1,0 +1,160 @@
+//! The way of the data across ranks, stage by stage.
+
+use qless::{Kind, OptionError, Options};
+
+use super::attempt::{Attempt, Job};
+use super::{Analysis, Counts};
+use crate::deal::{Load, is_mild};
+use crate::error::{Error, agree};
+use crate::parts::{Components, Directory, Known, Layout, Touched};
+use crate::ranks::Ranks;
+use crate::share::{Rows, Share, ShareError, SharePlace, check_numbers, finite, within};
+use crate::solve::ask;
+
+/// Diagnoses the equations of all ranks and solves them for slaves. Collective: every rank gives its share and the same options, and
+/// gets back what concerns its equations and DOFs.
+///
+/// The result is that of [`qless::analyse`] for all equations in the order of their numbers, whoever holds them and however many ranks
+/// there are. Cost: about 40 bytes sent for each DOF of a rank's equations, and each equation at most once, to the rank that
+/// analyses its component; rounds grow with the logarithm of the number of ranks that a component crosses.
+///
+/// ```
+/// use qless::{Kind, Options};
+/// use qless_mpi::{Share, analyse, together};
+/// // u1 = u0 on one rank, u2 = u1 on the next, and on both the sum of the two, which is redundant there.
+/// let kinds = together(2, |ranks| {
+///     let (first, second) = (ranks.rank() == 0, ranks.rank() == 1);
+///     let mut share = Share::new(if first { 0..2 } else { 2..3 });
+///     if first {
+///         share.equation(0, [(1, 1.0), (0, -1.0)], 0.0);
+///         share.equation(2, [(2, 2.0), (0, -2.0)], 0.0);
+///     } else if second {
+///         share.equation(1, [(2, 1.0), (1, -1.0)], 0.0);
+///         share.equation(3, [(2, 1.0), (0, -1.0)], 0.5);
+///     }
+///     analyse(ranks, &share, &Options::default()).expect("valid").kinds().to_vec()
+/// });
+/// assert_eq!(kinds, [[Kind::Independent, Kind::Redundant], [Kind::Independent, Kind::Conflicting]]);
+/// ```
+///
+/// # Errors
+/// [`Error`], the same on all ranks.
+pub fn analyse(ranks: &dyn Ranks, share: &Share, options: &Options) -> Result<Analysis, Error> {
+    let layout = Layout::new(ranks, &share.owned)?;
+    let rows = agree(ranks, checked(ranks, &layout, share, options))?;
+    agree(ranks, check_numbers(ranks, &rows).map_err(Error::from))?;
+    let touched = Touched::by(&rows);
+    let (directory, known) = Directory::new(ranks, &layout, &touched, &share.prescribed);
+    let directory = agree(ranks, directory.map_err(Error::from))?;
+    let job = Job { ranks, layout: &layout, rows: &rows, touched: &touched, known: &known, options };
+    let whole = Components::of(ranks, &layout, (&rows, &touched, &known), |_| true);
+    let mut may_peel = peelable(&job, &whole);
+    let mut attempts = 0;
+    let attempt = loop {
+        attempts += 1;
+        let attempt = job.attempt(&whole, &may_peel)?;
+        if !withdraw(ranks, &whole, &attempt, &mut may_peel) {
+            break attempt;
+        }
+    };
+    let Attempt { mut findings, confidence, mut dealt, .. } = attempt;
+    dealt.attempts = attempts;
+    let mut needed: Vec<u64> = share.needed.clone();
+    needed.sort_unstable();
+    needed.dedup();
+    let lines = findings.lines.sort();
+    let needed = ask(ranks, &layout, &lines, &needed).sort();
+    findings.generated.sort_unstable_by_key(|&(dof, _)| dof);
+    findings.unmet.sort_unstable();
+    let mut kinds = vec![Kind::Independent; rows.len()];
+    findings.dependent.iter().for_each(|d| kinds[d.equation] = d.kind);
+    let counted = |kind| kinds.iter().filter(|&&k| k == kind).count() as u64;
+    let mut counts = [rows.len() as u64, counted(Kind::Redundant), counted(Kind::Conflicting)];
+    ranks.sum(&mut counts);
+    let [equations, redundant, conflicting] = counts;
+    Ok(Analysis {
+        counts: Counts { equations, redundant, conflicting, dofs: layout.dofs() },
+        rank_of_job: ranks.rank(),
+        layout,
+        kinds,
+        dependent: findings.dependent,
+        generated: findings.generated,
+        unmet_equations: findings.unmet,
+        confidence,
+        lines,
+        needed,
+        directory,
+        dealt,
+    })
+}
+
+/// The equations of the share, if all that it says is valid.
+fn checked(ranks: &dyn Ranks, layout: &Layout, share: &Share, options: &Options) -> Result<Rows, Error> {
+    let (rank, dofs) = (ranks.rank(), layout.dofs());
+    options.validate()?;
+    let preferences = &options.preferences;
+    let outside = |j: &&usize| **j as u64 >= dofs;
+    if let Some(&found) = preferences.masters.iter().chain(&preferences.slaves).find(outside) {
+        return Err(OptionError::Preference { what: "DOF", found, count: dofs as usize }.into());
+    }
+    if let Some(&dof) = preferences.slaves.iter().find(|j| preferences.masters.contains(j)) {
+        return Err(OptionError::Contradiction(dof).into());
+    }
+    for &(dof, value) in &share.prescribed {
+        within(dof, dofs, rank, SharePlace::Prescribed { dof })?;
+        finite(value, rank, SharePlace::Prescribed { dof })?;
+    }
+    share.needed.iter().try_for_each(|&dof| within(dof, dofs, rank, SharePlace::Needed { dof }))?;
+    Rows::of(share, rank, dofs).map_err(|error: ShareError| error.into())
+}
+
+/// The parts of components that cross ranks and in which equations may be solved where they stand.
+fn peelable(job: &Job, whole: &Components) -> Vec<bool> {
+    let options = job.options;
+    let plain = options.presolve && matches!(options.tolerance, qless::Tolerance::Relative(_));
+    let allowed = plain && options.preferences == qless::Preferences::default();
+    let mut wild = vec![[0, 0]; whole.parts()];
+    for i in 0..job.rows.len() {
+        let of_part = &mut wild[whole.of_row[i] as usize];
+        of_part[0] |= u64::from(!is_mild(job.rows, i));
+        of_part[1] += 1;
+    }
+    let combine = |total: &mut [u64; 2], part: &[u64; 2]| *total = [total[0] | part[0], total[1] + part[1]];
+    let components = whole.total(job.ranks, &wild, combine);
+    let told = whole.tell(job.ranks, &components, |_, component| {
+        u64::from(allowed && component.crosses() && component.total[0] == 0)
+    });
+    told.into_iter().map(|word| word == 1).collect()
+}
+
+/// Takes the components of which an attempt says that nothing should be solved apart out of those in which it may be; whether there
+/// are any.
+fn withdraw(ranks: &dyn Ranks, whole: &Components, attempt: &Attempt, may_peel: &mut [bool]) -> bool {
+    let own: Vec<[u64; 1]> = attempt.troubled.iter().map(|&troubled| [u64::from(troubled)]).collect();
+    let mut any = [own.iter().map(|of| of[0]).sum()];
+    ranks.sum(&mut any);
+    if any[0] == 0 {
+        return false;
+    }
+    let components = whole.total(ranks, &own, |total, part| total[0] |= part[0]);
+    let told = whole.tell(ranks, &components, |_, component| component.total[0]);
+    may_peel.iter_mut().zip(told).for_each(|(may, troubled)| *may &= troubled == 0);
+    true
+}
+
+/// Equations and terms of each part.
+pub(super) fn loads(rows: &Rows, components: &Components) -> Vec<Load> {
+    let mut loads = vec![[0, 0]; components.parts()];
+    for (i, &part) in components.of_row.iter().enumerate().filter(|&(_, &part)| (part as usize) < components.parts()) {
+        loads[part as usize][0] += 1;
+        loads[part as usize][1] += (rows.starts[i + 1] - rows.starts[i]) as u64;
+    }
+    loads
+}
+
+impl Job<'_> {
+    /// What the stages ask for.
+    pub(super) fn parts(&self) -> (&Rows, &Touched, &Known) {
+        (self.rows, self.touched, self.known)
+    }
+}

@@ -1,0 +1,64 @@
+//! Components dealt out by predicted work.
+//!
+//! A rank keeps the components that it holds alone up to a quarter more than the mean; what is beyond, and every component that crosses
+//! ranks, is laid along the room that is left, rank by rank: 16 bytes from each rank to each, and no rank that decides for all.
+
+use std::collections::BTreeMap;
+
+use crate::parts::{Component, Components};
+use crate::ranks::Ranks;
+
+/// Equations and terms of a part or component.
+pub(crate) type Load = [u64; 2];
+
+/// Equations and their terms take time about in proportion, as most are solved without a factorization.
+fn work(load: Load) -> u64 {
+    load[0] + load[1]
+}
+
+/// The rank that analyses each part's component. Collective.
+pub(crate) fn balance(
+    ranks: &dyn Ranks,
+    components: &Components,
+    known: &BTreeMap<usize, Component<2>>,
+) -> Vec<u64> {
+    let total: u64 = known.values().map(|component| work(component.total)).sum();
+    let sum = ranks.gather(&[total]).iter().sum::<u64>();
+    let mean = sum.div_ceil(ranks.size() as u64);
+    let most = mean + mean / 4;
+    let mut kept = 0;
+    let mut moved: Vec<(usize, u64)> = Vec::new();
+    for (&root, component) in known {
+        let work = work(component.total);
+        if component.crosses() || kept + work > most && kept > 0 {
+            moved.push((root, work));
+        } else {
+            kept += work;
+        }
+    }
+    let pool: u64 = moved.iter().map(|&(_, work)| work).sum();
+    let all = ranks.gather(&[pool, mean.saturating_sub(kept)]);
+    let (room, before) = room(&all, ranks.rank());
+    let pooled: u64 = all.iter().step_by(2).sum();
+    let mut place = before;
+    let mut to: BTreeMap<usize, u64> = BTreeMap::new();
+    for (root, work) in moved {
+        // The middle of its interval, in the room of all ranks.
+        let middle = u128::from(place) * 2 + u128::from(work);
+        let scaled = middle * u128::from(room[ranks.size()]) / (2 * u128::from(pooled.max(1)));
+        let rank = room.partition_point(|&start| u128::from(start) <= scaled) - 1;
+        to.insert(root, rank.min(ranks.size() - 1) as u64);
+        place += work;
+    }
+    let own = ranks.rank() as u64;
+    components.tell(ranks, known, |root, _| to.get(&root).copied().unwrap_or(own))
+}
+
+/// Where the room of each rank starts, with its end, and the work in the pool of the ranks before.
+fn room(all: &[u64], rank: usize) -> (Vec<u64>, u64) {
+    let mut starts = vec![0];
+    for pair in all.chunks_exact(2) {
+        starts.push(starts[starts.len() - 1] + pair[1]);
+    }
+    (starts, all.chunks_exact(2).take(rank).map(|pair| pair[0]).sum())
+}

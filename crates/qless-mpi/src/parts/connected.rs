@@ -1,0 +1,173 @@
+//! Components: equations that share free DOFs, found on each rank and joined across ranks by the owners of shared DOFs.
+
+use std::collections::BTreeMap;
+
+use super::labels::{number_of, rank_of, roots, vertex};
+use super::{Known, Layout, Touched};
+use crate::ranks::{Post, Ranks};
+use crate::share::Rows;
+
+/// The components of a rank's equations.
+pub(crate) struct Components {
+    /// The part of each row, numbered on this rank; [`NONE`] for rows that were left out.
+    pub of_row: Vec<u32>,
+    /// The root of each part: parts of ranks with the same root are one component.
+    root: Vec<u64>,
+}
+
+/// No part.
+pub(crate) const NONE: u32 = u32::MAX;
+
+/// A component, as the rank of its root knows it.
+pub(crate) struct Component<const K: usize> {
+    /// Its parts.
+    pub members: Vec<u64>,
+    /// What they add up to.
+    pub total: [u64; K],
+}
+
+impl Components {
+    /// Of the rows for which `included` holds. Collective.
+    pub fn of(
+        ranks: &dyn Ranks,
+        layout: &Layout,
+        (rows, touched, known): (&Rows, &Touched, &Known),
+        included: impl Fn(usize) -> bool,
+    ) -> Self {
+        let (of_row, of_dof, count) = parts(rows, touched, known, included);
+        let named = touched.dofs.iter().zip(&of_dof).zip(&known.shared);
+        let mut post = Post::default();
+        for ((&dof, &part), _) in named.filter(|&((_, &part), &shared)| shared && part != NONE) {
+            post.to(layout.owner(dof)).extend([dof, u64::from(part)]);
+        }
+        let mut uses: Vec<(u64, u64)> = Vec::new();
+        for message in post.send(ranks) {
+            uses.extend(message.words.chunks_exact(2).map(|w| (w[0], vertex(message.rank, w[1] as usize))));
+        }
+        uses.sort_unstable();
+        let mut pairs: Vec<(u64, u64)> = Vec::new();
+        for of_dof in uses.chunk_by(|a, b| a.0 == b.0) {
+            let hub = of_dof[0].1;
+            pairs.extend(of_dof[1..].iter().flat_map(|&(_, other)| [(hub, other), (other, hub)]));
+        }
+        // Parts meet in many DOFs, as a rule.
+        pairs.sort_unstable();
+        pairs.dedup();
+        let mut post = Post::default();
+        pairs.into_iter().for_each(|(a, b)| post.to(rank_of(a)).extend([number_of(a) as u64, b]));
+        let mut edges: Vec<(u32, u64)> = Vec::new();
+        for message in post.send(ranks) {
+            edges.extend(message.words.chunks_exact(2).map(|w| (w[0] as u32, w[1])));
+        }
+        edges.sort_unstable();
+        edges.dedup();
+        Self { of_row, root: roots(ranks, count, edges) }
+    }
+
+    /// Number of parts on this rank.
+    pub fn parts(&self) -> usize {
+        self.root.len()
+    }
+
+    /// Puts together what is known of each part; the components whose roots are on this rank, ascending by root. Collective.
+    pub fn total<const K: usize>(
+        &self,
+        ranks: &dyn Ranks,
+        own: &[[u64; K]],
+        combine: impl Fn(&mut [u64; K], &[u64; K]),
+    ) -> BTreeMap<usize, Component<K>> {
+        let mut post = Post::default();
+        for (part, (&root, of_part)) in self.root.iter().zip(own).enumerate() {
+            let words = post.to(rank_of(root));
+            words.extend([number_of(root) as u64, part as u64]);
+            words.extend(of_part);
+        }
+        let mut found: BTreeMap<usize, Component<K>> = BTreeMap::new();
+        for message in post.send(ranks) {
+            for words in message.words.chunks_exact(2 + K) {
+                let member = vertex(message.rank, words[1] as usize);
+                let mut of_part = [0; K];
+                of_part.copy_from_slice(&words[2..]);
+                let seen = found.entry(words[0] as usize);
+                seen.and_modify(|component| {
+                    component.members.push(member);
+                    combine(&mut component.total, &of_part);
+                })
+                .or_insert_with(|| Component { members: vec![member], total: of_part });
+            }
+        }
+        found
+    }
+
+    /// Tells each part a word that the rank of its root knows. Collective.
+    pub fn tell<const K: usize>(
+        &self,
+        ranks: &dyn Ranks,
+        components: &BTreeMap<usize, Component<K>>,
+        word: impl Fn(usize, &Component<K>) -> u64,
+    ) -> Vec<u64> {
+        let mut post = Post::default();
+        for (&root, component) in components {
+            let word = word(root, component);
+            component.members.iter().for_each(|&v| post.to(rank_of(v)).extend([number_of(v) as u64, word]));
+        }
+        let mut told = vec![0; self.parts()];
+        for message in post.send(ranks) {
+            message.words.chunks_exact(2).for_each(|words| told[words[0] as usize] = words[1]);
+        }
+        told
+    }
+}
+
+impl<const K: usize> Component<K> {
+    /// Whether its equations are held by more than one rank.
+    pub fn crosses(&self) -> bool {
+        self.members.iter().any(|&v| rank_of(v) != rank_of(self.members[0]))
+    }
+}
+
+/// The part of each row and of each free DOF on this rank, and how many there are.
+fn parts(
+    rows: &Rows,
+    touched: &Touched,
+    known: &Known,
+    included: impl Fn(usize) -> bool,
+) -> (Vec<u32>, Vec<u32>, usize) {
+    let mut of_dof = vec![NONE; touched.dofs.len()];
+    let mut parent: Vec<u32> = (0..rows.len() as u32).collect();
+    let free = |i: usize| touched.row(rows, i).iter().map(|&j| j as usize).filter(|&j| known.free[j]);
+    for i in (0..rows.len()).filter(|&i| included(i)) {
+        for j in free(i) {
+            match of_dof[j] {
+                NONE => of_dof[j] = i as u32,
+                other => join(&mut parent, other, i as u32),
+            }
+        }
+    }
+    let mut number = vec![NONE; rows.len()];
+    let mut of_row = vec![NONE; rows.len()];
+    let mut count = 0;
+    for i in (0..rows.len()).filter(|&i| included(i)) {
+        let root = find(&mut parent, i as u32) as usize;
+        if number[root] == NONE {
+            number[root] = count;
+            count += 1;
+        }
+        of_row[i] = number[root];
+    }
+    of_dof.iter_mut().filter(|row| **row != NONE).for_each(|row| *row = of_row[*row as usize]);
+    (of_row, of_dof, count as usize)
+}
+
+fn find(parent: &mut [u32], mut k: u32) -> u32 {
+    while parent[k as usize] != k {
+        parent[k as usize] = parent[parent[k as usize] as usize];
+        k = parent[k as usize];
+    }
+    k
+}
+
+fn join(parent: &mut [u32], a: u32, b: u32) {
+    let (a, b) = (find(parent, a), find(parent, b));
+    parent[a.max(b) as usize] = a.min(b);
+}

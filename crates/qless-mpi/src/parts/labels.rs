@@ -1,0 +1,179 @@
+//! Connected components of a graph whose vertices are spread over ranks: labels that travel, with shortcuts.
+//!
+//! ```text
+//! repeat   each root hooks on to the neighbouring root that comes first in this round's order of chance
+//!          parents of parents, until all hang on a root                (pointer jumping)
+//! until    no edge joins two roots
+//! ```
+//!
+//! In each round at least half of the roots that have neighbours are expected to hook, whatever the graph, so that there are
+//! O(log V) rounds; the order of chance is a hash of root and round, the same on all ranks.
+
+use std::collections::BTreeMap;
+
+use rustc_hash::FxHashMap;
+
+use crate::ranks::{Message, Post, Ranks};
+
+/// A vertex: the rank that holds it, and its number there.
+pub(crate) fn vertex(rank: usize, number: usize) -> u64 {
+    (rank as u64) << 32 | number as u64
+}
+
+pub(crate) fn rank_of(vertex: u64) -> usize {
+    (vertex >> 32) as usize
+}
+
+pub(crate) fn number_of(vertex: u64) -> usize {
+    (vertex & 0xffff_ffff) as usize
+}
+
+/// The place of a root in the order of a round.
+fn chance(root: u64, round: u64) -> (u64, u64) {
+    let mut x = root ^ round.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    (x ^ (x >> 31), root)
+}
+
+struct Forest<'a> {
+    ranks: &'a dyn Ranks,
+    /// By own vertex.
+    parent: Vec<u64>,
+}
+
+/// The root of each of `count` own vertices; `edges` are from own vertices to any. Collective.
+pub(crate) fn roots(ranks: &dyn Ranks, count: usize, mut edges: Vec<(u32, u64)>) -> Vec<u64> {
+    let own = ranks.rank();
+    let mut forest = Forest { ranks, parent: (0..count).map(|k| vertex(own, k)).collect() };
+    for round in 0.. {
+        let ends = forest.parents_of(edges.iter().map(|&(_, other)| other));
+        let ends_of = |&(k, other): &(u32, u64)| (forest.parent[k as usize], ends[&other]);
+        let joins: Vec<(u64, u64)> = edges.iter().map(ends_of).collect();
+        let mut joined = joins.iter().map(|(a, b)| a == b);
+        edges.retain(|_| joined.next() == Some(false));
+        let mut left = [edges.len() as u64];
+        ranks.sum(&mut left);
+        if left[0] == 0 {
+            break;
+        }
+        forest.hook(joins.into_iter().filter(|(a, b)| a != b), round);
+        forest.shorten();
+    }
+    forest.parent
+}
+
+impl Forest<'_> {
+    /// The parents of any vertices, asked of the ranks that hold them.
+    fn parents_of(&self, vertices: impl Iterator<Item = u64>) -> FxHashMap<u64, u64> {
+        let mut asked: Vec<u64> = vertices.collect();
+        asked.sort_unstable();
+        asked.dedup();
+        let mut post = Post::default();
+        asked.iter().for_each(|&v| post.to(rank_of(v)).push(v));
+        let answer = |Message { rank, words }: Message| {
+            let words = words.iter().map(|&v| self.parent[number_of(v)]).collect();
+            Message { rank, words }
+        };
+        let answers = self.ranks.exchange(post.send(self.ranks).into_iter().map(answer).collect());
+        // Vertices ascend by rank, and so do the answers.
+        asked.into_iter().zip(answers.into_iter().flat_map(|message| message.words)).collect()
+    }
+
+    /// Roots hook on to the first of the roots next to them, if that comes before them.
+    fn hook(&mut self, joins: impl Iterator<Item = (u64, u64)>, round: u64) {
+        let mut first: BTreeMap<u64, u64> = BTreeMap::new();
+        for (root, other) in joins.filter(|&(a, b)| chance(b, round) < chance(a, round)) {
+            let best = first.entry(root).or_insert(other);
+            if chance(other, round) < chance(*best, round) {
+                *best = other;
+            }
+        }
+        let mut post = Post::default();
+        first.into_iter().for_each(|(root, other)| post.to(rank_of(root)).extend([root, other]));
+        for message in post.send(self.ranks) {
+            for pair in message.words.chunks_exact(2) {
+                let parent = &mut self.parent[number_of(pair[0])];
+                if chance(pair[1], round) < chance(*parent, round) {
+                    *parent = pair[1];
+                }
+            }
+        }
+    }
+
+    /// Every vertex hangs on its root.
+    fn shorten(&mut self) {
+        loop {
+            let parents = self.parents_of(self.parent.iter().copied());
+            let mut changed = [0];
+            for parent in &mut self.parent {
+                let grandparent = parents[parent];
+                changed[0] += u64::from(*parent != grandparent);
+                *parent = grandparent;
+            }
+            self.ranks.sum(&mut changed);
+            if changed[0] == 0 {
+                break;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ranks::{Counted, together};
+
+    /// Ten thousand vertices in a ring, their numbers in an order of chance: the worst for labels that go from one to the next.
+    #[test]
+    fn a_ring_is_one_component_in_few_rounds() {
+        let (size, each) = (5, 2000);
+        let all = (size * each) as u64;
+        let place = |k: u64| (k * 7919) % all;
+        let of = |p: u64| vertex((p % size as u64) as usize, (p / size as u64) as usize);
+        let found = together(size, |ranks| {
+            let ranks = Counted::new(ranks);
+            let edges = (0..all).flat_map(|k| {
+                let (a, b) = (of(place(k)), of(place((k + 1) % all)));
+                [(a, b), (b, a)]
+            });
+            let own = edges.filter(|&(a, _)| rank_of(a) == ranks.rank());
+            let roots = roots(&ranks, each, own.map(|(a, b)| (number_of(a) as u32, b)).collect());
+            (roots, ranks.counts().rounds)
+        });
+        let root = found[0].0[0];
+        assert!(found.iter().all(|(roots, _)| roots.iter().all(|&r| r == root)));
+        // log2 of 10,000 is 14; each round asks, hooks, and shortens a few times.
+        assert!(found[0].1 < 14 * 15, "{} rounds", found[0].1);
+    }
+
+    #[test]
+    fn components_of_random_graphs_are_those_of_one_rank() {
+        for seed in 0..60_u64 {
+            let mut rng = qless_scenes::Rng::new(seed);
+            let (size, each) = (1 + rng.below(5), 40);
+            let count = size * each;
+            let pairs: Vec<(usize, usize)> =
+                (0..rng.below(2 * count)).map(|_| (rng.below(count), rng.below(count))).collect();
+            let of = |k: usize| vertex(k / each, k % each);
+            let both = |&(a, b): &(usize, usize)| [(a, b), (b, a)];
+            let found = together(size, |ranks| {
+                let own = pairs.iter().flat_map(both).filter(|&(a, _)| a / each == ranks.rank());
+                roots(ranks, each, own.map(|(a, b)| ((a % each) as u32, of(b))).collect())
+            })
+            .concat();
+            let mut plain: Vec<usize> = (0..count).collect();
+            for _ in 0..count {
+                for &(a, b) in &pairs {
+                    let least = plain[a].min(plain[b]);
+                    (plain[a], plain[b]) = (least, least);
+                }
+            }
+            for a in 0..count {
+                for b in 0..count {
+                    assert_eq!(found[a] == found[b], plain[a] == plain[b], "seed {seed}: {a} and {b}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,12 @@
+//! Which equations are connected, across ranks, without any rank seeing them all.
+
+mod connected;
+mod directory;
+mod labels;
+mod layout;
+mod touched;
+
+pub(crate) use connected::{Component, Components};
+pub(crate) use directory::{Directory, Known};
+pub(crate) use layout::Layout;
+pub(crate) use touched::Touched;

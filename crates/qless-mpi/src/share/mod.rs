@@ -1,0 +1,72 @@
+//! What one rank gives: equations in any numbers of the job's DOFs, and the DOFs that it owns and needs.
+
+mod error;
+mod numbers;
+mod rows;
+
+use std::ops::Range;
+
+pub use error::{ShareError, SharePlace};
+pub(crate) use numbers::check_numbers;
+pub(crate) use rows::{Rows, finite, within};
+
+/// The part of `C u = b` that one rank holds.
+///
+/// DOFs and equations have numbers that all ranks agree on. Each rank owns a range of DOFs, the ranges of all ranks follow one another
+/// from 0 to n, as PETSc, MFEM and hypre number them. Any rank may hold any equation; the number of an equation is its place in the
+/// whole, so that the result does not depend on who holds it.
+///
+/// ```
+/// use qless_mpi::Share;
+/// // This rank owns DOFs 0 to 9, ties DOF 3 to DOF 12 of another rank, and wants to know what DOF 12 follows.
+/// let mut share = Share::new(0..10);
+/// share.equation(0, [(3, 1.0), (12, -1.0)], 0.0);
+/// share.prescribe(7, 0.25);
+/// share.need(12);
+/// assert_eq!(share.equations(), 1);
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct Share {
+    pub(crate) owned: Range<u64>,
+    pub(crate) numbers: Vec<u64>,
+    pub(crate) starts: Vec<usize>,
+    pub(crate) terms: Vec<(u64, f64)>,
+    pub(crate) rhs: Vec<f64>,
+    pub(crate) prescribed: Vec<(u64, f64)>,
+    pub(crate) needed: Vec<u64>,
+}
+
+impl Share {
+    /// No equations yet.
+    pub fn new(owned: Range<u64>) -> Self {
+        Self { owned, starts: vec![0], ..Self::default() }
+    }
+
+    /// Adds `sum a_j u_j = rhs`, equation `number` of the whole; terms on the same DOF are summed.
+    pub fn equation(&mut self, number: u64, terms: impl IntoIterator<Item = (u64, f64)>, rhs: f64) {
+        self.terms.extend(terms);
+        self.starts.push(self.terms.len());
+        self.numbers.push(number);
+        self.rhs.push(rhs);
+    }
+
+    /// Gives any DOF a prescribed value; several ranks may say the same.
+    pub fn prescribe(&mut self, dof: u64, value: f64) {
+        self.prescribed.push((dof, value));
+    }
+
+    /// Asks for the row of T of a DOF beyond those that this rank owns.
+    pub fn need(&mut self, dof: u64) {
+        self.needed.push(dof);
+    }
+
+    /// Number of equations that this rank holds.
+    pub fn equations(&self) -> usize {
+        self.numbers.len()
+    }
+
+    /// Their numbers, in the order in which they were given.
+    pub fn numbers(&self) -> &[u64] {
+        &self.numbers
+    }
+}

@@ -1,0 +1,77 @@
+//! The serial analysis of the equations that a rank was dealt. Components do not feel one another, so that it gives what one
+//! rank with all equations would.
+
+use qless::{Analysis, Confidence, Options, Reduction, SystemBuilder, analyse};
+
+use crate::deal::Guests;
+use crate::error::Failure;
+use crate::parts::Touched;
+
+/// Guests with what was found of them.
+pub(crate) struct Solved {
+    pub guests: Guests,
+    /// The DOF of the job of each DOF of the analysis.
+    pub dofs: Vec<u64>,
+    pub analysis: Analysis,
+    pub reduction: Reduction,
+}
+
+/// Whether anything was found that equations which were solved elsewhere could change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Soundness {
+    Sound,
+    Unsound,
+}
+
+/// A reduction that loses more may be computed in another way where more is known.
+const LOSS: f64 = 1e-13;
+/// Kept equations nearer to dependence than this may have been chosen anew by their whole component.
+const NEAR: f64 = 1e-3;
+
+impl Solved {
+    /// None where there are no guests.
+    pub fn new(guests: Guests, options: &Options) -> Result<Option<Self>, Failure> {
+        if guests.rows.len() == 0 {
+            return Ok(None);
+        }
+        let touched = Touched::by(&guests.rows);
+        // Equations without terms have no DOF; a system has one at least.
+        let mut builder = SystemBuilder::new(touched.dofs.len().max(1));
+        for (i, &rhs) in guests.rows.rhs.iter().enumerate() {
+            let places = touched.row(&guests.rows, i).iter().map(|&j| j as usize);
+            builder.equation(places.zip(guests.rows.row(i).map(|(_, value)| value)), rhs);
+        }
+        for (dof, &value) in &guests.given {
+            if let Ok(place) = touched.dofs.binary_search(dof) {
+                builder.prescribe(place, value);
+            }
+        }
+        let local = |dofs: &[usize]| -> Vec<usize> {
+            dofs.iter().filter_map(|&j| touched.dofs.binary_search(&(j as u64)).ok()).collect()
+        };
+        let equations = options.preferences.equations.iter();
+        let preferences = qless::Preferences {
+            masters: local(&options.preferences.masters),
+            slaves: local(&options.preferences.slaves),
+            equations: equations.filter_map(|&i| guests.rows.numbers.binary_search(&(i as u64)).ok()).collect(),
+        };
+        let system = builder.build().map_err(|error| Failure::of(&error))?;
+        let analysis = analyse(&system, &Options { preferences, ..options.clone() });
+        let analysis = analysis.map_err(|error| Failure::of(&error))?;
+        let reduction = analysis.reduction().map_err(|error| Failure::of(&error))?;
+        Ok(Some(Self { dofs: touched.dofs, guests, analysis, reduction }))
+    }
+
+    pub fn confidence(&self) -> Confidence {
+        self.analysis.confidence()
+    }
+
+    pub fn soundness(&self) -> Soundness {
+        let Confidence { sigma_kept, sigma_dropped, ambiguous, .. } = self.confidence();
+        // The columns of a block, and what it is tried with, are ordered by all equations of its component.
+        let presolved = self.analysis.presolve().blocks == 0;
+        let plain = presolved && !ambiguous && sigma_dropped == 0.0 && sigma_kept > NEAR && self.reduction.exchanges() == 0;
+        let is_sound = plain && self.analysis.residual(&self.reduction).is_ok_and(|residual| residual <= LOSS);
+        if is_sound { Soundness::Sound } else { Soundness::Unsound }
+    }
+}

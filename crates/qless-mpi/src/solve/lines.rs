@@ -1,0 +1,96 @@
+//! Rows of `u_s = T u_q + G u_p + g`, over the DOFs of the job.
+
+/// Marks the prescribed among the DOFs of a line.
+pub(crate) const GIVEN: u64 = 1 << 63;
+
+/// One row.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Line<'a> {
+    pub slave: u64,
+    pub constant: f64,
+    /// Masters, and prescribed DOFs with [`GIVEN`]; ascending by DOF.
+    pub dofs: &'a [u64],
+    pub values: &'a [f64],
+}
+
+/// Rows, ascending by slave once [`Lines::sort`]ed.
+#[derive(Clone, Debug)]
+pub(crate) struct Lines {
+    pub slaves: Vec<u64>,
+    constants: Vec<f64>,
+    starts: Vec<usize>,
+    dofs: Vec<u64>,
+    values: Vec<f64>,
+}
+
+impl Lines {
+    pub fn new() -> Self {
+        Self { slaves: Vec::new(), constants: Vec::new(), starts: vec![0], dofs: Vec::new(), values: Vec::new() }
+    }
+
+    pub fn len(&self) -> usize {
+        self.slaves.len()
+    }
+
+    pub fn line(&self, i: usize) -> Line<'_> {
+        let range = self.starts[i]..self.starts[i + 1];
+        Line {
+            slave: self.slaves[i],
+            constant: self.constants[i],
+            dofs: &self.dofs[range.clone()],
+            values: &self.values[range],
+        }
+    }
+
+    pub fn iter(&self) -> impl Iterator<Item = Line<'_>> {
+        (0..self.len()).map(|i| self.line(i))
+    }
+
+    /// The row of a DOF, if it is a slave of these.
+    pub fn find(&self, dof: u64) -> Option<Line<'_>> {
+        self.slaves.binary_search(&dof).ok().map(|i| self.line(i))
+    }
+
+    pub fn push(&mut self, slave: u64, constant: f64, terms: impl Iterator<Item = (u64, f64)>) {
+        terms.for_each(|(dof, value)| {
+            self.dofs.push(dof);
+            self.values.push(value);
+        });
+        self.starts.push(self.dofs.len());
+        self.slaves.push(slave);
+        self.constants.push(constant);
+    }
+
+    /// Ascending by slave, each once.
+    pub fn sort(self) -> Self {
+        let mut order: Vec<usize> = (0..self.len()).collect();
+        order.sort_unstable_by_key(|&i| self.slaves[i]);
+        order.dedup_by_key(|i| self.slaves[*i]);
+        let mut sorted = Self::new();
+        order.into_iter().for_each(|i| sorted.push_line(self.line(i)));
+        sorted
+    }
+
+    pub fn push_line(&mut self, line: Line) {
+        self.push(line.slave, line.constant, line.dofs.iter().copied().zip(line.values.iter().copied()));
+    }
+
+    /// The rows that a message holds.
+    pub fn read(&mut self, words: &[u64]) {
+        let mut at = 0;
+        while at < words.len() {
+            let (head, len) = (&words[at..at + 3], words[at + 2] as usize);
+            let terms = words[at + 3..at + 3 + 2 * len].chunks_exact(2);
+            self.push(head[0], f64::from_bits(head[1]), terms.map(|pair| (pair[0], f64::from_bits(pair[1]))));
+            at += 3 + 2 * len;
+        }
+    }
+}
+
+impl Line<'_> {
+    /// Appends the row to a message.
+    pub fn write(&self, words: &mut Vec<u64>) {
+        words.extend([self.slave, self.constant.to_bits(), self.dofs.len() as u64]);
+        words.extend(self.dofs.iter().zip(self.values).flat_map(|(&dof, value)| [dof, value.to_bits()]));
+    }
+}

@@ -1,0 +1,13 @@
+//! What each rank does with its guests, by the serial library, and how the results come home.
+
+mod ask;
+mod guests;
+mod home;
+mod lines;
+mod substitute;
+
+pub(crate) use ask::ask;
+pub(crate) use guests::{Soundness, Solved};
+pub(crate) use home::{Findings, send_home};
+pub(crate) use lines::{GIVEN, Line, Lines};
+pub(crate) use substitute::substitute;
