@@ -4,7 +4,7 @@ use qless::{Kind, OptionError, Options};
 
 use super::attempt::{Attempt, Job};
 use super::{Analysis, Counts};
-use crate::deal::{Load, is_mild};
+use crate::deal::{Load, Sizes, sizes};
 use crate::error::{Error, agree};
 use crate::parts::{Components, Directory, Known, Layout, Touched};
 use crate::ranks::Ranks;
@@ -113,16 +113,12 @@ fn peelable(job: &Job, whole: &Components) -> Vec<bool> {
     let options = job.options;
     let plain = options.presolve && matches!(options.tolerance, qless::Tolerance::Relative(_));
     let allowed = plain && options.preferences == qless::Preferences::default();
-    let mut wild = vec![[0, 0]; whole.parts()];
-    for i in 0..job.rows.len() {
-        let of_part = &mut wild[whole.of_row[i] as usize];
-        of_part[0] |= u64::from(!is_mild(job.rows, i));
-        of_part[1] += 1;
-    }
-    let combine = |total: &mut [u64; 2], part: &[u64; 2]| *total = [total[0] | part[0], total[1] + part[1]];
-    let components = whole.total(job.ranks, &wild, combine);
+    let own: Vec<[u64; 3]> =
+        sizes(job.rows, job.touched, job.known, whole).into_iter().map(Sizes::words).collect();
+    let combine = |total: &mut [u64; 3], part: &[u64; 3]| (0..3).for_each(|k| total[k] += part[k]);
+    let components = whole.total(job.ranks, &own, combine);
     let told = whole.tell(job.ranks, &components, |_, component| {
-        u64::from(allowed && component.crosses() && component.total[0] == 0)
+        u64::from(allowed && component.crosses() && Sizes::are_even(&component.total))
     });
     told.into_iter().map(|word| word == 1).collect()
 }

@@ -5,5 +5,5 @@ mod peel;
 mod travel;
 
 pub(crate) use balance::{Load, balance};
-pub(crate) use peel::{Peel, is_mild, peel};
+pub(crate) use peel::{Peel, Sizes, peel, sizes};
 pub(crate) use travel::{Guests, travel};

@@ -139,7 +139,7 @@ mod tests {
             });
             let own = edges.filter(|&(a, _)| rank_of(a) == ranks.rank());
             let roots = roots(&ranks, each, own.map(|(a, b)| (number_of(a) as u32, b)).collect());
-            (roots, ranks.counts().rounds)
+            (roots, ranks.sent().rounds)
         });
         let root = found[0].0[0];
         assert!(found.iter().all(|(roots, _)| roots.iter().all(|&r| r == root)));

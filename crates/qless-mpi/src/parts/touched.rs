@@ -8,7 +8,12 @@ use crate::share::Rows;
 pub(crate) struct Touched {
     pub dofs: Vec<u64>,
     pub places: Vec<u32>,
+    /// Whether a coefficient of the DOF may be rounding of its equation, by place.
+    pub faint: Vec<bool>,
 }
+
+/// Coefficients further below the largest of their row may be.
+const FAINT: f64 = 1e-12;
 
 impl Touched {
     pub fn by(rows: &Rows) -> Self {
@@ -18,7 +23,14 @@ impl Touched {
         dofs.sort_unstable();
         dofs.iter().zip(0..).for_each(|(&dof, place)| _ = place_of.insert(dof, place));
         let places = rows.dofs.iter().map(|dof| place_of[dof]).collect();
-        Self { dofs, places }
+        let mut touched = Self { faint: vec![false; dofs.len()], dofs, places };
+        for i in 0..rows.len() {
+            let limit = FAINT * rows.largest(i);
+            let range = rows.starts[i]..rows.starts[i + 1];
+            let faint = range.filter(|&k| rows.values[k].abs() < limit);
+            faint.for_each(|k| touched.faint[touched.places[k] as usize] = true);
+        }
+        touched
     }
 
     /// Places of the terms of row i.

@@ -21,27 +21,27 @@ pub struct Sent {
 #[derive(Debug)]
 pub struct Counted<'a, R: Ranks + ?Sized> {
     ranks: &'a R,
-    counts: Cell<Sent>,
+    sent: Cell<Sent>,
 }
 
 impl<'a, R: Ranks + ?Sized> Counted<'a, R> {
     /// Sent from zero.
     pub fn new(ranks: &'a R) -> Self {
-        Self { ranks, counts: Cell::default() }
+        Self { ranks, sent: Cell::default() }
     }
 
     /// What was sent so far.
-    pub fn counts(&self) -> Sent {
-        self.counts.get()
+    pub fn sent(&self) -> Sent {
+        self.sent.get()
     }
 
     fn count(&self, messages: u64, bytes: u64, received: u64) {
-        let counts = self.counts.get();
-        self.counts.set(Sent {
-            messages: counts.messages + messages,
-            bytes: counts.bytes + bytes,
-            received: counts.received + received,
-            rounds: counts.rounds + 1,
+        let sent = self.sent.get();
+        self.sent.set(Sent {
+            messages: sent.messages + messages,
+            bytes: sent.bytes + bytes,
+            received: sent.received + received,
+            rounds: sent.rounds + 1,
         });
     }
 

@@ -26,6 +26,11 @@ impl Rows {
         self.dofs[range.clone()].iter().copied().zip(self.values[range].iter().copied())
     }
 
+    /// Size of the largest coefficient of a row.
+    pub fn largest(&self, i: usize) -> f64 {
+        self.row(i).fold(0.0, |most, (_, value)| most.max(value.abs()))
+    }
+
     pub fn push(&mut self, number: u64, rhs: f64, terms: impl Iterator<Item = (u64, f64)>) {
         terms.for_each(|(dof, value)| {
             self.dofs.push(dof);

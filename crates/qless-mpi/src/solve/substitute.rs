@@ -10,8 +10,8 @@ use crate::share::Rows;
 
 /// Entries below this, relative to the largest part that went into them, are rounding: as in the serial reduction.
 const NOISE: f64 = 1e-14;
-/// Entries below this are so small that only a look at the whole component tells whether they are meant as zero.
-const SMALL: f64 = 1e-9;
+/// Of a slave that hardly moves only the whole component tells whether it is fixed.
+const HARDLY: f64 = 1e-6;
 
 /// Appends the row of a peeled equation. `slaves` holds the rows of the slaves among its DOFs.
 pub(crate) fn substitute(
@@ -38,11 +38,10 @@ pub(crate) fn substitute(
     } else {
         (constant, terms)
     };
-    let sizes = || terms.iter().filter(|(dof, _)| dof & GIVEN == 0).map(|(_, value)| value.abs());
-    // Without any master the slave is fixed, to a value that the whole component gives.
-    let is_plain = sizes().next().is_some() && sizes().all(|size| (SMALL..=growth).contains(&size));
+    let of_masters = terms.iter().filter(|(dof, _)| dof & GIVEN == 0);
+    let largest = of_masters.fold(0.0, |most: f64, (_, value)| most.max(value.abs()));
     lines.push(rows.dofs[slave], constant, terms.into_iter());
-    if is_plain { Soundness::Sound } else { Soundness::Unsound }
+    if (HARDLY..=growth).contains(&largest) { Soundness::Sound } else { Soundness::Unsound }
 }
 
 /// Sums in the order of the equation's terms, so that they round as those of the serial reduction.
