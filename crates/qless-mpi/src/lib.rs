@@ -3,3 +3,5 @@
 mod ranks;
 
 pub use ranks::{Alone, Counted, Counts, Message, Ranks, together};
+#[cfg(feature = "mpi")]
+pub use ranks::{World, WorldError};
