@@ -5,7 +5,7 @@ mod play;
 use mpi::topology::Color;
 use mpi::traits::Communicator;
 use play::play;
-use qless_mpi::{Ranks, World};
+use qless_mpi::{Message, Ranks, World};
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -16,8 +16,9 @@ fn main() {
             say(&World::start().expect("the first start").in_pieces(5), number(seed), number(rounds));
         }
         ["parts", seed, rounds] => parts(number(seed), number(rounds)),
+        ["late"] => late(),
         ["fault", fault] => fail(fault),
-        _ => panic!("usage: rounds whole|pieces|parts SEED ROUNDS, or fault panic|work|thread|abort|exit"),
+        _ => panic!("usage: rounds whole|pieces|parts SEED ROUNDS, late, or fault panic|work|thread|abort|exit"),
     }
 }
 
@@ -47,6 +48,42 @@ fn parts(seed: u64, rounds: u64) {
     say(&half, seed, rounds);
 }
 
+/// Says how many hundredths of a second of the processor the first rank needs to wait a second in each way.
+fn late() {
+    let world = World::start().expect("the first start");
+    let wait = |receive: &dyn Fn()| {
+        if world.rank() == 1 {
+            std::thread::sleep(std::time::Duration::from_secs(1));
+        }
+        let before = processor_time();
+        receive();
+        processor_time() - before
+    };
+    let tell = || vec![Message { rank: 0, words: vec![1] }];
+    let times = [
+        wait(&|| drop(world.exchange(Vec::new()))),
+        wait(&|| {
+            if world.rank() == 0 {
+                drop(world.overlap(Vec::new(), &[1], &mut || ()))
+            } else {
+                world.overlap(tell(), &[], &mut || ());
+            }
+        }),
+        wait(&|| world.sum(&mut [1])),
+        wait(&|| drop(world.gather(&[1]))),
+    ];
+    if world.rank() == 0 {
+        println!("{}", times.map(|time| time.to_string()).join(" "));
+    }
+}
+
+/// Of this process, as Linux tells it.
+fn processor_time() -> u64 {
+    let told = std::fs::read_to_string("/proc/self/stat").expect("Linux");
+    let after_name = told.rsplit_once(')').expect("a name in brackets").1;
+    after_name.split_whitespace().skip(11).take(2).map(number).sum()
+}
+
 /// The last rank fails while the others wait for it.
 fn fail(fault: &str) {
     let world = World::start().expect("the first start");
@@ -54,7 +91,11 @@ fn fail(fault: &str) {
     if world.rank() + 1 == world.size() {
         match fault {
             "panic" => panic!("fails on purpose"),
-            "work" => drop(world.overlap(Vec::new(), &[], &mut || panic!("fails on purpose"))),
+            "work" => {
+                // Too long to leave before its receiver asks for it: it is under way when the rank fails.
+                let long = Message { rank: 0, words: vec![0; 100_000] };
+                world.overlap(vec![long], &[], &mut || panic!("fails on purpose"));
+            }
             "thread" => std::thread::spawn(|| panic!("fails on purpose")).join().expect("this rank needs it"),
             "abort" => std::process::abort(),
             "exit" => std::process::exit(3),

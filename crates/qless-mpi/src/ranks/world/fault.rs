@@ -7,7 +7,8 @@ use mpi::traits::{AsRaw, Communicator};
 /// What a Rust program that panics exits with.
 const EXIT_CODE: i32 = 101;
 
-/// Ends the job when it is dropped by a panic. Stands in every place that a panic could leave with messages under way.
+/// Ends the job when it is dropped by a panic. Stands below the requests of messages under way, so that it is
+/// dropped before them.
 pub(super) struct EndOnPanic;
 
 impl Drop for EndOnPanic {

@@ -28,7 +28,6 @@ pub(super) fn exchange(world: &World, messages: Vec<Message>) -> Vec<Message> {
     let mut came = BTreeMap::from_iter(own.map(|words| (world.rank, words)));
     let tag = ROUND_TAGS[(world.rounds.replace(world.rounds.get() + 1) % 2) as usize];
     mpi::request::scope(|scope| {
-        let _guard = EndOnPanic;
         let sends = send(world, &others, |rank, words| {
             world.communicator.process_at_rank(rank).immediate_synchronous_send_with_tag(scope, words, tag)
         });
@@ -40,6 +39,7 @@ pub(super) fn exchange(world: &World, messages: Vec<Message>) -> Vec<Message> {
 fn receive_until_all_have_sent(world: &World, mut sends: Sends, tag: Tag, came: &mut BTreeMap<usize, Vec<u64>>) {
     let mut patience = Patience::new();
     let mut barrier = None;
+    let _guard = EndOnPanic;
     loop {
         if let Some(arrived) = world.communicator.any_process().immediate_matched_probe_with_tag(tag) {
             pieces::append(came.entry(arrived.1.source_rank() as usize).or_default(), arrived, world.piece);
@@ -59,10 +59,10 @@ fn receive_until_all_have_sent(world: &World, mut sends: Sends, tag: Tag, came: 
 pub(super) fn overlap(world: &World, messages: Vec<Message>, from: &[usize], work: &mut dyn FnMut()) -> Vec<Message> {
     let (mut own, others) = part(world, messages);
     mpi::request::scope(|scope| {
-        let _guard = EndOnPanic;
         let mut sends = send(world, &others, |rank, words| {
             world.communicator.process_at_rank(rank).immediate_send_with_tag(scope, words, KNOWN_TAG)
         });
+        let _guard = EndOnPanic;
         work();
         let came = from.iter().map(|&rank| Message { rank, words: receive(world, rank, &mut own) }).collect();
         patience::until(|| patience::all_done(&mut sends).then_some(()));
