@@ -59,16 +59,11 @@ fn late() {
         receive();
         processor_time() - before
     };
-    let tell = || vec![Message { rank: 0, words: vec![1] }];
+    let message = Message { rank: 0, words: vec![1] };
+    let (told, from) = if world.rank() == 0 { (vec![], vec![1]) } else { (vec![message], vec![]) };
     let times = [
         wait(&|| drop(world.exchange(Vec::new()))),
-        wait(&|| {
-            if world.rank() == 0 {
-                drop(world.overlap(Vec::new(), &[1], &mut || ()))
-            } else {
-                world.overlap(tell(), &[], &mut || ());
-            }
-        }),
+        wait(&|| drop(world.overlap(told.clone(), &from, &mut || ()))),
         wait(&|| world.sum(&mut [1])),
         wait(&|| drop(world.gather(&[1]))),
     ];

@@ -1,6 +1,6 @@
 //! Random rounds of all that ranks can say, drawn from a seed: each rank knows what must come.
 
-use qless_mpi::{Counted, Counts, Message, Ranks};
+use qless_mpi::{Counted, Message, Ranks};
 
 /// Plays rounds and compares what comes with what must come; one line about all ranks.
 ///
@@ -8,16 +8,15 @@ use qless_mpi::{Counted, Counts, Message, Ranks};
 /// If anything else comes, or if something else is counted.
 pub fn play(ranks: &dyn Ranks, seed: u64, rounds: u64) -> String {
     let counted = Counted::new(ranks);
-    let mut script = Script { seed, size: ranks.size(), rank: ranks.rank(), counts: Counts::default() };
+    let mut script = Script { seed, size: ranks.size(), rank: ranks.rank(), sent: [0; 4] };
     for round in 0..rounds {
         script.pause(round);
         script.round(&counted, round);
-        assert_eq!(counted.counts(), script.counts, "counted after round {round}");
+        let sent = counted.counts();
+        assert_eq!([sent.messages, sent.bytes, sent.received, sent.rounds], script.sent, "after round {round}");
     }
-    let Counts { messages, bytes, received, .. } = script.counts;
-    let mut sums = [messages, bytes, received];
-    ranks.sum(&mut sums);
-    let [messages, bytes, received] = sums;
+    ranks.sum(&mut script.sent);
+    let [messages, bytes, received, _] = script.sent;
     format!("{} ranks, {rounds} rounds: {messages} messages of {bytes} bytes, {received} bytes received", ranks.size())
 }
 
@@ -26,7 +25,8 @@ struct Script {
     seed: u64,
     size: usize,
     rank: usize,
-    counts: Counts,
+    /// Messages, their bytes, received bytes, rounds.
+    sent: [u64; 4],
 }
 
 impl Script {
@@ -38,13 +38,12 @@ impl Script {
     /// Some ranks are late, each time others.
     fn pause(&self, round: u64) {
         let draw = self.draw(&[1, round, self.rank as u64]);
-        if draw % 64 == 0 {
+        if draw.is_multiple_of(64) {
             std::thread::sleep(std::time::Duration::from_micros(draw >> 32 & 0x1ff));
         }
     }
 
     fn round(&mut self, ranks: &dyn Ranks, round: u64) {
-        self.counts.rounds += 1;
         match self.draw(&[2, round]) % 8 {
             0..3 => self.exchange(ranks, round),
             3..5 => self.overlap(ranks, round),
@@ -76,7 +75,7 @@ impl Script {
         let must: Vec<u64> = (0..numbers.len()).filter_map(|at| all.iter().map(|own| own[at]).reduce(&with)).collect();
         run(&mut numbers);
         assert_eq!(numbers, must, "rank {} in round {round}", self.rank);
-        let levels = (0..).find(|&levels| 1 << levels >= self.size).expect("few ranks") as u64;
+        let levels = (0..64).find(|&levels| 1 << levels >= self.size).expect("few ranks") as u64;
         self.add(levels, levels * 8 * must.len() as u64, levels * 8 * must.len() as u64);
     }
 
@@ -108,7 +107,7 @@ impl Script {
     fn words(&self, round: u64, from: usize, to: usize) -> Option<Vec<u64>> {
         let draw = self.draw(&[5, round, from as u64, to as u64]);
         let silent = draw >> 40 & 7 < self.draw(&[6, round]) % 9;
-        let length = if draw >> 48 & 0x3f == 0 { draw % 20_000 } else { draw % 12 };
+        let length = if (draw >> 48).is_multiple_of(64) { draw % 20_000 } else { draw % 12 };
         (!silent).then(|| (0..length).map(|at| mix(draw ^ at)).collect())
     }
 
@@ -123,9 +122,9 @@ impl Script {
     }
 
     fn add(&mut self, messages: u64, bytes: u64, received: u64) {
-        self.counts.messages += messages;
-        self.counts.bytes += bytes;
-        self.counts.received += received;
+        for (sum, number) in self.sent.iter_mut().zip([messages, bytes, received, 1]) {
+            *sum += number;
+        }
     }
 }
 
