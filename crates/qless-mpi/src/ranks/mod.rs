@@ -1,17 +1,21 @@
 //! What the ranks of a job say to one another: messages of 64-bit words, sums, nothing else.
 //!
-//! Everything above is written against [`Ranks`], so that the same code runs on MPI ([`World`]), on one rank ([`Alone`]) and on
+//! Everything above is written against [`Ranks`], so that the same code runs on MPI (`World`, with the feature `mpi`), on one rank ([`Alone`]) and on
 //! many ranks within one process ([`together`]), where what is sent can be counted ([`Counted`]).
 
 mod alone;
 mod counted;
 mod post;
 mod together;
+#[cfg(feature = "mpi")]
+mod world;
 
 pub use alone::Alone;
 pub use counted::{Counted, Sent};
 pub(crate) use post::{Post, real};
 pub use together::together;
+#[cfg(feature = "mpi")]
+pub use world::{World, WorldError};
 
 /// Words to a rank, or from one.
 #[derive(Clone, Debug, PartialEq, Eq)]

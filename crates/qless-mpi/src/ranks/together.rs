@@ -26,8 +26,7 @@ struct Together {
 /// # Panics
 /// As the function does on any rank; the others then end too.
 pub fn together<T: Send>(size: usize, run: impl Fn(&dyn Ranks) -> T + Sync) -> Vec<T> {
-    let mut ranks: Vec<Together> =
-        (0..size).map(|rank| Together { rank, to: Vec::new(), from: Vec::new() }).collect();
+    let mut ranks: Vec<Together> = (0..size).map(|rank| Together { rank, to: Vec::new(), from: Vec::new() }).collect();
     for receiver in 0..size {
         for sender in 0..size {
             let (to, from) = channel();
@@ -38,7 +37,10 @@ pub fn together<T: Send>(size: usize, run: impl Fn(&dyn Ranks) -> T + Sync) -> V
     std::thread::scope(|scope| {
         let run = &run;
         let threads: Vec<_> = ranks.into_iter().map(|own| scope.spawn(move || run(&own))).collect();
-        threads.into_iter().map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))).collect()
+        threads
+            .into_iter()
+            .map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+            .collect()
     })
 }
 

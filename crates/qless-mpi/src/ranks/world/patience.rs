@@ -1,0 +1,56 @@
+//! Waiting that leaves the processor to others: ranks may be more than cores.
+
+use std::time::{Duration, Instant};
+
+use mpi::request::{Request, Scope};
+
+/// So long a core that stays awake answers faster than one that sleeps.
+const AWAKE: Duration = Duration::from_micros(200);
+const LONGEST_SLEEP: Duration = Duration::from_millis(1);
+
+pub(super) struct Patience {
+    since: Instant,
+}
+
+impl Patience {
+    pub fn new() -> Self {
+        Self { since: Instant::now() }
+    }
+
+    /// Lets others run; later sleeps, by an eighth of what was waited so far, so that little is lost by it.
+    pub fn rest(&self) {
+        let waited = self.since.elapsed();
+        if waited < AWAKE {
+            std::thread::yield_now();
+        } else {
+            std::thread::sleep((waited / 8).min(LONGEST_SLEEP));
+        }
+    }
+}
+
+/// The first that is there.
+pub(super) fn until<T>(mut there: impl FnMut() -> Option<T>) -> T {
+    let patience = Patience::new();
+    loop {
+        if let Some(found) = there() {
+            return found;
+        }
+        patience.rest();
+    }
+}
+
+pub(super) fn wait<'a, D: ?Sized, S: Scope<'a>>(request: Request<'a, D, S>) {
+    let mut requests = vec![request];
+    until(|| all_done(&mut requests).then_some(()));
+}
+
+/// Drops the requests that are done, from the last on.
+pub(super) fn all_done<'a, D: ?Sized, S: Scope<'a>>(requests: &mut Vec<Request<'a, D, S>>) -> bool {
+    while let Some(request) = requests.pop() {
+        if let Err(pending) = request.test() {
+            requests.push(pending);
+            return false;
+        }
+    }
+    true
+}
