@@ -98,7 +98,9 @@ impl Twin {
 fn weak(each: usize, sizes: &[usize], numbering: Numbering, short: bool) {
     println!("Table 1's twin, {each} equations a rank, DOFs {numbering:?}");
     println!("                                                   MB sent      MB received");
-    println!(" ranks equations  redundant   rounds  messages    mean    most    mean    most   peeled  analysed  attempts");
+    println!(
+        " ranks equations  redundant   rounds  messages    mean    most    mean    most   peeled  analysed  attempts"
+    );
     let mut first = None;
     for &size in sizes {
         let twin = Twin::new(each * size, numbering);
@@ -125,12 +127,17 @@ fn weak(each: usize, sizes: &[usize], numbering: Numbering, short: bool) {
             most(&|w| w.dealt.analysed as u64),
             work[0].0.dealt.attempts,
         );
-        assert!(most(&|w| w.dealt.analysed as u64) as f64 <= 2.0 * mean(&|w| w.held as u64), "the work of a rank grows");
+        assert!(
+            most(&|w| w.dealt.analysed as u64) as f64 <= 2.0 * mean(&|w| w.held as u64),
+            "the work of a rank grows"
+        );
         if size == 4 {
             first = Some(bytes);
         }
         if let Some(first) = first {
-            if short { assert!(2 * bytes <= 3 * first, "{bytes} bytes sent by a rank, {first} with 4 ranks");}
+            if short {
+                assert!(2 * bytes <= 3 * first, "{bytes} bytes sent by a rank, {first} with 4 ranks");
+            }
         }
     }
 }
@@ -157,7 +164,8 @@ fn processor_time(equations: usize) {
         drop((analysis, reduction));
         let shares = together(4, |ranks| twin.share(ranks));
         let before = used();
-        let counts = together(4, |ranks| analyse(ranks, &shares[ranks.rank()], &Options::default()).expect("valid").counts());
+        let counts =
+            together(4, |ranks| analyse(ranks, &shares[ranks.rank()], &Options::default()).expect("valid").counts());
         let spread = used() - before;
         assert_eq!(counts[0].redundant, redundant);
         println!("serial {serial:.2} s, 4 ranks {spread:.2} s of processor time: {:.2}", spread / serial);

@@ -77,7 +77,9 @@ pub(crate) fn agree<T>(ranks: &dyn Ranks, own: Result<T, Error>) -> Result<T, Er
         (0..ranks.size()).map(|rank| Message { rank, words: words.clone() }).collect()
     });
     let came = ranks.exchange(messages);
-    Err(came.first().map_or_else(|| Failure("an error without words".into()).on(first), |m| Error::from_words(&m.words)))
+    Err(came
+        .first()
+        .map_or_else(|| Failure("an error without words".into()).on(first), |m| Error::from_words(&m.words)))
 }
 
 /// Text as words: its length in bytes, then eight bytes a word.
@@ -117,7 +119,8 @@ fn place_of(words: &[u64]) -> SharePlace {
 
 impl Error {
     fn to_words(&self) -> Vec<u64> {
-        let with_place = |code, rank: usize, what, last| [vec![code, rank as u64], place(what).to_vec(), vec![last]].concat();
+        let with_place =
+            |code, rank: usize, what, last| [vec![code, rank as u64], place(what).to_vec(), vec![last]].concat();
         match self {
             Self::Failed { rank, message } => [vec![0, *rank as u64], text(message)].concat(),
             Self::TooLarge { equations, terms, bytes, limit } => vec![1, *equations, *terms, *bytes, *limit],

@@ -47,7 +47,8 @@ fn random(seed: u64) -> Result<Scene, SceneError> {
     let scene = if rng.below(3) == 0 {
         let n = scene.system.dofs();
         let values: Vec<(usize, f64)> = rng.distinct((n / 10).min(5), n)?.into_iter().map(|j| (j, 0.125)).collect();
-        let free: Vec<_> = values.into_iter().filter(|v| scene.system.prescribed().iter().all(|p| p.0 != v.0)).collect();
+        let free: Vec<_> =
+            values.into_iter().filter(|v| scene.system.prescribed().iter().all(|p| p.0 != v.0)).collect();
         scene.with_prescribed(&free)?
     } else {
         scene
@@ -76,7 +77,12 @@ fn the_corpus_on_every_number_of_ranks() {
     let mut count = 0;
     for case in std::fs::read_dir(folder).expect("the corpus").map(|case| case.expect("a case").path()) {
         let system = qless_io::read_case(&case, None, None).expect("a case");
-        faults.extend(compare(&case.display().to_string(), &system, &SIZES, &[Partition::Blocks, Partition::Scattered(7)]));
+        faults.extend(compare(
+            &case.display().to_string(),
+            &system,
+            &SIZES,
+            &[Partition::Blocks, Partition::Scattered(7)],
+        ));
         count += 1;
     }
     assert!(count > 20, "{count} cases");

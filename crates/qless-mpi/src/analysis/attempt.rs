@@ -6,10 +6,10 @@ use super::Dealt;
 use super::run::loads;
 use crate::deal::{Peel, balance, peel, travel};
 use crate::error::{Error, agree};
-use crate::parts::{Component, Components, Known, Layout, Touched};
+use crate::parts::{Component, Components, Known, Layout, NONE, Touched};
 use crate::ranks::{Post, Ranks, real};
 use crate::share::Rows;
-use crate::solve::{Findings, Lines, Solved, Soundness, ask, send_home, substitute};
+use crate::solve::{Findings, Lines, Slaves, Solved, Soundness, ask, send_home, substitute};
 
 /// What does not change between attempts.
 pub(super) struct Job<'a> {
@@ -47,7 +47,7 @@ impl Job<'_> {
         let components = rest.total(ranks, &loads(rows, &rest), |total, part| {
             *total = [total[0] + part[0], total[1] + part[1]];
         });
-        agree(ranks, self.fits(components.values()))?;
+        agree(ranks, self.fits(&components))?;
         let to = balance(ranks, &rest, &components);
         let dealt_to = |i: usize| (!gone[i]).then(|| to[rest.of_row[i] as usize] as usize);
         // Cores, the rest of whose component is solved apart, by themselves: what is in doubt there says nothing of others.
@@ -55,7 +55,9 @@ impl Job<'_> {
         let cores = travel(ranks, self.parts(), |i| dealt_to(i).filter(|_| is_core(i)));
         let others = travel(ranks, self.parts(), |i| dealt_to(i).filter(|_| !is_core(i)));
         let analysed = cores.rows.len() + others.rows.len();
-        let solve = |guests| Solved::new(guests, options).map_err(|failure| failure.on(ranks.rank()));
+        let solve = |guests| {
+            Solved::new(guests, layout.owned(ranks.rank()), options).map_err(|failure| failure.on(ranks.rank()))
+        };
         let solved = solve(cores).and_then(|cores| Ok((cores, solve(others)?)));
         let (cores, others) = agree(ranks, solved)?;
         let mut troubled = self.unsound(cores.as_ref(), whole);
@@ -69,9 +71,9 @@ impl Job<'_> {
         Ok(Attempt { findings, confidence, dealt, troubled })
     }
 
-    fn fits<'a>(&self, components: impl Iterator<Item = &'a Component<2>>) -> Result<(), Error> {
+    fn fits(&self, components: &[Component<2>]) -> Result<(), Error> {
         let limit = self.options.memory as u64;
-        for &Component { total: [equations, terms], .. } in components {
+        for [equations, terms] in components.iter().map(|component| component.total) {
             let bytes = BYTES_OF_EQUATION * equations + BYTES_OF_TERM * terms;
             if bytes > limit {
                 return Err(Error::TooLarge { equations, terms, bytes, limit });
@@ -100,14 +102,20 @@ impl Job<'_> {
             solved.iter().map(|solved| pick(solved.confidence())).fold(start, with)
         };
         let largest = self.rows.rhs.iter().fold(0.0, |most: f64, b| most.max(b.abs()));
-        let mut most = [u64::MAX - bits(of(&|c| c.sigma_kept, 1.0, f64::min)), bits(of(&|c| c.sigma_dropped, 0.0, f64::max)), bits(largest)];
+        let mut most = [
+            u64::MAX - bits(of(&|c| c.sigma_kept, 1.0, f64::min)),
+            bits(of(&|c| c.sigma_dropped, 0.0, f64::max)),
+            bits(largest),
+        ];
         self.ranks.max(&mut most);
         let largest = real(most[2]);
         let is_small = |solved: &Solved| {
             let empty = |row: usize| solved.guests.rows.row(row).next().is_none();
-            solved.analysis.dependent().iter().any(|d| {
-                empty(d.row) && d.mismatch != 0.0 && d.mismatch.abs() < SMALL_MISMATCH * largest
-            })
+            solved
+                .analysis
+                .dependent()
+                .iter()
+                .any(|d| empty(d.row) && d.mismatch != 0.0 && d.mismatch.abs() < SMALL_MISMATCH * largest)
         };
         let mut doubts = [u64::from(solved.iter().any(|solved| solved.confidence().ambiguous || is_small(solved)))];
         self.ranks.max(&mut doubts);
@@ -115,28 +123,48 @@ impl Job<'_> {
         Confidence::of(sigma_kept, sigma_dropped, doubts[0] == 1)
     }
 
-    /// Rows of the peeled equations, sent to the owners of their slaves; `troubled` hears of equations that should not have been.
+    /// Rows of the peeled equations, to the owners of their slaves; `troubled` hears of equations that should not have been.
     fn substitute(&self, peels: &[Peel], findings: &mut Findings, mut troubled: impl FnMut(usize)) {
         let Self { ranks, layout, rows, touched, known, options } = *self;
-        let mut asked: Vec<u64> = Vec::new();
-        for &Peel { row, position } in peels {
-            let others = touched.row(rows, row).iter().zip(rows.row(row)).enumerate();
-            let free = others.filter(|&(k, (&j, _))| k != position && known.free[j as usize]);
-            asked.extend(free.map(|(_, (_, (dof, _)))| dof));
-        }
-        asked.sort_unstable();
-        asked.dedup();
-        // Slaves of peeled equations are in no other equation: nobody asks for them.
-        let slaves = ask(ranks, layout, &findings.lines, &asked).sort();
-        let mut made = Lines::new();
+        let slaves = self.slaves_of(peels, &findings.lines);
+        let own = layout.owned(ranks.rank());
+        let mut post = Post::default();
+        let mut line = Lines::new();
+        let terms = |peel: &Peel| rows.starts[peel.row + 1] - rows.starts[peel.row] - 1;
+        findings.lines.reserve(peels.len(), peels.iter().map(terms).sum());
         for &peel in peels {
-            if substitute(&mut made, peel, self.parts(), &slaves, options.growth) == Soundness::Unsound {
+            let slave = rows.dofs[rows.starts[peel.row] + peel.position];
+            let into = if own.contains(&slave) { &mut findings.lines } else { &mut line };
+            if substitute(into, peel, (rows, touched, known), &slaves, options.growth) == Soundness::Unsound {
                 troubled(peel.row);
             }
+            if line.len() > 0 {
+                line.line(0).write(post.to(layout.owner(slave)));
+                line.clear();
+            }
         }
-        let mut post = Post::default();
-        made.iter().for_each(|line| line.write(post.to(layout.owner(line.slave))));
         post.send(ranks).iter().for_each(|message| findings.lines.read(&message.words));
+    }
+
+    /// Rows of the slaves among the DOFs of peeled equations, and which by place. Slaves of peeled equations are in no other
+    /// equation: nobody asks for them.
+    fn slaves_of(&self, peels: &[Peel], own: &Lines) -> Slaves {
+        let Self { ranks, layout, rows, touched, known, .. } = *self;
+        let mut wanted = vec![false; touched.dofs.len()];
+        for &Peel { row, position } in peels {
+            let others = touched.row(rows, row).iter().enumerate().filter(|&(k, _)| k != position);
+            others.for_each(|(_, &j)| wanted[j as usize] = known.said[j as usize].is_free());
+        }
+        let dofs: Vec<u64> =
+            touched.dofs.iter().zip(wanted).filter(|(_, wanted)| *wanted).map(|(&dof, _)| dof).collect();
+        let lines = ask(ranks, layout, own, &dofs);
+        let mut of_place = vec![NONE; touched.dofs.len()];
+        for (i, dof) in lines.slaves.iter().enumerate() {
+            if let Ok(place) = touched.dofs.binary_search(dof) {
+                of_place[place] = i as u32;
+            }
+        }
+        Slaves { lines, of_place }
     }
 }
 

@@ -6,9 +6,9 @@ use super::attempt::{Attempt, Job};
 use super::{Analysis, Counts};
 use crate::deal::{Load, Sizes, sizes};
 use crate::error::{Error, agree};
-use crate::parts::{Components, Directory, Known, Layout, Touched};
+use crate::parts::{Component, Components, Directory, Known, Layout, Touched};
 use crate::ranks::Ranks;
-use crate::share::{Rows, Share, ShareError, SharePlace, check_numbers, finite, within};
+use crate::share::{Rows, Share, check_numbers};
 use crate::solve::ask;
 
 /// Diagnoses the equations of all ranks and solves them for slaves. Collective: every rank gives its share and the same options, and
@@ -41,13 +41,14 @@ use crate::solve::ask;
 /// [`Error`], the same on all ranks.
 pub fn analyse(ranks: &dyn Ranks, share: &Share, options: &Options) -> Result<Analysis, Error> {
     let layout = Layout::new(ranks, &share.owned)?;
-    let rows = agree(ranks, checked(ranks, &layout, share, options))?;
-    agree(ranks, check_numbers(ranks, &rows).map_err(Error::from))?;
-    let touched = Touched::by(&rows);
+    agree(ranks, check(ranks, &layout, share, options))?;
+    let rows = &share.rows;
+    agree(ranks, check_numbers(ranks, rows).map_err(Error::from))?;
+    let touched = Touched::by(rows, &share.owned);
     let (directory, known) = Directory::new(ranks, &layout, &touched, &share.prescribed);
     let directory = agree(ranks, directory.map_err(Error::from))?;
-    let job = Job { ranks, layout: &layout, rows: &rows, touched: &touched, known: &known, options };
-    let whole = Components::of(ranks, &layout, (&rows, &touched, &known), |_| true);
+    let job = Job { ranks, layout: &layout, rows, touched: &touched, known: &known, options };
+    let whole = Components::of(ranks, &layout, (rows, &touched, &known), |_| true);
     let mut may_peel = peelable(&job, &whole);
     let mut attempts = 0;
     let attempt = loop {
@@ -88,8 +89,8 @@ pub fn analyse(ranks: &dyn Ranks, share: &Share, options: &Options) -> Result<An
     })
 }
 
-/// The equations of the share, if all that it says is valid.
-fn checked(ranks: &dyn Ranks, layout: &Layout, share: &Share, options: &Options) -> Result<Rows, Error> {
+/// Whether all that this rank says is valid.
+fn check(ranks: &dyn Ranks, layout: &Layout, share: &Share, options: &Options) -> Result<(), Error> {
     let (rank, dofs) = (ranks.rank(), layout.dofs());
     options.validate()?;
     let preferences = &options.preferences;
@@ -100,12 +101,7 @@ fn checked(ranks: &dyn Ranks, layout: &Layout, share: &Share, options: &Options)
     if let Some(&dof) = preferences.slaves.iter().find(|j| preferences.masters.contains(j)) {
         return Err(OptionError::Contradiction(dof).into());
     }
-    for &(dof, value) in &share.prescribed {
-        within(dof, dofs, rank, SharePlace::Prescribed { dof })?;
-        finite(value, rank, SharePlace::Prescribed { dof })?;
-    }
-    share.needed.iter().try_for_each(|&dof| within(dof, dofs, rank, SharePlace::Needed { dof }))?;
-    Rows::of(share, rank, dofs).map_err(|error: ShareError| error.into())
+    share.check(rank, dofs).map_err(Error::from)
 }
 
 /// The parts of components that cross ranks and in which equations may be solved where they stand.
@@ -113,13 +109,12 @@ fn peelable(job: &Job, whole: &Components) -> Vec<bool> {
     let options = job.options;
     let plain = options.presolve && matches!(options.tolerance, qless::Tolerance::Relative(_));
     let allowed = plain && options.preferences == qless::Preferences::default();
-    let own: Vec<[u64; 3]> =
-        sizes(job.rows, job.touched, job.known, whole).into_iter().map(Sizes::words).collect();
+    let own: Vec<[u64; 3]> = sizes(job.rows, job.touched, job.known, whole).into_iter().map(Sizes::words).collect();
     let combine = |total: &mut [u64; 3], part: &[u64; 3]| (0..3).for_each(|k| total[k] += part[k]);
     let components = whole.total(job.ranks, &own, combine);
-    let told = whole.tell(job.ranks, &components, |_, component| {
-        u64::from(allowed && component.crosses() && Sizes::are_even(&component.total))
-    });
+    let own = job.ranks.rank();
+    let may = |c: &Component<3>| u64::from(allowed && c.crosses(own) && Sizes::are_even(&c.total));
+    let told = whole.tell(job.ranks, &components, &components.iter().map(may).collect::<Vec<_>>());
     told.into_iter().map(|word| word == 1).collect()
 }
 
@@ -133,7 +128,8 @@ fn withdraw(ranks: &dyn Ranks, whole: &Components, attempt: &Attempt, may_peel: 
         return false;
     }
     let components = whole.total(ranks, &own, |total, part| total[0] |= part[0]);
-    let told = whole.tell(ranks, &components, |_, component| component.total[0]);
+    let troubled: Vec<u64> = components.iter().map(|component| component.total[0]).collect();
+    let told = whole.tell(ranks, &components, &troubled);
     may_peel.iter_mut().zip(told).for_each(|(may, troubled)| *may &= troubled == 0);
     true
 }

@@ -3,8 +3,6 @@
 //! A rank keeps the components that it holds alone up to a quarter more than the mean; what is beyond, and every component that crosses
 //! ranks, is laid along the room that is left, rank by rank: 16 bytes from each rank to each, and no rank that decides for all.
 
-use std::collections::BTreeMap;
-
 use crate::parts::{Component, Components};
 use crate::ranks::Ranks;
 
@@ -17,41 +15,35 @@ fn work(load: Load) -> u64 {
 }
 
 /// The rank that analyses each part's component. Collective.
-pub(crate) fn balance(
-    ranks: &dyn Ranks,
-    components: &Components,
-    known: &BTreeMap<usize, Component<2>>,
-) -> Vec<u64> {
-    let total: u64 = known.values().map(|component| work(component.total)).sum();
-    let sum = ranks.gather(&[total]).iter().sum::<u64>();
-    let mean = sum.div_ceil(ranks.size() as u64);
+pub(crate) fn balance(ranks: &dyn Ranks, components: &Components, known: &[Component<2>]) -> Vec<u64> {
+    let own = ranks.rank();
+    let total: u64 = known.iter().map(|component| work(component.total)).sum();
+    let mean = ranks.gather(&[total]).iter().sum::<u64>().div_ceil(ranks.size() as u64);
     let most = mean + mean / 4;
     let mut kept = 0;
     let mut moved: Vec<(usize, u64)> = Vec::new();
-    for (&root, component) in known {
+    for (k, component) in known.iter().enumerate() {
         let work = work(component.total);
-        if component.crosses() || kept + work > most && kept > 0 {
-            moved.push((root, work));
+        if component.crosses(own) || kept + work > most && kept > 0 {
+            moved.push((k, work));
         } else {
             kept += work;
         }
     }
     let pool: u64 = moved.iter().map(|&(_, work)| work).sum();
     let all = ranks.gather(&[pool, mean.saturating_sub(kept)]);
-    let (room, before) = room(&all, ranks.rank());
+    let (room, mut place) = room(&all, own);
     let pooled: u64 = all.iter().step_by(2).sum();
-    let mut place = before;
-    let mut to: BTreeMap<usize, u64> = BTreeMap::new();
-    for (root, work) in moved {
+    let mut to = vec![own as u64; known.len()];
+    for (k, work) in moved {
         // The middle of its interval, in the room of all ranks.
         let middle = u128::from(place) * 2 + u128::from(work);
         let scaled = middle * u128::from(room[ranks.size()]) / (2 * u128::from(pooled.max(1)));
         let rank = room.partition_point(|&start| u128::from(start) <= scaled) - 1;
-        to.insert(root, rank.min(ranks.size() - 1) as u64);
+        to[k] = rank.min(ranks.size() - 1) as u64;
         place += work;
     }
-    let own = ranks.rank() as u64;
-    components.tell(ranks, known, |root, _| to.get(&root).copied().unwrap_or(own))
+    components.tell(ranks, known, &to)
 }
 
 /// Where the room of each rank starts, with its end, and the work in the pool of the ranks before.

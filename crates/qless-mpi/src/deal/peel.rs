@@ -3,7 +3,7 @@
 //! It is independent of all others, and stands in nobody's certificate. Only where the serial analysis would do just the same: the DOF's
 //! coefficient is larger than all others of the equation, and no equation of the component mixes sizes.
 
-use crate::parts::{Components, Known, Touched};
+use crate::parts::{Components, Known, NONE, Touched};
 use crate::share::Rows;
 
 /// An equation and the position of its slave.
@@ -13,9 +13,7 @@ pub(crate) struct Peel {
     pub position: usize,
 }
 
-/// Columns all of whose coefficients are further below may be in another unit.
-const SMALL: f64 = 1.0 / 512.0;
-/// More than one column in this many must not be.
+/// More than one column in this many must not be small in all its rows.
 const MANY: u64 = 20;
 /// Sizes that come nowhere near the ends of the range of doubles.
 const MODEST: std::ops::Range<f64> = 1e-100..1e100;
@@ -45,42 +43,40 @@ impl Sizes {
 /// Of each part.
 pub(crate) fn sizes(rows: &Rows, touched: &Touched, known: &Known, components: &Components) -> Vec<Sizes> {
     let mut of_part = vec![Sizes::default(); components.parts()];
-    // Part, number of entries and number of small ones of each column.
-    let mut columns = vec![(0, 0_u32, 0_u32); touched.dofs.len()];
     for i in 0..rows.len() {
-        let largest = rows.largest(i);
+        let largest = rows.values(i).iter().fold(0.0, |most: f64, value| most.max(value.abs()));
         let rhs = rows.rhs[i].abs();
         let is_modest = MODEST.contains(&largest) && (rhs == 0.0 || MODEST.contains(&rhs));
         of_part[components.of_row[i] as usize].wild += u64::from(!is_modest);
-        for (&j, (_, value)) in touched.row(rows, i).iter().zip(rows.row(i)) {
-            let column = &mut columns[j as usize];
-            *column = (components.of_row[i], column.1 + 1, column.2 + u32::from(value.abs() < SMALL * largest));
-        }
     }
-    for (j, (part, count, small)) in columns.into_iter().enumerate().filter(|&(j, _)| known.free[j]) {
+    let columns = components.of_dof.iter().zip(&touched.columns).zip(&known.said);
+    for ((&part, column), said) in columns.filter(|((part, _), _)| **part != NONE) {
         let of = &mut of_part[part as usize];
-        of.small += u64::from(count == small && (count >= 2 || known.shared[j]));
-        of.shared += u64::from(count >= 2 && !known.shared[j]);
+        of.small += u64::from(column.count == column.small && (column.count >= 2 || said.is_shared()));
+        of.shared += u64::from(column.count >= 2 && !said.is_shared());
     }
     of_part
 }
 
 /// The rows among those allowed that have such a DOF.
 pub(crate) fn peel(rows: &Rows, touched: &Touched, known: &Known, allowed: impl Fn(usize) -> bool) -> Vec<Peel> {
-    let mut times = vec![0_u32; touched.dofs.len()];
-    touched.places.iter().for_each(|&j| times[j as usize] += 1);
-    let is_private = |j: usize| known.free[j] && !known.shared[j] && times[j] == 1;
-    let slave = |row: usize| {
-        let places = touched.row(rows, row).iter().map(|&j| j as usize);
+    (0..rows.len()).filter(|&row| allowed(row)).filter_map(|row| slave(rows, touched, known, row)).collect()
+}
+
+fn slave(rows: &Rows, touched: &Touched, known: &Known, row: usize) -> Option<Peel> {
+    let places = touched.row(rows, row);
+    let (mut position, mut largest, mut is_alone) = (None, 0.0, false);
+    for (k, (&j, value)) in places.iter().zip(rows.values(row)).enumerate() {
+        let (said, size) = (known.said[j as usize], value.abs());
         // What is rounding is told by all equations of a DOF.
-        if places.clone().any(|j| known.faint[j]) {
+        if said.is_faint() {
             return None;
         }
-        let free = places.zip(rows.row(row)).enumerate().filter(|(_, (j, _))| known.free[*j]);
-        let size = |(_, (_, (_, value))): &(usize, (usize, (u64, f64)))| value.abs();
-        let (position, (j, (_, value))) = free.clone().max_by(|a, b| size(a).total_cmp(&size(b)))?;
-        let alone = free.filter(|other| size(other) == value.abs()).count() == 1;
-        (alone && is_private(j)).then_some(Peel { row, position })
-    };
-    (0..rows.len()).filter(|&row| allowed(row)).filter_map(slave).collect()
+        if said.is_free() && size >= largest {
+            (position, largest, is_alone) = (Some(k), size, size > largest);
+        }
+    }
+    let position = position.filter(|_| is_alone)?;
+    let j = places[position] as usize;
+    (touched.columns[j].count == 1 && !known.said[j].is_shared()).then_some(Peel { row, position })
 }

@@ -1,7 +1,5 @@
 //! Components: equations that share free DOFs, found on each rank and joined across ranks by the owners of shared DOFs.
 
-use std::collections::BTreeMap;
-
 use super::labels::{number_of, rank_of, roots, vertex};
 use super::{Known, Layout, Touched};
 use crate::ranks::{Post, Ranks};
@@ -11,6 +9,8 @@ use crate::share::Rows;
 pub(crate) struct Components {
     /// The part of each row, numbered on this rank; [`NONE`] for rows that were left out.
     pub of_row: Vec<u32>,
+    /// The part of each free DOF that rows kept, by place; [`NONE`] for others.
+    pub of_dof: Vec<u32>,
     /// The root of each part: parts of ranks with the same root are one component.
     root: Vec<u64>,
 }
@@ -20,9 +20,11 @@ pub(crate) const NONE: u32 = u32::MAX;
 
 /// A component, as the rank of its root knows it.
 pub(crate) struct Component<const K: usize> {
-    /// Its parts.
-    pub members: Vec<u64>,
-    /// What they add up to.
+    /// The number of its root on this rank.
+    pub root: usize,
+    /// Its parts on other ranks, or beside the root on this one.
+    others: Vec<u64>,
+    /// What all parts add up to.
     pub total: [u64; K],
 }
 
@@ -35,9 +37,9 @@ impl Components {
         included: impl Fn(usize) -> bool,
     ) -> Self {
         let (of_row, of_dof, count) = parts(rows, touched, known, included);
-        let named = touched.dofs.iter().zip(&of_dof).zip(&known.shared);
+        let named = touched.dofs.iter().zip(&of_dof).zip(&known.said);
         let mut post = Post::default();
-        for ((&dof, &part), _) in named.filter(|&((_, &part), &shared)| shared && part != NONE) {
+        for ((&dof, &part), _) in named.filter(|&((_, &part), said)| said.is_shared() && part != NONE) {
             post.to(layout.owner(dof)).extend([dof, u64::from(part)]);
         }
         let mut uses: Vec<(u64, u64)> = Vec::new();
@@ -61,7 +63,7 @@ impl Components {
         }
         edges.sort_unstable();
         edges.dedup();
-        Self { of_row, root: roots(ranks, count, edges) }
+        Self { of_row, of_dof, root: roots(ranks, count, edges) }
     }
 
     /// Number of parts on this rank.
@@ -75,43 +77,40 @@ impl Components {
         ranks: &dyn Ranks,
         own: &[[u64; K]],
         combine: impl Fn(&mut [u64; K], &[u64; K]),
-    ) -> BTreeMap<usize, Component<K>> {
+    ) -> Vec<Component<K>> {
+        let mut components = Vec::new();
+        let mut index = vec![NONE; self.parts()];
         let mut post = Post::default();
         for (part, (&root, of_part)) in self.root.iter().zip(own).enumerate() {
-            let words = post.to(rank_of(root));
-            words.extend([number_of(root) as u64, part as u64]);
-            words.extend(of_part);
-        }
-        let mut found: BTreeMap<usize, Component<K>> = BTreeMap::new();
-        for message in post.send(ranks) {
-            for words in message.words.chunks_exact(2 + K) {
-                let member = vertex(message.rank, words[1] as usize);
-                let mut of_part = [0; K];
-                of_part.copy_from_slice(&words[2..]);
-                let seen = found.entry(words[0] as usize);
-                seen.and_modify(|component| {
-                    component.members.push(member);
-                    combine(&mut component.total, &of_part);
-                })
-                .or_insert_with(|| Component { members: vec![member], total: of_part });
+            if root == vertex(ranks.rank(), part) {
+                index[part] = components.len() as u32;
+                components.push(Component { root: part, others: Vec::new(), total: *of_part });
+            } else {
+                let words = post.to(rank_of(root));
+                words.extend([number_of(root) as u64, part as u64]);
+                words.extend(of_part);
             }
         }
-        found
+        for message in post.send(ranks) {
+            for words in message.words.chunks_exact(2 + K) {
+                let component: &mut Component<K> = &mut components[index[words[0] as usize] as usize];
+                component.others.push(vertex(message.rank, words[1] as usize));
+                let mut of_part = [0; K];
+                of_part.copy_from_slice(&words[2..]);
+                combine(&mut component.total, &of_part);
+            }
+        }
+        components
     }
 
-    /// Tells each part a word that the rank of its root knows. Collective.
-    pub fn tell<const K: usize>(
-        &self,
-        ranks: &dyn Ranks,
-        components: &BTreeMap<usize, Component<K>>,
-        word: impl Fn(usize, &Component<K>) -> u64,
-    ) -> Vec<u64> {
-        let mut post = Post::default();
-        for (&root, component) in components {
-            let word = word(root, component);
-            component.members.iter().for_each(|&v| post.to(rank_of(v)).extend([number_of(v) as u64, word]));
-        }
+    /// Tells each part a word that the rank of its root knows, in the order of the components. Collective.
+    pub fn tell<const K: usize>(&self, ranks: &dyn Ranks, components: &[Component<K>], words: &[u64]) -> Vec<u64> {
         let mut told = vec![0; self.parts()];
+        let mut post = Post::default();
+        for (component, &word) in components.iter().zip(words) {
+            told[component.root] = word;
+            component.others.iter().for_each(|&v| post.to(rank_of(v)).extend([number_of(v) as u64, word]));
+        }
         for message in post.send(ranks) {
             message.words.chunks_exact(2).for_each(|words| told[words[0] as usize] = words[1]);
         }
@@ -120,9 +119,9 @@ impl Components {
 }
 
 impl<const K: usize> Component<K> {
-    /// Whether its equations are held by more than one rank.
-    pub fn crosses(&self) -> bool {
-        self.members.iter().any(|&v| rank_of(v) != rank_of(self.members[0]))
+    /// Whether its equations are held by more than one rank: `rank` is that of its root.
+    pub fn crosses(&self, rank: usize) -> bool {
+        self.others.iter().any(|&v| rank_of(v) != rank)
     }
 }
 
@@ -135,7 +134,7 @@ fn parts(
 ) -> (Vec<u32>, Vec<u32>, usize) {
     let mut of_dof = vec![NONE; touched.dofs.len()];
     let mut parent: Vec<u32> = (0..rows.len() as u32).collect();
-    let free = |i: usize| touched.row(rows, i).iter().map(|&j| j as usize).filter(|&j| known.free[j]);
+    let free = |i: usize| touched.row(rows, i).iter().map(|&j| j as usize).filter(|&j| known.said[j].is_free());
     for i in (0..rows.len()).filter(|&i| included(i)) {
         for j in free(i) {
             match of_dof[j] {

@@ -48,7 +48,7 @@ pub(crate) fn roots(ranks: &dyn Ranks, count: usize, mut edges: Vec<(u32, u64)>)
     let mut forest = Forest { ranks, parent: (0..count).map(|k| vertex(own, k)).collect() };
     for round in 0.. {
         let ends = forest.parents_of(edges.iter().map(|&(_, other)| other));
-        let ends_of = |&(k, other): &(u32, u64)| (forest.parent[k as usize], ends[&other]);
+        let ends_of = |&(k, other): &(u32, u64)| (forest.parent[k as usize], forest.look(&ends, other));
         let joins: Vec<(u64, u64)> = edges.iter().map(ends_of).collect();
         let mut joined = joins.iter().map(|(a, b)| a == b);
         edges.retain(|_| joined.next() == Some(false));
@@ -64,9 +64,10 @@ pub(crate) fn roots(ranks: &dyn Ranks, count: usize, mut edges: Vec<(u32, u64)>)
 }
 
 impl Forest<'_> {
-    /// The parents of any vertices, asked of the ranks that hold them.
+    /// The parents of vertices of other ranks, asked of those.
     fn parents_of(&self, vertices: impl Iterator<Item = u64>) -> FxHashMap<u64, u64> {
-        let mut asked: Vec<u64> = vertices.collect();
+        let own = self.ranks.rank();
+        let mut asked: Vec<u64> = vertices.filter(|&v| rank_of(v) != own).collect();
         asked.sort_unstable();
         asked.dedup();
         let mut post = Post::default();
@@ -78,6 +79,11 @@ impl Forest<'_> {
         let answers = self.ranks.exchange(post.send(self.ranks).into_iter().map(answer).collect());
         // Vertices ascend by rank, and so do the answers.
         asked.into_iter().zip(answers.into_iter().flat_map(|message| message.words)).collect()
+    }
+
+    /// The parent of any vertex, if those of other ranks are known.
+    fn look(&self, others: &FxHashMap<u64, u64>, v: u64) -> u64 {
+        if rank_of(v) == self.ranks.rank() { self.parent[number_of(v)] } else { others[&v] }
     }
 
     /// Roots hook on to the first of the roots next to them, if that comes before them.
@@ -105,12 +111,10 @@ impl Forest<'_> {
     fn shorten(&mut self) {
         loop {
             let parents = self.parents_of(self.parent.iter().copied());
-            let mut changed = [0];
-            for parent in &mut self.parent {
-                let grandparent = parents[parent];
-                changed[0] += u64::from(*parent != grandparent);
-                *parent = grandparent;
-            }
+            let grandparents: Vec<u64> = self.parent.iter().map(|&parent| self.look(&parents, parent)).collect();
+            let pairs = self.parent.iter().zip(&grandparents);
+            let mut changed = [pairs.filter(|(parent, grandparent)| parent != grandparent).count() as u64];
+            self.parent = grandparents;
             self.ranks.sum(&mut changed);
             if changed[0] == 0 {
                 break;

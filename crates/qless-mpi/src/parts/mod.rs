@@ -6,7 +6,7 @@ mod labels;
 mod layout;
 mod touched;
 
-pub(crate) use connected::{Component, Components};
+pub(crate) use connected::{Component, Components, NONE};
 pub(crate) use directory::{Directory, Known};
 pub(crate) use layout::Layout;
 pub(crate) use touched::Touched;

@@ -1,4 +1,6 @@
-//! The DOFs of a rank's equations, numbered from 0.
+//! The DOFs of a rank's equations, numbered from 0, and how sizes lie in their columns.
+
+use std::ops::Range;
 
 use rustc_hash::FxHashMap;
 
@@ -8,33 +10,76 @@ use crate::share::Rows;
 pub(crate) struct Touched {
     pub dofs: Vec<u64>,
     pub places: Vec<u32>,
-    /// Whether a coefficient of the DOF may be rounding of its equation, by place.
-    pub faint: Vec<bool>,
+    /// By place.
+    pub columns: Vec<Column>,
 }
 
-/// Coefficients further below the largest of their row may be.
+/// The coefficients of a DOF in the equations of a rank.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Column {
+    /// How many there are, ...
+    pub count: u32,
+    /// ... and how many of them are small: if all are, it may be in another unit.
+    pub small: u32,
+    /// Whether one of them may be rounding of its equation.
+    pub faint: bool,
+}
+
+/// Coefficients further below the largest of their row are small, ...
+const SMALL: f64 = 1.0 / 512.0;
+/// ... and may be rounding.
 const FAINT: f64 = 1e-12;
 
 impl Touched {
-    pub fn by(rows: &Rows) -> Self {
-        let mut place_of: FxHashMap<u64, u32> = FxHashMap::default();
-        rows.dofs.iter().for_each(|&dof| _ = place_of.insert(dof, 0));
-        let mut dofs: Vec<u64> = place_of.keys().copied().collect();
-        dofs.sort_unstable();
-        dofs.iter().zip(0..).for_each(|(&dof, place)| _ = place_of.insert(dof, place));
-        let places = rows.dofs.iter().map(|dof| place_of[dof]).collect();
-        let mut touched = Self { faint: vec![false; dofs.len()], dofs, places };
-        for i in 0..rows.len() {
-            let limit = FAINT * rows.largest(i);
-            let range = rows.starts[i]..rows.starts[i + 1];
-            let faint = range.filter(|&k| rows.values[k].abs() < limit);
-            faint.for_each(|k| touched.faint[touched.places[k] as usize] = true);
+    /// DOFs of `near`, which most are, are found by a table, others by a hash.
+    pub fn by(rows: &Rows, near: &Range<u64>) -> Self {
+        let mut table = vec![NONE; (near.end - near.start) as usize];
+        let mut far: FxHashMap<u64, u32> = FxHashMap::default();
+        for &dof in &rows.dofs {
+            if near.contains(&dof) {
+                table[(dof - near.start) as usize] = 0;
+            } else {
+                far.insert(dof, 0);
+            }
         }
-        touched
+        let mut dofs: Vec<u64> = far.keys().copied().collect();
+        dofs.sort_unstable();
+        let own = table.iter().zip(near.clone()).filter(|&(&place, _)| place != NONE).map(|(_, dof)| dof);
+        let between = dofs.partition_point(|&dof| dof < near.start);
+        dofs.splice(between..between, own);
+        for (&dof, place) in dofs.iter().zip(0..) {
+            if near.contains(&dof) {
+                table[(dof - near.start) as usize] = place;
+            } else {
+                far.insert(dof, place);
+            }
+        }
+        let place = |&dof: &u64| if near.contains(&dof) { table[(dof - near.start) as usize] } else { far[&dof] };
+        let places: Vec<u32> = rows.dofs.iter().map(place).collect();
+        let columns = columns(rows, &places, dofs.len());
+        Self { dofs, places, columns }
     }
 
     /// Places of the terms of row i.
     pub fn row<'a>(&'a self, rows: &Rows, i: usize) -> &'a [u32] {
         &self.places[rows.starts[i]..rows.starts[i + 1]]
     }
+}
+
+const NONE: u32 = u32::MAX;
+
+fn columns(rows: &Rows, places: &[u32], count: usize) -> Vec<Column> {
+    let mut columns = vec![Column::default(); count];
+    for i in 0..rows.len() {
+        let values = rows.values(i);
+        let largest = values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+        let (small, faint) = (SMALL * largest, FAINT * largest);
+        for (&j, value) in places[rows.starts[i]..].iter().zip(values) {
+            let column = &mut columns[j as usize];
+            column.count += 1;
+            column.small += u32::from(value.abs() < small);
+            column.faint |= value.abs() < faint;
+        }
+    }
+    columns
 }

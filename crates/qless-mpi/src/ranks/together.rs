@@ -36,7 +36,11 @@ pub fn together<T: Send>(size: usize, run: impl Fn(&dyn Ranks) -> T + Sync) -> V
     }
     std::thread::scope(|scope| {
         let run = &run;
-        let threads: Vec<_> = ranks.into_iter().map(|own| scope.spawn(move || run(&own))).collect();
+        let start = |own: Together| {
+            let named = std::thread::Builder::new().name(format!("rank {}", own.rank));
+            named.spawn_scoped(scope, move || run(&own)).expect("a thread for each rank")
+        };
+        let threads: Vec<_> = ranks.into_iter().map(start).collect();
         threads
             .into_iter()
             .map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))

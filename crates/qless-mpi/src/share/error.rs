@@ -63,7 +63,9 @@ pub enum ShareError {
         dofs: u64,
     },
     /// Ranges of owned DOFs that do not follow one another.
-    #[error("rank {rank} owns DOFs from {start}, but the ranks before it own those up to {expected} (excluded); the ranges must follow one another from 0")]
+    #[error(
+        "rank {rank} owns DOFs from {start}, but the ranks before it own those up to {expected} (excluded); the ranges must follow one another from 0"
+    )]
     Ranges {
         /// The first such rank.
         rank: usize,

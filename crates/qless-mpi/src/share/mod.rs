@@ -8,7 +8,7 @@ use std::ops::Range;
 
 pub use error::{ShareError, SharePlace};
 pub(crate) use numbers::check_numbers;
-pub(crate) use rows::{Rows, finite, within};
+pub(crate) use rows::Rows;
 
 /// The part of `C u = b` that one rank holds.
 ///
@@ -25,29 +25,27 @@ pub(crate) use rows::{Rows, finite, within};
 /// share.need(12);
 /// assert_eq!(share.equations(), 1);
 /// ```
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Share {
     pub(crate) owned: Range<u64>,
-    pub(crate) numbers: Vec<u64>,
-    pub(crate) starts: Vec<usize>,
-    pub(crate) terms: Vec<(u64, f64)>,
-    pub(crate) rhs: Vec<f64>,
+    pub(crate) rows: Rows,
     pub(crate) prescribed: Vec<(u64, f64)>,
     pub(crate) needed: Vec<u64>,
+    terms: Vec<(u64, f64)>,
 }
 
 impl Share {
     /// No equations yet.
     pub fn new(owned: Range<u64>) -> Self {
-        Self { owned, starts: vec![0], ..Self::default() }
+        Self { owned, rows: Rows::new(), prescribed: Vec::new(), needed: Vec::new(), terms: Vec::new() }
     }
 
     /// Adds `sum a_j u_j = rhs`, equation `number` of the whole; terms on the same DOF are summed.
     pub fn equation(&mut self, number: u64, terms: impl IntoIterator<Item = (u64, f64)>, rhs: f64) {
+        self.terms.clear();
         self.terms.extend(terms);
-        self.starts.push(self.terms.len());
-        self.numbers.push(number);
-        self.rhs.push(rhs);
+        rows::sum_repeats(&mut self.terms);
+        self.rows.push(number, rhs, self.terms.iter().copied());
     }
 
     /// Gives any DOF a prescribed value; several ranks may say the same.
@@ -62,11 +60,39 @@ impl Share {
 
     /// Number of equations that this rank holds.
     pub fn equations(&self) -> usize {
-        self.numbers.len()
+        self.rows.len()
     }
 
     /// Their numbers, in the order in which they were given.
     pub fn numbers(&self) -> &[u64] {
-        &self.numbers
+        &self.rows.numbers
     }
+
+    /// The first fault in it, if n is the number of DOFs.
+    pub(crate) fn check(&self, rank: usize, dofs: u64) -> Result<(), ShareError> {
+        for &(dof, value) in &self.prescribed {
+            within(dof, dofs, rank, SharePlace::Prescribed { dof })?;
+            finite(value, rank, SharePlace::Prescribed { dof })?;
+        }
+        self.needed.iter().try_for_each(|&dof| within(dof, dofs, rank, SharePlace::Needed { dof }))?;
+        for (i, &equation) in self.rows.numbers.iter().enumerate() {
+            if equation >= 1 << 62 {
+                return Err(ShareError::NumberTooLarge { rank, number: equation });
+            }
+            for (dof, value) in self.rows.row(i) {
+                within(dof, dofs, rank, SharePlace::Coefficient { equation, dof })?;
+                finite(value, rank, SharePlace::Coefficient { equation, dof })?;
+            }
+            finite(self.rows.rhs[i], rank, SharePlace::RightHandSide { equation })?;
+        }
+        Ok(())
+    }
+}
+
+fn within(dof: u64, dofs: u64, rank: usize, what: SharePlace) -> Result<(), ShareError> {
+    if dof < dofs { Ok(()) } else { Err(ShareError::DofOutOfRange { rank, what, dofs }) }
+}
+
+fn finite(value: f64, rank: usize, what: SharePlace) -> Result<(), ShareError> {
+    if value.is_finite() { Ok(()) } else { Err(ShareError::NotFinite { rank, what, value }) }
 }

@@ -1,9 +1,7 @@
 //! Equations in one form: terms ascending by DOF, each DOF once, no zeros.
 
-use super::{Share, ShareError, SharePlace};
-
 /// Rows over global DOFs.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct Rows {
     pub numbers: Vec<u64>,
     pub starts: Vec<usize>,
@@ -14,21 +12,20 @@ pub(crate) struct Rows {
 
 impl Rows {
     pub fn new() -> Self {
-        Self { starts: vec![0], ..Self::default() }
+        Self { numbers: Vec::new(), starts: vec![0], dofs: Vec::new(), values: Vec::new(), rhs: Vec::new() }
     }
 
     pub fn len(&self) -> usize {
         self.numbers.len()
     }
 
-    pub fn row(&self, i: usize) -> impl Iterator<Item = (u64, f64)> + Clone + '_ {
+    pub fn row(&self, i: usize) -> impl ExactSizeIterator<Item = (u64, f64)> + Clone + '_ {
         let range = self.starts[i]..self.starts[i + 1];
         self.dofs[range.clone()].iter().copied().zip(self.values[range].iter().copied())
     }
 
-    /// Size of the largest coefficient of a row.
-    pub fn largest(&self, i: usize) -> f64 {
-        self.row(i).fold(0.0, |most, (_, value)| most.max(value.abs()))
+    pub fn values(&self, i: usize) -> &[f64] {
+        &self.values[self.starts[i]..self.starts[i + 1]]
     }
 
     pub fn push(&mut self, number: u64, rhs: f64, terms: impl Iterator<Item = (u64, f64)>) {
@@ -40,35 +37,14 @@ impl Rows {
         self.numbers.push(number);
         self.rhs.push(rhs);
     }
-
-    /// The equations of a share, as [`qless::SystemBuilder`] would keep them.
-    pub fn of(share: &Share, rank: usize, dofs: u64) -> Result<Self, ShareError> {
-        let mut rows = Self::new();
-        let mut terms = Vec::new();
-        for (i, &number) in share.numbers.iter().enumerate() {
-            if number >= 1 << 62 {
-                return Err(ShareError::NumberTooLarge { rank, number });
-            }
-            terms.clear();
-            terms.extend_from_slice(&share.terms[share.starts[i]..share.starts[i + 1]]);
-            let place = |dof| SharePlace::Coefficient { equation: number, dof };
-            for &(dof, value) in &terms {
-                within(dof, dofs, rank, place(dof))?;
-                finite(value, rank, place(dof))?;
-            }
-            finite(share.rhs[i], rank, SharePlace::RightHandSide { equation: number })?;
-            qless_terms(&mut terms);
-            for &(dof, value) in &terms {
-                finite(value, rank, place(dof))?;
-            }
-            rows.push(number, share.rhs[i], terms.iter().copied());
-        }
-        Ok(rows)
-    }
 }
 
-/// Sorts the terms of a row, sums repeats, drops what is zero or cancels to rounding.
-fn qless_terms(terms: &mut Vec<(u64, f64)>) {
+/// Sorts the terms of a row, sums repeats, drops what is zero or cancels to rounding, as [`qless::SystemBuilder`] does.
+pub(crate) fn sum_repeats(terms: &mut Vec<(u64, f64)>) {
+    let ascends = terms.windows(2).all(|pair| pair[0].0 < pair[1].0);
+    if ascends && terms.iter().all(|&(_, value)| value != 0.0) {
+        return;
+    }
     terms.sort_by_key(|&(dof, _)| dof);
     let summed = |repeats: &[(u64, f64)]| {
         let sum: f64 = repeats.iter().map(|&(_, value)| value).sum();
@@ -76,15 +52,5 @@ fn qless_terms(terms: &mut Vec<(u64, f64)>) {
         let cancelled = repeats.len() > 1 && sum.abs() <= 4.0 * f64::EPSILON * parts;
         (sum != 0.0 && !cancelled).then_some((repeats[0].0, sum))
     };
-    if terms.windows(2).any(|pair| pair[0].0 == pair[1].0) || terms.iter().any(|&(_, value)| value == 0.0) {
-        *terms = terms.chunk_by(|a, b| a.0 == b.0).filter_map(summed).collect();
-    }
-}
-
-pub(crate) fn within(dof: u64, dofs: u64, rank: usize, what: SharePlace) -> Result<(), ShareError> {
-    if dof < dofs { Ok(()) } else { Err(ShareError::DofOutOfRange { rank, what, dofs }) }
-}
-
-pub(crate) fn finite(value: f64, rank: usize, what: SharePlace) -> Result<(), ShareError> {
-    if value.is_finite() { Ok(()) } else { Err(ShareError::NotFinite { rank, what, value }) }
+    *terms = terms.chunk_by(|a, b| a.0 == b.0).filter_map(summed).collect();
 }

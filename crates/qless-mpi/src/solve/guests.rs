@@ -1,6 +1,8 @@
 //! The serial analysis of the equations that a rank was dealt. Components do not feel one another, so that it gives what one
 //! rank with all equations would.
 
+use std::ops::Range;
+
 use qless::{Analysis, Confidence, Options, Reduction, SystemBuilder, analyse};
 
 use crate::deal::Guests;
@@ -29,12 +31,12 @@ const LOSS: f64 = 1e-13;
 const NEAR: f64 = 1e-3;
 
 impl Solved {
-    /// None where there are no guests.
-    pub fn new(guests: Guests, options: &Options) -> Result<Option<Self>, Failure> {
+    /// None where there are no guests. Most of their DOFs are expected in `near`.
+    pub fn new(guests: Guests, near: Range<u64>, options: &Options) -> Result<Option<Self>, Failure> {
         if guests.rows.len() == 0 {
             return Ok(None);
         }
-        let touched = Touched::by(&guests.rows);
+        let touched = Touched::by(&guests.rows, &near);
         // Equations without terms have no DOF; a system has one at least.
         let mut builder = SystemBuilder::new(touched.dofs.len().max(1));
         for (i, &rhs) in guests.rows.rhs.iter().enumerate() {
@@ -70,7 +72,8 @@ impl Solved {
         let Confidence { sigma_kept, sigma_dropped, ambiguous, .. } = self.confidence();
         // The columns of a block, and what it is tried with, are ordered by all equations of its component.
         let presolved = self.analysis.presolve().blocks == 0;
-        let plain = presolved && !ambiguous && sigma_dropped == 0.0 && sigma_kept > NEAR && self.reduction.exchanges() == 0;
+        let plain =
+            presolved && !ambiguous && sigma_dropped == 0.0 && sigma_kept > NEAR && self.reduction.exchanges() == 0;
         let is_sound = plain && self.analysis.residual(&self.reduction).is_ok_and(|residual| residual <= LOSS);
         if is_sound { Soundness::Sound } else { Soundness::Unsound }
     }

@@ -68,7 +68,8 @@ impl Solved {
         let reduction = &self.reduction;
         for (i, &slave) in reduction.slaves().iter().enumerate() {
             let of_masters = reduction.t().row(i).map(|(q, value)| (self.dofs[reduction.masters()[q]], value));
-            let of_given = reduction.g_matrix().row(i).map(|(p, value)| (self.dofs[reduction.prescribed()[p]] | GIVEN, value));
+            let of_given =
+                reduction.g_matrix().row(i).map(|(p, value)| (self.dofs[reduction.prescribed()[p]] | GIVEN, value));
             let mut terms: Vec<(u64, f64)> = of_masters.chain(of_given).collect();
             terms.sort_unstable_by_key(|&(dof, _)| dof & !GIVEN);
             let slave = self.dofs[slave];

@@ -28,6 +28,15 @@ impl Lines {
         Self { slaves: Vec::new(), constants: Vec::new(), starts: vec![0], dofs: Vec::new(), values: Vec::new() }
     }
 
+    /// Room for more rows with so many terms.
+    pub fn reserve(&mut self, rows: usize, terms: usize) {
+        self.slaves.reserve(rows);
+        self.constants.reserve(rows);
+        self.starts.reserve(rows);
+        self.dofs.reserve(terms);
+        self.values.reserve(terms);
+    }
+
     pub fn len(&self) -> usize {
         self.slaves.len()
     }
@@ -51,18 +60,35 @@ impl Lines {
         self.slaves.binary_search(&dof).ok().map(|i| self.line(i))
     }
 
+    /// The rows of those of `dofs` that are slaves of these; both ascend.
+    pub fn among<'a>(&'a self, dofs: &'a [u64]) -> impl Iterator<Item = Line<'a>> {
+        let inside = move |(i, slave): (usize, &u64)| dofs.binary_search(slave).ok().map(|_| self.line(i));
+        self.slaves.iter().enumerate().filter_map(inside)
+    }
+
     pub fn push(&mut self, slave: u64, constant: f64, terms: impl Iterator<Item = (u64, f64)>) {
-        terms.for_each(|(dof, value)| {
+        for (dof, value) in terms {
             self.dofs.push(dof);
             self.values.push(value);
-        });
+        }
         self.starts.push(self.dofs.len());
         self.slaves.push(slave);
         self.constants.push(constant);
     }
 
+    pub fn clear(&mut self) {
+        self.slaves.clear();
+        self.constants.clear();
+        self.starts.truncate(1);
+        self.dofs.clear();
+        self.values.clear();
+    }
+
     /// Ascending by slave, each once.
     pub fn sort(self) -> Self {
+        if self.slaves.is_sorted_by(|a, b| a < b) {
+            return self;
+        }
         let mut order: Vec<usize> = (0..self.len()).collect();
         order.sort_unstable_by_key(|&i| self.slaves[i]);
         order.dedup_by_key(|i| self.slaves[*i]);

@@ -7,7 +7,7 @@ mod lines;
 mod substitute;
 
 pub(crate) use ask::ask;
-pub(crate) use guests::{Soundness, Solved};
+pub(crate) use guests::{Solved, Soundness};
 pub(crate) use home::{Findings, send_home};
 pub(crate) use lines::{GIVEN, Line, Lines};
-pub(crate) use substitute::substitute;
+pub(crate) use substitute::{Slaves, substitute};

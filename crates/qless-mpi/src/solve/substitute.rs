@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::lines::GIVEN;
 use super::{Line, Lines, Soundness};
 use crate::deal::Peel;
-use crate::parts::{Known, Touched};
+use crate::parts::{Known, NONE, Touched};
 use crate::share::Rows;
 
 /// Entries below this, relative to the largest part that went into them, are rounding: as in the serial reduction.
@@ -13,39 +13,53 @@ const NOISE: f64 = 1e-14;
 /// Of a slave that hardly moves only the whole component tells whether it is fixed.
 const HARDLY: f64 = 1e-6;
 
-/// Appends the row of a peeled equation. `slaves` holds the rows of the slaves among its DOFs.
+/// Rows of the slaves among the DOFs of a rank's equations.
+pub(crate) struct Slaves {
+    pub lines: Lines,
+    /// Index into them, by place of the DOF.
+    pub of_place: Vec<u32>,
+}
+
+impl Slaves {
+    fn find(&self, place: u32) -> Option<Line<'_>> {
+        let i = self.of_place[place as usize];
+        (i != NONE).then(|| self.lines.line(i as usize))
+    }
+}
+
+/// Appends the row of a peeled equation.
 pub(crate) fn substitute(
     lines: &mut Lines,
     peel: Peel,
     (rows, touched, known): (&Rows, &Touched, &Known),
-    slaves: &Lines,
+    slaves: &Slaves,
     growth: f64,
 ) -> Soundness {
-    let Peel { row, position } = peel;
-    let range = rows.starts[row]..rows.starts[row + 1];
-    let slave = range.start + position;
+    let range = rows.starts[peel.row]..rows.starts[peel.row + 1];
+    let slave = range.start + peel.position;
     let divisor = -rows.values[slave];
-    let terms: Vec<(u64, f64)> = range
-        .filter(|&k| k != slave)
-        .map(|k| {
-            let mark = if known.free[touched.places[k] as usize] { 0 } else { GIVEN };
-            (rows.dofs[k] | mark, rows.values[k] / divisor)
-        })
-        .collect();
-    let constant = rows.rhs[row] / rows.values[slave];
-    let (constant, terms) = if terms.iter().any(|&(dof, _)| slaves.find(dof).is_some()) {
-        replaced(constant, &terms, slaves)
+    let mark = |j: u32| if known.said[j as usize].is_free() { 0 } else { GIVEN };
+    let term = |k: usize| (touched.places[k], rows.dofs[k] | mark(touched.places[k]), rows.values[k] / divisor);
+    let terms = range.filter(|&k| k != slave).map(term);
+    let constant = rows.rhs[peel.row] / rows.values[slave];
+    if terms.clone().any(|(place, ..)| slaves.of_place[place as usize] != NONE) {
+        let (constant, terms) = replaced(constant, terms, slaves);
+        lines.push(rows.dofs[slave], constant, terms);
     } else {
-        (constant, terms)
-    };
-    let of_masters = terms.iter().filter(|(dof, _)| dof & GIVEN == 0);
+        lines.push(rows.dofs[slave], constant, terms.map(|(_, dof, value)| (dof, value)));
+    }
+    let Line { dofs, values, .. } = lines.line(lines.len() - 1);
+    let of_masters = dofs.iter().zip(values).filter(|(dof, _)| *dof & GIVEN == 0);
     let largest = of_masters.fold(0.0, |most: f64, (_, value)| most.max(value.abs()));
-    lines.push(rows.dofs[slave], constant, terms.into_iter());
     if (HARDLY..=growth).contains(&largest) { Soundness::Sound } else { Soundness::Unsound }
 }
 
 /// Sums in the order of the equation's terms, so that they round as those of the serial reduction.
-fn replaced(mut constant: f64, terms: &[(u64, f64)], slaves: &Lines) -> (f64, Vec<(u64, f64)>) {
+fn replaced(
+    mut constant: f64,
+    terms: impl Iterator<Item = (u32, u64, f64)>,
+    slaves: &Slaves,
+) -> (f64, impl Iterator<Item = (u64, f64)>) {
     let mut size = constant.abs();
     let mut parts: BTreeMap<u64, (u64, f64, f64)> = BTreeMap::new();
     let mut add = |dof: u64, part: f64| {
@@ -53,8 +67,8 @@ fn replaced(mut constant: f64, terms: &[(u64, f64)], slaves: &Lines) -> (f64, Ve
         *value += part;
         *size = size.max(part.abs());
     };
-    for &(dof, value) in terms {
-        match slaves.find(dof) {
+    for (place, dof, value) in terms {
+        match slaves.find(place) {
             None => add(dof, value),
             Some(Line { constant: of_slave, dofs, values, .. }) => {
                 let part = value * of_slave;
@@ -66,5 +80,5 @@ fn replaced(mut constant: f64, terms: &[(u64, f64)], slaves: &Lines) -> (f64, Ve
     }
     let left = parts.into_values().filter(|&(_, value, size)| value.abs() > NOISE * size);
     let constant = if constant.abs() > NOISE * size { constant } else { 0.0 };
-    (constant, left.map(|(dof, value, _)| (dof, value)).collect())
+    (constant, left.map(|(dof, value, _)| (dof, value)))
 }

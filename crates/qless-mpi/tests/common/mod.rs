@@ -90,7 +90,12 @@ pub fn serial(system: &ConstraintSystem, options: &Options) -> Result<Whole, Str
 }
 
 /// By that many ranks.
-pub fn spread(system: &ConstraintSystem, options: &Options, size: usize, partition: Partition) -> Result<Whole, String> {
+pub fn spread(
+    system: &ConstraintSystem,
+    options: &Options,
+    size: usize,
+    partition: Partition,
+) -> Result<Whole, String> {
     let found = together(size, |ranks| {
         let share = share(system, ranks, partition);
         let analysis: Result<Analysis, Error> = analyse(ranks, &share, options);
