@@ -11,6 +11,6 @@ mod solve;
 pub use analysis::{Analysis, Because, Counts, Dealt, Dependent, Term, analyse};
 pub use error::Error;
 #[cfg(feature = "mpi")]
-pub use ranks::World;
+pub use ranks::{World, WorldError};
 pub use ranks::{Alone, Counted, Message, Ranks, Sent, together};
 pub use share::{Share, ShareError, SharePlace};
