@@ -3,6 +3,7 @@
 mod analysis;
 mod deal;
 mod error;
+mod map;
 mod parts;
 mod ranks;
 mod share;
@@ -10,7 +11,8 @@ mod solve;
 
 pub use analysis::{Analysis, Because, Counts, Dealt, Dependent, Term, analyse};
 pub use error::Error;
+pub use map::Map;
+pub use ranks::{Alone, Counted, Message, Ranks, Sent, together};
 #[cfg(feature = "mpi")]
 pub use ranks::{World, WorldError};
-pub use ranks::{Alone, Counted, Message, Ranks, Sent, together};
 pub use share::{Share, ShareError, SharePlace};

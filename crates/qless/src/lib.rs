@@ -50,7 +50,7 @@ pub use factor::qr;
 pub use input::preferences::Preferences;
 pub use input::rounding::Ignored;
 pub use input::system::{ConstraintSystem, Csr, Place, SystemBuilder, SystemError};
-pub use map::{Condensed, Given, Index, Map, MapError, Operator, Storage, View};
+pub use map::{Condensed, Given, Index, Map, MapError, Operator, Storage, Transform, View};
 pub use options::{BackendChoice, OptionError, Options, Tolerance};
 pub use reduction::{FactoredBlock, Form, Parts, Reduction, ReductionError};
 pub use report::{

@@ -53,6 +53,19 @@ impl Share {
         self.prescribed.push((dof, value));
     }
 
+    /// A new right-hand side of the equation at a place, in the order in which they were given.
+    ///
+    /// # Panics
+    /// If there are no more equations than that.
+    pub fn set_rhs(&mut self, equation: usize, rhs: f64) {
+        self.rows.rhs[equation] = rhs;
+    }
+
+    /// A new value of every prescribed DOF of this share, by DOF.
+    pub fn set_prescribed(&mut self, value: impl Fn(u64) -> f64) {
+        self.prescribed.iter_mut().for_each(|(dof, own)| *own = value(*dof));
+    }
+
     /// Asks for the row of T of a DOF beyond those that this rank owns.
     pub fn need(&mut self, dof: u64) {
         self.needed.push(dof);

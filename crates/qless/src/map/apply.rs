@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::Map;
+use super::Transform;
 use super::roles::{Role, product};
 use crate::ArgumentError;
 use crate::common::argument::{long, numbers};
@@ -10,8 +10,8 @@ use crate::common::argument::{long, numbers};
 /// Fewer numbers than this are not worth a thread of their own.
 const WORTH_A_THREAD: usize = 1 << 14;
 
-impl Map {
-    /// `u = L u_q + u_0`: all DOFs from those of [`Map::masters`].
+impl Transform {
+    /// `u = L u_q + u_0`: all DOFs from those of [`Transform::masters`].
     ///
     /// # Errors
     /// [`ArgumentError`] for a wrong length, a number that is not finite, or a result that is none (u is then not to be used).
@@ -31,7 +31,7 @@ impl Map {
     /// `du = L du_q`: the same for increments; prescribed DOFs and constants do not move.
     ///
     /// # Errors
-    /// As [`Map::expand_into`].
+    /// As [`Transform::expand_into`].
     pub fn expand_increment_into(&self, masters: &[f64], du: &mut [f64]) -> Result<(), ArgumentError> {
         self.check(masters, du.len())?;
         if !self.reduction.is_explicit() {
@@ -42,10 +42,10 @@ impl Map {
         self.spread(masters, du, |_| 0.0)
     }
 
-    /// [`Map::expand_increment_into`] for many vectors (modes, say), one after the other in both lists.
+    /// [`Transform::expand_increment_into`] for many vectors (modes, say), one after the other in both lists.
     ///
     /// # Errors
-    /// As [`Map::expand_into`]; [`ArgumentError::WrongLength`] unless both lists hold the same number of vectors.
+    /// As [`Transform::expand_into`]; [`ArgumentError::WrongLength`] unless both lists hold the same number of vectors.
     pub fn expand_increments_into(&self, masters: &[f64], du: &mut [f64]) -> Result<(), ArgumentError> {
         self.check_many(masters.len(), du.len())?;
         let (q, n) = (self.masters().len(), self.dofs());
@@ -56,7 +56,7 @@ impl Map {
     /// `f_q = L^T f`: forces on all DOFs as the masters feel them.
     ///
     /// # Errors
-    /// As [`Map::expand_into`].
+    /// As [`Transform::expand_into`].
     pub fn project_into(&self, forces: &[f64], masters: &mut [f64]) -> Result<(), ArgumentError> {
         numbers("the list of forces", forces, self.dofs())?;
         long("the list of masters", masters.len(), self.masters().len())?;
@@ -70,10 +70,10 @@ impl Map {
         fill(masters, "L^T f", |q| forces[places[q]] + sums[q])
     }
 
-    /// [`Map::project_into`] for many vectors, one after the other in both lists.
+    /// [`Transform::project_into`] for many vectors, one after the other in both lists.
     ///
     /// # Errors
-    /// As [`Map::expand_increments_into`].
+    /// As [`Transform::expand_increments_into`].
     pub fn project_many_into(&self, forces: &[f64], masters: &mut [f64]) -> Result<(), ArgumentError> {
         self.check_many(masters.len(), forces.len())?;
         let (q, n) = (self.masters().len(), self.dofs());

@@ -17,18 +17,20 @@ mod error;
 mod forces;
 mod operator;
 mod roles;
+mod transform;
 mod view;
 
 use std::sync::{Arc, OnceLock};
 
 use crate::change::refresh::Refresher;
-use crate::{Analysis, ConstraintSystem, Form, Kind, Options, Reduction, analyse};
+use crate::{Analysis, ConstraintSystem, Form, Kind, Options, analyse};
 use forces::Multipliers;
-use roles::{Role, Roles};
+use roles::Role;
 
 pub use condense::{Condensed, Given};
 pub use error::MapError;
 pub use operator::Operator;
+pub use transform::Transform;
 pub use view::{Index, Storage, View};
 
 /// A constraint system, analysed and solved for its slaves: owned, `Send + Sync`, made once and kept beside the model.
@@ -59,12 +61,9 @@ pub use view::{Index, Storage, View};
 /// ```
 pub struct Map {
     analysis: Arc<Analysis>,
-    reduction: Reduction,
-    roles: Roles,
-    /// b, ...
+    transform: Transform,
+    /// b, as it is now.
     rhs: Vec<f64>,
-    /// ... and the values of the prescribed DOFs, as they are now.
-    given: Vec<f64>,
     kinds: Vec<Kind>,
     /// Made when it is first needed.
     refresher: OnceLock<Refresher>,
@@ -73,8 +72,16 @@ pub struct Map {
 
 impl std::fmt::Debug for Map {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let [slaves, masters, prescribed] = [self.slaves(), self.masters(), self.prescribed()].map(<[usize]>::len);
-        write!(f, "Map {{ slaves: {slaves}, masters: {masters}, prescribed: {prescribed} }}")
+        self.transform.write_as("Map", f)
+    }
+}
+
+/// What a map does in every step, it does as its [`Transform`].
+impl std::ops::Deref for Map {
+    type Target = Transform;
+
+    fn deref(&self) -> &Transform {
+        &self.transform
     }
 }
 
@@ -97,11 +104,9 @@ impl Map {
         let reduction = analysis.reduction_in(form)?;
         let given: Vec<f64> = analysis.system().prescribed().iter().map(|&(_, value)| value).collect();
         Ok(Self {
-            roles: Roles::new(&reduction, &given),
             rhs: analysis.system().rhs().to_vec(),
-            given,
             kinds: analysis.kinds().to_vec(),
-            reduction,
+            transform: Transform::of(reduction, given),
             analysis,
             refresher: OnceLock::new(),
             multipliers: OnceLock::new(),
@@ -113,79 +118,9 @@ impl Map {
         &self.analysis
     }
 
-    /// T, G and g, for b and u_p as they are now.
-    pub fn reduction(&self) -> &Reduction {
-        &self.reduction
-    }
-
     /// What each equation is, for b and u_p as they are now.
     pub fn kinds(&self) -> &[Kind] {
         &self.kinds
-    }
-
-    /// Number of DOFs n.
-    pub fn dofs(&self) -> usize {
-        self.analysis.system().dofs()
-    }
-
-    /// u_s, ascending.
-    pub fn slaves(&self) -> &[usize] {
-        self.reduction.slaves()
-    }
-
-    /// u_q, ascending.
-    pub fn masters(&self) -> &[usize] {
-        self.reduction.masters()
-    }
-
-    /// u_p, ascending.
-    pub fn prescribed(&self) -> &[usize] {
-        self.reduction.prescribed()
-    }
-
-    /// Values of u_p, as they are now.
-    pub fn prescribed_values(&self) -> &[f64] {
-        &self.given
-    }
-
-    /// Whether a DOF follows others; no DOF from n on does.
-    pub fn is_slave(&self, dof: usize) -> bool {
-        matches!(self.roles.of.get(dof), Some(Role::Slave(_)))
-    }
-
-    /// `u_dof = sum value u_j + g` of a slave: (j, value) for masters and prescribed DOFs, ascending, and g. None for other DOFs, and
-    /// for slaves of factored parts ([`Reduction::row`]).
-    ///
-    /// ```
-    /// # use qless::{Map, Options, SystemBuilder};
-    /// let mut builder = SystemBuilder::new(3);
-    /// builder.equation([(0, 1.0), (1, -0.5), (2, -0.5)], 1.0);
-    /// builder.prescribe(2, 4.0);
-    /// let map = Map::new(&builder.build()?, &Options::default())?;
-    /// let (terms, g) = map.row(0).expect("a slave");
-    /// assert_eq!((terms, g), (vec![(1, 0.5), (2, 0.5)], 1.0));
-    /// assert_eq!(map.masters_of(0), [1]);
-    /// assert!(map.row(1).is_none());
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn row(&self, dof: usize) -> Option<(Vec<(usize, f64)>, f64)> {
-        let Some(&Role::Slave(i)) = self.roles.of.get(dof) else { return None };
-        let (i, reduction) = (i as usize, &self.reduction);
-        if self.roles.is_held(i) {
-            return None;
-        }
-        let of_masters = reduction.t.row(i).map(|(q, v)| (reduction.masters[q], v));
-        let mut terms: Vec<_> = of_masters.collect();
-        terms.extend(reduction.g_matrix.row(i).map(|(p, v)| (reduction.prescribed[p], v)));
-        terms.sort_unstable_by_key(|&(j, _)| j);
-        Some((terms, reduction.g[i]))
-    }
-
-    /// The masters that a slave follows, ascending; none for other DOFs.
-    pub fn masters_of(&self, dof: usize) -> Vec<usize> {
-        let Some(&Role::Slave(i)) = self.roles.of.get(dof) else { return Vec::new() };
-        let row = self.reduction.row(i as usize).unwrap_or_default();
-        row.into_iter().map(|(q, _)| self.reduction.masters[q]).collect()
     }
 
     /// New right-hand sides b (length m) and prescribed values (in the order of [`Map::prescribed`]). Slaves and T stay as they are,
@@ -210,23 +145,22 @@ impl Map {
     /// # Errors
     /// [`MapError::Refresh`], and [`MapError::Conflicting`] where equations contradict one another now; the map is then as it was.
     pub fn refresh(&mut self, rhs: &[f64], prescribed: &[f64]) -> Result<(), MapError> {
-        let g = self.reduction.g.clone();
-        let Self { analysis, refresher, reduction, .. } = self;
+        let Self { analysis, refresher, transform, .. } = self;
+        let g = transform.reduction.g.clone();
         if refresher.get().is_none() {
             // Nobody else can have set it: this is the only reference.
             let _ = refresher.set(Refresher::new(Arc::clone(analysis)).map_err(MapError::Backend)?);
         }
         let Some(refresher) = refresher.get() else { return Ok(()) };
-        let refreshed = refresher.refresh(rhs, prescribed, reduction)?;
+        let refreshed = refresher.refresh(rhs, prescribed, &mut transform.reduction)?;
         if let Err(error) = refuse_conflicts(&refreshed.kinds, analysis.system()) {
-            refresher.refresh(&self.rhs, &self.given, reduction)?;
-            reduction.g = g;
+            refresher.refresh(&self.rhs, &transform.given, &mut transform.reduction)?;
+            transform.reduction.g = g;
             return Err(error);
         }
         self.kinds = refreshed.kinds;
         self.rhs.copy_from_slice(rhs);
-        self.given.copy_from_slice(prescribed);
-        self.roles.refresh(&self.reduction, prescribed);
+        transform.give(prescribed);
         Ok(())
     }
 

@@ -1,6 +1,6 @@
 //! `x -> L^T K L x` without K_q, for Krylov methods.
 
-use super::Map;
+use super::Transform;
 use crate::ArgumentError;
 
 /// The condensed matrix as a product: K is a function that multiplies vectors over all DOFs.
@@ -18,7 +18,7 @@ use crate::ArgumentError;
 /// # Ok::<(), qless::MapError>(())
 /// ```
 pub struct Operator<'a, K> {
-    map: &'a Map,
+    map: &'a Transform,
     k: K,
     u: Vec<f64>,
     f: Vec<f64>,
@@ -30,7 +30,7 @@ impl<K> std::fmt::Debug for Operator<'_, K> {
     }
 }
 
-impl Map {
+impl Transform {
     /// `L^T K L`; `k(u, f)` writes `f = K u`, f being zero before.
     pub fn operator<K: FnMut(&[f64], &mut [f64])>(&self, k: K) -> Operator<'_, K> {
         Operator { map: self, k, u: vec![0.0; self.dofs()], f: vec![0.0; self.dofs()] }
@@ -38,10 +38,10 @@ impl Map {
 }
 
 impl<K: FnMut(&[f64], &mut [f64])> Operator<'_, K> {
-    /// `y = L^T K L x`, both over [`Map::masters`].
+    /// `y = L^T K L x`, both over [`Transform::masters`].
     ///
     /// # Errors
-    /// As [`Map::project_into`].
+    /// As [`Transform::project_into`].
     pub fn apply_into(&mut self, x: &[f64], y: &mut [f64]) -> Result<(), ArgumentError> {
         self.map.expand_increment_into(x, &mut self.u)?;
         self.f.fill(0.0);

@@ -8,7 +8,7 @@ use super::{Condensed, Given, NONE};
 use crate::ArgumentError;
 use crate::common::argument::{long, numbers, within};
 use crate::map::view::{Storage, View};
-use crate::map::{Map, MapError};
+use crate::map::{MapError, Transform};
 
 /// A stretch of the lines of K_q and of f_q.
 struct Part<'a> {
@@ -17,7 +17,7 @@ struct Part<'a> {
     load: &'a mut [f64],
 }
 
-impl Map {
+impl Transform {
     /// The pattern of K_q for the elements of a model, element e having DOFs `dofs(e)`: lines are rows.
     ///
     /// ```
@@ -111,7 +111,7 @@ impl Condensed {
     /// entry of the pattern; K_q and f_q are then not to be used.
     pub fn add_element(
         &self,
-        map: &Map,
+        map: &Transform,
         dofs: &[usize],
         (matrix, forces): (&[f64], &[f64]),
         k_q: &mut [f64],
@@ -131,7 +131,7 @@ impl Condensed {
     /// As [`Condensed::add_element`].
     pub fn assemble<D: AsRef<[usize]>>(
         &self,
-        map: &Map,
+        map: &Transform,
         elements: usize,
         dofs: impl Fn(usize) -> D + Sync,
         k_q: &mut [f64],
@@ -186,7 +186,7 @@ impl Condensed {
         }
     }
 
-    fn add(&self, map: &Map, element: &Element, part: &mut Part) -> Result<(), ArgumentError> {
+    fn add(&self, map: &Transform, element: &Element, part: &mut Part) -> Result<(), ArgumentError> {
         let Element { dofs, matrix, forces } = *element;
         for (a, &i) in dofs.iter().enumerate() {
             let row = &matrix[a * dofs.len()..(a + 1) * dofs.len()];

@@ -6,18 +6,18 @@ use super::plan::Source;
 use super::{Condensed, NONE};
 use crate::ArgumentError;
 use crate::common::argument::{long, numbers};
-use crate::map::Map;
+use crate::map::Transform;
 use crate::map::apply::fill;
 
 /// Fewer slaves than this are not worth a thread of their own.
 const WORTH_A_THREAD: usize = 1 << 9;
 
 impl Condensed {
-    /// `f_q = L^T (f - K u_0)` alone, for other forces or after a [`Map::refresh`].
+    /// `f_q = L^T (f - K u_0)` alone, for other forces or after a [`Transform::refresh`].
     ///
     /// # Errors
     /// As [`Condensed::condense_into`].
-    pub fn load_into(&self, map: &Map, k: &[f64], f: &[f64], f_q: &mut [f64]) -> Result<(), ArgumentError> {
+    pub fn load_into(&self, map: &Transform, k: &[f64], f: &[f64], f_q: &mut [f64]) -> Result<(), ArgumentError> {
         self.check(map, self.nnz())?;
         long("the list of values of K", k.len(), self.plan.entries)?;
         numbers("the list of forces", f, map.dofs())?;
@@ -46,7 +46,7 @@ impl Condensed {
     }
 
     /// `K u_0` at all DOFs, where lines of K are columns.
-    fn stress_by_columns(&self, map: &Map, k: &[f64]) -> Vec<f64> {
+    fn stress_by_columns(&self, map: &Transform, k: &[f64]) -> Vec<f64> {
         let mut stress = vec![0.0; map.dofs()];
         let of_slaves = map.slaves().iter().enumerate().map(|(a, &dof)| (dof, self.plan.of_slaves.line(a)));
         let of_given = self.plan.of_given.iter().map(|(dof, entries)| (*dof as usize, entries.line(0)));

@@ -18,7 +18,7 @@ mod values;
 use std::collections::BTreeMap;
 
 use super::view::{Index, Storage, View};
-use super::{Map, MapError};
+use super::{MapError, Transform};
 use crate::common::argument::{long, numbers, within};
 use crate::common::identity::Identity;
 use crate::{ArgumentError, Csr};
@@ -35,7 +35,7 @@ pub enum Given {
     Kept,
 }
 
-/// The pattern of K_q, and how K fills it. For the map that made it, and its [`Map::refresh`]ed states.
+/// The pattern of K_q, and how K fills it. For the map that made it, and its [`Transform::refresh`]ed states.
 #[derive(Clone, Debug)]
 pub struct Condensed {
     of: Identity,
@@ -60,7 +60,7 @@ pub struct Condensed {
 /// Marks no place.
 const NONE: u32 = u32::MAX;
 
-impl Map {
+impl Transform {
     /// The pattern of K_q for matrices of the pattern of K: compressed as K is (rows or columns, the same half if it is symmetric),
     /// counted from 0, indices ascending.
     ///
@@ -90,7 +90,7 @@ impl Map {
 }
 
 impl Condensed {
-    fn new<P: Index, I: Index>(map: &Map, k: View<P, I>, given: Given) -> Result<Self, MapError> {
+    fn new<P: Index, I: Index>(map: &Transform, k: View<P, I>, given: Given) -> Result<Self, MapError> {
         let kept = given == Given::Kept;
         let mut dofs = map.masters().to_vec();
         if kept {
@@ -105,7 +105,7 @@ impl Condensed {
         eliminated.for_each(|(&j, i)| slave[j] = i);
         let l = rows_over(map, &number, dofs.len(), kept);
         let mut condensed = Self {
-            of: map.analysis.identity,
+            of: map.identity,
             given,
             storage: k.storage,
             by_columns: k.by_columns,
@@ -176,7 +176,7 @@ impl Condensed {
     }
 
     /// Equations that unknowns have to meet, for multipliers: those of factored parts.
-    pub fn left(&self, map: &Map) -> Vec<usize> {
+    pub fn left(&self, map: &Transform) -> Vec<usize> {
         let mut left: Vec<usize> = map.reduction.factored.iter().flat_map(|block| block.equations.clone()).collect();
         left.sort_unstable();
         left
@@ -201,7 +201,7 @@ impl Condensed {
     /// [`ArgumentError`] for a DOF that is not there, a number that is not finite, or another map.
     pub fn equation(
         &self,
-        map: &Map,
+        map: &Transform,
         terms: impl IntoIterator<Item = (usize, f64)>,
         mut rhs: f64,
     ) -> Result<(Vec<(usize, f64)>, f64), ArgumentError> {
@@ -231,7 +231,7 @@ impl Condensed {
     }
 
     /// The value of an unknown is no part of `u_0`.
-    fn shift(&self, map: &Map, dof: usize) -> f64 {
+    fn shift(&self, map: &Transform, dof: usize) -> f64 {
         if self.number[dof] != NONE {
             return 0.0;
         }
@@ -244,8 +244,8 @@ impl Condensed {
     }
 
     /// The map that made it, and values of K_q of the right length.
-    fn check(&self, map: &Map, values: usize) -> Result<(), ArgumentError> {
-        if map.analysis.identity != self.of {
+    fn check(&self, map: &Transform, values: usize) -> Result<(), ArgumentError> {
+        if map.identity != self.of {
             return Err(ArgumentError::Foreign { what: "the map" });
         }
         long("the list of values of K_q", values, self.nnz())
@@ -253,7 +253,7 @@ impl Condensed {
 }
 
 /// T, with G if prescribed DOFs are unknowns too.
-fn rows_over(map: &Map, number: &[u32], unknowns: usize, kept: bool) -> Csr {
+fn rows_over(map: &Transform, number: &[u32], unknowns: usize, kept: bool) -> Csr {
     let reduction = &map.reduction;
     let mut rows = Csr::empty(unknowns);
     for i in 0..reduction.slaves.len() {

@@ -8,7 +8,7 @@ use super::plan::Source;
 use super::{Condensed, NONE};
 use crate::ArgumentError;
 use crate::common::argument::long;
-use crate::map::Map;
+use crate::map::Transform;
 
 /// Fewer entries of K_q than this are not worth a thread of their own.
 const WORTH_A_THREAD: usize = 1 << 15;
@@ -23,7 +23,7 @@ impl Condensed {
     /// [`ArgumentError`] for a wrong length, a number that is not finite, or another map.
     pub fn condense_into(
         &self,
-        map: &Map,
+        map: &Transform,
         k: &[f64],
         f: &[f64],
         k_q: &mut [f64],
@@ -37,7 +37,7 @@ impl Condensed {
     ///
     /// # Errors
     /// As [`Condensed::condense_into`].
-    pub fn condense_matrix_into(&self, map: &Map, k: &[f64], k_q: &mut [f64]) -> Result<(), ArgumentError> {
+    pub fn condense_matrix_into(&self, map: &Transform, k: &[f64], k_q: &mut [f64]) -> Result<(), ArgumentError> {
         self.check(map, k_q.len())?;
         long("the list of values of K", k.len(), self.plan.entries)?;
         let w = self.of_slaves(k);
