@@ -35,8 +35,7 @@ impl Map {
     pub fn expand_increment_into(&self, masters: &[f64], du: &mut [f64]) -> Result<(), ArgumentError> {
         self.check(masters, du.len())?;
         if !self.reduction.is_explicit() {
-            let [moved, still] = [masters, &vec![0.0; masters.len()]].map(|q| self.reduction.expand(q, &self.given));
-            du.iter_mut().zip(moved?.into_iter().zip(still?)).for_each(|(du, (a, b))| *du = a - b);
+            du.copy_from_slice(&self.reduction.increment(masters)?);
             return Ok(());
         }
         self.spread(masters, du, |_| 0.0)
@@ -50,7 +49,7 @@ impl Map {
         self.check_many(masters.len(), du.len())?;
         let (q, n) = (self.masters().len(), self.dofs());
         let of = |(k, du): (usize, &mut [f64])| self.expand_increment_into(&masters[k * q..(k + 1) * q], du);
-        du.par_chunks_mut(n).enumerate().try_for_each(of)
+        du.par_chunks_mut(n.max(1)).enumerate().try_for_each(of)
     }
 
     /// `f_q = L^T f`: forces on all DOFs as the masters feel them.
@@ -83,7 +82,7 @@ impl Map {
 
     /// Lists over masters and over all DOFs of the same number of vectors.
     fn check_many(&self, masters: usize, all: usize) -> Result<(), ArgumentError> {
-        let count = all / self.dofs();
+        let count = all.checked_div(self.dofs()).unwrap_or(0);
         long("the list of vectors over all DOFs", all, count * self.dofs())?;
         long("the list of vectors over masters", masters, count * self.masters().len())
     }
