@@ -49,7 +49,7 @@ impl Map {
         self.check_many(masters.len(), du.len())?;
         let (q, n) = (self.masters().len(), self.dofs());
         let of = |(k, du): (usize, &mut [f64])| self.expand_increment_into(&masters[k * q..(k + 1) * q], du);
-        du.par_chunks_mut(n.max(1)).enumerate().try_for_each(of)
+        du.par_chunks_mut(n).enumerate().try_for_each(of)
     }
 
     /// `f_q = L^T f`: forces on all DOFs as the masters feel them.
@@ -82,7 +82,7 @@ impl Map {
 
     /// Lists over masters and over all DOFs of the same number of vectors.
     fn check_many(&self, masters: usize, all: usize) -> Result<(), ArgumentError> {
-        let count = all.checked_div(self.dofs()).unwrap_or(0);
+        let count = all / self.dofs();
         long("the list of vectors over all DOFs", all, count * self.dofs())?;
         long("the list of vectors over masters", masters, count * self.masters().len())
     }
