@@ -252,9 +252,8 @@ impl Expanded {
             let sum = local.row(i).fold(-b, |sum, (j, v)| sum + v * self.u[j]);
             // Prescribed DOFs are in no unit that others share: they count by what they bring into the equation, as b does.
             let largest = largest[labels.of_row[i] as usize];
-            let parts = local.row(i).map(|(j, v)| match local.free()[j] {
-                true => ldexp(v.abs(), scaling.col(j)) * largest,
-                false => (v * self.u[j]).abs(),
+            let parts = local.row(i).map(|(j, v)| {
+                if local.free()[j] { ldexp(v.abs(), scaling.col(j)) * largest } else { (v * self.u[j]).abs() }
             });
             *out = relative(sum, parts.sum::<f64>() + b.abs());
         }
