@@ -8,5 +8,7 @@ mod dense;
 mod edges;
 #[path = "map/matrix.rs"]
 mod matrix;
+#[path = "map/units.rs"]
+mod units;
 #[path = "map/vectors.rs"]
 mod vectors;

@@ -248,6 +248,7 @@ fn numbers_that_do_not_fit_are_refused() {
     assert!(matches!(equation([(0, f64::NAN)], 0.0), ArgumentError::NotFinite { .. }));
     assert!(matches!(equation([(0, 1.0)], f64::INFINITY), ArgumentError::NotFinite { .. }));
     assert!(matches!(pattern.equation(&other, [(0, 1.0)], 0.0), Err(ArgumentError::Foreign { .. })));
+    k_q.fill(0.0);
     let mut add = |dofs: &[usize], matrix: &[f64], forces: &[f64]| {
         pattern.add_element(&map, dofs, (matrix, forces), &mut k_q, &mut f_q)
     };

@@ -101,6 +101,21 @@ pub(crate) fn balanced(system: Local, exponents: &[Exponents], plain: &Scaling, 
     scaling
 }
 
+/// Balanced rows and columns, if any free entry is small beside any other; else nothing is scaled.
+pub(crate) fn where_needed(system: Local) -> Scaling {
+    let mut scaling = Scaling::none(system.equations());
+    let spans = (0..system.equations()).filter_map(|i| span(system, &scaling, i));
+    let (least, top) = spans.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or((0, 0));
+    if least - top >= SMALL {
+        return scaling;
+    }
+    balance(system, &mut scaling);
+    for i in 0..system.equations() {
+        scaling.row[i] = span(system, &scaling, i).map_or(0, |(_, top)| -top);
+    }
+    scaling
+}
+
 /// Entries below this power of two in their rows are small.
 const SMALL: i32 = -10;
 /// Entries below this one may be meant as zero.

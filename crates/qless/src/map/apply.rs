@@ -35,8 +35,7 @@ impl Transform {
     pub fn expand_increment_into(&self, masters: &[f64], du: &mut [f64]) -> Result<(), ArgumentError> {
         self.check(masters, du.len())?;
         if !self.reduction.is_explicit() {
-            let [moved, still] = [masters, &vec![0.0; masters.len()]].map(|q| self.reduction.expand(q, &self.given));
-            du.iter_mut().zip(moved?.into_iter().zip(still?)).for_each(|(du, (a, b))| *du = a - b);
+            du.copy_from_slice(&self.reduction.increment(masters)?);
             return Ok(());
         }
         self.spread(masters, du, |_| 0.0)

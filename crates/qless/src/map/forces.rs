@@ -7,6 +7,7 @@ use crate::common::argument::numbers;
 use crate::factor::lu;
 use crate::factor::qr::BackendError;
 use crate::factor::solver::Solver;
+use crate::input::scale::{ldexp, where_needed};
 use crate::{ArgumentError, Csr, Kind};
 
 /// The independent equations in the columns of their slaves, factored.
@@ -14,6 +15,10 @@ pub(super) struct Multipliers {
     /// The independent equations.
     equations: Vec<usize>,
     solver: Solver,
+    /// Exponents of the equations ...
+    of_equations: Vec<i32>,
+    /// ... and of the slaves with which they were factored: units must not decide what is small.
+    of_slaves: Vec<i32>,
 }
 
 impl Multipliers {
@@ -21,9 +26,21 @@ impl Multipliers {
         let system = map.analysis.system();
         // Which equations are independent never changes.
         let equations: Vec<usize> = (0..map.kinds.len()).filter(|&i| map.kinds[i] == Kind::Independent).collect();
+        let scaling = where_needed(map.analysis.numbering.view(system, system.rhs()));
+        let mut of_slaves = vec![0; map.slaves().len()];
+        for (l, &dof) in map.analysis.numbering.dofs.iter().enumerate() {
+            if let Ok(k) = map.slaves().binary_search(&(dof as usize)) {
+                of_slaves[k] = scaling.col(l);
+            }
+        }
         let mut rows = Csr::empty(map.slaves().len());
-        let place = |(j, v): (usize, f64)| map.slaves().binary_search(&j).ok().map(|k| (k, v));
-        equations.iter().for_each(|&i| rows.append(system.matrix().row(i).filter_map(place)));
+        for &i in &equations {
+            let place = |(j, v): (usize, f64)| {
+                map.slaves().binary_search(&j).ok().map(|k| (k, ldexp(v, scaling.row[i] + of_slaves[k])))
+            };
+            rows.append(system.matrix().row(i).filter_map(place));
+        }
+        let of_equations = equations.iter().map(|&i| scaling.row[i]).collect();
         let memory = map.analysis.options.memory;
         let failed =
             |error: qless_qr::Error| BackendError::Failed { backend: "multipliers", message: error.to_string() };
@@ -31,7 +48,7 @@ impl Multipliers {
         let order: Vec<usize> = symbolic.order().iter().map(|&i| i as usize).collect();
         let factors = lu::factor(&rows, &order, |_| true, memory);
         let factors = factors.map_err(|error| error.of_block("multipliers", &rows, memory))?;
-        Ok(Self { equations, solver: Solver::new(&rows, factors) })
+        Ok(Self { equations, solver: Solver::new(&rows, factors), of_equations, of_slaves })
     }
 }
 
@@ -61,9 +78,11 @@ impl Map {
             let made = Multipliers::new(self)?;
             self.multipliers.get_or_init(|| made)
         };
-        let by_step: Vec<f64> = factored.solver.slaves().iter().map(|&k| of_slaves[k as usize]).collect();
+        let scaled = |&k: &u32| ldexp(of_slaves[k as usize], factored.of_slaves[k as usize]);
+        let by_step: Vec<f64> = factored.solver.slaves().iter().map(scaled).collect();
         let lambda = factored.solver.solve_transposed(&by_step);
-        for (&i, lambda) in factored.equations.iter().zip(lambda) {
+        for ((&i, &exponent), lambda) in factored.equations.iter().zip(&factored.of_equations).zip(lambda) {
+            let lambda = ldexp(lambda, exponent);
             if !lambda.is_finite() {
                 return Err(ArgumentError::Overflow { what: "lambda", place: i }.into());
             }

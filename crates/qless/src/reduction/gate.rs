@@ -243,14 +243,19 @@ impl Expanded {
         let labels = Labels::of(local);
         let mut largest = vec![0.0_f64; labels.count];
         for (i, &label) in labels.of_row.iter().enumerate() {
-            let sizes = local.row(i).map(|(j, _)| ldexp(self.size(j), -scaling.col(j)));
+            let free = local.row(i).filter(|&(j, _)| local.free()[j]);
+            let sizes = free.map(|(j, _)| ldexp(self.size(j), -scaling.col(j)));
             largest[label as usize] = sizes.fold(largest[label as usize], f64::max);
         }
         for (i, out) in out.iter_mut().enumerate().filter(|(_, out)| **out > FINE) {
             let b = self.rhs(local, i);
             let sum = local.row(i).fold(-b, |sum, (j, v)| sum + v * self.u[j]);
-            let weight: f64 = local.row(i).map(|(j, v)| ldexp(v.abs(), scaling.col(j))).sum();
-            *out = relative(sum, weight * largest[labels.of_row[i] as usize] + b.abs());
+            // Prescribed DOFs are in no unit that others share: they count by what they bring into the equation, as b does.
+            let largest = largest[labels.of_row[i] as usize];
+            let parts = local.row(i).map(|(j, v)| {
+                if local.free()[j] { ldexp(v.abs(), scaling.col(j)) * largest } else { (v * self.u[j]).abs() }
+            });
+            *out = relative(sum, parts.sum::<f64>() + b.abs());
         }
     }
 }

@@ -24,14 +24,25 @@ impl Reduction {
     pub fn expand(&self, masters: &[f64], prescribed: &[f64]) -> Result<Vec<f64>, ArgumentError> {
         numbers("the list of masters", masters, self.masters.len())?;
         numbers("the list of prescribed values", prescribed, self.prescribed.len())?;
+        in_range("u", self.combined(masters, prescribed, |i| self.g[i]))
+    }
+
+    /// `T du_q` at slaves: not as a difference of two expansions, which would lose what is small beside g.
+    pub(crate) fn increment(&self, masters: &[f64]) -> Result<Vec<f64>, ArgumentError> {
+        numbers("the list of masters", masters, self.masters.len())?;
+        in_range("u", self.combined(masters, &vec![0.0; self.prescribed.len()], |_| 0.0))
+    }
+
+    /// All DOFs, with constants by slave.
+    fn combined(&self, masters: &[f64], prescribed: &[f64], constant: impl Fn(usize) -> f64) -> Vec<f64> {
         let mut u = vec![0.0; self.dofs()];
         self.masters.iter().zip(masters).for_each(|(&j, &v)| u[j] = v);
         self.prescribed.iter().zip(prescribed).for_each(|(&j, &v)| u[j] = v);
         let (t, g) = (self.t.product(masters), self.g_matrix.product(prescribed));
         self.factored.iter().for_each(|block| block.set_slaves(&mut u));
         // Rows of factored blocks are empty: nothing is lost by adding them.
-        self.slaves.iter().enumerate().for_each(|(i, &j)| u[j] += t[i] + g[i] + self.g[i]);
-        in_range("u", u)
+        self.slaves.iter().enumerate().for_each(|(i, &j)| u[j] += t[i] + g[i] + constant(i));
+        u
     }
 
     /// `f_q = T^T f_s`: what forces on slaves (length of [`Reduction::slaves`]) are worth at the masters.

@@ -195,7 +195,11 @@ impl Condensed {
                 if !part.lines.contains(&q) {
                     return Ok(());
                 }
-                part.load[q - part.lines.start] += weight * force;
+                let load = &mut part.load[q - part.lines.start];
+                *load += weight * force;
+                if !load.is_finite() {
+                    return Err(ArgumentError::Overflow { what: "f_q", place: q });
+                }
                 self.add_row(q, weight, dofs, row, part)
             };
             match (self.number[i], self.slave[i]) {
@@ -231,6 +235,9 @@ impl Condensed {
                     _ => index.binary_search(&r).map_err(|_| ArgumentError::Foreign { what: "an element" })?,
                 };
                 values[place] += v;
+                if !values[place].is_finite() {
+                    return Err(ArgumentError::Overflow { what: "K_q", place: line.start + place });
+                }
                 next = place + 1;
             }
             Ok(())

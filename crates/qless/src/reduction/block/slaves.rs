@@ -28,13 +28,13 @@ pub(crate) fn solve(block: &Block, kept: &Kept, memory: usize) -> Result<Solved,
         && let Some(Large { slaves, masters, columns, constant }) = large::relation(block, &rows, &kept.order, memory)?
     {
         let relation = columns.transposed();
-        let relation = clean((0..r).map(|i| relation.row(i)), masters.len(), columns.rows(), zero);
+        let relation = clean((0..r).map(|i| relation.row(i)), (masters.len(), &units(block, masters.len())), zero);
         return Ok(solved(block, &slaves, &masters, (relation, without_rounding(constant))));
     }
     let (columns, rhs) = kept_columns(block, &rows);
     let factor = Faer.factor(&columns, &rhs, 0.0)?;
     let tableau = relate(block, &rows, &factor)?;
-    let relation = sparse(&tableau, zero);
+    let relation = sparse(&tableau, &units(block, tableau.free.len()), zero);
     Ok(solved(block, &tableau.basic, &tableau.free, relation))
 }
 
@@ -100,27 +100,37 @@ fn relation(block: &Block, factor: &Factor) -> Tableau {
 }
 
 /// Splits the constant, without rounding, off.
-fn sparse(tableau: &Tableau, zero: f64) -> (Csr, Vec<f64>) {
+fn sparse(tableau: &Tableau, units: &[f64], zero: f64) -> (Csr, Vec<f64>) {
     let width = tableau.width - 1;
     let rows = (0..tableau.basic.len()).map(|i| tableau.row(i)[..width].iter().copied().enumerate());
     let constant = (0..tableau.basic.len()).map(|i| tableau.row(i)[width]).collect();
-    (clean(rows, tableau.free.len(), width, zero), without_rounding(constant))
+    (clean(rows, (tableau.free.len(), units), zero), without_rounding(constant))
 }
 
-/// Drops rounding, on the free and on the prescribed side, which are in units of their own.
+/// What a coefficient of each column of the relation is measured by: masters are scaled, prescribed DOFs are in units of their own.
+fn units(block: &Block, masters: usize) -> Vec<f64> {
+    let mut units = vec![0.0_f64; block.prescribed.len()];
+    let entries = (0..block.fixed.rows()).flat_map(|i| block.fixed.row(i));
+    entries.for_each(|(c, v)| units[c] = units[c].max(v.abs()));
+    std::iter::repeat_n(1.0, masters).chain(units).collect()
+}
+
+/// Drops rounding, on the free and on the prescribed side.
 fn clean<R: Iterator<Item = (usize, f64)> + Clone>(
     rows: impl Iterator<Item = R>,
-    masters: usize,
-    width: usize,
+    (masters, units): (usize, &[f64]),
     zero: f64,
 ) -> Csr {
-    let mut relation = Csr::empty(width);
+    let mut relation = Csr::empty(units.len());
     for row in rows {
         let mut largest = [0.0_f64; 2];
-        row.clone()
-            .for_each(|(j, v)| largest[usize::from(j >= masters)] = largest[usize::from(j >= masters)].max(v.abs()));
+        let size = |(j, v): (usize, f64)| v.abs() / units[j];
+        row.clone().for_each(|entry| {
+            let side = &mut largest[usize::from(entry.0 >= masters)];
+            *side = side.max(size(entry));
+        });
         let least = largest.map(|largest| if largest <= zero { zero } else { NOISE * largest });
-        relation.append(row.filter(|&(j, v)| v.abs() > least[usize::from(j >= masters)]));
+        relation.append(row.filter(|&entry| size(entry) > least[usize::from(entry.0 >= masters)]));
     }
     relation
 }
