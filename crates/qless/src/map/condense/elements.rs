@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::values::stretches;
 use super::{Condensed, Given, NONE};
 use crate::ArgumentError;
 use crate::common::argument::{long, numbers, within};
@@ -144,7 +145,7 @@ impl Condensed {
         f_q.fill(0.0);
         let mut parts = Vec::new();
         let mut load = f_q;
-        for (lines, values) in self.stretches(k_q, rayon::current_num_threads()) {
+        for (lines, values) in stretches(&self.lines.starts, k_q, rayon::current_num_threads()) {
             let (own, rest) = load.split_at_mut(lines.len());
             load = rest;
             parts.push(Part { lines, values, load: own });

@@ -13,9 +13,6 @@ use crate::map::Transform;
 /// Fewer entries of K_q than this are not worth a thread of their own.
 const WORTH_A_THREAD: usize = 1 << 15;
 
-/// As many slaves at least share one list of sums.
-const LEAST_SLAVES: usize = 1 << 8;
-
 impl Condensed {
     /// `K_q = L^T K L` and `f_q = L^T (f - K u_0)` for values of K in the order of its pattern and forces on all DOFs.
     ///
@@ -42,7 +39,7 @@ impl Condensed {
         long("the list of values of K", k.len(), self.plan.entries)?;
         let w = self.of_slaves(k);
         let stretch = |(range, out): (Range<usize>, &mut [f64])| self.fill(range, out, k, &w);
-        let finite = match self.stretches(k_q, 4 * rayon::current_num_threads()) {
+        let finite = match stretches(&self.lines.starts, k_q, 4 * rayon::current_num_threads()) {
             few if few.len() < 2 => few.into_iter().all(stretch),
             many => many.into_par_iter().map(stretch).reduce(|| true, |a, b| a && b),
         };
@@ -53,26 +50,6 @@ impl Condensed {
             Some(place) => Err(ArgumentError::NotFinite { what: "the list of values of K", place, value: k[place] }),
             None => Err(ArgumentError::Overflow { what: "K_q", place: position(k_q) }),
         }
-    }
-
-    /// Lines in stretches of about the same number of entries, with their values.
-    pub(super) fn stretches<'a>(&self, mut values: &'a mut [f64], most: usize) -> Vec<(Range<usize>, &'a mut [f64])> {
-        let count = if rayon::current_num_threads() == 1 { 1 } else { most.min(values.len() / WORTH_A_THREAD).max(1) };
-        let (total, starts) = (values.len(), &self.lines.starts);
-        let mut all = Vec::new();
-        let mut first = 0;
-        for part in 1..=count {
-            let end = if part == count {
-                self.unknowns()
-            } else {
-                starts.partition_point(|&s| (s as usize) < total * part / count)
-            };
-            let end = end.clamp(first, self.unknowns());
-            let (own, rest) = values.split_at_mut((starts[end] - starts[first]) as usize);
-            all.push((first..end, own));
-            (values, first) = (rest, end);
-        }
-        all
     }
 
     /// Writes some lines; false if a number is not finite.
@@ -120,19 +97,43 @@ impl Condensed {
     /// `W = K_S L`.
     fn of_slaves(&self, k: &[f64]) -> Vec<f64> {
         let w = &self.plan.w;
-        let line = |sums: &mut Vec<f64>, a: usize| {
-            sums.resize(self.unknowns(), 0.0);
-            w.line(a).iter().for_each(|&r| sums[r as usize] = 0.0);
-            self.add_line(self.plan.of_slaves.line(a), k, sums, |_| true);
-            w.line(a).iter().map(|&r| sums[r as usize]).collect::<Vec<f64>>()
+        let mut values = vec![0.0; w.index.len()];
+        let stretch = |(range, mut out): (Range<usize>, &mut [f64])| {
+            let mut sums = vec![0.0; self.unknowns()];
+            for a in range {
+                let (own, rest) = out.split_at_mut(w.line(a).len());
+                out = rest;
+                w.line(a).iter().for_each(|&r| sums[r as usize] = 0.0);
+                self.add_line(self.plan.of_slaves.line(a), k, &mut sums, |_| true);
+                own.iter_mut().zip(w.line(a)).for_each(|(own, &r)| *own = sums[r as usize]);
+            }
         };
-        let slaves = w.starts.len() - 1;
-        if w.index.len() < WORTH_A_THREAD {
-            let mut sums = Vec::new();
-            return (0..slaves).flat_map(|a| line(&mut sums, a)).collect();
+        match stretches(&w.starts, &mut values, 4 * rayon::current_num_threads()) {
+            few if few.len() < 2 => few.into_iter().for_each(stretch),
+            many => many.into_par_iter().for_each(stretch),
         }
-        (0..slaves).into_par_iter().with_min_len(LEAST_SLAVES).map_init(Vec::new, line).flatten_iter().collect()
+        values
     }
+}
+
+/// Lines in stretches of about the same number of entries, with their values: at most so many.
+pub(super) fn stretches<'a>(
+    starts: &[u32],
+    mut values: &'a mut [f64],
+    most: usize,
+) -> Vec<(Range<usize>, &'a mut [f64])> {
+    let count = if rayon::current_num_threads() == 1 { 1 } else { most.min(values.len() / WORTH_A_THREAD).max(1) };
+    let (total, lines) = (values.len(), starts.len() - 1);
+    let mut all = Vec::new();
+    let mut first = 0;
+    for part in 1..=count {
+        let end = if part == count { lines } else { starts.partition_point(|&s| (s as usize) < total * part / count) };
+        let end = end.clamp(first, lines);
+        let (own, rest) = values.split_at_mut((starts[end] - starts[first]) as usize);
+        all.push((first..end, own));
+        (values, first) = (rest, end);
+    }
+    all
 }
 
 fn position(values: &[f64]) -> usize {

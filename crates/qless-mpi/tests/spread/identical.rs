@@ -1,8 +1,6 @@
 //! Verdicts, certificates, T, G and g are those of the serial library to the last bit, whoever holds the equations.
 
-mod common;
-
-use common::{Partition, difference, serial, spread};
+use crate::common::{Partition, difference, serial, spread};
 use qless::{ConstraintSystem, Options};
 use qless_scenes::{Rng, Scene, SceneError, families, fssi};
 

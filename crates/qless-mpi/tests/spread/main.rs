@@ -1,0 +1,6 @@
+//! Systems dealt out to ranks within this process, against the serial library.
+
+mod common;
+mod faults;
+mod identical;
+mod map;
