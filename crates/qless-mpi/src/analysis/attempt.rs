@@ -129,7 +129,7 @@ impl Job<'_> {
         let slaves = self.slaves_of(peels, &findings.lines);
         let own = layout.owned(ranks.rank());
         let mut post = Post::default();
-        let mut line = Lines::new();
+        let mut line = Lines::default();
         let terms = |peel: &Peel| rows.values(peel.row()).len() - 1;
         findings.lines.reserve(peels.len(), peels.iter().map(terms).sum());
         for &peel in peels {
@@ -159,8 +159,8 @@ impl Job<'_> {
             touched.dofs.iter().zip(wanted).filter(|(_, wanted)| *wanted).map(|(&dof, _)| dof).collect();
         let lines = ask(ranks, layout, own, &dofs);
         let mut of_place = vec![NONE; touched.dofs.len()];
-        for (i, dof) in lines.slaves.iter().enumerate() {
-            if let Ok(place) = touched.dofs.binary_search(dof) {
+        for (i, dof) in lines.slaves().enumerate() {
+            if let Ok(place) = touched.dofs.binary_search(&dof) {
                 of_place[place] = i as u32;
             }
         }

@@ -89,5 +89,6 @@ fn slave(rows: &Rows, touched: &Touched, known: &Known, row: usize) -> Option<Pe
     }
     let position = position.filter(|_| is_alone)?;
     let j = places[position] as usize;
-    (touched.columns[j].count == 1 && !known.said[j].is_shared()).then_some(Peel { row: row as u32, position: position as u32 })
+    (touched.columns[j].count == 1 && !known.said[j].is_shared())
+        .then_some(Peel { row: row as u32, position: position as u32 })
 }
