@@ -78,9 +78,17 @@ pub fn give_back() {
 }
 
 /// Writes to standard error, whoever has it locked; what cannot be written is lost.
-pub fn tell(text: &[u8]) {
-    // SAFETY: the bytes are there; what is written is theirs.
-    let _ = unsafe { libc::write(libc::STDERR_FILENO, text.as_ptr().cast(), text.len()) };
+pub fn tell(mut text: &[u8]) {
+    while !text.is_empty() {
+        // SAFETY: the bytes are there; what is written is theirs.
+        let written = unsafe { libc::write(libc::STDERR_FILENO, text.as_ptr().cast(), text.len()) };
+        match usize::try_from(written) {
+            Ok(written) => text = &text[written.min(text.len())..],
+            // A signal came before anything was written.
+            Err(_) if std::io::Error::last_os_error().kind() == std::io::ErrorKind::Interrupted => {}
+            Err(_) => return,
+        }
+    }
 }
 
 /// Ends the process now.
