@@ -105,13 +105,13 @@ impl Writer<'_> {
             self.set.add("periodic in z", tie)?;
             self.said(node, 0, [0.0, 0.0, 1.0]);
         }
-        for axis in 0..2 {
+        for (axis, step) in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].into_iter().enumerate() {
             if node.place[axis] == cells[axis] {
                 let mut image = node;
                 image.place[axis] = 0;
                 let a = self.point(image);
                 self.set.add("periodic", Periodic { a, b: point, strain: MacroStrain::Given([[0.0; 3]; 3]) })?;
-                self.said(node, 1 + axis, std::array::from_fn(|k| if k == axis { 1.0 } else { 0.0 }));
+                self.said(node, 1 + axis, step);
             }
         }
         if self.cell.is_rigid(node) {

@@ -22,10 +22,8 @@ const STEPS: usize = 4;
 const STRETCH: Gradient = [[0.02, 0.01, 0.0], [0.0, -0.01, 0.005], [0.003, 0.0, 0.015]];
 
 /// Every other node of the upper face is one of the lower face: only then do ties of nodes carry a constant stress exactly.
-const PLAIN: Cell = Cell {
-    blocks: [Block { cells: [4, 3, 3], young: 1.0 }, Block { cells: [8, 6, 2], young: 1.0 }],
-    inclusion: None,
-};
+const PLAIN: Cell =
+    Cell { blocks: [Block { cells: [4, 3, 3], young: 1.0 }, Block { cells: [8, 6, 2], young: 1.0 }], inclusion: None };
 /// The meshes meet in every third or second node; the inclusion ends there.
 const WITH_INCLUSION: Cell = Cell {
     blocks: [Block { cells: [8, 6, 4], young: 1.0 }, Block { cells: [12, 9, 6], young: 3.0 }],
@@ -99,7 +97,11 @@ fn transposed(e: &Gradient) -> Gradient {
 fn report(ranks: &dyn Ranks, name: &str, cell: &Cell, solved: &Solved) {
     if ranks.rank() == 0 {
         let Solved { redundant, equations, iterations, stress, .. } = solved;
-        println!("{name}, {} ranks: {} DOFs, {redundant} of {equations} equations redundant", ranks.size(), cell.dofs());
+        println!(
+            "{name}, {} ranks: {} DOFs, {redundant} of {equations} equations redundant",
+            ranks.size(),
+            cell.dofs()
+        );
         println!("  {iterations} iterations in {STEPS} steps, mean stress {stress:.9?}");
     }
 }

@@ -42,8 +42,7 @@ impl<'a> Model<'a> {
             .collect();
         let stiffness = cell.blocks.map(|block| stiffness(block.edges(), block.young));
         let dofs = |e: usize| hexahedra[e].1;
-        let condensed =
-            map.transform().condensed_for_elements(hexahedra.len(), dofs, Storage::Full, Given::Eliminated);
+        let condensed = map.transform().condensed_for_elements(hexahedra.len(), dofs, Storage::Full, Given::Eliminated);
         let condensed = agreed(ranks, condensed)?;
         let (k_q, load) = (vec![0.0; condensed.nnz()], vec![0.0; condensed.unknowns()]);
         Ok(Self { ranks, map, constraints, hexahedra, stiffness, condensed, k_q, load })
@@ -54,8 +53,7 @@ impl<'a> Model<'a> {
         self.constraints.stretch(e);
         self.map.refresh(self.ranks, &self.constraints.share, &Options::default())?;
         let Self { ranks, map, hexahedra, stiffness, condensed, k_q, load, .. } = self;
-        let element =
-            |e: usize, matrix: &mut [f64], _: &mut [f64]| matrix.copy_from_slice(&stiffness[hexahedra[e].0]);
+        let element = |e: usize, matrix: &mut [f64], _: &mut [f64]| matrix.copy_from_slice(&stiffness[hexahedra[e].0]);
         let dofs = |e: usize| hexahedra[e].1;
         let done = condensed.assemble(map.transform(), hexahedra.len(), dofs, k_q, load, element);
         Ok(agreed(*ranks, done)?)

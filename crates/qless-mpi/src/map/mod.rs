@@ -25,12 +25,12 @@ use ghosts::Ghosts;
 /// ```
 /// use qless::Options;
 /// use qless_mpi::{Map, Share, together};
-/// // u2 of the second rank follows u0 of the first, by u2 = 2 u0 + 1.
+/// // u2 of the second rank follows u0 of the first, by u2 = u0 / 2 + 1.
 /// let sums = together(2, |ranks| {
 ///     let first = ranks.rank() == 0;
 ///     let mut share = Share::new(if first { 0..2 } else { 2..4 });
 ///     if first {
-///         share.equation(0, [(2, 1.0), (0, -2.0)], 1.0);
+///         share.equation(0, [(2, 1.0), (0, -0.5)], 1.0);
 ///     }
 ///     let map = Map::new(ranks, &share, &Options::default()).expect("consistent");
 ///     let masters = vec![3.0; map.masters().len()];
@@ -39,7 +39,7 @@ use ghosts::Ghosts;
 ///     (map.dofs().to_vec(), u)
 /// });
 /// assert_eq!(sums[0], (vec![0, 1], vec![3.0, 3.0]));
-/// assert_eq!(sums[1], (vec![0, 2, 3], vec![3.0, 7.0, 3.0]));
+/// assert_eq!(sums[1], (vec![0, 2, 3], vec![3.0, 2.5, 3.0]));
 /// ```
 #[derive(Debug)]
 pub struct Map {

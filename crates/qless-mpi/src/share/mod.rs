@@ -63,12 +63,7 @@ impl Share {
     /// assert_eq!(share.numbers(), [100]);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn add_system(
-        &mut self,
-        system: &ConstraintSystem,
-        dof: impl Fn(usize) -> u64,
-        number: impl Fn(usize) -> u64,
-    ) {
+    pub fn add_system(&mut self, system: &ConstraintSystem, dof: impl Fn(usize) -> u64, number: impl Fn(usize) -> u64) {
         for (i, &rhs) in system.rhs().iter().enumerate() {
             self.equation(number(i), system.matrix().row(i).map(|(j, value)| (dof(j), value)), rhs);
         }
