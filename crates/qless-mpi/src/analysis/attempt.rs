@@ -42,7 +42,7 @@ impl Job<'_> {
         let part = |i: usize| whole.of_row[i] as usize;
         let peels = peel(rows, touched, known, |i| may_peel[part(i)]);
         let mut gone = vec![false; rows.len()];
-        peels.iter().for_each(|peel| gone[peel.row] = true);
+        peels.iter().for_each(|peel| gone[peel.row()] = true);
         let rest = Components::of(ranks, layout, self.parts(), |i| !gone[i]);
         let components = rest.total(ranks, &loads(rows, &rest), |total, part| {
             *total = [total[0] + part[0], total[1] + part[1]];
@@ -129,14 +129,14 @@ impl Job<'_> {
         let slaves = self.slaves_of(peels, &findings.lines);
         let own = layout.owned(ranks.rank());
         let mut post = Post::default();
-        let mut line = Lines::new();
-        let terms = |peel: &Peel| rows.starts[peel.row + 1] - rows.starts[peel.row] - 1;
+        let mut line = Lines::default();
+        let terms = |peel: &Peel| rows.values(peel.row()).len() - 1;
         findings.lines.reserve(peels.len(), peels.iter().map(terms).sum());
         for &peel in peels {
-            let slave = rows.dofs[rows.starts[peel.row] + peel.position];
+            let slave = rows.dofs[peel.place(rows)];
             let into = if own.contains(&slave) { &mut findings.lines } else { &mut line };
             if substitute(into, peel, (rows, touched, known), &slaves, options.growth) == Soundness::Unsound {
-                troubled(peel.row);
+                troubled(peel.row());
             }
             if line.len() > 0 {
                 line.line(0).write(post.to(layout.owner(slave)));
@@ -151,16 +151,16 @@ impl Job<'_> {
     fn slaves_of(&self, peels: &[Peel], own: &Lines) -> Slaves {
         let Self { ranks, layout, rows, touched, known, .. } = *self;
         let mut wanted = vec![false; touched.dofs.len()];
-        for &Peel { row, position } in peels {
-            let others = touched.row(rows, row).iter().enumerate().filter(|&(k, _)| k != position);
-            others.for_each(|(_, &j)| wanted[j as usize] = known.said[j as usize].is_free());
+        for peel in peels {
+            let others = (rows.starts[peel.row()]..rows.starts[peel.row() + 1]).filter(|&k| k != peel.place(rows));
+            others.map(|k| touched.places[k] as usize).for_each(|j| wanted[j] = known.said[j].is_free());
         }
         let dofs: Vec<u64> =
             touched.dofs.iter().zip(wanted).filter(|(_, wanted)| *wanted).map(|(&dof, _)| dof).collect();
         let lines = ask(ranks, layout, own, &dofs);
         let mut of_place = vec![NONE; touched.dofs.len()];
-        for (i, dof) in lines.slaves.iter().enumerate() {
-            if let Ok(place) = touched.dofs.binary_search(dof) {
+        for (i, dof) in lines.slaves().enumerate() {
+            if let Ok(place) = touched.dofs.binary_search(&dof) {
                 of_place[place] = i as u32;
             }
         }

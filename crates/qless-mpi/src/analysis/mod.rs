@@ -73,6 +73,7 @@ pub struct Analysis {
     pub(crate) unmet_equations: Vec<usize>,
     pub(crate) confidence: Confidence,
     pub(crate) counts: Counts,
+    pub(crate) slaves: Vec<u64>,
     pub(crate) lines: Lines,
     pub(crate) needed: Lines,
     pub(crate) directory: Directory,
@@ -138,7 +139,7 @@ impl Analysis {
 
     /// The slaves that this rank owns, ascending.
     pub fn slaves(&self) -> &[u64] {
-        &self.lines.slaves
+        &self.slaves
     }
 
     /// `u_dof = sum value u_j + g` of a slave that this rank owns or needs: its terms, ascending, and g. None for other DOFs.

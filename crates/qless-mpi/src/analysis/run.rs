@@ -82,6 +82,7 @@ pub fn analyse(ranks: &dyn Ranks, share: &Share, options: &Options) -> Result<An
         generated: findings.generated,
         unmet_equations: findings.unmet,
         confidence,
+        slaves: lines.slaves().collect(),
         lines,
         needed,
         directory,

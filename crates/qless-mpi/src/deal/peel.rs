@@ -9,8 +9,8 @@ use crate::share::Rows;
 /// An equation and the position of its slave.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Peel {
-    pub row: usize,
-    pub position: usize,
+    pub row: u32,
+    pub position: u32,
 }
 
 /// More than one column in this many must not be small in all its rows.
@@ -27,6 +27,17 @@ pub(crate) struct Sizes {
     small: u64,
     /// Columns in two rows or more that no other rank knows.
     shared: u64,
+}
+
+impl Peel {
+    pub fn row(self) -> usize {
+        self.row as usize
+    }
+
+    /// Where the slave stands in the lists of terms.
+    pub fn place(self, rows: &Rows) -> usize {
+        rows.starts[self.row as usize] + self.position as usize
+    }
 }
 
 impl Sizes {
@@ -52,7 +63,7 @@ pub(crate) fn sizes(rows: &Rows, touched: &Touched, known: &Known, components: &
     let columns = components.of_dof.iter().zip(&touched.columns).zip(&known.said);
     for ((&part, column), said) in columns.filter(|((part, _), _)| **part != NONE) {
         let of = &mut of_part[part as usize];
-        of.small += u64::from(column.count == column.small && (column.count >= 2 || said.is_shared()));
+        of.small += u64::from(column.is_small && (column.count >= 2 || said.is_shared()));
         of.shared += u64::from(column.count >= 2 && !said.is_shared());
     }
     of_part
@@ -78,5 +89,6 @@ fn slave(rows: &Rows, touched: &Touched, known: &Known, row: usize) -> Option<Pe
     }
     let position = position.filter(|_| is_alone)?;
     let j = places[position] as usize;
-    (touched.columns[j].count == 1 && !known.said[j].is_shared()).then_some(Peel { row, position })
+    (touched.columns[j].count == 1 && !known.said[j].is_shared())
+        .then_some(Peel { row: row as u32, position: position as u32 })
 }

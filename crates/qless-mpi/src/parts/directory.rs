@@ -17,7 +17,7 @@ pub(crate) struct Known {
 
 /// What is said of a DOF.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Said(u64);
+pub(crate) struct Said(u8);
 
 /// What a rank knows of the DOFs that it owns.
 #[derive(Clone, Debug)]
@@ -26,9 +26,9 @@ pub(crate) struct Directory {
     pub prescribed: BTreeMap<u64, f64>,
 }
 
-const SHARED: u64 = 1;
-const PRESCRIBED: u64 = 2;
-const FAINT: u64 = 4;
+const SHARED: u8 = 1;
+const PRESCRIBED: u8 = 2;
+const FAINT: u8 = 4;
 /// What is said of a DOF takes this many bits below its place.
 const BITS: u32 = 3;
 /// Marks a DOF of which the same is said on the way to its owner.
@@ -63,7 +63,7 @@ impl Directory {
         let mut post = Post::default();
         let own = layout.owned(ranks.rank());
         for (&dof, column) in touched.dofs.iter().zip(&touched.columns).filter(|(dof, _)| !own.contains(dof)) {
-            post.to(layout.owner(dof)).push(if column.faint { dof | FAINT_DOF } else { dof });
+            post.to(layout.owner(dof)).push(if column.is_faint { dof | FAINT_DOF } else { dof });
         }
         let came = post.send(ranks);
         let directory = Self { prescribed: values.as_ref().map_or_else(|_| BTreeMap::new(), Clone::clone) };
@@ -75,7 +75,7 @@ impl Directory {
     /// What is told to each rank of the DOFs that it named: the place in its message and what there is to know, with the value. What
     /// the others say of DOFs that this rank knows itself is noted.
     fn answers(&self, came: &[Message], touched: &Touched, known: &mut Known) -> Post {
-        let mut said: BTreeMap<u64, u64> = BTreeMap::new();
+        let mut said: BTreeMap<u64, u8> = BTreeMap::new();
         for &word in came.iter().flat_map(|message| &message.words) {
             let faint = if word & FAINT_DOF == 0 { 0 } else { FAINT };
             said.entry(word & !FAINT_DOF).and_modify(|bits| *bits |= SHARED | faint).or_insert(faint);
@@ -100,7 +100,7 @@ impl Directory {
                 let bits = said.get(&dof).copied().unwrap_or_default();
                 if bits != 0 {
                     let words = answers.to(message.rank);
-                    words.push((place as u64) << BITS | bits);
+                    words.push((place as u64) << BITS | u64::from(bits));
                     words.extend(self.prescribed.get(&dof).map(|value| value.to_bits()));
                 }
             }
@@ -132,7 +132,7 @@ fn prescriptions(
 impl Known {
     /// What a rank knows by itself.
     fn own(touched: &Touched) -> Self {
-        let said = touched.columns.iter().map(|column| Said(if column.faint { FAINT } else { 0 }));
+        let said = touched.columns.iter().map(|column| Said(if column.is_faint { FAINT } else { 0 }));
         Self { said: said.collect(), given: BTreeMap::new() }
     }
 
@@ -142,8 +142,9 @@ impl Known {
             let mut words = message.words.iter();
             while let Some(&word) = words.next() {
                 let place = first + (word >> BITS) as usize;
-                self.said[place].0 |= word & ((1 << BITS) - 1);
-                if word & PRESCRIBED != 0 {
+                let bits = (word & ((1 << BITS) - 1)) as u8;
+                self.said[place].0 |= bits;
+                if bits & PRESCRIBED != 0 {
                     self.given.insert(place as u32, words.next().map_or(0.0, |&bits| real(bits)));
                 }
             }

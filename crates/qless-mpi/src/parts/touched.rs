@@ -15,14 +15,14 @@ pub(crate) struct Touched {
 }
 
 /// The coefficients of a DOF in the equations of a rank.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Column {
-    /// How many there are, ...
+    /// How many there are.
     pub count: u32,
-    /// ... and how many of them are small: if all are, it may be in another unit.
-    pub small: u32,
+    /// Whether all are small: it may be in another unit.
+    pub is_small: bool,
     /// Whether one of them may be rounding of its equation.
-    pub faint: bool,
+    pub is_faint: bool,
 }
 
 /// Coefficients further below the largest of their row are small, ...
@@ -69,7 +69,7 @@ impl Touched {
 const NONE: u32 = u32::MAX;
 
 fn columns(rows: &Rows, places: &[u32], count: usize) -> Vec<Column> {
-    let mut columns = vec![Column::default(); count];
+    let mut columns = vec![Column { count: 0, is_small: true, is_faint: false }; count];
     for i in 0..rows.len() {
         let values = rows.values(i);
         let largest = values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
@@ -77,8 +77,8 @@ fn columns(rows: &Rows, places: &[u32], count: usize) -> Vec<Column> {
         for (&j, value) in places[rows.starts[i]..].iter().zip(values) {
             let column = &mut columns[j as usize];
             column.count += 1;
-            column.small += u32::from(value.abs() < small);
-            column.faint |= value.abs() < faint;
+            column.is_small &= value.abs() < small;
+            column.is_faint |= value.abs() < faint;
         }
     }
     columns

@@ -15,7 +15,7 @@ pub(crate) fn ask(ranks: &dyn Ranks, layout: &Layout, lines: &Lines, dofs: &[u64
         Message { rank: message.rank, words }
     };
     let answers = post.send(ranks).into_iter().map(answer).filter(|message| !message.words.is_empty()).collect();
-    let mut found = Lines::new();
+    let mut found = Lines::default();
     lines.among(dofs).for_each(|line| found.push_line(line));
     ranks.exchange(answers).iter().for_each(|message| found.read(&message.words));
     found

@@ -41,7 +41,7 @@ pub(crate) fn send_home(ranks: &dyn Ranks, layout: &Layout, solved: &[Solved]) -
     let mut dependent = Vec::new();
     verdicts.send(ranks).iter().for_each(|message| read_verdicts(&message.words, &mut dependent));
     dependent.sort_unstable_by_key(|d: &Dependent| d.equation);
-    let mut lines = Lines::new();
+    let mut lines = Lines::default();
     rows.send(ranks).iter().for_each(|message| lines.read(&message.words));
     let pairs = |message: crate::Message| -> Vec<(u64, f64)> {
         message.words.chunks_exact(2).map(|pair| (pair[0], real(pair[1]))).collect()

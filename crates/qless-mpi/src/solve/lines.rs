@@ -14,41 +14,42 @@ pub(crate) struct Line<'a> {
 }
 
 /// Rows, ascending by slave once [`Lines::sort`]ed.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Lines {
-    pub slaves: Vec<u64>,
-    constants: Vec<f64>,
-    starts: Vec<usize>,
+    heads: Vec<Head>,
     dofs: Vec<u64>,
     values: Vec<f64>,
 }
 
-impl Lines {
-    pub fn new() -> Self {
-        Self { slaves: Vec::new(), constants: Vec::new(), starts: vec![0], dofs: Vec::new(), values: Vec::new() }
-    }
+/// A row and where its terms are.
+#[derive(Clone, Copy, Debug)]
+struct Head {
+    slave: u64,
+    constant: f64,
+    start: usize,
+    len: u32,
+}
 
+impl Lines {
     /// Room for more rows with so many terms.
     pub fn reserve(&mut self, rows: usize, terms: usize) {
-        self.slaves.reserve(rows);
-        self.constants.reserve(rows);
-        self.starts.reserve(rows);
+        self.heads.reserve(rows);
         self.dofs.reserve(terms);
         self.values.reserve(terms);
     }
 
     pub fn len(&self) -> usize {
-        self.slaves.len()
+        self.heads.len()
+    }
+
+    pub fn slaves(&self) -> impl ExactSizeIterator<Item = u64> + '_ {
+        self.heads.iter().map(|head| head.slave)
     }
 
     pub fn line(&self, i: usize) -> Line<'_> {
-        let range = self.starts[i]..self.starts[i + 1];
-        Line {
-            slave: self.slaves[i],
-            constant: self.constants[i],
-            dofs: &self.dofs[range.clone()],
-            values: &self.values[range],
-        }
+        let Head { slave, constant, start, len } = self.heads[i];
+        let range = start..start + len as usize;
+        Line { slave, constant, dofs: &self.dofs[range.clone()], values: &self.values[range] }
     }
 
     pub fn iter(&self) -> impl Iterator<Item = Line<'_>> {
@@ -57,44 +58,35 @@ impl Lines {
 
     /// The row of a DOF, if it is a slave of these.
     pub fn find(&self, dof: u64) -> Option<Line<'_>> {
-        self.slaves.binary_search(&dof).ok().map(|i| self.line(i))
+        self.heads.binary_search_by_key(&dof, |head| head.slave).ok().map(|i| self.line(i))
     }
 
     /// The rows of those of `dofs` that are slaves of these; both ascend.
     pub fn among<'a>(&'a self, dofs: &'a [u64]) -> impl Iterator<Item = Line<'a>> {
-        let inside = move |(i, slave): (usize, &u64)| dofs.binary_search(slave).ok().map(|_| self.line(i));
-        self.slaves.iter().enumerate().filter_map(inside)
+        let inside = move |(i, head): (usize, &Head)| dofs.binary_search(&head.slave).ok().map(|_| self.line(i));
+        self.heads.iter().enumerate().filter_map(inside)
     }
 
     pub fn push(&mut self, slave: u64, constant: f64, terms: impl Iterator<Item = (u64, f64)>) {
+        let start = self.dofs.len();
         for (dof, value) in terms {
             self.dofs.push(dof);
             self.values.push(value);
         }
-        self.starts.push(self.dofs.len());
-        self.slaves.push(slave);
-        self.constants.push(constant);
+        self.heads.push(Head { slave, constant, start, len: (self.dofs.len() - start) as u32 });
     }
 
     pub fn clear(&mut self) {
-        self.slaves.clear();
-        self.constants.clear();
-        self.starts.truncate(1);
+        self.heads.clear();
         self.dofs.clear();
         self.values.clear();
     }
 
     /// Ascending by slave, each once.
-    pub fn sort(self) -> Self {
-        if self.slaves.is_sorted_by(|a, b| a < b) {
-            return self;
-        }
-        let mut order: Vec<usize> = (0..self.len()).collect();
-        order.sort_unstable_by_key(|&i| self.slaves[i]);
-        order.dedup_by_key(|i| self.slaves[*i]);
-        let mut sorted = Self::new();
-        order.into_iter().for_each(|i| sorted.push_line(self.line(i)));
-        sorted
+    pub fn sort(mut self) -> Self {
+        self.heads.sort_unstable_by_key(|head| head.slave);
+        self.heads.dedup_by_key(|head| head.slave);
+        self
     }
 
     pub fn push_line(&mut self, line: Line) {

@@ -35,13 +35,13 @@ pub(crate) fn substitute(
     slaves: &Slaves,
     growth: f64,
 ) -> Soundness {
-    let range = rows.starts[peel.row]..rows.starts[peel.row + 1];
-    let slave = range.start + peel.position;
+    let range = rows.starts[peel.row()]..rows.starts[peel.row() + 1];
+    let slave = peel.place(rows);
     let divisor = -rows.values[slave];
     let mark = |j: u32| if known.said[j as usize].is_free() { 0 } else { GIVEN };
     let term = |k: usize| (touched.places[k], rows.dofs[k] | mark(touched.places[k]), rows.values[k] / divisor);
     let terms = range.filter(|&k| k != slave).map(term);
-    let constant = rows.rhs[peel.row] / rows.values[slave];
+    let constant = rows.rhs[peel.row()] / rows.values[slave];
     if terms.clone().any(|(place, ..)| slaves.of_place[place as usize] != NONE) {
         let (constant, terms) = replaced(constant, terms, slaves);
         lines.push(rows.dofs[slave], constant, terms);
