@@ -10,8 +10,8 @@ use crate::ranks::Ranks;
 const BITS: usize = 32;
 /// 2098 bits of a number, 64 for the carries of many, and a digit that holds the sign.
 const DIGITS: usize = 69;
-/// So many numbers may be added before carries must be moved on: each adds less than 2^32 to a digit.
-const PATIENCE: u32 = 1 << 30;
+/// After so many numbers carries are moved on: each adds less than 2^32 to a digit, which holds 2^31 of them.
+const PATIENCE: u32 = 1 << 16;
 /// Makes the highest digit positive while ranks are added: it is a carry, of few bits.
 const LIFT: u64 = 1 << 40;
 
@@ -29,7 +29,7 @@ const LIFT: u64 = 1 << 40;
 pub fn exact_sum(ranks: &dyn Ranks, numbers: impl IntoIterator<Item = f64>) -> f64 {
     let mut own = Exact::default();
     numbers.into_iter().for_each(|number| own.add(number));
-    let mut words = own.to_words();
+    let mut words = own.into_words();
     ranks.sum(&mut words);
     Exact::of_words(&words, ranks.size()).rounded()
 }
@@ -84,7 +84,7 @@ impl Exact {
     }
 
     /// Words that may be summed over ranks.
-    fn to_words(mut self) -> Vec<u64> {
+    fn into_words(mut self) -> Vec<u64> {
         self.carry();
         let mut words: Vec<u64> = self.digits.iter().map(|&digit| digit as u64).collect();
         words[DIGITS - 1] = words[DIGITS - 1].wrapping_add(LIFT);

@@ -57,6 +57,16 @@ fn what_cancels_leaves_the_rest_to_the_last_bit() {
 }
 
 #[test]
+fn many_numbers_carry() {
+    let mut rng = Rng::new(7);
+    let whole: Vec<i128> = (0..200_000).map(|_| rng.below(1 << 53) as i128).collect();
+    let numbers: Vec<f64> = whole.iter().map(|&m| m as f64).collect();
+    assert_eq!(on_all(&numbers, 7), whole.iter().sum::<i128>() as f64);
+    let below: Vec<f64> = numbers.iter().map(|x| -x).collect();
+    assert_eq!(on_all(&below, 7), -(whole.iter().sum::<i128>() as f64));
+}
+
+#[test]
 fn a_tie_is_broken_by_what_stands_far_below() {
     let half = f64::EPSILON / 2.0;
     assert_eq!(on_all(&[1.0, half], 1), 1.0);
