@@ -150,18 +150,29 @@ fn used() -> f64 {
     (ticks(11) + ticks(12)) / 100.0
 }
 
+/// Most memory in use since this was last asked, in MB.
+fn peak() -> f64 {
+    let status = std::fs::read_to_string("/proc/self/status").expect("a system that tells");
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap_or_default();
+    let kib: f64 = line.trim().trim_end_matches(" kB").parse().unwrap_or_default();
+    std::fs::write("/proc/self/clear_refs", "5").expect("a system that forgets");
+    kib / 1024.0
+}
+
 fn processor_time(equations: usize) {
     let twin = Twin::new(equations, Numbering::ByPlace);
     let system = &twin.system;
     println!("{} equations", system.equations());
     let mut ratios = Vec::new();
     for _ in 0..3 {
+        peak();
         let before = used();
         let analysis = qless::analyse(system, &Options::default()).expect("valid");
         let reduction = analysis.reduction().expect("sound");
         let serial = used() - before;
         let redundant = analysis.dependent().len() as u64;
         drop((analysis, reduction));
+        let of_serial = peak();
         let shares = together(4, |ranks| twin.share(ranks));
         let before = used();
         let counts =
@@ -169,6 +180,7 @@ fn processor_time(equations: usize) {
         let spread = used() - before;
         assert_eq!(counts[0].redundant, redundant);
         println!("serial {serial:.2} s, 4 ranks {spread:.2} s of processor time: {:.2}", spread / serial);
+        println!("MB at most: serial {of_serial:.0}, shares {of_shares:.0}, 4 ranks together {:.0}", peak());
         ratios.push(spread / serial);
     }
     ratios.sort_by(f64::total_cmp);

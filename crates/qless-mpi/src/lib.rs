@@ -1,4 +1,23 @@
-//! Constraints `C u = b` of models that are spread over ranks.
+//! Constraints `C u = b` of models that are spread over ranks: redundant and conflicting equations, and
+//! `u_s = T u_q + G u_p + g` on the DOFs that each rank asks for.
+//!
+//! What comes out is what [`qless::analyse`] and [`qless::Analysis::reduction`] say of all equations on one machine, to the last bit,
+//! whoever holds which equation. The way of the data: [`Share`] (what a rank gives), `parts` (the owners of DOFs, components across
+//! ranks), `deal` (what is solved where it stands, what goes where), `solve` (the serial library, results home), [`Analysis`], [`Map`].
+//! Everything speaks through [`Ranks`]: `World` on MPI with the feature `mpi`, [`together`] within one process.
+//!
+//! ```
+//! use qless::{Kind, Options};
+//! use qless_mpi::{Share, analyse, together};
+//! // The same tie of u0 and u1, said by both ranks.
+//! let kinds = together(2, |ranks| {
+//!     let rank = ranks.rank() as u64;
+//!     let mut share = Share::new(rank..rank + 1);
+//!     share.equation(rank, [(0, 1.0), (1, -1.0)], 0.0);
+//!     analyse(ranks, &share, &Options::default()).expect("valid").kinds().to_vec()
+//! });
+//! assert_eq!(kinds, [[Kind::Independent], [Kind::Redundant]]);
+//! ```
 
 mod agreed;
 mod analysis;
@@ -20,3 +39,8 @@ pub use ranks::{Alone, Counted, Message, Ranks, Sent, together};
 #[cfg(feature = "mpi")]
 pub use ranks::{World, WorldError};
 pub use share::{Share, ShareError, SharePlace};
+
+/// The example of the README, as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

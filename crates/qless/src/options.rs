@@ -81,6 +81,9 @@ pub struct Options {
     /// Whether what presolve and the backend keep is checked for near dependence, and chosen anew where it is not sound. Default:
     /// true. Without, the rank can be wrong and nothing says so: [`crate::Confidence::sigma_kept`] is then 1 unseen.
     pub check: bool,
+    /// Whether columns are scaled as well as rows where units mix within a connected component. Default: true. Without, coefficients of
+    /// an equation are compared as they are, for equations that were taken out of a component in which units do not mix.
+    pub balance: bool,
     /// Slaves and masters are exchanged until `max |T_ij|` is at most this. At least 1, which is met to 1e-9; default 4.
     /// The nearer to 1, the more exchanges.
     pub growth: f64,
@@ -98,6 +101,7 @@ impl Default for Options {
             tolerance: Tolerance::Relative(1e-10),
             presolve: true,
             check: true,
+            balance: true,
             growth: 4.0,
             memory: 16 << 30,
             preferences: Preferences::default(),

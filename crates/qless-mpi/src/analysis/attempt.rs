@@ -55,10 +55,12 @@ impl Job<'_> {
         let cores = travel(ranks, self.parts(), |i| dealt_to(i).filter(|_| is_core(i)));
         let others = travel(ranks, self.parts(), |i| dealt_to(i).filter(|_| !is_core(i)));
         let analysed = cores.rows.len() + others.rows.len();
-        let solve = |guests| {
+        let solve = |guests, options: &Options| {
             Solved::new(guests, layout.owned(ranks.rank()), options).map_err(|failure| failure.on(ranks.rank()))
         };
-        let solved = solve(cores).and_then(|cores| Ok((cores, solve(others)?)));
+        // Units do not mix in the component of a core, whatever the part of it shows.
+        let plain = Options { balance: false, ..options.clone() };
+        let solved = solve(cores, &plain).and_then(|cores| Ok((cores, solve(others, options)?)));
         let (cores, others) = agree(ranks, solved)?;
         let mut troubled = self.unsound(cores.as_ref(), whole);
         let solved: Vec<Solved> = cores.into_iter().chain(others).collect();

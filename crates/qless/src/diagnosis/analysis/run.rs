@@ -63,7 +63,7 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
         means: Means::new(backend.as_ref(), options),
     };
     let settle = |scaling: &Scaling| Run { scaling, ..run }.settle(options.presolve, start);
-    let (scaling, settled) = match spreads {
+    let (scaling, settled) = match spreads.filter(|_| options.balance) {
         None => (rows.clone(), settle(&rows)?),
         Some(spreads) => surest(&rows, &spreads, settle, |which| balanced(local, &exponents, &rows, which))?,
     };
