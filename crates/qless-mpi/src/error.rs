@@ -53,7 +53,7 @@ pub enum Error {
 pub(crate) struct Failure(String);
 
 impl Failure {
-    pub fn of(error: &dyn std::error::Error) -> Self {
+    pub fn of(error: &dyn std::fmt::Display) -> Self {
         Self(error.to_string())
     }
 

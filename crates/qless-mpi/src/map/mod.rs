@@ -172,14 +172,31 @@ impl Map {
     }
 
     /// New right-hand sides and prescribed values, in a share of the same equations ([`Share::set_rhs`],
-    /// [`Share::set_prescribed`]); slaves, T and G stay, to the last bit. Costs an analysis. Collective.
+    /// [`Share::set_prescribed`]); slaves, T and G stay, to the last bit, and so do condensed patterns. Costs an analysis. Collective.
     ///
     /// # Errors
     /// As [`Map::new`]; the map is then as it was.
     pub fn refresh(&mut self, ranks: &dyn Ranks, share: &Share, options: &Options) -> Result<(), Error> {
-        *self = Self::new(ranks, share, options)?;
+        let Self { analysis, dofs, transform, masters, ghosts, inner, outer, constants } =
+            Self::new(ranks, share, options)?;
+        // Patterns know the transform that they were made for: it stays unless the equations are others.
+        if self.dofs == dofs && is_same(&self.transform, &transform) {
+            let set = self.transform.set(transform.reduction().g(), transform.prescribed_values());
+            set.expect("lengths and numbers of a transform");
+        } else {
+            self.transform = transform;
+        }
+        (self.analysis, self.dofs, self.masters, self.ghosts) = (analysis, dofs, masters, ghosts);
+        (self.inner, self.outer, self.constants) = (inner, outer, constants);
         Ok(())
     }
+}
+
+/// Whether two transforms differ in g and in prescribed values at most.
+fn is_same(a: &Transform, b: &Transform) -> bool {
+    let roles = |of: &Transform| [of.slaves().to_vec(), of.masters().to_vec(), of.prescribed().to_vec()];
+    let (left, right) = (a.reduction(), b.reduction());
+    roles(a) == roles(b) && left.t() == right.t() && left.g_matrix() == right.g_matrix()
 }
 
 fn constants(transform: &Transform) -> Vec<f64> {

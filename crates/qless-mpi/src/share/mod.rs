@@ -6,6 +6,8 @@ mod rows;
 
 use std::ops::Range;
 
+use qless::ConstraintSystem;
+
 pub use error::{ShareError, SharePlace};
 pub(crate) use numbers::check_numbers;
 pub(crate) use rows::Rows;
@@ -46,6 +48,26 @@ impl Share {
         self.terms.extend(terms);
         rows::sum_repeats(&mut self.terms);
         self.rows.push(number, rhs, self.terms.iter().copied());
+    }
+
+    /// Adds the equations and prescribed values of a system whose DOF j is DOF `dof(j)` of the job, and whose equation i has the number
+    /// `number(i)` there: those that `qless-constraints` makes of ties, pairs and rigid bodies, for example.
+    ///
+    /// ```
+    /// use qless::SystemBuilder;
+    /// use qless_mpi::Share;
+    /// let mut builder = SystemBuilder::new(2);
+    /// builder.equation([(0, 1.0), (1, -1.0)], 0.0);
+    /// let mut share = Share::new(0..10);
+    /// share.add_system(&builder.build()?, |j| [3, 12][j], |i| 100 + i as u64);
+    /// assert_eq!(share.numbers(), [100]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn add_system(&mut self, system: &ConstraintSystem, dof: impl Fn(usize) -> u64, number: impl Fn(usize) -> u64) {
+        for (i, &rhs) in system.rhs().iter().enumerate() {
+            self.equation(number(i), system.matrix().row(i).map(|(j, value)| (dof(j), value)), rhs);
+        }
+        system.prescribed().iter().for_each(|&(j, value)| self.prescribe(dof(j), value));
     }
 
     /// Gives any DOF a prescribed value; several ranks may say the same.

@@ -143,6 +143,10 @@ fn new_right_hand_sides_leave_t_as_it_is() {
         share.prescribe(3, 0.0);
         let mut map = Map::new(ranks, &share, &Options::default()).expect("consistent");
         let before = map.transform().reduction().t().clone();
+        let dofs = |e: usize| [e, e + 1];
+        let count = map.dofs().len() - 1;
+        let condensed = map.transform().condensed_for_elements(count, dofs, Storage::Full, Given::Eliminated);
+        let condensed = condensed.expect("a pattern");
         for i in 0..share.equations() {
             // Twice the same equation has the same right-hand side only if it is zero; shifts of the whole model keep all.
             share.set_rhs(i, 0.0);
@@ -150,6 +154,12 @@ fn new_right_hand_sides_leave_t_as_it_is() {
         share.set_prescribed(|dof| 0.25 + dof as f64);
         map.refresh(ranks, &share, &Options::default()).expect("consistent");
         assert_eq!(map.transform().reduction().t(), &before);
+        let (mut k_q, mut load) = (vec![0.0; condensed.nnz()], vec![0.0; condensed.unknowns()]);
+        let spring = |_: usize, matrix: &mut [f64], _: &mut [f64]| matrix.copy_from_slice(&[1.0, -1.0, -1.0, 1.0]);
+        let kept = condensed.assemble(map.transform(), count, dofs, &mut k_q, &mut load, spring);
+        kept.expect("a pattern outlives new right-hand sides");
+        // u0 = 0.25 + j where j is prescribed and nothing else: the load is that of the values now.
+        assert!(load.iter().any(|&f| f != 0.0) || !map.dofs().contains(&3));
         let mut u = vec![0.0; map.dofs().len()];
         map.expand_into(ranks, &vec![0.0; map.masters().len()], &mut u);
         if let Ok(place) = map.dofs().binary_search(&3) {

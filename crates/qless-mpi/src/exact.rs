@@ -1,0 +1,137 @@
+//! `sum x_i`, rounded once, of numbers that are spread over ranks.
+//!
+//! Any double is a whole number of 2^-1074, of 2098 bits at most. Such numbers are added without rounding in digits of 32 bits, each in
+//! a word of 64, so that carries may wait; the digits of all ranks are added as whole numbers, and the result is rounded once. So it
+//! depends on nothing but the numbers (Kulisch, Computer Arithmetic and Validity, 2013).
+
+use crate::ranks::Ranks;
+
+/// Bits of a digit.
+const BITS: usize = 32;
+/// 2098 bits of a number, 64 for the carries of many, and a digit that holds the sign.
+const DIGITS: usize = 69;
+/// After so many numbers carries are moved on: each adds less than 2^32 to a digit, which holds 2^31 of them.
+const PATIENCE: u32 = 1 << 16;
+/// Makes the highest digit positive while ranks are added: it is a carry, of few bits.
+const LIFT: u64 = 1 << 40;
+
+/// The sum of the numbers of all ranks, rounded to the nearest double. The same bits on all ranks, whatever rank has which numbers, in
+/// whatever order, on however many ranks. Collective: one [`Ranks::sum`] of 576 bytes.
+///
+/// A dot product whose bits do not depend on the ranks is the sum of the products. An infinite number or NaN gives what `+` gives.
+///
+/// ```
+/// use qless_mpi::{Alone, exact_sum, together};
+/// let numbers = [1e100, 1.0, 1e-30, -1e100];
+/// assert_eq!(exact_sum(&Alone, numbers), 1.0);
+/// assert_eq!(together(4, |ranks| exact_sum(ranks, [numbers[ranks.rank()]])), [1.0; 4]);
+/// ```
+pub fn exact_sum(ranks: &dyn Ranks, numbers: impl IntoIterator<Item = f64>) -> f64 {
+    let mut own = Exact::default();
+    numbers.into_iter().for_each(|number| own.add(number));
+    let mut words = own.into_words();
+    ranks.sum(&mut words);
+    Exact::of_words(&words, ranks.size()).rounded()
+}
+
+struct Exact {
+    /// Ascending.
+    digits: [i64; DIGITS],
+    /// Since carries were moved on.
+    added: u32,
+    /// How many were infinity, minus infinity, and NaN.
+    others: [u64; 3],
+}
+
+impl Default for Exact {
+    fn default() -> Self {
+        Self { digits: [0; DIGITS], added: 0, others: [0; 3] }
+    }
+}
+
+impl Exact {
+    fn add(&mut self, number: f64) {
+        if !number.is_finite() {
+            self.others[if number.is_nan() { 2 } else { usize::from(number < 0.0) }] += 1;
+            return;
+        }
+        let bits = number.to_bits();
+        let (exponent, fraction) = ((bits >> 52 & 0x7ff) as usize, bits & ((1 << 52) - 1));
+        // Below the smallest normal number the exponent is 0, but means 1, without the leading bit.
+        let (mantissa, shift) = if exponent == 0 { (fraction, 0) } else { (fraction | 1 << 52, exponent - 1) };
+        let mut rest = u128::from(mantissa) << (shift % BITS);
+        for digit in &mut self.digits[shift / BITS..][..3] {
+            let part = (rest & 0xffff_ffff) as i64;
+            *digit += if number < 0.0 { -part } else { part };
+            rest >>= BITS;
+        }
+        self.added += 1;
+        if self.added == PATIENCE {
+            self.carry();
+        }
+    }
+
+    /// Brings all digits but the highest, which has the sign, to 0 to 2^32 (excluded).
+    fn carry(&mut self) {
+        let mut carry = 0;
+        for digit in &mut self.digits[..DIGITS - 1] {
+            let sum = *digit + carry;
+            *digit = sum & 0xffff_ffff;
+            carry = sum >> BITS;
+        }
+        self.digits[DIGITS - 1] += carry;
+        self.added = 0;
+    }
+
+    /// Words that may be summed over ranks.
+    fn into_words(mut self) -> Vec<u64> {
+        self.carry();
+        let mut words: Vec<u64> = self.digits.iter().map(|&digit| digit as u64).collect();
+        words[DIGITS - 1] = words[DIGITS - 1].wrapping_add(LIFT);
+        words.extend(self.others);
+        words
+    }
+
+    /// Of words that were summed over so many ranks.
+    fn of_words(words: &[u64], ranks: usize) -> Self {
+        let mut sum = Self::default();
+        sum.digits.iter_mut().zip(words).for_each(|(digit, &word)| *digit = word as i64);
+        sum.digits[DIGITS - 1] -= (LIFT * ranks as u64) as i64;
+        sum.others.copy_from_slice(&words[DIGITS..]);
+        sum.carry();
+        sum
+    }
+
+    fn rounded(mut self) -> f64 {
+        match self.others {
+            [0, 0, 0] => {}
+            [_, 0, 0] => return f64::INFINITY,
+            [0, _, 0] => return f64::NEG_INFINITY,
+            _ => return f64::NAN,
+        }
+        let sign = if self.digits[DIGITS - 1] < 0 { -1.0 } else { 1.0 };
+        if sign < 0.0 {
+            self.digits.iter_mut().for_each(|digit| *digit = -*digit);
+            self.carry();
+        }
+        let Some(top) = self.digits.iter().rposition(|&digit| digit != 0) else { return 0.0 };
+        // Three digits have at least 65 bits, more than a double; the last says whether anything stands below.
+        let first = top.saturating_sub(2);
+        let mut leading = self.digits[first..=top].iter().rev().fold(0, |sum: u128, &d| sum << BITS | d as u128);
+        leading |= u128::from(self.digits[..first].iter().any(|&digit| digit != 0));
+        sign * scaled(leading as f64, (first * BITS) as i32)
+    }
+}
+
+/// `x 2^(shift - 1074)`, exact: where it could round, x has few digits.
+fn scaled(x: f64, shift: i32) -> f64 {
+    let power = |exponent: i32| f64::from_bits(((exponent + 1023) as u64) << 52);
+    let mut left = shift - 1074;
+    let mut x = x;
+    while left != 0 {
+        let step = left.clamp(-1000, 1000);
+        x *= power(step);
+        left -= step;
+    }
+    x
+}
