@@ -26,7 +26,7 @@ fn sums_are_those_of_whole_numbers() {
     for seed in 0..200 {
         let mut rng = Rng::new(seed);
         // m 2^k 2^shift with m 2^k below 2^113: 128 bits hold the sum, and round it once.
-        let whole: Vec<i128> = (0..1 + rng.below(300))
+        let whole: Vec<i128> = (0..=rng.below(300))
             .map(|_| {
                 let mantissa = (rng.below(1 << 53) as i128) << rng.below(60);
                 if rng.below(2) == 0 { mantissa } else { -mantissa }
