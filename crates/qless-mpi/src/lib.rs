@@ -10,7 +10,7 @@ mod solve;
 
 pub use analysis::{Analysis, Because, Counts, Dealt, Dependent, Term, analyse};
 pub use error::Error;
+pub use ranks::{Alone, Counted, Message, Ranks, Sent, together};
 #[cfg(feature = "mpi")]
 pub use ranks::{World, WorldError};
-pub use ranks::{Alone, Counted, Message, Ranks, Sent, together};
 pub use share::{Share, ShareError, SharePlace};
