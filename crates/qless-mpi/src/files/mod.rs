@@ -86,7 +86,7 @@ pub fn read_case(
     Ok(Case { share, files, rows, dofs, counts })
 }
 
-fn read_matrix(ranks: &dyn Ranks, path: &Path) -> Result<(Matrix, Vec<(usize, usize, f64)>), CaseError> {
+fn read_matrix(ranks: &dyn Ranks, path: &Path) -> Result<(Matrix, Vec<rows::Given>), CaseError> {
     let opened = File::open(path).and_then(|file| Ok((Matrix::of(&file)?, file)));
     let (matrix, file) = agree(ranks, opened.map_err(CaseError::from))?;
     let facts = [matrix.rows() as u64, matrix.columns() as u64];

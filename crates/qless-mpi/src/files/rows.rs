@@ -9,11 +9,14 @@ use super::blocks::Blocks;
 use crate::ranks::{Post, Ranks, real};
 use crate::share::Share;
 
+/// An entry as the reader gives it.
+pub(super) type Given = (usize, usize, f64);
+
 /// An entry: row, DOF, value.
 type Entry = (u64, u64, f64);
 
 /// Collective; the entries of this rank's rows, by row and in the order of the file.
-pub(super) fn deal(ranks: &dyn Ranks, rows: Blocks, entries: Vec<(usize, usize, f64)>) -> Vec<Entry> {
+pub(super) fn deal(ranks: &dyn Ranks, rows: Blocks, entries: Vec<Given>) -> Vec<Entry> {
     let mut post = Post::default();
     for (row, dof, value) in entries {
         post.to(rows.holder(row as u64)).extend([row as u64, dof as u64, value.to_bits()]);
