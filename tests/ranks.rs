@@ -98,9 +98,9 @@ fn a_rank_that_is_killed_leaves_no_report() {
     // Long enough to be killed in.
     let (matrix, report) = (place.path().join("C.mtx"), place.path().join("report.json"));
     let count = 400_000;
-    let entries = (1..=count).map(|k| format!("{k} {k} 1\n{k} {} -1\n", k + 1)).collect::<String>();
+    let entries: Vec<String> = (1..=count).map(|k| format!("{k} {k} 1\n{k} {} -1\n", k + 1)).collect();
     let head = format!("%%MatrixMarket matrix coordinate real general\n{count} {} {}\n", count + 1, 2 * count);
-    fs::write(&matrix, head + &entries).expect("written");
+    fs::write(&matrix, head + &entries.concat()).expect("written");
     let mut job = mpirun(3);
     job.arg("check").arg(&matrix).arg("-o").arg(&report).stdout(Stdio::null()).stderr(Stdio::null());
     let mut job = job.spawn().expect("mpirun runs");

@@ -70,11 +70,11 @@ fn check(args: &CheckArgs, is_first: bool) -> Result<(), Failure> {
         )));
     }
     model.options().backend.get(usize::MAX).map_err(|error| Failure::of_analysis(error.into(), &model.input, None))?;
-    match &args.output {
+    if let Some(file) = args.output.as_ref().filter(|_| is_first) {
         // A place that cannot be written to is better known before the work than after.
-        Some(file) if is_first => Ok(drop(OneFile::at(file, model.inputs())?)),
-        _ => Ok(()),
+        drop(OneFile::at(file, model.inputs())?);
     }
+    Ok(())
 }
 
 fn write(args: &CheckArgs, bytes: &[u8]) -> Result<(), Failure> {

@@ -15,11 +15,11 @@ impl Job {
     pub fn run(self) -> ExitCode {
         let world = match World::start() {
             Ok(world) if world.size() > 1 => world,
-            Ok(_) => return self.end(Failure::Input(OTHER_MPI.to_owned())),
-            Err(error) => return self.end(Failure::Resource(format!("MPI does not start: {error}"))),
+            Ok(_) => return self.end(&Failure::Input(OTHER_MPI.to_owned())),
+            Err(error) => return self.end(&Failure::Resource(format!("MPI does not start: {error}"))),
         };
         let ended = match Cli::try_parse() {
-            Ok(cli) => run(&world, &cli.command).unwrap_or_else(|failure| self.end(failure)),
+            Ok(cli) => run(&world, &cli.command).unwrap_or_else(|failure| self.end(&failure)),
             Err(error) => {
                 if self.rank == 0 {
                     // If even that cannot be written there is nobody to tell.
@@ -33,7 +33,7 @@ impl Job {
         ended
     }
 
-    fn end(self, failure: Failure) -> ExitCode {
+    fn end(self, failure: &Failure) -> ExitCode {
         if self.rank == 0 { failure.tell() } else { failure.code() }
     }
 }
