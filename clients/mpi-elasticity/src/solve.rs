@@ -3,7 +3,7 @@
 use std::error::Error;
 
 use qless::{Condensed, Given, Options, Storage};
-use qless_mpi::{Map, Ranks, agreed, exact_sum};
+use qless_mpi::{Map, Ranks, agree, exact_sum};
 
 use crate::cell::Cell;
 use crate::constraints::{Constraints, Gradient, dofs_of};
@@ -30,7 +30,7 @@ pub struct Model<'a> {
 impl<'a> Model<'a> {
     /// Not stretched. Collective.
     pub fn new(cell: &Cell, ranks: &'a dyn Ranks) -> Result<Self, Box<dyn Error>> {
-        let constraints = agreed(ranks, Constraints::new(cell, ranks))?;
+        let constraints = agree(ranks, Constraints::new(cell, ranks).map_err(|error| qless_mpi::Error::of(ranks, &error)))?;
         let map = Map::new(ranks, &constraints.share, &Options::default())?;
         let place = |dof: u64| map.dofs().binary_search(&dof).expect("it was asked for");
         let owned = cell.hexahedra_in(cell.owned(ranks.rank(), ranks.size()));
@@ -43,7 +43,7 @@ impl<'a> Model<'a> {
         let stiffness = cell.blocks.map(|block| stiffness(block.edges(), block.young));
         let dofs = |e: usize| hexahedra[e].1;
         let condensed = map.transform().condensed_for_elements(hexahedra.len(), dofs, Storage::Full, Given::Eliminated);
-        let condensed = agreed(ranks, condensed)?;
+        let condensed = agree(ranks, condensed.map_err(|error| qless_mpi::Error::of(ranks, &error)))?;
         let (k_q, load) = (vec![0.0; condensed.nnz()], vec![0.0; condensed.unknowns()]);
         Ok(Self { ranks, map, constraints, hexahedra, stiffness, condensed, k_q, load })
     }
@@ -56,7 +56,7 @@ impl<'a> Model<'a> {
         let element = |e: usize, matrix: &mut [f64], _: &mut [f64]| matrix.copy_from_slice(&stiffness[hexahedra[e].0]);
         let dofs = |e: usize| hexahedra[e].1;
         let done = condensed.assemble(map.transform(), hexahedra.len(), dofs, k_q, load, element);
-        Ok(agreed(*ranks, done)?)
+        Ok(agree(*ranks, done.map_err(|error| qless_mpi::Error::of(*ranks, &error)))?)
     }
 
     /// Improves u_q; the number of iterations. Collective.

@@ -57,7 +57,7 @@ pub fn diagnose<'a>(args: &'a ModelArgs, mut options: Options, progress: &Progre
     let (system, analysis, deck) = input.analyse(&options, &refused)?;
     // A large right-hand side over a small coefficient.
     if let Some(&(dof, _)) = analysis.generated().iter().find(|(_, value)| !value.is_finite()) {
-        return Err(Failure::of_overflow(&args.input, &system, dof));
+        return Err(Failure::of_overflow(&args.input, dof, &system.dof_label(dof)));
     }
     Ok(Diagnosis { args, options, system, analysis, deck, exact: None, meant: None, start, read })
 }

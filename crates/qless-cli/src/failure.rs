@@ -23,12 +23,17 @@ pub enum Failure {
 impl Failure {
     /// Says it on standard error.
     pub fn tell(&self) -> ExitCode {
-        let (message, code) = match self {
-            Self::Input(message) => (message, 2),
-            Self::Resource(message) => (message, 3),
-        };
+        let (Self::Input(message) | Self::Resource(message)) = self;
         say(format_args!("error: {message}"));
-        ExitCode::from(code)
+        self.code()
+    }
+
+    /// What a shell sees.
+    pub fn code(&self) -> ExitCode {
+        ExitCode::from(match self {
+            Self::Input(_) => 2,
+            Self::Resource(_) => 3,
+        })
     }
 
     /// The library refused or failed; names the equation by its label and its row from 1.
@@ -87,7 +92,7 @@ impl Failure {
     /// The equations cannot be solved for slaves.
     pub fn of_reduction(error: ReductionError, input: &Path, system: &ConstraintSystem) -> Self {
         match error {
-            ReductionError::NotFinite { dof } => Self::of_overflow(input, system, dof),
+            ReductionError::NotFinite { dof } => Self::of_overflow(input, dof, &system.dof_label(dof)),
             ReductionError::Residual { row, residual } => Self::Input(format!(
                 "{}: {}: the reduced form would leave {residual:.1e} of it where 1e-10 is allowed, so nothing was made; the \
                  equations are too nearly dependent: see what `qless check` says of them, and leave out what is nearly said twice",
@@ -100,11 +105,24 @@ impl Failure {
     }
 
     /// A DOF would get a value beyond the range of doubles.
-    pub fn of_overflow(input: &Path, system: &ConstraintSystem, dof: usize) -> Self {
-        let (input, number, label) = (input.display(), dof + 1, name::label(&system.dof_label(dof)));
+    pub fn of_overflow(input: &Path, dof: usize, label: &str) -> Self {
+        let (input, number, label) = (input.display(), dof + 1, name::label(label));
         Self::Input(format!(
             "{input}: column {number} ({label}): the equations give it a value beyond 1e308; rescale them"
         ))
+    }
+
+    /// A file could not be read; `kind` is what the system said, unless the content is at fault.
+    pub fn of_reading(message: &str, kind: Option<io::ErrorKind>) -> Self {
+        let advice = match kind {
+            Some(io::ErrorKind::OutOfMemory) => return Self::of_memory(message),
+            Some(io::ErrorKind::FileTooLarge) => return Self::Resource(message.to_owned()),
+            Some(io::ErrorKind::NotFound) => "; check the name and the folder you are in",
+            Some(io::ErrorKind::PermissionDenied) => "; check its permissions",
+            Some(io::ErrorKind::IsADirectory) => "; name a file",
+            _ => "",
+        };
+        Self::Input(format!("{message}{advice}"))
     }
 
     /// Standard output could not be written.
@@ -115,22 +133,12 @@ impl Failure {
 
 impl From<ReadError> for Failure {
     fn from(error: ReadError) -> Self {
-        if matches!(&error, ReadError::Io { source, .. } if source.kind() == io::ErrorKind::OutOfMemory) {
-            return Self::of_memory(&error.to_string());
-        }
-        if error.is_resource() {
-            return Self::Resource(error.to_string());
-        }
-        let advice = match &error {
-            ReadError::Io { source, .. } => match source.kind() {
-                io::ErrorKind::NotFound => "; check the name and the folder you are in",
-                io::ErrorKind::PermissionDenied => "; check its permissions",
-                io::ErrorKind::IsADirectory => "; name a file",
-                _ => "",
-            },
-            _ => "",
+        let kind = match &error {
+            ReadError::Io { source, .. } => Some(source.kind()),
+            _ if error.is_resource() => Some(io::ErrorKind::FileTooLarge),
+            _ => None,
         };
-        Self::Input(format!("{error}{advice}"))
+        Self::of_reading(&error.to_string(), kind)
     }
 }
 

@@ -9,6 +9,7 @@
 //! | [`text`], [`json`], [`html`], [`vtu`] | the forms of the report |
 //! | [`signals`] | what `SIGTERM` and its like do |
 //! | [`memory`] | the limit on it, and the end of a run that gets none |
+//! | [`ranks`] | runs under `mpirun` |
 //! | [`failure`] | what can go wrong, in words, and its exit code |
 
 mod args;
@@ -24,6 +25,7 @@ mod json;
 mod memory;
 mod numbers;
 mod progress;
+mod ranks;
 mod reduce;
 mod scenes;
 #[cfg(unix)]
@@ -45,16 +47,24 @@ static GUARD: memory::Guard = memory::Guard;
 
 fn main() -> ExitCode {
     memory::on_out_of_memory(qless_io::write::abandon_unless_at_work);
-    let command = Cli::parse().command;
-    run(&command).unwrap_or_else(|failure| failure.tell())
+    match ranks::Job::of_environment() {
+        Some(job) => job.run(),
+        None => run(&Cli::parse().command).unwrap_or_else(|failure| failure.tell()),
+    }
 }
 
-fn run(command: &Command) -> Result<ExitCode, Failure> {
+/// Sets limits on memory, and what signals do.
+fn set_up(command: &Command) -> Result<(), Failure> {
     if let Some(bytes) = command.memory() {
         memory::limit(bytes).map_err(Failure::Resource)?;
     }
     #[cfg(unix)]
     signals::watch().map_err(|error| Failure::of_memory(&format!("signals cannot be waited for: {error}")))?;
+    Ok(())
+}
+
+fn run(command: &Command) -> Result<ExitCode, Failure> {
+    set_up(command)?;
     match command {
         Command::Check(args) => check::run(args),
         Command::Reduce(args) => reduce::run(args),

@@ -61,10 +61,8 @@ pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
     let mut file = File::open(path)?;
     let kind = file.metadata()?;
     let size = if kind.is_file() { kind.len() } else { 0 };
-    let mut bytes = Vec::new();
     let whole = usize::try_from(size).unwrap_or(usize::MAX);
-    // One byte more, so that its end is found without growing.
-    bytes.try_reserve_exact(whole.saturating_add(1)).map_err(|_| TooMuch::Memory { size: whole })?;
+    let mut bytes = room_for(size)?;
     let mut line = 0;
     loop {
         let before = bytes.len();
@@ -80,6 +78,14 @@ pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
             check(bytes.len(), bytes.len() - line)?;
         }
     }
+}
+
+/// Room for so many bytes of a file, and for one more, so that its end is found without growing.
+pub(crate) fn room_for(size: u64) -> io::Result<Vec<u8>> {
+    let size = usize::try_from(size).unwrap_or(usize::MAX);
+    let mut bytes = Vec::new();
+    bytes.try_reserve_exact(size.saturating_add(1)).map_err(|_| TooMuch::Memory { size })?;
+    Ok(bytes)
 }
 
 /// What has no size, after `read` bytes of which `open` came after the last end of a line.

@@ -6,7 +6,7 @@ use qless::{ConstraintSystem, Place, SystemError};
 
 use crate::fault::Fault;
 use crate::vectors::{read_labels, read_prescribed, read_rhs};
-use crate::{ReadError, matrix_market};
+use crate::{ReadError, matrix_market, part};
 
 /// Reads `path`: a `.mtx` file, or a folder with `C.mtx` and what else it holds of a case.
 ///
@@ -35,10 +35,7 @@ use crate::{ReadError, matrix_market};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn read_case(path: &Path, rhs: Option<&Path>, prescribed: Option<&Path>) -> Result<ConstraintSystem, ReadError> {
-    let mut files = CaseFiles::find(path)?;
-    files.rhs = rhs.map(Path::to_path_buf).or(files.rhs);
-    files.prescribed = prescribed.map(Path::to_path_buf).or(files.prescribed);
-    files.read()
+    CaseFiles::find(path, rhs, prescribed)?.read()
 }
 
 /// The files that [`read_case`] reads, and those that it would read if they were there.
@@ -57,19 +54,33 @@ pub fn case_files(path: &Path, rhs: Option<&Path>, prescribed: Option<&Path>) ->
 /// What a folder may hold of a case.
 const PARTS: [&str; 5] = ["C.mtx", "b.txt", "prescribed.txt", "rows.txt", "cols.txt"];
 
-/// Where the parts of a case are.
-struct CaseFiles {
-    matrix: PathBuf,
-    rhs: Option<PathBuf>,
-    prescribed: Option<PathBuf>,
-    rows: Option<PathBuf>,
-    columns: Option<PathBuf>,
+/// Where the files of a case are.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct CaseFiles {
+    /// C.
+    pub matrix: PathBuf,
+    /// b, if it is not zero.
+    pub rhs: Option<PathBuf>,
+    /// Prescribed DOFs, if there are any.
+    pub prescribed: Option<PathBuf>,
+    /// Labels of the equations, if they have any.
+    pub rows: Option<PathBuf>,
+    /// Labels of the DOFs, if they have any.
+    pub columns: Option<PathBuf>,
 }
 
 impl CaseFiles {
-    fn find(path: &Path) -> Result<Self, ReadError> {
-        let kind = std::fs::metadata(path).map_err(|source| ReadError::Io { path: path.to_path_buf(), source })?;
-        if kind.is_dir() { Self::in_folder(path) } else { Self::lone(path) }
+    /// The files that [`read_case`] reads, none of which is read yet.
+    ///
+    /// # Errors
+    /// [`ReadError`]: the path is no case.
+    pub fn find(path: &Path, rhs: Option<&Path>, prescribed: Option<&Path>) -> Result<Self, ReadError> {
+        let kind = std::fs::metadata(path).map_err(ReadError::io(path))?;
+        let mut files = if kind.is_dir() { Self::in_folder(path) } else { Self::lone(path) }?;
+        files.rhs = rhs.map(Path::to_path_buf).or(files.rhs);
+        files.prescribed = prescribed.map(Path::to_path_buf).or(files.prescribed);
+        Ok(files)
     }
 
     fn in_folder(folder: &Path) -> Result<Self, ReadError> {
@@ -107,14 +118,22 @@ impl CaseFiles {
     /// The library's error with file and line. The reader has checked all but the sums of repeats.
     fn explain(&self, error: SystemError) -> Result<ReadError, ReadError> {
         let path = self.matrix.clone();
-        let SystemError::NotFinite { what: Place::Coefficient { row, dof }, value: sum } = error else {
+        let SystemError::NotFinite { what: Place::Coefficient { row, dof }, value } = error else {
             return Ok(ReadError::System { path, source: error });
         };
-        let Some((first_line, last)) = matrix_market::lines_of(&path, row, dof)? else {
-            return Ok(ReadError::System { path, source: error });
-        };
-        let fault = Fault::SumNotFinite { row: row + 1, column: dof + 1, first_line, sum };
-        Ok(ReadError::Malformed { path, line: Some(last), fault })
+        Ok(self.sum_not_finite(row, dof, value)?.unwrap_or(ReadError::System { path, source: error }))
+    }
+
+    /// What to say where the coefficients given for a 0-based row and DOF add up to `sum`: none if there are no such coefficients.
+    ///
+    /// # Errors
+    /// Those of reading the matrix once more.
+    pub fn sum_not_finite(&self, row: usize, dof: usize, sum: f64) -> Result<Option<ReadError>, ReadError> {
+        let path = self.matrix.clone();
+        Ok(part::lines_of(&path, row, dof)?.map(|(first_line, last)| {
+            let fault = Fault::SumNotFinite { row: row + 1, column: dof + 1, first_line, sum };
+            ReadError::Malformed { path, line: Some(last), fault }
+        }))
     }
 }
 

@@ -117,6 +117,12 @@ impl ReadError {
     }
 }
 
+impl ReadError {
+    pub(crate) fn io(path: &Path) -> impl FnOnce(io::Error) -> Self + '_ {
+        |source| Self::Io { path: path.to_path_buf(), source }
+    }
+}
+
 impl WriteError {
     pub(crate) fn io(path: &Path) -> impl FnOnce(io::Error) -> Self + '_ {
         |source| Self::Io { path: path.to_path_buf(), source }
@@ -138,10 +144,15 @@ impl At {
     pub fn whole_file(fault: Fault) -> Self {
         Self { line: None, fault }
     }
+
+    /// In the file that it was found in.
+    pub fn of(self, path: &Path) -> ReadError {
+        ReadError::Malformed { path: path.to_path_buf(), line: self.line, fault: self.fault }
+    }
 }
 
 /// Reads a whole file, parses it, and puts its path on what goes wrong.
 pub(crate) fn parse_file<T>(path: &Path, parse: impl FnOnce(&[u8]) -> Result<T, At>) -> Result<T, ReadError> {
-    let bytes = crate::bytes::read(path).map_err(|source| ReadError::Io { path: path.to_path_buf(), source })?;
-    parse(&bytes).map_err(|At { line, fault }| ReadError::Malformed { path: path.to_path_buf(), line, fault })
+    let bytes = crate::bytes::read(path).map_err(ReadError::io(path))?;
+    parse(&bytes).map_err(|at| at.of(path))
 }

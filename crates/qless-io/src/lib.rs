@@ -33,6 +33,7 @@ mod fault;
 mod lines;
 pub mod matrix_market;
 mod number;
+pub mod part;
 pub mod vectors;
 pub mod write;
 

@@ -21,6 +21,11 @@ impl<'a> Lines<'a> {
         Self { rest: bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), number: 0 }
     }
 
+    /// Lines that follow `number` others of the same file.
+    pub fn after(bytes: &'a [u8], number: usize) -> Self {
+        Self { rest: bytes, number }
+    }
+
     /// The next line, whatever it holds.
     pub fn any(&mut self) -> Option<Line<'a>> {
         if self.rest.is_empty() {

@@ -134,10 +134,8 @@ fn weak(each: usize, sizes: &[usize], numbering: Numbering, short: bool) {
         if size == 4 {
             first = Some(bytes);
         }
-        if let Some(first) = first {
-            if short {
-                assert!(2 * bytes <= 3 * first, "{bytes} bytes sent by a rank, {first} with 4 ranks");
-            }
+        if let (Some(first), true) = (first, short) {
+            assert!(2 * bytes <= 3 * first, "{bytes} bytes sent by a rank, {first} with 4 ranks");
         }
     }
 }
@@ -174,6 +172,7 @@ fn processor_time(equations: usize) {
         drop((analysis, reduction));
         let of_serial = peak();
         let shares = together(4, |ranks| twin.share(ranks));
+        let of_shares = peak();
         let before = used();
         let counts =
             together(4, |ranks| analyse(ranks, &shares[ranks.rank()], &Options::default()).expect("valid").counts());

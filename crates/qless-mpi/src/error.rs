@@ -48,6 +48,13 @@ pub enum Error {
     },
 }
 
+impl Error {
+    /// An error of what a code does by itself on this rank, for [`agree`].
+    pub fn of(ranks: &dyn Ranks, error: &dyn std::fmt::Display) -> Self {
+        Failure::of(error).on(ranks.rank())
+    }
+}
+
 /// What went wrong on one rank, until all know.
 #[derive(Debug)]
 pub(crate) struct Failure(String);
@@ -62,8 +69,58 @@ impl Failure {
     }
 }
 
-/// The result of this rank if no rank has an error, or the error of the first rank that has one. Collective.
-pub(crate) fn agree<T>(ranks: &dyn Ranks, own: Result<T, Error>) -> Result<T, Error> {
+/// An error that ranks tell one another.
+pub trait Spoken: Sized {
+    /// It in words; at least one.
+    fn to_words(&self) -> Vec<u64>;
+
+    /// What a rank has said.
+    fn from_words(words: &[u64]) -> Self;
+}
+
+/// A message and a number that goes with it: errors of a program, which has its own.
+///
+/// ```
+/// use qless_mpi::{Said, agree, together};
+/// let found = together(3, |ranks| {
+///     let own = if ranks.rank() == 1 { Err(Said { code: 2, text: "no such file".into() }) } else { Ok(()) };
+///     agree(ranks, own).map_err(|said| (said.code, said.text))
+/// });
+/// assert!(found.iter().all(|found| *found == Err((2, "no such file".to_owned()))));
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Said {
+    /// The number.
+    pub code: u64,
+    /// The message.
+    pub text: String,
+}
+
+impl Spoken for Said {
+    fn to_words(&self) -> Vec<u64> {
+        [vec![self.code], text(&self.text)].concat()
+    }
+
+    fn from_words(words: &[u64]) -> Self {
+        Self { code: words[0], text: text_of(&words[1..]) }
+    }
+}
+
+/// The result of this rank if no rank has an error, or the error of the first rank that has one: a rank that returns while others wait
+/// for it leaves them waiting for ever. Collective.
+///
+/// ```
+/// use qless_mpi::{Error, agree, together};
+/// let said = together(3, |ranks| {
+///     let own = if ranks.rank() == 1 { Err(Error::of(ranks, &"no mesh file")) } else { Ok(()) };
+///     agree(ranks, own).map_err(|error| error.to_string())
+/// });
+/// assert_eq!(said, vec![Err("rank 1: no mesh file".to_owned()); 3]);
+/// ```
+///
+/// # Errors
+/// That of the first rank with one, on all ranks.
+pub fn agree<T, E: Spoken>(ranks: &dyn Ranks, own: Result<T, E>) -> Result<T, E> {
     let size = ranks.size() as u64;
     let mut first = [if own.is_err() { size - ranks.rank() as u64 } else { 0 }];
     ranks.max(&mut first);
@@ -77,13 +134,11 @@ pub(crate) fn agree<T>(ranks: &dyn Ranks, own: Result<T, Error>) -> Result<T, Er
         (0..ranks.size()).map(|rank| Message { rank, words: words.clone() }).collect()
     });
     let came = ranks.exchange(messages);
-    Err(came
-        .first()
-        .map_or_else(|| Failure("an error without words".into()).on(first), |m| Error::from_words(&m.words)))
+    Err(E::from_words(&came.first().expect("the first rank with an error tells all").words))
 }
 
 /// Text as words: its length in bytes, then eight bytes a word.
-fn text(message: &str) -> Vec<u64> {
+pub(crate) fn text(message: &str) -> Vec<u64> {
     let bytes = message.as_bytes().chunks(8).map(|part| {
         let mut word = [0; 8];
         word[..part.len()].copy_from_slice(part);
@@ -92,7 +147,7 @@ fn text(message: &str) -> Vec<u64> {
     std::iter::once(message.len() as u64).chain(bytes).collect()
 }
 
-fn text_of(words: &[u64]) -> String {
+pub(crate) fn text_of(words: &[u64]) -> String {
     let mut bytes: Vec<u8> = words[1..].iter().flat_map(|word| word.to_le_bytes()).collect();
     bytes.truncate(words[0] as usize);
     String::from_utf8_lossy(&bytes).into_owned()
@@ -117,7 +172,7 @@ fn place_of(words: &[u64]) -> SharePlace {
     }
 }
 
-impl Error {
+impl Spoken for Error {
     fn to_words(&self) -> Vec<u64> {
         let with_place =
             |code, rank: usize, what, last| [vec![code, rank as u64], place(what).to_vec(), vec![last]].concat();

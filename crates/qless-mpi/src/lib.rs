@@ -19,21 +19,23 @@
 //! assert_eq!(kinds, [[Kind::Independent], [Kind::Redundant]]);
 //! ```
 
-mod agreed;
 mod analysis;
 mod deal;
 mod error;
 mod exact;
+#[cfg(feature = "files")]
+mod files;
 mod map;
 mod parts;
 mod ranks;
 mod share;
 mod solve;
 
-pub use agreed::agreed;
 pub use analysis::{Analysis, Because, Counts, Dealt, Dependent, Term, analyse};
-pub use error::Error;
+pub use error::{Error, Said, Spoken, agree};
 pub use exact::exact_sum;
+#[cfg(feature = "files")]
+pub use files::{Case, CaseError, Equation, Facts, Found, read_case};
 pub use map::Map;
 pub use ranks::{Alone, Counted, Message, Ranks, Sent, together};
 #[cfg(feature = "mpi")]

@@ -6,47 +6,45 @@ use super::COLUMNS;
 use super::fit::{Flow, flow};
 use super::name;
 use super::number::number;
+use super::told::{Equations, Facts};
 
 /// Columns of `+ ... and 1000000 more` at most.
 const TAIL: usize = 26;
 
 /// The equation and its certificate in one or two lines.
-pub fn lines(system: &ConstraintSystem, row: usize, because: &[Because]) -> Vec<String> {
-    let head = format!("  {}", name::equation(system, row));
+pub fn lines(equations: &dyn Equations, row: usize, because: &[Because]) -> Vec<String> {
+    let head = format!("  {}", name::equation(equations, row));
     if because.is_empty() {
-        return vec![format!("{head} {}", Alone::of(system, row).one())];
+        return vec![format!("{head} {}", Alone::of(equations, row).one())];
     }
-    let flowed = fill(system, &head, because);
+    let flowed = fill(equations, &head, because);
     if flowed.used == because.len() {
         return flowed.lines;
     }
     // Not all of them fit: then the largest rather than the first.
-    let flowed = fill(system, &head, &largest(system, because));
+    let flowed = fill(equations, &head, &largest(equations, because));
     let more = because.len() - flowed.used;
     flowed.finish(&format!(" + ... and {more} more"))
 }
 
-fn fill(system: &ConstraintSystem, head: &str, because: &[Because]) -> Flow {
+fn fill(equations: &dyn Equations, head: &str, because: &[Because]) -> Flow {
     // Two lines hold fewer than this many, however short they are.
     let shown = because.iter().take(20).enumerate();
-    let pieces: Vec<String> = shown.map(|(k, term)| piece(system, term, k == 0)).collect();
+    let pieces: Vec<String> = shown.map(|(k, term)| piece(equations, term, k == 0)).collect();
     flow(head, "      ", &pieces, (2, COLUMNS), TAIL)
 }
 
 /// The terms by what they contribute, largest first; those of the same size by row.
-fn largest(system: &ConstraintSystem, because: &[Because]) -> Vec<Because> {
-    let size = |term: &Because| {
-        let largest = system.matrix().row(term.row).fold(0.0, |size: f64, (_, v)| size.max(v.abs()));
-        term.coefficient.abs() * largest
-    };
+fn largest(equations: &dyn Equations, because: &[Because]) -> Vec<Because> {
+    let size = |term: &Because| term.coefficient.abs() * equations.facts(term.row).largest;
     let mut terms: Vec<_> = because.iter().map(|term| (size(term), *term)).collect();
     terms.sort_by(|a, b| b.0.total_cmp(&a.0));
     terms.into_iter().map(|(_, term)| term).collect()
 }
 
 /// ` + 2 * row 3 "tie A/B"`.
-fn piece(system: &ConstraintSystem, term: &Because, is_first: bool) -> String {
-    let equation = name::equation(system, term.row);
+fn piece(equations: &dyn Equations, term: &Because, is_first: bool) -> String {
+    let equation = name::equation(equations, term.row);
     let sign = match (is_first, term.coefficient < 0.0) {
         (true, _) => return format!(" = {} * {equation}", number(term.coefficient)),
         (false, true) => "-",
@@ -67,11 +65,11 @@ pub enum Alone {
 }
 
 impl Alone {
-    pub fn of(system: &ConstraintSystem, row: usize) -> Self {
-        let mut entries = system.matrix().row(row);
-        match entries.len() {
+    pub fn of(equations: &dyn Equations, row: usize) -> Self {
+        let Facts { dofs, prescribed, .. } = equations.facts(row);
+        match dofs {
             0 => Self::Empty,
-            _ if entries.all(|(j, _)| is_prescribed(system, j)) => Self::Prescribed,
+            _ if dofs == prescribed => Self::Prescribed,
             _ => Self::No,
         }
     }

@@ -4,13 +4,13 @@ use qless::{Kind, Report, Tolerance};
 
 use super::name;
 use super::number::rough;
-use crate::diagnose::Diagnosis;
+use super::told::Told;
 
 /// Relative sizes below this are doubtful.
 const NEAR: f64 = 3e-6;
 
 /// One line, and where the rank is ambiguous up to two more with advice.
-pub fn lines(diagnosis: &Diagnosis, report: &Report) -> Vec<String> {
+pub fn lines(told: &Told, report: &Report) -> Vec<String> {
     let (kept, dropped) = (report.confidence.sigma_kept, report.confidence.sigma_dropped);
     let sizes = format!("relative sizes down to {} kept, {} dropped", rough(kept), dropped_text(report, dropped));
     let rank = report.rank;
@@ -18,9 +18,9 @@ pub fn lines(diagnosis: &Diagnosis, report: &Report) -> Vec<String> {
         return vec![format!("Rank {rank}, sure: {sizes}.")];
     }
     let mut lines = vec![format!("Rank {rank}, AMBIGUOUS: {sizes}.")];
-    match diagnosis.options.tolerance {
+    match told.tolerance {
         Tolerance::Paper => lines.push("  Without --paper-tolerance the answer does not depend on units.".to_owned()),
-        _ => lines.extend(advice(diagnosis, kept, dropped)),
+        _ => lines.extend(advice(told, kept, dropped)),
     }
     lines
 }
@@ -34,8 +34,8 @@ fn dropped_text(report: &Report, dropped: f64) -> String {
 }
 
 /// For each reason to doubt what it is and which tolerance would decide otherwise; the two weightiest.
-fn advice(diagnosis: &Diagnosis, kept: f64, dropped: f64) -> Vec<String> {
-    let reasons = [nearly_dependent(kept), remainder(diagnosis, dropped), small_mismatch(diagnosis)];
+fn advice(told: &Told, kept: f64, dropped: f64) -> Vec<String> {
+    let reasons = [nearly_dependent(kept), remainder(told, dropped), small_mismatch(told)];
     let mut lines: Vec<String> = reasons.into_iter().flatten().take(2).collect();
     if lines.is_empty() {
         lines.push("  A right-hand side differs by very little: check that no digits were lost.".to_owned());
@@ -49,9 +49,9 @@ fn nearly_dependent(kept: f64) -> Option<String> {
     (kept < NEAR).then_some(line)
 }
 
-fn remainder(diagnosis: &Diagnosis, dropped: f64) -> Option<String> {
-    let equation = diagnosis.analysis.dependent().iter().max_by(|a, b| a.dropped.total_cmp(&b.dropped))?;
-    let name = name::equation(&diagnosis.system, equation.row);
+fn remainder(told: &Told, dropped: f64) -> Option<String> {
+    let equation = told.dependent.iter().max_by(|a, b| a.dropped.total_cmp(&b.dropped))?;
+    let name = name::equation(told.equations, equation.row);
     // A tolerance below this would take rounding for independence.
     let advice = if dropped > 1e-13 {
         format!("If that is meant: --tolerance {}", rough(dropped / 10.0))
@@ -61,10 +61,10 @@ fn remainder(diagnosis: &Diagnosis, dropped: f64) -> Option<String> {
     (dropped > 0.0).then(|| format!("  {name} is not quite its combination. {advice}"))
 }
 
-fn small_mismatch(diagnosis: &Diagnosis) -> Option<String> {
+fn small_mismatch(told: &Told) -> Option<String> {
     let small = |size: f64| size > 0.0 && size < NEAR;
-    let equation = diagnosis.analysis.dependent().iter().find(|equation| small(equation.relative_mismatch))?;
-    let name = name::equation(&diagnosis.system, equation.row);
+    let equation = told.dependent.iter().find(|equation| small(equation.relative_mismatch))?;
+    let name = name::equation(told.equations, equation.row);
     let size = equation.relative_mismatch;
     let (meant, tolerance) =
         if equation.kind == Kind::Conflicting { ("rounding", 10.0 * size) } else { ("meant", size / 10.0) };

@@ -1,24 +1,24 @@
 //! Which equations are dependent, and why: as many as fit, the others by their rows.
 
-use qless::{ConstraintSystem, Dependent, Kind};
+use qless::Kind;
 
 use super::COLUMNS;
-use super::combination::{self, Alone, is_prescribed};
+use super::combination::{self, Alone};
 use super::fit::flow;
 use super::number::number;
-use crate::diagnose::Diagnosis;
+use super::told::{Equations, Finding, Told};
 
 /// The equations of one kind in at most `most` lines; only their certificates are computed.
-pub fn section(diagnosis: &Diagnosis, kind: Kind, most: usize) -> Vec<String> {
-    let of_kind: Vec<_> = diagnosis.analysis.dependent().iter().filter(|dependent| dependent.kind == kind).collect();
+pub fn section(told: &Told, kind: Kind, most: usize) -> Vec<String> {
+    let of_kind: Vec<_> = told.dependent.iter().filter(|dependent| dependent.kind == kind).collect();
     if of_kind.is_empty() {
         return Vec::new();
     }
     let mut lines = vec![heading(kind).to_owned()];
     // Many equations that say 0 = 0 would hide the others.
-    let of_kind = if kind == Kind::Redundant { group(diagnosis, of_kind, &mut lines) } else { of_kind };
+    let of_kind = if kind == Kind::Redundant { group(told, of_kind, &mut lines) } else { of_kind };
     for (k, dependent) in of_kind.iter().enumerate() {
-        let entry = entry(diagnosis, dependent);
+        let entry = entry(told, dependent);
         let for_the_rest = usize::from(k + 1 < of_kind.len());
         if lines.len() + entry.len() + for_the_rest > most {
             lines.push(rest(&of_kind[k..], k));
@@ -30,10 +30,10 @@ pub fn section(diagnosis: &Diagnosis, kind: Kind, most: usize) -> Vec<String> {
 }
 
 /// Moves equations that need no others into one line for each sort, unless there are only a few.
-fn group<'a>(diagnosis: &Diagnosis, of_kind: Vec<&'a Dependent>, lines: &mut Vec<String>) -> Vec<&'a Dependent> {
+fn group<'a>(told: &Told, of_kind: Vec<&'a Finding>, lines: &mut Vec<String>) -> Vec<&'a Finding> {
     let mut left = of_kind;
     for sort in [Alone::Empty, Alone::Prescribed] {
-        let is_of_sort = |d: &&Dependent| Alone::of(&diagnosis.system, d.row) == sort;
+        let is_of_sort = |d: &&Finding| Alone::of(told.equations, d.row) == sort;
         let (of_sort, others): (Vec<_>, Vec<_>) = left.iter().copied().partition(is_of_sort);
         if of_sort.len() > 1 {
             let what = format!("  {}:", sort.several());
@@ -51,21 +51,21 @@ fn heading(kind: Kind) -> &'static str {
     }
 }
 
-fn entry(diagnosis: &Diagnosis, dependent: &Dependent) -> Vec<String> {
-    let because = diagnosis.analysis.because(dependent.row).unwrap_or_default();
-    let mut lines = combination::lines(&diagnosis.system, dependent.row, &because);
+fn entry(told: &Told, dependent: &Finding) -> Vec<String> {
+    let because = (told.because)(dependent.row);
+    let mut lines = combination::lines(told.equations, dependent.row, &because);
     if dependent.kind == Kind::Conflicting {
-        lines.push(mismatch(&diagnosis.system, dependent, because.is_empty()));
+        lines.push(mismatch(told.equations, dependent, because.is_empty()));
     }
     lines
 }
 
 /// What the right-hand side is, and what it would have to be.
-fn mismatch(system: &ConstraintSystem, dependent: &Dependent, is_alone: bool) -> String {
-    let found = system.rhs()[dependent.row];
+fn mismatch(equations: &dyn Equations, dependent: &Finding, is_alone: bool) -> String {
+    let facts = equations.facts(dependent.row);
+    let found = facts.rhs;
     let needed = found - dependent.mismatch;
-    let has_prescribed = system.matrix().row(dependent.row).any(|(j, _)| is_prescribed(system, j));
-    let who = match (is_alone, has_prescribed) {
+    let who = match (is_alone, facts.prescribed > 0) {
         (true, false) => "it can only be",
         (true, true) => "the prescribed values require",
         (false, false) => "the others require",
@@ -76,14 +76,14 @@ fn mismatch(system: &ConstraintSystem, dependent: &Dependent, is_alone: bool) ->
 }
 
 /// `  and 480 more (why: --format json): rows 12, 15, 19-22, ...`.
-fn rest(dependent: &[&Dependent], shown: usize) -> String {
+fn rest(dependent: &[&Finding], shown: usize) -> String {
     let (count, plural) = (dependent.len(), if dependent.len() == 1 { "" } else { "s" });
     let more = if shown == 0 { "" } else { " more" };
     rows(&format!("  and {count}{more} (why: --format json): row{plural}"), dependent)
 }
 
 /// `first 12, 15, 19-22, ...` in one line; JSON has all of them.
-fn rows(first: &str, dependent: &[&Dependent]) -> String {
+fn rows(first: &str, dependent: &[&Finding]) -> String {
     const TAIL: &str = ", ...";
     let rows: Vec<usize> = dependent.iter().map(|d| d.row + 1).collect();
     let pieces = ranges(&rows);

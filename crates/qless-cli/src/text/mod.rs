@@ -14,6 +14,7 @@ mod meant;
 pub mod name;
 mod next;
 mod number;
+pub mod told;
 mod unmet;
 mod verdict;
 mod work;
@@ -23,6 +24,7 @@ use std::path::Path;
 use qless::{Kind, Report};
 
 use crate::diagnose::Diagnosis;
+use told::{Finding, Told};
 
 /// No line is longer.
 const COLUMNS: usize = 100;
@@ -58,23 +60,39 @@ pub fn exact(diagnosis: &Diagnosis, report: &Report) -> Vec<String> {
 
 /// The report, ending in a line break.
 pub fn render(diagnosis: &Diagnosis, report: &Report, outcome: &Outcome) -> String {
+    let because = |row| diagnosis.analysis.because(row).unwrap_or_default();
+    let told = Told {
+        input: &diagnosis.args.input,
+        deck: diagnosis.deck.as_ref(),
+        tolerance: diagnosis.options.tolerance,
+        equations: &diagnosis.system,
+        dependent: diagnosis.analysis.dependent().iter().map(Finding::from).collect(),
+        because: &because,
+    };
+    let of_deck = diagnosis.deck.iter().flat_map(|deck| deck.lines(diagnosis)).collect();
+    let mut doubts = meant::lines(diagnosis, report);
+    doubts.extend(exact::lines(diagnosis, report));
+    doubts.extend(ignored::line(diagnosis, report));
+    whole(&told, report, outcome, [of_deck, doubts])
+}
+
+/// With lines that only some analyses have: of a deck, and beside the rank.
+pub fn whole(told: &Told, report: &Report, outcome: &Outcome, [of_deck, doubts]: [Vec<String>; 2]) -> String {
     let both = report.counts.conflicting > 0 && report.counts.redundant > 0;
     let mut lines = vec![verdict::line(report), verdict::input(report)];
-    lines.extend(dependent::section(diagnosis, Kind::Conflicting, if both { 7 } else { 10 }));
-    lines.extend(dependent::section(diagnosis, Kind::Redundant, if both { 4 } else { 9 }));
+    lines.extend(dependent::section(told, Kind::Conflicting, if both { 7 } else { 10 }));
+    lines.extend(dependent::section(told, Kind::Redundant, if both { 4 } else { 9 }));
     lines.extend(generated::section(report));
-    lines.extend(diagnosis.deck.iter().flat_map(|deck| deck.lines(diagnosis)));
+    lines.extend(of_deck);
     if report.input.rows > 0 {
-        lines.extend(confidence::lines(diagnosis, report));
-        lines.extend(meant::lines(diagnosis, report));
-        lines.extend(exact::lines(diagnosis, report));
-        lines.extend(ignored::line(diagnosis, report));
+        lines.extend(confidence::lines(told, report));
+        lines.extend(doubts);
         lines.push(work::presolve(report));
         lines.extend(work::backend(report));
     }
     lines.extend(unmet::lines(report));
     lines.extend(factored::lines(report));
     lines.push(work::time(report));
-    lines.extend(next::lines(diagnosis, report, outcome));
+    lines.extend(next::lines(told, report, outcome));
     lines.iter().map(|line| fit::shorten(line.trim_end(), COLUMNS) + "\n").collect()
 }

@@ -1,16 +1,15 @@
 //! How equations and DOFs are called: by their row from 1 and their label, where they have one.
 
-use qless::ConstraintSystem;
-
 use super::fit::{printable, shorten};
+use super::told::Equations;
 
 /// Columns of a label at most.
 const LABEL: usize = 30;
 
 /// `row 14 "tie B/C, y"`, or `row 14` without a label.
-pub fn equation(system: &ConstraintSystem, row: usize) -> String {
+pub fn equation(equations: &dyn Equations, row: usize) -> String {
     let number = format!("row {}", row + 1);
-    let label = system.equation_label(row);
+    let label = equations.label(row);
     if label == number { number } else { format!("{number} \"{}\"", shorten(&printable(&label), LABEL)) }
 }
 

@@ -8,16 +8,16 @@ use super::Outcome;
 use super::fit::{printable, shorten, width};
 use super::name::count;
 use super::number::{number, rough};
+use super::told::Told;
 use crate::deck_input::DeckInput;
-use crate::diagnose::Diagnosis;
 
 /// One or two lines.
-pub fn lines(diagnosis: &Diagnosis, report: &Report, outcome: &Outcome) -> Vec<String> {
+pub fn lines(told: &Told, report: &Report, outcome: &Outcome) -> Vec<String> {
     match outcome {
         Outcome::Written(folder) => written(report, folder),
         Outcome::Cleaned { output, removed, written } => vec![cleaned(output, *removed, *written)],
-        Outcome::Checked => vec![advice(diagnosis, report)],
-        Outcome::Refused => vec!["Nothing was written.".to_owned(), advice(diagnosis, report)],
+        Outcome::Checked => vec![advice(told, report)],
+        Outcome::Refused => vec!["Nothing was written.".to_owned(), advice(told, report)],
     }
 }
 
@@ -50,9 +50,9 @@ fn cleaned(output: &Path, removed: usize, written: usize) -> String {
     }
 }
 
-fn advice(diagnosis: &Diagnosis, report: &Report) -> String {
-    let input = quoted(&diagnosis.args.input);
-    let is_refused = diagnosis.deck.as_ref().is_some_and(DeckInput::is_refused_by_solver);
+fn advice(told: &Told, report: &Report) -> String {
+    let input = quoted(told.input);
+    let is_refused = told.deck.is_some_and(DeckInput::is_refused_by_solver);
     match report.status {
         _ if report.input.rows == 0 => "Next: check that the equations were exported to this input.".to_owned(),
         Kind::Conflicting => {
@@ -61,7 +61,7 @@ fn advice(diagnosis: &Diagnosis, report: &Report) -> String {
         _ if report.confidence.ambiguous => {
             "Next: decide, as said above, which equations are meant to be independent.".to_owned()
         }
-        Kind::Redundant if diagnosis.deck.is_some() => {
+        Kind::Redundant if told.deck.is_some() => {
             format!("Next: `qless clean {input} -o DECK` writes a deck without redundant equations.")
         }
         Kind::Independent if is_refused => {

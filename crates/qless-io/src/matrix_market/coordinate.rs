@@ -16,45 +16,64 @@ const SHORTEST_ENTRY: usize = 6;
 /// Empty rows or columns beyond this many are a slip of the size line, not a model; they cost memory.
 const MOST_EMPTY: usize = 10_000_000;
 
-struct Sizes {
-    rows: usize,
-    columns: usize,
-    entries: usize,
+/// What stands before the entries.
+#[derive(Debug)]
+pub(crate) struct Head {
+    pub rows: usize,
+    pub columns: usize,
+    pub entries: usize,
+    /// The line of the sizes.
     line: usize,
+    integer: bool,
 }
 
 pub(super) fn parse(bytes: &[u8]) -> Result<Triplets, At> {
     let mut lines = Lines::new(bytes);
-    let integer = header::read(&mut lines, Layout::Coordinate)?.integer;
-    let sizes = sizes(&mut lines)?;
-    let mut entries = Vec::with_capacity(sizes.entries.min((lines.left() + 1) / SHORTEST_ENTRY));
-    while let Some(line) = lines.content() {
-        if entries.len() == sizes.entries {
-            return Err(line.fault(Fault::TooMany { promised: sizes.entries }));
-        }
-        entries.push(entry(&line, &sizes, integer)?);
-    }
-    if entries.len() < sizes.entries {
-        return Err(At::line(sizes.line, Fault::TooFew { promised: sizes.entries, found: entries.len() }));
-    }
-    Ok(Triplets { rows: sizes.rows, columns: sizes.columns, entries })
+    let head = head(&mut lines)?;
+    let entries = entries(&mut lines, &head, 0)?;
+    head.complete(entries.len())?;
+    Ok(Triplets { rows: head.rows, columns: head.columns, entries })
 }
 
-pub(super) fn lines_of(bytes: &[u8], row: usize, column: usize) -> Result<Option<(usize, usize)>, At> {
-    let mut lines = Lines::new(bytes);
-    let integer = header::read(&mut lines, Layout::Coordinate)?.integer;
-    let sizes = sizes(&mut lines)?;
+pub(crate) fn head(lines: &mut Lines) -> Result<Head, At> {
+    let integer = header::read(lines, Layout::Coordinate)?.integer;
+    sizes(lines, integer)
+}
+
+/// The entries in these lines, which come after `before` others.
+pub(crate) fn entries(lines: &mut Lines, head: &Head, before: usize) -> Result<Vec<(usize, usize, f64)>, At> {
+    let room = head.entries.saturating_sub(before).min((lines.left() + 1) / SHORTEST_ENTRY);
+    let mut entries = Vec::with_capacity(room);
+    while let Some(line) = lines.content() {
+        if before + entries.len() >= head.entries {
+            return Err(line.fault(Fault::TooMany { promised: head.entries }));
+        }
+        entries.push(entry(&line, head)?);
+    }
+    Ok(entries)
+}
+
+/// First and last of these lines that give an entry of this row and column.
+pub(crate) fn lines_of(lines: &mut Lines, head: &Head, place: (usize, usize)) -> Result<Option<(usize, usize)>, At> {
     let mut found = None;
     while let Some(line) = lines.content() {
-        let (i, j, _) = entry(&line, &sizes, integer)?;
-        if (i, j) == (row, column) {
+        let (row, column, _) = entry(&line, head)?;
+        if (row, column) == place {
             found = Some((found.map_or(line.number, |(first, _)| first), line.number));
         }
     }
     Ok(found)
 }
 
-fn sizes(lines: &mut Lines) -> Result<Sizes, At> {
+impl Head {
+    /// Whether all entries are there, if so many were found.
+    pub(crate) fn complete(&self, found: usize) -> Result<(), At> {
+        let promised = self.entries;
+        if found < promised { Err(At::line(self.line, Fault::TooFew { promised, found })) } else { Ok(()) }
+    }
+}
+
+fn sizes(lines: &mut Lines, integer: bool) -> Result<Head, At> {
     let Some(line) = lines.content() else {
         return Err(At::line(lines.number(), Fault::Sizes { expected: SIZES, found: quote(b"") }));
     };
@@ -62,11 +81,11 @@ fn sizes(lines: &mut Lines) -> Result<Sizes, At> {
     let [rows, columns, entries] = line.fields().ok_or_else(malformed)?;
     let entries = whole(entries).ok_or_else(malformed)?;
     let size = |what, word| size(&line, what, word, entries)?.ok_or_else(malformed);
-    let sizes = Sizes { rows: size("rows", rows)?, columns: size("columns", columns)?, entries, line: line.number };
-    if sizes.columns == 0 {
-        return Err(line.fault(Fault::NoColumns { rows: sizes.rows }));
+    let (rows, columns) = (size("rows", rows)?, size("columns", columns)?);
+    if columns == 0 {
+        return Err(line.fault(Fault::NoColumns { rows }));
     }
-    Ok(sizes)
+    Ok(Head { rows, columns, entries, line: line.number, integer })
 }
 
 /// A number of rows or columns, if it is one; the library's largest index is kept back.
@@ -80,12 +99,12 @@ fn size(line: &Line, what: &'static str, word: &[u8], entries: usize) -> Result<
     }
 }
 
-fn entry(line: &Line, sizes: &Sizes, integer: bool) -> Result<(usize, usize, f64), At> {
+fn entry(line: &Line, head: &Head) -> Result<(usize, usize, f64), At> {
     let [row, column, value] = line.fields().ok_or_else(|| line.malformed(ENTRY))?;
-    let row = index(line, "row", row, sizes.rows)?;
-    let column = index(line, "column", column, sizes.columns)?;
+    let row = index(line, "row", row, head.rows)?;
+    let column = index(line, "column", column, head.columns)?;
     match real(value) {
-        Ok(number) if !integer || number.fract() == 0.0 => Ok((row, column, number)),
+        Ok(number) if !head.integer || number.fract() == 0.0 => Ok((row, column, number)),
         other => Err(line.fault(Fault::Number {
             what: Quantity::Coefficient { row: row + 1, column: column + 1 },
             found: quote(value),

@@ -54,7 +54,7 @@ fn first_line<'a>(lines: &mut Lines<'a>) -> Option<Line<'a>> {
     }
 }
 
-fn is_banner(line: &Line) -> bool {
+pub(crate) fn is_banner(line: &Line) -> bool {
     let word = line.text.trim_ascii().split(u8::is_ascii_whitespace).next().unwrap_or_default();
     [&b"%%MatrixMarket"[..], b"%MatrixMarket"].iter().any(|banner| word.eq_ignore_ascii_case(banner))
 }

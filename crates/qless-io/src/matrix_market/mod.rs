@@ -18,7 +18,7 @@
 //! underflow to zero, and a number of entries other than promised. Memory is proportional to the file,
 //! whatever its sizes claim.
 
-mod coordinate;
+pub(crate) mod coordinate;
 pub(crate) mod header;
 
 use std::path::Path;
@@ -57,9 +57,4 @@ pub struct Triplets {
 /// ```
 pub fn read(path: &Path) -> Result<Triplets, ReadError> {
     parse_file(path, coordinate::parse)
-}
-
-/// First and last line that give an entry of this 0-based row and column.
-pub(crate) fn lines_of(path: &Path, row: usize, column: usize) -> Result<Option<(usize, usize)>, ReadError> {
-    parse_file(path, |bytes| coordinate::lines_of(bytes, row, column))
 }

@@ -36,11 +36,17 @@ fn parse(bytes: &[u8], expected: usize, each: &'static str) -> Result<Vec<String
     while let Some(line) = lines.any() {
         labels.push(String::from_utf8_lossy(line.text).into_owned());
     }
-    while labels.len() > expected && labels.last().is_some_and(|label| label.trim().is_empty()) {
-        labels.pop();
+    let filled = labels.iter().rposition(|label| !label.trim().is_empty()).map_or(0, |last| last + 1);
+    complete(labels.len(), filled, expected, each)?;
+    labels.truncate(expected);
+    Ok(labels)
+}
+
+/// Whether there is one label for each row or column in so many lines, the last of which that is not empty is line `filled`.
+pub(crate) fn complete(lines: usize, filled: usize, expected: usize, each: &'static str) -> Result<(), At> {
+    let found = if lines > expected { filled.max(expected) } else { lines };
+    if found == expected {
+        return Ok(());
     }
-    if labels.len() == expected {
-        return Ok(labels);
-    }
-    Err(At::whole_file(Fault::Count { what: "labels", found: labels.len(), expected, each }))
+    Err(At::whole_file(Fault::Count { what: "labels", found, expected, each }))
 }

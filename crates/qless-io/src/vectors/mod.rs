@@ -3,9 +3,9 @@
 //! Blank lines and `#` or `%` comments are passed over in files of numbers; in a file of labels every
 //! line is a label. Columns count from 1 in the files, DOFs from 0 here.
 
-mod labels;
-mod prescribed;
-mod rhs;
+pub(crate) mod labels;
+pub(crate) mod prescribed;
+pub(crate) mod rhs;
 
 pub use labels::read_labels;
 pub use prescribed::read_prescribed;

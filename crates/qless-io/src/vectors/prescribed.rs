@@ -34,18 +34,32 @@ pub fn read_prescribed(path: &Path, columns: usize) -> Result<Vec<(usize, f64)>,
     parse_file(path, |bytes| parse(bytes, columns))
 }
 
-struct Given {
-    column: usize,
-    value: f64,
-    line: usize,
+/// What one line prescribes; the column counts from 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Given {
+    /// The column.
+    pub column: usize,
+    /// Its value.
+    pub value: f64,
+    /// The line.
+    pub line: usize,
 }
 
 fn parse(bytes: &[u8], columns: usize) -> Result<Vec<(usize, f64)>, At> {
-    let mut lines = Lines::new(bytes);
+    unite(given(&mut Lines::new(bytes), columns)?)
+}
+
+/// What these lines prescribe.
+pub(crate) fn given(lines: &mut Lines, columns: usize) -> Result<Vec<Given>, At> {
     let mut given = Vec::new();
     while let Some(line) = lines.content() {
         given.push(entry(&line, columns)?);
     }
+    Ok(given)
+}
+
+/// Values by DOF, of lines in the order of the file.
+pub(crate) fn unite(mut given: Vec<Given>) -> Result<Vec<(usize, f64)>, At> {
     // Stable, so the earlier line stays first.
     given.sort_by_key(|given| given.column);
     given.windows(2).try_for_each(check_pair)?;

@@ -32,19 +32,45 @@ pub fn read_rhs(path: &Path, rows: usize) -> Result<Vec<f64>, ReadError> {
     parse_file(path, |bytes| parse(bytes, rows))
 }
 
+/// What stands before the numbers: nothing, or header and sizes.
+#[derive(Debug)]
+pub(crate) struct Head {
+    rows: usize,
+    integer: bool,
+}
+
 fn parse(bytes: &[u8], rows: usize) -> Result<Vec<f64>, At> {
     let mut lines = Lines::new(bytes);
-    let mut integer = false;
-    if header::is_present(bytes) {
-        let header = header::read(&mut lines, Layout::Array)?;
-        check_sizes(&mut lines, &header, rows)?;
-        integer = header.integer;
-    }
+    let head = if header::is_present(bytes) { headed(&mut lines, rows)? } else { headless(rows) };
+    let numbers = numbers(&mut lines, &head, 0)?;
+    head.complete(numbers.len())?;
+    Ok(numbers)
+}
+
+pub(crate) fn headless(rows: usize) -> Head {
+    Head { rows, integer: false }
+}
+
+pub(crate) fn headed(lines: &mut Lines, rows: usize) -> Result<Head, At> {
+    let header = header::read(lines, Layout::Array)?;
+    check_sizes(lines, &header, rows)?;
+    Ok(Head { rows, integer: header.integer })
+}
+
+/// The numbers in these lines, which come after `before` others.
+pub(crate) fn numbers(lines: &mut Lines, head: &Head, before: usize) -> Result<Vec<f64>, At> {
     let mut numbers = Vec::new();
     while let Some(line) = lines.content() {
-        numbers.push(number(&line, numbers.len() + 1, integer)?);
+        numbers.push(number(&line, before + numbers.len() + 1, head.integer)?);
     }
-    if numbers.len() == rows { Ok(numbers) } else { Err(At::whole_file(wrong_count(numbers.len(), rows))) }
+    Ok(numbers)
+}
+
+impl Head {
+    /// Whether there is one number for each row, if so many were found.
+    pub(crate) fn complete(&self, found: usize) -> Result<(), At> {
+        if found == self.rows { Ok(()) } else { Err(At::whole_file(wrong_count(found, self.rows))) }
+    }
 }
 
 fn check_sizes(lines: &mut Lines, header: &Header, rows: usize) -> Result<(), At> {

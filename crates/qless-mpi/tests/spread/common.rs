@@ -50,13 +50,18 @@ pub fn share(system: &ConstraintSystem, ranks: &dyn Ranks, partition: Partition)
     share
 }
 
+/// Whether it conflicts; mismatches and what was dropped as bits; certificate.
+pub type Verdict = (bool, [u64; 3], Vec<(u64, u64)>);
+/// Terms of a row of T and G (DOF, bits, whether it is prescribed), and g.
+pub type Line = (Vec<(u64, u64, bool)>, u64);
+
 /// What is known of the whole.
 #[derive(Debug, Default, PartialEq)]
 pub struct Whole {
-    /// By equation: kind, mismatches and what was dropped as bits, certificate.
-    pub dependent: BTreeMap<usize, (bool, [u64; 3], Vec<(u64, u64)>)>,
-    /// By slave: terms and the constant, as bits.
-    pub rows: BTreeMap<u64, (Vec<(u64, u64, bool)>, u64)>,
+    /// By equation.
+    pub dependent: BTreeMap<usize, Verdict>,
+    /// By slave.
+    pub rows: BTreeMap<u64, Line>,
     /// Fixed DOFs.
     pub generated: Vec<(u64, u64)>,
     pub ambiguous: bool,
@@ -106,7 +111,7 @@ pub fn spread(
     assert!(texts.iter().all(|text| *text == texts[0]), "ranks disagree: {texts:?}");
     let confidences: Vec<_> = found.iter().filter_map(|(_, a)| a.as_ref().ok()).map(Analysis::confidence).collect();
     assert!(confidences.iter().all(|c| *c == confidences[0] || c.gap.is_nan()), "ranks disagree: {confidences:?}");
-    let mut needed: BTreeMap<u64, (Vec<(u64, u64, bool)>, u64)> = BTreeMap::new();
+    let mut needed: BTreeMap<u64, Line> = BTreeMap::new();
     for (numbers, analysis) in found {
         let analysis = analysis.map_err(|error| error.to_string())?;
         whole.ambiguous = analysis.confidence().ambiguous;

@@ -25,7 +25,7 @@ fn every_fault_of_one_rank_is_the_error_of_all() {
         errors(
             |rank, share| {
                 if rank == 1 {
-                    add(share)
+                    add(share);
                 }
             },
             &options,
@@ -58,8 +58,7 @@ fn every_fault_of_one_rank_is_the_error_of_all() {
     );
     let twice = errors(|rank, share| share.prescribe(4, if rank == 2 { 1.0 } else { 0.0 }), &options);
     all_say(&twice, &ShareError::PrescribedTwice { dof: 4, first: 0.0, second: 1.0 }.into());
-    let mut options = Options::default();
-    options.tolerance = Tolerance::Relative(2.0);
+    let options = Options { tolerance: Tolerance::Relative(2.0), ..Options::default() };
     all_say(&errors(|_, _| (), &options), &OptionError::Tolerance(2.0).into());
 }
 
@@ -93,7 +92,7 @@ fn what_the_serial_library_refuses_on_one_rank_all_refuse() {
     let found = errors(
         |rank, share| {
             if rank == 0 {
-                share.equation(9, [(1, 1e-310)], 0.0)
+                share.equation(9, [(1, 1e-310)], 0.0);
             }
         },
         &Options::default(),
@@ -105,8 +104,7 @@ fn what_the_serial_library_refuses_on_one_rank_all_refuse() {
 
 #[test]
 fn a_component_beyond_the_memory_is_refused_with_its_size() {
-    let mut options = Options::default();
-    options.memory = 1000;
+    let options = Options { memory: 1000, ..Options::default() };
     let found = errors(
         |rank, share| {
             for k in 0..3 {
@@ -134,13 +132,7 @@ fn a_map_of_conflicting_equations_is_refused_by_their_number() {
 #[test]
 fn ranks_without_anything_take_part() {
     let found = together(4, |ranks| {
-        let mut share = Share::new(if ranks.rank() == 2 {
-            0..2
-        } else if ranks.rank() < 2 {
-            0..0
-        } else {
-            2..2
-        });
+        let mut share = Share::new([0..0, 0..0, 0..2, 2..2][ranks.rank()].clone());
         if ranks.rank() == 3 {
             share.equation(7, [(0, 1.0), (1, 2.0)], 3.0);
             share.equation(8, [], 0.0);

@@ -11,6 +11,7 @@
 
 mod budget;
 mod exact;
+mod made;
 mod meant;
 
 use std::time::Duration;
@@ -71,8 +72,12 @@ pub struct Report {
     /// Coefficients that are rounding of their equations, from which nothing was concluded; left out where there are none.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Vec::is_empty"))]
     pub ignored_coefficients: Vec<IgnoredCoefficient>,
-    /// What needed no factorization.
-    pub presolve: PresolveStatistics,
+    /// What needed no factorization, where that is known.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub presolve: Option<PresolveStatistics>,
+    /// Ranks that analysed it together, if there were several.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub ranks: Option<usize>,
     /// What factored the rest.
     pub backend: BackendUsed,
     /// Time spent, in milliseconds.
@@ -336,7 +341,8 @@ impl Report {
             reduction: None,
             unmet_preferences: Unmet { equations: from_one(&analysis.unmet_equations), ..Unmet::default() },
             ignored_coefficients: analysis.ignored.iter().map(IgnoredCoefficient::of).collect(),
-            presolve: analysis.presolve,
+            presolve: Some(analysis.presolve),
+            ranks: None,
             backend: BackendUsed { name, threads: rayon::current_num_threads(), version: version.clone() },
             timings_ms: Milliseconds::of(analysis),
         }

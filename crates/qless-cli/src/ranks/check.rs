@@ -1,0 +1,130 @@
+//! `qless check` on several ranks: each reads its part, all analyse, the first one reports.
+
+use std::num::NonZeroUsize;
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use qless::{AnalysisError, OptionError, Options, Report};
+use qless_io::deck::Format as Language;
+use qless_io::write::OneFile;
+use qless_mpi::{Analysis, CaseError, Error, Ranks, analyse, read_case};
+
+use super::job::all;
+use super::report::Findings;
+use crate::args::{CheckArgs, Deny, Format, ModelArgs};
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::{memory, stdout};
+
+/// Collective; the exit code is the same on all ranks.
+pub fn run(ranks: &dyn Ranks, args: &CheckArgs) -> Result<ExitCode, Failure> {
+    let start = Instant::now();
+    let (model, is_first) = (&args.model, ranks.rank() == 0);
+    all(ranks, check(args, is_first))?;
+    let progress = Progress::new(model.quiet || !is_first);
+    // Each rank has a core of its own, if there are as many.
+    all(ranks, memory::threads::start(model.threads().or(Some(NonZeroUsize::MIN))).map_err(Failure::of_threads))?;
+    progress.stage("reading");
+    let (rhs, prescribed) = (model.rhs.as_deref(), model.prescribed.as_deref());
+    let case = read_case(ranks, &model.input, rhs, prescribed).map_err(of_case)?;
+    let read = start.elapsed();
+    progress.stage("analysing");
+    let mut options = model.options();
+    kept(&options, case.rows() as usize, &model.input)?;
+    options.memory = least(ranks, memory::left().map_or(options.memory, |left| left.min(options.memory)));
+    let analysis = analyse(ranks, case.share(), &options).map_err(|error| of_analysis(error, &model.input))?;
+    all(ranks, finite(&analysis, &model.input))?;
+    progress.stage("explaining");
+    let found = case.gather(ranks, &analysis, Report::TERMS);
+    let written = if is_first {
+        let findings =
+            Findings { case: &case, analysis: &analysis, found: &found, options: &options, ranks: ranks.size() };
+        let rendered = findings.render(model, (start, read));
+        drop(progress);
+        rendered.and_then(|bytes| write(args, &bytes))
+    } else {
+        Ok(())
+    };
+    all(ranks, written)?;
+    let counts = analysis.counts();
+    let denied = model.deny == Some(Deny::Redundant) && counts.redundant > 0;
+    Ok(ExitCode::from(u8::from(counts.conflicting > 0 || denied)))
+}
+
+/// What ranks cannot do, and where the report cannot be written.
+fn check(args: &CheckArgs, is_first: bool) -> Result<(), Failure> {
+    let model = &args.model;
+    let input = model.input.display();
+    if args.exact {
+        return Err(Failure::Input("--exact runs in one process only: leave it out, or leave out mpirun".to_owned()));
+    }
+    if !matches!(model.format, Format::Text | Format::Json) {
+        return Err(Failure::Input(
+            "several ranks report with --format text or json; for others leave out mpirun".to_owned(),
+        ));
+    }
+    if Language::of(&model.input).is_some() && !model.input.is_dir() {
+        return Err(Failure::Input(format!(
+            "{input}: several ranks read Matrix Market only: name a .mtx file or a folder with a C.mtx, or leave out mpirun"
+        )));
+    }
+    model.options().backend.get(usize::MAX).map_err(|error| Failure::of_analysis(error.into(), &model.input, None))?;
+    if let Some(file) = args.output.as_ref().filter(|_| is_first) {
+        // A place that cannot be written to is better known before the work than after.
+        drop(OneFile::at(file, model.inputs())?);
+    }
+    Ok(())
+}
+
+fn write(args: &CheckArgs, bytes: &[u8]) -> Result<(), Failure> {
+    match &args.output {
+        None => stdout::write(|out| out.write_all(bytes)),
+        Some(file) => Ok(OneFile::at(file, args.model.inputs())?.write(bytes)?),
+    }
+}
+
+/// The same limit for all.
+fn least(ranks: &dyn Ranks, bytes: usize) -> usize {
+    let mut most = [u64::MAX - bytes as u64];
+    ranks.max(&mut most);
+    (u64::MAX - most[0]) as usize
+}
+
+fn of_case(error: CaseError) -> Failure {
+    match error {
+        CaseError::File { message, kind, .. } => Failure::of_reading(&message, kind),
+        error => Failure::Input(error.to_string()),
+    }
+}
+
+fn of_analysis(error: Error, input: &Path) -> Failure {
+    match error {
+        Error::Option(error) => Failure::of_analysis(error.into(), input, None),
+        Error::TooLarge { .. } => Failure::Resource(format!("{}: {error}", input.display())),
+        error => Failure::Input(format!("{}: {error}", input.display())),
+    }
+}
+
+/// Equations to keep that are not there.
+fn kept(options: &Options, count: usize, input: &Path) -> Result<(), Failure> {
+    match options.preferences.equations.iter().find(|&&row| row >= count) {
+        Some(&found) => {
+            let error = OptionError::Preference { what: "equation", found, count };
+            Err(Failure::of_analysis(AnalysisError::Option(error), input, None))
+        }
+        None => Ok(()),
+    }
+}
+
+fn finite(analysis: &Analysis, input: &Path) -> Result<(), Failure> {
+    match analysis.generated().iter().find(|(_, value)| !value.is_finite()) {
+        Some(&(dof, _)) => Err(Failure::of_overflow(input, dof as usize, &format!("DOF {}", dof + 1))),
+        None => Ok(()),
+    }
+}
+
+/// For the report's sake: what was asked for.
+pub(super) fn is_text(model: &ModelArgs) -> bool {
+    model.format == Format::Text
+}

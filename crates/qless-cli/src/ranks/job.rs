@@ -1,0 +1,64 @@
+//! The ranks of a job: what one of them cannot do none does, and all end with the same exit code.
+
+use std::process::ExitCode;
+
+use clap::Parser;
+use qless_mpi::{Ranks, Said, World, agree};
+
+use super::{Job, check};
+use crate::args::{Cli, Command};
+use crate::failure::Failure;
+use crate::set_up;
+
+impl Job {
+    /// All ranks run the command together; the first one speaks.
+    pub fn run(self) -> ExitCode {
+        let world = match World::start() {
+            Ok(world) if world.size() > 1 => world,
+            Ok(_) => return self.end(&Failure::Input(OTHER_MPI.to_owned())),
+            Err(error) => return self.end(&Failure::Resource(format!("MPI does not start: {error}"))),
+        };
+        let ended = match Cli::try_parse() {
+            Ok(cli) => run(&world, &cli.command).unwrap_or_else(|failure| self.end(&failure)),
+            Err(error) => {
+                if self.rank == 0 {
+                    // If even that cannot be written there is nobody to tell.
+                    let _ = error.print();
+                }
+                ExitCode::from(error.exit_code() as u8)
+            }
+        };
+        // Who ends with an error ends the job: after all has been said.
+        world.sum(&mut [0]);
+        ended
+    }
+
+    fn end(self, failure: &Failure) -> ExitCode {
+        if self.rank == 0 { failure.tell() } else { failure.code() }
+    }
+}
+
+const OTHER_MPI: &str = "mpirun has started several processes, but this qless finds itself alone: it was built with another MPI \
+     library; use the mpirun of that one";
+
+fn run(world: &World, command: &Command) -> Result<ExitCode, Failure> {
+    let Command::Check(args) = command else {
+        return Err(Failure::Input(
+            "mpirun has started several processes, and only `qless check` runs on more than one".into(),
+        ));
+    };
+    all(world, set_up(command))?;
+    check::run(world, args)
+}
+
+/// The result of this rank, or the failure of the first rank that has one; collective.
+pub(super) fn all<T>(ranks: &dyn Ranks, own: Result<T, Failure>) -> Result<T, Failure> {
+    let said = own.map_err(|failure| match failure {
+        Failure::Input(text) => Said { code: 2, text },
+        Failure::Resource(text) => Said { code: 3, text },
+    });
+    agree(ranks, said).map_err(|said| match said.code {
+        2 => Failure::Input(said.text),
+        _ => Failure::Resource(said.text),
+    })
+}

@@ -1,0 +1,140 @@
+//! The report of the first rank, in the forms of every report.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use qless::qr::Backend;
+use qless::{
+    BackendUsed, Because, Certificate, Counts, DependentEquation, GeneratedCondition, InputSizes, Omitted, Options,
+    Report, Term,
+};
+use qless_io::part::find_labels;
+use qless_mpi::{Analysis, Case, Equation, Found};
+
+use super::check::is_text;
+use crate::args::ModelArgs;
+use crate::failure::Failure;
+use crate::json;
+use crate::text::told::{Equations, Facts, Finding, Told};
+use crate::text::{self, Outcome};
+
+/// What the ranks have found.
+pub struct Findings<'a> {
+    pub case: &'a Case,
+    pub analysis: &'a Analysis,
+    pub found: &'a Found,
+    pub options: &'a Options,
+    pub ranks: usize,
+}
+
+/// What is known of the equations that the report names.
+struct Known<'a> {
+    found: &'a Found,
+    labels: BTreeMap<usize, String>,
+}
+
+impl Equations for Known<'_> {
+    fn label(&self, row: usize) -> String {
+        self.labels.get(&row).cloned().unwrap_or_else(|| format!("row {}", row + 1))
+    }
+
+    fn facts(&self, row: usize) -> Facts {
+        let facts = self.found.facts[&(row as u64)];
+        let (dofs, prescribed) = (facts.dofs as usize, facts.prescribed as usize);
+        Facts { rhs: facts.rhs, largest: facts.largest, dofs, prescribed }
+    }
+}
+
+impl Findings<'_> {
+    /// The report in the form that was asked for; `times` are the start of the run and the time of reading.
+    pub fn render(&self, model: &ModelArgs, times: (Instant, Duration)) -> Result<Vec<u8>, Failure> {
+        let rows: Vec<usize> = self.found.facts.keys().map(|&row| row as usize).collect();
+        let known = Known { found: self.found, labels: labels(self.case.files().rows.as_deref(), &rows)? };
+        let report = self.report(&known)?.with_timings(times.1, Duration::ZERO, times.0.elapsed());
+        if is_text(model) {
+            return Ok(self.text(&known, &report, &model.input).into_bytes());
+        }
+        let mut bytes = Vec::new();
+        json::write(&mut bytes, &report, None).map_err(|error| Failure::of_stdout(&error))?;
+        Ok(bytes)
+    }
+
+    fn text(&self, known: &Known, report: &Report, input: &Path) -> String {
+        let because = |row: usize| {
+            self.equation(row).and_then(|equation| equation.because.as_ref()).map_or_else(Vec::new, |b| terms(b))
+        };
+        let finding = |equation: &Equation| Finding {
+            row: equation.number as usize,
+            kind: equation.kind,
+            mismatch: equation.mismatch,
+            relative_mismatch: equation.relative_mismatch,
+            dropped: equation.dropped,
+        };
+        let dependent = self.found.dependent.iter().map(finding).collect();
+        let told = Told {
+            input,
+            deck: None,
+            tolerance: self.options.tolerance,
+            equations: known,
+            dependent,
+            because: &because,
+        };
+        text::whole(&told, report, &Outcome::Checked, [Vec::new(), Vec::new()])
+    }
+
+    fn equation(&self, row: usize) -> Option<&Equation> {
+        let place = self.found.dependent.binary_search_by_key(&(row as u64), |equation| equation.number);
+        place.ok().map(|place| &self.found.dependent[place])
+    }
+
+    fn report(&self, known: &Known) -> Result<Report, Failure> {
+        let (case, counts) = (self.case, self.analysis.counts());
+        let sizes = [case.rows(), case.dofs(), case.coefficients(), case.prescribed()].map(|count| count as usize);
+        let input = InputSizes::new(sizes[0], sizes[1], sizes[2], sizes[3]);
+        let [independent, redundant, conflicting] =
+            [counts.rank(), counts.redundant, counts.conflicting].map(|count| count as usize);
+        let counts = Counts::new(independent, redundant, conflicting);
+        let mut report = Report::of_ranks(self.ranks, input, counts, self.analysis.confidence(), self.backend()?);
+        report.dependent = self.found.dependent.iter().map(|equation| dependent(equation, known)).collect();
+        report.generated_boundary_conditions = self.generated()?;
+        report.unmet_preferences.equations = self.found.unmet_equations.iter().map(|row| *row as usize + 1).collect();
+        Ok(report)
+    }
+
+    fn backend(&self) -> Result<BackendUsed, Failure> {
+        let backend: Box<dyn Backend> =
+            self.options.backend.get(self.options.memory).map_err(|error| Failure::Input(error.to_string()))?;
+        Ok(BackendUsed::new(backend.name(), rayon::current_num_threads(), backend.version()))
+    }
+
+    /// Their certificates are not computed across ranks.
+    fn generated(&self) -> Result<Vec<GeneratedCondition>, Failure> {
+        let dofs: Vec<usize> = self.found.generated.iter().map(|&(dof, _)| dof as usize).collect();
+        let mut labels = labels(self.case.files().columns.as_deref(), &dofs)?;
+        let condition = |&(dof, value): &(u64, f64)| {
+            let dof = dof as usize;
+            let label = labels.remove(&dof).unwrap_or_else(|| format!("DOF {}", dof + 1));
+            GeneratedCondition::new(dof + 1, label, value, Certificate::left_out(Omitted::NotComputed))
+        };
+        Ok(self.found.generated.iter().map(condition).collect())
+    }
+}
+
+fn labels(path: Option<&Path>, wanted: &[usize]) -> Result<BTreeMap<usize, String>, Failure> {
+    Ok(path.map_or_else(|| Ok(BTreeMap::new()), |path| find_labels(path, wanted))?)
+}
+
+fn terms(because: &[qless_mpi::Because]) -> Vec<Because> {
+    because.iter().map(|term| Because { row: term.equation as usize, coefficient: term.coefficient }).collect()
+}
+
+fn dependent(equation: &Equation, known: &Known) -> DependentEquation {
+    let row = equation.number as usize;
+    let term = |term: Because| Term::new(term.row + 1, known.label(term.row), term.coefficient);
+    let certificate = match &equation.because {
+        Some(because) => Certificate::of(terms(because).into_iter().map(term).collect()),
+        None => Certificate::left_out(Omitted::Terms(equation.terms)),
+    };
+    DependentEquation::new(row + 1, known.label(row), equation.kind, equation.mismatch, certificate)
+}

@@ -1,0 +1,148 @@
+//! A file, and the lines that start in a range of its bytes.
+
+use std::fs;
+use std::io::{self, ErrorKind, Read, Seek, SeekFrom};
+use std::ops::{Add, Range};
+use std::path::{Path, PathBuf};
+
+use crate::{ReadError, bytes, lines};
+
+/// Bytes at a time beyond the range, to the end of the last line.
+const PIECE: usize = 1 << 16;
+
+/// A file of which parts are read.
+#[derive(Debug)]
+pub struct File {
+    path: PathBuf,
+    size: u64,
+}
+
+impl File {
+    /// Finds out how long the file is.
+    ///
+    /// # Errors
+    /// [`ReadError::Io`]: it is not there, or has no size, as devices and pipes.
+    pub fn open(path: &Path) -> Result<Self, ReadError> {
+        let kind = fs::metadata(path).map_err(ReadError::io(path))?;
+        if !kind.is_file() && !kind.is_dir() {
+            let problem = "it has no size, so that it cannot be read in parts; save it as a file and name that";
+            return Err(ReadError::io(path)(io::Error::new(ErrorKind::Unsupported, problem)));
+        }
+        let mut byte = [0];
+        fs::File::open(path).and_then(|mut file| file.read(&mut byte)).map_err(ReadError::io(path))?;
+        Ok(Self { path: path.to_path_buf(), size: kind.len() })
+    }
+
+    /// Bytes in it.
+    #[expect(clippy::len_without_is_empty, reason = "an empty file is as good as any")]
+    pub fn len(&self) -> u64 {
+        self.size
+    }
+
+    /// Its path.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The lines that start in this range, to the end of the last of them.
+    ///
+    /// # Errors
+    /// [`ReadError::Io`], also if there is no memory for them.
+    pub fn lines(&self, range: Range<u64>) -> Result<Lines, ReadError> {
+        let bytes = self.read(range.clone()).map_err(ReadError::io(&self.path))?;
+        Ok(Lines { path: self.path.clone(), is_first: range.start == 0, bytes })
+    }
+
+    fn read(&self, Range { start, end }: Range<u64>) -> io::Result<Vec<u8>> {
+        let end = end.min(self.size);
+        if start >= end {
+            return Ok(Vec::new());
+        }
+        let mut file = fs::File::open(&self.path)?;
+        // The byte before says whether a line starts with the range.
+        let from = start.saturating_sub(1);
+        file.seek(SeekFrom::Start(from))?;
+        let mut bytes = bytes::room_for(end - from)?;
+        file.by_ref().take(end - from).read_to_end(&mut bytes)?;
+        if start > 0 {
+            let searched = bytes.len().saturating_sub(1);
+            let Some(last) = memchr::memchr(b'\n', &bytes[..searched]) else { return Ok(Vec::new()) };
+            bytes.drain(..=last);
+        }
+        to_end_of_line(&mut file, &mut bytes)?;
+        Ok(bytes)
+    }
+
+    pub(super) fn reader(&self) -> Result<io::BufReader<fs::File>, ReadError> {
+        fs::File::open(&self.path).map(io::BufReader::new).map_err(ReadError::io(&self.path))
+    }
+}
+
+fn to_end_of_line(file: &mut fs::File, bytes: &mut Vec<u8>) -> io::Result<()> {
+    while bytes.last().is_some_and(|&last| last != b'\n') {
+        let before = bytes.len();
+        if file.take(PIECE as u64).read_to_end(bytes)? == 0 {
+            break;
+        }
+        if let Some(end) = memchr::memchr(b'\n', &bytes[before..]) {
+            bytes.truncate(before + end + 1);
+        }
+    }
+    Ok(())
+}
+
+/// Lines of a file that follow one another.
+#[derive(Debug)]
+pub struct Lines {
+    path: PathBuf,
+    /// Whether nothing of the file stands before them.
+    is_first: bool,
+    bytes: Vec<u8>,
+}
+
+/// How many lines there are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Count {
+    /// Lines.
+    pub lines: usize,
+    /// Those of them that are neither blank nor comments.
+    pub items: usize,
+}
+
+impl Add for Count {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { lines: self.lines + other.lines, items: self.items + other.items }
+    }
+}
+
+impl Lines {
+    /// Counts them.
+    pub fn count(&self) -> Count {
+        let (mut lines, mut items) = (self.after(0), 0);
+        while lines.content().is_some() {
+            items += 1;
+        }
+        Count { lines: lines.number(), items }
+    }
+
+    /// The number of the last line that holds more than blanks, from 1; 0 if there is none.
+    pub fn last_filled(&self) -> usize {
+        let (mut lines, mut last) = (self.after(0), 0);
+        while let Some(line) = lines.any() {
+            if !String::from_utf8_lossy(line.text).trim().is_empty() {
+                last = line.number;
+            }
+        }
+        last
+    }
+
+    pub(super) fn after(&self, number: usize) -> lines::Lines<'_> {
+        if self.is_first { lines::Lines::new(&self.bytes) } else { lines::Lines::after(&self.bytes, number) }
+    }
+
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+}

@@ -1,0 +1,38 @@
+//! Files by parts, for readers that share the work: each takes the lines that start in its bytes.
+//!
+//! What is read, and what is refused with which words, is what [`read_case`](crate::read_case) reads and refuses: the same code parses
+//! the lines. Before a part is parsed the lines before it are counted, by whoever reads them ([`Lines::count`]), so that faults
+//! have the line of the file.
+//!
+//! ```
+//! use qless_io::part::{Count, File, Matrix};
+//! # let place = tempfile::tempdir()?;
+//! let path = place.path().join("C.mtx");
+//! std::fs::write(&path, "%%MatrixMarket matrix coordinate real general\n2 2 2\n1 1 5.0\n2 2 x\n")?;
+//! let file = File::open(&path)?;
+//! let matrix = Matrix::of(&file)?;
+//! assert_eq!((matrix.rows(), matrix.columns(), matrix.start()), (2, 2, 52));
+//!
+//! let (first, second) = (file.lines(52..56)?, file.lines(56..file.len())?);
+//! let before = matrix.before() + first.count();
+//! assert_eq!(matrix.entries(&first, matrix.before())?, [(0, 0, 5.0)]);
+//! let error = matrix.entries(&second, before).unwrap_err().to_string();
+//! assert!(error.contains("C.mtx:4: the coefficient in row 2, column 2 is `x`: not a number"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod file;
+mod head;
+mod labels;
+mod matrix;
+mod prescribed;
+mod rhs;
+
+pub use crate::case::CaseFiles;
+pub use crate::vectors::prescribed::Given;
+pub use file::{Count, File, Lines};
+pub use labels::{check_labels, find_labels};
+pub use matrix::Matrix;
+pub(crate) use matrix::lines_of;
+pub use prescribed::{given, unite};
+pub use rhs::RightHandSide;

@@ -1,0 +1,51 @@
+//! Entries to the ranks that hold their rows, and there to equations.
+
+use std::ops::Range;
+
+use qless_io::part::CaseFiles;
+
+use super::CaseError;
+use super::blocks::Blocks;
+use crate::ranks::{Post, Ranks, real};
+use crate::share::Share;
+
+/// An entry as the reader gives it.
+pub(super) type Given = (usize, usize, f64);
+
+/// An entry: row, DOF, value.
+type Entry = (u64, u64, f64);
+
+/// Collective; the entries of this rank's rows, by row and in the order of the file.
+pub(super) fn deal(ranks: &dyn Ranks, rows: Blocks, entries: Vec<Given>) -> Vec<Entry> {
+    let mut post = Post::default();
+    for (row, dof, value) in entries {
+        post.to(rows.holder(row as u64)).extend([row as u64, dof as u64, value.to_bits()]);
+    }
+    let mut entries = Vec::new();
+    for message in post.send(ranks) {
+        entries.extend(message.words.chunks_exact(3).map(|w| (w[0], w[1], real(w[2]))));
+    }
+    if !entries.is_sorted_by_key(|entry| entry.0) {
+        entries.sort_by_key(|entry| entry.0);
+    }
+    entries
+}
+
+/// Adds these rows to the share.
+pub(super) fn fill(share: &mut Share, rows: Range<u64>, entries: &[Entry], rhs: &[f64]) {
+    let mut rest = entries;
+    for (row, &b) in rows.zip(rhs) {
+        let (of_row, others) = rest.split_at(rest.iter().take_while(|entry| entry.0 == row).count());
+        share.equation(row, of_row.iter().map(|&(_, dof, value)| (dof, value)), b);
+        rest = others;
+    }
+}
+
+/// The reader has checked all numbers but the sums of repeats.
+pub(super) fn check_sums(files: &CaseFiles, share: &Share) -> Result<(), CaseError> {
+    let rows = &share.rows;
+    let mut all = (0..rows.len()).flat_map(|i| rows.row(i).map(move |(dof, value)| (i, dof, value)));
+    let Some((i, dof, sum)) = all.find(|(_, _, value)| !value.is_finite()) else { return Ok(()) };
+    // Without such lines it was not the file: the analysis says what it was.
+    files.sum_not_finite(rows.numbers[i] as usize, dof as usize, sum)?.map_or(Ok(()), |error| Err(error.into()))
+}
