@@ -23,7 +23,22 @@ impl Condensed {
         numbers("the list of forces", f, map.dofs())?;
         long("the list of forces on unknowns", f_q.len(), self.unknowns())?;
         let (plan, slaves) = (&self.plan, map.slaves());
-        let by_columns = if plan.by_columns { self.stress_by_columns(map, k) } else { Vec::new() };
+        let columns = if plan.by_columns { map.dofs() } else { 0 };
+        self.spare.with(columns, |by_columns| {
+            self.stress_by_columns(map, k, by_columns);
+            self.spare.with(slaves.len(), |of_slaves| self.load_of(map, (k, f), by_columns, of_slaves, f_q))
+        })
+    }
+
+    fn load_of(
+        &self,
+        map: &Transform,
+        (k, f): (&[f64], &[f64]),
+        by_columns: &[f64],
+        of_slaves: &mut [f64],
+        f_q: &mut [f64],
+    ) -> Result<(), ArgumentError> {
+        let (plan, slaves) = (&self.plan, map.slaves());
         // `(K u_0)_dof` for a line of K, which may be left out where it has no DOFs that move by themselves.
         let stress = |dof: usize, line: &[(u32, u32)]| {
             if plan.by_columns {
@@ -32,12 +47,13 @@ impl Condensed {
             let moved = line.iter().filter(|&&(_, j)| self.number[j as usize] == NONE);
             moved.map(|&(e, j)| k[e as usize] * self.shift(map, j as usize)).sum()
         };
-        let of_slave = |a: usize| f[slaves[a]] - stress(slaves[a], plan.of_slaves.line(a));
-        let of_slaves: Vec<f64> = if slaves.len() < 2 * WORTH_A_THREAD {
-            (0..slaves.len()).map(of_slave).collect()
+        let of_slave = |(a, out): (usize, &mut f64)| *out = f[slaves[a]] - stress(slaves[a], plan.of_slaves.line(a));
+        if slaves.len() < 2 * WORTH_A_THREAD || rayon::current_num_threads() == 1 {
+            of_slaves.iter_mut().enumerate().for_each(of_slave);
         } else {
-            (0..slaves.len()).into_par_iter().with_min_len(WORTH_A_THREAD).map(of_slave).collect()
-        };
+            of_slaves.par_iter_mut().with_min_len(WORTH_A_THREAD).enumerate().for_each(of_slave);
+        }
+        let of_slaves = &*of_slaves;
         fill(f_q, "f_q", |q| {
             let line = if let Source::Mixed(m) = plan.source[q] { plan.mixed.line(m as usize) } else { &[] };
             let own = f[self.dofs[q]] - stress(self.dofs[q], line);
@@ -45,15 +61,17 @@ impl Condensed {
         })
     }
 
-    /// `K u_0` at all DOFs, where lines of K are columns.
-    fn stress_by_columns(&self, map: &Transform, k: &[f64]) -> Vec<f64> {
-        let mut stress = vec![0.0; map.dofs()];
+    /// `K u_0` at all DOFs, if lines of K are columns.
+    fn stress_by_columns(&self, map: &Transform, k: &[f64], stress: &mut [f64]) {
+        if !self.plan.by_columns {
+            return;
+        }
+        stress.fill(0.0);
         let of_slaves = map.slaves().iter().enumerate().map(|(a, &dof)| (dof, self.plan.of_slaves.line(a)));
         let of_given = self.plan.of_given.iter().map(|(dof, entries)| (*dof as usize, entries.line(0)));
         for (dof, line) in of_slaves.chain(of_given) {
             let u = self.shift(map, dof);
             line.iter().for_each(|&(e, i)| stress[i as usize] += k[e as usize] * u);
         }
-        stress
     }
 }

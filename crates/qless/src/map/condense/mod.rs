@@ -13,6 +13,7 @@ mod elements;
 mod lines;
 mod load;
 mod plan;
+mod spare;
 mod values;
 
 use std::collections::BTreeMap;
@@ -24,6 +25,7 @@ use crate::common::identity::Identity;
 use crate::{ArgumentError, Csr};
 use lines::Lines;
 use plan::{Half, Plan};
+use spare::Spare;
 
 /// What becomes of prescribed DOFs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -35,7 +37,7 @@ pub enum Given {
     Kept,
 }
 
-/// The pattern of K_q, and how K fills it. For the map that made it, and its [`Transform::refresh`]ed states.
+/// The pattern of K_q, and how K fills it. For the map that made it, and its [`crate::Map::refresh`]ed states.
 #[derive(Clone, Debug)]
 pub struct Condensed {
     of: Identity,
@@ -55,6 +57,7 @@ pub struct Condensed {
     slave: Vec<u32>,
     lines: Lines,
     plan: Plan,
+    spare: Spare,
 }
 
 /// Marks no place.
@@ -117,6 +120,7 @@ impl Condensed {
             slave,
             lines: Lines::default(),
             plan: Plan::default(),
+            spare: Spare::default(),
         };
         condensed.plan(map.slaves(), k)?;
         Ok(condensed)

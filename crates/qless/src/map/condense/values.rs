@@ -2,8 +2,6 @@
 
 use std::ops::Range;
 
-use rayon::prelude::*;
-
 use super::plan::Source;
 use super::{Condensed, NONE};
 use crate::ArgumentError;
@@ -37,12 +35,11 @@ impl Condensed {
     pub fn condense_matrix_into(&self, map: &Transform, k: &[f64], k_q: &mut [f64]) -> Result<(), ArgumentError> {
         self.check(map, k_q.len())?;
         long("the list of values of K", k.len(), self.plan.entries)?;
-        let w = self.of_slaves(k);
-        let stretch = |(range, out): (Range<usize>, &mut [f64])| self.fill(range, out, k, &w);
-        let finite = match stretches(&self.lines.starts, k_q, 4 * rayon::current_num_threads()) {
-            few if few.len() < 2 => few.into_iter().all(stretch),
-            many => many.into_par_iter().map(stretch).reduce(|| true, |a, b| a && b),
-        };
+        let finite = self.spare.with(self.plan.w.index.len(), |w| {
+            self.of_slaves(k, w);
+            let w = &*w;
+            each(&self.lines.starts, k_q, &|range, out: &mut [f64]| self.fill(range, out, k, w))
+        });
         if finite {
             return Ok(());
         }
@@ -53,9 +50,13 @@ impl Condensed {
     }
 
     /// Writes some lines; false if a number is not finite.
-    fn fill(&self, range: Range<usize>, mut out: &mut [f64], k: &[f64], w: &[f64]) -> bool {
-        // Made where the first line is that needs it.
-        let mut sums = Vec::new();
+    fn fill(&self, range: Range<usize>, out: &mut [f64], k: &[f64], w: &[f64]) -> bool {
+        let mixed = |source: &Source| matches!(source, Source::Mixed(_));
+        let sums = if self.plan.source[range.clone()].iter().any(mixed) { self.unknowns() } else { 0 };
+        self.spare.with(sums, |sums| self.fill_with(sums, range, out, k, w))
+    }
+
+    fn fill_with(&self, sums: &mut [f64], range: Range<usize>, mut out: &mut [f64], k: &[f64], w: &[f64]) -> bool {
         let mut finite = true;
         for q in range {
             let line = self.lines.line(q);
@@ -64,9 +65,8 @@ impl Condensed {
             match self.plan.source[q] {
                 Source::Copied(first) => own.copy_from_slice(&k[first as usize..first as usize + own.len()]),
                 Source::Mixed(m) => {
-                    sums.resize(self.unknowns(), 0.0);
                     line.iter().for_each(|&r| sums[r as usize] = 0.0);
-                    self.add_line(self.plan.mixed.line(m as usize), k, &mut sums, |r| self.is_stored(q, r));
+                    self.add_line(self.plan.mixed.line(m as usize), k, sums, |r| self.is_stored(q, r));
                     for (a, v) in self.followers.row(q) {
                         let of_slave = self.plan.w.line(a).iter().zip(&w[self.plan.w.range(a)]);
                         of_slave.filter(|(r, _)| self.is_stored(q, **r)).for_each(|(&r, w)| sums[r as usize] += v * w);
@@ -95,25 +95,50 @@ impl Condensed {
     }
 
     /// `W = K_S L`.
-    fn of_slaves(&self, k: &[f64]) -> Vec<f64> {
+    fn of_slaves(&self, k: &[f64], values: &mut [f64]) {
         let w = &self.plan.w;
-        let mut values = vec![0.0; w.index.len()];
-        let stretch = |(range, mut out): (Range<usize>, &mut [f64])| {
-            let mut sums = vec![0.0; self.unknowns()];
+        let stretch = |range: Range<usize>, mut out: &mut [f64], sums: &mut [f64]| {
             for a in range {
                 let (own, rest) = out.split_at_mut(w.line(a).len());
                 out = rest;
                 w.line(a).iter().for_each(|&r| sums[r as usize] = 0.0);
-                self.add_line(self.plan.of_slaves.line(a), k, &mut sums, |_| true);
+                self.add_line(self.plan.of_slaves.line(a), k, sums, |_| true);
                 own.iter_mut().zip(w.line(a)).for_each(|(own, &r)| *own = sums[r as usize]);
             }
         };
-        match stretches(&w.starts, &mut values, 4 * rayon::current_num_threads()) {
-            few if few.len() < 2 => few.into_iter().for_each(stretch),
-            many => many.into_par_iter().for_each(stretch),
-        }
-        values
+        each(&w.starts, values, &|range, out: &mut [f64]| {
+            self.spare.with(self.unknowns(), |sums| stretch(range, out, sums));
+            true
+        });
     }
+}
+
+/// Does `work` for lines in stretches of about the same number of entries, on all threads; whether it is true of all.
+fn each(starts: &[u32], values: &mut [f64], work: &(impl Fn(Range<usize>, &mut [f64]) -> bool + Sync)) -> bool {
+    let threads = rayon::current_num_threads();
+    let count = if threads == 1 { 1 } else { (4 * threads).min(values.len() / WORTH_A_THREAD).max(1) };
+    halves(starts, 0..starts.len() - 1, values, count, work)
+}
+
+fn halves(
+    starts: &[u32],
+    lines: Range<usize>,
+    values: &mut [f64],
+    count: usize,
+    work: &(impl Fn(Range<usize>, &mut [f64]) -> bool + Sync),
+) -> bool {
+    if count < 2 {
+        return work(lines, values);
+    }
+    let first = starts[lines.start] as usize;
+    let aim = first + values.len() * (count / 2) / count;
+    let middle = starts.partition_point(|&s| (s as usize) < aim).clamp(lines.start, lines.end);
+    let (left, right) = values.split_at_mut(starts[middle] as usize - first);
+    let (a, b) = rayon::join(
+        || halves(starts, lines.start..middle, left, count / 2, work),
+        || halves(starts, middle..lines.end, right, count - count / 2, work),
+    );
+    a & b
 }
 
 /// Lines in stretches of about the same number of entries, with their values: at most so many.
