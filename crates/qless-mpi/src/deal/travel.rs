@@ -41,11 +41,11 @@ pub(crate) fn travel(
         words.push(u64::MAX);
         words.extend(of.into_iter().flat_map(|(j, value)| [touched.dofs[j as usize], value.to_bits()]));
     }
-    Guests::of(post.send(ranks))
+    Guests::of(&post.send(ranks))
 }
 
 impl Guests {
-    fn of(came: Vec<crate::Message>) -> Self {
+    fn of(came: &[crate::Message]) -> Self {
         let mut found: Vec<(u64, usize, usize)> = Vec::new();
         let mut given = BTreeMap::new();
         for (k, message) in came.iter().enumerate() {

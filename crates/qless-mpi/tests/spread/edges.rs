@@ -20,9 +20,7 @@ fn a_row_that_moves_much_is_not_solved_apart() {
     let sum = (0..count).map(|i| (i + 1, 0.9 - 1e-4 * (i % 7) as f64));
     builder.equation(sum.chain([(count + 1, 1.0)]), 0.0);
     builder.equation([(1, 1.0), (2, -1.0)], 0.0);
-    let mut options = Options::default();
-    options.growth = 1e6;
-    same(&builder.build().expect("valid"), &options);
+    same(&builder.build().expect("valid"), &Options { growth: 1e6, ..Options::default() });
 }
 
 /// `2^-30` in the second equation is 2^-50 beside the third, whose numbers are larger. Nobody looks for rounding among the equations of
