@@ -29,10 +29,14 @@ pub(crate) struct Column {
 const SMALL: f64 = 1.0 / 512.0;
 /// ... and may be rounding.
 const FAINT: f64 = 1e-12;
+/// A range is worth a table if it has at most this many DOFs for each term: memory goes with the equations, whatever is owned.
+const TABLE: u64 = 16;
 
 impl Touched {
     /// DOFs of `near`, which most are, are found by a table, others by a hash.
     pub fn by(rows: &Rows, near: &Range<u64>) -> Self {
+        let is_dense = near.end - near.start <= TABLE * (rows.dofs.len() as u64 + 64);
+        let near = if is_dense { near.clone() } else { near.start..near.start };
         let mut table = vec![NONE; (near.end - near.start) as usize];
         let mut far: FxHashMap<u64, u32> = FxHashMap::default();
         for &dof in &rows.dofs {

@@ -1,6 +1,7 @@
 //! Systems dealt out to ranks within this process, against the serial library.
 
 mod common;
+mod edges;
 mod exact;
 mod faults;
 mod identical;

@@ -6,6 +6,7 @@
 
 use std::collections::HashSet;
 
+use crate::input::components::Labels;
 use crate::input::numbering::{Exponents, Local};
 use crate::input::scale::{equilibrated, free};
 
@@ -23,18 +24,23 @@ pub struct Ignored {
     pub coefficient: f64,
 }
 
-/// Whether any row spans so much that rounding may be in it. O(m).
-pub(crate) fn may_hold(exponents: &[Exponents]) -> bool {
-    exponents
-        .iter()
-        .any(|of_row| of_row.least < of_row.most && i32::from(of_row.least) - i32::from(of_row.most) <= ROUNDING)
+/// Whether a row spans so much that rounding may be in it.
+fn may_hold(of_row: Exponents) -> bool {
+    of_row.least < of_row.most && i32::from(of_row.least) - i32::from(of_row.most) <= ROUNDING
 }
 
-/// What is rounding, ascending by row and DOF.
-pub(crate) fn find(system: Local) -> Vec<Ignored> {
+/// What is rounding, ascending by row and DOF; in components with a row that spans so much, whatever stands beside them. O(m) where
+/// there are none.
+pub(crate) fn find(system: Local, exponents: &[Exponents]) -> Vec<Ignored> {
+    let spanning: Vec<usize> = (0..exponents.len()).filter(|&i| may_hold(exponents[i])).collect();
+    if spanning.is_empty() {
+        return Vec::new();
+    }
+    let mut is_looked_at = vec![false; system.equations()];
+    Labels::of(system).mark(&spanning, &mut is_looked_at);
     let (row, col) = equilibrated(system, vec![0.0; system.equations()], vec![0.0; system.dofs()]);
     let mut found = Vec::new();
-    for i in 0..system.equations() {
+    for i in (0..system.equations()).filter(|&i| is_looked_at[i]) {
         let rounding = |&(j, v): &(usize, f64)| v.abs().log2() + row[i] + col[j] <= f64::from(ROUNDING);
         let named = |(j, coefficient)| Ignored { row: i, dof: system.numbering.dofs[j] as usize, coefficient };
         found.extend(free(system, i).filter(rounding).map(named));

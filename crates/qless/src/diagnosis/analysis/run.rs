@@ -50,7 +50,7 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
     let tolerance = options.tolerance.value();
     let local = numbering.view(system, system.rhs());
     let is_relative = matches!(options.tolerance, Tolerance::Relative(_));
-    let ignored = if is_relative && rounding::may_hold(&exponents) { rounding::find(local) } else { Vec::new() };
+    let ignored = if is_relative { rounding::find(local, &exponents) } else { Vec::new() };
     let uncertain = rounding::places(&ignored, local);
     let wishes = Wishes::new(&options.preferences, &numbering, system.dofs());
     let (rows, spreads) = scale(local, &columns, &exponents, &uncertain, options.tolerance);
