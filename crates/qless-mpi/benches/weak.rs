@@ -33,7 +33,7 @@ fn main() {
     let each = number("--each").unwrap_or(if short { 2000 } else { 100_000 });
     let sizes: &[usize] = if short { &[1, 4, 16] } else { &[1, 2, 4, 8, 16, 32, 64] };
     for numbering in [Numbering::ByPlace, Numbering::ByChance] {
-        weak(each, sizes, numbering, short);
+        weak(each, sizes, numbering);
     }
 }
 
@@ -95,7 +95,7 @@ impl Twin {
     }
 }
 
-fn weak(each: usize, sizes: &[usize], numbering: Numbering, short: bool) {
+fn weak(each: usize, sizes: &[usize], numbering: Numbering) {
     println!("Table 1's twin, {each} equations a rank, DOFs {numbering:?}");
     println!("                                                   MB sent      MB received");
     println!(
@@ -112,7 +112,6 @@ fn weak(each: usize, sizes: &[usize], numbering: Numbering, short: bool) {
         });
         let most = |of: &dyn Fn(&Work) -> u64| work.iter().map(|(work, _)| of(work)).max().unwrap_or(0);
         let mean = |of: &dyn Fn(&Work) -> u64| work.iter().map(|(work, _)| of(work)).sum::<u64>() as f64 / size as f64;
-        let bytes = most(&|w| w.sent.bytes);
         println!(
             "{size:6} {:9} {:10} {:8} {:9} {:7.3} {:7.3} {:7.3} {:7.3} {:8} {:9} {:9}",
             twin.system.equations(),
@@ -120,7 +119,7 @@ fn weak(each: usize, sizes: &[usize], numbering: Numbering, short: bool) {
             most(&|w| w.sent.rounds),
             most(&|w| w.sent.messages),
             mean(&|w| w.sent.bytes) / 1e6,
-            bytes as f64 / 1e6,
+            most(&|w| w.sent.bytes) as f64 / 1e6,
             mean(&|w| w.sent.received) / 1e6,
             most(&|w| w.sent.received) as f64 / 1e6,
             most(&|w| w.dealt.peeled as u64),
@@ -131,11 +130,13 @@ fn weak(each: usize, sizes: &[usize], numbering: Numbering, short: bool) {
             most(&|w| w.dealt.analysed as u64) as f64 <= 2.0 * mean(&|w| w.held as u64),
             "the work of a rank grows"
         );
+        let sent = mean(&|w| w.sent.bytes);
         if size == 4 {
-            first = Some(bytes);
+            first = Some(sent);
         }
-        if let (Some(first), true) = (first, short) {
-            assert!(2 * bytes <= 3 * first, "{bytes} bytes sent by a rank, {first} with 4 ranks");
+        // By place little is sent at all, and with four ranks the cuts fall on the faces of the box.
+        if let (Some(first), Numbering::ByChance) = (first, numbering) {
+            assert!(sent <= 1.5 * first, "{sent} bytes sent by a rank, {first} with 4 ranks");
         }
     }
 }
