@@ -91,7 +91,7 @@ impl Map {
         Ok(all)
     }
 
-    /// `C^T lambda - (f - K u)` at each prescribed DOF: what holds it. In the order of [`Map::prescribed`].
+    /// `C^T lambda - (f - K u)` at each prescribed DOF: what holds it. In the order of [`Transform::prescribed`](super::Transform::prescribed).
     ///
     /// # Errors
     /// [`ArgumentError`] for wrong lengths or numbers that are not finite.

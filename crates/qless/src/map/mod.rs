@@ -123,7 +123,7 @@ impl Map {
         &self.kinds
     }
 
-    /// New right-hand sides b (length m) and prescribed values (in the order of [`Map::prescribed`]). Slaves and T stay as they are,
+    /// New right-hand sides b (length m) and prescribed values (in the order of [`Transform::prescribed`]). Slaves and T stay as they are,
     /// to the last bit.
     ///
     /// ```

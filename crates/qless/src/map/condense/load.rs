@@ -13,7 +13,7 @@ use crate::map::apply::fill;
 const WORTH_A_THREAD: usize = 1 << 9;
 
 impl Condensed {
-    /// `f_q = L^T (f - K u_0)` alone, for other forces or after a [`Transform::refresh`].
+    /// `f_q = L^T (f - K u_0)` alone, for other forces or after a [`crate::Map::refresh`].
     ///
     /// # Errors
     /// As [`Condensed::condense_into`].
