@@ -52,9 +52,15 @@ impl Worst {
 impl Kept<'_> {
     /// Estimate of the smallest singular value of what presolve kept, at most 1: the least of those of the components, each of
     /// which depends on the component alone. `row(t)` is the user's equation of row t of the basis.
-    pub fn sigma(self, swept: &Sweep, dependent: &[Dependent], row: impl Fn(usize) -> usize, memory: usize) -> f64 {
+    pub fn sigma(
+        self,
+        swept: &Sweep,
+        dependent: &[Dependent],
+        row: impl Fn(usize) -> usize,
+        memory: usize,
+    ) -> Result<f64, BackendError> {
         if swept.sample_of_inverse.is_empty() {
-            return 1.0 / swept.largest().max(1.0);
+            return Ok(1.0 / swept.largest().max(1.0));
         }
         let labels = Labels::of(self.system);
         let mut worst = vec![Worst::default(); labels.count];
@@ -68,14 +74,22 @@ impl Kept<'_> {
         let is_small = |k: usize| ranks[k] <= FEW;
         let harmless = worst.iter().filter(|of| is_harmless(of.bound)).map(|of| 1.0 / of.bound.max(1.0));
         let harmed: Vec<usize> = (0..labels.count).filter(|&k| !is_harmless(worst[k].bound)).collect();
-        let (small, large): (Vec<usize>, Vec<usize>) = harmed.into_iter().partition(|&k| is_small(k));
-        let small = self.by_factors(&small, &labels, dependent, memory);
-        let large = self.by_iteration(&large, &worst, &labels, row);
-        harmless.chain(small).chain(large).fold(1.0, f64::min)
+        let (small, mut large): (Vec<usize>, Vec<usize>) = harmed.into_iter().partition(|&k| is_small(k));
+        let factored = self.by_factors(&small, &labels, dependent, memory)?;
+        let refused = small.iter().zip(&factored).filter(|(_, sigma)| sigma.is_none());
+        large.extend(refused.map(|(&k, _)| k));
+        let iterated = self.by_iteration(&large, &worst, &labels, row);
+        Ok(harmless.chain(factored.into_iter().flatten()).chain(iterated).fold(1.0, f64::min))
     }
 
-    /// Of some components by the factors of their equations; those too large for the memory are passed over.
-    fn by_factors(self, which: &[usize], labels: &Labels, dependent: &[Dependent], memory: usize) -> Vec<f64> {
+    /// Of some components by the factors of their equations; none for those that need more memory than is allowed.
+    fn by_factors(
+        self,
+        which: &[usize],
+        labels: &Labels,
+        dependent: &[Dependent],
+        memory: usize,
+    ) -> Result<Vec<Option<f64>>, BackendError> {
         let mut equations = vec![Vec::new(); labels.count];
         let mut is_wanted = vec![false; labels.count];
         which.iter().for_each(|&k| is_wanted[k] = true);
@@ -86,8 +100,11 @@ impl Kept<'_> {
                 equations[label as usize].push(i);
             }
         }
-        let of = |&k: &usize| by_factors(self.system, &equations[k], self.scaling, memory).ok();
-        which.par_iter().filter_map(of).collect()
+        let of = |&k: &usize| match by_factors(self.system, &equations[k], self.scaling, memory) {
+            Err(BackendError::OverLimit { .. }) => Ok(None),
+            found => found.map(Some),
+        };
+        which.par_iter().map(of).collect()
     }
 
     /// Of some components by a step of inverse iteration, all at once.

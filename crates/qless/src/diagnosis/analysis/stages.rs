@@ -75,7 +75,7 @@ impl Run<'_> {
         let doubtful = if presolve && self.means.check { first.doubtful_rows() } else { Vec::new() };
         if doubtful.is_empty() {
             let doubted = if presolve { Vec::new() } else { self.second_opinion(&first, started)? };
-            return Ok(self.settled(first, held, doubted));
+            return self.settled(first, held, doubted);
         }
         let labels = Labels::of(self.local);
         labels.mark(&doubtful, &mut held);
@@ -90,18 +90,18 @@ impl Run<'_> {
                 let lost = first.lost_by(&labels, self.means.tolerance);
                 let back: Vec<bool> = (0..labels.count).map(|k| parted[k] && !lost[k]).collect();
                 if !back.contains(&true) {
-                    return Ok(self.settled(second, held, doubted));
+                    return self.settled(second, held, doubted);
                 }
                 // No nearer to dependence than the tolerance, as far as presolve can tell: its rank stands.
                 let of_row = held.iter_mut().zip(&labels.of_row);
                 of_row.for_each(|(held, &label)| *held &= !back[label as usize]);
                 let third = self.swept(&held, started)?;
-                Ok(self.settled(third, held, doubted))
+                self.settled(third, held, doubted)
             }
             // Too large for the backend: presolve's answer, in doubt.
             Err(AnalysisError::Backend(BackendError::OverLimit { .. } | BackendError::OutOfMemory { .. })) => {
                 held.fill(false);
-                Ok(self.settled(first, held, doubtful))
+                self.settled(first, held, doubtful)
             }
             Err(error) => Err(error),
         }
@@ -141,16 +141,16 @@ impl Run<'_> {
     }
 
     /// `doubted` are equations on which two ways parted.
-    fn settled(&self, stages: Stages, held: Vec<bool>, mut doubted: Vec<usize>) -> Settled {
+    fn settled(&self, stages: Stages, held: Vec<bool>, mut doubted: Vec<usize>) -> Result<Settled, AnalysisError> {
         let Stages { basis, history, dependent, swept, .. } = &stages;
         let row = |t: usize| stages.users_row(t);
         let kept = sensitivity::Kept { system: self.local, basis, history, scaling: self.scaling };
-        let sigma = if self.means.check { kept.sigma(swept, dependent, row, self.means.memory()) } else { 1.0 };
+        let sigma = if self.means.check { kept.sigma(swept, dependent, row, self.means.memory())? } else { 1.0 };
         doubted.extend(confidence::doubted(dependent, self.local.system()));
         let near = basis.blocks.iter().filter(|block| !block.nearness.is_sound());
         doubted.extend(near.filter_map(|block| block.rows.first()).map(|&row| history.rows[row as usize] as usize));
         let confidence = Confidence::new(&basis.blocks, sigma, dependent, &doubted);
-        Settled { stages, held, confidence, doubted }
+        Ok(Settled { stages, held, confidence, doubted })
     }
 
     pub fn stages(&self, held: &[bool], started: Instant) -> Result<Stages, AnalysisError> {
