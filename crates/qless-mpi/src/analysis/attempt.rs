@@ -73,9 +73,10 @@ impl Job<'_> {
         Ok(Attempt { findings, confidence, dealt, troubled })
     }
 
+    /// What would have to be gathered; a component that one rank holds alone is there already.
     fn fits(&self, components: &[Component<2>]) -> Result<(), Error> {
-        let limit = self.options.memory as u64;
-        for [equations, terms] in components.iter().map(|component| component.total) {
+        let (limit, own) = (self.options.memory as u64, self.ranks.rank());
+        for [equations, terms] in components.iter().filter(|c| c.crosses(own)).map(|c| c.total) {
             let bytes = BYTES_OF_EQUATION * equations + BYTES_OF_TERM * terms;
             if bytes > limit {
                 return Err(Error::TooLarge { equations, terms, bytes, limit });
