@@ -167,7 +167,8 @@ impl Job<'_> {
                 of_place[place] = i as u32;
             }
         }
-        Slaves { lines, of_place }
+        let given = known.said.iter().map(|said| !said.is_free()).collect();
+        Slaves { lines, of_place, given }
     }
 }
 

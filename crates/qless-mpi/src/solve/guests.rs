@@ -26,7 +26,7 @@ pub(crate) enum Soundness {
 }
 
 /// A reduction that loses more may be computed in another way where more is known.
-const LOSS: f64 = 1e-13;
+pub(super) const LOSS: f64 = 1e-13;
 /// Kept equations nearer to dependence than this may have been chosen anew by their whole component.
 const NEAR: f64 = 1e-3;
 

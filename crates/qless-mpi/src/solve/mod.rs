@@ -1,6 +1,7 @@
 //! What each rank does with its guests, by the serial library, and how the results come home.
 
 mod ask;
+mod gate;
 mod guests;
 mod home;
 mod lines;

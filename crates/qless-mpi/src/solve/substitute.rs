@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use super::gate::residual;
+use super::guests::LOSS;
 use super::lines::GIVEN;
 use super::{Line, Lines, Soundness};
 use crate::deal::Peel;
@@ -23,10 +25,16 @@ pub(crate) struct Slaves {
     pub lines: Lines,
     /// Index into them, by place of the DOF.
     pub of_place: Vec<u32>,
+    /// Whether a DOF is prescribed, by place.
+    pub given: Vec<bool>,
 }
 
 impl Slaves {
-    fn find(&self, place: u32) -> Option<Line<'_>> {
+    pub fn is_given(&self, place: u32) -> bool {
+        self.given[place as usize]
+    }
+
+    pub fn find(&self, place: u32) -> Option<Line<'_>> {
         let i = self.of_place[place as usize];
         (i != NONE).then(|| self.lines.line(i as usize))
     }
@@ -55,11 +63,13 @@ pub(crate) fn substitute(
     } else {
         lines.push(rows.dofs[slave], constant, terms.map(|(_, dof, value)| (dof, value)));
     }
-    let Line { dofs, values, .. } = lines.line(lines.len() - 1);
+    let made = lines.line(lines.len() - 1);
+    let met = residual(peel, rows, touched, slaves, made) <= LOSS;
+    let Line { dofs, values, .. } = made;
     let of_masters = dofs.iter().zip(values).filter(|(dof, _)| *dof & GIVEN == 0);
     let of_masters = of_masters.map(|(_, value)| value.abs());
     let (largest, steep) = (of_masters.clone().fold(0.0, f64::max), norm(of_masters));
-    let is_sound = (HARDLY..=growth).contains(&largest) && steep <= STEEP && heavy <= HEAVY;
+    let is_sound = (HARDLY..=growth).contains(&largest) && steep <= STEEP && heavy <= HEAVY && met;
     if is_sound { Soundness::Sound } else { Soundness::Unsound }
 }
 
