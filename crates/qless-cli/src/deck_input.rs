@@ -1,7 +1,7 @@
 //! A deck as input: its load cases, its warnings, and what its solver refuses though the equations are independent.
 
 use qless::{Analysis, ConstraintSystem, Kind};
-use qless_io::deck::clean::faults;
+use qless_io::deck::clean::faults_in;
 use qless_io::deck::{Deck, Dof, Load};
 use serde::Serialize;
 
@@ -60,12 +60,13 @@ impl DeckInput {
     /// What the solver would refuse or swallow, besides dependent equations.
     fn findings(&self) -> Vec<String> {
         let model = self.deck.model();
-        faults(model).iter().map(|fault| fault.describe(model)).collect()
+        let found = faults_in(model, &model.cases()[self.case]);
+        found.iter().map(|fault| fault.describe(model)).collect()
     }
 
     /// Whether the solver refuses the deck although its equations are consistent.
     pub fn is_refused_by_solver(&self) -> bool {
-        !faults(self.deck.model()).is_empty()
+        !self.findings().is_empty()
     }
 
     /// Lines of the report for people.

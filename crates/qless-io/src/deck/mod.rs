@@ -21,6 +21,7 @@ mod kinematics;
 mod model;
 mod name;
 mod nastran;
+mod solver;
 mod source;
 
 use std::collections::HashMap;
@@ -32,6 +33,7 @@ pub use error::{DeckError, Problem};
 pub use model::{Dof, Equation, Load, LoadCase, Model, Origin, Prescribed, Warning};
 pub use name::CardName;
 pub use nastran::CardFault;
+pub use solver::{Outcome, Solver, UnknownSolver};
 pub use source::Open;
 pub(crate) use source::Sources;
 
@@ -64,7 +66,7 @@ impl Format {
 /// A deck: its constraints, and the text that they were read from.
 #[derive(Debug)]
 pub struct Deck {
-    format: Format,
+    solver: Solver,
     model: Model,
     texts: Vec<Arc<Vec<u8>>>,
 }
@@ -72,7 +74,12 @@ pub struct Deck {
 impl Deck {
     /// Its language.
     pub fn format(&self) -> Format {
-        self.format
+        self.solver.format()
+    }
+
+    /// The solver that it was read for.
+    pub fn solver(&self) -> Solver {
+        self.solver
     }
 
     /// Its constraints.
@@ -96,7 +103,7 @@ impl Deck {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn positions(&self) -> HashMap<u32, [f64; 3]> {
-        match self.format {
+        match self.format() {
             Format::Calculix => calculix::positions(self),
             Format::Nastran => nastran::positions(self),
             Format::Ansys => ansys::positions(self),
@@ -106,14 +113,14 @@ impl Deck {
     /// Goes through the deck's text once more.
     fn again<T>(&self, read: impl FnOnce(&mut Sources) -> T) -> T {
         let mut none = |_: &Path| Err(std::io::ErrorKind::NotFound.into());
-        read(&mut Sources::again(&self.model.files, &self.texts, &mut none))
+        read(&mut Sources::again(self.solver, &self.model.files, &self.texts, &mut none))
     }
 }
 
-/// Reads a deck and the files that it includes.
+/// Reads a deck and the files that it includes, as the solver of its format does.
 ///
 /// # Errors
-/// [`ReadError`]: a file that cannot be read, an ending that is no deck's, or a [`DeckError`] with file, line, card and field.
+/// As [`read_for`].
 ///
 /// ```
 /// # let place = tempfile::tempdir()?;
@@ -124,23 +131,41 @@ impl Deck {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn read(path: &Path) -> Result<Deck, ReadError> {
-    let Some(format) = Format::of(path) else {
+    read_for(path, None)
+}
+
+/// Reads a deck and the files that it includes, as this solver does; that of its format where none is given.
+///
+/// # Errors
+/// [`ReadError`]: a file that cannot be read, an ending that is no deck's, or a [`DeckError`] with file, line, card and field.
+///
+/// ```
+/// use qless_io::deck::{Solver, read_for};
+/// # let place = tempfile::tempdir()?;
+/// let path = place.path().join("tie.inp");
+/// std::fs::write(&path, "*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n*EQUATION\n2\n1,1,1.,2,1,-1.\n")?;
+/// assert_eq!(read_for(&path, Some(Solver::Abaqus))?.solver(), Solver::Abaqus);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn read_for(path: &Path, solver: Option<Solver>) -> Result<Deck, ReadError> {
+    let Some(solver) = solver.or_else(|| Format::of(path).map(Solver::from)) else {
         return Err(ReadError::UnknownEnding { path: path.to_path_buf() });
     };
     let bytes = bytes::read(path).map_err(|source| ReadError::Io { path: path.to_path_buf(), source })?;
-    Ok(parse(format, path, bytes, &mut |file: &Path| bytes::read(file))?)
+    Ok(parse(solver, path, bytes, &mut |file: &Path| bytes::read(file))?)
 }
 
-/// Reads a deck from its bytes; `open` gives those of the files that it includes.
+/// Reads a deck from its bytes as this solver does, or as that of a format; `open` gives those of the files that it includes.
 ///
 /// # Errors
 /// [`DeckError`].
-pub fn parse(format: Format, path: &Path, bytes: Vec<u8>, open: Open) -> Result<Deck, DeckError> {
-    let mut sources = Sources::new(path, bytes, open);
-    let model = match format {
+pub fn parse(solver: impl Into<Solver>, path: &Path, bytes: Vec<u8>, open: Open) -> Result<Deck, DeckError> {
+    let solver = solver.into();
+    let mut sources = Sources::new(solver, path, bytes, open);
+    let model = match solver.format() {
         Format::Calculix => calculix::read(&mut sources)?,
         Format::Ansys => ansys::read(&mut sources)?,
         Format::Nastran => nastran::read(&mut sources)?,
     };
-    Ok(Deck { format, model, texts: sources.into_texts() })
+    Ok(Deck { solver, model, texts: sources.into_texts() })
 }

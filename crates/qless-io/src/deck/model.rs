@@ -23,7 +23,7 @@ impl std::fmt::Display for Dof {
 }
 
 /// Where something is said: a card, and the lines of it, from 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Origin {
     /// Index into [`Model::cards`].
     pub card: u32,
@@ -51,8 +51,10 @@ pub struct Equation<'a> {
 pub struct Prescribed {
     /// The DOF.
     pub dof: Dof,
-    /// Its value.
+    /// Its value; at a time `t`, this times the course at `t`.
     pub value: f64,
+    /// How the value runs in time: index into [`Model::courses`].
+    pub course: u32,
     /// Where that is said.
     pub origin: Origin,
 }
@@ -97,6 +99,8 @@ pub struct Warning {
     pub line: u32,
     /// What, in one sentence.
     pub text: String,
+    /// Whether something that constrains was left out, so that the model is incomplete.
+    pub leaves_out: bool,
 }
 
 /// The constraints of a deck.
@@ -107,6 +111,8 @@ pub struct Model {
     pub(super) dofs: Vec<Dof>,
     pub(super) cases: Vec<LoadCase>,
     pub(super) warnings: Vec<Warning>,
+    /// Names of the courses after the first.
+    courses: Vec<String>,
     columns: Columns,
     terms: Terms,
     /// Where the terms of each equation end.
@@ -179,6 +185,16 @@ impl Model {
     /// What was not understood or not exact.
     pub fn warnings(&self) -> &[Warning] {
         &self.warnings
+    }
+
+    /// How prescribed values run in time: 0 is the solver's standard course, which has no name; others have that of an amplitude.
+    pub fn courses(&self) -> impl Iterator<Item = Option<&str>> {
+        std::iter::once(None).chain(self.courses.iter().map(|name| Some(name.as_str())))
+    }
+
+    /// What constrains and was left out: while there is any, what is said of the rest need not be so of the deck.
+    pub fn left_out(&self) -> impl Iterator<Item = &Warning> {
+        self.warnings.iter().filter(|warning| warning.leaves_out)
     }
 
     /// Number of equations.
@@ -258,7 +274,23 @@ impl Model {
 
     /// Adds a warning about a line.
     pub(super) fn warn(&mut self, file: u32, line: u32, text: impl Into<String>) {
-        self.warnings.push(Warning { file, line, text: text.into() });
+        self.warnings.push(Warning { file, line, text: text.into(), leaves_out: false });
+    }
+
+    /// Says that a card constrains, but was left out.
+    pub(super) fn leave_out(&mut self, file: u32, line: u32, text: impl Into<String>) {
+        self.warnings.push(Warning { file, line, text: text.into(), leaves_out: true });
+    }
+
+    /// The number of the course of this name.
+    #[expect(dead_code, reason = "readers of amplitudes come next")]
+    pub(super) fn course(&mut self, name: &str) -> u32 {
+        let known = self.courses.iter().position(|known| known == name);
+        let at = known.unwrap_or_else(|| {
+            self.courses.push(name.to_owned());
+            self.courses.len() - 1
+        });
+        at as u32 + 1
     }
 
     /// Where, and which card: `line 41 *EQUATION` in the main file, `part.inc:41 *EQUATION` in others; the line alone for an origin

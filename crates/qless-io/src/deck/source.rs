@@ -4,7 +4,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::{DeckError, Problem};
+use super::{DeckError, Problem, Solver};
 use crate::bytes::is_too_much;
 
 /// Gives the bytes of a file.
@@ -17,6 +17,7 @@ pub const INCLUDES: usize = 10_000;
 
 /// The files read so far; each is known by its number.
 pub struct Sources<'a> {
+    solver: Solver,
     paths: Vec<PathBuf>,
     texts: Vec<Arc<Vec<u8>>>,
     open: Open<'a>,
@@ -25,13 +26,19 @@ pub struct Sources<'a> {
 
 impl<'a> Sources<'a> {
     /// Starts with the main file.
-    pub fn new(path: &Path, bytes: Vec<u8>, open: Open<'a>) -> Self {
-        Self { paths: vec![path.to_path_buf()], texts: vec![Arc::new(bytes)], open, includes: 0 }
+    pub fn new(solver: Solver, path: &Path, bytes: Vec<u8>, open: Open<'a>) -> Self {
+        Self { solver, paths: vec![path.to_path_buf()], texts: vec![Arc::new(bytes)], open, includes: 0 }
     }
 
     /// The files of a deck that was read before.
-    pub(super) fn again(paths: &[PathBuf], texts: &[Arc<Vec<u8>>], open: Open<'a>) -> Self {
-        Self { paths: paths.to_vec(), texts: texts.to_vec(), open, includes: 0 }
+    pub(super) fn again(solver: Solver, paths: &[PathBuf], texts: &[Arc<Vec<u8>>], open: Open<'a>) -> Self {
+        Self { solver, paths: paths.to_vec(), texts: texts.to_vec(), open, includes: 0 }
+    }
+
+    /// The solver that the deck is read for.
+    #[expect(dead_code, reason = "readers ask for it next")]
+    pub fn solver(&self) -> Solver {
+        self.solver
     }
 
     /// The path of a file.

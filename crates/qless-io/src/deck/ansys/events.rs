@@ -169,7 +169,7 @@ impl<'a> Replay<'a> {
         let dofs = components.iter().map(|&component| Dof { node, component });
         match event.action {
             Action::Prescribe(value) => {
-                self.prescribed.extend(dofs.map(|dof| (dof, Prescribed { dof, value, origin })));
+                self.prescribed.extend(dofs.map(|dof| (dof, Prescribed { dof, value, course: 0, origin })));
             }
             Action::Load => self.loads.extend(dofs.map(|dof| (dof, Load { dof, origin }))),
             Action::Release => take(&mut self.prescribed, event, node, components),

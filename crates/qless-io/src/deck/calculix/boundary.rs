@@ -28,7 +28,7 @@ pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) -> Result
         let fail = |(field, problem): Fault| model.error(origin, field, problem);
         let dofs = range(&mut fields, definitions).map_err(fail)?;
         let value = fields.real().map_err(fail)?.unwrap_or(0.0);
-        prescribed.extend(dofs.into_iter().map(|dof| Prescribed { dof, value, origin }));
+        prescribed.extend(dofs.into_iter().map(|dof| Prescribed { dof, value, course: 0, origin }));
     }
     Ok(prescribed)
 }

@@ -36,7 +36,7 @@ pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) -> Result
             _ => {
                 let text =
                     format!("*MPC of type {kind} constrains {} nodes, but is not understood: left out", nodes.len());
-                model.warn(card.file, card.line, text);
+                model.leave_out(card.file, card.line, text);
                 continue;
             }
         };

@@ -155,7 +155,7 @@ impl Reader {
 
     fn unknown(&mut self, card: &Card) {
         let keyword = String::from_utf8_lossy(&card.keyword).into_owned();
-        self.model.warn(card.file, card.line, format!("{keyword} constrains, but is not understood: left out"));
+        self.model.leave_out(card.file, card.line, format!("{keyword} constrains, but is not understood: left out"));
     }
 
     fn refuse_instances(&mut self, file: u32, line: u32) -> DeckError {

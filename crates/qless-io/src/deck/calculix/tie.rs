@@ -20,7 +20,7 @@ pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) -> Result
     for special in ["CYCLICSYMMETRY", "MULTISTAGE", "FLUIDPERIODIC", "FLUIDCYCLIC"] {
         if card.parameter(special).is_some() {
             let text = format!("*TIE with {special} constrains, but is not understood: left out");
-            model.warn(card.file, card.line, text);
+            model.leave_out(card.file, card.line, text);
             return Ok(());
         }
     }

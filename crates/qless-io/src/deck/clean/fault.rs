@@ -1,13 +1,13 @@
 //! What a solver that eliminates the first DOF of each equation cannot take, besides dependent equations.
 
 use qless::{Options, SystemBuilder, analyse};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::plan::ever_prescribed;
-use crate::deck::{Dof, Model, Origin};
+use super::plan::prescribed_in;
+use crate::deck::{Dof, LoadCase, Model, Origin};
 
 /// A fault of one equation. Equations are numbered from 0.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Fault {
     /// The slave has a prescribed value.
@@ -82,22 +82,36 @@ impl Fault {
     }
 }
 
-/// The faults of a deck's equations as they stand, with every DOF prescribed that is so in any load case.
+/// The faults of a deck's equations as they stand, each once, in the order of the load cases.
+pub fn faults(model: &Model) -> Vec<Fault> {
+    let mut all: Vec<Fault> = Vec::new();
+    for (k, case) in model.cases.iter().enumerate() {
+        if k == 0 || !case.constrains_as(&model.cases[k - 1]) {
+            let known: FxHashSet<Fault> = all.iter().copied().collect();
+            all.extend(faults_in(model, case).into_iter().filter(|fault| !known.contains(fault)));
+        }
+    }
+    all
+}
+
+/// The faults of a deck's equations in force in a load case, as they stand.
 ///
 /// ```
 /// # let place = tempfile::tempdir()?;
 /// let path = place.path().join("tie.inp");
 /// std::fs::write(&path, "*BOUNDARY\n1,1\n*EQUATION\n2\n1,1,1.,2,1,-1.\n")?;
 /// let deck = qless_io::deck::read(&path)?;
-/// let faults = qless_io::deck::clean::faults(&deck.model());
+/// let faults = qless_io::deck::clean::faults_in(deck.model(), &deck.model().cases()[0]);
 /// assert_eq!(
-///     faults[0].describe(&deck.model()),
+///     faults[0].describe(deck.model()),
 ///     "1:1 is the slave of line 4 *EQUATION, and prescribed in line 2 *BOUNDARY"
 /// );
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn faults(model: &Model) -> Vec<Fault> {
-    faults_of(model, &ever_prescribed(model), &vec![false; model.equations()])
+pub fn faults_in(model: &Model, case: &LoadCase) -> Vec<Fault> {
+    let mut left_out = vec![false; model.equations()];
+    case.removed.iter().for_each(|&i| left_out[i as usize] = true);
+    faults_of(model, &prescribed_in(model, [case]), &left_out)
 }
 
 /// The faults of the equations that are not left out; `prescribed` says where a column's value is given.

@@ -10,7 +10,7 @@ mod fault;
 mod parts;
 mod plan;
 
-pub use fault::{Fault, faults};
+pub use fault::{Fault, faults, faults_in};
 pub use plan::{Plan, Reason, Removed, Written, plan};
 
 pub(super) use edit::Edits;
@@ -94,7 +94,7 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     if plan.is_empty() {
         return Ok(deck.texts[0].to_vec());
     }
-    match deck.format {
+    match deck.format() {
         Format::Calculix => calculix::write(deck, plan),
         Format::Nastran => nastran::write(deck, plan),
         Format::Ansys => ansys::write(deck, plan),

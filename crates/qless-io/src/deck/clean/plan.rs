@@ -87,7 +87,7 @@ impl Plan {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn plan(model: &Model, options: &Options) -> Result<Plan, CleanError> {
-    let prescribed = ever_prescribed(model);
+    let prescribed = prescribed_in(model, &model.cases);
     let before = faults_of(model, &prescribed, &vec![false; model.equations()]);
     let is_vanishing = |fault: &&Fault| matches!(fault, Fault::SlaveVanishes { .. });
     let vanishing: FxHashSet<usize> = before.iter().filter(is_vanishing).map(Fault::equation).collect();
@@ -115,10 +115,13 @@ pub fn plan(model: &Model, options: &Options) -> Result<Plan, CleanError> {
     Ok(Plan { removed, written })
 }
 
-/// Columns that are prescribed in any load case, and where.
-pub(super) fn ever_prescribed(model: &Model) -> FxHashMap<u32, Origin> {
+/// Columns that are prescribed in any of these load cases, and where.
+pub(super) fn prescribed_in<'a>(
+    model: &Model,
+    cases: impl IntoIterator<Item = &'a LoadCase>,
+) -> FxHashMap<u32, Origin> {
     let mut prescribed = FxHashMap::default();
-    for given in model.cases.iter().flat_map(|case| &case.prescribed) {
+    for given in cases.into_iter().flat_map(|case| &case.prescribed) {
         if let Some(column) = model.column(given.dof) {
             prescribed.entry(column).or_insert(given.origin);
         }
@@ -141,6 +144,7 @@ impl Common {
         let origin = |column: &u32| crate::deck::Prescribed {
             dof: model.dofs[*column as usize],
             value: 0.0,
+            course: 0,
             origin: prescribed[column],
         };
         let case = LoadCase { prescribed: prescribed.keys().map(origin).collect(), ..LoadCase::default() };

@@ -35,6 +35,7 @@ fn held(points: &Points, model: &mut Model) -> Vec<Prescribed> {
         let origin = points.place(grid).origin(model);
         given.extend(set.iter().map(|component| Prescribed {
             dof: Dof { node: grid.id, component },
+            course: 0,
             value: 0.0,
             origin,
         }));
@@ -55,7 +56,7 @@ fn prescribed(
     let (origin, value) = (place.origin(model), factor * support.value);
     for node in nodes {
         let dofs = points.dofs(node, support.components).map_err(|fault| fail(place, fault.into(), model))?;
-        given.extend(dofs.into_iter().map(|dof| Prescribed { dof, value, origin }));
+        given.extend(dofs.into_iter().map(|dof| Prescribed { dof, value, course: 0, origin }));
     }
     Ok(given)
 }

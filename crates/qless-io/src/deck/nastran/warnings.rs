@@ -50,7 +50,7 @@ mod tests {
 
     #[test]
     fn warnings_are_sorted_given_once_and_counted() {
-        let warning = |line: u32| Warning { file: 0, line, text: format!("CFAST {line} joins") };
+        let warning = |line: u32| Warning { file: 0, line, text: format!("CFAST {line} joins"), leaves_out: false };
         let found = brief((1..=300).rev().chain([7, 7]).map(warning).collect());
         assert_eq!(found.len(), OF_A_KIND + 1);
         assert_eq!((found[0].line, found[99].line, found[100].line), (1, 100, 101));

@@ -1,0 +1,100 @@
+//! The solver whose behaviour counts: what a card means to it, and what it does where two cards claim one DOF.
+
+use std::str::FromStr;
+
+use super::Format;
+use super::clean::Fault;
+use super::model::Model;
+
+/// A finite-element solver.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Solver {
+    /// CalculiX.
+    Ccx,
+    /// Abaqus/Standard.
+    Abaqus,
+    /// MSC and Simcenter Nastran.
+    Nastran,
+    /// MYSTRAN.
+    Mystran,
+    /// OptiStruct.
+    Optistruct,
+    /// ANSYS Mechanical APDL.
+    Ansys,
+}
+
+/// What a solver does where two cards claim one DOF.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Outcome {
+    /// It stops.
+    Refused,
+    /// It drops the first claim without a word.
+    IgnoresFirst,
+    /// It drops the second claim without a word.
+    IgnoresSecond,
+    /// Both hold.
+    Accepted,
+}
+
+/// Not one of the names of [`Solver`].
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{0}` is no solver that is known here; take one of ccx, abaqus, nastran, mystran, optistruct, ansys")]
+pub struct UnknownSolver(String);
+
+impl Solver {
+    /// All of them.
+    pub const ALL: [Self; 6] = [Self::Ccx, Self::Abaqus, Self::Nastran, Self::Mystran, Self::Optistruct, Self::Ansys];
+
+    /// The language that it reads.
+    pub fn format(self) -> Format {
+        match self {
+            Self::Ccx | Self::Abaqus => Format::Calculix,
+            Self::Nastran | Self::Mystran | Self::Optistruct => Format::Nastran,
+            Self::Ansys => Format::Ansys,
+        }
+    }
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ccx => "ccx",
+            Self::Abaqus => "abaqus",
+            Self::Nastran => "nastran",
+            Self::Mystran => "mystran",
+            Self::Optistruct => "optistruct",
+            Self::Ansys => "ansys",
+        }
+    }
+
+    /// What it does with a fault of a deck.
+    pub fn outcome(self, _fault: &Fault, _model: &Model) -> Outcome {
+        Outcome::Refused
+    }
+}
+
+/// The solver that a format stands for where none is named.
+impl From<Format> for Solver {
+    fn from(format: Format) -> Self {
+        match format {
+            Format::Calculix => Self::Ccx,
+            Format::Nastran => Self::Nastran,
+            Format::Ansys => Self::Ansys,
+        }
+    }
+}
+
+impl FromStr for Solver {
+    type Err = UnknownSolver;
+
+    fn from_str(name: &str) -> Result<Self, UnknownSolver> {
+        let same = |solver: &Self| solver.name().eq_ignore_ascii_case(name);
+        Self::ALL.into_iter().find(same).ok_or_else(|| UnknownSolver(name.to_owned()))
+    }
+}
+
+impl std::fmt::Display for Solver {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}
