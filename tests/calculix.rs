@@ -7,9 +7,11 @@ mod known;
 
 mod calculix {
     pub mod behaviour;
+    pub mod bodies;
     pub mod cleaning;
     pub mod cube;
     pub mod geometric;
+    pub mod mutations;
     pub mod periodic;
     pub mod plain;
     pub mod solver;

@@ -112,8 +112,8 @@ pub struct Model {
     pub(super) dofs: Vec<Dof>,
     pub(super) cases: Vec<LoadCase>,
     pub(super) warnings: Vec<Warning>,
-    /// Reference nodes of bodies whose rotations, components 4 to 6, the solver makes.
-    pub(super) own_rotations: BTreeSet<u32>,
+    /// Rotations that the solver makes for bodies: the first of three components of the reference node.
+    pub(super) own_rotations: BTreeSet<Dof>,
     /// Names of the courses after the first.
     courses: Vec<String>,
     columns: Columns,
