@@ -103,6 +103,15 @@ pub struct Warning {
     pub leaves_out: bool,
 }
 
+/// What a deck says once for all of it, where solvers go by it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Traits {
+    /// Whether some nodes have axes of their own.
+    pub(super) has_local_axes: bool,
+    /// Whether a step is geometrically nonlinear.
+    pub(super) is_nonlinear: bool,
+}
+
 /// The constraints of a deck.
 #[derive(Clone, Debug, Default)]
 pub struct Model {
@@ -111,6 +120,7 @@ pub struct Model {
     pub(super) dofs: Vec<Dof>,
     pub(super) cases: Vec<LoadCase>,
     pub(super) warnings: Vec<Warning>,
+    pub(super) traits: Traits,
     /// Names of the courses after the first.
     courses: Vec<String>,
     columns: Columns,

@@ -7,10 +7,12 @@
 
 mod edit;
 mod fault;
+mod finding;
 mod parts;
 mod plan;
 
 pub use fault::{Fault, faults, faults_in};
+pub use finding::{Finding, findings};
 pub use plan::{Plan, Reason, Removed, Written, plan};
 
 pub(super) use edit::Edits;
