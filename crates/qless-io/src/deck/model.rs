@@ -110,6 +110,8 @@ pub(super) struct Traits {
     pub(super) has_local_axes: bool,
     /// Whether a step is geometrically nonlinear.
     pub(super) is_nonlinear: bool,
+    /// Whether a kinematic coupling has axes of its own.
+    pub(super) has_turned_couplings: bool,
 }
 
 /// The constraints of a deck.

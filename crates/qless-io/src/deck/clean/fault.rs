@@ -159,7 +159,7 @@ pub(super) fn faults_of(model: &Model, prescribed: &FxHashMap<u32, Origin>, left
 }
 
 /// The first load case that prescribes a DOF which some case prescribes.
-pub(super) fn since(model: &Model, dof: Dof) -> usize {
+fn since(model: &Model, dof: Dof) -> usize {
     let prescribes = |case: &LoadCase| case.prescribed.binary_search_by_key(&dof, |given| given.dof).is_ok();
     model.cases.iter().position(prescribes).unwrap_or(0)
 }

@@ -2,9 +2,9 @@
 
 use rustc_hash::FxHashMap;
 
-use super::fault::{faults_of, since};
-use super::plan::prescribed_in;
 use super::Fault;
+use super::fault::faults_of;
+use super::plan::prescribed_in;
 use crate::deck::solver::{Profile, ccx};
 use crate::deck::{Dof, LoadCase, Model, Origin, Outcome, Solver};
 
@@ -85,30 +85,27 @@ pub fn findings(model: &Model, case: &LoadCase, solver: Solver) -> Vec<Finding> 
 /// A load case that is being looked at.
 struct Look<'a> {
     profile: Profile<'a>,
-    /// Prescribed columns, now and in the first load case.
+    /// Where columns are prescribed, now and in the first load case.
     prescribed: FxHashMap<u32, Origin>,
     at_start: FxHashMap<u32, Origin>,
-    /// By equation: whether it is not in force.
-    left_out: Vec<bool>,
     findings: Vec<Finding>,
 }
 
 impl<'a> Look<'a> {
     fn new(model: &'a Model, case: &LoadCase, solver: Solver) -> Self {
-        let mut left_out = vec![false; model.equations()];
-        case.removed.iter().for_each(|&i| left_out[i as usize] = true);
+        let mut profile = Profile::new(solver, model);
+        case.removed.iter().for_each(|&i| profile.left_out[i as usize] = true);
         Self {
-            profile: Profile::new(solver, model),
+            profile,
             prescribed: prescribed_in(model, [case]),
             at_start: prescribed_in(model, model.cases.first()),
-            left_out,
             findings: Vec::new(),
         }
     }
 
     /// Equations in force with their slaves.
     fn slaves(&self) -> Vec<(usize, u32)> {
-        let kept = (0..self.left_out.len()).filter(|&i| !self.left_out[i]);
+        let kept = (0..self.profile.left_out.len()).filter(|&i| !self.profile.left_out[i]);
         kept.filter_map(|i| Some((i, *self.profile.model.nth(i).columns.first()?))).collect()
     }
 
@@ -120,18 +117,16 @@ impl<'a> Look<'a> {
     fn drop_for(&mut self, fault: Fault) -> Option<usize> {
         let finding = Finding { fault, outcome: self.profile.outcome(&fault) };
         let dropped = finding.dropped()?;
-        self.left_out[dropped] = true;
+        self.profile.left_out[dropped] = true;
         self.findings.push(finding);
         Some(dropped)
     }
 
-    /// Equations that give way to a value.
+    /// Equations that give way to a value; to one that comes later none does.
     fn drop_prescribed(&mut self) {
         for (equation, column) in self.slaves() {
-            if let Some(&by) = self.at_start.get(&column).or_else(|| self.prescribed.get(&column)) {
-                let slave = self.dof(column);
-                let since = since(self.profile.model, slave);
-                self.drop_for(Fault::SlavePrescribed { equation, slave, by, since });
+            if let Some(&by) = self.at_start.get(&column) {
+                self.drop_for(Fault::SlavePrescribed { equation, slave: self.dof(column), by, since: 0 });
             }
         }
     }
@@ -153,7 +148,7 @@ impl<'a> Look<'a> {
 
     /// The faults of what is left, and DOFs that the solver itself makes slaves.
     fn rest(&mut self) {
-        let mut faults = faults_of(self.profile.model, &self.prescribed, &self.left_out);
+        let mut faults = faults_of(self.profile.model, &self.prescribed, &self.profile.left_out);
         if self.profile.solver == Solver::Ccx {
             let rotations: FxHashMap<Dof, usize> = ccx::rotations(self.profile.model).into_iter().collect();
             let taken = |(equation, column): (usize, u32)| {

@@ -4,6 +4,8 @@
 //! stop where their slave is one already, others pass that DOF by. Where a slave is prescribed is looked at in the first step, and in a
 //! later one only where the equations may have changed since.
 
+use rustc_hash::FxHashMap;
+
 use crate::deck::{Dof, LoadCase, Model, Outcome};
 
 use super::kind::Kind;
@@ -39,7 +41,13 @@ pub fn prescribed(kind: Kind, is_later: bool, is_looked_at: bool) -> Outcome {
 /// Whether ccx compares slaves with prescribed DOFs again in a step from `since` on that prescribes this slave: it does in every step
 /// of a deck with `*TRANSFORM`, where `*EQUATION, REMOVE` takes equations away, and in nonlinear steps where equations of which one is
 /// nonlinear hang together.
-pub fn looks_again(model: &Model, equation: usize, slave: Dof, since: usize, hangs_together: impl FnOnce() -> bool) -> bool {
+pub fn looks_again(
+    model: &Model,
+    equation: usize,
+    slave: Dof,
+    since: usize,
+    hangs_together: impl FnOnce() -> bool,
+) -> bool {
     let holds = |case: &LoadCase| {
         case.prescribed.binary_search_by_key(&slave, |given| given.dof).is_ok()
             && case.removed.binary_search(&(equation as u32)).is_err()
@@ -49,20 +57,45 @@ pub fn looks_again(model: &Model, equation: usize, slave: Dof, since: usize, han
     removes || model.traits.has_local_axes || hangs_together()
 }
 
-/// Whether some equation has the slave of another as a master, and one of the two is nonlinear. `*MPC` makes every step so.
-pub fn nonlinear_chain(model: &Model) -> bool {
+/// Whether some equation in force has the slave of another as a master, and one of the two is nonlinear. `*MPC` makes every step so,
+/// in force or not.
+pub fn nonlinear_chain(model: &Model, left_out: &[bool]) -> bool {
     if !model.traits.is_nonlinear && model.cards.find("*MPC").is_none() {
         return false;
     }
+    // It makes them of equations to nodes of its own, which are slaves.
+    if model.traits.has_turned_couplings {
+        return true;
+    }
     let kind = |i: usize| Kind::of(&model.cards.nth(model.nth(i).origin.card).name);
     let is_nonlinear = |i: usize| matches!(kind(i), Kind::Kinematic | Kind::RigidBody | Kind::Mpc);
-    let slave = |i: usize| model.nth(i).columns.first().copied();
-    let slaves: rustc_hash::FxHashMap<u32, usize> =
-        (0..model.equations()).filter_map(|i| Some((slave(i)?, i))).collect();
-    (0..model.equations()).any(|i| {
-        let masters = model.nth(i).columns.iter().skip(1).filter(|j| Some(**j) != slave(i));
-        masters.filter_map(|j| slaves.get(j)).any(|&j| is_nonlinear(i) || is_nonlinear(j))
+    let mut kept = (0..model.equations()).filter(|&i| !left_out[i]);
+    let slaves: FxHashMap<Dof, usize> = kept.clone().filter_map(|i| Some((slave(model, i)?, i))).collect();
+    kept.any(|i| {
+        let masters = named(model, i, kind(i) == Kind::Mpc).into_iter().filter(|dof| Some(*dof) != slave(model, i));
+        masters.filter_map(|dof| slaves.get(&dof)).any(|&j| is_nonlinear(i) || is_nonlinear(j))
     })
+}
+
+fn slave(model: &Model, equation: usize) -> Option<Dof> {
+    model.nth(equation).columns.first().map(|&j| model.dofs[j as usize])
+}
+
+/// The DOFs of an equation. `*MPC` names all directions of its nodes, even with coefficients of zero; where it has two equations for a
+/// node (STRAIGHT), each leaves out the slave's direction of the other.
+fn named(model: &Model, equation: usize, is_mpc: bool) -> Vec<Dof> {
+    let dofs = model.nth(equation).columns.iter().map(|&j| model.dofs[j as usize]);
+    if !is_mpc {
+        return dofs.collect();
+    }
+    let beside = [equation.wrapping_sub(1), equation + 1].into_iter().filter(|&i| {
+        let origin = |i: usize| model.equation(i).map(|equation| equation.origin);
+        origin(i) == origin(equation)
+    });
+    let node = slave(model, equation).map(|dof| dof.node);
+    let other = beside.filter_map(|i| slave(model, i)).find(|dof| Some(dof.node) == node).map(|dof| dof.component);
+    let directions = (1..=3).filter(move |component| Some(*component) != other);
+    dofs.flat_map(|dof| directions.clone().map(move |component| Dof { component, ..dof })).collect()
 }
 
 /// DOFs that `*KINEMATIC` makes slaves besides those of its nodes, each with the first equation of its card: the rotations of its
@@ -79,7 +112,8 @@ pub fn rotations(model: &Model) -> Vec<(Dof, usize)> {
         if Kind::of(&model.cards.nth(equation.origin.card).name) == Kind::Kinematic {
             let nodes = || equation.columns.iter().map(|&j| model.dofs[j as usize].node);
             let reference = nodes().find(|node| Some(*node) != nodes().next());
-            rotations.extend(reference.iter().flat_map(|&node| (4..=6).map(move |component| (Dof { node, component }, i))));
+            rotations
+                .extend(reference.iter().flat_map(|&node| (4..=6).map(move |component| (Dof { node, component }, i))));
         }
     }
     rotations

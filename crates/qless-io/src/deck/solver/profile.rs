@@ -15,13 +15,16 @@ use super::{abaqus, cascade, ccx, nastran};
 pub struct Profile<'a> {
     pub solver: Solver,
     pub model: &'a Model,
+    /// By equation: whether it is not in force.
+    pub left_out: Vec<bool>,
     chain: OnceCell<bool>,
     uses: OnceCell<Uses>,
 }
 
 impl<'a> Profile<'a> {
     pub fn new(solver: Solver, model: &'a Model) -> Self {
-        Self { solver, model, chain: OnceCell::new(), uses: OnceCell::new() }
+        let left_out = vec![false; model.equations()];
+        Self { solver, model, left_out, chain: OnceCell::new(), uses: OnceCell::new() }
     }
 
     /// What the solver does with a fault.
@@ -52,7 +55,7 @@ impl<'a> Profile<'a> {
         let kind = self.kind(equation);
         match self.solver {
             Solver::Ccx => {
-                let chain = || *self.chain.get_or_init(|| ccx::nonlinear_chain(self.model));
+                let chain = || *self.chain.get_or_init(|| ccx::nonlinear_chain(self.model, &self.left_out));
                 let is_looked_at = since > 0 && ccx::looks_again(self.model, equation, fault.slave(), since, chain);
                 ccx::prescribed(kind, since > 0, is_looked_at)
             }
