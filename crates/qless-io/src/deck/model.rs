@@ -104,6 +104,17 @@ pub struct Warning {
     pub leaves_out: bool,
 }
 
+/// What a deck says once for all of it, where solvers go by it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Traits {
+    /// Whether some nodes have axes of their own.
+    pub(super) has_local_axes: bool,
+    /// Whether a step is geometrically nonlinear.
+    pub(super) is_nonlinear: bool,
+    /// Whether a kinematic coupling has axes of its own.
+    pub(super) has_turned_couplings: bool,
+}
+
 /// The constraints of a deck.
 #[derive(Clone, Debug, Default)]
 pub struct Model {
@@ -114,6 +125,7 @@ pub struct Model {
     pub(super) warnings: Vec<Warning>,
     /// Rotations that the solver makes for bodies: the first of three components of the reference node.
     pub(super) own_rotations: BTreeSet<Dof>,
+    pub(super) traits: Traits,
     /// Names of the courses after the first.
     courses: Vec<String>,
     columns: Columns,

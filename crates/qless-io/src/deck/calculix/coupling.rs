@@ -69,6 +69,7 @@ pub fn read(card: &Card, coupling: &Coupling, model: &mut Model, definitions: &D
     let place = Place::of(card, model, if is_kinematic { "*KINEMATIC" } else { "*DISTRIBUTING" });
     let rows =
         if is_kinematic { coupling.kinematic(card, definitions) } else { coupling.distributing(card, definitions) };
+    model.traits.has_turned_couplings |= is_kinematic && coupling.orientation.is_some();
     match coupling.reference() {
         Ok(node) if is_kinematic => {
             place.push(model, rows)?;
