@@ -1,0 +1,5 @@
+//! A deck with other constraints.
+
+pub mod target;
+pub mod wide;
+pub mod write;
