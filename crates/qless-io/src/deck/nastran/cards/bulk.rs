@@ -7,9 +7,12 @@ use rustc_hash::FxHashMap;
 
 use super::coordinates;
 use super::elements::{rbar, rbe1, rbe2, rbe3, rrod};
+use super::exclusive::{self, Members};
 use super::grid::{Given, Usual};
+use super::joints::{Joint, jointg, rbar1, rjoint, rtrplt, rtrplt1};
 use super::loads::{self, Combinations, Loaded};
 use super::mpc::terms;
+use super::notes::Notes;
 use super::quick::Quick;
 use super::sets::{self, Unions};
 use super::spans::{Span, spans};
@@ -21,6 +24,7 @@ use crate::deck::nastran::model::frames::{Definition, Definitions};
 use crate::deck::nastran::model::grids::Grids;
 use crate::deck::nastran::model::ties::{Element, Ties};
 use crate::deck::nastran::syntax::card::{Card, Refused};
+use crate::deck::nastran::syntax::content::At;
 use crate::deck::nastran::syntax::lines::Line;
 use crate::deck::nastran::syntax::place::Place;
 
@@ -34,8 +38,14 @@ pub struct Bulk {
     /// The cards of `frames`.
     pub frame_places: BTreeMap<u32, Place>,
     pub ties: Ties,
-    /// Lines of cards with thermal expansion, which equations cannot stand in for; by file and line.
-    pub expanding: BTreeSet<(u32, u32)>,
+    /// Lines of cards that cannot be left out or replaced: with thermal expansion, or copied by others.
+    pub fixed: BTreeSet<At>,
+    /// Lines of cards that do not stand right after the first ones, by the first.
+    pub apart: BTreeMap<At, Vec<At>>,
+    /// The cards of rigid elements, by number.
+    elements: FxHashMap<u32, At>,
+    /// Components that may be in one set only.
+    pub exclusive: Vec<Members>,
     pub supports: Vec<(u32, Support, Place)>,
     /// `SPCD`.
     pub enforced: Vec<(u32, Support, Place)>,
@@ -43,19 +53,19 @@ pub struct Bulk {
     pub spc_unions: Unions,
     pub combinations: Combinations,
     pub loads: Vec<Loaded>,
-    /// File, line and text of warnings.
-    pub warnings: Vec<(u32, u32, String)>,
+    pub warnings: Notes,
 }
 
 /// The name of a card that has to be read, given in capitals; none for all others.
 pub fn known(name: &[u8]) -> Option<&'static str> {
-    const READ: [&str; 25] = [
+    const READ: [&str; 30] = [
         "GRID", "GRDSET", "SPOINT", "EPOINT", "CORD1R", "CORD1C", "CORD1S", "CORD2R", "CORD2C", "CORD2S", "MPC",
         "MPCADD", "RBE1", "RBE2", "RBE3", "RBAR", "RROD", "SPC", "SPC1", "SPCADD", "SPCD", "LOAD", "FORCE", "MOMENT",
-        "SLOAD",
+        "SLOAD", "RBAR1", "RJOINT", "RTRPLT", "RTRPLT1", "JOINTG",
     ];
-    static KNOWN: LazyLock<FxHashMap<&[u8], &str>> =
-        LazyLock::new(|| READ.into_iter().chain(unread::names()).map(|name| (name.as_bytes(), name)).collect());
+    static KNOWN: LazyLock<FxHashMap<&[u8], &str>> = LazyLock::new(|| {
+        READ.into_iter().chain(unread::names()).chain(exclusive::names()).map(|name| (name.as_bytes(), name)).collect()
+    });
     KNOWN.get(name).copied()
 }
 
@@ -85,12 +95,29 @@ impl Bulk {
             "FORCE" => self.loads.push(loads::vector(card, 1)?),
             "MOMENT" => self.loads.push(loads::vector(card, 4)?),
             "SLOAD" => self.loads.extend(loads::scalars(card)?),
-            "MPC" => self.ties.mpc(set(card)?, (card.file, card.line, card.span()), terms(card)?),
+            "MPC" => {
+                self.ties.mpc(set(card)?, (card.file, card.line, card.span()), terms(card)?);
+                self.note_apart(card);
+            }
             name if name.starts_with("CORD") => self.frame(card)?,
             name => match Unread::of(name) {
-                Some(unread) => self.warnings.push((card.file, card.line, unread.warning(card))),
-                None => self.element(card)?,
+                Some(unread) => self.leave_out(card, unread)?,
+                None => match exclusive::read(card)? {
+                    Some(members) => self.exclusive.extend(members),
+                    None => self.element(card)?,
+                },
             },
+        }
+        Ok(())
+    }
+
+    /// A card that is not understood. Those of `SUPORT` are in a set all the same.
+    fn leave_out(&mut self, card: &Card, unread: &Unread) -> Result<(), Refused> {
+        self.exclusive.extend(exclusive::read(card)?.unwrap_or_default());
+        if unread.constrains {
+            self.warnings.leave_out((card.file, card.line), unread.warning(card));
+        } else {
+            self.warnings.warn((card.file, card.line), unread.warning(card));
         }
         Ok(())
     }
@@ -101,15 +128,47 @@ impl Bulk {
             "RBE2" => rbe2(card).map(|read| (Element::Star(read.element), read.alpha))?,
             "RBE3" => rbe3(card).map(|read| (Element::Mean(read.element), read.alpha))?,
             "RBAR" => rbar(card).map(|read| (Element::Rigid(read.element), read.alpha))?,
+            "RBAR1" => rbar1(card).map(|read| (Element::Rigid(read.element), read.alpha))?,
+            "RTRPLT" => rtrplt(card).map(|read| (Element::Rigid(read.element), read.alpha))?,
+            "RTRPLT1" => rtrplt1(card).map(|read| (Element::Rigid(read.element), read.alpha))?,
+            "RJOINT" => (Element::Joint(rjoint(card)?), 0.0),
+            "JOINTG" => match jointg(card)? {
+                Joint::Beam(element) => (Element::Rigid(element), 0.0),
+                Joint::Ball(element) => (Element::Joint(element), 0.0),
+                Joint::Other => return Ok(self.warnings.leave_out((card.file, card.line), unread::joint(card))),
+            },
             _ => rrod(card).map(|read| (Element::Rod(read.element), read.alpha))?,
         };
+        let at = (card.file, card.line);
         if alpha != 0.0 {
             let text = format!("{}: its thermal expansion ALPHA is left out", card.title());
-            self.warnings.push((card.file, card.line, text));
-            self.expanding.insert((card.file, card.line));
+            self.warnings.warn(at, text);
+            self.fixed.insert(at);
         }
+        self.number(card)?;
+        self.note_apart(card);
         self.ties.element(element, Place::of(card));
         Ok(())
+    }
+
+    /// Elements have a number of their own.
+    fn number(&mut self, card: &Card) -> Result<(), Refused> {
+        let id = card.id(0, "the number of the element")?;
+        match self.elements.insert(id, (card.file, card.line)) {
+            Some((file, line)) => {
+                let other =
+                    if file == card.file { format!("line {line}") } else { format!("line {line} of another file") };
+                Err(card.at(0, CardFault::ElementTwice { id, other: other.into() }.into()))
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn note_apart(&mut self, card: &Card) {
+        let apart: Vec<At> = card.apart().collect();
+        if !apart.is_empty() {
+            self.apart.insert((card.file, card.line), apart);
+        }
     }
 
     fn grdset(&mut self, card: &Card) -> Result<(), Refused> {

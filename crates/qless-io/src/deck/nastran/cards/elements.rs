@@ -1,6 +1,6 @@
-//! `RBE1`, `RBE2`, `RBE3`, `RBAR` and `RROD` as they stand on their cards.
+//! `RBE1`, `RBE2`, `RBE3`, `RBAR` and `RROD` as they stand on their cards; the others are in `joints`.
 
-use super::spans::{Span, spans};
+use super::spans::{Span, spans, spans_in};
 use crate::deck::kinematics::components::Components;
 use crate::deck::kinematics::mean::{Group, Mean};
 use crate::deck::kinematics::rigid::{Rigid, Side};
@@ -9,7 +9,7 @@ use crate::deck::nastran::fault::CardFault;
 use crate::deck::nastran::syntax::card::{Card, Refused};
 use crate::deck::{Dof, Problem};
 
-const POINT: &str = "a grid point";
+pub const POINT: &str = "a grid point";
 
 /// An element, and its coefficient of thermal expansion.
 pub struct Read<T> {
@@ -23,6 +23,36 @@ pub struct Star {
     pub centre: u32,
     pub components: Components,
     pub dependent: Vec<Span>,
+}
+
+/// `RBE3`: the reference follows the mean of lists of points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Averaged {
+    reference: u32,
+    components: Components,
+    groups: Vec<Weighted>,
+    dependent: Side,
+}
+
+/// Points of one weight.
+#[derive(Clone, Debug, PartialEq)]
+struct Weighted {
+    weight: f64,
+    components: Components,
+    points: Vec<Span>,
+}
+
+impl Averaged {
+    /// The element that this makes of the points that `expand` finds in the lists.
+    pub fn mean(&self, expand: impl Fn(&[Span]) -> Result<Vec<u32>, Problem>) -> Result<Mean, Problem> {
+        let group = |group: &Weighted| {
+            let nodes = expand(&group.points)?;
+            Ok(Group { weight: group.weight, components: group.components, nodes })
+        };
+        let groups = self.groups.iter().map(group).collect::<Result<_, Problem>>()?;
+        let (reference, components, dependent) = (self.reference, self.components, self.dependent.clone());
+        Ok(Mean { reference, components, groups, dependent })
+    }
 }
 
 /// `RBE2 id, GN, CM, GM1, GM2, ..., ALPHA`.
@@ -74,7 +104,7 @@ pub fn rrod(card: &Card) -> Result<Read<Rod>, Refused> {
 }
 
 /// `RBE3 id, , REFGRID, REFC, WT1, C1, G1, G2, ..., WT2, C2, ..., UM, GM1, CM1, ..., ALPHA, a`.
-pub fn rbe3(card: &Card) -> Result<Read<Mean>, Refused> {
+pub fn rbe3(card: &Card) -> Result<Read<Averaged>, Refused> {
     let (reference, components) = (card.id(2, POINT)?, card.some_components(3)?);
     let fields = filled(card, 4);
     let find = |word: &[u8]| fields.iter().position(|&i| is_word(card, i, word)).unwrap_or(fields.len());
@@ -83,23 +113,24 @@ pub fn rbe3(card: &Card) -> Result<Read<Mean>, Refused> {
     let named = if um < thermal { fields.get(um + 1..thermal) } else { fields.get(um + 1..) };
     let (dependent, _) = pairs(card, named.unwrap_or_default())?;
     let alpha = fields.get(thermal + 1).map_or(Ok(0.0), |&i| alpha(card, i))?;
-    Ok(Read { element: Mean { reference, components, groups, dependent }, alpha })
+    Ok(Read { element: Averaged { reference, components, groups, dependent }, alpha })
 }
 
 /// Weight, components and grid points; a real number starts the next group.
-fn groups(card: &Card, fields: &[usize]) -> Result<Vec<Group>, Refused> {
-    let mut groups: Vec<Group> = Vec::new();
-    let mut fields = fields.iter().copied();
-    while let Some(i) = fields.next() {
-        if is_real(card, i) {
-            let weight = card.real(i)?.unwrap_or(0.0);
-            let components = card.some_components(fields.next().unwrap_or(i + 1))?;
-            groups.push(Group { weight, components, nodes: Vec::new() });
-        } else {
-            let node = card.id(i, "a grid point, or a weight with a decimal point")?;
-            let group = groups.last_mut().ok_or_else(|| card.expected(i, "a weight with a decimal point"))?;
-            group.nodes.push(node);
+fn groups(card: &Card, fields: &[usize]) -> Result<Vec<Weighted>, Refused> {
+    let mut groups: Vec<Weighted> = Vec::new();
+    let mut rest = fields;
+    while let [i, after @ ..] = rest {
+        if !is_real(card, *i) {
+            card.id(*i, "a grid point, or a weight with a decimal point")?;
+            return Err(card.expected(*i, "a weight with a decimal point"));
         }
+        let weight = card.real(*i)?.unwrap_or(0.0);
+        let components = card.some_components(after.first().copied().unwrap_or(i + 1))?;
+        let points = after.get(1..).unwrap_or_default();
+        let end = points.iter().position(|&i| is_real(card, i)).unwrap_or(points.len());
+        groups.push(Weighted { weight, components, points: spans_in(card, &points[..end])? });
+        rest = &points[end..];
     }
     Ok(groups)
 }
@@ -130,7 +161,7 @@ fn is_real(card: &Card, i: usize) -> bool {
     word.iter().enumerate().any(marks) && crate::deck::nastran::syntax::number::real(word).is_ok()
 }
 
-fn alpha(card: &Card, i: usize) -> Result<f64, Refused> {
+pub fn alpha(card: &Card, i: usize) -> Result<f64, Refused> {
     Ok(card.real(i)?.unwrap_or(0.0))
 }
 

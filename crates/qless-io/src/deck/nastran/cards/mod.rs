@@ -3,9 +3,12 @@
 pub mod bulk;
 pub mod coordinates;
 pub mod elements;
+pub mod exclusive;
 pub mod grid;
+pub mod joints;
 pub mod loads;
 pub mod mpc;
+pub mod notes;
 pub mod quick;
 pub mod sets;
 pub mod spans;

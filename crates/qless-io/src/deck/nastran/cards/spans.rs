@@ -11,8 +11,14 @@ pub struct Span {
 
 /// The list in fields `from..to`; blank fields are passed over.
 pub fn spans(card: &Card, from: usize, to: usize) -> Result<Vec<Span>, Refused> {
+    let filled: Vec<usize> = (from..to).filter(|&i| !card.is_blank(i)).collect();
+    spans_in(card, &filled)
+}
+
+/// The list in these fields, none of them blank.
+pub fn spans_in(card: &Card, fields: &[usize]) -> Result<Vec<Span>, Refused> {
     const POINT: &str = "a grid or scalar point";
-    let mut fields = (from..to).filter(|&i| !card.is_blank(i)).peekable();
+    let mut fields = fields.iter().copied().peekable();
     let mut spans = Vec::new();
     while let Some(i) = fields.next() {
         let first = card.id(i, POINT)?;

@@ -24,18 +24,21 @@ pub struct Unread {
     name: &'static str,
     what: &'static str,
     listed: Listed,
+    /// Whether it constrains, so that without it the model is incomplete.
+    pub constrains: bool,
 }
 
 const fn unread(name: &'static str, what: &'static str, listed: Listed) -> Unread {
-    Unread { name, what, listed }
+    Unread { name, what, listed, constrains: true }
 }
 
-const UNREAD: [Unread; 37] = [
+/// A card that only limits how things move, or says something of such a card.
+const fn harmless(name: &'static str, what: &'static str) -> Unread {
+    Unread { name, what, listed: Elsewhere, constrains: false }
+}
+
+const UNREAD: [Unread; 50] = [
     unread("RSPLINE", "is an interpolation element", Spline),
-    unread("RBAR1", "is a rigid element", Fields(1, 3)),
-    unread("RJOINT", "is a rigid element", Fields(1, 3)),
-    unread("RTRPLT", "is a rigid element", Fields(1, 4)),
-    unread("RTRPLT1", "is a rigid element", Fields(1, 4)),
     unread("RBE2GS", "is a rigid element that searches its grid points", Elsewhere),
     unread("RBE2A", "is a rigid element", Elsewhere),
     unread("RBE2F", "is a rigid element", Elsewhere),
@@ -56,14 +59,31 @@ const UNREAD: [Unread; 37] = [
     unread("BGADD", "glues surfaces together", Elsewhere),
     unread("BCTABLE", "is contact, which can glue", Elsewhere),
     unread("BCTABL1", "is contact, which can glue", Elsewhere),
-    unread("BCTSET", "is contact", Elsewhere),
-    unread("BCTADD", "is contact", Elsewhere),
+    harmless("BCTSET", "is contact"),
+    harmless("BCTADD", "is contact"),
+    unread("TIE", "ties surfaces", Elsewhere),
+    unread("JOINTM", "gives a joint a motion", Elsewhere),
+    unread("MOTNJG", "gives a joint a motion", Elsewhere),
+    unread("PRETENS", "is a section with pretension", Elsewhere),
+    unread("CINTC", "joins its parts by equations", Elsewhere),
+    unread("GMINTC", "joins its parts by equations", Elsewhere),
+    unread("GMINTS", "joins its parts by equations", Elsewhere),
     unread("CYJOIN", "joins the sides of a cyclic segment", Elsewhere),
     unread("CYSYM", "is cyclic symmetry", Elsewhere),
     unread("CYAX", "is cyclic symmetry", Elsewhere),
     unread("SUPORT", "fixes reference components where there is no inertia relief", Pairs(0)),
     unread("SUPORT1", "fixes reference components where there is no inertia relief", Pairs(1)),
     unread("SUPAX", "fixes reference components", Elsewhere),
+    unread("SESET", "makes a superelement", Elsewhere),
+    unread("CSUPER", "joins a superelement", Elsewhere),
+    unread("CSUPEXT", "joins a superelement", Elsewhere),
+    unread("SEBSET", "is a set of a superelement", Elsewhere),
+    unread("SEBSET1", "is a set of a superelement", Elsewhere),
+    unread("SECSET", "is a set of a superelement", Elsewhere),
+    unread("SECSET1", "is a set of a superelement", Elsewhere),
+    unread("SEQSET", "is a set of a superelement", Elsewhere),
+    unread("SEQSET1", "is a set of a superelement", Elsewhere),
+    unread("SESUP", "fixes reference components of a superelement", Elsewhere),
     unread("SEBNDRY", "joins superelements", Elsewhere),
     unread("SECONCT", "joins superelements", Elsewhere),
     unread("SEMPLN", "joins superelements", Elsewhere),
@@ -73,6 +93,17 @@ const UNREAD: [Unread; 37] = [
 /// The names of such cards.
 pub fn names() -> impl Iterator<Item = &'static str> {
     UNREAD.iter().map(|entry| entry.name)
+}
+
+/// What is said of a `JOINTG` whose type is not understood.
+pub fn joint(card: &Card) -> String {
+    let kind = String::from_utf8_lossy(card.field(2)).into_owned();
+    let points: Vec<String> = [3, 5].into_iter().filter_map(|i| whole(card.field(i))).map(|i| i.to_string()).collect();
+    format!(
+        "{} is a joint of type {kind} of grid points {}; it is not understood and left out",
+        card.title(),
+        few(&points)
+    )
 }
 
 impl Unread {

@@ -2,6 +2,7 @@
 
 use crate::deck::Problem;
 use crate::deck::nastran::syntax::lines::Line;
+use crate::deck::nastran::syntax::word::keyword;
 use crate::fault::quote;
 use crate::number::whole;
 
@@ -146,13 +147,6 @@ impl Control {
             _ => Some(&mut self.all),
         }
     }
-}
-
-/// The first word in capitals, and what follows it.
-pub fn keyword(text: &[u8]) -> (String, &[u8]) {
-    let text = text.trim_ascii();
-    let end = text.iter().position(|byte| !byte.is_ascii_alphanumeric()).unwrap_or(text.len());
-    (String::from_utf8_lossy(&text[..end]).to_ascii_uppercase(), &text[end..])
 }
 
 /// The number after `=` or blanks.

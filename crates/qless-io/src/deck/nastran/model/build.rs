@@ -6,10 +6,13 @@ use super::cases;
 use super::points::{Point, Points, Twice, limited};
 use super::ties::{Element, Tie};
 use super::warnings::brief;
-use crate::deck::kinematics::row::Row;
+use crate::deck::kinematics::rigid::Rigid;
+use crate::deck::kinematics::row::{Poses, Row};
+use crate::deck::kinematics::vector::minus;
 use crate::deck::nastran::cards::bulk::Bulk;
 use crate::deck::nastran::cards::elements::star;
 use crate::deck::nastran::cards::mpc::Term;
+use crate::deck::nastran::cards::notes::Note;
 use crate::deck::nastran::control::selected::{self, Sets};
 use crate::deck::nastran::fault::CardFault;
 use crate::deck::nastran::syntax::content::Content;
@@ -19,8 +22,8 @@ use crate::deck::{DeckError, Dof, Model, Problem, Sources};
 /// The model of a deck.
 pub fn model(mut content: Content, sources: &Sources) -> Result<Model, DeckError> {
     let mut model = Model::new(sources.paths().to_vec());
-    for (file, line, text) in std::mem::take(&mut content.bulk.warnings) {
-        model.warn(file, line, text);
+    for Note { at: (file, line), text, leaves_out } in std::mem::take(&mut content.bulk.warnings).0 {
+        if leaves_out { model.leave_out(file, line, text) } else { model.warn(file, line, text) }
     }
     let points = points(&mut content.bulk, &mut model)?;
     let selections = selected::selections(&content, &mut model);
@@ -81,7 +84,9 @@ fn ties(bulk: &Bulk, points: &Points, cases: &[(String, Sets)], model: &mut Mode
         match tie {
             Tie::Mpc(card) if selected.contains(&card.set) => {
                 sets_of.push((model.equations() as u32, card.set));
-                mpc(bulk.ties.terms_of(card), &card.place(), points, &mut row, model)?;
+                let place = card.place();
+                mpc(bulk.ties.terms_of(card), &place, points, &mut row, model)?;
+                fix_copied(&place, bulk, model);
             }
             Tie::Mpc(_) => {}
             Tie::Element(element, place) => add(element, place, bulk, points, model)?,
@@ -91,11 +96,19 @@ fn ties(bulk: &Bulk, points: &Points, cases: &[(String, Sets)], model: &mut Mode
     Ok(sets_of)
 }
 
+/// An `MPC` card that others copy, or that is a copy, stays as it is.
+fn fix_copied(place: &Place, bulk: &Bulk, model: &mut Model) {
+    if bulk.fixed.contains(&(place.file, place.line)) {
+        let card = place.origin(model).card;
+        model.cards.fix(card, true);
+    }
+}
+
 /// Adds the equations of an element.
 fn add(element: &Element, place: &Place, bulk: &Bulk, points: &Points, model: &mut Model) -> Result<(), DeckError> {
     let rows = rows(element, points).and_then(finite).map_err(|problem| fail(place, problem, model))?;
     let origin = place.origin(model);
-    model.cards.fix(origin.card, bulk.expanding.contains(&(place.file, place.line)));
+    model.cards.fix(origin.card, bulk.fixed.contains(&(place.file, place.line)));
     for row in rows {
         model.push(row.terms, 0.0, origin);
     }
@@ -107,8 +120,20 @@ fn rows(element: &Element, points: &Points) -> Result<Vec<Row>, Problem> {
         Element::Star(element) => star(element, points.expand(&element.dependent)?)?.rows(points),
         Element::Rigid(element) => element.rows(points),
         Element::Rod(element) => element.rows(points),
-        Element::Mean(element) => element.rows(points),
+        Element::Mean(element) => element.mean(|spans| points.expand(spans))?.rows(points),
+        Element::Joint(element) => joint(element, points),
     }
+}
+
+/// The rows of a joint, whose points are at one place.
+fn joint(element: &Rigid, points: &Points) -> Result<Vec<Row>, Problem> {
+    let ends = element.independent.iter().zip(&element.dependent);
+    for (&(a, _), &(b, _)) in ends {
+        if minus(points.pose(a)?.position, points.pose(b)?.position) != [0.0; 3] {
+            return Err(CardFault::JointApart { a, b }.into());
+        }
+    }
+    element.rows(points)
 }
 
 /// Refuses coordinates so far apart that an equation cannot be written.

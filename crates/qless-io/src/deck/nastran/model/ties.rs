@@ -2,10 +2,9 @@
 
 use crate::deck::CardName;
 use crate::deck::chunks::Chunks;
-use crate::deck::kinematics::mean::Mean;
 use crate::deck::kinematics::rigid::Rigid;
 use crate::deck::kinematics::rod::Rod;
-use crate::deck::nastran::cards::elements::Star;
+use crate::deck::nastran::cards::elements::{Averaged, Star};
 use crate::deck::nastran::cards::mpc::Term;
 use crate::deck::nastran::syntax::place::Place;
 
@@ -34,7 +33,9 @@ pub enum Element {
     Star(Star),
     Rigid(Rigid),
     Rod(Rod),
-    Mean(Mean),
+    Mean(Averaged),
+    /// Points at one place.
+    Joint(Rigid),
 }
 
 impl Mpc {

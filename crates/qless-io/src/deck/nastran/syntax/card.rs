@@ -1,9 +1,9 @@
 //! A card of bulk data: its name and the data fields of its line and of the lines that continue it.
 
-use super::fields::{Fields, split};
+use super::content::At;
+use super::fields::{Fields, name_in, split};
 use super::number::real;
 use crate::deck::kinematics::components::Components;
-use crate::deck::nastran::fault::CardFault;
 use crate::deck::{CardName, Problem};
 use crate::fault::quote;
 use crate::number::whole;
@@ -11,8 +11,18 @@ use crate::number::whole;
 /// Data fields of a line; fields of continuations count on from multiples of it.
 pub const PER_LINE: usize = 8;
 
+/// A line of a card.
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    at: At,
+    /// Its first data field.
+    first: u32,
+    /// Whether other cards stand between it and the line before, or it is in another file.
+    is_apart: bool,
+}
+
 /// A card. It is filled anew for each one, so that a deck of a million cards allocates no more than one of ten.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Card {
     /// The name in capitals.
     pub name: &'static str,
@@ -22,8 +32,7 @@ pub struct Card {
     text: Vec<u8>,
     /// Where each data field ends in `text`.
     ends: Vec<u32>,
-    /// Line number and first data field of each line.
-    lines: Vec<(u32, u32)>,
+    lines: Vec<Part>,
     /// How the last line names its continuation.
     mark: Vec<u8>,
 }
@@ -31,62 +40,69 @@ pub struct Card {
 /// Where and why a card was refused.
 #[derive(Debug)]
 pub struct Refused {
-    pub line: u32,
+    pub at: At,
     pub field: Option<usize>,
     pub problem: Problem,
 }
 
 impl Card {
     /// Starts anew at a line that has been cleaned of its comment.
-    pub fn begin(&mut self, name: &'static str, line: &[u8], file: u32, number: u32) -> Result<(), Refused> {
-        self.clear();
-        (self.name, self.file, self.line) = (name, file, number);
-        let fields = split(line).map_err(|problem| refused(number, problem))?;
-        self.take(&fields, number);
+    pub fn begin(&mut self, name: &'static str, line: &[u8], at: At) -> Result<(), Refused> {
+        self.restart(name, at);
+        self.take(&split(line).map_err(|problem| refused(at, problem))?, at, false);
         Ok(())
     }
 
-    /// Goes on with a continuation line.
-    pub fn extend(&mut self, line: &[u8], file: u32, number: u32) -> Result<(), Refused> {
-        if file != self.file {
-            let expected = "the card's continuation in the same file";
-            return Err(refused(self.line, Problem::Expected { expected, found: "that of another".into() }));
-        }
-        let fields = split(line).map_err(|problem| refused(number, problem))?;
-        if let Some(fault) = self.belongs_elsewhere(&fields) {
-            return Err(refused(number, fault.into()));
-        }
-        self.take(&fields, number);
+    /// Goes on with a continuation line; `is_apart` where other cards stand between.
+    pub fn extend(&mut self, line: &[u8], at: At, is_apart: bool) -> Result<(), Refused> {
+        let was_apart = self.lines.last().is_some_and(|last| last.is_apart);
+        let fields = split(line).map_err(|problem| refused(at, problem))?;
+        self.take(&fields, at, is_apart || was_apart || at.0 != self.file);
         Ok(())
     }
 
-    pub fn clear(&mut self) {
+    /// Becomes a card of the same name with these fields, all in one line.
+    pub fn become_copy(&mut self, fields: &[Vec<u8>], at: At) {
+        self.restart(self.name, at);
+        self.lines.push(Part { at, first: 0, is_apart: false });
+        fields.iter().for_each(|field| self.push(field));
+    }
+
+    fn restart(&mut self, name: &'static str, at: At) {
         self.text.clear();
         self.ends.clear();
         self.lines.clear();
         self.mark.clear();
+        self.name = name;
+        (self.file, self.line) = at;
     }
 
-    fn take(&mut self, fields: &Fields, number: u32) {
+    fn take(&mut self, fields: &Fields, at: At, is_apart: bool) {
         // Half a line in large field before one in small field counts as a whole one.
         if fields.data().len() == PER_LINE {
             while !self.ends.len().is_multiple_of(PER_LINE) {
                 self.ends.push(self.text.len() as u32);
             }
         }
-        self.lines.push((number, self.ends.len() as u32));
-        for field in fields.data() {
-            self.text.extend_from_slice(field);
-            self.ends.push(self.text.len() as u32);
-        }
+        self.lines.push(Part { at, first: self.ends.len() as u32, is_apart });
+        fields.data().iter().chain(&fields.more).for_each(|field| self.push(field));
         self.mark.clear();
         self.mark.extend_from_slice(fields.mark);
     }
 
-    fn belongs_elsewhere(&self, fields: &Fields) -> Option<CardFault> {
-        let expected = self.mark.strip_prefix(b"+").or(self.mark.strip_prefix(b"*"))?.trim_ascii();
-        let differs = !expected.is_empty() && !fields.name.is_empty() && !expected.eq_ignore_ascii_case(fields.name);
-        differs.then(|| CardFault::Continuation { expected: quote(expected).into(), found: quote(fields.name).into() })
+    fn push(&mut self, field: &[u8]) {
+        self.text.extend_from_slice(field);
+        self.ends.push(self.text.len() as u32);
+    }
+
+    /// The name of the line that continues the card, in capitals; empty if it names none.
+    pub fn continues_in(&self) -> Vec<u8> {
+        name_in(&self.mark)
+    }
+
+    /// Whether it has this one line.
+    pub fn is_one_line(&self) -> bool {
+        self.lines.len() == 1 && self.ends.len() <= PER_LINE
     }
 
     /// Data field `i` from 0; blank beyond the last.
@@ -105,9 +121,20 @@ impl Card {
         (0..self.ends.len()).rev().find(|&i| !self.is_blank(i)).map_or(0, |i| i + 1)
     }
 
-    /// Number of lines from the first to the last.
+    /// Number of lines from the first to the last of those that stand together.
     pub fn span(&self) -> u32 {
-        self.lines.last().map_or(1, |&(last, _)| (last + 1).saturating_sub(self.line).max(1))
+        let together = self.lines.iter().take_while(|part| !part.is_apart);
+        together.last().map_or(1, |part| (part.at.1 + 1).saturating_sub(self.line).max(1))
+    }
+
+    /// The last line.
+    pub fn last(&self) -> At {
+        self.lines.last().map_or((self.file, self.line), |part| part.at)
+    }
+
+    /// Where the lines are that stand elsewhere.
+    pub fn apart(&self) -> impl Iterator<Item = At> {
+        self.lines.iter().filter(|part| part.is_apart).map(|part| part.at)
     }
 
     /// The card's name with its number, as `RBE2 12`.
@@ -155,10 +182,11 @@ impl Card {
         }
     }
 
-    /// Component numbers; the empty set where the field is blank or 0.
+    /// Component numbers, blanks among them or not; the empty set where the field is blank or 0.
     pub fn components(&self, i: usize) -> Result<Components, Refused> {
-        const EXPECTED: &str = "component numbers: digits from 1 to 6 without blanks";
-        Components::parse(self.field(i)).ok_or_else(|| self.expected(i, EXPECTED))
+        const EXPECTED: &str = "component numbers: digits from 1 to 6";
+        let digits: Vec<u8> = self.field(i).iter().copied().filter(|byte| !byte.is_ascii_whitespace()).collect();
+        Components::parse(&digits).ok_or_else(|| self.expected(i, EXPECTED))
     }
 
     /// Component numbers, at least one.
@@ -174,12 +202,12 @@ impl Card {
 
     /// A problem of field `i`, which counts from 2 in its line as the card's name is field 1.
     pub fn at(&self, i: usize, problem: Problem) -> Refused {
-        let own = self.lines.iter().rfind(|&&(_, first)| first as usize <= i);
-        let (line, first) = own.copied().unwrap_or((self.line, 0));
-        Refused { line, field: Some(i - first as usize + 2), problem }
+        let own = self.lines.iter().rfind(|part| part.first as usize <= i);
+        let (at, first) = own.map_or(((self.file, self.line), 0), |part| (part.at, part.first as usize));
+        Refused { at, field: Some(i - first + 2), problem }
     }
 }
 
-fn refused(line: u32, problem: Problem) -> Refused {
-    Refused { line, field: None, problem }
+fn refused(at: At, problem: Problem) -> Refused {
+    Refused { at, field: None, problem }
 }

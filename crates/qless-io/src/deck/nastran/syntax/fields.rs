@@ -6,6 +6,7 @@
 //! | large | the first field has a `*`  | 1 to 8  | 4 fields of 16        | 73 to 80          |
 //! | free  | a comma among the first 16 | first   | 8, or 4 with a `*`    | the field after   |
 //!
+//! In free field data may go on after the last field where a mark would stand, as if in the next line.
 //! A tab stands for blanks up to the next multiple of 8. What follows a `$` is a comment.
 
 use std::borrow::Cow;
@@ -27,6 +28,8 @@ pub struct Fields<'a> {
     data: [&'a [u8]; 8],
     /// How many of them the line has: 8, or 4 in large field.
     count: usize,
+    /// In free field, data fields beyond these: those of continuations that the line itself goes on with.
+    pub more: Vec<&'a [u8]>,
     /// The field after the data, where a card names its continuation.
     pub mark: &'a [u8],
 }
@@ -86,7 +89,7 @@ fn fixed(line: &[u8]) -> Fields<'_> {
     for (k, field) in data[..count].iter_mut().enumerate() {
         *field = columns(line, NAME + k * width, NAME + (k + 1) * width);
     }
-    Fields { name, data, count, mark: columns(line, END_OF_DATA, END) }
+    Fields { name, data, count, more: Vec::new(), mark: columns(line, END_OF_DATA, END) }
 }
 
 fn columns(line: &[u8], from: usize, to: usize) -> &[u8] {
@@ -101,12 +104,51 @@ fn free(line: &[u8]) -> Result<Fields<'_>, Problem> {
     for (field, word) in data[..count].iter_mut().zip(words.by_ref()) {
         *field = word;
     }
-    let mark = words.next().unwrap_or_default();
-    let beyond = words.find(|word| !word.is_empty());
-    match beyond.or(Some(mark).filter(|mark| !is_mark(mark))) {
+    let (more, mark) = beyond(&words.collect::<Vec<_>>(), count)?;
+    let fields = Fields { name, data, count, more, mark };
+    // In a copy an asterisk stands before an increment.
+    Ok(if is_copy(name) { fields } else { without_early_mark(fields) })
+}
+
+/// What stands after the data fields: the mark, or more data up to a mark.
+fn beyond<'a>(words: &[&'a [u8]], count: usize) -> Result<(Vec<&'a [u8]>, &'a [u8]), Problem> {
+    let filled = words.iter().rposition(|word| !word.is_empty()).map_or(0, |last| last + 1);
+    let words = &words[..filled];
+    // A blank could be the place of a mark or a blank datum, and what follows a mark its name in the next line.
+    let is_data = words.first().is_some_and(|word| !word.is_empty() && !is_mark(word));
+    let (more, mark) = match words.split_last() {
+        Some((mark, more)) if more.is_empty() && is_mark(mark) || is_name(mark) => (more, *mark),
+        _ => (words, &b""[..]),
+    };
+    match more.iter().find(|word| !word.is_empty() && (!is_data || is_name(word))) {
         Some(found) => Err(CardFault::too_many_fields(count, found)),
-        None => Ok(without_early_mark(Fields { name, data, count, mark })),
+        None => Ok((more.to_vec(), mark)),
     }
+}
+
+/// A mark among data.
+fn is_name(word: &[u8]) -> bool {
+    is_mark(word) && real(word).is_err()
+}
+
+/// Whether the line with this first field is a copy of the card before it.
+pub fn is_copy(name: &[u8]) -> bool {
+    name.first() == Some(&b'=')
+}
+
+/// How the line names its continuation, without splitting all of it.
+pub fn mark(line: &[u8]) -> &[u8] {
+    if !is_free(line) {
+        return columns(line, END_OF_DATA, END);
+    }
+    let last = line.trim_ascii_end().rsplit(|&byte| byte == b',').find(|word| !word.trim_ascii().is_empty());
+    last.map(<[u8]>::trim_ascii).filter(|word| is_mark(word) && real(word).is_err()).unwrap_or_default()
+}
+
+/// The name that a mark gives a continuation: what follows its `+` or `*`, in capitals; empty if it gives none.
+pub fn name_in(mark: &[u8]) -> Vec<u8> {
+    let name = mark.strip_prefix(b"+").or(mark.strip_prefix(b"*")).unwrap_or_default();
+    name.trim_ascii().to_ascii_uppercase()
 }
 
 fn is_mark(word: &[u8]) -> bool {
@@ -184,9 +226,20 @@ mod tests {
 
     #[test]
     fn too_many_words_are_refused() {
-        assert!(split(b"RBE2,1,2,3,4,5,6,7,8,9").is_err());
+        assert!(split(b"RBE2,1,2,3,4,5,6,7,8,,9").is_err());
         assert!(split(b"RBE2,1,2,3,4,5,6,7,8,+,9").is_err());
         assert!(split(b"RBE2,1,2,3,4,5,6,7,8,,").is_ok());
+    }
+
+    #[test]
+    fn data_go_on_beyond_the_last_field() {
+        let fields = split(b"RBE2,1,2,3,4,5,6,7,8,9,10,,12,+A").expect("a line");
+        assert_eq!((fields.more, fields.mark), (vec![&b"9"[..], b"10", b"", b"12"], &b"+A"[..]));
+        for (line, found) in [("MPC,1,2,+A", "+A"), ("MPC,1,2,+1.", ""), ("MPC,1,2,3", ""), ("CBAR    1   2", "")] {
+            assert_eq!(mark(line.as_bytes()), found.as_bytes(), "{line}");
+        }
+        assert_eq!(name_in(b"+ ab 1"), b"AB 1");
+        assert_eq!(name_in(b"12"), b"");
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! The lines of a deck in the order in which they count, wherever `INCLUDE` puts them.
 
+use super::content::At;
 use super::fields::content;
 use crate::bytes::LINE;
 use crate::deck::{DeckError, Problem, Sources};
@@ -11,6 +12,12 @@ pub struct Line<'a> {
     /// From 1.
     pub number: u32,
     pub text: &'a [u8],
+}
+
+impl Line<'_> {
+    pub fn at(&self) -> At {
+        (self.file, self.number)
+    }
 }
 
 /// An `INCLUDE` that was followed.

@@ -2,6 +2,8 @@
 
 pub mod card;
 pub mod content;
+pub mod continuations;
+pub mod copies;
 pub mod eight;
 pub mod fields;
 pub mod lines;
@@ -9,3 +11,4 @@ pub mod number;
 pub mod place;
 pub mod reader;
 pub mod section;
+pub mod word;

@@ -1,7 +1,7 @@
 //! The part of a deck in which its first line lies.
 
 use super::lines::{Include, Line, Visitor, walk};
-use crate::deck::nastran::control::subcases::keyword;
+use super::word::keyword;
 use crate::deck::{DeckError, Problem, Sources};
 
 /// Which part of the deck a line is in.
