@@ -8,7 +8,8 @@
 //! | read | cards |
 //! | --- | --- |
 //! | points and axes | `GRID` `GRDSET` `SPOINT` `EPOINT` `CORD1R/C/S` `CORD2R/C/S` |
-//! | equations | `MPC` `MPCADD` `RBE1` `RBE2` `RBE3` `RBAR` `RROD` |
+//! | equations | `MPC` `MPCADD` `RBE1` `RBE2` `RBE3` `RBAR` `RBAR1` `RROD` `RJOINT` `RTRPLT` `RTRPLT1`, OptiStruct's `JOINTG` (`BALL`, `RBEAM`) |
+//! | sets that exclude slaves | `ASET` `OMIT` `BSET` `CSET` `QSET` `SUPORT` |
 //! | values | `SPC` `SPC1` `SPCADD` `SPCD`, PS of `GRID` |
 //! | loads | `LOAD` `FORCE` `MOMENT` `SLOAD` |
 //!
@@ -20,8 +21,9 @@
 //! | `model` | points, equations, load cases |
 //! | `writing` | a deck with other constraints |
 //!
-//! Cards that constrain in other ways (such as `RSPLINE`, `RTRPLT`, `CWELD`) are named in a warning, as are sets that no
-//! subcase selects and selected sets that do not exist.
+//! Cards that constrain in other ways (such as `RSPLINE`, `CWELD`, superelements) are named as left out, so that the model is
+//! incomplete; sets that no subcase selects and selected sets that do not exist are named in warnings. Continuations are found by
+//! name wherever they are, but for OptiStruct, to which they are the next lines. Copies by `=` are made.
 //!
 //! ```
 //! # let place = tempfile::tempdir()?;

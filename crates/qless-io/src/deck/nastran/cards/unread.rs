@@ -6,8 +6,6 @@ use crate::number::whole;
 /// Where the grid points stand that a card constrains, as data fields from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Listed {
-    /// From one field to another.
-    Fields(usize, usize),
     /// Every second field from this one, each before its components.
     Pairs(usize),
     /// A first point, and then pairs.
@@ -16,7 +14,7 @@ enum Listed {
     Elsewhere,
 }
 
-use Listed::{Elsewhere, Fields, Pairs, Spline};
+use Listed::{Elsewhere, Pairs, Spline};
 
 /// A card that is not understood.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -121,7 +119,6 @@ impl Unread {
 
     fn points(&self, card: &Card) -> Vec<String> {
         let fields: Vec<usize> = match self.listed {
-            Fields(from, to) => (from..to).collect(),
             Pairs(from) => (from..card.len()).step_by(2).collect(),
             Spline => std::iter::once(2).chain((3..card.len()).step_by(2)).collect(),
             Elsewhere => Vec::new(),

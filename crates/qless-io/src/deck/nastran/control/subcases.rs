@@ -1,6 +1,7 @@
 //! Case control: which sets each subcase selects. `MPC = 3` above the first `SUBCASE` holds for all that say nothing else.
 
 use crate::deck::Problem;
+use crate::deck::nastran::syntax::content::At;
 use crate::deck::nastran::syntax::lines::Line;
 use crate::deck::nastran::syntax::word::keyword;
 use crate::fault::quote;
@@ -51,11 +52,21 @@ enum Level {
 }
 
 /// A subcase with its steps.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Subcase {
     id: u32,
+    holder: usize,
     own: Selection,
-    steps: Vec<(u32, Selection)>,
+    steps: Vec<(u32, usize, Selection)>,
+}
+
+/// A subcase without steps, a step, or a deck without subcases: what holds at the same time.
+#[derive(Clone, Debug)]
+pub struct Leaf {
+    name: String,
+    pub selection: Selection,
+    /// Its number among all that can hold a selection: 0 is what stands above the first subcase.
+    pub holder: usize,
 }
 
 /// Case control as read so far.
@@ -64,8 +75,11 @@ pub struct Control {
     all: Selection,
     subcases: Vec<Subcase>,
     level: Level,
-    /// Every line that selects an MPC set.
-    pub mpc_choices: Vec<Choice>,
+    /// Where each holder of selections after the first begins.
+    opened: Vec<At>,
+    /// Every line that selects an MPC set, and what holds it.
+    pub mpc_choices: Vec<(usize, Choice)>,
+    multipliers: Option<At>,
 }
 
 impl Control {
@@ -73,8 +87,11 @@ impl Control {
     pub fn line(&mut self, line: &Line) -> Result<(), Problem> {
         let (word, rest) = keyword(line.text);
         match word.as_str() {
-            "SUBCASE" | "SYM" => self.open(Level::Subcase, rest),
-            "STEP" if !self.subcases.is_empty() && self.level != Level::Combination => self.open(Level::Step, rest),
+            "SUBCASE" | "SYM" => self.open(Level::Subcase, rest, line.at()),
+            "STEP" if !self.subcases.is_empty() && self.level != Level::Combination => {
+                self.open(Level::Step, rest, line.at());
+            }
+            "RIGID" => self.rigid(rest, line.at()),
             "SUBCOM" | "SYMCOM" | "REPCASE" => self.level = Level::Combination,
             "MPC" | "SPC" | "LOAD" => self.choose(&word, rest, line)?,
             _ => {}
@@ -84,41 +101,79 @@ impl Control {
 
     /// The subcases, or the whole deck where there are none; those with the same sets are one.
     pub fn selections(&self) -> Vec<(String, Selection)> {
-        let mut found: Vec<(Vec<String>, Selection)> = Vec::new();
-        for (name, selection) in self.each() {
-            let same = found.iter_mut().find(|(_, other)| other.sets() == selection.sets());
-            match same {
-                Some((names, _)) => names.push(name),
-                None => found.push((vec![name], selection)),
+        let name = |leaves: &[Leaf]| {
+            let names: Vec<&str> = leaves.iter().map(|leaf| leaf.name.as_str()).collect();
+            match (self.subcases.is_empty(), names.len()) {
+                (true, _) => "model".to_owned(),
+                (false, 1) => format!("subcase {}", names[0]),
+                (false, _) => format!("subcases {}", names.join(", ")),
+            }
+        };
+        self.cases().iter().map(|leaves| (name(leaves), leaves[0].selection)).collect()
+    }
+
+    /// What makes up each load case, at least one of each.
+    pub fn cases(&self) -> Vec<Vec<Leaf>> {
+        let mut found: Vec<Vec<Leaf>> = Vec::new();
+        for leaf in self.leaves() {
+            match found.iter_mut().find(|leaves| leaves[0].selection.sets() == leaf.selection.sets()) {
+                Some(leaves) => leaves.push(leaf),
+                None => found.push(vec![leaf]),
             }
         }
-        if found.is_empty() {
-            return vec![("model".into(), self.all.in_force())];
+        found
+    }
+
+    /// The line with which a holder begins; none for what stands above all.
+    pub fn opened(&self, holder: usize) -> Option<At> {
+        holder.checked_sub(1).and_then(|i| self.opened.get(i).copied())
+    }
+
+    /// The MPC set selected above the first subcase.
+    pub fn above(&self) -> Option<u32> {
+        self.all.in_force().mpc.map(|choice| choice.set)
+    }
+
+    /// Where rigid elements are said to be kept by multipliers.
+    pub fn multipliers(&self) -> Option<At> {
+        self.multipliers
+    }
+
+    fn leaves(&self) -> Vec<Leaf> {
+        let leaf = |name, selection: Selection, holder| Leaf { name, selection: selection.in_force(), holder };
+        if self.subcases.is_empty() {
+            return vec![leaf("model".into(), self.all, 0)];
         }
-        let name = |names: Vec<String>| {
-            let plural = if names.len() > 1 { "subcases" } else { "subcase" };
-            format!("{plural} {}", names.join(", "))
-        };
-        found.into_iter().map(|(names, selection)| (name(names), selection)).collect()
-    }
-
-    fn each(&self) -> impl Iterator<Item = (String, Selection)> + '_ {
-        let subcases = self.subcases.iter().flat_map(|Subcase { id, own, steps }| {
+        let mut found = Vec::new();
+        for Subcase { id, holder, own, steps } in &self.subcases {
             let outer = own.or(self.all);
-            let alone = steps.is_empty().then(|| (id.to_string(), outer));
-            let steps = steps.iter().map(move |(step, own)| (format!("{id} step {step}"), own.or(outer)));
-            alone.into_iter().chain(steps)
-        });
-        subcases.map(|(name, selection)| (name, selection.in_force()))
+            if steps.is_empty() {
+                found.push(leaf(id.to_string(), outer, *holder));
+            }
+            let step = |&(step, holder, own): &(u32, usize, Selection)| {
+                leaf(format!("{id} step {step}"), own.or(outer), holder)
+            };
+            found.extend(steps.iter().map(step));
+        }
+        found
     }
 
-    fn open(&mut self, level: Level, rest: &[u8]) {
-        let number = number(rest).unwrap_or(0);
+    fn open(&mut self, level: Level, rest: &[u8], at: At) {
+        self.opened.push(at);
+        let (number, holder, own) = (number(rest).unwrap_or(0), self.opened.len(), Selection::default());
         match (level, self.subcases.last_mut()) {
-            (Level::Step, Some(subcase)) => subcase.steps.push((number, Selection::default())),
-            _ => self.subcases.push(Subcase { id: number, ..Subcase::default() }),
+            (Level::Step, Some(subcase)) => subcase.steps.push((number, holder, own)),
+            _ => self.subcases.push(Subcase { id: number, holder, own, steps: Vec::new() }),
         }
         self.level = level;
+    }
+
+    /// `RIGID = LAGRAN` and `STIFF` eliminate nothing; `LINEAR` and `LGELIM` do.
+    fn rigid(&mut self, rest: &[u8], at: At) {
+        let rest = rest.trim_ascii();
+        let word = rest.strip_prefix(b"=").unwrap_or(rest).trim_ascii().to_ascii_uppercase();
+        let eliminates = !(word.starts_with(b"LAGR") || word.starts_with(b"STIFF"));
+        self.multipliers = if eliminates { None } else { Some(at) };
     }
 
     fn choose(&mut self, word: &str, rest: &[u8], line: &Line) -> Result<(), Problem> {
@@ -127,11 +182,12 @@ impl Control {
             return Err(Problem::Expected { expected, found: quote(line.text.trim_ascii()) });
         };
         let choice = Choice { set, file: line.file, line: line.number };
+        let holder = if self.level == Level::All { 0 } else { self.opened.len() };
         let Some(selection) = self.current() else { return Ok(()) };
         match word {
             "MPC" => {
                 selection.mpc = Some(choice);
-                self.mpc_choices.push(choice);
+                self.mpc_choices.push((holder, choice));
             }
             "SPC" => selection.spc = Some(choice),
             _ => selection.load = Some(choice),
@@ -142,7 +198,7 @@ impl Control {
     fn current(&mut self) -> Option<&mut Selection> {
         match (self.level, self.subcases.last_mut()) {
             (Level::Combination, _) => None,
-            (Level::Step, Some(subcase)) => subcase.steps.last_mut().map(|(_, selection)| selection),
+            (Level::Step, Some(subcase)) => subcase.steps.last_mut().map(|(.., selection)| selection),
             (Level::Subcase, Some(subcase)) => Some(&mut subcase.own),
             _ => Some(&mut self.all),
         }
@@ -207,6 +263,21 @@ mod tests {
     fn steps_are_cases_of_their_own() {
         let found = read("SUBCASE 1\nSPC = 1\nSTEP 1\nSTEP 2\nSPC = 2\n");
         assert_eq!(found, [("subcase 1 step 1".into(), None, Some(1)), ("subcase 1 step 2".into(), None, Some(2))]);
+    }
+
+    #[test]
+    fn lagrange_multipliers_eliminate_nothing() {
+        let multiplied = |text: &str| {
+            let mut control = Control::default();
+            control.line(&Line { file: 0, number: 3, text: text.as_bytes() }).expect("case control");
+            control.multipliers()
+        };
+        for text in ["RIGID=LAGRAN", "  rigid = Lagrange", "RIGID STIFF"] {
+            assert_eq!(multiplied(text), Some((0, 3)), "{text}");
+        }
+        assert!(
+            ["RIGID = LINEAR", "RIGID=LGELIM", "TITLE = RIGID = LAGRAN"].into_iter().all(|t| multiplied(t).is_none())
+        );
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::cases;
+use super::exclusive;
 use super::points::{Point, Points, Twice, limited};
 use super::ties::{Element, Tie};
 use super::warnings::brief;
@@ -19,6 +20,10 @@ use crate::deck::nastran::syntax::content::Content;
 use crate::deck::nastran::syntax::place::Place;
 use crate::deck::{DeckError, Dof, Model, Problem, Sources};
 
+/// What `RIGID` can change.
+const MULTIPLIERS: &str = "RIGID: rigid elements are kept by Lagrange multipliers or stiffness, so that no component of theirs is a slave; \
+                           that of an MPC card is";
+
 /// The model of a deck.
 pub fn model(mut content: Content, sources: &Sources) -> Result<Model, DeckError> {
     let mut model = Model::new(sources.paths().to_vec());
@@ -26,9 +31,13 @@ pub fn model(mut content: Content, sources: &Sources) -> Result<Model, DeckError
         if leaves_out { model.leave_out(file, line, text) } else { model.warn(file, line, text) }
     }
     let points = points(&mut content.bulk, &mut model)?;
+    let multiplied = content.control.as_ref().and_then(|control| control.multipliers());
+    if let Some((file, line)) = multiplied {
+        model.warn(file, line, MULTIPLIERS);
+    }
     let selections = selected::selections(&content, &mut model);
     let cases = selected::sets(selections, &content.bulk, &mut model)?;
-    let sets_of = ties(&content.bulk, &points, &cases, &mut model)?;
+    let sets_of = ties(&content.bulk, &points, &cases, multiplied.is_some(), &mut model)?;
     let mut prescribed = 0;
     for (name, sets) in &cases {
         let case = cases::case(name, sets, &sets_of, &content.bulk, &points, &mut model)?;
@@ -36,6 +45,7 @@ pub fn model(mut content: Content, sources: &Sources) -> Result<Model, DeckError
         limited(prescribed).map_err(|problem| too_many(&model, problem))?;
         model.cases.push(case);
     }
+    exclusive::claim(&content.bulk.exclusive, &points, &mut model)?;
     model.warnings = brief(std::mem::take(&mut model.warnings));
     Ok(model)
 }
@@ -72,7 +82,13 @@ fn too_many(model: &Model, problem: Problem) -> DeckError {
 pub type SetsOf = Vec<(u32, u32)>;
 
 /// Adds the equations of all ties that some case selects.
-fn ties(bulk: &Bulk, points: &Points, cases: &[(String, Sets)], model: &mut Model) -> Result<SetsOf, DeckError> {
+fn ties(
+    bulk: &Bulk,
+    points: &Points,
+    cases: &[(String, Sets)],
+    is_multiplied: bool,
+    model: &mut Model,
+) -> Result<SetsOf, DeckError> {
     let selected: BTreeSet<u32> = cases.iter().flat_map(|(_, sets)| sets.mpc.iter().copied()).collect();
     let (mut sets_of, mut row) = (SetsOf::new(), Vec::new());
     if !selected.is_empty() {
@@ -89,7 +105,12 @@ fn ties(bulk: &Bulk, points: &Points, cases: &[(String, Sets)], model: &mut Mode
                 fix_copied(&place, bulk, model);
             }
             Tie::Mpc(_) => {}
-            Tie::Element(element, place) => add(element, place, bulk, points, model)?,
+            Tie::Element(element, place) => {
+                let card = add(element, place, bulk, points, model)?;
+                if is_multiplied {
+                    model.keep_by_multipliers(card);
+                }
+            }
         }
     }
     model.shrink();
@@ -104,15 +125,15 @@ fn fix_copied(place: &Place, bulk: &Bulk, model: &mut Model) {
     }
 }
 
-/// Adds the equations of an element.
-fn add(element: &Element, place: &Place, bulk: &Bulk, points: &Points, model: &mut Model) -> Result<(), DeckError> {
+/// Adds the equations of an element and returns the number of its card.
+fn add(element: &Element, place: &Place, bulk: &Bulk, points: &Points, model: &mut Model) -> Result<u32, DeckError> {
     let rows = rows(element, points).and_then(finite).map_err(|problem| fail(place, problem, model))?;
     let origin = place.origin(model);
     model.cards.fix(origin.card, bulk.fixed.contains(&(place.file, place.line)));
     for row in rows {
         model.push(row.terms, 0.0, origin);
     }
-    Ok(())
+    Ok(origin.card)
 }
 
 fn rows(element: &Element, points: &Points) -> Result<Vec<Row>, Problem> {

@@ -2,6 +2,7 @@
 
 pub mod build;
 pub mod cases;
+pub mod exclusive;
 pub mod frames;
 pub mod grids;
 pub mod points;
