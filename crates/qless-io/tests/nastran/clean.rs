@@ -120,7 +120,7 @@ fn a_set_that_loses_its_last_card_is_not_selected_any_more() {
 fn a_selection_of_set_0_gives_way_to_the_new_one() {
     let text = format!("CEND\nMPC=3\nSUBCASE 1\nSPC=2\nMPC=0\nBEGIN BULK\n{GRIDS}RBE2,7,1,123,2\nSPC1,2,3,2\n");
     let after = cleaned(&text, &[]);
-    let control = "MPC = 1\n$ qless: MPC = 3 removed, as another set is selected\nSUBCASE 1\nSPC=2\n\
+    let control = "MPC = 4\n$ qless: MPC = 3 removed, as another set is selected\nSUBCASE 1\nSPC=2\n\
                    $ qless: MPC = 0 removed, as another set is selected\nBEGIN BULK\n";
     assert!(after.contains(control), "{after}");
 }

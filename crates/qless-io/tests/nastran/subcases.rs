@@ -20,7 +20,7 @@ fn sets_of_different_subcases_do_not_clash() {
     let model = model(&format!("{control}{GRIDS}{sets}"));
     let found = described(&model);
     assert_eq!(found[..2], [vec![], vec![]] as [Vec<String>; 2]);
-    assert_eq!(found[2], ["1:1 is the slave of line 17 MPC 2, and prescribed in line 14 SPC1 1"]);
+    assert_eq!(found[2], ["1:1 is the slave of line 18 MPC 2, and prescribed in line 15 SPC1 1"]);
     assert_eq!(faults(&model).len(), 1);
 }
 
