@@ -112,6 +112,8 @@ pub struct Model {
     pub(super) dofs: Vec<Dof>,
     pub(super) cases: Vec<LoadCase>,
     pub(super) warnings: Vec<Warning>,
+    /// Reference nodes of bodies whose rotations, components 4 to 6, the solver makes.
+    pub(super) own_rotations: BTreeSet<u32>,
     /// Names of the courses after the first.
     courses: Vec<String>,
     /// DOFs that cards put where no slave may be, ascending.
