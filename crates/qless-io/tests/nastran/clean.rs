@@ -136,7 +136,7 @@ fn what_cannot_be_cleaned_is_said() {
     let differ = format!(
         "CEND\nSUBCASE 1\nMPC=1\nSPC=2\nSUBCASE 2\nSPC=2\nBEGIN BULK\n{GRIDS}MPC,1,1,1,1.,2,1,-1.\nSPC1,2,1,1\n"
     );
-    assert!(refused(&differ).contains("subcases select different MPC sets"), "{}", refused(&differ));
+    assert_eq!(refused(&differ), "cleaned");
     let union = format!("CEND\nMPC=9\nBEGIN BULK\n{GRIDS}RBE2,1,1,123456,2\nMPC,5,2,1,1.,1,1,-1.\nMPCADD,9,5\n");
     assert_eq!(refused(&union), "cleaned");
     let warm = format!("{GRIDS}RBE2,1,1,123,2,1.-5\nRBE2,2,1,123,2,1.-5\n");

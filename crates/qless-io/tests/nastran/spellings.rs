@@ -116,7 +116,7 @@ fn more_rigid_elements_are_read() {
     assert_eq!(dependents("RBAR1,7,1,2"), "2:1 2:2 2:3 2:4 2:5 2:6");
     assert_eq!(dependents("RJOINT,7,1,4,123"), "4:1 4:2 4:3");
     assert_eq!(dependents("RTRPLT,7,1,2,3,123456\n,,,12"), "3:1 3:2");
-    assert_eq!(dependents("RTRPLT,7,1,2,3,1235,3,3"), "1:4 1:6 2:1 2:2 2:4 2:5 2:6 3:1 3:2 3:4 3:5 3:6");
+    assert_eq!(dependents("RTRPLT,7,1,2,3,1236,3,3"), "1:4 1:5 2:1 2:2 2:4 2:5 2:6 3:1 3:2 3:4 3:5 3:6");
     assert_eq!(dependents("RTRPLT1,7,1,2,3,12,3"), "2:1 2:2 3:3");
     assert_eq!(dependents("JOINTG,7,,BALL,1,,4"), "4:1 4:2 4:3");
     assert_eq!(dependents("JOINTG,7,,RBEAM,1,,2"), "2:1 2:2 2:3 2:4 2:5 2:6");
@@ -133,7 +133,7 @@ fn elements_of_one_body_say_the_same() {
     same("RBAR1,7,1,2,123", "RBE2,7,1,123,2");
     same("RTRPLT1,7,1,2,3", "RBE2,7,1,123456,2,3");
     same("RTRPLT,7,1,2,3,123456\n,,,3", "RBE2,7,1,3,3");
-    same("RBE3,7,,3,123,1.,123,1,2", "RBE3,7,,3,123,1.,123,1,THRU,2");
+    same("RBE3,7,,3,123,1.,123456,1,2", "RBE3,7,,3,123,1.,123456,1,THRU,2");
     same("JOINTG,7,,RBEAM,1,,2", "RBAR,7,1,2,123456");
 }
 

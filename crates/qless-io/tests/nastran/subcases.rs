@@ -91,3 +91,27 @@ fn a_second_end_of_executive_control_is_none() {
     );
     assert_eq!(faults(parsed(&after, &[]).expect("a deck").model()), []);
 }
+
+/// Each subcase gets the equations that it needs, whatever the others prescribe or select; `clean::write` proves them the same.
+#[test]
+fn subcases_are_cleaned_one_by_one() {
+    let bulk = "RBE2,7,1,123,2\nMPC,1,3,1,1.,1,1,-1.\nMPC,2,3,1,1.,2,1,-1.\nMPC,2,3,1,2.,2,1,-2.\nSPC1,1,123,1\nSPC1,2,123,2\nMPCADD,9,1,2\n";
+    for control in [
+        "SUBCASE 1\nSPC=1\nMPC=1\nSUBCASE 2\nSPC=2\nMPC=2\n",
+        "SPC=2\nSUBCASE 1\nMPC=1\nSUBCASE 2\nMPC=9\nSUBCASE 3\nMPC=2\nSPC=1\n",
+        "MPC=9\nSUBCASE 5\nSPC=1\nSUBCASE 6\nSPC=2\nSUBCASE 7\nSPC=2\nMPC=0\n",
+        "SPC=1\nSUBCASE 1\nSUBCASE 2\nMPC=2\nSUBCASE 3\nMPC=9\n",
+        "SUBCASE 1\nMPC=9\nSTEP 1\nSPC=1\nSTEP 2\nSPC=2\nSUBCASE 2\nMPC=1\nSTEP 1\nSPC=1\n",
+    ] {
+        let before = parsed(&format!("SOL 101\nCEND\n{control}BEGIN BULK\n{GRIDS}{bulk}ENDDATA\n"), &[]);
+        let before = before.unwrap_or_else(|error| panic!("{error}"));
+        let after = clean(&before);
+        assert_ne!(after.as_bytes(), before.texts()[0].as_slice());
+        let deck = parsed(&after, &[]).unwrap_or_else(|error| panic!("{error}\n{after}"));
+        assert_eq!(faults(deck.model()), [], "{after}");
+        assert_eq!(clean(&deck), after, "the second time changes something");
+        let names =
+            |deck: &qless_io::deck::Deck| deck.model().cases().iter().map(|case| case.name.clone()).collect::<Vec<_>>();
+        assert_eq!(names(&deck), names(&before));
+    }
+}

@@ -18,13 +18,16 @@ pub type Group = (Vec<usize>, Vec<Written>);
 
 /// The main file with the plan carried out. Included files that must change are written into it.
 pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
-    let cases = &deck.model.cases;
-    // A plan has one set of equations, which may hold what only some subcases select.
-    if !plan.written.is_empty() && cases.iter().any(|case| case.removed != cases[0].removed) {
-        let why = "subcases select different MPC sets, so that no one set can hold new cards; make a deck of each";
-        return Err(CleanError::Place { path: deck.model.files[0].clone(), line: 1, why });
+    let cases = deck.model.cases.len();
+    let mut groups: Vec<Group> = Vec::new();
+    for written in &plan.written {
+        let holds_in: Vec<usize> = (0..cases).filter(|&case| written.cases.contain(case)).collect();
+        match groups.iter_mut().find(|(cases, _)| *cases == holds_in) {
+            Some((_, group)) => group.push(written.clone()),
+            None => groups.push((holds_in, vec![written.clone()])),
+        }
     }
-    write_groups(deck, &plan.removed, &[((0..cases.len()).collect(), plan.written.clone())])
+    write_groups(deck, &plan.removed, &groups)
 }
 
 /// The main file without the cards of the equations that go, and with those of each group in its load cases alone. A card goes in all
@@ -165,6 +168,7 @@ impl Writer<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::deck::clean::Cases;
     use crate::deck::{Dof, Format, parse};
 
     fn deck(text: &str) -> Deck {
@@ -176,7 +180,7 @@ mod tests {
     /// `u1 - u2 = 0` for two points.
     fn tie(a: u32, b: u32) -> Written {
         let dof = |node| Dof { node, component: 1 };
-        Written { slave: dof(a), terms: vec![(dof(b), -1.0)], rhs: 0.0 }
+        Written { slave: dof(a), terms: vec![(dof(b), -1.0)], rhs: 0.0, cases: Cases::All }
     }
 
     /// The equations in force in each case, as the nodes they tie.
