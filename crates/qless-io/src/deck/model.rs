@@ -128,6 +128,10 @@ pub struct Model {
     pub(super) traits: Traits,
     /// Names of the courses after the first.
     courses: Vec<String>,
+    /// DOFs that cards put where no slave may be, ascending.
+    claims: Vec<(Dof, Origin)>,
+    /// Cards whose equations the solver keeps by multipliers: none of their DOFs is a slave.
+    without_slaves: BTreeSet<u32>,
     columns: Columns,
     terms: Terms,
     /// Where the terms of each equation end.
@@ -295,6 +299,28 @@ impl Model {
     /// Says that a card constrains, but was left out.
     pub(super) fn leave_out(&mut self, file: u32, line: u32, text: impl Into<String>) {
         self.warnings.push(Warning { file, line, text: text.into(), leaves_out: true });
+    }
+
+    /// Where a DOF is put into a set of which no slave may be, such as Nastran's `ASET`.
+    pub fn claimed(&self, dof: Dof) -> Option<Origin> {
+        self.claims.binary_search_by_key(&dof, |(claimed, _)| *claimed).ok().map(|at| self.claims[at].1)
+    }
+
+    /// Sets such DOFs.
+    pub(super) fn claim(&mut self, mut claims: Vec<(Dof, Origin)>) {
+        claims.sort_by_key(|(dof, _)| *dof);
+        claims.dedup_by_key(|(dof, _)| *dof);
+        self.claims = claims;
+    }
+
+    /// Whether the first term of equation `i` is a slave; not so where the solver keeps the equation by a multiplier.
+    pub fn has_slave(&self, i: usize) -> bool {
+        self.without_slaves.is_empty() || !self.without_slaves.contains(&self.nth(i).origin.card)
+    }
+
+    /// Says that the equations of a card are kept by multipliers.
+    pub(super) fn keep_by_multipliers(&mut self, card: u32) {
+        self.without_slaves.insert(card);
     }
 
     /// The number of the course of this name.
