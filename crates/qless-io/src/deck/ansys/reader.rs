@@ -3,16 +3,16 @@
 use std::ops::Range;
 use std::path::Path;
 
-use super::archive::{self, Quick};
-use super::command::{Command, Line, parse};
-use super::coupled::CoupledSets;
-use super::elements::Elements;
-use super::equations::Equations;
-use super::events::{Action, Components, Event, Which};
-use super::field::Fault;
-use super::nodes::Nodes;
-use super::prescribed::{Reading, Selection, load, prescribe, release};
-use super::unread::Unread;
+use super::commands::coupled::CoupledSets;
+use super::commands::elements::Elements;
+use super::commands::equations::Equations;
+use super::commands::prescribed::{Reading, Selection, load, prescribe, release};
+use super::commands::unread::Unread;
+use super::model::events::{Action, Components, Event, Which};
+use super::model::nodes::Nodes;
+use super::syntax::archive::{self, Quick};
+use super::syntax::command::{Command, Line, parse};
+use super::syntax::field::Fault;
 use crate::bytes::LINE;
 use crate::deck::{DeckError, Model, Origin, Problem};
 

@@ -7,10 +7,10 @@
 
 use rustc_hash::FxHashSet;
 
-use super::command::Command;
-use super::field::{Fault, component, expected, is_nothing, signed_node, whole};
 use super::numbering::{Searches, delete, numbered, too_many_taken_away};
-use super::sets::Sets;
+use crate::deck::ansys::model::sets::Sets;
+use crate::deck::ansys::syntax::command::Command;
+use crate::deck::ansys::syntax::field::{Fault, component, expected, is_nothing, signed_node, whole};
 use crate::deck::{Dof, Problem};
 
 /// One coupled set.

@@ -5,10 +5,13 @@ use std::ops::Range;
 
 use rustc_hash::FxHashMap;
 
-use super::command::{Line, parse};
+mod text;
+
+use text::{comment, equations};
+
 use super::model::fill;
 use super::reader::{Owner, Place, Reader};
-use super::text::{comment, equations};
+use super::syntax::command::{Line, parse};
 use crate::deck::clean::{CleanError, Edits, Plan, Reason, Removed};
 use crate::deck::{Deck, Model};
 

@@ -1,9 +1,16 @@
 //! What the commands say as a model: equations by their number, then coupled sets, and the load cases.
 
-use super::equations::Equations;
-use super::events::cases;
+pub mod events;
+pub mod nodes;
+pub mod positions;
+pub mod sets;
+pub mod terms;
+
+use events::cases;
+use terms::Term;
+
+use super::commands::equations::Equations;
 use super::reader::{Owner, Reader};
-use super::terms::Term;
 use crate::deck::{CardName, DeckError, Dof, Model, Origin, Problem, Sources};
 
 /// Reads a deck.

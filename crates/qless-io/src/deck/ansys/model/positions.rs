@@ -2,10 +2,10 @@
 
 use std::collections::HashMap;
 
-use super::command::Command;
-use super::field::real;
-use super::reader::Reader;
 use crate::deck::Deck;
+use crate::deck::ansys::reader::Reader;
+use crate::deck::ansys::syntax::command::Command;
+use crate::deck::ansys::syntax::field::real;
 use crate::number;
 
 /// Positions along the model's axes; none where the deck cannot be read once more.

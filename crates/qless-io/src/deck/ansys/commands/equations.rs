@@ -8,12 +8,12 @@
 //!
 //! Later releases write `UNBL` for `R5.0`.
 
-use super::archive::Says;
-use super::command::Command;
-use super::field::{Fault, component, expected, is_nothing, real, signed_node, whole};
 use super::numbering::{Searches, delete, numbered, too_many_taken_away};
-use super::sets::Sets;
-use super::terms::{Owned, Term, Terms};
+use crate::deck::ansys::model::sets::Sets;
+use crate::deck::ansys::model::terms::{Owned, Term, Terms};
+use crate::deck::ansys::syntax::archive::Says;
+use crate::deck::ansys::syntax::command::Command;
+use crate::deck::ansys::syntax::field::{Fault, component, expected, is_nothing, real, signed_node, whole};
 use crate::deck::{Dof, Problem};
 use crate::number;
 

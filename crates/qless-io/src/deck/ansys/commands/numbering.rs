@@ -1,9 +1,9 @@
 //! What equations and coupled sets share: numbers, given or `HIGH` or `NEXT`, and a limit on searches.
 
-use super::command::Command;
-use super::field::{Fault, expected, range, whole};
-use super::sets::Sets;
 use crate::deck::Problem;
+use crate::deck::ansys::model::sets::Sets;
+use crate::deck::ansys::syntax::command::Command;
+use crate::deck::ansys::syntax::field::{Fault, expected, range, whole};
 
 /// Terms or nodes that may still be gone through to find those that are taken away.
 #[derive(Debug)]

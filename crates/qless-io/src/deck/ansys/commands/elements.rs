@@ -2,8 +2,8 @@
 
 use rustc_hash::FxHashSet;
 
-use super::command::Command;
-use super::field::whole;
+use crate::deck::ansys::syntax::command::Command;
+use crate::deck::ansys::syntax::field::whole;
 
 const CONTACT: &str = "contact elements with KEYOPT(2) = 2 constrain by equations of their own: left out";
 

@@ -2,11 +2,11 @@
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::command::Command;
-use super::field::{Fault, expected, real, whole};
-use super::format::Format;
 use super::positions::Positions;
 use crate::deck::Problem;
+use crate::deck::ansys::syntax::command::Command;
+use crate::deck::ansys::syntax::field::{Fault, expected, real, whole};
+use crate::deck::ansys::syntax::format::Format;
 use crate::fault::quote;
 use crate::number;
 

@@ -7,11 +7,11 @@
 //! FDELE, NODE, Lab, NEND, NINC
 //! ```
 
-use super::command::Command;
-use super::events::{Action, Components, Which};
-use super::field::{Fault, component, expected, range, real, whole};
-use super::label;
-use super::nodes::{Nodes, name};
+use crate::deck::ansys::model::events::{Action, Components, Which};
+use crate::deck::ansys::model::nodes::{Nodes, name};
+use crate::deck::ansys::syntax::command::Command;
+use crate::deck::ansys::syntax::field::{Fault, component, expected, range, real, whole};
+use crate::deck::ansys::syntax::label;
 
 /// What such a command does, or why it is left out.
 pub enum Reading {

@@ -1,6 +1,6 @@
 //! The text of equations and of comments on those that are gone.
 
-use super::label;
+use crate::deck::ansys::syntax::label;
 use crate::deck::clean::{Plan, Reason, Removed, Written};
 use crate::deck::{Dof, Model};
 

@@ -2,9 +2,9 @@
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::command::{Command, Key};
-use super::known::{Effect, effect};
-use super::reader::Reader;
+use crate::deck::ansys::reader::Reader;
+use crate::deck::ansys::syntax::command::{Command, Key};
+use crate::deck::ansys::syntax::known::{Effect, effect};
 
 /// Warnings at most; the rest is counted.
 const WARNINGS: usize = 1000;

@@ -1,0 +1,8 @@
+//! Lines as commands, and commands as fields.
+
+pub mod archive;
+pub mod command;
+pub mod field;
+pub mod format;
+pub mod known;
+pub mod label;
