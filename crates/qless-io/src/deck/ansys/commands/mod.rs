@@ -5,4 +5,6 @@ pub mod elements;
 pub mod equations;
 pub mod numbering;
 pub mod prescribed;
+pub mod region;
+pub mod selection;
 pub mod unread;

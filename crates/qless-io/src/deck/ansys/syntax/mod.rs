@@ -2,7 +2,10 @@
 
 pub mod archive;
 pub mod command;
+pub mod control;
+pub mod expression;
 pub mod field;
 pub mod format;
 pub mod known;
 pub mod label;
+pub mod parameters;
