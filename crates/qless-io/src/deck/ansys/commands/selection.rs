@@ -72,7 +72,7 @@ impl Selection {
             ("ALL", Selected::Unknown) => return None,
             (group, _) => nodes.groups.get(group)?.iter().map(|&(first, last)| (first, last, 1)).collect(),
         };
-        if nodes.are_generated || nodes.numbers.len() > MEMBERS {
+        if nodes.are_generated || nodes.numbers.is_empty() || nodes.numbers.len() > MEMBERS {
             return None;
         }
         let is_in =

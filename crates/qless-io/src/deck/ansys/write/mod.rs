@@ -57,9 +57,15 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
 /// What is said in the place of each equation and set that goes.
 fn comments(model: &Model, plan: &Plan, owners: &[Owner]) -> FxHashMap<Owner, String> {
     let mut chosen: FxHashMap<Owner, &Removed> = FxHashMap::default();
+    // What is wrong itself says more than what it is wrong with.
+    let weight = |reason: &Reason| match reason {
+        Reason::Redundant(_) => 0,
+        Reason::Connected => 1,
+        Reason::Fault(_) => 2,
+    };
     for removed in &plan.removed {
         let before = chosen.entry(owners[removed.equation]).or_insert(removed);
-        if matches!(before.reason, Reason::Redundant(_)) {
+        if weight(&removed.reason) > weight(&before.reason) {
             *before = removed;
         }
     }
