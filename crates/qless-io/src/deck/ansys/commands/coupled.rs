@@ -72,21 +72,16 @@ impl CoupledSets {
             });
             return Ok(None);
         };
-        let named = match named(command, 3) {
-            Some(word) => match selection.members(&word, nodes) {
-                Some(members) => Some(members),
-                None => {
-                    self.doubt =
-                        Some(format!("CP couples the nodes {word}, which this reader does not follow: left out"));
-                    self.leave_out(command);
-                    return Ok(None);
-                }
-            },
-            None => None,
-        };
+        let word = named(command, 3);
+        let members = word.as_deref().map(|word| selection.members(word, nodes));
+        if let (Some(word), Some(None)) = (&word, &members) {
+            self.doubt = Some(format!("CP couples the nodes {word}, which this reader does not follow: left out"));
+            self.leave_out(command);
+            return Ok(None);
+        }
         let mut left = self.left.0;
         let set = self.open(command, number, 2)?;
-        match named {
+        match members.flatten() {
             Some(members) => members.into_iter().for_each(|node| set.include(node)),
             None => set.add(command, 3, &mut left)?,
         }

@@ -48,7 +48,7 @@ impl Around<'_> {
     /// `CERIG`.
     pub fn rigid(&self, command: &Command) -> Result<Made, Fault> {
         let Some(set) = self.labels(command, &[3, 4, 5, 6, 7])? else { return Err(no_label(command, 3)) };
-        let master = self.node(command, 1)?;
+        let master = node(command)?;
         let slaves = match whole(command.field(2)) {
             Some(slave) => vec![slave],
             None => match self.named(command.field(2)) {
@@ -65,13 +65,13 @@ impl Around<'_> {
             return Err((None, Problem::Limit { what: "the number of equations", limit: EQUATIONS, advice }));
         }
         let rigid = Rigid { independent: vec![(master, Components::ALL)], dependent };
-        Ok(self.made(master, rigid.rows(self.nodes)))
+        Ok(made(master, rigid.rows(self.nodes)))
     }
 
     /// `RBE3`; slaves and weights are elements of arrays.
     pub fn mean(&self, command: &Command) -> Result<Made, Fault> {
         let Some(components) = self.labels(command, &[2])? else { return Err(no_label(command, 2)) };
-        let reference = self.node(command, 1)?;
+        let reference = node(command)?;
         let Some(slaves) = self.slaves(command.field(3)) else { return Ok(not_followed(command, 3)) };
         let weights = match command.field(4) {
             b"" => None,
@@ -101,7 +101,7 @@ impl Around<'_> {
             let text = "RBE3 is ignored, as the program does: its slaves do not determine the motion of the master, as where they are in line";
             return Ok(Made::Ignored(text.to_owned()));
         }
-        Ok(self.made(reference, rows))
+        Ok(made(reference, rows))
     }
 
     /// The nodes of an array, zeros left out where they end it, or those selected.
@@ -114,10 +114,6 @@ impl Around<'_> {
     fn named(&self, word: &[u8]) -> Option<Vec<u32>> {
         let members = self.selection.members(&String::from_utf8_lossy(word), self.nodes)?;
         Some(members.into_iter().collect())
-    }
-
-    fn node(&self, command: &Command, at: usize) -> Result<u32, Fault> {
-        whole(command.field(at)).ok_or_else(|| expected(command, at, "the number of a node"))
     }
 
     /// The components of labels; `ALL` where the first is left out. None where there is no such label.
@@ -141,24 +137,27 @@ impl Around<'_> {
         digits.retain(|digit| !self.is_plane || "126".contains(digit));
         Ok(Components::parse(digits.as_bytes()).filter(|set| !set.is_empty()))
     }
+}
 
-    fn made(&self, node: u32, rows: Result<Vec<Row>, Problem>) -> Made {
-        let rows = match rows {
-            Ok(rows) => rows,
-            Err(problem) => {
-                return Made::LeftOut(format!(
-                    "the equations of the region about node {node} are not known: {problem}: left out"
-                ));
-            }
-        };
-        let finite = |row: &Row| row.terms.iter().all(|(_, value)| value.is_finite());
-        if !rows.iter().all(finite) {
+/// The node in field 1.
+fn node(command: &Command) -> Result<u32, Fault> {
+    whole(command.field(1)).ok_or_else(|| expected(command, 1, "the number of a node"))
+}
+
+fn made(node: u32, rows: Result<Vec<Row>, Problem>) -> Made {
+    let rows = match rows {
+        Ok(rows) => rows,
+        Err(problem) => {
             return Made::LeftOut(format!(
-                "nodes of the region about node {node} are too far apart for numbers: left out"
+                "the equations of the region about node {node} are not known: {problem}: left out"
             ));
         }
-        Made::Rows(node, rows.into_iter().map(|row| row.terms).collect())
+    };
+    let finite = |row: &Row| row.terms.iter().all(|(_, value)| value.is_finite());
+    if !rows.iter().all(finite) {
+        return Made::LeftOut(format!("nodes of the region about node {node} are too far apart for numbers: left out"));
     }
+    Made::Rows(node, rows.into_iter().map(|row| row.terms).collect())
 }
 
 fn no_label(command: &Command, at: usize) -> Fault {

@@ -32,7 +32,6 @@ impl Reader {
             b"/EOF" | b"/EXI" => self.ended = true,
             b"NSEL" => self.selection.nodes_by(command),
             b"ALLS" if selects_nodes(command) => self.selection.nodes = Selected::All,
-            b"ALLS" => {}
             b"NSLE" | b"NSLK" | b"NSLL" | b"NSLA" | b"NSLV" => self.selection.nodes = Selected::Unknown,
             b"CMSE" => self.selection.components_by(command, &self.nodes),
             b"NROT" | b"NANG" | b"NMOD" | b"NORA" => self.nodes.positions.turn(),
@@ -41,7 +40,7 @@ impl Reader {
             b"DCUM" if !command.is(1, "REPL") && !command.field(1).is_empty() => {
                 self.warn(command.line, "DCUM: values of D are taken to replace earlier ones".to_owned());
             }
-            b"DCUM" => {}
+            b"ALLS" | b"DCUM" => {}
             b"ET  " => {
                 let warning = self.elements.element_type(command);
                 warning.into_iter().for_each(|text| self.leave_out(command.line, text.to_owned()));
@@ -64,12 +63,12 @@ impl Reader {
             Effect::Nothing => {}
             Effect::MakesNodes => self.nodes.are_generated = true,
             Effect::Constrains => {
-                self.makes_unread = true;
+                self.made.unread = true;
                 self.leave_out(command.line, format!("{title} constrains, but is not understood: left out"));
             }
             Effect::BringsOthers if command.key == *b"*REP" && !self.constrained => {}
             Effect::BringsOthers => {
-                (self.nodes.are_generated, self.makes_unread) = (true, true);
+                (self.nodes.are_generated, self.made.unread) = (true, true);
                 self.leave_out(command.line, format!("{title} is not followed: what it constrains is left out"));
             }
             Effect::Unknown => {

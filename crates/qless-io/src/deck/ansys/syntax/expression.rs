@@ -42,13 +42,10 @@ struct Parser<'a, N> {
 
 impl<N: Names> Parser<'_, N> {
     fn sum(&mut self) -> Result<f64, NoValue> {
-        let mut value = match self.take(b"-") {
-            true => -self.product()?,
-            false => {
-                self.take(b"+");
-                self.product()?
-            }
-        };
+        let negative = self.take(b"-");
+        let _ = negative || self.take(b"+");
+        let first = self.product()?;
+        let mut value = if negative { -first } else { first };
         loop {
             if self.take(b"+") {
                 value += self.product()?;

@@ -1,6 +1,7 @@
 //! Lines as commands, and commands as fields.
 
 pub mod archive;
+pub mod array;
 pub mod command;
 pub mod control;
 pub mod expression;

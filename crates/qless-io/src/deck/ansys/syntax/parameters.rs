@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use rustc_hash::FxHashMap;
 
+use super::array::Array;
 use super::command::Command;
 use super::expression::{Names, NoValue, is_first, is_later, value};
 
@@ -21,14 +22,6 @@ pub enum Value {
     /// A table, which is a function of time and place.
     Table,
     Array(Array),
-}
-
-/// Numbers by up to three indices from 1; the first runs fastest.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Array {
-    sizes: [usize; 3],
-    values: Vec<f64>,
-    is_known: bool,
 }
 
 /// The parameters set so far.
@@ -194,7 +187,7 @@ impl Parameters {
         let sizes = sizes.map(|size| size.map_or(1, |size| size.max(1.0) as usize));
         let count = sizes.iter().try_fold(1_usize, |count, size| count.checked_mul(*size));
         match count.filter(|count| count.saturating_add(self.elements) <= ELEMENTS) {
-            Some(count) => Value::Array(Array { sizes, values: vec![0.0; count], is_known: true }),
+            Some(count) => Value::Array(Array::zeros(sizes, count)),
             None => Value::Unknown,
         }
     }
@@ -204,22 +197,6 @@ impl Parameters {
         let given = split(indices.as_bytes());
         let indices: Vec<f64> = given.iter().map(|text| self.number(text)).collect::<Result<_, _>>()?;
         array.place(&indices)
-    }
-}
-
-impl Array {
-    fn place(&self, indices: &[f64]) -> Result<usize, NoValue> {
-        let mut place = 0;
-        let mut stride = 1;
-        for (k, size) in self.sizes.iter().enumerate() {
-            let index = indices.get(k).map_or(1.0, |index| index.round());
-            if !(1.0..=*size as f64).contains(&index) {
-                return Err(NoValue::Unknown);
-            }
-            place += (index as usize - 1) * stride;
-            stride *= size;
-        }
-        Ok(place)
     }
 }
 

@@ -30,12 +30,12 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
         line: line as usize,
         why,
     };
-    let last = reader.made_at.max(1);
+    let last = reader.made.line.max(1);
     if let Some(solved) = reader.solved_at.filter(|&solved| solved <= last) {
         return Err(place(solved, "equations change after this load step; make a deck for each load step"));
     }
     let highest = reader.equations.sets.highest().unwrap_or(0).max(reader.equations.reserved);
-    let numbering = match (reader.makes_unread, reader.archive) {
+    let numbering = match (reader.made.unread, reader.archive) {
         (true, _) => Numbering::Next,
         (false, Some(tag)) => Numbering::Archive(highest, tag),
         (false, None) => Numbering::From(highest),
@@ -98,8 +98,11 @@ fn edited(
     }
     let mut deleted: Vec<(&Owner, &String)> = comments.iter().filter(|(owner, _)| is_deleted(owner)).collect();
     deleted.sort_unstable_by_key(|(owner, _)| **owner);
-    let mut below: String =
-        deleted.into_iter().map(|(owner, said)| format!("{said}{}", deletion(owner, regions))).collect();
+    let mut below = String::new();
+    for (owner, said) in deleted {
+        below.push_str(said);
+        below.push_str(&deletion(owner, regions));
+    }
     below.push_str(new);
     if !below.is_empty() {
         edits.replace(last.saturating_add(1), 0, below.into_bytes());
