@@ -324,7 +324,6 @@ impl Model {
     }
 
     /// The number of the course of this name.
-    #[expect(dead_code, reason = "readers of amplitudes come next")]
     pub(super) fn course(&mut self, name: &str) -> u32 {
         let known = self.courses.iter().position(|known| known == name);
         let at = known.unwrap_or_else(|| {

@@ -75,6 +75,7 @@ impl Fault {
         match *self {
             Self::SlavePrescribed { slave, .. }
             | Self::SlaveTwice { slave, .. }
+            | Self::SlaveClaimed { slave, .. }
             | Self::SlaveVanishes { slave, .. }
             | Self::Circle { slave, .. } => slave,
         }

@@ -47,6 +47,14 @@ impl Terms {
         self.more[to.more as usize - 1].push(term);
     }
 
+    /// The same terms once more.
+    pub fn copy(&mut self, of: &Owned) -> Owned {
+        let terms: Vec<Term> = self.of(of).collect();
+        let mut copy = Owned::default();
+        terms.into_iter().for_each(|term| self.push(&mut copy, term));
+        copy
+    }
+
     /// Takes away the terms of a DOF.
     pub fn remove(&mut self, of: &mut Owned, dof: Dof) {
         let start = of.start as usize;

@@ -8,8 +8,8 @@
 //! Any other line goes the long way, which also says what is wrong with it.
 
 use super::label;
-use super::terms::Term;
 use crate::deck::Dof;
+use crate::deck::ansys::model::terms::Term;
 use crate::number::leading;
 
 /// Bytes of such a line at most.

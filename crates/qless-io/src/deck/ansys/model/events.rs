@@ -20,6 +20,8 @@ pub enum Which {
     All,
     /// Those of a named group.
     Group(Box<str>),
+    /// Those selected.
+    Ranges(Box<[(u32, u32, u32)]>),
 }
 
 /// Which components of them, filled up with zeros; all if there are none.
@@ -28,8 +30,8 @@ pub type Components = [u8; 6];
 /// What a command does.
 #[derive(Clone, Debug)]
 pub enum Action {
-    /// `D`: a value that replaces an earlier one.
-    Prescribe(f64),
+    /// `D`: a value that replaces an earlier one, times a table where one is named.
+    Prescribe(f64, Option<Box<str>>),
     /// `DDELE`.
     Release,
     /// `F`.
@@ -60,14 +62,29 @@ impl Event {
     }
 }
 
+/// An equation of the model that is not in force in all load steps: from the first to the last of these.
+#[derive(Clone, Copy, Debug)]
+pub struct Life {
+    pub equation: u32,
+    pub first: u32,
+    pub last: u32,
+}
+
 /// The load cases: one for each `SOLVE`, and one of what follows the last.
-pub fn cases(events: &[Event], nodes: &Nodes, model: &mut Model) -> Result<(), (Origin, Problem)> {
+pub fn cases(events: &[Event], nodes: &Nodes, lives: &[Life], model: &mut Model) -> Result<(), (Origin, Problem)> {
     let are_solutions = events.iter().all(|event| matches!(event.action, Action::Solve));
     let mut replay = if are_solutions { Replay::without_nodes(nodes) } else { Replay::new(nodes, model) };
+    replay.lives = lives;
     for event in events {
-        replay.event(event).map_err(|problem| (event.origin, problem))?;
+        let course = match &event.action {
+            Action::Prescribe(_, Some(table)) => model.course(table),
+            _ => 0,
+        };
+        replay.event(event, course).map_err(|problem| (event.origin, problem))?;
     }
-    let open = !matches!(events.last(), Some(Event { action: Action::Solve, .. }));
+    let solved = replay.cases.len() as u32;
+    let changes = |life: &Life| life.first == solved || life.last.checked_add(1) == Some(solved);
+    let open = !matches!(events.last(), Some(Event { action: Action::Solve, .. })) || lives.iter().any(changes);
     if open {
         replay.solve();
     }
@@ -77,6 +94,7 @@ pub fn cases(events: &[Event], nodes: &Nodes, model: &mut Model) -> Result<(), (
 
 struct Replay<'a> {
     groups: &'a Nodes,
+    lives: &'a [Life],
     /// Numbers of all nodes, ascending.
     nodes: Vec<u32>,
     /// Components that occur in equations, ascending.
@@ -105,10 +123,10 @@ impl<'a> Replay<'a> {
     fn without_nodes(groups: &'a Nodes) -> Self {
         let (prescribed, loads) = (BTreeMap::new(), BTreeMap::new());
         let (nodes, components, cases) = (Vec::new(), Vec::new(), Vec::new());
-        Self { groups, nodes, components, prescribed, loads, cases, left: VALUES, held: 0 }
+        Self { groups, lives: &[], nodes, components, prescribed, loads, cases, left: VALUES, held: 0 }
     }
 
-    fn event(&mut self, event: &Event) -> Result<(), Problem> {
+    fn event(&mut self, event: &Event, course: u32) -> Result<(), Problem> {
         if matches!(event.action, Action::Solve) {
             self.solve();
             return self.check_held();
@@ -121,12 +139,12 @@ impl<'a> Replay<'a> {
             for at in nodes {
                 let node = self.nodes[at];
                 if (node - first).is_multiple_of(step) {
-                    self.node(event, node, components);
+                    self.node(event, course, node, components);
                 }
             }
             // A node that neither the deck nor an equation knows matters to nobody but the one who named it.
             if first == last && self.nodes.binary_search(&first).is_err() {
-                self.node(event, first, components);
+                self.node(event, course, first, components);
             }
             self.check_held()?;
         }
@@ -145,6 +163,7 @@ impl<'a> Replay<'a> {
         match which {
             Which::Range(first, last, step) => vec![(*first, *last, *step)],
             Which::All => vec![(1, u32::MAX, 1)],
+            Which::Ranges(ranges) => ranges.to_vec(),
             Which::Group(name) => {
                 let ranges = self.groups.groups.get(&**name).map_or(&[][..], Vec::as_slice);
                 ranges.iter().map(|&(first, last)| (first, last, 1)).collect()
@@ -164,12 +183,12 @@ impl<'a> Replay<'a> {
         Ok(())
     }
 
-    fn node(&mut self, event: &Event, node: u32, components: &[u8]) {
+    fn node(&mut self, event: &Event, course: u32, node: u32, components: &[u8]) {
         let origin = event.origin;
         let dofs = components.iter().map(|&component| Dof { node, component });
         match event.action {
-            Action::Prescribe(value) => {
-                self.prescribed.extend(dofs.map(|dof| (dof, Prescribed { dof, value, course: 0, origin })));
+            Action::Prescribe(value, _) => {
+                self.prescribed.extend(dofs.map(|dof| (dof, Prescribed { dof, value, course, origin })));
             }
             Action::Load => self.loads.extend(dofs.map(|dof| (dof, Load { dof, origin }))),
             Action::Release => take(&mut self.prescribed, event, node, components),
@@ -179,11 +198,15 @@ impl<'a> Replay<'a> {
     }
 
     fn solve(&mut self) {
-        self.held += self.prescribed.len() + self.loads.len() + 1;
+        let now = self.cases.len() as u32;
+        let is_out = |life: &&Life| !(life.first..=life.last).contains(&now);
+        let removed: Vec<u32> = self.lives.iter().filter(is_out).map(|life| life.equation).collect();
+        self.held += self.prescribed.len() + self.loads.len() + removed.len() + 1;
         self.cases.push(LoadCase {
             name: format!("load step {}", self.cases.len() + 1),
             prescribed: self.prescribed.values().copied().collect(),
             loads: self.loads.values().copied().collect(),
+            removed,
             ..LoadCase::default()
         });
     }

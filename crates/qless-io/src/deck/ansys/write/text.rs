@@ -1,6 +1,8 @@
 //! The text of equations and of comments on those that are gone.
 
-use super::label;
+use crate::deck::ansys::commands::equations::Region;
+use crate::deck::ansys::reader::Owner;
+use crate::deck::ansys::syntax::label;
 use crate::deck::clean::{Plan, Reason, Removed, Written};
 use crate::deck::{Dof, Model};
 
@@ -24,23 +26,45 @@ pub fn comment(model: &Model, removed: &Removed) -> String {
     }
 }
 
-/// The new equations, numbered from `highest + 1` on, with the tag of an archive or as commands; `None` if there are no numbers
-/// left.
-pub fn equations(plan: &Plan, highest: u32, archive: Option<&str>) -> Option<String> {
+/// How new equations are numbered, so that no number is taken.
+#[derive(Clone, Copy, Debug)]
+pub enum Numbering {
+    /// From one above the highest on, in the form of an archive with its tag.
+    Archive(u32, &'static str),
+    /// The same as commands.
+    From(u32),
+    /// By the program, since nobody else knows which are taken.
+    Next,
+}
+
+/// The new equations; `None` if there are no numbers left.
+pub fn equations(plan: &Plan, numbering: Numbering) -> Option<String> {
     if plan.written.is_empty() {
         return Some(String::new());
     }
     let mut text =
         String::from("! qless: independent equations; each slave, the first term, occurs once and is not prescribed\n");
-    let mut number = highest;
-    for written in &plan.written {
-        number = number.checked_add(1)?;
-        text.push_str(&match archive {
-            Some(tag) => in_archive(written, number, tag),
-            None => as_command(written, number),
+    for (written, k) in plan.written.iter().zip(1..) {
+        text.push_str(&match numbering {
+            Numbering::Archive(highest, tag) => in_archive(written, highest.checked_add(k)?, tag),
+            Numbering::From(highest) => {
+                let number = highest.checked_add(k)?.to_string();
+                as_commands(written, &number, &number)
+            }
+            Numbering::Next => as_commands(written, "NEXT", "HIGH"),
         });
     }
     Some(text)
+}
+
+/// The command that deletes equations or a set.
+pub fn deletion(owner: &Owner, regions: &[Region]) -> String {
+    match *owner {
+        Owner::Equation(number) => format!("CEDELE,{number}\n"),
+        Owner::Coupled(number) => format!("CPDELE,{number}\n"),
+        Owner::Region(at) => format!("CEDELE,{},{}\n", regions[at].first, regions[at].last),
+        Owner::Other => String::new(),
+    }
 }
 
 fn in_archive(written: &Written, number: u32, tag: &str) -> String {
@@ -51,11 +75,15 @@ fn in_archive(written: &Written, number: u32, tag: &str) -> String {
     std::iter::once(head).chain(terms.chunks(2).map(line)).collect()
 }
 
-fn as_command(written: &Written, number: u32) -> String {
+/// Commands of three terms each, the first of which has another word for the number.
+fn as_commands(written: &Written, first: &str, others: &str) -> String {
     let term = |(dof, value): &(Dof, f64)| format!(",{},{},{value:?}", dof.node, label::name(dof.component));
     let rhs = written.rhs + 0.0;
-    let line = |terms: &[(Dof, f64)]| format!("CE,{number},{rhs:?}{}\n", terms.iter().map(term).collect::<String>());
-    terms(written).chunks(3).map(line).collect()
+    let line = |(k, terms): (usize, &[(Dof, f64)])| {
+        let number = if k == 0 { first } else { others };
+        format!("CE,{number},{rhs:?}{}\n", terms.iter().map(term).collect::<String>())
+    };
+    terms(written).chunks(3).enumerate().map(line).collect()
 }
 
 /// The terms with the slave first.

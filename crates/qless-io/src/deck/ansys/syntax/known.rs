@@ -18,7 +18,7 @@ pub enum Effect {
 }
 
 /// Rigid regions, interfaces, symmetry, constraints of the solid model, merged nodes and the like.
-const CONSTRAIN: &str = "CERI RBE3 CEIN CECY CESG CPIN CPLG CPSG CPNG CPCY CPME DSYM DK DL DA DJ DTRA SBCT DSCA DFLX DVAL \
+const CONSTRAIN: &str = "CEIN CECY CESG CPIN CPLG CPSG CPNG CPCY CPME DSYM DK DL DA DJ DTRA SBCT DSCA DFLX DVAL \
     CBDO CYCL CYCO PSME SLOA NUMM DCVS DSUR EMBE MCFO";
 
 /// Nodes, meshes and copies of them.
@@ -67,7 +67,7 @@ mod tests {
     #[test]
     fn commands_by_their_first_letters() {
         for (key, of) in [
-            (b"CERI", Effect::Constrains),
+            (b"CEIN", Effect::Constrains),
             (b"DL  ", Effect::Constrains),
             (b"NGEN", Effect::MakesNodes),
             (b"/INP", Effect::BringsOthers),

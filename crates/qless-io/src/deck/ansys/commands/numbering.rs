@@ -1,9 +1,9 @@
 //! What equations and coupled sets share: numbers, given or `HIGH` or `NEXT`, and a limit on searches.
 
-use super::command::Command;
-use super::field::{Fault, expected, range, whole};
-use super::sets::Sets;
 use crate::deck::Problem;
+use crate::deck::ansys::model::sets::Sets;
+use crate::deck::ansys::syntax::command::Command;
+use crate::deck::ansys::syntax::field::{Fault, expected, range, whole};
 
 /// Terms or nodes that may still be gone through to find those that are taken away.
 #[derive(Debug)]
@@ -18,18 +18,47 @@ impl Default for Searches {
     }
 }
 
-/// Takes away the sets `first, last, step` of a command from field 1 on, or `ALL` of them.
-pub fn delete<T>(command: &Command, sets: &mut Sets<T>, left: &mut Searches) -> Result<(), Fault> {
-    if command.is(1, "ALL") {
+/// A load step, counted from 0.
+pub type Step = u32;
+
+/// What held up to a load step.
+#[derive(Debug)]
+pub struct Past<T> {
+    pub number: u32,
+    pub last: Step,
+    pub value: T,
+}
+
+/// What exists from a load step on.
+pub trait Lives {
+    /// The first load step that it is solved in.
+    fn from(&self) -> Step;
+}
+
+/// Takes away the sets `first, last, step` of a command from field 1 on, or `ALL` of them; those that held in a load step before `now`
+/// are kept for it.
+pub fn delete<T: Lives>(
+    command: &Command,
+    sets: &mut Sets<T>,
+    past: &mut Vec<Past<T>>,
+    now: Step,
+    left: &mut Searches,
+) -> Result<(), Fault> {
+    let (first, last, step) = if command.is(1, "ALL") {
+        (1, u32::MAX, 1)
+    } else {
+        let first = whole(command.field(1)).ok_or_else(|| expected(command, 1, "a number from 1 or ALL"))?;
+        range(command, first, 2)?
+    };
+    if command.is(1, "ALL") && now == 0 {
         sets.clear();
         return Ok(());
     }
-    let first = whole(command.field(1)).ok_or_else(|| expected(command, 1, "a number from 1 or ALL"))?;
-    let (first, last, step) = range(command, first, 2)?;
     let numbers = sets.within(first..=last);
     left.0 = left.0.checked_sub(numbers.len()).ok_or((None, too_many_taken_away()))?;
     for number in numbers.into_iter().filter(|number| (number - first).is_multiple_of(step)) {
-        sets.remove(number);
+        let gone = sets.remove(number).filter(|value| value.from() < now);
+        past.extend(gone.map(|value| Past { number, last: now - 1, value }));
     }
     Ok(())
 }

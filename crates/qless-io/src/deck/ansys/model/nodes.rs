@@ -2,11 +2,14 @@
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::command::Command;
-use super::field::{Fault, expected, real, whole};
-use super::format::Format;
 use super::positions::Positions;
 use crate::deck::Problem;
+use crate::deck::ansys::commands::selection::Selected;
+use crate::deck::ansys::syntax::command::Command;
+use crate::deck::ansys::syntax::field::{Fault, expected, real, whole};
+use crate::deck::ansys::syntax::format::Format;
+use crate::deck::kinematics::body::Pose;
+use crate::deck::kinematics::row::Poses;
 use crate::fault::quote;
 use crate::number;
 
@@ -60,9 +63,16 @@ impl Nodes {
         Ok(())
     }
 
-    /// `CM, Cname, NODE`: a group of the selected nodes, which are not followed.
-    pub fn selected_group(&mut self, command: &Command) {
+    /// `CM, Cname, NODE`: a group of the selected nodes, where these are followed.
+    pub fn selected_group(&mut self, command: &Command, selected: &Selected) {
         let name = name(command.field(1));
+        if let Selected::Ranges(ranges) = selected
+            && ranges.iter().all(|&(first, last, step)| step == 1 || first == last)
+        {
+            self.unknown_groups.remove(&name);
+            self.groups.insert(name, ranges.iter().map(|&(first, last, _)| (first, last)).collect());
+            return;
+        }
         self.groups.remove(&name);
         self.unknown_groups.insert(name);
     }
@@ -108,10 +118,13 @@ impl Nodes {
         if !archive || command.is(2, "LOC") {
             self.positions.command(node, command, if archive { 6 } else { 2 }, archive);
         }
-        let is_rotated = |at: usize| real(command, at).is_ok_and(|angle| angle != 0.0);
-        let angles = if archive && command.is(2, "ANG") { 6..9 } else { 5..8 };
-        if (!archive || command.is(2, "ANG")) && angles.into_iter().any(is_rotated) {
-            self.rotated.push(node);
+        if !archive || command.is(2, "ANG") {
+            let first = if archive { 6 } else { 5 };
+            let angles = [0, 1, 2].map(|k| real(command, first + k).unwrap_or(0.0));
+            if angles != [0.0; 3] {
+                self.rotated.push(node);
+            }
+            self.positions.axes_of(node, angles);
         }
         Ok(())
     }
@@ -126,16 +139,20 @@ impl Nodes {
         let node = whole(first).ok_or_else(fault)?;
         self.numbers.push(node);
         self.positions.row(node, format.floats(line));
-        let mut angles = format.floats(line).enumerate().skip(3).filter(|(_, text)| !text.is_empty());
+        let given = format.floats(line).enumerate().skip(3).filter(|(_, text)| !text.is_empty());
         let offset = format.integers(line).count() + 1;
-        let nonzero = |(k, text): (usize, &[u8])| match number::real(text) {
-            Ok(angle) => Ok(angle != 0.0),
-            Err(crate::NumberFault::Underflow) => Ok(false),
-            Err(fault) => Err((Some(offset + k), Problem::Number { found: quote(text), fault })),
-        };
-        if angles.try_fold(false, |any, field| nonzero(field).map(|rotated| any || rotated))? {
+        let mut angles = [0.0; 3];
+        for (k, text) in given {
+            let angle = match number::real(text) {
+                Err(crate::NumberFault::Underflow) => 0.0,
+                other => other.map_err(|fault| (Some(offset + k), Problem::Number { found: quote(text), fault }))?,
+            };
+            angles[(k - 3).min(2)] = angle;
+        }
+        if angles != [0.0; 3] {
             self.rotated.push(node);
         }
+        self.positions.axes_of(node, angles);
         Ok(true)
     }
 
@@ -156,6 +173,13 @@ impl Nodes {
             }
         }
         Ok(left)
+    }
+}
+
+impl Poses for Nodes {
+    fn pose(&self, node: u32) -> Result<Pose, Problem> {
+        let problem = || Problem::Undefined { what: "the place of node", name: node.to_string() };
+        self.positions.pose(node).ok_or_else(problem)
     }
 }
 

@@ -2,9 +2,10 @@
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::command::{Command, Key};
-use super::known::{Effect, effect};
-use super::reader::Reader;
+use super::selection::Selected;
+use crate::deck::ansys::reader::Reader;
+use crate::deck::ansys::syntax::command::{Command, Key};
+use crate::deck::ansys::syntax::known::{Effect, effect};
 
 /// Warnings at most; the rest is counted.
 const WARNINGS: usize = 1000;
@@ -16,34 +17,40 @@ pub struct Unread {
     said: FxHashSet<Vec<u8>>,
     /// Warnings beyond those that are kept.
     pub unsaid: usize,
+    /// Whether any of these says that something that constrains is left out.
+    pub leaves_out: bool,
 }
 
 impl Reader {
     /// Commands that say what others mean, and those that are not read.
     pub fn other(&mut self, command: &Command) {
         match &command.key {
-            b"*IF " if !command.fields.iter().any(|field| field.eq_ignore_ascii_case(b"THEN")) => {}
-            b"*IF " | b"*DO " | b"*DOW" | b"*CRE" => self.depth = self.depth.saturating_add(1),
-            b"*END" => self.depth = self.depth.saturating_sub(1),
+            b"*IF " => {
+                let text = "*IF leads to another line, which is not followed: what it constrains is left out";
+                self.leave_out(command.line, text.to_owned());
+            }
             b"/EOF" | b"/EXI" => self.ended = true,
-            b"NSEL" => self.selection.nodes = command.is(1, "ALL"),
-            b"ALLS" => self.selection.nodes |= selects_nodes(command),
-            b"NSLE" | b"NSLK" | b"NSLL" | b"NSLA" | b"NSLV" | b"CMSE" => self.selection.nodes = false,
+            b"NSEL" => self.selection.nodes_by(command),
+            b"ALLS" if selects_nodes(command) => self.selection.nodes = Selected::All,
+            b"NSLE" | b"NSLK" | b"NSLL" | b"NSLA" | b"NSLV" => self.selection.nodes = Selected::Unknown,
+            b"CMSE" => self.selection.components_by(command, &self.nodes),
+            b"NROT" | b"NANG" | b"NMOD" | b"NORA" => self.nodes.positions.turn(),
+            b"LSSO" if self.solved_at.is_some() => {}
             b"DOFS" => self.selection.dofs = command.is(1, "ALL") || command.fields.is_empty(),
             b"DCUM" if !command.is(1, "REPL") && !command.field(1).is_empty() => {
                 self.warn(command.line, "DCUM: values of D are taken to replace earlier ones".to_owned());
             }
-            b"DCUM" => {}
+            b"ALLS" | b"DCUM" => {}
             b"ET  " => {
                 let warning = self.elements.element_type(command);
-                warning.into_iter().for_each(|text| self.warn(command.line, text.to_owned()));
+                warning.into_iter().for_each(|text| self.leave_out(command.line, text.to_owned()));
             }
             b"KEYO" => {
                 let warning = self.elements.option(command);
-                warning.into_iter().for_each(|text| self.warn(command.line, text.to_owned()));
+                warning.into_iter().for_each(|text| self.leave_out(command.line, text.to_owned()));
             }
             b"ETBL" => self.elements.in_block = true,
-            b"CM  " if command.is(2, "NODE") => self.nodes.selected_group(command),
+            b"CM  " if command.is(2, "NODE") => self.nodes.selected_group(command, &self.selection.nodes),
             _ => self.unread(command),
         }
     }
@@ -56,12 +63,13 @@ impl Reader {
             Effect::Nothing => {}
             Effect::MakesNodes => self.nodes.are_generated = true,
             Effect::Constrains => {
-                self.warn(command.line, format!("{title} constrains, but is not understood: left out"));
+                self.made.unread = true;
+                self.leave_out(command.line, format!("{title} constrains, but is not understood: left out"));
             }
             Effect::BringsOthers if command.key == *b"*REP" && !self.constrained => {}
             Effect::BringsOthers => {
-                self.nodes.are_generated = true;
-                self.warn(command.line, format!("{title} is not followed: what it constrains is left out"));
+                (self.nodes.are_generated, self.made.unread) = (true, true);
+                self.leave_out(command.line, format!("{title} is not followed: what it constrains is left out"));
             }
             Effect::Unknown => {
                 self.nodes.are_generated = true;
@@ -73,7 +81,7 @@ impl Reader {
 
     /// Whether a command constrains, or changes what does.
     pub fn constrains(&mut self, key: Key) -> bool {
-        let read = [b"CE  ", b"CECM", b"CEDE", b"CP  ", b"CPDE", b"D   ", b"DDEL"];
+        let read = [b"CE  ", b"CECM", b"CEDE", b"CP  ", b"CPDE", b"D   ", b"DDEL", b"CERI", b"RBE3"];
         read.contains(&&key) || self.effect(key) == Effect::Constrains
     }
 
@@ -86,6 +94,16 @@ impl Reader {
             self.model.warn(0, line, text);
         } else {
             self.unread.unsaid += 1;
+        }
+    }
+
+    /// Says that something that constrains is not read.
+    pub fn leave_out(&mut self, line: u32, text: String) {
+        if self.model.warnings.len() < WARNINGS {
+            self.model.leave_out(0, line, text);
+        } else {
+            self.unread.unsaid += 1;
+            self.unread.leaves_out = true;
         }
     }
 

@@ -7,11 +7,12 @@
 //! FDELE, NODE, Lab, NEND, NINC
 //! ```
 
-use super::command::Command;
-use super::events::{Action, Components, Which};
-use super::field::{Fault, component, expected, range, real, whole};
-use super::label;
-use super::nodes::{Nodes, name};
+use super::selection::{Selected, Selection};
+use crate::deck::ansys::model::events::{Action, Components, Which};
+use crate::deck::ansys::model::nodes::{Nodes, name};
+use crate::deck::ansys::syntax::command::Command;
+use crate::deck::ansys::syntax::field::{Fault, component, expected, range, real, whole};
+use crate::deck::ansys::syntax::label;
 
 /// What such a command does, or why it is left out.
 pub enum Reading {
@@ -23,23 +24,8 @@ pub enum Reading {
     LeftOut(String),
 }
 
-/// Which nodes and DOFs are selected, as far as it matters.
-#[derive(Clone, Copy, Debug)]
-pub struct Selection {
-    /// Whether all nodes are.
-    pub nodes: bool,
-    /// Whether all DOFs are.
-    pub dofs: bool,
-}
-
-impl Default for Selection {
-    fn default() -> Self {
-        Self { nodes: true, dofs: true }
-    }
-}
-
 /// `D`.
-pub fn prescribe(command: &Command, nodes: &Nodes, selection: Selection) -> Result<Reading, Fault> {
+pub fn prescribe(command: &Command, nodes: &Nodes, selection: &Selection) -> Result<Reading, Fault> {
     if label::is_rate(command.field(2)) {
         return Ok(Reading::LeftOut(format!("{} prescribes a velocity or an acceleration", said(command))));
     }
@@ -51,12 +37,11 @@ pub fn prescribe(command: &Command, nodes: &Nodes, selection: Selection) -> Resu
         Ok(components) => components,
         Err(why) => return Ok(Reading::LeftOut(why)),
     };
-    if command.field(3).starts_with(b"%") {
-        let text =
-            format!("{} takes its value from a table: it counts as 0, so contradictions are not seen", said(command));
-        return Ok(Reading::Roughly(Action::Prescribe(0.0), which, components, text));
+    if let Some(table) = table(command.field(3)) {
+        let text = format!("{} takes its value from the table {table}: it counts as 1 times that", said(command));
+        return Ok(Reading::Roughly(Action::Prescribe(1.0, Some(table.into())), which, components, text));
     }
-    let action = Action::Prescribe(real(command, 3)?);
+    let action = Action::Prescribe(real(command, 3)?, None);
     if real(command, 4)? != 0.0 {
         let text = format!("the imaginary part of {} is not looked at", said(command));
         return Ok(Reading::Roughly(action, which, components, text));
@@ -65,7 +50,7 @@ pub fn prescribe(command: &Command, nodes: &Nodes, selection: Selection) -> Resu
 }
 
 /// `DDELE`.
-pub fn release(command: &Command, nodes: &Nodes, selection: Selection) -> Result<Reading, Fault> {
+pub fn release(command: &Command, nodes: &Nodes, selection: &Selection) -> Result<Reading, Fault> {
     if label::is_rate(command.field(2)) {
         return Ok(Reading::LeftOut(format!("{} deletes a velocity or an acceleration", said(command))));
     }
@@ -80,7 +65,7 @@ pub fn release(command: &Command, nodes: &Nodes, selection: Selection) -> Result
 }
 
 /// `F` and `FDELE`; other loads than those on a DOF do not matter here.
-pub fn load(command: &Command, nodes: &Nodes, selection: Selection, adds: bool) -> Result<Option<Reading>, Fault> {
+pub fn load(command: &Command, nodes: &Nodes, selection: &Selection, adds: bool) -> Result<Option<Reading>, Fault> {
     let Ok(which) = which(command, if adds { 5 } else { 3 }, nodes, selection)? else { return Ok(None) };
     let all = !adds && command.is(2, "ALL");
     let component = label::loaded(command.field(2));
@@ -92,15 +77,18 @@ pub fn load(command: &Command, nodes: &Nodes, selection: Selection, adds: bool) 
 }
 
 /// The nodes of field 1, to field `end` in steps of the next one; or why they are not known.
-fn which(command: &Command, end: usize, nodes: &Nodes, selection: Selection) -> Result<Result<Which, String>, Fault> {
+fn which(command: &Command, end: usize, nodes: &Nodes, selection: &Selection) -> Result<Result<Which, String>, Fault> {
     let field = command.field(1);
     if let Some(first) = whole(field) {
         return range(command, first, end).map(|(first, last, step)| Ok(Which::Range(first, last, step)));
     }
     let group = name(field);
     Ok(match group.as_str() {
-        "ALL" if selection.nodes => Ok(Which::All),
-        "ALL" => Err(format!("{} names the selected nodes, and selections are not followed", said(command))),
+        "ALL" if selection.nodes == Selected::All => Ok(Which::All),
+        "ALL" => match &selection.nodes {
+            Selected::Ranges(ranges) => Ok(Which::Ranges(ranges.as_slice().into())),
+            _ => Err(format!("{} names the selected nodes, and this selection is not followed", said(command))),
+        },
         "P" => Err(format!("{} names nodes that are picked by hand", said(command))),
         _ if nodes.unknown_groups.contains(&group) => {
             Err(format!("{} names a component of selected nodes, and selections are not followed", said(command)))
@@ -111,7 +99,7 @@ fn which(command: &Command, end: usize, nodes: &Nodes, selection: Selection) -> 
 }
 
 /// The components of the labels in these fields, none for `ALL`; or why they are not known.
-fn components(command: &Command, at: &[usize], selection: Selection) -> Result<Result<Components, String>, Fault> {
+fn components(command: &Command, at: &[usize], selection: &Selection) -> Result<Result<Components, String>, Fault> {
     if at.iter().any(|&at| command.is(at, "ALL")) {
         let why = || format!("{} names the selected labels, and selections are not followed", said(command));
         return Ok(if selection.dofs { Ok(Components::default()) } else { Err(why()) });
@@ -122,6 +110,12 @@ fn components(command: &Command, at: &[usize], selection: Selection) -> Result<R
         *place = component(command, at)?;
     }
     Ok(Ok(components))
+}
+
+/// The name of a table between percent signs.
+fn table(text: &[u8]) -> Option<String> {
+    let name = text.strip_prefix(b"%")?;
+    Some(String::from_utf8_lossy(name.strip_suffix(b"%").unwrap_or(name)).to_ascii_uppercase())
 }
 
 /// `D,5,UX`: the command as warnings name it.

@@ -3,16 +3,23 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::command::{Line, parse};
+mod text;
+
+use text::{Numbering, comment, deletion, equations};
+
+use super::commands::equations::Region;
 use super::model::fill;
 use super::reader::{Owner, Place, Reader};
-use super::text::{comment, equations};
+use super::syntax::command::{Line, parse};
 use crate::deck::clean::{CleanError, Edits, Plan, Reason, Removed};
 use crate::deck::{Deck, Model};
 
 /// The main file with the plan carried out.
+///
+/// The text of what goes makes way for a comment. Where that would change what other commands mean, and for what a loop makes,
+/// commands that delete it stand below instead.
 pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     let text = deck.texts[0].as_slice();
     let mut reader = Reader::with_places(&deck.model.files[0], text)?;
@@ -23,36 +30,64 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
         line: line as usize,
         why,
     };
-    let last = places.last().map_or(1, |place| place.line);
+    let last = reader.made.line.max(1);
     if let Some(solved) = reader.solved_at.filter(|&solved| solved <= last) {
         return Err(place(solved, "equations change after this load step; make a deck for each load step"));
     }
-    let highest = reader.equations.sets.highest().unwrap_or(0);
-    let new = equations(plan, highest, reader.archive);
+    let highest = reader.equations.sets.highest().unwrap_or(0).max(reader.equations.reserved);
+    let numbering = match (reader.made.unread, reader.archive) {
+        (true, _) => Numbering::Next,
+        (false, Some(tag)) => Numbering::Archive(highest, tag),
+        (false, None) => Numbering::From(highest),
+    };
+    let new = equations(plan, numbering);
     let new = new.ok_or_else(|| place(last, "no numbers are left for new equations; number the equations from 1"))?;
-    let result = edited(text, &places, &comments(&deck.model, plan, &owners), new);
-    if !says(&result, &reader, deck, plan) {
-        return Err(place(last, "equations numbered by HIGH or NEXT are among those that change; write their numbers"));
-    }
-    Ok(result)
+    let comments = comments(&deck.model, plan, &owners);
+    let repeated: FxHashSet<Owner> = places.iter().filter(|place| place.repeats).map(|place| place.of).collect();
+    let is_deleted = |owner: &Owner| repeated.contains(owner);
+    let of = |result: Vec<u8>| says(&result, &reader, deck, plan).then_some(result);
+    let first = edited(text, &places, last, &comments, is_deleted, &reader.equations.regions, &new);
+    let result =
+        of(first).or_else(|| of(edited(text, &places, last, &comments, |_| true, &reader.equations.regions, &new)));
+    result.ok_or_else(|| {
+        place(last, "what commands below make of equations that change cannot be kept; write their numbers")
+    })
 }
 
 /// What is said in the place of each equation and set that goes.
 fn comments(model: &Model, plan: &Plan, owners: &[Owner]) -> FxHashMap<Owner, String> {
     let mut chosen: FxHashMap<Owner, &Removed> = FxHashMap::default();
+    // What is wrong itself says more than what it is wrong with.
+    let weight = |reason: &Reason| match reason {
+        Reason::Redundant(_) => 0,
+        Reason::Connected => 1,
+        Reason::Fault(_) => 2,
+    };
     for removed in &plan.removed {
         let before = chosen.entry(owners[removed.equation]).or_insert(removed);
-        if matches!(before.reason, Reason::Redundant(_)) {
+        if weight(&removed.reason) > weight(&before.reason) {
             *before = removed;
         }
     }
     chosen.into_iter().map(|(owner, removed)| (owner, comment(model, removed))).collect()
 }
 
-fn edited(text: &[u8], places: &[Place], comments: &FxHashMap<Owner, String>, new: String) -> Vec<u8> {
+/// The text with comments in the place of what goes, and below line `last` the commands that delete the rest of it and the new
+/// equations.
+fn edited(
+    text: &[u8],
+    places: &[Place],
+    last: u32,
+    comments: &FxHashMap<Owner, String>,
+    is_deleted: impl Fn(&Owner) -> bool,
+    regions: &[Region],
+    new: &str,
+) -> Vec<u8> {
     let mut lines: BTreeMap<u32, (String, Vec<Range<usize>>)> = BTreeMap::new();
     let mut left = comments.clone();
-    for place in places.iter().filter(|place| comments.contains_key(&place.of)) {
+    left.retain(|owner, _| !is_deleted(owner));
+    let goes = |place: &&Place| comments.contains_key(&place.of) && !is_deleted(&place.of);
+    for place in places.iter().filter(goes) {
         let (said, gone) = lines.entry(place.line).or_default();
         said.push_str(&left.remove(&place.of).unwrap_or_default());
         gone.push(place.range.clone());
@@ -61,8 +96,16 @@ fn edited(text: &[u8], places: &[Place], comments: &FxHashMap<Owner, String>, ne
     for (line, (said, gone)) in lines {
         edits.replace(line, 1, [said.as_bytes(), &rest(text, line, &gone)].concat());
     }
-    if let Some(last) = places.last().filter(|_| !new.is_empty()) {
-        edits.replace(last.line.saturating_add(1), 0, new.into_bytes());
+    let mut deleted: Vec<(&Owner, &String)> = comments.iter().filter(|(owner, _)| is_deleted(owner)).collect();
+    deleted.sort_unstable_by_key(|(owner, _)| **owner);
+    let mut below = String::new();
+    for (owner, said) in deleted {
+        below.push_str(said);
+        below.push_str(&deletion(owner, regions));
+    }
+    below.push_str(new);
+    if !below.is_empty() {
+        edits.replace(last.saturating_add(1), 0, below.into_bytes());
     }
     edits.apply(text)
 }

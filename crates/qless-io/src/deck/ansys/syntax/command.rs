@@ -1,5 +1,6 @@
 //! Lines as commands: `NAME,field,field`, several on a line between `$`, a comment after `!`.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// The first four characters of a command's name in capitals, blanks where it is shorter: they tell it apart.
@@ -12,8 +13,10 @@ pub struct Command<'a> {
     pub key: Key,
     /// Its name as the deck has it.
     pub name: &'a [u8],
-    /// The fields after the name, without blanks around them.
-    pub fields: Vec<&'a [u8]>,
+    /// All of it, without blanks around it.
+    pub text: &'a [u8],
+    /// The fields after the name, without blanks around them; parameters may have their values in place.
+    pub fields: Vec<Cow<'a, [u8]>>,
     /// The line, from 1.
     pub line: u32,
     /// Its bytes in the file, comment and `$` left out.
@@ -33,8 +36,8 @@ const WHOLE_LINE: [&Key; 5] = [b"/COM", b"/TIT", b"/STI", b"C***", b"/SYS"];
 
 impl<'a> Command<'a> {
     /// Field `at`, from 1; empty if it is missing.
-    pub fn field(&self, at: usize) -> &'a [u8] {
-        at.checked_sub(1).and_then(|k| self.fields.get(k)).copied().unwrap_or_default()
+    pub fn field(&self, at: usize) -> &[u8] {
+        at.checked_sub(1).and_then(|k| self.fields.get(k)).map_or(&[][..], |field| field)
     }
 
     /// Whether field `at` is this word.
@@ -48,16 +51,9 @@ impl<'a> Command<'a> {
     }
 
     /// The tag of an archive in field 1, which says that the fields are those of an archive: `R5.0` and the like, or `UNBL`.
-    pub fn archive_tag(&self) -> Option<&'a [u8]> {
+    pub fn archive_tag(&self) -> Option<&[u8]> {
         let field = self.field(1);
         (field.to_ascii_uppercase().starts_with(b"R5.") || self.is(1, "UNBL")).then_some(field)
-    }
-
-    /// Whether it is no command but `name = value` or `name(1,2) = value`.
-    pub fn is_assignment(&self) -> bool {
-        let is_word = self.name.first().is_some_and(|byte| byte.is_ascii_alphabetic() || *byte == b'_');
-        let is_element = self.name.contains(&b'(') && self.fields.iter().any(|field| field.contains(&b'='));
-        is_word && (self.name.contains(&b'=') || self.field(1).starts_with(b"=") || is_element)
     }
 
     fn new(text: &'a [u8], start: usize, line: u32) -> Option<Self> {
@@ -67,10 +63,9 @@ impl<'a> Command<'a> {
         let (name, rest) = trimmed.split_at(end);
         let rest = rest.trim_ascii_start();
         let rest = rest.strip_prefix(b",").unwrap_or(rest);
-        let fields =
-            if rest.is_empty() { Vec::new() } else { rest.split(|&b| b == b',').map(<[u8]>::trim_ascii).collect() };
+        let fields = if rest.is_empty() { Vec::new() } else { split(rest) };
         let range = start + lead..start + lead + trimmed.len();
-        Some(Self { key: key(name), name, fields, line, range })
+        Some(Self { key: key(name), name, text: trimmed, fields, line, range })
     }
 }
 
@@ -103,6 +98,18 @@ fn key(name: &[u8]) -> Key {
     key
 }
 
+/// What stands between commas, but for those within parentheses that are closed: they part the indices of an array.
+fn split(text: &[u8]) -> Vec<Cow<'_, [u8]>> {
+    let count = |byte: u8| memchr::memchr_iter(byte, text).count();
+    let nests = memchr::memchr(b'(', text).is_some() && count(b'(') == count(b')');
+    let mut depth = 0;
+    let is_end = |byte: &u8| {
+        depth += i32::from(nests && *byte == b'(') - i32::from(nests && *byte == b')');
+        *byte == b',' && depth <= 0
+    };
+    text.split(is_end).map(|field| Cow::Borrowed(field.trim_ascii())).collect()
+}
+
 /// Where the commands of a line end: at each `$`, then at `!` or the end of the line; not between quotes.
 fn ends(text: &[u8]) -> Vec<usize> {
     // A lone quote is an apostrophe.
@@ -130,7 +137,8 @@ mod tests {
 
     fn commands(text: &str) -> Vec<(String, Vec<String>, String)> {
         let Line::Commands(commands) = parse(text.as_bytes(), 0, 1) else { return Vec::new() };
-        let words = |fields: &[&[u8]]| fields.iter().map(|field| String::from_utf8_lossy(field).into_owned()).collect();
+        let words =
+            |fields: &[Cow<[u8]>]| fields.iter().map(|field| String::from_utf8_lossy(field).into_owned()).collect();
         commands
             .iter()
             .map(|c| (String::from_utf8_lossy(&c.key).into_owned(), words(&c.fields), text[c.range.clone()].to_owned()))
@@ -146,6 +154,8 @@ mod tests {
         assert_eq!(commands("  ddele , 1,UX  ,, ! gone\r"), [one("DDEL", &["1", "UX", "", ""], "ddele , 1,UX  ,,")]);
         assert_eq!(commands("/PREP7  "), [one("/PRE", &[], "/PREP7")]);
         assert_eq!(commands("N,1"), [one("N   ", &["1"], "N,1")]);
+        assert_eq!(commands("F,a(1, 2),3")[0].1, ["a(1, 2)", "3"]);
+        assert_eq!(commands("F,a(1,2")[0].1, ["a(1", "2"]);
     }
 
     #[test]
@@ -156,20 +166,6 @@ mod tests {
         assert_eq!(commands("*SET,A,'x$y!z'"), [one("*SET", &["A", "'x$y!z'"], "*SET,A,'x$y!z'")]);
         assert_eq!(commands("A,it's $ B,it").len(), 2);
         assert!(commands(" $ $ !").is_empty() && commands("").is_empty());
-    }
-
-    #[test]
-    fn assignments_are_no_commands() {
-        let is_assignment = |text: &str| match parse(text.as_bytes(), 0, 1) {
-            Line::Commands(commands) => commands[0].is_assignment(),
-            Line::Data(_) => false,
-        };
-        for text in ["A=3", "D = 3", "_CDRDOFF=   ", "_V(1,       1,       1) = 3.", "t(2) = 1"] {
-            assert!(is_assignment(text), "{text}");
-        }
-        for text in ["D,1,UX,a=b", "/TITLE,a=b", "*SET,A,3", "CE,1"] {
-            assert!(!is_assignment(text), "{text}");
-        }
     }
 
     #[test]

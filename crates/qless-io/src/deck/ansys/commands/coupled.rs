@@ -7,14 +7,16 @@
 
 use rustc_hash::FxHashSet;
 
-use super::command::Command;
-use super::field::{Fault, component, expected, is_nothing, signed_node, whole};
-use super::numbering::{Searches, delete, numbered, too_many_taken_away};
-use super::sets::Sets;
+use super::numbering::{Lives, Past, Searches, Step, delete, numbered, too_many_taken_away};
+use super::selection::Selection;
+use crate::deck::ansys::model::nodes::Nodes;
+use crate::deck::ansys::model::sets::Sets;
+use crate::deck::ansys::syntax::command::Command;
+use crate::deck::ansys::syntax::field::{Fault, component, expected, is_nothing, signed_node, whole};
 use crate::deck::{Dof, Problem};
 
 /// One coupled set.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Coupled {
     component: u8,
     nodes: Vec<u32>,
@@ -25,42 +27,102 @@ pub struct Coupled {
     pub last_line: u32,
     promised: Option<usize>,
     given: usize,
+    /// The first load step that it is solved in.
+    from: Step,
 }
+
+impl Lives for Coupled {
+    fn from(&self) -> Step {
+        self.from
+    }
+}
+
+/// Nodes of sets as they were in earlier load steps, at most: bounds the memory.
+const PAST_NODES: usize = 20_000_000;
 
 /// The coupled sets of a deck by their number.
 #[derive(Debug, Default)]
 pub struct CoupledSets {
     pub sets: Sets<Coupled>,
-    /// What should be said about the command read last.
-    pub remark: Option<String>,
+    /// Those of earlier load steps that are gone or have changed since.
+    pub past: Vec<Past<Coupled>>,
+    past_nodes: usize,
+    /// Load steps solved so far.
+    pub now: Step,
+    /// Sets that commands belong to which are not understood.
+    unknown: FxHashSet<u32>,
+    /// Why the command read last is left out.
+    pub doubt: Option<String>,
     left: Searches,
 }
 
 impl CoupledSets {
     /// `CP` in either spelling; returns the number of the set, none if the command is left out.
-    pub fn read(&mut self, command: &Command) -> Result<Option<u32>, Fault> {
+    pub fn read(&mut self, command: &Command, nodes: &Nodes, selection: &Selection) -> Result<Option<u32>, Fault> {
         if command.archive_tag().is_some() {
             return self.archive(command).map(Some);
         }
-        if command.is(2, "ALL") {
-            let text = "CP couples all DOFs that the elements have, which this reader does not know: left out";
-            self.remark = Some(text.to_owned());
+        let number = if command.is(2, "ALL") { None } else { Some(numbered(command, 1, &self.sets)?) };
+        let Some(number) = number.filter(|number| !self.unknown.contains(number)) else {
+            self.doubt = Some(match number {
+                None => {
+                    "CP couples all DOFs that the elements have, which this reader does not know: left out".to_owned()
+                }
+                Some(number) => format!("CP {number} has nodes that are not understood: all of it is left out"),
+            });
+            return Ok(None);
+        };
+        let word = named(command, 3);
+        let members = word.as_deref().map(|word| selection.members(word, nodes));
+        if let (Some(word), Some(None)) = (&word, &members) {
+            self.doubt = Some(format!("CP couples the nodes {word}, which this reader does not follow: left out"));
+            self.leave_out(command);
             return Ok(None);
         }
-        if let Some(word) = named(command, 3) {
-            self.remark = Some(format!("CP couples the nodes {word}, which this reader does not follow: left out"));
-            return Ok(None);
-        }
-        let number = numbered(command, 1, &self.sets)?;
         let mut left = self.left.0;
-        self.open(command, number, 2)?.add(command, 3, &mut left)?;
+        let set = self.open(command, number, 2)?;
+        match members.flatten() {
+            Some(members) => members.into_iter().for_each(|node| set.include(node)),
+            None => set.add(command, 3, &mut left)?,
+        }
         self.left.0 = left;
         Ok(Some(number))
     }
 
     /// `CPDELE, NSET1, NSET2, NINC`.
     pub fn delete(&mut self, command: &Command) -> Result<(), Fault> {
-        delete(command, &mut self.sets, &mut self.left)
+        if command.is(1, "ALL") {
+            self.unknown.clear();
+        }
+        delete(command, &mut self.sets, &mut self.past, self.now, &mut self.left)
+    }
+
+    /// A set that a command belongs to which is not understood is left out, with all that is said of it elsewhere.
+    pub fn leave_out(&mut self, command: &Command) {
+        let number = match command.archive_tag() {
+            Some(_) => whole(command.field(3)),
+            None if command.is(1, "NEXT") => None,
+            None => numbered(command, 1, &self.sets).ok(),
+        };
+        if let Some(number) = number {
+            self.sets.remove(number);
+            self.unknown.insert(number);
+        }
+    }
+
+    /// Keeps a set for the load steps up to now, before it changes.
+    fn keep(&mut self, number: u32) -> Result<(), Fault> {
+        let now = self.now;
+        let Some(set) = self.sets.get_mut(number).filter(|set| set.from < now) else { return Ok(()) };
+        self.past_nodes += set.nodes.len() + 1;
+        if self.past_nodes > PAST_NODES {
+            let advice = "make a deck of each load step";
+            let what = "the number of nodes in coupled sets of earlier load steps";
+            return Err((None, Problem::Limit { what, limit: PAST_NODES, advice }));
+        }
+        self.past.push(Past { number, last: now - 1, value: set.clone() });
+        set.from = now;
+        Ok(())
     }
 
     /// The first set with fewer nodes than its archive promises.
@@ -90,7 +152,9 @@ impl CoupledSets {
     fn open(&mut self, command: &Command, number: u32, at: usize) -> Result<&mut Coupled, Fault> {
         let known = self.sets.get_mut(number).is_some();
         let component = if known && command.field(at).is_empty() { None } else { Some(component(command, at)?) };
-        let set = self.sets.get_or_insert_with(number, || Coupled { line: command.line, ..Coupled::default() });
+        self.keep(number)?;
+        let new = || Coupled { line: command.line, from: self.now, ..Coupled::default() };
+        let set = self.sets.get_or_insert_with(number, new);
         set.last_line = command.line;
         set.component = component.unwrap_or(set.component);
         Ok(set)
@@ -113,12 +177,16 @@ impl Coupled {
                 self.take_away(node);
                 continue;
             }
-            self.given += 1;
-            if self.known.insert(node) {
-                self.nodes.push(node);
-            }
+            self.include(node);
         }
         Ok(())
+    }
+
+    fn include(&mut self, node: u32) {
+        self.given += 1;
+        if self.known.insert(node) {
+            self.nodes.push(node);
+        }
     }
 
     fn take_away(&mut self, node: u32) {

@@ -1,9 +1,18 @@
 //! What the commands say as a model: equations by their number, then coupled sets, and the load cases.
 
-use super::equations::Equations;
-use super::events::cases;
+pub mod events;
+pub mod nodes;
+pub mod positions;
+pub mod sets;
+pub mod terms;
+
+use events::{Life, cases};
+use terms::Term;
+
+use super::commands::coupled::Coupled;
+use super::commands::equations::{Equation, Equations, Region};
+use super::commands::numbering::Lives;
 use super::reader::{Owner, Reader};
-use super::terms::Term;
 use crate::deck::{CardName, DeckError, Dof, Model, Origin, Problem, Sources};
 
 /// Reads a deck.
@@ -19,9 +28,9 @@ pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
 /// Fills the model of a reader and says what each of its equations comes from, if the reader keeps places.
 pub fn fill(reader: &mut Reader) -> Result<Vec<Owner>, DeckError> {
     check_complete(reader)?;
-    let owners = push_equations(reader);
+    let (owners, lives) = push_equations(reader);
     let Reader { model, nodes, events, .. } = reader;
-    cases(events, nodes, model).map_err(|(origin, problem)| model.error(origin, None, problem))?;
+    cases(events, nodes, &lives, model).map_err(|(origin, problem)| model.error(origin, None, problem))?;
     check_nodes(reader)?;
     warn_of_rotated(reader);
     Ok(owners)
@@ -34,43 +43,86 @@ fn check_complete(reader: &Reader) -> Result<(), DeckError> {
     Err(DeckError { path: reader.model.files[0].clone(), line: line as usize, card, field: None, problem })
 }
 
-fn push_equations(reader: &mut Reader) -> Vec<Owner> {
-    let model = &mut reader.model;
-    let Equations { sets, terms, .. } = &reader.equations;
-    let mut owners = Vec::new();
-    let mut own = |owner| {
-        if reader.places.is_some() {
-            owners.push(owner);
-        }
-    };
-    model.reserve(sets.len(), terms.len());
-    let origin = |model: &mut Model, name: CardName, line: u32, last: u32| {
-        let card = model.card(name, 0, line);
-        Origin { card, line, lines: last.saturating_sub(line) + 1 }
-    };
-    for (number, equation) in sets.iter() {
-        if terms.count(&equation.terms) == 0 && equation.constant == 0.0 {
+/// Where equations come from, and those that are not in force in all load steps.
+type Pushed = (Vec<Owner>, Vec<Life>);
+
+/// Equations by number, coupled sets by number, then what held in earlier load steps.
+fn push_equations(reader: &mut Reader) -> Pushed {
+    let Reader { model, equations, coupled, places, .. } = reader;
+    let mut push =
+        Push { model, regions: vec![None; equations.regions.len()], owns: places.is_some(), pushed: Pushed::default() };
+    push.model.reserve(equations.sets.len(), equations.terms.len());
+    for (number, equation) in equations.sets.iter() {
+        push.equation(equations, number, equation, u32::MAX);
+    }
+    for (number, set) in coupled.sets.iter() {
+        push.set(number, set, u32::MAX);
+    }
+    for past in &equations.past {
+        push.equation(equations, past.number, &past.value, past.last);
+    }
+    for past in &coupled.past {
+        push.set(past.number, &past.value, past.last);
+    }
+    push.model.shrink();
+    push.pushed
+}
+
+struct Push<'a> {
+    model: &'a mut Model,
+    /// The card of each region, once it has one.
+    regions: Vec<Option<u32>>,
+    /// Whether anybody asks for owners.
+    owns: bool,
+    pushed: Pushed,
+}
+
+impl Push<'_> {
+    fn equation(&mut self, of: &Equations, number: u32, equation: &Equation, last: u32) {
+        let model = &mut *self.model;
+        if of.terms.count(&equation.terms) == 0 && equation.constant == 0.0 {
             model.warn(0, equation.line, format!("CE {number} has no terms: left out"));
-            continue;
+            return;
         }
-        let terms = terms.of(&equation.terms);
+        let terms = of.terms.of(&equation.terms);
         if names_twice(terms.clone()) {
             let text = format!("CE {number} names a DOF more than once: its coefficients are added");
             model.warn(0, equation.line, text);
         }
-        let origin = origin(model, CardName::numbered("CE", number), equation.line, equation.last_line);
+        let (card, owner) = match equation.region() {
+            Some(at) => {
+                let Region { name, node, line, .. } = of.regions[at];
+                let new = || model.card(CardName::numbered(name, node), 0, line);
+                (*self.regions[at].get_or_insert_with(new), Owner::Region(at))
+            }
+            None => (model.card(CardName::numbered("CE", number), 0, equation.line), Owner::Equation(number)),
+        };
+        let origin = origin(card, equation.line, equation.last_line);
         model.push(terms, equation.constant, origin);
-        own(Owner::Equation(number));
+        self.own(owner, equation.from(), last);
     }
-    for (number, set) in reader.coupled.sets.iter() {
-        let origin = origin(model, CardName::numbered("CP", number), set.line, set.last_line);
+
+    fn set(&mut self, number: u32, set: &Coupled, last: u32) {
+        let card = self.model.card(CardName::numbered("CP", number), 0, set.line);
         for equation in set.equations() {
-            model.push(equation, 0.0, origin);
-            own(Owner::Coupled(number));
+            self.model.push(equation, 0.0, origin(card, set.line, set.last_line));
+            self.own(Owner::Coupled(number), set.from(), last);
         }
     }
-    model.shrink();
-    owners
+
+    /// Notes where the equation pushed last comes from, and when it holds.
+    fn own(&mut self, owner: Owner, first: u32, last: u32) {
+        if self.owns {
+            self.pushed.0.push(owner);
+        }
+        if first > 0 || last < u32::MAX {
+            self.pushed.1.push(Life { equation: self.model.equations() as u32 - 1, first, last });
+        }
+    }
+}
+
+fn origin(card: u32, line: u32, last: u32) -> Origin {
+    Origin { card, line, lines: last.saturating_sub(line) + 1 }
 }
 
 fn names_twice(terms: impl Iterator<Item = Term> + Clone) -> bool {

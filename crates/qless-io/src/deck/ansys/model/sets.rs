@@ -76,17 +76,16 @@ impl<T> Sets<T> {
         numbers
     }
 
-    pub fn remove(&mut self, number: u32) {
-        if let Some(place) = self.place(number)
-            && self.row[place].1.take().is_some()
-        {
-            self.gone += 1;
-        }
-        self.apart.remove(&number);
+    /// Takes away what has this number.
+    pub fn remove(&mut self, number: u32) -> Option<T> {
+        let removed = self.place(number).and_then(|place| self.row[place].1.take());
+        self.gone += usize::from(removed.is_some());
+        let removed = removed.or_else(|| self.apart.remove(&number));
         // To keep few of those that are gone bounds the time that it takes to pass over them.
         if 2 * self.gone > self.row.len() || self.row.last().is_some_and(|(_, value)| value.is_none()) {
             self.forget();
         }
+        removed
     }
 
     pub fn clear(&mut self) {
@@ -141,10 +140,7 @@ mod tests {
         for step in 0..20_000 {
             let number = if step % 3 == 0 { step } else { next(1 + step) };
             match next(4) {
-                0 => {
-                    sets.remove(number);
-                    map.remove(&number);
-                }
+                0 => assert_eq!(sets.remove(number), map.remove(&number)),
                 1 => assert_eq!(sets.insert(number, step), map.insert(number, step)),
                 2 => {
                     *sets.get_or_insert_with(number, || step) += 1;
