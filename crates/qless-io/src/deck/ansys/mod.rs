@@ -39,5 +39,5 @@ mod unread;
 mod write;
 
 pub(super) use model::read;
-pub(super) use positions::positions;
+pub(super) use positions::{node_sets, positions};
 pub(super) use write::write;

@@ -1,4 +1,4 @@
-//! Where nodes are, for pictures.
+//! Where nodes are, for pictures, and which sets they form.
 
 use std::collections::HashMap;
 
@@ -12,6 +12,14 @@ use crate::number;
 pub fn positions(deck: &Deck) -> HashMap<u32, [f64; 3]> {
     let reader = deck.again(|sources| Reader::with_positions(sources.path(0), &sources.text(0)));
     reader.ok().and_then(|reader| reader.nodes.positions.kept).unwrap_or_default()
+}
+
+/// The nodes of the components that `CMBLOCK` defines, by name.
+pub fn node_sets(deck: &Deck) -> HashMap<String, Vec<u32>> {
+    let reader = deck.again(|sources| Reader::with_positions(sources.path(0), &sources.text(0)));
+    let groups = reader.map(|reader| reader.nodes.groups).unwrap_or_default();
+    let nodes = |ranges: Vec<(u32, u32)>| ranges.into_iter().flat_map(|(first, last)| first..=last).collect();
+    groups.into_iter().map(|(name, ranges)| (name, nodes(ranges))).collect()
 }
 
 /// Positions as they are read.
