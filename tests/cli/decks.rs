@@ -56,7 +56,11 @@ fn the_worst_step_is_shown_and_the_others_are_named() {
     place.file("steps.inp", steps);
     let run = place.run("check -q steps.inp");
     assert_eq!(run.code, 1);
-    assert!(run.out.contains("Load cases: 2, shown is step 2.\n  step 2: rank 0, 0 redundant, 1 conflicting\n"), "{}", run.out);
+    assert!(
+        run.out.contains("Load cases: 2, shown is step 2.\n  step 2: rank 0, 0 redundant, 1 conflicting\n"),
+        "{}",
+        run.out
+    );
     assert!(run.out.contains("\n  step 1: rank 1, 0 redundant, 0 conflicting\n"), "{}", run.out);
 }
 

@@ -9,7 +9,8 @@ use flate2::write::GzEncoder;
 use super::harness::{HEADER, Place};
 
 const CALCULIX: &str = "** a deck\n*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n*EQUATION\n2\n1,1,1.,2,1,-1.\n2\n2,1,2.,1,1,-2.\n";
-const NASTRAN: &str = "SOL 101\nCEND\nMPC = 1\nBEGIN BULK\nGRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nMPC,1,1,1,1.,2,1,-1.\nENDDATA\n";
+const NASTRAN: &str =
+    "SOL 101\nCEND\nMPC = 1\nBEGIN BULK\nGRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nMPC,1,1,1,1.,2,1,-1.\nENDDATA\n";
 const ANSYS: &str = "/PREP7\nN,1,0,0,0\nN,2,1,0,0\nCE,1,0,1,UX,1,2,UX,-1\n";
 
 fn packed(bytes: &[u8]) -> Vec<u8> {
@@ -26,7 +27,8 @@ fn utf16(text: &str, mark: [u8; 2], unit: fn(u16) -> [u8; 2]) -> Vec<u8> {
 fn the_first_cards_decide_and_not_the_ending() {
     let place = Place::new();
     let matrix = format!("{HEADER}1 2 2\n1 1 1\n1 2 -1\n");
-    for (text, solver) in [(CALCULIX, Some("ccx")), (NASTRAN, Some("nastran")), (ANSYS, Some("ansys")), (&matrix, None)] {
+    for (text, solver) in [(CALCULIX, Some("ccx")), (NASTRAN, Some("nastran")), (ANSYS, Some("ansys")), (&matrix, None)]
+    {
         for name in ["a.inp", "a.dat", "a.bdf", "a.cdb", "a.mtx", "a.txt", "a"] {
             place.file(name, text);
             let run = place.run(&format!("check -q {name} --format json"));
@@ -56,7 +58,11 @@ fn encodings_and_standard_input_make_no_difference() {
         for run in [place.run("check -q deck.inp"), place.run_fed("check -q -", text)] {
             assert_eq!(run.code, 0, "{k}: {}", run.err);
             // Positions are those that an editor shows.
-            assert!(run.out.contains("\"line 8 *EQUATION 2:1\" = -2 * row 1 \"line 6 *EQUATION 1:1\""), "{k}: {}", run.out);
+            assert!(
+                run.out.contains("\"line 8 *EQUATION 2:1\" = -2 * row 1 \"line 6 *EQUATION 1:1\""),
+                "{k}: {}",
+                run.out
+            );
         }
     }
     let matrix = format!("{HEADER}2 2 2\n1 1 1\n2 1 2\n");
@@ -150,7 +156,11 @@ fn a_solver_reads_its_own_format() {
             } else {
                 assert_eq!(run.code, 2, "{deck} {solver}");
                 let names = solvers.join(" or ");
-                assert!(run.err.contains(&format!("{solver} does not read it")) && run.err.contains(&names), "{}", run.err);
+                assert!(
+                    run.err.contains(&format!("{solver} does not read it")) && run.err.contains(&names),
+                    "{}",
+                    run.err
+                );
             }
         }
     }
@@ -175,7 +185,11 @@ fn a_deck_without_equations_is_no_mistake() {
     place.case("case", [0, 1], &[], &[], &[]);
     let run = place.run("check -q plain.inp");
     assert_eq!(run.code, 0);
-    assert!(run.out.starts_with("The deck has no equations between DOFs, so there is nothing to find.\n"), "{}", run.out);
+    assert!(
+        run.out.starts_with("The deck has no equations between DOFs, so there is nothing to find.\n"),
+        "{}",
+        run.out
+    );
     assert!(run.out.ends_with("Next: nothing to mend.\n") && !run.out.contains("exported"), "{}", run.out);
     assert!(place.run("check -q case").out.contains("check that the equations were exported"));
 }

@@ -54,10 +54,17 @@ fn every_report_lists_it() {
     ] {
         assert!(text.contains(part), "{part}\n{text}");
     }
-    assert!(place.run("check -q alone.inp").out.starts_with("INCOMPLETE: 1 thing that constrains was left out. No equation was read."));
+    assert!(
+        place
+            .run("check -q alone.inp")
+            .out
+            .starts_with("INCOMPLETE: 1 thing that constrains was left out. No equation was read.")
+    );
     let page = place.run("check -q rest.inp --format html").out;
     assert!(page.contains("\"incomplete\":[\"rest.inp:") && page.contains("INCOMPLETE: 1 thing"));
-    assert!(place.run("check --help").out.contains("4  incomplete") || place.run("--help").out.contains("4  incomplete"));
+    assert!(
+        place.run("check --help").out.contains("4  incomplete") || place.run("--help").out.contains("4  incomplete")
+    );
 }
 
 #[test]

@@ -24,7 +24,9 @@ fn every_load_case_has_an_entry() {
     let run = place.run("check -q steps.inp --format json");
     let report = run.json();
     assert_eq!((run.code, &report["schema"], &report["status"]), (1, &json!("qless.report/2"), &json!("conflicting")));
-    let of = |key: &str| -> Vec<Value> { report["cases"].as_array().expect("a list").iter().map(|case| case[key].clone()).collect() };
+    let of = |key: &str| -> Vec<Value> {
+        report["cases"].as_array().expect("a list").iter().map(|case| case[key].clone()).collect()
+    };
     assert_eq!(of("name"), [json!("step 1"), json!("step 2"), json!("step 3")]);
     assert_eq!(of("status"), [json!("independent"), json!("independent"), json!("conflicting")]);
     assert_eq!(of("rank"), [json!(1), json!(1), json!(0)]);
@@ -49,7 +51,10 @@ fn every_load_case_has_an_entry() {
     // What is independent in one load case and redundant in another is both.
     place.file("two.inp", steps(&[REDUNDANT, CONFLICT]));
     let report = place.run("check -q two.inp --format json").json();
-    assert_eq!((&report["cases"][0]["status"], &report["cases"][1]["status"]), (&json!("redundant"), &json!("conflicting")));
+    assert_eq!(
+        (&report["cases"][0]["status"], &report["cases"][1]["status"]),
+        (&json!("redundant"), &json!("conflicting"))
+    );
 }
 
 #[test]
@@ -96,13 +101,21 @@ fn a_full_report_keeps_to_its_lines() {
     let tie = |k: u32| format!("*EQUATION\n2\n{k},1,1.,{},1,-1.\n2\n{k},1,2.,{},1,-2.\n", k + 1, k + 1);
     let nodes: String = (1..40).map(|k| format!("{k},{k}.,0.,0.\n")).collect();
     let ties: String = (1..30).map(tie).collect();
-    let step = |k: u32| format!("*STEP\n*STATIC\n*BOUNDARY\n1,1,1,{k}.\n{},1,1,2.\n*CLOAD\n3,1,1.\n4,1,1.\n*END STEP\n", k + 1);
+    let step = |k: u32| {
+        format!("*STEP\n*STATIC\n*BOUNDARY\n1,1,1,{k}.\n{},1,1,2.\n*CLOAD\n3,1,1.\n4,1,1.\n*END STEP\n", k + 1)
+    };
     let unread = "*MPC\nNOVELTY,1,2\n".repeat(9);
     let all: String = (1..12).map(step).collect();
     place.file("full.inp", format!("*NODE\n{nodes}{ties}{unread}{all}"));
     let out = place.run("check -q full.inp").out;
     assert!(out.lines().count() <= 24, "{}\n{out}", out.lines().count());
-    for part in ["INCOMPLETE: 9 things that constrain were left out.", "Load cases: 11", "ccx refuses", "Redundant:", "Conflicting:"] {
+    for part in [
+        "INCOMPLETE: 9 things that constrain were left out.",
+        "Load cases: 11",
+        "ccx refuses",
+        "Redundant:",
+        "Conflicting:",
+    ] {
         assert!(out.contains(part), "{part}\n{out}");
     }
 }

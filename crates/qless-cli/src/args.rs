@@ -9,9 +9,9 @@ use qless_io::case_files;
 use qless_io::deck::Solver;
 use qless_io::write::Inputs;
 
+use crate::deck_input::Choice;
 use crate::failure::say;
 use crate::memory;
-use crate::deck_input::Choice;
 use crate::scenes::SceneArgs;
 use crate::version;
 use crate::wishes::{Wishes, Words, words};

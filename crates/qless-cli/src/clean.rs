@@ -67,7 +67,5 @@ fn check_format(input: &Path, language: Language, output: &Path) -> Result<(), F
 
 fn no_deck(input: &Path) -> Failure {
     let input = input.display();
-    Failure::Input(format!(
-        "{input}: only decks can be cleaned; for a matrix use `qless reduce`"
-    ))
+    Failure::Input(format!("{input}: only decks can be cleaned; for a matrix use `qless reduce`"))
 }

@@ -4,9 +4,7 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use qless::exact::{self, ExactRank, Reading, Settings};
-use qless::{
-    Analysis, ArgumentError, ConstraintSystem, Form, Kind, Meant, Options, Reduction, Report, analyse,
-};
+use qless::{Analysis, ArgumentError, ConstraintSystem, Form, Kind, Meant, Options, Reduction, Report, analyse};
 use qless_io::deck::{self, LoadCase};
 use qless_io::write::Inputs;
 use qless_io::{Content, Opened, read_case};

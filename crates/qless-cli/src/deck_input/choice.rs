@@ -46,7 +46,11 @@ impl Choice {
         match text {
             None => standard,
             Some(text) if text.trim().eq_ignore_ascii_case("all") => {
-                if standard == Self::Any { Self::Any } else { Self::All }
+                if standard == Self::Any {
+                    Self::Any
+                } else {
+                    Self::All
+                }
             }
             Some(text) => Self::Named(text.trim().to_owned()),
         }

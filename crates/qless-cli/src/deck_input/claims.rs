@@ -34,7 +34,9 @@ impl Claims {
             match deck.solver().outcome(&fault, model) {
                 Outcome::Refused => claims.refused.push(words),
                 Outcome::Accepted => claims.accepted.push(words),
-                Outcome::IgnoresFirst => claims.ignored.push(Ignored { dropped: place(&fault, model, true), claims: words }),
+                Outcome::IgnoresFirst => {
+                    claims.ignored.push(Ignored { dropped: place(&fault, model, true), claims: words })
+                }
                 Outcome::IgnoresSecond => {
                     claims.ignored.push(Ignored { dropped: place(&fault, model, false), claims: words });
                 }

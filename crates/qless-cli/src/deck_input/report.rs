@@ -64,7 +64,8 @@ impl DeckInput {
     fn case_report(&self, k: usize) -> CaseReport<'_> {
         let case = &self.cases[k];
         let found = &self.found[case.found];
-        let first = self.cases.iter().find(|other| other.found == case.found).filter(|first| first.number != case.number);
+        let first =
+            self.cases.iter().find(|other| other.found == case.found).filter(|first| first.number != case.number);
         CaseReport {
             name: self.name(case.number),
             status: found.status,

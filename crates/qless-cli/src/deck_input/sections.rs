@@ -40,7 +40,8 @@ impl DeckInput {
 
     /// `step 1 and 4 alike: rank 12, 0 redundant, 0 conflicting; 2 refused`.
     fn row(&self, k: usize) -> String {
-        let alike: Vec<&str> = self.cases.iter().filter(|case| case.found == k).map(|case| self.name(case.number)).collect();
+        let alike: Vec<&str> =
+            self.cases.iter().filter(|case| case.found == k).map(|case| self.name(case.number)).collect();
         let names = match alike[..] {
             [] => String::new(),
             [one] => one.to_owned(),

@@ -67,7 +67,9 @@ fn check(args: &CheckArgs, is_first: bool) -> Result<(), Failure> {
         ));
     }
     if model.solver.is_some() || args.case.is_some() {
-        return Err(Failure::Input("--solver and --case go with a deck, which one process reads: leave out mpirun".to_owned()));
+        return Err(Failure::Input(
+            "--solver and --case go with a deck, which one process reads: leave out mpirun".to_owned(),
+        ));
     }
     if model.input.as_os_str() == "-" || Language::of(&model.input).is_some() && !model.input.is_dir() {
         return Err(Failure::Input(format!(
@@ -115,7 +117,9 @@ fn of_analysis(error: Error, input: &Path) -> Failure {
 fn numbers(words: Option<&Words>) -> Result<Vec<usize>, Failure> {
     let number = |word: &Word| match word {
         Word::Numbers(range) => Ok(range.clone()),
-        Word::Name(name) => Err(Failure::Input(format!("--keep: `{name}`: several ranks know rows by their numbers only"))),
+        Word::Name(name) => {
+            Err(Failure::Input(format!("--keep: `{name}`: several ranks know rows by their numbers only")))
+        }
     };
     let ranges: Vec<_> = words.map_or(&[][..], |words| &words.0).iter().map(number).collect::<Result<_, _>>()?;
     Ok(ranges.into_iter().flatten().collect())

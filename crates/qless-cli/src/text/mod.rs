@@ -97,7 +97,8 @@ pub fn whole(told: &Told, report: &Report, outcome: &Outcome, sections: &[Sectio
 fn dependent(told: &Told, report: &Report, most: usize) -> Vec<String> {
     let both = report.counts.conflicting > 0 && report.counts.redundant > 0;
     let (conflicting, redundant) = if both { (7, 4) } else { (10, 9) };
-    let mut lines = dependent::section(told, Kind::Conflicting, conflicting.min(if both { most / 2 } else { most }).max(3));
+    let mut lines =
+        dependent::section(told, Kind::Conflicting, conflicting.min(if both { most / 2 } else { most }).max(3));
     lines.extend(dependent::section(told, Kind::Redundant, redundant.min(most.saturating_sub(lines.len())).max(3)));
     lines
 }

@@ -42,7 +42,10 @@ impl Wishes<'_> {
         system: &ConstraintSystem,
         deck: Option<(&Deck, &LoadCase)>,
     ) -> Result<Options, Failure> {
-        let names = Names { system, deck };
+        if self.is_empty() {
+            return Ok(options.clone());
+        }
+        let names = Names::new(system, deck);
         let list = |option, words: Option<&Words>, wanted| match words {
             None => Ok(Vec::new()),
             Some(words) => names.all(option, words, wanted).map_err(|error| Failure::Input(error.to_string())),

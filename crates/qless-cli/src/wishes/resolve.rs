@@ -1,6 +1,7 @@
 //! From words to rows and columns.
 
-use std::collections::HashSet;
+use std::cell::OnceCell;
+use std::collections::{HashMap, HashSet};
 
 use qless::ConstraintSystem;
 use qless_io::deck::{Deck, Dof, LoadCase, Model, Origin};
@@ -11,9 +12,14 @@ use crate::text::name::label;
 
 /// What a system, and the deck that it is of, have names for.
 pub struct Names<'a> {
-    pub system: &'a ConstraintSystem,
-    pub deck: Option<(&'a Deck, &'a LoadCase)>,
+    system: &'a ConstraintSystem,
+    deck: Option<(&'a Deck, &'a LoadCase)>,
+    /// Rows and columns by their labels in small letters, where somebody asks for them.
+    rows: OnceCell<Labels>,
+    columns: OnceCell<Labels>,
 }
+
+type Labels = HashMap<String, Vec<usize>>;
 
 /// What a list is of.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -35,14 +41,22 @@ pub enum WordError {
 }
 
 fn unknown(is_deck: bool) -> &'static str {
-    if is_deck { "no label, node set or node:component of the equations, nor a line such as `line 41`" } else { "no label" }
+    if is_deck {
+        "no label, node set or node:component of the equations, nor a line such as `line 41`"
+    } else {
+        "no label"
+    }
 }
 
 fn did_you_mean(nearest: Option<&str>) -> String {
     nearest.map_or(String::new(), |name| format!("; did you mean `{}`?", label(name)))
 }
 
-impl Names<'_> {
+impl<'a> Names<'a> {
+    pub fn new(system: &'a ConstraintSystem, deck: Option<(&'a Deck, &'a LoadCase)>) -> Self {
+        Self { system, deck, rows: OnceCell::new(), columns: OnceCell::new() }
+    }
+
     /// Rows or columns from 0.
     pub fn all(&self, option: &'static str, words: &Words, wanted: Wanted) -> Result<Vec<usize>, WordError> {
         let mut all = Vec::new();
@@ -56,9 +70,12 @@ impl Names<'_> {
     }
 
     fn named(&self, option: &'static str, word: &str, wanted: Wanted) -> Result<Vec<usize>, WordError> {
-        let found = self.labelled(word, wanted);
-        if !found.is_empty() {
-            return Ok(found);
+        let column = |(deck, _): (&Deck, _)| deck.model().column(dof(word)?);
+        if let Some(column) = self.deck.and_then(column).filter(|_| wanted == Wanted::Dofs) {
+            return Ok(vec![column as usize]);
+        }
+        if let Some(found) = self.labelled(word, wanted) {
+            return Ok(found.clone());
         }
         let unknown = || {
             let nearest = nearest(word, self.labels(wanted).chain(self.sets()));
@@ -66,18 +83,18 @@ impl Names<'_> {
         };
         let Some((deck, case)) = self.deck else { return Err(unknown()) };
         if let Some(line) = Line::of(word) {
-            return self.at(deck.model(), case, &line, wanted).map_err(|nearest| {
-                WordError::Line { option, word: word.to_owned(), nearest }
-            });
+            let nowhere = |nearest| WordError::Line { option, word: word.to_owned(), nearest };
+            return self.at(deck.model(), case, &line, wanted).map_err(nowhere);
         }
-        let is_meant: Box<dyn Fn(Dof) -> bool> = if let Some(dof) = dof(word) {
-            Box::new(move |other| other == dof)
-        } else {
-            let nodes: HashSet<u32> = deck.node_set(word).ok_or_else(unknown)?.into_iter().collect();
-            return Ok(self.of(deck.model(), case, &|dof| nodes.contains(&dof.node), wanted));
-        };
-        let found = self.of(deck.model(), case, &is_meant, wanted);
-        if found.is_empty() && !deck.model().dofs().iter().any(|&dof| is_meant(dof)) { Err(unknown()) } else { Ok(found) }
+        match dof(word) {
+            // A DOF that no equation begins with, but some hold, is known.
+            Some(dof) if deck.model().column(dof).is_none() => Err(unknown()),
+            Some(dof) => Ok(of(deck.model(), case, &|other| other == dof, wanted)),
+            None => {
+                let nodes: HashSet<u32> = deck.node_set(word).ok_or_else(unknown)?.into_iter().collect();
+                Ok(of(deck.model(), case, &|dof| nodes.contains(&dof.node), wanted))
+            }
+        }
     }
 
     fn labels(&self, wanted: Wanted) -> Box<dyn Iterator<Item = String> + '_> {
@@ -91,20 +108,16 @@ impl Names<'_> {
         self.deck.into_iter().flat_map(|(deck, _)| deck.node_set_names())
     }
 
-    fn labelled(&self, word: &str, wanted: Wanted) -> Vec<usize> {
-        let same = |(_, label): &(usize, String)| label.eq_ignore_ascii_case(word);
-        (0..).zip(self.labels(wanted)).filter(same).map(|(k, _)| k).collect()
-    }
-
-    /// Equations that begin with such a DOF, or the columns of such DOFs.
-    fn of(&self, model: &Model, case: &LoadCase, is_meant: &dyn Fn(Dof) -> bool, wanted: Wanted) -> Vec<usize> {
-        match wanted {
-            Wanted::Dofs => (0..).zip(model.dofs()).filter(|(_, dof)| is_meant(**dof)).map(|(j, _)| j).collect(),
-            Wanted::Equations => rows(model, case)
-                .filter(|(_, _, columns)| columns.first().is_some_and(|&j| is_meant(model.dofs()[j as usize])))
-                .map(|(row, ..)| row)
-                .collect(),
-        }
+    fn labelled(&self, word: &str, wanted: Wanted) -> Option<&Vec<usize>> {
+        let index = if wanted == Wanted::Equations { &self.rows } else { &self.columns };
+        let labels = index.get_or_init(|| {
+            let mut labels = Labels::new();
+            for (k, label) in self.labels(wanted).enumerate() {
+                labels.entry(label.to_lowercase()).or_default().push(k);
+            }
+            labels
+        });
+        labels.get(&word.to_lowercase())
     }
 
     /// What stands at a line; the error has the nearest line of a constraint.
@@ -123,8 +136,20 @@ impl Names<'_> {
             }
         };
         // Equations that are not in force in this load case are known all the same.
-        let is_known = !found.is_empty() || (0..model.equations()).filter_map(|i| model.equation(i)).any(|e| at(e.origin));
+        let is_known =
+            !found.is_empty() || (0..model.equations()).filter_map(|i| model.equation(i)).any(|e| at(e.origin));
         if is_known { Ok(found) } else { Err(nearest_line(model, line)) }
+    }
+}
+
+/// Equations that begin with such a DOF, or the columns of such DOFs.
+fn of(model: &Model, case: &LoadCase, is_meant: &dyn Fn(Dof) -> bool, wanted: Wanted) -> Vec<usize> {
+    match wanted {
+        Wanted::Dofs => (0..).zip(model.dofs()).filter(|(_, dof)| is_meant(**dof)).map(|(j, _)| j).collect(),
+        Wanted::Equations => rows(model, case)
+            .filter(|(_, _, columns)| columns.first().is_some_and(|&j| is_meant(model.dofs()[j as usize])))
+            .map(|(row, ..)| row)
+            .collect(),
     }
 }
 
@@ -175,7 +200,8 @@ impl Line {
             None => card.file == 0,
             Some(file) => {
                 let path = &model.files()[card.file as usize];
-                path.file_name().is_some_and(|name| name.to_string_lossy() == file.as_str()) || path.display().to_string() == *file
+                path.file_name().is_some_and(|name| name.to_string_lossy() == file.as_str())
+                    || path.display().to_string() == *file
             }
         }
     }

@@ -59,7 +59,9 @@ fn word(part: &str) -> Result<Word, String> {
         (Some(0), _) | (_, Some(0)) => Err(format!("`{part}` is no number from 1")),
         (Some(first), Some(last)) if last < first => Err(format!("`{part}` runs backwards; write {last}-{first}")),
         (Some(first), Some(last)) => Ok(Word::Numbers(first - 1..last)),
-        _ if part.is_empty() => Err("`` is no word of a list; write one such as 3,7,10-20 or 5:3,line 41,TOP".to_owned()),
+        _ if part.is_empty() => {
+            Err("`` is no word of a list; write one such as 3,7,10-20 or 5:3,line 41,TOP".to_owned())
+        }
         _ => Ok(Word::Name(part.to_owned())),
     }
 }
@@ -78,8 +80,7 @@ mod tests {
         let numbers = |range| Word::Numbers(range);
         assert_eq!(words("3, 7,10-12").expect("a list").0, [numbers(2..3), numbers(6..7), numbers(9..12)]);
         let list = words("5-5,5:3, line 41 ,TOP-SIDE,\"tie A, x\",\"7\"").expect("a list").0;
-        let expected =
-            [numbers(4..5), name("5:3"), name("line 41"), name("TOP-SIDE"), name("tie A, x"), name("7")];
+        let expected = [numbers(4..5), name("5:3"), name("line 41"), name("TOP-SIDE"), name("tie A, x"), name("7")];
         assert_eq!(list, expected);
     }
 

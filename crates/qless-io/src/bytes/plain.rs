@@ -168,7 +168,7 @@ mod tests {
         let line = [&[b'x'; 1023][..], b"\n"].concat();
         let error = text(packed(&line.repeat(SMALL / 1024 + 1))).expect_err("too much");
         assert!(super::super::is_too_much(&error), "{error}");
-        assert!(error.to_string().contains("unpacks to more than"), "{error}");
+        assert!(error.to_string().contains("unpack to more than"), "{error}");
         let error = text(packed(&vec![0; SMALL + 2])).expect_err("too much");
         assert!(super::super::is_too_much(&error) && error.to_string().contains("no line ends"), "{error}");
     }

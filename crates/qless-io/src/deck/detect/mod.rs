@@ -72,8 +72,7 @@ fn calculix(line: &[u8]) -> Evidence {
     let is_keyword = keyword.first().is_some_and(u8::is_ascii_alphabetic)
         && keyword.iter().all(|&byte| byte.is_ascii_alphanumeric() || matches!(byte, b' ' | b'-' | b'\t'));
     // `*END` alone ends a macro of APDL, `*END STEP` a step.
-    let is_lone_end = keyword.trim_ascii().eq_ignore_ascii_case(b"END");
-    match is_keyword && !is_lone_end && !words::is_in(&words::APDL_STARRED, first) {
+    match is_keyword && !words::is_in(&words::APDL_STARRED, keyword.trim_ascii()) {
         true if words::is_in(&words::CALCULIX, first) => Evidence::Certain,
         true => Evidence::Possible,
         false => Evidence::None,
@@ -125,13 +124,18 @@ fn ansys(line: &[u8]) -> Evidence {
     match mark {
         _ if !is_command => Evidence::None,
         Some(b'/') => Evidence::Certain,
-        Some(_) if words::is_in(&words::APDL_STARRED, name) => Evidence::Certain,
+        Some(_) if words::is_in(&words::APDL_STARRED, name) && is_end(tail) => Evidence::Certain,
         Some(_) => Evidence::None,
         None if words::is_in(&words::APDL, name) && tail.starts_with(b",") => Evidence::Certain,
         None if words::is_in(&words::APDL_ALONE, name) && tail.is_empty() => Evidence::Certain,
         None if tail.starts_with(b",") => Evidence::Possible,
         None => Evidence::None,
     }
+}
+
+/// Whether a command has no more words: fields follow, or a comment.
+fn is_end(tail: &[u8]) -> bool {
+    matches!(tail.trim_ascii_start().first(), None | Some(b',' | b'!'))
 }
 
 #[cfg(test)]
@@ -145,16 +149,28 @@ mod tests {
     #[test]
     fn the_first_card_decides() {
         for (format, texts) in [
-            (Format::Calculix, &["*NODE\n", "\u{feff}** a\n\n  *Heading\nSOL 101\n", "*END PART\n", "*Rigid Body, x\n"][..]),
+            (
+                Format::Calculix,
+                &["*NODE\n", "\u{feff}** a\n\n  *Heading\nSOL 101\n", "*END PART\n", "*Rigid Body, x\n"][..],
+            ),
             (
                 Format::Nastran,
                 &["SOL 101\n", "$ a\nID a,b\nCEND\n", "grid,1,,0.,0.,0.\n", "GRID*   1\n", "SPC = 4\n", "BEGIN BULK\n"],
             ),
             (
                 Format::Nastran,
-                &["TITLE = *NODE\n", "RBE2    1       2       123     3\n", "PARAM,POST,-1\n", "subcase 1\n", "ENDDATA\n"],
+                &[
+                    "TITLE = *NODE\n",
+                    "RBE2    1       2       123     3\n",
+                    "PARAM,POST,-1\n",
+                    "subcase 1\n",
+                    "ENDDATA\n",
+                ],
             ),
-            (Format::Ansys, &["/COM, *NODE\n", "! a\n/PREP7\n", "CE,1,0,1,UX,1\n", "*DIM,a,,2\n", "a=1\nD,1,UX\n", "FINISH\n"]),
+            (
+                Format::Ansys,
+                &["/COM, *NODE\n", "! a\n/PREP7\n", "CE,1,0,1,UX,1\n", "*DIM,a,,2\n", "a=1\nD,1,UX\n", "FINISH\n"],
+            ),
         ] {
             texts.iter().for_each(|text| assert_eq!(of(text), Some(format), "{text}"));
         }
