@@ -1,5 +1,6 @@
 //! What a deck constrains, whatever its format: equations on DOFs, prescribed values by load case, and where each stands.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::columns::Columns;
@@ -109,6 +110,8 @@ pub struct Model {
     pub(super) dofs: Vec<Dof>,
     pub(super) cases: Vec<LoadCase>,
     pub(super) warnings: Vec<Warning>,
+    /// Reference nodes of bodies whose rotations, components 4 to 6, the solver makes.
+    pub(super) own_rotations: BTreeSet<u32>,
     /// Names of the courses after the first.
     courses: Vec<String>,
     columns: Columns,

@@ -9,7 +9,7 @@ use super::fields::{float, number};
 use super::frames::orientation;
 use super::geometric::{Place, Row};
 use super::mesh::Surface;
-use super::rigid::{Reference, kinematic};
+use super::rigid::{Reference, kinematic, own_rotation};
 use crate::deck::kinematics::axes::BASIC_AXES;
 use crate::deck::kinematics::components::Components;
 use crate::deck::kinematics::mean::{Group, Mean};
@@ -69,7 +69,15 @@ pub fn read(card: &Card, coupling: &Coupling, model: &mut Model, definitions: &D
     let place = Place::of(card, model, if is_kinematic { "*KINEMATIC" } else { "*DISTRIBUTING" });
     let rows =
         if is_kinematic { coupling.kinematic(card, definitions) } else { coupling.distributing(card, definitions) };
-    finish(card, &place, model, rows)
+    match coupling.reference() {
+        Ok(node) if is_kinematic => {
+            place.push(model, rows)?;
+            own_rotation(&place, node, model, definitions);
+            linearised(card, &place, model);
+            Ok(())
+        }
+        _ => finish(card, &place, model, rows),
+    }
 }
 
 /// `*KINEMATIC COUPLING, REF NODE=`: `node or set, first, last` a line.
@@ -122,9 +130,13 @@ fn finish(card: &Card, place: &Place, model: &mut Model, rows: Result<Vec<Row>, 
     place.push(model, rows)?;
     // The rotations of the reference are DOFs that the solver adds.
     place.fix(model);
+    linearised(card, place, model);
+    Ok(())
+}
+
+fn linearised(card: &Card, place: &Place, model: &mut Model) {
     let name = model.cards.nth(place.origin.card).name;
     model.warn(card.file, card.line, format!("{name} is linearised at the reference configuration"));
-    Ok(())
 }
 
 fn mean(definitions: &Definitions, reference: u32, components: &[u8], groups: Vec<Group>) -> Result<Vec<Row>, Problem> {
