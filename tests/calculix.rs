@@ -7,10 +7,12 @@ mod known;
 
 mod calculix {
     pub mod behaviour;
+    pub mod claims;
     pub mod cleaning;
     pub mod cube;
     pub mod geometric;
     pub mod periodic;
     pub mod plain;
+    pub mod scene;
     pub mod solver;
 }

@@ -102,6 +102,15 @@ pub struct Warning {
     pub leaves_out: bool,
 }
 
+/// What a deck says once for all of it, where solvers go by it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Traits {
+    /// Whether some nodes have axes of their own.
+    pub(super) has_local_axes: bool,
+    /// Whether a step is geometrically nonlinear.
+    pub(super) is_nonlinear: bool,
+}
+
 /// The constraints of a deck.
 #[derive(Clone, Debug, Default)]
 pub struct Model {
@@ -112,6 +121,7 @@ pub struct Model {
     pub(super) warnings: Vec<Warning>,
     /// Reference nodes of bodies whose rotations, components 4 to 6, the solver makes.
     pub(super) own_rotations: BTreeSet<u32>,
+    pub(super) traits: Traits,
     /// Names of the courses after the first.
     courses: Vec<String>,
     columns: Columns,

@@ -174,6 +174,8 @@ impl Reader {
             self.model.cases.push(case);
         }
         self.check_nodes()?;
+        self.model.traits.has_local_axes = !self.definitions.transforms.is_empty();
+        self.model.traits.is_nonlinear = self.definitions.is_nonlinear;
         self.model.shrink();
         Ok(self.model)
     }

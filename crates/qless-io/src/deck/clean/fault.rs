@@ -18,6 +18,8 @@ pub enum Fault {
         slave: Dof,
         /// Where the value is given.
         by: Origin,
+        /// The first load case that prescribes it, from 0.
+        since: usize,
     },
     /// The slave is that of an earlier equation too.
     SlaveTwice {
@@ -58,13 +60,25 @@ impl Fault {
         }
     }
 
+    /// Its slave.
+    pub fn slave(&self) -> Dof {
+        match *self {
+            Self::SlavePrescribed { slave, .. }
+            | Self::SlaveTwice { slave, .. }
+            | Self::SlaveVanishes { slave, .. }
+            | Self::Circle { slave, .. } => slave,
+        }
+    }
+
     /// In the deck's language: `1:3 is the slave of line 25 *EQUATION, and prescribed in line 19 *BOUNDARY`.
     pub fn describe(&self, model: &Model) -> String {
         let place =
             |i: usize| model.equation(i).map_or_else(|| format!("equation {}", i + 1), |e| model.place(e.origin));
         match *self {
-            Self::SlavePrescribed { equation, slave, by } => {
-                format!("{slave} is the slave of {}, and prescribed in {}", place(equation), model.place(by))
+            Self::SlavePrescribed { equation, slave, by, since } => {
+                let from = model.cases.get(since).filter(|_| since > 0).map(|case| format!(" from {} on", case.name));
+                let (equation, by, from) = (place(equation), model.place(by), from.unwrap_or_default());
+                format!("{slave} is the slave of {equation}, and prescribed in {by}{from}")
             }
             Self::SlaveTwice { equation, slave, first } => {
                 format!("{slave} is the slave of {}, and of {}", place(first), place(equation))
@@ -133,7 +147,7 @@ pub(super) fn faults_of(model: &Model, prescribed: &FxHashMap<u32, Origin>, left
             faults.push(Fault::SlaveVanishes { equation: i, slave });
         }
         if let Some(&by) = prescribed.get(&column) {
-            faults.push(Fault::SlavePrescribed { equation: i, slave, by });
+            faults.push(Fault::SlavePrescribed { equation: i, slave, by, since: since(model, slave) });
         }
         match slave_of.get(&column) {
             Some(&first) => faults.push(Fault::SlaveTwice { equation: i, slave, first }),
@@ -142,6 +156,12 @@ pub(super) fn faults_of(model: &Model, prescribed: &FxHashMap<u32, Origin>, left
     }
     faults.extend(circles(model, &slave_of));
     faults
+}
+
+/// The first load case that prescribes a DOF which some case prescribes.
+pub(super) fn since(model: &Model, dof: Dof) -> usize {
+    let prescribes = |case: &LoadCase| case.prescribed.binary_search_by_key(&dof, |given| given.dof).is_ok();
+    model.cases.iter().position(prescribes).unwrap_or(0)
 }
 
 /// Translations and rotations have coefficients in different units, of which neither is large or small beside the other.
