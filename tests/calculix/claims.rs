@@ -51,8 +51,7 @@ fn judge(name: &str, scene: Scene) -> (usize, bool) {
     let (text, claims) = scene.write();
     let deck = parse(text.as_bytes());
     let said = findings(&deck);
-    let words: Vec<String> =
-        said.iter().flatten().map(|finding| finding.describe(deck.model(), Solver::Ccx)).collect();
+    let words: Vec<String> = said.iter().flatten().map(|finding| finding.describe(deck.model(), Solver::Ccx)).collect();
     let found = run(&text);
     let is_refused = said.iter().flatten().any(|finding| finding.outcome == Outcome::Refused);
     let show = || format!("{name}: {words:#?}\n{text}");

@@ -1,7 +1,7 @@
 //! What a solver does where two cards claim one DOF.
 
-use qless_io::deck::clean::{Fault, faults_in};
-use qless_io::deck::{Deck, LoadCase, Model, Outcome};
+use qless_io::deck::clean::{Fault, Finding, findings};
+use qless_io::deck::{Deck, LoadCase, Model, Outcome, Prescribed};
 use serde::Serialize;
 
 /// Pairs of cards, in words, by what becomes of them.
@@ -11,6 +11,8 @@ pub struct Claims {
     pub refused: Vec<String>,
     /// The solver drops one of the two without a word.
     pub ignored: Vec<Ignored>,
+    /// The solver may go on, with results that are not to be relied on.
+    pub unsound: Vec<String>,
     /// Both hold.
     pub accepted: Vec<String>,
 }
@@ -18,8 +20,8 @@ pub struct Claims {
 /// A claim that is dropped without a word.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Ignored {
-    /// The card that has no effect on the DOF, where it is one.
-    pub dropped: Option<String>,
+    /// The card that has no effect on the DOF.
+    pub dropped: String,
     /// The two claims.
     pub claims: String,
 }
@@ -27,34 +29,41 @@ pub struct Ignored {
 impl Claims {
     /// Those of a load case.
     pub fn of(deck: &Deck, case: &LoadCase) -> Self {
-        let model = deck.model();
+        let (model, solver) = (deck.model(), deck.solver());
         let mut claims = Self::default();
-        for fault in faults_in(model, case) {
-            let words = fault.describe(model);
-            match deck.solver().outcome(&fault, model) {
-                Outcome::Refused => claims.refused.push(words),
-                Outcome::Accepted => claims.accepted.push(words),
-                Outcome::IgnoresFirst => {
-                    claims.ignored.push(Ignored { dropped: place(&fault, model, true), claims: words })
-                }
-                Outcome::IgnoresSecond => {
-                    claims.ignored.push(Ignored { dropped: place(&fault, model, false), claims: words });
-                }
-            }
+        for finding in findings(model, case, solver) {
+            claims.add(finding.outcome, finding.fault.describe(model), |_| dropped(&finding, model));
+        }
+        for (first, second) in values(case) {
+            let place = |given: &Prescribed| model.place(given.origin);
+            let words = format!("{} is prescribed in {}, and otherwise in {}", first.dof, place(first), place(second));
+            claims.add(solver.prescribed_twice(), words, |is_first| place(if is_first { first } else { second }));
         }
         claims
+    }
+
+    fn add(&mut self, outcome: Outcome, claims: String, dropped: impl Fn(bool) -> String) {
+        match outcome {
+            Outcome::Refused => self.refused.push(claims),
+            Outcome::Accepted => self.accepted.push(claims),
+            Outcome::Unsound => self.unsound.push(claims),
+            Outcome::IgnoresFirst => self.ignored.push(Ignored { dropped: dropped(true), claims }),
+            Outcome::IgnoresSecond => self.ignored.push(Ignored { dropped: dropped(false), claims }),
+        }
     }
 
     /// Adds those of another load case that are not in it yet.
     pub fn unite(&mut self, other: &Self) {
         add(&mut self.refused, &other.refused);
         add(&mut self.ignored, &other.ignored);
+        add(&mut self.unsound, &other.unsound);
         add(&mut self.accepted, &other.accepted);
     }
 
     /// `2 refused, 1 dropped`, of what is not accepted.
     pub fn summary(&self) -> Option<String> {
-        let counts = [(self.refused.len(), "refused"), (self.ignored.len(), "dropped")];
+        let counts =
+            [(self.refused.len(), "refused"), (self.ignored.len(), "dropped"), (self.unsound.len(), "unsound")];
         let some = counts.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}"));
         Some(some.collect::<Vec<_>>().join(", ")).filter(|text| !text.is_empty())
     }
@@ -63,10 +72,7 @@ impl Claims {
 impl Ignored {
     /// `line 19 *BOUNDARY: 1:3 is the slave of ...`.
     pub fn words(&self) -> String {
-        match &self.dropped {
-            Some(dropped) => format!("{dropped}: {}", self.claims),
-            None => self.claims.clone(),
-        }
+        format!("{}: {}", self.dropped, self.claims)
     }
 }
 
@@ -80,14 +86,20 @@ fn add<T: Clone + PartialEq>(all: &mut Vec<T>, more: &[T]) {
     }
 }
 
-/// The first or the second of the two cards, in the order in which a fault names them.
-fn place(fault: &Fault, model: &Model, first: bool) -> Option<String> {
-    let of_equation = |i: usize| model.equation(i).map(|equation| model.place(equation.origin));
-    match *fault {
-        Fault::SlavePrescribed { equation, .. } if first => of_equation(equation),
-        Fault::SlavePrescribed { by, .. } => Some(model.place(by)),
-        Fault::SlaveTwice { first: earlier, .. } if first => of_equation(earlier),
-        Fault::SlaveTwice { equation, .. } => of_equation(equation),
-        _ => None,
+/// The card that a solver drops for a fault.
+fn dropped(finding: &Finding, model: &Model) -> String {
+    let equation = |i: usize| model.equation(i).map_or_else(String::new, |equation| model.place(equation.origin));
+    match (finding.dropped(), finding.fault) {
+        (Some(i), _) => equation(i),
+        (None, Fault::SlavePrescribed { by, .. }) => model.place(by),
+        (None, fault) => equation(fault.equation()),
     }
+}
+
+/// Values of one DOF that contradict each other.
+fn values(case: &LoadCase) -> impl Iterator<Item = (&Prescribed, &Prescribed)> {
+    case.clashes.iter().filter_map(|second| {
+        let first = case.prescribed.binary_search_by_key(&second.dof, |given| given.dof).ok()?;
+        Some((&case.prescribed[first], second))
+    })
 }

@@ -45,6 +45,7 @@ struct OfCase {
     other_load_cases: Vec<String>,
     solver_refuses: Vec<String>,
     solver_ignores: Vec<String>,
+    solver_unsound: Vec<String>,
     loads_without_effect: Vec<String>,
     warnings: Vec<String>,
 }
@@ -91,6 +92,7 @@ impl DeckInput {
             other_load_cases: others.map(other).collect(),
             solver_refuses: shown.solver.refused.clone(),
             solver_ignores: shown.solver.ignored.iter().map(super::claims::Ignored::words).collect(),
+            solver_unsound: shown.solver.unsound.clone(),
             loads_without_effect: self.swallowed(analysis),
             warnings: self.deck.model().warnings().iter().map(|warning| self.place(warning)).collect(),
         }

@@ -17,6 +17,10 @@ impl DeckInput {
             self.table(),
             Section::new(format!("{solver} refuses, as they stand:"), shown.solver.refused.clone()),
             Section::new(format!("{solver} silently drops, as they stand:"), ignored),
+            Section::new(
+                format!("{solver} may go on with these, but what it computes then is not to be relied on:"),
+                shown.solver.unsound.clone(),
+            ),
             Section::new("Loads without effect, on DOFs that the equations fix:", self.swallowed(analysis)),
         ];
         sections.into_iter().flatten().collect()

@@ -53,7 +53,7 @@ fn cleaned(output: &Path, removed: usize, written: usize) -> String {
 fn advice(told: &Told, report: &Report) -> String {
     let input = quoted(told.input);
     let claims = told.deck.map(DeckInput::claims);
-    let is_refused = claims.is_some_and(|claims| !claims.refused.is_empty());
+    let is_refused = claims.is_some_and(|claims| !claims.refused.is_empty() || !claims.unsound.is_empty());
     let is_dropped = claims.is_some_and(|claims| !claims.ignored.is_empty());
     match report.status {
         Status::Conflicting => {

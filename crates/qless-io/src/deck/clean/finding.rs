@@ -2,9 +2,9 @@
 
 use rustc_hash::FxHashMap;
 
+use super::Fault;
 use super::fault::{faults_of, since};
 use super::plan::prescribed_in;
-use super::Fault;
 use crate::deck::solver::{Profile, ccx};
 use crate::deck::{Dof, LoadCase, Model, Origin, Outcome, Solver};
 

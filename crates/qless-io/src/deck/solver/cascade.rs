@@ -25,7 +25,8 @@ pub fn keeps_slaves(model: &Model, equations: &[usize]) -> Option<bool> {
         let mut is_done = true;
         for i in 0..rows.len() {
             let master = |&(j, _): &(u32, f64)| slaves.get(&j).copied().filter(|&k| k != i);
-            let Some((at, k)) = rows[i].iter().enumerate().skip(1).find_map(|(at, term)| Some((at, master(term)?))) else {
+            let Some((at, k)) = rows[i].iter().enumerate().skip(1).find_map(|(at, term)| Some((at, master(term)?)))
+            else {
                 continue;
             };
             rows[i] = inserted(&rows[i], at, &rows[k]);

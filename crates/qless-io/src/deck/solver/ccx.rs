@@ -39,7 +39,13 @@ pub fn prescribed(kind: Kind, is_later: bool, is_looked_at: bool) -> Outcome {
 /// Whether ccx compares slaves with prescribed DOFs again in a step from `since` on that prescribes this slave: it does in every step
 /// of a deck with `*TRANSFORM`, where `*EQUATION, REMOVE` takes equations away, and in nonlinear steps where equations of which one is
 /// nonlinear hang together.
-pub fn looks_again(model: &Model, equation: usize, slave: Dof, since: usize, hangs_together: impl FnOnce() -> bool) -> bool {
+pub fn looks_again(
+    model: &Model,
+    equation: usize,
+    slave: Dof,
+    since: usize,
+    hangs_together: impl FnOnce() -> bool,
+) -> bool {
     let holds = |case: &LoadCase| {
         case.prescribed.binary_search_by_key(&slave, |given| given.dof).is_ok()
             && case.removed.binary_search(&(equation as u32)).is_err()
@@ -79,7 +85,8 @@ pub fn rotations(model: &Model) -> Vec<(Dof, usize)> {
         if Kind::of(&model.cards.nth(equation.origin.card).name) == Kind::Kinematic {
             let nodes = || equation.columns.iter().map(|&j| model.dofs[j as usize].node);
             let reference = nodes().find(|node| Some(*node) != nodes().next());
-            rotations.extend(reference.iter().flat_map(|&node| (4..=6).map(move |component| (Dof { node, component }, i))));
+            rotations
+                .extend(reference.iter().flat_map(|&node| (4..=6).map(move |component| (Dof { node, component }, i))));
         }
     }
     rotations
