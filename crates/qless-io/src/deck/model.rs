@@ -3,8 +3,6 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use qless::{ConstraintSystem, SystemBuilder, SystemError};
-
 use super::columns::Columns;
 use super::{CardName, Cards, DeckError};
 
@@ -364,43 +362,6 @@ impl Model {
     pub fn in_force(&self, case: &LoadCase) -> impl Iterator<Item = usize> + '_ {
         let removed = case.removed.clone();
         (0..self.equations()).filter(move |&i| removed.binary_search(&(i as u32)).is_err())
-    }
-
-    /// `C u = b` of a load case, labelled in the deck's language: a row for each equation in force and then one for each value
-    /// that contradicts another; a column for each DOF in them.
-    ///
-    /// # Errors
-    /// [`SystemError`] where coefficients of one DOF in one equation overflow when summed.
-    pub fn system(&self, case: &LoadCase) -> Result<ConstraintSystem, SystemError> {
-        let clashing: Vec<Dof> = case.clashes.iter().map(|clash| clash.dof).collect();
-        let mut extra: Vec<Dof> = clashing.iter().copied().filter(|&dof| self.column(dof).is_none()).collect();
-        extra.sort_unstable();
-        extra.dedup();
-        let column = |dof: Dof| match self.column(dof) {
-            Some(j) => Some(j as usize),
-            None => extra.binary_search(&dof).ok().map(|k| self.dofs.len() + k),
-        };
-        // A system has at least one DOF, so that of a deck without constraints has one that nothing holds.
-        let dofs = self.dofs.len() + extra.len();
-        let mut builder = SystemBuilder::new(dofs.max(1));
-        for i in self.in_force(case) {
-            let equation = self.nth(i);
-            let terms = equation.columns.iter().zip(equation.coefficients).filter(|(_, a)| **a != 0.0);
-            builder.labelled_equation(self.label_of(i), terms.map(|(&j, &a)| (j as usize, a)), equation.rhs);
-        }
-        for clash in &case.clashes {
-            let label = format!("{} {}", self.place(clash.origin), clash.dof);
-            builder.labelled_equation(label, [(column(clash.dof).unwrap_or_default(), 1.0)], clash.value);
-        }
-        for given in &case.prescribed {
-            if let Some(j) = column(given.dof) {
-                builder.prescribe(j, given.value);
-            }
-        }
-        if dofs > 0 {
-            builder.dof_labels(self.dofs.iter().chain(&extra).map(Dof::to_string).collect());
-        }
-        builder.build()
     }
 
     /// An error at a line of a card.

@@ -31,6 +31,6 @@ mod reader;
 mod syntax;
 mod write;
 
-pub(super) use model::positions::positions;
+pub(super) use model::positions::{node_sets, positions};
 pub(super) use model::read;
 pub(super) use write::write;

@@ -45,6 +45,11 @@ impl Solver {
     /// All of them.
     pub const ALL: [Self; 6] = [Self::Ccx, Self::Abaqus, Self::Nastran, Self::Mystran, Self::Optistruct, Self::Ansys];
 
+    /// Those that read a format.
+    pub fn that_read(format: Format) -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().filter(move |solver| solver.format() == format)
+    }
+
     /// The language that it reads.
     pub fn format(self) -> Format {
         match self {

@@ -17,6 +17,14 @@ pub fn positions(deck: &Deck) -> HashMap<u32, [f64; 3]> {
     reader.ok().and_then(|reader| reader.nodes.positions.kept).unwrap_or_default()
 }
 
+/// The nodes of the components that `CMBLOCK` defines, by name.
+pub fn node_sets(deck: &Deck) -> HashMap<String, Vec<u32>> {
+    let reader = deck.again(|sources| Reader::with_positions(sources.path(0), &sources.text(0)));
+    let groups = reader.map(|reader| reader.nodes.groups).unwrap_or_default();
+    let nodes = |ranges: Vec<(u32, u32)>| ranges.into_iter().flat_map(|(first, last)| first..=last).collect();
+    groups.into_iter().map(|(name, ranges)| (name, nodes(ranges))).collect()
+}
+
 /// The axes after turns by these angles about z, the new x and the new y.
 fn turned([z, x, y]: [f64; 3]) -> [Vector; 3] {
     let [[cz, sz], [cx, sx], [cy, sy]] = [z, x, y].map(|degrees| [cosine(degrees), sine(degrees)]);

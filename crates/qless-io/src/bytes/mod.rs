@@ -1,7 +1,10 @@
 //! The bytes of a file, as many as there is room for.
 //!
 //! What has a size, a regular file, may be as large as memory is. What has none, such as a device or a pipe, may never end, so that
-//! it is left after [`STREAM`] bytes, or after [`LINE`] bytes in which no line ends.
+//! it is left after [`STREAM`] bytes, or after [`LINE`] bytes in which no line ends. A path of `-` is standard input. Packed and
+//! encoded text comes as plain text ([`plain`]).
+
+mod plain;
 
 use std::error::Error;
 use std::fmt;
@@ -22,6 +25,7 @@ enum TooMuch {
     Stream { read: usize },
     Line { read: usize },
     Memory { size: usize },
+    Unpacked { packed: usize, most: usize },
 }
 
 impl fmt::Display for TooMuch {
@@ -34,6 +38,10 @@ impl fmt::Display for TooMuch {
             Self::Line { read } => {
                 write!(out, "no line ends within {read} bytes, and {LINE} are the most; name a file of text")
             }
+            Self::Unpacked { packed, most } => write!(
+                out,
+                "its {packed} packed bytes unpack to more than {most}, which are the most; unpack it and name that file"
+            ),
             Self::Memory { size } => {
                 write!(out, "its {size} bytes do not fit into the memory that is left; free some or split the file")
             }
@@ -56,11 +64,23 @@ pub(crate) fn is_too_much(error: &io::Error) -> bool {
     matches!(error.kind(), ErrorKind::OutOfMemory | ErrorKind::FileTooLarge)
 }
 
-/// Reads a whole file.
+/// Whether a path stands for standard input.
+pub(crate) fn is_standard_input(path: &Path) -> bool {
+    path == Path::new("-")
+}
+
+/// Reads the whole text of a file.
 pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
-    let mut file = File::open(path)?;
+    if is_standard_input(path) {
+        return plain::text(stored(io::stdin().lock(), 0)?);
+    }
+    let file = File::open(path)?;
     let kind = file.metadata()?;
-    let size = if kind.is_file() { kind.len() } else { 0 };
+    plain::text(stored(file, if kind.is_file() { kind.len() } else { 0 })?)
+}
+
+/// All bytes, of which `size` are foreseen.
+fn stored(mut file: impl Read, size: u64) -> io::Result<Vec<u8>> {
     let whole = usize::try_from(size).unwrap_or(usize::MAX);
     let mut bytes = room_for(size)?;
     let mut line = 0;
