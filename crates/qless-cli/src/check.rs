@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use qless_io::write::OneFile;
 
 use crate::args::{CheckArgs, Format};
+use crate::clean;
 use crate::diagnose::{Question, diagnose};
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -29,11 +30,13 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
         progress.stage("exact arithmetic");
         diagnosis.take_exact_rank()?;
     }
+    let obstacle = clean::obstacle(&diagnosis);
+    let outcome = Outcome::Checked(obstacle.as_deref());
     match &args.output {
-        None => diagnosis.print(None, &Outcome::Checked, progress)?,
+        None => diagnosis.print(None, &outcome, progress)?,
         Some(file) => {
             progress.stage("writing");
-            let bytes = diagnosis.render(None, &Outcome::Checked)?;
+            let bytes = diagnosis.render(None, &outcome)?;
             OneFile::at(file, diagnosis.inputs())?.write(&bytes)?;
         }
     }

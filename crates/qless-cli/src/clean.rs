@@ -9,7 +9,7 @@ use qless_io::write::{Inputs, OneFile};
 
 use crate::args::CleanArgs;
 use crate::deck_input::Choice;
-use crate::diagnose::{Question, diagnose};
+use crate::diagnose::{Diagnosis, Question, diagnose};
 use crate::failure::{Failure, say};
 use crate::progress::Progress;
 use crate::text::Outcome;
@@ -37,9 +37,20 @@ pub fn run(args: &CleanArgs) -> Result<ExitCode, Failure> {
     // It may be the deck itself, but none that it includes.
     let included = Inputs::of(deck.deck.model().files().iter().skip(1));
     OneFile::at(output, included)?.write(&text)?;
-    let outcome = Outcome::Cleaned { output, removed: redundant(&plan), written: plan.written.len() };
+    let restored = if plan.is_empty() { 0 } else { deck.dropped() };
+    let outcome = Outcome::Cleaned { output, removed: redundant(&plan), written: plan.written.len(), restored };
     diagnosis.print(None, &outcome, progress)?;
     Ok(diagnosis.code())
+}
+
+/// Why a deck that needs it would not be cleaned.
+pub fn obstacle(diagnosis: &Diagnosis) -> Option<String> {
+    let deck = diagnosis.deck.as_ref()?;
+    if diagnosis.is_refused() || diagnosis.analysis.dependent().is_empty() && !deck.needs_cleaning() {
+        return None;
+    }
+    let plan = clean::plan(&deck.deck, &diagnosis.options);
+    plan.and_then(|plan| clean::write(&deck.deck, &plan)).err().map(|error| error.to_string())
 }
 
 /// Equations that are gone for good.

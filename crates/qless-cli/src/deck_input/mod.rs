@@ -6,6 +6,8 @@ mod found;
 mod report;
 mod sections;
 
+use std::collections::BTreeSet;
+
 use qless::{Analysis, ConstraintSystem};
 use qless_io::deck::{Deck, LoadCase};
 
@@ -82,6 +84,21 @@ impl DeckInput {
     /// What the solver does where cards of the load case shown claim one DOF.
     pub fn claims(&self) -> &Claims {
         &self.shown().solver
+    }
+
+    /// Whether the solver stops, or goes wrong, over what it finds in any load case.
+    pub fn needs_cleaning(&self) -> bool {
+        self.found.iter().any(|found| !found.solver.refused.is_empty() || !found.solver.unsound.is_empty())
+    }
+
+    /// Claims that the solver drops in any load case; none where it does not run the deck at all.
+    pub fn dropped(&self) -> usize {
+        if self.found.iter().any(|found| !found.solver.refused.is_empty()) {
+            return 0;
+        }
+        let all: BTreeSet<&str> =
+            self.found.iter().flat_map(|f| &f.solver.ignored).map(|i| i.claims.as_str()).collect();
+        all.len()
     }
 
     /// What constrains and was not read, each with its place.

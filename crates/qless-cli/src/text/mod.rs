@@ -35,13 +35,14 @@ const LINES: usize = 24;
 
 /// What the command did after the diagnosis.
 pub enum Outcome<'a> {
-    /// Nothing: it was `check`.
-    Checked,
+    /// Nothing: it was `check`. Why `clean` would write nothing, if it would not.
+    Checked(Option<&'a str>),
     /// `reduce` wrote nothing because of what was found.
     Refused,
     /// `reduce` wrote its files to this folder.
     Written(&'a Path),
-    /// `clean` wrote a deck, in which so many equations were left out and so many written anew.
+    /// `clean` wrote a deck, in which so many equations were left out and so many written anew, and so many claims hold that the
+    /// solver dropped.
     Cleaned {
         /// The deck.
         output: &'a Path,
@@ -49,6 +50,8 @@ pub enum Outcome<'a> {
         removed: usize,
         /// Equations that took the place of others.
         written: usize,
+        /// Claims that the solver dropped and that now hold.
+        restored: usize,
     },
 }
 

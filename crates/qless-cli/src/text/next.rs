@@ -15,9 +15,12 @@ use crate::deck_input::DeckInput;
 pub fn lines(told: &Told, report: &Report, outcome: &Outcome) -> Vec<String> {
     match outcome {
         Outcome::Written(folder) => written(report, folder),
-        Outcome::Cleaned { output, removed, written } => vec![cleaned(output, *removed, *written)],
-        Outcome::Checked => vec![advice(told, report)],
-        Outcome::Refused => vec!["Nothing was written.".to_owned(), advice(told, report)],
+        Outcome::Cleaned { output, removed, written, restored } => {
+            let changes = (*restored > 0).then(|| changed(told, *restored));
+            std::iter::once(cleaned(output, *removed, *written)).chain(changes).collect()
+        }
+        Outcome::Checked(obstacle) => vec![advice(told, report, *obstacle)],
+        Outcome::Refused => vec!["Nothing was written.".to_owned(), advice(told, report, None)],
     }
 }
 
@@ -50,8 +53,22 @@ fn cleaned(output: &Path, removed: usize, written: usize) -> String {
     }
 }
 
-fn advice(told: &Told, report: &Report) -> String {
+/// Results of the deck as it was are those without what the solver drops.
+fn changed(told: &Told, restored: usize) -> String {
+    let solver = told.deck.map_or_else(String::new, |deck| deck.deck.solver().to_string());
+    format!(
+        "Results change: {} that {solver} dropped, as said above, now {}.",
+        count(restored, "claim"),
+        if restored == 1 { "holds" } else { "hold" }
+    )
+}
+
+fn advice(told: &Told, report: &Report, obstacle: Option<&str>) -> String {
     let input = quoted(told.input);
+    let mend = |what: &str| match obstacle {
+        None => format!("Next: `qless clean {input} -o DECK` writes a deck {what}."),
+        Some(why) => format!("Next: mend it by hand, which `qless clean` cannot do here: {}", shorten(why, 150)),
+    };
     let claims = told.deck.map(DeckInput::claims);
     let is_refused = claims.is_some_and(|claims| !claims.refused.is_empty() || !claims.unsound.is_empty());
     let is_dropped = claims.is_some_and(|claims| !claims.ignored.is_empty());
@@ -70,14 +87,12 @@ fn advice(told: &Told, report: &Report) -> String {
         _ if is_dropped && !is_refused => {
             "Next: decide which of the claims are meant: what is dropped has no effect on the result.".to_owned()
         }
-        Status::Redundant if told.deck.is_some() => {
-            format!("Next: `qless clean {input} -o DECK` writes a deck without redundant equations.")
-        }
+        Status::Redundant if told.deck.is_some() => mend("without redundant equations"),
         Status::Redundant => {
             let them = if report.counts.redundant == 1 { "it" } else { "them" };
             format!("Next: remove {them}, or run `qless reduce {input} -o DIR`, which leaves {them} out.")
         }
-        _ if is_refused => format!("Next: `qless clean {input} -o DECK` writes a deck that the solver takes."),
+        _ if is_refused => mend("that the solver takes"),
         _ => format!("Next: nothing to mend. `qless reduce {input} -o DIR` writes the reduced form."),
     }
 }

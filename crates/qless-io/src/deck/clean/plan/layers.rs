@@ -62,7 +62,7 @@ pub struct Kept<'a> {
 /// The plan for all load cases of a deck.
 pub fn plan(deck: &Deck, options: &Options, may: May) -> Result<Plan, CleanError> {
     let model = &deck.model;
-    let plan = plan_for(model, &model.cases, options)?;
+    let plan = plan_for(deck, &model.cases, options)?;
     let says_more = || !plan.ended.is_empty() || plan.written.iter().any(|written| written.cases != Cases::All);
     if may == May::Nothing && (says_more() || !plan.is_empty() && model.cases.iter().any(|c| !c.removed.is_empty())) {
         return Err(CleanError::Apart { case: model.cases[model.cases.len() - 1].name.clone() });
@@ -71,15 +71,16 @@ pub fn plan(deck: &Deck, options: &Options, may: May) -> Result<Plan, CleanError
 }
 
 /// The plan for some load cases that follow each other, as if there were no others.
-pub fn plan_for(model: &Model, cases: &[LoadCase], options: &Options) -> Result<Plan, CleanError> {
-    let kept = Kept::of(model, cases, options)?;
+pub fn plan_for(deck: &Deck, cases: &[LoadCase], options: &Options) -> Result<Plan, CleanError> {
+    let kept = Kept::of(deck, cases, options)?;
     check_cases(&kept, cases)?;
     kept.plan()
 }
 
 impl<'a> Kept<'a> {
     /// Decides for load cases that follow each other.
-    fn of(model: &'a Model, cases: &[LoadCase], options: &'a Options) -> Result<Self, CleanError> {
+    fn of(deck: &'a Deck, cases: &[LoadCase], options: &'a Options) -> Result<Self, CleanError> {
+        let model = &deck.model;
         let end = ends(model, cases)?;
         let count = model.equations();
         let (layer_of, because) = (vec![None; count], FxHashMap::default());
@@ -153,7 +154,8 @@ impl<'a> Kept<'a> {
         if layer == 0 { Cases::All } else { Cases::UpTo(self.layers[layer].last) }
     }
 
-    /// The faults of the equations in each layer, of all or of the kept ones.
+    /// The faults of the equations in each layer, of all or of the kept ones. What one solver takes another does
+    /// not, and equations without faults mean the same to all.
     fn faults(&self, is_in: impl Fn(usize, usize) -> bool) -> Vec<Fault> {
         let count = self.model.equations();
         let of = |(k, layer): (usize, &Layer)| {

@@ -18,7 +18,7 @@ use crate::deck::{Deck, LoadCase, Model};
 /// One plan for all subcases, or one for each group of them.
 pub fn plan(deck: &Deck, options: &Options) -> Result<Plan, CleanError> {
     match common_plan(deck, options, May::Nothing) {
-        Err(CleanError::CasesDiffer { .. } | CleanError::Apart { .. }) => each(&deck.model, options),
+        Err(CleanError::CasesDiffer { .. } | CleanError::Apart { .. }) => each(deck, options),
         plan => plan,
     }
 }
@@ -36,10 +36,11 @@ fn groups(model: &Model) -> Vec<Vec<usize>> {
     groups
 }
 
-fn each(model: &Model, options: &Options) -> Result<Plan, CleanError> {
+fn each(deck: &Deck, options: &Options) -> Result<Plan, CleanError> {
+    let model = &deck.model;
     let groups = groups(model);
     let plans =
-        groups.iter().map(|group| of_group(model, &model.cases[group[0]], options)).collect::<Result<Vec<_>, _>>()?;
+        groups.iter().map(|group| of_group(deck, &model.cases[group[0]], options)).collect::<Result<Vec<_>, _>>()?;
     let mut reasons: BTreeMap<usize, Reason> = BTreeMap::new();
     for removed in plans.iter().flat_map(|plan| &plan.removed) {
         reasons.entry(removed.equation).or_insert_with(|| removed.reason.clone());
@@ -62,8 +63,8 @@ fn each(model: &Model, options: &Options) -> Result<Plan, CleanError> {
 }
 
 /// The plan for one load case, as if it were alone: other equations are not touched.
-fn of_group(model: &Model, case: &LoadCase, options: &Options) -> Result<Plan, CleanError> {
-    let mut plan = plan_for(model, std::slice::from_ref(case), options)?;
+fn of_group(deck: &Deck, case: &LoadCase, options: &Options) -> Result<Plan, CleanError> {
+    let mut plan = plan_for(deck, std::slice::from_ref(case), options)?;
     plan.removed.retain(|removed| case.removed.binary_search(&(removed.equation as u32)).is_err());
     Ok(plan)
 }
