@@ -1,5 +1,6 @@
 //! What a deck constrains, whatever its format: equations on DOFs, prescribed values by load case, and where each stands.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use qless::{ConstraintSystem, SystemBuilder, SystemError};
@@ -103,6 +104,17 @@ pub struct Warning {
     pub leaves_out: bool,
 }
 
+/// What a deck says once for all of it, where solvers go by it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Traits {
+    /// Whether some nodes have axes of their own.
+    pub(super) has_local_axes: bool,
+    /// Whether a step is geometrically nonlinear.
+    pub(super) is_nonlinear: bool,
+    /// Whether a kinematic coupling has axes of its own.
+    pub(super) has_turned_couplings: bool,
+}
+
 /// The constraints of a deck.
 #[derive(Clone, Debug, Default)]
 pub struct Model {
@@ -111,8 +123,15 @@ pub struct Model {
     pub(super) dofs: Vec<Dof>,
     pub(super) cases: Vec<LoadCase>,
     pub(super) warnings: Vec<Warning>,
+    /// Rotations that the solver makes for bodies: the first of three components of the reference node.
+    pub(super) own_rotations: BTreeSet<Dof>,
+    pub(super) traits: Traits,
     /// Names of the courses after the first.
     courses: Vec<String>,
+    /// DOFs that cards put where no slave may be, ascending.
+    claims: Vec<(Dof, Origin)>,
+    /// Cards whose equations the solver keeps by multipliers: none of their DOFs is a slave.
+    without_slaves: BTreeSet<u32>,
     columns: Columns,
     terms: Terms,
     /// Where the terms of each equation end.
@@ -280,6 +299,28 @@ impl Model {
     /// Says that a card constrains, but was left out.
     pub(super) fn leave_out(&mut self, file: u32, line: u32, text: impl Into<String>) {
         self.warnings.push(Warning { file, line, text: text.into(), leaves_out: true });
+    }
+
+    /// Where a DOF is put into a set of which no slave may be, such as Nastran's `ASET`.
+    pub fn claimed(&self, dof: Dof) -> Option<Origin> {
+        self.claims.binary_search_by_key(&dof, |(claimed, _)| *claimed).ok().map(|at| self.claims[at].1)
+    }
+
+    /// Sets such DOFs.
+    pub(super) fn claim(&mut self, mut claims: Vec<(Dof, Origin)>) {
+        claims.sort_by_key(|(dof, _)| *dof);
+        claims.dedup_by_key(|(dof, _)| *dof);
+        self.claims = claims;
+    }
+
+    /// Whether the first term of equation `i` is a slave; not so where the solver keeps the equation by a multiplier.
+    pub fn has_slave(&self, i: usize) -> bool {
+        self.without_slaves.is_empty() || !self.without_slaves.contains(&self.nth(i).origin.card)
+    }
+
+    /// Says that the equations of a card are kept by multipliers.
+    pub(super) fn keep_by_multipliers(&mut self, card: u32) {
+        self.without_slaves.insert(card);
     }
 
     /// The number of the course of this name.

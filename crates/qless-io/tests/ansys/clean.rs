@@ -8,11 +8,11 @@ use crate::parse::{deck, equations};
 /// The cleaned text, which a second time leaves as it is and which has the same rank.
 fn cleaned(text: &str) -> String {
     let before = deck(text);
-    let plan = clean::plan(before.model(), &Options::default()).expect("a plan");
+    let plan = clean::plan(&before, &Options::default()).expect("a plan");
     let result = String::from_utf8(clean::write(&before, &plan).expect("written")).expect("text");
     let after = deck(&result);
     assert!(faults(after.model()).is_empty(), "{result}");
-    assert!(clean::plan(after.model(), &Options::default()).expect("a plan").is_empty(), "{result}");
+    assert!(clean::plan(&after, &Options::default()).expect("a plan").is_empty(), "{result}");
     for (old, new) in before.model().cases().iter().zip(after.model().cases()) {
         let rank = |deck: &qless_io::deck::Deck, case| {
             qless::analyse(&deck.model().system(case).expect("a system"), &Options::default()).expect("analysed").rank()

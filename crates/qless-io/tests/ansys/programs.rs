@@ -90,11 +90,11 @@ fn loops_that_take_too_long() {
 
 fn cleaned(text: &str) -> (Deck, String) {
     let before = deck(text);
-    let plan = clean::plan(before.model(), &qless::Options::default()).expect("a plan");
+    let plan = clean::plan(&before, &qless::Options::default()).expect("a plan");
     let result = String::from_utf8(clean::write(&before, &plan).expect("written")).expect("text");
     let after = deck(&result);
     assert!(faults(after.model()).is_empty(), "{result}");
-    assert!(clean::plan(after.model(), &qless::Options::default()).expect("a plan").is_empty(), "{result}");
+    assert!(clean::plan(&after, &qless::Options::default()).expect("a plan").is_empty(), "{result}");
     (after, result)
 }
 

@@ -60,7 +60,7 @@ fn tables_are_courses() {
 #[test]
 fn decks_whose_equations_change_are_not_cleaned() {
     let before = deck("CE,1,0,1,UX,1,2,UX,1\nSOLVE\nCE,2,0,1,UX,2,2,UX,2\nSOLVE\n");
-    match clean::plan(before.model(), &qless::Options::default()) {
+    match clean::plan(&before, &qless::Options::default()) {
         Ok(plan) => {
             let error = clean::write(&before, &plan).expect_err("which load step?").to_string();
             assert!(error.starts_with("deck.cdb:2: equations change after this load step"), "{error}");

@@ -9,7 +9,7 @@ use super::fields::{float, number};
 use super::frames::orientation;
 use super::geometric::{Place, Row};
 use super::mesh::Surface;
-use super::rigid::{Reference, kinematic};
+use super::rigid::{Reference, kinematic, own_rotation};
 use crate::deck::kinematics::axes::BASIC_AXES;
 use crate::deck::kinematics::components::Components;
 use crate::deck::kinematics::mean::{Group, Mean};
@@ -52,7 +52,7 @@ impl Coupling {
 
     fn kinematic(&self, card: &Card, definitions: &Definitions) -> Result<Vec<Row>, Problem> {
         let local = self.orientation.as_deref().map(|name| orientation(definitions, name)).transpose()?;
-        let reference = Reference { node: self.reference()?, rotation: None };
+        let reference = Reference::turning(self.reference()?);
         let nodes = self.nodes(definitions)?;
         kinematic(definitions, reference, nodes.into_iter(), &components(card, 6)?, local.as_ref())
     }
@@ -69,7 +69,16 @@ pub fn read(card: &Card, coupling: &Coupling, model: &mut Model, definitions: &D
     let place = Place::of(card, model, if is_kinematic { "*KINEMATIC" } else { "*DISTRIBUTING" });
     let rows =
         if is_kinematic { coupling.kinematic(card, definitions) } else { coupling.distributing(card, definitions) };
-    finish(card, &place, model, rows)
+    model.traits.has_turned_couplings |= is_kinematic && coupling.orientation.is_some();
+    match coupling.reference() {
+        Ok(node) if is_kinematic => {
+            place.push(model, rows)?;
+            own_rotation(&place, Reference::turning(node), model, definitions);
+            linearised(card, &place, model);
+            Ok(())
+        }
+        _ => finish(card, &place, model, rows),
+    }
 }
 
 /// `*KINEMATIC COUPLING, REF NODE=`: `node or set, first, last` a line.
@@ -77,7 +86,7 @@ pub fn kinematic_coupling(card: &Card, model: &mut Model, definitions: &Definiti
     let place = Place::of(card, model, "*KINEMATIC COUPLING");
     let rows = || {
         let reference = card.parameter("REFNODE").ok_or(Problem::NoParameter { name: "REF NODE" })?;
-        let reference = Reference { node: number(reference.as_bytes(), "a node")?, rotation: None };
+        let reference = Reference::turning(number(reference.as_bytes(), "a node")?);
         let mut rows = Vec::new();
         for line in card.lines() {
             let mut fields = line.fields();
@@ -122,9 +131,13 @@ fn finish(card: &Card, place: &Place, model: &mut Model, rows: Result<Vec<Row>, 
     place.push(model, rows)?;
     // The rotations of the reference are DOFs that the solver adds.
     place.fix(model);
+    linearised(card, place, model);
+    Ok(())
+}
+
+fn linearised(card: &Card, place: &Place, model: &mut Model) {
     let name = model.cards.nth(place.origin.card).name;
     model.warn(card.file, card.line, format!("{name} is linearised at the reference configuration"));
-    Ok(())
 }
 
 fn mean(definitions: &Definitions, reference: u32, components: &[u8], groups: Vec<Group>) -> Result<Vec<Row>, Problem> {
