@@ -163,3 +163,10 @@ fn new_equations_take_no_number_that_somebody_else_may_take() {
     let text = "*GET,N,NODE,,NUM,MAX\n*IF,N,GT,3,THEN\nCE,8,0,3,UY,1\n*ENDIF\nCE,1,0,1,UX,1,2,UX,-1\nD,1,UX\n";
     assert!(cleaned(text).contains("CE,9,"), "{}", cleaned(text));
 }
+
+#[test]
+fn arms_beyond_rounding_make_no_equations() {
+    let far = deck("N,1,0,0,0\nN,2,1,0,0\nN,3,0,24,1e300,1,1\nCERIG,1,ALL,UXYZ\n");
+    assert!(equations(&far).is_empty());
+    assert_eq!(left_out(&far), ["4: nodes of the region about node 1 are too far apart for numbers: left out"]);
+}

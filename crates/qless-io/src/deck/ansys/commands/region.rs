@@ -26,6 +26,9 @@ const EQUATIONS: usize = 5_000_000;
 /// Terms of an `RBE3` at most, each of which is in all of its equations.
 const SLAVES: usize = 500_000;
 
+/// Arms as long as this, of which the translation beside them is the rounding.
+const ARM: f64 = 1e15;
+
 /// The equations that a command makes, or why there are none.
 pub enum Made {
     /// Those of a region about this node.
@@ -153,7 +156,7 @@ fn made(node: u32, rows: Result<Vec<Row>, Problem>) -> Made {
             ));
         }
     };
-    let finite = |row: &Row| row.terms.iter().all(|(_, value)| value.is_finite());
+    let finite = |row: &Row| row.terms.iter().all(|(_, value)| value.abs() < ARM);
     if !rows.iter().all(finite) {
         return Made::LeftOut(format!("nodes of the region about node {node} are too far apart for numbers: left out"));
     }

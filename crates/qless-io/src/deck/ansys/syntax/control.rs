@@ -7,7 +7,7 @@ use super::parameters::Parameters;
 use crate::deck::Problem;
 
 /// Bytes that loops go through again at most: bounds the time.
-const AGAIN: usize = 1 << 26;
+const AGAIN: usize = 1 << 24;
 
 /// A place in the text: its byte, and its line from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
