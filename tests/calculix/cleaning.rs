@@ -60,30 +60,11 @@ fn an_included_file_that_changes_is_written_into_the_deck() {
 }
 
 fn text_of_included(deck: &Deck, files: &[(&str, &str)]) -> String {
-    let plan = clean::plan(deck.model(), &Options::default()).expect("consistent");
+    let plan = clean::plan(&deck, &Options::default()).expect("consistent");
     let text = String::from_utf8(clean::write(deck, &plan).expect("written")).expect("text");
     let again = with_includes(&text, files);
-    assert!(clean::plan(again.model(), &Options::default()).expect("consistent").is_empty());
+    assert!(clean::plan(&again, &Options::default()).expect("consistent").is_empty());
     text
-}
-
-#[test]
-fn right_hand_sides_are_carried_by_a_prescribed_node() {
-    let deck = parse(brick("*EQUATION\n2\n5,3,1.,8,3,-1.\n2\n8,3,1.,5,3,-1.\n").as_bytes());
-    let mut plan = clean::plan(deck.model(), &Options::default()).expect("consistent");
-    let dof = |node| qless_io::deck::Dof { node, component: 3 };
-    plan.written.push(clean::Written { slave: dof(6), terms: vec![(dof(7), -1.0)], rhs: 0.25 });
-    let text = clean::write(&deck, &plan).expect("written");
-    let again = parse(&text);
-    let system = again.model().system(&again.model().cases()[0]).expect("a system");
-    let analysis = qless::analyse(&system, &Options::default()).expect("analysed");
-    let reduction = analysis.reduction().expect("within the gate");
-    let u = reduction.expand(&vec![0.0; reduction.masters().len()], &[1.0]).expect("of its lengths");
-    let value = |node| u[again.model().column(dof(node)).expect("a column") as usize];
-    assert!((value(6) - value(7) - 0.25).abs() < 1e-15);
-    if is_there() {
-        assert!(solve(&text).is_some());
-    }
 }
 
 #[test]
@@ -123,7 +104,7 @@ fn a_node_card_without_nodes_defines_none() {
 
 fn refused(text: &str) -> CleanError {
     let deck = parse(text.as_bytes());
-    clean::plan(deck.model(), &Options::default()).expect_err("refused")
+    clean::plan(&deck, &Options::default()).expect_err("refused")
 }
 
 #[test]

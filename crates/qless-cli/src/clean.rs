@@ -29,7 +29,7 @@ pub fn run(args: &CleanArgs) -> Result<ExitCode, Failure> {
     }
     progress.stage("cleaning");
     let fail = |error: CleanError| Failure::Input(format!("{}: {error} (nothing was written)", input.display()));
-    let plan = clean::plan(deck.deck.model(), &diagnosis.options).map_err(fail)?;
+    let plan = clean::plan(&deck.deck, &diagnosis.options).map_err(fail)?;
     let text = clean::write(&deck.deck, &plan).map_err(fail)?;
     progress.stage("writing");
     // It may be the deck itself, but none that it includes.

@@ -1,5 +1,6 @@
 //! What a deck constrains, whatever its format: equations on DOFs, prescribed values by load case, and where each stands.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use qless::{ConstraintSystem, SystemBuilder, SystemError};
@@ -123,6 +124,8 @@ pub struct Model {
     pub(super) cases: Vec<LoadCase>,
     pub(super) warnings: Vec<Warning>,
     pub(super) traits: Traits,
+    /// Reference nodes of bodies whose rotations, components 4 to 6, the solver makes.
+    pub(super) own_rotations: BTreeSet<u32>,
     /// Names of the courses after the first.
     courses: Vec<String>,
     columns: Columns,

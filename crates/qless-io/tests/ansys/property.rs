@@ -114,12 +114,12 @@ proptest! {
     #[test]
     fn a_cleaned_deck_says_the_same(said in prop::collection::vec(said(), 1..12)) {
         let before = deck(&text(&said));
-        let plan = clean::plan(before.model(), &Options::default()).expect("consistent");
+        let plan = clean::plan(&before, &Options::default()).expect("consistent");
         let result = clean::write(&before, &plan).expect("written");
         let after = deck(std::str::from_utf8(&result).expect("text"));
         prop_assert!(holds(&before) && holds(&after));
         prop_assert!(faults(after.model()).is_empty());
-        prop_assert!(clean::plan(after.model(), &Options::default()).expect("consistent").is_empty());
+        prop_assert!(clean::plan(&after, &Options::default()).expect("consistent").is_empty());
         prop_assert_eq!(after.model().equations(), rank(&[&before]));
         prop_assert_eq!(rank(&[&after]), after.model().equations());
         prop_assert_eq!(rank(&[&before, &after]), after.model().equations());

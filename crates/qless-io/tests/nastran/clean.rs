@@ -24,7 +24,7 @@ fn cleaned(text: &str, files: &[(&str, &str)]) -> String {
 }
 
 pub fn clean(deck: &Deck) -> String {
-    let plan = plan(deck.model(), &Options::default()).unwrap_or_else(|error| panic!("{error}"));
+    let plan = plan(deck, &Options::default()).unwrap_or_else(|error| panic!("{error}"));
     let text = write(deck, &plan).unwrap_or_else(|error| panic!("{error}"));
     String::from_utf8(text).expect("text")
 }
@@ -129,7 +129,7 @@ fn a_selection_of_set_0_gives_way_to_the_new_one() {
 fn what_cannot_be_cleaned_is_said() {
     let refused_with = |text: &str, files: &[(&str, &str)]| {
         let deck = parsed(text, files).unwrap_or_else(|error| panic!("{error}"));
-        let plan = plan(deck.model(), &Options::default());
+        let plan = plan(&deck, &Options::default());
         plan.and_then(|plan| write(&deck, &plan)).map_or_else(|error| error.to_string(), |_| "cleaned".into())
     };
     let refused = |text: &str| refused_with(text, &[]);

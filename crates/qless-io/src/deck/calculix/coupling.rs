@@ -9,7 +9,7 @@ use super::fields::{float, number};
 use super::frames::orientation;
 use super::geometric::{Place, Row};
 use super::mesh::Surface;
-use super::rigid::{Reference, kinematic};
+use super::rigid::{Reference, kinematic, own_rotation};
 use crate::deck::kinematics::axes::BASIC_AXES;
 use crate::deck::kinematics::components::Components;
 use crate::deck::kinematics::mean::{Group, Mean};
@@ -70,7 +70,15 @@ pub fn read(card: &Card, coupling: &Coupling, model: &mut Model, definitions: &D
     let rows =
         if is_kinematic { coupling.kinematic(card, definitions) } else { coupling.distributing(card, definitions) };
     model.traits.has_turned_couplings |= is_kinematic && coupling.orientation.is_some();
-    finish(card, &place, model, rows)
+    match coupling.reference() {
+        Ok(node) if is_kinematic => {
+            place.push(model, rows)?;
+            own_rotation(&place, node, model, definitions);
+            linearised(card, &place, model);
+            Ok(())
+        }
+        _ => finish(card, &place, model, rows),
+    }
 }
 
 /// `*KINEMATIC COUPLING, REF NODE=`: `node or set, first, last` a line.
@@ -123,9 +131,13 @@ fn finish(card: &Card, place: &Place, model: &mut Model, rows: Result<Vec<Row>, 
     place.push(model, rows)?;
     // The rotations of the reference are DOFs that the solver adds.
     place.fix(model);
+    linearised(card, place, model);
+    Ok(())
+}
+
+fn linearised(card: &Card, place: &Place, model: &mut Model) {
     let name = model.cards.nth(place.origin.card).name;
     model.warn(card.file, card.line, format!("{name} is linearised at the reference configuration"));
-    Ok(())
 }
 
 fn mean(definitions: &Definitions, reference: u32, components: &[u8], groups: Vec<Group>) -> Result<Vec<Row>, Problem> {

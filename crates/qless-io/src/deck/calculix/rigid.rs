@@ -5,6 +5,7 @@ use super::definitions::Definitions;
 use super::fields::number;
 use super::frames::Local;
 use super::geometric::{Place, Row};
+use crate::deck::kinematics::axes::BASIC_AXES;
 use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::{Vector, cross, minus};
 use crate::deck::{DeckError, Dof, Model, Problem};
@@ -55,12 +56,24 @@ pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) -> Result
     let place = Place::of(card, model, "*RIGID BODY");
     let rows = rows(card, definitions);
     place.push(model, rows)?;
-    // Without a node for rotations the solver makes one; and finite rotations are not linear.
-    if definitions.is_nonlinear || card.parameter("ROTNODE").is_none() {
+    if definitions.is_nonlinear {
         place.fix(model);
+    } else if card.parameter("ROTNODE").is_none() {
+        let reference = card.parameter("REFNODE").and_then(|text| number(text.as_bytes(), "a node").ok());
+        reference.into_iter().for_each(|node| own_rotation(&place, node, model, definitions));
     }
     model.warn(card.file, card.line, "*RIGID BODY is linearised at the reference configuration");
     Ok(())
+}
+
+/// The solver makes the rotation of a reference: one along the basic axes can be that of a new node.
+pub fn own_rotation(place: &Place, node: u32, model: &mut Model, definitions: &Definitions) {
+    let is_plain = definitions.pose(node).is_ok_and(|pose| pose.axes == BASIC_AXES);
+    if is_plain && !definitions.is_nonlinear && !definitions.rotates(node) {
+        model.own_rotations.insert(node);
+    } else {
+        place.fix(model);
+    }
 }
 
 fn rows(card: &Card, definitions: &Definitions) -> Result<Vec<Row>, Problem> {

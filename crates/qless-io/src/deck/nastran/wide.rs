@@ -79,7 +79,12 @@ mod tests {
     #[test]
     fn a_card_in_large_field() {
         let dof = |node, component| Dof { node, component };
-        let written = Written { slave: dof(1, 3), terms: vec![(dof(20, 1), -0.5), (dof(7, 0), 2.0)], rhs: 0.0 };
+        let written = Written {
+            slave: dof(1, 3),
+            terms: vec![(dof(20, 1), -0.5), (dof(7, 0), 2.0)],
+            rhs: 0.0,
+            cases: crate::deck::clean::Cases::All,
+        };
         let lines = [
             "MPC*                   5               1               3             1.0",
             "*                     20               1             -.5",

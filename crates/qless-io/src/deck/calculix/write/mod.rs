@@ -1,20 +1,22 @@
-//! A deck with other equations: old ones become comments, new ones stand before the first step.
+//! A deck with other equations: old ones become comments, new ones stand before the first step and are taken back where they end.
+
+mod equations;
+mod rotations;
+mod steps;
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
 use super::card::{Card, card_input, is_include, keyword_end, next_keyword, walk};
 use super::definitions::Definitions;
-use crate::deck::clean::{CleanError, Edits, Plan, Reason, Removed, Written};
+use crate::deck::clean::{CleanError, Edits, Plan, Reason, Removed, Renamed};
 use crate::deck::{Deck, DeckError, Model};
 
-/// Characters of a number that CalculiX reads.
-const NUMBER: usize = 20;
 /// Terms of a certificate that a comment names at most.
 const NAMED: usize = 8;
 
-/// The main file with the plan carried out. Included files that must change are written into it.
-pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
+/// The main file with the plan carried out, and DOFs that have other names in it. Included files that must change are written into it.
+pub fn write(deck: &Deck, plan: &Plan) -> Result<(Vec<u8>, Renamed), CleanError> {
     let model = &deck.model;
     let mut comments: BTreeMap<(u32, u32), (u32, String)> = BTreeMap::new();
     for removed in &plan.removed {
@@ -25,8 +27,18 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
             entry.1 = comment(model, removed);
         }
     }
-    let new = new_text(deck, plan)?;
-    Writer { deck, comments, new: Some(new) }.file(0)
+    let rotations = rotations::Rotations::of(deck, plan)?;
+    comments.extend(rotations.lines(deck)?.into_iter().map(|(at, text)| (at, (1, text))));
+    let new = equations::new_text(deck, plan, &rotations)?;
+    let ends = steps::ends(deck, plan, &rotations);
+    let mut writer = Writer { deck, comments, new: Some(new), ends, steps: 0 };
+    let text = writer.file(0)?;
+    if writer.ends.is_some_and(|ends| ends.len() != writer.steps) {
+        let path = deck.model.files[0].clone();
+        let why = "equations have to be taken back in a step of an included file; put the steps here";
+        return Err(CleanError::Place { path, line: 1, why });
+    }
+    Ok((text, rotations.renamed()))
 }
 
 struct Writer<'a> {
@@ -35,6 +47,10 @@ struct Writer<'a> {
     comments: BTreeMap<(u32, u32), (u32, String)>,
     /// What is still to be put before the first step.
     new: Option<Vec<u8>>,
+    /// For each step the equations that it takes back, if any step takes some back; then those of the deck itself go.
+    ends: Option<Vec<String>>,
+    /// Steps of the main file met so far.
+    steps: usize,
 }
 
 impl Writer<'_> {
@@ -82,6 +98,23 @@ impl Writer<'_> {
         if word.starts_with(b"*STEP") && file == 0 {
             if let Some(new) = self.new.take() {
                 edits.replace(line, 0, new);
+            }
+            if let Some(ends) = self.ends.as_ref().and_then(|ends| ends.get(self.steps)) {
+                edits.replace(line + lines, 0, ends.clone().into_bytes());
+            }
+            self.steps += 1;
+        } else if word.starts_with(b"*EQUATION,REMOVE") && self.ends.is_some() {
+            let data = memchr::memchr_iter(b'\n', data).count() as u32;
+            edits.replace(
+                line,
+                lines + data,
+                b"** qless: what is taken back stands at the start of the step\n".to_vec(),
+            );
+        } else if word.starts_with(b"*COUPLING") {
+            // It says nothing without the card that follows.
+            let next = line + lines + memchr::memchr_iter(b'\n', data).count() as u32;
+            if self.is_removed(file, next) {
+                edits.replace(line, lines, b"** qless: *COUPLING, written as equations\n".to_vec());
             }
         } else if is_include(keyword) {
             if let Some(inner) = card_input(keyword).and_then(|name| self.included(&name, file)) {
@@ -168,66 +201,6 @@ fn comment(model: &Model, removed: &Removed) -> String {
     }
 }
 
-/// The new equations, and the node that carries right-hand sides, if there are any.
-fn new_text(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
-    if plan.written.is_empty() {
-        return Ok(Vec::new());
-    }
-    let mut text =
-        String::from("** qless: independent equations; each slave, the first DOF, occurs once and is not prescribed\n");
-    let dummy = if plan.written.iter().any(|written| written.rhs != 0.0) { Some(unused_node(deck)?) } else { None };
-    if let Some(node) = dummy {
-        let carrier = format!(
-            "** qless: node {node} carries the right-hand sides: its first DOF is 1\n\
-             *NODE\n{node},0.,0.,0.\n*BOUNDARY\n{node},1,1,1.\n"
-        );
-        text.push_str(&carrier);
-    }
-    text += "*EQUATION\n";
-    for written in &plan.written {
-        add_equation(&mut text, written, dummy);
-    }
-    Ok(text.into_bytes())
-}
-
-fn add_equation(text: &mut String, written: &Written, dummy: Option<u32>) {
-    let rhs = dummy.filter(|_| written.rhs != 0.0).map(|node| format!("{node},1,{}", number(-written.rhs)));
-    let term = |dof: crate::deck::Dof, v: f64| format!("{},{},{}", dof.node, dof.component, number(v));
-    let first = std::iter::once(term(written.slave, 1.0));
-    let terms: Vec<String> = first.chain(written.terms.iter().map(|&(dof, v)| term(dof, v))).chain(rhs).collect();
-    text.push_str(&terms.len().to_string());
-    text.push('\n');
-    for line in terms.chunks(4) {
-        *text += &line.join(",");
-        text.push('\n');
-    }
-}
-
-/// The number with all of its digits, or with as many as CalculiX reads.
-fn number(value: f64) -> String {
-    let shortest = [format!("{value:?}"), format!("{value:e}")];
-    if let Some(text) = shortest.into_iter().filter(|text| text.len() <= NUMBER).min_by_key(String::len) {
-        return if text.contains(['.', 'e']) { text } else { text + "." };
-    }
-    (0..=NUMBER)
-        .rev()
-        .flat_map(|digits| [format!("{value:.digits$}"), format!("{value:.digits$e}")])
-        .filter(|text| text.len() <= NUMBER)
-        .min_by(|a, b| error(a, value).total_cmp(&error(b, value)))
-        .unwrap_or_else(|| format!("{value:e}"))
-}
-
-fn error(text: &str, value: f64) -> f64 {
-    text.parse::<f64>().map_or(f64::INFINITY, |read| (read - value).abs())
-}
-
-/// One more than the largest number of a node.
-fn unused_node(deck: &Deck) -> Result<u32, CleanError> {
-    let listed = definitions(deck)?.node_numbers().last().copied().unwrap_or(0);
-    let used = deck.model.dofs.iter().map(|dof| dof.node).max().unwrap_or(0);
-    Ok(listed.max(used).saturating_add(1))
-}
-
 /// What a deck that was read before defines.
 fn definitions(deck: &Deck) -> Result<Definitions, DeckError> {
     let mut definitions = Definitions::default();
@@ -243,23 +216,4 @@ fn definitions(deck: &Deck) -> Result<Definitions, DeckError> {
 pub fn positions(deck: &Deck) -> HashMap<u32, [f64; 3]> {
     let found = definitions(deck).ok().and_then(|definitions| definitions.all_positions().ok());
     found.map(|all| all.into_iter().collect()).unwrap_or_default()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::number;
-
-    #[test]
-    fn numbers_are_short_enough_to_be_read_whole() {
-        for (value, text) in [(1.0, "1.0"), (-1.0, "-1.0"), (1e-30, "1e-30"), (-1.0 / 3.0, "-0.3333333333333333")] {
-            assert_eq!(number(value), text);
-        }
-        for value in [-1.234_567_890_123_456_7e-105, -12_345.678_901_234_567, std::f64::consts::PI * 1e-7] {
-            let text = number(value);
-            assert!(
-                text.len() <= 20 && ((text.parse::<f64>().expect("a number") - value) / value).abs() < 1e-12,
-                "{text}"
-            );
-        }
-    }
 }
