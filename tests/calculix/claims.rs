@@ -153,6 +153,26 @@ fn a_value_in_a_later_step_is_refused_where_ccx_looks_again() {
 }
 
 #[test]
+fn a_tie_that_gave_way_in_the_first_step_does_not_come_back() {
+    if !is_there() {
+        return;
+    }
+    for at in [At::Before, At::Step(1)] {
+        let mut scene = Scene::new(3);
+        scene.claim(Kind::Tie, 11);
+        scene.value(at, 11, 0.067);
+        scene.begins_anew = true;
+        // The tie in three steps, and the value in the last two, which take it away.
+        assert_eq!(judge("begins anew", scene), (5, false));
+    }
+    let mut later = Scene::new(3);
+    later.claim(Kind::Equation, 11);
+    later.value(At::Step(2), 11, 0.067);
+    later.begins_anew = true;
+    assert_eq!(judge("later", later), (2, false));
+}
+
+#[test]
 fn masters_that_are_slaves_and_circles() {
     if !is_there() {
         return;
