@@ -123,11 +123,15 @@ pub struct Model {
     pub(super) dofs: Vec<Dof>,
     pub(super) cases: Vec<LoadCase>,
     pub(super) warnings: Vec<Warning>,
+    /// Rotations that the solver makes for bodies: the first of three components of the reference node.
+    pub(super) own_rotations: BTreeSet<Dof>,
     pub(super) traits: Traits,
-    /// Reference nodes of bodies whose rotations, components 4 to 6, the solver makes.
-    pub(super) own_rotations: BTreeSet<u32>,
     /// Names of the courses after the first.
     courses: Vec<String>,
+    /// DOFs that cards put where no slave may be, ascending.
+    claims: Vec<(Dof, Origin)>,
+    /// Cards whose equations the solver keeps by multipliers: none of their DOFs is a slave.
+    without_slaves: BTreeSet<u32>,
     columns: Columns,
     terms: Terms,
     /// Where the terms of each equation end.
@@ -297,8 +301,29 @@ impl Model {
         self.warnings.push(Warning { file, line, text: text.into(), leaves_out: true });
     }
 
+    /// Where a DOF is put into a set of which no slave may be, such as Nastran's `ASET`.
+    pub fn claimed(&self, dof: Dof) -> Option<Origin> {
+        self.claims.binary_search_by_key(&dof, |(claimed, _)| *claimed).ok().map(|at| self.claims[at].1)
+    }
+
+    /// Sets such DOFs.
+    pub(super) fn claim(&mut self, mut claims: Vec<(Dof, Origin)>) {
+        claims.sort_by_key(|(dof, _)| *dof);
+        claims.dedup_by_key(|(dof, _)| *dof);
+        self.claims = claims;
+    }
+
+    /// Whether the first term of equation `i` is a slave; not so where the solver keeps the equation by a multiplier.
+    pub fn has_slave(&self, i: usize) -> bool {
+        self.without_slaves.is_empty() || !self.without_slaves.contains(&self.nth(i).origin.card)
+    }
+
+    /// Says that the equations of a card are kept by multipliers.
+    pub(super) fn keep_by_multipliers(&mut self, card: u32) {
+        self.without_slaves.insert(card);
+    }
+
     /// The number of the course of this name.
-    #[expect(dead_code, reason = "readers of amplitudes come next")]
     pub(super) fn course(&mut self, name: &str) -> u32 {
         let known = self.courses.iter().position(|known| known == name);
         let at = known.unwrap_or_else(|| {

@@ -36,7 +36,6 @@ impl<'a> Sources<'a> {
     }
 
     /// The solver that the deck is read for.
-    #[expect(dead_code, reason = "readers ask for it next")]
     pub fn solver(&self) -> Solver {
         self.solver
     }

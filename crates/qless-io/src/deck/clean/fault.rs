@@ -37,6 +37,15 @@ pub enum Fault {
         /// Its slave.
         slave: Dof,
     },
+    /// The slave is in a set that excludes slaves, such as Nastran's `ASET`.
+    SlaveClaimed {
+        /// The equation.
+        equation: usize,
+        /// Its slave.
+        slave: Dof,
+        /// Where it is put into the set.
+        by: Origin,
+    },
     /// Slaves are expressed by each other in a circle, which leaves some of them next to undetermined.
     Circle {
         /// An equation of the circle.
@@ -55,6 +64,7 @@ impl Fault {
         match *self {
             Self::SlavePrescribed { equation, .. }
             | Self::SlaveTwice { equation, .. }
+            | Self::SlaveClaimed { equation, .. }
             | Self::SlaveVanishes { equation, .. }
             | Self::Circle { equation, .. } => equation,
         }
@@ -65,6 +75,7 @@ impl Fault {
         match *self {
             Self::SlavePrescribed { slave, .. }
             | Self::SlaveTwice { slave, .. }
+            | Self::SlaveClaimed { slave, .. }
             | Self::SlaveVanishes { slave, .. }
             | Self::Circle { slave, .. } => slave,
         }
@@ -79,6 +90,10 @@ impl Fault {
                 let from = model.cases.get(since).filter(|_| since > 0).map(|case| format!(" from {} on", case.name));
                 let (equation, by, from) = (place(equation), model.place(by), from.unwrap_or_default());
                 format!("{slave} is the slave of {equation}, and prescribed in {by}{from}")
+            }
+            Self::SlaveClaimed { equation, slave, by } => {
+                let set = model.place(by);
+                format!("{slave} is the slave of {}, and in the set of {set}, which excludes slaves", place(equation))
             }
             Self::SlaveTwice { equation, slave, first } => {
                 format!("{slave} is the slave of {}, and of {}", place(first), place(equation))
@@ -130,7 +145,7 @@ pub fn faults_in(model: &Model, case: &LoadCase) -> Vec<Fault> {
 
 /// The faults of the equations that are not left out; `prescribed` says where a column's value is given.
 pub(super) fn faults_of(model: &Model, prescribed: &FxHashMap<u32, Origin>, left_out: &[bool]) -> Vec<Fault> {
-    let kept = || (0..model.equations()).filter(|&i| !left_out[i]);
+    let kept = || (0..model.equations()).filter(|&i| !left_out[i] && model.has_slave(i));
     let mut slave_of: FxHashMap<u32, usize> = FxHashMap::default();
     let mut faults = Vec::new();
     for i in kept() {
@@ -148,6 +163,9 @@ pub(super) fn faults_of(model: &Model, prescribed: &FxHashMap<u32, Origin>, left
         }
         if let Some(&by) = prescribed.get(&column) {
             faults.push(Fault::SlavePrescribed { equation: i, slave, by, since: since(model, slave) });
+        }
+        if let Some(by) = model.claimed(slave) {
+            faults.push(Fault::SlaveClaimed { equation: i, slave, by });
         }
         match slave_of.get(&column) {
             Some(&first) => faults.push(Fault::SlaveTwice { equation: i, slave, first }),

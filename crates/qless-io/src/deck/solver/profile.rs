@@ -33,6 +33,8 @@ impl<'a> Profile<'a> {
             Fault::SlavePrescribed { equation, since, .. } => self.prescribed(fault, equation, since),
             Fault::SlaveTwice { equation, first, .. } => self.twice(first, equation),
             Fault::SlaveVanishes { equation, .. } => self.vanishes(equation),
+            // Sets of DOFs that exclude each other are those of Nastran.
+            Fault::SlaveClaimed { .. } => Outcome::Refused,
             Fault::Circle { equation, .. } => self.circle(&connected(self.model, equation)),
         }
     }
