@@ -153,6 +153,52 @@ fn a_value_in_a_later_step_is_refused_where_ccx_looks_again() {
 }
 
 #[test]
+fn a_tie_that_gave_way_in_the_first_step_does_not_come_back() {
+    if !is_there() {
+        return;
+    }
+    for at in [At::Before, At::Step(1)] {
+        let mut scene = Scene::new(3);
+        scene.claim(Kind::Tie, 11);
+        scene.value(at, 11, 0.067);
+        scene.begins_anew = true;
+        // The tie in three steps, and the value in the last two, which take it away.
+        assert_eq!(judge("begins anew", scene), (5, false));
+    }
+    let mut later = Scene::new(3);
+    later.claim(Kind::Equation, 11);
+    later.value(At::Step(2), 11, 0.067);
+    later.begins_anew = true;
+    assert_eq!(judge("later", later), (2, false));
+}
+
+/// Which component of its node a card makes a slave, where several count as much.
+#[test]
+fn slaves_of_slanted_lines_and_planes() {
+    if !is_there() {
+        return;
+    }
+    for [x, y, z] in [[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0], [0.0, 1.0, 1.0], [1.0, 0.0, -1.0], [1.0, 2.0, -2.0]] {
+        let at = |s: f64| format!("{},{},{}", 0.3 + s * x, 0.2 + s * y, 2.0 + s * z);
+        // The plane through node 15 across the direction: by two directions in it.
+        let (p, q) = if x == 0.0 { ([1.0, 0.0, 0.0], [0.0, z, -y]) } else { ([y, -x, 0.0], [z, 0.0, -x]) };
+        let on = |s: f64, v: [f64; 3]| format!("{},{},{}", 0.3 + s * v[0], 0.2 + s * v[1], 2.0 + s * v[2]);
+        for (card, nodes) in [
+            ("BEAM,15,51", format!("51,{}\n", at(2.0))),
+            ("STRAIGHT,51,52,15", format!("51,{}\n52,{}\n", at(2.0), at(-1.0))),
+            ("PLANE,51,52,53,15", format!("51,{}\n52,{}\n53,{}\n", on(1.0, p), on(1.0, q), on(-1.0, p))),
+        ] {
+            for component in 1..=3 {
+                let mut scene = Scene::new(1);
+                let held: String = nodes.lines().map(|line| format!("{},1,3\n", &line[..2])).collect();
+                scene.model = format!("*NODE\n{nodes}*BOUNDARY\n{held}15,{component}\n*MPC\n{card}\n");
+                judge(&format!("{card} along {x},{y},{z}"), scene);
+            }
+        }
+    }
+}
+
+#[test]
 fn masters_that_are_slaves_and_circles() {
     if !is_there() {
         return;

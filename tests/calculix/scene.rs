@@ -73,6 +73,8 @@ pub struct Scene {
     pub model: String,
     pub steps: Vec<String>,
     pub is_nonlinear: bool,
+    /// Whether each later step begins anew (`OP=NEW`) with what holds the claims' own nodes.
+    pub begins_anew: bool,
     count: u32,
 }
 
@@ -186,7 +188,8 @@ impl Scene {
         text.add(&first);
         text.add("*NSET, NSET=FREE\n11,15,16,17,18\n*MATERIAL, NAME=EL\n*ELASTIC\n210000.,0.3\n");
         text.add("*SOLID SECTION, ELSET=EALL, MATERIAL=EL\n");
-        text.add(&format!("*BOUNDARY\n12,1,3\n13,1,3\n14,1,3\n{}", self.held));
+        let held = format!("12,1,3\n13,1,3\n14,1,3\n{}", self.held);
+        text.add(&format!("*BOUNDARY\n{held}"));
         text.values(&self.values, At::Before);
         for (card, node, says) in &self.cards {
             text.claim(card, Claim { lines: 0..0, node: *node, says: *says, from: 0, is_value: false });
@@ -197,6 +200,9 @@ impl Scene {
             text.add(if self.is_nonlinear { "*STEP, NLGEOM\n*STATIC\n" } else { "*STEP\n*STATIC\n" });
             if k == 0 && !self.moved.is_empty() {
                 text.add(&format!("*BOUNDARY\n{}", self.moved));
+            }
+            if k > 0 && self.begins_anew {
+                text.add(&format!("*BOUNDARY, OP=NEW\n{held}{}", self.moved));
             }
             text.values(&self.values, At::Step(k + 1));
             text.add(extra);

@@ -28,7 +28,8 @@ impl Row {
         let first = gradients.first().map_or(0, |(node, _)| *node);
         terms.retain(|(_, a)| a.abs() > ROUNDING * largest);
         let own = terms.iter().enumerate().filter(|(_, (dof, _))| dof.node == first);
-        let slave = own.max_by(|a, b| a.1.1.abs().total_cmp(&b.1.1.abs())).map(|(k, _)| k);
+        // Of several that count as much the first, as ccx has it.
+        let slave = own.rev().max_by(|a, b| a.1.1.abs().total_cmp(&b.1.1.abs())).map(|(k, _)| k);
         let Some(slave) = slave.filter(|_| largest > 0.0) else {
             return Err(Problem::Degenerate { what: format!("node {first} is not constrained by its geometry") });
         };
@@ -36,6 +37,18 @@ impl Row {
         let scale = terms[0].1;
         terms.iter_mut().for_each(|(_, a)| *a /= scale);
         Ok(Self { terms, rhs: rhs / scale })
+    }
+
+    /// The same equation with another slave, which must not count less than the one it has.
+    pub fn led_by(mut self, slave: Dof) -> Self {
+        let at = self.terms.iter().position(|(dof, a)| *dof == slave && a.abs() >= 1.0 - ROUNDING);
+        if let Some(at) = at {
+            self.terms.swap(0, at);
+            let scale = self.terms[0].1;
+            self.terms.iter_mut().for_each(|(_, a)| *a /= scale);
+            self.rhs /= scale;
+        }
+        self
     }
 
     /// `u_a = u_b` in one component.

@@ -15,7 +15,7 @@ use super::definitions::Definitions;
 use super::geometric::{Place, Row};
 use super::rigid::{Reference, kinematic};
 use crate::deck::kinematics::vector::{Vector, cross, dot, length, minus, plus, scaled};
-use crate::deck::{DeckError, Model, Problem};
+use crate::deck::{DeckError, Dof, Model, Problem};
 use crate::fault::quote;
 
 /// Adds the equations of a card.
@@ -109,7 +109,7 @@ fn plane(definitions: &Definitions, nodes: &[u32]) -> Result<Vec<Row>, Problem> 
 fn straight(definitions: &Definitions, nodes: &[u32]) -> Result<Vec<Row>, Problem> {
     let [a, b] = positions(definitions, nodes)?;
     let along = minus(b, a);
-    let largest = (0..3).max_by(|&i, &j| along[i].abs().total_cmp(&along[j].abs())).unwrap_or(0);
+    let largest = (0..3).rev().max_by(|&i, &j| along[i].abs().total_cmp(&along[j].abs())).unwrap_or(0);
     if length(along) == 0.0 {
         return Err(Problem::Degenerate { what: "the two nodes of a line coincide".into() });
     }
@@ -124,7 +124,9 @@ fn straight(definitions: &Definitions, nodes: &[u32]) -> Result<Vec<Row>, Proble
             let off = dot(cross(to_k, along), axis);
             let is_off = off.abs() > 1e-6 * length(along) * length(to_k);
             let gradients = [(node, by_k), (nodes[0], by_a), (nodes[1], by_b)];
-            rows.push(Row::along(definitions, &gradients, if is_off { -off } else { 0.0 })?);
+            let row = Row::along(definitions, &gradients, if is_off { -off } else { 0.0 })?;
+            // Each of the two other components is a slave once, on lines through the corners of a cube too.
+            rows.push(row.led_by(Dof { node, component: (3 - i - largest) as u8 + 1 }));
         }
     }
     Ok(rows)

@@ -105,8 +105,9 @@ impl<'a> Look<'a> {
 
     /// Equations in force with their slaves.
     fn slaves(&self) -> Vec<(usize, u32)> {
-        let kept = (0..self.profile.left_out.len()).filter(|&i| !self.profile.left_out[i]);
-        kept.filter_map(|i| Some((i, *self.profile.model.nth(i).columns.first()?))).collect()
+        let Profile { model, left_out, .. } = &self.profile;
+        let kept = (0..model.equations()).filter(|&i| !left_out[i] && model.has_slave(i));
+        kept.filter_map(|i| Some((i, *model.nth(i).columns.first()?))).collect()
     }
 
     fn dof(&self, column: u32) -> Dof {

@@ -1,0 +1,93 @@
+//! What is said of solvers that cannot be run here: it is what their manuals say (docs/solvers.md).
+
+use std::path::Path;
+
+use qless_io::deck::clean::{Finding, findings};
+use qless_io::deck::{Deck, Outcome, Solver, UnknownSolver, parse};
+
+fn deck(solver: Solver, text: &str) -> Deck {
+    let mut none = |_: &Path| Err(std::io::ErrorKind::NotFound.into());
+    parse(solver, Path::new("deck"), text.as_bytes().to_vec(), &mut none).expect("a deck")
+}
+
+fn said(solver: Solver, text: &str) -> Vec<Finding> {
+    let deck = deck(solver, text);
+    findings(deck.model(), &deck.model().cases()[0], solver)
+}
+
+/// The outcome of the only fault.
+fn outcome(solver: Solver, text: &str) -> Outcome {
+    match said(solver, text)[..] {
+        [finding] => finding.outcome,
+        ref others => panic!("{others:?}\n{text}"),
+    }
+}
+
+const NODES: &str = "*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n3,0.,1.,0.\n4,1.,1.,0.\n5,2.,0.,0.\n6,2.,1.,0.\n*NSET,NSET=A\n1\n";
+const BODY: &str = "*RIGID BODY,NSET=A,REF NODE=2,ROT NODE=3\n";
+const EQUATION: &str = "*EQUATION\n2\n1,1,1.,4,1,-1.\n";
+
+#[test]
+fn abaqus() {
+    let of = |cards: &str| outcome(Solver::Abaqus, &format!("{NODES}{cards}"));
+    assert_eq!(of(&format!("{EQUATION}{EQUATION}")), Outcome::Refused);
+    assert_eq!(of(&format!("{EQUATION}*BOUNDARY\n1,1,1\n")), Outcome::Refused);
+    assert_eq!(of(&format!("{EQUATION}{BODY}")), Outcome::Refused);
+    assert_eq!(of("*EQUATION\n2\n1,1,0.,4,1,-1.\n"), Outcome::Refused);
+    let bodies = said(Solver::Abaqus, &format!("{NODES}{BODY}*RIGID BODY,NSET=A,REF NODE=4,ROT NODE=5\n"));
+    assert!(bodies.len() == 3 && bodies.iter().all(|finding| finding.outcome == Outcome::Accepted));
+}
+
+const BULK: &str =
+    "SOL 101\nCEND\nSPC = 1\nMPC = 2\nBEGIN BULK\nGRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,2.,0.,0.\n";
+
+#[test]
+fn nastran_and_optistruct() {
+    let of = |solver, cards: &str| outcome(solver, &format!("{BULK}{cards}ENDDATA\n"));
+    let mpc = "MPC,2,3,2,1.,2,2,-1.\n";
+    for (cards, optistruct) in [
+        ("MPC,2,3,2,1.,1,2,-1.\n", Outcome::Refused),
+        ("SPC1,1,2,3\n", Outcome::Refused),
+        ("RBE2,9,1,2,3\n", Outcome::Accepted),
+    ] {
+        assert_eq!(of(Solver::Nastran, &format!("{mpc}{cards}")), Outcome::Refused);
+        assert_eq!(of(Solver::Optistruct, &format!("{mpc}{cards}")), optistruct);
+    }
+    assert_eq!(of(Solver::Optistruct, "RBE2,9,1,2,3\nSPC1,1,2,3\nMPC,2,3,3,1.,2,3,-1.\n"), Outcome::Accepted);
+}
+
+#[test]
+fn ansys_takes_another_dof_of_an_equation() {
+    let of = |commands: &str| outcome(Solver::Ansys, commands);
+    let shared = "CE,1,0,1,UX,1,2,UX,-1\n";
+    assert_eq!(of(&format!("{shared}CE,2,0,1,UX,1,3,UX,-1\n")), Outcome::Accepted);
+    assert_eq!(of(&format!("{shared}CE,2,0,1,UX,1,2,UX,1\n")), Outcome::Refused);
+    assert_eq!(of(&format!("{shared}D,1,UX,0\n")), Outcome::Accepted);
+    assert_eq!(of(&format!("{shared}D,1,UX,0\nD,2,UX,0\n")), Outcome::Refused);
+    let grounded = said(Solver::Ansys, "CP,1,UX,1,2\nD,1,UX,0\nD,2,UX,0\n");
+    assert!(!grounded.is_empty() && grounded.iter().all(|finding| finding.outcome == Outcome::Refused));
+}
+
+#[test]
+fn solvers_have_names() {
+    for solver in Solver::ALL {
+        assert_eq!(solver.to_string().to_uppercase().parse(), Ok(solver));
+    }
+    assert!("nastrann".parse::<Solver>().is_err_and(|error: UnknownSolver| error.to_string().contains("ansys")));
+}
+
+#[test]
+fn what_is_left_of_several_claims_meets_the_next() {
+    // Two bodies and an equation: ccx drops the second body's claim, and stops at the equation after the first.
+    let other = "*RIGID BODY,NSET=A,REF NODE=4,ROT NODE=5\n";
+    let text = format!("{NODES}{BODY}{other}{EQUATION}");
+    let deck = deck(Solver::Ccx, &text);
+    let said = findings(deck.model(), &deck.model().cases()[0], Solver::Ccx);
+    let words: Vec<String> = said.iter().map(|finding| finding.describe(deck.model(), Solver::Ccx)).collect();
+    let dropped = |component: u8| {
+        let both = format!("1:{component} is the slave of line 10 *RIGID BODY, and of line 11 *RIGID BODY");
+        format!("{both}: ccx drops this equation of line 11 *RIGID BODY in every step")
+    };
+    let stops = "1:1 is the slave of line 10 *RIGID BODY, and of line 13 *EQUATION: ccx stops".to_owned();
+    assert_eq!(words, [dropped(1), dropped(2), dropped(3), stops]);
+}
