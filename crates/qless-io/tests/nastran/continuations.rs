@@ -106,6 +106,12 @@ fn blanks_between_components_and_longer_lines_do_not_matter() {
 }
 
 #[test]
+fn a_point_in_large_field_has_its_second_line_anywhere() {
+    let apart = "GRID*                  2                              1.              2.*G\nGRID,1\n*G                    3.\nRBE2,9,1,1,2\n";
+    assert_eq!(equations(&model(apart)), ["1 2:1 -1 1:1 -3 1:5 2 1:6"]);
+}
+
+#[test]
 fn a_point_may_be_given_twice_alike() {
     let text = format!("{GRIDS}GRID,2,,1.\nRBE2,9,1,3,2\n");
     assert_eq!(warnings(&model(&text)), [""; 0]);

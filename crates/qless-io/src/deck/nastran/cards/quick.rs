@@ -91,7 +91,7 @@ mod tests {
     fn card(line: &str) -> Card {
         let mut card = Card::default();
         let name = if line.starts_with("GRID") { "GRID" } else { "MPC" };
-        card.begin(name, line.as_bytes(), 0, 1).expect("a card");
+        card.begin(name, line.as_bytes(), (0, 1)).expect("a card");
         card
     }
 

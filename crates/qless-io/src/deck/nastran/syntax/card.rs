@@ -100,6 +100,11 @@ impl Card {
         name_in(&self.mark)
     }
 
+    /// Whether it has all fields of a line, which in large field takes two.
+    pub fn is_full_line(&self) -> bool {
+        self.ends.len() >= PER_LINE
+    }
+
     /// Whether it has this one line.
     pub fn is_one_line(&self) -> bool {
         self.lines.len() == 1 && self.ends.len() <= PER_LINE

@@ -160,7 +160,7 @@ pub fn name_of(line: &[u8]) -> Vec<u8> {
     split(line).map(|fields| fields.name.to_ascii_uppercase()).unwrap_or_default()
 }
 
-/// Whether all that a card of this name says is in one line, so that what stands in its last field is a remark.
+/// Whether all that a card of this name says is in one line of small field, so that what stands in its last field is a remark.
 pub fn is_always_one_line(name: &str) -> bool {
     matches!(name, "GRID" | "GRDSET" | "SPC" | "SPCD" | "FORCE" | "MOMENT" | "SLOAD") || name.starts_with("CORD1")
 }
