@@ -3,8 +3,6 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use qless::{ConstraintSystem, SystemBuilder, SystemError};
-
 use super::columns::Columns;
 use super::{CardName, Cards, DeckError};
 
@@ -104,6 +102,17 @@ pub struct Warning {
     pub leaves_out: bool,
 }
 
+/// What a deck says once for all of it, where solvers go by it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Traits {
+    /// Whether some nodes have axes of their own.
+    pub(super) has_local_axes: bool,
+    /// Whether a step is geometrically nonlinear.
+    pub(super) is_nonlinear: bool,
+    /// Whether a kinematic coupling has axes of its own.
+    pub(super) has_turned_couplings: bool,
+}
+
 /// The constraints of a deck.
 #[derive(Clone, Debug, Default)]
 pub struct Model {
@@ -112,8 +121,9 @@ pub struct Model {
     pub(super) dofs: Vec<Dof>,
     pub(super) cases: Vec<LoadCase>,
     pub(super) warnings: Vec<Warning>,
-    /// Reference nodes of bodies whose rotations, components 4 to 6, the solver makes.
-    pub(super) own_rotations: BTreeSet<u32>,
+    /// Rotations that the solver makes for bodies: the first of three components of the reference node.
+    pub(super) own_rotations: BTreeSet<Dof>,
+    pub(super) traits: Traits,
     /// Names of the courses after the first.
     courses: Vec<String>,
     /// DOFs that cards put where no slave may be, ascending.
@@ -312,7 +322,6 @@ impl Model {
     }
 
     /// The number of the course of this name.
-    #[expect(dead_code, reason = "readers of amplitudes come next")]
     pub(super) fn course(&mut self, name: &str) -> u32 {
         let known = self.courses.iter().position(|known| known == name);
         let at = known.unwrap_or_else(|| {
@@ -353,43 +362,6 @@ impl Model {
     pub fn in_force(&self, case: &LoadCase) -> impl Iterator<Item = usize> + '_ {
         let removed = case.removed.clone();
         (0..self.equations()).filter(move |&i| removed.binary_search(&(i as u32)).is_err())
-    }
-
-    /// `C u = b` of a load case, labelled in the deck's language: a row for each equation in force and then one for each value
-    /// that contradicts another; a column for each DOF in them.
-    ///
-    /// # Errors
-    /// [`SystemError`] where coefficients of one DOF in one equation overflow when summed.
-    pub fn system(&self, case: &LoadCase) -> Result<ConstraintSystem, SystemError> {
-        let clashing: Vec<Dof> = case.clashes.iter().map(|clash| clash.dof).collect();
-        let mut extra: Vec<Dof> = clashing.iter().copied().filter(|&dof| self.column(dof).is_none()).collect();
-        extra.sort_unstable();
-        extra.dedup();
-        let column = |dof: Dof| match self.column(dof) {
-            Some(j) => Some(j as usize),
-            None => extra.binary_search(&dof).ok().map(|k| self.dofs.len() + k),
-        };
-        // A system has at least one DOF, so that of a deck without constraints has one that nothing holds.
-        let dofs = self.dofs.len() + extra.len();
-        let mut builder = SystemBuilder::new(dofs.max(1));
-        for i in self.in_force(case) {
-            let equation = self.nth(i);
-            let terms = equation.columns.iter().zip(equation.coefficients).filter(|(_, a)| **a != 0.0);
-            builder.labelled_equation(self.label_of(i), terms.map(|(&j, &a)| (j as usize, a)), equation.rhs);
-        }
-        for clash in &case.clashes {
-            let label = format!("{} {}", self.place(clash.origin), clash.dof);
-            builder.labelled_equation(label, [(column(clash.dof).unwrap_or_default(), 1.0)], clash.value);
-        }
-        for given in &case.prescribed {
-            if let Some(j) = column(given.dof) {
-                builder.prescribe(j, given.value);
-            }
-        }
-        if dofs > 0 {
-            builder.dof_labels(self.dofs.iter().chain(&extra).map(Dof::to_string).collect());
-        }
-        builder.build()
     }
 
     /// An error at a line of a card.

@@ -52,7 +52,7 @@ impl Coupling {
 
     fn kinematic(&self, card: &Card, definitions: &Definitions) -> Result<Vec<Row>, Problem> {
         let local = self.orientation.as_deref().map(|name| orientation(definitions, name)).transpose()?;
-        let reference = Reference { node: self.reference()?, rotation: None };
+        let reference = Reference::turning(self.reference()?);
         let nodes = self.nodes(definitions)?;
         kinematic(definitions, reference, nodes.into_iter(), &components(card, 6)?, local.as_ref())
     }
@@ -69,10 +69,11 @@ pub fn read(card: &Card, coupling: &Coupling, model: &mut Model, definitions: &D
     let place = Place::of(card, model, if is_kinematic { "*KINEMATIC" } else { "*DISTRIBUTING" });
     let rows =
         if is_kinematic { coupling.kinematic(card, definitions) } else { coupling.distributing(card, definitions) };
+    model.traits.has_turned_couplings |= is_kinematic && coupling.orientation.is_some();
     match coupling.reference() {
         Ok(node) if is_kinematic => {
             place.push(model, rows)?;
-            own_rotation(&place, node, model, definitions);
+            own_rotation(&place, Reference::turning(node), model, definitions);
             linearised(card, &place, model);
             Ok(())
         }
@@ -85,7 +86,7 @@ pub fn kinematic_coupling(card: &Card, model: &mut Model, definitions: &Definiti
     let place = Place::of(card, model, "*KINEMATIC COUPLING");
     let rows = || {
         let reference = card.parameter("REFNODE").ok_or(Problem::NoParameter { name: "REF NODE" })?;
-        let reference = Reference { node: number(reference.as_bytes(), "a node")?, rotation: None };
+        let reference = Reference::turning(number(reference.as_bytes(), "a node")?);
         let mut rows = Vec::new();
         for line in card.lines() {
             let mut fields = line.fields();

@@ -145,6 +145,11 @@ impl Definitions {
         self.members(false, name(set))
     }
 
+    /// The names of all node sets.
+    pub fn node_set_names(&self) -> impl Iterator<Item = &str> {
+        self.node_sets.keys().map(String::as_str)
+    }
+
     /// A node, or the nodes of a set.
     pub fn node_or_set(&self, field: &[u8]) -> Result<Vec<u32>, Problem> {
         match number(field, "a node") {

@@ -22,4 +22,4 @@ mod tie;
 mod write;
 
 pub(super) use reader::read;
-pub(super) use write::{positions, write};
+pub(super) use write::{node_set, node_set_names, positions, write};

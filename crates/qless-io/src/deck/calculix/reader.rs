@@ -6,7 +6,7 @@ use super::card::{Card, walk};
 use super::coupling::{self, Coupling};
 use super::definitions::Definitions;
 use super::{boundary, equation, mpc, rigid, tie};
-use crate::deck::{DeckError, Dof, Load, LoadCase, Model, Origin, Prescribed, Problem, Sources};
+use crate::deck::{DeckError, Dof, Load, LoadCase, Model, Origin, Prescribed, Problem, Solver, Sources};
 
 /// Cards that constrain in ways that this reader does not follow.
 const UNKNOWN: [&str; 9] = [
@@ -44,6 +44,7 @@ pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
 }
 
 struct Reader {
+    solver: Solver,
     model: Model,
     definitions: Definitions,
     /// Values in force, with the step that gave them; 0 before the first.
@@ -62,6 +63,7 @@ impl Reader {
         let mut model = Model::new(sources.paths().to_vec());
         model.reserve(definitions.equations, definitions.terms);
         Self {
+            solver: sources.solver(),
             model,
             definitions,
             prescribed: BTreeMap::new(),
@@ -83,7 +85,7 @@ impl Reader {
             }
             b"*EQUATION" => equation::read(card, &mut self.model, &self.definitions)?,
             b"*MPC" => mpc::read(card, &mut self.model, &self.definitions)?,
-            b"*RIGIDBODY" => rigid::read(card, &mut self.model, &self.definitions)?,
+            b"*RIGIDBODY" => rigid::read(card, self.solver, &mut self.model, &self.definitions)?,
             b"*COUPLING" => self.coupling = Some(Coupling::of(card)),
             b"*KINEMATIC" | b"*DISTRIBUTING" => {
                 if let Some(coupling) = &self.coupling {
@@ -174,6 +176,8 @@ impl Reader {
             self.model.cases.push(case);
         }
         self.check_nodes()?;
+        self.model.traits.has_local_axes = !self.definitions.transforms.is_empty();
+        self.model.traits.is_nonlinear = self.definitions.is_nonlinear;
         self.model.shrink();
         Ok(self.model)
     }

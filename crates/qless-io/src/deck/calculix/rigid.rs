@@ -8,16 +8,24 @@ use super::geometric::{Place, Row};
 use crate::deck::kinematics::axes::BASIC_AXES;
 use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::{Vector, cross, minus};
-use crate::deck::{DeckError, Dof, Model, Problem};
+use crate::deck::{DeckError, Dof, Model, Problem, Solver};
 
-/// The node whose motion a body follows; its rotations are components 4 to 6, or 1 to 3 of a node of their own.
+/// The node whose motion a body follows, and the first of the three components that are the body's rotation.
 #[derive(Clone, Copy)]
 pub struct Reference {
     pub node: u32,
-    pub rotation: Option<u32>,
+    pub rotation: Dof,
 }
 
+/// The rotation that CalculiX makes for a `*RIGID BODY` without `ROT NODE`: no other card reaches it, components 4 to 6 included.
+const UNREACHED: u8 = 21;
+
 impl Reference {
+    /// A reference whose components 4 to 6 are the rotation.
+    pub fn turning(node: u32) -> Self {
+        Self { node, rotation: Dof { node, component: 4 } }
+    }
+
     /// The motion of a point along a direction e: `e . u_k - e . u_r - (r x e) . w = 0`.
     pub fn follows(&self, definitions: &Definitions, node: u32, direction: Vector) -> Result<Row, Problem> {
         let reference = definitions.pose(self.node)?;
@@ -37,11 +45,7 @@ impl Reference {
     }
 
     fn rotation_dof(&self, k: usize) -> Dof {
-        let component = k as u8 + 1;
-        match self.rotation {
-            Some(node) => Dof { node, component },
-            None => Dof { node: self.node, component: component + 3 },
-        }
+        Dof { component: self.rotation.component + k as u8, ..self.rotation }
     }
 
     /// A node's rotation is the body's.
@@ -52,40 +56,48 @@ impl Reference {
 }
 
 /// `*RIGID BODY, NSET= or ELSET=, REF NODE=, ROT NODE=`.
-pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) -> Result<(), DeckError> {
+pub fn read(card: &Card, solver: Solver, model: &mut Model, definitions: &Definitions) -> Result<(), DeckError> {
     let place = Place::of(card, model, "*RIGID BODY");
-    let rows = rows(card, definitions);
+    let rows = rows(card, solver, definitions);
     place.push(model, rows)?;
     if definitions.is_nonlinear {
         place.fix(model);
     } else if card.parameter("ROTNODE").is_none() {
-        let reference = card.parameter("REFNODE").and_then(|text| number(text.as_bytes(), "a node").ok());
-        reference.into_iter().for_each(|node| own_rotation(&place, node, model, definitions));
+        if let Ok(reference) = reference(card, solver) {
+            own_rotation(&place, reference, model, definitions);
+        }
     }
     model.warn(card.file, card.line, "*RIGID BODY is linearised at the reference configuration");
     Ok(())
 }
 
 /// The solver makes the rotation of a reference: one along the basic axes can be that of a new node.
-pub fn own_rotation(place: &Place, node: u32, model: &mut Model, definitions: &Definitions) {
+pub fn own_rotation(place: &Place, reference: Reference, model: &mut Model, definitions: &Definitions) {
+    let node = reference.node;
     let is_plain = definitions.pose(node).is_ok_and(|pose| pose.axes == BASIC_AXES);
     if is_plain && !definitions.is_nonlinear && !definitions.rotates(node) {
-        model.own_rotations.insert(node);
+        model.own_rotations.insert(reference.rotation);
     } else {
         place.fix(model);
     }
 }
 
-fn rows(card: &Card, definitions: &Definitions) -> Result<Vec<Row>, Problem> {
+fn reference(card: &Card, solver: Solver) -> Result<Reference, Problem> {
     let node = |name| card.parameter(name).map(|text| number(text.as_bytes(), "a node")).transpose();
     let reference = node("REFNODE")?.ok_or(Problem::NoParameter { name: "REF NODE" })?;
-    let reference = Reference { node: reference, rotation: node("ROTNODE")? };
+    let own = Dof { node: reference, component: if solver == Solver::Ccx { UNREACHED } else { 4 } };
+    let rotation = node("ROTNODE")?.map_or(own, |node| Dof { node, component: 1 });
+    Ok(Reference { node: reference, rotation })
+}
+
+fn rows(card: &Card, solver: Solver, definitions: &Definitions) -> Result<Vec<Row>, Problem> {
+    let reference = reference(card, solver)?;
     let nodes = match (card.parameter("NSET"), card.parameter("ELSET")) {
         (Some(set), _) => definitions.nodes(set)?.to_vec(),
         (None, Some(set)) => definitions.nodes_of(set)?,
         (None, None) => return Err(Problem::NoParameter { name: "NSET" }),
     };
-    let others = nodes.into_iter().filter(|&node| node != reference.node && Some(node) != reference.rotation);
+    let others = nodes.into_iter().filter(|&node| node != reference.node && node != reference.rotation.node);
     kinematic(definitions, reference, others, &[1, 2, 3], None)
 }
 

@@ -18,6 +18,8 @@ pub enum Fault {
         slave: Dof,
         /// Where the value is given.
         by: Origin,
+        /// The first load case that prescribes it, from 0.
+        since: usize,
     },
     /// The slave is that of an earlier equation too.
     SlaveTwice {
@@ -68,13 +70,26 @@ impl Fault {
         }
     }
 
+    /// Its slave.
+    pub fn slave(&self) -> Dof {
+        match *self {
+            Self::SlavePrescribed { slave, .. }
+            | Self::SlaveTwice { slave, .. }
+            | Self::SlaveClaimed { slave, .. }
+            | Self::SlaveVanishes { slave, .. }
+            | Self::Circle { slave, .. } => slave,
+        }
+    }
+
     /// In the deck's language: `1:3 is the slave of line 25 *EQUATION, and prescribed in line 19 *BOUNDARY`.
     pub fn describe(&self, model: &Model) -> String {
         let place =
             |i: usize| model.equation(i).map_or_else(|| format!("equation {}", i + 1), |e| model.place(e.origin));
         match *self {
-            Self::SlavePrescribed { equation, slave, by } => {
-                format!("{slave} is the slave of {}, and prescribed in {}", place(equation), model.place(by))
+            Self::SlavePrescribed { equation, slave, by, since } => {
+                let from = model.cases.get(since).filter(|_| since > 0).map(|case| format!(" from {} on", case.name));
+                let (equation, by, from) = (place(equation), model.place(by), from.unwrap_or_default());
+                format!("{slave} is the slave of {equation}, and prescribed in {by}{from}")
             }
             Self::SlaveClaimed { equation, slave, by } => {
                 let set = model.place(by);
@@ -147,7 +162,7 @@ pub(super) fn faults_of(model: &Model, prescribed: &FxHashMap<u32, Origin>, left
             faults.push(Fault::SlaveVanishes { equation: i, slave });
         }
         if let Some(&by) = prescribed.get(&column) {
-            faults.push(Fault::SlavePrescribed { equation: i, slave, by });
+            faults.push(Fault::SlavePrescribed { equation: i, slave, by, since: since(model, slave) });
         }
         if let Some(by) = model.claimed(slave) {
             faults.push(Fault::SlaveClaimed { equation: i, slave, by });
@@ -159,6 +174,12 @@ pub(super) fn faults_of(model: &Model, prescribed: &FxHashMap<u32, Origin>, left
     }
     faults.extend(circles(model, &slave_of));
     faults
+}
+
+/// The first load case that prescribes a DOF which some case prescribes.
+fn since(model: &Model, dof: Dof) -> usize {
+    let prescribes = |case: &LoadCase| case.prescribed.binary_search_by_key(&dof, |given| given.dof).is_ok();
+    model.cases.iter().position(prescribes).unwrap_or(0)
 }
 
 /// Translations and rotations have coefficients in different units, of which neither is large or small beside the other.

@@ -7,10 +7,12 @@
 
 mod edit;
 mod fault;
+mod finding;
 mod plan;
 mod proof;
 
 pub use fault::{Fault, faults, faults_in};
+pub use finding::{Finding, findings};
 pub use plan::{Cases, Ended, Plan, Reason, Removed, Written, plan};
 
 pub(super) use edit::Edits;

@@ -217,3 +217,13 @@ pub fn positions(deck: &Deck) -> HashMap<u32, [f64; 3]> {
     let found = definitions(deck).ok().and_then(|definitions| definitions.all_positions().ok());
     found.map(|all| all.into_iter().collect()).unwrap_or_default()
 }
+
+/// The nodes of a set, if there is such a set.
+pub fn node_set(deck: &Deck, name: &str) -> Option<Vec<u32>> {
+    definitions(deck).ok()?.nodes(name).ok().map(|nodes| nodes.to_vec())
+}
+
+/// The names of all node sets.
+pub fn node_set_names(deck: &Deck) -> Vec<String> {
+    definitions(deck).map(|found| found.node_set_names().map(str::to_owned).collect()).unwrap_or_default()
+}

@@ -1,7 +1,7 @@
 //! Rotations of bodies that are written as equations.
 //!
-//! The solver makes a rotation `w` of its own for the reference node of a `*KINEMATIC` coupling or of a `*RIGID BODY`, known as
-//! components 4 to 6. Equations can only name it as components 1 to 3 of a node, as `ROT NODE` does: a new node at the same place.
+//! The solver makes a rotation `w` of its own for the reference node of a `*KINEMATIC` coupling, known as components 4 to 6, or of a
+//! `*RIGID BODY`, known to no other card. Equations can only name it as components 1 to 3 of a node, as `ROT NODE` does: a new node at the same place.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,9 +11,9 @@ use super::{definitions, positions};
 use crate::deck::clean::{CleanError, Plan, Renamed};
 use crate::deck::{Deck, Dof, Model, Origin};
 
-/// Reference nodes whose bodies become equations, and the nodes that get their rotations.
+/// Rotations of bodies that become equations, by the first of three components, and the nodes that get them.
 pub struct Rotations {
-    node_of: BTreeMap<u32, u32>,
+    node_of: BTreeMap<Dof, u32>,
 }
 
 impl Rotations {
@@ -23,13 +23,13 @@ impl Rotations {
         let gone: FxHashSet<usize> = plan.removed.iter().map(|removed| removed.equation).collect();
         let turns = |i: usize| {
             let nodes = model.nth(i).columns.iter().map(|&j| model.dofs[j as usize]);
-            nodes.filter(|&dof| is_rotation(model, dof)).map(|dof| dof.node).collect::<BTreeSet<u32>>()
+            nodes.filter_map(|dof| own_rotation(model, dof)).collect::<BTreeSet<Dof>>()
         };
         let (mut taken, mut stays) = (BTreeSet::new(), BTreeSet::new());
         for i in (0..model.equations()).filter(|_| !model.own_rotations.is_empty()) {
             if gone.contains(&i) { taken.append(&mut turns(i)) } else { stays.append(&mut turns(i)) }
         }
-        if let Some(node) = taken.intersection(&stays).next() {
+        if let Some(Dof { node, .. }) = taken.intersection(&stays).next() {
             return Err(refused(
                 deck,
                 format!("node {node} is the reference of several bodies, not all of which become equations"),
@@ -41,10 +41,9 @@ impl Rotations {
 
     /// The DOF that stands for this one in the text.
     pub fn name(&self, dof: Dof) -> Dof {
-        match self.node_of.get(&dof.node).filter(|_| dof.component > 3) {
-            Some(&node) => Dof { node, component: dof.component - 3 },
-            None => dof,
-        }
+        let own =
+            self.node_of.range(Dof { component: 0, ..dof }..=dof).next_back().filter(|(first, _)| is_of(dof, **first));
+        own.map_or(dof, |(first, &node)| Dof { node, component: dof.component - first.component + 1 })
     }
 
     /// The new nodes.
@@ -53,7 +52,7 @@ impl Rotations {
             return String::new();
         }
         let places = positions(deck);
-        let node = |(reference, node): (&u32, &u32)| {
+        let node = |(Dof { node: reference, .. }, node): (&Dof, &u32)| {
             let [x, y, z] = places.get(reference).copied().unwrap_or_default();
             format!("** qless: node {node} has the rotation of node {reference}\n{node},{x:?},{y:?},{z:?}\n")
         };
@@ -62,8 +61,8 @@ impl Rotations {
 
     /// New DOFs, and the ones of the deck that they are.
     pub fn renamed(&self) -> Renamed {
-        let dofs = |(&reference, &node): (&u32, &u32)| {
-            (1..=3).map(move |c| (Dof { node, component: c }, Dof { node: reference, component: c + 3 }))
+        let dofs = |(&first, &node): (&Dof, &u32)| {
+            (0..3).map(move |k| (Dof { node, component: k + 1 }, Dof { component: first.component + k, ..first }))
         };
         self.node_of.iter().flat_map(dofs).collect()
     }
@@ -105,14 +104,19 @@ impl Rotations {
             (true, true) => format!("{node},{first}{rest}\n"),
             (true, false) => format!("{node},{first},{last}{rest}\n"),
         };
-        let turned = self.node_of.get(&node).copied().unwrap_or(node);
+        let turned = self.node_of.get(&Dof { node, component: 4 }).copied().unwrap_or(node);
         Ok(part(node, first, last.min(3)) + &part(turned, first.max(4) - 3, last.max(3) - 3))
     }
 }
 
-/// Whether a DOF is a rotation that the solver makes.
-fn is_rotation(model: &Model, dof: Dof) -> bool {
-    dof.component > 3 && model.own_rotations.contains(&dof.node)
+/// The rotation that a DOF is of, if the solver makes it.
+fn own_rotation(model: &Model, dof: Dof) -> Option<Dof> {
+    let node = Dof { component: 0, ..dof }..=dof;
+    model.own_rotations.range(node).next_back().copied().filter(|first| is_of(dof, *first))
+}
+
+fn is_of(dof: Dof, first: Dof) -> bool {
+    (first.component..first.component + 3).contains(&dof.component)
 }
 
 fn refused(deck: &Deck, why: String) -> CleanError {
