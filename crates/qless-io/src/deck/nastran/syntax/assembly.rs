@@ -5,9 +5,10 @@ use super::continuations::{Before, Continuations, is_always_one_line, name_of};
 use super::copies::{self, Change};
 use super::fields::{is_copy, mark, name_in};
 use super::lines::Line;
-use crate::deck::Problem;
 use crate::deck::nastran::cards::bulk::Bulk;
 use crate::deck::nastran::cards::quick::Quick;
+use crate::deck::nastran::fault::CardFault;
+use crate::deck::{Problem, Solver};
 use crate::fault::quote;
 
 /// A card that was refused, as an error names it.
@@ -27,12 +28,11 @@ pub struct Assembly {
     continuations: Continuations,
     /// How the last copies were made.
     copies: Option<Change>,
-    /// Whether a continuation may be elsewhere than in the next line. Where not, names do not matter.
-    by_name: bool,
+    solver: Solver,
 }
 
 impl Assembly {
-    pub fn new(by_name: bool) -> Self {
+    pub fn new(solver: Solver) -> Self {
         Self {
             bulk: Bulk::default(),
             card: Card::default(),
@@ -40,8 +40,13 @@ impl Assembly {
             mark: Vec::new(),
             continuations: Continuations::default(),
             copies: None,
-            by_name,
+            solver,
         }
+    }
+
+    /// Whether names of continuations matter. To OptiStruct the next line is the continuation, whatever its name.
+    fn goes_by_name(&self) -> bool {
+        self.solver != Solver::Optistruct
     }
 
     /// Takes a card that was read the short way. No continuation follows it, and no copy.
@@ -74,7 +79,7 @@ impl Assembly {
 
     /// Finds out what a continuation line goes on with.
     pub fn go_on(&mut self, line: &Line) -> Result<(), Failed> {
-        let name = if self.by_name { name_of(line.text) } else { Vec::new() };
+        let name = if self.goes_by_name() { name_of(line.text) } else { Vec::new() };
         let own = match self.before {
             Before::Read => self.card.continues_in(),
             Before::Unread => name_in(&self.mark),
@@ -146,13 +151,13 @@ impl Assembly {
         let is_given = self.copies.take().is_some();
         match std::mem::replace(&mut self.before, Before::Nothing) {
             Before::Read if !is_given => {
-                let name = if self.by_name { self.card.continues_in() } else { Vec::new() };
+                let name = if self.goes_by_name() { self.card.continues_in() } else { Vec::new() };
                 if name.is_empty() || self.card.is_full_line() && is_always_one_line(self.card.name) {
                     return self.give();
                 }
                 self.continuations.claim(name, Some(std::mem::take(&mut self.card)));
             }
-            Before::Unread if self.by_name => {
+            Before::Unread if self.goes_by_name() => {
                 let name = name_in(&self.mark);
                 if !name.is_empty() {
                     self.continuations.claim(name, None);
@@ -165,13 +170,17 @@ impl Assembly {
 
     /// Hands the card on.
     fn give(&mut self) -> Result<(), Failed> {
+        if self.solver == Solver::Mystran && self.card.goes_beyond() {
+            let problem = CardFault::FieldsDropped.into();
+            return Err(self.failed(Refused { at: (self.card.file, self.card.line), field: None, problem }));
+        }
         self.bulk.card(&self.card).map_err(|refused| self.failed(refused))
     }
 
     /// All cards, those whose lines stand apart among them.
     pub fn finish(mut self) -> Result<Bulk, Failed> {
         self.end_card()?;
-        let cards = std::mem::take(&mut self.continuations).finish().map_err(|(card, refused)| {
+        let cards = std::mem::take(&mut self.continuations).finish(self.solver).map_err(|(card, refused)| {
             let card = card.map_or_else(|| "continuation".into(), |card| card.title().to_string());
             Failed { card, refused }
         })?;

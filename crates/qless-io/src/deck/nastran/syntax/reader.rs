@@ -10,13 +10,12 @@ use super::word::keyword;
 use crate::deck::nastran::cards::bulk::known;
 use crate::deck::nastran::cards::quick;
 use crate::deck::nastran::control::subcases::Control;
-use crate::deck::{DeckError, Problem, Solver, Sources};
+use crate::deck::{DeckError, Problem, Sources};
 
 /// Reads all lines of a deck.
 pub fn read(sources: &mut Sources) -> Result<Content, DeckError> {
     let section = section::first(sources)?;
-    // To OptiStruct the next line is the continuation, whatever its name.
-    let cards = Assembly::new(sources.solver() != Solver::Optistruct);
+    let cards = Assembly::new(sources.solver());
     let mut reader = Reader { landmarks: Landmarks::default(), control: None, section, cards };
     walk(sources, &mut reader)?;
     let Reader { landmarks, control, cards, .. } = reader;
