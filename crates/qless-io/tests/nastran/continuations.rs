@@ -69,14 +69,30 @@ fn lines_of_other_files_are_found() {
     assert_eq!(deck.model().equations(), 2);
 }
 
-/// To OptiStruct the next line is the continuation, whatever its name.
+/// To OptiStruct the next line is the continuation, whatever its name; MYSTRAN drops what is not the next line, and what stands beyond
+/// the last field (found by running it).
 #[test]
-fn optistruct_goes_by_place() {
-    let text = "GRID,1\nGRID,2\nGRID,3\nRBE2,9,1,3,2,+A\n+B,3\n";
-    let mut none = |_: &std::path::Path| Err(std::io::ErrorKind::NotFound.into());
-    let mut read = |solver| qless_io::deck::parse(solver, std::path::Path::new("d.bdf"), text.into(), &mut none);
-    assert_eq!(read(Solver::Optistruct).map(|deck| deck.model().equations()), Ok(2));
-    assert!(read(Solver::Nastran).is_err());
+fn solvers_differ() {
+    let read = |solver, cards: &str| {
+        let text = format!("GRID,1\nGRID,2\nGRID,3\n{cards}");
+        let mut none = |_: &std::path::Path| Err(std::io::ErrorKind::NotFound.into());
+        let deck = qless_io::deck::parse(solver, std::path::Path::new("d.bdf"), text.into(), &mut none);
+        deck.map(|deck| deck.model().equations()).map_err(|error| error.to_string())
+    };
+    let misnamed = "RBE2,9,1,3,2,+A\n+B,3\n";
+    assert_eq!(read(Solver::Optistruct, misnamed), Ok(2));
+    assert!(read(Solver::Nastran, misnamed).is_err() && read(Solver::Mystran, misnamed).is_err());
+    let apart = "RBE2,9,1,3,2,+A\nGRID,4\n+A,3\n";
+    let dropped = "d.bdf:6: RBE2 9: MYSTRAN drops this continuation in silence, as it is not the line after its card; put it there";
+    assert_eq!((read(Solver::Nastran, apart), read(Solver::Mystran, apart)), (Ok(2), Err(dropped.to_owned())));
+    assert_eq!(read(Solver::Mystran, "RBE2,9,1,3,2,+A\n"), Ok(1));
+    assert!(read(Solver::Nastran, "RBE2,9,1,3,2,+A\n").is_err());
+    let long = "RBE2,9,1,3,2,3,2,3,2,3\n";
+    assert_eq!(read(Solver::Nastran, long), Ok(6));
+    assert!(
+        read(Solver::Mystran, long)
+            .is_err_and(|error| error.contains("d.bdf:4: RBE2 9: MYSTRAN drops what stands after"))
+    );
 }
 
 #[test]
@@ -103,6 +119,12 @@ fn blanks_between_components_and_longer_lines_do_not_matter() {
     assert_eq!(sorted("RBE2,9,1,3,2,3,4,5,6,7"), sorted("RBE2,9,1,3,2,3,4,5,6\n,7"));
     let held = model("GRID,1\nSPC1,1,1 3,1\n");
     assert_eq!(super::given::prescribed(&held.cases()[0]), ["1:1=0", "1:3=0"]);
+}
+
+#[test]
+fn a_point_in_large_field_has_its_second_line_anywhere() {
+    let apart = "GRID*                  2                              1.              2.*G\nGRID,1\n*G                    3.\nRBE2,9,1,1,2\n";
+    assert_eq!(equations(&model(apart)), ["1 2:1 -1 1:1 -3 1:5 2 1:6"]);
 }
 
 #[test]

@@ -43,6 +43,12 @@ pub enum CardFault {
         /// The name that the line begins with.
         found: Box<str>,
     },
+    /// A continuation that the solver does not find.
+    #[error("MYSTRAN drops this continuation in silence, as it is not the line after its card; put it there")]
+    ContinuationDropped,
+    /// Data beyond the last field of a line, which the solver does not read.
+    #[error("MYSTRAN drops what stands after the 8 data fields of a line in silence; go on in a continuation line")]
+    FieldsDropped,
     /// Two elements of one number.
     #[error("element {id} is that of {other} already; give it another number")]
     ElementTwice {

@@ -35,6 +35,8 @@ pub struct Card {
     lines: Vec<Part>,
     /// How the last line names its continuation.
     mark: Vec<u8>,
+    /// Whether a line has data beyond its last field.
+    goes_beyond: bool,
 }
 
 /// Where and why a card was refused.
@@ -73,6 +75,7 @@ impl Card {
         self.ends.clear();
         self.lines.clear();
         self.mark.clear();
+        self.goes_beyond = false;
         self.name = name;
         (self.file, self.line) = at;
     }
@@ -86,6 +89,7 @@ impl Card {
         }
         self.lines.push(Part { at, first: self.ends.len() as u32, is_apart });
         fields.data().iter().chain(&fields.more).for_each(|field| self.push(field));
+        self.goes_beyond |= !fields.more.is_empty();
         self.mark.clear();
         self.mark.extend_from_slice(fields.mark);
     }
@@ -98,6 +102,16 @@ impl Card {
     /// The name of the line that continues the card, in capitals; empty if it names none.
     pub fn continues_in(&self) -> Vec<u8> {
         name_in(&self.mark)
+    }
+
+    /// Whether a line in free field has data beyond its last field, as those of a continuation.
+    pub fn goes_beyond(&self) -> bool {
+        self.goes_beyond
+    }
+
+    /// Whether it has all fields of a line, which in large field takes two.
+    pub fn is_full_line(&self) -> bool {
+        self.ends.len() >= PER_LINE
     }
 
     /// Whether it has this one line.

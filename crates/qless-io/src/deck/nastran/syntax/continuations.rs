@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, VecDeque};
 use super::card::{Card, Refused};
 use super::content::At;
 use super::fields::{mark, name_in, split};
+use crate::deck::Solver;
 use crate::deck::nastran::fault::CardFault;
 
 /// Cards that go on elsewhere and lines that nobody has claimed yet, in the order of the deck.
@@ -80,8 +81,9 @@ impl Continuations {
     /// The cards, each with all of its lines, in the order of the deck.
     ///
     /// # Errors
-    /// A card whose continuation never comes, with the card; a line that no card claims.
-    pub fn finish(mut self) -> Result<Vec<Card>, (Option<Card>, Refused)> {
+    /// A card whose continuation never comes, with the card; a line that no card claims. MYSTRAN reads continuations in the next line
+    /// only: it does without one that is not there, and drops in silence one that stands elsewhere, which is an error here.
+    pub fn finish(mut self, solver: Solver) -> Result<Vec<Card>, (Option<Card>, Refused)> {
         let mut by_name: BTreeMap<Vec<u8>, VecDeque<usize>> = BTreeMap::new();
         for (i, piece) in self.pieces.iter().enumerate() {
             by_name.entry(piece.name.clone()).or_default().push_back(i);
@@ -90,10 +92,10 @@ impl Continuations {
         // Those that name their lines come first: what they leave is that of the card before it.
         let claims = std::mem::take(&mut self.claims);
         for claim in claims.iter().filter(|claim| claim.next.is_none()) {
-            cards.extend(self.complete(claim, &mut by_name)?);
+            cards.extend(self.complete(claim, &mut by_name, solver)?);
         }
         for claim in claims.iter().filter(|claim| claim.next.is_some()) {
-            cards.extend(self.complete(claim, &mut by_name)?);
+            cards.extend(self.complete(claim, &mut by_name, solver)?);
         }
         if let Some(orphan) = self.pieces.iter().find(|piece| !piece.is_taken && !piece.may_be_unread) {
             let found = String::from_utf8_lossy(&orphan.name).into();
@@ -111,6 +113,7 @@ impl Continuations {
         &mut self,
         claim: &Claim,
         by_name: &mut BTreeMap<Vec<u8>, VecDeque<usize>>,
+        solver: Solver,
     ) -> Result<Option<Card>, (Option<Card>, Refused)> {
         let (mut card, mut name) = (claim.card.clone(), claim.name.clone());
         if let Some(next) = claim.next.filter(|&next| !self.pieces[next].is_taken) {
@@ -121,6 +124,14 @@ impl Continuations {
                 std::iter::from_fn(|| pieces.pop_front()).find(|&piece| !self.pieces[piece].is_taken)
             });
             match (free, card.as_mut()) {
+                (Some(piece), Some(card)) if solver == Solver::Mystran => {
+                    let at = self.pieces[piece].lines[0].0;
+                    return Err((
+                        Some(card.clone()),
+                        Refused { at, field: None, problem: CardFault::ContinuationDropped.into() },
+                    ));
+                }
+                (None, Some(_)) if solver == Solver::Mystran => break,
                 (Some(piece), card) => name = self.take(piece, card, true)?,
                 (None, None) => break,
                 (None, Some(card)) => {
@@ -160,7 +171,7 @@ pub fn name_of(line: &[u8]) -> Vec<u8> {
     split(line).map(|fields| fields.name.to_ascii_uppercase()).unwrap_or_default()
 }
 
-/// Whether all that a card of this name says is in one line, so that what stands in its last field is a remark.
+/// Whether all that a card of this name says is in one line of small field, so that what stands in its last field is a remark.
 pub fn is_always_one_line(name: &str) -> bool {
     matches!(name, "GRID" | "GRDSET" | "SPC" | "SPCD" | "FORCE" | "MOMENT" | "SLOAD") || name.starts_with("CORD1")
 }

@@ -1,5 +1,6 @@
 //! From bytes to cards: lines and includes, fields, numbers, the parts of a deck.
 
+pub mod assembly;
 pub mod card;
 pub mod content;
 pub mod continuations;

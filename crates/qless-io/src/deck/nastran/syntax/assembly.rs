@@ -1,0 +1,203 @@
+//! From lines of bulk data to cards: continuations, wherever they stand, and copies.
+
+use super::card::{Card, Refused};
+use super::continuations::{Before, Continuations, is_always_one_line, name_of};
+use super::copies::{self, Change};
+use super::fields::{is_copy, mark, name_in};
+use super::lines::Line;
+use crate::deck::nastran::cards::bulk::Bulk;
+use crate::deck::nastran::cards::quick::Quick;
+use crate::deck::nastran::fault::CardFault;
+use crate::deck::{Problem, Solver};
+use crate::fault::quote;
+
+/// A card that was refused, as an error names it.
+pub struct Failed {
+    pub card: String,
+    pub refused: Refused,
+}
+
+/// The card being read, and all that was read before it.
+pub struct Assembly {
+    pub bulk: Bulk,
+    card: Card,
+    /// What the last line belongs to.
+    before: Before,
+    /// How the last line names its continuation, if it is one of a card that is not read.
+    mark: Vec<u8>,
+    continuations: Continuations,
+    /// How the last copies were made.
+    copies: Option<Change>,
+    solver: Solver,
+}
+
+impl Assembly {
+    pub fn new(solver: Solver) -> Self {
+        Self {
+            bulk: Bulk::default(),
+            card: Card::default(),
+            before: Before::Nothing,
+            mark: Vec::new(),
+            continuations: Continuations::default(),
+            copies: None,
+            solver,
+        }
+    }
+
+    /// Whether names of continuations matter. To OptiStruct the next line is the continuation, whatever its name.
+    fn goes_by_name(&self) -> bool {
+        self.solver != Solver::Optistruct
+    }
+
+    /// Takes a card that was read the short way. No continuation follows it, and no copy.
+    pub fn quick(&mut self, card: &Quick, line: &Line) -> Result<(), Failed> {
+        self.end_card()?;
+        self.bulk.quick(card, line);
+        Ok(())
+    }
+
+    /// Begins a card; one without a name here is not read.
+    pub fn begin(&mut self, name: Option<&'static str>, line: &Line) -> Result<(), Failed> {
+        match name {
+            Some(name) => {
+                self.before = Before::Read;
+                self.card.begin(name, line.text, line.at()).map_err(|refused| self.failed(refused))
+            }
+            None => {
+                self.pass(line);
+                Ok(())
+            }
+        }
+    }
+
+    /// Passes over a line of a card that is not read.
+    fn pass(&mut self, line: &Line) {
+        self.before = Before::Unread;
+        self.mark.clear();
+        self.mark.extend_from_slice(mark(line.text));
+    }
+
+    /// Finds out what a continuation line goes on with.
+    pub fn go_on(&mut self, line: &Line) -> Result<(), Failed> {
+        let name = if self.goes_by_name() { name_of(line.text) } else { Vec::new() };
+        let own = match self.before {
+            Before::Read => self.card.continues_in(),
+            Before::Unread => name_in(&self.mark),
+            Before::Nothing | Before::Piece => Vec::new(),
+        };
+        let is_next = name.is_empty() || own == name;
+        match self.before {
+            Before::Nothing if name.is_empty() => {
+                Err(expected(line, "continuation", "a card before the line that continues it"))
+            }
+            Before::Read if is_next && self.copies.is_some() => {
+                Err(expected(line, "continuation", "a card of one line, as what `=` copies has to be"))
+            }
+            Before::Read if is_next => {
+                self.card.extend(line.text, line.at(), false).map_err(|refused| self.failed(refused))
+            }
+            Before::Unread if is_next => {
+                self.pass(line);
+                Ok(())
+            }
+            Before::Piece if self.continuations.goes_on(&name) => {
+                self.continuations.extend(line.text, line.at());
+                Ok(())
+            }
+            before => self.start_piece(before, name, own.is_empty(), line),
+        }
+    }
+
+    /// Keeps a line of a name that what stands before it does not go on with.
+    fn start_piece(&mut self, before: Before, name: Vec<u8>, names_none: bool, line: &Line) -> Result<(), Failed> {
+        if before == Before::Read && names_none && self.copies.is_none() {
+            self.continuations.claim_next(std::mem::take(&mut self.card));
+        } else {
+            self.end_card()?;
+        }
+        self.continuations.start(name, line.text, line.at(), before == Before::Unread && names_none);
+        self.before = Before::Piece;
+        Ok(())
+    }
+
+    /// Whether the line stands for copies of the card before it. Those of cards that are not read are passed over.
+    pub fn is_copied_by(&self, line: &Line) -> bool {
+        is_copy(line.text) && self.before == Before::Read
+    }
+
+    /// Makes copies of the card before the line.
+    pub fn copy(&mut self, line: &Line) -> Result<(), Failed> {
+        if !self.card.is_one_line() || !self.card.continues_in().is_empty() {
+            return Err(expected(line, "=", "a card of one line before its copies"));
+        }
+        if self.copies.is_none() {
+            self.bulk.fixed.insert((self.card.file, self.card.line));
+            self.give()?;
+        }
+        let read = copies::read(line.text, self.copies.as_ref(), line.at());
+        let (count, change) = read.map_err(|refused| self.failed(refused))?;
+        self.bulk.fixed.insert(line.at());
+        for _ in 0..count {
+            change.apply(&mut self.card, line.at()).map_err(|refused| self.failed(refused))?;
+            self.give()?;
+        }
+        self.copies = Some(change);
+        Ok(())
+    }
+
+    /// Ends the card that is being read, if there is one.
+    pub fn end_card(&mut self) -> Result<(), Failed> {
+        // Copies were given when they were made.
+        let is_given = self.copies.take().is_some();
+        match std::mem::replace(&mut self.before, Before::Nothing) {
+            Before::Read if !is_given => {
+                let name = if self.goes_by_name() { self.card.continues_in() } else { Vec::new() };
+                if name.is_empty() || self.card.is_full_line() && is_always_one_line(self.card.name) {
+                    return self.give();
+                }
+                self.continuations.claim(name, Some(std::mem::take(&mut self.card)));
+            }
+            Before::Unread if self.goes_by_name() => {
+                let name = name_in(&self.mark);
+                if !name.is_empty() {
+                    self.continuations.claim(name, None);
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Hands the card on.
+    fn give(&mut self) -> Result<(), Failed> {
+        if self.solver == Solver::Mystran && self.card.goes_beyond() {
+            let problem = CardFault::FieldsDropped.into();
+            return Err(self.failed(Refused { at: (self.card.file, self.card.line), field: None, problem }));
+        }
+        self.bulk.card(&self.card).map_err(|refused| self.failed(refused))
+    }
+
+    /// All cards, those whose lines stand apart among them.
+    pub fn finish(mut self) -> Result<Bulk, Failed> {
+        self.end_card()?;
+        let cards = std::mem::take(&mut self.continuations).finish(self.solver).map_err(|(card, refused)| {
+            let card = card.map_or_else(|| "continuation".into(), |card| card.title().to_string());
+            Failed { card, refused }
+        })?;
+        for card in cards {
+            self.card = card;
+            self.give()?;
+        }
+        Ok(self.bulk)
+    }
+
+    fn failed(&self, refused: Refused) -> Failed {
+        Failed { card: self.card.title().to_string(), refused }
+    }
+}
+
+/// Something else is expected than the line.
+fn expected(line: &Line, card: &str, expected: &'static str) -> Failed {
+    let problem = Problem::Expected { expected, found: quote(line.text.trim_ascii()) };
+    Failed { card: card.into(), refused: Refused { at: line.at(), field: None, problem } }
+}
