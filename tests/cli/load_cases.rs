@@ -86,6 +86,26 @@ fn a_reduction_has_to_be_told_which() {
     assert_eq!(place.run("reduce -q same.inp -o other").code, 0);
 }
 
+/// Both ends of a tie prescribed: the values agree at the end, and in between only if they take the same course.
+#[test]
+fn values_of_different_amplitudes_conflict() {
+    let place = Place::new();
+    let amplitudes = "*AMPLITUDE, NAME=A\n0.,0.,1.,1.\n*AMPLITUDE, NAME=B\n0.,0.,0.5,1.,1.,1.\n";
+    let ends = |first: &str, second: &str| {
+        let step = format!("*BOUNDARY, AMPLITUDE={first}\n2,1,1,1.\n*BOUNDARY, AMPLITUDE={second}\n3,1,1,1.\n");
+        format!("{NODES}{TIE}{amplitudes}*STEP\n*STATIC\n{step}*END STEP\n")
+    };
+    place.file("same.inp", ends("A", "A")).file("other.inp", ends("A", "B"));
+    let run = place.run("check -q same.inp");
+    assert!(run.code == 0 && run.out.contains("1 of 1 equation is redundant"), "{}", run.out);
+    let run = place.run("check -q other.inp");
+    assert_eq!(run.code, 1, "{}", run.out);
+    let words = "at times when amplitudes differ: shown for the values of amplitude A alone";
+    assert!(run.out.contains(words), "{}", run.out);
+    assert_eq!(place.run("check -q other.inp --format json").json()["cases"][0]["when"], words);
+    assert_eq!(place.run("reduce -q other.inp -o out").code, 1);
+}
+
 #[test]
 fn the_page_has_a_table_of_them() {
     let place = Place::new();
