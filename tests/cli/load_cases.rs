@@ -86,6 +86,25 @@ fn a_reduction_has_to_be_told_which() {
     assert_eq!(place.run("reduce -q same.inp -o other").code, 0);
 }
 
+/// Both ends of a tie prescribed: the values agree at the end, and in between only if they take the same course.
+#[test]
+fn values_of_different_amplitudes_conflict() {
+    let place = Place::new();
+    let ends = |first: &str, second: &str| {
+        let nodes = "/PREP7\nN,1,0,0,0\nN,2,1,0,0\nCE,1,0,1,UX,1,2,UX,-1\n";
+        format!("{nodes}*DIM,TA,TABLE,2,,,TIME\n*DIM,TB,TABLE,2,,,TIME\nD,1,UX,%{first}%\nD,2,UX,%{second}%\n")
+    };
+    place.file("same.cdb", ends("TA", "TA")).file("other.cdb", ends("TA", "TB"));
+    let run = place.run("check -q same.cdb");
+    assert!(run.code == 0 && run.out.contains("1 of 1 equation is redundant"), "{}", run.out);
+    let run = place.run("check -q other.cdb");
+    assert_eq!(run.code, 1, "{}", run.out);
+    assert!(run.out.contains("at times when amplitudes differ: shown for the values"), "{}", run.out);
+    let when = place.run("check -q other.cdb --format json").json()["cases"][0]["when"].clone();
+    assert!(when.as_str().is_some_and(|when| when.contains("TA")), "{when}");
+    assert_eq!(place.run("reduce -q other.cdb -o out").code, 1);
+}
+
 #[test]
 fn the_page_has_a_table_of_them() {
     let place = Place::new();

@@ -81,6 +81,9 @@ pub fn diagnose<'a>(args: &'a ModelArgs, question: Question, progress: &Progress
     Ok(Diagnosis { args, options, system, analysis, deck, exact: None, meant: None, start, read })
 }
 
+/// Analyses a system, which may be that of a load case of a deck.
+type Run<'a> = &'a dyn Fn(&ConstraintSystem, Option<(&deck::Deck, &LoadCase)>) -> Result<Analysis, Failure>;
+
 /// What was read.
 enum Input {
     Case(ConstraintSystem),
@@ -112,7 +115,7 @@ impl Input {
         self,
         choice: &Choice,
         terms: usize,
-        run: &dyn Fn(&ConstraintSystem, Option<(&deck::Deck, &LoadCase)>) -> Result<Analysis, Failure>,
+        run: Run,
     ) -> Result<(ConstraintSystem, Analysis, Option<DeckInput>), Failure> {
         match self {
             Self::Case(system) => {

@@ -84,7 +84,7 @@ impl<'a> Names<'a> {
         let Some((deck, case)) = self.deck else { return Err(unknown()) };
         if let Some(line) = Line::of(word) {
             let nowhere = |nearest| WordError::Line { option, word: word.to_owned(), nearest };
-            return self.at(deck.model(), case, &line, wanted).map_err(nowhere);
+            return at(deck.model(), case, &line, wanted).map_err(nowhere);
         }
         match dof(word) {
             // A DOF that no equation begins with, but some hold, is known.
@@ -119,27 +119,27 @@ impl<'a> Names<'a> {
         });
         labels.get(&word.to_lowercase())
     }
+}
 
-    /// What stands at a line; the error has the nearest line of a constraint.
-    fn at(&self, model: &Model, case: &LoadCase, line: &Line, wanted: Wanted) -> Result<Vec<usize>, Option<u32>> {
-        let at = |origin: Origin| line.is_in(model, origin);
-        let equations = rows(model, case).filter(|(_, origin, _)| at(*origin));
-        let clashes = (model.in_force(case).count()..).zip(&case.clashes).filter(|(_, clash)| at(clash.origin));
-        let found: Vec<usize> = match wanted {
-            Wanted::Equations => equations.map(|(row, ..)| row).chain(clashes.map(|(row, _)| row)).collect(),
-            Wanted::Dofs => {
-                let given = case.prescribed.iter().filter(|given| at(given.origin)).map(|given| given.dof);
-                let loaded = case.loads.iter().filter(|load| at(load.origin)).map(|load| load.dof);
-                let columns = given.chain(loaded).filter_map(|dof| model.column(dof));
-                let of_equations = equations.flat_map(|(_, _, columns)| columns.iter().copied());
-                of_equations.chain(columns).map(|j| j as usize).collect()
-            }
-        };
-        // Equations that are not in force in this load case are known all the same.
-        let is_known =
-            !found.is_empty() || (0..model.equations()).filter_map(|i| model.equation(i)).any(|e| at(e.origin));
-        if is_known { Ok(found) } else { Err(nearest_line(model, line)) }
-    }
+/// What stands at a line; the error has the nearest line of a constraint.
+fn at(model: &Model, case: &LoadCase, line: &Line, wanted: Wanted) -> Result<Vec<usize>, Option<u32>> {
+    let is_there = |origin: Origin| line.is_in(model, origin);
+    let equations = rows(model, case).filter(|(_, origin, _)| is_there(*origin));
+    let clashes = (model.in_force(case).count()..).zip(&case.clashes).filter(|(_, clash)| is_there(clash.origin));
+    let found: Vec<usize> = match wanted {
+        Wanted::Equations => equations.map(|(row, ..)| row).chain(clashes.map(|(row, _)| row)).collect(),
+        Wanted::Dofs => {
+            let given = case.prescribed.iter().filter(|given| is_there(given.origin)).map(|given| given.dof);
+            let loaded = case.loads.iter().filter(|load| is_there(load.origin)).map(|load| load.dof);
+            let columns = given.chain(loaded).filter_map(|dof| model.column(dof));
+            let of_equations = equations.flat_map(|(_, _, columns)| columns.iter().copied());
+            of_equations.chain(columns).map(|j| j as usize).collect()
+        }
+    };
+    // Equations that are not in force in this load case are known all the same.
+    let is_known =
+        !found.is_empty() || (0..model.equations()).filter_map(|i| model.equation(i)).any(|e| is_there(e.origin));
+    if is_known { Ok(found) } else { Err(nearest_line(model, line)) }
 }
 
 /// Equations that begin with such a DOF, or the columns of such DOFs.

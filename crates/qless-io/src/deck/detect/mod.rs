@@ -125,11 +125,10 @@ fn ansys(line: &[u8]) -> Evidence {
         _ if !is_command => Evidence::None,
         Some(b'/') => Evidence::Certain,
         Some(_) if words::is_in(&words::APDL_STARRED, name) && is_end(tail) => Evidence::Certain,
-        Some(_) => Evidence::None,
         None if words::is_in(&words::APDL, name) && tail.starts_with(b",") => Evidence::Certain,
         None if words::is_in(&words::APDL_ALONE, name) && tail.is_empty() => Evidence::Certain,
         None if tail.starts_with(b",") => Evidence::Possible,
-        None => Evidence::None,
+        Some(_) | None => Evidence::None,
     }
 }
 

@@ -58,7 +58,7 @@ impl Seen {
             return Some(Self::Known(what));
         }
         let head = &text[..text.len().min(HEAD)];
-        let zeros = head.iter().filter(|&&byte| byte == 0).count();
+        let zeros = memchr::memchr_iter(0, head).count();
         if 3 * zeros > head.len() && head.iter().any(u8::is_ascii_alphanumeric) {
             return Some(Self::ZeroBytes);
         }
