@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use qless::{ConstraintSystem, SystemBuilder, SystemError};
 
 use super::columns::Columns;
+use super::node_names::NodeNames;
 use super::{CardName, Cards, DeckError};
 
 /// One component of one node; `node:component` in reports.
@@ -113,6 +114,9 @@ pub struct Model {
     pub(super) warnings: Vec<Warning>,
     /// Names of the courses after the first.
     courses: Vec<String>,
+    names: NodeNames,
+    /// Ascending by DOF.
+    claimed: Vec<(Dof, Origin)>,
     columns: Columns,
     terms: Terms,
     /// Where the terms of each equation end.
@@ -283,7 +287,6 @@ impl Model {
     }
 
     /// The number of the course of this name.
-    #[expect(dead_code, reason = "readers of amplitudes come next")]
     pub(super) fn course(&mut self, name: &str) -> u32 {
         let known = self.courses.iter().position(|known| known == name);
         let at = known.unwrap_or_else(|| {
@@ -291,6 +294,54 @@ impl Model {
             self.courses.len() - 1
         });
         at as u32 + 1
+    }
+
+    /// What the deck calls a node: `Part-1-1.12`, or its number where that is its name.
+    ///
+    /// ```
+    /// # let place = tempfile::tempdir()?;
+    /// let path = place.path().join("one.inp");
+    /// std::fs::write(&path, "*NODE\n7,1.,2.,3.\n")?;
+    /// assert_eq!(qless_io::deck::read(&path)?.model().node_name(7), "7");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn node_name(&self, node: u32) -> String {
+        self.names.get(node).unwrap_or_else(|| node.to_string())
+    }
+
+    /// What the deck calls a DOF: `Part-1-1.12:3`.
+    pub fn dof_name(&self, dof: Dof) -> String {
+        match self.names.get(dof.node) {
+            Some(name) => format!("{name}:{}", dof.component),
+            None => dof.to_string(),
+        }
+    }
+
+    /// Whether nodes have names of instances, so that their numbers mean nothing in the deck's text.
+    pub fn has_instances(&self) -> bool {
+        self.names.has_instances()
+    }
+
+    /// Names nodes from `first` on by an instance and their numbers in it.
+    pub(super) fn name_nodes(&mut self, first: u32, instance: String, own: Vec<u32>) {
+        self.names.instance(first, instance, own);
+    }
+
+    /// Names a node.
+    pub(super) fn name_node(&mut self, node: u32, name: String) {
+        self.names.one(node, name);
+    }
+
+    /// DOFs that cards left out are known to claim, ascending, and where those stand: no equation written anew may have them as slaves.
+    pub fn claimed(&self) -> &[(Dof, Origin)] {
+        &self.claimed
+    }
+
+    /// Says that a card that is left out claims DOFs.
+    pub(super) fn claim(&mut self, dofs: impl IntoIterator<Item = Dof>, origin: Origin) {
+        self.claimed.extend(dofs.into_iter().map(|dof| (dof, origin)));
+        self.claimed.sort_by_key(|(dof, origin)| (*dof, origin.card, origin.line));
+        self.claimed.dedup();
     }
 
     /// Where, and which card: `line 41 *EQUATION` in the main file, `part.inc:41 *EQUATION` in others; the line alone for an origin
@@ -315,7 +366,7 @@ impl Model {
         let equation = self.nth(i);
         let place = self.place(equation.origin);
         match equation.columns.first() {
-            Some(&j) => format!("{place} {}", self.dofs[j as usize]),
+            Some(&j) => format!("{place} {}", self.dof_name(self.dofs[j as usize])),
             None => place,
         }
     }
@@ -349,7 +400,7 @@ impl Model {
             builder.labelled_equation(self.label_of(i), terms.map(|(&j, &a)| (j as usize, a)), equation.rhs);
         }
         for clash in &case.clashes {
-            let label = format!("{} {}", self.place(clash.origin), clash.dof);
+            let label = format!("{} {}", self.place(clash.origin), self.dof_name(clash.dof));
             builder.labelled_equation(label, [(column(clash.dof).unwrap_or_default(), 1.0)], clash.value);
         }
         for given in &case.prescribed {
@@ -358,7 +409,7 @@ impl Model {
             }
         }
         if dofs > 0 {
-            builder.dof_labels(self.dofs.iter().chain(&extra).map(Dof::to_string).collect());
+            builder.dof_labels(self.dofs.iter().chain(&extra).map(|&dof| self.dof_name(dof)).collect());
         }
         builder.build()
     }

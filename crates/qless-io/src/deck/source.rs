@@ -36,9 +36,13 @@ impl<'a> Sources<'a> {
     }
 
     /// The solver that the deck is read for.
-    #[expect(dead_code, reason = "readers ask for it next")]
     pub fn solver(&self) -> Solver {
         self.solver
+    }
+
+    /// Goes on for another solver: the text is one that only this one knows.
+    pub fn set_solver(&mut self, solver: Solver) {
+        self.solver = solver;
     }
 
     /// The path of a file.

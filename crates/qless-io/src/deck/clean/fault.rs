@@ -62,19 +62,21 @@ impl Fault {
     pub fn describe(&self, model: &Model) -> String {
         let place =
             |i: usize| model.equation(i).map_or_else(|| format!("equation {}", i + 1), |e| model.place(e.origin));
+        let name = |slave| model.dof_name(slave);
         match *self {
             Self::SlavePrescribed { equation, slave, by } => {
-                format!("{slave} is the slave of {}, and prescribed in {}", place(equation), model.place(by))
+                format!("{} is the slave of {}, and prescribed in {}", name(slave), place(equation), model.place(by))
             }
             Self::SlaveTwice { equation, slave, first } => {
-                format!("{slave} is the slave of {}, and of {}", place(first), place(equation))
+                format!("{} is the slave of {}, and of {}", name(slave), place(first), place(equation))
             }
             Self::SlaveVanishes { equation, slave } => {
-                format!("{slave} is the slave of {}, where its coefficient is next to nothing", place(equation))
+                format!("{} is the slave of {}, where its coefficient is next to nothing", name(slave), place(equation))
             }
             Self::Circle { equation, slave } => {
                 format!(
-                    "{slave}, the slave of {}, depends on itself through others and is left undetermined",
+                    "{}, the slave of {}, depends on itself through others and is left undetermined",
+                    name(slave),
                     place(equation)
                 )
             }
