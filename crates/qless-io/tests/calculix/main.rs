@@ -4,6 +4,8 @@
 mod assembly;
 /// `*RIGID BODY` and `*COUPLING` as each solver has them.
 mod bodies;
+/// What ccx itself does with these decks.
+mod ccx;
 /// Cards that are left out by name, and the DOFs that they claim.
 mod claims;
 /// Decks from text, and what was read as text.

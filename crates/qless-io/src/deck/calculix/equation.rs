@@ -103,14 +103,10 @@ fn add_terms(
 }
 
 fn nodes(field: &[u8], (scope, definitions): (Scope, &Definitions)) -> Result<Nodes, Problem> {
-    match number(field, "a node or a node set") {
-        Ok(own) => definitions.numbered(scope, own).map(Nodes::One),
-        Err(problem) if field.is_empty() => Err(problem),
-        Err(problem) => match definitions.node(scope, field) {
-            Ok(node) => Ok(Nodes::One(node)),
-            Err(_) if field[0].is_ascii_digit() => Err(problem),
-            Err(_) => definitions.nodes(scope, &String::from_utf8_lossy(field)).map(Nodes::Set),
-        },
+    match definitions.by_number(scope, field) {
+        Some(node) => node.map(Nodes::One),
+        None if field.is_empty() || field[0].is_ascii_digit() => number(field, "a node or a node set").map(Nodes::One),
+        None => definitions.nodes(scope, &String::from_utf8_lossy(field)).map(Nodes::Set),
     }
 }
 

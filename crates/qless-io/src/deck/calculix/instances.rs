@@ -97,7 +97,8 @@ impl Numbers {
     /// Numbers the nodes of each instance, from above those of the deck itself.
     pub fn of(deck: &[u32], instances: impl Iterator<Item = Vec<u32>>) -> Result<Self, Problem> {
         let mut next = deck.last().map_or(Some(1), |last| last.checked_add(1));
-        let mut scopes = vec![(0, Vec::new())];
+        // Numbers from here on are none of the deck's own.
+        let mut scopes = vec![(next.unwrap_or(u32::MAX), Vec::new())];
         for own in instances {
             let advice = "use smaller numbers for the nodes of the assembly";
             let limit = Problem::Limit { what: "the number of nodes", limit: u32::MAX as usize, advice };
@@ -108,12 +109,12 @@ impl Numbers {
         Ok(Self { scopes })
     }
 
-    /// The number in the deck of a node of an instance.
+    /// The number in the deck of a node that has this one in the scope.
     pub fn get(&self, scope: Scope, own: u32) -> Option<u32> {
-        if scope == Scope::DECK {
-            return Some(own);
-        }
         let (first, numbers) = self.scopes.get(scope.0 as usize)?;
+        if scope == Scope::DECK {
+            return (own < *first).then_some(own);
+        }
         numbers.binary_search(&own).ok().map(|k| first + k as u32)
     }
 
@@ -159,6 +160,7 @@ mod tests {
         let numbers = Numbers::of(&[3, 7], [vec![1, 2, 9], vec![9]].into_iter()).expect("few");
         assert_eq!((numbers.get(Scope(1), 9), numbers.get(Scope(2), 9)), (Some(10), Some(11)));
         assert_eq!((numbers.get(Scope(1), 3), numbers.get(Scope::DECK, 3)), (None, Some(3)));
+        assert_eq!(numbers.get(Scope::DECK, 8), None);
         assert!(Numbers::of(&[u32::MAX], [vec![1]].into_iter()).is_err());
     }
 }

@@ -37,15 +37,7 @@ pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) -> Result
                 (1..=if rotate { 6 } else { 3 }).map(|c| Row::equal(a, b, c)).collect()
             }),
             "MEANROT" => mean_rotation(definitions, &nodes).map(|row| vec![row]),
-            "DIST" => match bound(definitions, &nodes).map_err(|problem| place.fail(model, problem))? {
-                Some(row) => Ok(vec![row]),
-                None => {
-                    let text =
-                        "*MPC DIST holds only once the nodes are as far apart as it allows: no equation until then";
-                    model.warn(card.file, card.line, text);
-                    continue;
-                }
-            },
+            "DIST" => bound(definitions, &nodes).map(|row| row.into_iter().collect()),
             _ => {
                 let text =
                     format!("*MPC of type {kind} constrains {} nodes, but is not understood: left out", nodes.len());
@@ -54,8 +46,12 @@ pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) -> Result
                 continue;
             }
         };
+        let before = model.equations();
         place.push(model, rows)?;
-        if !matches!(kind.as_str(), "PIN" | "TIE") {
+        if model.equations() == before && kind == "DIST" {
+            let text = "*MPC DIST holds only once the nodes are as far apart as it allows: no equation until then";
+            model.warn(card.file, card.line, text);
+        } else if !matches!(kind.as_str(), "PIN" | "TIE") {
             // The solver treats them as nonlinear.
             place.fix(model);
             model.warn(card.file, card.line, format!("*MPC {kind} is linearised at the reference configuration"));

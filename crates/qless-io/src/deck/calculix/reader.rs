@@ -191,13 +191,12 @@ impl Reader {
             let name = card.word("TIE");
             let named = ties.iter().find(|tie| name.is_some() && tie.word("NAME") == name);
             let only = ties.first().filter(|_| ties.len() == 1);
-            match named.or(only) {
-                Some(tie) => cyclic::read(&card, tie, &mut self.model, &self.definitions)?,
-                None => {
-                    let text =
-                        "*CYCLIC SYMMETRY MODEL constrains, but no *TIE with CYCLIC SYMMETRY belongs to it: left out";
-                    self.model.leave_out(card.file, card.line, text);
-                }
+            if let Some(tie) = named.or(only) {
+                cyclic::read(&card, tie, &mut self.model, &self.definitions)?;
+            } else {
+                let text =
+                    "*CYCLIC SYMMETRY MODEL constrains, but no *TIE with CYCLIC SYMMETRY belongs to it: left out";
+                self.model.leave_out(card.file, card.line, text);
             }
         }
         Ok(())

@@ -60,22 +60,26 @@ pub struct Sets {
 impl Definitions {
     /// The number in the deck of a node that has this one in the scope.
     pub fn numbered(&self, scope: Scope, own: u32) -> Result<u32, Problem> {
-        if scope == Scope::DECK {
+        if self.instances.is_empty() {
             return Ok(own);
         }
         let undefined = || {
-            let instance = &self.instances[scope.0 as usize - 1].name;
-            Problem::Undefined { what: "node", name: format!("{instance}.{own}") }
+            let instance = (scope.0 as usize).checked_sub(1).and_then(|k| self.instances.get(k));
+            let name = instance.map_or_else(|| own.to_string(), |instance| format!("{}.{own}", instance.name));
+            Problem::Undefined { what: "node", name }
         };
         self.numbers()?.get(scope, own).ok_or_else(undefined)
     }
 
     /// A node by its number, or by an instance and the number in it.
     pub fn node(&self, scope: Scope, field: &[u8]) -> Result<u32, Problem> {
-        match number(field, "a node") {
-            Ok(own) => self.numbered(scope, own),
-            Err(problem) => self.of_instance(field).map_or(Err(problem), |(scope, own)| self.numbered(scope, own)),
-        }
+        self.by_number(scope, field).unwrap_or_else(|| number(field, "a node"))
+    }
+
+    /// The node of a field that is a number or an instance and a number; none for other fields.
+    pub fn by_number(&self, scope: Scope, field: &[u8]) -> Option<Result<u32, Problem>> {
+        let own = number(field, "a node").ok().map(|own| (scope, own));
+        own.or_else(|| self.of_instance(field)).map(|(scope, own)| self.numbered(scope, own))
     }
 
     /// `I.12`: the scope of the instance I, and 12.
@@ -101,8 +105,8 @@ impl Definitions {
 
     /// A node, or the nodes of a set.
     pub fn node_or_set(&self, scope: Scope, field: &[u8]) -> Result<Vec<u32>, Problem> {
-        match number(field, "a node").ok().map(|own| (scope, own)).or_else(|| self.of_instance(field)) {
-            Some((scope, own)) => Ok(vec![self.numbered(scope, own)?]),
+        match self.by_number(scope, field) {
+            Some(node) => Ok(vec![node?]),
             None => self.nodes(scope, &String::from_utf8_lossy(field)).map(|nodes| nodes.to_vec()),
         }
     }
@@ -174,10 +178,10 @@ impl Definitions {
                 for field in Lines::new(pieces).flat_map(|line| line.fields()).filter(|field| !field.is_empty()) {
                     if of_elements {
                         members.extend(self.element_or_set(scope, field)?);
-                    } else if let Ok(own) = number(field, "a node") {
-                        members.push(self.numbered(scope, own)?);
+                    } else if let Some(node) = self.by_number(scope, field) {
+                        members.push(node?);
                     } else {
-                        members.extend(self.node_or_set(scope, field)?);
+                        members.extend_from_slice(&self.nodes(scope, &String::from_utf8_lossy(field))?);
                     }
                 }
             }
@@ -214,7 +218,7 @@ impl Definitions {
         if of_elements {
             let elements = self.elements()?;
             members.extend(range.filter_map(|own| elements.index(scope, own).ok()));
-        } else if scope == Scope::DECK {
+        } else if self.instances.is_empty() {
             members.extend(range);
         } else {
             let numbers = self.numbers()?;
