@@ -7,10 +7,14 @@ mod known;
 
 mod calculix {
     pub mod behaviour;
+    pub mod bodies;
+    pub mod claims;
     pub mod cleaning;
     pub mod cube;
     pub mod geometric;
+    pub mod mutations;
     pub mod periodic;
     pub mod plain;
+    pub mod scene;
     pub mod solver;
 }

@@ -9,11 +9,14 @@ mod cli {
     pub mod exact;
     pub mod factors;
     pub mod form;
+    pub mod formats;
     pub mod harness;
+    pub mod incomplete;
     #[cfg(unix)]
     pub mod kills;
     #[cfg(unix)]
     pub mod limits;
+    pub mod load_cases;
     pub mod meant;
     pub mod memory;
     #[cfg(unix)]
@@ -21,5 +24,6 @@ mod cli {
     pub mod report;
     #[cfg(all(feature = "spqr", target_os = "linux"))]
     pub mod tight;
+    pub mod wishes;
     pub mod written;
 }

@@ -228,7 +228,7 @@ fn small_decks_are_right() {
         let analysis = analyse(&system, &Options::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
         let conflicting = analysis.kinds().contains(&Kind::Conflicting);
         assert_eq!(format!("{},{},{conflicting}", system.equations(), analysis.rank()), truth, "{name}");
-        let plan = qless_io::deck::clean::plan(deck.model(), &Options::default());
+        let plan = qless_io::deck::clean::plan(&deck, &Options::default());
         assert_eq!(plan.is_err(), conflicting, "{name}: conflicting decks are not cleaned");
     }
 }

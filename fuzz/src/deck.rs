@@ -60,7 +60,7 @@ fn check(deck: &Deck, name: &str, others: &[(String, Vec<u8>)]) {
 
 /// A deck that is cleaned is read again without faults, and cleaned a second time stays as it is.
 fn clean(deck: &Deck, name: &str, others: &[(String, Vec<u8>)]) {
-    let Ok(first) = plan(deck.model(), &Options::default()) else { return };
+    let Ok(first) = plan(&deck, &Options::default()) else { return };
     let Ok(text) = write(deck, &first) else { return };
     if first.is_empty() {
         assert_eq!(text, *deck.texts()[0]);
@@ -72,7 +72,7 @@ fn clean(deck: &Deck, name: &str, others: &[(String, Vec<u8>)]) {
     };
     let left: Vec<String> = faults(again.model()).iter().map(|fault| fault.describe(again.model())).collect();
     assert!(left.is_empty(), "{left:?}");
-    if let Ok(second) = plan(again.model(), &Options::default()) {
+    if let Ok(second) = plan(&again, &Options::default()) {
         assert!(second.is_empty(), "{second:?}");
     }
 }

@@ -57,7 +57,8 @@ fn residual(model: &Model, field: &dyn Fn([f64; 3]) -> [f64; 3], w: [f64; 3]) ->
         let equation = model.equation(i).expect("an equation");
         let terms = equation.columns.iter().zip(equation.coefficients).map(|(&j, a)| {
             let dof = model.dofs()[j as usize];
-            let k = usize::from(dof.component) - 1;
+            // From 21 on it is a rotation that only the solver knows.
+            let k = usize::from(if dof.component > 20 { dof.component - 17 } else { dof.component }) - 1;
             let turned = if dof.node == 31 { w } else { field(position(dof.node)) };
             a * if k < 3 { dot(axes(dof.node)[k], turned) } else { dot(axes(dof.node)[k - 3], w) }
         });

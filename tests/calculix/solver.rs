@@ -70,7 +70,7 @@ pub fn parse(text: &[u8]) -> Deck {
 
 /// The deck cleaned; what comes out is checked: it has no faults, and cleaning it again changes nothing.
 pub fn cleaned(deck: &Deck) -> Result<Vec<u8>, CleanError> {
-    let plan = clean::plan(deck.model(), &Options::default())?;
+    let plan = clean::plan(&deck, &Options::default())?;
     let text = clean::write(deck, &plan)?;
     let again = parse(&text);
     assert_eq!(clean::faults(again.model()), []);
@@ -79,7 +79,7 @@ pub fn cleaned(deck: &Deck) -> Result<Vec<u8>, CleanError> {
         let analysis = analyse(&system, &Options::default()).expect("analysed");
         assert_eq!(analysis.rank(), system.equations(), "independent");
     }
-    let plan = clean::plan(again.model(), &Options::default())?;
+    let plan = clean::plan(&again, &Options::default())?;
     assert!(plan.is_empty(), "a second time changes nothing: {plan:?}");
     Ok(text)
 }

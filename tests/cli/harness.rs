@@ -1,8 +1,9 @@
 //! Runs `qless` in a folder of its own.
 
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Command, Output, Stdio};
 
 use tempfile::TempDir;
 
@@ -64,7 +65,27 @@ impl Place {
 
     /// Runs `qless` with blank-separated arguments.
     pub fn run(&self, arguments: &str) -> Run {
-        let output = self.command(arguments).output().expect("the program starts");
+        Self::ended(self.command(arguments).output().expect("the program starts"))
+    }
+
+    /// Runs it with arguments that may hold blanks.
+    pub fn run_words(&self, arguments: &[&str]) -> Run {
+        Self::ended(self.command("").args(arguments).output().expect("the program starts"))
+    }
+
+    /// Runs it with this on standard input.
+    pub fn run_fed(&self, arguments: &str, input: &[u8]) -> Run {
+        let mut command = self.command(arguments);
+        let piped = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = piped.spawn().expect("the program starts");
+        let mut pipe = child.stdin.take().expect("piped");
+        // A program that has read enough closes it.
+        let _ = pipe.write_all(input);
+        drop(pipe);
+        Self::ended(child.wait_with_output().expect("it ends"))
+    }
+
+    fn ended(output: Output) -> Run {
         let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
         let code = output.status.code().expect("it ends by itself");
         Run { code, out: text(output.stdout), err: text(output.stderr) }

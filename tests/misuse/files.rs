@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use qless::{Csr, Options};
-use qless_io::deck::clean::{self, Plan, Reason, Removed, Written};
+use qless_io::deck::clean::{self, Cases, Plan, Reason, Removed, Written};
 use qless_io::deck::{self, CardName, Deck, Dof, Format, Load, LoadCase, Origin, Prescribed};
 use qless_io::write::{Inputs, OneFile, Output, write_indices, write_matrix, write_numbers};
 use qless_io::{case_files, matrix_market, read_case, vectors, write_case};
@@ -140,18 +140,20 @@ fn what_no_deck_holds() {
         survives("told", || (deck.positions().len(), model.warnings().len()));
         assert_eq!(deck.texts().len(), model.files().len());
         survives("a case", || model.in_force(&foreign).count());
-        let written = vec![Written { slave: dof, terms: vec![(dof, f64::NAN)], rhs: f64::INFINITY }];
+        let written = vec![Written { slave: dof, terms: vec![(dof, f64::NAN)], rhs: f64::INFINITY, cases: Cases::All }];
         for equations in [vec![usize::MAX], vec![0, 0], vec![1, 0], vec![model.equations()]] {
             let removed = |&equation: &usize| Removed { equation, reason: Reason::Connected };
-            let plan = Plan { removed: equations.iter().map(removed).collect(), written: written.clone() };
+            let plan =
+                Plan { removed: equations.iter().map(removed).collect(), written: written.clone(), ..Plan::default() };
             refused("a plan", || clean::write(&deck, &plan));
         }
         let because = Removed { equation: 0, reason: Reason::Redundant(vec![(usize::MAX, 1.0)]) };
-        refused("a certificate", || clean::write(&deck, &Plan { removed: vec![because], written: Vec::new() }));
+        refused("a certificate", || clean::write(&deck, &Plan { removed: vec![because], ..Plan::default() }));
         let one = Removed { equation: 0, reason: Reason::Connected };
-        survives("what no deck says", || clean::write(&deck, &Plan { removed: vec![one], written })).ok();
+        survives("what no deck says", || clean::write(&deck, &Plan { removed: vec![one], written, ..Plan::default() }))
+            .ok();
         survives("nothing", || clean::write(&deck, &Plan::default())).expect("as it was");
-        refused("options", || clean::plan(model, &Options { growth: f64::NAN, ..Options::default() }));
+        refused("options", || clean::plan(&deck, &Options { growth: f64::NAN, ..Options::default() }));
         for other in decks() {
             clean::faults(other.model()).iter().for_each(|fault| _ = survives("a fault", || fault.describe(model)));
         }

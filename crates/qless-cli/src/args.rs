@@ -4,15 +4,17 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use qless::{BackendChoice, Form, Options, Preferences, Tolerance};
+use qless::{BackendChoice, Form, Options, Tolerance};
 use qless_io::case_files;
+use qless_io::deck::Solver;
 use qless_io::write::Inputs;
 
+use crate::deck_input::Choice;
 use crate::failure::say;
 use crate::memory;
-use crate::numbers::{Numbers, numbers};
 use crate::scenes::SceneArgs;
 use crate::version;
+use crate::wishes::{Wishes, Words, words};
 
 /// Finds redundant and conflicting constraint equations `C u = b` in finite-element models, says why, and reduces them.
 #[derive(Parser)]
@@ -25,9 +27,10 @@ pub struct Cli {
 const EXIT_CODES: &str = "\
 Exit codes:
   0  solvable: independent, or redundant but consistent
-  1  conflicting equations (with --deny redundant: redundant ones too)
-  2  bad usage or bad input
-  3  out of memory, or the output cannot be written";
+  1  conflicting equations (with --deny redundant: redundant ones too), whatever else is left out
+  2  bad usage or bad input, or input that no reader knows
+  3  out of memory, or the output cannot be written
+  4  incomplete: something that constrains was left out, so that the rest may say too little (--allow-incomplete: 0)";
 
 #[derive(Subcommand)]
 pub enum Command {
@@ -64,6 +67,9 @@ pub struct CheckArgs {
     /// ambiguous rank, if no coefficient was rounded before it was typed; verdict and exit code stay those of the analysis
     #[arg(long)]
     pub exact: bool,
+    /// Load case of a deck: its name (`step 2`) or the number in it, or `all`, of which the worst is shown [default: all]
+    #[arg(long, value_name = "CASE")]
+    pub case: Option<String>,
     /// File for the report, whole or not at all [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
@@ -94,18 +100,22 @@ pub struct ReduceArgs {
     /// cols.txt (names of the DOFs) where they have names
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
+    /// Load case of a deck: its name (`step 2`) or the number in it; needed where load cases constrain differently
+    #[arg(long, value_name = "CASE")]
+    pub case: Option<String>,
     /// How T is written
     #[arg(long, value_enum, value_name = "FORM", default_value = "explicit")]
     pub form: FormName,
     /// Exchange slaves and masters until no entry of T is larger than this; at least 1
     #[arg(long, value_name = "X", default_value = "4", value_parser = growth)]
     pub growth: f64,
-    /// DOFs preferred as slaves, such as 3,7,10-20: columns counted from 1
-    #[arg(long, value_name = "LIST", value_parser = numbers)]
-    pub prefer_slaves: Option<Numbers>,
-    /// DOFs that must not be slaves (loaded, interface), as far as the equations allow it; columns counted from 1
-    #[arg(long, value_name = "LIST", value_parser = numbers)]
-    pub avoid_slaves: Option<Numbers>,
+    /// DOFs preferred as slaves, such as 3,7,10-20 (columns counted from 1); of a deck also 5:3 (node:component), line 41, names of
+    /// node sets; of a folder also labels of cols.txt, in quotes where they have commas
+    #[arg(long, value_name = "LIST", value_parser = words)]
+    pub prefer_slaves: Option<Words>,
+    /// DOFs that must not be slaves (loaded, interface), as far as the equations allow it; as --prefer-slaves
+    #[arg(long, value_name = "LIST", value_parser = words)]
+    pub avoid_slaves: Option<Words>,
 }
 
 #[derive(Args)]
@@ -167,7 +177,8 @@ fn seconds(text: &str) -> Result<f64, String> {
 #[derive(Args)]
 #[expect(clippy::struct_excessive_bools, reason = "each is an option that stands alone")]
 pub struct ModelArgs {
-    /// A deck (.inp, .bdf, .dat, .nas, .cdb), a matrix C (.mtx), or a folder with C.mtx and, if there are any, b.txt, prescribed.txt, rows.txt, cols.txt
+    /// A deck (CalculiX, Abaqus, Nastran, ANSYS: its first cards say which), a matrix C (.mtx), or a folder with C.mtx and, if there are
+    /// any, b.txt, prescribed.txt, rows.txt, cols.txt; gzip and UTF-16 are read, `-` is standard input
     pub input: PathBuf,
     /// Right-hand side b, one number a line [default: b.txt of a folder, else zeros]
     #[arg(long, value_name = "FILE")]
@@ -197,9 +208,17 @@ pub struct ModelArgs {
     /// Leave out the checks of the rank, which can then be wrong without a word
     #[arg(long)]
     pub no_check: bool,
-    /// Equations to keep where others can be called dependent instead, such as 3,7,10-20: rows counted from 1
-    #[arg(long, value_name = "LIST", value_parser = numbers)]
-    pub keep: Option<Numbers>,
+    /// Equations to keep where others can be called dependent instead, such as 3,7,10-20 (rows counted from 1); of a deck also line 41,
+    /// 5:3 (those that begin with this DOF), names of node sets; of a folder also labels of rows.txt
+    #[arg(long, value_name = "LIST", value_parser = words)]
+    pub keep: Option<Words>,
+    /// Solver of a deck whose behaviour counts: ccx, abaqus, nastran, mystran, optistruct or ansys [default: by the deck's format,
+    /// ccx, nastran or ansys]
+    #[arg(long, value_name = "NAME")]
+    pub solver: Option<Solver>,
+    /// Exit as the equations deserve that were read, though something that constrains was left out; reduce then writes them
+    #[arg(long)]
+    pub allow_incomplete: bool,
     /// Form of the report
     #[arg(long, value_enum, default_value = "text")]
     pub format: Format,
@@ -280,9 +299,13 @@ impl ModelArgs {
         let standard = Options::default();
         let relative = self.tolerance.map_or(standard.tolerance, Tolerance::Relative);
         let tolerance = if self.paper_tolerance { Tolerance::Paper } else { relative };
-        let preferences = Preferences { equations: listed(self.keep.as_ref()), ..Preferences::default() };
         let (presolve, check) = (!self.no_presolve, !self.no_check);
-        Options { backend, tolerance, presolve, check, preferences, ..standard }
+        Options { backend, tolerance, presolve, check, ..standard }
+    }
+
+    /// Equations to keep.
+    pub fn wishes(&self) -> Wishes<'_> {
+        Wishes { keep: self.keep.as_ref(), ..Wishes::default() }
     }
 }
 
@@ -296,18 +319,26 @@ impl ReduceArgs {
     }
 
     pub fn options(&self) -> Options {
-        let options = self.model.options();
-        let preferences = Preferences {
-            slaves: listed(self.prefer_slaves.as_ref()),
-            masters: listed(self.avoid_slaves.as_ref()),
-            ..options.preferences
-        };
-        Options { growth: self.growth, preferences, ..options }
+        Options { growth: self.growth, ..self.model.options() }
+    }
+
+    /// Equations to keep, and DOFs as slaves or not.
+    pub fn wishes(&self) -> Wishes<'_> {
+        let (prefer_slaves, avoid_slaves) = (self.prefer_slaves.as_ref(), self.avoid_slaves.as_ref());
+        Wishes { prefer_slaves, avoid_slaves, ..self.model.wishes() }
+    }
+
+    /// The load case; where they differ it has to be named.
+    pub fn choice(&self) -> Choice {
+        Choice::new(self.case.as_deref(), Choice::Any)
     }
 }
 
-fn listed(numbers: Option<&Numbers>) -> Vec<usize> {
-    numbers.map_or_else(Vec::new, |numbers| numbers.0.clone())
+impl CheckArgs {
+    /// The load cases.
+    pub fn choice(&self) -> Choice {
+        Choice::new(self.case.as_deref(), Choice::All)
+    }
 }
 
 fn threads(text: &str) -> Result<NonZeroUsize, String> {

@@ -5,12 +5,12 @@ use std::process::ExitCode;
 use qless_io::write::OneFile;
 
 use crate::args::{CheckArgs, Format};
-use crate::diagnose::diagnose;
+use crate::diagnose::{Question, diagnose};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::text::Outcome;
 
-/// Prints the report; exit code 0 or 1.
+/// Prints the report; exit code 0, 1 or 4.
 pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
     if args.exact && args.model.format == Format::Vtu {
         return Err(Failure::Input(
@@ -22,7 +22,8 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
         drop(OneFile::at(file, args.model.inputs())?);
     }
     let progress = Progress::new(args.model.quiet);
-    let mut diagnosis = diagnose(&args.model, args.model.options(), &progress)?;
+    let question = Question { options: args.model.options(), wishes: args.model.wishes(), choice: args.choice() };
+    let mut diagnosis = diagnose(&args.model, question, &progress)?;
     diagnosis.take_meaning();
     if args.exact {
         progress.stage("exact arithmetic");
@@ -36,5 +37,5 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
             OneFile::at(file, diagnosis.inputs())?.write(&bytes)?;
         }
     }
-    Ok(ExitCode::from(u8::from(diagnosis.is_refused())))
+    Ok(diagnosis.code())
 }

@@ -8,7 +8,8 @@ use qless_io::deck::clean::{self, CleanError, Plan, Reason};
 use qless_io::write::{Inputs, OneFile};
 
 use crate::args::CleanArgs;
-use crate::diagnose::diagnose;
+use crate::deck_input::Choice;
+use crate::diagnose::{Question, diagnose};
 use crate::failure::{Failure, say};
 use crate::progress::Progress;
 use crate::text::Outcome;
@@ -16,12 +17,13 @@ use crate::text::Outcome;
 /// Writes the deck and prints the report, or, for conflicting equations, prints the report only.
 pub fn run(args: &CleanArgs) -> Result<ExitCode, Failure> {
     let (input, output) = (&args.model.input, &args.output);
-    check_formats(input, output)?;
     // Known before the work, so said before the work.
     drop(OneFile::at(output, Inputs::default())?);
     let progress = Progress::new(args.model.quiet);
-    let diagnosis = diagnose(&args.model, args.model.options(), &progress)?;
+    let question = Question { options: args.model.options(), wishes: args.model.wishes(), choice: Choice::All };
+    let diagnosis = diagnose(&args.model, question, &progress)?;
     let Some(deck) = &diagnosis.deck else { return Err(no_deck(input)) };
+    check_format(input, deck.deck.format(), output)?;
     if diagnosis.is_refused() {
         diagnosis.print(None, &Outcome::Refused, progress)?;
         say(format_args!("error: nothing was written to {}: see the report", output.display()));
@@ -29,7 +31,7 @@ pub fn run(args: &CleanArgs) -> Result<ExitCode, Failure> {
     }
     progress.stage("cleaning");
     let fail = |error: CleanError| Failure::Input(format!("{}: {error} (nothing was written)", input.display()));
-    let plan = clean::plan(deck.deck.model(), &diagnosis.options).map_err(fail)?;
+    let plan = clean::plan(&deck.deck, &diagnosis.options).map_err(fail)?;
     let text = clean::write(&deck.deck, &plan).map_err(fail)?;
     progress.stage("writing");
     // It may be the deck itself, but none that it includes.
@@ -37,7 +39,7 @@ pub fn run(args: &CleanArgs) -> Result<ExitCode, Failure> {
     OneFile::at(output, included)?.write(&text)?;
     let outcome = Outcome::Cleaned { output, removed: redundant(&plan), written: plan.written.len() };
     diagnosis.print(None, &outcome, progress)?;
-    Ok(ExitCode::SUCCESS)
+    Ok(diagnosis.code())
 }
 
 /// Equations that are gone for good.
@@ -45,13 +47,19 @@ fn redundant(plan: &Plan) -> usize {
     plan.removed.iter().filter(|removed| matches!(removed.reason, Reason::Redundant(_))).count()
 }
 
-/// Before the work: the input must be a deck, and the output one of the same format.
-fn check_formats(input: &Path, output: &Path) -> Result<(), Failure> {
-    let Some(language) = Language::of(input) else { return Err(no_deck(input)) };
-    if Language::of(output) != Some(language) {
-        let (input, output) = (input.display(), output.display());
+/// The output has the format of the input, and says so by its ending: that of the input, or one of its format. It is plain text.
+fn check_format(input: &Path, language: Language, output: &Path) -> Result<(), Failure> {
+    let is_packed = output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("gz"));
+    let is_same = output.extension().is_some() && output.extension() == input.extension();
+    let (input, output) = (input.display(), output);
+    if is_packed {
+        let output = output.display();
+        return Err(Failure::Input(format!("{output}: the output is plain text; leave out the ending .gz")));
+    }
+    if Language::of(output) != Some(language) && !is_same {
+        let output = output.display();
         return Err(Failure::Input(format!(
-            "{output}: the output must have the format of {input}; give it the same ending"
+            "{output}: the output must have the format of {input}, which is a deck of {language}; give it the same ending"
         )));
     }
     Ok(())
@@ -59,7 +67,5 @@ fn check_formats(input: &Path, output: &Path) -> Result<(), Failure> {
 
 fn no_deck(input: &Path) -> Failure {
     let input = input.display();
-    Failure::Input(format!(
-        "{input}: only decks (.inp, .bdf, .dat, .nas, .cdb) can be cleaned; for a matrix use `qless reduce`"
-    ))
+    Failure::Input(format!("{input}: only decks can be cleaned; for a matrix use `qless reduce`"))
 }

@@ -1,20 +1,20 @@
 //! Read, analyse, and keep the time: the start of check and reduce.
 
+use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use qless::exact::{self, ExactRank, Reading, Settings};
-use qless::{
-    Analysis, AnalysisError, ArgumentError, ConstraintSystem, Form, Kind, Meant, Options, Reduction, Report, analyse,
-};
-use qless_io::deck::{self, Format as Language};
-use qless_io::read_case;
+use qless::{Analysis, ArgumentError, ConstraintSystem, Form, Kind, Meant, Options, Reduction, Report, analyse};
+use qless_io::deck::{self, LoadCase};
 use qless_io::write::Inputs;
+use qless_io::{Content, Opened, read_case};
 
 use crate::args::{Deny, Format, ModelArgs};
-use crate::deck_input::DeckInput;
+use crate::deck_input::{Choice, DeckInput};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::text::{self, Outcome};
+use crate::wishes::Wishes;
 use crate::{html, json, memory, stdout, vtu};
 
 /// A model and what was found.
@@ -41,20 +41,39 @@ pub struct Reduced<'a> {
     pub time: Duration,
 }
 
+/// How a model is to be looked at.
+pub struct Question<'a> {
+    pub options: Options,
+    pub wishes: Wishes<'a>,
+    /// Load cases of a deck; other models have none.
+    pub choice: Choice,
+}
+
 /// Reads the model and analyses it.
-pub fn diagnose<'a>(args: &'a ModelArgs, mut options: Options, progress: &Progress) -> Result<Diagnosis<'a>, Failure> {
+pub fn diagnose<'a>(args: &'a ModelArgs, question: Question, progress: &Progress) -> Result<Diagnosis<'a>, Failure> {
     let start = Instant::now();
+    let Question { mut options, wishes, choice } = question;
     let refused = |error, system: Option<&ConstraintSystem>| Failure::of_analysis(error, &args.input, system);
     // Known before the work, so said before the work.
     options.backend.get(options.memory).map_err(|error| refused(error.into(), None))?;
     memory::threads::start(args.threads()).map_err(Failure::of_threads)?;
     progress.stage("reading");
-    let input = Input::read(args)?;
+    let input = Input::read(args, &choice)?;
     let read = start.elapsed();
     progress.stage("analysing");
     // What the model leaves.
     options.memory = memory::left().map_or(options.memory, |left| left.min(options.memory));
-    let (system, analysis, deck) = input.analyse(&options, &refused)?;
+    let terms = if matches!(args.format, Format::Json | Format::Html) { Report::TERMS } else { 0 };
+    let (system, analysis, deck) = input.analyse(&choice, terms, &|system, place| {
+        analyse(system, &wishes.resolve(&options, system, place)?).map_err(|error| refused(error, Some(system)))
+    })?;
+    if let Some(deck) = deck.as_ref().filter(|_| !wishes.is_empty()) {
+        // Equations by their number in the deck, whatever a load case removes.
+        let all = LoadCase::default();
+        let model = deck.deck.model();
+        let whole = model.system(&all).map_err(|error| Failure::of_deck(&deck.deck, &error))?;
+        options = wishes.resolve(&options, &whole, Some((&deck.deck, &all)))?;
+    }
     // A large right-hand side over a small coefficient.
     if let Some(&(dof, _)) = analysis.generated().iter().find(|(_, value)| !value.is_finite()) {
         return Err(Failure::of_overflow(&args.input, dof, &system.dof_label(dof)));
@@ -69,32 +88,42 @@ enum Input {
 }
 
 impl Input {
-    fn read(args: &ModelArgs) -> Result<Self, Failure> {
-        if Language::of(&args.input).is_none() || args.input.is_dir() {
-            return Ok(Self::Case(read_case(&args.input, args.rhs.as_deref(), args.prescribed.as_deref())?));
+    fn read(args: &ModelArgs, choice: &Choice) -> Result<Self, Failure> {
+        let (input, rhs, prescribed) = (&args.input, args.rhs.as_deref(), args.prescribed.as_deref());
+        let of_decks = args.solver.is_some() || matches!(choice, Choice::Named(_));
+        let no_deck = || Failure::Input(format!("{}: --solver and --case go with a deck", input.display()));
+        if input.is_dir() {
+            return if of_decks { Err(no_deck()) } else { Ok(Self::Case(read_case(input, rhs, prescribed)?)) };
         }
-        if args.rhs.is_some() || args.prescribed.is_some() {
-            let input = args.input.display();
-            return Err(Failure::Input(format!(
-                "{input}: --rhs and --prescribed go with a .mtx file; a deck has its own"
-            )));
+        let opened = Opened::read(input, args.solver)?;
+        match opened.content() {
+            Content::Matrix if of_decks => Err(no_deck()),
+            Content::Matrix => Ok(Self::Case(opened.into_case(rhs, prescribed)?)),
+            Content::Deck(_) if rhs.is_some() || prescribed.is_some() => Err(Failure::Input(format!(
+                "{}: --rhs and --prescribed go with a .mtx file; a deck has its own",
+                input.display()
+            ))),
+            Content::Deck(_) => Ok(Self::Deck(Box::new(opened.into_deck(args.solver)?))),
         }
-        Ok(Self::Deck(Box::new(deck::read(&args.input)?)))
     }
 
-    /// Analyses the system; of a deck every load case, and keeps the worst.
+    /// Analyses the system; of a deck every load case that was chosen, and keeps the worst.
     fn analyse(
         self,
-        options: &Options,
-        refused: &dyn Fn(AnalysisError, Option<&ConstraintSystem>) -> Failure,
+        choice: &Choice,
+        terms: usize,
+        run: &dyn Fn(&ConstraintSystem, Option<(&deck::Deck, &LoadCase)>) -> Result<Analysis, Failure>,
     ) -> Result<(ConstraintSystem, Analysis, Option<DeckInput>), Failure> {
-        let run = |system: &ConstraintSystem| analyse(system, options).map_err(|error| refused(error, Some(system)));
         match self {
             Self::Case(system) => {
-                let analysis = run(&system)?;
+                let analysis = run(&system, None)?;
                 Ok((system, analysis, None))
             }
-            Self::Deck(deck) => DeckInput::analyse(*deck, &run),
+            Self::Deck(deck) => {
+                let of_case = |system: &ConstraintSystem, place: (&deck::Deck, &LoadCase)| run(system, Some(place));
+                let (system, analysis, deck) = DeckInput::analyse(*deck, choice, terms, &of_case)?;
+                Ok((system, analysis, Some(deck)))
+            }
         }
     }
 }
@@ -138,6 +167,21 @@ impl Diagnosis<'_> {
         self.analysis.dependent().iter().any(|dependent| denied(dependent.kind))
     }
 
+    /// Whether something that constrains was left out, and that is not allowed.
+    pub fn is_incomplete(&self) -> bool {
+        let is_left_out = |deck: &DeckInput| deck.deck.model().left_out().next().is_some();
+        !self.args.allow_incomplete && self.deck.as_ref().is_some_and(is_left_out)
+    }
+
+    /// What a shell sees: a conflict is one whatever was left out.
+    pub fn code(&self) -> ExitCode {
+        match (self.is_refused(), self.is_incomplete()) {
+            (true, _) => ExitCode::from(1),
+            (false, true) => ExitCode::from(4),
+            (false, false) => ExitCode::SUCCESS,
+        }
+    }
+
     /// Prints the report.
     pub fn print(&self, reduced: Option<Reduced>, outcome: &Outcome, progress: Progress) -> Result<(), Failure> {
         progress.stage("explaining");
@@ -171,6 +215,9 @@ impl Diagnosis<'_> {
 
     fn report(&self, reduced: Option<Reduced>, terms: usize) -> Result<Report, ArgumentError> {
         let mut report = Report::new(&self.analysis, terms);
+        if let Some(deck) = &self.deck {
+            report = report.with_left_out(deck.left_out());
+        }
         if let Some(exact) = &self.exact {
             report = report.with_exact(&self.analysis, exact)?;
         }

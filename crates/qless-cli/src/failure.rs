@@ -7,6 +7,7 @@ use std::process::ExitCode;
 
 use qless::qr::BackendError;
 use qless::{AnalysisError, ConstraintSystem, OptionError, ReductionError};
+use qless_io::deck::Deck;
 use qless_io::{ReadError, WriteError};
 
 use crate::memory;
@@ -68,6 +69,11 @@ impl Failure {
             AnalysisError::Backend(error) => Self::of_backend(&error, input),
             error => Self::Input(format!("{}: {error}", input.display())),
         }
+    }
+
+    /// Something is wrong in a deck, or with what is asked of it.
+    pub fn of_deck(deck: &Deck, error: &dyn fmt::Display) -> Self {
+        Self::Input(format!("{}: {error}", deck.model().files()[0].display()))
     }
 
     fn of_backend(error: &BackendError, input: &Path) -> Self {

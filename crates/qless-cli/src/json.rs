@@ -14,8 +14,8 @@ use crate::deck_input::DeckReport;
 struct Whole<'a> {
     #[serde(flatten)]
     report: &'a Report,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    deck: Option<DeckReport>,
+    #[serde(flatten)]
+    deck: Option<DeckReport<'a>>,
 }
 
 /// The report and a line break.

@@ -5,7 +5,8 @@
 //! | [`args`] | the command line |
 //! | [`check`], [`reduce`], [`clean`], [`generate`], [`bench`] | the commands, one each |
 //! | [`diagnose`] | what check, reduce and clean share: read, analyse, time it |
-//! | [`deck_input`] | the load cases of a deck, its warnings, what its solver refuses |
+//! | [`deck_input`] | the load cases of a deck, what was left out, what its solver refuses or drops |
+//! | [`wishes`] | equations and DOFs that the user lists, by numbers or names |
 //! | [`text`], [`json`], [`html`], [`vtu`] | the forms of the report |
 //! | [`signals`] | what `SIGTERM` and its like do |
 //! | [`memory`] | the limit on it, and the end of a run that gets none |
@@ -23,7 +24,6 @@ mod generate;
 mod html;
 mod json;
 mod memory;
-mod numbers;
 mod progress;
 mod ranks;
 mod reduce;
@@ -34,6 +34,7 @@ mod stdout;
 mod text;
 mod version;
 mod vtu;
+mod wishes;
 
 use std::process::ExitCode;
 

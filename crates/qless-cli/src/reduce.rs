@@ -13,7 +13,7 @@ use qless_io::WriteError;
 use qless_io::write::Output;
 
 use crate::args::ReduceArgs;
-use crate::diagnose::{Diagnosis, Reduced, diagnose};
+use crate::diagnose::{Diagnosis, Question, Reduced, diagnose};
 use crate::failure::{Failure, say};
 use crate::progress::Progress;
 use crate::text::Outcome;
@@ -21,15 +21,17 @@ use crate::text::Outcome;
 /// What is written, besides factors.
 pub const FILES: [&str; 7] = ["T.mtx", "G.mtx", "g.txt", "slaves.txt", "masters.txt", "prescribed.txt", "cols.txt"];
 
-/// Writes the files and prints the report, or, for conflicting equations, prints the report only.
+/// Writes the files and prints the report, or, for conflicting or incomplete equations, prints the report only.
 pub fn run(args: &ReduceArgs) -> Result<ExitCode, Failure> {
     check_place(args)?;
     let progress = Progress::new(args.model.quiet);
-    let diagnosis = diagnose(&args.model, args.options(), &progress)?;
-    if diagnosis.is_refused() {
+    let question = Question { options: args.options(), wishes: args.wishes(), choice: args.choice() };
+    let diagnosis = diagnose(&args.model, question, &progress)?;
+    if diagnosis.is_refused() || diagnosis.is_incomplete() {
+        let way = if diagnosis.is_refused() { "" } else { ", or write what was read with --allow-incomplete" };
         diagnosis.print(None, &Outcome::Refused, progress)?;
-        say(format_args!("error: nothing was written to {}: see the report", args.output.display()));
-        return Ok(ExitCode::from(1));
+        say(format_args!("error: nothing was written to {}: see the report{way}", args.output.display()));
+        return Ok(diagnosis.code());
     }
     progress.stage("reducing");
     let start = Instant::now();

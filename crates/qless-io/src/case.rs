@@ -6,9 +6,10 @@ use qless::{ConstraintSystem, Place, SystemError};
 
 use crate::fault::Fault;
 use crate::vectors::{read_labels, read_prescribed, read_rhs};
-use crate::{ReadError, matrix_market, part};
+use crate::{Opened, ReadError, bytes, matrix_market, part};
 
-/// Reads `path`: a `.mtx` file, or a folder with `C.mtx` and what else it holds of a case.
+/// Reads `path`: a Matrix Market file, or a folder with `C.mtx` and what else it holds of a case; `-` is standard input. Text may be
+/// packed by gzip, or be UTF-16 with a byte order mark.
 ///
 /// `rhs` and `prescribed` name the other files of a `.mtx` file; with a folder they replace its own.
 /// Without a right-hand side b is zero. Where a line of labels is empty the number stands in its place.
@@ -35,7 +36,12 @@ use crate::{ReadError, matrix_market, part};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn read_case(path: &Path, rhs: Option<&Path>, prescribed: Option<&Path>) -> Result<ConstraintSystem, ReadError> {
-    CaseFiles::find(path, rhs, prescribed)?.read()
+    if !path.is_dir() {
+        return Opened::read(path, None)?.into_case(rhs, prescribed);
+    }
+    let files = CaseFiles::in_folder(path)?.with(rhs, prescribed);
+    let matrix = bytes::read(&files.matrix).map_err(ReadError::io(&files.matrix))?;
+    files.read_from(matrix)
 }
 
 /// The files that [`read_case`] reads, and those that it would read if they were there.
@@ -77,10 +83,15 @@ impl CaseFiles {
     /// [`ReadError`]: the path is no case.
     pub fn find(path: &Path, rhs: Option<&Path>, prescribed: Option<&Path>) -> Result<Self, ReadError> {
         let kind = std::fs::metadata(path).map_err(ReadError::io(path))?;
-        let mut files = if kind.is_dir() { Self::in_folder(path) } else { Self::lone(path) }?;
-        files.rhs = rhs.map(Path::to_path_buf).or(files.rhs);
-        files.prescribed = prescribed.map(Path::to_path_buf).or(files.prescribed);
-        Ok(files)
+        let files = if kind.is_dir() { Self::in_folder(path)? } else { Self::lone(path) };
+        Ok(files.with(rhs, prescribed))
+    }
+
+    /// With these files instead of its own, where they are named.
+    pub(crate) fn with(mut self, rhs: Option<&Path>, prescribed: Option<&Path>) -> Self {
+        self.rhs = rhs.map(Path::to_path_buf).or(self.rhs);
+        self.prescribed = prescribed.map(Path::to_path_buf).or(self.prescribed);
+        self
     }
 
     fn in_folder(folder: &Path) -> Result<Self, ReadError> {
@@ -94,17 +105,15 @@ impl CaseFiles {
         Ok(Self { matrix, rhs, prescribed, rows, columns })
     }
 
-    fn lone(path: &Path) -> Result<Self, ReadError> {
-        let matrix = path.to_path_buf();
-        let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-        match ending.as_str() {
-            "mtx" => Ok(Self { matrix, rhs: None, prescribed: None, rows: None, columns: None }),
-            _ => Err(ReadError::UnknownEnding { path: matrix }),
-        }
+    pub(crate) fn lone(path: &Path) -> Self {
+        Self { matrix: path.to_path_buf(), rhs: None, prescribed: None, rows: None, columns: None }
     }
 
-    fn read(&self) -> Result<ConstraintSystem, ReadError> {
-        let matrix = matrix_market::read(&self.matrix)?;
+    /// The system, of which `text` is the matrix.
+    pub(crate) fn read_from(&self, text: Vec<u8>) -> Result<ConstraintSystem, ReadError> {
+        let matrix = matrix_market::parse(&self.matrix, &text)?;
+        // It may be as large as what is made of it.
+        drop(text);
         let (m, n) = (matrix.rows, matrix.columns);
         let rhs = self.rhs.as_deref().map_or_else(|| Ok(vec![0.0; m]), |path| read_rhs(path, m))?;
         let prescribed = self.prescribed.as_deref().map_or_else(|| Ok(Vec::new()), |path| read_prescribed(path, n))?;
@@ -112,16 +121,18 @@ impl CaseFiles {
         let columns = labels(self.columns.as_deref(), n, "column", "DOF")?;
         ConstraintSystem::from_triplets(m, n, &matrix.entries, &rhs, &prescribed)
             .and_then(|system| system.with_labels(rows, columns))
-            .or_else(|error| Err(self.explain(error)?))
+            .map_err(|error| self.explain(error))
     }
 
     /// The library's error with file and line. The reader has checked all but the sums of repeats.
-    fn explain(&self, error: SystemError) -> Result<ReadError, ReadError> {
+    fn explain(&self, error: SystemError) -> ReadError {
         let path = self.matrix.clone();
         let SystemError::NotFinite { what: Place::Coefficient { row, dof }, value } = error else {
-            return Ok(ReadError::System { path, source: error });
+            return ReadError::System { path, source: error };
         };
-        Ok(self.sum_not_finite(row, dof, value)?.unwrap_or(ReadError::System { path, source: error }))
+        // What is packed, or was standard input, cannot be gone through again in pieces.
+        let lines = self.sum_not_finite(row, dof, value).ok().flatten();
+        lines.unwrap_or(ReadError::System { path, source: error })
     }
 
     /// What to say where the coefficients given for a 0-based row and DOF add up to `sum`: none if there are no such coefficients.

@@ -4,6 +4,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::Fault;
+use crate::deck::{Format, Seen, Solver};
 
 /// Why an input was refused. Lines, rows and columns count from 1.
 #[derive(Debug, thiserror::Error)]
@@ -36,11 +37,39 @@ pub enum ReadError {
     /// A finite-element deck with a fault.
     #[error(transparent)]
     Deck(#[from] crate::deck::DeckError),
-    /// An ending that says nothing.
-    #[error("{}: cannot tell what this file is; name a deck (.inp, .bdf, .dat, .nas, .cdb), a .mtx file or a folder with a C.mtx", path.display())]
-    UnknownEnding {
+    /// Content that no reader knows.
+    #[error(
+        "{}: cannot tell what this is: {seen}; decks of CalculiX and Abaqus (as .inp), Nastran (.bdf, .dat, .nas) and ANSYS (.cdb) \
+         are read, Matrix Market files (.mtx), and folders with a C.mtx",
+        path.display()
+    )]
+    Unknown {
         /// The file.
         path: PathBuf,
+        /// What it begins with.
+        seen: Seen,
+    },
+    /// A solver that does not read decks of this format.
+    #[error(
+        "{}: {solver} does not read it: it is a deck of {format}; leave --solver out, or name {}",
+        path.display(),
+        Solver::that_read(*format).map(Solver::name).collect::<Vec<_>>().join(" or ")
+    )]
+    Solver {
+        /// The deck.
+        path: PathBuf,
+        /// The solver asked for.
+        solver: Solver,
+        /// The deck's format.
+        format: Format,
+    },
+    /// A matrix where a deck was asked for, or the other way round.
+    #[error("{}: {problem}", path.display())]
+    OtherContent {
+        /// The file.
+        path: PathBuf,
+        /// What it is, and what to do.
+        problem: &'static str,
     },
     /// The library refused what the reader let through.
     #[error("{}: {source} (rows and DOFs counted from 0)", path.display())]

@@ -33,6 +33,7 @@ mod fault;
 mod lines;
 pub mod matrix_market;
 mod number;
+mod opened;
 pub mod part;
 pub mod vectors;
 pub mod write;
@@ -40,6 +41,7 @@ pub mod write;
 pub use case::{case_files, read_case};
 pub use error::{ReadError, WriteError};
 pub use fault::{Fault, NumberFault, Quantity};
+pub use opened::{Content, Opened};
 pub use write::write_case;
 
 /// The example of the README, as a test.

@@ -56,7 +56,7 @@ pub use reduction::{FactoredBlock, Form, Parts, Reduction, ReductionError};
 pub use report::{
     BackendUsed, Certificate, Counts, DependentEquation, ExactDifference, ExactFinding, FactoredSizes,
     GeneratedCondition, IgnoredCoefficient, InputSizes, MeantFinding, Milliseconds, NearEquation, Omitted,
-    ReductionSizes, Report, Term, Unmet,
+    ReductionSizes, Report, Status, Term, Unmet,
 };
 
 /// The examples of the README, as tests.

@@ -20,7 +20,8 @@ struct Data<'a> {
     version: &'static str,
     report: &'a Report,
     exact: Vec<String>,
-    deck: Option<DeckReport>,
+    #[serde(flatten)]
+    deck: Option<DeckReport<'a>>,
     picture: Picture,
 }
 
@@ -29,7 +30,7 @@ pub fn render(diagnosis: &Diagnosis, report: &Report) -> Result<String, serde_js
     let input = &diagnosis.args.input;
     let data = Data {
         name: input.file_name().unwrap_or(input.as_os_str()).to_string_lossy().into_owned(),
-        verdict: text::verdict(report),
+        verdict: text::verdict(report, diagnosis.deck.is_some()),
         version: env!("CARGO_PKG_VERSION"),
         report,
         exact: text::exact(diagnosis, report),

@@ -15,6 +15,7 @@ use super::report::Findings;
 use crate::args::{CheckArgs, Deny, Format, ModelArgs};
 use crate::failure::Failure;
 use crate::progress::Progress;
+use crate::wishes::{Word, Words};
 use crate::{memory, stdout};
 
 /// Collective; the exit code is the same on all ranks.
@@ -31,6 +32,7 @@ pub fn run(ranks: &dyn Ranks, args: &CheckArgs) -> Result<ExitCode, Failure> {
     let read = start.elapsed();
     progress.stage("analysing");
     let mut options = model.options();
+    options.preferences.equations = all(ranks, numbers(model.keep.as_ref()))?;
     kept(&options, case.rows() as usize, &model.input)?;
     options.memory = least(ranks, memory::left().map_or(options.memory, |left| left.min(options.memory)));
     let analysis = analyse(ranks, case.share(), &options).map_err(|error| of_analysis(error, &model.input))?;
@@ -64,7 +66,12 @@ fn check(args: &CheckArgs, is_first: bool) -> Result<(), Failure> {
             "several ranks report with --format text or json; for others leave out mpirun".to_owned(),
         ));
     }
-    if Language::of(&model.input).is_some() && !model.input.is_dir() {
+    if model.solver.is_some() || args.case.is_some() {
+        return Err(Failure::Input(
+            "--solver and --case go with a deck, which one process reads: leave out mpirun".to_owned(),
+        ));
+    }
+    if model.input.as_os_str() == "-" || Language::of(&model.input).is_some() && !model.input.is_dir() {
         return Err(Failure::Input(format!(
             "{input}: several ranks read Matrix Market only: name a .mtx file or a folder with a C.mtx, or leave out mpirun"
         )));
@@ -104,6 +111,18 @@ fn of_analysis(error: Error, input: &Path) -> Failure {
         Error::TooLarge { .. } => Failure::Resource(format!("{}: {error}", input.display())),
         error => Failure::Input(format!("{}: {error}", input.display())),
     }
+}
+
+/// Equations to keep, by their numbers: no rank knows all labels.
+fn numbers(words: Option<&Words>) -> Result<Vec<usize>, Failure> {
+    let number = |word: &Word| match word {
+        Word::Numbers(range) => Ok(range.clone()),
+        Word::Name(name) => {
+            Err(Failure::Input(format!("--keep: `{name}`: several ranks know rows by their numbers only")))
+        }
+    };
+    let ranges: Vec<_> = words.map_or(&[][..], |words| &words.0).iter().map(number).collect::<Result<_, _>>()?;
+    Ok(ranges.into_iter().flatten().collect())
 }
 
 /// Equations to keep that are not there.

@@ -80,7 +80,7 @@ impl Findings<'_> {
             dependent,
             because: &because,
         };
-        text::whole(&told, report, &Outcome::Checked, [Vec::new(), Vec::new()])
+        text::whole(&told, report, &Outcome::Checked, &[], Vec::new())
     }
 
     fn equation(&self, row: usize) -> Option<&Equation> {

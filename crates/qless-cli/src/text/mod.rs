@@ -14,6 +14,7 @@ mod meant;
 pub mod name;
 mod next;
 mod number;
+mod section;
 pub mod told;
 mod unmet;
 mod verdict;
@@ -24,10 +25,13 @@ use std::path::Path;
 use qless::{Kind, Report};
 
 use crate::diagnose::Diagnosis;
+pub use section::Section;
 use told::{Finding, Told};
 
 /// No line is longer.
 const COLUMNS: usize = 100;
+/// No report has more, unless there is very much beside the equations to say.
+const LINES: usize = 24;
 
 /// What the command did after the diagnosis.
 pub enum Outcome<'a> {
@@ -49,8 +53,8 @@ pub enum Outcome<'a> {
 }
 
 /// What was found, in one sentence.
-pub fn verdict(report: &Report) -> String {
-    verdict::line(report)
+pub fn verdict(report: &Report, is_deck: bool) -> String {
+    verdict::line(report, is_deck)
 }
 
 /// What exact arithmetic says, if it was asked.
@@ -69,21 +73,39 @@ pub fn render(diagnosis: &Diagnosis, report: &Report, outcome: &Outcome) -> Stri
         dependent: diagnosis.analysis.dependent().iter().map(Finding::from).collect(),
         because: &because,
     };
-    let of_deck = diagnosis.deck.iter().flat_map(|deck| deck.lines(diagnosis)).collect();
+    let sections = diagnosis.deck.as_ref().map_or_else(Vec::new, |deck| deck.sections(&diagnosis.analysis));
     let mut doubts = meant::lines(diagnosis, report);
     doubts.extend(exact::lines(diagnosis, report));
     doubts.extend(ignored::line(diagnosis, report));
-    whole(&told, report, outcome, [of_deck, doubts])
+    whole(&told, report, outcome, &sections, doubts)
 }
 
-/// With lines that only some analyses have: of a deck, and beside the rank.
-pub fn whole(told: &Told, report: &Report, outcome: &Outcome, [of_deck, doubts]: [Vec<String>; 2]) -> String {
+/// With what only some analyses have: sections of a deck, and doubts beside the rank.
+pub fn whole(told: &Told, report: &Report, outcome: &Outcome, sections: &[Section], doubts: Vec<String>) -> String {
+    let first = [verdict::line(report, told.deck.is_some()), verdict::input(report)];
+    let last = rest(told, report, outcome, doubts);
+    let generated = generated::section(report);
+    let room = LINES.saturating_sub(first.len() + generated.len() + last.len());
+    let (least, wanted) = section::needs(sections);
+    let equations = dependent(told, report, room.saturating_sub(wanted).max(room.saturating_sub(least).min(5)));
+    let sections = section::lines(sections, room.saturating_sub(equations.len()));
+    let lines = first.into_iter().chain(equations).chain(generated).chain(sections).chain(last);
+    lines.map(|line| fit::shorten(line.trim_end(), COLUMNS) + "\n").collect()
+}
+
+/// Dependent equations in at most so many lines, or the heading and one of each kind.
+fn dependent(told: &Told, report: &Report, most: usize) -> Vec<String> {
     let both = report.counts.conflicting > 0 && report.counts.redundant > 0;
-    let mut lines = vec![verdict::line(report), verdict::input(report)];
-    lines.extend(dependent::section(told, Kind::Conflicting, if both { 7 } else { 10 }));
-    lines.extend(dependent::section(told, Kind::Redundant, if both { 4 } else { 9 }));
-    lines.extend(generated::section(report));
-    lines.extend(of_deck);
+    let (conflicting, redundant) = if both { (7, 4) } else { (10, 9) };
+    let mut lines =
+        dependent::section(told, Kind::Conflicting, conflicting.min(if both { most / 2 } else { most }).max(3));
+    lines.extend(dependent::section(told, Kind::Redundant, redundant.min(most.saturating_sub(lines.len())).max(3)));
+    lines
+}
+
+/// How sure it is, how it was done, and what to do.
+fn rest(told: &Told, report: &Report, outcome: &Outcome, doubts: Vec<String>) -> Vec<String> {
+    let mut lines = Vec::new();
     if report.input.rows > 0 {
         lines.extend(confidence::lines(told, report));
         lines.extend(doubts);
@@ -94,5 +116,5 @@ pub fn whole(told: &Told, report: &Report, outcome: &Outcome, [of_deck, doubts]:
     lines.extend(factored::lines(report));
     lines.push(work::time(report));
     lines.extend(next::lines(told, report, outcome));
-    lines.iter().map(|line| fit::shorten(line.trim_end(), COLUMNS) + "\n").collect()
+    lines
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use qless::{Kind, Report};
+use qless::{Report, Status};
 
 use super::Outcome;
 use super::fit::{printable, shorten, width};
@@ -52,26 +52,33 @@ fn cleaned(output: &Path, removed: usize, written: usize) -> String {
 
 fn advice(told: &Told, report: &Report) -> String {
     let input = quoted(told.input);
-    let is_refused = told.deck.is_some_and(DeckInput::is_refused_by_solver);
+    let claims = told.deck.map(DeckInput::claims);
+    let is_refused = claims.is_some_and(|claims| !claims.refused.is_empty() || !claims.unsound.is_empty());
+    let is_dropped = claims.is_some_and(|claims| !claims.ignored.is_empty());
     match report.status {
-        _ if report.input.rows == 0 => "Next: check that the equations were exported to this input.".to_owned(),
-        Kind::Conflicting => {
+        Status::Conflicting => {
             "Next: correct each conflicting equation, or one in its combination, or remove it.".to_owned()
         }
+        Status::Incomplete => {
+            "Next: write what was left out as equations, or judge by what was read (--allow-incomplete).".to_owned()
+        }
+        _ if report.input.rows == 0 && told.deck.is_some() => "Next: nothing to mend.".to_owned(),
+        _ if report.input.rows == 0 => "Next: check that the equations were exported to this input.".to_owned(),
         _ if report.confidence.ambiguous => {
             "Next: decide, as said above, which equations are meant to be independent.".to_owned()
         }
-        Kind::Redundant if told.deck.is_some() => {
+        _ if is_dropped && !is_refused => {
+            "Next: decide which of the claims are meant: what is dropped has no effect on the result.".to_owned()
+        }
+        Status::Redundant if told.deck.is_some() => {
             format!("Next: `qless clean {input} -o DECK` writes a deck without redundant equations.")
         }
-        Kind::Independent if is_refused => {
-            format!("Next: `qless clean {input} -o DECK` writes a deck that the solver takes.")
-        }
-        Kind::Independent => format!("Next: nothing to mend. `qless reduce {input} -o DIR` writes the reduced form."),
-        Kind::Redundant => {
+        Status::Redundant => {
             let them = if report.counts.redundant == 1 { "it" } else { "them" };
             format!("Next: remove {them}, or run `qless reduce {input} -o DIR`, which leaves {them} out.")
         }
+        _ if is_refused => format!("Next: `qless clean {input} -o DECK` writes a deck that the solver takes."),
+        _ => format!("Next: nothing to mend. `qless reduce {input} -o DIR` writes the reduced form."),
     }
 }
 

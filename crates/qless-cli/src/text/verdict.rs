@@ -4,10 +4,21 @@ use qless::Report;
 
 use super::name::count;
 
-/// `3 of 16 equations are redundant; 1 conflicts; the rest (12) are independent.`
-pub fn line(report: &Report) -> String {
+/// `3 of 16 equations are redundant; 1 conflicts; the rest (12) are independent.`, and first of all what was left out.
+pub fn line(report: &Report, is_deck: bool) -> String {
+    let left_out = report.incomplete.len();
+    if left_out == 0 {
+        return of_equations(report, is_deck);
+    }
+    let constrain = if left_out == 1 { "thing that constrains was" } else { "things that constrain were" };
+    let rest = if report.input.rows == 0 { "No equation was read.".to_owned() } else { of_equations(report, is_deck) };
+    format!("INCOMPLETE: {left_out} {constrain} left out. {rest}")
+}
+
+fn of_equations(report: &Report, is_deck: bool) -> String {
     let (m, counts) = (report.input.rows, report.counts);
     match (m, m - counts.independent) {
+        (0, _) if is_deck => return "The deck has no equations between DOFs, so there is nothing to find.".to_owned(),
         (0, _) => return "There are no equations, so there is nothing to find.".to_owned(),
         (1, 0) => return format!("The only equation is independent{}.", doubt(report)),
         (_, 0) => return format!("All {m} equations are independent{}.", doubt(report)),

@@ -1,8 +1,7 @@
 //! What a deck constrains, whatever its format: equations on DOFs, prescribed values by load case, and where each stands.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-
-use qless::{ConstraintSystem, SystemBuilder, SystemError};
 
 use super::columns::Columns;
 use super::node_names::NodeNames;
@@ -104,6 +103,17 @@ pub struct Warning {
     pub leaves_out: bool,
 }
 
+/// What a deck says once for all of it, where solvers go by it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Traits {
+    /// Whether some nodes have axes of their own.
+    pub(super) has_local_axes: bool,
+    /// Whether a step is geometrically nonlinear.
+    pub(super) is_nonlinear: bool,
+    /// Whether a kinematic coupling has axes of its own.
+    pub(super) has_turned_couplings: bool,
+}
+
 /// The constraints of a deck.
 #[derive(Clone, Debug, Default)]
 pub struct Model {
@@ -112,11 +122,18 @@ pub struct Model {
     pub(super) dofs: Vec<Dof>,
     pub(super) cases: Vec<LoadCase>,
     pub(super) warnings: Vec<Warning>,
+    /// Rotations that the solver makes for bodies: the first of three components of the reference node.
+    pub(super) own_rotations: BTreeSet<Dof>,
+    pub(super) traits: Traits,
     /// Names of the courses after the first.
     courses: Vec<String>,
     names: NodeNames,
     /// Ascending by DOF.
-    claimed: Vec<(Dof, Origin)>,
+    left_out_claims: Vec<(Dof, Origin)>,
+    /// DOFs that cards put where no slave may be, ascending.
+    claims: Vec<(Dof, Origin)>,
+    /// Cards whose equations the solver keeps by multipliers: none of their DOFs is a slave.
+    without_slaves: BTreeSet<u32>,
     columns: Columns,
     terms: Terms,
     /// Where the terms of each equation end.
@@ -286,6 +303,28 @@ impl Model {
         self.warnings.push(Warning { file, line, text: text.into(), leaves_out: true });
     }
 
+    /// Where a DOF is put into a set of which no slave may be, such as Nastran's `ASET`.
+    pub fn claimed(&self, dof: Dof) -> Option<Origin> {
+        self.claims.binary_search_by_key(&dof, |(claimed, _)| *claimed).ok().map(|at| self.claims[at].1)
+    }
+
+    /// Sets such DOFs.
+    pub(super) fn claim(&mut self, mut claims: Vec<(Dof, Origin)>) {
+        claims.sort_by_key(|(dof, _)| *dof);
+        claims.dedup_by_key(|(dof, _)| *dof);
+        self.claims = claims;
+    }
+
+    /// Whether the first term of equation `i` is a slave; not so where the solver keeps the equation by a multiplier.
+    pub fn has_slave(&self, i: usize) -> bool {
+        self.without_slaves.is_empty() || !self.without_slaves.contains(&self.nth(i).origin.card)
+    }
+
+    /// Says that the equations of a card are kept by multipliers.
+    pub(super) fn keep_by_multipliers(&mut self, card: u32) {
+        self.without_slaves.insert(card);
+    }
+
     /// The number of the course of this name.
     pub(super) fn course(&mut self, name: &str) -> u32 {
         let known = self.courses.iter().position(|known| known == name);
@@ -332,16 +371,16 @@ impl Model {
         self.names.one(node, name);
     }
 
-    /// DOFs that cards left out are known to claim, ascending, and where those stand: no equation written anew may have them as slaves.
-    pub fn claimed(&self) -> &[(Dof, Origin)] {
-        &self.claimed
+    /// DOFs that cards left out may claim, ascending, and where those stand: no equation written anew may have them as slaves.
+    pub fn left_out_claims(&self) -> &[(Dof, Origin)] {
+        &self.left_out_claims
     }
 
-    /// Says that a card that is left out claims DOFs.
-    pub(super) fn claim(&mut self, dofs: impl IntoIterator<Item = Dof>, origin: Origin) {
-        self.claimed.extend(dofs.into_iter().map(|dof| (dof, origin)));
-        self.claimed.sort_by_key(|(dof, origin)| (*dof, origin.card, origin.line));
-        self.claimed.dedup();
+    /// Says that a card that is left out may claim DOFs.
+    pub(super) fn claim_left_out(&mut self, dofs: impl IntoIterator<Item = Dof>, origin: Origin) {
+        self.left_out_claims.extend(dofs.into_iter().map(|dof| (dof, origin)));
+        self.left_out_claims.sort_by_key(|(dof, origin)| (*dof, origin.card, origin.line));
+        self.left_out_claims.dedup();
     }
 
     /// Where, and which card: `line 41 *EQUATION` in the main file, `part.inc:41 *EQUATION` in others; the line alone for an origin
@@ -375,43 +414,6 @@ impl Model {
     pub fn in_force(&self, case: &LoadCase) -> impl Iterator<Item = usize> + '_ {
         let removed = case.removed.clone();
         (0..self.equations()).filter(move |&i| removed.binary_search(&(i as u32)).is_err())
-    }
-
-    /// `C u = b` of a load case, labelled in the deck's language: a row for each equation in force and then one for each value
-    /// that contradicts another; a column for each DOF in them.
-    ///
-    /// # Errors
-    /// [`SystemError`] where coefficients of one DOF in one equation overflow when summed.
-    pub fn system(&self, case: &LoadCase) -> Result<ConstraintSystem, SystemError> {
-        let clashing: Vec<Dof> = case.clashes.iter().map(|clash| clash.dof).collect();
-        let mut extra: Vec<Dof> = clashing.iter().copied().filter(|&dof| self.column(dof).is_none()).collect();
-        extra.sort_unstable();
-        extra.dedup();
-        let column = |dof: Dof| match self.column(dof) {
-            Some(j) => Some(j as usize),
-            None => extra.binary_search(&dof).ok().map(|k| self.dofs.len() + k),
-        };
-        // A system has at least one DOF, so that of a deck without constraints has one that nothing holds.
-        let dofs = self.dofs.len() + extra.len();
-        let mut builder = SystemBuilder::new(dofs.max(1));
-        for i in self.in_force(case) {
-            let equation = self.nth(i);
-            let terms = equation.columns.iter().zip(equation.coefficients).filter(|(_, a)| **a != 0.0);
-            builder.labelled_equation(self.label_of(i), terms.map(|(&j, &a)| (j as usize, a)), equation.rhs);
-        }
-        for clash in &case.clashes {
-            let label = format!("{} {}", self.place(clash.origin), self.dof_name(clash.dof));
-            builder.labelled_equation(label, [(column(clash.dof).unwrap_or_default(), 1.0)], clash.value);
-        }
-        for given in &case.prescribed {
-            if let Some(j) = column(given.dof) {
-                builder.prescribe(j, given.value);
-            }
-        }
-        if dofs > 0 {
-            builder.dof_labels(self.dofs.iter().chain(&extra).map(|&dof| self.dof_name(dof)).collect());
-        }
-        builder.build()
     }
 
     /// An error at a line of a card.

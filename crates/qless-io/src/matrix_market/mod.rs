@@ -58,3 +58,8 @@ pub struct Triplets {
 pub fn read(path: &Path) -> Result<Triplets, ReadError> {
     parse_file(path, coordinate::parse)
 }
+
+/// The matrix in the text of a file.
+pub(crate) fn parse(path: &Path, text: &[u8]) -> Result<Triplets, ReadError> {
+    coordinate::parse(text).map_err(|at| at.of(path))
+}

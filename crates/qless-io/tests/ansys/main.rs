@@ -8,5 +8,11 @@ mod malformed;
 mod meaning;
 /// Shared by all.
 mod parse;
+/// Parameters, loops and conditions.
+mod programs;
 /// Random decks.
 mod property;
+/// `CERIG` and `RBE3`.
+mod regions;
+/// Load steps with equations and tables of their own.
+mod steps;

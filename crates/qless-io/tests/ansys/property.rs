@@ -114,14 +114,123 @@ proptest! {
     #[test]
     fn a_cleaned_deck_says_the_same(said in prop::collection::vec(said(), 1..12)) {
         let before = deck(&text(&said));
-        let plan = clean::plan(before.model(), &Options::default()).expect("consistent");
+        let plan = clean::plan(&before, &Options::default()).expect("consistent");
         let result = clean::write(&before, &plan).expect("written");
         let after = deck(std::str::from_utf8(&result).expect("text"));
         prop_assert!(holds(&before) && holds(&after));
         prop_assert!(faults(after.model()).is_empty());
-        prop_assert!(clean::plan(after.model(), &Options::default()).expect("consistent").is_empty());
+        prop_assert!(clean::plan(&after, &Options::default()).expect("consistent").is_empty());
         prop_assert_eq!(after.model().equations(), rank(&[&before]));
         prop_assert_eq!(rank(&[&after]), after.model().equations());
+        prop_assert_eq!(rank(&[&before, &after]), after.model().equations());
+    }
+}
+
+/// Where node k is; nodes 1 to 5.
+const PLACES: [[i32; 3]; 5] = [[0, 0, 0], [2, 0, 0], [0, 3, 1], [-1, 2, 4], [1, 1, -2]];
+const SPATIAL: [&str; 6] = ["UX", "UY", "UZ", "ROTX", "ROTY", "ROTZ"];
+
+/// Commands that one rigid motion fulfils, whatever they are about.
+#[derive(Clone, Debug)]
+enum Moved {
+    /// `CERIG` of two nodes, with labels.
+    Rigid(u32, u32, &'static str),
+    /// `RBE3` of a node and the others, with labels and weights.
+    Mean(u32, &'static str, Vec<u32>),
+    /// A node's component that is prescribed to what the motion gives.
+    Prescribed(u32, usize),
+    /// Two rotations that are the same.
+    Coupled(u32, u32, usize),
+    /// The rotations of nodes from the first to the last, in a loop, equal to that of node 1.
+    Loop(u32, u32, usize),
+    /// The difference of two nodes in one component, with a parameter as its coefficient.
+    Difference(u32, u32, usize, u32),
+}
+
+fn moved() -> impl Strategy<Value = Moved> {
+    let node = || 1_u32..6;
+    let labels = prop::sample::select(vec!["ALL", "UXYZ", "RXYZ", "UX", "UY,ROTZ", "ROTX", ""]);
+    let means = prop::sample::select(vec!["ALL", "UXYZ", "RXYZ", "UZ", "ROTY"]);
+    prop_oneof![
+        4 => (node(), node(), labels).prop_map(|(master, slave, labels)| Moved::Rigid(master, slave, labels)),
+        2 => (node(), means, prop::collection::vec(1_u32..4, 4)).prop_map(|(node, dof, weights)| Moved::Mean(node, dof, weights)),
+        3 => (node(), 0_usize..6).prop_map(|(node, label)| Moved::Prescribed(node, label)),
+        1 => (node(), node(), 3_usize..6).prop_map(|(a, b, label)| Moved::Coupled(a, b, label)),
+        1 => (2_u32..4, 3_u32..6, 3_usize..6).prop_map(|(first, last, label)| Moved::Loop(first, last, label)),
+        1 => (node(), node(), 0_usize..6, 1_u32..4).prop_map(|(a, b, label, w)| Moved::Difference(a, b, label, w)),
+    ]
+}
+
+/// The displacement of a node under `t + w x r`.
+fn motion(node: u32, label: usize) -> f64 {
+    let (t, w) = ([0.5, -2.0, 3.0], [0.25, 1.0, -0.5]);
+    let r = PLACES[node as usize - 1].map(f64::from);
+    match label {
+        0..3 => t[label] + w[(label + 1) % 3] * r[(label + 2) % 3] - w[(label + 2) % 3] * r[(label + 1) % 3],
+        _ => w[label - 3],
+    }
+}
+
+fn moved_text(commands: &[Moved]) -> String {
+    let mut text = String::from("/PREP7\n");
+    for (node, [x, y, z]) in (1..).zip(PLACES) {
+        writeln!(text, "N,{node},{x},{y},{z}").expect("written");
+    }
+    for command in commands {
+        match command {
+            Moved::Rigid(master, slave, labels) if master != slave => writeln!(text, "CERIG,{master},{slave},{labels}"),
+            Moved::Rigid(master, ..) => writeln!(text, "CERIG,{master},ALL,UXYZ"),
+            Moved::Mean(node, dof, weights) => {
+                let others: Vec<String> = (1..6).filter(|other| other != node).map(|other| other.to_string()).collect();
+                let weights: Vec<String> = weights.iter().map(u32::to_string).collect();
+                let (others, weights) = (others.join(","), weights.join(","));
+                writeln!(text, "*DIM,S,,4\n*DIM,W,,4\nS(1)={others}\nW(1)={weights}\nRBE3,{node},{dof},S(1),W(1)")
+            }
+            Moved::Prescribed(node, label) => {
+                writeln!(text, "D,{node},{},{:?}", SPATIAL[*label], motion(*node, *label))
+            }
+            Moved::Coupled(a, b, label) => writeln!(text, "CP,NEXT,{},{a},{b}", SPATIAL[*label]),
+            Moved::Loop(first, last, label) => {
+                let label = SPATIAL[*label];
+                writeln!(text, "*DO,I,{first},{last}\nCE,NEXT,0,I,{label},1,1,{label},-1\n*ENDDO")
+            }
+            Moved::Difference(a, b, label, w) => {
+                let gap = motion(*a, *label) - motion(*b, *label);
+                let label = SPATIAL[*label];
+                writeln!(text, "K={w}\nCE,NEXT,{:?}*K,{a},{label},K,{b},{label},-K", gap)
+            }
+        }
+        .expect("written");
+    }
+    text + "FINISH\n"
+}
+
+/// Whether the rigid motion fulfils every equation, but for rounding.
+fn moves_rigidly(deck: &Deck) -> bool {
+    let model = deck.model();
+    (0..model.equations()).map(|i| model.equation(i).expect("an equation")).all(|equation| {
+        let value = |j: u32| motion(model.dofs()[j as usize].node, usize::from(model.dofs()[j as usize].component) - 1);
+        let terms = || equation.columns.iter().zip(equation.coefficients).map(|(&j, a)| a * value(j));
+        let scale: f64 = terms().map(f64::abs).sum();
+        (terms().sum::<f64>() - equation.rhs).abs() <= 1e-9 * scale.max(1.0)
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
+
+    #[test]
+    fn cleaned_regions_move_as_before(commands in prop::collection::vec(moved(), 1..8)) {
+        let before = deck(&moved_text(&commands));
+        prop_assert_eq!(before.model().left_out().count(), 0);
+        prop_assert!(moves_rigidly(&before));
+        let plan = clean::plan(&before, &Options::default()).expect("consistent");
+        let result = clean::write(&before, &plan).expect("written");
+        let after = deck(std::str::from_utf8(&result).expect("text"));
+        prop_assert!(moves_rigidly(&after));
+        prop_assert!(faults(after.model()).is_empty());
+        prop_assert!(clean::plan(&after, &Options::default()).expect("consistent").is_empty());
+        prop_assert_eq!(rank(&[&before]), after.model().equations());
         prop_assert_eq!(rank(&[&before, &after]), after.model().equations());
     }
 }

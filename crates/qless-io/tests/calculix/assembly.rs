@@ -91,6 +91,13 @@ fn a_deck_with_instances_is_read_as_abaqus_does_whatever_its_solver() {
 }
 
 #[test]
+fn a_flat_deck_may_name_an_instance_that_is_no_more() {
+    let flat = "*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n*NSET, NSET=S, INSTANCE=Part-1-1\n1,2\n*BOUNDARY\nS,1\n";
+    let model = model(Ccx, flat);
+    assert_eq!(prescribed(&model, &model.cases()[0]), ["1:1=0", "2:1=0"]);
+}
+
+#[test]
 fn what_an_assembly_lacks_is_named() {
     for (assembly, expected) in [
         ("*INSTANCE, NAME=I, PART=None\n*END INSTANCE\n", "*INSTANCE: part NONE is not defined"),
@@ -110,7 +117,7 @@ fn redundant_equations_of_an_assembly_go_and_new_ones_are_refused() {
     let options = qless::Options::default();
     let twice = "*EQUATION\n2\nBrick-1.5,3,1.,Brick-2.1,3,-1.\n2\nBrick-2.1,3,2.,Brick-1.5,3,-2.\n";
     let redundant = parsed(Abaqus, &deck(twice, "")).expect("a deck");
-    let plan = clean::plan(redundant.model(), &options).expect("a plan");
+    let plan = clean::plan(&redundant, &options).expect("a plan");
     assert_eq!((plan.removed.len(), plan.written.len()), (1, 0));
     let text = clean::write(&redundant, &plan).expect("written");
     let again = parsed(Abaqus, &String::from_utf8(text).expect("text")).expect("a deck");
@@ -118,7 +125,7 @@ fn redundant_equations_of_an_assembly_go_and_new_ones_are_refused() {
     // A slave that is prescribed: its equation would have to be written anew.
     let held = "*EQUATION\n2\nBrick-1.5,3,1.,Brick-2.1,3,-1.\n";
     let prescribed = parsed(Abaqus, &deck(held, "*BOUNDARY\nBrick-1.5,3\n")).expect("a deck");
-    let plan = clean::plan(prescribed.model(), &options).expect("a plan");
+    let plan = clean::plan(&prescribed, &options).expect("a plan");
     assert!(matches!(clean::write(&prescribed, &plan), Err(CleanError::Instances { .. })));
 }
 

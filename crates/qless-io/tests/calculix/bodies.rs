@@ -86,9 +86,9 @@ fn ccx_passes_over_what_it_does_not_know_of_a_rigid_body() {
 #[test]
 fn ccx_makes_a_reference_at_the_origin_where_none_is_given() {
     let model = brick(Ccx, "*RIGID BODY, NSET=TOP\n");
-    // Node 5 is at (0, 0, 1): its first component is the reference's and its turn about the second axis.
+    // Node 5 is at (0, 0, 1): its first component is the reference's and the second of the turns that ccx makes.
     let name = "reference of line 20";
-    let expected = format!("1 5:1 -1 {name}:1 -1 {name}:5");
+    let expected = format!("1 5:1 -1 {name}:1 -1 {name}:22");
     assert_eq!(equations(&model)[0], expected);
 }
 

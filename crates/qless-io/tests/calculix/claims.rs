@@ -6,7 +6,7 @@ use qless_io::deck::Solver::{Abaqus, Ccx};
 use super::given::{brick, equations, warnings};
 
 fn claimed(model: &Model) -> Vec<String> {
-    let mut nodes: Vec<String> = model.claimed().iter().map(|(dof, _)| model.node_name(dof.node)).collect();
+    let mut nodes: Vec<String> = model.left_out_claims().iter().map(|(dof, _)| model.node_name(dof.node)).collect();
     nodes.dedup();
     nodes
 }
@@ -32,10 +32,10 @@ fn what_is_left_out_claims_the_nodes_that_it_names() {
         let left: Vec<_> = model.left_out().map(|warning| warning.text.as_str()).collect();
         assert!(left.len() == 1 && left[0].starts_with(&format!("{name} constrains")), "{cards}: {left:?}");
         assert_eq!(claimed(&model), nodes, "{cards}");
-        assert!(model.claimed().is_sorted_by_key(|(dof, _)| *dof));
+        assert!(model.left_out_claims().is_sorted_by_key(|(dof, _)| *dof));
     }
     let plain = brick(Abaqus, &format!("{foot}*CONTACT PAIR, INTERACTION=I\nFOOT,STOP\n"));
-    assert_eq!((plain.left_out().count(), plain.claimed().len()), (0, 0));
+    assert_eq!((plain.left_out().count(), plain.left_out_claims().len()), (0, 0));
 }
 
 #[test]
@@ -89,6 +89,8 @@ fn a_sector_repeats_itself_around_its_axis() {
         let model = super::given::model(Ccx, &sector(&format!("\n{slaves},SECOND"), ""));
         let expected = ["1 1:1 -1 5:2", "1 1:2 1 5:1", "1 1:3 -1 5:3"];
         assert_eq!(model.left_out().count(), 0);
+        let wide = super::given::model(Ccx, &sector(&format!(", POSITION TOLERANCE=1.5\n{slaves},SECOND"), ""));
+        assert_eq!(equations(&wide), equations(&model), "the nearest is the partner");
         assert_eq!((equations(&model)[..3].to_vec(), model.equations()), (expected.map(str::to_owned).to_vec(), 12));
     }
 }

@@ -128,7 +128,7 @@ fn decks_span_what_their_references_span() {
 fn cleaned_decks_say_the_same_and_need_no_more() {
     for (case, _, path) in cases() {
         let deck = deck::read(&path).unwrap_or_else(|error| panic!("{error}"));
-        let plan = plan(deck.model(), &Options::default()).unwrap_or_else(|error| panic!("{}: {error}", name(&case)));
+        let plan = plan(&deck, &Options::default()).unwrap_or_else(|error| panic!("{}: {error}", name(&case)));
         println!("{:<28} removed {} written {}", name(&case), plan.removed.len(), plan.written.len());
         let text = write(&deck, &plan).unwrap_or_else(|error| panic!("{}: {error}", name(&case)));
         let mut open = |path: &Path| std::fs::read(path);

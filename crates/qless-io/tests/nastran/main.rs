@@ -2,6 +2,8 @@
 
 /// Cleaned decks: independent, equivalent, and left alone the second time.
 mod clean;
+/// Continuations by name, copies, longer lines.
+mod continuations;
 /// Real decks with known constraints, where they are at hand.
 mod corpus;
 /// Decks from text, and what was read as text.
@@ -12,3 +14,5 @@ mod malformed;
 mod selection;
 /// Spellings that are accepted.
 mod spellings;
+/// Subcases and sets that exclude each other.
+mod subcases;

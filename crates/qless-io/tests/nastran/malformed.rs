@@ -19,7 +19,7 @@ fn fields_are_named() {
         ),
         (
             "GRID,4,,,,,,127",
-            "place/deck.bdf:5: GRID 4, field 8: expected component numbers: digits from 1 to 6 without blanks, found `127`; correct it",
+            "place/deck.bdf:5: GRID 4, field 8: expected component numbers: digits from 1 to 6, found `127`; correct it",
         ),
         ("GRID,0", "place/deck.bdf:5: GRID 0, field 2: expected the number of the grid point, found `0`; correct it"),
         (
@@ -113,12 +113,12 @@ fn cards_are_named() {
 #[test]
 fn lines_are_named() {
     assert_eq!(
-        message("RBE2,7,1,3,2,3,2,3,2,5"),
-        "place/deck.bdf:5: RBE2: `5` stands after the 8 data fields of the line; go on in a continuation line"
+        message("RBE2,7,1,3,2,3,2,3,2,,5"),
+        "place/deck.bdf:5: RBE2: `5` stands after the 8 data fields of the line and the place of a mark; go on in a continuation line"
     );
     assert_eq!(
         message("RBE2    7       1       3       2       3                               +A\n+B      2"),
-        "place/deck.bdf:6: RBE2 7: the line continues `B`, but the card before it goes on as `A`; put it right after its card"
+        "place/deck.bdf:5: RBE2 7: the card goes on as `+A`, but no line left begins with that; add the line or remove the mark"
     );
     assert_eq!(
         refused("CEND\nSPC = ALL\nBEGIN BULK\n"),
@@ -179,8 +179,28 @@ fn no_bytes_are_fatal() {
 }
 
 #[test]
-fn copies_by_equals_signs_are_refused_where_they_matter() {
-    let expected = "place/deck.bdf:5: =: expected a card with all of its fields (copies by `=` are not understood), found `=,=,*(2)`; correct it";
-    assert_eq!(message("=,=,*(2)"), expected);
+fn copies_say_what_they_copy() {
+    let copy = "place/deck.bdf:6: =: expected a card of one line before its copies, found `=,*1`; correct it";
+    assert_eq!(message("RBE2,7,1,3,2,3,2,3,2,3,2\n=,*1"), copy);
+    assert!(
+        message("RBE2,7,1,3,2\n=(2)").contains("RBE2 7: expected `=`, `=n` or `=(n)`"),
+        "{}",
+        message("RBE2,7,1,3,2\n=(2)")
+    );
+    assert!(message("RBE2,7,1,3,2\n=,*1,=,=,*1\n,3").contains("expected a card of one line, as what `=` copies"));
     assert_eq!(message("CQUAD4,1,1,1,2,3,4\n=,*(1),=,*(1)"), "accepted");
+}
+
+#[test]
+fn elements_have_numbers_of_their_own() {
+    let expected = "place/deck.bdf:6: RBAR 7, field 2: element 7 is that of line 5 already; give it another number";
+    assert_eq!(message("RBE2,7,1,3,2\nRBAR,7,1,3"), expected);
+}
+
+#[test]
+fn joints_are_at_one_place() {
+    let expected = "grid points 1 and 2 of the joint have to be at the same place; correct one of them";
+    for card in ["RJOINT,7,1,2,123", "JOINTG,7,,BALL,1,,2"] {
+        assert!(message(card).ends_with(expected), "{}", message(card));
+    }
 }

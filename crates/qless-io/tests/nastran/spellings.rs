@@ -93,12 +93,74 @@ fn thermal_expansion_is_left_out_with_a_warning() {
 #[test]
 fn cards_that_are_not_understood_are_named() {
     let model =
-        model("GRID,1\nRSPLINE,9,,1,2,123,3,123,4\nRTRPLT,8,1,2,3\nCQUAD4,1,1,1,2,3,4\nSUPORT,1,123,4,12\nCWELD,4\n");
+        model("GRID,1\nRSPLINE,9,,1,2,123,3,123,4\nRBE2GS,8,1,2,3\nCQUAD4,1,1,1,2,3,4\nSUPORT,1,123,4,12\nCWELD,4\n");
     let expected = [
         "line 2: RSPLINE 9 is an interpolation element of grid points 1, 2, 3, 4; it is not understood and left out",
-        "line 3: RTRPLT 8 is a rigid element of grid points 1, 2, 3; it is not understood and left out",
+        "line 3: RBE2GS 8 is a rigid element that searches its grid points; it is not understood and left out",
         "line 5: SUPORT 1 fixes reference components where there is no inertia relief of grid points 1, 4; it is not understood and left out",
         "line 6: CWELD 4 joins its parts by equations; it is not understood and left out",
     ];
     assert_eq!(warnings(&model), expected);
+}
+
+#[test]
+fn more_rigid_elements_are_read() {
+    let grids = "GRID,1\nGRID,2,,1.\nGRID,3,,,2.\nGRID,4\n";
+    let dependents = |card: &str| {
+        let model = model(&format!("{grids}{card}"));
+        assert_eq!(warnings(&model), [""; 0], "{card}");
+        let slave = |i| model.dofs()[model.equation(i).expect("an equation").columns[0] as usize].to_string();
+        (0..model.equations()).map(slave).collect::<Vec<_>>().join(" ")
+    };
+    assert_eq!(dependents("RBAR1,7,1,2,1 3"), "2:1 2:3");
+    assert_eq!(dependents("RBAR1,7,1,2"), "2:1 2:2 2:3 2:4 2:5 2:6");
+    assert_eq!(dependents("RJOINT,7,1,4,123"), "4:1 4:2 4:3");
+    assert_eq!(dependents("RTRPLT,7,1,2,3,123456\n,,,12"), "3:1 3:2");
+    assert_eq!(dependents("RTRPLT,7,1,2,3,1236,3,3"), "1:4 1:5 2:1 2:2 2:4 2:5 2:6 3:1 3:2 3:4 3:5 3:6");
+    assert_eq!(dependents("RTRPLT1,7,1,2,3,12,3"), "2:1 2:2 3:3");
+    assert_eq!(dependents("JOINTG,7,,BALL,1,,4"), "4:1 4:2 4:3");
+    assert_eq!(dependents("JOINTG,7,,RBEAM,1,,2"), "2:1 2:2 2:3 2:4 2:5 2:6");
+    assert_eq!(dependents("RBE3,7,,4,12 3,1.,123,1,THRU,3"), "4:1 4:2 4:3");
+}
+
+/// An arm of the plate moves as that of a bar does.
+#[test]
+fn elements_of_one_body_say_the_same() {
+    let grids = "GRID,1\nGRID,2,,1.\nGRID,3,,,2.\n";
+    let same = |a: &str, b: &str| {
+        assert_eq!(equations(&model(&format!("{grids}{a}"))), equations(&model(&format!("{grids}{b}"))))
+    };
+    same("RBAR1,7,1,2,123", "RBE2,7,1,123,2");
+    same("RTRPLT1,7,1,2,3", "RBE2,7,1,123456,2,3");
+    same("RTRPLT,7,1,2,3,123456\n,,,3", "RBE2,7,1,3,3");
+    same("RBE3,7,,3,123,1.,123456,1,2", "RBE3,7,,3,123,1.,123456,1,THRU,2");
+    same("JOINTG,7,,RBEAM,1,,2", "RBAR,7,1,2,123456");
+}
+
+#[test]
+fn what_constrains_and_is_not_read_leaves_the_model_incomplete() {
+    let left_out = |card: &str| {
+        let model = model(&format!("CEND\nBEGIN BULK\nGRID,1\nGRID,2\n{card}\n"));
+        assert_eq!((model.warnings().len(), model.equations()), (1, 0), "{card}");
+        model.left_out().count()
+    };
+    for card in [
+        "RSPLINE,9,,1,2,123,1",
+        "RSSCON,9,GRID,1,2",
+        "TIE,1,2,3",
+        "JOINTG,7,,HINGE,1,,2",
+        "BEGIN SUPER=1\nRBE2,1,1,3,2",
+        "SEBSET,1,1,123",
+        "CSUPER,1,,1",
+        "SUPORT,1,123",
+        "CWELD,7,1",
+        "BCTABLE,1",
+    ] {
+        assert_eq!(left_out(card), 1, "{card}");
+    }
+    assert_eq!(left_out("BCTSET,1,2"), 0, "contact alone ties nothing");
+    assert!(
+        warnings(&model("GRID,1\nGRID,2\nJOINTG,7,,HINGE,1,,2\n"))[0]
+            .contains("JOINTG 7 is a joint of type HINGE of grid points 1, 2")
+    );
 }

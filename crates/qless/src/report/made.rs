@@ -10,13 +10,13 @@ impl Report {
     /// A report of an analysis that `ranks` ranks made together, without lists: its fields are public. What presolve did is not known.
     ///
     /// ```
-    /// use qless::{BackendUsed, Certificate, Confidence, Counts, DependentEquation, InputSizes, Kind, Report, Term};
+    /// use qless::{BackendUsed, Certificate, Confidence, Counts, DependentEquation, InputSizes, Kind, Report, Status, Term};
     /// let (input, counts) = (InputSizes::new(2, 3, 4, 0), Counts::new(1, 1, 0));
     /// let backend = BackendUsed::new("faer", 1, "faer 0.24".to_owned());
     /// let mut report = Report::of_ranks(2, input, counts, Confidence::of(1.0, 0.0, false), backend);
     /// let because = Certificate::of(vec![Term::new(1, "tie 7".to_owned(), 2.0)]);
     /// report.dependent.push(DependentEquation::new(2, "tie 8".to_owned(), Kind::Redundant, 0.0, because));
-    /// assert_eq!((report.rank, report.status, report.ranks), (1, Kind::Redundant, Some(2)));
+    /// assert_eq!((report.rank, report.status, report.ranks), (1, Status::Redundant, Some(2)));
     /// ```
     pub fn of_ranks(
         ranks: usize,
@@ -28,12 +28,13 @@ impl Report {
         Self {
             schema: Self::SCHEMA,
             input,
-            status: counts.status(),
+            status: counts.status().into(),
             rank: counts.independent,
             counts,
             dependent: Vec::new(),
             generated_boundary_conditions: Vec::new(),
             confidence,
+            incomplete: Vec::new(),
             exact_rank: None,
             meant: None,
             reduction: None,

@@ -1,4 +1,4 @@
-//! `qless.report/1`: a diagnosis as one plain value; with the feature `serde` it serializes to the JSON object that scripts read.
+//! `qless.report/2`: a diagnosis as one plain value; with the feature `serde` it serializes to the JSON object that scripts read.
 //!
 //! Rows and DOFs count from 1 here, as in Matrix Market files. `because` lists kept equations whose combination with
 //! the given coefficients is the dependent equation on the free DOFs (or the fixed DOF itself):
@@ -13,6 +13,7 @@ mod budget;
 mod exact;
 mod made;
 mod meant;
+mod status;
 
 use std::time::Duration;
 
@@ -20,6 +21,7 @@ use crate::{Analysis, Confidence, ConstraintSystem, FactoredBlock, Form, Kind, P
 use budget::Budget;
 pub use exact::{ExactDifference, ExactFinding};
 pub use meant::{MeantFinding, NearEquation};
+pub use status::Status;
 
 /// The diagnosis of a system, 1-based, with labels; numbers that are not finite serialize as null.
 ///
@@ -45,8 +47,8 @@ pub struct Report {
     pub schema: &'static str,
     /// Sizes of what was diagnosed.
     pub input: InputSizes,
-    /// Conflicting if any equation is, else redundant if any is, else independent.
-    pub status: Kind,
+    /// Conflicting if any equation is, else incomplete if anything was left out, else redundant if any equation is, else independent.
+    pub status: Status,
     /// Rank of the free part of C.
     pub rank: usize,
     /// Equations of each kind.
@@ -57,6 +59,9 @@ pub struct Report {
     pub generated_boundary_conditions: Vec<GeneratedCondition>,
     /// How sure the rank is.
     pub confidence: Confidence,
+    /// What constrains and was left out of C; left out where there is nothing. All else holds of what was read.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Vec::is_empty"))]
+    pub incomplete: Vec<String>,
     /// The rank in exact arithmetic, where it was taken.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub exact_rank: Option<ExactFinding>,
@@ -312,7 +317,7 @@ pub struct Milliseconds {
 
 impl Report {
     /// The version of the form; it changes when a reader of the old form would fail.
-    pub const SCHEMA: &'static str = "qless.report/1";
+    pub const SCHEMA: &'static str = "qless.report/2";
 
     /// Terms of certificates that a JSON report spends unless told otherwise.
     pub const TERMS: usize = 1_000_000;
@@ -330,12 +335,13 @@ impl Report {
         Self {
             schema: Self::SCHEMA,
             input: InputSizes::of(analysis.system()),
-            status: counts.status(),
+            status: counts.status().into(),
             rank: analysis.rank(),
             counts,
             dependent,
             generated_boundary_conditions,
             confidence: analysis.confidence,
+            incomplete: Vec::new(),
             exact_rank: None,
             meant: None,
             reduction: None,

@@ -15,29 +15,22 @@
 //! ```
 //!
 //! Lines that begin with a number are data of blocks; only those of `NBLOCK` and of `CMBLOCK` of nodes are read.
+//!
+//! | folder | holds |
+//! | --- | --- |
+//! | `syntax` | lines as commands and fields, parameters and what is computed of them |
+//! | `commands` | what each command that constrains does |
+//! | `model` | what the commands have made: nodes, equations by number, load steps |
+//! | `write` | the deck with other equations |
+//!
+//! `reader` goes through the text and hands each command to the one who reads it.
 
-mod archive;
-mod command;
-mod coupled;
-mod elements;
-mod equations;
-mod events;
-mod field;
-mod format;
-mod known;
-mod label;
+mod commands;
 mod model;
-mod nodes;
-mod numbering;
-mod positions;
-mod prescribed;
 mod reader;
-mod sets;
-mod terms;
-mod text;
-mod unread;
+mod syntax;
 mod write;
 
+pub(super) use model::positions::{node_sets, positions};
 pub(super) use model::read;
-pub(super) use positions::positions;
 pub(super) use write::write;

@@ -11,7 +11,7 @@ use super::frames::orientation;
 use super::geometric::{Place, Row};
 use super::mesh::Surface;
 use super::parts::Scope;
-use super::rigid::{Reference, kinematic};
+use super::rigid::{Reference, kinematic, own_rotation};
 use crate::deck::kinematics::components::Components;
 use crate::deck::kinematics::mean::{Group, Mean};
 use crate::deck::kinematics::vector::{length, minus};
@@ -73,7 +73,7 @@ impl Coupling {
             return Ok(Vec::new());
         }
         let local = self.orientation.as_deref().map(|name| orientation(definitions, self.scope, name)).transpose()?;
-        let reference = Reference { node: self.reference(definitions)?, rotation: None };
+        let reference = Reference::turning(self.reference(definitions)?);
         let nodes = self.nodes(definitions)?;
         kinematic(definitions, reference, nodes.into_iter(), &components(card, 6)?, local.as_ref())
     }
@@ -106,8 +106,19 @@ pub fn read(
         (false, _) => coupling.distributing(card, definitions),
     };
     let before = model.equations();
-    finish(card, &place, model, rows)?;
+    if is_kinematic {
+        model.traits.has_turned_couplings |= coupling.orientation.is_some();
+        place.push(model, rows)?;
+    } else {
+        finish(card, &place, model, rows)?;
+    }
     let constrains = model.equations() > before;
+    if is_kinematic && constrains {
+        // That it is there was checked when the rows were made.
+        let reference = Reference::turning(coupling.reference(definitions).unwrap_or_default());
+        own_rotation(&place, reference, model, definitions);
+        linearised(card, &place, model);
+    }
     if is_kinematic && solver == Solver::Ccx && !constrains {
         model.warn(card.file, card.line, "*KINEMATIC without degrees of freedom: ccx couples nothing");
     }
@@ -120,10 +131,14 @@ pub fn finish(card: &Card, place: &Place, model: &mut Model, rows: Result<Vec<Ro
     place.push(model, rows)?;
     if model.equations() > before {
         place.fix(model);
-        let name = model.cards.nth(place.origin.card).name;
-        model.warn(card.file, card.line, format!("{name} is linearised at the reference configuration"));
+        linearised(card, place, model);
     }
     Ok(())
+}
+
+fn linearised(card: &Card, place: &Place, model: &mut Model) {
+    let name = model.cards.nth(place.origin.card).name;
+    model.warn(card.file, card.line, format!("{name} is linearised at the reference configuration"));
 }
 
 fn distance(definitions: &Definitions, a: u32, b: u32) -> Result<f64, Problem> {

@@ -19,6 +19,8 @@ use crate::deck::{DeckError, Model, Problem};
 
 /// Part of the size of the slave side within which nodes are partners, where the tie does not say.
 const TOLERANCE: f64 = 1e-4;
+/// Part of the distance from the origin within which a node lies on the axis.
+const AXIS: f64 = 1e-9;
 
 /// Adds the equations of a model card and its tie, or leaves them out.
 pub fn read(card: &Card, tie: &Card, model: &mut Model, definitions: &Definitions) -> Result<(), DeckError> {
@@ -94,7 +96,7 @@ impl<'a> Sector<'a> {
         for &slave in &self.slaves {
             let position = self.definitions.position(slave)?;
             let meridian = self.meridian(position);
-            if meridian[0] <= self.tolerance {
+            if meridian[0] <= AXIS * length(minus(position, self.axis.origin)) {
                 return Ok(None);
             }
             let partner = self.partner(&masters, meridian).map(|node| vec![(node, 1.0)]);

@@ -198,6 +198,12 @@ impl Definitions {
         all
     }
 
+    /// The names of all node sets of the deck itself.
+    pub fn node_set_names(&self) -> impl Iterator<Item = &str> {
+        let own = self.sets.of_nodes.keys().filter(|(scope, _)| *scope == Scope::DECK);
+        own.map(|(_, name)| name.as_str())
+    }
+
     /// A node that the solver makes; its number is that of no other.
     pub fn make_node(&self, position: Vector) -> Result<u32, Problem> {
         let advice = "use smaller numbers";

@@ -28,4 +28,4 @@ mod unread;
 mod write;
 
 pub(super) use reader::read;
-pub(super) use write::{positions, write};
+pub(super) use write::{node_set, node_set_names, positions, write};

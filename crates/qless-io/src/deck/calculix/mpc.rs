@@ -143,7 +143,7 @@ fn straight(definitions: &Definitions, nodes: &[u32]) -> Result<Vec<Row>, Proble
 fn beam(definitions: &Definitions, nodes: &[u32]) -> Result<Vec<Row>, Problem> {
     let (a, b) = pair(nodes)?;
     if definitions.rotates(a) && definitions.rotates(b) {
-        let reference = Reference { node: b, rotation: None };
+        let reference = Reference::turning(b);
         return kinematic(definitions, reference, std::iter::once(a), &[1, 2, 3, 4, 5, 6], None);
     }
     Ok(vec![distance(definitions, a, b)?])

@@ -27,7 +27,7 @@ pub fn kinematic_coupling(
     let rows = || {
         let reference = card.parameter("REFNODE").ok_or(Problem::NoParameter { name: "REF NODE" })?;
         let reference = definitions.one_node(card.scope, reference.as_bytes())?;
-        let reference = Reference { node: reference, rotation: None };
+        let reference = Reference::turning(reference);
         let mut rows = Vec::new();
         for line in card.lines() {
             let mut fields = line.fields();

@@ -214,6 +214,8 @@ impl Reader {
         }
         self.check_nodes()?;
         self.warn_of_forces();
+        self.model.traits.has_local_axes = !self.definitions.transforms.is_empty();
+        self.model.traits.is_nonlinear = self.definitions.is_nonlinear;
         self.model.shrink();
         Ok(self.model)
     }

@@ -5,18 +5,27 @@ use super::definitions::Definitions;
 use super::fields::number;
 use super::frames::Local;
 use super::geometric::{Place, Row};
+use crate::deck::kinematics::axes::BASIC_AXES;
 use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::{Vector, cross, minus};
 use crate::deck::{DeckError, Dof, Model, Problem, Solver};
 
-/// The node whose motion a body follows; its rotations are components 4 to 6, or 1 to 3 of a node of their own.
+/// The node whose motion a body follows, and the first of the three components that are the body's rotation.
 #[derive(Clone, Copy)]
 pub struct Reference {
     pub node: u32,
-    pub rotation: Option<u32>,
+    pub rotation: Dof,
 }
 
+/// The rotation that CalculiX makes for a `*RIGID BODY` without `ROT NODE`: no other card reaches it, components 4 to 6 included.
+const UNREACHED: u8 = 21;
+
 impl Reference {
+    /// A reference whose components 4 to 6 are the rotation.
+    pub fn turning(node: u32) -> Self {
+        Self { node, rotation: Dof { node, component: 4 } }
+    }
+
     /// The motion of a point along a direction e: `e . u_k - e . u_r - (r x e) . w = 0`.
     pub fn follows(&self, definitions: &Definitions, node: u32, direction: Vector) -> Result<Row, Problem> {
         let reference = definitions.pose(self.node)?;
@@ -36,11 +45,7 @@ impl Reference {
     }
 
     fn rotation_dof(&self, k: usize) -> Dof {
-        let component = k as u8 + 1;
-        match self.rotation {
-            Some(node) => Dof { node, component },
-            None => Dof { node: self.node, component: component + 3 },
-        }
+        Dof { component: self.rotation.component + k as u8, ..self.rotation }
     }
 
     /// A node's rotation is the body's.
@@ -53,9 +58,9 @@ impl Reference {
 /// `*RIGID BODY`: the sets of a body and its reference.
 pub fn read(card: &Card, model: &mut Model, definitions: &Definitions, solver: Solver) -> Result<(), DeckError> {
     let place = Place::of(card, model, "*RIGID BODY");
-    let mut body = Body { card, definitions, solver, warnings: Vec::new(), made: None };
+    let mut body = Body { card, definitions, solver, warnings: Vec::new(), made: None, used: None };
     let rows = body.rows();
-    let Body { warnings, made, .. } = body;
+    let Body { warnings, made, used, .. } = body;
     warnings.into_iter().for_each(|text| model.warn(card.file, card.line, text));
     if let Some(node) = made {
         model.name_node(node, format!("reference of line {}", card.line));
@@ -65,9 +70,11 @@ pub fn read(card: &Card, model: &mut Model, definitions: &Definitions, solver: S
     if model.equations() == before {
         return Ok(());
     }
-    // Without a node for rotations the solver makes one; and finite rotations are not linear.
-    if definitions.is_nonlinear || card.parameter("ROTNODE").is_none() {
+    // A reference that the solver makes has no number in the deck.
+    if definitions.is_nonlinear || made.is_some() {
         place.fix(model);
+    } else if let Some(reference) = used.filter(|_| card.parameter("ROTNODE").is_none()) {
+        own_rotation(&place, reference, model, definitions);
     }
     model.warn(card.file, card.line, "*RIGID BODY is linearised at the reference configuration");
     Ok(())
@@ -81,6 +88,8 @@ struct Body<'a> {
     warnings: Vec<String>,
     /// The reference, where the solver makes it.
     made: Option<u32>,
+    /// The reference that the rows were made with.
+    used: Option<Reference>,
 }
 
 impl Body<'_> {
@@ -89,8 +98,9 @@ impl Body<'_> {
         if nodes.is_empty() {
             return Ok(Vec::new());
         }
-        let reference = Reference { node: self.reference()?, rotation: self.node("ROTNODE")? };
-        let is_own = |node: u32| node == reference.node || Some(node) == reference.rotation;
+        let reference = self.motion()?;
+        self.used = Some(reference);
+        let is_own = |node: u32| node == reference.node || node == reference.rotation.node;
         let mut rows = Vec::new();
         for (node, turns) in nodes.into_iter().filter(|(node, _)| !is_own(*node)) {
             let components: &[u8] = if turns { &[1, 2, 3, 4, 5, 6] } else { &[1, 2, 3] };
@@ -119,6 +129,14 @@ impl Body<'_> {
             }
             None => Err(Problem::NoParameter { name: "REF NODE" }),
         }
+    }
+
+    /// The reference and its rotation, which may be a node's of its own.
+    fn motion(&mut self) -> Result<Reference, Problem> {
+        let node = self.reference()?;
+        let own = Dof { node, component: if self.solver == Solver::Ccx { UNREACHED } else { 4 } };
+        let rotation = self.node("ROTNODE")?.map_or(own, |node| Dof { node, component: 1 });
+        Ok(Reference { node, rotation })
     }
 
     /// The nodes of the body in the order of the card, each once, and whether their rotations are the body's too.
@@ -155,6 +173,17 @@ impl Body<'_> {
             }
         }
         known.to_vec()
+    }
+}
+
+/// The solver makes the rotation of a reference: one along the basic axes can be that of a new node.
+pub fn own_rotation(place: &Place, reference: Reference, model: &mut Model, definitions: &Definitions) {
+    let node = reference.node;
+    let is_plain = definitions.pose(node).is_ok_and(|pose| pose.axes == BASIC_AXES);
+    if is_plain && !definitions.is_nonlinear && !definitions.rotates(node) {
+        model.own_rotations.insert(reference.rotation);
+    } else {
+        place.fix(model);
     }
 }
 

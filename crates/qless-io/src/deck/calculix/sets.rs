@@ -162,11 +162,12 @@ impl Definitions {
 
     fn add(&self, set: &Set, of_elements: bool, members: &mut Vec<u32>) -> Result<(), Problem> {
         let scope = match &set.instance {
-            None => set.scope,
-            Some(instance) => *self
+            // A flat deck may keep what it once was: ccx passes over it.
+            Some(instance) if !self.instances.is_empty() => *self
                 .by_instance
                 .get(instance)
                 .ok_or_else(|| Problem::Undefined { what: "instance", name: instance.clone() })?,
+            _ => set.scope,
         };
         match &set.part {
             Part::Lines(pieces) => {

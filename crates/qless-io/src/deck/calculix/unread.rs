@@ -71,5 +71,5 @@ pub fn claim(place: &Place, model: &mut Model, definitions: &Definitions, nodes:
         (1..=last).map(move |component| Dof { node, component })
     };
     let dofs: Vec<Dof> = nodes.flat_map(of).collect();
-    model.claim(dofs, place.origin);
+    model.claim_left_out(dofs, place.origin);
 }

@@ -18,6 +18,8 @@ pub enum Fault {
         slave: Dof,
         /// Where the value is given.
         by: Origin,
+        /// The first load case that prescribes it, from 0.
+        since: usize,
     },
     /// The slave is that of an earlier equation too.
     SlaveTwice {
@@ -34,6 +36,15 @@ pub enum Fault {
         equation: usize,
         /// Its slave.
         slave: Dof,
+    },
+    /// The slave is in a set that excludes slaves, such as Nastran's `ASET`.
+    SlaveClaimed {
+        /// The equation.
+        equation: usize,
+        /// Its slave.
+        slave: Dof,
+        /// Where it is put into the set.
+        by: Origin,
     },
     /// Slaves are expressed by each other in a circle, which leaves some of them next to undetermined.
     Circle {
@@ -53,8 +64,20 @@ impl Fault {
         match *self {
             Self::SlavePrescribed { equation, .. }
             | Self::SlaveTwice { equation, .. }
+            | Self::SlaveClaimed { equation, .. }
             | Self::SlaveVanishes { equation, .. }
             | Self::Circle { equation, .. } => equation,
+        }
+    }
+
+    /// Its slave.
+    pub fn slave(&self) -> Dof {
+        match *self {
+            Self::SlavePrescribed { slave, .. }
+            | Self::SlaveTwice { slave, .. }
+            | Self::SlaveClaimed { slave, .. }
+            | Self::SlaveVanishes { slave, .. }
+            | Self::Circle { slave, .. } => slave,
         }
     }
 
@@ -64,8 +87,18 @@ impl Fault {
             |i: usize| model.equation(i).map_or_else(|| format!("equation {}", i + 1), |e| model.place(e.origin));
         let name = |slave| model.dof_name(slave);
         match *self {
-            Self::SlavePrescribed { equation, slave, by } => {
-                format!("{} is the slave of {}, and prescribed in {}", name(slave), place(equation), model.place(by))
+            Self::SlavePrescribed { equation, slave, by, since } => {
+                let from = model.cases.get(since).filter(|_| since > 0).map(|case| format!(" from {} on", case.name));
+                let (equation, by, from) = (place(equation), model.place(by), from.unwrap_or_default());
+                format!("{} is the slave of {equation}, and prescribed in {by}{from}", name(slave))
+            }
+            Self::SlaveClaimed { equation, slave, by } => {
+                let set = model.place(by);
+                format!(
+                    "{} is the slave of {}, and in the set of {set}, which excludes slaves",
+                    name(slave),
+                    place(equation)
+                )
             }
             Self::SlaveTwice { equation, slave, first } => {
                 format!("{} is the slave of {}, and of {}", name(slave), place(first), place(equation))
@@ -118,7 +151,7 @@ pub fn faults_in(model: &Model, case: &LoadCase) -> Vec<Fault> {
 
 /// The faults of the equations that are not left out; `prescribed` says where a column's value is given.
 pub(super) fn faults_of(model: &Model, prescribed: &FxHashMap<u32, Origin>, left_out: &[bool]) -> Vec<Fault> {
-    let kept = || (0..model.equations()).filter(|&i| !left_out[i]);
+    let kept = || (0..model.equations()).filter(|&i| !left_out[i] && model.has_slave(i));
     let mut slave_of: FxHashMap<u32, usize> = FxHashMap::default();
     let mut faults = Vec::new();
     for i in kept() {
@@ -135,7 +168,10 @@ pub(super) fn faults_of(model: &Model, prescribed: &FxHashMap<u32, Origin>, left
             faults.push(Fault::SlaveVanishes { equation: i, slave });
         }
         if let Some(&by) = prescribed.get(&column) {
-            faults.push(Fault::SlavePrescribed { equation: i, slave, by });
+            faults.push(Fault::SlavePrescribed { equation: i, slave, by, since: since(model, slave) });
+        }
+        if let Some(by) = model.claimed(slave) {
+            faults.push(Fault::SlaveClaimed { equation: i, slave, by });
         }
         match slave_of.get(&column) {
             Some(&first) => faults.push(Fault::SlaveTwice { equation: i, slave, first }),
@@ -144,6 +180,12 @@ pub(super) fn faults_of(model: &Model, prescribed: &FxHashMap<u32, Origin>, left
     }
     faults.extend(circles(model, &slave_of));
     faults
+}
+
+/// The first load case that prescribes a DOF which some case prescribes.
+fn since(model: &Model, dof: Dof) -> usize {
+    let prescribes = |case: &LoadCase| case.prescribed.binary_search_by_key(&dof, |given| given.dof).is_ok();
+    model.cases.iter().position(prescribes).unwrap_or(0)
 }
 
 /// Translations and rotations have coefficients in different units, of which neither is large or small beside the other.

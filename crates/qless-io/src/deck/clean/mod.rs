@@ -7,19 +7,22 @@
 
 mod edit;
 mod fault;
-mod parts;
+mod finding;
 mod plan;
+mod proof;
 
 pub use fault::{Fault, faults, faults_in};
-pub use plan::{Plan, Reason, Removed, Written, plan};
+pub use finding::{Finding, findings};
+pub use plan::{Cases, Ended, Plan, Reason, Removed, Written, plan};
 
 pub(super) use edit::Edits;
 
 use std::path::PathBuf;
 
 use qless::{AnalysisError, ReductionError, SystemError};
+use rustc_hash::FxHashMap;
 
-use super::{Deck, DeckError, Format, ansys, calculix, nastran};
+use super::{Deck, DeckError, Dof, Format, ansys, calculix, nastran};
 
 /// Why a deck cannot be cleaned.
 #[derive(Debug, thiserror::Error)]
@@ -42,6 +45,20 @@ pub enum CleanError {
         found: usize,
         /// The rank with every DOF prescribed that is so in any load case.
         common: usize,
+    },
+    /// Equations come back, or hold in some load cases only, which the format cannot say of new equations.
+    #[error("{case} has other equations than those before it, which new ones cannot follow; make a deck of each")]
+    Apart {
+        /// The load case.
+        case: String,
+    },
+    /// The text that was made does not constrain as the deck does. This is a fault of this program.
+    #[error("{case}: the cleaned deck would not say the same ({what}); please report this deck")]
+    Unproven {
+        /// The load case.
+        case: String,
+        /// What differs.
+        what: String,
     },
     /// A card that equations cannot stand in for has a fault.
     #[error("{place} cannot be replaced by equations: {why}; change it or the equations that meet it by hand")]
@@ -94,10 +111,13 @@ pub enum CleanError {
     Deck(#[from] DeckError),
 }
 
-/// The text of the main file with the plan carried out.
+/// DOFs of a cleaned deck that have another name in the deck that it comes from.
+pub(super) type Renamed = FxHashMap<Dof, Dof>;
+
+/// The text of the main file with the plan carried out, read again and proved to constrain as the deck does in every load case.
 ///
 /// # Errors
-/// [`CleanError`] where text that must change cannot.
+/// [`CleanError`] where text that must change cannot, or where the proof fails.
 pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     plan.check(&deck.model)?;
     if plan.is_empty() {
@@ -106,9 +126,11 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     if deck.model.has_instances() && !plan.written.is_empty() {
         return Err(CleanError::Instances { path: deck.model.files[0].clone() });
     }
-    match deck.format() {
-        Format::Calculix => calculix::write(deck, plan),
-        Format::Nastran => nastran::write(deck, plan),
-        Format::Ansys => ansys::write(deck, plan),
-    }
+    let (text, renamed) = match deck.format() {
+        Format::Calculix => calculix::write(deck, plan)?,
+        Format::Nastran => (nastran::write(deck, plan)?, Renamed::default()),
+        Format::Ansys => (ansys::write(deck, plan)?, Renamed::default()),
+    };
+    proof::prove(deck, &text, &renamed)?;
+    Ok(text)
 }

@@ -7,8 +7,10 @@ use crate::fault::quote;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CardFault {
-    /// A line in free field with data beyond its last field.
-    #[error("{found} stands after the {count} data fields of the line; go on in a continuation line")]
+    /// A line in free field with data beyond the place of its mark.
+    #[error(
+        "{found} stands after the {count} data fields of the line and the place of a mark; go on in a continuation line"
+    )]
     TooManyFields {
         /// Data fields a line has.
         count: usize,
@@ -29,13 +31,33 @@ pub enum CardFault {
         /// The grid point.
         node: u32,
     },
-    /// A continuation that names another card's.
-    #[error("the line continues {found}, but the card before it goes on as {expected}; put it right after its card")]
-    Continuation {
-        /// The name the card gives, quoted.
+    /// A card that goes on in a line that is not there.
+    #[error("the card goes on as `+{expected}`, but no line left begins with that; add the line or remove the mark")]
+    NoContinuation {
+        /// The name that the card gives its continuation.
         expected: Box<str>,
-        /// The name the line gives, quoted.
+    },
+    /// A continuation that no card names.
+    #[error("the line goes on with a card as `+{found}`, but no card names it; put it right after its card")]
+    Orphan {
+        /// The name that the line begins with.
         found: Box<str>,
+    },
+    /// Two elements of one number.
+    #[error("element {id} is that of {other} already; give it another number")]
+    ElementTwice {
+        /// The number.
+        id: u32,
+        /// File and line of the other.
+        other: Box<str>,
+    },
+    /// A joint whose ends are apart.
+    #[error("grid points {a} and {b} of the joint have to be at the same place; correct one of them")]
+    JointApart {
+        /// One end.
+        a: u32,
+        /// The other.
+        b: u32,
     },
     /// Two definitions of one thing.
     #[error("{what} {id} is defined otherwise in {other}; keep one of the two")]

@@ -8,12 +8,22 @@
 //! | read | cards |
 //! | --- | --- |
 //! | points and axes | `GRID` `GRDSET` `SPOINT` `EPOINT` `CORD1R/C/S` `CORD2R/C/S` |
-//! | equations | `MPC` `MPCADD` `RBE1` `RBE2` `RBE3` `RBAR` `RROD` |
+//! | equations | `MPC` `MPCADD` `RBE1` `RBE2` `RBE3` `RBAR` `RBAR1` `RROD` `RJOINT` `RTRPLT` `RTRPLT1`, OptiStruct's `JOINTG` (`BALL`, `RBEAM`) |
+//! | sets that exclude slaves | `ASET` `OMIT` `BSET` `CSET` `QSET` `SUPORT` |
 //! | values | `SPC` `SPC1` `SPCADD` `SPCD`, PS of `GRID` |
 //! | loads | `LOAD` `FORCE` `MOMENT` `SLOAD` |
 //!
-//! Cards that constrain in other ways (such as `RSPLINE`, `RTRPLT`, `CWELD`) are named in a warning, as are sets that no
-//! subcase selects and selected sets that do not exist.
+//! | folder | holds |
+//! | --- | --- |
+//! | `syntax` | bytes to cards: lines, fields, numbers, the parts of a deck |
+//! | `cards` | what each card of bulk data says |
+//! | `control` | which sets hold in which subcase |
+//! | `model` | points, equations, load cases |
+//! | `writing` | a deck with other constraints |
+//!
+//! Cards that constrain in other ways (such as `RSPLINE`, `CWELD`, superelements) are named as left out, so that the model is
+//! incomplete; sets that no subcase selects and selected sets that do not exist are named in warnings. Continuations are found by
+//! name wherever they are, but for OptiStruct, to which they are the next lines. Copies by `=` are made.
 //!
 //! ```
 //! # let place = tempfile::tempdir()?;
@@ -25,49 +35,21 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod build;
-mod bulk;
-mod card;
-mod cases;
-mod content;
+mod cards;
 mod control;
-mod coordinates;
-mod eight;
-mod elements;
 mod fault;
-mod fields;
-mod frames;
-mod grid;
-mod grids;
-mod lines;
-mod loads;
-mod mpc;
-mod number;
-mod place;
-mod points;
-mod positions;
-mod quick;
-mod reader;
-mod section;
-mod selected;
-mod sets;
-mod spans;
-mod supports;
-mod target;
-mod ties;
-mod unread;
-mod warnings;
-mod wide;
-mod write;
+mod model;
+mod syntax;
+mod writing;
 
 pub use fault::CardFault;
-pub(super) use positions::positions;
-pub(super) use write::write;
+pub(super) use model::positions::positions;
+pub(super) use writing::write::write;
 
 use super::{DeckError, Model, Sources};
 
 /// Reads a deck.
 pub(super) fn read(sources: &mut Sources) -> Result<Model, DeckError> {
-    let content = reader::read(sources)?;
-    build::model(content, sources)
+    let content = syntax::reader::read(sources)?;
+    model::build::model(content, sources)
 }

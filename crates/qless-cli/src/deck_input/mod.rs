@@ -1,0 +1,109 @@
+//! A deck as input: every load case analysed, what its solver makes of cards that claim one DOF, and what was left out.
+
+mod choice;
+mod claims;
+mod found;
+mod report;
+mod sections;
+
+use qless::{Analysis, ConstraintSystem};
+use qless_io::deck::{Deck, LoadCase};
+
+pub use choice::Choice;
+use claims::Claims;
+use found::{Examined, Found, badness, examine};
+pub use report::DeckReport;
+
+use crate::failure::{Failure, say};
+
+/// Warnings shown at most; JSON has all of them.
+const SHOWN: usize = 5;
+
+/// A deck, and the load case that the report is about.
+pub struct DeckInput {
+    pub deck: Deck,
+    /// The load case with the worst diagnosis, the first of them.
+    pub case: usize,
+    /// The load cases that were looked at, in the deck's order.
+    cases: Vec<Case>,
+    /// What was found in those that differ.
+    found: Vec<Found>,
+}
+
+/// A load case that was looked at.
+struct Case {
+    /// Its number in the model, from 0.
+    number: usize,
+    /// What was found, which is the same in load cases that constrain the same.
+    found: usize,
+}
+
+/// Analyses the system of a load case.
+pub type Run<'a> = &'a dyn Fn(&ConstraintSystem, (&Deck, &LoadCase)) -> Result<Analysis, Failure>;
+
+impl DeckInput {
+    /// Analyses the load cases that were chosen and keeps the worst; certificates of all of them have at most `terms` terms.
+    pub fn analyse(
+        deck: Deck,
+        choice: &Choice,
+        terms: usize,
+        run: Run,
+    ) -> Result<(ConstraintSystem, Analysis, Self), Failure> {
+        let chosen = choice.of(deck.model()).map_err(|error| Failure::of_deck(&deck, &error))?;
+        let terms = terms / chosen.len().max(1);
+        let mut worst: Option<(usize, Examined)> = None;
+        let (mut cases, mut found): (Vec<Case>, Vec<Found>) = (Vec::new(), Vec::new());
+        for number in chosen {
+            let case = &deck.model().cases()[number];
+            let same = cases.iter().find(|known| deck.model().cases()[known.number].constrains_as(case));
+            if let Some(same) = same.map(|known| known.found) {
+                cases.push(Case { number, found: same });
+                continue;
+            }
+            let examined = examine(&deck, case, run)?;
+            cases.push(Case { number, found: found.len() });
+            found.push(Found::of(&deck, case, &examined, terms));
+            if worst.as_ref().is_none_or(|(_, before)| badness(&examined.analysis) > badness(&before.analysis)) {
+                worst = Some((number, examined));
+            }
+        }
+        let Some((case, Examined { system, analysis, .. })) = worst else {
+            return Err(Failure::of_deck(&deck, &"the deck has no load case"));
+        };
+        Ok((system, analysis, Self { deck, case, cases, found }))
+    }
+
+    /// What was found in the load case that the report is about.
+    fn shown(&self) -> &Found {
+        let case = self.cases.iter().find(|case| case.number == self.case);
+        &self.found[case.map_or(0, |case| case.found)]
+    }
+
+    /// What the solver does where cards of the load case shown claim one DOF.
+    pub fn claims(&self) -> &Claims {
+        &self.shown().solver
+    }
+
+    /// What constrains and was not read, each with its place.
+    pub fn left_out(&self) -> Vec<String> {
+        self.deck.model().left_out().map(|warning| self.place(warning)).collect()
+    }
+
+    /// Says on standard error what was not understood; what was left out stands in the report.
+    pub fn warn(&self) {
+        let warnings: Vec<_> = self.deck.model().warnings().iter().filter(|warning| !warning.leaves_out).collect();
+        warnings.iter().take(SHOWN).for_each(|warning| say(format_args!("warning: {}", self.place(warning))));
+        if warnings.len() > SHOWN {
+            say(format_args!("warning: and {} more (all of them: --format json)", warnings.len() - SHOWN));
+        }
+    }
+
+    /// `deck.inp:14: ...`.
+    fn place(&self, warning: &qless_io::deck::Warning) -> String {
+        let file = self.deck.model().files()[warning.file as usize].display();
+        match warning.line {
+            0 => format!("{file}: {}", warning.text),
+            line => format!("{file}:{line}: {}", warning.text),
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! What the report for people says of a deck.
+
+use qless::Analysis;
+use qless_io::deck::{Dof, Load};
+
+use super::DeckInput;
+use super::claims::Ignored;
+use crate::text::Section;
+
+impl DeckInput {
+    /// In the order of their weight.
+    pub fn sections(&self, analysis: &Analysis) -> Vec<Section> {
+        let (solver, shown) = (self.deck.solver(), self.shown());
+        let ignored = shown.solver.ignored.iter().map(Ignored::words).collect();
+        let sections = [
+            Section::new("Left out, though it constrains:", self.left_out()),
+            self.table(),
+            Section::new(format!("{solver} refuses, as they stand:"), shown.solver.refused.clone()),
+            Section::new(format!("{solver} silently drops, as they stand:"), ignored),
+            Section::new(
+                format!("{solver} may go on with these, but what it computes then is not to be relied on:"),
+                shown.solver.unsound.clone(),
+            ),
+            Section::new("Loads without effect, on DOFs that the equations fix:", self.swallowed(analysis)),
+        ];
+        sections.into_iter().flatten().collect()
+    }
+
+    /// One line for each load case that differs, the worst first.
+    fn table(&self) -> Option<Section> {
+        let shown = self.shown();
+        let when = shown.when.as_ref().map_or(String::new(), |when| format!(", {when}"));
+        let mut order: Vec<usize> = (0..self.found.len()).collect();
+        order.sort_by_key(|&k| !std::ptr::eq(&raw const self.found[k], shown));
+        let rows = order.into_iter().map(|k| self.row(k)).collect();
+        let name = self.name(self.case);
+        match (self.cases.len(), self.deck.model().cases().len()) {
+            (1, 1) if shown.when.is_some() => Section::new(format!("Load case {name}{when}."), vec![self.row(0)]),
+            (1, 1) => None,
+            (1, all) => Section::new(format!("Load case: {name} of {all}{when}."), rows),
+            (count, _) => Section::new(format!("Load cases: {count}, shown is {name}{when}."), rows),
+        }
+    }
+
+    /// `step 1 and 4 alike: rank 12, 0 redundant, 0 conflicting; 2 refused`.
+    fn row(&self, k: usize) -> String {
+        let alike: Vec<&str> =
+            self.cases.iter().filter(|case| case.found == k).map(|case| self.name(case.number)).collect();
+        let names = match alike[..] {
+            [] => String::new(),
+            [one] => one.to_owned(),
+            [one, other] => format!("{one} and {other}"),
+            [one, ..] => format!("{one} and {} alike", alike.len() - 1),
+        };
+        let found = &self.found[k];
+        let solver = found.solver.summary().map_or(String::new(), |text| format!("; {}: {text}", self.deck.solver()));
+        format!("{names}: {}{solver}", found.summary())
+    }
+
+    /// Loads on DOFs that the equations fix.
+    pub(super) fn swallowed(&self, analysis: &Analysis) -> Vec<String> {
+        let model = self.deck.model();
+        let is_fixed = |dof: Dof| {
+            let column = model.column(dof).map(|j| j as usize);
+            column.is_some_and(|j| analysis.generated().binary_search_by_key(&j, |fixed| fixed.0).is_ok())
+        };
+        let name = |load: &Load| format!("{} in {}", load.dof, model.place(load.origin));
+        model.cases()[self.case].loads.iter().filter(|load| is_fixed(load.dof)).map(name).collect()
+    }
+}

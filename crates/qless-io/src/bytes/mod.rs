@@ -1,0 +1,155 @@
+//! The bytes of a file, as many as there is room for.
+//!
+//! What has a size, a regular file, may be as large as memory is. What has none, such as a device or a pipe, may never end, so that
+//! it is left after [`STREAM`] bytes, or after [`LINE`] bytes in which no line ends. A path of `-` is standard input. Packed and
+//! encoded text comes as plain text ([`plain`]).
+
+mod plain;
+
+use std::error::Error;
+use std::fmt;
+use std::fs::File;
+use std::io::{self, ErrorKind, Read};
+use std::path::Path;
+
+/// Bytes of what has no size at most.
+const STREAM: usize = 1 << 28;
+/// Bytes of a line at most.
+pub(crate) const LINE: usize = 1 << 20;
+/// Bytes at a time.
+const CHUNK: u64 = 1 << 16;
+
+/// Why a file is not read to its end.
+#[derive(Debug)]
+enum TooMuch {
+    Stream { read: usize },
+    Line { read: usize },
+    Memory { size: usize },
+    Unpacked { packed: usize, most: usize },
+}
+
+impl fmt::Display for TooMuch {
+    fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Stream { read } => write!(
+                out,
+                "it goes on after {read} bytes, and of what has no size {STREAM} are the most; save it as a file and name that"
+            ),
+            Self::Line { read } => {
+                write!(out, "no line ends within {read} bytes, and {LINE} are the most; name a file of text")
+            }
+            Self::Unpacked { packed, most } => write!(
+                out,
+                "its {packed} packed bytes unpack to more than {most}, which are the most; unpack it and name that file"
+            ),
+            Self::Memory { size } => {
+                write!(out, "its {size} bytes do not fit into the memory that is left; free some or split the file")
+            }
+        }
+    }
+}
+
+impl Error for TooMuch {}
+
+impl From<TooMuch> for io::Error {
+    fn from(error: TooMuch) -> Self {
+        let kind =
+            if matches!(error, TooMuch::Memory { .. }) { ErrorKind::OutOfMemory } else { ErrorKind::FileTooLarge };
+        Self::new(kind, error)
+    }
+}
+
+/// Whether an error of [`read`] says that there is more than there is room for.
+pub(crate) fn is_too_much(error: &io::Error) -> bool {
+    matches!(error.kind(), ErrorKind::OutOfMemory | ErrorKind::FileTooLarge)
+}
+
+/// Whether a path stands for standard input.
+pub(crate) fn is_standard_input(path: &Path) -> bool {
+    path == Path::new("-")
+}
+
+/// Reads the whole text of a file.
+pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
+    if is_standard_input(path) {
+        return plain::text(stored(io::stdin().lock(), 0)?);
+    }
+    let file = File::open(path)?;
+    let kind = file.metadata()?;
+    plain::text(stored(file, if kind.is_file() { kind.len() } else { 0 })?)
+}
+
+/// All bytes, of which `size` are foreseen.
+fn stored(mut file: impl Read, size: u64) -> io::Result<Vec<u8>> {
+    let whole = usize::try_from(size).unwrap_or(usize::MAX);
+    let mut bytes = room_for(size)?;
+    let mut line = 0;
+    loop {
+        let before = bytes.len();
+        let room = |error: io::Error| match error.kind() {
+            ErrorKind::OutOfMemory => TooMuch::Memory { size: before.max(whole) }.into(),
+            _ => error,
+        };
+        if file.by_ref().take(size.max(CHUNK)).read_to_end(&mut bytes).map_err(room)? == 0 {
+            return Ok(bytes);
+        }
+        line = memchr::memrchr(b'\n', &bytes[before..]).map_or(line, |at| before + at + 1);
+        if bytes.len() > whole {
+            check(bytes.len(), bytes.len() - line)?;
+        }
+    }
+}
+
+/// Room for so many bytes of a file, and for one more, so that its end is found without growing.
+pub(crate) fn room_for(size: u64) -> io::Result<Vec<u8>> {
+    let size = usize::try_from(size).unwrap_or(usize::MAX);
+    let mut bytes = Vec::new();
+    bytes.try_reserve_exact(size.saturating_add(1)).map_err(|_| TooMuch::Memory { size })?;
+    Ok(bytes)
+}
+
+/// What has no size, after `read` bytes of which `open` came after the last end of a line.
+fn check(read: usize, open: usize) -> Result<(), TooMuch> {
+    if open > LINE {
+        return Err(TooMuch::Line { read: open });
+    }
+    if read > STREAM { Err(TooMuch::Stream { read }) } else { Ok(()) }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_never_ends_is_left() {
+        let error = read(Path::new("/dev/zero")).expect_err("no end");
+        assert!(
+            is_too_much(&error) && error.to_string().contains("no line ends within 1114112 bytes, and 1048576 are")
+        );
+        assert!(check(STREAM, LINE).is_ok());
+        let error = io::Error::from(check(STREAM + 1, 0).expect_err("too much"));
+        assert!(is_too_much(&error) && error.to_string().contains("after 268435457 bytes"), "{error}");
+    }
+
+    #[test]
+    fn files_and_streams_are_read_whole() {
+        let place = tempfile::tempdir().expect("a temporary folder");
+        let path = place.path().join("long");
+        // A regular file may have lines of any length; whoever parses them refuses those.
+        let text = "x".repeat(2 * LINE);
+        std::fs::write(&path, &text).expect("written");
+        assert!(read(&path).expect("read") == text.as_bytes());
+        assert!(!read(Path::new("/proc/self/stat")).unwrap_or_else(|_| b"no /proc".to_vec()).is_empty());
+    }
+
+    #[test]
+    fn a_file_larger_than_memory_is_refused_before_it_is_read() {
+        let place = tempfile::tempdir().expect("a temporary folder");
+        let path = place.path().join("sparse");
+        let file = File::create(&path).expect("created");
+        if file.set_len(1 << 43).is_ok() {
+            let error = read(&path).expect_err("8 TiB");
+            assert!(is_too_much(&error) && error.to_string().contains("its 8796093022208 bytes"), "{error}");
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! Packed or encoded text as plain text: gzip, then UTF-16 with its byte order mark, then lone carriage returns as line ends.
+//!
+//! No line gets another number: there are as many lines as an editor shows of the file.
+
+use std::fmt;
+use std::io::{self, ErrorKind, Read};
+
+use flate2::read::MultiGzDecoder;
+
+use super::{CHUNK, TooMuch, check};
+
+/// What gzip may always unpack to, in bytes.
+const SMALL: usize = 1 << 26;
+/// How many times its own size a file may unpack to; text shrinks to a twentieth at most, or it repeats itself.
+const RATIO: usize = 200;
+
+/// Why packed or encoded text is not read.
+#[derive(Debug)]
+enum Damaged {
+    Gzip(io::Error),
+    OddUtf16,
+    Surrogate { byte: usize },
+}
+
+impl fmt::Display for Damaged {
+    fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Gzip(error) => write!(out, "it starts as gzip data, which are damaged: {error}; pack it again"),
+            Self::OddUtf16 => {
+                write!(out, "it is UTF-16, but ends within a character; save it again, as UTF-8 where possible")
+            }
+            Self::Surrogate { byte } => write!(
+                out,
+                "it is UTF-16, but byte {byte} (from 1) begins no character; save it again, as UTF-8 where possible"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for Damaged {}
+
+impl From<Damaged> for io::Error {
+    fn from(error: Damaged) -> Self {
+        Self::new(ErrorKind::InvalidData, error)
+    }
+}
+
+/// The text of a file: its bytes as they are, unless they are packed or encoded.
+pub(super) fn text(bytes: Vec<u8>) -> io::Result<Vec<u8>> {
+    let bytes = if bytes.starts_with(b"\x1f\x8b") { unpack(&bytes)? } else { bytes };
+    let bytes = match bytes.get(..2) {
+        Some(b"\xff\xfe") => utf8(&bytes[2..], u16::from_le_bytes)?,
+        Some(b"\xfe\xff") => utf8(&bytes[2..], u16::from_be_bytes)?,
+        _ => bytes,
+    };
+    Ok(lines(bytes))
+}
+
+/// Unpacks gzip data of one or several members.
+fn unpack(packed: &[u8]) -> io::Result<Vec<u8>> {
+    let most = packed.len().saturating_mul(RATIO).max(SMALL);
+    let mut unpacked = Vec::new();
+    let mut decoder = MultiGzDecoder::new(packed);
+    let mut line = 0;
+    loop {
+        let before = unpacked.len();
+        unpacked.try_reserve(CHUNK as usize).map_err(|_| TooMuch::Memory { size: before })?;
+        let read = decoder.by_ref().take(CHUNK).read_to_end(&mut unpacked);
+        if read.map_err(|error| failed(error, before))? == 0 {
+            return Ok(unpacked);
+        }
+        line = memchr::memrchr(b'\n', &unpacked[before..]).map_or(line, |at| before + at + 1);
+        // Lone carriage returns end lines too, and UTF-16 has a zero beside each.
+        line = memchr::memrchr(b'\r', &unpacked[before..]).map_or(line, |at| line.max(before + at + 1));
+        if unpacked.len() > SMALL {
+            check(0, unpacked.len() - line)?;
+        }
+        if unpacked.len() > most {
+            return Err(TooMuch::Unpacked { packed: packed.len(), most }.into());
+        }
+    }
+}
+
+fn failed(error: io::Error, size: usize) -> io::Error {
+    match error.kind() {
+        ErrorKind::OutOfMemory => TooMuch::Memory { size }.into(),
+        _ => Damaged::Gzip(error).into(),
+    }
+}
+
+/// UTF-16 as UTF-8.
+fn utf8(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> io::Result<Vec<u8>> {
+    let (pairs, odd) = bytes.as_chunks::<2>();
+    if !odd.is_empty() {
+        return Err(Damaged::OddUtf16.into());
+    }
+    let mut text = String::new();
+    // A character of one unit has three bytes at most.
+    text.try_reserve(bytes.len() / 2).map_err(|_| TooMuch::Memory { size: bytes.len() })?;
+    let mut units = 0;
+    for character in char::decode_utf16(pairs.iter().map(|pair| unit(*pair))) {
+        // The byte order mark is two bytes.
+        let c = character.map_err(|_| Damaged::Surrogate { byte: 2 * units + 3 })?;
+        units += c.len_utf16();
+        text.push(c);
+    }
+    Ok(text.into_bytes())
+}
+
+/// Lone carriage returns as line feeds, where there is no line feed at all.
+fn lines(mut bytes: Vec<u8>) -> Vec<u8> {
+    if memchr::memchr(b'\n', &bytes).is_none() {
+        bytes.iter_mut().filter(|byte| **byte == b'\r').for_each(|byte| *byte = b'\n');
+    }
+    bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write;
+
+    use flate2::Compression;
+    use flate2::write::GzEncoder;
+
+    use super::*;
+
+    const TEXT: &str = "*NODE\r\n1,0.,0.,0.\n** \u{e4}\u{1d11e}\n";
+
+    fn packed(bytes: &[u8]) -> Vec<u8> {
+        let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
+        encoder.write_all(bytes).expect("packed");
+        encoder.finish().expect("packed")
+    }
+
+    fn utf16(mark: [u8; 2], of: fn(u16) -> [u8; 2]) -> Vec<u8> {
+        mark.into_iter().chain(TEXT.encode_utf16().flat_map(of)).collect()
+    }
+
+    #[test]
+    fn every_encoding_gives_the_same_text() {
+        let little = utf16([0xff, 0xfe], u16::to_le_bytes);
+        let big = utf16([0xfe, 0xff], u16::to_be_bytes);
+        let two = [packed(TEXT[..9].as_bytes()), packed(TEXT[9..].as_bytes())].concat();
+        for bytes in [TEXT.as_bytes().to_vec(), packed(TEXT.as_bytes()), packed(&little), little, big, two] {
+            assert_eq!(text(bytes).expect("text"), TEXT.as_bytes());
+        }
+        assert_eq!(text(b"a\rb\r".to_vec()).expect("text"), b"a\nb\n");
+        assert_eq!(text(b"a\rb\n".to_vec()).expect("text"), b"a\rb\n");
+    }
+
+    #[test]
+    fn what_is_damaged_says_so() {
+        let whole = packed(TEXT.as_bytes());
+        for (bytes, said) in [
+            (whole[..whole.len() / 2].to_vec(), "gzip data, which are damaged"),
+            (b"\x1f\x8b".to_vec(), "gzip data, which are damaged"),
+            (b"\xff\xfea\0b".to_vec(), "ends within a character"),
+            (b"\xff\xfea\0\0\xd8a\0".to_vec(), "byte 5 (from 1) begins no character"),
+        ] {
+            let error = text(bytes).expect_err(said);
+            assert_eq!(error.kind(), ErrorKind::InvalidData);
+            assert!(error.to_string().contains(said), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_small_file_cannot_unpack_to_a_large_one() {
+        let line = [&[b'x'; 1023][..], b"\n"].concat();
+        let error = text(packed(&line.repeat(SMALL / 1024 + 1))).expect_err("too much");
+        assert!(super::super::is_too_much(&error), "{error}");
+        assert!(error.to_string().contains("unpack to more than"), "{error}");
+        let error = text(packed(&vec![0; SMALL + 2])).expect_err("too much");
+        assert!(super::super::is_too_much(&error) && error.to_string().contains("no line ends"), "{error}");
+    }
+}

@@ -1,0 +1,204 @@
+//! `CP`: nodes of a set have the same value in one DOF, `u_j - u_1 = 0` for every node j but the first.
+//!
+//! ```text
+//! CP, NSET, Lab, NODE1, NODE2, ... NODE17
+//! CP, R5.0, nodes, NSET, Lab, NODE1, ... NODE7
+//! ```
+
+use rustc_hash::FxHashSet;
+
+use super::numbering::{Lives, Past, Searches, Step, delete, numbered, too_many_taken_away};
+use super::selection::Selection;
+use crate::deck::ansys::model::nodes::Nodes;
+use crate::deck::ansys::model::sets::Sets;
+use crate::deck::ansys::syntax::command::Command;
+use crate::deck::ansys::syntax::field::{Fault, component, expected, is_nothing, signed_node, whole};
+use crate::deck::{Dof, Problem};
+
+/// One coupled set.
+#[derive(Clone, Debug, Default)]
+pub struct Coupled {
+    component: u8,
+    nodes: Vec<u32>,
+    known: FxHashSet<u32>,
+    /// Where it begins.
+    pub line: u32,
+    /// Where its last node stands.
+    pub last_line: u32,
+    promised: Option<usize>,
+    given: usize,
+    /// The first load step that it is solved in.
+    from: Step,
+}
+
+impl Lives for Coupled {
+    fn from(&self) -> Step {
+        self.from
+    }
+}
+
+/// Nodes of sets as they were in earlier load steps, at most: bounds the memory.
+const PAST_NODES: usize = 20_000_000;
+
+/// The coupled sets of a deck by their number.
+#[derive(Debug, Default)]
+pub struct CoupledSets {
+    pub sets: Sets<Coupled>,
+    /// Those of earlier load steps that are gone or have changed since.
+    pub past: Vec<Past<Coupled>>,
+    past_nodes: usize,
+    /// Load steps solved so far.
+    pub now: Step,
+    /// Sets that commands belong to which are not understood.
+    unknown: FxHashSet<u32>,
+    /// Why the command read last is left out.
+    pub doubt: Option<String>,
+    left: Searches,
+}
+
+impl CoupledSets {
+    /// `CP` in either spelling; returns the number of the set, none if the command is left out.
+    pub fn read(&mut self, command: &Command, nodes: &Nodes, selection: &Selection) -> Result<Option<u32>, Fault> {
+        if command.archive_tag().is_some() {
+            return self.archive(command).map(Some);
+        }
+        let number = if command.is(2, "ALL") { None } else { Some(numbered(command, 1, &self.sets)?) };
+        let Some(number) = number.filter(|number| !self.unknown.contains(number)) else {
+            self.doubt = Some(match number {
+                None => {
+                    "CP couples all DOFs that the elements have, which this reader does not know: left out".to_owned()
+                }
+                Some(number) => format!("CP {number} has nodes that are not understood: all of it is left out"),
+            });
+            return Ok(None);
+        };
+        let word = named(command, 3);
+        let members = word.as_deref().map(|word| selection.members(word, nodes));
+        if let (Some(word), Some(None)) = (&word, &members) {
+            self.doubt = Some(format!("CP couples the nodes {word}, which this reader does not follow: left out"));
+            self.leave_out(command);
+            return Ok(None);
+        }
+        let mut left = self.left.0;
+        let set = self.open(command, number, 2)?;
+        match members.flatten() {
+            Some(members) => members.into_iter().for_each(|node| set.include(node)),
+            None => set.add(command, 3, &mut left)?,
+        }
+        self.left.0 = left;
+        Ok(Some(number))
+    }
+
+    /// `CPDELE, NSET1, NSET2, NINC`.
+    pub fn delete(&mut self, command: &Command) -> Result<(), Fault> {
+        if command.is(1, "ALL") {
+            self.unknown.clear();
+        }
+        delete(command, &mut self.sets, &mut self.past, self.now, &mut self.left)
+    }
+
+    /// A set that a command belongs to which is not understood is left out, with all that is said of it elsewhere.
+    pub fn leave_out(&mut self, command: &Command) {
+        let number = match command.archive_tag() {
+            Some(_) => whole(command.field(3)),
+            None if command.is(1, "NEXT") => None,
+            None => numbered(command, 1, &self.sets).ok(),
+        };
+        if let Some(number) = number {
+            self.sets.remove(number);
+            self.unknown.insert(number);
+        }
+    }
+
+    /// Keeps a set for the load steps up to now, before it changes.
+    fn keep(&mut self, number: u32) -> Result<(), Fault> {
+        let now = self.now;
+        let Some(set) = self.sets.get_mut(number).filter(|set| set.from < now) else { return Ok(()) };
+        self.past_nodes += set.nodes.len() + 1;
+        if self.past_nodes > PAST_NODES {
+            let advice = "make a deck of each load step";
+            let what = "the number of nodes in coupled sets of earlier load steps";
+            return Err((None, Problem::Limit { what, limit: PAST_NODES, advice }));
+        }
+        self.past.push(Past { number, last: now - 1, value: set.clone() });
+        set.from = now;
+        Ok(())
+    }
+
+    /// The first set with fewer nodes than its archive promises.
+    pub fn incomplete(&self) -> Option<(u32, u32, Problem)> {
+        self.sets.iter().find_map(|(number, set)| {
+            let promised = set.promised.filter(|&promised| promised > set.given)?;
+            Some((number, set.line, Problem::TooFew { what: "nodes", promised, found: set.given }))
+        })
+    }
+
+    /// Every line repeats the head and adds nodes until all are there.
+    fn archive(&mut self, command: &Command) -> Result<u32, Fault> {
+        let promised = whole(command.field(2)).ok_or_else(|| expected(command, 2, "the number of nodes"))? as usize;
+        let number = whole(command.field(3)).ok_or_else(|| expected(command, 3, "the number of the coupled set"))?;
+        let mut left = self.left.0;
+        let set = self.open(command, number, 4)?;
+        set.promised = Some(promised);
+        set.add(command, 5, &mut left)?;
+        if set.given > promised {
+            return Err(expected(command, 2, "as many nodes as promised"));
+        }
+        self.left.0 = left;
+        Ok(number)
+    }
+
+    /// The set of this number, with the label in field `at`, which may be left out where the set is known.
+    fn open(&mut self, command: &Command, number: u32, at: usize) -> Result<&mut Coupled, Fault> {
+        let known = self.sets.get_mut(number).is_some();
+        let component = if known && command.field(at).is_empty() { None } else { Some(component(command, at)?) };
+        self.keep(number)?;
+        let new = || Coupled { line: command.line, from: self.now, ..Coupled::default() };
+        let set = self.sets.get_or_insert_with(number, new);
+        set.last_line = command.line;
+        set.component = component.unwrap_or(set.component);
+        Ok(set)
+    }
+}
+
+impl Coupled {
+    /// The equations of the set; the DOF that the first node keeps is the last term of each.
+    pub fn equations(&self) -> impl Iterator<Item = [(Dof, f64); 2]> + '_ {
+        let dof = |node: u32| Dof { node, component: self.component };
+        let first = self.nodes.first().copied().unwrap_or_default();
+        self.nodes.iter().skip(1).map(move |&node| [(dof(node), 1.0), (dof(first), -1.0)])
+    }
+
+    fn add(&mut self, command: &Command, from: usize, left: &mut usize) -> Result<(), Fault> {
+        for at in (from..=command.fields.len()).filter(|&at| !is_nothing(command, at)) {
+            let (node, takes_away) = signed_node(command, at)?;
+            if takes_away {
+                *left = left.checked_sub(self.nodes.len()).ok_or((Some(at), too_many_taken_away()))?;
+                self.take_away(node);
+                continue;
+            }
+            self.include(node);
+        }
+        Ok(())
+    }
+
+    fn include(&mut self, node: u32) {
+        self.given += 1;
+        if self.known.insert(node) {
+            self.nodes.push(node);
+        }
+    }
+
+    fn take_away(&mut self, node: u32) {
+        if self.known.remove(&node) {
+            self.nodes.retain(|&known| known != node);
+        }
+    }
+}
+
+/// A word where a node should stand: `ALL`, `P` or the name of a component.
+fn named(command: &Command, at: usize) -> Option<String> {
+    let text = command.field(at);
+    let starts = text.first().is_some_and(u8::is_ascii_alphabetic);
+    starts.then(|| String::from_utf8_lossy(&text[..text.len().min(32)]).into_owned())
+}

@@ -1,0 +1,330 @@
+//! `CE`: `CONST = sum of C_i U_i`, as commands that add terms and as an archive writes it.
+//!
+//! ```text
+//! CE, NEQN, CONST, NODE1, Lab1, C1, NODE2, Lab2, C2, NODE3, Lab3, C3
+//! CE, R5.0, DEFI, terms, NEQN, CONST
+//! CE, R5.0, NODE, NODE1, Lab1, C1, NODE2, Lab2, C2
+//! ```
+//!
+//! Later releases write `UNBL` for `R5.0`.
+
+use rustc_hash::FxHashSet;
+
+use super::numbering::{Lives, Past, Searches, Step, delete, numbered, too_many_taken_away};
+use crate::deck::ansys::model::sets::Sets;
+use crate::deck::ansys::model::terms::{Owned, Term, Terms};
+use crate::deck::ansys::syntax::archive::Says;
+use crate::deck::ansys::syntax::command::Command;
+use crate::deck::ansys::syntax::field::{Fault, component, expected, is_nothing, real, signed_node, whole};
+use crate::deck::{Dof, Problem};
+use crate::number;
+
+/// One equation.
+#[derive(Debug, Default)]
+pub struct Equation {
+    /// DOFs and coefficients, none of them zero.
+    pub terms: Owned,
+    /// The right-hand side.
+    pub constant: f64,
+    /// Where it begins.
+    pub line: u32,
+    /// Where its last term stands.
+    pub last_line: u32,
+    /// Terms that an archive promises, and those it has given.
+    promised: Option<u32>,
+    given: u32,
+    /// The first load step that it is solved in.
+    from: Step,
+    /// One more than the index of the region that made it; 0 if none did.
+    region: u32,
+}
+
+impl Lives for Equation {
+    fn from(&self) -> Step {
+        self.from
+    }
+}
+
+/// What made equations of its own: `CERIG` or `RBE3`.
+#[derive(Clone, Copy, Debug)]
+pub struct Region {
+    /// The command.
+    pub name: &'static str,
+    /// The node that it is about.
+    pub node: u32,
+    pub line: u32,
+    /// The numbers of its equations.
+    pub first: u32,
+    pub last: u32,
+}
+
+/// Terms of equations as they were in earlier load steps, at most: bounds the memory.
+const PAST_TERMS: usize = 20_000_000;
+
+/// The equations of a deck by their number.
+#[derive(Debug, Default)]
+pub struct Equations {
+    pub sets: Sets<Equation>,
+    pub terms: Terms,
+    /// Those of earlier load steps that are gone or have changed since.
+    pub past: Vec<Past<Equation>>,
+    past_terms: usize,
+    pub regions: Vec<Region>,
+    /// Load steps solved so far.
+    pub now: Step,
+    /// Equations that commands belong to which are not understood.
+    unknown: FxHashSet<u32>,
+    /// The highest number that any command names, understood or not.
+    pub reserved: u32,
+    /// The number of the archive's equation that is being defined.
+    open: u32,
+    /// What should be said about the command read last.
+    pub remark: Option<String>,
+    /// Why what it constrains is not known for sure.
+    pub doubt: Option<String>,
+    left: Searches,
+}
+
+impl Equations {
+    /// `CE` in either spelling; returns the equation's number.
+    pub fn read(&mut self, command: &Command) -> Result<u32, Fault> {
+        if command.archive_tag().is_none() {
+            return self.command(command);
+        }
+        match command.field(2).to_ascii_uppercase().as_slice() {
+            b"DEFI" => self.define(command),
+            b"NODE" => self.nodes(command),
+            _ => Err(expected(command, 2, "DEFI or NODE")),
+        }
+    }
+
+    /// `CECMOD, NEQN, CONST`: another constant.
+    pub fn change_constant(&mut self, command: &Command) -> Result<u32, Fault> {
+        let number = whole(command.field(1)).ok_or_else(|| expected(command, 1, "the number of an equation"))?;
+        let constant = real(command, 2)?;
+        self.keep(number)?;
+        self.remark_region(number);
+        match self.sets.get_mut(number) {
+            Some(equation) => equation.constant = constant,
+            None => self.remark = Some(format!("CECMOD changes CE {number}, which is not defined: left out")),
+        }
+        Ok(number)
+    }
+
+    /// `CEDELE, NEQN1, NEQN2, NINC`.
+    pub fn delete(&mut self, command: &Command) -> Result<(), Fault> {
+        if command.is(1, "ALL") {
+            self.unknown.clear();
+        } else if whole(command.field(1)).is_some_and(|number| self.is_made(number)) {
+            self.remark_region(whole(command.field(1)).unwrap_or_default());
+        }
+        delete(command, &mut self.sets, &mut self.past, self.now, &mut self.left)
+    }
+
+    /// An equation that a command belongs to which is not understood is left out, with all that is said of it elsewhere.
+    pub fn leave_out(&mut self, command: &Command) {
+        let archived = command.archive_tag().is_some();
+        let number = match (archived, command.is(2, "NODE")) {
+            (true, true) => Some(self.open),
+            (true, false) => whole(command.field(4)),
+            _ if command.is(1, "NEXT") => None,
+            _ => numbered(command, 1, &self.sets).ok(),
+        };
+        let Some(number) = number else { return };
+        self.reserved = self.reserved.max(number);
+        self.sets.remove(number);
+        self.unknown.insert(number);
+    }
+
+    /// Adds the equations of a region, numbered from the highest on.
+    pub fn region(
+        &mut self,
+        name: &'static str,
+        node: u32,
+        line: u32,
+        rows: impl ExactSizeIterator<Item = Vec<Term>>,
+    ) -> Result<Option<usize>, Problem> {
+        let advice = "number the equations from 1";
+        let limit = Problem::Limit { what: "the number of equations", limit: u32::MAX as usize, advice };
+        let first = self.sets.highest().unwrap_or(0).checked_add(1).ok_or(limit.clone())?;
+        let count = u32::try_from(rows.len()).map_err(|_| limit.clone())?;
+        let Some(last) = count.checked_sub(1) else { return Ok(None) };
+        let last = first.checked_add(last).ok_or(limit)?;
+        self.regions.push(Region { name, node, line, first, last });
+        let (region, from) = (self.regions.len() as u32, self.now);
+        for (number, row) in (first..).zip(rows) {
+            let mut equation = Equation { line, last_line: line, from, region, ..Equation::default() };
+            row.into_iter().for_each(|term| equation.add(term, &mut self.terms));
+            self.unknown.remove(&number);
+            self.sets.insert(number, equation);
+        }
+        Ok(Some(self.regions.len() - 1))
+    }
+
+    fn is_made(&mut self, number: u32) -> bool {
+        self.sets.get_mut(number).is_some_and(|equation| equation.region > 0)
+    }
+
+    /// Which equation of a region has which number is written nowhere.
+    fn remark_region(&mut self, number: u32) {
+        if self.is_made(number) {
+            let text = format!("CE {number} is one that CERIG or RBE3 makes: which one is taken to be by its order");
+            self.doubt = Some(text);
+        }
+    }
+
+    /// Keeps an equation for the load steps up to now, before it changes.
+    fn keep(&mut self, number: u32) -> Result<(), Fault> {
+        let now = self.now;
+        let Some(equation) = self.sets.get_mut(number).filter(|equation| equation.from < now) else { return Ok(()) };
+        self.past_terms += self.terms.count(&equation.terms) + 1;
+        if self.past_terms > PAST_TERMS {
+            let advice = "make a deck of each load step";
+            let what = "the number of terms of earlier load steps";
+            return Err((None, Problem::Limit { what, limit: PAST_TERMS, advice }));
+        }
+        let terms = self.terms.copy(&equation.terms);
+        let value = Equation { terms: std::mem::replace(&mut equation.terms, terms), ..*equation };
+        self.past.push(Past { number, last: now - 1, value });
+        equation.from = now;
+        Ok(())
+    }
+
+    /// The first equation with another number of terms than its archive promises.
+    pub fn incomplete(&self) -> Option<(u32, u32, Problem)> {
+        self.sets.iter().find_map(|(number, equation)| {
+            let promised = equation.promised.filter(|&promised| promised > equation.given)? as usize;
+            let found = equation.given as usize;
+            Some((number, equation.line, Problem::TooFew { what: "terms", promised, found }))
+        })
+    }
+
+    fn command(&mut self, command: &Command) -> Result<u32, Fault> {
+        let number = numbered(command, 1, &self.sets)?;
+        if self.unknown.contains(&number) {
+            self.doubt = Some(format!("CE {number} has terms that are not understood: all of it is left out"));
+            return Ok(number);
+        }
+        self.keep(number)?;
+        self.remark_region(number);
+        let is_new = self.sets.get_mut(number).is_none();
+        let constant = if command.field(2).is_empty() { None } else { Some(real(command, 2)?) };
+        let equation = self.sets.get_or_insert_with(number, Equation::default);
+        if is_new {
+            (equation.line, equation.from) = (command.line, self.now);
+        }
+        equation.last_line = command.line;
+        if let Some(constant) = constant {
+            if !is_new && constant != equation.constant && !is_nothing(command, 3) {
+                let before = equation.constant;
+                self.remark = Some(format!("the constant of CE {number} was {before} and becomes {constant}"));
+            }
+            equation.constant = constant;
+        }
+        let rest = command.fields.iter().skip(11).position(|field| !field.is_empty());
+        if let Some(beyond) = rest {
+            return Err(expected(command, beyond + 12, "no more than 3 terms in a command (repeat it to add terms)"));
+        }
+        for at in [3, 6, 9] {
+            equation.term(command, at, &mut self.terms, &mut self.left.0)?;
+        }
+        Ok(number)
+    }
+
+    fn define(&mut self, command: &Command) -> Result<u32, Fault> {
+        let promised = number::whole(command.field(3)).ok_or_else(|| expected(command, 3, "the number of terms"))?;
+        let number = whole(command.field(4)).ok_or_else(|| expected(command, 4, "the number of the equation"))?;
+        // No deck has as many as are too many to be counted.
+        let promised = u32::try_from(promised).unwrap_or(u32::MAX);
+        self.keep(number)?;
+        self.open(promised, number, real(command, 5)?, command.line);
+        Ok(number)
+    }
+
+    /// Begins an equation of an archive.
+    fn open(&mut self, promised: u32, number: u32, constant: f64, line: u32) {
+        let promised = Some(promised);
+        let equation = Equation { constant, line, last_line: line, promised, from: self.now, ..Equation::default() };
+        if self.sets.insert(number, equation).is_some() {
+            self.remark = Some(format!("CE {number} is defined again: the later definition counts"));
+        }
+        self.unknown.remove(&number);
+        self.open = number;
+    }
+
+    /// Takes what a line of an archive says; false where it has to be read the long way.
+    pub fn quick(&mut self, says: &Says, line: u32) -> bool {
+        match says {
+            Says::Define(promised, number, constant) => self.open(*promised, *number, *constant, line),
+            Says::Terms(first, second) => {
+                let Some(equation) = self.sets.last_mut(self.open) else { return false };
+                let given = equation.given + 1 + u32::from(second.is_some());
+                if equation.promised.is_some_and(|promised| given > promised) {
+                    return false;
+                }
+                equation.last_line = line;
+                [Some(first), second.as_ref()]
+                    .into_iter()
+                    .flatten()
+                    .for_each(|term| equation.add(*term, &mut self.terms));
+            }
+        }
+        true
+    }
+
+    fn nodes(&mut self, command: &Command) -> Result<u32, Fault> {
+        if self.unknown.contains(&self.open) {
+            self.doubt = Some(format!("CE {} has terms that are not understood: all of it is left out", self.open));
+            return Ok(self.open);
+        }
+        let Some(equation) = self.sets.get_mut(self.open) else {
+            return Err(expected(command, 2, "DEFI, which begins an equation, before NODE"));
+        };
+        equation.last_line = command.line;
+        for at in (3..=command.fields.len()).step_by(3) {
+            let before = equation.given;
+            equation.term(command, at, &mut self.terms, &mut self.left.0)?;
+            let is_beyond = |promised| equation.given > promised;
+            if equation.given > before && equation.promised.is_some_and(is_beyond) {
+                return Err(expected(command, at, "no more terms than DEFI promises"));
+            }
+        }
+        Ok(self.open)
+    }
+}
+
+impl Equation {
+    /// The index of the region that made it.
+    pub fn region(&self) -> Option<usize> {
+        self.region.checked_sub(1).map(|region| region as usize)
+    }
+
+    /// The term `node, label, coefficient` from field `at` on. Zero coefficients make none; a negative node takes its term away.
+    fn term(&mut self, command: &Command, at: usize, terms: &mut Terms, left: &mut usize) -> Result<(), Fault> {
+        if is_nothing(command, at) && command.field(at + 1).is_empty() && is_zero(command, at + 2) {
+            return Ok(());
+        }
+        let (node, takes_away) = signed_node(command, at)?;
+        let dof = Dof { node, component: component(command, at + 1)? };
+        let coefficient = real(command, at + 2)?;
+        if takes_away {
+            *left = left.checked_sub(terms.count(&self.terms)).ok_or((Some(at), too_many_taken_away()))?;
+            terms.remove(&mut self.terms, dof);
+            return Ok(());
+        }
+        self.add((dof, coefficient), terms);
+        Ok(())
+    }
+
+    fn add(&mut self, term: Term, terms: &mut Terms) {
+        self.given += 1;
+        if term.1 != 0.0 {
+            terms.push(&mut self.terms, term);
+        }
+    }
+}
+
+/// Whether field `at` is empty or a zero; a malformed one is not.
+fn is_zero(command: &Command, at: usize) -> bool {
+    real(command, at).is_ok_and(|value| value == 0.0)
+}

@@ -1,0 +1,175 @@
+//! What the commands say as a model: equations by their number, then coupled sets, and the load cases.
+
+pub mod events;
+pub mod nodes;
+pub mod positions;
+pub mod sets;
+pub mod terms;
+
+use events::{Life, cases};
+use terms::Term;
+
+use super::commands::coupled::Coupled;
+use super::commands::equations::{Equation, Equations, Region};
+use super::commands::numbering::Lives;
+use super::reader::{Owner, Reader};
+use crate::deck::{CardName, DeckError, Dof, Model, Origin, Problem, Sources};
+
+/// Reads a deck.
+///
+/// # Errors
+/// [`DeckError`].
+pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
+    let mut reader = Reader::read(sources.path(0), &sources.text(0))?;
+    fill(&mut reader)?;
+    Ok(reader.model)
+}
+
+/// Fills the model of a reader and says what each of its equations comes from, if the reader keeps places.
+pub fn fill(reader: &mut Reader) -> Result<Vec<Owner>, DeckError> {
+    check_complete(reader)?;
+    let (owners, lives) = push_equations(reader);
+    let Reader { model, nodes, events, .. } = reader;
+    cases(events, nodes, &lives, model).map_err(|(origin, problem)| model.error(origin, None, problem))?;
+    check_nodes(reader)?;
+    warn_of_rotated(reader);
+    Ok(owners)
+}
+
+fn check_complete(reader: &Reader) -> Result<(), DeckError> {
+    let equation = reader.equations.incomplete().map(|(number, line, problem)| (format!("CE {number}"), line, problem));
+    let set = || reader.coupled.incomplete().map(|(number, line, problem)| (format!("CP {number}"), line, problem));
+    let Some((card, line, problem)) = equation.or_else(set) else { return Ok(()) };
+    Err(DeckError { path: reader.model.files[0].clone(), line: line as usize, card, field: None, problem })
+}
+
+/// Where equations come from, and those that are not in force in all load steps.
+type Pushed = (Vec<Owner>, Vec<Life>);
+
+/// Equations by number, coupled sets by number, then what held in earlier load steps.
+fn push_equations(reader: &mut Reader) -> Pushed {
+    let Reader { model, equations, coupled, places, .. } = reader;
+    let mut push =
+        Push { model, regions: vec![None; equations.regions.len()], owns: places.is_some(), pushed: Pushed::default() };
+    push.model.reserve(equations.sets.len(), equations.terms.len());
+    for (number, equation) in equations.sets.iter() {
+        push.equation(equations, number, equation, u32::MAX);
+    }
+    for (number, set) in coupled.sets.iter() {
+        push.set(number, set, u32::MAX);
+    }
+    for past in &equations.past {
+        push.equation(equations, past.number, &past.value, past.last);
+    }
+    for past in &coupled.past {
+        push.set(past.number, &past.value, past.last);
+    }
+    push.model.shrink();
+    push.pushed
+}
+
+struct Push<'a> {
+    model: &'a mut Model,
+    /// The card of each region, once it has one.
+    regions: Vec<Option<u32>>,
+    /// Whether anybody asks for owners.
+    owns: bool,
+    pushed: Pushed,
+}
+
+impl Push<'_> {
+    fn equation(&mut self, of: &Equations, number: u32, equation: &Equation, last: u32) {
+        let model = &mut *self.model;
+        if of.terms.count(&equation.terms) == 0 && equation.constant == 0.0 {
+            model.warn(0, equation.line, format!("CE {number} has no terms: left out"));
+            return;
+        }
+        let terms = of.terms.of(&equation.terms);
+        if names_twice(terms.clone()) {
+            let text = format!("CE {number} names a DOF more than once: its coefficients are added");
+            model.warn(0, equation.line, text);
+        }
+        let (card, owner) = match equation.region() {
+            Some(at) => {
+                let Region { name, node, line, .. } = of.regions[at];
+                let new = || model.card(CardName::numbered(name, node), 0, line);
+                (*self.regions[at].get_or_insert_with(new), Owner::Region(at))
+            }
+            None => (model.card(CardName::numbered("CE", number), 0, equation.line), Owner::Equation(number)),
+        };
+        let origin = origin(card, equation.line, equation.last_line);
+        model.push(terms, equation.constant, origin);
+        self.own(owner, equation.from(), last);
+    }
+
+    fn set(&mut self, number: u32, set: &Coupled, last: u32) {
+        let card = self.model.card(CardName::numbered("CP", number), 0, set.line);
+        for equation in set.equations() {
+            self.model.push(equation, 0.0, origin(card, set.line, set.last_line));
+            self.own(Owner::Coupled(number), set.from(), last);
+        }
+    }
+
+    /// Notes where the equation pushed last comes from, and when it holds.
+    fn own(&mut self, owner: Owner, first: u32, last: u32) {
+        if self.owns {
+            self.pushed.0.push(owner);
+        }
+        if first > 0 || last < u32::MAX {
+            self.pushed.1.push(Life { equation: self.model.equations() as u32 - 1, first, last });
+        }
+    }
+}
+
+fn origin(card: u32, line: u32, last: u32) -> Origin {
+    Origin { card, line, lines: last.saturating_sub(line) + 1 }
+}
+
+fn names_twice(terms: impl Iterator<Item = Term> + Clone) -> bool {
+    let mut first = terms.clone().map(|(dof, _)| dof);
+    if let (Some(first), Some(second), None) = (first.next(), first.next(), first.next()) {
+        return first == second;
+    }
+    let mut dofs: Vec<Dof> = terms.map(|(dof, _)| dof).collect();
+    dofs.sort_unstable();
+    dofs.windows(2).any(|pair| pair[0] == pair[1])
+}
+
+/// A node that no command defines: the first equation that names it is at fault.
+fn check_nodes(reader: &Reader) -> Result<(), DeckError> {
+    let (model, nodes) = (&reader.model, &reader.nodes);
+    if nodes.numbers.is_empty() || nodes.are_generated {
+        return Ok(());
+    }
+    let mut defined = nodes.numbers.clone();
+    defined.sort_unstable();
+    let is_undefined = |node: u32| defined.binary_search(&node).is_err();
+    if !model.dofs.iter().any(|dof| is_undefined(dof.node)) {
+        return Ok(());
+    }
+    for i in 0..model.equations() {
+        let equation = model.nth(i);
+        let mut names = equation.columns.iter().map(|&j| model.dofs[j as usize].node);
+        if let Some(node) = names.find(|&node| is_undefined(node)) {
+            let problem = Problem::Undefined { what: "node", name: node.to_string() };
+            return Err(model.error(equation.origin, None, problem));
+        }
+    }
+    Ok(())
+}
+
+/// Components are along the axes of their node; said where these are not those of the model.
+fn warn_of_rotated(reader: &mut Reader) {
+    let mut rotated = std::mem::take(&mut reader.nodes.rotated);
+    if rotated.is_empty() {
+        return;
+    }
+    rotated.sort_unstable();
+    rotated.dedup();
+    let model = &mut reader.model;
+    let constrained = model.dofs.iter().find(|dof| rotated.binary_search(&dof.node).is_ok());
+    if let Some(dof) = constrained {
+        let node = dof.node;
+        model.warn(0, 0, format!("nodes with rotated axes, such as {node}, are constrained along these axes"));
+    }
+}

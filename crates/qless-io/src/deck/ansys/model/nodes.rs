@@ -1,0 +1,195 @@
+//! Nodes and named groups of nodes: `NBLOCK`, `N` and `CMBLOCK`.
+
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::positions::Positions;
+use crate::deck::Problem;
+use crate::deck::ansys::commands::selection::Selected;
+use crate::deck::ansys::syntax::command::Command;
+use crate::deck::ansys::syntax::field::{Fault, expected, real, whole};
+use crate::deck::ansys::syntax::format::Format;
+use crate::deck::kinematics::body::Pose;
+use crate::deck::kinematics::row::Poses;
+use crate::fault::quote;
+use crate::number;
+
+/// What a deck says of its nodes.
+#[derive(Debug, Default)]
+pub struct Nodes {
+    /// Their numbers, in the order met.
+    pub numbers: Vec<u32>,
+    /// Those whose axes are rotated.
+    pub rotated: Vec<u32>,
+    /// Named groups as ranges, in capitals.
+    pub groups: FxHashMap<String, Vec<(u32, u32)>>,
+    /// Named groups whose members are not known.
+    pub unknown_groups: FxHashSet<String>,
+    /// Whether commands may make nodes that this reader does not see.
+    pub are_generated: bool,
+    pub positions: Positions,
+    block: Block,
+}
+
+/// What the lines of data belong to.
+#[derive(Debug, Default)]
+enum Block {
+    /// Nothing that matters here.
+    #[default]
+    Other,
+    /// `NBLOCK`, before its format and after it.
+    Nodes(Option<Format>),
+    /// `CMBLOCK` of nodes: its name, members left, and the format.
+    Group(String, u32, Option<Format>),
+}
+
+impl Nodes {
+    /// `NBLOCK, NUMFIELD, Solkey, NDMAX, NDSEL`.
+    pub fn block(&mut self) {
+        self.block = Block::Nodes(None);
+    }
+
+    /// `CMBLOCK, Cname, Entity, NUMITEMS`.
+    pub fn group(&mut self, command: &Command) -> Result<(), Fault> {
+        if !command.field(2).to_ascii_uppercase().starts_with(b"NODE") {
+            self.end();
+            return Ok(());
+        }
+        let items = number::whole(command.field(3)).and_then(|items| u32::try_from(items).ok());
+        let items = items.ok_or_else(|| expected(command, 3, "the number of items"))?;
+        let name = name(command.field(1));
+        self.unknown_groups.remove(&name);
+        self.groups.insert(name.clone(), Vec::new());
+        self.block = Block::Group(name, items, None);
+        Ok(())
+    }
+
+    /// `CM, Cname, NODE`: a group of the selected nodes, where these are followed.
+    pub fn selected_group(&mut self, command: &Command, selected: &Selected) {
+        let name = name(command.field(1));
+        if let Selected::Ranges(ranges) = selected
+            && ranges.iter().all(|&(first, last, step)| step == 1 || first == last)
+        {
+            self.unknown_groups.remove(&name);
+            self.groups.insert(name, ranges.iter().map(|&(first, last, _)| (first, last)).collect());
+            return;
+        }
+        self.groups.remove(&name);
+        self.unknown_groups.insert(name);
+    }
+
+    /// A command ends what data came before.
+    pub fn end(&mut self) {
+        self.block = Block::Other;
+    }
+
+    /// A line of data, by the format that comes first.
+    pub fn data(&mut self, line: &[u8]) -> Result<(), Fault> {
+        match std::mem::take(&mut self.block) {
+            Block::Other => {}
+            Block::Nodes(None) => self.block = Block::Nodes(Some(format(line)?)),
+            Block::Nodes(Some(format)) => {
+                if self.row(&format, line)? {
+                    self.block = Block::Nodes(Some(format));
+                }
+            }
+            Block::Group(name, left, None) => self.block = Block::Group(name, left, Some(format(line)?)),
+            Block::Group(name, left, Some(format)) => {
+                let left = self.members(&name, left, &format, line)?;
+                self.block = Block::Group(name, left, Some(format));
+            }
+        }
+        Ok(())
+    }
+
+    /// `N, NODE, X, Y, Z, THXY, THYZ, THZX`, or a line of an archive: `N, R5.3, LOC, NODE, SOLID, PARM, X, Y, Z`.
+    pub fn command(&mut self, command: &Command) -> Result<(), Fault> {
+        let archive = command.archive_tag().is_some();
+        let text = command.field(if archive { 3 } else { 1 });
+        if archive && text.starts_with(b"-") {
+            return Ok(());
+        }
+        if text.is_empty() {
+            // The number is one above the highest of what else is there.
+            self.are_generated = true;
+            return Ok(());
+        }
+        let node = whole(text).ok_or_else(|| expected(command, if archive { 3 } else { 1 }, "the number of a node"))?;
+        self.numbers.push(node);
+        if !archive || command.is(2, "LOC") {
+            self.positions.command(node, command, if archive { 6 } else { 2 }, archive);
+        }
+        if !archive || command.is(2, "ANG") {
+            let first = if archive { 6 } else { 5 };
+            let angles = [0, 1, 2].map(|k| real(command, first + k).unwrap_or(0.0));
+            if angles != [0.0; 3] {
+                self.rotated.push(node);
+            }
+            self.positions.axes_of(node, angles);
+        }
+        Ok(())
+    }
+
+    /// One node; false for the -1 that ends the block.
+    fn row(&mut self, format: &Format, line: &[u8]) -> Result<bool, Fault> {
+        let first = format.integers(line).next().unwrap_or_default();
+        if first.starts_with(b"-") {
+            return Ok(false);
+        }
+        let fault = || (Some(1), Problem::Expected { expected: "the number of a node", found: quote(first) });
+        let node = whole(first).ok_or_else(fault)?;
+        self.numbers.push(node);
+        self.positions.row(node, format.floats(line));
+        let given = format.floats(line).enumerate().skip(3).filter(|(_, text)| !text.is_empty());
+        let offset = format.integers(line).count() + 1;
+        let mut angles = [0.0; 3];
+        for (k, text) in given {
+            let angle = match number::real(text) {
+                Err(crate::NumberFault::Underflow) => 0.0,
+                other => other.map_err(|fault| (Some(offset + k), Problem::Number { found: quote(text), fault }))?,
+            };
+            angles[(k - 3).min(2)] = angle;
+        }
+        if angles != [0.0; 3] {
+            self.rotated.push(node);
+        }
+        self.positions.axes_of(node, angles);
+        Ok(true)
+    }
+
+    /// The members on a line; a negative one ends the range that the member before it begins.
+    fn members(&mut self, name: &str, mut left: u32, format: &Format, line: &[u8]) -> Result<u32, Fault> {
+        let group = self.groups.entry(name.to_owned()).or_default();
+        for (k, text) in format.integers(line).enumerate().filter(|(_, text)| !text.is_empty()) {
+            if left == 0 {
+                break;
+            }
+            left -= 1;
+            let fault = || (Some(k + 1), Problem::Expected { expected: "the number of a node", found: quote(text) });
+            let digits = text.strip_prefix(b"-").unwrap_or(text);
+            let node = whole(digits).ok_or_else(fault)?;
+            match group.last_mut() {
+                Some((_, last)) if digits.len() < text.len() => *last = node.max(*last),
+                _ => group.push((node, node)),
+            }
+        }
+        Ok(left)
+    }
+}
+
+impl Poses for Nodes {
+    fn pose(&self, node: u32) -> Result<Pose, Problem> {
+        let problem = || Problem::Undefined { what: "the place of node", name: node.to_string() };
+        self.positions.pose(node).ok_or_else(problem)
+    }
+}
+
+/// The name of a group as it is compared.
+pub fn name(text: &[u8]) -> String {
+    String::from_utf8_lossy(text).to_ascii_uppercase()
+}
+
+fn format(line: &[u8]) -> Result<Format, Fault> {
+    const EXPECTED: &str = "the format of the block, such as (3i9,6e21.13e3)";
+    let fault = || (None, Problem::Expected { expected: EXPECTED, found: quote(line.trim_ascii()) });
+    Format::parse(line).ok_or_else(fault)
+}

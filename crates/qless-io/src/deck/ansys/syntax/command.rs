@@ -1,0 +1,177 @@
+//! Lines as commands: `NAME,field,field`, several on a line between `$`, a comment after `!`.
+
+use std::borrow::Cow;
+use std::ops::Range;
+
+/// The first four characters of a command's name in capitals, blanks where it is shorter: they tell it apart.
+pub type Key = [u8; 4];
+
+/// One command.
+#[derive(Clone, Debug)]
+pub struct Command<'a> {
+    /// Its name as it is told apart.
+    pub key: Key,
+    /// Its name as the deck has it.
+    pub name: &'a [u8],
+    /// All of it, without blanks around it.
+    pub text: &'a [u8],
+    /// The fields after the name, without blanks around them; parameters may have their values in place.
+    pub fields: Vec<Cow<'a, [u8]>>,
+    /// The line, from 1.
+    pub line: u32,
+    /// Its bytes in the file, comment and `$` left out.
+    pub range: Range<usize>,
+}
+
+/// What a line holds.
+pub enum Line<'a> {
+    /// Numbers, or the format of such lines: data of the command above.
+    Data(&'a [u8]),
+    /// Commands; none on a line that is blank or a comment.
+    Commands(Vec<Command<'a>>),
+}
+
+/// Commands whose text goes on to the end of the line.
+const WHOLE_LINE: [&Key; 5] = [b"/COM", b"/TIT", b"/STI", b"C***", b"/SYS"];
+
+impl<'a> Command<'a> {
+    /// Field `at`, from 1; empty if it is missing.
+    pub fn field(&self, at: usize) -> &[u8] {
+        at.checked_sub(1).and_then(|k| self.fields.get(k)).map_or(&[][..], |field| field)
+    }
+
+    /// Whether field `at` is this word.
+    pub fn is(&self, at: usize, word: &str) -> bool {
+        self.field(at).eq_ignore_ascii_case(word.as_bytes())
+    }
+
+    /// The name in capitals, for messages.
+    pub fn title(&self) -> String {
+        self.name[..self.name.len().min(32)].to_ascii_uppercase().escape_ascii().to_string()
+    }
+
+    /// The tag of an archive in field 1, which says that the fields are those of an archive: `R5.0` and the like, or `UNBL`.
+    pub fn archive_tag(&self) -> Option<&[u8]> {
+        let field = self.field(1);
+        (field.to_ascii_uppercase().starts_with(b"R5.") || self.is(1, "UNBL")).then_some(field)
+    }
+
+    fn new(text: &'a [u8], start: usize, line: u32) -> Option<Self> {
+        let lead = text.iter().position(|byte| !byte.is_ascii_whitespace())?;
+        let trimmed = text.trim_ascii();
+        let end = trimmed.iter().position(|&byte| byte == b',' || byte.is_ascii_whitespace()).unwrap_or(trimmed.len());
+        let (name, rest) = trimmed.split_at(end);
+        let rest = rest.trim_ascii_start();
+        let rest = rest.strip_prefix(b",").unwrap_or(rest);
+        let fields = if rest.is_empty() { Vec::new() } else { split(rest) };
+        let range = start + lead..start + lead + trimmed.len();
+        Some(Self { key: key(name), name, text: trimmed, fields, line, range })
+    }
+}
+
+/// What a line of a file holds; `start` is where it begins.
+pub fn parse(text: &[u8], start: usize, line: u32) -> Line<'_> {
+    let head = text.trim_ascii_start();
+    match head.first() {
+        Some(byte) if byte.is_ascii_digit() || b"+-.(".contains(byte) => return Line::Data(text),
+        None | Some(b'!') => return Line::Commands(Vec::new()),
+        _ => {}
+    }
+    if WHOLE_LINE.contains(&&key(head)) {
+        return Line::Commands(Command::new(text, start, line).into_iter().collect());
+    }
+    let end = memchr::memchr2(b'$', b'!', text);
+    let mut commands = Vec::with_capacity(1);
+    let mut from = 0;
+    for end in end.map_or_else(|| vec![text.len()], |_| ends(text)) {
+        commands.extend(Command::new(&text[from..end], start + from, line));
+        from = end + 1;
+    }
+    Line::Commands(commands)
+}
+
+fn key(name: &[u8]) -> Key {
+    let mut key = *b"    ";
+    for (to, byte) in key.iter_mut().zip(name) {
+        *to = byte.to_ascii_uppercase();
+    }
+    key
+}
+
+/// What stands between commas, but for those within parentheses that are closed: they part the indices of an array.
+fn split(text: &[u8]) -> Vec<Cow<'_, [u8]>> {
+    let count = |byte: u8| memchr::memchr_iter(byte, text).count();
+    let nests = memchr::memchr(b'(', text).is_some() && count(b'(') == count(b')');
+    let mut depth = 0;
+    let is_end = |byte: &u8| {
+        depth += i32::from(nests && *byte == b'(') - i32::from(nests && *byte == b')');
+        *byte == b',' && depth <= 0
+    };
+    text.split(is_end).map(|field| Cow::Borrowed(field.trim_ascii())).collect()
+}
+
+/// Where the commands of a line end: at each `$`, then at `!` or the end of the line; not between quotes.
+fn ends(text: &[u8]) -> Vec<usize> {
+    // A lone quote is an apostrophe.
+    let quotes = memchr::memchr_iter(b'\'', text).count().is_multiple_of(2);
+    let mut ends = Vec::new();
+    let mut quoted = false;
+    for (at, &byte) in text.iter().enumerate() {
+        match byte {
+            b'\'' => quoted = quotes && !quoted,
+            b'$' if !quoted => ends.push(at),
+            b'!' if !quoted => {
+                ends.push(at);
+                return ends;
+            }
+            _ => {}
+        }
+    }
+    ends.push(text.len());
+    ends
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn commands(text: &str) -> Vec<(String, Vec<String>, String)> {
+        let Line::Commands(commands) = parse(text.as_bytes(), 0, 1) else { return Vec::new() };
+        let words =
+            |fields: &[Cow<[u8]>]| fields.iter().map(|field| String::from_utf8_lossy(field).into_owned()).collect();
+        commands
+            .iter()
+            .map(|c| (String::from_utf8_lossy(&c.key).into_owned(), words(&c.fields), text[c.range.clone()].to_owned()))
+            .collect()
+    }
+
+    fn one(key: &str, fields: &[&str], text: &str) -> (String, Vec<String>, String) {
+        (key.into(), fields.iter().map(|&field| field.to_owned()).collect(), text.into())
+    }
+
+    #[test]
+    fn fields_stand_between_commas() {
+        assert_eq!(commands("  ddele , 1,UX  ,, ! gone\r"), [one("DDEL", &["1", "UX", "", ""], "ddele , 1,UX  ,,")]);
+        assert_eq!(commands("/PREP7  "), [one("/PRE", &[], "/PREP7")]);
+        assert_eq!(commands("N,1"), [one("N   ", &["1"], "N,1")]);
+        assert_eq!(commands("F,a(1, 2),3")[0].1, ["a(1, 2)", "3"]);
+        assert_eq!(commands("F,a(1,2")[0].1, ["a(1", "2"]);
+    }
+
+    #[test]
+    fn several_commands_on_a_line() {
+        let two = [one("CE  ", &["1", "0"], "CE,1,0"), one("D   ", &["2", "UX"], "D,2,UX")];
+        assert_eq!(commands("CE,1,0 $ D,2,UX ! a $ comment"), two);
+        assert_eq!(commands("/TITLE, a $ b ! c").len(), 1);
+        assert_eq!(commands("*SET,A,'x$y!z'"), [one("*SET", &["A", "'x$y!z'"], "*SET,A,'x$y!z'")]);
+        assert_eq!(commands("A,it's $ B,it").len(), 2);
+        assert!(commands(" $ $ !").is_empty() && commands("").is_empty());
+    }
+
+    #[test]
+    fn numbers_and_formats_are_data() {
+        for text in ["  1  2", "-1", "(3i9,6e21.13e3)", " .5", "+1"] {
+            assert!(matches!(parse(text.as_bytes(), 0, 1), Line::Data(_)), "{text}");
+        }
+    }
+}

@@ -1,0 +1,258 @@
+//! `*DO`, `*IF` and `*CREATE`: which commands are carried out, and how often.
+//!
+//! What depends on values that are not known is not followed: nobody knows whether the commands within are carried out.
+
+use super::command::Command;
+use super::parameters::Parameters;
+use crate::deck::Problem;
+
+/// Bytes that loops go through again at most: bounds the time.
+const AGAIN: usize = 1 << 26;
+
+/// A place in the text: its byte, and its line from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Here {
+    pub start: usize,
+    pub line: u32,
+}
+
+/// A block that is open.
+#[derive(Clone, Debug)]
+enum Block {
+    /// A loop at work.
+    Loop(Loop),
+    /// A branch of `*IF` that is taken.
+    Taken,
+    /// Branches of `*IF`, none of which was taken yet.
+    Waiting,
+    /// Branches after the one that was taken, and all within what is passed over.
+    Passed,
+    /// What depends on something that is not known.
+    Unfollowed,
+}
+
+#[derive(Clone, Debug)]
+struct Loop {
+    name: String,
+    value: f64,
+    last: f64,
+    step: f64,
+    body: Here,
+    /// Whether the rest of this turn is passed over.
+    cycles: bool,
+}
+
+/// What happens to the commands of the text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum State {
+    CarriedOut,
+    PassedOver,
+    Unknown,
+}
+
+/// The open blocks.
+#[derive(Debug, Default)]
+pub struct Control {
+    blocks: Vec<Block>,
+    /// Bytes that loops have gone through again.
+    again: usize,
+    /// Where the text goes on, if not below.
+    pub jump: Option<Here>,
+}
+
+impl Control {
+    /// What happens to commands here.
+    pub fn state(&self) -> State {
+        let passes = |block: &Block| match block {
+            Block::Loop(turn) => turn.cycles,
+            other => matches!(other, Block::Waiting | Block::Passed),
+        };
+        if self.blocks.iter().any(passes) {
+            State::PassedOver
+        } else if self.blocks.iter().any(|block| matches!(block, Block::Unfollowed)) {
+            State::Unknown
+        } else {
+            State::CarriedOut
+        }
+    }
+
+    /// Whether any block is open.
+    pub fn is_within(&self) -> bool {
+        !self.blocks.is_empty()
+    }
+
+    /// Whether a loop is open, so that a command may be carried out more than once.
+    pub fn repeats(&self) -> bool {
+        self.blocks.iter().any(|block| matches!(block, Block::Loop(_)))
+    }
+
+    /// A command that opens, closes or parts a block; false for others. `next` is the line below, where the command is the last of its
+    /// line and the first.
+    pub fn command(
+        &mut self,
+        command: &Command,
+        next: Option<Here>,
+        parameters: &mut Parameters,
+    ) -> Result<bool, Problem> {
+        match command.name.to_ascii_uppercase().as_slice() {
+            b"*DO" => self.open_loop(command, next, parameters),
+            b"*DOWHILE" | b"*CREATE" => {
+                let state = self.state();
+                self.blocks.push(if state == State::PassedOver { Block::Passed } else { Block::Unfollowed });
+            }
+            b"*IF" => return Ok(self.open_if(command, parameters)),
+            b"*ELSEIF" => self.part(|| condition(command, parameters)),
+            b"*ELSE" => self.part(|| Some(true)),
+            b"*ENDDO" => self.close_loop(command, parameters)?,
+            b"*ENDIF" | b"*END" => drop(self.blocks.pop()),
+            b"*EXIT" => self.leave(false),
+            b"*CYCLE" => self.leave(true),
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+
+    /// `*DO, Par, IVAL, FVAL, INC`.
+    fn open_loop(&mut self, command: &Command, next: Option<Here>, parameters: &mut Parameters) {
+        if self.state() == State::PassedOver {
+            return self.blocks.push(Block::Passed);
+        }
+        let number = |at: usize| parameters.number(command.field(at)).ok();
+        let step = if command.field(4).is_empty() { Some(1.0) } else { number(4) };
+        let known = self.state() == State::CarriedOut;
+        let name = String::from_utf8_lossy(command.field(1)).to_ascii_uppercase();
+        let (Some(value), Some(last), Some(step), Some(body), true) = (number(2), number(3), step, next, known) else {
+            parameters.forget(&name);
+            return self.blocks.push(Block::Unfollowed);
+        };
+        let turn = Loop { name, value, last, step, body, cycles: false };
+        parameters.define(&turn.name, value);
+        self.blocks.push(if step == 0.0 {
+            Block::Unfollowed
+        } else if turn.goes_on() {
+            Block::Loop(turn)
+        } else {
+            Block::Passed
+        });
+    }
+
+    fn close_loop(&mut self, command: &Command, parameters: &mut Parameters) -> Result<(), Problem> {
+        let Some(Block::Loop(mut turn)) = self.blocks.pop() else { return Ok(()) };
+        turn.value += turn.step;
+        turn.cycles = false;
+        parameters.define(&turn.name, turn.value);
+        if !turn.goes_on() {
+            return Ok(());
+        }
+        self.again = self.again.saturating_add(command.range.end.saturating_sub(turn.body.start));
+        if self.again > AGAIN {
+            let advice = "write the commands out, or make fewer turns";
+            return Err(Problem::Limit { what: "the text that loops go through", limit: AGAIN, advice });
+        }
+        self.jump = Some(turn.body);
+        self.blocks.push(Block::Loop(turn));
+        Ok(())
+    }
+
+    /// `*IF, VAL1, Oper1, VAL2, Base1, VAL3, Oper2, VAL4, Base2`.
+    /// False where it leads to another line, which is not followed.
+    fn open_if(&mut self, command: &Command, parameters: &Parameters) -> bool {
+        let leads = |word: &str| command.fields.iter().skip(3).any(|field| field.eq_ignore_ascii_case(word.as_bytes()));
+        if leads("THEN") {
+            let known = if self.state() == State::PassedOver { None } else { Some(condition(command, parameters)) };
+            self.blocks.push(match known {
+                None => Block::Passed,
+                Some(None) => Block::Unfollowed,
+                Some(Some(true)) => Block::Taken,
+                Some(Some(false)) => Block::Waiting,
+            });
+            return true;
+        }
+        let holds = condition(command, parameters);
+        if self.state() == State::PassedOver || holds == Some(false) {
+            return true;
+        }
+        if !leads("EXIT") && !leads("CYCLE") {
+            return false;
+        }
+        match holds {
+            Some(_) => self.leave(leads("CYCLE")),
+            None => self.lose_loops(),
+        }
+        true
+    }
+
+    /// Nobody knows how the open loops go on.
+    fn lose_loops(&mut self) {
+        let loops = self.blocks.iter_mut().filter(|block| matches!(block, Block::Loop(_)));
+        loops.for_each(|block| *block = Block::Unfollowed);
+    }
+
+    fn part(&mut self, condition: impl FnOnce() -> Option<bool>) {
+        let Some(block) = self.blocks.last_mut() else { return };
+        match block {
+            Block::Taken => *block = Block::Passed,
+            Block::Waiting => {
+                *block = match condition() {
+                    Some(true) => Block::Taken,
+                    Some(false) => Block::Waiting,
+                    None => Block::Unfollowed,
+                }
+            }
+            Block::Loop(_) | Block::Passed | Block::Unfollowed => {}
+        }
+    }
+
+    /// The rest of the innermost loop is passed over: of this turn, or of all. Blocks within it are, too, until they end.
+    fn leave(&mut self, cycles: bool) {
+        if self.state() != State::CarriedOut {
+            return;
+        }
+        let Some(at) = self.blocks.iter().rposition(|block| matches!(block, Block::Loop(_))) else { return };
+        match &mut self.blocks[at] {
+            Block::Loop(turn) if cycles => turn.cycles = true,
+            block => *block = Block::Passed,
+        }
+    }
+}
+
+impl Loop {
+    fn goes_on(&self) -> bool {
+        // What sums of steps leave by rounding is no further turn, nor one less.
+        let slack = 1e-9 * self.step.abs();
+        if self.step > 0.0 { self.value <= self.last + slack } else { self.value >= self.last - slack }
+    }
+}
+
+/// Whether the condition of `*IF` or `*ELSEIF` holds, if that is known.
+fn condition(command: &Command, parameters: &Parameters) -> Option<bool> {
+    let first = compare(command, 1, parameters)?;
+    match command.field(4).to_ascii_uppercase().as_slice() {
+        b"AND" | b"OR" | b"XOR" if !command.field(8).is_empty() && !is_end(command.field(8)) => None,
+        b"AND" => Some(first && compare(command, 5, parameters)?),
+        b"OR" => Some(first || compare(command, 5, parameters)?),
+        b"XOR" => Some(first != compare(command, 5, parameters)?),
+        _ => Some(first),
+    }
+}
+
+/// Whether a word says what follows from a condition, so that no further one stands behind it.
+fn is_end(word: &[u8]) -> bool {
+    ![&b"AND"[..], b"OR", b"XOR"].iter().any(|other| word.eq_ignore_ascii_case(other))
+}
+
+fn compare(command: &Command, at: usize, parameters: &Parameters) -> Option<bool> {
+    let number = |at: usize| parameters.number(command.field(at)).ok();
+    let (a, b) = (number(at), number(at + 2));
+    match command.field(at + 1).to_ascii_uppercase().as_slice() {
+        b"EQ" => Some(a? == b?),
+        b"NE" => Some(a? != b?),
+        b"LT" => Some(a? < b?),
+        b"GT" => Some(a? > b?),
+        b"LE" => Some(a? <= b?),
+        b"GE" => Some(a? >= b?),
+        b"ABLT" => Some(a?.abs() < b?.abs()),
+        b"ABGT" => Some(a?.abs() > b?.abs()),
+        _ => None,
+    }
+}

@@ -1,0 +1,83 @@
+//! Commands by what they mean for constraints: those that this reader does not follow, and those that do not matter.
+
+use super::command::Key;
+
+/// What a command that is not read does to the constraints.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effect {
+    /// It makes or changes constraints.
+    Constrains,
+    /// It makes nodes.
+    MakesNodes,
+    /// It brings commands or data from elsewhere.
+    BringsOthers,
+    /// None.
+    Nothing,
+    /// Not known.
+    Unknown,
+}
+
+/// Rigid regions, interfaces, symmetry, constraints of the solid model, merged nodes and the like.
+const CONSTRAIN: &str = "CEIN CECY CESG CPIN CPLG CPSG CPNG CPCY CPME DSYM DK DL DA DJ DTRA SBCT DSCA DFLX DVAL \
+    CBDO CYCL CYCO PSME SLOA NUMM DCVS DSUR EMBE MCFO";
+
+/// Nodes, meshes and copies of them.
+const NODES: &str = "NGEN FILL NSYM NREA NDIS KMES LMES AMES VMES FVME IMES VSWE VDRA VROT VEXT EXTO EGEN EINT ESUR ENGE NKPT \
+    CENT NMOV UPGE EREI ESYM ENSY VOFF AMAP VMAP XMES OMES NWPL NORA EMOR EORI NTRA  TRNO MOVE EREA";
+
+/// Other files and other commands.
+const OTHERS: &str = "/INP *USE CDRE RESU INRE PARR LSRE LDRE LSSO IGES /CLE *REP *GO ~CAT EXUN FLRE";
+
+/// What an archive or a plain deck holds besides: elements, materials, sections, loads, output, the solid model.
+const NOTHING: &str = "ET EN E EBLO TYPE MAT REAL SECN SECT SECD SECO SECB SECC SECF SECP ESYS KEYO KEYW R RMOR RLBL RDEL \
+    MP MPDA MPTE MPDE MPTR MPCO TB TBDA TBTE TBFI TBPT TBEO TBDE TBMO TBIN ETBL ETDE ETCO DOF ELIS NLIS ERES  SHPP TSHA TOFF \
+    CM CMBL CMDE CMGR CMSE CMED CMLI NSEL NSLE NSLK NSLL NSLA NSLV ESEL ESLN ESLL ESLA ESLV ALLS KSEL KSLL KSLN LSEL LSLA LSLK \
+    ASEL ASLL ASLV VSEL VSLA DOFS NMOD NROT NANG NRRA NDEL EDEL EMOD NUMO NUMC LOCA CS CSWP CSKP CSCI CSDE CSYS CLOC DSYS WPCS \
+    SF SFE SFL SFA SFB SFBE SFG SFGR SFFU SFDE SFED SFCU SFEL SFET SFSC SFCO BF BFE BFK BFL BFA BFV BFBL BFEB BFUN BFCU BFDE BFED BFES BFTR \
+    ACEL OMEG DOME CGOM CGLO DCGO CMOM CMDO CMRO CMAC IRLF TREF TUNI IC ICDE IRLI KUSE FCUM FSCA  FSUM FTRA \
+    ANTY NLGE NROP NSUB DELT AUTO TIME KBC OUTP OUTR OUTT CNVT LNSR PRED NEQI NCNV CRPL BETA ALPH DMPR DMPS DMPO MDAM EQSL \
+    MODO MXPA MODC HROP HARF TRNO TINT TIMI RESC STAB ARCL BCSO DSPO PCGO  SSTI PSTR EMAT ESAV SPOP LUMP OPNC NLDI NLHI CNTR \
+    COUP CNCH  EKIL EALI ESTI GAUG SAVE FINI END EXIT STAT TITL NOOR VERI BATC RATE CUTC MONI TRAN BUCO CAMP SYNC CORI \
+    CRES RSPL SUBO SEOP SEEX SEGE M MDEL MGEN TOTA EXPA NUME EXPS MXPD ABEX \
+    K KPT KATT KPAT L LSTR LARC LATT LCUR LESI ESIZ A AL AATT ASAT ASUR V VA VATT BLOC BLC4 BLC5 CYLI CYL4 CYL5 RECT PCIR SPHE CONE PRIS \
+    VGLU AGLU LGLU VADD AADD VSBV ASBA VOVL AOVL VINV VGEN AGEN LGEN KGEN MSHA MSHK MSHM MOPT SMRT KESI AESI LCCA ACCA VCLE ACLE LCLE \
+    VDEL ADEL LDEL KDEL MANF SOLO XMLO EXTE LSDE LSCL LSOP LSBA LSDU SSLN PIVC LCDE NWRI CDWR CDOP EWRI GEOM PARS WRIT \
+    SET SUBS FILE LCAS ETAB PLNS PRNS PRES PRRS PRDI PLDI ESOL NSOL PRVA PLVA STOR ADD PROD PATH PDEF PPAT PRPA RSYS AVPR FSUM PRRF LAYE \
+    SHEL PLES ANFL TRES NLOG EXPC INIS INIT DDOP CMWR MSAV KCAL CINT CZDE CZME GSBD GSGD GSLI SWAD SWGE  PERB MPRI MFOU LIST \
+    C*** QRDO STEF THOP EMUN LCAT XVAR SLIS NUMB USER MPLI TBLI LABE TEMP RMOD CEWR RLIS PLOT EPLO NPLO GPLO MSTO CSLI ADDD RESV NOPR";
+
+/// The effect of a command that the reader does not read itself.
+pub fn effect(key: Key) -> Effect {
+    let name = key.trim_ascii_end();
+    let among = |list: &str| list.split_ascii_whitespace().any(|known| known.as_bytes() == name);
+    match name.first() {
+        _ if among(CONSTRAIN) => Effect::Constrains,
+        _ if among(OTHERS) => Effect::BringsOthers,
+        _ if among(NODES) => Effect::MakesNodes,
+        Some(b'/' | b'*' | b':') => Effect::Nothing,
+        _ if among(NOTHING) => Effect::Nothing,
+        _ => Effect::Unknown,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn commands_by_their_first_letters() {
+        for (key, of) in [
+            (b"CEIN", Effect::Constrains),
+            (b"DL  ", Effect::Constrains),
+            (b"NGEN", Effect::MakesNodes),
+            (b"/INP", Effect::BringsOthers),
+            (b"*GO ", Effect::BringsOthers),
+            (b"*GET", Effect::Nothing),
+            (b"/PRE", Effect::Nothing),
+            (b"EBLO", Effect::Nothing),
+            (b"QXYZ", Effect::Unknown),
+        ] {
+            assert_eq!(effect(*key), of);
+        }
+    }
+}

@@ -1,0 +1,345 @@
+//! APDL parameters: `A = 1.5`, `*SET`, `*DIM`, and what stands in their place in the fields of commands.
+
+use std::borrow::Cow;
+
+use rustc_hash::FxHashMap;
+
+use super::array::Array;
+use super::command::Command;
+use super::expression::{Names, NoValue, is_first, is_later, value};
+
+/// Elements of all arrays at most.
+const ELEMENTS: usize = 4_000_000;
+
+/// What a name stands for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    Number(f64),
+    /// Between quotes.
+    Text(String),
+    /// Something that this reader does not follow.
+    Unknown,
+    /// A table, which is a function of time and place.
+    Table,
+    Array(Array),
+}
+
+/// The parameters set so far.
+#[derive(Clone, Debug, Default)]
+pub struct Parameters {
+    values: FxHashMap<String, Value>,
+    elements: usize,
+    degrees: bool,
+}
+
+/// `name` or `name(1,2,3)` in front of what is assigned.
+struct Target {
+    name: String,
+    indices: Option<String>,
+}
+
+impl Parameters {
+    /// Sets what `name = value` says; false where the text is no assignment. With `unknown` nobody knows whether it is carried out.
+    pub fn assign(&mut self, text: &[u8], unknown: bool) -> bool {
+        let Some((target, rest)) = target(text) else { return false };
+        let Some(given) = rest.trim_ascii_start().strip_prefix(b"=") else { return false };
+        self.set(&target, &split(given), unknown);
+        true
+    }
+
+    /// `*SET, name, value, value, ...` and the others that set parameters.
+    pub fn command(&mut self, command: &Command, unknown: bool) {
+        let field = |at: usize| command.field(at).to_vec();
+        let Some((target, _)) = target(command.field(1)) else { return };
+        match &command.key {
+            b"*SET" => {
+                let given: Vec<Vec<u8>> = command.fields.iter().skip(1).map(|field| field.to_vec()).collect();
+                self.set(&target, &given, unknown);
+            }
+            b"*DEL" => self.put(target.name, None),
+            b"*DIM" if unknown => self.put(target.name, Some(Value::Unknown)),
+            b"*DIM" => {
+                let sizes = [3, 4, 5].map(|at| self.number(&field(at)));
+                let value =
+                    if command.is(2, "TABL") || command.is(2, "TABLE") { Value::Table } else { self.array(sizes) };
+                self.put(target.name, Some(value));
+            }
+            b"*AFU" => self.degrees = command.is(1, "DEG"),
+            _ => self.forget(&target.name),
+        }
+    }
+
+    /// Sets a number.
+    pub fn define(&mut self, name: &str, value: f64) {
+        self.put(name.to_owned(), Some(Value::Number(value)));
+    }
+
+    /// Sets what is not known.
+    pub fn forget(&mut self, name: &str) {
+        self.put(name.to_owned(), Some(Value::Unknown));
+    }
+
+    /// The number that a text stands for.
+    pub fn number(&self, text: &[u8]) -> Result<f64, NoValue> {
+        match crate::number::real(text.trim_ascii()) {
+            Ok(value) => Ok(value),
+            Err(_) => value(text, self),
+        }
+    }
+
+    /// The fields with what they stand for; the first that depends on what is not followed is the error.
+    pub fn resolve(&self, command: &mut Command) -> Result<(), String> {
+        for field in &mut command.fields {
+            if let Some(text) = self.meant(field)? {
+                *field = Cow::Owned(text);
+            }
+        }
+        Ok(())
+    }
+
+    /// Elements of an array from that on which a text names, `NAME(3)`; none where they are not known.
+    pub fn elements(&self, text: &[u8]) -> Option<&[f64]> {
+        let (target, rest) = target(text)?;
+        let Value::Array(array) = self.values.get(&target.name)? else { return None };
+        let first = match target.indices {
+            Some(indices) => self.place(array, &indices).ok()?,
+            None => 0,
+        };
+        (array.is_known && rest.trim_ascii().is_empty()).then(|| &array.values[first..])
+    }
+
+    fn meant(&self, field: &[u8]) -> Result<Option<Vec<u8>>, String> {
+        let unknown = || String::from_utf8_lossy(&field[..field.len().min(32)]).into_owned();
+        if let Some(quoted) = field.strip_prefix(b"'").and_then(|rest| rest.strip_suffix(b"'")) {
+            return Ok(Some(quoted.to_vec()));
+        }
+        let forced = field.strip_prefix(b"%").and_then(|rest| rest.strip_suffix(b"%"));
+        let text = forced.unwrap_or(field);
+        let is_name = text.first().is_some_and(|byte| is_first(*byte)) && text.iter().all(|byte| is_later(*byte));
+        if is_name {
+            return match self.values.get(&String::from_utf8_lossy(text).to_ascii_uppercase()) {
+                Some(Value::Number(value)) => Ok(Some(spelled(*value))),
+                Some(Value::Text(text)) => Ok(Some(text.clone().into_bytes())),
+                Some(Value::Unknown) => Err(unknown()),
+                Some(Value::Table | Value::Array(_)) | None => Ok(None),
+            };
+        }
+        let operates = text.iter().enumerate().any(|(at, byte)| b"+-*/(".contains(byte) && (at > 0 || *byte == b'('));
+        let negated = text.first() == Some(&b'-') && text.get(1).is_some_and(|byte| is_first(*byte));
+        if forced.is_some() || !(operates || negated) || crate::number::real(text).is_ok() {
+            return Ok(None);
+        }
+        match value(text, self) {
+            Ok(value) => Ok(Some(spelled(value))),
+            Err(NoValue::NotOne) => Ok(None),
+            Err(NoValue::Unknown) => Err(unknown()),
+        }
+    }
+
+    fn set(&mut self, target: &Target, given: &[Vec<u8>], unknown: bool) {
+        let values: Vec<Value> =
+            given.iter().map(|text| if unknown { Value::Unknown } else { self.read(text) }).collect();
+        let Some(indices) = &target.indices else {
+            let first = given.first().filter(|text| !text.is_empty()).and_then(|_| values.into_iter().next());
+            return self.put(target.name.clone(), first);
+        };
+        let place = match self.values.get(&target.name) {
+            Some(Value::Array(array)) => self.place(array, indices),
+            // What a table holds does not matter here.
+            Some(Value::Table) => return,
+            _ => return self.forget(&target.name),
+        };
+        let Some(Value::Array(array)) = self.values.get_mut(&target.name) else { return };
+        let Ok(place) = place else {
+            array.is_known = false;
+            return;
+        };
+        for (to, value) in array.values[place..].iter_mut().zip(values) {
+            *to = if let Value::Number(value) = value { value } else { f64::NAN };
+        }
+    }
+
+    fn read(&self, text: &[u8]) -> Value {
+        let text = text.trim_ascii();
+        if let Some(quoted) = text.strip_prefix(b"'") {
+            let end = quoted.iter().position(|byte| *byte == b'\'').unwrap_or(quoted.len());
+            return Value::Text(String::from_utf8_lossy(&quoted[..end]).into_owned());
+        }
+        let name = String::from_utf8_lossy(text).to_ascii_uppercase();
+        match (self.values.get(&name), self.number(text)) {
+            (Some(Value::Text(text)), _) => Value::Text(text.clone()),
+            (_, Ok(value)) => Value::Number(value),
+            _ => Value::Unknown,
+        }
+    }
+
+    fn put(&mut self, name: String, value: Option<Value>) {
+        let size = |value: &Value| if let Value::Array(array) = value { array.values.len() } else { 0 };
+        self.elements += value.as_ref().map_or(0, size);
+        let before = match value {
+            Some(value) => self.values.insert(name, value),
+            None => self.values.remove(&name),
+        };
+        self.elements -= before.as_ref().map_or(0, size);
+    }
+
+    fn array(&self, sizes: [Result<f64, NoValue>; 3]) -> Value {
+        let sizes = sizes.map(|size| size.map_or(1, |size| size.max(1.0) as usize));
+        let count = sizes.iter().try_fold(1_usize, |count, size| count.checked_mul(*size));
+        match count.filter(|count| count.saturating_add(self.elements) <= ELEMENTS) {
+            Some(count) => Value::Array(Array::zeros(sizes, count)),
+            None => Value::Unknown,
+        }
+    }
+
+    /// Which element of an array indices mean.
+    fn place(&self, array: &Array, indices: &str) -> Result<usize, NoValue> {
+        let given = split(indices.as_bytes());
+        let indices: Vec<f64> = given.iter().map(|text| self.number(text)).collect::<Result<_, _>>()?;
+        array.place(&indices)
+    }
+}
+
+impl Names for Parameters {
+    fn scalar(&self, name: &str) -> Result<f64, NoValue> {
+        match self.values.get(name) {
+            Some(Value::Number(value)) => Ok(*value),
+            Some(Value::Array(array)) if array.is_known && !array.values[0].is_nan() => Ok(array.values[0]),
+            Some(Value::Array(_) | Value::Unknown | Value::Table) => Err(NoValue::Unknown),
+            Some(Value::Text(_)) | None => Err(NoValue::NotOne),
+        }
+    }
+
+    fn call(&self, name: &str, arguments: &[f64]) -> Result<f64, NoValue> {
+        if let Some(Value::Array(array)) = self.values.get(name) {
+            let value = array.values[array.place(arguments)?];
+            return if array.is_known && !value.is_nan() { Ok(value) } else { Err(NoValue::Unknown) };
+        }
+        let angle = |x: f64| if self.degrees { x.to_radians() } else { x };
+        match (name, arguments) {
+            ("ABS", [x]) => Ok(x.abs()),
+            ("SQRT", [x]) => Ok(x.sqrt()),
+            ("EXP", [x]) => Ok(x.exp()),
+            ("LOG", [x]) => Ok(x.ln()),
+            ("NINT", [x]) => Ok(x.round()),
+            ("SIN", [x]) => Ok(angle(*x).sin()),
+            ("COS", [x]) => Ok(angle(*x).cos()),
+            ("TAN", [x]) => Ok(angle(*x).tan()),
+            ("MOD", [x, y]) => Ok(x % y),
+            _ => Err(NoValue::Unknown),
+        }
+    }
+}
+
+/// `name` or `name(...)`, and what follows.
+fn target(text: &[u8]) -> Option<(Target, &[u8])> {
+    let text = text.trim_ascii_start();
+    let end = text.iter().position(|byte| !is_later(*byte)).unwrap_or(text.len());
+    let (name, rest) = text.split_at(end);
+    name.first().filter(|byte| is_first(**byte))?;
+    let name = String::from_utf8_lossy(name).to_ascii_uppercase();
+    let Some(inside) = rest.trim_ascii_start().strip_prefix(b"(") else {
+        return Some((Target { name, indices: None }, rest));
+    };
+    let mut depth = 1;
+    let close = inside.iter().position(|byte| {
+        depth += i32::from(*byte == b'(') - i32::from(*byte == b')');
+        depth == 0
+    })?;
+    let indices = Some(String::from_utf8_lossy(&inside[..close]).into_owned());
+    Some((Target { name, indices }, &inside[close + 1..]))
+}
+
+/// What stands between commas that are in no parentheses.
+fn split(text: &[u8]) -> Vec<Vec<u8>> {
+    let mut depth = 0;
+    text.split(|byte| {
+        depth += i32::from(*byte == b'(') - i32::from(*byte == b')');
+        *byte == b',' && depth <= 0
+    })
+    .map(|field| field.trim_ascii().to_vec())
+    .collect()
+}
+
+fn spelled(value: f64) -> Vec<u8> {
+    // Whole numbers are nodes and the like; zeros have no sign there.
+    if value.fract() == 0.0 && value.abs() < 1e15 { format!("{}", value as i64) } else { format!("{value:?}") }
+        .into_bytes()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::command::{Line, parse};
+    use super::*;
+
+    /// The parameters that lines set, and the fields of the last one.
+    fn fields(lines: &[&str]) -> Result<Vec<String>, String> {
+        let mut parameters = Parameters::default();
+        let mut last = Ok(Vec::new());
+        for line in lines {
+            let Line::Commands(mut commands) = parse(line.as_bytes(), 0, 1) else { continue };
+            for command in &mut commands {
+                if parameters.assign(command.text, false) {
+                    continue;
+                }
+                if command.key[0] == b'*' {
+                    parameters.command(command, false);
+                    continue;
+                }
+                let resolved = parameters.resolve(command);
+                let text = |field: &Cow<[u8]>| String::from_utf8_lossy(field).into_owned();
+                last = resolved.map(|()| command.fields.iter().map(text).collect());
+            }
+        }
+        last
+    }
+
+    #[test]
+    fn parameters_stand_for_what_was_set() {
+        let is = |lines: &[&str], expected: &[&str]| {
+            let expected: Vec<String> = expected.iter().map(|&text| text.to_owned()).collect();
+            assert_eq!(fields(lines), Ok(expected), "{lines:?}");
+        };
+        is(&["W=3.0", "*SET,n,2", "CE,n,W/4,-N,UX,2*w"], &["2", "0.75", "-2", "UX", "6"]);
+        is(&["L='ROTZ' $ w = .1", "D,1,L,w"], &["1", "ROTZ", "0.1"]);
+        is(&["*DIM,A,ARRAY,3,2", "A(1)=5,6,7", "A(2,2) = 9", "X,A(3),A(2,2),A(1,2)"], &["7", "9", "0"]);
+        is(
+            &["*DIM,A,,2", "*SET,A(1),5,6", "B=A(2)", "X,B,%B%,1e-3,-4,R5.0,+2"],
+            &["6", "6", "1e-3", "-4", "R5.0", "+2"],
+        );
+        is(&["B=1", "B=", "X,B,%B%"], &["B", "%B%"]);
+        is(&["*AFUN,DEG", "X,ABS(-2),SQRT(9),MOD(7,4),NINT(2*COS(60))"], &["2", "3", "3", "1"]);
+        is(&["*DIM,T,TABLE,3", "D,1,UX,%T%"], &["1", "UX", "%T%"]);
+        is(&["TITLE it's (", "X,a-b"], &["a-b"]);
+    }
+
+    #[test]
+    fn what_is_not_followed_makes_no_value() {
+        for lines in [
+            &["*GET,N,NODE,,NUM,MAX", "X,N"][..],
+            &["*GET,N,NODE,,NUM,MAX", "M=N+1", "X,2*M"],
+            &["X,NODE(1,2,3)"],
+            &["*DIM,A,ARRAY,3", "X,A(4)"],
+            &["*DIM,A,ARRAY,3", "*VGET,A(1),NODE,1,LOC,X", "X,A(1)"],
+            &["*DIM,A,ARRAY,4000,4000", "X,A(1)"],
+            &["A(3)=1", "X,A(3)"],
+            &["W=1/0", "X,W"],
+        ] {
+            assert!(fields(lines).is_err(), "{lines:?}");
+        }
+    }
+
+    #[test]
+    fn elements_from_one_on() {
+        let mut parameters = Parameters::default();
+        let dim = parse(b"*DIM,A,ARRAY,3", 0, 1);
+        let Line::Commands(commands) = dim else { panic!("commands") };
+        parameters.command(&commands[0], false);
+        assert!(parameters.assign(b"A(1)=4,5,6", false));
+        assert_eq!(parameters.elements(b"a(2)"), Some(&[5.0, 6.0][..]));
+        assert_eq!(parameters.elements(b"A").map(<[f64]>::len), Some(3));
+        for text in [&b"A(4)"[..], b"B(1)", b"A(1)+1", b""] {
+            assert_eq!(parameters.elements(text), None);
+        }
+    }
+}

@@ -1,0 +1,77 @@
+//! New equations as text.
+
+use super::rotations::Rotations;
+use crate::deck::clean::{CleanError, Plan, Written};
+use crate::deck::{Deck, Dof};
+
+/// Characters of a number that CalculiX reads.
+const NUMBER: usize = 20;
+
+/// The new equations.
+pub fn new_text(deck: &Deck, plan: &Plan, rotations: &Rotations) -> Result<Vec<u8>, CleanError> {
+    if plan.written.is_empty() {
+        return Ok(Vec::new());
+    }
+    if plan.written.iter().any(|written| written.rhs != 0.0) {
+        let why = "an equation has a right-hand side, which *EQUATION cannot have; change it by hand";
+        return Err(CleanError::Place { path: deck.model.files[0].clone(), line: 1, why });
+    }
+    let nodes = rotations.text(deck);
+    let head =
+        "** qless: independent equations; each slave, the first DOF, occurs once and is not prescribed\n*EQUATION\n";
+    let mut text = nodes + head;
+    plan.written.iter().for_each(|written| add_equation(&mut text, written, rotations));
+    Ok(text.into_bytes())
+}
+
+fn add_equation(text: &mut String, written: &Written, rotations: &Rotations) {
+    let term = |dof: Dof, v: f64| {
+        let Dof { node, component } = rotations.name(dof);
+        format!("{node},{component},{}", number(v))
+    };
+    let first = std::iter::once(term(written.slave, 1.0));
+    let terms: Vec<String> = first.chain(written.terms.iter().map(|&(dof, v)| term(dof, v))).collect();
+    text.push_str(&terms.len().to_string());
+    text.push('\n');
+    for line in terms.chunks(4) {
+        *text += &line.join(",");
+        text.push('\n');
+    }
+}
+
+/// The number with all of its digits, or with as many as CalculiX reads.
+fn number(value: f64) -> String {
+    let shortest = [format!("{value:?}"), format!("{value:e}")];
+    if let Some(text) = shortest.into_iter().filter(|text| text.len() <= NUMBER).min_by_key(String::len) {
+        return if text.contains(['.', 'e']) { text } else { text + "." };
+    }
+    (0..=NUMBER)
+        .rev()
+        .flat_map(|digits| [format!("{value:.digits$}"), format!("{value:.digits$e}")])
+        .filter(|text| text.len() <= NUMBER)
+        .min_by(|a, b| error(a, value).total_cmp(&error(b, value)))
+        .unwrap_or_else(|| format!("{value:e}"))
+}
+
+fn error(text: &str, value: f64) -> f64 {
+    text.parse::<f64>().map_or(f64::INFINITY, |read| (read - value).abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::number;
+
+    #[test]
+    fn numbers_are_short_enough_to_be_read_whole() {
+        for (value, text) in [(1.0, "1.0"), (-1.0, "-1.0"), (1e-30, "1e-30"), (-1.0 / 3.0, "-0.3333333333333333")] {
+            assert_eq!(number(value), text);
+        }
+        for value in [-1.234_567_890_123_456_7e-105, -12_345.678_901_234_567, std::f64::consts::PI * 1e-7] {
+            let text = number(value);
+            assert!(
+                text.len() <= 20 && ((text.parse::<f64>().expect("a number") - value) / value).abs() < 1e-12,
+                "{text}"
+            );
+        }
+    }
+}

@@ -1,0 +1,230 @@
+//! A deck with other equations: old ones become comments, new ones stand before the first step and are taken back where they end.
+
+mod equations;
+mod rotations;
+mod steps;
+
+use std::collections::{BTreeMap, HashMap};
+use std::path::Path;
+
+use super::card::{Card, card_input, is_include, keyword_end, next_keyword, walk};
+use super::definitions::Definitions;
+use super::parts::Scope;
+use crate::deck::clean::{CleanError, Edits, Plan, Reason, Removed, Renamed};
+use crate::deck::{Deck, DeckError, Model};
+
+/// Terms of a certificate that a comment names at most.
+const NAMED: usize = 8;
+
+/// The main file with the plan carried out, and DOFs that have other names in it. Included files that must change are written into it.
+pub fn write(deck: &Deck, plan: &Plan) -> Result<(Vec<u8>, Renamed), CleanError> {
+    let model = &deck.model;
+    let mut comments: BTreeMap<(u32, u32), (u32, String)> = BTreeMap::new();
+    for removed in &plan.removed {
+        let origin = model.nth(removed.equation).origin;
+        let file = model.cards.nth(origin.card).file;
+        let entry = comments.entry((file, origin.line)).or_insert((origin.lines, String::new()));
+        if entry.1.is_empty() || matches!(removed.reason, Reason::Redundant(_)) {
+            entry.1 = comment(model, removed);
+        }
+    }
+    let rotations = rotations::Rotations::of(deck, plan)?;
+    comments.extend(rotations.lines(deck)?.into_iter().map(|(at, text)| (at, (1, text))));
+    let new = equations::new_text(deck, plan, &rotations)?;
+    let ends = steps::ends(deck, plan, &rotations);
+    let mut writer = Writer { deck, comments, new: Some(new), ends, steps: 0 };
+    let text = writer.file(0)?;
+    if writer.ends.is_some_and(|ends| ends.len() != writer.steps) {
+        let path = deck.model.files[0].clone();
+        let why = "equations have to be taken back in a step of an included file; put the steps here";
+        return Err(CleanError::Place { path, line: 1, why });
+    }
+    Ok((text, rotations.renamed()))
+}
+
+struct Writer<'a> {
+    deck: &'a Deck,
+    /// By file and line: how many lines go, and the comment in their place.
+    comments: BTreeMap<(u32, u32), (u32, String)>,
+    /// What is still to be put before the first step.
+    new: Option<Vec<u8>>,
+    /// For each step the equations that it takes back, if any step takes some back; then those of the deck itself go.
+    ends: Option<Vec<String>>,
+    /// Steps of the main file met so far.
+    steps: usize,
+}
+
+impl Writer<'_> {
+    fn file(&mut self, file: u32) -> Result<Vec<u8>, CleanError> {
+        let text = std::sync::Arc::clone(&self.deck.texts[file as usize]);
+        let mut edits = Edits::default();
+        for (&(_, line), (lines, comment)) in self.comments.range((file, 0)..=(file, u32::MAX)) {
+            edits.replace(line, *lines, comment.clone().into_bytes());
+        }
+        let (mut at, mut line) = (0, 1);
+        while at < text.len() {
+            let start = next_keyword(&text, at);
+            line += memchr::memchr_iter(b'\n', &text[at..start]).count() as u32;
+            if start == text.len() {
+                break;
+            }
+            let (end, lines) = keyword_end(&text, start);
+            self.keyword(
+                file,
+                &text[start..end],
+                line,
+                lines as u32,
+                &mut edits,
+                &text[end..next_keyword(&text, end)],
+            )?;
+            (at, line) = (end, line + lines as u32);
+        }
+        if file == 0 && self.new.is_some() {
+            edits.replace(u32::MAX, 0, self.new.take().unwrap_or_default());
+        }
+        Ok(edits.apply(&text))
+    }
+
+    /// A keyword line: new equations stand before a step, and no `*EQUATION` stands without data.
+    fn keyword(
+        &mut self,
+        file: u32,
+        keyword: &[u8],
+        line: u32,
+        lines: u32,
+        edits: &mut Edits,
+        data: &[u8],
+    ) -> Result<(), CleanError> {
+        let word: Vec<u8> = keyword.iter().filter(|b| !b.is_ascii_whitespace()).map(u8::to_ascii_uppercase).collect();
+        if word.starts_with(b"*STEP") && file == 0 {
+            if let Some(new) = self.new.take() {
+                edits.replace(line, 0, new);
+            }
+            if let Some(ends) = self.ends.as_ref().and_then(|ends| ends.get(self.steps)) {
+                edits.replace(line + lines, 0, ends.clone().into_bytes());
+            }
+            self.steps += 1;
+        } else if word.starts_with(b"*EQUATION,REMOVE") && self.ends.is_some() {
+            let data = memchr::memchr_iter(b'\n', data).count() as u32;
+            edits.replace(
+                line,
+                lines + data,
+                b"** qless: what is taken back stands at the start of the step\n".to_vec(),
+            );
+        } else if word.starts_with(b"*COUPLING") {
+            // It says nothing without the card that follows.
+            let next = line + lines + memchr::memchr_iter(b'\n', data).count() as u32;
+            if self.is_removed(file, next) {
+                edits.replace(line, lines, b"** qless: *COUPLING, written as equations\n".to_vec());
+            }
+        } else if is_include(keyword) {
+            if let Some(inner) = card_input(keyword).and_then(|name| self.included(&name, file)) {
+                let text = self.file(inner)?;
+                edits.replace(
+                    line,
+                    lines,
+                    [b"** qless: included here, because it was changed\n", &*with_end(text)].concat(),
+                );
+            }
+        } else if word.starts_with(b"*EQUATION") && !word.starts_with(b"*EQUATION,REMOVE") {
+            let input = card_input(keyword).and_then(|name| self.included(&name, file));
+            if input.is_some() {
+                let path = self.deck.model.files[file as usize].clone();
+                let why = "the equations that must change are in a file named by INPUT=; put them here";
+                return Err(CleanError::Place { path, line: line as usize, why });
+            }
+            let is_removed = |k: u32| self.is_removed(file, line + lines + k);
+            let mut rows = data.split(|&byte| byte == b'\n').zip(0..).filter(|(row, _)| is_data(row)).peekable();
+            if rows.peek().is_some() && rows.all(|(_, k)| is_removed(k)) {
+                edits.replace(line, lines, Vec::new());
+            }
+        }
+        Ok(())
+    }
+
+    fn is_removed(&self, file: u32, line: u32) -> bool {
+        let before = self.comments.range((file, 0)..=(file, line)).next_back();
+        before.is_some_and(|((_, first), (lines, _))| line < first + lines)
+    }
+
+    /// The number of an included file in which, or in whose own includes, something changes.
+    fn included(&self, name: &str, from: u32) -> Option<u32> {
+        let files = &self.deck.model.files;
+        let beside = |file: usize| files[file].parent().unwrap_or(Path::new("")).join(name);
+        let candidates = [beside(0), beside(from as usize)];
+        let file = candidates.iter().find_map(|path| files.iter().position(|known| known == path))? as u32;
+        let text = &self.deck.texts[file as usize];
+        let own = self.comments.range((file, 0)..=(file, u32::MAX)).next().is_some();
+        let mut at = next_keyword(text, 0);
+        let mut inner = false;
+        while at < text.len() && !own && !inner {
+            let (end, _) = keyword_end(text, at);
+            let keyword = &text[at..end];
+            inner = is_include(keyword)
+                && card_input(keyword).is_some_and(|name| file != from && self.included(&name, file).is_some());
+            at = next_keyword(text, end);
+        }
+        (own || inner).then_some(file)
+    }
+}
+
+fn is_data(row: &[u8]) -> bool {
+    !row.starts_with(b"**") && row.iter().any(|byte| !byte.is_ascii_whitespace())
+}
+
+fn with_end(mut text: Vec<u8>) -> Vec<u8> {
+    if !text.ends_with(b"\n") {
+        text.push(b'\n');
+    }
+    text
+}
+
+/// Why an equation is gone, in a line.
+fn comment(model: &Model, removed: &Removed) -> String {
+    let origin = model.nth(removed.equation).origin;
+    let line = |i: usize| format!("line {}", model.nth(i).origin.line);
+    let what = format!("** qless: equation of line {}", origin.line);
+    match &removed.reason {
+        Reason::Redundant(because) if because.is_empty() => format!("{what} removed: all of its DOFs are prescribed\n"),
+        Reason::Redundant(because) => {
+            let term = |(k, &(i, c)): (usize, &(usize, f64))| match (k, c < 0.0) {
+                (0, _) => format!("{c} * {}", line(i)),
+                (_, false) => format!(" + {c} * {}", line(i)),
+                (_, true) => format!(" - {} * {}", -c, line(i)),
+            };
+            let terms: String = because.iter().take(NAMED).enumerate().map(term).collect();
+            let more = because.len().saturating_sub(NAMED);
+            let more = if more > 0 { format!(" + {more} more") } else { String::new() };
+            format!("{what} removed, redundant: it is {terms}{more}\n")
+        }
+        Reason::Fault(fault) => format!("{what} written anew below: {}\n", fault.describe(model)),
+        Reason::Connected => format!("{what} written anew below: it shares DOFs with others that are\n"),
+    }
+}
+
+/// What a deck that was read before defines.
+fn definitions(deck: &Deck) -> Result<Definitions, DeckError> {
+    let mut definitions = Definitions::default();
+    let mut note = |card: &Card| {
+        definitions.note(card);
+        Ok(())
+    };
+    deck.again(|sources| walk(sources, &mut note))?;
+    Ok(definitions)
+}
+
+/// Where the nodes of a deck are; none where its nodes cannot be read.
+pub fn positions(deck: &Deck) -> HashMap<u32, [f64; 3]> {
+    let found = definitions(deck).ok().and_then(|definitions| definitions.all_positions().ok());
+    found.map(|all| all.into_iter().collect()).unwrap_or_default()
+}
+
+/// The nodes of a set, if there is such a set.
+pub fn node_set(deck: &Deck, name: &str) -> Option<Vec<u32>> {
+    definitions(deck).ok()?.nodes(Scope::DECK, name).ok().map(|nodes| nodes.to_vec())
+}
+
+/// The names of all node sets.
+pub fn node_set_names(deck: &Deck) -> Vec<String> {
+    definitions(deck).map(|found| found.node_set_names().map(str::to_owned).collect()).unwrap_or_default()
+}

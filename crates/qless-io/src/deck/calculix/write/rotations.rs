@@ -1,0 +1,131 @@
+//! Rotations of bodies that are written as equations.
+//!
+//! The solver makes a rotation `w` of its own for the reference node of a `*KINEMATIC` coupling, known as components 4 to 6, or of a
+//! `*RIGID BODY`, known to no other card. Equations can only name it as components 1 to 3 of a node, as `ROT NODE` does: a new node at the same place.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use rustc_hash::FxHashSet;
+
+use super::{definitions, positions};
+use crate::deck::clean::{CleanError, Plan, Renamed};
+use crate::deck::{Deck, Dof, Model, Origin};
+
+/// Rotations of bodies that become equations, by the first of three components, and the nodes that get them.
+pub struct Rotations {
+    node_of: BTreeMap<Dof, u32>,
+}
+
+impl Rotations {
+    /// Those of the bodies that a plan takes apart.
+    pub fn of(deck: &Deck, plan: &Plan) -> Result<Self, CleanError> {
+        let model = &deck.model;
+        let gone: FxHashSet<usize> = plan.removed.iter().map(|removed| removed.equation).collect();
+        let turns = |i: usize| {
+            let nodes = model.nth(i).columns.iter().map(|&j| model.dofs[j as usize]);
+            nodes.filter_map(|dof| own_rotation(model, dof)).collect::<BTreeSet<Dof>>()
+        };
+        let (mut taken, mut stays) = (BTreeSet::new(), BTreeSet::new());
+        for i in (0..model.equations()).filter(|_| !model.own_rotations.is_empty()) {
+            if gone.contains(&i) { taken.append(&mut turns(i)) } else { stays.append(&mut turns(i)) }
+        }
+        if let Some(Dof { node, .. }) = taken.intersection(&stays).next() {
+            return Err(refused(
+                deck,
+                format!("node {node} is the reference of several bodies, not all of which become equations"),
+            ));
+        }
+        let next = if taken.is_empty() { 0 } else { unused_node(deck)? };
+        Ok(Self { node_of: taken.into_iter().zip(next..).collect() })
+    }
+
+    /// The DOF that stands for this one in the text.
+    pub fn name(&self, dof: Dof) -> Dof {
+        let own =
+            self.node_of.range(Dof { component: 0, ..dof }..=dof).next_back().filter(|(first, _)| is_of(dof, **first));
+        own.map_or(dof, |(first, &node)| Dof { node, component: dof.component - first.component + 1 })
+    }
+
+    /// The new nodes.
+    pub fn text(&self, deck: &Deck) -> String {
+        if self.node_of.is_empty() {
+            return String::new();
+        }
+        let places = positions(deck);
+        let node = |(Dof { node: reference, .. }, node): (&Dof, &u32)| {
+            let [x, y, z] = places.get(reference).copied().unwrap_or_default();
+            format!("** qless: node {node} has the rotation of node {reference}\n{node},{x:?},{y:?},{z:?}\n")
+        };
+        std::iter::once("*NODE\n".to_owned()).chain(self.node_of.iter().map(node)).collect()
+    }
+
+    /// New DOFs, and the ones of the deck that they are.
+    pub fn renamed(&self) -> Renamed {
+        let dofs = |(&first, &node): (&Dof, &u32)| {
+            (0..3).map(move |k| (Dof { node, component: k + 1 }, Dof { component: first.component + k, ..first }))
+        };
+        self.node_of.iter().flat_map(dofs).collect()
+    }
+
+    /// Lines that prescribe or load such rotations, by file and line, and what stands in their place.
+    pub fn lines(&self, deck: &Deck) -> Result<BTreeMap<(u32, u32), String>, CleanError> {
+        let model = &deck.model;
+        let prescribed = model.cases.iter().flat_map(|case| case.prescribed.iter().chain(&case.clashes));
+        let loads = model.cases.iter().flat_map(|case| &case.loads).map(|load| (load.dof, load.origin));
+        let mut lines = BTreeMap::new();
+        for (dof, origin) in prescribed.map(|given| (given.dof, given.origin)).chain(loads) {
+            if self.name(dof) != dof {
+                let file = model.cards.nth(origin.card).file;
+                lines.insert((file, origin.line), self.line(deck, origin)?);
+            }
+        }
+        Ok(lines)
+    }
+
+    /// `node, first, last, rest` or, of a load, `node, component, rest`, with the rotations at their own node.
+    fn line(&self, deck: &Deck, origin: Origin) -> Result<String, CleanError> {
+        let card = deck.model.cards.nth(origin.card);
+        let text = &deck.texts[card.file as usize];
+        let line = text.split(|&byte| byte == b'\n').nth(origin.line as usize - 1).unwrap_or_default();
+        let line = String::from_utf8_lossy(line).trim().to_owned();
+        let fields: Vec<&str> = line.split(',').map(str::trim).collect();
+        let whole = |k: usize| fields.get(k).and_then(|field| field.parse::<u32>().ok());
+        let is_load = card.name == "*CLOAD";
+        let (Some(node), Some(first)) = (whole(0), whole(1)) else {
+            return Err(refused(
+                deck,
+                format!("line {} names rotations of a body by a set or a word: name nodes and components", origin.line),
+            ));
+        };
+        let last = if is_load { first } else { whole(2).unwrap_or(first).max(first) };
+        let rest: String = fields.iter().skip(if is_load { 2 } else { 3 }).map(|field| format!(",{field}")).collect();
+        let part = |node: u32, first: u32, last: u32| match (first <= last, is_load) {
+            (false, _) => String::new(),
+            (true, true) => format!("{node},{first}{rest}\n"),
+            (true, false) => format!("{node},{first},{last}{rest}\n"),
+        };
+        let turned = self.node_of.get(&Dof { node, component: 4 }).copied().unwrap_or(node);
+        Ok(part(node, first, last.min(3)) + &part(turned, first.max(4) - 3, last.max(3) - 3))
+    }
+}
+
+/// The rotation that a DOF is of, if the solver makes it.
+fn own_rotation(model: &Model, dof: Dof) -> Option<Dof> {
+    let node = Dof { component: 0, ..dof }..=dof;
+    model.own_rotations.range(node).next_back().copied().filter(|first| is_of(dof, *first))
+}
+
+fn is_of(dof: Dof, first: Dof) -> bool {
+    (first.component..first.component + 3).contains(&dof.component)
+}
+
+fn refused(deck: &Deck, why: String) -> CleanError {
+    CleanError::Fixed { place: deck.model.files[0].display().to_string(), why }
+}
+
+/// One more than the largest number of a node.
+fn unused_node(deck: &Deck) -> Result<u32, CleanError> {
+    let listed = definitions(deck)?.node_numbers().last().copied().unwrap_or(0);
+    let used = deck.model.dofs.iter().map(|dof| dof.node).max().unwrap_or(0);
+    Ok(listed.max(used).saturating_add(1))
+}

@@ -1,0 +1,169 @@
+//! The faults of a load case and what a solver does with each. What it drops is out of the way of the rest.
+
+use rustc_hash::FxHashMap;
+
+use super::Fault;
+use super::fault::faults_of;
+use super::plan::prescribed_in;
+use crate::deck::solver::{Profile, ccx};
+use crate::deck::{Dof, LoadCase, Model, Origin, Outcome, Solver};
+
+/// A fault, and what a solver does with it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Finding {
+    /// The fault.
+    pub fault: Fault,
+    /// What the solver does.
+    pub outcome: Outcome,
+}
+
+impl Finding {
+    /// In the deck's language: the fault, and what the solver makes of it.
+    pub fn describe(&self, model: &Model, solver: Solver) -> String {
+        format!("{}: {solver} {}", self.fault.describe(model), self.deed(model))
+    }
+
+    /// What the solver does, as a verb with its object.
+    fn deed(&self, model: &Model) -> String {
+        let equation = |i: usize| model.equation(i).map_or_else(String::new, |e| model.place(e.origin));
+        match (self.outcome, self.fault) {
+            (Outcome::Refused, _) => "stops".into(),
+            (Outcome::Accepted, _) => "takes both".into(),
+            (Outcome::Unsound, _) => "may go on, but its results are not to be relied on".into(),
+            (Outcome::IgnoresFirst, Fault::SlaveTwice { first, .. }) => {
+                format!("drops this equation of {} in every step", equation(first))
+            }
+            (Outcome::IgnoresSecond, Fault::SlavePrescribed { by, .. }) => {
+                format!("drops the value of {}", model.place(by))
+            }
+            (Outcome::IgnoresFirst | Outcome::IgnoresSecond, fault) => {
+                format!("drops this equation of {} in every step", equation(fault.equation()))
+            }
+        }
+    }
+
+    /// The equation that the solver drops, if it drops one.
+    pub fn dropped(&self) -> Option<usize> {
+        match (self.outcome, self.fault) {
+            (Outcome::IgnoresFirst, Fault::SlaveTwice { first, .. }) => Some(first),
+            (Outcome::IgnoresFirst, fault) => Some(fault.equation()),
+            (Outcome::IgnoresSecond, Fault::SlaveTwice { equation, .. }) => Some(equation),
+            _ => None,
+        }
+    }
+}
+
+/// What a solver does with each fault of the equations in force in a load case, by equation. Faults of equations that it drops
+/// are found no more, and what it has dropped in the first load case stays so.
+///
+/// ```
+/// use qless_io::deck::{Outcome, Solver, clean, read};
+/// # let place = tempfile::tempdir()?;
+/// let path = place.path().join("bodies.inp");
+/// let nodes = "*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n3,0.,1.,0.\n4,1.,1.,0.\n*NSET,NSET=A\n1\n";
+/// let bodies = "*RIGID BODY,NSET=A,REF NODE=2,ROT NODE=3\n*RIGID BODY,NSET=A,REF NODE=4,ROT NODE=3\n";
+/// std::fs::write(&path, format!("{nodes}{bodies}"))?;
+/// let deck = read(&path)?;
+/// let findings = clean::findings(deck.model(), &deck.model().cases()[0], Solver::Ccx);
+/// assert_eq!(findings[0].outcome, Outcome::IgnoresSecond);
+/// assert_eq!(
+///     findings[0].describe(deck.model(), Solver::Ccx),
+///     "1:1 is the slave of line 8 *RIGID BODY, and of line 9 *RIGID BODY: \
+///      ccx drops this equation of line 9 *RIGID BODY in every step"
+/// );
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn findings(model: &Model, case: &LoadCase, solver: Solver) -> Vec<Finding> {
+    let mut look = Look::new(model, case, solver);
+    look.drop_prescribed();
+    look.drop_second();
+    look.rest();
+    look.findings.sort_by_key(|finding| finding.fault.equation());
+    look.findings
+}
+
+/// A load case that is being looked at.
+struct Look<'a> {
+    profile: Profile<'a>,
+    /// Where columns are prescribed, now and in the first load case.
+    prescribed: FxHashMap<u32, Origin>,
+    at_start: FxHashMap<u32, Origin>,
+    findings: Vec<Finding>,
+}
+
+impl<'a> Look<'a> {
+    fn new(model: &'a Model, case: &LoadCase, solver: Solver) -> Self {
+        let mut profile = Profile::new(solver, model);
+        case.removed.iter().for_each(|&i| profile.left_out[i as usize] = true);
+        Self {
+            profile,
+            prescribed: prescribed_in(model, [case]),
+            at_start: prescribed_in(model, model.cases.first()),
+            findings: Vec::new(),
+        }
+    }
+
+    /// Equations in force with their slaves.
+    fn slaves(&self) -> Vec<(usize, u32)> {
+        let kept = (0..self.profile.left_out.len()).filter(|&i| !self.profile.left_out[i]);
+        kept.filter_map(|i| Some((i, *self.profile.model.nth(i).columns.first()?))).collect()
+    }
+
+    fn dof(&self, column: u32) -> Dof {
+        self.profile.model.dofs[column as usize]
+    }
+
+    /// Notes a fault if the solver drops an equation for it, and leaves that out.
+    fn drop_for(&mut self, fault: Fault) -> Option<usize> {
+        let finding = Finding { fault, outcome: self.profile.outcome(&fault) };
+        let dropped = finding.dropped()?;
+        self.profile.left_out[dropped] = true;
+        self.findings.push(finding);
+        Some(dropped)
+    }
+
+    /// Equations that give way to a value; to one that comes later none does.
+    fn drop_prescribed(&mut self) {
+        for (equation, column) in self.slaves() {
+            if let Some(&by) = self.at_start.get(&column) {
+                self.drop_for(Fault::SlavePrescribed { equation, slave: self.dof(column), by, since: 0 });
+            }
+        }
+    }
+
+    /// Equations that give way to others: of several with one slave each meets the one that is left of those before it.
+    fn drop_second(&mut self) {
+        let mut holders: FxHashMap<u32, usize> = FxHashMap::default();
+        for (equation, column) in self.slaves() {
+            let Some(&first) = holders.get(&column) else {
+                holders.insert(column, equation);
+                continue;
+            };
+            let slave = self.dof(column);
+            if self.drop_for(Fault::SlaveTwice { equation, slave, first }) == Some(first) {
+                holders.insert(column, equation);
+            }
+        }
+    }
+
+    /// The faults of what is left, and DOFs that the solver itself makes slaves.
+    fn rest(&mut self) {
+        let mut faults = faults_of(self.profile.model, &self.prescribed, &self.profile.left_out);
+        if self.profile.solver == Solver::Ccx {
+            let rotations: FxHashMap<Dof, usize> = ccx::rotations(self.profile.model).into_iter().collect();
+            let taken = |(equation, column): (usize, u32)| {
+                let slave = self.dof(column);
+                rotations.get(&slave).map(|&first| Fault::SlaveTwice { equation, slave, first })
+            };
+            faults.extend(self.slaves().into_iter().filter_map(taken));
+        }
+        let is_circle = |fault: &&Fault| matches!(fault, Fault::Circle { .. });
+        let circle: Vec<usize> = faults.iter().filter(is_circle).map(Fault::equation).collect();
+        // Once for all of them, which depend on each other.
+        let round = (!circle.is_empty()).then(|| self.profile.circle(&circle));
+        for fault in faults {
+            let round = round.filter(|_| is_circle(&&fault));
+            self.findings.push(Finding { fault, outcome: round.unwrap_or_else(|| self.profile.outcome(&fault)) });
+        }
+    }
+}

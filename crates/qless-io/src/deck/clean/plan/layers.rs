@@ -1,0 +1,256 @@
+//! Load cases that follow each other, as steps do: equations hold from the start and can only be taken back.
+//!
+//! Let `U_k` be what is prescribed in any of the cases up to k. From the last case to the first, the equations of case k that are
+//! independent without `U_k` of those kept so far make layer k: they hold up to case k. Kept ones are independent in every case in
+//! which they hold, since less is prescribed there; that they suffice is a comparison of ranks. With one set of prescribed DOFs
+//! and nothing taken back there is one layer. Cost: an analysis for each layer and for each case.
+
+use qless::{Analysis, Kind, Options, Preferences, analyse};
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::parts::{parts, text_of};
+use super::{Cases, Ended, Plan, Reason, Removed, solved};
+use crate::deck::clean::CleanError;
+use crate::deck::clean::fault::{Fault, faults_of};
+use crate::deck::{Deck, LoadCase, Model, Origin, Prescribed};
+
+/// What a format can say of an equation in a later load case.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum May {
+    /// That it is taken back.
+    End,
+    /// Nothing.
+    Nothing,
+}
+
+/// Columns and where they are prescribed.
+pub type Given = FxHashMap<u32, Origin>;
+
+/// Columns that are prescribed in any of these load cases, and where.
+pub fn prescribed_in<'a>(model: &Model, cases: impl IntoIterator<Item = &'a LoadCase>) -> Given {
+    let mut prescribed = Given::default();
+    for given in cases.into_iter().flat_map(|case| &case.prescribed) {
+        if let Some(column) = model.column(given.dof) {
+            prescribed.entry(column).or_insert(given.origin);
+        }
+    }
+    prescribed
+}
+
+/// Load cases up to `last`, and the equations that hold in all of them, independent without what is prescribed in any.
+pub struct Layer {
+    /// Its last load case.
+    pub last: usize,
+    /// What is prescribed in any of its cases.
+    pub prescribed: Given,
+}
+
+/// What is kept of a deck's equations, and how long.
+pub struct Kept<'a> {
+    pub model: &'a Model,
+    pub options: &'a Options,
+    /// The last load case first.
+    pub layers: Vec<Layer>,
+    /// For each equation the layer up to which it is kept; none for those that say nothing new.
+    pub layer_of: Vec<Option<usize>>,
+    /// Combinations of kept equations that the others are.
+    because: FxHashMap<usize, Vec<(usize, f64)>>,
+    /// For each equation the last load case in which the deck has it in force; none if it never is.
+    pub end: Vec<Option<usize>>,
+}
+
+/// The plan for all load cases of a deck.
+pub fn plan(deck: &Deck, options: &Options, may: May) -> Result<Plan, CleanError> {
+    let model = &deck.model;
+    let plan = plan_for(model, &model.cases, options)?;
+    let says_more = || !plan.ended.is_empty() || plan.written.iter().any(|written| written.cases != Cases::All);
+    if may == May::Nothing && (says_more() || !plan.is_empty() && model.cases.iter().any(|c| !c.removed.is_empty())) {
+        return Err(CleanError::Apart { case: model.cases[model.cases.len() - 1].name.clone() });
+    }
+    Ok(plan)
+}
+
+/// The plan for some load cases that follow each other, as if there were no others.
+pub fn plan_for(model: &Model, cases: &[LoadCase], options: &Options) -> Result<Plan, CleanError> {
+    let kept = Kept::of(model, cases, options)?;
+    check_cases(&kept, cases)?;
+    kept.plan()
+}
+
+impl<'a> Kept<'a> {
+    /// Decides for load cases that follow each other.
+    fn of(model: &'a Model, cases: &[LoadCase], options: &'a Options) -> Result<Self, CleanError> {
+        let end = ends(model, cases)?;
+        let count = model.equations();
+        let (layer_of, because) = (vec![None; count], FxHashMap::default());
+        let mut kept = Self { model, options, layers: Vec::new(), layer_of, because, end };
+        for last in (0..cases.len()).rev() {
+            let next = (last + 1 < cases.len()).then(|| &cases[last + 1]);
+            let prescribed = prescribed_in(model, &cases[..=last]);
+            let is_same = |next: &LoadCase| {
+                next.removed == cases[last].removed
+                    && kept.layers[kept.layers.len() - 1].prescribed.len() == prescribed.len()
+            };
+            if !next.is_some_and(is_same) {
+                kept.add(Layer { last, prescribed }, &cases[last])?;
+            }
+        }
+        Ok(kept)
+    }
+
+    /// Keeps what a layer needs besides what is kept already.
+    fn add(&mut self, layer: Layer, case: &LoadCase) -> Result<(), CleanError> {
+        let rows: Vec<usize> = self.model.in_force(case).collect();
+        let vanishing = vanishing(self.model, &layer.prescribed);
+        let own = |&i: &usize| self.model.nth(i).columns.first().copied().filter(|_| !vanishing.contains(&i));
+        let slaves = unprescribed(rows.iter().filter_map(own), &layer.prescribed);
+        let is_fixed =
+            |&i: &usize| self.layer_of[i].is_some() || self.model.cards.nth(self.model.nth(i).origin.card).is_fixed;
+        let equations = rows.iter().zip(0..).filter(|(i, _)| is_fixed(i)).map(|(_, row)| row).collect();
+        let analysis = self.analyse(&layer, &rows, Preferences { slaves, equations, ..Preferences::default() })?;
+        let number = self.layers.len();
+        for (&i, kind) in rows.iter().zip(analysis.kinds()) {
+            match (kind, self.layer_of[i]) {
+                (Kind::Independent, None) => self.layer_of[i] = Some(number),
+                (Kind::Independent, Some(_)) => {}
+                (_, Some(_)) => return Err(CleanError::Apart { case: case.name.clone() }),
+                (_, None) => self.note(i, &rows, &analysis),
+            }
+        }
+        self.layers.push(layer);
+        Ok(())
+    }
+
+    /// Keeps the combination that an equation is, of the last load case in which it holds.
+    fn note(&mut self, i: usize, rows: &[usize], analysis: &Analysis) {
+        let Ok(row) = rows.binary_search(&i) else { return };
+        if !self.because.contains_key(&i) {
+            let because = analysis.because(row).unwrap_or_default();
+            self.because.insert(i, because.iter().map(|term| (rows[term.row], term.coefficient)).collect());
+        }
+    }
+
+    /// Analyses some equations with what is prescribed in a layer; right-hand sides count as they are, values do not.
+    pub fn analyse(&self, layer: &Layer, rows: &[usize], preferences: Preferences) -> Result<Analysis, CleanError> {
+        let dof = |&column: &u32| self.model.dofs[column as usize];
+        let given = |(column, &origin): (&u32, &Origin)| Prescribed { dof: dof(column), value: 0.0, course: 0, origin };
+        let mut is_in = vec![false; self.model.equations()];
+        rows.iter().for_each(|&i| is_in[i] = true);
+        let removed = (0..is_in.len()).filter(|&i| !is_in[i]).map(|i| i as u32).collect();
+        let case =
+            LoadCase { prescribed: layer.prescribed.iter().map(given).collect(), removed, ..LoadCase::default() };
+        let options = Options { preferences, ..self.options.clone() };
+        Ok(analyse(&self.model.system(&case)?, &options)?)
+    }
+
+    /// Whether an equation is kept in a layer.
+    pub fn holds(&self, i: usize, layer: usize) -> bool {
+        self.layer_of[i].is_some_and(|of| of <= layer)
+    }
+
+    /// The load cases of a layer.
+    pub fn cases(&self, layer: usize) -> Cases {
+        if layer == 0 { Cases::All } else { Cases::UpTo(self.layers[layer].last) }
+    }
+
+    /// The faults of the equations in each layer, of all or of the kept ones.
+    fn faults(&self, is_in: impl Fn(usize, usize) -> bool) -> Vec<Fault> {
+        let count = self.model.equations();
+        let of = |(k, layer): (usize, &Layer)| {
+            let left_out: Vec<bool> = (0..count).map(|i| !is_in(i, k)).collect();
+            faults_of(self.model, &layer.prescribed, &left_out)
+        };
+        self.layers.iter().enumerate().flat_map(of).collect()
+    }
+
+    /// What goes, what comes, and what ends sooner.
+    fn plan(&self) -> Result<Plan, CleanError> {
+        let count = self.model.equations();
+        let before = self.faults(|i, k| self.end[i] >= Some(self.layers[k].last));
+        let fault_of: FxHashMap<usize, Fault> = before.iter().rev().map(|fault| (fault.equation(), *fault)).collect();
+        // The first cases prescribe least, so that most is connected there.
+        let first = &self.layers[self.layers.len() - 1].prescribed;
+        let part_of = parts(self.model, |j| first.contains_key(&j));
+        let mut is_rewritten = vec![false; part_of.iter().max().map_or(0, |last| last + 1)];
+        let after = self.faults(|i, k| self.holds(i, k));
+        after.iter().for_each(|fault| is_rewritten[part_of[fault.equation()]] = true);
+        self.torn().for_each(|i| is_rewritten[part_of[i]] = true);
+        let goes = |i: &usize| self.end[*i].is_some() && self.layer_of[*i].is_none() || is_rewritten[part_of[*i]];
+        let removed = (0..count).filter(goes).map(|i| Removed { equation: i, reason: self.reason(i, &fault_of) });
+        let (removed, stays) = (removed.collect(), |i: &usize| !goes(i));
+        let ended = (0..count).filter(stays).filter_map(|i| {
+            let last = self.layers[self.layer_of[i]?].last;
+            (Some(last) < self.end[i]).then_some(Ended { equation: i, last })
+        });
+        let ended = ended.collect();
+        let written = solved::written(self, &|i| is_rewritten[part_of[i]])?;
+        Ok(Plan { removed, written, ended })
+    }
+
+    fn reason(&self, i: usize, fault_of: &FxHashMap<usize, Fault>) -> Reason {
+        match self.because.get(&i).filter(|_| self.layer_of[i].is_none()) {
+            Some(because) => Reason::Redundant(because.clone()),
+            None => fault_of.get(&i).map_or(Reason::Connected, |fault| Reason::Fault(*fault)),
+        }
+    }
+
+    /// Equations written in the same lines as others that are kept for another time.
+    fn torn(&self) -> impl Iterator<Item = usize> + '_ {
+        let mut kept: FxHashMap<(u32, u32), Option<usize>> = FxHashMap::default();
+        let text = |i: usize| text_of(self.model.nth(i).origin);
+        let mut torn = FxHashSet::default();
+        for i in 0..self.model.equations() {
+            if *kept.entry(text(i)).or_insert(self.layer_of[i]) != self.layer_of[i] {
+                torn.insert(text(i));
+            }
+        }
+        (0..self.model.equations()).filter(move |&i| torn.contains(&text(i)))
+    }
+}
+
+/// For each equation the last load case in which it is in force; it must be so in all before.
+fn ends(model: &Model, cases: &[LoadCase]) -> Result<Vec<Option<usize>>, CleanError> {
+    let mut end = vec![cases.len().checked_sub(1); model.equations()];
+    for (k, case) in cases.iter().enumerate().rev() {
+        for &i in &case.removed {
+            if end[i as usize] != Some(k) {
+                return Err(CleanError::Apart { case: case.name.clone() });
+            }
+            end[i as usize] = k.checked_sub(1);
+        }
+    }
+    Ok(end)
+}
+
+/// No load case may conflict, and what is kept for it must say all that its equations say.
+fn check_cases(kept: &Kept, cases: &[LoadCase]) -> Result<(), CleanError> {
+    for (k, case) in cases.iter().enumerate() {
+        if k > 0 && case.constrains_as(&cases[k - 1]) {
+            continue;
+        }
+        let analysis = analyse(&kept.model.system(case)?, kept.options)?;
+        if analysis.dependent().iter().any(|dependent| dependent.kind == Kind::Conflicting) {
+            return Err(CleanError::Conflicting { case: case.name.clone() });
+        }
+        let holds = |layer: &Option<usize>| layer.is_some_and(|layer| kept.layers[layer].last >= k);
+        let (found, common) = (analysis.rank(), kept.layer_of.iter().filter(|layer| holds(layer)).count());
+        if found != common {
+            return Err(CleanError::CasesDiffer { case: case.name.clone(), found, common });
+        }
+    }
+    Ok(())
+}
+
+/// Equations whose own slave would make others large.
+pub fn vanishing(model: &Model, prescribed: &Given) -> FxHashSet<usize> {
+    let faults = faults_of(model, prescribed, &vec![false; model.equations()]);
+    faults.iter().filter(|fault| matches!(fault, Fault::SlaveVanishes { .. })).map(Fault::equation).collect()
+}
+
+/// Columns, ascending, each once, without prescribed ones.
+pub fn unprescribed(columns: impl Iterator<Item = u32>, prescribed: &Given) -> Vec<usize> {
+    let mut columns: Vec<usize> = columns.filter(|j| !prescribed.contains_key(j)).map(|j| j as usize).collect();
+    columns.sort_unstable();
+    columns.dedup();
+    columns
+}

@@ -1,0 +1,147 @@
+//! What must change in a deck, and why.
+//!
+//! Load case k holds the equations `E_k` and the prescribed DOFs `P_k`. Equations are kept or written such that in each case those in
+//! force are independent of each other without `P_k`, span what `E_k` spans, and have slaves of their own outside `P_k`.
+
+mod layers;
+mod parts;
+mod removable;
+mod solved;
+mod subcases;
+
+use std::sync::Arc;
+
+use qless::Options;
+
+use super::CleanError;
+use super::fault::Fault;
+use crate::deck::{Deck, Dof, Format, Model};
+
+pub(super) use layers::prescribed_in;
+
+/// What changes: equations that go, and those that come.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Plan {
+    /// Equations whose text goes, ascending.
+    pub removed: Vec<Removed>,
+    /// Equations that are written in their place.
+    pub written: Vec<Written>,
+    /// Equations whose text stays, but which hold no longer than up to a load case, ascending.
+    pub ended: Vec<Ended>,
+}
+
+/// An equation whose text goes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Removed {
+    /// Its number, from 0.
+    pub equation: usize,
+    /// Why.
+    pub reason: Reason,
+}
+
+/// Why an equation's text goes.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Reason {
+    /// It is this combination of others: equation from 0 and coefficient; empty where it holds no free DOF.
+    Redundant(Vec<(usize, f64)>),
+    /// It is written anew because of this fault.
+    Fault(Fault),
+    /// It is written anew because another one of its part is.
+    Connected,
+}
+
+/// `slave + sum a_j u_j = rhs`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Written {
+    /// The slave; its coefficient is 1.
+    pub slave: Dof,
+    /// The other terms: masters, then prescribed DOFs.
+    pub terms: Vec<(Dof, f64)>,
+    /// The right-hand side.
+    pub rhs: f64,
+    /// The load cases in which it holds.
+    pub cases: Cases,
+}
+
+/// Load cases, by their number from 0.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Cases {
+    /// All.
+    #[default]
+    All,
+    /// The first ones, up to this one.
+    UpTo(usize),
+    /// These, ascending.
+    Only(Arc<[usize]>),
+}
+
+impl Cases {
+    /// Whether load case `k` is among them.
+    pub fn contain(&self, k: usize) -> bool {
+        match self {
+            Self::All => true,
+            Self::UpTo(last) => k <= *last,
+            Self::Only(cases) => cases.binary_search(&k).is_ok(),
+        }
+    }
+}
+
+/// An equation that holds in the first load cases only.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Ended {
+    /// Its number, from 0.
+    pub equation: usize,
+    /// The last load case in which it holds.
+    pub last: usize,
+}
+
+impl Plan {
+    /// Whether nothing changes.
+    pub fn is_empty(&self) -> bool {
+        self.removed.is_empty() && self.ended.is_empty()
+    }
+
+    /// Equations that go are there, ascending, and so are those that explain why.
+    pub(super) fn check(&self, model: &Model) -> Result<(), CleanError> {
+        let count = model.equations();
+        let mut next = 0;
+        for removed in &self.removed {
+            let because = match &removed.reason {
+                Reason::Redundant(because) => because.iter().map(|&(i, _)| i).max(),
+                Reason::Fault(_) | Reason::Connected => None,
+            };
+            let named = because.into_iter().chain([removed.equation]).find(|&i| i >= count);
+            let outside = named.or((removed.equation < next).then_some(removed.equation));
+            outside.map_or(Ok(()), |equation| Err(CleanError::Foreign { equation, count }))?;
+            next = removed.equation + 1;
+        }
+        let foreign = self.ended.iter().find(|ended| ended.equation >= count);
+        foreign.map_or(Ok(()), |ended| Err(CleanError::Foreign { equation: ended.equation, count }))
+    }
+}
+
+/// Decides what must change so that the equations in force are independent in every load case, each slave once and never
+/// prescribed.
+///
+/// # Errors
+/// [`CleanError`]: conflicting equations, load cases that no single deck serves, or cards that cannot be replaced.
+///
+/// ```
+/// # let place = tempfile::tempdir()?;
+/// let path = place.path().join("tie.inp");
+/// std::fs::write(&path, "*EQUATION\n2\n1,1,1.,2,1,-1.\n2\n2,1,3.,1,1,-3.\n")?;
+/// let deck = qless_io::deck::read(&path)?;
+/// let plan = qless_io::deck::clean::plan(&deck, &qless::Options::default())?;
+/// assert_eq!((plan.removed[0].equation, plan.written.len()), (1, 0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn plan(deck: &Deck, options: &Options) -> Result<Plan, CleanError> {
+    let model = &deck.model;
+    let plan = match deck.format() {
+        Format::Calculix => layers::plan(deck, options, layers::May::End)?,
+        Format::Ansys => layers::plan(deck, options, layers::May::Nothing)?,
+        Format::Nastran => subcases::plan(deck, options)?,
+    };
+    removable::check(model, &plan.removed)?;
+    Ok(plan)
+}

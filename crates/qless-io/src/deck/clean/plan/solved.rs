@@ -1,0 +1,70 @@
+//! Equations solved for their slaves: `u_s - T u_q - G u_p = g`.
+//!
+//! Layer by layer from the last load case: the slaves of the layers before stay slaves, and only the rows of the new ones are
+//! written. Rows of earlier layers may name them as masters, as the solver follows chains.
+
+use qless::{Analysis, Preferences};
+use rustc_hash::FxHashSet;
+
+use super::Written;
+use super::layers::{Kept, unprescribed, vanishing};
+use crate::deck::clean::CleanError;
+
+/// The equations of the parts that are written anew.
+pub fn written(kept: &Kept, is_rewritten: &dyn Fn(usize) -> bool) -> Result<Vec<Written>, CleanError> {
+    let mut slaves: FxHashSet<usize> = FxHashSet::default();
+    let mut all = Vec::new();
+    for layer in 0..kept.layers.len() {
+        let rows: Vec<usize> = (0..kept.layer_of.len()).filter(|&i| kept.holds(i, layer) && is_rewritten(i)).collect();
+        if rows.iter().any(|&i| kept.layer_of[i] == Some(layer)) {
+            solve(kept, layer, &rows, &mut slaves, &mut all)?;
+        }
+    }
+    Ok(all)
+}
+
+fn solve(
+    kept: &Kept,
+    layer: usize,
+    rows: &[usize],
+    slaves: &mut FxHashSet<usize>,
+    all: &mut Vec<Written>,
+) -> Result<(), CleanError> {
+    let prescribed = &kept.layers[layer].prescribed;
+    let vanishing = vanishing(kept.model, prescribed);
+    let new = rows.iter().filter(|&&i| kept.layer_of[i] == Some(layer) && !vanishing.contains(&i));
+    let own = new.filter_map(|&i| kept.model.nth(i).columns.first().copied());
+    // The deck's own slaves, but for those that would make others large.
+    let wished = unprescribed(own.chain(slaves.iter().map(|&j| j as u32)), prescribed);
+    let analysis = kept.analyse(&kept.layers[layer], rows, Preferences { slaves: wished, ..Preferences::default() })?;
+    let before = all.len();
+    add(kept, layer, &analysis, slaves, all)?;
+    let chosen: FxHashSet<usize> = analysis.reduction()?.slaves().iter().copied().collect();
+    if slaves.iter().any(|slave| !chosen.contains(slave)) || all.len() - before + slaves.len() != chosen.len() {
+        return Err(CleanError::Apart { case: format!("load case {}", kept.layers[layer].last + 1) });
+    }
+    *slaves = chosen;
+    Ok(())
+}
+
+/// Adds the rows of slaves that no layer before has.
+fn add(
+    kept: &Kept,
+    layer: usize,
+    analysis: &Analysis,
+    before: &FxHashSet<usize>,
+    all: &mut Vec<Written>,
+) -> Result<(), CleanError> {
+    let model = kept.model;
+    let reduction = analysis.reduction()?;
+    // What sums of right-hand sides leave by rounding is none.
+    let rounding = 1e-14 * (0..model.equations()).fold(0.0, |size: f64, i| size.max(model.nth(i).rhs.abs()));
+    for (row, &slave) in reduction.slaves().iter().enumerate().filter(|(_, slave)| !before.contains(slave)) {
+        let masters = reduction.t().row(row).map(|(j, v)| (model.dofs[reduction.masters()[j]], -v));
+        let given = reduction.g_matrix().row(row).map(|(j, v)| (model.dofs[reduction.prescribed()[j]], -v));
+        let terms = masters.chain(given).filter(|term| term.1 != 0.0).collect();
+        let rhs = if reduction.g()[row].abs() <= rounding { 0.0 } else { reduction.g()[row] };
+        all.push(Written { slave: model.dofs[slave], terms, rhs, cases: kept.cases(layer) });
+    }
+    Ok(())
+}

@@ -1,0 +1,214 @@
+//! Which solver's language a text is in: its first cards decide, and what the caller expects breaks ties.
+
+mod seen;
+mod words;
+
+pub use seen::Seen;
+
+use super::Format;
+
+/// Lines looked at that are neither blank nor comments, until one decides.
+const LINES: usize = 1000;
+
+/// How much a line says for a format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Evidence {
+    /// Nothing.
+    None,
+    /// It could be one of its cards.
+    Possible,
+    /// It is one of its cards.
+    Certain,
+}
+
+/// The format of a text; `expected` is that of the file's ending or of the solver asked for.
+///
+/// # Errors
+/// [`Seen`], where no card of any format comes first.
+pub fn format_of(text: &[u8], expected: Option<Format>) -> Result<Format, Seen> {
+    if let Some(foreign) = Seen::foreign(text) {
+        return Err(foreign);
+    }
+    let mut is_possible = false;
+    for line in lines(text).take(LINES) {
+        if let Some(foreign) = Seen::foreign_card(line) {
+            return Err(foreign);
+        }
+        let says = |format: Format| evidence(format, line);
+        let certain: Vec<Format> = Format::ALL.into_iter().filter(|&f| says(f) == Evidence::Certain).collect();
+        match (certain.as_slice(), expected) {
+            (&[format], _) => return Ok(format),
+            (several, Some(format)) if several.contains(&format) => return Ok(format),
+            _ => is_possible |= expected.is_some_and(|format| says(format) == Evidence::Possible),
+        }
+    }
+    expected.filter(|_| is_possible).ok_or_else(|| Seen::of(text))
+}
+
+/// Lines that are neither blank nor comments in any of the formats, without blanks at their ends.
+fn lines(text: &[u8]) -> impl Iterator<Item = &[u8]> {
+    let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
+    let lines = text.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii);
+    let is_comment = |line: &[u8]| line.starts_with(b"**") || matches!(line.first(), None | Some(b'$' | b'!'));
+    lines.filter(move |line| !is_comment(line))
+}
+
+fn evidence(format: Format, line: &[u8]) -> Evidence {
+    if line.iter().any(|byte| byte.is_ascii_control() && *byte != b'\t') {
+        return Evidence::None;
+    }
+    match format {
+        Format::Calculix => calculix(line),
+        Format::Nastran => nastran(line),
+        Format::Ansys => ansys(line),
+    }
+}
+
+/// `*NODE`, `*RIGID BODY, ...`.
+fn calculix(line: &[u8]) -> Evidence {
+    let Some(rest) = line.strip_prefix(b"*") else { return Evidence::None };
+    let keyword = rest.split(|&byte| byte == b',').next().unwrap_or_default();
+    let first = keyword.split(|byte| !byte.is_ascii_alphanumeric()).next().unwrap_or_default();
+    let is_keyword = keyword.first().is_some_and(u8::is_ascii_alphabetic)
+        && keyword.iter().all(|&byte| byte.is_ascii_alphanumeric() || matches!(byte, b' ' | b'-' | b'\t'));
+    // `*END` alone ends a macro of APDL, `*END STEP` a step.
+    match is_keyword && !words::is_in(&words::APDL_STARRED, keyword.trim_ascii()) {
+        true if words::is_in(&words::CALCULIX, first) => Evidence::Certain,
+        true => Evidence::Possible,
+        false => Evidence::None,
+    }
+}
+
+/// `SOL 101`, `SPC = 1`, `GRID,1,...`, `GRID*  1`.
+fn nastran(line: &[u8]) -> Evidence {
+    let end = line.iter().position(|byte| !byte.is_ascii_alphanumeric()).unwrap_or(line.len());
+    let (name, rest) = line.split_at(end);
+    let rest = rest.strip_prefix(b"*").unwrap_or(rest);
+    let next = rest.iter().copied().find(|byte| !matches!(byte, b' ' | b'\t' | b','));
+    let is_card = name.first().is_some_and(u8::is_ascii_alphabetic) && name.len() <= 8;
+    let is_field = matches!(rest.first(), Some(b',' | b' ' | b'\t'));
+    let is_number = next.is_some_and(|byte| byte.is_ascii_digit() || matches!(byte, b'+' | b'-' | b'.'));
+    let is_set = next == Some(b'=') || rest.contains(&b'=');
+    if words::is_in(&words::NASTRAN_ALONE, line) || is_card && is_control(name, rest, is_set) {
+        return Evidence::Certain;
+    }
+    match is_card && is_field {
+        true if words::is_in(&words::NASTRAN_BULK, name) && (is_number || rest.starts_with(b",")) => Evidence::Certain,
+        true if is_number => Evidence::Possible,
+        _ => Evidence::None,
+    }
+}
+
+/// Executive and case control.
+fn is_control(name: &[u8], rest: &[u8], is_set: bool) -> bool {
+    let word = rest.trim_ascii().split(|byte| !byte.is_ascii_alphanumeric()).next().unwrap_or_default();
+    let of_two = [("SOL", ""), ("BEGIN", "BULK"), ("BEGIN", "SUPER"), ("BEGIN", "AUXMODEL"), ("SUBCASE", "")];
+    let is_pair = |(first, second): (&str, &str)| {
+        name.eq_ignore_ascii_case(first.as_bytes())
+            && (second.is_empty() && !word.is_empty() && rest.starts_with(b" ")
+                || word.eq_ignore_ascii_case(second.as_bytes()))
+    };
+    of_two.into_iter().any(is_pair) || is_set && words::is_in(&words::NASTRAN_CONTROL, name)
+}
+
+/// `/PREP7`, `*DIM,...`, `CE,...`, `NBLOCK,...`.
+fn ansys(line: &[u8]) -> Evidence {
+    let (mark, rest) = match line.first() {
+        Some(mark @ (b'/' | b'*')) => (Some(*mark), &line[1..]),
+        _ => (None, line),
+    };
+    let end = rest.iter().position(|byte| !byte.is_ascii_alphanumeric()).unwrap_or(rest.len());
+    let (name, tail) = rest.split_at(end);
+    let ends = matches!(tail.first(), None | Some(b',' | b' ' | b'\t'));
+    let is_command = name.first().is_some_and(u8::is_ascii_alphabetic) && ends && name.len() <= 8;
+    match mark {
+        _ if !is_command => Evidence::None,
+        Some(b'/') => Evidence::Certain,
+        Some(_) if words::is_in(&words::APDL_STARRED, name) && is_end(tail) => Evidence::Certain,
+        Some(_) => Evidence::None,
+        None if words::is_in(&words::APDL, name) && tail.starts_with(b",") => Evidence::Certain,
+        None if words::is_in(&words::APDL_ALONE, name) && tail.is_empty() => Evidence::Certain,
+        None if tail.starts_with(b",") => Evidence::Possible,
+        None => Evidence::None,
+    }
+}
+
+/// Whether a command has no more words: fields follow, or a comment.
+fn is_end(tail: &[u8]) -> bool {
+    matches!(tail.trim_ascii_start().first(), None | Some(b',' | b'!'))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(text: &str) -> Option<Format> {
+        format_of(text.as_bytes(), None).ok()
+    }
+
+    #[test]
+    fn the_first_card_decides() {
+        for (format, texts) in [
+            (
+                Format::Calculix,
+                &["*NODE\n", "\u{feff}** a\n\n  *Heading\nSOL 101\n", "*END PART\n", "*Rigid Body, x\n"][..],
+            ),
+            (
+                Format::Nastran,
+                &["SOL 101\n", "$ a\nID a,b\nCEND\n", "grid,1,,0.,0.,0.\n", "GRID*   1\n", "SPC = 4\n", "BEGIN BULK\n"],
+            ),
+            (
+                Format::Nastran,
+                &[
+                    "TITLE = *NODE\n",
+                    "RBE2    1       2       123     3\n",
+                    "PARAM,POST,-1\n",
+                    "subcase 1\n",
+                    "ENDDATA\n",
+                ],
+            ),
+            (
+                Format::Ansys,
+                &["/COM, *NODE\n", "! a\n/PREP7\n", "CE,1,0,1,UX,1\n", "*DIM,a,,2\n", "a=1\nD,1,UX\n", "FINISH\n"],
+            ),
+        ] {
+            texts.iter().for_each(|text| assert_eq!(of(text), Some(format), "{text}"));
+        }
+    }
+
+    #[test]
+    fn what_is_expected_breaks_ties_and_no_more() {
+        // RBE3 is a card of Nastran and a command of APDL.
+        let both = b"RBE3,1,ALL,2\n";
+        for format in [Format::Nastran, Format::Ansys] {
+            assert_eq!(format_of(both, Some(format)), Ok(format));
+            assert_eq!(format_of(b"*NODE\n1,0.,0.,0.\n", Some(format)), Ok(Format::Calculix));
+        }
+        assert!(format_of(both, None).is_err());
+        // A keyword that nobody has heard of.
+        assert_eq!(format_of(b"*NOVELTY\n", Some(Format::Calculix)), Ok(Format::Calculix));
+        assert!(format_of(b"*NOVELTY\n", None).is_err());
+    }
+
+    #[test]
+    fn what_is_nothing_known_is_told_by_what_it_is() {
+        for (text, told) in [
+            (&b""[..], "it is empty"),
+            (b" \n\n", "it is empty"),
+            (b"** a\n$ b\n! c\n", "line 1 is `** a`"),
+            (b"<!DOCTYPE html>\n<p>", "it starts as a page of the web"),
+            (b"\n\n  hello world, this is a letter\n", "line 3 is `hello world, this is a letter`"),
+            (b"*KEYWORD\n*NODE\n", "it starts as an LS-DYNA deck"),
+            (b"$ comment\n*KEYWORD\n*NODE\n", "it starts as an LS-DYNA deck"),
+            (b"*NODE_SCALAR\n", "line 1 is `*NODE_SCALAR`"),
+            (b"PK\x03\x04abc", "it starts as a zip archive"),
+            (b"*\0N\0O\0D\0E\0\n\0", "zero bytes, as in UTF-16 without a byte order mark"),
+            (b"\x01\x02\xfe*NODE\n", "it starts with the bytes 01 02 fe 2a 4e 4f 44 45"),
+        ] {
+            for expected in [None, Some(Format::Calculix), Some(Format::Nastran), Some(Format::Ansys)] {
+                let seen = format_of(text, expected).expect_err(told).to_string();
+                assert!(seen.contains(told), "{seen}");
+            }
+        }
+    }
+}

@@ -1,0 +1,225 @@
+//! Bulk data: the cards that say what is constrained, in their order. All others are passed over.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::LazyLock;
+
+use rustc_hash::FxHashMap;
+
+use super::coordinates;
+use super::elements::{rbar, rbe1, rbe2, rbe3, rrod};
+use super::exclusive::{self, Members};
+use super::grid::{Given, Usual};
+use super::joints::{Joint, jointg, rbar1, rjoint, rtrplt, rtrplt1};
+use super::loads::{self, Combinations, Loaded};
+use super::mpc::terms;
+use super::notes::Notes;
+use super::quick::Quick;
+use super::sets::{self, Unions};
+use super::spans::{Span, spans};
+use super::supports::{Support, spc, spc1};
+use super::unread::{self, Unread};
+use crate::deck::kinematics::axes::Kind;
+use crate::deck::nastran::fault::CardFault;
+use crate::deck::nastran::model::frames::{Definition, Definitions};
+use crate::deck::nastran::model::grids::Grids;
+use crate::deck::nastran::model::ties::{Element, Ties};
+use crate::deck::nastran::syntax::card::{Card, Refused};
+use crate::deck::nastran::syntax::content::At;
+use crate::deck::nastran::syntax::lines::Line;
+use crate::deck::nastran::syntax::place::Place;
+
+/// What the bulk data of a deck constrains.
+#[derive(Debug, Default)]
+pub struct Bulk {
+    pub grids: Grids,
+    pub scalars: Vec<Span>,
+    pub usual: Option<(Usual, Place)>,
+    pub frames: Definitions,
+    /// The cards of `frames`.
+    pub frame_places: BTreeMap<u32, Place>,
+    pub ties: Ties,
+    /// Lines of cards that cannot be left out or replaced: with thermal expansion, or copied by others.
+    pub fixed: BTreeSet<At>,
+    /// Lines of cards that do not stand right after the first ones, by the first.
+    pub apart: BTreeMap<At, Vec<At>>,
+    /// The cards of rigid elements, by number.
+    elements: FxHashMap<u32, At>,
+    /// Components that may be in one set only.
+    pub exclusive: Vec<Members>,
+    pub supports: Vec<(u32, Support, Place)>,
+    /// `SPCD`.
+    pub enforced: Vec<(u32, Support, Place)>,
+    pub mpc_unions: Unions,
+    pub spc_unions: Unions,
+    pub combinations: Combinations,
+    pub loads: Vec<Loaded>,
+    pub warnings: Notes,
+}
+
+/// The name of a card that has to be read, given in capitals; none for all others.
+pub fn known(name: &[u8]) -> Option<&'static str> {
+    const READ: [&str; 30] = [
+        "GRID", "GRDSET", "SPOINT", "EPOINT", "CORD1R", "CORD1C", "CORD1S", "CORD2R", "CORD2C", "CORD2S", "MPC",
+        "MPCADD", "RBE1", "RBE2", "RBE3", "RBAR", "RROD", "SPC", "SPC1", "SPCADD", "SPCD", "LOAD", "FORCE", "MOMENT",
+        "SLOAD", "RBAR1", "RJOINT", "RTRPLT", "RTRPLT1", "JOINTG",
+    ];
+    static KNOWN: LazyLock<FxHashMap<&[u8], &str>> = LazyLock::new(|| {
+        READ.into_iter().chain(unread::names()).chain(exclusive::names()).map(|name| (name.as_bytes(), name)).collect()
+    });
+    KNOWN.get(name).copied()
+}
+
+impl Bulk {
+    /// Takes a card that was read the short way.
+    pub fn quick(&mut self, card: &Quick, line: &Line) {
+        match card {
+            Quick::Grid(given) => self.grids.push(given, line.file, line.number),
+            Quick::Mpc(set, first, second) => {
+                self.ties.mpc(*set, (line.file, line.number, 1), std::iter::once(*first).chain(*second));
+            }
+        }
+    }
+
+    /// Takes a card.
+    pub fn card(&mut self, card: &Card) -> Result<(), Refused> {
+        match card.name {
+            "GRID" => self.grids.push(&Given::read(card)?, card.file, card.line),
+            "GRDSET" => self.grdset(card)?,
+            "SPOINT" | "EPOINT" => self.scalars.extend(spans(card, 0, card.len())?),
+            "MPCADD" => sets::read(card, &mut self.mpc_unions)?,
+            "SPCADD" => sets::read(card, &mut self.spc_unions)?,
+            "SPC" => self.supports.extend(in_set(card, spc(card)?)?),
+            "SPC1" => self.supports.extend(in_set(card, vec![spc1(card)?])?),
+            "SPCD" => self.enforced.extend(in_set(card, spc(card)?)?),
+            "LOAD" => loads::combination(card, &mut self.combinations)?,
+            "FORCE" => self.loads.push(loads::vector(card, 1)?),
+            "MOMENT" => self.loads.push(loads::vector(card, 4)?),
+            "SLOAD" => self.loads.extend(loads::scalars(card)?),
+            "MPC" => {
+                self.ties.mpc(set(card)?, (card.file, card.line, card.span()), terms(card)?);
+                self.note_apart(card);
+            }
+            name if name.starts_with("CORD") => self.frame(card)?,
+            name => match Unread::of(name) {
+                Some(unread) => self.leave_out(card, unread)?,
+                None => match exclusive::read(card)? {
+                    Some(members) => self.exclusive.extend(members),
+                    None => self.element(card)?,
+                },
+            },
+        }
+        Ok(())
+    }
+
+    /// A card that is not understood. Those of `SUPORT` are in a set all the same.
+    fn leave_out(&mut self, card: &Card, unread: &Unread) -> Result<(), Refused> {
+        self.exclusive.extend(exclusive::read(card)?.unwrap_or_default());
+        if unread.constrains {
+            self.warnings.leave_out((card.file, card.line), unread.warning(card));
+        } else {
+            self.warnings.warn((card.file, card.line), unread.warning(card));
+        }
+        Ok(())
+    }
+
+    fn element(&mut self, card: &Card) -> Result<(), Refused> {
+        let (element, alpha) = match card.name {
+            "RBE1" => rbe1(card).map(|read| (Element::Rigid(read.element), read.alpha))?,
+            "RBE2" => rbe2(card).map(|read| (Element::Star(read.element), read.alpha))?,
+            "RBE3" => rbe3(card).map(|read| (Element::Mean(read.element), read.alpha))?,
+            "RBAR" => rbar(card).map(|read| (Element::Rigid(read.element), read.alpha))?,
+            "RBAR1" => rbar1(card).map(|read| (Element::Rigid(read.element), read.alpha))?,
+            "RTRPLT" => rtrplt(card).map(|read| (Element::Rigid(read.element), read.alpha))?,
+            "RTRPLT1" => rtrplt1(card).map(|read| (Element::Rigid(read.element), read.alpha))?,
+            "RJOINT" => (Element::Joint(rjoint(card)?), 0.0),
+            "JOINTG" => match jointg(card)? {
+                Joint::Beam(element) => (Element::Rigid(element), 0.0),
+                Joint::Ball(element) => (Element::Joint(element), 0.0),
+                Joint::Other => return Ok(self.warnings.leave_out((card.file, card.line), unread::joint(card))),
+            },
+            _ => rrod(card).map(|read| (Element::Rod(read.element), read.alpha))?,
+        };
+        let at = (card.file, card.line);
+        if alpha != 0.0 {
+            let text = format!("{}: its thermal expansion ALPHA is left out", card.title());
+            self.warnings.warn(at, text);
+            self.fixed.insert(at);
+        }
+        self.number(card)?;
+        self.note_apart(card);
+        self.ties.element(element, Place::of(card));
+        Ok(())
+    }
+
+    /// Elements have a number of their own.
+    fn number(&mut self, card: &Card) -> Result<(), Refused> {
+        let id = card.id(0, "the number of the element")?;
+        match self.elements.insert(id, (card.file, card.line)) {
+            Some((file, line)) => {
+                let other =
+                    if file == card.file { format!("line {line}") } else { format!("line {line} of another file") };
+                Err(card.at(0, CardFault::ElementTwice { id, other: other.into() }.into()))
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn note_apart(&mut self, card: &Card) {
+        let apart: Vec<At> = card.apart().collect();
+        if !apart.is_empty() {
+            self.apart.insert((card.file, card.line), apart);
+        }
+    }
+
+    fn grdset(&mut self, card: &Card) -> Result<(), Refused> {
+        let usual = Usual::read(card)?;
+        if let Some((other, place)) = &self.usual
+            && *other != usual
+        {
+            let other = format!("line {}", place.line).into();
+            return Err(card.at(0, CardFault::DefinedTwice { what: "GRDSET", id: 1, other }.into()));
+        }
+        self.usual = Some((usual, Place::of(card)));
+        Ok(())
+    }
+
+    fn frame(&mut self, card: &Card) -> Result<(), Refused> {
+        let kind = match card.name.as_bytes().last() {
+            Some(b'C') => Kind::Cylindrical,
+            Some(b'S') => Kind::Spherical,
+            _ => Kind::Rectangular,
+        };
+        let through_grids = card.name.starts_with("CORD1");
+        let found = if through_grids {
+            coordinates::through_grids(card, kind)?
+        } else {
+            vec![coordinates::through_points(card, kind)?]
+        };
+        for (id, definition) in found {
+            self.define(card, id, definition)?;
+        }
+        Ok(())
+    }
+
+    fn define(&mut self, card: &Card, id: u32, definition: Definition) -> Result<(), Refused> {
+        let place = Place::of(card);
+        if let (Some(known), Some(other)) = (self.frames.get(&id), self.frame_places.get(&id))
+            && *known != definition
+        {
+            let other = format!("line {}", other.line).into();
+            return Err(card.at(0, CardFault::DefinedTwice { what: "coordinate system", id, other }.into()));
+        }
+        self.frames.insert(id, definition);
+        self.frame_places.entry(id).or_insert(place);
+        Ok(())
+    }
+}
+
+fn set(card: &Card) -> Result<u32, Refused> {
+    card.id(0, "the number of a set")
+}
+
+fn in_set(card: &Card, supports: Vec<Support>) -> Result<Vec<(u32, Support, Place)>, Refused> {
+    let (set, place) = (set(card)?, Place::of(card));
+    Ok(supports.into_iter().map(|support| (set, support, place.clone())).collect())
+}

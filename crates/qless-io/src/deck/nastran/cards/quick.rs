@@ -1,0 +1,143 @@
+//! The short way for cards that a deck has millions of: `GRID` and `MPC` in small field, on one line, with plain numbers.
+//!
+//! It reads what `Card` reads, or nothing: any other line goes the long way, which also says what is wrong with it.
+
+use super::grid::{Given, Usual};
+use super::mpc::Term;
+use crate::deck::kinematics::components::Components;
+use crate::deck::nastran::syntax::eight::{self, BLANK, Field};
+use crate::number;
+
+/// Columns of a field.
+const FIELD: usize = 8;
+
+/// A card that was read.
+pub enum Quick {
+    Grid(Given),
+    /// The set, and one or two terms.
+    Mpc(u32, Term, Option<Term>),
+}
+
+/// Reads a line that no other continues. A comment or a tab, but beyond the fields that count, goes the long way.
+pub fn read(line: &[u8]) -> Option<Quick> {
+    let is_grid = match line.first_chunk()? {
+        b"GRID    " => true,
+        b"MPC     " => false,
+        _ => return None,
+    };
+    let (whole, rest) = line[FIELD..].as_chunks();
+    let mut fields = [BLANK; 8];
+    fields.get_mut(..whole.len())?.copy_from_slice(whole);
+    if !rest.is_empty() {
+        fields.get_mut(whole.len())?[..rest.len()].copy_from_slice(rest);
+    }
+    // A comma in the first fields means that columns do not count.
+    if fields[0].contains(&b',') {
+        return None;
+    }
+    if is_grid { grid(&fields).map(Quick::Grid) } else { mpc(&fields) }
+}
+
+fn grid(fields: &[Field; 8]) -> Option<Given> {
+    let [id, given_in, x, y, z, moves_in, held, _] = *fields;
+    let held = if held == BLANK { None } else { Some(Components::parse(word(&held))?) };
+    let usual = Usual { given_in: optional(given_in).ok()?, moves_in: optional(moves_in).ok()?, held };
+    Some(Given { id: id_of(id)?, at: [real(x)?, real(y)?, real(z)?], usual })
+}
+
+fn mpc(fields: &[Field; 8]) -> Option<Quick> {
+    let [set, node, component, value, other @ .., _] = *fields;
+    let first = term([node, component, value])?;
+    let second = if other == [BLANK; 3] { None } else { Some(term(other)?) };
+    Some(Quick::Mpc(id_of(set)?, first, second))
+}
+
+fn term([node, component, value]: [Field; 3]) -> Option<Term> {
+    let component = Components::parse(word(&component)).filter(|set| set.len() <= 1)?;
+    Some((id_of(node)?, component, real(value)?))
+}
+
+fn id_of(field: Field) -> Option<u32> {
+    optional(field).ok()?.filter(|&id| id > 0)
+}
+
+/// A whole number, which eight columns keep below 2^32; none in a blank field. The error is anything else.
+fn optional(field: Field) -> Result<Option<u32>, ()> {
+    if field == BLANK {
+        return Ok(None);
+    }
+    eight::whole(field).map(Some).ok_or(())
+}
+
+/// A real number, 0 where the field is blank.
+fn real(field: Field) -> Option<f64> {
+    if field == BLANK { Some(0.0) } else { eight::real(field).or_else(|| number::short(word(&field))) }
+}
+
+/// The field without the blanks around it.
+fn word(field: &Field) -> &[u8] {
+    let filled = u64::from_le_bytes(*field) ^ u64::from_le_bytes(BLANK);
+    let (start, end) = (filled.trailing_zeros() / 8, FIELD as u32 - filled.leading_zeros() / 8);
+    field.get(start as usize..end as usize).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::deck::nastran::cards::mpc::terms;
+    use crate::deck::nastran::syntax::card::Card;
+
+    /// What the long way reads.
+    fn card(line: &str) -> Card {
+        let mut card = Card::default();
+        let name = if line.starts_with("GRID") { "GRID" } else { "MPC" };
+        card.begin(name, line.as_bytes(), (0, 1)).expect("a card");
+        card
+    }
+
+    #[test]
+    fn the_short_way_reads_what_the_long_way_reads() {
+        for line in [
+            "GRID    1               0.      -1.5    2.5E1",
+            "GRID          12       71.2345671.2345671.234567      13       1     246",
+            "GRID    99999999",
+            "GRID    7       0                        3.             0       0",
+        ] {
+            let Some(Quick::Grid(given)) = read(line.as_bytes()) else { panic!("{line}") };
+            assert_eq!(given, Given::read(&card(line)).expect("a grid point"));
+        }
+        for line in [
+            "MPC     3       7       1       1.0     8               -.5",
+            "MPC            3       7       6     1.0                        ignored",
+            "MPC     1       2       0",
+        ] {
+            let Some(Quick::Mpc(set, first, second)) = read(line.as_bytes()) else { panic!("{line}") };
+            let card = card(line);
+            assert_eq!(card.id(0, "a set").expect("a set"), set);
+            assert_eq!(terms(&card).expect("terms"), std::iter::once(first).chain(second).collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
+    fn all_else_goes_the_long_way() {
+        for line in [
+            "GRID*                  1",
+            "GRID,1,,0.",
+            "GRID    1,2     3",
+            "grid    1",
+            "GRID    0",
+            "GRID    x",
+            "GRID    1               1.5-3",
+            "GRID    1       -1",
+            "GRID    1               1.      2.      3.      0       7",
+            "MPC     1",
+            "MPC     1               1       1.0     7       1       1.0",
+            "MPC     1       2       12      1.0",
+            "MPC     1       2       1       1.0                                    +A",
+            "RBE2    1       2       123     3",
+            "GRID",
+        ] {
+            assert!(read(line.as_bytes()).is_none(), "{line}");
+        }
+    }
+}

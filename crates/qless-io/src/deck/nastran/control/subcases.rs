@@ -1,0 +1,288 @@
+//! Case control: which sets each subcase selects. `MPC = 3` above the first `SUBCASE` holds for all that say nothing else.
+
+use crate::deck::Problem;
+use crate::deck::nastran::syntax::content::At;
+use crate::deck::nastran::syntax::lines::Line;
+use crate::deck::nastran::syntax::word::keyword;
+use crate::fault::quote;
+use crate::number::whole;
+
+/// A selected set and where it is selected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Choice {
+    pub set: u32,
+    pub file: u32,
+    pub line: u32,
+}
+
+/// The sets of a subcase.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Selection {
+    pub mpc: Option<Choice>,
+    pub spc: Option<Choice>,
+    pub load: Option<Choice>,
+}
+
+impl Selection {
+    /// This, with what it leaves open from `outer`.
+    fn or(self, outer: Self) -> Self {
+        Self { mpc: self.mpc.or(outer.mpc), spc: self.spc.or(outer.spc), load: self.load.or(outer.load) }
+    }
+
+    /// This, without set 0, which no card defines: it takes back what was selected above.
+    fn in_force(self) -> Self {
+        let some = |choice: Option<Choice>| choice.filter(|choice| choice.set != 0);
+        Self { mpc: some(self.mpc), spc: some(self.spc), load: some(self.load) }
+    }
+
+    fn sets(self) -> [Option<u32>; 3] {
+        [self.mpc, self.spc, self.load].map(|choice| choice.map(|choice| choice.set))
+    }
+}
+
+/// What holds the line being read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Level {
+    #[default]
+    All,
+    Subcase,
+    Step,
+    /// A combination of subcases, which constrains nothing itself.
+    Combination,
+}
+
+/// A subcase with its steps.
+#[derive(Debug)]
+struct Subcase {
+    id: u32,
+    holder: usize,
+    own: Selection,
+    steps: Vec<(u32, usize, Selection)>,
+}
+
+/// A subcase without steps, a step, or a deck without subcases: what holds at the same time.
+#[derive(Clone, Debug)]
+pub struct Leaf {
+    name: String,
+    pub selection: Selection,
+    /// Its number among all that can hold a selection: 0 is what stands above the first subcase.
+    pub holder: usize,
+}
+
+/// Case control as read so far.
+#[derive(Debug, Default)]
+pub struct Control {
+    all: Selection,
+    subcases: Vec<Subcase>,
+    level: Level,
+    /// Where each holder of selections after the first begins.
+    opened: Vec<At>,
+    /// Every line that selects an MPC set, and what holds it.
+    pub mpc_choices: Vec<(usize, Choice)>,
+    multipliers: Option<At>,
+}
+
+impl Control {
+    /// Takes a line.
+    pub fn line(&mut self, line: &Line) -> Result<(), Problem> {
+        let (word, rest) = keyword(line.text);
+        match word.as_str() {
+            "SUBCASE" | "SYM" => self.open(Level::Subcase, rest, line.at()),
+            "STEP" if !self.subcases.is_empty() && self.level != Level::Combination => {
+                self.open(Level::Step, rest, line.at());
+            }
+            "RIGID" => self.rigid(rest, line.at()),
+            "SUBCOM" | "SYMCOM" | "REPCASE" => self.level = Level::Combination,
+            "MPC" | "SPC" | "LOAD" => self.choose(&word, rest, line)?,
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// The subcases, or the whole deck where there are none; those with the same sets are one.
+    pub fn selections(&self) -> Vec<(String, Selection)> {
+        let name = |leaves: &[Leaf]| {
+            let names: Vec<&str> = leaves.iter().map(|leaf| leaf.name.as_str()).collect();
+            match (self.subcases.is_empty(), names.len()) {
+                (true, _) => "model".to_owned(),
+                (false, 1) => format!("subcase {}", names[0]),
+                (false, _) => format!("subcases {}", names.join(", ")),
+            }
+        };
+        self.cases().iter().map(|leaves| (name(leaves), leaves[0].selection)).collect()
+    }
+
+    /// What makes up each load case, at least one of each.
+    pub fn cases(&self) -> Vec<Vec<Leaf>> {
+        let mut found: Vec<Vec<Leaf>> = Vec::new();
+        for leaf in self.leaves() {
+            match found.iter_mut().find(|leaves| leaves[0].selection.sets() == leaf.selection.sets()) {
+                Some(leaves) => leaves.push(leaf),
+                None => found.push(vec![leaf]),
+            }
+        }
+        found
+    }
+
+    /// The line with which a holder begins; none for what stands above all.
+    pub fn opened(&self, holder: usize) -> Option<At> {
+        holder.checked_sub(1).and_then(|i| self.opened.get(i).copied())
+    }
+
+    /// The MPC set selected above the first subcase.
+    pub fn above(&self) -> Option<u32> {
+        self.all.in_force().mpc.map(|choice| choice.set)
+    }
+
+    /// Where rigid elements are said to be kept by multipliers.
+    pub fn multipliers(&self) -> Option<At> {
+        self.multipliers
+    }
+
+    fn leaves(&self) -> Vec<Leaf> {
+        let leaf = |name, selection: Selection, holder| Leaf { name, selection: selection.in_force(), holder };
+        if self.subcases.is_empty() {
+            return vec![leaf("model".into(), self.all, 0)];
+        }
+        let mut found = Vec::new();
+        for Subcase { id, holder, own, steps } in &self.subcases {
+            let outer = own.or(self.all);
+            if steps.is_empty() {
+                found.push(leaf(id.to_string(), outer, *holder));
+            }
+            let step = |&(step, holder, own): &(u32, usize, Selection)| {
+                leaf(format!("{id} step {step}"), own.or(outer), holder)
+            };
+            found.extend(steps.iter().map(step));
+        }
+        found
+    }
+
+    fn open(&mut self, level: Level, rest: &[u8], at: At) {
+        self.opened.push(at);
+        let (number, holder, own) = (number(rest).unwrap_or(0), self.opened.len(), Selection::default());
+        match (level, self.subcases.last_mut()) {
+            (Level::Step, Some(subcase)) => subcase.steps.push((number, holder, own)),
+            _ => self.subcases.push(Subcase { id: number, holder, own, steps: Vec::new() }),
+        }
+        self.level = level;
+    }
+
+    /// `RIGID = LAGRAN` and `STIFF` eliminate nothing; `LINEAR` and `LGELIM` do.
+    fn rigid(&mut self, rest: &[u8], at: At) {
+        let rest = rest.trim_ascii();
+        let word = rest.strip_prefix(b"=").unwrap_or(rest).trim_ascii().to_ascii_uppercase();
+        let eliminates = !(word.starts_with(b"LAGR") || word.starts_with(b"STIFF"));
+        self.multipliers = if eliminates { None } else { Some(at) };
+    }
+
+    fn choose(&mut self, word: &str, rest: &[u8], line: &Line) -> Result<(), Problem> {
+        let Some(set) = only_number(rest) else {
+            let expected = "the number of a set, as in `SPC = 3`";
+            return Err(Problem::Expected { expected, found: quote(line.text.trim_ascii()) });
+        };
+        let choice = Choice { set, file: line.file, line: line.number };
+        let holder = if self.level == Level::All { 0 } else { self.opened.len() };
+        let Some(selection) = self.current() else { return Ok(()) };
+        match word {
+            "MPC" => {
+                selection.mpc = Some(choice);
+                self.mpc_choices.push((holder, choice));
+            }
+            "SPC" => selection.spc = Some(choice),
+            _ => selection.load = Some(choice),
+        }
+        Ok(())
+    }
+
+    fn current(&mut self) -> Option<&mut Selection> {
+        match (self.level, self.subcases.last_mut()) {
+            (Level::Combination, _) => None,
+            (Level::Step, Some(subcase)) => subcase.steps.last_mut().map(|(.., selection)| selection),
+            (Level::Subcase, Some(subcase)) => Some(&mut subcase.own),
+            _ => Some(&mut self.all),
+        }
+    }
+}
+
+/// The number after `=` or blanks.
+fn number(rest: &[u8]) -> Option<u32> {
+    leading(rest).map(|(value, _)| value)
+}
+
+/// The same where a blank or a comment follows, if anything does: `0PO` is no number of a set.
+fn only_number(rest: &[u8]) -> Option<u32> {
+    let (value, after) = leading(rest)?;
+    after.first().is_none_or(|&byte| byte == b'$' || byte.is_ascii_whitespace()).then_some(value)
+}
+
+/// The number after `=` or blanks, and what follows.
+fn leading(rest: &[u8]) -> Option<(u32, &[u8])> {
+    let rest = rest.trim_ascii();
+    let rest = rest.strip_prefix(b"=").unwrap_or(rest).trim_ascii();
+    let (digits, after) = rest.split_at(rest.iter().position(|byte| !byte.is_ascii_digit()).unwrap_or(rest.len()));
+    Some((whole(digits).and_then(|value| u32::try_from(value).ok())?, after))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Vec<(String, Option<u32>, Option<u32>)> {
+        let mut control = Control::default();
+        for (text, number) in text.lines().zip(1..) {
+            control.line(&Line { file: 0, number, text: text.as_bytes() }).expect("case control");
+        }
+        let set = |choice: Option<Choice>| choice.map(|choice| choice.set);
+        control.selections().into_iter().map(|(name, s)| (name, set(s.mpc), set(s.spc))).collect()
+    }
+
+    #[test]
+    fn a_set_is_a_whole_number_and_nothing_else() {
+        let refused = |text: &[u8]| Control::default().line(&Line { file: 0, number: 1, text }).is_err();
+        assert!([&b"MPC = 0PO"[..], b"SPC = 2x", b"SPC = 1.5"].into_iter().all(refused));
+        assert!(![&b"MPC = 2 $ ties"[..], b"SPC 3", b"LOAD=4$"].into_iter().any(refused));
+    }
+
+    #[test]
+    fn without_subcases_the_deck_is_one_case() {
+        assert_eq!(read("TITLE = SPC = 7\nSPC=101\n  mpc = 200\nSPCF = ALL"), [("model".into(), Some(200), Some(101))]);
+        assert_eq!(read("ECHO=NONE"), [("model".into(), None, None)]);
+    }
+
+    #[test]
+    fn subcases_inherit_and_replace() {
+        let found =
+            read("SPC = 1\nSUBCASE 1\n MPC = 5\nSUBCASE 20\n SPC = 2\nSUBCASE 3\nSUBCOM 4\n SPC = 9\nSUBCASE 5\n");
+        let expected =
+            [("subcase 1", Some(5), Some(1)), ("subcase 20", None, Some(2)), ("subcases 3, 5", None, Some(1))];
+        assert_eq!(found, expected.map(|(name, mpc, spc)| (name.to_owned(), mpc, spc)));
+    }
+
+    #[test]
+    fn steps_are_cases_of_their_own() {
+        let found = read("SUBCASE 1\nSPC = 1\nSTEP 1\nSTEP 2\nSPC = 2\n");
+        assert_eq!(found, [("subcase 1 step 1".into(), None, Some(1)), ("subcase 1 step 2".into(), None, Some(2))]);
+    }
+
+    #[test]
+    fn lagrange_multipliers_eliminate_nothing() {
+        let multiplied = |text: &str| {
+            let mut control = Control::default();
+            control.line(&Line { file: 0, number: 3, text: text.as_bytes() }).expect("case control");
+            control.multipliers()
+        };
+        for text in ["RIGID=LAGRAN", "  rigid = Lagrange", "RIGID STIFF"] {
+            assert_eq!(multiplied(text), Some((0, 3)), "{text}");
+        }
+        assert!(
+            ["RIGID = LINEAR", "RIGID=LGELIM", "TITLE = RIGID = LAGRAN"].into_iter().all(|t| multiplied(t).is_none())
+        );
+    }
+
+    #[test]
+    fn a_set_has_a_number() {
+        let line = Line { file: 0, number: 1, text: b"SPC = ALL" };
+        assert!(Control::default().line(&line).is_err());
+    }
+}

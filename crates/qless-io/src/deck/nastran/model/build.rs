@@ -1,0 +1,199 @@
+//! From cards to a model: coordinate systems, then the equations of every tie, then the load cases.
+
+use std::collections::BTreeSet;
+
+use super::cases;
+use super::exclusive;
+use super::points::{Point, Points, Twice, limited};
+use super::ties::{Element, Tie};
+use super::warnings::brief;
+use crate::deck::kinematics::rigid::Rigid;
+use crate::deck::kinematics::row::{Poses, Row};
+use crate::deck::kinematics::vector::minus;
+use crate::deck::nastran::cards::bulk::Bulk;
+use crate::deck::nastran::cards::elements::star;
+use crate::deck::nastran::cards::mpc::Term;
+use crate::deck::nastran::cards::notes::Note;
+use crate::deck::nastran::control::selected::{self, Sets};
+use crate::deck::nastran::fault::CardFault;
+use crate::deck::nastran::syntax::content::Content;
+use crate::deck::nastran::syntax::place::Place;
+use crate::deck::{DeckError, Dof, Model, Problem, Sources};
+
+/// What `RIGID` can change.
+const MULTIPLIERS: &str = "RIGID: rigid elements are kept by Lagrange multipliers or stiffness, so that no component of theirs is a slave; \
+                           that of an MPC card is";
+
+/// The model of a deck.
+pub fn model(mut content: Content, sources: &Sources) -> Result<Model, DeckError> {
+    let mut model = Model::new(sources.paths().to_vec());
+    for Note { at: (file, line), text, leaves_out } in std::mem::take(&mut content.bulk.warnings).0 {
+        if leaves_out { model.leave_out(file, line, text) } else { model.warn(file, line, text) }
+    }
+    let points = points(&mut content.bulk, &mut model)?;
+    let multiplied = content.control.as_ref().and_then(|control| control.multipliers());
+    if let Some((file, line)) = multiplied {
+        model.warn(file, line, MULTIPLIERS);
+    }
+    let selections = selected::selections(&content, &mut model);
+    let cases = selected::sets(selections, &content.bulk, &mut model)?;
+    let sets_of = ties(&content.bulk, &points, &cases, multiplied.is_some(), &mut model)?;
+    let mut prescribed = 0;
+    for (name, sets) in &cases {
+        let case = cases::case(name, sets, &sets_of, &content.bulk, &points, &mut model)?;
+        prescribed += case.prescribed.len();
+        limited(prescribed).map_err(|problem| too_many(&model, problem))?;
+        model.cases.push(case);
+    }
+    exclusive::claim(&content.bulk.exclusive, &points, &mut model)?;
+    model.warnings = brief(std::mem::take(&mut model.warnings));
+    Ok(model)
+}
+
+/// The points with their coordinate systems.
+pub fn points(bulk: &mut Bulk, model: &mut Model) -> Result<Points, DeckError> {
+    let usual = bulk.usual.as_ref().map(|(usual, _)| *usual).unwrap_or_default();
+    let points = Points::new(std::mem::take(&mut bulk.grids), std::mem::take(&mut bulk.scalars), usual);
+    let mut points = points.map_err(|twice| defined_twice(&twice, model))?;
+    points.resolve(&bulk.frames).map_err(|(frame, problem)| match bulk.frame_places.get(&frame) {
+        Some(place) => fail(place, problem, model),
+        None => DeckError { path: model.files[0].clone(), line: 0, card: "CORD".into(), field: None, problem },
+    })?;
+    Ok(points)
+}
+
+fn defined_twice(twice: &Twice, model: &mut Model) -> DeckError {
+    let (id, [first, second]) = &**twice;
+    let problem = CardFault::DefinedTwice { what: "grid point", id: *id, other: first.brief(model).into() };
+    fail(second, problem.into(), model)
+}
+
+/// An error of a card.
+pub fn fail(place: &Place, problem: Problem, model: &mut Model) -> DeckError {
+    let origin = place.origin(model);
+    model.error(origin, None, problem)
+}
+
+fn too_many(model: &Model, problem: Problem) -> DeckError {
+    DeckError { path: model.files[0].clone(), line: 0, card: "all subcases".into(), field: None, problem }
+}
+
+/// Equations of `MPC` cards with their set.
+pub type SetsOf = Vec<(u32, u32)>;
+
+/// Adds the equations of all ties that some case selects.
+fn ties(
+    bulk: &Bulk,
+    points: &Points,
+    cases: &[(String, Sets)],
+    is_multiplied: bool,
+    model: &mut Model,
+) -> Result<SetsOf, DeckError> {
+    let selected: BTreeSet<u32> = cases.iter().flat_map(|(_, sets)| sets.mpc.iter().copied()).collect();
+    let (mut sets_of, mut row) = (SetsOf::new(), Vec::new());
+    if !selected.is_empty() {
+        let (cards, terms) = bulk.ties.counts();
+        sets_of.reserve_exact(cards);
+        model.reserve(cards, terms);
+    }
+    for tie in bulk.ties.iter() {
+        match tie {
+            Tie::Mpc(card) if selected.contains(&card.set) => {
+                sets_of.push((model.equations() as u32, card.set));
+                let place = card.place();
+                mpc(bulk.ties.terms_of(card), &place, points, &mut row, model)?;
+                fix_copied(&place, bulk, model);
+            }
+            Tie::Mpc(_) => {}
+            Tie::Element(element, place) => {
+                let card = add(element, place, bulk, points, model)?;
+                if is_multiplied {
+                    model.keep_by_multipliers(card);
+                }
+            }
+        }
+    }
+    model.shrink();
+    Ok(sets_of)
+}
+
+/// An `MPC` card that others copy, or that is a copy, stays as it is.
+fn fix_copied(place: &Place, bulk: &Bulk, model: &mut Model) {
+    if bulk.fixed.contains(&(place.file, place.line)) {
+        let card = place.origin(model).card;
+        model.cards.fix(card, true);
+    }
+}
+
+/// Adds the equations of an element and returns the number of its card.
+fn add(element: &Element, place: &Place, bulk: &Bulk, points: &Points, model: &mut Model) -> Result<u32, DeckError> {
+    let rows = rows(element, points).and_then(finite).map_err(|problem| fail(place, problem, model))?;
+    let origin = place.origin(model);
+    model.cards.fix(origin.card, bulk.fixed.contains(&(place.file, place.line)));
+    for row in rows {
+        model.push(row.terms, 0.0, origin);
+    }
+    Ok(origin.card)
+}
+
+fn rows(element: &Element, points: &Points) -> Result<Vec<Row>, Problem> {
+    match element {
+        Element::Star(element) => star(element, points.expand(&element.dependent)?)?.rows(points),
+        Element::Rigid(element) => element.rows(points),
+        Element::Rod(element) => element.rows(points),
+        Element::Mean(element) => element.mean(|spans| points.expand(spans))?.rows(points),
+        Element::Joint(element) => joint(element, points),
+    }
+}
+
+/// The rows of a joint, whose points are at one place.
+fn joint(element: &Rigid, points: &Points) -> Result<Vec<Row>, Problem> {
+    let ends = element.independent.iter().zip(&element.dependent);
+    for (&(a, _), &(b, _)) in ends {
+        if minus(points.pose(a)?.position, points.pose(b)?.position) != [0.0; 3] {
+            return Err(CardFault::JointApart { a, b }.into());
+        }
+    }
+    element.rows(points)
+}
+
+/// Refuses coordinates so far apart that an equation cannot be written.
+fn finite(rows: Vec<Row>) -> Result<Vec<Row>, Problem> {
+    let whole = rows.iter().flat_map(|row| &row.terms).all(|(_, value)| value.is_finite());
+    let problem = || Problem::Degenerate { what: "the grid points are too far apart for 64-bit numbers".into() };
+    if whole { Ok(rows) } else { Err(problem()) }
+}
+
+/// Adds the equation of an `MPC` card, by way of `row`, which is filled anew.
+fn mpc(
+    terms: impl Iterator<Item = Term>,
+    place: &Place,
+    points: &Points,
+    row: &mut Vec<(Dof, f64)>,
+    model: &mut Model,
+) -> Result<(), DeckError> {
+    row.clear();
+    let mut is_unknown = false;
+    for (node, set, value) in terms {
+        let kind = points.kind(node);
+        is_unknown |= kind == Point::Unknown;
+        let dof = Points::dof(node, kind, set).map_err(|fault| fail(place, fault.into(), model))?;
+        row.push((dof, value));
+    }
+    if is_unknown {
+        warn_of_unknown(row.iter().map(|(dof, _)| dof.node), place, points, model);
+    }
+    let origin = place.origin(model);
+    model.push(row.iter().copied(), 0.0, origin);
+    Ok(())
+}
+
+/// Says which points of a card the deck does not define; scalar points may be those of elements.
+pub fn warn_of_unknown(nodes: impl Iterator<Item = u32>, place: &Place, points: &Points, model: &mut Model) {
+    let unknown: BTreeSet<u32> = nodes.filter(|&node| points.kind(node) == Point::Unknown).collect();
+    if let Some(first) = unknown.first() {
+        let more = if unknown.len() > 1 { format!(" and {} more", unknown.len() - 1) } else { String::new() };
+        let text = format!("{}: no GRID or SPOINT defines point {first}{more}; taken as it stands", place.name);
+        model.warn(place.file, place.line, text);
+    }
+}

@@ -1,0 +1,213 @@
+//! A card of bulk data: its name and the data fields of its line and of the lines that continue it.
+
+use super::content::At;
+use super::fields::{Fields, name_in, split};
+use super::number::real;
+use crate::deck::kinematics::components::Components;
+use crate::deck::{CardName, Problem};
+use crate::fault::quote;
+use crate::number::whole;
+
+/// Data fields of a line; fields of continuations count on from multiples of it.
+pub const PER_LINE: usize = 8;
+
+/// A line of a card.
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    at: At,
+    /// Its first data field.
+    first: u32,
+    /// Whether other cards stand between it and the line before, or it is in another file.
+    is_apart: bool,
+}
+
+/// A card. It is filled anew for each one, so that a deck of a million cards allocates no more than one of ten.
+#[derive(Clone, Debug, Default)]
+pub struct Card {
+    /// The name in capitals.
+    pub name: &'static str,
+    /// File and first line.
+    pub file: u32,
+    pub line: u32,
+    text: Vec<u8>,
+    /// Where each data field ends in `text`.
+    ends: Vec<u32>,
+    lines: Vec<Part>,
+    /// How the last line names its continuation.
+    mark: Vec<u8>,
+}
+
+/// Where and why a card was refused.
+#[derive(Debug)]
+pub struct Refused {
+    pub at: At,
+    pub field: Option<usize>,
+    pub problem: Problem,
+}
+
+impl Card {
+    /// Starts anew at a line that has been cleaned of its comment.
+    pub fn begin(&mut self, name: &'static str, line: &[u8], at: At) -> Result<(), Refused> {
+        self.restart(name, at);
+        self.take(&split(line).map_err(|problem| refused(at, problem))?, at, false);
+        Ok(())
+    }
+
+    /// Goes on with a continuation line; `is_apart` where other cards stand between.
+    pub fn extend(&mut self, line: &[u8], at: At, is_apart: bool) -> Result<(), Refused> {
+        let was_apart = self.lines.last().is_some_and(|last| last.is_apart);
+        let fields = split(line).map_err(|problem| refused(at, problem))?;
+        self.take(&fields, at, is_apart || was_apart || at.0 != self.file);
+        Ok(())
+    }
+
+    /// Becomes a card of the same name with these fields, all in one line.
+    pub fn become_copy(&mut self, fields: &[Vec<u8>], at: At) {
+        self.restart(self.name, at);
+        self.lines.push(Part { at, first: 0, is_apart: false });
+        fields.iter().for_each(|field| self.push(field));
+    }
+
+    fn restart(&mut self, name: &'static str, at: At) {
+        self.text.clear();
+        self.ends.clear();
+        self.lines.clear();
+        self.mark.clear();
+        self.name = name;
+        (self.file, self.line) = at;
+    }
+
+    fn take(&mut self, fields: &Fields, at: At, is_apart: bool) {
+        // Half a line in large field before one in small field counts as a whole one.
+        if fields.data().len() == PER_LINE {
+            while !self.ends.len().is_multiple_of(PER_LINE) {
+                self.ends.push(self.text.len() as u32);
+            }
+        }
+        self.lines.push(Part { at, first: self.ends.len() as u32, is_apart });
+        fields.data().iter().chain(&fields.more).for_each(|field| self.push(field));
+        self.mark.clear();
+        self.mark.extend_from_slice(fields.mark);
+    }
+
+    fn push(&mut self, field: &[u8]) {
+        self.text.extend_from_slice(field);
+        self.ends.push(self.text.len() as u32);
+    }
+
+    /// The name of the line that continues the card, in capitals; empty if it names none.
+    pub fn continues_in(&self) -> Vec<u8> {
+        name_in(&self.mark)
+    }
+
+    /// Whether it has this one line.
+    pub fn is_one_line(&self) -> bool {
+        self.lines.len() == 1 && self.ends.len() <= PER_LINE
+    }
+
+    /// Data field `i` from 0; blank beyond the last.
+    pub fn field(&self, i: usize) -> &[u8] {
+        let Some(&end) = self.ends.get(i) else { return b"" };
+        let start = if i == 0 { 0 } else { self.ends[i - 1] };
+        &self.text[start as usize..end as usize]
+    }
+
+    pub fn is_blank(&self, i: usize) -> bool {
+        self.field(i).is_empty()
+    }
+
+    /// Number of data fields up to the last that is filled.
+    pub fn len(&self) -> usize {
+        (0..self.ends.len()).rev().find(|&i| !self.is_blank(i)).map_or(0, |i| i + 1)
+    }
+
+    /// Number of lines from the first to the last of those that stand together.
+    pub fn span(&self) -> u32 {
+        let together = self.lines.iter().take_while(|part| !part.is_apart);
+        together.last().map_or(1, |part| (part.at.1 + 1).saturating_sub(self.line).max(1))
+    }
+
+    /// The last line.
+    pub fn last(&self) -> At {
+        self.lines.last().map_or((self.file, self.line), |part| part.at)
+    }
+
+    /// Where the lines are that stand elsewhere.
+    pub fn apart(&self) -> impl Iterator<Item = At> {
+        self.lines.iter().filter(|part| part.is_apart).map(|part| part.at)
+    }
+
+    /// The card's name with its number, as `RBE2 12`.
+    pub fn title(&self) -> CardName {
+        match whole(self.field(0)).map(|id| (id, u32::try_from(id))) {
+            Some((_, Ok(id))) => CardName::numbered(self.name, id),
+            Some((id, _)) => format!("{} {id}", self.name).into(),
+            None => self.name.into(),
+        }
+    }
+
+    /// A whole number from 1.
+    pub fn id(&self, i: usize, what: &'static str) -> Result<u32, Refused> {
+        self.optional_id(i, what)?.ok_or_else(|| self.expected(i, what))
+    }
+
+    /// A whole number from 0; none where the field is blank.
+    pub fn optional_whole(&self, i: usize, what: &'static str) -> Result<Option<u32>, Refused> {
+        let word = self.field(i);
+        if word.is_empty() {
+            return Ok(None);
+        }
+        let number = whole(word).and_then(|value| u32::try_from(value).ok());
+        number.map(Some).ok_or_else(|| self.expected(i, what))
+    }
+
+    pub fn optional_id(&self, i: usize, what: &'static str) -> Result<Option<u32>, Refused> {
+        match self.optional_whole(i, what)? {
+            Some(0) => Err(self.expected(i, what)),
+            other => Ok(other),
+        }
+    }
+
+    /// A real number; none where the field is blank.
+    pub fn real(&self, i: usize) -> Result<Option<f64>, Refused> {
+        let word = self.field(i);
+        if word.is_empty() {
+            return Ok(None);
+        }
+        let number = |fault| self.at(i, Problem::Number { found: quote(word), fault });
+        match real(word) {
+            // Too small to be told from zero is zero, as in the solver.
+            Err(crate::NumberFault::Underflow) => Ok(Some(0.0)),
+            other => other.map(Some).map_err(number),
+        }
+    }
+
+    /// Component numbers, blanks among them or not; the empty set where the field is blank or 0.
+    pub fn components(&self, i: usize) -> Result<Components, Refused> {
+        const EXPECTED: &str = "component numbers: digits from 1 to 6";
+        let digits: Vec<u8> = self.field(i).iter().copied().filter(|byte| !byte.is_ascii_whitespace()).collect();
+        Components::parse(&digits).ok_or_else(|| self.expected(i, EXPECTED))
+    }
+
+    /// Component numbers, at least one.
+    pub fn some_components(&self, i: usize) -> Result<Components, Refused> {
+        const EXPECTED: &str = "one or more component numbers from 1 to 6";
+        Some(self.components(i)?).filter(|set| !set.is_empty()).ok_or_else(|| self.expected(i, EXPECTED))
+    }
+
+    /// Field `i` holds something else than `what`.
+    pub fn expected(&self, i: usize, what: &'static str) -> Refused {
+        self.at(i, Problem::Expected { expected: what, found: quote(self.field(i)) })
+    }
+
+    /// A problem of field `i`, which counts from 2 in its line as the card's name is field 1.
+    pub fn at(&self, i: usize, problem: Problem) -> Refused {
+        let own = self.lines.iter().rfind(|part| part.first as usize <= i);
+        let (at, first) = own.map_or(((self.file, self.line), 0), |part| (part.at, part.first as usize));
+        Refused { at, field: Some(i - first + 2), problem }
+    }
+}
+
+fn refused(at: At, problem: Problem) -> Refused {
+    Refused { at, field: None, problem }
+}

@@ -1,0 +1,166 @@
+//! Continuations that are not the next line: a card that goes on as `+A` and the line that begins with `+A`, wherever they stand.
+
+use std::collections::{BTreeMap, VecDeque};
+
+use super::card::{Card, Refused};
+use super::content::At;
+use super::fields::{mark, name_in, split};
+use crate::deck::nastran::fault::CardFault;
+
+/// Cards that go on elsewhere and lines that nobody has claimed yet, in the order of the deck.
+#[derive(Debug, Default)]
+pub struct Continuations {
+    claims: Vec<Claim>,
+    pieces: Vec<Piece>,
+}
+
+/// A card that goes on in lines of a name; none where the card is not read.
+#[derive(Debug)]
+struct Claim {
+    card: Option<Card>,
+    name: Vec<u8>,
+    /// The piece right after a card that names none: its own, if no other card claims it.
+    next: Option<usize>,
+}
+
+/// Lines that go on with some card.
+#[derive(Debug)]
+struct Piece {
+    name: Vec<u8>,
+    /// How its last line names the next.
+    mark: Vec<u8>,
+    lines: Vec<(At, Vec<u8>)>,
+    /// Whether it may be that of the unread card before it.
+    may_be_unread: bool,
+    is_taken: bool,
+}
+
+/// What stands right before a continuation line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Before {
+    Nothing,
+    /// The card that is being read.
+    Read,
+    /// A card that is not read.
+    Unread,
+    /// The last piece.
+    Piece,
+}
+
+impl Continuations {
+    /// A card that goes on in a line of this name.
+    pub fn claim(&mut self, name: Vec<u8>, card: Option<Card>) {
+        self.claims.push(Claim { card, name, next: None });
+    }
+
+    /// A card that names no line, before one that begins with a name.
+    pub fn claim_next(&mut self, card: Card) {
+        self.claims.push(Claim { card: Some(card), name: Vec::new(), next: Some(self.pieces.len()) });
+    }
+
+    /// A line that does not go on with what stands before it.
+    pub fn start(&mut self, name: Vec<u8>, line: &[u8], at: At, may_be_unread: bool) {
+        let lines = vec![(at, line.to_vec())];
+        self.pieces.push(Piece { name, mark: name_in(mark(line)), lines, may_be_unread, is_taken: false });
+    }
+
+    /// Whether a line of this name goes on with the last piece.
+    pub fn goes_on(&self, name: &[u8]) -> bool {
+        self.pieces.last().is_some_and(|piece| name.is_empty() || piece.mark == name)
+    }
+
+    /// Adds a line to the last piece.
+    pub fn extend(&mut self, line: &[u8], at: At) {
+        if let Some(piece) = self.pieces.last_mut() {
+            piece.mark = name_in(mark(line));
+            piece.lines.push((at, line.to_vec()));
+        }
+    }
+
+    /// The cards, each with all of its lines, in the order of the deck.
+    ///
+    /// # Errors
+    /// A card whose continuation never comes, with the card; a line that no card claims.
+    pub fn finish(mut self) -> Result<Vec<Card>, (Option<Card>, Refused)> {
+        let mut by_name: BTreeMap<Vec<u8>, VecDeque<usize>> = BTreeMap::new();
+        for (i, piece) in self.pieces.iter().enumerate() {
+            by_name.entry(piece.name.clone()).or_default().push_back(i);
+        }
+        let mut cards = Vec::with_capacity(self.claims.len());
+        // Those that name their lines come first: what they leave is that of the card before it.
+        let claims = std::mem::take(&mut self.claims);
+        for claim in claims.iter().filter(|claim| claim.next.is_none()) {
+            cards.extend(self.complete(claim, &mut by_name)?);
+        }
+        for claim in claims.iter().filter(|claim| claim.next.is_some()) {
+            cards.extend(self.complete(claim, &mut by_name)?);
+        }
+        if let Some(orphan) = self.pieces.iter().find(|piece| !piece.is_taken && !piece.may_be_unread) {
+            let found = String::from_utf8_lossy(&orphan.name).into();
+            return Err((
+                None,
+                Refused { at: orphan.lines[0].0, field: None, problem: CardFault::Orphan { found }.into() },
+            ));
+        }
+        cards.sort_by_key(|card| (card.file, card.line));
+        Ok(cards)
+    }
+
+    /// The card of a claim with all of its lines, which are taken.
+    fn complete(
+        &mut self,
+        claim: &Claim,
+        by_name: &mut BTreeMap<Vec<u8>, VecDeque<usize>>,
+    ) -> Result<Option<Card>, (Option<Card>, Refused)> {
+        let (mut card, mut name) = (claim.card.clone(), claim.name.clone());
+        if let Some(next) = claim.next.filter(|&next| !self.pieces[next].is_taken) {
+            name = self.take(next, card.as_mut(), false)?;
+        }
+        while !name.is_empty() {
+            let free = by_name.get_mut(&name).and_then(|pieces| {
+                std::iter::from_fn(|| pieces.pop_front()).find(|&piece| !self.pieces[piece].is_taken)
+            });
+            match (free, card.as_mut()) {
+                (Some(piece), card) => name = self.take(piece, card, true)?,
+                (None, None) => break,
+                (None, Some(card)) => {
+                    let expected = String::from_utf8_lossy(&name).into();
+                    let refused = Refused {
+                        at: card.last(),
+                        field: None,
+                        problem: CardFault::NoContinuation { expected }.into(),
+                    };
+                    return Err((Some(card.clone()), refused));
+                }
+            }
+        }
+        Ok(card)
+    }
+
+    /// Adds a piece to a card, if that is read; returns the name of the next.
+    fn take(
+        &mut self,
+        piece: usize,
+        card: Option<&mut Card>,
+        is_apart: bool,
+    ) -> Result<Vec<u8>, (Option<Card>, Refused)> {
+        let piece = &mut self.pieces[piece];
+        piece.is_taken = true;
+        if let Some(card) = card {
+            for (at, line) in &piece.lines {
+                card.extend(line, *at, is_apart).map_err(|refused| (Some(card.clone()), refused))?;
+            }
+        }
+        Ok(piece.mark.clone())
+    }
+}
+
+/// The name that a continuation line begins with, in capitals; none where it begins with a bare `+`, `*` or blanks.
+pub fn name_of(line: &[u8]) -> Vec<u8> {
+    split(line).map(|fields| fields.name.to_ascii_uppercase()).unwrap_or_default()
+}
+
+/// Whether all that a card of this name says is in one line, so that what stands in its last field is a remark.
+pub fn is_always_one_line(name: &str) -> bool {
+    matches!(name, "GRID" | "GRDSET" | "SPC" | "SPCD" | "FORCE" | "MOMENT" | "SLOAD") || name.starts_with("CORD1")
+}

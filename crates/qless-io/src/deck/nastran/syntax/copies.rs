@@ -1,0 +1,109 @@
+//! Copies of the card before: `=,*1,=,*(0.5),==` and `=(3)`, which makes three more in the same way.
+//!
+//! | field | the copy has |
+//! | --- | --- |
+//! | `=` | the field of the card before |
+//! | `==` | that, and so for all fields from here on |
+//! | `*x`, `*(x)` | that, and x added to it |
+//! | anything else | what stands here |
+
+use super::card::{Card, PER_LINE, Refused};
+use super::content::At;
+use super::fields::split;
+use super::number::real;
+use crate::deck::Problem;
+use crate::fault::quote;
+
+/// Copies of one line at most.
+const COPIES: usize = 10_000_000;
+
+/// How a copy differs from the card before it, field by field.
+#[derive(Clone, Debug, Default)]
+pub struct Change(Vec<Vec<u8>>);
+
+/// How many copies a line makes, and how; what it leaves blank is as in the line before.
+pub fn read(line: &[u8], before: Option<&Change>, at: At) -> Result<(usize, Change), Refused> {
+    const EXPECTED: &str = "`=`, `=n` or `=(n)`, and for a first copy what changes in it";
+    let refused = |problem| Refused { at, field: None, problem };
+    let fields = split(line).map_err(refused)?;
+    let expected = || refused(Problem::Expected { expected: EXPECTED, found: quote(line.trim_ascii()) });
+    let number = inner(fields.name.strip_prefix(b"=").unwrap_or_default());
+    let count = if number.is_empty() { Some(1) } else { crate::number::whole(number) };
+    let count = count.ok_or_else(expected)?;
+    if count > COPIES {
+        let advice = "write fewer of them";
+        return Err(refused(Problem::Limit { what: "the number of copies", limit: COPIES, advice }));
+    }
+    let own: Vec<Vec<u8>> = fields.data().iter().map(|field| field.to_vec()).collect();
+    let change = match own.iter().all(Vec::is_empty) {
+        true => before.cloned().ok_or_else(expected)?,
+        false => Change(own),
+    };
+    Ok((count, change))
+}
+
+impl Change {
+    /// Makes the card its next copy.
+    pub fn apply(&self, card: &mut Card, at: At) -> Result<(), Refused> {
+        let mut fields = Vec::with_capacity(PER_LINE);
+        let mut is_rest = false;
+        for i in 0..PER_LINE {
+            let own = self.0.get(i).map_or(&b""[..], Vec::as_slice);
+            is_rest |= own == b"==";
+            let before = card.field(i);
+            fields.push(match own.strip_prefix(b"*") {
+                _ if is_rest || own == b"=" => before.to_vec(),
+                Some(step) => {
+                    sum(before, inner(step)).ok_or_else(|| Refused { at, ..card.expected(i, "a number to add to") })?
+                }
+                None => own.to_vec(),
+            });
+        }
+        card.become_copy(&fields, at);
+        Ok(())
+    }
+}
+
+/// The text between brackets, if there are any.
+fn inner(text: &[u8]) -> &[u8] {
+    text.strip_prefix(b"(").and_then(|text| text.strip_suffix(b")")).unwrap_or(text).trim_ascii()
+}
+
+/// The sum of two numbers: whole if both are.
+fn sum(a: &[u8], b: &[u8]) -> Option<Vec<u8>> {
+    let whole = |text: &[u8]| std::str::from_utf8(text).ok()?.parse::<i64>().ok();
+    if let (Some(a), Some(b)) = (whole(a), whole(b)) {
+        return a.checked_add(b).map(|sum| sum.to_string().into_bytes());
+    }
+    Some(format!("{:?}", real(a).ok()? + real(b).ok()?).into_bytes())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn copies_count_on() {
+        let mut card = Card::default();
+        card.begin("GRID", b"GRID,101,17,1.0,10.5,,17,3456", (0, 1)).expect("a card");
+        let (one, change) = read(b"=,*1,=,*(0.25),*-1.,==", None, (0, 2)).expect("a copy");
+        let (three, again) = read(b"=(3)", Some(&change), (0, 3)).expect("copies");
+        assert_eq!((one, three), (1, 3));
+        for _ in 0..4 {
+            again.apply(&mut card, (0, 3)).expect("a copy");
+        }
+        let words: Vec<&[u8]> = (0..8).map(|i| card.field(i)).collect();
+        assert_eq!(words, [&b"105"[..], b"17", b"2.0", b"6.5", b"", b"17", b"3456", b""]);
+    }
+
+    #[test]
+    fn what_cannot_be_copied_is_refused() {
+        assert!(read(b"=(3)", None, (0, 2)).is_err(), "nothing says how");
+        assert!(read(b"=x,*1", None, (0, 2)).is_err());
+        assert!(read(b"=(99999999),*1", None, (0, 2)).is_err());
+        let mut card = Card::default();
+        card.begin("GRID", b"GRID,1,,1.", (0, 1)).expect("a card");
+        let (_, change) = read(b"=,*1,*1", None, (0, 2)).expect("a copy");
+        assert!(change.apply(&mut card, (0, 2)).is_err(), "a blank has no sum");
+    }
+}

@@ -1,0 +1,254 @@
+//! One line of bulk data as fields: `name | 8 data fields of 8 columns | mark`, or 4 of 16 after a `*`, or by commas.
+//!
+//! | form  | when                       | name    | data                  | continuation mark |
+//! | ----- | -------------------------- | ------- | --------------------- | ----------------- |
+//! | small | otherwise                  | 1 to 8  | 8 fields of 8 columns | 73 to 80          |
+//! | large | the first field has a `*`  | 1 to 8  | 4 fields of 16        | 73 to 80          |
+//! | free  | a comma among the first 16 | first   | 8, or 4 with a `*`    | the field after   |
+//!
+//! In free field data may go on after the last field where a mark would stand, as if in the next line.
+//! A tab stands for blanks up to the next multiple of 8. What follows a `$` is a comment.
+
+use std::borrow::Cow;
+
+use super::number::real;
+use crate::deck::Problem;
+use crate::deck::nastran::fault::CardFault;
+
+const NAME: usize = 8;
+const END_OF_DATA: usize = 72;
+const END: usize = 80;
+
+/// One line, split. Every field is trimmed.
+#[derive(Debug, PartialEq)]
+pub struct Fields<'a> {
+    /// The first field without its `*` or `+`; of a continuation, what follows that mark.
+    pub name: &'a [u8],
+    /// The data fields.
+    data: [&'a [u8]; 8],
+    /// How many of them the line has: 8, or 4 in large field.
+    count: usize,
+    /// In free field, data fields beyond these: those of continuations that the line itself goes on with.
+    pub more: Vec<&'a [u8]>,
+    /// The field after the data, where a card names its continuation.
+    pub mark: &'a [u8],
+}
+
+impl<'a> Fields<'a> {
+    pub fn data(&self) -> &[&'a [u8]] {
+        &self.data[..self.count]
+    }
+}
+
+/// The line without its comment, tabs expanded where columns count.
+pub fn content(line: &[u8]) -> Cow<'_, [u8]> {
+    // Few lines have either.
+    let Some(first) = memchr::memchr2(b'$', b'\t', line) else { return Cow::Borrowed(line.trim_ascii_end()) };
+    let end = memchr::memchr(b'$', &line[first..]).map_or(line.len(), |end| first + end);
+    let line = line[..end].trim_ascii_end();
+    if line.contains(&b'\t') && !is_free(line) { Cow::Owned(expand_tabs(line)) } else { Cow::Borrowed(line) }
+}
+
+fn expand_tabs(line: &[u8]) -> Vec<u8> {
+    let mut wide = Vec::with_capacity(line.len() + 64);
+    for &byte in line {
+        if byte == b'\t' {
+            wide.resize(wide.len() / NAME * NAME + NAME, b' ');
+        } else {
+            wide.push(byte);
+        }
+    }
+    wide
+}
+
+/// True if the line goes on with the card before it: its first field is blank, or starts with `+` or `*`.
+pub fn continues(line: &[u8]) -> bool {
+    matches!(line.first(), Some(b' ' | b'+' | b'*' | b',' | b'\t')) && !starts_late(line)
+}
+
+/// A card that was indented: blanks, then a name within the first field.
+fn starts_late(line: &[u8]) -> bool {
+    let first = &line[..line.len().min(NAME)];
+    line[0] == b' ' && first.iter().find(|&&byte| byte != b' ').is_some_and(u8::is_ascii_alphabetic)
+}
+
+/// The fields of a line that [`content`] has cleaned.
+pub fn split(line: &[u8]) -> Result<Fields<'_>, Problem> {
+    if is_free(line) { free(line) } else { Ok(fixed(line)) }
+}
+
+/// In columns, no comma can stand in the name or the first data field; one further on is part of a text.
+fn is_free(line: &[u8]) -> bool {
+    line[..line.len().min(2 * NAME)].contains(&b',')
+}
+
+fn fixed(line: &[u8]) -> Fields<'_> {
+    let (name, wide) = name(columns(line, 0, NAME));
+    let (count, width) = if wide { (4, 16) } else { (8, 8) };
+    let mut data = [&b""[..]; 8];
+    for (k, field) in data[..count].iter_mut().enumerate() {
+        *field = columns(line, NAME + k * width, NAME + (k + 1) * width);
+    }
+    Fields { name, data, count, more: Vec::new(), mark: columns(line, END_OF_DATA, END) }
+}
+
+fn columns(line: &[u8], from: usize, to: usize) -> &[u8] {
+    line.get(from..to.min(line.len())).unwrap_or_default().trim_ascii()
+}
+
+fn free(line: &[u8]) -> Result<Fields<'_>, Problem> {
+    let mut words = line.split(|&byte| byte == b',').map(<[u8]>::trim_ascii);
+    let (name, wide) = name(words.next().unwrap_or_default());
+    let count = if wide { 4 } else { 8 };
+    let mut data = [&b""[..]; 8];
+    for (field, word) in data[..count].iter_mut().zip(words.by_ref()) {
+        *field = word;
+    }
+    let (more, mark) = beyond(&words.collect::<Vec<_>>(), count)?;
+    let fields = Fields { name, data, count, more, mark };
+    // In a copy an asterisk stands before an increment.
+    Ok(if is_copy(name) { fields } else { without_early_mark(fields) })
+}
+
+/// What stands after the data fields: the mark, or more data up to a mark.
+fn beyond<'a>(words: &[&'a [u8]], count: usize) -> Result<(Vec<&'a [u8]>, &'a [u8]), Problem> {
+    let filled = words.iter().rposition(|word| !word.is_empty()).map_or(0, |last| last + 1);
+    let words = &words[..filled];
+    // A blank could be the place of a mark or a blank datum, and what follows a mark its name in the next line.
+    let is_data = words.first().is_some_and(|word| !word.is_empty() && !is_mark(word));
+    let (more, mark) = match words.split_last() {
+        Some((mark, more)) if more.is_empty() && is_mark(mark) || is_name(mark) => (more, *mark),
+        _ => (words, &b""[..]),
+    };
+    match more.iter().find(|word| !word.is_empty() && (!is_data || is_name(word))) {
+        Some(found) => Err(CardFault::too_many_fields(count, found)),
+        None => Ok((more.to_vec(), mark)),
+    }
+}
+
+/// A mark among data.
+fn is_name(word: &[u8]) -> bool {
+    is_mark(word) && real(word).is_err()
+}
+
+/// Whether the line with this first field is a copy of the card before it.
+pub fn is_copy(name: &[u8]) -> bool {
+    name.first() == Some(&b'=')
+}
+
+/// How the line names its continuation, without splitting all of it.
+pub fn mark(line: &[u8]) -> &[u8] {
+    if !is_free(line) {
+        return columns(line, END_OF_DATA, END);
+    }
+    let last = line.trim_ascii_end().rsplit(|&byte| byte == b',').find(|word| !word.trim_ascii().is_empty());
+    last.map(<[u8]>::trim_ascii).filter(|word| is_mark(word) && real(word).is_err()).unwrap_or_default()
+}
+
+/// The name that a mark gives a continuation: what follows its `+` or `*`, in capitals; empty if it gives none.
+pub fn name_in(mark: &[u8]) -> Vec<u8> {
+    let name = mark.strip_prefix(b"+").or(mark.strip_prefix(b"*")).unwrap_or_default();
+    name.trim_ascii().to_ascii_uppercase()
+}
+
+fn is_mark(word: &[u8]) -> bool {
+    matches!(word.first(), None | Some(b'+' | b'*'))
+}
+
+/// `MPC,1,2,3,1.0,+` ends early: a last field that is no number but starts with `+` is the mark.
+fn without_early_mark(mut fields: Fields<'_>) -> Fields<'_> {
+    let Some(last) = fields.data.iter().rposition(|field| !field.is_empty()) else { return fields };
+    let word = fields.data[last];
+    if matches!(word[0], b'+' | b'*') && real(word).is_err() {
+        fields.mark = word;
+        fields.data[last] = b"";
+    }
+    fields
+}
+
+/// The name and whether the line is in large field.
+fn name(first: &[u8]) -> (&[u8], bool) {
+    if let Some(rest) = first.strip_prefix(b"*") {
+        return (rest.trim_ascii(), true);
+    }
+    let first = first.strip_prefix(b"+").unwrap_or(first).trim_ascii();
+    first.strip_suffix(b"*").map_or((first, false), |name| (name.trim_ascii(), true))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(line: &str) -> Vec<String> {
+        let line = content(line.as_bytes());
+        let fields = split(&line).expect("a line");
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        let data = fields.data().iter().map(|word| text(word));
+        std::iter::once(text(fields.name)).chain(data).chain([text(fields.mark)]).collect()
+    }
+
+    #[test]
+    fn small_field() {
+        let found = words("GRID    10611   2       0.      0.      -3.     2               123     +A $ no");
+        assert_eq!(found, ["GRID", "10611", "2", "0.", "0.", "-3.", "2", "", "123", "+A"]);
+        assert_eq!(words("MAT1    1   "), ["MAT1", "1", "", "", "", "", "", "", "", ""]);
+        assert_eq!(
+            words("CORD2R         7       013.8639613.86396    -20.")[2..6],
+            ["0", "13.86396", "13.86396", "-20."]
+        );
+    }
+
+    #[test]
+    fn large_field() {
+        let found = words("CORD2R*                2               0             0.0             0.5+ ");
+        assert_eq!(found, ["CORD2R", "2", "0", "0.0", "0.5", "+"]);
+        assert_eq!(words("*X                   0.0")[..2], ["X", "0.0"]);
+    }
+
+    #[test]
+    fn free_field() {
+        assert_eq!(words("grid, 124,12 ,31.,4.,-165.,12")[..7], ["grid", "124", "12", "31.", "4.", "-165.", "12"]);
+        assert_eq!(words("GRID*,1,,1.5,2.5,+a"), ["GRID", "1", "", "1.5", "2.5", "+a"]);
+        assert_eq!(words(",5,1,-1.0,+")[..5], ["", "5", "1", "-1.0", ""]);
+        assert_eq!(words("+a,5")[..2], ["a", "5"]);
+        assert_eq!(words("MPC,1,2,3,+1.0")[4], "+1.0");
+        assert_eq!(
+            words("SPC1    1       123     4                                               a,b")[..4],
+            ["SPC1", "1", "123", "4"]
+        );
+    }
+
+    #[test]
+    fn tabs_reach_the_next_field() {
+        assert_eq!(words("EIGC\t2\thess\t\t\t\t\t3 \t")[..9], ["EIGC", "2", "hess", "", "", "", "", "3", ""]);
+        assert_eq!(words("GRID,\t1,\t,2.0")[..4], ["GRID", "1", "", "2.0"]);
+    }
+
+    #[test]
+    fn too_many_words_are_refused() {
+        assert!(split(b"RBE2,1,2,3,4,5,6,7,8,,9").is_err());
+        assert!(split(b"RBE2,1,2,3,4,5,6,7,8,+,9").is_err());
+        assert!(split(b"RBE2,1,2,3,4,5,6,7,8,,").is_ok());
+    }
+
+    #[test]
+    fn data_go_on_beyond_the_last_field() {
+        let fields = split(b"RBE2,1,2,3,4,5,6,7,8,9,10,,12,+A").expect("a line");
+        assert_eq!((fields.more, fields.mark), (vec![&b"9"[..], b"10", b"", b"12"], &b"+A"[..]));
+        for (line, found) in [("MPC,1,2,+A", "+A"), ("MPC,1,2,+1.", ""), ("MPC,1,2,3", ""), ("CBAR    1   2", "")] {
+            assert_eq!(mark(line.as_bytes()), found.as_bytes(), "{line}");
+        }
+        assert_eq!(name_in(b"+ ab 1"), b"AB 1");
+        assert_eq!(name_in(b"12"), b"");
+    }
+
+    #[test]
+    fn continuations_are_told_from_cards() {
+        for line in ["+       1", "*       1", "        1", "\tUM\t1", ",1,2", "+a,1", "      "] {
+            assert!(continues(line.as_bytes()), "{line}");
+        }
+        for line in ["GRID", "  GRID,1", " MPC    1"] {
+            assert!(!continues(line.as_bytes()), "{line}");
+        }
+    }
+}

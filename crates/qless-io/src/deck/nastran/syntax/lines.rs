@@ -1,0 +1,141 @@
+//! The lines of a deck in the order in which they count, wherever `INCLUDE` puts them.
+
+use super::content::At;
+use super::fields::content;
+use crate::bytes::LINE;
+use crate::deck::{DeckError, Problem, Sources};
+use crate::fault::quote;
+
+/// A line, mostly without its comment.
+pub struct Line<'a> {
+    pub file: u32,
+    /// From 1.
+    pub number: u32,
+    pub text: &'a [u8],
+}
+
+impl Line<'_> {
+    pub fn at(&self) -> At {
+        (self.file, self.number)
+    }
+}
+
+/// An `INCLUDE` that was followed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Include {
+    pub file: u32,
+    /// Its first line, from 1.
+    pub line: u32,
+    pub lines: u32,
+    /// The file that it includes.
+    pub inner: u32,
+}
+
+/// What is done with the lines.
+pub trait Visitor {
+    /// Takes a line as it stands, comments included, that no other continues; false leaves it to `line`.
+    fn quick(&mut self, line: &Line, sources: &Sources) -> Result<bool, DeckError>;
+
+    /// Takes a line that is no `INCLUDE`; false ends the reading.
+    fn line(&mut self, line: &Line, sources: &Sources) -> Result<bool, DeckError>;
+
+    /// Takes note of an include before the lines of its file.
+    fn included(&mut self, include: Include);
+
+    /// Decides about an included file that cannot be read: the error, or a way on without it.
+    fn unreadable(&mut self, error: DeckError) -> Result<(), DeckError>;
+}
+
+/// Visits all lines that are neither blank nor comments.
+pub fn walk(sources: &mut Sources, visitor: &mut impl Visitor) -> Result<(), DeckError> {
+    file(sources, 0, 0, visitor).map(|_| ())
+}
+
+/// One file; false if the reading ends within it.
+fn file(sources: &mut Sources, number: usize, depth: usize, visitor: &mut impl Visitor) -> Result<bool, DeckError> {
+    let bytes = sources.text(number);
+    let mut rest = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
+    let mut line = 0;
+    while !rest.is_empty() {
+        let (first, text) = (line + 1, next(&mut rest, &mut line));
+        // A letter begins another card, but for `INCLUDE`, after which this one may go on.
+        let is_last = rest.first().is_some_and(|&byte| byte.is_ascii_alphabetic() && !matches!(byte, b'I' | b'i'));
+        if is_last && visitor.quick(&Line { file: number as u32, number: first as u32, text }, sources)? {
+            continue;
+        }
+        if text.len() > LINE {
+            let problem = Problem::Limit { what: "the length of a line", limit: LINE, advice: "break it" };
+            return Err(error(sources, number, first, problem));
+        }
+        let text = content(text);
+        if text.trim_ascii_start().is_empty() {
+            continue;
+        }
+        if !is_include(&text) {
+            let line = Line { file: number as u32, number: first as u32, text: &text };
+            if !visitor.line(&line, sources)? {
+                return Ok(false);
+            }
+            continue;
+        }
+        let name = file_name(&text, &mut rest, &mut line).ok_or_else(|| open_quote(sources, number, first, &text))?;
+        // Decks come from systems where a backslash stands between folders.
+        let name = if cfg!(windows) { name } else { name.replace('\\', "/") };
+        match sources.include(&name, number, first, depth) {
+            Ok(inner) => {
+                let (lines, inner_file) = ((line + 1 - first) as u32, inner as u32);
+                visitor.included(Include { file: number as u32, line: first as u32, lines, inner: inner_file });
+                if !file(sources, inner, depth + 1, visitor)? {
+                    return Ok(false);
+                }
+            }
+            Err(error) => visitor.unreadable(error)?,
+        }
+    }
+    Ok(true)
+}
+
+/// The next line, without its end.
+fn next<'a>(rest: &mut &'a [u8], line: &mut usize) -> &'a [u8] {
+    let end = memchr::memchr(b'\n', rest).unwrap_or(rest.len());
+    let text = &rest[..end];
+    *rest = rest.get(end + 1..).unwrap_or_default();
+    *line += 1;
+    text.strip_suffix(b"\r").unwrap_or(text)
+}
+
+fn is_include(text: &[u8]) -> bool {
+    const WORD: &[u8] = b"INCLUDE";
+    let text = text.trim_ascii_start();
+    text.len() > WORD.len()
+        && text[..WORD.len()].eq_ignore_ascii_case(WORD)
+        && matches!(text[WORD.len()], b' ' | b'\t' | b'\'' | b'"' | b'=')
+}
+
+/// The name after `INCLUDE`: one word, or what stands between quotes, which may go on in further lines.
+fn file_name(text: &[u8], rest: &mut &[u8], line: &mut usize) -> Option<String> {
+    let word = text.trim_ascii_start()[b"INCLUDE".len()..].trim_ascii();
+    let word = word.strip_prefix(b"=").unwrap_or(word).trim_ascii();
+    let Some(quote) = word.first().copied().filter(|byte| matches!(byte, b'\'' | b'"')) else {
+        return Some(String::from_utf8_lossy(word).into_owned());
+    };
+    let mut name = word[1..].to_vec();
+    loop {
+        if let Some(end) = name.iter().position(|&byte| byte == quote) {
+            return Some(String::from_utf8_lossy(&name[..end]).into_owned());
+        }
+        if rest.is_empty() || name.len() > LINE {
+            return None;
+        }
+        name.extend_from_slice(next(rest, line).trim_ascii());
+    }
+}
+
+fn open_quote(sources: &Sources, file: usize, line: usize, text: &[u8]) -> DeckError {
+    let expected = "a file name between quotes, as in INCLUDE 'mesh.bdf'";
+    error(sources, file, line, Problem::Expected { expected, found: quote(text.trim_ascii()) })
+}
+
+fn error(sources: &Sources, file: usize, line: usize, problem: Problem) -> DeckError {
+    DeckError { path: sources.path(file).to_path_buf(), line, card: "deck".into(), field: None, problem }
+}

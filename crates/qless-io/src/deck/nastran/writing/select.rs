@@ -1,0 +1,94 @@
+//! Changes to case control and to `MPCADD` cards, so that each subcase selects what it has to.
+
+use super::target::Targets;
+use super::write::Change;
+use crate::deck::nastran::control::subcases::{Choice, Control, Leaf};
+use crate::deck::nastran::syntax::content::Content;
+
+/// Fields of a set number in a line of a union.
+const FIELD: usize = 8;
+
+/// All of these changes.
+pub fn changes(content: &Content, targets: &Targets) -> Vec<Change> {
+    let mut changes = unions(content, targets);
+    let Some(control) = &content.control else { return changes };
+    if let (Some(set), Some(at)) = (targets.common(), content.landmarks.control) {
+        changes.push((at, 0, format!("$ qless: selects the equations written below\nMPC = {set}\n")));
+        // Where no selection is in force, those that are there would take the place of the new one.
+        changes.extend(control.mpc_choices.iter().map(|(_, choice)| gone(choice, "another set is selected")));
+        return changes;
+    }
+    let mut replaced = Vec::new();
+    for (leaves, &(before, after)) in control.cases().iter().zip(&targets.selected) {
+        let Some(set) = after.filter(|_| after != before) else { continue };
+        for leaf in leaves {
+            replaced.push(leaf.holder);
+            changes.extend(select(leaf, set, control));
+        }
+    }
+    let dead = |(holder, choice): &&(usize, Choice)| targets.dead.contains(&choice.set) && !replaced.contains(holder);
+    let is_selected_above = control.above().is_some_and(|set| !targets.dead.contains(&set));
+    for (holder, choice) in control.mpc_choices.iter().filter(dead) {
+        let (at, lines, mut text) = gone(choice, "the set has no cards left");
+        // Without a line of its own the subcase would take what is selected above.
+        text.push_str(if *holder > 0 && is_selected_above { "MPC = 0\n" } else { "" });
+        changes.push((at, lines, text));
+    }
+    changes
+}
+
+/// Lets a subcase or a step select a set, in the place of what it selects itself.
+fn select(leaf: &Leaf, set: u32, control: &Control) -> Vec<Change> {
+    const WHY: &str = "$ qless: selects the equations written below\n";
+    let own = control.mpc_choices.iter().filter(|(holder, _)| *holder == leaf.holder);
+    let mut changes: Vec<Change> = own.map(|(_, choice)| gone(choice, "another set is selected")).collect();
+    match (changes.last_mut(), control.opened(leaf.holder)) {
+        (Some((.., text)), _) => text.push_str(&format!("{WHY}MPC = {set}\n")),
+        (None, Some((file, line))) => changes.push(((file, line + 1), 0, format!("{WHY}MPC = {set}\n"))),
+        // A deck without subcases that selects a set has a line that does.
+        (None, None) => {}
+    }
+    changes
+}
+
+fn gone(choice: &Choice, why: &str) -> Change {
+    ((choice.file, choice.line), 1, format!("$ qless: MPC = {} removed, as {why}\n", choice.set))
+}
+
+/// Unions without the sets that have no cards left.
+fn unions(content: &Content, targets: &Targets) -> Vec<Change> {
+    let mut changes = Vec::new();
+    for (&set, cards) in &content.bulk.mpc_unions {
+        for (of, place) in cards.iter().filter(|(of, _)| of.iter().any(|set| targets.dead.contains(set))) {
+            let left: Vec<u32> = of.iter().copied().filter(|set| !targets.dead.contains(set)).collect();
+            let mut text = format!("$ qless: {} without sets that have no cards left\n", place.name);
+            text += &if left.is_empty() { String::new() } else { union(set, &left) };
+            changes.push(((place.file, place.line), place.lines, text));
+        }
+    }
+    changes
+}
+
+/// An `MPCADD` card.
+pub fn union(set: u32, of: &[u32]) -> String {
+    let mut text = format!("MPCADD  {set:>8}");
+    for (k, part) in of.iter().enumerate() {
+        // The number of the union takes the first field.
+        if k > 0 && (k + 1).is_multiple_of(FIELD) {
+            text += "+\n+       ";
+        }
+        text += &format!("{part:>8}");
+    }
+    text + "\n"
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn a_long_union_goes_on() {
+        let of: Vec<u32> = (1..=9).collect();
+        let expected =
+            "MPCADD        70       1       2       3       4       5       6       7+\n+              8       9\n";
+        assert_eq!(super::union(70, &of), expected);
+    }
+}

@@ -1,0 +1,266 @@
+//! A deck with other constraints: cards become comments, new equations are `MPC` cards in the set that is selected.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::select;
+use super::target::Targets;
+use super::wide::mpc;
+use crate::deck::clean::{CleanError, Edits, Plan, Reason, Removed, Written};
+use crate::deck::nastran::syntax::content::{At, Content};
+use crate::deck::nastran::syntax::reader::read;
+use crate::deck::{Deck, Model};
+
+/// Terms of a certificate that a comment names at most.
+const NAMED: usize = 8;
+
+/// Load cases, as indices into those of the model, and the equations that hold in them in the place of those that go.
+pub type Group = (Vec<usize>, Vec<Written>);
+
+/// The main file with the plan carried out. Included files that must change are written into it.
+pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
+    let cases = deck.model.cases.len();
+    let mut groups: Vec<Group> = Vec::new();
+    for written in &plan.written {
+        let holds_in: Vec<usize> = (0..cases).filter(|&case| written.cases.contain(case)).collect();
+        match groups.iter_mut().find(|(cases, _)| *cases == holds_in) {
+            Some((_, group)) => group.push(written.clone()),
+            None => groups.push((holds_in, vec![written.clone()])),
+        }
+    }
+    write_groups(deck, &plan.removed, &groups)
+}
+
+/// The main file without the cards of the equations that go, and with those of each group in its load cases alone. A card goes in all
+/// load cases: what of it has to stay in some of them is among what is written there.
+pub fn write_groups(deck: &Deck, removed: &[Removed], groups: &[Group]) -> Result<Vec<u8>, CleanError> {
+    let content = deck.again(read)?;
+    let is_written = groups.iter().any(|(_, written)| !written.is_empty());
+    let mut changes = comments(&deck.model, &content, removed, is_written);
+    let targets = Targets::of(&content, deck, removed, groups)?;
+    changes.extend(select::changes(&content, &targets));
+    if is_written {
+        let at = place_of_new(&content);
+        once(&content, at, deck)?;
+        changes.push((at, 0, new_text(&targets, content.control.is_some())));
+    }
+    Ok(Writer { deck, content: &content, changes: &changes }.file(0, false))
+}
+
+/// Where, how many lines go, and the text in their place.
+pub type Change = (At, u32, String);
+
+/// A comment for each card that goes; one of several equations is told for all of the card.
+fn comments(model: &Model, content: &Content, removed: &[Removed], is_written: bool) -> Vec<Change> {
+    let mut texts: BTreeMap<At, (u32, String)> = BTreeMap::new();
+    for removed in removed {
+        let origin = model.nth(removed.equation).origin;
+        let file = model.cards.nth(origin.card).file;
+        let text = texts.entry((file, origin.line)).or_insert((origin.lines, String::new()));
+        if text.1.is_empty() || matches!(removed.reason, Reason::Fault(_)) {
+            text.1 = comment(model, removed, is_written);
+        }
+    }
+    let apart = |at: &At| content.bulk.apart.get(at).into_iter().flatten().map(|&at| (at, 1, CONTINUED.to_owned()));
+    let continuations: Vec<Change> = texts.keys().flat_map(apart).collect();
+    texts.into_iter().map(|(at, (lines, text))| (at, lines, text)).chain(continuations).collect()
+}
+
+/// In the place of a continuation that does not stand right after its card.
+const CONTINUED: &str = "$ qless: continuation of a card that is gone\n";
+
+/// Why a card is gone, in a line.
+fn comment(model: &Model, removed: &Removed, is_written: bool) -> String {
+    let equation = model.nth(removed.equation);
+    let place = |i: usize| model.label_of(i);
+    let what = format!("$ qless: {}", model.place(equation.origin));
+    match &removed.reason {
+        Reason::Redundant(because) if because.is_empty() => {
+            format!("{what} removed: all components of an equation of it are prescribed\n")
+        }
+        Reason::Redundant(because) => {
+            let terms: Vec<String> =
+                because.iter().take(NAMED).map(|&(i, c)| format!("{c} * ({})", place(i))).collect();
+            let more = because.len().saturating_sub(NAMED);
+            let more = if more > 0 { format!(" + {more} more") } else { String::new() };
+            let own = model.label_of(removed.equation);
+            format!("{what} removed, redundant: {own} is {}{more}\n", terms.join(" + "))
+        }
+        Reason::Fault(fault) => format!("{what} {}: {}\n", now(is_written), fault.describe(model)),
+        Reason::Connected => format!("{what} {}: it shares components with others that are\n", now(is_written)),
+    }
+}
+
+fn now(is_written: bool) -> &'static str {
+    if is_written { "written anew as MPC" } else { "removed" }
+}
+
+/// New cards are written wherever their file is included.
+fn once(content: &Content, (file, line): At, deck: &Deck) -> Result<(), CleanError> {
+    match content.landmarks.includes.iter().filter(|include| include.inner == file).count() {
+        0 | 1 => Ok(()),
+        _ => Err(CleanError::Place {
+            path: deck.model.files[file as usize].clone(),
+            line: line as usize,
+            why: "new cards would stand here, but this file is included more than once; move BEGIN BULK to the main file",
+        }),
+    }
+}
+
+/// After `BEGIN BULK`; in bulk data alone, at the end.
+fn place_of_new(content: &Content) -> At {
+    content.landmarks.bulk.or(content.landmarks.end).unwrap_or((0, u32::MAX))
+}
+
+fn new_text(targets: &Targets, has_control: bool) -> String {
+    let mut text = String::from(
+        "$ qless: independent equations; each first component occurs first once and is not prescribed\n\
+         $ qless: numbers of more than 16 columns are rounded to the nearest that Nastran reads\n",
+    );
+    for (parts, set) in &targets.unions {
+        text += &select::union(*set, parts);
+    }
+    for (set, written) in &targets.cards {
+        if !has_control {
+            text.extend(["$ qless: select them in case control by MPC = ", &set.to_string(), "\n"]);
+        }
+        written.iter().for_each(|written| text += &mpc(*set, written));
+    }
+    text
+}
+
+struct Writer<'a> {
+    deck: &'a Deck,
+    content: &'a Content,
+    changes: &'a [Change],
+}
+
+impl Writer<'_> {
+    /// A file with its changes; within another file, with all that it includes.
+    fn file(&self, file: u32, is_within: bool) -> Vec<u8> {
+        let mut edits = Edits::default();
+        for ((_, line), lines, text) in self.changes.iter().filter(|((of, _), ..)| *of == file) {
+            edits.replace(*line, *lines, text.clone().into_bytes());
+        }
+        let mut done = BTreeSet::new();
+        for include in self.content.landmarks.includes.iter().filter(|include| include.file == file) {
+            if done.insert(include.line) && (is_within || self.is_changed(include.inner)) {
+                let head = b"$ qless: included here, because it was changed\n";
+                let inner = self.file(include.inner, true);
+                edits.replace(include.line, include.lines, [&head[..], &inner].concat());
+            }
+        }
+        let text = &self.deck.texts[file as usize];
+        let text = if is_within { text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text) } else { text };
+        let mut text = edits.apply(text);
+        if is_within && !text.ends_with(b"\n") {
+            text.push(b'\n');
+        }
+        text
+    }
+
+    /// Whether a file or one that it includes has changes. Includes make no circle, as the deck could be read.
+    fn is_changed(&self, file: u32) -> bool {
+        let includes = || self.content.landmarks.includes.iter().filter(|include| include.file == file);
+        self.changes.iter().any(|((of, _), ..)| *of == file) || includes().any(|include| self.is_changed(include.inner))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::deck::clean::Cases;
+    use crate::deck::{Dof, Format, parse};
+
+    fn deck(text: &str) -> Deck {
+        let mut none = |_: &std::path::Path| Err(std::io::ErrorKind::NotFound.into());
+        parse(Format::Nastran, std::path::Path::new("deck.bdf"), text.into(), &mut none)
+            .unwrap_or_else(|e| panic!("{e}"))
+    }
+
+    /// `u1 - u2 = 0` for two points.
+    fn tie(a: u32, b: u32) -> Written {
+        let dof = |node| Dof { node, component: 1 };
+        Written { slave: dof(a), terms: vec![(dof(b), -1.0)], rhs: 0.0, cases: Cases::All }
+    }
+
+    /// The equations in force in each case, as the nodes they tie.
+    fn ties(deck: &Deck) -> Vec<Vec<[u32; 2]>> {
+        let nodes = |i: usize| [0, 1].map(|k| deck.model.dofs[deck.model.nth(i).columns[k] as usize].node);
+        deck.model.cases.iter().map(|case| deck.model.in_force(case).map(nodes).collect()).collect()
+    }
+
+    fn removed(equations: &[usize]) -> Vec<Removed> {
+        equations.iter().map(|&equation| Removed { equation, reason: Reason::Connected }).collect()
+    }
+
+    const BULK: &str = "BEGIN BULK\nGRID,1\nGRID,2\nGRID,3\nGRID,4\nMPC,1,1,1,1.,2,1,-1.\nMPC,2,1,1,1.,3,1,-1.\nMPC,2,3,1,1.,4,1,-1.\n\
+                        MPCADD,9,1,2\nENDDATA\n";
+
+    fn written(control: &str, gone: &[usize], groups: &[Group]) -> (String, Vec<Vec<[u32; 2]>>) {
+        let deck_before = deck(&format!("SOL 101\nCEND\n{control}{BULK}"));
+        let text = write_groups(&deck_before, &removed(gone), groups).unwrap_or_else(|error| panic!("{error}"));
+        let text = String::from_utf8(text).expect("text");
+        let found = ties(&deck(&text));
+        (text, found)
+    }
+
+    #[test]
+    fn each_group_has_a_set_of_its_own() {
+        let control = "SUBCASE 1\nMPC=1\nSUBCASE 2\nMPC=2\nSUBCASE 7\nMPC=2\nSPC=3\n";
+        let groups = [(vec![0], vec![tie(2, 1)]), (vec![1], vec![tie(3, 1)]), (vec![2], vec![tie(4, 3)])];
+        let (text, found) = written(control, &[0, 1, 2], &groups);
+        assert_eq!(found, [vec![[2, 1]], vec![[3, 1]], vec![[4, 3]]], "{text}");
+        assert!(text.contains("SUBCASE 1\nMPC=1\nSUBCASE 2\n$ qless: MPC = 2 removed"), "{text}");
+    }
+
+    #[test]
+    fn what_stays_of_an_old_set_is_selected_along_with_the_new() {
+        let control = "MPC=9\nSUBCASE 1\nSUBCASE 2\nSPC=3\nSUBCASE 4\nSPC=4\n";
+        let groups = [(vec![0], vec![tie(3, 1)]), (vec![2], vec![tie(1, 3)])];
+        let (text, found) = written(control, &[1], &groups);
+        let mut sorted = found.clone();
+        sorted.iter_mut().for_each(|ties| ties.sort());
+        assert_eq!(
+            sorted,
+            [vec![[1, 2], [3, 1], [3, 4]], vec![[1, 2], [3, 4]], vec![[1, 2], [1, 3], [3, 4]]],
+            "{text}"
+        );
+        assert!(text.contains("MPC = 12\nSUBCASE 2\nSPC=3\nSUBCASE 4\n"), "{text}");
+    }
+
+    #[test]
+    fn a_set_without_cards_leaves_its_unions() {
+        let (text, found) = written("MPC=9\n", &[1, 2], &[]);
+        assert_eq!(found, [[[1, 2]]], "{text}");
+        assert!(text.contains("MPCADD         9       1\n"), "{text}");
+        let (text, found) = written("MPC=9\n", &[0, 1, 2], &[]);
+        assert_eq!(found, [[[0; 2]; 0]], "{text}");
+        assert!(!text.contains("\nMPC=9") && !text.contains("\nMPCADD"), "{text}");
+    }
+
+    #[test]
+    fn a_subcase_whose_set_has_no_cards_does_not_take_what_is_selected_above() {
+        let (text, found) = written("MPC=1\nSUBCASE 1\nSUBCASE 2\nMPC=2\n", &[1, 2], &[]);
+        assert_eq!(found, [vec![[1, 2]], vec![]], "{text}");
+    }
+
+    #[test]
+    fn steps_select_for_themselves() {
+        let control = "SUBCASE 1\nMPC=1\nSTEP 1\nSTEP 2\nSPC=3\n";
+        let (text, found) = written(control, &[0], &[(vec![1], vec![tie(2, 4)])]);
+        assert_eq!(found, [vec![], vec![[2, 4]]], "{text}");
+        assert!(text.contains("STEP 2\n$ qless: selects the equations written below\nMPC = 10\n"), "{text}");
+    }
+
+    #[test]
+    fn lines_that_stand_apart_go_with_their_card() {
+        let text =
+            "GRID,1\nGRID,2\nGRID,3\nGRID,4\nMPC,1,1,1,1.,2,1,-1.,,+A\nGRID,5\n+A,,3,1,-1.\nMPC,1,3,1,1.,4,1,-1.\n";
+        let before = deck(text);
+        assert_eq!(before.model.nth(1).columns.len(), 3, "the card is complete");
+        let after = write_groups(&before, &removed(&[1]), &[]).unwrap_or_else(|error| panic!("{error}"));
+        let after = String::from_utf8(after).expect("text");
+        assert!(after.contains("GRID,5\n$ qless: continuation of a card that is gone\nMPC,1,3"), "{after}");
+        assert_eq!(ties(&deck(&after)), [[[3, 4]]], "{after}");
+    }
+}

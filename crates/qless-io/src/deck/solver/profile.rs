@@ -1,0 +1,119 @@
+//! What a solver does with the faults of a deck; what takes a look at the whole deck is found out once.
+
+use std::cell::OnceCell;
+
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use crate::deck::clean::Fault;
+use crate::deck::{Model, Outcome, Solver};
+
+use super::ansys::{self, Uses};
+use super::kind::Kind;
+use super::{abaqus, cascade, ccx, nastran};
+
+/// A solver and a deck.
+pub struct Profile<'a> {
+    pub solver: Solver,
+    pub model: &'a Model,
+    /// By equation: whether it is not in force.
+    pub left_out: Vec<bool>,
+    chain: OnceCell<bool>,
+    uses: OnceCell<Uses>,
+}
+
+impl<'a> Profile<'a> {
+    pub fn new(solver: Solver, model: &'a Model) -> Self {
+        let left_out = vec![false; model.equations()];
+        Self { solver, model, left_out, chain: OnceCell::new(), uses: OnceCell::new() }
+    }
+
+    /// What the solver does with a fault.
+    pub fn outcome(&self, fault: &Fault) -> Outcome {
+        match *fault {
+            Fault::SlavePrescribed { equation, since, .. } => self.prescribed(fault, equation, since),
+            Fault::SlaveTwice { equation, first, .. } => self.twice(first, equation),
+            Fault::SlaveVanishes { equation, .. } => self.vanishes(equation),
+            // Sets of DOFs that exclude each other are those of Nastran.
+            Fault::SlaveClaimed { .. } => Outcome::Refused,
+            Fault::Circle { equation, .. } => self.circle(&connected(self.model, equation)),
+        }
+    }
+
+    /// What the solver does with equations whose slaves depend on each other.
+    pub fn circle(&self, equations: &[usize]) -> Outcome {
+        match self.solver {
+            Solver::Ansys => self.ansys(equations),
+            Solver::Ccx if cascade::keeps_slaves(self.model, equations) == Some(true) => Outcome::Unsound,
+            _ => Outcome::Refused,
+        }
+    }
+
+    /// The kind of card that an equation comes from.
+    pub fn kind(&self, equation: usize) -> Kind {
+        Kind::of(&self.model.cards.nth(self.model.nth(equation).origin.card).name)
+    }
+
+    fn prescribed(&self, fault: &Fault, equation: usize, since: usize) -> Outcome {
+        let kind = self.kind(equation);
+        match self.solver {
+            Solver::Ccx => {
+                let chain = || *self.chain.get_or_init(|| ccx::nonlinear_chain(self.model, &self.left_out));
+                let is_looked_at = since > 0 && ccx::looks_again(self.model, equation, fault.slave(), since, chain);
+                ccx::prescribed(kind, since > 0, is_looked_at)
+            }
+            Solver::Abaqus => abaqus::prescribed(kind),
+            Solver::Nastran | Solver::Mystran => nastran::exclusive(),
+            Solver::Optistruct => nastran::optistruct(&[kind]),
+            Solver::Ansys => self.ansys(&[equation]),
+        }
+    }
+
+    fn twice(&self, first: usize, second: usize) -> Outcome {
+        let kinds = [self.kind(first), self.kind(second)];
+        match self.solver {
+            Solver::Ccx => ccx::twice(kinds[0], kinds[1]),
+            Solver::Abaqus => abaqus::twice(kinds[0], kinds[1]),
+            Solver::Nastran | Solver::Mystran => nastran::exclusive(),
+            Solver::Optistruct => nastran::optistruct(&kinds),
+            Solver::Ansys => self.ansys(&[first, second]),
+        }
+    }
+
+    /// A coefficient of zero is refused where it is looked for; ccx divides by it. One that is only small is divided by.
+    fn vanishes(&self, equation: usize) -> Outcome {
+        let row = self.model.nth(equation);
+        let terms = row.columns.iter().zip(row.coefficients);
+        let own: f64 = terms.filter(|(j, _)| Some(*j) == row.columns.first()).map(|(_, a)| a).sum();
+        match self.solver {
+            Solver::Ansys => self.ansys(&[equation]),
+            Solver::Ccx => Outcome::Unsound,
+            _ if own == 0.0 => Outcome::Refused,
+            _ => Outcome::Unsound,
+        }
+    }
+
+    fn ansys(&self, equations: &[usize]) -> Outcome {
+        let uses = self.uses.get_or_init(|| Uses::of(self.model));
+        let equations: Vec<(usize, Kind)> = equations.iter().map(|&i| (i, self.kind(i))).collect();
+        ansys::outcome(self.model, uses, &equations)
+    }
+}
+
+/// An equation, and those whose slaves it depends on, directly or through others.
+fn connected(model: &Model, equation: usize) -> Vec<usize> {
+    let slave = |i: usize| model.nth(i).columns.first().copied();
+    let mut slaves: FxHashMap<u32, usize> = FxHashMap::default();
+    for i in (0..model.equations()).rev() {
+        slaves.extend(slave(i).map(|j| (j, i)));
+    }
+    let mut found = vec![equation];
+    let mut known: FxHashSet<usize> = found.iter().copied().collect();
+    let mut next = 0;
+    while next < found.len() {
+        let masters = model.nth(found[next]).columns.iter().filter_map(|j| slaves.get(j).copied());
+        found.extend(masters.filter(|&i| known.insert(i)));
+        next += 1;
+    }
+    found.sort_unstable();
+    found
+}

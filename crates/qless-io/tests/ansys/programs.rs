@@ -1,0 +1,111 @@
+//! Decks that are programs: parameters, loops and conditions.
+
+use qless_io::deck::Deck;
+use qless_io::deck::clean::{self, faults};
+
+use crate::parse::{deck, equations, prescribed, try_deck, warnings};
+
+fn left_out(text: &str) -> Vec<String> {
+    let deck = deck(text);
+    deck.model().left_out().map(|warning| format!("{}: {}", warning.line, warning.text)).collect()
+}
+
+#[test]
+fn parameters_in_equations() {
+    let text = "W=3.0\nCE,1,0,1,UX,W,2,UX,-1\n";
+    assert_eq!(equations(&deck(text)), ["1:1 3, 2:1 -1 = 0"]);
+    let text = "*SET,N1,4 $ L='UY'\nCE,NEXT,2*N1,N1,UX,1/4,N1+1,L,-N1\nD,N1,L,N1**2\n";
+    let deck = deck(text);
+    assert_eq!(equations(&deck), ["4:1 0.25, 5:2 -4 = 8"]);
+    assert_eq!(prescribed(&deck, 0), ["4:2 16"]);
+}
+
+#[test]
+fn an_equation_with_an_unknown_term_is_left_out_whole() {
+    let text =
+        "*GET,N,NODE,,NUM,MAX\nCE,1,0,1,UX,1\nCE,2,0,1,UY,1,2,UY,1\nCE,2,0,N,UX,1\nCE,2,0,5,UX,1\nCE,3,0,1,UZ,1\n";
+    assert_eq!(equations(&deck(text)), ["1:1 1 = 0", "1:3 1 = 0"]);
+    assert_eq!(
+        left_out(text),
+        [
+            "4: CE takes N, a value that this reader does not follow: left out",
+            "5: CE 2 has terms that are not understood: all of it is left out"
+        ]
+    );
+    let text = "*GET,N,NODE,,NUM,MAX\nCP,1,UX,1,2\nCP,1,,N\nD,N,UX\nCEDELE,ALL\n";
+    assert!(equations(&deck(text)).is_empty());
+    assert_eq!(left_out(text).len(), 2);
+}
+
+#[test]
+fn loops_are_carried_out() {
+    let text = "*DO,I,1,3\n*DO,J,10,20,10\nCE,NEXT,0,I,UX,1,I+J,UX,-1\n*ENDDO\n*ENDDO\nD,I,UX\n";
+    let deck = deck(text);
+    assert_eq!(equations(&deck)[..3], ["1:1 1, 11:1 -1 = 0", "1:1 1, 21:1 -1 = 0", "2:1 1, 12:1 -1 = 0"]);
+    assert_eq!((equations(&deck).len(), prescribed(&deck, 0)), (6, vec!["4:1 0".to_owned()]));
+    let of = |text: &str| equations(&crate::parse::deck(text)).len();
+    assert_eq!(of("*DO,I,3,1\nCE,NEXT,0,I,UX,1\n*ENDDO\n"), 0);
+    assert_eq!(of("*DO,I,3,1,-1\nCE,NEXT,0,I,UX,1\n*ENDDO\n"), 3);
+    assert_eq!(of("*DO,I,0,0.3,0.1\nCE,NEXT,I,1,UX,1\n*ENDDO\n"), 4);
+    assert_eq!(of("*DO,I,1,9\n*IF,I,EQ,4,EXIT\n*IF,I,EQ,2,CYCLE\nCE,NEXT,0,I,UX,1\n*ENDDO\nCE,NEXT,0,9,UX,1\n"), 3);
+    assert_eq!(of("*DO,I,1,3\nCE,NEXT,0,I,UX,1 $ *ENDDO $ CE,NEXT,0,9,UX,1\n"), 4);
+}
+
+#[test]
+fn conditions_choose() {
+    let of = |a: &str| {
+        let text = format!(
+            "A={a}\n*IF,A,EQ,1,THEN\nCE,1,0,1,UX,1\n*IF,A,GT,5,THEN\nCE,9,0,1,UX,1\n*ENDIF\n\
+             *ELSEIF,A,GT,1,AND,A,LT,3,THEN\nCE,2,0,2,UX,1\n*ELSE\nCE,3,0,3,UX,1\n*ENDIF\n"
+        );
+        equations(&deck(&text)).join(";")
+    };
+    assert_eq!([of("1"), of("2"), of("7")], ["1:1 1 = 0", "2:1 1 = 0", "3:1 1 = 0"]);
+}
+
+#[test]
+fn what_is_not_followed_constrains_perhaps() {
+    for (text, expected) in [
+        ("*GET,N,NODE,,NUM,MAX\n*DO,I,1,N\nD,I,UX\n*ENDDO\nD,9,UX\n", "3: D stands where nobody knows"),
+        ("*DOWHILE,N\nCE,1,0,1,UX,1\n*ENDDO\n", "2: CE stands where nobody knows"),
+        ("*CREATE,M\nCERIG,1,2\n*END\n", "2: CERIG stands where nobody knows"),
+        ("*IF,NX(1),EQ,0,THEN\nA=3\n*ENDIF\nD,A,UX\n", "4: D takes A"),
+        ("A=1\n*IF,A,EQ,1,:END\nD,1,UX\n:END\n", "2: *IF leads to another line"),
+        ("*IF,NX(1),EQ,0,THEN\nSOLVE\n*ENDIF\n", "2: SOLVE stands where nobody knows"),
+        ("CE,1,0,1,UX,1\n*REPEAT,4,1\n", "2: *REPEAT is not followed"),
+    ] {
+        let found = left_out(text);
+        assert!(found.len() == 1 && found[0].starts_with(expected), "{text:?}: {found:?}");
+    }
+    // What is not carried out is no matter.
+    assert!(left_out("A=1\n*IF,A,EQ,2,THEN\nCEINTF\nDSYM,SYMM,X\n*ENDIF\n").is_empty());
+}
+
+#[test]
+fn loops_that_take_too_long() {
+    let text = "*DO,I,1,1e9\n*DO,J,1,1e9\nCEDELE,1\n*ENDDO\n*ENDDO\n";
+    let error = try_deck(text).expect_err("too long").to_string();
+    assert!(error.contains("the text that loops go through exceeds the limit"), "{error}");
+}
+
+fn cleaned(text: &str) -> (Deck, String) {
+    let before = deck(text);
+    let plan = clean::plan(&before, &qless::Options::default()).expect("a plan");
+    let result = String::from_utf8(clean::write(&before, &plan).expect("written")).expect("text");
+    let after = deck(&result);
+    assert!(faults(after.model()).is_empty(), "{result}");
+    assert!(clean::plan(&after, &qless::Options::default()).expect("a plan").is_empty(), "{result}");
+    (after, result)
+}
+
+#[test]
+fn what_a_loop_makes_is_deleted_below_it() {
+    let text = "*DO,I,1,3\nCE,NEXT,0,I,UX,1,I+1,UX,-1\n*ENDDO\nCE,NEXT,0,1,UX,1,4,UX,-1\nD,1,UX\nSOLVE\n";
+    let (after, result) = cleaned(text);
+    assert_eq!(after.model().equations(), 3, "{result}");
+    assert!(result.starts_with("*DO,I,1,3\nCE,NEXT,0,I,UX,1,I+1,UX,-1\n*ENDDO\n"), "{result}");
+    assert!(result.contains("CEDELE,1\n"), "{result}");
+    let text = "*DO,I,1,2\nCP,I,UX,1,I+1\n*ENDDO\nCE,1,0,2,UX,1,3,UX,-1\n";
+    assert_eq!(cleaned(text).0.model().equations(), 2);
+    assert!(warnings(&cleaned(text).0).is_empty());
+}

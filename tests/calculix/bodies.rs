@@ -1,0 +1,106 @@
+//! Bodies and steps: what cleaning writes in the place of couplings and rigid bodies, and equations that steps take back.
+
+use qless::Options;
+use qless_io::deck::clean::{self, CleanError};
+
+use super::solver::{cleaned, difference, is_there, parse, solve};
+
+/// A brick on supports below a reference node 9; the constraints come in front of the step.
+fn brick(constraints: &str, steps: &str) -> String {
+    let nodes = "*NODE, NSET=NALL\n1,0.,0.,0.\n2,1.,0.,0.\n3,1.,1.,0.\n4,0.,1.,0.\n5,0.,0.,1.\n6,1.,0.,1.\n7,1.,1.,1.\n8,0.,1.,1.\n9,.4,.5,2.\n\
+        *NSET, NSET=TOP\n5,6,7,8\n";
+    let solid = "*ELEMENT, TYPE=C3D8, ELSET=EALL\n1,1,2,3,4,5,6,7,8\n*MATERIAL, NAME=EL\n*ELASTIC\n1000.,0.3\n\
+        *SOLID SECTION, ELSET=EALL, MATERIAL=EL\n*SURFACE, NAME=S\nEALL,S2\n";
+    format!("{nodes}{solid}*BOUNDARY\n1,1,3\n2,2,3\n3,3\n4,3\n{constraints}{steps}")
+}
+
+fn step(lines: &str) -> String {
+    format!("*STEP\n*STATIC\n{lines}*NODE PRINT, NSET=NALL\nU\n*END STEP\n")
+}
+
+const LOADS: &str = "*CLOAD\n9,1,10.\n9,3,5.\n";
+
+/// The same body in three ways, with a rotation held and a moment.
+const BODIES: [(&str, &str, &str); 3] = [
+    ("*COUPLING, REF NODE=9, SURFACE=S, CONSTRAINT NAME=C\n*KINEMATIC\n1,3\n", "9,5,5\n", "9,6,3.\n"),
+    // Without a node for its rotation nothing else reaches it.
+    ("*RIGID BODY, NSET=TOP, REF NODE=9\n", "9,5\n", "9,6,3.\n"),
+    ("*NODE\n10,.4,.5,2.\n*RIGID BODY, NSET=TOP, REF NODE=9, ROT NODE=10\n", "10,2,2\n", "10,3,3.\n"),
+];
+
+fn run(text: &[u8]) -> Vec<String> {
+    solve(text).unwrap_or_else(|| panic!("ccx stops: {}", String::from_utf8_lossy(text)))
+}
+
+fn clean_text(text: &str) -> Vec<u8> {
+    cleaned(&parse(text.as_bytes())).unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+#[test]
+fn a_body_with_a_prescribed_slave_becomes_equations() {
+    for (body, held, moment) in BODIES {
+        let steps = step(&format!("{LOADS}{moment}"));
+        // A stiff spring holds the slave as well as a prescribed value, and every solver takes it.
+        let spring = "*ELEMENT, TYPE=SPRING1, ELSET=ESTIFF\n9,6\n*SPRING, ELSET=ESTIFF\n2\n1.e11\n";
+        let sound = brick(&format!("{spring}{body}*BOUNDARY\n{held}"), &steps);
+        let spoiled = brick(&format!("{body}*BOUNDARY\n6,2,2\n{held}"), &steps);
+        let text = clean_text(&spoiled);
+        if is_there() {
+            assert!(solve(spoiled.as_bytes()).is_none(), "ccx refuses a prescribed slave");
+            let apart = difference(&run(sound.as_bytes()), &run(&text));
+            assert!(apart < 1e-6, "{apart:e}: {}", String::from_utf8_lossy(&text));
+        }
+    }
+}
+
+#[test]
+fn rotations_named_by_a_set_are_refused() {
+    let text = brick(
+        "*NSET, NSET=REF\n9\n*COUPLING, REF NODE=9, SURFACE=S, CONSTRAINT NAME=C\n*KINEMATIC\n1,3\n*BOUNDARY\n6,2,2\nREF,5,5\n",
+        &step(LOADS),
+    );
+    let deck = parse(text.as_bytes());
+    let plan = clean::plan(&deck, &Options::default()).expect("a plan");
+    let error = clean::write(&deck, &plan).expect_err("a set");
+    assert!(matches!(error, CleanError::Fixed { .. }) && error.to_string().contains("by a set"), "{error}");
+}
+
+/// Two ends of a tie are prescribed in the second step, so that the tie must hold in the first only.
+#[test]
+fn an_equation_ends_where_a_step_prescribes_all_of_it() {
+    let tie = "*EQUATION\n2\n5,1,1.,6,1,-1.\n";
+    let first = step("*CLOAD\n7,1,10.\n");
+    let both = "*BOUNDARY\n5,1,1,.01\n6,1,1,.01\n";
+    let text = brick(tie, &(first.clone() + &step(both)));
+    let expected = brick(tie, &(first + &step(&format!("*EQUATION, REMOVE\n5,1,1\n{both}"))));
+    let found = clean_text(&text);
+    assert!(String::from_utf8_lossy(&found).contains("*EQUATION, REMOVE\n5,1,1\n"));
+    if is_there() {
+        assert!(difference(&run(expected.as_bytes()), &run(&found)) < 1e-6);
+    }
+}
+
+/// Equation 2 repeats equation 1 by another slave; the second step takes it back by the slave that it has.
+#[test]
+fn what_a_step_takes_back_stays_taken_back() {
+    let ties = "*EQUATION\n2\n5,1,1.,6,1,-1.\n2\n7,3,1.,8,3,-1.\n2\n7,3,2.,8,3,-2.\n";
+    let (first, remove) = (step("*CLOAD\n7,1,10.\n"), "*EQUATION, REMOVE\n7,3,3\n");
+    let text = brick(&format!("{ties}*BOUNDARY\n7,3,3\n"), &(first.clone() + &step(remove)));
+    let found = clean_text(&text);
+    let sound = "*EQUATION\n2\n5,1,1.,6,1,-1.\n2\n8,3,1.,7,3,-1.\n*BOUNDARY\n7,3,3\n";
+    let expected = brick(sound, &(first + &step("*EQUATION, REMOVE\n8,3,3\n")));
+    if is_there() {
+        let apart = difference(&run(expected.as_bytes()), &run(&found));
+        assert!(apart < 1e-6, "{apart:e}: {}", String::from_utf8_lossy(&found));
+    }
+}
+
+/// Equations cannot come back: what the first step makes redundant and a later one needs is refused.
+#[test]
+fn equations_that_would_have_to_come_back_are_refused() {
+    let tie = "*EQUATION\n2\n5,1,1.,6,1,-1.\n";
+    let second = step("*BOUNDARY, OP=NEW\n1,1,3\n2,2,3\n3,3\n4,3\n*CLOAD\n7,1,1.\n");
+    let text = brick(tie, &(step("*BOUNDARY\n5,1,1,.01\n6,1,1,.01\n") + &second));
+    let error = clean::plan(&parse(text.as_bytes()), &Options::default()).expect_err("no set of equations serves both");
+    assert!(matches!(error, CleanError::CasesDiffer { .. } | CleanError::Apart { .. }), "{error}");
+}

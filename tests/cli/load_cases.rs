@@ -1,0 +1,121 @@
+//! Load cases, each by itself: which are looked at, and what is said of each.
+
+use serde_json::{Value, json};
+
+use super::harness::Place;
+
+const NODES: &str = "*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n3,2.,0.,0.\n";
+const TIE: &str = "*EQUATION\n2\n2,1,1.,3,1,-1.\n";
+
+/// A deck with a tie from 2:1 to 3:1, and these boundary conditions in its steps.
+fn steps(boundaries: &[&str]) -> String {
+    let step = |text: &&str| format!("*STEP\n*STATIC\n{text}*END STEP\n");
+    format!("{NODES}{TIE}{}", boundaries.iter().map(step).collect::<String>())
+}
+
+const QUIET: &str = "";
+const REDUNDANT: &str = "*BOUNDARY\n2,1,1,1.\n3,1,1,1.\n";
+const CONFLICT: &str = "*BOUNDARY\n2,1,1,1.\n3,1,1,2.\n";
+
+#[test]
+fn every_load_case_has_an_entry() {
+    let place = Place::new();
+    place.file("steps.inp", steps(&[QUIET, QUIET, CONFLICT]));
+    let run = place.run("check -q steps.inp --format json");
+    let report = run.json();
+    assert_eq!((run.code, &report["schema"], &report["status"]), (1, &json!("qless.report/2"), &json!("conflicting")));
+    let of = |key: &str| -> Vec<Value> {
+        report["cases"].as_array().expect("a list").iter().map(|case| case[key].clone()).collect()
+    };
+    assert_eq!(of("name"), [json!("step 1"), json!("step 2"), json!("step 3")]);
+    assert_eq!(of("status"), [json!("independent"), json!("independent"), json!("conflicting")]);
+    assert_eq!(of("rank"), [json!(1), json!(1), json!(0)]);
+    assert_eq!(of("same_as"), [Value::Null, json!("step 1"), Value::Null]);
+    assert_eq!(of("counts")[2], json!({"independent": 0, "redundant": 0, "conflicting": 1}));
+    assert_eq!(of("dependent")[0], json!([]));
+    assert_eq!(of("dependent")[2], report["dependent"]);
+    let solver = &of("solver")[2];
+    assert_eq!(solver["refused"].as_array().map(Vec::len), report["solver"]["refused"].as_array().map(Vec::len));
+    for key in ["refused", "ignored", "unsound", "accepted"] {
+        assert!(solver[key].is_array() && report["solver"][key].is_array(), "{key}");
+    }
+    assert_eq!(report["deck"]["load_case"], "step 3");
+    let text = place.run("check -q steps.inp").out;
+    for part in [
+        "Load cases: 3, shown is step 3.",
+        "  step 3: rank 0, 0 redundant, 1 conflicting",
+        "  step 1 and step 2: rank 1, 0 redundant, 0 conflicting",
+    ] {
+        assert!(text.contains(part), "{part}\n{text}");
+    }
+    // What is independent in one load case and redundant in another is both.
+    place.file("two.inp", steps(&[REDUNDANT, CONFLICT]));
+    let report = place.run("check -q two.inp --format json").json();
+    assert_eq!(
+        (&report["cases"][0]["status"], &report["cases"][1]["status"]),
+        (&json!("redundant"), &json!("conflicting"))
+    );
+}
+
+#[test]
+fn one_load_case_can_be_named() {
+    let place = Place::new();
+    place.file("steps.inp", steps(&[QUIET, CONFLICT]));
+    for (choice, code) in [("1", 0), ("2", 1), ("all", 1)] {
+        assert_eq!(place.run(&format!("check -q steps.inp --case {choice}")).code, code, "{choice}");
+    }
+    let run = place.run_words(&["check", "-q", "steps.inp", "--case", "Step 1"]);
+    assert!(run.code == 0 && run.out.contains("Load case: step 1 of 2."), "{}", run.out);
+    let run = place.run("check -q steps.inp --case 3");
+    assert_eq!(run.code, 2);
+    assert!(run.err.contains("--case 3: there is no such load case; there are step 1, step 2"), "{}", run.err);
+}
+
+#[test]
+fn a_reduction_has_to_be_told_which() {
+    let place = Place::new();
+    place.file("steps.inp", steps(&[QUIET, CONFLICT])).file("same.inp", steps(&[QUIET, QUIET]));
+    for choice in ["", " --case all"] {
+        let run = place.run(&format!("reduce -q steps.inp -o out{choice}"));
+        assert_eq!((run.code, run.out.as_str()), (2, ""));
+        let words = "its 2 load cases constrain differently: name one with --case (step 1, step 2)";
+        assert!(run.err.contains(words) && !place.path("out").exists(), "{}", run.err);
+    }
+    assert_eq!(place.run("reduce -q steps.inp -o out --case 2").code, 1);
+    assert_eq!(place.run("reduce -q steps.inp -o out --case 1").code, 0);
+    assert_eq!(place.run("reduce -q same.inp -o other").code, 0);
+}
+
+#[test]
+fn the_page_has_a_table_of_them() {
+    let place = Place::new();
+    place.file("steps.inp", steps(&[QUIET, CONFLICT]));
+    let page = place.run("check -q steps.inp --format html").out;
+    assert!(page.contains("id=\"case-rows\"") && page.contains("\"cases\":[{\"name\":\"step 1\""));
+}
+
+/// Many faults in many load cases: everything is told, or counted, in 24 lines.
+#[test]
+fn a_full_report_keeps_to_its_lines() {
+    let place = Place::new();
+    let tie = |k: u32| format!("*EQUATION\n2\n{k},1,1.,{},1,-1.\n2\n{k},1,2.,{},1,-2.\n", k + 1, k + 1);
+    let nodes: String = (1..40).map(|k| format!("{k},{k}.,0.,0.\n")).collect();
+    let ties: String = (1..30).map(tie).collect();
+    let step = |k: u32| {
+        format!("*STEP\n*STATIC\n*BOUNDARY\n1,1,1,{k}.\n{},1,1,2.\n*CLOAD\n3,1,1.\n4,1,1.\n*END STEP\n", k + 1)
+    };
+    let unread = "*MPC\nNOVELTY,1,2\n".repeat(9);
+    let all: String = (1..12).map(step).collect();
+    place.file("full.inp", format!("*NODE\n{nodes}{ties}{unread}{all}"));
+    let out = place.run("check -q full.inp").out;
+    assert!(out.lines().count() <= 24, "{}\n{out}", out.lines().count());
+    for part in [
+        "INCOMPLETE: 9 things that constrain were left out.",
+        "Load cases: 11",
+        "ccx refuses",
+        "Redundant:",
+        "Conflicting:",
+    ] {
+        assert!(out.contains(part), "{part}\n{out}");
+    }
+}

@@ -1,0 +1,87 @@
+//! Two cards that claim one DOF of a Nastran deck: what is said of MYSTRAN, and what MYSTRAN does.
+//!
+//! `scripts/mystran` fetches it; with `QLESS_MYSTRAN` set it must be there.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use qless_io::deck::clean::{self, Finding};
+use qless_io::deck::{Outcome, Solver, parse};
+
+/// Where `scripts/mystran` puts the solver, if it has.
+fn program() -> Option<PathBuf> {
+    let program = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/mystran/mystran");
+    if program.exists() {
+        return Some(program);
+    }
+    assert!(std::env::var_os("QLESS_MYSTRAN").is_none(), "run scripts/mystran");
+    eprintln!("SKIPPED: MYSTRAN is not there; scripts/mystran fetches it");
+    None
+}
+
+/// Beams 1-2-3-5 and 1-4 with a load, and room for more.
+fn deck(cards: &str) -> String {
+    let select = if cards.contains("MPC,") { "MPC = 2\n" } else { "" };
+    let grids = "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,2.,0.,0.\nGRID,4,,2.,0.,0.\nGRID,5,,3.,0.,0.\n";
+    let beams = "CBAR,1,1,1,2,0.,1.,0.\nCBAR,2,1,2,3,0.,1.,0.\nCBAR,3,1,3,5,0.,1.,0.\nCBAR,4,1,1,4,0.,1.,0.\n";
+    let rest = "PBAR,1,1,1.,1.,1.,1.\nMAT1,1,1000.,,.3\nSPC1,1,123456,1\nFORCE,3,5,,10.,0.,1.,0.\n";
+    format!("SOL 101\nCEND\nSPC = 1\n{select}LOAD = 3\nDISP = ALL\nBEGIN BULK\n{grids}{beams}{rest}{cards}ENDDATA\n")
+}
+
+/// Whether MYSTRAN goes to the end; it has no exit code for that.
+fn runs(program: &Path, text: &str) -> bool {
+    let place = tempfile::tempdir().expect("a folder");
+    std::fs::write(place.path().join("deck.bdf"), text).expect("written");
+    let run = Command::new(program).arg("deck.bdf").current_dir(place.path()).output().expect("MYSTRAN runs");
+    String::from_utf8_lossy(&run.stdout).contains("terminated normally")
+}
+
+fn findings(text: &str) -> Vec<Finding> {
+    let mut none = |_: &Path| Err(std::io::ErrorKind::NotFound.into());
+    let deck = parse(Solver::Mystran, Path::new("deck.bdf"), text.as_bytes().to_vec(), &mut none).expect("a deck");
+    clean::findings(deck.model(), &deck.model().cases()[0], Solver::Mystran)
+}
+
+/// What is said and what MYSTRAN does are the same; whether it stops.
+fn judge(program: &Path, cards: &str) -> bool {
+    let text = deck(cards);
+    let said = findings(&text);
+    let is_refused = said.iter().any(|finding| finding.outcome == Outcome::Refused);
+    assert!(said.iter().all(|finding| !finding.outcome.ignores()), "it drops nothing: {cards}");
+    assert_eq!(runs(program, &text), !is_refused, "{said:?}\n{cards}");
+    is_refused
+}
+
+/// Cards with grid point 3, component 2 as a dependent DOF; `#` is their number.
+const CARDS: [&str; 4] =
+    ["MPC,2,3,2,1.,2,2,-1.\n", "MPC,2,3,2,1.,4,2,-1.\n", "RBE2,#,2,2,3\n", "RBE3,#,,3,2,1.,123,2,4\n"];
+const VALUES: [&str; 2] = ["SPC1,1,2,3\n", "SPC,1,3,2,.05\n"];
+
+fn numbered(card: &str, number: usize) -> String {
+    card.replace('#', &number.to_string())
+}
+
+#[test]
+fn every_pair_of_cards_with_one_dependent_dof() {
+    let Some(program) = program() else { return };
+    for card in CARDS {
+        assert!(!judge(&program, &numbered(card, 50)), "{card}");
+        for other in CARDS {
+            assert!(judge(&program, &(numbered(card, 50) + &numbered(other, 60))), "{card}{other}");
+        }
+        for value in VALUES {
+            assert!(judge(&program, &(numbered(card, 50) + value)), "{card}{value}");
+            assert!(judge(&program, &(value.to_owned() + &numbered(card, 50))), "{value}{card}");
+        }
+    }
+}
+
+#[test]
+fn independent_dofs_that_are_dependent_elsewhere_and_circles() {
+    let Some(program) = program() else { return };
+    assert!(!judge(&program, "RBE2,50,2,2,3\nRBE2,51,3,2,4\n"));
+    assert!(!judge(&program, "RBE2,50,2,2,3\nMPC,2,4,2,1.,3,2,-1.\n"));
+    assert!(judge(&program, "RBE2,50,2,2,3\nMPC,2,2,2,1.,3,2,-1.\n"));
+    assert!(judge(&program, "MPC,2,3,2,1.,4,2,-1.\nMPC,2,4,2,1.,3,2,-1.\n"));
+    assert!(judge(&program, "MPC,2,3,2,0.,4,2,-1.\n"), "a zero coefficient");
+}
