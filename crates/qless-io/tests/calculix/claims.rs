@@ -116,3 +116,24 @@ fn what_a_sector_cannot_be_read_for_is_left_out_with_its_claims() {
     let message = super::given::refused(Ccx, &sector("\nNODES,SECOND", "").replace(", N=4", ""));
     assert!(message.contains("the parameter N is missing"), "{message}");
 }
+
+#[test]
+fn cards_that_cannot_be_so_are_refused_in_words() {
+    for (cards, expected) in [
+        ("*MPC\nMEANROT,5,5,5\n", "expected nodes three times each, and then one more, found `3`"),
+        ("*MPC\nMEANROT,5,5,5,1\n", "node 1 gives no axis of rotation"),
+        ("*MPC\nDIST,5\n", "7 nodes are promised"),
+        ("*NODE\n4294967295,0.,0.,0.\n*RIGID BODY, NSET=TOP\n", "the largest number of a node exceeds the limit"),
+    ] {
+        let message = super::given::refused(Ccx, &format!("{}{cards}", super::given::BRICK));
+        assert!(message.contains(expected), "{message}");
+    }
+    for (from, to, expected) in [
+        ("N=4,", "N=0,", "expected at least one sector, found `0`"),
+        ("SYMMETRY\n", "SYMMETRY, POSITION TOLERANCE=nan\n", "`nan` is no usable number"),
+        ("0.,0.,0.,0.,0.,1.\n", "0.,0.,0.,0.,0.,0.\n", "the two points define no axis"),
+    ] {
+        let message = super::given::refused(Ccx, &sector("\nNODES,SECOND", "").replacen(from, to, 1));
+        assert!(message.contains(expected), "{message}");
+    }
+}
