@@ -79,7 +79,6 @@ fn rigid_motions_fulfil_every_card() {
         ("*RIGID BODY, ELSET=LOW, REF NODE=30\n", 24),
         ("*COUPLING, REF NODE=30, SURFACE=TOP, CONSTRAINT NAME=C\n*KINEMATIC\n1,3\n", 12),
         ("*COUPLING, REF NODE=30, SURFACE=NODES, CONSTRAINT NAME=C, ORIENTATION=ROUND\n*KINEMATIC\n2\n", 4),
-        ("*COUPLING, REF NODE=30, SURFACE=TOP, CONSTRAINT NAME=C\n*DISTRIBUTING\n1,6\n", 6),
         ("*KINEMATIC COUPLING, REF NODE=30\nFIVE,1,2\n9,3\n", 9),
         ("*MPC\nPLANE,20,21,22,23,\n24\n", 2),
         ("*MPC\nSTRAIGHT,20,21,23\n", 2),
@@ -132,7 +131,7 @@ fn what_is_left_out_is_named() {
         named("*TIE, NAME=T, POSITION TOLERANCE=1e-3\nTOP,FOOT\n")
             .contains("leaves 4 nodes free that are farther than 0.001")
     );
-    assert!(named("*MPC\nMEANROT,5,6,7\n").contains("*MPC of type MEANROT constrains 3 nodes, but is not understood"));
-    assert!(named("*CYCLIC SYMMETRY MODEL, N=4\n").contains("*CYCLICSYMMETRYMODEL constrains, but is not understood"));
-    assert!(named("*TIE, NAME=T, CYCLIC SYMMETRY\nTOP,FOOT\n").contains("*TIE with CYCLICSYMMETRY"));
+    assert!(named("*MPC\nMYOWN,5,6,7\n").contains("*MPC of type MYOWN constrains 3 nodes, but is not understood"));
+    assert!(named("*CYCLIC SYMMETRY MODEL, N=4\n").contains("*CYCLIC SYMMETRY MODEL constrains, but no *TIE"));
+    assert!(named("*TIE, NAME=T, CYCLIC SYMMETRY\nTOP,FOOT\n").contains("*TIE with CYCLIC SYMMETRY constrains"));
 }

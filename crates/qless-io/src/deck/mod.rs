@@ -25,6 +25,7 @@ mod kinematics;
 mod model;
 mod name;
 mod nastran;
+mod node_names;
 mod solver;
 mod source;
 mod system;
@@ -214,5 +215,5 @@ pub fn parse(solver: impl Into<Solver>, path: &Path, bytes: Vec<u8>, open: Open)
         Format::Ansys => ansys::read(&mut sources)?,
         Format::Nastran => nastran::read(&mut sources)?,
     };
-    Ok(Deck { solver, model, texts: sources.into_texts() })
+    Ok(Deck { solver: sources.solver(), model, texts: sources.into_texts() })
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::columns::Columns;
+use super::node_names::NodeNames;
 use super::{CardName, Cards, DeckError};
 
 /// One component of one node; `node:component` in reports.
@@ -126,6 +127,9 @@ pub struct Model {
     pub(super) traits: Traits,
     /// Names of the courses after the first.
     courses: Vec<String>,
+    names: NodeNames,
+    /// Ascending by DOF.
+    left_out_claims: Vec<(Dof, Origin)>,
     /// DOFs that cards put where no slave may be, ascending.
     claims: Vec<(Dof, Origin)>,
     /// Cards whose equations the solver keeps by multipliers: none of their DOFs is a slave.
@@ -331,6 +335,54 @@ impl Model {
         at as u32 + 1
     }
 
+    /// What the deck calls a node: `Part-1-1.12`, or its number where that is its name.
+    ///
+    /// ```
+    /// # let place = tempfile::tempdir()?;
+    /// let path = place.path().join("one.inp");
+    /// std::fs::write(&path, "*NODE\n7,1.,2.,3.\n")?;
+    /// assert_eq!(qless_io::deck::read(&path)?.model().node_name(7), "7");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn node_name(&self, node: u32) -> String {
+        self.names.get(node).unwrap_or_else(|| node.to_string())
+    }
+
+    /// What the deck calls a DOF: `Part-1-1.12:3`.
+    pub fn dof_name(&self, dof: Dof) -> String {
+        match self.names.get(dof.node) {
+            Some(name) => format!("{name}:{}", dof.component),
+            None => dof.to_string(),
+        }
+    }
+
+    /// Whether nodes have names of instances, so that their numbers mean nothing in the deck's text.
+    pub fn has_instances(&self) -> bool {
+        self.names.has_instances()
+    }
+
+    /// Names nodes from `first` on by an instance and their numbers in it.
+    pub(super) fn name_nodes(&mut self, first: u32, instance: String, own: Vec<u32>) {
+        self.names.instance(first, instance, own);
+    }
+
+    /// Names a node.
+    pub(super) fn name_node(&mut self, node: u32, name: String) {
+        self.names.one(node, name);
+    }
+
+    /// DOFs that cards left out may claim, ascending, and where those stand: no equation written anew may have them as slaves.
+    pub fn left_out_claims(&self) -> &[(Dof, Origin)] {
+        &self.left_out_claims
+    }
+
+    /// Says that a card that is left out may claim DOFs.
+    pub(super) fn claim_left_out(&mut self, dofs: impl IntoIterator<Item = Dof>, origin: Origin) {
+        self.left_out_claims.extend(dofs.into_iter().map(|dof| (dof, origin)));
+        self.left_out_claims.sort_by_key(|(dof, origin)| (*dof, origin.card, origin.line));
+        self.left_out_claims.dedup();
+    }
+
     /// Where, and which card: `line 41 *EQUATION` in the main file, `part.inc:41 *EQUATION` in others; the line alone for an origin
     /// that is none of this model.
     pub fn place(&self, origin: Origin) -> String {
@@ -353,7 +405,7 @@ impl Model {
         let equation = self.nth(i);
         let place = self.place(equation.origin);
         match equation.columns.first() {
-            Some(&j) => format!("{place} {}", self.dofs[j as usize]),
+            Some(&j) => format!("{place} {}", self.dof_name(self.dofs[j as usize])),
             None => place,
         }
     }

@@ -40,6 +40,11 @@ impl<'a> Sources<'a> {
         self.solver
     }
 
+    /// Goes on for another solver: the text is one that only this one knows.
+    pub fn set_solver(&mut self, solver: Solver) {
+        self.solver = solver;
+    }
+
     /// The path of a file.
     pub fn path(&self, file: usize) -> &Path {
         &self.paths[file]

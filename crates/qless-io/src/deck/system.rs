@@ -59,7 +59,7 @@ impl Model {
             builder.labelled_equation(self.label_of(i), terms.map(|(&j, &a)| (j as usize, a)), rhs);
         }
         for clash in &case.clashes {
-            let label = format!("{} {}", self.place(clash.origin), clash.dof);
+            let label = format!("{} {}", self.place(clash.origin), self.dof_name(clash.dof));
             builder.labelled_equation(label, [(column(clash.dof).unwrap_or_default(), 1.0)], value(clash));
         }
         for given in &case.prescribed {
@@ -68,7 +68,7 @@ impl Model {
             }
         }
         if dofs > 0 {
-            builder.dof_labels(self.dofs.iter().chain(&extra).map(Dof::to_string).collect());
+            builder.dof_labels(self.dofs.iter().chain(&extra).map(|&dof| self.dof_name(dof)).collect());
         }
         builder.build()
     }

@@ -3,6 +3,7 @@
 use super::card::Card;
 use super::definitions::Definitions;
 use super::fields::{Fault, Fields, component, number};
+use super::parts::Scope;
 use crate::deck::{DeckError, Dof, Load, Model, Origin, Prescribed, Problem};
 use crate::fault::quote;
 
@@ -21,16 +22,32 @@ const SUPPORTS: [(&str, &[u8]); 8] = [
 /// The values that a card prescribes, in its order.
 pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) -> Result<Vec<Prescribed>, DeckError> {
     let number = model.card("*BOUNDARY", card.file, card.line);
+    let course = course(card, model, definitions)
+        .map_err(|problem| model.error(Origin { card: number, line: card.line, lines: 1 }, None, problem))?;
     let mut prescribed = Vec::new();
     for line in card.lines() {
         let origin = Origin { card: number, line: line.number, lines: 1 };
         let mut fields = Fields::of(&line);
         let fail = |(field, problem): Fault| model.error(origin, field, problem);
-        let dofs = range(&mut fields, definitions).map_err(fail)?;
+        let dofs = range(card.scope, &mut fields, definitions).map_err(fail)?;
         let value = fields.real().map_err(fail)?.unwrap_or(0.0);
-        prescribed.extend(dofs.into_iter().map(|dof| Prescribed { dof, value, course: 0, origin }));
+        // Nothing times any course is nothing.
+        let course = if value == 0.0 { 0 } else { course };
+        prescribed.extend(dofs.into_iter().map(|dof| Prescribed { dof, value, course, origin }));
     }
     Ok(prescribed)
+}
+
+/// How the values of a card run in time: as the step has it, or as an amplitude, which may come late.
+fn course(card: &Card, model: &mut Model, definitions: &Definitions) -> Result<u32, Problem> {
+    let Some(amplitude) = card.word("AMPLITUDE") else { return Ok(0) };
+    if !definitions.amplitudes.contains(&amplitude) {
+        return Err(Problem::Undefined { what: "amplitude", name: amplitude });
+    }
+    Ok(match card.parameter("TIMEDELAY") {
+        Some(delay) => model.course(&format!("{amplitude} {delay} later")),
+        None => model.course(&amplitude),
+    })
 }
 
 /// The DOFs that a card loads.
@@ -41,7 +58,7 @@ pub fn loads(card: &Card, model: &mut Model, definitions: &Definitions) -> Resul
         let origin = Origin { card: number, line: line.number, lines: 1 };
         let mut fields = Fields::of(&line);
         let fail = |(field, problem): Fault| model.error(origin, field, problem);
-        let nodes = nodes(&mut fields, definitions).map_err(fail)?;
+        let nodes = nodes(card.scope, &mut fields, definitions).map_err(fail)?;
         let Some(dof) = fields.whole("a degree of freedom").map_err(fail)? else { continue };
         let component = component(dof, 2).map_err(fail)?;
         loads.extend(nodes.into_iter().map(|node| Load { dof: Dof { node, component }, origin }));
@@ -50,24 +67,20 @@ pub fn loads(card: &Card, model: &mut Model, definitions: &Definitions) -> Resul
 }
 
 /// `node or set, first, last`, the last the same as the first where it is left out; or `node or set, support`.
-pub fn range(fields: &mut Fields, definitions: &Definitions) -> Result<Vec<Dof>, Fault> {
-    let nodes = nodes(fields, definitions)?;
+pub fn range(scope: Scope, fields: &mut Fields, definitions: &Definitions) -> Result<Vec<Dof>, Fault> {
+    let nodes = nodes(scope, fields, definitions)?;
     let components = components(fields)?;
     let dofs = |node| components.iter().map(move |&component| Dof { node, component });
     Ok(nodes.into_iter().flat_map(dofs).collect())
 }
 
-fn nodes(fields: &mut Fields, definitions: &Definitions) -> Result<Vec<u32>, Fault> {
+fn nodes(scope: Scope, fields: &mut Fields, definitions: &Definitions) -> Result<Vec<u32>, Fault> {
     let field = fields.next().unwrap_or_default();
-    if let Ok(node) = number(field, "a node") {
-        return Ok(vec![node]);
-    }
     if field.is_empty() {
         let problem = Problem::Expected { expected: "a node or a node set", found: quote(field) };
         return Err((Some(fields.number), problem));
     }
-    let set = definitions.nodes(&String::from_utf8_lossy(field));
-    set.map(|nodes| nodes.to_vec()).map_err(|problem| (Some(fields.number), problem))
+    definitions.node_or_set(scope, field).map_err(|problem| (Some(fields.number), problem))
 }
 
 fn components(fields: &mut Fields) -> Result<Vec<u8>, Fault> {

@@ -4,12 +4,15 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::data::Lines;
+use super::parts::{Parts, Scope};
 use crate::bytes::LINE;
 use crate::deck::{DeckError, Problem, Sources};
 
 /// A card. It is filled anew for each one, so that a deck of a million cards allocates no more than one of ten.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct Card {
+    /// Whose names and numbers it uses.
+    pub scope: Scope,
     /// The keyword in capitals and without blanks: `*RIGIDBODY`.
     pub keyword: Vec<u8>,
     /// `NAME=value` or `NAME`, the name in capitals and without blanks.
@@ -48,6 +51,11 @@ impl Card {
         self.keyword == keyword.as_bytes()
     }
 
+    /// The same card in another scope.
+    pub fn in_scope(&self, scope: Scope) -> Self {
+        Self { scope, ..self.clone() }
+    }
+
     /// Lines of data, comments and blank ones passed over.
     pub fn lines(&self) -> Lines<'_> {
         Lines::new(&self.data)
@@ -79,12 +87,18 @@ const WITH_INPUT: [&str; 7] = ["*NODE", "*ELEMENT", "*NSET", "*ELSET", "*SURFACE
 /// What is done with each card.
 pub type Visit<'v> = &'v mut dyn FnMut(&Card) -> Result<(), DeckError>;
 
-/// Visits every card in order.
+/// Visits every card in order; those of a part once for each of its instances.
 pub fn walk(sources: &mut Sources, visit: Visit) -> Result<(), DeckError> {
+    let paths = sources.paths().to_vec();
+    let mut parts = Parts::default();
+    let mut expand = |card: &Card| {
+        let path = || paths.get(card.file as usize).cloned().unwrap_or_default();
+        parts.card(card, visit).map_err(|stop| stop.at(card, path))
+    };
     let mut card = Card::default();
     let mut walk = Walk { sources };
-    walk.file(0, 0, &mut card, visit)?;
-    finish(&mut card, visit)
+    walk.file(0, 0, &mut card, &mut expand)?;
+    finish(&mut card, &mut expand)
 }
 
 struct Walk<'s, 'o> {

@@ -1,6 +1,7 @@
-//! `*COUPLING` with `*KINEMATIC` or `*DISTRIBUTING`, and the older `*KINEMATIC COUPLING` and `*DISTRIBUTING COUPLING`.
+//! `*COUPLING` with `*KINEMATIC` or `*DISTRIBUTING`.
 //!
-//! A distributing reference moves as the weighted mean of its nodes, `u_r = A_r S^-1 sum w_k a_k^T u_k`.
+//! A distributing reference moves as the weighted mean of its nodes, `u_r = A_r S^-1 sum w_k a_k^T u_k`: so Abaqus has it. In ccx the
+//! card only distributes forces, and the motion of the reference has no effect on the surface.
 
 use super::card::Card;
 use super::data::Lines;
@@ -9,129 +10,129 @@ use super::fields::{float, number};
 use super::frames::orientation;
 use super::geometric::{Place, Row};
 use super::mesh::Surface;
+use super::parts::Scope;
 use super::rigid::{Reference, kinematic, own_rotation};
-use crate::deck::kinematics::axes::BASIC_AXES;
 use crate::deck::kinematics::components::Components;
 use crate::deck::kinematics::mean::{Group, Mean};
-use crate::deck::kinematics::vector::{Vector, scaled};
-use crate::deck::{DeckError, Model, Problem};
+use crate::deck::kinematics::vector::{length, minus};
+use crate::deck::{DeckError, Model, Problem, Solver};
 use crate::fault::quote;
 
 /// What a `*COUPLING` card says to the card after it.
 #[derive(Clone)]
 pub struct Coupling {
+    scope: Scope,
     reference: String,
     surface: String,
     orientation: Option<String>,
+    /// Nodes farther from the reference are not coupled.
+    radius: Option<String>,
 }
 
 impl Coupling {
     pub fn of(card: &Card) -> Self {
-        let text = |name| card.parameter(name).unwrap_or_default().to_owned();
+        let text = |name| card.parameter(name).map(str::to_owned);
         Self {
-            reference: text("REFNODE"),
-            surface: text("SURFACE"),
-            orientation: card.parameter("ORIENTATION").map(str::to_owned),
+            scope: card.scope,
+            reference: text("REFNODE").unwrap_or_default(),
+            surface: text("SURFACE").unwrap_or_default(),
+            orientation: text("ORIENTATION"),
+            radius: text("INFLUENCERADIUS"),
         }
     }
 
-    fn reference(&self) -> Result<u32, Problem> {
+    /// The reference: a node, or a set of one.
+    pub fn reference(&self, definitions: &Definitions) -> Result<u32, Problem> {
         if self.reference.is_empty() {
             return Err(Problem::NoParameter { name: "REF NODE" });
         }
-        number(self.reference.as_bytes(), "a node")
+        definitions.one_node(self.scope, self.reference.as_bytes())
     }
 
-    /// The nodes of the surface without the reference.
+    /// The nodes of the surface without the reference, within the radius of influence.
     fn nodes(&self, definitions: &Definitions) -> Result<Vec<u32>, Problem> {
-        let reference = self.reference()?;
-        let mut nodes = Surface::find(definitions, &self.surface)?.all_nodes();
+        let reference = self.reference(definitions)?;
+        let mut nodes = Surface::find(definitions, self.scope, &self.surface)?.all_nodes();
         nodes.retain(|&node| node != reference);
-        Ok(nodes)
+        let Some(radius) = self.radius.as_ref().filter(|radius| !radius.eq_ignore_ascii_case("WORLD")) else {
+            return Ok(nodes);
+        };
+        let radius = float(radius.as_bytes())?;
+        let mut near = Vec::with_capacity(nodes.len());
+        for node in nodes {
+            if distance(definitions, node, reference)? <= radius {
+                near.push(node);
+            }
+        }
+        Ok(near)
     }
 
-    fn kinematic(&self, card: &Card, definitions: &Definitions) -> Result<Vec<Row>, Problem> {
-        let local = self.orientation.as_deref().map(|name| orientation(definitions, name)).transpose()?;
-        let reference = Reference::turning(self.reference()?);
+    fn kinematic(&self, card: &Card, definitions: &Definitions, solver: Solver) -> Result<Vec<Row>, Problem> {
+        // Without data ccx couples nothing, Abaqus all.
+        if solver == Solver::Ccx && card.lines().next().is_none() {
+            return Ok(Vec::new());
+        }
+        let local = self.orientation.as_deref().map(|name| orientation(definitions, self.scope, name)).transpose()?;
+        let reference = Reference::turning(self.reference(definitions)?);
         let nodes = self.nodes(definitions)?;
         kinematic(definitions, reference, nodes.into_iter(), &components(card, 6)?, local.as_ref())
     }
 
     fn distributing(&self, card: &Card, definitions: &Definitions) -> Result<Vec<Row>, Problem> {
-        let group = Group { weight: 1.0, components: translations(), nodes: self.nodes(definitions)? };
-        mean(definitions, self.reference()?, &components(card, 6)?, vec![group])
+        let reference = self.reference(definitions)?;
+        let nodes = self.nodes(definitions)?;
+        let mut groups = Vec::new();
+        let weights = weights(card, definitions, reference, &nodes)?;
+        for (node, weight) in nodes.into_iter().zip(weights).filter(|(_, weight)| *weight > 0.0) {
+            groups.push(Group { weight, components: translations(), nodes: vec![node] });
+        }
+        mean(definitions, reference, &components(card, 6)?, groups)
     }
 }
 
-/// `*KINEMATIC` or `*DISTRIBUTING` after `*COUPLING`.
-pub fn read(card: &Card, coupling: &Coupling, model: &mut Model, definitions: &Definitions) -> Result<(), DeckError> {
+/// `*KINEMATIC` or `*DISTRIBUTING` after `*COUPLING`; false where it constrains nothing.
+pub fn read(
+    card: &Card,
+    coupling: &Coupling,
+    model: &mut Model,
+    definitions: &Definitions,
+    solver: Solver,
+) -> Result<bool, DeckError> {
     let is_kinematic = card.is("*KINEMATIC");
     let place = Place::of(card, model, if is_kinematic { "*KINEMATIC" } else { "*DISTRIBUTING" });
-    let rows =
-        if is_kinematic { coupling.kinematic(card, definitions) } else { coupling.distributing(card, definitions) };
-    model.traits.has_turned_couplings |= is_kinematic && coupling.orientation.is_some();
-    match coupling.reference() {
-        Ok(node) if is_kinematic => {
-            place.push(model, rows)?;
-            own_rotation(&place, Reference::turning(node), model, definitions);
-            linearised(card, &place, model);
-            Ok(())
-        }
-        _ => finish(card, &place, model, rows),
+    let rows = match (is_kinematic, solver) {
+        (true, _) => coupling.kinematic(card, definitions, solver),
+        (false, Solver::Ccx) => coupling.reference(definitions).map(|_| Vec::new()),
+        (false, _) => coupling.distributing(card, definitions),
+    };
+    let before = model.equations();
+    if is_kinematic {
+        model.traits.has_turned_couplings |= coupling.orientation.is_some();
+        place.push(model, rows)?;
+    } else {
+        finish(card, &place, model, rows)?;
     }
+    let constrains = model.equations() > before;
+    if is_kinematic && constrains {
+        // That it is there was checked when the rows were made.
+        let reference = Reference::turning(coupling.reference(definitions).unwrap_or_default());
+        own_rotation(&place, reference, model, definitions);
+        linearised(card, &place, model);
+    }
+    if is_kinematic && solver == Solver::Ccx && !constrains {
+        model.warn(card.file, card.line, "*KINEMATIC without degrees of freedom: ccx couples nothing");
+    }
+    Ok(constrains)
 }
 
-/// `*KINEMATIC COUPLING, REF NODE=`: `node or set, first, last` a line.
-pub fn kinematic_coupling(card: &Card, model: &mut Model, definitions: &Definitions) -> Result<(), DeckError> {
-    let place = Place::of(card, model, "*KINEMATIC COUPLING");
-    let rows = || {
-        let reference = card.parameter("REFNODE").ok_or(Problem::NoParameter { name: "REF NODE" })?;
-        let reference = Reference::turning(number(reference.as_bytes(), "a node")?);
-        let mut rows = Vec::new();
-        for line in card.lines() {
-            let mut fields = line.fields();
-            let nodes = definitions.node_or_set(fields.next().unwrap_or_default())?;
-            let range = range(&mut fields, 6)?;
-            let nodes = nodes.into_iter().filter(|&node| node != reference.node);
-            rows.extend(kinematic(definitions, reference, nodes, &range, None)?);
-        }
-        Ok(rows)
-    };
-    let rows = rows();
-    finish(card, &place, model, rows)
-}
-
-/// `*DISTRIBUTING COUPLING, ELSET=`: `node or set, weight` a line; the element set holds the reference, wherever that is. As CalculiX
-/// has it: `sum w_k u_k - sum w_k u_r = 0` in each direction, the first node being the slave.
-pub fn distributing_coupling(card: &Card, model: &mut Model, definitions: &Definitions) -> Result<(), DeckError> {
-    let place = Place::of(card, model, "*DISTRIBUTING COUPLING");
-    let rows = || {
-        let set = card.parameter("ELSET").ok_or(Problem::NoParameter { name: "ELSET" })?;
-        let [reference] = definitions.nodes_of(set)?[..] else {
-            let found = quote(set.as_bytes());
-            return Err(Problem::Expected { expected: "an element set with one node, the reference", found });
-        };
-        let mut weights: Vec<(u32, f64)> = Vec::new();
-        for line in card.lines() {
-            let mut fields = line.fields();
-            let nodes = definitions.node_or_set(fields.next().unwrap_or_default())?;
-            let weight = fields.next().filter(|field| !field.is_empty()).map_or(Ok(1.0), float)?;
-            weights.extend(nodes.into_iter().map(|node| (node, weight)));
-        }
-        let total: f64 = weights.iter().map(|(_, weight)| weight).sum();
-        weights.push((reference, -total));
-        let gradients = |axis: Vector| weights.iter().map(|&(node, w)| (node, scaled(axis, w))).collect::<Vec<_>>();
-        BASIC_AXES.iter().map(|&axis| Row::along(definitions, &gradients(axis), 0.0)).collect()
-    };
-    let rows = rows();
-    place.push(model, rows)
-}
-
-fn finish(card: &Card, place: &Place, model: &mut Model, rows: Result<Vec<Row>, Problem>) -> Result<(), DeckError> {
+/// Adds the equations of a coupling; the rotations of its reference are DOFs that the solver adds.
+pub fn finish(card: &Card, place: &Place, model: &mut Model, rows: Result<Vec<Row>, Problem>) -> Result<(), DeckError> {
+    let before = model.equations();
     place.push(model, rows)?;
-    // The rotations of the reference are DOFs that the solver adds.
-    place.fix(model);
-    linearised(card, place, model);
+    if model.equations() > before {
+        place.fix(model);
+        linearised(card, place, model);
+    }
     Ok(())
 }
 
@@ -140,14 +141,43 @@ fn linearised(card: &Card, place: &Place, model: &mut Model) {
     model.warn(card.file, card.line, format!("{name} is linearised at the reference configuration"));
 }
 
-fn mean(definitions: &Definitions, reference: u32, components: &[u8], groups: Vec<Group>) -> Result<Vec<Row>, Problem> {
+fn distance(definitions: &Definitions, a: u32, b: u32) -> Result<f64, Problem> {
+    Ok(length(minus(definitions.position(a)?, definitions.position(b)?)))
+}
+
+/// The weight of each node by its distance from the reference, in parts of the largest.
+fn weights(card: &Card, of: &Definitions, reference: u32, nodes: &[u32]) -> Result<Vec<f64>, Problem> {
+    const EXPECTED: &str = "UNIFORM, LINEAR, QUADRATIC or CUBIC";
+    let method = card.word("WEIGHTINGMETHOD").unwrap_or_else(|| "UNIFORM".into());
+    let weight: fn(f64) -> f64 = match method.as_str() {
+        "UNIFORM" => |_| 1.0,
+        "LINEAR" => |x| 1.0 - x,
+        "QUADRATIC" => |x| 1.0 - x * x,
+        "CUBIC" => |x| 1.0 - x * x * (3.0 - 2.0 * x),
+        _ => return Err(Problem::Expected { expected: EXPECTED, found: quote(method.as_bytes()) }),
+    };
+    let distances: Vec<f64> = nodes.iter().map(|&node| distance(of, node, reference)).collect::<Result<_, _>>()?;
+    let largest = distances.iter().fold(0.0, |largest: f64, x| largest.max(*x));
+    let part = |x: f64| if largest > 0.0 { x / largest } else { 0.0 };
+    let weights: Vec<f64> = distances.iter().map(|&x| weight(part(x))).collect();
+    // Nodes that are all as far away count all the same.
+    Ok(if weights.iter().all(|&x| x == 0.0) { vec![1.0; nodes.len()] } else { weights })
+}
+
+/// The rows of a mean motion.
+pub fn mean(
+    definitions: &Definitions,
+    reference: u32,
+    components: &[u8],
+    groups: Vec<Group>,
+) -> Result<Vec<Row>, Problem> {
     let digits: Vec<u8> = components.iter().map(|component| b'0' + component).collect();
     let components = Components::parse(&digits).unwrap_or_default();
     let mean = Mean { reference, components, groups, dependent: Vec::new() };
     Ok(mean.rows(definitions)?.into_iter().map(|row| Row { terms: row.terms, rhs: 0.0 }).collect())
 }
 
-fn translations() -> Components {
+pub fn translations() -> Components {
     Components::parse(b"123").unwrap_or_default()
 }
 
@@ -162,7 +192,8 @@ fn components(card: &Card, most: u8) -> Result<Vec<u8>, Problem> {
     Ok(if components.is_empty() { (1..=most).collect() } else { components })
 }
 
-fn range<'a>(fields: &mut impl Iterator<Item = &'a [u8]>, most: u8) -> Result<Vec<u8>, Problem> {
+/// `first, last`; all up to `most` where nothing stands.
+pub fn range<'a>(fields: &mut impl Iterator<Item = &'a [u8]>, most: u8) -> Result<Vec<u8>, Problem> {
     const EXPECTED: &str = "a degree of freedom from 1 to 6";
     let mut next = || {
         let field = fields.next().filter(|field| !field.is_empty());

@@ -1,7 +1,6 @@
-//! What a deck defines, parsed only where something asks for it: node numbers, sets of nodes.
+//! What a deck defines, as text until something asks for it.
 
 use std::cell::{OnceCell, RefCell};
-use std::rc::Rc;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -9,61 +8,68 @@ use super::card::{Card, Piece};
 use super::data::{Lines, name};
 use super::fields::number;
 use super::frames::{Local, locals};
+use super::instances::{Instance, Motion, Numbers};
 use super::mesh::{Elements, positions};
+use super::parts::Scope;
+use super::sets::{Part, Set, Sets};
 use crate::deck::Problem;
+use crate::deck::kinematics::axes::BASIC_AXES;
 use crate::deck::kinematics::body::Pose;
 use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::Vector;
-use crate::fault::quote;
 
-/// Members of a set at most.
-const MEMBERS: usize = 200_000_000;
-
-/// Where the parts of a set stand.
-enum Part {
-    /// Lines that begin with a node.
-    Lines(Vec<Piece>),
-    /// Numbers and names of other sets.
-    List(Vec<Piece>),
-    /// `first, last, increment` a line.
-    Generate(Vec<Piece>),
-    /// The nodes of an element set.
-    OfElements(String),
-}
+/// A name and whose it is.
+pub type Key = (Scope, String);
 
 /// An `*ELEMENT` card.
 pub struct Block {
+    pub scope: Scope,
     pub kind: String,
     pub set: Option<String>,
     pub data: Vec<Piece>,
 }
 
-/// A set that is being parsed, or has been.
-enum Known {
-    InProgress,
-    Done(Rc<Vec<u32>>),
+/// A `*SURFACE` card.
+pub struct Patch {
+    pub scope: Scope,
+    pub of_nodes: bool,
+    pub data: Vec<Piece>,
+}
+
+/// A `*TRANSFORM` or `*ORIENTATION` card.
+pub struct Axes {
+    pub scope: Scope,
+    pub is_cylindrical: bool,
+    pub data: Vec<Piece>,
 }
 
 /// Definitions, as text until they are needed.
 #[derive(Default)]
 pub struct Definitions {
-    nodes: Vec<Piece>,
-    node_sets: FxHashMap<String, Vec<Part>>,
-    element_sets: FxHashMap<String, Vec<Part>>,
-    blocks: Vec<Block>,
-    /// By name: whether it is of nodes, and its data.
-    pub surfaces: FxHashMap<String, Vec<(bool, Vec<Piece>)>>,
-    /// `*TRANSFORM`: node set, whether cylindrical, data.
-    pub transforms: Vec<(String, bool, Vec<Piece>)>,
-    /// `*ORIENTATION` by name: whether cylindrical, data.
-    pub orientations: FxHashMap<String, (bool, Vec<Piece>)>,
-    known: RefCell<FxHashMap<(bool, String), Known>>,
+    /// By scope.
+    nodes: Vec<Vec<Piece>>,
+    pub sets: Sets,
+    pub blocks: Vec<Block>,
+    pub surfaces: FxHashMap<Key, Vec<Patch>>,
+    /// `*TRANSFORM` with its node set.
+    pub transforms: Vec<(String, Axes)>,
+    pub orientations: FxHashMap<Key, Axes>,
+    /// Names of `*AMPLITUDE` cards.
+    pub amplitudes: FxHashSet<String>,
+    pub instances: Vec<Instance>,
+    pub by_instance: FxHashMap<String, Scope>,
+    assemblies: Vec<String>,
+    numbers: OnceCell<Result<Numbers, Problem>>,
     positions: OnceCell<Result<FxHashMap<u32, Vector>, Problem>>,
     elements: OnceCell<Result<Elements, Problem>>,
     locals: OnceCell<Result<FxHashMap<u32, Local>, Problem>>,
     rotating: OnceCell<FxHashSet<u32>>,
+    /// Where nodes are that no card lists, because the solver makes them.
+    made: RefCell<FxHashMap<u32, Vector>>,
     /// Whether a step is geometrically nonlinear.
     pub is_nonlinear: bool,
+    /// Whether modes of several nodal diameters are asked for.
+    pub has_diameters: bool,
     /// Bounds of the number of equations and of their terms.
     pub equations: usize,
     pub terms: usize,
@@ -74,46 +80,65 @@ pub struct Definitions {
 impl Definitions {
     /// Notes what a card defines.
     pub fn note(&mut self, card: &Card) {
+        let key = |parameter| (card.scope, card.word(parameter).unwrap_or_default());
         match card.keyword.as_slice() {
+            b"*INSTANCE" => self.instance(card),
+            b"*ASSEMBLY" => self.assemblies.extend(card.word("NAME")),
             b"*NODE" => {
-                self.nodes.extend_from_slice(&card.data);
-                self.part(card.word("NSET"), || Part::Lines(card.data.clone()));
+                let scope = card.scope.0 as usize;
+                self.nodes.resize_with(self.nodes.len().max(scope + 1), Vec::new);
+                self.nodes[scope].extend_from_slice(&card.data);
+                self.set(card, || Part::Lines(card.data.clone()));
             }
-            b"*NSET" if card.parameter("GENERATE").is_some() => {
-                self.part(card.word("NSET"), || Part::Generate(card.data.clone()));
-            }
+            b"*NSET" if card.parameter("GENERATE").is_some() => self.set(card, || Part::Generate(card.data.clone())),
             b"*NSET" if card.parameter("ELSET").is_some() => {
-                let elements = card.word("ELSET").unwrap_or_default();
-                self.part(card.word("NSET"), || Part::OfElements(elements));
+                self.set(card, || Part::OfElements(card.word("ELSET").unwrap_or_default()));
             }
+            b"*NSET" => self.set(card, || Part::List(card.data.clone())),
             b"*ELSET" => {
                 let data = card.data.clone();
                 let part = if card.parameter("GENERATE").is_some() { Part::Generate(data) } else { Part::List(data) };
-                self.element_sets.entry(card.word("ELSET").unwrap_or_default()).or_default().push(part);
+                self.sets.of_elements.entry(key("ELSET")).or_default().push(Set::of(card, part));
             }
             b"*ELEMENT" => self.blocks.push(Block {
+                scope: card.scope,
                 kind: card.word("TYPE").unwrap_or_default(),
                 set: card.word("ELSET"),
                 data: card.data.clone(),
             }),
             b"*SURFACE" => {
                 let of_nodes = card.word("TYPE").as_deref() == Some("NODE");
-                let surface = card.word("NAME").unwrap_or_default();
-                self.surfaces.entry(surface).or_default().push((of_nodes, card.data.clone()));
+                let patch = Patch { scope: card.scope, of_nodes, data: card.data.clone() };
+                self.surfaces.entry(key("NAME")).or_default().push(patch);
             }
             b"*TRANSFORM" => {
                 let set = card.word("NSET").unwrap_or_default();
-                self.transforms.push((set, card.word("TYPE").as_deref() == Some("C"), card.data.clone()));
+                self.transforms.push((set, axes(card, card.word("TYPE").as_deref() == Some("C"))));
             }
             b"*ORIENTATION" => {
-                let cylindrical = card.word("SYSTEM").as_deref() == Some("CYLINDRICAL");
-                self.orientations.insert(card.word("NAME").unwrap_or_default(), (cylindrical, card.data.clone()));
+                let is_cylindrical = card.word("SYSTEM").as_deref() == Some("CYLINDRICAL");
+                self.orientations.insert(key("NAME"), axes(card, is_cylindrical));
             }
+            b"*AMPLITUDE" => self.amplitudes.extend(card.word("NAME")),
             b"*STEP" => self.is_nonlinear |= card.parameter("NLGEOM").is_some_and(|value| value != "NO"),
-            b"*NSET" => self.part(card.word("NSET"), || Part::List(card.data.clone())),
+            b"*SELECTCYCLICSYMMETRYMODES" => self.has_diameters = true,
             b"*EQUATION" => card.data.iter().for_each(|piece| self.count(piece)),
             b"*NGEN" | b"*NCOPY" | b"*NFILL" | b"*NMAP" => self.generates_nodes = true,
             _ => {}
+        }
+    }
+
+    fn instance(&mut self, card: &Card) {
+        let name = card.parameter("NAME").unwrap_or_default().to_owned();
+        let key = card.word("NAME").unwrap_or_default();
+        self.by_instance.insert(key, card.scope);
+        self.instances.push(Instance { name, data: card.data.clone() });
+    }
+
+    /// Notes a part of the node set that a card names, if it names one.
+    fn set(&mut self, card: &Card, part: impl FnOnce() -> Part) {
+        if let Some(set) = card.word("NSET") {
+            self.sets.of_nodes.entry((card.scope, set)).or_default().push(Set::of(card, part()));
         }
     }
 
@@ -125,162 +150,137 @@ impl Definitions {
         self.terms += (memchr::memchr_iter(b',', text).count() + lines / 2) / 3;
     }
 
-    fn part(&mut self, set: Option<String>, part: impl FnOnce() -> Part) {
-        if let Some(set) = set {
-            self.node_sets.entry(set).or_default().push(part());
+    /// Where something of this name is: in the scope itself, or in the instance that the name begins with.
+    pub fn find<'m, V>(&self, map: &'m FxHashMap<Key, V>, scope: Scope, name: &str) -> Option<(Key, &'m V)> {
+        let own = (scope, name.to_owned());
+        if let Some(value) = map.get(&own) {
+            return Some((own, value));
         }
+        let (scope, rest) = self.qualified(name)?;
+        let key = (scope, rest.to_owned());
+        map.get(&key).map(|value| (key, value))
     }
 
-    /// The numbers of all nodes listed, ascending.
-    pub fn node_numbers(&self) -> Vec<u32> {
-        let mut numbers: Vec<u32> =
-            Lines::new(&self.nodes).filter_map(|line| number(line.fields().next()?, "a node").ok()).collect();
+    /// `I.rest`, after the name of the assembly or not, with I the name of an instance: its scope and the rest.
+    pub fn qualified<'n>(&self, name: &'n str) -> Option<(Scope, &'n str)> {
+        let inner = |assembly: &String| name.strip_prefix(assembly.as_str()).and_then(|rest| rest.strip_prefix('.'));
+        let name = self.assemblies.iter().find_map(inner).unwrap_or(name);
+        let split = |dot: usize| self.by_instance.get(&name[..dot]).map(|scope| (*scope, &name[dot + 1..]));
+        name.match_indices('.').find_map(|(dot, _)| split(dot))
+    }
+
+    /// The numbers in the deck of the nodes of instances.
+    pub fn numbers(&self) -> Result<&Numbers, Problem> {
+        let find = || {
+            let scopes = 1..=self.instances.len();
+            Numbers::of(&self.listed(0), scopes.map(|scope| self.listed(scope)))
+        };
+        self.numbers.get_or_init(find).as_ref().map_err(Clone::clone)
+    }
+
+    /// The numbers that the nodes of a scope have in it, ascending.
+    fn listed(&self, scope: usize) -> Vec<u32> {
+        let lines = Lines::new(self.nodes.get(scope).map_or(&[], Vec::as_slice));
+        let mut numbers: Vec<u32> = lines.filter_map(|line| number(line.fields().next()?, "a node").ok()).collect();
         numbers.sort_unstable();
         numbers.dedup();
         numbers
     }
 
-    /// The nodes of a set, in the order of its definition, each once.
-    pub fn nodes(&self, set: &str) -> Result<Rc<Vec<u32>>, Problem> {
-        self.members(false, name(set))
+    /// The numbers of all nodes, ascending.
+    pub fn node_numbers(&self) -> Vec<u32> {
+        let mut all = self.listed(0);
+        for (first, own) in self.numbers().map_or(&[][..], Numbers::instances) {
+            all.extend((0..own.len() as u32).map(|k| first + k));
+        }
+        all.extend(self.made.borrow().keys());
+        all.sort_unstable();
+        all
     }
 
-    /// The names of all node sets.
+    /// The names of all node sets of the deck itself.
     pub fn node_set_names(&self) -> impl Iterator<Item = &str> {
-        self.node_sets.keys().map(String::as_str)
+        let own = self.sets.of_nodes.keys().filter(|(scope, _)| *scope == Scope::DECK);
+        own.map(|(_, name)| name.as_str())
     }
 
-    /// A node, or the nodes of a set.
-    pub fn node_or_set(&self, field: &[u8]) -> Result<Vec<u32>, Problem> {
-        match number(field, "a node") {
-            Ok(node) => Ok(vec![node]),
-            Err(_) => self.nodes(&String::from_utf8_lossy(field)).map(|nodes| nodes.to_vec()),
-        }
-    }
-
-    /// An element, or the elements of a set.
-    pub fn element_or_set(&self, field: &[u8]) -> Result<Vec<u32>, Problem> {
-        match number(field, "an element") {
-            Ok(element) => Ok(vec![element]),
-            Err(_) => self.members(true, name(&String::from_utf8_lossy(field))).map(|elements| elements.to_vec()),
-        }
-    }
-
-    /// The nodes of the elements of a set, ascending, each once.
-    pub fn nodes_of(&self, elements: &str) -> Result<Vec<u32>, Problem> {
-        let mut nodes = Vec::new();
-        for &element in self.members(true, name(elements))?.iter() {
-            nodes.extend_from_slice(self.elements()?.get(element)?.1);
-        }
-        nodes.sort_unstable();
-        nodes.dedup();
-        Ok(nodes)
-    }
-
-    fn members(&self, of_elements: bool, set: String) -> Result<Rc<Vec<u32>>, Problem> {
-        let what = if of_elements { "element set" } else { "node set" };
-        let key = (of_elements, set);
-        match self.known.borrow().get(&key) {
-            Some(Known::Done(members)) => return Ok(Rc::clone(members)),
-            Some(Known::InProgress) => return Err(Problem::Circular { what, name: key.1 }),
-            None => {}
-        }
-        let parts = if of_elements { &self.element_sets } else { &self.node_sets }.get(&key.1);
-        let named = if of_elements { self.elements()?.by_set.get(&key.1) } else { None };
-        if parts.is_none() && named.is_none() {
-            return Err(Problem::Undefined { what, name: key.1 });
-        }
-        self.known.borrow_mut().insert(key.clone(), Known::InProgress);
-        let mut members = named.cloned().unwrap_or_default();
-        for part in parts.into_iter().flatten() {
-            self.add(part, of_elements, &mut members)?;
-        }
-        let mut seen = FxHashSet::default();
-        members.retain(|&member| seen.insert(member));
-        let members = Rc::new(members);
-        self.known.borrow_mut().insert(key, Known::Done(Rc::clone(&members)));
-        Ok(members)
-    }
-
-    fn add(&self, part: &Part, of_elements: bool, members: &mut Vec<u32>) -> Result<(), Problem> {
-        let what = if of_elements { "an element" } else { "a node" };
-        match part {
-            Part::Lines(pieces) => {
-                for line in Lines::new(pieces) {
-                    members.push(number(line.fields().next().unwrap_or_default(), what)?);
-                }
-            }
-            Part::List(pieces) => {
-                for field in Lines::new(pieces).flat_map(|line| line.fields()).filter(|field| !field.is_empty()) {
-                    if let Ok(member) = number(field, what) {
-                        members.push(member);
-                    } else {
-                        let set = name(&String::from_utf8_lossy(field));
-                        members.extend_from_slice(&self.members(of_elements, set)?);
-                    }
-                }
-            }
-            Part::Generate(pieces) => {
-                for line in Lines::new(pieces) {
-                    generate(&mut line.fields(), members)?;
-                }
-            }
-            Part::OfElements(set) => members.extend(self.nodes_of(set)?),
-        }
-        Ok(())
+    /// A node that the solver makes; its number is that of no other.
+    pub fn make_node(&self, position: Vector) -> Result<u32, Problem> {
+        let advice = "use smaller numbers";
+        let limit = Problem::Limit { what: "the largest number of a node", limit: u32::MAX as usize, advice };
+        let last = self.node_numbers().last().copied().unwrap_or(0);
+        let node = last.checked_add(1).ok_or(limit)?;
+        self.made.borrow_mut().insert(node, position);
+        Ok(node)
     }
 
     /// All elements.
     pub fn elements(&self) -> Result<&Elements, Problem> {
-        self.elements.get_or_init(|| Elements::parse(&self.blocks)).as_ref().map_err(Clone::clone)
+        self.elements.get_or_init(|| Elements::parse(self)).as_ref().map_err(Clone::clone)
     }
 
-    /// Where all nodes are.
+    /// Where all nodes are that cards list.
     pub fn all_positions(&self) -> Result<FxHashMap<u32, Vector>, Problem> {
-        positions(Lines::new(&self.nodes))
+        let mut all = FxHashMap::default();
+        for (pieces, scope) in self.nodes.iter().zip(0..) {
+            let motion = match scope {
+                0 => None,
+                _ => Some(self.motion(Scope(scope))?),
+            };
+            for (own, position) in positions(Lines::new(pieces))? {
+                let position = motion.map_or(position, |motion| motion.point(position));
+                all.insert(self.numbered(Scope(scope), own)?, position);
+            }
+        }
+        Ok(all)
+    }
+
+    /// Where an instance stands.
+    fn motion(&self, scope: Scope) -> Result<Motion, Problem> {
+        Motion::read(&self.instances[scope.0 as usize - 1].data)
+    }
+
+    /// Axes as the scope that gives them stands.
+    pub fn placed(&self, scope: Scope, frame: Local) -> Result<Local, Problem> {
+        if scope == Scope::DECK { Ok(frame) } else { Ok(self.motion(scope)?.frame(frame)) }
     }
 
     /// Where a node is.
     pub fn position(&self, node: u32) -> Result<Vector, Problem> {
-        let all = self.positions.get_or_init(|| positions(Lines::new(&self.nodes))).as_ref().map_err(Clone::clone)?;
+        if let Some(position) = self.made.borrow().get(&node) {
+            return Ok(*position);
+        }
+        let all = self.positions.get_or_init(|| self.all_positions()).as_ref().map_err(Clone::clone)?;
         all.get(&node).copied().ok_or_else(|| Problem::Undefined { what: "node", name: node.to_string() })
     }
 
     /// Whether a node belongs to an element whose nodes rotate.
     pub fn rotates(&self, node: u32) -> bool {
         let find = || {
-            let kinds = self.blocks.iter().filter(|block| super::shape::Shape::of(&block.kind).rotates);
-            let fields = kinds.flat_map(|block| Lines::new(&block.data)).flat_map(|line| line.fields().skip(1));
-            fields.filter_map(|field| number(field, "a node").ok()).collect()
+            let mut rotating = FxHashSet::default();
+            for block in self.blocks.iter().filter(|block| super::shape::Shape::of(&block.kind).rotates) {
+                let fields = Lines::new(&block.data).flat_map(|line| line.fields().skip(1));
+                rotating.extend(fields.filter_map(|field| self.node(block.scope, field).ok()));
+            }
+            rotating
         };
         self.rotating.get_or_init(find).contains(&node)
     }
+}
+
+fn axes(card: &Card, is_cylindrical: bool) -> Axes {
+    Axes { scope: card.scope, is_cylindrical, data: card.data.clone() }
 }
 
 impl Poses for Definitions {
     fn pose(&self, node: u32) -> Result<Pose, Problem> {
         let position = self.position(node)?;
         let locals = self.locals.get_or_init(|| locals(self)).as_ref().map_err(Clone::clone)?;
-        Ok(Pose {
-            position,
-            axes: locals.get(&node).map_or(crate::deck::kinematics::axes::BASIC_AXES, |local| local.axes_at(position)),
-        })
+        Ok(Pose { position, axes: locals.get(&node).map_or(BASIC_AXES, |local| local.axes_at(position)) })
     }
 }
 
-/// `first, last, increment`.
-fn generate<'a>(fields: &mut impl Iterator<Item = &'a [u8]>, nodes: &mut Vec<u32>) -> Result<(), Problem> {
-    let mut next = || fields.next().filter(|field| !field.is_empty());
-    let first = number(next().unwrap_or_default(), "the first node of a range")?;
-    let last = next().map_or(Ok(first), |field| number(field, "the last node of a range"))?;
-    let step = next().map_or(Ok(1), |field| number(field, "an increment"))?;
-    if step == 0 || last < first {
-        let found = quote(format!("{first}, {last}, {step}").as_bytes());
-        return Err(Problem::Expected { expected: "an ascending range with an increment of at least 1", found });
-    }
-    if nodes.len() + ((last - first) / step) as usize >= MEMBERS {
-        return Err(Problem::Limit { what: "the size of a set", limit: MEMBERS, advice: "correct the range" });
-    }
-    nodes.extend((first..=last).step_by(step as usize));
-    Ok(())
+/// The name of an amplitude, a surface and the like, as it is compared.
+pub fn word(field: &[u8]) -> String {
+    name(&String::from_utf8_lossy(field))
 }

@@ -6,6 +6,7 @@ use super::card::Card;
 use super::data::DataLine;
 use super::definitions::Definitions;
 use super::fields::{Fault, Fields, component, float, number};
+use super::parts::Scope;
 use crate::deck::{DeckError, Dof, Model, Origin, Problem};
 use crate::fault::quote;
 
@@ -41,7 +42,8 @@ pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) -> Result
                 let problem = Problem::TooFew { what: "terms", promised, found: terms.len() };
                 return Err(fail(model, &head, (None, problem)));
             };
-            add_terms(&line, promised, definitions, &mut terms).map_err(|fault| fail(model, &line, fault))?;
+            add_terms(&line, promised, (card.scope, definitions), &mut terms)
+                .map_err(|fault| fail(model, &line, fault))?;
             // An equation that goes on in another file is placed where it begins.
             if line.file == head.file {
                 lines_of_it = (line.number + 1).saturating_sub(head.number);
@@ -77,14 +79,19 @@ fn count(head: &DataLine) -> Result<usize, Fault> {
 }
 
 /// The terms on a line; more than promised are refused.
-fn add_terms(line: &DataLine, promised: usize, definitions: &Definitions, terms: &mut Vec<Term>) -> Result<(), Fault> {
+fn add_terms(
+    line: &DataLine,
+    promised: usize,
+    names: (Scope, &Definitions),
+    terms: &mut Vec<Term>,
+) -> Result<(), Fault> {
     let mut fields = line.fields().enumerate().map(|(k, field)| (k + 1, field));
     while let Some((at, field)) = fields.next() {
         if terms.len() == promised {
             let expected = "no more terms than promised";
             return Err((Some(at), Problem::Expected { expected, found: quote(field) }));
         }
-        let nodes = nodes(field, definitions).map_err(|problem| (Some(at), problem))?;
+        let nodes = nodes(field, names).map_err(|problem| (Some(at), problem))?;
         let (at, field) = fields.next().unwrap_or((at + 1, b""));
         let dof = number(field, "a degree of freedom").map_err(|problem| (Some(at), problem))?;
         let component = component(dof, at)?;
@@ -95,11 +102,12 @@ fn add_terms(line: &DataLine, promised: usize, definitions: &Definitions, terms:
     Ok(())
 }
 
-fn nodes(field: &[u8], definitions: &Definitions) -> Result<Nodes, Problem> {
-    if field.first().is_some_and(u8::is_ascii_digit) || field.is_empty() {
-        return number(field, "a node or a node set").map(Nodes::One);
+fn nodes(field: &[u8], (scope, definitions): (Scope, &Definitions)) -> Result<Nodes, Problem> {
+    match definitions.by_number(scope, field) {
+        Some(node) => node.map(Nodes::One),
+        None if field.is_empty() || field[0].is_ascii_digit() => number(field, "a node or a node set").map(Nodes::One),
+        None => definitions.nodes(scope, &String::from_utf8_lossy(field)).map(Nodes::Set),
     }
-    definitions.nodes(&String::from_utf8_lossy(field)).map(Nodes::Set)
 }
 
 /// One equation, or one for each member of the sets, which must have as many.
@@ -134,7 +142,7 @@ pub fn removed(card: &Card, model: &mut Model, definitions: &Definitions) -> Res
     let mut slaves = rustc_hash::FxHashSet::default();
     for line in card.lines() {
         let fail = |(field, problem): Fault| model.error(Origin { line: line.number, ..origin }, field, problem);
-        for dof in super::boundary::range(&mut Fields::of(&line), definitions).map_err(fail)? {
+        for dof in super::boundary::range(card.scope, &mut Fields::of(&line), definitions).map_err(fail)? {
             slaves.insert(dof);
         }
     }

@@ -7,8 +7,9 @@ use rustc_hash::FxHashMap;
 
 use super::card::Piece;
 use super::data::Lines;
-use super::definitions::Definitions;
+use super::definitions::{Axes, Definitions};
 use super::fields::float;
+use super::parts::Scope;
 use crate::deck::Problem;
 use crate::deck::kinematics::axes::{BASIC_AXES, Frame, Kind};
 use crate::deck::kinematics::vector::{Vector, cross, minus, unit};
@@ -19,20 +20,24 @@ pub type Local = Frame;
 /// The local axes of transformed nodes.
 pub fn locals(definitions: &Definitions) -> Result<FxHashMap<u32, Local>, Problem> {
     let mut locals = FxHashMap::default();
-    for (set, cylindrical, data) in &definitions.transforms {
-        let local = local(*cylindrical, data)?;
-        locals.extend(definitions.nodes(set)?.iter().map(|&node| (node, local)));
+    for (set, axes) in &definitions.transforms {
+        let local = placed(definitions, axes)?;
+        locals.extend(definitions.nodes(axes.scope, set)?.iter().map(|&node| (node, local)));
     }
     Ok(locals)
 }
 
 /// The axes of an `*ORIENTATION`.
-pub fn orientation(definitions: &Definitions, name: &str) -> Result<Local, Problem> {
+pub fn orientation(definitions: &Definitions, scope: Scope, name: &str) -> Result<Local, Problem> {
     let name = super::data::name(name);
-    match definitions.orientations.get(&name) {
-        Some((cylindrical, data)) => local(*cylindrical, data),
+    match definitions.find(&definitions.orientations, scope, &name) {
+        Some((_, axes)) => placed(definitions, axes),
         None => Err(Problem::Undefined { what: "orientation", name }),
     }
+}
+
+fn placed(definitions: &Definitions, axes: &Axes) -> Result<Local, Problem> {
+    definitions.placed(axes.scope, local(axes.is_cylindrical, &axes.data)?)
 }
 
 fn local(cylindrical: bool, data: &[Piece]) -> Result<Local, Problem> {
@@ -55,7 +60,8 @@ fn along(a: Vector, b: Vector) -> Option<Local> {
     Some(Frame { kind: Kind::Rectangular, origin: [0.0; 3], axes: [first, cross(third, first), third] })
 }
 
-fn around(a: Vector, b: Vector) -> Option<Local> {
+/// Cylindrical axes around the line from one point to another; none where they coincide.
+pub fn around(a: Vector, b: Vector) -> Option<Local> {
     let axis = unit(minus(b, a))?;
     // Any direction across the axis: the radial one at a point does not depend on it.
     let least = (0..3).min_by(|&i, &j| axis[i].abs().total_cmp(&axis[j].abs()))?;

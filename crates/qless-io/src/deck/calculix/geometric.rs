@@ -2,6 +2,7 @@
 
 use super::card::Card;
 use super::definitions::Definitions;
+use super::parts::Scope;
 use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::{Vector, dot};
 use crate::deck::{DeckError, Dof, Model, Origin, Problem};
@@ -69,6 +70,8 @@ impl Place {
         let number = model.card(name, card.file, card.line);
         let last = card.lines().filter(|line| line.file == card.file).last().map_or(card.line, |line| line.number);
         let lines = (last + 1).saturating_sub(card.line).max(1);
+        // One text for all instances of a part: it cannot change for one of them.
+        model.cards.fix(number, card.scope != Scope::DECK);
         Self { origin: Origin { card: number, line: card.line, lines } }
     }
 

@@ -3,8 +3,9 @@
 use rustc_hash::FxHashMap;
 
 use super::data::{Lines, name};
-use super::definitions::{Block, Definitions};
+use super::definitions::{Definitions, Key, word};
 use super::fields::{float, number};
+use super::parts::Scope;
 use super::shape::Shape;
 use crate::deck::Problem;
 use crate::deck::kinematics::vector::Vector;
@@ -14,48 +15,67 @@ use crate::fault::quote;
 #[derive(Default)]
 pub struct Elements {
     nodes: Vec<u32>,
-    by_number: FxHashMap<u32, (Shape, usize, usize)>,
+    /// Shape, and where its nodes begin and end.
+    all: Vec<(Shape, usize, usize)>,
+    by_number: FxHashMap<(Scope, u32), u32>,
     /// Elements of the sets that `*ELEMENT` cards name.
-    pub by_set: FxHashMap<String, Vec<u32>>,
+    pub by_set: FxHashMap<Key, Vec<u32>>,
 }
 
 impl Elements {
-    /// The shape and the nodes of an element.
-    pub fn get(&self, element: u32) -> Result<(Shape, &[u32]), Problem> {
-        let undefined = || Problem::Undefined { what: "element", name: element.to_string() };
-        let &(shape, start, end) = self.by_number.get(&element).ok_or_else(undefined)?;
-        Ok((shape, &self.nodes[start..end]))
+    /// The element with this number in the scope.
+    pub fn index(&self, scope: Scope, own: u32) -> Result<u32, Problem> {
+        let undefined = || Problem::Undefined { what: "element", name: own.to_string() };
+        self.by_number.get(&(scope, own)).copied().ok_or_else(undefined)
+    }
+
+    /// The nodes of an element.
+    pub fn nodes(&self, element: u32) -> &[u32] {
+        let (_, start, end) = self.all[element as usize];
+        &self.nodes[start..end]
+    }
+
+    /// The shape of an element.
+    pub fn shape(&self, element: u32) -> Shape {
+        self.all[element as usize].0
     }
 
     /// Parses `*ELEMENT` cards: a number and its nodes, on as many lines as they take.
-    pub fn parse(blocks: &[Block]) -> Result<Self, Problem> {
+    pub fn parse(definitions: &Definitions) -> Result<Self, Problem> {
         let mut elements = Self::default();
-        for block in blocks {
+        for block in &definitions.blocks {
             let shape = Shape::of(&block.kind);
             let mut lines = Lines::new(&block.data);
             while let Some(line) = lines.next() {
                 let mut fields = line.fields();
-                let element = number(fields.next().unwrap_or_default(), "an element")?;
+                let own = number(fields.next().unwrap_or_default(), "an element")?;
                 let start = elements.nodes.len();
-                elements.add(fields)?;
+                elements.add(definitions, block.scope, fields)?;
                 let mut goes_on = line.text.trim_ascii_end().ends_with(b",");
                 while shape.nodes.map_or(goes_on, |count| elements.nodes.len() < start + count) {
                     let Some(line) = lines.next() else { break };
                     goes_on = line.text.trim_ascii_end().ends_with(b",");
-                    elements.add(line.fields())?;
+                    elements.add(definitions, block.scope, line.fields())?;
                 }
-                elements.by_number.insert(element, (shape, start, elements.nodes.len()));
+                let index = elements.all.len() as u32;
+                elements.all.push((shape, start, elements.nodes.len()));
+                elements.by_number.insert((block.scope, own), index);
                 if let Some(set) = &block.set {
-                    elements.by_set.entry(set.clone()).or_default().push(element);
+                    elements.by_set.entry((block.scope, set.clone())).or_default().push(index);
                 }
             }
         }
         Ok(elements)
     }
 
-    fn add<'a>(&mut self, fields: impl Iterator<Item = &'a [u8]>) -> Result<(), Problem> {
+    fn add<'a>(
+        &mut self,
+        definitions: &Definitions,
+        scope: Scope,
+        fields: impl Iterator<Item = &'a [u8]>,
+    ) -> Result<(), Problem> {
         for field in fields.filter(|field| !field.is_empty()) {
-            self.nodes.push(number(field, "a node of an element")?);
+            self.nodes.push(definitions.node(scope, field)?);
         }
         Ok(())
     }
@@ -92,32 +112,36 @@ impl Surface {
     }
 
     /// The surface of this name: nodes or sets of them, or `element or set, face`.
-    pub fn find(definitions: &Definitions, surface: &str) -> Result<Self, Problem> {
+    pub fn find(definitions: &Definitions, scope: Scope, surface: &str) -> Result<Self, Problem> {
         let surface = name(surface);
-        let Some(cards) = definitions.surfaces.get(&surface) else {
+        let Some((_, patches)) = definitions.find(&definitions.surfaces, scope, &surface) else {
             return Err(Problem::Undefined { what: "surface", name: surface });
         };
         let mut found = Self::default();
-        for (of_nodes, pieces) in cards {
-            for line in Lines::new(pieces) {
+        for patch in patches {
+            for line in Lines::new(&patch.data) {
                 let mut fields = line.fields();
                 let first = fields.next().unwrap_or_default();
-                if *of_nodes {
-                    found.nodes.extend(definitions.node_or_set(first)?);
-                    continue;
-                }
-                let face = name(&String::from_utf8_lossy(fields.next().unwrap_or_default()));
-                for element in definitions.element_or_set(first)? {
-                    let (shape, nodes) = definitions.elements()?.get(element)?;
-                    let face = shape.face(&face, nodes).ok_or_else(|| Problem::Expected {
-                        expected: "a face that the element has",
-                        found: quote(format!("{face} of element {element}").as_bytes()),
-                    })?;
-                    found.is_line |= shape.is_plane();
-                    found.faces.push(face);
+                if patch.of_nodes {
+                    found.nodes.extend(definitions.node_or_set(patch.scope, first)?);
+                } else {
+                    found.add_faces(definitions, patch.scope, first, &word(fields.next().unwrap_or_default()))?;
                 }
             }
         }
         Ok(found)
+    }
+
+    fn add_faces(&mut self, of: &Definitions, scope: Scope, elements: &[u8], face: &str) -> Result<(), Problem> {
+        for element in of.element_or_set(scope, elements)? {
+            let shape = of.elements()?.shape(element);
+            let nodes = shape.face(face, of.elements()?.nodes(element)).ok_or_else(|| Problem::Expected {
+                expected: "a face that the element has",
+                found: quote(format!("{face} of {}", String::from_utf8_lossy(elements)).as_bytes()),
+            })?;
+            self.is_line |= shape.is_plane();
+            self.faces.push(nodes);
+        }
+        Ok(())
     }
 }

@@ -6,19 +6,25 @@
 mod boundary;
 mod card;
 mod coupling;
+mod cyclic;
 mod data;
 mod definitions;
 mod equation;
 mod fields;
 mod frames;
 mod geometric;
+mod instances;
 mod mesh;
 mod mpc;
+mod old_coupling;
+mod parts;
 mod project;
 mod reader;
 mod rigid;
+mod sets;
 mod shape;
 mod tie;
+mod unread;
 mod write;
 
 pub(super) use reader::read;

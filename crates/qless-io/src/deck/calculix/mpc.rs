@@ -8,13 +8,16 @@
 //! | `LINK a b` | `abs(x_a - x_b)` constant |
 //! | `PIN a b` | `u_a = u_b` |
 //! | `TIE a b` | `u_a = u_b`, rotations too where both nodes have them |
+//! | `MEANROT k k k... p` | the mean turn of nodes k about the axis that p's coordinates give is p's first component (CalculiX) |
+//! | `DIST a a a b b b c` | `abs(x_a - x_b)` is at most the first coordinate of c (CalculiX) |
 
 use super::card::Card;
 use super::data::name;
 use super::definitions::Definitions;
 use super::geometric::{Place, Row};
 use super::rigid::{Reference, kinematic};
-use crate::deck::kinematics::vector::{Vector, cross, dot, length, minus, plus, scaled};
+use crate::deck::kinematics::row::Poses;
+use crate::deck::kinematics::vector::{Vector, cross, dot, length, minus, plus, scaled, unit};
 use crate::deck::{DeckError, Dof, Model, Problem};
 use crate::fault::quote;
 
@@ -33,15 +36,22 @@ pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) -> Result
                 let rotate = definitions.rotates(a) && definitions.rotates(b);
                 (1..=if rotate { 6 } else { 3 }).map(|c| Row::equal(a, b, c)).collect()
             }),
+            "MEANROT" => mean_rotation(definitions, &nodes).map(|row| vec![row]),
+            "DIST" => bound(definitions, &nodes).map(|row| row.into_iter().collect()),
             _ => {
                 let text =
                     format!("*MPC of type {kind} constrains {} nodes, but is not understood: left out", nodes.len());
                 model.leave_out(card.file, card.line, text);
+                super::unread::claim(&place, model, definitions, nodes.iter().copied());
                 continue;
             }
         };
+        let before = model.equations();
         place.push(model, rows)?;
-        if !matches!(kind.as_str(), "PIN" | "TIE") {
+        if model.equations() == before && kind == "DIST" {
+            let text = "*MPC DIST holds only once the nodes are as far apart as it allows: no equation until then";
+            model.warn(card.file, card.line, text);
+        } else if !matches!(kind.as_str(), "PIN" | "TIE") {
             // The solver treats them as nonlinear.
             place.fix(model);
             model.warn(card.file, card.line, format!("*MPC {kind} is linearised at the reference configuration"));
@@ -60,7 +70,7 @@ fn lists(card: &Card, definitions: &Definitions) -> Result<Vec<(String, Vec<u32>
             lists.push((name(&String::from_utf8_lossy(fields.next().unwrap_or_default())), Vec::new()));
         }
         for field in fields.filter(|field| !field.is_empty() && *field != b"0") {
-            let nodes = definitions.node_or_set(field)?;
+            let nodes = definitions.node_or_set(card.scope, field)?;
             if let Some((_, list)) = lists.last_mut() {
                 list.extend(nodes);
             }
@@ -147,4 +157,59 @@ fn distance(definitions: &Definitions, a: u32, b: u32) -> Result<Row, Problem> {
         return Err(Problem::Degenerate { what: format!("nodes {a} and {b} coincide") });
     }
     Row::along(definitions, &[(a, along), (b, scaled(along, -1.0))], 0.0)
+}
+
+/// `sum_k (e x p_k) / abs(p_k)^2 . (u_k - mean u) = n u_p`, with p_k the arm of node k from the mean place, across the axis e; nodes on the axis
+/// count for the mean alone. Each node stands three times.
+fn mean_rotation(definitions: &Definitions, nodes: &[u32]) -> Result<Row, Problem> {
+    let Some((&pilot, nodes)) = nodes.split_last().filter(|(_, nodes)| !nodes.is_empty() && nodes.len() % 3 == 0)
+    else {
+        let found = quote(nodes.len().to_string().as_bytes());
+        return Err(Problem::Expected { expected: "nodes three times each, and then one more", found });
+    };
+    let nodes: Vec<u32> = nodes.iter().step_by(3).copied().collect();
+    let axis = unit(definitions.position(pilot)?);
+    let axis = axis.ok_or_else(|| Problem::Degenerate { what: format!("node {pilot} gives no axis of rotation") })?;
+    let places: Vec<Vector> = nodes.iter().map(|&node| definitions.position(node)).collect::<Result<_, _>>()?;
+    let part = 1.0 / nodes.len() as f64;
+    let centre = places.iter().fold([0.0; 3], |sum, x| plus(sum, scaled(*x, part)));
+    let arms: Vec<Vector> = places.iter().map(|x| minus(*x, centre)).collect();
+    let spread = arms.iter().map(|arm| dot(*arm, *arm)).sum::<f64>() * part;
+    let turning = |arm: &Vector| {
+        let across = minus(*arm, scaled(axis, dot(*arm, axis)));
+        let square = dot(across, across);
+        if square > 1e-10 * spread { scaled(cross(axis, across), 1.0 / square) } else { [0.0; 3] }
+    };
+    let turns: Vec<Vector> = arms.iter().map(turning).collect();
+    let mean = scaled(turns.iter().fold([0.0; 3], |sum, turn| plus(sum, *turn)), part);
+    let mut gradients: Vec<(u32, Vector)> =
+        nodes.iter().copied().zip(turns.iter().map(|turn| minus(*turn, mean))).collect();
+    let size = |gradient: &Vector| dot(*gradient, *gradient);
+    let most = (0..gradients.len()).max_by(|&i, &j| size(&gradients[i].1).total_cmp(&size(&gradients[j].1)));
+    gradients.swap(0, most.unwrap_or(0));
+    let mut row = Row::along(definitions, &gradients, 0.0)?;
+    let own = usize::from(row.terms[0].0.component) - 1;
+    let scale = dot(definitions.pose(gradients[0].0)?.axes[own], gradients[0].1);
+    row.terms.push((Dof { node: pilot, component: 1 }, -(nodes.len() as f64) / scale));
+    Ok(row)
+}
+
+/// The row of a distance that is not to be exceeded, where it is reached already; the first DOF of the last node, which is to be
+/// prescribed, stands for what it exceeds it by.
+fn bound(definitions: &Definitions, nodes: &[u32]) -> Result<Option<Row>, Problem> {
+    let [a, _, _, b, _, _, c] = *nodes else {
+        return Err(Problem::TooFew { what: "nodes", promised: 7, found: nodes.len() });
+    };
+    let along = minus(definitions.position(a)?, definitions.position(b)?);
+    let most = definitions.position(c)?[0];
+    if dot(along, along) < most * most {
+        return Ok(None);
+    }
+    let along = scaled(along, 2.0);
+    let rhs = most * most - dot(along, along) / 4.0;
+    let mut row = Row::along(definitions, &[(a, along), (b, scaled(along, -1.0))], rhs)?;
+    let own = usize::from(row.terms[0].0.component) - 1;
+    let scale = dot(definitions.pose(a)?.axes[own], along);
+    row.terms.push((Dof { node: c, component: 1 }, -1.0 / scale));
+    Ok(Some(row))
 }

@@ -5,21 +5,8 @@ use std::collections::BTreeMap;
 use super::card::{Card, walk};
 use super::coupling::{self, Coupling};
 use super::definitions::Definitions;
-use super::{boundary, equation, mpc, rigid, tie};
-use crate::deck::{DeckError, Dof, Load, LoadCase, Model, Origin, Prescribed, Problem, Solver, Sources};
-
-/// Cards that constrain in ways that this reader does not follow.
-const UNKNOWN: [&str; 9] = [
-    "*CYCLICSYMMETRYMODEL",
-    "*PRE-TENSIONSECTION",
-    "*EMBEDDEDELEMENT",
-    "*SHELLTOSOLIDCOUPLING",
-    "*CONNECTORSECTION",
-    "*SUBMODEL",
-    "*NETWORKMPC",
-    "*MPCUSER",
-    "*RELEASE",
-];
+use super::{boundary, cyclic, equation, mpc, old_coupling, rigid, tie, unread};
+use crate::deck::{DeckError, Dof, Load, LoadCase, Model, Prescribed, Problem, Solver, Sources};
 
 /// Reads a deck.
 ///
@@ -27,18 +14,15 @@ const UNKNOWN: [&str; 9] = [
 /// [`DeckError`].
 pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
     let mut definitions = Definitions::default();
-    let mut instance = None;
     walk(sources, &mut |card: &Card| {
         definitions.note(card);
-        if card.is("*INSTANCE") && instance.is_none() {
-            instance = Some((card.file, card.line));
-        }
         Ok(())
     })?;
-    let mut reader = Reader::new(sources, definitions);
-    if let Some((file, line)) = instance {
-        return Err(reader.refuse_instances(file, line));
+    if !definitions.instances.is_empty() {
+        // Only Abaqus knows parts and instances.
+        sources.set_solver(Solver::Abaqus);
     }
+    let mut reader = Reader::new(sources, definitions)?;
     walk(sources, &mut |card: &Card| reader.card(card))?;
     reader.finish()
 }
@@ -54,15 +38,23 @@ struct Reader {
     removed: Vec<u32>,
     /// The last `*COUPLING`, for the card that says of which kind it is.
     coupling: Option<Coupling>,
+    /// References that only distribute forces, by file and line of the card.
+    forces: Vec<(u32, u32, u32)>,
+    /// `*CYCLIC SYMMETRY MODEL` cards, and ties that they may use.
+    sectors: Vec<Card>,
+    cyclic: Vec<Card>,
     steps: usize,
+    /// Whether the step, or what stands before the first, has had a `*BOUNDARY` card.
+    has_boundary: bool,
     in_step: bool,
 }
 
 impl Reader {
-    fn new(sources: &Sources, definitions: Definitions) -> Self {
+    fn new(sources: &Sources, definitions: Definitions) -> Result<Self, DeckError> {
         let mut model = Model::new(sources.paths().to_vec());
         model.reserve(definitions.equations, definitions.terms);
-        Self {
+        name_nodes(&mut model, &definitions)?;
+        Ok(Self {
             solver: sources.solver(),
             model,
             definitions,
@@ -71,9 +63,13 @@ impl Reader {
             loads: Vec::new(),
             removed: Vec::new(),
             coupling: None,
+            forces: Vec::new(),
+            sectors: Vec::new(),
+            cyclic: Vec::new(),
             steps: 0,
+            has_boundary: false,
             in_step: false,
-        }
+        })
     }
 
     fn card(&mut self, card: &Card) -> Result<(), DeckError> {
@@ -85,35 +81,53 @@ impl Reader {
             }
             b"*EQUATION" => equation::read(card, &mut self.model, &self.definitions)?,
             b"*MPC" => mpc::read(card, &mut self.model, &self.definitions)?,
-            b"*RIGIDBODY" => rigid::read(card, self.solver, &mut self.model, &self.definitions)?,
+            b"*RIGIDBODY" => rigid::read(card, &mut self.model, &self.definitions, self.solver)?,
             b"*COUPLING" => self.coupling = Some(Coupling::of(card)),
-            b"*KINEMATIC" | b"*DISTRIBUTING" => {
-                if let Some(coupling) = &self.coupling {
-                    coupling::read(card, coupling, &mut self.model, &self.definitions)?;
-                }
+            b"*KINEMATIC" | b"*DISTRIBUTING" => self.coupled(card)?,
+            b"*KINEMATICCOUPLING" => {
+                old_coupling::kinematic_coupling(card, &mut self.model, &self.definitions, self.solver)?;
             }
-            b"*KINEMATICCOUPLING" => coupling::kinematic_coupling(card, &mut self.model, &self.definitions)?,
-            b"*DISTRIBUTINGCOUPLING" => coupling::distributing_coupling(card, &mut self.model, &self.definitions)?,
+            b"*DISTRIBUTINGCOUPLING" => {
+                old_coupling::distributing_coupling(card, &mut self.model, &self.definitions, self.solver)?;
+            }
+            b"*TIE" if card.parameter("CYCLICSYMMETRY").is_some() => self.cyclic.push(card.clone()),
             b"*TIE" => tie::read(card, &mut self.model, &self.definitions)?,
             b"*BOUNDARY" => self.boundary(card)?,
             b"*CLOAD" => self.load(card)?,
-            b"*STEP" => (self.steps, self.in_step) = (self.steps + 1, true),
+            b"*STEP" => {
+                self.cyclic_symmetry()?;
+                (self.steps, self.in_step, self.has_boundary) = (self.steps + 1, true, false);
+            }
             b"*ENDSTEP" => self.end_step(),
-            keyword if UNKNOWN.iter().any(|unknown| unknown.as_bytes() == keyword) => self.unknown(card),
-            _ => {}
+            b"*CYCLICSYMMETRYMODEL" => self.sectors.push(card.clone()),
+            _ => unread::read(card, &mut self.model, &self.definitions),
+        }
+        Ok(())
+    }
+
+    /// The card that says of which kind the last `*COUPLING` is.
+    fn coupled(&mut self, card: &Card) -> Result<(), DeckError> {
+        let Some(coupling) = &self.coupling else { return Ok(()) };
+        let constrains = coupling::read(card, coupling, &mut self.model, &self.definitions, self.solver)?;
+        if !constrains && card.is("*DISTRIBUTING") && self.solver == Solver::Ccx {
+            // That it is there was checked when the card was read.
+            let reference = coupling.reference(&self.definitions).unwrap_or_default();
+            self.forces.push((card.file, card.line, reference));
         }
         Ok(())
     }
 
     /// Values of a later step replace earlier ones; two in the same step contradict each other.
     fn boundary(&mut self, card: &Card) -> Result<(), DeckError> {
+        let is_first = !std::mem::replace(&mut self.has_boundary, true);
         if card.word("OP").as_deref() == Some("NEW") {
-            self.prescribed.retain(|_, (_, step)| *step == self.steps && self.steps > 0);
+            self.forget(card, is_first);
         }
         for given in boundary::read(card, &mut self.model, &self.definitions)? {
             match self.prescribed.get(&given.dof) {
                 Some((before, step)) if *step == self.steps => {
-                    if before.value != given.value && !is_from_elsewhere(card) {
+                    let differs = (before.value, before.course) != (given.value, given.course);
+                    if differs && !is_from_elsewhere(card) {
                         self.clashes.push(given);
                     }
                 }
@@ -128,6 +142,18 @@ impl Reader {
             self.model.warn(card.file, card.line, text);
         }
         Ok(())
+    }
+
+    /// `OP=NEW`: values of earlier steps are no more. ccx heeds it on the first `*BOUNDARY` of a step only.
+    fn forget(&mut self, card: &Card, is_first: bool) {
+        if self.solver == Solver::Ccx && !is_first {
+            let text =
+                "*BOUNDARY, OP=NEW is not the first of its step: ccx passes over OP=NEW, so that earlier values stay";
+            self.model.warn(card.file, card.line, text);
+            return;
+        }
+        self.prescribed.retain(|_, (_, step)| *step == self.steps && self.steps > 0);
+        self.clashes.retain(|clash| self.prescribed.contains_key(&clash.dof));
     }
 
     fn load(&mut self, card: &Card) -> Result<(), DeckError> {
@@ -155,31 +181,57 @@ impl Reader {
         }
     }
 
-    fn unknown(&mut self, card: &Card) {
-        let keyword = String::from_utf8_lossy(&card.keyword).into_owned();
-        self.model.leave_out(card.file, card.line, format!("{keyword} constrains, but is not understood: left out"));
-    }
-
-    fn refuse_instances(&mut self, file: u32, line: u32) -> DeckError {
-        let card = self.model.card("*INSTANCE", file, line);
-        let problem = Problem::Expected {
-            expected: "a deck without parts and instances (write it flat, with one numbering of nodes)",
-            found: "`*INSTANCE`".into(),
-        };
-        self.model.error(Origin { card, line, lines: 1 }, None, problem)
+    /// Cyclic symmetry: each model card with the tie that it names, or with the only one. It is read before the first step.
+    fn cyclic_symmetry(&mut self) -> Result<(), DeckError> {
+        if self.sectors.is_empty() {
+            return Ok(());
+        }
+        let ties = std::mem::take(&mut self.cyclic);
+        for card in std::mem::take(&mut self.sectors) {
+            let name = card.word("TIE");
+            let named = ties.iter().find(|tie| name.is_some() && tie.word("NAME") == name);
+            let only = ties.first().filter(|_| ties.len() == 1);
+            if let Some(tie) = named.or(only) {
+                cyclic::read(&card, tie, &mut self.model, &self.definitions)?;
+            } else {
+                let text =
+                    "*CYCLIC SYMMETRY MODEL constrains, but no *TIE with CYCLIC SYMMETRY belongs to it: left out";
+                self.model.leave_out(card.file, card.line, text);
+            }
+        }
+        Ok(())
     }
 
     fn finish(mut self) -> Result<Model, DeckError> {
+        self.cyclic_symmetry()?;
+        for card in std::mem::take(&mut self.cyclic) {
+            tie::leave_out(&card, "CYCLIC SYMMETRY", &mut self.model, &self.definitions);
+        }
         self.end_step();
         if self.model.cases.is_empty() {
             let case = self.case("model".into());
             self.model.cases.push(case);
         }
         self.check_nodes()?;
+        self.warn_of_forces();
         self.model.traits.has_local_axes = !self.definitions.transforms.is_empty();
         self.model.traits.is_nonlinear = self.definitions.is_nonlinear;
         self.model.shrink();
         Ok(self.model)
+    }
+
+    /// A motion prescribed where only forces are distributed.
+    fn warn_of_forces(&mut self) {
+        for (file, line, node) in std::mem::take(&mut self.forces) {
+            let mut given = self.model.cases.iter().flat_map(|case| &case.prescribed);
+            if let Some(given) = given.find(|given| given.dof.node == node) {
+                let (place, node) = (self.model.place(given.origin), self.model.node_name(node));
+                let text = format!(
+                    "*DISTRIBUTING only distributes forces in ccx: what {place} prescribes at its reference {node} has no effect on the surface"
+                );
+                self.model.warn(file, line, text);
+            }
+        }
     }
 
     /// A node that no card defines: the first equation that names it is at fault.
@@ -199,12 +251,28 @@ impl Reader {
         let Some(&node) = used.iter().find(undefined) else { return Ok(()) };
         let names = |i: &usize| self.model.nth(*i).columns.iter().any(|&j| self.model.dofs[j as usize].node == node);
         let origin = (0..self.model.equations()).find(names).map(|i| self.model.nth(i).origin);
-        let problem = Problem::Undefined { what: "node", name: node.to_string() };
+        let problem = Problem::Undefined { what: "node", name: self.model.node_name(node) };
         origin.map_or(Ok(()), |origin| Err(self.model.error(origin, None, problem)))
     }
 }
 
-/// Whether the values come from another model or from a user's routine.
+/// Whether the values come from another model, from a user's routine or from where the nodes are by then.
 fn is_from_elsewhere(card: &Card) -> bool {
-    card.parameter("SUBMODEL").is_some() || card.parameter("USER").is_some()
+    ["SUBMODEL", "USER", "FIXED"].iter().any(|source| card.parameter(source).is_some())
+}
+
+/// Names of the nodes of instances.
+fn name_nodes(model: &mut Model, definitions: &Definitions) -> Result<(), DeckError> {
+    if definitions.instances.is_empty() {
+        return Ok(());
+    }
+    let fail = |problem| {
+        let path = model.files()[0].clone();
+        DeckError { path, line: 0, card: "*INSTANCE".into(), field: None, problem }
+    };
+    let numbers = definitions.numbers().map_err(fail)?;
+    for (instance, (first, own)) in definitions.instances.iter().zip(numbers.instances()) {
+        model.name_nodes(*first, instance.name.clone(), own.clone());
+    }
+    Ok(())
 }

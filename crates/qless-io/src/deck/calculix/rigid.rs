@@ -55,20 +55,125 @@ impl Reference {
     }
 }
 
-/// `*RIGID BODY, NSET= or ELSET=, REF NODE=, ROT NODE=`.
-pub fn read(card: &Card, solver: Solver, model: &mut Model, definitions: &Definitions) -> Result<(), DeckError> {
+/// `*RIGID BODY`: the sets of a body and its reference.
+pub fn read(card: &Card, model: &mut Model, definitions: &Definitions, solver: Solver) -> Result<(), DeckError> {
     let place = Place::of(card, model, "*RIGID BODY");
-    let rows = rows(card, solver, definitions);
+    let mut body = Body { card, definitions, solver, warnings: Vec::new(), made: None, used: None };
+    let rows = body.rows();
+    let Body { warnings, made, used, .. } = body;
+    warnings.into_iter().for_each(|text| model.warn(card.file, card.line, text));
+    if let Some(node) = made {
+        model.name_node(node, format!("reference of line {}", card.line));
+    }
+    let before = model.equations();
     place.push(model, rows)?;
-    if definitions.is_nonlinear {
+    if model.equations() == before {
+        return Ok(());
+    }
+    // A reference that the solver makes has no number in the deck.
+    if definitions.is_nonlinear || made.is_some() {
         place.fix(model);
-    } else if card.parameter("ROTNODE").is_none() {
-        if let Ok(reference) = reference(card, solver) {
-            own_rotation(&place, reference, model, definitions);
-        }
+    } else if let Some(reference) = used.filter(|_| card.parameter("ROTNODE").is_none()) {
+        own_rotation(&place, reference, model, definitions);
     }
     model.warn(card.file, card.line, "*RIGID BODY is linearised at the reference configuration");
     Ok(())
+}
+
+/// A body as its card has it.
+struct Body<'a> {
+    card: &'a Card,
+    definitions: &'a Definitions,
+    solver: Solver,
+    warnings: Vec<String>,
+    /// The reference, where the solver makes it.
+    made: Option<u32>,
+    /// The reference that the rows were made with.
+    used: Option<Reference>,
+}
+
+impl Body<'_> {
+    fn rows(&mut self) -> Result<Vec<Row>, Problem> {
+        let nodes = self.nodes()?;
+        if nodes.is_empty() {
+            return Ok(Vec::new());
+        }
+        let reference = self.motion()?;
+        self.used = Some(reference);
+        let is_own = |node: u32| node == reference.node || node == reference.rotation.node;
+        let mut rows = Vec::new();
+        for (node, turns) in nodes.into_iter().filter(|(node, _)| !is_own(*node)) {
+            let components: &[u8] = if turns { &[1, 2, 3, 4, 5, 6] } else { &[1, 2, 3] };
+            rows.extend(kinematic(self.definitions, reference, std::iter::once(node), components, None)?);
+        }
+        Ok(rows)
+    }
+
+    /// A node that a parameter names, or the one of a set.
+    fn node(&mut self, parameter: &str) -> Result<Option<u32>, Problem> {
+        let Some(text) = self.card.parameter(parameter) else { return Ok(None) };
+        if self.solver == Solver::Ccx && number(text.as_bytes(), "a node").is_err() {
+            self.warnings.push(format!("*RIGID BODY: ccx refuses the set {text} as a node; give the node's number"));
+        }
+        self.definitions.one_node(self.card.scope, text.as_bytes()).map(Some)
+    }
+
+    /// The reference; ccx makes one at the origin where none is given.
+    fn reference(&mut self) -> Result<u32, Problem> {
+        match self.node("REFNODE")? {
+            Some(node) => Ok(node),
+            None if self.solver == Solver::Ccx => {
+                let node = self.definitions.make_node([0.0; 3])?;
+                self.made = Some(node);
+                Ok(node)
+            }
+            None => Err(Problem::NoParameter { name: "REF NODE" }),
+        }
+    }
+
+    /// The reference and its rotation, which may be a node's of its own.
+    fn motion(&mut self) -> Result<Reference, Problem> {
+        let node = self.reference()?;
+        let own = Dof { node, component: if self.solver == Solver::Ccx { UNREACHED } else { 4 } };
+        let rotation = self.node("ROTNODE")?.map_or(own, |node| Dof { node, component: 1 });
+        Ok(Reference { node, rotation })
+    }
+
+    /// The nodes of the body in the order of the card, each once, and whether their rotations are the body's too.
+    fn nodes(&mut self) -> Result<Vec<(u32, bool)>, Problem> {
+        let mut all: Vec<(u32, bool)> = Vec::new();
+        for (parameter, turns) in self.sets() {
+            let Some(set) = self.card.parameter(parameter) else { continue };
+            let nodes = match parameter {
+                "ELSET" => self.definitions.nodes_of(self.card.scope, set)?,
+                _ => self.definitions.nodes(self.card.scope, set)?.to_vec(),
+            };
+            all.extend(nodes.into_iter().map(|node| (node, turns)));
+        }
+        let mut seen = rustc_hash::FxHashSet::default();
+        all.retain(|(node, _)| seen.insert(*node));
+        if all.is_empty() && self.card.parameter("ANALYTICALSURFACE").is_none() && self.solver != Solver::Ccx {
+            return Err(Problem::NoParameter { name: "ELSET" });
+        }
+        Ok(all)
+    }
+
+    /// The parameters that name sets, and whether those tie rotations; a node in several of them is that of the first. What ccx does
+    /// not know it passes over, and a card that names no set it knows altogether.
+    fn sets(&mut self) -> Vec<(&'static str, bool)> {
+        if self.solver != Solver::Ccx {
+            return vec![("PINNSET", false), ("TIENSET", true), ("NSET", false), ("ELSET", true)];
+        }
+        let known = [("NSET", false), ("PINNSET", false), ("ELSET", false)];
+        let has_set = known.iter().any(|(parameter, _)| self.card.parameter(parameter).is_some());
+        for (parameter, shown) in [("TIENSET", "TIE NSET"), ("ANALYTICALSURFACE", "ANALYTICAL SURFACE")] {
+            if self.card.parameter(parameter).is_some() {
+                let what = if has_set { "the parameter" } else { "the card, so that nothing is rigid" };
+                self.warnings.push(format!("*RIGID BODY with {shown}: ccx does not know it and passes over {what}"));
+            }
+        }
+        known.to_vec()
+    }
 }
 
 /// The solver makes the rotation of a reference: one along the basic axes can be that of a new node.
@@ -80,25 +185,6 @@ pub fn own_rotation(place: &Place, reference: Reference, model: &mut Model, defi
     } else {
         place.fix(model);
     }
-}
-
-fn reference(card: &Card, solver: Solver) -> Result<Reference, Problem> {
-    let node = |name| card.parameter(name).map(|text| number(text.as_bytes(), "a node")).transpose();
-    let reference = node("REFNODE")?.ok_or(Problem::NoParameter { name: "REF NODE" })?;
-    let own = Dof { node: reference, component: if solver == Solver::Ccx { UNREACHED } else { 4 } };
-    let rotation = node("ROTNODE")?.map_or(own, |node| Dof { node, component: 1 });
-    Ok(Reference { node: reference, rotation })
-}
-
-fn rows(card: &Card, solver: Solver, definitions: &Definitions) -> Result<Vec<Row>, Problem> {
-    let reference = reference(card, solver)?;
-    let nodes = match (card.parameter("NSET"), card.parameter("ELSET")) {
-        (Some(set), _) => definitions.nodes(set)?.to_vec(),
-        (None, Some(set)) => definitions.nodes_of(set)?,
-        (None, None) => return Err(Problem::NoParameter { name: "NSET" }),
-    };
-    let others = nodes.into_iter().filter(|&node| node != reference.node && node != reference.rotation.node);
-    kinematic(definitions, reference, others, &[1, 2, 3], None)
 }
 
 /// The rows of nodes that follow a reference in these components, along the axes of `local` or their own.

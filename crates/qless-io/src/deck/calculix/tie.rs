@@ -12,18 +12,17 @@ use crate::fault::quote;
 use super::project::{Face, Grid};
 
 /// Part of the typical size of a face within which a node is tied, where the card does not say.
-const TOLERANCE: f64 = 0.025;
+pub const TOLERANCE: f64 = 0.025;
 
 /// Adds the equations of a card.
 pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) -> Result<(), DeckError> {
-    let place = Place::of(card, model, "*TIE");
-    for special in ["CYCLICSYMMETRY", "MULTISTAGE", "FLUIDPERIODIC", "FLUIDCYCLIC"] {
+    for special in ["MULTISTAGE", "FLUIDPERIODIC", "FLUIDCYCLIC"] {
         if card.parameter(special).is_some() {
-            let text = format!("*TIE with {special} constrains, but is not understood: left out");
-            model.leave_out(card.file, card.line, text);
+            leave_out(card, special, model, definitions);
             return Ok(());
         }
     }
+    let place = Place::of(card, model, "*TIE");
     let tied = tied(card, definitions).map_err(|problem| place.fail(model, problem))?;
     if let Some(first) = tied.apart.first() {
         let text = format!(
@@ -42,17 +41,42 @@ struct Tied {
     tolerance: f64,
 }
 
-fn tied(card: &Card, definitions: &Definitions) -> Result<Tied, Problem> {
+/// Leaves a tie of a special kind out, with all that its surfaces may claim.
+pub fn leave_out(card: &Card, kind: &str, model: &mut Model, definitions: &Definitions) {
+    let place = Place::of(card, model, "*TIE");
+    let text = format!("*TIE with {kind} constrains, but is not understood: left out");
+    model.leave_out(card.file, card.line, text);
+    let nodes = sides(card).and_then(|sides| nodes(card, definitions, &sides)).unwrap_or_default();
+    super::unread::claim(&place, model, definitions, nodes.into_iter());
+}
+
+/// The names of the slave and of the master surface.
+pub fn sides(card: &Card) -> Result<[String; 2], Problem> {
     let line = card.lines().next();
     let names: Vec<String> =
         line.into_iter().flat_map(|line| line.fields()).map(|f| String::from_utf8_lossy(f).into_owned()).collect();
-    let [slave, master, ..] = &names[..] else {
-        return Err(Problem::TooFew { what: "surfaces", promised: 2, found: names.len() });
-    };
-    let slaves = Surface::find(definitions, slave)?.all_nodes();
-    let master = Surface::find(definitions, master)?;
+    match &names[..] {
+        [slave, master, ..] => Ok([slave.clone(), master.clone()]),
+        _ => Err(Problem::TooFew { what: "surfaces", promised: 2, found: names.len() }),
+    }
+}
+
+/// The nodes of both surfaces.
+fn nodes(card: &Card, definitions: &Definitions, sides: &[String; 2]) -> Result<Vec<u32>, Problem> {
+    let mut nodes = Vec::new();
+    for side in sides {
+        nodes.extend(Surface::find(definitions, card.scope, side)?.all_nodes());
+    }
+    Ok(nodes)
+}
+
+fn tied(card: &Card, definitions: &Definitions) -> Result<Tied, Problem> {
+    let [slave, master] = &sides(card)?;
+    let slaves = Surface::find(definitions, card.scope, slave)?.all_nodes();
+    let master_name = master;
+    let master = Surface::find(definitions, card.scope, master)?;
     if master.faces.is_empty() {
-        let found = quote(names[1].as_bytes());
+        let found = quote(master_name.as_bytes());
         return Err(Problem::Expected { expected: "a master surface of element faces", found });
     }
     let is_line = master.is_line;

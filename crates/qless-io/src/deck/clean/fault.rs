@@ -85,25 +85,31 @@ impl Fault {
     pub fn describe(&self, model: &Model) -> String {
         let place =
             |i: usize| model.equation(i).map_or_else(|| format!("equation {}", i + 1), |e| model.place(e.origin));
+        let name = |slave| model.dof_name(slave);
         match *self {
             Self::SlavePrescribed { equation, slave, by, since } => {
                 let from = model.cases.get(since).filter(|_| since > 0).map(|case| format!(" from {} on", case.name));
                 let (equation, by, from) = (place(equation), model.place(by), from.unwrap_or_default());
-                format!("{slave} is the slave of {equation}, and prescribed in {by}{from}")
+                format!("{} is the slave of {equation}, and prescribed in {by}{from}", name(slave))
             }
             Self::SlaveClaimed { equation, slave, by } => {
                 let set = model.place(by);
-                format!("{slave} is the slave of {}, and in the set of {set}, which excludes slaves", place(equation))
+                format!(
+                    "{} is the slave of {}, and in the set of {set}, which excludes slaves",
+                    name(slave),
+                    place(equation)
+                )
             }
             Self::SlaveTwice { equation, slave, first } => {
-                format!("{slave} is the slave of {}, and of {}", place(first), place(equation))
+                format!("{} is the slave of {}, and of {}", name(slave), place(first), place(equation))
             }
             Self::SlaveVanishes { equation, slave } => {
-                format!("{slave} is the slave of {}, where its coefficient is next to nothing", place(equation))
+                format!("{} is the slave of {}, where its coefficient is next to nothing", name(slave), place(equation))
             }
             Self::Circle { equation, slave } => {
                 format!(
-                    "{slave}, the slave of {}, depends on itself through others and is left undetermined",
+                    "{}, the slave of {}, depends on itself through others and is left undetermined",
+                    name(slave),
                     place(equation)
                 )
             }

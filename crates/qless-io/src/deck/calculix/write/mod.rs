@@ -9,6 +9,7 @@ use std::path::Path;
 
 use super::card::{Card, card_input, is_include, keyword_end, next_keyword, walk};
 use super::definitions::Definitions;
+use super::parts::Scope;
 use crate::deck::clean::{CleanError, Edits, Plan, Reason, Removed, Renamed};
 use crate::deck::{Deck, DeckError, Model};
 
@@ -220,7 +221,7 @@ pub fn positions(deck: &Deck) -> HashMap<u32, [f64; 3]> {
 
 /// The nodes of a set, if there is such a set.
 pub fn node_set(deck: &Deck, name: &str) -> Option<Vec<u32>> {
-    definitions(deck).ok()?.nodes(name).ok().map(|nodes| nodes.to_vec())
+    definitions(deck).ok()?.nodes(Scope::DECK, name).ok().map(|nodes| nodes.to_vec())
 }
 
 /// The names of all node sets.

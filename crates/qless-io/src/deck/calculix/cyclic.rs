@@ -1,0 +1,172 @@
+//! `*CYCLIC SYMMETRY MODEL` with `*TIE, CYCLIC SYMMETRY`, for nodal diameter 0: the sector's slave side moves as the master side turned onto
+//! it, `e . u_s = (R e) . sum N_i u_i` for every direction e.
+//!
+//! Nodes are matched by radius and height; those without a partner follow the point of the master's faces that a turn by a sector
+//! takes them to.
+
+use super::card::Card;
+use super::definitions::Definitions;
+use super::fields::float;
+use super::frames::around;
+use super::geometric::{Place, Row};
+use super::mesh::Surface;
+use super::project::{Face, Grid};
+use super::tie;
+use crate::deck::kinematics::axes::Frame;
+use crate::deck::kinematics::row::Poses;
+use crate::deck::kinematics::vector::{Vector, dot, length, minus, plus, scaled};
+use crate::deck::{DeckError, Model, Problem};
+
+/// Part of the size of the slave side within which nodes are partners, where the tie does not say.
+const TOLERANCE: f64 = 1e-4;
+/// Part of the distance from the origin within which a node lies on the axis.
+const AXIS: f64 = 1e-9;
+
+/// Adds the equations of a model card and its tie, or leaves them out.
+pub fn read(card: &Card, tie: &Card, model: &mut Model, definitions: &Definitions) -> Result<(), DeckError> {
+    let place = Place::of(card, model, "*CYCLIC SYMMETRY MODEL");
+    place.fix(model);
+    let sector = Sector::new(card, tie, definitions);
+    let sector = sector.map_err(|problem| place.fail(model, problem))?;
+    let rows = if definitions.has_diameters { None } else { sector.rows().map_err(|p| place.fail(model, p))? };
+    if let Some(rows) = rows {
+        return place.push(model, Ok(rows));
+    }
+    let why = if definitions.has_diameters {
+        "modes of several nodal diameters have complex equations"
+    } else {
+        "nodes of the slave side lie on the axis or have no partner on the master side"
+    };
+    model.leave_out(card.file, card.line, format!("*CYCLIC SYMMETRY MODEL constrains, but {why}: left out"));
+    super::unread::claim(&place, model, definitions, sector.slaves.iter().chain(&sector.masters).copied());
+    Ok(())
+}
+
+/// One sector: its axis, its sides.
+struct Sector<'a> {
+    definitions: &'a Definitions,
+    axis: Frame,
+    angle: f64,
+    slaves: Vec<u32>,
+    masters: Vec<u32>,
+    faces: Vec<Face>,
+    tolerance: f64,
+}
+
+impl<'a> Sector<'a> {
+    fn new(card: &Card, tie: &Card, definitions: &'a Definitions) -> Result<Self, Problem> {
+        let count = card.parameter("N").ok_or(Problem::NoParameter { name: "N" })?;
+        let count = float(count.as_bytes())?;
+        if count < 1.0 {
+            let found = crate::fault::quote(count.to_string().as_bytes());
+            return Err(Problem::Expected { expected: "at least one sector", found });
+        }
+        let mut numbers = Vec::with_capacity(6);
+        for field in card.lines().flat_map(|line| line.fields()).take(6) {
+            numbers.push(if field.is_empty() { 0.0 } else { float(field)? });
+        }
+        let [ax, ay, az, bx, by, bz] = numbers[..] else {
+            return Err(Problem::TooFew { what: "coordinates of two points", promised: 6, found: numbers.len() });
+        };
+        let axis = around([ax, ay, az], [bx, by, bz]);
+        let axis = axis.ok_or_else(|| Problem::Degenerate { what: "the two points define no axis".into() })?;
+        let [slave, master] = tie::sides(tie)?;
+        let slaves = Surface::find(definitions, tie.scope, &slave)?.all_nodes();
+        let master = Surface::find(definitions, tie.scope, &master)?;
+        let masters = master.all_nodes();
+        let is_line = master.is_line;
+        let face = |nodes| Face::new(nodes, is_line, definitions);
+        let faces = master.faces.into_iter().map(face).collect::<Result<Vec<_>, _>>()?;
+        let given = tie.parameter("POSITIONTOLERANCE").map(|text| float(text.as_bytes())).transpose()?;
+        let tolerance = given.map_or_else(|| size(definitions, &slaves).map(|size| TOLERANCE * size), Ok)?;
+        let angle = std::f64::consts::TAU / count;
+        Ok(Self { definitions, axis, angle, slaves, masters, faces, tolerance })
+    }
+
+    /// The rows of all slaves; none where one is on the axis or has no partner.
+    fn rows(&self) -> Result<Option<Vec<Row>>, Problem> {
+        let mut masters = Vec::with_capacity(self.masters.len());
+        for &master in &self.masters {
+            masters.push((master, self.meridian(self.definitions.position(master)?)));
+        }
+        // Along the radius, so that a partner is looked for among few.
+        masters.sort_by(|a, b| a.1[0].total_cmp(&b.1[0]));
+        let grid = Grid::new(&self.faces, self.tolerance);
+        let mut rows = Vec::with_capacity(3 * self.slaves.len());
+        for &slave in &self.slaves {
+            let position = self.definitions.position(slave)?;
+            let meridian = self.meridian(position);
+            if meridian[0] <= AXIS * length(minus(position, self.axis.origin)) {
+                return Ok(None);
+            }
+            let partner = self.partner(&masters, meridian).map(|node| vec![(node, 1.0)]);
+            let Some(partners) = partner.or_else(|| self.projected(&grid, position)) else { return Ok(None) };
+            if partners.iter().any(|(node, _)| *node == slave) {
+                continue;
+            }
+            rows.extend(self.follow(slave, position, &partners)?);
+        }
+        Ok(Some(rows))
+    }
+
+    /// Radius and height of a point.
+    fn meridian(&self, x: Vector) -> [f64; 2] {
+        let from = minus(x, self.axis.origin);
+        let [first, second, third] = self.axis.axes.map(|axis| dot(axis, from));
+        [first.hypot(second), third]
+    }
+
+    /// The nearest of the nodes within the tolerance.
+    fn partner(&self, masters: &[(u32, [f64; 2])], [r, z]: [f64; 2]) -> Option<u32> {
+        let start = masters.partition_point(|(_, meridian)| meridian[0] < r - self.tolerance);
+        let near = masters[start..].iter().take_while(|(_, meridian)| meridian[0] <= r + self.tolerance);
+        let apart = near.map(|(node, [s, t])| (*node, (s - r).hypot(t - z)));
+        let nearest = apart.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        (nearest.1 <= self.tolerance).then_some(nearest.0)
+    }
+
+    /// The point of the faces that a turn by a sector, either way, takes a slave to.
+    fn projected(&self, grid: &Grid, x: Vector) -> Option<Vec<(u32, f64)>> {
+        let typical = self.faces.iter().map(Face::size).sum::<f64>() / self.faces.len().max(1) as f64;
+        let near = [self.angle, -self.angle].map(|angle| grid.nearest(&self.faces, self.turned(x, angle)));
+        let near = near.into_iter().flatten().min_by(|a, b| a.distance.total_cmp(&b.distance))?;
+        let is_there = near.distance <= self.tolerance.max(tie::TOLERANCE * typical);
+        let nodes = self.faces[near.face].nodes.iter().copied();
+        is_there.then(|| nodes.zip(near.weights).filter(|(_, weight)| *weight != 0.0).collect())
+    }
+
+    fn turned(&self, x: Vector, angle: f64) -> Vector {
+        let [radial, tangential, _] = self.axis.axes_at(x);
+        let [r, z] = self.meridian(x);
+        let axial = scaled(self.axis.axes[2], z);
+        let across = plus(scaled(radial, r * angle.cos()), scaled(tangential, r * angle.sin()));
+        plus(plus(self.axis.origin, axial), across)
+    }
+
+    /// The three components of a slave.
+    fn follow(&self, slave: u32, position: Vector, partners: &[(u32, f64)]) -> Result<Vec<Row>, Problem> {
+        let mut there = [0.0; 3];
+        for &(node, weight) in partners {
+            there = plus(there, scaled(self.definitions.position(node)?, weight));
+        }
+        let (here, there) = (self.axis.axes_at(position), self.axis.axes_at(there));
+        let row = |direction: Vector| {
+            let image = (0..3).fold([0.0; 3], |sum, k| plus(sum, scaled(there[k], dot(here[k], direction))));
+            let others = partners.iter().map(|&(node, weight)| (node, scaled(image, -weight)));
+            let gradients: Vec<(u32, Vector)> = std::iter::once((slave, direction)).chain(others).collect();
+            Row::along(self.definitions, &gradients, 0.0)
+        };
+        self.definitions.pose(slave)?.axes.into_iter().map(row).collect()
+    }
+}
+
+/// The diagonal of the box around nodes.
+fn size(definitions: &Definitions, nodes: &[u32]) -> Result<f64, Problem> {
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for &node in nodes {
+        let x = definitions.position(node)?;
+        low = std::array::from_fn(|k| low[k].min(x[k]));
+        high = std::array::from_fn(|k| high[k].max(x[k]));
+    }
+    Ok(if nodes.is_empty() { 0.0 } else { length(minus(high, low)) })
+}

@@ -1,0 +1,91 @@
+//! `*KINEMATIC COUPLING` and `*DISTRIBUTING COUPLING`, older than `*COUPLING`.
+
+use super::card::Card;
+use super::coupling::{finish, mean, range, translations};
+use super::definitions::Definitions;
+use super::fields::float;
+use super::geometric::{Place, Row};
+use super::rigid::{Reference, kinematic};
+use crate::deck::kinematics::axes::BASIC_AXES;
+use crate::deck::kinematics::mean::Group;
+use crate::deck::kinematics::vector::{Vector, scaled};
+use crate::deck::{DeckError, Model, Problem, Solver};
+use crate::fault::quote;
+
+/// `*KINEMATIC COUPLING, REF NODE=`: `node or set, first, last` a line.
+pub fn kinematic_coupling(
+    card: &Card,
+    model: &mut Model,
+    definitions: &Definitions,
+    solver: Solver,
+) -> Result<(), DeckError> {
+    let place = Place::of(card, model, "*KINEMATIC COUPLING");
+    if solver == Solver::Ccx {
+        let text = "*KINEMATIC COUPLING is no card of ccx; write *COUPLING with *KINEMATIC";
+        model.warn(card.file, card.line, text);
+    }
+    let rows = || {
+        let reference = card.parameter("REFNODE").ok_or(Problem::NoParameter { name: "REF NODE" })?;
+        let reference = definitions.one_node(card.scope, reference.as_bytes())?;
+        let reference = Reference::turning(reference);
+        let mut rows = Vec::new();
+        for line in card.lines() {
+            let mut fields = line.fields();
+            let nodes = definitions.node_or_set(card.scope, fields.next().unwrap_or_default())?;
+            let range = range(&mut fields, 6)?;
+            let nodes = nodes.into_iter().filter(|&node| node != reference.node);
+            rows.extend(kinematic(definitions, reference, nodes, &range, None)?);
+        }
+        Ok(rows)
+    };
+    let rows = rows();
+    finish(card, &place, model, rows)
+}
+
+/// `*DISTRIBUTING COUPLING, ELSET=`: `node or set, weight` a line; the element set holds the reference, wherever that is. As ccx has
+/// it: `sum w_k u_k - sum w_k u_r = 0` in each direction, the first node being the slave. As Abaqus has it: the mean motion.
+pub fn distributing_coupling(
+    card: &Card,
+    model: &mut Model,
+    definitions: &Definitions,
+    solver: Solver,
+) -> Result<(), DeckError> {
+    let place = Place::of(card, model, "*DISTRIBUTING COUPLING");
+    let rows = || {
+        let (reference, weights) = weights(card, definitions)?;
+        if solver == Solver::Ccx {
+            return plain_mean(definitions, reference, weights);
+        }
+        let group = |(node, weight)| Group { weight, components: translations(), nodes: vec![node] };
+        mean(definitions, reference, &[1, 2, 3, 4, 5, 6], weights.into_iter().map(group).collect())
+    };
+    let rows = rows();
+    if solver == Solver::Ccx {
+        return place.push(model, rows);
+    }
+    finish(card, &place, model, rows)
+}
+
+/// The reference, and the weighted nodes.
+fn weights(card: &Card, definitions: &Definitions) -> Result<(u32, Vec<(u32, f64)>), Problem> {
+    let set = card.parameter("ELSET").ok_or(Problem::NoParameter { name: "ELSET" })?;
+    let [reference] = definitions.nodes_of(card.scope, set)?[..] else {
+        let found = quote(set.as_bytes());
+        return Err(Problem::Expected { expected: "an element set with one node, the reference", found });
+    };
+    let mut weights: Vec<(u32, f64)> = Vec::new();
+    for line in card.lines() {
+        let mut fields = line.fields();
+        let nodes = definitions.node_or_set(card.scope, fields.next().unwrap_or_default())?;
+        let weight = fields.next().filter(|field| !field.is_empty()).map_or(Ok(1.0), float)?;
+        weights.extend(nodes.into_iter().map(|node| (node, weight)));
+    }
+    Ok((reference, weights))
+}
+
+fn plain_mean(of: &Definitions, reference: u32, mut weights: Vec<(u32, f64)>) -> Result<Vec<Row>, Problem> {
+    let total: f64 = weights.iter().map(|(_, weight)| weight).sum();
+    weights.push((reference, -total));
+    let gradients = |axis: Vector| weights.iter().map(|&(node, w)| (node, scaled(axis, w))).collect::<Vec<_>>();
+    BASIC_AXES.iter().map(|&axis| Row::along(of, &gradients(axis), 0.0)).collect()
+}

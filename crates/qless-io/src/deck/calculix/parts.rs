@@ -1,0 +1,102 @@
+//! Parts and their instances, as Abaqus/CAE writes them: what is said in a part holds once for each instance of it.
+//!
+//! | card | is |
+//! | --- | --- |
+//! | `*PART, NAME=P` to `*END PART` | cards that are kept until an instance asks for them |
+//! | `*INSTANCE, NAME=I, PART=P` to `*END INSTANCE` | the cards of P and those between, all in a scope of their own |
+//! | all others | cards of the deck itself, which an assembly adds no scope to |
+
+use std::path::PathBuf;
+
+use rustc_hash::FxHashMap;
+
+use super::card::{Card, Visit};
+use crate::deck::{DeckError, Problem};
+use crate::fault::quote;
+
+/// Whose names and numbers a card uses: 0 are those of the deck, `k` those of its instance `k`, from 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Scope(pub u32);
+
+impl Scope {
+    /// The deck itself.
+    pub const DECK: Self = Self(0);
+}
+
+/// Why a card could not be handed on.
+pub enum Stop {
+    /// Whoever was handed the card refused it.
+    Refused(DeckError),
+    /// The card itself is at fault.
+    Card(Problem),
+}
+
+impl Stop {
+    /// The error at the line of a card.
+    pub fn at(self, card: &Card, path: impl FnOnce() -> PathBuf) -> DeckError {
+        match self {
+            Self::Refused(error) => error,
+            Self::Card(problem) => {
+                let name = String::from_utf8_lossy(&card.keyword).into_owned();
+                DeckError { path: path(), line: card.line as usize, card: name, field: None, problem }
+            }
+        }
+    }
+}
+
+#[derive(Default)]
+enum Place {
+    #[default]
+    Deck,
+    Part(String),
+    Instance(Scope),
+}
+
+/// The parts met so far, and where the next card stands.
+#[derive(Default)]
+pub struct Parts {
+    cards: FxHashMap<String, Vec<Card>>,
+    place: Place,
+    instances: u32,
+}
+
+impl Parts {
+    /// Hands on a card, or what it stands for.
+    pub fn card(&mut self, card: &Card, visit: Visit) -> Result<(), Stop> {
+        match card.keyword.as_slice() {
+            b"*PART" => self.begin_part(card),
+            b"*ENDPART" | b"*ENDINSTANCE" => self.place = Place::Deck,
+            b"*INSTANCE" => self.instance(card, visit)?,
+            _ => match &self.place {
+                Place::Deck => visit(card).map_err(Stop::Refused)?,
+                Place::Part(part) => self.cards.entry(part.clone()).or_default().push(card.clone()),
+                Place::Instance(scope) => visit(&card.in_scope(*scope)).map_err(Stop::Refused)?,
+            },
+        }
+        Ok(())
+    }
+
+    fn begin_part(&mut self, card: &Card) {
+        let part = card.word("NAME").unwrap_or_default();
+        self.cards.entry(part.clone()).or_default();
+        self.place = Place::Part(part);
+    }
+
+    fn instance(&mut self, card: &Card, visit: Visit) -> Result<(), Stop> {
+        for elsewhere in ["LIBRARY", "INSTANCE"] {
+            if let Some(name) = card.parameter(elsewhere) {
+                let expected = "an instance of a part of this deck";
+                return Err(Stop::Card(Problem::Expected { expected, found: quote(name.as_bytes()) }));
+            }
+        }
+        let part = card.word("PART").ok_or(Stop::Card(Problem::NoParameter { name: "PART" }))?;
+        let Some(cards) = self.cards.get(&part) else {
+            return Err(Stop::Card(Problem::Undefined { what: "part", name: part }));
+        };
+        self.instances += 1;
+        let scope = Scope(self.instances);
+        self.place = Place::Instance(scope);
+        visit(&card.in_scope(scope)).map_err(Stop::Refused)?;
+        cards.iter().try_for_each(|card| visit(&card.in_scope(scope))).map_err(Stop::Refused)
+    }
+}

@@ -1,0 +1,230 @@
+//! Sets of nodes and of elements: what a field stands for that holds a number or a name.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::card::{Card, Piece};
+use super::data::{Lines, name};
+use super::definitions::{Definitions, Key, word};
+use super::fields::number;
+use super::parts::Scope;
+use crate::deck::Problem;
+use crate::fault::quote;
+
+/// Members of a set at most.
+const MEMBERS: usize = 200_000_000;
+
+/// Where members stand.
+pub enum Part {
+    /// Lines that begin with a node.
+    Lines(Vec<Piece>),
+    /// Numbers and names of other sets.
+    List(Vec<Piece>),
+    /// `first, last, increment` a line.
+    Generate(Vec<Piece>),
+    /// The nodes of an element set.
+    OfElements(String),
+}
+
+/// A part of a set, and whose members it names.
+pub struct Set {
+    scope: Scope,
+    /// `INSTANCE=` on the card.
+    instance: Option<String>,
+    part: Part,
+}
+
+impl Set {
+    /// The part of a set that a card gives.
+    pub fn of(card: &Card, part: Part) -> Self {
+        Self { scope: card.scope, instance: card.word("INSTANCE"), part }
+    }
+}
+
+/// A set that is being parsed, or has been.
+enum Known {
+    InProgress,
+    Done(Rc<Vec<u32>>),
+}
+
+/// The sets of a deck.
+#[derive(Default)]
+pub struct Sets {
+    pub of_nodes: FxHashMap<Key, Vec<Set>>,
+    pub of_elements: FxHashMap<Key, Vec<Set>>,
+    known: RefCell<FxHashMap<(bool, Key), Known>>,
+}
+
+impl Definitions {
+    /// The number in the deck of a node that has this one in the scope.
+    pub fn numbered(&self, scope: Scope, own: u32) -> Result<u32, Problem> {
+        if self.instances.is_empty() {
+            return Ok(own);
+        }
+        let undefined = || {
+            let instance = (scope.0 as usize).checked_sub(1).and_then(|k| self.instances.get(k));
+            let name = instance.map_or_else(|| own.to_string(), |instance| format!("{}.{own}", instance.name));
+            Problem::Undefined { what: "node", name }
+        };
+        self.numbers()?.get(scope, own).ok_or_else(undefined)
+    }
+
+    /// A node by its number, or by an instance and the number in it.
+    pub fn node(&self, scope: Scope, field: &[u8]) -> Result<u32, Problem> {
+        self.by_number(scope, field).unwrap_or_else(|| number(field, "a node"))
+    }
+
+    /// The node of a field that is a number or an instance and a number; none for other fields.
+    pub fn by_number(&self, scope: Scope, field: &[u8]) -> Option<Result<u32, Problem>> {
+        let own = number(field, "a node").ok().map(|own| (scope, own));
+        own.or_else(|| self.of_instance(field)).map(|(scope, own)| self.numbered(scope, own))
+    }
+
+    /// `I.12`: the scope of the instance I, and 12.
+    fn of_instance(&self, field: &[u8]) -> Option<(Scope, u32)> {
+        if self.instances.is_empty() {
+            return None;
+        }
+        let text = word(field);
+        let (scope, rest) = self.qualified(&text)?;
+        Some((scope, number(rest.as_bytes(), "a number").ok()?))
+    }
+
+    /// A node, or the one node of a set.
+    pub fn one_node(&self, scope: Scope, field: &[u8]) -> Result<u32, Problem> {
+        match self.node_or_set(scope, field)?[..] {
+            [node] => Ok(node),
+            ref nodes => {
+                let found = quote(format!("{} with {} nodes", String::from_utf8_lossy(field), nodes.len()).as_bytes());
+                Err(Problem::Expected { expected: "a node, or a set of one node", found })
+            }
+        }
+    }
+
+    /// A node, or the nodes of a set.
+    pub fn node_or_set(&self, scope: Scope, field: &[u8]) -> Result<Vec<u32>, Problem> {
+        match self.by_number(scope, field) {
+            Some(node) => Ok(vec![node?]),
+            None => self.nodes(scope, &String::from_utf8_lossy(field)).map(|nodes| nodes.to_vec()),
+        }
+    }
+
+    /// An element, or the elements of a set, as indices into [`Elements`](super::mesh::Elements).
+    pub fn element_or_set(&self, scope: Scope, field: &[u8]) -> Result<Vec<u32>, Problem> {
+        match number(field, "an element").ok().map(|own| (scope, own)).or_else(|| self.of_instance(field)) {
+            Some((scope, own)) => Ok(vec![self.elements()?.index(scope, own)?]),
+            None => self.members(true, scope, &word(field)).map(|elements| elements.to_vec()),
+        }
+    }
+
+    /// The nodes of a set, in the order of its definition, each once.
+    pub fn nodes(&self, scope: Scope, set: &str) -> Result<Rc<Vec<u32>>, Problem> {
+        self.members(false, scope, &name(set))
+    }
+
+    /// The nodes of the elements of a set, ascending, each once.
+    pub fn nodes_of(&self, scope: Scope, elements: &str) -> Result<Vec<u32>, Problem> {
+        let mut nodes = Vec::new();
+        for &element in self.members(true, scope, &name(elements))?.iter() {
+            nodes.extend_from_slice(self.elements()?.nodes(element));
+        }
+        nodes.sort_unstable();
+        nodes.dedup();
+        Ok(nodes)
+    }
+
+    fn members(&self, of_elements: bool, scope: Scope, set: &str) -> Result<Rc<Vec<u32>>, Problem> {
+        let what = if of_elements { "element set" } else { "node set" };
+        let parts = self.find(if of_elements { &self.sets.of_elements } else { &self.sets.of_nodes }, scope, set);
+        let named = if of_elements { self.find(&self.elements()?.by_set, scope, set) } else { None };
+        let key = match (&parts, &named) {
+            (Some((key, _)), _) | (None, Some((key, _))) => (of_elements, key.clone()),
+            (None, None) => return Err(Problem::Undefined { what, name: set.to_owned() }),
+        };
+        match self.sets.known.borrow().get(&key) {
+            Some(Known::Done(members)) => return Ok(Rc::clone(members)),
+            Some(Known::InProgress) => return Err(Problem::Circular { what, name: set.to_owned() }),
+            None => {}
+        }
+        self.sets.known.borrow_mut().insert(key.clone(), Known::InProgress);
+        let mut members = named.map(|(_, members)| members.clone()).unwrap_or_default();
+        for part in parts.map_or(&[][..], |(_, parts)| parts.as_slice()) {
+            self.add(part, of_elements, &mut members)?;
+        }
+        let mut seen = FxHashSet::default();
+        members.retain(|&member| seen.insert(member));
+        let members = Rc::new(members);
+        self.sets.known.borrow_mut().insert(key, Known::Done(Rc::clone(&members)));
+        Ok(members)
+    }
+
+    fn add(&self, set: &Set, of_elements: bool, members: &mut Vec<u32>) -> Result<(), Problem> {
+        let scope = match &set.instance {
+            // A flat deck may keep what it once was: ccx passes over it.
+            Some(instance) if !self.instances.is_empty() => *self
+                .by_instance
+                .get(instance)
+                .ok_or_else(|| Problem::Undefined { what: "instance", name: instance.clone() })?,
+            _ => set.scope,
+        };
+        match &set.part {
+            Part::Lines(pieces) => {
+                for line in Lines::new(pieces) {
+                    members.push(self.node(scope, line.fields().next().unwrap_or_default())?);
+                }
+            }
+            Part::List(pieces) => {
+                for field in Lines::new(pieces).flat_map(|line| line.fields()).filter(|field| !field.is_empty()) {
+                    if of_elements {
+                        members.extend(self.element_or_set(scope, field)?);
+                    } else if let Some(node) = self.by_number(scope, field) {
+                        members.push(node?);
+                    } else {
+                        members.extend_from_slice(&self.nodes(scope, &String::from_utf8_lossy(field))?);
+                    }
+                }
+            }
+            Part::Generate(pieces) => {
+                for line in Lines::new(pieces) {
+                    self.generate(&mut line.fields(), of_elements, scope, members)?;
+                }
+            }
+            Part::OfElements(set) => members.extend(self.nodes_of(scope, set)?),
+        }
+        Ok(())
+    }
+
+    /// `first, last, increment`: numbers in between that no element or node of an instance has are passed over.
+    fn generate<'a>(
+        &self,
+        fields: &mut impl Iterator<Item = &'a [u8]>,
+        of_elements: bool,
+        scope: Scope,
+        members: &mut Vec<u32>,
+    ) -> Result<(), Problem> {
+        let mut next = || fields.next().filter(|field| !field.is_empty());
+        let first = number(next().unwrap_or_default(), "the first member of a range")?;
+        let last = next().map_or(Ok(first), |field| number(field, "the last member of a range"))?;
+        let step = next().map_or(Ok(1), |field| number(field, "an increment"))?;
+        if step == 0 || last < first {
+            let found = quote(format!("{first}, {last}, {step}").as_bytes());
+            return Err(Problem::Expected { expected: "an ascending range with an increment of at least 1", found });
+        }
+        if members.len() + ((last - first) / step) as usize >= MEMBERS {
+            return Err(Problem::Limit { what: "the size of a set", limit: MEMBERS, advice: "correct the range" });
+        }
+        let range = (first..=last).step_by(step as usize);
+        if of_elements {
+            let elements = self.elements()?;
+            members.extend(range.filter_map(|own| elements.index(scope, own).ok()));
+        } else if self.instances.is_empty() {
+            members.extend(range);
+        } else {
+            let numbers = self.numbers()?;
+            members.extend(range.filter_map(|own| numbers.get(scope, own)));
+        }
+        Ok(())
+    }
+}

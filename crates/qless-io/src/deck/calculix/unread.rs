@@ -1,0 +1,75 @@
+//! Cards that constrain and are left out by name, with the DOFs that they are known to claim.
+
+use super::card::Card;
+use super::definitions::Definitions;
+use super::geometric::Place;
+use super::mesh::Surface;
+use crate::deck::{Dof, Model, Problem};
+
+/// Keywords without blanks, and as they are written.
+const UNREAD: [(&str, &str); 10] = [
+    ("*PRE-TENSIONSECTION", "*PRE-TENSION SECTION"),
+    ("*EMBEDDEDELEMENT", "*EMBEDDED ELEMENT"),
+    ("*SHELLTOSOLIDCOUPLING", "*SHELL TO SOLID COUPLING"),
+    ("*CONNECTORSECTION", "*CONNECTOR SECTION"),
+    ("*SUBMODEL", "*SUBMODEL"),
+    ("*NETWORKMPC", "*NETWORK MPC"),
+    ("*MPCUSER", "*MPC USER"),
+    ("*RELEASE", "*RELEASE"),
+    ("*FASTENER", "*FASTENER"),
+    ("*CONTACTPAIR", "*CONTACT PAIR, TIED"),
+];
+
+/// Leaves a card out that constrains; others are none of its business.
+pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) {
+    let Some((keyword, name)) = UNREAD.iter().find(|(keyword, _)| card.is(keyword)) else { return };
+    if *keyword == "*CONTACTPAIR" && card.parameter("TIED").is_none() {
+        return;
+    }
+    let place = Place::of(card, model, name);
+    model.leave_out(card.file, card.line, format!("{name} constrains, but is not understood: left out"));
+    // Names that are not defined: then nothing is known to be claimed.
+    let nodes = nodes(card, definitions).unwrap_or_default();
+    claim(&place, model, definitions, nodes.into_iter());
+}
+
+/// The nodes whose DOFs a card may take.
+fn nodes(card: &Card, definitions: &Definitions) -> Result<Vec<u32>, Problem> {
+    let fields = || card.lines().flat_map(|line| line.fields()).filter(|field| !field.is_empty());
+    let surface = |name: &str| Surface::find(definitions, card.scope, name).map(|surface| surface.all_nodes());
+    let elements = |field: &[u8]| -> Result<Vec<u32>, Problem> {
+        let mut nodes = Vec::new();
+        for element in definitions.element_or_set(card.scope, field)? {
+            nodes.extend_from_slice(definitions.elements()?.nodes(element));
+        }
+        Ok(nodes)
+    };
+    let mut nodes = Vec::new();
+    if card.is("*PRE-TENSIONSECTION") {
+        if let Some(name) = card.parameter("SURFACE") {
+            nodes.extend(surface(name)?);
+        }
+        if let Some(name) = card.parameter("ELEMENT") {
+            nodes.extend(elements(name.as_bytes())?);
+        }
+    } else if card.is("*EMBEDDEDELEMENT") {
+        for field in fields() {
+            nodes.extend(elements(field)?);
+        }
+    } else if card.is("*CONTACTPAIR") || card.is("*SHELLTOSOLIDCOUPLING") {
+        for field in fields() {
+            nodes.extend(surface(&String::from_utf8_lossy(field))?);
+        }
+    }
+    Ok(nodes)
+}
+
+/// Says that a card claims all DOFs of nodes.
+pub fn claim(place: &Place, model: &mut Model, definitions: &Definitions, nodes: impl Iterator<Item = u32>) {
+    let of = |node: u32| {
+        let last = if definitions.rotates(node) { 6 } else { 3 };
+        (1..=last).map(move |component| Dof { node, component })
+    };
+    let dofs: Vec<Dof> = nodes.flat_map(of).collect();
+    model.claim_left_out(dofs, place.origin);
+}

@@ -1,0 +1,147 @@
+//! What the reader says of ccx, asked of ccx itself: it must print the displacements that the model fixes, and be free where it is.
+
+use std::process::{Command, Stdio};
+
+use qless_io::deck::{Dof, Model, Solver::Ccx};
+
+use super::given::{BRICK, model};
+
+const ELASTIC: &str = "*MATERIAL, NAME=M\n*ELASTIC\n1000.,.3\n*SOLID SECTION, ELSET=E, MATERIAL=M\n*BOUNDARY\n1,1,3\n2,1,3\n3,1,3\n4,1,3\n";
+
+/// Whether `ccx` is installed; where the corpus is, it must be.
+fn is_there() -> bool {
+    let there = Command::new("ccx").arg("-v").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok();
+    assert!(there || std::env::var_os("QLESS_CORPUS").is_none(), "install calculix-ccx");
+    if !there {
+        eprintln!("SKIPPED: ccx is not installed: nothing to run");
+    }
+    there
+}
+
+fn deck(cards: &str, steps: &[&str]) -> String {
+    let step = |cards: &&str| format!("*STEP\n*STATIC\n{cards}*NODE PRINT, NSET=NALL\nU\n*END STEP\n");
+    format!("{BRICK}{ELASTIC}{cards}{}", steps.iter().map(step).collect::<String>())
+}
+
+/// Displacements by step and node, 1 to 10; none where ccx stops.
+fn solve(text: &str) -> Option<Vec<Vec<[f64; 3]>>> {
+    let place = tempfile::tempdir().expect("a folder");
+    std::fs::write(place.path().join("deck.inp"), text).expect("written");
+    let mut ccx = Command::new("ccx");
+    ccx.args(["-i", "deck"]).current_dir(place.path()).stdout(Stdio::null()).stderr(Stdio::null());
+    let status = ccx.env("OMP_NUM_THREADS", "1").status().expect("ccx runs");
+    let printed = std::fs::read_to_string(place.path().join("deck.dat")).unwrap_or_default();
+    let rows = printed.lines().filter_map(|line| {
+        let numbers: Vec<f64> = line.split_whitespace().map(str::parse).collect::<Result<_, _>>().ok()?;
+        if let [_, x, y, z] = numbers[..] { Some([x, y, z]) } else { None }
+    });
+    let rows: Vec<[f64; 3]> = rows.collect();
+    status.success().then(|| rows.chunks(10).map(<[_]>::to_vec).collect())
+}
+
+fn value(u: &[[f64; 3]], dof: Dof) -> f64 {
+    u[dof.node as usize - 1][usize::from(dof.component) - 1]
+}
+
+/// What each step prescribes and all equations in force hold in what ccx prints; DOFs beyond its tables (rotations) are passed over.
+fn holds(model: &Model, steps: &[Vec<[f64; 3]>]) -> bool {
+    let near = |a: f64, b: f64| (a - b).abs() < 1e-6;
+    let known = |dof: Dof| dof.component <= 3 && dof.node <= 10;
+    assert_eq!(model.cases().len(), steps.len());
+    model.cases().iter().zip(steps).all(|(case, u)| {
+        let given = case.prescribed.iter().all(|given| near(value(u, given.dof), given.value));
+        let equations = model.in_force(case).all(|i| {
+            let equation = model.equation(i).expect("an equation");
+            let dofs: Vec<Dof> = equation.columns.iter().map(|&j| model.dofs()[j as usize]).collect();
+            let sum = || dofs.iter().zip(equation.coefficients).map(|(dof, a)| a * value(u, *dof)).sum::<f64>();
+            !dofs.iter().all(|dof| known(*dof)) || near(sum(), equation.rhs)
+        });
+        given && equations
+    })
+}
+
+#[test]
+fn every_step_holds_in_ccx_what_the_model_says() {
+    if !is_there() {
+        return;
+    }
+    let held = "1,1,3\n2,1,3\n3,1,3\n4,1,3\n";
+    let new = format!("*BOUNDARY, OP=NEW\n{held}6,3,3,.2\n");
+    let late = format!("*BOUNDARY\n6,3,3,.2\n*BOUNDARY, OP=NEW\n{held}7,3,3,.3\n");
+    let tied = "*EQUATION\n2\n5,3,1.,6,3,-1.\n2\n7,3,1.,6,3,-1.\n";
+    let load = "*CLOAD\n5,3,1.\n";
+    for (cards, steps) in [
+        ("*BOUNDARY\n5,3,3,.1\n", vec![new.as_str()]),
+        ("", vec!["*BOUNDARY\n5,3,3,.1\n", &new]),
+        ("", vec!["*BOUNDARY\n5,3,3,.1\n", &late]),
+        ("*BOUNDARY\n5,3,3,.1\n", vec!["*BOUNDARY\n5,3,3,.3\n", "*BOUNDARY\n5,3,3,.4\n"]),
+        (tied, vec![load, "*EQUATION, REMOVE\n5,3\n", "*BOUNDARY\n5,1\n"]),
+        (tied, vec![load, "*EQUATION, REMOVE ALL\n"]),
+        (
+            "*COUPLING, REF NODE=9, SURFACE=STOP, CONSTRAINT NAME=C\n*DISTRIBUTING\n1,3\n*BOUNDARY\n9,3,3,.1\n",
+            vec![load],
+        ),
+        ("*RIGID BODY, REF NODE=9, TIE NSET=TOP\n", vec![load]),
+        ("*ELEMENT, TYPE=DCOUP3D, ELSET=D\n2,9\n*DISTRIBUTING COUPLING, ELSET=D\nTOP,1.\n", vec![load]),
+    ] {
+        let text = deck(cards, &steps);
+        let printed = solve(&text).unwrap_or_else(|| panic!("ccx stops:\n{text}"));
+        assert!(holds(&model(Ccx, &text), &printed), "{cards}{steps:?}\n{printed:?}");
+    }
+}
+
+#[test]
+fn what_ccx_does_not_constrain_moves_freely() {
+    if !is_there() {
+        return;
+    }
+    let load = "*CLOAD\n5,3,1.\n";
+    let free = solve(&deck("", &[load])).expect("solved");
+    for cards in [
+        "*COUPLING, REF NODE=9, SURFACE=STOP, CONSTRAINT NAME=C\n*DISTRIBUTING\n1,3\n*BOUNDARY\n9,3,3,.1\n",
+        "*COUPLING, REF NODE=9, SURFACE=STOP, CONSTRAINT NAME=C\n*KINEMATIC\n",
+        "*RIGID BODY, REF NODE=9, TIE NSET=TOP\n",
+        "*RIGID BODY, REF NODE=9, ANALYTICAL SURFACE=STOP\n",
+    ] {
+        let text = deck(cards, &[load]);
+        assert_eq!(model(Ccx, &text).equations(), 0, "{cards}");
+        assert_eq!(solve(&text).expect("solved")[0][..8], free[0][..8], "{cards}");
+    }
+    // And where it makes a reference of its own, the top does stay plane.
+    let rigid = solve(&deck("*RIGID BODY, NSET=TOP\n", &[load])).expect("solved");
+    let z = |node: usize| rigid[0][node - 1][2];
+    assert!((z(5) + z(7) - z(6) - z(8)).abs() < 1e-8 && (z(5) - z(7)).abs() > 1e-4);
+}
+
+#[test]
+fn a_mean_rotation_is_the_one_that_ccx_prescribes() {
+    if !is_there() {
+        return;
+    }
+    // Node 10 gives the axis, so that its place does not matter; its first DOF is the turn.
+    let cards = "*NODE\n10,0.,0.,3.\n*MPC\nMEANROT,5,5,5,6,6,6,7,7,7,8,8,8,10\n*BOUNDARY\n10,1,1,1e-3\n";
+    let text = deck(cards, &["*CLOAD\n5,3,.1\n"]);
+    let printed = solve(&text).expect("solved");
+    let model = model(Ccx, &text);
+    assert_eq!(model.equations(), 1);
+    assert!(holds(&model, &printed), "{printed:?}");
+    assert!(printed[0][4][0].abs() > 1e-5, "the top turns");
+}
+
+#[test]
+fn a_sector_repeats_itself_in_ccx() {
+    if !is_there() {
+        return;
+    }
+    let cards = "*NODE, NSET=NALL\n1,1.,0.,0.\n2,2.,0.,0.\n3,2.,0.,1.\n4,1.,0.,1.\n5,0.,1.,0.\n6,0.,2.,0.\n7,0.,2.,1.\n8,0.,1.,1.\n9,9.,9.,9.\n10,9.,9.,8.
+*ELEMENT, TYPE=C3D8, ELSET=E\n1,1,2,6,5,4,3,7,8
+*SURFACE, NAME=FIRST, TYPE=NODE\n1,\n2,\n3,\n4,\n*SURFACE, NAME=SECOND, TYPE=NODE\n5,\n6,\n7,\n8,
+*MATERIAL, NAME=M\n*ELASTIC\n1000.,.3\n*SOLID SECTION, ELSET=E, MATERIAL=M
+*TIE, NAME=T, CYCLIC SYMMETRY\nFIRST,SECOND\n*CYCLIC SYMMETRY MODEL, N=4, NGRAPH=1, TIE=T\n0.,0.,0.,0.,0.,1.
+*BOUNDARY\n5,1,3\n8,1,2\n*STEP\n*STATIC\n*CLOAD\n6,1,1.\n7,3,.5\n*NODE PRINT, NSET=NALL\nU\n*END STEP\n";
+    let printed = solve(cards).expect("solved");
+    let model = model(Ccx, cards);
+    assert_eq!(model.equations(), 12);
+    assert!(holds(&model, &printed), "{printed:?}");
+    assert!(printed[0][1].iter().any(|x| x.abs() > 1e-5), "it moves");
+}

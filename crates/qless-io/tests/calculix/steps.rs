@@ -1,0 +1,84 @@
+//! Values, their courses, and what holds in each step.
+
+use qless_io::deck::Model;
+use qless_io::deck::Solver::{Abaqus, Ccx};
+
+use super::given::{BRICK, brick, prescribed, refused, warnings};
+
+const COURSES: &str = "*AMPLITUDE, NAME=up\n0.,0.,1.,1.\n*AMPLITUDE, NAME=DOWN\n0.,1.,1.,0.\n";
+
+fn cases(model: &Model) -> Vec<Vec<String>> {
+    model.cases().iter().map(|case| prescribed(model, case)).collect()
+}
+
+fn steps(model: &str, steps: &[&str]) -> String {
+    let step = |cards: &&str| format!("*STEP\n*STATIC\n{cards}*END STEP\n");
+    format!("{model}{}", steps.iter().map(step).collect::<String>())
+}
+
+#[test]
+fn a_value_runs_as_its_amplitude() {
+    let cards = "*BOUNDARY, AMPLITUDE=Up\n5,1,1,.1\n6,1\n*BOUNDARY, AMPLITUDE=UP, TIME DELAY=.5\n7,1,1,.1\n*BOUNDARY\n8,1,1,.1\n";
+    let model = brick(Ccx, &format!("{COURSES}{cards}"));
+    assert_eq!(prescribed(&model, &model.cases()[0]), ["5:1=0.1 UP", "6:1=0", "7:1=0.1 UP .5 later", "8:1=0.1"]);
+    let message = refused(Ccx, &format!("{BRICK}*BOUNDARY, AMPLITUDE=NONE\n5,1,1,.1\n"));
+    assert!(message.contains("*BOUNDARY: amplitude NONE is not defined"), "{message}");
+}
+
+#[test]
+fn values_of_one_step_clash_where_their_courses_differ() {
+    let clashes = |cards: &str| brick(Ccx, &steps(COURSES, &[cards])).cases()[0].clashes.len();
+    let up = "*BOUNDARY, AMPLITUDE=UP\n5,1,1,.1\n";
+    assert_eq!(clashes(&format!("{up}{up}")), 0);
+    assert_eq!(clashes(&format!("{up}*BOUNDARY, AMPLITUDE=DOWN\n5,1,1,.1\n")), 1);
+    assert_eq!(clashes(&format!("{up}*BOUNDARY\n5,1,1,.1\n")), 1);
+    // Nothing is nothing in any course.
+    assert_eq!(clashes("*BOUNDARY, AMPLITUDE=DOWN\n5,1\n*BOUNDARY\n5,1\n"), 0);
+}
+
+#[test]
+fn a_step_inherits_and_replaces() {
+    let model = brick(Ccx, &steps("*BOUNDARY\n5,1,1,.1\n", &["*BOUNDARY\n5,1,1,.2\n6,1\n", "*BOUNDARY\n6,1,1,.3\n"]));
+    assert_eq!(cases(&model), [vec!["5:1=0.2", "6:1=0"], vec!["5:1=0.2", "6:1=0.3"]]);
+    assert!(model.cases().iter().all(|case| case.clashes.is_empty()));
+}
+
+#[test]
+fn op_new_forgets_earlier_values_and_their_clashes() {
+    let twice = "*BOUNDARY\n5,1,1,.1\n5,1,1,.2\n";
+    let model = brick(Ccx, &steps("", &[twice, "*BOUNDARY, OP=NEW\n6,1\n"]));
+    assert_eq!(cases(&model), [["5:1=0.1"], ["6:1=0"]]);
+    assert_eq!(model.cases().iter().map(|case| case.clashes.len()).collect::<Vec<_>>(), [1, 0]);
+    // Of the model too.
+    assert_eq!(cases(&brick(Ccx, &steps("*BOUNDARY\n5,1\n", &["*BOUNDARY, OP=NEW\n6,1\n"]))), [["6:1=0"]]);
+}
+
+#[test]
+fn ccx_heeds_op_new_on_the_first_card_of_a_step_only() {
+    let text = steps("", &["*BOUNDARY\n5,1,1,.1\n", "*BOUNDARY\n6,1\n*BOUNDARY, OP=NEW\n7,1\n"]);
+    let ccx = brick(Ccx, &text);
+    assert_eq!(cases(&ccx)[1], ["5:1=0.1", "6:1=0", "7:1=0"]);
+    assert!(warnings(&ccx).contains("ccx passes over OP=NEW"));
+    assert_eq!(cases(&brick(Abaqus, &text))[1], ["6:1=0", "7:1=0"]);
+}
+
+#[test]
+fn values_that_are_not_in_the_deck_are_said_to_be_so() {
+    for source in ["USER", "SUBMODEL, STEP=1", "FIXED"] {
+        assert!(
+            warnings(&brick(Ccx, &format!("*BOUNDARY, {source}\n5,1\n"))).contains("the values are not in the deck")
+        );
+    }
+}
+
+#[test]
+fn removed_equations_are_those_of_all_cards_and_stay_removed() {
+    let cards = "*EQUATION\n2\n5,3,1.,6,3,-1.\n2\n7,3,1.,6,3,-1.\n*COUPLING, REF NODE=9, SURFACE=STOP, CONSTRAINT NAME=C\n*KINEMATIC\n1,1\n";
+    let removed = |first: &str, second: &str| {
+        let model = brick(Ccx, &steps(cards, &["", first, second]));
+        model.cases().iter().map(|case| case.removed.clone()).collect::<Vec<_>>()
+    };
+    assert_eq!(removed("*EQUATION, REMOVE\n5,3\n", "*EQUATION, REMOVE\n5,1\n"), [vec![], vec![0], vec![0, 2]]);
+    assert_eq!(removed("*EQUATION, REMOVE\nTOP,1,3\n", ""), [vec![], vec![0, 1, 2, 3, 4, 5], vec![0, 1, 2, 3, 4, 5]]);
+    assert_eq!(removed("", "*EQUATION, REMOVE ALL\n"), [vec![], vec![], vec![0, 1, 2, 3, 4, 5]]);
+}
