@@ -135,7 +135,10 @@ impl Bulk {
             "JOINTG" => match jointg(card)? {
                 Joint::Beam(element) => (Element::Rigid(element), 0.0),
                 Joint::Ball(element) => (Element::Joint(element), 0.0),
-                Joint::Other => return Ok(self.warnings.leave_out((card.file, card.line), unread::joint(card))),
+                Joint::Other => {
+                    self.warnings.leave_out((card.file, card.line), unread::joint(card));
+                    return Ok(());
+                }
             },
             _ => rrod(card).map(|read| (Element::Rod(read.element), read.alpha))?,
         };

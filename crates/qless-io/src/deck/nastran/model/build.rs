@@ -15,6 +15,7 @@ use crate::deck::nastran::cards::elements::star;
 use crate::deck::nastran::cards::mpc::Term;
 use crate::deck::nastran::cards::notes::Note;
 use crate::deck::nastran::control::selected::{self, Sets};
+use crate::deck::nastran::control::subcases::Control;
 use crate::deck::nastran::fault::CardFault;
 use crate::deck::nastran::syntax::content::Content;
 use crate::deck::nastran::syntax::place::Place;
@@ -31,7 +32,7 @@ pub fn model(mut content: Content, sources: &Sources) -> Result<Model, DeckError
         if leaves_out { model.leave_out(file, line, text) } else { model.warn(file, line, text) }
     }
     let points = points(&mut content.bulk, &mut model)?;
-    let multiplied = content.control.as_ref().and_then(|control| control.multipliers());
+    let multiplied = content.control.as_ref().and_then(Control::multipliers);
     if let Some((file, line)) = multiplied {
         model.warn(file, line, MULTIPLIERS);
     }

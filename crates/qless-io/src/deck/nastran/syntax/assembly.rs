@@ -1,6 +1,6 @@
 //! From lines of bulk data to cards: continuations, wherever they stand, and copies.
 
-use super::card::{Card, Refused};
+use super::card::{Card, Failed, Refused};
 use super::continuations::{Before, Continuations, is_always_one_line, name_of};
 use super::copies::{self, Change};
 use super::fields::{is_copy, mark, name_in};
@@ -10,12 +10,6 @@ use crate::deck::nastran::cards::quick::Quick;
 use crate::deck::nastran::fault::CardFault;
 use crate::deck::{Problem, Solver};
 use crate::fault::quote;
-
-/// A card that was refused, as an error names it.
-pub struct Failed {
-    pub card: String,
-    pub refused: Refused,
-}
 
 /// The card being read, and all that was read before it.
 pub struct Assembly {
@@ -58,16 +52,12 @@ impl Assembly {
 
     /// Begins a card; one without a name here is not read.
     pub fn begin(&mut self, name: Option<&'static str>, line: &Line) -> Result<(), Failed> {
-        match name {
-            Some(name) => {
-                self.before = Before::Read;
-                self.card.begin(name, line.text, line.at()).map_err(|refused| self.failed(refused))
-            }
-            None => {
-                self.pass(line);
-                Ok(())
-            }
-        }
+        let Some(name) = name else {
+            self.pass(line);
+            return Ok(());
+        };
+        self.before = Before::Read;
+        self.card.begin(name, line.text, line.at()).map_err(|refused| self.failed(refused))
     }
 
     /// Passes over a line of a card that is not read.
@@ -180,10 +170,7 @@ impl Assembly {
     /// All cards, those whose lines stand apart among them.
     pub fn finish(mut self) -> Result<Bulk, Failed> {
         self.end_card()?;
-        let cards = std::mem::take(&mut self.continuations).finish(self.solver).map_err(|(card, refused)| {
-            let card = card.map_or_else(|| "continuation".into(), |card| card.title().to_string());
-            Failed { card, refused }
-        })?;
+        let cards = std::mem::take(&mut self.continuations).finish(self.solver)?;
         for card in cards {
             self.card = card;
             self.give()?;
@@ -192,7 +179,7 @@ impl Assembly {
     }
 
     fn failed(&self, refused: Refused) -> Failed {
-        Failed { card: self.card.title().to_string(), refused }
+        refused.of(&self.card)
     }
 }
 

@@ -47,6 +47,20 @@ pub struct Refused {
     pub problem: Problem,
 }
 
+/// A card that was refused, as an error names it.
+#[derive(Debug)]
+pub struct Failed {
+    pub card: String,
+    pub refused: Refused,
+}
+
+impl Refused {
+    /// The same with the card's name.
+    pub fn of(self, card: &Card) -> Failed {
+        Failed { card: card.title().to_string(), refused: self }
+    }
+}
+
 impl Card {
     /// Starts anew at a line that has been cleaned of its comment.
     pub fn begin(&mut self, name: &'static str, line: &[u8], at: At) -> Result<(), Refused> {

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use super::card::{Card, Refused};
+use super::card::{Card, Failed, Refused};
 use super::content::At;
 use super::fields::{mark, name_in, split};
 use crate::deck::Solver;
@@ -83,7 +83,7 @@ impl Continuations {
     /// # Errors
     /// A card whose continuation never comes, with the card; a line that no card claims. MYSTRAN reads continuations in the next line
     /// only: it does without one that is not there, and drops in silence one that stands elsewhere, which is an error here.
-    pub fn finish(mut self, solver: Solver) -> Result<Vec<Card>, (Option<Card>, Refused)> {
+    pub fn finish(mut self, solver: Solver) -> Result<Vec<Card>, Failed> {
         let mut by_name: BTreeMap<Vec<u8>, VecDeque<usize>> = BTreeMap::new();
         for (i, piece) in self.pieces.iter().enumerate() {
             by_name.entry(piece.name.clone()).or_default().push_back(i);
@@ -98,11 +98,9 @@ impl Continuations {
             cards.extend(self.complete(claim, &mut by_name, solver)?);
         }
         if let Some(orphan) = self.pieces.iter().find(|piece| !piece.is_taken && !piece.may_be_unread) {
-            let found = String::from_utf8_lossy(&orphan.name).into();
-            return Err((
-                None,
-                Refused { at: orphan.lines[0].0, field: None, problem: CardFault::Orphan { found }.into() },
-            ));
+            let problem = CardFault::Orphan { found: String::from_utf8_lossy(&orphan.name).into() }.into();
+            let refused = Refused { at: orphan.lines[0].0, field: None, problem };
+            return Err(Failed { card: "continuation".into(), refused });
         }
         cards.sort_by_key(|card| (card.file, card.line));
         Ok(cards)
@@ -114,7 +112,7 @@ impl Continuations {
         claim: &Claim,
         by_name: &mut BTreeMap<Vec<u8>, VecDeque<usize>>,
         solver: Solver,
-    ) -> Result<Option<Card>, (Option<Card>, Refused)> {
+    ) -> Result<Option<Card>, Failed> {
         let (mut card, mut name) = (claim.card.clone(), claim.name.clone());
         if let Some(next) = claim.next.filter(|&next| !self.pieces[next].is_taken) {
             name = self.take(next, card.as_mut(), false)?;
@@ -125,23 +123,16 @@ impl Continuations {
             });
             match (free, card.as_mut()) {
                 (Some(piece), Some(card)) if solver == Solver::Mystran => {
-                    let at = self.pieces[piece].lines[0].0;
-                    return Err((
-                        Some(card.clone()),
-                        Refused { at, field: None, problem: CardFault::ContinuationDropped.into() },
-                    ));
+                    let (at, problem) = (self.pieces[piece].lines[0].0, CardFault::ContinuationDropped.into());
+                    return Err(Refused { at, field: None, problem }.of(card));
                 }
                 (None, Some(_)) if solver == Solver::Mystran => break,
                 (Some(piece), card) => name = self.take(piece, card, true)?,
                 (None, None) => break,
                 (None, Some(card)) => {
                     let expected = String::from_utf8_lossy(&name).into();
-                    let refused = Refused {
-                        at: card.last(),
-                        field: None,
-                        problem: CardFault::NoContinuation { expected }.into(),
-                    };
-                    return Err((Some(card.clone()), refused));
+                    let problem = CardFault::NoContinuation { expected }.into();
+                    return Err(Refused { at: card.last(), field: None, problem }.of(card));
                 }
             }
         }
@@ -149,17 +140,12 @@ impl Continuations {
     }
 
     /// Adds a piece to a card, if that is read; returns the name of the next.
-    fn take(
-        &mut self,
-        piece: usize,
-        card: Option<&mut Card>,
-        is_apart: bool,
-    ) -> Result<Vec<u8>, (Option<Card>, Refused)> {
+    fn take(&mut self, piece: usize, card: Option<&mut Card>, is_apart: bool) -> Result<Vec<u8>, Failed> {
         let piece = &mut self.pieces[piece];
         piece.is_taken = true;
         if let Some(card) = card {
             for (at, line) in &piece.lines {
-                card.extend(line, *at, is_apart).map_err(|refused| (Some(card.clone()), refused))?;
+                card.extend(line, *at, is_apart).map_err(|refused| refused.of(card))?;
             }
         }
         Ok(piece.mark.clone())

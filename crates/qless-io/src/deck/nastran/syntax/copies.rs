@@ -35,10 +35,7 @@ pub fn read(line: &[u8], before: Option<&Change>, at: At) -> Result<(usize, Chan
         return Err(refused(Problem::Limit { what: "the number of copies", limit: COPIES, advice }));
     }
     let own: Vec<Vec<u8>> = fields.data().iter().map(|field| field.to_vec()).collect();
-    let change = match own.iter().all(Vec::is_empty) {
-        true => before.cloned().ok_or_else(expected)?,
-        false => Change(own),
-    };
+    let change = if own.iter().all(Vec::is_empty) { before.cloned().ok_or_else(expected)? } else { Change(own) };
     Ok((count, change))
 }
 

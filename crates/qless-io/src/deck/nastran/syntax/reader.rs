@@ -1,7 +1,7 @@
 //! The parts of a deck in their order: executive control, case control, `BEGIN BULK`, bulk data, `ENDDATA`.
 
-use super::assembly::{Assembly, Failed};
-use super::card::Refused;
+use super::assembly::Assembly;
+use super::card::{Failed, Refused};
 use super::content::{Content, Landmarks};
 use super::fields::continues;
 use super::lines::{Include, Line, Visitor, walk};

@@ -43,7 +43,7 @@ fn select(leaf: &Leaf, set: u32, control: &Control) -> Vec<Change> {
     let own = control.mpc_choices.iter().filter(|(holder, _)| *holder == leaf.holder);
     let mut changes: Vec<Change> = own.map(|(_, choice)| gone(choice, "another set is selected")).collect();
     match (changes.last_mut(), control.opened(leaf.holder)) {
-        (Some((.., text)), _) => text.push_str(&format!("{WHY}MPC = {set}\n")),
+        (Some((.., text)), _) => text.extend([WHY, "MPC = ", &set.to_string(), "\n"]),
         (None, Some((file, line))) => changes.push(((file, line + 1), 0, format!("{WHY}MPC = {set}\n"))),
         // A deck without subcases that selects a set has a line that does.
         (None, None) => {}
@@ -77,9 +77,14 @@ pub fn union(set: u32, of: &[u32]) -> String {
         if k > 0 && (k + 1).is_multiple_of(FIELD) {
             text += "+\n+       ";
         }
-        text += &format!("{part:>8}");
+        text.push_str(&format_field(*part));
     }
     text + "\n"
+}
+
+/// A number in a field.
+fn format_field(number: u32) -> String {
+    format!("{number:>FIELD$}")
 }
 
 #[cfg(test)]

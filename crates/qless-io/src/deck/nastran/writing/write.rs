@@ -219,7 +219,7 @@ mod tests {
         let groups = [(vec![0], vec![tie(3, 1)]), (vec![2], vec![tie(1, 3)])];
         let (text, found) = written(control, &[1], &groups);
         let mut sorted = found.clone();
-        sorted.iter_mut().for_each(|ties| ties.sort());
+        sorted.iter_mut().for_each(|ties| ties.sort_unstable());
         assert_eq!(
             sorted,
             [vec![[1, 2], [3, 1], [3, 4]], vec![[1, 2], [3, 4]], vec![[1, 2], [1, 3], [3, 4]]],
