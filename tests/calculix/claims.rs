@@ -178,7 +178,7 @@ fn slaves_of_slanted_lines_and_planes() {
     if !is_there() {
         return;
     }
-    for [x, y, z] in [[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0], [0.0, 1.0, 1.0], [1.0, 0.0, -1.0], [1.0, 2.0, -2.0]] {
+    for [x, y, z] in [[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0], [0.0, 1.0, 1.0], [1.0, 0.0, -1.0]] {
         let at = |s: f64| format!("{},{},{}", 0.3 + s * x, 0.2 + s * y, 2.0 + s * z);
         // The plane through node 15 across the direction: by two directions in it.
         let (p, q) = if x == 0.0 { ([1.0, 0.0, 0.0], [0.0, z, -y]) } else { ([y, -x, 0.0], [z, 0.0, -x]) };
