@@ -14,10 +14,10 @@ fn place() -> Place {
     let conflict = "*STEP\n*STATIC\n*BOUNDARY\n2,1,1,1.\n3,1,1,2.\n*END STEP\n";
     place
         .file("sound.inp", format!("{NODES}{TIE}"))
-        .file("alone.inp", format!("{NODES}{}", UNREAD))
-        .file("rest.inp", format!("{NODES}{TIE}{}", UNREAD))
-        .file("twice.inp", format!("{NODES}{TIE}{TIE}{}", UNREAD))
-        .file("conflict.inp", format!("{NODES}{TIE}{}{conflict}", UNREAD));
+        .file("alone.inp", format!("{NODES}{UNREAD}"))
+        .file("rest.inp", format!("{NODES}{TIE}{UNREAD}"))
+        .file("twice.inp", format!("{NODES}{TIE}{TIE}{UNREAD}"))
+        .file("conflict.inp", format!("{NODES}{TIE}{UNREAD}{conflict}"));
     place
 }
 

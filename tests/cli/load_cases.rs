@@ -118,8 +118,8 @@ fn the_page_has_a_table_of_them() {
 fn a_full_report_keeps_to_its_lines() {
     let place = Place::new();
     let tie = |k: u32| format!("*EQUATION\n2\n{k},1,1.,{},1,-1.\n2\n{k},1,2.,{},1,-2.\n", k + 1, k + 1);
-    let nodes: String = (1..40).map(|k| format!("{k},{k}.,0.,0.\n")).collect();
-    let ties: String = (1..30).map(tie).collect();
+    let nodes = (1..40).fold(String::new(), |nodes, k| nodes + &format!("{k},{k}.,0.,0.\n"));
+    let ties = (1..30).map(tie).collect::<String>();
     let step = |k: u32| {
         format!("*STEP\n*STATIC\n*BOUNDARY\n1,1,1,{k}.\n{},1,1,2.\n*CLOAD\n3,1,1.\n4,1,1.\n*END STEP\n", k + 1)
     };

@@ -140,7 +140,7 @@ mod tests {
     fn every_encoding_gives_the_same_text() {
         let little = utf16([0xff, 0xfe], u16::to_le_bytes);
         let big = utf16([0xfe, 0xff], u16::to_be_bytes);
-        let two = [packed(TEXT[..9].as_bytes()), packed(TEXT[9..].as_bytes())].concat();
+        let two = [packed(&TEXT.as_bytes()[..9]), packed(&TEXT.as_bytes()[9..])].concat();
         for bytes in [TEXT.as_bytes().to_vec(), packed(TEXT.as_bytes()), packed(&little), little, big, two] {
             assert_eq!(text(bytes).expect("text"), TEXT.as_bytes());
         }

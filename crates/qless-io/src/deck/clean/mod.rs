@@ -52,6 +52,14 @@ pub enum CleanError {
         /// The load case.
         case: String,
     },
+    /// Equations leave no slave that is not claimed by a card that is no equation.
+    #[error("{case}: {slave} would have to be a slave, but another card has a claim on it; change that card by hand")]
+    Claimed {
+        /// The load case.
+        case: String,
+        /// The DOF.
+        slave: String,
+    },
     /// The text that was made does not constrain as the deck does. This is a fault of this program.
     #[error("{case}: the cleaned deck would not say the same ({what}); please report this deck")]
     Unproven {

@@ -108,8 +108,8 @@ impl<'a> Both<'a> {
         Self { columns, given, renamed }
     }
 
-    fn column(&self, dof: &Dof) -> Option<usize> {
-        self.columns.get(self.renamed.get(dof).unwrap_or(dof)).copied()
+    fn column(&self, dof: Dof) -> Option<usize> {
+        self.columns.get(self.renamed.get(&dof).unwrap_or(&dof)).copied()
     }
 
     /// The equations in force in some load cases, one below the other.
@@ -119,12 +119,12 @@ impl<'a> Both<'a> {
             for i in model.in_force(case) {
                 let equation = model.nth(i);
                 let terms = equation.columns.iter().zip(equation.coefficients);
-                let term = |(&j, &a): (&u32, &f64)| Some((self.column(&model.dofs[j as usize])?, a));
+                let term = |(&j, &a): (&u32, &f64)| Some((self.column(model.dofs[j as usize])?, a));
                 builder.equation(terms.filter_map(term), equation.rhs);
             }
         }
         for (dof, &value) in self.given {
-            if let Some(column) = self.column(dof) {
+            if let Some(column) = self.column(*dof) {
                 builder.prescribe(column, value);
             }
         }

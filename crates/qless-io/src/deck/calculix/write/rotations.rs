@@ -98,7 +98,8 @@ impl Rotations {
             ));
         };
         let last = if is_load { first } else { whole(2).unwrap_or(first).max(first) };
-        let rest: String = fields.iter().skip(if is_load { 2 } else { 3 }).map(|field| format!(",{field}")).collect();
+        let rest =
+            fields.iter().skip(if is_load { 2 } else { 3 }).fold(String::new(), |rest, field| rest + "," + field);
         let part = |node: u32, first: u32, last: u32| match (first <= last, is_load) {
             (false, _) => String::new(),
             (true, true) => format!("{node},{first}{rest}\n"),

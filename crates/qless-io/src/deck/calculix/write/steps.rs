@@ -23,17 +23,14 @@ pub fn ends(deck: &Deck, plan: &Plan, rotations: &Rotations) -> Option<Vec<Strin
     done.extend(plan.ended.iter().map(|ended| ended.equation));
     for (k, case) in cases.iter().enumerate() {
         let own = case.removed.iter().map(|&i| i as usize);
-        own.for_each(|i| {
-            if done.insert(i) {
-                slaves[k].extend(slave(i))
-            }
-        });
+        own.filter(|&i| done.insert(i)).for_each(|i| slaves[k].extend(slave(i)));
     }
     let card = |slaves: Vec<Dof>| card(slaves.into_iter().map(|dof| rotations.name(dof)));
     Some(slaves.into_iter().map(card).collect())
 }
 
 fn card(slaves: impl Iterator<Item = Dof>) -> String {
-    let lines: String = slaves.map(|dof| format!("{},{},{}\n", dof.node, dof.component, dof.component)).collect();
+    let line = |Dof { node, component }: Dof| format!("{node},{component},{component}\n");
+    let lines = slaves.fold(String::new(), |lines, dof| lines + &line(dof));
     if lines.is_empty() { lines } else { "*EQUATION, REMOVE\n".to_owned() + &lines }
 }

@@ -41,6 +41,8 @@ pub fn prescribed_in<'a>(model: &Model, cases: impl IntoIterator<Item = &'a Load
 pub struct Layer {
     /// Its last load case.
     pub last: usize,
+    /// The name of that.
+    pub name: String,
     /// What is prescribed in any of its cases.
     pub prescribed: Given,
 }
@@ -93,7 +95,7 @@ impl<'a> Kept<'a> {
                     && kept.layers[kept.layers.len() - 1].prescribed.len() == prescribed.len()
             };
             if !next.is_some_and(is_same) {
-                kept.add(Layer { last, prescribed }, &cases[last])?;
+                kept.add(Layer { last, name: cases[last].name.clone(), prescribed }, &cases[last])?;
             }
         }
         Ok(kept)
@@ -125,10 +127,10 @@ impl<'a> Kept<'a> {
     /// Keeps the combination that an equation is, of the last load case in which it holds.
     fn note(&mut self, i: usize, rows: &[usize], analysis: &Analysis) {
         let Ok(row) = rows.binary_search(&i) else { return };
-        if !self.because.contains_key(&i) {
+        self.because.entry(i).or_insert_with(|| {
             let because = analysis.because(row).unwrap_or_default();
-            self.because.insert(i, because.iter().map(|term| (rows[term.row], term.coefficient)).collect());
-        }
+            because.iter().map(|term| (rows[term.row], term.coefficient)).collect()
+        });
     }
 
     /// Analyses some equations with what is prescribed in a layer; right-hand sides count as they are, values do not.
@@ -199,7 +201,7 @@ impl<'a> Kept<'a> {
     /// Equations written in the same lines as others that are kept for another time.
     fn torn(&self) -> impl Iterator<Item = usize> + '_ {
         let mut kept: FxHashMap<(u32, u32), Option<usize>> = FxHashMap::default();
-        let text = |i: usize| text_of(self.model.nth(i).origin);
+        let text = |i: usize| text_of(self.model, self.model.nth(i).origin);
         let mut torn = FxHashSet::default();
         for i in 0..self.model.equations() {
             if *kept.entry(text(i)).or_insert(self.layer_of[i]) != self.layer_of[i] {

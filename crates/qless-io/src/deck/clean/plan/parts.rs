@@ -14,7 +14,7 @@ pub fn parts(model: &Model, is_prescribed: impl Fn(u32) -> bool) -> Vec<usize> {
         let free =
             equation.columns.iter().zip(equation.coefficients).filter(|(j, a)| **a != 0.0 && !is_prescribed(**j));
         free.for_each(|(&j, _)| sets.join(*by_column.entry(j).or_insert(i), i));
-        sets.join(*by_text.entry(text_of(equation.origin)).or_insert(i), i);
+        sets.join(*by_text.entry(text_of(model, equation.origin)).or_insert(i), i);
     }
     let mut numbers: FxHashMap<usize, usize> = FxHashMap::default();
     (0..model.equations())
@@ -25,9 +25,10 @@ pub fn parts(model: &Model, is_prescribed: impl Fn(u32) -> bool) -> Vec<usize> {
         .collect()
 }
 
-/// Equations with the same key are written in the same lines.
-pub fn text_of(origin: Origin) -> (u32, u32) {
-    (origin.card, origin.line)
+/// Equations with the same key are written in the same lines. A card of a part is read once for each of its instances.
+pub fn text_of(model: &Model, origin: Origin) -> (u32, u32) {
+    let card = if model.has_instances() { model.cards.nth(origin.card).file } else { origin.card };
+    (card, origin.line)
 }
 
 /// Disjoint sets; the root of a set is its smallest member.

@@ -8,6 +8,7 @@ use rustc_hash::FxHashSet;
 
 use super::Written;
 use super::layers::{Kept, unprescribed, vanishing};
+use crate::deck::Model;
 use crate::deck::clean::CleanError;
 
 /// The equations of the parts that are written anew.
@@ -34,17 +35,27 @@ fn solve(
     let vanishing = vanishing(kept.model, prescribed);
     let new = rows.iter().filter(|&&i| kept.layer_of[i] == Some(layer) && !vanishing.contains(&i));
     let own = new.filter_map(|&i| kept.model.nth(i).columns.first().copied());
-    // The deck's own slaves, but for those that would make others large.
-    let wished = unprescribed(own.chain(slaves.iter().map(|&j| j as u32)), prescribed);
-    let analysis = kept.analyse(&kept.layers[layer], rows, Preferences { slaves: wished, ..Preferences::default() })?;
+    // The deck's own slaves, but for those that would make others large and those that other cards claim.
+    let wished = own.chain(slaves.iter().map(|&j| j as u32)).filter(|&j| !is_claimed(kept.model, j as usize));
+    let wished = unprescribed(wished, prescribed);
+    let masters = (0..kept.model.dofs.len()).filter(|&j| is_claimed(kept.model, j)).collect();
+    let preferences = Preferences { slaves: wished, masters, ..Preferences::default() };
+    let analysis = kept.analyse(&kept.layers[layer], rows, preferences)?;
     let before = all.len();
     add(kept, layer, &analysis, slaves, all)?;
     let chosen: FxHashSet<usize> = analysis.reduction()?.slaves().iter().copied().collect();
     if slaves.iter().any(|slave| !chosen.contains(slave)) || all.len() - before + slaves.len() != chosen.len() {
-        return Err(CleanError::Apart { case: format!("load case {}", kept.layers[layer].last + 1) });
+        return Err(CleanError::Apart { case: kept.layers[layer].name.clone() });
     }
     *slaves = chosen;
     Ok(())
+}
+
+/// Whether a card that is no equation has the say over a DOF: it can be no slave.
+fn is_claimed(model: &Model, column: usize) -> bool {
+    let dof = model.dofs[column];
+    let left_out = || model.left_out_claims().binary_search_by_key(&dof, |(claimed, _)| *claimed).is_ok();
+    model.claimed(dof).is_some() || left_out()
 }
 
 /// Adds the rows of slaves that no layer before has.
@@ -64,6 +75,10 @@ fn add(
         let given = reduction.g_matrix().row(row).map(|(j, v)| (model.dofs[reduction.prescribed()[j]], -v));
         let terms = masters.chain(given).filter(|term| term.1 != 0.0).collect();
         let rhs = if reduction.g()[row].abs() <= rounding { 0.0 } else { reduction.g()[row] };
+        if is_claimed(model, slave) {
+            let (slave, case) = (model.dof_name(model.dofs[slave]), kept.layers[layer].name.clone());
+            return Err(CleanError::Claimed { case, slave });
+        }
         all.push(Written { slave: model.dofs[slave], terms, rhs, cases: kept.cases(layer) });
     }
     Ok(())

@@ -45,8 +45,8 @@ fn each(deck: &Deck, options: &Options) -> Result<Plan, CleanError> {
     for removed in plans.iter().flat_map(|plan| &plan.removed) {
         reasons.entry(removed.equation).or_insert_with(|| removed.reason.clone());
     }
-    let texts: FxHashSet<(u32, u32)> = reasons.keys().map(|&i| text_of(model.nth(i).origin)).collect();
-    for i in (0..model.equations()).filter(|&i| texts.contains(&text_of(model.nth(i).origin))) {
+    let texts: FxHashSet<(u32, u32)> = reasons.keys().map(|&i| text_of(model, model.nth(i).origin)).collect();
+    for i in (0..model.equations()).filter(|&i| texts.contains(&text_of(model, model.nth(i).origin))) {
         reasons.entry(i).or_insert(Reason::Connected);
     }
     let mut written = Vec::new();
