@@ -60,7 +60,7 @@ fn check(deck: &Deck, name: &str, others: &[(String, Vec<u8>)]) {
 
 /// A deck that is cleaned is read again without faults, and cleaned a second time stays as it is.
 fn clean(deck: &Deck, name: &str, others: &[(String, Vec<u8>)]) {
-    let Ok(first) = plan(&deck, &Options::default()) else { return };
+    let Ok(first) = plan(deck, &Options::default()) else { return };
     let Ok(text) = write(deck, &first) else { return };
     if first.is_empty() {
         assert_eq!(text, *deck.texts()[0]);

@@ -127,7 +127,7 @@ fn places() {
     assert_names(&refused(&place.path().join("none.mtx")), &["none.mtx: cannot be read"]);
     for name in ["matrix", "matrix.csv", "deck.inp"] {
         std::fs::write(place.path().join(name), "").expect("written");
-        assert_names(&refused(&place.path().join(name)), &[name, "cannot tell what this file is"]);
+        assert_names(&refused(&place.path().join(name)), &[name, "cannot tell what this is"]);
     }
     let matrix = place.path().join("C.mtx");
     std::fs::write(&matrix, format!("{HEAD}1 1 0\n")).expect("written");

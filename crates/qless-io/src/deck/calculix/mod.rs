@@ -2,29 +2,20 @@
 //!
 //! The deck is gone through twice: first for what it defines (nodes, sets, surfaces, elements), then, in order, for what
 //! constrains. Equations are homogeneous and their first term is the slave; every step is a load case.
+//!
+//! | folder | holds |
+//! | --- | --- |
+//! | `syntax` | lines as cards, parameters and fields |
+//! | `model` | what cards refer to: nodes, sets, surfaces, parts and instances |
+//! | `cards` | what each card that constrains says |
+//! | `write` | the deck with other equations |
+//!
+//! `reader` goes through the cards and keeps what each step inherits.
 
-mod boundary;
-mod card;
-mod coupling;
-mod cyclic;
-mod data;
-mod definitions;
-mod equation;
-mod fields;
-mod frames;
-mod geometric;
-mod instances;
-mod mesh;
-mod mpc;
-mod old_coupling;
-mod parts;
-mod project;
+mod cards;
+mod model;
 mod reader;
-mod rigid;
-mod sets;
-mod shape;
-mod tie;
-mod unread;
+mod syntax;
 mod write;
 
 pub(super) use reader::read;

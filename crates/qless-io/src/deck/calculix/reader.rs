@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use super::card::{Card, walk};
-use super::coupling::{self, Coupling};
-use super::definitions::Definitions;
-use super::{boundary, cyclic, equation, mpc, old_coupling, rigid, tie, unread};
+use super::cards::{boundary, cyclic, equation, mpc, old_coupling, rigid, tie, unread};
+use crate::deck::calculix::cards::coupling::{self, Coupling};
+use crate::deck::calculix::model::definitions::Definitions;
+use crate::deck::calculix::syntax::card::{Card, walk};
 use crate::deck::{DeckError, Dof, Load, LoadCase, Model, Prescribed, Problem, Solver, Sources};
 
 /// Reads a deck.
@@ -214,6 +214,7 @@ impl Reader {
         }
         self.check_nodes()?;
         self.warn_of_forces();
+        self.warn_of_rotations();
         self.model.traits.has_local_axes = !self.definitions.transforms.is_empty();
         self.model.traits.is_nonlinear = self.definitions.is_nonlinear;
         self.model.shrink();
@@ -231,6 +232,25 @@ impl Reader {
                 );
                 self.model.warn(file, line, text);
             }
+        }
+    }
+
+    /// Values and moments on the rotation of a body that no card reaches.
+    fn warn_of_rotations(&mut self) {
+        let unreached: Vec<u32> =
+            self.model.own_rotations.iter().filter(|own| own.component > 6).map(|own| own.node).collect();
+        let is_one = |dof: &Dof| (4..=6).contains(&dof.component) && unreached.contains(&dof.node);
+        let given = self.model.cases.iter().flat_map(|case| &case.prescribed).map(|given| (given.dof, given.origin));
+        let loads = self.model.cases.iter().flat_map(|case| &case.loads).map(|load| (load.dof, load.origin));
+        let found: std::collections::BTreeSet<_> = given
+            .chain(loads)
+            .filter(|(dof, _)| is_one(dof))
+            .map(|(dof, origin)| (self.model.cards.nth(origin.card).file, origin.line, dof))
+            .collect();
+        for (file, line, dof) in found {
+            let text =
+                format!("{dof} has no effect: the rotation of a *RIGID BODY without ROT NODE is reached by no card");
+            self.model.warn(file, line, text);
         }
     }
 

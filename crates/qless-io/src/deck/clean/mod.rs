@@ -86,15 +86,6 @@ pub enum CleanError {
         /// What to do.
         why: &'static str,
     },
-    /// Equations would have to be written on nodes of instances.
-    #[error(
-        "{}: the new equations have nodes of instances, which cannot be written yet; write the deck flat, with one numbering of nodes",
-        path.display()
-    )]
-    Instances {
-        /// The main file.
-        path: PathBuf,
-    },
     /// The plan is that of another deck, or was changed by hand.
     #[error(
         "the plan names equation {equation} (from 0), but the deck has {count}, each of which goes once; make a plan of this deck"
@@ -130,9 +121,6 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     plan.check(&deck.model)?;
     if plan.is_empty() {
         return Ok(deck.texts[0].to_vec());
-    }
-    if deck.model.has_instances() && !plan.written.is_empty() {
-        return Err(CleanError::Instances { path: deck.model.files[0].clone() });
     }
     let (text, renamed) = match deck.format() {
         Format::Calculix => calculix::write(deck, plan)?,

@@ -1,9 +1,9 @@
 //! A cleaned deck says what the deck says: read again, in every load case its equations span the same space, with none too many.
 //!
 //! With `C u = b` of the deck, `C' u = b'` of the new one and the same prescribed values, `rank C = rank C' = rank [C; C']`, and
-//! `[C b; C' b']` has no conflict. New DOFs, which carry right-hand sides, are prescribed. Cost: three analyses a case.
+//! `[C b; C' b']` has no conflict. New DOFs, which carry right-hand sides, are prescribed. Cost: three analyses a case, and one for each of several courses in time.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use qless::{ConstraintSystem, Kind, Options, SystemBuilder, analyse};
@@ -38,13 +38,18 @@ pub fn prove(deck: &Deck, text: &[u8], renamed: &Renamed) -> Result<(), CleanErr
 fn same(old: &Model, a: &LoadCase, new: &Model, b: &LoadCase, renamed: &Renamed) -> Result<(), String> {
     let given = same_values(old, a, new, b, renamed)?;
     let both = Both::of(old, new, &given, renamed);
-    let rank = |systems: &[(&Model, &LoadCase)]| {
-        let system = both.system(systems).map_err(|error| error.to_string())?;
+    let rank_of = |systems: &[(&Model, &LoadCase)], course: Option<&str>| {
+        let system = both.system(systems, course).map_err(|error| error.to_string())?;
         let analysis = analyse(&system, &Options::default()).map_err(|error| error.to_string())?;
         let conflict = analysis.dependent().iter().find(|dependent| dependent.kind == Kind::Conflicting);
         conflict.map_or(Ok(analysis.rank()), |found| Err(format!("row {} of both conflicts", found.row + 1)))
     };
-    let (old_rank, new_rank, rank) = (rank(&[(old, a)])?, rank(&[(new, b)])?, rank(&[(old, a), (new, b)])?);
+    let (old_rank, new_rank, rank) =
+        (rank_of(&[(old, a)], None)?, rank_of(&[(new, b)], None)?, rank_of(&[(old, a), (new, b)], None)?);
+    let names: BTreeSet<&str> = given.values().map(|given| given.course.as_str()).collect();
+    for course in names.iter().filter(|_| names.len() > 1) {
+        rank_of(&[(old, a), (new, b)], Some(course))?;
+    }
     if old_rank != rank || new_rank != rank {
         return Err(format!("ranks {old_rank}, {new_rank} and, together, {rank}"));
     }
@@ -67,13 +72,8 @@ fn same_values(
     new: &Model,
     b: &LoadCase,
     renamed: &Renamed,
-) -> Result<BTreeMap<Dof, f64>, String> {
-    let courses = |model: &Model, case: &LoadCase| -> BTreeMap<Dof, (f64, Option<String>)> {
-        let names: Vec<Option<&str>> = model.courses().collect();
-        let course = |k: u32| names.get(k as usize).copied().flatten().map(str::to_owned);
-        case.prescribed.iter().map(|given| (given.dof, (given.value, course(given.course)))).collect()
-    };
-    let (before, after) = (courses(old, a), courses(new, b));
+) -> Result<BTreeMap<Dof, Given>, String> {
+    let (before, after) = (given_in(old, a), given_in(new, b));
     if let Some(dof) = renamed.values().find(|dof| after.contains_key(dof)) {
         return Err(format!("{dof} is still prescribed under its old name"));
     }
@@ -87,18 +87,31 @@ fn same_values(
     if let Some(dof) = after.keys().find(|dof| !before.contains_key(dof) && old.column(**dof).is_some()) {
         return Err(format!("{dof} was not prescribed before"));
     }
-    Ok(after.into_iter().map(|(dof, (value, _))| (dof, value)).collect())
+    Ok(after)
+}
+
+/// A prescribed value and the name of its course, which is empty for the standard one.
+#[derive(PartialEq)]
+struct Given {
+    value: f64,
+    course: String,
+}
+
+fn given_in(model: &Model, case: &LoadCase) -> BTreeMap<Dof, Given> {
+    let names: Vec<Option<&str>> = model.courses().collect();
+    let course = |k: u32| names.get(k as usize).copied().flatten().unwrap_or_default().to_owned();
+    case.prescribed.iter().map(|one| (one.dof, Given { value: one.value, course: course(one.course) })).collect()
 }
 
 /// Columns for the DOFs of two models.
 struct Both<'a> {
     columns: FxHashMap<Dof, usize>,
-    given: &'a BTreeMap<Dof, f64>,
+    given: &'a BTreeMap<Dof, Given>,
     renamed: &'a Renamed,
 }
 
 impl<'a> Both<'a> {
-    fn of(old: &Model, new: &Model, given: &'a BTreeMap<Dof, f64>, renamed: &'a Renamed) -> Self {
+    fn of(old: &Model, new: &Model, given: &'a BTreeMap<Dof, Given>, renamed: &'a Renamed) -> Self {
         let mut columns = FxHashMap::default();
         let named = new.dofs.iter().map(|dof| renamed.get(dof).unwrap_or(dof));
         for &dof in old.dofs.iter().chain(named) {
@@ -112,8 +125,12 @@ impl<'a> Both<'a> {
         self.columns.get(self.renamed.get(&dof).unwrap_or(&dof)).copied()
     }
 
-    /// The equations in force in some load cases, one below the other.
-    fn system(&self, parts: &[(&Model, &LoadCase)]) -> Result<ConstraintSystem, qless::SystemError> {
+    /// The equations in force in some load cases, one below the other, with all values or those of one course.
+    fn system(
+        &self,
+        parts: &[(&Model, &LoadCase)],
+        course: Option<&str>,
+    ) -> Result<ConstraintSystem, qless::SystemError> {
         let mut builder = SystemBuilder::new(self.columns.len().max(1));
         for &(model, case) in parts {
             for i in model.in_force(case) {
@@ -123,7 +140,8 @@ impl<'a> Both<'a> {
                 builder.equation(terms.filter_map(term), equation.rhs);
             }
         }
-        for (dof, &value) in self.given {
+        for (dof, given) in self.given {
+            let value = if course.is_none_or(|course| course == given.course) { given.value } else { 0.0 };
             if let Some(column) = self.column(*dof) {
                 builder.prescribe(column, value);
             }

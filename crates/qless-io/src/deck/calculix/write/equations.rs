@@ -2,7 +2,7 @@
 
 use super::rotations::Rotations;
 use crate::deck::clean::{CleanError, Plan, Written};
-use crate::deck::{Deck, Dof};
+use crate::deck::{Deck, Dof, Model};
 
 /// Characters of a number that CalculiX reads.
 const NUMBER: usize = 20;
@@ -20,14 +20,14 @@ pub fn new_text(deck: &Deck, plan: &Plan, rotations: &Rotations) -> Result<Vec<u
     let head =
         "** qless: independent equations; each slave, the first DOF, occurs once and is not prescribed\n*EQUATION\n";
     let mut text = nodes + head;
-    plan.written.iter().for_each(|written| add_equation(&mut text, written, rotations));
+    plan.written.iter().for_each(|written| add_equation(&mut text, written, &deck.model, rotations));
     Ok(text.into_bytes())
 }
 
-fn add_equation(text: &mut String, written: &Written, rotations: &Rotations) {
+fn add_equation(text: &mut String, written: &Written, model: &Model, rotations: &Rotations) {
     let term = |dof: Dof, v: f64| {
         let Dof { node, component } = rotations.name(dof);
-        format!("{node},{component},{}", number(v))
+        format!("{},{component},{}", model.node_name(node), number(v))
     };
     let first = std::iter::once(term(written.slave, 1.0));
     let terms: Vec<String> = first.chain(written.terms.iter().map(|&(dof, v)| term(dof, v))).collect();

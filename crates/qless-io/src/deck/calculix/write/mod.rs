@@ -7,9 +7,9 @@ mod steps;
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
-use super::card::{Card, card_input, is_include, keyword_end, next_keyword, walk};
-use super::definitions::Definitions;
-use super::parts::Scope;
+use crate::deck::calculix::model::definitions::Definitions;
+use crate::deck::calculix::model::parts::Scope;
+use crate::deck::calculix::syntax::card::{Card, card_input, is_include, keyword_end, next_keyword, walk};
 use crate::deck::clean::{CleanError, Edits, Plan, Reason, Removed, Renamed};
 use crate::deck::{Deck, DeckError, Model};
 
@@ -85,7 +85,7 @@ impl Writer<'_> {
         Ok(edits.apply(&text))
     }
 
-    /// A keyword line: new equations stand before a step, and no `*EQUATION` stands without data.
+    /// A keyword line: new equations stand before a step or at the end of the assembly, and no `*EQUATION` stands without data.
     fn keyword(
         &mut self,
         file: u32,
@@ -96,10 +96,13 @@ impl Writer<'_> {
         data: &[u8],
     ) -> Result<(), CleanError> {
         let word: Vec<u8> = keyword.iter().filter(|b| !b.is_ascii_whitespace()).map(u8::to_ascii_uppercase).collect();
-        if word.starts_with(b"*STEP") && file == 0 {
-            if let Some(new) = self.new.take() {
-                edits.replace(line, 0, new);
-            }
+        let is_step = word.starts_with(b"*STEP");
+        // Nodes of instances are known to the assembly.
+        let is_place = if self.deck.model.has_instances() { word.starts_with(b"*ENDASSEMBLY") } else { is_step };
+        if is_place && file == 0 {
+            self.new.take().into_iter().for_each(|new| edits.replace(line, 0, new));
+        }
+        if is_step && file == 0 {
             if let Some(ends) = self.ends.as_ref().and_then(|ends| ends.get(self.steps)) {
                 edits.replace(line + lines, 0, ends.clone().into_bytes());
             }

@@ -35,6 +35,13 @@ impl Rotations {
                 format!("node {node} is the reference of several bodies, not all of which become equations"),
             ));
         }
+        if let Some(first) = taken.iter().next().filter(|_| model.has_instances()) {
+            let place = model.node_name(first.node);
+            return Err(refused(
+                deck,
+                format!("the body of {place} would need a new node in the assembly: give it one, or change the body"),
+            ));
+        }
         let next = if taken.is_empty() { 0 } else { unused_node(deck)? };
         Ok(Self { node_of: taken.into_iter().zip(next..).collect() })
     }

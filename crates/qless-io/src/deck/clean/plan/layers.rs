@@ -233,7 +233,14 @@ fn check_cases(kept: &Kept, cases: &[LoadCase]) -> Result<(), CleanError> {
             continue;
         }
         let analysis = analyse(&kept.model.system(case)?, kept.options)?;
-        if analysis.dependent().iter().any(|dependent| dependent.kind == Kind::Conflicting) {
+        let conflicts = |analysis: &Analysis| analysis.dependent().iter().any(|one| one.kind == Kind::Conflicting);
+        // Where values run differently in time, what holds at one time must hold at all.
+        let courses = kept.model.courses_of(case);
+        let mut is_conflict = conflicts(&analysis);
+        for &course in courses.iter().filter(|_| courses.len() > 1) {
+            is_conflict |= conflicts(&analyse(&kept.model.system_of_course(case, course)?, kept.options)?);
+        }
+        if is_conflict {
             return Err(CleanError::Conflicting { case: case.name.clone() });
         }
         let holds = |layer: &Option<usize>| layer.is_some_and(|layer| kept.layers[layer].last >= k);

@@ -4,15 +4,15 @@ use std::cell::{OnceCell, RefCell};
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::card::{Card, Piece};
-use super::data::{Lines, name};
-use super::fields::number;
-use super::frames::{Local, locals};
-use super::instances::{Instance, Motion, Numbers};
-use super::mesh::{Elements, positions};
-use super::parts::Scope;
-use super::sets::{Part, Set, Sets};
 use crate::deck::Problem;
+use crate::deck::calculix::model::frames::{Local, locals};
+use crate::deck::calculix::model::instances::{Instance, Motion, Numbers};
+use crate::deck::calculix::model::mesh::{Elements, positions};
+use crate::deck::calculix::model::parts::Scope;
+use crate::deck::calculix::model::sets::{Part, Set, Sets};
+use crate::deck::calculix::syntax::card::{Card, Piece};
+use crate::deck::calculix::syntax::data::{Lines, name};
+use crate::deck::calculix::syntax::fields::number;
 use crate::deck::kinematics::axes::BASIC_AXES;
 use crate::deck::kinematics::body::Pose;
 use crate::deck::kinematics::row::Poses;
@@ -258,7 +258,9 @@ impl Definitions {
     pub fn rotates(&self, node: u32) -> bool {
         let find = || {
             let mut rotating = FxHashSet::default();
-            for block in self.blocks.iter().filter(|block| super::shape::Shape::of(&block.kind).rotates) {
+            for block in
+                self.blocks.iter().filter(|block| crate::deck::calculix::model::shape::Shape::of(&block.kind).rotates)
+            {
                 let fields = Lines::new(&block.data).flat_map(|line| line.fields().skip(1));
                 rotating.extend(fields.filter_map(|field| self.node(block.scope, field).ok()));
             }

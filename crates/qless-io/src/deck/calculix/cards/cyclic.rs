@@ -4,14 +4,14 @@
 //! Nodes are matched by radius and height; those without a partner follow the point of the master's faces that a turn by a sector
 //! takes them to.
 
-use super::card::Card;
-use super::definitions::Definitions;
-use super::fields::float;
-use super::frames::around;
-use super::geometric::{Place, Row};
-use super::mesh::Surface;
-use super::project::{Face, Grid};
-use super::tie;
+use crate::deck::calculix::cards::geometric::{Place, Row};
+use crate::deck::calculix::cards::tie;
+use crate::deck::calculix::model::definitions::Definitions;
+use crate::deck::calculix::model::frames::around;
+use crate::deck::calculix::model::mesh::Surface;
+use crate::deck::calculix::model::project::{Face, Grid};
+use crate::deck::calculix::syntax::card::Card;
+use crate::deck::calculix::syntax::fields::float;
 use crate::deck::kinematics::axes::Frame;
 use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::{Vector, dot, length, minus, plus, scaled};
@@ -38,7 +38,12 @@ pub fn read(card: &Card, tie: &Card, model: &mut Model, definitions: &Definition
         "nodes of the slave side lie on the axis or have no partner on the master side"
     };
     model.leave_out(card.file, card.line, format!("*CYCLIC SYMMETRY MODEL constrains, but {why}: left out"));
-    super::unread::claim(&place, model, definitions, sector.slaves.iter().chain(&sector.masters).copied());
+    crate::deck::calculix::cards::unread::claim(
+        &place,
+        model,
+        definitions,
+        sector.slaves.iter().chain(&sector.masters).copied(),
+    );
     Ok(())
 }
 

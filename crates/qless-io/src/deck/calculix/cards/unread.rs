@@ -1,9 +1,9 @@
 //! Cards that constrain and are left out by name, with the DOFs that they are known to claim.
 
-use super::card::Card;
-use super::definitions::Definitions;
-use super::geometric::Place;
-use super::mesh::Surface;
+use crate::deck::calculix::cards::geometric::Place;
+use crate::deck::calculix::model::definitions::Definitions;
+use crate::deck::calculix::model::mesh::Surface;
+use crate::deck::calculix::syntax::card::Card;
 use crate::deck::{Dof, Model, Problem};
 
 /// Keywords without blanks, and as they are written.

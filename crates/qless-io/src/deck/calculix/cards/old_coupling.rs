@@ -1,11 +1,11 @@
 //! `*KINEMATIC COUPLING` and `*DISTRIBUTING COUPLING`, older than `*COUPLING`.
 
-use super::card::Card;
-use super::coupling::{finish, mean, range, translations};
-use super::definitions::Definitions;
-use super::fields::float;
-use super::geometric::{Place, Row};
-use super::rigid::{Reference, kinematic};
+use crate::deck::calculix::cards::coupling::{finish, mean, range, translations};
+use crate::deck::calculix::cards::geometric::{Place, Row};
+use crate::deck::calculix::cards::rigid::{Reference, kinematic};
+use crate::deck::calculix::model::definitions::Definitions;
+use crate::deck::calculix::syntax::card::Card;
+use crate::deck::calculix::syntax::fields::float;
 use crate::deck::kinematics::axes::BASIC_AXES;
 use crate::deck::kinematics::mean::Group;
 use crate::deck::kinematics::vector::{Vector, scaled};

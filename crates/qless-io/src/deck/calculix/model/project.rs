@@ -2,8 +2,8 @@
 
 use rustc_hash::FxHashMap;
 
-use super::definitions::Definitions;
 use crate::deck::Problem;
+use crate::deck::calculix::model::definitions::Definitions;
 use crate::deck::kinematics::vector::{Vector, dot, length, minus, plus, scaled};
 
 /// Shape functions below this are rounding.

@@ -5,12 +5,12 @@ use std::rc::Rc;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::card::{Card, Piece};
-use super::data::{Lines, name};
-use super::definitions::{Definitions, Key, word};
-use super::fields::number;
-use super::parts::Scope;
 use crate::deck::Problem;
+use crate::deck::calculix::model::definitions::{Definitions, Key, word};
+use crate::deck::calculix::model::parts::Scope;
+use crate::deck::calculix::syntax::card::{Card, Piece};
+use crate::deck::calculix::syntax::data::{Lines, name};
+use crate::deck::calculix::syntax::fields::number;
 use crate::fault::quote;
 
 /// Members of a set at most.
@@ -111,7 +111,7 @@ impl Definitions {
         }
     }
 
-    /// An element, or the elements of a set, as indices into [`Elements`](super::mesh::Elements).
+    /// An element, or the elements of a set, as indices into [`Elements`](crate::deck::calculix::model::mesh::Elements).
     pub fn element_or_set(&self, scope: Scope, field: &[u8]) -> Result<Vec<u32>, Problem> {
         match number(field, "an element").ok().map(|own| (scope, own)).or_else(|| self.of_instance(field)) {
             Some((scope, own)) => Ok(vec![self.elements()?.index(scope, own)?]),

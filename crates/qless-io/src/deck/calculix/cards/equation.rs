@@ -2,11 +2,11 @@
 
 use std::rc::Rc;
 
-use super::card::Card;
-use super::data::DataLine;
-use super::definitions::Definitions;
-use super::fields::{Fault, Fields, component, float, number};
-use super::parts::Scope;
+use crate::deck::calculix::model::definitions::Definitions;
+use crate::deck::calculix::model::parts::Scope;
+use crate::deck::calculix::syntax::card::Card;
+use crate::deck::calculix::syntax::data::DataLine;
+use crate::deck::calculix::syntax::fields::{Fault, Fields, component, float, number};
 use crate::deck::{DeckError, Dof, Model, Origin, Problem};
 use crate::fault::quote;
 
@@ -142,7 +142,9 @@ pub fn removed(card: &Card, model: &mut Model, definitions: &Definitions) -> Res
     let mut slaves = rustc_hash::FxHashSet::default();
     for line in card.lines() {
         let fail = |(field, problem): Fault| model.error(Origin { line: line.number, ..origin }, field, problem);
-        for dof in super::boundary::range(card.scope, &mut Fields::of(&line), definitions).map_err(fail)? {
+        for dof in crate::deck::calculix::cards::boundary::range(card.scope, &mut Fields::of(&line), definitions)
+            .map_err(fail)?
+        {
             slaves.insert(dof);
         }
     }

@@ -3,15 +3,15 @@
 //! A distributing reference moves as the weighted mean of its nodes, `u_r = A_r S^-1 sum w_k a_k^T u_k`: so Abaqus has it. In ccx the
 //! card only distributes forces, and the motion of the reference has no effect on the surface.
 
-use super::card::Card;
-use super::data::Lines;
-use super::definitions::Definitions;
-use super::fields::{float, number};
-use super::frames::orientation;
-use super::geometric::{Place, Row};
-use super::mesh::Surface;
-use super::parts::Scope;
-use super::rigid::{Reference, kinematic, own_rotation};
+use crate::deck::calculix::cards::geometric::{Place, Row};
+use crate::deck::calculix::cards::rigid::{Reference, kinematic, own_rotation};
+use crate::deck::calculix::model::definitions::Definitions;
+use crate::deck::calculix::model::frames::orientation;
+use crate::deck::calculix::model::mesh::Surface;
+use crate::deck::calculix::model::parts::Scope;
+use crate::deck::calculix::syntax::card::Card;
+use crate::deck::calculix::syntax::data::Lines;
+use crate::deck::calculix::syntax::fields::{float, number};
 use crate::deck::kinematics::components::Components;
 use crate::deck::kinematics::mean::{Group, Mean};
 use crate::deck::kinematics::vector::{length, minus};

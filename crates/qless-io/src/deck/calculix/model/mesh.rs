@@ -2,12 +2,12 @@
 
 use rustc_hash::FxHashMap;
 
-use super::data::{Lines, name};
-use super::definitions::{Definitions, Key, word};
-use super::fields::{float, number};
-use super::parts::Scope;
-use super::shape::Shape;
 use crate::deck::Problem;
+use crate::deck::calculix::model::definitions::{Definitions, Key, word};
+use crate::deck::calculix::model::parts::Scope;
+use crate::deck::calculix::model::shape::Shape;
+use crate::deck::calculix::syntax::data::{Lines, name};
+use crate::deck::calculix::syntax::fields::{float, number};
 use crate::deck::kinematics::vector::Vector;
 use crate::fault::quote;
 

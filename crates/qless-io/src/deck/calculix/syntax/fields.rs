@@ -1,8 +1,8 @@
 //! Fields of a line of data as numbers, and what is wrong with those that are none.
 
-use super::data::DataLine;
 use crate::NumberFault;
 use crate::deck::Problem;
+use crate::deck::calculix::syntax::data::DataLine;
 use crate::fault::quote;
 use crate::number::{real, whole};
 

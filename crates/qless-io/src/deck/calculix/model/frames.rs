@@ -5,12 +5,12 @@
 
 use rustc_hash::FxHashMap;
 
-use super::card::Piece;
-use super::data::Lines;
-use super::definitions::{Axes, Definitions};
-use super::fields::float;
-use super::parts::Scope;
 use crate::deck::Problem;
+use crate::deck::calculix::model::definitions::{Axes, Definitions};
+use crate::deck::calculix::model::parts::Scope;
+use crate::deck::calculix::syntax::card::Piece;
+use crate::deck::calculix::syntax::data::Lines;
+use crate::deck::calculix::syntax::fields::float;
 use crate::deck::kinematics::axes::{BASIC_AXES, Frame, Kind};
 use crate::deck::kinematics::vector::{Vector, cross, minus, unit};
 
@@ -29,7 +29,7 @@ pub fn locals(definitions: &Definitions) -> Result<FxHashMap<u32, Local>, Proble
 
 /// The axes of an `*ORIENTATION`.
 pub fn orientation(definitions: &Definitions, scope: Scope, name: &str) -> Result<Local, Problem> {
-    let name = super::data::name(name);
+    let name = crate::deck::calculix::syntax::data::name(name);
     match definitions.find(&definitions.orientations, scope, &name) {
         Some((_, axes)) => placed(definitions, axes),
         None => Err(Problem::Undefined { what: "orientation", name }),

@@ -1,10 +1,10 @@
 //! `*RIGID BODY` and `*KINEMATIC`: `u_k = u_r + w x (x_k - x_r)` at the reference configuration.
 
-use super::card::Card;
-use super::definitions::Definitions;
-use super::fields::number;
-use super::frames::Local;
-use super::geometric::{Place, Row};
+use crate::deck::calculix::cards::geometric::{Place, Row};
+use crate::deck::calculix::model::definitions::Definitions;
+use crate::deck::calculix::model::frames::Local;
+use crate::deck::calculix::syntax::card::Card;
+use crate::deck::calculix::syntax::fields::number;
 use crate::deck::kinematics::axes::BASIC_AXES;
 use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::{Vector, cross, minus};

@@ -1,6 +1,6 @@
 //! Lines of data as fields between commas.
 
-use super::card::Piece;
+use crate::deck::calculix::syntax::card::Piece;
 
 /// Lines of data: neither blank nor comments.
 pub struct Lines<'a> {

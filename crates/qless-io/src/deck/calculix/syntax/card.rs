@@ -3,9 +3,9 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::data::Lines;
-use super::parts::{Parts, Scope};
 use crate::bytes::LINE;
+use crate::deck::calculix::model::parts::{Parts, Scope};
+use crate::deck::calculix::syntax::data::Lines;
 use crate::deck::{DeckError, Problem, Sources};
 
 /// A card. It is filled anew for each one, so that a deck of a million cards allocates no more than one of ten.
@@ -43,7 +43,7 @@ impl Card {
 
     /// The value of a parameter in capitals and without blanks.
     pub fn word(&self, name: &str) -> Option<String> {
-        self.parameter(name).map(super::data::name)
+        self.parameter(name).map(crate::deck::calculix::syntax::data::name)
     }
 
     /// Whether the card has the keyword, written without blanks.
@@ -73,7 +73,7 @@ impl Card {
         for part in parts {
             let part = String::from_utf8_lossy(part);
             let (name, value) = part.split_once('=').unwrap_or((&part, ""));
-            let name = super::data::name(name);
+            let name = crate::deck::calculix::syntax::data::name(name);
             if !name.is_empty() {
                 self.parameters.push((name, value.trim().trim_matches('"').to_owned()));
             }

@@ -1,10 +1,10 @@
 //! Instances of parts: their names, where they stand, and numbers of their nodes that no other node of the deck has.
 
-use super::card::Piece;
-use super::data::Lines;
-use super::fields::float;
-use super::parts::Scope;
 use crate::deck::Problem;
+use crate::deck::calculix::model::parts::Scope;
+use crate::deck::calculix::syntax::card::Piece;
+use crate::deck::calculix::syntax::data::Lines;
+use crate::deck::calculix::syntax::fields::float;
 use crate::deck::kinematics::axes::Frame;
 use crate::deck::kinematics::vector::{Vector, cross, dot, minus, plus, scaled, unit};
 

@@ -1,9 +1,9 @@
 //! `*BOUNDARY` and `*CLOAD`: `node or set, first component, last component, value`, or a named support.
 
-use super::card::Card;
-use super::definitions::Definitions;
-use super::fields::{Fault, Fields, component, number};
-use super::parts::Scope;
+use crate::deck::calculix::model::definitions::Definitions;
+use crate::deck::calculix::model::parts::Scope;
+use crate::deck::calculix::syntax::card::Card;
+use crate::deck::calculix::syntax::fields::{Fault, Fields, component, number};
 use crate::deck::{DeckError, Dof, Load, Model, Origin, Prescribed, Problem};
 use crate::fault::quote;
 
@@ -86,7 +86,7 @@ fn nodes(scope: Scope, fields: &mut Fields, definitions: &Definitions) -> Result
 fn components(fields: &mut Fields) -> Result<Vec<u8>, Fault> {
     const EXPECTED: &str = "a degree of freedom or a support such as ENCASTRE";
     let field = fields.next().unwrap_or_default();
-    let word = super::data::name(&String::from_utf8_lossy(field));
+    let word = crate::deck::calculix::syntax::data::name(&String::from_utf8_lossy(field));
     if let Some((_, held)) = SUPPORTS.iter().find(|(support, _)| *support == word) {
         return Ok(held.to_vec());
     }

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 
 use rustc_hash::FxHashMap;
 
-use super::card::{Card, Visit};
+use crate::deck::calculix::syntax::card::{Card, Visit};
 use crate::deck::{DeckError, Problem};
 use crate::fault::quote;
 

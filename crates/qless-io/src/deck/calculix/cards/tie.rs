@@ -1,15 +1,15 @@
 //! `*TIE`: each node of the slave surface moves with the point of the master surface nearest to it, `u_s = sum N_i(xi) u_i`.
 
-use super::card::Card;
-use super::definitions::Definitions;
-use super::fields::float;
-use super::geometric::{Place, Row};
-use super::mesh::Surface;
+use crate::deck::calculix::cards::geometric::{Place, Row};
+use crate::deck::calculix::model::definitions::Definitions;
+use crate::deck::calculix::model::mesh::Surface;
+use crate::deck::calculix::syntax::card::Card;
+use crate::deck::calculix::syntax::fields::float;
 use crate::deck::kinematics::vector::Vector;
 use crate::deck::{DeckError, Dof, Model, Problem};
 use crate::fault::quote;
 
-use super::project::{Face, Grid};
+use crate::deck::calculix::model::project::{Face, Grid};
 
 /// Part of the typical size of a face within which a node is tied, where the card does not say.
 pub const TOLERANCE: f64 = 0.025;
@@ -47,7 +47,7 @@ pub fn leave_out(card: &Card, kind: &str, model: &mut Model, definitions: &Defin
     let text = format!("*TIE with {kind} constrains, but is not understood: left out");
     model.leave_out(card.file, card.line, text);
     let nodes = sides(card).and_then(|sides| nodes(card, definitions, &sides)).unwrap_or_default();
-    super::unread::claim(&place, model, definitions, nodes.into_iter());
+    crate::deck::calculix::cards::unread::claim(&place, model, definitions, nodes.into_iter());
 }
 
 /// The names of the slave and of the master surface.

@@ -1,0 +1,12 @@
+//! What each card that constrains says, as equations and prescribed values.
+
+pub mod boundary;
+pub mod coupling;
+pub mod cyclic;
+pub mod equation;
+pub mod geometric;
+pub mod mpc;
+pub mod old_coupling;
+pub mod rigid;
+pub mod tie;
+pub mod unread;

@@ -1,0 +1,5 @@
+//! Lines as keyword cards, their parameters, data lines and fields.
+
+pub mod card;
+pub mod data;
+pub mod fields;
