@@ -1,7 +1,7 @@
 //! Parts, instances and assemblies, as Abaqus/CAE writes them.
 
 use qless_io::deck::Solver::{self, Abaqus, Ccx};
-use qless_io::deck::clean::{self, CleanError};
+use qless_io::deck::clean;
 
 use super::given::{equations, model, parsed, prescribed, refused};
 

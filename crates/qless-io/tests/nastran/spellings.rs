@@ -128,7 +128,7 @@ fn more_rigid_elements_are_read() {
 fn elements_of_one_body_say_the_same() {
     let grids = "GRID,1\nGRID,2,,1.\nGRID,3,,,2.\n";
     let same = |a: &str, b: &str| {
-        assert_eq!(equations(&model(&format!("{grids}{a}"))), equations(&model(&format!("{grids}{b}"))))
+        assert_eq!(equations(&model(&format!("{grids}{a}"))), equations(&model(&format!("{grids}{b}"))));
     };
     same("RBAR1,7,1,2,123", "RBE2,7,1,123,2");
     same("RTRPLT1,7,1,2,3", "RBE2,7,1,123456,2,3");
