@@ -197,7 +197,7 @@ fn moved_text(commands: &[Moved]) -> String {
             Moved::Difference(a, b, label, w) => {
                 let gap = motion(*a, *label) - motion(*b, *label);
                 let label = SPATIAL[*label];
-                writeln!(text, "K={w}\nCE,NEXT,{:?}*K,{a},{label},K,{b},{label},-K", gap)
+                writeln!(text, "K={w}\nCE,NEXT,{gap:?}*K,{a},{label},K,{b},{label},-K")
             }
         }
         .expect("written");
