@@ -190,7 +190,7 @@ fn slaves_of_slanted_lines_and_planes() {
         ] {
             for component in 1..=3 {
                 let mut scene = Scene::new(1);
-                let held: String = nodes.lines().map(|line| format!("{},1,3\n", &line[..2])).collect();
+                let held = nodes.lines().fold(String::new(), |held, line| held + &line[..2] + ",1,3\n");
                 scene.model = format!("*NODE\n{nodes}*BOUNDARY\n{held}15,{component}\n*MPC\n{card}\n");
                 judge(&format!("{card} along {x},{y},{z}"), scene);
             }

@@ -60,7 +60,7 @@ fn an_included_file_that_changes_is_written_into_the_deck() {
 }
 
 fn text_of_included(deck: &Deck, files: &[(&str, &str)]) -> String {
-    let plan = clean::plan(&deck, &Options::default()).expect("consistent");
+    let plan = clean::plan(deck, &Options::default()).expect("consistent");
     let text = String::from_utf8(clean::write(deck, &plan).expect("written")).expect("text");
     let again = with_includes(&text, files);
     assert!(clean::plan(&again, &Options::default()).expect("consistent").is_empty());

@@ -199,7 +199,7 @@ fn own(seed: u64) -> String {
     for _ in 0..3 + random.below(3) {
         let slave = free.swap_remove(random.below(free.len()));
         let mut terms = vec![(slave.0, slave.1, 1.0)];
-        for _ in 0..1 + random.below(3) {
+        for _ in 0..=random.below(3) {
             // Masters are never slaves of others: they stay in front.
             let master = free[random.below(free.len() / 2)];
             let a = [-1.0, 0.5, -2.0, 0.25][random.below(4)];

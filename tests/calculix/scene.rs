@@ -228,10 +228,11 @@ impl Text {
         self.text += text;
     }
 
-    fn claim(&mut self, text: &str, claim: Claim) {
+    fn claim(&mut self, text: &str, mut claim: Claim) {
         let first = self.line();
         self.add(text);
-        self.claims.push(Claim { lines: first..self.line(), ..claim });
+        claim.lines = first..self.line();
+        self.claims.push(claim);
     }
 
     fn values(&mut self, values: &[(At, u32, f64)], here: At) {

@@ -70,7 +70,7 @@ pub fn parse(text: &[u8]) -> Deck {
 
 /// The deck cleaned; what comes out is checked: it has no faults, and cleaning it again changes nothing.
 pub fn cleaned(deck: &Deck) -> Result<Vec<u8>, CleanError> {
-    let plan = clean::plan(&deck, &Options::default())?;
+    let plan = clean::plan(deck, &Options::default())?;
     let text = clean::write(deck, &plan)?;
     let again = parse(&text);
     assert_eq!(clean::faults(again.model()), []);
