@@ -138,6 +138,8 @@ impl Plan {
 pub fn plan(deck: &Deck, options: &Options) -> Result<Plan, CleanError> {
     let model = &deck.model;
     let plan = match deck.format() {
+        // CalculiX breaks off at random where a nonlinear step takes equations back.
+        Format::Calculix if model.traits.is_nonlinear => layers::plan(deck, options, layers::May::Nothing)?,
         Format::Calculix => layers::plan(deck, options, layers::May::End)?,
         Format::Ansys => layers::plan(deck, options, layers::May::Nothing)?,
         Format::Nastran => subcases::plan(deck, options)?,
