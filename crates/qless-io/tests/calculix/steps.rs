@@ -2,8 +2,9 @@
 
 use qless_io::deck::Model;
 use qless_io::deck::Solver::{Abaqus, Ccx};
+use qless_io::deck::clean;
 
-use super::given::{BRICK, brick, prescribed, refused, warnings};
+use super::given::{BRICK, brick, parsed, prescribed, refused, warnings};
 
 const COURSES: &str = "*AMPLITUDE, NAME=up\n0.,0.,1.,1.\n*AMPLITUDE, NAME=DOWN\n0.,1.,1.,0.\n";
 
@@ -81,4 +82,16 @@ fn removed_equations_are_those_of_all_cards_and_stay_removed() {
     assert_eq!(removed("*EQUATION, REMOVE\n5,3\n", "*EQUATION, REMOVE\n5,1\n"), [vec![], vec![0], vec![0, 2]]);
     assert_eq!(removed("*EQUATION, REMOVE\nTOP,1,3\n", ""), [vec![], vec![0, 1, 2, 3, 4, 5], vec![0, 1, 2, 3, 4, 5]]);
     assert_eq!(removed("", "*EQUATION, REMOVE ALL\n"), [vec![], vec![], vec![0, 1, 2, 3, 4, 5]]);
+}
+
+/// Nine equations solved for other slaves: what rounding leaves of prescribed values is no contradiction.
+#[test]
+fn rounding_of_a_prescribed_value_is_no_other_meaning() {
+    let text = "*NODE\n9,2.05693945,1.882106,0.0930959197\n12,2.06892053,-0.0304074738,1.06699813\n\
+        17,0.960684407,2.11358376,0.98903291\n101,0.5,0.5,1.51\n100,0.5291,0.4248,0.0395\n*NSET,NSET=S100\n17,\n12,\n9\n\
+        *RIGID BODY,NSET=S100,REF NODE=100,ROT NODE=101\n*BOUNDARY\n9,3,3,0.005\n";
+    let deck = parsed(Ccx, text).expect("a deck");
+    let plan = clean::plan(&deck, &qless::Options::default()).expect("a plan");
+    assert_eq!(plan.written.len(), 9);
+    clean::write(&deck, &plan).expect("the same meaning");
 }

@@ -166,3 +166,15 @@ fn long_arms_are_no_fault() {
         cleaned(&format!("{text}RBE2,9,2,123456,1\n"), &[]);
     }
 }
+
+/// What a subcase loses can make it the same as another: then they are one load case, which says what both said.
+#[test]
+fn subcases_may_come_to_constrain_alike() {
+    let text = "SOL 101\nCEND\nSPC = 1\nSUBCASE 1\nLOAD = 3\nSUBCASE 2\nMPC = 2\nLOAD = 3\nBEGIN BULK\nGRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\n\
+        GRID,3,,1.,0.,0.\nRBE2,5,2,1,3\nMPC,2,3,1,1.,2,1,-1.\nSPC1,1,123456,1\nENDDATA\n";
+    let deck = |text: &str| parsed(text, &[]).expect("a deck");
+    let before = deck(text);
+    assert_eq!(before.model().cases().len(), 2);
+    let again = deck(&clean(&before));
+    assert_eq!((again.model().cases().len(), again.model().equations()), (1, 1));
+}

@@ -1,12 +1,13 @@
 //! A cleaned deck says what the deck says: read again, in every load case its equations span the same space, with none too many.
 //!
-//! With `C u = b` of the deck, `C' u = b'` of the new one and the same prescribed values, `rank C = rank C' = rank [C; C']`, and
-//! `[C b; C' b']` has no conflict. New DOFs, which carry right-hand sides, are prescribed. Cost: three analyses a case, and one for each of several courses in time.
+//! With `C u = b` of the deck, `C' u = b'` of the new one and the same prescribed values: `rank [C b; C' b'] = rank [C b]` over all
+//! DOFs, so that every solution of the deck is one of the new deck, and without the prescribed DOFs `rank C' = rank C`, so that there
+//! are no others. That the deck has solutions the plan has found. No value enters. Cost: four analyses a case.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use qless::{ConstraintSystem, Kind, Options, SystemBuilder, analyse};
+use qless::{Analysis, ConstraintSystem, Kind, Options, SystemBuilder, analyse};
 use rustc_hash::FxHashMap;
 
 use super::{CleanError, Renamed, faults_in};
@@ -21,39 +22,46 @@ pub fn prove(deck: &Deck, text: &[u8], renamed: &Renamed) -> Result<(), CleanErr
         known.map(|file| deck.texts[file].to_vec()).ok_or(std::io::ErrorKind::NotFound.into())
     };
     let new = parse(deck.solver(), &old.files[0], text.to_vec(), &mut open)?.model;
-    if new.cases.len() != old.cases.len() {
-        let what = format!("{} load cases instead of {}", new.cases.len(), old.cases.len());
-        return Err(CleanError::Unproven { case: "the deck".into(), what });
-    }
-    for (k, (a, b)) in old.cases.iter().zip(&new.cases).enumerate() {
-        let is_same = k > 0 && a.constrains_as(&old.cases[k - 1]) && b.constrains_as(&new.cases[k - 1]);
-        if !is_same {
-            same(old, a, &new, b, renamed).map_err(|what| CleanError::Unproven { case: a.name.clone(), what })?;
-        }
+    for (k, a) in old.cases.iter().enumerate() {
+        let unproven = |what: String| CleanError::Unproven { case: a.name.clone(), what };
+        let b = partner(old, k, &new).ok_or_else(|| unproven("it is no load case any more".into()))?;
+        same(old, a, &new, b, renamed).map_err(unproven)?;
     }
     Ok(())
+}
+
+/// The new load case that stands for one of the deck: subcases that have come to constrain alike are one, named by all their numbers.
+fn partner<'a>(old: &Model, k: usize, new: &'a Model) -> Option<&'a LoadCase> {
+    if old.cases.len() == new.cases.len() {
+        return new.cases.get(k);
+    }
+    let numbers = |case: &LoadCase| -> Vec<u32> {
+        case.name.split(|c: char| !c.is_ascii_digit()).filter_map(|word| word.parse().ok()).collect()
+    };
+    let own = numbers(&old.cases[k]);
+    new.cases.iter().find(|case| !own.is_empty() && own.iter().all(|number| numbers(case).contains(number)))
 }
 
 /// Whether two load cases constrain the same; else what differs.
 fn same(old: &Model, a: &LoadCase, new: &Model, b: &LoadCase, renamed: &Renamed) -> Result<(), String> {
     let given = same_values(old, a, new, b, renamed)?;
-    let both = Both::of(old, new, &given, renamed);
-    let rank_of = |systems: &[(&Model, &LoadCase)], course: Option<&str>| {
-        let system = both.system(systems, course).map_err(|error| error.to_string())?;
-        let analysis = analyse(&system, &Options::default()).map_err(|error| error.to_string())?;
-        let conflict = analysis.dependent().iter().find(|dependent| dependent.kind == Kind::Conflicting);
-        conflict.map_or(Ok(analysis.rank()), |found| Err(format!("row {} of both conflicts", found.row + 1)))
+    let both = Both::of(old, new, renamed);
+    let analyse = |systems: &[(&Model, &LoadCase)], given: &BTreeSet<Dof>| {
+        let system = both.system(systems, given).map_err(|error| error.to_string())?;
+        analyse(&system, &Options::default()).map_err(|error| error.to_string())
     };
-    let (old_rank, new_rank, rank) =
-        (rank_of(&[(old, a)], None)?, rank_of(&[(new, b)], None)?, rank_of(&[(old, a), (new, b)], None)?);
-    let names: BTreeSet<&str> = given.values().map(|given| given.course.as_str()).collect();
-    for course in names.iter().filter(|_| names.len() > 1) {
-        rank_of(&[(old, a), (new, b)], Some(course))?;
+    let none = BTreeSet::new();
+    let (alone, joined) = (analyse(&[(old, a)], &none)?, analyse(&[(old, a), (new, b)], &none)?);
+    let conflicts =
+        |analysis: &Analysis| analysis.dependent().iter().filter(|one| one.kind == Kind::Conflicting).count();
+    if joined.rank() != alone.rank() || conflicts(&joined) != conflicts(&alone) {
+        return Err(format!("it demands more: rank {} instead of {}", joined.rank(), alone.rank()));
     }
-    if old_rank != rank || new_rank != rank {
-        return Err(format!("ranks {old_rank}, {new_rank} and, together, {rank}"));
+    let (before, after) = (analyse(&[(old, a)], &given)?.rank(), analyse(&[(new, b)], &given)?.rank());
+    if before != after {
+        return Err(format!("it demands less: rank {after} instead of {before}"));
     }
-    independent(new, b, new_rank)
+    independent(new, b, after)
 }
 
 /// Whether a cleaned load case is clean.
@@ -72,7 +80,7 @@ fn same_values(
     new: &Model,
     b: &LoadCase,
     renamed: &Renamed,
-) -> Result<BTreeMap<Dof, Given>, String> {
+) -> Result<BTreeSet<Dof>, String> {
     let (before, after) = (given_in(old, a), given_in(new, b));
     if let Some(dof) = renamed.values().find(|dof| after.contains_key(dof)) {
         return Err(format!("{dof} is still prescribed under its old name"));
@@ -87,7 +95,7 @@ fn same_values(
     if let Some(dof) = after.keys().find(|dof| !before.contains_key(dof) && old.column(**dof).is_some()) {
         return Err(format!("{dof} was not prescribed before"));
     }
-    Ok(after)
+    Ok(after.into_keys().collect())
 }
 
 /// A prescribed value and the name of its course, which is empty for the standard one.
@@ -106,30 +114,29 @@ fn given_in(model: &Model, case: &LoadCase) -> BTreeMap<Dof, Given> {
 /// Columns for the DOFs of two models.
 struct Both<'a> {
     columns: FxHashMap<Dof, usize>,
-    given: &'a BTreeMap<Dof, Given>,
     renamed: &'a Renamed,
 }
 
 impl<'a> Both<'a> {
-    fn of(old: &Model, new: &Model, given: &'a BTreeMap<Dof, Given>, renamed: &'a Renamed) -> Self {
+    fn of(old: &Model, new: &Model, renamed: &'a Renamed) -> Self {
         let mut columns = FxHashMap::default();
         let named = new.dofs.iter().map(|dof| renamed.get(dof).unwrap_or(dof));
         for &dof in old.dofs.iter().chain(named) {
             let next = columns.len();
             columns.entry(dof).or_insert(next);
         }
-        Self { columns, given, renamed }
+        Self { columns, renamed }
     }
 
     fn column(&self, dof: Dof) -> Option<usize> {
         self.columns.get(self.renamed.get(&dof).unwrap_or(&dof)).copied()
     }
 
-    /// The equations in force in some load cases, one below the other, with all values or those of one course.
+    /// The equations in force in some load cases, one below the other, with these DOFs given as zero.
     fn system(
         &self,
         parts: &[(&Model, &LoadCase)],
-        course: Option<&str>,
+        given: &BTreeSet<Dof>,
     ) -> Result<ConstraintSystem, qless::SystemError> {
         let mut builder = SystemBuilder::new(self.columns.len().max(1));
         for &(model, case) in parts {
@@ -140,12 +147,7 @@ impl<'a> Both<'a> {
                 builder.equation(terms.filter_map(term), equation.rhs);
             }
         }
-        for (dof, given) in self.given {
-            let value = if course.is_none_or(|course| course == given.course) { given.value } else { 0.0 };
-            if let Some(column) = self.column(*dof) {
-                builder.prescribe(column, value);
-            }
-        }
+        given.iter().filter_map(|&dof| self.column(dof)).for_each(|column| builder.prescribe(column, 0.0));
         builder.build()
     }
 }
