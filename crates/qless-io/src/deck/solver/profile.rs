@@ -44,6 +44,8 @@ impl<'a> Profile<'a> {
             Fault::SlavePrescribed { equation, since, .. } => self.prescribed(fault, equation, since),
             Fault::SlaveTwice { equation, first, .. } => self.twice(first, equation),
             Fault::SlaveVanishes { equation, .. } => self.vanishes(equation),
+            // A DOF of a coupled set must be in no other and not prescribed.
+            Fault::CoupledTwice { .. } | Fault::CoupledPrescribed { .. } => Outcome::Refused,
             // Sets of DOFs that exclude each other are those of Nastran.
             Fault::SlaveClaimed { .. } => Outcome::Refused,
             Fault::Circle { equation, .. } => self.circle(&connected(self.model, equation)),
