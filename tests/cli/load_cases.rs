@@ -138,3 +138,41 @@ fn a_full_report_keeps_to_its_lines() {
         assert!(out.contains(part), "{part}\n{out}");
     }
 }
+
+/// What the solver refuses is told, whichever load case it is in.
+#[test]
+fn the_worst_load_case_is_the_one_that_the_solver_refuses() {
+    let place = Place::new();
+    let bulk = "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nRBE2,5,1,1,2\nSPC1,1,1,1\nSPC1,2,1,2\nENDDATA\n";
+    let deck = format!("SOL 101\nCEND\nSUBCASE 1\n SPC=1\nSUBCASE 2\n SPC=2\nBEGIN BULK\n{bulk}");
+    place.file("two.bdf", deck);
+    let run = place.run("check -q two.bdf");
+    assert_eq!(run.code, 0);
+    for part in
+        ["shown is subcase 2.", "nastran refuses, as they stand:", "2:1 is the slave of", "Next: `qless clean two.bdf"]
+    {
+        assert!(run.out.contains(part), "{part}\n{}", run.out);
+    }
+    let report = place.run("check -q two.bdf --format json").json();
+    assert_eq!(report["deck"]["solver_refuses"], report["solver"]["refused"]);
+    assert_eq!(report["solver"]["refused"].as_array().map(Vec::len), Some(1));
+    assert!(place.run("check -q two.bdf --case 1").out.contains("Next: nothing to mend."));
+}
+
+/// A later step with redundant equations is shown; what the solver refuses in another is in the lists all the same.
+#[test]
+fn what_is_refused_in_a_load_case_that_is_not_shown_is_listed() {
+    let place = Place::new();
+    place.file("steps.inp", steps(&["*BOUNDARY\n2,1\n", "*BOUNDARY,OP=NEW\n2,1\n3,1\n"]));
+    let report = place.run("check -q steps.inp --format json").json();
+    assert_eq!(report["deck"]["load_case"], "step 2");
+    assert_eq!(report["deck"]["solver_refuses"], report["solver"]["refused"]);
+}
+
+#[test]
+fn a_deck_without_equations_has_none() {
+    let place = Place::new();
+    place.file("none.inp", format!("{NODES}*BOUNDARY\n1,1\n"));
+    let out = place.run("check -q none.inp").out;
+    assert!(out.contains("\nInput: no equations.\n") && !out.contains("0 equations"), "{out}");
+}

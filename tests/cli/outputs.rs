@@ -108,3 +108,22 @@ fn a_set_of_files_changes_nothing_else_in_its_folder() {
     assert!(!out.join("block1_L.mtx").exists());
     assert!(place.everything().iter().all(|(path, _)| !path.to_string_lossy().contains(".qless-")));
 }
+
+/// A folder that is not there is a mistake in the name, and `-` is no name.
+#[test]
+fn a_deck_goes_into_a_folder_that_is_there() {
+    let place = Place::new();
+    deck(&place);
+    let before = place.everything();
+    for (command, code, words) in [
+        ("clean deck.inp -o nowhere/x.inp", 3, "there is no such folder; make it first"),
+        ("check deck.inp -o nowhere/x.txt", 3, "there is no such folder; make it first"),
+        ("clean deck.inp -o -", 2, "a deck is not written to standard output; name a file"),
+        ("check deck.inp -o -", 2, "the report goes to standard output"),
+    ] {
+        let run = place.run(command);
+        assert_eq!((run.code, run.out.as_str()), (code, ""), "{command}: {}", run.err);
+        assert!(run.err.contains(words), "{command}: {}", run.err);
+    }
+    assert!(place.everything() == before);
+}

@@ -19,6 +19,9 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
         ));
     }
     if let Some(file) = &args.output {
+        if file.as_os_str() == "-" {
+            return Err(Failure::Input("-o -: leave it out, and the report goes to standard output".to_owned()));
+        }
         // A place that cannot be written to is better known before the work than after.
         drop(OneFile::at(file, args.model.inputs())?);
     }

@@ -18,6 +18,9 @@ use crate::text::Outcome;
 pub fn run(args: &CleanArgs) -> Result<ExitCode, Failure> {
     let (input, output) = (&args.model.input, &args.output);
     // Known before the work, so said before the work.
+    if output.as_os_str() == "-" {
+        return Err(Failure::Input("-o -: a deck is not written to standard output; name a file".to_owned()));
+    }
     drop(OneFile::at(output, Inputs::default())?);
     let progress = Progress::new(args.model.quiet);
     let question = Question { options: args.model.options(), wishes: args.model.wishes(), choice: Choice::All };

@@ -68,6 +68,42 @@ fn ansys_takes_another_dof_of_an_equation() {
     assert!(!grounded.is_empty() && grounded.iter().all(|finding| finding.outcome == Outcome::Refused));
 }
 
+/// A DOF that a later step prescribes is an equation's own in those before.
+#[test]
+fn ansys_looks_at_one_load_step() {
+    let text = "CE,1,0,1,UX,1,2,UX,-1\n/SOLU\nD,1,UX,0\nSOLVE\nD,2,UX,0\nSOLVE\n";
+    let deck = deck(Solver::Ansys, text);
+    let of = |case: usize| findings(deck.model(), &deck.model().cases()[case], Solver::Ansys)[0].outcome;
+    assert_eq!([of(0), of(1)], [Outcome::Accepted, Outcome::Refused]);
+}
+
+/// The first DOF of a set no more than the others.
+#[test]
+fn ansys_takes_a_coupled_dof_once_and_not_prescribed() {
+    let words = |text: &str| {
+        let deck = deck(Solver::Ansys, text);
+        let said = findings(deck.model(), &deck.model().cases()[0], Solver::Ansys);
+        said.iter().map(|finding| finding.describe(deck.model(), Solver::Ansys)).collect::<Vec<_>>()
+    };
+    let of = |claim: &str| vec![format!("1:1 is in the coupled set{claim}: ansys stops")];
+    let set = "CP,1,UX,1,2,3\n";
+    assert_eq!(words(&format!("{set}D,1,UX,0\n")), of(" of line 1 CP 1, and prescribed in line 2 D"));
+    for other in ["CP,2,UX,1,4,5\n", "CP,2,UX,4,1,5\n"] {
+        assert_eq!(words(&format!("{set}{other}")), of("s of line 1 CP 1, and of line 2 CP 2"));
+    }
+    assert_eq!(words("CP,1,UX,4,1,5\nCP,2,UX,1,2,3\n"), of("s of line 1 CP 1, and of line 2 CP 2"));
+    assert_eq!(words(&format!("{set}CP,2,UX,4,2\n")).len(), 1);
+    assert!(words(&format!("{set}CP,2,UY,1,2\nD,4,UX\nCE,1,0,1,UX,1,5,UX,1\n")).is_empty());
+}
+
+/// ccx looks at what is left of terms that name a DOF twice, but not at a coefficient of zero.
+#[test]
+fn ccx_refuses_a_slave_that_its_terms_cancel() {
+    let of = |terms: &str| outcome(Solver::Ccx, &format!("{NODES}*EQUATION\n{terms}\n"));
+    assert_eq!(of("3\n5,3,1.,6,3,-1.,5,3,-1."), Outcome::Refused);
+    assert_eq!(of("2\n5,3,0.,6,3,-1."), Outcome::Unsound);
+}
+
 #[test]
 fn solvers_have_names() {
     for solver in Solver::ALL {

@@ -31,7 +31,7 @@ pub struct Found {
 impl Found {
     pub fn of(deck: &Deck, case: &LoadCase, examined: &Examined, terms: usize) -> Self {
         let analysis = &examined.analysis;
-        let (conflicting, redundant) = badness(analysis);
+        let (conflicting, redundant) = kinds(analysis);
         let status = match (conflicting, redundant) {
             (0, 0) => Status::Independent,
             (0, _) => Status::Redundant,
@@ -46,6 +46,12 @@ impl Found {
             solver: Claims::of(deck, case),
             when: examined.course.map(|course| when(deck, course)),
         }
+    }
+
+    /// How bad it is: conflicts weigh more than redundancies, and these more than what the solver refuses, goes wrong with or drops.
+    pub fn badness(&self) -> [usize; 5] {
+        let Claims { refused, ignored, unsound, .. } = &self.solver;
+        [self.counts.conflicting, self.counts.redundant, refused.len(), unsound.len(), ignored.len()]
     }
 
     /// `rank 12, 3 redundant, 1 conflicting`.
@@ -66,7 +72,7 @@ pub fn examine(deck: &Deck, case: &LoadCase, run: Run) -> Result<Examined, Failu
         for course in courses.into_iter().filter(|_| !analysis.dependent().is_empty()) {
             let system = model.system_of_course(case, course).map_err(refused)?;
             let analysis = run(&system, (deck, case))?;
-            if badness(&analysis).0 > 0 {
+            if kinds(&analysis).0 > 0 {
                 return Ok(Examined { system, analysis, course: Some(course) });
             }
         }
@@ -80,8 +86,8 @@ fn when(deck: &Deck, course: u32) -> String {
     format!("at times when amplitudes differ: shown for the values {values} alone")
 }
 
-/// Conflicts weigh more than redundancies.
-pub fn badness(analysis: &Analysis) -> (usize, usize) {
+/// Conflicting and redundant equations.
+fn kinds(analysis: &Analysis) -> (usize, usize) {
     let of = |kind| analysis.dependent().iter().filter(|dependent| dependent.kind == kind).count();
     (of(Kind::Conflicting), of(Kind::Redundant))
 }

@@ -13,7 +13,7 @@ use qless_io::deck::{Deck, LoadCase};
 
 pub use choice::Choice;
 use claims::Claims;
-use found::{Examined, Found, badness, examine};
+use found::{Examined, Found, examine};
 pub use report::DeckReport;
 
 use crate::failure::{Failure, say};
@@ -24,7 +24,7 @@ const SHOWN: usize = 5;
 /// A deck, and the load case that the report is about.
 pub struct DeckInput {
     pub deck: Deck,
-    /// The load case with the worst diagnosis, the first of them.
+    /// The load case with the worst diagnosis, the first of them; what the solver makes of it breaks ties.
     pub case: usize,
     /// The load cases that were looked at, in the deck's order.
     cases: Vec<Case>,
@@ -53,7 +53,7 @@ impl DeckInput {
     ) -> Result<(ConstraintSystem, Analysis, Self), Failure> {
         let chosen = choice.of(deck.model()).map_err(|error| Failure::of_deck(&deck, &error))?;
         let terms = terms / chosen.len().max(1);
-        let mut worst: Option<(usize, Examined)> = None;
+        let mut worst: Option<(usize, usize, Examined)> = None;
         let (mut cases, mut found): (Vec<Case>, Vec<Found>) = (Vec::new(), Vec::new());
         for number in chosen {
             let case = &deck.model().cases()[number];
@@ -65,11 +65,12 @@ impl DeckInput {
             let examined = examine(&deck, case, run)?;
             cases.push(Case { number, found: found.len() });
             found.push(Found::of(&deck, case, &examined, terms));
-            if worst.as_ref().is_none_or(|(_, before)| badness(&examined.analysis) > badness(&before.analysis)) {
-                worst = Some((number, examined));
+            let of = |k: usize| found[k].badness();
+            if worst.as_ref().is_none_or(|(_, before, _)| of(found.len() - 1) > of(*before)) {
+                worst = Some((number, found.len() - 1, examined));
             }
         }
-        let Some((case, Examined { system, analysis, .. })) = worst else {
+        let Some((case, _, Examined { system, analysis, .. })) = worst else {
             return Err(Failure::of_deck(&deck, &"the deck has no load case"));
         };
         Ok((system, analysis, Self { deck, case, cases, found }))
@@ -81,9 +82,11 @@ impl DeckInput {
         &self.found[case.map_or(0, |case| case.found)]
     }
 
-    /// What the solver does where cards of the load case shown claim one DOF.
-    pub fn claims(&self) -> &Claims {
-        &self.shown().solver
+    /// What the solver does where cards claim one DOF in any load case.
+    pub fn claims(&self) -> Claims {
+        let mut claims = Claims::default();
+        self.found.iter().for_each(|found| claims.unite(&found.solver));
+        claims
     }
 
     /// Whether the solver stops, or goes wrong, over what it finds in any load case.

@@ -38,7 +38,7 @@ struct CaseReport<'a> {
     dependent: &'a [DependentEquation],
 }
 
-/// The load case that the report is about.
+/// The load case that the report is about; what the solver does is that of all load cases looked at.
 #[derive(Serialize)]
 struct OfCase {
     load_case: String,
@@ -53,12 +53,11 @@ struct OfCase {
 impl DeckInput {
     /// For JSON and the page.
     pub fn report(&self, analysis: &Analysis) -> DeckReport<'_> {
-        let mut claims = Claims::default();
-        self.found.iter().for_each(|found| claims.unite(&found.solver));
+        let claims = self.claims();
         DeckReport {
-            solver: SolverReport { name: self.deck.solver().name(), claims },
             cases: (0..self.cases.len()).map(|k| self.case_report(k)).collect(),
-            deck: self.of_case(analysis),
+            deck: self.of_case(analysis, &claims),
+            solver: SolverReport { name: self.deck.solver().name(), claims },
         }
     }
 
@@ -79,7 +78,7 @@ impl DeckInput {
         }
     }
 
-    fn of_case(&self, analysis: &Analysis) -> OfCase {
+    fn of_case(&self, analysis: &Analysis, claims: &Claims) -> OfCase {
         let shown = self.shown();
         let others = self.found.iter().zip(0..).filter(|(found, _)| !std::ptr::eq(*found, shown));
         let other = |(found, k)| {
@@ -90,9 +89,9 @@ impl DeckInput {
         OfCase {
             load_case: self.name(self.case).to_owned(),
             other_load_cases: others.map(other).collect(),
-            solver_refuses: shown.solver.refused.clone(),
-            solver_ignores: shown.solver.ignored.iter().map(super::claims::Ignored::words).collect(),
-            solver_unsound: shown.solver.unsound.clone(),
+            solver_refuses: claims.refused.clone(),
+            solver_ignores: claims.ignored.iter().map(super::claims::Ignored::words).collect(),
+            solver_unsound: claims.unsound.clone(),
             loads_without_effect: self.swallowed(analysis),
             warnings: self.deck.model().warnings().iter().map(|warning| self.place(warning)).collect(),
         }

@@ -70,8 +70,8 @@ fn advice(told: &Told, report: &Report, obstacle: Option<&str>) -> String {
         Some(why) => format!("Next: mend it by hand, which `qless clean` cannot do here: {}", shorten(why, 150)),
     };
     let claims = told.deck.map(DeckInput::claims);
-    let is_refused = claims.is_some_and(|claims| !claims.refused.is_empty() || !claims.unsound.is_empty());
-    let is_dropped = claims.is_some_and(|claims| !claims.ignored.is_empty());
+    let is_refused = claims.as_ref().is_some_and(|claims| !claims.refused.is_empty() || !claims.unsound.is_empty());
+    let is_dropped = claims.as_ref().is_some_and(|claims| !claims.ignored.is_empty());
     match report.status {
         Status::Conflicting => {
             "Next: correct each conflicting equation, or one in its combination, or remove it.".to_owned()

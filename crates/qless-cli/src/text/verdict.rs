@@ -46,9 +46,12 @@ fn some(n: usize, of: &str, one: &str, many: &str) -> Option<String> {
     (n > 0).then(|| format!("{n}{of} {verb}"))
 }
 
-/// `Input: 16 equations with 32 coefficients on 28 DOFs, 2 of them prescribed.`
+/// `Input: 16 equations with 32 coefficients on 28 DOFs, 2 prescribed.`, or that there are none
 pub fn input(report: &Report) -> String {
     let input = report.input;
+    if input.rows == 0 {
+        return "Input: no equations.".to_owned();
+    }
     let prescribed = match input.prescribed {
         0 => "none prescribed".to_owned(),
         n => format!("{n} prescribed"),

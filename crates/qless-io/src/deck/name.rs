@@ -26,6 +26,11 @@ impl CardName {
         Self(Parts::Numbered(word, number))
     }
 
+    /// Whether it is this word and a number.
+    pub(super) fn is_numbered(&self, word: &str) -> bool {
+        matches!(self.0, Parts::Numbered(own, _) if own == word)
+    }
+
     /// The name with a number that is higher by `more`.
     pub(super) fn counted(&self, more: u32) -> Self {
         match self.0 {

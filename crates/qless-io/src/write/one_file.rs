@@ -1,5 +1,6 @@
 //! A file that appears whole or not at all, in the place of an old one if there is one.
 
+use std::io;
 use std::path::Path;
 
 use super::inputs::Inputs;
@@ -33,13 +34,17 @@ impl OneFile {
     /// others, and a file that is written over in place is not whole if the program is killed.
     ///
     /// # Errors
-    /// [`WriteError`] if that is so, or if nothing can be written there.
+    /// [`WriteError`] if that is so, if there is no such folder, or if nothing can be written there.
     pub fn at(path: &Path, inputs: Inputs) -> Result<Self, WriteError> {
         inputs.spare(path)?;
         let path = follow(path).map_err(WriteError::io(path))?;
         let (Some(folder), Some(name)) = (path.parent(), path.file_name().and_then(|name| name.to_str())) else {
             return Err(WriteError::NotAFile { path });
         };
+        if !folder.as_os_str().is_empty() && !folder.exists() {
+            let missing = io::Error::new(io::ErrorKind::NotFound, "there is no such folder; make it first");
+            return Err(WriteError::io(folder)(missing));
+        }
         check_names(&path)?;
         Ok(Self { output: Output::new(folder)?.sparing(inputs), name: name.to_owned() })
     }

@@ -109,3 +109,32 @@ fn what_a_loop_makes_is_deleted_below_it() {
     assert_eq!(cleaned(text).0.model().equations(), 2);
     assert!(warnings(&cleaned(text).0).is_empty());
 }
+
+#[test]
+fn a_loop_that_never_ends_is_left_out() {
+    let text = "CE,1,0,9,UX,1\n*DO,I,1,3\nCE,NEXT,0,I,UX,1,I+1,UX,-1\n";
+    assert_eq!(left_out(text), ["2: *DO, *IF or *CREATE is never closed: what it would still constrain is left out"]);
+    assert_eq!(left_out("*IF,1,EQ,2,THEN\nCE,1,0,9,UX,1\n").len(), 1);
+    assert!(left_out(&format!("{text}*ENDDO\n")).is_empty() && left_out("*IF,1,EQ,1,THEN\nCE,1,0,9,UX,1\n").is_empty());
+}
+
+#[test]
+fn numbers_that_are_compressed_are_not_followed() {
+    for (what, count) in [("CE", 1), ("all", 1), ("NODE", 1), ("MAT", 0)] {
+        assert_eq!(left_out(&format!("CE,5,0,1,UX,1\nNUMCMP,{what}\nCE,1,0,2,UX,1\n")).len(), count, "{what}");
+    }
+}
+
+#[test]
+fn a_comma_repeats_the_name_of_the_command_before() {
+    let text = "N,1\n,2,1\n,3,2\nCE,1,0,1,UX,1,2,UX,-1\n ,2,0,2,UX,2,1,UX,-2\n, 3,0,3,UX,1,2,UX,-1\nD,1,UX,4\n,3,UY\n";
+    let read = deck(text);
+    assert_eq!(equations(&read), ["1:1 1, 2:1 -1 = 0", "2:1 2, 1:1 -2 = 0", "3:1 1, 2:1 -1 = 0"]);
+    assert_eq!(prescribed(&read, 0), ["1:1 4", "3:2 0"]);
+    assert!(warnings(&read).is_empty(), "{:?}", warnings(&read));
+    // What is redundant goes, and what repeats a name stays what it was.
+    let plan = clean::plan(&read, &qless::Options::default()).expect("a plan");
+    let cleaned = String::from_utf8(clean::write(&read, &plan).expect("a deck")).expect("text");
+    assert!(faults(deck(&cleaned).model()).is_empty() && equations(&deck(&cleaned)).len() == 2, "{cleaned}");
+    assert_eq!(warnings(&deck(",1,2\n")).len(), 1);
+}

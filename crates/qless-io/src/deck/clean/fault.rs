@@ -3,6 +3,7 @@
 use qless::{Options, SystemBuilder, analyse};
 use rustc_hash::{FxHashMap, FxHashSet};
 
+use super::coupled;
 use super::plan::prescribed_in;
 use crate::deck::{Dof, LoadCase, Model, Origin};
 
@@ -46,6 +47,24 @@ pub enum Fault {
         /// Where it is put into the set.
         by: Origin,
     },
+    /// A DOF of a coupled set of ANSYS is in an earlier one too, and the first of one of them.
+    CoupledTwice {
+        /// An equation of the set.
+        equation: usize,
+        /// The DOF.
+        slave: Dof,
+        /// An equation of the earlier set.
+        first: usize,
+    },
+    /// The first DOF of a coupled set of ANSYS has a prescribed value.
+    CoupledPrescribed {
+        /// An equation of the set.
+        equation: usize,
+        /// The DOF.
+        slave: Dof,
+        /// Where the value is given.
+        by: Origin,
+    },
     /// Slaves are expressed by each other in a circle, which leaves some of them next to undetermined.
     Circle {
         /// An equation of the circle.
@@ -66,17 +85,21 @@ impl Fault {
             | Self::SlaveTwice { equation, .. }
             | Self::SlaveClaimed { equation, .. }
             | Self::SlaveVanishes { equation, .. }
+            | Self::CoupledTwice { equation, .. }
+            | Self::CoupledPrescribed { equation, .. }
             | Self::Circle { equation, .. } => equation,
         }
     }
 
-    /// Its slave.
+    /// Its slave, or the DOF of a coupled set.
     pub fn slave(&self) -> Dof {
         match *self {
             Self::SlavePrescribed { slave, .. }
             | Self::SlaveTwice { slave, .. }
             | Self::SlaveClaimed { slave, .. }
             | Self::SlaveVanishes { slave, .. }
+            | Self::CoupledTwice { slave, .. }
+            | Self::CoupledPrescribed { slave, .. }
             | Self::Circle { slave, .. } => slave,
         }
     }
@@ -105,6 +128,17 @@ impl Fault {
             }
             Self::SlaveVanishes { equation, slave } => {
                 format!("{} is the slave of {}, where its coefficient is next to nothing", name(slave), place(equation))
+            }
+            Self::CoupledTwice { equation, slave, first } => {
+                format!("{} is in the coupled sets of {}, and of {}", name(slave), place(first), place(equation))
+            }
+            Self::CoupledPrescribed { equation, slave, by } => {
+                format!(
+                    "{} is in the coupled set of {}, and prescribed in {}",
+                    name(slave),
+                    place(equation),
+                    model.place(by)
+                )
             }
             Self::Circle { equation, slave } => {
                 format!(
@@ -178,6 +212,7 @@ pub(super) fn faults_of(model: &Model, prescribed: &FxHashMap<u32, Origin>, left
             None => drop(slave_of.insert(column, i)),
         }
     }
+    faults.extend(coupled::faults(model, prescribed, left_out));
     faults.extend(circles(model, &slave_of));
     faults
 }

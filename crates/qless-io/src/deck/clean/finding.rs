@@ -92,11 +92,9 @@ struct Look<'a> {
 }
 
 impl<'a> Look<'a> {
-    fn new(model: &'a Model, case: &LoadCase, solver: Solver) -> Self {
-        let mut profile = Profile::new(solver, model);
-        case.removed.iter().for_each(|&i| profile.left_out[i as usize] = true);
+    fn new(model: &'a Model, case: &'a LoadCase, solver: Solver) -> Self {
         Self {
-            profile,
+            profile: Profile::of_case(solver, model, case),
             prescribed: prescribed_in(model, [case]),
             at_start: prescribed_in(model, model.cases.first()),
             findings: Vec::new(),

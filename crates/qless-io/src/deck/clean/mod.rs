@@ -5,6 +5,7 @@
 //! anew as `u_s - T u_q - G u_p = g` (Eq. 23-26), in which no slave occurs twice. A deck that was cleaned has no faults left, so
 //! that a second time changes nothing.
 
+mod coupled;
 mod edit;
 mod fault;
 mod finding;

@@ -120,6 +120,7 @@ fn ansys(line: &[u8]) -> Evidence {
     let end = rest.iter().position(|byte| !byte.is_ascii_alphanumeric()).unwrap_or(rest.len());
     let (name, tail) = rest.split_at(end);
     let ends = matches!(tail.first(), None | Some(b',' | b' ' | b'\t'));
+    let tail = tail.trim_ascii_start();
     let is_command = name.first().is_some_and(u8::is_ascii_alphabetic) && ends && name.len() <= 8;
     match mark {
         _ if !is_command => Evidence::None,
@@ -134,7 +135,7 @@ fn ansys(line: &[u8]) -> Evidence {
 
 /// Whether a command has no more words: fields follow, or a comment.
 fn is_end(tail: &[u8]) -> bool {
-    matches!(tail.trim_ascii_start().first(), None | Some(b',' | b'!'))
+    matches!(tail.first(), None | Some(b',' | b'!'))
 }
 
 #[cfg(test)]
@@ -168,7 +169,15 @@ mod tests {
             ),
             (
                 Format::Ansys,
-                &["/COM, *NODE\n", "! a\n/PREP7\n", "CE,1,0,1,UX,1\n", "*DIM,a,,2\n", "a=1\nD,1,UX\n", "FINISH\n"],
+                &[
+                    "/COM, *NODE\n",
+                    "! a\n/PREP7\n",
+                    "CE,1,0,1,UX,1\n",
+                    " ce , 1 , 0 , 1 , ux , 1\n",
+                    "*DIM,a,,2\n",
+                    "a=1\nD,1,UX\n",
+                    "FINISH\n",
+                ],
             ),
         ] {
             texts.iter().for_each(|text| assert_eq!(of(text), Some(format), "{text}"));

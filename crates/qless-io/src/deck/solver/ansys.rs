@@ -5,7 +5,7 @@
 
 use rustc_hash::FxHashMap;
 
-use crate::deck::{Model, Outcome};
+use crate::deck::{LoadCase, Model, Outcome};
 
 use super::kind::Kind;
 
@@ -13,17 +13,17 @@ use super::kind::Kind;
 pub struct Uses(FxHashMap<u32, u32>);
 
 impl Uses {
-    /// Counts them.
-    pub fn of(model: &Model) -> Self {
+    /// Counts those that are not left out, and what these load cases prescribe.
+    pub fn of(model: &Model, cases: &[LoadCase], left_out: &[bool]) -> Self {
         let mut uses = FxHashMap::default();
-        for i in 0..model.equations() {
+        for i in (0..model.equations()).filter(|&i| !left_out[i]) {
             let mut columns = model.nth(i).columns.to_vec();
             columns.sort_unstable();
             columns.dedup();
             columns.into_iter().for_each(|j| *uses.entry(j).or_default() += 1);
         }
         // A prescribed DOF is no more an equation's own than a shared one.
-        for given in model.cases.iter().flat_map(|case| &case.prescribed) {
+        for given in cases.iter().flat_map(|case| &case.prescribed) {
             if let Some(j) = model.column(given.dof) {
                 *uses.entry(j).or_default() += 2;
             }

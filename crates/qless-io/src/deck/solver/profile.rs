@@ -5,7 +5,7 @@ use std::cell::OnceCell;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::deck::clean::Fault;
-use crate::deck::{Model, Outcome, Solver};
+use crate::deck::{LoadCase, Model, Outcome, Solver};
 
 use super::ansys::{self, Uses};
 use super::kind::Kind;
@@ -15,6 +15,8 @@ use super::{abaqus, cascade, ccx, nastran};
 pub struct Profile<'a> {
     pub solver: Solver,
     pub model: &'a Model,
+    /// Those whose prescribed DOFs count.
+    cases: &'a [LoadCase],
     /// By equation: whether it is not in force.
     pub left_out: Vec<bool>,
     chain: OnceCell<bool>,
@@ -22,9 +24,18 @@ pub struct Profile<'a> {
 }
 
 impl<'a> Profile<'a> {
+    /// Of all load cases.
     pub fn new(solver: Solver, model: &'a Model) -> Self {
         let left_out = vec![false; model.equations()];
-        Self { solver, model, left_out, chain: OnceCell::new(), uses: OnceCell::new() }
+        let cases = &model.cases;
+        Self { solver, model, cases, left_out, chain: OnceCell::new(), uses: OnceCell::new() }
+    }
+
+    /// Of one load case, whose removed equations are left out.
+    pub fn of_case(solver: Solver, model: &'a Model, case: &'a LoadCase) -> Self {
+        let mut profile = Self { cases: std::slice::from_ref(case), ..Self::new(solver, model) };
+        case.removed.iter().for_each(|&i| profile.left_out[i as usize] = true);
+        profile
     }
 
     /// What the solver does with a fault.
@@ -33,6 +44,8 @@ impl<'a> Profile<'a> {
             Fault::SlavePrescribed { equation, since, .. } => self.prescribed(fault, equation, since),
             Fault::SlaveTwice { equation, first, .. } => self.twice(first, equation),
             Fault::SlaveVanishes { equation, .. } => self.vanishes(equation),
+            // A DOF of a coupled set must be in no other and not prescribed.
+            Fault::CoupledTwice { .. } | Fault::CoupledPrescribed { .. } => Outcome::Refused,
             // Sets of DOFs that exclude each other are those of Nastran.
             Fault::SlaveClaimed { .. } => Outcome::Refused,
             Fault::Circle { equation, .. } => self.circle(&connected(self.model, equation)),
@@ -79,21 +92,23 @@ impl<'a> Profile<'a> {
         }
     }
 
-    /// A coefficient of zero is refused where it is looked for; ccx divides by it. One that is only small is divided by.
+    /// A coefficient of zero is refused where it is looked for; ccx looks only at sums of repeated terms, and divides by others. One
+    /// that is only small is divided by.
     fn vanishes(&self, equation: usize) -> Outcome {
         let row = self.model.nth(equation);
         let terms = row.columns.iter().zip(row.coefficients);
-        let own: f64 = terms.filter(|(j, _)| Some(*j) == row.columns.first()).map(|(_, a)| a).sum();
+        let of_slave = terms.filter(|(j, _)| Some(*j) == row.columns.first());
+        let (count, own) = of_slave.fold((0, 0.0), |(count, sum), (_, a)| (count + 1, sum + a));
         match self.solver {
             Solver::Ansys => self.ansys(&[equation]),
-            Solver::Ccx => Outcome::Unsound,
+            Solver::Ccx if count < 2 => Outcome::Unsound,
             _ if own == 0.0 => Outcome::Refused,
             _ => Outcome::Unsound,
         }
     }
 
     fn ansys(&self, equations: &[usize]) -> Outcome {
-        let uses = self.uses.get_or_init(|| Uses::of(self.model));
+        let uses = self.uses.get_or_init(|| Uses::of(self.model, self.cases, &self.left_out));
         let equations: Vec<(usize, Kind)> = equations.iter().map(|&i| (i, self.kind(i))).collect();
         ansys::outcome(self.model, uses, &equations)
     }

@@ -29,6 +29,12 @@ impl Reader {
                 let text = "*IF leads to another line, which is not followed: what it constrains is left out";
                 self.leave_out(command.line, text.to_owned());
             }
+            b"NUMC" if ["CE", "CP", "NODE", "ALL"].iter().any(|word| command.is(1, word)) => {
+                self.made.unread = true;
+                let text =
+                    "NUMCMP changes numbers, which is not followed: what commands below make of them is left out";
+                self.leave_out(command.line, text.to_owned());
+            }
             b"/EOF" | b"/EXI" => self.ended = true,
             b"NSEL" => self.selection.nodes_by(command),
             b"ALLS" if selects_nodes(command) => self.selection.nodes = Selected::All,

@@ -11,7 +11,28 @@ use crate::deck::ansys::syntax::field::Fault;
 
 impl Reader {
     /// One command; `next` is the line below, where there is no other command on the line.
-    pub fn command(&mut self, mut command: Command, next: Option<Here>) -> Result<(), DeckError> {
+    pub fn command(&mut self, command: Command, next: Option<Here>) -> Result<(), DeckError> {
+        let last = std::mem::take(&mut self.last);
+        let repeats = command.name.is_empty();
+        let from = self.places.as_ref().map_or(0, Vec::len);
+        let command = command.named_as(&last);
+        let mut name = Vec::with_capacity(8);
+        name.extend_from_slice(command.name);
+        let result = self.named(command, next);
+        self.last = name;
+        if repeats {
+            self.keep_text(from);
+        }
+        result
+    }
+
+    /// The text of a command that begins with a comma cannot go, nor can that of the one whose name it repeats.
+    fn keep_text(&mut self, from: usize) {
+        let places = self.places.iter_mut().flatten().skip(from.saturating_sub(1));
+        places.for_each(|place| place.repeats = true);
+    }
+
+    fn named(&mut self, mut command: Command, next: Option<Here>) -> Result<(), DeckError> {
         self.nodes.end();
         self.elements.in_block = false;
         if self.ended || self.controls(&command, next)? {

@@ -30,7 +30,7 @@ pub struct Place {
     pub line: u32,
     /// What it belongs to.
     pub of: Owner,
-    /// Whether a loop carries it out, so that its text cannot go for one equation alone.
+    /// Whether a loop carries it out, or a comma repeats its name, so that its text cannot go for one equation alone.
     pub repeats: bool,
 }
 
@@ -74,6 +74,8 @@ pub struct Reader {
     pub needs_positions: bool,
     /// Whether the command before constrains, which `*REPEAT` would do again.
     pub constrained: bool,
+    /// The name of the command before, which a line that begins with a comma repeats.
+    pub last: Vec<u8>,
     /// Whether the rest of the file is not read.
     pub ended: bool,
     /// Whether a load step came already.
@@ -131,6 +133,10 @@ impl Reader {
                 (start, line) = (here.start, here.line - 1);
             }
         }
+        if let Some(line) = self.control.never_closed().filter(|_| !self.ended) {
+            let text = "*DO, *IF or *CREATE is never closed: what it would still constrain is left out";
+            self.leave_out(line, text.to_owned());
+        }
         if self.unread.unsaid > 0 {
             let text = format!("and {} more warnings", self.unread.unsaid);
             if self.unread.leaves_out {
@@ -154,6 +160,8 @@ impl Reader {
         self.nodes.end();
         self.elements.in_block = false;
         (self.archive, self.constrained) = (Some(tag), true);
+        self.last.clear();
+        self.last.extend_from_slice(b"CE");
         let remark = self.equations.remark.take();
         remark.into_iter().for_each(|text| self.warn(line, text));
         Some(length)

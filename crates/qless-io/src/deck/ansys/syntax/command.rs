@@ -56,6 +56,12 @@ impl<'a> Command<'a> {
         (field.to_ascii_uppercase().starts_with(b"R5.") || self.is(1, "UNBL")).then_some(field)
     }
 
+    /// With the name of the command before, where it begins with a comma.
+    #[must_use]
+    pub fn named_as(self, last: &'a [u8]) -> Self {
+        if self.name.is_empty() { Self { key: key(last), name: last, ..self } } else { self }
+    }
+
     fn new(text: &'a [u8], start: usize, line: u32) -> Option<Self> {
         let lead = text.iter().position(|byte| !byte.is_ascii_whitespace())?;
         let trimmed = text.trim_ascii();

@@ -54,6 +54,8 @@ pub enum State {
 #[derive(Debug, Default)]
 pub struct Control {
     blocks: Vec<Block>,
+    /// Where the outermost one opened.
+    opened: u32,
     /// Bytes that loops have gone through again.
     again: usize,
     /// Where the text goes on, if not below.
@@ -81,6 +83,12 @@ impl Control {
         !self.blocks.is_empty()
     }
 
+    /// Where the outermost open block began, if blocks are open whose commands went astray: turns of a loop, or what was passed over.
+    pub fn never_closed(&self) -> Option<u32> {
+        let loses = |block: &Block| !matches!(block, Block::Taken | Block::Unfollowed);
+        self.blocks.iter().any(loses).then_some(self.opened)
+    }
+
     /// Whether a loop is open, so that a command may be carried out more than once.
     pub fn repeats(&self) -> bool {
         self.blocks.iter().any(|block| matches!(block, Block::Loop(_)))
@@ -94,6 +102,9 @@ impl Control {
         next: Option<Here>,
         parameters: &mut Parameters,
     ) -> Result<bool, Problem> {
+        if self.blocks.is_empty() {
+            self.opened = command.line;
+        }
         match command.name.to_ascii_uppercase().as_slice() {
             b"*DO" => self.open_loop(command, next, parameters),
             b"*DOWHILE" | b"*CREATE" => {
