@@ -22,6 +22,7 @@ pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
         // Only Abaqus knows parts and instances.
         sources.set_solver(Solver::Abaqus);
     }
+    definitions.is_nonlinear |= definitions.has_mpc && sources.solver() == Solver::Ccx;
     let mut reader = Reader::new(sources, definitions)?;
     walk(sources, &mut |card: &Card| reader.card(card))?;
     reader.finish()

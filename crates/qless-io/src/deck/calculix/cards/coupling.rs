@@ -6,7 +6,7 @@
 use crate::deck::calculix::cards::geometric::{Place, Row};
 use crate::deck::calculix::cards::rigid::{Reference, kinematic, own_rotation};
 use crate::deck::calculix::model::definitions::Definitions;
-use crate::deck::calculix::model::frames::orientation;
+use crate::deck::calculix::model::frames::{Local, orientation};
 use crate::deck::calculix::model::mesh::Surface;
 use crate::deck::calculix::model::parts::Scope;
 use crate::deck::calculix::syntax::card::Card;
@@ -72,7 +72,9 @@ impl Coupling {
         if solver == Solver::Ccx && card.lines().next().is_none() {
             return Ok(Vec::new());
         }
-        let local = self.orientation.as_deref().map(|name| orientation(definitions, self.scope, name)).transpose()?;
+        let named = self.orientation.as_deref().map(|name| orientation(definitions, self.scope, name)).transpose()?;
+        // Without ORIENTATION ccx couples along the basic axes, whatever axes its nodes have.
+        let local = named.or((solver == Solver::Ccx).then_some(Local::BASIC));
         let reference = Reference::turning(self.reference(definitions)?);
         let nodes = self.nodes(definitions)?;
         kinematic(definitions, reference, nodes.into_iter(), &components(card, 6)?, local.as_ref())

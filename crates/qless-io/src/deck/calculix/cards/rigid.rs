@@ -196,13 +196,20 @@ pub fn kinematic(
     local: Option<&Local>,
 ) -> Result<Vec<Row>, Problem> {
     let mut rows = Vec::new();
+    // All three directions say the same along any axes.
+    let local = local.filter(|_| !(1..=3).all(|component| components.contains(&component)));
     for node in nodes {
         let pose = definitions.pose(node)?;
         let axes = local.map_or(pose.axes, |local| local.axes_at(pose.position));
+        let mut slaves = Vec::with_capacity(3);
         for &component in components {
             let k = usize::from(component) - 1;
             match k {
-                0..3 => rows.push(reference.follows(definitions, node, axes[k])?),
+                0..3 => {
+                    let row = reference.follows(definitions, node, axes[k])?.led_by_none_of(&slaves);
+                    slaves.push(row.terms[0].0);
+                    rows.push(row);
+                }
                 _ if definitions.rotates(node) => rows.push(reference.turns(node, k - 3)),
                 _ => {}
             }
