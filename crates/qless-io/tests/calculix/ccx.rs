@@ -9,7 +9,7 @@ use super::given::{BRICK, model};
 const ELASTIC: &str = "*MATERIAL, NAME=M\n*ELASTIC\n1000.,.3\n*SOLID SECTION, ELSET=E, MATERIAL=M\n*BOUNDARY\n1,1,3\n2,1,3\n3,1,3\n4,1,3\n";
 
 /// Whether `ccx` is installed; where the corpus is, it must be.
-fn is_there() -> bool {
+pub fn is_there() -> bool {
     let there = Command::new("ccx").arg("-v").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok();
     assert!(there || std::env::var_os("QLESS_CORPUS").is_none(), "install calculix-ccx");
     if !there {
@@ -18,13 +18,13 @@ fn is_there() -> bool {
     there
 }
 
-fn deck(cards: &str, steps: &[&str]) -> String {
+pub fn deck(cards: &str, steps: &[&str]) -> String {
     let step = |cards: &&str| format!("*STEP\n*STATIC\n{cards}*NODE PRINT, NSET=NALL\nU\n*END STEP\n");
     format!("{BRICK}{ELASTIC}{cards}{}", steps.iter().map(step).collect::<String>())
 }
 
 /// Displacements by step and node, 1 to 10; none where ccx stops.
-fn solve(text: &str) -> Option<Vec<Vec<[f64; 3]>>> {
+pub fn solve(text: &str) -> Option<Vec<Vec<[f64; 3]>>> {
     let place = tempfile::tempdir().expect("a folder");
     std::fs::write(place.path().join("deck.inp"), text).expect("written");
     let mut ccx = Command::new("ccx");

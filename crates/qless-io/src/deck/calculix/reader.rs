@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::cards::{boundary, cyclic, equation, mpc, old_coupling, rigid, tie, unread};
+use super::cards::{boundary, cyclic, equation, mpc, old_coupling, refused, rigid, tie, unread};
 use crate::deck::calculix::cards::coupling::{self, Coupling};
 use crate::deck::calculix::cards::rigid::Reference;
 use crate::deck::calculix::model::definitions::Definitions;
@@ -25,6 +25,9 @@ pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
     }
     definitions.is_nonlinear |= definitions.has_mpc && sources.solver() == Solver::Ccx;
     let mut reader = Reader::new(sources, definitions)?;
+    if reader.solver == Solver::Ccx {
+        refused::byte_order_marks(sources, &mut reader.model);
+    }
     walk(sources, &mut |card: &Card| reader.card(card))?;
     reader.finish()
 }
@@ -84,12 +87,22 @@ impl Reader {
                 self.removed.sort_unstable();
                 self.removed.dedup();
             }
-            b"*EQUATION" => equation::read(card, &mut self.model, &self.definitions)?,
+            b"*EQUATION" => {
+                if self.solver == Solver::Ccx {
+                    refused::equation(card, self.steps > 0, &mut self.model);
+                }
+                equation::read(card, &mut self.model, &self.definitions)?;
+            }
             b"*MPC" => mpc::read(card, &mut self.model, &self.definitions)?,
             b"*RIGIDBODY" => {
                 self.bodies.extend(rigid::read(card, &mut self.model, &self.definitions, self.solver)?);
             }
-            b"*COUPLING" => self.coupling = Some(Coupling::of(card)),
+            b"*COUPLING" => {
+                if self.solver == Solver::Ccx {
+                    refused::coupling(card, &mut self.model);
+                }
+                self.coupling = Some(Coupling::of(card));
+            }
             b"*KINEMATIC" | b"*DISTRIBUTING" => self.coupled(card)?,
             b"*KINEMATICCOUPLING" => {
                 old_coupling::kinematic_coupling(card, &mut self.model, &self.definitions, self.solver)?;
