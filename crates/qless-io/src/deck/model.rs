@@ -133,6 +133,8 @@ pub struct Model {
     left_out_claims: Vec<(Dof, Origin)>,
     /// DOFs that cards put where no slave may be, ascending.
     claims: Vec<(Dof, Origin)>,
+    /// Nodes with axes of their own: where one of their DOFs is prescribed, ccx takes slaves there as it likes.
+    pub(super) turned: BTreeSet<u32>,
     /// Cards whose equations the solver keeps by multipliers: none of their DOFs is a slave.
     without_slaves: BTreeSet<u32>,
     columns: Columns,

@@ -192,3 +192,27 @@ fn the_rotation_of_a_reference_does_nothing_in_ccx() {
         }
     }
 }
+
+#[test]
+fn no_slave_is_written_at_a_node_with_axes_of_its_own_that_is_prescribed() {
+    if !is_there() {
+        return;
+    }
+    let turned = "*NSET, NSET=NT\n6\n*TRANSFORM, NSET=NT, TYPE=R\n1.,1.,0.,-1.,1.,0.\n";
+    let load = "*CLOAD\n7,2,3.\n7,3,5.\n";
+    let whole = |terms: &str| deck(&format!("{turned}*BOUNDARY\n6,1,1,.01\n*EQUATION\n3\n{terms}\n"), &[load]);
+    // Along the basic axes one of its components at node 6 has no coefficient.
+    assert!(solve(&whole("6,2,1.,7,2,-1.,6,1,-1.")).is_none());
+    let expected = solve(&whole("7,2,1.,6,2,-1.,6,1,1.")).expect("solved");
+    for terms in ["6,1,-1.,6,2,1.,7,2,-1.", "6,1,-1.,6,2,1.,7,2,-1.\n3\n6,1,-2.,6,2,2.,7,2,-2."] {
+        let text = whole(terms);
+        let deck = super::given::parsed(Ccx, &text).expect("read");
+        let plan = qless_io::deck::clean::plan(&deck, &qless::Options::default()).expect("a plan");
+        let cleaned = qless_io::deck::clean::write(&deck, &plan).expect("written");
+        let cleaned = String::from_utf8(cleaned).expect("text");
+        let printed = solve(&cleaned).unwrap_or_else(|| panic!("ccx stops:\n{cleaned}"));
+        assert_eq!(plan.written.iter().map(|one| one.slave.node).collect::<Vec<_>>(), [7]);
+        let far = |(a, b): (&[f64; 3], &[f64; 3])| a.iter().zip(b).any(|(a, b)| (a - b).abs() > 1e-6);
+        assert!(!printed[0].iter().zip(&expected[0]).any(far), "{printed:?}\n{expected:?}");
+    }
+}

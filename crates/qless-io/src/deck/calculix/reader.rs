@@ -235,6 +235,9 @@ impl Reader {
         self.check_nodes()?;
         self.warn_of_forces();
         self.warn_of_rotations();
+        if self.solver == Solver::Ccx {
+            self.model.turned = self.definitions.turned().collect();
+        }
         self.model.traits.has_local_axes = !self.definitions.transforms.is_empty();
         self.model.traits.is_nonlinear = self.definitions.is_nonlinear;
         self.model.shrink();
