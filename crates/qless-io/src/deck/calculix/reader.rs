@@ -14,16 +14,18 @@ use crate::deck::{DeckError, Dof, Load, LoadCase, Model, Prescribed, Problem, So
 /// # Errors
 /// [`DeckError`].
 pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
-    let mut definitions = Definitions::default();
+    let (mut definitions, mut has_mpc) = (Definitions::default(), false);
     walk(sources, &mut |card: &Card| {
         definitions.note(card);
+        has_mpc |= card.is("*MPC");
         Ok(())
     })?;
     if !definitions.instances.is_empty() {
         // Only Abaqus knows parts and instances.
         sources.set_solver(Solver::Abaqus);
     }
-    definitions.is_nonlinear |= definitions.has_mpc && sources.solver() == Solver::Ccx;
+    // Any *MPC makes all steps nonlinear in ccx.
+    definitions.is_nonlinear |= has_mpc && sources.solver() == Solver::Ccx;
     let mut reader = Reader::new(sources, definitions)?;
     if reader.solver == Solver::Ccx {
         refused::byte_order_marks(sources, &mut reader.model);

@@ -68,8 +68,6 @@ pub struct Definitions {
     made: RefCell<FxHashMap<u32, Vector>>,
     /// Whether a step is geometrically nonlinear.
     pub is_nonlinear: bool,
-    /// Whether there is an `*MPC`, which makes all steps nonlinear in ccx.
-    pub has_mpc: bool,
     /// Whether modes of several nodal diameters are asked for.
     pub has_diameters: bool,
     /// Bounds of the number of equations and of their terms.
@@ -123,7 +121,6 @@ impl Definitions {
             }
             b"*AMPLITUDE" => self.amplitudes.extend(card.word("NAME")),
             b"*STEP" => self.is_nonlinear |= card.parameter("NLGEOM").is_some_and(|value| value != "NO"),
-            b"*MPC" => self.has_mpc = true,
             b"*SELECTCYCLICSYMMETRYMODES" => self.has_diameters = true,
             b"*EQUATION" => card.data.iter().for_each(|piece| self.count(piece)),
             b"*NGEN" | b"*NCOPY" | b"*NFILL" | b"*NMAP" => self.generates_nodes = true,
