@@ -39,6 +39,8 @@ impl Claims {
             let words = format!("{} is prescribed in {}, and otherwise in {}", first.dof, place(first), place(second));
             claims.add(solver.prescribed_twice(), words, |is_first| place(if is_first { first } else { second }));
         }
+        let stops = model.refusals().iter().map(|refusal| format!("{}: {}", model.place_of(refusal), refusal.text));
+        claims.refused.extend(stops);
         claims
     }
 

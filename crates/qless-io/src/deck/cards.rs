@@ -1,6 +1,6 @@
 //! The cards of a deck. A million that count up evenly, as `CE 1`, `CE 2` and so on do, take no more room than one.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
 use super::CardName;
 
@@ -33,7 +33,8 @@ pub struct Card {
 pub struct Cards {
     runs: Vec<Run>,
     count: u32,
-    fixed: BTreeSet<u32>,
+    /// Why, where more than the card's name is needed to see it.
+    fixed: BTreeMap<u32, Option<&'static str>>,
 }
 
 /// Cards from `first` on: card `first + k` has a name `k numbers` above that of `card` and stands `k lines` lines further on.
@@ -85,7 +86,7 @@ impl Cards {
     /// Card `i`, which is there.
     pub(super) fn nth(&self, i: u32) -> Card {
         let run = &self.runs[self.runs.partition_point(|run| run.first <= i) - 1];
-        Card { is_fixed: self.fixed.contains(&i), ..run.at(i) }
+        Card { is_fixed: self.fixed.contains_key(&i), ..run.at(i) }
     }
 
     /// The card added last.
@@ -111,10 +112,20 @@ impl Cards {
     /// Says whether equations cannot stand in for card `i`.
     pub(super) fn fix(&mut self, i: u32, is_fixed: bool) {
         if is_fixed {
-            self.fixed.insert(i);
+            self.fixed.insert(i, None);
         } else {
             self.fixed.remove(&i);
         }
+    }
+
+    /// Says why equations cannot stand in for card `i`, and how they could.
+    pub(super) fn fix_because(&mut self, i: u32, why: &'static str) {
+        self.fixed.insert(i, Some(why));
+    }
+
+    /// Why equations cannot stand in for card `i`, where that takes more than its name to see.
+    pub fn why_fixed(&self, i: u32) -> Option<&'static str> {
+        self.fixed.get(&i).copied().flatten()
     }
 }
 
@@ -147,6 +158,8 @@ mod tests {
         cards.fix(4, true);
         cards.fix(5, true);
         cards.fix(5, false);
+        cards.fix_because(4, "it moves");
+        assert_eq!((cards.why_fixed(4), cards.why_fixed(5)), (Some("it moves"), None));
         for (i, (name, file, line)) in added.into_iter().enumerate() {
             assert_eq!(cards.nth(i as u32), Card { name, file, line, is_fixed: i == 4 });
         }

@@ -122,6 +122,7 @@ pub struct Model {
     pub(super) dofs: Vec<Dof>,
     pub(super) cases: Vec<LoadCase>,
     pub(super) warnings: Vec<Warning>,
+    refusals: Vec<Warning>,
     /// Rotations that the solver makes for bodies: the first of three components of the reference node.
     pub(super) own_rotations: BTreeSet<Dof>,
     pub(super) traits: Traits,
@@ -132,6 +133,8 @@ pub struct Model {
     left_out_claims: Vec<(Dof, Origin)>,
     /// DOFs that cards put where no slave may be, ascending.
     claims: Vec<(Dof, Origin)>,
+    /// Nodes with axes of their own: where one of their DOFs is prescribed, ccx takes slaves there as it likes.
+    pub(super) turned: BTreeSet<u32>,
     /// Cards whose equations the solver keeps by multipliers: none of their DOFs is a slave.
     without_slaves: BTreeSet<u32>,
     columns: Columns,
@@ -206,6 +209,20 @@ impl Model {
     /// What was not understood or not exact.
     pub fn warnings(&self) -> &[Warning] {
         &self.warnings
+    }
+
+    /// What the solver stops at when it reads the deck, whatever its equations say.
+    ///
+    /// ```
+    /// # let place = tempfile::tempdir()?;
+    /// let path = place.path().join("late.inp");
+    /// std::fs::write(&path, "*STEP\n*EQUATION\n2\n1,1,1.,2,1,-1.\n*END STEP\n")?;
+    /// let deck = qless_io::deck::read(&path)?;
+    /// assert!(deck.model().refusals()[0].text.starts_with("ccx stops: *EQUATION stands after a step begins"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn refusals(&self) -> &[Warning] {
+        &self.refusals
     }
 
     /// How prescribed values run in time: 0 is the solver's standard course, which has no name; others have that of an amplitude.
@@ -296,6 +313,11 @@ impl Model {
     /// Adds a warning about a line.
     pub(super) fn warn(&mut self, file: u32, line: u32, text: impl Into<String>) {
         self.warnings.push(Warning { file, line, text: text.into(), leaves_out: false });
+    }
+
+    /// Says what the solver stops at.
+    pub(super) fn refuse(&mut self, file: u32, line: u32, text: impl Into<String>) {
+        self.refusals.push(Warning { file, line, text: text.into(), leaves_out: false });
     }
 
     /// Says that a card constrains, but was left out.
@@ -392,6 +414,15 @@ impl Model {
         match card.file {
             0 => format!("line {} {}", origin.line, card.name),
             _ => format!("{file}:{} {}", origin.line, card.name),
+        }
+    }
+
+    /// Where something is that the user should know: `line 41`, `part.inc:41` in files that are included.
+    pub fn place_of(&self, warning: &Warning) -> String {
+        let path = self.files.get(warning.file as usize).filter(|_| warning.file > 0);
+        match path.and_then(|path| path.file_name()) {
+            Some(file) => format!("{}:{}", file.to_string_lossy(), warning.line),
+            None => format!("line {}", warning.line),
         }
     }
 

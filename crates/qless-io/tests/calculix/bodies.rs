@@ -2,7 +2,9 @@
 
 use qless_io::deck::Solver::{Abaqus, Ccx};
 
-use super::given::{BRICK, brick, equations, refused, warnings};
+use qless_io::deck::clean;
+
+use super::given::{BRICK, brick, equations, parsed, refused, warnings};
 
 const DISTRIBUTING: &str = "*COUPLING, REF NODE=9, SURFACE=STOP, CONSTRAINT NAME=C\n*DISTRIBUTING\n1,3\n";
 
@@ -136,4 +138,51 @@ fn weights_fall_with_the_distance_from_the_reference() {
         refused(Abaqus, &format!("{BRICK}{wrong}"))
             .contains("expected UNIFORM, LINEAR, QUADRATIC or CUBIC, found `SOME`")
     );
+}
+
+#[test]
+fn an_mpc_makes_every_step_nonlinear_in_ccx_so_that_bodies_stay_as_they_are() {
+    let fixed = |solver, mpc: &str| {
+        let model = brick(solver, &format!("*RIGID BODY, NSET=TOP, REF NODE=9\n{mpc}"));
+        model.cards().get(0).expect("a card").is_fixed
+    };
+    let mpc = "*MPC\nPLANE,1,2,3,4\n";
+    assert_eq!([fixed(Ccx, ""), fixed(Ccx, mpc), fixed(Abaqus, mpc)], [false, true, false]);
+}
+
+#[test]
+fn a_tie_that_moves_its_nodes_stays_a_tie() {
+    let clean = |height: &str, adjust: &str| {
+        let cards = format!(
+            "*NODE, NSET=OVER\n20,.5,.5,{height}\n21,.25,.25,{height}\n*SURFACE, NAME=SOVER, TYPE=NODE\n20\n21\n*TIE, NAME=T, POSITION TOLERANCE=.1{adjust}\nSOVER,STOP\n*BOUNDARY\n20,1\n"
+        );
+        let deck = parsed(Abaqus, &format!("{BRICK}{cards}")).expect("read");
+        clean::plan(&deck, &qless::Options::default()).map(|plan| plan.written.len()).map_err(|error| error.to_string())
+    };
+    for (height, adjust) in [("1.", ""), ("1.0000000001", ", ADJUST=YES"), ("1.01", ", ADJUST=NO")] {
+        assert!(clean(height, adjust).expect("cleaned") > 0, "{height}{adjust}");
+    }
+    for adjust in ["", ", ADJUST=YES"] {
+        let message = clean("1.01", adjust).expect_err("fixed");
+        let why = "its slave nodes are moved onto the master: write ADJUST=NO or close the gap";
+        assert!(message.contains("*TIE cannot be replaced by equations") && message.contains(why), "{message}");
+    }
+}
+
+#[test]
+fn values_and_loads_on_the_rotation_of_a_reference_have_no_effect_in_ccx() {
+    let told = |solver, body: &str, cards: &str| {
+        warnings(&brick(solver, &format!("*RIGID BODY, NSET=TOP, REF NODE=9{body}\n{cards}")))
+    };
+    for cards in ["*BOUNDARY\n9,6,6,.1\n", "*STEP\n*STATIC\n*CLOAD\n9,6,1.\n*END STEP\n"] {
+        let without = "9:6 has no effect: the rotation of a *RIGID BODY without ROT NODE is reached by no card";
+        assert!(told(Ccx, "", cards).contains(without), "{cards}");
+        let with =
+            "9:6 has no effect: the rotation of a *RIGID BODY with ROT NODE is components 1 to 3 of that, node 10";
+        assert!(told(Ccx, ", ROT NODE=10", cards).contains(with), "{cards}");
+        assert!(!told(Abaqus, "", cards).contains("no effect"));
+        // The reference is a node of a beam, which turns with it.
+        let beam = "*ELEMENT, TYPE=B31, ELSET=BEAM\n2,9,10\n";
+        assert!(!told(Ccx, ", ROT NODE=10", &format!("{beam}{cards}")).contains("no effect"));
+    }
 }

@@ -9,7 +9,7 @@ use super::given::{BRICK, model};
 const ELASTIC: &str = "*MATERIAL, NAME=M\n*ELASTIC\n1000.,.3\n*SOLID SECTION, ELSET=E, MATERIAL=M\n*BOUNDARY\n1,1,3\n2,1,3\n3,1,3\n4,1,3\n";
 
 /// Whether `ccx` is installed; where the corpus is, it must be.
-fn is_there() -> bool {
+pub fn is_there() -> bool {
     let there = Command::new("ccx").arg("-v").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok();
     assert!(there || std::env::var_os("QLESS_CORPUS").is_none(), "install calculix-ccx");
     if !there {
@@ -18,13 +18,13 @@ fn is_there() -> bool {
     there
 }
 
-fn deck(cards: &str, steps: &[&str]) -> String {
+pub fn deck(cards: &str, steps: &[&str]) -> String {
     let step = |cards: &&str| format!("*STEP\n*STATIC\n{cards}*NODE PRINT, NSET=NALL\nU\n*END STEP\n");
     format!("{BRICK}{ELASTIC}{cards}{}", steps.iter().map(step).collect::<String>())
 }
 
 /// Displacements by step and node, 1 to 10; none where ccx stops.
-fn solve(text: &str) -> Option<Vec<Vec<[f64; 3]>>> {
+pub fn solve(text: &str) -> Option<Vec<Vec<[f64; 3]>>> {
     let place = tempfile::tempdir().expect("a folder");
     std::fs::write(place.path().join("deck.inp"), text).expect("written");
     let mut ccx = Command::new("ccx");
@@ -32,7 +32,9 @@ fn solve(text: &str) -> Option<Vec<Vec<[f64; 3]>>> {
     let status = ccx.env("OMP_NUM_THREADS", "1").status().expect("ccx runs");
     let printed = std::fs::read_to_string(place.path().join("deck.dat")).unwrap_or_default();
     let rows = printed.lines().filter_map(|line| {
-        let numbers: Vec<f64> = line.split_whitespace().map(str::parse).collect::<Result<_, _>>().ok()?;
+        // L: along the node's own axes.
+        let numbers: Vec<f64> =
+            line.trim_end_matches('L').split_whitespace().map(str::parse).collect::<Result<_, _>>().ok()?;
         if let [_, x, y, z] = numbers[..] { Some([x, y, z]) } else { None }
     });
     let rows: Vec<[f64; 3]> = rows.collect();
@@ -43,18 +45,21 @@ fn value(u: &[[f64; 3]], dof: Dof) -> f64 {
     u[dof.node as usize - 1][usize::from(dof.component) - 1]
 }
 
-/// What each step prescribes and all equations in force hold in what ccx prints; DOFs beyond its tables (rotations) are passed over.
+/// What each step prescribes and all equations in force hold in what ccx prints; free DOFs beyond its tables (rotations) are passed
+/// over.
 fn holds(model: &Model, steps: &[Vec<[f64; 3]>]) -> bool {
     let near = |a: f64, b: f64| (a - b).abs() < 1e-6;
     let known = |dof: Dof| dof.component <= 3 && dof.node <= 10;
     assert_eq!(model.cases().len(), steps.len());
     model.cases().iter().zip(steps).all(|(case, u)| {
-        let given = case.prescribed.iter().all(|given| near(value(u, given.dof), given.value));
+        let given = case.prescribed.iter().all(|given| !known(given.dof) || near(value(u, given.dof), given.value));
+        let is_given = |dof: &Dof| case.prescribed.iter().find(|given| given.dof == *dof).map(|given| given.value);
         let equations = model.in_force(case).all(|i| {
             let equation = model.equation(i).expect("an equation");
             let dofs: Vec<Dof> = equation.columns.iter().map(|&j| model.dofs()[j as usize]).collect();
-            let sum = || dofs.iter().zip(equation.coefficients).map(|(dof, a)| a * value(u, *dof)).sum::<f64>();
-            !dofs.iter().all(|dof| known(*dof)) || near(sum(), equation.rhs)
+            let value = |dof: &Dof| is_given(dof).unwrap_or_else(|| value(u, *dof));
+            let sum = || dofs.iter().zip(equation.coefficients).map(|(dof, a)| a * value(dof)).sum::<f64>();
+            !dofs.iter().all(|dof| known(*dof) || is_given(dof).is_some()) || near(sum(), equation.rhs)
         });
         given && equations
     })
@@ -144,4 +149,70 @@ fn a_sector_repeats_itself_in_ccx() {
     assert_eq!(model.equations(), 12);
     assert!(holds(&model, &printed), "{printed:?}");
     assert!(printed[0][1].iter().any(|x| x.abs() > 1e-5), "it moves");
+}
+
+#[test]
+fn a_kinematic_coupling_acts_along_its_orientation_or_the_basic_axes_in_ccx() {
+    if !is_there() {
+        return;
+    }
+    let axes = "1.,1.,0.,-1.,1.,0.\n";
+    let turned = format!("*NSET, NSET=NT\n6\n*TRANSFORM, NSET=NT, TYPE=R\n{axes}");
+    let oriented = format!("*ORIENTATION, NAME=O\n{axes}");
+    for transform in ["", turned.as_str()] {
+        for (orientation, parameter) in [("", ""), (oriented.as_str(), ", ORIENTATION=O")] {
+            for (components, count) in [("1,1", 4), ("1,2", 8), ("2,3", 8), ("1,3", 12)] {
+                let cards = format!(
+                    "{transform}{orientation}*COUPLING, REF NODE=9, SURFACE=STOP, CONSTRAINT NAME=C{parameter}\n*KINEMATIC\n{components}\n*BOUNDARY\n9,1,1,.1\n9,2,6\n"
+                );
+                let text = deck(&cards, &["*CLOAD\n7,2,3.\n7,3,5.\n"]);
+                let printed = solve(&text).unwrap_or_else(|| panic!("ccx stops:\n{text}"));
+                let model = model(Ccx, &text);
+                assert!(holds(&model, &printed), "{cards}\n{printed:?}");
+                // No slave twice where ccx finds one for each.
+                let slave = |i| model.dofs()[model.equation(i).expect("an equation").columns[0] as usize];
+                let slaves: std::collections::BTreeSet<Dof> = (0..model.equations()).map(slave).collect();
+                assert_eq!((model.equations(), slaves.len()), (count, count), "{cards}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_rotation_of_a_reference_does_nothing_in_ccx() {
+    if !is_there() {
+        return;
+    }
+    for body in ["*RIGID BODY, NSET=TOP, REF NODE=9\n", "*RIGID BODY, NSET=TOP, REF NODE=9, ROT NODE=10\n"] {
+        let free = solve(&deck(body, &["*CLOAD\n5,1,1.\n"])).expect("solved");
+        for idle in ["*BOUNDARY\n9,6,6,.1\n", "*CLOAD\n9,6,9.\n"] {
+            let text = deck(body, &[&format!("*CLOAD\n5,1,1.\n{idle}")]);
+            assert_eq!(solve(&text).expect("solved"), free, "{body}{idle}");
+            assert!(super::given::warnings(&model(Ccx, &text)).contains("9:6 has no effect"), "{body}{idle}");
+        }
+    }
+}
+
+#[test]
+fn no_slave_is_written_at_a_node_with_axes_of_its_own_that_is_prescribed() {
+    if !is_there() {
+        return;
+    }
+    let turned = "*NSET, NSET=NT\n6\n*TRANSFORM, NSET=NT, TYPE=R\n1.,1.,0.,-1.,1.,0.\n";
+    let load = "*CLOAD\n7,2,3.\n7,3,5.\n";
+    let whole = |terms: &str| deck(&format!("{turned}*BOUNDARY\n6,1,1,.01\n*EQUATION\n3\n{terms}\n"), &[load]);
+    // Along the basic axes one of its components at node 6 has no coefficient.
+    assert!(solve(&whole("6,2,1.,7,2,-1.,6,1,-1.")).is_none());
+    let expected = solve(&whole("7,2,1.,6,2,-1.,6,1,1.")).expect("solved");
+    for terms in ["6,1,-1.,6,2,1.,7,2,-1.", "6,1,-1.,6,2,1.,7,2,-1.\n3\n6,1,-2.,6,2,2.,7,2,-2."] {
+        let text = whole(terms);
+        let deck = super::given::parsed(Ccx, &text).expect("read");
+        let plan = qless_io::deck::clean::plan(&deck, &qless::Options::default()).expect("a plan");
+        let cleaned = qless_io::deck::clean::write(&deck, &plan).expect("written");
+        let cleaned = String::from_utf8(cleaned).expect("text");
+        let printed = solve(&cleaned).unwrap_or_else(|| panic!("ccx stops:\n{cleaned}"));
+        assert_eq!(plan.written.iter().map(|one| one.slave.node).collect::<Vec<_>>(), [7]);
+        let far = |(a, b): (&[f64; 3], &[f64; 3])| a.iter().zip(b).any(|(a, b)| (a - b).abs() > 1e-6);
+        assert!(!printed[0].iter().zip(&expected[0]).any(far), "{printed:?}\n{expected:?}");
+    }
 }

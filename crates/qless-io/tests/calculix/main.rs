@@ -10,5 +10,7 @@ mod ccx;
 mod claims;
 /// Decks from text, and what was read as text.
 mod given;
+/// What ccx stops at when it reads a deck.
+mod refused;
 /// Values, their courses, and what holds in each step.
 mod steps;

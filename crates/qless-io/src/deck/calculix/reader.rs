@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use super::cards::{boundary, cyclic, equation, mpc, old_coupling, rigid, tie, unread};
+use super::cards::{boundary, cyclic, equation, mpc, old_coupling, refused, rigid, tie, unread};
 use crate::deck::calculix::cards::coupling::{self, Coupling};
+use crate::deck::calculix::cards::rigid::Reference;
 use crate::deck::calculix::model::definitions::Definitions;
 use crate::deck::calculix::syntax::card::{Card, walk};
 use crate::deck::{DeckError, Dof, Load, LoadCase, Model, Prescribed, Problem, Solver, Sources};
@@ -13,16 +14,22 @@ use crate::deck::{DeckError, Dof, Load, LoadCase, Model, Prescribed, Problem, So
 /// # Errors
 /// [`DeckError`].
 pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
-    let mut definitions = Definitions::default();
+    let (mut definitions, mut has_mpc) = (Definitions::default(), false);
     walk(sources, &mut |card: &Card| {
         definitions.note(card);
+        has_mpc |= card.is("*MPC");
         Ok(())
     })?;
     if !definitions.instances.is_empty() {
         // Only Abaqus knows parts and instances.
         sources.set_solver(Solver::Abaqus);
     }
+    // Any *MPC makes all steps nonlinear in ccx.
+    definitions.is_nonlinear |= has_mpc && sources.solver() == Solver::Ccx;
     let mut reader = Reader::new(sources, definitions)?;
+    if reader.solver == Solver::Ccx {
+        refused::byte_order_marks(sources, &mut reader.model);
+    }
     walk(sources, &mut |card: &Card| reader.card(card))?;
     reader.finish()
 }
@@ -40,6 +47,8 @@ struct Reader {
     coupling: Option<Coupling>,
     /// References that only distribute forces, by file and line of the card.
     forces: Vec<(u32, u32, u32)>,
+    /// References of rigid bodies.
+    bodies: Vec<Reference>,
     /// `*CYCLIC SYMMETRY MODEL` cards, and ties that they may use.
     sectors: Vec<Card>,
     cyclic: Vec<Card>,
@@ -64,6 +73,7 @@ impl Reader {
             removed: Vec::new(),
             coupling: None,
             forces: Vec::new(),
+            bodies: Vec::new(),
             sectors: Vec::new(),
             cyclic: Vec::new(),
             steps: 0,
@@ -79,10 +89,22 @@ impl Reader {
                 self.removed.sort_unstable();
                 self.removed.dedup();
             }
-            b"*EQUATION" => equation::read(card, &mut self.model, &self.definitions)?,
+            b"*EQUATION" => {
+                if self.solver == Solver::Ccx {
+                    refused::equation(card, self.steps > 0, &mut self.model);
+                }
+                equation::read(card, &mut self.model, &self.definitions)?;
+            }
             b"*MPC" => mpc::read(card, &mut self.model, &self.definitions)?,
-            b"*RIGIDBODY" => rigid::read(card, &mut self.model, &self.definitions, self.solver)?,
-            b"*COUPLING" => self.coupling = Some(Coupling::of(card)),
+            b"*RIGIDBODY" => {
+                self.bodies.extend(rigid::read(card, &mut self.model, &self.definitions, self.solver)?);
+            }
+            b"*COUPLING" => {
+                if self.solver == Solver::Ccx {
+                    refused::coupling(card, &mut self.model);
+                }
+                self.coupling = Some(Coupling::of(card));
+            }
             b"*KINEMATIC" | b"*DISTRIBUTING" => self.coupled(card)?,
             b"*KINEMATICCOUPLING" => {
                 old_coupling::kinematic_coupling(card, &mut self.model, &self.definitions, self.solver)?;
@@ -215,6 +237,9 @@ impl Reader {
         self.check_nodes()?;
         self.warn_of_forces();
         self.warn_of_rotations();
+        if self.solver == Solver::Ccx {
+            self.model.turned = self.definitions.turned().collect();
+        }
         self.model.traits.has_local_axes = !self.definitions.transforms.is_empty();
         self.model.traits.is_nonlinear = self.definitions.is_nonlinear;
         self.model.shrink();
@@ -235,21 +260,33 @@ impl Reader {
         }
     }
 
-    /// Values and moments on the rotation of a body that no card reaches.
+    /// Values and moments on the components 4 to 6 of a body's reference, which ccx passes over unless an element or an equation has them.
     fn warn_of_rotations(&mut self) {
-        let unreached: Vec<u32> =
-            self.model.own_rotations.iter().filter(|own| own.component > 6).map(|own| own.node).collect();
-        let is_one = |dof: &Dof| (4..=6).contains(&dof.component) && unreached.contains(&dof.node);
+        if self.solver != Solver::Ccx {
+            return;
+        }
+        let bodies = std::mem::take(&mut self.bodies);
+        let body = |dof: Dof| bodies.iter().find(|body| body.node == dof.node && (4..=6).contains(&dof.component));
+        let is_idle = |dof: Dof| !self.definitions.rotates(dof.node) && self.model.column(dof).is_none();
         let given = self.model.cases.iter().flat_map(|case| &case.prescribed).map(|given| (given.dof, given.origin));
         let loads = self.model.cases.iter().flat_map(|case| &case.loads).map(|load| (load.dof, load.origin));
-        let found: std::collections::BTreeSet<_> = given
+        let found: BTreeMap<_, _> = given
             .chain(loads)
-            .filter(|(dof, _)| is_one(dof))
-            .map(|(dof, origin)| (self.model.cards.nth(origin.card).file, origin.line, dof))
+            .filter(|(dof, _)| is_idle(*dof))
+            .filter_map(|(dof, origin)| Some(((origin.line, dof, self.model.cards.nth(origin.card).file), body(dof)?)))
             .collect();
-        for (file, line, dof) in found {
-            let text =
-                format!("{dof} has no effect: the rotation of a *RIGID BODY without ROT NODE is reached by no card");
+        for ((line, dof, file), body) in found {
+            let name = self.model.dof_name(dof);
+            let text = match body.rotation_node() {
+                Some(node) => format!(
+                    "{name} has no effect: the rotation of a *RIGID BODY with ROT NODE is components 1 to 3 of that, node {node}"
+                ),
+                None => {
+                    format!(
+                        "{name} has no effect: the rotation of a *RIGID BODY without ROT NODE is reached by no card"
+                    )
+                }
+            };
             self.model.warn(file, line, text);
         }
     }

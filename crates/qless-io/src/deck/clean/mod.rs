@@ -77,6 +77,14 @@ pub enum CleanError {
         /// Why it would have to be replaced.
         why: String,
     },
+    /// The solver stops when it reads the deck, whatever its equations say.
+    #[error("{place}: {why} (by hand, before the deck is cleaned)")]
+    Refused {
+        /// File and line.
+        place: String,
+        /// What it stops at, and what to do.
+        why: String,
+    },
     /// Text that must change stands where it cannot.
     #[error("{}:{line}: {why}", path.display())]
     Place {

@@ -57,10 +57,9 @@ pub fn looks_again(
     removes || model.traits.has_local_axes || hangs_together()
 }
 
-/// Whether some equation in force has the slave of another as a master, and one of the two is nonlinear. `*MPC` makes every step so,
-/// in force or not.
+/// Whether some equation in force has the slave of another as a master, and one of the two is nonlinear.
 pub fn nonlinear_chain(model: &Model, left_out: &[bool]) -> bool {
-    if !model.traits.is_nonlinear && model.cards.find("*MPC").is_none() {
+    if !model.traits.is_nonlinear {
         return false;
     }
     // It makes them of equations to nodes of its own, which are slaves.

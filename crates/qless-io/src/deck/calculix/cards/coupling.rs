@@ -4,9 +4,10 @@
 //! card only distributes forces, and the motion of the reference has no effect on the surface.
 
 use crate::deck::calculix::cards::geometric::{Place, Row};
+use crate::deck::calculix::cards::refused;
 use crate::deck::calculix::cards::rigid::{Reference, kinematic, own_rotation};
 use crate::deck::calculix::model::definitions::Definitions;
-use crate::deck::calculix::model::frames::orientation;
+use crate::deck::calculix::model::frames::{Local, orientation};
 use crate::deck::calculix::model::mesh::Surface;
 use crate::deck::calculix::model::parts::Scope;
 use crate::deck::calculix::syntax::card::Card;
@@ -49,6 +50,13 @@ impl Coupling {
         definitions.one_node(self.scope, self.reference.as_bytes())
     }
 
+    /// Whether the reference is a node of the surface.
+    pub fn holds_its_reference(&self, definitions: &Definitions) -> bool {
+        let surface = Surface::find(definitions, self.scope, &self.surface);
+        let reference = self.reference(definitions).ok();
+        surface.is_ok_and(|surface| reference.is_some_and(|reference| surface.all_nodes().contains(&reference)))
+    }
+
     /// The nodes of the surface without the reference, within the radius of influence.
     fn nodes(&self, definitions: &Definitions) -> Result<Vec<u32>, Problem> {
         let reference = self.reference(definitions)?;
@@ -68,11 +76,12 @@ impl Coupling {
     }
 
     fn kinematic(&self, card: &Card, definitions: &Definitions, solver: Solver) -> Result<Vec<Row>, Problem> {
-        // Without data ccx couples nothing, Abaqus all.
-        if solver == Solver::Ccx && card.lines().next().is_none() {
+        if couples_nothing(card, solver) {
             return Ok(Vec::new());
         }
-        let local = self.orientation.as_deref().map(|name| orientation(definitions, self.scope, name)).transpose()?;
+        let named = self.orientation.as_deref().map(|name| orientation(definitions, self.scope, name)).transpose()?;
+        // Without ORIENTATION ccx couples along the basic axes, whatever axes its nodes have.
+        let local = named.or((solver == Solver::Ccx).then_some(Local::BASIC));
         let reference = Reference::turning(self.reference(definitions)?);
         let nodes = self.nodes(definitions)?;
         kinematic(definitions, reference, nodes.into_iter(), &components(card, 6)?, local.as_ref())
@@ -90,6 +99,11 @@ impl Coupling {
     }
 }
 
+/// `*KINEMATIC` without data: ccx couples nothing, Abaqus all.
+fn couples_nothing(card: &Card, solver: Solver) -> bool {
+    solver == Solver::Ccx && card.lines().next().is_none()
+}
+
 /// `*KINEMATIC` or `*DISTRIBUTING` after `*COUPLING`; false where it constrains nothing.
 pub fn read(
     card: &Card,
@@ -105,6 +119,10 @@ pub fn read(
         (false, Solver::Ccx) => coupling.reference(definitions).map(|_| Vec::new()),
         (false, _) => coupling.distributing(card, definitions),
     };
+    if is_kinematic && solver == Solver::Ccx && !couples_nothing(card, solver) {
+        let components = components(card, 6).map_err(|problem| place.fail(model, problem))?;
+        refused::kinematic(card, &components, coupling, model, definitions);
+    }
     let before = model.equations();
     if is_kinematic {
         model.traits.has_turned_couplings |= coupling.orientation.is_some();

@@ -44,12 +44,31 @@ impl Row {
     pub fn led_by(mut self, slave: Dof) -> Self {
         let at = self.terms.iter().position(|(dof, a)| *dof == slave && a.abs() >= 1.0 - ROUNDING);
         if let Some(at) = at {
-            self.terms.swap(0, at);
-            let scale = self.terms[0].1;
-            self.terms.iter_mut().for_each(|(_, a)| *a /= scale);
-            self.rhs /= scale;
+            self.lead(at);
         }
         self
+    }
+
+    /// The same equation; where its slave is among these, with another component of the same node, the one that counts most, if there
+    /// is one.
+    pub fn led_by_none_of(mut self, slaves: &[Dof]) -> Self {
+        let own = self.terms[0].0;
+        if slaves.contains(&own) {
+            let is_other = |dof: &Dof| dof.node == own.node && dof.component <= 3 && !slaves.contains(dof);
+            let others = self.terms.iter().enumerate().filter(|(_, (dof, _))| is_other(dof));
+            let most = others.rev().max_by(|a, b| a.1.1.abs().total_cmp(&b.1.1.abs())).map(|(at, _)| at);
+            if let Some(at) = most {
+                self.lead(at);
+            }
+        }
+        self
+    }
+
+    fn lead(&mut self, at: usize) {
+        self.terms.swap(0, at);
+        let scale = self.terms[0].1;
+        self.terms.iter_mut().for_each(|(_, a)| *a /= scale);
+        self.rhs /= scale;
     }
 
     /// `u_a = u_b` in one component.

@@ -7,6 +7,7 @@ pub mod equation;
 pub mod geometric;
 pub mod mpc;
 pub mod old_coupling;
+pub mod refused;
 pub mod rigid;
 pub mod tie;
 pub mod unread;

@@ -44,6 +44,11 @@ impl Reference {
         Ok(row)
     }
 
+    /// The node that has the rotation as its components 1 to 3, if there is one.
+    pub fn rotation_node(&self) -> Option<u32> {
+        (self.rotation.component == 1).then_some(self.rotation.node)
+    }
+
     fn rotation_dof(&self, k: usize) -> Dof {
         Dof { component: self.rotation.component + k as u8, ..self.rotation }
     }
@@ -55,8 +60,13 @@ impl Reference {
     }
 }
 
-/// `*RIGID BODY`: the sets of a body and its reference.
-pub fn read(card: &Card, model: &mut Model, definitions: &Definitions, solver: Solver) -> Result<(), DeckError> {
+/// `*RIGID BODY`: the sets of a body and its reference, which is handed back where anything follows it.
+pub fn read(
+    card: &Card,
+    model: &mut Model,
+    definitions: &Definitions,
+    solver: Solver,
+) -> Result<Option<Reference>, DeckError> {
     let place = Place::of(card, model, "*RIGID BODY");
     let mut body = Body { card, definitions, solver, warnings: Vec::new(), made: None, used: None };
     let rows = body.rows();
@@ -68,7 +78,7 @@ pub fn read(card: &Card, model: &mut Model, definitions: &Definitions, solver: S
     let before = model.equations();
     place.push(model, rows)?;
     if model.equations() == before {
-        return Ok(());
+        return Ok(None);
     }
     // A reference that the solver makes has no number in the deck.
     if definitions.is_nonlinear || made.is_some() {
@@ -77,7 +87,7 @@ pub fn read(card: &Card, model: &mut Model, definitions: &Definitions, solver: S
         own_rotation(&place, reference, model, definitions);
     }
     model.warn(card.file, card.line, "*RIGID BODY is linearised at the reference configuration");
-    Ok(())
+    Ok(used)
 }
 
 /// A body as its card has it.
@@ -196,13 +206,20 @@ pub fn kinematic(
     local: Option<&Local>,
 ) -> Result<Vec<Row>, Problem> {
     let mut rows = Vec::new();
+    // All three directions say the same along any axes.
+    let local = local.filter(|_| !(1..=3).all(|component| components.contains(&component)));
     for node in nodes {
         let pose = definitions.pose(node)?;
         let axes = local.map_or(pose.axes, |local| local.axes_at(pose.position));
+        let mut slaves = Vec::with_capacity(3);
         for &component in components {
             let k = usize::from(component) - 1;
             match k {
-                0..3 => rows.push(reference.follows(definitions, node, axes[k])?),
+                0..3 => {
+                    let row = reference.follows(definitions, node, axes[k])?.led_by_none_of(&slaves);
+                    slaves.push(row.terms[0].0);
+                    rows.push(row);
+                }
                 _ if definitions.rotates(node) => rows.push(reference.turns(node, k - 3)),
                 _ => {}
             }

@@ -14,6 +14,10 @@ use crate::deck::calculix::model::project::{Face, Grid};
 /// Part of the typical size of a face within which a node is tied, where the card does not say.
 pub const TOLERANCE: f64 = 0.025;
 
+/// Part of the typical size of a face up to which a node lies on it: coordinates have six or seven digits in many decks.
+const ON_FACE: f64 = 1e-6;
+const MOVED: &str = "its slave nodes are moved onto the master: write ADJUST=NO or close the gap";
+
 /// Adds the equations of a card.
 pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) -> Result<(), DeckError> {
     for special in ["MULTISTAGE", "FLUIDPERIODIC", "FLUIDCYCLIC"] {
@@ -32,12 +36,17 @@ pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) -> Result
         );
         model.warn(card.file, card.line, text);
     }
+    if tied.has_gap && card.word("ADJUST").as_deref() != Some("NO") {
+        model.cards.fix_because(place.origin.card, MOVED);
+    }
     place.push(model, Ok(tied.rows))
 }
 
 struct Tied {
     rows: Vec<Row>,
     apart: Vec<u32>,
+    /// Whether some tied node is off its face.
+    has_gap: bool,
     tolerance: f64,
 }
 
@@ -86,12 +95,15 @@ fn tied(card: &Card, definitions: &Definitions) -> Result<Tied, Problem> {
     let given = card.parameter("POSITIONTOLERANCE").map(|text| float(text.as_bytes())).transpose()?;
     let tolerance = given.unwrap_or(TOLERANCE * typical);
     let grid = Grid::new(&faces, tolerance);
-    let mut tied = Tied { rows: Vec::new(), apart: Vec::new(), tolerance };
+    let mut tied = Tied { rows: Vec::new(), apart: Vec::new(), has_gap: false, tolerance };
     for node in slaves {
         let position: Vector = definitions.position(node)?;
         match grid.nearest(&faces, position).filter(|near| near.distance <= tolerance) {
             Some(near) if faces[near.face].nodes.contains(&node) => {}
-            Some(near) => tied.rows.extend(rows(definitions, node, &faces[near.face].nodes, &near.weights)?),
+            Some(near) => {
+                tied.has_gap |= near.distance > ON_FACE * typical;
+                tied.rows.extend(rows(definitions, node, &faces[near.face].nodes, &near.weights)?);
+            }
             None => tied.apart.push(node),
         }
     }

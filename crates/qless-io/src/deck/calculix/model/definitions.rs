@@ -254,6 +254,12 @@ impl Definitions {
         all.get(&node).copied().ok_or_else(|| Problem::Undefined { what: "node", name: node.to_string() })
     }
 
+    /// Nodes that `*TRANSFORM` gives axes of their own; none of a set that is not defined.
+    pub fn turned(&self) -> impl Iterator<Item = u32> {
+        let nodes = |(set, axes): &(String, Axes)| self.nodes(axes.scope, set).map(|nodes| nodes.to_vec());
+        self.transforms.iter().flat_map(move |transform| nodes(transform).unwrap_or_default())
+    }
+
     /// Whether a node belongs to an element whose nodes rotate.
     pub fn rotates(&self, node: u32) -> bool {
         let find = || {

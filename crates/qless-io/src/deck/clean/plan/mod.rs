@@ -124,7 +124,7 @@ impl Plan {
 /// prescribed.
 ///
 /// # Errors
-/// [`CleanError`]: conflicting equations, load cases that no single deck serves, or cards that cannot be replaced.
+/// [`CleanError`]: a deck that the solver does not read, conflicting equations, load cases that no single deck serves, or cards that cannot be replaced.
 ///
 /// ```
 /// # let place = tempfile::tempdir()?;
@@ -137,6 +137,9 @@ impl Plan {
 /// ```
 pub fn plan(deck: &Deck, options: &Options) -> Result<Plan, CleanError> {
     let model = &deck.model;
+    if let Some(refusal) = model.refusals().first() {
+        return Err(CleanError::Refused { place: model.place_of(refusal), why: refusal.text.clone() });
+    }
     let plan = match deck.format() {
         // CalculiX breaks off at random where a nonlinear step takes equations back.
         Format::Calculix if model.traits.is_nonlinear => layers::plan(deck, options, layers::May::Nothing)?,

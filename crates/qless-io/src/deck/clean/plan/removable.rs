@@ -14,10 +14,14 @@ pub fn check(model: &Model, removed: &[Removed]) -> Result<(), CleanError> {
     };
     let fixed = removed.iter().filter(|removed| model.cards.nth(card(removed)).is_fixed);
     let Some(first) = fixed.min_by_key(|removed| weight(&removed.reason)) else { return Ok(()) };
-    let why = match &first.reason {
+    let fault = match &first.reason {
         Reason::Fault(fault) => fault.describe(model),
         Reason::Redundant(_) => "it repeats what other such cards say".to_owned(),
         Reason::Connected => "an equation that shares DOFs with it has to be".to_owned(),
+    };
+    let why = match model.cards.why_fixed(card(first)) {
+        Some(why) => format!("{fault}; {why}"),
+        None => fault,
     };
     Err(CleanError::Fixed { place: model.place(model.nth(first.equation).origin), why })
 }

@@ -36,9 +36,10 @@ fn solve(
     let new = rows.iter().filter(|&&i| kept.layer_of[i] == Some(layer) && !vanishing.contains(&i));
     let own = new.filter_map(|&i| kept.model.nth(i).columns.first().copied());
     // The deck's own slaves, but for those that would make others large and those that other cards claim.
-    let wished = own.chain(slaves.iter().map(|&j| j as u32)).filter(|&j| !is_claimed(kept.model, j as usize));
+    let claims = Claims::of(kept.model);
+    let wished = own.chain(slaves.iter().map(|&j| j as u32)).filter(|&j| !claims.hold(j as usize));
     let wished = unprescribed(wished, prescribed);
-    let masters = (0..kept.model.dofs.len()).filter(|&j| is_claimed(kept.model, j)).collect();
+    let masters = (0..kept.model.dofs.len()).filter(|&j| claims.hold(j)).collect();
     let preferences = Preferences { slaves: wished, masters, ..Preferences::default() };
     let analysis = kept.analyse(&kept.layers[layer], rows, preferences)?;
     let before = all.len();
@@ -51,11 +52,26 @@ fn solve(
     Ok(())
 }
 
-/// Whether a card that is no equation has the say over a DOF: it can be no slave.
-fn is_claimed(model: &Model, column: usize) -> bool {
-    let dof = model.dofs[column];
-    let left_out = || model.left_out_claims().binary_search_by_key(&dof, |(claimed, _)| *claimed).is_ok();
-    model.claimed(dof).is_some() || left_out()
+/// DOFs over which cards have the say that are no equations.
+struct Claims<'a> {
+    model: &'a Model,
+    /// Nodes with axes of their own on which something is prescribed.
+    held: FxHashSet<u32>,
+}
+
+impl<'a> Claims<'a> {
+    fn of(model: &'a Model) -> Self {
+        let given = model.cases.iter().filter(|_| !model.turned.is_empty()).flat_map(|case| &case.prescribed);
+        let held = given.map(|given| given.dof.node).filter(|node| model.turned.contains(node)).collect();
+        Self { model, held }
+    }
+
+    /// Whether a DOF can be no slave.
+    fn hold(&self, column: usize) -> bool {
+        let dof = self.model.dofs[column];
+        let left_out = || self.model.left_out_claims().binary_search_by_key(&dof, |(claimed, _)| *claimed).is_ok();
+        self.model.claimed(dof).is_some() || self.held.contains(&dof.node) || left_out()
+    }
 }
 
 /// Adds the rows of slaves that no layer before has.
@@ -67,6 +83,7 @@ fn add(
     all: &mut Vec<Written>,
 ) -> Result<(), CleanError> {
     let model = kept.model;
+    let claims = Claims::of(model);
     let reduction = analysis.reduction()?;
     // What sums of right-hand sides leave by rounding is none.
     let rounding = 1e-14 * (0..model.equations()).fold(0.0, |size: f64, i| size.max(model.nth(i).rhs.abs()));
@@ -75,7 +92,7 @@ fn add(
         let given = reduction.g_matrix().row(row).map(|(j, v)| (model.dofs[reduction.prescribed()[j]], -v));
         let terms = masters.chain(given).filter(|term| term.1 != 0.0).collect();
         let rhs = if reduction.g()[row].abs() <= rounding { 0.0 } else { reduction.g()[row] };
-        if is_claimed(model, slave) {
+        if claims.hold(slave) {
             let (slave, case) = (model.dof_name(model.dofs[slave]), kept.layers[layer].name.clone());
             return Err(CleanError::Claimed { case, slave });
         }

@@ -1,0 +1,81 @@
+//! What ccx stops at when it reads a deck, though its equations can be told.
+
+use std::collections::BTreeSet;
+
+use crate::deck::calculix::cards::coupling::Coupling;
+use crate::deck::calculix::model::definitions::Definitions;
+use crate::deck::calculix::syntax::card::Card;
+use crate::deck::calculix::syntax::data::DataLine;
+use crate::deck::calculix::syntax::fields::number;
+use crate::deck::{Model, Sources};
+
+/// Fields of a line at most.
+const FIELDS: usize = 16;
+
+/// A byte order mark in front of a keyword, which ccx then does not know; a heading may be missed.
+pub fn byte_order_marks(sources: &Sources, model: &mut Model) {
+    for (file, number) in (0..sources.paths().len()).zip(0..) {
+        let text = sources.text(file);
+        let Some(rest) = text.strip_prefix(b"\xef\xbb\xbf") else { continue };
+        let is_heading = rest.get(..8).is_some_and(|word| word.eq_ignore_ascii_case(b"*HEADING"));
+        if rest.starts_with(b"*") && !rest.starts_with(b"**") && !is_heading {
+            let text = "ccx stops: a byte order mark stands before the first card, which it does not know then; save the file without";
+            model.refuse(number, 1, text);
+        }
+    }
+}
+
+/// `*EQUATION` after a step has begun, and lines of it that ccx does not take, each kind once.
+pub fn equation(card: &Card, is_late: bool, model: &mut Model) {
+    if is_late {
+        model.refuse(card.file, card.line, "ccx stops: *EQUATION stands after a step begins; write it before");
+    }
+    let mut told = BTreeSet::new();
+    for line in card.lines() {
+        if let Some(flaw) = flaw(&line).filter(|flaw| told.insert(*flaw)) {
+            model.refuse(line.file, line.number, format!("ccx stops: {flaw}"));
+        }
+    }
+}
+
+/// What ccx does not take of a line of terms. The line with their number has one field.
+fn flaw(line: &DataLine) -> Option<&'static str> {
+    let mut fields = line.fields().skip(1).peekable();
+    fields.peek()?;
+    if line.fields().count() > FIELDS {
+        return Some("a line of *EQUATION has more than 16 fields; break it");
+    }
+    let mut fields = line.fields();
+    while let Some(node) = fields.next() {
+        let component = fields.next().and_then(|field| number(field, "a degree of freedom").ok());
+        if !node.first().is_none_or(u8::is_ascii_digit) {
+            return Some("a term of *EQUATION names a node set; write the equation for each of its nodes");
+        }
+        if component.is_some_and(|component| component > 6 && component != 8 && component != 11) {
+            return Some("a term of *EQUATION has a component that is not defined in ccx");
+        }
+        if fields.next().is_none() {
+            return Some("a term of *EQUATION has no coefficient; write it, even where it is 0");
+        }
+    }
+    None
+}
+
+/// `*COUPLING` itself.
+pub fn coupling(card: &Card, model: &mut Model) {
+    if card.parameter("CONSTRAINTNAME").is_none_or(str::is_empty) {
+        model.refuse(card.file, card.line, "ccx stops: *COUPLING has no CONSTRAINT NAME; give it one");
+    }
+}
+
+/// `*KINEMATIC` after `*COUPLING`.
+pub fn kinematic(card: &Card, components: &[u8], coupling: &Coupling, model: &mut Model, definitions: &Definitions) {
+    if components.iter().any(|component| *component > 3) {
+        let text = "ccx stops: *KINEMATIC couples components above 3; write 1 to 3 at most";
+        model.refuse(card.file, card.line, text);
+    }
+    if coupling.holds_its_reference(definitions) {
+        let text = "ccx stops: the REF NODE of the *COUPLING is on its own surface; take another node";
+        model.refuse(card.file, card.line, text);
+    }
+}
