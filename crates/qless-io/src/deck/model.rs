@@ -112,6 +112,8 @@ pub(super) struct Traits {
     pub(super) is_nonlinear: bool,
     /// Whether a kinematic coupling has axes of its own.
     pub(super) has_turned_couplings: bool,
+    /// Whether a load case takes nothing over from those before it.
+    pub(super) has_separate_cases: bool,
 }
 
 /// The constraints of a deck.
@@ -122,6 +124,7 @@ pub struct Model {
     pub(super) dofs: Vec<Dof>,
     pub(super) cases: Vec<LoadCase>,
     pub(super) warnings: Vec<Warning>,
+    pub(super) refusals: Vec<Warning>,
     /// Rotations that the solver makes for bodies: the first of three components of the reference node.
     pub(super) own_rotations: BTreeSet<Dof>,
     pub(super) traits: Traits,
@@ -206,6 +209,11 @@ impl Model {
     /// What was not understood or not exact.
     pub fn warnings(&self) -> &[Warning] {
         &self.warnings
+    }
+
+    /// What the solver refuses beside faults of equations and of prescribed values.
+    pub fn refusals(&self) -> &[Warning] {
+        &self.refusals
     }
 
     /// How prescribed values run in time: 0 is the solver's standard course, which has no name; others have that of an amplitude.
@@ -301,6 +309,11 @@ impl Model {
     /// Says that a card constrains, but was left out.
     pub(super) fn leave_out(&mut self, file: u32, line: u32, text: impl Into<String>) {
         self.warnings.push(Warning { file, line, text: text.into(), leaves_out: true });
+    }
+
+    /// Says that the solver refuses something.
+    pub(super) fn refuse(&mut self, file: u32, line: u32, text: impl Into<String>) {
+        self.refusals.push(Warning { file, line, text: text.into(), leaves_out: false });
     }
 
     /// Where a DOF is put into a set of which no slave may be, such as Nastran's `ASET`.
