@@ -33,7 +33,8 @@ pub fn carry_on(selections: &mut [(String, Selection)], bulk: &Bulk, model: &mut
 
 fn refuse(kind: &str, own: Choice, before: Option<Choice>, model: &mut Model) {
     let other = before.map_or_else(|| format!("no {kind} set"), |before| format!("{kind} = {}", before.set));
-    let text = format!("{kind} = {}: MYSTRAN takes one {kind} set a run, and stops as a subcase before has {other}", own.set);
+    let text =
+        format!("{kind} = {}: MYSTRAN takes one {kind} set a run, and stops as a subcase before has {other}", own.set);
     model.refuse(own.file, own.line, text);
 }
 

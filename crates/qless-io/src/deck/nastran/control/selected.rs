@@ -67,8 +67,7 @@ fn note_missing(
 ) {
     for set in members.iter().filter(|set| !defined.contains_key(set)) {
         if let Some(Choice { file, line, set: chosen }) = choice {
-            let text =
-                format!("{kind} = {chosen} selects set {set}, which no {kind} card defines");
+            let text = format!("{kind} = {chosen} selects set {set}, which no {kind} card defines");
             missing.insert((file, line, text));
         }
     }

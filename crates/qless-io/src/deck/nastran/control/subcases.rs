@@ -132,8 +132,8 @@ impl Control {
     }
 
     /// The MPC set selected above the first subcase.
-    pub fn above(&self) -> Option<u32> {
-        self.all.in_force().mpc.map(|choice| choice.set)
+    pub fn above(&self) -> Option<Choice> {
+        self.all.in_force().mpc
     }
 
     /// Where rigid elements are said to be kept by multipliers.
