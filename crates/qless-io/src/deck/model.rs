@@ -112,8 +112,6 @@ pub(super) struct Traits {
     pub(super) is_nonlinear: bool,
     /// Whether a kinematic coupling has axes of its own.
     pub(super) has_turned_couplings: bool,
-    /// Whether a load case takes nothing over from those before it.
-    pub(super) has_separate_cases: bool,
 }
 
 /// The constraints of a deck.
@@ -128,6 +126,8 @@ pub struct Model {
     /// Rotations that the solver makes for bodies: the first of three components of the reference node.
     pub(super) own_rotations: BTreeSet<Dof>,
     pub(super) traits: Traits,
+    /// Whether a load case takes nothing over from those before it.
+    pub(super) has_separate_cases: bool,
     /// Names of the courses after the first.
     courses: Vec<String>,
     names: NodeNames,

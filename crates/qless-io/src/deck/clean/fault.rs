@@ -119,9 +119,8 @@ impl Fault {
 /// ` from step 2 on`, ` in subcase 2`; nothing where the first load case prescribes it.
 fn when(model: &Model, since: usize) -> String {
     let case = model.cases.get(since).filter(|_| since > 0);
-    let text = |case: &LoadCase| match model.traits.has_separate_cases {
-        true => format!(" in {}", case.name),
-        false => format!(" from {} on", case.name),
+    let text = |case: &LoadCase| {
+        if model.has_separate_cases { format!(" in {}", case.name) } else { format!(" from {} on", case.name) }
     };
     case.map(text).unwrap_or_default()
 }

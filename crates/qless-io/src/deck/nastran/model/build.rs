@@ -28,7 +28,7 @@ const MULTIPLIERS: &str = "RIGID: rigid elements are kept by Lagrange multiplier
 /// The model of a deck.
 pub fn model(mut content: Content, sources: &Sources) -> Result<Model, DeckError> {
     let mut model = Model::new(sources.paths().to_vec());
-    model.traits.has_separate_cases = true;
+    model.has_separate_cases = true;
     std::mem::take(&mut content.bulk.notes).tell(&mut model);
     let points = points(&mut content.bulk, &mut model)?;
     let multiplied = content.control.as_ref().and_then(Control::multipliers);
