@@ -122,10 +122,12 @@ pub struct Model {
     pub(super) dofs: Vec<Dof>,
     pub(super) cases: Vec<LoadCase>,
     pub(super) warnings: Vec<Warning>,
-    refusals: Vec<Warning>,
+    pub(super) refusals: Vec<Warning>,
     /// Rotations that the solver makes for bodies: the first of three components of the reference node.
     pub(super) own_rotations: BTreeSet<Dof>,
     pub(super) traits: Traits,
+    /// Whether a load case takes nothing over from those before it.
+    pub(super) has_separate_cases: bool,
     /// Names of the courses after the first.
     courses: Vec<String>,
     names: NodeNames,
@@ -323,6 +325,11 @@ impl Model {
     /// Says that a card constrains, but was left out.
     pub(super) fn leave_out(&mut self, file: u32, line: u32, text: impl Into<String>) {
         self.warnings.push(Warning { file, line, text: text.into(), leaves_out: true });
+    }
+
+    /// Says that the solver refuses something.
+    pub(super) fn refuse(&mut self, file: u32, line: u32, text: impl Into<String>) {
+        self.refusals.push(Warning { file, line, text: text.into(), leaves_out: false });
     }
 
     /// Where a DOF is put into a set of which no slave may be, such as Nastran's `ASET`.

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::Path;
 
-use qless_io::deck::{Deck, DeckError, Format, LoadCase, Model, parse};
+use qless_io::deck::{Deck, DeckError, Format, LoadCase, Model, Solver, Warning, parse};
 
 /// The deck `deck.bdf` with this text; `files` are those that it may include, beside it.
 pub fn parsed(text: &str, files: &[(&str, &str)]) -> Result<Deck, DeckError> {
@@ -16,6 +16,13 @@ pub fn parsed(text: &str, files: &[(&str, &str)]) -> Result<Deck, DeckError> {
 
 pub fn model(text: &str) -> Model {
     parsed(text, &[]).unwrap_or_else(|error| panic!("{error}")).model().clone()
+}
+
+/// The model of a deck as a solver reads it.
+pub fn model_for(solver: Solver, text: &str) -> Model {
+    let mut none = |_: &Path| Err(io::ErrorKind::NotFound.into());
+    let deck = parse(solver, Path::new("place/deck.bdf"), text.as_bytes().to_vec(), &mut none);
+    deck.unwrap_or_else(|error| panic!("{error}\n{text}")).model().clone()
 }
 
 /// The message of a deck that is refused.
@@ -42,5 +49,14 @@ pub fn prescribed(case: &LoadCase) -> Vec<String> {
 
 /// Warnings as `line 3: text`.
 pub fn warnings(model: &Model) -> Vec<String> {
-    model.warnings().iter().map(|warning| format!("line {}: {}", warning.line, warning.text)).collect()
+    at_lines(model.warnings())
+}
+
+/// What the solver refuses, in the same way.
+pub fn refusals(model: &Model) -> Vec<String> {
+    at_lines(model.refusals())
+}
+
+fn at_lines(all: &[Warning]) -> Vec<String> {
+    all.iter().map(|warning| format!("line {}: {}", warning.line, warning.text)).collect()
 }

@@ -10,9 +10,13 @@ mod corpus;
 mod given;
 /// Every kind of fault and its message.
 mod malformed;
+/// What MYSTRAN reads otherwise.
+mod mystran;
 /// Sets, subcases, supports, loads.
 mod selection;
 /// Spellings that are accepted.
 mod spellings;
 /// Subcases and sets that exclude each other.
 mod subcases;
+/// Cards of unknown names.
+mod unknown;

@@ -4,7 +4,7 @@ use qless_io::deck::Model;
 use qless_io::deck::clean::{faults, faults_in};
 
 use super::clean::clean;
-use super::given::{model, parsed, warnings};
+use super::given::{model, parsed, refusals, warnings};
 
 const GRIDS: &str = "GRID,1\nGRID,2,,1.\nGRID,3,,2.\n";
 
@@ -55,10 +55,10 @@ fn sets_exclude_each_other() {
 fn two_sets_of_one_component_are_named() {
     let model = model(&format!("CEND\nSPC=1\nBEGIN BULK\n{GRIDS}ASET,1,12\nOMIT1,1,1,3\nSPC1,1,2,1\n"));
     let expected = [
-        "line 8: 1:1 is in the sets of line 7 ASET 1 and of line 8 OMIT1 1, which exclude each other: the solver refuses it",
-        "line 9: 1:2 is in the sets of line 7 ASET 1 and of line 9 SPC1 1, which exclude each other: the solver refuses it",
+        "line 8: 1:1 is in the sets of line 7 ASET 1 and of line 8 OMIT1 1, which exclude each other",
+        "line 9: 1:2 is in the sets of line 7 ASET 1 and of line 9 SPC1 1, which exclude each other",
     ];
-    assert_eq!(warnings(&model), expected);
+    assert_eq!(refusals(&model), expected);
 }
 
 #[test]
@@ -114,4 +114,21 @@ fn subcases_are_cleaned_one_by_one() {
             |deck: &qless_io::deck::Deck| deck.model().cases().iter().map(|case| case.name.clone()).collect::<Vec<_>>();
         assert_eq!(names(&deck), names(&before));
     }
+}
+
+#[test]
+fn a_value_is_said_to_be_that_of_its_subcase() {
+    let control = "CEND\nMPC=1\nSUBCASE 1\nSUBCASE 2\nSPC=2\nSUBCASE 3\nBEGIN BULK\n";
+    let model = model(&format!("{control}{GRIDS}SPC1,2,1,1\nMPC,1,1,1,1.,2,1,-1.\n"));
+    let expected = "1:1 is the slave of line 12 MPC 1, and prescribed in line 11 SPC1 2 in subcase 2";
+    assert_eq!(faults(&model).iter().map(|fault| fault.describe(&model)).collect::<Vec<_>>(), [expected]);
+}
+
+#[test]
+fn unions_of_unions_and_of_a_set_twice_are_refused() {
+    let mpcs = "MPC,1,1,1,1.,2,1,-1.\nMPC,2,1,2,1.,2,2,-1.\nMPCADD,8,1,1\nMPCADD,9,2,7\nMPCADD,7,1\n";
+    let of = |set: u32| refusals(&model(&format!("CEND\nMPC={set}\nBEGIN BULK\n{GRIDS}{mpcs}")));
+    assert_eq!(of(8), ["line 9: MPCADD 8 names set 1 twice, which the solver refuses: name it once"]);
+    assert_eq!(of(9), ["line 10: MPCADD 9 names the union 7, which the solver refuses: name its sets"]);
+    assert_eq!(of(7), [""; 0]);
 }

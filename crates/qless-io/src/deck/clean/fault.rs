@@ -111,9 +111,8 @@ impl Fault {
         let name = |slave| model.dof_name(slave);
         match *self {
             Self::SlavePrescribed { equation, slave, by, since } => {
-                let from = model.cases.get(since).filter(|_| since > 0).map(|case| format!(" from {} on", case.name));
-                let (equation, by, from) = (place(equation), model.place(by), from.unwrap_or_default());
-                format!("{} is the slave of {equation}, and prescribed in {by}{from}", name(slave))
+                let (equation, by, when) = (place(equation), model.place(by), when(model, since));
+                format!("{} is the slave of {equation}, and prescribed in {by}{when}", name(slave))
             }
             Self::SlaveClaimed { equation, slave, by } => {
                 let set = model.place(by);
@@ -149,6 +148,15 @@ impl Fault {
             }
         }
     }
+}
+
+/// ` from step 2 on`, ` in subcase 2`; nothing where the first load case prescribes it.
+fn when(model: &Model, since: usize) -> String {
+    let case = model.cases.get(since).filter(|_| since > 0);
+    let text = |case: &LoadCase| {
+        if model.has_separate_cases { format!(" in {}", case.name) } else { format!(" from {} on", case.name) }
+    };
+    case.map(text).unwrap_or_default()
 }
 
 /// The faults of a deck's equations as they stand, each once, in the order of the load cases.

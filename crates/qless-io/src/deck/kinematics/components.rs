@@ -6,6 +6,7 @@ pub struct Components(u8);
 
 impl Components {
     pub const ALL: Self = Self(0b111_1110);
+    pub const TRANSLATIONS: Self = Self(0b000_1110);
 
     /// The set of one component, 1 to 6.
     pub fn one(component: u8) -> Self {

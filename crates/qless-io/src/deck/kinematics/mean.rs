@@ -124,7 +124,7 @@ impl Mean {
     }
 
     /// The weight of each connected component; those given several times add up.
-    fn weights(&self) -> Result<Vec<(Dof, f64)>, Problem> {
+    pub(super) fn weights(&self) -> Result<Vec<(Dof, f64)>, Problem> {
         let mut places = FxHashMap::default();
         let mut weights: Vec<(Dof, f64)> = Vec::new();
         for group in &self.groups {

@@ -5,6 +5,7 @@ pub mod body;
 pub mod components;
 mod dense;
 pub mod mean;
+pub mod partial_mean;
 pub mod rigid;
 pub mod rod;
 pub mod row;

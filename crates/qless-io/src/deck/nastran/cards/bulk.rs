@@ -6,18 +6,21 @@ use std::sync::LazyLock;
 use rustc_hash::FxHashMap;
 
 use super::coordinates;
-use super::elements::{rbar, rbe1, rbe2, rbe3, rrod};
+use super::elements::{Read, rbar, rbe1, rbe2, rbe3, rrod};
 use super::exclusive::{self, Members};
 use super::grid::{Given, Usual};
 use super::joints::{Joint, jointg, rbar1, rjoint, rtrplt, rtrplt1};
 use super::loads::{self, Combinations, Loaded};
 use super::mpc::terms;
+use super::mystran;
 use super::notes::Notes;
 use super::quick::Quick;
 use super::sets::{self, Unions};
 use super::spans::{Span, spans};
 use super::supports::{Support, spc, spc1};
+use super::unknown::Unknown;
 use super::unread::{self, Unread};
+use crate::deck::Solver;
 use crate::deck::kinematics::axes::Kind;
 use crate::deck::nastran::fault::CardFault;
 use crate::deck::nastran::model::frames::{Definition, Definitions};
@@ -31,6 +34,8 @@ use crate::deck::nastran::syntax::place::Place;
 /// What the bulk data of a deck constrains.
 #[derive(Debug, Default)]
 pub struct Bulk {
+    /// Whether MYSTRAN reads the deck, to which some cards mean something else.
+    pub is_mystran: bool,
     pub grids: Grids,
     pub scalars: Vec<Span>,
     pub usual: Option<(Usual, Place)>,
@@ -53,7 +58,9 @@ pub struct Bulk {
     pub spc_unions: Unions,
     pub combinations: Combinations,
     pub loads: Vec<Loaded>,
-    pub warnings: Notes,
+    pub notes: Notes,
+    /// Cards of which not even the name is known.
+    pub unknown: Unknown,
 }
 
 /// The name of a card that has to be read, given in capitals; none for all others.
@@ -70,6 +77,11 @@ pub fn known(name: &[u8]) -> Option<&'static str> {
 }
 
 impl Bulk {
+    /// Nothing as yet, of a deck that this solver reads.
+    pub fn of(solver: Solver) -> Self {
+        Self { is_mystran: solver == Solver::Mystran, ..Self::default() }
+    }
+
     /// Takes a card that was read the short way.
     pub fn quick(&mut self, card: &Quick, line: &Line) {
         match card {
@@ -82,6 +94,18 @@ impl Bulk {
 
     /// Takes a card.
     pub fn card(&mut self, card: &Card) -> Result<(), Refused> {
+        if self.is_mystran {
+            if mystran::passes_over(card.name) {
+                let text = format!("MYSTRAN passes over {}: it constrains nothing", card.title());
+                self.notes.warn((card.file, card.line), text);
+                return Ok(());
+            }
+            mystran::judge(card, &mut self.notes);
+        }
+        self.read(card)
+    }
+
+    fn read(&mut self, card: &Card) -> Result<(), Refused> {
         match card.name {
             "GRID" => self.grids.push(&Given::read(card)?, card.file, card.line),
             "GRDSET" => self.grdset(card)?,
@@ -89,14 +113,14 @@ impl Bulk {
             "MPCADD" => sets::read(card, &mut self.mpc_unions)?,
             "SPCADD" => sets::read(card, &mut self.spc_unions)?,
             "SPC" => self.supports.extend(in_set(card, spc(card)?)?),
-            "SPC1" => self.supports.extend(in_set(card, vec![spc1(card)?])?),
+            "SPC1" => self.supports.extend(in_set(card, vec![spc1(card, self.is_mystran)?])?),
             "SPCD" => self.enforced.extend(in_set(card, spc(card)?)?),
             "LOAD" => loads::combination(card, &mut self.combinations)?,
             "FORCE" => self.loads.push(loads::vector(card, 1)?),
             "MOMENT" => self.loads.push(loads::vector(card, 4)?),
             "SLOAD" => self.loads.extend(loads::scalars(card)?),
             "MPC" => {
-                self.ties.mpc(set(card)?, (card.file, card.line, card.span()), terms(card)?);
+                self.ties.mpc(self.mpc_set(card)?, (card.file, card.line, card.span()), terms(card)?);
                 self.note_apart(card);
             }
             name if name.starts_with("CORD") => self.frame(card)?,
@@ -111,13 +135,18 @@ impl Bulk {
         Ok(())
     }
 
+    /// To MYSTRAN a set may be 0.
+    fn mpc_set(&self, card: &Card) -> Result<u32, Refused> {
+        if self.is_mystran { card.optional_whole(0, SET).map(Option::unwrap_or_default) } else { set(card) }
+    }
+
     /// A card that is not understood. Those of `SUPORT` are in a set all the same.
     fn leave_out(&mut self, card: &Card, unread: &Unread) -> Result<(), Refused> {
         self.exclusive.extend(exclusive::read(card)?.unwrap_or_default());
         if unread.constrains {
-            self.warnings.leave_out((card.file, card.line), unread.warning(card));
+            self.notes.leave_out((card.file, card.line), unread.warning(card));
         } else {
-            self.warnings.warn((card.file, card.line), unread.warning(card));
+            self.notes.warn((card.file, card.line), unread.warning(card));
         }
         Ok(())
     }
@@ -125,8 +154,11 @@ impl Bulk {
     fn element(&mut self, card: &Card) -> Result<(), Refused> {
         let (element, alpha) = match card.name {
             "RBE1" => rbe1(card).map(|read| (Element::Rigid(read.element), read.alpha))?,
-            "RBE2" => rbe2(card).map(|read| (Element::Star(read.element), read.alpha))?,
-            "RBE3" => rbe3(card).map(|read| (Element::Mean(read.element), read.alpha))?,
+            "RBE2" => rbe2(card, self.is_mystran).map(|read| (Element::Star(read.element), read.alpha))?,
+            "RBE3" => {
+                let Read { element, alpha } = rbe3(card)?;
+                (if self.is_mystran { mystran::mean(element) } else { Element::Mean(element) }, alpha)
+            }
             "RBAR" => rbar(card).map(|read| (Element::Rigid(read.element), read.alpha))?,
             "RBAR1" => rbar1(card).map(|read| (Element::Rigid(read.element), read.alpha))?,
             "RTRPLT" => rtrplt(card).map(|read| (Element::Rigid(read.element), read.alpha))?,
@@ -136,7 +168,7 @@ impl Bulk {
                 Joint::Beam(element) => (Element::Rigid(element), 0.0),
                 Joint::Ball(element) => (Element::Joint(element), 0.0),
                 Joint::Other => {
-                    self.warnings.leave_out((card.file, card.line), unread::joint(card));
+                    self.notes.leave_out((card.file, card.line), unread::joint(card));
                     return Ok(());
                 }
             },
@@ -145,7 +177,7 @@ impl Bulk {
         let at = (card.file, card.line);
         if alpha != 0.0 {
             let text = format!("{}: its thermal expansion ALPHA is left out", card.title());
-            self.warnings.warn(at, text);
+            self.notes.warn(at, text);
             self.fixed.insert(at);
         }
         self.number(card)?;
@@ -156,6 +188,9 @@ impl Bulk {
 
     /// Elements have a number of their own.
     fn number(&mut self, card: &Card) -> Result<(), Refused> {
+        if self.is_mystran && mystran::has_no_number(card) {
+            return Ok(());
+        }
         let id = card.id(0, "the number of the element")?;
         match self.elements.insert(id, (card.file, card.line)) {
             Some((file, line)) => {
@@ -218,8 +253,10 @@ impl Bulk {
     }
 }
 
+const SET: &str = "the number of a set";
+
 fn set(card: &Card) -> Result<u32, Refused> {
-    card.id(0, "the number of a set")
+    card.id(0, SET)
 }
 
 fn in_set(card: &Card, supports: Vec<Support>) -> Result<Vec<(u32, Support, Place)>, Refused> {

@@ -43,6 +43,16 @@ struct Weighted {
 }
 
 impl Averaged {
+    /// Leaves translations of the connected points alone.
+    pub fn drop_rotations(&mut self) {
+        self.groups.iter_mut().for_each(|group| group.components = group.components.and(Components::TRANSLATIONS));
+    }
+
+    /// Whether the reference has components that do not depend, and no `UM` list says which do.
+    pub fn is_partial(&self) -> bool {
+        self.components != Components::ALL && self.dependent.is_empty()
+    }
+
     /// The element that this makes of the points that `expand` finds in the lists.
     pub fn mean(&self, expand: impl Fn(&[Span]) -> Result<Vec<u32>, Problem>) -> Result<Mean, Problem> {
         let group = |group: &Weighted| {
@@ -55,11 +65,13 @@ impl Averaged {
     }
 }
 
-/// `RBE2 id, GN, CM, GM1, GM2, ..., ALPHA`.
-pub fn rbe2(card: &Card) -> Result<Read<Star>, Refused> {
+/// `RBE2 id, GN, CM, GM1, GM2, ..., ALPHA`. MYSTRAN passes over GN among the others.
+pub fn rbe2(card: &Card, is_mystran: bool) -> Result<Read<Star>, Refused> {
     let end = (3..card.len()).find(|&i| is_real(card, i)).unwrap_or(card.len());
     let centre = card.id(1, POINT)?;
-    let star = Star { centre, components: card.some_components(2)?, dependent: spans(card, 3, end)? };
+    let mut dependent = spans(card, 3, end)?;
+    dependent.retain(|span| !is_mystran || *span != Span { first: centre, last: centre });
+    let star = Star { centre, components: card.some_components(2)?, dependent };
     Ok(Read { element: star, alpha: alpha(card, end)? })
 }
 
@@ -146,16 +158,16 @@ fn pairs(card: &Card, fields: &[usize]) -> Result<(Side, Option<usize>), Refused
     Ok((side, end))
 }
 
-fn filled(card: &Card, from: usize) -> Vec<usize> {
+pub fn filled(card: &Card, from: usize) -> Vec<usize> {
     (from..card.len()).filter(|&i| !card.is_blank(i)).collect()
 }
 
-fn is_word(card: &Card, i: usize, word: &[u8]) -> bool {
+pub fn is_word(card: &Card, i: usize, word: &[u8]) -> bool {
     card.field(i).eq_ignore_ascii_case(word)
 }
 
 /// A real number has a decimal point or an exponent.
-fn is_real(card: &Card, i: usize) -> bool {
+pub fn is_real(card: &Card, i: usize) -> bool {
     let word = card.field(i);
     let marks = |(k, byte): (usize, &u8)| b".eEdD".contains(byte) || k > 0 && b"+-".contains(byte);
     word.iter().enumerate().any(marks) && crate::deck::nastran::syntax::number::real(word).is_ok()

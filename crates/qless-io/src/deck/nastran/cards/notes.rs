@@ -1,26 +1,44 @@
 //! What a user should know of the cards read.
 
+use crate::deck::Model;
 use crate::deck::nastran::syntax::content::At;
 
-/// Something about a line.
-#[derive(Debug)]
-pub struct Note {
-    pub at: At,
-    pub text: String,
-    /// Whether something that constrains was left out.
-    pub leaves_out: bool,
+/// What is said of a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// Something that the user should know.
+    Warning,
+    /// Something that constrains was left out.
+    LeftOut,
+    /// The solver refuses it.
+    Refusal,
 }
 
-/// All of them.
+/// All that is said, in the order of the cards.
 #[derive(Debug, Default)]
-pub struct Notes(pub Vec<Note>);
+pub struct Notes(Vec<(At, Kind, String)>);
 
 impl Notes {
     pub fn warn(&mut self, at: At, text: String) {
-        self.0.push(Note { at, text, leaves_out: false });
+        self.0.push((at, Kind::Warning, text));
     }
 
     pub fn leave_out(&mut self, at: At, text: String) {
-        self.0.push(Note { at, text, leaves_out: true });
+        self.0.push((at, Kind::LeftOut, text));
+    }
+
+    pub fn refuse(&mut self, at: At, text: String) {
+        self.0.push((at, Kind::Refusal, text));
+    }
+
+    /// Tells the model.
+    pub fn tell(self, model: &mut Model) {
+        for ((file, line), kind, text) in self.0 {
+            match kind {
+                Kind::Warning => model.warn(file, line, text),
+                Kind::LeftOut => model.leave_out(file, line, text),
+                Kind::Refusal => model.refuse(file, line, text),
+            }
+        }
     }
 }

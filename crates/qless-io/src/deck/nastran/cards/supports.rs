@@ -26,9 +26,11 @@ pub fn spc(card: &Card) -> Result<Vec<Support>, Refused> {
     Ok(supports)
 }
 
-/// `SPC1 set, C, G1, G2, ...` or `SPC1 set, C, G1, THRU, G2`.
-pub fn spc1(card: &Card) -> Result<Support, Refused> {
-    let points = spans(card, 2, card.len())?;
+/// `SPC1 set, C, G1, G2, ...` or `SPC1 set, C, G1, THRU, G2`, beyond which MYSTRAN reads nothing.
+pub fn spc1(card: &Card, is_mystran: bool) -> Result<Support, Refused> {
+    let is_range = card.field(3).eq_ignore_ascii_case(b"THRU");
+    let end = if is_mystran && is_range { 5 } else { card.len() };
+    let points = spans(card, 2, end)?;
     if points.is_empty() {
         return Err(card.expected(2, "a grid or scalar point"));
     }

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::subcases::{Choice, Selection};
+use super::{one_for_the_run, unions};
 use crate::deck::nastran::cards::bulk::Bulk;
 use crate::deck::nastran::cards::loads::parts;
 use crate::deck::nastran::cards::sets::{Unions, members};
@@ -22,11 +23,15 @@ pub struct Sets {
 
 /// The sets that the selections come down to.
 pub fn sets(
-    selections: Vec<(String, Selection)>,
+    mut selections: Vec<(String, Selection)>,
     bulk: &Bulk,
     model: &mut Model,
 ) -> Result<Vec<(String, Sets)>, DeckError> {
     let defined = Defined::of(bulk);
+    if bulk.is_mystran {
+        one_for_the_run::carry_on(&mut selections, bulk, model);
+    }
+    unions::refuse(&selections, bulk, model);
     let mut cases = Vec::with_capacity(selections.len());
     let mut missing = BTreeSet::new();
     for (name, selection) in selections {
@@ -38,7 +43,11 @@ pub fn sets(
         cases.push((name, Sets { mpc, spc, loads }));
     }
     for (file, line, text) in missing {
-        model.warn(file, line, text);
+        if bulk.is_mystran {
+            model.refuse(file, line, format!("{text}, where MYSTRAN stops"));
+        } else {
+            model.warn(file, line, format!("{text}: it constrains nothing"));
+        }
     }
     defined.warn_of_unused(&cases, model);
     Ok(cases)
@@ -58,8 +67,7 @@ fn note_missing(
 ) {
     for set in members.iter().filter(|set| !defined.contains_key(set)) {
         if let Some(Choice { file, line, set: chosen }) = choice {
-            let text =
-                format!("{kind} = {chosen} selects set {set}, which no {kind} card defines: it constrains nothing");
+            let text = format!("{kind} = {chosen} selects set {set}, which no {kind} card defines");
             missing.insert((file, line, text));
         }
     }

@@ -80,6 +80,8 @@ pub struct Control {
     /// Every line that selects an MPC set, and what holds it.
     pub mpc_choices: Vec<(usize, Choice)>,
     multipliers: Option<At>,
+    /// Lines that select set 0.
+    pub zeros: Vec<Choice>,
 }
 
 impl Control {
@@ -130,8 +132,8 @@ impl Control {
     }
 
     /// The MPC set selected above the first subcase.
-    pub fn above(&self) -> Option<u32> {
-        self.all.in_force().mpc.map(|choice| choice.set)
+    pub fn above(&self) -> Option<Choice> {
+        self.all.in_force().mpc
     }
 
     /// Where rigid elements are said to be kept by multipliers.
@@ -182,6 +184,9 @@ impl Control {
             return Err(Problem::Expected { expected, found: quote(line.text.trim_ascii()) });
         };
         let choice = Choice { set, file: line.file, line: line.number };
+        if set == 0 {
+            self.zeros.push(choice);
+        }
         let holder = if self.level == Level::All { 0 } else { self.opened.len() };
         let Some(selection) = self.current() else { return Ok(()) };
         match word {

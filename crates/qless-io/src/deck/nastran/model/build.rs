@@ -7,13 +7,13 @@ use super::exclusive;
 use super::points::{Point, Points, Twice, limited};
 use super::ties::{Element, Tie};
 use super::warnings::brief;
+use crate::deck::kinematics::partial_mean::partial_rows;
 use crate::deck::kinematics::rigid::Rigid;
 use crate::deck::kinematics::row::{Poses, Row};
 use crate::deck::kinematics::vector::minus;
 use crate::deck::nastran::cards::bulk::Bulk;
 use crate::deck::nastran::cards::elements::star;
 use crate::deck::nastran::cards::mpc::Term;
-use crate::deck::nastran::cards::notes::Note;
 use crate::deck::nastran::control::selected::{self, Sets};
 use crate::deck::nastran::control::subcases::Control;
 use crate::deck::nastran::fault::CardFault;
@@ -28,15 +28,17 @@ const MULTIPLIERS: &str = "RIGID: rigid elements are kept by Lagrange multiplier
 /// The model of a deck.
 pub fn model(mut content: Content, sources: &Sources) -> Result<Model, DeckError> {
     let mut model = Model::new(sources.paths().to_vec());
-    for Note { at: (file, line), text, leaves_out } in std::mem::take(&mut content.bulk.warnings).0 {
-        if leaves_out { model.leave_out(file, line, text) } else { model.warn(file, line, text) }
-    }
+    model.has_separate_cases = true;
+    std::mem::take(&mut content.bulk.notes).tell(&mut model);
     let points = points(&mut content.bulk, &mut model)?;
     let multiplied = content.control.as_ref().and_then(Control::multipliers);
     if let Some((file, line)) = multiplied {
         model.warn(file, line, MULTIPLIERS);
     }
     let selections = selected::selections(&content, &mut model);
+    if content.bulk.is_mystran {
+        refuse_zeros(&content, &mut model);
+    }
     let cases = selected::sets(selections, &content.bulk, &mut model)?;
     let sets_of = ties(&content.bulk, &points, &cases, multiplied.is_some(), &mut model)?;
     let mut prescribed = 0;
@@ -48,6 +50,7 @@ pub fn model(mut content: Content, sources: &Sources) -> Result<Model, DeckError
     }
     exclusive::claim(&content.bulk.exclusive, &points, &mut model)?;
     model.warnings = brief(std::mem::take(&mut model.warnings));
+    model.refusals = brief(std::mem::take(&mut model.refusals));
     Ok(model)
 }
 
@@ -56,11 +59,29 @@ pub fn points(bulk: &mut Bulk, model: &mut Model) -> Result<Points, DeckError> {
     let usual = bulk.usual.as_ref().map(|(usual, _)| *usual).unwrap_or_default();
     let points = Points::new(std::mem::take(&mut bulk.grids), std::mem::take(&mut bulk.scalars), usual);
     let mut points = points.map_err(|twice| defined_twice(&twice, model))?;
+    if bulk.is_mystran {
+        refuse_repeated(&points, model);
+    }
     points.resolve(&bulk.frames).map_err(|(frame, problem)| match bulk.frame_places.get(&frame) {
         Some(place) => fail(place, problem, model),
         None => DeckError { path: model.files[0].clone(), line: 0, card: "CORD".into(), field: None, problem },
     })?;
     Ok(points)
+}
+
+/// MYSTRAN takes no selection of set 0.
+fn refuse_zeros(content: &Content, model: &mut Model) {
+    for choice in content.control.iter().flat_map(|control| &control.zeros) {
+        model.refuse(choice.file, choice.line, "MYSTRAN stops at a selection of set 0: remove the line");
+    }
+}
+
+/// MYSTRAN takes no second card of a grid point, even if it says the same.
+fn refuse_repeated(points: &Points, model: &mut Model) {
+    for [first, second] in points.repeated() {
+        let text = format!("{} is that of {} already, where MYSTRAN stops: remove it", second.name, first.brief(model));
+        model.refuse(second.file, second.line, text);
+    }
 }
 
 fn defined_twice(twice: &Twice, model: &mut Model) -> DeckError {
@@ -102,7 +123,7 @@ fn ties(
             Tie::Mpc(card) if selected.contains(&card.set) => {
                 sets_of.push((model.equations() as u32, card.set));
                 let place = card.place();
-                mpc(bulk.ties.terms_of(card), &place, points, &mut row, model)?;
+                mpc(bulk.ties.terms_of(card), &place, (points, bulk), &mut row, model)?;
                 fix_copied(&place, bulk, model);
             }
             Tie::Mpc(_) => {}
@@ -143,6 +164,7 @@ fn rows(element: &Element, points: &Points) -> Result<Vec<Row>, Problem> {
         Element::Rigid(element) => element.rows(points),
         Element::Rod(element) => element.rows(points),
         Element::Mean(element) => element.mean(|spans| points.expand(spans))?.rows(points),
+        Element::PartialMean(element) => partial_rows(&element.mean(|spans| points.expand(spans))?, points),
         Element::Joint(element) => joint(element, points),
     }
 }
@@ -169,7 +191,7 @@ fn finite(rows: Vec<Row>) -> Result<Vec<Row>, Problem> {
 fn mpc(
     terms: impl Iterator<Item = Term>,
     place: &Place,
-    points: &Points,
+    (points, bulk): (&Points, &Bulk),
     row: &mut Vec<(Dof, f64)>,
     model: &mut Model,
 ) -> Result<(), DeckError> {
@@ -184,9 +206,21 @@ fn mpc(
     if is_unknown {
         warn_of_unknown(row.iter().map(|(dof, _)| dof.node), place, points, model);
     }
+    if bulk.is_mystran {
+        take_last_of_dependent(row);
+    }
     let origin = place.origin(model);
     model.push(row.iter().copied(), 0.0, origin);
     Ok(())
+}
+
+/// Where a card names its dependent DOF again, MYSTRAN takes the last coefficient of it; those of other DOFs add up.
+fn take_last_of_dependent(row: &mut Vec<(Dof, f64)>) {
+    let Some(&(dependent, _)) = row.first() else { return };
+    if let Some(&(_, last)) = row[1..].iter().rfind(|(dof, _)| *dof == dependent) {
+        row.retain(|(dof, _)| *dof != dependent);
+        row.insert(0, (dependent, last));
+    }
 }
 
 /// Says which points of a card the deck does not define; scalar points may be those of elements.

@@ -1,7 +1,7 @@
 //! The prescribed DOFs and loads of a load case.
 
 use super::build::{SetsOf, fail, warn_of_unknown};
-use super::points::{Points, limited};
+use super::points::{Point, Points, limited};
 use crate::deck::nastran::cards::bulk::Bulk;
 use crate::deck::nastran::cards::supports::Support;
 use crate::deck::nastran::control::selected::Sets;
@@ -19,7 +19,7 @@ pub fn case(
 ) -> Result<LoadCase, DeckError> {
     let mut given = held(points, model);
     for (_, support, place) in bulk.supports.iter().filter(|(set, ..)| sets.spc.contains(set)) {
-        given.extend(prescribed(support, 1.0, place, points, model)?);
+        given.extend(prescribed(support, 1.0, place, (points, bulk), model)?);
         limited(given.len()).map_err(|problem| fail(place, problem, model))?;
     }
     let (mut prescribed, mut clashes) = sorted_apart(given);
@@ -47,18 +47,35 @@ fn prescribed(
     support: &Support,
     factor: f64,
     place: &Place,
-    points: &Points,
+    (points, bulk): (&Points, &Bulk),
     model: &mut Model,
 ) -> Result<Vec<Prescribed>, DeckError> {
     let nodes = points.expand(&support.points).map_err(|problem| fail(place, problem, model))?;
     warn_of_unknown(nodes.iter().copied(), place, points, model);
+    if bulk.is_mystran {
+        refuse_unknown(support, place, points, model);
+    }
     let mut given = Vec::with_capacity(nodes.len() * support.components.len());
     let (origin, value) = (place.origin(model), factor * support.value);
     for node in nodes {
+        if bulk.is_mystran && support.components.is_empty() && points.kind(node) == Point::Grid {
+            let text = format!("{} gives grid point {node} no component: MYSTRAN holds none", place.name);
+            model.warn(place.file, place.line, text);
+            continue;
+        }
         let dofs = points.dofs(node, support.components).map_err(|fault| fail(place, fault.into(), model))?;
         given.extend(dofs.into_iter().map(|dof| Prescribed { dof, value, course: 0, origin }));
     }
     Ok(given)
+}
+
+/// MYSTRAN stops at points that are not there, the ends of a range among them.
+fn refuse_unknown(support: &Support, place: &Place, points: &Points, model: &mut Model) {
+    let mut ends = support.points.iter().flat_map(|span| [span.first, span.last]);
+    if let Some(node) = ends.find(|&node| points.kind(node) == Point::Unknown) {
+        let text = format!("{} holds point {node}, which is not there: MYSTRAN stops", place.name);
+        model.refuse(place.file, place.line, text);
+    }
 }
 
 /// The first value of each DOF, ascending, and the later ones that contradict it.
@@ -84,7 +101,7 @@ fn enforced(sets: &Sets, bulk: &Bulk, points: &Points, model: &mut Model) -> Res
     let mut all = Vec::new();
     for (set, support, place) in &bulk.enforced {
         if let Some(&factor) = sets.loads.get(set) {
-            all.extend(prescribed(support, factor, place, points, model)?);
+            all.extend(prescribed(support, factor, place, (points, bulk), model)?);
         }
     }
     all.sort_by_key(|given: &Prescribed| given.dof);

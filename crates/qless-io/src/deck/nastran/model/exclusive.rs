@@ -11,18 +11,18 @@ use crate::deck::{DeckError, Dof, LoadCase, Model, Origin};
 /// A component in a set, and the card that says so.
 type Claim = (char, Origin);
 
-/// Tells the model what no slave may be, and warns of components that are in two sets.
+/// Tells the model what no slave may be, and says which components are in two sets, which it refuses.
 pub fn claim(members: &[Members], points: &Points, model: &mut Model) -> Result<(), DeckError> {
     let mut claims: BTreeMap<Dof, Claim> = BTreeMap::new();
     for (dof, claim) in all(members, points, model)? {
         match claims.get(&dof) {
-            Some(&first) if first.0 != claim.0 => warn(dof, first.1, claim.1, model),
+            Some(&first) if first.0 != claim.0 => refuse(dof, first.1, claim.1, model),
             Some(_) => {}
             None => drop(claims.insert(dof, claim)),
         }
     }
     for (dof, first, by) in prescribed(&claims, &model.cases) {
-        warn(dof, first, by, model);
+        refuse(dof, first, by, model);
     }
     model.claim(claims.into_iter().map(|(dof, (_, origin))| (dof, origin)).collect());
     Ok(())
@@ -55,11 +55,11 @@ fn prescribed(claims: &BTreeMap<Dof, Claim>, cases: &[LoadCase]) -> Vec<(Dof, Or
     found.into_iter().map(|(dof, (first, by))| (dof, first, by)).collect()
 }
 
-fn warn(dof: Dof, first: Origin, second: Origin, model: &mut Model) {
+fn refuse(dof: Dof, first: Origin, second: Origin, model: &mut Model) {
     let text = format!(
-        "{dof} is in the sets of {} and of {}, which exclude each other: the solver refuses it",
+        "{dof} is in the sets of {} and of {}, which exclude each other",
         model.place(first),
         model.place(second)
     );
-    model.warn(model.cards.nth(second.card).file, second.line, text);
+    model.refuse(model.cards.nth(second.card).file, second.line, text);
 }

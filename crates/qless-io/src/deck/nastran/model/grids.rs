@@ -36,6 +36,8 @@ pub struct Grids {
     by_shared: FxHashMap<Shared, u32>,
     /// What the point added last shares, and its index.
     recent: Option<(Shared, u32)>,
+    /// Cards that say again what another says, after that one.
+    pub repeated: Vec<[Place; 2]>,
 }
 
 impl Grids {
@@ -71,6 +73,8 @@ impl Grids {
         if let Some([first, second]) = all.windows(2).find(differs) {
             return Err(Box::new((first.id, [self.place(first), self.place(second)])));
         }
+        let same = all.windows(2).filter(|pair| pair[0].id == pair[1].id);
+        self.repeated = same.map(|pair| [self.place(&pair[0]), self.place(&pair[1])]).collect();
         all.dedup_by_key(|grid| grid.id);
         self.all = all.into_iter().collect();
         Ok(())

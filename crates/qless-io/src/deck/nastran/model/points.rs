@@ -54,6 +54,11 @@ impl Points {
         Ok(())
     }
 
+    /// Pairs of cards that say the same of a grid point.
+    pub fn repeated(&self) -> &[[Place; 2]] {
+        &self.grids.repeated
+    }
+
     pub fn kind(&self, node: u32) -> Point {
         let scalar = || {
             let after = self.scalars.partition_point(|span| span.first <= node);

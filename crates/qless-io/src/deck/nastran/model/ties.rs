@@ -34,6 +34,8 @@ pub enum Element {
     Rigid(Rigid),
     Rod(Rod),
     Mean(Averaged),
+    /// A mean over the motions of the reference's own components alone.
+    PartialMean(Averaged),
     /// Points at one place.
     Joint(Rigid),
 }

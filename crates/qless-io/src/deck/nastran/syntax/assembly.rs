@@ -28,7 +28,7 @@ pub struct Assembly {
 impl Assembly {
     pub fn new(solver: Solver) -> Self {
         Self {
-            bulk: Bulk::default(),
+            bulk: Bulk::of(solver),
             card: Card::default(),
             before: Before::Nothing,
             mark: Vec::new(),
@@ -112,11 +112,15 @@ impl Assembly {
 
     /// Whether the line stands for copies of the card before it. Those of cards that are not read are passed over.
     pub fn is_copied_by(&self, line: &Line) -> bool {
-        is_copy(line.text) && self.before == Before::Read
+        is_copy(line.text) && (self.before == Before::Read || self.solver == Solver::Mystran)
     }
 
     /// Makes copies of the card before the line.
     pub fn copy(&mut self, line: &Line) -> Result<(), Failed> {
+        if self.solver == Solver::Mystran {
+            self.pass_copy(line);
+            return Ok(());
+        }
         if !self.card.is_one_line() || !self.card.continues_in().is_empty() {
             return Err(expected(line, "=", "a card of one line before its copies"));
         }
@@ -133,6 +137,15 @@ impl Assembly {
         }
         self.copies = Some(change);
         Ok(())
+    }
+
+    /// MYSTRAN makes no copies: it passes over the line, or takes an asterisk in free field for large field and stops.
+    fn pass_copy(&mut self, line: &Line) {
+        if line.text.contains(&b',') && line.text.contains(&b'*') {
+            self.bulk.notes.refuse(line.at(), "MYSTRAN stops at this line of copies; write the cards out".into());
+        } else {
+            self.bulk.notes.warn(line.at(), "MYSTRAN passes over this line of copies: write the cards out".into());
+        }
     }
 
     /// Ends the card that is being read, if there is one.

@@ -35,6 +35,10 @@ impl Visitor for Reader {
         if self.section != Section::Bulk {
             return Ok(false);
         }
+        // MYSTRAN refuses coefficients that the short way reads.
+        if self.cards.bulk.is_mystran && line.text.starts_with(b"MPC") {
+            return Ok(false);
+        }
         let Some(card) = quick::read(line.text) else { return Ok(false) };
         self.cards.quick(&card, line).map_err(|failed| error(failed, sources))?;
         Ok(true)
@@ -66,7 +70,7 @@ impl Visitor for Reader {
             return Err(error);
         }
         let text = format!("{}; executive control is read on without it", error.problem);
-        self.cards.bulk.warnings.warn((0, error.line as u32), text);
+        self.cards.bulk.notes.warn((0, error.line as u32), text);
         Ok(())
     }
 }
@@ -107,7 +111,7 @@ impl Reader {
         }
         self.section = Section::Passed;
         let text = format!("BEGIN {text}: this part of the deck is not understood and left out");
-        self.cards.bulk.warnings.leave_out(line.at(), text);
+        self.cards.bulk.notes.leave_out(line.at(), text);
     }
 
     fn bulk(&mut self, line: &Line) -> Result<bool, Failed> {
@@ -126,7 +130,13 @@ impl Reader {
             }
             name if name.starts_with(b"BEGIN") => self.begin(keyword(line.text).1, line),
             b"CEND" if self.control.is_none() => self.end_executive(line),
-            name => self.cards.begin(known(name), line)?,
+            name => {
+                let known = known(name);
+                if known.is_none() {
+                    self.cards.bulk.unknown.meet(name, line.at(), &mut self.cards.bulk.notes);
+                }
+                self.cards.begin(known, line)?;
+            }
         }
         Ok(true)
     }

@@ -27,14 +27,23 @@ pub fn changes(content: &Content, targets: &Targets) -> Vec<Change> {
         }
     }
     let dead = |(holder, choice): &&(usize, Choice)| targets.dead.contains(&choice.set) && !replaced.contains(holder);
-    let is_selected_above = control.above().is_some_and(|set| !targets.dead.contains(&set));
+    let above = control.above().filter(|above| !targets.dead.contains(&above.set));
+    let is_used = above.is_some_and(|above| goes_by(above, control));
+    if control.mpc_choices.iter().any(|choice| dead(&choice)) {
+        changes.extend(above.filter(|_| !is_used).map(|above| gone(&above, "no subcase goes by it")));
+    }
     for (holder, choice) in control.mpc_choices.iter().filter(dead) {
         let (at, lines, mut text) = gone(choice, "the set has no cards left");
         // Without a line of its own the subcase would take what is selected above.
-        text.push_str(if *holder > 0 && is_selected_above { "MPC = 0\n" } else { "" });
+        text.push_str(if *holder > 0 && is_used { "MPC = 0\n" } else { "" });
         changes.push((at, lines, text));
     }
     changes
+}
+
+/// Whether a subcase has what is selected above them all.
+fn goes_by(above: Choice, control: &Control) -> bool {
+    control.cases().iter().flatten().any(|leaf| leaf.selection.mpc == Some(above))
 }
 
 /// Lets a subcase or a step select a set, in the place of what it selects itself.

@@ -245,6 +245,16 @@ mod tests {
     }
 
     #[test]
+    fn what_no_subcase_goes_by_is_not_taken_back_but_removed() {
+        let (text, found) = written("MPC=1\nSUBCASE 1\nMPC=2\n", &[0, 1], &[]);
+        assert_eq!(found, [[[0; 2]; 0]], "{text}");
+        assert!(!text.contains("\nMPC = 0") && !text.contains("\nMPC=1"), "{text}");
+        let (text, found) = written("SUBCASE 1\nMPC=1\nSUBCASE 2\nMPC=2\n", &[1, 2], &[]);
+        assert_eq!(found, [vec![[1, 2]], vec![]], "{text}");
+        assert!(!text.contains("\nMPC = 0"), "{text}");
+    }
+
+    #[test]
     fn steps_select_for_themselves() {
         let control = "SUBCASE 1\nMPC=1\nSTEP 1\nSTEP 2\nSPC=3\n";
         let (text, found) = written(control, &[0], &[(vec![1], vec![tie(2, 4)])]);

@@ -1,0 +1,56 @@
+//! What MYSTRAN makes of cards that others read: what it passes over, and at what it stops.
+
+use super::elements::{Averaged, filled, is_real, is_word};
+use super::notes::Notes;
+use crate::deck::nastran::model::ties::Element;
+use crate::deck::nastran::syntax::card::{Card, PER_LINE};
+use crate::number::whole;
+
+/// Whether it passes over cards of a name that constrain elsewhere.
+pub fn passes_over(name: &str) -> bool {
+    matches!(name, "RROD" | "RJOINT" | "RTRPLT" | "RTRPLT1")
+}
+
+/// Whether an element has a number that is none, which does not matter to MYSTRAN.
+pub fn has_no_number(card: &Card) -> bool {
+    let word = card.field(0);
+    word.is_empty() || whole(word.strip_prefix(b"-").unwrap_or(word)).is_some_and(|id| id == 0 || word[0] == b'-')
+}
+
+/// An `RBE3` as MYSTRAN reads it: of the connected points translations alone count, and the reference moves in its components alone.
+pub fn mean(mut element: Averaged) -> Element {
+    element.drop_rotations();
+    if element.is_partial() { Element::PartialMean(element) } else { Element::Mean(element) }
+}
+
+/// Notes why it stops at a card, or what of it is not read.
+pub fn judge(card: &Card, notes: &mut Notes) {
+    let at = (card.file, card.line);
+    if let Some(why) = refusal(card) {
+        notes.refuse(at, format!("{}: {why}", card.title()));
+    }
+    if card.name == "SPC1" && is_word(card, 3, b"THRU") && card.len() > 5 {
+        notes.warn(at, format!("MYSTRAN passes over what stands after the range of {}", card.title()));
+    }
+}
+
+fn refusal(card: &Card) -> Option<&'static str> {
+    let has = |word| filled(card, 2).into_iter().any(|i| is_word(card, i, word));
+    match card.name {
+        "RBAR" | "RBAR1" | "RBE1" => Some("MYSTRAN stops at this element; write it as RBE2"),
+        "RBE2" if has(b"THRU") => Some("MYSTRAN stops at THRU; write out the list"),
+        "RBE2" if (3..card.len()).any(|i| is_real(card, i)) => Some("MYSTRAN stops at ALPHA; remove it"),
+        "RBE3" if has(b"UM") => Some("MYSTRAN stops at UM; remove the list"),
+        "RBE3" if has(b"THRU") => Some("MYSTRAN stops at THRU; write out the list"),
+        "RBE3" if has(b"ALPHA") => Some("MYSTRAN stops at ALPHA; remove it"),
+        "MPC" if has_whole(card, [3, 6]) => Some("MYSTRAN stops at a coefficient without a decimal point; add one"),
+        "SPC" if has_whole(card, [3, 6]) => Some("MYSTRAN stops at a value without a decimal point; add one"),
+        _ => None,
+    }
+}
+
+/// Whether one of these fields of a line is filled, but no real number to MYSTRAN.
+fn has_whole(card: &Card, fields: [usize; 2]) -> bool {
+    let all = (0..card.len()).step_by(PER_LINE).flat_map(|line| fields.map(|field| line + field));
+    all.into_iter().any(|i| !card.is_blank(i) && !card.field(i).contains(&b'.'))
+}
