@@ -327,11 +327,6 @@ impl Model {
         self.warnings.push(Warning { file, line, text: text.into(), leaves_out: true });
     }
 
-    /// Says that the solver refuses something.
-    pub(super) fn refuse(&mut self, file: u32, line: u32, text: impl Into<String>) {
-        self.refusals.push(Warning { file, line, text: text.into(), leaves_out: false });
-    }
-
     /// Where a DOF is put into a set of which no slave may be, such as Nastran's `ASET`.
     pub fn claimed(&self, dof: Dof) -> Option<Origin> {
         self.claims.binary_search_by_key(&dof, |(claimed, _)| *claimed).ok().map(|at| self.claims[at].1)
