@@ -45,9 +45,10 @@ impl<'a> Profile<'a> {
             Fault::SlaveTwice { equation, first, .. } => self.twice(first, equation),
             Fault::SlaveVanishes { equation, .. } => self.vanishes(equation),
             // A DOF of a coupled set must be in no other and not prescribed.
-            Fault::CoupledTwice { .. } | Fault::CoupledPrescribed { .. } => Outcome::Refused,
-            // Sets of DOFs that exclude each other are those of Nastran.
-            Fault::SlaveClaimed { .. } => Outcome::Refused,
+            // Coupled sets are those of ANSYS, sets of DOFs that exclude each other those of Nastran.
+            Fault::CoupledTwice { .. } | Fault::CoupledPrescribed { .. } | Fault::SlaveClaimed { .. } => {
+                Outcome::Refused
+            }
             Fault::Circle { equation, .. } => self.circle(&connected(self.model, equation)),
         }
     }
