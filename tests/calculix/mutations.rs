@@ -237,6 +237,7 @@ fn spoiled_decks_give_the_results_of_sound_ones() {
         return;
     }
     let (decks, mut random) = (sound(), Random(1));
+    let mut of_kind = [0; 7];
     let (mut done, mut stopped, mut used, mut refused) = (0, 0, std::collections::BTreeSet::new(), Vec::new());
     for turn in 0.. {
         assert!(turn < 20 * WANTED, "only {done} mutations were possible");
@@ -259,6 +260,7 @@ fn spoiled_decks_give_the_results_of_sound_ones() {
             }
         }
         used.insert(name.clone());
+        of_kind[kind] += 1;
         // One in four is run as it was, too.
         stopped += usize::from(done % 4 == 0 && solve(bad.text().as_bytes()).is_none());
         done += 1;
@@ -267,6 +269,7 @@ fn spoiled_decks_give_the_results_of_sound_ones() {
         }
     }
     println!("{done} mutations of {} decks, {} refused:\n{}", used.len(), refused.len(), refused.join("\n"));
+    assert!(of_kind.iter().all(|&count| count >= WANTED / 20), "some mutations were hardly possible: {of_kind:?}");
     assert!(stopped > WANTED / 8, "ccx took most of the spoiled decks: {stopped} of {} stopped it", WANTED / 4);
     assert!(used.len() >= 40 && refused.len() * 20 < WANTED, "{} decks, refused: {refused:#?}", used.len());
 }

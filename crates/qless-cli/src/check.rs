@@ -33,7 +33,8 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
         progress.stage("exact arithmetic");
         diagnosis.take_exact_rank()?;
     }
-    let obstacle = clean::obstacle(&diagnosis);
+    // Only the text gives advice; nobody else waits for a plan.
+    let obstacle = if args.model.format == Format::Text { clean::obstacle(&diagnosis) } else { None };
     let outcome = Outcome::Checked(obstacle.as_deref());
     match &args.output {
         None => diagnosis.print(None, &outcome, progress)?,

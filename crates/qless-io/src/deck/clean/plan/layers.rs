@@ -232,17 +232,10 @@ fn check_cases(kept: &Kept, cases: &[LoadCase]) -> Result<(), CleanError> {
         if k > 0 && case.constrains_as(&cases[k - 1]) {
             continue;
         }
-        let analysis = analyse(&kept.model.system(case)?, kept.options)?;
-        let conflicts = |analysis: &Analysis| analysis.dependent().iter().any(|one| one.kind == Kind::Conflicting);
-        // Where values run differently in time, what holds at one time must hold at all.
-        let courses = kept.model.courses_of(case);
-        let mut is_conflict = conflicts(&analysis);
-        for &course in courses.iter().filter(|_| courses.len() > 1) {
-            is_conflict |= conflicts(&analyse(&kept.model.system_of_course(case, course)?, kept.options)?);
-        }
-        if is_conflict {
+        if conflicts(kept.model, case, kept.options)? {
             return Err(CleanError::Conflicting { case: case.name.clone() });
         }
+        let analysis = analyse(&kept.model.system(case)?, kept.options)?;
         let holds = |layer: &Option<usize>| layer.is_some_and(|layer| kept.layers[layer].last >= k);
         let (found, common) = (analysis.rank(), kept.layer_of.iter().filter(|layer| holds(layer)).count());
         if found != common {
@@ -250,6 +243,22 @@ fn check_cases(kept: &Kept, cases: &[LoadCase]) -> Result<(), CleanError> {
         }
     }
     Ok(())
+}
+
+/// Whether a load case has no solution; where values run differently in time, each course must have one.
+pub fn conflicts(model: &Model, case: &LoadCase, options: &Options) -> Result<bool, CleanError> {
+    let courses = model.courses_of(case);
+    let mut systems = vec![model.system(case)?];
+    for &course in courses.iter().filter(|_| courses.len() > 1) {
+        systems.push(model.system_of_course(case, course)?);
+    }
+    for system in systems {
+        let analysis = analyse(&system, options)?;
+        if analysis.dependent().iter().any(|one| one.kind == Kind::Conflicting) {
+            return Ok(true);
+        }
+    }
+    Ok(false)
 }
 
 /// Equations whose own slave would make others large.
