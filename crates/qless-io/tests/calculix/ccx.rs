@@ -216,3 +216,34 @@ fn no_slave_is_written_at_a_node_with_axes_of_its_own_that_is_prescribed() {
         assert!(!printed[0].iter().zip(&expected[0]).any(far), "{printed:?}\n{expected:?}");
     }
 }
+
+#[test]
+fn slaves_at_nodes_with_axes_of_their_own_are_those_that_ccx_can_take() {
+    if !is_there() {
+        return;
+    }
+    let cleaned = |turned: &str| {
+        let coupling = "*COUPLING, REF NODE=9, SURFACE=STOP, CONSTRAINT NAME=C\n*KINEMATIC\n1,2\n";
+        let held = "*BOUNDARY\n5,1,1,.02\n9,1,1,.015\n9,2,2,.01\n8,3,3,.01\n";
+        let text = deck(&format!("{turned}{coupling}{held}"), &["*CLOAD\n8,2,3.\n5,3,5.\n"]);
+        let deck = super::given::parsed(Ccx, &text).expect("read");
+        let plan = qless_io::deck::clean::plan(&deck, &qless::Options::default()).expect("a plan");
+        assert!(plan.written.len() > 4, "{plan:?}");
+        let cleaned = qless_io::deck::clean::write(&deck, &plan).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        let cleaned = String::from_utf8(cleaned).expect("text");
+        solve(&cleaned).unwrap_or_else(|| panic!("ccx stops:\n{cleaned}"))
+    };
+    let expected = cleaned("");
+    assert!(expected[0][6].iter().all(|x| x.abs() > 1e-6), "it moves: {expected:?}");
+    for turn in 0..24 {
+        let at = |k: i32| f64::from((turn * 37 + k * 61) % 100) / 50.0 - 0.99;
+        let axes: Vec<String> = (0..6).map(|k| at(k).to_string()).collect();
+        let turned = format!("*NSET, NSET=NT\n6,7\n*TRANSFORM, NSET=NT, TYPE=R\n{}\n", axes.join(","));
+        let found = cleaned(&turned);
+        // The turned nodes are printed along their own axes.
+        for node in [4, 7] {
+            let far = (0..3).any(|k| (found[0][node][k] - expected[0][node][k]).abs() > 1e-6);
+            assert!(!far, "{turned}\n{found:?}\n{expected:?}");
+        }
+    }
+}

@@ -3,6 +3,7 @@
 mod equations;
 mod rotations;
 mod steps;
+mod turned;
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
@@ -19,6 +20,7 @@ const NAMED: usize = 8;
 /// The main file with the plan carried out, and DOFs that have other names in it. Included files that must change are written into it.
 pub fn write(deck: &Deck, plan: &Plan) -> Result<(Vec<u8>, Renamed), CleanError> {
     let model = &deck.model;
+    let plan = &Plan { written: turned::with_slaves_for_ccx(deck, plan)?, ..plan.clone() };
     let mut comments: BTreeMap<(u32, u32), (u32, String)> = BTreeMap::new();
     for removed in &plan.removed {
         let origin = model.nth(removed.equation).origin;
