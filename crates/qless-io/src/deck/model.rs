@@ -137,6 +137,8 @@ pub struct Model {
     claims: Vec<(Dof, Origin)>,
     /// Nodes with axes of their own: where one of their DOFs is prescribed, ccx takes slaves there as it likes.
     pub(super) turned: BTreeSet<u32>,
+    /// Whether the solver does not always add up terms of an equation that name a DOF twice.
+    pub(super) keeps_repeated_terms: bool,
     /// Cards whose equations the solver keeps by multipliers: none of their DOFs is a slave.
     without_slaves: BTreeSet<u32>,
     columns: Columns,

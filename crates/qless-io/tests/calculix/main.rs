@@ -12,5 +12,7 @@ mod claims;
 mod given;
 /// What ccx stops at when it reads a deck.
 mod refused;
+/// Masters that an equation names twice, in ccx.
+mod repeated;
 /// Values, their courses, and what holds in each step.
 mod steps;

@@ -239,6 +239,7 @@ impl Reader {
         self.warn_of_rotations();
         if self.solver == Solver::Ccx {
             self.model.turned = self.definitions.turned().collect();
+            self.model.keeps_repeated_terms = true;
         }
         self.model.traits.has_local_axes = !self.definitions.transforms.is_empty();
         self.model.traits.is_nonlinear = self.definitions.is_nonlinear;

@@ -3,8 +3,9 @@
 use qless::{Options, SystemBuilder, analyse};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::coupled;
 use super::plan::prescribed_in;
+use super::repeated::global;
+use super::{coupled, repeated};
 use crate::deck::{Dof, LoadCase, Model, Origin};
 
 /// A fault of one equation. Equations are numbered from 0.
@@ -65,6 +66,15 @@ pub enum Fault {
         /// Where the value is given.
         by: Origin,
     },
+    /// A master is named twice, itself or through the axes of its node, and the solver does not add that up.
+    MasterTwice {
+        /// The equation.
+        equation: usize,
+        /// Its slave.
+        slave: Dof,
+        /// The master.
+        master: Dof,
+    },
     /// Slaves are expressed by each other in a circle, which leaves some of them next to undetermined.
     Circle {
         /// An equation of the circle.
@@ -87,6 +97,7 @@ impl Fault {
             | Self::SlaveVanishes { equation, .. }
             | Self::CoupledTwice { equation, .. }
             | Self::CoupledPrescribed { equation, .. }
+            | Self::MasterTwice { equation, .. }
             | Self::Circle { equation, .. } => equation,
         }
     }
@@ -100,6 +111,7 @@ impl Fault {
             | Self::SlaveVanishes { slave, .. }
             | Self::CoupledTwice { slave, .. }
             | Self::CoupledPrescribed { slave, .. }
+            | Self::MasterTwice { slave, .. }
             | Self::Circle { slave, .. } => slave,
         }
     }
@@ -138,6 +150,11 @@ impl Fault {
                     place(equation),
                     model.place(by)
                 )
+            }
+            Self::MasterTwice { equation, master, .. } => {
+                let place = place(equation);
+                let through = if global(model, master) == master { "" } else { ", through the axes of its node" };
+                format!("{} is named twice in {place}{through}, which the solver does not add up", name(master))
             }
             Self::Circle { equation, slave } => {
                 format!(
@@ -221,6 +238,7 @@ pub(super) fn faults_of(model: &Model, prescribed: &FxHashMap<u32, Origin>, left
         }
     }
     faults.extend(coupled::faults(model, prescribed, left_out));
+    faults.extend(repeated::faults(model, prescribed, kept()));
     faults.extend(circles(model, &slave_of));
     faults
 }

@@ -11,10 +11,12 @@ mod fault;
 mod finding;
 mod plan;
 mod proof;
+mod repeated;
 
 pub use fault::{Fault, faults, faults_in};
 pub use finding::{Finding, findings};
 pub use plan::{Cases, Ended, Plan, Reason, Removed, Written, plan};
+pub(in crate::deck) use repeated::global;
 
 pub(super) use edit::Edits;
 

@@ -71,12 +71,12 @@ fn same(old: &Model, a: &LoadCase, new: &Model, b: &LoadCase, renamed: &Renamed)
     if before != after {
         return Err(format!("it demands less: rank {after} instead of {before}"));
     }
-    independent(new, b, after)
+    independent(new, b, after, &both)
 }
 
 /// Whether a cleaned load case is clean.
-fn independent(new: &Model, case: &LoadCase, rank: usize) -> Result<(), String> {
-    let count = new.in_force(case).count();
+fn independent(new: &Model, case: &LoadCase, rank: usize, both: &Both) -> Result<(), String> {
+    let count = new.in_force(case).filter(|&i| !both.names_one_dof(new, i)).count();
     if count != rank {
         return Err(format!("{} of {count} equations still redundant", count - rank));
     }
@@ -151,6 +151,14 @@ impl<'a> Both<'a> {
 
     fn column(&self, dof: Dof) -> Option<usize> {
         self.columns.get(self.renamed.get(&dof).unwrap_or(&dof)).copied()
+    }
+
+    /// Whether an equation says of a new DOF that it is the one for which it stands.
+    fn names_one_dof(&self, new: &Model, i: usize) -> bool {
+        let equation = new.nth(i);
+        let names: Vec<Dof> = equation.columns.iter().map(|&j| new.dofs[j as usize]).collect();
+        let [a, b] = names[..] else { return false };
+        a != b && self.column(a) == self.column(b) && equation.coefficients[0] == -equation.coefficients[1]
     }
 
     /// The equations in force in some load cases, one below the other, with these DOFs given as zero.

@@ -49,6 +49,10 @@ impl<'a> Profile<'a> {
             Fault::CoupledTwice { .. } | Fault::CoupledPrescribed { .. } | Fault::SlaveClaimed { .. } => {
                 Outcome::Refused
             }
+            Fault::MasterTwice { .. } => match self.solver {
+                Solver::Ccx => Outcome::Unsound,
+                _ => Outcome::Accepted,
+            },
             Fault::Circle { equation, .. } => self.circle(&connected(self.model, equation)),
         }
     }

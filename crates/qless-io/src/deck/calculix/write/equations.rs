@@ -1,6 +1,6 @@
 //! New equations as text.
 
-use super::rotations::Rotations;
+use super::New;
 use crate::deck::clean::{CleanError, Plan, Written};
 use crate::deck::{Deck, Dof, Model};
 
@@ -8,7 +8,7 @@ use crate::deck::{Deck, Dof, Model};
 const NUMBER: usize = 20;
 
 /// The new equations.
-pub fn new_text(deck: &Deck, plan: &Plan, rotations: &Rotations) -> Result<Vec<u8>, CleanError> {
+pub fn new_text(deck: &Deck, plan: &Plan, new: &New) -> Result<Vec<u8>, CleanError> {
     if plan.written.is_empty() {
         return Ok(Vec::new());
     }
@@ -16,17 +16,19 @@ pub fn new_text(deck: &Deck, plan: &Plan, rotations: &Rotations) -> Result<Vec<u
         let why = "an equation has a right-hand side, which *EQUATION cannot have; change it by hand";
         return Err(CleanError::Place { path: deck.model.files[0].clone(), line: 1, why });
     }
-    let nodes = rotations.text(deck);
+    let nodes = new.nodes(deck);
     let head =
         "** qless: independent equations; each slave, the first DOF, occurs once and is not prescribed\n*EQUATION\n";
     let mut text = nodes + head;
-    plan.written.iter().for_each(|written| add_equation(&mut text, written, &deck.model, rotations));
+    let stood_for: Vec<Written> = new.doubles.equations().collect();
+    plan.written.iter().chain(&stood_for).for_each(|written| add_equation(&mut text, written, &deck.model, new));
     Ok(text.into_bytes())
 }
 
-fn add_equation(text: &mut String, written: &Written, model: &Model, rotations: &Rotations) {
+fn add_equation(text: &mut String, written: &Written, model: &Model, new: &New) {
+    let others = new.doubles.in_place_of(model, written);
     let term = |dof: Dof, v: f64| {
-        let Dof { node, component } = rotations.name(dof);
+        let Dof { node, component } = new.rotations.name(*others.get(&dof).unwrap_or(&dof));
         format!("{},{component},{}", model.node_name(node), number(v))
     };
     let first = std::iter::once(term(written.slave, 1.0));

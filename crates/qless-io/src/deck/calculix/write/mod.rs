@@ -1,5 +1,6 @@
 //! A deck with other equations: old ones become comments, new ones stand before the first step and are taken back where they end.
 
+mod doubles;
 mod equations;
 mod rotations;
 mod steps;
@@ -13,6 +14,8 @@ use crate::deck::calculix::model::parts::Scope;
 use crate::deck::calculix::syntax::card::{Card, card_input, is_include, keyword_end, next_keyword, walk};
 use crate::deck::clean::{CleanError, Edits, Plan, Reason, Removed, Renamed};
 use crate::deck::{Deck, DeckError, Model};
+use doubles::Doubles;
+use rotations::Rotations;
 
 /// Terms of a certificate that a comment names at most.
 const NAMED: usize = 8;
@@ -30,18 +33,41 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<(Vec<u8>, Renamed), CleanError>
             entry.1 = comment(model, removed);
         }
     }
-    let rotations = rotations::Rotations::of(deck, plan)?;
-    comments.extend(rotations.lines(deck)?.into_iter().map(|(at, text)| (at, (1, text))));
-    let new = equations::new_text(deck, plan, &rotations)?;
-    let ends = steps::ends(deck, plan, &rotations);
-    let mut writer = Writer { deck, comments, new: Some(new), ends, steps: 0 };
+    let new = New::of(deck, plan)?;
+    comments.extend(new.rotations.lines(deck)?.into_iter().map(|(at, text)| (at, (1, text))));
+    let text = equations::new_text(deck, plan, &new)?;
+    let ends = steps::ends(deck, plan, &new.rotations);
+    let mut writer = Writer { deck, comments, new: Some(text), ends, steps: 0 };
     let text = writer.file(0)?;
     if writer.ends.is_some_and(|ends| ends.len() != writer.steps) {
         let path = deck.model.files[0].clone();
         let why = "equations have to be taken back in a step of an included file; put the steps here";
         return Err(CleanError::Place { path, line: 1, why });
     }
-    Ok((text, rotations.renamed()))
+    Ok((text, new.rotations.renamed().chain(new.doubles.renamed()).collect()))
+}
+
+/// Nodes that the deck does not have.
+struct New {
+    rotations: Rotations,
+    doubles: Doubles,
+}
+
+impl New {
+    fn of(deck: &Deck, plan: &Plan) -> Result<Self, CleanError> {
+        let rotations = Rotations::of(deck, plan)?;
+        let doubles = Doubles::of(deck, &plan.written, rotations.count())?;
+        Ok(Self { rotations, doubles })
+    }
+
+    /// Their text.
+    fn nodes(&self, deck: &Deck) -> String {
+        if self.rotations.count() == 0 && self.doubles.is_empty() {
+            return String::new();
+        }
+        let places = positions(deck);
+        "*NODE\n".to_owned() + &self.rotations.nodes(&places) + &self.doubles.nodes(deck, &places)
+    }
 }
 
 struct Writer<'a> {

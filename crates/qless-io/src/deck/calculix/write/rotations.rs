@@ -3,12 +3,12 @@
 //! The solver makes a rotation `w` of its own for the reference node of a `*KINEMATIC` coupling, known as components 4 to 6, or of a
 //! `*RIGID BODY`, known to no other card. Equations can only name it as components 1 to 3 of a node, as `ROT NODE` does: a new node at the same place.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use rustc_hash::FxHashSet;
 
-use super::{definitions, positions};
-use crate::deck::clean::{CleanError, Plan, Renamed};
+use super::definitions;
+use crate::deck::clean::{CleanError, Plan};
 use crate::deck::{Deck, Dof, Model, Origin};
 
 /// Rotations of bodies that become equations, by the first of three components, and the nodes that get them.
@@ -53,25 +53,26 @@ impl Rotations {
         own.map_or(dof, |(first, &node)| Dof { node, component: dof.component - first.component + 1 })
     }
 
+    /// How many there are.
+    pub fn count(&self) -> u32 {
+        self.node_of.len() as u32
+    }
+
     /// The new nodes.
-    pub fn text(&self, deck: &Deck) -> String {
-        if self.node_of.is_empty() {
-            return String::new();
-        }
-        let places = positions(deck);
+    pub fn nodes(&self, places: &HashMap<u32, [f64; 3]>) -> String {
         let node = |(Dof { node: reference, .. }, node): (&Dof, &u32)| {
             let [x, y, z] = places.get(reference).copied().unwrap_or_default();
             format!("** qless: node {node} has the rotation of node {reference}\n{node},{x:?},{y:?},{z:?}\n")
         };
-        std::iter::once("*NODE\n".to_owned()).chain(self.node_of.iter().map(node)).collect()
+        self.node_of.iter().map(node).collect()
     }
 
     /// New DOFs, and the ones of the deck that they are.
-    pub fn renamed(&self) -> Renamed {
+    pub fn renamed(&self) -> impl Iterator<Item = (Dof, Dof)> {
         let dofs = |(&first, &node): (&Dof, &u32)| {
             (0..3).map(move |k| (Dof { node, component: k + 1 }, Dof { component: first.component + k, ..first }))
         };
-        self.node_of.iter().flat_map(dofs).collect()
+        self.node_of.iter().flat_map(dofs)
     }
 
     /// Lines that prescribe or load such rotations, by file and line, and what stands in their place.
@@ -127,12 +128,12 @@ fn is_of(dof: Dof, first: Dof) -> bool {
     (first.component..first.component + 3).contains(&dof.component)
 }
 
-fn refused(deck: &Deck, why: String) -> CleanError {
+pub fn refused(deck: &Deck, why: String) -> CleanError {
     CleanError::Fixed { place: deck.model.files[0].display().to_string(), why }
 }
 
 /// One more than the largest number of a node.
-fn unused_node(deck: &Deck) -> Result<u32, CleanError> {
+pub fn unused_node(deck: &Deck) -> Result<u32, CleanError> {
     let listed = definitions(deck)?.node_numbers().last().copied().unwrap_or(0);
     let used = deck.model.dofs.iter().map(|dof| dof.node).max().unwrap_or(0);
     Ok(listed.max(used).saturating_add(1))

@@ -34,7 +34,7 @@ pub fn with_slaves_for_ccx(deck: &Deck, plan: &Plan) -> Result<Vec<Written>, Cle
     let definitions = definitions(deck)?;
     for (node, equations) in of_node {
         let pose = definitions.pose(node).map_err(|problem| refused(deck, node, &problem.to_string()))?;
-        let own = Node { deck, node, axes: pose.axes };
+        let own = Node { deck, number: node, axes: pose.axes };
         own.settle(&equations, &mut written)?;
     }
     Ok(written)
@@ -48,7 +48,7 @@ fn refused(deck: &Deck, node: u32, why: &str) -> CleanError {
 /// A node and its axes, `axes[c]` in global coordinates.
 struct Node<'a> {
     deck: &'a Deck,
-    node: u32,
+    number: u32,
     axes: [Vector; 3],
 }
 
@@ -66,11 +66,11 @@ impl Node<'_> {
         let fitting = found.filter(|(by, others)| self.is_taken(&product(by, &rows), others));
         let Some((by, others)) = fitting.min_by(|a, b| size(&a.0).total_cmp(&size(&b.0))) else {
             let why = "ccx would take directions in which their equations have no coefficient; remove *TRANSFORM there";
-            return Err(refused(self.deck, self.node, why));
+            return Err(refused(self.deck, self.number, why));
         };
         let old: Vec<Written> = equations.iter().map(|&i| written[i].clone()).collect();
         for (k, &i) in equations.iter().enumerate() {
-            let slave = Dof { node: self.node, component: others[k] as u8 + 1 };
+            let slave = Dof { node: self.number, component: others[k] as u8 + 1 };
             written[i] = combined(&old, &by[k], slave);
         }
         Ok(())
@@ -80,7 +80,7 @@ impl Node<'_> {
     fn coefficients(&self, equation: &Written) -> [f64; 3] {
         let mut all = [0.0; 3];
         for &(dof, v) in equation.terms.iter().chain(&[(equation.slave, 1.0)]) {
-            if dof.node == self.node && (1..=3).contains(&dof.component) {
+            if dof.node == self.number && (1..=3).contains(&dof.component) {
                 all[usize::from(dof.component) - 1] += v;
             }
         }
@@ -107,7 +107,7 @@ impl Node<'_> {
     fn is_free(&self, components: &[usize]) -> bool {
         let model = &self.deck.model;
         components.iter().all(|&c| {
-            let dof = Dof { node: self.node, component: c as u8 + 1 };
+            let dof = Dof { node: self.number, component: c as u8 + 1 };
             let left_out = model.left_out_claims().binary_search_by_key(&dof, |(claimed, _)| *claimed).is_ok();
             model.claimed(dof).is_none() && !left_out
         })

@@ -17,7 +17,7 @@ use super::CleanError;
 use super::fault::Fault;
 use crate::deck::{Deck, Dof, Format, Model};
 
-pub(super) use layers::{conflicts, prescribed_in};
+pub(super) use layers::{Given, conflicts, prescribed_in};
 
 /// What changes: equations that go, and those that come.
 #[derive(Clone, Debug, Default, PartialEq)]
