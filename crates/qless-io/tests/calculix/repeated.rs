@@ -33,7 +33,8 @@ fn text(equations: &[Terms]) -> String {
     let lines = |terms: &Terms| {
         terms.iter().map(term).collect::<Vec<_>>().chunks(4).map(|line| line.join(",") + "\n").collect::<String>()
     };
-    equations.iter().map(|terms| format!("*EQUATION\n{}\n{}", terms.len(), lines(terms))).collect()
+    let equation = |terms: &Terms| format!("*EQUATION\n{}\n{}", terms.len(), lines(terms));
+    equations.iter().map(equation).collect::<Vec<_>>().concat()
 }
 
 /// The axes that `TURNED` gives.
