@@ -32,14 +32,14 @@ const ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// assert_eq!(found[1].face, 2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub struct FaceSearch<'a, const D: usize> {
-    surface: &'a Surface<D>,
+pub struct FaceSearch<'a, const D: usize, const F: usize = D> {
+    surface: &'a Surface<D, F>,
     tree: RTree<GeomWithData<Rectangle<[f64; D]>, usize>>,
     /// The largest coordinate of a face.
     size: f64,
 }
 
-impl<const D: usize> std::fmt::Debug for FaceSearch<'_, D> {
+impl<const D: usize, const F: usize> std::fmt::Debug for FaceSearch<'_, D, F> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("FaceSearch").field("faces", &self.tree.size()).finish_non_exhaustive()
     }
@@ -86,12 +86,12 @@ pub enum SearchError {
     },
 }
 
-impl<'a, const D: usize> FaceSearch<'a, D> {
+impl<'a, const D: usize, const F: usize> FaceSearch<'a, D, F> {
     /// Puts the faces into the tree.
     ///
     /// # Errors
     /// [`SurfaceError`]: no face, a face with the wrong number of nodes or one that is not there, a degenerate face.
-    pub fn new(surface: &'a Surface<D>) -> Result<Self, SurfaceError> {
+    pub fn new(surface: &'a Surface<D, F>) -> Result<Self, SurfaceError> {
         const { assert!(D > 1, "a search needs two dimensions") };
         surface.check()?;
         let boxes: Vec<_> =

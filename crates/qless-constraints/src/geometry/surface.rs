@@ -26,7 +26,7 @@ impl Face {
     }
 }
 
-/// Faces and the nodes that they share, in D dimensions: `x(xi) = sum_k N_k(xi) x_k` on each face.
+/// Faces and the nodes that they share, with F fields in D dimensions: `x(xi) = sum_k N_k(xi) x_k` on each face.
 ///
 /// Nodes that no face names are allowed: the list may be that of the whole model.
 ///
@@ -39,9 +39,9 @@ impl Face {
 /// assert_eq!(square.faces.len(), 2);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct Surface<const D: usize> {
+pub struct Surface<const D: usize, const F: usize = D> {
     /// The nodes.
-    pub nodes: Vec<Node<D>>,
+    pub nodes: Vec<Node<D, F>>,
     /// The faces, of any shapes.
     pub faces: Vec<Face>,
 }
@@ -81,7 +81,19 @@ pub enum SurfaceError {
     },
 }
 
-impl<const D: usize> Surface<D> {
+impl<const D: usize, const F: usize> Surface<D, F> {
+    /// The line through nodes in their order, a face of two nodes between each and the next.
+    ///
+    /// ```
+    /// use qless_constraints::types::{PlanarPoint, Surface};
+    /// let at = |i: usize| PlanarPoint::new([2 * i, 2 * i + 1], [i as f64, 0.0]);
+    /// assert_eq!(Surface::polyline((0..5).map(at).collect()).faces.len(), 4);
+    /// ```
+    pub fn polyline(nodes: Vec<Node<D, F>>) -> Self {
+        let faces = (1..nodes.len()).map(|end| Face::new(Shape::Line2, [end - 1, end])).collect();
+        Self { nodes, faces }
+    }
+
     /// Where the nodes of a face are.
     pub(crate) fn places(&self, face: usize) -> Vec<[f64; D]> {
         self.faces[face].nodes.iter().map(|&node| self.nodes[node].at).collect()

@@ -75,7 +75,7 @@ fn faults_of_ties() {
     assert_refused(NodeTie { node: far, shape, face: face.clone(), tolerance: 1.0 }, "2 away from the face");
     assert_refused(NodeTie { node, shape, face: face.clone(), tolerance: f64::NAN }, "more than the tolerance");
     assert_refused(NodeTie { node, shape, face: vec![at(1, 1.0), at(2, 1.0)], tolerance: 1.0 }, "degenerate");
-    assert_refused(LineTie { slave: vec![far], master: face.clone(), tolerance: 1.0 }, "node 1, from 1, is 2 away");
+    assert_refused(LineTie { slave: vec![far], master: face.clone(), tolerance: 1.0 }, "node 1, from 1, is 2 away from the nearest face");
     assert_refused(LineTie { slave: vec![node], master: vec![node], tolerance: 1.0 }, "a line of 1");
     let mortar = |slave: Vec<PlanarPoint>| MortarTie { slave, master: face.clone(), tolerance: 1e-9 };
     assert_refused(mortar(vec![at(3, 0.0)]), "at least two");
