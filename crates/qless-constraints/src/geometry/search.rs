@@ -7,13 +7,11 @@ use rayon::prelude::*;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 
+use super::bounds::bounds;
 use super::node::within;
-use super::project::project;
+use super::project::{ROUNDING, project, rounding};
 use super::shape::Shape;
-use super::surface::{Surface, SurfaceError, bounds};
-
-/// Distances that differ by less than this times the largest coordinate are equal: they are sums of a few rounded products.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
+use super::surface::{Surface, SurfaceError};
 
 /// Finds the nearest faces of a surface in D dimensions, two or more.
 ///
@@ -131,7 +129,8 @@ impl<'a, const D: usize, const F: usize> FaceSearch<'a, D, F> {
         let check = |(i, nearest): (usize, Option<Nearest>)| {
             let nearest = nearest.ok_or(SearchError::NoPlace { node: i + 1 })?;
             let (face, distance) = (nearest.face + 1, nearest.distance);
-            if !within(distance, tolerance) {
+            let rounding = rounding(&self.surface.places(nearest.face), &points[i]);
+            if !within(distance - rounding, tolerance) {
                 return Err(SearchError::TooFar { node: i + 1, face, distance, tolerance });
             }
             Ok(nearest)

@@ -2,7 +2,7 @@
 
 use super::interpolation::interpolate;
 use crate::geometry::node::{Node, field, within};
-use crate::geometry::project::project;
+use crate::geometry::project::{is_degenerate, project, relative, rounding};
 use crate::geometry::search::{FaceSearch, Nearest, SearchError};
 use crate::geometry::shape::Shape;
 use crate::geometry::surface::Surface;
@@ -100,8 +100,11 @@ impl<const D: usize, const F: usize> Constraint for NodeTie<D, F> {
             return Err(NodeTieError::Nodes { shape: self.shape, found: self.face.len() });
         }
         let corners: Vec<[f64; D]> = self.face.iter().map(|node| node.at).collect();
+        if is_degenerate(self.shape, &relative(&corners, &self.node.at)) {
+            return Err(NodeTieError::Degenerate);
+        }
         let found = project(self.shape, &corners, &self.node.at).ok_or(NodeTieError::Degenerate)?;
-        if !within(found.distance, self.tolerance) {
+        if !within(found.distance - rounding(&corners, &self.node.at), self.tolerance) {
             return Err(NodeTieError::TooFar { distance: found.distance, tolerance: self.tolerance });
         }
         let masters = self.face.iter().zip(&found.weights).map(|(node, &n)| (&node.dofs, n));

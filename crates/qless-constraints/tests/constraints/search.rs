@@ -2,8 +2,7 @@ use std::array::from_fn;
 
 use qless_constraints::ConstraintSet;
 use qless_constraints::types::{
-    Face, FaceSearch, Nearest, Node, NodeTie, PairError, Point, SearchError, Shape, Surface, SurfaceError,
-    pairs,
+    Face, FaceSearch, Nearest, Node, NodeTie, PairError, Point, SearchError, Shape, Surface, SurfaceError, pairs,
 };
 
 use crate::linkages::{Outcome, random};
