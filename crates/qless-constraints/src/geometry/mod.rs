@@ -14,5 +14,6 @@ pub mod search;
 pub mod segment;
 pub mod shape;
 pub mod surface;
+pub mod turn;
 pub mod turned;
 pub mod turns;

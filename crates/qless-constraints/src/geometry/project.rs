@@ -178,7 +178,8 @@ fn step<const D: usize>(shape: Shape, nodes: &[[f64; D]], xi: Parameters) -> Opt
             q[k] = std::array::from_fn(|d| q[k][d] - r[j][k] * q[j][d]);
         }
         r[k][k] = dot(&q[k], &q[k]).sqrt();
-        if !(r[k][k] > DEPENDENT * before) {
+        // A NaN is no length.
+        if r[k][k].is_nan() || r[k][k] <= DEPENDENT * before {
             return None;
         }
         q[k] = q[k].map(|x| x / r[k][k]);

@@ -1,10 +1,10 @@
-//! Faces that share nodes: what a search and a tie of surfaces are given.
+//! Faces that share nodes, or solids: what a search and a tie of surfaces are given.
 
 use super::node::Node;
 use super::project::{is_degenerate, relative};
 use super::shape::Shape;
 
-/// A face of a surface.
+/// A face of a surface, or a line, or a solid of a mesh.
 ///
 /// ```
 /// use qless_constraints::types::{Face, Shape};
@@ -28,7 +28,8 @@ impl Face {
 
 /// Faces and the nodes that they share, with F fields in D dimensions: `x(xi) = sum_k N_k(xi) x_k` on each face.
 ///
-/// Nodes that no face names are allowed: the list may be that of the whole model.
+/// Lines and solids are faces too: a polyline, or a mesh in which nodes are embedded. Nodes that no face names are allowed: the list may
+/// be that of the whole model.
 ///
 /// ```
 /// use qless_constraints::types::{Face, Point, Shape, Surface};

@@ -100,7 +100,7 @@ impl<const F: usize> Constraint for HangingNode<F> {
     fn process(self, store: &mut Store) -> Result<(), HangingNodeError> {
         self.check()?;
         let weights = self.shape.weights([self.at[0], self.at[1], 0.0]);
-        interpolate(store, field::<0, F>, &self.node, self.parent.iter().zip(weights));
+        interpolate(store, field::<0, F>, &self.node, self.parent.iter().copied().zip(weights));
         Ok(())
     }
 }

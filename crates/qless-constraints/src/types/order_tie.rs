@@ -130,7 +130,7 @@ impl<const F: usize> Constraint for OrderTie<F> {
         for (i, (at, dofs)) in self.fine.iter().enumerate() {
             if !self.is_shared(i)? {
                 let weights = lagrange(&places, *at);
-                let masters = self.coarse.iter().map(|(_, dofs)| dofs).zip(weights.iter().copied());
+                let masters = self.coarse.iter().map(|&(_, dofs)| dofs).zip(weights);
                 interpolate(store, |k| field_of_node::<0, F>(i, k).into(), dofs, masters);
             }
         }
