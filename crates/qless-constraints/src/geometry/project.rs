@@ -94,15 +94,19 @@ pub struct Foot {
 fn inside_or_first<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> Option<Foot> {
     let first = foot(shape, nodes)?;
     let inside = |foot: &Foot| foot.settled && shape.clamp(foot.xi) == foot.xi;
-    let [low, high] = bounds(shape, nodes);
-    let may_hold = (0..D).all(|d| low[d] <= 0.0 && high[d] >= 0.0);
-    if inside(&first) || shape.is_affine() || shape.dimensions() < D || !may_hold {
+    if inside(&first) || shape.is_affine() || shape.dimensions() < D || !may_hold(shape, nodes) {
         return Some(first);
     }
     let centre = shape.centre();
     let starts = shape.corners().iter().map(|p| std::array::from_fn(|k| f64::midpoint(p[k], centre[k])));
     let another = starts.filter_map(|start| foot_from(shape, nodes, start)).find(inside);
     Some(another.unwrap_or(first))
+}
+
+/// Whether the origin is in the box of the element.
+fn may_hold<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> bool {
+    let [low, high] = bounds(shape, nodes);
+    (0..D).all(|d| low[d] <= 0.0 && high[d] >= 0.0)
 }
 
 /// The foot of the origin on an element that goes on beyond its boundary; nothing if the element is degenerate at its centre.
@@ -194,6 +198,7 @@ fn step<const D: usize>(shape: Shape, nodes: &[[f64; D]], xi: Parameters) -> Opt
 
 #[cfg(test)]
 mod tests {
+    use super::super::shape::tests::random;
     use super::*;
 
     /// Beyond an edge that is not perpendicular to the others, the foot is on that edge, not at the nearest parameters.
@@ -228,5 +233,30 @@ mod tests {
     fn grid(shape: Shape) -> impl Iterator<Item = Parameters> {
         let at = |i: i32| f64::from(i) / 20.0 - 1.0;
         (0..41 * 41).map(move |i| shape.clamp([at(i % 41), at(i / 41), 0.0]))
+    }
+
+    /// The same of solids, warped and curved: a point of a grid that is nearer lies within the spacing of the grid.
+    #[test]
+    fn no_point_of_a_solid_is_nearer() {
+        let solids =
+            [Shape::Tet4, Shape::Tet10, Shape::Pyramid5, Shape::Wedge6, Shape::Wedge15, Shape::Hex8, Shape::Hex20];
+        for (shape, seed) in solids.into_iter().flat_map(|shape| (0..4).map(move |seed| (shape, 1000 * seed))) {
+            let most = if shape.edges().is_empty() { 0.3 } else { 0.1 };
+            let off = |k: usize, d: usize| most * (random(seed + 3 * k + d) - 0.5);
+            let place = |(k, p): (usize, &Parameters)| std::array::from_fn(|d| p[d] + off(k, d));
+            let nodes: Vec<[f64; 3]> = shape.places().iter().enumerate().map(place).collect();
+            let at = |i: usize| i as f64 / 6.0 - 1.0;
+            let grid: Vec<_> =
+                (0..13_usize.pow(3)).map(|i| shape.clamp([at(i % 13), at(i / 13 % 13), at(i / 169)])).collect();
+            for k in 0..60 {
+                let point = std::array::from_fn(|d| 4.0 * random(seed + 500 + 3 * k + d) - 2.0);
+                let found = project(shape, &nodes, &point).expect("not degenerate");
+                let arms = relative(&nodes, &point);
+                let least = grid.iter().map(|&xi| projection(&arms, shape.weights(xi)).distance).fold(9.0, f64::min);
+                let (found, own) = (found.distance, projection(&arms, found.weights).distance);
+                assert!(found < least + 1e-12 && least < found + 0.35, "{shape:?}, {point:?}: {found}, {least}");
+                assert!((found - own).abs() < 1e-14, "{shape:?}, {point:?}: {found}, {own}");
+            }
+        }
     }
 }

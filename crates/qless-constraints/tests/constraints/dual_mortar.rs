@@ -277,6 +277,45 @@ fn ties_do_not_depend_on_direction() -> Outcome {
     Ok(())
 }
 
+/// Interfaces that share slave nodes, and one that is said twice in the other direction: the rank is that of the SVD.
+#[test]
+fn ranks_are_those_of_the_svd() -> Outcome {
+    for (kind, twice) in [
+        (Multipliers::Standard, false),
+        (Multipliers::Dual, false),
+        (Multipliers::Standard, true),
+        (Multipliers::Dual, true),
+    ] {
+        let along = |s: f64| [s, 0.0];
+        let up = |s: f64| [0.0, s];
+        let (slave, master) = (line(0, 4, false, along), line(5, 3, false, along));
+        // The first slave node is that of the corner.
+        let mut side = line(8, 4, false, up);
+        side.nodes[0] = slave.nodes[0];
+        let wall = line(13, 5, true, up);
+        let mut builder = ConstraintSet::builder(24);
+        builder.add(
+            "floor",
+            MortarTie { slave: slave.clone(), master: master.clone(), multipliers: kind, tolerance: 1e-9 },
+        )?;
+        builder.add("wall", MortarTie { slave: side, master: wall, multipliers: kind, tolerance: 1e-9 })?;
+        if twice {
+            builder
+                .add("floor again", MortarTie { slave: master, master: slave, multipliers: kind, tolerance: 1e-9 })?;
+        }
+        let set = builder.build().expect("few DOFs");
+        let quantities = set.allocate();
+        let mut dense = Mat::<f64>::zeros(set.equations(), 24);
+        (0..set.equations()).for_each(|i| quantities.g().row(i).for_each(|(j, v)| dense[(i, j)] = v));
+        let sizes = dense.singular_values().map_err(|error| format!("{error:?}"))?;
+        let rank = sizes.iter().filter(|&&s| s > 1e-12 * sizes[0]).count();
+        let found = analyse(&set.linearised(&quantities, &[])?, &Options::default())?.rank();
+        assert_eq!(found, rank, "{kind:?}, {twice}: {sizes:?}");
+        println!("{kind:?}, said twice {twice}: rank {rank} of {}", set.equations());
+    }
+    Ok(())
+}
+
 #[test]
 fn facets_of_other_dimensions_are_refused() {
     let square = |first: usize| -> Surface<2, 1> {
