@@ -4,6 +4,8 @@ pub mod bounds;
 pub mod carrier;
 pub mod clip;
 mod factors;
+pub mod fold;
+pub mod foot;
 pub mod lanes;
 pub mod node;
 pub mod outline;

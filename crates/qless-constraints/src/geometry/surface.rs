@@ -1,7 +1,10 @@
 //! Faces that share nodes, or solids: what a search and a tie of surfaces are given.
 
+use rayon::prelude::*;
+
+use super::fold::is_degenerate;
 use super::node::Node;
-use super::project::{is_degenerate, relative};
+use super::project::relative;
 use super::shape::Shape;
 
 /// A face of a surface, or a line, or a solid of a mesh.
@@ -105,7 +108,8 @@ impl<const D: usize, const F: usize> Surface<D, F> {
         if self.faces.is_empty() {
             return Err(SurfaceError::Empty);
         }
-        (0..self.faces.len()).try_for_each(|face| self.check_face(face))
+        let faults = (0..self.faces.len()).into_par_iter().filter_map(|face| self.check_face(face).err());
+        faults.find_first(|_| true).map_or(Ok(()), Err)
     }
 
     fn check_face(&self, index: usize) -> Result<(), SurfaceError> {

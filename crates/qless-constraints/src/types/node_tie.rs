@@ -1,8 +1,9 @@
 //! `u_p = sum_k N_k(xi) u_k`: a node tied to the point of a line, face or solid that is nearest to it.
 
 use super::interpolation::interpolate;
+use crate::geometry::fold::is_degenerate;
 use crate::geometry::node::{Node, field, within};
-use crate::geometry::project::{is_degenerate, project, relative, rounding};
+use crate::geometry::project::{project, relative, rounding};
 use crate::geometry::search::{FaceSearch, Nearest, SearchError};
 use crate::geometry::shape::Shape;
 use crate::geometry::surface::Surface;

@@ -331,6 +331,20 @@ fn a_constant_flow_passes_rows_that_do_not_match() -> Outcome {
     Ok(())
 }
 
+/// The same bits with one thread and with four.
+#[test]
+fn threads_do_not_change_a_bit() {
+    for kind in [Multipliers::Standard, Multipliers::Dual] {
+        let mesh = Mesh { shape: Shape::Quad8, cells: 9, wiggle: 0.4, bend: 0.1 };
+        let [slave, master] = pair(mesh, Mesh { shape: Shape::Tri6, cells: 11, ..mesh }, inclined);
+        let with = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+            pool.install(|| tied(&slave, &master, kind, 1e-9).expect("tied").allocate().g().clone())
+        };
+        assert_eq!(with(1), with(4));
+    }
+}
+
 /// Interfaces that share slave nodes, and one that is said twice in the other direction: the rank is that of the SVD.
 #[test]
 fn ranks_are_those_of_the_svd() -> Outcome {

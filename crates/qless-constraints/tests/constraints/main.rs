@@ -1,5 +1,7 @@
 //! Constraint sets as a user meets them.
 
+/// Ties given numbers that are not finite, vanish or are huge.
+mod bad_numbers;
 /// Dual multipliers of mortar ties: biorthogonal, local, and as exact as the others.
 mod dual_mortar;
 /// Nodes embedded in solids.
