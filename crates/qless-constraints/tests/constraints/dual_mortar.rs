@@ -73,8 +73,10 @@ fn inclined([x, y]: [f64; 2]) -> [f64; 3] {
 #[test]
 fn dual_ties_pass_linear_fields() -> Outcome {
     for (a, b) in FACETS.into_iter().flat_map(|a| FACETS.map(|b| (a, b))) {
-        for (unit, shift) in [(1.0, 0.0), (1e-6, 0.0), (1e6, 0.0), (1.0, 1000.0)] {
-            let mesh = Mesh { shape: a, cells: 3, wiggle: 0.4, bend: 0.0 };
+        for (unit, shift, bend) in
+            [(1.0, 0.0, 0.0), (1.0, 0.0, 0.1), (1e-6, 0.0, 0.0), (1e6, 0.0, 0.1), (1.0, 1000.0, 0.0)]
+        {
+            let mesh = Mesh { shape: a, cells: 3, wiggle: 0.4, bend };
             let place = |x: [f64; 2]| inclined(x).map(|x| unit * x + shift);
             let [slave, master] = pair(mesh, Mesh { shape: b, cells: 4, ..mesh }, place);
             let set = tied(&slave, &master, Multipliers::Dual, 1e-9 * unit)?;
@@ -380,6 +382,26 @@ fn ranks_are_those_of_the_svd() -> Outcome {
         let found = analyse(&set.linearised(&quantities, &[])?, &Options::default())?.rank();
         assert_eq!(found, rank, "{kind:?}, {twice}: {sizes:?}");
         println!("{kind:?}, said twice {twice}: rank {rank} of {}", set.equations());
+    }
+    Ok(())
+}
+
+/// A border of the slave side that the tolerance allows to be bare: linear fields pass all the same.
+#[test]
+fn bare_borders_pass_linear_fields() -> Outcome {
+    for (shape, kind) in
+        FACETS.into_iter().flat_map(|s| [Multipliers::Standard, Multipliers::Dual].map(|kind| (s, kind)))
+    {
+        let mesh = Mesh { shape, cells: 4, wiggle: 0.3, bend: 0.0 };
+        let slave = of_field(&mesh.surface(0, |[x, y]| [x, y, 0.0]), 0);
+        let smaller = Mesh { cells: 3, ..mesh }.surface(0, |[x, y]| [0.01 + 0.98 * x, 0.008 + 0.985 * y, 0.0]);
+        let master = of_field(&smaller, slave.nodes.len());
+        assert!(tied(&slave, &master, kind, 1e-3).is_err());
+        let set = tied(&slave, &master, kind, 0.015)?;
+        let u: Vec<f64> = slave.nodes.iter().chain(&master.nodes).map(|n| 1.0 + 2.0 * n.at[0] - n.at[1]).collect();
+        assert!(residual(&set, &u)? < 1e-12, "{shape:?}, {kind:?}: {}", residual(&set, &u)?);
+        let rank = analyse(&set.linearised(&set.allocate(), &[])?, &Options::default())?.rank();
+        assert_eq!(rank, set.equations(), "{shape:?}, {kind:?}");
     }
     Ok(())
 }

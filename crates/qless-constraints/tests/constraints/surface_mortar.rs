@@ -195,9 +195,10 @@ fn curved_surfaces_pass_constants() -> Outcome {
     for (a, b) in [(Shape::Quad4, Shape::Tri3), (Shape::Tri3, Shape::Quad8), (Shape::Quad8, Shape::Tri6)] {
         let slave = Mesh { shape: a, cells: 7, wiggle: 0.3, bend: 0.0 };
         let (slave, master) = pair(slave, Mesh { shape: b, cells: 5, ..slave }, round);
-        let set = tied(&slave, &master, 0.03)?;
-        let [d, m] = sums(&set, slave.nodes.len());
-        assert!((d - m).abs() < 1e-13 && (d - 1.5).abs() < 0.02, "{a:?}, {b:?}: {d}, {m}");
+        for kind in [Multipliers::Standard, Multipliers::Dual] {
+            let [d, m] = sums(&tied_by(kind, &slave, &master, 0.03)?, slave.nodes.len());
+            assert!((d - m).abs() < 1e-13 && (d - 1.5).abs() < 0.02, "{a:?}, {b:?}, {kind:?}: {d}, {m}");
+        }
     }
     Ok(())
 }
