@@ -6,10 +6,10 @@ use qless_constraints::enforce::{BlockPlan, Problem, reduced};
 use qless_constraints::newton::{NewtonOptions, redundancies, solve};
 use qless_constraints::scalar::{Dual, Scalar, vector};
 use qless_constraints::types::{
-    Average, Body, Cyclic, CyclicHarmonic, Distance, Equal, EulerNorm, Face, FaceSearch, Fixed, FluidNormal, Line,
-    LineTie, LinearEquation, MacroStrain, MortarTie, NodeTie, OnLine, OnPlane, OnSphere, Periodic, PlanarPoint, Plane,
-    Point, Prescribed, Prismatic, Revolute, RigidBody, Shape, SmallRigidBody, Spherical, Surface, SurfaceMortarTie,
-    Universal, Volume,
+    Average, Body, Cyclic, CyclicHarmonic, Distance, Equal, EulerNorm, Face, FaceSearch, Fixed, FluidNormal,
+    HangingNode, Line, LineTie, LinearEquation, MacroStrain, MortarTie, Multipliers, NodeTie, OnLine, OnPlane,
+    OnSphere, OrderTie, Periodic, PlanarPoint, Plane, Point, Prescribed, Prismatic, Revolute, RigidBody, Shape,
+    SmallRigidBody, Spherical, Surface, Turn, Turning, Universal, Volume,
 };
 use qless_constraints::{Constraint, ConstraintSet, Nonlinear, Store, Weights};
 
@@ -98,9 +98,13 @@ fn every_type(x: f64, dof: usize) {
     take(Distance { length: Some(x), ..Distance::new(odd, p) });
     take(EulerNorm { parameters: [0, 1, 2, dof] });
     take(FluidNormal { structure: [0, 1, dof], fluid: [3, 4, 5], normal: [x; 3] });
-    let pair = Cyclic { a: odd, b: p, centre: at, axis, angle: x, tolerance: x };
-    take(pair);
-    take(CyclicHarmonic { real: pair, imaginary_a: [20, 21, dof], imaginary_b: [23, 24, 25], harmonic: u32::MAX });
+    if let Ok(turn) = Turn::about(at, axis, x) {
+        let pair = Cyclic { a: odd, b: p, turn, fields: Turning::Vectors, tolerance: x };
+        take(pair);
+        take(CyclicHarmonic { real: pair, imaginary_a: [20, 21, dof], imaginary_b: [23, 24, 25], harmonic: u32::MAX });
+    }
+    take(HangingNode { node: [dof], shape: Shape::Line3, parent: vec![[0], [1], [2]], at: [x; 2] });
+    take(OrderTie { fine: vec![(0.0, [dof]), (x, [3]), (1.0, [4])], coarse: vec![(0.0, [0]), (x, [1])] });
     take(Average { reference: odd, rotations: [30, 31, dof], nodes: vec![(p, x), (q, 1.0), (r, 1.0)] });
     take(SmallRigidBody { reference: odd, rotations: [30, 31, 32], nodes: vec![p, q] });
     take(RigidBody { body, nodes: vec![q, r] });
@@ -111,10 +115,24 @@ fn every_type(x: f64, dof: usize) {
     take(OnPlane { point: q, plane: Plane::Fixed { through: at, normal: [x; 3] } });
     take(OnPlane { point: q, plane: Plane::Nodes(p, r, odd) });
     take(LineTie { slave: vec![flat(1, x)], master: vec![flat(2, 0.0), flat(3, x)], tolerance: x });
-    take(MortarTie { slave: vec![flat(1, 0.0), flat(4, x)], master: vec![flat(2, 0.0), flat(3, x)], tolerance: x });
+    let surface = |z: f64| Surface {
+        nodes: vec![odd, point(5, [1.0, 0.0, z]), point(6, [1.0, 1.0, z]), point(7, [0.0, 1.0, x])],
+        faces: vec![Face::new(Shape::Quad4, [0, 1, 2, 3])],
+    };
+    for multipliers in [Multipliers::Standard, Multipliers::Dual] {
+        let line = |i: usize, j: usize| Surface::polyline(vec![flat(i, 0.0), flat(j, x)]);
+        take(MortarTie { slave: line(1, 4), master: line(2, 3), multipliers, tolerance: x });
+        take(MortarTie { slave: surface(0.0), master: surface(x), multipliers, tolerance: x });
+    }
     for shape in [Shape::Line2, Shape::Tri3, Shape::Quad4] {
         take(NodeTie { node: odd, shape, face: vec![p, q, r, s][..shape.nodes()].to_vec(), tolerance: x });
         take(NodeTie { node: q, shape, face: vec![], tolerance: f64::NAN });
+    }
+    for (shape, count) in
+        [(Shape::Tet4, 4), (Shape::Pyramid5, 5), (Shape::Wedge6, 6), (Shape::Hex8, 8), (Shape::Hex20, 20)]
+    {
+        let face = [p, q, r, s, odd].into_iter().cycle().take(count).collect();
+        take(NodeTie { node: odd, shape, face, tolerance: x });
     }
     take(Volume { nodes: vec![p, q, r, odd], tetrahedra: vec![[0, 1, 2, 3], [0, 1, 2, dof]] });
     take(Spherical { a: body, b: euler, at });
@@ -122,11 +140,6 @@ fn every_type(x: f64, dof: usize) {
     take(Prismatic { a: body, b: euler, at, axis });
     take(Fixed { a: body, b: euler, at });
     take(Universal { a: body, b: euler, at, axis_a: axis, axis_b: [x, 0.0, 1.0] });
-    let surface = |z: f64| Surface {
-        nodes: vec![odd, point(5, [1.0, 0.0, z]), point(6, [1.0, 1.0, z]), point(7, [0.0, 1.0, x])],
-        faces: vec![Face::new(Shape::Quad4, [0, 1, 2, 3])],
-    };
-    take(SurfaceMortarTie { slave: surface(0.0), master: surface(x), tolerance: x });
     survives("a search", || {
         let surface = surface(1.0);
         let Ok(search) = FaceSearch::new(&surface) else { return };

@@ -1,4 +1,4 @@
-//! `argmin_f |x_f(xi) - p|`: the face of a surface that is nearest to a point.
+//! `argmin_f |x_f(xi) - p|`: the face of a surface, or the solid of a mesh, that is nearest to a point.
 //!
 //! Boxes of faces in an R*-tree, loaded at once, are visited from the nearest on, each face in them projected on, until a
 //! box is farther away than the nearest face so far. With n faces and m points near them: O((n + m) log n).
@@ -7,15 +7,13 @@ use rayon::prelude::*;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 
+use super::bounds::bounds;
 use super::node::within;
-use super::project::project;
+use super::project::{ROUNDING, project, rounding};
 use super::shape::Shape;
-use super::surface::{Surface, SurfaceError, bounds};
+use super::surface::{Surface, SurfaceError};
 
-/// Distances that differ by less than this times the largest coordinate are equal: they are sums of a few rounded products.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
-
-/// Finds the nearest faces of a surface in D dimensions, two or more.
+/// Finds the nearest faces of a surface in D dimensions, two or more; or of a mesh, the solids that hold points: `argmin_f |x_f(xi) - p|`.
 ///
 /// Of faces at the same distance, to rounding, the one with the smallest number is found: a point on an edge or a corner has one
 /// face, whatever the order of the search.
@@ -32,14 +30,14 @@ const ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// assert_eq!(found[1].face, 2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub struct FaceSearch<'a, const D: usize> {
-    surface: &'a Surface<D>,
+pub struct FaceSearch<'a, const D: usize, const F: usize = D> {
+    surface: &'a Surface<D, F>,
     tree: RTree<GeomWithData<Rectangle<[f64; D]>, usize>>,
     /// The largest coordinate of a face.
     size: f64,
 }
 
-impl<const D: usize> std::fmt::Debug for FaceSearch<'_, D> {
+impl<const D: usize, const F: usize> std::fmt::Debug for FaceSearch<'_, D, F> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("FaceSearch").field("faces", &self.tree.size()).finish_non_exhaustive()
     }
@@ -50,9 +48,10 @@ impl<const D: usize> std::fmt::Debug for FaceSearch<'_, D> {
 pub struct Nearest {
     /// The face, from 0.
     pub face: usize,
-    /// From the point to the face, a length.
+    /// From the point to the face, a length; zero, or rounding, in a solid that holds it.
     pub distance: f64,
-    /// `N_k` at the nearest point of the face, one for each of its nodes; they sum to one.
+    /// `N_k` at the nearest point of the face, one for each of its nodes: exactly zero below 8 units in the last place of the largest,
+    /// and with a sum of one, to two units of rounding for each.
     pub weights: Vec<f64>,
 }
 
@@ -86,12 +85,12 @@ pub enum SearchError {
     },
 }
 
-impl<'a, const D: usize> FaceSearch<'a, D> {
+impl<'a, const D: usize, const F: usize> FaceSearch<'a, D, F> {
     /// Puts the faces into the tree.
     ///
     /// # Errors
     /// [`SurfaceError`]: no face, a face with the wrong number of nodes or one that is not there, a degenerate face.
-    pub fn new(surface: &'a Surface<D>) -> Result<Self, SurfaceError> {
+    pub fn new(surface: &'a Surface<D, F>) -> Result<Self, SurfaceError> {
         const { assert!(D > 1, "a search needs two dimensions") };
         surface.check()?;
         let boxes: Vec<_> =
@@ -122,7 +121,7 @@ impl<'a, const D: usize> FaceSearch<'a, D> {
         found.into_iter().filter(|face| face.distance <= least + rounding).min_by_key(|face| face.face)
     }
 
-    /// The nearest face of each point, none farther than the tolerance, a length.
+    /// The nearest face of each point, none farther than the tolerance, a length, beyond the rounding of the coordinates.
     ///
     /// # Errors
     /// [`SearchError`] for the first point whose nearest face is farther away, or whose coordinates are not finite.
@@ -131,7 +130,8 @@ impl<'a, const D: usize> FaceSearch<'a, D> {
         let check = |(i, nearest): (usize, Option<Nearest>)| {
             let nearest = nearest.ok_or(SearchError::NoPlace { node: i + 1 })?;
             let (face, distance) = (nearest.face + 1, nearest.distance);
-            if !within(distance, tolerance) {
+            let rounding = rounding(&self.surface.places(nearest.face), &points[i]);
+            if !within(distance - rounding, tolerance) {
                 return Err(SearchError::TooFar { node: i + 1, face, distance, tolerance });
             }
             Ok(nearest)

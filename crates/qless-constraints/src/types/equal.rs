@@ -4,6 +4,8 @@ use crate::{Constraint, Store};
 
 /// Equal DOFs: `u_i - u_0 = 0` for every DOF after the first.
 ///
+/// One equation less than there are DOFs, and as many removed. Rank is lost where two such lists share more than one DOF.
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::Equal};
 /// let mut builder = ConstraintSet::builder(4);
