@@ -6,8 +6,9 @@ use faer::sparse::SparseColMat;
 use qless::{Csr, Reduction, ReductionError};
 
 use super::EnforceError;
-use super::matrix::{Factor, Matrix, entries, from_triplets, product, times, transposed};
-use super::saddle::bordered;
+use super::factor::Factor;
+use super::matrix::{Matrix, bordered, entries, from_triplets, product, times, transposed};
+use super::scale;
 
 /// u of all DOFs, by transformation with a reduction, whoever made it; `prescribed` are the values of its prescribed DOFs.
 ///
@@ -58,7 +59,7 @@ pub fn reduced(
     let mut rhs = times(&back, &load);
     let constraints = product(&equations(reduction, dofs)?, &t)?;
     rhs.resize(t.ncols() + held.len(), 0.0);
-    let x = Factor::new(&bordered(&stiffness, &constraints)?, "the reduced stiffness")?.solve(&rhs)?;
+    let x = Factor::new(&bordered(&stiffness, &constraints)?, scale::units(&stiffness, &constraints), false)?.solve(&rhs)?;
     Ok(times(&t, &x[..t.ncols()]).iter().zip(&constant).map(|(u, c)| u + c).collect())
 }
 
