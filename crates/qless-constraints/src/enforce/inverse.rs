@@ -33,10 +33,11 @@ pub struct Inverse<'a> {
 
 impl<'a> Inverse<'a> {
     /// With `shift` on the diagonal of the unknown DOFs in units of [`super::scale`], for a matrix that is singular.
-    pub fn new(problem: &'a Problem, methods: &[Method], springs: &[f64], shift: f64) -> Result<Self, EnforceError> {
-        let of = |method: Method| problem.kept.iter().copied().filter(|&row| methods[row] == method).collect();
-        let (eliminated, mut border): (Vec<usize>, Vec<usize>) = (of(Method::Elimination), of(Method::Multiplier));
-        let sum = with_springs(problem, springs)?;
+    pub fn new(problem: &'a Problem, methods: &[Method], springs: Vec<f64>, shift: f64) -> Result<Self, EnforceError> {
+        let of = |method: Method| problem.kept.iter().copied().filter(move |&row| methods[row] == method);
+        let eliminated: Vec<usize> = of(Method::Elimination).collect();
+        let mut border: Vec<usize> = of(Method::Multiplier).collect();
+        let sum = with_springs(problem, &springs)?;
         let condensation = Condensation::new(problem.system, &eliminated, &sum)?;
         let multipliers = border.len();
         border.extend(&condensation.left);
@@ -47,7 +48,6 @@ impl<'a> Inverse<'a> {
         let matrix = if border.is_empty() { k_q } else { bordered(&k_q, &c_q)? };
         let matrix = if shift > 0.0 { shifted(&matrix, &units, count, shift)? } else { matrix };
         let factor = Factor::new(&matrix, units, definite)?;
-        let springs = springs.to_vec();
         Ok(Self { problem, springs, sum, eliminated, condensation, border, multipliers, factor })
     }
 

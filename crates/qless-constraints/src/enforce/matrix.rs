@@ -74,13 +74,6 @@ pub fn times(a: &Matrix, x: &[f64]) -> Vec<f64> {
     y
 }
 
-/// `|A| |x|`.
-pub fn sizes(a: &Matrix, x: &[f64]) -> Vec<f64> {
-    let mut y = vec![0.0; a.nrows()];
-    add_sizes(a, x, &mut y);
-    y
-}
-
 /// `[A B^T; B 0]`.
 pub fn bordered(a: &Matrix, b: &Matrix) -> Result<Matrix, EnforceError> {
     let (n, size) = (a.nrows(), a.nrows() + b.nrows());

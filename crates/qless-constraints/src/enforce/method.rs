@@ -32,8 +32,8 @@ impl Method {
         }
     }
 
-    /// The same with a spring softer by `share`.
-    pub(super) fn softer(self, share: f64) -> Self {
+    /// The same with `share` times the spring.
+    pub(super) fn times(self, share: f64) -> Self {
         match self {
             Self::Penalty { factor } => Self::Penalty { factor: factor * share },
             Self::Augmented { factor } => Self::Augmented { factor: factor * share },

@@ -42,9 +42,12 @@ impl Model {
         Ok(Self { k, c, compliance, units, parts, rhs: right_hand_side(problem, &free) })
     }
 
-    /// The same equations without compliance: what a penalty stands for.
-    pub fn exact(self) -> Self {
-        Self { compliance: vec![0.0; self.compliance.len()], ..self }
+    /// `A x` without compliance: the equations that penalties stand for.
+    pub fn exactly(&self, x: &[f64]) -> Vec<f64> {
+        let mut y = self.apply(x);
+        let n = self.dofs();
+        (0..self.compliance.len()).for_each(|i| y[n + i] += self.compliance[i] * x[n + i]);
+        y
     }
 
     /// How many unknowns are DOFs.

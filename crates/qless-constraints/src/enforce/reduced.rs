@@ -5,10 +5,13 @@
 use faer::sparse::SparseColMat;
 use qless::{Csr, Reduction, ReductionError};
 
-use super::EnforceError;
-use super::factor::Factor;
-use super::matrix::{Matrix, bordered, entries, from_triplets, product, times, transposed};
-use super::scale;
+use super::equations::{BALANCED, Equations, Goal, SHARP, settle};
+use super::factor::{Factor, shifted};
+use super::matrix::{
+    Matrix, add_sizes, add_sizes_transposed, add_transposed, bordered, entries, from_triplets, product, times, transposed,
+};
+use super::support::{SHIFTS, Verdict, judged, loose};
+use super::{EnforceError, Motion, scale};
 
 /// u of all DOFs, by transformation with a reduction, whoever made it; `prescribed` are the values of its prescribed DOFs.
 ///
@@ -30,8 +33,8 @@ use super::scale;
 /// ```
 ///
 /// # Errors
-/// [`EnforceError::Size`] where K, f or the values do not fit to the reduction, [`EnforceError::Singular`] if the constraints
-/// do not hold the model.
+/// [`EnforceError::Size`] where K, f or the values do not fit to the reduction, [`EnforceError::Unsupported`] if the constraints
+/// do not hold the model, [`EnforceError::OutOfBalance`] if rounding leaves more than 1e-10 of the forces.
 pub fn reduced(
     k: &SparseColMat<usize, f64>,
     f: &[f64],
@@ -59,9 +62,105 @@ pub fn reduced(
     let mut rhs = times(&back, &load);
     let constraints = product(&equations(reduction, dofs)?, &t)?;
     rhs.resize(t.ncols() + held.len(), 0.0);
-    let x = Factor::new(&bordered(&stiffness, &constraints)?, scale::units(&stiffness, &constraints), false)?.solve(&rhs)?;
-    Ok(times(&t, &x[..t.ncols()]).iter().zip(&constant).map(|(u, c)| u + c).collect())
+    let units = scale::units(&stiffness, &constraints);
+    let matrix = bordered(&stiffness, &constraints)?;
+    let parts = scale::parts(rhs.len(), entries(&matrix).map(|(i, j, _)| (i, j)));
+    let mut rhs_sizes = sizes_of_load(k, &t, &constant, f);
+    rhs_sizes.resize(rhs.len(), 0.0);
+    let model = Transformed { k, t, constraints, units, parts };
+    let x = model.solved(&matrix, (&rhs, &rhs_sizes))?;
+    Ok(times(&model.t, &x[..model.t.ncols()]).iter().zip(&constant).map(|(u, c)| u + c).collect())
 }
+
+/// `|T|^T (|f| + |K| |u_0|)`.
+fn sizes_of_load(k: &Matrix, t: &Matrix, constant: &[f64], f: &[f64]) -> Vec<f64> {
+    let mut of_dofs: Vec<f64> = f.iter().map(|f| f.abs()).collect();
+    add_sizes(k, constant, &mut of_dofs);
+    let mut sizes = vec![0.0; t.ncols()];
+    add_sizes_transposed(t, &of_dofs, &mut sizes);
+    sizes
+}
+
+/// `T^T K T q + B^T lambda = f_q`, `B q = 0`, term by term.
+struct Transformed<'a> {
+    k: &'a Matrix,
+    t: Matrix,
+    constraints: Matrix,
+    units: Vec<f64>,
+    parts: Vec<usize>,
+}
+
+impl Transformed<'_> {
+    /// In balance, or refused.
+    fn solved(&self, matrix: &Matrix, rhs: (&[f64], &[f64])) -> Result<Vec<f64>, EnforceError> {
+        let singular = EnforceError::Singular { what: "the reduced stiffness" };
+        let Ok(mut factor) = Factor::new(matrix, self.units.clone(), false) else {
+            return Err(self.free_motion(matrix).unwrap_or(singular));
+        };
+        let mut solve = |r: &[f64]| factor.solve(r);
+        match judged(self, &mut solve) {
+            Ok(Verdict::Held(_)) => {}
+            Ok(Verdict::Loose(motion, held)) => return Err(self.unsupported(&motion, held)),
+            Err(_) => return Err(self.free_motion(matrix).unwrap_or(singular)),
+        }
+        let goal = Goal { limit: &|_| BALANCED, enough: SHARP, steps: REFINEMENTS, patient: false };
+        let settled = settle(self, &mut solve, rhs, &goal)?;
+        if settled.share > 1.0 {
+            let row = format!("the forces on unknown {}", settled.row);
+            return Err(EnforceError::OutOfBalance { row, imbalance: settled.imbalance });
+        }
+        Ok(settled.x)
+    }
+
+    fn free_motion(&self, matrix: &Matrix) -> Option<EnforceError> {
+        let motion = |shift: f64| {
+            let matrix = shifted(matrix, &self.units, self.t.ncols(), shift).ok()?;
+            let mut factor = Factor::new(&matrix, self.units.clone(), false).ok()?;
+            let (motion, held) = loose(self, &mut |r: &[f64]| factor.solve(r))?;
+            Some(self.unsupported(&motion, held))
+        };
+        SHIFTS.into_iter().find_map(motion)
+    }
+
+    fn unsupported(&self, motion: &[f64], held: f64) -> EnforceError {
+        let (u, units) = (times(&self.t, &motion[..self.t.ncols()]), scale::units_of(self.k));
+        EnforceError::Unsupported(Motion::new(&u, &units, held))
+    }
+}
+
+impl Equations for Transformed<'_> {
+    fn apply(&self, x: &[f64]) -> Vec<f64> {
+        let (q, lambda) = x.split_at(self.t.ncols());
+        let mut y = vec![0.0; q.len()];
+        add_transposed(&self.t, &times(self.k, &times(&self.t, q)), &mut y);
+        add_transposed(&self.constraints, lambda, &mut y);
+        y.extend(times(&self.constraints, q));
+        y
+    }
+
+    fn size(&self, x: &[f64]) -> Vec<f64> {
+        let (q, lambda) = x.split_at(self.t.ncols());
+        let (mut u, mut forces, mut y) = (vec![0.0; self.k.nrows()], vec![0.0; self.k.nrows()], vec![0.0; q.len()]);
+        add_sizes(&self.t, q, &mut u);
+        add_sizes(self.k, &u, &mut forces);
+        add_sizes_transposed(&self.t, &forces, &mut y);
+        add_sizes_transposed(&self.constraints, lambda, &mut y);
+        let mut gaps = vec![0.0; lambda.len()];
+        add_sizes(&self.constraints, q, &mut gaps);
+        [y, gaps].concat()
+    }
+
+    fn units(&self) -> &[f64] {
+        &self.units
+    }
+
+    fn parts(&self) -> &[usize] {
+        &self.parts
+    }
+}
+
+/// Solutions and refinements at most.
+const REFINEMENTS: usize = 6;
 
 /// The equations of factored parts on their free DOFs.
 fn equations(reduction: &Reduction, dofs: usize) -> Result<Matrix, EnforceError> {

@@ -23,6 +23,11 @@ pub fn units(k: &Matrix, c: &Matrix) -> Vec<f64> {
     dofs.into_iter().chain(rows).map(|s| if s > 0.0 { power_of_two(s) } else { 1.0 }).collect()
 }
 
+/// Units from the stiffness of each unknown: `1 / sqrt(k_j)`.
+pub fn units_of_diagonal(stiffness: &[f64]) -> Vec<f64> {
+    stiffness.iter().map(|&k| if k > 0.0 { power_of_two(k.sqrt().recip()) } else { 1.0 }).collect()
+}
+
 /// Units of a square matrix that has no C.
 pub fn units_of(a: &Matrix) -> Vec<f64> {
     of_stiffness(a).into_iter().map(|s| if s > 0.0 { power_of_two(s) } else { 1.0 }).collect()

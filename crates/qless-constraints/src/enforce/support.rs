@@ -13,6 +13,8 @@
 
 use super::equations::Equations;
 
+/// What makes a singular matrix regular, in units without units: far above rounding, far below what holds a model.
+pub const SHIFTS: [f64; 2] = [1e-12, 1e-9];
 /// Steps of the iteration; the first depends on where it starts.
 const STEPS: usize = 3;
 /// Steps that sharpen a null vector, at most.
@@ -20,11 +22,42 @@ const SHARPENINGS: usize = 6;
 /// Below these shares of the largest, numbers of a null vector may be noise.
 const NOISE: [f64; 5] = [0.0, 1e-13, 1e-11, 1e-9, 1e-7];
 /// Entries of A that are wrong by this share make it singular: rounding, in what assembled models have of it.
-pub const ROUNDING: f64 = 64.0 * f64::EPSILON;
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// Sensitivities from which on a null vector is looked for: factors may be far more wrong than A is.
 pub const SUSPICIOUS: f64 = 1e-4 / f64::EPSILON;
 /// Sensitivities from which on u has not one digit that is sure.
-pub const HOPELESS: f64 = 1.0 / (16.0 * f64::EPSILON);
+const HOPELESS: f64 = 1.0 / (16.0 * f64::EPSILON);
+
+/// What is known of the support of a model.
+pub enum Verdict {
+    /// It is held, with this g.
+    Held(f64),
+    /// Nothing holds this motion, but for this share of its terms.
+    Loose(Vec<f64>, f64),
+}
+
+/// Whether the model is held; an error if `solve` has one.
+pub fn judged<E>(
+    equations: &impl Equations,
+    solve: &mut dyn FnMut(&[f64]) -> Result<Vec<f64>, E>,
+) -> Result<Verdict, E> {
+    let (growth, mode) = sensitivity(equations, solve)?;
+    if growth < SUSPICIOUS {
+        return Ok(Verdict::Held(growth));
+    }
+    let (motion, held) = sharpened(equations, solve, mode);
+    Ok(if held <= ROUNDING || growth >= HOPELESS { Verdict::Loose(motion, held) } else { Verdict::Held(growth) })
+}
+
+/// The motion that a singular model leaves free, by the inverse of a matrix that was shifted a little.
+pub fn loose<E>(
+    equations: &impl Equations,
+    solve: &mut dyn FnMut(&[f64]) -> Result<Vec<f64>, E>,
+) -> Option<(Vec<f64>, f64)> {
+    let (_, mode) = sensitivity(equations, solve).ok()?;
+    let (motion, held) = sharpened(equations, solve, mode);
+    (held <= ROUNDING).then_some((motion, held))
+}
 
 /// g, and the direction that grew.
 pub fn sensitivity<E>(
@@ -47,7 +80,7 @@ pub fn sensitivity<E>(
 }
 
 /// A sharper null vector, and `max_i |A v|_i / (|A| |v|)_i`.
-pub fn sharpened<E>(
+fn sharpened<E>(
     equations: &impl Equations,
     solve: &mut dyn FnMut(&[f64]) -> Result<Vec<f64>, E>,
     mut v: Vec<f64>,

@@ -1,9 +1,15 @@
 //! The same model, step after step: `K_q u_q = f_q`, `u = L u_q + u_0`, with the analysis, the pattern and the solver's analysis made once.
 
-use qless::{ArgumentError, Condensed, Given, Index, Map, Storage, View};
+mod balance;
+mod terms;
+mod turned;
 
-use super::EnforceError;
+use qless::{Condensed, Given, Index, Map, Storage, View};
+
 use super::solver::{Columns, Solver};
+use super::{EnforceError, scale};
+use terms::Pattern;
+use turned::Turned;
 
 /// A map, the pattern of K condensed by it, and a solver; owned, to be kept beside the model.
 ///
@@ -33,29 +39,37 @@ pub struct Steps<S> {
     /// What is stored of the columns.
     storage: Storage,
     k_q: Vec<f64>,
-    x: Vec<f64>,
-}
-
-/// Columns made of rows.
-#[derive(Debug)]
-struct Turned {
-    starts: Vec<u32>,
-    rows: Vec<u32>,
-    /// For each entry its place by rows.
-    places: Vec<u32>,
-    values: Vec<f64>,
+    /// Where K has its entries.
+    pattern: Pattern,
+    /// The connected part of each unknown.
+    parts: Vec<usize>,
 }
 
 impl<S: Solver> Steps<S> {
     /// For matrices of the pattern of K.
     ///
     /// # Errors
-    /// [`EnforceError::Map`] if the arrays are no pattern, [`EnforceError::Factored`] if parts of T stay factors.
+    /// [`EnforceError::Map`] if the arrays are no pattern, [`EnforceError::Factored`] if parts of T stay factors,
+    /// [`EnforceError::Triangle`] if the pattern is one half of a matrix that is not declared as such.
     pub fn new<P: Index, I: Index>(map: Map, k: View<P, I>, solver: S) -> Result<Self, EnforceError> {
+        let steps = Self::unsymmetric(map, k, solver)?;
+        match steps.pattern.triangle() {
+            Some(lower) => Err(EnforceError::Triangle { lower }),
+            None => Ok(steps),
+        }
+    }
+
+    /// The same, also where K is a triangle that is meant as such.
+    ///
+    /// # Errors
+    /// As [`Steps::new`], but for triangles.
+    pub fn unsymmetric<P: Index, I: Index>(map: Map, k: View<P, I>, solver: S) -> Result<Self, EnforceError> {
         if !map.reduction().is_explicit() {
             return Err(EnforceError::Factored);
         }
         let condensed = map.condensed(k, Given::Eliminated)?;
+        // It was checked with the condensed pattern.
+        let pattern = Pattern::new(&k);
         // Rows of a half are columns of the other one.
         let storage = match (condensed.is_by_columns(), condensed.storage()) {
             (false, Storage::Lower) => Storage::Upper,
@@ -64,8 +78,9 @@ impl<S: Solver> Steps<S> {
         };
         let is_turned = !condensed.is_by_columns() && storage == Storage::Full;
         let turned = is_turned.then(|| Turned::new(&condensed));
-        let (k_q, x) = (vec![0.0; condensed.nnz()], vec![0.0; condensed.unknowns()]);
-        Ok(Self { map, condensed, solver, turned, storage, k_q, x })
+        let parts = scale::parts(condensed.unknowns(), condensed.entries());
+        let k_q = vec![0.0; condensed.nnz()];
+        Ok(Self { map, condensed, solver, turned, storage, k_q, pattern, parts })
     }
 
     /// The constraints.
@@ -83,59 +98,46 @@ impl<S: Solver> Steps<S> {
         &self.condensed
     }
 
-    /// u of all DOFs for values of K and forces: condensed, factored and solved.
+    /// u of all DOFs for values of K and forces: condensed, factored, held against its support, and solved.
+    ///
+    /// Cost: one factorization and some five solves.
     ///
     /// # Errors
-    /// [`EnforceError::Argument`] for lists that do not fit or numbers that are not finite, [`EnforceError::Solver`].
+    /// [`EnforceError::Argument`] for lists that do not fit or numbers that are not finite, [`EnforceError::Solver`],
+    /// [`EnforceError::Unsupported`] with the motion that nothing holds, and as [`Steps::solve_again`].
     pub fn solve(&mut self, k: &[f64], f: &[f64], u: &mut [f64]) -> Result<(), EnforceError> {
         self.condensed.condense_matrix_into(&self.map, k, &mut self.k_q)?;
-        let storage = self.storage;
-        let columns = match &mut self.turned {
-            None => {
-                Columns { starts: self.condensed.starts(), rows: self.condensed.index(), values: &self.k_q, storage }
-            }
-            Some(turned) => turned.columns(&self.k_q),
-        };
-        self.solver.factor(columns)?;
+        let factored = self.factor(0.0, &[]);
+        self.held(k, factored)?;
         self.solve_again(k, f, u)
     }
 
     /// The same for other forces, or after a refresh, with the factors of the last [`Steps::solve`]; K must be the same.
     ///
     /// # Errors
-    /// As [`Steps::solve`].
+    /// As [`Steps::solve`], and [`EnforceError::OutOfBalance`] if more than 1e-10 of the forces of a row is left after refinement.
     pub fn solve_again(&mut self, k: &[f64], f: &[f64], u: &mut [f64]) -> Result<(), EnforceError> {
-        self.condensed.load_into(&self.map, k, f, &mut self.x)?;
-        self.solver.solve(&mut self.x)?;
-        self.map.expand_into(&self.x, u).map_err(|error| match error {
-            // What a singular matrix gives.
-            ArgumentError::NotFinite { .. } => EnforceError::Singular { what: "the reduced stiffness" },
-            other => other.into(),
-        })
+        let x = self.balanced(k, f)?;
+        self.map.expand_into(&x, u)?;
+        self.meets_equations(u)
     }
-}
 
-impl Turned {
-    fn new(condensed: &Condensed) -> Self {
-        let (n, by_row) = (condensed.unknowns(), condensed.starts());
-        let mut starts = vec![0_u32; n + 1];
-        condensed.index().iter().for_each(|&j| starts[j as usize + 1] += 1);
-        (0..n).for_each(|j| starts[j + 1] += starts[j]);
-        let mut next = starts.clone();
-        let (mut rows, mut places) = (vec![0; condensed.nnz()], vec![0; condensed.nnz()]);
-        for i in 0..n {
-            for place in by_row[i]..by_row[i + 1] {
-                let slot = &mut next[condensed.index()[place as usize] as usize];
-                rows[*slot as usize] = i as u32;
-                places[*slot as usize] = place;
-                *slot += 1;
-            }
+    /// Hands K_q to the solver, with a shift of its diagonal in these units.
+    fn factor(&mut self, shift: f64, units: &[f64]) -> Result<(), EnforceError> {
+        if self.condensed.unknowns() == 0 {
+            return Ok(());
         }
-        Self { starts, rows, places, values: vec![0.0; condensed.nnz()] }
-    }
-
-    fn columns(&mut self, k_q: &[f64]) -> Columns<'_> {
-        self.values.iter_mut().zip(&self.places).for_each(|(value, &place)| *value = k_q[place as usize]);
-        Columns { starts: &self.starts, rows: &self.rows, values: &self.values, storage: Storage::Full }
+        let storage = self.storage;
+        if shift > 0.0 {
+            let diagonal = self.condensed.entries().enumerate().filter(|(_, (i, j))| i == j);
+            diagonal.for_each(|(place, (i, _))| self.k_q[place] += shift / (units[i] * units[i]));
+        }
+        let columns = match &mut self.turned {
+            None => {
+                Columns { starts: self.condensed.starts(), rows: self.condensed.index(), values: &self.k_q, storage }
+            }
+            Some(turned) => turned.columns(&self.k_q),
+        };
+        Ok(self.solver.factor(columns)?)
     }
 }

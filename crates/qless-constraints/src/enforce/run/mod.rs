@@ -1,0 +1,90 @@
+//! One solve by any methods: factored, held against its support, solved and refined until it is in balance, or refused.
+
+mod advice;
+mod left;
+mod support;
+
+use super::EnforceError;
+use super::equations::{BALANCED, Goal, SHARP, Settled, settle};
+use super::inverse::Inverse;
+use super::matrix::times;
+use super::method::{Method, springs};
+use super::model::Model;
+use super::problem::{Problem, Solution};
+use advice::Failure;
+
+/// Solutions and refinements at most; of augmented equations, each of which takes multipliers over.
+const REFINEMENTS: usize = 6;
+const AUGMENTATIONS: usize = 200;
+
+/// u, multipliers and forces by the methods asked for.
+pub fn run(problem: &Problem, methods: &[Method], accuracy: f64) -> Result<Solution, EnforceError> {
+    let mut prepared = support::prepared(problem, methods)?;
+    let sensitivity = support::supported(&mut prepared)?;
+    let found = prepared.solved(accuracy).map_err(|failure| failure.advised(problem, methods, accuracy))?;
+    let accuracy = (f64::EPSILON * sensitivity).max(found.left);
+    Ok(finished(problem, &found, accuracy))
+}
+
+/// The equations of a solve, and the factors of its matrix.
+struct Prepared<'a> {
+    problem: &'a Problem<'a>,
+    methods: &'a [Method],
+    model: Model,
+    inverse: Inverse<'a>,
+}
+
+/// A solution in balance.
+struct Found {
+    /// u of the free DOFs and lambda.
+    x: Vec<f64>,
+    imbalance: f64,
+    /// The share of u that springs leave.
+    left: f64,
+}
+
+impl<'a> Prepared<'a> {
+    /// With a `shift` of the diagonal that makes a singular matrix regular, or none.
+    fn new(problem: &'a Problem, methods: &'a [Method], shift: f64) -> Result<Self, EnforceError> {
+        let springs = springs(problem, methods)?;
+        let model = Model::new(problem, methods, &springs)?;
+        let inverse = Inverse::new(problem, methods, springs, shift)?;
+        Ok(Self { problem, methods, model, inverse })
+    }
+
+    /// x in balance, to the accuracy asked for.
+    fn solved(&mut self, accuracy: f64) -> Result<Found, Failure> {
+        let (n, methods) = (self.model.dofs(), self.methods);
+        let is_augmented = |i: usize| i >= n && matches!(methods[i - n], Method::Augmented { .. });
+        let patient = self.problem.kept.iter().any(|&row| is_augmented(n + row));
+        let limit = |i: usize| if is_augmented(i) { accuracy } else { BALANCED };
+        let (enough, steps) = if patient { (1.0, AUGMENTATIONS) } else { (SHARP, REFINEMENTS) };
+        let goal = Goal { limit: &limit, enough, steps, patient };
+        let (rhs, sizes) = &self.model.rhs;
+        let settled = settle(&self.model, &mut |r: &[f64]| self.inverse.solve(r), (rhs, sizes), &goal)?;
+        let Settled { x, row, imbalance, share, steps } = settled;
+        if share > 1.0 {
+            let slow = is_augmented(row);
+            return Err(if slow { Failure::Left { steps, left: imbalance } } else { Failure::OutOfBalance { row, imbalance } });
+        }
+        let left = self.left_by_springs(&x);
+        let is_penalty = |&row: &usize| matches!(methods[row], Method::Penalty { .. });
+        let penalty = self.problem.kept.iter().any(is_penalty);
+        if penalty && left > accuracy { Err(Failure::TooSoft { cost: left }) } else { Ok(Found { x, imbalance, left }) }
+    }
+}
+
+/// Prescribed values, forces and reactions.
+fn finished(problem: &Problem, found: &Found, accuracy: f64) -> Solution {
+    let (u, multipliers) = found.x.split_at(problem.system.dofs());
+    let mut u = u.to_vec();
+    problem.system.prescribed().iter().for_each(|&(j, value)| u[j] = value);
+    let mut forces = vec![0.0; u.len()];
+    for (row, lambda) in multipliers.iter().enumerate().filter(|(_, lambda)| **lambda != 0.0) {
+        problem.system.matrix().row(row).for_each(|(j, v)| forces[j] -= v * lambda);
+    }
+    let stressed = times(&problem.k, &u);
+    let prescribed = problem.system.prescribed().iter();
+    let reactions = prescribed.map(|&(j, _)| (j, stressed[j] - forces[j] - problem.f[j])).collect();
+    Solution { u, multipliers: multipliers.to_vec(), forces, reactions, accuracy, imbalance: found.imbalance }
+}

@@ -1,0 +1,96 @@
+//! What a step must meet: a support, forces in balance, and the equations.
+
+use qless::Kind;
+
+use super::super::equations::{BALANCED, Equations, Goal, SHARP, settle};
+use super::super::solver::{Solver, SolverError};
+use super::super::support::{SHIFTS, Verdict, judged, loose};
+use super::super::{EnforceError, Motion};
+use super::Steps;
+use super::terms::Terms;
+
+/// Solutions and refinements at most.
+const REFINEMENTS: usize = 6;
+/// What may be left of an equation, relative to its terms; T meets the equations to 1e-10.
+const MET: f64 = 1e-9;
+
+impl<S: Solver> Steps<S> {
+    /// Refuses a model that nothing holds, whether its factorization failed or not.
+    pub(super) fn held(&mut self, k: &[f64], factored: Result<(), EnforceError>) -> Result<(), EnforceError> {
+        let terms = Terms::new(&self.map, &self.pattern, k, &self.parts);
+        let units = terms.units().to_vec();
+        let failed = match factored {
+            Err(error) => error,
+            Ok(()) => match judged(&terms, &mut |r: &[f64]| solved(&mut self.solver, r)) {
+                Ok(Verdict::Held(_)) => return Ok(()),
+                Ok(Verdict::Loose(motion, held)) => return Err(unsupported(&terms, &motion, held)),
+                Err(error) => error,
+            },
+        };
+        for shift in SHIFTS {
+            self.condensed.condense_matrix_into(&self.map, k, &mut self.k_q)?;
+            if self.factor(shift, &units).is_err() {
+                continue;
+            }
+            let terms = Terms::new(&self.map, &self.pattern, k, &self.parts);
+            if let Some((motion, held)) = loose(&terms, &mut |r: &[f64]| solved(&mut self.solver, r)) {
+                return Err(unsupported(&terms, &motion, held));
+            }
+        }
+        // The factors of a shifted matrix are none of K.
+        Err(failed)
+    }
+
+    /// The unknowns, refined until every row is in balance.
+    pub(super) fn balanced(&mut self, k: &[f64], f: &[f64]) -> Result<Vec<f64>, EnforceError> {
+        let mut load = vec![0.0; self.condensed.unknowns()];
+        self.condensed.load_into(&self.map, k, f, &mut load)?;
+        let mut constant = vec![0.0; self.map.dofs()];
+        self.map.expand_into(&vec![0.0; load.len()], &mut constant)?;
+        let terms = Terms::new(&self.map, &self.pattern, k, &self.parts);
+        let sizes = terms.size_of_load(f, &constant);
+        let goal = Goal { limit: &|_| BALANCED, enough: SHARP, steps: REFINEMENTS, patient: false };
+        let solver = &mut self.solver;
+        let settled = settle(&terms, &mut |r: &[f64]| solved(solver, r), (&load, &sizes), &goal)?;
+        if settled.share > 1.0 {
+            let row = format!("the forces on DOF {}", self.map.masters()[settled.row]);
+            return Err(EnforceError::OutOfBalance { row, imbalance: settled.imbalance });
+        }
+        Ok(settled.x)
+    }
+
+    /// `|C u - b|_i` against its terms, for the equations that others do not follow from.
+    pub(super) fn meets_equations(&self, u: &[f64]) -> Result<(), EnforceError> {
+        let system = self.map.analysis().system();
+        let independent = (0..system.equations()).filter(|&i| self.map.kinds()[i] == Kind::Independent);
+        for i in independent {
+            let (mut left, mut size) = (-self.map.rhs()[i], self.map.rhs()[i].abs());
+            for (j, v) in system.matrix().row(i) {
+                left += v * u[j];
+                size += (v * u[j]).abs();
+            }
+            if !(left.abs() <= MET * size) {
+                return Err(EnforceError::OutOfBalance { row: system.equation_label(i), imbalance: left.abs() / size });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// `K_q^-1 r`, if it is one.
+fn solved(solver: &mut impl Solver, r: &[f64]) -> Result<Vec<f64>, EnforceError> {
+    let mut x = r.to_vec();
+    if !x.is_empty() {
+        solver.solve(&mut x)?;
+    }
+    match x.iter().all(|x| x.is_finite()) {
+        true => Ok(x),
+        false => Err(SolverError("a pivot is zero".into()).into()),
+    }
+}
+
+/// The motion of all DOFs.
+fn unsupported(terms: &Terms, motion: &[f64], held: f64) -> EnforceError {
+    let units = terms.spread_units();
+    EnforceError::Unsupported(Motion::new(&terms.spread(motion, |v| v), &units, held))
+}
