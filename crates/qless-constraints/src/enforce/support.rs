@@ -1,7 +1,7 @@
 //! Whether a model is held: how much its unknowns move when each number of A is wrong in its last place.
 //!
 //! ```text
-//! v <- A^-1 (+-|A| |v|),  g = max |v after| / max |v before|       random signs, units of super::scale
+//! v <- A^-1 (r |A| |v|),  g = max |v after| / max |v before|       random r in +-[1/2, 1], units of super::scale
 //! ```
 //!
 //! g tends to the condition number of Skeel and Bauer, `| |A^-1| |A| |`: rounding of the entries of A moves x by a share of about
@@ -65,10 +65,12 @@ pub fn sensitivity<E>(
     solve: &mut dyn FnMut(&[f64]) -> Result<Vec<f64>, E>,
 ) -> Result<(f64, Vec<f64>), E> {
     let (mut v, mut growth) = (equations.units().to_vec(), 0.0_f64);
-    let mut signs = Signs(0x9E37_79B9_7F4A_7C15);
+    let mut random = Random(0x9E37_79B9_7F4A_7C15);
     for step in 0..STEPS {
-        let size = equations.size(&v);
-        let y = solve(&size.iter().map(|size| signs.next() * size).collect::<Vec<_>>())?;
+        // A row without terms feels a force of size one: nothing else would find that it has no stiffness.
+        let force = |(size, unit): (f64, &f64)| random.next() * if size > 0.0 { size } else { unit.recip() };
+        let forces: Vec<f64> = equations.size(&v).into_iter().zip(equations.units()).map(force).collect();
+        let y = solve(&forces)?;
         let largest = largest(equations, &y);
         if !(largest > 0.0 && largest.is_finite()) {
             break;
@@ -129,16 +131,19 @@ fn largest(equations: &impl Equations, x: &[f64]) -> f64 {
     x.iter().zip(equations.units()).fold(0.0, |most: f64, (x, s)| most.max(x.abs() / s))
 }
 
-/// The same signs in every run.
-struct Signs(u64);
+/// The same numbers in every run.
+struct Random(u64);
 
-impl Signs {
+impl Random {
+    /// In [1/2, 1] or [-1, -1/2]: signs alone cancel in small models.
     fn next(&mut self) -> f64 {
         // splitmix64
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        if (z ^ (z >> 31)) & 1 == 0 { 1.0 } else { -1.0 }
+        z ^= z >> 31;
+        let size = 0.5 + (z >> 12) as f64 / (1_u64 << 53) as f64;
+        if z & 1 == 0 { size } else { -size }
     }
 }

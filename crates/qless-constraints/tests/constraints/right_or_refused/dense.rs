@@ -1,4 +1,4 @@
-//! An independent solution: the dense saddle matrix with its rows scaled, complete pivoting, and residuals in twice the precision.
+//! An independent solution: the dense saddle matrix with its rows scaled, orthogonal factors, and residuals in twice the precision.
 
 use faer::prelude::Solve;
 use faer::{Mat, MatRef};
@@ -55,7 +55,7 @@ fn refined(a: MatRef<f64>, b: &[Vec<(f64, f64)>]) -> Vec<f64> {
             columns[j] /= if most > 0.0 { most.sqrt() } else { 1.0 };
         }
     }
-    let factors = Mat::from_fn(n, n, |i, j| rows[i] * a[(i, j)] * columns[j]).full_piv_lu();
+    let factors = Mat::from_fn(n, n, |i, j| rows[i] * a[(i, j)] * columns[j]).col_piv_qr();
     let mut x = vec![0.0; n];
     for _ in 0..6 {
         let left = Mat::from_fn(n, 1, |i, _| {

@@ -155,7 +155,7 @@ pub fn model(case: usize, kind: Kind, lack: Lack, units: Units) -> Outcome<Model
     let random = &mut Random::new(case);
     let mut a = Assembly::new();
     let family = case % 3;
-    let mut part = |a: &mut Assembly, random: &mut Random| match family {
+    let part = |a: &mut Assembly, random: &mut Random| match family {
         0 => springs(a, random),
         1 => truss(a, random),
         _ => beam(a, random, units),
