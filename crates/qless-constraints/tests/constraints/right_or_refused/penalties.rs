@@ -1,1 +1,85 @@
+//! Penalties: right to the accuracy asked for, or refused with a factor that is.
 
+use qless_constraints::enforce::{EnforceError, Method, Problem};
+
+use super::dense;
+use super::models::{Kind, Lack, all_units, model, off};
+use crate::linkages::Outcome;
+
+/// From far too soft to far too stiff: what comes back is as right as was asked for, and each refusal names a factor that does.
+#[test]
+fn a_penalty_is_right_or_refused_with_one_that_is() -> Outcome {
+    let (mut right, mut soft, mut stiff) = (0, 0, 0);
+    for (case, units) in all_units().enumerate() {
+        let model = model(case + 60, Kind::Symmetric, Lack::Nothing, units)?;
+        let problem = Problem::new(&model.k, &model.f, &model.system)?;
+        let (u, _) = dense::solution(&model, problem.kept())?;
+        let check = |factor: f64, accuracy: f64| -> Result<(), EnforceError> {
+            let solution = problem.penalty(factor, accuracy)?;
+            let error = off(&model, units, &solution.u, &u);
+            assert!(error <= 30.0 * accuracy, "{}: {factor:e}: {error:e} of {accuracy:e}", model.name);
+            Ok(())
+        };
+        for digits in (-2..=20).step_by(2) {
+            let (factor, accuracy) = (10_f64.powi(digits), 1e-6);
+            match check(factor, accuracy) {
+                Ok(()) => right += 1,
+                Err(EnforceError::PenaltyTooSmall { smallest: Some(smallest), cost, .. }) => {
+                    assert!(smallest > factor && cost > accuracy, "{}", model.name);
+                    check(smallest, accuracy)?;
+                    soft += 1;
+                }
+                Err(EnforceError::PenaltyTooLarge { largest: Some(largest), .. }) => {
+                    assert!(largest < factor, "{}", model.name);
+                    check(largest, accuracy)?;
+                    stiff += 1;
+                }
+                Err(other) => return Err(format!("{}: {factor:e}: {other}", model.name).into()),
+            }
+        }
+    }
+    println!("{right} right, {soft} too soft, {stiff} too stiff");
+    assert!(right > 30 && soft > 9 && stiff > 9);
+    Ok(())
+}
+
+/// The factors that gave solutions 100 % and 3 to 9 % off, in all units.
+#[test]
+fn stiff_factors_are_right_or_refused() -> Outcome {
+    for (case, units) in all_units().enumerate() {
+        let model = model(case, Kind::Symmetric, Lack::Nothing, units)?;
+        let problem = Problem::new(&model.k, &model.f, &model.system)?;
+        let (u, _) = dense::solution(&model, problem.kept())?;
+        for solution in [problem.penalty(1e16, 1e-8), problem.augmented(1e14, 1e-12), problem.augmented(1e16, 1e-12)] {
+            match solution {
+                Ok(solution) => {
+                    let error = off(&model, units, &solution.u, &u);
+                    assert!(error <= 1e-8, "{}: {error:e}", model.name);
+                }
+                Err(EnforceError::PenaltyTooLarge { largest, .. }) => assert!(largest.is_some(), "{}", model.name),
+                Err(other) => return Err(format!("{}: {other}", model.name).into()),
+            }
+        }
+    }
+    Ok(())
+}
+
+/// An accuracy that no penalty can give is refused without a factor; multipliers give it.
+#[test]
+fn what_no_penalty_can_do_is_said() -> Outcome {
+    let model = model(4, Kind::Symmetric, Lack::Nothing, super::models::PLAIN)?;
+    let problem = Problem::new(&model.k, &model.f, &model.system)?;
+    match problem.penalty(1e3, 1e-17) {
+        Err(error @ EnforceError::PenaltyTooSmall { smallest: None, .. }) => {
+            assert!(error.to_string().contains("multipliers"), "{error}");
+        }
+        other => return Err(format!("{other:?}").into()),
+    }
+    assert!(matches!(problem.augmented(1e-6, 1e-12), Err(EnforceError::NoConvergence { .. })));
+    for accuracy in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(matches!(problem.penalty(1e6, accuracy), Err(EnforceError::Accuracy(_))));
+    }
+    let short = vec![Method::Multiplier; model.system.equations() - 1];
+    assert!(matches!(problem.enforce(&short, 1e-8), Err(EnforceError::Argument(_))));
+    Ok(())
+}
