@@ -28,11 +28,13 @@ pub trait Equations {
 pub struct Goal<'a> {
     /// The largest imbalance of each row, relative to its terms.
     pub limit: &'a dyn Fn(usize) -> f64,
+    /// Rows of which more than rounding is left, and known otherwise.
+    pub lax: &'a dyn Fn(usize) -> bool,
     /// The share of the limit at which it is left at that.
     pub enough: f64,
     /// Solutions and corrections at most.
     pub steps: usize,
-    /// Whether slow progress is to be expected.
+    /// Whether slow progress towards the limit is to be expected.
     pub patient: bool,
 }
 
@@ -43,6 +45,8 @@ pub struct Settled {
     /// Its place, and `|A x - b|` relative to its terms.
     pub row: usize,
     pub imbalance: f64,
+    /// The largest imbalance of rows of which only rounding is left.
+    pub rounding: f64,
     /// The largest imbalance relative to its limit: up to 1 is allowed.
     pub share: f64,
     pub steps: usize,
@@ -66,7 +70,7 @@ pub fn settle<E>(
         let Ok(correction) = solve(&left) else { break };
         x.iter_mut().zip(correction).for_each(|(x, more)| *x += more);
         let (rest, found) = measured(equations, &x, b, goal);
-        let slow = found.share > 0.5 * best.share && !goal.patient;
+        let slow = found.share > 0.5 * best.share && (best.share <= 1.0 || !goal.patient);
         // Also where it is no number.
         let lost = !(found.share < 1e3 * best.share);
         if found.share < best.share {
@@ -84,10 +88,13 @@ pub fn settle<E>(
 fn measured(equations: &impl Equations, x: &[f64], b: (&[f64], &[f64]), goal: &Goal) -> (Vec<f64>, Settled) {
     let left: Vec<f64> = b.0.iter().zip(equations.apply(x)).map(|(b, ax)| b - ax).collect();
     let (size, floor) = (equations.size(x), equations.size(&levelled(equations, x)));
-    let mut worst = Settled { x: x.to_vec(), row: 0, imbalance: 0.0, share: 0.0, steps: 1 };
+    let mut worst = Settled { x: x.to_vec(), row: 0, imbalance: 0.0, rounding: 0.0, share: 0.0, steps: 1 };
     for (i, left) in left.iter().enumerate().filter(|(_, left)| **left != 0.0) {
         let imbalance = left.abs() / (size[i] + b.1[i]).max(FLOOR * floor[i]);
         let share = imbalance / (goal.limit)(i);
+        if !(goal.lax)(i) {
+            worst.rounding = worst.rounding.max(imbalance);
+        }
         // No number is worse than any.
         if !(share <= worst.share) {
             (worst.row, worst.imbalance, worst.share) = (i, imbalance, if share.is_nan() { f64::INFINITY } else { share });

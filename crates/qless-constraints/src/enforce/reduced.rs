@@ -103,7 +103,7 @@ impl Transformed<'_> {
             Ok(Verdict::Loose(motion, held)) => return Err(self.unsupported(&motion, held)),
             Err(_) => return Err(self.free_motion(matrix).unwrap_or(singular)),
         }
-        let goal = Goal { limit: &|_| BALANCED, enough: SHARP, steps: REFINEMENTS, patient: false };
+        let goal = Goal { limit: &|_| BALANCED, lax: &|_| false, enough: SHARP, steps: REFINEMENTS, patient: false };
         let settled = settle(self, &mut solve, rhs, &goal)?;
         if settled.share > 1.0 {
             let row = format!("the forces on unknown {}", settled.row);

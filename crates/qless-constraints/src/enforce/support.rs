@@ -56,6 +56,7 @@ pub fn loose<E>(
 ) -> Option<(Vec<f64>, f64)> {
     let (_, mode) = sensitivity(equations, solve).ok()?;
     let (motion, held) = sharpened(equations, solve, mode);
+    if held > ROUNDING {println!("DEBUG held {:e}", held);}
     (held <= ROUNDING).then_some((motion, held))
 }
 

@@ -3,7 +3,7 @@
 use super::super::EnforceError;
 use super::super::method::Method;
 use super::super::problem::Problem;
-use super::Prepared;
+use super::{Asked, Prepared};
 
 /// The softest spring that is tried when one is too stiff.
 const SOFTEST: f64 = 1.0;
@@ -29,22 +29,23 @@ impl From<EnforceError> for Failure {
 
 impl Failure {
     /// The error, with what to do. Cost: a factorization for each factor that is tried.
-    pub fn advised(self, problem: &Problem, methods: &[Method], accuracy: f64) -> EnforceError {
+    pub fn advised(self, problem: &Problem, methods: &[Method], asked: &Asked) -> EnforceError {
         let factors = problem.kept.iter().filter_map(|&row| methods[row].factor());
         let factor = factors.fold(0.0, f64::max);
         match self {
             Self::Other(error) => error,
-            Self::Left { steps, left } => EnforceError::NoConvergence { steps, left, tolerance: accuracy },
+            Self::Left { steps, left } => EnforceError::NoConvergence { steps, left, tolerance: asked.accuracy },
             Self::TooSoft { cost } => {
                 // What is left falls as 1 / factor, once it is small.
-                let first = 2.0 * cost.clamp(accuracy, 1e3) / accuracy;
+                let accuracy = asked.accuracy;
+                let first = 2.0 * cost.clamp(accuracy, accuracy.max(1e3)) / accuracy;
                 let shares = (0..STIFFER).map(|digits| first * 10_f64.powi(digits));
-                let smallest = first_that_does(problem, methods, accuracy, shares).map(|share| share * factor);
+                let smallest = first_that_does(problem, methods, asked, shares).map(|share| share * factor);
                 EnforceError::PenaltyTooSmall { factor, accuracy, cost, smallest }
             }
             Self::OutOfBalance { imbalance, .. } if factor > 0.0 => {
                 let shares = (1..).map(|digits| 10_f64.powi(-digits)).take_while(|share| share * factor >= SOFTEST);
-                let largest = first_that_does(problem, methods, accuracy, shares).map(|share| share * factor);
+                let largest = first_that_does(problem, methods, asked, shares).map(|share| share * factor);
                 EnforceError::PenaltyTooLarge { factor, imbalance, largest }
             }
             Self::OutOfBalance { row, imbalance } => EnforceError::OutOfBalance { row: named(problem, row), imbalance },
@@ -56,12 +57,12 @@ impl Failure {
 fn first_that_does(
     problem: &Problem,
     methods: &[Method],
-    accuracy: f64,
+    asked: &Asked,
     mut shares: impl Iterator<Item = f64>,
 ) -> Option<f64> {
     shares.find(|&share| {
         let methods: Vec<Method> = methods.iter().map(|method| method.times(share)).collect();
-        Prepared::new(problem, &methods, 0.0).is_ok_and(|mut prepared| prepared.solved(accuracy).is_ok())
+        Prepared::new(problem, &methods, 0.0).is_ok_and(|mut prepared| prepared.solved(asked).is_ok())
     })
 }
 

@@ -16,14 +16,25 @@ use advice::Failure;
 /// Solutions and refinements at most; of augmented equations, each of which takes multipliers over.
 const REFINEMENTS: usize = 6;
 const AUGMENTATIONS: usize = 200;
+/// The least imbalance that is asked of forces beside augmented equations.
+const TIGHTEST: f64 = 1e-13;
+/// What refinement leaves of a row where nothing hinders it.
+const ROUNDED: f64 = 64.0 * f64::EPSILON;
 
 /// u, multipliers and forces by the methods asked for.
 pub fn run(problem: &Problem, methods: &[Method], accuracy: f64) -> Result<Solution, EnforceError> {
     let mut prepared = support::prepared(problem, methods)?;
     let sensitivity = support::supported(&mut prepared)?;
-    let found = prepared.solved(accuracy).map_err(|failure| failure.advised(problem, methods, accuracy))?;
-    let accuracy = (f64::EPSILON * sensitivity).max(found.left);
-    Ok(finished(problem, &found, accuracy))
+    let asked = Asked { accuracy, sensitivity };
+    let found = prepared.solved(&asked).map_err(|failure| failure.advised(problem, methods, &asked))?;
+    Ok(finished(problem, &found))
+}
+
+/// What a solution is measured by.
+struct Asked {
+    accuracy: f64,
+    /// How much of u one share of the terms moves.
+    sensitivity: f64,
 }
 
 /// The equations of a solve, and the factors of its matrix.
@@ -39,8 +50,8 @@ struct Found {
     /// u of the free DOFs and lambda.
     x: Vec<f64>,
     imbalance: f64,
-    /// The share of u that springs leave.
-    left: f64,
+    /// The share of u that may be wrong.
+    accuracy: f64,
 }
 
 impl<'a> Prepared<'a> {
@@ -53,29 +64,39 @@ impl<'a> Prepared<'a> {
     }
 
     /// x in balance, to the accuracy asked for.
-    fn solved(&mut self, accuracy: f64) -> Result<Found, Failure> {
+    fn solved(&mut self, asked: &Asked) -> Result<Found, Failure> {
         let (n, methods) = (self.model.dofs(), self.methods);
         let is_augmented = |i: usize| i >= n && matches!(methods[i - n], Method::Augmented { .. });
         let patient = self.problem.kept.iter().any(|&row| is_augmented(n + row));
-        let limit = |i: usize| if is_augmented(i) { accuracy } else { BALANCED };
-        let (enough, steps) = if patient { (1.0, AUGMENTATIONS) } else { (SHARP, REFINEMENTS) };
-        let goal = Goal { limit: &limit, enough, steps, patient };
+        // Forces of springs are not in balance before their equations are met.
+        let forces = if patient { BALANCED.min(asked.accuracy.max(TIGHTEST)) } else { BALANCED };
+        let limit = |i: usize| if is_augmented(i) { asked.accuracy } else { forces };
+        let steps = if patient { AUGMENTATIONS } else { REFINEMENTS };
+        let goal = Goal { limit: &limit, lax: &is_augmented, enough: SHARP, steps, patient };
         let (rhs, sizes) = &self.model.rhs;
         let settled = settle(&self.model, &mut |r: &[f64]| self.inverse.solve(r), (rhs, sizes), &goal)?;
-        let Settled { x, row, imbalance, share, steps } = settled;
+        let Settled { x, row, imbalance, rounding, share, steps } = settled;
         if share > 1.0 {
             let slow = is_augmented(row);
             return Err(if slow { Failure::Left { steps, left: imbalance } } else { Failure::OutOfBalance { row, imbalance } });
         }
-        let left = self.left_by_springs(&x);
+        let (noise, left) = (rounding.max(f64::EPSILON) * asked.sensitivity, self.left_by_springs(&x));
         let is_penalty = |&row: &usize| matches!(methods[row], Method::Penalty { .. });
-        let penalty = self.problem.kept.iter().any(is_penalty);
-        if penalty && left > accuracy { Err(Failure::TooSoft { cost: left }) } else { Ok(Found { x, imbalance, left }) }
+        if self.problem.kept.iter().any(is_penalty) {
+            // Rounding that a softer spring would not have.
+            if noise > asked.accuracy && rounding > ROUNDED {
+                return Err(Failure::OutOfBalance { row, imbalance });
+            }
+            if left > asked.accuracy {
+                return Err(Failure::TooSoft { cost: left });
+            }
+        }
+        Ok(Found { x, imbalance, accuracy: noise.max(left) })
     }
 }
 
 /// Prescribed values, forces and reactions.
-fn finished(problem: &Problem, found: &Found, accuracy: f64) -> Solution {
+fn finished(problem: &Problem, found: &Found) -> Solution {
     let (u, multipliers) = found.x.split_at(problem.system.dofs());
     let mut u = u.to_vec();
     problem.system.prescribed().iter().for_each(|&(j, value)| u[j] = value);
@@ -86,5 +107,6 @@ fn finished(problem: &Problem, found: &Found, accuracy: f64) -> Solution {
     let stressed = times(&problem.k, &u);
     let prescribed = problem.system.prescribed().iter();
     let reactions = prescribed.map(|&(j, _)| (j, stressed[j] - forces[j] - problem.f[j])).collect();
-    Solution { u, multipliers: multipliers.to_vec(), forces, reactions, accuracy, imbalance: found.imbalance }
+    let Found { imbalance, accuracy, .. } = *found;
+    Solution { u, multipliers: multipliers.to_vec(), forces, reactions, accuracy, imbalance }
 }

@@ -12,88 +12,85 @@ use super::{Columns, Solver, SolverError};
 
 /// faer's `L L^T`, for symmetric positive definite matrices.
 #[derive(Debug, Default)]
-pub struct Llt {
-    symbolic: Option<SymbolicCholesky<u32>>,
-    factors: Vec<f64>,
-}
+pub struct Llt(Cholesky);
 
 /// faer's `L D L^T` without pivoting, for symmetric matrices that have it.
 ///
-/// Indefinite matrices may have it or not, and nothing bounds its entries then: [`super::super::Steps`] finds what that costs and
-/// refuses it. For a saddle matrix take [`super::Lu`].
+/// Indefinite matrices may have it or not, and nothing bounds its entries then: [`super::super::Steps`] finds what that costs,
+/// refines it or refuses it. For a saddle matrix take [`super::Lu`].
 #[derive(Debug, Default)]
-pub struct Ldlt {
+pub struct Ldlt(Cholesky);
+
+/// The pattern of the factors, made at the first call, and their values; none where there are no factors.
+#[derive(Debug, Default)]
+struct Cholesky {
     symbolic: Option<SymbolicCholesky<u32>>,
-    factors: Vec<f64>,
+    values: Option<Vec<f64>>,
 }
 
-/// The pattern of the factors, made at the first call.
-fn analysed<'a>(
-    kept: &'a mut Option<SymbolicCholesky<u32>>,
-    matrix: Columns,
-) -> Result<&'a SymbolicCholesky<u32>, SolverError> {
-    let made = match kept.take() {
-        Some(made) => made,
-        None => {
-            let (order, params) = (SymmetricOrdering::Amd, CholeskySymbolicParams::default());
-            factorize_symbolic_cholesky(matrix.pattern(), matrix.side(), order, params).map_err(SolverError::of)?
+impl Cholesky {
+    fn factor(&mut self, matrix: Columns, diagonal: bool) -> Result<(), SolverError> {
+        let symbolic = match self.symbolic.take() {
+            Some(symbolic) => symbolic,
+            None => {
+                let (order, params) = (SymmetricOrdering::Amd, CholeskySymbolicParams::default());
+                factorize_symbolic_cholesky(matrix.pattern(), matrix.side(), order, params).map_err(SolverError::of)?
+            }
+        };
+        let symbolic = &*self.symbolic.insert(symbolic);
+        let mut values = self.values.take().unwrap_or_default();
+        values.resize(symbolic.len_val(), 0.0);
+        let (a, side, par) = (matrix.matrix(), matrix.side(), Par::Seq);
+        if diagonal {
+            let room = symbolic.factorize_numeric_ldlt_scratch::<f64>(par, Spec::default());
+            let (mut room, none) = (MemBuffer::try_new(room).map_err(SolverError::of)?, LdltRegularization::default());
+            let stack = MemStack::new(&mut room);
+            let done = symbolic.factorize_numeric_ldlt(&mut values, a, side, none, par, stack, Spec::default());
+            done.map(drop).map_err(SolverError::of)?;
+        } else {
+            let room = symbolic.factorize_numeric_llt_scratch::<f64>(par, Spec::default());
+            let (mut room, none) = (MemBuffer::try_new(room).map_err(SolverError::of)?, LltRegularization::default());
+            let stack = MemStack::new(&mut room);
+            let done = symbolic.factorize_numeric_llt(&mut values, a, side, none, par, stack, Spec::default());
+            done.map(drop).map_err(SolverError::of)?;
         }
-    };
-    Ok(kept.insert(made))
+        self.values = Some(values);
+        Ok(())
+    }
+
+    fn solve(&self, b: &mut [f64], diagonal: bool) -> Result<(), SolverError> {
+        let (Some(symbolic), Some(values)) = (&self.symbolic, &self.values) else {
+            return Err(SolverError::not_factored());
+        };
+        let room = symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
+        let mut room = MemBuffer::try_new(room).map_err(SolverError::of)?;
+        let (rows, stack) = (b.len(), MemStack::new(&mut room));
+        let b = MatMut::from_column_major_slice_mut(b, rows, 1);
+        if diagonal {
+            LdltRef::new(symbolic, values).solve_in_place_with_conj(Conj::No, b, Par::Seq, stack);
+        } else {
+            LltRef::new(symbolic, values).solve_in_place_with_conj(Conj::No, b, Par::Seq, stack);
+        }
+        Ok(())
+    }
 }
 
 impl Solver for Llt {
     fn factor(&mut self, matrix: Columns) -> Result<(), SolverError> {
-        let symbolic = analysed(&mut self.symbolic, matrix)?;
-        self.factors.resize(symbolic.len_val(), 0.0);
-        let room = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default());
-        let mut room = MemBuffer::try_new(room).map_err(SolverError::of)?;
-        let (a, side, regular) = (matrix.matrix(), matrix.side(), LltRegularization::default());
-        let (values, stack) = (&mut self.factors, MemStack::new(&mut room));
-        let done = symbolic.factorize_numeric_llt(values, a, side, regular, Par::Seq, stack, Spec::default());
-        let done = done.map(drop).map_err(SolverError::of);
-        if done.is_err() {
-            self.factors.clear();
-        }
-        done
+        self.0.factor(matrix, false)
     }
 
     fn solve(&mut self, b: &mut [f64]) -> Result<(), SolverError> {
-        let symbolic = self.symbolic.as_ref().filter(|symbolic| symbolic.len_val() == self.factors.len());
-        let symbolic = symbolic.ok_or_else(SolverError::not_factored)?;
-        let room = symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
-        let mut room = MemBuffer::try_new(room).map_err(SolverError::of)?;
-        let rows = b.len();
-        let b = MatMut::from_column_major_slice_mut(b, rows, 1);
-        LltRef::new(symbolic, &self.factors).solve_in_place_with_conj(Conj::No, b, Par::Seq, MemStack::new(&mut room));
-        Ok(())
+        self.0.solve(b, false)
     }
 }
 
 impl Solver for Ldlt {
     fn factor(&mut self, matrix: Columns) -> Result<(), SolverError> {
-        let symbolic = analysed(&mut self.symbolic, matrix)?;
-        self.factors.resize(symbolic.len_val(), 0.0);
-        let room = symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Spec::default());
-        let mut room = MemBuffer::try_new(room).map_err(SolverError::of)?;
-        let (a, side, regular) = (matrix.matrix(), matrix.side(), LdltRegularization::default());
-        let (values, stack) = (&mut self.factors, MemStack::new(&mut room));
-        let done = symbolic.factorize_numeric_ldlt(values, a, side, regular, Par::Seq, stack, Spec::default());
-        let done = done.map(drop).map_err(SolverError::of);
-        if done.is_err() {
-            self.factors.clear();
-        }
-        done
+        self.0.factor(matrix, true)
     }
 
     fn solve(&mut self, b: &mut [f64]) -> Result<(), SolverError> {
-        let symbolic = self.symbolic.as_ref().filter(|symbolic| symbolic.len_val() == self.factors.len());
-        let symbolic = symbolic.ok_or_else(SolverError::not_factored)?;
-        let room = symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
-        let mut room = MemBuffer::try_new(room).map_err(SolverError::of)?;
-        let rows = b.len();
-        let b = MatMut::from_column_major_slice_mut(b, rows, 1);
-        LdltRef::new(symbolic, &self.factors).solve_in_place_with_conj(Conj::No, b, Par::Seq, MemStack::new(&mut room));
-        Ok(())
+        self.0.solve(b, true)
     }
 }

@@ -27,6 +27,9 @@ impl<S: Solver> Steps<S> {
                 Err(error) => error,
             },
         };
+        if let Some(alone) = without_terms(&terms) {
+            return Err(unsupported(&terms, &alone, 0.0));
+        }
         for shift in SHIFTS {
             self.condensed.condense_matrix_into(&self.map, k, &mut self.k_q)?;
             if self.factor(shift, &units).is_err() {
@@ -49,7 +52,7 @@ impl<S: Solver> Steps<S> {
         self.map.expand_into(&vec![0.0; load.len()], &mut constant)?;
         let terms = Terms::new(&self.map, &self.pattern, k, &self.parts);
         let sizes = terms.size_of_load(f, &constant);
-        let goal = Goal { limit: &|_| BALANCED, enough: SHARP, steps: REFINEMENTS, patient: false };
+        let goal = Goal { limit: &|_| BALANCED, lax: &|_| false, enough: SHARP, steps: REFINEMENTS, patient: false };
         let solver = &mut self.solver;
         let settled = settle(&terms, &mut |r: &[f64]| solved(solver, r), (&load, &sizes), &goal)?;
         if settled.share > 1.0 {
@@ -75,6 +78,17 @@ impl<S: Solver> Steps<S> {
         }
         Ok(())
     }
+}
+
+/// The motion of one unknown that no entry of K feels: its place in K_q may not even be there.
+fn without_terms(terms: &Terms) -> Option<Vec<f64>> {
+    let sizes = terms.size(terms.units());
+    let alone = |q: usize| {
+        let mut motion = vec![0.0; sizes.len()];
+        motion[q] = 1.0;
+        terms.apply(&motion).iter().all(|force| *force == 0.0).then_some(motion)
+    };
+    (0..sizes.len()).filter(|&q| sizes[q] == 0.0).find_map(alone)
 }
 
 /// `K_q^-1 r`, if it is one.

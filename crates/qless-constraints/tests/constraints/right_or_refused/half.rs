@@ -70,7 +70,8 @@ fn triangles_and_diagonals_can_be_meant() -> Outcome {
     let u = Problem::new(Stiffness::unsymmetric(&k), &[4.0, 0.0, 0.0], &system)?.lagrange()?.u;
     assert_eq!(u, [2.0, 1.0, 0.5]);
     let diagonal = half(&half(&k, true)?, false)?;
-    assert_eq!(Problem::new(&diagonal, &[4.0, 2.0, 0.0], &system)?.lagrange()?.u, [2.0, 1.0, 0.0]);
+    let u = Problem::new(&diagonal, &[4.0, 2.0, 0.0], &system)?.lagrange()?.u;
+    assert!((u[0] - 2.0).abs() < 1e-15 && (u[1] - 1.0).abs() < 1e-15 && u[2] == 0.0);
     // Zeros that are stored on the other side make no second half.
     let mut with_zero = entries.to_vec();
     with_zero.push((0, 1, 0.0));
