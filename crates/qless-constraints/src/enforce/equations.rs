@@ -104,7 +104,7 @@ fn measured(equations: &impl Equations, x: &[f64], b: (&[f64], &[f64]), goal: &G
 }
 
 /// x with every unknown as large as the largest of its part.
-fn levelled(equations: &impl Equations, x: &[f64]) -> Vec<f64> {
+pub fn levelled(equations: &impl Equations, x: &[f64]) -> Vec<f64> {
     let (units, parts) = (equations.units(), equations.parts());
     let largest = largest_of_parts(equations, x);
     parts.iter().zip(units).map(|(&part, s)| s * largest[part]).collect()

@@ -8,10 +8,10 @@
 //! `g eps`. It does not change with the units of rows and columns, and stiff parts on soft ones do not make it large. Sizes are
 //! those of the terms that A was made of: a stiffness `0.1 + 0.2 - 0.3` has a size of 0.6.
 //!
-//! Where g says that rounding decides, v is sharpened to a null vector, `v <- v - M^-1 A v`, and held against its terms: with
-//! `|A v| <= t |A| |v|` in every row there is a singular matrix that differs from A by a share t of its entries (Oettli and Prager).
+//! Where g says that rounding decides, v is sharpened to a null vector, `v <- v - M^-1 A v`, and held against its terms: where
+//! `|A v|` is rounding of `|A| max |v|` in every row, a matrix that differs from A by rounding is singular (Rigal and Gaches).
 
-use super::equations::Equations;
+use super::equations::{Equations, largest_of_parts, levelled};
 
 /// What makes a singular matrix regular, in units without units: far above rounding, far below what holds a model.
 pub const SHIFTS: [f64; 2] = [1e-12, 1e-9];
@@ -19,8 +19,6 @@ pub const SHIFTS: [f64; 2] = [1e-12, 1e-9];
 const STEPS: usize = 3;
 /// Steps that sharpen a null vector, at most.
 const SHARPENINGS: usize = 6;
-/// Below these shares of the largest, numbers of a null vector may be noise.
-const NOISE: [f64; 5] = [0.0, 1e-13, 1e-11, 1e-9, 1e-7];
 /// Entries of A that are wrong by this share make it singular: rounding, in what assembled models have of it.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// Sensitivities from which on a null vector is looked for: factors may be far more wrong than A is.
@@ -56,7 +54,6 @@ pub fn loose<E>(
 ) -> Option<(Vec<f64>, f64)> {
     let (_, mode) = sensitivity(equations, solve).ok()?;
     let (motion, held) = sharpened(equations, solve, mode);
-    if held > ROUNDING {println!("DEBUG held {:e}", held);}
     (held <= ROUNDING).then_some((motion, held))
 }
 
@@ -82,7 +79,7 @@ pub fn sensitivity<E>(
     Ok((growth, v))
 }
 
-/// A sharper null vector, and `max_i |A v|_i / (|A| |v|)_i`.
+/// A sharper null vector, and how strongly it is held.
 fn sharpened<E>(
     equations: &impl Equations,
     solve: &mut dyn FnMut(&[f64]) -> Result<Vec<f64>, E>,
@@ -108,24 +105,21 @@ fn sharpened<E>(
     best
 }
 
-/// v without its noise, at the level that says most, and how strongly it is held.
+/// v in the connected parts that nothing holds, and the largest `|A v|_i / (|A| |v'|)_i` of them, where every number of v' is as
+/// large as the largest of its part. Where all parts are held, v in the part that is held least.
 fn held(equations: &impl Equations, v: &[f64]) -> (Vec<f64>, f64) {
-    let (units, most) = (equations.units(), largest(equations, v));
-    let of_level = |noise: f64| {
-        let clean = |(v, s): (&f64, &f64)| if v.abs() < noise * most * s { 0.0 } else { *v };
-        let clean: Vec<f64> = v.iter().zip(units).map(clean).collect();
-        let (left, size) = (equations.apply(&clean), equations.size(&clean));
-        let share = |(left, size): (&f64, &f64)| if *left == 0.0 { 0.0 } else { left.abs() / size };
-        let worst = left.iter().zip(&size).map(share).fold(0.0, f64::max);
-        (clean, worst)
-    };
-    let mut best = of_level(NOISE[0]);
-    for found in NOISE[1..].iter().map(|&noise| of_level(noise)) {
-        if found.1 < best.1 {
-            best = found;
-        }
+    let (left, size) = (equations.apply(v), equations.size(&levelled(equations, v)));
+    let parts = equations.parts();
+    let mut worst: Vec<f64> = largest_of_parts(equations, v);
+    worst.iter_mut().for_each(|moves| *moves = if *moves > 0.0 { 0.0 } else { f64::INFINITY });
+    for (i, left) in left.iter().enumerate().filter(|(_, left)| **left != 0.0) {
+        worst[parts[i]] = worst[parts[i]].max(left.abs() / size[i]);
     }
-    best
+    let least = worst.iter().copied().fold(f64::INFINITY, f64::min);
+    let limit = least.max(ROUNDING);
+    let of_part = |(v, &part): (&f64, &usize)| if worst[part] <= limit { *v } else { 0.0 };
+    let most = worst.iter().copied().filter(|worst| *worst <= limit).fold(0.0, f64::max);
+    (v.iter().zip(parts).map(of_part).collect(), most)
 }
 
 fn largest(equations: &impl Equations, x: &[f64]) -> f64 {
