@@ -5,12 +5,17 @@
 //! units of [`super::scale`]: these have no units, so that this compares no length with a force.
 //! Cost of each measure: three passes over the entries.
 
+use super::EnforceError;
+
 /// The least share of the largest terms that a row is measured by.
 const FLOOR: f64 = 1e-3;
 /// The largest imbalance of a row, relative to its terms, that a solution may have.
 pub const BALANCED: f64 = 1e-10;
 /// Below this share of what is allowed a refinement is not worth its cost.
 pub const SHARP: f64 = 1e-4;
+
+/// `M^-1 r`, where M is all but A.
+pub type Solve<'a> = dyn FnMut(&[f64]) -> Result<Vec<f64>, EnforceError> + 'a;
 
 /// A square system whose terms are known, one by one.
 pub trait Equations {
@@ -55,12 +60,12 @@ pub struct Settled {
 /// Solves and refines: `x += M^-1 (b - A x)` with what `solve` knows of A; `b_size` are the sizes of the terms of b.
 ///
 /// The first solution must come, or its error; a correction that does not come is left out.
-pub fn settle<E>(
+pub fn settle(
     equations: &impl Equations,
-    solve: &mut dyn FnMut(&[f64]) -> Result<Vec<f64>, E>,
+    solve: &mut Solve<'_>,
     b: (&[f64], &[f64]),
     goal: &Goal,
-) -> Result<Settled, E> {
+) -> Result<Settled, EnforceError> {
     let mut x = solve(b.0)?;
     let (mut left, mut best) = measured(equations, &x, b, goal);
     for step in 2..=goal.steps {
@@ -72,7 +77,7 @@ pub fn settle<E>(
         let (rest, found) = measured(equations, &x, b, goal);
         let slow = found.share > 0.5 * best.share && (best.share <= 1.0 || !goal.patient);
         // Also where it is no number.
-        let lost = !(found.share < 1e3 * best.share);
+        let lost = found.share.is_nan() || found.share >= 1e3 * best.share;
         if found.share < best.share {
             best = Settled { steps: step, ..found };
         }
@@ -96,8 +101,9 @@ fn measured(equations: &impl Equations, x: &[f64], b: (&[f64], &[f64]), goal: &G
             worst.rounding = worst.rounding.max(imbalance);
         }
         // No number is worse than any.
-        if !(share <= worst.share) {
-            (worst.row, worst.imbalance, worst.share) = (i, imbalance, if share.is_nan() { f64::INFINITY } else { share });
+        let share = if share.is_nan() { f64::INFINITY } else { share };
+        if share > worst.share {
+            (worst.row, worst.imbalance, worst.share) = (i, imbalance, share);
         }
     }
     (left, worst)

@@ -76,7 +76,13 @@ impl<'a> Inverse<'a> {
         load
     }
 
-    fn multipliers(&self, forces: &[f64], gaps: &[f64], u: &[f64], of_border: &[f64]) -> Result<Vec<f64>, EnforceError> {
+    fn multipliers(
+        &self,
+        forces: &[f64],
+        gaps: &[f64],
+        u: &[f64],
+        of_border: &[f64],
+    ) -> Result<Vec<f64>, EnforceError> {
         let mut lambda = vec![0.0; gaps.len()];
         self.border[..self.multipliers].iter().zip(of_border).for_each(|(&row, &value)| lambda[row] = value);
         self.sprung().for_each(|(row, d)| lambda[row] = d * (self.along(row, u) - gaps[row]));

@@ -67,7 +67,8 @@ pub(super) fn springs(problem: &Problem, methods: &[Method]) -> Result<Vec<f64>,
         // Without any stiffness every spring is as good as another.
         let near = [near, largest, 1.0].into_iter().find(|&k| k > 0.0).unwrap_or(1.0);
         let spring = factor * near / square;
-        springs[row] = if spring > 0.0 && spring.is_finite() { spring } else { return Err(EnforceError::Factor(factor)) };
+        springs[row] =
+            if spring > 0.0 && spring.is_finite() { spring } else { return Err(EnforceError::Factor(factor)) };
     }
     Ok(springs)
 }

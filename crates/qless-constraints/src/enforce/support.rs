@@ -11,7 +11,8 @@
 //! Where g says that rounding decides, v is sharpened to a null vector, `v <- v - M^-1 A v`, and held against its terms: where
 //! `|A v|` is rounding of `|A| max |v|` in every row, a matrix that differs from A by rounding is singular (Rigal and Gaches).
 
-use super::equations::{Equations, largest_of_parts, levelled};
+use super::EnforceError;
+use super::equations::{Equations, Solve, largest_of_parts, levelled};
 
 /// What makes a singular matrix regular, in units without units: far above rounding, far below what holds a model.
 pub const SHIFTS: [f64; 2] = [1e-12, 1e-9];
@@ -35,10 +36,7 @@ pub enum Verdict {
 }
 
 /// Whether the model is held; an error if `solve` has one.
-pub fn judged<E>(
-    equations: &impl Equations,
-    solve: &mut dyn FnMut(&[f64]) -> Result<Vec<f64>, E>,
-) -> Result<Verdict, E> {
+pub fn judged(equations: &impl Equations, solve: &mut Solve<'_>) -> Result<Verdict, EnforceError> {
     let (growth, mode) = sensitivity(equations, solve)?;
     if growth < SUSPICIOUS {
         return Ok(Verdict::Held(growth));
@@ -48,20 +46,14 @@ pub fn judged<E>(
 }
 
 /// The motion that a singular model leaves free, by the inverse of a matrix that was shifted a little.
-pub fn loose<E>(
-    equations: &impl Equations,
-    solve: &mut dyn FnMut(&[f64]) -> Result<Vec<f64>, E>,
-) -> Option<(Vec<f64>, f64)> {
+pub fn loose(equations: &impl Equations, solve: &mut Solve<'_>) -> Option<(Vec<f64>, f64)> {
     let (_, mode) = sensitivity(equations, solve).ok()?;
     let (motion, held) = sharpened(equations, solve, mode);
     (held <= ROUNDING).then_some((motion, held))
 }
 
 /// g, and the direction that grew.
-pub fn sensitivity<E>(
-    equations: &impl Equations,
-    solve: &mut dyn FnMut(&[f64]) -> Result<Vec<f64>, E>,
-) -> Result<(f64, Vec<f64>), E> {
+pub fn sensitivity(equations: &impl Equations, solve: &mut Solve<'_>) -> Result<(f64, Vec<f64>), EnforceError> {
     let (mut v, mut growth) = (equations.units().to_vec(), 0.0_f64);
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
     for step in 0..STEPS {
@@ -80,11 +72,7 @@ pub fn sensitivity<E>(
 }
 
 /// A sharper null vector, and how strongly it is held.
-fn sharpened<E>(
-    equations: &impl Equations,
-    solve: &mut dyn FnMut(&[f64]) -> Result<Vec<f64>, E>,
-    mut v: Vec<f64>,
-) -> (Vec<f64>, f64) {
+fn sharpened(equations: &impl Equations, solve: &mut Solve<'_>, mut v: Vec<f64>) -> (Vec<f64>, f64) {
     let mut best = held(equations, &v);
     for _ in 0..SHARPENINGS {
         if best.1 <= 4.0 * f64::EPSILON {

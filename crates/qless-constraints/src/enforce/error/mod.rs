@@ -54,7 +54,9 @@ pub enum EnforceError {
         lower: bool,
     },
     /// K has an entry in the half that was declared not to be stored.
-    #[error("K has an entry in row {row}, column {column} (from 0), which is not in the half declared; give one half, or Stiffness::full")]
+    #[error(
+        "K has an entry in row {row}, column {column} (from 0), which is not in the half declared; give one half, or Stiffness::full"
+    )]
     WrongHalf {
         /// Its row.
         row: usize,
@@ -77,7 +79,9 @@ pub enum EnforceError {
         what: &'static str,
     },
     /// A solution that is not in balance.
-    #[error("{row}: {imbalance:.1e} of the terms is left after refinement; the model is too ill-conditioned for double precision")]
+    #[error(
+        "{row}: {imbalance:.1e} of the terms is left after refinement; the model is too ill-conditioned for double precision"
+    )]
     OutOfBalance {
         /// The forces on a DOF, or the label of an equation.
         row: String,
@@ -129,7 +133,9 @@ pub enum EnforceError {
     #[error(transparent)]
     Solver(#[from] SolverError),
     /// Augmented Lagrange did not come to an end.
-    #[error("{left:.1e} of the constraints is left after {steps} steps, and {tolerance:.1e} was asked for; use a larger penalty factor")]
+    #[error(
+        "{left:.1e} of the constraints is left after {steps} steps, and {tolerance:.1e} was asked for; use a larger penalty factor"
+    )]
     NoConvergence {
         /// Steps made.
         steps: usize,

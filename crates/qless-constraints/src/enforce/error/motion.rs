@@ -23,7 +23,8 @@ impl Motion {
         let sizes: Vec<f64> = u.iter().zip(units).map(|(u, s)| u.abs() / s).collect();
         let most = sizes.iter().fold(0.0, |most: f64, size| most.max(*size));
         let dofs: Vec<usize> = (0..u.len()).filter(|&j| sizes[j] > SHARE * most).collect();
-        let largest = dofs.iter().fold(0.0, |largest: f64, &j| if u[j].abs() > f64::abs(largest) { u[j] } else { largest });
+        let largest =
+            dofs.iter().fold(0.0, |largest: f64, &j| if u[j].abs() > f64::abs(largest) { u[j] } else { largest });
         let motion = dofs.iter().map(|&j| u[j] / largest).collect();
         Self { dofs, motion, held }
     }

@@ -13,11 +13,19 @@ const STIFFER: i32 = 6;
 /// Why a solve was not good enough.
 pub enum Failure {
     /// A row that rounding alone should leave.
-    OutOfBalance { row: usize, imbalance: f64 },
+    OutOfBalance {
+        row: usize,
+        imbalance: f64,
+    },
     /// Augmented equations are not met.
-    Left { steps: usize, left: f64 },
+    Left {
+        steps: usize,
+        left: f64,
+    },
     /// Penalties leave more of u than was asked for.
-    TooSoft { cost: f64 },
+    TooSoft {
+        cost: f64,
+    },
     Other(EnforceError),
 }
 

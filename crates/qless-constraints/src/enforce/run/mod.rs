@@ -78,7 +78,11 @@ impl<'a> Prepared<'a> {
         let Settled { x, row, imbalance, rounding, share, steps } = settled;
         if share > 1.0 {
             let slow = is_augmented(row);
-            return Err(if slow { Failure::Left { steps, left: imbalance } } else { Failure::OutOfBalance { row, imbalance } });
+            return Err(if slow {
+                Failure::Left { steps, left: imbalance }
+            } else {
+                Failure::OutOfBalance { row, imbalance }
+            });
         }
         let (noise, left) = (rounding.max(f64::EPSILON) * asked.sensitivity, self.left_by_springs(&x));
         let is_penalty = |&row: &usize| matches!(methods[row], Method::Penalty { .. });

@@ -30,12 +30,11 @@ struct Cholesky {
 
 impl Cholesky {
     fn factor(&mut self, matrix: Columns, diagonal: bool) -> Result<(), SolverError> {
-        let symbolic = match self.symbolic.take() {
-            Some(symbolic) => symbolic,
-            None => {
-                let (order, params) = (SymmetricOrdering::Amd, CholeskySymbolicParams::default());
-                factorize_symbolic_cholesky(matrix.pattern(), matrix.side(), order, params).map_err(SolverError::of)?
-            }
+        let symbolic = if let Some(symbolic) = self.symbolic.take() {
+            symbolic
+        } else {
+            let (order, params) = (SymmetricOrdering::Amd, CholeskySymbolicParams::default());
+            factorize_symbolic_cholesky(matrix.pattern(), matrix.side(), order, params).map_err(SolverError::of)?
         };
         let symbolic = &*self.symbolic.insert(symbolic);
         let mut values = self.values.take().unwrap_or_default();

@@ -1,7 +1,7 @@
 //! `P A Q = L U` with partial pivoting.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::sparse::linalg::lu::{LuRef, NumericLu, SymbolicLu, factorize_symbolic_lu};
+use faer::sparse::linalg::lu::{LuRef, LuSymbolicParams, NumericLu, SymbolicLu, factorize_symbolic_lu};
 use faer::{Conj, MatMut, Par, Spec};
 use qless::Storage;
 
@@ -21,7 +21,7 @@ impl Solver for Lu {
         }
         let symbolic = match self.symbolic.take() {
             Some(symbolic) => symbolic,
-            None => factorize_symbolic_lu(matrix.pattern(), Default::default()).map_err(SolverError::of)?,
+            None => factorize_symbolic_lu(matrix.pattern(), LuSymbolicParams::default()).map_err(SolverError::of)?,
         };
         let symbolic = &*self.symbolic.insert(symbolic);
         let room = symbolic.factorize_numeric_lu_scratch::<f64>(Par::Seq, Spec::default());

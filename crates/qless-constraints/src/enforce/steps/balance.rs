@@ -72,7 +72,7 @@ impl<S: Solver> Steps<S> {
                 left += v * u[j];
                 size += (v * u[j]).abs();
             }
-            if !(left.abs() <= MET * size) {
+            if left.is_nan() || left.abs() > MET * size {
                 return Err(EnforceError::OutOfBalance { row: system.equation_label(i), imbalance: left.abs() / size });
             }
         }
@@ -97,10 +97,7 @@ fn solved(solver: &mut impl Solver, r: &[f64]) -> Result<Vec<f64>, EnforceError>
     if !x.is_empty() {
         solver.solve(&mut x)?;
     }
-    match x.iter().all(|x| x.is_finite()) {
-        true => Ok(x),
-        false => Err(SolverError("a pivot is zero".into()).into()),
-    }
+    if x.iter().all(|x| x.is_finite()) { Ok(x) } else { Err(SolverError("a pivot is zero".into()).into()) }
 }
 
 /// The motion of all DOFs.

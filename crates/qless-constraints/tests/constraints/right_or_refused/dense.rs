@@ -24,12 +24,11 @@ pub fn solution(model: &Model, rows: &[usize]) -> Outcome<(Vec<f64>, Vec<f64>)> 
         let i = free.len() + r;
         b[i].push((model.system.rhs()[row], 1.0));
         for (dof, v) in model.system.matrix().row(row) {
-            match known[dof] {
-                Some(u) => b[i].push((v, -u)),
-                None => {
-                    let j = free.binary_search(&dof).map_err(|_| "a free DOF")?;
-                    (a[(i, j)], a[(j, i)]) = (v, v);
-                }
+            if let Some(u) = known[dof] {
+                b[i].push((v, -u));
+            } else {
+                let j = free.binary_search(&dof).map_err(|_| "a free DOF")?;
+                (a[(i, j)], a[(j, i)]) = (v, v);
             }
         }
     }

@@ -185,9 +185,8 @@ pub fn model(case: usize, kind: Kind, lack: Lack, units: Units) -> Outcome<Model
     let mut entries: Vec<_> =
         a.entries.iter().map(|entry| Triplet::new(entry.row, entry.col, scale * entry.val)).collect();
     disturbed(&mut entries, a.dofs, kind, lack, random);
-    let f: Vec<f64> = (0..a.dofs)
-        .map(|j| random.between(-1.0, 1.0) * units.force * units.length.powi(1 - a.powers[j]))
-        .collect();
+    let f: Vec<f64> =
+        (0..a.dofs).map(|j| random.between(-1.0, 1.0) * units.force * units.length.powi(1 - a.powers[j])).collect();
     let k = SparseColMat::try_new_from_triplets(a.dofs, a.dofs, &entries)?;
     let powers = a.powers;
     Ok(Model { k, f, system: builder.build()?, powers, name: format!("case {case}, {kind:?}, {lack:?}, {units:?}") })

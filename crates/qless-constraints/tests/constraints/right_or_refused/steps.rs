@@ -7,6 +7,8 @@ use qless_constraints::enforce::{EnforceError, Ldlt, Llt, Lu, Problem, Solver, S
 use super::models::{Kind, Lack, Model, Units, all_units, model, off};
 use crate::linkages::Outcome;
 
+type Solved = Result<Vec<f64>, EnforceError>;
+
 /// Starts, rows and values of the columns of one half, or of all.
 fn columns(k: &SparseColMat<usize, f64>, storage: Storage) -> (Vec<usize>, Vec<usize>, Vec<f64>) {
     let (mut starts, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
@@ -27,7 +29,7 @@ fn columns(k: &SparseColMat<usize, f64>, storage: Storage) -> (Vec<usize>, Vec<u
     (starts, rows, values)
 }
 
-fn step<S: Solver>(model: &Model, solver: S, storage: Storage) -> Outcome<Result<Vec<f64>, EnforceError>> {
+fn step<S: Solver>(model: &Model, solver: S, storage: Storage) -> Outcome<Solved> {
     let (starts, rows, values) = columns(&model.k, storage);
     let map = Map::new(&model.system, &Options::default())?;
     let mut steps = Steps::new(map, View::columns(&starts, &rows).storing(storage), solver)?;
@@ -35,7 +37,7 @@ fn step<S: Solver>(model: &Model, solver: S, storage: Storage) -> Outcome<Result
     Ok(steps.solve(&values, &model.f, &mut u).map(|()| u))
 }
 
-fn by_all(model: &Model, kind: Kind) -> Outcome<Vec<(&'static str, Result<Vec<f64>, EnforceError>)>> {
+fn by_all(model: &Model, kind: Kind) -> Outcome<Vec<(&'static str, Solved)>> {
     let mut found = vec![("LU", step(model, Lu::default(), Storage::Full)?)];
     if kind == Kind::Symmetric {
         found.push(("LLT", step(model, Llt::default(), Storage::Lower)?));

@@ -38,7 +38,13 @@ fn check(model: &Model, units: Units, case: usize) -> Outcome<f64> {
     for (name, solution) in methods.into_iter().chain([mixed]) {
         let solution = solution.map_err(|error| format!("{}: {name}: {error}", model.name))?;
         let error = off(model, units, &solution.u, &u);
-        assert!(error <= MARGIN * solution.accuracy, "{}: {name}: {error:e}, {:e}, {:e}", model.name, solution.accuracy, solution.imbalance);
+        assert!(
+            error <= MARGIN * solution.accuracy,
+            "{}: {name}: {error:e}, {:e}, {:e}",
+            model.name,
+            solution.accuracy,
+            solution.imbalance
+        );
         assert!(solution.imbalance <= 1e-10, "{}: {name}", model.name);
         let of_lambda = solution.multipliers.iter().zip(&lambda).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
         let limit = 1e4 * solution.accuracy.max(1e-12) * most;

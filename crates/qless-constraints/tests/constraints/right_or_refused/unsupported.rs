@@ -1,9 +1,9 @@
 //! Models that nothing holds: every method says so, and which DOFs move.
 
-use qless::{ConstraintSystem, SystemBuilder};
-use qless_constraints::enforce::{EnforceError, Method, Motion, Problem, Solution, reduced};
 use faer::sparse::{SparseColMat, Triplet};
+use qless::{ConstraintSystem, SystemBuilder};
 use qless::{Options, analyse};
+use qless_constraints::enforce::{EnforceError, Method, Motion, Problem, Solution, reduced};
 
 use super::models::{Kind, Lack, Model, PLAIN, Units, all_units, model};
 use crate::linkages::Outcome;
@@ -12,7 +12,8 @@ type Solved = Result<Solution, EnforceError>;
 
 /// What each method says.
 fn all_methods(problem: &Problem, equations: usize) -> Result<Vec<(&'static str, Solved)>, EnforceError> {
-    let turns = [Method::Elimination, Method::Multiplier, Method::Augmented { factor: 1e5 }, Method::Penalty { factor: 1e6 }];
+    let turns =
+        [Method::Elimination, Method::Multiplier, Method::Augmented { factor: 1e5 }, Method::Penalty { factor: 1e6 }];
     let rows: Vec<Method> = (0..equations).map(|i| turns[i % 4]).collect();
     Ok(vec![
         ("transformation", problem.transformation()),

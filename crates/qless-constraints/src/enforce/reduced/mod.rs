@@ -2,16 +2,16 @@
 //!
 //! Slaves of factored parts stay unknowns, with `C_S du_s + C_M du_q = 0` by multipliers: `C_S` is the product of the factors.
 
+mod transformed;
+
 use faer::sparse::SparseColMat;
 use qless::{Csr, Reduction, ReductionError};
 
-use super::equations::{BALANCED, Equations, Goal, SHARP, settle};
-use super::factor::{Factor, shifted};
 use super::matrix::{
-    Matrix, add_sizes, add_sizes_transposed, add_transposed, bordered, entries, from_triplets, product, times, transposed,
+    Matrix, add_sizes, add_sizes_transposed, bordered, entries, from_triplets, product, times, transposed,
 };
-use super::support::{SHIFTS, Verdict, judged, loose};
-use super::{EnforceError, Motion, scale};
+use super::{EnforceError, scale};
+use transformed::Transformed;
 
 /// u of all DOFs, by transformation with a reduction, whoever made it; `prescribed` are the values of its prescribed DOFs.
 ///
@@ -80,87 +80,6 @@ fn sizes_of_load(k: &Matrix, t: &Matrix, constant: &[f64], f: &[f64]) -> Vec<f64
     add_sizes_transposed(t, &of_dofs, &mut sizes);
     sizes
 }
-
-/// `T^T K T q + B^T lambda = f_q`, `B q = 0`, term by term.
-struct Transformed<'a> {
-    k: &'a Matrix,
-    t: Matrix,
-    constraints: Matrix,
-    units: Vec<f64>,
-    parts: Vec<usize>,
-}
-
-impl Transformed<'_> {
-    /// In balance, or refused.
-    fn solved(&self, matrix: &Matrix, rhs: (&[f64], &[f64])) -> Result<Vec<f64>, EnforceError> {
-        let singular = EnforceError::Singular { what: "the reduced stiffness" };
-        let Ok(mut factor) = Factor::new(matrix, self.units.clone(), false) else {
-            return Err(self.free_motion(matrix).unwrap_or(singular));
-        };
-        let mut solve = |r: &[f64]| factor.solve(r);
-        match judged(self, &mut solve) {
-            Ok(Verdict::Held(_)) => {}
-            Ok(Verdict::Loose(motion, held)) => return Err(self.unsupported(&motion, held)),
-            Err(_) => return Err(self.free_motion(matrix).unwrap_or(singular)),
-        }
-        let goal = Goal { limit: &|_| BALANCED, lax: &|_| false, enough: SHARP, steps: REFINEMENTS, patient: false };
-        let settled = settle(self, &mut solve, rhs, &goal)?;
-        if settled.share > 1.0 {
-            let row = format!("the forces on unknown {}", settled.row);
-            return Err(EnforceError::OutOfBalance { row, imbalance: settled.imbalance });
-        }
-        Ok(settled.x)
-    }
-
-    fn free_motion(&self, matrix: &Matrix) -> Option<EnforceError> {
-        let motion = |shift: f64| {
-            let matrix = shifted(matrix, &self.units, self.t.ncols(), shift).ok()?;
-            let mut factor = Factor::new(&matrix, self.units.clone(), false).ok()?;
-            let (motion, held) = loose(self, &mut |r: &[f64]| factor.solve(r))?;
-            Some(self.unsupported(&motion, held))
-        };
-        SHIFTS.into_iter().find_map(motion)
-    }
-
-    fn unsupported(&self, motion: &[f64], held: f64) -> EnforceError {
-        let (u, units) = (times(&self.t, &motion[..self.t.ncols()]), scale::units_of(self.k));
-        EnforceError::Unsupported(Motion::new(&u, &units, held))
-    }
-}
-
-impl Equations for Transformed<'_> {
-    fn apply(&self, x: &[f64]) -> Vec<f64> {
-        let (q, lambda) = x.split_at(self.t.ncols());
-        let mut y = vec![0.0; q.len()];
-        add_transposed(&self.t, &times(self.k, &times(&self.t, q)), &mut y);
-        add_transposed(&self.constraints, lambda, &mut y);
-        y.extend(times(&self.constraints, q));
-        y
-    }
-
-    fn size(&self, x: &[f64]) -> Vec<f64> {
-        let (q, lambda) = x.split_at(self.t.ncols());
-        let (mut u, mut forces, mut y) = (vec![0.0; self.k.nrows()], vec![0.0; self.k.nrows()], vec![0.0; q.len()]);
-        add_sizes(&self.t, q, &mut u);
-        add_sizes(self.k, &u, &mut forces);
-        add_sizes_transposed(&self.t, &forces, &mut y);
-        add_sizes_transposed(&self.constraints, lambda, &mut y);
-        let mut gaps = vec![0.0; lambda.len()];
-        add_sizes(&self.constraints, q, &mut gaps);
-        [y, gaps].concat()
-    }
-
-    fn units(&self) -> &[f64] {
-        &self.units
-    }
-
-    fn parts(&self) -> &[usize] {
-        &self.parts
-    }
-}
-
-/// Solutions and refinements at most.
-const REFINEMENTS: usize = 6;
 
 /// The equations of factored parts on their free DOFs.
 fn equations(reduction: &Reduction, dofs: usize) -> Result<Matrix, EnforceError> {
