@@ -3,6 +3,7 @@
 mod dense;
 mod extremes;
 mod half;
+mod large;
 mod methods;
 mod models;
 mod penalties;
