@@ -47,9 +47,16 @@ impl Factor {
     }
 }
 
-/// A with `shift` in units of the unknowns added to the first of its diagonal: regular where A is not.
+/// What is added to the diagonal of unknown j, in its unit, to make a singular matrix regular. No two are the same: where forces that A cannot
+/// carry and motions that it does not feel have nothing in common, `A + s I` is as good as singular.
+pub fn uneven(shift: f64, j: usize, unit: f64) -> f64 {
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    shift * (1.0 + (j as f64 * GOLDEN).fract()) / (unit * unit)
+}
+
+/// A with a shift added to the first of its diagonal: regular where A is not.
 pub fn shifted(a: &Matrix, units: &[f64], count: usize, shift: f64) -> Result<Matrix, EnforceError> {
-    let diagonal = (0..count).map(|j| (j, j, shift / (units[j] * units[j])));
+    let diagonal = (0..count).map(|j| (j, j, uneven(shift, j, units[j])));
     from_triplets(a.nrows(), a.ncols(), entries(a).chain(diagonal))
 }
 

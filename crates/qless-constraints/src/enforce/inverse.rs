@@ -9,6 +9,8 @@
 //!
 //! This is the inverse of [`super::model`] up to rounding, and up to `1 / D` for augmented equations.
 
+use std::borrow::Cow;
+
 use super::condensation::Condensation;
 use super::factor::{Factor, shifted};
 use super::matrix::{Matrix, bordered, entries, from_triplets, times};
@@ -22,7 +24,7 @@ pub struct Inverse<'a> {
     /// D of each equation; zero without a spring.
     springs: Vec<f64>,
     /// K with its springs.
-    sum: Matrix,
+    sum: Cow<'a, Matrix>,
     eliminated: Vec<usize>,
     condensation: Condensation,
     /// Equations with a multiplier in the matrix: those of the caller, and of parts of which T would fill.
@@ -110,14 +112,17 @@ impl<'a> Inverse<'a> {
 }
 
 /// `K + C_P^T D C_P`.
-fn with_springs(problem: &Problem, springs: &[f64]) -> Result<Matrix, EnforceError> {
+fn with_springs<'a>(problem: &'a Problem, springs: &[f64]) -> Result<Cow<'a, Matrix>, EnforceError> {
+    if springs.iter().all(|d| *d == 0.0) {
+        return Ok(Cow::Borrowed(&problem.k));
+    }
     let n = problem.system.dofs();
     let of_row = |(row, &d): (usize, &f64)| {
         let row = problem.system.matrix().row(row);
         row.clone().flat_map(move |(i, a)| row.clone().map(move |(j, b)| (i, j, d * a * b)))
     };
     let springs = springs.iter().enumerate().filter(|(_, d)| **d > 0.0).flat_map(of_row);
-    from_triplets(n, n, entries(&problem.k).chain(springs))
+    from_triplets(n, n, entries(&problem.k).chain(springs)).map(Cow::Owned)
 }
 
 /// Some rows of C over the unknowns.

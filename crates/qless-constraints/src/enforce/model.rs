@@ -5,7 +5,7 @@
 
 use super::EnforceError;
 use super::equations::Equations;
-use super::matrix::{Matrix, add, add_sizes, add_sizes_transposed, add_transposed, entries, from_triplets};
+use super::matrix::{Matrix, add, add_sizes, add_sizes_transposed, add_transposed, among, entries, from_triplets};
 use super::method::Method;
 use super::problem::Problem;
 use super::scale;
@@ -29,8 +29,7 @@ impl Model {
         let (n, m) = (problem.system.dofs(), problem.system.equations());
         let mut free = vec![true; n];
         problem.system.prescribed().iter().for_each(|&(j, _)| free[j] = false);
-        let of_free = entries(&problem.k).filter(|&(i, j, _)| free[i] && free[j]);
-        let k = from_triplets(n, n, of_free)?;
+        let k = among(&problem.k, &free);
         let rows = problem.kept.iter().flat_map(|&i| problem.system.matrix().row(i).map(move |(j, v)| (i, j, v)));
         let c = from_triplets(m, n, rows.filter(|&(_, j, _)| free[j]))?;
         let penalty = |(method, d): (&Method, &f64)| {

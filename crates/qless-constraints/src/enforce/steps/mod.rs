@@ -6,7 +6,8 @@ mod turned;
 
 use qless::{Condensed, Given, Index, Map, Storage, View};
 
-use super::solver::{Columns, Solver};
+use super::factor::uneven;
+use super::solver::{Columns, Solver, SolverError};
 use super::{EnforceError, scale};
 use terms::Pattern;
 use turned::Turned;
@@ -43,6 +44,8 @@ pub struct Steps<S> {
     pattern: Pattern,
     /// The connected part of each unknown.
     parts: Vec<usize>,
+    /// Whether the solver has factors of a K_q that is held.
+    is_held: bool,
 }
 
 impl<S: Solver> Steps<S> {
@@ -80,7 +83,7 @@ impl<S: Solver> Steps<S> {
         let turned = is_turned.then(|| Turned::new(&condensed));
         let parts = scale::parts(condensed.unknowns(), condensed.entries());
         let k_q = vec![0.0; condensed.nnz()];
-        Ok(Self { map, condensed, solver, turned, storage, k_q, pattern, parts })
+        Ok(Self { map, condensed, solver, turned, storage, k_q, pattern, parts, is_held: false })
     }
 
     /// The constraints.
@@ -106,9 +109,11 @@ impl<S: Solver> Steps<S> {
     /// [`EnforceError::Argument`] for lists that do not fit or numbers that are not finite, [`EnforceError::Solver`],
     /// [`EnforceError::Unsupported`] with the motion that nothing holds, and as [`Steps::solve_again`].
     pub fn solve(&mut self, k: &[f64], f: &[f64], u: &mut [f64]) -> Result<(), EnforceError> {
+        self.is_held = false;
         self.condensed.condense_matrix_into(&self.map, k, &mut self.k_q)?;
         let factored = self.factor(0.0, &[]);
         self.held(k, factored)?;
+        self.is_held = true;
         self.solve_again(k, f, u)
     }
 
@@ -117,6 +122,12 @@ impl<S: Solver> Steps<S> {
     /// # Errors
     /// As [`Steps::solve`], and [`EnforceError::OutOfBalance`] if more than 1e-10 of the forces of a row is left after refinement.
     pub fn solve_again(&mut self, k: &[f64], f: &[f64], u: &mut [f64]) -> Result<(), EnforceError> {
+        if !self.is_held {
+            return Err(SolverError(
+                "there are no factors to solve with: Steps::solve comes first, without an error".into(),
+            )
+            .into());
+        }
         let x = self.balanced(k, f)?;
         self.map.expand_into(&x, u)?;
         self.meets_equations(u)
@@ -130,7 +141,7 @@ impl<S: Solver> Steps<S> {
         let storage = self.storage;
         if shift > 0.0 {
             let diagonal = self.condensed.entries().enumerate().filter(|(_, (i, j))| i == j);
-            diagonal.for_each(|(place, (i, _))| self.k_q[place] += shift / (units[i] * units[i]));
+            diagonal.for_each(|(place, (i, _))| self.k_q[place] += uneven(shift, i, units[i]));
         }
         let columns = match &mut self.turned {
             None => {

@@ -103,3 +103,17 @@ fn a_wrong_solver_is_found_out() -> Outcome {
     assert!(matches!(far, Err(EnforceError::OutOfBalance { .. })), "{far:?}");
     Ok(())
 }
+
+/// After a step that was refused there is nothing to solve with, whatever the load.
+#[test]
+fn nothing_is_solved_with_what_was_refused() -> Outcome {
+    let model = model(0, Kind::Symmetric, Lack::Ground, super::models::PLAIN)?;
+    let (starts, rows, values) = columns(&model.k, Storage::Lower);
+    let map = Map::new(&model.system, &Options::default())?;
+    let view = View::columns(&starts, &rows).storing(Storage::Lower);
+    let mut steps = Steps::new(map, view, Llt::default())?;
+    let (none, mut u) = (vec![0.0; model.f.len()], vec![0.0; model.f.len()]);
+    assert!(matches!(steps.solve(&values, &none, &mut u), Err(EnforceError::Unsupported(_))));
+    assert!(matches!(steps.solve_again(&values, &none, &mut u), Err(EnforceError::Solver(_))));
+    Ok(())
+}

@@ -123,3 +123,26 @@ fn rounding_is_no_support() -> Outcome {
     }
     Ok(())
 }
+
+/// Where forces that K cannot carry and motions that it does not feel have nothing in common: `K = [1 -1; 1 -1]`, and worse.
+#[test]
+fn defective_matrices_are_refused() -> Outcome {
+    for units in all_units() {
+        let s = units.force / units.length;
+        let pair = [(0, 0, s), (0, 1, -s), (1, 0, s), (1, 1, -s)];
+        let k = SparseColMat::try_new_from_triplets(2, 2, &pair.map(|(i, j, v)| Triplet::new(i, j, v)))?;
+        let motion = refused("a pair", &k, &[units.force, 0.0], &SystemBuilder::new(2).build()?)?;
+        assert!((motion.motion[0] - motion.motion[1]).abs() < 1e-9, "{motion:?}");
+        // Resonance: K less a mass at its frequency, tied to a spring that hangs on it.
+        let entries =
+            [(0, 0, 0.3 * s), (0, 1, -0.3 * s), (1, 0, -0.3 * s), (1, 1, 0.3 * s), (2, 2, 0.1 * s), (3, 3, 0.7 * s)];
+        let more =
+            [(2, 3, -0.1 * s), (3, 2, -0.1 * s), (2, 2, 0.2 * s), (2, 2, -0.2 * s), (3, 3, 0.1 * s), (3, 3, -0.7 * s)];
+        let all: Vec<_> = entries.into_iter().chain(more).map(|(i, j, v)| Triplet::new(i, j, v)).collect();
+        let k = SparseColMat::try_new_from_triplets(4, 4, &all)?;
+        let mut builder = SystemBuilder::new(4);
+        builder.equation([(1, 1.0), (2, -1.0)], 0.0);
+        refused("resonance", &k, &[0.0, 0.0, units.force, 0.0], &builder.build()?)?;
+    }
+    Ok(())
+}
