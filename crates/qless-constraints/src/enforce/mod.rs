@@ -17,7 +17,7 @@
 //! 1e-10 of the terms of row i, or the solution is refused ([`EnforceError::OutOfBalance`]). A row whose terms are far smaller than
 //! those of its connected part is measured against a thousandth of the largest, in units in which all numbers are square roots of energy.
 //!
-//! Rounding of K moves u by a share of `eps g`, where g is the condition number of Skeel and Bauer, estimated in every solve;
+//! Rounding of K moves u by a share of some `eps g`, where g is the condition number of Skeel and Bauer, estimated in every solve;
 //! [`Solution::accuracy`] states it. Where a motion is held by no more than rounding, the model is refused and the motion
 //! named ([`EnforceError::Unsupported`]): also where `0.1 + 0.2 - 0.3` looks like a stiffness.
 

@@ -20,12 +20,14 @@ pub const SHIFTS: [f64; 2] = [1e-12, 1e-9];
 const STEPS: usize = 3;
 /// Steps that sharpen a null vector, at most.
 const SHARPENINGS: usize = 6;
+/// The share by which entries of A are taken to be wrong: each was rounded more than once before it came here.
+pub const WRONG: f64 = 16.0 * f64::EPSILON;
 /// Entries of A that are wrong by this share make it singular: rounding, in what assembled models have of it.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// Sensitivities from which on a null vector is looked for: factors may be far more wrong than A is.
 pub const SUSPICIOUS: f64 = 1e-4 / f64::EPSILON;
 /// Sensitivities from which on u has not one digit that is sure.
-const HOPELESS: f64 = 1.0 / (16.0 * f64::EPSILON);
+const HOPELESS: f64 = 1.0 / WRONG;
 
 /// What is known of the support of a model.
 pub enum Verdict {

@@ -11,6 +11,7 @@ use super::matrix::times;
 use super::method::{Method, springs};
 use super::model::Model;
 use super::problem::{Problem, Solution};
+use super::support::WRONG;
 use advice::Failure;
 
 /// Solutions and refinements at most; of augmented equations, each of which takes multipliers over.
@@ -84,7 +85,7 @@ impl<'a> Prepared<'a> {
                 Failure::OutOfBalance { row, imbalance }
             });
         }
-        let (noise, left) = (rounding.max(f64::EPSILON) * asked.sensitivity, self.left_by_springs(&x));
+        let (noise, left) = (rounding.max(WRONG) * asked.sensitivity, self.left_by_springs(&x));
         let is_penalty = |&row: &usize| matches!(methods[row], Method::Penalty { .. });
         if self.problem.kept.iter().any(is_penalty) {
             // Rounding that a softer spring would not have.

@@ -17,7 +17,7 @@ fn solved(name: &str, dofs: usize, entries: &Entries, system: &ConstraintSystem,
     let springs = [("penalty", problem.penalty(1e7, 1e-1)), ("augmented", problem.augmented(1e5, 1e-10))];
     for (method, solution) in methods.into_iter().chain(springs) {
         match solution {
-            Ok(solution) if held => assert!(solution.accuracy < 1e-1, "{name}: {method}: {:e}", solution.accuracy),
+            Ok(solution) if held => assert!(solution.accuracy < 0.5, "{name}: {method}: {:e}", solution.accuracy),
             Err(EnforceError::Unsupported(motion)) if !held => {
                 assert!(motion.dofs.len() > dofs / 3, "{name}: {method}: {motion}");
             }
@@ -152,7 +152,7 @@ fn nearly_dependent_equations_are_no_motion() -> Outcome {
     for solution in [problem.lagrange()?, problem.transformation()?] {
         let error =
             solution.u.iter().zip([1.0 + eps, 1.0 + eps, 1.0]).fold(0.0, |most: f64, (u, e)| most.max((u - e).abs()));
-        assert!(error <= 100.0 * solution.accuracy && error < 1e-6, "{error:e}, {:e}", solution.accuracy);
+        assert!(error <= 3.0 * solution.accuracy && error < 1e-6, "{error:e}, {:e}", solution.accuracy);
     }
     Ok(())
 }

@@ -210,11 +210,11 @@ fn disturbed(entries: &mut Vec<Triplet<usize, usize, f64>>, dofs: usize, kind: K
     }
 }
 
-/// `max |a - b| / max |b|`, translations in units of length.
-pub fn off(model: &Model, units: Units, a: &[f64], b: &[f64]) -> f64 {
-    let plain = |j: usize, u: f64| (u * units.length.powi(-model.powers[j])).abs();
-    let size = (0..b.len()).fold(0.0, |most: f64, j| most.max(plain(j, b[j])));
-    (0..b.len()).fold(0.0, |most: f64, j| most.max(plain(j, a[j] - b[j]))) / size
+/// `max |a - b| / max |b|`, each DOF in its unit of energy.
+pub fn off(model: &Model, a: &[f64], b: &[f64]) -> f64 {
+    let energy = |j: usize, u: f64| u.abs() * model.k.get(j, j).map_or(0.0, |k| k.abs().sqrt());
+    let size = (0..b.len()).fold(0.0, |most: f64, j| most.max(energy(j, b[j])));
+    (0..b.len()).fold(0.0, |most: f64, j| most.max(energy(j, a[j] - b[j]))) / size
 }
 
 /// Nine pairs of units.

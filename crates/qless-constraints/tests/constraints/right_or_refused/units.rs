@@ -5,7 +5,8 @@ use qless::{ConstraintSystem, SystemBuilder};
 use qless_constraints::enforce::{EnforceError, Problem, Solution};
 
 use super::dense;
-use super::models::{Kind, Lack, Units, all_units, model, off};
+use super::models::{Kind, Lack, Model, Units, all_units, model, off};
+use super::random::Random;
 use crate::linkages::Outcome;
 use crate::patch::Block;
 
@@ -22,7 +23,7 @@ fn steel_is_right_in_displacements_and_multipliers() -> Outcome {
             for solution in [problem.lagrange()?, problem.transformation()?] {
                 // What rounding of K itself costs is no matter of the method: in units of 1e-10, or of that.
                 let rounding = (1e10 * solution.accuracy).max(1.0);
-                worst_u = worst_u.max(off(&model, units, &solution.u, &u) / rounding);
+                worst_u = worst_u.max(off(&model, &solution.u, &u) / rounding);
                 let of = |row: usize| {
                     // Ties of rotations carry moments.
                     let first = model.system.matrix().row(row).next().map_or(0, |(j, _)| j);
@@ -76,8 +77,8 @@ fn stiff_parts_on_soft_ones_are_held() -> Outcome {
             for (name, solution) in by_all(&Problem::new(&k, &f, &system)?) {
                 let solution = solution.map_err(|error| format!("{name}, {count}, {units:?}: {error}"))?;
                 let error = (solution.u[count - 1] / exact - 1.0).abs();
-                assert!(error <= 100.0 * solution.accuracy, "{name}: {error:e} of {:e}", solution.accuracy);
-                assert!(solution.accuracy < 1e-2 || name == "augmented", "{name}: {:e}", solution.accuracy);
+                assert!(error <= 3.0 * solution.accuracy, "{name}: {error:e} of {:e}", solution.accuracy);
+                assert!(solution.accuracy < 1e-1 || name == "augmented", "{name}: {:e}", solution.accuracy);
             }
         }
     }
@@ -100,7 +101,7 @@ fn doubt_grows_as_support_fades() -> Outcome {
                 assert!(!refused, "1e-{digits} is held, and more was not");
                 assert!(solution.accuracy >= 0.5 * before, "{digits}: {:e}", solution.accuracy);
                 let error = (solution.u[9] / exact - 1.0).abs();
-                assert!(error <= 100.0 * solution.accuracy, "{digits}: {error:e}, {:e}", solution.accuracy);
+                assert!(error <= 3.0 * solution.accuracy, "{digits}: {error:e}, {:e}", solution.accuracy);
                 before = solution.accuracy;
             }
             Err(EnforceError::Unsupported(_)) => {
@@ -153,7 +154,7 @@ fn slender_beams_are_held() -> Outcome {
             for (name, solution) in by_all(&Problem::new(&k, &f, &system)?) {
                 let solution = solution.map_err(|error| format!("{name}, {count}, {units:?}: {error}"))?;
                 let error = (solution.u[dofs - 2] / exact - 1.0).abs();
-                assert!(error <= 100.0 * solution.accuracy, "{name}: {error:e} of {:e}", solution.accuracy);
+                assert!(error <= 3.0 * solution.accuracy, "{name}: {error:e} of {:e}", solution.accuracy);
             }
         }
     }
@@ -193,5 +194,50 @@ fn tied_cubes_without_ground_are_refused() -> Outcome {
             }
         }
     }
+    Ok(())
+}
+
+/// Trees of springs from 1e-5 to 1e5 in any order, in two that are tied: none is refused, and all are right to what they state.
+#[test]
+fn springs_of_all_sizes_are_held() -> Outcome {
+    let mut largest = 0.0_f64;
+    for case in 0..100 {
+        let mut random = Random::new(case);
+        let (count, mut entries) = (30, Vec::new());
+        let s = |random: &mut Random| 10_f64.powf(random.between(-5.0, 5.0));
+        for i in 0..count {
+            // DOF 15 hangs on nothing but the tie.
+            let s = s(&mut random);
+            match i {
+                0 => entries.push((0, 0, s)),
+                15 => {}
+                _ => {
+                    let other = if i < 15 { random.below(i) } else { 15 + random.below(i - 15) };
+                    entries.extend([(i, i, s), (other, other, s), (i, other, -s), (other, i, -s)]);
+                }
+            }
+        }
+        let entries: Vec<_> = entries.into_iter().map(|(i, j, v)| Triplet::new(i, j, v)).collect();
+        let mut builder = SystemBuilder::new(count);
+        let at = random.below(15);
+        builder.equation([(15, 1.0), (at, -1.0)], 0.5);
+        builder.equation([(15, -2.0), (at, 2.0)], -1.0);
+        let model = Model {
+            k: SparseColMat::try_new_from_triplets(count, count, &entries)?,
+            f: (0..count).map(|_| random.between(-1.0, 1.0)).collect(),
+            system: builder.build()?,
+            powers: vec![1; count],
+            name: format!("case {case}"),
+        };
+        let problem = Problem::new(&model.k, &model.f, &model.system)?;
+        let (u, _) = dense::solution(&model, problem.kept())?;
+        for (name, solution) in by_all(&problem) {
+            let solution = solution.map_err(|error| format!("{case}: {name}: {error}"))?;
+            let error = off(&model, &solution.u, &u);
+            largest = largest.max(error / solution.accuracy);
+            assert!(error <= 3.0 * solution.accuracy, "{case}: {name}: {error:e}, {:e}", solution.accuracy);
+        }
+    }
+    println!("errors up to {largest:.1e} of what is stated");
     Ok(())
 }
