@@ -11,8 +11,8 @@
 //! Where g says that rounding decides, v is sharpened to a null vector, `v <- v - M^-1 A v`, and held against its terms: where
 //! `|A v|` is rounding of `|A| max |v|` in every row, a matrix that differs from A by rounding is singular (Rigal and Gaches).
 
-use super::EnforceError;
 use super::equations::{Equations, Solve, largest_of_parts, levelled};
+use super::{EnforceError, SolverError};
 
 /// What makes a singular matrix regular, in units without units: far above rounding, far below what holds a model.
 pub const SHIFTS: [f64; 2] = [1e-12, 1e-9];
@@ -64,8 +64,11 @@ pub fn sensitivity(equations: &impl Equations, solve: &mut Solve<'_>) -> Result<
         let forces: Vec<f64> = equations.size(&v).into_iter().zip(equations.units()).map(force).collect();
         let y = solve(&forces)?;
         let largest = largest(equations, &y);
-        if !(largest > 0.0 && largest.is_finite()) {
+        if largest == 0.0 {
             break;
+        }
+        if !largest.is_finite() {
+            return Err(SolverError("the solution leaves the range of doubles".into()).into());
         }
         growth = if step == 0 { 1.0 } else { growth.max(largest) };
         v = y.iter().map(|y| y / largest).collect();

@@ -134,7 +134,8 @@ pub enum EnforceError {
     Solver(#[from] SolverError),
     /// Augmented Lagrange did not come to an end.
     #[error(
-        "{left:.1e} of the constraints is left after {steps} steps, and {tolerance:.1e} was asked for; use a larger penalty factor"
+        "{left:.1e} of the constraints is left after {steps} steps, and {tolerance:.1e} was asked for; {}",
+        advice("a factor that does is", *.better)
     )]
     NoConvergence {
         /// Steps made.
@@ -143,6 +144,8 @@ pub enum EnforceError {
         left: f64,
         /// What was asked for.
         tolerance: f64,
+        /// A penalty factor that was found to do.
+        better: Option<f64>,
     },
     /// The constraints cannot be analysed.
     #[error(transparent)]

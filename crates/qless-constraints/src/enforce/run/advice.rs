@@ -10,6 +10,9 @@ const SOFTEST: f64 = 1.0;
 /// Powers of ten that are tried when one is too soft.
 const STIFFER: i32 = 6;
 
+/// Powers of ten that are tried on both sides where multipliers do not settle.
+const DIGITS: i32 = 9;
+
 /// Why a solve was not good enough.
 pub enum Failure {
     /// A row that rounding alone should leave.
@@ -42,7 +45,11 @@ impl Failure {
         let factor = factors.fold(0.0, f64::max);
         match self {
             Self::Other(error) => error,
-            Self::Left { steps, left } => EnforceError::NoConvergence { steps, left, tolerance: asked.accuracy },
+            Self::Left { steps, left } => {
+                let shares = (1..=DIGITS).flat_map(|digits| [10_f64.powi(digits), 10_f64.powi(-digits)]);
+                let better = first_that_does(problem, methods, asked, shares).map(|share| share * factor);
+                EnforceError::NoConvergence { steps, left, tolerance: asked.accuracy, better }
+            }
             Self::TooSoft { cost } => {
                 // What is left falls as 1 / factor, once it is small.
                 let accuracy = asked.accuracy;

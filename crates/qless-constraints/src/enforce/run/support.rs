@@ -11,7 +11,7 @@ use super::Prepared;
 /// Factored; where that fails, the motion that the matrix leaves free.
 pub fn prepared<'a>(problem: &'a Problem, methods: &'a [Method]) -> Result<Prepared<'a>, EnforceError> {
     Prepared::new(problem, methods, 0.0).map_err(|error| match error {
-        EnforceError::Solver(_) => free_motion(problem, methods),
+        EnforceError::Solver(_) => free_motion(problem, methods, error),
         other => other,
     })
 }
@@ -32,20 +32,22 @@ pub fn supported(prepared: &mut Prepared) -> Result<f64, EnforceError> {
     match judged(model, &mut solve) {
         Ok(Verdict::Held(growth)) => Ok(growth),
         Ok(Verdict::Loose(motion, held)) => Err(unsupported(model, &motion, held)),
-        Err(_) => Err(free_motion(problem, methods)),
+        Err(error) => Err(free_motion(problem, methods, error)),
     }
 }
 
-/// The motion that a matrix without inverse leaves free.
-fn free_motion(problem: &Problem, methods: &[Method]) -> EnforceError {
+/// The motion that a matrix without inverse leaves free; what else went wrong, if nothing is.
+fn free_motion(problem: &Problem, methods: &[Method], error: EnforceError) -> EnforceError {
     let without = without_springs(methods);
     let motion = |shift: f64| {
         let Prepared { model, mut inverse, .. } = Prepared::new(problem, &without, shift).ok()?;
         let (motion, held) = loose(&model, &mut |r: &[f64]| inverse.solve(r))?;
         Some(unsupported(&model, &motion, held))
     };
-    let singular = EnforceError::Singular { what: "the stiffness with its constraints" };
-    SHIFTS.into_iter().find_map(motion).unwrap_or(singular)
+    SHIFTS.into_iter().find_map(motion).unwrap_or(match error {
+        EnforceError::Solver(_) => EnforceError::Singular { what: "the stiffness with its constraints" },
+        other => other,
+    })
 }
 
 fn without_springs(methods: &[Method]) -> Vec<Method> {

@@ -7,7 +7,7 @@ use super::super::solver::{Solver, SolverError};
 use super::super::support::{SHIFTS, Verdict, judged, loose};
 use super::super::{EnforceError, Motion};
 use super::Steps;
-use super::terms::Terms;
+use super::terms::{Terms, sizes_of_dofs};
 
 /// Solutions and refinements at most.
 const REFINEMENTS: usize = 6;
@@ -62,15 +62,16 @@ impl<S: Solver> Steps<S> {
         Ok(settled.x)
     }
 
-    /// `|C u - b|_i` against its terms, for the equations that others do not follow from.
-    pub(super) fn meets_equations(&self, u: &[f64]) -> Result<(), EnforceError> {
+    /// `|C u - b|_i` against what its terms are made of, for the equations that others do not follow from.
+    pub(super) fn meets_equations(&self, x: &[f64], u: &[f64]) -> Result<(), EnforceError> {
+        let sizes = sizes_of_dofs(&self.map, x);
         let system = self.map.analysis().system();
         let independent = (0..system.equations()).filter(|&i| self.map.kinds()[i] == Kind::Independent);
         for i in independent {
             let (mut left, mut size) = (-self.map.rhs()[i], self.map.rhs()[i].abs());
             for (j, v) in system.matrix().row(i) {
                 left += v * u[j];
-                size += (v * u[j]).abs();
+                size += v.abs() * sizes[j];
             }
             if left.is_nan() || left.abs() > MET * size {
                 return Err(EnforceError::OutOfBalance { row: system.equation_label(i), imbalance: left.abs() / size });

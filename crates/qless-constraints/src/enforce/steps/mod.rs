@@ -130,7 +130,7 @@ impl<S: Solver> Steps<S> {
         }
         let x = self.balanced(k, f)?;
         self.map.expand_into(&x, u)?;
-        self.meets_equations(u)
+        self.meets_equations(&x, u)
     }
 
     /// Hands K_q to the solver, with a shift of its diagonal in these units.

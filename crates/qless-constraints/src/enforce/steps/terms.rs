@@ -86,13 +86,29 @@ impl<'a> Terms<'a> {
 
     /// `L x`, or `|L| |x|`.
     pub fn spread(&self, x: &[f64], w: impl Fn(f64) -> f64) -> Vec<f64> {
-        let mut u = vec![0.0; self.map.dofs()];
-        self.map.masters().iter().enumerate().for_each(|(q, &dof)| u[dof] = w(x[q]));
-        for (i, &dof) in self.map.slaves().iter().enumerate() {
-            u[dof] = self.map.reduction().t().row(i).map(|(q, t)| w(t) * w(x[q])).sum();
-        }
-        u
+        spread(self.map, x, w)
     }
+}
+
+fn spread(map: &Map, x: &[f64], w: impl Fn(f64) -> f64) -> Vec<f64> {
+    let mut u = vec![0.0; map.dofs()];
+    map.masters().iter().enumerate().for_each(|(q, &dof)| u[dof] = w(x[q]));
+    for (i, &dof) in map.slaves().iter().enumerate() {
+        u[dof] = map.reduction().t().row(i).map(|(q, t)| w(t) * w(x[q])).sum();
+    }
+    u
+}
+
+/// `|L| |x| + |G| |u_p| + |g|`: the sizes of the terms that u is made of.
+pub fn sizes_of_dofs(map: &Map, x: &[f64]) -> Vec<f64> {
+    let mut sizes = spread(map, x, f64::abs);
+    let (reduction, given) = (map.reduction(), map.prescribed_values());
+    map.prescribed().iter().zip(given).for_each(|(&dof, value)| sizes[dof] = value.abs());
+    for (i, &dof) in map.slaves().iter().enumerate() {
+        let of_given = reduction.g_matrix().row(i).map(|(p, v)| (v * given[p]).abs());
+        sizes[dof] += of_given.sum::<f64>() + reduction.g()[i].abs();
+    }
+    sizes
 }
 
 impl Equations for Terms<'_> {

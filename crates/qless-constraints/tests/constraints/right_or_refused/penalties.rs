@@ -75,7 +75,16 @@ fn what_no_penalty_can_do_is_said() -> Outcome {
         }
         other => return Err(format!("{other:?}").into()),
     }
-    assert!(matches!(problem.augmented(1e-6, 1e-12), Err(EnforceError::NoConvergence { .. })));
+    for factor in [1e-6, 1e-3, 1e14, 1e18, 1e25] {
+        match problem.augmented(factor, 1e-12) {
+            Ok(solution) => assert!(solution.imbalance <= 1e-12, "{factor:e}"),
+            Err(EnforceError::NoConvergence { better: Some(better), .. }) => drop(problem.augmented(better, 1e-12)?),
+            Err(EnforceError::PenaltyTooLarge { largest: Some(largest), .. }) => {
+                problem.augmented(largest, 1e-12)?;
+            }
+            Err(other) => return Err(format!("{factor:e}: {other}").into()),
+        }
+    }
     for accuracy in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert!(matches!(problem.penalty(1e6, accuracy), Err(EnforceError::Accuracy(_))));
     }
