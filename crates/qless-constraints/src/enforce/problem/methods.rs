@@ -24,7 +24,9 @@ impl Problem<'_> {
     /// let diagonal: Vec<_> = (0..4).map(|j| Triplet::new(j, j, 1.0 + j as f64)).collect();
     /// let k = SparseColMat::try_new_from_triplets(4, 4, &diagonal)?;
     /// let mut builder = SystemBuilder::new(4);
-    /// (0..3).for_each(|j| drop(builder.equation([(j, 1.0), (j + 1, -1.0)], 0.0)));
+    /// for j in 0..3 {
+    ///     builder.equation([(j, 1.0), (j + 1, -1.0)], 0.0);
+    /// }
     /// let system = builder.build()?;
     /// let problem = Problem::new(&k, &[10.0, 0.0, 0.0, 0.0], &system)?;
     /// let methods = [Method::Elimination, Method::Multiplier, Method::Augmented { factor: 1e4 }];

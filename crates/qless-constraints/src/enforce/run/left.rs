@@ -29,7 +29,12 @@ impl Prepared<'_> {
             dofs[self.model.dofs()..].fill(0.0);
             largest_of_parts(&self.model, &dofs)
         };
-        let (size, first, second) = (of_dofs(x), of_dofs(&steps[0]), of_dofs(&steps[1]));
+        let (mut size, first, second) = (of_dofs(x), of_dofs(&steps[0]), of_dofs(&steps[1]));
+        // Where equations keep u at zero, it is measured by what its loads would do to the stiffness they act on.
+        let (units, parts) = (self.model.units(), self.model.parts());
+        for j in 0..self.model.dofs() {
+            size[parts[j]] = size[parts[j]].max(self.model.rhs.1[j] * units[j]);
+        }
         let of_part = |part: usize| {
             if first[part] == 0.0 {
                 return 0.0;
@@ -39,8 +44,7 @@ impl Prepared<'_> {
             let all = if ratio < 1.0 { first[part] / (1.0 - ratio) } else { f64::INFINITY };
             if size[part] > 0.0 { all / size[part] } else { f64::INFINITY }
         };
-        let units = self.model.units().len();
-        (0..units).map(of_part).fold(0.0, f64::max)
+        (0..units.len()).map(of_part).fold(0.0, f64::max)
     }
 }
 

@@ -1,5 +1,7 @@
 //! Penalties: right to the accuracy asked for, or refused with a factor that is.
 
+use faer::sparse::{SparseColMat, Triplet};
+use qless::SystemBuilder;
 use qless_constraints::enforce::{EnforceError, Method, Problem};
 
 use super::dense;
@@ -90,5 +92,30 @@ fn what_no_penalty_can_do_is_said() -> Outcome {
     }
     let short = vec![Method::Multiplier; model.system.equations() - 1];
     assert!(matches!(problem.enforce(&short, 1e-8), Err(EnforceError::Argument(_))));
+    Ok(())
+}
+
+/// Supports that are equations keep u at zero, but for what the spring gives way: that is not all of u.
+#[test]
+fn supports_may_be_equations() -> Outcome {
+    for units in all_units() {
+        let s = units.force / units.length;
+        let entries = [(0, 0, 2.0), (1, 1, 2.0), (0, 1, -1.0), (1, 0, -1.0), (2, 2, 5.0)];
+        let entries = entries.map(|(i, j, v)| Triplet::new(i, j, s * v));
+        let k = SparseColMat::try_new_from_triplets(3, 3, &entries)?;
+        let mut builder = SystemBuilder::new(3);
+        for j in 0..3 {
+            builder.equation([(j, 1.0)], 0.0);
+        }
+        let system = builder.build()?;
+        let f = [3.0 * units.force, -units.force, 7.0 * units.force];
+        let problem = Problem::new(&k, &f, &system)?;
+        let solution = problem.penalty(1e8, 1e-6)?;
+        assert!(solution.u.iter().all(|u| u.abs() < 1e-7 * units.length), "{:?}", solution.u);
+        let carried = solution.multipliers.iter().zip(&f).all(|(l, f)| (l - f).abs() < 1e-6 * f.abs());
+        assert!(carried, "{:?}", solution.multipliers);
+        assert!(matches!(problem.penalty(1e3, 1e-6), Err(EnforceError::PenaltyTooSmall { smallest: Some(_), .. })));
+        assert!(problem.augmented(1e4, 1e-10)?.u.iter().all(|u| u.abs() < 1e-9 * units.length));
+    }
     Ok(())
 }
