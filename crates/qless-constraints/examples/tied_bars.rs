@@ -42,7 +42,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ("multipliers", problem.lagrange()?),
         ("mixed", problem.mixed(&problem.plan(4.0)?)?),
         ("augmented", problem.augmented(1e4, 1e-13)?),
-        ("penalty 1e6", problem.penalty(1e6)?),
+        ("penalty 1e6", problem.penalty(1e6, 1e-3)?),
     ];
     for (name, solution) in methods {
         let off = solution.u.iter().zip(&truth.u).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));

@@ -5,6 +5,7 @@
 
 use super::condensation::map_of;
 use super::matrix::entries;
+use super::scale::root;
 use super::{EnforceError, Problem};
 
 /// How a block of equations is to be enforced; a caller may change `eliminate`.
@@ -97,7 +98,7 @@ impl Problem<'_> {
             block.slaves().iter().for_each(|&dof| weight[dof] = mean);
         }
         let (mut after, mut before) = (vec![0.0; weight.len()], vec![0.0; weight.len()]);
-        for (i, j, _) in entries(self.k) {
+        for (i, j, _) in entries(&self.k) {
             for dof in [i, j].into_iter().take(if i == j { 1 } else { 2 }).filter(|&dof| slave[dof]) {
                 after[block_of[dof]] += weight[i] * weight[j];
                 before[block_of[dof]] += 1.0;
@@ -109,12 +110,3 @@ impl Problem<'_> {
 
 /// A DOF that no equation acts on.
 const NONE: usize = usize::MAX;
-
-/// The smallest member, with paths halved on the way.
-fn root(parent: &mut [usize], mut dof: usize) -> usize {
-    while parent[dof] != dof {
-        parent[dof] = parent[parent[dof]];
-        dof = parent[dof];
-    }
-    dof
-}

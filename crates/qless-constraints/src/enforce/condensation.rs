@@ -6,10 +6,10 @@
 use faer::sparse::SymbolicSparseColMat;
 use qless::{Condensed, ConstraintSystem, Form, Given, Map, Options, SystemBuilder, View, analyse};
 
-use super::matrix::{Matrix, compressed};
-use super::{EnforceError, Problem};
+use super::EnforceError;
+use super::matrix::Matrix;
 
-/// Some independent equations on K; prescribed DOFs are in `u_0`.
+/// Some independent equations on K, with prescribed DOFs at rest and right-hand sides that are [`Condensation::set`].
 pub struct Condensation {
     pub map: Map,
     pub condensed: Condensed,
@@ -25,6 +25,23 @@ impl Condensation {
             map.condensed(View::columns(k.symbolic().col_ptr(), k.symbolic().row_idx()), Given::Eliminated)?;
         let left = condensed.left(&map).into_iter().map(|i| rows[i]).collect();
         Ok(Self { map, condensed, left })
+    }
+
+    /// New right-hand sides of the equations.
+    pub fn set(&mut self, rhs: &[f64]) -> Result<(), EnforceError> {
+        if rhs.is_empty() {
+            return Ok(());
+        }
+        let at_rest = vec![0.0; self.map.prescribed().len()];
+        Ok(self.map.refresh(rhs, &at_rest)?)
+    }
+
+    /// `u_0` of all DOFs that are no unknowns.
+    pub fn constant(&self) -> Result<Vec<f64>, EnforceError> {
+        let mut u = vec![0.0; self.map.dofs()];
+        self.map.expand_into(&vec![0.0; self.map.masters().len()], &mut u)?;
+        self.condensed.dofs().iter().for_each(|&dof| u[dof] = 0.0);
+        Ok(u)
     }
 
     /// K_q.
@@ -54,19 +71,12 @@ impl Condensation {
     }
 }
 
-/// The map of some equations of a system; parts whose T would fill stay factors.
+/// The map of some equations of a system, all right-hand sides zero; parts whose T would fill stay factors.
 pub fn map_of(system: &ConstraintSystem, rows: &[usize]) -> Result<Map, EnforceError> {
     let mut builder = SystemBuilder::new(system.dofs());
     rows.iter().for_each(|&row| {
-        builder.equation(system.matrix().row(row), system.rhs()[row]);
+        builder.equation(system.matrix().row(row), 0.0);
     });
-    system.prescribed().iter().for_each(|&(dof, value)| builder.prescribe(dof, value));
+    system.prescribed().iter().for_each(|&(dof, _)| builder.prescribe(dof, 0.0));
     Ok(Map::of(analyse(&builder.build()?, &Options::default())?, Form::Auto)?)
-}
-
-impl Problem<'_> {
-    /// K in compressed columns.
-    pub(super) fn stiffness(&self) -> Result<std::borrow::Cow<'_, Matrix>, EnforceError> {
-        compressed(self.k)
-    }
 }

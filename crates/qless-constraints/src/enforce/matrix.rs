@@ -1,13 +1,9 @@
-//! Sparse matrices by columns: `A B`, `A x`, `A^T x`, and `A x = b` by LU.
+//! Sparse matrices by columns: `A B`, `A x`, `A^T x`, and the same of sizes, `|A| |x|`.
 
 use std::borrow::Cow;
 
-use faer::Mat;
-use faer::prelude::Solve;
 use faer::sparse::linalg::matmul::sparse_sparse_matmul;
-use faer::sparse::linalg::solvers::Lu;
-use faer::sparse::{SparseColMat, Triplet};
-use qless::Csr;
+use faer::sparse::{SparseColMat, SymbolicSparseColMat, Triplet};
 
 use super::EnforceError;
 
@@ -20,9 +16,8 @@ pub fn from_triplets(
     entries: impl IntoIterator<Item = (usize, usize, f64)>,
 ) -> Result<Matrix, EnforceError> {
     let entries: Vec<_> = entries.into_iter().map(|(i, j, v)| Triplet::new(i, j, v)).collect();
-    // What can go wrong here is memory: then the matrix is of no use.
-    Matrix::try_new_from_triplets(rows, cols, &entries)
-        .map_err(|_| EnforceError::Singular { what: "a matrix too large" })
+    // What can go wrong here is memory.
+    Matrix::try_new_from_triplets(rows, cols, &entries).map_err(|_| EnforceError::TooLarge { rows, cols })
 }
 
 /// The same matrix with its columns one after the other, as [`qless::View`] takes it.
@@ -31,6 +26,23 @@ pub fn compressed(a: &Matrix) -> Result<Cow<'_, Matrix>, EnforceError> {
         return Ok(Cow::Borrowed(a));
     }
     from_triplets(a.nrows(), a.ncols(), entries(a)).map(Cow::Owned)
+}
+
+/// The entries in rows and columns that are wanted, of compressed columns.
+pub fn among(a: &Matrix, wanted: &[bool]) -> Matrix {
+    let (mut starts, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
+    for j in 0..a.ncols() {
+        if wanted[j] {
+            let column = a.symbolic().row_idx_of_col(j).zip(a.val_of_col(j)).filter(|&(i, _)| wanted[i]);
+            column.for_each(|(i, &v)| {
+                rows.push(i);
+                values.push(v);
+            });
+        }
+        starts.push(rows.len());
+    }
+    // A part of what was in range and in order.
+    Matrix::new(SymbolicSparseColMat::new_unsorted_checked(a.nrows(), a.ncols(), starts, None, rows), values)
 }
 
 /// All entries `(row, column, value)`, column by column.
@@ -44,7 +56,7 @@ pub fn entries(a: &Matrix) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
 /// `A B`.
 pub fn product(a: &Matrix, b: &Matrix) -> Result<Matrix, EnforceError> {
     sparse_sparse_matmul(a.as_ref(), b.as_ref(), 1.0, faer::Par::Seq)
-        .map_err(|_| EnforceError::Singular { what: "a matrix too large" })
+        .map_err(|_| EnforceError::TooLarge { rows: a.nrows(), cols: b.ncols() })
 }
 
 /// `A^T`.
@@ -52,38 +64,36 @@ pub fn transposed(a: &Matrix) -> Result<Matrix, EnforceError> {
     from_triplets(a.ncols(), a.nrows(), entries(a).map(|(i, j, v)| (j, i, v)))
 }
 
+/// `y += A x`.
+pub fn add(a: &Matrix, x: &[f64], y: &mut [f64]) {
+    entries(a).for_each(|(i, j, v)| y[i] += v * x[j]);
+}
+
+/// `y += A^T x`.
+pub fn add_transposed(a: &Matrix, x: &[f64], y: &mut [f64]) {
+    entries(a).for_each(|(i, j, v)| y[j] += v * x[i]);
+}
+
+/// `y += |A| |x|`: the sizes of the terms of A x.
+pub fn add_sizes(a: &Matrix, x: &[f64], y: &mut [f64]) {
+    entries(a).for_each(|(i, j, v)| y[i] += (v * x[j]).abs());
+}
+
+/// `y += |A|^T |x|`.
+pub fn add_sizes_transposed(a: &Matrix, x: &[f64], y: &mut [f64]) {
+    entries(a).for_each(|(i, j, v)| y[j] += (v * x[i]).abs());
+}
+
 /// `A x`.
 pub fn times(a: &Matrix, x: &[f64]) -> Vec<f64> {
     let mut y = vec![0.0; a.nrows()];
-    entries(a).for_each(|(i, j, v)| y[i] += v * x[j]);
+    add(a, x, &mut y);
     y
 }
 
-/// `A^T x` of compressed rows.
-pub fn times_transposed(a: &Csr, x: &[f64]) -> Vec<f64> {
-    let mut y = vec![0.0; a.cols()];
-    (0..a.rows()).for_each(|i| a.row(i).for_each(|(j, v)| y[j] += v * x[i]));
-    y
-}
-
-/// An LU factorization that can be used again.
-pub struct Factor {
-    lu: Option<Lu<usize, f64>>,
-    what: &'static str,
-}
-
-impl Factor {
-    pub fn new(a: &Matrix, what: &'static str) -> Result<Self, EnforceError> {
-        let singular = |_| EnforceError::Singular { what };
-        let lu = if a.nrows() == 0 { None } else { Some(a.sp_lu().map_err(singular)?) };
-        Ok(Self { lu, what })
-    }
-
-    /// `A^-1 b`; a pivot that is zero shows in the result.
-    pub fn solve(&self, b: &[f64]) -> Result<Vec<f64>, EnforceError> {
-        let Some(lu) = &self.lu else { return Ok(Vec::new()) };
-        let x = lu.solve(Mat::from_fn(b.len(), 1, |i, _| b[i]));
-        let x: Vec<f64> = (0..b.len()).map(|i| x[(i, 0)]).collect();
-        if x.iter().all(|x| x.is_finite()) { Ok(x) } else { Err(EnforceError::Singular { what: self.what }) }
-    }
+/// `[A B^T; B 0]`.
+pub fn bordered(a: &Matrix, b: &Matrix) -> Result<Matrix, EnforceError> {
+    let (n, size) = (a.nrows(), a.nrows() + b.nrows());
+    let border = entries(b).flat_map(|(i, j, v)| [(n + i, j, v), (j, n + i, v)]);
+    from_triplets(size, size, entries(a).chain(border))
 }

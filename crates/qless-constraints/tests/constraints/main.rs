@@ -26,6 +26,8 @@ mod newton;
 mod patch;
 /// Input that must be refused, and what is said.
 mod refused;
+/// Solutions right to what they state, and refusals, by every method.
+mod right_or_refused;
 /// The nearest face of a surface.
 mod search;
 mod steps;

@@ -11,10 +11,10 @@ const MODULUS: f64 = 3.0;
 const POISSON: f64 = 0.3;
 
 /// A block of `cells` x `cells` x 1 elements with eight nodes on the unit square, from z to z + 1.
-struct Block {
-    cells: usize,
-    z: f64,
-    first: usize,
+pub struct Block {
+    pub cells: usize,
+    pub z: f64,
+    pub first: usize,
 }
 
 impl Block {
@@ -22,7 +22,7 @@ impl Block {
         self.cells + 1
     }
 
-    fn nodes(&self) -> Vec<Point> {
+    pub fn nodes(&self) -> Vec<Point> {
         let at = |i: usize| [i % self.side(), i / self.side() % self.side()].map(|k| k as f64 / self.cells as f64);
         let level = |i: usize| self.z + (i / (self.side() * self.side())) as f64;
         let node = |i: usize| Point::new(from_fn(|k| 3 * (self.first + i) + k), [at(i)[0], at(i)[1], level(i)]);
@@ -38,7 +38,7 @@ impl Block {
         Surface { nodes: self.nodes(), faces: (0..self.cells * self.cells).map(face).collect() }
     }
 
-    fn stiffness(&self) -> Vec<Triplet<usize, usize, f64>> {
+    pub fn stiffness(&self) -> Vec<Triplet<usize, usize, f64>> {
         let (nodes, [lower, upper]) = (self.nodes(), [0, 1].map(|level| self.surface(level).faces));
         let element = |(a, b): (&Face, &Face)| {
             let nodes: Vec<Point> = a.nodes.iter().chain(&b.nodes).map(|&i| nodes[i]).collect();

@@ -118,6 +118,11 @@ impl Map {
         &self.analysis
     }
 
+    /// b, as it is now.
+    pub fn rhs(&self) -> &[f64] {
+        &self.rhs
+    }
+
     /// What each equation is, for b and u_p as they are now.
     pub fn kinds(&self) -> &[Kind] {
         &self.kinds

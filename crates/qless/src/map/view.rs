@@ -79,6 +79,29 @@ impl<'a, P: Index, I: Index> View<'a, P, I> {
         self.index.len()
     }
 
+    /// `(row, column)` of each stored entry, in the order of the values.
+    ///
+    /// ```
+    /// use qless::View;
+    /// let view = View::columns(&[0, 2, 3], &[0_u32, 1, 1]).checked(2)?;
+    /// assert_eq!(view.entries().collect::<Vec<_>>(), [(0, 0), (1, 0), (1, 1)]);
+    /// # Ok::<(), qless::SystemError>(())
+    /// ```
+    ///
+    /// # Panics
+    /// If the arrays are no pattern: ask [`View::checked`] first.
+    pub fn entries(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        (0..self.starts.len().saturating_sub(1)).flat_map(move |line| {
+            let others = self.range(line).map(|k| self.index(k));
+            others.map(move |other| if self.by_columns { (other, line) } else { (line, other) })
+        })
+    }
+
+    /// Which entries are stored.
+    pub fn storage(&self) -> Storage {
+        self.storage
+    }
+
     /// Entries of line i.
     #[inline]
     pub(super) fn range(&self, i: usize) -> std::ops::Range<usize> {

@@ -2,12 +2,16 @@
 //!
 //! Slaves of factored parts stay unknowns, with `C_S du_s + C_M du_q = 0` by multipliers: `C_S` is the product of the factors.
 
+mod transformed;
+
 use faer::sparse::SparseColMat;
 use qless::{Csr, Reduction, ReductionError};
 
-use super::EnforceError;
-use super::matrix::{Factor, Matrix, entries, from_triplets, product, times, transposed};
-use super::saddle::bordered;
+use super::matrix::{
+    Matrix, add_sizes, add_sizes_transposed, bordered, entries, from_triplets, product, times, transposed,
+};
+use super::{EnforceError, scale};
+use transformed::Transformed;
 
 /// u of all DOFs, by transformation with a reduction, whoever made it; `prescribed` are the values of its prescribed DOFs.
 ///
@@ -29,8 +33,8 @@ use super::saddle::bordered;
 /// ```
 ///
 /// # Errors
-/// [`EnforceError::Size`] where K, f or the values do not fit to the reduction, [`EnforceError::Singular`] if the constraints
-/// do not hold the model.
+/// [`EnforceError::Size`] where K, f or the values do not fit to the reduction, [`EnforceError::Unsupported`] if the constraints
+/// do not hold the model, [`EnforceError::OutOfBalance`] if rounding leaves more than 1e-10 of the forces.
 pub fn reduced(
     k: &SparseColMat<usize, f64>,
     f: &[f64],
@@ -58,8 +62,23 @@ pub fn reduced(
     let mut rhs = times(&back, &load);
     let constraints = product(&equations(reduction, dofs)?, &t)?;
     rhs.resize(t.ncols() + held.len(), 0.0);
-    let x = Factor::new(&bordered(&stiffness, &constraints)?, "the reduced stiffness")?.solve(&rhs)?;
-    Ok(times(&t, &x[..t.ncols()]).iter().zip(&constant).map(|(u, c)| u + c).collect())
+    let units = scale::units(&stiffness, &constraints);
+    let matrix = bordered(&stiffness, &constraints)?;
+    let parts = scale::parts(rhs.len(), entries(&matrix).map(|(i, j, _)| (i, j)));
+    let mut rhs_sizes = sizes_of_load(k, &t, &constant, f);
+    rhs_sizes.resize(rhs.len(), 0.0);
+    let model = Transformed { k, t, constraints, units, parts };
+    let x = model.solved(&matrix, (&rhs, &rhs_sizes))?;
+    Ok(times(&model.t, &x[..model.t.ncols()]).iter().zip(&constant).map(|(u, c)| u + c).collect())
+}
+
+/// `|T|^T (|f| + |K| |u_0|)`.
+fn sizes_of_load(k: &Matrix, t: &Matrix, constant: &[f64], f: &[f64]) -> Vec<f64> {
+    let mut of_dofs: Vec<f64> = f.iter().map(|f| f.abs()).collect();
+    add_sizes(k, constant, &mut of_dofs);
+    let mut sizes = vec![0.0; t.ncols()];
+    add_sizes_transposed(t, &of_dofs, &mut sizes);
+    sizes
 }
 
 /// The equations of factored parts on their free DOFs.

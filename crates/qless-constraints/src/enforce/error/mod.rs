@@ -1,0 +1,173 @@
+//! Why constraints cannot be enforced.
+
+mod motion;
+
+pub use motion::Motion;
+
+use super::SolverError;
+use qless::{AnalysisError, ArgumentError, MapError, ReductionError, SystemError};
+
+/// Why constraints cannot be enforced.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum EnforceError {
+    /// K or f does not fit to the constraints.
+    #[error("there are {found} {what}, but the constraints are on {dofs} DOFs")]
+    Size {
+        /// What does not fit.
+        what: &'static str,
+        /// How many there are.
+        found: usize,
+        /// How many there should be.
+        dofs: usize,
+    },
+    /// K or f has a number that is not finite.
+    #[error("K or f holds {value}; every number must be finite")]
+    NotFinite {
+        /// The number.
+        value: f64,
+    },
+    /// Equations contradict others.
+    #[error("{} cannot hold together with the equations that it depends on", .labels.join(" and "))]
+    Conflict {
+        /// The equations, 0-based.
+        rows: Vec<usize>,
+        /// Their labels.
+        labels: Vec<String>,
+    },
+    /// The plan is not one of this problem.
+    #[error("the plan has {planned} equations, but {kept} are independent, and each must occur once")]
+    Plan {
+        /// Equations of the plan.
+        planned: usize,
+        /// Equations that it should have.
+        kept: usize,
+    },
+    /// One half of K was given as all of it.
+    #[error(
+        "all entries of K off the diagonal are on one side; declare Stiffness::{} if K is symmetric and this is one half of it, \
+         Stiffness::unsymmetric if K is a triangle",
+        if *.lower { "lower" } else { "upper" }
+    )]
+    Triangle {
+        /// Whether it is the lower half.
+        lower: bool,
+    },
+    /// K has an entry in the half that was declared not to be stored.
+    #[error(
+        "K has an entry in row {row}, column {column} (from 0), which is not in the half declared; give one half, or Stiffness::full"
+    )]
+    WrongHalf {
+        /// Its row.
+        row: usize,
+        /// Its column.
+        column: usize,
+    },
+    /// A penalty factor is not a positive number.
+    #[error("the penalty factor is {0}; it must be positive, such as 1e6")]
+    Factor(f64),
+    /// An accuracy is not a positive number.
+    #[error("the accuracy is {0}; it must be positive, such as 1e-6")]
+    Accuracy(f64),
+    /// The constraints and prescribed DOFs leave the model free to move.
+    #[error("{0}; support it, or give it stiffness")]
+    Unsupported(Motion),
+    /// The matrix has no inverse, and no motion that it leaves free was found.
+    #[error("{what} is singular, but no single motion that it leaves free was found; look for DOFs without stiffness")]
+    Singular {
+        /// Which matrix.
+        what: &'static str,
+    },
+    /// A solution that is not in balance.
+    #[error(
+        "{row}: {imbalance:.1e} of the terms is left after refinement; the model is too ill-conditioned for double precision"
+    )]
+    OutOfBalance {
+        /// The forces on a DOF, or the label of an equation.
+        row: String,
+        /// What is left, relative to the terms.
+        imbalance: f64,
+    },
+    /// Springs so stiff that rounding of them hides the model.
+    #[error(
+        "penalty factor {factor:.1e}: forces are out of balance by {imbalance:.1e} of their terms; {}",
+        advice("the largest that is not too large is about", *.largest)
+    )]
+    PenaltyTooLarge {
+        /// The largest factor asked for.
+        factor: f64,
+        /// What is left of a row, relative to its terms.
+        imbalance: f64,
+        /// The largest, by powers of ten, that was found to do.
+        largest: Option<f64>,
+    },
+    /// Springs so soft that they leave more than was asked for.
+    #[error(
+        "penalty factor {factor:.1e}: u is off by {cost:.1e} of its size, and {accuracy:.1e} was asked for; {}",
+        advice("a factor that does is", *.smallest)
+    )]
+    PenaltyTooSmall {
+        /// The largest factor asked for.
+        factor: f64,
+        /// The share of u that was asked for.
+        accuracy: f64,
+        /// The share of u that is left.
+        cost: f64,
+        /// One that was found to do.
+        smallest: Option<f64>,
+    },
+    /// Numbers that do not fit into memory, or into the integers of the solver.
+    #[error("a matrix of {rows} x {cols} is too large")]
+    TooLarge {
+        /// Its rows.
+        rows: usize,
+        /// Its columns.
+        cols: usize,
+    },
+    /// Parts of T stay factors.
+    #[error(
+        "T has parts that stay factors, of which no step is made; make the map with Form::Explicit, or use Problem"
+    )]
+    Factored,
+    /// The author's solver gave no solution.
+    #[error(transparent)]
+    Solver(#[from] SolverError),
+    /// Augmented Lagrange did not come to an end.
+    #[error(
+        "{left:.1e} of the constraints is left after {steps} steps, and {tolerance:.1e} was asked for; {}",
+        advice("a factor that does is", *.better)
+    )]
+    NoConvergence {
+        /// Steps made.
+        steps: usize,
+        /// Largest residual of an equation, relative to its terms.
+        left: f64,
+        /// What was asked for.
+        tolerance: f64,
+        /// A penalty factor that was found to do.
+        better: Option<f64>,
+    },
+    /// The constraints cannot be analysed.
+    #[error(transparent)]
+    Analysis(#[from] AnalysisError),
+    /// The constraints cannot be solved for slaves.
+    #[error(transparent)]
+    Reduction(#[from] ReductionError),
+    /// The equations chosen are no valid system.
+    #[error(transparent)]
+    System(#[from] SystemError),
+    /// The equations cannot be put into the form that K is condensed with.
+    #[error(transparent)]
+    Map(#[from] MapError),
+    /// Numbers that do not fit, or that lead out of the range of doubles.
+    #[error(transparent)]
+    Argument(#[from] ArgumentError),
+}
+
+/// What a factor would have to be, or that there is none.
+fn advice(text: &str, factor: Option<f64>) -> String {
+    match factor {
+        Some(factor) => format!("{text} {factor:.1e}"),
+        None => "no factor does: use multipliers or elimination".into(),
+    }
+}

@@ -1,0 +1,19 @@
+//! What comes out of a solve, and what it is worth.
+
+/// Displacements, multipliers and forces.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solution {
+    /// All DOFs.
+    pub u: Vec<f64>,
+    /// lambda, one per original equation, of `K u + C^T lambda = f`; redundant equations ([`super::Problem::redundant`]) have zero.
+    pub multipliers: Vec<f64>,
+    /// `-C^T lambda`: what the constraints exert on each DOF.
+    pub forces: Vec<f64>,
+    /// `(DOF, K u + C^T lambda - f)` for each prescribed DOF: what holds it.
+    pub reactions: Vec<(usize, f64)>,
+    /// The share of u, in its largest number per connected part, that may be wrong: what rounding of K and C does to it, and what
+    /// penalties leave; where equations keep u at zero, the share of what loads would do without them. Translations and rotations are compared in units of energy. An estimate, as a rule too large.
+    pub accuracy: f64,
+    /// The largest imbalance of a row of `K u + C^T lambda = f` and `C u - b`, relative to its terms.
+    pub imbalance: f64,
+}

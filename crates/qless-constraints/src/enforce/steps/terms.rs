@@ -1,0 +1,138 @@
+//! `L^T K L x` and the sizes of its terms, from K itself: what K_q was made of is not to be seen in it.
+
+use qless::{Index, Map, Storage, View};
+
+use super::super::equations::Equations;
+use super::super::scale;
+
+/// Where K has its entries.
+#[derive(Debug)]
+pub struct Pattern {
+    /// `(row, column)` in the order of the values.
+    entries: Vec<(u32, u32)>,
+    storage: Storage,
+}
+
+impl Pattern {
+    /// Of a view that was checked: its indices are below the number of DOFs, which qless counts with u32.
+    pub fn new<P: Index, I: Index>(k: &View<P, I>) -> Self {
+        Self { entries: k.entries().map(|(i, j)| (i as u32, j as u32)).collect(), storage: k.storage() }
+    }
+
+    /// Whether it is the lower (true) or upper half of a matrix all of which is said to be stored.
+    pub fn triangle(&self) -> Option<bool> {
+        let off = |below: bool| self.entries.iter().any(|&(i, j)| i != j && (i > j) == below);
+        let (lower, upper) = (off(true), off(false));
+        (self.storage == Storage::Full && lower != upper).then_some(lower)
+    }
+
+    /// Calls `term(i, j, v)` for all entries of K, stored or not.
+    pub fn each(&self, k: &[f64], mut term: impl FnMut(usize, usize, f64)) {
+        let half = self.storage != Storage::Full;
+        for (&(i, j), &v) in self.entries.iter().zip(k) {
+            term(i as usize, j as usize, v);
+            if half && i != j {
+                term(j as usize, i as usize, v);
+            }
+        }
+    }
+}
+
+/// The equations of one step.
+pub struct Terms<'a> {
+    map: &'a Map,
+    pattern: &'a Pattern,
+    k: &'a [f64],
+    units: Vec<f64>,
+    parts: &'a [usize],
+}
+
+impl<'a> Terms<'a> {
+    pub fn new(map: &'a Map, pattern: &'a Pattern, k: &'a [f64], parts: &'a [usize]) -> Self {
+        let mut terms = Self { map, pattern, k, units: Vec::new(), parts };
+        let mut stiffness = vec![0.0_f64; map.dofs()];
+        pattern.each(k, |i, j, v| {
+            if i == j {
+                stiffness[i] += v.abs();
+            }
+        });
+        let mut of_unknowns = vec![0.0; map.masters().len()];
+        terms.spread_back(&stiffness, &mut of_unknowns, |t| t * t);
+        terms.units = scale::units_of_diagonal(&of_unknowns);
+        terms
+    }
+
+    /// `|L|^T (|f| + |K| |u_0|)`.
+    pub fn size_of_load(&self, f: &[f64], constant: &[f64]) -> Vec<f64> {
+        let mut sizes: Vec<f64> = f.iter().map(|f| f.abs()).collect();
+        self.pattern.each(self.k, |i, j, v| sizes[i] += (v * constant[j]).abs());
+        let mut of_unknowns = vec![0.0; self.map.masters().len()];
+        self.spread_back(&sizes, &mut of_unknowns, f64::abs);
+        of_unknowns
+    }
+
+    /// `y += w(L)^T x`.
+    fn spread_back(&self, x: &[f64], y: &mut [f64], w: impl Fn(f64) -> f64) {
+        self.map.masters().iter().enumerate().for_each(|(q, &dof)| y[q] += x[dof]);
+        for (i, &dof) in self.map.slaves().iter().enumerate() {
+            self.map.reduction().t().row(i).for_each(|(q, t)| y[q] += w(t) * x[dof]);
+        }
+    }
+
+    /// A unit for each DOF: that of the unknowns it follows.
+    pub fn spread_units(&self) -> Vec<f64> {
+        self.spread(&self.units, f64::abs).into_iter().map(|s| if s > 0.0 { s } else { 1.0 }).collect()
+    }
+
+    /// `L x`, or `|L| |x|`.
+    pub fn spread(&self, x: &[f64], w: impl Fn(f64) -> f64) -> Vec<f64> {
+        spread(self.map, x, w)
+    }
+}
+
+fn spread(map: &Map, x: &[f64], w: impl Fn(f64) -> f64) -> Vec<f64> {
+    let mut u = vec![0.0; map.dofs()];
+    map.masters().iter().enumerate().for_each(|(q, &dof)| u[dof] = w(x[q]));
+    for (i, &dof) in map.slaves().iter().enumerate() {
+        u[dof] = map.reduction().t().row(i).map(|(q, t)| w(t) * w(x[q])).sum();
+    }
+    u
+}
+
+/// `|L| |x| + |G| |u_p| + |g|`: the sizes of the terms that u is made of.
+pub fn sizes_of_dofs(map: &Map, x: &[f64]) -> Vec<f64> {
+    let mut sizes = spread(map, x, f64::abs);
+    let (reduction, given) = (map.reduction(), map.prescribed_values());
+    map.prescribed().iter().zip(given).for_each(|(&dof, value)| sizes[dof] = value.abs());
+    for (i, &dof) in map.slaves().iter().enumerate() {
+        let of_given = reduction.g_matrix().row(i).map(|(p, v)| (v * given[p]).abs());
+        sizes[dof] += of_given.sum::<f64>() + reduction.g()[i].abs();
+    }
+    sizes
+}
+
+impl Equations for Terms<'_> {
+    fn apply(&self, x: &[f64]) -> Vec<f64> {
+        let (u, mut forces) = (self.spread(x, |v| v), vec![0.0; self.map.dofs()]);
+        self.pattern.each(self.k, |i, j, v| forces[i] += v * u[j]);
+        let mut y = vec![0.0; x.len()];
+        self.spread_back(&forces, &mut y, |t| t);
+        y
+    }
+
+    fn size(&self, x: &[f64]) -> Vec<f64> {
+        let (u, mut forces) = (self.spread(x, f64::abs), vec![0.0; self.map.dofs()]);
+        self.pattern.each(self.k, |i, j, v| forces[i] += v.abs() * u[j]);
+        let mut y = vec![0.0; x.len()];
+        self.spread_back(&forces, &mut y, f64::abs);
+        y
+    }
+
+    fn units(&self) -> &[f64] {
+        &self.units
+    }
+
+    fn parts(&self) -> &[usize] {
+        self.parts
+    }
+}

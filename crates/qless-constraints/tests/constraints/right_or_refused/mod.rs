@@ -1,0 +1,14 @@
+//! Solutions that are right to what they state, and models that are refused with the motion that nothing holds.
+
+mod dense;
+mod extremes;
+mod half;
+mod large;
+mod methods;
+mod models;
+mod penalties;
+mod random;
+mod steps;
+mod supported;
+mod units;
+mod unsupported;
