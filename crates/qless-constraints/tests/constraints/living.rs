@@ -1,12 +1,10 @@
 use std::array::from_fn;
 
 use qless_constraints::types::{
-    Body, Distance, Driven, Equal, Fixed, LinearEquation, OnLine, OnPlane, Plane, Point, Prescribed, RigidBody,
-    Spherical, Line,
+    Body, Distance, Driven, Equal, Fixed, Line, LinearEquation, OnLine, OnPlane, Plane, Point, Prescribed, RigidBody,
+    Spherical,
 };
-use qless_constraints::{
-    ConstraintId, ConstraintSet, EditError, LineariseError, Quantities, ReplaceError, SetBuilder,
-};
+use qless_constraints::{ConstraintId, ConstraintSet, EditError, LineariseError, Quantities, ReplaceError, SetBuilder};
 
 use crate::linkages::Outcome;
 
@@ -65,7 +63,10 @@ impl Recipe {
             3 => set.put(label, Prescribed { values: vec![(a.dofs[0], number), (b.dofs[2], 2.0 * number)] }),
             4 => set.put(label, Driven::new([(a.dofs[2], 1.0)], move |t| number * t)),
             5 => set.put(label, OnLine { point: a, line: Line::Nodes(b, third) }),
-            6 => set.put(label, OnPlane { point: a, plane: Plane::Fixed { through: [number; 3], normal: [1.0, 2.0, number] } }),
+            6 => set.put(
+                label,
+                OnPlane { point: a, plane: Plane::Fixed { through: [number; 3], normal: [1.0, 2.0, number] } },
+            ),
             7 => {
                 let body = Body::with_vector(a.dofs, a.at, third.dofs);
                 set.put(label, RigidBody { body, nodes: vec![b] })
@@ -73,7 +74,11 @@ impl Recipe {
             _ => {
                 let body = Body::with_vector(a.dofs, a.at, third.dofs);
                 let joint = Spherical { a: body, b: Body::node(b), at: b.at };
-                if number > 0.3 { set.put(label, Fixed { a: body, b: Body::ground(), at: [number; 3] }) } else { set.put(label, joint) }
+                if number > 0.3 {
+                    set.put(label, Fixed { a: body, b: Body::ground(), at: [number; 3] })
+                } else {
+                    set.put(label, joint)
+                }
             }
         }
     }
@@ -129,7 +134,8 @@ impl Run {
         let mut builder = ConstraintSet::builder(3 * nodes);
         let mut entries = Vec::new();
         for k in 0..=KINDS {
-            let recipe = Recipe { kind: k.min(KINDS - 1), node: k, other: k + 1, number: if k == KINDS { 0.4 } else { 0.1 } };
+            let recipe =
+                Recipe { kind: k.min(KINDS - 1), node: k, other: k + 1, number: if k == KINDS { 0.4 } else { 0.1 } };
             let label = format!("first {k}");
             let id = recipe.add(&label, &mut builder)?;
             entries.push(Entry { id, label, recipe, active: true, rhs: None });
@@ -214,9 +220,7 @@ impl Run {
         }
         assert_eq!(self.set.equations(), fresh.equations());
         assert_eq!(bits(self.quantities.c()), bits(expected.c()));
-        for (found, expected) in
-            [(self.quantities.g(), expected.g()), (self.quantities.h(), expected.h())]
-        {
+        for (found, expected) in [(self.quantities.g(), expected.g()), (self.quantities.h(), expected.h())] {
             assert_eq!((found.starts(), found.columns()), (expected.starts(), expected.columns()));
             assert_eq!(bits(found.values()), bits(expected.values()));
         }
@@ -227,7 +231,10 @@ impl Run {
         let rows = self.set.rows_of(entry.id)?;
         assert_eq!((self.set.is_active(entry.id)?, rows.is_empty()), (entry.active, !entry.active));
         assert!(rows.iter().all(|&row| self.set.constraint_of(row) == Ok(entry.id)));
-        assert_eq!(rows.len(), (0..fresh.equations()).filter(|&row| self.set.constraint_of(row) == Ok(entry.id)).count());
+        assert_eq!(
+            rows.len(),
+            (0..fresh.equations()).filter(|&row| self.set.constraint_of(row) == Ok(entry.id)).count()
+        );
         for &gone in &self.gone {
             assert_eq!(self.set.activate(gone), Err(EditError::Gone { place: gone.place() }));
         }

@@ -6,10 +6,10 @@ mod enforcement;
 mod factored;
 /// Types that are linear: fields that they must let through, loads that they must carry.
 mod linear_types;
-/// Sets that change: the same as new ones.
-mod living;
 /// Planar and spatial linkages, as sets.
 mod linkages;
+/// Sets that change: the same as new ones.
+mod living;
 /// Known ranks of known mechanisms.
 mod mechanisms;
 /// Residuals of Newton's method.
