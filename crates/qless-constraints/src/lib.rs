@@ -35,8 +35,8 @@ pub mod types;
 
 pub use constraint::{Constraint, Nonlinear};
 pub use set::{
-    AddError, ConstraintId, ConstraintSet, EditError, LineariseError, Quantities, ReplaceError, SetBuilder, Store,
-    StoreError, TimeError, Weights,
+    ActiveError, ActiveSystem, AddError, ConstraintId, ConstraintSet, EditError, LineariseError, Quantities,
+    ReplaceError, SetBuilder, Store, StoreError, TimeError, Weights,
 };
 
 /// The example of the README, as a test.

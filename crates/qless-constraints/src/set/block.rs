@@ -77,12 +77,19 @@ pub(super) struct Blocks {
     /// The type of each.
     kinds: Vec<u32>,
     of_type: HashMap<TypeId, u32>,
+    /// Where the last item was put, and its type: others of many are put behind it.
+    recent: Option<(TypeId, usize)>,
     pub offsets: Offsets,
 }
 
 impl Blocks {
     pub fn rows(&self) -> usize {
         self.offsets.rows()
+    }
+
+    /// Each block with the number of its type.
+    pub fn with_kinds(&self) -> impl Iterator<Item = (&dyn Block, u32)> {
+        self.all.iter().map(AsRef::as_ref).zip(self.kinds.iter().copied())
     }
 
     pub fn kind<Q: Nonlinear>(&self) -> Option<u32> {
@@ -103,13 +110,30 @@ impl Blocks {
 
     /// Puts an item behind those of its constraint and of those that were added before.
     pub fn insert<Q: Nonlinear>(&mut self, owner: Owner, dofs: &[u32], parameters: Q) {
-        let next = self.of_type.len() as u32;
-        let kind = *self.of_type.entry(TypeId::of::<Q>()).or_insert(next);
-        let place = self.room_at::<Q>(kind, owner.constraint);
+        let place = self.recent_room::<Q>(owner.constraint).unwrap_or_else(|| {
+            let kind = self.meet(TypeId::of::<Q>());
+            let place = self.room_at::<Q>(kind, owner.constraint);
+            self.recent = Some((TypeId::of::<Q>(), place));
+            place
+        });
         if let Some(block) = self.of_type_mut::<Q>(place) {
             block.insert(owner, dofs, parameters);
         }
         self.offsets.grow(place, Q::PARTS.len() as i32);
+    }
+
+    /// The block of the last item that was put in, if the next one goes behind it.
+    fn recent_room<Q: Nonlinear>(&self, constraint: u32) -> Option<usize> {
+        let (_, place) = self.recent.filter(|&(of, _)| of == TypeId::of::<Q>())?;
+        let block = self.all.get(place)?;
+        let last_of_type = self.kinds.get(place + 1) != Some(&self.kinds[place]);
+        (last_of_type && !block.is_full() && last(block.as_ref()) <= constraint).then_some(place)
+    }
+
+    /// The number of a type, which the set may not have met before.
+    fn meet(&mut self, of: TypeId) -> u32 {
+        let next = self.of_type.len() as u32;
+        *self.of_type.entry(of).or_insert(next)
     }
 
     /// A block in which an item of this constraint can be put.
@@ -119,7 +143,8 @@ impl Blocks {
         if at == of.end {
             if of.is_empty() || self.all[at - 1].is_full() {
                 self.offsets.insert(at);
-                self.put(at, kind, Box::new(Homogeneous::<Q>::default()));
+                let block = if of.is_empty() { Homogeneous::<Q>::default() } else { Homogeneous::with_room() };
+                self.put(at, kind, Box::new(block));
                 return at;
             }
             return at - 1;
@@ -135,6 +160,7 @@ impl Blocks {
     }
 
     fn put(&mut self, at: usize, kind: u32, block: Box<dyn Block>) {
+        self.recent = None;
         self.all.insert(at, block);
         self.kinds.insert(at, kind);
     }
@@ -173,6 +199,7 @@ impl Blocks {
             self.all.remove(block);
             self.kinds.remove(block);
             self.offsets.remove(block);
+            self.recent = None;
         }
         piece
     }

@@ -9,25 +9,40 @@ use super::store::Staged;
 use crate::constraint::Nonlinear;
 
 impl<Q: Nonlinear> Homogeneous<Q> {
+    /// With room for as many items as there may be, as the last block of a type has that follows others.
+    pub fn with_room() -> Self {
+        let mut block = Self::default();
+        block.items.reserve_exact(Self::CAPACITY);
+        block.owners.reserve_exact(Self::CAPACITY);
+        block.start.reserve_exact(Self::CAPACITY);
+        block.numbers.reserve_exact(Self::CAPACITY);
+        block.dofs.reserve_exact(Self::CAPACITY * Q::DOFS);
+        block.units.reserve_exact(Self::CAPACITY * Self::UNITS);
+        block
+    }
+
     /// Puts an item behind those of its constraint and of those that were added before.
     pub fn insert(&mut self, owner: Owner, dofs: &[u32], parameters: Q) {
-        let i = self.owners.partition_point(|other| other.constraint <= owner.constraint);
-        let appended = i == self.items.len();
+        let last = self.owners.last().is_none_or(|last| last.constraint <= owner.constraint);
+        let after = |other: &Owner| other.constraint <= owner.constraint;
+        let i = if last { self.items.len() } else { self.owners.partition_point(after) };
         self.numbers.insert(i, numbers(&parameters, dofs.len()));
         if Self::UNITS > 0 {
-            let mut units = vec![0.0; Self::UNITS];
-            parameters.hessian(&[], &[1.0], &mut units);
-            self.units.splice(i * Self::UNITS..i * Self::UNITS, units);
+            let end = self.units.len();
+            self.units.resize(end + Self::UNITS, 0.0);
+            parameters.hessian(&[], &[1.0], &mut self.units[end..]);
+            self.units[i * Self::UNITS..].rotate_right(Self::UNITS);
         }
         let first = self.start[i];
-        self.dofs.splice(first as usize..first as usize, dofs.iter().copied());
+        self.dofs.extend_from_slice(dofs);
+        self.dofs[first as usize..].rotate_right(dofs.len());
         self.start.insert(i, first);
         self.start[i + 1..].iter_mut().for_each(|start| *start += dofs.len() as u32);
         self.items.insert(i, parameters);
         self.owners.insert(i, owner);
         self.widest = self.widest.max(dofs.len());
         self.stamp = Identity::new();
-        if appended {
+        if last {
             self.order.push(dofs);
         } else {
             self.renew_order();

@@ -34,7 +34,8 @@ impl<I: Offset> Length<I> {
 
     /// Puts in an equation whose row is free.
     pub fn insert(&mut self, row: usize, list: u32, dofs: impl Iterator<Item = u32>) {
-        let place = self.row.partition_point(|&r| usize::from(r) < row);
+        let behind = self.row.last().is_none_or(|&last| usize::from(last) < row);
+        let place = if behind { self.row.len() } else { self.row.partition_point(|&r| usize::from(r) < row) };
         self.row.insert(place, row as u16);
         self.list.insert(place, list);
         let first = place * self.terms;

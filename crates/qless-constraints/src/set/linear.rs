@@ -50,7 +50,12 @@ impl Rows {
 
     /// Puts equations of one constraint behind those that it has.
     pub fn put(&mut self, constraint: u32, equations: Vec<Equation>, parts: &mut Parts, time: f64) {
-        let of = if equations.is_empty() { 0..0 } else { self.of(constraint) };
+        if equations.is_empty() {
+            return;
+        }
+        let last = self.batches.last().and_then(|batch| batch.owners.last());
+        let behind = last.is_none_or(|last| last.constraint < constraint);
+        let of = if behind { self.rows()..self.rows() } else { self.of(constraint) };
         for (row, equation) in (of.end..).zip(equations) {
             let owner = Owner { constraint, part: parts.place(equation.part) };
             self.insert(row, owner, &equation.terms, equation.rhs.at(time));
@@ -71,7 +76,12 @@ impl Rows {
         if row == self.rows() {
             if self.batches.last().is_none_or(|batch| batch.rows() == ROWS) {
                 self.offsets.insert(self.batches.len());
-                self.batches.push(Batch::empty());
+                let mut batch = Batch::empty();
+                if !self.batches.is_empty() {
+                    batch.owners.reserve_exact(ROWS);
+                    batch.rhs.reserve_exact(ROWS);
+                }
+                self.batches.push(batch);
             }
             let last = self.batches.len() - 1;
             return (last, row - self.offsets.first(last));

@@ -6,6 +6,7 @@
 //! Rows: those of active constraints, all linear equations in the order in which the constraints were added, then the nonlinear ones,
 //! type by type in the order in which the set met the types, and of one type in the order in which the constraints were added.
 
+mod active;
 mod batch;
 mod block;
 mod builder;
@@ -36,6 +37,7 @@ use std::ops::Range;
 
 use qless::{ArgumentError, Identity};
 
+pub use active::{ActiveError, ActiveSystem};
 use block::{Block, Blocks};
 pub use builder::SetBuilder;
 use effective::{Plan, Weighted};

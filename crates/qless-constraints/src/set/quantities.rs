@@ -5,6 +5,7 @@ use std::ops::Range;
 use qless::{ArgumentError, Csr, Identity, SystemError};
 
 use super::ConstraintSet;
+use super::batch::Batch;
 use super::layout::{Layout, differences};
 
 /// What a set evaluates to. Values are those of the last evaluation; patterns are those of the set at that time. No other set takes it.
@@ -89,7 +90,7 @@ impl ConstraintSet {
         if quantities.evaluated == self.version { Ok(()) } else { Err(ArgumentError::Outdated { what }) }
     }
 
-    fn layout(&self) -> Layout {
+    pub(super) fn layout(&self) -> Layout {
         let linear = self.linear.batches.iter().map(|batch| (batch.stamp, batch.rows()));
         linear.chain(self.blocks.all.iter().map(|block| (block.stamp(), block.rows()))).collect()
     }
@@ -99,8 +100,8 @@ impl ConstraintSet {
         let batches = self.linear.batches.len();
         let linear = &self.linear.batches[segments.start.min(batches)..segments.end.min(batches)];
         let blocks = &self.blocks.all[segments.start.saturating_sub(batches)..segments.end.saturating_sub(batches)];
-        let rows = linear.iter().map(|batch| batch.rows()).chain(blocks.iter().map(|block| block.rows()));
-        let nnz: usize = linear.iter().map(|batch| batch.nnz()).chain(blocks.iter().map(|block| block.nnz())).sum();
+        let rows = linear.iter().map(Batch::rows).chain(blocks.iter().map(|block| block.rows()));
+        let nnz: usize = linear.iter().map(Batch::nnz).chain(blocks.iter().map(|block| block.nnz())).sum();
         let mut end = Vec::with_capacity(rows.sum::<usize>() + 1);
         let (mut col, mut val) = (Vec::with_capacity(nnz), Vec::with_capacity(nnz));
         end.push(0);

@@ -252,7 +252,7 @@ fn a_set_is_that_of_its_active_constraints() -> Outcome {
     for seed in 0..40 {
         let mut run = Run::new(seed, 40 + 10 * seed as usize)?;
         for _ in 0..30 {
-            for _ in 0..1 + run.random.below(12) {
+            for _ in 0..=run.random.below(12) {
                 run.step()?;
             }
             run.compare()?;

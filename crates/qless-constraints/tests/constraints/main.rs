@@ -1,5 +1,9 @@
 //! Constraint sets as a user meets them.
 
+/// Linearised equations of sets that change.
+mod active;
+/// Contact by an active set, against a quadratic program.
+mod contact;
 /// Methods that enforce constraints on a stiffness matrix, against one another.
 mod enforcement;
 /// Parts whose T would fill and that stay factors: the same results as with T.
