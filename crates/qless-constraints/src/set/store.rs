@@ -1,25 +1,49 @@
 //! Where a constraint type puts what it consists of, after it has checked its input.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use super::StoreError;
-use super::block::Blocks;
-use super::labels::Owner;
+use super::batch::Terms;
+use super::block::{Blocks, Place};
+use super::labels::{Owner, Parts};
+use super::time::Rhs;
 use crate::constraint::Nonlinear;
+
+/// DOFs that are compared each with each; more are sorted.
+const FEW: usize = 16;
 
 /// The linear equations and nonlinear parts of the constraint that is being added.
 #[derive(Default)]
 pub struct Store {
     dofs: usize,
-    pub(super) equations: Vec<Equation>,
-    pub(super) pieces: Vec<Box<dyn Piece>>,
+    time: f64,
+    pub(super) contents: Contents,
     pub(super) fault: Option<StoreError>,
+}
+
+/// What one constraint consists of, as long as it is not among the equations of a set.
+#[derive(Default)]
+pub(super) struct Contents {
+    pub equations: Vec<Equation>,
+    pub pieces: Vec<Box<dyn Piece>>,
+}
+
+impl Contents {
+    /// Gives its equations, as many, these right-hand sides.
+    pub fn set_rhs(&mut self, rhs: &[f64]) {
+        self.equations.iter_mut().zip(rhs).for_each(|(equation, &rhs)| equation.rhs = Rhs::Value(rhs));
+    }
+
+    pub fn rows(&self) -> usize {
+        self.equations.len() + self.pieces.iter().map(|piece| piece.rows()).sum::<usize>()
+    }
 }
 
 impl std::fmt::Debug for Store {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let mut text = f.debug_struct("Store");
-        text.field("equations", &self.equations.len()).field("pieces", &self.pieces.len());
+        text.field("equations", &self.contents.equations.len()).field("pieces", &self.contents.pieces.len());
         text.field("fault", &self.fault).finish_non_exhaustive()
     }
 }
@@ -27,13 +51,13 @@ impl std::fmt::Debug for Store {
 /// `sum a_j u_j = rhs`, DOFs ascending.
 pub(super) struct Equation {
     pub part: Cow<'static, str>,
-    pub terms: Vec<(u32, f64)>,
-    pub rhs: f64,
+    pub terms: Terms,
+    pub rhs: Rhs,
 }
 
 impl Store {
-    pub(super) fn new(dofs: usize) -> Self {
-        Self { dofs, ..Self::default() }
+    pub(super) fn new(dofs: usize, time: f64) -> Self {
+        Self { dofs, time, ..Self::default() }
     }
 
     /// Number of DOFs of the model.
@@ -48,35 +72,51 @@ impl Store {
         terms: impl IntoIterator<Item = (usize, f64)>,
         rhs: f64,
     ) {
-        let mut sorted: Vec<(u32, f64)> = Vec::new();
+        self.check_number(rhs);
+        self.put(part.into(), terms, Rhs::Value(rhs));
+    }
+
+    /// Adds `sum a_j u_j = b(t)` for the time t of the set, 0 until [`crate::ConstraintSet::set_time`] says otherwise.
+    pub fn equation_in_time(
+        &mut self,
+        part: impl Into<Cow<'static, str>>,
+        terms: impl IntoIterator<Item = (usize, f64)>,
+        rhs: impl Fn(f64) -> f64 + Send + Sync + 'static,
+    ) {
+        self.check_number(rhs(self.time));
+        self.put(part.into(), terms, Rhs::Function(Arc::new(rhs)));
+    }
+
+    fn put(&mut self, part: Cow<'static, str>, terms: impl IntoIterator<Item = (usize, f64)>, rhs: Rhs) {
+        let mut sorted: Terms = Vec::new();
         for (dof, value) in terms {
             self.check_dof(dof);
             self.check_number(value);
             sorted.push((dof as u32, value));
         }
-        self.check_number(rhs);
         sorted.sort_by_key(|&(dof, _)| dof);
         sorted.dedup_by(|next, kept| {
             let same = next.0 == kept.0;
             kept.1 += if same { next.1 } else { 0.0 };
             same
         });
-        self.equations.push(Equation { part: part.into(), terms: sorted, rhs });
+        self.contents.equations.push(Equation { part, terms: sorted, rhs });
     }
 
     /// Adds the nonlinear equations of `parameters` on the DOFs listed, each of which must occur once.
-    pub fn nonlinear<Q: Nonlinear>(&mut self, part: impl Into<Cow<'static, str>>, dofs: &[usize], parameters: Q) {
+    pub fn nonlinear<Q: Nonlinear>(&mut self, part: impl Into<Cow<'static, str>>, dofs: &[usize], mut parameters: Q) {
         if Q::DOFS != 0 && Q::DOFS != dofs.len() {
             self.fail(StoreError::DofCount { found: dofs.len(), expected: Q::DOFS });
         }
-        let mut sorted = dofs.to_vec();
-        sorted.sort_unstable();
-        sorted.iter().for_each(|&dof| self.check_dof(dof));
-        for pair in sorted.windows(2).filter(|pair| pair[0] == pair[1]) {
-            self.fail(StoreError::RepeatedDof { dof: pair[0] });
+        dofs.iter().for_each(|&dof| self.check_dof(dof));
+        if let Some(dof) = repeated(dofs) {
+            self.fail(StoreError::RepeatedDof { dof });
+        }
+        if Q::DRIVEN {
+            parameters.at_time(self.time);
         }
         let dofs = dofs.iter().map(|&dof| dof as u32).collect();
-        self.pieces.push(Box::new(Staged { part: part.into(), dofs, parameters }));
+        self.contents.pieces.push(Box::new(Staged { part: part.into(), dofs, parameters }));
     }
 
     fn check_dof(&mut self, dof: usize) {
@@ -97,19 +137,60 @@ impl Store {
     }
 }
 
-/// Nonlinear equations that have yet to be put among those of their type.
-pub(super) trait Piece {
-    fn commit(self: Box<Self>, constraint: u32, blocks: &mut Blocks);
+/// The smallest DOF that is there twice.
+fn repeated(dofs: &[usize]) -> Option<usize> {
+    if dofs.len() <= FEW {
+        let twice = |&(k, dof): &(usize, &usize)| dofs[..k].contains(dof);
+        return dofs.iter().enumerate().filter(twice).map(|(_, &dof)| dof).min();
+    }
+    let mut sorted = dofs.to_vec();
+    sorted.sort_unstable();
+    sorted.windows(2).find(|pair| pair[0] == pair[1]).map(|pair| pair[0])
 }
 
-struct Staged<Q> {
-    part: Cow<'static, str>,
-    dofs: Vec<u32>,
-    parameters: Q,
+/// Nonlinear equations that are not among those of their type.
+pub(super) trait Piece: Send + Sync {
+    fn rows(&self) -> usize;
+    /// Which type of the set it is of; none if the set has not met it.
+    fn kind(&self, blocks: &Blocks) -> Option<u32>;
+    /// Puts it among those of its type; its part and the time are given.
+    fn commit(self: Box<Self>, constraint: u32, parts: &mut Parts, time: f64, blocks: &mut Blocks);
+    /// Whether it has the DOFs and pairs of an equation of its type, so that it can take its place.
+    fn fits(&self, place: Place, blocks: &Blocks) -> bool;
+    /// Takes that place.
+    fn overwrite(self: Box<Self>, constraint: u32, parts: &mut Parts, place: Place, blocks: &mut Blocks);
+}
+
+pub(super) struct Staged<Q> {
+    pub part: Cow<'static, str>,
+    pub dofs: Box<[u32]>,
+    pub parameters: Q,
 }
 
 impl<Q: Nonlinear> Piece for Staged<Q> {
-    fn commit(self: Box<Self>, constraint: u32, blocks: &mut Blocks) {
-        blocks.push(Owner { constraint, part: self.part }, &self.dofs, self.parameters);
+    fn rows(&self) -> usize {
+        Q::PARTS.len()
+    }
+
+    fn kind(&self, blocks: &Blocks) -> Option<u32> {
+        blocks.kind::<Q>()
+    }
+
+    fn commit(mut self: Box<Self>, constraint: u32, parts: &mut Parts, time: f64, blocks: &mut Blocks) {
+        if Q::DRIVEN {
+            self.parameters.at_time(time);
+        }
+        blocks.insert(Owner { constraint, part: parts.place(self.part) }, &self.dofs, self.parameters);
+    }
+
+    fn fits(&self, (block, item): Place, blocks: &Blocks) -> bool {
+        blocks.of_type::<Q>(block).is_some_and(|block| block.alike(item, &self.dofs, &self.parameters))
+    }
+
+    fn overwrite(self: Box<Self>, constraint: u32, parts: &mut Parts, (block, item): Place, blocks: &mut Blocks) {
+        let owner = Owner { constraint, part: parts.place(self.part) };
+        if let Some(block) = blocks.of_type_mut::<Q>(block) {
+            block.overwrite(item, owner, self.parameters);
+        }
     }
 }

@@ -31,7 +31,7 @@ impl ConstraintSet {
         quantities: &Quantities,
         prescribed: &[(usize, f64)],
     ) -> Result<ConstraintSystem, LineariseError> {
-        self.own("the quantities", quantities.of)?;
+        self.current(quantities)?;
         let mut builder = SystemBuilder::new(self.dofs);
         for (row, &c) in quantities.c.iter().enumerate() {
             builder.labelled_equation(self.label(row)?, quantities.g.row(row), -c);

@@ -57,8 +57,8 @@ impl<const D: usize> Constraint for Distance<D> {
             return Err(DistanceError::Length(length));
         }
         let between = std::array::from_fn(|k| self.b.at[k] - self.a.at[k]);
-        let dofs: Vec<usize> = self.a.dofs.into_iter().chain(self.b.dofs).collect();
-        store.nonlinear("", &dofs, Rod::<D> { between, length });
+        let dofs = [self.a.dofs, self.b.dofs];
+        store.nonlinear("", dofs.as_flattened(), Rod::<D> { between, length });
         Ok(())
     }
 }

@@ -6,6 +6,7 @@
 mod average;
 mod cyclic;
 mod distance;
+mod driven;
 mod equal;
 mod euler_norm;
 mod fluid;
@@ -36,6 +37,7 @@ pub use crate::geometry::turn::{Turn, TurnError};
 pub use average::{Average, AverageError};
 pub use cyclic::{Cyclic, CyclicError, CyclicHarmonic, Turning};
 pub use distance::{Distance, DistanceError};
+pub use driven::{Driven, DrivenError};
 pub use equal::{Equal, EqualError};
 pub use euler_norm::EulerNorm;
 pub use fluid::{FluidNormal, FluidNormalError};

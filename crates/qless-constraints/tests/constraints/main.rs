@@ -6,6 +6,10 @@ mod bad_numbers;
 mod dual_mortar;
 /// Nodes embedded in solids.
 mod embedded;
+/// Linearised equations of sets that change.
+mod active;
+/// Contact by an active set, against a quadratic program.
+mod contact;
 /// Methods that enforce constraints on a stiffness matrix, against one another.
 mod enforcement;
 /// Parts whose T would fill and that stay factors: the same results as with T.
@@ -18,6 +22,8 @@ mod hanging;
 mod linear_types;
 /// Planar and spatial linkages, as sets.
 mod linkages;
+/// Sets that change: the same as new ones.
+mod living;
 /// Known ranks of known mechanisms.
 mod mechanisms;
 /// Residuals of Newton's method.
@@ -33,3 +39,5 @@ mod search;
 mod steps;
 /// Mortar ties of surfaces: identities of D and M.
 mod surface_mortar;
+/// Right-hand sides and parameters that are functions of time.
+mod time;
