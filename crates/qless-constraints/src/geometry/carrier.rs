@@ -120,6 +120,11 @@ impl Carrier {
         if position.is_empty() { turned } else { add(turned, [position[0], position[1], position[2]]) }
     }
 
+    /// Where the body is to which the point belongs: `at + u`.
+    pub fn centre<S: Scalar>(&self, u: &[S]) -> Vector<S> {
+        if self.kind == Kind::Ground { lift(self.at) } else { add(lift(self.at), [u[0], u[1], u[2]]) }
+    }
+
     /// The point x, and `sign dx` in the columns from `first` of `g`, 3 x n; rotation vectors as they are in a lane of `turns`.
     #[expect(clippy::inline_always, reason = "27 numbers would go through memory, which costs a third")]
     #[inline(always)]

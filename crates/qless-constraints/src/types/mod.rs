@@ -38,7 +38,9 @@ pub use equal::{Equal, EqualError};
 pub use euler_norm::EulerNorm;
 pub use field_tie::FieldTie;
 pub use fluid::{FluidNormal, FluidNormalError};
-pub use joints::{Fixed, JointError, Prismatic, Revolute, Spherical, Universal};
+pub use joints::{
+    Cylindrical, Fixed, JointError, Parallel, Perpendicular, Planar, Prismatic, Revolute, Spherical, Universal,
+};
 pub use line_tie::{LineTie, LineTieError};
 pub use linear::{LinearEquation, LinearEquationError};
 pub use mortar::{MortarError, MortarTie};

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::slice;
 
-use super::parts::triangle;
+use super::relative::triangle;
 use crate::geometry::carrier::{Body, Carrier};
 use crate::geometry::lanes::{LANES, Lanes};
 use crate::geometry::turns::{Turns, Vectors};
