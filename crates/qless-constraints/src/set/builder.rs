@@ -40,7 +40,7 @@ impl SetBuilder {
         constraint: C,
     ) -> Result<ConstraintId, AddError<C::Error>> {
         let label = label.into();
-        let mut store = Store::new(self.dofs);
+        let mut store = Store::new(self.dofs, 0.0);
         if let Err(source) = constraint.process(&mut store) {
             return Err(AddError::Input { name: C::NAME, label, source });
         }
@@ -64,7 +64,7 @@ impl SetBuilder {
         let constraint = self.names.len() as u32;
         self.names.push(label);
         for equation in store.equations {
-            self.linear.push(Owner { constraint, part: equation.part }, &equation.terms, equation.rhs);
+            self.linear.push(Owner { constraint, part: equation.part }, &equation.terms, &equation.rhs);
         }
         store.pieces.into_iter().for_each(|piece| piece.commit(constraint, &mut self.blocks));
         ConstraintId { set: self.identity, number: constraint as usize }
@@ -84,6 +84,6 @@ impl SetBuilder {
         blocks.iter_mut().try_for_each(|block| block.write_pattern(&mut pattern))?;
         let plan = Plan::new(&blocks, self.dofs);
         let (identity, dofs, names) = (self.identity, self.dofs, self.names);
-        Ok(ConstraintSet { identity, dofs, linear, blocks, names, pattern, plan })
+        Ok(ConstraintSet { identity, dofs, linear, blocks, names, pattern, plan, time: 0.0 })
     }
 }

@@ -200,6 +200,17 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
         self.write_curvatures(items, u, w, out);
     }
 
+    fn set_time(&mut self, time: f64) {
+        if !Q::DRIVEN {
+            return;
+        }
+        self.items.iter_mut().for_each(|item| item.at_time(time));
+        if Self::UNITS > 0 {
+            let units = self.units.chunks_exact_mut(Self::UNITS);
+            self.items.iter().zip(units).for_each(|(item, units)| item.hessian(&[], &[1.0], units));
+        }
+    }
+
     fn as_any(&mut self) -> &mut dyn Any {
         self
     }

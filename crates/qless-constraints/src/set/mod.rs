@@ -20,6 +20,7 @@ mod store;
 mod sums;
 mod system;
 mod tasks;
+mod time;
 mod weights;
 
 use std::ops::Range;
@@ -34,6 +35,7 @@ pub use labels::ConstraintId;
 use labels::Owner;
 use linear::Rows;
 pub use store::Store;
+pub use time::TimeError;
 pub use weights::Weights;
 
 /// Validated constraints on n DOFs.
@@ -64,6 +66,7 @@ pub struct ConstraintSet {
     /// G with the coefficients of the linear equations in it.
     pattern: Csr,
     plan: Plan,
+    time: f64,
 }
 
 impl std::fmt::Debug for ConstraintSet {

@@ -6,6 +6,7 @@
 mod average;
 mod cyclic;
 mod distance;
+mod driven;
 mod equal;
 mod euler_norm;
 mod field_tie;
@@ -34,6 +35,7 @@ pub use crate::geometry::surface::{Face, Surface, SurfaceError};
 pub use average::{Average, AverageError};
 pub use cyclic::{Cyclic, CyclicError, CyclicHarmonic};
 pub use distance::{Distance, DistanceError};
+pub use driven::{Driven, DrivenError};
 pub use equal::{Equal, EqualError};
 pub use euler_norm::EulerNorm;
 pub use field_tie::FieldTie;
