@@ -138,7 +138,7 @@ mod tests {
         for size in [1e-9, 0.3, 1.9, 3.1, 4.1, 6.2] {
             let (p, q) = ([0.6 * size, 0.0, -0.8 * size], [0.2, -1.1, 0.4]);
             let [of_p, of_q] = [p, q].map(|theta| Turn::new(Kind::Vector, &theta).q);
-            assert!(norm(sub(by_euler(of_p, s), by_vector(p, s))) < 2e-15, "{size}");
+            assert!(norm(sub(by_euler(of_p, s), by_vector(p, s))) < 4e-15, "{size}");
             let both = by_euler(product(of_p, of_q), s);
             assert!(norm(sub(both, by_euler(of_p, by_euler(of_q, s)))) < 4e-15, "{size}");
             let back = product(conjugate(of_p), of_p);

@@ -14,8 +14,8 @@ use linearisation::Linearisation;
 pub use redundancy::{Redundancy, redundancies};
 use residual::residuals;
 
-use crate::LineariseError;
-use crate::{ConstraintSet, Quantities};
+use crate::set::rotations::shorten;
+use crate::{ConstraintSet, LineariseError, Quantities};
 
 /// Settings of [`solve`].
 #[derive(Clone, Debug)]
@@ -114,6 +114,9 @@ pub enum NewtonError {
 
 /// Finds `c(u) = 0` from `u`; DOFs that are not slaves stay, prescribed ones `(DOF, value)` take their values.
 ///
+/// Rotation vectors are kept below half a turn: one that is longer is replaced by a shorter one of the same rotation
+/// ([`ConstraintSet::shorten_rotations`]), unless one of its DOFs is prescribed.
+///
 /// Near a solution the residual falls as `r_(k+1) <= C r_k^2`, with redundant constraints in the set too.
 ///
 /// ```
@@ -161,6 +164,8 @@ struct Run<'a> {
     set: &'a ConstraintSet,
     options: &'a NewtonOptions,
     prescribed: &'a [(usize, f64)],
+    /// Rotation vectors, none of them prescribed: kept below half a turn, so that none comes to a whole one, where it is singular.
+    rotations: Vec<[usize; 3]>,
     u: Vec<f64>,
     quantities: Quantities,
     residuals: Vec<f64>,
@@ -174,11 +179,22 @@ impl<'a> Run<'a> {
         prescribed: &'a [(usize, f64)],
         options: &'a NewtonOptions,
     ) -> Result<Self, NewtonError> {
-        let mut quantities = set.allocate();
-        set.evaluate(u, &mut quantities).map_err(|source| NewtonError::Argument { step: 0, source })?;
-        let residuals = residuals(&quantities);
-        let u = u.to_vec();
-        Ok(Self { set, options, prescribed, u, quantities, residuals, iterates: Vec::new() })
+        let (quantities, mut rotations) = (set.allocate(), set.rotation_vectors());
+        rotations.retain(|vector| prescribed.iter().all(|(dof, _)| !vector.contains(dof)));
+        crate::set::long("u", u.len(), set.dofs()).map_err(|source| NewtonError::Argument { step: 0, source })?;
+        let (u, residuals) = (u.to_vec(), Vec::new());
+        let mut run = Self { set, options, prescribed, rotations, u, quantities, residuals, iterates: Vec::new() };
+        run.arrive(0)?;
+        Ok(run)
+    }
+
+    /// c and G at u, with rotations in the shortest vectors.
+    fn arrive(&mut self, step: usize) -> Result<(), NewtonError> {
+        self.rotations.iter().for_each(|&vector| _ = shorten(&mut self.u, vector));
+        let argument = |source| NewtonError::Argument { step, source };
+        self.set.evaluate(&self.u, &mut self.quantities).map_err(argument)?;
+        self.residuals = residuals(&self.quantities);
+        Ok(())
     }
 
     /// Linearises and analyses at the present u; where all equations are linear, what was found before still holds.
@@ -234,9 +250,6 @@ impl<'a> Run<'a> {
     fn advance(&mut self, linearisation: &mut Linearisation, step: usize) -> Result<(), NewtonError> {
         let du = linearisation.step(step)?;
         self.u.iter_mut().zip(du).for_each(|(u, du)| *u += du);
-        let argument = |source| NewtonError::Argument { step, source };
-        self.set.evaluate(&self.u, &mut self.quantities).map_err(argument)?;
-        self.residuals = residuals(&self.quantities);
-        Ok(())
+        self.arrive(step)
     }
 }

@@ -200,6 +200,15 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
         self.write_curvatures(items, u, w, out);
     }
 
+    fn rotation_vectors(&self, found: &mut dyn FnMut(&[u32], &[usize])) {
+        let mut places = Vec::new();
+        for (i, item) in self.items.iter().enumerate() {
+            places.clear();
+            item.rotation_vectors(&mut |place| places.push(place));
+            found(self.dofs(i), &places);
+        }
+    }
+
     fn set_time(&mut self, time: f64) {
         if !Q::DRIVEN {
             return;

@@ -16,6 +16,7 @@ mod linear;
 mod lists;
 mod order;
 mod pattern;
+pub(crate) mod rotations;
 mod store;
 mod sums;
 mod system;

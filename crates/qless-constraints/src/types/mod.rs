@@ -41,7 +41,8 @@ pub use euler_norm::EulerNorm;
 pub use field_tie::FieldTie;
 pub use fluid::{FluidNormal, FluidNormalError};
 pub use joints::{
-    Cylindrical, Fixed, JointError, Parallel, Perpendicular, Planar, Prismatic, Revolute, Spherical, Universal,
+    Cylindrical, Fixed, JointError, Parallel, Perpendicular, Planar, Prismatic, Revolute, RotationMotor, Spherical,
+    TranslationMotor, Universal,
 };
 pub use line_tie::{LineTie, LineTieError};
 pub use linear::{LinearEquation, LinearEquationError};

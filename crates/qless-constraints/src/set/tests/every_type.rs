@@ -4,7 +4,8 @@ use std::array::from_fn;
 
 use crate::types::{
     Body, Cylindrical, Distance, EulerNorm, Fixed, Line, OnLine, OnPlane, OnSphere, Parallel, Perpendicular, Planar,
-    PlanarPoint, Plane, Point, Prismatic, Revolute, RigidBody, SmallRigidBody, Spherical, Universal, Volume,
+    PlanarPoint, Plane, Point, Prismatic, Revolute, RigidBody, RotationMotor, SmallRigidBody, Spherical,
+    TranslationMotor, Universal, Volume,
 };
 use crate::{ConstraintSet, SetBuilder};
 
@@ -70,6 +71,8 @@ fn joints(builder: &mut SetBuilder, a: Body, b: Body) -> Result<(), Box<dyn std:
     builder.add("sleeve", Cylindrical { a, b, at, axis })?;
     builder.add("plate", Planar { a, b, at, normal: axis })?;
     builder.add("parallel", Parallel { a, b, axis })?;
+    builder.add("motor", RotationMotor::new(a, b, axis, |_| 4.0))?;
+    builder.add("ram", TranslationMotor::new(a, b, at, axis, |_| 0.3))?;
     builder.add("square", Perpendicular { a, b, axis_a: axis, axis_b: [2.0, 0.0, 2.0] })?;
     Ok(())
 }

@@ -3,11 +3,11 @@
 //! `s` is a direction of body a, `s_a` and `s_b` the arms to the point that both bodies have in common in the reference configuration, and h the height
 //! that body b is to have above it.
 
-use super::relative::triangle_before;
+use super::relative::{rotation_vectors, triangle_before};
 use crate::geometry::carrier::{Body, Carrier};
 use crate::geometry::turned;
 use crate::scalar::Scalar;
-use crate::scalar::vector::{Vector, dot, lift, scale, sub};
+use crate::scalar::vector::{Vector, dot, scale, sub};
 use crate::{Nonlinear, Store};
 
 /// The point `at` of body b keeps its height along the direction `s` of body a, above the same point of body a.
@@ -59,6 +59,11 @@ impl Nonlinear for Height {
                 }
             }
         }
+    }
+
+    fn rotation_vectors(&self, found: &mut dyn FnMut(usize)) {
+        let second = self.a.dofs() + self.b.kind.positions();
+        rotation_vectors([(self.a.kind.positions(), self.a.kind), (second, self.b.kind)], found);
     }
 
     /// `[-R_a s, d(R_a s) . reach, R_a s, d(R_b s_b) . R_a s]`.

@@ -5,6 +5,7 @@ pub(crate) mod coincident;
 mod cylindrical;
 mod fixed;
 mod height;
+mod motor;
 mod orientation;
 mod parallel;
 mod perpendicular;
@@ -17,6 +18,7 @@ mod universal;
 
 pub use cylindrical::Cylindrical;
 pub use fixed::Fixed;
+pub use motor::{RotationMotor, TranslationMotor};
 pub use parallel::Parallel;
 pub use perpendicular::Perpendicular;
 pub use planar::Planar;

@@ -19,7 +19,11 @@ pub type Square = [Quaternion<f64>; 4];
 pub trait OfTurn: Send + Sync + 'static {
     /// As [`Nonlinear::PARTS`], at most [`MOST`].
     const PARTS: &'static [&'static str];
+    /// As [`Nonlinear::DRIVEN`].
+    const DRIVEN: bool = false;
 
+    /// As [`Nonlinear::at_time`].
+    fn at_time(&mut self, _time: f64) {}
     /// `c(q)`.
     fn value<S: Scalar>(&self, q: Quaternion<S>, c: &mut [S]);
     /// `c(q)`, and `dc_r / dq`.
@@ -53,6 +57,15 @@ impl<F> Relative<F> {
 
 impl<F: OfTurn> Nonlinear for Relative<F> {
     const PARTS: &'static [&'static str] = F::PARTS;
+    const DRIVEN: bool = F::DRIVEN;
+
+    fn at_time(&mut self, time: f64) {
+        self.of.at_time(time);
+    }
+
+    fn rotation_vectors(&self, found: &mut dyn FnMut(usize)) {
+        rotation_vectors([(0, self.a), (self.a.rotations(), self.b)], found);
+    }
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
         let (a, b) = u.split_at(self.a.rotations());
@@ -108,4 +121,9 @@ pub fn triangle(kind: Kind) -> usize {
 /// Where row j of a lower triangle starts.
 pub fn triangle_before(j: usize) -> usize {
     j * (j + 1) / 2
+}
+
+/// Where rotation vectors are among the DOFs of two bodies; each is given with the place of its first rotation.
+pub fn rotation_vectors(bodies: [(usize, Kind); 2], found: &mut dyn FnMut(usize)) {
+    bodies.into_iter().filter(|&(_, kind)| kind == Kind::Vector).for_each(|(first, _)| found(first));
 }
