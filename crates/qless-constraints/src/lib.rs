@@ -27,6 +27,7 @@
 mod constraint;
 mod derive;
 pub mod enforce;
+pub mod equilibrium;
 mod geometry;
 pub mod newton;
 pub mod scalar;
