@@ -36,7 +36,8 @@ pub mod types;
 
 pub use constraint::{Constraint, Nonlinear};
 pub use set::{
-    AddError, ConstraintId, ConstraintSet, LineariseError, Quantities, SetBuilder, Store, StoreError, Weights,
+    AddError, ConstraintId, ConstraintSet, LineariseError, Quantities, Rounding, SetBuilder, Store, StoreError,
+    Vanishing, Weights,
 };
 
 /// The example of the README, as a test.
