@@ -2,7 +2,7 @@
 //!
 //! `c = f v` with `f(m, y) = atan2(sqrt y, m) / sqrt y`, `y = v.v`, is smooth where v is not zero or m is positive; c does not change when m and
 //! v are scaled together. Where v is zero and m negative, the angle is pi and no direction is nearer than another: within
-//! [`TURNED_OVER`] of there c keeps to the direction e that v has there, or to the first one, `c = e (pi + e.v / m)`, so that its rank is one.
+//! [`TURNED_OVER`] of there c keeps to the first one, `c = (pi + v_1 / m, 0, ..)`, and its rank is one.
 //!
 //! With `r = y + m^2`: `f_m = -1 / r`, `f_mm = 2 m / r^2`, `f_my = 1 / r^2`, `f_y = (m / r - f) / (2 y)`,
 //! `f_yy = -(m / r^2 + 3 f_y) / (2 y)`, and series in `y / m^2` near zero.
@@ -22,12 +22,10 @@ const TERMS: [i32; 2] = [18, 7];
 /// The angle vector of `x = (m, v)`, K components; those of v after them are not read.
 pub fn value<S: Scalar, const K: usize>(x: [S; 4]) -> [S; K] {
     let (m, v): (S, [S; K]) = (x[0], from_fn(|k| x[1 + k]));
-    let y = v.iter().fold(S::from(0.0), |sum, &v| sum + v * v);
-    if let Some(e) = turned_over::<K>(m.real(), v.map(Scalar::real)) {
-        let along = (0..K).fold(S::from(0.0), |sum, k| sum + S::from(e[k]) * v[k]);
-        return e.map(|e| S::from(e) * (S::from(PI) + along / m));
+    if turned_over(m.real(), v.map(Scalar::real)) {
+        return from_fn(|k| if k == 0 { S::from(PI) + v[0] / m } else { S::from(0.0) });
     }
-    let f = factor(m, y);
+    let f = factor(m, v.iter().fold(S::from(0.0), |sum, &v| sum + v * v));
     v.map(|v| f * v)
 }
 
@@ -46,11 +44,9 @@ fn terms(z: f64) -> i32 {
     TERMS[usize::from(z < 1e-3)]
 }
 
-/// The direction of v where it is nearly opposite to m.
-fn turned_over<const K: usize>(m: f64, v: [f64; K]) -> Option<[f64; K]> {
-    let n = v.iter().fold(0.0, |sum: f64, v| sum.hypot(*v));
-    let over = m < 0.0 && n <= -TURNED_OVER * m;
-    over.then(|| if n > 0.0 { v.map(|v| v / n) } else { from_fn(|k| f64::from(u8::from(k == 0))) })
+/// Whether v is nearly opposite to m.
+fn turned_over<const K: usize>(m: f64, v: [f64; K]) -> bool {
+    m < 0.0 && v.iter().fold(0.0, |sum: f64, v| sum.hypot(*v)) <= -TURNED_OVER * m
 }
 
 /// f and its derivatives.
@@ -89,13 +85,9 @@ fn series(z: f64) -> [f64; 3] {
 pub fn slopes<const K: usize>(x: [f64; 4]) -> ([f64; K], [[f64; 4]; K]) {
     let (m, v): (f64, [f64; K]) = (x[0], from_fn(|k| x[1 + k]));
     let mut rows = [[0.0; 4]; K];
-    if let Some(e) = turned_over(m, v) {
-        let along: f64 = (0..K).map(|k| e[k] * v[k]).sum();
-        for (row, own) in rows.iter_mut().zip(e) {
-            row[0] = -own * along / (m * m);
-            (0..K).for_each(|k| row[1 + k] = own * e[k] / m);
-        }
-        return (e.map(|e| e * (PI + along / m)), rows);
+    if turned_over(m, v) {
+        (rows[0][0], rows[0][1]) = (-v[0] / (m * m), 1.0 / m);
+        return (from_fn(|k| if k == 0 { PI + v[0] / m } else { 0.0 }), rows);
     }
     let factors = Factors::new(m, v.iter().map(|v| v * v).sum());
     for (i, row) in rows.iter_mut().enumerate() {
@@ -112,13 +104,9 @@ pub fn curvature<const K: usize>(x: [f64; 4], w: [f64; K]) -> ([f64; 4], [[f64; 
     let rows = slopes::<K>(x).1;
     let gradient = from_fn(|j| (0..K).map(|k| w[k] * rows[k][j]).sum());
     let mut h = [[0.0; 4]; 4];
-    if let Some(e) = turned_over(m, v) {
-        let (weight, along) = (0..K).fold((0.0, 0.0), |(a, b), k| (a + w[k] * e[k], b + e[k] * v[k]));
-        h[0][0] = 2.0 * weight * along / (m * m * m);
-        for k in 0..K {
-            h[0][1 + k] = -weight * e[k] / (m * m);
-            h[1 + k][0] = h[0][1 + k];
-        }
+    if turned_over(m, v) {
+        h[0][0] = 2.0 * w[0] * v[0] / (m * m * m);
+        (h[0][1], h[1][0]) = (-w[0] / (m * m), -w[0] / (m * m));
         return (gradient, h);
     }
     let of = Factors::new(m, v.iter().map(|v| v * v).sum());
@@ -142,15 +130,11 @@ mod tests {
     fn angles_are_angles() {
         for angle in [1e-9, 1e-3, 0.029, 0.033, 0.3, 0.32, 1.0, 1.6, 2.5, 3.0, 3.141_592] {
             for size in [1e-6, 1.0, 1e6_f64] {
-                let (sin, cos) = angle_of(angle);
+                let (sin, cos) = f64::sin_cos(angle);
                 let c: [f64; 2] = value([size * cos, size * 0.6 * sin, size * 0.8 * sin, f64::NAN]);
                 assert!((c[0] - 0.6 * angle).abs() < 2e-15 && (c[1] - 0.8 * angle).abs() < 2e-15, "{angle}: {c:?}");
             }
         }
-    }
-
-    fn angle_of(angle: f64) -> (f64, f64) {
-        angle.sin_cos()
     }
 
     /// Opposite directions: an angle of pi, finite slopes, rank one.

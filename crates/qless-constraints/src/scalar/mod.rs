@@ -1,11 +1,13 @@
-//! Numbers that a constraint can be evaluated in: `f64`, or one that carries derivatives along.
+//! Numbers that a constraint can be evaluated in: `f64`, or one that carries derivatives or a bound on its rounding along.
 
+mod bounded;
 mod dual;
 mod hyper;
 pub mod vector;
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+pub use bounded::Bounded;
 pub use dual::Dual;
 pub use hyper::HyperDual;
 
@@ -20,7 +22,7 @@ impl<S> Arithmetic for S where
 {
 }
 
-/// A real number, with or without derivatives.
+/// A real number, with or without derivatives and bounds.
 ///
 /// A constraint whose value is written for every `Scalar` gets its Jacobian and Hessian without a second formula, exact to
 /// rounding: `f(x + e) = f(x) + f'(x) e` where `e^2 = 0`.
@@ -51,7 +53,7 @@ pub trait Scalar: Arithmetic + Div<Output = Self> {
     #[must_use]
     fn atan2(self, x: Self) -> Self {
         let h = self.real().atan2(x.real());
-        let (sin, cos) = (Self::from(h.sin()), Self::from(h.cos()));
+        let (sin, cos) = (Self::from(h).sin(), Self::from(h).cos());
         let rest = (self * cos - x * sin) / (x * cos + self * sin);
         Self::from(h) + rest
     }

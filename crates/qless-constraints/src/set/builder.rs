@@ -16,6 +16,8 @@ pub struct SetBuilder {
     names: Vec<String>,
     linear: Rows,
     blocks: Blocks,
+    /// The largest coordinate that each DOF adds to, rounded up.
+    sizes: Vec<f32>,
 }
 
 impl std::fmt::Debug for SetBuilder {
@@ -27,7 +29,8 @@ impl std::fmt::Debug for SetBuilder {
 
 impl SetBuilder {
     pub(super) fn new(dofs: usize) -> Self {
-        Self { identity: Identity::new(), dofs, names: Vec::new(), linear: Rows::default(), blocks: Blocks::default() }
+        let (linear, blocks) = (Rows::default(), Blocks::default());
+        Self { identity: Identity::new(), dofs, names: Vec::new(), linear, blocks, sizes: Vec::new() }
     }
 
     /// Adds a constraint under a label that reports will use.
@@ -67,7 +70,19 @@ impl SetBuilder {
             self.linear.push(Owner { constraint, part: equation.part }, &equation.terms, &equation.rhs);
         }
         store.pieces.into_iter().for_each(|piece| piece.commit(constraint, &mut self.blocks));
+        store.coordinates.into_iter().for_each(|(dof, at)| self.coordinate(dof as usize, at));
         ConstraintId { set: self.identity, number: constraint as usize }
+    }
+
+    fn coordinate(&mut self, dof: usize, at: f64) {
+        if at == 0.0 || dof >= self.dofs {
+            return;
+        }
+        if self.sizes.len() <= dof {
+            self.sizes.resize(dof + 1, 0.0);
+        }
+        let size = (at.abs() as f32).next_up().min(f32::MAX);
+        self.sizes[dof] = self.sizes[dof].max(size);
     }
 
     /// Makes the patterns of G and H from the lists of DOFs and pairs.
@@ -83,7 +98,7 @@ impl SetBuilder {
         linear.write_pattern(&mut pattern)?;
         blocks.iter_mut().try_for_each(|block| block.write_pattern(&mut pattern))?;
         let plan = Plan::new(&blocks, self.dofs);
-        let (identity, dofs, names) = (self.identity, self.dofs, self.names);
-        Ok(ConstraintSet { identity, dofs, linear, blocks, names, pattern, plan, time: 0.0 })
+        let (identity, dofs, names, sizes) = (self.identity, self.dofs, self.names, self.sizes);
+        Ok(ConstraintSet { identity, dofs, linear, blocks, names, pattern, plan, sizes, time: 0.0 })
     }
 }

@@ -17,6 +17,7 @@ mod lists;
 mod order;
 mod pattern;
 pub(crate) mod rotations;
+mod rounding;
 mod store;
 mod sums;
 mod system;
@@ -35,7 +36,9 @@ pub use error::{AddError, LineariseError, StoreError};
 pub use labels::ConstraintId;
 use labels::Owner;
 use linear::Rows;
+pub use rounding::Rounding;
 pub use store::Store;
+pub use system::Vanishing;
 pub use time::TimeError;
 pub use weights::Weights;
 
@@ -68,6 +71,8 @@ pub struct ConstraintSet {
     pattern: Csr,
     plan: Plan,
     time: f64,
+    /// The largest coordinate that each DOF adds to, for [`ConstraintSet::rounding`]; shorter if the others add to none.
+    sizes: Vec<f32>,
 }
 
 impl std::fmt::Debug for ConstraintSet {
@@ -81,6 +86,8 @@ impl std::fmt::Debug for ConstraintSet {
 #[derive(Clone, Debug)]
 pub struct Quantities {
     of: Identity,
+    /// The configuration of the last evaluation of c and G.
+    u: Vec<f64>,
     pub(crate) c: Vec<f64>,
     pub(crate) g: Csr,
     h: Csr,
@@ -137,6 +144,7 @@ impl ConstraintSet {
     pub fn allocate(&self) -> Quantities {
         Quantities {
             of: self.identity,
+            u: vec![0.0; self.dofs],
             c: vec![0.0; self.equations()],
             g: self.pattern.clone(),
             h: self.plan.allocate(),
@@ -151,6 +159,7 @@ impl ConstraintSet {
     /// [`ArgumentError`] if `u` does not have length n, or the quantities were not allocated by this set.
     pub fn evaluate(&self, u: &[f64], quantities: &mut Quantities) -> Result<(), ArgumentError> {
         self.check(u, None, quantities)?;
+        quantities.u.copy_from_slice(u);
         tasks::run(tasks::of_values(&self.linear, &self.blocks, &mut quantities.c, &mut quantities.g), u);
         Ok(())
     }
@@ -193,6 +202,7 @@ impl ConstraintSet {
     /// [`ArgumentError`] if `u` or `weights` has the wrong length, or the quantities were not allocated by this set.
     pub fn assemble(&self, u: &[f64], weights: &[f64], quantities: &mut Quantities) -> Result<(), ArgumentError> {
         self.check(u, Some(weights), quantities)?;
+        quantities.u.copy_from_slice(u);
         let Quantities { c, g, h, .. } = quantities;
         let weighted = Weighted::new(&self.blocks, self.linear.rows(), weights);
         let mut tasks = tasks::of_values(&self.linear, &self.blocks, c, g);

@@ -8,6 +8,7 @@ use super::block::Blocks;
 use super::labels::Owner;
 use super::time::Rhs;
 use crate::constraint::Nonlinear;
+use crate::geometry::node::Node;
 
 /// The linear equations and nonlinear parts of the constraint that is being added.
 #[derive(Default)]
@@ -16,8 +17,13 @@ pub struct Store {
     pub(super) time: f64,
     pub(super) equations: Vec<Equation>,
     pub(super) pieces: Vec<Box<dyn Piece>>,
+    /// DOFs, and the coordinates that they add to.
+    pub(super) coordinates: Vec<(u32, f64)>,
     pub(super) fault: Option<StoreError>,
 }
+
+/// Sums of terms on one DOF below so many units in the last place of what was summed are what rounding left of a zero.
+const CANCELLED: f64 = 8.0 * f64::EPSILON;
 
 impl std::fmt::Debug for Store {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -45,6 +51,8 @@ impl Store {
     }
 
     /// Adds `sum a_j u_j = rhs`; terms on the same DOF are summed. `part` tells the equations of one constraint apart.
+    ///
+    /// Where terms cancel but for their rounding, the sum is zero: noise of 1e-17 would make a coefficient, and a rank.
     pub fn equation(
         &mut self,
         part: impl Into<Cow<'static, str>>,
@@ -74,12 +82,8 @@ impl Store {
             sorted.push((dof as u32, value));
         }
         sorted.sort_by_key(|&(dof, _)| dof);
-        sorted.dedup_by(|next, kept| {
-            let same = next.0 == kept.0;
-            kept.1 += if same { next.1 } else { 0.0 };
-            same
-        });
-        self.equations.push(Equation { part, terms: sorted, rhs });
+        let terms = sorted.chunk_by(|a, b| a.0 == b.0).map(|same| (same[0].0, sum(same))).collect();
+        self.equations.push(Equation { part, terms, rhs });
     }
 
     /// Adds the nonlinear equations of `parameters` on the DOFs listed, each of which must occur once.
@@ -100,6 +104,18 @@ impl Store {
         self.pieces.push(Box::new(Staged { part: part.into(), dofs, parameters }));
     }
 
+    /// States that a DOF moves what is at this coordinate for u = 0, `x = at + u`: of x no more is known than its last place.
+    ///
+    /// For types that keep differences of coordinates only, for [`crate::ConstraintSet::rounding`].
+    pub fn coordinate(&mut self, dof: usize, at: f64) {
+        self.coordinates.push((dof as u32, at));
+    }
+
+    /// [`Store::coordinate`] of all translations of a node.
+    pub fn coordinates_of<const D: usize>(&mut self, node: &Node<D>) {
+        node.dofs.iter().zip(node.at).for_each(|(&dof, at)| self.coordinate(dof, at));
+    }
+
     fn check_dof(&mut self, dof: usize) {
         if dof >= self.dofs {
             self.fail(StoreError::DofOutOfRange { dof, dofs: self.dofs });
@@ -116,6 +132,13 @@ impl Store {
     fn fail(&mut self, fault: StoreError) {
         self.fault.get_or_insert(fault);
     }
+}
+
+/// The coefficient of a DOF, from its terms.
+fn sum(same: &[(u32, f64)]) -> f64 {
+    let sum: f64 = same.iter().map(|&(_, v)| v).sum();
+    let size: f64 = same.iter().map(|&(_, v)| v.abs()).sum();
+    if same.len() > 1 && sum.abs() <= CANCELLED * size { 0.0 } else { sum }
 }
 
 /// Nonlinear equations that have yet to be put among those of their type.

@@ -2,15 +2,15 @@
 //!
 //! From where the line points at u = 0, D, to where it points now, `d = (b - a) / |b - a|`, the directions E_i across it are carried the shortest way:
 //! `e_i = E_i - (E_i.d) (D + d) / (1 + D.d)`, perpendicular to d and to each other, of length one. Where d is opposite to D there is no
-//! shortest way: from 120 degrees on they are carried from -D. No frame could be carried to all directions.
+//! shortest way: from 123 degrees on they are carried from -D. No frame could be carried to all directions.
 
 use crate::geometry::node::{Point, moved};
 use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, add, dot, lift, norm, perpendicular, scale, sub, unit};
 use crate::{Constraint, Nonlinear, Store};
 
-/// `D.d` from which the frame is carried from -D.
-const TURNED: f64 = -0.5;
+/// `D.d` from which the frame is carried from -D; no angle at which anything is built.
+const TURNED: f64 = -0.55;
 /// A line that is shorter than this part of its length at u = 0 has no direction.
 const COLLAPSED: f64 = 1e-12;
 
@@ -30,7 +30,7 @@ pub enum Line {
 
 /// A node on a line: `c_i = e_i . (p - a)`, two lengths: how far the node is off the line, in two directions across it.
 ///
-/// `|c|` is the distance. The directions turn with a line through nodes; where it has turned by 120 degrees from u = 0 they are chosen
+/// `|c|` is the distance. The directions turn with a line through nodes; where it has turned by 123 degrees from u = 0 they are chosen
 /// anew, so that c jumps, with the same length. Multipliers are the force across the line, along `e_i`. Two degrees of freedom are
 /// removed. Singular where the nodes of the line are in one place.
 ///

@@ -12,6 +12,8 @@ mod linkages;
 mod mechanisms;
 /// Residuals of Newton's method.
 mod newton;
+/// Rows of G that are rounding and nothing else.
+mod noise;
 /// Two blocks of solid elements under tension, tied at meshes that do not match.
 mod patch;
 /// Input that must be refused, and what is said.

@@ -11,7 +11,7 @@ use crate::{Constraint, Store};
 ///
 /// `beta = acos(R_a t . R_b t)` is in `[0, pi]`, and e perpendicular to t, along `t x R_a^T R_b t`: the axes end pointing the same way. Wherever the bodies
 /// are does not matter. Two degrees of freedom are removed. Singular where the axes are opposite: within 1e-8 rad of there the
-/// rank is one, and the way that c takes is the one it has, or, where there is none, about the first direction perpendicular to the axis.
+/// rank is one, and c is half a turn about one direction perpendicular to the axis, so that Newton's method finds its way out.
 ///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Body, Parallel}};

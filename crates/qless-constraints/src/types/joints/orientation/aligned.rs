@@ -1,6 +1,6 @@
 //! `c = log(R_a^T R_b)`.
 
-use super::shorter;
+use super::{negated, shorter};
 use crate::geometry::angle;
 use crate::geometry::quaternion::Quaternion;
 use crate::scalar::Scalar;
@@ -20,12 +20,12 @@ impl OfTurn for Aligned {
     fn slopes(&self, q: Quaternion<f64>, c: &mut [f64]) -> [Quaternion<f64>; MOST] {
         let (half, rows) = angle::slopes::<3>(shorter(q));
         c.copy_from_slice(&half.map(|x| 2.0 * x));
-        let factor = if q[0] < 0.0 { -2.0 } else { 2.0 };
+        let factor = if negated(q) { -2.0 } else { 2.0 };
         rows.map(|row| row.map(|x| factor * x))
     }
 
     fn curvature(&self, q: Quaternion<f64>, w: &[f64]) -> (Quaternion<f64>, Square) {
-        let sign = if q[0] < 0.0 { -1.0 } else { 1.0 };
+        let sign = if negated(q) { -1.0 } else { 1.0 };
         let (slope, square) = angle::curvature(shorter(q), [w[0], w[1], w[2]].map(|w| 2.0 * w));
         (slope.map(|x| sign * x), square)
     }

@@ -23,9 +23,17 @@ pub use twist::Twist;
 use crate::geometry::quaternion::Quaternion;
 use crate::scalar::Scalar;
 
-/// q or -q, the same rotation: that with a positive m.
+/// An m below zero by less than this part of |q| is not negative: at half a turn exactly, the sense is that of the quaternion, whatever is rounded.
+const HALF_TURN: f64 = 1e-8;
+
+/// Whether -q, the same rotation, is the shorter way to `(m, v)`.
+fn negated([m, v @ ..]: [f64; 4]) -> bool {
+    m < -HALF_TURN * v.into_iter().fold(0.0, f64::hypot)
+}
+
+/// `(m, v)` the shorter way.
 fn shorter<S: Scalar>(x: [S; 4]) -> [S; 4] {
-    if x[0].real() < 0.0 { x.map(|x| -x) } else { x }
+    if negated(x.map(Scalar::real)) { x.map(|x| -x) } else { x }
 }
 
 /// `sum_k weight_k row_k`.

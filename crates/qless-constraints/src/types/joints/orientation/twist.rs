@@ -2,7 +2,7 @@
 
 use std::array::from_fn;
 
-use super::{combined, shorter};
+use super::{combined, negated, shorter};
 use crate::geometry::angle;
 use crate::geometry::quaternion::{Quaternion, inner};
 use crate::scalar::Scalar;
@@ -53,7 +53,7 @@ impl OfTurn for Twist {
         let [m, v] = rows.map(|row| inner(row, q));
         let ([half], [slope]) = angle::slopes::<1>(shorter([m, v, 0.0, 0.0]));
         c[0] = 2.0 * half;
-        let sign = if m < 0.0 { -2.0 } else { 2.0 };
+        let sign = if negated([m, v, 0.0, 0.0]) { -2.0 } else { 2.0 };
         [combined(&slope.map(|x| sign * x), &rows), [0.0; 4], [0.0; 4]]
     }
 
@@ -61,7 +61,7 @@ impl OfTurn for Twist {
         let rows = self.rows();
         let [m, v] = rows.map(|row| inner(row, q));
         let (slope, square) = angle::curvature(shorter([m, v, 0.0, 0.0]), [2.0 * w[0]]);
-        let sign = if m < 0.0 { -1.0 } else { 1.0 };
+        let sign = if negated([m, v, 0.0, 0.0]) { -1.0 } else { 1.0 };
         let half: [Quaternion<f64>; 2] = from_fn(|j| combined(&square[j], &rows));
         let square = from_fn(|j| from_fn(|k| rows[0][j] * half[0][k] + rows[1][j] * half[1][k]));
         (combined(&slope.map(|x| sign * x), &rows), square)
