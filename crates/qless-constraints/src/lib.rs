@@ -27,6 +27,7 @@
 mod constraint;
 mod derive;
 pub mod enforce;
+pub mod equilibrium;
 mod geometry;
 pub mod newton;
 pub mod scalar;
@@ -36,7 +37,7 @@ pub mod types;
 pub use constraint::{Constraint, Nonlinear};
 pub use set::{
     AddError, ConstraintId, ConstraintSet, LineariseError, Quantities, Rounding, SetBuilder, Store, StoreError,
-    Vanishing, Weights,
+    TimeError, Vanishing, Weights,
 };
 
 /// The example of the README, as a test.

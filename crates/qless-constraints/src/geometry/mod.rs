@@ -1,5 +1,6 @@
 //! Points, faces and rotations that the types share.
 
+pub mod angle;
 pub mod carrier;
 pub mod clip;
 mod factors;
@@ -7,6 +8,7 @@ pub mod lanes;
 pub mod node;
 pub mod pairs;
 pub mod project;
+pub mod quaternion;
 pub mod rotation;
 pub mod search;
 pub mod segment;

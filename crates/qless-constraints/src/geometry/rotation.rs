@@ -16,7 +16,7 @@ pub fn by_vector<S: Scalar>(theta: Vector<S>, s: Vector<f64>) -> Vector<S> {
 }
 
 /// `sin t / t` and `(1 - cos t) / t^2` from `y = t^2`.
-fn factors<S: Scalar>(y: S) -> (S, S) {
+pub(super) fn factors<S: Scalar>(y: S) -> (S, S) {
     if y.real() < 0.25 {
         // sum (-y)^k / (2k + 1)! and sum (-y)^k / (2k + 2)!; the ninth term is below 1e-20.
         return (series(y, 1.0), series(y, 2.0));

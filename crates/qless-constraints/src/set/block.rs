@@ -36,6 +36,10 @@ pub(super) trait Block: Send + Sync {
     fn numbers(&self, i: usize) -> usize;
     /// Writes the numbers of the Hessians of these constraints, one after the other.
     fn curvatures(&self, items: &[Range<u32>], u: &[f64], w: &[f64], out: &mut [f64]);
+    /// Calls `found` with the DOFs of each constraint, and where rotation vectors are among them.
+    fn rotation_vectors(&self, found: &mut dyn FnMut(&[u32], &[usize]));
+    /// Takes the parameters of this time, where they are functions of it.
+    fn set_time(&mut self, time: f64);
     fn as_any(&mut self) -> &mut dyn Any;
     /// c and G in twice the digits.
     #[cfg(test)]

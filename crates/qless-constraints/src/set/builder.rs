@@ -44,7 +44,7 @@ impl SetBuilder {
         constraint: C,
     ) -> Result<ConstraintId, AddError<C::Error>> {
         let label = label.into();
-        let mut store = Store::new(self.dofs);
+        let mut store = Store::new(self.dofs, 0.0);
         if let Err(source) = constraint.process(&mut store) {
             return Err(AddError::Input { name: C::NAME, label, source });
         }
@@ -68,7 +68,7 @@ impl SetBuilder {
         let constraint = self.names.len() as u32;
         self.names.push(label);
         for equation in store.equations {
-            self.linear.push(Owner { constraint, part: equation.part }, &equation.terms, equation.rhs);
+            self.linear.push(Owner { constraint, part: equation.part }, &equation.terms, &equation.rhs);
         }
         store.pieces.into_iter().for_each(|piece| piece.commit(constraint, &mut self.blocks));
         store.coordinates.into_iter().for_each(|(dof, at)| self.coordinate(dof as usize, at));
@@ -99,6 +99,6 @@ impl SetBuilder {
         blocks.iter_mut().try_for_each(|block| block.write_pattern(&mut pattern))?;
         let plan = Plan::new(&blocks, self.dofs);
         let (identity, dofs, names, sizes) = (self.identity, self.dofs, self.names, self.sizes);
-        Ok(ConstraintSet { identity, dofs, linear, blocks, names, pattern, plan, sizes })
+        Ok(ConstraintSet { identity, dofs, linear, blocks, names, pattern, plan, sizes, time: 0.0 })
     }
 }

@@ -227,6 +227,26 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
         self.write_curvatures(items, u, w, out);
     }
 
+    fn rotation_vectors(&self, found: &mut dyn FnMut(&[u32], &[usize])) {
+        let mut places = Vec::new();
+        for (i, item) in self.items.iter().enumerate() {
+            places.clear();
+            item.rotation_vectors(&mut |place| places.push(place));
+            found(self.dofs(i), &places);
+        }
+    }
+
+    fn set_time(&mut self, time: f64) {
+        if !Q::DRIVEN {
+            return;
+        }
+        self.items.iter_mut().for_each(|item| item.at_time(time));
+        if Self::UNITS > 0 {
+            let units = self.units.chunks_exact_mut(Self::UNITS);
+            self.items.iter().zip(units).for_each(|(item, units)| item.hessian(&[], &[1.0], units));
+        }
+    }
+
     fn as_any(&mut self) -> &mut dyn Any {
         self
     }

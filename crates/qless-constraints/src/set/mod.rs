@@ -16,11 +16,13 @@ mod linear;
 mod lists;
 mod order;
 mod pattern;
+pub(crate) mod rotations;
 mod rounding;
 mod store;
 mod sums;
 mod system;
 mod tasks;
+mod time;
 mod weights;
 
 use std::ops::Range;
@@ -38,6 +40,7 @@ pub use rounding::Rounding;
 use rounding::Size;
 pub use store::Store;
 pub use system::Vanishing;
+pub use time::TimeError;
 pub use weights::Weights;
 
 /// Validated constraints on n DOFs.
@@ -68,6 +71,7 @@ pub struct ConstraintSet {
     /// G with the coefficients of the linear equations in it.
     pattern: Csr,
     plan: Plan,
+    time: f64,
     /// The largest coordinate that each DOF adds to, for [`ConstraintSet::rounding`]; shorter if the others add to none.
     sizes: Vec<Size>,
 }

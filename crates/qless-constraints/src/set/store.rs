@@ -1,10 +1,12 @@
 //! Where a constraint type puts what it consists of, after it has checked its input.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use super::StoreError;
 use super::block::Blocks;
 use super::labels::Owner;
+use super::time::Rhs;
 use crate::constraint::Nonlinear;
 use crate::geometry::node::Node;
 
@@ -12,6 +14,7 @@ use crate::geometry::node::Node;
 #[derive(Default)]
 pub struct Store {
     dofs: usize,
+    pub(super) time: f64,
     pub(super) equations: Vec<Equation>,
     pub(super) pieces: Vec<Box<dyn Piece>>,
     /// DOFs, and the coordinates that they add to.
@@ -34,12 +37,12 @@ impl std::fmt::Debug for Store {
 pub(super) struct Equation {
     pub part: Cow<'static, str>,
     pub terms: Vec<(u32, f64)>,
-    pub rhs: f64,
+    pub rhs: Rhs,
 }
 
 impl Store {
-    pub(super) fn new(dofs: usize) -> Self {
-        Self { dofs, ..Self::default() }
+    pub(super) fn new(dofs: usize, time: f64) -> Self {
+        Self { dofs, time, ..Self::default() }
     }
 
     /// Number of DOFs of the model.
@@ -56,20 +59,35 @@ impl Store {
         terms: impl IntoIterator<Item = (usize, f64)>,
         rhs: f64,
     ) {
+        self.check_number(rhs);
+        self.put(part.into(), terms, Rhs::Value(rhs));
+    }
+
+    /// Adds `sum a_j u_j = b(t)` for the time t of the set, 0 until [`crate::ConstraintSet::set_time`] says otherwise.
+    pub fn equation_in_time(
+        &mut self,
+        part: impl Into<Cow<'static, str>>,
+        terms: impl IntoIterator<Item = (usize, f64)>,
+        rhs: impl Fn(f64) -> f64 + Send + Sync + 'static,
+    ) {
+        self.check_number(rhs(self.time));
+        self.put(part.into(), terms, Rhs::Function(Arc::new(rhs)));
+    }
+
+    fn put(&mut self, part: Cow<'static, str>, terms: impl IntoIterator<Item = (usize, f64)>, rhs: Rhs) {
         let mut sorted: Vec<(u32, f64)> = Vec::new();
         for (dof, value) in terms {
             self.check_dof(dof);
             self.check_number(value);
             sorted.push((dof as u32, value));
         }
-        self.check_number(rhs);
         sorted.sort_by_key(|&(dof, _)| dof);
         let terms = sorted.chunk_by(|a, b| a.0 == b.0).map(|same| (same[0].0, sum(same))).collect();
-        self.equations.push(Equation { part: part.into(), terms, rhs });
+        self.equations.push(Equation { part, terms, rhs });
     }
 
     /// Adds the nonlinear equations of `parameters` on the DOFs listed, each of which must occur once.
-    pub fn nonlinear<Q: Nonlinear>(&mut self, part: impl Into<Cow<'static, str>>, dofs: &[usize], parameters: Q) {
+    pub fn nonlinear<Q: Nonlinear>(&mut self, part: impl Into<Cow<'static, str>>, dofs: &[usize], mut parameters: Q) {
         if Q::DOFS != 0 && Q::DOFS != dofs.len() {
             self.fail(StoreError::DofCount { found: dofs.len(), expected: Q::DOFS });
         }
@@ -78,6 +96,9 @@ impl Store {
         sorted.iter().for_each(|&dof| self.check_dof(dof));
         for pair in sorted.windows(2).filter(|pair| pair[0] == pair[1]) {
             self.fail(StoreError::RepeatedDof { dof: pair[0] });
+        }
+        if Q::DRIVEN {
+            parameters.at_time(self.time);
         }
         let dofs = dofs.iter().map(|&dof| dof as u32).collect();
         self.pieces.push(Box::new(Staged { part: part.into(), dofs, parameters }));

@@ -6,6 +6,7 @@
 mod average;
 mod cyclic;
 mod distance;
+mod driven;
 mod equal;
 mod euler_norm;
 mod field_tie;
@@ -34,11 +35,15 @@ pub use crate::geometry::surface::{Face, Surface, SurfaceError};
 pub use average::{Average, AverageError};
 pub use cyclic::{Cyclic, CyclicError, CyclicHarmonic};
 pub use distance::{Distance, DistanceError};
+pub use driven::{Driven, DrivenError};
 pub use equal::{Equal, EqualError};
 pub use euler_norm::EulerNorm;
 pub use field_tie::FieldTie;
 pub use fluid::{FluidNormal, FluidNormalError};
-pub use joints::{Fixed, JointError, Prismatic, Revolute, Spherical, Universal};
+pub use joints::{
+    Cylindrical, Fixed, JointError, Parallel, Perpendicular, Planar, Prismatic, Revolute, RotationMotor, Spherical,
+    TranslationMotor, Universal,
+};
 pub use line_tie::{LineTie, LineTieError};
 pub use linear::{LinearEquation, LinearEquationError};
 pub use mortar::{MortarError, MortarTie};

@@ -23,3 +23,5 @@ mod search;
 mod steps;
 /// Mortar ties of surfaces: identities of D and M.
 mod surface_mortar;
+/// Right-hand sides and parameters that are functions of time.
+mod time;

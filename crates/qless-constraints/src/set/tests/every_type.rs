@@ -3,8 +3,9 @@
 use std::array::from_fn;
 
 use crate::types::{
-    Body, Distance, EulerNorm, Fixed, Line, OnLine, OnPlane, OnSphere, PlanarPoint, Plane, Point, Prismatic, Revolute,
-    RigidBody, SmallRigidBody, Spherical, Universal, Volume,
+    Body, Cylindrical, Distance, EulerNorm, Fixed, Line, OnLine, OnPlane, OnSphere, Parallel, Perpendicular, Planar,
+    PlanarPoint, Plane, Point, Prismatic, Revolute, RigidBody, RotationMotor, SmallRigidBody, Spherical,
+    TranslationMotor, Universal, Volume,
 };
 use crate::{ConstraintSet, SetBuilder};
 
@@ -91,5 +92,11 @@ fn joints(builder: &mut SetBuilder, place: Place, a: Body, b: Body) -> Result<()
     builder.add("slider", Prismatic { a, b, at, axis })?;
     builder.add("cardan", Universal { a, b, at, axis_a: axis, axis_b: [1.0, 0.0, 1.0] })?;
     builder.add("weld", Fixed { a, b, at })?;
+    builder.add("sleeve", Cylindrical { a, b, at, axis })?;
+    builder.add("plate", Planar { a, b, at, normal: axis })?;
+    builder.add("parallel", Parallel { a, b, axis })?;
+    builder.add("motor", RotationMotor::new(a, b, axis, |_| 4.0))?;
+    builder.add("ram", TranslationMotor::new(a, b, at, axis, |_| 0.3))?;
+    builder.add("square", Perpendicular { a, b, axis_a: axis, axis_b: [2.0, 0.0, 2.0] })?;
     Ok(())
 }
