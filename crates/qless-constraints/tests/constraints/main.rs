@@ -1,9 +1,17 @@
 //! Constraint sets as a user meets them.
 
+/// Dual multipliers of mortar ties: biorthogonal, local, and as exact as the others.
+mod dual_mortar;
+/// Nodes embedded in solids.
+mod embedded;
 /// Methods that enforce constraints on a stiffness matrix, against one another.
 mod enforcement;
 /// Parts whose T would fill and that stay factors: the same results as with T.
 mod factored;
+/// Nodes with any number of fields.
+mod fields;
+/// Hanging nodes of h- and p-refinement.
+mod hanging;
 /// Types that are linear: fields that they must let through, loads that they must carry.
 mod linear_types;
 /// Planar and spatial linkages, as sets.
