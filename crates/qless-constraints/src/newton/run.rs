@@ -129,8 +129,7 @@ impl<'a> Run<'a> {
 
 /// Rotation vectors of at most half a turn, where u has all of their DOFs.
 fn shorten_all(rotations: &[[usize; 3]], u: &mut [f64]) {
-    rotations
-        .iter()
-        .filter(|vector| vector.iter().all(|&dof| dof < u.len()))
-        .for_each(|&vector| _ = shorten(u, vector));
+    let count = u.len();
+    let there = rotations.iter().filter(|vector| vector.iter().all(|&dof| dof < count));
+    there.for_each(|&vector| _ = shorten(u, vector));
 }

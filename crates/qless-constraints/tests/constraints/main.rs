@@ -4,6 +4,8 @@
 mod dual_mortar;
 /// Nodes embedded in solids.
 mod embedded;
+/// Nodes on lines and planes that turn.
+mod beads;
 /// Methods that enforce constraints on a stiffness matrix, against one another.
 mod enforcement;
 /// Parts whose T would fill and that stay factors: the same results as with T.
@@ -12,18 +14,24 @@ mod factored;
 mod fields;
 /// Hanging nodes of h- and p-refinement.
 mod hanging;
+/// Joints from far off, and what they leave free.
+mod joints;
 /// Types that are linear: fields that they must let through, loads that they must carry.
 mod linear_types;
 /// Planar and spatial linkages, as sets.
 mod linkages;
 /// Known ranks of known mechanisms.
 mod mechanisms;
+/// Mechanisms driven over many turns, against closed forms.
+mod motors;
 /// Residuals of Newton's method.
 mod newton;
 /// Rows of G that are rounding and nothing else.
 mod noise;
 /// Two blocks of solid elements under tension, tied at meshes that do not match.
 mod patch;
+/// Poses of bodies, independent of the library.
+mod poses;
 /// Input that must be refused, and what is said.
 mod refused;
 /// The nearest face of a surface.
@@ -33,3 +41,5 @@ mod steps;
 mod surface_mortar;
 /// Right-hand sides and parameters that are functions of time.
 mod time;
+/// Rotation vectors that are kept short.
+mod turns;

@@ -94,6 +94,6 @@ fn bounds_hold_and_are_near() -> Outcome {
     assert!(of_c.len() > 10_000 && of_g.len() > 100_000, "{} and {} numbers are off", of_c.len(), of_g.len());
     let (of_c, of_g) = (median(of_c), median(of_g));
     println!("bound over error, medians: c {of_c:.1}, G {of_g:.1}");
-    assert!(of_c < 100.0 && of_g < 100.0, "medians {of_c} and {of_g}");
+    assert!(of_c < 150.0 && of_g < 150.0, "medians {of_c} and {of_g}");
     Ok(())
 }
