@@ -7,8 +7,8 @@ use qless_constraints::newton::{NewtonOptions, redundancies, solve};
 use qless_constraints::scalar::{Dual, Scalar, vector};
 use qless_constraints::types::{
     Average, Body, Cyclic, CyclicHarmonic, Distance, Equal, EulerNorm, Face, FaceSearch, Fixed, FluidNormal, Line,
-    LineTie, LinearEquation, MacroStrain, MortarTie, Multipliers, NodeTie, OnLine, OnPlane, OnSphere, Periodic, PlanarPoint, Plane,
-    Point, Prescribed, Prismatic, Revolute, RigidBody, Shape, SmallRigidBody, Spherical, Surface,
+    LineTie, LinearEquation, MacroStrain, MortarTie, Multipliers, NodeTie, OnLine, OnPlane, OnSphere, Periodic,
+    PlanarPoint, Plane, Point, Prescribed, Prismatic, Revolute, RigidBody, Shape, SmallRigidBody, Spherical, Surface,
     Universal, Volume,
 };
 use qless_constraints::{Constraint, ConstraintSet, Nonlinear, Store, Weights};

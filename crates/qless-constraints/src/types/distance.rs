@@ -8,6 +8,10 @@ use crate::{Constraint, Nonlinear, Store};
 
 /// Two nodes at a fixed distance, in D dimensions.
 ///
+#[doc = include_str!("../../docs/pictures/distance.svg")]
+#[doc = include_str!("../../docs/types/distance.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Distance, PlanarPoint}};
 /// let a = PlanarPoint::new([0, 1], [0.0, 0.0]);

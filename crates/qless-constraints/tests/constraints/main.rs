@@ -1,11 +1,11 @@
 //! Constraint sets as a user meets them.
 
+/// Nodes on lines and planes that turn.
+mod beads;
 /// Dual multipliers of mortar ties: biorthogonal, local, and as exact as the others.
 mod dual_mortar;
 /// Nodes embedded in solids.
 mod embedded;
-/// Nodes on lines and planes that turn.
-mod beads;
 /// Methods that enforce constraints on a stiffness matrix, against one another.
 mod enforcement;
 /// Parts whose T would fill and that stay factors: the same results as with T.
@@ -28,6 +28,8 @@ mod motors;
 mod newton;
 /// Rows of G that are rounding and nothing else.
 mod noise;
+/// The page of each type.
+mod pages;
 /// Two blocks of solid elements under tension, tied at meshes that do not match.
 mod patch;
 /// Poses of bodies, independent of the library.
