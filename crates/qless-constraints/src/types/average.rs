@@ -10,6 +10,7 @@ use crate::{Constraint, Store};
 /// A weighted average.
 ///
 #[doc = include_str!("../../docs/pictures/average.svg")]
+///
 #[doc = include_str!("../../docs/types/average.md")]
 /// # Example
 ///

@@ -8,6 +8,7 @@ use crate::{Constraint, Store};
 /// Cyclic symmetry, harmonic 0: all sectors move alike.
 ///
 #[doc = include_str!("../../docs/pictures/cyclic.svg")]
+///
 #[doc = include_str!("../../docs/types/cyclic.md")]
 /// # Example
 ///
@@ -47,6 +48,7 @@ pub struct Cyclic {
 /// `u_b' = R (cos(k alpha) u_a' - sin(k alpha) u_a'')`, `u_b'' = R (sin(k alpha) u_a' + cos(k alpha) u_a'')`.
 ///
 #[doc = include_str!("../../docs/pictures/cyclic_harmonic.svg")]
+///
 #[doc = include_str!("../../docs/types/cyclic_harmonic.md")]
 /// # Example
 ///

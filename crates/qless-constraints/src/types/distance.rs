@@ -9,6 +9,7 @@ use crate::{Constraint, Nonlinear, Store};
 /// Two nodes at a fixed distance, in D dimensions.
 ///
 #[doc = include_str!("../../docs/pictures/distance.svg")]
+///
 #[doc = include_str!("../../docs/types/distance.md")]
 /// # Example
 ///

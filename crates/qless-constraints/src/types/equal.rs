@@ -5,6 +5,7 @@ use crate::{Constraint, Store};
 /// Equal DOFs: `u_i - u_0 = 0` for every DOF after the first.
 ///
 #[doc = include_str!("../../docs/pictures/equal.svg")]
+///
 #[doc = include_str!("../../docs/types/equal.md")]
 /// # Example
 ///

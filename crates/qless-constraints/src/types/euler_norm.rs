@@ -8,6 +8,7 @@ use crate::{Constraint, Nonlinear, Store};
 /// Euler parameters of length one.
 ///
 #[doc = include_str!("../../docs/pictures/euler_norm.svg")]
+///
 #[doc = include_str!("../../docs/types/euler_norm.md")]
 /// # Example
 ///

@@ -6,6 +6,7 @@ use crate::{Constraint, Store};
 /// The normal displacements of a structure and a fluid in displacement form are equal.
 ///
 #[doc = include_str!("../../docs/pictures/fluid_normal.svg")]
+///
 #[doc = include_str!("../../docs/types/fluid_normal.md")]
 /// # Example
 ///

@@ -16,6 +16,7 @@ use crate::{Constraint, Store};
 /// A node of p-refinement is tied by [`OrderTie`](super::OrderTie); one whose parameters are not known, by [`NodeTie`](super::NodeTie).
 ///
 #[doc = include_str!("../../docs/pictures/hanging_node.svg")]
+///
 #[doc = include_str!("../../docs/types/hanging_node.md")]
 /// # Example
 ///

@@ -12,6 +12,7 @@ use crate::{Constraint, Store};
 /// both lines. With n nodes near each other the cost is O(n log n).
 ///
 #[doc = include_str!("../../docs/pictures/line_tie.svg")]
+///
 #[doc = include_str!("../../docs/types/line_tie.md")]
 /// # Example
 ///

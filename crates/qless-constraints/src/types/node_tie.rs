@@ -11,6 +11,7 @@ use crate::{Constraint, Store};
 /// A node tied to a face or a line, in D dimensions.
 ///
 #[doc = include_str!("../../docs/pictures/node_tie.svg")]
+///
 #[doc = include_str!("../../docs/types/node_tie.md")]
 /// # Example
 ///

@@ -35,6 +35,7 @@ pub enum Line {
 /// removed. Singular where the nodes of the line are in one place.
 ///
 #[doc = include_str!("../../docs/pictures/on_line.svg")]
+///
 #[doc = include_str!("../../docs/types/on_line.md")]
 /// # Example
 ///

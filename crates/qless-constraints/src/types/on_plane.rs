@@ -28,6 +28,7 @@ pub enum Plane {
 /// nodes of the plane lie in a line.
 ///
 #[doc = include_str!("../../docs/pictures/on_plane.svg")]
+///
 #[doc = include_str!("../../docs/types/on_plane.md")]
 /// # Example
 ///

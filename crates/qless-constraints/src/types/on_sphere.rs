@@ -7,6 +7,7 @@ use crate::{Constraint, Nonlinear, Store};
 /// A node on a fixed sphere (D = 3) or circle (D = 2).
 ///
 #[doc = include_str!("../../docs/pictures/on_sphere.svg")]
+///
 #[doc = include_str!("../../docs/types/on_sphere.md")]
 /// # Example
 ///

@@ -18,6 +18,7 @@ pub enum MacroStrain<const D: usize, const F: usize = D> {
 /// and the fourth is redundant.
 ///
 #[doc = include_str!("../../docs/pictures/periodic.svg")]
+///
 #[doc = include_str!("../../docs/types/periodic.md")]
 /// # Example
 ///

@@ -8,6 +8,7 @@ use crate::{Constraint, Store};
 /// A rigid link (one node) or rigid body (many), exact for finite rotations: three equations per node.
 ///
 #[doc = include_str!("../../docs/pictures/rigid_body.svg")]
+///
 #[doc = include_str!("../../docs/types/rigid_body.md")]
 /// # Example
 ///

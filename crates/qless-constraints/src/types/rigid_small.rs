@@ -7,6 +7,7 @@ use crate::{Constraint, Store};
 /// A rigid link (one node) or rigid body (many), linear: three equations per node. Also known as RBE2.
 ///
 #[doc = include_str!("../../docs/pictures/small_rigid_body.svg")]
+///
 #[doc = include_str!("../../docs/types/small_rigid_body.md")]
 /// # Example
 ///

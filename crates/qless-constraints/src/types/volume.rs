@@ -12,6 +12,7 @@ use crate::{Constraint, Nonlinear, Store};
 /// A patch of tetrahedra of constant volume, one equation.
 ///
 #[doc = include_str!("../../docs/pictures/volume.svg")]
+///
 #[doc = include_str!("../../docs/types/volume.md")]
 /// # Example
 ///

@@ -68,11 +68,14 @@ fn every_type_has_a_page_with_all_headings() -> Outcome {
     let types = types()?;
     assert!(types.len() >= 33, "{:?}", types.keys());
     for (name, source) in &types {
-        for file in [format!("docs/types/{name}.md"), format!("docs/pictures/{name}.svg")] {
-            assert!(here(&file).exists(), "{name}: there is no {file}");
-            assert!(source.contains(&format!("{file}\")]")), "{name}: its documentation does not include {file}");
-        }
-        let page = read_to_string(here(&format!("docs/types/{name}.md")))?;
+        let [picture, page] = [format!("docs/pictures/{name}.svg"), format!("docs/types/{name}.md")];
+        assert!(here(&picture).exists() && here(&page).exists(), "there is no {picture}, or no {page}");
+        // An empty line ends the picture, or what follows is no heading.
+        let lines: Vec<&str> = source.lines().collect();
+        let includes = |line: &str, file: &str| line.starts_with("#[doc") && line.contains(file);
+        let both = |three: &[&str]| includes(three[0], &picture) && three[1] == "///" && includes(three[2], &page);
+        assert!(lines.windows(3).any(both), "{name}: its documentation does not include {picture} and {page}");
+        let page = read_to_string(here(&page))?;
         let found: Vec<&str> = page.lines().filter(|line| line.starts_with('#')).collect();
         assert_eq!(found, HEADINGS, "{name}");
         let empty = |pair: &[&str]| pair[0].starts_with('#') && pair[1].starts_with('#');

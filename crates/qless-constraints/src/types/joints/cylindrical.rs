@@ -14,6 +14,7 @@ use crate::{Constraint, Store};
 /// Four degrees of freedom are removed. Singular where the axes are opposite.
 ///
 #[doc = include_str!("../../../docs/pictures/cylindrical.svg")]
+///
 #[doc = include_str!("../../../docs/types/cylindrical.md")]
 /// # Example
 ///

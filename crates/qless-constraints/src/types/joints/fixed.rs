@@ -15,6 +15,7 @@ use crate::{Constraint, Store};
 /// moment in the axes of a. Six degrees of freedom are removed. Singular: nowhere; at half a turn exactly, the sense is that of the quaternion.
 ///
 #[doc = include_str!("../../../docs/pictures/fixed.svg")]
+///
 #[doc = include_str!("../../../docs/types/fixed.md")]
 /// # Example
 ///

@@ -23,6 +23,7 @@ pub(super) type Motion = Arc<dyn Fn(f64) -> f64 + Send + Sync>;
 /// multiplier is the moment about the axis. One degree of freedom is removed. Singular where the axes are opposite.
 ///
 #[doc = include_str!("../../../docs/pictures/rotation_motor.svg")]
+///
 #[doc = include_str!("../../../docs/types/rotation_motor.md")]
 /// # Example
 ///
@@ -62,6 +63,7 @@ pub struct RotationMotor {
 /// [`super::Prismatic`] or [`super::Cylindrical`]. Its multiplier is the force along the axis. One degree of freedom is removed. Singular: nowhere.
 ///
 #[doc = include_str!("../../../docs/pictures/translation_motor.svg")]
+///
 #[doc = include_str!("../../../docs/types/translation_motor.md")]
 /// # Example
 ///

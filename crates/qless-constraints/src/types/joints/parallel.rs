@@ -14,6 +14,7 @@ use crate::{Constraint, Store};
 /// rank is one, and c is half a turn about one direction perpendicular to the axis, so that Newton's method finds its way out.
 ///
 #[doc = include_str!("../../../docs/pictures/parallel.svg")]
+///
 #[doc = include_str!("../../../docs/types/parallel.md")]
 /// # Example
 ///

@@ -12,6 +12,7 @@ use crate::{Constraint, Store};
 /// Wherever the bodies are does not matter. One degree of freedom is removed. Singular where the axes are parallel.
 ///
 #[doc = include_str!("../../../docs/pictures/perpendicular.svg")]
+///
 #[doc = include_str!("../../../docs/types/perpendicular.md")]
 /// # Example
 ///

@@ -13,6 +13,7 @@ use crate::{Constraint, Store};
 /// It slides in two directions and turns about the normal. Three degrees of freedom are removed. Singular where the normals are opposite.
 ///
 #[doc = include_str!("../../../docs/pictures/planar.svg")]
+///
 #[doc = include_str!("../../../docs/types/planar.md")]
 /// # Example
 ///

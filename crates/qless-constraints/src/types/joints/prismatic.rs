@@ -14,6 +14,7 @@ use crate::{Constraint, Store};
 /// `p_a` and `p_b` are the points of both bodies that are at `at` in the reference configuration. Five degrees of freedom are removed. Singular: nowhere.
 ///
 #[doc = include_str!("../../../docs/pictures/prismatic.svg")]
+///
 #[doc = include_str!("../../../docs/types/prismatic.md")]
 /// # Example
 ///

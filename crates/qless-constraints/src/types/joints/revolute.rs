@@ -15,6 +15,7 @@ use crate::{Constraint, Store};
 /// Five degrees of freedom are removed. Singular where the axes are opposite, and nowhere else; the joint turns any number of times.
 ///
 #[doc = include_str!("../../../docs/pictures/revolute.svg")]
+///
 #[doc = include_str!("../../../docs/types/revolute.md")]
 /// # Example
 ///

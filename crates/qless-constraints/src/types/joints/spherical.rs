@@ -11,6 +11,7 @@ use crate::{Constraint, Store};
 /// Multipliers are the force of the joint. Three degrees of freedom are removed. Singular: nowhere.
 ///
 #[doc = include_str!("../../../docs/pictures/spherical.svg")]
+///
 #[doc = include_str!("../../../docs/types/spherical.md")]
 /// # Example
 ///

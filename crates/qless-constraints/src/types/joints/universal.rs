@@ -14,6 +14,7 @@ use crate::{Constraint, Store};
 /// which no assembled joint is; where the shafts are at a right angle, they lock.
 ///
 #[doc = include_str!("../../../docs/pictures/universal.svg")]
+///
 #[doc = include_str!("../../../docs/types/universal.md")]
 /// # Example
 ///

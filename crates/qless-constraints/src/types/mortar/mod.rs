@@ -44,6 +44,7 @@ pub enum Multipliers {
 /// With n facets on a side near each other the cost is O(n log n).
 ///
 #[doc = include_str!("../../../docs/pictures/mortar_tie.svg")]
+///
 #[doc = include_str!("../../../docs/types/mortar_tie.md")]
 /// # Example
 ///
