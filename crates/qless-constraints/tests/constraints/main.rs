@@ -1,7 +1,11 @@
 //! Constraint sets as a user meets them.
 
+/// Linearised equations of sets that change.
+mod active;
 /// Nodes on lines and planes that turn.
 mod beads;
+/// Contact by an active set, against a quadratic program.
+mod contact;
 /// Dual multipliers of mortar ties: biorthogonal, local, and as exact as the others.
 mod dual_mortar;
 /// Nodes embedded in solids.
@@ -20,6 +24,8 @@ mod joints;
 mod linear_types;
 /// Planar and spatial linkages, as sets.
 mod linkages;
+/// Sets that change: the same as new ones.
+mod living;
 /// Known ranks of known mechanisms.
 mod mechanisms;
 /// Mechanisms driven over many turns, against closed forms.
