@@ -8,8 +8,8 @@ use qless_constraints::{ConstraintSet, SetBuilder};
 
 use crate::linkages::{Outcome, rank};
 use crate::poses::{
-    KINDS, Kind, Pose, Quaternion, STRIDE, Vector, add, back, body, carried, dot, norm, norm_of, pose, scale, sub,
-    then, turn, turned,
+    AT_REST, KINDS, Kind, Pose, Quaternion, STRIDE, Vector, add, back, body, carried, dot, norm, norm_of, pose, scale,
+    sub, then, turn, turned,
 };
 
 const Z: Vector = [0.0, 0.0, 1.0];
@@ -55,14 +55,15 @@ impl Ring {
         pose(u, i, self.kind, self.from(i))
     }
 
+    /// The rotation of body `i`, from 0; of the ground after the last one.
     fn turn_of(&self, u: &[f64], i: usize) -> Quaternion {
-        if i + 1 < self.hinges.len() { self.pose(u, i).turn } else { [1.0, 0.0, 0.0, 0.0] }
+        if i + 1 < self.hinges.len() { self.pose(u, i).turn } else { AT_REST }
     }
 
-    /// The angle about hinge `i`, from 1, in [-pi, pi].
+    /// The angle about hinge `i`, from 0, in [-pi, pi].
     fn angle(&self, u: &[f64], i: usize) -> f64 {
-        let q = then(back(self.turn_of(u, i - 1)), self.turn_of(u, i));
-        let [q0, v @ ..] = q;
+        let before = if i == 0 { AT_REST } else { self.turn_of(u, i - 1) };
+        let [q0, v @ ..] = then(back(before), self.turn_of(u, i));
         let axis = scale(1.0 / norm(self.hinges[i].1), self.hinges[i].1);
         difference(2.0 * dot(v, axis).atan2(q0), 0.0)
     }
@@ -156,7 +157,7 @@ fn four_bar_linkage_follows_its_circles() -> Outcome {
 
 /// `T_1 .. T_k` of links with lengths and twists at joint angles: the point and the axis of the next hinge.
 fn chain(angles: &[f64], lengths: &[f64], twists: &[f64]) -> Pose {
-    let mut pose = Pose { at: [0.0; 3], turn: [1.0, 0.0, 0.0, 0.0] };
+    let mut pose = Pose { at: [0.0; 3], turn: AT_REST };
     for k in 0..angles.len() {
         let about = then(pose.turn, turn(Z, angles[k]));
         pose.at = add(pose.at, turned(about, [lengths[k], 0.0, 0.0]));
