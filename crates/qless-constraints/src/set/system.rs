@@ -77,6 +77,10 @@ impl ConstraintSet {
         let rounding = self.rounding(&quantities.u)?;
         let mut builder = SystemBuilder::new(self.dofs);
         for (row, &c) in quantities.c.iter().enumerate() {
+            let mut numbers = quantities.g.row(row).map(|(_, v)| v).chain([c]);
+            if let Some(value) = numbers.find(|v| !v.is_finite()) {
+                return Err(LineariseError::NotFinite { row, label: self.label(row)?, value });
+            }
             let is_noise = quantities.vanishes(row, &rounding);
             let entries = quantities.g.row(row).filter(|_| !is_noise);
             let rhs = if is_noise && c.abs() <= rounding.c()[row] { 0.0 } else { -c };
@@ -101,7 +105,7 @@ impl ConstraintSet {
     /// // After one turn, a rotation vector reaches no turn but the one along itself.
     /// set.evaluate(&[0.0, 0.0, 0.0, 0.0, 0.0, std::f64::consts::TAU], &mut quantities)?;
     /// let vanishing = set.vanishing(&quantities)?;
-    /// assert_eq!((vanishing.len(), vanishing[0].label.as_str()), (2, "door, axis 1"));
+    /// assert_eq!((vanishing.len(), vanishing[0].label.as_str()), (2, "door, tilt 1"));
     /// assert_eq!(analyse(&set.linearised(&quantities, &[])?, &Options::default())?.rank(), 3);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
