@@ -6,6 +6,7 @@ use super::block::Blocks;
 use super::effective::Plan;
 use super::labels::Owner;
 use super::linear::Rows;
+use super::rounding::Size;
 use super::{AddError, ConstraintId, ConstraintSet, Store, StoreError};
 use crate::constraint::Constraint;
 
@@ -17,7 +18,7 @@ pub struct SetBuilder {
     linear: Rows,
     blocks: Blocks,
     /// The largest coordinate that each DOF adds to, rounded up.
-    sizes: Vec<f32>,
+    sizes: Vec<Size>,
 }
 
 impl std::fmt::Debug for SetBuilder {
@@ -79,10 +80,9 @@ impl SetBuilder {
             return;
         }
         if self.sizes.len() <= dof {
-            self.sizes.resize(dof + 1, 0.0);
+            self.sizes.resize(dof + 1, Size::default());
         }
-        let size = (at.abs() as f32).next_up().min(f32::MAX);
-        self.sizes[dof] = self.sizes[dof].max(size);
+        self.sizes[dof] = self.sizes[dof].max(Size::above(at));
     }
 
     /// Makes the patterns of G and H from the lists of DOFs and pairs.

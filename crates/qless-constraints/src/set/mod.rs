@@ -35,6 +35,7 @@ pub use labels::ConstraintId;
 use labels::Owner;
 use linear::Rows;
 pub use rounding::Rounding;
+use rounding::Size;
 pub use store::Store;
 pub use system::Vanishing;
 pub use weights::Weights;
@@ -68,7 +69,7 @@ pub struct ConstraintSet {
     pattern: Csr,
     plan: Plan,
     /// The largest coordinate that each DOF adds to, for [`ConstraintSet::rounding`]; shorter if the others add to none.
-    sizes: Vec<f32>,
+    sizes: Vec<Size>,
 }
 
 impl std::fmt::Debug for ConstraintSet {

@@ -39,18 +39,37 @@ impl Rounding {
     }
 }
 
+/// The size of a number in 16 bits: rounded up, by at most a sixteenth.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Size(u16);
+
+/// The bits of a double that a size does not keep.
+const CUT: u32 = 48;
+
+impl Size {
+    /// Of a number that is not NaN.
+    pub fn above(x: f64) -> Self {
+        let largest = (f64::MAX.to_bits() >> CUT) as u16;
+        Self(if x == 0.0 { 0 } else { ((x.abs().to_bits() >> CUT) as u16 + 1).min(largest) })
+    }
+
+    pub fn number(self) -> f64 {
+        f64::from_bits(u64::from(self.0) << CUT)
+    }
+}
+
 /// The configuration, each DOF with what is not known of it.
 pub(super) struct Known<'a> {
     u: &'a [f64],
     /// The largest coordinate that each DOF adds to; shorter if the others add to none.
-    sizes: &'a [f32],
+    sizes: &'a [Size],
 }
 
 impl Known<'_> {
     /// One DOF.
     pub fn dof(&self, j: u32) -> Bounded {
-        let (u, size) = (self.u[j as usize], self.sizes.get(j as usize).copied().unwrap_or(0.0));
-        Bounded::known_to(u, u.abs() + f64::from(size))
+        let (u, size) = (self.u[j as usize], self.sizes.get(j as usize).copied().unwrap_or_default());
+        Bounded::known_to(u, u.abs() + size.number())
     }
 }
 

@@ -8,6 +8,7 @@ use std::f64::consts::FRAC_PI_2;
 use super::double_double::DoubleDouble;
 use super::every_type::{DOFS, Place, ROTATIONS, random, set_at};
 use crate::ConstraintSet;
+use crate::set::rounding::Size;
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
 
@@ -29,7 +30,7 @@ fn about_an_axis(unit: f64, seed: u64) -> Vec<f64> {
 
 /// c and G of the nonlinear equations in twice the digits, each DOF moved by up to one unit in its last place.
 fn reference(set: &ConstraintSet, u: &[f64], seed: u64) -> [Vec<DoubleDouble>; 2] {
-    let size = |j: usize| u[j].abs() + set.sizes.get(j).map_or(0.0, |&size| f64::from(size));
+    let size = |j: usize| u[j].abs() + set.sizes.get(j).map_or(0.0, |size| size.number());
     let by = |j: usize| 2.0 * random(seed + j as u64) * f64::EPSILON * size(j);
     let moved: Vec<_> = (0..DOFS).map(|j| DoubleDouble::moved(u[j], by(j))).collect();
     let mut all = [Vec::new(), Vec::new()];
@@ -51,6 +52,15 @@ fn ratios(what: &str, found: &[f64], bounds: &[f64], truth: &[DoubleDouble], rat
             ratios.push(bound / error);
         }
     }
+}
+
+#[test]
+fn sizes_are_no_less_and_hardly_more() {
+    for x in [f64::from_bits(1), 1e-310, 1e-150, 0.1, 1.0, 1.5, 1e6, 3e300] {
+        let size = Size::above(-x).number();
+        assert!(size >= x && (size <= 1.0626 * x || x < f64::MIN_POSITIVE), "{x}: {size}");
+    }
+    assert!(Size::above(0.0).number() == 0.0 && Size::above(f64::MAX).number().is_finite());
 }
 
 fn median(mut x: Vec<f64>) -> f64 {
