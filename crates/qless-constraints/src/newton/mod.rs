@@ -13,6 +13,7 @@ mod linearisation;
 mod redundancy;
 mod residual;
 mod run;
+mod scaling;
 mod singular;
 mod step;
 
@@ -46,7 +47,8 @@ impl Default for NewtonOptions {
 /// One iterate: what was found before its step was made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Iterate {
-    /// `max_r eps |c_r| / rounding_r`: relative to the sizes of the terms of c, the same in all units.
+    /// `max_r D_r |c_r| / max_r D_r size_r`: relative to the largest terms that went into any c, with weights D that make equations
+    /// comparable; the same in all units.
     pub residual: f64,
     /// Rank of G.
     pub rank: usize,
@@ -106,7 +108,7 @@ pub fn solve(
     let mut before = None;
     for step in 0..=options.steps {
         let mut found = run.look(step, before)?;
-        if run.satisfied(|_| true) {
+        if run.done(&found.analysis).map_err(|source| NewtonError::Argument { step, source })? {
             return Ok(run.into_solution(dependent(&found.analysis)));
         }
         if step == options.steps || !run.advance(&mut found, step)? {
