@@ -30,7 +30,8 @@ use crate::ConstraintSet;
 /// Settings of [`solve`].
 #[derive(Clone, Debug)]
 pub struct NewtonOptions {
-    /// Done when each `|c_r|` is at most so many times the bound on its rounding ([`ConstraintSet::rounding`]). Default 16, at least 1.
+    /// Done when each `|c_r|` is at most so many times the bound on its rounding ([`ConstraintSet::rounding`]), or on that of the largest
+    /// terms of the set, with the weights of [`Iterate::residual`]. Default 16, at least 1.
     pub tolerance: f64,
     /// Most steps. Default 50.
     pub steps: usize,

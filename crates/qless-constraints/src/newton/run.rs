@@ -25,8 +25,6 @@ pub struct Run<'a> {
     iterates: Vec<Iterate>,
     /// The part of the last step that was gone.
     length: f64,
-    /// How many iterates in a row had no more than the rounding of the largest terms.
-    settled: usize,
 }
 
 impl<'a> Run<'a> {
@@ -45,7 +43,7 @@ impl<'a> Run<'a> {
         let place = Place::new(set, u).map_err(|source| NewtonError::Argument { step: 0, source })?;
         let residuals = in_roundings(place.quantities.c(), place.rounding.c());
         let (room, iterates) = (set.allocate(), Vec::new());
-        Ok(Self { set, options, prescribed, rotations, place, room, residuals, iterates, length: 1.0, settled: 0 })
+        Ok(Self { set, options, prescribed, rotations, place, room, residuals, iterates, length: 1.0 })
     }
 
     /// Linearises and analyses at the present u; where all equations are linear, what was found before still holds.
@@ -56,8 +54,6 @@ impl<'a> Run<'a> {
             Some(known) => known,
             None => Linearisation::new(self.set, &self.place.quantities, self.prescribed, (step, self.options))?,
         };
-        let settles = largest(&self.place.weights, self.place.quantities.c()) <= self.floor();
-        self.settled = if settles { self.settled + 1 } else { 0 };
         self.iterates.push(Iterate {
             residual: self.place.residual(),
             rank: found.analysis.rank(),
@@ -72,10 +68,16 @@ impl<'a> Run<'a> {
         (0..self.residuals.len()).all(|row| self.holds(row) || !chosen(row))
     }
 
-    /// To the rounding of its own terms, or, where these vanish and a step more has not helped, to that of the largest terms.
+    /// To the rounding of its own terms, or of the largest: where a row's own terms vanish, the rounding of others is felt in it, and at
+    /// rounding nearly dependent rows ask for steps that only do harm.
     fn holds(&self, row: usize) -> bool {
-        let c = self.place.weights[row] * self.place.quantities.c()[row].abs();
-        self.residuals[row] <= self.options.tolerance || (self.settled >= 2 && c <= self.floor())
+        self.residuals[row] <= self.options.tolerance || self.is_rounding(row)
+    }
+
+    /// Whether there is no more than the rounding of the largest terms; of a row without slope nobody knows.
+    fn is_rounding(&self, row: usize) -> bool {
+        let weight = self.place.weights[row];
+        weight > 0.0 && weight * self.place.quantities.c()[row].abs() <= self.floor()
     }
 
     fn floor(&self) -> f64 {

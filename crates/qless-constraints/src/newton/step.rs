@@ -7,6 +7,7 @@
 
 use qless::{ArgumentError, Csr};
 
+use super::residual::in_roundings;
 use super::scaling::{largest, weights};
 use crate::{ConstraintSet, Quantities, Rounding};
 
@@ -36,10 +37,13 @@ impl Place {
         Ok(Self { u, quantities, rounding, weights })
     }
 
-    /// `max_r D_r |c_r|`, relative to the sizes of the largest terms that went into any c.
+    /// `max_r D_r |c_r|`, relative to the largest terms that went into any c; a row without slope by its own terms.
     pub fn residual(&self) -> f64 {
-        let c = largest(&self.weights, self.quantities.c());
-        if c == 0.0 { 0.0 } else { c / largest(&self.weights, self.rounding.c()) * f64::EPSILON }
+        let (c, bounds) = (self.quantities.c(), self.rounding.c());
+        let all = largest(&self.weights, c);
+        let roundings = if all == 0.0 { 0.0 } else { all / largest(&self.weights, bounds) };
+        let flat = in_roundings(c, bounds).into_iter().zip(&self.weights).filter(|(_, weight)| **weight == 0.0);
+        f64::EPSILON * flat.map(|(own, _)| own).fold(roundings, f64::max)
     }
 }
 
