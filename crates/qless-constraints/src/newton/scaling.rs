@@ -26,9 +26,7 @@ fn entries(g: &Csr, rounding: &[f64]) -> Vec<(usize, usize, f64)> {
     let mut list = Vec::with_capacity(g.nnz());
     for r in 0..g.rows() {
         let bounds = &rounding[g.starts()[r]..g.starts()[r + 1]];
-        // What is no more than rounding of the row says nothing of its size, however well it is known: where a DOF is 1e-60, so is its part.
-        let least = f64::EPSILON * g.row(r).map(|(_, v)| v.abs()).fold(0.0, f64::max);
-        let real = g.row(r).zip(bounds).filter(|((_, v), bound)| v.is_finite() && v.abs() > bound.max(least));
+        let real = g.row(r).zip(bounds).filter(|((_, v), bound)| v.is_finite() && v.abs() > **bound);
         list.extend(real.map(|((j, v), _)| (r, j, v.abs().log2())));
     }
     list
