@@ -1,5 +1,7 @@
 //! Constraint sets as a user meets them.
 
+/// Slider-cranks at and near their dead centres, rods of all lengths, in all units.
+mod dead_centres;
 /// Methods that enforce constraints on a stiffness matrix, against one another.
 mod enforcement;
 /// Parts whose T would fill and that stay factors: the same results as with T.
