@@ -64,7 +64,7 @@ fn list(solution: &Solution) -> String {
 fn cranks_leave_their_dead_centre() -> Outcome {
     let options = NewtonOptions::default();
     for unit in UNITS {
-        for start in [0.0, 1e-300, 1e-15, 1e-12, 1e-10, 1e-8, -1e-8, 1e-6, 1e-3] {
+        for start in [0.0, 1e-60, 1e-15, 1e-12, 1e-10, 1e-8, -1e-8, 1e-6, 1e-3] {
             for d in [1e-12, 1e-6, 0.0357, 0.3, 0.9] {
                 let found = solve(&by_angle(unit)?, &[start, 0.0], &[(1, -d * unit)], &options)?;
                 println!("unit {unit}, start {start}, by {d}: {}", list(&found));
