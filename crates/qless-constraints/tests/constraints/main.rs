@@ -4,6 +4,8 @@
 mod dead_centres;
 /// Methods that enforce constraints on a stiffness matrix, against one another.
 mod enforcement;
+/// Nonlinear equilibrium: beams, chains and mechanisms against what is known of them.
+mod equilibria;
 /// Parts whose T would fill and that stay factors: the same results as with T.
 mod factored;
 /// Types that are linear: fields that they must let through, loads that they must carry.
