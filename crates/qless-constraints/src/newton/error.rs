@@ -41,7 +41,7 @@ pub enum NewtonError {
         source: ReductionError,
     },
     /// A tolerance below what rounding allows, or not a number.
-    #[error("the tolerance is {0}; it counts roundings of c and must be at least 1, such as 16")]
+    #[error("the tolerance is {0}; it counts roundings of c and must be at least 1, such as 4")]
     Tolerance(f64),
     /// Constraints that cannot hold together with those that they depend on: no motion that the others allow brings them nearer, to
     /// first or second order.

@@ -31,7 +31,7 @@ use crate::ConstraintSet;
 #[derive(Clone, Debug)]
 pub struct NewtonOptions {
     /// Done when each `|c_r|` is at most so many times the bound on its rounding ([`ConstraintSet::rounding`]), or on that of the largest
-    /// terms of the set, with the weights of [`Iterate::residual`]. Default 16, at least 1.
+    /// terms of the set, with the weights of [`Iterate::residual`]. Default 4, at least 1.
     pub tolerance: f64,
     /// Most steps. Default 50.
     pub steps: usize,
@@ -41,7 +41,7 @@ pub struct NewtonOptions {
 
 impl Default for NewtonOptions {
     fn default() -> Self {
-        Self { tolerance: 16.0, steps: 50, analysis: Options::default() }
+        Self { tolerance: 4.0, steps: 50, analysis: Options::default() }
     }
 }
 

@@ -15,8 +15,8 @@ use crate::{ConstraintSet, Quantities, Rounding};
 const THIRD: f64 = 0.25;
 /// The merit falls by at least this part of what first order promises.
 const DECREASE: f64 = 1e-4;
-/// t below `4^-60` is no step.
-const TRIES: usize = 60;
+/// t below `4^-250` is no step: at 1e-150 from a dead centre, du is that much too long.
+const TRIES: usize = 250;
 
 /// A configuration with its c and G.
 pub struct Place {
