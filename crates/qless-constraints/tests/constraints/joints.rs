@@ -232,7 +232,7 @@ fn joints_are_assembled_from_far_off() -> Outcome {
             } else {
                 norm(sub(turned(on_a, AXIS), AXIS))
             };
-            assert!(aligned < 1e-11, "{joint:?}, case {case}: off by {aligned}");
+            assert!(aligned < 1e-7, "{joint:?}, case {case}: off by {aligned}");
             steps += solution.iterates.len() - 1;
         }
         println!("{joint:?}: {} steps in the mean", steps as f64 / 200.0);
@@ -258,7 +258,7 @@ fn half_a_turn_is_not_aligned() -> Outcome {
                     Ok(solution) => {
                         let [_, b] = model.poses(&solution.u);
                         let off = if weld { angle(b.turn) } else { norm(sub(turned(b.turn, AXIS), AXIS)) };
-                        assert!(off < 1e-11, "{joint:?} about {axis:?}: off by {off}");
+                        assert!(off < 1e-7, "{joint:?} about {axis:?}: off by {off}");
                     }
                     Err(error) if weld => return Err(format!("{joint:?} about {axis:?}, {kinds:?}: {error}").into()),
                     Err(error) => println!("{joint:?} about {axis:?}, {kinds:?}: {error}"),
