@@ -11,7 +11,7 @@ use super::residual::in_roundings;
 use super::scaling::{largest, weights};
 use crate::{ConstraintSet, Quantities, Rounding};
 
-/// Third order may be this part of second order, and of the residual.
+/// Third order may be this part of second order, and of what first order promises.
 const THIRD: f64 = 0.25;
 /// The merit falls by at least this part of what first order promises.
 const DECREASE: f64 = 1e-4;
@@ -117,7 +117,7 @@ impl<'a> Line<'a> {
         (0..c.len()).all(|r| {
             let third = trial.c[r] - c[r] - 0.5 * trial.t * (self.slope[r] + trial.slope[r]);
             let second = 0.5 * trial.t * (trial.slope[r] - self.slope[r]);
-            let harmless = THIRD * residual / weights[r] + 8.0 * self.from.rounding.c()[r];
+            let harmless = THIRD * trial.t * residual / weights[r] + 8.0 * self.from.rounding.c()[r];
             // What is not finite is not to be trusted.
             third.abs() <= THIRD * second.abs() + if harmless.is_finite() { harmless } else { 0.0 }
         })
