@@ -110,10 +110,9 @@ impl Model for Frame {
             for i in 0..6 {
                 (0..3).for_each(|m| out.force(dofs[i], rows[m][i] * stress[m]));
                 for j in 0..6 {
-                    let material: f64 =
-                        (0..9).map(|k| rows[k / 3][i] * d[k / 3][k % 3] * rows[k % 3][j]).sum();
-                    let geometric = stress[0] * z[i] * z[j] / l
-                        + (stress[1] + stress[2]) * (r[i] * z[j] + z[i] * r[j]) / (l * l);
+                    let material: f64 = (0..9).map(|k| rows[k / 3][i] * d[k / 3][k % 3] * rows[k % 3][j]).sum();
+                    let geometric =
+                        stress[0] * z[i] * z[j] / l + (stress[1] + stress[2]) * (r[i] * z[j] + z[i] * r[j]) / (l * l);
                     out.stiffness(dofs[i], dofs[j], material + geometric);
                 }
             }
