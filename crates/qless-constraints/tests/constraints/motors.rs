@@ -8,8 +8,8 @@ use qless_constraints::{ConstraintSet, SetBuilder};
 
 use crate::linkages::{Outcome, rank};
 use crate::poses::{
-    AT_REST, KINDS, Kind, Pose, Quaternion, STRIDE, Vector, add, angle, back, body, dot, norm, norm_of, place, pose,
-    scale, sub, then, turn, turned, values,
+    AT_REST, KINDS, Kind, Pose, Quaternion, STRIDE, Vector, add, angle, back, body, dense_rank, dot, norm, norm_of,
+    place, pose, scale, sub, then, turn, turned, values,
 };
 
 const Z: Vector = [0.0, 0.0, 1.0];
@@ -97,6 +97,7 @@ struct Driven<'a> {
     set: ConstraintSet,
     kinds: Vec<Kind>,
     from: Vec<Vector>,
+    unit: f64,
     poses: &'a dyn Fn(f64) -> Vec<Pose>,
 }
 
@@ -120,7 +121,7 @@ impl Driven<'_> {
                 let bound = 64.0 * rounding.c()[row];
                 assert!(c[row].abs() <= bound, "time {time}, {}: {:e}, {bound:e}", self.set.label(row)?, c[row]);
             }
-            assert_eq!(rank(&self.set, &u)?, full, "time {time}");
+            assert_eq!(dense_rank(&self.set, &u, self.unit)?, full, "time {time}");
         }
         Ok(())
     }
@@ -182,7 +183,7 @@ fn slider_crank_through_dead_centres() -> Outcome {
                 ]
             };
             let set = builder.build()?;
-            let mut driven = Driven { set, kinds: vec![kind; 3], from: from.to_vec(), poses: &poses };
+            let mut driven = Driven { set, kinds: vec![kind; 3], from: from.to_vec(), unit, poses: &poses };
             driven.check(twelfths(6))?;
             if unit == 1.0 {
                 driven.drive(twelfths(2))?;
@@ -219,7 +220,7 @@ fn four_bar_linkage_follows_its_circles() -> Outcome {
                 ]
             };
             let from = (0..3).map(|i| ring.from(i)).collect();
-            let mut driven = Driven { set: ring.driven()?, kinds: vec![kind; 3], from, poses: &poses };
+            let mut driven = Driven { set: ring.driven()?, kinds: vec![kind; 3], from, unit, poses: &poses };
             driven.check(twelfths(3))?;
             if unit == 1.0 {
                 driven.drive(twelfths(1))?;
@@ -264,7 +265,7 @@ fn bennett_linkage_moves() -> Outcome {
                 (0..3).map(moved).collect()
             };
             let from = (0..3).map(|i| ring.from(i)).collect();
-            let mut driven = Driven { set: ring.driven()?, kinds: vec![kind; 3], from, poses: &poses };
+            let mut driven = Driven { set: ring.driven()?, kinds: vec![kind; 3], from, unit, poses: &poses };
             driven.check((0..=130).map(|k| 0.1 * f64::from(k)))?;
             let mut free = ring.builder();
             ring.add(&mut free)?;
@@ -275,7 +276,7 @@ fn bennett_linkage_moves() -> Outcome {
                 let mut u = vec![0.0; free.dofs()];
                 let all = poses(0.1 * f64::from(k)).into_iter().enumerate();
                 all.for_each(|(i, pose)| place(&mut u, i, kind, ring.from(i), pose));
-                assert_eq!(rank(&free, &u)?, 17 + driven.norms(), "place {k}");
+                assert_eq!(dense_rank(&free, &u, unit)?, 17 + driven.norms(), "place {k}");
             }
         }
     }
@@ -344,7 +345,7 @@ fn universal_joint_turns_unevenly() -> Outcome {
                 vec![Pose { at: from[0], turn: turn(Z, psi) }, Pose { at: from[1], turn: turn(out, other) }]
             };
             let set = builder.build()?;
-            let mut driven = Driven { set, kinds: kinds.to_vec(), from: from.to_vec(), poses: &poses };
+            let mut driven = Driven { set, kinds: kinds.to_vec(), from: from.to_vec(), unit, poses: &poses };
             driven.check(twelfths(5))?;
         }
     }
@@ -373,7 +374,7 @@ fn motors_drive_a_screw() -> Outcome {
                 vec![Pose { at: [0.0; 3], turn: swung }, b]
             };
             let set = builder.build()?;
-            let mut driven = Driven { set, kinds: kinds.to_vec(), from: from.to_vec(), poses: &poses };
+            let mut driven = Driven { set, kinds: kinds.to_vec(), from: from.to_vec(), unit, poses: &poses };
             driven.check((0..=100).map(|k| 0.25 * f64::from(k)))?;
             if unit == 1.0 {
                 driven.drive((0..=100).map(|k| 0.25 * f64::from(k)))?;
