@@ -64,13 +64,14 @@ impl<M: Model> Corrector<'_, M> {
             let only_multipliers = tangent.singular.is_some() && loose.is_none() && !rows.list().is_empty();
             loose.clone_from(&tangent.singular);
             let dx = tangent.saddle.solve(&self.rhs(x, rows));
-            length = if only_multipliers { 0.0 } else { self.length(&tangent.saddle, x, rows, (&dx, length))? };
+            let found = if only_multipliers { Ok(0.0) } else { self.length(&tangent.saddle, x, rows, (&dx, length)) };
+            length = found.map_err(|failure| failure.or_unsupported(loose.as_ref()))?;
             *x = self.moved(x, rows, &dx, (length, if only_multipliers { 1.0 } else { length }));
             if !only_multipliers {
                 self.prescribed.iter().for_each(|&(j, v)| x.u[j] = v);
             }
         }
-        Err(loose.map_or(Failure::NoConvergence, Failure::Unsupported))
+        Err(Failure::NoConvergence.or_unsupported(loose.as_ref()))
     }
 
     /// Evaluates at x, and lists what is out of balance.

@@ -62,6 +62,14 @@ pub struct Reached {
 }
 
 impl Failure {
+    /// Without convergence where the tangent is singular, these DOFs are the reason.
+    pub fn or_unsupported(self, dofs: Option<&Vec<usize>>) -> Self {
+        match (self, dofs) {
+            (Self::NoConvergence, Some(dofs)) => Self::Unsupported(dofs.clone()),
+            (other, _) => other,
+        }
+    }
+
     pub fn is_fatal(&self) -> bool {
         matches!(self, Self::Fatal(_))
     }

@@ -9,10 +9,12 @@ use super::rows::Rows;
 use super::state::{State, Unknowns, constraint_forces};
 use super::{Equilibrium, EquilibriumError, EquilibriumOptions, LoadStep, Model, Start, Target};
 use crate::ConstraintSet;
-use crate::newton::{self, NewtonOptions};
+use crate::newton::{self, NewtonError, NewtonOptions};
 
 /// A step with fewer iterates was easy.
 const EASY: usize = 8;
+/// Steps of Newton's method on the constraints, to see which rows are redundant.
+const LOOK: usize = 10;
 
 /// Lengths, before anything else.
 pub fn check(dofs: usize, set: &ConstraintSet, start: &Start, target: &Target) -> Result<(), EquilibriumError> {
@@ -116,10 +118,14 @@ impl<'a, M: Model> Path<'a, M> {
         }
     }
 
-    /// Rows at the start, if the constraints hold there; if not, at the nearest configuration where they do.
+    /// Rows where the constraints hold nearest to the start; where that is not found in a few steps, at the start.
     fn rows_at_start(&mut self, prescribed: &[(usize, f64)]) -> Result<Rows, Failure> {
         let held: Vec<(usize, f64)> = prescribed.iter().map(|&(j, _)| (j, self.at.u[j])).collect();
-        let u = self.consistent(&held).or_else(|_| self.consistent(prescribed))?;
+        let found = self.consistent(&held, LOOK).or_else(|_| self.consistent(prescribed, LOOK));
+        let u = match found {
+            Err(Failure::Constraints(NewtonError::NoConvergence { .. })) => self.at.u.clone(),
+            other => other?,
+        };
         self.rows_at(&u, prescribed)
     }
 
@@ -130,12 +136,9 @@ impl<'a, M: Model> Path<'a, M> {
     }
 
     /// The nearest configuration that satisfies the constraints.
-    fn consistent(&self, prescribed: &[(usize, f64)]) -> Result<Vec<f64>, Failure> {
-        let options = NewtonOptions {
-            tolerance: self.options.roundings,
-            analysis: self.options.analysis.clone(),
-            ..NewtonOptions::default()
-        };
+    fn consistent(&self, prescribed: &[(usize, f64)], steps: usize) -> Result<Vec<f64>, Failure> {
+        let (tolerance, analysis) = (self.options.roundings, self.options.analysis.clone());
+        let options = NewtonOptions { tolerance, steps, analysis };
         let found = newton::solve(self.set, &self.at.u, prescribed, &options);
         found.map(|found| found.u).map_err(Failure::Constraints)
     }
@@ -147,10 +150,11 @@ impl<'a, M: Model> Path<'a, M> {
         factor: f64,
         (loads, prescribed): (&[f64], &[(usize, f64)]),
     ) -> Result<(Unknowns, Rows), Failure> {
-        if self.set.equations() == 0 {
-            return Err(failure);
-        }
-        let u = self.consistent(prescribed)?;
+        let u = match self.consistent(prescribed, NewtonOptions::default().steps) {
+            Ok(u) if u != self.at.u => u,
+            Err(proof @ Failure::Constraints(NewtonError::Conflict { .. })) => return Err(proof),
+            _ => return Err(failure),
+        };
         let rows = self.rows_at(&u, prescribed)?;
         let from = Unknowns { u, multipliers: self.at.multipliers.clone() };
         self.attempt(from, rows, factor, (loads, prescribed)).map_err(|second| match second {

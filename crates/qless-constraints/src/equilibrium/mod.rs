@@ -36,7 +36,7 @@ use crate::ConstraintSet;
 pub struct EquilibriumOptions {
     /// Forces are in balance where `|r_j|` is at most this part of the sum of the sizes of its terms, or rounding. Default 1e-10.
     pub tolerance: f64,
-    /// Constraints hold where `|c_r|` is at most so many times the bound on its rounding. Default 16.
+    /// Constraints hold where `|c_r|` is at most so many times the bound on its rounding. Default 4.
     pub roundings: f64,
     /// Most iterations in a load step. Default 25.
     pub iterations: usize,
@@ -51,7 +51,7 @@ pub struct EquilibriumOptions {
 impl Default for EquilibriumOptions {
     fn default() -> Self {
         let analysis = Options::default();
-        Self { tolerance: 1e-10, roundings: 16.0, iterations: 25, first: 1.0, shortest: 1e-4, analysis }
+        Self { tolerance: 1e-10, roundings: 4.0, iterations: 25, first: 1.0, shortest: 1e-4, analysis }
     }
 }
 

@@ -4,6 +4,7 @@ use super::lanes::Lanes;
 use super::rotation::{by_euler, by_vector};
 use super::turned;
 use super::turns::Turns;
+use crate::Store;
 use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, add, lift};
 
@@ -95,6 +96,12 @@ impl Body {
     pub(crate) fn dofs(&self) -> Vec<usize> {
         let position = &self.position[..self.kind.positions()];
         [position, self.rotation_dofs()].concat()
+    }
+
+    /// States that a rotation is known to one unit in the last place of a radian, and Euler parameters to that of one, however small
+    /// they are: what they turn is known no better.
+    pub(crate) fn state_rotations(&self, store: &mut Store) {
+        self.rotation_dofs().iter().for_each(|&dof| store.coordinate(dof, 1.0));
     }
 
     /// What moves with the body at `point`, a point of the reference configuration.

@@ -41,17 +41,21 @@ pub enum NewtonError {
         source: ReductionError,
     },
     /// A tolerance below what rounding allows, or not a number.
-    #[error("the tolerance is {0}; it counts roundings of c and must be at least 1, such as 16")]
+    #[error("the tolerance is {0}; it counts roundings of c and must be at least 1, such as 4")]
     Tolerance(f64),
     /// Constraints that cannot hold together with those that they depend on: no motion that the others allow brings them nearer, to
     /// first or second order.
-    #[error("{} cannot hold together with the equations that it depends on: {amount} is left of it, and no motion that \
-             the others allow makes it less; change one of them or the prescribed values", .labels.join(" and "))]
+    #[error(
+        "{} cannot hold together with {}: {amount:e} is left of it, and no motion that these allow makes it less; change one of \
+         them, or the prescribed values", .labels.join(" and "), list(.others)
+    )]
     Conflict {
         /// The equations.
         rows: Vec<usize>,
         /// Their labels.
         labels: Vec<String>,
+        /// Labels of those that they depend on; none if it is the prescribed DOFs alone.
+        others: Vec<String>,
         /// The largest `|c_r|` among them, in the unit of its equation.
         amount: f64,
     },
@@ -68,4 +72,8 @@ pub enum NewtonError {
         /// The equation that has it.
         label: String,
     },
+}
+
+fn list(labels: &[String]) -> String {
+    if labels.is_empty() { "the prescribed DOFs".into() } else { labels.join(" and ") }
 }

@@ -13,6 +13,7 @@ mod linearisation;
 mod redundancy;
 mod residual;
 mod run;
+mod scaling;
 mod singular;
 mod step;
 
@@ -29,7 +30,8 @@ use crate::ConstraintSet;
 /// Settings of [`solve`].
 #[derive(Clone, Debug)]
 pub struct NewtonOptions {
-    /// Done when each `|c_r|` is at most so many times the bound on its rounding ([`ConstraintSet::rounding`]). Default 16, at least 1.
+    /// Done when each `|c_r|` is at most so many times the bound on its rounding ([`ConstraintSet::rounding`]), or on that of the largest
+    /// terms of the set, with the weights of [`Iterate::residual`]. Default 4, at least 1.
     pub tolerance: f64,
     /// Most steps. Default 50.
     pub steps: usize,
@@ -39,14 +41,15 @@ pub struct NewtonOptions {
 
 impl Default for NewtonOptions {
     fn default() -> Self {
-        Self { tolerance: 16.0, steps: 50, analysis: Options::default() }
+        Self { tolerance: 4.0, steps: 50, analysis: Options::default() }
     }
 }
 
 /// One iterate: what was found before its step was made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Iterate {
-    /// `max_r eps |c_r| / rounding_r`: relative to the sizes of the terms of c, the same in all units.
+    /// `max_r D_r |c_r| / max_r D_r size_r`: relative to the largest terms that went into any c, with weights D that make equations
+    /// comparable; the same in all units.
     pub residual: f64,
     /// Rank of G.
     pub rank: usize,
@@ -106,7 +109,7 @@ pub fn solve(
     let mut before = None;
     for step in 0..=options.steps {
         let mut found = run.look(step, before)?;
-        if run.satisfied(|_| true) {
+        if run.done(&found.analysis).map_err(|source| NewtonError::Argument { step, source })? {
             return Ok(run.into_solution(dependent(&found.analysis)));
         }
         if step == options.steps || !run.advance(&mut found, step)? {

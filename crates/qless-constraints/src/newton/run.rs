@@ -1,9 +1,10 @@
 //! The state between two steps.
 
-use qless::{Analysis, Kind};
+use qless::{Analysis, ArgumentError, Kind};
 
 use super::linearisation::Linearisation;
 use super::residual::in_roundings;
+use super::scaling::largest;
 use super::singular::way_out;
 use super::step::{Line, Place};
 use super::{Iterate, NewtonError, NewtonOptions, Solution, dependent};
@@ -22,7 +23,7 @@ pub struct Run<'a> {
     /// `|c_r|` in roundings.
     residuals: Vec<f64>,
     iterates: Vec<Iterate>,
-    /// Of the last step.
+    /// The part of the last step that was gone.
     length: f64,
 }
 
@@ -40,7 +41,7 @@ impl<'a> Run<'a> {
         rotations.retain(|vector| prescribed.iter().all(|(dof, _)| !vector.contains(dof)));
         shorten_all(&rotations, &mut u);
         let place = Place::new(set, u).map_err(|source| NewtonError::Argument { step: 0, source })?;
-        let residuals = in_roundings(place.quantities.c(), &place.rounding);
+        let residuals = in_roundings(place.quantities.c(), place.rounding.c());
         let (room, iterates) = (set.allocate(), Vec::new());
         Ok(Self { set, options, prescribed, rotations, place, room, residuals, iterates, length: 1.0 })
     }
@@ -54,7 +55,7 @@ impl<'a> Run<'a> {
             None => Linearisation::new(self.set, &self.place.quantities, self.prescribed, (step, self.options))?,
         };
         self.iterates.push(Iterate {
-            residual: f64::EPSILON * self.worst().1,
+            residual: self.place.residual(),
             rank: found.analysis.rank(),
             left_out: dependent(&found.analysis),
             length: self.length,
@@ -62,15 +63,25 @@ impl<'a> Run<'a> {
         Ok(found)
     }
 
-    /// The equation that is farthest from zero, and by how many roundings.
-    fn worst(&self) -> (usize, f64) {
-        let all = self.residuals.iter().copied().enumerate();
-        all.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0))
+    /// Whether the chosen equations hold to the tolerance.
+    fn satisfied(&self, chosen: impl Fn(usize) -> bool) -> bool {
+        (0..self.residuals.len()).all(|row| self.holds(row) || !chosen(row))
     }
 
-    /// Whether the chosen equations hold to the tolerance.
-    pub fn satisfied(&self, chosen: impl Fn(usize) -> bool) -> bool {
-        self.residuals.iter().enumerate().all(|(row, &r)| r <= self.options.tolerance || !chosen(row))
+    /// To the rounding of its own terms, or of the largest: where a row's own terms vanish, the rounding of others is felt in it, and at
+    /// rounding nearly dependent rows ask for steps that only do harm.
+    fn holds(&self, row: usize) -> bool {
+        self.residuals[row] <= self.options.tolerance || self.is_rounding(row)
+    }
+
+    /// Whether there is no more than the rounding of the largest terms; of a row without slope nobody knows.
+    fn is_rounding(&self, row: usize) -> bool {
+        let weight = self.place.weights[row];
+        weight > 0.0 && weight * self.place.quantities.c()[row].abs() <= self.floor()
+    }
+
+    fn floor(&self) -> f64 {
+        self.options.tolerance * largest(&self.place.weights, self.place.rounding.c())
     }
 
     /// Goes as far along the step as it is good for; false if there is no way to go.
@@ -81,45 +92,72 @@ impl<'a> Run<'a> {
             return self.leave(&analysis, step);
         }
         let line = Line::new(self.set, &self.place, found.step(step)?);
-        let t = line.downhill(&kept, &mut self.room).map_err(|source| NewtonError::Argument { step, source })?;
+        let t = line
+            .downhill(&kept, self.options.tolerance, &mut self.room)
+            .map_err(|source| NewtonError::Argument { step, source })?;
         let target = t.map(|t| (line.at(t), t));
         self.go(target, step)
     }
 
     /// All that is kept holds, and something that is left out does not: G has lost rank here.
     fn leave(&mut self, analysis: &Analysis, step: usize) -> Result<bool, NewtonError> {
-        let rows: Vec<usize> = dependent(analysis).into_iter().filter(|&row| !self.satisfied(|r| r != row)).collect();
-        let rows: Vec<usize> = if rows.is_empty() { self.unsatisfied() } else { rows };
-        let Some(du) = way_out(self, analysis, &rows, step)? else { return Err(self.conflict(rows)) };
+        let argument = |source| NewtonError::Argument { step, source };
+        let rows = self.contradicted(analysis).map_err(argument)?;
+        let Some(du) = way_out(self, analysis, &rows, step)? else { return Err(self.conflict(rows, analysis)) };
         let line = Line::new(self.set, &self.place, du);
-        let t = line.trusted(&mut self.room).map_err(|source| NewtonError::Argument { step, source })?;
+        let t = line.trusted(&mut self.room).map_err(argument)?;
         let target = t.map(|t| (line.at(t), t));
         self.go(target, step)
     }
 
-    fn unsatisfied(&self) -> Vec<usize> {
-        (0..self.residuals.len()).filter(|&r| self.residuals[r] > self.options.tolerance).collect()
+    /// Whether all kept equations hold to the tolerance, and all others to what that makes of them.
+    pub fn done(&self, analysis: &Analysis) -> Result<bool, ArgumentError> {
+        let kept = |row: usize| analysis.kinds()[row] == Kind::Independent;
+        Ok(self.satisfied(kept) && self.contradicted(analysis)?.is_empty())
     }
 
+    /// Equations that are left out and do not hold: `c_k` is that of its certificate, and so is its rounding.
+    fn contradicted(&self, analysis: &Analysis) -> Result<Vec<usize>, ArgumentError> {
+        let mut rows = Vec::new();
+        for row in dependent(analysis) {
+            if self.holds(row) {
+                continue;
+            }
+            let rounding = self.place.rounding.c();
+            let parts = analysis.because(row)?.into_iter().map(|b| b.coefficient.abs() * rounding[b.row]);
+            let allowed = self.options.tolerance * parts.fold(rounding[row], |sum, part| sum + part);
+            if !(self.place.quantities.c()[row].abs() <= allowed && allowed.is_finite()) {
+                rows.push(row);
+            }
+        }
+        Ok(rows)
+    }
+
+    /// Goes to u, or nowhere.
     fn go(&mut self, target: Option<(Vec<f64>, f64)>, step: usize) -> Result<bool, NewtonError> {
         let Some((mut u, t)) = target else { return Ok(false) };
         shorten_all(&self.rotations, &mut u);
-        self.place.move_to(self.set, u).map_err(|source| NewtonError::Argument { step, source })?;
-        self.residuals = in_roundings(self.place.quantities.c(), &self.place.rounding);
+        self.place = Place::new(self.set, u).map_err(|source| NewtonError::Argument { step, source })?;
+        self.residuals = in_roundings(self.place.quantities.c(), self.place.rounding.c());
         self.length = t;
         Ok(true)
     }
 
-    fn conflict(&self, rows: Vec<usize>) -> NewtonError {
-        let labels = rows.iter().filter_map(|&row| self.set.label(row).ok()).collect();
+    fn conflict(&self, rows: Vec<usize>, analysis: &Analysis) -> NewtonError {
+        let named = |rows: &[usize]| rows.iter().filter_map(|&row| self.set.label(row).ok()).collect();
+        let mut others: Vec<usize> =
+            rows.iter().flat_map(|&row| analysis.because(row).unwrap_or_default()).map(|b| b.row).collect();
+        others.sort_unstable();
+        others.dedup();
         let amount = rows.iter().map(|&row| self.place.quantities.c()[row].abs()).fold(0.0, f64::max);
-        NewtonError::Conflict { rows, labels, amount }
+        NewtonError::Conflict { labels: named(&rows), others: named(&others), rows, amount }
     }
 
     pub fn no_convergence(&self, steps: usize) -> NewtonError {
-        let (row, residual) = self.worst();
-        let label = self.set.label(row).unwrap_or_default();
-        NewtonError::NoConvergence { steps, residual: f64::EPSILON * residual, label }
+        let weighted = |&r: &usize| self.place.weights[r] * self.place.quantities.c()[r].abs();
+        let worst = (0..self.residuals.len()).max_by(|a, b| weighted(a).total_cmp(&weighted(b)));
+        let label = worst.and_then(|row| self.set.label(row).ok()).unwrap_or_default();
+        NewtonError::NoConvergence { steps, residual: self.place.residual(), label }
     }
 
     pub fn into_solution(self, redundant: Vec<usize>) -> Solution {

@@ -33,7 +33,7 @@ pub fn way_out(
     run.set.effective_hessian(&run.place.u, &weights, &mut run.place.quantities).map_err(argument)?;
     let motions = Motions::new(run, sizes, step)?;
     let terms = |(w, rounding): (&f64, &f64)| w.abs() * rounding / f64::EPSILON;
-    let scale: f64 = weights.iter().zip(&run.place.rounding).map(terms).filter(|t| t.is_finite()).sum();
+    let scale: f64 = weights.iter().zip(run.place.rounding.c()).map(terms).filter(|t| t.is_finite()).sum();
     let Some((lowest, z)) = lowest(|z| motions.bent(&run.place.quantities, z), motions.count()).map_err(argument)?
     else {
         return Ok(None);
@@ -48,7 +48,7 @@ pub fn way_out(
 
 /// `sum_k f_k y_k`, and `sum_k f_k c_k`, with f of size one.
 fn weights(run: &Run, analysis: &Analysis, rows: &[usize]) -> Result<(Vec<f64>, f64), qless::ArgumentError> {
-    let (c, rounding) = (run.place.quantities.c(), &run.place.rounding);
+    let (c, rounding) = (run.place.quantities.c(), run.place.rounding.c());
     let raw = |&k: &usize| c[k] / rounding[k] / rounding[k];
     let most = rows.iter().map(|k| raw(k).abs()).filter(|f| f.is_finite()).fold(0.0, f64::max);
     let (mut weights, mut amount) = (vec![0.0; c.len()], 0.0);
@@ -125,6 +125,9 @@ fn lowest<E>(apply: impl Fn(&[f64]) -> Result<Vec<f64>, E>, n: usize) -> Result<
         images.push(image);
     }
     let k = basis.len();
+    if k == 0 {
+        return Ok(None);
+    }
     let projected = Mat::from_fn(k, k, |i, j| dot(&basis[i], &images[j]));
     let Ok(eigen) = projected.self_adjoint_eigen(Side::Lower) else { return Ok(None) };
     let smallest = (0..k).min_by(|&a, &b| eigen.S()[a].total_cmp(&eigen.S()[b]));

@@ -7,37 +7,43 @@
 
 use qless::{ArgumentError, Csr};
 
-use crate::{ConstraintSet, Quantities};
+use super::residual::in_roundings;
+use super::scaling::{largest, weights};
+use crate::{ConstraintSet, Quantities, Rounding};
 
-/// Third order may be this part of second order, and of the residual.
+/// Third order may be this part of second order, and of what first order promises.
 const THIRD: f64 = 0.25;
 /// The merit falls by at least this part of what first order promises.
 const DECREASE: f64 = 1e-4;
-/// t below `4^-60` is no step.
-const TRIES: usize = 60;
+/// t below `4^-250` is no step: at 1e-150 from a dead centre, du is that much too long.
+const TRIES: usize = 250;
 
 /// A configuration with its c and G.
 pub struct Place {
     pub u: Vec<f64>,
     pub quantities: Quantities,
-    /// Bounds on the rounding of c.
-    pub rounding: Vec<f64>,
+    /// Bounds on the rounding of c and G.
+    pub rounding: Rounding,
+    /// What makes equations comparable.
+    pub weights: Vec<f64>,
 }
 
 impl Place {
     pub fn new(set: &ConstraintSet, u: Vec<f64>) -> Result<Self, ArgumentError> {
         let mut quantities = set.allocate();
         set.evaluate(&u, &mut quantities)?;
-        let rounding = set.rounding(&u)?.c().to_vec();
-        Ok(Self { u, quantities, rounding })
+        let rounding = set.rounding(&u)?;
+        let weights = weights(quantities.g(), rounding.g());
+        Ok(Self { u, quantities, rounding, weights })
     }
 
-    /// Takes another u.
-    pub fn move_to(&mut self, set: &ConstraintSet, u: Vec<f64>) -> Result<(), ArgumentError> {
-        set.evaluate(&u, &mut self.quantities)?;
-        self.rounding = set.rounding(&u)?.c().to_vec();
-        self.u = u;
-        Ok(())
+    /// `max_r D_r |c_r|`, relative to the largest terms that went into any c; a row without slope by its own terms.
+    pub fn residual(&self) -> f64 {
+        let (c, bounds) = (self.quantities.c(), self.rounding.c());
+        let all = largest(&self.weights, c);
+        let roundings = if all == 0.0 { 0.0 } else { all / largest(&self.weights, bounds) };
+        let flat = in_roundings(c, bounds).into_iter().zip(&self.weights).filter(|(_, weight)| **weight == 0.0);
+        f64::EPSILON * flat.map(|(own, _)| own).fold(roundings, f64::max)
     }
 }
 
@@ -48,8 +54,6 @@ pub struct Line<'a> {
     du: Vec<f64>,
     /// `G du` there.
     slope: Vec<f64>,
-    /// Largest `|c_r|` in roundings.
-    residual: f64,
 }
 
 /// c and its slope at a trial point.
@@ -62,8 +66,7 @@ struct Trial {
 impl<'a> Line<'a> {
     pub fn new(set: &'a ConstraintSet, from: &'a Place, du: Vec<f64>) -> Self {
         let slope = times(from.quantities.g(), &du);
-        let measures = super::residual::in_roundings(from.quantities.c(), &from.rounding);
-        Self { set, from, du, slope, residual: measures.into_iter().fold(0.0, f64::max) }
+        Self { set, from, du, slope }
     }
 
     pub fn at(&self, t: f64) -> Vec<f64> {
@@ -82,8 +85,8 @@ impl<'a> Line<'a> {
         Ok(None)
     }
 
-    /// A t at which the equations `kept` are nearer to zero.
-    pub fn downhill(&self, kept: &[bool], room: &mut Quantities) -> Result<Option<f64>, ArgumentError> {
+    /// A t at which the equations `kept` are nearer to zero, or hold to `tolerance` roundings.
+    pub fn downhill(&self, kept: &[bool], tolerance: f64, room: &mut Quantities) -> Result<Option<f64>, ArgumentError> {
         let mut t = 1.0;
         for _ in 0..TRIES {
             let trial = self.trial(t, room)?;
@@ -92,8 +95,10 @@ impl<'a> Line<'a> {
                 continue;
             }
             let model = self.model(&trial, kept);
-            let now: f64 = self.sum(kept, |r| trial.c[r] * trial.c[r]);
-            if now <= (1.0 - DECREASE * t) * model[0] {
+            let now: f64 = self.sum(kept, |r| trial.c[r], |r| trial.c[r]);
+            let rounding = self.from.rounding.c();
+            let holds = |r: usize| trial.c[r].abs() <= tolerance * rounding[r];
+            if now <= (1.0 - DECREASE * t) * model[0] || (0..kept.len()).all(|r| !kept[r] || holds(r)) {
                 return Ok(Some(t));
             }
             t = lowest(&model, t);
@@ -107,36 +112,30 @@ impl<'a> Line<'a> {
     }
 
     fn trusts(&self, trial: &Trial) -> bool {
-        let c = self.from.quantities.c();
+        let (c, weights) = (self.from.quantities.c(), &self.from.weights);
+        let residual = largest(weights, c);
         (0..c.len()).all(|r| {
             let third = trial.c[r] - c[r] - 0.5 * trial.t * (self.slope[r] + trial.slope[r]);
             let second = 0.5 * trial.t * (trial.slope[r] - self.slope[r]);
-            let rounding = self.from.rounding[r] * (THIRD * self.residual + 8.0);
-            third.abs() <= THIRD * second.abs() + if rounding.is_nan() { 0.0 } else { rounding }
+            let harmless = THIRD * trial.t * residual / weights[r] + 8.0 * self.from.rounding.c()[r];
+            // What is not finite is not to be trusted.
+            third.abs() <= THIRD * second.abs() + if harmless.is_finite() { harmless } else { 0.0 }
         })
     }
 
-    /// Coefficients of `sum_r ((c_r + t g_r + t^2 q_r / 2) / rounding_r)^2`, from t^0 to t^4.
+    /// Coefficients of `sum_r D_r^2 (c_r + t g_r + t^2 q_r)^2`, from t^0 to t^4.
     fn model(&self, trial: &Trial, kept: &[bool]) -> [f64; 5] {
-        let (c, g) = (self.from.quantities.c(), &self.slope);
-        let q = |r: usize| 0.5 * (trial.slope[r] - g[r]) / trial.t;
-        [
-            self.sum(kept, |r| c[r] * c[r]),
-            self.sum(kept, |r| 2.0 * c[r] * g[r]),
-            self.sum(kept, |r| g[r] * g[r] + 2.0 * c[r] * q(r)),
-            self.sum(kept, |r| 2.0 * g[r] * q(r)),
-            self.sum(kept, |r| q(r) * q(r)),
-        ]
+        let c = |r: usize| self.from.quantities.c()[r];
+        let g = |r: usize| self.slope[r];
+        let q = |r: usize| 0.5 * (trial.slope[r] - g(r)) / trial.t;
+        let sum = |a: &dyn Fn(usize) -> f64, b: &dyn Fn(usize) -> f64| self.sum(kept, a, b);
+        [sum(&c, &c), 2.0 * sum(&c, &g), sum(&g, &g) + 2.0 * sum(&c, &q), 2.0 * sum(&g, &q), sum(&q, &q)]
     }
 
-    /// Squares of numbers of the kept equations, each by its rounding.
-    fn sum(&self, kept: &[bool], square: impl Fn(usize) -> f64) -> f64 {
-        let term = |r: usize| {
-            let rounding = self.from.rounding[r];
-            let term = square(r) / (rounding * rounding);
-            if rounding.is_finite() && rounding > 0.0 { term } else { 0.0 }
-        };
-        (0..kept.len()).filter(|&r| kept[r]).map(term).sum()
+    /// Products of numbers of the kept equations, each by its weight.
+    fn sum(&self, kept: &[bool], a: impl Fn(usize) -> f64, b: impl Fn(usize) -> f64) -> f64 {
+        let weights = &self.from.weights;
+        (0..kept.len()).filter(|&r| kept[r]).map(|r| (weights[r] * a(r)) * (weights[r] * b(r))).sum()
     }
 }
 

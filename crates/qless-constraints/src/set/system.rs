@@ -78,6 +78,9 @@ impl ConstraintSet {
         let mut builder = SystemBuilder::new(self.dofs);
         for row in 0..self.equations() {
             let (terms, rhs) = quantities.linear_equation(row, rounding.as_ref());
+            if let Some(value) = terms.clone().map(|(_, v)| v).chain([-rhs]).find(|v| !v.is_finite()) {
+                return Err(LineariseError::NotFinite { row, label: self.label(row)?, value });
+            }
             builder.labelled_equation(self.label(row)?, terms, rhs);
         }
         prescribed.iter().for_each(|&(dof, increment)| builder.prescribe(dof, increment));

@@ -33,6 +33,7 @@ impl Constraint for EulerNorm {
     type Error = Infallible;
 
     fn process(self, store: &mut Store) -> Result<(), Infallible> {
+        self.parameters.iter().for_each(|&dof| store.coordinate(dof, 1.0));
         store.nonlinear("", &self.parameters, Norm);
         Ok(())
     }

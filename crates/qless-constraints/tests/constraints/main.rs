@@ -10,8 +10,12 @@ mod contact;
 mod dual_mortar;
 /// Nodes embedded in solids.
 mod embedded;
+/// Slider-cranks at and near their dead centres, rods of all lengths, in all units.
+mod dead_centres;
 /// Methods that enforce constraints on a stiffness matrix, against one another.
 mod enforcement;
+/// Nonlinear equilibrium: beams, chains and mechanisms against what is known of them.
+mod equilibria;
 /// Parts whose T would fill and that stay factors: the same results as with T.
 mod factored;
 /// Nodes with any number of fields.

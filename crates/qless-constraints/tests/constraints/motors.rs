@@ -8,12 +8,14 @@ use qless_constraints::{ConstraintSet, SetBuilder};
 
 use crate::linkages::{Outcome, rank};
 use crate::poses::{
-    KINDS, Kind, Pose, Quaternion, STRIDE, Vector, add, back, body, carried, dot, norm, norm_of, pose, scale, sub,
-    then, turn, turned,
+    AT_REST, KINDS, Kind, Pose, Quaternion, STRIDE, Vector, add, angle, back, body, dense_rank, dot, norm, norm_of,
+    place, pose, scale, sub, then, turn, turned, values,
 };
 
 const Z: Vector = [0.0, 0.0, 1.0];
 const UNITS: [f64; 3] = [1e-6, 1.0, 1e6];
+/// What the tolerance of Newton's method leaves, relative to the size of the mechanism; another branch is off by its size.
+const ACCURACY: f64 = 1e-7;
 
 /// A closed ring of hinges `(point, axis)`, the first body being the ground; the first hinge has a motor that turns as time goes.
 struct Ring {
@@ -55,14 +57,15 @@ impl Ring {
         pose(u, i, self.kind, self.from(i))
     }
 
+    /// The rotation of body `i`, from 0; of the ground after the last one.
     fn turn_of(&self, u: &[f64], i: usize) -> Quaternion {
-        if i + 1 < self.hinges.len() { self.pose(u, i).turn } else { [1.0, 0.0, 0.0, 0.0] }
+        if i + 1 < self.hinges.len() { self.pose(u, i).turn } else { AT_REST }
     }
 
-    /// The angle about hinge `i`, from 1, in [-pi, pi].
+    /// The angle about hinge `i`, from 0, in [-pi, pi].
     fn angle(&self, u: &[f64], i: usize) -> f64 {
-        let q = then(back(self.turn_of(u, i - 1)), self.turn_of(u, i));
-        let [q0, v @ ..] = q;
+        let before = if i == 0 { AT_REST } else { self.turn_of(u, i - 1) };
+        let [q0, v @ ..] = then(back(before), self.turn_of(u, i));
         let axis = scale(1.0 / norm(self.hinges[i].1), self.hinges[i].1);
         difference(2.0 * dot(v, axis).atan2(q0), 0.0)
     }
@@ -74,7 +77,7 @@ fn difference(a: f64, b: f64) -> f64 {
     d - TAU * (d / TAU).round()
 }
 
-/// Goes from time to time, each time from where it was, and looks at each place.
+/// Goes from time to time by Newton's method, each time from where it was, and looks at each place.
 fn follow(
     set: &mut ConstraintSet,
     times: impl IntoIterator<Item = f64>,
@@ -89,36 +92,102 @@ fn follow(
     Ok(())
 }
 
+/// A driven mechanism, and where its bodies are in closed form.
+struct Driven<'a> {
+    set: ConstraintSet,
+    kinds: Vec<Kind>,
+    from: Vec<Vector>,
+    unit: f64,
+    poses: &'a dyn Fn(f64) -> Vec<Pose>,
+}
+
+impl Driven<'_> {
+    fn norms(&self) -> usize {
+        self.kinds.iter().filter(|&&kind| kind == Kind::Euler).count()
+    }
+
+    /// At each time the closed form holds to rounding, and nothing can move: the motor holds the mechanism there.
+    fn check(&mut self, times: impl IntoIterator<Item = f64>) -> Outcome {
+        let full = 6 * self.kinds.len() + self.norms();
+        for time in times {
+            self.set.set_time(time)?;
+            let mut u = vec![0.0; self.set.dofs()];
+            for (i, pose) in (self.poses)(time).into_iter().enumerate() {
+                place(&mut u, i, self.kinds[i], self.from[i], pose);
+            }
+            let (c, rounding) = (values(&self.set, &u)?, self.set.rounding(&u)?);
+            // Lengths of Euler parameters come last; those that were put in are as long as they are.
+            for row in 0..c.len() - self.norms() {
+                let bound = 64.0 * rounding.c()[row];
+                assert!(c[row].abs() <= bound, "time {time}, {}: {:e}, {bound:e}", self.set.label(row)?, c[row]);
+            }
+            assert_eq!(dense_rank(&self.set, &u, self.unit)?, full, "time {time}");
+        }
+        Ok(())
+    }
+
+    /// Newton's method goes there as well; another branch would be off by the size of the mechanism.
+    fn drive(&mut self, times: impl IntoIterator<Item = f64>) -> Outcome {
+        let (poses, kinds, from) = (self.poses, self.kinds.clone(), self.from.clone());
+        follow(&mut self.set, times, |time, u| {
+            for (i, truth) in poses(time).into_iter().enumerate() {
+                let found = pose(u, i, kinds[i], from[i]);
+                let off = norm(sub(found.at, truth.at)).max(angle(then(back(truth.turn), found.turn)));
+                assert!(off < ACCURACY, "{kinds:?}, time {time}, body {i}: {off:e}");
+            }
+            Ok(())
+        })
+    }
+}
+
+/// A body that was at `from`, turned so that its point `point` goes to `to`.
+fn about(turn: Quaternion, from: Vector, point: Vector, to: Vector) -> Pose {
+    Pose { at: sub(to, turned(turn, sub(point, from))), turn }
+}
+
+/// The angle of a vector in the plane.
+fn slope(v: Vector) -> f64 {
+    v[1].atan2(v[0])
+}
+
+/// Every twelfth part of a turn, dead centres included.
+fn twelfths(turns: u32) -> impl Iterator<Item = f64> {
+    (0..=24 * turns).map(|k| f64::from(k) * PI / 12.0)
+}
+
 /// `x = r cos phi + sqrt(l^2 - r^2 sin^2 phi)`, through both dead centres, which are hit exactly, six times round.
 #[test]
 fn slider_crank_through_dead_centres() -> Outcome {
     for unit in UNITS {
         for kind in KINDS {
             let (r, l, start) = (0.4 * unit, 1.1 * unit, PI / 3.0);
-            let slider_at = |phi: f64| r * phi.cos() + (l * l - (r * phi.sin()).powi(2)).sqrt();
-            let (pin, end) = ([r * start.cos(), r * start.sin(), 0.0], [slider_at(start), 0.0, 0.0]);
-            let from = [scale(0.5, pin), scale(0.5, add(pin, end)), end];
+            let pin = |phi: f64| [r * phi.cos(), r * phi.sin(), 0.0];
+            let end = |phi: f64| [r * phi.cos() + (l * l - (r * phi.sin()).powi(2)).sqrt(), 0.0, 0.0];
+            let from = [scale(0.5, pin(start)), scale(0.5, add(pin(start), end(start))), end(start)];
             let bodies: [Body; 3] = std::array::from_fn(|i| body(i, kind, from[i]));
             let ground = Body::ground();
             let mut builder = ConstraintSet::builder(3 * STRIDE);
             builder.add("bearing", Revolute { a: ground, b: bodies[0], at: [0.0; 3], axis: Z })?;
-            builder.add("pin", Revolute { a: bodies[0], b: bodies[1], at: pin, axis: Z })?;
-            builder.add("wrist", Revolute { a: bodies[1], b: bodies[2], at: end, axis: Z })?;
-            builder.add("bore", Prismatic { a: ground, b: bodies[2], at: end, axis: [1.0, 0.0, 0.0] })?;
-            builder.add("motor", RotationMotor::new(ground, bodies[0], Z, move |t| t - start))?;
+            builder.add("pin", Revolute { a: bodies[0], b: bodies[1], at: pin(start), axis: Z })?;
+            builder.add("wrist", Revolute { a: bodies[1], b: bodies[2], at: end(start), axis: Z })?;
+            builder.add("bore", Prismatic { a: ground, b: bodies[2], at: end(start), axis: [1.0, 0.0, 0.0] })?;
+            builder.add("motor", RotationMotor::new(ground, bodies[0], Z, |t| t))?;
             (0..3).try_for_each(|i| norm_of(&mut builder, i, kind))?;
-            let mut set = builder.build()?;
-            let times = (4..=6 * 24 + 4).map(|k| k as f64 * PI / 12.0);
-            follow(&mut set, times, |phi, u| {
-                let [crank, rod, slider] = [0, 1, 2].map(|i| pose(u, i, kind, from[i]));
-                let found = carried(slider, end, end);
-                let off = norm(sub(found, [slider_at(phi), 0.0, 0.0])) / unit;
-                assert!(off < 4e-14, "unit {unit}, {kind:?}, phi {phi}: {found:?}, off by {off:e}");
-                let pins = [carried(crank, from[0], pin), carried(rod, from[1], pin)];
-                let truth = [r * phi.cos(), r * phi.sin(), 0.0];
-                assert!(pins.iter().all(|p| norm(sub(*p, truth)) < 4e-14 * unit), "phi {phi}: {pins:?}");
-                Ok(())
-            })?;
+            let rod = |phi: f64| slope(sub(end(phi), pin(phi)));
+            let poses = |time: f64| {
+                let phi = start + time;
+                vec![
+                    about(turn(Z, time), from[0], [0.0; 3], [0.0; 3]),
+                    about(turn(Z, rod(phi) - rod(start)), from[1], pin(start), pin(phi)),
+                    about(AT_REST, from[2], end(start), end(phi)),
+                ]
+            };
+            let set = builder.build()?;
+            let mut driven = Driven { set, kinds: vec![kind; 3], from: from.to_vec(), unit, poses: &poses };
+            driven.check(twelfths(6))?;
+            if unit == 1.0 {
+                driven.drive(twelfths(2))?;
+            }
         }
     }
     Ok(())
@@ -129,26 +198,33 @@ fn slider_crank_through_dead_centres() -> Outcome {
 fn four_bar_linkage_follows_its_circles() -> Outcome {
     for unit in UNITS {
         for kind in KINDS {
-            let (crank, coupler, rocker, base) = (0.5 * unit, 1.3 * unit, 1.1 * unit, 1.4 * unit);
+            let (crank, coupler, rocker, base) = (0.5 * unit, 1.3 * unit, 1.1 * unit, [1.4 * unit, 0.0, 0.0]);
             let pin = |phi: f64| [crank * phi.cos(), crank * phi.sin(), 0.0];
             let end = |phi: f64| {
-                let (p, d) = (pin(phi), [base, 0.0, 0.0]);
-                let across = sub(d, p);
+                let across = sub(base, pin(phi));
                 let far = norm(across);
                 let along = (coupler * coupler - rocker * rocker + far * far) / (2.0 * far);
                 let high = (coupler * coupler - along * along).sqrt();
-                add(p, add(scale(along / far, across), scale(high / far, [-across[1], across[0], 0.0])))
+                let up = [-across[1], across[0], 0.0];
+                add(pin(phi), add(scale(along / far, across), scale(high / far, up)))
             };
             let start = 0.7;
-            let hinges = vec![([0.0; 3], Z), (pin(start), Z), (end(start), Z), ([base, 0.0, 0.0], Z)];
-            let ring = Ring { hinges, kind };
-            let mut set = ring.driven()?;
-            follow(&mut set, (0..=108).map(|k| k as f64 * PI / 18.0), |time, u| {
-                let found = carried(ring.pose(u, 1), ring.from(1), ring.hinges[2].0);
-                let off = norm(sub(found, end(start + time))) / unit;
-                assert!(off < 4e-14, "unit {unit}, {kind:?}, time {time}: off by {off:e}");
-                Ok(())
-            })?;
+            let ring = Ring { hinges: vec![([0.0; 3], Z), (pin(start), Z), (end(start), Z), (base, Z)], kind };
+            let poses = |time: f64| {
+                let phi = start + time;
+                let turn_of = |of: &dyn Fn(f64) -> Vector| turn(Z, slope(of(phi)) - slope(of(start)));
+                vec![
+                    about(turn(Z, time), ring.from(0), [0.0; 3], [0.0; 3]),
+                    about(turn_of(&|phi| sub(end(phi), pin(phi))), ring.from(1), pin(start), pin(phi)),
+                    about(turn_of(&|phi| sub(end(phi), base)), ring.from(2), base, base),
+                ]
+            };
+            let from = (0..3).map(|i| ring.from(i)).collect();
+            let mut driven = Driven { set: ring.driven()?, kinds: vec![kind; 3], from, unit, poses: &poses };
+            driven.check(twelfths(3))?;
+            if unit == 1.0 {
+                driven.drive(twelfths(1))?;
+            }
         }
     }
     Ok(())
@@ -156,7 +232,7 @@ fn four_bar_linkage_follows_its_circles() -> Outcome {
 
 /// `T_1 .. T_k` of links with lengths and twists at joint angles: the point and the axis of the next hinge.
 fn chain(angles: &[f64], lengths: &[f64], twists: &[f64]) -> Pose {
-    let mut pose = Pose { at: [0.0; 3], turn: [1.0, 0.0, 0.0, 0.0] };
+    let mut pose = Pose { at: [0.0; 3], turn: AT_REST };
     for k in 0..angles.len() {
         let about = then(pose.turn, turn(Z, angles[k]));
         pose.at = add(pose.at, turned(about, [lengths[k], 0.0, 0.0]));
@@ -176,27 +252,32 @@ fn bennett_linkage_moves() -> Outcome {
     let angles = |first: f64| [first, second(first), -first, -second(first)];
     for unit in UNITS {
         let lengths = [unit, unit * beta.sin() / alpha.sin(), unit, unit * beta.sin() / alpha.sin()];
-        let twists = [alpha, beta, alpha, beta];
+        let link = |first: f64, k: usize| chain(&angles(first)[..k], &lengths, &[alpha, beta, alpha, beta]);
         for kind in KINDS {
-            let start = angles(1.0);
-            let hinges: Vec<_> = (0..4).map(|k| chain(&start[..k], &lengths, &twists)).collect();
-            let ring = Ring { hinges: hinges.iter().map(|f| (f.at, turned(f.turn, Z))).collect(), kind };
+            let start: Vec<Pose> = (0..4).map(|k| link(1.0, k)).collect();
+            let ring = Ring { hinges: start.iter().map(|f| (f.at, turned(f.turn, Z))).collect(), kind };
+            // The end of each link is the hinge after it.
+            let poses = |time: f64| {
+                let moved = |i: usize| {
+                    let end = link(1.0 + time, i + 1);
+                    about(then(end.turn, back(start[i + 1].turn)), ring.from(i), start[i + 1].at, end.at)
+                };
+                (0..3).map(moved).collect()
+            };
+            let from = (0..3).map(|i| ring.from(i)).collect();
+            let mut driven = Driven { set: ring.driven()?, kinds: vec![kind; 3], from, unit, poses: &poses };
+            driven.check((0..=130).map(|k| 0.1 * f64::from(k)))?;
             let mut free = ring.builder();
             ring.add(&mut free)?;
-            let (free, mut set) = (free.build()?, ring.driven()?);
-            let norms = if kind == Kind::Euler { 3 } else { 0 };
-            follow(&mut set, (0..=130).map(|k| 0.1 * f64::from(k)), |time, u| {
-                let truth = angles(1.0 + time);
-                // The formula itself: the ring closes.
-                let closed = chain(&truth, &lengths, &twists);
+            let free = free.build()?;
+            for k in 0..=60 {
+                let closed = link(1.0 + 0.1 * f64::from(k), 4);
                 assert!(norm(closed.at) < 1e-13 * unit && (closed.turn[0].abs() - 1.0).abs() < 1e-13);
-                for (i, (angle, start)) in truth.iter().zip(start).enumerate() {
-                    let off = difference(ring.angle(u, i), angle - start);
-                    assert!(off.abs() < 1e-12, "unit {unit}, {kind:?}, time {time}, hinge {}: {off:e}", i + 1);
-                }
-                assert_eq!(rank(&free, u)?, 17 + norms, "time {time}");
-                Ok(())
-            })?;
+                let mut u = vec![0.0; free.dofs()];
+                let all = poses(0.1 * f64::from(k)).into_iter().enumerate();
+                all.for_each(|(i, pose)| place(&mut u, i, kind, ring.from(i), pose));
+                assert_eq!(dense_rank(&free, &u, unit)?, 17 + driven.norms(), "place {k}");
+            }
         }
     }
     Ok(())
@@ -225,7 +306,7 @@ fn bricard_linkage_moves() -> Outcome {
                     let phi = (-theta / (1.0 + theta)).acos() - FRAC_PI_2;
                     let holds = |i: usize| {
                         let truth = if i % 2 == 0 { time } else { phi };
-                        (ring.angle(u, i).abs() - truth.abs()).abs() < 1e-12
+                        (ring.angle(u, i).abs() - truth.abs()).abs() < ACCURACY
                     };
                     *way &= (0..6).all(holds);
                 }
@@ -259,20 +340,19 @@ fn universal_joint_turns_unevenly() -> Outcome {
             builder.add("cross", Universal { a, b, at: [0.0; 3], axis_a: axes.0, axis_b: axes.1 })?;
             builder.add("motor", RotationMotor::new(Body::ground(), a, Z, |t| t))?;
             (0..2).try_for_each(|i| norm_of(&mut builder, i, kinds[i]))?;
-            let mut set = builder.build()?;
-            follow(&mut set, (0..=120).map(|k| k as f64 * PI / 12.0), |psi, u| {
-                let [q0, v @ ..] = pose(u, 1, kinds[1], from[1]).turn;
-                let found = 2.0 * dot(v, out).atan2(q0);
-                let off = difference(found, (psi.sin() * beta.cos()).atan2(psi.cos()));
-                assert!(off.abs() < 1e-13, "unit {unit}, {kinds:?}, psi {psi}: {off:e}");
-                Ok(())
-            })?;
+            let poses = |psi: f64| {
+                let other = (psi.sin() * beta.cos()).atan2(psi.cos());
+                vec![Pose { at: from[0], turn: turn(Z, psi) }, Pose { at: from[1], turn: turn(out, other) }]
+            };
+            let set = builder.build()?;
+            let mut driven = Driven { set, kinds: kinds.to_vec(), from: from.to_vec(), unit, poses: &poses };
+            driven.check(twelfths(5))?;
         }
     }
     Ok(())
 }
 
-/// A rod that is turned and pushed in its sleeve, which turns itself: a point of it goes along a screw, eight times round.
+/// A rod that is turned and pushed in its sleeve, which turns itself: it goes along a screw, eight times round.
 #[test]
 fn motors_drive_a_screw() -> Outcome {
     for unit in UNITS {
@@ -287,22 +367,18 @@ fn motors_drive_a_screw() -> Outcome {
             builder.add("pushes", TranslationMotor::new(a, b, at, axis, move |t| 0.1 * unit * t))?;
             builder.add("swings", RotationMotor::new(Body::ground(), a, carrier, |t| -t))?;
             (0..2).try_for_each(|i| norm_of(&mut builder, i, kinds[i]))?;
-            let mut set = builder.build()?;
-            let point = scale(unit, [0.9, -0.2, 0.7]);
-            follow(&mut set, (0..=100).map(|k| 0.25 * f64::from(k)), |t, u| {
-                let on_a = add(turned(turn(axis, 2.0 * t), sub(point, at)), scale(0.1 * unit * t, axis));
-                let truth = turned(turn(carrier, -t), add(at, on_a));
-                let found = carried(pose(u, 1, kinds[1], from[1]), from[1], point);
-                let off = norm(sub(found, truth)) / unit;
-                assert!(off < 1e-13, "unit {unit}, {kinds:?}, t {t}: {off:e}");
-                let longest = kinds
-                    .iter()
-                    .enumerate()
-                    .filter(|k| *k.1 == Kind::Vector)
-                    .map(|(i, _)| norm([u[STRIDE * i + 3], u[STRIDE * i + 4], u[STRIDE * i + 5]]));
-                assert!(longest.fold(0.0, f64::max) < PI + 1e-12);
-                Ok(())
-            })?;
+            let poses = |t: f64| {
+                let swung = turn(carrier, -t);
+                let joint = turned(swung, add(at, scale(0.1 * unit * t, axis)));
+                let b = about(then(swung, turn(axis, 2.0 * t)), from[1], at, joint);
+                vec![Pose { at: [0.0; 3], turn: swung }, b]
+            };
+            let set = builder.build()?;
+            let mut driven = Driven { set, kinds: kinds.to_vec(), from: from.to_vec(), unit, poses: &poses };
+            driven.check((0..=100).map(|k| 0.25 * f64::from(k)))?;
+            if unit == 1.0 {
+                driven.drive((0..=100).map(|k| 0.25 * f64::from(k)))?;
+            }
         }
     }
     Ok(())

@@ -150,3 +150,20 @@ pub fn values(set: &ConstraintSet, u: &[f64]) -> Outcome<Vec<f64>> {
     set.evaluate(u, &mut quantities)?;
     Ok(quantities.c().to_vec())
 }
+
+/// Singular values of G, positions in a unit of length, each row by its largest entry: how many are not zero.
+pub fn dense_rank(set: &ConstraintSet, u: &[f64], unit: f64) -> Outcome<usize> {
+    let mut quantities = set.allocate();
+    set.evaluate(u, &mut quantities)?;
+    let mut dense = faer::Mat::<f64>::zeros(set.equations(), set.dofs());
+    for r in 0..set.equations() {
+        let scaled = |(j, v): (usize, f64)| (j, if j % STRIDE < 3 { unit * v } else { v });
+        let most = quantities.g().row(r).map(|entry| scaled(entry).1.abs()).fold(0.0, f64::max);
+        quantities.g().row(r).map(scaled).for_each(|(j, v)| dense[(r, j)] = v / most);
+    }
+    let values = dense.singular_values().map_err(|_| "no singular values")?;
+    // Far from the gap on both sides, or nothing is shown.
+    let rank = values.iter().filter(|&&s| s > 1e-6 * values[0]).count();
+    let clear = values.iter().all(|s| !(1e-11..1e-4).contains(&(s / values[0])));
+    if clear { Ok(rank) } else { Err(format!("no clear gap: {values:?}").into()) }
+}

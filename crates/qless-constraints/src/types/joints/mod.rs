@@ -44,7 +44,9 @@ pub enum JointError {
     #[error("an axis has no direction; give a vector that is not zero")]
     Axis,
     /// Axes that are to be perpendicular are not.
-    #[error("the axes are to be perpendicular in the reference configuration, but the cosine of their angle is {0}")]
+    #[error(
+        "the axes are to be perpendicular in the reference configuration, but the cosine of their angle is {0}; give axes at a right angle"
+    )]
     NotPerpendicular(f64),
 }
 

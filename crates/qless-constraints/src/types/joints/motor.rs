@@ -148,6 +148,7 @@ impl Constraint for TranslationMotor {
         check_turns(&self.a, &self.b)?;
         let height = Height::new(&self.a, &self.b, self.at, direction(self.axis)?);
         let dofs = [self.a.dofs(), self.b.dofs()].concat();
+        [self.a, self.b].iter().for_each(|body| body.state_rotations(store));
         store.nonlinear("", &dofs, Travel { height, motion: self.travel });
         Ok(())
     }
