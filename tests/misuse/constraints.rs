@@ -6,10 +6,10 @@ use qless_constraints::enforce::{BlockPlan, Problem, reduced};
 use qless_constraints::newton::{NewtonOptions, redundancies, solve};
 use qless_constraints::scalar::{Dual, Scalar, vector};
 use qless_constraints::types::{
-    Average, Body, Cyclic, CyclicHarmonic, Distance, Equal, EulerNorm, Face, FaceSearch, Fixed, FluidNormal, Line,
-    LineTie, LinearEquation, MacroStrain, MortarTie, Multipliers, NodeTie, OnLine, OnPlane, OnSphere, Periodic,
-    PlanarPoint, Plane, Point, Prescribed, Prismatic, Revolute, RigidBody, Shape, SmallRigidBody, Spherical, Surface,
-    Universal, Volume,
+    Average, Body, Cyclic, CyclicHarmonic, Distance, Equal, EulerNorm, Face, FaceSearch, Fixed, FluidNormal,
+    HangingNode, Line, LineTie, LinearEquation, MacroStrain, MortarTie, Multipliers, NodeTie, OnLine, OnPlane,
+    OnSphere, OrderTie, Periodic, PlanarPoint, Plane, Point, Prescribed, Prismatic, Revolute, RigidBody, Shape,
+    SmallRigidBody, Spherical, Surface, Turn, Turning, Universal, Volume,
 };
 use qless_constraints::{Constraint, ConstraintSet, Nonlinear, Store, Weights};
 
@@ -98,9 +98,13 @@ fn every_type(x: f64, dof: usize) {
     take(Distance { length: Some(x), ..Distance::new(odd, p) });
     take(EulerNorm { parameters: [0, 1, 2, dof] });
     take(FluidNormal { structure: [0, 1, dof], fluid: [3, 4, 5], normal: [x; 3] });
-    let pair = Cyclic { a: odd, b: p, centre: at, axis, angle: x, tolerance: x };
-    take(pair);
-    take(CyclicHarmonic { real: pair, imaginary_a: [20, 21, dof], imaginary_b: [23, 24, 25], harmonic: u32::MAX });
+    if let Ok(turn) = Turn::about(at, axis, x) {
+        let pair = Cyclic { a: odd, b: p, turn, fields: Turning::Vectors, tolerance: x };
+        take(pair);
+        take(CyclicHarmonic { real: pair, imaginary_a: [20, 21, dof], imaginary_b: [23, 24, 25], harmonic: u32::MAX });
+    }
+    take(HangingNode { node: [dof], shape: Shape::Line3, parent: vec![[0], [1], [2]], at: [x; 2] });
+    take(OrderTie { fine: vec![(0.0, [dof]), (x, [3]), (1.0, [4])], coarse: vec![(0.0, [0]), (x, [1])] });
     take(Average { reference: odd, rotations: [30, 31, dof], nodes: vec![(p, x), (q, 1.0), (r, 1.0)] });
     take(SmallRigidBody { reference: odd, rotations: [30, 31, 32], nodes: vec![p, q] });
     take(RigidBody { body, nodes: vec![q, r] });
@@ -123,6 +127,12 @@ fn every_type(x: f64, dof: usize) {
     for shape in [Shape::Line2, Shape::Tri3, Shape::Quad4] {
         take(NodeTie { node: odd, shape, face: vec![p, q, r, s][..shape.nodes()].to_vec(), tolerance: x });
         take(NodeTie { node: q, shape, face: vec![], tolerance: f64::NAN });
+    }
+    for (shape, count) in
+        [(Shape::Tet4, 4), (Shape::Pyramid5, 5), (Shape::Wedge6, 6), (Shape::Hex8, 8), (Shape::Hex20, 20)]
+    {
+        let face = [p, q, r, s, odd].into_iter().cycle().take(count).collect();
+        take(NodeTie { node: odd, shape, face, tolerance: x });
     }
     take(Volume { nodes: vec![p, q, r, odd], tetrahedra: vec![[0, 1, 2, 3], [0, 1, 2, dof]] });
     take(Spherical { a: body, b: euler, at });

@@ -1,4 +1,4 @@
-//! `argmin_f |x_f(xi) - p|`: the face of a surface that is nearest to a point.
+//! `argmin_f |x_f(xi) - p|`: the face of a surface, or the solid of a mesh, that is nearest to a point.
 //!
 //! Boxes of faces in an R*-tree, loaded at once, are visited from the nearest on, each face in them projected on, until a
 //! box is farther away than the nearest face so far. With n faces and m points near them: O((n + m) log n).
@@ -13,7 +13,7 @@ use super::project::{ROUNDING, project, rounding};
 use super::shape::Shape;
 use super::surface::{Surface, SurfaceError};
 
-/// Finds the nearest faces of a surface in D dimensions, two or more.
+/// Finds the nearest faces of a surface in D dimensions, two or more; or of a mesh, the solids that hold points: `argmin_f |x_f(xi) - p|`.
 ///
 /// Of faces at the same distance, to rounding, the one with the smallest number is found: a point on an edge or a corner has one
 /// face, whatever the order of the search.
@@ -48,9 +48,10 @@ impl<const D: usize, const F: usize> std::fmt::Debug for FaceSearch<'_, D, F> {
 pub struct Nearest {
     /// The face, from 0.
     pub face: usize,
-    /// From the point to the face, a length.
+    /// From the point to the face, a length; zero, or rounding, in a solid that holds it.
     pub distance: f64,
-    /// `N_k` at the nearest point of the face, one for each of its nodes; they sum to one.
+    /// `N_k` at the nearest point of the face, one for each of its nodes: exactly zero below 8 units in the last place of the largest,
+    /// and with a sum of one, to two units of rounding for each.
     pub weights: Vec<f64>,
 }
 
@@ -120,7 +121,7 @@ impl<'a, const D: usize, const F: usize> FaceSearch<'a, D, F> {
         found.into_iter().filter(|face| face.distance <= least + rounding).min_by_key(|face| face.face)
     }
 
-    /// The nearest face of each point, none farther than the tolerance, a length.
+    /// The nearest face of each point, none farther than the tolerance, a length, beyond the rounding of the coordinates.
     ///
     /// # Errors
     /// [`SearchError`] for the first point whose nearest face is farther away, or whose coordinates are not finite.

@@ -5,8 +5,9 @@
 //! facets are cut into parts with straight edges.
 
 use super::clip::Flat;
+use super::foot::foot;
 use super::outline::Outline;
-use super::project::{foot, relative};
+use super::project::relative;
 use super::shape::Shape;
 use crate::scalar::vector::{Vector, add, cross, dot, norm, perpendicular, scale, sub, unit};
 

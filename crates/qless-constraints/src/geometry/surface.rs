@@ -1,10 +1,13 @@
-//! Faces that share nodes: what a search and a tie of surfaces are given.
+//! Faces that share nodes, or solids: what a search and a tie of surfaces are given.
 
+use rayon::prelude::*;
+
+use super::fold::is_degenerate;
 use super::node::Node;
-use super::project::{is_degenerate, relative};
+use super::project::relative;
 use super::shape::Shape;
 
-/// A face of a surface.
+/// A face of a surface, or a line, or a solid of a mesh.
 ///
 /// ```
 /// use qless_constraints::types::{Face, Shape};
@@ -28,7 +31,8 @@ impl Face {
 
 /// Faces and the nodes that they share, with F fields in D dimensions: `x(xi) = sum_k N_k(xi) x_k` on each face.
 ///
-/// Nodes that no face names are allowed: the list may be that of the whole model.
+/// Lines and solids are faces too: a polyline, or a mesh in which nodes are embedded. Nodes that no face names are allowed: the list may
+/// be that of the whole model.
 ///
 /// ```
 /// use qless_constraints::types::{Face, Point, Shape, Surface};
@@ -104,7 +108,8 @@ impl<const D: usize, const F: usize> Surface<D, F> {
         if self.faces.is_empty() {
             return Err(SurfaceError::Empty);
         }
-        (0..self.faces.len()).try_for_each(|face| self.check_face(face))
+        let faults = (0..self.faces.len()).into_par_iter().filter_map(|face| self.check_face(face).err());
+        faults.find_first(|_| true).map_or(Ok(()), Err)
     }
 
     fn check_face(&self, index: usize) -> Result<(), SurfaceError> {

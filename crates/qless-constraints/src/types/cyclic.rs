@@ -1,11 +1,23 @@
 //! `u_b = R(alpha) u_a`: a node and its image one sector further; for harmonic k, `u_b = e^(i k alpha) R(alpha) u_a`.
 
-use crate::geometry::node::{AXES, Point, separation, within};
-use crate::geometry::rotation::by_vector;
-use crate::scalar::vector::{Vector, add, scale, sub, unit};
+use crate::geometry::node::{Node, field, separation, within};
+use crate::geometry::project::rounding;
+use crate::geometry::turn::Turn;
 use crate::{Constraint, Store};
 
-/// Cyclic symmetry, harmonic 0: all sectors move alike.
+/// What the F fields of a node are when it turns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Turning {
+    /// Components of vectors, D after D: displacements, and in space rotations. They turn along.
+    Vectors,
+    /// Values that are the same in every direction: temperatures, pressures, rotations in the plane.
+    Scalars,
+}
+
+/// Cyclic symmetry, harmonic 0: all sectors move alike, `u_b = R(alpha) u_a` (vectors) or `u_b = u_a` (scalars).
+///
+/// F equations, F DOFs removed. Rank is lost, and motions along and about the axis alone remain, where a node is its own image: on the
+/// axis, with `b = a`, only the part across it is held.
 ///
 #[doc = include_str!("../../docs/pictures/cyclic.svg")]
 ///
@@ -13,13 +25,12 @@ use crate::{Constraint, Store};
 /// # Example
 ///
 /// ```
-/// use qless_constraints::{ConstraintSet, types::{Cyclic, Point}};
+/// use qless_constraints::{ConstraintSet, types::{Cyclic, Point, Turn, Turning}};
 /// let a = Point::new([0, 1, 2], [1.0, 0.0, 0.0]);
 /// let b = Point::new([3, 4, 5], [0.0, 1.0, 0.0]);
-/// let quarter = std::f64::consts::FRAC_PI_2;
-/// let pair = Cyclic { a, b, centre: [0.0; 3], axis: [0.0, 0.0, 1.0], angle: quarter, tolerance: 1e-9 };
+/// let turn = Turn::about([0.0; 3], [0.0, 0.0, 1.0], std::f64::consts::FRAC_PI_2)?;
 /// let mut builder = ConstraintSet::builder(6);
-/// builder.add("sector", pair)?;
+/// builder.add("sector", Cyclic { a, b, turn, fields: Turning::Vectors, tolerance: 1e-9 })?;
 /// let set = builder.build()?;
 /// // Outwards at a is outwards at b.
 /// let mut quantities = set.allocate();
@@ -28,24 +39,23 @@ use crate::{Constraint, Store};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cyclic {
+pub struct Cyclic<const D: usize, const F: usize = D> {
     /// The node.
-    pub a: Point,
+    pub a: Node<D, F>,
     /// Its image.
-    pub b: Point,
-    /// A point of the axis, coordinates.
-    pub centre: Vector<f64>,
-    /// The direction of the axis, of any length.
-    pub axis: Vector<f64>,
-    /// alpha, in radians.
-    pub angle: f64,
+    pub b: Node<D, F>,
+    /// From one sector to the next.
+    pub turn: Turn<D>,
+    /// What the fields are.
+    pub fields: Turning,
     /// Farthest that the image may be from where the turn brings the node, a length.
     pub tolerance: f64,
 }
 
-/// Cyclic symmetry of a harmonic: real and imaginary parts of the amplitude, six equations.
+/// Cyclic symmetry of a harmonic: real and imaginary parts of the amplitude, 2 F equations and as many DOFs removed.
 ///
-/// `u_b' = R (cos(k alpha) u_a' - sin(k alpha) u_a'')`, `u_b'' = R (sin(k alpha) u_a' + cos(k alpha) u_a'')`.
+/// `u_b' = R (cos(k alpha) u_a' - sin(k alpha) u_a'')`, `u_b'' = R (sin(k alpha) u_a' + cos(k alpha) u_a'')`. For k = 0, and for half
+/// the number of sectors, the parts are separate, and the imaginary one adds nothing.
 ///
 #[doc = include_str!("../../docs/pictures/cyclic_harmonic.svg")]
 ///
@@ -53,24 +63,25 @@ pub struct Cyclic {
 /// # Example
 ///
 /// ```
-/// use qless_constraints::{ConstraintSet, types::{Cyclic, CyclicHarmonic, Point}};
-/// let a = Point::new([0, 1, 2], [1.0, 0.0, 0.0]);
-/// let b = Point::new([3, 4, 5], [0.0, 1.0, 0.0]);
-/// let quarter = std::f64::consts::FRAC_PI_2;
-/// let real = Cyclic { a, b, centre: [0.0; 3], axis: [0.0, 0.0, 1.0], angle: quarter, tolerance: 1e-9 };
-/// let mut builder = ConstraintSet::builder(12);
-/// builder.add("sector", CyclicHarmonic { real, imaginary_a: [6, 7, 8], imaginary_b: [9, 10, 11], harmonic: 1 })?;
-/// assert_eq!(builder.build()?.equations(), 6);
+/// use qless_constraints::{ConstraintSet, types::{Cyclic, CyclicHarmonic, Node, Turn, Turning}};
+/// // A pressure wave with two lengths around, in sectors of 60 degrees.
+/// let turn = Turn::in_plane([0.0; 2], std::f64::consts::FRAC_PI_3);
+/// let (a, b) = (Node::of_field(0, [2.0, 0.0]), Node::of_field(1, [1.0, 3.0_f64.sqrt()]));
+/// let real = Cyclic { a, b, turn, fields: Turning::Scalars, tolerance: 1e-9 };
+/// let mut builder = ConstraintSet::builder(4);
+/// builder.add("sector", CyclicHarmonic { real, imaginary_a: [2], imaginary_b: [3], harmonic: 2 })?;
+/// let g = builder.build()?.allocate().g().clone();
+/// assert!(g.row(0).zip([(0, 0.5), (1, 1.0), (2, 0.75_f64.sqrt())]).all(|(a, b)| a.0 == b.0 && (a.1 - b.1).abs() < 1e-15));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CyclicHarmonic {
+pub struct CyclicHarmonic<const D: usize, const F: usize = D> {
     /// Geometry, and the DOFs of the real parts.
-    pub real: Cyclic,
+    pub real: Cyclic<D, F>,
     /// DOFs of the imaginary part at the node.
-    pub imaginary_a: [usize; 3],
+    pub imaginary_a: [usize; F],
     /// DOFs of the imaginary part at its image.
-    pub imaginary_b: [usize; 3],
+    pub imaginary_b: [usize; F],
     /// k, the number of waves around the circumference.
     pub harmonic: u32,
 }
@@ -79,9 +90,16 @@ pub struct CyclicHarmonic {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CyclicError {
-    /// The axis has no direction.
-    #[error("the axis has no direction; give a vector that is not zero")]
-    Axis,
+    /// The fields are no vectors.
+    #[error(
+        "{fields} fields are no vectors of {dimensions} components each; tie vectors and scalars by nodes of their own"
+    )]
+    NoVectors {
+        /// F.
+        fields: usize,
+        /// D.
+        dimensions: usize,
+    },
     /// The image is not where the turn brings the node.
     #[error("the turned node is {distance} away from its image, more than the tolerance {tolerance}")]
     NoImage {
@@ -92,50 +110,63 @@ pub enum CyclicError {
     },
 }
 
-impl Cyclic {
-    /// R, row by row, after the check.
-    fn rotation(&self) -> Result<[Vector<f64>; 3], CyclicError> {
-        let axis = unit(self.axis).ok_or(CyclicError::Axis)?;
-        let turn = |s| by_vector(scale(self.angle, axis), s);
-        let image = add(self.centre, turn(sub(self.a.at, self.centre)));
-        let distance = separation(&image, &self.b.at);
-        if !within(distance, self.tolerance) {
-            return Err(CyclicError::NoImage { distance, tolerance: self.tolerance });
+impl<const D: usize, const F: usize> Cyclic<D, F> {
+    fn check(&self) -> Result<(), CyclicError> {
+        if self.fields == Turning::Vectors && !F.is_multiple_of(D) {
+            return Err(CyclicError::NoVectors { fields: F, dimensions: D });
         }
-        let columns = [turn([1.0, 0.0, 0.0]), turn([0.0, 1.0, 0.0]), turn([0.0, 0.0, 1.0])];
-        Ok(std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i])))
+        let image = self.turn.image(self.a.at);
+        let distance = separation(&image, &self.b.at);
+        if within(distance - rounding(&[image], &self.a.at), self.tolerance) {
+            Ok(())
+        } else {
+            Err(CyclicError::NoImage { distance, tolerance: self.tolerance })
+        }
+    }
+
+    /// `-f (R u)_k` for the values u at these DOFs.
+    fn turned(&self, k: usize, factor: f64, dofs: &[usize; F]) -> Vec<(usize, f64)> {
+        let terms: Vec<_> = match self.fields {
+            Turning::Scalars => vec![(dofs[k], -factor)],
+            Turning::Vectors => {
+                let row = self.turn.rotation()[k % D].iter().enumerate();
+                row.map(|(j, r)| (dofs[k / D * D + j], -factor * r)).collect()
+            }
+        };
+        terms.into_iter().filter(|&(_, v)| v != 0.0).collect()
     }
 }
 
-/// `-f R_i u`.
-fn turned(row: Vector<f64>, factor: f64, dofs: [usize; 3]) -> impl Iterator<Item = (usize, f64)> {
-    (0..3).map(move |k| (dofs[k], -factor * row[k])).filter(|&(_, v)| v != 0.0)
-}
-
-impl Constraint for Cyclic {
+impl<const D: usize, const F: usize> Constraint for Cyclic<D, F> {
     const NAME: &'static str = "cyclic symmetry";
     type Error = CyclicError;
 
     fn process(self, store: &mut Store) -> Result<(), CyclicError> {
-        for (axis, row) in self.rotation()?.into_iter().enumerate() {
-            store.equation(AXES[axis], turned(row, 1.0, self.a.dofs).chain([(self.b.dofs[axis], 1.0)]), 0.0);
+        self.check()?;
+        for k in 0..F {
+            let terms = self.turned(k, 1.0, &self.a.dofs).into_iter().chain([(self.b.dofs[k], 1.0)]);
+            store.equation(field::<D, F>(k), terms, 0.0);
         }
         Ok(())
     }
 }
 
-impl Constraint for CyclicHarmonic {
+impl<const D: usize, const F: usize> Constraint for CyclicHarmonic<D, F> {
     const NAME: &'static str = "cyclic symmetry of a harmonic";
     type Error = CyclicError;
 
     fn process(self, store: &mut Store) -> Result<(), CyclicError> {
-        let (sin, cos) = (f64::from(self.harmonic) * self.real.angle).sin_cos();
-        let (real, imaginary) = (self.real.a.dofs, self.imaginary_a);
-        for (axis, row) in self.real.rotation()?.into_iter().enumerate() {
-            let first = turned(row, cos, real).chain(turned(row, -sin, imaginary));
-            store.equation(format!("real {}", AXES[axis]), first.chain([(self.real.b.dofs[axis], 1.0)]), 0.0);
-            let second = turned(row, sin, real).chain(turned(row, cos, imaginary));
-            store.equation(format!("imaginary {}", AXES[axis]), second.chain([(self.imaginary_b[axis], 1.0)]), 0.0);
+        let (pair, real, imaginary) = (self.real, self.real.a.dofs, self.imaginary_a);
+        pair.check()?;
+        let (sin, cos) = (f64::from(self.harmonic) * pair.turn.angle()).sin_cos();
+        for k in 0..F {
+            for (part, [of_real, of_imaginary], image) in
+                [("real", [cos, -sin], pair.b.dofs[k]), ("imaginary", [sin, cos], self.imaginary_b[k])]
+            {
+                let terms = [pair.turned(k, of_real, &real), pair.turned(k, of_imaginary, &imaginary)].concat();
+                let name = format!("{part} {}", field::<D, F>(k)).trim_end().to_owned();
+                store.equation(name, terms.into_iter().chain([(image, 1.0)]), 0.0);
+            }
         }
         Ok(())
     }

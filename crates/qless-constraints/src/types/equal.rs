@@ -4,6 +4,8 @@ use crate::{Constraint, Store};
 
 /// Equal DOFs: `u_i - u_0 = 0` for every DOF after the first.
 ///
+/// One equation less than there are DOFs, and as many removed. Rank is lost where two such lists share more than one DOF.
+///
 #[doc = include_str!("../../docs/pictures/equal.svg")]
 ///
 #[doc = include_str!("../../docs/types/equal.md")]

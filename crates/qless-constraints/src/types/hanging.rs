@@ -2,7 +2,8 @@
 
 use super::interpolation::interpolate;
 use crate::geometry::node::field;
-use crate::geometry::shape::Shape;
+use crate::geometry::project::ROUNDING;
+use crate::geometry::shape::{Parameters, Shape};
 use crate::{Constraint, Store};
 
 /// A hanging node of h-refinement, at the parameters xi of its parent: an edge or face, linear or quadratic, of an element that was
@@ -80,21 +81,26 @@ pub enum HangingNodeError {
 
 impl<const F: usize> HangingNode<F> {
     fn check(&self) -> Result<(), HangingNodeError> {
-        let (shape, [xi, eta]) = (self.shape, self.at);
+        let shape = self.shape;
         if shape.dimensions() == 3 {
             return Err(HangingNodeError::Solid { shape });
         }
         if self.parent.len() != shape.nodes() {
             return Err(HangingNodeError::Nodes { shape, found: self.parent.len() });
         }
-        let [inside, beside, _] = shape.clamp([xi, eta, 0.0]);
-        if inside != xi || (shape.dimensions() == 2 && beside != eta) {
-            return Err(HangingNodeError::Outside { shape, at: self.at });
-        }
         match self.node.iter().find(|&dof| self.parent.iter().flatten().any(|other| other == dof)) {
             Some(&dof) => Err(HangingNodeError::OwnParent { dof }),
             None => Ok(()),
         }
+    }
+
+    /// The parameters, inside to the last bit; they may be off by rounding.
+    fn place(&self) -> Result<Parameters, HangingNodeError> {
+        let [xi, eta] = self.at;
+        let given = [xi, if self.shape.dimensions() == 1 { 0.0 } else { eta }, 0.0];
+        let inside = self.shape.clamp(given);
+        let is_inside = inside.iter().zip(given).all(|(inside, given)| (inside - given).abs() <= ROUNDING);
+        if is_inside { Ok(inside) } else { Err(HangingNodeError::Outside { shape: self.shape, at: self.at }) }
     }
 }
 
@@ -104,8 +110,8 @@ impl<const F: usize> Constraint for HangingNode<F> {
 
     fn process(self, store: &mut Store) -> Result<(), HangingNodeError> {
         self.check()?;
-        let weights = self.shape.weights([self.at[0], self.at[1], 0.0]);
-        interpolate(store, field::<0, F>, &self.node, self.parent.iter().zip(weights));
+        let weights = self.shape.weights(self.place()?);
+        interpolate(store, field::<0, F>, &self.node, self.parent.iter().copied().zip(weights));
         Ok(())
     }
 }

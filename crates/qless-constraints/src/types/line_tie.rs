@@ -84,7 +84,7 @@ impl<const D: usize, const F: usize> Constraint for LineTie<D, F> {
         let places: Vec<[f64; D]> = self.slave.iter().map(|node| node.at).collect();
         let nearest = FaceSearch::new(&line)?.within(&places, self.tolerance).map_err(LineTieError::Search)?;
         for (i, (node, found)) in self.slave.iter().zip(nearest).enumerate() {
-            let ends = line.nodes[found.face..].iter().zip(&found.weights).map(|(end, &n)| (&end.dofs, n));
+            let ends = line.nodes[found.face..].iter().zip(&found.weights).map(|(end, &n)| (end.dofs, n));
             interpolate(store, |k| field_of_node::<D, F>(i, k).into(), &node.dofs, ends);
         }
         Ok(())

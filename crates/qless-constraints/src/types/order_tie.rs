@@ -2,6 +2,7 @@
 
 use super::interpolation::interpolate;
 use crate::geometry::node::field_of_node;
+use crate::geometry::project::ROUNDING;
 use crate::{Constraint, Store};
 
 /// An edge of p-refinement in a nodal basis: the p + 1 nodes of the finer side lie on the polynomial through the q + 1 of the coarser.
@@ -106,7 +107,9 @@ impl<const F: usize> OrderTie<F> {
         }
         let from = places.iter().copied().fold(f64::INFINITY, f64::min);
         let to = places.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        match self.fine.iter().position(|(at, _)| !(from..=to).contains(at)) {
+        // Places may be off by rounding. Not `at < low || at > high`: a NaN is in no place.
+        let off = ROUNDING * from.abs().max(to.abs());
+        match self.fine.iter().position(|(at, _)| !(from - off..=to + off).contains(at)) {
             Some(i) => Err(OrderTieError::Outside { node: i + 1, at: self.fine[i].0, from, to }),
             None => Ok(()),
         }
@@ -115,7 +118,8 @@ impl<const F: usize> OrderTie<F> {
     /// Whether a finer node is a coarser one; nothing but that may have its DOFs.
     fn is_shared(&self, i: usize) -> Result<bool, OrderTieError> {
         let (at, dofs) = self.fine[i];
-        if self.coarse.contains(&(at, dofs)) {
+        let here = |other: f64| (other - at).abs() <= ROUNDING * other.abs().max(at.abs());
+        if self.coarse.iter().any(|&(other, own)| own == dofs && here(other)) {
             return Ok(true);
         }
         match dofs.iter().find(|dof| self.coarse.iter().any(|(_, others)| others.contains(dof))) {
@@ -135,7 +139,7 @@ impl<const F: usize> Constraint for OrderTie<F> {
         for (i, (at, dofs)) in self.fine.iter().enumerate() {
             if !self.is_shared(i)? {
                 let weights = lagrange(&places, *at);
-                let masters = self.coarse.iter().map(|(_, dofs)| dofs).zip(weights.iter().copied());
+                let masters = self.coarse.iter().map(|&(_, dofs)| dofs).zip(weights);
                 interpolate(store, |k| field_of_node::<0, F>(i, k).into(), dofs, masters);
             }
         }

@@ -2,10 +2,13 @@ use std::array::from_fn;
 use std::collections::BTreeSet;
 
 use faer::Mat;
+use faer::sparse::{SparseColMat, Triplet};
 use qless::{Options, analyse};
 use qless_constraints::ConstraintSet;
+use qless_constraints::enforce::Problem;
 use qless_constraints::types::{Face, MortarTie, Multipliers, Node, Shape, Surface};
 
+use crate::hanging::conduct;
 use crate::linkages::{Outcome, random};
 use crate::surface_mortar::{FACETS, Mesh};
 
@@ -70,8 +73,10 @@ fn inclined([x, y]: [f64; 2]) -> [f64; 3] {
 #[test]
 fn dual_ties_pass_linear_fields() -> Outcome {
     for (a, b) in FACETS.into_iter().flat_map(|a| FACETS.map(|b| (a, b))) {
-        for (unit, shift) in [(1.0, 0.0), (1e-6, 0.0), (1e6, 0.0), (1.0, 1000.0)] {
-            let mesh = Mesh { shape: a, cells: 3, wiggle: 0.4, bend: 0.0 };
+        for (unit, shift, bend) in
+            [(1.0, 0.0, 0.0), (1.0, 0.0, 0.1), (1e-6, 0.0, 0.0), (1e6, 0.0, 0.1), (1.0, 1000.0, 0.0)]
+        {
+            let mesh = Mesh { shape: a, cells: 3, wiggle: 0.4, bend };
             let place = |x: [f64; 2]| inclined(x).map(|x| unit * x + shift);
             let [slave, master] = pair(mesh, Mesh { shape: b, cells: 4, ..mesh }, place);
             let set = tied(&slave, &master, Multipliers::Dual, 1e-9 * unit)?;
@@ -273,6 +278,130 @@ fn ties_do_not_depend_on_direction() -> Outcome {
                 assert!(g.row(i).zip(truth.row(i)).all(|((_, a), (_, b))| (a - b).abs() < 1e-14), "{angle}, row {i}");
             }
         }
+    }
+    Ok(())
+}
+
+/// A plate of two rows of elements on the unit square that do not match: a constant flow passes the interface exactly, with insulated
+/// sides, whichever row is the slave, turned, in every unit of length and of conductivity.
+#[test]
+fn a_constant_flow_passes_rows_that_do_not_match() -> Outcome {
+    let kinds = [Multipliers::Standard, Multipliers::Dual];
+    let counts = [[3, 4], [4, 3], [5, 2]];
+    for ((cells, kind), (unit, angle)) in counts
+        .into_iter()
+        .flat_map(|cells| kinds.map(|kind| (cells, kind)))
+        .flat_map(|case| [(1.0, 0.0), (1.0, 0.7), (1e-6, 2.0), (1e6, -1.0)].map(|place| (case, place)))
+    {
+        let (sin, cos) = f64::sin_cos(angle);
+        let turned = |[x, y]: [f64; 2]| [cos * x - sin * y, sin * x + cos * y].map(|x| unit * (x + 3.0));
+        let first = [0, 2 * (cells[0] + 1)];
+        let flat = |row: usize, i: usize| {
+            let side = cells[row] + 1;
+            [(i % side) as f64 / cells[row] as f64, (row + i / side) as f64 / 2.0]
+        };
+        let (mut k, mut edges) = (Vec::new(), Vec::new());
+        for row in 0..2 {
+            let (side, low) = (cells[row] + 1, first[row]);
+            for cell in 0..cells[row] {
+                let corners = [cell, cell + 1, cell + 1 + side, cell + side].map(|i| low + i);
+                k.extend(conduct(corners, [1.0 / cells[row] as f64, 0.5]));
+            }
+            // The upper edge of the lower row, and the lower one of the upper row.
+            let edge = (0..side).map(|i| if row == 0 { side + i } else { i });
+            edges.push(Surface::polyline(edge.map(|i| Node::of_field(low + i, turned(flat(row, i)))).collect()));
+        }
+        let dofs = first[1] + 2 * (cells[1] + 1);
+        let places: Vec<_> = (0..dofs).map(|i| if i < first[1] { flat(0, i) } else { flat(1, i - first[1]) }).collect();
+        let [slave, master] = [edges[0].clone(), edges[1].clone()];
+        let mut builder = ConstraintSet::builder(dofs);
+        builder.add("interface", MortarTie { slave, master, multipliers: kind, tolerance: 1e-9 * unit })?;
+        let set = builder.build().expect("few DOFs");
+        let truth = |[_, y]: [f64; 2]| 20.0 - 7.0 * y;
+        let outer = (0..dofs).filter(|&i| places[i][1] == 0.0 || places[i][1] == 1.0);
+        let held: Vec<_> = outer.map(|i| (i, truth(places[i]))).collect();
+        for conductivity in [1.0, 1e-6, 1e6] {
+            let scaled: Vec<_> = k.iter().map(|t| Triplet::new(t.row, t.col, conductivity * t.val)).collect();
+            let k = SparseColMat::try_new_from_triplets(dofs, dofs, &scaled)?;
+            let system = set.linearised(&set.allocate(), &held)?;
+            let solution = Problem::new(&k, &vec![0.0; dofs], &system)?.transformation()?;
+            let off = |i: usize| (solution.u[i] - truth(places[i])).abs();
+            let most = (0..dofs).map(off).fold(0.0, f64::max);
+            assert!(most < 20.0 * 1e-14, "{cells:?}, {kind:?}, {unit}, {angle}, {conductivity}: {most}");
+        }
+    }
+    Ok(())
+}
+
+/// The same bits with one thread and with four.
+#[test]
+fn threads_do_not_change_a_bit() {
+    for kind in [Multipliers::Standard, Multipliers::Dual] {
+        let mesh = Mesh { shape: Shape::Quad8, cells: 9, wiggle: 0.4, bend: 0.1 };
+        let [slave, master] = pair(mesh, Mesh { shape: Shape::Tri6, cells: 11, ..mesh }, inclined);
+        let with = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+            pool.install(|| tied(&slave, &master, kind, 1e-9).expect("tied").allocate().g().clone())
+        };
+        assert_eq!(with(1), with(4));
+    }
+}
+
+/// Interfaces that share slave nodes, and one that is said twice in the other direction: the rank is that of the SVD.
+#[test]
+fn ranks_are_those_of_the_svd() -> Outcome {
+    for (kind, twice) in [
+        (Multipliers::Standard, false),
+        (Multipliers::Dual, false),
+        (Multipliers::Standard, true),
+        (Multipliers::Dual, true),
+    ] {
+        let along = |s: f64| [s, 0.0];
+        let up = |s: f64| [0.0, s];
+        let (slave, master) = (line(0, 4, false, along), line(5, 3, false, along));
+        // The first slave node is that of the corner.
+        let mut side = line(8, 4, false, up);
+        side.nodes[0] = slave.nodes[0];
+        let wall = line(13, 5, true, up);
+        let mut builder = ConstraintSet::builder(24);
+        builder.add(
+            "floor",
+            MortarTie { slave: slave.clone(), master: master.clone(), multipliers: kind, tolerance: 1e-9 },
+        )?;
+        builder.add("wall", MortarTie { slave: side, master: wall, multipliers: kind, tolerance: 1e-9 })?;
+        if twice {
+            builder
+                .add("floor again", MortarTie { slave: master, master: slave, multipliers: kind, tolerance: 1e-9 })?;
+        }
+        let set = builder.build().expect("few DOFs");
+        let quantities = set.allocate();
+        let mut dense = Mat::<f64>::zeros(set.equations(), 24);
+        (0..set.equations()).for_each(|i| quantities.g().row(i).for_each(|(j, v)| dense[(i, j)] = v));
+        let sizes = dense.singular_values().map_err(|error| format!("{error:?}"))?;
+        let rank = sizes.iter().filter(|&&s| s > 1e-12 * sizes[0]).count();
+        let found = analyse(&set.linearised(&quantities, &[])?, &Options::default())?.rank();
+        assert_eq!(found, rank, "{kind:?}, {twice}: {sizes:?}");
+        println!("{kind:?}, said twice {twice}: rank {rank} of {}", set.equations());
+    }
+    Ok(())
+}
+
+/// A border of the slave side that the tolerance allows to be bare: linear fields pass all the same.
+#[test]
+fn bare_borders_pass_linear_fields() -> Outcome {
+    for (shape, kind) in
+        FACETS.into_iter().flat_map(|s| [Multipliers::Standard, Multipliers::Dual].map(|kind| (s, kind)))
+    {
+        let mesh = Mesh { shape, cells: 4, wiggle: 0.3, bend: 0.0 };
+        let slave = of_field(&mesh.surface(0, |[x, y]| [x, y, 0.0]), 0);
+        let smaller = Mesh { cells: 3, ..mesh }.surface(0, |[x, y]| [0.01 + 0.98 * x, 0.008 + 0.985 * y, 0.0]);
+        let master = of_field(&smaller, slave.nodes.len());
+        assert!(tied(&slave, &master, kind, 1e-3).is_err());
+        let set = tied(&slave, &master, kind, 0.015)?;
+        let u: Vec<f64> = slave.nodes.iter().chain(&master.nodes).map(|n| 1.0 + 2.0 * n.at[0] - n.at[1]).collect();
+        assert!(residual(&set, &u)? < 1e-12, "{shape:?}, {kind:?}: {}", residual(&set, &u)?);
+        let rank = analyse(&set.linearised(&set.allocate(), &[])?, &Options::default())?.rank();
+        assert_eq!(rank, set.equations(), "{shape:?}, {kind:?}");
     }
     Ok(())
 }

@@ -291,6 +291,59 @@ fn quarter_points_are_no_fault() -> Outcome {
     Ok(())
 }
 
+/// Corners, points of edges and points of faces of distorted elements lie on them, with a tolerance of zero, in every unit and far from the
+/// origin; the tip of a pyramid is no exception.
+#[test]
+fn the_boundary_belongs_to_the_element() -> Outcome {
+    for (shape, seed) in SOLIDS.into_iter().flat_map(|shape| (0..20).map(move |k| (shape, 100 * k))) {
+        let off_straight =
+            |k: usize, d: usize| if shape.nodes() > corners(shape) { 0.0 } else { 0.25 * random(seed + 3 * k + d) };
+        let moved = |(k, x): (usize, Place)| turned(seed, affine(seed, from_fn(|d| x[d] + off_straight(k, d))));
+        let distorted: Vec<Place> = straight(shape).into_iter().enumerate().map(moved).collect();
+        for (unit, shift) in [(1.0, 0.0), (1e-6, 0.0), (1e6, 0.0), (1.0, 1e5), (1e-6, 10.0)] {
+            let nodes: Vec<Place> = distorted.iter().map(|x| x.map(|x| unit * x + shift)).collect();
+            let last = corners(shape) - 1;
+            let t = 0.5 + random(seed + 9);
+            let along = |a: usize, b: usize| from_fn(|k| nodes[a][k] + t * (nodes[b][k] - nodes[a][k]));
+            // 2 to the last corner is an edge of tetrahedra, of pyramids, and of wedges; not of hexahedra.
+            let edge = if last == 7 { along(3, 7) } else { along(2, last) };
+            for node in [nodes[0], nodes[last], along(0, 1), edge] {
+                let n = weights(tie(shape, node, &nodes, 0.0))
+                    .map_err(|words| format!("{shape:?}, {seed}, {unit}, {shift}: {words}"))?;
+                let (back, allowed) = (off(&n, &nodes, node, unit), 1e-14 * (1.0 + shift / unit));
+                assert!(back < allowed, "{shape:?}, {seed}, {unit}, {shift}: {back}");
+            }
+            if shift == 0.0 {
+                let n = weights(tie(shape, nodes[last], &nodes, 0.0))?;
+                assert!(n.iter().enumerate().all(|(k, &n)| n == f64::from(u8::from(k == last))), "{shape:?}, {n:?}");
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Layers a million times thinner than they are long, and nodes a million sizes away.
+#[test]
+fn thin_elements_and_far_nodes() -> Outcome {
+    for (shape, seed) in [Shape::Tet4, Shape::Wedge6, Shape::Hex8, Shape::Hex20]
+        .into_iter()
+        .flat_map(|s| (0..10).map(move |k| (s, 51 * k)))
+    {
+        let thin = |[x, y, z]: Place| turned(seed, [x, y, 1e-6 * z]);
+        let nodes: Vec<Place> = straight(shape).into_iter().map(thin).collect();
+        let node = inside(seed, &nodes[..corners(shape)]);
+        let n = weights(tie(shape, node, &nodes, 0.0))?;
+        assert!(off(&n, &nodes, node, 1.0) < 1e-15 * 4.0, "{shape:?}: {}", off(&n, &nodes, node, 1.0));
+        let whole: Vec<Place> = straight(shape).into_iter().map(|x| turned(seed, x)).collect();
+        let far = turned(seed, [-3e6, -4e6, 0.0]);
+        let mut builder = ConstraintSet::builder(21);
+        let error = builder.add("it", tie(shape, far, &whole, 0.5)).expect_err("far");
+        let Some(NodeTieError::TooFar { distance, .. }) = source(&error) else { return Err(error.into()) };
+        assert!((distance - 5e6).abs() < 1e-14 * 5e6, "{distance}");
+    }
+    Ok(())
+}
+
 #[test]
 fn faults_of_solids_are_named() -> Outcome {
     let nodes = straight(Shape::Hex8);

@@ -1,7 +1,7 @@
 use std::array::from_fn;
 
 use qless_constraints::types::{
-    Face, LineTie, MacroStrain, MortarTie, Multipliers, Node, NodeTie, Periodic, Shape, Surface,
+    Cyclic, Face, LineTie, MacroStrain, MortarTie, Multipliers, Node, NodeTie, Periodic, Shape, Surface, Turn, Turning,
 };
 use qless_constraints::{Constraint, ConstraintSet};
 
@@ -108,4 +108,38 @@ fn periodic_pairs_of_any_fields_take_their_gradient() -> Outcome {
     assert_periodic::<2, 2>()?;
     assert_periodic::<3, 6>()?;
     assert_periodic::<2, 3>()
+}
+
+/// What turns with the sectors satisfies cyclic symmetry, in the plane and in space: displacements, rotations, and a temperature.
+#[test]
+fn fields_that_turn_are_cyclic() -> Outcome {
+    fn assert_cyclic<const D: usize, const F: usize>(
+        turn: Turn<D>,
+        fields: Turning,
+        at: [[f64; D]; 2],
+        u: [[f64; F]; 2],
+    ) -> Outcome {
+        let [a, b] = [0, 1].map(|i| Node::<D, F>::new(from_fn(|k| F * i + k), at[i]));
+        let mut builder = ConstraintSet::builder(2 * F);
+        builder.add("it", Cyclic { a, b, turn, fields, tolerance: 1e-12 })?;
+        let set = builder.build().expect("few DOFs");
+        let mut quantities = set.allocate();
+        set.evaluate(&u.concat(), &mut quantities)?;
+        assert_eq!(set.equations(), F);
+        assert!(quantities.c().iter().all(|c| c.abs() < 1e-15), "{:?}", quantities.c());
+        Ok(())
+    }
+    let (sin, cos) = 0.8_f64.sin_cos();
+    let flat = |[x, y]: [f64; 2]| [cos * x - sin * y, sin * x + cos * y];
+    let space = |[x, y, z]: [f64; 3]| [cos * x - sin * y, sin * x + cos * y, z];
+    let (p, u, theta) = ([0.7, -0.2], [0.3, 0.5], [0.1, -0.6, 0.9]);
+    let image = flat(p).map(|x| x + 1.0);
+    let from = p.map(|x| x + 1.0);
+    assert_cyclic(Turn::in_plane([1.0; 2], 0.8), Turning::Vectors, [from, image], [u, flat(u)])?;
+    assert_cyclic(Turn::in_plane([1.0; 2], 0.8), Turning::Scalars, [from, image], [[0.4], [0.4]])?;
+    let [a, b] = [[0.7, -0.2, 3.0], space([0.7, -0.2, 3.0])];
+    let shell = |u: [f64; 2], theta: [f64; 3]| [u[0], u[1], 0.25, theta[0], theta[1], theta[2]];
+    let about = Turn::about([0.0, 0.0, 9.0], [0.0, 0.0, 3.0], 0.8)?;
+    assert_cyclic(about, Turning::Vectors, [a, b], [shell(u, theta), shell(flat(u), space(theta))])?;
+    assert_cyclic(about, Turning::Scalars, [a, b], [theta, theta])
 }

@@ -78,7 +78,7 @@ fn hanging_nodes_are_on_the_polynomial_of_the_parent() -> Outcome {
 }
 
 /// `int grad N_i . grad N_j` of a rectangle with four nodes, in order around.
-fn conduct(nodes: [usize; 4], [a, b]: [f64; 2]) -> Vec<Triplet<usize, usize, f64>> {
+pub fn conduct(nodes: [usize; 4], [a, b]: [f64; 2]) -> Vec<Triplet<usize, usize, f64>> {
     let x = [[2.0, -2.0, -1.0, 1.0], [-2.0, 2.0, 1.0, -1.0], [-1.0, 1.0, 2.0, -2.0], [1.0, -1.0, -2.0, 2.0]];
     let y = [[2.0, 1.0, -1.0, -2.0], [1.0, 2.0, -2.0, -1.0], [-1.0, -2.0, 2.0, 1.0], [-2.0, -1.0, 1.0, 2.0]];
     let value = |i: usize, j: usize| b / a / 6.0 * x[i][j] + a / b / 6.0 * y[i][j];
@@ -212,6 +212,10 @@ fn faults_of_hanging_nodes_are_named() {
     assert!(said(tie(Shape::Quad8, 4, [0.0; 2])).contains("has 4 nodes; a Quad8 has 8"));
     assert!(said(tie(Shape::Hex8, 8, [0.0; 2])).contains("is a Hex8; nodes hang on edges and faces"));
     assert!(said(HangingNode { node: [1], ..tie(Shape::Line2, 2, [0.0; 2]) }).contains("DOF 1 of the node is one of"));
+    // What is off by rounding is not outside.
+    assert!(said(tie(Shape::Line2, 2, [1.0 + f64::EPSILON, 0.0])).contains("accepted"));
+    assert!(said(tie(Shape::Tri6, 6, [1.0 / 3.0, 2.0 / 3.0 + f64::EPSILON])).contains("accepted"));
+    assert!(said(tie(Shape::Tri6, 6, [1.0 / 3.0, 2.0 / 3.0 + 1e-9])).contains("not inside"));
     let order = |fine: &[(f64, usize)], coarse: &[(f64, usize)]| {
         let [fine, coarse] = [fine, coarse].map(|side| side.iter().map(|&(at, dof)| (at, [dof])).collect());
         let added = ConstraintSet::builder(9).add("it", OrderTie { fine, coarse });
@@ -224,4 +228,6 @@ fn faults_of_hanging_nodes_are_named() {
     assert!(order(&[(0.0, 2), (0.5, 1), (1.0, 4)], &ends).contains("DOF 1, as a coarser node in another place"));
     assert!(order(&[(0.0, 2), (0.5, 3), (1.0, 4)], &[(0.5, 0), (0.5, 1)]).contains("nodes 1 and 2, from 1"));
     assert!(order(&[(0.0, 0), (0.5, 3), (1.0, 1)], &ends).contains("accepted"));
+    assert!(order(&[(0.0, 0), (0.5, 3), (1.0 + f64::EPSILON, 1)], &ends).contains("accepted"));
+    assert!(order(&[(0.0, 0), (0.5, 3), (1.0 + f64::EPSILON, 4)], &ends).contains("accepted"));
 }

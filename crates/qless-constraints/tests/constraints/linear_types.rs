@@ -3,7 +3,7 @@ use std::array::from_fn;
 use qless_constraints::ConstraintSet;
 use qless_constraints::types::{
     Average, Cyclic, CyclicHarmonic, FluidNormal, Line, LineTie, MortarTie, Multipliers, NodeTie, OnLine, OnPlane,
-    PlanarPoint, Plane, Point, Shape, SmallRigidBody, Surface,
+    PlanarPoint, Plane, Point, Shape, SmallRigidBody, Surface, Turn, Turning,
 };
 
 use crate::linkages::{Outcome, random};
@@ -178,7 +178,8 @@ fn harmonics_pass_cyclic_pairs() -> Outcome {
     let turn = |phi: f64, x: [f64; 3]| [phi.cos() * x[0] - phi.sin() * x[1], phi.sin() * x[0] + phi.cos() * x[1], x[2]];
     let (x, v, w) = ([1.0, 0.5, 2.0], [0.3, -0.4, 0.5], [0.1, 0.7, -0.2]);
     let (a, b) = (point(0, x), point(1, turn(alpha, x)));
-    let real = Cyclic { a, b, centre: [0.0; 3], axis: [0.0, 0.0, 2.0], angle: alpha, tolerance: 1e-12 };
+    let turn_of_sector = Turn::about([0.0; 3], [0.0, 0.0, 2.0], alpha)?;
+    let real = Cyclic { a, b, turn: turn_of_sector, fields: Turning::Vectors, tolerance: 1e-12 };
     let pair = CyclicHarmonic { real, imaginary_a: [6, 7, 8], imaginary_b: [9, 10, 11], harmonic: k };
     let (sin, cos) = (f64::from(k) * alpha).sin_cos();
     let (rv, rw) = (turn(alpha, v), turn(alpha, w));

@@ -6,6 +6,8 @@ mod active;
 mod beads;
 /// Contact by an active set, against a quadratic program.
 mod contact;
+/// Ties given numbers that are not finite, vanish or are huge.
+mod bad_numbers;
 /// Dual multipliers of mortar ties: biorthogonal, local, and as exact as the others.
 mod dual_mortar;
 /// Nodes embedded in solids.

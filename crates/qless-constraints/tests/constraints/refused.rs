@@ -2,8 +2,8 @@ use std::fmt::Debug;
 
 use qless_constraints::types::{
     Average, Body, Cyclic, Distance, Equal, Face, FluidNormal, Line, LineTie, LinearEquation, MacroStrain, MortarTie,
-    Multipliers, NodeTie, OnLine, OnPlane, OnSphere, Periodic, PlanarPoint, Plane, Point, Prescribed, Revolute,
-    RigidBody, Shape, SmallRigidBody, Spherical, Surface, Universal, Volume,
+    Multipliers, Node, NodeTie, OnLine, OnPlane, OnSphere, Periodic, PlanarPoint, Plane, Point, Prescribed, Revolute,
+    RigidBody, Shape, SmallRigidBody, Spherical, Surface, Turn, Turning, Universal, Volume,
 };
 use qless_constraints::{Constraint, ConstraintSet};
 
@@ -52,13 +52,16 @@ fn faults_of_linear_types() {
     let pair = Cyclic {
         a: point(0, [1.0, 0.0, 0.0]),
         b: point(1, [0.0, 2.0, 0.0]),
-        centre: [0.0; 3],
-        axis: [0.0, 0.0, 1.0],
-        angle: std::f64::consts::FRAC_PI_2,
+        turn: Turn::about([0.0; 3], [0.0, 0.0, 1.0], std::f64::consts::FRAC_PI_2).expect("an axis"),
+        fields: Turning::Vectors,
         tolerance: 0.1,
     };
     assert_refused(pair, "1 away from its image");
-    assert_refused(Cyclic { axis: [0.0; 3], ..pair }, "no direction");
+    let axis = Turn::about([0.0; 3], [0.0; 3], 1.0).expect_err("no axis");
+    assert!(axis.to_string().contains("no direction"));
+    let [a, b] = [0, 4].map(|first| Node::new([0, 1, 2, 3].map(|k| first + k), [1.0, 0.0, 0.0]));
+    let mixed = Cyclic { a, b, turn: pair.turn, fields: Turning::Vectors, tolerance: 9.0 };
+    assert_refused(mixed, "4 fields are no vectors of 3 components each");
     let reference = point(0, [0.0; 3]);
     assert_refused(SmallRigidBody { reference, rotations: [3, 4, 5], nodes: vec![] }, "no nodes");
     let inline = [1.0, 2.0].map(|x| (point(2, [x, 0.0, 0.0]), 1.0)).to_vec();

@@ -7,7 +7,7 @@ use qless_constraints::types::{
 
 use crate::linkages::{Outcome, random};
 
-const ALL: [Shape; 5] = [Shape::Line2, Shape::Tri3, Shape::Quad4, Shape::Tri6, Shape::Quad8];
+const ALL: [Shape; 6] = [Shape::Line2, Shape::Tri3, Shape::Quad4, Shape::Tri6, Shape::Quad8, Shape::Line3];
 
 /// Nodes of a shape in the plane, corners first.
 const TRIANGLE: [[f64; 2]; 6] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]];
@@ -22,14 +22,18 @@ fn point(node: usize, at: [f64; 3]) -> Point {
 fn scattered(faces: usize) -> Surface<3> {
     let mut surface = Surface { nodes: Vec::new(), faces: Vec::new() };
     for face in 0..faces {
-        let shape = ALL[face % 5];
+        let shape = ALL[face % 6];
         let part = |k: usize| random(97 * face + k + 5);
         let origin: [f64; 3] = from_fn(|k| 10.0 * part(k));
         let axes: [[f64; 3]; 2] =
             from_fn(|a| from_fn(|k| f64::from(u8::from(k == (face + a) % 3)) + part(3 + 3 * a + k)));
         let first = surface.nodes.len();
         for i in 0..shape.nodes() {
-            let [x, y] = if matches!(shape, Shape::Quad4 | Shape::Quad8) { QUAD[i] } else { TRIANGLE[i] };
+            let [x, y] = match shape {
+                Shape::Quad4 | Shape::Quad8 => QUAD[i],
+                Shape::Line3 => [[0.0, 0.0], [1.0, 0.0], [0.5, 0.0]][i],
+                _ => TRIANGLE[i],
+            };
             let at = from_fn(|k| origin[k] + x * axes[0][k] + y * axes[1][k] + 0.1 * part(20 + 3 * i + k));
             surface.nodes.push(point(first + i, at));
         }
@@ -125,6 +129,33 @@ fn ties_to_a_surface_pass_linear_fields() -> Outcome {
     let mut quantities = set.allocate();
     set.evaluate(&u, &mut quantities).expect("of this set");
     assert!(quantities.c().iter().all(|c| c.abs() < 1e-13));
+    Ok(())
+}
+
+/// At nodes of faces, on straight edges and over them, near and far from the origin: no weight is below 8 units in the last place of the
+/// largest without being zero, a node has one weight and an edge two, and the sum is one, to two units of rounding for each.
+#[test]
+fn weights_that_are_rounding_are_zero() -> Outcome {
+    let mut surface = scattered(300);
+    for shift in [0.0, 1024.0] {
+        surface.nodes.iter_mut().flat_map(|node| &mut node.at).for_each(|x| *x += shift);
+        for (i, one) in alone(&surface).iter().enumerate() {
+            let (shape, nodes) = (one.faces[0].shape, &one.faces[0].nodes);
+            let search = FaceSearch::new(one)?;
+            let [a, b] = [0, 1].map(|k| one.nodes[nodes[k]].at);
+            let t = 0.5 + 0.8 * random(i);
+            let on_edge: [f64; 3] = from_fn(|k| a[k] + t * (b[k] - a[k]));
+            let is_straight = matches!(shape, Shape::Line2 | Shape::Tri3 | Shape::Quad4);
+            for (at, most) in [(a, 1), (b, 1), (on_edge, if is_straight && shift == 0.0 { 2 } else { 8 })] {
+                let n = search.nearest(&at).ok_or("not finite")?.weights;
+                let largest = n.iter().fold(0.0, |most: f64, n| most.max(n.abs()));
+                let unit = 2.0_f64.powi(largest.log2().floor() as i32 - 52);
+                assert!(n.iter().all(|&n| n == 0.0 || n.abs() >= 8.0 * unit), "{shape:?}: {n:?}");
+                assert!(n.iter().filter(|&&n| n != 0.0).count() <= most, "{shape:?}, {i}: {n:?}");
+                assert!((n.iter().sum::<f64>() - 1.0).abs() <= 2.0 * f64::EPSILON * n.len() as f64);
+            }
+        }
+    }
     Ok(())
 }
 

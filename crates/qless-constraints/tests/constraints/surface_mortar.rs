@@ -68,9 +68,18 @@ impl Mesh {
 }
 
 fn tied(slave: &Surface<3>, master: &Surface<3>, tolerance: f64) -> Outcome<ConstraintSet> {
+    tied_by(Multipliers::Standard, slave, master, tolerance)
+}
+
+fn tied_by(
+    multipliers: Multipliers,
+    slave: &Surface<3>,
+    master: &Surface<3>,
+    tolerance: f64,
+) -> Outcome<ConstraintSet> {
     let mut builder = ConstraintSet::builder(3 * (slave.nodes.len() + master.nodes.len()));
     let (slave, master) = (slave.clone(), master.clone());
-    builder.add("tie", MortarTie { slave, master, multipliers: Multipliers::Standard, tolerance })?;
+    builder.add("tie", MortarTie { slave, master, multipliers, tolerance })?;
     Ok(builder.build().expect("few DOFs"))
 }
 
@@ -188,9 +197,10 @@ fn curved_surfaces_pass_constants() -> Outcome {
     for (a, b) in [(Shape::Quad4, Shape::Tri3), (Shape::Tri3, Shape::Quad8), (Shape::Quad8, Shape::Tri6)] {
         let slave = Mesh { shape: a, cells: 7, wiggle: 0.3, bend: 0.0 };
         let (slave, master) = pair(slave, Mesh { shape: b, cells: 5, ..slave }, round);
-        let set = tied(&slave, &master, 0.03)?;
-        let [d, m] = sums(&set, slave.nodes.len());
-        assert!((d - m).abs() < 1e-13 && (d - 1.5).abs() < 0.02, "{a:?}, {b:?}: {d}, {m}");
+        for kind in [Multipliers::Standard, Multipliers::Dual] {
+            let [d, m] = sums(&tied_by(kind, &slave, &master, 0.03)?, slave.nodes.len());
+            assert!((d - m).abs() < 1e-13 && (d - 1.5).abs() < 0.02, "{a:?}, {b:?}, {kind:?}: {d}, {m}");
+        }
     }
     Ok(())
 }
@@ -224,8 +234,10 @@ fn collapsed_facets_pass_linear_fields() -> Outcome {
             surface.faces.iter().map(|f| Face::new(Shape::Quad4, [f.nodes[0], f.nodes[1], f.nodes[2], f.nodes[2]]));
         Surface { faces: faces.collect(), nodes: surface.nodes.clone() }
     };
-    for (slave, master) in [(collapsed(&slave), master.clone()), (slave.clone(), collapsed(&master))] {
-        let set = tied(&slave, &master, 1e-12)?;
+    let pairs = [(collapsed(&slave), master.clone()), (slave.clone(), collapsed(&master))];
+    let kinds = [Multipliers::Standard, Multipliers::Dual];
+    for ((slave, master), kind) in pairs.into_iter().flat_map(|pair| kinds.map(|kind| (pair.clone(), kind))) {
+        let set = tied_by(kind, &slave, &master, 1e-12)?;
         let [d, m] = sums(&set, slave.nodes.len());
         let area = 6.0 * 1.3125_f64.sqrt();
         assert!((d - area).abs() < 1e-12 * area && (m - area).abs() < 1e-12 * area);

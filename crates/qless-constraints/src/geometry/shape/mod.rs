@@ -79,7 +79,7 @@ impl Shape {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(in crate::geometry) mod tests {
     use super::{Parameters, Shape};
 
     pub const ALL: [Shape; 13] = [

@@ -1,0 +1,61 @@
+//! `x' = c + R (x - c)`: the turn from one sector to the next.
+
+use super::rotation::by_vector;
+use crate::scalar::vector::{Vector, scale, unit};
+
+/// A rotation R by an angle about an axis in space, or a centre in the plane: `x' = c + R (x - c)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turn<const D: usize> {
+    centre: [f64; D],
+    /// R, row by row.
+    rotation: [[f64; D]; D],
+    angle: f64,
+}
+
+/// An axis has no direction.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("the axis {axis:?} has no direction; give a vector that is finite and not zero")]
+pub struct TurnError {
+    /// The axis.
+    pub axis: [f64; 3],
+}
+
+impl Turn<3> {
+    /// By an angle in radians about the axis through the centre; its length does not matter.
+    ///
+    /// # Errors
+    /// [`TurnError`] if the axis has no direction.
+    pub fn about(centre: Vector<f64>, axis: Vector<f64>, angle: f64) -> Result<Self, TurnError> {
+        let direction = unit(axis).ok_or(TurnError { axis })?;
+        let turn = |s| by_vector(scale(angle, direction), s);
+        let columns = [turn([1.0, 0.0, 0.0]), turn([0.0, 1.0, 0.0]), turn([0.0, 0.0, 1.0])];
+        let rotation = std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i]));
+        Ok(Self { centre, rotation, angle })
+    }
+}
+
+impl Turn<2> {
+    /// By an angle in radians, counter-clockwise, about a centre in the plane.
+    pub fn in_plane(centre: [f64; 2], angle: f64) -> Self {
+        let (sin, cos) = angle.sin_cos();
+        Self { centre, rotation: [[cos, -sin], [sin, cos]], angle }
+    }
+}
+
+impl<const D: usize> Turn<D> {
+    pub(crate) fn angle(&self) -> f64 {
+        self.angle
+    }
+
+    /// R.
+    pub(crate) fn rotation(&self) -> &[[f64; D]; D] {
+        &self.rotation
+    }
+
+    /// Where a place comes to.
+    pub(crate) fn image(&self, place: [f64; D]) -> [f64; D] {
+        std::array::from_fn(|i| {
+            self.centre[i] + (0..D).map(|j| self.rotation[i][j] * (place[j] - self.centre[j])).sum::<f64>()
+        })
+    }
+}
