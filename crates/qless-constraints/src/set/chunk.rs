@@ -5,7 +5,7 @@ use std::ops::Range;
 use qless::Identity;
 
 use super::block::{Block, Entry};
-use super::effective::Weighted;
+use super::effective::{ENTRIES, Weighted};
 use super::sums::Sums;
 
 /// Rows of H that one task owns.
@@ -70,7 +70,7 @@ impl Chunk {
 
     /// Makes the pattern and the sums anew from the shares: "all pair lists are combined and sorted, duplicates are eliminated".
     pub fn fill(&mut self, blocks: &[Box<dyn Block>]) {
-        let (mut all, mut first) = (Vec::new(), 0);
+        let (mut all, mut first) = (Vec::with_capacity(ENTRIES), 0);
         for share in &self.shares {
             blocks[share.block as usize].entries(&share.items, &self.rows, first, &mut all);
             first += share.numbers;

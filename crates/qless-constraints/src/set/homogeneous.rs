@@ -178,6 +178,11 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
     }
 
     fn write_pattern(&self, end: &mut Vec<usize>, col: &mut Vec<u32>) {
+        if Q::PARTS.len() == 1 && self.order.is_empty() {
+            let first = col.len();
+            col.extend_from_slice(&self.dofs);
+            return end.extend(self.start[1..].iter().map(|&end| first + end as usize));
+        }
         let mut sorted = Vec::new();
         for i in 0..self.items.len() {
             let mut dofs = self.dofs(i);

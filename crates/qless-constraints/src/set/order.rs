@@ -13,6 +13,11 @@ pub(super) struct Order {
 }
 
 impl Order {
+    /// Whether the DOFs of all items ascend.
+    pub fn is_empty(&self) -> bool {
+        self.items.is_empty()
+    }
+
     /// Appends the next item of the block.
     pub fn push(&mut self, dofs: &[u32]) {
         if !dofs.is_sorted() {

@@ -219,10 +219,10 @@ impl Run {
             self.set.evaluate(&u, &mut self.quantities)?;
         }
         assert_eq!(self.set.equations(), fresh.equations());
-        assert_eq!(bits(self.quantities.c()), bits(expected.c()));
+        assert!(bits(self.quantities.c()) == bits(expected.c()));
         for (found, expected) in [(self.quantities.g(), expected.g()), (self.quantities.h(), expected.h())] {
-            assert_eq!((found.starts(), found.columns()), (expected.starts(), expected.columns()));
-            assert_eq!(bits(found.values()), bits(expected.values()));
+            let pattern = (found.starts(), found.columns()) == (expected.starts(), expected.columns());
+            assert!(pattern && bits(found.values()) == bits(expected.values()));
         }
         for row in 0..fresh.equations() {
             assert_eq!(self.set.label(row)?, fresh.label(row)?);
