@@ -39,7 +39,9 @@ pub enum EquilibriumError {
         dofs: usize,
     },
     /// The model adds stiffness outside its pattern.
-    #[error("the model adds stiffness at ({row}, {column}), which its pattern does not name; both halves must be named")]
+    #[error(
+        "the model adds stiffness at ({row}, {column}), which its pattern does not name; both halves must be named"
+    )]
     Pattern {
         /// Row, a DOF.
         row: usize,

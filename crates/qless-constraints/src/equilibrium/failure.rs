@@ -11,7 +11,10 @@ use crate::{ConstraintSet, LineariseError};
 #[derive(Debug)]
 pub enum Failure {
     Model(Box<dyn Error + Send + Sync>),
-    NotFinite { what: &'static str, at: usize },
+    NotFinite {
+        what: &'static str,
+        at: usize,
+    },
     /// Rows that do not hold.
     Conflict(Vec<usize>),
     /// DOFs of a motion that nothing resists.

@@ -29,7 +29,8 @@ pub fn check(dofs: usize, set: &ConstraintSet, start: &Start, target: &Target) -
     if let Some((what, found, expected)) = lengths.into_iter().find(|(_, found, expected)| found != expected) {
         return Err(EquilibriumError::Size { what, found, expected });
     }
-    let numbers = [("u", &start.u[..]), ("multiplier", &start.multipliers), ("load", &start.loads), ("load", target.loads)];
+    let numbers =
+        [("u", &start.u[..]), ("multiplier", &start.multipliers), ("load", &start.loads), ("load", target.loads)];
     for (what, list) in numbers {
         if let Some(at) = list.iter().position(|x| !x.is_finite()) {
             return Err(EquilibriumError::NotFinite { factor: 0.0, what, at });
@@ -112,9 +113,7 @@ impl<'a, M: Model> Path<'a, M> {
             Err(failure) => Err(failure),
         };
         match first {
-            Err(failure) if !failure.is_fatal() => {
-                self.again(failure, factor, (&loads, &prescribed))
-            }
+            Err(failure) if !failure.is_fatal() => self.again(failure, factor, (&loads, &prescribed)),
             other => other,
         }
     }

@@ -36,7 +36,7 @@ use crate::ConstraintSet;
 pub struct EquilibriumOptions {
     /// Forces are in balance where `|r_j|` is at most this part of the sum of the sizes of its terms, or rounding. Default 1e-10.
     pub tolerance: f64,
-    /// Constraints hold where `|c_r|` is at most so many times the bound on its rounding. Default 4.
+    /// Constraints hold as in [`crate::newton::NewtonOptions::tolerance`]. Default 4.
     pub roundings: f64,
     /// Most iterations in a load step. Default 25.
     pub iterations: usize,
@@ -88,7 +88,7 @@ pub struct Target<'a> {
 pub struct Iterate {
     /// `max_j |r_j|` over the free DOFs, relative to the sizes of its terms, or to what rounding allows.
     pub force: f64,
-    /// `max_r eps |c_r| / rounding_r` over the kept rows: relative to the sizes of the terms of c.
+    /// `max_r eps |c_r| / rounding_r` over the kept rows: relative to the sizes of the terms of c, its own or the largest.
     pub constraint: f64,
     /// The part of the correction that was gone to come here: 1 for all of it, 0 where only multipliers changed.
     pub length: f64,

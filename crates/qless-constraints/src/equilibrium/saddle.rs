@@ -66,13 +66,16 @@ impl Saddle {
             Some((_, size)) if size >= SINGULAR => None,
             Some((y, _)) => Some(y),
             // A pivot is exactly zero: a little off, the same vector is found.
-            None => Some(self.shifted().and_then(|lu| inverse_iteration(&lu, self.scale.len())).map_or_else(Vec::new, |f| f.0)),
+            None => Some(
+                self.shifted().and_then(|lu| inverse_iteration(&lu, self.scale.len())).map_or_else(Vec::new, |f| f.0),
+            ),
         }
     }
 
     fn shifted(&self) -> Option<Lu<usize, f64>> {
         let n = self.scale.len();
-        let column = |j: usize| self.a.symbolic().row_idx_of_col(j).zip(self.a.val_of_col(j)).map(move |(i, &v)| (i, j, v));
+        let column =
+            |j: usize| self.a.symbolic().row_idx_of_col(j).zip(self.a.val_of_col(j)).map(move |(i, &v)| (i, j, v));
         let shift = (0..n).map(|i| (i, i, SHIFT));
         let all = (0..n).flat_map(column).chain(shift).map(|(i, j, v)| Triplet::new(i, j, v));
         Matrix::try_new_from_triplets(n, n, &all.collect::<Vec<_>>()).ok()?.sp_lu().ok()

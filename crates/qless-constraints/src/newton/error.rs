@@ -60,8 +60,10 @@ pub enum NewtonError {
         amount: f64,
     },
     /// Too many steps, or no step that makes c smaller.
-    #[error("no convergence in {steps} steps: {residual:e} of the size of its terms is left of {label}; start nearer to the \
-             solution, or go there by smaller steps of the prescribed values")]
+    #[error(
+        "no convergence in {steps} steps: {residual:e} of the size of its terms is left of {label}; start nearer to the \
+             solution, or go there by smaller steps of the prescribed values"
+    )]
     NoConvergence {
         /// Steps made.
         steps: usize,

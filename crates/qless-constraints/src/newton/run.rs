@@ -3,8 +3,7 @@
 use qless::{Analysis, ArgumentError, Kind};
 
 use super::linearisation::Linearisation;
-use super::residual::in_roundings;
-use super::scaling::largest;
+use super::scaling::in_roundings_by;
 use super::singular::way_out;
 use super::step::{Line, Place};
 use super::{Iterate, NewtonError, NewtonOptions, Solution, dependent};
@@ -17,7 +16,8 @@ pub struct Run<'a> {
     pub place: Place,
     /// For trial points.
     room: Quantities,
-    /// `|c_r|` in roundings.
+    /// `|c_r|` in roundings of its own terms, or of the largest: where a row's own terms vanish, the rounding of others is felt in it, and at
+    /// rounding nearly dependent rows ask for steps that only do harm.
     residuals: Vec<f64>,
     iterates: Vec<Iterate>,
     /// The part of the last step that was gone.
@@ -35,7 +35,7 @@ impl<'a> Run<'a> {
         // DOFs that are not there are named when the equations are linearised.
         prescribed.iter().for_each(|&(j, v)| u.iter_mut().skip(j).take(1).for_each(|u| *u = v));
         let place = Place::new(set, u).map_err(|source| NewtonError::Argument { step: 0, source })?;
-        let residuals = in_roundings(place.quantities.c(), place.rounding.c());
+        let residuals = in_roundings_by(&place.weights, &place.quantities, &place.rounding);
         let (room, iterates) = (set.allocate(), Vec::new());
         Ok(Self { set, options, prescribed, place, room, residuals, iterates, length: 1.0 })
     }
@@ -59,23 +59,7 @@ impl<'a> Run<'a> {
 
     /// Whether the chosen equations hold to the tolerance.
     fn satisfied(&self, chosen: impl Fn(usize) -> bool) -> bool {
-        (0..self.residuals.len()).all(|row| self.holds(row) || !chosen(row))
-    }
-
-    /// To the rounding of its own terms, or of the largest: where a row's own terms vanish, the rounding of others is felt in it, and at
-    /// rounding nearly dependent rows ask for steps that only do harm.
-    fn holds(&self, row: usize) -> bool {
-        self.residuals[row] <= self.options.tolerance || self.is_rounding(row)
-    }
-
-    /// Whether there is no more than the rounding of the largest terms; of a row without slope nobody knows.
-    fn is_rounding(&self, row: usize) -> bool {
-        let weight = self.place.weights[row];
-        weight > 0.0 && weight * self.place.quantities.c()[row].abs() <= self.floor()
-    }
-
-    fn floor(&self) -> f64 {
-        self.options.tolerance * largest(&self.place.weights, self.place.rounding.c())
+        self.residuals.iter().enumerate().all(|(row, &r)| r <= self.options.tolerance || !chosen(row))
     }
 
     /// Goes as far along the step as it is good for; false if there is no way to go.
@@ -86,7 +70,9 @@ impl<'a> Run<'a> {
             return self.leave(&analysis, step);
         }
         let line = Line::new(self.set, &self.place, found.step(step)?);
-        let t = line.downhill(&kept, self.options.tolerance, &mut self.room).map_err(|source| NewtonError::Argument { step, source })?;
+        let t = line
+            .downhill(&kept, self.options.tolerance, &mut self.room)
+            .map_err(|source| NewtonError::Argument { step, source })?;
         let target = t.map(|t| (line.at(t), t));
         self.go(target, step)
     }
@@ -112,7 +98,7 @@ impl<'a> Run<'a> {
     fn contradicted(&self, analysis: &Analysis) -> Result<Vec<usize>, ArgumentError> {
         let mut rows = Vec::new();
         for row in dependent(analysis) {
-            if self.holds(row) {
+            if self.residuals[row] <= self.options.tolerance {
                 continue;
             }
             let rounding = self.place.rounding.c();
@@ -129,7 +115,7 @@ impl<'a> Run<'a> {
     fn go(&mut self, target: Option<(Vec<f64>, f64)>, step: usize) -> Result<bool, NewtonError> {
         let Some((u, t)) = target else { return Ok(false) };
         self.place = Place::new(self.set, u).map_err(|source| NewtonError::Argument { step, source })?;
-        self.residuals = in_roundings(self.place.quantities.c(), self.place.rounding.c());
+        self.residuals = in_roundings_by(&self.place.weights, &self.place.quantities, &self.place.rounding);
         self.length = t;
         Ok(true)
     }

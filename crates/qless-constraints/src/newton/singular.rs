@@ -21,7 +21,12 @@ const VECTORS: usize = 60;
 const NEGATIVE: f64 = 1e-10;
 
 /// A motion that lessens the rows `rows`, of the length that second order gives; nothing if there is proof that none does.
-pub fn way_out(run: &mut Run, analysis: &Analysis, rows: &[usize], step: usize) -> Result<Option<Vec<f64>>, NewtonError> {
+pub fn way_out(
+    run: &mut Run,
+    analysis: &Analysis,
+    rows: &[usize],
+    step: usize,
+) -> Result<Option<Vec<f64>>, NewtonError> {
     let argument = |source| NewtonError::Argument { step, source };
     let sizes = sizes_of_dofs(run.set, &run.place.u, &mut run.place.quantities).map_err(argument)?;
     let (weights, amount) = weights(run, analysis, rows).map_err(argument)?;
@@ -29,7 +34,8 @@ pub fn way_out(run: &mut Run, analysis: &Analysis, rows: &[usize], step: usize) 
     let motions = Motions::new(run, sizes, step)?;
     let terms = |(w, rounding): (&f64, &f64)| w.abs() * rounding / f64::EPSILON;
     let scale: f64 = weights.iter().zip(run.place.rounding.c()).map(terms).filter(|t| t.is_finite()).sum();
-    let Some((lowest, z)) = lowest(|z| motions.bent(&run.place.quantities, z), motions.count()).map_err(argument)? else {
+    let Some((lowest, z)) = lowest(|z| motions.bent(&run.place.quantities, z), motions.count()).map_err(argument)?
+    else {
         return Ok(None);
     };
     if lowest >= -NEGATIVE * scale {
@@ -102,10 +108,7 @@ impl Motions {
 }
 
 /// The lowest eigenvalue of a symmetric operator on n numbers, and its vector of length one, by Lanczos' method; nothing for n = 0.
-fn lowest<E>(
-    apply: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
-    n: usize,
-) -> Result<Option<(f64, Vec<f64>)>, E> {
+fn lowest<E>(apply: impl Fn(&[f64]) -> Result<Vec<f64>, E>, n: usize) -> Result<Option<(f64, Vec<f64>)>, E> {
     let mut basis: Vec<Vec<f64>> = Vec::new();
     let mut images: Vec<Vec<f64>> = Vec::new();
     let mut next: Vec<f64> = (0..n as u64).map(super::redundancy::random).collect();

@@ -86,12 +86,7 @@ impl<'a> Line<'a> {
     }
 
     /// A t at which the equations `kept` are nearer to zero, or hold to `tolerance` roundings.
-    pub fn downhill(
-        &self,
-        kept: &[bool],
-        tolerance: f64,
-        room: &mut Quantities,
-    ) -> Result<Option<f64>, ArgumentError> {
+    pub fn downhill(&self, kept: &[bool], tolerance: f64, room: &mut Quantities) -> Result<Option<f64>, ArgumentError> {
         let mut t = 1.0;
         for _ in 0..TRIES {
             let trial = self.trial(t, room)?;

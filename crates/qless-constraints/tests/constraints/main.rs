@@ -8,6 +8,8 @@ mod enforcement;
 mod equilibria;
 /// Parts whose T would fill and that stay factors: the same results as with T.
 mod factored;
+/// Equilibria of mechanisms, and what is refused.
+mod frames;
 /// Types that are linear: fields that they must let through, loads that they must carry.
 mod linear_types;
 /// Planar and spatial linkages, as sets.
@@ -20,6 +22,8 @@ mod newton;
 mod noise;
 /// Two blocks of solid elements under tension, tied at meshes that do not match.
 mod patch;
+/// Finite strain of a periodic cell of solid elements.
+mod periodic_cell;
 /// Input that must be refused, and what is said.
 mod refused;
 /// The nearest face of a surface.
