@@ -43,7 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let found = solve(&mut springs, &set, &start, &target, &EquilibriumOptions::default())?;
         println!("pin at x = {:.3} m", 0.1 + x);
         for step in &found.steps {
-            println!("  load factor {:.4}{}", step.factor, if step.converged { "" } else { ", cut" });
+            println!("  load factor {:.4}{}", step.factor, if step.converged { "" } else { ", failed" });
             println!("  {:>4} {:>11} {:>11} {:>7}", "step", "force", "constraint", "length");
             for (k, i) in step.iterates.iter().enumerate() {
                 println!("  {k:>4} {:>11.3e} {:>11.3e} {:>7.3}", i.force, i.constraint, i.length);

@@ -101,9 +101,9 @@ pub struct Iterate {
 pub struct LoadStep {
     /// Part of the way from the start to the target.
     pub factor: f64,
-    /// Whether equilibrium was found there; if not, the step was cut.
+    /// Whether equilibrium was found there; if not, it was tried once more from a configuration that satisfies the constraints, or cut.
     pub converged: bool,
-    /// The way there; of the last attempt, if there was more than one.
+    /// The way there.
     pub iterates: Vec<Iterate>,
 }
 
@@ -120,7 +120,7 @@ pub struct Equilibrium {
     pub constraint_forces: Vec<f64>,
     /// Equations that are redundant here, without multipliers.
     pub redundant: Vec<usize>,
-    /// All load steps, those that were cut too.
+    /// All attempts at load steps, those that failed too.
     pub steps: Vec<LoadStep>,
     /// The loads that it carries.
     pub loads: Vec<f64>,

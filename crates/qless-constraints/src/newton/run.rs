@@ -31,8 +31,11 @@ impl<'a> Run<'a> {
         prescribed: &'a [(usize, f64)],
         options: &'a NewtonOptions,
     ) -> Result<Self, NewtonError> {
+        if !prescribed.is_empty() {
+            let checked = set.linearised(&set.allocate(), prescribed).map(drop);
+            checked.map_err(|source| NewtonError::System { step: 0, source })?;
+        }
         let mut u = u.to_vec();
-        // DOFs that are not there are named when the equations are linearised.
         prescribed.iter().for_each(|&(j, v)| u.iter_mut().skip(j).take(1).for_each(|u| *u = v));
         let place = Place::new(set, u).map_err(|source| NewtonError::Argument { step: 0, source })?;
         let residuals = in_roundings_by(&place.weights, &place.quantities, &place.rounding);
