@@ -26,6 +26,8 @@ mod fields;
 mod hanging;
 /// Joints from far off, and what they leave free.
 mod joints;
+/// Equilibria of mechanisms, and what is refused.
+mod frames;
 /// Types that are linear: fields that they must let through, loads that they must carry.
 mod linear_types;
 /// Planar and spatial linkages, as sets.
@@ -46,6 +48,8 @@ mod pages;
 mod patch;
 /// Poses of bodies, independent of the library.
 mod poses;
+/// Finite strain of a periodic cell of solid elements.
+mod periodic_cell;
 /// Input that must be refused, and what is said.
 mod refused;
 /// The nearest face of a surface.
