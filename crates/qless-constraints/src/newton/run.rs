@@ -1,6 +1,6 @@
 //! The state between two steps.
 
-use qless::{Analysis, ArgumentError, Kind};
+use qless::{Analysis, ArgumentError, Kind, SystemBuilder};
 
 use super::linearisation::Linearisation;
 use super::scaling::in_roundings_by;
@@ -35,8 +35,9 @@ impl<'a> Run<'a> {
         options: &'a NewtonOptions,
     ) -> Result<Self, NewtonError> {
         if !prescribed.is_empty() {
-            let checked = set.linearised(&set.allocate(), prescribed).map(drop);
-            checked.map_err(|source| NewtonError::System { step: 0, source })?;
+            let mut builder = SystemBuilder::new(set.dofs());
+            prescribed.iter().for_each(|&(dof, value)| builder.prescribe(dof, value));
+            builder.build().map_err(|source| NewtonError::System { step: 0, source: source.into() })?;
         }
         let mut u = u.to_vec();
         prescribed.iter().for_each(|&(j, v)| u.iter_mut().skip(j).take(1).for_each(|u| *u = v));

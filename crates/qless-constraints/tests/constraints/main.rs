@@ -2,18 +2,18 @@
 
 /// Linearised equations of sets that change.
 mod active;
+/// Ties given numbers that are not finite, vanish or are huge.
+mod bad_numbers;
 /// Nodes on lines and planes that turn.
 mod beads;
 /// Contact by an active set, against a quadratic program.
 mod contact;
-/// Ties given numbers that are not finite, vanish or are huge.
-mod bad_numbers;
+/// Slider-cranks at and near their dead centres, rods of all lengths, in all units.
+mod dead_centres;
 /// Dual multipliers of mortar ties: biorthogonal, local, and as exact as the others.
 mod dual_mortar;
 /// Nodes embedded in solids.
 mod embedded;
-/// Slider-cranks at and near their dead centres, rods of all lengths, in all units.
-mod dead_centres;
 /// Methods that enforce constraints on a stiffness matrix, against one another.
 mod enforcement;
 /// Nonlinear equilibrium: beams, chains and mechanisms against what is known of them.
@@ -22,12 +22,12 @@ mod equilibria;
 mod factored;
 /// Nodes with any number of fields.
 mod fields;
+/// Equilibria of mechanisms, and what is refused.
+mod frames;
 /// Hanging nodes of h- and p-refinement.
 mod hanging;
 /// Joints from far off, and what they leave free.
 mod joints;
-/// Equilibria of mechanisms, and what is refused.
-mod frames;
 /// Types that are linear: fields that they must let through, loads that they must carry.
 mod linear_types;
 /// Planar and spatial linkages, as sets.
@@ -46,10 +46,10 @@ mod noise;
 mod pages;
 /// Two blocks of solid elements under tension, tied at meshes that do not match.
 mod patch;
-/// Poses of bodies, independent of the library.
-mod poses;
 /// Finite strain of a periodic cell of solid elements.
 mod periodic_cell;
+/// Poses of bodies, independent of the library.
+mod poses;
 /// Input that must be refused, and what is said.
 mod refused;
 /// The nearest face of a surface.

@@ -11,7 +11,7 @@ use qless_constraints::types::{
     Body, Cyclic, CyclicHarmonic, Cylindrical, Distance, Driven, Equal, EulerNorm, Fixed, FluidNormal, HangingNode,
     Line, LineTie, LinearEquation, MacroStrain, MortarTie, Multipliers, Node, NodeTie, OnLine, OnPlane, OnSphere,
     OrderTie, Parallel, Periodic, Perpendicular, Planar, Plane, Point, Prescribed, Prismatic, Revolute, RotationMotor,
-    Shape, Spherical, Surface, TranslationMotor, Universal, Volume,
+    Shape, Spherical, Surface, TranslationMotor, Turn, Turning, Universal, Volume,
 };
 use qless_constraints::{ConstraintSet, SetBuilder};
 
@@ -150,7 +150,8 @@ fn add_joint(builder: &mut SetBuilder, name: &str, plane: bool) -> Result<bool, 
 fn add_nodes(builder: &mut SetBuilder, name: &str) -> Result<bool, Box<dyn Error>> {
     let (point, through, in_it) = (node(1), [0.0; 3], [0.6, 0.8, 0.0]);
     let image = Point { at: [-0.2, 0.1, 0.0], ..node(1) };
-    let sector = Cyclic { a: node(0), b: image, centre: [0.0; 3], axis: Z, angle: FRAC_PI_2, tolerance: 1e-9 };
+    let turn = Turn::about([0.0; 3], Z, FRAC_PI_2)?;
+    let sector = Cyclic { a: node(0), b: image, turn, fields: Turning::Vectors, tolerance: 1e-9 };
     let [imaginary_a, imaginary_b] = [node(2).dofs, node(3).dofs];
     match name {
         "distance" => _ = builder.add("", Distance::new(node(0), node(1)))?,
