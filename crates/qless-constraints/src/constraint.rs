@@ -84,6 +84,10 @@ pub trait Nonlinear: Send + Sync + Sized + 'static {
     /// Called when the constraint is added, with the time of the set (0 at first), and by [`crate::ConstraintSet::set_time`].
     fn at_time(&mut self, _time: f64) {}
 
+    /// Calls `found(k)` for each rotation vector in the local DOFs k, k + 1, k + 2 of which c uses the rotation and nothing else: it may be replaced by
+    /// another vector of the same rotation ([`crate::ConstraintSet::shorten_rotations`]).
+    fn rotation_vectors(&self, _found: &mut dyn FnMut(usize)) {}
+
     /// Calls `pair(j, k)`, `j >= k`, once for each pair of local DOFs for which some `d^2 c / du_j du_k` is not zero.
     fn pairs(&self, dofs: usize, pair: &mut dyn FnMut(usize, usize)) {
         (0..dofs).for_each(|j| (0..=j).for_each(|k| pair(j, k)));

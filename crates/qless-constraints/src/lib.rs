@@ -28,6 +28,7 @@
 mod constraint;
 mod derive;
 pub mod enforce;
+pub mod equilibrium;
 mod geometry;
 pub mod newton;
 pub mod scalar;
@@ -37,7 +38,7 @@ pub mod types;
 pub use constraint::{Constraint, Nonlinear};
 pub use set::{
     ActiveError, ActiveSystem, AddError, ConstraintId, ConstraintSet, EditError, LineariseError, Quantities,
-    ReplaceError, SetBuilder, Store, StoreError, TimeError, Weights,
+    ReplaceError, Rounding, SetBuilder, Store, StoreError, TimeError, Vanishing, Weights,
 };
 
 /// The example of the README, as a test.

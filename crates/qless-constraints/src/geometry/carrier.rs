@@ -4,13 +4,18 @@ use super::lanes::Lanes;
 use super::rotation::{by_euler, by_vector};
 use super::turned;
 use super::turns::Turns;
+use crate::Store;
 use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, add, lift};
 
 /// A body of a mechanism. All its DOFs are zero in the reference configuration.
 ///
-/// Position `x = at + u`. Rotation: a rotation vector `theta` (valid below one turn, where R is regular), or Euler
-/// parameters `p = (1, 0, 0, 0) + u`, which need [`super::super::types::EulerNorm`] once per body.
+/// Position `x = at + u`. Rotation: a rotation vector `theta`, `R = exp [theta]x`, or Euler parameters `p = (1, 0, 0, 0) + u`, which need
+/// [`super::super::types::EulerNorm`] once per body.
+///
+/// At a whole turn, `|theta| = 2 pi`, rotation vectors are singular: all around it are the same rotation. They are kept away from there by
+/// [`shorten_rotations`](crate::ConstraintSet::shorten_rotations), which [`newton::solve`](crate::newton::solve) calls by itself, so that bodies turn any
+/// number of times. Euler parameters are singular nowhere.
 ///
 /// ```
 /// use qless_constraints::types::Body;
@@ -93,6 +98,12 @@ impl Body {
         [position, self.rotation_dofs()].concat()
     }
 
+    /// States that a rotation is known to one unit in the last place of a radian, and Euler parameters to that of one, however small
+    /// they are: what they turn is known no better.
+    pub(crate) fn state_rotations(&self, store: &mut Store) {
+        self.rotation_dofs().iter().for_each(|&dof| store.coordinate(dof, 1.0));
+    }
+
     /// What moves with the body at `point`, a point of the reference configuration.
     pub(crate) fn carry(&self, point: Vector<f64>) -> Carrier {
         let arm = std::array::from_fn(|k| point[k] - self.at[k]);
@@ -118,6 +129,11 @@ impl Carrier {
         let (position, rotation) = u.split_at(self.kind.positions());
         let turned = add(lift(self.at), self.kind.turn(rotation, self.arm));
         if position.is_empty() { turned } else { add(turned, [position[0], position[1], position[2]]) }
+    }
+
+    /// Where the body is to which the point belongs: `at + u`.
+    pub fn centre<S: Scalar>(&self, u: &[S]) -> Vector<S> {
+        if self.kind == Kind::Ground { lift(self.at) } else { add(lift(self.at), [u[0], u[1], u[2]]) }
     }
 
     /// The point x, and `sign dx` in the columns from `first` of `g`, 3 x n; rotation vectors as they are in a lane of `turns`.

@@ -98,12 +98,13 @@ impl ActiveSystem {
         set.current(quantities)?;
         finite(set, quantities)?;
         let before = self.matches(set);
+        let rounding = set.rounding_of_nonlinear(quantities)?;
         let mut old: Vec<Option<Known>> = self.rows.drain(..).map(Some).collect();
         let keys = set.keys();
         for (row, place) in before.iter().enumerate() {
             let known = place.and_then(|place| old[place].take());
-            let (rhs, known) = (-quantities.c[row], known.filter(|known| known.key == keys[row]));
-            let terms = quantities.g.row(row);
+            let known = known.filter(|known| known.key == keys[row]);
+            let (terms, rhs) = quantities.linear_equation(row, rounding.as_ref());
             let known = if let Some(known) = known {
                 self.renewed(known, terms, rhs)?
             } else {

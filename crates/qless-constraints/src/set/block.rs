@@ -10,7 +10,10 @@ use super::effective::Cut;
 use super::homogeneous::Homogeneous;
 use super::labels::{Owner, Parts};
 use super::offsets::Offsets;
+use super::rounding::Known;
 use super::store::Piece;
+#[cfg(test)]
+use super::tests::double_double::DoubleDouble;
 use crate::constraint::Nonlinear;
 
 /// An entry of H that a number of a Hessian goes to.
@@ -42,6 +45,8 @@ pub(super) trait Block: Send + Sync {
     fn last_dof(&self) -> u32;
     /// Writes c and G.
     fn evaluate(&self, u: &[f64], c: &mut [f64], g: &mut [f64]);
+    /// Writes the bounds on the rounding of c and G.
+    fn rounding(&self, known: &Known, c: &mut [f64], g: &mut [f64]);
     /// Counts the entries of each row of H.
     fn count(&self, counts: &mut [u32]);
     /// Calls `row` with the rows of H that item i has entries in.
@@ -54,6 +59,8 @@ pub(super) trait Block: Send + Sync {
     fn numbers(&self, i: usize) -> usize;
     /// Writes the numbers of the Hessians of these items, one after the other.
     fn curvatures(&self, items: &[Range<u32>], u: &[f64], w: &[f64], out: &mut [f64]);
+    /// Calls `found` with the DOFs of each item, and where rotation vectors are among them.
+    fn rotation_vectors(&self, found: &mut dyn FnMut(&[u32], &[usize]));
     /// Takes the parameters of this time, where they are functions of it.
     fn set_time(&mut self, time: f64);
     /// The items from i on, in a block of their own.
@@ -62,6 +69,9 @@ pub(super) trait Block: Send + Sync {
     fn take(&mut self, i: usize, parts: &Parts) -> Box<dyn Piece>;
     fn as_any(&self) -> &dyn Any;
     fn as_any_mut(&mut self) -> &mut dyn Any;
+    /// c and G in twice the digits.
+    #[cfg(test)]
+    fn reference(&self, u: &[DoubleDouble]) -> [Vec<DoubleDouble>; 2];
     /// Compares every formula with dual numbers.
     #[cfg(test)]
     fn compare_with_duals(&self, u: &[f64]);

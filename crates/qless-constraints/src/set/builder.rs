@@ -28,6 +28,7 @@ impl SetBuilder {
             blocks: Blocks::default(),
             planned: Planned::default(),
             time: 0.0,
+            sizes: Vec::new(),
             version: Identity::new(),
         })
     }

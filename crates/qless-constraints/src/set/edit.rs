@@ -10,6 +10,7 @@
 
 use qless::Identity;
 
+use super::rounding::Size;
 use super::store::Contents;
 use super::{AddError, ConstraintId, ConstraintSet, EditError, ReplaceError, Store, StoreError, TimeError};
 use crate::constraint::Constraint;
@@ -171,6 +172,7 @@ impl ConstraintSet {
 
     /// Puts what a constraint consists of in its place.
     fn put(&mut self, number: u32, contents: Contents) {
+        self.know(&contents);
         let Self { register, linear, blocks, planned, time, .. } = self;
         linear.put(number, contents.equations, &mut register.parts, *time);
         if !contents.pieces.is_empty() {
@@ -183,6 +185,17 @@ impl ConstraintSet {
         self.version = Identity::new();
     }
 
+    /// Keeps the sizes of the coordinates that a constraint states.
+    fn know(&mut self, contents: &Contents) {
+        for &(dof, at) in contents.coordinates.iter().filter(|&&(_, at)| at != 0.0) {
+            let dof = dof as usize;
+            if self.sizes.len() <= dof {
+                self.sizes.resize(dof + 1, Size::default());
+            }
+            self.sizes[dof] = self.sizes[dof].max(Size::above(at));
+        }
+    }
+
     /// Takes the equations of a constraint out.
     fn take(&mut self, number: u32) -> Contents {
         let Self { register, linear, blocks, planned, .. } = self;
@@ -192,7 +205,8 @@ impl ConstraintSet {
             places.iter().for_each(|&(_, (block, item))| planned.touch(blocks.all[block].as_ref(), item));
         }
         self.version = Identity::new();
-        Contents { equations: linear.take(number, &register.parts), pieces: blocks.take(number, &register.parts) }
+        let (equations, pieces) = (linear.take(number, &register.parts), blocks.take(number, &register.parts));
+        Contents { equations, pieces, coordinates: Vec::new() }
     }
 
     /// Gives a constraint other numbers, if the patterns stay; else they are handed back.
@@ -204,6 +218,7 @@ impl ConstraintSet {
         if !same || !pairs.all(|(piece, &(_, place))| piece.fits(place, &self.blocks)) {
             return Err(contents);
         }
+        self.know(&contents);
         let Self { register, linear, blocks, time, .. } = self;
         linear.overwrite(number, contents.equations, &mut register.parts, *time);
         for (piece, (_, place)) in contents.pieces.into_iter().zip(places) {

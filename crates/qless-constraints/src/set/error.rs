@@ -101,7 +101,20 @@ pub enum LineariseError {
     /// The quantities are those of another set.
     #[error(transparent)]
     Argument(#[from] ArgumentError),
-    /// An entry of G or c is not finite, or a prescribed DOF is not valid.
+    /// A number of c or G is not finite: u is not, or the constraint has no value there, as a line whose ends meet.
+    #[error(
+        "{label}, row {row}: {value} is among the numbers of c and G at this configuration; every number must be finite: \
+             correct u, or start where the constraint has a value"
+    )]
+    NotFinite {
+        /// The equation.
+        row: usize,
+        /// Its label.
+        label: String,
+        /// The first such number.
+        value: f64,
+    },
+    /// A prescribed DOF is not valid.
     #[error(transparent)]
     System(#[from] SystemError),
 }

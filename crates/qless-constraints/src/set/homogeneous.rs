@@ -9,8 +9,13 @@ use super::block::{Block, Entry};
 use super::effective::Cut;
 use super::labels::{Owner, Parts};
 use super::order::Order;
+use super::rounding::{Known, bound};
 use super::store::Piece;
+#[cfg(test)]
+use super::tests::double_double::DoubleDouble;
 use crate::constraint::Nonlinear;
+use crate::derive;
+use crate::scalar::Bounded;
 
 /// Items per block, ...
 const MANY: usize = 1024;
@@ -117,6 +122,16 @@ impl<Q: Nonlinear> Homogeneous<Q> {
         }
     }
 
+    /// The bounds of one item, in the order of its DOFs.
+    fn rounding_of(&self, i: usize, known: &Known, c: &mut [f64], g: &mut [f64]) {
+        let u: Vec<Bounded> = self.dofs(i).iter().map(|&j| known.dof(j)).collect();
+        let zero = Bounded::from(0.0);
+        let (mut value, mut slopes) = (vec![zero; c.len()], vec![zero; g.len()]);
+        derive::jacobian(&self.items[i], &u, &mut value, &mut slopes);
+        c.iter_mut().zip(value).for_each(|(c, of)| *c = bound(of));
+        g.iter_mut().zip(slopes).for_each(|(g, of)| *g = bound(of));
+    }
+
     /// Calls `pair` with the DOFs of each pair of item i, and which of its numbers it takes.
     #[inline]
     fn pairs(&self, i: usize, mut pair: impl FnMut(u32, u32, usize)) {
@@ -200,6 +215,17 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
         self.order.restore(|i| self.start[i] as usize * rows, rows, g);
     }
 
+    fn rounding(&self, known: &Known, c: &mut [f64], g: &mut [f64]) {
+        let rows = Q::PARTS.len();
+        let mut rest = &mut *g;
+        for (i, c) in c.chunks_exact_mut(rows).enumerate() {
+            let own;
+            (own, rest) = rest.split_at_mut(rows * self.width(i..i + 1));
+            self.rounding_of(i, known, c, own);
+        }
+        self.order.restore(|i| self.start[i] as usize * rows, rows, g);
+    }
+
     fn count(&self, counts: &mut [u32]) {
         for i in 0..self.items.len() {
             self.pairs(i, |j, k, _| {
@@ -250,6 +276,15 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
         self.write_curvatures(items, u, w, out);
     }
 
+    fn rotation_vectors(&self, found: &mut dyn FnMut(&[u32], &[usize])) {
+        let mut places = Vec::new();
+        for (i, item) in self.items.iter().enumerate() {
+            places.clear();
+            item.rotation_vectors(&mut |place| places.push(place));
+            found(self.dofs(i), &places);
+        }
+    }
+
     fn set_time(&mut self, time: f64) {
         if Q::DRIVEN {
             self.items.iter_mut().for_each(|item| item.at_time(time));
@@ -271,6 +306,23 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
 
     fn as_any_mut(&mut self) -> &mut dyn Any {
         self
+    }
+
+    #[cfg(test)]
+    fn reference(&self, u: &[DoubleDouble]) -> [Vec<DoubleDouble>; 2] {
+        let (mut all_c, mut all_g) = (Vec::new(), Vec::new());
+        for (i, item) in self.items.iter().enumerate() {
+            let dofs = self.dofs(i);
+            let zero = DoubleDouble::from(0.0);
+            let local: Vec<_> = dofs.iter().map(|&j| u[j as usize]).collect();
+            let (mut c, mut g) = (vec![zero; Q::PARTS.len()], vec![zero; Q::PARTS.len() * dofs.len()]);
+            derive::jacobian(item, &local, &mut c, &mut g);
+            all_c.extend(c);
+            let mut columns: Vec<usize> = (0..dofs.len()).collect();
+            columns.sort_unstable_by_key(|&k| dofs[k]);
+            g.chunks_exact(dofs.len()).for_each(|row| all_g.extend(columns.iter().map(|&k| row[k])));
+        }
+        [all_c, all_g]
     }
 
     #[cfg(test)]

@@ -26,6 +26,8 @@ mod lists;
 mod offsets;
 mod order;
 mod quantities;
+pub(crate) mod rotations;
+mod rounding;
 mod store;
 mod sums;
 mod system;
@@ -47,7 +49,10 @@ use labels::{Owner, Register};
 use lazy::Planned;
 use linear::Rows;
 pub use quantities::Quantities;
+pub use rounding::Rounding;
+use rounding::Size;
 pub use store::Store;
+pub use system::Vanishing;
 pub use time::TimeError;
 pub use weights::Weights;
 
@@ -77,6 +82,8 @@ pub struct ConstraintSet {
     blocks: Blocks,
     planned: Planned,
     time: f64,
+    /// The largest coordinate that was ever stated of each DOF, for [`ConstraintSet::rounding`]; shorter if the others have none.
+    sizes: Vec<Size>,
     /// Another one after each change.
     version: Identity,
 }
@@ -118,6 +125,7 @@ impl ConstraintSet {
     pub fn evaluate(&self, u: &[f64], quantities: &mut Quantities) -> Result<(), ArgumentError> {
         self.check(u, None)?;
         self.follow(quantities)?;
+        quantities.u.copy_from_slice(u);
         tasks::run(tasks::of_values(&self.linear, &self.blocks.all, &mut quantities.c, &mut quantities.g), u);
         quantities.evaluated = self.version;
         Ok(())
@@ -163,6 +171,7 @@ impl ConstraintSet {
     pub fn assemble(&self, u: &[f64], weights: &[f64], quantities: &mut Quantities) -> Result<(), ArgumentError> {
         self.check(u, Some(weights))?;
         self.follow(quantities)?;
+        quantities.u.copy_from_slice(u);
         let Quantities { c, g, h, .. } = quantities;
         let weighted = Weighted::new(&self.blocks.all, self.linear.rows(), weights);
         let mut tasks = tasks::of_values(&self.linear, &self.blocks.all, c, g);

@@ -12,6 +12,8 @@ use super::layout::{Layout, differences};
 #[derive(Clone, Debug)]
 pub struct Quantities {
     of: Identity,
+    /// The configuration of the last evaluation of c and G.
+    pub(super) u: Vec<f64>,
     pub(crate) c: Vec<f64>,
     pub(crate) g: Csr,
     pub(super) h: Csr,
@@ -54,6 +56,7 @@ impl ConstraintSet {
         let sound = "the set has checked DOFs and sizes";
         Quantities {
             of: self.register.identity,
+            u: vec![0.0; self.dofs],
             c: vec![0.0; self.equations()],
             g: self.pattern(0..rows.len()).expect(sound),
             h: plan.pattern(0..plan.layout().len()).expect(sound),
@@ -88,6 +91,11 @@ impl ConstraintSet {
         self.own("the quantities", quantities.of)?;
         let what = "the quantities";
         if quantities.evaluated == self.version { Ok(()) } else { Err(ArgumentError::Outdated { what }) }
+    }
+
+    /// G without numbers, but for the coefficients of linear equations.
+    pub(super) fn whole_pattern(&self) -> Csr {
+        self.pattern(0..self.linear.batches.len() + self.blocks.all.len()).expect("the set has checked DOFs and sizes")
     }
 
     pub(super) fn layout(&self) -> Layout {

@@ -9,6 +9,7 @@ use super::block::{Blocks, Place};
 use super::labels::{Owner, Parts};
 use super::time::Rhs;
 use crate::constraint::Nonlinear;
+use crate::geometry::node::Node;
 
 /// DOFs that are compared each with each; more are sorted.
 const FEW: usize = 16;
@@ -27,7 +28,12 @@ pub struct Store {
 pub(super) struct Contents {
     pub equations: Vec<Equation>,
     pub pieces: Vec<Box<dyn Piece>>,
+    /// DOFs, and the coordinates that they add to; of a constraint that rests the set knows them.
+    pub coordinates: Vec<(u32, f64)>,
 }
+
+/// Sums of terms on one DOF below so many units in the last place of what was summed are what rounding left of a zero.
+const CANCELLED: f64 = 8.0 * f64::EPSILON;
 
 impl Contents {
     /// Gives its equations, as many, these right-hand sides.
@@ -66,6 +72,8 @@ impl Store {
     }
 
     /// Adds `sum a_j u_j = rhs`; terms on the same DOF are summed. `part` tells the equations of one constraint apart.
+    ///
+    /// Where terms cancel but for their rounding, the sum is zero: noise of 1e-17 would make a coefficient, and a rank.
     pub fn equation(
         &mut self,
         part: impl Into<Cow<'static, str>>,
@@ -95,12 +103,8 @@ impl Store {
             sorted.push((dof as u32, value));
         }
         sorted.sort_by_key(|&(dof, _)| dof);
-        sorted.dedup_by(|next, kept| {
-            let same = next.0 == kept.0;
-            kept.1 += if same { next.1 } else { 0.0 };
-            same
-        });
-        self.contents.equations.push(Equation { part, terms: sorted, rhs });
+        let terms = sorted.chunk_by(|a, b| a.0 == b.0).map(|same| (same[0].0, sum(same))).collect();
+        self.contents.equations.push(Equation { part, terms, rhs });
     }
 
     /// Adds the nonlinear equations of `parameters` on the DOFs listed, each of which must occur once.
@@ -119,6 +123,18 @@ impl Store {
         self.contents.pieces.push(Box::new(Staged { part: part.into(), dofs, parameters }));
     }
 
+    /// States that a DOF moves what is at this coordinate for u = 0, `x = at + u`: of x no more is known than its last place.
+    ///
+    /// For types that keep differences of coordinates only, for [`crate::ConstraintSet::rounding`].
+    pub fn coordinate(&mut self, dof: usize, at: f64) {
+        self.contents.coordinates.push((dof as u32, at));
+    }
+
+    /// [`Store::coordinate`] of all translations of a node.
+    pub fn coordinates_of<const D: usize>(&mut self, node: &Node<D>) {
+        node.dofs.iter().zip(node.at).for_each(|(&dof, at)| self.coordinate(dof, at));
+    }
+
     fn check_dof(&mut self, dof: usize) {
         if dof >= self.dofs {
             self.fail(StoreError::DofOutOfRange { dof, dofs: self.dofs });
@@ -135,6 +151,13 @@ impl Store {
     fn fail(&mut self, fault: StoreError) {
         self.fault.get_or_insert(fault);
     }
+}
+
+/// The coefficient of a DOF, from its terms.
+fn sum(same: &[(u32, f64)]) -> f64 {
+    let sum: f64 = same.iter().map(|&(_, v)| v).sum();
+    let size: f64 = same.iter().map(|&(_, v)| v.abs()).sum();
+    if same.len() > 1 && sum.abs() <= CANCELLED * size { 0.0 } else { sum }
 }
 
 /// The smallest DOF that is there twice.

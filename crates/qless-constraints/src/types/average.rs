@@ -9,6 +9,11 @@ use crate::{Constraint, Store};
 
 /// A weighted average.
 ///
+#[doc = include_str!("../../docs/pictures/average.svg")]
+///
+#[doc = include_str!("../../docs/types/average.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Average, Point}};
 /// let at = |node: usize, x: f64, y: f64| Point::new([3 * node, 3 * node + 1, 3 * node + 2], [x, y, 0.0]);

@@ -19,6 +19,11 @@ pub enum Turning {
 /// F equations, F DOFs removed. Rank is lost, and motions along and about the axis alone remain, where a node is its own image: on the
 /// axis, with `b = a`, only the part across it is held.
 ///
+#[doc = include_str!("../../docs/pictures/cyclic.svg")]
+///
+#[doc = include_str!("../../docs/types/cyclic.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Cyclic, Point, Turn, Turning}};
 /// let a = Point::new([0, 1, 2], [1.0, 0.0, 0.0]);
@@ -51,6 +56,11 @@ pub struct Cyclic<const D: usize, const F: usize = D> {
 ///
 /// `u_b' = R (cos(k alpha) u_a' - sin(k alpha) u_a'')`, `u_b'' = R (sin(k alpha) u_a' + cos(k alpha) u_a'')`. For k = 0, and for half
 /// the number of sectors, the parts are separate, and the imaginary one adds nothing.
+///
+#[doc = include_str!("../../docs/pictures/cyclic_harmonic.svg")]
+///
+#[doc = include_str!("../../docs/types/cyclic_harmonic.md")]
+/// # Example
 ///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Cyclic, CyclicHarmonic, Node, Turn, Turning}};

@@ -6,6 +6,11 @@ use crate::{Constraint, Store};
 ///
 /// One equation less than there are DOFs, and as many removed. Rank is lost where two such lists share more than one DOF.
 ///
+#[doc = include_str!("../../docs/pictures/equal.svg")]
+///
+#[doc = include_str!("../../docs/types/equal.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::Equal};
 /// let mut builder = ConstraintSet::builder(4);

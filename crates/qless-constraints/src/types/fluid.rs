@@ -5,6 +5,11 @@ use crate::{Constraint, Store};
 
 /// The normal displacements of a structure and a fluid in displacement form are equal.
 ///
+#[doc = include_str!("../../docs/pictures/fluid_normal.svg")]
+///
+#[doc = include_str!("../../docs/types/fluid_normal.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::FluidNormal};
 /// let mut builder = ConstraintSet::builder(6);

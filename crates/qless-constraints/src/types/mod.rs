@@ -3,6 +3,9 @@
 //! Lengths are in the unit of the coordinates, angles in radians. All DOFs are zero in the reference configuration, that is
 //! where the coordinates hold.
 
+// A new type has a page: a picture in `examples/pictures`, which that example writes to `docs/pictures`, a text under the same name in
+// `docs/types` with the headings of the others, and two lines before its `# Example` that put both there.
+
 mod average;
 mod cyclic;
 mod distance;
@@ -42,7 +45,10 @@ pub use equal::{Equal, EqualError};
 pub use euler_norm::EulerNorm;
 pub use fluid::{FluidNormal, FluidNormalError};
 pub use hanging::{HangingNode, HangingNodeError};
-pub use joints::{Fixed, JointError, Prismatic, Revolute, Spherical, Universal};
+pub use joints::{
+    Cylindrical, Fixed, JointError, Parallel, Perpendicular, Planar, Prismatic, Revolute, RotationMotor, Spherical,
+    TranslationMotor, Universal,
+};
 pub use line_tie::{LineTie, LineTieError};
 pub use linear::{LinearEquation, LinearEquationError};
 pub use mortar::{MortarError, MortarTie, Multipliers};

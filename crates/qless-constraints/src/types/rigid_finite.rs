@@ -7,6 +7,11 @@ use crate::{Constraint, Store};
 
 /// A rigid link (one node) or rigid body (many), exact for finite rotations: three equations per node.
 ///
+#[doc = include_str!("../../docs/pictures/rigid_body.svg")]
+///
+#[doc = include_str!("../../docs/types/rigid_body.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Body, Point, RigidBody}};
 /// let body = Body::with_vector([0, 1, 2], [0.0; 3], [3, 4, 5]);

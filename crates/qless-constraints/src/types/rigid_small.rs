@@ -6,6 +6,11 @@ use crate::{Constraint, Store};
 
 /// A rigid link (one node) or rigid body (many), linear: three equations per node. Also known as RBE2.
 ///
+#[doc = include_str!("../../docs/pictures/small_rigid_body.svg")]
+///
+#[doc = include_str!("../../docs/types/small_rigid_body.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Point, SmallRigidBody}};
 /// let reference = Point::new([0, 1, 2], [0.0; 3]);

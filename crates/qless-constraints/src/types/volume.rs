@@ -11,6 +11,11 @@ use crate::{Constraint, Nonlinear, Store};
 
 /// A patch of tetrahedra of constant volume, one equation.
 ///
+#[doc = include_str!("../../docs/pictures/volume.svg")]
+///
+#[doc = include_str!("../../docs/types/volume.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Point, Volume}};
 /// let at = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -114,6 +119,7 @@ impl Constraint for Volume {
         let at = used.iter().map(|&node| sub(self.nodes[node].at, origin)).collect();
         let dofs: Vec<usize> = used.iter().flat_map(|&node| self.nodes[node].dofs).collect();
         let edges = edges(&triangles);
+        used.iter().for_each(|&node| store.coordinates_of(&self.nodes[node]));
         store.nonlinear("", &dofs, Patch { at, triangles, edges, volume, scale: volume.powf(-2.0 / 3.0) });
         Ok(())
     }

@@ -90,7 +90,7 @@ fn dual_ties_pass_linear_fields() -> Outcome {
                 (0..g.rows()).flat_map(|i| g.row(i)).filter(|&(j, _)| j < slave.nodes.len()).map(|(_, v)| v).sum();
             let area = 6.0 * 1.3125_f64.sqrt() * unit * unit;
             assert!((d - area).abs() < 1e-11 * area * (1.0 + shift), "{a:?}, {b:?}: {d}, {area}");
-            let rank = analyse(&set.linearised(&set.allocate(), &[])?, &Options::default())?.rank();
+            let rank = analyse(&crate::linkages::at_rest(&set, &[])?, &Options::default())?.rank();
             assert_eq!(rank, set.equations(), "{a:?}, {b:?}, {unit}, {shift}");
         }
     }
@@ -114,7 +114,7 @@ fn ties_of_lines_pass_linear_fields() -> Outcome {
             let u: Vec<f64> = slave.nodes.iter().chain(&master.nodes).map(|node| field(node.at)).collect();
             let (off, allowed) = (residual(&set, &u)?, 1e-13 * (1.0 + shift / unit));
             assert!(off < allowed, "{quadratic:?}, {kind:?}, {unit}, {shift}: {off}");
-            let rank = analyse(&set.linearised(&set.allocate(), &[])?, &Options::default())?.rank();
+            let rank = analyse(&crate::linkages::at_rest(&set, &[])?, &Options::default())?.rank();
             assert_eq!(rank, slave.nodes.len());
         }
     }
@@ -200,7 +200,7 @@ fn dual_ties_are_local() -> Outcome {
     }
     let entries = |kind: Multipliers| -> Outcome<usize> {
         let set = tied(&slave, &master, kind, 1e-9)?;
-        let reduction = analyse(&set.linearised(&set.allocate(), &[])?, &Options::default())?.reduction()?;
+        let reduction = analyse(&crate::linkages::at_rest(&set, &[])?, &Options::default())?.reduction()?;
         Ok((0..reduction.slaves().len()).map(|i| reduction.row(i).map(|row| row.len())).sum::<Result<usize, _>>()?)
     };
     let [standard, dual] = [entries(Multipliers::Standard)?, entries(Multipliers::Dual)?];
@@ -323,7 +323,7 @@ fn a_constant_flow_passes_rows_that_do_not_match() -> Outcome {
         for conductivity in [1.0, 1e-6, 1e6] {
             let scaled: Vec<_> = k.iter().map(|t| Triplet::new(t.row, t.col, conductivity * t.val)).collect();
             let k = SparseColMat::try_new_from_triplets(dofs, dofs, &scaled)?;
-            let system = set.linearised(&set.allocate(), &held)?;
+            let system = crate::linkages::at_rest(&set, &held)?;
             let solution = Problem::new(&k, &vec![0.0; dofs], &system)?.transformation()?;
             let off = |i: usize| (solution.u[i] - truth(places[i])).abs();
             let most = (0..dofs).map(off).fold(0.0, f64::max);
@@ -400,7 +400,7 @@ fn bare_borders_pass_linear_fields() -> Outcome {
         let set = tied(&slave, &master, kind, 0.015)?;
         let u: Vec<f64> = slave.nodes.iter().chain(&master.nodes).map(|n| 1.0 + 2.0 * n.at[0] - n.at[1]).collect();
         assert!(residual(&set, &u)? < 1e-12, "{shape:?}, {kind:?}: {}", residual(&set, &u)?);
-        let rank = analyse(&set.linearised(&set.allocate(), &[])?, &Options::default())?.rank();
+        let rank = analyse(&crate::linkages::at_rest(&set, &[])?, &Options::default())?.rank();
         assert_eq!(rank, set.equations(), "{shape:?}, {kind:?}");
     }
     Ok(())

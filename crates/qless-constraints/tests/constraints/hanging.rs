@@ -117,7 +117,7 @@ fn a_constant_flow_passes_two_levels_of_refinement() -> Outcome {
     let truth = |[x, y]: [f64; 2]| 3.0 - 2.0 * x + 0.5 * y;
     let outer = |&[x, y]: &[f64; 2]| x == 0.0 || x == 1.75 || y == 0.0 || y == 1.0;
     let held: Vec<_> = (0..places.len()).filter(|&i| outer(&places[i])).map(|i| (i, truth(places[i]))).collect();
-    let system = set.linearised(&set.allocate(), &held)?;
+    let system = crate::linkages::at_rest(&set, &held)?;
     let k = SparseColMat::try_new_from_triplets(places.len(), places.len(), &k)?;
     let solution = Problem::new(&k, &vec![0.0; places.len()], &system)?.transformation()?;
     assert!(places.len() - held.len() >= 4);
@@ -188,7 +188,7 @@ fn orders_meet_in_the_lower_one() -> Outcome {
             }
             // The finer nodes between the coarser ones see what is missing.
             assert!(residual(q + 1)? > 1e-4, "{p} at {q}: {}", residual(q + 1)?);
-            let rank = analyse(&set.linearised(&set.allocate(), &[])?, &Options::default())?.rank();
+            let rank = analyse(&crate::linkages::at_rest(&set, &[])?, &Options::default())?.rank();
             assert_eq!(rank, set.equations());
         }
     }

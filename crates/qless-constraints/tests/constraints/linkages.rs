@@ -5,6 +5,16 @@ use qless_constraints::{ConstraintSet, SetBuilder};
 
 pub type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
 
+/// `G du = -c` at u = 0.
+pub fn at_rest(
+    set: &ConstraintSet,
+    prescribed: &[(usize, f64)],
+) -> Result<qless::ConstraintSystem, Box<dyn std::error::Error>> {
+    let mut quantities = set.allocate();
+    set.evaluate(&vec![0.0; set.dofs()], &mut quantities)?;
+    Ok(set.linearised(&quantities, prescribed)?)
+}
+
 /// Rank of G at u.
 pub fn rank(set: &ConstraintSet, u: &[f64]) -> Outcome<usize> {
     let mut quantities = set.allocate();

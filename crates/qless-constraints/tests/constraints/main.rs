@@ -1,23 +1,33 @@
 //! Constraint sets as a user meets them.
 
+/// Linearised equations of sets that change.
+mod active;
 /// Ties given numbers that are not finite, vanish or are huge.
 mod bad_numbers;
+/// Nodes on lines and planes that turn.
+mod beads;
+/// Contact by an active set, against a quadratic program.
+mod contact;
+/// Slider-cranks at and near their dead centres, rods of all lengths, in all units.
+mod dead_centres;
 /// Dual multipliers of mortar ties: biorthogonal, local, and as exact as the others.
 mod dual_mortar;
 /// Nodes embedded in solids.
 mod embedded;
-/// Linearised equations of sets that change.
-mod active;
-/// Contact by an active set, against a quadratic program.
-mod contact;
 /// Methods that enforce constraints on a stiffness matrix, against one another.
 mod enforcement;
+/// Nonlinear equilibrium: beams, chains and mechanisms against what is known of them.
+mod equilibria;
 /// Parts whose T would fill and that stay factors: the same results as with T.
 mod factored;
 /// Nodes with any number of fields.
 mod fields;
+/// Equilibria of mechanisms, and what is refused.
+mod frames;
 /// Hanging nodes of h- and p-refinement.
 mod hanging;
+/// Joints from far off, and what they leave free.
+mod joints;
 /// Types that are linear: fields that they must let through, loads that they must carry.
 mod linear_types;
 /// Planar and spatial linkages, as sets.
@@ -26,10 +36,20 @@ mod linkages;
 mod living;
 /// Known ranks of known mechanisms.
 mod mechanisms;
+/// Mechanisms driven over many turns, against closed forms.
+mod motors;
 /// Residuals of Newton's method.
 mod newton;
+/// Rows of G that are rounding and nothing else.
+mod noise;
+/// The page of each type.
+mod pages;
 /// Two blocks of solid elements under tension, tied at meshes that do not match.
 mod patch;
+/// Finite strain of a periodic cell of solid elements.
+mod periodic_cell;
+/// Poses of bodies, independent of the library.
+mod poses;
 /// Input that must be refused, and what is said.
 mod refused;
 /// Solutions right to what they state, and refusals, by every method.
@@ -41,3 +61,5 @@ mod steps;
 mod surface_mortar;
 /// Right-hand sides and parameters that are functions of time.
 mod time;
+/// Rotation vectors that are kept short.
+mod turns;

@@ -1,0 +1,62 @@
+//! Weights that make equations of different units comparable: `D_r |G_rj| E_j` is one in the mean of logarithms (Curtis and Reid 1972).
+//!
+//! In other units of length, angle or force D changes with the equations, so that `D_r c_r` is the same number but for one factor
+//! common to all. Sizes of terms would not do: those of `u_0 + |u|^2 / 2` vanish with u, and what is left is as large as its terms.
+
+use qless::Csr;
+
+use super::residual::in_roundings;
+use crate::{Quantities, Rounding};
+
+/// Sweeps over rows and columns.
+const SWEEPS: usize = 20;
+
+/// D, one weight per equation; entries that are no more than their rounding do not count, and rows without others have weight 0.
+pub fn weights(g: &Csr, rounding: &[f64]) -> Vec<f64> {
+    let entries = entries(g, rounding);
+    let (mut rows, mut columns) = (vec![0.0; g.rows()], vec![0.0; g.cols()]);
+    let mut counts = (vec![0.0; g.rows()], vec![0.0; g.cols()]);
+    entries.iter().for_each(|&(r, j, _)| (counts.0[r] += 1.0, counts.1[j] += 1.0).0);
+    for _ in 0..SWEEPS {
+        average(&mut rows, &counts.0, entries.iter().map(|&(r, j, v)| (r, v + columns[j])));
+        average(&mut columns, &counts.1, entries.iter().map(|&(r, j, v)| (j, v + rows[r])));
+    }
+    rows.iter().zip(counts.0).map(|(row, count)| if count > 0.0 { row.exp2() } else { 0.0 }).collect()
+}
+
+/// Each `|c_r|` in roundings: of its own terms, or of the largest, `D_r |c_r| / max_s D_s rounding_s`, if that is less.
+pub fn in_roundings_of_any(quantities: &Quantities, rounding: &Rounding) -> Vec<f64> {
+    in_roundings_by(&weights(quantities.g(), rounding.g()), quantities, rounding)
+}
+
+/// The same with the weights of this place.
+pub fn in_roundings_by(weights: &[f64], quantities: &Quantities, rounding: &Rounding) -> Vec<f64> {
+    let largest = largest(weights, rounding.c());
+    let own = in_roundings(quantities.c(), rounding.c()).into_iter().zip(quantities.c()).zip(weights);
+    own.map(|((own, c), weight)| if *weight > 0.0 && largest > 0.0 { own.min(weight * c.abs() / largest) } else { own })
+        .collect()
+}
+
+/// `(row, column, log2 |G_rj|)`.
+fn entries(g: &Csr, rounding: &[f64]) -> Vec<(usize, usize, f64)> {
+    let mut list = Vec::with_capacity(g.nnz());
+    for r in 0..g.rows() {
+        let bounds = &rounding[g.starts()[r]..g.starts()[r + 1]];
+        let real = g.row(r).zip(bounds).filter(|((_, v), bound)| v.is_finite() && v.abs() > **bound);
+        list.extend(real.map(|((j, v), _)| (r, j, v.abs().log2())));
+    }
+    list
+}
+
+/// Minus the mean of the numbers of each place.
+fn average(places: &mut [f64], counts: &[f64], numbers: impl Iterator<Item = (usize, f64)>) {
+    places.fill(0.0);
+    numbers.for_each(|(i, v)| places[i] -= v);
+    places.iter_mut().zip(counts).for_each(|(place, count)| *place /= count.max(1.0));
+}
+
+/// `max_r D_r |x_r|`.
+pub fn largest(weights: &[f64], x: &[f64]) -> f64 {
+    let weighted = weights.iter().zip(x).map(|(w, x)| if *w > 0.0 { w * x.abs() } else { 0.0 });
+    weighted.filter(|x| x.is_finite()).fold(0.0, f64::max)
+}
