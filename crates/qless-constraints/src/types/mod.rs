@@ -4,6 +4,7 @@
 //! where the coordinates hold.
 
 mod average;
+mod couplings;
 mod cyclic;
 mod distance;
 mod equal;
@@ -31,7 +32,11 @@ pub use crate::geometry::pairs::{PairError, pairs};
 pub use crate::geometry::search::{FaceSearch, Nearest, SearchError};
 pub use crate::geometry::shape::Shape;
 pub use crate::geometry::surface::{Face, Surface, SurfaceError};
-pub use average::{Average, AverageError};
+pub use average::Average;
+pub use couplings::{
+    BeamToSolid, Component, CouplingError, FluidNode, FluidWall, FluidWallError, LineFault, Node6, Section,
+    ShellToSolid, ThicknessLine,
+};
 pub use cyclic::{Cyclic, CyclicError, CyclicHarmonic};
 pub use distance::{Distance, DistanceError};
 pub use equal::{Equal, EqualError};
@@ -48,7 +53,7 @@ pub use on_plane::{OnPlane, OnPlaneError, Plane};
 pub use on_sphere::{OnSphere, OnSphereError};
 pub use periodic::{MacroStrain, Periodic, PeriodicError};
 pub use prescribed::{Prescribed, PrescribedError};
-pub use rigid_finite::{RigidBody, RigidBodyError};
-pub use rigid_small::{SmallRigidBody, SmallRigidBodyError};
+pub use rigid_finite::RigidBody;
+pub use rigid_small::SmallRigidBody;
 pub use surface_mortar::{SurfaceMortarError, SurfaceMortarTie};
 pub use volume::{Volume, VolumeError};

@@ -2,8 +2,8 @@ use std::fmt::Debug;
 
 use qless_constraints::types::{
     Average, Body, Cyclic, Distance, Equal, Face, FluidNormal, Line, LineTie, LinearEquation, MacroStrain, MortarTie,
-    NodeTie, OnLine, OnPlane, OnSphere, Periodic, PlanarPoint, Plane, Point, Prescribed, Revolute, RigidBody, Shape,
-    SmallRigidBody, Spherical, Surface, SurfaceMortarTie, Universal, Volume,
+    Node6, NodeTie, OnLine, OnPlane, OnSphere, Periodic, PlanarPoint, Plane, Point, Prescribed, Revolute, RigidBody,
+    Shape, SmallRigidBody, Spherical, Surface, SurfaceMortarTie, Universal, Volume,
 };
 use qless_constraints::{Constraint, ConstraintSet};
 
@@ -59,12 +59,12 @@ fn faults_of_linear_types() {
     };
     assert_refused(pair, "1 away from its image");
     assert_refused(Cyclic { axis: [0.0; 3], ..pair }, "no direction");
-    let reference = point(0, [0.0; 3]);
-    assert_refused(SmallRigidBody { reference, rotations: [3, 4, 5], nodes: vec![] }, "no nodes");
-    let inline = [1.0, 2.0].map(|x| (point(2, [x, 0.0, 0.0]), 1.0)).to_vec();
-    assert_refused(Average { reference, rotations: [3, 4, 5], nodes: inline.clone() }, "lie in a line");
+    let reference = Node6::new([0, 1, 2], [3, 4, 5], [0.0; 3]);
+    assert_refused(SmallRigidBody { reference, nodes: vec![] }, "no nodes");
+    let inline = [1.0, 2.0].map(|x| (point(2, [x, 0.0, 0.0]).into(), 1.0)).to_vec();
+    assert_refused(Average { reference, nodes: inline.clone() }, "not determine the rotation x");
     let negative = vec![(inline[0].0, -1.0)];
-    assert_refused(Average { reference, rotations: [3, 4, 5], nodes: negative }, "weight 1, from 1, is -1");
+    assert_refused(Average { reference, nodes: negative }, "weight 1, from 1, is -1");
 }
 
 #[test]
@@ -126,7 +126,7 @@ fn faults_of_nonlinear_types() {
     let plane = Plane::Nodes(p, point(1, [1.0, 0.0, 0.0]), point(2, [2.0, 0.0, 0.0]));
     assert_refused(OnPlane { point: point(3, [0.0; 3]), plane }, "no normal");
     assert_refused(OnPlane { point: p, plane: Plane::Fixed { through: [0.0; 3], normal: [f64::NAN; 3] } }, "no normal");
-    assert_refused(RigidBody { body: Body::ground(), nodes: vec![p] }, "no rotations");
+    assert_refused(RigidBody { body: Body::ground(), nodes: vec![p.into()] }, "no rotations");
     assert_refused(RigidBody { body: Body::with_vector([0, 1, 2], [0.0; 3], [3, 4, 5]), nodes: vec![] }, "no nodes");
     let nodes = vec![p, point(1, [1.0, 0.0, 0.0]), point(2, [0.0, 1.0, 0.0]), point(3, [0.0, 0.0, -1.0])];
     assert_refused(Volume { nodes: nodes.clone(), tetrahedra: vec![] }, "no tetrahedra");
