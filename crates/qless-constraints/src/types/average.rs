@@ -2,7 +2,7 @@
 
 use crate::types::couplings::arm::{arm, moving};
 use crate::types::couplings::fit::{Fit, Observation};
-use crate::types::couplings::rows::{check, clean, follow};
+use crate::types::couplings::rows::{check, clean, lead};
 use crate::types::{CouplingError, Node6};
 use crate::{Constraint, Store};
 
@@ -102,7 +102,7 @@ impl Constraint for Average {
                 let kind = seen.iter().map(|o| o.component.is_rotation() == rotations);
                 clean(factors.iter_mut().zip(kind).filter_map(|(a, own)| own.then_some(a)), fit.blur);
             }
-            follow(store, component.to_string(), dofs.iter().copied().zip(factors).collect(), &self.reference, motion)?;
+            lead(store, component.to_string(), dofs.iter().copied().zip(factors), &self.reference, motion)?;
         }
         Ok(())
     }

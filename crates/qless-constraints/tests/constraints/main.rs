@@ -1,5 +1,7 @@
 //! Constraint sets as a user meets them.
 
+/// Rigid bodies and averages of nodes with rotations, beams and shells on solids, walls of fluids.
+mod couplings;
 /// Methods that enforce constraints on a stiffness matrix, against one another.
 mod enforcement;
 /// Parts whose T would fill and that stay factors: the same results as with T.

@@ -7,22 +7,22 @@ use qless_constraints::types::{Face, Point, Shape, Surface, SurfaceMortarTie};
 
 use crate::linkages::Outcome;
 
-const MODULUS: f64 = 3.0;
-const POISSON: f64 = 0.3;
+pub const MODULUS: f64 = 3.0;
+pub const POISSON: f64 = 0.3;
 
 /// A block of `cells` x `cells` x 1 elements with eight nodes on the unit square, from z to z + 1.
-struct Block {
-    cells: usize,
-    z: f64,
-    first: usize,
+pub struct Block {
+    pub cells: usize,
+    pub z: f64,
+    pub first: usize,
 }
 
 impl Block {
-    fn side(&self) -> usize {
+    pub fn side(&self) -> usize {
         self.cells + 1
     }
 
-    fn nodes(&self) -> Vec<Point> {
+    pub fn nodes(&self) -> Vec<Point> {
         let at = |i: usize| [i % self.side(), i / self.side() % self.side()].map(|k| k as f64 / self.cells as f64);
         let level = |i: usize| self.z + (i / (self.side() * self.side())) as f64;
         let node = |i: usize| Point::new(from_fn(|k| 3 * (self.first + i) + k), [at(i)[0], at(i)[1], level(i)]);
@@ -30,7 +30,7 @@ impl Block {
     }
 
     /// Squares of the lower (0) or the upper (1) surface.
-    fn surface(&self, level: usize) -> Surface<3> {
+    pub fn surface(&self, level: usize) -> Surface<3> {
         let face = |k: usize| {
             let a = level * self.side() * self.side() + k / self.cells * self.side() + k % self.cells;
             Face::new(Shape::Quad4, [a, a + 1, a + 1 + self.side(), a + self.side()])
@@ -38,7 +38,7 @@ impl Block {
         Surface { nodes: self.nodes(), faces: (0..self.cells * self.cells).map(face).collect() }
     }
 
-    fn stiffness(&self) -> Vec<Triplet<usize, usize, f64>> {
+    pub fn stiffness(&self) -> Vec<Triplet<usize, usize, f64>> {
         let (nodes, [lower, upper]) = (self.nodes(), [0, 1].map(|level| self.surface(level).faces));
         let element = |(a, b): (&Face, &Face)| {
             let nodes: Vec<Point> = a.nodes.iter().chain(&b.nodes).map(|&i| nodes[i]).collect();

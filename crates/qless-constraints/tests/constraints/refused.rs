@@ -1,9 +1,10 @@
 use std::fmt::Debug;
 
 use qless_constraints::types::{
-    Average, Body, Cyclic, Distance, Equal, Face, FluidNormal, Line, LineTie, LinearEquation, MacroStrain, MortarTie,
-    Node6, NodeTie, OnLine, OnPlane, OnSphere, Periodic, PlanarPoint, Plane, Point, Prescribed, Revolute, RigidBody,
-    Shape, SmallRigidBody, Spherical, Surface, SurfaceMortarTie, Universal, Volume,
+    Average, BeamToSolid, Body, Component, Cyclic, Distance, Equal, Face, FluidNormal, Line, LineTie, LinearEquation,
+    MacroStrain, MortarTie, Node6, NodeTie, OnLine, OnPlane, OnSphere, Periodic, PlanarPoint, Plane, Point, Prescribed,
+    Revolute, RigidBody, Section, Shape, ShellToSolid, SmallRigidBody, Spherical, Surface, SurfaceMortarTie,
+    ThicknessLine, Universal, Volume,
 };
 use qless_constraints::{Constraint, ConstraintSet};
 
@@ -114,6 +115,43 @@ fn faults_of_surface_mortar_ties() {
     assert_refused(tie(whole(), square(7.0, 0.0), f64::INFINITY), "over 1 of the area 1 of slave facet 1");
     let twice = with(vec![Face::new(Shape::Quad4, [0, 1, 2, 3]), Face::new(Shape::Tri3, [0, 1, 2])]);
     assert_refused(tie(whole(), twice, 0.01), "lie over 1.5, more than the area 1 of slave facet 1");
+}
+
+#[test]
+fn faults_of_couplings() {
+    let beam = Node6 { dofs: [Some(0), Some(1), Some(2), None, None, None], at: [0.0; 3] };
+    let end = |face: Surface<3>, section: Section| BeamToSolid { beam, face, section };
+    let mut face = square(0.0, 0.0);
+    assert_refused(end(face.clone(), Section::Mean), "DOF 0 of node 1");
+    face.nodes.iter_mut().for_each(|node| node.dofs = node.dofs.map(|dof| dof.max(3) % 9 + 3));
+    face.nodes[0].dofs = [3, 4, 5];
+    assert_refused(end(face.clone(), Section::Rigid), "needs the rotation");
+    assert_refused(
+        end(Surface { faces: vec![], ..face.clone() }, Section::Mean),
+        "face of the solid: the surface has no",
+    );
+    let line = Surface { faces: vec![Face::new(Shape::Line2, [0, 1])], ..face.clone() };
+    assert_refused(end(line, Section::Mean), "have no normal");
+    let both = vec![Face::new(Shape::Tri3, [0, 1, 2]), Face::new(Shape::Tri3, [0, 2, 1])];
+    assert_refused(end(Surface { faces: both, ..face.clone() }, Section::Plane), "point against each other");
+    let shell = |nodes: &[&[usize]], at: [f64; 3]| {
+        let lines = nodes.iter().map(|nodes| ThicknessLine { shell: Node6 { at, ..beam }, nodes: nodes.to_vec() });
+        ShellToSolid { lines: lines.collect(), face: square(0.0, 0.0), section: Section::Mean }
+    };
+    assert_refused(shell(&[], [0.0; 3]), "no nodes");
+    assert_refused(shell(&[&[0, 3]], [0.0; 3]), "node 1 (from 0) of the face is in no line");
+    assert_refused(shell(&[&[0, 3], &[1][..]], [0.0; 3]), "line 2, from 1, has no two nodes");
+    assert_refused(shell(&[&[0, 3], &[1, 3]], [0.0; 3]), "line 2, from 1, names node 3");
+    assert_refused(shell(&[&[0, 7]], [0.0; 3]), "names node 7");
+    assert_refused(shell(&[&[0, 1, 2], &[3][..]], [0.0; 3]), "bends: node 1");
+    assert_refused(shell(&[&[0, 3], &[1, 2]], [5.0, 0.0, 0.0]), "is 5 away from its shell node");
+    let euler = Body::with_euler([0, 1, 2], [0.0; 3], [3, 4, 5, 6]);
+    let node = Node6::new([6, 7, 8], [9, 10, 11], [1.0; 3]);
+    assert_refused(RigidBody { body: euler, nodes: vec![node] }, "follows with a rotation vector");
+    let vector = Body::with_vector([0, 1, 2], [0.0; 3], [3, 4, 5]);
+    let part = node.only([Component::X, Component::TurnZ]);
+    assert_refused(RigidBody { body: vector, nodes: vec![node, part] }, "node 2, from 1, follows with some");
+    assert_refused(RigidBody { body: vector, nodes: vec![node.only([])] }, "every DOF of node 1");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use super::arm::{about, along, arm, moving};
 use super::error::CouplingError;
 use super::fit::{Fit, Observation};
 use super::node6::{Component, Node6};
-use super::rows::{check, clean, follow};
+use super::rows::{check, clean, follow, lead};
 use super::section::Section;
 use crate::geometry::node::AXES;
 use crate::geometry::surface::Surface;
@@ -86,7 +86,7 @@ impl BeamToSolid {
     /// `motion . (u_b, theta)` is that of the motion nearest to the face's.
     fn mean(&self, store: &mut Store, fit: &Seen, motion: [f64; 6], name: String) -> Result<(), CouplingError> {
         let terms = fit.terms(&self.face, motion, self.beam.at)?;
-        follow(store, name, terms, &self.beam, motion)
+        lead(store, name, terms.into_iter(), &self.beam, motion)
     }
 }
 

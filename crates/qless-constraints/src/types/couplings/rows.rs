@@ -25,6 +25,17 @@ pub fn follow(
     Ok(())
 }
 
+/// The reference as the mean of others: adds `motion . q - sum_j a_j u_j = 0`.
+pub fn lead(
+    store: &mut Store,
+    part: String,
+    terms: impl Iterator<Item = (usize, f64)>,
+    reference: &Node6,
+    motion: [f64; 6],
+) -> Result<(), CouplingError> {
+    follow(store, part, terms.map(|(dof, factor)| (dof, -factor)).collect(), reference, motion.map(|x| -x))
+}
+
 /// Sets factors of one kind to zero that are `blur` times the rounding of the largest; NaN stays.
 pub fn clean<'a>(factors: impl Iterator<Item = &'a mut f64>, blur: f64) {
     let mut factors: Vec<&mut f64> = factors.collect();
