@@ -52,7 +52,7 @@ use crate::{Constraint, Store};
 pub struct BeamToSolid {
     /// The end node of the beam. With `Mean`, a DOF that is `None` does not follow: a hinge.
     pub beam: Node6,
-    /// The face of the solid, faces with a common sense of rotation.
+    /// The face of the solid; `Plane` needs faces with a common sense of rotation, the others take any, as the wall of a hole.
     pub face: Surface<3>,
     /// What stays of the shape of the section.
     pub section: Section,
@@ -129,7 +129,8 @@ impl Seen {
 /// The mean normal of faces that do not point against each other.
 pub fn mean_normal(points: &[Gauss]) -> Result<Vector<f64>, CouplingError> {
     let total = points.iter().fold([0.0; 3], |sum, gauss| add(sum, gauss.normal));
-    let normal = unit(total).ok_or(CouplingError::NoNormal)?;
+    let mut normal = unit(total).ok_or(CouplingError::NoNormal)?;
+    clean(normal.iter_mut(), 1.0);
     let against = points.iter().any(|gauss| dot(gauss.normal, normal) <= 0.0);
     if against { Err(CouplingError::NoNormal) } else { Ok(normal) }
 }
@@ -144,10 +145,10 @@ impl Constraint for BeamToSolid {
         if self.beam.components().next().is_none() {
             return Err(CouplingError::NoComponents { node: 0 });
         }
-        let normal = mean_normal(&points)?;
         match self.section {
             Section::Rigid => (0..3).try_for_each(|k| self.held(store, axis(k), AXES[k])),
             Section::Plane => {
+                let normal = mean_normal(&points)?;
                 self.held(store, normal, "normal")?;
                 let seen = Seen::new(points);
                 let [s, t] = perpendicular(normal);

@@ -5,7 +5,7 @@ use crate::geometry::surface::SurfaceError;
 use crate::scalar::vector::Vector;
 
 /// What can be wrong with a rigid body, an average, or a coupling of a beam or a shell to a solid.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CouplingError {
     /// There is nothing to couple with.
@@ -38,10 +38,12 @@ pub enum CouplingError {
     },
     /// The motion of a node needs a component of the reference that the reference does not have.
     #[error(
-        "the coupling needs the {component} of the reference, with a factor of {factor}, but the reference has no such \
-         DOF; give it one, or leave out the components that need it"
+        "the equation \"{part}\" needs the {component} of the reference, with a factor of {factor}, but the reference has no \
+         such DOF; give it one, or leave out the component that needs it"
     )]
     MissingDof {
+        /// The equation, as in labels.
+        part: String,
         /// What the reference lacks.
         component: Component,
         /// The factor that it has in an equation; a length for a rotation that moves a node.
@@ -142,6 +144,12 @@ pub enum LineFault {
         /// The length of the line.
         length: f64,
     },
+    /// The shell node is nowhere, or has DOFs of others.
+    #[error(
+        "has a shell node without finite coordinates or that shares a DOF with itself, the solid or the shell node of another \
+         line; each needs DOFs of its own"
+    )]
+    Shell,
     /// The faces give the line no weight.
     #[error(
         "has no share of the area of the faces; give the nodes on middles of edges as lines as well, or other faces"

@@ -1,6 +1,9 @@
 //! `u_n = n . sum_k N_k(xi) u_k`: the normal displacement of a fluid in pressure form, and a wall with another mesh.
 
+use std::collections::BTreeSet;
+
 use super::area::point;
+use super::rows::clean;
 use crate::geometry::search::{FaceSearch, SearchError};
 use crate::geometry::shape::Shape;
 use crate::geometry::surface::{Face, Surface, SurfaceError};
@@ -77,6 +80,14 @@ pub enum FluidWallError {
         /// The face, from 1.
         face: usize,
     },
+    /// Two nodes have one DOF, or a node one of the wall.
+    #[error("DOF {dof} of node {node}, from 1, of the fluid is that of another node or of the wall; give each its own")]
+    SharedDof {
+        /// The node, from 1.
+        node: usize,
+        /// The DOF.
+        dof: usize,
+    },
     /// The faces at a node point in directions that differ.
     #[error(
         "face {face} and the mean of all faces at node {node} of the fluid, both from 1, have normals with a cosine of \
@@ -92,6 +103,9 @@ pub enum FluidWallError {
     },
 }
 
+/// Nodes of a face with the normal there.
+type Normals = Vec<(usize, Vector<f64>)>;
+
 /// Parameters of the nodes of a shape: its corners, then the middles of its edges.
 fn parameters(shape: Shape) -> impl Iterator<Item = [f64; 2]> {
     let corners = shape.corners();
@@ -101,6 +115,14 @@ fn parameters(shape: Shape) -> impl Iterator<Item = [f64; 2]> {
 }
 
 impl FluidWall {
+    /// Each node has a DOF of its own.
+    fn check_dofs(&self, mut used: impl Iterator<Item = usize>) -> Result<(), FluidWallError> {
+        let nodes = self.structure.faces.iter().flat_map(|face| &face.nodes);
+        let mut taken: BTreeSet<usize> = nodes.flat_map(|&node| self.structure.nodes[node].dofs).collect();
+        let shared = used.find(|&i| !taken.insert(self.fluid[i].normal));
+        shared.map_or(Ok(()), |i| Err(FluidWallError::SharedDof { node: i + 1, dof: self.fluid[i].normal }))
+    }
+
     /// The fluid's side with its coordinates; its DOFs are of no use there.
     fn side(&self) -> Surface<3> {
         let nodes = self.fluid.iter().map(|node| Point::new([node.normal; 3], node.at)).collect();
@@ -108,7 +130,7 @@ impl FluidWall {
     }
 
     /// Nodes of each face with the normal there, of which the length is in proportion to the area.
-    fn face_normals(&self) -> Result<Vec<Vec<(usize, Vector<f64>)>>, FluidWallError> {
+    fn face_normals(&self) -> Result<Vec<Normals>, FluidWallError> {
         let side = self.side();
         side.check().map_err(FluidWallError::Fluid)?;
         let on = |(i, face): (usize, &Face)| {
@@ -136,8 +158,7 @@ impl FluidWall {
         for (face, own) in faces.iter().enumerate() {
             for &(node, normal) in own {
                 let cosine = dot(or_zero(normal), normals[node].unwrap_or_default());
-                // Not `<`: what is not a number is refused.
-                if !(cosine >= CREASE) {
+                if cosine < CREASE || cosine.is_nan() {
                     return Err(FluidWallError::Crease { node: node + 1, face: face + 1, cosine });
                 }
             }
@@ -148,7 +169,9 @@ impl FluidWall {
 
 /// The unit vector, or zero where there is no direction, which no cosine passes.
 fn or_zero(x: Vector<f64>) -> Vector<f64> {
-    unit(x).unwrap_or_default()
+    let mut normal = unit(x).unwrap_or_default();
+    clean(normal.iter_mut(), 1.0);
+    normal
 }
 
 impl Constraint for FluidWall {
@@ -162,6 +185,7 @@ impl Constraint for FluidWall {
         let places: Vec<Vector<f64>> = used.iter().map(|&(i, _)| self.fluid[i].at).collect();
         let search = FaceSearch::new(&self.structure).map_err(|fault| FluidWallError::Structure(fault.into()))?;
         let nearest = search.within(&places, self.tolerance).map_err(FluidWallError::Structure)?;
+        self.check_dofs(used.iter().map(|&(i, _)| i))?;
         for ((i, n), found) in used.into_iter().zip(nearest) {
             let nodes = self.structure.faces[found.face].nodes.iter().zip(&found.weights);
             let terms = nodes.flat_map(|(&node, w)| {

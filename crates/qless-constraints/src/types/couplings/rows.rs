@@ -18,11 +18,15 @@ pub fn follow(
     motion.as_chunks_mut::<3>().0.iter_mut().for_each(|kind| clean(kind.iter_mut(), 1.0));
     let mut all: Vec<(usize, f64)> = terms.into_iter().filter(|&(_, factor)| factor != 0.0).collect();
     for (component, factor) in Component::ALL.into_iter().zip(motion).filter(|&(_, factor)| factor != 0.0) {
-        let dof = reference.dofs[component as usize].ok_or(CouplingError::MissingDof { component, factor })?;
+        let dof = reference.dofs[component as usize].ok_or_else(|| missing(&part, component, factor))?;
         all.push((dof, -factor));
     }
     store.equation(part, all, 0.0);
     Ok(())
+}
+
+fn missing(part: &str, component: Component, factor: f64) -> CouplingError {
+    CouplingError::MissingDof { part: part.to_owned(), component, factor }
 }
 
 /// The reference as the mean of others: adds `motion . q - sum_j a_j u_j = 0`.

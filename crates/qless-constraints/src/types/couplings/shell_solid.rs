@@ -1,9 +1,11 @@
 //! `u_s + theta x r`: the edge of a shell and the side of a solid, line by line through the thickness.
 
+use std::collections::BTreeSet;
+
 use super::area;
 use super::arm::{along, arm};
 use super::beam_solid::axis;
-use super::error::CouplingError;
+use super::error::{CouplingError, LineFault};
 use super::node6::Node6;
 use super::rows::{check, clean, follow};
 use super::section::Section;
@@ -120,6 +122,21 @@ impl Edge<'_> {
     }
 }
 
+impl ShellToSolid {
+    /// Each shell node has DOFs of its own; lines name nodes that are there.
+    fn check_dofs(&self) -> Result<(), CouplingError> {
+        let mut taken = BTreeSet::new();
+        for (i, ThicknessLine { shell, nodes }) in self.lines.iter().enumerate() {
+            let solid: Vec<Node6> = nodes.iter().map(|&node| self.face.nodes[node].into()).collect();
+            let own = shell.components().all(|(_, dof)| taken.insert(dof));
+            if !own || check(shell, solid.iter()).is_err() {
+                return Err(CouplingError::Line { line: i + 1, fault: LineFault::Shell });
+            }
+        }
+        Ok(())
+    }
+}
+
 impl Constraint for ShellToSolid {
     const NAME: &'static str = "shell to solid";
     type Error = CouplingError;
@@ -130,9 +147,8 @@ impl Constraint for ShellToSolid {
             return Err(CouplingError::NoNodes);
         }
         let made = lines(&self.lines, &self.face, &points)?;
-        for (i, (ThicknessLine { shell, nodes }, line)) in self.lines.iter().zip(&made).enumerate() {
-            let solid: Vec<Node6> = nodes.iter().map(|&node| self.face.nodes[node].into()).collect();
-            check(shell, solid.iter())?;
+        self.check_dofs()?;
+        for (i, (ThicknessLine { shell, .. }, line)) in self.lines.iter().zip(&made).enumerate() {
             Edge { number: i + 1, shell, line, face: &self.face }.equations(store, self.section)?;
         }
         Ok(())

@@ -65,7 +65,7 @@ fn flat_walls_hand_over_pressure() -> Outcome {
             let mut add = |side: usize, at: [f64; 3], f: [f64; 3]| {
                 let m = cross(arm(at), f);
                 (0..3).for_each(|k| {
-                    (sums[side][k], sums[side][3 + k]) = (sums[side][k] + f[k], sums[side][3 + k] + m[k])
+                    (sums[side][k], sums[side][3 + k]) = (sums[side][k] + f[k], sums[side][3 + k] + m[k]);
                 });
             };
             for node in &wall.structure.nodes {
@@ -131,6 +131,9 @@ fn walls_with_faults_are_refused() {
     let mut away = flat();
     away.fluid[7].at[2] = 0.25;
     assert!(refusal(away).contains("0.25 away"), "{}", refusal(flat()));
+    let mut shared = flat();
+    shared.fluid[3].normal = shared.fluid[1].normal;
+    assert!(refusal(shared).contains("DOF 37 of node 4, from 1, of the fluid is that of another"));
     assert!(refusal(FluidWall { faces: vec![], ..flat() }).contains("fluid's side: the surface has no faces"));
     let line = FluidWall { faces: vec![Face::new(Shape::Line2, [0, 1])], ..flat() };
     assert!(refusal(line).contains("is a line, which has no normal"));

@@ -60,7 +60,10 @@ fn references_may_lack_what_is_not_needed() {
     let mut builder = ConstraintSet::builder(18);
     let lifted = SmallRigidBody { reference: planar(0, [1.0, 2.0, 0.3]), nodes: vec![planar(2, [4.0, 6.0, 0.8])] };
     let error = builder.add("it", lifted).expect_err("needs the rotation y").to_string();
-    assert!(error.contains("needs the rotation y of the reference, with a factor of 0.5"), "{error}");
+    assert!(
+        error.contains("the equation \"x\" needs the rotation y of the reference, with a factor of 0.5"),
+        "{error}"
+    );
 }
 
 /// Finite rotations of any size, any translations, rotation vectors: every equation holds and is independent.
@@ -102,7 +105,7 @@ fn rodrigues(theta: [f64; 3], r: [f64; 3]) -> [f64; 3] {
 
 /// The rows of an average against `e_k^T (A^T W A)^-1 A^T W` of a dense solver, any components, weights, places and units.
 #[test]
-fn averages_are_least_squares() -> Outcome {
+fn averages_are_least_squares() {
     for seed in 0..40 {
         for (scale, far) in [(1.0, 0.0), (1e-6, 0.0), (1e6, 0.0), (1.0, 1e4)] {
             let all = cloud(seed + 60, 7, scale, [far, far, -far]);
@@ -133,7 +136,6 @@ fn averages_are_least_squares() -> Outcome {
             }
         }
     }
-    Ok(())
 }
 
 /// The reference as a linear function of the DOFs, 6 x 42, lengths in `unit`.
@@ -243,7 +245,7 @@ fn lines_do_not_see_their_own_rotation() {
 
 /// Along an axis all but the rotation about it follow; nodes in one place and single nodes tell their translations.
 #[test]
-fn what_is_left_follows() -> Outcome {
+fn what_is_left_follows() {
     let nodes = [0.0, 1.0, 3.0].map(|x| masked(node(1 + x as usize, [x + 0.1, 0.7, -0.2]), 0b111));
     let reference = node(0, [2.1, 0.7, -0.2]);
     let rest = Component::ALL.into_iter().filter(|&component| component != Component::TurnX);
@@ -271,7 +273,6 @@ fn what_is_left_follows() -> Outcome {
         refusal(masked(node(0, [0.0; 3]), 2), &flat),
         Some(CouplingError::Undetermined { component: Component::Y, .. })
     ));
-    Ok(())
 }
 
 /// A thin triangle is one as long as it is not rounding; the nearer to a line, the larger the factors.
@@ -368,4 +369,50 @@ fn nodes_have_dofs_of_their_own() {
     assert_eq!(refusal(masked(reference, 0), &[other]), Some(CouplingError::NoComponents { node: 0 }));
     let nowhere = Node6 { at: [f64::NAN, 0.0, 0.0], ..other };
     assert_eq!(refusal(reference, &[nowhere]), Some(CouplingError::NoPlace { node: 1 }));
+}
+
+/// Units of any size, weights of any size, references of any distance: rigid motions pass, or the input is refused.
+#[test]
+fn extremes_pass_or_are_refused() {
+    let motion = |scale: f64| ([0.5 * scale, scale, -scale], [0.3, -0.2, 0.6]);
+    for exponent in [-140, -60, -6, 0, 6, 60, 140] {
+        let scale = 10.0_f64.powi(exponent);
+        for (lightest, reach) in [(1.0, 1.0), (1e-300, 1.0), (1e-12, 1.0), (1.0, 1e6), (1.0, 1e-9)] {
+            let mut all = cloud(800, 6, scale, [0.0; 3]);
+            all[0].at = all[0].at.map(|x| reach * x);
+            let weight = |i: usize| if i == 1 { lightest } else { i as f64 };
+            let nodes = (1..6).map(|i| (masked(all[i], [0b11_1111, 0b111][i % 2]), weight(i))).collect();
+            let set = only(36, Average { reference: all[0], nodes });
+            let (shift, theta) = motion(scale);
+            let u = rigid(36, &all, shift, theta);
+            let worst = relative_residual(&set, &u);
+            assert!(worst < 1e-12, "{exponent} {lightest} {reach}: {worst}");
+        }
+    }
+}
+
+/// A light node beside a line tells the rotation about it as long as its weight is not rounding of the others'.
+#[test]
+fn light_nodes_count_until_rounding() {
+    let refused = |weight: f64| {
+        let at = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.4, 1.0, 0.0]];
+        let nodes = (0..3).map(|i| (masked(node(i + 1, at[i]), 0b111), if i == 2 { weight } else { 1.0 })).collect();
+        let mut builder = ConstraintSet::builder(24);
+        builder.add("it", Average { reference: masked(node(0, [0.5, 0.0, 0.0]), 0b1000), nodes }).is_err()
+    };
+    assert!(!refused(1.0) && !refused(1e-6) && !refused(1e-12) && refused(1e-24));
+}
+
+/// The order of nodes does not matter but for rounding, nor does a node that is given in two halves of its weight.
+#[test]
+fn order_and_halves_do_not_matter() {
+    let all = cloud(900, 6, 1.0, [3.0, 2.0, 1.0]);
+    let of = |nodes: Vec<(Node6, f64)>| dense(&only(36, Average { reference: all[0], nodes }));
+    let lead = |i: usize| (masked(all[i], 0b111), i as f64);
+    let plain = of((1..6).map(lead).collect());
+    let mixed = of([5, 3, 1, 2, 4].map(lead).to_vec());
+    let halves = of((1..6).flat_map(|i| [(lead(i).0, 0.5 * lead(i).1); 2]).collect());
+    for (i, j) in (0..6).flat_map(|i| (0..36).map(move |j| (i, j))) {
+        assert!((plain[(i, j)] - mixed[(i, j)]).abs() < 1e-14 && (plain[(i, j)] - halves[(i, j)]).abs() < 1e-14);
+    }
 }

@@ -408,3 +408,25 @@ fn order_of_nodes_does_not_matter() {
     // The direction of a line, and with it the signs of its rotations, may be the other one.
     assert!(before.iter().zip(&after).all(|(&a, &b)| same(a, b)), "{before:?} {after:?}");
 }
+
+/// A hole: faces around a cylinder, which have no mean normal, follow as a rigid body or in the mean, but not as a plane.
+#[test]
+fn walls_of_holes_have_no_plane() {
+    let ring = |z: f64| {
+        (0..8).map(move |k| (std::f64::consts::TAU * f64::from(k) / 8.0).sin_cos()).map(move |(y, x)| [x, y, z])
+    };
+    let at: Vec<[f64; 3]> = ring(0.0).chain(ring(1.0)).collect();
+    let faces = (0..8).map(|k| Face::new(Shape::Quad4, [k, (k + 1) % 8, 8 + (k + 1) % 8, 8 + k])).collect();
+    let (face, beam) = (Surface { nodes: points(6, &at), faces }, node(0, [0.0, 0.0, 0.5]));
+    for section in [Section::Rigid, Section::Mean] {
+        let set = only(54, BeamToSolid { beam, face: face.clone(), section });
+        assert_eq!(svd_rank(&set), if section == Section::Mean { 6 } else { 48 });
+        let nodes: Vec<Node6> = std::iter::once(beam).chain(face.nodes.iter().map(|&point| point.into())).collect();
+        assert!(relative_residual(&set, &rigid(54, &nodes, [1.0, 2.0, 3.0], [0.1, 0.2, -0.3])) < 1e-14);
+        assert_balanced(&set, &nodes, 1e-14);
+    }
+    let mut builder = ConstraintSet::builder(54);
+    let error =
+        builder.add("it", BeamToSolid { beam, face, section: Section::Plane }).expect_err("no plane").to_string();
+    assert!(error.contains("point against each other"), "{error}");
+}
