@@ -26,7 +26,7 @@ const CREASE: f64 = 0.866;
 /// of the wall, where it has two normals, a node needs a `u_n` for each side: give each side as a constraint; a node whose
 /// faces are more than 30 degrees off the mean is refused. Units: lengths. Cost: O(n log n).
 ///
-/// Source: the paper's appendix A.2; for a fluid in displacement form [`super::FluidNormal`].
+/// Source: the paper's appendix A.2; for a fluid in displacement form [`crate::types::FluidNormal`].
 ///
 /// ```
 /// use qless_constraints::ConstraintSet;
