@@ -7,9 +7,9 @@ use qless_constraints::newton::{NewtonOptions, redundancies, solve};
 use qless_constraints::scalar::{Dual, Scalar, vector};
 use qless_constraints::types::{
     Average, BeamToSolid, Body, Cyclic, CyclicHarmonic, Distance, Equal, EulerNorm, Face, FaceSearch, Fixed, FluidNode,
-    FluidNormal, FluidWall, Line, LineTie, LinearEquation, MacroStrain, MortarTie, Node6, NodeTie, OnLine, OnPlane,
-    OnSphere, Periodic, PlanarPoint, Plane, Point, Prescribed, Prismatic, Revolute, RigidBody, Section, Shape,
-    ShellToSolid, SmallRigidBody, Spherical, Surface, SurfaceMortarTie, ThicknessLine, Universal, Volume,
+    FluidNormal, FluidWall, Line, LineTie, LinearEquation, MacroStrain, MortarTie, Multipliers, Node6, NodeTie, OnLine,
+    OnPlane, OnSphere, Periodic, PlanarPoint, Plane, Point, Prescribed, Prismatic, Revolute, RigidBody, Section, Shape,
+    ShellToSolid, SmallRigidBody, Spherical, Surface, ThicknessLine, Universal, Volume,
 };
 use qless_constraints::{Constraint, ConstraintSet, Nonlinear, Store, Weights};
 
@@ -117,7 +117,15 @@ fn every_type(x: f64, dof: usize) {
     take(OnPlane { point: q, plane: Plane::Fixed { through: at, normal: [x; 3] } });
     take(OnPlane { point: q, plane: Plane::Nodes(p, r, odd) });
     take(LineTie { slave: vec![flat(1, x)], master: vec![flat(2, 0.0), flat(3, x)], tolerance: x });
-    take(MortarTie { slave: vec![flat(1, 0.0), flat(4, x)], master: vec![flat(2, 0.0), flat(3, x)], tolerance: x });
+    let surface = |z: f64| Surface {
+        nodes: vec![odd, point(5, [1.0, 0.0, z]), point(6, [1.0, 1.0, z]), point(7, [0.0, 1.0, x])],
+        faces: vec![Face::new(Shape::Quad4, [0, 1, 2, 3])],
+    };
+    for multipliers in [Multipliers::Standard, Multipliers::Dual] {
+        let line = |i: usize, j: usize| Surface::polyline(vec![flat(i, 0.0), flat(j, x)]);
+        take(MortarTie { slave: line(1, 4), master: line(2, 3), multipliers, tolerance: x });
+        take(MortarTie { slave: surface(0.0), master: surface(x), multipliers, tolerance: x });
+    }
     for shape in [Shape::Line2, Shape::Tri3, Shape::Quad4] {
         take(NodeTie { node: odd, shape, face: vec![p, q, r, s][..shape.nodes()].to_vec(), tolerance: x });
         take(NodeTie { node: q, shape, face: vec![], tolerance: f64::NAN });
@@ -128,11 +136,6 @@ fn every_type(x: f64, dof: usize) {
     take(Prismatic { a: body, b: euler, at, axis });
     take(Fixed { a: body, b: euler, at });
     take(Universal { a: body, b: euler, at, axis_a: axis, axis_b: [x, 0.0, 1.0] });
-    let surface = |z: f64| Surface {
-        nodes: vec![odd, point(5, [1.0, 0.0, z]), point(6, [1.0, 1.0, z]), point(7, [0.0, 1.0, x])],
-        faces: vec![Face::new(Shape::Quad4, [0, 1, 2, 3])],
-    };
-    take(SurfaceMortarTie { slave: surface(0.0), master: surface(x), tolerance: x });
     survives("a search", || {
         let surface = surface(1.0);
         let Ok(search) = FaceSearch::new(&surface) else { return };

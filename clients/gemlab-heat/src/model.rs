@@ -5,7 +5,7 @@ use std::error::Error;
 use gemlab::prelude::{At, Block, Features, GeoKind, Mesh, any_x};
 use qless::ConstraintSystem;
 use qless_constraints::ConstraintSet;
-use qless_constraints::types::{Equal, Face, FieldTie, LinearEquation, Node, Shape, Surface, pairs};
+use qless_constraints::types::{Equal, Face, MacroStrain, Node, NodeTie, Periodic, Shape, Surface, pairs};
 
 /// Bottom and top of the lower block, and of the upper one.
 const LEVELS: [f64; 3] = [0.0, 1.0, 1.5];
@@ -54,7 +54,7 @@ pub fn constraints(mesh: &Mesh) -> Result<ConstraintSystem, Box<dyn Error>> {
     };
     let interface = features.search_point_ids(At::Z(LEVELS[1]), any_x)?;
     let tied: Vec<_> = interface.into_iter().filter(|&i| is_upper[i]).map(node).collect();
-    for tie in FieldTie::to_surface(&tied, &surface, 1e-9)? {
+    for tie in NodeTie::to_surface(&tied, &surface, 1e-9)? {
         set.add("tie", tie)?;
     }
     for (step, across) in [(STEP, [1.0, 0.0, 0.0]), (0.0, [0.0, 1.0, 0.0])] {
@@ -63,7 +63,7 @@ pub fn constraints(mesh: &Mesh) -> Result<ConstraintSystem, Box<dyn Error>> {
         let [from, to] = [side(0.0)?, side(1.0)?]
             .map(|side| side.into_iter().filter(|&i| !is_upper[i]).map(node).collect::<Vec<_>>());
         for (a, b) in pairs(&from, &to, across, 1e-9)? {
-            set.add("periodic", LinearEquation { terms: vec![(b.dofs[0], 1.0), (a.dofs[0], -1.0)], rhs: step })?;
+            set.add("periodic", Periodic { a, b, strain: MacroStrain::Given([across.map(|x| step * x)]) })?;
         }
     }
     set.add("isothermal end", Equal::new(features.search_point_ids(At::Z(LEVELS[2]), any_x)?))?;

@@ -71,11 +71,22 @@ pub trait Nonlinear: Send + Sync + Sized + 'static {
     ///
     /// Where few numbers make many entries, `[0, 1, 0]` for `v, -v, v, v, -v, v`, only these are written.
     const NUMBERS: &'static [usize] = &[];
+    /// Whether parameters are functions of time: then [`Nonlinear::at_time`] is called, else it is not.
+    const DRIVEN: bool = false;
     /// A name for each equation, such as "x"; a single equation has an empty one.
     const PARTS: &'static [&'static str];
 
     /// `c`, length of `PARTS`.
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]);
+
+    /// Takes the parameters of this time; the DOFs and [`Nonlinear::pairs`] stay what they are.
+    ///
+    /// Called when the constraint is added, with the time of the set (0 at first), and by [`crate::ConstraintSet::set_time`].
+    fn at_time(&mut self, _time: f64) {}
+
+    /// Calls `found(k)` for each rotation vector in the local DOFs k, k + 1, k + 2 of which c uses the rotation and nothing else: it may be replaced by
+    /// another vector of the same rotation ([`crate::ConstraintSet::shorten_rotations`]).
+    fn rotation_vectors(&self, _found: &mut dyn FnMut(usize)) {}
 
     /// Calls `pair(j, k)`, `j >= k`, once for each pair of local DOFs for which some `d^2 c / du_j du_k` is not zero.
     fn pairs(&self, dofs: usize, pair: &mut dyn FnMut(usize, usize)) {

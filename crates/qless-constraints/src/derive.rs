@@ -1,7 +1,7 @@
 //! Derivatives by dual numbers: `c(u + e)` evaluated in numbers that carry derivatives along.
 
 use crate::constraint::Nonlinear;
-use crate::scalar::{Dual, HyperDual};
+use crate::scalar::{Dual, HyperDual, Scalar};
 
 /// Directions per evaluation: enough to use the width of the machine, few enough to stay in registers.
 const WIDTH: usize = 8;
@@ -9,9 +9,9 @@ const WIDTH: usize = 8;
 const ROWS: usize = 8;
 const DOFS: usize = 32;
 
-/// `c`, and `dc_r / du_j` at `g[r * n + j]`.
-pub fn jacobian<Q: Nonlinear>(q: &Q, u: &[f64], c: &mut [f64], g: &mut [f64]) {
-    let zero = Dual::<WIDTH>::from(0.0);
+/// `c`, and `dc_r / du_j` at `g[r * n + j]`, in any numbers: with bounds, if u has them.
+pub fn jacobian<Q: Nonlinear, S: Scalar>(q: &Q, u: &[S], c: &mut [S], g: &mut [S]) {
+    let zero = Dual::<WIDTH, S>::from(0.0);
     with_scratch(zero, u.len(), c.len(), |x, value| {
         for first in (0..u.len()).step_by(WIDTH) {
             (0..u.len()).for_each(|j| x[j] = Dual::variable(u[j], j.wrapping_sub(first)));

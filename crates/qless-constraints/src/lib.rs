@@ -27,6 +27,7 @@
 mod constraint;
 mod derive;
 pub mod enforce;
+pub mod equilibrium;
 mod geometry;
 pub mod newton;
 pub mod scalar;
@@ -35,7 +36,8 @@ pub mod types;
 
 pub use constraint::{Constraint, Nonlinear};
 pub use set::{
-    AddError, ConstraintId, ConstraintSet, LineariseError, Quantities, SetBuilder, Store, StoreError, Weights,
+    AddError, ConstraintId, ConstraintSet, LineariseError, Quantities, Rounding, SetBuilder, Store, StoreError,
+    TimeError, Vanishing, Weights,
 };
 
 /// The example of the README, as a test.

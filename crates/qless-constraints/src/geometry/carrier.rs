@@ -9,8 +9,12 @@ use crate::scalar::vector::{Vector, add, lift};
 
 /// A body of a mechanism. All its DOFs are zero in the reference configuration.
 ///
-/// Position `x = at + u`. Rotation: a rotation vector `theta` (valid below one turn, where R is regular), or Euler
-/// parameters `p = (1, 0, 0, 0) + u`, which need [`super::super::types::EulerNorm`] once per body.
+/// Position `x = at + u`. Rotation: a rotation vector `theta`, `R = exp [theta]x`, or Euler parameters `p = (1, 0, 0, 0) + u`, which need
+/// [`super::super::types::EulerNorm`] once per body.
+///
+/// At a whole turn, `|theta| = 2 pi`, rotation vectors are singular: all around it are the same rotation. They are kept away from there by
+/// [`shorten_rotations`](crate::ConstraintSet::shorten_rotations), which [`newton::solve`](crate::newton::solve) calls by itself, so that bodies turn any
+/// number of times. Euler parameters are singular nowhere.
 ///
 /// ```
 /// use qless_constraints::types::Body;
@@ -118,6 +122,11 @@ impl Carrier {
         let (position, rotation) = u.split_at(self.kind.positions());
         let turned = add(lift(self.at), self.kind.turn(rotation, self.arm));
         if position.is_empty() { turned } else { add(turned, [position[0], position[1], position[2]]) }
+    }
+
+    /// Where the body is to which the point belongs: `at + u`.
+    pub fn centre<S: Scalar>(&self, u: &[S]) -> Vector<S> {
+        if self.kind == Kind::Ground { lift(self.at) } else { add(lift(self.at), [u[0], u[1], u[2]]) }
     }
 
     /// The point x, and `sign dx` in the columns from `first` of `g`, 3 x n; rotation vectors as they are in a lane of `turns`.

@@ -1,12 +1,16 @@
 //! Points, faces and rotations that the types share.
 
+pub mod angle;
+pub mod bounds;
 pub mod carrier;
 pub mod clip;
 mod factors;
 pub mod lanes;
 pub mod node;
+pub mod outline;
 pub mod pairs;
 pub mod project;
+pub mod quaternion;
 pub mod rotation;
 pub mod search;
 pub mod segment;

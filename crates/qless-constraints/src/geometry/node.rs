@@ -1,22 +1,32 @@
 //! A node: its DOFs and where it is at u = 0.
 
+use std::borrow::Cow;
+
 use crate::scalar::Scalar;
 
 /// Components in the order of the DOFs of a node.
 pub(crate) const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// A node in D dimensions: `x = at + u`, one translation per component.
+/// A node in D dimensions that carries the DOFs of F fields.
+///
+/// | field | F | DOFs |
+/// | --- | --- | --- |
+/// | displacements (what is meant without F) | D | one translation per coordinate, `x = at + u` |
+/// | temperature, pressure, potential | 1 | its value ([`Node::of_field`]) |
+/// | shell | 6 | three translations, then three rotations |
+/// | displacements and a temperature | D + 1 | all of them |
 ///
 /// ```
-/// use qless_constraints::types::{PlanarPoint, Point};
+/// use qless_constraints::types::{Node, PlanarPoint, Point};
 /// let corner = Point::new([0, 1, 2], [1.0, 0.0, 0.0]);
 /// let planar = PlanarPoint::new([0, 1], [1.0, 0.0]);
-/// assert_eq!((corner.dofs[2], planar.at[0]), (2, 1.0));
+/// let shell = Node::new([6, 7, 8, 9, 10, 11], [1.0, 0.0, 0.0]);
+/// assert_eq!((corner.dofs[2], planar.at[0], shell.dofs.len()), (2, 1.0, 6));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Node<const D: usize> {
-    /// The translations, 0-based DOFs.
-    pub dofs: [usize; D],
+pub struct Node<const D: usize, const F: usize = D> {
+    /// One 0-based DOF for each field.
+    pub dofs: [usize; F],
     /// Coordinates at u = 0, a length.
     pub at: [f64; D],
 }
@@ -26,16 +36,33 @@ pub type Point = Node<3>;
 /// A node in the plane.
 pub type PlanarPoint = Node<2>;
 
-impl<const D: usize> Node<D> {
+impl<const D: usize, const F: usize> Node<D, F> {
     /// A node with its DOFs and coordinates.
-    pub fn new(dofs: [usize; D], at: [f64; D]) -> Self {
+    pub fn new(dofs: [usize; F], at: [f64; D]) -> Self {
         Self { dofs, at }
     }
+}
 
-    /// A node of a field with one value per node, as a temperature: that value is its only DOF.
+impl<const D: usize> Node<D, 1> {
+    /// A node of a field with one value per node, as a temperature.
     pub fn of_field(dof: usize, at: [f64; D]) -> Self {
-        Self { dofs: [dof; D], at }
+        Self { dofs: [dof], at }
     }
+}
+
+/// What the equation of field k of F is called: "" if it is the only one, its axis if fields are translations, "field 4" else.
+pub(crate) fn field<const D: usize, const F: usize>(k: usize) -> Cow<'static, str> {
+    match F {
+        1 => Cow::Borrowed(""),
+        _ if F == D && D <= AXES.len() => Cow::Borrowed(AXES[k]),
+        _ => Cow::Owned(format!("field {}", k + 1)),
+    }
+}
+
+/// The equation of field k of a node: "node 3, x", or "node 3" if it is the only one.
+pub(crate) fn field_of_node<const D: usize, const F: usize>(node: usize, k: usize) -> String {
+    let field = field::<D, F>(k);
+    if field.is_empty() { format!("node {}", node + 1) } else { format!("node {}, {field}", node + 1) }
 }
 
 /// `at + u` for the D values that start at `first`.

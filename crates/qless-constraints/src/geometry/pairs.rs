@@ -42,7 +42,7 @@ pub enum PairError {
 }
 
 /// Each node of one side with its image on the other, which is a step away: for [`Periodic`](crate::types::Periodic),
-/// [`Cyclic`](crate::types::Cyclic) or equations of a field. In the order of the first side; the order of the other does not matter.
+/// [`Cyclic`](crate::types::Cyclic). In the order of the first side; the order of the other does not matter.
 ///
 /// ```
 /// use qless_constraints::types::{PlanarPoint, pairs};
@@ -55,12 +55,12 @@ pub enum PairError {
 ///
 /// # Errors
 /// [`PairError`]: different counts, or the first node whose nearest image is farther away than the tolerance, a length, or taken.
-pub fn pairs<const D: usize>(
-    from: &[Node<D>],
-    to: &[Node<D>],
+pub fn pairs<const D: usize, const F: usize>(
+    from: &[Node<D, F>],
+    to: &[Node<D, F>],
     step: [f64; D],
     tolerance: f64,
-) -> Result<Vec<(Node<D>, Node<D>)>, PairError> {
+) -> Result<Vec<(Node<D, F>, Node<D, F>)>, PairError> {
     const { assert!(D > 1, "a search needs two dimensions") };
     if from.len() != to.len() {
         return Err(PairError::Counts { from: from.len(), to: to.len() });
@@ -70,7 +70,7 @@ pub fn pairs<const D: usize>(
     let places = to.iter().enumerate().filter(|(_, node)| sound(&node.at));
     let tree = RTree::bulk_load(places.map(|(k, node)| GeomWithData::new(node.at, k)).collect());
     let mut taken = vec![None; to.len()];
-    let pair = |(i, &a): (usize, &Node<D>)| {
+    let pair = |(i, &a): (usize, &Node<D, F>)| {
         let place = std::array::from_fn(|k| a.at[k] + step[k]);
         let nearest = if sound(&place) { tree.nearest_neighbor(place) } else { None };
         let distance = nearest.map_or(f64::INFINITY, |found| separation(found.geom(), &place));

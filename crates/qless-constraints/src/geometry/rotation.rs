@@ -1,20 +1,22 @@
 //! `R s`: a vector that turns with a body.
 
 use crate::scalar::Scalar;
-use crate::scalar::vector::{Vector, add, cross, dot, lift, scale};
+use crate::scalar::vector::{Vector, add, cross, dot, lift, scale, sub};
 
-/// `R(theta) s = s + (sin t / t) theta x s + ((1 - cos t) / t^2) theta x (theta x s)` with `t = |theta|` (Rodrigues).
+/// `R(theta) s = s + (sin t / t) theta x s + ((1 - cos t) / t^2) ((theta.s) theta - t^2 s)` with `t = |theta|` (Rodrigues).
 ///
-/// Both factors are smooth functions of `t^2`, and series of it near zero, so that derivatives at rest are exact too.
+/// Both factors are smooth functions of `t^2`, and series of it near zero, so that derivatives at rest are exact too. The terms are those
+/// of the closed forms in [`super::turned`]: their rounding has one bound.
 pub fn by_vector<S: Scalar>(theta: Vector<S>, s: Vector<f64>) -> Vector<S> {
-    let (sine, versine) = factors(dot(theta, theta));
-    let once = cross(theta, lift(s));
-    let twice = cross(theta, once);
-    add(lift(s), add(scale(sine, once), scale(versine, twice)))
+    let (square, s) = (dot(theta, theta), lift(s));
+    let (sine, versine) = factors(square);
+    let once = cross(theta, s);
+    let twice = sub(scale(dot(theta, s), theta), scale(square, s));
+    add(s, add(scale(sine, once), scale(versine, twice)))
 }
 
 /// `sin t / t` and `(1 - cos t) / t^2` from `y = t^2`.
-fn factors<S: Scalar>(y: S) -> (S, S) {
+pub(super) fn factors<S: Scalar>(y: S) -> (S, S) {
     if y.real() < 0.25 {
         // sum (-y)^k / (2k + 1)! and sum (-y)^k / (2k + 2)!; the ninth term is below 1e-20.
         return (series(y, 1.0), series(y, 2.0));
@@ -46,7 +48,7 @@ pub fn by_euler<S: Scalar>(p: [S; 4], s: Vector<f64>) -> Vector<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scalar::vector::{norm, sub};
+    use crate::scalar::vector::norm;
 
     /// A quarter turn and a tiny one about z, and lengths kept on both sides of the switch to series.
     #[test]

@@ -7,13 +7,11 @@ use rayon::prelude::*;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 
+use super::bounds::bounds;
 use super::node::within;
-use super::project::project;
+use super::project::{ROUNDING, project, rounding};
 use super::shape::Shape;
-use super::surface::{Surface, SurfaceError, bounds};
-
-/// Distances that differ by less than this times the largest coordinate are equal: they are sums of a few rounded products.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
+use super::surface::{Surface, SurfaceError};
 
 /// Finds the nearest faces of a surface in D dimensions, two or more.
 ///
@@ -32,14 +30,14 @@ const ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// assert_eq!(found[1].face, 2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub struct FaceSearch<'a, const D: usize> {
-    surface: &'a Surface<D>,
+pub struct FaceSearch<'a, const D: usize, const F: usize = D> {
+    surface: &'a Surface<D, F>,
     tree: RTree<GeomWithData<Rectangle<[f64; D]>, usize>>,
     /// The largest coordinate of a face.
     size: f64,
 }
 
-impl<const D: usize> std::fmt::Debug for FaceSearch<'_, D> {
+impl<const D: usize, const F: usize> std::fmt::Debug for FaceSearch<'_, D, F> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("FaceSearch").field("faces", &self.tree.size()).finish_non_exhaustive()
     }
@@ -86,12 +84,12 @@ pub enum SearchError {
     },
 }
 
-impl<'a, const D: usize> FaceSearch<'a, D> {
+impl<'a, const D: usize, const F: usize> FaceSearch<'a, D, F> {
     /// Puts the faces into the tree.
     ///
     /// # Errors
     /// [`SurfaceError`]: no face, a face with the wrong number of nodes or one that is not there, a degenerate face.
-    pub fn new(surface: &'a Surface<D>) -> Result<Self, SurfaceError> {
+    pub fn new(surface: &'a Surface<D, F>) -> Result<Self, SurfaceError> {
         const { assert!(D > 1, "a search needs two dimensions") };
         surface.check()?;
         let boxes: Vec<_> =
@@ -131,7 +129,8 @@ impl<'a, const D: usize> FaceSearch<'a, D> {
         let check = |(i, nearest): (usize, Option<Nearest>)| {
             let nearest = nearest.ok_or(SearchError::NoPlace { node: i + 1 })?;
             let (face, distance) = (nearest.face + 1, nearest.distance);
-            if !within(distance, tolerance) {
+            let rounding = rounding(&self.surface.places(nearest.face), &points[i]);
+            if !within(distance - rounding, tolerance) {
                 return Err(SearchError::TooFar { node: i + 1, face, distance, tolerance });
             }
             Ok(nearest)

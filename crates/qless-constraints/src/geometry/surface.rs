@@ -1,7 +1,7 @@
 //! Faces that share nodes: what a search and a tie of surfaces are given.
 
 use super::node::Node;
-use super::project::project;
+use super::project::{is_degenerate, relative};
 use super::shape::Shape;
 
 /// A face of a surface.
@@ -26,7 +26,7 @@ impl Face {
     }
 }
 
-/// Faces and the nodes that they share, in D dimensions: `x(xi) = sum_k N_k(xi) x_k` on each face.
+/// Faces and the nodes that they share, with F fields in D dimensions: `x(xi) = sum_k N_k(xi) x_k` on each face.
 ///
 /// Nodes that no face names are allowed: the list may be that of the whole model.
 ///
@@ -39,9 +39,9 @@ impl Face {
 /// assert_eq!(square.faces.len(), 2);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct Surface<const D: usize> {
+pub struct Surface<const D: usize, const F: usize = D> {
     /// The nodes.
-    pub nodes: Vec<Node<D>>,
+    pub nodes: Vec<Node<D, F>>,
     /// The faces, of any shapes.
     pub faces: Vec<Face>,
 }
@@ -73,7 +73,7 @@ pub enum SurfaceError {
         /// How many nodes there are.
         nodes: usize,
     },
-    /// A face has no length or area, folds, or has a node whose coordinates are not finite.
+    /// A face has no length, area or volume, folds, has more dimensions than its space, or has a node whose coordinates are not finite.
     #[error("face {face}, from 1, is degenerate or folded: correct its nodes, their coordinates or their order")]
     Degenerate {
         /// The face, from 1.
@@ -81,7 +81,19 @@ pub enum SurfaceError {
     },
 }
 
-impl<const D: usize> Surface<D> {
+impl<const D: usize, const F: usize> Surface<D, F> {
+    /// The line through nodes in their order, a face of two nodes between each and the next.
+    ///
+    /// ```
+    /// use qless_constraints::types::{PlanarPoint, Surface};
+    /// let at = |i: usize| PlanarPoint::new([2 * i, 2 * i + 1], [i as f64, 0.0]);
+    /// assert_eq!(Surface::polyline((0..5).map(at).collect()).faces.len(), 4);
+    /// ```
+    pub fn polyline(nodes: Vec<Node<D, F>>) -> Self {
+        let faces = (1..nodes.len()).map(|end| Face::new(Shape::Line2, [end - 1, end])).collect();
+        Self { nodes, faces }
+    }
+
     /// Where the nodes of a face are.
     pub(crate) fn places(&self, face: usize) -> Vec<[f64; D]> {
         self.faces[face].nodes.iter().map(|&node| self.nodes[node].at).collect()
@@ -106,58 +118,9 @@ impl<const D: usize> Surface<D> {
         let places = self.places(index);
         let middle = std::array::from_fn(|k| places.iter().map(|x| x[k]).sum::<f64>() / places.len() as f64);
         let finite = places.iter().flatten().all(|x| x.is_finite());
-        if !finite || project(*shape, &places, &middle).is_none() {
+        if !finite || is_degenerate(*shape, &relative(&places, &middle)) {
             return Err(SurfaceError::Degenerate { face });
         }
         Ok(())
-    }
-}
-
-/// The corners of a box that holds a face, also where a curved one bulges beyond its nodes: that of the control points of its
-/// Bernstein form, whose convex hull holds it.
-pub(crate) fn bounds<const D: usize>(shape: Shape, places: &[[f64; D]]) -> [[f64; D]; 2] {
-    let control = control_points(shape, places);
-    let extreme = |worst: f64, pick: fn(f64, f64) -> f64| {
-        std::array::from_fn(|k| control.iter().fold(worst, |found, x| pick(found, x[k])))
-    };
-    [extreme(f64::INFINITY, f64::min), extreme(f64::NEG_INFINITY, f64::max)]
-}
-
-/// Corners as they are; `2 m - (a + b) / 2` for the middle m of the edge ab; `sum m - 3/4 sum a` for the middle of a Quad8.
-fn control_points<const D: usize>(shape: Shape, places: &[[f64; D]]) -> Vec<[f64; D]> {
-    let (corners, middles) = places.split_at(shape.corners().len().clamp(2, places.len()));
-    let n = corners.len();
-    let edge = |(k, m): (usize, &[f64; D])| {
-        std::array::from_fn(|d| 2.0 * m[d] - f64::midpoint(corners[k][d], corners[(k + 1) % n][d]))
-    };
-    let sum = |points: &[[f64; D]], d: usize| points.iter().map(|x| x[d]).sum::<f64>();
-    let middle = std::array::from_fn(|d| sum(middles, d) - 0.75 * sum(corners, d));
-    let interior = (shape == Shape::Quad8).then_some(middle);
-    corners.iter().copied().chain(middles.iter().enumerate().map(edge)).chain(interior).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Curved faces stay within their boxes, and touch those of their control points where these lie on them.
-    #[test]
-    fn faces_stay_within_their_bounds() {
-        let at = |seed: u32| f64::from(seed.wrapping_mul(2_654_435_761) >> 8) / f64::from(1_u32 << 24);
-        for (shape, seed) in [Shape::Tri6, Shape::Quad8].into_iter().flat_map(|s| (0..50).map(move |k| (s, k))) {
-            let places: Vec<[f64; 2]> =
-                (0..shape.nodes() as u32).map(|k| [at(97 * seed + 2 * k), at(97 * seed + 2 * k + 1)]).collect();
-            let [low, high] = bounds(shape, &places);
-            for i in 0..441 {
-                let xi = shape.clamp([i % 21, i / 21].map(|i| f64::from(i) / 10.0 - 1.0));
-                let n = shape.functions(xi);
-                for d in 0..2 {
-                    let x: f64 = n.iter().zip(&places).map(|(n, x)| n[0] * x[d]).sum();
-                    assert!(low[d] - 1e-14 <= x && x <= high[d] + 1e-14, "{shape:?} at {xi:?}: {x}");
-                }
-            }
-        }
-        let line = bounds(Shape::Line2, &[[1.0, 0.0], [0.0, 2.0]]);
-        assert_eq!(line, [[0.0, 0.0], [1.0, 2.0]]);
     }
 }

@@ -1,7 +1,7 @@
-//! `G du = -c` analysed: `du_s = T du_q + G du_p + g`. Where G is constant, a new c needs no new factorization.
+//! `G du = -c` analysed: `du_s = T du_q + g`. Where G is constant, a new c needs no new factorization.
 //!
 //! A step is `du_q = 0`: of T nothing is needed, and along a chain of bodies it is as large as the square of their number. Connected
-//! parts stay factors.
+//! parts stay factors. Prescribed DOFs have their values from the start, so that their increments are zero.
 
 use std::sync::Arc;
 
@@ -20,32 +20,31 @@ pub struct Linearisation {
     refresher: Option<Refresher>,
     /// Made when a step is wanted.
     reduction: Option<Reduction>,
-    /// Increments of the prescribed DOFs, in the order of the system.
+    /// Of prescribed DOFs.
     increments: Vec<f64>,
 }
 
 impl Linearisation {
-    /// Linearises and analyses; `increments` are those of prescribed DOFs.
+    /// Linearises and analyses; DOFs in `held` do not move.
     pub fn new(
         set: &ConstraintSet,
         quantities: &Quantities,
-        increments: &[(usize, f64)],
+        held: &[(usize, f64)],
         (step, options): (usize, &NewtonOptions),
     ) -> Result<Self, NewtonError> {
         options.analysis.validate().map_err(|source| NewtonError::Analysis { step, source: source.into() })?;
-        let system = set.linearised(quantities, increments).map_err(|source| NewtonError::System { step, source })?;
+        let increments: Vec<(usize, f64)> = held.iter().map(|&(j, v)| (j, 0.0 * v)).collect();
+        let system = set.linearised(quantities, &increments).map_err(|source| NewtonError::System { step, source })?;
         // Along a chain the end moves by its length where the first hinge turns: to avoid that, slaves would have to be looked for far away.
         let loose = Options { growth: options.analysis.growth.max(GROWTH), ..options.analysis.clone() };
         let analysis = analyse(&system, &loose).map_err(|source| NewtonError::Analysis { step, source })?;
-        let increments = system.prescribed().iter().map(|&(_, v)| v).collect();
+        let increments = vec![0.0; held.len()];
         Ok(Self { analysis: Arc::new(analysis), refresher: None, reduction: None, increments })
     }
 
-    /// The same G with another c and other increments of the same DOFs; nothing if that cannot be had without a new analysis.
-    pub fn refreshed(mut self, quantities: &Quantities, increments: &[(usize, f64)]) -> Option<Self> {
+    /// The same G with another c; nothing if that cannot be had without a new analysis.
+    pub fn refreshed(mut self, quantities: &Quantities) -> Option<Self> {
         let rhs: Vec<f64> = quantities.c().iter().map(|c| -c).collect();
-        let of = |&(dof, _): &(usize, f64)| increments.iter().find(|&&(j, _)| j == dof).map(|&(_, v)| v);
-        self.increments = self.analysis.system().prescribed().iter().map(of).collect::<Option<_>>()?;
         let mut reduction = self.take().ok()?;
         let made = || Refresher::new(Arc::clone(&self.analysis)).ok();
         let refresher = self.refresher.take().or_else(made)?;

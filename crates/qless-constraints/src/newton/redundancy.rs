@@ -4,13 +4,13 @@
 //! its equations are independent elsewhere. The answer comes from a second configuration: a random step
 //! `du = T dq` within what the kept equations allow, brought back to the constraints by Newton's method.
 
-use qless::{Analysis, Csr, Form, Options, Reduction, analyse};
+use qless::{Analysis, Form, Options, Reduction, analyse};
 
-use super::residual::change;
+use super::residual::{change, sizes_of_dofs};
 use super::{NewtonError, NewtonOptions, dependent, solve};
-use crate::ConstraintSet;
+use crate::{ConstraintSet, Quantities};
 
-/// How much G changes on the way to the second configuration, relative to its entries.
+/// How much G changes on the way to the second configuration, relative to its entries, DOFs measured by their sizes.
 const STEP: f64 = 0.05;
 /// Directions that are tried.
 const TRIES: u64 = 8;
@@ -69,7 +69,8 @@ pub fn redundancies(
 
 /// What is known at one configuration.
 struct Here {
-    g: Csr,
+    quantities: Quantities,
+    sizes: Vec<f64>,
     analysis: Analysis,
     /// Of `G du = 0`: no constants.
     reduction: Reduction,
@@ -86,14 +87,16 @@ enum Nearby {
 impl Here {
     fn new(set: &ConstraintSet, u: &[f64], options: &Options) -> Result<Self, NewtonError> {
         let mut quantities = set.allocate();
-        set.evaluate(u, &mut quantities).map_err(|source| NewtonError::Argument { step: 0, source })?;
+        let argument = |source| NewtonError::Argument { step: 0, source };
+        set.evaluate(u, &mut quantities).map_err(argument)?;
+        let sizes = sizes_of_dofs(set, u, &mut quantities).map_err(argument)?;
         // Only the rank is asked for: c is left out, so that nothing conflicts.
         quantities.c.fill(0.0);
         let system = set.linearised(&quantities, &[]).map_err(|source| NewtonError::System { step: 0, source })?;
         let analysis = analyse(&system, options).map_err(|source| NewtonError::Analysis { step: 0, source })?;
         let reduction = analysis.reduction_in(Form::Factored);
         let reduction = reduction.map_err(|source| NewtonError::Reduction { step: 0, source })?;
-        Ok(Self { g: quantities.g, analysis, reduction })
+        Ok(Self { quantities, sizes, analysis, reduction })
     }
 
     fn nearby(&self, set: &ConstraintSet, u: &[f64], options: &NewtonOptions) -> Nearby {
@@ -122,10 +125,11 @@ impl Here {
 
     /// A random `du = [T; I] dq`, of such a size that G changes by [`STEP`]; nothing if it does not change.
     fn step(&self, set: &ConstraintSet, u: &[f64], seed: u64) -> Option<Vec<f64>> {
-        let dq: Vec<f64> = (0..self.reduction.masters().len() as u64).map(|k| random(seed << 32 | k)).collect();
+        let drawn = |(k, &j): (u64, &usize)| self.sizes[j] * random(seed << 32 | k);
+        let dq: Vec<f64> = (0..).zip(self.reduction.masters()).map(drawn).collect();
         let du = self.reduction.expand(&dq, &[]).ok()?;
         let moved = |size: f64| u.iter().zip(&du).map(|(u, du)| u + size * du).collect::<Vec<_>>();
-        let mut size = u.iter().fold(1.0, |most: f64, u| most.max(u.abs()));
+        let mut size = 1.0;
         for _ in 0..60 {
             let changed = self.change_at(set, &moved(size))?;
             if changed == 0.0 {
@@ -142,12 +146,12 @@ impl Here {
     fn change_at(&self, set: &ConstraintSet, v: &[f64]) -> Option<f64> {
         let mut quantities = set.allocate();
         set.evaluate(v, &mut quantities).ok()?;
-        Some(change(&self.g, &quantities.g))
+        Some(change(&self.quantities, &quantities, &self.sizes))
     }
 }
 
 /// In [-1, 1], away from zero, the same on every machine (SplitMix64).
-fn random(seed: u64) -> f64 {
+pub fn random(seed: u64) -> f64 {
     let mut z = seed.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);

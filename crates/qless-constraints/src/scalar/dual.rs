@@ -5,48 +5,48 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::Scalar;
 
-/// A value and its derivatives in N directions.
+/// A value and its derivatives in N directions, all of them numbers S: with [`super::Bounded`], each has a bound on its rounding.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dual<const N: usize> {
+pub struct Dual<const N: usize, S = f64> {
     /// The value.
-    pub real: f64,
+    pub real: S,
     /// Its derivative in each direction.
-    pub slope: [f64; N],
+    pub slope: [S; N],
 }
 
-impl<const N: usize> Dual<N> {
+impl<const N: usize, S: Scalar> Dual<N, S> {
     /// The variable of direction `k`; a constant if there is no such direction.
-    pub fn variable(real: f64, k: usize) -> Self {
-        Self { real, slope: from_fn(|i| f64::from(u8::from(i == k))) }
+    pub fn variable(real: S, k: usize) -> Self {
+        Self { real, slope: from_fn(|i| S::from(f64::from(u8::from(i == k)))) }
     }
 
     /// `f(self)` from f and f' at its value.
-    fn chain(self, f: f64, slope: f64) -> Self {
+    fn chain(self, f: S, slope: S) -> Self {
         Self { real: f, slope: self.slope.map(|s| slope * s) }
     }
 }
 
-impl<const N: usize> From<f64> for Dual<N> {
+impl<const N: usize, S: Scalar> From<f64> for Dual<N, S> {
     fn from(real: f64) -> Self {
-        Self { real, slope: [0.0; N] }
+        Self { real: S::from(real), slope: [S::from(0.0); N] }
     }
 }
 
-impl<const N: usize> Add for Dual<N> {
+impl<const N: usize, S: Scalar> Add for Dual<N, S> {
     type Output = Self;
     fn add(self, b: Self) -> Self {
         Self { real: self.real + b.real, slope: from_fn(|k| self.slope[k] + b.slope[k]) }
     }
 }
 
-impl<const N: usize> Sub for Dual<N> {
+impl<const N: usize, S: Scalar> Sub for Dual<N, S> {
     type Output = Self;
     fn sub(self, b: Self) -> Self {
         Self { real: self.real - b.real, slope: from_fn(|k| self.slope[k] - b.slope[k]) }
     }
 }
 
-impl<const N: usize> Mul for Dual<N> {
+impl<const N: usize, S: Scalar> Mul for Dual<N, S> {
     type Output = Self;
     #[allow(clippy::suspicious_arithmetic_impl, reason = "the rule of products and quotients")]
     fn mul(self, b: Self) -> Self {
@@ -54,7 +54,7 @@ impl<const N: usize> Mul for Dual<N> {
     }
 }
 
-impl<const N: usize> Div for Dual<N> {
+impl<const N: usize, S: Scalar> Div for Dual<N, S> {
     type Output = Self;
     #[allow(clippy::suspicious_arithmetic_impl, reason = "the rule of products and quotients")]
     fn div(self, b: Self) -> Self {
@@ -63,20 +63,20 @@ impl<const N: usize> Div for Dual<N> {
     }
 }
 
-impl<const N: usize> Neg for Dual<N> {
+impl<const N: usize, S: Scalar> Neg for Dual<N, S> {
     type Output = Self;
     fn neg(self) -> Self {
-        self.chain(-self.real, -1.0)
+        Self { real: -self.real, slope: self.slope.map(|s| -s) }
     }
 }
 
-impl<const N: usize> Scalar for Dual<N> {
+impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
     fn real(self) -> f64 {
-        self.real
+        self.real.real()
     }
     fn sqrt(self) -> Self {
         let root = self.real.sqrt();
-        self.chain(root, 0.5 / root)
+        self.chain(root, S::from(0.5) / root)
     }
     fn sin(self) -> Self {
         self.chain(self.real.sin(), self.real.cos())

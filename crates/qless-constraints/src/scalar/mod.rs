@@ -1,11 +1,13 @@
-//! Numbers that a constraint can be evaluated in: `f64`, or one that carries derivatives along.
+//! Numbers that a constraint can be evaluated in: `f64`, or one that carries derivatives or a bound on its rounding along.
 
+mod bounded;
 mod dual;
 mod hyper;
 pub mod vector;
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+pub use bounded::Bounded;
 pub use dual::Dual;
 pub use hyper::HyperDual;
 
@@ -20,7 +22,7 @@ impl<S> Arithmetic for S where
 {
 }
 
-/// A real number, with or without derivatives.
+/// A real number, with or without derivatives and bounds.
 ///
 /// A constraint whose value is written for every `Scalar` gets its Jacobian and Hessian without a second formula, exact to
 /// rounding: `f(x + e) = f(x) + f'(x) e` where `e^2 = 0`.
@@ -45,6 +47,16 @@ pub trait Scalar: Arithmetic + Div<Output = Self> {
     /// Cosine.
     #[must_use]
     fn cos(self) -> Self;
+    /// The angle of the point with the height `self` above `x`, in (-pi, pi].
+    ///
+    /// Of its value h the sine and cosine are known: what is left, `tan(angle - h)`, is rounding, and has the derivatives.
+    #[must_use]
+    fn atan2(self, x: Self) -> Self {
+        let h = self.real().atan2(x.real());
+        let (sin, cos) = (Self::from(h).sin(), Self::from(h).cos());
+        let rest = (self * cos - x * sin) / (x * cos + self * sin);
+        Self::from(h) + rest
+    }
 }
 
 impl Scalar for f64 {
@@ -59,5 +71,28 @@ impl Scalar for f64 {
     }
     fn cos(self) -> Self {
         self.cos()
+    }
+    fn atan2(self, x: Self) -> Self {
+        self.atan2(x)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `atan2(y, x)` has the slopes `x / r^2` and `-y / r^2`, and the mixed curvature `(y^2 - x^2) / r^4`, in every quadrant.
+    #[test]
+    fn angles_have_their_derivatives() {
+        for (y, x) in [(0.3_f64, 2.0_f64), (5.0, -0.1), (-1.0, 1.5), (-0.2, -3.0), (1e-9, 1.0)] {
+            let square = x * x + y * y;
+            let found = Dual::<2>::variable(y, 0).atan2(Dual::variable(x, 1));
+            assert!((found.real - y.atan2(x)).abs() < 1e-15);
+            assert!((found.slope[0] - x / square).abs() < 1e-15 && (found.slope[1] + y / square).abs() < 1e-15);
+            let upright = HyperDual { real: y, first: 1.0, second: 0.0, mixed: 0.0 };
+            let along = HyperDual { real: x, first: 0.0, second: 1.0, mixed: 0.0 };
+            let truth = (y * y - x * x) / (square * square);
+            assert!((upright.atan2(along).mixed - truth).abs() < 1e-14 * truth.abs());
+        }
     }
 }

@@ -6,6 +6,7 @@ use super::block::Blocks;
 use super::effective::Plan;
 use super::labels::Owner;
 use super::linear::Rows;
+use super::rounding::Size;
 use super::{AddError, ConstraintId, ConstraintSet, Store, StoreError};
 use crate::constraint::Constraint;
 
@@ -16,6 +17,8 @@ pub struct SetBuilder {
     names: Vec<String>,
     linear: Rows,
     blocks: Blocks,
+    /// The largest coordinate that each DOF adds to, rounded up.
+    sizes: Vec<Size>,
 }
 
 impl std::fmt::Debug for SetBuilder {
@@ -27,7 +30,8 @@ impl std::fmt::Debug for SetBuilder {
 
 impl SetBuilder {
     pub(super) fn new(dofs: usize) -> Self {
-        Self { identity: Identity::new(), dofs, names: Vec::new(), linear: Rows::default(), blocks: Blocks::default() }
+        let (linear, blocks) = (Rows::default(), Blocks::default());
+        Self { identity: Identity::new(), dofs, names: Vec::new(), linear, blocks, sizes: Vec::new() }
     }
 
     /// Adds a constraint under a label that reports will use.
@@ -40,7 +44,7 @@ impl SetBuilder {
         constraint: C,
     ) -> Result<ConstraintId, AddError<C::Error>> {
         let label = label.into();
-        let mut store = Store::new(self.dofs);
+        let mut store = Store::new(self.dofs, 0.0);
         if let Err(source) = constraint.process(&mut store) {
             return Err(AddError::Input { name: C::NAME, label, source });
         }
@@ -64,10 +68,21 @@ impl SetBuilder {
         let constraint = self.names.len() as u32;
         self.names.push(label);
         for equation in store.equations {
-            self.linear.push(Owner { constraint, part: equation.part }, &equation.terms, equation.rhs);
+            self.linear.push(Owner { constraint, part: equation.part }, &equation.terms, &equation.rhs);
         }
         store.pieces.into_iter().for_each(|piece| piece.commit(constraint, &mut self.blocks));
+        store.coordinates.into_iter().for_each(|(dof, at)| self.coordinate(dof as usize, at));
         ConstraintId { set: self.identity, number: constraint as usize }
+    }
+
+    fn coordinate(&mut self, dof: usize, at: f64) {
+        if at == 0.0 || dof >= self.dofs {
+            return;
+        }
+        if self.sizes.len() <= dof {
+            self.sizes.resize(dof + 1, Size::default());
+        }
+        self.sizes[dof] = self.sizes[dof].max(Size::above(at));
     }
 
     /// Makes the patterns of G and H from the lists of DOFs and pairs.
@@ -83,7 +98,7 @@ impl SetBuilder {
         linear.write_pattern(&mut pattern)?;
         blocks.iter_mut().try_for_each(|block| block.write_pattern(&mut pattern))?;
         let plan = Plan::new(&blocks, self.dofs);
-        let (identity, dofs, names) = (self.identity, self.dofs, self.names);
-        Ok(ConstraintSet { identity, dofs, linear, blocks, names, pattern, plan })
+        let (identity, dofs, names, sizes) = (self.identity, self.dofs, self.names, self.sizes);
+        Ok(ConstraintSet { identity, dofs, linear, blocks, names, pattern, plan, sizes, time: 0.0 })
     }
 }

@@ -8,7 +8,12 @@ use qless::{Csr, SystemError};
 use super::block::Block;
 use super::labels::Owner;
 use super::order::Order;
+use super::rounding::{Known, bound};
+#[cfg(test)]
+use super::tests::double_double::DoubleDouble;
 use crate::constraint::Nonlinear;
+use crate::derive;
+use crate::scalar::Bounded;
 
 /// Constraints per task, ...
 const MANY: usize = 1024;
@@ -130,6 +135,16 @@ impl<Q: Nonlinear> Homogeneous<Q> {
             }
         }
     }
+
+    /// The bounds of one constraint, in the order of its DOFs.
+    fn rounding_of(&self, i: usize, known: &Known, c: &mut [f64], g: &mut [f64]) {
+        let u: Vec<Bounded> = self.dofs(i).iter().map(|&j| known.dof(j)).collect();
+        let zero = Bounded::from(0.0);
+        let (mut value, mut slopes) = (vec![zero; c.len()], vec![zero; g.len()]);
+        derive::jacobian(&self.items[i], &u, &mut value, &mut slopes);
+        c.iter_mut().zip(value).for_each(|(c, of)| *c = bound(of));
+        g.iter_mut().zip(slopes).for_each(|(g, of)| *g = bound(of));
+    }
 }
 
 impl<Q: Nonlinear> Block for Homogeneous<Q> {
@@ -183,6 +198,18 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
         self.order.restore(items, |i| (self.start[i] as usize - base) * rows, rows, g);
     }
 
+    fn rounding(&self, first: usize, known: &Known, c: &mut [f64], g: &mut [f64]) {
+        let (rows, base) = (Q::PARTS.len(), self.start[first] as usize);
+        let items = first..first + c.len() / rows;
+        let mut rest = &mut *g;
+        for (i, c) in items.clone().zip(c.chunks_exact_mut(rows)) {
+            let own;
+            (own, rest) = rest.split_at_mut(rows * self.width(i..i + 1));
+            self.rounding_of(i, known, c, own);
+        }
+        self.order.restore(items, |i| (self.start[i] as usize - base) * rows, rows, g);
+    }
+
     fn pairs(&self, i: usize, pair: &mut dyn FnMut(u32, u32, usize)) {
         let dofs = self.dofs(i);
         let mut count = 0;
@@ -200,8 +227,45 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
         self.write_curvatures(items, u, w, out);
     }
 
+    fn rotation_vectors(&self, found: &mut dyn FnMut(&[u32], &[usize])) {
+        let mut places = Vec::new();
+        for (i, item) in self.items.iter().enumerate() {
+            places.clear();
+            item.rotation_vectors(&mut |place| places.push(place));
+            found(self.dofs(i), &places);
+        }
+    }
+
+    fn set_time(&mut self, time: f64) {
+        if !Q::DRIVEN {
+            return;
+        }
+        self.items.iter_mut().for_each(|item| item.at_time(time));
+        if Self::UNITS > 0 {
+            let units = self.units.chunks_exact_mut(Self::UNITS);
+            self.items.iter().zip(units).for_each(|(item, units)| item.hessian(&[], &[1.0], units));
+        }
+    }
+
     fn as_any(&mut self) -> &mut dyn Any {
         self
+    }
+
+    #[cfg(test)]
+    fn reference(&self, u: &[DoubleDouble]) -> [Vec<DoubleDouble>; 2] {
+        let (mut all_c, mut all_g) = (Vec::new(), Vec::new());
+        for (i, item) in self.items.iter().enumerate() {
+            let dofs = self.dofs(i);
+            let zero = DoubleDouble::from(0.0);
+            let local: Vec<_> = dofs.iter().map(|&j| u[j as usize]).collect();
+            let (mut c, mut g) = (vec![zero; Q::PARTS.len()], vec![zero; Q::PARTS.len() * dofs.len()]);
+            derive::jacobian(item, &local, &mut c, &mut g);
+            all_c.extend(c);
+            let mut columns: Vec<usize> = (0..dofs.len()).collect();
+            columns.sort_unstable_by_key(|&k| dofs[k]);
+            g.chunks_exact(dofs.len()).for_each(|row| all_g.extend(columns.iter().map(|&k| row[k])));
+        }
+        [all_c, all_g]
     }
 
     #[cfg(test)]

@@ -1,10 +1,13 @@
 //! All linear equations, `c = G u - b`; G is written once.
 
+use std::sync::Arc;
+
 use qless::{Csr, SystemError};
 
 use super::batch::{Batch, ROWS};
 use super::labels::Owner;
 use super::lists::Lists;
+use super::time::{Function, Rhs};
 
 /// Linear equations, whatever types they come from.
 #[derive(Default)]
@@ -15,15 +18,20 @@ pub(super) struct Rows {
     end: Vec<usize>,
     terms: Vec<(u32, f64)>,
     rhs: Vec<f64>,
+    /// Rows whose right-hand sides are functions of time.
+    driven: Vec<(u32, Function)>,
     batches: Vec<Batch>,
     lists: Vec<f64>,
 }
 
 impl Rows {
-    pub fn push(&mut self, owner: Owner, terms: &[(u32, f64)], rhs: f64) {
+    pub fn push(&mut self, owner: Owner, terms: &[(u32, f64)], rhs: &Rhs) {
+        if let Rhs::Function(function) = rhs {
+            self.driven.push((self.owners.len() as u32, Arc::clone(function)));
+        }
         self.terms.extend_from_slice(terms);
         self.end.push(self.terms.len());
-        self.rhs.push(rhs);
+        self.rhs.push(rhs.at(0.0));
         self.owners.push(owner);
         self.nnz = self.terms.len();
     }
@@ -54,6 +62,15 @@ impl Rows {
         self.lists = lists.numbers();
         (self.end, self.terms, self.rhs) = (Vec::new(), Vec::new(), Vec::new());
         Ok(())
+    }
+
+    /// Rows with their right-hand sides in time.
+    pub fn driven(&self) -> impl Iterator<Item = (usize, &Function)> {
+        self.driven.iter().map(|(row, function)| (*row as usize, function))
+    }
+
+    pub fn set_rhs(&mut self, row: usize, rhs: f64) {
+        self.batches[row / ROWS].rhs[row % ROWS] = rhs;
     }
 
     /// Number of batches; each has [`ROWS`] equations, the last one what is left.

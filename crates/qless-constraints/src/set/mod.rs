@@ -16,10 +16,13 @@ mod linear;
 mod lists;
 mod order;
 mod pattern;
+pub(crate) mod rotations;
+mod rounding;
 mod store;
 mod sums;
 mod system;
 mod tasks;
+mod time;
 mod weights;
 
 use std::ops::Range;
@@ -33,7 +36,11 @@ pub use error::{AddError, LineariseError, StoreError};
 pub use labels::ConstraintId;
 use labels::Owner;
 use linear::Rows;
+pub use rounding::Rounding;
+use rounding::Size;
 pub use store::Store;
+pub use system::Vanishing;
+pub use time::TimeError;
 pub use weights::Weights;
 
 /// Validated constraints on n DOFs.
@@ -64,6 +71,9 @@ pub struct ConstraintSet {
     /// G with the coefficients of the linear equations in it.
     pattern: Csr,
     plan: Plan,
+    time: f64,
+    /// The largest coordinate that each DOF adds to, for [`ConstraintSet::rounding`]; shorter if the others add to none.
+    sizes: Vec<Size>,
 }
 
 impl std::fmt::Debug for ConstraintSet {
@@ -77,6 +87,8 @@ impl std::fmt::Debug for ConstraintSet {
 #[derive(Clone, Debug)]
 pub struct Quantities {
     of: Identity,
+    /// The configuration of the last evaluation of c and G.
+    u: Vec<f64>,
     pub(crate) c: Vec<f64>,
     pub(crate) g: Csr,
     h: Csr,
@@ -133,6 +145,7 @@ impl ConstraintSet {
     pub fn allocate(&self) -> Quantities {
         Quantities {
             of: self.identity,
+            u: vec![0.0; self.dofs],
             c: vec![0.0; self.equations()],
             g: self.pattern.clone(),
             h: self.plan.allocate(),
@@ -147,6 +160,7 @@ impl ConstraintSet {
     /// [`ArgumentError`] if `u` does not have length n, or the quantities were not allocated by this set.
     pub fn evaluate(&self, u: &[f64], quantities: &mut Quantities) -> Result<(), ArgumentError> {
         self.check(u, None, quantities)?;
+        quantities.u.copy_from_slice(u);
         tasks::run(tasks::of_values(&self.linear, &self.blocks, &mut quantities.c, &mut quantities.g), u);
         Ok(())
     }
@@ -189,6 +203,7 @@ impl ConstraintSet {
     /// [`ArgumentError`] if `u` or `weights` has the wrong length, or the quantities were not allocated by this set.
     pub fn assemble(&self, u: &[f64], weights: &[f64], quantities: &mut Quantities) -> Result<(), ArgumentError> {
         self.check(u, Some(weights), quantities)?;
+        quantities.u.copy_from_slice(u);
         let Quantities { c, g, h, .. } = quantities;
         let weighted = Weighted::new(&self.blocks, self.linear.rows(), weights);
         let mut tasks = tasks::of_values(&self.linear, &self.blocks, c, g);

@@ -1,11 +1,53 @@
 //! `G du = -c`: the set linearised at u, as linear equations for `qless`.
+//!
+//! A row of G that is nothing but rounding is written without terms: scaled to one, its noise would be taken for a rank. Which rows
+//! these are belongs to the configuration and not to the model: [`ConstraintSet::vanishing`] says it of one.
 
-use qless::{ConstraintSystem, SystemBuilder};
+use std::fmt;
 
-use super::{ConstraintSet, LineariseError, Quantities};
+use qless::{ArgumentError, ConstraintSystem, SystemBuilder};
+
+use super::{ConstraintSet, LineariseError, Quantities, Rounding};
+
+/// An equation whose row of G is nothing but rounding at this configuration.
+///
+/// To first order no motion changes it: at `|theta| = 2 pi` no rotation vector reaches a turn about an axis across it, and a rod
+/// whose ends meet has no direction. At other configurations it may well be needed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Vanishing {
+    /// The equation.
+    pub row: usize,
+    /// Its label.
+    pub label: String,
+    /// The largest entry of its row that was computed.
+    pub entry: f64,
+    /// What the rounding of its terms can make of a zero there: not less than the entry.
+    pub rounding: f64,
+    /// c, which no step to first order changes.
+    pub value: f64,
+    /// Whether the equation is linear: then it has no terms at any configuration.
+    pub everywhere: bool,
+}
+
+impl fmt::Display for Vanishing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { label, entry, rounding, value, .. } = self;
+        if self.everywhere {
+            return write!(f, "\"{label}\" has no terms: they cancel; its value is {value:e}");
+        }
+        write!(
+            f,
+            "\"{label}\" says nothing at this configuration: the largest entry of its row of G, {entry:e}, is rounding"
+        )?;
+        write!(f, " (up to {rounding:e}); its value is {value:e}; elsewhere it may be needed")
+    }
+}
 
 impl ConstraintSet {
     /// The linearised equations `G du = -c` with the labels of the set; `prescribed` are increments `(DOF, du)`.
+    ///
+    /// Rows that are nothing but rounding at this configuration have no terms, and a right-hand side of zero where c is rounding too;
+    /// [`ConstraintSet::vanishing`] says which. The configuration is that of the last evaluation.
     ///
     /// ```
     /// use qless::{Options, analyse};
@@ -32,11 +74,58 @@ impl ConstraintSet {
         prescribed: &[(usize, f64)],
     ) -> Result<ConstraintSystem, LineariseError> {
         self.own("the quantities", quantities.of)?;
+        let rounding = self.rounding(&quantities.u)?;
         let mut builder = SystemBuilder::new(self.dofs);
         for (row, &c) in quantities.c.iter().enumerate() {
-            builder.labelled_equation(self.label(row)?, quantities.g.row(row), -c);
+            let is_noise = quantities.vanishes(row, &rounding);
+            let entries = quantities.g.row(row).filter(|_| !is_noise);
+            let rhs = if is_noise && c.abs() <= rounding.c()[row] { 0.0 } else { -c };
+            builder.labelled_equation(self.label(row)?, entries, rhs);
         }
         prescribed.iter().for_each(|&(dof, increment)| builder.prescribe(dof, increment));
         Ok(builder.build()?)
+    }
+
+    /// The equations whose rows of G are nothing but rounding at the configuration of the quantities, ascending.
+    ///
+    /// These are the rows that [`ConstraintSet::linearised`] writes without terms.
+    ///
+    /// ```
+    /// use qless::{Options, analyse};
+    /// use qless_constraints::{ConstraintSet, types::{Body, Revolute}};
+    /// let arm = Body::with_vector([0, 1, 2], [0.0; 3], [3, 4, 5]);
+    /// let mut builder = ConstraintSet::builder(6);
+    /// builder.add("door", Revolute { a: Body::ground(), b: arm, at: [0.0; 3], axis: [0.0, 0.0, 1.0] })?;
+    /// let set = builder.build()?;
+    /// let mut quantities = set.allocate();
+    /// // After one turn, a rotation vector reaches no turn but the one along itself.
+    /// set.evaluate(&[0.0, 0.0, 0.0, 0.0, 0.0, std::f64::consts::TAU], &mut quantities)?;
+    /// let vanishing = set.vanishing(&quantities)?;
+    /// assert_eq!((vanishing.len(), vanishing[0].label.as_str()), (2, "door, axis 1"));
+    /// assert_eq!(analyse(&set.linearised(&quantities, &[])?, &Options::default())?.rank(), 3);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ArgumentError`] for quantities of another set.
+    pub fn vanishing(&self, quantities: &Quantities) -> Result<Vec<Vanishing>, ArgumentError> {
+        self.own("the quantities", quantities.of)?;
+        let rounding = self.rounding(&quantities.u)?;
+        let rows = (0..self.equations()).filter(|&row| quantities.vanishes(row, &rounding));
+        rows.map(|row| self.report(row, quantities, &rounding)).collect()
+    }
+
+    fn report(&self, row: usize, quantities: &Quantities, rounding: &Rounding) -> Result<Vanishing, ArgumentError> {
+        let entry = quantities.g.row(row).map(|(_, v)| v.abs()).fold(0.0, f64::max);
+        let value = quantities.c[row];
+        let rounding = rounding.of_row(row).iter().copied().fold(0.0, f64::max);
+        Ok(Vanishing { row, label: self.label(row)?, entry, rounding, value, everywhere: self.is_linear(row) })
+    }
+}
+
+impl Quantities {
+    /// Whether no entry of a row of G is more than rounding; what is not finite is no rounding.
+    fn vanishes(&self, row: usize, rounding: &Rounding) -> bool {
+        self.g.row(row).zip(rounding.of_row(row)).all(|((_, v), &bound)| v.is_finite() && v.abs() <= bound)
     }
 }

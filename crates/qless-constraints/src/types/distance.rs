@@ -58,6 +58,7 @@ impl<const D: usize> Constraint for Distance<D> {
         }
         let between = std::array::from_fn(|k| self.b.at[k] - self.a.at[k]);
         let dofs: Vec<usize> = self.a.dofs.into_iter().chain(self.b.dofs).collect();
+        [self.a, self.b].iter().for_each(|node| store.coordinates_of(node));
         store.nonlinear("", &dofs, Rod::<D> { between, length });
         Ok(())
     }

@@ -1,11 +1,15 @@
 //! Line to line: `u_p = sum_k N_k u_k` for every node of one line, each on the segment of the other that is nearest to it.
 
-use crate::geometry::node::{AXES, Node, within};
-use crate::geometry::project::project;
-use crate::geometry::shape::Shape;
+use super::interpolation::interpolate;
+use crate::geometry::node::{Node, field_of_node};
+use crate::geometry::search::{FaceSearch, SearchError};
+use crate::geometry::surface::{Surface, SurfaceError};
 use crate::{Constraint, Store};
 
-/// A line tied to another, node by node (collocation); both are polylines in D dimensions.
+/// A line tied to another, node by node (collocation): `u_p = N_1 u_1 + N_2 u_2`; both are polylines with F fields in D dimensions.
+///
+/// F equations and as many DOFs removed for each node of the slave line. Rank is lost where a node is tied twice, or is a node of
+/// both lines. With n nodes near each other the cost is O(n log n).
 ///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{LineTie, PlanarPoint}};
@@ -22,11 +26,11 @@ use crate::{Constraint, Store};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct LineTie<const D: usize> {
+pub struct LineTie<const D: usize, const F: usize = D> {
     /// The nodes that are tied.
-    pub slave: Vec<Node<D>>,
+    pub slave: Vec<Node<D, F>>,
     /// The nodes of the line that they are tied to, in order along it.
-    pub master: Vec<Node<D>>,
+    pub master: Vec<Node<D, F>>,
     /// Farthest that a node may be from the line, a length.
     pub tolerance: f64,
 }
@@ -49,34 +53,21 @@ pub enum LineTieError {
         /// The segment, from 1.
         segment: usize,
     },
-    /// A node is too far away.
-    #[error("node {node}, from 1, is {distance} away from the line, more than the tolerance {tolerance}")]
-    TooFar {
-        /// The node, from 1.
-        node: usize,
-        /// How far.
-        distance: f64,
-        /// How far it may be.
-        tolerance: f64,
-    },
+    /// A node is too far away from the line, or its coordinates are not finite.
+    #[error(transparent)]
+    Search(SearchError),
 }
 
-impl<const D: usize> LineTie<D> {
-    /// The segment nearest to a node, with the weights of its ends and the distance.
-    fn nearest(&self, node: &Node<D>) -> Result<(usize, Vec<f64>, f64), LineTieError> {
-        let mut best = (0, Vec::new(), f64::INFINITY);
-        for (segment, ends) in self.master.windows(2).enumerate() {
-            let found = project(Shape::Line2, &[ends[0].at, ends[1].at], &node.at)
-                .ok_or(LineTieError::Degenerate { segment: segment + 1 })?;
-            if found.distance < best.2 {
-                best = (segment, found.weights, found.distance);
-            }
+impl From<SurfaceError> for LineTieError {
+    fn from(error: SurfaceError) -> Self {
+        match error {
+            SurfaceError::Degenerate { face } => Self::Degenerate { segment: face },
+            other => Self::Search(other.into()),
         }
-        Ok(best)
     }
 }
 
-impl<const D: usize> Constraint for LineTie<D> {
+impl<const D: usize, const F: usize> Constraint for LineTie<D, F> {
     const NAME: &'static str = "tie of lines";
     type Error = LineTieError;
 
@@ -84,16 +75,12 @@ impl<const D: usize> Constraint for LineTie<D> {
         if self.slave.is_empty() || self.master.len() < 2 {
             return Err(LineTieError::TooFew { slave: self.slave.len(), master: self.master.len() });
         }
-        for (i, node) in self.slave.iter().enumerate() {
-            let (segment, weights, distance) = self.nearest(node)?;
-            if !within(distance, self.tolerance) {
-                return Err(LineTieError::TooFar { node: i + 1, distance, tolerance: self.tolerance });
-            }
-            for axis in 0..D {
-                let ends = self.master[segment..].iter().zip(&weights).filter(|&(_, &n)| n != 0.0);
-                let terms = ends.map(|(end, n)| (end.dofs[axis], -n)).chain([(node.dofs[axis], 1.0)]);
-                store.equation(format!("node {}, {}", i + 1, AXES[axis]), terms, 0.0);
-            }
+        let line = Surface::polyline(self.master);
+        let places: Vec<[f64; D]> = self.slave.iter().map(|node| node.at).collect();
+        let nearest = FaceSearch::new(&line)?.within(&places, self.tolerance).map_err(LineTieError::Search)?;
+        for (i, (node, found)) in self.slave.iter().zip(nearest).enumerate() {
+            let ends = line.nodes[found.face..].iter().zip(&found.weights).map(|(end, &n)| (&end.dofs, n));
+            interpolate(store, |k| field_of_node::<D, F>(i, k).into(), &node.dofs, ends);
         }
         Ok(())
     }

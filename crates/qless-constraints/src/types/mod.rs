@@ -7,10 +7,12 @@ mod average;
 mod couplings;
 mod cyclic;
 mod distance;
+mod driven;
 mod equal;
 mod euler_norm;
-mod field_tie;
 mod fluid;
+mod hanging;
+mod interpolation;
 mod joints;
 mod line_tie;
 mod linear;
@@ -19,11 +21,11 @@ mod node_tie;
 mod on_line;
 mod on_plane;
 mod on_sphere;
+mod order_tie;
 mod periodic;
 mod prescribed;
 mod rigid_finite;
 mod rigid_small;
-mod surface_mortar;
 mod volume;
 
 pub use crate::geometry::carrier::Body;
@@ -39,21 +41,25 @@ pub use couplings::{
 };
 pub use cyclic::{Cyclic, CyclicError, CyclicHarmonic};
 pub use distance::{Distance, DistanceError};
+pub use driven::{Driven, DrivenError};
 pub use equal::{Equal, EqualError};
 pub use euler_norm::EulerNorm;
-pub use field_tie::FieldTie;
 pub use fluid::{FluidNormal, FluidNormalError};
-pub use joints::{Fixed, JointError, Prismatic, Revolute, Spherical, Universal};
+pub use hanging::{HangingNode, HangingNodeError};
+pub use joints::{
+    Cylindrical, Fixed, JointError, Parallel, Perpendicular, Planar, Prismatic, Revolute, RotationMotor, Spherical,
+    TranslationMotor, Universal,
+};
 pub use line_tie::{LineTie, LineTieError};
 pub use linear::{LinearEquation, LinearEquationError};
-pub use mortar::{MortarError, MortarTie};
+pub use mortar::{MortarError, MortarTie, Multipliers};
 pub use node_tie::{NodeTie, NodeTieError};
 pub use on_line::{Line, OnLine, OnLineError};
 pub use on_plane::{OnPlane, OnPlaneError, Plane};
 pub use on_sphere::{OnSphere, OnSphereError};
+pub use order_tie::{OrderTie, OrderTieError};
 pub use periodic::{MacroStrain, Periodic, PeriodicError};
 pub use prescribed::{Prescribed, PrescribedError};
 pub use rigid_finite::RigidBody;
 pub use rigid_small::SmallRigidBody;
-pub use surface_mortar::{SurfaceMortarError, SurfaceMortarTie};
 pub use volume::{Volume, VolumeError};

@@ -1,7 +1,8 @@
 //! `u_p = sum_k N_k(xi) u_k`: a node tied to the point of a face or a line that is nearest to it.
 
-use crate::geometry::node::{AXES, Node, within};
-use crate::geometry::project::project;
+use super::interpolation::interpolate;
+use crate::geometry::node::{Node, field, within};
+use crate::geometry::project::{is_degenerate, project, relative, rounding};
 use crate::geometry::search::{FaceSearch, Nearest, SearchError};
 use crate::geometry::shape::Shape;
 use crate::geometry::surface::Surface;
@@ -20,13 +21,13 @@ use crate::{Constraint, Store};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct NodeTie<const D: usize> {
+pub struct NodeTie<const D: usize, const F: usize = D> {
     /// The node that is tied.
-    pub node: Node<D>,
+    pub node: Node<D, F>,
     /// What kind of face it is tied to.
     pub shape: Shape,
     /// The nodes of the face, in the order of the shape.
-    pub face: Vec<Node<D>>,
+    pub face: Vec<Node<D, F>>,
     /// Farthest that the node may be from the face, a length.
     pub tolerance: f64,
 }
@@ -56,7 +57,7 @@ pub enum NodeTieError {
     },
 }
 
-impl<const D: usize> NodeTie<D> {
+impl<const D: usize, const F: usize> NodeTie<D, F> {
     /// Ties each node to the face of a surface that is nearest to it, see [`FaceSearch`]; one tie per node, in their order.
     ///
     /// The nodes should not be of the surface: the equations of such a tie would say `0 = 0`.
@@ -78,10 +79,10 @@ impl<const D: usize> NodeTie<D> {
     ///
     /// # Errors
     /// [`SearchError`]: what is wrong with the surface, or the first node without a face within the tolerance, a length.
-    pub fn to_surface(nodes: &[Node<D>], surface: &Surface<D>, tolerance: f64) -> Result<Vec<Self>, SearchError> {
+    pub fn to_surface(nodes: &[Node<D, F>], surface: &Surface<D, F>, tolerance: f64) -> Result<Vec<Self>, SearchError> {
         let places: Vec<[f64; D]> = nodes.iter().map(|node| node.at).collect();
         let nearest = FaceSearch::new(surface)?.within(&places, tolerance)?;
-        let tie = |(&node, found): (&Node<D>, Nearest)| {
+        let tie = |(&node, found): (&Node<D, F>, Nearest)| {
             let face = &surface.faces[found.face];
             let masters = face.nodes.iter().map(|&master| surface.nodes[master]).collect();
             Self { node, shape: face.shape, face: masters, tolerance }
@@ -90,7 +91,7 @@ impl<const D: usize> NodeTie<D> {
     }
 }
 
-impl<const D: usize> Constraint for NodeTie<D> {
+impl<const D: usize, const F: usize> Constraint for NodeTie<D, F> {
     const NAME: &'static str = "tie of a node";
     type Error = NodeTieError;
 
@@ -99,15 +100,15 @@ impl<const D: usize> Constraint for NodeTie<D> {
             return Err(NodeTieError::Nodes { shape: self.shape, found: self.face.len() });
         }
         let corners: Vec<[f64; D]> = self.face.iter().map(|node| node.at).collect();
+        if is_degenerate(self.shape, &relative(&corners, &self.node.at)) {
+            return Err(NodeTieError::Degenerate);
+        }
         let found = project(self.shape, &corners, &self.node.at).ok_or(NodeTieError::Degenerate)?;
-        if !within(found.distance, self.tolerance) {
+        if !within(found.distance - rounding(&corners, &self.node.at), self.tolerance) {
             return Err(NodeTieError::TooFar { distance: found.distance, tolerance: self.tolerance });
         }
-        for axis in 0..D {
-            let masters = self.face.iter().zip(&found.weights).filter(|&(_, &n)| n != 0.0);
-            let terms = masters.map(|(node, n)| (node.dofs[axis], -n));
-            store.equation(AXES[axis], terms.chain([(self.node.dofs[axis], 1.0)]), 0.0);
-        }
+        let masters = self.face.iter().zip(&found.weights).map(|(node, &n)| (&node.dofs, n));
+        interpolate(store, field::<D, F>, &self.node.dofs, masters);
         Ok(())
     }
 }

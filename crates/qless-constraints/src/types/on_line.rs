@@ -1,9 +1,18 @@
-//! `e_i . ((p - a) x (b - a)) / L = 0`, `i = 1, 2`: a node on the line through two others; `e_i . (p - a) = 0` on a fixed one.
+//! `e_i . (p - a) = 0`, `i = 1, 2`: a node on a line; where the line goes through two nodes, `e_i` turn with it.
+//!
+//! From where the line points at u = 0, D, to where it points now, `d = (b - a) / |b - a|`, the directions E_i across it are carried the shortest way:
+//! `e_i = E_i - (E_i.d) (D + d) / (1 + D.d)`, perpendicular to d and to each other, of length one. Where d is opposite to D there is no
+//! shortest way: from 123 degrees on they are carried from -D. No frame could be carried to all directions.
 
 use crate::geometry::node::{Point, moved};
 use crate::scalar::Scalar;
-use crate::scalar::vector::{Vector, cross, dot, lift, norm, perpendicular, scale, sub, unit};
+use crate::scalar::vector::{Vector, add, dot, lift, norm, perpendicular, scale, sub, unit};
 use crate::{Constraint, Nonlinear, Store};
+
+/// `D.d` from which the frame is carried from -D; no angle at which anything is built.
+const TURNED: f64 = -0.55;
+/// A line that is shorter than this part of its length at u = 0 has no direction.
+const COLLAPSED: f64 = 1e-12;
 
 /// The line that a node stays on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,11 +24,15 @@ pub enum Line {
         /// Its direction, of any length.
         direction: Vector<f64>,
     },
-    /// The line through two nodes. It may turn by less than a right angle from where it was at u = 0.
+    /// The line through two nodes, wherever they go. Where they are in one place it has no direction, and c is not a number.
     Nodes(Point, Point),
 }
 
-/// A node on a line, two equations.
+/// A node on a line: `c_i = e_i . (p - a)`, two lengths: how far the node is off the line, in two directions across it.
+///
+/// `|c|` is the distance. The directions turn with a line through nodes; where it has turned by 123 degrees from u = 0 they are chosen
+/// anew, so that c jumps, with the same length. Multipliers are the force across the line, along `e_i`. Two degrees of freedom are
+/// removed. Singular where the nodes of the line are in one place.
 ///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Line, OnLine, Point}};
@@ -59,7 +72,8 @@ impl Constraint for OnLine {
             Line::Fixed { direction, .. } => direction,
             Line::Nodes(a, b) => sub(b.at, a.at),
         };
-        let across = perpendicular(unit(along).ok_or(OnLineError::Direction)?);
+        let direction = unit(along).ok_or(OnLineError::Direction)?;
+        let across = perpendicular(direction);
         match self.line {
             Line::Fixed { through, .. } => {
                 for (part, e) in ["side 1", "side 2"].into_iter().zip(across) {
@@ -69,18 +83,35 @@ impl Constraint for OnLine {
             }
             Line::Nodes(a, b) => {
                 let dofs = [self.point.dofs, a.dofs, b.dofs].concat();
-                let across = across.map(|e| scale(1.0 / norm(along), e));
-                store.nonlinear("", &dofs, MovingLine { at: [self.point.at, a.at, b.at], across });
+                let (at, length) = ([self.point.at, a.at, b.at], norm(along));
+                store.nonlinear("", &dofs, MovingLine { at, along: direction, length, across });
             }
         }
         Ok(())
     }
 }
 
-/// The stored parameters of a line through two nodes: coordinates, and `e_i / L`.
+/// The stored parameters of a line through two nodes.
 struct MovingLine {
     at: [Vector<f64>; 3],
+    /// D, where the line points at u = 0.
+    along: Vector<f64>,
+    /// Its length there.
+    length: f64,
+    /// E_i.
     across: [Vector<f64>; 2],
+}
+
+impl MovingLine {
+    /// The direction that the frame is carried from: D, or -D where the line has turned farther.
+    fn origin(&self, along: Vector<f64>) -> Vector<f64> {
+        scale(if dot(along, self.along) < TURNED { -1.0 } else { 1.0 }, self.along)
+    }
+
+    /// The length of the line, not a number where nothing is left of it.
+    fn checked<S: Scalar>(&self, length: S) -> S {
+        if length.real() > COLLAPSED * self.length { length } else { S::from(f64::NAN) }
+    }
 }
 
 impl Nonlinear for MovingLine {
@@ -88,14 +119,39 @@ impl Nonlinear for MovingLine {
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
         let [p, a, b] = [0, 1, 2].map(|node| moved(&self.at[node], u, 3 * node));
-        let off = cross(sub(p, a), sub(b, a));
-        (0..2).for_each(|i| c[i] = dot(lift(self.across[i]), off));
+        let (off, along) = (sub(p, a), sub(b, a));
+        let along = scale(S::from(1.0) / self.checked(norm(along)), along);
+        let both = add(lift(self.origin(along.map(Scalar::real))), along);
+        let half = S::from(0.5) * dot(both, both);
+        for (c, e) in c.iter_mut().zip(self.across.map(lift)) {
+            *c = dot(e, off) - dot(e, along) * dot(both, off) / half;
+        }
     }
 
-    /// Bilinear in the nodes: no node with itself, no component with itself.
+    /// All but the node with itself.
     fn pairs(&self, dofs: usize, pair: &mut dyn FnMut(usize, usize)) {
-        for j in 0..dofs {
-            (0..j).filter(|k| k / 3 != j / 3 && k % 3 != j % 3).for_each(|k| pair(j, k));
+        (3..dofs).for_each(|j| (0..=j).for_each(|k| pair(j, k)));
+    }
+
+    /// `e_i` for the node; with `v = dc_i / dd` the end b has `(v - (v.d) d) / l`, and the end a what makes the sum zero.
+    fn value_and_jacobian(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
+        let [p, a, b] = [0, 1, 2].map(|node| moved(&self.at[node], u, 3 * node));
+        let (off, along) = (sub(p, a), sub(b, a));
+        let inverse = 1.0 / self.checked(norm(along));
+        let along = scale(inverse, along);
+        let both = add(self.origin(along), along);
+        let (half, height) = (0.5 * dot(both, both), dot(both, off));
+        for ((c, g), across) in c.iter_mut().zip(g.chunks_exact_mut(9)).zip(self.across) {
+            let lean = dot(across, along) / half;
+            let e = sub(across, scale(lean, both));
+            *c = dot(e, off);
+            // half = 1 + D.d, with the slope D = both - d.
+            let by_lean = sub(across, scale(lean, sub(both, along)));
+            let v = sub(scale(-height / half, by_lean), scale(lean, off));
+            let of_b = scale(inverse, sub(v, scale(dot(v, along), along)));
+            for k in 0..3 {
+                (g[k], g[3 + k], g[6 + k]) = (e[k], -e[k] - of_b[k], of_b[k]);
+            }
         }
     }
 }

@@ -1,9 +1,12 @@
-//! `(p - a) . ((b - a) x (d - a)) / (2 A) = 0`: a node on the plane through three others; `n . (p - a) = 0` on a fixed one.
+//! `n . (p - a) = 0`: a node on a plane; on that through three nodes, `n = (b - a) x (d - a) / |(b - a) x (d - a)|`.
 
 use crate::geometry::node::{Point, moved};
 use crate::scalar::Scalar;
-use crate::scalar::vector::{Vector, cross, dot, norm, sub, unit};
+use crate::scalar::vector::{Vector, cross, dot, norm, scale, sub, unit};
 use crate::{Constraint, Nonlinear, Store};
+
+/// Nodes lie in a line if the sine of their angle is below this.
+const FLAT: f64 = 1e-12;
 
 /// The plane that a node stays on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,11 +18,14 @@ pub enum Plane {
         /// Its normal, of any length.
         normal: Vector<f64>,
     },
-    /// The plane through three nodes; A is the area of their triangle at u = 0.
+    /// The plane through three nodes, wherever they go. Where they lie in a line it has no normal, and c is not a number.
     Nodes(Point, Point, Point),
 }
 
-/// A node on a plane, one equation.
+/// A node on a plane: `c = n . (p - a)`, a length: how high the node is above it.
+///
+/// The normal turns with a plane through nodes. The multiplier is the force along it. One degree of freedom is removed. Singular where the
+/// nodes of the plane lie in a line.
 ///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{OnPlane, Plane, Point}};
@@ -64,38 +70,58 @@ impl Constraint for OnPlane {
             }
             Plane::Nodes(a, b, d) => {
                 let (ab, ad) = (sub(b.at, a.at), sub(d.at, a.at));
-                let area = norm(cross(ab, ad));
-                let sound = area > 1e-12 * norm(ab) * norm(ad);
+                let sound = norm(cross(ab, ad)) > FLAT * norm(ab) * norm(ad);
                 if !sound {
                     return Err(OnPlaneError::Normal);
                 }
                 let at = [self.point.at, a.at, b.at, d.at];
                 let dofs = [self.point.dofs, a.dofs, b.dofs, d.dofs].concat();
-                store.nonlinear("", &dofs, MovingPlane { at, scale: 1.0 / area });
+                store.nonlinear("", &dofs, MovingPlane { at });
             }
         }
         Ok(())
     }
 }
 
-/// The stored parameters of a plane through three nodes: coordinates, and `1 / (2 A)`.
+/// The stored parameters of a plane through three nodes: coordinates.
 struct MovingPlane {
     at: [Vector<f64>; 4],
-    scale: f64,
+}
+
+impl MovingPlane {
+    /// `p - a`, `b - a`, `d - a`, their normal and its length, which is not a number where the nodes lie in a line.
+    fn sides<S: Scalar>(&self, u: &[S]) -> ([Vector<S>; 4], S) {
+        let [p, a, b, d] = [0, 1, 2, 3].map(|node| moved(&self.at[node], u, 3 * node));
+        let (ab, ad) = (sub(b, a), sub(d, a));
+        let normal = cross(ab, ad);
+        let size = |v: Vector<S>| norm(v.map(Scalar::real));
+        let sound = size(normal) > FLAT * size(ab) * size(ad);
+        ([sub(p, a), ab, ad, normal], if sound { norm(normal) } else { S::from(f64::NAN) })
+    }
 }
 
 impl Nonlinear for MovingPlane {
     const PARTS: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
-        let [p, a, b, d] = [0, 1, 2, 3].map(|node| moved(&self.at[node], u, 3 * node));
-        c[0] = dot(sub(p, a), cross(sub(b, a), sub(d, a))) * S::from(self.scale);
+        let ([off, _, _, normal], length) = self.sides(u);
+        c[0] = dot(off, normal) / length;
     }
 
-    /// Trilinear: no node with itself, no component with itself.
+    /// All but the node with itself.
     fn pairs(&self, dofs: usize, pair: &mut dyn FnMut(usize, usize)) {
-        for j in 0..dofs {
-            (0..j).filter(|k| k / 3 != j / 3 && k % 3 != j % 3).for_each(|k| pair(j, k));
+        (3..dofs).for_each(|j| (0..=j).for_each(|k| pair(j, k)));
+    }
+
+    /// n for the node; with `m = dc / d((b - a) x (d - a)) = (p - a - c n) / |..|` the corners have `(d - a) x m` and `m x (b - a)`.
+    fn value_and_jacobian(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
+        let ([off, ab, ad, normal], length) = self.sides(u);
+        let n = scale(1.0 / length, normal);
+        c[0] = dot(off, n);
+        let m = scale(1.0 / length, sub(off, scale(c[0], n)));
+        let (of_b, of_d) = (cross(ad, m), cross(m, ab));
+        for k in 0..3 {
+            (g[k], g[3 + k], g[6 + k], g[9 + k]) = (n[k], -n[k] - of_b[k] - of_d[k], of_b[k], of_d[k]);
         }
     }
 }

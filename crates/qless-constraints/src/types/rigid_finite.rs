@@ -1,19 +1,21 @@
 //! `x_i = x_r + R (X_i - X_r)`, `R_i = R`: nodes that move as a rigid body, for rotations of any size.
 
-use crate::geometry::carrier::{Body, Carrier};
+use crate::geometry::carrier::{Body, Carrier, Kind};
 use crate::geometry::node::Point;
 use crate::scalar::Scalar;
 use crate::types::couplings::rows::check;
 use crate::types::joints::coincident::coincident;
+use crate::types::joints::orientation::Aligned;
+use crate::types::joints::relative::{relative, rotation_vectors};
 use crate::types::rigid_small::part;
-use crate::types::{Component, CouplingError, Node6};
+use crate::types::{CouplingError, Node6};
 use crate::{Constraint, Nonlinear, Store};
 
 /// A rigid link (one node) or rigid body (many), exact for finite rotations.
 ///
 /// `x_i = x_r + R (X_i - X_r)`, one equation for each translation that a node has: leave DOFs out (`None`, [`Node6::only`]) and these
-/// components stay free. A node with rotations has a rotation vector as the body has, and `theta_i = theta_r`: the same rotation,
-/// `R_i = R`, and the same branch of it. Three rotations or none: single components of a rotation vector mean nothing.
+/// components stay free. A node with rotations has a rotation vector, and `log(R^T R_i) = 0`, three angles in the axes of the body: it turns
+/// as the body does, which may have Euler parameters. Three rotations or none: single components of a rotation vector mean nothing.
 /// A node with Euler parameters is a [`Body`]: join it by a fixed joint.
 ///
 /// DOFs removed: one for each equation; all are independent at any rotation, as each has a DOF of its own. Units: lengths for
@@ -56,6 +58,10 @@ impl Nonlinear for Coordinate {
         c[0] = S::from(self.at) + u[0] - self.body.point(&u[1..])[self.axis];
     }
 
+    fn rotation_vectors(&self, found: &mut dyn FnMut(usize)) {
+        rotation_vectors([(1 + self.body.kind.positions(), self.body.kind), (0, Kind::Ground)], found);
+    }
+
     /// Rotations of the body.
     fn pairs(&self, dofs: usize, pair: &mut dyn FnMut(usize, usize)) {
         let first = 1 + self.body.kind.positions();
@@ -68,8 +74,7 @@ impl RigidBody {
     fn translations(&self, store: &mut Store, i: usize) {
         let node = self.nodes[i];
         if let [Some(x), Some(y), Some(z), ..] = node.dofs {
-            let name = if self.nodes.len() == 1 { String::new() } else { format!("node {}", i + 1) };
-            return coincident(store, name, &self.body, &Body::node(Point::new([x, y, z], node.at)), node.at);
+            return coincident(store, self.name(i), &self.body, &Body::node(Point::new([x, y, z], node.at)), node.at);
         }
         for (component, dof) in node.components().filter(|(component, _)| !component.is_rotation()) {
             let axis = component as usize;
@@ -79,21 +84,25 @@ impl RigidBody {
         }
     }
 
-    /// `theta_i - theta_r = 0`.
+    /// `log(R^T R_i) = 0`.
     fn rotations(&self, store: &mut Store, i: usize) -> Result<(), CouplingError> {
-        let (node, lead) = (i + 1, self.body.rotation_dofs());
-        let own: Vec<(Component, usize)> = self.nodes[i].components().filter(|(k, _)| k.is_rotation()).collect();
-        match (own.len(), lead.len()) {
-            (0, _) => Ok(()),
-            (3, 3) => {
-                for (&(component, dof), &lead) in own.iter().zip(lead) {
-                    store.equation(part(i, self.nodes.len(), component), [(dof, 1.0), (lead, -1.0)], 0.0);
-                }
+        let node = self.nodes[i];
+        let turns: Vec<usize> = node.dofs[3..].iter().filter_map(|&dof| dof).collect();
+        match turns[..] {
+            [] => Ok(()),
+            [x, y, z] => {
+                // Rotations alone count; any position will do.
+                let follower = Body::with_vector(self.body.position, node.at, [x, y, z]);
+                relative(store, self.name(i), &self.body, &follower, Aligned);
                 Ok(())
             }
-            (3, _) => Err(CouplingError::NotAVector { node }),
-            _ => Err(CouplingError::PartOfRotations { node }),
+            _ => Err(CouplingError::PartOfRotations { node: i + 1 }),
         }
+    }
+
+    /// Which node it is, if there are several.
+    fn name(&self, i: usize) -> String {
+        if self.nodes.len() == 1 { String::new() } else { format!("node {}", i + 1) }
     }
 }
 

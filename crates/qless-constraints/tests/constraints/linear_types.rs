@@ -2,8 +2,8 @@ use std::array::from_fn;
 
 use qless_constraints::ConstraintSet;
 use qless_constraints::types::{
-    Average, Cyclic, CyclicHarmonic, FluidNormal, Line, LineTie, MortarTie, Node6, NodeTie, OnLine, OnPlane,
-    PlanarPoint, Plane, Point, Shape, SmallRigidBody,
+    Average, Cyclic, CyclicHarmonic, FluidNormal, Line, LineTie, MortarTie, Multipliers, Node6, NodeTie, OnLine,
+    OnPlane, PlanarPoint, Plane, Point, Shape, SmallRigidBody, Surface,
 };
 
 use crate::linkages::{Outcome, random};
@@ -33,8 +33,8 @@ fn face(shape: Shape) -> Vec<[f64; 3]> {
     let triangle = [[0.0, 0.0], [2.0, 0.3], [0.4, 1.5], [1.0, 0.1], [1.25, 0.95], [0.15, 0.75]];
     let quad = [[0.0, 0.0], [2.0, 0.2], [2.2, 1.6], [-0.1, 1.4], [1.0, 0.0], [2.15, 0.9], [1.05, 1.55], [-0.1, 0.7]];
     let flat = match shape {
-        Shape::Line2 | Shape::Tri3 | Shape::Tri6 => &triangle[..shape.nodes()],
         Shape::Quad4 | Shape::Quad8 => &quad[..shape.nodes()],
+        _ => &triangle[..shape.nodes()],
     };
     // On the inclined plane z = 0.5 x - 0.25 y.
     flat.iter().map(|&[x, y]| [x, y, 0.5 * x - 0.25 * y]).collect()
@@ -68,7 +68,8 @@ fn lines_and_mortar_pass_linear_fields() -> Outcome {
     let (slave, master) = (points[..4].to_vec(), points[4..].to_vec());
     let mut builder = ConstraintSet::builder(27);
     builder.add("line", LineTie { slave: slave.clone(), master: master.clone(), tolerance: 1e-12 })?;
-    builder.add("mortar", MortarTie { slave, master, tolerance: 1e-12 })?;
+    let [slave, master] = [slave, master].map(Surface::polyline);
+    builder.add("mortar", MortarTie { slave, master, multipliers: Multipliers::Standard, tolerance: 1e-12 })?;
     let set = builder.build().expect("few DOFs");
     assert_eq!(set.equations(), 24);
     assert!(residual(&set, &displaced(&nodes)) < 1e-14);
@@ -91,8 +92,9 @@ fn mortar_integrals_are_exact() -> Outcome {
     let (slave, master) = ([0.0, 0.4, 1.0], [0.0, 0.55, 1.0]);
     let at = |i: usize, x: f64| PlanarPoint::new([2 * i, 2 * i + 1], [x, 0.0]);
     let tie = MortarTie {
-        slave: (0..3).map(|i| at(i, slave[i])).collect(),
-        master: (0..3).map(|i| at(i + 3, master[i])).collect(),
+        slave: Surface::polyline((0..3).map(|i| at(i, slave[i])).collect()),
+        master: Surface::polyline((0..3).map(|i| at(i + 3, master[i])).collect()),
+        multipliers: Multipliers::Standard,
         tolerance: 1e-12,
     };
     let mut builder = ConstraintSet::builder(12);

@@ -1,21 +1,39 @@
 //! Constraint sets as a user meets them.
 
+/// Nodes on lines and planes that turn.
+mod beads;
 /// Rigid bodies and averages of nodes with rotations, beams and shells on solids, walls of fluids.
 mod couplings;
+/// Dual multipliers of mortar ties: biorthogonal, local, and as exact as the others.
+mod dual_mortar;
+/// Nodes embedded in solids.
+mod embedded;
 /// Methods that enforce constraints on a stiffness matrix, against one another.
 mod enforcement;
 /// Parts whose T would fill and that stay factors: the same results as with T.
 mod factored;
+/// Nodes with any number of fields.
+mod fields;
+/// Hanging nodes of h- and p-refinement.
+mod hanging;
+/// Joints from far off, and what they leave free.
+mod joints;
 /// Types that are linear: fields that they must let through, loads that they must carry.
 mod linear_types;
 /// Planar and spatial linkages, as sets.
 mod linkages;
 /// Known ranks of known mechanisms.
 mod mechanisms;
+/// Mechanisms driven over many turns, against closed forms.
+mod motors;
 /// Residuals of Newton's method.
 mod newton;
+/// Rows of G that are rounding and nothing else.
+mod noise;
 /// Two blocks of solid elements under tension, tied at meshes that do not match.
 mod patch;
+/// Poses of bodies, independent of the library.
+mod poses;
 /// Input that must be refused, and what is said.
 mod refused;
 /// The nearest face of a surface.
@@ -23,3 +41,7 @@ mod search;
 mod steps;
 /// Mortar ties of surfaces: identities of D and M.
 mod surface_mortar;
+/// Right-hand sides and parameters that are functions of time.
+mod time;
+/// Rotation vectors that are kept short.
+mod turns;

@@ -3,7 +3,7 @@ use std::array::from_fn;
 use faer::sparse::{SparseColMat, Triplet};
 use qless_constraints::ConstraintSet;
 use qless_constraints::enforce::Problem;
-use qless_constraints::types::{Face, Point, Shape, Surface, SurfaceMortarTie};
+use qless_constraints::types::{Face, MortarTie, Multipliers, Point, Shape, Surface};
 
 use crate::linkages::Outcome;
 
@@ -89,7 +89,8 @@ fn brick(nodes: &[Point]) -> Vec<Triplet<usize, usize, f64>> {
 /// Uniform tension goes through the interface as if it were not there (Puso 2004, Sec. 5), whichever side is the slave.
 #[test]
 fn tension_passes_meshes_that_do_not_match() -> Outcome {
-    for cells in [[2, 3], [3, 2], [4, 3]] {
+    let kinds = [Multipliers::Standard, Multipliers::Dual];
+    for (cells, multipliers) in [[2, 3], [3, 2], [4, 3]].into_iter().flat_map(|cells| kinds.map(|kind| (cells, kind))) {
         let lower = Block { cells: cells[0], z: 0.0, first: 0 };
         let upper = Block { cells: cells[1], z: 1.0, first: lower.nodes().len() };
         let nodes = [lower.nodes(), upper.nodes()].concat();
@@ -99,7 +100,7 @@ fn tension_passes_meshes_that_do_not_match() -> Outcome {
         lower.load(0, -1.0, &mut f);
         upper.load(1, 1.0, &mut f);
         let mut builder = ConstraintSet::builder(dofs);
-        let tie = SurfaceMortarTie { slave: lower.surface(1), master: upper.surface(0), tolerance: 1e-12 };
+        let tie = MortarTie { slave: lower.surface(1), master: upper.surface(0), multipliers, tolerance: 1e-12 };
         builder.add("interface", tie)?;
         let set = builder.build().expect("few DOFs");
         // What holds the rigid motions: three, two and one DOF at three corners.

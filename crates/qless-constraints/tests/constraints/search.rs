@@ -2,8 +2,7 @@ use std::array::from_fn;
 
 use qless_constraints::ConstraintSet;
 use qless_constraints::types::{
-    Face, FaceSearch, FieldTie, Nearest, Node, NodeTie, PairError, Point, SearchError, Shape, Surface, SurfaceError,
-    pairs,
+    Face, FaceSearch, Nearest, Node, NodeTie, PairError, Point, SearchError, Shape, Surface, SurfaceError, pairs,
 };
 
 use crate::linkages::{Outcome, random};
@@ -172,7 +171,7 @@ fn a_field_is_tied_as_a_component_of_displacements() {
     for tie in NodeTie::to_surface(&nodes, &surface, 20.0).expect("near") {
         all.add("tie", tie).expect("a tie");
     }
-    for tie in FieldTie::to_surface(&of_field, &field, 20.0).expect("near") {
+    for tie in NodeTie::to_surface(&of_field, &field, 20.0).expect("near") {
         one.add("tie", tie).expect("a tie");
     }
     let [all, one] = [all, one].map(|set| set.build().expect("few").allocate().g().clone());

@@ -3,22 +3,22 @@ use std::collections::BTreeMap;
 
 use qless::{Options, analyse};
 use qless_constraints::ConstraintSet;
-use qless_constraints::types::{Face, MortarTie, PlanarPoint, Point, Shape, Surface, SurfaceMortarTie};
+use qless_constraints::types::{Face, MortarTie, Multipliers, PlanarPoint, Point, Shape, Surface};
 
 use crate::linkages::{Outcome, random};
 
-const FACETS: [Shape; 4] = [Shape::Tri3, Shape::Quad4, Shape::Tri6, Shape::Quad8];
+pub const FACETS: [Shape; 4] = [Shape::Tri3, Shape::Quad4, Shape::Tri6, Shape::Quad8];
 
 /// How the square [0, 1] x [0, 1] is meshed.
 #[derive(Clone, Copy)]
-struct Mesh {
-    shape: Shape,
+pub struct Mesh {
+    pub shape: Shape,
     /// Cells in each direction; triangles are halves of cells.
-    cells: usize,
+    pub cells: usize,
     /// How far inner corners are moved, in cells.
-    wiggle: f64,
+    pub wiggle: f64,
     /// How far the middles of inner edges are moved from the straight edge, in cells.
-    bend: f64,
+    pub bend: f64,
 }
 
 impl Mesh {
@@ -47,7 +47,7 @@ impl Mesh {
     }
 
     /// The surface, bent into space by `place`, with DOFs from `3 * first` on.
-    fn surface(self, first: usize, place: impl Fn([f64; 2]) -> [f64; 3]) -> Surface<3> {
+    pub fn surface(self, first: usize, place: impl Fn([f64; 2]) -> [f64; 3]) -> Surface<3> {
         let (mut numbers, mut nodes, mut faces) = (BTreeMap::new(), Vec::new(), Vec::new());
         for outline in self.outlines() {
             let ends = || outline.iter().zip(outline.iter().cycle().skip(1));
@@ -69,7 +69,8 @@ impl Mesh {
 
 fn tied(slave: &Surface<3>, master: &Surface<3>, tolerance: f64) -> Outcome<ConstraintSet> {
     let mut builder = ConstraintSet::builder(3 * (slave.nodes.len() + master.nodes.len()));
-    builder.add("tie", SurfaceMortarTie { slave: slave.clone(), master: master.clone(), tolerance })?;
+    let (slave, master) = (slave.clone(), master.clone());
+    builder.add("tie", MortarTie { slave, master, multipliers: Multipliers::Standard, tolerance })?;
     Ok(builder.build().expect("few DOFs"))
 }
 
@@ -159,7 +160,8 @@ fn integrals_on_rectangles_are_products() -> Outcome {
     let slave: Vec<_> = (0..3).map(|i| line(i, i as f64 / 2.0)).collect();
     let master: Vec<_> = (0..4).map(|i| line(3 + i, i as f64 / 3.0)).collect();
     let mut builder = ConstraintSet::builder(14);
-    builder.add("line", MortarTie { slave, master, tolerance: 1e-12 })?;
+    let [slave, master] = [slave, master].map(Surface::polyline);
+    builder.add("line", MortarTie { slave, master, multipliers: Multipliers::Standard, tolerance: 1e-12 })?;
     let along = builder.build().expect("few DOFs").allocate().g().clone();
     let of_line = |i: usize, j: usize| along.row(2 * i).find(|&(dof, _)| dof == 2 * j).map_or(0.0, |(_, v)| v);
     let mesh = |cells: usize| Mesh { shape: Shape::Quad4, cells, wiggle: 0.0, bend: 0.0 };

@@ -3,8 +3,9 @@
 use std::array::from_fn;
 
 use crate::types::{
-    Body, Component, Distance, EulerNorm, Fixed, Line, Node6, OnLine, OnPlane, OnSphere, PlanarPoint, Plane, Point,
-    Prismatic, Revolute, RigidBody, SmallRigidBody, Spherical, Universal, Volume,
+    Body, Component, Cylindrical, Distance, EulerNorm, Fixed, Line, Node6, OnLine, OnPlane, OnSphere, Parallel,
+    Perpendicular, Planar, PlanarPoint, Plane, Point, Prismatic, Revolute, RigidBody, RotationMotor, SmallRigidBody,
+    Spherical, TranslationMotor, Universal, Volume,
 };
 use crate::{ConstraintSet, SetBuilder};
 
@@ -16,45 +17,72 @@ pub fn random(seed: u64) -> f64 {
     f64::from((z ^ (z >> 32)) as u32) / f64::from(u32::MAX) - 0.5
 }
 
-fn point(node: usize) -> Point {
-    Point::new(from_fn(|k| 3 * node + k), from_fn(|k| 3.0 * random((31 * node + k) as u64)))
+/// The DOFs that are rotations; the others are lengths.
+pub const ROTATIONS: [std::ops::RangeInclusive<usize>; 3] = [33..=35, 39..=42, 46..=52];
+
+/// The unit of length, and where the model is in it.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    pub unit: f64,
+    pub shift: f64,
 }
 
-/// A node whose DOFs descend.
-fn reversed(node: usize) -> Point {
-    Point::new(from_fn(|k| 3 * node + 2 - k), from_fn(|k| 3.0 * random((57 * node + k) as u64)))
+impl Place {
+    fn at<const D: usize>(self, x: [f64; D]) -> [f64; D] {
+        x.map(|x| self.unit * (self.shift + x))
+    }
+
+    fn point(self, node: usize) -> Point {
+        Point::new(from_fn(|k| 3 * node + k), self.at(from_fn(|k| 3.0 * random((31 * node + k) as u64))))
+    }
+
+    /// A node whose DOFs descend.
+    fn reversed(self, node: usize) -> Point {
+        Point::new(from_fn(|k| 3 * node + 2 - k), self.at(from_fn(|k| 3.0 * random((57 * node + k) as u64))))
+    }
 }
 
 pub fn set() -> Result<ConstraintSet, Box<dyn std::error::Error>> {
+    set_at(Place { unit: 1.0, shift: 0.0 })
+}
+
+pub fn set_at(place: Place) -> Result<ConstraintSet, Box<dyn std::error::Error>> {
     let mut builder = ConstraintSet::builder(DOFS);
-    points(&mut builder)?;
-    let vector = Body::with_vector([30, 31, 32], [0.4, 0.1, -0.3], [33, 34, 35]);
-    let euler = Body::with_euler([36, 37, 38], [-0.2, 0.5, 0.3], [39, 40, 41, 42]);
-    let other = Body::with_euler([43, 44, 45], [0.3, -0.6, 0.1], [49, 48, 47, 46]);
+    points(&mut builder, place)?;
+    let vector = Body::with_vector([30, 31, 32], place.at([0.4, 0.1, -0.3]), [33, 34, 35]);
+    let euler = Body::with_euler([36, 37, 38], place.at([-0.2, 0.5, 0.3]), [39, 40, 41, 42]);
+    let other = Body::with_euler([43, 44, 45], place.at([0.3, -0.6, 0.1]), [49, 48, 47, 46]);
     builder.add("norm", EulerNorm { parameters: [39, 40, 41, 42] })?;
-    builder.add("rigid", RigidBody { body: euler, nodes: vec![point(1).into(), reversed(2).into()] })?;
-    builder.add("link", RigidBody { body: vector, nodes: vec![point(0).into()] })?;
+    builder.add("rigid", RigidBody { body: euler, nodes: vec![place.point(1).into(), place.reversed(2).into()] })?;
+    builder.add("link", RigidBody { body: vector, nodes: vec![place.point(0).into()] })?;
     let some = [Component::Z, Component::X];
     let part = |node: Point| Node6::from(node).only(some);
-    builder.add("guides", RigidBody { body: vector, nodes: vec![part(point(1)), part(reversed(2))] })?;
-    builder.add("guide", RigidBody { body: euler, nodes: vec![part(reversed(4))] })?;
+    builder.add("guides", RigidBody { body: vector, nodes: vec![part(place.point(1)), part(place.reversed(2))] })?;
+    builder.add("guide", RigidBody { body: euler, nodes: vec![part(place.reversed(4))] })?;
+    let shell = Node6::new(place.point(7).dofs, [52, 50, 51], place.point(7).at);
+    builder.add("clamp", RigidBody { body: euler, nodes: vec![shell] })?;
+    builder.add("clamps", RigidBody { body: vector, nodes: vec![shell, part(place.point(2))] })?;
     for (a, b) in [(vector, euler), (euler, other), (Body::ground(), vector), (other, Body::ground())] {
-        joints(&mut builder, a, b)?;
+        joints(&mut builder, place, a, b)?;
     }
-    builder.add("hook", Spherical { a: Body::node(point(4)), b: euler, at: [0.1, 0.2, 0.3] })?;
+    builder.add("hook", Spherical { a: Body::node(place.point(4)), b: euler, at: place.at([0.1, 0.2, 0.3]) })?;
     Ok(builder.build().expect("few DOFs"))
 }
 
-fn points(builder: &mut SetBuilder) -> Result<(), Box<dyn std::error::Error>> {
+fn points(builder: &mut SetBuilder, place: Place) -> Result<(), Box<dyn std::error::Error>> {
+    let (point, reversed) = (|node| place.point(node), |node| place.reversed(node));
     builder.add("rod", Distance::new(point(0), point(1)))?;
-    builder.add("long rod", Distance { a: reversed(5), b: point(2), length: Some(4.0) })?;
-    let planar = |node: usize| PlanarPoint::new([2 * node, 2 * node + 1], [random(node as u64), 1.0]);
+    builder.add("long rod", Distance { a: reversed(5), b: point(2), length: Some(4.0 * place.unit) })?;
+    let planar = |node: usize| PlanarPoint::new([2 * node, 2 * node + 1], place.at([random(node as u64), 1.0]));
     builder.add("planar rod", Distance::new(planar(3), planar(9)))?;
-    builder.add("ball", OnSphere { point: reversed(3), centre: [0.1, 0.2, 0.3], radius: Some(2.0) })?;
-    builder.add("circle", OnSphere { point: planar(3), centre: [0.0; 2], radius: None })?;
+    builder.add(
+        "ball",
+        OnSphere { point: reversed(3), centre: place.at([0.1, 0.2, 0.3]), radius: Some(2.0 * place.unit) },
+    )?;
+    builder.add("circle", OnSphere { point: planar(3), centre: place.at([0.0; 2]), radius: None })?;
     builder.add("line", OnLine { point: point(6), line: Line::Nodes(reversed(1), point(4)) })?;
     builder.add("plane", OnPlane { point: point(7), plane: Plane::Nodes(point(8), reversed(2), point(5)) })?;
-    let corner = |k: usize| Point { at: from_fn(|axis| f64::from(k as u32 >> axis & 1)), ..point(k) };
+    let corner = |k: usize| Point { at: place.at(from_fn(|axis| f64::from(k as u32 >> axis & 1))), ..point(k) };
     let nodes = vec![corner(0), corner(1), corner(2), corner(4), corner(7)];
     builder.add("volume", Volume { nodes, tetrahedra: vec![[0, 1, 2, 3], [1, 4, 2, 3]] })?;
     let single = (3..7).map(|k| Point { at: corner([0, 1, 2, 4][k - 3]).at, ..point(k) }).collect();
@@ -64,12 +92,18 @@ fn points(builder: &mut SetBuilder) -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-fn joints(builder: &mut SetBuilder, a: Body, b: Body) -> Result<(), Box<dyn std::error::Error>> {
-    let (at, axis) = ([0.2, 0.3, -0.1], [1.0, 2.0, -1.0]);
+fn joints(builder: &mut SetBuilder, place: Place, a: Body, b: Body) -> Result<(), Box<dyn std::error::Error>> {
+    let (at, axis) = (place.at([0.2, 0.3, -0.1]), [1.0, 2.0, -1.0]);
     builder.add("ball joint", Spherical { a, b, at })?;
     builder.add("hinge", Revolute { a, b, at, axis })?;
     builder.add("slider", Prismatic { a, b, at, axis })?;
     builder.add("cardan", Universal { a, b, at, axis_a: axis, axis_b: [1.0, 0.0, 1.0] })?;
     builder.add("weld", Fixed { a, b, at })?;
+    builder.add("sleeve", Cylindrical { a, b, at, axis })?;
+    builder.add("plate", Planar { a, b, at, normal: axis })?;
+    builder.add("parallel", Parallel { a, b, axis })?;
+    builder.add("motor", RotationMotor::new(a, b, axis, |_| 4.0))?;
+    builder.add("ram", TranslationMotor::new(a, b, at, axis, |_| 0.3))?;
+    builder.add("square", Perpendicular { a, b, axis_a: axis, axis_b: [2.0, 0.0, 2.0] })?;
     Ok(())
 }

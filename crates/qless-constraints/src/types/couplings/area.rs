@@ -4,7 +4,7 @@
 //! `N_i r r^T` are exact where edges are straight and opposite ones parallel.
 
 use crate::geometry::clip::seven_points;
-use crate::geometry::shape::Shape;
+use crate::geometry::shape::{Parameters, Shape};
 use crate::geometry::surface::Surface;
 use crate::scalar::vector::{Vector, add, cross, scale, sub};
 use crate::types::CouplingError;
@@ -31,7 +31,7 @@ impl Gauss {
 /// All points of integration, face by face.
 pub fn points(surface: &Surface<3>) -> Result<Vec<Gauss>, CouplingError> {
     surface.check()?;
-    if surface.faces.iter().any(|face| face.shape == Shape::Line2) {
+    if surface.faces.iter().any(|face| face.shape.dimensions() != 2) {
         return Err(CouplingError::NoNormal);
     }
     Ok((0..surface.faces.len()).flat_map(|face| on_face(surface, face)).collect())
@@ -46,18 +46,18 @@ fn on_face(surface: &Surface<3>, face: usize) -> impl Iterator<Item = Gauss> + u
 }
 
 /// `N_k`, x and `dx/dxi x dx/deta` at a point of a face, from its first node on, so that a plane z = const stays one.
-pub fn point(shape: Shape, places: &[Vector<f64>], xi: [f64; 2]) -> (Vec<f64>, Vector<f64>, Vector<f64>) {
-    let n = shape.functions(xi);
+pub fn point(shape: Shape, places: &[Vector<f64>], xi: Parameters) -> (Vec<f64>, Vector<f64>, Vector<f64>) {
+    let n = shape.slopes(xi);
     let arms = || places.iter().map(|&x| sub(x, places[0]));
     let sum = |k: usize| arms().zip(&n).fold([0.0; 3], |sum, (arm, n)| add(sum, scale(n[k], arm)));
     (n.iter().map(|n| n[0]).collect(), add(places[0], sum(0)), cross(sum(1), sum(2)))
 }
 
-fn rule(shape: Shape) -> Vec<([f64; 2], f64)> {
+fn rule(shape: Shape) -> Vec<(Parameters, f64)> {
     if shape.corners().len() == 3 {
-        return seven_points().map(|(l, weight)| ([l[1], l[2]], weight / 2.0)).to_vec();
+        return seven_points().map(|(l, weight)| ([l[1], l[2], 0.0], weight / 2.0)).to_vec();
     }
     let root = 0.6_f64.sqrt();
     let line = [(-root, 5.0 / 9.0), (0.0, 8.0 / 9.0), (root, 5.0 / 9.0)];
-    line.iter().flat_map(|&(xi, a)| line.iter().map(move |&(eta, b)| ([xi, eta], a * b))).collect()
+    line.iter().flat_map(|&(xi, a)| line.iter().map(move |&(eta, b)| ([xi, eta, 0.0], a * b))).collect()
 }

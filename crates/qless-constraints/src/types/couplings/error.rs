@@ -80,20 +80,16 @@ pub enum CouplingError {
         /// The node, from 1.
         node: usize,
     },
-    /// The body turns by Euler parameters, the node by a rotation vector.
-    #[error("node {node}, from 1, follows with a rotation vector, but the body has none; use a fixed joint")]
-    NotAVector {
-        /// The node, from 1.
-        node: usize,
-    },
     /// The body does not turn.
     #[error("the body has no rotations; give it a rotation vector or Euler parameters")]
     NoRotations,
     /// The face of the solid is not a surface.
     #[error("face of the solid: {0}")]
     Surface(#[from] SurfaceError),
-    /// A face of the solid is a line, or the faces point against each other.
-    #[error("the faces of the solid are lines or point against each other, so that they have no normal; correct them")]
+    /// A face of the solid is a line or a solid, or the faces point against each other.
+    #[error(
+        "the faces of the solid are lines or solids, or point against each other, so that they have no normal; correct them"
+    )]
     NoNormal,
     /// A line of nodes through the thickness is not one.
     #[error("line {line}, from 1, {fault}")]

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::area::point;
 use super::rows::clean;
 use crate::geometry::search::{FaceSearch, SearchError};
-use crate::geometry::shape::Shape;
+use crate::geometry::shape::{Parameters, Shape};
 use crate::geometry::surface::{Face, Surface, SurfaceError};
 use crate::scalar::vector::{Vector, add, dot, unit};
 use crate::types::Point;
@@ -74,9 +74,11 @@ pub enum FluidWallError {
     /// The structure's side is not a surface, or a node of the fluid is not at it.
     #[error("structure's side: {0}")]
     Structure(SearchError),
-    /// A face of the fluid is a line.
-    #[error("face {face}, from 1, of the fluid is a line, which has no normal; give faces")]
-    Line {
+    /// A face of the fluid is a line or a solid.
+    #[error("face {face}, from 1, of the fluid is a {shape:?}, which has no normal; give faces")]
+    NoFace {
+        /// What it is.
+        shape: Shape,
         /// The face, from 1.
         face: usize,
     },
@@ -106,14 +108,6 @@ pub enum FluidWallError {
 /// Nodes of a face with the normal there.
 type Normals = Vec<(usize, Vector<f64>)>;
 
-/// Parameters of the nodes of a shape: its corners, then the middles of its edges.
-fn parameters(shape: Shape) -> impl Iterator<Item = [f64; 2]> {
-    let corners = shape.corners();
-    let next = corners.iter().cycle().skip(1);
-    let middle = |(a, b): (&[f64; 2], &[f64; 2])| [f64::midpoint(a[0], b[0]), f64::midpoint(a[1], b[1])];
-    corners.iter().copied().chain(corners.iter().zip(next).map(middle)).take(shape.nodes())
-}
-
 impl FluidWall {
     /// Each node has a DOF of its own.
     fn check_dofs(&self, mut used: impl Iterator<Item = usize>) -> Result<(), FluidWallError> {
@@ -135,14 +129,14 @@ impl FluidWall {
         side.check().map_err(FluidWallError::Fluid)?;
         let on = |(i, face): (usize, &Face)| {
             let shape = face.shape;
-            if shape == Shape::Line2 {
-                return Err(FluidWallError::Line { face: i + 1 });
+            if shape.dimensions() != 2 {
+                return Err(FluidWallError::NoFace { shape, face: i + 1 });
             }
             let places = side.places(i);
             // A triangle is half of the square of its parameters, a quadrilateral four of it.
             let share = if shape.corners().len() == 3 { 0.5 } else { 4.0 };
-            let at = |(&node, xi): (&usize, [f64; 2])| (node, point(shape, &places, xi).2.map(|x| share * x));
-            Ok(face.nodes.iter().zip(parameters(shape)).map(at).collect())
+            let at = |(&node, &xi): (&usize, &Parameters)| (node, point(shape, &places, xi).2.map(|x| share * x));
+            Ok(face.nodes.iter().zip(shape.places()).map(at).collect())
         };
         self.faces.iter().enumerate().map(on).collect()
     }

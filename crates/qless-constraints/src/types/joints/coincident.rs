@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::slice;
 
-use super::parts::triangle;
+use super::relative::{rotation_vectors, triangle};
 use crate::geometry::carrier::{Body, Carrier};
 use crate::geometry::lanes::{LANES, Lanes};
 use crate::geometry::turns::{Turns, Vectors};
@@ -42,6 +42,11 @@ impl Nonlinear for Coincident {
             let rotations = first..first + kind.rotations();
             rotations.clone().for_each(|j| (first..=j).for_each(|k| pair(j, k)));
         }
+    }
+
+    fn rotation_vectors(&self, found: &mut dyn FnMut(usize)) {
+        let second = self.a.dofs() + self.b.kind.positions();
+        rotation_vectors([(self.a.kind.positions(), self.a.kind), (second, self.b.kind)], found);
     }
 
     fn value_and_jacobian(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {

@@ -1,13 +1,18 @@
-//! Fixed joint: a weld; three equations for the point, three for the orientation.
+//! Fixed joint: a weld; `x_a + R_a s_a = x_b + R_b s_b`, `log(R_a^T R_b) = 0`.
 
 use super::coincident::coincident;
-use super::parts::angle;
+use super::orientation::Aligned;
+use super::relative::relative;
 use super::{JointError, check_turns};
 use crate::geometry::carrier::Body;
 use crate::scalar::vector::Vector;
 use crate::{Constraint, Store};
 
-/// Two bodies that move as one: a point coincides, and three pairs of directions stay perpendicular.
+/// Two bodies that move as one: `x_a + R_a s_a - x_b - R_b s_b = 0`, three lengths, and `log(R_a^T R_b) = 0`, three angles.
+///
+/// The angles are the rotation vector from a to b, in the axes of a, the shorter way round: a joint that is not assembled closes over at most
+/// half a turn, and never with the bodies turned against one another. Multipliers are the force and the moment of the joint, the
+/// moment in the axes of a. Six degrees of freedom are removed. Singular: nowhere; at half a turn exactly, the sense is that of the quaternion.
 ///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Body, Fixed}};
@@ -34,14 +39,7 @@ impl Constraint for Fixed {
     fn process(self, store: &mut Store) -> Result<(), JointError> {
         check_turns(&self.a, &self.b)?;
         coincident(store, "", &self.a, &self.b, self.at);
-        orientation(store, &self.a, &self.b, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+        relative(store, "", &self.a, &self.b, Aligned);
         Ok(())
-    }
-}
-
-/// Two bodies do not turn on one another: `(R_a e_i) . (R_b e_j) = 0` for three pairs of a frame.
-pub(super) fn orientation(store: &mut Store, a: &Body, b: &Body, frame: [Vector<f64>; 3]) {
-    for (part, i, j) in [("turn 1", 0, 1), ("turn 2", 1, 2), ("turn 3", 2, 0)] {
-        angle(store, part, a, b, [frame[i], frame[j]]);
     }
 }

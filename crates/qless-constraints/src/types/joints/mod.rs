@@ -1,14 +1,27 @@
-//! Joints of multibody work, each a choice of the equations in [`coincident`] and [`parts`]. They hold in the reference configuration.
+//! Joints of multibody work, each a choice of the equations in [`coincident`], [`height`] and [`orientation`]. They hold in the
+//! reference configuration.
 
 pub(crate) mod coincident;
+mod cylindrical;
 mod fixed;
-mod parts;
+mod height;
+mod motor;
+pub(crate) mod orientation;
+mod parallel;
+mod perpendicular;
+mod planar;
 mod prismatic;
+pub(crate) mod relative;
 mod revolute;
 mod spherical;
 mod universal;
 
+pub use cylindrical::Cylindrical;
 pub use fixed::Fixed;
+pub use motor::{RotationMotor, TranslationMotor};
+pub use parallel::Parallel;
+pub use perpendicular::Perpendicular;
+pub use planar::Planar;
 pub use prismatic::Prismatic;
 pub use revolute::Revolute;
 pub use spherical::Spherical;
@@ -30,8 +43,8 @@ pub enum JointError {
     /// An axis has no direction.
     #[error("an axis has no direction; give a vector that is not zero")]
     Axis,
-    /// The axes of a universal joint are not perpendicular.
-    #[error("the axes of a universal joint are not perpendicular: the cosine of their angle is {0}")]
+    /// Axes that are to be perpendicular are not.
+    #[error("the axes are to be perpendicular in the reference configuration, but the cosine of their angle is {0}")]
     NotPerpendicular(f64),
 }
 

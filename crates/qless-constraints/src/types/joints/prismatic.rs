@@ -1,14 +1,17 @@
-//! Prismatic joint: a slider; two equations for the path, three for the orientation.
+//! Prismatic joint: a slider; `(R_a s_i) . (p_b - p_a) = 0`, `log(R_a^T R_b) = 0`.
 
-use super::fixed::orientation;
-use super::parts::height;
+use super::height::height;
+use super::orientation::Aligned;
+use super::relative::relative;
 use super::{JointError, check_turns, direction};
 use crate::geometry::carrier::Body;
 use crate::scalar::vector::{Vector, perpendicular};
 use crate::{Constraint, Store};
 
 /// Body b slides along an axis of body a and does not turn on it: `(R_a s_i) . (p_b - p_a) = 0` for the two `s_i`
-/// perpendicular to the axis.
+/// perpendicular to the axis, lengths, and `log(R_a^T R_b) = 0`, angles, as in [`super::Fixed`].
+///
+/// `p_a` and `p_b` are the points of both bodies that are at `at` in the reference configuration. Five degrees of freedom are removed. Singular: nowhere.
 ///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Body, Prismatic}};
@@ -40,11 +43,15 @@ impl Constraint for Prismatic {
     fn process(self, store: &mut Store) -> Result<(), JointError> {
         check_turns(&self.a, &self.b)?;
         let axis = direction(self.axis)?;
-        let sides = perpendicular(axis);
-        for (part, side) in ["path 1", "path 2"].into_iter().zip(sides) {
-            height(store, part, &self.a, &self.b, self.at, side);
-        }
-        orientation(store, &self.a, &self.b, [axis, sides[0], sides[1]]);
+        path(store, &self.a, &self.b, self.at, axis);
+        relative(store, "", &self.a, &self.b, Aligned);
         Ok(())
+    }
+}
+
+/// The point `at` of body b stays on the axis through it that body a carries.
+pub(super) fn path(store: &mut Store, a: &Body, b: &Body, at: Vector<f64>, axis: Vector<f64>) {
+    for (part, side) in ["path 1", "path 2"].into_iter().zip(perpendicular(axis)) {
+        height(store, part, a, b, at, side);
     }
 }

@@ -1,13 +1,18 @@
-//! Revolute joint: a hinge; three equations for the point, two for the axis.
+//! Revolute joint: a hinge; `x_a + R_a s_a = x_b + R_b s_b`, `R_a t = R_b t`.
 
 use super::coincident::coincident;
-use super::parts::angle;
+use super::orientation::Tilt;
+use super::relative::relative;
 use super::{JointError, check_turns, direction};
 use crate::geometry::carrier::Body;
-use crate::scalar::vector::{Vector, perpendicular};
+use crate::scalar::vector::Vector;
 use crate::{Constraint, Store};
 
-/// A hinge: a point coincides, and the axis `t` stays perpendicular to two directions: `(R_a s_i) . (R_b t) = 0`.
+/// A hinge: `x_a + R_a s_a - x_b - R_b s_b = 0`, three lengths, and the tilt of the axis, two angles.
+///
+/// The tilt is the rotation vector that brings `R_a t` to `R_b t`, in the axes of a, with the angle `acos(R_a t . R_b t)` in `[0, pi]` ([`super::Parallel`]):
+/// the axes end pointing the same way, from wherever the joint is assembled. Multipliers are the force and the two moments across the axis.
+/// Five degrees of freedom are removed. Singular where the axes are opposite, and nowhere else; the joint turns any number of times.
 ///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Body, Revolute}};
@@ -15,7 +20,7 @@ use crate::{Constraint, Store};
 /// let mut builder = ConstraintSet::builder(6);
 /// builder.add("door", Revolute { a: Body::ground(), b: arm, at: [0.0; 3], axis: [0.0, 0.0, 1.0] })?;
 /// let set = builder.build()?;
-/// assert_eq!((set.equations(), set.label(3)?), (5, "door, axis 1".to_owned()));
+/// assert_eq!((set.equations(), set.label(3)?), (5, "door, tilt 1".to_owned()));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,9 +43,7 @@ impl Constraint for Revolute {
         check_turns(&self.a, &self.b)?;
         let axis = direction(self.axis)?;
         coincident(store, "", &self.a, &self.b, self.at);
-        for (part, side) in ["axis 1", "axis 2"].into_iter().zip(perpendicular(axis)) {
-            angle(store, part, &self.a, &self.b, [side, axis]);
-        }
+        relative(store, "", &self.a, &self.b, Tilt::new(axis));
         Ok(())
     }
 }

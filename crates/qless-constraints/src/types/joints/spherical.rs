@@ -6,7 +6,9 @@ use crate::geometry::carrier::Body;
 use crate::scalar::vector::Vector;
 use crate::{Constraint, Store};
 
-/// `x_a + R_a s_a = x_b + R_b s_b`: a ball joint.
+/// `x_a + R_a s_a - x_b - R_b s_b = 0`: a ball joint, three lengths.
+///
+/// Multipliers are the force of the joint. Three degrees of freedom are removed. Singular: nowhere.
 ///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Body, Spherical}};

@@ -1,13 +1,17 @@
-//! Universal joint: a cross of two axes; three equations for the point, one for the cross.
+//! Universal joint: a cross of two axes; `x_a + R_a s_a = x_b + R_b s_b`, `(R_a s) . (R_b t) = 0`.
 
 use super::coincident::coincident;
-use super::parts::angle;
-use super::{JointError, check_turns, direction};
+use super::perpendicular::crossing;
+use super::relative::relative;
+use super::{JointError, check_turns};
 use crate::geometry::carrier::Body;
-use crate::scalar::vector::{Vector, dot};
+use crate::scalar::vector::Vector;
 use crate::{Constraint, Store};
 
-/// A point coincides, and an axis of each body stays perpendicular to the other: `(R_a s) . (R_b t) = 0`.
+/// A cross of two axes: `x_a + R_a s_a - x_b - R_b s_b = 0`, three lengths, and `(R_a s) . (R_b t) = 0`, the cosine of their angle.
+///
+/// Shafts at an angle beta turn by `tan(psi_b) = tan(psi_a) / cos(beta)`. Four degrees of freedom are removed. Singular where the axes are parallel,
+/// which no assembled joint is; where the shafts are at a right angle, they lock.
 ///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Body, Universal}};
@@ -38,13 +42,9 @@ impl Constraint for Universal {
 
     fn process(self, store: &mut Store) -> Result<(), JointError> {
         check_turns(&self.a, &self.b)?;
-        let (s, t) = (direction(self.axis_a)?, direction(self.axis_b)?);
-        let cosine = dot(s, t);
-        if cosine.abs() > 1e-9 {
-            return Err(JointError::NotPerpendicular(cosine));
-        }
+        let cross = crossing(self.axis_a, self.axis_b)?;
         coincident(store, "", &self.a, &self.b, self.at);
-        angle(store, "cross", &self.a, &self.b, [s, t]);
+        relative(store, "cross", &self.a, &self.b, cross);
         Ok(())
     }
 }

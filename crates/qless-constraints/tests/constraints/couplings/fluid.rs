@@ -136,7 +136,7 @@ fn walls_with_faults_are_refused() {
     assert!(refusal(shared).contains("DOF 37 of node 4, from 1, of the fluid is that of another"));
     assert!(refusal(FluidWall { faces: vec![], ..flat() }).contains("fluid's side: the surface has no faces"));
     let line = FluidWall { faces: vec![Face::new(Shape::Line2, [0, 1])], ..flat() };
-    assert!(refusal(line).contains("is a line, which has no normal"));
+    assert!(refusal(line).contains("is a Line2, which has no normal"));
     let missing = FluidWall { faces: vec![Face::new(Shape::Tri3, [0, 1, 99])], ..flat() };
     assert!(refusal(missing).contains("names node 99"));
     assert!(refusal(FluidWall { tolerance: f64::NAN, ..flat() }).contains("tolerance NaN"));

@@ -1,0 +1,69 @@
+//! Joints: body a in blue, body b in orange.
+
+use crate::canvas::{At, BLUE, ORANGE, Picture, arc};
+
+pub fn all() -> Vec<Picture> {
+    vec![fixed(), prismatic(), revolute(), spherical(), universal()]
+}
+
+/// The names of both bodies.
+fn named(picture: Picture, a: At, b: At) -> Picture {
+    picture.label(a, "a").label(b, "b")
+}
+
+fn fixed() -> Picture {
+    let p = Picture::new("fixed", "Two bodies that move as one");
+    let p = p.body([105.0, 90.0], [110.0, 50.0], 0.0, BLUE).body([211.0, 74.0], [110.0, 50.0], -17.0, ORANGE);
+    let seam = |p: Picture, k: u32| {
+        let y = 64.0 + 13.0 * f64::from(k);
+        p.line(&[[153.0, y + 5.0], [163.0, y - 5.0]]).line(&[[153.0, y - 5.0], [163.0, y + 5.0]])
+    };
+    named((0..5).fold(p, seam), [95.0, 90.0], [222.0, 70.0])
+}
+
+fn prismatic() -> Picture {
+    let p = Picture::new("prismatic", "A body that slides along an axis of another and does not turn on it")
+        .body([110.0, 68.0], [130.0, 16.0], 0.0, BLUE)
+        .body([110.0, 112.0], [130.0, 16.0], 0.0, BLUE)
+        .dashed(&[[20.0, 90.0], [300.0, 90.0]])
+        .body([165.0, 90.0], [170.0, 24.0], 0.0, ORANGE)
+        .both_ways([200.0, 135.0], [280.0, 135.0]);
+    named(p, [110.0, 45.0], [215.0, 64.0])
+}
+
+fn revolute() -> Picture {
+    let pin = [150.0, 95.0];
+    let p = Picture::new("revolute", "A hinge: two bodies turn on one another about an axis")
+        .body([85.0, 113.0], [150.0, 26.0], -15.0, BLUE)
+        .body([207.0, 65.0], [150.0, 26.0], -28.0, ORANGE)
+        .ring(pin, 8.0)
+        .node(pin, "currentColor")
+        .turn(pin, 50.0, 5.0, -15.0)
+        .turn(pin, 50.0, 5.0, 25.0);
+    named(p, [70.0, 117.0], [225.0, 55.0]).label([150.0, 128.0], "t").label([222.0, 105.0], "φ")
+}
+
+fn spherical() -> Picture {
+    let ball = [160.0, 85.0];
+    let p = Picture::new("spherical", "A ball joint: a point of two bodies coincides")
+        .body([80.0, 85.0], [100.0, 24.0], 0.0, BLUE)
+        .bar(&arc(ball, 28.0, 60.0, 300.0), BLUE)
+        .body([238.0, 58.0], [124.0, 20.0], -19.0, ORANGE)
+        .ring(ball, 20.0)
+        .node(ball, ORANGE)
+        .turn(ball, 75.0, 0.0, 18.0);
+    named(p, [75.0, 85.0], [245.0, 56.0])
+}
+
+fn universal() -> Picture {
+    let p = Picture::new("universal", "A cross of two axes between two shafts")
+        .body([60.0, 90.0], [90.0, 22.0], 0.0, BLUE)
+        .bar(&[[105.0, 90.0], [128.0, 50.0], [160.0, 50.0]], BLUE)
+        .bar(&[[105.0, 90.0], [128.0, 130.0], [160.0, 130.0]], BLUE)
+        .body([258.0, 90.0], [90.0, 22.0], 0.0, ORANGE)
+        .bar(&[[213.0, 90.0], [190.0, 78.0], [174.0, 78.0]], ORANGE)
+        .bar(&[[213.0, 90.0], [190.0, 102.0], [146.0, 102.0]], ORANGE)
+        .line(&[[160.0, 38.0], [160.0, 142.0]])
+        .line(&[[174.0, 78.0], [146.0, 102.0]]);
+    named(p, [55.0, 90.0], [263.0, 90.0]).label([175.0, 38.0], "s").label([133.0, 110.0], "t")
+}

@@ -1,0 +1,14 @@
+//! What is drawn of each type, in files by kind.
+
+mod bodies;
+mod fields;
+mod joints;
+mod points;
+mod ties;
+
+use super::canvas::Picture;
+
+/// All pictures.
+pub fn all() -> Vec<Picture> {
+    [points::all(), fields::all(), ties::all(), bodies::all(), joints::all()].into_iter().flatten().collect()
+}

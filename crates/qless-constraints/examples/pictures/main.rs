@@ -1,0 +1,17 @@
+//! Writes the pictures of the constraint types that their pages show: `cargo run -p qless-constraints --example pictures`.
+//!
+//! A new type: a function here that draws it, its name in [`all`](drawings::all), and a page of the same name in `docs/types`.
+
+mod canvas;
+mod drawings;
+
+use std::path::Path;
+
+fn main() -> std::io::Result<()> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/pictures");
+    std::fs::create_dir_all(&folder)?;
+    for picture in drawings::all() {
+        std::fs::write(folder.join(format!("{}.svg", picture.name)), picture.svg())?;
+    }
+    Ok(())
+}

@@ -1,0 +1,217 @@
+//! Newton's method at one load: `[K + H, G^T; G, 0] [du; lambda' - lambda] = -[r; c]`, with H of the present multipliers.
+//!
+//! Length of a step, by the natural test of affine invariance (Deuflhard, Newton Methods for Nonlinear Problems, NLEQ-ERR): the next
+//! correction with the same matrix, `A^-1 F(x + t dx)`, is shorter than dx by a quarter of t. Where a stiff direction (an axis, a
+//! rod) bends, forces rise for a step while the error falls: the residual itself would forbid that step.
+
+use super::rows::Rows;
+use super::saddle::{Entries, Saddle, large};
+use super::state::{State, Unknowns};
+use super::{EquilibriumOptions, Failure, Iterate, Model};
+use crate::ConstraintSet;
+
+/// Steps shorter than this are none.
+const SHORTEST: f64 = 1e-4;
+/// On the scaled diagonal where the tangent is singular on the way.
+const ADDED: f64 = 1e-3;
+/// Changes of the kept rows within one load step.
+const CHANGES: usize = 4;
+/// So near to the tolerance, rounding decides what a shorter step would bring.
+const NEAR: f64 = 1e3;
+
+/// One load step.
+pub struct Corrector<'a, M> {
+    pub model: &'a mut M,
+    pub set: &'a ConstraintSet,
+    pub options: &'a EquilibriumOptions,
+    pub loads: &'a [f64],
+    /// DOFs and their values.
+    pub prescribed: &'a [(usize, f64)],
+    pub free: &'a [usize],
+    pub state: &'a mut State,
+    pub iterates: Vec<Iterate>,
+    /// Times that the kept rows changed.
+    pub changes: usize,
+}
+
+/// A tangent and its factors.
+pub struct Tangent {
+    saddle: Saddle,
+    /// If it is singular and something was added: DOFs of a motion that nothing resists, none if it is the kept rows that depend
+    /// on one another.
+    pub singular: Option<Vec<usize>>,
+}
+
+impl<M: Model> Corrector<'_, M> {
+    /// Finds equilibrium from x; the kept rows may change on the way.
+    pub fn run(&mut self, x: &mut Unknowns, rows: &mut Rows) -> Result<(), Failure> {
+        let (mut length, mut loose) = (1.0, None);
+        for _ in 0..=self.options.iterations {
+            let found = self.look(x, rows, (length, loose.is_some()))?;
+            if self.balanced(x, found) {
+                if self.all_hold() {
+                    return Ok(());
+                }
+                self.change(rows)?;
+                continue;
+            }
+            let tangent = self.tangent(rows)?;
+            if tangent.singular.as_ref().is_some_and(Vec::is_empty) {
+                self.change(rows)?;
+                continue;
+            }
+            // Multipliers alone may make the tangent regular: a chain without tension.
+            let only_multipliers = tangent.singular.is_some() && loose.is_none() && !rows.list().is_empty();
+            loose.clone_from(&tangent.singular);
+            let dx = tangent.saddle.solve(&self.rhs(x, rows));
+            length = if only_multipliers { 0.0 } else { self.length(&tangent.saddle, x, rows, (&dx, length))? };
+            *x = self.moved(x, rows, &dx, (length, if only_multipliers { 1.0 } else { length }));
+            if !only_multipliers {
+                self.prescribed.iter().for_each(|&(j, v)| x.u[j] = v);
+            }
+        }
+        Err(loose.map_or(Failure::NoConvergence, Failure::Unsupported))
+    }
+
+    /// Evaluates at x, and lists what is out of balance.
+    fn look(&mut self, x: &mut Unknowns, rows: &Rows, (length, regularised): (f64, bool)) -> Result<Iterate, Failure> {
+        x.multipliers.iter_mut().enumerate().filter(|(r, _)| !rows.kept(*r)).for_each(|(_, lambda)| *lambda = 0.0);
+        self.state.evaluate(self.model, self.set, x, self.loads)?;
+        let force = self.state.force(self.free, self.options.tolerance);
+        let constraint = f64::EPSILON * self.state.constraint(rows.list().iter().copied());
+        let iterate = Iterate { force, constraint, length, regularised };
+        self.iterates.push(iterate);
+        Ok(iterate)
+    }
+
+    fn balanced(&self, x: &Unknowns, found: Iterate) -> bool {
+        self.arrived(x)
+            && found.force <= self.options.tolerance
+            && found.constraint <= f64::EPSILON * self.options.roundings
+    }
+
+    /// Whether the prescribed DOFs have their values.
+    fn arrived(&self, x: &Unknowns) -> bool {
+        self.prescribed.iter().all(|&(j, v)| x.u[j] == v)
+    }
+
+    /// Rows that are left out too.
+    fn all_hold(&self) -> bool {
+        self.state.constraint(0..self.set.equations()) <= self.options.roundings
+    }
+
+    /// Keeps other rows, those that are independent here.
+    pub fn change(&mut self, rows: &mut Rows) -> Result<(), Failure> {
+        self.changes += 1;
+        if self.changes > CHANGES || !rows.renew(self.set, &self.state.quantities, self.prescribed, self.options)? {
+            let violated = |&r: &usize| self.state.constraints[r] > self.options.roundings;
+            return Err(Failure::Conflict((0..self.set.equations()).filter(violated).collect()));
+        }
+        Ok(())
+    }
+
+    /// The factored tangent at the last evaluation, with something added if it is singular.
+    pub fn tangent(&self, rows: &Rows) -> Result<Tangent, Failure> {
+        let entries = self.entries(rows);
+        let saddle = Saddle::new(&entries, self.free.len(), 0.0).map_err(Failure::Solver)?;
+        let Some(null) = saddle.null_vector() else { return Ok(Tangent { saddle, singular: None }) };
+        let dofs = if null.is_empty() { Vec::new() } else { large(&null, self.free.len()) };
+        let saddle = Saddle::new(&entries, self.free.len(), ADDED).map_err(Failure::Solver)?;
+        Ok(Tangent { saddle, singular: Some(dofs.into_iter().map(|i| self.free[i]).collect()) })
+    }
+
+    fn entries(&self, rows: &Rows) -> Entries {
+        let (n, place) = (self.free.len(), self.places());
+        let (g, h) = (self.state.quantities.g(), self.state.quantities.h());
+        let hessian = (0..h.rows()).flat_map(|i| h.row(i).map(move |(j, v)| (i, j, v)));
+        let stiffness = self.state.assembly.entries().chain(hessian);
+        let free = stiffness.filter_map(|(i, j, v)| Some((place[i]?, place[j]?, v)));
+        let border = rows.list().iter().enumerate().flat_map(|(r, &row)| {
+            let place = &place;
+            g.row(row).filter_map(move |(j, v)| Some((n + r, place[j]?, v)))
+        });
+        let list = free.chain(border.flat_map(|(r, j, v)| [(r, j, v), (j, r, v)])).collect();
+        Entries { size: n + rows.list().len(), list }
+    }
+
+    /// The place of each DOF among the free ones.
+    fn places(&self) -> Vec<Option<usize>> {
+        let mut place = vec![None; self.set.dofs()];
+        self.free.iter().enumerate().for_each(|(i, &j)| place[j] = Some(i));
+        place
+    }
+
+    /// `-F` on free DOFs and kept rows; what prescribed DOFs have yet to move goes to the right-hand side.
+    fn rhs(&self, x: &Unknowns, rows: &Rows) -> Vec<f64> {
+        let (g, h) = (self.state.quantities.g(), self.state.quantities.h());
+        let mut force: Vec<f64> = self.state.residual.clone();
+        let mut c = self.state.quantities.c().to_vec();
+        if !self.arrived(x) {
+            let mut ahead = vec![0.0; self.set.dofs()];
+            self.prescribed.iter().for_each(|&(j, v)| ahead[j] = v - x.u[j]);
+            self.state.assembly.entries().for_each(|(i, j, v)| force[i] += v * ahead[j]);
+            (0..h.rows()).for_each(|i| h.row(i).for_each(|(j, v)| force[i] += v * ahead[j]));
+            (0..g.rows()).for_each(|r| g.row(r).for_each(|(j, v)| c[r] += v * ahead[j]));
+        }
+        self.free.iter().map(|&j| -force[j]).chain(rows.list().iter().map(|&r| -c[r])).collect()
+    }
+
+    /// How far to go; all the way while prescribed DOFs move, and where only rounding is left.
+    fn length(
+        &mut self,
+        saddle: &Saddle,
+        x: &Unknowns,
+        rows: &Rows,
+        (dx, last): (&[f64], f64),
+    ) -> Result<f64, Failure> {
+        let now = self.iterates.last().copied().unwrap_or_default();
+        let near = now.force <= NEAR * self.options.tolerance
+            && now.constraint <= NEAR * f64::EPSILON * self.options.roundings;
+        if near || !self.arrived(x) {
+            return Ok(1.0);
+        }
+        let size = saddle.length(dx);
+        let mut t = if last > 0.0 { (4.0 * last).min(1.0) } else { 1.0 };
+        while t >= SHORTEST {
+            t = match self.next_correction(saddle, x, rows, (dx, t)) {
+                Ok(next) if saddle.length(&next) <= (1.0 - 0.25 * t) * size => return Ok(t),
+                Ok(next) => {
+                    let off: Vec<f64> = next.iter().zip(dx).map(|(a, b)| a - (1.0 - t) * b).collect();
+                    (0.5 * size * t * t / saddle.length(&off)).clamp(0.1 * t, 0.5 * t)
+                }
+                Err(Failure::Model(_) | Failure::NotFinite { .. }) => 0.25 * t,
+                Err(other) => return Err(other),
+            };
+        }
+        Err(Failure::NoConvergence)
+    }
+
+    /// `-A^-1 F(x + t dx)`; the forces, c and G of x are lost.
+    fn next_correction(
+        &mut self,
+        saddle: &Saddle,
+        x: &Unknowns,
+        rows: &Rows,
+        (dx, t): (&[f64], f64),
+    ) -> Result<Vec<f64>, Failure> {
+        let trial = self.moved(x, rows, dx, (t, t));
+        self.state.balance(self.model, self.set, &trial, self.loads)?;
+        Ok(saddle.solve(&self.rhs(&trial, rows)))
+    }
+
+    fn moved(&self, x: &Unknowns, rows: &Rows, dx: &[f64], (t, of_multipliers): (f64, f64)) -> Unknowns {
+        let mut x = x.clone();
+        self.free.iter().zip(dx).for_each(|(&j, dx)| x.u[j] += t * dx);
+        let multipliers = rows.list().iter().zip(&dx[self.free.len()..]);
+        multipliers.for_each(|(&r, dx)| x.multipliers[r] += of_multipliers * dx);
+        x
+    }
+
+    /// Whether the tangent at the equilibrium resists every motion that the constraints allow.
+    pub fn supported(&mut self, rows: &Rows) -> Result<(), Failure> {
+        match self.tangent(rows)?.singular {
+            Some(dofs) => Err(Failure::Unsupported(dofs)),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! Why a load step failed; most failures are mended by a shorter one.
+
+use std::error::Error;
+
+use qless::{AnalysisError, ArgumentError};
+
+use super::EquilibriumError;
+use crate::newton::NewtonError;
+use crate::{ConstraintSet, LineariseError};
+
+#[derive(Debug)]
+pub enum Failure {
+    Model(Box<dyn Error + Send + Sync>),
+    NotFinite {
+        what: &'static str,
+        at: usize,
+    },
+    /// Rows that do not hold.
+    Conflict(Vec<usize>),
+    /// DOFs of a motion that nothing resists.
+    Unsupported(Vec<usize>),
+    NoConvergence,
+    Solver(String),
+    Constraints(NewtonError),
+    System(LineariseError),
+    Analysis(AnalysisError),
+    /// No shorter step will help.
+    Fatal(EquilibriumError),
+}
+
+impl From<EquilibriumError> for Failure {
+    fn from(error: EquilibriumError) -> Self {
+        Self::Fatal(error)
+    }
+}
+
+impl From<ArgumentError> for Failure {
+    fn from(error: ArgumentError) -> Self {
+        Self::Fatal(error.into())
+    }
+}
+
+impl From<LineariseError> for Failure {
+    fn from(error: LineariseError) -> Self {
+        Self::System(error)
+    }
+}
+
+impl From<AnalysisError> for Failure {
+    fn from(error: AnalysisError) -> Self {
+        Self::Analysis(error)
+    }
+}
+
+/// How far the solution came before a failure.
+#[derive(Clone, Copy)]
+pub struct Reached {
+    pub factor: f64,
+    pub tried: f64,
+    pub force: f64,
+    pub constraint: f64,
+}
+
+impl Failure {
+    pub fn is_fatal(&self) -> bool {
+        matches!(self, Self::Fatal(_))
+    }
+
+    pub fn into_error(self, set: &ConstraintSet, reached: Reached) -> EquilibriumError {
+        let Reached { factor, tried, force, constraint } = reached;
+        match self {
+            Self::Model(source) => EquilibriumError::Model { factor, source },
+            Self::NotFinite { what, at } => EquilibriumError::NotFinite { factor, what, at },
+            Self::Conflict(rows) => {
+                EquilibriumError::Conflict { factor, labels: rows.iter().filter_map(|&r| set.label(r).ok()).collect() }
+            }
+            Self::Unsupported(dofs) => EquilibriumError::Unsupported { factor, dofs },
+            Self::NoConvergence => EquilibriumError::NoConvergence { factor, tried, force, constraint },
+            Self::Solver(why) => EquilibriumError::Solver { factor, why },
+            Self::Constraints(source) => EquilibriumError::Constraints { factor, source },
+            Self::System(source) => EquilibriumError::System { factor, source },
+            Self::Analysis(source) => EquilibriumError::Analysis { factor, source },
+            Self::Fatal(error) => error,
+        }
+    }
+}

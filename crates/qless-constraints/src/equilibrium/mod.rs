@@ -1,0 +1,197 @@
+//! Nonlinear equilibrium: u and lambda with `f_int(u) + G(u)^T lambda = f_ext` and `c(u) = 0`.
+//!
+//! | stage | formula | cost |
+//! | --- | --- | --- |
+//! | evaluation | `f_int, K` by the [`Model`]; `c, G, H = sum_r lambda_r d^2 c_r / du^2` by the set | one pass each |
+//! | rows | redundant equations are left out, their multipliers are zero | one analysis per load step |
+//! | correction | `[K + H, G^T; G, 0] [du; dlambda] = -[r; c]`, scaled from both sides | one sparse LU |
+//! | length | the natural test of affine invariance | one evaluation and solution per trial |
+//! | load steps | cut where a step fails, longer where it is easy | |
+//!
+//! Units: forces are compared with the sizes of their own terms and with what one unit in the last place of u does to them, constraints
+//! with the rounding of their own terms ([`ConstraintSet::rounding`]). Nothing is compared with 1, so that the unit of length, force or angle
+//! drops out.
+//!
+//! An equilibrium that is returned is one to these tolerances, and its tangent is not singular; whether it is stable is not asked.
+
+mod correct;
+mod error;
+mod failure;
+mod load;
+mod model;
+mod rows;
+mod saddle;
+mod state;
+
+use qless::Options;
+
+pub use error::EquilibriumError;
+use failure::Failure;
+pub use model::{Assembly, Model};
+
+use crate::ConstraintSet;
+
+/// Settings of [`solve`].
+#[derive(Clone, Debug)]
+pub struct EquilibriumOptions {
+    /// Forces are in balance where `|r_j|` is at most this part of the sum of the sizes of its terms, or rounding. Default 1e-10.
+    pub tolerance: f64,
+    /// Constraints hold where `|c_r|` is at most so many times the bound on its rounding. Default 16.
+    pub roundings: f64,
+    /// Most iterations in a load step. Default 25.
+    pub iterations: usize,
+    /// The first load step, a part of the whole. Default 1: all at once, where that works.
+    pub first: f64,
+    /// The shortest load step. Default 1e-4.
+    pub shortest: f64,
+    /// How the constraints are analysed.
+    pub analysis: Options,
+}
+
+impl Default for EquilibriumOptions {
+    fn default() -> Self {
+        let analysis = Options::default();
+        Self { tolerance: 1e-10, roundings: 16.0, iterations: 25, first: 1.0, shortest: 1e-4, analysis }
+    }
+}
+
+/// Where a load path starts: an equilibrium, or a guess of one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Start {
+    /// DOFs.
+    pub u: Vec<f64>,
+    /// Multipliers, one per equation.
+    pub multipliers: Vec<f64>,
+    /// The loads that it carries; the load factor 0.
+    pub loads: Vec<f64>,
+}
+
+impl Start {
+    /// All zero.
+    pub fn at_rest(set: &ConstraintSet) -> Self {
+        let zeros = || vec![0.0; set.dofs()];
+        Self { u: zeros(), multipliers: vec![0.0; set.equations()], loads: zeros() }
+    }
+}
+
+/// Where it ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Target<'a> {
+    /// `f_ext`, one number per DOF.
+    pub loads: &'a [f64],
+    /// DOFs and their values.
+    pub prescribed: &'a [(usize, f64)],
+}
+
+/// One iterate: what was out of balance when it was reached.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Iterate {
+    /// `max_j |r_j|` over the free DOFs, relative to the sizes of its terms, or to what rounding allows.
+    pub force: f64,
+    /// `max_r eps |c_r| / rounding_r` over the kept rows: relative to the sizes of the terms of c.
+    pub constraint: f64,
+    /// The part of the correction that was gone to come here: 1 for all of it, 0 where only multipliers changed.
+    pub length: f64,
+    /// Whether the tangent before it was singular, and something was added to it.
+    pub regularised: bool,
+}
+
+/// One load step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoadStep {
+    /// Part of the way from the start to the target.
+    pub factor: f64,
+    /// Whether equilibrium was found there; if not, the step was cut.
+    pub converged: bool,
+    /// The way there; of the last attempt, if there was more than one.
+    pub iterates: Vec<Iterate>,
+}
+
+/// An equilibrium.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Equilibrium {
+    /// DOFs.
+    pub u: Vec<f64>,
+    /// One per equation, in units of force times displacement per unit of c; 0 for those left out.
+    pub multipliers: Vec<f64>,
+    /// `f_int + G^T lambda - f_ext` at prescribed DOFs, in the order of [`Target::prescribed`]: what the supports push with.
+    pub reactions: Vec<f64>,
+    /// `-G^T lambda`: what the constraints push the model with, one per DOF.
+    pub constraint_forces: Vec<f64>,
+    /// Equations that are redundant here, without multipliers.
+    pub redundant: Vec<usize>,
+    /// All load steps, those that were cut too.
+    pub steps: Vec<LoadStep>,
+    /// The loads that it carries.
+    pub loads: Vec<f64>,
+}
+
+impl Equilibrium {
+    /// From here the next path starts.
+    pub fn start(&self) -> Start {
+        Start { u: self.u.clone(), multipliers: self.multipliers.clone(), loads: self.loads.clone() }
+    }
+}
+
+/// Finds equilibrium at the target: `f_int(u) + G^T lambda = f_ext`, `c(u) = 0`, prescribed DOFs at their values.
+///
+/// Loads and prescribed values go from the start to the target in one step, in shorter ones where that fails. Near a solution the
+/// residuals fall as `r_(k+1) <= C r_k^2`.
+///
+/// ```
+/// use qless_constraints::equilibrium::{Assembly, EquilibriumOptions, Model, Start, Target, solve};
+/// use qless_constraints::{ConstraintSet, types::{OnSphere, PlanarPoint}};
+/// /// A spring of stiffness 2 along y.
+/// struct Spring;
+/// impl Model for Spring {
+///     fn dofs(&self) -> usize {
+///         2
+///     }
+///     fn pattern(&self, entry: &mut dyn FnMut(usize, usize)) {
+///         entry(1, 1);
+///     }
+///     fn assemble(&mut self, u: &[f64], out: &mut Assembly) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+///         out.force(1, 2.0 * u[1]);
+///         out.stiffness(1, 1, 2.0);
+///         Ok(())
+///     }
+/// }
+/// // On the end of an arm of length 1.
+/// let mut builder = ConstraintSet::builder(2);
+/// builder.add("arm", OnSphere { point: PlanarPoint::new([0, 1], [1.0, 0.0]), centre: [0.0; 2], radius: None })?;
+/// let set = builder.build()?;
+/// let target = Target { loads: &[1.0, 3.0], prescribed: &[] };
+/// let found = solve(&mut Spring, &set, &Start::at_rest(&set), &target, &EquilibriumOptions::default())?;
+/// // The load turns the arm until `f - k u` points along it.
+/// let (x, y) = (1.0 + found.u[0], found.u[1]);
+/// assert!((x * (3.0 - 2.0 * y) - y).abs() < 1e-9 && (found.multipliers[0] - 1.0 / x).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`EquilibriumError`].
+pub fn solve(
+    model: &mut impl Model,
+    set: &ConstraintSet,
+    start: &Start,
+    target: &Target,
+    options: &EquilibriumOptions,
+) -> Result<Equilibrium, EquilibriumError> {
+    options.validate()?;
+    load::check(model.dofs(), set, start, target)?;
+    load::Path::new(model, set, start, target, options)?.follow()
+}
+
+impl EquilibriumOptions {
+    fn validate(&self) -> Result<(), EquilibriumError> {
+        let part = "it must lie between 0 and 1";
+        let list = [
+            ("tolerance", self.tolerance, self.tolerance > 0.0 && self.tolerance < 1.0, part),
+            ("first", self.first, self.first > 0.0 && self.first <= 1.0, part),
+            ("shortest", self.shortest, self.shortest > 0.0 && self.shortest <= 1.0, part),
+            ("roundings", self.roundings, self.roundings >= 1.0 && self.roundings.is_finite(), "it must be at least 1"),
+        ];
+        let bad = list.into_iter().find(|&(_, _, good, _)| !good);
+        bad.map_or(Ok(()), |(what, value, _, range)| Err(EquilibriumError::Option { what, value, range }))
+    }
+}

@@ -1,0 +1,58 @@
+//! The equations that carry multipliers: those that are independent at a consistent configuration.
+//!
+//! They are chosen where the constraints hold, and kept on the way: off the constraints by d, redundant rows are independent by d, and
+//! with multipliers on them the matrix would be singular but for d.
+
+use qless::{Kind, Options, analyse};
+
+use super::{EquilibriumOptions, Failure};
+use crate::{ConstraintSet, Quantities};
+
+/// Kept rows, ascending.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Rows {
+    list: Vec<usize>,
+    kept: Vec<bool>,
+}
+
+impl Rows {
+    /// The rows that are independent where `quantities` were evaluated, `before` first.
+    pub fn new(
+        set: &ConstraintSet,
+        quantities: &Quantities,
+        prescribed: &[(usize, f64)],
+        (options, before): (&EquilibriumOptions, &[usize]),
+    ) -> Result<Self, Failure> {
+        let mut still = quantities.clone();
+        // Only the rank is asked for.
+        still.c.fill(0.0);
+        let held: Vec<(usize, f64)> = prescribed.iter().map(|&(j, v)| (j, 0.0 * v)).collect();
+        let mut settings: Options = options.analysis.clone();
+        settings.preferences.equations = before.to_vec();
+        let analysis = analyse(&set.linearised(&still, &held)?, &settings)?;
+        let kept: Vec<bool> = analysis.kinds().iter().map(|&kind| kind == Kind::Independent).collect();
+        Ok(Self { list: (0..kept.len()).filter(|&r| kept[r]).collect(), kept })
+    }
+
+    pub fn list(&self) -> &[usize] {
+        &self.list
+    }
+
+    pub fn kept(&self, row: usize) -> bool {
+        self.kept[row]
+    }
+
+    /// Chooses anew at another configuration; whether that changed anything.
+    pub fn renew(
+        &mut self,
+        set: &ConstraintSet,
+        quantities: &Quantities,
+        prescribed: &[(usize, f64)],
+        options: &EquilibriumOptions,
+    ) -> Result<bool, Failure> {
+        let other = Self::new(set, quantities, prescribed, (options, &self.list))?;
+        let changed = other != *self;
+        *self = other;
+        Ok(changed)
+    }
+}

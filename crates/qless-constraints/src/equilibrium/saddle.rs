@@ -1,0 +1,149 @@
+//! `[K + H, G^T; G, 0] [du; dlambda] = [a; b]` on free DOFs and kept rows, scaled from both sides, by sparse LU.
+//!
+//! `A = D (saddle) D` with entries of size one: D of a DOF is a displacement by the root of an energy, so that a scaled correction
+//! `D^-1 x` has the same unit in all its parts, and so has a scaled residual `D r`.
+
+use faer::Mat;
+use faer::prelude::Solve;
+use faer::sparse::linalg::solvers::Lu;
+use faer::sparse::{SparseColMat, Triplet};
+
+use crate::newton::random;
+
+/// Rounds of scaling by roots of the largest entries.
+const ROUNDS: usize = 10;
+/// A smallest singular value below this, where the largest entries are one, is none.
+const SINGULAR: f64 = 1e-14;
+/// Added to the diagonal of a matrix with a pivot that is zero.
+const SHIFT: f64 = 1e-13;
+/// A motion has the DOFs that move by at least this part of the one that moves most.
+const MOVES: f64 = 0.1;
+
+type Matrix = SparseColMat<usize, f64>;
+
+/// Entries `(row, column, value)` of a square matrix; repetitions are summed.
+pub struct Entries {
+    pub size: usize,
+    pub list: Vec<(usize, usize, f64)>,
+}
+
+/// The scaled matrix and its factors.
+pub struct Saddle {
+    scale: Vec<f64>,
+    a: Matrix,
+    lu: Lu<usize, f64>,
+}
+
+impl Saddle {
+    /// Scales and factors, with `added` on the first `free` places of the scaled diagonal.
+    pub fn new(entries: &Entries, free: usize, added: f64) -> Result<Self, String> {
+        let scale = scaling(entries);
+        let scaled = entries.list.iter().map(|&(i, j, v)| Triplet::new(i, j, scale[i] * v * scale[j]));
+        let more = (0..entries.size).map(|i| Triplet::new(i, i, if i < free { added } else { 0.0 }));
+        let list: Vec<_> = scaled.chain(more).collect();
+        let a = Matrix::try_new_from_triplets(entries.size, entries.size, &list).map_err(|e| format!("{e:?}"))?;
+        let lu = a.sp_lu().map_err(|e| format!("{e:?}"))?;
+        Ok(Self { scale, a, lu })
+    }
+
+    /// x, with one step of refinement.
+    pub fn solve(&self, rhs: &[f64]) -> Vec<f64> {
+        let b: Vec<f64> = rhs.iter().zip(&self.scale).map(|(r, d)| r * d).collect();
+        let mut y = inverse(&self.lu, &b);
+        let rest: Vec<f64> = b.iter().zip(self.times(&y)).map(|(b, a)| b - a).collect();
+        y.iter_mut().zip(inverse(&self.lu, &rest)).for_each(|(y, more)| *y += more);
+        y.iter().zip(&self.scale).map(|(y, d)| y * d).collect()
+    }
+
+    /// `|D^-1 x|`.
+    pub fn length(&self, x: &[f64]) -> f64 {
+        x.iter().zip(&self.scale).fold(0.0, |sum: f64, (x, d)| sum.hypot(x / d))
+    }
+
+    /// The scaled vector that A makes smallest, if that is nothing but rounding; by inverse iteration.
+    pub fn null_vector(&self) -> Option<Vec<f64>> {
+        match inverse_iteration(&self.lu, self.scale.len()) {
+            Some((_, size)) if size >= SINGULAR => None,
+            Some((y, _)) => Some(y),
+            // A pivot is exactly zero: a little off, the same vector is found.
+            None => Some(
+                self.shifted().and_then(|lu| inverse_iteration(&lu, self.scale.len())).map_or_else(Vec::new, |f| f.0),
+            ),
+        }
+    }
+
+    fn shifted(&self) -> Option<Lu<usize, f64>> {
+        let n = self.scale.len();
+        let column =
+            |j: usize| self.a.symbolic().row_idx_of_col(j).zip(self.a.val_of_col(j)).map(move |(i, &v)| (i, j, v));
+        let shift = (0..n).map(|i| (i, i, SHIFT));
+        let all = (0..n).flat_map(column).chain(shift).map(|(i, j, v)| Triplet::new(i, j, v));
+        Matrix::try_new_from_triplets(n, n, &all.collect::<Vec<_>>()).ok()?.sp_lu().ok()
+    }
+
+    fn times(&self, x: &[f64]) -> Vec<f64> {
+        let mut y = vec![0.0; x.len()];
+        for (j, x) in x.iter().enumerate() {
+            let column = self.a.symbolic().row_idx_of_col(j).zip(self.a.val_of_col(j));
+            column.for_each(|(i, v)| y[i] += v * x);
+        }
+        y
+    }
+}
+
+fn inverse(lu: &Lu<usize, f64>, b: &[f64]) -> Vec<f64> {
+    if b.is_empty() {
+        return Vec::new();
+    }
+    let x = lu.solve(Mat::from_fn(b.len(), 1, |i, _| b[i]));
+    (0..b.len()).map(|i| x[(i, 0)]).collect()
+}
+
+/// The vector that the matrix makes smallest, of length one, and how long that is; nothing if a pivot is zero.
+fn inverse_iteration(lu: &Lu<usize, f64>, n: usize) -> Option<(Vec<f64>, f64)> {
+    let mut y = unit((0..n as u64).map(random).collect());
+    let mut size = f64::INFINITY;
+    for _ in 0..3 {
+        let x = inverse(lu, &y);
+        size = 1.0 / norm(&x);
+        if !(size > 0.0) {
+            return None;
+        }
+        y = unit(x);
+    }
+    Some((y, size))
+}
+
+/// The places among the first `free` at which the vector is large, the largest first; empty if the others hold most of it.
+pub fn large(y: &[f64], free: usize) -> Vec<usize> {
+    let size = |part: &[f64]| part.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
+    let (motion, rest) = (size(&y[..free]), size(&y[free..]));
+    if motion < MOVES * rest || motion == 0.0 {
+        return Vec::new();
+    }
+    let mut places: Vec<usize> = (0..free).filter(|&i| y[i].abs() >= MOVES * motion).collect();
+    places.sort_by(|&a, &b| y[b].abs().total_cmp(&y[a].abs()));
+    places
+}
+
+/// Powers of two that bring the largest entry of each row to about one; 1 for empty rows.
+fn scaling(entries: &Entries) -> Vec<f64> {
+    let mut scale = vec![1.0_f64; entries.size];
+    for _ in 0..ROUNDS {
+        let mut most = vec![0.0_f64; entries.size];
+        for &(i, j, v) in &entries.list {
+            most[i] = most[i].max((scale[i] * v * scale[j]).abs());
+        }
+        scale.iter_mut().zip(most).filter(|(_, most)| *most > 0.0).for_each(|(d, most)| *d /= most.sqrt());
+    }
+    scale.iter().map(|d| d.log2().round().exp2()).collect()
+}
+
+fn norm(x: &[f64]) -> f64 {
+    x.iter().fold(0.0, |sum: f64, x| sum.hypot(*x))
+}
+
+fn unit(x: Vec<f64>) -> Vec<f64> {
+    let size = norm(&x);
+    x.iter().map(|x| x / size).collect()
+}

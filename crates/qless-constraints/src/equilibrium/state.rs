@@ -1,0 +1,142 @@
+//! f_int, K, c, G and H at one configuration, and what is out of balance: `r = f_int + G^T lambda - f_ext`.
+
+use qless::Csr;
+
+use super::model::{Assembly, Fault, Model};
+use super::{EquilibriumError, Failure};
+use crate::newton::in_roundings;
+use crate::{ConstraintSet, Quantities};
+
+/// Rounding of a sum of products, in units in the last place.
+const ULPS: f64 = 8.0 * f64::EPSILON;
+
+/// Displacements and multipliers.
+#[derive(Clone, Debug)]
+pub struct Unknowns {
+    pub u: Vec<f64>,
+    pub multipliers: Vec<f64>,
+}
+
+/// What there is at one configuration.
+pub struct State {
+    pub assembly: Assembly,
+    pub quantities: Quantities,
+    /// `f_int + G^T lambda - f_ext` at all DOFs.
+    pub residual: Vec<f64>,
+    /// `sum |terms|` of it.
+    pub terms: Vec<f64>,
+    /// What rounding of u and G may have added to it.
+    rounding: Vec<f64>,
+    /// `|c_r|` in roundings.
+    pub constraints: Vec<f64>,
+}
+
+impl State {
+    pub fn new(model: &impl Model, set: &ConstraintSet) -> Result<Self, EquilibriumError> {
+        let assembly = Assembly::new(model);
+        fault(&assembly)?;
+        let n = set.dofs();
+        let zeros = || vec![0.0; n];
+        let (quantities, constraints) = (set.allocate(), vec![0.0; set.equations()]);
+        Ok(Self { assembly, quantities, residual: zeros(), terms: zeros(), rounding: zeros(), constraints })
+    }
+
+    /// Residual and c only: for trial points.
+    pub fn balance(
+        &mut self,
+        model: &mut impl Model,
+        set: &ConstraintSet,
+        at: &Unknowns,
+        loads: &[f64],
+    ) -> Result<(), Failure> {
+        self.assembly.clear(false);
+        model.assemble(&at.u, &mut self.assembly).map_err(Failure::Model)?;
+        set.evaluate(&at.u, &mut self.quantities)?;
+        self.sum(at, loads)
+    }
+
+    /// All of it.
+    pub fn evaluate(
+        &mut self,
+        model: &mut impl Model,
+        set: &ConstraintSet,
+        at: &Unknowns,
+        loads: &[f64],
+    ) -> Result<(), Failure> {
+        self.assembly.clear(true);
+        model.assemble(&at.u, &mut self.assembly).map_err(Failure::Model)?;
+        set.assemble(&at.u, &at.multipliers, &mut self.quantities)?;
+        self.sum(at, loads)?;
+        finite("the stiffness", &self.assembly.values)?;
+        let rounding = set.rounding(&at.u)?;
+        self.constraints = in_roundings(self.quantities.c(), rounding.c());
+        self.round(model, at, rounding.g());
+        Ok(())
+    }
+
+    fn sum(&mut self, at: &Unknowns, loads: &[f64]) -> Result<(), Failure> {
+        fault(&self.assembly)?;
+        let Self { assembly, residual, terms, .. } = self;
+        for (j, &load) in loads.iter().enumerate() {
+            residual[j] = assembly.force[j] - load;
+            terms[j] = assembly.terms[j] + load.abs();
+        }
+        let g = self.quantities.g();
+        for (r, &lambda) in at.multipliers.iter().enumerate().filter(|(_, lambda)| **lambda != 0.0) {
+            g.row(r).for_each(|(j, v)| {
+                residual[j] += v * lambda;
+                terms[j] += (v * lambda).abs();
+            });
+        }
+        finite("the force", residual)?;
+        finite("the constraint value", self.quantities.c())
+    }
+
+    fn round(&mut self, model: &impl Model, at: &Unknowns, of_g: &[f64]) {
+        self.rounding.fill(0.0);
+        for (i, j, k) in self.assembly.entries() {
+            self.rounding[i] += ULPS * k.abs() * (at.u[j].abs() + model.coordinate(j).abs());
+        }
+        let g = self.quantities.g();
+        for (r, &lambda) in at.multipliers.iter().enumerate().filter(|(_, lambda)| **lambda != 0.0) {
+            let bounds = &of_g[g.starts()[r]..g.starts()[r + 1]];
+            g.row(r).zip(bounds).for_each(|((j, _), bound)| self.rounding[j] += (lambda * bound).abs());
+        }
+    }
+
+    /// `max |r_j| / (terms_j + rounding_j / tolerance)` over the free DOFs: at most the tolerance where they are in balance.
+    pub fn force(&self, free: &[usize], tolerance: f64) -> f64 {
+        let relative = |&j: &usize| {
+            let size = self.terms[j] + self.rounding[j] / tolerance;
+            if self.residual[j] == 0.0 { 0.0 } else { self.residual[j].abs() / size }
+        };
+        free.iter().map(relative).fold(0.0, f64::max)
+    }
+
+    /// The largest `|c_r|` of the chosen rows, in roundings.
+    pub fn constraint(&self, rows: impl IntoIterator<Item = usize>) -> f64 {
+        rows.into_iter().map(|r| self.constraints[r]).fold(0.0, f64::max)
+    }
+}
+
+fn fault(assembly: &Assembly) -> Result<(), EquilibriumError> {
+    match assembly.fault {
+        Some(Fault::Force(dof)) => Err(EquilibriumError::Force { dof, dofs: assembly.force.len() }),
+        Some(Fault::Stiffness(row, column)) => Err(EquilibriumError::Pattern { row, column }),
+        None => Ok(()),
+    }
+}
+
+fn finite(what: &'static str, numbers: &[f64]) -> Result<(), Failure> {
+    let bad = numbers.iter().position(|x| !x.is_finite());
+    bad.map_or(Ok(()), |at| Err(Failure::NotFinite { what, at }))
+}
+
+/// `G^T lambda`.
+pub fn constraint_forces(g: &Csr, multipliers: &[f64]) -> Vec<f64> {
+    let mut forces = vec![0.0; g.cols()];
+    for (r, lambda) in multipliers.iter().enumerate() {
+        g.row(r).for_each(|(j, v)| forces[j] += v * lambda);
+    }
+    forces
+}

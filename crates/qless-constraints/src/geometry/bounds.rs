@@ -1,0 +1,57 @@
+//! A box that holds an element.
+
+use super::shape::Shape;
+
+/// The corners of a box that holds an element, also where a curved one bulges beyond its nodes: that of the control points of the
+/// Bernstein form of its edges and faces, whose convex hull holds them. A solid that does not fold lies within its faces.
+pub(crate) fn bounds<const D: usize>(shape: Shape, places: &[[f64; D]]) -> [[f64; D]; 2] {
+    let mut control = Vec::new();
+    add_control_points(shape, places, &mut control);
+    let extreme = |worst: f64, pick: fn(f64, f64) -> f64| {
+        std::array::from_fn(|k| control.iter().fold(worst, |found, x| pick(found, x[k])))
+    };
+    [extreme(f64::INFINITY, f64::min), extreme(f64::NEG_INFINITY, f64::max)]
+}
+
+/// Corners as they are; `2 m - (a + b) / 2` for the middle m of the edge ab; `sum m - 3/4 sum a` for the middle of a Quad8.
+fn add_control_points<const D: usize>(shape: Shape, places: &[[f64; D]], control: &mut Vec<[f64; D]>) {
+    let corners = shape.corners().len();
+    control.extend(&places[..corners]);
+    let edge = |&[m, a, b]: &[usize; 3]| {
+        std::array::from_fn(|d| 2.0 * places[m][d] - f64::midpoint(places[a][d], places[b][d]))
+    };
+    control.extend(shape.edges().iter().map(edge));
+    let sum = |points: &[[f64; D]], d: usize| points.iter().map(|x| x[d]).sum::<f64>();
+    let middle = |places: &[[f64; D]]| std::array::from_fn(|d| sum(&places[4..], d) - 0.75 * sum(&places[..4], d));
+    if shape == Shape::Quad8 {
+        control.push(middle(places));
+    }
+    let curved = shape.boundary().iter().filter(|(side, _)| shape.dimensions() == 3 && *side == Shape::Quad8);
+    control.extend(curved.map(|(_, nodes)| middle(&nodes.iter().map(|&i| places[i]).collect::<Vec<_>>())));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Curved faces stay within their boxes, and touch those of their control points where these lie on them.
+    #[test]
+    fn faces_stay_within_their_bounds() {
+        let at = |seed: u32| f64::from(seed.wrapping_mul(2_654_435_761) >> 8) / f64::from(1_u32 << 24);
+        for (shape, seed) in [Shape::Tri6, Shape::Quad8].into_iter().flat_map(|s| (0..50).map(move |k| (s, k))) {
+            let places: Vec<[f64; 2]> =
+                (0..shape.nodes() as u32).map(|k| [at(97 * seed + 2 * k), at(97 * seed + 2 * k + 1)]).collect();
+            let [low, high] = bounds(shape, &places);
+            for i in 0..441 {
+                let [xi, eta] = [i % 21, i / 21].map(|i| f64::from(i) / 10.0 - 1.0);
+                let xi = shape.clamp([xi, eta, 0.0]);
+                for d in 0..2 {
+                    let x: f64 = shape.weights(xi).iter().zip(&places).map(|(n, x)| n * x[d]).sum();
+                    assert!(low[d] - 1e-14 <= x && x <= high[d] + 1e-14, "{shape:?} at {xi:?}: {x}");
+                }
+            }
+        }
+        let line = bounds(Shape::Line2, &[[1.0, 0.0], [0.0, 2.0]]);
+        assert_eq!(line, [[0.0, 0.0], [1.0, 2.0]]);
+    }
+}

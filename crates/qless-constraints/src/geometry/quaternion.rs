@@ -1,0 +1,150 @@
+//! Quaternions `q = (q0, q1, q2, q3)` of rotations: `R s = q s conj(q)`, and q of a body with its derivatives.
+//!
+//! For a rotation vector `q = (C, A theta)` with `C = cos(t / 2)`, `A = sin(t / 2) / t`, functions of `y = t^2 = theta.theta`:
+//! `C' = -A / 4`, and A is half of the first factor of Rodrigues' formula at `y / 4`. Euler parameters are q themselves.
+
+use super::carrier::Kind;
+use super::factors::factors;
+use super::rotation;
+use crate::scalar::vector::{Vector, dot};
+use crate::scalar::{Arithmetic, Scalar};
+
+/// A scalar part and a vector part.
+pub type Quaternion<S> = [S; 4];
+
+/// The rotation the other way round.
+pub fn conjugate<S: Arithmetic>(q: Quaternion<S>) -> Quaternion<S> {
+    [q[0], -q[1], -q[2], -q[3]]
+}
+
+/// `p q`: first q, then p.
+pub fn product<S: Arithmetic>(p: Quaternion<S>, q: Quaternion<S>) -> Quaternion<S> {
+    [
+        p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
+        p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
+        p[0] * q[2] + p[2] * q[0] + p[3] * q[1] - p[1] * q[3],
+        p[0] * q[3] + p[3] * q[0] + p[1] * q[2] - p[2] * q[1],
+    ]
+}
+
+/// `p . q`, all four components.
+pub fn inner(p: Quaternion<f64>, q: Quaternion<f64>) -> f64 {
+    p[0] * q[0] + p[1] * q[1] + p[2] * q[2] + p[3] * q[3]
+}
+
+/// q of a body; `u` are its rotations.
+pub fn of_body<S: Scalar>(kind: Kind, u: &[S]) -> Quaternion<S> {
+    let one = S::from(1.0);
+    match kind {
+        Kind::Ground | Kind::Node => [1.0, 0.0, 0.0, 0.0].map(S::from),
+        Kind::Vector => {
+            let theta = [u[0], u[1], u[2]];
+            let quarter = S::from(0.25) * dot(theta, theta);
+            let (sine, versine) = rotation::factors(quarter);
+            let [x, y, z] = theta.map(|x| S::from(0.5) * sine * x);
+            [one - quarter * versine, x, y, z]
+        }
+        Kind::Euler => [one + u[0], u[1], u[2], u[3]],
+    }
+}
+
+/// q of a body, and what its derivatives are made of.
+pub struct Turn {
+    kind: Kind,
+    theta: Vector<f64>,
+    pub q: Quaternion<f64>,
+    /// A, A', A''.
+    a: [f64; 3],
+}
+
+impl Turn {
+    /// `u` are the rotations of the body.
+    #[inline]
+    pub fn new(kind: Kind, u: &[f64]) -> Self {
+        if kind != Kind::Vector {
+            return Self { kind, theta: [0.0; 3], q: of_body(kind, u), a: [0.0; 3] };
+        }
+        let theta = [u[0], u[1], u[2]];
+        let quarter = 0.25 * dot(theta, theta);
+        let [a, b] = factors(quarter);
+        let a = [a[0] / 2.0, a[1] / 8.0, a[2] / 32.0];
+        let [x, y, z] = theta.map(|x| a[0] * x);
+        Self { kind, theta, q: [1.0 - quarter * b[0], x, y, z], a }
+    }
+
+    /// The gradient of `r . q`: `A r_v + (2 A' r_v.theta - A r_0 / 2) theta`.
+    #[inline]
+    pub fn gradient(&self, r: Quaternion<f64>, out: &mut [f64]) {
+        match self.kind {
+            Kind::Ground | Kind::Node => (),
+            Kind::Vector => {
+                let (t, [a, slope, _], v) = (self.theta, self.a, [r[1], r[2], r[3]]);
+                let along = 2.0 * slope * dot(v, t) - 0.5 * a * r[0];
+                (0..3).for_each(|k| out[k] = a * v[k] + along * t[k]);
+            }
+            Kind::Euler => out.copy_from_slice(&r),
+        }
+    }
+
+    /// `dq / du_j` for each rotation j; the others are not used.
+    #[inline]
+    pub fn slopes(&self) -> [Quaternion<f64>; 4] {
+        let mut rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
+        if self.kind == Kind::Vector {
+            let by_component = rows.map(|unit| {
+                let mut row = [0.0; 3];
+                self.gradient(unit, &mut row);
+                row
+            });
+            (0..3).for_each(|j| rows[j] = std::array::from_fn(|k| by_component[k][j]));
+        }
+        rows
+    }
+
+    /// The lower triangle of the Hessian of `r . q`, row by row:
+    /// `(2 A' r_v.theta - A r_0 / 2) I + 2 A' (r_v theta^T + theta r_v^T) + (4 A'' r_v.theta - A' r_0) theta theta^T`.
+    #[inline]
+    pub fn hessian(&self, r: Quaternion<f64>, out: &mut [f64]) {
+        match self.kind {
+            Kind::Ground | Kind::Node => (),
+            Kind::Vector => {
+                let (t, [a, slope, curve], v) = (self.theta, self.a, [r[1], r[2], r[3]]);
+                let diagonal = 2.0 * slope * dot(v, t) - 0.5 * a * r[0];
+                let twice = 4.0 * curve * dot(v, t) - slope * r[0];
+                let mut place = 0;
+                for j in 0..3 {
+                    for k in 0..=j {
+                        let own = if j == k { diagonal } else { 0.0 };
+                        out[place] = 2.0 * slope * (v[j] * t[k] + t[j] * v[k]) + twice * t[j] * t[k] + own;
+                        place += 1;
+                    }
+                }
+            }
+            Kind::Euler => out.fill(0.0),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::rotation::{by_euler, by_vector};
+    use crate::scalar::vector::{norm, sub};
+
+    /// The same rotation as Rodrigues' formula, at small and large angles, and products are rotations one after the other.
+    #[test]
+    fn quaternions_turn_as_rotation_vectors() {
+        let s = [1.0, 2.0, -0.5];
+        for size in [1e-9, 0.3, 1.9, 3.1, 4.1, 6.2] {
+            let (p, q) = ([0.6 * size, 0.0, -0.8 * size], [0.2, -1.1, 0.4]);
+            let [of_p, of_q] = [p, q].map(|theta| Turn::new(Kind::Vector, &theta).q);
+            assert!(norm(sub(by_euler(of_p, s), by_vector(p, s))) < 4e-15, "{size}");
+            let both = by_euler(product(of_p, of_q), s);
+            assert!(norm(sub(both, by_euler(of_p, by_euler(of_q, s)))) < 4e-15, "{size}");
+            let back = product(conjugate(of_p), of_p);
+            assert!((back[0] - 1.0).abs() < 1e-15 && back[1..].iter().all(|x| x.abs() < 1e-15));
+            let generic = of_body(Kind::Vector, &p);
+            assert!((0..4).all(|k| (generic[k] - of_p[k]).abs() < 4e-16));
+        }
+    }
+}

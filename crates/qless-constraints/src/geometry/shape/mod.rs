@@ -1,0 +1,114 @@
+//! `x(xi) = sum_k N_k(xi) x_k`: lines, faces and solids, numbered corners first, then middles of edges.
+
+mod boundary;
+mod domain;
+mod functions;
+
+pub(crate) use domain::Parameters;
+
+/// What an element, a face or an edge of it is: its nodes and their order, `x(xi) = sum_k N_k(xi) x_k`.
+///
+/// Parameters: lines, quadrilaterals and hexahedra in [-1, 1]; triangles and tetrahedra in `xi, eta, zeta >= 0`,
+/// `xi + eta + zeta <= 1`; wedges are a triangle in `xi, eta` times a line in `zeta`; pyramids `|xi|, |eta| <= 1 - zeta`,
+/// `0 <= zeta <= 1`. Quadratic shapes are serendipity; the functions of a pyramid are rational (Bedrosian, Int. J. Numer. Meth.
+/// Engng 35 (1992) 95), so that those with a parallelogram as base are affine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
+    /// Two ends.
+    Line2,
+    /// Two ends, then the middle.
+    Line3,
+    /// Three corners.
+    Tri3,
+    /// Four corners, in order around.
+    Quad4,
+    /// Three corners, then the middles of edges 12, 23, 31.
+    Tri6,
+    /// Four corners, then the middles of edges 12, 23, 34, 41.
+    Quad8,
+    /// Four corners.
+    Tet4,
+    /// Four corners, then the middles of edges 12, 23, 31, 14, 24, 34.
+    Tet10,
+    /// Four corners of the base, in order around, then the tip.
+    Pyramid5,
+    /// Three corners, then the three over them.
+    Wedge6,
+    /// Three corners, the three over them, then the middles of edges 12, 23, 31, of 45, 56, 64, and of 14, 25, 36.
+    Wedge15,
+    /// Four corners in order around, then the four over them.
+    Hex8,
+    /// Four corners, the four over them, then the middles of edges 12, 23, 34, 41, of 56, 67, 78, 85, and of 15, 26, 37, 48.
+    Hex20,
+}
+
+impl Shape {
+    /// Number of nodes.
+    pub fn nodes(self) -> usize {
+        match self {
+            Self::Line2 => 2,
+            Self::Line3 | Self::Tri3 => 3,
+            Self::Quad4 | Self::Tet4 => 4,
+            Self::Pyramid5 => 5,
+            Self::Tri6 | Self::Wedge6 => 6,
+            Self::Quad8 | Self::Hex8 => 8,
+            Self::Tet10 => 10,
+            Self::Wedge15 => 15,
+            Self::Hex20 => 20,
+        }
+    }
+
+    /// Number of parameters: 1 for lines, 2 for faces, 3 for solids.
+    pub fn dimensions(self) -> usize {
+        match self {
+            Self::Line2 | Self::Line3 => 1,
+            Self::Tri3 | Self::Quad4 | Self::Tri6 | Self::Quad8 => 2,
+            _ => 3,
+        }
+    }
+
+    /// Parameters of the corners.
+    pub(crate) fn corners(self) -> &'static [Parameters] {
+        &self.places()[..self.nodes() - self.edges().len()]
+    }
+
+    /// Whether `x(xi)` is linear for every place of the nodes.
+    pub(crate) fn is_affine(self) -> bool {
+        matches!(self, Self::Line2 | Self::Tri3 | Self::Tet4)
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::{Parameters, Shape};
+
+    pub const ALL: [Shape; 13] = [
+        Shape::Line2,
+        Shape::Line3,
+        Shape::Tri3,
+        Shape::Quad4,
+        Shape::Tri6,
+        Shape::Quad8,
+        Shape::Tet4,
+        Shape::Tet10,
+        Shape::Pyramid5,
+        Shape::Wedge6,
+        Shape::Wedge15,
+        Shape::Hex8,
+        Shape::Hex20,
+    ];
+
+    /// In [0, 1), the same everywhere.
+    pub fn random(seed: usize) -> f64 {
+        let z = (seed as u64 + 11).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29);
+        f64::from((z.wrapping_mul(0xD6E8_FEB8_6659_FD93) >> 40) as u32) / f64::from(1_u32 << 24)
+    }
+
+    /// Some point inside of a shape, not on its boundary.
+    pub fn inside(shape: Shape, seed: usize) -> Parameters {
+        let weights: Vec<f64> = shape.corners().iter().enumerate().map(|(k, _)| 0.1 + random(97 * seed + k)).collect();
+        let sum: f64 = weights.iter().sum();
+        let corners = shape.corners().iter().zip(&weights);
+        corners.fold([0.0; 3], |at, (p, w)| std::array::from_fn(|k| at[k] + w / sum * p[k]))
+    }
+}

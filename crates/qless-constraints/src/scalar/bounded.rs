@@ -1,0 +1,119 @@
+//! `x^ = x + e`, `|e| <= error`: a number with a bound on what rounding did to it (running error analysis, Wilkinson).
+//!
+//! Each operation passes the bounds of its operands on and adds its own: `fl(x op y) = (x op y)(1 + d)`, `|d| <= 2^-53`.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use super::Scalar;
+
+/// The most that one operation is off, relative to its result.
+const UNIT: f64 = f64::EPSILON / 2.0;
+
+/// A computed number, and how far it may be from the one that exact arithmetic gives.
+///
+/// Numbers that go in are taken as known to one unit in the last place. In [`super::Dual`], derivatives get bounds as well.
+///
+/// ```
+/// use qless_constraints::scalar::{Bounded, Scalar};
+/// // Of 1e8 + 1e-8 - 1e8, nothing is known: 1e-8 is below the rounding of 1e8.
+/// let (large, small) = (Bounded::from(1e8), Bounded::from(1e-8));
+/// let difference = large + small - large;
+/// assert!(difference.real.abs() < difference.error && difference.error < 1e-7);
+/// // The sine of 2 pi is zero, but for what rounding left of it.
+/// let sine = Bounded::from(std::f64::consts::TAU).sin();
+/// assert!(sine.real != 0.0 && sine.real.abs() < sine.error);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounded {
+    /// The number as it was computed.
+    pub real: f64,
+    /// The most that it is off, in its own unit; infinite if nothing is known of it.
+    pub error: f64,
+}
+
+impl Bounded {
+    /// A number that stands for a quantity known to one unit in the last place of `size`, such as the difference of two of that size.
+    pub fn known_to(real: f64, size: f64) -> Self {
+        Self { real, error: f64::EPSILON * size.abs() }
+    }
+
+    /// What an operation gives, with what came from its operands and its own rounding.
+    fn rounded(real: f64, passed_on: f64) -> Self {
+        Self { real, error: passed_on + UNIT * real.abs() }
+    }
+
+    /// The same for products, quotients and roots, which lose more than that below the range of normal numbers.
+    fn scaled(real: f64, passed_on: f64, exact_zero: bool) -> Self {
+        let lost = if real.abs() < f64::MIN_POSITIVE && !exact_zero { f64::from_bits(1) } else { 0.0 };
+        Self::rounded(real, passed_on + lost)
+    }
+
+    /// `f` at an argument off by `error`, with `|f''| <= 1` and `|f| <= 1`: sine and cosine, to one unit in the last place.
+    fn wave(f: f64, slope: f64, error: f64) -> Self {
+        let passed_on = (slope.abs() * error + 0.5 * error * error).min(error).min(2.0);
+        Self { real: f, error: passed_on + f64::EPSILON * f.abs() }
+    }
+}
+
+impl From<f64> for Bounded {
+    fn from(real: f64) -> Self {
+        Self::known_to(real, real)
+    }
+}
+
+impl Add for Bounded {
+    type Output = Self;
+    fn add(self, b: Self) -> Self {
+        Self::rounded(self.real + b.real, self.error + b.error)
+    }
+}
+
+impl Sub for Bounded {
+    type Output = Self;
+    fn sub(self, b: Self) -> Self {
+        Self::rounded(self.real - b.real, self.error + b.error)
+    }
+}
+
+impl Mul for Bounded {
+    type Output = Self;
+    fn mul(self, b: Self) -> Self {
+        let passed_on = self.real.abs() * b.error + self.error * (b.real.abs() + b.error);
+        Self::scaled(self.real * b.real, passed_on, self.real == 0.0 || b.real == 0.0)
+    }
+}
+
+impl Div for Bounded {
+    type Output = Self;
+    fn div(self, b: Self) -> Self {
+        let (real, nearest) = (self.real / b.real, b.real.abs() - b.error);
+        let passed_on = if nearest > 0.0 { (self.error + real.abs() * b.error) / nearest } else { f64::INFINITY };
+        Self::scaled(real, passed_on, self.real == 0.0)
+    }
+}
+
+impl Neg for Bounded {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self { real: -self.real, error: self.error }
+    }
+}
+
+impl Scalar for Bounded {
+    fn real(self) -> f64 {
+        self.real
+    }
+    fn sqrt(self) -> Self {
+        let root = self.real.sqrt();
+        // |sqrt x - sqrt y| = |x - y| / (sqrt x + sqrt y).
+        let least = (self.real - self.error).max(0.0).sqrt();
+        let passed_on = if self.error == 0.0 { 0.0 } else { self.error / (root + least) };
+        Self::scaled(root, passed_on, root == 0.0)
+    }
+    fn sin(self) -> Self {
+        Self::wave(self.real.sin(), self.real.cos(), self.error)
+    }
+    fn cos(self) -> Self {
+        Self::wave(self.real.cos(), self.real.sin(), self.error)
+    }
+}

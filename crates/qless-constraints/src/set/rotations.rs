@@ -1,0 +1,108 @@
+//! Rotation vectors kept below half a turn: `theta - 2 pi k theta / |theta|` is the same rotation.
+//!
+//! `d(R s)/d theta` loses rank where `|theta|` is a whole turn. Replacing a vector longer than pi by its complement, as Cardona and
+//! Géradin do (A beam finite element non-linear theory with finite rotations, 1988), keeps it away from there; the configuration is the same.
+
+use std::f64::consts::{PI, TAU};
+
+use qless::ArgumentError;
+
+use super::{ConstraintSet, long};
+
+impl ConstraintSet {
+    /// The DOFs of rotation vectors that may be replaced by others of the same rotation, in the order of first use. O(nonzeros of G).
+    ///
+    /// Every constraint that uses them uses their rotation alone. An equation on one of their DOFs, or a constraint that takes them in another
+    /// order, ties them to what they are.
+    pub fn rotation_vectors(&self) -> Vec<[usize; 3]> {
+        let mut found = Found { owner: vec![Owner::Nobody; self.dofs], vectors: Vec::new() };
+        let each = |visit: &mut dyn FnMut(&[u32], &[usize])| {
+            self.blocks.iter().for_each(|block| block.rotation_vectors(visit));
+        };
+        each(&mut |dofs, places| {
+            places.iter().for_each(|&k| found.put([dofs[k], dofs[k + 1], dofs[k + 2]].map(|dof| dof as usize)));
+        });
+        if found.vectors.is_empty() {
+            return Vec::new();
+        }
+        each(&mut |dofs, places| {
+            let others = (0..dofs.len()).filter(|j| !places.iter().any(|k| (*k..k + 3).contains(j)));
+            others.for_each(|j| found.tie(dofs[j] as usize));
+        });
+        self.linear_rows().for_each(|row| self.pattern.row(row).for_each(|(dof, _)| found.tie(dof)));
+        found.vectors.iter().filter(|vector| found.owner[vector[0]] != Owner::Tied).copied().collect()
+    }
+
+    /// Replaces rotation vectors longer than half a turn by the shortest ones of the same rotation; returns how many.
+    ///
+    /// Values of c stay what they are but for rounding, G and H become those of the new DOFs. Only [`ConstraintSet::rotation_vectors`] are replaced; what
+    /// else rests on them outside the set, such as forces of a model or prescribed values, is for the caller to know.
+    ///
+    /// ```
+    /// use qless_constraints::{ConstraintSet, types::{Body, Fixed}};
+    /// let mut builder = ConstraintSet::builder(6);
+    /// builder.add("weld", Fixed { a: Body::ground(), b: Body::with_vector([0, 1, 2], [0.0; 3], [3, 4, 5]), at: [0.0; 3] })?;
+    /// let set = builder.build()?;
+    /// let mut u = [0.0, 0.0, 0.0, 5.0, 0.0, 0.0];
+    /// assert_eq!(set.shorten_rotations(&mut u)?, 1);
+    /// assert!((u[3] - (5.0 - std::f64::consts::TAU)).abs() < 1e-15);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ArgumentError`] if `u` does not have length n.
+    pub fn shorten_rotations(&self, u: &mut [f64]) -> Result<usize, ArgumentError> {
+        long("u", u.len(), self.dofs)?;
+        Ok(self.rotation_vectors().iter().filter(|vector| shorten(u, **vector)).count())
+    }
+}
+
+/// Replaces one vector; whether it was too long.
+pub(crate) fn shorten(u: &mut [f64], vector: [usize; 3]) -> bool {
+    let length = vector.iter().fold(0.0, |sum: f64, &dof| sum.hypot(u[dof]));
+    let long = length > PI && length.is_finite();
+    if long {
+        let factor = 1.0 - TAU * (length / TAU).round() / length;
+        vector.iter().for_each(|&dof| u[dof] *= factor);
+    }
+    long
+}
+
+/// To what a DOF belongs.
+#[derive(Clone, Copy, PartialEq)]
+enum Owner {
+    Nobody,
+    /// A vector, by its place in the list.
+    Vector(usize),
+    /// Something that needs its value.
+    Tied,
+}
+
+/// Vectors found so far.
+struct Found {
+    owner: Vec<Owner>,
+    vectors: Vec<[usize; 3]>,
+}
+
+impl Found {
+    fn put(&mut self, vector: [usize; 3]) {
+        let owners = vector.map(|dof| self.owner[dof]);
+        if owners == [Owner::Nobody; 3] {
+            vector.iter().for_each(|&dof| self.owner[dof] = Owner::Vector(self.vectors.len()));
+            self.vectors.push(vector);
+            return;
+        }
+        let same = matches!(owners[0], Owner::Vector(k) if self.vectors[k] == vector && owners == [owners[0]; 3]);
+        if !same {
+            vector.iter().for_each(|&dof| self.tie(dof));
+            vector.iter().for_each(|&dof| self.owner[dof] = Owner::Tied);
+        }
+    }
+
+    /// The vector with this DOF may not be replaced.
+    fn tie(&mut self, dof: usize) {
+        if let Owner::Vector(k) = self.owner[dof] {
+            self.vectors[k].iter().for_each(|&dof| self.owner[dof] = Owner::Tied);
+        }
+    }
+}

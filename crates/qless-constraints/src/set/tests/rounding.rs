@@ -1,0 +1,99 @@
+//! Bounds on the rounding of c and G: against numbers of twice the digits, with DOFs moved within what is known of them.
+//!
+//! What is bounded are the numbers that [`crate::ConstraintSet::evaluate`] writes, so that formulas written by hand are held to the bounds
+//! that the general evaluation gives.
+
+use std::f64::consts::FRAC_PI_2;
+
+use super::double_double::DoubleDouble;
+use super::every_type::{DOFS, Place, ROTATIONS, random, set_at};
+use crate::ConstraintSet;
+use crate::set::rounding::Size;
+
+type Outcome = Result<(), Box<dyn std::error::Error>>;
+
+/// A configuration of a size, lengths in the unit.
+fn configuration(unit: f64, size: f64, seed: u64) -> Vec<f64> {
+    let turns = |j: usize| ROTATIONS.iter().any(|range| range.contains(&j));
+    let scale = |j: usize| if turns(j) { size } else { size * unit };
+    (0..DOFS).map(|j| scale(j) * random(seed * DOFS as u64 + j as u64)).collect()
+}
+
+/// Turns about one axis, by whole parts of a turn: where terms cancel that do not cancel elsewhere.
+fn about_an_axis(unit: f64, seed: u64) -> Vec<f64> {
+    let mut u = configuration(unit, 0.3, seed);
+    ROTATIONS.into_iter().flatten().for_each(|j| u[j] = 0.0);
+    let quarters = (seed % 9) as f64 - 4.0;
+    ROTATIONS.into_iter().for_each(|range| u[range.start() + seed as usize % 3] = quarters * FRAC_PI_2);
+    u
+}
+
+/// c and G of the nonlinear equations in twice the digits, each DOF moved by up to one unit in its last place.
+fn reference(set: &ConstraintSet, u: &[f64], seed: u64) -> [Vec<DoubleDouble>; 2] {
+    let size = |j: usize| u[j].abs() + set.sizes.get(j).map_or(0.0, |size| size.number());
+    let by = |j: usize| 2.0 * random(seed + j as u64) * f64::EPSILON * size(j);
+    let moved: Vec<_> = (0..DOFS).map(|j| DoubleDouble::moved(u[j], by(j))).collect();
+    let mut all = [Vec::new(), Vec::new()];
+    for block in &set.blocks {
+        let [c, g] = block.reference(&moved);
+        all[0].extend(c);
+        all[1].extend(g);
+    }
+    all
+}
+
+/// `bound / error` of all numbers that are off, none of them more than the bound.
+fn ratios(what: &str, found: &[f64], bounds: &[f64], truth: &[DoubleDouble], ratios: &mut Vec<f64>) {
+    assert_eq!([found.len(), bounds.len()], [truth.len(); 2]);
+    for (k, ((&x, &bound), truth)) in found.iter().zip(bounds).zip(truth).enumerate() {
+        let error = truth.distance(x);
+        assert!(error <= bound, "{what} {k}: {x} is off by {error}, more than {bound}");
+        if error > 0.0 {
+            ratios.push(bound / error);
+        }
+    }
+}
+
+#[test]
+fn sizes_are_no_less_and_hardly_more() {
+    for x in [f64::from_bits(1), 1e-310, 1e-150, 0.1, 1.0, 1.5, 1e6, 3e300] {
+        let size = Size::above(-x).number();
+        assert!(size >= x && (size <= 1.0626 * x || x < f64::MIN_POSITIVE), "{x}: {size}");
+    }
+    assert!(Size::above(0.0).number() == 0.0 && Size::above(f64::MAX).number().is_finite());
+}
+
+fn median(mut x: Vec<f64>) -> f64 {
+    x.sort_unstable_by(f64::total_cmp);
+    x[x.len() / 2]
+}
+
+#[test]
+fn bounds_hold_and_are_near() -> Outcome {
+    let [mut of_c, mut of_g] = [Vec::new(), Vec::new()];
+    let mut seed = 0;
+    for (unit, shift) in [(1.0, 0.0), (1e-6, 0.0), (1e6, 0.0), (1.0, 1e6), (1e-12, 3e3)] {
+        let set = set_at(Place { unit, shift })?;
+        let linear = set.linear_rows().len();
+        let constant = set.pattern.starts()[linear];
+        for size in [None, Some(0.0), Some(1e-9), Some(1e-3), Some(0.3), Some(2.0), Some(6.0), Some(13.0)] {
+            for _ in 0..27 {
+                seed += 1;
+                let u = size.map_or_else(|| about_an_axis(unit, seed), |size| configuration(unit, size, seed));
+                let mut found = set.allocate();
+                set.evaluate(&u, &mut found)?;
+                let rounding = set.rounding(&u)?;
+                let [c, g] = reference(&set, &u, seed);
+                let place = format!("unit {unit}, shift {shift}, size {size:?}, seed {seed}:");
+                ratios(&format!("{place} c"), &found.c[linear..], &rounding.c()[linear..], &c, &mut of_c);
+                let (values, bounds) = (&found.g.values()[constant..], &rounding.g()[constant..]);
+                ratios(&format!("{place} entry of G"), values, bounds, &g, &mut of_g);
+            }
+        }
+    }
+    assert!(of_c.len() > 10_000 && of_g.len() > 100_000, "{} and {} numbers are off", of_c.len(), of_g.len());
+    let (of_c, of_g) = (median(of_c), median(of_g));
+    println!("bound over error, medians: c {of_c:.1}, G {of_g:.1}");
+    assert!(of_c < 150.0 && of_g < 150.0, "medians {of_c} and {of_g}");
+    Ok(())
+}

@@ -1,0 +1,87 @@
+//! Right-hand sides and parameters that are functions of time: `c(u, t) = 0`.
+//!
+//! The pattern of G and H is the same at all times; [`ConstraintSet::set_time`] writes new numbers in place.
+
+use std::sync::Arc;
+
+use super::ConstraintSet;
+
+/// `b(t)`.
+pub(super) type Function = Arc<dyn Fn(f64) -> f64 + Send + Sync>;
+
+/// The right-hand side of a linear equation.
+#[derive(Clone)]
+pub(super) enum Rhs {
+    Value(f64),
+    Function(Function),
+}
+
+impl Rhs {
+    pub fn at(&self, time: f64) -> f64 {
+        match self {
+            Self::Value(value) => *value,
+            Self::Function(function) => function(time),
+        }
+    }
+}
+
+/// Why a set does not go to another time.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TimeError {
+    /// No point in time.
+    #[error("time {0} is not finite; give a number")]
+    Time(f64),
+    /// A right-hand side is not finite then.
+    #[error("the right-hand side of {label} is {value} at time {time}; its function must be finite there")]
+    NotFinite {
+        /// The equation.
+        label: String,
+        /// When.
+        time: f64,
+        /// What its function gives.
+        value: f64,
+    },
+}
+
+impl ConstraintSet {
+    /// The time of the numbers in the set; 0 at first.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Goes to another time: right-hand sides and parameters that are functions of time take their values there.
+    ///
+    /// ```
+    /// use qless_constraints::{ConstraintSet, types::Driven};
+    /// let mut builder = ConstraintSet::builder(2);
+    /// builder.add("piston", Driven::new([(1, 1.0)], |t| 0.5 * t))?;
+    /// let mut set = builder.build()?;
+    /// let mut quantities = set.allocate();
+    /// set.set_time(4.0)?;
+    /// set.evaluate(&[0.0, 3.0], &mut quantities)?;
+    /// assert_eq!(quantities.c(), [1.0]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`TimeError`] if the time, or a right-hand side then, is not finite; the set stays at the time where it was.
+    pub fn set_time(&mut self, time: f64) -> Result<(), TimeError> {
+        if !time.is_finite() {
+            return Err(TimeError::Time(time));
+        }
+        let mut values = Vec::new();
+        for (row, function) in self.linear.driven() {
+            let value = function(time);
+            if !value.is_finite() {
+                let label = self.label(row).unwrap_or_default();
+                return Err(TimeError::NotFinite { label, time, value });
+            }
+            values.push((row, value));
+        }
+        values.into_iter().for_each(|(row, value)| self.linear.set_rhs(row, value));
+        self.blocks.iter_mut().for_each(|block| block.set_time(time));
+        self.time = time;
+        Ok(())
+    }
+}

@@ -1,0 +1,51 @@
+//! Cylindrical joint: a rod in a sleeve; `(R_a s_i) . (p_b - p_a) = 0`, `R_a t = R_b t`.
+
+use super::orientation::Tilt;
+use super::prismatic::path;
+use super::relative::relative;
+use super::{JointError, check_turns, direction};
+use crate::geometry::carrier::Body;
+use crate::scalar::vector::Vector;
+use crate::{Constraint, Store};
+
+/// Body b slides along an axis of body a and turns about it: `(R_a s_i) . (p_b - p_a) = 0` for the two `s_i` perpendicular to the axis,
+/// lengths, and the tilt of the axis, two angles, as in [`super::Revolute`].
+///
+/// Four degrees of freedom are removed. Singular where the axes are opposite.
+///
+/// ```
+/// use qless_constraints::{ConstraintSet, types::{Body, Cylindrical}};
+/// let rod = Body::with_vector([0, 1, 2], [1.0, 0.0, 0.0], [3, 4, 5]);
+/// let mut builder = ConstraintSet::builder(6);
+/// builder.add("sleeve", Cylindrical { a: Body::ground(), b: rod, at: [0.0; 3], axis: [1.0, 0.0, 0.0] })?;
+/// let set = builder.build()?;
+/// // It slides by 2 and turns by 1 rad.
+/// let mut quantities = set.allocate();
+/// set.evaluate(&[2.0, 0.0, 0.0, 1.0, 0.0, 0.0], &mut quantities)?;
+/// assert_eq!(quantities.c(), [0.0; 4]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cylindrical {
+    /// The body with the sleeve.
+    pub a: Body,
+    /// The body that slides and turns.
+    pub b: Body,
+    /// A point of the axis in the reference configuration, coordinates.
+    pub at: Vector<f64>,
+    /// The direction of the axis there, of any length.
+    pub axis: Vector<f64>,
+}
+
+impl Constraint for Cylindrical {
+    const NAME: &'static str = "cylindrical joint";
+    type Error = JointError;
+
+    fn process(self, store: &mut Store) -> Result<(), JointError> {
+        check_turns(&self.a, &self.b)?;
+        let axis = direction(self.axis)?;
+        path(store, &self.a, &self.b, self.at, axis);
+        relative(store, "", &self.a, &self.b, Tilt::new(axis));
+        Ok(())
+    }
+}

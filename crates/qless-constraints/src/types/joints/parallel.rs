@@ -1,0 +1,47 @@
+//! Parallel axes: `R_a t = R_b t`.
+
+use super::orientation::Tilt;
+use super::relative::relative;
+use super::{JointError, check_turns, direction};
+use crate::geometry::carrier::Body;
+use crate::scalar::vector::Vector;
+use crate::{Constraint, Store};
+
+/// An axis of both bodies stays parallel: `c = beta e`, the rotation vector that brings `R_a t` to `R_b t`, in the axes of a, two angles.
+///
+/// `beta = acos(R_a t . R_b t)` is in `[0, pi]`, and e perpendicular to t, along `t x R_a^T R_b t`: the axes end pointing the same way. Wherever the bodies
+/// are does not matter. Two degrees of freedom are removed. Singular where the axes are opposite: within 1e-8 rad of there the
+/// rank is one, and c is half a turn about one direction perpendicular to the axis, so that Newton's method finds its way out.
+///
+/// ```
+/// use qless_constraints::{ConstraintSet, types::{Body, Parallel}};
+/// let arm = Body::with_vector([0, 1, 2], [1.0, 0.0, 0.0], [3, 4, 5]);
+/// let mut builder = ConstraintSet::builder(6);
+/// builder.add("upright", Parallel { a: Body::ground(), b: arm, axis: [0.0, 0.0, 1.0] })?;
+/// let set = builder.build()?;
+/// // Tilted by 2 rad.
+/// let mut quantities = set.allocate();
+/// set.evaluate(&[5.0, 5.0, 5.0, 0.0, 2.0, 0.0], &mut quantities)?;
+/// assert!((quantities.c()[0].hypot(quantities.c()[1]) - 2.0).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parallel {
+    /// One body.
+    pub a: Body,
+    /// The other.
+    pub b: Body,
+    /// The direction of the axis in the reference configuration, of any length.
+    pub axis: Vector<f64>,
+}
+
+impl Constraint for Parallel {
+    const NAME: &'static str = "parallel axes";
+    type Error = JointError;
+
+    fn process(self, store: &mut Store) -> Result<(), JointError> {
+        check_turns(&self.a, &self.b)?;
+        relative(store, "", &self.a, &self.b, Tilt::new(direction(self.axis)?));
+        Ok(())
+    }
+}

@@ -1,0 +1,55 @@
+//! Perpendicular axes: `(R_a s) . (R_b t) = 0`.
+
+use super::orientation::Crossing;
+use super::relative::relative;
+use super::{JointError, check_turns, direction};
+use crate::geometry::carrier::Body;
+use crate::scalar::vector::{Vector, dot};
+use crate::{Constraint, Store};
+
+/// An axis of each body, perpendicular to each other: `(R_a s) . (R_b t) = 0`, the cosine of their angle.
+///
+/// Wherever the bodies are does not matter. One degree of freedom is removed. Singular where the axes are parallel.
+///
+/// ```
+/// use qless_constraints::{ConstraintSet, types::{Body, Perpendicular}};
+/// let arm = Body::with_vector([0, 1, 2], [1.0, 0.0, 0.0], [3, 4, 5]);
+/// let joint = Perpendicular { a: Body::ground(), b: arm, axis_a: [1.0, 0.0, 0.0], axis_b: [0.0, 0.0, 1.0] };
+/// let mut builder = ConstraintSet::builder(6);
+/// builder.add("square", joint)?;
+/// let set = builder.build()?;
+/// // Turned about both axes, each in turn, it stays so.
+/// let mut quantities = set.allocate();
+/// set.evaluate(&[5.0, 5.0, 5.0, 0.0, 0.0, 2.0], &mut quantities)?;
+/// assert_eq!(quantities.c(), [0.0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Perpendicular {
+    /// One body.
+    pub a: Body,
+    /// The other.
+    pub b: Body,
+    /// The axis on body a in the reference configuration, of any length.
+    pub axis_a: Vector<f64>,
+    /// The axis on body b there, perpendicular to the other.
+    pub axis_b: Vector<f64>,
+}
+
+impl Constraint for Perpendicular {
+    const NAME: &'static str = "perpendicular axes";
+    type Error = JointError;
+
+    fn process(self, store: &mut Store) -> Result<(), JointError> {
+        check_turns(&self.a, &self.b)?;
+        relative(store, "", &self.a, &self.b, crossing(self.axis_a, self.axis_b)?);
+        Ok(())
+    }
+}
+
+/// Two axes that are perpendicular in the reference configuration.
+pub(super) fn crossing(of_a: Vector<f64>, of_b: Vector<f64>) -> Result<Crossing, JointError> {
+    let (of_a, of_b) = (direction(of_a)?, direction(of_b)?);
+    let cosine = dot(of_a, of_b);
+    if cosine.abs() > 1e-9 { Err(JointError::NotPerpendicular(cosine)) } else { Ok(Crossing { of_a, of_b }) }
+}

@@ -1,0 +1,129 @@
+//! Equations on the relative rotation `R_a^T R_b` of two bodies: functions c of its quaternion `q = conj(q_a) q_b`.
+//!
+//! With `z = dc/dq`: `dc/dq_b = q_a z` and `dc/dq_a = q_b conj(z)`, products of quaternions. The second derivatives are those of q_a and q_b in
+//! these two directions, `dq^T (d^2 c / dq^2) dq`, and `z . (conj(dq_a) dq_b)` between the bodies.
+
+use std::borrow::Cow;
+
+use crate::geometry::carrier::{Body, Kind};
+use crate::geometry::quaternion::{Quaternion, Turn, conjugate, inner, of_body, product};
+use crate::scalar::Scalar;
+use crate::{Nonlinear, Store};
+
+/// Most equations of one function.
+pub const MOST: usize = 3;
+/// A matrix on quaternions.
+pub type Square = [Quaternion<f64>; 4];
+
+/// A function of the relative rotation.
+pub trait OfTurn: Send + Sync + 'static {
+    /// As [`Nonlinear::PARTS`], at most [`MOST`].
+    const PARTS: &'static [&'static str];
+    /// As [`Nonlinear::DRIVEN`].
+    const DRIVEN: bool = false;
+
+    /// As [`Nonlinear::at_time`].
+    fn at_time(&mut self, _time: f64) {}
+    /// `c(q)`.
+    fn value<S: Scalar>(&self, q: Quaternion<S>, c: &mut [S]);
+    /// `c(q)`, and `dc_r / dq`.
+    fn slopes(&self, q: Quaternion<f64>, c: &mut [f64]) -> [Quaternion<f64>; MOST];
+    /// `d(w.c) / dq`, and `d^2 (w.c) / dq^2`.
+    fn curvature(&self, q: Quaternion<f64>, w: &[f64]) -> (Quaternion<f64>, Square);
+}
+
+/// The equations `of` on the rotations of two bodies.
+pub fn relative<F: OfTurn>(store: &mut Store, part: impl Into<Cow<'static, str>>, a: &Body, b: &Body, of: F) {
+    let dofs = [a.rotation_dofs(), b.rotation_dofs()].concat();
+    store.nonlinear(part, &dofs, Relative { a: a.kind, b: b.kind, of });
+}
+
+struct Relative<F> {
+    a: Kind,
+    b: Kind,
+    of: F,
+}
+
+impl<F> Relative<F> {
+    /// Both bodies, and q.
+    #[inline]
+    fn turns(&self, u: &[f64]) -> (Turn, Turn, Quaternion<f64>) {
+        let (a, b) = u.split_at(self.a.rotations());
+        let (a, b) = (Turn::new(self.a, a), Turn::new(self.b, b));
+        let q = product(conjugate(a.q), b.q);
+        (a, b, q)
+    }
+}
+
+impl<F: OfTurn> Nonlinear for Relative<F> {
+    const PARTS: &'static [&'static str] = F::PARTS;
+    const DRIVEN: bool = F::DRIVEN;
+
+    fn at_time(&mut self, time: f64) {
+        self.of.at_time(time);
+    }
+
+    fn rotation_vectors(&self, found: &mut dyn FnMut(usize)) {
+        rotation_vectors([(0, self.a), (self.a.rotations(), self.b)], found);
+    }
+
+    fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
+        let (a, b) = u.split_at(self.a.rotations());
+        self.of.value(product(conjugate(of_body(self.a, a)), of_body(self.b, b)), c);
+    }
+
+    #[inline]
+    fn value_and_jacobian(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
+        let (a, b, q) = self.turns(u);
+        let slopes = self.of.slopes(q, c);
+        for (row, z) in g.chunks_exact_mut(u.len()).zip(slopes) {
+            let (of_a, of_b) = row.split_at_mut(self.a.rotations());
+            a.gradient(product(b.q, conjugate(z)), of_a);
+            b.gradient(product(a.q, z), of_b);
+        }
+    }
+
+    fn hessian(&self, u: &[f64], w: &[f64], h: &mut [f64]) {
+        let (a, b, q) = self.turns(u);
+        let (z, square) = self.of.curvature(q, w);
+        let (count_a, n) = (self.a.rotations(), u.len());
+        let (slopes_a, slopes_b) = (a.slopes(), b.slopes());
+        // dq / du_j.
+        let (mut ways, mut pushed) = ([[0.0; 4]; 8], [[0.0; 4]; 8]);
+        (0..count_a).for_each(|j| ways[j] = product(conjugate(slopes_a[j]), b.q));
+        (count_a..n).for_each(|j| ways[j] = product(conjugate(a.q), slopes_b[j - count_a]));
+        (0..n).for_each(|j| pushed[j] = square.map(|row| inner(row, ways[j])));
+        let mut own = [[0.0; 10]; 2];
+        a.hessian(product(b.q, conjugate(z)), &mut own[0][..triangle(self.a)]);
+        b.hessian(product(a.q, z), &mut own[1][..triangle(self.b)]);
+        let mut slots = h.iter_mut();
+        for j in 0..n {
+            let of_b = j >= count_a;
+            let across = if of_b { product(z, conjugate(slopes_b[j - count_a])) } else { [0.0; 4] };
+            for (k, slot) in (0..=j).zip(&mut slots) {
+                let bent = match (of_b, k >= count_a) {
+                    // z . (conj(dq_a) dq_b) = conj(dq_a) . (z conj(dq_b)).
+                    (true, false) => inner(conjugate(slopes_a[k]), across),
+                    (true, true) => own[1][triangle_before(j - count_a) + k - count_a],
+                    (false, _) => own[0][triangle_before(j) + k],
+                };
+                *slot = inner(ways[k], pushed[j]) + bent;
+            }
+        }
+    }
+}
+
+/// Entries of the lower triangle of the rotations.
+pub fn triangle(kind: Kind) -> usize {
+    triangle_before(kind.rotations())
+}
+
+/// Where row j of a lower triangle starts.
+pub fn triangle_before(j: usize) -> usize {
+    j * (j + 1) / 2
+}
+
+/// Where rotation vectors are among the DOFs of two bodies; each is given with the place of its first rotation.
+pub fn rotation_vectors(bodies: [(usize, Kind); 2], found: &mut dyn FnMut(usize)) {
+    bodies.into_iter().filter(|&(_, kind)| kind == Kind::Vector).for_each(|(first, _)| found(first));
+}

@@ -1,0 +1,88 @@
+//! The segments of each slave facet, which the master side must cover once.
+
+use super::{MortarError, MortarTie};
+use crate::geometry::node::within;
+use crate::geometry::search::FaceSearch;
+use crate::geometry::segment::{Part, Segment};
+use crate::geometry::surface::Surface;
+use crate::scalar::vector::Vector;
+
+/// Part of the size of a facet that may be lost to rounding.
+const ROUNDING: f64 = 1e-8;
+
+/// The segments of a slave facet, each with its master facet.
+pub(super) type Segments = Vec<(usize, Segment)>;
+
+/// Where the nodes of a facet are, in space.
+fn places<const D: usize, const F: usize>(surface: &Surface<D, F>, facet: usize) -> Vec<Vector<f64>> {
+    const { assert!(D == 2 || D == 3, "a mortar tie lies in the plane or in space") };
+    let lift = |at: [f64; D]| std::array::from_fn(|k| if k < D { at[k] } else { 0.0 });
+    surface.places(facet).into_iter().map(lift).collect()
+}
+
+impl<const D: usize, const F: usize> MortarTie<D, F> {
+    /// Both sides are surfaces of sound facets of one dimension.
+    pub(super) fn check(&self) -> Result<(), MortarError> {
+        for (side, surface) in [("slave", &self.slave), ("master", &self.master)] {
+            surface.check().map_err(|source| MortarError::Surface { side, source })?;
+            for (facet, face) in surface.faces.iter().enumerate() {
+                let dimension = face.shape.dimensions();
+                if dimension >= D || dimension != self.slave.faces[0].shape.dimensions() {
+                    return Err(MortarError::Dimension { side, facet: facet + 1, shape: face.shape });
+                }
+                if Part::all(face.shape, &places(surface, facet)).is_none() {
+                    return Err(MortarError::Facet { side, facet: facet + 1 });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The segments of one slave facet.
+    pub(super) fn segments(&self, facet: usize, search: &FaceSearch<D, F>) -> Result<Segments, MortarError> {
+        let shape = self.slave.faces[facet].shape;
+        let near = search.touching(shape, &self.slave.places(facet), self.tolerance);
+        let mut segments = Vec::new();
+        for part in self.parts(facet) {
+            let first = segments.len();
+            let over = near.iter().flat_map(|&master| self.over(&part, master).map(move |segment| (master, segment)));
+            segments.extend(over.filter(|(_, segment)| within(segment.gap, self.tolerance)));
+            let covered = segments[first..].iter().map(|(_, segment)| segment.size).sum();
+            self.check_cover(facet + 1, &part, covered)?;
+        }
+        Ok(segments)
+    }
+
+    fn parts(&self, facet: usize) -> Vec<Part> {
+        Part::all(self.slave.faces[facet].shape, &places(&self.slave, facet)).unwrap_or_default()
+    }
+
+    /// The segments of a part with a master facet, however far.
+    fn over(&self, part: &Part, master: usize) -> impl Iterator<Item = Segment> + use<D, F> {
+        part.segments(self.master.faces[master].shape, &places(&self.master, master)).into_iter()
+    }
+
+    fn check_cover(&self, facet: usize, part: &Part, covered: f64) -> Result<(), MortarError> {
+        let (size, tolerance) = (part.size(), self.tolerance);
+        let bare = size - covered;
+        // However large the tolerance, a facet that is bare for the most part is not tied.
+        let allowed = (tolerance * part.border()).min(size / 2.0) + ROUNDING * size;
+        if within(bare.abs(), allowed) {
+            Ok(())
+        } else if bare < 0.0 {
+            Err(MortarError::Overlap { facet, covered, size })
+        } else {
+            Err(MortarError::NotCovered { facet, bare, size, tolerance, gap: None })
+        }
+    }
+
+    /// Adds the gap to the error, by asking all master facets: too slow to be done for each slave facet that has an error.
+    pub(super) fn with_gap(&self, error: MortarError) -> MortarError {
+        let MortarError::NotCovered { facet, bare, size, tolerance, .. } = error else { return error };
+        let masters = || 0..self.master.faces.len();
+        let parts = self.parts(facet - 1);
+        let gaps = parts.iter().flat_map(|part| masters().flat_map(|master| self.over(part, master)));
+        let gap = gaps.map(|segment| segment.gap).filter(|&gap| !within(gap, tolerance)).min_by(f64::total_cmp);
+        MortarError::NotCovered { facet, bare, size, tolerance, gap }
+    }
+}
