@@ -3,10 +3,11 @@
 //! Gauss's rule with 3 x 3 points on quadrilaterals, Radon's with seven on triangles: both of degree five, so that integrals of
 //! `N_i r r^T` are exact where edges are straight and opposite ones parallel.
 
+use super::rows::clean;
 use crate::geometry::clip::seven_points;
 use crate::geometry::shape::{Parameters, Shape};
 use crate::geometry::surface::Surface;
-use crate::scalar::vector::{Vector, add, cross, scale, sub};
+use crate::scalar::vector::{Vector, add, cross, dot, scale, sub, unit};
 use crate::types::CouplingError;
 
 /// A point of integration.
@@ -60,4 +61,13 @@ fn rule(shape: Shape) -> Vec<(Parameters, f64)> {
     let root = 0.6_f64.sqrt();
     let line = [(-root, 5.0 / 9.0), (0.0, 8.0 / 9.0), (root, 5.0 / 9.0)];
     line.iter().flat_map(|&(xi, a)| line.iter().map(move |&(eta, b)| ([xi, eta, 0.0], a * b))).collect()
+}
+
+/// The mean normal of faces that do not point against each other.
+pub fn mean_normal(points: &[Gauss]) -> Result<Vector<f64>, CouplingError> {
+    let total = points.iter().fold([0.0; 3], |sum, gauss| add(sum, gauss.normal));
+    let mut normal = unit(total).ok_or(CouplingError::NoNormal)?;
+    clean(normal.iter_mut(), 1.0);
+    let against = points.iter().any(|gauss| dot(gauss.normal, normal) <= 0.0);
+    if against { Err(CouplingError::NoNormal) } else { Ok(normal) }
 }

@@ -1,17 +1,15 @@
 //! `u_b + theta x r`: the end of a beam and the face of a solid.
 
-use std::collections::BTreeMap;
-
-use super::area::{self, Gauss};
+use super::area::{self, mean_normal};
 use super::arm::{about, along, arm, moving};
 use super::error::CouplingError;
-use super::fit::{Fit, Observation};
-use super::node6::{Component, Node6};
-use super::rows::{check, clean, follow, lead};
+use super::node6::Node6;
+use super::rows::{check, follow, lead};
 use super::section::Section;
+use super::seen::Seen;
 use crate::geometry::node::AXES;
 use crate::geometry::surface::Surface;
-use crate::scalar::vector::{Vector, add, dot, perpendicular, scale, unit};
+use crate::scalar::vector::{Vector, perpendicular};
 use crate::{Constraint, Store};
 
 /// The end of a beam joined to a face of a solid, for small rotations.
@@ -88,51 +86,6 @@ impl BeamToSolid {
         let terms = fit.terms(&self.face, motion, self.beam.at)?;
         lead(store, name, terms.into_iter(), &self.beam, motion)
     }
-}
-
-/// What the points of integration see of the motion of the face.
-struct Seen {
-    points: Vec<Gauss>,
-    fit: Fit,
-}
-
-impl Seen {
-    fn new(points: Vec<Gauss>) -> Self {
-        let of = |gauss: &Gauss| {
-            let (at, root) = (gauss.at, gauss.weight().sqrt());
-            [Component::X, Component::Y, Component::Z].map(|component| Observation { at, component, root })
-        };
-        let fit = Fit::new(&points.iter().flat_map(of).collect::<Vec<_>>());
-        Self { points, fit }
-    }
-
-    /// `sum_g a_g N_i(x_g)` for each DOF of the face.
-    fn terms(
-        &self,
-        face: &Surface<3>,
-        motion: [f64; 6],
-        place: Vector<f64>,
-    ) -> Result<Vec<(usize, f64)>, CouplingError> {
-        let factors = self.fit.factors_of(motion, place)?;
-        let mut nodes: BTreeMap<usize, Vector<f64>> = BTreeMap::new();
-        for (gauss, &a) in self.points.iter().zip(factors.as_chunks::<3>().0) {
-            for (&node, &function) in face.faces[gauss.face].nodes.iter().zip(&gauss.functions) {
-                let sum = nodes.entry(node).or_default();
-                *sum = add(*sum, scale(function, a));
-            }
-        }
-        clean(nodes.values_mut().flatten(), self.fit.blur);
-        Ok(nodes.into_iter().flat_map(|(node, a)| (0..3).map(move |k| (face.nodes[node].dofs[k], a[k]))).collect())
-    }
-}
-
-/// The mean normal of faces that do not point against each other.
-pub fn mean_normal(points: &[Gauss]) -> Result<Vector<f64>, CouplingError> {
-    let total = points.iter().fold([0.0; 3], |sum, gauss| add(sum, gauss.normal));
-    let mut normal = unit(total).ok_or(CouplingError::NoNormal)?;
-    clean(normal.iter_mut(), 1.0);
-    let against = points.iter().any(|gauss| dot(gauss.normal, normal) <= 0.0);
-    if against { Err(CouplingError::NoNormal) } else { Ok(normal) }
 }
 
 impl Constraint for BeamToSolid {

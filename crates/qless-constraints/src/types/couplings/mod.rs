@@ -12,6 +12,7 @@ pub(crate) mod jacobi;
 pub(crate) mod node6;
 pub(crate) mod rows;
 mod section;
+mod seen;
 mod shell_solid;
 mod thickness;
 

@@ -1,9 +1,21 @@
+/// Averages against dense least squares and exact cases.
+mod averages;
+/// Beams on solids: motions, resultants, stress.
+mod beams;
+/// Rigid bodies: component lists, planar frames, finite rotations.
+mod bodies;
+/// Faces of solids to couple with.
+mod faces;
 /// Walls of fluids.
 mod fluid;
-/// Rigid bodies and averages.
-mod nodes;
-/// Beams and shells on solids.
-mod solid;
+/// Couplings that say things twice.
+mod overlaps;
+/// Shells on solids: motions, resultants, stress.
+mod shells;
+/// Beams and shells that pull at a block of solid elements.
+mod tension;
+/// What the nodes of an average do not see.
+mod undetermined;
 
 use std::array::from_fn;
 
@@ -123,4 +135,18 @@ fn assert_balanced(set: &ConstraintSet, nodes: &[Node6], tolerance: f64) {
     assert!(force.iter().all(|f| f.abs() <= tolerance * sizes[0]), "{force:?} of {}", sizes[0]);
     assert!(moment.iter().all(|m| m.abs() <= tolerance * sizes[1]), "{moment:?} of {}", sizes[1]);
     assert!(sizes[0] > 0.0);
+}
+
+/// What of a node is seen of a motion `(v, theta)` about the reference.
+fn row(component: usize, r: [f64; 3]) -> [f64; 6] {
+    from_fn(|j| {
+        let unit: [f64; 3] = from_fn(|k| f64::from(u8::from(k == j % 3)));
+        let motion = if j < 3 { unit } else { cross(unit, r) };
+        if component < 3 { motion[component] } else { f64::from(u8::from(j == component)) }
+    })
+}
+
+fn cloud(seed: usize, count: usize, scale: f64, centre: [f64; 3]) -> Vec<Node6> {
+    let at = |i: usize| from_fn(|k| centre[k] + scale * random(100 * seed + 3 * i + k));
+    (0..count).map(|i| node(i, at(i))).collect()
 }
