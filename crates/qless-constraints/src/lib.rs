@@ -36,8 +36,8 @@ pub mod types;
 
 pub use constraint::{Constraint, Nonlinear};
 pub use set::{
-    AddError, ConstraintId, ConstraintSet, LineariseError, Quantities, Rounding, SetBuilder, Store, StoreError,
-    TimeError, Vanishing, Weights,
+    ActiveError, ActiveSystem, AddError, ConstraintId, ConstraintSet, EditError, LineariseError, Quantities,
+    ReplaceError, Rounding, SetBuilder, Store, StoreError, TimeError, Vanishing, Weights,
 };
 
 /// The example of the README, as a test.

@@ -2,24 +2,36 @@
 //!
 //! The inner loop then has a length that the compiler knows, and no branch that nobody can predict. The lists `a_i` are kept
 //! apart, equal neighbours once: in ties and periodic cells most of them repeat, and what is not read costs nothing. DOFs are counted
-//! from the smallest of the batch, in 16 bits where that is enough, as in any model whose numbers follow its shape.
+//! from one below the smallest of the batch, in 16 bits where that is enough, as in any model whose numbers follow its shape.
 
-use super::lists::Lists;
+use qless::Identity;
 
-/// Equations per task: their places fit into 16 bits, their values into the nearest cache.
+use super::labels::Owner;
+use super::lists::Recent;
+
+/// Equations per batch: their places fit into 16 bits, their values into the nearest cache.
 pub const ROWS: usize = 4096;
 /// The DOFs that 16 bits can name.
-const NEAR: usize = 1 << 16;
+pub const NEAR: usize = 1 << 16;
 
-/// An equation on its way into a batch.
-pub type Equation<'a> = (&'a [(u32, f64)], f64);
+/// `(DOF, a)`, ascending.
+pub type Terms = Vec<(u32, f64)>;
 
 /// Up to [`ROWS`] equations that follow one another.
 pub struct Batch {
-    /// The smallest DOF.
+    /// Another one after each change of its rows of G.
+    pub stamp: Identity,
+    /// Not above the smallest DOF.
     base: u32,
+    pub owners: Vec<Owner>,
     /// b, apart from the lists: it may change.
     pub rhs: Vec<f64>,
+    nnz: usize,
+    /// The lists, and how many of their numbers no equation needs any more.
+    numbers: Vec<f64>,
+    unused: usize,
+    /// What [`Recent`] knows the numbers by.
+    lists: Identity,
     lengths: Lengths,
 }
 
@@ -30,44 +42,177 @@ enum Lengths {
 }
 
 /// The equations of one length.
-struct Length<I> {
-    terms: usize,
-    /// Places in the batch.
-    row: Vec<u16>,
+pub struct Length<I> {
+    pub terms: usize,
+    /// Places in the batch, ascending.
+    pub row: Vec<u16>,
     /// Where the list of each starts.
-    list: Vec<u32>,
-    /// DOFs less the smallest of the batch, one row after the other.
-    dofs: Vec<I>,
+    pub list: Vec<u32>,
+    /// DOFs less the base of the batch, one row after the other.
+    pub dofs: Vec<I>,
+}
+
+/// `$work` with the equations by length, whatever their DOFs are kept in.
+macro_rules! with_lengths {
+    ($lengths:expr, $all:ident => $work:expr) => {
+        match $lengths {
+            Lengths::Near($all) => $work,
+            Lengths::Far($all) => $work,
+        }
+    };
 }
 
 impl Batch {
-    /// At most [`ROWS`] equations.
-    pub fn new(equations: &[Equation], lists: &mut Lists) -> Self {
-        let dofs = || equations.iter().flat_map(|(terms, _)| terms.iter().map(|&(dof, _)| dof));
-        let base = dofs().min().unwrap_or(0);
-        let span = (dofs().max().unwrap_or(0) - base) as usize;
-        let lengths = if span < NEAR {
-            Lengths::Near(lengths(equations, lists, |dof| (dof - base) as u16))
-        } else {
-            Lengths::Far(lengths(equations, lists, |dof| dof - base))
-        };
-        let rhs = equations.iter().map(|&(_, rhs)| rhs).collect();
-        Self { base, rhs, lengths }
+    pub fn empty() -> Self {
+        Self {
+            stamp: Identity::new(),
+            base: 0,
+            owners: Vec::new(),
+            rhs: Vec::new(),
+            nnz: 0,
+            numbers: Vec::new(),
+            unused: 0,
+            lists: Identity::new(),
+            lengths: Lengths::Near(Vec::new()),
+        }
     }
 
-    /// A DOF that they hold.
+    pub fn rows(&self) -> usize {
+        self.owners.len()
+    }
+
+    /// Entries of its rows of G.
+    pub fn nnz(&self) -> usize {
+        self.nnz
+    }
+
+    /// Nearly a DOF that they hold.
     pub fn first_dof(&self) -> u32 {
         self.base
     }
 
+    /// Puts an equation before those from `row` on. `recent` finds lists that repeat.
+    pub fn insert(&mut self, row: usize, owner: Owner, terms: &[(u32, f64)], rhs: f64, recent: &mut Recent) {
+        self.reach(terms);
+        let (appended, base) = (row == self.rows(), self.base);
+        let list = recent.put(self.lists, &mut self.numbers, terms.iter().map(|&(_, v)| v));
+        self.owners.insert(row, owner);
+        self.rhs.insert(row, rhs);
+        self.nnz += terms.len();
+        self.stamp = Identity::new();
+        with_lengths!(&mut self.lengths, all => {
+            if !appended {
+                all.iter_mut().for_each(|length| length.shift(row, 1));
+            }
+            of_terms(all, terms.len()).insert(row, list, terms.iter().map(|&(j, _)| j - base));
+        });
+    }
+
+    /// Takes an equation out: its DOFs and coefficients, and its right-hand side.
+    pub fn remove(&mut self, row: usize) -> (Owner, Terms, f64) {
+        let terms = self.terms(row);
+        with_lengths!(&mut self.lengths, all => {
+            all.iter_mut().for_each(|length| length.remove(row));
+            all.retain(|length| !length.row.is_empty());
+        });
+        self.unused += terms.len();
+        self.nnz -= terms.len();
+        self.stamp = Identity::new();
+        let out = (self.owners.remove(row), terms, self.rhs.remove(row));
+        // A list that several share is counted more than once: then this comes sooner than it need.
+        if self.unused > self.numbers.len() / 2 + ROWS {
+            self.rewrite();
+        }
+        out
+    }
+
+    /// The terms of an equation.
+    pub fn terms(&self, row: usize) -> Terms {
+        let mut terms = Vec::new();
+        with_lengths!(&self.lengths, all => {
+            for length in all {
+                if let Ok(place) = length.row.binary_search(&(row as u16)) {
+                    terms.extend(length.terms(place, self.base, &self.numbers));
+                }
+            }
+        });
+        terms
+    }
+
+    /// Calls `row` with the terms of each equation, in their order.
+    pub fn for_each_row(&self, mut row: impl FnMut(&mut dyn Iterator<Item = (u32, f64)>)) {
+        with_lengths!(&self.lengths, all => {
+            let mut places = vec![(0_u16, 0_u16); self.rows()];
+            for (which, length) in all.iter().enumerate() {
+                let places = &mut places;
+                length.row.iter().enumerate().for_each(|(k, &row)| places[usize::from(row)] = (which as u16, k as u16));
+            }
+            for (which, place) in places {
+                row(&mut all[usize::from(which)].terms(usize::from(place), self.base, &self.numbers));
+            }
+        });
+    }
+
+    /// The equations from `row` on, in a batch of their own.
+    pub fn split_off(&mut self, row: usize) -> Self {
+        let mut all = self.equations();
+        let last = all.split_off(row);
+        *self = Self::from_equations(&all, range(&all));
+        Self::from_equations(&last, range(&last))
+    }
+
+    fn equations(&self) -> Vec<(Owner, Terms, f64)> {
+        let (mut all, mut k) = (Vec::with_capacity(self.rows()), 0);
+        self.for_each_row(|terms| {
+            all.push((self.owners[k], terms.collect(), self.rhs[k]));
+            k += 1;
+        });
+        all
+    }
+
+    /// With room for these DOFs too.
+    fn from_equations(all: &[(Owner, Terms, f64)], (least, most): (u32, u32)) -> Self {
+        let (mut batch, mut recent, own) = (Self::empty(), Recent::default(), range(all));
+        batch.set_range(least.min(own.0), most.max(own.1));
+        all.iter().for_each(|(owner, terms, rhs)| batch.insert(batch.rows(), *owner, terms, *rhs, &mut recent));
+        batch
+    }
+
+    fn rewrite(&mut self) {
+        let all = self.equations();
+        *self = Self::from_equations(&all, range(&all));
+    }
+
+    /// Makes room for DOFs: 16 bits from another base, or 32.
+    fn reach(&mut self, terms: &[(u32, f64)]) {
+        let (Some(&(least, _)), Some(&(most, _))) = (terms.first(), terms.last()) else { return };
+        let far = matches!(self.lengths, Lengths::Far(_));
+        if far || least >= self.base && ((most - self.base) as usize) < NEAR {
+            return;
+        }
+        *self = Self::from_equations(&self.equations(), (least, most));
+    }
+
+    /// A base with room on both sides, so that the next DOFs need no other one.
+    fn set_range(&mut self, least: u32, most: u32) {
+        let span = most.saturating_sub(least);
+        if least > most {
+            // No DOFs.
+        } else if (span as usize) < NEAR {
+            self.base = least.saturating_sub((NEAR as u32 - 1 - span) / 2);
+        } else {
+            (self.base, self.lengths) = (0, Lengths::Far(Vec::new()));
+        }
+    }
+
     /// Writes c of these equations.
-    pub fn evaluate(&self, lists: &[f64], u: &[f64], c: &mut [f64]) {
-        let u = &u[self.base as usize..];
+    pub fn evaluate(&self, u: &[f64], c: &mut [f64]) {
+        let (u, numbers) = (&u[self.base as usize..], self.numbers.as_slice());
         match (&self.lengths, u.first_chunk::<NEAR>()) {
             // No place has to be checked.
-            (Lengths::Near(all), Some(u)) => each(all, lists, |j| u[usize::from(j)], (&self.rhs, c)),
-            (Lengths::Near(all), None) => each(all, lists, |j| u[usize::from(j)], (&self.rhs, c)),
-            (Lengths::Far(all), _) => each(all, lists, |j| u[j as usize], (&self.rhs, c)),
+            (Lengths::Near(all), Some(u)) => each(all, numbers, |j| u[usize::from(j)], (&self.rhs, c)),
+            (Lengths::Near(all), None) => each(all, numbers, |j| u[usize::from(j)], (&self.rhs, c)),
+            (Lengths::Far(all), _) => each(all, numbers, |j| u[j as usize], (&self.rhs, c)),
         }
     }
 }
@@ -77,56 +222,18 @@ fn each<I: Copy>(all: &[Length<I>], lists: &[f64], u: impl Fn(I) -> f64 + Copy, 
     all.iter().for_each(|length| length.evaluate(lists, u, (rhs, c)));
 }
 
-fn lengths<I>(equations: &[Equation], lists: &mut Lists, dof: impl Fn(u32) -> I) -> Vec<Length<I>> {
-    let mut all: Vec<Length<I>> = Vec::new();
-    for (row, &(terms, _)) in equations.iter().enumerate() {
-        let known = all.iter().position(|length| length.terms == terms.len());
-        let place = known.unwrap_or(all.len());
-        if known.is_none() {
-            all.push(Length { terms: terms.len(), row: Vec::new(), list: Vec::new(), dofs: Vec::new() });
-        }
-        let length = &mut all[place];
-        length.row.push(row as u16);
-        length.list.push(lists.put(terms.iter().map(|&(_, v)| v)));
-        length.dofs.extend(terms.iter().map(|&(j, _)| dof(j)));
-    }
-    all
+/// The smallest and the largest DOF; `(MAX, 0)` where there is none.
+fn range(all: &[(Owner, Terms, f64)]) -> (u32, u32) {
+    let dofs = all.iter().flat_map(|(_, terms, _)| terms).map(|&(j, _)| j);
+    dofs.fold((u32::MAX, 0), |(least, most), j| (least.min(j), most.max(j)))
 }
 
-impl<I: Copy> Length<I> {
-    #[inline]
-    fn evaluate(&self, lists: &[f64], u: impl Fn(I) -> f64 + Copy, (rhs, c): (&[f64], &mut [f64])) {
-        match self.terms {
-            1 => self.fixed::<1>(lists, u, (rhs, c)),
-            2 => self.fixed::<2>(lists, u, (rhs, c)),
-            3 => self.fixed::<3>(lists, u, (rhs, c)),
-            4 => self.fixed::<4>(lists, u, (rhs, c)),
-            5 => self.fixed::<5>(lists, u, (rhs, c)),
-            6 => self.fixed::<6>(lists, u, (rhs, c)),
-            7 => self.fixed::<7>(lists, u, (rhs, c)),
-            8 => self.fixed::<8>(lists, u, (rhs, c)),
-            9 => self.fixed::<9>(lists, u, (rhs, c)),
-            _ => self.any(lists, u, (rhs, c)),
-        }
+/// The equations of so many terms.
+fn of_terms<I>(all: &mut Vec<Length<I>>, terms: usize) -> &mut Length<I> {
+    let known = all.iter().position(|length| length.terms == terms);
+    let place = known.unwrap_or(all.len());
+    if known.is_none() {
+        all.push(Length { terms, row: Vec::new(), list: Vec::new(), dofs: Vec::new() });
     }
-
-    #[inline]
-    fn fixed<const N: usize>(&self, lists: &[f64], u: impl Fn(I) -> f64, (rhs, c): (&[f64], &mut [f64])) {
-        let (dofs, _) = self.dofs.as_chunks::<N>();
-        for ((&row, &list), dofs) in self.row.iter().zip(&self.list).zip(dofs) {
-            let list = &lists[list as usize..][..N];
-            let mut sum = 0.0;
-            (0..N).for_each(|t| sum += list[t] * u(dofs[t]));
-            c[row as usize] = sum - rhs[row as usize];
-        }
-    }
-
-    fn any(&self, lists: &[f64], u: impl Fn(I) -> f64, (rhs, c): (&[f64], &mut [f64])) {
-        for (i, (&row, &list)) in self.row.iter().zip(&self.list).enumerate() {
-            let list = &lists[list as usize..][..self.terms];
-            let dofs = &self.dofs[i * self.terms..(i + 1) * self.terms];
-            let sum: f64 = dofs.iter().zip(list).map(|(&j, v)| v * u(j)).sum();
-            c[row as usize] = sum - rhs[row as usize];
-        }
-    }
+    &mut all[place]
 }

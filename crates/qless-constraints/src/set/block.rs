@@ -1,46 +1,74 @@
-//! What a set asks of the nonlinear equations of one type.
+//! What a set asks of the nonlinear equations of one type, and all of them in their order.
 
 use std::any::{Any, TypeId};
 use std::collections::HashMap;
 use std::ops::Range;
 
-use qless::{Csr, SystemError};
+use qless::Identity;
 
+use super::effective::Cut;
 use super::homogeneous::Homogeneous;
-use super::labels::Owner;
+use super::labels::{Owner, Parts};
+use super::offsets::Offsets;
 use super::rounding::Known;
+use super::store::Piece;
 #[cfg(test)]
 use super::tests::double_double::DoubleDouble;
 use crate::constraint::Nonlinear;
 
-/// Equations of one type.
+/// An entry of H that a number of a Hessian goes to.
+#[derive(Clone, Copy)]
+pub(super) struct Entry {
+    pub row: u32,
+    pub col: u32,
+    pub number: u32,
+}
+
+/// Equations of one type that follow one another: as many as one task takes.
 pub(super) trait Block: Send + Sync {
+    /// Another one after each change of its rows of G or of its pairs.
+    fn stamp(&self) -> Identity;
     fn rows(&self) -> usize;
     fn items(&self) -> usize;
-    fn owner(&self, row: usize) -> (&Owner, &'static str);
-    /// Appends the rows of G, with zeros in them.
-    fn write_pattern(&mut self, g: &mut Csr) -> Result<(), SystemError>;
-    /// Constraints per task.
-    fn chunk(&self) -> usize;
-    /// Rows and entries of G of the task that starts with constraint `first`.
-    fn task(&self, first: usize) -> (usize, usize);
-    /// A DOF of constraint `i`.
-    fn first_dof(&self, i: usize) -> u32;
-    /// Writes c and G of that task.
-    fn evaluate(&self, first: usize, u: &[f64], c: &mut [f64], g: &mut [f64]);
-    /// Writes the bounds on the rounding of c and G of that task.
-    fn rounding(&self, first: usize, known: &Known, c: &mut [f64], g: &mut [f64]);
-    /// Calls `pair` with the global DOFs of each pair of constraint `i`, and which of its numbers it takes.
-    fn pairs(&self, i: usize, pair: &mut dyn FnMut(u32, u32, usize));
-    /// How many numbers the Hessian of constraint `i` has.
+    /// Whether no more constraints go in.
+    fn is_full(&self) -> bool;
+    fn owner(&self, row: usize) -> (Owner, &'static str);
+    /// To which constraint the equations of item i belong.
+    fn constraint(&self, i: usize) -> u32;
+    /// Equations of each item.
+    fn parts(&self) -> usize;
+    /// Entries of its rows of G.
+    fn nnz(&self) -> usize;
+    /// Appends the ends and columns of its rows of G.
+    fn write_pattern(&self, end: &mut Vec<usize>, col: &mut Vec<u32>);
+    /// Nearly the last DOF that it reads.
+    fn last_dof(&self) -> u32;
+    /// Writes c and G.
+    fn evaluate(&self, u: &[f64], c: &mut [f64], g: &mut [f64]);
+    /// Writes the bounds on the rounding of c and G.
+    fn rounding(&self, known: &Known, c: &mut [f64], g: &mut [f64]);
+    /// Counts the entries of each row of H.
+    fn count(&self, counts: &mut [u32]);
+    /// Calls `row` with the rows of H that item i has entries in.
+    fn touched(&self, i: usize, row: &mut dyn FnMut(u32));
+    /// Appends `(chunk, item)` for each of some items and the chunks of H that it has entries in.
+    fn share_out(&self, items: &[Range<u32>], cut: &Cut, out: &mut Vec<(u32, u32)>);
+    /// Appends the entries that some items have in some rows of H; their numbers are counted from `first`.
+    fn entries(&self, items: &[Range<u32>], rows: &Range<u32>, first: usize, out: &mut Vec<Entry>);
+    /// How many numbers the Hessian of item i has.
     fn numbers(&self, i: usize) -> usize;
-    /// Writes the numbers of the Hessians of these constraints, one after the other.
+    /// Writes the numbers of the Hessians of these items, one after the other.
     fn curvatures(&self, items: &[Range<u32>], u: &[f64], w: &[f64], out: &mut [f64]);
-    /// Calls `found` with the DOFs of each constraint, and where rotation vectors are among them.
+    /// Calls `found` with the DOFs of each item, and where rotation vectors are among them.
     fn rotation_vectors(&self, found: &mut dyn FnMut(&[u32], &[usize]));
     /// Takes the parameters of this time, where they are functions of it.
     fn set_time(&mut self, time: f64);
-    fn as_any(&mut self) -> &mut dyn Any;
+    /// The items from i on, in a block of their own.
+    fn split_off(&mut self, i: usize) -> Box<dyn Block>;
+    /// Takes item i out.
+    fn take(&mut self, i: usize, parts: &Parts) -> Box<dyn Piece>;
+    fn as_any(&self) -> &dyn Any;
+    fn as_any_mut(&mut self) -> &mut dyn Any;
     /// c and G in twice the digits.
     #[cfg(test)]
     fn reference(&self, u: &[DoubleDouble]) -> [Vec<DoubleDouble>; 2];
@@ -49,26 +77,158 @@ pub(super) trait Block: Send + Sync {
     fn compare_with_duals(&self, u: &[f64]);
 }
 
-/// All blocks, in the order of first use.
+/// A block and an item of it.
+pub(super) type Place = (usize, usize);
+
+/// All blocks: type by type in the order of first use, within a type in the order of the constraints.
 #[derive(Default)]
 pub(super) struct Blocks {
     pub all: Vec<Box<dyn Block>>,
-    of_type: HashMap<TypeId, usize>,
+    /// The type of each.
+    kinds: Vec<u32>,
+    of_type: HashMap<TypeId, u32>,
+    /// Where the last item was put, and its type: others of many are put behind it.
+    recent: Option<(TypeId, usize)>,
+    pub offsets: Offsets,
 }
 
 impl Blocks {
     pub fn rows(&self) -> usize {
-        self.all.iter().map(|block| block.rows()).sum()
+        self.offsets.rows()
     }
 
-    pub fn push<Q: Nonlinear>(&mut self, owner: Owner, dofs: &[u32], parameters: Q) {
-        let next = self.all.len();
-        let place = *self.of_type.entry(TypeId::of::<Q>()).or_insert(next);
-        if place == next {
-            self.all.push(Box::new(Homogeneous::<Q>::default()));
-        }
-        if let Some(block) = self.all[place].as_any().downcast_mut::<Homogeneous<Q>>() {
-            block.push(owner, dofs, parameters);
-        }
+    /// Each block with the number of its type.
+    pub fn with_kinds(&self) -> impl Iterator<Item = (&dyn Block, u32)> {
+        self.all.iter().map(AsRef::as_ref).zip(self.kinds.iter().copied())
     }
+
+    pub fn kind<Q: Nonlinear>(&self) -> Option<u32> {
+        self.of_type.get(&TypeId::of::<Q>()).copied()
+    }
+
+    pub fn of_type<Q: Nonlinear>(&self, block: usize) -> Option<&Homogeneous<Q>> {
+        self.all.get(block)?.as_any().downcast_ref()
+    }
+
+    pub fn of_type_mut<Q: Nonlinear>(&mut self, block: usize) -> Option<&mut Homogeneous<Q>> {
+        self.all.get_mut(block)?.as_any_mut().downcast_mut()
+    }
+
+    fn of_kind(&self, kind: u32) -> Range<usize> {
+        self.kinds.partition_point(|&k| k < kind)..self.kinds.partition_point(|&k| k <= kind)
+    }
+
+    /// Puts an item behind those of its constraint and of those that were added before.
+    pub fn insert<Q: Nonlinear>(&mut self, owner: Owner, dofs: &[u32], parameters: Q) {
+        let place = self.recent_room::<Q>(owner.constraint).unwrap_or_else(|| {
+            let kind = self.meet(TypeId::of::<Q>());
+            let place = self.room_at::<Q>(kind, owner.constraint);
+            self.recent = Some((TypeId::of::<Q>(), place));
+            place
+        });
+        if let Some(block) = self.of_type_mut::<Q>(place) {
+            block.insert(owner, dofs, parameters);
+        }
+        self.offsets.grow(place, Q::PARTS.len() as i32);
+    }
+
+    /// The block of the last item that was put in, if the next one goes behind it.
+    fn recent_room<Q: Nonlinear>(&self, constraint: u32) -> Option<usize> {
+        let (_, place) = self.recent.filter(|&(of, _)| of == TypeId::of::<Q>())?;
+        let block = self.all.get(place)?;
+        let last_of_type = self.kinds.get(place + 1) != Some(&self.kinds[place]);
+        (last_of_type && !block.is_full() && last(block.as_ref()) <= constraint).then_some(place)
+    }
+
+    /// The number of a type, which the set may not have met before.
+    fn meet(&mut self, of: TypeId) -> u32 {
+        let next = self.of_type.len() as u32;
+        *self.of_type.entry(of).or_insert(next)
+    }
+
+    /// A block in which an item of this constraint can be put.
+    fn room_at<Q: Nonlinear>(&mut self, kind: u32, constraint: u32) -> usize {
+        let of = self.of_kind(kind);
+        let at = of.start + self.all[of.clone()].partition_point(|block| last(block.as_ref()) <= constraint);
+        if at == of.end {
+            if of.is_empty() || self.all[at - 1].is_full() {
+                self.offsets.insert(at);
+                let block = if of.is_empty() { Homogeneous::<Q>::default() } else { Homogeneous::with_room() };
+                self.put(at, kind, Box::new(block));
+                return at;
+            }
+            return at - 1;
+        }
+        if !self.all[at].is_full() {
+            return at;
+        }
+        let half = self.all[at].items() / 2;
+        let second = self.all[at].split_off(half);
+        self.offsets.split(at, self.all[at].rows());
+        self.put(at + 1, kind, second);
+        if last(self.all[at].as_ref()) <= constraint { at + 1 } else { at }
+    }
+
+    fn put(&mut self, at: usize, kind: u32, block: Box<dyn Block>) {
+        self.recent = None;
+        self.all.insert(at, block);
+        self.kinds.insert(at, kind);
+    }
+
+    /// The items of a constraint, type by type, in their order.
+    pub fn of(&self, constraint: u32) -> Vec<(u32, Place)> {
+        let mut places = Vec::new();
+        for kind in 0..self.of_type.len() as u32 {
+            let of = self.of_kind(kind);
+            let first = of.start + self.all[of.clone()].partition_point(|block| last(block.as_ref()) < constraint);
+            for block in first..of.end {
+                let own = items(self.all[block].as_ref(), constraint);
+                if own.is_empty() {
+                    break;
+                }
+                places.extend(own.map(|item| (kind, (block, item))));
+            }
+        }
+        places
+    }
+
+    /// Takes the items of a constraint out.
+    pub fn take(&mut self, constraint: u32, parts: &Parts) -> Vec<Box<dyn Piece>> {
+        let places = self.of(constraint);
+        // From the last: the places of the others stay.
+        let mut pieces: Vec<_> = places.iter().rev().map(|&(_, place)| self.take_item(place, parts)).collect();
+        pieces.reverse();
+        pieces
+    }
+
+    fn take_item(&mut self, (block, item): Place, parts: &Parts) -> Box<dyn Piece> {
+        let rows = self.all[block].parts() as i32;
+        let piece = self.all[block].take(item, parts);
+        self.offsets.grow(block, -rows);
+        if self.all[block].items() == 0 {
+            self.all.remove(block);
+            self.kinds.remove(block);
+            self.offsets.remove(block);
+            self.recent = None;
+        }
+        piece
+    }
+}
+
+/// The constraint of the last item.
+fn last(block: &dyn Block) -> u32 {
+    block.items().checked_sub(1).map_or(0, |i| block.constraint(i))
+}
+
+/// Items of a constraint in a block.
+fn items(block: &dyn Block, constraint: u32) -> Range<usize> {
+    let first_from = |constraint: u32| {
+        let (mut low, mut high) = (0, block.items());
+        while low < high {
+            let middle = low.midpoint(high);
+            (low, high) = if block.constraint(middle) < constraint { (middle + 1, high) } else { (low, middle) };
+        }
+        low
+    };
+    first_from(constraint)..first_from(constraint + 1)
 }

@@ -6,116 +6,194 @@
 
 use std::ops::Range;
 
-use qless::Csr;
+use qless::{Csr, Identity, SystemError};
 use rayon::prelude::*;
 
 use super::block::Block;
-use super::pattern::{entries, pattern, position};
-use super::sums::Sums;
+use super::chunk::{Chunk, Share};
 use super::tasks::{Task, Work};
 
-/// Entries of H per task: they stay in the cache of one core.
-const ENTRIES: usize = 1 << 14;
+/// Entries of constraints in the rows of a new chunk: those of H, of which several fall on one place, stay in the cache of one core.
+pub(super) const ENTRIES: usize = 1 << 15;
+
+/// To which chunk each row of H belongs.
+#[derive(Default)]
+pub(super) struct Cut {
+    /// The first row of each chunk, and one more: the number of rows.
+    first: Vec<u32>,
+    /// The chunk of each row.
+    chunk: Vec<u32>,
+    /// If only some are of interest.
+    only: Option<Range<u32>>,
+}
+
+impl Cut {
+    /// From the entries of each row.
+    fn new(counts: &[u32]) -> Self {
+        let (mut first, mut entries) = (vec![0], 0);
+        for (row, &count) in counts.iter().enumerate() {
+            if entries > 0 && entries + count as usize > ENTRIES {
+                first.push(row as u32);
+                entries = 0;
+            }
+            entries += count as usize;
+        }
+        first.push(counts.len() as u32);
+        let mut cut = Self { first, ..Self::default() };
+        cut.number();
+        cut
+    }
+
+    /// Numbers rows by chunk.
+    fn number(&mut self) {
+        let rows = self.first.windows(2).map(|rows| rows[1] - rows[0]);
+        self.chunk = (0..).zip(rows).flat_map(|(chunk, rows)| (0..rows).map(move |_| chunk)).collect();
+    }
+
+    pub fn chunks(&self) -> impl Iterator<Item = Range<u32>> + '_ {
+        self.first.windows(2).map(|rows| rows[0]..rows[1])
+    }
+
+    /// The chunk of a row, if it is of interest.
+    #[inline]
+    pub fn chunk(&self, row: u32) -> Option<u32> {
+        let chunk = self.chunk[row as usize];
+        self.only.as_ref().is_none_or(|only| only.contains(&chunk)).then_some(chunk)
+    }
+}
 
 /// The pattern of H and the way into it.
 pub(super) struct Plan {
-    start: Vec<usize>,
-    col: Vec<u32>,
+    cut: Cut,
     chunks: Vec<Chunk>,
-}
-
-/// Rows of H that one task owns.
-#[derive(Default)]
-pub struct Chunk {
-    last_row: u32,
-    entries: usize,
-    /// One share per block; blocks of no interest have none.
-    shares: Vec<Share>,
-    /// Entries from the numbers of all shares.
-    sums: Sums,
-}
-
-/// Constraints of one block that touch a chunk, and how many numbers their Hessians have.
-struct Share {
-    block: usize,
-    /// Constraints, in runs without gaps.
-    items: Vec<Range<u32>>,
-    numbers: usize,
-}
-
-impl Share {
-    fn push(&mut self, i: u32, numbers: usize) {
-        match self.items.last_mut().filter(|run| run.end == i) {
-            Some(run) => run.end += 1,
-            None => self.items.push(i..i + 1),
-        }
-        self.numbers += numbers;
-    }
+    /// Stamps of the blocks that it was made for.
+    stamps: Vec<Identity>,
 }
 
 impl Plan {
     /// Cuts the rows of H into chunks, and finds the constraints and the places of their numbers for each.
     pub fn new(blocks: &[Box<dyn Block>], dofs: usize) -> Self {
-        let (start, col) = pattern(blocks, dofs);
-        let (chunk_of, first_rows) = cut(&start);
-        let mut chunks: Vec<Chunk> = first_rows
-            .windows(2)
-            .map(|rows| Chunk {
-                last_row: rows[1].saturating_sub(1) as u32,
-                entries: start[rows[1]] - start[rows[0]],
-                ..Chunk::default()
-            })
-            .collect();
-        for (b, block) in blocks.iter().enumerate() {
-            share_out(b, block.as_ref(), &chunk_of, &mut chunks);
-        }
-        let mut plan = Self { start, col, chunks };
-        plan.find_places(blocks, &first_rows);
+        let mut counts = vec![0; dofs];
+        blocks.iter().for_each(|block| block.count(&mut counts));
+        let cut = Cut::new(&counts);
+        drop(counts);
+        let chunks = cut.chunks().map(Chunk::new).collect();
+        let mut plan = Self { cut, chunks, stamps: stamps(blocks) };
+        let all: Vec<u32> = (0..blocks.len() as u32).collect();
+        plan.share_out(blocks, &all);
+        plan.chunks.par_iter_mut().for_each(|chunk| chunk.fill(blocks));
         plan
     }
 
-    fn find_places(&mut self, blocks: &[Box<dyn Block>], first_rows: &[usize]) {
-        let (start, col) = (&self.start, &self.col);
-        self.chunks.par_iter_mut().zip(first_rows.par_windows(2)).for_each(|(chunk, rows)| {
-            let inside = start[rows[0]]..start[rows[1]];
-            let mut parts = Vec::with_capacity(inside.len());
-            let mut first = 0;
-            for share in &chunk.shares {
-                for i in share.items.iter().cloned().flatten() {
-                    entries(blocks[share.block].as_ref(), i as usize, &mut |j, k, number| {
-                        let row = j as usize;
-                        if (rows[0]..rows[1]).contains(&row) {
-                            let place = position(&col[start[row]..start[row + 1]], k) + start[row] - inside.start;
-                            parts.push((place as u32, (first + number) as u32));
-                        }
-                    });
-                    first += blocks[share.block].numbers(i as usize);
-                }
-            }
-            chunk.sums = Sums::new(inside.len(), first, parts);
-        });
+    /// After changes of some blocks and of the entries in `touched` rows.
+    pub fn updated(mut self, blocks: &[Box<dyn Block>], touched: &[u32]) -> Self {
+        let changed = self.renumber(blocks);
+        self.share_out(blocks, &changed);
+        let mut stale = vec![false; self.chunks.len()];
+        touched.iter().for_each(|&row| stale[self.cut.chunk[row as usize] as usize] = true);
+        let chunks = self.chunks.par_iter_mut().zip(stale).filter(|(_, stale)| *stale);
+        chunks.for_each(|(chunk, _)| chunk.fill(blocks));
+        let large = |chunk: &Chunk| chunk.entries() > 2 * ENTRIES && chunk.rows.len() > 1;
+        while let Some(place) = self.chunks.iter().position(large) {
+            self.split(place, blocks);
+        }
+        self
     }
 
-    pub fn allocate(&self) -> Csr {
-        let (start, col) = (self.start.clone(), self.col.clone());
-        let zeros = vec![0.0; col.len()];
-        Csr::from_parts(start.len() - 1, start, col, zeros).expect("rows are sorted and within the DOFs")
+    /// Cuts a chunk in two of about equal work.
+    fn split(&mut self, place: usize, blocks: &[Box<dyn Block>]) {
+        let old = self.chunks.remove(place);
+        let row = old.middle();
+        self.chunks.insert(place, Chunk::new(row..old.rows.end));
+        self.chunks.insert(place, Chunk::new(old.rows.start..row));
+        self.cut.first.insert(place + 1, row);
+        self.cut.number();
+        self.cut.only = Some(place as u32..place as u32 + 2);
+        for share in &old.shares {
+            for (chunk, share) in shares(blocks, (share.block, &share.items), &self.cut) {
+                self.chunks[chunk as usize].put(share);
+            }
+        }
+        self.cut.only = None;
+        self.chunks[place..place + 2].iter_mut().for_each(|chunk| chunk.fill(blocks));
+    }
+
+    /// Gives the shares of blocks that did not change their new places, and takes those of others away; the blocks that are new.
+    fn renumber(&mut self, blocks: &[Box<dyn Block>]) -> Vec<u32> {
+        let stamps = stamps(blocks);
+        let places = std::iter::zip(&stamps, 0..).collect::<std::collections::HashMap<_, u32>>();
+        let place: Vec<Option<u32>> = self.stamps.iter().map(|stamp| places.get(stamp).copied()).collect();
+        let mut new = vec![true; blocks.len()];
+        place.iter().flatten().for_each(|&place| new[place as usize] = false);
+        for chunk in &mut self.chunks {
+            chunk.shares.retain_mut(|share| match place[share.block as usize] {
+                Some(place) => {
+                    share.block = place;
+                    true
+                }
+                None => false,
+            });
+        }
+        self.stamps = stamps;
+        (0..blocks.len() as u32).filter(|&block| new[block as usize]).collect()
+    }
+
+    /// Gives the constraints of some blocks to the chunks that they touch.
+    fn share_out(&mut self, blocks: &[Box<dyn Block>], which: &[u32]) {
+        let items = |b: u32| 0..blocks[b as usize].items() as u32;
+        let all = |&b: &u32| shares(blocks, (b, std::slice::from_ref(&items(b))), &self.cut);
+        let shares: Vec<Vec<(u32, Share)>> = which.par_iter().map(all).collect();
+        for (chunk, share) in shares.into_iter().flatten() {
+            self.chunks[chunk as usize].put(share);
+        }
+    }
+
+    /// The stamp and the number of rows of each chunk.
+    pub fn layout(&self) -> Vec<(Identity, usize)> {
+        self.chunks.iter().map(|chunk| (chunk.stamp, chunk.rows.len())).collect()
+    }
+
+    /// The rows of H of some chunks, with zeros in them.
+    pub fn pattern(&self, chunks: Range<usize>) -> Result<Csr, SystemError> {
+        let chunks = &self.chunks[chunks];
+        let entries = chunks.iter().map(Chunk::entries).sum();
+        let (mut start, mut col) = (vec![0], Vec::with_capacity(entries));
+        start.reserve_exact(chunks.iter().map(|chunk| chunk.rows.len()).sum());
+        chunks.iter().for_each(|chunk| chunk.write_pattern(&mut start, &mut col));
+        Csr::from_parts(self.cut.chunk.len(), start, col, vec![0.0; entries])
     }
 
     /// The tasks that write all entries.
     pub fn tasks<'a>(&'a self, weighted: &'a Weighted, out: &'a mut [f64]) -> Vec<Task<'a>> {
         let mut rest = out;
         let own = |chunk: &'a Chunk| {
-            let h = rest.split_off_mut(..chunk.entries).unwrap_or_default();
-            Task { dof: chunk.last_row, work: Work::Hessian { chunk, weighted, h } }
+            let h = rest.split_off_mut(..chunk.entries()).unwrap_or_default();
+            Task { dof: chunk.rows.end.saturating_sub(1), work: Work::Hessian { chunk, weighted, h } }
         };
         self.chunks.iter().map(own).collect()
     }
 }
 
+fn stamps(blocks: &[Box<dyn Block>]) -> Vec<Identity> {
+    blocks.iter().map(|block| block.stamp()).collect()
+}
+
+/// The shares of some items of a block, by chunk.
+fn shares(blocks: &[Box<dyn Block>], (b, items): (u32, &[Range<u32>]), cut: &Cut) -> Vec<(u32, Share)> {
+    let (block, mut touched) = (&blocks[b as usize], Vec::new());
+    block.share_out(items, cut, &mut touched);
+    touched.sort_unstable();
+    let of_chunk = |same: &[(u32, u32)]| {
+        let mut share = Share::new(b);
+        same.iter().for_each(|&(_, i)| share.push(i, block.numbers(i as usize)));
+        (same[0].0, share)
+    };
+    touched.chunk_by(|a, b| a.0 == b.0).map(of_chunk).collect()
+}
+
 /// Blocks with the weights of their equations.
-pub struct Weighted<'a> {
-    blocks: Vec<(&'a dyn Block, &'a [f64])>,
+pub(super) struct Weighted<'a> {
+    pub blocks: Vec<(&'a dyn Block, &'a [f64])>,
 }
 
 impl<'a> Weighted<'a> {
@@ -129,53 +207,5 @@ impl<'a> Weighted<'a> {
             all.push((block.as_ref(), own));
         }
         Self { blocks: all }
-    }
-}
-
-impl Chunk {
-    /// Writes these rows of H; `numbers` is room for the numbers of their constraints.
-    pub fn write(&self, weighted: &Weighted, u: &[f64], numbers: &mut Vec<f64>, h: &mut [f64]) {
-        let mut first = 0;
-        for share in &self.shares {
-            let last = first + share.numbers;
-            numbers.resize(numbers.len().max(last), 0.0);
-            let (block, weights) = weighted.blocks[share.block];
-            block.curvatures(&share.items, u, weights, &mut numbers[first..last]);
-            first = last;
-        }
-        self.sums.write(numbers, h);
-    }
-}
-
-/// The chunk of each row, and the first row of each chunk, with one more at the end.
-fn cut(start: &[usize]) -> (Vec<u32>, Vec<usize>) {
-    let rows = start.len() - 1;
-    let (mut chunk_of, mut first) = (Vec::with_capacity(rows), vec![0]);
-    for row in 0..rows {
-        if start[row + 1] - start[first[first.len() - 1]] > ENTRIES && row > first[first.len() - 1] {
-            first.push(row);
-        }
-        chunk_of.push(first.len() as u32 - 1);
-    }
-    first.push(rows);
-    (chunk_of, first)
-}
-
-/// Gives each constraint of a block to the chunks that it touches.
-fn share_out(b: usize, block: &dyn Block, chunk_of: &[u32], chunks: &mut [Chunk]) {
-    for i in 0..block.items() {
-        let mut touched: Vec<u32> = Vec::new();
-        block.pairs(i, &mut |j, k, _| touched.extend([chunk_of[j as usize], chunk_of[k as usize]]));
-        touched.sort_unstable();
-        touched.dedup();
-        for chunk in touched {
-            let shares = &mut chunks[chunk as usize].shares;
-            if shares.last().is_none_or(|share| share.block != b) {
-                shares.push(Share { block: b, items: Vec::new(), numbers: 0 });
-            }
-            if let Some(share) = shares.last_mut() {
-                share.push(i as u32, block.numbers(i));
-            }
-        }
     }
 }

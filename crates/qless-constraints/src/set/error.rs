@@ -2,6 +2,8 @@
 
 use qless::{ArgumentError, SystemError};
 
+use super::TimeError;
+
 /// A fault that the store finds in what a type hands to it. DOFs are 0-based.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -42,6 +44,54 @@ pub enum StoreError {
         /// How many.
         found: usize,
     },
+}
+
+/// Why a constraint of a set does not change.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum EditError {
+    /// A constraint of another set.
+    #[error("the constraint is one of another set; use what adding it to this one gave")]
+    Foreign,
+    /// A constraint that was removed before.
+    #[error("constraint {place} (from 0) was removed; add it again, or deactivate what shall come back")]
+    Gone {
+        /// How many were added before it.
+        place: usize,
+    },
+    /// Another number of right-hand sides than of linear equations.
+    #[error("{label} has {expected} linear equations, not {found}; give one right-hand side for each")]
+    Count {
+        /// The constraint.
+        label: String,
+        /// Right-hand sides given.
+        found: usize,
+        /// Linear equations.
+        expected: usize,
+    },
+    /// A right-hand side that is no number.
+    #[error("a right-hand side of {label} would be {value}; give a finite number")]
+    NotFinite {
+        /// The constraint.
+        label: String,
+        /// The number.
+        value: f64,
+    },
+    /// A right-hand side that is not finite at the time of the set.
+    #[error(transparent)]
+    Time(#[from] TimeError),
+}
+
+/// Why a constraint was not replaced.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReplaceError<E: std::error::Error + 'static> {
+    /// The constraint is not there.
+    #[error(transparent)]
+    Edit(#[from] EditError),
+    /// What it shall be is refused.
+    #[error(transparent)]
+    Add(#[from] AddError<E>),
 }
 
 /// Why there are no linearised equations.

@@ -3,40 +3,43 @@
 use std::any::Any;
 use std::ops::Range;
 
-use qless::{Csr, SystemError};
+use qless::Identity;
 
-use super::block::Block;
-use super::labels::Owner;
+use super::block::{Block, Entry};
+use super::effective::Cut;
+use super::labels::{Owner, Parts};
 use super::order::Order;
 use super::rounding::{Known, bound};
+use super::store::Piece;
 #[cfg(test)]
 use super::tests::double_double::DoubleDouble;
 use crate::constraint::Nonlinear;
 use crate::derive;
 use crate::scalar::Bounded;
 
-/// Constraints per task, ...
+/// Items per block, ...
 const MANY: usize = 1024;
 /// ... of types that take much arithmetic, of which there are fewer in most models: they reach further.
 const FEW: usize = 256;
-/// Constraints whose DOFs are gathered at once: looks into u that do not wait for one another, nor for arithmetic.
+/// Items whose DOFs are gathered at once: looks into u that do not wait for one another, nor for arithmetic.
 const AHEAD: usize = 64;
-/// The most DOFs of a constraint for which so many are.
+/// The most DOFs of an item for which so many are.
 const NARROW: usize = 64;
 
-/// Constraints of type Q.
+/// Items of type Q: parameters, with the DOFs that they share.
 pub(super) struct Homogeneous<Q> {
+    pub stamp: Identity,
     pub items: Vec<Q>,
-    owners: Vec<Owner>,
-    /// Where the DOFs of each constraint start; one more than constraints.
-    start: Vec<u32>,
-    dofs: Vec<u32>,
-    order: Order,
-    /// Most DOFs of one constraint.
+    pub owners: Vec<Owner>,
+    /// Where the DOFs of each item start; one more than items.
+    pub start: Vec<u32>,
+    pub dofs: Vec<u32>,
+    pub order: Order,
+    /// Most DOFs of one item.
     pub widest: usize,
-    /// How many numbers the Hessian of each constraint has, ...
+    /// How many numbers the Hessian of each item has, ...
     pub numbers: Vec<u32>,
-    /// ... and, where they depend on the weight alone, those for a weight of 1: [`Homogeneous::UNITS`] of each constraint.
+    /// ... and, where they depend on the weight alone, those for a weight of 1: [`Homogeneous::UNITS`] of each item.
     pub units: Vec<f64>,
 }
 
@@ -44,6 +47,7 @@ impl<Q> Default for Homogeneous<Q> {
     fn default() -> Self {
         let (dofs, numbers, units) = (Vec::new(), Vec::new(), Vec::new());
         Self {
+            stamp: Identity::new(),
             items: Vec::new(),
             owners: Vec::new(),
             start: vec![0],
@@ -57,46 +61,28 @@ impl<Q> Default for Homogeneous<Q> {
 }
 
 impl<Q: Nonlinear> Homogeneous<Q> {
-    pub fn push(&mut self, owner: Owner, dofs: &[u32], parameters: Q) {
-        let (mut pairs, mut numbers) = (0, 0);
-        parameters.pairs(dofs.len(), &mut |_, _| {
-            numbers = numbers.max(Q::number(pairs) + 1);
-            pairs += 1;
-        });
-        if Self::UNITS > 0 {
-            numbers = Self::UNITS;
-            let first = self.units.len();
-            self.units.resize(first + Self::UNITS, 0.0);
-            parameters.hessian(&[], &[1.0], &mut self.units[first..]);
-        }
-        self.numbers.push(numbers as u32);
-        self.order.push(dofs);
-        self.widest = self.widest.max(dofs.len());
-        self.items.push(parameters);
-        self.owners.push(owner);
-        self.dofs.extend_from_slice(dofs);
-        self.start.push(self.dofs.len() as u32);
-    }
+    /// The most items.
+    pub const CAPACITY: usize = if Q::AT_ONCE > 1 { FEW } else { MANY };
 
     #[inline]
-    fn dofs(&self, i: usize) -> &[u32] {
+    pub fn dofs(&self, i: usize) -> &[u32] {
         if Q::DOFS > 0 {
             return &self.dofs[i * Q::DOFS..][..Q::DOFS];
         }
         &self.dofs[self.start[i] as usize..self.start[i + 1] as usize]
     }
 
-    /// Constraints whose DOFs are gathered at once.
+    /// Items whose DOFs are gathered at once.
     pub fn ahead(&self) -> usize {
         if self.widest <= NARROW { AHEAD } else { Q::AT_ONCE }
     }
 
-    /// How many DOFs these constraints have.
+    /// How many DOFs these items have.
     pub fn width(&self, items: Range<usize>) -> usize {
         (self.start[items.end] - self.start[items.start]) as usize
     }
 
-    /// The DOFs of constraints that follow one another.
+    /// The DOFs of items that follow one another.
     #[inline]
     pub fn gather<'a>(&self, items: Range<usize>, u: &[f64], room: &'a mut [f64]) -> &'a mut [f64] {
         let dofs = &self.dofs[self.start[items.start] as usize..self.start[items.end] as usize];
@@ -105,10 +91,10 @@ impl<Q: Nonlinear> Homogeneous<Q> {
         local
     }
 
-    /// N is the number of DOFs of every constraint: loops of known length.
-    fn evaluate_fixed<const N: usize>(&self, first: usize, u: &[f64], c: &mut [f64], g: &mut [f64]) {
+    /// N is the number of DOFs of every item: loops of known length.
+    fn evaluate_fixed<const N: usize>(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
         let rows = Q::PARTS.len();
-        let items = self.items[first..].iter().zip(self.dofs[first * N..].as_chunks::<N>().0);
+        let items = self.items.iter().zip(self.dofs.as_chunks::<N>().0);
         let outputs = c.chunks_exact_mut(rows).zip(g.chunks_exact_mut(rows * N));
         for ((item, dofs), (c, g)) in items.zip(outputs) {
             let mut local = [0.0; N];
@@ -117,13 +103,13 @@ impl<Q: Nonlinear> Homogeneous<Q> {
         }
     }
 
-    fn evaluate_any(&self, first: usize, u: &[f64], c: &mut [f64], g: &mut [f64]) {
+    fn evaluate_any(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
         let rows = Q::PARTS.len();
         let ahead = self.ahead();
         let mut room = vec![0.0; ahead * self.widest];
         let mut rest = g;
         for (k, c) in c.chunks_mut(ahead * rows).enumerate() {
-            let from = first + k * ahead;
+            let from = k * ahead;
             let mut local = &mut *self.gather(from..from + c.len() / rows, u, &mut room);
             for (k, c) in c.chunks_mut(Q::AT_ONCE * rows).enumerate() {
                 let from = from + k * Q::AT_ONCE;
@@ -136,7 +122,7 @@ impl<Q: Nonlinear> Homogeneous<Q> {
         }
     }
 
-    /// The bounds of one constraint, in the order of its DOFs.
+    /// The bounds of one item, in the order of its DOFs.
     fn rounding_of(&self, i: usize, known: &Known, c: &mut [f64], g: &mut [f64]) {
         let u: Vec<Bounded> = self.dofs(i).iter().map(|&j| known.dof(j)).collect();
         let zero = Bounded::from(0.0);
@@ -145,9 +131,24 @@ impl<Q: Nonlinear> Homogeneous<Q> {
         c.iter_mut().zip(value).for_each(|(c, of)| *c = bound(of));
         g.iter_mut().zip(slopes).for_each(|(g, of)| *g = bound(of));
     }
+
+    /// Calls `pair` with the DOFs of each pair of item i, and which of its numbers it takes.
+    #[inline]
+    fn pairs(&self, i: usize, mut pair: impl FnMut(u32, u32, usize)) {
+        let dofs = self.dofs(i);
+        let mut count = 0;
+        self.items[i].pairs(dofs.len(), &mut |j, k| {
+            pair(dofs[j], dofs[k], Q::number(count));
+            count += 1;
+        });
+    }
 }
 
 impl<Q: Nonlinear> Block for Homogeneous<Q> {
+    fn stamp(&self) -> Identity {
+        self.stamp
+    }
+
     fn rows(&self) -> usize {
         self.items.len() * Q::PARTS.len()
     }
@@ -156,67 +157,110 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
         self.items.len()
     }
 
-    fn owner(&self, row: usize) -> (&Owner, &'static str) {
-        (&self.owners[row / Q::PARTS.len()], Q::PARTS[row % Q::PARTS.len()])
+    fn is_full(&self) -> bool {
+        self.items.len() >= Self::CAPACITY
     }
 
-    fn write_pattern(&mut self, g: &mut Csr) -> Result<(), SystemError> {
+    fn owner(&self, row: usize) -> (Owner, &'static str) {
+        (self.owners[row / Q::PARTS.len()], Q::PARTS[row % Q::PARTS.len()])
+    }
+
+    fn constraint(&self, i: usize) -> u32 {
+        self.owners[i].constraint
+    }
+
+    fn parts(&self) -> usize {
+        Q::PARTS.len()
+    }
+
+    fn nnz(&self) -> usize {
+        self.dofs.len() * Q::PARTS.len()
+    }
+
+    fn write_pattern(&self, end: &mut Vec<usize>, col: &mut Vec<u32>) {
+        let mut sorted = Vec::new();
         for i in 0..self.items.len() {
-            let mut sorted = self.dofs(i).to_vec();
-            sorted.sort_unstable();
+            let mut dofs = self.dofs(i);
+            if !dofs.is_sorted() {
+                sorted.clear();
+                sorted.extend_from_slice(dofs);
+                sorted.sort_unstable();
+                dofs = &sorted;
+            }
             for _ in Q::PARTS {
-                g.push_row(sorted.iter().map(|&j| (j as usize, 0.0)))?;
+                col.extend_from_slice(dofs);
+                end.push(col.len());
             }
         }
-        Ok(())
     }
 
-    fn chunk(&self) -> usize {
-        if Q::AT_ONCE > 1 { FEW } else { MANY }
+    fn last_dof(&self) -> u32 {
+        self.items.len().checked_sub(1).and_then(|i| self.dofs(i).first().copied()).unwrap_or(0)
     }
 
-    fn task(&self, first: usize) -> (usize, usize) {
-        let last = self.items.len().min(first + self.chunk());
-        let dofs = (self.start[last] - self.start[first]) as usize;
-        ((last - first) * Q::PARTS.len(), dofs * Q::PARTS.len())
-    }
-
-    fn first_dof(&self, i: usize) -> u32 {
-        self.dofs(i).first().copied().unwrap_or(0)
-    }
-
-    fn evaluate(&self, first: usize, u: &[f64], c: &mut [f64], g: &mut [f64]) {
+    fn evaluate(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
         match Q::DOFS {
-            2 => self.evaluate_fixed::<2>(first, u, c, g),
-            3 => self.evaluate_fixed::<3>(first, u, c, g),
-            4 => self.evaluate_fixed::<4>(first, u, c, g),
-            6 => self.evaluate_fixed::<6>(first, u, c, g),
-            _ => self.evaluate_any(first, u, c, g),
+            2 => self.evaluate_fixed::<2>(u, c, g),
+            3 => self.evaluate_fixed::<3>(u, c, g),
+            4 => self.evaluate_fixed::<4>(u, c, g),
+            6 => self.evaluate_fixed::<6>(u, c, g),
+            _ => self.evaluate_any(u, c, g),
         }
-        let (rows, base) = (Q::PARTS.len(), self.start[first] as usize);
-        let items = first..first + c.len() / rows;
-        self.order.restore(items, |i| (self.start[i] as usize - base) * rows, rows, g);
+        let rows = Q::PARTS.len();
+        self.order.restore(|i| self.start[i] as usize * rows, rows, g);
     }
 
-    fn rounding(&self, first: usize, known: &Known, c: &mut [f64], g: &mut [f64]) {
-        let (rows, base) = (Q::PARTS.len(), self.start[first] as usize);
-        let items = first..first + c.len() / rows;
+    fn rounding(&self, known: &Known, c: &mut [f64], g: &mut [f64]) {
+        let rows = Q::PARTS.len();
         let mut rest = &mut *g;
-        for (i, c) in items.clone().zip(c.chunks_exact_mut(rows)) {
+        for (i, c) in c.chunks_exact_mut(rows).enumerate() {
             let own;
             (own, rest) = rest.split_at_mut(rows * self.width(i..i + 1));
             self.rounding_of(i, known, c, own);
         }
-        self.order.restore(items, |i| (self.start[i] as usize - base) * rows, rows, g);
+        self.order.restore(|i| self.start[i] as usize * rows, rows, g);
     }
 
-    fn pairs(&self, i: usize, pair: &mut dyn FnMut(u32, u32, usize)) {
-        let dofs = self.dofs(i);
-        let mut count = 0;
-        self.items[i].pairs(dofs.len(), &mut |j, k| {
-            pair(dofs[j], dofs[k], Q::number(count));
-            count += 1;
-        });
+    fn count(&self, counts: &mut [u32]) {
+        for i in 0..self.items.len() {
+            self.pairs(i, |j, k, _| {
+                counts[j as usize] += 1;
+                counts[k as usize] += u32::from(j != k);
+            });
+        }
+    }
+
+    fn touched(&self, i: usize, row: &mut dyn FnMut(u32)) {
+        self.pairs(i, |j, k, _| [j, k].into_iter().for_each(&mut *row));
+    }
+
+    fn share_out(&self, items: &[Range<u32>], cut: &Cut, out: &mut Vec<(u32, u32)>) {
+        for i in items.iter().cloned().flatten() {
+            let first = out.len();
+            self.pairs(i as usize, |j, k, _| {
+                for chunk in [cut.chunk(j), cut.chunk(k)].into_iter().flatten() {
+                    if !out[first..].iter().any(|&(known, _)| known == chunk) {
+                        out.push((chunk, i));
+                    }
+                }
+            });
+        }
+    }
+
+    fn entries(&self, items: &[Range<u32>], rows: &Range<u32>, first: usize, out: &mut Vec<Entry>) {
+        let mut first = first;
+        for i in items.iter().cloned().flatten() {
+            self.pairs(i as usize, |j, k, number| {
+                let number = (first + number) as u32;
+                if rows.contains(&j) {
+                    out.push(Entry { row: j, col: k, number });
+                }
+                if j != k && rows.contains(&k) {
+                    out.push(Entry { row: k, col: j, number });
+                }
+            });
+            first += self.numbers[i as usize] as usize;
+        }
     }
 
     fn numbers(&self, i: usize) -> usize {
@@ -237,17 +281,25 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
     }
 
     fn set_time(&mut self, time: f64) {
-        if !Q::DRIVEN {
-            return;
-        }
-        self.items.iter_mut().for_each(|item| item.at_time(time));
-        if Self::UNITS > 0 {
-            let units = self.units.chunks_exact_mut(Self::UNITS);
-            self.items.iter().zip(units).for_each(|(item, units)| item.hessian(&[], &[1.0], units));
+        if Q::DRIVEN {
+            self.items.iter_mut().for_each(|item| item.at_time(time));
+            self.renew_units();
         }
     }
 
-    fn as_any(&mut self) -> &mut dyn Any {
+    fn split_off(&mut self, i: usize) -> Box<dyn Block> {
+        Box::new(self.split(i))
+    }
+
+    fn take(&mut self, i: usize, parts: &Parts) -> Box<dyn Piece> {
+        Box::new(self.remove(i, parts))
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+
+    fn as_any_mut(&mut self) -> &mut dyn Any {
         self
     }
 

@@ -1,21 +1,31 @@
 //! A set of constraints, stored by type: `c(u)`, `G = dc/du` and `H = sum_r w_r d^2 c_r / du^2`.
 //!
-//! The patterns of G and H are made once from the lists of DOFs and pairs; then the values are written in place, in parallel.
-//! A number is always computed by the same operations in the same order, so that the result does not depend on the threads.
-//! Rows: all linear equations in the order in which they were added, then the nonlinear ones, type by type.
+//! The patterns of G and H are made from the lists of DOFs and pairs, and follow changes of the set; the values are written in place, in
+//! parallel. A number is always computed by the same operations in the same order, so that the result depends neither on the threads nor
+//! on what was in the set before.
+//! Rows: those of active constraints, all linear equations in the order in which the constraints were added, then the nonlinear ones,
+//! type by type in the order in which the set met the types, and of one type in the order in which the constraints were added.
 
+mod active;
 mod batch;
 mod block;
 mod builder;
+mod chunk;
 mod curvatures;
+mod edit;
 mod effective;
 mod error;
+mod exchange;
 mod homogeneous;
 mod labels;
+mod layout;
+mod lazy;
+mod length;
 mod linear;
 mod lists;
+mod offsets;
 mod order;
-mod pattern;
+mod quantities;
 pub(crate) mod rotations;
 mod rounding;
 mod store;
@@ -27,15 +37,18 @@ mod weights;
 
 use std::ops::Range;
 
-use qless::{ArgumentError, Csr, Identity};
+use qless::{ArgumentError, Identity};
 
-use block::Block;
+pub use active::{ActiveError, ActiveSystem};
+use block::{Block, Blocks};
 pub use builder::SetBuilder;
 use effective::{Plan, Weighted};
-pub use error::{AddError, LineariseError, StoreError};
+pub use error::{AddError, EditError, LineariseError, ReplaceError, StoreError};
 pub use labels::ConstraintId;
-use labels::Owner;
+use labels::{Owner, Register};
+use lazy::Planned;
 use linear::Rows;
+pub use quantities::Quantities;
 pub use rounding::Rounding;
 use rounding::Size;
 pub use store::Store;
@@ -63,58 +76,22 @@ pub use weights::Weights;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct ConstraintSet {
-    identity: Identity,
+    register: Register,
     dofs: usize,
     linear: Rows,
-    blocks: Vec<Box<dyn Block>>,
-    names: Vec<String>,
-    /// G with the coefficients of the linear equations in it.
-    pattern: Csr,
-    plan: Plan,
+    blocks: Blocks,
+    planned: Planned,
     time: f64,
-    /// The largest coordinate that each DOF adds to, for [`ConstraintSet::rounding`]; shorter if the others add to none.
+    /// The largest coordinate that was ever stated of each DOF, for [`ConstraintSet::rounding`]; shorter if the others have none.
     sizes: Vec<Size>,
+    /// Another one after each change.
+    version: Identity,
 }
 
 impl std::fmt::Debug for ConstraintSet {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let mut text = f.debug_struct("ConstraintSet");
-        text.field("dofs", &self.dofs).field("constraints", &self.names.len()).finish_non_exhaustive()
-    }
-}
-
-/// What a set evaluates to. Patterns never change; values are those of the last evaluation. No other set takes it.
-#[derive(Clone, Debug)]
-pub struct Quantities {
-    of: Identity,
-    /// The configuration of the last evaluation of c and G.
-    u: Vec<f64>,
-    pub(crate) c: Vec<f64>,
-    pub(crate) g: Csr,
-    h: Csr,
-}
-
-impl PartialEq for Quantities {
-    /// The same numbers.
-    fn eq(&self, other: &Self) -> bool {
-        (&self.c, &self.g, &self.h) == (&other.c, &other.g, &other.h)
-    }
-}
-
-impl Quantities {
-    /// Constraint values, length m.
-    pub fn c(&self) -> &[f64] {
-        &self.c
-    }
-
-    /// Jacobian, m x n.
-    pub fn g(&self) -> &Csr {
-        &self.g
-    }
-
-    /// Effective Hessian, n x n, symmetric, both halves stored.
-    pub fn h(&self) -> &Csr {
-        &self.h
+        text.field("dofs", &self.dofs).field("constraints", &self.constraints()).finish_non_exhaustive()
     }
 }
 
@@ -131,25 +108,12 @@ impl ConstraintSet {
 
     /// Number of equations m.
     pub fn equations(&self) -> usize {
-        self.pattern.rows()
+        self.linear.rows() + self.blocks.rows()
     }
 
-    /// Number of constraints that were added.
+    /// Number of constraints, active or not.
     pub fn constraints(&self) -> usize {
-        self.names.len()
-    }
-
-    /// Arrays of the right size: the pattern of G from the DOF lists, of H from the pair lists.
-    ///
-    /// The coefficients of linear equations are written here and stay.
-    pub fn allocate(&self) -> Quantities {
-        Quantities {
-            of: self.identity,
-            u: vec![0.0; self.dofs],
-            c: vec![0.0; self.equations()],
-            g: self.pattern.clone(),
-            h: self.plan.allocate(),
-        }
+        self.register.alive()
     }
 
     /// Writes `c(u)` and `G(u)`, in parallel.
@@ -159,9 +123,11 @@ impl ConstraintSet {
     /// # Errors
     /// [`ArgumentError`] if `u` does not have length n, or the quantities were not allocated by this set.
     pub fn evaluate(&self, u: &[f64], quantities: &mut Quantities) -> Result<(), ArgumentError> {
-        self.check(u, None, quantities)?;
+        self.check(u, None)?;
+        self.follow(quantities)?;
         quantities.u.copy_from_slice(u);
-        tasks::run(tasks::of_values(&self.linear, &self.blocks, &mut quantities.c, &mut quantities.g), u);
+        tasks::run(tasks::of_values(&self.linear, &self.blocks.all, &mut quantities.c, &mut quantities.g), u);
+        quantities.evaluated = self.version;
         Ok(())
     }
 
@@ -175,9 +141,10 @@ impl ConstraintSet {
         weights: &[f64],
         quantities: &mut Quantities,
     ) -> Result<(), ArgumentError> {
-        self.check(u, Some(weights), quantities)?;
-        let weighted = Weighted::new(&self.blocks, self.linear.rows(), weights);
-        tasks::run(self.plan.tasks(&weighted, quantities.h.values_mut()), u);
+        self.check(u, Some(weights))?;
+        self.follow(quantities)?;
+        let weighted = Weighted::new(&self.blocks.all, self.linear.rows(), weights);
+        tasks::run(self.plan().tasks(&weighted, quantities.h.values_mut()), u);
         Ok(())
     }
 
@@ -202,40 +169,40 @@ impl ConstraintSet {
     /// # Errors
     /// [`ArgumentError`] if `u` or `weights` has the wrong length, or the quantities were not allocated by this set.
     pub fn assemble(&self, u: &[f64], weights: &[f64], quantities: &mut Quantities) -> Result<(), ArgumentError> {
-        self.check(u, Some(weights), quantities)?;
+        self.check(u, Some(weights))?;
+        self.follow(quantities)?;
         quantities.u.copy_from_slice(u);
         let Quantities { c, g, h, .. } = quantities;
-        let weighted = Weighted::new(&self.blocks, self.linear.rows(), weights);
-        let mut tasks = tasks::of_values(&self.linear, &self.blocks, c, g);
-        tasks.extend(self.plan.tasks(&weighted, h.values_mut()));
+        let weighted = Weighted::new(&self.blocks.all, self.linear.rows(), weights);
+        let mut tasks = tasks::of_values(&self.linear, &self.blocks.all, c, g);
+        tasks.extend(self.plan().tasks(&weighted, h.values_mut()));
         tasks::run(tasks, u);
+        quantities.evaluated = self.version;
         Ok(())
     }
 
-    fn check(&self, u: &[f64], weights: Option<&[f64]>, quantities: &Quantities) -> Result<(), ArgumentError> {
+    fn check(&self, u: &[f64], weights: Option<&[f64]>) -> Result<(), ArgumentError> {
         long("u", u.len(), self.dofs)?;
-        weights.map_or(Ok(()), |weights| long("the list of weights", weights.len(), self.equations()))?;
-        self.own("the quantities", quantities.of)
+        weights.map_or(Ok(()), |weights| long("the list of weights", weights.len(), self.equations()))
     }
 
     fn own(&self, what: &'static str, of: Identity) -> Result<(), ArgumentError> {
-        if of == self.identity { Ok(()) } else { Err(ArgumentError::Foreign { what }) }
+        if of == self.register.identity { Ok(()) } else { Err(ArgumentError::Foreign { what }) }
+    }
+
+    /// The way into H.
+    fn plan(&self) -> &Plan {
+        self.planned.plan(&self.blocks.all, self.dofs)
     }
 
     /// Which block of equations a row belongs to, and its row there; nothing for linear equations.
     fn place(&self, row: usize) -> Option<(&dyn Block, usize)> {
-        let mut row = row.checked_sub(self.linear.rows())?;
-        for block in &self.blocks {
-            if row < block.rows() {
-                return Some((block.as_ref(), row));
-            }
-            row -= block.rows();
-        }
-        None
+        let (block, own) = self.blocks.offsets.find(row.checked_sub(self.linear.rows())?);
+        Some((self.blocks.all[block].as_ref(), own))
     }
 
     /// The constraint of a row and the name of the part that it is.
-    fn owner(&self, row: usize) -> Result<(&Owner, &'static str), ArgumentError> {
+    fn owner(&self, row: usize) -> Result<(Owner, &'static str), ArgumentError> {
         if row >= self.equations() {
             return Err(ArgumentError::OutOfRange { what: "equation", found: row, count: self.equations() });
         }
@@ -247,16 +214,23 @@ impl ConstraintSet {
     /// # Errors
     /// [`ArgumentError::OutOfRange`].
     pub fn constraint_of(&self, row: usize) -> Result<ConstraintId, ArgumentError> {
-        Ok(self.owner(row)?.0.constraint(self.identity))
+        let number = self.owner(row)?.0.constraint;
+        Ok(ConstraintId { set: self.register.identity, number })
     }
 
-    /// The equations of a constraint, ascending. O(m).
+    /// The equations of a constraint, ascending; none if it is not active or was removed.
     ///
     /// # Errors
     /// [`ArgumentError::Foreign`] for a constraint of another set.
     pub fn rows_of(&self, constraint: ConstraintId) -> Result<Vec<usize>, ArgumentError> {
         self.own("the constraint", constraint.set)?;
-        Ok((0..self.equations()).filter(|&row| self.constraint_of(row) == Ok(constraint)).collect())
+        let mut rows: Vec<usize> = self.linear.of(constraint.number).collect();
+        for (_, (block, item)) in self.blocks.of(constraint.number) {
+            let parts = self.blocks.all[block].parts();
+            let first = self.linear.rows() + self.blocks.offsets.first(block) + item * parts;
+            rows.extend(first..first + parts);
+        }
+        Ok(rows)
     }
 
     /// The label of an equation: that of its constraint, and which part of it.
@@ -265,7 +239,7 @@ impl ConstraintSet {
     /// [`ArgumentError::OutOfRange`].
     pub fn label(&self, row: usize) -> Result<String, ArgumentError> {
         let (owner, part) = self.owner(row)?;
-        Ok(owner.label(&self.names, part))
+        Ok(self.register.label(owner, part))
     }
 
     /// Whether the equation is linear: its row of G never changes.

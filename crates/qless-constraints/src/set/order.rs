@@ -1,21 +1,19 @@
 //! Columns ascend in a row of G, the DOFs of a constraint need not: where each goes. Most ascend, and cost nothing here.
 
-use std::ops::Range;
-
-/// The constraints of a type whose DOFs do not ascend.
+/// The items of a block whose DOFs do not ascend.
 #[derive(Default)]
 pub(super) struct Order {
     count: usize,
-    /// Which constraints, ascending.
+    /// Which items, ascending.
     items: Vec<u32>,
     /// Where the places of each end.
     end: Vec<u32>,
-    /// For each DOF its place among those of its constraint.
+    /// For each DOF its place among those of its item.
     place: Vec<u32>,
 }
 
 impl Order {
-    /// Appends the next constraint of the type.
+    /// Appends the next item of the block.
     pub fn push(&mut self, dofs: &[u32]) {
         if !dofs.is_sorted() {
             let place = |dof| dofs.iter().filter(|&other| other < dof).count() as u32;
@@ -26,18 +24,13 @@ impl Order {
         self.count += 1;
     }
 
-    /// Sorts the rows of those among `items`; the entries of constraint i start at `start(i)` of `g`.
-    pub fn restore(&self, items: Range<usize>, start: impl Fn(usize) -> usize, rows: usize, g: &mut [f64]) {
-        let first = self.items.partition_point(|&i| (i as usize) < items.start);
+    /// Sorts the rows of those; the entries of item i start at `start(i)` of `g`.
+    pub fn restore(&self, start: impl Fn(usize) -> usize, rows: usize, g: &mut [f64]) {
         let mut unsorted = Vec::new();
-        for k in first..self.items.len() {
-            let i = self.items[k] as usize;
-            if i >= items.end {
-                break;
-            }
+        for (k, &i) in self.items.iter().enumerate() {
             let from = if k == 0 { 0 } else { self.end[k - 1] as usize };
             let place = &self.place[from..self.end[k] as usize];
-            for row in g[start(i)..][..rows * place.len()].chunks_exact_mut(place.len()) {
+            for row in g[start(i as usize)..][..rows * place.len()].chunks_exact_mut(place.len()) {
                 unsorted.clear();
                 unsorted.extend_from_slice(row);
                 unsorted.iter().zip(place).for_each(|(&v, &p)| row[p as usize] = v);

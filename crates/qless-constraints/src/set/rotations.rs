@@ -17,7 +17,7 @@ impl ConstraintSet {
     pub fn rotation_vectors(&self) -> Vec<[usize; 3]> {
         let mut found = Found { owner: vec![Owner::Nobody; self.dofs], vectors: Vec::new() };
         let each = |visit: &mut dyn FnMut(&[u32], &[usize])| {
-            self.blocks.iter().for_each(|block| block.rotation_vectors(visit));
+            self.blocks.all.iter().for_each(|block| block.rotation_vectors(visit));
         };
         each(&mut |dofs, places| {
             places.iter().for_each(|&k| found.put([dofs[k], dofs[k + 1], dofs[k + 2]].map(|dof| dof as usize)));
@@ -29,7 +29,9 @@ impl ConstraintSet {
             let others = (0..dofs.len()).filter(|j| !places.iter().any(|k| (*k..k + 3).contains(j)));
             others.for_each(|j| found.tie(dofs[j] as usize));
         });
-        self.linear_rows().for_each(|row| self.pattern.row(row).for_each(|(dof, _)| found.tie(dof)));
+        for batch in &self.linear.batches {
+            batch.for_each_row(|terms| terms.for_each(|(dof, _)| found.tie(dof as usize)));
+        }
         found.vectors.iter().filter(|vector| found.owner[vector[0]] != Owner::Tied).copied().collect()
     }
 

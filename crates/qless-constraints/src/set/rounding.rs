@@ -7,7 +7,7 @@
 use qless::ArgumentError;
 use rayon::prelude::*;
 
-use super::batch::ROWS;
+use super::batch::Batch;
 use super::tasks::{Work, of_values};
 use super::{ConstraintSet, long};
 use crate::scalar::Bounded;
@@ -105,27 +105,27 @@ impl ConstraintSet {
     /// [`ArgumentError`] if `u` does not have length n.
     pub fn rounding(&self, u: &[f64]) -> Result<Rounding, ArgumentError> {
         long("u", u.len(), self.dofs)?;
-        let (mut c, mut g) = (vec![0.0; self.equations()], self.pattern.clone());
+        let (mut c, mut g) = (vec![0.0; self.equations()], self.whole_pattern());
+        let constant = self.linear.nnz();
+        g.values_mut()[..constant].iter_mut().for_each(|a| *a = Bounded::from(*a).error);
         let known = Known { u, sizes: &self.sizes };
-        of_values(&self.linear, &self.blocks, &mut c, &mut g).into_par_iter().for_each(|task| match task.work {
-            Work::Linear { rows, batch, c } => {
-                rows.evaluate(batch, u, c);
-                c.iter_mut().enumerate().for_each(|(i, c)| *c = self.of_equation(batch * ROWS + i, *c, u));
-            }
-            Work::Nonlinear { block, first, c, g } => block.rounding(first, &known, c, g),
+        of_values(&self.linear, &self.blocks.all, &mut c, &mut g).into_par_iter().for_each(|task| match task.work {
+            Work::Linear { batch, c } => of_batch(batch, u, c),
+            Work::Nonlinear { block, c, g } => block.rounding(&known, c, g),
             Work::Hessian { .. } => (),
         });
-        let constant = self.pattern.starts()[self.linear.rows()];
-        g.values_mut()[..constant].iter_mut().for_each(|a| *a = Bounded::from(*a).error);
         Ok(Rounding { c, start: g.starts().to_vec(), g: g.values().to_vec() })
     }
+}
 
-    /// The rounding of a linear equation with the value c.
-    fn of_equation(&self, row: usize, c: f64, u: &[f64]) -> f64 {
-        let term = |(j, a): (usize, f64)| Bounded::from(a) * Bounded::from(u[j]);
-        let zero = Bounded::from(0.0);
-        let sum = self.pattern.row(row).map(term).fold(zero, |sum, term| sum + term);
-        // c = sum - b, and b is not kept.
-        bound(sum - Bounded::from(sum.real - c))
-    }
+/// The rounding of linear equations.
+fn of_batch(batch: &Batch, u: &[f64], c: &mut [f64]) {
+    batch.evaluate(u, c);
+    let mut values = c.iter_mut();
+    batch.for_each_row(|terms| {
+        let term = |(j, a): (u32, f64)| Bounded::from(a) * Bounded::from(u[j as usize]);
+        let sum = terms.map(term).fold(Bounded::from(0.0), |sum, term| sum + term);
+        // c = sum - b.
+        values.next().into_iter().for_each(|c| *c = bound(sum - Bounded::from(sum.real - *c)));
+    });
 }

@@ -4,31 +4,52 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::StoreError;
-use super::block::Blocks;
-use super::labels::Owner;
+use super::batch::Terms;
+use super::block::{Blocks, Place};
+use super::labels::{Owner, Parts};
 use super::time::Rhs;
 use crate::constraint::Nonlinear;
 use crate::geometry::node::Node;
+
+/// DOFs that are compared each with each; more are sorted.
+const FEW: usize = 16;
 
 /// The linear equations and nonlinear parts of the constraint that is being added.
 #[derive(Default)]
 pub struct Store {
     dofs: usize,
-    pub(super) time: f64,
-    pub(super) equations: Vec<Equation>,
-    pub(super) pieces: Vec<Box<dyn Piece>>,
-    /// DOFs, and the coordinates that they add to.
-    pub(super) coordinates: Vec<(u32, f64)>,
+    time: f64,
+    pub(super) contents: Contents,
     pub(super) fault: Option<StoreError>,
+}
+
+/// What one constraint consists of, as long as it is not among the equations of a set.
+#[derive(Default)]
+pub(super) struct Contents {
+    pub equations: Vec<Equation>,
+    pub pieces: Vec<Box<dyn Piece>>,
+    /// DOFs, and the coordinates that they add to; of a constraint that rests the set knows them.
+    pub coordinates: Vec<(u32, f64)>,
 }
 
 /// Sums of terms on one DOF below so many units in the last place of what was summed are what rounding left of a zero.
 const CANCELLED: f64 = 8.0 * f64::EPSILON;
 
+impl Contents {
+    /// Gives its equations, as many, these right-hand sides.
+    pub fn set_rhs(&mut self, rhs: &[f64]) {
+        self.equations.iter_mut().zip(rhs).for_each(|(equation, &rhs)| equation.rhs = Rhs::Value(rhs));
+    }
+
+    pub fn rows(&self) -> usize {
+        self.equations.len() + self.pieces.iter().map(|piece| piece.rows()).sum::<usize>()
+    }
+}
+
 impl std::fmt::Debug for Store {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let mut text = f.debug_struct("Store");
-        text.field("equations", &self.equations.len()).field("pieces", &self.pieces.len());
+        text.field("equations", &self.contents.equations.len()).field("pieces", &self.contents.pieces.len());
         text.field("fault", &self.fault).finish_non_exhaustive()
     }
 }
@@ -36,7 +57,7 @@ impl std::fmt::Debug for Store {
 /// `sum a_j u_j = rhs`, DOFs ascending.
 pub(super) struct Equation {
     pub part: Cow<'static, str>,
-    pub terms: Vec<(u32, f64)>,
+    pub terms: Terms,
     pub rhs: Rhs,
 }
 
@@ -75,7 +96,7 @@ impl Store {
     }
 
     fn put(&mut self, part: Cow<'static, str>, terms: impl IntoIterator<Item = (usize, f64)>, rhs: Rhs) {
-        let mut sorted: Vec<(u32, f64)> = Vec::new();
+        let mut sorted: Terms = Vec::new();
         for (dof, value) in terms {
             self.check_dof(dof);
             self.check_number(value);
@@ -83,7 +104,7 @@ impl Store {
         }
         sorted.sort_by_key(|&(dof, _)| dof);
         let terms = sorted.chunk_by(|a, b| a.0 == b.0).map(|same| (same[0].0, sum(same))).collect();
-        self.equations.push(Equation { part, terms, rhs });
+        self.contents.equations.push(Equation { part, terms, rhs });
     }
 
     /// Adds the nonlinear equations of `parameters` on the DOFs listed, each of which must occur once.
@@ -91,24 +112,22 @@ impl Store {
         if Q::DOFS != 0 && Q::DOFS != dofs.len() {
             self.fail(StoreError::DofCount { found: dofs.len(), expected: Q::DOFS });
         }
-        let mut sorted = dofs.to_vec();
-        sorted.sort_unstable();
-        sorted.iter().for_each(|&dof| self.check_dof(dof));
-        for pair in sorted.windows(2).filter(|pair| pair[0] == pair[1]) {
-            self.fail(StoreError::RepeatedDof { dof: pair[0] });
+        dofs.iter().for_each(|&dof| self.check_dof(dof));
+        if let Some(dof) = repeated(dofs) {
+            self.fail(StoreError::RepeatedDof { dof });
         }
         if Q::DRIVEN {
             parameters.at_time(self.time);
         }
         let dofs = dofs.iter().map(|&dof| dof as u32).collect();
-        self.pieces.push(Box::new(Staged { part: part.into(), dofs, parameters }));
+        self.contents.pieces.push(Box::new(Staged { part: part.into(), dofs, parameters }));
     }
 
     /// States that a DOF moves what is at this coordinate for u = 0, `x = at + u`: of x no more is known than its last place.
     ///
     /// For types that keep differences of coordinates only, for [`crate::ConstraintSet::rounding`].
     pub fn coordinate(&mut self, dof: usize, at: f64) {
-        self.coordinates.push((dof as u32, at));
+        self.contents.coordinates.push((dof as u32, at));
     }
 
     /// [`Store::coordinate`] of all translations of a node.
@@ -141,19 +160,60 @@ fn sum(same: &[(u32, f64)]) -> f64 {
     if same.len() > 1 && sum.abs() <= CANCELLED * size { 0.0 } else { sum }
 }
 
-/// Nonlinear equations that have yet to be put among those of their type.
-pub(super) trait Piece {
-    fn commit(self: Box<Self>, constraint: u32, blocks: &mut Blocks);
+/// The smallest DOF that is there twice.
+fn repeated(dofs: &[usize]) -> Option<usize> {
+    if dofs.len() <= FEW {
+        let twice = |&(k, dof): &(usize, &usize)| dofs[..k].contains(dof);
+        return dofs.iter().enumerate().filter(twice).map(|(_, &dof)| dof).min();
+    }
+    let mut sorted = dofs.to_vec();
+    sorted.sort_unstable();
+    sorted.windows(2).find(|pair| pair[0] == pair[1]).map(|pair| pair[0])
 }
 
-struct Staged<Q> {
-    part: Cow<'static, str>,
-    dofs: Vec<u32>,
-    parameters: Q,
+/// Nonlinear equations that are not among those of their type.
+pub(super) trait Piece: Send + Sync {
+    fn rows(&self) -> usize;
+    /// Which type of the set it is of; none if the set has not met it.
+    fn kind(&self, blocks: &Blocks) -> Option<u32>;
+    /// Puts it among those of its type; its part and the time are given.
+    fn commit(self: Box<Self>, constraint: u32, parts: &mut Parts, time: f64, blocks: &mut Blocks);
+    /// Whether it has the DOFs and pairs of an equation of its type, so that it can take its place.
+    fn fits(&self, place: Place, blocks: &Blocks) -> bool;
+    /// Takes that place.
+    fn overwrite(self: Box<Self>, constraint: u32, parts: &mut Parts, place: Place, blocks: &mut Blocks);
+}
+
+pub(super) struct Staged<Q> {
+    pub part: Cow<'static, str>,
+    pub dofs: Box<[u32]>,
+    pub parameters: Q,
 }
 
 impl<Q: Nonlinear> Piece for Staged<Q> {
-    fn commit(self: Box<Self>, constraint: u32, blocks: &mut Blocks) {
-        blocks.push(Owner { constraint, part: self.part }, &self.dofs, self.parameters);
+    fn rows(&self) -> usize {
+        Q::PARTS.len()
+    }
+
+    fn kind(&self, blocks: &Blocks) -> Option<u32> {
+        blocks.kind::<Q>()
+    }
+
+    fn commit(mut self: Box<Self>, constraint: u32, parts: &mut Parts, time: f64, blocks: &mut Blocks) {
+        if Q::DRIVEN {
+            self.parameters.at_time(time);
+        }
+        blocks.insert(Owner { constraint, part: parts.place(self.part) }, &self.dofs, self.parameters);
+    }
+
+    fn fits(&self, (block, item): Place, blocks: &Blocks) -> bool {
+        blocks.of_type::<Q>(block).is_some_and(|block| block.alike(item, &self.dofs, &self.parameters))
+    }
+
+    fn overwrite(self: Box<Self>, constraint: u32, parts: &mut Parts, (block, item): Place, blocks: &mut Blocks) {
+        let owner = Owner { constraint, part: parts.place(self.part) };
+        if let Some(block) = blocks.of_type_mut::<Q>(block) {
+            block.overwrite(item, owner, self.parameters);
+        }
     }
 }

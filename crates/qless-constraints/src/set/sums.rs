@@ -35,13 +35,12 @@ impl Default for Sums {
 }
 
 impl Sums {
-    /// From `(entry, number)`; entries are `0..entries`, none is without a number, and numbers are below `numbers`.
-    pub fn new(entries: usize, numbers: usize, mut parts: Vec<(u32, u32)>) -> Self {
-        parts.sort_by_key(|&(entry, _)| entry);
+    /// From `(entry, number)`, ascending by entry; entries are `0..entries`, none is without a number, and numbers are below `numbers`.
+    pub fn new(entries: usize, numbers: usize, parts: &[(u32, u32)]) -> Self {
         if entries.max(numbers) <= NUMBERS {
-            Self::Short(Parts::new(entries, &parts, |k| k as u16))
+            Self::Short(Parts::new(entries, parts, |k| k as u16))
         } else {
-            Self::Long(Parts::new(entries, &parts, |k| k))
+            Self::Long(Parts::new(entries, parts, |k| k))
         }
     }
 
@@ -136,10 +135,9 @@ mod tests {
         let number = |entry: u32, k: u32| (entry * 31 + k * 17) % 200;
         let longest = (0..13).flat_map(|k| (0..entries).rev().map(move |entry| (entry, k)));
         let parts = longest.filter(|&(entry, k)| k < count(entry)).map(|(entry, k)| (entry, number(entry, k)));
-        let parts: Vec<_> = parts.collect();
-        for sums in
-            [Sums::new(entries as usize, x.len(), parts.clone()), Sums::new(entries as usize, NUMBERS + 1, parts)]
-        {
+        let mut parts: Vec<_> = parts.collect();
+        parts.sort_by_key(|&(entry, _)| entry);
+        for sums in [Sums::new(entries as usize, x.len(), &parts), Sums::new(entries as usize, NUMBERS + 1, &parts)] {
             let mut out = vec![f64::NAN; entries as usize];
             sums.write(&x, &mut out);
             for entry in 0..entries {

@@ -73,14 +73,12 @@ impl ConstraintSet {
         quantities: &Quantities,
         prescribed: &[(usize, f64)],
     ) -> Result<ConstraintSystem, LineariseError> {
-        self.own("the quantities", quantities.of)?;
-        let rounding = self.rounding(&quantities.u)?;
+        self.current(quantities)?;
+        let rounding = self.rounding_of_nonlinear(quantities)?;
         let mut builder = SystemBuilder::new(self.dofs);
-        for (row, &c) in quantities.c.iter().enumerate() {
-            let is_noise = quantities.vanishes(row, &rounding);
-            let entries = quantities.g.row(row).filter(|_| !is_noise);
-            let rhs = if is_noise && c.abs() <= rounding.c()[row] { 0.0 } else { -c };
-            builder.labelled_equation(self.label(row)?, entries, rhs);
+        for row in 0..self.equations() {
+            let (terms, rhs) = quantities.linear_equation(row, rounding.as_ref());
+            builder.labelled_equation(self.label(row)?, terms, rhs);
         }
         prescribed.iter().for_each(|&(dof, increment)| builder.prescribe(dof, increment));
         Ok(builder.build()?)
@@ -101,18 +99,23 @@ impl ConstraintSet {
     /// // After one turn, a rotation vector reaches no turn but the one along itself.
     /// set.evaluate(&[0.0, 0.0, 0.0, 0.0, 0.0, std::f64::consts::TAU], &mut quantities)?;
     /// let vanishing = set.vanishing(&quantities)?;
-    /// assert_eq!((vanishing.len(), vanishing[0].label.as_str()), (2, "door, axis 1"));
+    /// assert_eq!((vanishing.len(), vanishing[0].label.as_str()), (2, "door, tilt 1"));
     /// assert_eq!(analyse(&set.linearised(&quantities, &[])?, &Options::default())?.rank(), 3);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors
-    /// [`ArgumentError`] for quantities of another set.
+    /// [`ArgumentError`] for quantities of another set, or of the set before it changed.
     pub fn vanishing(&self, quantities: &Quantities) -> Result<Vec<Vanishing>, ArgumentError> {
-        self.own("the quantities", quantities.of)?;
+        self.current(quantities)?;
         let rounding = self.rounding(&quantities.u)?;
         let rows = (0..self.equations()).filter(|&row| quantities.vanishes(row, &rounding));
         rows.map(|row| self.report(row, quantities, &rounding)).collect()
+    }
+
+    /// The bounds, where a row may vanish that is not zero: that of a linear equation does not.
+    pub(super) fn rounding_of_nonlinear(&self, quantities: &Quantities) -> Result<Option<Rounding>, ArgumentError> {
+        if self.linear.rows() == self.equations() { Ok(None) } else { self.rounding(&quantities.u).map(Some) }
     }
 
     fn report(&self, row: usize, quantities: &Quantities, rounding: &Rounding) -> Result<Vanishing, ArgumentError> {
@@ -124,6 +127,20 @@ impl ConstraintSet {
 }
 
 impl Quantities {
+    /// The row of G, without terms if they are rounding, and -c, zero if both are.
+    pub(super) fn linear_equation(
+        &self,
+        row: usize,
+        rounding: Option<&Rounding>,
+    ) -> (impl ExactSizeIterator<Item = (usize, f64)> + Clone + '_, f64) {
+        let c = self.c[row];
+        match rounding.filter(|rounding| self.vanishes(row, rounding)) {
+            // Rows from m on have no terms.
+            Some(rounding) => (self.g.row(self.g.rows()), if c.abs() <= rounding.c()[row] { 0.0 } else { -c }),
+            None => (self.g.row(row), -c),
+        }
+    }
+
     /// Whether no entry of a row of G is more than rounding; what is not finite is no rounding.
     fn vanishes(&self, row: usize, rounding: &Rounding) -> bool {
         self.g.row(row).zip(rounding.of_row(row)).all(|((_, v), &bound)| v.is_finite() && v.abs() <= bound)

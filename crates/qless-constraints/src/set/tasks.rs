@@ -7,67 +7,66 @@
 use qless::Csr;
 use rayon::prelude::*;
 
-use super::batch::ROWS;
+use super::batch::Batch;
 use super::block::Block;
-use super::effective::{Chunk, Weighted};
+use super::chunk::Chunk;
+use super::effective::Weighted;
 use super::linear::Rows;
 use super::sums::NUMBERS;
 
 /// What one thread does at a time.
-pub struct Task<'a> {
+pub(super) struct Task<'a> {
     /// The last DOF that it reads, or nearly so.
     pub dof: u32,
     pub work: Work<'a>,
 }
 
 /// What is written, and where.
-pub enum Work<'a> {
+pub(super) enum Work<'a> {
     /// c of a batch of linear equations.
-    Linear { rows: &'a Rows, batch: usize, c: &'a mut [f64] },
+    Linear { batch: &'a Batch, c: &'a mut [f64] },
     /// c and G of constraints of a block.
-    Nonlinear { block: &'a dyn Block, first: usize, c: &'a mut [f64], g: &'a mut [f64] },
+    Nonlinear { block: &'a dyn Block, c: &'a mut [f64], g: &'a mut [f64] },
     /// Rows of H.
     Hessian { chunk: &'a Chunk, weighted: &'a Weighted<'a>, h: &'a mut [f64] },
 }
 
 /// The tasks that write c and the rows of G that depend on u.
-pub fn of_values<'a>(
+pub(super) fn of_values<'a>(
     linear: &'a Rows,
     blocks: &'a [Box<dyn Block>],
     c: &'a mut [f64],
     g: &'a mut Csr,
 ) -> Vec<Task<'a>> {
-    let (of_linear, c) = c.split_at_mut(linear.rows());
+    let (mut of_linear, c) = c.split_at_mut(linear.rows());
     let mut tasks = nonlinear(blocks, c, &mut g.values_mut()[linear.nnz()..]);
-    debug_assert_eq!(linear.batches(), of_linear.len().div_ceil(ROWS));
-    let task = |(batch, c)| Task { dof: linear.first_dof(batch), work: Work::Linear { rows: linear, batch, c } };
-    tasks.extend(of_linear.chunks_mut(ROWS).enumerate().map(task));
+    for batch in &linear.batches {
+        let c;
+        (c, of_linear) = of_linear.split_at_mut(batch.rows());
+        tasks.push(Task { dof: batch.first_dof(), work: Work::Linear { batch, c } });
+    }
     tasks
 }
 
 fn nonlinear<'a>(blocks: &'a [Box<dyn Block>], mut c: &'a mut [f64], mut g: &'a mut [f64]) -> Vec<Task<'a>> {
     let mut tasks = Vec::new();
     for block in blocks {
-        for first in (0..block.items()).step_by(block.chunk()) {
-            let (rows, nnz) = block.task(first);
-            let (own_c, own_g);
-            (own_c, c) = c.split_at_mut(rows);
-            (own_g, g) = g.split_at_mut(nnz);
-            let last = block.items().min(first + block.chunk()) - 1;
-            let work = Work::Nonlinear { block: block.as_ref(), first, c: own_c, g: own_g };
-            tasks.push(Task { dof: block.first_dof(last), work });
-        }
+        let (own_c, own_g);
+        (own_c, c) = c.split_at_mut(block.rows());
+        (own_g, g) = g.split_at_mut(block.nnz());
+        let work = Work::Nonlinear { block: block.as_ref(), c: own_c, g: own_g };
+        tasks.push(Task { dof: block.last_dof(), work });
     }
     tasks
 }
 
 /// Does all of them.
-pub fn run(mut tasks: Vec<Task>, u: &[f64]) {
+pub(super) fn run(mut tasks: Vec<Task>, u: &[f64]) {
     tasks.sort_by_key(|task| task.dof);
     // The numbers of one chunk of H, in an array that serves one chunk after another and stays in the cache of a core.
     tasks.into_par_iter().for_each_init(Vec::new, |numbers, task| match task.work {
-        Work::Linear { rows, batch, c } => rows.evaluate(batch, u, c),
-        Work::Nonlinear { block, first, c, g } => block.evaluate(first, u, c, g),
+        Work::Linear { batch, c } => batch.evaluate(u, c),
+        Work::Nonlinear { block, c, g } => block.evaluate(u, c, g),
         Work::Hessian { chunk, weighted, h } => {
             numbers.resize(numbers.len().max(NUMBERS), 0.0);
             chunk.write(weighted, u, numbers, h);

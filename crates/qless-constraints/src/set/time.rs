@@ -1,8 +1,11 @@
 //! Right-hand sides and parameters that are functions of time: `c(u, t) = 0`.
 //!
-//! The pattern of G and H is the same at all times; [`ConstraintSet::set_time`] writes new numbers in place.
+//! The pattern of G and H is the same at all times; [`ConstraintSet::set_time`] writes new numbers in place. Constraints that are not active
+//! take theirs when they are activated.
 
 use std::sync::Arc;
+
+use qless::Identity;
 
 use super::ConstraintSet;
 
@@ -80,8 +83,9 @@ impl ConstraintSet {
             values.push((row, value));
         }
         values.into_iter().for_each(|(row, value)| self.linear.set_rhs(row, value));
-        self.blocks.iter_mut().for_each(|block| block.set_time(time));
+        self.blocks.all.iter_mut().for_each(|block| block.set_time(time));
         self.time = time;
+        self.version = Identity::new();
         Ok(())
     }
 }

@@ -23,6 +23,11 @@ use crate::{Constraint, Store};
 ///
 /// Source: RBE3 of Nastran; the conditions of the minimum are `sum_i w_i e_i = 0` and `sum_i w_i r_i x e_i = 0`.
 ///
+#[doc = include_str!("../../docs/pictures/average.svg")]
+///
+#[doc = include_str!("../../docs/types/average.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Average, Component, Node6, Point}};
 /// let at = |node: usize, x: f64, y: f64| Point::new([3 * node, 3 * node + 1, 3 * node + 2], [x, y, 0.0]).into();

@@ -7,6 +7,11 @@ use crate::{Constraint, Store};
 
 /// Cyclic symmetry, harmonic 0: all sectors move alike.
 ///
+#[doc = include_str!("../../docs/pictures/cyclic.svg")]
+///
+#[doc = include_str!("../../docs/types/cyclic.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Cyclic, Point}};
 /// let a = Point::new([0, 1, 2], [1.0, 0.0, 0.0]);
@@ -41,6 +46,11 @@ pub struct Cyclic {
 /// Cyclic symmetry of a harmonic: real and imaginary parts of the amplitude, six equations.
 ///
 /// `u_b' = R (cos(k alpha) u_a' - sin(k alpha) u_a'')`, `u_b'' = R (sin(k alpha) u_a' + cos(k alpha) u_a'')`.
+///
+#[doc = include_str!("../../docs/pictures/cyclic_harmonic.svg")]
+///
+#[doc = include_str!("../../docs/types/cyclic_harmonic.md")]
+/// # Example
 ///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Cyclic, CyclicHarmonic, Point}};

@@ -8,6 +8,11 @@ use crate::{Constraint, Nonlinear, Store};
 
 /// Two nodes at a fixed distance, in D dimensions.
 ///
+#[doc = include_str!("../../docs/pictures/distance.svg")]
+///
+#[doc = include_str!("../../docs/types/distance.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Distance, PlanarPoint}};
 /// let a = PlanarPoint::new([0, 1], [0.0, 0.0]);
@@ -57,9 +62,9 @@ impl<const D: usize> Constraint for Distance<D> {
             return Err(DistanceError::Length(length));
         }
         let between = std::array::from_fn(|k| self.b.at[k] - self.a.at[k]);
-        let dofs: Vec<usize> = self.a.dofs.into_iter().chain(self.b.dofs).collect();
         [self.a, self.b].iter().for_each(|node| store.coordinates_of(node));
-        store.nonlinear("", &dofs, Rod::<D> { between, length });
+        let dofs = [self.a.dofs, self.b.dofs];
+        store.nonlinear("", dofs.as_flattened(), Rod::<D> { between, length });
         Ok(())
     }
 }

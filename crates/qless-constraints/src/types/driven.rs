@@ -8,6 +8,11 @@ use crate::{Constraint, Store};
 ///
 /// a has the unit that makes `a_j u_j` one of b; t is what [`crate::ConstraintSet::set_time`] is given, 0 before.
 ///
+#[doc = include_str!("../../docs/pictures/driven.svg")]
+///
+#[doc = include_str!("../../docs/types/driven.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::Driven};
 /// let mut builder = ConstraintSet::builder(1);

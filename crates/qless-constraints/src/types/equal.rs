@@ -4,6 +4,11 @@ use crate::{Constraint, Store};
 
 /// Equal DOFs: `u_i - u_0 = 0` for every DOF after the first.
 ///
+#[doc = include_str!("../../docs/pictures/equal.svg")]
+///
+#[doc = include_str!("../../docs/types/equal.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::Equal};
 /// let mut builder = ConstraintSet::builder(4);

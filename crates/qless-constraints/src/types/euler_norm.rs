@@ -7,6 +7,11 @@ use crate::{Constraint, Nonlinear, Store};
 
 /// Euler parameters of length one.
 ///
+#[doc = include_str!("../../docs/pictures/euler_norm.svg")]
+///
+#[doc = include_str!("../../docs/types/euler_norm.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::EulerNorm};
 /// let mut builder = ConstraintSet::builder(4);

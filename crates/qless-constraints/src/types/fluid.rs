@@ -8,6 +8,11 @@ use crate::{Constraint, Store};
 /// DOFs removed: one. Two normals at one pair of nodes, as at an edge, are independent if they are not parallel; a fourth is redundant.
 /// For a fluid in pressure form, whose mesh need not match, see [`crate::types::FluidWall`].
 ///
+#[doc = include_str!("../../docs/pictures/fluid_normal.svg")]
+///
+#[doc = include_str!("../../docs/types/fluid_normal.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::FluidNormal};
 /// let mut builder = ConstraintSet::builder(6);

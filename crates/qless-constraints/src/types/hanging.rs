@@ -15,6 +15,11 @@ use crate::{Constraint, Store};
 ///
 /// A node of p-refinement is tied by [`OrderTie`](super::OrderTie); one whose parameters are not known, by [`NodeTie`](super::NodeTie).
 ///
+#[doc = include_str!("../../docs/pictures/hanging_node.svg")]
+///
+#[doc = include_str!("../../docs/types/hanging_node.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{HangingNode, Shape}};
 /// // The middle of the left half of an edge with three nodes; DOFs of two fields.

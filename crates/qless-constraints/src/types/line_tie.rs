@@ -11,6 +11,11 @@ use crate::{Constraint, Store};
 /// F equations and as many DOFs removed for each node of the slave line. Rank is lost where a node is tied twice, or is a node of
 /// both lines. With n nodes near each other the cost is O(n log n).
 ///
+#[doc = include_str!("../../docs/pictures/line_tie.svg")]
+///
+#[doc = include_str!("../../docs/types/line_tie.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{LineTie, PlanarPoint}};
 /// let at = |node: usize, x: f64| PlanarPoint::new([2 * node, 2 * node + 1], [x, 0.0]);

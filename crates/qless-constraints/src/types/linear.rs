@@ -4,6 +4,11 @@ use crate::{Constraint, Store};
 
 /// A linear equation `sum_j a_j u_j = b`; terms on the same DOF are summed.
 ///
+#[doc = include_str!("../../docs/pictures/linear_equation.svg")]
+///
+#[doc = include_str!("../../docs/types/linear_equation.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::LinearEquation};
 /// let mut builder = ConstraintSet::builder(2);

@@ -3,6 +3,9 @@
 //! Lengths are in the unit of the coordinates, angles in radians. All DOFs are zero in the reference configuration, that is
 //! where the coordinates hold.
 
+// A new type has a page: a picture in `examples/pictures`, which that example writes to `docs/pictures`, a text under the same name in
+// `docs/types` with the headings of the others, and two lines before its `# Example` that put both there.
+
 mod average;
 mod couplings;
 mod cyclic;

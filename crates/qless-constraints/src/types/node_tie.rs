@@ -10,6 +10,11 @@ use crate::{Constraint, Store};
 
 /// A node tied to a face or a line, in D dimensions.
 ///
+#[doc = include_str!("../../docs/pictures/node_tie.svg")]
+///
+#[doc = include_str!("../../docs/types/node_tie.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{NodeTie, PlanarPoint, Shape}};
 /// let master = vec![PlanarPoint::new([2, 3], [0.0, 0.0]), PlanarPoint::new([4, 5], [4.0, 0.0])];

@@ -34,6 +34,11 @@ pub enum Line {
 /// anew, so that c jumps, with the same length. Multipliers are the force across the line, along `e_i`. Two degrees of freedom are
 /// removed. Singular where the nodes of the line are in one place.
 ///
+#[doc = include_str!("../../docs/pictures/on_line.svg")]
+///
+#[doc = include_str!("../../docs/types/on_line.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Line, OnLine, Point}};
 /// let at = |node: usize, x: f64| Point::new([3 * node, 3 * node + 1, 3 * node + 2], [x, 0.0, 0.0]);

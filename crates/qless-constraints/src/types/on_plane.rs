@@ -27,6 +27,11 @@ pub enum Plane {
 /// The normal turns with a plane through nodes. The multiplier is the force along it. One degree of freedom is removed. Singular where the
 /// nodes of the plane lie in a line.
 ///
+#[doc = include_str!("../../docs/pictures/on_plane.svg")]
+///
+#[doc = include_str!("../../docs/types/on_plane.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{OnPlane, Plane, Point}};
 /// let ball = Point::new([0, 1, 2], [0.0, 0.0, 1.0]);

@@ -6,6 +6,11 @@ use crate::{Constraint, Nonlinear, Store};
 
 /// A node on a fixed sphere (D = 3) or circle (D = 2).
 ///
+#[doc = include_str!("../../docs/pictures/on_sphere.svg")]
+///
+#[doc = include_str!("../../docs/types/on_sphere.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{OnSphere, PlanarPoint}};
 /// let tip = PlanarPoint::new([0, 1], [0.0, 2.0]);

@@ -13,6 +13,11 @@ use crate::{Constraint, Store};
 ///
 /// In a hierarchic basis lower modes are shared, and those above q vanish on the edge: `u_m = 0`, a [`Prescribed`](super::Prescribed).
 ///
+#[doc = include_str!("../../docs/pictures/order_tie.svg")]
+///
+#[doc = include_str!("../../docs/types/order_tie.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::OrderTie};
 /// // A cubic edge at a linear one; they share their ends.

@@ -17,6 +17,11 @@ pub enum MacroStrain<const D: usize, const F: usize = D> {
 /// Rank is lost where pairs form rings: of the four corners of a cell that is periodic in two directions, three pairs are enough,
 /// and the fourth is redundant.
 ///
+#[doc = include_str!("../../docs/pictures/periodic.svg")]
+///
+#[doc = include_str!("../../docs/types/periodic.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{MacroStrain, Periodic, PlanarPoint}};
 /// let left = PlanarPoint::new([0, 1], [0.0, 0.5]);

@@ -4,6 +4,11 @@ use crate::{Constraint, Store};
 
 /// DOFs with given values, `u_j = v_j`; fixed where the value is zero.
 ///
+#[doc = include_str!("../../docs/pictures/prescribed.svg")]
+///
+#[doc = include_str!("../../docs/types/prescribed.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::Prescribed};
 /// let mut builder = ConstraintSet::builder(4);

@@ -23,6 +23,11 @@ use crate::{Constraint, Nonlinear, Store};
 ///
 /// Source: RBE2 of Nastran, with the kinematics of a rigid body without linearisation.
 ///
+#[doc = include_str!("../../docs/pictures/rigid_body.svg")]
+///
+#[doc = include_str!("../../docs/types/rigid_body.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Body, Node6, Point, RigidBody}};
 /// let body = Body::with_vector([0, 1, 2], [0.0; 3], [3, 4, 5]);

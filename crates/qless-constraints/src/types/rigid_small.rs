@@ -17,6 +17,11 @@ use crate::{Constraint, Store};
 ///
 /// Source: RBE2 of Nastran; kinematics of a rigid body, linear in theta.
 ///
+#[doc = include_str!("../../docs/pictures/small_rigid_body.svg")]
+///
+#[doc = include_str!("../../docs/types/small_rigid_body.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Component, Node6, Point, SmallRigidBody}};
 /// let reference = Node6::new([0, 1, 2], [3, 4, 5], [0.0; 3]);

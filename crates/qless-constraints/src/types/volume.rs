@@ -11,6 +11,11 @@ use crate::{Constraint, Nonlinear, Store};
 
 /// A patch of tetrahedra of constant volume, one equation.
 ///
+#[doc = include_str!("../../docs/pictures/volume.svg")]
+///
+#[doc = include_str!("../../docs/types/volume.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Point, Volume}};
 /// let at = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];

@@ -1,7 +1,11 @@
 //! Constraint sets as a user meets them.
 
+/// Linearised equations of sets that change.
+mod active;
 /// Nodes on lines and planes that turn.
 mod beads;
+/// Contact by an active set, against a quadratic program.
+mod contact;
 /// Rigid bodies and averages of nodes with rotations, beams and shells on solids, walls of fluids.
 mod couplings;
 /// Dual multipliers of mortar ties: biorthogonal, local, and as exact as the others.
@@ -22,6 +26,8 @@ mod joints;
 mod linear_types;
 /// Planar and spatial linkages, as sets.
 mod linkages;
+/// Sets that change: the same as new ones.
+mod living;
 /// Known ranks of known mechanisms.
 mod mechanisms;
 /// Mechanisms driven over many turns, against closed forms.
@@ -30,6 +36,8 @@ mod motors;
 mod newton;
 /// Rows of G that are rounding and nothing else.
 mod noise;
+/// The page of each type.
+mod pages;
 /// Two blocks of solid elements under tension, tied at meshes that do not match.
 mod patch;
 /// Poses of bodies, independent of the library.

@@ -106,7 +106,9 @@ fn tension_passes_meshes_that_do_not_match() -> Outcome {
         // What holds the rigid motions: three, two and one DOF at three corners.
         let [b, c] = [lower.cells, lower.cells * lower.side()];
         let held: Vec<_> = [0, 1, 2, 3 * b + 1, 3 * b + 2, 3 * c + 2].into_iter().map(|dof| (dof, 0.0)).collect();
-        let system = set.linearised(&set.allocate(), &held)?;
+        let mut quantities = set.allocate();
+        set.evaluate(&vec![0.0; set.dofs()], &mut quantities)?;
+        let system = set.linearised(&quantities, &held)?;
         let solution = Problem::new(&k, &f, &system)?.transformation()?;
         for node in &nodes {
             let [x, y, z] = node.at;

@@ -140,7 +140,9 @@ fn matching_meshes_move_together() -> Outcome {
         let mesh = Mesh { shape, cells: 3, wiggle: 0.4, bend: 0.0 };
         let (slave, master) = pair(mesh, mesh, inclined);
         let set = tied(&slave, &master, 1e-12)?;
-        let system = set.linearised(&set.allocate(), &[])?;
+        let mut quantities = set.allocate();
+        set.evaluate(&vec![0.0; set.dofs()], &mut quantities)?;
+        let system = set.linearised(&quantities, &[])?;
         let analysis = analyse(&system, &Options::default())?;
         assert_eq!(analysis.rank(), set.equations());
         let reduction = analysis.reduction().expect("within the gate");

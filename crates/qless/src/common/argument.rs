@@ -34,6 +34,12 @@ pub enum ArgumentError {
         /// The number.
         value: f64,
     },
+    /// Something that was made before what it belongs to changed.
+    #[error("{what}: not those of what they belong to as it is now, which changed; evaluate again")]
+    Outdated {
+        /// What.
+        what: &'static str,
+    },
     /// A number that must not be below zero.
     #[error("{what} is {value}; give a number of at least 0")]
     Negative {

@@ -1,6 +1,6 @@
 //! Nodes that follow a body, and a node that follows others.
 
-use crate::canvas::{At, BLUE, ORANGE, Picture};
+use super::super::canvas::{At, BLUE, ORANGE, Picture};
 
 pub fn all() -> Vec<Picture> {
     vec![rigid_body(), small_rigid_body(), average()]
@@ -28,12 +28,12 @@ fn rigid_body() -> Picture {
 fn small_rigid_body() -> Picture {
     let (r, ends) = ([90.0, 105.0], [[230.0, 105.0], [160.0, 45.0]]);
     star(Picture::new("small_rigid_body", "Nodes that follow a reference node by a small turn"), r, &ends)
-        .turn(r, 25.0, 70.0, 290.0)
+        .turn(r, 25.0, 100.0, 290.0)
         .arrow(ends[0], [230.0, 62.0])
         .label([48.0, 105.0], "θ")
-        .label([105.0, 125.0], "u_r")
+        .label([112.0, 122.0], "u_r")
         .label([250.0, 75.0], "u_i")
-        .label([165.0, 122.0], "X_i − X_r")
+        .label([180.0, 122.0], "X_i − X_r")
 }
 
 fn average() -> Picture {
@@ -42,7 +42,7 @@ fn average() -> Picture {
     let p = Picture::new("average", "A reference node that follows the weighted average of others");
     let p = leaders.iter().fold(p, |p, &end| p.dashed(&[end, r]).node(end, BLUE));
     p.node(r, ORANGE)
-        .label([180.0, 106.0], "u_r")
+        .label([162.0, 110.0], "u_r")
         .label([38.0, 128.0], "w_1")
         .label([270.0, 142.0], "w_2")
         .label([294.0, 47.0], "w_3")

@@ -1,9 +1,19 @@
 //! Equations on DOFs: given values, equal values, sums, periodicity.
 
-use crate::canvas::{At, BLUE, ORANGE, Picture, add, arc, polar};
+use super::super::canvas::{At, BLUE, ORANGE, Picture, add, arc, polar};
 
 pub fn all() -> Vec<Picture> {
-    vec![linear(), prescribed(), equal(), periodic(), cyclic(), cyclic_harmonic(), fluid_normal(), euler_norm()]
+    vec![
+        linear(),
+        prescribed(),
+        driven(),
+        equal(),
+        periodic(),
+        cyclic(),
+        cyclic_harmonic(),
+        fluid_normal(),
+        euler_norm(),
+    ]
 }
 
 fn linear() -> Picture {
@@ -31,6 +41,19 @@ fn prescribed() -> Picture {
         .node([200.0, 70.0], ORANGE)
         .arrow([207.0, 70.0], [260.0, 70.0])
         .label([230.0, 50.0], "u = v")
+}
+
+fn driven() -> Picture {
+    let at = |t: f64| [60.0 + 190.0 * t, 90.0 - 45.0 * (7.0 * t).sin()];
+    let curve: Vec<At> = (0..=60).map(|k| at(f64::from(k) / 60.0)).collect();
+    Picture::new("driven", "A displacement that follows a function of time")
+        .arrow([60.0, 90.0], [285.0, 90.0])
+        .arrow([60.0, 150.0], [60.0, 20.0])
+        .bar(&curve, BLUE)
+        .dashed(&[[at(0.7)[0], 90.0], at(0.7)])
+        .node(at(0.7), ORANGE)
+        .label([299.0, 90.0], "t")
+        .label([88.0, 22.0], "b(t)")
 }
 
 fn equal() -> Picture {
@@ -82,7 +105,7 @@ fn cyclic() -> Picture {
         .ring(centre, 3.0)
         .label(add(a, [13.0, -5.0]), "a")
         .label(add(b, [10.0, -12.0]), "b")
-        .label([188.0, 97.0], "α")
+        .label([194.0, 113.0], "α")
 }
 
 fn cyclic_harmonic() -> Picture {

@@ -1,6 +1,7 @@
 //! What is drawn of each type, in files by kind.
 
 mod bodies;
+mod couplings;
 mod fields;
 mod joints;
 mod points;
@@ -10,5 +11,8 @@ use super::canvas::Picture;
 
 /// All pictures.
 pub fn all() -> Vec<Picture> {
-    [points::all(), fields::all(), ties::all(), bodies::all(), joints::all()].into_iter().flatten().collect()
+    [points::all(), fields::all(), ties::all(), bodies::all(), joints::all(), couplings::all()]
+        .into_iter()
+        .flatten()
+        .collect()
 }

@@ -1,6 +1,6 @@
 //! Nodes at distances, on lines, planes and spheres; volumes.
 
-use crate::canvas::{BLUE, ORANGE, Picture, add, arc, polar};
+use super::super::canvas::{BLUE, ORANGE, Picture, add, arc, polar};
 
 pub fn all() -> Vec<Picture> {
     vec![distance(), on_sphere(), on_line(), on_plane(), volume()]
@@ -78,5 +78,5 @@ fn volume() -> Picture {
         .node(b, BLUE)
         .node(c, BLUE)
         .node(d, BLUE)
-        .label([185.0, 90.0], "V")
+        .label([125.0, 110.0], "V")
 }

@@ -15,7 +15,7 @@ fn configurations() -> impl Iterator<Item = Vec<f64>> {
 fn formulas_agree_with_dual_numbers() -> Outcome {
     let set = set()?;
     for u in configurations() {
-        set.blocks.iter().for_each(|block| block.compare_with_duals(&u));
+        set.blocks.all.iter().for_each(|block| block.compare_with_duals(&u));
     }
     Ok(())
 }

@@ -13,6 +13,11 @@ use crate::{Constraint, Store};
 ///
 /// Four degrees of freedom are removed. Singular where the axes are opposite.
 ///
+#[doc = include_str!("../../../docs/pictures/cylindrical.svg")]
+///
+#[doc = include_str!("../../../docs/types/cylindrical.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Body, Cylindrical}};
 /// let rod = Body::with_vector([0, 1, 2], [1.0, 0.0, 0.0], [3, 4, 5]);

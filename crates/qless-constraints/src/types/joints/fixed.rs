@@ -14,6 +14,11 @@ use crate::{Constraint, Store};
 /// half a turn, and never with the bodies turned against one another. Multipliers are the force and the moment of the joint, the
 /// moment in the axes of a. Six degrees of freedom are removed. Singular: nowhere; at half a turn exactly, the sense is that of the quaternion.
 ///
+#[doc = include_str!("../../../docs/pictures/fixed.svg")]
+///
+#[doc = include_str!("../../../docs/types/fixed.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Body, Fixed}};
 /// let bracket = Body::with_vector([0, 1, 2], [1.0, 0.0, 0.0], [3, 4, 5]);

@@ -22,6 +22,11 @@ pub(super) type Motion = Arc<dyn Fn(f64) -> f64 + Send + Sync>;
 /// has to be solved for at least every half turn. The motor holds no axis: it is added to a joint, [`super::Revolute`] or [`super::Cylindrical`]. Its
 /// multiplier is the moment about the axis. One degree of freedom is removed. Singular where the axes are opposite.
 ///
+#[doc = include_str!("../../../docs/pictures/rotation_motor.svg")]
+///
+#[doc = include_str!("../../../docs/types/rotation_motor.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::newton::{NewtonOptions, solve};
 /// use qless_constraints::{ConstraintSet, types::{Body, Revolute, RotationMotor}};
@@ -56,6 +61,11 @@ pub struct RotationMotor {
 ///
 /// `p_a` and `p_b` are the points of both bodies that are at `at` in the reference configuration. The motor holds no path: it is added to a joint,
 /// [`super::Prismatic`] or [`super::Cylindrical`]. Its multiplier is the force along the axis. One degree of freedom is removed. Singular: nowhere.
+///
+#[doc = include_str!("../../../docs/pictures/translation_motor.svg")]
+///
+#[doc = include_str!("../../../docs/types/translation_motor.md")]
+/// # Example
 ///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Body, Prismatic, TranslationMotor}};

@@ -13,6 +13,11 @@ use crate::{Constraint, Store};
 /// are does not matter. Two degrees of freedom are removed. Singular where the axes are opposite: within 1e-8 rad of there the
 /// rank is one, and c is half a turn about one direction perpendicular to the axis, so that Newton's method finds its way out.
 ///
+#[doc = include_str!("../../../docs/pictures/parallel.svg")]
+///
+#[doc = include_str!("../../../docs/types/parallel.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Body, Parallel}};
 /// let arm = Body::with_vector([0, 1, 2], [1.0, 0.0, 0.0], [3, 4, 5]);

@@ -11,6 +11,11 @@ use crate::{Constraint, Store};
 ///
 /// Wherever the bodies are does not matter. One degree of freedom is removed. Singular where the axes are parallel.
 ///
+#[doc = include_str!("../../../docs/pictures/perpendicular.svg")]
+///
+#[doc = include_str!("../../../docs/types/perpendicular.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Body, Perpendicular}};
 /// let arm = Body::with_vector([0, 1, 2], [1.0, 0.0, 0.0], [3, 4, 5]);

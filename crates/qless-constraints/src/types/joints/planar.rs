@@ -12,6 +12,11 @@ use crate::{Constraint, Store};
 ///
 /// It slides in two directions and turns about the normal. Three degrees of freedom are removed. Singular where the normals are opposite.
 ///
+#[doc = include_str!("../../../docs/pictures/planar.svg")]
+///
+#[doc = include_str!("../../../docs/types/planar.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Body, Planar}};
 /// let puck = Body::with_vector([0, 1, 2], [1.0, 0.0, 0.0], [3, 4, 5]);

@@ -13,6 +13,11 @@ use crate::{Constraint, Store};
 ///
 /// `p_a` and `p_b` are the points of both bodies that are at `at` in the reference configuration. Five degrees of freedom are removed. Singular: nowhere.
 ///
+#[doc = include_str!("../../../docs/pictures/prismatic.svg")]
+///
+#[doc = include_str!("../../../docs/types/prismatic.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Body, Prismatic}};
 /// let piston = Body::with_vector([0, 1, 2], [1.0, 0.0, 0.0], [3, 4, 5]);

@@ -14,6 +14,11 @@ use crate::{Constraint, Store};
 /// the axes end pointing the same way, from wherever the joint is assembled. Multipliers are the force and the two moments across the axis.
 /// Five degrees of freedom are removed. Singular where the axes are opposite, and nowhere else; the joint turns any number of times.
 ///
+#[doc = include_str!("../../../docs/pictures/revolute.svg")]
+///
+#[doc = include_str!("../../../docs/types/revolute.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Body, Revolute}};
 /// let arm = Body::with_vector([0, 1, 2], [1.0, 0.0, 0.0], [3, 4, 5]);

@@ -10,6 +10,11 @@ use crate::{Constraint, Store};
 ///
 /// Multipliers are the force of the joint. Three degrees of freedom are removed. Singular: nowhere.
 ///
+#[doc = include_str!("../../../docs/pictures/spherical.svg")]
+///
+#[doc = include_str!("../../../docs/types/spherical.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Body, Spherical}};
 /// let arm = Body::with_vector([0, 1, 2], [1.0, 0.0, 0.0], [3, 4, 5]);

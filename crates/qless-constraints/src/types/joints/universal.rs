@@ -13,6 +13,11 @@ use crate::{Constraint, Store};
 /// Shafts at an angle beta turn by `tan(psi_b) = tan(psi_a) / cos(beta)`. Four degrees of freedom are removed. Singular where the axes are parallel,
 /// which no assembled joint is; where the shafts are at a right angle, they lock.
 ///
+#[doc = include_str!("../../../docs/pictures/universal.svg")]
+///
+#[doc = include_str!("../../../docs/types/universal.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Body, Universal}};
 /// let shaft = Body::with_vector([0, 1, 2], [1.0, 0.0, 0.0], [3, 4, 5]);

@@ -43,6 +43,11 @@ pub enum Multipliers {
 /// edges and Quad4 that are parallelograms; for a Quad4 whose corners are a fifth of its size off, the error is some 1e-5 of them.
 /// With n facets on a side near each other the cost is O(n log n).
 ///
+#[doc = include_str!("../../../docs/pictures/mortar_tie.svg")]
+///
+#[doc = include_str!("../../../docs/types/mortar_tie.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{MortarTie, Multipliers, Node, Surface}};
 /// // Temperatures of a line of two elements, and of one of three.

@@ -8,6 +8,7 @@ mod builder;
 mod convert;
 mod csr;
 mod error;
+mod replace;
 
 use std::sync::Arc;
 

@@ -1,0 +1,50 @@
+//! Memory of a set and of its set-up, `cargo bench -p qless-constraints --bench footprint` (`-- --test` small).
+//!
+//! A program of its own: the allocator that counts would change the times of the others. "Arrays" is what is there when the set is built
+//! and its quantities are allocated; wanted: at no time on the way more than 1.5 times that.
+
+mod model;
+
+use peak_alloc::PeakAlloc;
+
+use model::{finite, linear, rod, tie};
+use qless_constraints::ConstraintSet;
+
+#[global_allocator]
+static MEMORY: PeakAlloc = PeakAlloc;
+
+fn main() {
+    let short = std::env::args().any(|argument| argument == "--test");
+    let constraints = if short { 10_000 } else { 1_000_000 };
+    // Threads have memory of their own.
+    let _ = measure(1000, rod);
+    println!(
+        "{:>20} {:>10} {:>10} {:>10} {:>10} {:>6}",
+        "bytes a constraint", "c, G, H", "set", "arrays", "peak", "ratio"
+    );
+    let kinds =
+        [("rods", rod as model::Add), ("linear equations", linear), ("ties", tie), ("finite rotations", finite)];
+    for (name, add) in kinds {
+        let count = if name == "finite rotations" { constraints / 10 } else { constraints };
+        let [quantities, set, peak] = measure(count, add).map(|bytes| bytes as f64 / count as f64);
+        let arrays = quantities + set;
+        println!("{name:>20} {quantities:>10.0} {set:>10.0} {arrays:>10.0} {peak:>10.0} {:>6.2}", peak / arrays);
+        assert!(short || peak <= 1.5 * arrays, "{name}: the peak is {} times the arrays", peak / arrays);
+    }
+}
+
+/// Bytes of the quantities, of the set, and the most on the way.
+fn measure(constraints: usize, add: model::Add) -> [usize; 3] {
+    let nodes = constraints / 2 + 200;
+    MEMORY.reset_peak_usage();
+    let before = MEMORY.current_usage();
+    let mut builder = ConstraintSet::builder(3 * nodes);
+    (0..constraints).for_each(|i| add(&mut builder, i / 2, nodes));
+    let set = builder.build().expect("few DOFs");
+    let of_set = MEMORY.current_usage() - before;
+    let quantities = set.allocate();
+    let arrays = MEMORY.current_usage() - before;
+    let peak = MEMORY.peak_usage() - before;
+    drop(quantities);
+    [arrays - of_set, of_set, peak]
+}

@@ -1,0 +1,90 @@
+//! Sets of a million constraints of one kind, or of many.
+
+#![allow(dead_code, reason = "each benchmark uses some")]
+
+use qless_constraints::types::{
+    Body, Distance, Equal, LinearEquation, Node6, NodeTie, OnSphere, Point, RigidBody, Shape, SmallRigidBody, Spherical,
+};
+use qless_constraints::{ConstraintSet, SetBuilder};
+
+/// Nodes in the order of a mesh: neighbours are near in memory, but not adjacent.
+pub fn point(node: usize) -> Point {
+    let line = 100;
+    let at = [(node % line) as f64, (node / line % line) as f64, (node / line / line) as f64];
+    Point::new([3 * node, 3 * node + 1, 3 * node + 2], at)
+}
+
+/// Adds constraint i.
+pub type Add = fn(&mut SetBuilder, usize, usize);
+
+pub fn linear(builder: &mut SetBuilder, i: usize, nodes: usize) {
+    let dof = |k: usize| 3 * ((i + 7 * k) % nodes) + k % 3;
+    let equation = LinearEquation { terms: (0..5).map(|k| (dof(k), 1.0 + k as f64)).collect(), rhs: 1.0 };
+    builder.add("", equation).expect("valid");
+}
+
+pub fn rod(builder: &mut SetBuilder, i: usize, nodes: usize) {
+    let other = (i + [1, 100, 101, 99][i % 4]) % nodes;
+    builder.add("", Distance { length: Some(1.0), ..Distance::new(point(i), point(other)) }).expect("valid");
+}
+
+pub fn sphere(builder: &mut SetBuilder, i: usize, _: usize) {
+    builder.add("", OnSphere { point: point(i), centre: [-1.0; 3], radius: Some(2.0) }).expect("valid");
+}
+
+pub fn equal(builder: &mut SetBuilder, i: usize, nodes: usize) {
+    builder.add("", Equal::new([3 * i + 1, 3 * ((i + 1) % nodes) + 1])).expect("valid");
+}
+
+pub fn tie(builder: &mut SetBuilder, i: usize, nodes: usize) {
+    let near = [1, 2, 102, 101].map(|step| (i + step) % nodes);
+    let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    let face = near.iter().zip(corners).map(|(&node, at)| Point { at, ..point(node) }).collect();
+    let node = Point { at: [0.3, 0.4, 0.0], ..point(i) };
+    builder.add("", NodeTie { node, shape: Shape::Quad4, face, tolerance: 0.1 }).expect("valid");
+}
+
+pub fn small(builder: &mut SetBuilder, i: usize, nodes: usize) {
+    let rotations = point((i + 3) % nodes).dofs;
+    let lead = point((i + 2) % nodes);
+    let body = SmallRigidBody { reference: Node6::new(lead.dofs, rotations, lead.at), nodes: vec![point(i).into()] };
+    builder.add("", body).expect("valid");
+}
+
+pub fn finite(builder: &mut SetBuilder, i: usize, nodes: usize) {
+    let (near, far) = (point((i + 1) % nodes), point((i + 2) % nodes));
+    let body = Body::with_vector(near.dofs, near.at, far.dofs);
+    builder.add("", RigidBody { body, nodes: vec![point(i).into()] }).expect("valid");
+}
+
+pub fn joint(builder: &mut SetBuilder, i: usize, nodes: usize) {
+    let body = |i: usize| Body::with_vector(point(i % nodes).dofs, point(i).at, point((i + 1) % nodes).dofs);
+    builder.add("", Spherical { a: body(i), b: body(i + 2), at: point(i + 2).at }).expect("valid");
+}
+
+/// Of 100 constraints: 30 linear equations, 25 equal DOFs, 20 rods, 12 ties, 6 spheres, 5 rigid links, 1 finite, 1 joint.
+pub fn mixed(constraints: usize) -> ConstraintSet {
+    let shares: [(usize, Add); 8] =
+        [(30, linear), (25, equal), (20, rod), (12, tie), (6, sphere), (5, small), (1, finite), (1, joint)];
+    let nodes = constraints / 2 + 200;
+    let mut builder = ConstraintSet::builder(3 * nodes);
+    for i in 0..constraints {
+        let mut lot = i * 37 % 100;
+        for (share, add) in shares {
+            if lot < share {
+                add(&mut builder, i / 2, nodes);
+                break;
+            }
+            lot -= share;
+        }
+    }
+    builder.build().expect("few DOFs")
+}
+
+/// Constraints of one kind.
+pub fn of_one_kind(constraints: usize, add: Add) -> ConstraintSet {
+    let nodes = constraints / 2 + 200;
+    let mut builder = ConstraintSet::builder(3 * nodes);
+    (0..constraints).for_each(|i| add(&mut builder, i / 2, nodes));
+    builder.build().expect("few DOFs")
+}

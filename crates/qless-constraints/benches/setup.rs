@@ -1,0 +1,123 @@
+//! Set-up and changes of a set, in units of one evaluation, `cargo bench -p qless-constraints --bench setup` (`-- --test` small).
+//!
+//! Set-up: all constraints are added, the patterns made, the arrays allocated. Wanted: at most 10 times one evaluation of c, G and H.
+//! A change: one constraint deactivated and activated again, given other parameters, or another right-hand side; and what the next
+//! evaluation takes longer than one without a change.
+
+mod model;
+
+use std::time::Instant;
+
+use qless_constraints::types::{Distance, Equal};
+use qless_constraints::{ConstraintSet, Quantities, SetBuilder};
+
+use model::{equal, linear, point, rod};
+
+const ROUNDS: usize = 5;
+const EVALUATIONS: usize = 20;
+
+fn main() {
+    let short = std::env::args().any(|argument| argument == "--test");
+    let constraints = if short { 10_000 } else { 1_000_000 };
+    println!("load before: {}", load());
+    for (name, add) in [("rods", rod as model::Add), ("linear equations", linear), ("equal DOFs", equal)] {
+        set_up(name, constraints, add);
+    }
+    changes(constraints);
+    println!("load after: {}", load());
+}
+
+fn load() -> String {
+    std::fs::read_to_string("/proc/loadavg").unwrap_or_else(|_| "not known".into()).trim().into()
+}
+
+/// Milliseconds that processors worked for this program: other programs do not enter. In steps of 10.
+fn busy() -> f64 {
+    let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    let fields: Vec<&str> = text.rsplit(')').next().unwrap_or_default().split_whitespace().collect();
+    let ticks = |k: usize| fields.get(k).and_then(|ticks| ticks.parse::<f64>().ok()).unwrap_or(0.0);
+    10.0 * (ticks(11) + ticks(12))
+}
+
+fn add_all(constraints: usize, add: model::Add) -> SetBuilder {
+    let nodes = constraints / 2 + 200;
+    let mut builder = ConstraintSet::builder(3 * nodes);
+    (0..constraints).for_each(|i| add(&mut builder, i / 2, nodes));
+    builder
+}
+
+fn set_up(name: &str, constraints: usize, add: model::Add) {
+    let [mut adding, mut building, mut allocating, mut evaluating] = [const { Vec::new() }; 4];
+    let (mut set_up, mut evaluations) = (0.0, 0.0);
+    for _ in 0..ROUNDS {
+        let start = busy();
+        let (time, builder) = timed(|| add_all(constraints, add));
+        adding.push(time);
+        let (time, set) = timed(|| builder.build().expect("few DOFs"));
+        building.push(time);
+        let (time, mut quantities) = timed(|| set.allocate());
+        allocating.push(time);
+        set_up += busy() - start;
+        let start = busy();
+        let once = (0..EVALUATIONS).map(|_| timed(|| evaluate(&set, &mut quantities)).0).collect();
+        evaluations += busy() - start;
+        evaluating.push(median(once));
+    }
+    let [adding, building, allocating, evaluating] = [adding, building, allocating, evaluating].map(median);
+    let ratio = (adding + building + allocating) / evaluating;
+    print!("{name:>20}: adding {adding:.1} ms, patterns {building:.1} ms, arrays {allocating:.1} ms; ");
+    println!("one evaluation {evaluating:.1} ms; set-up {ratio:.1} times that");
+    let (set_up, evaluation) = (set_up / ROUNDS as f64, evaluations / (ROUNDS * EVALUATIONS) as f64);
+    println!("{:>20}  processor time: {set_up:.1} ms, {evaluation:.1} ms, {:.1} times", "", set_up / evaluation);
+}
+
+fn evaluate(set: &ConstraintSet, quantities: &mut Quantities) {
+    let (u, w) = (vec![1e-3; set.dofs()], vec![1.0; set.equations()]);
+    set.assemble(&u, &w, quantities).expect("of this set");
+}
+
+/// Changes of single constraints in a set of rods and equal DOFs.
+fn changes(constraints: usize) {
+    let nodes = constraints / 2 + 200;
+    let mut builder = ConstraintSet::builder(3 * nodes);
+    let rod =
+        |i: usize, length: f64| Distance { length: Some(length), ..Distance::new(point(i), point((i + 1) % nodes)) };
+    let rods: Vec<_> = (0..constraints / 2).map(|i| builder.add("", rod(i, 1.0)).expect("valid")).collect();
+    let ties: Vec<_> =
+        (0..constraints / 2).map(|i| builder.add("", Equal::new([3 * i, 3 * i + 4])).expect("valid")).collect();
+    let mut set = builder.build().expect("few DOFs");
+    let mut quantities = set.allocate();
+    let still = median((0..21).map(|_| timed(|| evaluate(&set, &mut quantities)).0).collect());
+    println!("{constraints} rods and equal DOFs, one evaluation: {still:.2} ms");
+    let names = ["rod rests and returns", "tie rests and returns", "other length of a rod", "other right-hand side"];
+    for (kind, name) in names.into_iter().enumerate() {
+        let (mut change, mut after) = (Vec::new(), Vec::new());
+        for k in 0..42 {
+            let place = (k / 2 * 7919 + 13) % rods.len();
+            let (rests, id) = (k % 2 == 0, if kind == 1 { ties[place] } else { rods[place] });
+            change.push(
+                timed(|| match (kind, rests) {
+                    (0 | 1, true) => set.deactivate(id).expect("there"),
+                    (0 | 1, false) => set.activate(id).expect("there"),
+                    (2, _) => set.replace(id, rod(place, 2.0)).expect("there"),
+                    _ => set.set_rhs(ties[place], &[0.5]).expect("there"),
+                })
+                .0,
+            );
+            after.push(timed(|| evaluate(&set, &mut quantities)).0);
+        }
+        println!("{name:>24}: {:.1} us, evaluation after it {:.2} ms", 1e3 * median(change), median(after));
+    }
+}
+
+/// Milliseconds.
+fn timed<T>(work: impl FnOnce() -> T) -> (f64, T) {
+    let start = Instant::now();
+    let result = work();
+    (1e3 * start.elapsed().as_secs_f64(), result)
+}
+
+fn median(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}

@@ -1,0 +1,232 @@
+//! `G du = -c` of a set that changes, analysed block by block: joined to [`qless::ChangingSystem`].
+//!
+//! ```text
+//! rows that came, went or have other numbers  ->  add, remove, set_terms, set_rhs  ->  blocks touched, analysed and reduced anew
+//! ```
+//!
+//! Where G does not depend on u, and u stays, an activated constraint costs the blocks of its equations, whatever else the set holds. Finding
+//! what changed reads G once.
+
+use std::collections::HashMap;
+
+use qless::{ArgumentError, ChangeError, ChangingSystem, EquationId, Identity, Kind, Options};
+
+use super::layout::{Layout, differences};
+use super::{ConstraintSet, Quantities};
+
+/// The constraint of an equation, its type and its place among the equations of both: what stays when others come and go.
+type Key = (u32, u32, u32);
+
+/// What is known of one row.
+struct Known {
+    key: Key,
+    id: EquationId,
+    terms: Box<[(usize, f64)]>,
+    rhs: f64,
+}
+
+/// The linearised equations `G du = -c` of a [`ConstraintSet`] that changes: m equations on n DOFs, with rank and reduction.
+///
+/// ```
+/// use qless::{Kind, Options};
+/// use qless_constraints::types::Equal;
+/// use qless_constraints::{ActiveSystem, ConstraintSet};
+/// let mut builder = ConstraintSet::builder(6);
+/// let ids = [[0, 1], [1, 2], [2, 0], [3, 4], [4, 5]].map(|dofs| builder.add("tie", Equal::new(dofs)).expect("valid"));
+/// let mut set = builder.build()?;
+/// let (mut quantities, mut system) = (set.allocate(), ActiveSystem::new(&set, Options::default())?);
+/// set.evaluate(&[0.0; 6], &mut quantities)?;
+/// assert_eq!((system.update(&set, &quantities)?, system.rank()), (2, 4));
+/// assert_eq!(system.kind(2), Some(Kind::Redundant));
+/// // The ring opens; the other block is not touched.
+/// set.deactivate(ids[1])?;
+/// set.evaluate(&[0.0; 6], &mut quantities)?;
+/// assert_eq!((system.update(&set, &quantities)?, system.rank()), (1, 4));
+/// assert_eq!(system.kind(1), Some(Kind::Independent));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct ActiveSystem {
+    of: Identity,
+    system: ChangingSystem,
+    layout: Layout,
+    rows: Vec<Known>,
+}
+
+impl std::fmt::Debug for Known {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Known").field("id", &self.id).field("rhs", &self.rhs).finish_non_exhaustive()
+    }
+}
+
+/// Why the linearised equations do not follow a set.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ActiveError {
+    /// Another set, or quantities that are not those of the set as it is now.
+    #[error(transparent)]
+    Argument(#[from] ArgumentError),
+    /// A number of an equation that is not finite.
+    #[error("{label}: a number of its linearised equation is {value}; give a configuration at which it is finite")]
+    NotFinite {
+        /// The equation.
+        label: String,
+        /// The number.
+        value: f64,
+    },
+    /// A block of equations cannot be analysed or reduced.
+    #[error(transparent)]
+    Change(#[from] ChangeError),
+}
+
+impl ActiveSystem {
+    /// No equations yet, on the DOFs of a set.
+    ///
+    /// # Errors
+    /// [`ActiveError::Change`] for more DOFs than the memory holds.
+    pub fn new(set: &ConstraintSet, options: Options) -> Result<Self, ActiveError> {
+        let system = ChangingSystem::new(set.dofs(), options)?;
+        Ok(Self { of: set.register.identity, system, layout: Vec::new(), rows: Vec::new() })
+    }
+
+    /// Takes over what changed in the set and its quantities, and analyses the blocks that it touches; how many these are.
+    ///
+    /// # Errors
+    /// [`ActiveError`]: nothing is taken over, or, if a block cannot be analysed, all is, and the results stay those of before.
+    pub fn update(&mut self, set: &ConstraintSet, quantities: &Quantities) -> Result<usize, ActiveError> {
+        set.own("the set of the system", self.of)?;
+        set.current(quantities)?;
+        finite(set, quantities)?;
+        let before = self.matches(set);
+        let rounding = set.rounding_of_nonlinear(quantities)?;
+        let mut old: Vec<Option<Known>> = self.rows.drain(..).map(Some).collect();
+        let keys = set.keys();
+        for (row, place) in before.iter().enumerate() {
+            let known = place.and_then(|place| old[place].take());
+            let known = known.filter(|known| known.key == keys[row]);
+            let (terms, rhs) = quantities.linear_equation(row, rounding.as_ref());
+            let known = if let Some(known) = known {
+                self.renewed(known, terms, rhs)?
+            } else {
+                let terms: Box<[_]> = terms.collect();
+                Known { key: keys[row], id: self.system.add(terms.iter().copied(), rhs)?, terms, rhs }
+            };
+            self.rows.push(known);
+        }
+        old.into_iter().flatten().try_for_each(|known| self.system.remove(known.id))?;
+        self.layout = set.layout();
+        Ok(self.system.update()?)
+    }
+
+    /// The row that each row of the set was.
+    fn matches(&self, set: &ConstraintSet) -> Vec<Option<usize>> {
+        let (new, keys) = (set.layout(), set.keys());
+        let firsts: Vec<usize> = std::iter::once(0)
+            .chain(new.iter().scan(0, |row, &(_, rows)| {
+                *row += rows;
+                Some(*row)
+            }))
+            .collect();
+        let mut all = Vec::with_capacity(set.equations());
+        let mut next = 0;
+        for (gone, come) in differences(&self.layout, &new) {
+            // Segments without a change: row by row.
+            all.extend((all.len()..firsts[come.start]).zip(next..).map(|(_, old)| Some(old)));
+            let places: HashMap<Key, usize> = gone.clone().map(|row| (self.rows[row].key, row)).collect();
+            all.extend((all.len()..firsts[come.end]).map(|row| places.get(&keys[row]).copied()));
+            next = gone.end;
+        }
+        all.extend((all.len()..set.equations()).zip(next..).map(|(_, old)| Some(old)));
+        all
+    }
+
+    /// An equation that is there, with the numbers that it has now.
+    fn renewed(
+        &mut self,
+        mut known: Known,
+        terms: impl ExactSizeIterator<Item = (usize, f64)> + Clone,
+        rhs: f64,
+    ) -> Result<Known, ChangeError> {
+        let same = |(a, b): (&(usize, f64), (usize, f64))| a.0 == b.0 && a.1.to_bits() == b.1.to_bits();
+        if known.terms.len() != terms.len() || !known.terms.iter().zip(terms.clone()).all(same) {
+            known.terms = terms.collect();
+            self.system.set_terms(known.id, known.terms.iter().copied())?;
+        }
+        if known.rhs.to_bits() != rhs.to_bits() {
+            known.rhs = rhs;
+            self.system.set_rhs(known.id, rhs)?;
+        }
+        Ok(known)
+    }
+
+    /// Gives a DOF an increment du, whether it had one or not.
+    ///
+    /// # Errors
+    /// [`ActiveError::Change`] for a DOF out of range or a number that is not finite.
+    pub fn prescribe(&mut self, dof: usize, increment: f64) -> Result<(), ActiveError> {
+        Ok(self.system.prescribe(dof, increment)?)
+    }
+
+    /// Makes a DOF free.
+    ///
+    /// # Errors
+    /// [`ActiveError::Change`] for a DOF out of range.
+    pub fn release(&mut self, dof: usize) -> Result<(), ActiveError> {
+        Ok(self.system.release(dof)?)
+    }
+
+    /// What the equation in a row of the set is, since the last update.
+    pub fn kind(&self, row: usize) -> Option<Kind> {
+        self.rows.get(row).and_then(|known| self.system.kind(known.id))
+    }
+
+    /// The equation in a row of the set at the last update, for what [`ActiveSystem::system`] says of it.
+    pub fn equation(&self, row: usize) -> Option<EquationId> {
+        self.rows.get(row).map(|known| known.id)
+    }
+
+    /// Rank of the free part of G.
+    pub fn rank(&self) -> usize {
+        self.system.rank()
+    }
+
+    /// Blocks with their reductions, and certificates.
+    pub fn system(&self) -> &ChangingSystem {
+        &self.system
+    }
+
+    /// Sets slaves and prescribed DOFs in `du`, which holds the masters: `du_s = T du_q + G du_p + g`.
+    ///
+    /// # Errors
+    /// [`ActiveError::Change`] unless `du` has a finite number for each DOF.
+    pub fn expand(&self, du: &mut [f64]) -> Result<(), ActiveError> {
+        Ok(self.system.expand(du)?)
+    }
+}
+
+fn finite(set: &ConstraintSet, quantities: &Quantities) -> Result<(), ActiveError> {
+    for (row, &c) in quantities.c.iter().enumerate() {
+        let numbers = std::iter::once(c).chain(quantities.g.row(row).map(|(_, v)| v));
+        if let Some(value) = numbers.into_iter().find(|value| !value.is_finite()) {
+            return Err(ActiveError::NotFinite { label: set.label(row)?, value });
+        }
+    }
+    Ok(())
+}
+
+impl ConstraintSet {
+    /// What tells each row from all others, whatever comes and goes.
+    fn keys(&self) -> Vec<Key> {
+        let linear = self.linear.batches.iter().flat_map(|batch| &batch.owners).map(|owner| (owner.constraint, 0));
+        let nonlinear = self.blocks.with_kinds().flat_map(|(block, kind)| {
+            (0..block.items()).flat_map(move |i| std::iter::repeat_n((block.constraint(i), kind + 1), block.parts()))
+        });
+        let mut before = (u32::MAX, u32::MAX, 0);
+        let key = |(constraint, kind)| {
+            let place = if (before.0, before.1) == (constraint, kind) { before.2 + 1 } else { 0 };
+            before = (constraint, kind, place);
+            before
+        };
+        linear.chain(nonlinear).map(key).collect()
+    }
+}

@@ -1,0 +1,245 @@
+//! Constraints that come, go, rest and change, in a set that is in use.
+//!
+//! | operation | cost |
+//! | --- | --- |
+//! | [`ConstraintSet::add`], [`remove`](ConstraintSet::remove), [`activate`](ConstraintSet::activate), [`deactivate`](ConstraintSet::deactivate) | the segments of the constraint's equations: at most some thousand numbers each are moved |
+//! | [`ConstraintSet::replace`] with the same DOFs, [`set_rhs`](ConstraintSet::set_rhs) | the numbers themselves |
+//! | the next evaluation | the rows of H that were touched are planned anew; rows of G and H behind the first that came or went move once |
+//!
+//! What is evaluated then has the same bits, in the same rows, as from a set that is built from the active constraints.
+
+use qless::Identity;
+
+use super::rounding::Size;
+use super::store::Contents;
+use super::{AddError, ConstraintId, ConstraintSet, EditError, ReplaceError, Store, StoreError, TimeError};
+use crate::constraint::Constraint;
+
+impl ConstraintSet {
+    /// Adds a constraint, active, under a label that reports will use.
+    ///
+    /// ```
+    /// use qless_constraints::ConstraintSet;
+    /// use qless_constraints::types::{Equal, Prescribed};
+    /// let mut builder = ConstraintSet::builder(3);
+    /// let tie = builder.add("tie", Equal::new([0, 1]))?;
+    /// let mut set = builder.build()?;
+    /// let mut quantities = set.allocate();
+    /// let push = set.add("push", Prescribed { values: vec![(2, 0.5)] })?;
+    /// set.deactivate(tie)?;
+    /// set.evaluate(&[0.0, 1.0, 2.0], &mut quantities)?;
+    /// assert_eq!((quantities.c(), set.label(0)?.as_str()), ([1.5].as_slice(), "push"));
+    /// set.set_rhs(push, &[2.0])?;
+    /// set.activate(tie)?;
+    /// set.evaluate(&[0.0, 1.0, 2.0], &mut quantities)?;
+    /// assert_eq!((quantities.c(), set.rows_of(push)?), ([-1.0, 0.0].as_slice(), vec![1]));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`AddError`]: what its type finds wrong with it, or a DOF or number that no type can have. Nothing is added then.
+    pub fn add<C: Constraint>(
+        &mut self,
+        label: impl Into<String>,
+        constraint: C,
+    ) -> Result<ConstraintId, AddError<C::Error>> {
+        let label = label.into();
+        let contents = match self.processed(constraint) {
+            Ok(contents) => contents,
+            Err(fault) => return Err(fault.labelled(C::NAME, label)),
+        };
+        let id = self.register.add(label);
+        self.put(id.number, contents);
+        Ok(id)
+    }
+
+    /// Takes a constraint out for good, active or not.
+    ///
+    /// # Errors
+    /// [`EditError::Foreign`], [`EditError::Gone`].
+    pub fn remove(&mut self, constraint: ConstraintId) -> Result<(), EditError> {
+        let number = self.register.number(constraint)?;
+        if self.register.take(number).is_none() {
+            self.take(number);
+        }
+        self.register.remove(number);
+        Ok(())
+    }
+
+    /// Lets a constraint rest: it has no equations until it is activated. One that rests stays as it is.
+    ///
+    /// # Errors
+    /// [`EditError::Foreign`], [`EditError::Gone`].
+    pub fn deactivate(&mut self, constraint: ConstraintId) -> Result<(), EditError> {
+        let number = self.register.number(constraint)?;
+        if self.register.is_active(number) {
+            let contents = self.take(number);
+            self.register.park(number, contents);
+        }
+        Ok(())
+    }
+
+    /// Gives a constraint that rests its equations again, in the place that it had, at the time of the set. An active one stays as it is.
+    ///
+    /// # Errors
+    /// [`EditError::Foreign`], [`EditError::Gone`], [`EditError::Time`] for a right-hand side that is not finite at the time of the set.
+    pub fn activate(&mut self, constraint: ConstraintId) -> Result<(), EditError> {
+        let number = self.register.number(constraint)?;
+        let Some(contents) = self.register.parked(number) else { return Ok(()) };
+        for equation in &contents.equations {
+            let value = equation.rhs.at(self.time);
+            if !value.is_finite() {
+                let label = self.register.name(number).to_string();
+                return Err(TimeError::NotFinite { label, time: self.time, value }.into());
+            }
+        }
+        if let Some(contents) = self.register.take(number) {
+            self.put(number, contents);
+        }
+        Ok(())
+    }
+
+    /// Whether a constraint has its equations in the set.
+    ///
+    /// # Errors
+    /// [`EditError::Foreign`], [`EditError::Gone`].
+    pub fn is_active(&self, constraint: ConstraintId) -> Result<bool, EditError> {
+        self.register.number(constraint).map(|number| self.register.is_active(number))
+    }
+
+    /// Gives a constraint new parameters or another type; its label, its place and whether it is active stay.
+    ///
+    /// Where DOFs, types and numbers of equations are the same, all patterns stay what they are.
+    ///
+    /// # Errors
+    /// [`ReplaceError`]; the constraint is then what it was.
+    pub fn replace<C: Constraint>(&mut self, constraint: ConstraintId, new: C) -> Result<(), ReplaceError<C::Error>> {
+        let number = self.register.number(constraint)?;
+        let contents = match self.processed(new) {
+            Ok(contents) => contents,
+            Err(fault) => return Err(fault.labelled(C::NAME, self.register.name(number).to_string()).into()),
+        };
+        if !self.register.is_active(number) {
+            self.register.park(number, contents);
+        } else if let Err(contents) = self.overwrite(number, contents) {
+            self.take(number);
+            self.put(number, contents);
+        }
+        Ok(())
+    }
+
+    /// Gives the linear equations of a constraint new right-hand sides, one each in their order; they are no functions of time any more.
+    ///
+    /// # Errors
+    /// [`EditError::Foreign`], [`EditError::Gone`], [`EditError::Count`], [`EditError::NotFinite`]; nothing changes then.
+    pub fn set_rhs(&mut self, constraint: ConstraintId, rhs: &[f64]) -> Result<(), EditError> {
+        let number = self.register.number(constraint)?;
+        let inactive = self.register.parked(number).map(|contents| contents.equations.len());
+        let expected = inactive.unwrap_or_else(|| self.linear.of(number).len());
+        if rhs.len() != expected {
+            let label = self.register.name(number).to_string();
+            return Err(EditError::Count { label, found: rhs.len(), expected });
+        }
+        if let Some(&value) = rhs.iter().find(|rhs| !rhs.is_finite()) {
+            return Err(EditError::NotFinite { label: self.register.name(number).to_string(), value });
+        }
+        match self.register.parked_mut(number) {
+            Some(contents) => contents.set_rhs(rhs),
+            None => self.linear.set_values(number, rhs),
+        }
+        self.version = Identity::new();
+        Ok(())
+    }
+
+    /// What a constraint consists of, checked.
+    fn processed<C: Constraint>(&self, constraint: C) -> Result<Contents, Fault<C::Error>> {
+        let mut store = Store::new(self.dofs, self.time);
+        constraint.process(&mut store).map_err(Fault::Input)?;
+        match store.fault.take().or_else(|| self.too_large(&store.contents)) {
+            Some(fault) => Err(Fault::Store(fault)),
+            None => Ok(store.contents),
+        }
+    }
+
+    /// The library marks "none" with `u32::MAX`.
+    fn too_large(&self, contents: &Contents) -> Option<StoreError> {
+        let rows = self.equations() + contents.rows();
+        [("DOFs", self.dofs), ("equations", rows), ("constraints", self.register.ever() + 1)]
+            .into_iter()
+            .find(|&(_, found)| found >= u32::MAX as usize)
+            .map(|(what, found)| StoreError::TooLarge { what, found })
+    }
+
+    /// Puts what a constraint consists of in its place.
+    fn put(&mut self, number: u32, contents: Contents) {
+        self.know(&contents);
+        let Self { register, linear, blocks, planned, time, .. } = self;
+        linear.put(number, contents.equations, &mut register.parts, *time);
+        if !contents.pieces.is_empty() {
+            planned.outdate();
+            contents.pieces.into_iter().for_each(|piece| piece.commit(number, &mut register.parts, *time, blocks));
+            if planned.is_wanted() {
+                blocks.of(number).into_iter().for_each(|(_, (b, i))| planned.touch(blocks.all[b].as_ref(), i));
+            }
+        }
+        self.version = Identity::new();
+    }
+
+    /// Keeps the sizes of the coordinates that a constraint states.
+    fn know(&mut self, contents: &Contents) {
+        for &(dof, at) in contents.coordinates.iter().filter(|&&(_, at)| at != 0.0) {
+            let dof = dof as usize;
+            if self.sizes.len() <= dof {
+                self.sizes.resize(dof + 1, Size::default());
+            }
+            self.sizes[dof] = self.sizes[dof].max(Size::above(at));
+        }
+    }
+
+    /// Takes the equations of a constraint out.
+    fn take(&mut self, number: u32) -> Contents {
+        let Self { register, linear, blocks, planned, .. } = self;
+        let places = blocks.of(number);
+        if !places.is_empty() {
+            planned.outdate();
+            places.iter().for_each(|&(_, (block, item))| planned.touch(blocks.all[block].as_ref(), item));
+        }
+        self.version = Identity::new();
+        let (equations, pieces) = (linear.take(number, &register.parts), blocks.take(number, &register.parts));
+        Contents { equations, pieces, coordinates: Vec::new() }
+    }
+
+    /// Gives a constraint other numbers, if the patterns stay; else they are handed back.
+    fn overwrite(&mut self, number: u32, mut contents: Contents) -> Result<(), Contents> {
+        contents.pieces.sort_by_key(|piece| piece.kind(&self.blocks));
+        let places = self.blocks.of(number);
+        let same = contents.equations.len() == self.linear.of(number).len() && contents.pieces.len() == places.len();
+        let mut pairs = contents.pieces.iter().zip(&places);
+        if !same || !pairs.all(|(piece, &(_, place))| piece.fits(place, &self.blocks)) {
+            return Err(contents);
+        }
+        self.know(&contents);
+        let Self { register, linear, blocks, time, .. } = self;
+        linear.overwrite(number, contents.equations, &mut register.parts, *time);
+        for (piece, (_, place)) in contents.pieces.into_iter().zip(places) {
+            piece.overwrite(number, &mut register.parts, place, blocks);
+        }
+        self.version = Identity::new();
+        Ok(())
+    }
+}
+
+/// What is wrong with a constraint, before it has a name.
+enum Fault<E> {
+    Input(E),
+    Store(StoreError),
+}
+
+impl<E: std::error::Error + 'static> Fault<E> {
+    fn labelled(self, name: &'static str, label: String) -> AddError<E> {
+        match self {
+            Self::Input(source) => AddError::Input { name, label, source },
+            Self::Store(source) => AddError::Store { name, label, source },
+        }
+    }
+}

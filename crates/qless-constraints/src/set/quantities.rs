@@ -1,0 +1,139 @@
+//! The arrays that a set evaluates into, and how they follow its changes.
+
+use std::ops::Range;
+
+use qless::{ArgumentError, Csr, Identity, SystemError};
+
+use super::ConstraintSet;
+use super::batch::Batch;
+use super::layout::{Layout, differences};
+
+/// What a set evaluates to. Values are those of the last evaluation; patterns are those of the set at that time. No other set takes it.
+#[derive(Clone, Debug)]
+pub struct Quantities {
+    of: Identity,
+    /// The configuration of the last evaluation of c and G.
+    pub(super) u: Vec<f64>,
+    pub(crate) c: Vec<f64>,
+    pub(crate) g: Csr,
+    pub(super) h: Csr,
+    /// The state of the set whose c and G these are.
+    pub(super) evaluated: Identity,
+    rows: Layout,
+    chunks: Layout,
+}
+
+impl PartialEq for Quantities {
+    /// The same numbers.
+    fn eq(&self, other: &Self) -> bool {
+        (&self.c, &self.g, &self.h) == (&other.c, &other.g, &other.h)
+    }
+}
+
+impl Quantities {
+    /// Constraint values, length m.
+    pub fn c(&self) -> &[f64] {
+        &self.c
+    }
+
+    /// Jacobian, m x n.
+    pub fn g(&self) -> &Csr {
+        &self.g
+    }
+
+    /// Effective Hessian, n x n, symmetric, both halves stored.
+    pub fn h(&self) -> &Csr {
+        &self.h
+    }
+}
+
+impl ConstraintSet {
+    /// Arrays of the right size: the pattern of G from the DOF lists, of H from the pair lists.
+    ///
+    /// The coefficients of linear equations are written here and stay. When the set changes, the next evaluation brings the arrays along.
+    pub fn allocate(&self) -> Quantities {
+        let (rows, plan) = (self.layout(), self.plan());
+        let sound = "the set has checked DOFs and sizes";
+        Quantities {
+            of: self.register.identity,
+            u: vec![0.0; self.dofs],
+            c: vec![0.0; self.equations()],
+            g: self.pattern(0..rows.len()).expect(sound),
+            h: plan.pattern(0..plan.layout().len()).expect(sound),
+            evaluated: Identity::NONE,
+            rows,
+            chunks: plan.layout(),
+        }
+    }
+
+    /// Brings the arrays along with the changes of the set since their last evaluation.
+    ///
+    /// Rows behind the first that came or went are moved once, whatever their number; all others stay.
+    pub(super) fn follow(&self, quantities: &mut Quantities) -> Result<(), ArgumentError> {
+        self.own("the quantities", quantities.of)?;
+        if quantities.evaluated == self.version {
+            return Ok(());
+        }
+        let sound = "the set has checked DOFs and sizes";
+        let rows = self.layout();
+        replace(&mut quantities.g, (&quantities.rows, &rows), |segments| self.pattern(segments)).expect(sound);
+        quantities.c.resize(self.equations(), 0.0);
+        quantities.rows = rows;
+        let (plan, chunks) = (self.plan(), self.plan().layout());
+        replace(&mut quantities.h, (&quantities.chunks, &chunks), |segments| plan.pattern(segments)).expect(sound);
+        quantities.chunks = chunks;
+        quantities.evaluated = Identity::NONE;
+        Ok(())
+    }
+
+    /// Whether c and G are those of the set as it is now.
+    pub(super) fn current(&self, quantities: &Quantities) -> Result<(), ArgumentError> {
+        self.own("the quantities", quantities.of)?;
+        let what = "the quantities";
+        if quantities.evaluated == self.version { Ok(()) } else { Err(ArgumentError::Outdated { what }) }
+    }
+
+    /// G without numbers, but for the coefficients of linear equations.
+    pub(super) fn whole_pattern(&self) -> Csr {
+        self.pattern(0..self.linear.batches.len() + self.blocks.all.len()).expect("the set has checked DOFs and sizes")
+    }
+
+    pub(super) fn layout(&self) -> Layout {
+        let linear = self.linear.batches.iter().map(|batch| (batch.stamp, batch.rows()));
+        linear.chain(self.blocks.all.iter().map(|block| (block.stamp(), block.rows()))).collect()
+    }
+
+    /// The rows of G of some segments, with the coefficients of linear equations in them.
+    fn pattern(&self, segments: Range<usize>) -> Result<Csr, SystemError> {
+        let batches = self.linear.batches.len();
+        let linear = &self.linear.batches[segments.start.min(batches)..segments.end.min(batches)];
+        let blocks = &self.blocks.all[segments.start.saturating_sub(batches)..segments.end.saturating_sub(batches)];
+        let rows = linear.iter().map(Batch::rows).chain(blocks.iter().map(|block| block.rows()));
+        let nnz: usize = linear.iter().map(Batch::nnz).chain(blocks.iter().map(|block| block.nnz())).sum();
+        let mut end = Vec::with_capacity(rows.sum::<usize>() + 1);
+        let (mut col, mut val) = (Vec::with_capacity(nnz), Vec::with_capacity(nnz));
+        end.push(0);
+        for batch in linear {
+            batch.for_each_row(|terms| {
+                terms.for_each(|(j, v)| {
+                    col.push(j);
+                    val.push(v);
+                });
+                end.push(col.len());
+            });
+        }
+        blocks.iter().for_each(|block| block.write_pattern(&mut end, &mut col));
+        val.resize(nnz, 0.0);
+        Csr::from_parts(self.dofs, end, col, val)
+    }
+}
+
+/// Replaces the rows of segments that changed.
+fn replace(
+    matrix: &mut Csr,
+    (old, new): (&Layout, &Layout),
+    pattern: impl Fn(Range<usize>) -> Result<Csr, SystemError>,
+) -> Result<(), SystemError> {
+    let edits = differences(old, new).into_iter().map(|(rows, segments)| Ok((rows, pattern(segments)?)));
+    matrix.replace_rows(&edits.collect::<Result<Vec<_>, SystemError>>()?)
+}
