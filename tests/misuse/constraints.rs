@@ -6,10 +6,11 @@ use qless_constraints::enforce::{BlockPlan, Problem, reduced};
 use qless_constraints::newton::{NewtonOptions, redundancies, solve};
 use qless_constraints::scalar::{Dual, Scalar, vector};
 use qless_constraints::types::{
-    Average, Body, Cyclic, CyclicHarmonic, Distance, Equal, EulerNorm, Face, FaceSearch, Fixed, FluidNormal,
-    HangingNode, Line, LineTie, LinearEquation, MacroStrain, MortarTie, Multipliers, NodeTie, OnLine, OnPlane,
-    OnSphere, OrderTie, Periodic, PlanarPoint, Plane, Point, Prescribed, Prismatic, Revolute, RigidBody, Shape,
-    SmallRigidBody, Spherical, Surface, Turn, Turning, Universal, Volume,
+    Average, BeamToSolid, Body, Cyclic, CyclicHarmonic, Distance, Equal, EulerNorm, Face, FaceSearch, Fixed, FluidNode,
+    FluidNormal, FluidWall, HangingNode, Line, LineTie, LinearEquation, MacroStrain, MortarTie, Multipliers, Node6,
+    NodeTie, OnLine, OnPlane, OnSphere, OrderTie, Periodic, PlanarPoint, Plane, Point, Prescribed, Prismatic, Revolute,
+    RigidBody, Section, Shape, ShellToSolid, SmallRigidBody, Spherical, Surface, ThicknessLine, Turn, Turning,
+    Universal, Volume,
 };
 use qless_constraints::{Constraint, ConstraintSet, Nonlinear, Store, Weights};
 
@@ -105,10 +106,16 @@ fn every_type(x: f64, dof: usize) {
     }
     take(HangingNode { node: [dof], shape: Shape::Line3, parent: vec![[0], [1], [2]], at: [x; 2] });
     take(OrderTie { fine: vec![(0.0, [dof]), (x, [3]), (1.0, [4])], coarse: vec![(0.0, [0]), (x, [1])] });
-    take(Average { reference: odd, rotations: [30, 31, dof], nodes: vec![(p, x), (q, 1.0), (r, 1.0)] });
-    take(SmallRigidBody { reference: odd, rotations: [30, 31, 32], nodes: vec![p, q] });
-    take(RigidBody { body, nodes: vec![q, r] });
-    take(RigidBody { body: euler, nodes: vec![s] });
+    let reference = Node6::new(odd.dofs, [30, 31, dof], odd.at);
+    take(Average { reference, nodes: vec![(p.into(), x), (q.into(), 1.0), (r.into(), 1.0)] });
+    let partial = Node6 { dofs: [Some(6), None, Some(dof), None, Some(40), None], at: [x, 1.0, 0.0] };
+    take(SmallRigidBody {
+        reference: Node6::new(odd.dofs, [30, 31, 32], odd.at),
+        nodes: vec![p.into(), q.into(), partial],
+    });
+    take(RigidBody { body, nodes: vec![q.into(), partial] });
+    take(RigidBody { body: euler, nodes: vec![s.into()] });
+    couplings(odd, [p, q, r, s], x, dof);
     take(Periodic { a: odd, b: p, strain: MacroStrain::Given([[x; 3]; 3]) });
     take(OnSphere { point: odd, centre: at, radius: Some(x) });
     take(OnLine { point: q, line: Line::Nodes(p, odd) });
@@ -147,6 +154,22 @@ fn every_type(x: f64, dof: usize) {
         search.within(&[[x; 3], [0.0; 3]], x).ok();
         NodeTie::to_surface(&[odd], &surface, x).ok();
     });
+}
+
+/// Couplings of nodes with rotations, with this number and this DOF in them.
+fn couplings(odd: Point, [p, q, r, s]: [Point; 4], x: f64, dof: usize) {
+    let beam = Node6 { dofs: [Some(20), Some(21), Some(22), Some(23), None, Some(dof)], at: [x, 0.0, 1.0] };
+    let face = Surface { nodes: vec![odd, p, q, r, s], faces: vec![Face::new(Shape::Tri3, [0, 1, 2])] };
+    for section in [Section::Rigid, Section::Plane, Section::Mean] {
+        take(BeamToSolid { beam, face: face.clone(), section });
+        for nodes in [vec![0, 1, 2], vec![dof, 1], vec![]] {
+            take(ShellToSolid { lines: vec![ThicknessLine { shell: beam, nodes }], face: face.clone(), section });
+        }
+    }
+    let fluid = [odd, p, q].map(|node| FluidNode { normal: dof, at: node.at }).to_vec();
+    take(FluidWall { structure: face.clone(), fluid, faces: face.faces.clone(), tolerance: x });
+    let faces = vec![Face::new(Shape::Tri3, [0, 1, dof])];
+    take(FluidWall { structure: face, fluid: vec![], faces, tolerance: x });
 }
 
 #[test]

@@ -9,7 +9,7 @@ use fenris_solid::MaterialEllipticOperator;
 use fenris_solid::materials::{LameParameters, LinearElasticMaterial};
 use qless::ConstraintSystem;
 use qless_constraints::ConstraintSet;
-use qless_constraints::types::{Face, MacroStrain, NodeTie, Periodic, Point, Shape, SmallRigidBody, Surface, pairs};
+use qless_constraints::types::{Face, MacroStrain, Node6, NodeTie, Periodic, Point, Shape, SmallRigidBody, Surface, pairs};
 
 /// DOFs that fenris does not know: translations and rotations of the rigid end.
 pub const RIGID: usize = 6;
@@ -70,8 +70,9 @@ pub fn constraints(mesh: &HexMesh<f64>) -> eyre::Result<ConstraintSystem> {
             set.add("periodic", Periodic { a, b, strain })?;
         }
     }
-    let reference = Point::new([n, n + 1, n + 2], [0.5, 0.5, 2.0]);
-    set.add("rigid end", SmallRigidBody { reference, rotations: [n + 3, n + 4, n + 5], nodes: on(false, 2, 2.0) })?;
+    let reference = Node6::new([n, n + 1, n + 2], [n + 3, n + 4, n + 5], [0.5, 0.5, 2.0]);
+    let nodes = on(false, 2, 2.0).into_iter().map(Node6::from).collect();
+    set.add("rigid end", SmallRigidBody { reference, nodes })?;
 
     let set = set.build()?;
     let mut quantities = set.allocate();

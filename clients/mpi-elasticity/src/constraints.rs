@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::error::Error;
 
 use qless::ConstraintSystem;
-use qless_constraints::types::{MacroStrain, NodeTie, Periodic, Point, Shape, SmallRigidBody};
+use qless_constraints::types::{MacroStrain, Node6, NodeTie, Periodic, Point, Shape, SmallRigidBody};
 use qless_constraints::{ConstraintSet, SetBuilder};
 use qless_mpi::{Map, Ranks, Share};
 
@@ -117,8 +117,8 @@ impl Writer<'_> {
         if self.cell.is_rigid(node) {
             let rigid: [usize; RIGID] = std::array::from_fn(|k| self.place((AXES * self.cell.nodes() + k) as u64));
             let [x, y, z, rotations @ ..] = rigid;
-            let reference = Point::new([x, y, z], [0.5; 3]);
-            self.set.add("inclusion", SmallRigidBody { reference, rotations, nodes: vec![point] })?;
+            let reference = Node6::new([x, y, z], rotations, [0.5; 3]);
+            self.set.add("inclusion", SmallRigidBody { reference, nodes: vec![point.into()] })?;
             self.said(node, 3, [0.0; 3]);
         }
         Ok(())

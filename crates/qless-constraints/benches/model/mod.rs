@@ -3,7 +3,7 @@
 #![allow(dead_code, reason = "each benchmark uses some")]
 
 use qless_constraints::types::{
-    Body, Distance, Equal, LinearEquation, NodeTie, OnSphere, Point, RigidBody, Shape, SmallRigidBody, Spherical,
+    Body, Distance, Equal, LinearEquation, Node6, NodeTie, OnSphere, Point, RigidBody, Shape, SmallRigidBody, Spherical,
 };
 use qless_constraints::{ConstraintSet, SetBuilder};
 
@@ -46,14 +46,15 @@ pub fn tie(builder: &mut SetBuilder, i: usize, nodes: usize) {
 
 pub fn small(builder: &mut SetBuilder, i: usize, nodes: usize) {
     let rotations = point((i + 3) % nodes).dofs;
-    let body = SmallRigidBody { reference: point((i + 2) % nodes), rotations, nodes: vec![point(i)] };
+    let lead = point((i + 2) % nodes);
+    let body = SmallRigidBody { reference: Node6::new(lead.dofs, rotations, lead.at), nodes: vec![point(i).into()] };
     builder.add("", body).expect("valid");
 }
 
 pub fn finite(builder: &mut SetBuilder, i: usize, nodes: usize) {
     let (near, far) = (point((i + 1) % nodes), point((i + 2) % nodes));
     let body = Body::with_vector(near.dofs, near.at, far.dofs);
-    builder.add("", RigidBody { body, nodes: vec![point(i)] }).expect("valid");
+    builder.add("", RigidBody { body, nodes: vec![point(i).into()] }).expect("valid");
 }
 
 pub fn joint(builder: &mut SetBuilder, i: usize, nodes: usize) {

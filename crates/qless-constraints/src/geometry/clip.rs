@@ -68,7 +68,7 @@ pub fn quadrature(polygon: &[Flat]) -> impl Iterator<Item = (Flat, f64)> {
 }
 
 /// Area coordinates and weights of Radon's rule of degree five (Monatsh. Math. 52 (1948) 286).
-fn seven_points() -> [([f64; 3], f64); 7] {
+pub fn seven_points() -> [([f64; 3], f64); 7] {
     let root = 15.0_f64.sqrt();
     let [(a, u), (b, v)] = [-root, root].map(|root| ((6.0 + root) / 21.0, (155.0 + root) / 1200.0));
     let [c, d] = [a, b].map(|x| 1.0 - 2.0 * x);

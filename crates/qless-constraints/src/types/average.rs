@@ -1,13 +1,27 @@
 //! `min sum_i w_i |u_i - u_r - theta x r_i|^2`: a reference node that follows the weighted average of others (RBE3).
-//!
-//! Its conditions for `u_r` and `theta` are the equations: `sum_i w_i e_i = 0` and `sum_i w_i r_i x e_i = 0` with
-//! `e_i = u_i - u_r - theta x r_i`, `r_i = X_i - X_r`. They add no stiffness, and spread a load on the reference.
 
-use crate::geometry::node::{AXES, Point};
-use crate::scalar::vector::{Vector, cross, dot, scale, sub};
+use crate::types::couplings::arm::{arm, moving};
+use crate::types::couplings::fit::{Fit, Observation};
+use crate::types::couplings::rows::{check, clean, lead};
+use crate::types::{CouplingError, Node6};
 use crate::{Constraint, Store};
 
-/// A weighted average.
+/// A weighted average: the reference follows the rigid motion that is nearest to those of the nodes. Also known as RBE3.
+///
+/// `(u_r, theta) = argmin sum_i w_i (sum_k (u_ik - (u_r + theta x r_i)_k)^2 + L^2 sum_k (theta_ik - theta_k)^2)` with
+/// `r_i = X_i - X_r`, over the components k that node i has; L is the mean of the `|r_i|` over the list, so that the unit of length
+/// does not matter. One equation for each component that the reference has, `u_rk = sum_j a_j u_j`; the motion is always sought
+/// with all six components, whichever of them follow. They add no stiffness, and spread a load on the reference over the nodes as
+/// forces with the same resultant.
+///
+/// DOFs removed: as many as the reference has; the equations are independent, as each has a DOF of its own. What the nodes do not
+/// see is refused: nodes in a line do not see rotations about it, and then neither translations of a reference beside the line;
+/// two nodes are a line; nodes without a component may not see it. A line is one where nodes are off it by less than some 1e-8 of
+/// its length (singular values of the least-squares problem, or the rounding of the coordinates if that is more).
+/// Let the other components follow ([`Node6::only`]), or give nodes whose rotations lead too. Units: lengths for translations,
+/// radians for rotations. Cost: O(nodes) for each component.
+///
+/// Source: RBE3 of Nastran; the conditions of the minimum are `sum_i w_i e_i = 0` and `sum_i w_i r_i x e_i = 0`.
 ///
 #[doc = include_str!("../../docs/pictures/average.svg")]
 ///
@@ -15,101 +29,101 @@ use crate::{Constraint, Store};
 /// # Example
 ///
 /// ```
-/// use qless_constraints::{ConstraintSet, types::{Average, Point}};
-/// let at = |node: usize, x: f64, y: f64| Point::new([3 * node, 3 * node + 1, 3 * node + 2], [x, y, 0.0]);
+/// use qless_constraints::{ConstraintSet, types::{Average, Component, Node6, Point}};
+/// let at = |node: usize, x: f64, y: f64| Point::new([3 * node, 3 * node + 1, 3 * node + 2], [x, y, 0.0]).into();
 /// let nodes = vec![(at(2, 0.0, 0.0), 1.0), (at(3, 1.0, 0.0), 1.0), (at(4, 0.0, 1.0), 2.0)];
+/// let reference = Node6::new([0, 1, 2], [3, 4, 5], [0.25, 0.5, 0.0]);
 /// let mut builder = ConstraintSet::builder(15);
-/// builder.add("load", Average { reference: at(0, 0.3, 0.3), rotations: [3, 4, 5], nodes })?;
-/// assert_eq!(builder.build()?.equations(), 6);
+/// builder.add("load", Average { reference, nodes: nodes.clone() })?;
+/// // Two nodes do not tell rotations about the line through them, here x; all else they do.
+/// let pair = nodes[..2].to_vec();
+/// let on_line = Node6 { at: [0.5, 0.0, 0.0], ..reference };
+/// let error = builder.add("pair", Average { reference: on_line, nodes: pair.clone() }).unwrap_err();
+/// assert!(error.to_string().contains("do not determine the rotation x of the reference"));
+/// let rest = Component::ALL.into_iter().filter(|&component| component != Component::TurnX);
+/// builder.add("pair", Average { reference: on_line.only(rest), nodes: pair })?;
+/// assert_eq!(builder.build()?.equations(), 6 + 5);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Average {
-    /// The node that follows.
-    pub reference: Point,
-    /// theta, its rotations, in radians.
-    pub rotations: [usize; 3],
-    /// The nodes that lead, with their weights.
-    pub nodes: Vec<(Point, f64)>,
-}
-
-/// What can be wrong with an average.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum AverageError {
-    /// A weight is not a positive number.
-    #[error("weight {node}, from 1, is {weight}; weights must be positive")]
-    Weight {
-        /// The node, from 1.
-        node: usize,
-        /// Its weight.
-        weight: f64,
-    },
-    /// The nodes lie in a line, or there are fewer than three.
-    #[error("the {nodes} nodes lie in a line or in one place, so that their rotation is not defined")]
-    InLine {
-        /// How many there are.
-        nodes: usize,
-    },
+    /// The node that follows, with the components in which it does.
+    pub reference: Node6,
+    /// The nodes that lead, with the components that count and their weights.
+    pub nodes: Vec<(Node6, f64)>,
 }
 
 impl Average {
-    fn check(&self) -> Result<(), AverageError> {
-        for (i, &(_, weight)) in self.nodes.iter().enumerate() {
-            if !(weight > 0.0 && weight.is_finite()) {
-                return Err(AverageError::Weight { node: i + 1, weight });
+    fn check(&self) -> Result<(), CouplingError> {
+        if self.nodes.is_empty() {
+            return Err(CouplingError::NoNodes);
+        }
+        check(&self.reference, self.nodes.iter().map(|(node, _)| node))?;
+        for (i, (node, weight)) in self.nodes.iter().enumerate() {
+            if !(*weight > 0.0 && weight.is_finite()) {
+                return Err(CouplingError::Weight { node: i + 1, weight: *weight });
+            }
+            if node.components().next().is_none() {
+                return Err(CouplingError::NoComponents { node: i + 1 });
             }
         }
-        let in_line = self.farthest_from_line().is_none_or(|(breadth, length)| breadth <= 1e-8 * length);
-        if in_line { Err(AverageError::InLine { nodes: self.nodes.len() }) } else { Ok(()) }
+        if self.reference.components().next().is_none() { Err(CouplingError::NoComponents { node: 0 }) } else { Ok(()) }
     }
 
-    /// Greatest distance from the line through the first node and the one farthest from it, and the length of that line.
-    fn farthest_from_line(&self) -> Option<(f64, f64)> {
-        let (first, _) = self.nodes.first()?;
-        let arms: Vec<Vector<f64>> = self.nodes.iter().map(|(node, _)| sub(node.at, first.at)).collect();
-        let far = arms.iter().max_by(|a, b| dot(**a, **a).total_cmp(&dot(**b, **b)))?;
-        let length = dot(*far, *far).sqrt();
-        let beside = |arm: &Vector<f64>| {
-            let off = cross(scale(1.0 / length, *far), *arm);
-            dot(off, off).sqrt()
+    /// L, or one where all nodes are at the reference: then nothing is weighed against a rotation.
+    fn mean_arm(&self) -> f64 {
+        let length =
+            |(node, _): &(Node6, f64)| arm(node.at, self.reference.at).iter().fold(0.0, |s: f64, x| s.hypot(*x));
+        let mean = self.nodes.iter().map(length).map(|length| length / self.nodes.len() as f64).sum();
+        if mean > 0.0 { mean } else { 1.0 }
+    }
+
+    /// What the nodes see of the motion, and with which DOFs.
+    fn seen(&self) -> (Vec<Observation>, Vec<usize>) {
+        let (length, most) = (self.mean_arm(), self.nodes.iter().fold(0.0, |most: f64, (_, weight)| most.max(*weight)));
+        let of = |(node, weight): &(Node6, f64)| {
+            let (at, root) = (node.at, (weight / most).sqrt());
+            node.components().map(move |(component, dof)| {
+                let root = if component.is_rotation() { root * length } else { root };
+                (Observation { at, component, root }, dof)
+            })
         };
-        (length > 0.0).then(|| (arms.iter().map(beside).fold(0.0, f64::max), length))
+        self.nodes.iter().flat_map(of).unzip()
     }
-}
-
-/// `(theta x r)_axis = sum_k spin[axis][k] theta_k`.
-fn spin(r: Vector<f64>) -> [Vector<f64>; 3] {
-    [[0.0, r[2], -r[1]], [-r[2], 0.0, r[0]], [r[1], -r[0], 0.0]]
 }
 
 impl Constraint for Average {
     const NAME: &'static str = "weighted average";
-    type Error = AverageError;
+    type Error = CouplingError;
 
-    fn process(self, store: &mut Store) -> Result<(), AverageError> {
+    fn process(self, store: &mut Store) -> Result<(), CouplingError> {
         self.check()?;
-        let mut force: [Vec<(usize, f64)>; 3] = Default::default();
-        let mut moment: [Vec<(usize, f64)>; 3] = Default::default();
-        for (node, weight) in &self.nodes {
-            let r = sub(node.at, self.reference.at);
-            let turn = spin(r);
-            for axis in 0..3 {
-                // Terms of w_i e_i along the axis.
-                let mut error = vec![(node.dofs[axis], *weight), (self.reference.dofs[axis], -weight)];
-                error.extend((0..3).map(|k| (self.rotations[k], -weight * turn[axis][k])));
-                // (r x e)_row = -(e x r)_row = -sum_k spin[row][k] e_k.
-                for row in (0..3).filter(|&row| row != axis) {
-                    moment[row].extend(error.iter().map(|&(dof, v)| (dof, -turn[row][axis] * v)));
-                }
-                force[axis].extend(error);
+        let (seen, dofs) = self.seen();
+        let fit = Fit::new(&seen);
+        for (component, _) in self.reference.components() {
+            let motion = moving(component, [0.0; 3]);
+            let mut factors = fit.factors_of(motion, self.reference.at)?;
+            for rotations in [false, true] {
+                let kind = seen.iter().map(|o| o.component.is_rotation() == rotations);
+                clean(factors.iter_mut().zip(kind).filter_map(|(a, own)| own.then_some(a)), fit.blur);
             }
-        }
-        for (what, rows) in [("translation", force), ("rotation", moment)] {
-            for (axis, terms) in rows.into_iter().enumerate() {
-                store.equation(format!("{what} {}", AXES[axis]), terms, 0.0);
-            }
+            lead(store, component.to_string(), dofs.iter().copied().zip(factors), &self.reference, motion)?;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::types::Component;
+
+    /// The mean arm is that over the list.
+    #[test]
+    fn arm_is_the_mean_distance() {
+        let node = |x: f64| (Node6 { dofs: [Some(7), None, None, None, None, None], at: [x, 0.0, 0.0] }, 1.0);
+        let reference = Node6::new([0, 1, 2], [3, 4, 5], [0.0; 3]).only([Component::X]);
+        assert_eq!(Average { reference, nodes: vec![node(1.0), node(-4.0)] }.mean_arm(), 2.5);
+        assert_eq!(Average { reference, nodes: vec![node(0.0)] }.mean_arm(), 1.0);
     }
 }

@@ -3,7 +3,10 @@
 use crate::scalar::vector::{Vector, unit};
 use crate::{Constraint, Store};
 
-/// The normal displacements of a structure and a fluid in displacement form are equal.
+/// The normal displacements of a structure and a fluid in displacement form are equal: `n . (u_s - u_f) = 0`, a length.
+///
+/// DOFs removed: one. Two normals at one pair of nodes, as at an edge, are independent if they are not parallel; a fourth is redundant.
+/// For a fluid in pressure form, whose mesh need not match, see [`crate::types::FluidWall`].
 ///
 #[doc = include_str!("../../docs/pictures/fluid_normal.svg")]
 ///

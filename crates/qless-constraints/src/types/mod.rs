@@ -7,6 +7,7 @@
 // `docs/types` with the headings of the others, and two lines before its `# Example` that put both there.
 
 mod average;
+mod couplings;
 mod cyclic;
 mod distance;
 mod driven;
@@ -37,7 +38,11 @@ pub use crate::geometry::search::{FaceSearch, Nearest, SearchError};
 pub use crate::geometry::shape::Shape;
 pub use crate::geometry::surface::{Face, Surface, SurfaceError};
 pub use crate::geometry::turn::{Turn, TurnError};
-pub use average::{Average, AverageError};
+pub use average::Average;
+pub use couplings::{
+    BeamToSolid, Component, CouplingError, FluidNode, FluidWall, FluidWallError, LineFault, Node6, Section,
+    ShellToSolid, ThicknessLine,
+};
 pub use cyclic::{Cyclic, CyclicError, CyclicHarmonic, Turning};
 pub use distance::{Distance, DistanceError};
 pub use driven::{Driven, DrivenError};
@@ -59,6 +64,6 @@ pub use on_sphere::{OnSphere, OnSphereError};
 pub use order_tie::{OrderTie, OrderTieError};
 pub use periodic::{MacroStrain, Periodic, PeriodicError};
 pub use prescribed::{Prescribed, PrescribedError};
-pub use rigid_finite::{RigidBody, RigidBodyError};
-pub use rigid_small::{SmallRigidBody, SmallRigidBodyError};
+pub use rigid_finite::RigidBody;
+pub use rigid_small::SmallRigidBody;
 pub use volume::{Volume, VolumeError};

@@ -1,11 +1,27 @@
-//! `x_i = x_r + R (X_i - X_r)`: nodes that move as a rigid body, for rotations of any size.
+//! `x_i = x_r + R (X_i - X_r)`, `R_i = R`: nodes that move as a rigid body, for rotations of any size.
 
-use crate::geometry::carrier::Body;
+use crate::geometry::carrier::{Body, Carrier, Kind};
 use crate::geometry::node::Point;
+use crate::scalar::Scalar;
+use crate::types::couplings::rows::check;
 use crate::types::joints::coincident::coincident;
-use crate::{Constraint, Store};
+use crate::types::joints::orientation::Aligned;
+use crate::types::joints::relative::{relative, rotation_vectors};
+use crate::types::rigid_small::part;
+use crate::types::{CouplingError, Node6};
+use crate::{Constraint, Nonlinear, Store};
 
-/// A rigid link (one node) or rigid body (many), exact for finite rotations: three equations per node.
+/// A rigid link (one node) or rigid body (many), exact for finite rotations.
+///
+/// `x_i = x_r + R (X_i - X_r)`, one equation for each translation that a node has: leave DOFs out (`None`, [`Node6::only`]) and these
+/// components stay free. A node with rotations has a rotation vector, and `log(R^T R_i) = 0`, three angles in the axes of the body: it turns
+/// as the body does, which may have Euler parameters. Three rotations or none: single components of a rotation vector mean nothing.
+/// A node with Euler parameters is a [`Body`]: join it by a fixed joint.
+///
+/// DOFs removed: one for each equation; all are independent at any rotation, as each has a DOF of its own. Units: lengths for
+/// translations, radians for rotations.
+///
+/// Source: RBE2 of Nastran, with the kinematics of a rigid body without linearisation.
 ///
 #[doc = include_str!("../../docs/pictures/rigid_body.svg")]
 ///
@@ -13,9 +29,9 @@ use crate::{Constraint, Store};
 /// # Example
 ///
 /// ```
-/// use qless_constraints::{ConstraintSet, types::{Body, Point, RigidBody}};
+/// use qless_constraints::{ConstraintSet, types::{Body, Node6, Point, RigidBody}};
 /// let body = Body::with_vector([0, 1, 2], [0.0; 3], [3, 4, 5]);
-/// let node = Point::new([6, 7, 8], [2.0, 0.0, 0.0]);
+/// let node = Node6::from(Point::new([6, 7, 8], [2.0, 0.0, 0.0]));
 /// let mut builder = ConstraintSet::builder(9);
 /// builder.add("link", RigidBody { body, nodes: vec![node] })?;
 /// let set = builder.build()?;
@@ -29,37 +45,97 @@ use crate::{Constraint, Store};
 pub struct RigidBody {
     /// Position and rotation of the body.
     pub body: Body,
-    /// The nodes that follow.
-    pub nodes: Vec<Point>,
+    /// The nodes that follow, with the components in which they do.
+    pub nodes: Vec<Node6>,
 }
 
-/// What can be wrong with a rigid body.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum RigidBodyError {
-    /// No node follows.
-    #[error("the rigid body has no nodes; give at least one")]
-    NoNodes,
-    /// The body does not turn.
-    #[error("the body has no rotations; give it a rotation vector or Euler parameters")]
-    NoRotations,
+/// One translation of a node that follows: `c = X_k + u_k - x_k(body)`, the DOF of the node first.
+struct Coordinate {
+    body: Carrier,
+    axis: usize,
+    at: f64,
+}
+
+impl Nonlinear for Coordinate {
+    const PARTS: &'static [&'static str] = &[""];
+
+    fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
+        c[0] = S::from(self.at) + u[0] - self.body.point(&u[1..])[self.axis];
+    }
+
+    fn rotation_vectors(&self, found: &mut dyn FnMut(usize)) {
+        rotation_vectors([(1 + self.body.kind.positions(), self.body.kind), (0, Kind::Ground)], found);
+    }
+
+    /// Rotations of the body.
+    fn pairs(&self, dofs: usize, pair: &mut dyn FnMut(usize, usize)) {
+        let first = 1 + self.body.kind.positions();
+        (first..dofs).for_each(|j| (first..=j).for_each(|k| pair(j, k)));
+    }
+}
+
+impl RigidBody {
+    /// Translations: three at once, or one by one.
+    fn translations(&self, store: &mut Store, i: usize) {
+        let node = self.nodes[i];
+        if let [Some(x), Some(y), Some(z), ..] = node.dofs {
+            return coincident(store, self.name(i), &self.body, &Body::node(Point::new([x, y, z], node.at)), node.at);
+        }
+        for (component, dof) in node.components().filter(|(component, _)| !component.is_rotation()) {
+            let axis = component as usize;
+            let parameters = Coordinate { body: self.body.carry(node.at), axis, at: node.at[axis] };
+            let dofs = [vec![dof], self.body.dofs()].concat();
+            store.nonlinear(part(i, self.nodes.len(), component), &dofs, parameters);
+        }
+    }
+
+    /// `log(R^T R_i) = 0`.
+    fn rotations(&self, store: &mut Store, i: usize) -> Result<(), CouplingError> {
+        let node = self.nodes[i];
+        let turns: Vec<usize> = node.dofs[3..].iter().filter_map(|&dof| dof).collect();
+        match turns[..] {
+            [] => Ok(()),
+            [x, y, z] => {
+                // Rotations alone count; any position will do.
+                let follower = Body::with_vector(self.body.position, node.at, [x, y, z]);
+                relative(store, self.name(i), &self.body, &follower, Aligned);
+                Ok(())
+            }
+            _ => Err(CouplingError::PartOfRotations { node: i + 1 }),
+        }
+    }
+
+    /// Which node it is, if there are several.
+    fn name(&self, i: usize) -> String {
+        if self.nodes.len() == 1 { String::new() } else { format!("node {}", i + 1) }
+    }
 }
 
 impl Constraint for RigidBody {
     const NAME: &'static str = "rigid body, finite rotations";
-    type Error = RigidBodyError;
+    type Error = CouplingError;
 
-    fn process(self, store: &mut Store) -> Result<(), RigidBodyError> {
+    fn process(self, store: &mut Store) -> Result<(), CouplingError> {
         if self.nodes.is_empty() {
-            return Err(RigidBodyError::NoNodes);
+            return Err(CouplingError::NoNodes);
         }
         if !self.body.turns() {
-            return Err(RigidBodyError::NoRotations);
+            return Err(CouplingError::NoRotations);
         }
-        for (i, &node) in self.nodes.iter().enumerate() {
-            let part = if self.nodes.len() == 1 { String::new() } else { format!("node {}", i + 1) };
-            coincident(store, part, &self.body, &Body::node(node), node.at);
+        check(&lead(&self.body), self.nodes.iter())?;
+        for i in 0..self.nodes.len() {
+            if self.nodes[i].components().next().is_none() {
+                return Err(CouplingError::NoComponents { node: i + 1 });
+            }
+            self.translations(store, i);
+            self.rotations(store, i)?;
         }
         Ok(())
     }
+}
+
+/// The body's place and its DOFs, the fourth Euler parameter left out.
+fn lead(body: &Body) -> Node6 {
+    let r = body.rotation_dofs();
+    Node6::new(body.position, [r[0], r[1], r[2]], body.at)
 }

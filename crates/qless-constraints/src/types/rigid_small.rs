@@ -1,10 +1,21 @@
-//! `u_i = u_r + theta x (X_i - X_r)`: nodes that move as a rigid body, for small rotations.
+//! `u_i = u_r + theta x (X_i - X_r)`, `theta_i = theta`: nodes that move as a rigid body, for small rotations.
 
-use crate::geometry::node::{AXES, Point};
-use crate::scalar::vector::sub;
+use crate::scalar::vector::Vector;
+use crate::types::couplings::arm::{arm, moving};
+use crate::types::couplings::rows::{check, follow};
+use crate::types::{Component, CouplingError, Node6};
 use crate::{Constraint, Store};
 
-/// A rigid link (one node) or rigid body (many), linear: three equations per node. Also known as RBE2.
+/// A rigid link (one node) or rigid body (many) for small rotations. Also known as RBE2.
+///
+/// `u_i = u_r + theta x (X_i - X_r)` and `theta_i = theta`, one equation for each component that a node has: leave DOFs out
+/// (`None`, [`Node6::only`]) and these components stay free, as with a list of components on a card. Planar models leave out
+/// what they do not have, on both sides: a DOF that the reference lacks must have the factor zero.
+///
+/// DOFs removed: one for each equation; all are independent, as each has a DOF of its own. Two bodies that share nodes are redundant
+/// (or in conflict) in what these nodes say twice. Units: lengths for translations, radians for rotations.
+///
+/// Source: RBE2 of Nastran; kinematics of a rigid body, linear in theta.
 ///
 #[doc = include_str!("../../docs/pictures/small_rigid_body.svg")]
 ///
@@ -12,63 +23,56 @@ use crate::{Constraint, Store};
 /// # Example
 ///
 /// ```
-/// use qless_constraints::{ConstraintSet, types::{Point, SmallRigidBody}};
-/// let reference = Point::new([0, 1, 2], [0.0; 3]);
-/// let nodes = vec![Point::new([6, 7, 8], [2.0, 0.0, 0.0])];
-/// let mut builder = ConstraintSet::builder(9);
-/// builder.add("link", SmallRigidBody { reference, rotations: [3, 4, 5], nodes })?;
+/// use qless_constraints::{ConstraintSet, types::{Component, Node6, Point, SmallRigidBody}};
+/// let reference = Node6::new([0, 1, 2], [3, 4, 5], [0.0; 3]);
+/// let solid = Node6::from(Point::new([6, 7, 8], [2.0, 0.0, 0.0]));
+/// // A node of a shell, of which the translation z and the rotation about z follow.
+/// let shell = Node6::new([9, 10, 11], [12, 13, 14], [0.0, 1.0, 0.0]).only([Component::Z, Component::TurnZ]);
+/// let mut builder = ConstraintSet::builder(15);
+/// builder.add("link", SmallRigidBody { reference, nodes: vec![solid, shell] })?;
 /// let set = builder.build()?;
-/// // A turn by 0.1 about z lifts the node by 0.2.
+/// assert_eq!(set.label(4)?, "link, node 2, rotation z");
+/// // A turn by 0.1 about z lifts the first node by 0.2, and turns the second.
 /// let mut quantities = set.allocate();
-/// set.evaluate(&[0.0, 0.0, 0.0, 0.0, 0.0, 0.1, 0.0, 0.2, 0.0], &mut quantities)?;
+/// let mut u = [0.0; 15];
+/// (u[5], u[7], u[14]) = (0.1, 0.2, 0.1);
+/// set.evaluate(&u, &mut quantities)?;
 /// assert!(quantities.c().iter().all(|c| c.abs() < 1e-16));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct SmallRigidBody {
-    /// The node that carries the rotations.
-    pub reference: Point,
-    /// theta, 0-based DOFs, in radians.
-    pub rotations: [usize; 3],
-    /// The nodes that follow.
-    pub nodes: Vec<Point>,
-}
-
-/// What can be wrong with a rigid body for small rotations.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SmallRigidBodyError {
-    /// No node follows.
-    #[error("the rigid body has no nodes besides its reference; give at least one")]
-    NoNodes,
+    /// The node that leads, with theta as its rotations.
+    pub reference: Node6,
+    /// The nodes that follow, with the components in which they do.
+    pub nodes: Vec<Node6>,
 }
 
 impl Constraint for SmallRigidBody {
     const NAME: &'static str = "rigid body, small rotations";
-    type Error = SmallRigidBodyError;
+    type Error = CouplingError;
 
-    fn process(self, store: &mut Store) -> Result<(), SmallRigidBodyError> {
+    fn process(self, store: &mut Store) -> Result<(), CouplingError> {
         if self.nodes.is_empty() {
-            return Err(SmallRigidBodyError::NoNodes);
+            return Err(CouplingError::NoNodes);
         }
+        check(&self.reference, self.nodes.iter())?;
         for (i, node) in self.nodes.iter().enumerate() {
-            let r = sub(node.at, self.reference.at);
-            for axis in 0..3 {
-                // (theta x r)_x = theta_y r_z - theta_z r_y, and so on.
-                let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
-                let terms = [
-                    (node.dofs[axis], 1.0),
-                    (self.reference.dofs[axis], -1.0),
-                    (self.rotations[next], -r[last]),
-                    (self.rotations[last], r[next]),
-                ];
-                store.equation(part(i, self.nodes.len(), axis), terms.into_iter().filter(|t| t.1 != 0.0), 0.0);
+            if node.components().next().is_none() {
+                return Err(CouplingError::NoComponents { node: i + 1 });
+            }
+            let r: Vector<f64> = arm(node.at, self.reference.at);
+            for (component, dof) in node.components() {
+                let name = part(i, self.nodes.len(), component);
+                follow(store, name, vec![(dof, 1.0)], &self.reference, moving(component, r))?;
             }
         }
         Ok(())
     }
 }
 
-fn part(node: usize, nodes: usize, axis: usize) -> String {
-    if nodes == 1 { AXES[axis].to_owned() } else { format!("node {}, {}", node + 1, AXES[axis]) }
+/// What the equation of a component is called.
+pub(super) fn part(node: usize, nodes: usize, component: Component) -> String {
+    let short = component.part();
+    if nodes == 1 { short.to_owned() } else { format!("node {}, {short}", node + 1) }
 }

@@ -69,7 +69,7 @@ impl Recipe {
             ),
             7 => {
                 let body = Body::with_vector(a.dofs, a.at, third.dofs);
-                set.put(label, RigidBody { body, nodes: vec![b] })
+                set.put(label, RigidBody { body, nodes: vec![b.into()] })
             }
             _ => {
                 let body = Body::with_vector(a.dofs, a.at, third.dofs);

@@ -8,6 +8,8 @@ mod bad_numbers;
 mod beads;
 /// Contact by an active set, against a quadratic program.
 mod contact;
+/// Rigid bodies and averages of nodes with rotations, beams and shells on solids, walls of fluids.
+mod couplings;
 /// Slider-cranks at and near their dead centres, rods of all lengths, in all units.
 mod dead_centres;
 /// Dual multipliers of mortar ties: biorthogonal, local, and as exact as the others.

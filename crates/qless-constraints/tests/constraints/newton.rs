@@ -74,7 +74,7 @@ fn volume_and_rotation() -> Outcome {
     let node = |i: usize| Point::new(from_fn(|k| 3 * i + k), corner(i));
     let body = Body::with_vector([24, 25, 26], [0.0; 3], [27, 28, 29]);
     let mut builder = ConstraintSet::builder(33);
-    builder.add("base", RigidBody { body, nodes: (0..4).map(node).collect() })?;
+    builder.add("base", RigidBody { body, nodes: (0..4).map(|i| node(i).into()).collect() })?;
     let tetrahedra = vec![[0, 1, 2, 4], [1, 3, 2, 7], [1, 7, 2, 4], [1, 5, 7, 4], [2, 7, 6, 4]];
     builder.add("block", Volume { nodes: (0..8).map(node).collect(), tetrahedra })?;
     let slider = Point::new([30, 31, 32], [0.3, 0.3, 1.0]);

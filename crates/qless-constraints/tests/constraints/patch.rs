@@ -7,8 +7,8 @@ use qless_constraints::types::{Face, MortarTie, Multipliers, Point, Shape, Surfa
 
 use crate::linkages::Outcome;
 
-const MODULUS: f64 = 3.0;
-const POISSON: f64 = 0.3;
+pub const MODULUS: f64 = 3.0;
+pub const POISSON: f64 = 0.3;
 
 /// A block of `cells` x `cells` x 1 elements with eight nodes on the unit square, from z to z + 1.
 pub struct Block {
@@ -18,7 +18,7 @@ pub struct Block {
 }
 
 impl Block {
-    fn side(&self) -> usize {
+    pub fn side(&self) -> usize {
         self.cells + 1
     }
 
@@ -30,7 +30,7 @@ impl Block {
     }
 
     /// Squares of the lower (0) or the upper (1) surface.
-    fn surface(&self, level: usize) -> Surface<3> {
+    pub fn surface(&self, level: usize) -> Surface<3> {
         let face = |k: usize| {
             let a = level * self.side() * self.side() + k / self.cells * self.side() + k % self.cells;
             Face::new(Shape::Quad4, [a, a + 1, a + 1 + self.side(), a + self.side()])

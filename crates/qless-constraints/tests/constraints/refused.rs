@@ -1,9 +1,10 @@
 use std::fmt::Debug;
 
 use qless_constraints::types::{
-    Average, Body, Cyclic, Distance, Equal, Face, FluidNormal, Line, LineTie, LinearEquation, MacroStrain, MortarTie,
-    Multipliers, Node, NodeTie, OnLine, OnPlane, OnSphere, Periodic, PlanarPoint, Plane, Point, Prescribed, Revolute,
-    RigidBody, Shape, SmallRigidBody, Spherical, Surface, Turn, Turning, Universal, Volume,
+    Average, BeamToSolid, Body, Component, Cyclic, Distance, Equal, Face, FluidNormal, Line, LineTie, LinearEquation,
+    MacroStrain, MortarTie, Multipliers, Node, Node6, NodeTie, OnLine, OnPlane, OnSphere, Periodic, PlanarPoint, Plane,
+    Point, Prescribed, Revolute, RigidBody, Section, Shape, ShellToSolid, SmallRigidBody, Spherical, Surface,
+    ThicknessLine, Turn, Turning, Universal, Volume,
 };
 use qless_constraints::{Constraint, ConstraintSet};
 
@@ -62,12 +63,12 @@ fn faults_of_linear_types() {
     let [a, b] = [0, 4].map(|first| Node::new([0, 1, 2, 3].map(|k| first + k), [1.0, 0.0, 0.0]));
     let mixed = Cyclic { a, b, turn: pair.turn, fields: Turning::Vectors, tolerance: 9.0 };
     assert_refused(mixed, "4 fields are no vectors of 3 components each");
-    let reference = point(0, [0.0; 3]);
-    assert_refused(SmallRigidBody { reference, rotations: [3, 4, 5], nodes: vec![] }, "no nodes");
-    let inline = [1.0, 2.0].map(|x| (point(2, [x, 0.0, 0.0]), 1.0)).to_vec();
-    assert_refused(Average { reference, rotations: [3, 4, 5], nodes: inline.clone() }, "lie in a line");
+    let reference = Node6::new([0, 1, 2], [3, 4, 5], [0.0; 3]);
+    assert_refused(SmallRigidBody { reference, nodes: vec![] }, "no nodes");
+    let inline = [1.0, 2.0].map(|x| (point(2, [x, 0.0, 0.0]).into(), 1.0)).to_vec();
+    assert_refused(Average { reference, nodes: inline.clone() }, "not determine the rotation x");
     let negative = vec![(inline[0].0, -1.0)];
-    assert_refused(Average { reference, rotations: [3, 4, 5], nodes: negative }, "weight 1, from 1, is -1");
+    assert_refused(Average { reference, nodes: negative }, "weight 1, from 1, is -1");
 }
 
 #[test]
@@ -130,6 +131,44 @@ fn faults_of_surface_mortar_ties() {
 }
 
 #[test]
+fn faults_of_couplings() {
+    let beam = Node6 { dofs: [Some(0), Some(1), Some(2), None, None, None], at: [0.0; 3] };
+    let end = |face: Surface<3>, section: Section| BeamToSolid { beam, face, section };
+    let mut face = square(0.0, 0.0);
+    assert_refused(end(face.clone(), Section::Mean), "DOF 0 of node 1");
+    face.nodes.iter_mut().for_each(|node| node.dofs = node.dofs.map(|dof| dof.max(3) % 9 + 3));
+    face.nodes[0].dofs = [3, 4, 5];
+    assert_refused(end(face.clone(), Section::Rigid), "needs the rotation");
+    assert_refused(
+        end(Surface { faces: vec![], ..face.clone() }, Section::Mean),
+        "face of the solid: the surface has no",
+    );
+    let line = Surface { faces: vec![Face::new(Shape::Line2, [0, 1])], ..face.clone() };
+    assert_refused(end(line, Section::Mean), "have no normal");
+    let both = vec![Face::new(Shape::Tri3, [0, 1, 2]), Face::new(Shape::Tri3, [0, 2, 1])];
+    assert_refused(end(Surface { faces: both, ..face.clone() }, Section::Plane), "point against each other");
+    let shell = |nodes: &[&[usize]], at: [f64; 3]| {
+        let lines = nodes.iter().map(|nodes| ThicknessLine { shell: Node6 { at, ..beam }, nodes: nodes.to_vec() });
+        ShellToSolid { lines: lines.collect(), face: square(0.0, 0.0), section: Section::Mean }
+    };
+    assert_refused(shell(&[], [0.0; 3]), "no nodes");
+    assert_refused(shell(&[&[0, 3]], [0.0; 3]), "node 1 (from 0) of the face is in no line");
+    assert_refused(shell(&[&[0, 3], &[1][..]], [0.0; 3]), "line 2, from 1, has no two nodes");
+    assert_refused(shell(&[&[0, 3], &[1, 3]], [0.0; 3]), "line 2, from 1, names node 3");
+    assert_refused(shell(&[&[0, 7]], [0.0; 3]), "names node 7");
+    assert_refused(shell(&[&[0, 1, 2], &[3][..]], [0.0; 3]), "bends: node 1");
+    assert_refused(shell(&[&[0, 3], &[1, 2]], [5.0, 0.0, 0.0]), "is 5 away from its shell node");
+    assert_refused(shell(&[&[0, 3], &[1, 2]], [0.5; 3]), "line 1, from 1, has a shell node");
+    let euler = Body::with_euler([0, 1, 2], [0.0; 3], [3, 4, 5, 6]);
+    let node = Node6::new([6, 7, 8], [9, 10, 11], [1.0; 3]);
+    assert_refused(RigidBody { body: euler, nodes: vec![node] }, "follows with a rotation vector");
+    let vector = Body::with_vector([0, 1, 2], [0.0; 3], [3, 4, 5]);
+    let part = node.only([Component::X, Component::TurnZ]);
+    assert_refused(RigidBody { body: vector, nodes: vec![node, part] }, "node 2, from 1, follows with some");
+    assert_refused(RigidBody { body: vector, nodes: vec![node.only([])] }, "every DOF of node 1");
+}
+
+#[test]
 fn faults_of_nonlinear_types() {
     assert_refused(Distance::new(at(0, 1.0), at(1, 1.0)), "length is 0");
     let ball = OnSphere { point: at(0, 1.0), centre: [0.0; 2], radius: Some(-1.0) };
@@ -139,7 +178,7 @@ fn faults_of_nonlinear_types() {
     let plane = Plane::Nodes(p, point(1, [1.0, 0.0, 0.0]), point(2, [2.0, 0.0, 0.0]));
     assert_refused(OnPlane { point: point(3, [0.0; 3]), plane }, "no normal");
     assert_refused(OnPlane { point: p, plane: Plane::Fixed { through: [0.0; 3], normal: [f64::NAN; 3] } }, "no normal");
-    assert_refused(RigidBody { body: Body::ground(), nodes: vec![p] }, "no rotations");
+    assert_refused(RigidBody { body: Body::ground(), nodes: vec![p.into()] }, "no rotations");
     assert_refused(RigidBody { body: Body::with_vector([0, 1, 2], [0.0; 3], [3, 4, 5]), nodes: vec![] }, "no nodes");
     let nodes = vec![p, point(1, [1.0, 0.0, 0.0]), point(2, [0.0, 1.0, 0.0]), point(3, [0.0, 0.0, -1.0])];
     assert_refused(Volume { nodes: nodes.clone(), tetrahedra: vec![] }, "no tetrahedra");

@@ -17,7 +17,7 @@ fn arm(first: usize) -> Body {
 fn model<C: Constraint>(extra: C) -> Outcome<ConstraintSet> {
     let mut builder = ConstraintSet::builder(15);
     builder.add("hinge", Revolute { a: arm(0), b: arm(6), at: [1.0, 0.0, 0.0], axis: [0.0, 0.0, 1.0] })?;
-    builder.add("link", RigidBody { body: arm(0), nodes: vec![Point::new([12, 13, 14], [2.0, 1.0, 0.0])] })?;
+    builder.add("link", RigidBody { body: arm(0), nodes: vec![Point::new([12, 13, 14], [2.0, 1.0, 0.0]).into()] })?;
     builder.add("extra", extra)?;
     Ok(builder.build()?)
 }

@@ -3,9 +3,9 @@
 use std::array::from_fn;
 
 use crate::types::{
-    Body, Cylindrical, Distance, EulerNorm, Fixed, Line, OnLine, OnPlane, OnSphere, Parallel, Perpendicular, Planar,
-    PlanarPoint, Plane, Point, Prismatic, Revolute, RigidBody, RotationMotor, SmallRigidBody, Spherical,
-    TranslationMotor, Universal, Volume,
+    Body, Component, Cylindrical, Distance, EulerNorm, Fixed, Line, Node6, OnLine, OnPlane, OnSphere, Parallel,
+    Perpendicular, Planar, PlanarPoint, Plane, Point, Prismatic, Revolute, RigidBody, RotationMotor, SmallRigidBody,
+    Spherical, TranslationMotor, Universal, Volume,
 };
 use crate::{ConstraintSet, SetBuilder};
 
@@ -53,8 +53,15 @@ pub fn set_at(place: Place) -> Result<ConstraintSet, Box<dyn std::error::Error>>
     let euler = Body::with_euler([36, 37, 38], place.at([-0.2, 0.5, 0.3]), [39, 40, 41, 42]);
     let other = Body::with_euler([43, 44, 45], place.at([0.3, -0.6, 0.1]), [49, 48, 47, 46]);
     builder.add("norm", EulerNorm { parameters: [39, 40, 41, 42] })?;
-    builder.add("rigid", RigidBody { body: euler, nodes: vec![place.point(1), place.reversed(2)] })?;
-    builder.add("link", RigidBody { body: vector, nodes: vec![place.point(0)] })?;
+    builder.add("rigid", RigidBody { body: euler, nodes: vec![place.point(1).into(), place.reversed(2).into()] })?;
+    builder.add("link", RigidBody { body: vector, nodes: vec![place.point(0).into()] })?;
+    let some = [Component::Z, Component::X];
+    let part = |node: Point| Node6::from(node).only(some);
+    builder.add("guides", RigidBody { body: vector, nodes: vec![part(place.point(1)), part(place.reversed(2))] })?;
+    builder.add("guide", RigidBody { body: euler, nodes: vec![part(place.reversed(4))] })?;
+    let shell = Node6::new(place.point(7).dofs, [52, 50, 51], place.point(7).at);
+    builder.add("clamp", RigidBody { body: euler, nodes: vec![shell] })?;
+    builder.add("clamps", RigidBody { body: vector, nodes: vec![shell, part(place.point(2))] })?;
     for (a, b) in [(vector, euler), (euler, other), (Body::ground(), vector), (other, Body::ground())] {
         joints(&mut builder, place, a, b)?;
     }
@@ -80,8 +87,8 @@ fn points(builder: &mut SetBuilder, place: Place) -> Result<(), Box<dyn std::err
     builder.add("volume", Volume { nodes, tetrahedra: vec![[0, 1, 2, 3], [1, 4, 2, 3]] })?;
     let single = (3..7).map(|k| Point { at: corner([0, 1, 2, 4][k - 3]).at, ..point(k) }).collect();
     builder.add("cell", Volume { nodes: single, tetrahedra: vec![[0, 1, 2, 3]] })?;
-    let nodes = vec![point(2)];
-    builder.add("small", SmallRigidBody { reference: point(0), rotations: [50, 51, 52], nodes })?;
+    let reference = Node6::new(point(0).dofs, [50, 51, 52], point(0).at);
+    builder.add("small", SmallRigidBody { reference, nodes: vec![point(2).into()] })?;
     Ok(())
 }
 

@@ -29,7 +29,7 @@ fn results_do_not_depend_on_threads() -> Result<(), Box<dyn std::error::Error>> 
         builder.add("equation", LinearEquation { terms: vec![(i % nodes, 1.5), (other, 0.1)], rhs: 1.0 })?;
         // A node before or behind the body.
         let body = Body::with_vector(point((i + 7) % nodes).dofs, [0.5; 3], point((i + 9) % nodes).dofs);
-        builder.add("link", RigidBody { body, nodes: vec![point((i + [3, 12][i % 2]) % nodes)] })?;
+        builder.add("link", RigidBody { body, nodes: vec![point((i + [3, 12][i % 2]) % nodes).into()] })?;
         builder.add("ball", OnSphere { point: point(other), centre: [0.5; 3], radius: Some(2.0) })?;
     }
     let set = builder.build().expect("few DOFs");

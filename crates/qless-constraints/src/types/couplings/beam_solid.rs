@@ -1,0 +1,125 @@
+//! `u_b + theta x r`: the end of a beam and the face of a solid.
+
+use super::area::{self, mean_normal};
+use super::arm::{about, along, arm, moving};
+use super::error::CouplingError;
+use super::node6::Node6;
+use super::rows::{check, follow, lead};
+use super::section::Section;
+use super::seen::Seen;
+use crate::geometry::node::AXES;
+use crate::geometry::surface::Surface;
+use crate::scalar::vector::{Vector, perpendicular};
+use crate::{Constraint, Store};
+
+/// The end of a beam joined to a face of a solid, for small rotations.
+///
+/// With `r = X - X_b`, and the normal n of the face, one of
+///
+/// - [`Section::Rigid`]: `u_i = u_b + theta x r_i` at each of the N nodes of the face, 3 N equations;
+/// - [`Section::Plane`]: `n . u_i = n . (u_b + theta x r_i)` at each node, and within the plane the mean: `N + 3` equations;
+/// - [`Section::Mean`]: `(u_b, theta) = argmin int |u - u_b - theta x r|^2 dA`, one equation for each DOF of the beam's node, six
+///   at most; written out, `int (u - u_b - theta x r) dA = 0` and `int r x (u - u_b - theta x r) dA = 0`.
+///
+/// Integrals go over the faces with the functions of their nodes, `u = sum N_i u_i`: a node has the weight `int N_i dA`, its
+/// tributary area, and the lever arm `int N_i r dA`. So what the beam hands over with `Mean` are the nodal forces of a stress that is
+/// linear over the section, whatever the mesh: under pure tension and bending the solid's stress is the exact one. Forces and
+/// moments of the beam are the resultants of those on the face for all three, as rigid motions satisfy every equation.
+///
+/// DOFs removed: as many as equations, which are independent if no other constraint holds the same nodes; `Rigid` beside other
+/// ties of these nodes is redundant or in conflict soon. Units: lengths for translations, radians for rotations, and the choice
+/// of the unit of length changes nothing. Cost: O(nodes + faces).
+///
+/// Sources: the kinematic form is that of Nastran's RBE2, the mean that of its RBE3 with consistent integrals for weights.
+///
+/// ```
+/// use qless_constraints::ConstraintSet;
+/// use qless_constraints::types::{BeamToSolid, Face, Node6, Point, Section, Shape, Surface};
+/// let at = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+/// let nodes = (0..4).map(|i| Point::new([6 + 3 * i, 7 + 3 * i, 8 + 3 * i], at[i])).collect();
+/// let face = Surface { nodes, faces: vec![Face::new(Shape::Quad4, [0, 1, 2, 3])] };
+/// let beam = Node6::new([0, 1, 2], [3, 4, 5], [1.0, 0.5, 0.0]);
+/// for (section, equations) in [(Section::Rigid, 12), (Section::Plane, 7), (Section::Mean, 6)] {
+///     let mut builder = ConstraintSet::builder(18);
+///     builder.add("end", BeamToSolid { beam, face: face.clone(), section })?;
+///     assert_eq!(builder.build()?.equations(), equations);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct BeamToSolid {
+    /// The end node of the beam. With `Mean`, a DOF that is `None` does not follow: a hinge.
+    pub beam: Node6,
+    /// The face of the solid; `Plane` needs faces with a common sense of rotation, the others take any, as the wall of a hole.
+    pub face: Surface<3>,
+    /// What stays of the shape of the section.
+    pub section: Section,
+}
+
+impl BeamToSolid {
+    /// The nodes of the faces, ascending.
+    fn nodes(&self) -> Vec<(usize, Node6)> {
+        let mut used: Vec<usize> = self.face.faces.iter().flat_map(|face| face.nodes.iter().copied()).collect();
+        used.sort_unstable();
+        used.dedup();
+        used.into_iter().map(|i| (i, self.face.nodes[i].into())).collect()
+    }
+
+    /// `e . u_i = e . (u_b + theta x r_i)` at each node.
+    fn held(&self, store: &mut Store, e: Vector<f64>, name: &str) -> Result<(), CouplingError> {
+        for (i, node) in self.nodes() {
+            let terms = self.along(i, e, 1.0).collect();
+            let motion = along(e, arm(node.at, self.beam.at));
+            follow(store, format!("node {}, {name}", i + 1), terms, &self.beam, motion)?;
+        }
+        Ok(())
+    }
+
+    /// `factor e . u_i`.
+    fn along(&self, node: usize, e: Vector<f64>, factor: f64) -> impl Iterator<Item = (usize, f64)> + use<> {
+        let dofs = self.face.nodes[node].dofs;
+        (0..3).map(move |k| (dofs[k], factor * e[k]))
+    }
+
+    /// `motion . (u_b, theta)` is that of the motion nearest to the face's.
+    fn mean(&self, store: &mut Store, fit: &Seen, motion: [f64; 6], name: String) -> Result<(), CouplingError> {
+        let terms = fit.terms(&self.face, motion, self.beam.at)?;
+        lead(store, name, terms.into_iter(), &self.beam, motion)
+    }
+}
+
+impl Constraint for BeamToSolid {
+    const NAME: &'static str = "beam to solid";
+    type Error = CouplingError;
+
+    fn process(self, store: &mut Store) -> Result<(), CouplingError> {
+        let points = area::points(&self.face)?;
+        check(&self.beam, self.nodes().iter().map(|(_, node)| node))?;
+        if self.beam.components().next().is_none() {
+            return Err(CouplingError::NoComponents { node: 0 });
+        }
+        match self.section {
+            Section::Rigid => (0..3).try_for_each(|k| self.held(store, axis(k), AXES[k])),
+            Section::Plane => {
+                let normal = mean_normal(&points)?;
+                self.held(store, normal, "normal")?;
+                let seen = Seen::new(points);
+                let [s, t] = perpendicular(normal);
+                let still = [0.0; 3];
+                self.mean(store, &seen, along(s, still), "in the plane 1".to_owned())?;
+                self.mean(store, &seen, along(t, still), "in the plane 2".to_owned())?;
+                self.mean(store, &seen, about(normal), "torsion".to_owned())
+            }
+            Section::Mean => {
+                let seen = Seen::new(points);
+                let mut own = self.beam.components();
+                own.try_for_each(|(k, _)| self.mean(store, &seen, moving(k, [0.0; 3]), k.to_string()))
+            }
+        }
+    }
+}
+
+/// The unit vector along an axis of space.
+pub fn axis(k: usize) -> Vector<f64> {
+    std::array::from_fn(|i| f64::from(u8::from(i == k)))
+}

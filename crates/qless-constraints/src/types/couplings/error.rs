@@ -1,0 +1,154 @@
+//! What can be wrong with a coupling, whatever its type.
+
+use super::node6::Component;
+use crate::geometry::surface::SurfaceError;
+use crate::scalar::vector::Vector;
+
+/// What can be wrong with a rigid body, an average, or a coupling of a beam or a shell to a solid.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CouplingError {
+    /// There is nothing to couple with.
+    #[error("the coupling has no nodes besides its reference; give at least one")]
+    NoNodes,
+    /// No component is coupled.
+    #[error(
+        "every DOF of node {node}, from 1 (0 is the reference), is None; give those that take part, or leave it out"
+    )]
+    NoComponents {
+        /// The node, from 1; 0 for the reference.
+        node: usize,
+    },
+    /// The coordinates of a node are not finite.
+    #[error("the coordinates of node {node}, from 1 (0 is the reference), are not finite; correct them")]
+    NoPlace {
+        /// The node, from 1; 0 for the reference.
+        node: usize,
+    },
+    /// A DOF stands twice where each must be one of its own.
+    #[error(
+        "DOF {dof} of node {node}, from 1 (0 is the reference), is named twice by it or is the reference's own; \
+         each needs DOFs of its own"
+    )]
+    SharedDof {
+        /// The node, from 1; 0 for the reference.
+        node: usize,
+        /// The DOF.
+        dof: usize,
+    },
+    /// The motion of a node needs a component of the reference that the reference does not have.
+    #[error(
+        "the equation \"{part}\" needs the {component} of the reference, with a factor of {factor}, but the reference has no \
+         such DOF; give it one, or leave out the component that needs it"
+    )]
+    MissingDof {
+        /// The equation, as in labels.
+        part: String,
+        /// What the reference lacks.
+        component: Component,
+        /// The factor that it has in an equation; a length for a rotation that moves a node.
+        factor: f64,
+    },
+    /// A weight is not a positive number.
+    #[error("weight {node}, from 1, is {weight}; weights must be positive")]
+    Weight {
+        /// The node, from 1.
+        node: usize,
+        /// Its weight.
+        weight: f64,
+    },
+    /// The nodes do not tell how the reference moves.
+    #[error(
+        "the nodes do not determine the {component} of the reference: they stay where they are while it moves by \
+         {translation:?} and turns about {rotation:?} (nodes in a line do not see rotations about the line); let only its \
+         other components follow (Node6::only), or add nodes beside the line or components"
+    )]
+    Undetermined {
+        /// What is not determined.
+        component: Component,
+        /// The motion that no node sees, at the reference: its translation, in units of the size of the group of nodes,
+        translation: Vector<f64>,
+        /// and its rotation; both together have length one.
+        rotation: Vector<f64>,
+    },
+    /// Some rotations of a node, but not all, shall follow a finite rotation.
+    #[error(
+        "node {node}, from 1, follows with some of its rotations; components of finite rotations are not independent: \
+         give all three or none, or join it by a hinge"
+    )]
+    PartOfRotations {
+        /// The node, from 1.
+        node: usize,
+    },
+    /// The body does not turn.
+    #[error("the body has no rotations; give it a rotation vector or Euler parameters")]
+    NoRotations,
+    /// The face of the solid is not a surface.
+    #[error("face of the solid: {0}")]
+    Surface(#[from] SurfaceError),
+    /// A face of the solid is a line or a solid, or the faces point against each other.
+    #[error(
+        "the faces of the solid are lines or solids, or point against each other, so that they have no normal; correct them"
+    )]
+    NoNormal,
+    /// A line of nodes through the thickness is not one.
+    #[error("line {line}, from 1, {fault}")]
+    Line {
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong with it.
+        fault: LineFault,
+    },
+    /// A node of the face is not coupled.
+    #[error(
+        "node {node} (from 0) of the face is in no line, so that its part of the area has no shell node; add it to one"
+    )]
+    NotInLine {
+        /// The node, from 0, of the surface.
+        node: usize,
+    },
+}
+
+/// What can be wrong with a line of nodes through the thickness of a shell.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LineFault {
+    /// It needs two nodes in two places.
+    #[error("has no two nodes in different places; give the nodes through the whole thickness")]
+    TooShort,
+    /// A node is not there, or in two lines.
+    #[error("names node {node} (from 0), which is no node of a face, or is in another line or twice in this one")]
+    Node {
+        /// The node, from 0, of the surface.
+        node: usize,
+    },
+    /// A node lies beside the line.
+    #[error("bends: node {node} (from 0) is {distance} beside it, more than a hundredth of its length {length}")]
+    Bent {
+        /// The node, from 0, of the surface.
+        node: usize,
+        /// How far it is beside the line.
+        distance: f64,
+        /// The length of the line.
+        length: f64,
+    },
+    /// The shell node is somewhere else.
+    #[error("is {distance} away from its shell node, more than its length {length}: they are not a pair")]
+    Apart {
+        /// From the shell node to the line.
+        distance: f64,
+        /// The length of the line.
+        length: f64,
+    },
+    /// The shell node is nowhere, or has DOFs of others.
+    #[error(
+        "has a shell node without finite coordinates or that shares a DOF with itself, the solid or the shell node of another \
+         line; each needs DOFs of its own"
+    )]
+    Shell,
+    /// The faces give the line no weight.
+    #[error(
+        "has no share of the area of the faces; give the nodes on middles of edges as lines as well, or other faces"
+    )]
+    NoArea,
+}

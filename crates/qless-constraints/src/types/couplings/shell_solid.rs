@@ -1,0 +1,156 @@
+//! `u_s + theta x r`: the edge of a shell and the side of a solid, line by line through the thickness.
+
+use std::collections::BTreeSet;
+
+use super::area;
+use super::arm::{along, arm};
+use super::beam_solid::axis;
+use super::error::{CouplingError, LineFault};
+use super::node6::Node6;
+use super::rows::{check, clean, follow};
+use super::section::Section;
+use super::thickness::{Thickness, lines};
+use crate::geometry::node::AXES;
+use crate::geometry::surface::Surface;
+use crate::scalar::vector::{Vector, norm, perpendicular};
+use crate::{Constraint, Store};
+
+/// The edge of a shell joined to the side of a solid, for small rotations: each shell node with its line of solid nodes.
+///
+/// With the direction d of the line, `e_1`, `e_2` perpendicular to it, `r_i = X_i - X_s`, and for each line one of
+///
+/// - [`Section::Rigid`]: `u_i = u_s + theta x r_i` at each of its n nodes, 3 n equations;
+/// - [`Section::Plane`]: `e . u_i = e . (u_s + theta x r_i)` for `e_1` and `e_2` at each node, and along d the mean: `2 n + 1`;
+/// - [`Section::Mean`]: `sum_i w_i (u_i - u_s - theta x r_i) = 0`, and `e . sum_i m_i (u_i - u_s - theta x r_i) = 0` for `e_1` and
+///   `e_2`: 5 equations.
+///
+/// `w_i = int N_i dA` is the tributary area of a node on the side of the solid, `m_i = int N_i z dA` with the height z along the
+/// line above the centre of the `w_i`. So `Mean` hands over the nodal forces of a stress that is linear through the thickness and
+/// the same along the edge, exactly, also for quadratic faces. The rotation about d, which moves no node of a straight line,
+/// is not coupled: hold it at the shell, as elsewhere on it.
+///
+/// DOFs removed: as many as equations; they are independent. Units: lengths for translations, radians for rotations; the choice
+/// of the unit of length changes nothing. Cost: O(nodes + faces).
+///
+/// Source: resultants as in Reissner-Mindlin theory, `n = int sigma dz`, `m = int z sigma dz`, with the virtual work of both sides equal.
+///
+/// ```
+/// use qless_constraints::ConstraintSet;
+/// use qless_constraints::types::{Face, Node6, Point, Section, Shape, ShellToSolid, Surface, ThicknessLine};
+/// // A side of 2 x 1 with two nodes through the thickness, z; the shell's edge at half of it.
+/// let at = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 0.0, 1.0], [0.0, 0.0, 1.0]];
+/// let nodes = (0..4).map(|i| Point::new([12 + 3 * i, 13 + 3 * i, 14 + 3 * i], at[i])).collect();
+/// let face = Surface { nodes, faces: vec![Face::new(Shape::Quad4, [0, 1, 2, 3])] };
+/// let lines = vec![
+///     ThicknessLine { shell: Node6::new([0, 1, 2], [3, 4, 5], [0.0, 0.0, 0.5]), nodes: vec![0, 3] },
+///     ThicknessLine { shell: Node6::new([6, 7, 8], [9, 10, 11], [2.0, 0.0, 0.5]), nodes: vec![1, 2] },
+/// ];
+/// let mut builder = ConstraintSet::builder(24);
+/// builder.add("edge", ShellToSolid { lines, face, section: Section::Mean })?;
+/// assert_eq!(builder.build()?.equations(), 10);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShellToSolid {
+    /// One for each node of the shell's edge; every node of the faces is in one.
+    pub lines: Vec<ThicknessLine>,
+    /// The side of the solid that the edge is joined to.
+    pub face: Surface<3>,
+    /// What stays of the shape of the lines.
+    pub section: Section,
+}
+
+/// A node of a shell's edge and the nodes of the solid through the thickness there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ThicknessLine {
+    /// The node of the shell.
+    pub shell: Node6,
+    /// Nodes of the surface, from 0, in any order.
+    pub nodes: Vec<usize>,
+}
+
+/// One line, and what it needs to write its equations.
+struct Edge<'a> {
+    number: usize,
+    shell: &'a Node6,
+    line: &'a Thickness,
+    face: &'a Surface<3>,
+}
+
+impl Edge<'_> {
+    /// `sum_i a_i e . (u_i - u_s - theta x r_i) = 0`.
+    fn equation(&self, store: &mut Store, a: &[f64], e: Vector<f64>, name: &str) -> Result<(), CouplingError> {
+        let (mut terms, mut motion, mut sizes) = (Vec::new(), [0.0; 6], [0.0; 2]);
+        for (&node, &a) in self.line.nodes.iter().zip(a) {
+            let node = &self.face.nodes[node];
+            terms.extend((0..3).map(|k| (node.dofs[k], a * e[k])));
+            let r = arm(node.at, self.shell.at);
+            let own = along(e, r);
+            (0..6).for_each(|k| motion[k] += a * own[k]);
+            sizes = [sizes[0] + a.abs(), sizes[1] + a.abs() * norm(r)];
+        }
+        // Weights sum to one and moments to zero: what rounding leaves of such sums is no factor.
+        let rounding = |k: usize| 64.0 * f64::EPSILON * sizes[k / 3];
+        motion.iter_mut().enumerate().filter(|(k, x)| x.abs() <= rounding(*k)).for_each(|(_, x)| *x = 0.0);
+        clean(terms.iter_mut().map(|(_, a)| a), 1.0);
+        follow(store, format!("line {}, {name}", self.number), terms, self.shell, motion)
+    }
+
+    fn held(&self, store: &mut Store, e: Vector<f64>, name: &str) -> Result<(), CouplingError> {
+        for (i, node) in self.line.nodes.iter().enumerate() {
+            let one: Vec<f64> = (0..self.line.nodes.len()).map(|k| f64::from(u8::from(k == i))).collect();
+            self.equation(store, &one, e, &format!("node {}, {name}", node + 1))?;
+        }
+        Ok(())
+    }
+
+    fn equations(&self, store: &mut Store, section: Section) -> Result<(), CouplingError> {
+        let Thickness { direction, weights, moments, .. } = self.line;
+        let across = perpendicular(*direction);
+        let both = ["across 1", "across 2"].into_iter().zip(across);
+        match section {
+            Section::Rigid => (0..3).try_for_each(|k| self.held(store, axis(k), AXES[k])),
+            Section::Plane => {
+                both.into_iter().try_for_each(|(name, e)| self.held(store, e, name))?;
+                self.equation(store, weights, *direction, "thickness")
+            }
+            Section::Mean => {
+                (0..3).try_for_each(|k| self.equation(store, weights, axis(k), AXES[k]))?;
+                both.into_iter().try_for_each(|(name, e)| self.equation(store, moments, e, &format!("rotation {name}")))
+            }
+        }
+    }
+}
+
+impl ShellToSolid {
+    /// Each shell node has DOFs of its own; lines name nodes that are there.
+    fn check_dofs(&self) -> Result<(), CouplingError> {
+        let mut taken = BTreeSet::new();
+        for (i, ThicknessLine { shell, nodes }) in self.lines.iter().enumerate() {
+            let solid: Vec<Node6> = nodes.iter().map(|&node| self.face.nodes[node].into()).collect();
+            let own = shell.components().all(|(_, dof)| taken.insert(dof));
+            if !own || check(shell, solid.iter()).is_err() {
+                return Err(CouplingError::Line { line: i + 1, fault: LineFault::Shell });
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Constraint for ShellToSolid {
+    const NAME: &'static str = "shell to solid";
+    type Error = CouplingError;
+
+    fn process(self, store: &mut Store) -> Result<(), CouplingError> {
+        let points = area::points(&self.face)?;
+        if self.lines.is_empty() {
+            return Err(CouplingError::NoNodes);
+        }
+        let made = lines(&self.lines, &self.face, &points)?;
+        self.check_dofs()?;
+        for (i, (ThicknessLine { shell, .. }, line)) in self.lines.iter().zip(&made).enumerate() {
+            Edge { number: i + 1, shell, line, face: &self.face }.equations(store, self.section)?;
+        }
+        Ok(())
+    }
+}
