@@ -36,7 +36,7 @@ use crate::ConstraintSet;
 pub struct EquilibriumOptions {
     /// Forces are in balance where `|r_j|` is at most this part of the sum of the sizes of its terms, or rounding. Default 1e-10.
     pub tolerance: f64,
-    /// Constraints hold where `|c_r|` is at most so many times the bound on its rounding. Default 4.
+    /// Constraints hold as in [`crate::newton::NewtonOptions::tolerance`]. Default 4.
     pub roundings: f64,
     /// Most iterations in a load step. Default 25.
     pub iterations: usize,
@@ -88,7 +88,7 @@ pub struct Target<'a> {
 pub struct Iterate {
     /// `max_j |r_j|` over the free DOFs, relative to the sizes of its terms, or to what rounding allows.
     pub force: f64,
-    /// `max_r eps |c_r| / rounding_r` over the kept rows: relative to the sizes of the terms of c.
+    /// `max_r eps |c_r| / rounding_r` over the kept rows: relative to the sizes of the terms of c, its own or the largest.
     pub constraint: f64,
     /// The part of the correction that was gone to come here: 1 for all of it, 0 where only multipliers changed.
     pub length: f64,
@@ -101,9 +101,9 @@ pub struct Iterate {
 pub struct LoadStep {
     /// Part of the way from the start to the target.
     pub factor: f64,
-    /// Whether equilibrium was found there; if not, the step was cut.
+    /// Whether equilibrium was found there; if not, it was tried once more from a configuration that satisfies the constraints, or cut.
     pub converged: bool,
-    /// The way there; of the last attempt, if there was more than one.
+    /// The way there.
     pub iterates: Vec<Iterate>,
 }
 
@@ -120,7 +120,7 @@ pub struct Equilibrium {
     pub constraint_forces: Vec<f64>,
     /// Equations that are redundant here, without multipliers.
     pub redundant: Vec<usize>,
-    /// All load steps, those that were cut too.
+    /// All attempts at load steps, those that failed too.
     pub steps: Vec<LoadStep>,
     /// The loads that it carries.
     pub loads: Vec<f64>,

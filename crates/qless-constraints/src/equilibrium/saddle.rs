@@ -101,15 +101,15 @@ fn inverse(lu: &Lu<usize, f64>, b: &[f64]) -> Vec<f64> {
 
 /// The vector that the matrix makes smallest, of length one, and how long that is; nothing if a pivot is zero.
 fn inverse_iteration(lu: &Lu<usize, f64>, n: usize) -> Option<(Vec<f64>, f64)> {
-    let mut y = unit((0..n as u64).map(random).collect());
+    let mut y = unit(&(0..n as u64).map(random).collect::<Vec<_>>());
     let mut size = f64::INFINITY;
     for _ in 0..3 {
         let x = inverse(lu, &y);
         size = 1.0 / norm(&x);
-        if !(size > 0.0) {
+        if size.is_nan() || size == 0.0 {
             return None;
         }
-        y = unit(x);
+        y = unit(&x);
     }
     Some((y, size))
 }
@@ -143,7 +143,7 @@ fn norm(x: &[f64]) -> f64 {
     x.iter().fold(0.0, |sum: f64, x| sum.hypot(*x))
 }
 
-fn unit(x: Vec<f64>) -> Vec<f64> {
-    let size = norm(&x);
+fn unit(x: &[f64]) -> Vec<f64> {
+    let size = norm(x);
     x.iter().map(|x| x / size).collect()
 }

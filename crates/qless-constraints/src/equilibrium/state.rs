@@ -4,7 +4,7 @@ use qless::Csr;
 
 use super::model::{Assembly, Fault, Model};
 use super::{EquilibriumError, Failure};
-use crate::newton::in_roundings;
+use crate::newton::in_roundings_of_any;
 use crate::{ConstraintSet, Quantities};
 
 /// Rounding of a sum of products, in units in the last place.
@@ -27,7 +27,7 @@ pub struct State {
     pub terms: Vec<f64>,
     /// What rounding of u and G may have added to it.
     rounding: Vec<f64>,
-    /// `|c_r|` in roundings.
+    /// `|c_r|` in roundings, of its own terms or of the largest.
     pub constraints: Vec<f64>,
 }
 
@@ -69,7 +69,7 @@ impl State {
         self.sum(at, loads)?;
         finite("the stiffness", &self.assembly.values)?;
         let rounding = set.rounding(&at.u)?;
-        self.constraints = in_roundings(self.quantities.c(), rounding.c());
+        self.constraints = in_roundings_of_any(&self.quantities, &rounding);
         self.round(model, at, rounding.g());
         Ok(())
     }

@@ -22,8 +22,8 @@ use qless::{Analysis, Options};
 pub use error::NewtonError;
 pub(crate) use redundancy::random;
 pub use redundancy::{Redundancy, redundancies};
-pub(crate) use residual::in_roundings;
 use run::Run;
+pub(crate) use scaling::in_roundings_of_any;
 
 use crate::ConstraintSet;
 

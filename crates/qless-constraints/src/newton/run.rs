@@ -3,8 +3,7 @@
 use qless::{Analysis, ArgumentError, Kind};
 
 use super::linearisation::Linearisation;
-use super::residual::in_roundings;
-use super::scaling::largest;
+use super::scaling::in_roundings_by;
 use super::singular::way_out;
 use super::step::{Line, Place};
 use super::{Iterate, NewtonError, NewtonOptions, Solution, dependent};
@@ -20,7 +19,8 @@ pub struct Run<'a> {
     pub place: Place,
     /// For trial points.
     room: Quantities,
-    /// `|c_r|` in roundings.
+    /// `|c_r|` in roundings of its own terms, or of the largest: where a row's own terms vanish, the rounding of others is felt in it, and at
+    /// rounding nearly dependent rows ask for steps that only do harm.
     residuals: Vec<f64>,
     iterates: Vec<Iterate>,
     /// The part of the last step that was gone.
@@ -34,14 +34,17 @@ impl<'a> Run<'a> {
         prescribed: &'a [(usize, f64)],
         options: &'a NewtonOptions,
     ) -> Result<Self, NewtonError> {
+        if !prescribed.is_empty() {
+            let checked = set.linearised(&set.allocate(), prescribed).map(drop);
+            checked.map_err(|source| NewtonError::System { step: 0, source })?;
+        }
         let mut u = u.to_vec();
-        // DOFs that are not there are named when the equations are linearised.
         prescribed.iter().for_each(|&(j, v)| u.iter_mut().skip(j).take(1).for_each(|u| *u = v));
         let mut rotations = set.rotation_vectors();
         rotations.retain(|vector| prescribed.iter().all(|(dof, _)| !vector.contains(dof)));
         shorten_all(&rotations, &mut u);
         let place = Place::new(set, u).map_err(|source| NewtonError::Argument { step: 0, source })?;
-        let residuals = in_roundings(place.quantities.c(), place.rounding.c());
+        let residuals = in_roundings_by(&place.weights, &place.quantities, &place.rounding);
         let (room, iterates) = (set.allocate(), Vec::new());
         Ok(Self { set, options, prescribed, rotations, place, room, residuals, iterates, length: 1.0 })
     }
@@ -65,23 +68,7 @@ impl<'a> Run<'a> {
 
     /// Whether the chosen equations hold to the tolerance.
     fn satisfied(&self, chosen: impl Fn(usize) -> bool) -> bool {
-        (0..self.residuals.len()).all(|row| self.holds(row) || !chosen(row))
-    }
-
-    /// To the rounding of its own terms, or of the largest: where a row's own terms vanish, the rounding of others is felt in it, and at
-    /// rounding nearly dependent rows ask for steps that only do harm.
-    fn holds(&self, row: usize) -> bool {
-        self.residuals[row] <= self.options.tolerance || self.is_rounding(row)
-    }
-
-    /// Whether there is no more than the rounding of the largest terms; of a row without slope nobody knows.
-    fn is_rounding(&self, row: usize) -> bool {
-        let weight = self.place.weights[row];
-        weight > 0.0 && weight * self.place.quantities.c()[row].abs() <= self.floor()
-    }
-
-    fn floor(&self) -> f64 {
-        self.options.tolerance * largest(&self.place.weights, self.place.rounding.c())
+        self.residuals.iter().enumerate().all(|(row, &r)| r <= self.options.tolerance || !chosen(row))
     }
 
     /// Goes as far along the step as it is good for; false if there is no way to go.
@@ -120,7 +107,7 @@ impl<'a> Run<'a> {
     fn contradicted(&self, analysis: &Analysis) -> Result<Vec<usize>, ArgumentError> {
         let mut rows = Vec::new();
         for row in dependent(analysis) {
-            if self.holds(row) {
+            if self.residuals[row] <= self.options.tolerance {
                 continue;
             }
             let rounding = self.place.rounding.c();
@@ -138,7 +125,7 @@ impl<'a> Run<'a> {
         let Some((mut u, t)) = target else { return Ok(false) };
         shorten_all(&self.rotations, &mut u);
         self.place = Place::new(self.set, u).map_err(|source| NewtonError::Argument { step, source })?;
-        self.residuals = in_roundings(self.place.quantities.c(), self.place.rounding.c());
+        self.residuals = in_roundings_by(&self.place.weights, &self.place.quantities, &self.place.rounding);
         self.length = t;
         Ok(true)
     }

@@ -5,6 +5,9 @@
 
 use qless::Csr;
 
+use super::residual::in_roundings;
+use crate::{Quantities, Rounding};
+
 /// Sweeps over rows and columns.
 const SWEEPS: usize = 20;
 
@@ -19,6 +22,19 @@ pub fn weights(g: &Csr, rounding: &[f64]) -> Vec<f64> {
         average(&mut columns, &counts.1, entries.iter().map(|&(r, j, v)| (j, v + rows[r])));
     }
     rows.iter().zip(counts.0).map(|(row, count)| if count > 0.0 { row.exp2() } else { 0.0 }).collect()
+}
+
+/// Each `|c_r|` in roundings: of its own terms, or of the largest, `D_r |c_r| / max_s D_s rounding_s`, if that is less.
+pub fn in_roundings_of_any(quantities: &Quantities, rounding: &Rounding) -> Vec<f64> {
+    in_roundings_by(&weights(quantities.g(), rounding.g()), quantities, rounding)
+}
+
+/// The same with the weights of this place.
+pub fn in_roundings_by(weights: &[f64], quantities: &Quantities, rounding: &Rounding) -> Vec<f64> {
+    let largest = largest(weights, rounding.c());
+    let own = in_roundings(quantities.c(), rounding.c()).into_iter().zip(quantities.c()).zip(weights);
+    own.map(|((own, c), weight)| if *weight > 0.0 && largest > 0.0 { own.min(weight * c.abs() / largest) } else { own })
+        .collect()
 }
 
 /// `(row, column, log2 |G_rj|)`.

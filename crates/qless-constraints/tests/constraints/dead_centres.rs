@@ -174,3 +174,22 @@ fn tolerances_below_rounding_are_refused() -> Outcome {
     }
     Ok(())
 }
+
+/// Whatever is given, there is an answer or an error, and no panic.
+#[test]
+fn wrong_starts_are_refused() -> Outcome {
+    let (set, options) = (by_points(1.0)?, NewtonOptions::default());
+    for bad in [f64::NAN, f64::INFINITY, 1e300, -1e308] {
+        assert!(solve(&set, &[bad; 4], &[], &options).is_err(), "{bad}");
+        assert!(solve(&set, &[0.0; 4], &[(2, bad)], &options).is_err(), "{bad}");
+    }
+    for prescribed in [vec![(4, 0.0)], vec![(usize::MAX, 0.0)], vec![(0, 0.0), (0, 1.0)]] {
+        assert!(matches!(solve(&set, &[0.0; 4], &prescribed, &options), Err(NewtonError::System { .. })));
+    }
+    for count in [0, 3, 5] {
+        assert!(matches!(solve(&set, &vec![0.0; count], &[], &options), Err(NewtonError::Argument { .. })));
+    }
+    let none = ConstraintSet::builder(3).build()?;
+    assert_eq!(solve(&none, &[1.0; 3], &[(1, 5.0)], &options)?.u, [1.0, 5.0, 1.0]);
+    Ok(())
+}

@@ -10,6 +10,8 @@ mod enforcement;
 mod equilibria;
 /// Parts whose T would fill and that stay factors: the same results as with T.
 mod factored;
+/// Equilibria of mechanisms, and what is refused.
+mod frames;
 /// Joints from far off, and what they leave free.
 mod joints;
 /// Types that are linear: fields that they must let through, loads that they must carry.
@@ -26,6 +28,8 @@ mod newton;
 mod noise;
 /// Two blocks of solid elements under tension, tied at meshes that do not match.
 mod patch;
+/// Finite strain of a periodic cell of solid elements.
+mod periodic_cell;
 /// Poses of bodies, independent of the library.
 mod poses;
 /// Input that must be refused, and what is said.
