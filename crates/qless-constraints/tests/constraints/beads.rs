@@ -58,7 +58,7 @@ fn a_bead_follows_its_line_all_the_way_round() -> Outcome {
         let set = bead(&from)?;
         let mut u = vec![0.0; 9];
         for step in 0..=72 {
-            let angle = step as f64 * std::f64::consts::PI / 18.0;
+            let angle = f64::from(step) * std::f64::consts::PI / 18.0;
             let along = [angle.cos(), angle.sin(), 0.0];
             let ends: Vec<_> =
                 sub(scale(unit, along), from[2]).into_iter().enumerate().map(|(k, v)| (6 + k, v)).collect();

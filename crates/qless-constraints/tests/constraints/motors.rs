@@ -247,7 +247,7 @@ fn chain(angles: &[f64], lengths: &[f64], twists: &[f64]) -> Pose {
 #[test]
 fn bennett_linkage_moves() -> Outcome {
     let (alpha, beta) = (0.7_f64, 1.2_f64);
-    let ratio = ((beta + alpha) / 2.0).sin() / ((beta - alpha) / 2.0).sin();
+    let ratio = f64::midpoint(beta, alpha).sin() / ((beta - alpha) / 2.0).sin();
     let second = |first: f64| 2.0 * (ratio * (first / 2.0).cos()).atan2((first / 2.0).sin());
     let angles = |first: f64| [first, second(first), -first, -second(first)];
     for unit in UNITS {
@@ -305,7 +305,7 @@ fn bricard_linkage_moves() -> Outcome {
                     let theta = (FRAC_PI_2 + sign * time).cos();
                     let phi = (-theta / (1.0 + theta)).acos() - FRAC_PI_2;
                     let holds = |i: usize| {
-                        let truth = if i % 2 == 0 { time } else { phi };
+                        let truth = if i.is_multiple_of(2) { time } else { phi };
                         (ring.angle(u, i).abs() - truth.abs()).abs() < ACCURACY
                     };
                     *way &= (0..6).all(holds);
