@@ -86,7 +86,7 @@ impl Picture {
 
     /// An arrow with heads at both ends.
     pub fn both_ways(self, from: At, to: At) -> Self {
-        let middle = [(from[0] + to[0]) / 2.0, (from[1] + to[1]) / 2.0];
+        let middle = [f64::midpoint(from[0], to[0]), f64::midpoint(from[1], to[1])];
         self.arrow(middle, from).arrow(middle, to)
     }
 
