@@ -3,6 +3,8 @@
 //! A step that fails is tried once more from the nearest configuration that satisfies the constraints (at a dead centre first order knows no
 //! way), then it is cut to a quarter. After an easy step the next one is twice as long.
 
+use qless::SystemBuilder;
+
 use super::correct::Corrector;
 use super::failure::{Failure, Reached};
 use super::rows::Rows;
@@ -37,8 +39,9 @@ pub fn check(dofs: usize, set: &ConstraintSet, start: &Start, target: &Target) -
         }
     }
     // DOFs out of range or named twice, and values that are not finite.
-    let quantities = set.allocate();
-    let checked = set.linearised(&quantities, target.prescribed).map(drop);
+    let mut builder = SystemBuilder::new(set.dofs());
+    target.prescribed.iter().for_each(|&(dof, value)| builder.prescribe(dof, value));
+    let checked = builder.build().map(drop).map_err(crate::LineariseError::from);
     checked.map_err(|source| EquilibriumError::System { factor: 0.0, source })
 }
 
