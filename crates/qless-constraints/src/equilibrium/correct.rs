@@ -124,15 +124,16 @@ impl<M: Model> Corrector<'_, M> {
     fn entries(&self, rows: &Rows) -> Entries {
         let (n, place) = (self.free.len(), self.places());
         let (g, h) = (self.state.quantities.g(), self.state.quantities.h());
-        let hessian = (0..h.rows()).flat_map(|i| h.row(i).map(move |(j, v)| (i, j, v)));
-        let stiffness = self.state.assembly.entries().chain(hessian);
-        let free = stiffness.filter_map(|(i, j, v)| Some((place[i]?, place[j]?, v)));
+        let free = |(i, j, v): (usize, usize, f64)| Some((place[i]?, place[j]?, v));
+        let mut list: Vec<_> = self.state.assembly.entries().filter_map(free).collect();
+        let stiff = list.len();
+        list.extend((0..h.rows()).flat_map(|i| h.row(i).map(move |(j, v)| (i, j, v))).filter_map(free));
         let border = rows.list().iter().enumerate().flat_map(|(r, &row)| {
             let place = &place;
             g.row(row).filter_map(move |(j, v)| Some((n + r, place[j]?, v)))
         });
-        let list = free.chain(border.flat_map(|(r, j, v)| [(r, j, v), (j, r, v)])).collect();
-        Entries { size: n + rows.list().len(), list }
+        list.extend(border.flat_map(|(r, j, v)| [(r, j, v), (j, r, v)]));
+        Entries { size: n + rows.list().len(), stiff, list }
     }
 
     /// The place of each DOF among the free ones.

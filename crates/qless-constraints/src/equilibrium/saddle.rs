@@ -24,6 +24,8 @@ type Matrix = SparseColMat<usize, f64>;
 /// Entries `(row, column, value)` of a square matrix; repetitions are summed.
 pub struct Entries {
     pub size: usize,
+    /// So many of them, the first, are those of the model's stiffness.
+    pub stiff: usize,
     pub list: Vec<(usize, usize, f64)>,
 }
 
@@ -37,7 +39,7 @@ pub struct Saddle {
 impl Saddle {
     /// Scales and factors, with `added` on the first `free` places of the scaled diagonal.
     pub fn new(entries: &Entries, free: usize, added: f64) -> Result<Self, String> {
-        let scale = scaling(entries);
+        let scale = scaling(entries, free);
         let scaled = entries.list.iter().map(|&(i, j, v)| Triplet::new(i, j, scale[i] * v * scale[j]));
         let more = (0..entries.size).map(|i| Triplet::new(i, i, if i < free { added } else { 0.0 }));
         let list: Vec<_> = scaled.chain(more).collect();
@@ -126,17 +128,42 @@ pub fn large(y: &[f64], free: usize) -> Vec<usize> {
     places
 }
 
-/// Powers of two that bring the largest entry of each row to about one; 1 for empty rows.
-fn scaling(entries: &Entries) -> Vec<f64> {
-    let mut scale = vec![1.0_f64; entries.size];
+/// Powers of two that bring the largest entry of each row to about one.
+///
+/// DOFs with stiffness have their scale from that alone: a turn and a shift that are tied differ in stiffness by what their units differ
+/// by, and constraints must not hide it. All others are scaled to fit these.
+fn scaling(entries: &Entries, free: usize) -> Vec<f64> {
+    let mut held = vec![false; entries.size];
+    entries.list[..entries.stiff].iter().filter(|(.., v)| *v != 0.0).for_each(|&(i, ..)| held[i] = true);
+    let mut scale = start(entries, free);
     for _ in 0..ROUNDS {
-        let mut most = vec![0.0_f64; entries.size];
-        for &(i, j, v) in &entries.list {
-            most[i] = most[i].max((scale[i] * v * scale[j]).abs());
-        }
-        scale.iter_mut().zip(most).filter(|(_, most)| *most > 0.0).for_each(|(d, most)| *d /= most.sqrt());
+        let inner = entries.list.iter().filter(|(i, j, _)| *i < free && *j < free);
+        let most = largest_in_rows(inner, &scale);
+        (0..entries.size).filter(|&i| held[i] && most[i] > 0.0).for_each(|i| scale[i] /= most[i].sqrt());
+    }
+    for _ in 0..2 * ROUNDS {
+        let most = largest_in_rows(entries.list.iter(), &scale);
+        (0..entries.size).filter(|&i| !held[i] && most[i] > 0.0).for_each(|i| scale[i] /= most[i].sqrt());
     }
     scale.iter().map(|d| d.log2().round().exp2()).collect()
+}
+
+/// Stiffness and constraints as large as one another: the unit of force drops out.
+fn start(entries: &Entries, free: usize) -> Vec<f64> {
+    let largest = |stiff: bool| {
+        let chosen = entries.list.iter().filter(|(i, j, _)| (*i < free && *j < free) == stiff);
+        let most = chosen.map(|(.., v)| v.abs()).fold(0.0, f64::max);
+        if most > 0.0 { most } else { 1.0 }
+    };
+    let of_dofs = largest(true).sqrt().recip();
+    let of_rows = (largest(false) * of_dofs).recip();
+    (0..entries.size).map(|i| if i < free { of_dofs } else { of_rows }).collect()
+}
+
+fn largest_in_rows<'a>(entries: impl Iterator<Item = &'a (usize, usize, f64)>, scale: &[f64]) -> Vec<f64> {
+    let mut most = vec![0.0_f64; scale.len()];
+    entries.for_each(|&(i, j, v)| most[i] = most[i].max((scale[i] * v * scale[j]).abs()));
+    most
 }
 
 fn norm(x: &[f64]) -> f64 {

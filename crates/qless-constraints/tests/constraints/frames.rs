@@ -130,3 +130,106 @@ fn misuse_is_refused() -> Outcome {
     assert!(matches!(bad(&target, &start, &off), EquilibriumError::Option { .. }));
     Ok(())
 }
+
+/// No DOFs, no constraints, everything held.
+#[test]
+fn the_smallest_problems() -> Outcome {
+    let options = EquilibriumOptions::default();
+    let none = ConstraintSet::builder(0).build()?;
+    let target = Target { loads: &[], prescribed: &[] };
+    let refused = solve(&mut Weights { springs: vec![] }, &none, &Start::at_rest(&none), &target, &options);
+    assert!(matches!(refused, Err(EquilibriumError::System { .. })), "{refused:?}");
+    let free = ConstraintSet::builder(2).build()?;
+    let target = Target { loads: &[3.0, 0.0], prescribed: &[] };
+    let mut springs = Weights { springs: vec![2.0, 5.0] };
+    let found = solve(&mut springs, &free, &Start::at_rest(&free), &target, &options)?;
+    assert!((found.u[0] - 1.5).abs() < 1e-15 && found.u[1] == 0.0);
+    // All DOFs prescribed, as the constraint has it, and against it.
+    let mut builder = ConstraintSet::builder(2);
+    builder.add("equal", Equal::new([0, 1]))?;
+    let set = builder.build()?;
+    let held = Target { loads: &[3.0, 0.0], prescribed: &[(0, 0.25), (1, 0.25)] };
+    let found = solve(&mut springs, &set, &Start::at_rest(&set), &held, &options)?;
+    assert_eq!((found.u, found.reactions, found.redundant), (vec![0.25; 2], vec![-2.5, 1.25], vec![0]));
+    let against = Target { loads: &[3.0, 0.0], prescribed: &[(0, 0.25), (1, 0.5)] };
+    let error = solve(&mut springs, &set, &Start::at_rest(&set), &against, &options).expect_err("0.25 is not 0.5");
+    assert!(error.to_string().contains("equal"), "{error}");
+    Ok(())
+}
+
+/// Two springs tied to one another and to no ground, and a rod that cannot reach: errors that name them.
+#[test]
+fn what_cannot_be_is_named() -> Outcome {
+    let options = EquilibriumOptions::default();
+    for force in [1e-6, 1.0, 1e6] {
+        // 0.1 + 0.2 - 0.3 is not zero.
+        struct Tied(f64);
+        impl Model for Tied {
+            fn dofs(&self) -> usize {
+                3
+            }
+            fn pattern(&self, entry: &mut dyn FnMut(usize, usize)) {
+                (0..9).for_each(|k| entry(k / 3, k % 3));
+            }
+            fn assemble(
+                &mut self,
+                u: &[f64],
+                out: &mut qless_constraints::equilibrium::Assembly,
+            ) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+                for (i, j, k) in [(0, 1, 0.1 * self.0), (1, 2, 0.2 * self.0)] {
+                    out.force(i, k * (u[i] - u[j]));
+                    out.force(j, k * (u[j] - u[i]));
+                    for (a, b, k) in [(i, i, k), (j, j, k), (i, j, -k), (j, i, -k)] {
+                        out.stiffness(a, b, k);
+                    }
+                }
+                Ok(())
+            }
+        }
+        let mut builder = ConstraintSet::builder(3);
+        builder.add("tie", Equal::new([0, 2]))?;
+        let set = builder.build()?;
+        for loads in [[force, 0.0, 0.0], [0.0; 3], [force, -force, 0.0]] {
+            let target = Target { loads: &loads, prescribed: &[] };
+            let error = solve(&mut Tied(force), &set, &Start::at_rest(&set), &target, &options);
+            match error {
+                Err(EquilibriumError::Unsupported { mut dofs, .. }) => {
+                    dofs.sort_unstable();
+                    assert_eq!(dofs, [0, 1, 2], "{force} {loads:?}");
+                }
+                other => panic!("{force} {loads:?}: {other:?}"),
+            }
+        }
+        let (a, b) = (PlanarPoint::new([0, 1], [0.0; 2]), PlanarPoint::new([2, 3], [1.0, 0.0]));
+        let mut builder = ConstraintSet::builder(4);
+        builder.add("short rod", Distance { a, b, length: Some(0.5) })?;
+        let set = builder.build()?;
+        let target = Target { loads: &[0.0; 4], prescribed: &[(0, 0.0), (1, 0.0), (2, 0.0), (3, 0.0)] };
+        let mut model = Weights { springs: vec![force; 4] };
+        let error = solve(&mut model, &set, &Start::at_rest(&set), &target, &options).expect_err("too short");
+        assert!(error.to_string().contains("short rod"), "{error}");
+    }
+    Ok(())
+}
+
+/// The same bits with any number of threads.
+#[test]
+fn threads_change_no_bit() -> Outcome {
+    let set = scissors(60, 1.0, 0.7)?;
+    let run = || {
+        let mut model = Weights { springs: vec![0.0; set.dofs()] };
+        model.springs[3] = 400.0;
+        let mut loads = vec![0.0; set.dofs()];
+        loads[240] = 1.0;
+        let target = Target { loads: &loads, prescribed: &[(0, 0.0), (1, 0.0), (2, 0.0)] };
+        solve(&mut model, &set, &Start::at_rest(&set), &target, &EquilibriumOptions::default())
+            .map_err(|e| e.to_string())
+    };
+    let with =
+        |threads: usize| rayon::ThreadPoolBuilder::new().num_threads(threads).build().map(|pool| pool.install(run));
+    let one = with(1)??;
+    for threads in [2, 3, 8] {
+        assert!(with(threads)?? == one, "{threads} threads");
+    }
+    Ok(())
+}
