@@ -32,7 +32,7 @@ impl ConstraintSet {
     /// set.set_rhs(push, &[2.0])?;
     /// set.activate(tie)?;
     /// set.evaluate(&[0.0, 1.0, 2.0], &mut quantities)?;
-    /// assert_eq!((quantities.c(), set.rows_of(push)?), ([-1.0, 0.0].as_slice(), vec![1]));
+    /// assert_eq!((quantities.c(), set.rows_of(push)?), ([1.0, 0.0].as_slice(), vec![1]));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
