@@ -32,6 +32,11 @@ use crate::{Constraint, Store};
 ///
 /// Sources: the kinematic form is that of Nastran's RBE2, the mean that of its RBE3 with consistent integrals for weights.
 ///
+#[doc = include_str!("../../../docs/pictures/beam_to_solid.svg")]
+///
+#[doc = include_str!("../../../docs/types/beam_to_solid.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::ConstraintSet;
 /// use qless_constraints::types::{BeamToSolid, Face, Node6, Point, Section, Shape, Surface};

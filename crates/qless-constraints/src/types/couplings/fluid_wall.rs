@@ -28,6 +28,11 @@ const CREASE: f64 = 0.866;
 ///
 /// Source: the paper's appendix A.2; for a fluid in displacement form [`crate::types::FluidNormal`].
 ///
+#[doc = include_str!("../../../docs/pictures/fluid_wall.svg")]
+///
+#[doc = include_str!("../../../docs/types/fluid_wall.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::ConstraintSet;
 /// use qless_constraints::types::{Face, FluidNode, FluidWall, Point, Shape, Surface};

@@ -34,6 +34,11 @@ use crate::{Constraint, Store};
 ///
 /// Source: resultants as in Reissner-Mindlin theory, `n = int sigma dz`, `m = int z sigma dz`, with the virtual work of both sides equal.
 ///
+#[doc = include_str!("../../../docs/pictures/shell_to_solid.svg")]
+///
+#[doc = include_str!("../../../docs/types/shell_to_solid.md")]
+/// # Example
+///
 /// ```
 /// use qless_constraints::ConstraintSet;
 /// use qless_constraints::types::{Face, Node6, Point, Section, Shape, ShellToSolid, Surface, ThicknessLine};
