@@ -32,7 +32,7 @@ impl Picture {
         let head = format!("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\"");
         let view =
             format!("viewBox=\"0 0 {width} {height}\" role=\"img\" font-family=\"sans-serif\" font-size=\"14\">");
-        format!("<div>\n{head} {view}\n<title>{}</title>\n{body}</svg>\n</div>\n", self.title)
+        format!("{head} {view}\n<title>{}</title>\n{body}</svg>\n", self.title)
     }
 
     fn put(mut self, element: &str) -> Self {
