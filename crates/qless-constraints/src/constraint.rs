@@ -52,8 +52,8 @@ pub trait Constraint {
     /// Checks the input and hands its linear equations and nonlinear parts to the store.
     ///
     /// # Errors
-    /// One that says what is wrong with the input. DOFs out of range, repeated DOFs and numbers that are not finite are
-    /// found by the store, for all types alike. Nothing is stored then.
+    /// One that says what is wrong with the input. DOFs out of range, repeated DOFs and numbers that are not finite, of
+    /// equations or stated by [`Store::numbers`], are found by the store, for all types alike. Nothing is stored then.
     fn process(self, store: &mut Store) -> Result<(), Self::Error>;
 }
 

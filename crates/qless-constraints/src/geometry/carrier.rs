@@ -98,9 +98,10 @@ impl Body {
         [position, self.rotation_dofs()].concat()
     }
 
-    /// States that a rotation is known to one unit in the last place of a radian, and Euler parameters to that of one, however small
-    /// they are: what they turn is known no better.
-    pub(crate) fn state_rotations(&self, store: &mut Store) {
+    /// States the place of the body, and that a rotation is known to one unit in the last place of a radian, and Euler parameters to
+    /// that of one, however small they are: what they turn is known no better.
+    pub(crate) fn state(&self, store: &mut Store) {
+        store.numbers(self.at);
         self.rotation_dofs().iter().for_each(|&dof| store.coordinate(dof, 1.0));
     }
 

@@ -56,9 +56,47 @@ fn cut(polygon: &[Flat], a: Flat, b: Flat) -> Vec<Flat> {
     kept
 }
 
-/// Points and weights whose sum is the integral over a polygon, exact for polynomials up to degree five.
+/// Corners that cut off less than this part of the area are none: rounding puts them on edges and next to one another.
+const STRAIGHT: f64 = 1e-10;
+
+/// The corners of a polygon without those that are none.
+fn true_corners(polygon: &[Flat]) -> Vec<Flat> {
+    let least = 2.0 * STRAIGHT * area(polygon);
+    let mut corners = polygon.to_vec();
+    let mut k = 0;
+    while k < corners.len() && corners.len() > 3 {
+        let n = corners.len();
+        if side(corners[(k + n - 1) % n], corners[k], corners[(k + 1) % n]) < least {
+            corners.remove(k);
+        } else {
+            k += 1;
+        }
+    }
+    corners
+}
+
+/// The mean of a polygon, weighted with the area.
+fn centroid(polygon: &[Flat]) -> Flat {
+    let parts = || fan(polygon).map(|[a, b, c]| (side(a, b, c), [a[0] + b[0] + c[0], a[1] + b[1] + c[1]]));
+    let whole: f64 = parts().map(|(twice, _)| twice).sum();
+    [0, 1].map(|k| parts().map(|(twice, sum)| twice * sum[k]).sum::<f64>() / (3.0 * whole))
+}
+
+/// Triangles that depend on the polygon alone, not on which corner is its first: itself, or those from the centroid to every edge.
+fn triangles(polygon: &[Flat]) -> Vec<[Flat; 3]> {
+    match *true_corners(polygon) {
+        [a, b, c] => vec![[a, b, c]],
+        ref corners => {
+            let middle = centroid(corners);
+            edges(corners).map(|(a, b)| [middle, a, b]).collect()
+        }
+    }
+}
+
+/// Points and weights whose sum is the integral over a polygon, exact for polynomials up to degree five; for others it depends on the
+/// polygon alone, so that it turns with the model.
 pub fn quadrature(polygon: &[Flat]) -> impl Iterator<Item = (Flat, f64)> {
-    fan(polygon).flat_map(|triangle| {
+    triangles(polygon).into_iter().flat_map(|triangle| {
         let whole = side(triangle[0], triangle[1], triangle[2]) / 2.0;
         seven_points().map(|(l, weight)| {
             let at = |k: usize| (0..3).map(|i| l[i] * triangle[i][k]).sum();

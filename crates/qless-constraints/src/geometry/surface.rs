@@ -1,5 +1,7 @@
 //! Faces that share nodes, or solids: what a search and a tie of surfaces are given.
 
+use std::collections::HashMap;
+
 use rayon::prelude::*;
 
 use super::fold::is_degenerate;
@@ -77,6 +79,14 @@ pub enum SurfaceError {
         /// How many nodes there are.
         nodes: usize,
     },
+    /// Two faces are one: integrals would count it twice.
+    #[error("faces {first} and {second}, from 1, have the same nodes; take one out, as integrals would count both")]
+    Repeated {
+        /// One face, from 1.
+        first: usize,
+        /// The other.
+        second: usize,
+    },
     /// A face has no length, area or volume, folds, has more dimensions than its space, or has a node whose coordinates are not finite.
     #[error("face {face}, from 1, is degenerate or folded: correct its nodes, their coordinates or their order")]
     Degenerate {
@@ -110,6 +120,20 @@ impl<const D: usize, const F: usize> Surface<D, F> {
         }
         let faults = (0..self.faces.len()).into_par_iter().filter_map(|face| self.check_face(face).err());
         faults.find_first(|_| true).map_or(Ok(()), Err)
+    }
+
+    /// As [`Surface::check`], and that no face is there twice: for those who integrate.
+    pub(crate) fn check_integrable(&self) -> Result<(), SurfaceError> {
+        self.check()?;
+        let mut found = HashMap::with_capacity(self.faces.len());
+        for (second, face) in (1..).zip(&self.faces) {
+            let mut nodes = face.nodes.clone();
+            nodes.sort_unstable();
+            if let Some(first) = found.insert(nodes, second) {
+                return Err(SurfaceError::Repeated { first, second });
+            }
+        }
+        Ok(())
     }
 
     fn check_face(&self, index: usize) -> Result<(), SurfaceError> {

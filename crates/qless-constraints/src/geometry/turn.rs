@@ -12,6 +12,21 @@ pub struct Turn<const D: usize> {
     angle: f64,
 }
 
+/// Units in the last place, of the angle or of one, that are rounding in a sine.
+const BLUR: f64 = 8.0 * f64::EPSILON;
+
+/// A number of a rotation by the angle; zero where that is what it is but for the rounding of the angle: a quarter or a whole turn has
+/// no exact angle, and noise of 1e-16 would make a coefficient, and a rank.
+fn cleaned(x: f64, angle: f64) -> f64 {
+    if x.abs() <= BLUR * angle.abs().max(1.0) { 0.0 } else { x }
+}
+
+/// The sine and the cosine, each exactly zero where it is rounding.
+pub fn sin_cos(angle: f64) -> (f64, f64) {
+    let (sin, cos) = angle.sin_cos();
+    (cleaned(sin, angle), cleaned(cos, angle))
+}
+
 /// An axis has no direction.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("the axis {axis:?} has no direction; give a vector that is finite and not zero")]
@@ -29,7 +44,7 @@ impl Turn<3> {
         let direction = unit(axis).ok_or(TurnError { axis })?;
         let turn = |s| by_vector(scale(angle, direction), s);
         let columns = [turn([1.0, 0.0, 0.0]), turn([0.0, 1.0, 0.0]), turn([0.0, 0.0, 1.0])];
-        let rotation = std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i]));
+        let rotation = std::array::from_fn(|i| std::array::from_fn(|j| cleaned(columns[j][i], angle)));
         Ok(Self { centre, rotation, angle })
     }
 }
@@ -37,7 +52,7 @@ impl Turn<3> {
 impl Turn<2> {
     /// By an angle in radians, counter-clockwise, about a centre in the plane.
     pub fn in_plane(centre: [f64; 2], angle: f64) -> Self {
-        let (sin, cos) = angle.sin_cos();
+        let (sin, cos) = sin_cos(angle);
         Self { centre, rotation: [[cos, -sin], [sin, cos]], angle }
     }
 }

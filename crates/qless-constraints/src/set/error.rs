@@ -30,7 +30,7 @@ pub enum StoreError {
         /// How many the type has.
         expected: usize,
     },
-    /// A coefficient or right-hand side is NaN or infinite.
+    /// A coefficient, a right-hand side, or a coordinate is NaN or infinite.
     #[error("a number of it is {value}; every number must be finite")]
     NotFinite {
         /// The number.

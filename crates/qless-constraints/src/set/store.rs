@@ -127,12 +127,25 @@ impl Store {
     ///
     /// For types that keep differences of coordinates only, for [`crate::ConstraintSet::rounding`].
     pub fn coordinate(&mut self, dof: usize, at: f64) {
+        self.check_number(at);
         self.contents.coordinates.push((dof as u32, at));
     }
 
     /// [`Store::coordinate`] of all translations of a node.
     pub fn coordinates_of<const D: usize>(&mut self, node: &Node<D>) {
         node.dofs.iter().zip(node.at).for_each(|(&dof, at)| self.coordinate(dof, at));
+    }
+
+    /// States that the parameters of a nonlinear part hold these numbers, as coordinates: each must be finite.
+    ///
+    /// Linear equations need no such statement: the store sees all of their numbers.
+    pub fn numbers(&mut self, numbers: impl IntoIterator<Item = f64>) {
+        numbers.into_iter().for_each(|number| self.check_number(number));
+    }
+
+    /// The time of the set.
+    pub(crate) fn time(&self) -> f64 {
+        self.time
     }
 
     fn check_dof(&mut self, dof: usize) {

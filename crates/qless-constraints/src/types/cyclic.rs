@@ -2,7 +2,7 @@
 
 use crate::geometry::node::{Node, field, separation, within};
 use crate::geometry::project::rounding;
-use crate::geometry::turn::Turn;
+use crate::geometry::turn::{Turn, sin_cos};
 use crate::{Constraint, Store};
 
 /// What the F fields of a node are when it turns.
@@ -158,7 +158,7 @@ impl<const D: usize, const F: usize> Constraint for CyclicHarmonic<D, F> {
     fn process(self, store: &mut Store) -> Result<(), CyclicError> {
         let (pair, real, imaginary) = (self.real, self.real.a.dofs, self.imaginary_a);
         pair.check()?;
-        let (sin, cos) = (f64::from(self.harmonic) * pair.turn.angle()).sin_cos();
+        let (sin, cos) = sin_cos(f64::from(self.harmonic) * pair.turn.angle());
         for k in 0..F {
             for (part, [of_real, of_imaginary], image) in
                 [("real", [cos, -sin], pair.b.dofs[k]), ("imaginary", [sin, cos], self.imaginary_b[k])]

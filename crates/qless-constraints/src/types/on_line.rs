@@ -89,6 +89,7 @@ impl Constraint for OnLine {
             Line::Nodes(a, b) => {
                 let dofs = [self.point.dofs, a.dofs, b.dofs].concat();
                 let (at, length) = ([self.point.at, a.at, b.at], norm(along));
+                store.numbers(at.into_iter().flatten());
                 store.nonlinear("", &dofs, MovingLine { at, along: direction, length, across });
             }
         }

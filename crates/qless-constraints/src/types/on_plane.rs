@@ -1,6 +1,7 @@
 //! `n . (p - a) = 0`: a node on a plane; on that through three nodes, `n = (b - a) x (d - a) / |(b - a) x (d - a)|`.
 
 use crate::geometry::node::{Point, moved};
+use crate::geometry::project::rounding;
 use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, cross, dot, norm, scale, sub, unit};
 use crate::{Constraint, Nonlinear, Store};
@@ -58,7 +59,9 @@ pub struct OnPlane {
 #[non_exhaustive]
 pub enum OnPlaneError {
     /// The plane has no normal.
-    #[error("the plane has no normal: its vector is zero, or its nodes lie in a line")]
+    #[error(
+        "the plane has no normal: its vector is zero, or its nodes lie in a line, to the rounding of their coordinates"
+    )]
     Normal,
 }
 
@@ -75,11 +78,14 @@ impl Constraint for OnPlane {
             }
             Plane::Nodes(a, b, d) => {
                 let (ab, ad) = (sub(b.at, a.at), sub(d.at, a.at));
-                let sound = norm(cross(ab, ad)) > FLAT * norm(ab) * norm(ad);
+                let (area, sides) = (norm(cross(ab, ad)), norm(ab).max(norm(ad)));
+                // Far away from the origin the rounding of the coordinates alone makes an area.
+                let sound = area > FLAT * norm(ab) * norm(ad) && area > rounding(&[b.at, d.at], &a.at) * sides;
                 if !sound {
                     return Err(OnPlaneError::Normal);
                 }
                 let at = [self.point.at, a.at, b.at, d.at];
+                store.numbers(at.into_iter().flatten());
                 let dofs = [self.point.dofs, a.dofs, b.dofs, d.dofs].concat();
                 store.nonlinear("", &dofs, MovingPlane { at });
             }

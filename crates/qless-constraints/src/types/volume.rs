@@ -6,7 +6,7 @@ use std::collections::HashMap;
 
 use crate::geometry::node::{Point, moved};
 use crate::scalar::Scalar;
-use crate::scalar::vector::{Vector, cross, dot, sub};
+use crate::scalar::vector::{Vector, cross, dot, norm, sub};
 use crate::{Constraint, Nonlinear, Store};
 
 /// A patch of tetrahedra of constant volume, one equation.
@@ -53,15 +53,26 @@ pub enum VolumeError {
         /// How many there are.
         nodes: usize,
     },
-    /// A tetrahedron is flat or turned inside out.
+    /// A tetrahedron is flat, to the rounding of its coordinates, or turned inside out.
     #[error(
-        "tetrahedron {tetrahedron}, from 1, has volume {volume}; it must be positive: correct the order of its corners"
+        "tetrahedron {tetrahedron}, from 1, has volume {volume}; it must be positive, and more than the rounding of its coordinates: \
+         correct its corners or their order"
     )]
     Inverted {
         /// The tetrahedron, from 1.
         tetrahedron: usize,
         /// Its volume.
         volume: f64,
+    },
+    /// Two tetrahedra are on the same side of a face that both have: they lie in one another, or are one tetrahedron given twice.
+    #[error(
+        "tetrahedra {first} and {second}, from 1, lie on the same side of the face that both have; take one out, or correct its corners"
+    )]
+    Overlap {
+        /// One tetrahedron, from 1.
+        first: usize,
+        /// The other.
+        second: usize,
     },
     /// No tetrahedra.
     #[error("the patch has no tetrahedra; give at least one")]
@@ -77,9 +88,8 @@ impl Volume {
             if let Some(&node) = corners.iter().find(|&&node| node >= self.nodes.len()) {
                 return Err(VolumeError::NoNode { tetrahedron, node, nodes: self.nodes.len() });
             }
-            let [a, b, c, d] = corners.map(|node| self.nodes[node].at);
-            let volume = dot(cross(sub(b, a), sub(c, a)), sub(d, a)) / 6.0;
-            if !(volume > 0.0 && volume.is_finite()) {
+            let (volume, least) = volume(corners.map(|node| self.nodes[node].at));
+            if !(volume > least && volume.is_finite()) {
                 return Err(VolumeError::Inverted { tetrahedron, volume });
             }
             total += volume;
@@ -88,18 +98,39 @@ impl Volume {
     }
 
     /// Faces that belong to one tetrahedron only, seen from outside, in the order of the tetrahedra.
-    fn outer_faces(&self) -> Vec<[usize; 3]> {
-        let faces = |&[a, b, c, d]: &[usize; 4]| [[a, c, b], [a, b, d], [b, c, d], [c, a, d]];
+    ///
+    /// Two tetrahedra see a face that they share in opposite senses, which makes the outer faces a closed surface.
+    fn outer_faces(&self) -> Result<Vec<[usize; 3]>, VolumeError> {
+        let faces = |&[a, b, c, d]: &[usize; 4]| [[a, c, b], [a, b, d], [b, c, d], [c, a, d]].map(smallest_first);
         let all: Vec<[usize; 3]> = self.tetrahedra.iter().flat_map(faces).collect();
-        let mut count: HashMap<[usize; 3], usize> = HashMap::new();
-        let key = |face: &[usize; 3]| {
-            let mut key = *face;
-            key.sort_unstable();
-            key
-        };
-        all.iter().for_each(|face| *count.entry(key(face)).or_default() += 1);
-        all.into_iter().filter(|face| count[&key(face)] == 1).collect()
+        let mut owner: HashMap<[usize; 3], usize> = HashMap::with_capacity(all.len());
+        for (number, &face) in all.iter().enumerate() {
+            let second = number / 4 + 1;
+            if let Some(first) = owner.insert(face, second) {
+                return Err(VolumeError::Overlap { first, second });
+            }
+        }
+        Ok(all.into_iter().filter(|&[a, b, c]| !owner.contains_key(&[a, c, b])).collect())
     }
+}
+
+/// The same face in the same sense, its smallest node first.
+fn smallest_first([a, b, c]: [usize; 3]) -> [usize; 3] {
+    if a < b && a < c {
+        [a, b, c]
+    } else if b < c {
+        [b, c, a]
+    } else {
+        [c, a, b]
+    }
+}
+
+/// Of a tetrahedron; and what rounding of the coordinates, and of the products, can make of a flat one.
+fn volume([a, b, c, d]: [Vector<f64>; 4]) -> (f64, f64) {
+    let [ab, ac, ad] = [b, c, d].map(|x| sub(x, a));
+    let place = [a, b, c, d].into_iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let areas = norm(cross(ab, ac)) + norm(cross(ac, ad)) + norm(cross(ad, ab));
+    (dot(cross(ab, ac), ad) / 6.0, f64::EPSILON * place * areas / 3.0)
 }
 
 impl Constraint for Volume {
@@ -108,7 +139,7 @@ impl Constraint for Volume {
 
     fn process(self, store: &mut Store) -> Result<(), VolumeError> {
         let volume = self.volume()?;
-        let faces = self.outer_faces();
+        let faces = self.outer_faces()?;
         let mut used: Vec<usize> = faces.iter().flatten().copied().collect();
         used.sort_unstable();
         used.dedup();

@@ -38,6 +38,8 @@ mod linkages;
 mod living;
 /// Known ranks of known mechanisms.
 mod mechanisms;
+/// Numbers and meshes that no equation may be made of, and noise that must not become one.
+mod misuse;
 /// Mechanisms driven over many turns, against closed forms.
 mod motors;
 /// Residuals of Newton's method.

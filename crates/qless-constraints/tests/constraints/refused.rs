@@ -145,7 +145,7 @@ fn faults_of_couplings() {
     );
     let line = Surface { faces: vec![Face::new(Shape::Line2, [0, 1])], ..face.clone() };
     assert_refused(end(line, Section::Mean), "have no normal");
-    let both = vec![Face::new(Shape::Tri3, [0, 1, 2]), Face::new(Shape::Tri3, [0, 2, 1])];
+    let both = vec![Face::new(Shape::Tri3, [0, 1, 2]), Face::new(Shape::Tri3, [0, 3, 2])];
     assert_refused(end(Surface { faces: both, ..face.clone() }, Section::Plane), "point against each other");
     let shell = |nodes: &[&[usize]], at: [f64; 3]| {
         let lines = nodes.iter().map(|nodes| ThicknessLine { shell: Node6 { at, ..beam }, nodes: nodes.to_vec() });

@@ -31,7 +31,7 @@ impl Gauss {
 
 /// All points of integration, face by face.
 pub fn points(surface: &Surface<3>) -> Result<Vec<Gauss>, CouplingError> {
-    surface.check()?;
+    surface.check_integrable()?;
     if surface.faces.iter().any(|face| face.shape.dimensions() != 2) {
         return Err(CouplingError::NoNormal);
     }

@@ -131,7 +131,7 @@ impl FluidWall {
     /// Nodes of each face with the normal there, of which the length is in proportion to the area.
     fn face_normals(&self) -> Result<Vec<Normals>, FluidWallError> {
         let side = self.side();
-        side.check().map_err(FluidWallError::Fluid)?;
+        side.check_integrable().map_err(FluidWallError::Fluid)?;
         let on = |(i, face): (usize, &Face)| {
             let shape = face.shape;
             if shape.dimensions() != 2 {

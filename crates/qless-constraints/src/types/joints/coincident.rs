@@ -17,7 +17,8 @@ pub fn coincident(store: &mut Store, part: impl Into<Cow<'static, str>>, a: &Bod
     let swap = a.dofs().first() > b.dofs().first();
     let (first, second, sign) = if swap { (b, a, -1.0) } else { (a, b, 1.0) };
     let parameters = Coincident { a: first.carry(at), b: second.carry(at), sign };
-    [a, b].iter().for_each(|body| body.state_rotations(store));
+    store.numbers(at);
+    [a, b].iter().for_each(|body| body.state(store));
     store.nonlinear(part, &[first.dofs(), second.dofs()].concat(), parameters);
 }
 

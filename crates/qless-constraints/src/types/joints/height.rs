@@ -13,7 +13,8 @@ use crate::{Nonlinear, Store};
 /// The point `at` of body b keeps its height along the direction `s` of body a, above the same point of body a.
 pub fn height(store: &mut Store, part: &'static str, a: &Body, b: &Body, at: Vector<f64>, s: Vector<f64>) {
     let parameters = Height::new(a, b, at, s);
-    [a, b].iter().for_each(|body| body.state_rotations(store));
+    store.numbers(at);
+    [a, b].iter().for_each(|body| body.state(store));
     store.nonlinear(part, &[a.dofs(), b.dofs()].concat(), parameters);
 }
 

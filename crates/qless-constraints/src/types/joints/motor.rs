@@ -135,6 +135,7 @@ impl Constraint for RotationMotor {
 
     fn process(self, store: &mut Store) -> Result<(), JointError> {
         check_turns(&self.a, &self.b)?;
+        store.numbers([(self.angle)(store.time())]);
         relative(store, "", &self.a, &self.b, Twist::new(direction(self.axis)?, self.angle));
         Ok(())
     }
@@ -148,7 +149,8 @@ impl Constraint for TranslationMotor {
         check_turns(&self.a, &self.b)?;
         let height = Height::new(&self.a, &self.b, self.at, direction(self.axis)?);
         let dofs = [self.a.dofs(), self.b.dofs()].concat();
-        [self.a, self.b].iter().for_each(|body| body.state_rotations(store));
+        store.numbers(self.at.into_iter().chain([(self.travel)(store.time())]));
+        [self.a, self.b].iter().for_each(|body| body.state(store));
         store.nonlinear("", &dofs, Travel { height, motion: self.travel });
         Ok(())
     }

@@ -35,7 +35,7 @@ pub trait OfTurn: Send + Sync + 'static {
 /// The equations `of` on the rotations of two bodies.
 pub fn relative<F: OfTurn>(store: &mut Store, part: impl Into<Cow<'static, str>>, a: &Body, b: &Body, of: F) {
     let dofs = [a.rotation_dofs(), b.rotation_dofs()].concat();
-    [a, b].iter().for_each(|body| body.state_rotations(store));
+    [a, b].iter().for_each(|body| body.state(store));
     store.nonlinear(part, &dofs, Relative { a: a.kind, b: b.kind, of });
 }
 

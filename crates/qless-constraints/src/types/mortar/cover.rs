@@ -2,6 +2,7 @@
 
 use super::{MortarError, MortarTie};
 use crate::geometry::node::within;
+use crate::geometry::project::rounding;
 use crate::geometry::search::FaceSearch;
 use crate::geometry::segment::{Part, Segment};
 use crate::geometry::surface::Surface;
@@ -24,7 +25,7 @@ impl<const D: usize, const F: usize> MortarTie<D, F> {
     /// Both sides are surfaces of sound facets of one dimension.
     pub(super) fn check(&self) -> Result<(), MortarError> {
         for (side, surface) in [("slave", &self.slave), ("master", &self.master)] {
-            surface.check().map_err(|source| MortarError::Surface { side, source })?;
+            surface.check_integrable().map_err(|source| MortarError::Surface { side, source })?;
             for (facet, face) in surface.faces.iter().enumerate() {
                 let dimension = face.shape.dimensions();
                 if dimension >= D || dimension != self.slave.faces[0].shape.dimensions() {
@@ -41,16 +42,23 @@ impl<const D: usize, const F: usize> MortarTie<D, F> {
     /// The segments of one slave facet.
     pub(super) fn segments(&self, facet: usize, search: &FaceSearch<D, F>) -> Result<Segments, MortarError> {
         let shape = self.slave.faces[facet].shape;
-        let near = search.touching(shape, &self.slave.places(facet), self.tolerance);
+        let places = self.slave.places(facet);
+        let near = search.touching(shape, &places, self.tolerance);
         let mut segments = Vec::new();
         for part in self.parts(facet) {
             let first = segments.len();
             let over = near.iter().flat_map(|&master| self.over(&part, master).map(move |segment| (master, segment)));
-            segments.extend(over.filter(|(_, segment)| within(segment.gap, self.tolerance)));
+            segments.extend(over.filter(|(master, segment)| self.is_near(segment, &places, *master)));
             let covered = segments[first..].iter().map(|(_, segment)| segment.size).sum();
             self.check_cover(facet + 1, &part, covered)?;
         }
         Ok(segments)
+    }
+
+    /// Whether the facets are within the tolerance of each other, beyond the rounding of their coordinates.
+    fn is_near(&self, segment: &Segment, slave: &[[f64; D]], master: usize) -> bool {
+        let blur = slave.iter().fold(0.0, |most: f64, place| most.max(rounding(&self.master.places(master), place)));
+        within(segment.gap - blur, self.tolerance)
     }
 
     fn parts(&self, facet: usize) -> Vec<Part> {
