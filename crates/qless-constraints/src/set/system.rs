@@ -73,11 +73,22 @@ impl ConstraintSet {
         quantities: &Quantities,
         prescribed: &[(usize, f64)],
     ) -> Result<ConstraintSystem, LineariseError> {
+        self.linearised_in(&vec![1.0; self.dofs], quantities, prescribed)
+    }
+
+    /// The same with columns in the given units, `G_rj s_j`: `du_j = s_j y_j`.
+    pub(crate) fn linearised_in(
+        &self,
+        units: &[f64],
+        quantities: &Quantities,
+        prescribed: &[(usize, f64)],
+    ) -> Result<ConstraintSystem, LineariseError> {
         self.current(quantities)?;
         let rounding = self.rounding_of_nonlinear(quantities)?;
         let mut builder = SystemBuilder::new(self.dofs);
         for row in 0..self.equations() {
             let (terms, rhs) = quantities.linear_equation(row, rounding.as_ref());
+            let terms = terms.map(|(j, v)| (j, v * units[j]));
             if let Some(value) = terms.clone().map(|(_, v)| v).chain([-rhs]).find(|v| !v.is_finite()) {
                 return Err(LineariseError::NotFinite { row, label: self.label(row)?, value });
             }
