@@ -53,7 +53,10 @@ fn a_far_rod_hides_no_conflict() -> Outcome {
         let (mut model, start) = (Weights { springs: vec![1.0; 5] }, Start::at_rest(&set));
         let target = Target { loads: &[0.0; 5], prescribed: &[] };
         let refused = equilibrium::solve(&mut model, &set, &start, &target, &EquilibriumOptions::default());
-        assert!(matches!(refused, Err(EquilibriumError::Conflict { .. } | EquilibriumError::Constraints { .. })), "{refused:?}");
+        assert!(
+            matches!(refused, Err(EquilibriumError::Conflict { .. } | EquilibriumError::Constraints { .. })),
+            "{refused:?}"
+        );
     }
     Ok(())
 }

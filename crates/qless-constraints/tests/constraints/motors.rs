@@ -133,7 +133,8 @@ impl Driven<'_> {
         let (unit, full) = (self.unit, 6 * self.kinds.len() + self.norms());
         follow(&mut self.set, times, |time, (set, found)| {
             let (c, rounding) = (values(set, &found.u)?, set.rounding(&found.u)?);
-            let open = (0..c.len()).find(|&r| c[r].abs() > 4.0 * rounding.c()[r]);
+            let held = |r: &usize| found.redundant.contains(r) || c[*r].abs() <= 4.0 * rounding.c()[*r];
+            let open = (0..c.len()).find(|r| !held(r));
             assert_eq!(open, None, "{kinds:?}, time {time}: {c:?}");
             assert_eq!(found.iterates.last().map(|iterate| iterate.rank), Some(full), "{kinds:?}, time {time}");
             for (i, truth) in poses(time).into_iter().enumerate() {
