@@ -19,6 +19,9 @@ const CHANGES: usize = 4;
 /// So near to the tolerance, rounding decides what a shorter step would bring.
 const NEAR: f64 = 1e3;
 
+/// Constraint values above this part of those before no longer fall.
+const FALLS: f64 = 0.5;
+
 /// One load step.
 pub struct Corrector<'a, M> {
     pub model: &'a mut M,
@@ -79,7 +82,12 @@ impl<M: Model> Corrector<'_, M> {
         x.multipliers.iter_mut().enumerate().filter(|(r, _)| !rows.kept(*r)).for_each(|(_, lambda)| *lambda = 0.0);
         self.state.evaluate(self.model, self.set, x, self.loads)?;
         let force = self.state.force(self.free, self.options.tolerance);
-        let constraint = f64::EPSILON * self.state.constraint(rows.list().iter().copied());
+        let kept = |state: &State| f64::EPSILON * state.constraint(rows.list().iter().copied());
+        let mut constraint = kept(self.state);
+        if self.iterates.last().is_some_and(|last| constraint > FALLS * last.constraint) {
+            self.state.settle(self.set, &x.u);
+            constraint = kept(self.state);
+        }
         let iterate = Iterate { force, constraint, length, regularised };
         self.iterates.push(iterate);
         Ok(iterate)

@@ -88,7 +88,8 @@ pub struct Target<'a> {
 pub struct Iterate {
     /// `max_j |r_j|` over the free DOFs, relative to the sizes of its terms, or to what rounding allows.
     pub force: f64,
-    /// `max_r eps |c_r| / rounding_r` over the kept rows: relative to the sizes of the terms of c, its own or the largest.
+    /// `max_r eps |c_r| / rounding_r` over the kept rows: relative to the sizes of the terms of c, its own or, where it no longer
+    /// falls, the largest.
     pub constraint: f64,
     /// The part of the correction that was gone to come here: 1 for all of it, 0 where only multipliers changed.
     pub length: f64,

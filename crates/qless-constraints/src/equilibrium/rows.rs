@@ -6,6 +6,7 @@
 use qless::{Kind, Options, analyse};
 
 use super::{EquilibriumOptions, Failure};
+use crate::newton::units;
 use crate::{ConstraintSet, Quantities};
 
 /// Kept rows, ascending.
@@ -29,7 +30,7 @@ impl Rows {
         let held: Vec<(usize, f64)> = prescribed.iter().map(|&(j, v)| (j, 0.0 * v)).collect();
         let mut settings: Options = options.analysis.clone();
         settings.preferences.equations = before.to_vec();
-        let analysis = analyse(&set.linearised(&still, &held)?, &settings)?;
+        let analysis = analyse(&set.linearised_in(&units(set, quantities)?, &still, &held)?, &settings)?;
         let kept: Vec<bool> = analysis.kinds().iter().map(|&kind| kind == Kind::Independent).collect();
         Ok(Self { list: (0..kept.len()).filter(|&r| kept[r]).collect(), kept })
     }

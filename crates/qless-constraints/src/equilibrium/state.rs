@@ -4,8 +4,8 @@ use qless::Csr;
 
 use super::model::{Assembly, Fault, Model};
 use super::{EquilibriumError, Failure};
-use crate::newton::in_roundings_of_any;
-use crate::{ConstraintSet, Quantities};
+use crate::newton::{at_rest, in_roundings, weights};
+use crate::{ConstraintSet, Quantities, Rounding};
 
 /// Rounding of a sum of products, in units in the last place.
 const ULPS: f64 = 8.0 * f64::EPSILON;
@@ -27,8 +27,10 @@ pub struct State {
     pub terms: Vec<f64>,
     /// What rounding of u and G may have added to it.
     rounding: Vec<f64>,
-    /// `|c_r|` in roundings, of its own terms or of the largest.
+    /// `|c_r|` in roundings of its own terms; once it no longer falls, of the largest.
     pub constraints: Vec<f64>,
+    /// Bounds on the rounding of c and G.
+    of_constraints: Option<Rounding>,
 }
 
 impl State {
@@ -38,7 +40,15 @@ impl State {
         let n = set.dofs();
         let zeros = || vec![0.0; n];
         let (quantities, constraints) = (set.allocate(), vec![0.0; set.equations()]);
-        Ok(Self { assembly, quantities, residual: zeros(), terms: zeros(), rounding: zeros(), constraints })
+        Ok(Self {
+            assembly,
+            quantities,
+            residual: zeros(),
+            terms: zeros(),
+            rounding: zeros(),
+            constraints,
+            of_constraints: None,
+        })
     }
 
     /// Residual and c only: for trial points.
@@ -69,9 +79,18 @@ impl State {
         self.sum(at, loads)?;
         finite("the stiffness", &self.assembly.values)?;
         let rounding = set.rounding(&at.u)?;
-        self.constraints = in_roundings_of_any(&self.quantities, &rounding);
+        self.constraints = in_roundings(self.quantities.c(), rounding.c());
         self.round(model, at, rounding.g());
+        self.of_constraints = Some(rounding);
         Ok(())
+    }
+
+    /// c no longer falls: what is left of it may be the rounding of other rows.
+    pub fn settle(&mut self, set: &ConstraintSet, u: &[f64]) {
+        if let Some(rounding) = &self.of_constraints {
+            let weights = weights(self.quantities.g(), rounding.g());
+            self.constraints = at_rest(&weights, &self.quantities, rounding, &set.extents(u));
+        }
     }
 
     fn sum(&mut self, at: &Unknowns, loads: &[f64]) -> Result<(), Failure> {

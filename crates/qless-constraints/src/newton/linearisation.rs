@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use qless::{Analysis, Form, Options, Reduction, ReductionError, Refresher, analyse};
 
-use super::{NewtonError, NewtonOptions};
+use super::{NewtonError, NewtonOptions, units};
 use crate::{ConstraintSet, Quantities};
 
 /// T may have entries up to this: masters stay where they are, so that T does not enter a step.
@@ -22,6 +22,8 @@ pub struct Linearisation {
     reduction: Option<Reduction>,
     /// Of prescribed DOFs.
     increments: Vec<f64>,
+    /// `du_j = s_j y_j`: what was analysed are equations for y.
+    pub units: Vec<f64>,
 }
 
 impl Linearisation {
@@ -34,12 +36,15 @@ impl Linearisation {
     ) -> Result<Self, NewtonError> {
         options.analysis.validate().map_err(|source| NewtonError::Analysis { step, source: source.into() })?;
         let increments: Vec<(usize, f64)> = held.iter().map(|&(j, v)| (j, 0.0 * v)).collect();
-        let system = set.linearised(quantities, &increments).map_err(|source| NewtonError::System { step, source })?;
+        let units = units(set, quantities).map_err(|source| NewtonError::Argument { step, source })?;
+        let system = set
+            .linearised_in(&units, quantities, &increments)
+            .map_err(|source| NewtonError::System { step, source })?;
         // Along a chain the end moves by its length where the first hinge turns: to avoid that, slaves would have to be looked for far away.
         let loose = Options { growth: options.analysis.growth.max(GROWTH), ..options.analysis.clone() };
         let analysis = analyse(&system, &loose).map_err(|source| NewtonError::Analysis { step, source })?;
         let increments = vec![0.0; held.len()];
-        Ok(Self { analysis: Arc::new(analysis), refresher: None, reduction: None, increments })
+        Ok(Self { analysis: Arc::new(analysis), refresher: None, reduction: None, increments, units })
     }
 
     /// The same G with another c; nothing if that cannot be had without a new analysis.
@@ -58,7 +63,8 @@ impl Linearisation {
     pub fn step(&mut self, step: usize) -> Result<Vec<f64>, NewtonError> {
         let reduction = self.take().map_err(|source| NewtonError::Reduction { step, source })?;
         let du = reduction.expand(&vec![0.0; reduction.masters().len()], &self.increments);
-        let du = du.map_err(|source| NewtonError::Argument { step, source })?;
+        let mut du = du.map_err(|source| NewtonError::Argument { step, source })?;
+        du.iter_mut().zip(&self.units).for_each(|(du, unit)| *du *= unit);
         self.reduction = Some(reduction);
         Ok(du)
     }

@@ -16,22 +16,27 @@ mod run;
 mod scaling;
 mod singular;
 mod step;
+mod units;
 
 use qless::{Analysis, Options};
 
 pub use error::NewtonError;
 pub(crate) use redundancy::random;
 pub use redundancy::{Redundancy, redundancies};
+pub(crate) use residual::in_roundings;
 use run::Run;
-pub(crate) use scaling::in_roundings_of_any;
+pub(crate) use scaling::{at_rest, weights};
+pub(crate) use units::units;
 
 use crate::ConstraintSet;
 
 /// Settings of [`solve`].
 #[derive(Clone, Debug)]
 pub struct NewtonOptions {
-    /// Done when each `|c_r|` is at most so many times the bound on its rounding ([`ConstraintSet::rounding`]), or on that of the largest
-    /// terms of the set, with the weights of [`Iterate::residual`]. Default 4, at least 1.
+    /// Done when each `|c_r|` is at most so many times the bound on its rounding ([`ConstraintSet::rounding`]). Default 4, at least 1.
+    ///
+    /// Where c no longer falls, that of the largest terms of the set counts, with the weights of [`Iterate::residual`], for rows that ask for no
+    /// motion that matters: `|c_r| <= 1e-11 sum_j |G_rj| s_j` with the coordinates `s_j` that the DOFs add to, or `|u_j|`, or one radian.
     pub tolerance: f64,
     /// Most steps. Default 50.
     pub steps: usize,

@@ -7,7 +7,7 @@
 use qless::{Analysis, Form, Options, Reduction, analyse};
 
 use super::residual::{change, sizes_of_dofs};
-use super::{NewtonError, NewtonOptions, dependent, solve};
+use super::{NewtonError, NewtonOptions, dependent, solve, units};
 use crate::{ConstraintSet, Quantities};
 
 /// How much G changes on the way to the second configuration, relative to its entries, DOFs measured by their sizes.
@@ -71,6 +71,8 @@ pub fn redundancies(
 struct Here {
     quantities: Quantities,
     sizes: Vec<f64>,
+    /// `du_j = s_j y_j`, where analysis and reduction are of y.
+    units: Vec<f64>,
     analysis: Analysis,
     /// Of `G du = 0`: no constants.
     reduction: Reduction,
@@ -92,11 +94,13 @@ impl Here {
         let sizes = sizes_of_dofs(set, u, &mut quantities).map_err(argument)?;
         // Only the rank is asked for: c is left out, so that nothing conflicts.
         quantities.c.fill(0.0);
-        let system = set.linearised(&quantities, &[]).map_err(|source| NewtonError::System { step: 0, source })?;
+        let units = units(set, &quantities).map_err(argument)?;
+        let system =
+            set.linearised_in(&units, &quantities, &[]).map_err(|source| NewtonError::System { step: 0, source })?;
         let analysis = analyse(&system, options).map_err(|source| NewtonError::Analysis { step: 0, source })?;
         let reduction = analysis.reduction_in(Form::Factored);
         let reduction = reduction.map_err(|source| NewtonError::Reduction { step: 0, source })?;
-        Ok(Self { quantities, sizes, analysis, reduction })
+        Ok(Self { quantities, sizes, units, analysis, reduction })
     }
 
     fn nearby(&self, set: &ConstraintSet, u: &[f64], options: &NewtonOptions) -> Nearby {
@@ -125,9 +129,10 @@ impl Here {
 
     /// A random `du = [T; I] dq`, of such a size that G changes by [`STEP`]; nothing if it does not change.
     fn step(&self, set: &ConstraintSet, u: &[f64], seed: u64) -> Option<Vec<f64>> {
-        let drawn = |(k, &j): (u64, &usize)| self.sizes[j] * random(seed << 32 | k);
-        let dq: Vec<f64> = (0..).zip(self.reduction.masters()).map(drawn).collect();
-        let du = self.reduction.expand(&dq, &[]).ok()?;
+        let drawn = |(k, &j): (u64, &usize)| self.sizes[j] / self.units[j] * random(seed << 32 | k);
+        let masters: Vec<f64> = (0..).zip(self.reduction.masters()).map(drawn).collect();
+        let mut du = self.reduction.expand(&masters, &[]).ok()?;
+        du.iter_mut().zip(&self.units).for_each(|(du, unit)| *du *= unit);
         let moved = |size: f64| u.iter().zip(&du).map(|(u, du)| u + size * du).collect::<Vec<_>>();
         let mut size = 1.0;
         for _ in 0..60 {

@@ -37,7 +37,7 @@ pub fn sizes_of_dofs(set: &ConstraintSet, u: &[f64], quantities: &mut Quantities
 }
 
 /// `1 / x`, and 0 where that is no number of use.
-fn inverse(x: f64) -> f64 {
+pub fn inverse(x: f64) -> f64 {
     let inverse = 1.0 / x;
     if inverse.is_finite() { inverse } else { 0.0 }
 }

@@ -3,12 +3,16 @@
 use qless::{Analysis, ArgumentError, Kind, SystemBuilder};
 
 use super::linearisation::Linearisation;
-use super::scaling::in_roundings_by;
+use super::residual::in_roundings;
+use super::scaling::at_rest;
 use super::singular::way_out;
 use super::step::{Line, Place};
 use super::{Iterate, NewtonError, NewtonOptions, Solution, dependent};
 use crate::set::rotations::shorten;
 use crate::{ConstraintSet, Quantities};
+
+/// A residual above this part of the one before no longer falls.
+const FALLS: f64 = 0.5;
 
 pub struct Run<'a> {
     pub set: &'a ConstraintSet,
@@ -19,9 +23,10 @@ pub struct Run<'a> {
     pub place: Place,
     /// For trial points.
     room: Quantities,
-    /// `|c_r|` in roundings of its own terms, or of the largest: where a row's own terms vanish, the rounding of others is felt in it, and at
-    /// rounding nearly dependent rows ask for steps that only do harm.
+    /// `|c_r|` in roundings of its own terms; as [`at_rest`] once the iteration has settled.
     residuals: Vec<f64>,
+    /// Whether c no longer falls.
+    settled: bool,
     iterates: Vec<Iterate>,
     /// The part of the last step that was gone.
     length: f64,
@@ -45,9 +50,9 @@ impl<'a> Run<'a> {
         rotations.retain(|vector| prescribed.iter().all(|(dof, _)| !vector.contains(dof)));
         shorten_all(&rotations, &mut u);
         let place = Place::new(set, u).map_err(|source| NewtonError::Argument { step: 0, source })?;
-        let residuals = in_roundings_by(&place.weights, &place.quantities, &place.rounding);
+        let residuals = in_roundings(place.quantities.c(), place.rounding.c());
         let (room, iterates) = (set.allocate(), Vec::new());
-        Ok(Self { set, options, prescribed, rotations, place, room, residuals, iterates, length: 1.0 })
+        Ok(Self { set, options, prescribed, rotations, place, room, residuals, settled: false, iterates, length: 1.0 })
     }
 
     /// Linearises and analyses at the present u; where all equations are linear, what was found before still holds.
@@ -83,6 +88,10 @@ impl<'a> Run<'a> {
         let t = line
             .downhill(&kept, self.options.tolerance, &mut self.room)
             .map_err(|source| NewtonError::Argument { step, source })?;
+        if t.is_none() && !self.settled {
+            self.settle();
+            return Ok(true);
+        }
         let target = t.map(|t| (line.at(t), t));
         self.go(target, step)
     }
@@ -125,10 +134,23 @@ impl<'a> Run<'a> {
     fn go(&mut self, target: Option<(Vec<f64>, f64)>, step: usize) -> Result<bool, NewtonError> {
         let Some((mut u, t)) = target else { return Ok(false) };
         shorten_all(&self.rotations, &mut u);
+        let before = self.place.residual();
         self.place = Place::new(self.set, u).map_err(|source| NewtonError::Argument { step, source })?;
-        self.residuals = in_roundings_by(&self.place.weights, &self.place.quantities, &self.place.rounding);
+        self.residuals = in_roundings(self.place.quantities.c(), self.place.rounding.c());
         self.length = t;
+        self.settled = false;
+        if self.place.residual() > FALLS * before {
+            self.settle();
+        }
         Ok(true)
+    }
+
+    /// No step makes c smaller: what is left may be the rounding of other rows.
+    fn settle(&mut self) {
+        let place = &self.place;
+        let extents = self.set.extents(&place.u);
+        self.residuals = at_rest(&place.weights, &place.quantities, &place.rounding, &extents);
+        self.settled = true;
     }
 
     fn conflict(&self, rows: Vec<usize>, analysis: &Analysis) -> NewtonError {

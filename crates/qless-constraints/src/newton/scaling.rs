@@ -24,17 +24,24 @@ pub fn weights(g: &Csr, rounding: &[f64]) -> Vec<f64> {
     rows.iter().zip(counts.0).map(|(row, count)| if count > 0.0 { row.exp2() } else { 0.0 }).collect()
 }
 
-/// Each `|c_r|` in roundings: of its own terms, or of the largest, `D_r |c_r| / max_s D_s rounding_s`, if that is less.
-pub fn in_roundings_of_any(quantities: &Quantities, rounding: &Rounding) -> Vec<f64> {
-    in_roundings_by(&weights(quantities.g(), rounding.g()), quantities, rounding)
-}
+/// Motions below this part of a DOF are none.
+const NEGLIGIBLE: f64 = 1e-11;
 
-/// The same with the weights of this place.
-pub fn in_roundings_by(weights: &[f64], quantities: &Quantities, rounding: &Rounding) -> Vec<f64> {
+/// `|c_r|` in roundings where c has come to rest: of its own terms, or of the largest, `D_r |c_r| / max_s D_s rounding_s`, if that is less and
+/// the motion that the row asks for is none, `|c_r| <= 1e-11 sum_j |G_rj| s_j`, with s their extents.
+///
+/// Where own terms vanish, the rounding of other rows is felt in this one, and among nearly dependent rows steps only do harm. The second
+/// condition is the bound: weights of rows with small entries are huge, and those rows as large as they like.
+pub fn at_rest(weights: &[f64], quantities: &Quantities, rounding: &Rounding, extents: &[f64]) -> Vec<f64> {
     let largest = largest(weights, rounding.c());
-    let own = in_roundings(quantities.c(), rounding.c()).into_iter().zip(quantities.c()).zip(weights);
-    own.map(|((own, c), weight)| if *weight > 0.0 && largest > 0.0 { own.min(weight * c.abs() / largest) } else { own })
-        .collect()
+    let mut list = in_roundings(quantities.c(), rounding.c());
+    for (r, (own, c)) in list.iter_mut().zip(quantities.c()).enumerate() {
+        let motion: f64 = quantities.g().row(r).map(|(j, v)| v.abs() * extents[j]).sum();
+        if weights[r] > 0.0 && largest > 0.0 && c.abs() <= NEGLIGIBLE * motion {
+            *own = own.min(weights[r] * c.abs() / largest);
+        }
+    }
+    list
 }
 
 /// `(row, column, log2 |G_rj|)`.

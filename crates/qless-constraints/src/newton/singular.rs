@@ -68,6 +68,8 @@ struct Motions {
     reduction: Reduction,
     sizes: Vec<f64>,
     held: Vec<f64>,
+    /// `du_j = s_j y_j`, where the reduction is of y.
+    units: Vec<f64>,
 }
 
 impl Motions {
@@ -77,7 +79,7 @@ impl Motions {
         let found = Linearisation::new(run.set, &still, run.prescribed, (step, run.options))?;
         let reduction = found.analysis.reduction_in(Form::Factored);
         let reduction = reduction.map_err(|source| NewtonError::Reduction { step, source })?;
-        Ok(Self { reduction, sizes, held: vec![0.0; run.prescribed.len()] })
+        Ok(Self { reduction, sizes, held: vec![0.0; run.prescribed.len()], units: found.units })
     }
 
     fn count(&self) -> usize {
@@ -86,16 +88,19 @@ impl Motions {
 
     fn motion(&self, z: &[f64]) -> Result<Vec<f64>, qless::ArgumentError> {
         let masters = self.reduction.masters().iter().zip(z);
-        self.reduction.expand(&masters.map(|(&j, z)| self.sizes[j] * z).collect::<Vec<_>>(), &self.held)
+        let masters: Vec<f64> = masters.map(|(&j, z)| self.sizes[j] / self.units[j] * z).collect();
+        let y = self.reduction.expand(&masters, &self.held)?;
+        Ok(y.iter().zip(&self.units).map(|(y, unit)| unit * y).collect())
     }
 
     /// `Z^T H Z z`.
     fn bent(&self, quantities: &Quantities, z: &[f64]) -> Result<Vec<f64>, qless::ArgumentError> {
         let force = times(quantities.h(), &self.motion(z)?);
+        let force: Vec<f64> = force.iter().zip(&self.units).map(|(force, unit)| unit * force).collect();
         let slaves: Vec<f64> = self.reduction.slaves().iter().map(|&j| force[j]).collect();
         let back = self.reduction.apply_transposed(&slaves)?;
         let masters = self.reduction.masters().iter().zip(back);
-        Ok(masters.map(|(&j, back)| self.sizes[j] * (force[j] + back)).collect())
+        Ok(masters.map(|(&j, back)| self.sizes[j] / self.units[j] * (force[j] + back)).collect())
     }
 
     /// The motion or its opposite: that in which the DOF that moves most increases.

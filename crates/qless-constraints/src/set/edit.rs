@@ -10,8 +10,8 @@
 
 use qless::Identity;
 
-use super::rounding::Size;
-use super::store::Contents;
+use super::rounding::{Size, Sizes};
+use super::store::{Contents, Coordinate};
 use super::{AddError, ConstraintId, ConstraintSet, EditError, ReplaceError, Store, StoreError, TimeError};
 use crate::constraint::Constraint;
 
@@ -187,12 +187,13 @@ impl ConstraintSet {
 
     /// Keeps the sizes of the coordinates that a constraint states.
     fn know(&mut self, contents: &Contents) {
-        for &(dof, at) in contents.coordinates.iter().filter(|&&(_, at)| at != 0.0) {
+        for &Coordinate { dof, at, node } in contents.coordinates.iter().filter(|stated| stated.node != 0.0) {
             let dof = dof as usize;
             if self.sizes.len() <= dof {
-                self.sizes.resize(dof + 1, Size::default());
+                self.sizes.resize(dof + 1, Sizes::default());
             }
-            self.sizes[dof] = self.sizes[dof].max(Size::above(at));
+            let known = &mut self.sizes[dof];
+            *known = Sizes { at: known.at.max(Size::above(at)), node: known.node.max(Size::above(node)) };
         }
     }
 

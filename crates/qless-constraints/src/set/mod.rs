@@ -16,6 +16,7 @@ mod edit;
 mod effective;
 mod error;
 mod exchange;
+mod extents;
 mod homogeneous;
 mod labels;
 mod layout;
@@ -50,7 +51,7 @@ use lazy::Planned;
 use linear::Rows;
 pub use quantities::Quantities;
 pub use rounding::Rounding;
-use rounding::Size;
+use rounding::Sizes;
 pub use store::Store;
 pub use system::Vanishing;
 pub use time::TimeError;
@@ -83,7 +84,7 @@ pub struct ConstraintSet {
     planned: Planned,
     time: f64,
     /// The largest coordinate that was ever stated of each DOF, for [`ConstraintSet::rounding`]; shorter if the others have none.
-    sizes: Vec<Size>,
+    sizes: Vec<Sizes>,
     /// Another one after each change.
     version: Identity,
 }

@@ -31,6 +31,11 @@ impl PartialEq for Quantities {
 }
 
 impl Quantities {
+    /// The configuration of the last evaluation.
+    pub(crate) fn u(&self) -> &[f64] {
+        &self.u
+    }
+
     /// Constraint values, length m.
     pub fn c(&self) -> &[f64] {
         &self.c

@@ -43,6 +43,15 @@ impl Rounding {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Size(u16);
 
+/// What is known of the coordinates that a DOF adds to.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sizes {
+    /// The largest of them.
+    pub at: Size,
+    /// The largest of the nodes that they belong to, along any axis.
+    pub node: Size,
+}
+
 /// The bits of a double that a size does not keep.
 const CUT: u32 = 48;
 
@@ -62,14 +71,14 @@ impl Size {
 pub(super) struct Known<'a> {
     u: &'a [f64],
     /// The largest coordinate that each DOF adds to; shorter if the others add to none.
-    sizes: &'a [Size],
+    sizes: &'a [Sizes],
 }
 
 impl Known<'_> {
     /// One DOF.
     pub fn dof(&self, j: u32) -> Bounded {
         let (u, size) = (self.u[j as usize], self.sizes.get(j as usize).copied().unwrap_or_default());
-        Bounded::known_to(u, u.abs() + size.number())
+        Bounded::known_to(u, u.abs() + size.at.number())
     }
 }
 

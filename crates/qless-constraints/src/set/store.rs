@@ -28,8 +28,8 @@ pub struct Store {
 pub(super) struct Contents {
     pub equations: Vec<Equation>,
     pub pieces: Vec<Box<dyn Piece>>,
-    /// DOFs, and the coordinates that they add to; of a constraint that rests the set knows them.
-    pub coordinates: Vec<(u32, f64)>,
+    /// What DOFs add to; of a constraint that rests the set knows it.
+    pub coordinates: Vec<Coordinate>,
 }
 
 /// Sums of terms on one DOF below so many units in the last place of what was summed are what rounding left of a zero.
@@ -44,6 +44,14 @@ impl Contents {
     pub fn rows(&self) -> usize {
         self.equations.len() + self.pieces.iter().map(|piece| piece.rows()).sum::<usize>()
     }
+}
+
+/// A DOF that adds to a coordinate.
+pub(super) struct Coordinate {
+    pub dof: u32,
+    pub at: f64,
+    /// The largest coordinate of the node: along an axis where it has none, it is no smaller a model.
+    pub node: f64,
 }
 
 impl std::fmt::Debug for Store {
@@ -128,12 +136,15 @@ impl Store {
     /// For types that keep differences of coordinates only, for [`crate::ConstraintSet::rounding`].
     pub fn coordinate(&mut self, dof: usize, at: f64) {
         self.check_number(at);
-        self.contents.coordinates.push((dof as u32, at));
+        self.contents.coordinates.push(Coordinate { dof: dof as u32, at, node: at });
     }
 
     /// [`Store::coordinate`] of all translations of a node.
     pub fn coordinates_of<const D: usize>(&mut self, node: &Node<D>) {
-        node.dofs.iter().zip(node.at).for_each(|(&dof, at)| self.coordinate(dof, at));
+        let largest = node.at.iter().fold(0.0, |most: f64, at| most.max(at.abs()));
+        self.numbers(node.at);
+        let each = node.dofs.iter().zip(node.at).map(|(&dof, at)| Coordinate { dof: dof as u32, at, node: largest });
+        self.contents.coordinates.extend(each);
     }
 
     /// States that the parameters of a nonlinear part hold these numbers, as coordinates: each must be finite.

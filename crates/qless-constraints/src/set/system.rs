@@ -46,7 +46,7 @@ impl fmt::Display for Vanishing {
 impl ConstraintSet {
     /// The linearised equations `G du = -c` with the labels of the set; `prescribed` are increments `(DOF, du)`.
     ///
-    /// Rows that are nothing but rounding at this configuration have no terms, and a right-hand side of zero where c is rounding too;
+    /// Entries that are no more than their rounding at this configuration are left out; rows of nothing else have no terms, and a right-hand side of zero where c is rounding too;
     /// [`ConstraintSet::vanishing`] says which. The configuration is that of the last evaluation.
     ///
     /// ```
@@ -73,11 +73,23 @@ impl ConstraintSet {
         quantities: &Quantities,
         prescribed: &[(usize, f64)],
     ) -> Result<ConstraintSystem, LineariseError> {
+        self.linearised_in(&vec![1.0; self.dofs], quantities, prescribed)
+    }
+
+    /// The same with columns in the given units, `G_rj s_j`: `du_j = s_j y_j`.
+    pub(crate) fn linearised_in(
+        &self,
+        units: &[f64],
+        quantities: &Quantities,
+        prescribed: &[(usize, f64)],
+    ) -> Result<ConstraintSystem, LineariseError> {
         self.current(quantities)?;
         let rounding = self.rounding_of_nonlinear(quantities)?;
         let mut builder = SystemBuilder::new(self.dofs);
         for row in 0..self.equations() {
             let (terms, rhs) = quantities.linear_equation(row, rounding.as_ref());
+            let real = real_entries(terms, rounding.as_ref().map_or(&[], |rounding| rounding.of_row(row)));
+            let terms = real.map(|(j, v)| (j, v * units[j]));
             if let Some(value) = terms.clone().map(|(_, v)| v).chain([-rhs]).find(|v| !v.is_finite()) {
                 return Err(LineariseError::NotFinite { row, label: self.label(row)?, value });
             }
@@ -127,6 +139,16 @@ impl ConstraintSet {
         let rounding = rounding.of_row(row).iter().copied().fold(0.0, f64::max);
         Ok(Vanishing { row, label: self.label(row)?, entry, rounding, value, everywhere: self.is_linear(row) })
     }
+}
+
+/// Without those that are no more than their rounding: an entry of 1e-159 would make a column look as if it were in another unit.
+fn real_entries<'a>(
+    terms: impl Iterator<Item = (usize, f64)> + Clone + 'a,
+    bounds: &'a [f64],
+) -> impl Iterator<Item = (usize, f64)> + Clone + 'a {
+    let bounds = bounds.iter().copied().chain(std::iter::repeat(f64::INFINITY));
+    // What is not finite is no rounding, and where the bound is not, nothing is known.
+    terms.zip(bounds).filter(|&((_, v), bound)| !(v.abs() <= bound && bound.is_finite())).map(|(term, _)| term)
 }
 
 impl Quantities {

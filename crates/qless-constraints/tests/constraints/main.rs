@@ -28,6 +28,8 @@ mod fields;
 mod frames;
 /// Hanging nodes of h- and p-refinement.
 mod hanging;
+/// No equation is let off because the terms of another are large.
+mod holds;
 /// Joints from far off, and what they leave free.
 mod joints;
 /// Types that are linear: fields that they must let through, loads that they must carry.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use qless_constraints::newton::{NewtonOptions, solve};
+use qless_constraints::newton::{NewtonOptions, Solution, solve};
 use qless_constraints::types::{Body, Cylindrical, Prismatic, Revolute, RotationMotor, TranslationMotor, Universal};
 use qless_constraints::{ConstraintSet, SetBuilder};
 
@@ -14,8 +14,8 @@ use crate::poses::{
 
 const Z: Vector = [0.0, 0.0, 1.0];
 const UNITS: [f64; 3] = [1e-6, 1.0, 1e6];
-/// What the tolerance of Newton's method leaves, relative to the size of the mechanism; another branch is off by its size.
-const ACCURACY: f64 = 1e-7;
+/// Relative to the size of the mechanism, in radians; another branch is off by its size.
+const ACCURACY: f64 = 1e-10;
 
 /// A closed ring of hinges `(point, axis)`, the first body being the ground; the first hinge has a motor that turns as time goes.
 struct Ring {
@@ -81,13 +81,14 @@ fn difference(a: f64, b: f64) -> f64 {
 fn follow(
     set: &mut ConstraintSet,
     times: impl IntoIterator<Item = f64>,
-    mut look: impl FnMut(f64, &[f64]) -> Outcome,
+    mut look: impl FnMut(f64, (&ConstraintSet, &Solution)) -> Outcome,
 ) -> Outcome {
     let mut u = vec![0.0; set.dofs()];
     for time in times {
         set.set_time(time)?;
-        u = solve(set, &u, &[], &NewtonOptions::default()).map_err(|error| format!("time {time}: {error}"))?.u;
-        look(time, &u)?;
+        let found = solve(set, &u, &[], &NewtonOptions::default()).map_err(|error| format!("time {time}: {error}"))?;
+        look(time, (set, &found))?;
+        u = found.u;
     }
     Ok(())
 }
@@ -126,14 +127,20 @@ impl Driven<'_> {
         Ok(())
     }
 
-    /// Newton's method goes there as well; another branch would be off by the size of the mechanism.
+    /// Newton's method goes there as well, each equation holds to its own rounding, and the rank is that of the singular values.
     fn drive(&mut self, times: impl IntoIterator<Item = f64>) -> Outcome {
         let (poses, kinds, from) = (self.poses, self.kinds.clone(), self.from.clone());
-        follow(&mut self.set, times, |time, u| {
+        let (unit, full) = (self.unit, 6 * self.kinds.len() + self.norms());
+        follow(&mut self.set, times, |time, (set, found)| {
+            let (c, rounding) = (values(set, &found.u)?, set.rounding(&found.u)?);
+            let held = |r: &usize| found.redundant.contains(r) || c[*r].abs() <= 4.0 * rounding.c()[*r];
+            let open = (0..c.len()).find(|r| !held(r));
+            assert_eq!(open, None, "{kinds:?}, time {time}: {c:?}");
+            assert_eq!(found.iterates.last().map(|iterate| iterate.rank), Some(full), "{kinds:?}, time {time}");
             for (i, truth) in poses(time).into_iter().enumerate() {
-                let found = pose(u, i, kinds[i], from[i]);
-                let off = norm(sub(found.at, truth.at)).max(angle(then(back(truth.turn), found.turn)));
-                assert!(off < ACCURACY, "{kinds:?}, time {time}, body {i}: {off:e}");
+                let found = pose(&found.u, i, kinds[i], from[i]);
+                let off = (norm(sub(found.at, truth.at)) / unit).max(angle(then(back(truth.turn), found.turn)));
+                assert!(off < ACCURACY, "{kinds:?}, unit {unit}, time {time}, body {i}: {off:e}");
             }
             Ok(())
         })
@@ -185,9 +192,7 @@ fn slider_crank_through_dead_centres() -> Outcome {
             let set = builder.build()?;
             let mut driven = Driven { set, kinds: vec![kind; 3], from: from.to_vec(), unit, poses: &poses };
             driven.check(twelfths(6))?;
-            if unit == 1.0 {
-                driven.drive(twelfths(2))?;
-            }
+            driven.drive(twelfths(2))?;
         }
     }
     Ok(())
@@ -222,9 +227,7 @@ fn four_bar_linkage_follows_its_circles() -> Outcome {
             let from = (0..3).map(|i| ring.from(i)).collect();
             let mut driven = Driven { set: ring.driven()?, kinds: vec![kind; 3], from, unit, poses: &poses };
             driven.check(twelfths(3))?;
-            if unit == 1.0 {
-                driven.drive(twelfths(1))?;
-            }
+            driven.drive(twelfths(1))?;
         }
     }
     Ok(())
@@ -267,6 +270,7 @@ fn bennett_linkage_moves() -> Outcome {
             let from = (0..3).map(|i| ring.from(i)).collect();
             let mut driven = Driven { set: ring.driven()?, kinds: vec![kind; 3], from, unit, poses: &poses };
             driven.check((0..=130).map(|k| 0.1 * f64::from(k)))?;
+            driven.drive((0..=130).map(|k| 0.1 * f64::from(k)))?;
             let mut free = ring.builder();
             ring.add(&mut free)?;
             let free = free.build()?;
@@ -300,7 +304,8 @@ fn bricard_linkage_moves() -> Outcome {
             let norms = if kind == Kind::Euler { 5 } else { 0 };
             // One way or the other, the first angle is a right one and what the motor does.
             let mut ways = [true; 2];
-            follow(&mut set, (0..=9).map(|k| -0.05 * f64::from(k)), |time, u| {
+            follow(&mut set, (0..=9).map(|k| -0.05 * f64::from(k)), |time, (_, found)| {
+                let u = &found.u;
                 for (way, sign) in ways.iter_mut().zip([1.0, -1.0]) {
                     let theta = (FRAC_PI_2 + sign * time).cos();
                     let phi = (-theta / (1.0 + theta)).acos() - FRAC_PI_2;
@@ -347,6 +352,7 @@ fn universal_joint_turns_unevenly() -> Outcome {
             let set = builder.build()?;
             let mut driven = Driven { set, kinds: kinds.to_vec(), from: from.to_vec(), unit, poses: &poses };
             driven.check(twelfths(5))?;
+            driven.drive(twelfths(5))?;
         }
     }
     Ok(())
@@ -376,9 +382,7 @@ fn motors_drive_a_screw() -> Outcome {
             let set = builder.build()?;
             let mut driven = Driven { set, kinds: kinds.to_vec(), from: from.to_vec(), unit, poses: &poses };
             driven.check((0..=100).map(|k| 0.25 * f64::from(k)))?;
-            if unit == 1.0 {
-                driven.drive((0..=100).map(|k| 0.25 * f64::from(k)))?;
-            }
+            driven.drive((0..=100).map(|k| 0.25 * f64::from(k)))?;
         }
     }
     Ok(())
