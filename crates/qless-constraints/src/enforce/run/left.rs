@@ -30,9 +30,11 @@ impl Prepared<'_> {
             largest_of_parts(&self.model, &dofs)
         };
         let (mut size, first, second) = (of_dofs(x), of_dofs(&steps[0]), of_dofs(&steps[1]));
-        // Where equations keep u at zero, it is measured by what its loads would do to the stiffness they act on.
+        // Where equations keep u at zero, it is measured by what its loads would do to the stiffness they act on. Without any there is
+        // no unit of energy, and nothing to measure loads by.
         let (units, parts) = (self.model.units(), self.model.parts());
-        for j in 0..self.model.dofs() {
+        let stiff = self.model.stiff_parts();
+        for j in (0..self.model.dofs()).filter(|&j| stiff[parts[j]]) {
             size[parts[j]] = size[parts[j]].max(self.model.rhs.1[j] * units[j]);
         }
         let of_part = |part: usize| {
