@@ -65,3 +65,5 @@ mod surface_mortar;
 mod time;
 /// Rotation vectors that are kept short.
 mod turns;
+/// Enforcement of small models against exact arithmetic.
+mod whole_numbers;
