@@ -3,6 +3,9 @@
 use super::super::equations::{Equations, largest_of_parts};
 use super::Prepared;
 
+/// The second step as a share of the first, up to which their sum is known to some digits.
+const LONGEST: f64 = 1.0 - 1e-6;
+
 impl Prepared<'_> {
     /// `|u - u*| / |u|` of the exact u*, by the first two steps that multipliers would take towards it: a geometric series. The
     /// largest of all connected parts, each in its largest number, in units without units; zero without springs.
@@ -42,8 +45,8 @@ impl Prepared<'_> {
                 return 0.0;
             }
             let ratio = second[part] / first[part];
-            // Steps that do not get shorter lead anywhere.
-            let all = if ratio < 1.0 { first[part] / (1.0 - ratio) } else { f64::INFINITY };
+            // Steps that do not get shorter lead anywhere; rounding decides where they hardly do.
+            let all = if ratio < LONGEST { first[part] / (1.0 - ratio) } else { f64::INFINITY };
             if size[part] > 0.0 { all / size[part] } else { f64::INFINITY }
         };
         (0..units.len()).map(of_part).fold(0.0, f64::max)

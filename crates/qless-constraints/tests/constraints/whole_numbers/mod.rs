@@ -176,3 +176,20 @@ fn springs_without_stiffness_are_measured_by_u_alone() -> Outcome {
     }
     Ok(())
 }
+
+/// However soft: multipliers that hardly move u are no sign that u is right.
+#[test]
+fn soft_springs_are_refused() -> Outcome {
+    let entries = [(0, 0, 3.0), (0, 1, -1.0), (1, 0, -1.0), (1, 1, 2.0), (1, 2, -1.0), (2, 1, -1.0), (2, 2, 1.5)];
+    let entries = entries.map(|(i, j, v)| Triplet::new(i, j, v));
+    let k = SparseColMat::try_new_from_triplets(3, 3, &entries)?;
+    let mut builder = SystemBuilder::new(3);
+    builder.equation([(0, 1.0), (2, -2.0)], 0.5);
+    let system = builder.build()?;
+    let problem = Problem::new(&k, &[1.0, 2.0, -1.0], &system)?;
+    for digits in 1..300 {
+        let solved = problem.penalty(10_f64.powi(-digits), 1e-3);
+        assert!(matches!(solved, Err(EnforceError::PenaltyTooSmall { .. })), "1e-{digits}: {solved:?}");
+    }
+    Ok(())
+}
