@@ -45,9 +45,12 @@ pub fn echelon(rows: &[Vec<i128>], columns: usize) -> Option<(Vec<usize>, Vec<Ve
     Some((pivots, a))
 }
 
-/// `A^-1 b` of rows `[A b]`: `Some(None)` if A is singular.
-pub fn solution(rows: &[Vec<i128>]) -> Option<Option<Vec<f64>>> {
-    let (pivots, form) = echelon(rows, rows.len())?;
+/// Numbers that leave 128 bits.
+pub struct TooLarge;
+
+/// `A^-1 b` of rows `[A b]`; nothing if A is singular.
+pub fn solution(rows: &[Vec<i128>]) -> Result<Option<Vec<f64>>, TooLarge> {
+    let (pivots, form) = echelon(rows, rows.len()).ok_or(TooLarge)?;
     let value = |row: &Vec<Fraction>| row[rows.len()].0 as f64 / row[rows.len()].1 as f64;
-    Some((pivots.len() == rows.len()).then(|| form.iter().map(value).collect()))
+    Ok((pivots.len() == rows.len()).then(|| form.iter().map(value).collect()))
 }

@@ -72,11 +72,11 @@ fn for_each_case(mut check: impl FnMut(&Case) -> Outcome) -> Outcome<(usize, usi
                 problem => problem.map_err(|error| format!("{name}: {error}"))?,
             };
             assert_eq!((problem.kept().len(), conflict), (rank, false), "{name}");
-            let Some(right) = model.solution(problem.kept()) else { continue };
+            let Ok(right) = model.solution(problem.kept()) else { continue };
             if right.is_some() {
-                counts.0 += 1
+                counts.0 += 1;
             } else {
-                counts.1 += 1
+                counts.1 += 1;
             }
             check(&Case { name, given: &given, problem, length, force, right })?;
         }

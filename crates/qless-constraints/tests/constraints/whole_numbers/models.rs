@@ -128,8 +128,8 @@ impl Model {
         Some((pivots.len() - usize::from(conflict), conflict))
     }
 
-    /// u and the multipliers of some equations; `Some(None)` where they are not determined.
-    pub fn solution(&self, kept: &[usize]) -> Option<Option<(Vec<f64>, Vec<f64>)>> {
+    /// u and the multipliers of some equations; nothing where they are not determined.
+    pub fn solution(&self, kept: &[usize]) -> Result<Option<(Vec<f64>, Vec<f64>)>, exact::TooLarge> {
         let free = self.free();
         let of_dof = |&i: &usize| {
             let forces = free.iter().map(|&j| self.k[i][j]).chain(kept.iter().map(|&r| self.c[r][i]));
@@ -140,12 +140,12 @@ impl Model {
             gap.chain([self.less_prescribed(&self.c[r], self.b[r])]).collect()
         };
         let rows: Vec<Vec<i128>> = free.iter().map(of_dof).chain(kept.iter().map(of_row)).collect();
-        let Some(x) = exact::solution(&rows)? else { return Some(None) };
+        let Some(x) = exact::solution(&rows)? else { return Ok(None) };
         let mut u: Vec<f64> = self.prescribed.iter().map(|u| u.unwrap_or(0) as f64).collect();
         free.iter().zip(&x).for_each(|(&j, &x)| u[j] = x);
         let mut lambda = vec![0.0; self.c.len()];
         kept.iter().zip(&x[free.len()..]).for_each(|(&r, &x)| lambda[r] = x);
-        Some(Some((u, lambda)))
+        Ok(Some((u, lambda)))
     }
 
     /// In other units of length and force.
