@@ -6,6 +6,9 @@ use qless::{ConstraintSystem, SystemBuilder};
 use super::exact;
 use crate::linkages::Outcome;
 
+/// u and the multipliers.
+pub type Solution = (Vec<f64>, Vec<f64>);
+
 /// Numbers that are the same in every run.
 struct Random(u64);
 
@@ -129,7 +132,7 @@ impl Model {
     }
 
     /// u and the multipliers of some equations; nothing where they are not determined.
-    pub fn solution(&self, kept: &[usize]) -> Result<Option<(Vec<f64>, Vec<f64>)>, exact::TooLarge> {
+    pub fn solution(&self, kept: &[usize]) -> Result<Option<Solution>, exact::TooLarge> {
         let free = self.free();
         let of_dof = |&i: &usize| {
             let forces = free.iter().map(|&j| self.k[i][j]).chain(kept.iter().map(|&r| self.c[r][i]));
