@@ -49,6 +49,13 @@ impl Model {
         y
     }
 
+    /// The connected parts, by name, that have stiffness.
+    pub fn stiff_parts(&self) -> Vec<bool> {
+        let mut stiff = vec![false; self.parts.len()];
+        entries(&self.k).filter(|&(_, _, v)| v != 0.0).for_each(|(i, _, _)| stiff[self.parts[i]] = true);
+        stiff
+    }
+
     /// How many unknowns are DOFs.
     pub fn dofs(&self) -> usize {
         self.k.nrows()

@@ -10,6 +10,9 @@
 //!
 //! Where g says that rounding decides, v is sharpened to a null vector, `v <- v - M^-1 A v`, and held against its terms: where
 //! `|A v|` is rounding of `|A| max |v|` in every row, a matrix that differs from A by rounding is singular (Rigal and Gaches).
+//!
+//! Where forces that A cannot carry act on rows that no motion it does not feel enters, as where its zeros alone make it singular, g stays small.
+//! The factors are then no inverse: `M^-1 A v` is not v for the first v, which is looked at whatever g is.
 
 use super::equations::{Equations, Solve, largest_of_parts, levelled};
 use super::{EnforceError, SolverError};
@@ -26,6 +29,8 @@ pub const WRONG: f64 = 16.0 * f64::EPSILON;
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// Sensitivities from which on a null vector is looked for: factors may be far more wrong than A is.
 pub const SUSPICIOUS: f64 = 1e-4 / f64::EPSILON;
+/// The share of a direction that an inverse must give back.
+const LOST: f64 = 0.5;
 /// Sensitivities from which on u has not one digit that is sure.
 const HOPELESS: f64 = 1.0 / WRONG;
 
@@ -39,24 +44,34 @@ pub enum Verdict {
 
 /// Whether the model is held; an error if `solve` has one.
 pub fn judged(equations: &impl Equations, solve: &mut Solve<'_>) -> Result<Verdict, EnforceError> {
-    let (growth, mode) = sensitivity(equations, solve)?;
-    if growth < SUSPICIOUS {
+    let Sensitivity { growth, mode, lost } = sensitivity(equations, solve)?;
+    if growth < SUSPICIOUS && lost.is_none() {
         return Ok(Verdict::Held(growth));
     }
-    let (motion, held) = sharpened(equations, solve, mode);
+    let (motion, held) = sharpest(equations, solve, lost, mode);
     Ok(if held <= ROUNDING || growth >= HOPELESS { Verdict::Loose(motion, held) } else { Verdict::Held(growth) })
 }
 
 /// The motion that a singular model leaves free, by the inverse of a matrix that was shifted a little.
 pub fn loose(equations: &impl Equations, solve: &mut Solve<'_>) -> Option<(Vec<f64>, f64)> {
-    let (_, mode) = sensitivity(equations, solve).ok()?;
-    let (motion, held) = sharpened(equations, solve, mode);
+    let Sensitivity { mode, lost, .. } = sensitivity(equations, solve).ok()?;
+    let (motion, held) = sharpest(equations, solve, lost, mode);
     (held <= ROUNDING).then_some((motion, held))
 }
 
-/// g, and the direction that grew.
-pub fn sensitivity(equations: &impl Equations, solve: &mut Solve<'_>) -> Result<(f64, Vec<f64>), EnforceError> {
-    let (mut v, mut growth) = (equations.units().to_vec(), 0.0_f64);
+/// How much rounding moves.
+pub struct Sensitivity {
+    /// g.
+    pub growth: f64,
+    /// The direction that grew.
+    mode: Vec<f64>,
+    /// The first direction, where the factors are no inverse along it.
+    pub lost: Option<Vec<f64>>,
+}
+
+/// g, and the directions in which A may be singular.
+pub fn sensitivity(equations: &impl Equations, solve: &mut Solve<'_>) -> Result<Sensitivity, EnforceError> {
+    let (mut v, mut growth, mut lost) = (equations.units().to_vec(), 0.0_f64, None);
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
     for step in 0..STEPS {
         // A row without terms feels a force of size one: nothing else would find that it has no stiffness.
@@ -72,8 +87,33 @@ pub fn sensitivity(equations: &impl Equations, solve: &mut Solve<'_>) -> Result<
         }
         growth = if step == 0 { 1.0 } else { growth.max(largest) };
         v = y.iter().map(|y| y / largest).collect();
+        if step == 0 && is_lost(equations, solve, &v) {
+            lost = Some(v.clone());
+        }
     }
-    Ok((growth, v))
+    Ok(Sensitivity { growth, mode: v, lost })
+}
+
+/// Whether `M^-1 A v` is something else than v, which is of size one.
+fn is_lost(equations: &impl Equations, solve: &mut Solve<'_>, v: &[f64]) -> bool {
+    let Ok(again) = solve(&equations.apply(v)) else { return true };
+    let off: Vec<f64> = again.iter().zip(v).map(|(again, v)| again - v).collect();
+    let off = largest(equations, &off);
+    off.is_nan() || off > LOST
+}
+
+/// The sharper null vector of two.
+fn sharpest(
+    equations: &impl Equations,
+    solve: &mut Solve<'_>,
+    lost: Option<Vec<f64>>,
+    mode: Vec<f64>,
+) -> (Vec<f64>, f64) {
+    let (a, b) = (lost.map(|v| sharpened(equations, solve, v)), sharpened(equations, solve, mode));
+    match a {
+        Some(a) if a.1 < b.1 => a,
+        _ => b,
+    }
 }
 
 /// A sharper null vector, and how strongly it is held.

@@ -205,9 +205,8 @@ impl ActiveSystem {
 }
 
 fn finite(set: &ConstraintSet, quantities: &Quantities) -> Result<(), ActiveError> {
-    for (row, &c) in quantities.c.iter().enumerate() {
-        let numbers = std::iter::once(c).chain(quantities.g.row(row).map(|(_, v)| v));
-        if let Some(value) = numbers.into_iter().find(|value| !value.is_finite()) {
+    for row in 0..quantities.c.len() {
+        if let Some(value) = quantities.not_finite(row) {
             return Err(ActiveError::NotFinite { label: set.label(row)?, value });
         }
     }

@@ -87,11 +87,15 @@ impl ConstraintSet {
         let rounding = self.rounding_of_nonlinear(quantities)?;
         let mut builder = SystemBuilder::new(self.dofs);
         for row in 0..self.equations() {
+            let not_finite = |value| Err(LineariseError::NotFinite { row, label: self.label(row)?, value });
+            if let Some(value) = quantities.not_finite(row) {
+                return not_finite(value);
+            }
             let (terms, rhs) = quantities.linear_equation(row, rounding.as_ref());
             let real = real_entries(terms, rounding.as_ref().map_or(&[], |rounding| rounding.of_row(row)));
             let terms = real.map(|(j, v)| (j, v * units[j]));
-            if let Some(value) = terms.clone().map(|(_, v)| v).chain([-rhs]).find(|v| !v.is_finite()) {
-                return Err(LineariseError::NotFinite { row, label: self.label(row)?, value });
+            if let Some(value) = terms.clone().map(|(_, v)| v).find(|v| !v.is_finite()) {
+                return not_finite(value);
             }
             builder.labelled_equation(self.label(row)?, terms, rhs);
         }
@@ -152,6 +156,12 @@ fn real_entries<'a>(
 }
 
 impl Quantities {
+    /// A number of c or of the row of G that is not finite, before bounds on rounding, which are then infinite, hide it.
+    pub(super) fn not_finite(&self, row: usize) -> Option<f64> {
+        let numbers = std::iter::once(self.c[row]).chain(self.g.row(row).map(|(_, v)| v));
+        numbers.into_iter().find(|value| !value.is_finite())
+    }
+
     /// The row of G, without terms if they are rounding, and -c, zero if both are.
     pub(super) fn linear_equation(
         &self,

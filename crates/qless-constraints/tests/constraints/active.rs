@@ -103,3 +103,23 @@ fn only_what_changed_is_done_again() -> Outcome {
     assert!(refused.to_string().contains("ring 0"), "{refused}");
     Ok(())
 }
+
+/// An equation without terms, as one whose row of G vanishes, is a block without DOFs: the others are expanded all the same.
+#[test]
+fn equations_without_terms_do_not_hinder_the_others() -> Outcome {
+    let mut builder = ConstraintSet::builder(4);
+    builder.add("tie", Equal::new([0, 1]))?;
+    builder.add("nothing", LinearEquation { terms: vec![(2, 1.0), (2, -1.0)], rhs: 0.0 })?;
+    let points = [PlanarPoint::new([0, 1], [0.0, 0.0]), PlanarPoint::new([2, 3], [1.0, 0.0])];
+    builder.add("rod", Distance { a: points[0], b: points[1], length: Some(1.0) })?;
+    let set = builder.build()?;
+    let (mut quantities, mut system) = (set.allocate(), ActiveSystem::new(&set, Options::default())?);
+    // The ends of the rod meet: its row vanishes.
+    set.evaluate(&[0.5, 0.0, -0.5, 0.0], &mut quantities)?;
+    system.update(&set, &quantities)?;
+    assert_eq!(set.vanishing(&quantities)?.len(), 2);
+    let mut du = [1.0, 3.0, 5.0, 7.0];
+    system.expand(&mut du)?;
+    assert!((0.5 + du[0] - du[1]).abs() < 1e-15 && du[2..] == [5.0, 7.0], "{du:?}");
+    Ok(())
+}

@@ -69,3 +69,5 @@ mod surface_mortar;
 mod time;
 /// Rotation vectors that are kept short.
 mod turns;
+/// Enforcement of small models against exact arithmetic.
+mod whole_numbers;

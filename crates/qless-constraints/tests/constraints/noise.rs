@@ -7,7 +7,7 @@ use qless::{Options, analyse};
 use qless_constraints::types::{
     Body, Distance, Fixed, Line, LinearEquation, OnLine, PlanarPoint, Point, Prismatic, Revolute, Universal,
 };
-use qless_constraints::{Constraint, ConstraintSet, Nonlinear, Store};
+use qless_constraints::{Constraint, ConstraintSet, LineariseError, Nonlinear, Store};
 
 type Outcome = Result<(), Box<dyn Error>>;
 
@@ -205,4 +205,20 @@ fn rayon_free<T: Send>(
 ) -> Result<T, Box<dyn Error>> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
     pool.install(|| work().map_err(|error| error.to_string())).map_err(Into::into)
+}
+
+/// The bound on its rounding is infinite then; that does not make it rounding.
+#[test]
+fn what_leaves_the_range_of_doubles_is_refused_not_taken_for_rounding() -> Outcome {
+    let points = [PlanarPoint::new([0, 1], [0.0, 0.0]), PlanarPoint::new([2, 3], [1.0, 0.0])];
+    let mut builder = ConstraintSet::builder(4);
+    builder.add("rod", Distance::new(points[0], points[1]))?;
+    let set = builder.build()?;
+    let mut quantities = set.allocate();
+    for far in [1e160, 1e200, 1e308] {
+        set.evaluate(&[far, 0.0, 0.0, 0.0], &mut quantities)?;
+        let refused = set.linearised(&quantities, &[]);
+        assert!(matches!(refused, Err(LineariseError::NotFinite { row: 0, .. })), "{far:e}: {refused:?}");
+    }
+    Ok(())
 }

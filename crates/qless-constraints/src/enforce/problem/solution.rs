@@ -12,7 +12,8 @@ pub struct Solution {
     /// `(DOF, K u + C^T lambda - f)` for each prescribed DOF: what holds it.
     pub reactions: Vec<(usize, f64)>,
     /// The share of u, in its largest number per connected part, that may be wrong: what rounding of K and C does to it, and what
-    /// penalties leave; where equations keep u at zero, the share of what loads would do without them. Translations and rotations are compared in units of energy. An estimate, as a rule too large.
+    /// penalties leave; if that is more, the share of what loads would do to the stiffness they act on.
+    /// Translations and rotations are compared in units of energy. An estimate, as a rule too large.
     pub accuracy: f64,
     /// The largest imbalance of a row of `K u + C^T lambda = f` and `C u - b`, relative to its terms.
     pub imbalance: f64,

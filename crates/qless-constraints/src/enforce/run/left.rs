@@ -3,6 +3,9 @@
 use super::super::equations::{Equations, largest_of_parts};
 use super::Prepared;
 
+/// The second step as a share of the first, up to which their sum is known to some digits.
+const LONGEST: f64 = 1.0 - 1e-6;
+
 impl Prepared<'_> {
     /// `|u - u*| / |u|` of the exact u*, by the first two steps that multipliers would take towards it: a geometric series. The
     /// largest of all connected parts, each in its largest number, in units without units; zero without springs.
@@ -30,9 +33,11 @@ impl Prepared<'_> {
             largest_of_parts(&self.model, &dofs)
         };
         let (mut size, first, second) = (of_dofs(x), of_dofs(&steps[0]), of_dofs(&steps[1]));
-        // Where equations keep u at zero, it is measured by what its loads would do to the stiffness they act on.
+        // Where equations keep u at zero, it is measured by what its loads would do to the stiffness they act on. Without any there is
+        // no unit of energy, and nothing to measure loads by.
         let (units, parts) = (self.model.units(), self.model.parts());
-        for j in 0..self.model.dofs() {
+        let stiff = self.model.stiff_parts();
+        for j in (0..self.model.dofs()).filter(|&j| stiff[parts[j]]) {
             size[parts[j]] = size[parts[j]].max(self.model.rhs.1[j] * units[j]);
         }
         let of_part = |part: usize| {
@@ -40,8 +45,8 @@ impl Prepared<'_> {
                 return 0.0;
             }
             let ratio = second[part] / first[part];
-            // Steps that do not get shorter lead anywhere.
-            let all = if ratio < 1.0 { first[part] / (1.0 - ratio) } else { f64::INFINITY };
+            // Steps that do not get shorter lead anywhere; rounding decides where they hardly do.
+            let all = if ratio < LONGEST { first[part] / (1.0 - ratio) } else { f64::INFINITY };
             if size[part] > 0.0 { all / size[part] } else { f64::INFINITY }
         };
         (0..units.len()).map(of_part).fold(0.0, f64::max)

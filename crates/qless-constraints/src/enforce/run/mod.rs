@@ -1,6 +1,7 @@
 //! One solve by any methods: factored, held against its support, solved and refined until it is in balance, or refused.
 
 mod advice;
+mod give_way;
 mod left;
 mod support;
 

@@ -18,17 +18,20 @@ pub fn prepared<'a>(problem: &'a Problem, methods: &'a [Method]) -> Result<Prepa
 
 /// How sensitive u is to rounding, or the motion that nothing holds.
 pub fn supported(prepared: &mut Prepared) -> Result<f64, EnforceError> {
+    let stiffest = prepared.methods.iter().filter_map(|method| method.factor()).reduce(f64::max);
+    if let Some(stiffest) = stiffest {
+        let Prepared { model, inverse, .. } = &mut *prepared;
+        if let Ok(found) = sensitivity(model, &mut |r: &[f64]| inverse.solve(r)) {
+            let seen = found.lost.is_none() && found.growth * stiffest.max(1.0) < SUSPICIOUS;
+            if seen && prepared.springs_give_way() {
+                return Ok(found.growth);
+            }
+        }
+        // Springs hide K behind their rounding, or hold what the equations do not: the same without them.
+        return supported(&mut self::prepared(prepared.problem, &without_springs(prepared.methods))?);
+    }
     let Prepared { problem, methods, model, inverse } = prepared;
     let mut solve = |r: &[f64]| inverse.solve(r);
-    if methods.iter().any(|method| method.factor().is_some()) {
-        let growth = sensitivity(model, &mut solve).map(|(growth, _)| growth);
-        let stiffest = methods.iter().filter_map(|method| method.factor()).fold(1.0, f64::max);
-        return match growth {
-            Ok(growth) if growth * stiffest < SUSPICIOUS => Ok(growth),
-            // Springs hide K behind their rounding: the same without them.
-            _ => supported(&mut self::prepared(problem, &without_springs(methods))?),
-        };
-    }
     match judged(model, &mut solve) {
         Ok(Verdict::Held(growth)) => Ok(growth),
         Ok(Verdict::Loose(motion, held)) => Err(unsupported(model, &motion, held)),

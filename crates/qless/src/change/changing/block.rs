@@ -101,6 +101,10 @@ impl SolvedBlock {
 
     /// `u_s = T u_q + G u_p + g`.
     pub(super) fn expand(&self, u: &mut [f64]) -> Result<(), ChangeError> {
+        // The master of an equation without terms is none of the whole.
+        if self.slaves.is_empty() && self.masters.is_empty() {
+            return Ok(());
+        }
         let of = |dofs: &[usize]| dofs.iter().map(|&j| u[j]).collect::<Vec<f64>>();
         let own = self.reduction.expand(&of(&self.masters), &of(&self.prescribed))?;
         self.slaves.iter().zip(&self.reduction.slaves).for_each(|(&j, &k)| u[j] = own[k]);
