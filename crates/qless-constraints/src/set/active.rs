@@ -144,11 +144,11 @@ impl ActiveSystem {
     fn renewed(
         &mut self,
         mut known: Known,
-        terms: impl ExactSizeIterator<Item = (usize, f64)> + Clone,
+        terms: impl Iterator<Item = (usize, f64)> + Clone,
         rhs: f64,
     ) -> Result<Known, ChangeError> {
-        let same = |(a, b): (&(usize, f64), (usize, f64))| a.0 == b.0 && a.1.to_bits() == b.1.to_bits();
-        if known.terms.len() != terms.len() || !known.terms.iter().zip(terms.clone()).all(same) {
+        let bits = |(j, v): (usize, f64)| (j, v.to_bits());
+        if !known.terms.iter().copied().map(bits).eq(terms.clone().map(bits)) {
             known.terms = terms.collect();
             self.system.set_terms(known.id, known.terms.iter().copied())?;
         }

@@ -92,8 +92,7 @@ impl ConstraintSet {
                 return not_finite(value);
             }
             let (terms, rhs) = quantities.linear_equation(row, rounding.as_ref());
-            let real = real_entries(terms, rounding.as_ref().map_or(&[], |rounding| rounding.of_row(row)));
-            let terms = real.map(|(j, v)| (j, v * units[j]));
+            let terms = terms.map(|(j, v)| (j, v * units[j]));
             if let Some(value) = terms.clone().map(|(_, v)| v).find(|v| !v.is_finite()) {
                 return not_finite(value);
             }
@@ -145,14 +144,9 @@ impl ConstraintSet {
     }
 }
 
-/// Without those that are no more than their rounding: an entry of 1e-159 would make a column look as if it were in another unit.
-fn real_entries<'a>(
-    terms: impl Iterator<Item = (usize, f64)> + Clone + 'a,
-    bounds: &'a [f64],
-) -> impl Iterator<Item = (usize, f64)> + Clone + 'a {
-    let bounds = bounds.iter().copied().chain(std::iter::repeat(f64::INFINITY));
-    // What is not finite is no rounding, and where the bound is not, nothing is known.
-    terms.zip(bounds).filter(|&((_, v), bound)| !(v.abs() <= bound && bound.is_finite())).map(|(term, _)| term)
+/// Whether a number is no more than its rounding; what is not finite is no rounding.
+fn is_rounding(value: f64, bound: f64) -> bool {
+    value.is_finite() && value.abs() <= bound
 }
 
 impl Quantities {
@@ -162,22 +156,27 @@ impl Quantities {
         numbers.into_iter().find(|value| !value.is_finite())
     }
 
-    /// The row of G, without terms if they are rounding, and -c, zero if both are.
-    pub(super) fn linear_equation(
-        &self,
+    /// The entries of a row of G that are more than rounding, and -c, zero if all of these are: an entry of 1e-159 would make a column look as if
+    /// it were in another unit.
+    pub(super) fn linear_equation<'a>(
+        &'a self,
         row: usize,
-        rounding: Option<&Rounding>,
-    ) -> (impl ExactSizeIterator<Item = (usize, f64)> + Clone + '_, f64) {
+        rounding: Option<&'a Rounding>,
+    ) -> (impl Iterator<Item = (usize, f64)> + Clone + 'a, f64) {
+        let bounds = rounding.map_or(&[][..], |rounding| rounding.of_row(row)).iter().copied();
+        let terms = self.g.row(row).zip(bounds.chain(std::iter::repeat(-1.0)));
+        let vanishing = rounding.filter(|rounding| self.vanishes(row, rounding));
+        // An infinite bound knows nothing: it takes no entry out of a row in which others stand.
+        let real = move |&((_, v), bound): &((_, f64), f64)| {
+            vanishing.is_none() && !(is_rounding(v, bound) && bound.is_finite())
+        };
         let c = self.c[row];
-        match rounding.filter(|rounding| self.vanishes(row, rounding)) {
-            // Rows from m on have no terms.
-            Some(rounding) => (self.g.row(self.g.rows()), if c.abs() <= rounding.c()[row] { 0.0 } else { -c }),
-            None => (self.g.row(row), -c),
-        }
+        let is_nothing = vanishing.is_some_and(|rounding| is_rounding(c, rounding.c()[row]));
+        (terms.filter(real).map(|(term, _)| term), if is_nothing { 0.0 } else { -c })
     }
 
-    /// Whether no entry of a row of G is more than rounding; what is not finite is no rounding.
+    /// Whether no entry of a row of G is more than rounding.
     fn vanishes(&self, row: usize, rounding: &Rounding) -> bool {
-        self.g.row(row).zip(rounding.of_row(row)).all(|((_, v), &bound)| v.is_finite() && v.abs() <= bound)
+        self.g.row(row).zip(rounding.of_row(row)).all(|((_, v), &bound)| is_rounding(v, bound))
     }
 }

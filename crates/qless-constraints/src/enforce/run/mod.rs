@@ -97,6 +97,13 @@ impl<'a> Prepared<'a> {
                 return Err(Failure::TooSoft { cost: left });
             }
         }
+        // What may be wrong as a whole is no solution, whatever was asked for.
+        if left.is_nan() || left >= 1.0 {
+            return Err(Failure::TooSoft { cost: left });
+        }
+        if noise.is_nan() || noise >= 1.0 {
+            return Err(Failure::OutOfBalance { row, imbalance });
+        }
         Ok(Found { x, imbalance, accuracy: noise.max(left) })
     }
 }
