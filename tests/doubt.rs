@@ -19,6 +19,8 @@ mod doubt {
     mod residual;
     /// All families of scenes, small.
     mod scenes;
+    /// Entries of no size beside others.
+    mod tiny;
     /// Singular values and what they allow to say.
     mod truth;
     /// Gate, sigma, rank and alarms over all systems.

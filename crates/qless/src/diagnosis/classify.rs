@@ -3,8 +3,8 @@
 use crate::diagnosis::certificate::{Because, History};
 use crate::input::scale::Scaling;
 use crate::presolve::basis::Diagnosed;
-use crate::presolve::eliminate::Eliminated;
-pub(crate) use crate::presolve::eliminate::Mismatch;
+use crate::presolve::eliminated::Eliminated;
+pub(crate) use crate::presolve::eliminated::Mismatch;
 use crate::presolve::rows::MORE_THAN_ROUNDING;
 
 /// What an equation is.

@@ -7,7 +7,7 @@ use crate::input::numbering::Local;
 use crate::input::scale::{Scaling, ldexp};
 use crate::presolve::basis::Vectors;
 use crate::presolve::basis::{Basis, Kept, Row};
-use crate::presolve::eliminate::Eliminated;
+use crate::presolve::eliminated::Eliminated;
 
 /// A sum of parts that cancels to within this, relative to the parts, is zero.
 const NOISE: f64 = 1e-11;

@@ -8,10 +8,8 @@ use std::collections::HashSet;
 
 use crate::input::components::Labels;
 use crate::input::numbering::{Exponents, Local};
-use crate::input::scale::{equilibrated, free};
+use crate::input::scale::{ROUNDING, equilibrated, free};
 
-/// Powers of two below the largest of its row at which a coefficient is no more than rounding.
-const ROUNDING: i32 = -46;
 /// A coefficient from which nothing was concluded: below 1.4e-14 of the largest of its equation and of its DOF, each in its unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]

@@ -4,8 +4,7 @@
 //! connected component by itself. Where units mix, that is where more than one column in twenty with two entries or more lies
 //! below `2^-10` in all its rows, rows and columns are balanced, the largest number of each being 1 (Ruiz 2001), before the
 //! rows get their final scale. Where only some entries are tiny, below `2^-20`, nobody can know whether they are in another unit or stand
-//! for zero: if the rank of scaled rows is in doubt, the analysis is made again with balanced columns, the surer one counts,
-//! and the doubt is reported.
+//! for zero. Either way, if the rank is in doubt, the analysis is made again the other way, the surer one counts, and the doubt is reported.
 
 use std::collections::HashSet;
 
@@ -121,6 +120,9 @@ const SMALL: i32 = -10;
 /// Entries below this one may be meant as zero.
 const TINY: i32 = -20;
 
+/// Where the largest of each row and column is 1, no unit explains an entry below this power of two: it is rounding.
+pub(crate) const ROUNDING: i32 = -46;
+
 /// Scales every row; returns the exponent of the smallest free entry relative to its row.
 fn scale_rows(system: Local, exponents: &[Exponents], scaling: &mut Scaling) -> i32 {
     let plain = scaling.col.is_empty();
@@ -230,16 +232,24 @@ impl Tally {
 
 /// Alternating geometric means of the free part, ten sweeps, then a largest number of 1: the former find the units, the latter
 /// what numbers of many sizes in one row made of them.
+///
+/// A mean over an entry of 1e-159, which is what is left of a zero, would move its row and column by hundreds of powers: entries that no unit
+/// explains have no part in it.
 fn balance(c: Local, scaling: &mut Scaling) {
-    let mut row = vec![0.0; c.equations()];
-    let mut col = vec![0.0; c.dofs()];
+    let (mut row, mut col) = (vec![0.0; c.equations()], vec![0.0; c.dofs()]);
+    let (of_row, of_col) = equilibrated(c, row.clone(), col.clone());
+    let counting = |i: usize| {
+        let (of_row, of_col) = (&of_row, &of_col);
+        let powers = free(c, i).map(|(j, v)| (j, v.abs().log2()));
+        powers.filter(move |&(j, power)| power + of_row[i] + of_col[j] > f64::from(ROUNDING))
+    };
     for _ in 0..10 {
         let mut sum = vec![(0.0, 0.0); c.dofs()];
         for i in 0..c.equations() {
-            let total: f64 = free(c, i).map(|(j, v)| v.abs().log2() + col[j]).sum();
-            row[i] = -total / (free(c, i).count().max(1) as f64);
-            free(c, i).for_each(|(j, v)| {
-                sum[j].0 += v.abs().log2() + row[i];
+            let total: f64 = counting(i).map(|(j, power)| power + col[j]).sum();
+            row[i] = -total / (counting(i).count().max(1) as f64);
+            counting(i).for_each(|(j, power)| {
+                sum[j].0 += power + row[i];
                 sum[j].1 += 1.0;
             });
         }

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use super::rows::Row;
 use crate::input::numbering::Local;
-use crate::input::scale::{Scaling, ldexp};
+use crate::input::scale::{Scaling, exponent, ldexp};
 
 /// Rows for elimination.
 pub(crate) struct Gathered {
@@ -14,6 +14,8 @@ pub(crate) struct Gathered {
     pub dofs: Vec<u32>,
     /// Whether each of them is free.
     pub free: Vec<bool>,
+    /// A prescribed DOF may be in any unit: in `rows` it counts in `2^-power` of that, so that its coefficients are of the size of others.
+    pub power: Vec<i32>,
     pub rows: Vec<Row>,
 }
 
@@ -26,7 +28,8 @@ pub(crate) fn gather(
     scaling: &Scaling,
     uncertain: &HashSet<(u32, u32)>,
 ) -> Result<Gathered, OutOfRange> {
-    let mut out = Gathered { dofs: Vec::new(), free: Vec::new(), rows: Vec::with_capacity(names.len()), names };
+    let (dofs, free, power) = (Vec::new(), Vec::new(), Vec::new());
+    let mut out = Gathered { dofs, free, power, rows: Vec::with_capacity(names.len()), names };
     if out.names.is_empty() {
         return Ok(out);
     }
@@ -43,11 +46,13 @@ pub(crate) fn gather(
                 number[j] = out.dofs.len() as u32;
                 out.dofs.push(j as u32);
                 out.free.push(free);
+                out.power.push(if free { 0 } else { -exponent(entry) });
             }
+            let counted = ldexp(entry, out.power[number[j] as usize]);
             if !uncertain.is_empty() && uncertain.contains(&(name, j as u32)) {
-                row.push_uncertain(number[j], entry);
+                row.push_uncertain(number[j], counted);
             } else {
-                row.push(number[j], entry);
+                row.push(number[j], counted);
             }
             if free {
                 row.size = row.size.max(entry.abs());

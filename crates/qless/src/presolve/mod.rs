@@ -5,6 +5,7 @@
 
 pub(crate) mod basis;
 pub(crate) mod eliminate;
+pub(crate) mod eliminated;
 pub(crate) mod gather;
 pub(crate) mod peel;
 pub(crate) mod rows;

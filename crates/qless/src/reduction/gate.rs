@@ -14,7 +14,7 @@ use crate::common::random::{randoms, signed};
 use crate::diagnosis::samples::Keys;
 use crate::input::components::Labels;
 use crate::input::numbering::Local;
-use crate::input::scale::{Scaling, ldexp};
+use crate::input::scale::{Scaling, exponent, ldexp};
 
 /// Largest relative residual with which a reduction may leave.
 pub(crate) const LIMIT: f64 = 1e-10;
@@ -23,6 +23,9 @@ const FINE: f64 = 1e-13;
 
 /// Residuals up to this part of what is fine are so whatever numbers are drawn.
 const NEARLY: f64 = 0.1;
+
+/// Units are told apart up to this power of two, so that products stay within the range of doubles.
+const FAR: i32 = 500;
 
 /// The residuals of the independent equations.
 pub(crate) struct Found {
@@ -49,6 +52,15 @@ enum Part {
     Free,
     Prescribed,
     Constant,
+}
+
+/// What a part is expanded from.
+#[derive(Clone, Copy)]
+struct Given<'a> {
+    part: Part,
+    local: Local<'a>,
+    reduction: &'a Reduction,
+    scaling: &'a Scaling,
 }
 
 /// Residuals, with the equations above `above` listed.
@@ -82,16 +94,17 @@ fn judge(
 ) -> Found {
     let mut found = Found { worst: 0.0, row: 0, above: Vec::new() };
     for part in parts {
-        let mut expanded = Expanded::new(part, local, reduction, None);
+        let of_part = Given { part, local, reduction, scaling };
+        let mut expanded = Expanded::new(of_part, None);
         let mut own = expanded.residuals(local, independent);
         let is_fine = |own: &[f64]| own.iter().all(|&residual| residual <= FINE);
         if !own.iter().all(|&residual| residual <= NEARLY * FINE) {
             // Something may hang on how numbers were drawn: once more by places within the components.
             let keys = Keys::within(&Labels::of(local), local);
-            expanded = Expanded::new(part, local, reduction, Some(&keys));
+            expanded = Expanded::new(of_part, Some(&keys));
             own = expanded.residuals(local, independent);
             if !is_fine(&own) {
-                expanded.measure(part, local, reduction, &keys);
+                expanded.measure(of_part, &keys);
                 own = expanded.residuals(local, independent);
             }
         }
@@ -151,10 +164,24 @@ fn by_keys(local: Local, reduction: &Reduction, keys: &Keys) -> Vec<f64> {
     reduction.masters.iter().map(|&j| users[j]).collect()
 }
 
+/// A random number for each prescribed DOF, each in its unit: what `2^60` of one brings must not hide what one of another does.
+fn in_units(local: Local, reduction: &Reduction, scaling: &Scaling) -> Vec<f64> {
+    let mut largest = vec![None; reduction.slaves.len() + reduction.masters.len() + reduction.prescribed.len()];
+    for i in 0..local.equations() {
+        for (j, v) in local.row(i).filter(|&(j, v)| !local.free()[j] && v != 0.0) {
+            let power = &mut largest[local.numbering.dofs[j] as usize];
+            *power = (*power).max(Some(exponent(v) + scaling.row[i]));
+        }
+    }
+    let unit = |&j: &usize| -largest[j].unwrap_or(0).clamp(-FAR, FAR);
+    reduction.prescribed.iter().map(unit).zip(randoms(1)).map(|(power, x)| ldexp(x, power)).collect()
+}
+
 impl Expanded {
     /// Random masters, random prescribed values, or neither; masters by `keys`, if there are any.
-    fn new(part: Part, local: Local, reduction: &Reduction, keys: Option<&Keys>) -> Self {
-        let (u, factored) = (Self::by_rows(part, local, reduction, keys, |v| v), !reduction.is_explicit());
+    fn new(given: Given, keys: Option<&Keys>) -> Self {
+        let Given { part, local, reduction, .. } = given;
+        let (u, factored) = (Self::by_rows(given, keys, |v| v), !reduction.is_explicit());
         let mut expanded = Self { u, sizes: None, with_rhs: matches!(part, Part::Constant) };
         if factored && !expanded.with_rhs {
             let named = &local.numbering.dofs;
@@ -167,13 +194,8 @@ impl Expanded {
     }
 
     /// Local DOFs, or the sizes of what makes them, by the rows of T, of G, or of g.
-    fn by_rows(
-        part: Part,
-        local: Local,
-        reduction: &Reduction,
-        keys: Option<&Keys>,
-        size: impl Fn(f64) -> f64 + Send + Sync,
-    ) -> Vec<f64> {
+    fn by_rows(given: Given, keys: Option<&Keys>, size: impl Fn(f64) -> f64 + Send + Sync) -> Vec<f64> {
+        let Given { part, local, reduction, scaling } = given;
         let (dofs, matrix) = match part {
             Part::Free => (&reduction.masters[..], Some(&reduction.t)),
             Part::Prescribed => (&reduction.prescribed[..], Some(&reduction.g_matrix)),
@@ -181,6 +203,7 @@ impl Expanded {
         };
         let x = match (part, keys) {
             (Part::Free, Some(keys)) => by_keys(local, reduction, keys),
+            (Part::Prescribed, _) => in_units(local, reduction, scaling),
             _ => randoms(1).take(dofs.len()).collect(),
         };
         let of_slave = |i: usize| match matrix {
@@ -200,8 +223,8 @@ impl Expanded {
     }
 
     /// Takes the sizes of the parts of every DOF.
-    fn measure(&mut self, part: Part, local: Local, reduction: &Reduction, keys: &Keys) {
-        let mut sizes = Self::by_rows(part, local, reduction, Some(keys), f64::abs);
+    fn measure(&mut self, given: Given, keys: &Keys) {
+        let mut sizes = Self::by_rows(given, Some(keys), f64::abs);
         sizes.iter_mut().zip(&self.u).for_each(|(size, u)| *size = size.max(u.abs()));
         self.sizes = Some(sizes);
     }

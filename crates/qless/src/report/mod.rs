@@ -11,16 +11,21 @@
 
 mod budget;
 mod exact;
+mod findings;
 mod made;
 mod meant;
+mod sizes;
 mod status;
 
 use std::time::Duration;
 
-use crate::{Analysis, Confidence, ConstraintSystem, FactoredBlock, Form, Kind, PresolveStatistics, Reduction};
+use crate::{Analysis, Confidence, Form, PresolveStatistics, Reduction};
 use budget::Budget;
 pub use exact::{ExactDifference, ExactFinding};
+pub use findings::{Certificate, DependentEquation, GeneratedCondition, IgnoredCoefficient, Omitted, Term};
 pub use meant::{MeantFinding, NearEquation};
+pub use sizes::{BackendUsed, Counts, FactoredSizes, InputSizes, Milliseconds, ReductionSizes, Unmet};
+use sizes::{count, from_one, milliseconds};
 pub use status::Status;
 
 /// The diagnosis of a system, 1-based, with labels; numbers that are not finite serialize as null.
@@ -87,232 +92,6 @@ pub struct Report {
     pub backend: BackendUsed,
     /// Time spent, in milliseconds.
     pub timings_ms: Milliseconds,
-}
-
-/// A coefficient below 1.4e-14 of the largest of its equation, of a DOF that counts in others.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[non_exhaustive]
-pub struct IgnoredCoefficient {
-    /// Its row, from 1.
-    pub row: usize,
-    /// Its DOF, from 1.
-    pub dof: usize,
-    /// Its value.
-    pub coefficient: f64,
-}
-
-/// Sizes of a system.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[non_exhaustive]
-pub struct InputSizes {
-    /// Equations.
-    pub rows: usize,
-    /// DOFs, prescribed ones included.
-    pub dofs: usize,
-    /// Coefficients that are not zero.
-    pub nnz: usize,
-    /// DOFs that are not prescribed.
-    pub free: usize,
-    /// DOFs that are.
-    pub prescribed: usize,
-}
-
-/// Equations of each kind; they sum to all, and `independent` is the rank.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[non_exhaustive]
-pub struct Counts {
-    /// Kept equations.
-    pub independent: usize,
-    /// Combinations of kept equations that are consistent with them.
-    pub redundant: usize,
-    /// Combinations of kept equations that contradict them.
-    pub conflicting: usize,
-}
-
-/// A redundant or conflicting equation.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[non_exhaustive]
-pub struct DependentEquation {
-    /// Its row, from 1.
-    pub row: usize,
-    /// Its label.
-    pub label: String,
-    /// Redundant or conflicting.
-    pub kind: Kind,
-    /// `b_k - sum c_i b_i` in the units of the equation, prescribed DOFs moved into b.
-    pub mismatch: f64,
-    /// `because`, and `because_omitted` where it is left out.
-    #[cfg_attr(feature = "serde", serde(flatten))]
-    pub certificate: Certificate,
-}
-
-/// A free DOF that the equations fix.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[non_exhaustive]
-pub struct GeneratedCondition {
-    /// The DOF, from 1.
-    pub dof: usize,
-    /// Its label.
-    pub label: String,
-    /// The only value that the equations leave it.
-    pub value: f64,
-    /// `because`, and `because_omitted` where it is left out.
-    #[cfg_attr(feature = "serde", serde(flatten))]
-    pub certificate: Certificate,
-}
-
-/// A certificate, or how much of it was left out.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[non_exhaustive]
-pub struct Certificate {
-    /// The equations combined, ascending; empty for `0 = b` as well, which needs none.
-    pub because: Vec<Term>,
-    /// What is not in `because`.
-    #[cfg_attr(feature = "serde", serde(rename = "because_omitted", skip_serializing_if = "Omitted::is_nothing"))]
-    pub omitted: Omitted,
-}
-
-/// `coefficient` times an equation.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[non_exhaustive]
-pub struct Term {
-    /// Row of a kept equation, from 1.
-    pub row: usize,
-    /// Its label.
-    pub label: String,
-    /// Its factor.
-    pub coefficient: f64,
-}
-
-/// What a report left out of a certificate.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Omitted {
-    /// Nothing; the key is then absent.
-    Nothing,
-    /// All of its terms, this many.
-    Terms(usize),
-    /// It was not computed; serializes as null.
-    NotComputed,
-}
-
-impl Omitted {
-    #[cfg(feature = "serde")]
-    fn is_nothing(&self) -> bool {
-        *self == Self::Nothing
-    }
-}
-
-#[cfg(feature = "serde")]
-impl serde::Serialize for Omitted {
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match *self {
-            Self::Terms(count) => serializer.serialize_u64(count as u64),
-            Self::Nothing | Self::NotComputed => serializer.serialize_none(),
-        }
-    }
-}
-
-/// The size and quality of `u_s = T u_q + G u_p + g`.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[non_exhaustive]
-pub struct ReductionSizes {
-    /// Number of slaves u_s.
-    pub slaves: usize,
-    /// Number of masters u_q.
-    pub masters: usize,
-    /// `max |T_ij|`; of factored parts the largest entry that was found.
-    pub growth: f64,
-    /// How well it meets the independent equations, see [`Analysis::residual`].
-    pub residual: f64,
-    /// Entries of T and G.
-    pub nnz: usize,
-    /// How many times a slave and a master changed places to keep the growth down.
-    pub exchanges: usize,
-    /// The form that was asked for.
-    pub form: Form,
-    /// Connected parts that stay factors: their rows are not in T and G.
-    pub factored: Vec<FactoredSizes>,
-}
-
-/// The size of a connected part that stays factors, see [`FactoredBlock`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[non_exhaustive]
-pub struct FactoredSizes {
-    /// Its independent equations.
-    pub equations: usize,
-    /// Its slaves.
-    pub slaves: usize,
-    /// Its masters.
-    pub masters: usize,
-    /// Numbers that it holds: of L, U, C_M and C_p.
-    pub nnz: usize,
-    /// Numbers that its part of T would have, estimated.
-    pub predicted: usize,
-}
-
-/// Preferences that are not met, counted from 1.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[non_exhaustive]
-pub struct Unmet {
-    /// Equations that are dependent though they were to be kept.
-    pub equations: Vec<usize>,
-    /// DOFs that are slaves though they must not be.
-    pub masters: Vec<usize>,
-    /// DOFs that are not slaves though that was preferred.
-    pub slaves: Vec<usize>,
-}
-
-impl Unmet {
-    /// Whether every preference is met.
-    pub fn is_empty(&self) -> bool {
-        self.equations.is_empty() && self.masters.is_empty() && self.slaves.is_empty()
-    }
-}
-
-fn from_one(numbers: &[usize]) -> Vec<usize> {
-    numbers.iter().map(|k| k + 1).collect()
-}
-
-/// What factored the blocks.
-#[derive(Clone, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[non_exhaustive]
-pub struct BackendUsed {
-    /// `faer`, `spqr` or `gauss`.
-    pub name: &'static str,
-    /// Threads at work.
-    pub threads: usize,
-    /// Name and version of the library behind it.
-    pub version: String,
-}
-
-/// Time spent in each stage, 0 for a stage that did not run.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[non_exhaustive]
-pub struct Milliseconds {
-    /// Reading and checking the input.
-    pub read: f64,
-    /// Scaling and presolve.
-    pub presolve: f64,
-    /// The backend.
-    pub factor: f64,
-    /// Classification and generated boundary conditions.
-    pub classify: f64,
-    /// T, G and g.
-    pub reduce: f64,
-    /// From start to end, with what is in no stage.
-    pub total: f64,
 }
 
 impl Report {
@@ -386,62 +165,4 @@ impl Report {
         self.timings_ms = Milliseconds { read, reduce, total, ..self.timings_ms };
         self
     }
-}
-
-impl FactoredSizes {
-    fn of(block: &FactoredBlock) -> Self {
-        Self {
-            equations: block.equations.len(),
-            slaves: block.slaves.len(),
-            masters: block.masters.len(),
-            nnz: block.nnz(),
-            predicted: block.predicted,
-        }
-    }
-}
-
-impl IgnoredCoefficient {
-    fn of(ignored: &crate::Ignored) -> Self {
-        Self { row: ignored.row + 1, dof: ignored.dof + 1, coefficient: ignored.coefficient }
-    }
-}
-
-impl InputSizes {
-    fn of(system: &ConstraintSystem) -> Self {
-        Self {
-            rows: system.equations(),
-            dofs: system.dofs(),
-            nnz: system.matrix().nnz(),
-            free: system.free(),
-            prescribed: system.prescribed().len(),
-        }
-    }
-}
-
-impl Counts {
-    fn status(self) -> Kind {
-        match self {
-            Self { redundant: 0, conflicting: 0, .. } => Kind::Independent,
-            Self { conflicting: 0, .. } => Kind::Redundant,
-            Self { .. } => Kind::Conflicting,
-        }
-    }
-}
-
-fn count(kinds: &[Kind]) -> Counts {
-    let of = |kind: Kind| kinds.iter().filter(|&&k| k == kind).count();
-    Counts { independent: of(Kind::Independent), redundant: of(Kind::Redundant), conflicting: of(Kind::Conflicting) }
-}
-
-impl Milliseconds {
-    fn of(analysis: &Analysis) -> Self {
-        let times = &analysis.timings;
-        let [presolve, factor, classify] = [times.presolve, times.factor, times.classify].map(milliseconds);
-        Self { presolve, factor, classify, total: presolve + factor + classify, ..Self::default() }
-    }
-}
-
-/// To the microsecond.
-fn milliseconds(time: Duration) -> f64 {
-    (time.as_secs_f64() * 1e6).round() / 1e3
 }

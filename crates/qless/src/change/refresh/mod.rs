@@ -18,7 +18,7 @@ use crate::diagnosis::classify::{Dependent, Kind, Source};
 use crate::factor::qr::BackendError;
 use crate::input::numbering::Local;
 use crate::input::scale::ldexp;
-use crate::presolve::eliminate::Mismatch;
+use crate::presolve::eliminated::Mismatch;
 use crate::reduction::gate;
 use crate::{Analysis, ArgumentError, ConstraintSystem, Reduction, ReductionError};
 use replay::Replay;

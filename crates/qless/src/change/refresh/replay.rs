@@ -3,7 +3,7 @@
 use super::Refresher;
 use crate::input::numbering::Local;
 use crate::input::scale::ldexp;
-use crate::presolve::eliminate::Mismatch;
+use crate::presolve::eliminated::Mismatch;
 use crate::presolve::rows::Row;
 
 /// The right-hand side of a row.

@@ -96,8 +96,8 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
     Ok(Analysis { ignored, ..analysis })
 }
 
-/// Balances components in which units mix; of those with some tiny entries, if their rank is in doubt, tries what is surer. The
-/// doubt remains.
+/// Balances components in which units mix and no others; where the rank is then in doubt, tries the other way, and takes what is surer.
+/// The doubt remains.
 fn surest(
     rows: &Scaling,
     spreads: &Spreads,
@@ -111,18 +111,24 @@ fn surest(
     let first = scaled(&mixed);
     let plain = settle(&first)?;
     let doubted = plain.doubted(&spreads.labels);
-    let tried = |k: usize| spreads.of[k] == Spread::SomeTiny && doubted[k];
+    let tried = |k: usize| spreads.of[k] != Spread::Even && doubted[k];
     if !(0..spreads.of.len()).any(tried) {
         return Ok((first, plain));
     }
-    let second = scaled(&|k| mixed(k) || tried(k));
+    let second = scaled(&|k| mixed(k) != tried(k));
     let other = settle(&second)?;
     let (before, after) = (plain.sigmas(&spreads.labels), other.sigmas(&spreads.labels));
     let still = other.doubted(&spreads.labels);
-    let back = |k: usize| tried(k) && still[k] && before[k] > after[k];
+    let dependent = [&plain, &other].map(|settled| settled.stages.dependent_by(&spreads.labels));
+    // Rows that are independent in any scaling are, so that fewer dependent ones speak for rows as they are where units mix; small columns that
+    // look like zeros do not.
+    let is_worse = |k: usize| {
+        if mixed(k) { dependent[1][k] >= dependent[0][k] } else { still[k] && before[k] > after[k] }
+    };
+    let back = |k: usize| tried(k) && is_worse(k);
     let confidence = plain.confidence.or_less(other.confidence);
     let (scaling, settled) = if (0..spreads.of.len()).any(back) {
-        let third = scaled(&|k| mixed(k) || (tried(k) && !back(k)));
+        let third = scaled(&|k| mixed(k) != (tried(k) && !back(k)));
         let settled = settle(&third)?;
         (third, settled)
     } else {

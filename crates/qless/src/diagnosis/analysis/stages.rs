@@ -22,7 +22,8 @@ use crate::input::preferences::Wishes;
 use crate::input::scale::Scaling;
 use crate::presolve::basis::Basis;
 use crate::presolve::basis::Diagnosed;
-use crate::presolve::eliminate::{Eliminated, eliminate};
+use crate::presolve::eliminate::eliminate;
+use crate::presolve::eliminated::Eliminated;
 use crate::presolve::gather::gather;
 use crate::presolve::peel::{Peeled, peel};
 use crate::{ConstraintSystem, Options};
@@ -274,7 +275,7 @@ impl Stages {
     }
 
     /// The number of dependent equations of each component.
-    fn dependent_by(&self, labels: &Labels) -> Vec<u32> {
+    pub fn dependent_by(&self, labels: &Labels) -> Vec<u32> {
         let mut counts = vec![0; labels.count];
         self.dependent.iter().for_each(|d| counts[labels.of_row[d.row] as usize] += 1);
         counts

@@ -12,7 +12,7 @@ use crate::factor::qr::choice::DenseOrSparse;
 use crate::factor::qr::{Backend, BackendError};
 use crate::input::scale::{exponent, ldexp};
 use crate::presolve::basis::Diagnosed;
-use crate::presolve::eliminate::Mismatch;
+use crate::presolve::eliminated::Mismatch;
 use crate::presolve::rows::{Entry, Row};
 use crate::{Csr, Options};
 use dependent::Rows;

@@ -1,7 +1,7 @@
 //! What blocks of equations that presolve leaves become: plain data, which a factorization fills in.
 
 use crate::Csr;
-use crate::presolve::eliminate::Mismatch;
+use crate::presolve::eliminated::Mismatch;
 
 /// Kept equations that a change of one coefficient by less than this makes dependent are near dependence, whatever the tolerance.
 pub(crate) const NEAR: f64 = 3e-6;

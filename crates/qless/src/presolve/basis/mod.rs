@@ -12,7 +12,7 @@ use std::ops::Range;
 
 use crate::input::numbering::Local;
 use crate::input::scale::{Scaling, ldexp};
-use crate::presolve::eliminate::Step;
+use crate::presolve::eliminated::Step;
 
 pub(crate) use blocks::{BlockDependent, Diagnosed, NEAR, Nearness, Solved, Vectors};
 pub(crate) use row::Row;

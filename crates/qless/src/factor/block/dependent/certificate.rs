@@ -8,7 +8,7 @@ use crate::factor::block::triangle::Triangle;
 use crate::factor::qr::Factor;
 use crate::input::scale::ldexp;
 use crate::presolve::basis::BlockDependent as Dependent;
-use crate::presolve::eliminate::Mismatch;
+use crate::presolve::eliminated::Mismatch;
 
 /// Coefficients of a certificate below this, relative to its largest, are rounding; where the kept rows are badly
 /// conditioned, those below [`ROUNDING`] units in the last place times the condition.

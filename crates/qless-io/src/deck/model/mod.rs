@@ -1,0 +1,161 @@
+//! What a deck constrains, whatever its format: equations on DOFs, prescribed values by load case, and where each stands.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+use super::Cards;
+use super::columns::Columns;
+use super::node_names::NodeNames;
+pub(super) use parts::Traits;
+pub use parts::{Dof, Equation, Load, LoadCase, Origin, Prescribed, Warning};
+use runs::{Run, Terms};
+
+mod fill;
+mod names;
+mod parts;
+mod runs;
+
+/// The constraints of a deck.
+#[derive(Clone, Debug, Default)]
+pub struct Model {
+    pub(in crate::deck) files: Vec<PathBuf>,
+    pub(in crate::deck) cards: Cards,
+    pub(in crate::deck) dofs: Vec<Dof>,
+    pub(in crate::deck) cases: Vec<LoadCase>,
+    pub(in crate::deck) warnings: Vec<Warning>,
+    pub(in crate::deck) refusals: Vec<Warning>,
+    /// Rotations that the solver makes for bodies: the first of three components of the reference node.
+    pub(in crate::deck) own_rotations: BTreeSet<Dof>,
+    pub(in crate::deck) traits: Traits,
+    /// Whether a load case takes nothing over from those before it.
+    pub(in crate::deck) has_separate_cases: bool,
+    /// Names of the courses after the first.
+    courses: Vec<String>,
+    names: NodeNames,
+    /// Ascending by DOF.
+    left_out_claims: Vec<(Dof, Origin)>,
+    /// DOFs that cards put where no slave may be, ascending.
+    claims: Vec<(Dof, Origin)>,
+    /// Nodes with axes of their own: where one of their DOFs is prescribed, ccx takes slaves there as it likes.
+    pub(in crate::deck) turned: BTreeSet<u32>,
+    /// Whether the solver does not always add up terms of an equation that name a DOF twice.
+    pub(in crate::deck) keeps_repeated_terms: bool,
+    /// Cards whose equations the solver keeps by multipliers: none of their DOFs is a slave.
+    without_slaves: BTreeSet<u32>,
+    columns: Columns,
+    terms: Terms,
+    /// Where the terms of each equation end.
+    ends: Vec<u32>,
+    /// Right-hand sides up to the last that is not zero.
+    rhs: Vec<f64>,
+    runs: Vec<Run>,
+}
+
+impl Model {
+    /// A model without equations or load cases, of these files.
+    pub(in crate::deck) fn new(files: Vec<PathBuf>) -> Self {
+        Self { files, ..Self::default() }
+    }
+
+    /// The files read, the main one first.
+    pub fn files(&self) -> &[PathBuf] {
+        &self.files
+    }
+
+    /// Cards that constrain, in the order met.
+    pub fn cards(&self) -> &Cards {
+        &self.cards
+    }
+
+    /// DOFs that occur in equations, by column.
+    pub fn dofs(&self) -> &[Dof] {
+        &self.dofs
+    }
+
+    /// Load cases; at least one.
+    pub fn cases(&self) -> &[LoadCase] {
+        &self.cases
+    }
+
+    /// What was not understood or not exact.
+    pub fn warnings(&self) -> &[Warning] {
+        &self.warnings
+    }
+
+    /// What the solver stops at when it reads the deck, whatever its equations say.
+    ///
+    /// ```
+    /// # let place = tempfile::tempdir()?;
+    /// let path = place.path().join("late.inp");
+    /// std::fs::write(&path, "*STEP\n*EQUATION\n2\n1,1,1.,2,1,-1.\n*END STEP\n")?;
+    /// let deck = qless_io::deck::read(&path)?;
+    /// assert!(deck.model().refusals()[0].text.starts_with("ccx stops: *EQUATION stands after a step begins"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn refusals(&self) -> &[Warning] {
+        &self.refusals
+    }
+
+    /// How prescribed values run in time: 0 is the solver's standard course, which has no name; others have that of an amplitude.
+    pub fn courses(&self) -> impl Iterator<Item = Option<&str>> {
+        std::iter::once(None).chain(self.courses.iter().map(|name| Some(name.as_str())))
+    }
+
+    /// What constrains and was left out: while there is any, what is said of the rest need not be so of the deck.
+    pub fn left_out(&self) -> impl Iterator<Item = &Warning> {
+        self.warnings.iter().filter(|warning| warning.leaves_out)
+    }
+
+    /// Number of equations.
+    pub fn equations(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// Number of terms of all equations, zero coefficients included.
+    pub fn terms(&self) -> usize {
+        self.terms.columns.len()
+    }
+
+    /// Equation `i`, from 0, if it is there.
+    pub fn equation(&self, i: usize) -> Option<Equation<'_>> {
+        (i < self.equations()).then(|| self.nth(i))
+    }
+
+    /// Equation `i`, which is there.
+    pub(in crate::deck) fn nth(&self, i: usize) -> Equation<'_> {
+        let range = if i == 0 { 0 } else { self.ends[i - 1] as usize }..self.ends[i] as usize;
+        let run = self.runs[self.runs.partition_point(|run| run.first <= i as u32) - 1];
+        Equation {
+            columns: &self.terms.columns[range.clone()],
+            coefficients: &self.terms.coefficients[range],
+            rhs: self.rhs.get(i).copied().unwrap_or(0.0),
+            origin: run.at(i),
+        }
+    }
+
+    /// The column of a DOF, if it occurs in an equation.
+    pub fn column(&self, dof: Dof) -> Option<u32> {
+        self.columns.get(dof)
+    }
+
+    /// Where a DOF is put into a set of which no slave may be, such as Nastran's `ASET`.
+    pub fn claimed(&self, dof: Dof) -> Option<Origin> {
+        self.claims.binary_search_by_key(&dof, |(claimed, _)| *claimed).ok().map(|at| self.claims[at].1)
+    }
+
+    /// Whether the first term of equation `i` is a slave; not so where the solver keeps the equation by a multiplier.
+    pub fn has_slave(&self, i: usize) -> bool {
+        self.without_slaves.is_empty() || !self.without_slaves.contains(&self.nth(i).origin.card)
+    }
+
+    /// DOFs that cards left out may claim, ascending, and where those stand: no equation written anew may have them as slaves.
+    pub fn left_out_claims(&self) -> &[(Dof, Origin)] {
+        &self.left_out_claims
+    }
+
+    /// The equations in force in a load case, by their number in the deck.
+    pub fn in_force(&self, case: &LoadCase) -> impl Iterator<Item = usize> + '_ {
+        let removed = case.removed.clone();
+        (0..self.equations()).filter(move |&i| removed.binary_search(&(i as u32)).is_err())
+    }
+}

@@ -1,0 +1,118 @@
+//! What a pivot and a dependent row change in the others.
+
+use super::{Elimination, SUSPECT, State};
+use crate::presolve::eliminated::{Dead, Mismatch, Step};
+use crate::presolve::rows::{Entry, Row, bound};
+
+impl Elimination<'_> {
+    /// Closes a row without free part; holds one that is too small for a pivot. True if the row is out of play.
+    pub(super) fn settle(&mut self, i: u32) -> bool {
+        let left = self.largest(i);
+        let row = &self.out.rows[i as usize];
+        if left > SUSPECT * row.size {
+            return false;
+        }
+        if left > self.tolerance * row.size {
+            self.state[i as usize] = State::Held;
+            return true;
+        }
+        let free = row.entries.iter().filter(|entry| self.is_free[entry.dof as usize]);
+        let left = free.filter(|entry| entry.is_certain()).map(|entry| entry.value.abs()).fold(row.dropped, f64::max);
+        let dropped = if row.size > 0.0 { left / row.size } else { 0.0 };
+        self.out.dead.push(Dead { row: i, dropped, reach: row.reach, mismatch: Mismatch::of(row) });
+        self.retire(i);
+        true
+    }
+
+    fn retire(&mut self, i: u32) {
+        self.state[i as usize] = State::Done;
+        self.active -= 1;
+        let entries = std::mem::take(&mut self.out.rows[i as usize].entries);
+        for j in entries.iter().map(|entry| entry.dof).filter(|&j| self.is_free[j as usize]) {
+            self.leave(j);
+        }
+        self.out.rows[i as usize].entries = entries;
+    }
+
+    pub(super) fn leave(&mut self, dof: u32) {
+        self.count[dof as usize] -= 1;
+        self.enqueue(dof, 0);
+    }
+
+    /// Row i becomes the equation of DOF j, which leaves all other rows.
+    pub(super) fn pivot(&mut self, i: u32, j: u32) {
+        let targets = self.holding(j);
+        self.retire(i);
+        let mut row = std::mem::take(&mut self.out.rows[i as usize]);
+        let position = row.entries.iter().position(|e| e.dof == j).expect("the pivot row holds the pivot DOF");
+        let pivot = row.entries.swap_remove(position);
+        for (k, value) in targets.into_iter().filter(|&(k, _)| k != i) {
+            self.subtract(k, j, value / pivot.value, &pivot, &row);
+        }
+        self.count[j as usize] = 0;
+        self.holders[j as usize] = Vec::new();
+        let way = self.path[j as usize] / pivot.value.abs();
+        for entry in &row.entries {
+            let path = &mut self.path[entry.dof as usize];
+            *path = path.max(way * entry.value.abs());
+        }
+        let others = row.entries.iter().map(|entry| (entry.dof, entry.value)).collect();
+        self.out.steps.push(Step { row: i, dof: j, pivot: pivot.value, others, rhs: row.rhs, reach: row.reach });
+    }
+
+    /// `row_k <- row_k - factor row`, where `row` no longer holds the pivot.
+    fn subtract(&mut self, k: u32, j: u32, factor: f64, pivot: &Entry, row: &Row) {
+        self.out.factors[k as usize].push((self.out.steps.len() as u32, factor));
+        self.largest[k as usize] = f64::NAN;
+        let target = &mut self.out.rows[k as usize];
+        // Relative error of the factor: that of the pivot, of the entry, and one rounding.
+        let mut relative = f64::from(pivot.error) / pivot.value.abs() + f64::EPSILON;
+        if let Some(position) = target.position(j) {
+            let gone = target.remove(position);
+            target.free -= 1;
+            relative += f64::from(gone.error) / gone.value.abs();
+        }
+        let mut mismatch = Mismatch::of(target);
+        mismatch.subtract(factor, Mismatch::of(row));
+        target.rhs -= factor * row.rhs;
+        target.reach = target.reach.max(factor.abs() * row.reach);
+        (target.effective, target.effective_size, target.effective_error) =
+            (mismatch.value, mismatch.size, mismatch.error + relative * (factor * row.effective).abs());
+        for entry in &row.entries {
+            let part = factor * entry.value;
+            self.add(k, entry.dof, -part, relative * part.abs() + factor.abs() * f64::from(entry.error));
+        }
+        if self.out.rows[k as usize].free <= 2 {
+            self.short_rows.push_back(k);
+        }
+    }
+
+    fn add(&mut self, k: u32, l: u32, value: f64, error: f64) {
+        let free = self.is_free[l as usize];
+        let row = &mut self.out.rows[k as usize];
+        if free {
+            // What is known is no measure of what is left: it may be in any unit.
+            row.size = row.size.max(value.abs());
+        }
+        if value.abs() < f64::MIN_POSITIVE {
+            // A product that left the range of doubles was no zero.
+            row.dropped = row.dropped.max(f64::MIN_POSITIVE);
+        }
+        if let Some(position) = row.position(l) {
+            if row.add(position, value, error) {
+                row.remove(position);
+                if free {
+                    row.free -= 1;
+                    self.leave(l);
+                }
+            }
+            return;
+        }
+        row.insert(Entry { dof: l, value, error: bound(error) });
+        if free {
+            row.free += 1;
+            self.count[l as usize] += 1;
+            self.holders[l as usize].push(k);
+        }
+    }
+}

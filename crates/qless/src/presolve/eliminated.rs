@@ -1,0 +1,118 @@
+//! What presolve's elimination leaves: pivots, dependent rows, and the core for the backend.
+
+use super::rows::Row;
+use crate::input::components::components;
+use crate::input::scale::ldexp;
+
+/// One pivot: the row as it was when it became the equation of its slave.
+#[derive(Clone, Debug)]
+pub(crate) struct Step {
+    /// Index into the rows given.
+    pub row: u32,
+    /// The slave.
+    pub dof: u32,
+    /// Its coefficient.
+    pub pivot: f64,
+    /// The other entries of the row.
+    pub others: Vec<(u32, f64)>,
+    pub rhs: f64,
+    /// As [`Row::reach`].
+    pub reach: f64,
+}
+
+/// A row without a free part.
+#[derive(Clone, Debug)]
+pub(crate) struct Dead {
+    pub row: u32,
+    /// What was dropped to call it dependent, relative to its parts; 0 if no more than rounding was.
+    pub dropped: f64,
+    /// As [`Row::reach`].
+    pub reach: f64,
+    /// `b - C_p u_p` minus the same of its certificate.
+    pub mismatch: Mismatch,
+}
+
+/// How far the right-hand side of a dependent row is from that of its certificate.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Mismatch {
+    pub value: f64,
+    /// Largest part that went into it.
+    pub size: f64,
+    /// Bound of its rounding error.
+    pub error: f64,
+}
+
+impl Mismatch {
+    pub fn of(row: &Row) -> Self {
+        Self { value: row.effective, size: row.effective_size, error: row.effective_error }
+    }
+
+    /// All times `2^exponent`.
+    pub fn scaled(self, exponent: i32) -> Self {
+        let Self { value, size, error } = self;
+        Self { value: ldexp(value, exponent), size: ldexp(size, exponent), error: ldexp(error, exponent) }
+    }
+
+    /// Subtracts `factor` times another right-hand side.
+    pub fn subtract(&mut self, factor: f64, other: Self) {
+        let part = (factor * other.size).abs();
+        self.value -= factor * other.value;
+        self.size = self.size.max(part);
+        self.error += factor.abs() * other.error + f64::EPSILON * part;
+    }
+}
+
+/// What elimination leaves.
+#[derive(Default)]
+pub(crate) struct Eliminated {
+    /// The user's row of each row given.
+    pub names: Vec<u32>,
+    pub steps: Vec<Step>,
+    /// For each row given, the steps subtracted from it and the factors, in order of time.
+    pub factors: Vec<Vec<(u32, f64)>>,
+    pub dead: Vec<Dead>,
+    /// Rows left for the backend, ascending.
+    pub core: Vec<u32>,
+    /// The rows as they are now; only those of the core still have entries.
+    pub rows: Vec<Row>,
+}
+
+impl Eliminated {
+    /// Of groups of rows that share no free DOF, together: rows by the user's number, as if they had been eliminated at once.
+    pub fn join(mut groups: Vec<Self>) -> Self {
+        if groups.len() < 2 {
+            return groups.pop().unwrap_or_default();
+        }
+        let mut order: Vec<(u32, usize, usize)> = Vec::new();
+        for (g, group) in groups.iter().enumerate() {
+            order.extend(group.names.iter().enumerate().map(|(i, &name)| (name, g, i)));
+        }
+        order.sort_unstable();
+        let mut number: Vec<Vec<u32>> = groups.iter().map(|group| vec![0; group.names.len()]).collect();
+        order.iter().zip(0..).for_each(|(&(_, g, i), k)| number[g][i] = k);
+        let mut first = vec![0_u32];
+        groups.iter().for_each(|group| first.push(first[first.len() - 1] + group.steps.len() as u32));
+        let mut all = Self::default();
+        for &(name, g, i) in &order {
+            all.names.push(name);
+            let mut factors = std::mem::take(&mut groups[g].factors[i]);
+            factors.iter_mut().for_each(|(step, _)| *step += first[g]);
+            all.factors.push(factors);
+            all.rows.push(std::mem::take(&mut groups[g].rows[i]));
+        }
+        for (group, number) in groups.into_iter().zip(&number) {
+            let renamed = |row: u32| number[row as usize];
+            all.steps.extend(group.steps.into_iter().map(|step| Step { row: renamed(step.row), ..step }));
+            all.dead.extend(group.dead.into_iter().map(|dead| Dead { row: renamed(dead.row), ..dead }));
+            all.core.extend(group.core.into_iter().map(renamed));
+        }
+        all.core.sort_unstable();
+        all
+    }
+
+    /// The rows of the core that are connected, part by part; `is_free` by the DOFs of the result.
+    pub fn components(&self, is_free: &[bool]) -> Vec<Vec<u32>> {
+        let free = |i: u32| self.rows[i as usize].entries.iter().map(|e| e.dof).filter(|&j| is_free[j as usize]);
+        components(&self.core, is_free.len(), free)
+    }
+}

@@ -1,0 +1,109 @@
+//! What a report lists: equations, conditions and coefficients, with their reasons.
+
+use crate::Kind;
+
+/// A coefficient below 1.4e-14 of the largest of its equation, of a DOF that counts in others.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct IgnoredCoefficient {
+    /// Its row, from 1.
+    pub row: usize,
+    /// Its DOF, from 1.
+    pub dof: usize,
+    /// Its value.
+    pub coefficient: f64,
+}
+
+impl IgnoredCoefficient {
+    pub(super) fn of(ignored: &crate::Ignored) -> Self {
+        Self { row: ignored.row + 1, dof: ignored.dof + 1, coefficient: ignored.coefficient }
+    }
+}
+
+/// A redundant or conflicting equation.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct DependentEquation {
+    /// Its row, from 1.
+    pub row: usize,
+    /// Its label.
+    pub label: String,
+    /// Redundant or conflicting.
+    pub kind: Kind,
+    /// `b_k - sum c_i b_i` in the units of the equation, prescribed DOFs moved into b.
+    pub mismatch: f64,
+    /// `because`, and `because_omitted` where it is left out.
+    #[cfg_attr(feature = "serde", serde(flatten))]
+    pub certificate: Certificate,
+}
+
+/// A free DOF that the equations fix.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct GeneratedCondition {
+    /// The DOF, from 1.
+    pub dof: usize,
+    /// Its label.
+    pub label: String,
+    /// The only value that the equations leave it.
+    pub value: f64,
+    /// `because`, and `because_omitted` where it is left out.
+    #[cfg_attr(feature = "serde", serde(flatten))]
+    pub certificate: Certificate,
+}
+
+/// A certificate, or how much of it was left out.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct Certificate {
+    /// The equations combined, ascending; empty for `0 = b` as well, which needs none.
+    pub because: Vec<Term>,
+    /// What is not in `because`.
+    #[cfg_attr(feature = "serde", serde(rename = "because_omitted", skip_serializing_if = "Omitted::is_nothing"))]
+    pub omitted: Omitted,
+}
+
+/// `coefficient` times an equation.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct Term {
+    /// Row of a kept equation, from 1.
+    pub row: usize,
+    /// Its label.
+    pub label: String,
+    /// Its factor.
+    pub coefficient: f64,
+}
+
+/// What a report left out of a certificate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Omitted {
+    /// Nothing; the key is then absent.
+    Nothing,
+    /// All of its terms, this many.
+    Terms(usize),
+    /// It was not computed; serializes as null.
+    NotComputed,
+}
+
+impl Omitted {
+    #[cfg(feature = "serde")]
+    fn is_nothing(&self) -> bool {
+        *self == Self::Nothing
+    }
+}
+
+#[cfg(feature = "serde")]
+impl serde::Serialize for Omitted {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match *self {
+            Self::Terms(count) => serializer.serialize_u64(count as u64),
+            Self::Nothing | Self::NotComputed => serializer.serialize_none(),
+        }
+    }
+}
