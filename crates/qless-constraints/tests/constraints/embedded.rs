@@ -9,14 +9,15 @@ use crate::linkages::{Outcome, random};
 
 type Place = [f64; 3];
 
-const SOLIDS: [Shape; 7] =
-    [Shape::Tet4, Shape::Tet10, Shape::Pyramid5, Shape::Wedge6, Shape::Wedge15, Shape::Hex8, Shape::Hex20];
+fn solids() -> impl Iterator<Item = Shape> {
+    Shape::ALL.into_iter().filter(|shape| shape.dimensions() == 3)
+}
 
 /// Corners of a straight element, and which are joined by edges with a node in the middle.
 fn straight(shape: Shape) -> Vec<Place> {
     let corners: Vec<Place> = match shape {
         Shape::Tet4 | Shape::Tet10 => vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-        Shape::Pyramid5 => {
+        Shape::Pyramid5 | Shape::Pyramid13 => {
             vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.3, 0.6, 1.0]]
         }
         Shape::Wedge6 | Shape::Wedge15 => {
@@ -31,20 +32,34 @@ fn straight(shape: Shape) -> Vec<Place> {
     let edges: &[[usize; 2]] = match shape {
         Shape::Tet10 => &[[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]],
         Shape::Wedge15 => &[[0, 1], [1, 2], [2, 0], [3, 4], [4, 5], [5, 3], [0, 3], [1, 4], [2, 5]],
-        Shape::Hex20 => {
+        Shape::Pyramid13 => &[[0, 1], [1, 2], [2, 3], [3, 0], [0, 4], [1, 4], [2, 4], [3, 4]],
+        Shape::Hex20 | Shape::Hex27 => {
             &[[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]]
         }
         _ => &[],
     };
-    let middles: Vec<Place> =
-        edges.iter().map(|&[a, b]| from_fn(|k| f64::midpoint(corners[a][k], corners[b][k]))).collect();
+    let faces: &[&[usize]] = match shape {
+        Shape::Hex27 => &[
+            &[0, 1, 2, 3],
+            &[4, 5, 6, 7],
+            &[0, 1, 5, 4],
+            &[1, 2, 6, 5],
+            &[2, 3, 7, 6],
+            &[3, 0, 4, 7],
+            &[0, 1, 2, 3, 4, 5, 6, 7],
+        ],
+        _ => &[],
+    };
+    let mean = |of: &[usize]| from_fn(|k| of.iter().map(|&i| corners[i][k]).sum::<f64>() / of.len() as f64);
+    let middles = edges.iter().map(|edge| mean(edge)).chain(faces.iter().map(|face| mean(face)));
+    let middles: Vec<Place> = middles.collect();
     [corners, middles].concat()
 }
 
 fn corners(shape: Shape) -> usize {
     match shape {
         Shape::Tet4 | Shape::Tet10 => 4,
-        Shape::Pyramid5 => 5,
+        Shape::Pyramid5 | Shape::Pyramid13 => 5,
         Shape::Wedge6 | Shape::Wedge15 => 6,
         _ => 8,
     }
@@ -100,7 +115,7 @@ fn off(weights: &[f64], nodes: &[Place], p: Place, size: f64) -> f64 {
 /// pass, and are the same.
 #[test]
 fn distorted_elements_pass_linear_fields() -> Outcome {
-    for (shape, seed) in SOLIDS.into_iter().flat_map(|shape| (0..40).map(move |k| (shape, 100 * k))) {
+    for (shape, seed) in solids().flat_map(|shape| (0..40).map(move |k| (shape, 100 * k))) {
         let most = if shape.nodes() > corners(shape) { 0.1 } else { 0.25 };
         let off_straight = |k: usize, d: usize| most * random(seed + 60 + 3 * k + d);
         let moved = |(k, x): (usize, Place)| turned(seed, affine(seed, from_fn(|d| x[d] + off_straight(k, d))));
@@ -162,9 +177,8 @@ fn affine_elements_have_the_weights_of_the_formula() -> Outcome {
 /// Quadratic fields pass straight quadratic elements.
 #[test]
 fn quadratic_elements_pass_quadratic_fields() -> Outcome {
-    for (shape, seed) in
-        [Shape::Tet10, Shape::Wedge15, Shape::Hex20].into_iter().flat_map(|s| (0..20).map(move |k| (s, 31 * k)))
-    {
+    let quadratic = solids().filter(|&shape| shape.nodes() > corners(shape));
+    for (shape, seed) in quadratic.flat_map(|shape| (0..20).map(move |k| (shape, 31 * k))) {
         let nodes: Vec<Place> = straight(shape).into_iter().map(|x| turned(seed, affine(seed, x))).collect();
         let node = inside(seed, &nodes[..corners(shape)]);
         let n = weights(tie(shape, node, &nodes, 1e-12))?;
@@ -179,7 +193,9 @@ fn quadratic_elements_pass_quadratic_fields() -> Outcome {
 /// tolerance the node is tied to the nearest point.
 #[test]
 fn nodes_outside_are_refused_with_their_distance() -> Outcome {
-    for (shape, unit) in [Shape::Hex8, Shape::Hex20].into_iter().flat_map(|s| [1.0, 1e-6, 1e6].map(|unit| (s, unit))) {
+    for (shape, unit) in
+        [Shape::Hex8, Shape::Hex20, Shape::Hex27].into_iter().flat_map(|s| [1.0, 1e-6, 1e6].map(|unit| (s, unit)))
+    {
         let place = |x: Place| turned(7, [2.0 * x[0], x[1], 0.5 * x[2]]).map(|x| unit * x);
         let nodes: Vec<Place> = straight(shape).into_iter().map(place).collect();
         for (at, distance) in [
@@ -189,7 +205,7 @@ fn nodes_outside_are_refused_with_their_distance() -> Outcome {
             ([-1.0, 3.0, 5.0], (4.0_f64 + 4.0 + 4.0).sqrt()),
         ] {
             let node = place(at);
-            let mut builder = ConstraintSet::builder(21);
+            let mut builder = ConstraintSet::builder(28);
             let error = builder.add("it", tie(shape, node, &nodes, 0.2 * unit)).expect_err("outside");
             let Some(NodeTieError::TooFar { distance: found, .. }) = source(&error) else { return Err(error.into()) };
             assert!((found - unit * distance).abs() < 1e-14 * unit * 4.0, "{found}, {distance}");
@@ -252,7 +268,7 @@ fn embedded_nodes_find_their_elements() -> Outcome {
 #[test]
 fn weights_that_are_rounding_are_zero() -> Outcome {
     let mut zeros = 0;
-    for (shape, seed) in SOLIDS.into_iter().flat_map(|s| (0..60).map(move |k| (s, 13 * k))) {
+    for (shape, seed) in solids().flat_map(|s| (0..60).map(move |k| (s, 13 * k))) {
         let nodes: Vec<Place> = straight(shape).into_iter().map(|x| turned(seed, affine(seed, x))).collect();
         // On an edge, a face, at a node, at random places of these.
         let [a, b, c] = [0, 1, 2].map(|k| nodes[k]);
@@ -295,7 +311,7 @@ fn quarter_points_are_no_fault() -> Outcome {
 /// origin; the tip of a pyramid is no exception.
 #[test]
 fn the_boundary_belongs_to_the_element() -> Outcome {
-    for (shape, seed) in SOLIDS.into_iter().flat_map(|shape| (0..20).map(move |k| (shape, 100 * k))) {
+    for (shape, seed) in solids().flat_map(|shape| (0..20).map(move |k| (shape, 100 * k))) {
         let off_straight =
             |k: usize, d: usize| if shape.nodes() > corners(shape) { 0.0 } else { 0.25 * random(seed + 3 * k + d) };
         let moved = |(k, x): (usize, Place)| turned(seed, affine(seed, from_fn(|d| x[d] + off_straight(k, d))));
@@ -325,7 +341,7 @@ fn the_boundary_belongs_to_the_element() -> Outcome {
 /// Layers a million times thinner than they are long, and nodes a million sizes away.
 #[test]
 fn thin_elements_and_far_nodes() -> Outcome {
-    for (shape, seed) in [Shape::Tet4, Shape::Wedge6, Shape::Hex8, Shape::Hex20]
+    for (shape, seed) in [Shape::Tet4, Shape::Pyramid13, Shape::Wedge6, Shape::Hex8, Shape::Hex20, Shape::Hex27]
         .into_iter()
         .flat_map(|s| (0..10).map(move |k| (s, 51 * k)))
     {
@@ -336,7 +352,7 @@ fn thin_elements_and_far_nodes() -> Outcome {
         assert!(off(&n, &nodes, node, 1.0) < 1e-15 * 4.0, "{shape:?}: {}", off(&n, &nodes, node, 1.0));
         let whole: Vec<Place> = straight(shape).into_iter().map(|x| turned(seed, x)).collect();
         let far = turned(seed, [-3e6, -4e6, 0.0]);
-        let mut builder = ConstraintSet::builder(21);
+        let mut builder = ConstraintSet::builder(28);
         let error = builder.add("it", tie(shape, far, &whole, 0.5)).expect_err("far");
         let Some(NodeTieError::TooFar { distance, .. }) = source(&error) else { return Err(error.into()) };
         assert!((distance - 5e6).abs() < 1e-14 * 5e6, "{distance}");
