@@ -79,7 +79,8 @@ fn true_corners(polygon: &[Flat]) -> Vec<Flat> {
 fn centroid(polygon: &[Flat]) -> Flat {
     let parts = || fan(polygon).map(|[a, b, c]| (side(a, b, c), [a[0] + b[0] + c[0], a[1] + b[1] + c[1]]));
     let whole: f64 = parts().map(|(twice, _)| twice).sum();
-    [0, 1].map(|k| parts().map(|(twice, sum)| twice * sum[k]).sum::<f64>() / (3.0 * whole))
+    // Shares first: products of areas and lengths vanish in small units.
+    [0, 1].map(|k| parts().map(|(twice, sum)| twice / whole * sum[k]).sum::<f64>() / 3.0)
 }
 
 /// Triangles that depend on the polygon alone, not on which corner is its first: itself, or those from the centroid to every edge.
