@@ -150,6 +150,7 @@ impl Constraint for Volume {
         let at = used.iter().map(|&node| sub(self.nodes[node].at, origin)).collect();
         let dofs: Vec<usize> = used.iter().flat_map(|&node| self.nodes[node].dofs).collect();
         let edges = edges(&triangles);
+        store.length(volume.cbrt());
         used.iter().for_each(|&node| store.coordinates_of(&self.nodes[node]));
         store.nonlinear("", &dofs, Patch { at, triangles, edges, volume, scale: volume.powf(-2.0 / 3.0) });
         Ok(())
