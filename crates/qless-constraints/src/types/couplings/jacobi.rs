@@ -1,6 +1,6 @@
 //! `A = U S V^T` by one-sided Jacobi rotations, A with six columns: accurate also for small singular values, and the same on any threads.
 //!
-//! Demmel and Veselic, SIAM J. Matrix Anal. Appl. 13 (1992) 1204. Columns that are orthogonal from the start are left as they are.
+//! Demmel and Veselic, SIAM J. Matrix Anal. Appl., 1992. Columns that are orthogonal from the start are left as they are.
 
 type Row = [f64; 6];
 
