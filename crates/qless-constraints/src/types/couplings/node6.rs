@@ -105,9 +105,12 @@ impl Node6 {
         Self { dofs: [a, b, c, d, e, f].map(Some), at, local: None }
     }
 
-    /// The node with those of its DOFs alone that are listed.
+    /// The node with those of its components alone that are listed.
     #[must_use]
     pub fn only(self, components: impl IntoIterator<Item = Component>) -> Self {
+        if let Some(Local { axes, listed }) = self.local {
+            return self.along(axes, components.into_iter().filter(|&component| listed[component as usize]));
+        }
         let mut dofs = [None; 6];
         components.into_iter().for_each(|component| dofs[component as usize] = self.dofs[component as usize]);
         Self { dofs, ..self }
@@ -156,7 +159,8 @@ impl Node6 {
 
     /// A component that takes part but has not all of the DOFs that it is made of.
     pub(crate) fn lacking(&self) -> Option<Component> {
-        Component::ALL.into_iter().find(|&component| self.has(component) && self.part(component).is_none())
+        let lacks = |component: &Component| self.has(*component) && self.part(*component).is_none();
+        if self.local.is_some() { Component::ALL.into_iter().find(lacks) } else { None }
     }
 
     /// What the equation of a component is called.

@@ -101,6 +101,19 @@ fn turned_faces_have_the_same_equations() {
     }
 }
 
+/// All six components of a shell node along any axes are its motion: the equations are those without axes.
+#[test]
+fn axes_of_shell_nodes_do_not_matter() {
+    for (seed, section) in (0..6).flat_map(|seed| SECTIONS.map(|section| (seed, section))) {
+        let made = |own: &dyn Fn(Node6) -> Node6| {
+            let line = |i: usize, nodes: Vec<usize>| ThicknessLine { shell: own(node(i, [i as f64, 0.4, 0.0])), nodes };
+            let lines = vec![line(0, vec![0, 3]), line(1, vec![1, 2])];
+            dense(&only(24, ShellToSolid { lines, face: square(0, 12), section }))
+        };
+        assert_same(&made(&|shell| shell.along(axes(frame(seed)), listed(63))), &made(&|shell| shell), 1e-14, "shell");
+    }
+}
+
 /// A rigid body that turns as far as it likes: components along axes that turn with it, `e . (R^T (x_i - x_r) - r_i)`.
 #[test]
 fn axes_turn_with_the_body() {
@@ -188,6 +201,9 @@ fn faults_of_axes_are_named() {
     assert!(Axes::new([1.0, 0.0, 0.0], [-2.0, 1e-12, 0.0]).is_err());
     assert!(Axes::new([0.0; 3], [1.0, 0.0, 0.0]).is_err() && Axes::new([1.0, 0.0, 0.0], [f64::NAN; 3]).is_err());
     assert!(Axes::cylindrical([0.0; 3], [0.0, 0.0, 1.0], [0.0, 0.0, 5.0]).is_err());
+    let node_in = |list: &[Component]| node(1, [0.0; 3]).along(oblique, list.iter().copied());
+    let some = node_in(&[Component::X, Component::Y]).only([Component::Y, Component::Z]);
+    assert_eq!(some, node_in(&[Component::Y]));
     let lines = vec![
         ThicknessLine { shell: flat.along(oblique, [Component::Z]), nodes: vec![0, 3] },
         ThicknessLine { shell: node(2, [1.0, 0.5, 0.0]), nodes: vec![1, 2] },
