@@ -46,7 +46,8 @@ impl Axes {
         let fault = AxesError::NoPlane { first: x, second: xy };
         let (first, other) = (unit(x).ok_or(fault)?, unit(xy).ok_or(fault)?);
         let second = across(first, other).ok_or(fault)?;
-        Ok(Self { rows: cleaned([first, second, cross(first, second)]) })
+        let third = unit(cross(first, second)).ok_or(fault)?;
+        Ok(Self { rows: cleaned([first, second, third]) })
     }
 
     /// At the point `at`: away from the line through `origin` along `axis`, around it, and along it.
@@ -58,7 +59,8 @@ impl Axes {
         let fault = AxesError::NoPlane { first: axis, second: arm };
         let (along, away) = (unit(axis).ok_or(fault)?, unit(arm).ok_or(fault)?);
         let out = across(along, away).ok_or(fault)?;
-        Ok(Self { rows: cleaned([out, cross(along, out), along]) })
+        let around = unit(cross(along, out)).ok_or(fault)?;
+        Ok(Self { rows: cleaned([out, around, along]) })
     }
 
     /// The three axes, one after the other.
