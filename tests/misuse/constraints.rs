@@ -108,7 +108,7 @@ fn every_type(x: f64, dof: usize) {
     take(OrderTie { fine: vec![(0.0, [dof]), (x, [3]), (1.0, [4])], coarse: vec![(0.0, [0]), (x, [1])] });
     let reference = Node6::new(odd.dofs, [30, 31, dof], odd.at);
     take(Average { reference, nodes: vec![(p.into(), x), (q.into(), 1.0), (r.into(), 1.0)] });
-    let partial = Node6 { dofs: [Some(6), None, Some(dof), None, Some(40), None], at: [x, 1.0, 0.0] };
+    let partial = Node6 { dofs: [Some(6), None, Some(dof), None, Some(40), None], at: [x, 1.0, 0.0], local: None };
     take(SmallRigidBody {
         reference: Node6::new(odd.dofs, [30, 31, 32], odd.at),
         nodes: vec![p.into(), q.into(), partial],
@@ -158,7 +158,8 @@ fn every_type(x: f64, dof: usize) {
 
 /// Couplings of nodes with rotations, with this number and this DOF in them.
 fn couplings(odd: Point, [p, q, r, s]: [Point; 4], x: f64, dof: usize) {
-    let beam = Node6 { dofs: [Some(20), Some(21), Some(22), Some(23), None, Some(dof)], at: [x, 0.0, 1.0] };
+    let beam =
+        Node6 { dofs: [Some(20), Some(21), Some(22), Some(23), None, Some(dof)], at: [x, 0.0, 1.0], local: None };
     let face = Surface { nodes: vec![odd, p, q, r, s], faces: vec![Face::new(Shape::Tri3, [0, 1, 2])] };
     for section in [Section::Rigid, Section::Plane, Section::Mean] {
         take(BeamToSolid { beam, face: face.clone(), section });

@@ -13,7 +13,8 @@ pub(crate) fn bounds<const D: usize>(shape: Shape, places: &[[f64; D]]) -> [[f64
     [extreme(f64::INFINITY, f64::min), extreme(f64::NEG_INFINITY, f64::max)]
 }
 
-/// Corners as they are; `2 m - (a + b) / 2` for the middle m of the edge ab; `sum m - 3/4 sum a` for the middle of a Quad8.
+/// Corners as they are; `2 m - (a + b) / 2` for the middle m of the edge ab; in the middle of a Quad8 `sum m - 3/4 sum a`, of a Quad9
+/// with the centre c `4 c - sum m + 1/4 sum a`.
 fn add_control_points<const D: usize>(shape: Shape, places: &[[f64; D]], control: &mut Vec<[f64; D]>) {
     let corners = shape.corners().len();
     control.extend(&places[..corners]);
@@ -22,11 +23,17 @@ fn add_control_points<const D: usize>(shape: Shape, places: &[[f64; D]], control
     };
     control.extend(shape.edges().iter().map(edge));
     let sum = |points: &[[f64; D]], d: usize| points.iter().map(|x| x[d]).sum::<f64>();
-    let middle = |places: &[[f64; D]]| std::array::from_fn(|d| sum(&places[4..], d) - 0.75 * sum(&places[..4], d));
-    if shape == Shape::Quad8 {
+    let middle = |places: &[[f64; D]]| {
+        std::array::from_fn(|d| {
+            let (corners, middles) = (sum(&places[..4], d), sum(&places[4..8], d));
+            places.get(8).map_or(middles - 0.75 * corners, |c| 4.0 * c[d] - middles + 0.25 * corners)
+        })
+    };
+    let is_curved = |side: &Shape| matches!(side, Shape::Quad8 | Shape::Quad9);
+    if is_curved(&shape) {
         control.push(middle(places));
     }
-    let curved = shape.boundary().iter().filter(|(side, _)| shape.dimensions() == 3 && *side == Shape::Quad8);
+    let curved = shape.boundary().iter().filter(|(side, _)| is_curved(side));
     control.extend(curved.map(|(_, nodes)| middle(&nodes.iter().map(|&i| places[i]).collect::<Vec<_>>())));
 }
 
@@ -38,7 +45,9 @@ mod tests {
     #[test]
     fn faces_stay_within_their_bounds() {
         let at = |seed: u32| f64::from(seed.wrapping_mul(2_654_435_761) >> 8) / f64::from(1_u32 << 24);
-        for (shape, seed) in [Shape::Tri6, Shape::Quad8].into_iter().flat_map(|s| (0..50).map(move |k| (s, k))) {
+        for (shape, seed) in
+            [Shape::Tri6, Shape::Quad8, Shape::Quad9].into_iter().flat_map(|s| (0..50).map(move |k| (s, k)))
+        {
             let places: Vec<[f64; 2]> =
                 (0..shape.nodes() as u32).map(|k| [at(97 * seed + 2 * k), at(97 * seed + 2 * k + 1)]).collect();
             let [low, high] = bounds(shape, &places);

@@ -35,7 +35,7 @@ pub fn is_convex(polygon: &[Flat]) -> bool {
     edges(polygon).zip(after).all(|((a, b), (_, c))| side(a, b, c) >= -rounding)
 }
 
-/// The part of a polygon that lies in a convex window (Sutherland and Hodgman, Commun. ACM 17 (1974) 32).
+/// The part of a polygon that lies in a convex window (Sutherland and Hodgman, Commun. ACM, 1974).
 pub fn clip(polygon: Vec<Flat>, window: &[Flat]) -> Vec<Flat> {
     edges(window).fold(polygon, |left, (a, b)| cut(&left, a, b))
 }
@@ -79,7 +79,8 @@ fn true_corners(polygon: &[Flat]) -> Vec<Flat> {
 fn centroid(polygon: &[Flat]) -> Flat {
     let parts = || fan(polygon).map(|[a, b, c]| (side(a, b, c), [a[0] + b[0] + c[0], a[1] + b[1] + c[1]]));
     let whole: f64 = parts().map(|(twice, _)| twice).sum();
-    [0, 1].map(|k| parts().map(|(twice, sum)| twice * sum[k]).sum::<f64>() / (3.0 * whole))
+    // Shares first: products of areas and lengths vanish in small units.
+    [0, 1].map(|k| parts().map(|(twice, sum)| twice / whole * sum[k]).sum::<f64>() / 3.0)
 }
 
 /// Triangles that depend on the polygon alone, not on which corner is its first: itself, or those from the centroid to every edge.
@@ -105,7 +106,7 @@ pub fn quadrature(polygon: &[Flat]) -> impl Iterator<Item = (Flat, f64)> {
     })
 }
 
-/// Area coordinates and weights of Radon's rule of degree five (Monatsh. Math. 52 (1948) 286).
+/// Area coordinates and weights of Radon's rule of degree five (Monatsh. Math., 1948).
 pub fn seven_points() -> [([f64; 3], f64); 7] {
     let root = 15.0_f64.sqrt();
     let [(a, u), (b, v)] = [-root, root].map(|root| ((6.0 + root) / 21.0, (155.0 + root) / 1200.0));

@@ -11,6 +11,7 @@ pub mod lanes;
 pub mod node;
 pub mod outline;
 pub mod pairs;
+pub mod polynomials;
 pub mod project;
 pub mod quaternion;
 pub mod rotation;

@@ -36,6 +36,15 @@ pub enum StoreError {
         /// The number.
         value: f64,
     },
+    /// A coordinate or a length of a nonlinear equation of which powers are no numbers any more.
+    #[error(
+        "a coordinate or length of it is {value}, so that powers of it overflow or vanish; choose a unit in which lengths lie \
+         between 1e-50 and 1e50"
+    )]
+    OutOfRange {
+        /// The number.
+        value: f64,
+    },
     /// More equations, DOFs or entries than 32 bits can number.
     #[error("it is one too many: the set would have {found} {what}, and 4294967294 is the most")]
     TooLarge {

@@ -11,6 +11,8 @@ use super::time::Rhs;
 use crate::constraint::Nonlinear;
 use crate::geometry::node::Node;
 
+/// Sixth powers of lengths between this and one over it are numbers: derivatives of normals and volumes have them.
+const LARGEST: f64 = 1e50;
 /// DOFs that are compared each with each; more are sorted.
 const FEW: usize = 16;
 
@@ -135,7 +137,7 @@ impl Store {
     ///
     /// For types that keep differences of coordinates only, for [`crate::ConstraintSet::rounding`].
     pub fn coordinate(&mut self, dof: usize, at: f64) {
-        self.check_number(at);
+        self.numbers([at]);
         self.contents.coordinates.push(Coordinate { dof: dof as u32, at, node: at });
     }
 
@@ -147,11 +149,25 @@ impl Store {
         self.contents.coordinates.extend(each);
     }
 
-    /// States that the parameters of a nonlinear part hold these numbers, as coordinates: each must be finite.
+    /// States that the parameters of a nonlinear part hold these numbers, as coordinates: each must be finite, and no larger than 1e50, so
+    /// that powers of it are finite too.
     ///
     /// Linear equations need no such statement: the store sees all of their numbers.
     pub fn numbers(&mut self, numbers: impl IntoIterator<Item = f64>) {
-        numbers.into_iter().for_each(|number| self.check_number(number));
+        for value in numbers {
+            self.check_number(value);
+            if value.abs() > LARGEST {
+                self.fail(StoreError::OutOfRange { value });
+            }
+        }
+    }
+
+    /// States that a nonlinear part has powers of this length, also as divisors: it must lie between 1e-50 and 1e50.
+    pub fn length(&mut self, value: f64) {
+        self.numbers([value]);
+        if value.abs() < 1.0 / LARGEST {
+            self.fail(StoreError::OutOfRange { value });
+        }
     }
 
     /// The time of the set.

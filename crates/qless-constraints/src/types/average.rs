@@ -1,7 +1,9 @@
 //! `min sum_i w_i |u_i - u_r - theta x r_i|^2`: a reference node that follows the weighted average of others (RBE3).
 
-use crate::types::couplings::arm::{arm, moving};
+use crate::types::couplings::arm::arm;
 use crate::types::couplings::fit::{Fit, Observation};
+use crate::types::couplings::node6::Part;
+use crate::types::couplings::owners::Again;
 use crate::types::couplings::rows::{check, clean, lead};
 use crate::types::{CouplingError, Node6};
 use crate::{Constraint, Store};
@@ -10,7 +12,7 @@ use crate::{Constraint, Store};
 ///
 /// `(u_r, theta) = argmin sum_i w_i (sum_k (u_ik - (u_r + theta x r_i)_k)^2 + L^2 sum_k (theta_ik - theta_k)^2)` with
 /// `r_i = X_i - X_r`, over the components k that node i has; L is the mean of the `|r_i|` over the list, so that the unit of length
-/// does not matter. One equation for each component that the reference has, `u_rk = sum_j a_j u_j`; the motion is always sought
+/// does not matter. Components may be those along local axes, of each node its own ([`Node6::along`]). One equation for each component that the reference has, `u_rk = sum_j a_j u_j`; the motion is always sought
 /// with all six components, whichever of them follow. They add no stiffness, and spread a load on the reference over the nodes as
 /// forces with the same resultant.
 ///
@@ -58,16 +60,13 @@ impl Average {
         if self.nodes.is_empty() {
             return Err(CouplingError::NoNodes);
         }
-        check(&self.reference, self.nodes.iter().map(|(node, _)| node))?;
-        for (i, (node, weight)) in self.nodes.iter().enumerate() {
+        check(&self.reference, self.nodes.iter().map(|(node, _)| node), Again::Allowed)?;
+        for (i, (_, weight)) in self.nodes.iter().enumerate() {
             if !(*weight > 0.0 && weight.is_finite()) {
                 return Err(CouplingError::Weight { node: i + 1, weight: *weight });
             }
-            if node.components().next().is_none() {
-                return Err(CouplingError::NoComponents { node: i + 1 });
-            }
         }
-        if self.reference.components().next().is_none() { Err(CouplingError::NoComponents { node: 0 }) } else { Ok(()) }
+        Ok(())
     }
 
     /// L, or one where all nodes are at the reference: then nothing is weighed against a rotation.
@@ -78,17 +77,18 @@ impl Average {
         if mean > 0.0 { mean } else { 1.0 }
     }
 
-    /// What the nodes see of the motion, and with which DOFs.
-    fn seen(&self) -> (Vec<Observation>, Vec<usize>) {
+    /// What the nodes see of the motion, each in the DOFs of its node.
+    fn seen(&self) -> Vec<(Observation, Part)> {
         let (length, most) = (self.mean_arm(), self.nodes.iter().fold(0.0, |most: f64, (_, weight)| most.max(*weight)));
         let of = |(node, weight): &(Node6, f64)| {
             let (at, root) = (node.at, (weight / most).sqrt());
-            node.components().map(move |(component, dof)| {
-                let root = if component.is_rotation() { root * length } else { root };
-                (Observation { at, component, root }, dof)
+            node.parts().map(move |own| {
+                let is_rotation = own.component.is_rotation();
+                let root = if is_rotation { root * length } else { root };
+                (Observation { at, axis: own.axis, is_rotation, root }, own)
             })
         };
-        self.nodes.iter().flat_map(of).unzip()
+        self.nodes.iter().flat_map(of).collect()
     }
 }
 
@@ -98,16 +98,18 @@ impl Constraint for Average {
 
     fn process(self, store: &mut Store) -> Result<(), CouplingError> {
         self.check()?;
-        let (seen, dofs) = self.seen();
+        let (seen, parts): (Vec<_>, Vec<_>) = self.seen().into_iter().unzip();
         let fit = Fit::new(&seen);
-        for (component, _) in self.reference.components() {
-            let motion = moving(component, [0.0; 3]);
+        for own in self.reference.parts() {
+            let motion = own.row([0.0; 3]);
             let mut factors = fit.factors_of(motion, self.reference.at)?;
             for rotations in [false, true] {
-                let kind = seen.iter().map(|o| o.component.is_rotation() == rotations);
+                let kind = seen.iter().map(|o| o.is_rotation == rotations);
                 clean(factors.iter_mut().zip(kind).filter_map(|(a, own)| own.then_some(a)), fit.blur);
             }
-            lead(store, component.to_string(), dofs.iter().copied().zip(factors), &self.reference, motion)?;
+            let led = parts.iter().zip(factors);
+            let terms = led.flat_map(|(part, factor)| part.terms.iter().map(move |&(dof, a)| (dof, factor * a)));
+            lead(store, self.reference.long_name(own.component), terms, &self.reference, motion)?;
         }
         Ok(())
     }
@@ -121,7 +123,7 @@ mod tests {
     /// The mean arm is that over the list.
     #[test]
     fn arm_is_the_mean_distance() {
-        let node = |x: f64| (Node6 { dofs: [Some(7), None, None, None, None, None], at: [x, 0.0, 0.0] }, 1.0);
+        let node = |x: f64| (Node6::new([7, 8, 9], [10, 11, 12], [x, 0.0, 0.0]), 1.0);
         let reference = Node6::new([0, 1, 2], [3, 4, 5], [0.0; 3]).only([Component::X]);
         assert_eq!(Average { reference, nodes: vec![node(1.0), node(-4.0)] }.mean_arm(), 2.5);
         assert_eq!(Average { reference, nodes: vec![node(0.0)] }.mean_arm(), 1.0);

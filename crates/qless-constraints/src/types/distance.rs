@@ -62,6 +62,7 @@ impl<const D: usize> Constraint for Distance<D> {
             return Err(DistanceError::Length(length));
         }
         let between = std::array::from_fn(|k| self.b.at[k] - self.a.at[k]);
+        store.length(length);
         [self.a, self.b].iter().for_each(|node| store.coordinates_of(node));
         let dofs = [self.a.dofs, self.b.dofs];
         store.nonlinear("", dofs.as_flattened(), Rod::<D> { between, length });

@@ -13,6 +13,7 @@ mod distance;
 mod driven;
 mod equal;
 mod euler_norm;
+mod face_order;
 mod fluid;
 mod hanging;
 mod interpolation;
@@ -34,20 +35,22 @@ mod volume;
 pub use crate::geometry::carrier::Body;
 pub use crate::geometry::node::{Node, PlanarPoint, Point};
 pub use crate::geometry::pairs::{PairError, pairs};
+pub use crate::geometry::polynomials::Polynomials;
 pub use crate::geometry::search::{FaceSearch, Nearest, SearchError};
 pub use crate::geometry::shape::Shape;
 pub use crate::geometry::surface::{Face, Surface, SurfaceError};
 pub use crate::geometry::turn::{Turn, TurnError};
 pub use average::Average;
 pub use couplings::{
-    BeamToSolid, Component, CouplingError, FluidNode, FluidWall, FluidWallError, LineFault, Node6, Section,
-    ShellToSolid, ThicknessLine,
+    Axes, AxesError, BeamToSolid, Component, CouplingError, FluidNode, FluidWall, FluidWallError, LineFault, Local,
+    Node6, Section, ShellToSolid, ThicknessLine,
 };
 pub use cyclic::{Cyclic, CyclicError, CyclicHarmonic, Turning};
 pub use distance::{Distance, DistanceError};
 pub use driven::{Driven, DrivenError};
 pub use equal::{Equal, EqualError};
 pub use euler_norm::EulerNorm;
+pub use face_order::{FaceOrderTie, FaceOrderTieError, FaceSide, Side};
 pub use fluid::{FluidNormal, FluidNormalError};
 pub use hanging::{HangingNode, HangingNodeError};
 pub use joints::{

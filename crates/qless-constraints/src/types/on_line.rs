@@ -4,7 +4,7 @@
 //! `e_i = E_i - (E_i.d) (D + d) / (1 + D.d)`, perpendicular to d and to each other, of length one. Where d is opposite to D there is no
 //! shortest way: from 123 degrees on they are carried from -D. No frame could be carried to all directions.
 
-use crate::geometry::node::{Point, moved};
+use crate::geometry::node::{Point, moved, separation};
 use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, add, dot, lift, norm, perpendicular, scale, sub, unit};
 use crate::{Constraint, Nonlinear, Store};
@@ -89,6 +89,7 @@ impl Constraint for OnLine {
             Line::Nodes(a, b) => {
                 let dofs = [self.point.dofs, a.dofs, b.dofs].concat();
                 let (at, length) = ([self.point.at, a.at, b.at], norm(along));
+                store.length(separation(&a.at, &b.at));
                 store.numbers(at.into_iter().flatten());
                 store.nonlinear("", &dofs, MovingLine { at, along: direction, length, across });
             }

@@ -85,6 +85,7 @@ impl Constraint for OnPlane {
                     return Err(OnPlaneError::Normal);
                 }
                 let at = [self.point.at, a.at, b.at, d.at];
+                store.length(area.sqrt());
                 store.numbers(at.into_iter().flatten());
                 let dofs = [self.point.dofs, a.dofs, b.dofs, d.dofs].concat();
                 store.nonlinear("", &dofs, MovingPlane { at });

@@ -51,6 +51,7 @@ impl<const D: usize> Constraint for OnSphere<D> {
             return Err(OnSphereError::Radius(radius));
         }
         let from = std::array::from_fn(|k| self.point.at[k] - self.centre[k]);
+        store.length(radius);
         store.numbers(self.centre);
         store.coordinates_of(&self.point);
         store.nonlinear("", &self.point.dofs, Sphere::<D> { from, radius });

@@ -3,18 +3,21 @@
 use crate::geometry::carrier::{Body, Carrier, Kind};
 use crate::geometry::node::Point;
 use crate::scalar::Scalar;
+use crate::scalar::vector::Vector;
+use crate::types::couplings::owners::Again;
 use crate::types::couplings::rows::check;
 use crate::types::joints::coincident::coincident;
+use crate::types::joints::height::height;
 use crate::types::joints::orientation::Aligned;
 use crate::types::joints::relative::{relative, rotation_vectors};
 use crate::types::rigid_small::part;
-use crate::types::{CouplingError, Node6};
+use crate::types::{Component, CouplingError, Node6};
 use crate::{Constraint, Nonlinear, Store};
 
 /// A rigid link (one node) or rigid body (many), exact for finite rotations.
 ///
 /// `x_i = x_r + R (X_i - X_r)`, one equation for each translation that a node has: leave DOFs out (`None`, [`Node6::only`]) and these
-/// components stay free. A node with rotations has a rotation vector, and `log(R^T R_i) = 0`, three angles in the axes of the body: it turns
+/// components stay free; along local axes ([`Node6::along`]) they are those of axes that turn with the body, `R e`. A node with rotations has a rotation vector, and `log(R^T R_i) = 0`, three angles in the axes of the body: it turns
 /// as the body does, which may have Euler parameters. Three rotations or none: single components of a rotation vector mean nothing.
 /// A node with Euler parameters is a [`Body`]: join it by a fixed joint.
 ///
@@ -78,24 +81,34 @@ impl RigidBody {
     /// Translations: three at once, or one by one.
     fn translations(&self, store: &mut Store, i: usize) {
         let node = self.nodes[i];
-        if let [Some(x), Some(y), Some(z), ..] = node.dofs {
-            return coincident(store, self.name(i), &self.body, &Body::node(Point::new([x, y, z], node.at)), node.at);
+        if let Some(point) = point(&node).filter(|_| Component::ALL[..3].iter().all(|&k| node.has(k))) {
+            return coincident(store, self.name(i), &self.body, &Body::node(point), node.at);
         }
-        for (component, dof) in node.components().filter(|(component, _)| !component.is_rotation()) {
-            let axis = component as usize;
-            let parameters = Coordinate { body: self.body.carry(node.at), axis, at: node.at[axis] };
-            let dofs = [vec![dof], self.body.dofs()].concat();
-            store.nonlinear(part(i, self.nodes.len(), component), &dofs, parameters);
+        for own in node.parts().filter(|own| !own.component.is_rotation()) {
+            let name = part(i, self.nodes.len(), &node, own.component);
+            if let Some(point) = point(&node).filter(|_| node.local.is_some()) {
+                height(store, name, &self.body, &Body::node(point), node.at, own.axis);
+            } else if let [(dof, _)] = own.terms[..] {
+                self.coordinate(store, name, node.at, (own.component as usize, dof));
+            }
         }
+    }
+
+    /// `X_k + u_k - x_k(body) = 0`.
+    fn coordinate(&self, store: &mut Store, name: String, at: Vector<f64>, (axis, dof): (usize, usize)) {
+        let parameters = Coordinate { body: self.body.carry(at), axis, at: at[axis] };
+        store.numbers(at);
+        self.body.state(store);
+        store.nonlinear(name, &[vec![dof], self.body.dofs()].concat(), parameters);
     }
 
     /// `log(R^T R_i) = 0`.
     fn rotations(&self, store: &mut Store, i: usize) -> Result<(), CouplingError> {
         let node = self.nodes[i];
-        let turns: Vec<usize> = node.dofs[3..].iter().filter_map(|&dof| dof).collect();
-        match turns[..] {
-            [] => Ok(()),
-            [x, y, z] => {
+        let listed = Component::ALL[3..].iter().filter(|&&component| node.has(component)).count();
+        match (listed, &node.dofs[3..]) {
+            (0, _) => Ok(()),
+            (3, &[Some(x), Some(y), Some(z)]) => {
                 // Rotations alone count; any position will do.
                 let follower = Body::with_vector(self.body.position, node.at, [x, y, z]);
                 relative(store, self.name(i), &self.body, &follower, Aligned);
@@ -122,16 +135,19 @@ impl Constraint for RigidBody {
         if !self.body.turns() {
             return Err(CouplingError::NoRotations);
         }
-        check(&lead(&self.body), self.nodes.iter())?;
+        check(&lead(&self.body), self.nodes.iter(), Again::Refused)?;
         for i in 0..self.nodes.len() {
-            if self.nodes[i].components().next().is_none() {
-                return Err(CouplingError::NoComponents { node: i + 1 });
-            }
             self.translations(store, i);
             self.rotations(store, i)?;
         }
         Ok(())
     }
+}
+
+/// A node with all three translations.
+fn point(node: &Node6) -> Option<Point> {
+    let [x, y, z, ..] = node.dofs;
+    Some(Point::new([x?, y?, z?], node.at))
 }
 
 /// The body's place and its DOFs, the fourth Euler parameter left out.

@@ -1,7 +1,8 @@
 //! `u_i = u_r + theta x (X_i - X_r)`, `theta_i = theta`: nodes that move as a rigid body, for small rotations.
 
 use crate::scalar::vector::Vector;
-use crate::types::couplings::arm::{arm, moving};
+use crate::types::couplings::arm::arm;
+use crate::types::couplings::owners::Again;
 use crate::types::couplings::rows::{check, follow};
 use crate::types::{Component, CouplingError, Node6};
 use crate::{Constraint, Store};
@@ -10,7 +11,8 @@ use crate::{Constraint, Store};
 ///
 /// `u_i = u_r + theta x (X_i - X_r)` and `theta_i = theta`, one equation for each component that a node has: leave DOFs out
 /// (`None`, [`Node6::only`]) and these components stay free, as with a list of components on a card. Planar models leave out
-/// what they do not have, on both sides: a DOF that the reference lacks must have the factor zero.
+/// what they do not have, on both sides: a DOF that the reference lacks must have the factor zero. Components may be those along
+/// local axes, of each node its own ([`Node6::along`]): `e . u_i = e . (u_r + theta x (X_i - X_r))`.
 ///
 /// DOFs removed: one for each equation; all are independent, as each has a DOF of its own. Two bodies that share nodes are redundant
 /// (or in conflict) in what these nodes say twice. Units: lengths for translations, radians for rotations.
@@ -56,15 +58,12 @@ impl Constraint for SmallRigidBody {
         if self.nodes.is_empty() {
             return Err(CouplingError::NoNodes);
         }
-        check(&self.reference, self.nodes.iter())?;
+        check(&self.reference, self.nodes.iter(), Again::Refused)?;
         for (i, node) in self.nodes.iter().enumerate() {
-            if node.components().next().is_none() {
-                return Err(CouplingError::NoComponents { node: i + 1 });
-            }
             let r: Vector<f64> = arm(node.at, self.reference.at);
-            for (component, dof) in node.components() {
-                let name = part(i, self.nodes.len(), component);
-                follow(store, name, vec![(dof, 1.0)], &self.reference, moving(component, r))?;
+            for own in node.parts() {
+                let (name, row) = (part(i, self.nodes.len(), node, own.component), own.row(r));
+                follow(store, name, own.terms, &self.reference, row)?;
             }
         }
         Ok(())
@@ -72,7 +71,7 @@ impl Constraint for SmallRigidBody {
 }
 
 /// What the equation of a component is called.
-pub(super) fn part(node: usize, nodes: usize, component: Component) -> String {
-    let short = component.part();
-    if nodes == 1 { short.to_owned() } else { format!("node {}, {short}", node + 1) }
+pub(super) fn part(number: usize, nodes: usize, node: &Node6, component: Component) -> String {
+    let short = node.name(component);
+    if nodes == 1 { short } else { format!("node {}, {short}", number + 1) }
 }

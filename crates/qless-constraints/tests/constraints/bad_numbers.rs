@@ -11,22 +11,6 @@ use crate::linkages::random;
 const BAD: [f64; 11] =
     [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 0.0, -0.0, 5e-324, 1e-200, 1e16, -1e120, 1e200, f64::MAX];
 
-const ALL: [Shape; 13] = [
-    Shape::Line2,
-    Shape::Line3,
-    Shape::Tri3,
-    Shape::Quad4,
-    Shape::Tri6,
-    Shape::Quad8,
-    Shape::Tet4,
-    Shape::Tet10,
-    Shape::Pyramid5,
-    Shape::Wedge6,
-    Shape::Wedge15,
-    Shape::Hex8,
-    Shape::Hex20,
-];
-
 /// Refused, or taken with coefficients that are finite.
 fn take<C: Constraint>(constraint: C) -> bool {
     let mut builder = ConstraintSet::builder(60);
@@ -51,7 +35,7 @@ fn somewhere<const D: usize>(seed: usize) -> [f64; D] {
 #[test]
 fn ties_survive_bad_coordinates() {
     fn ties<const D: usize>() {
-        for (shape, x) in ALL.into_iter().flat_map(|shape| BAD.map(|x| (shape, x))) {
+        for (shape, x) in Shape::ALL.into_iter().flat_map(|shape| BAD.map(|x| (shape, x))) {
             for bad in 0..=shape.nodes() * D {
                 let mut places: Vec<[f64; D]> = (0..=shape.nodes()).map(|k| somewhere(k + 100 * bad)).collect();
                 places[bad / D][bad % D] = x;
@@ -73,9 +57,11 @@ fn ties_survive_bad_coordinates() {
 
 #[test]
 fn mortar_ties_survive_bad_coordinates() {
-    let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.0], [1.0, 0.5], [0.5, 1.0], [0.0, 0.5]];
-    for (shape, x) in
-        [Shape::Line2, Shape::Line3, Shape::Quad4, Shape::Quad8].into_iter().flat_map(|s| BAD.map(|x| (s, x)))
+    let edges = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.0], [1.0, 0.5], [0.5, 1.0], [0.0, 0.5]];
+    let square = [&edges[..], &[[0.5, 0.5]]].concat();
+    for (shape, x) in [Shape::Line2, Shape::Line3, Shape::Quad4, Shape::Quad8, Shape::Quad9]
+        .into_iter()
+        .flat_map(|s| BAD.map(|x| (s, x)))
     {
         for (bad, kind) in
             (0..6 * shape.nodes()).flat_map(|bad| [(bad, Multipliers::Standard), (bad, Multipliers::Dual)])
@@ -113,7 +99,7 @@ fn other_ties_survive_bad_numbers() {
                 take(Cyclic { a, b, turn, fields: Turning::Vectors, tolerance: f64::INFINITY });
             }
         }
-        for shape in ALL {
+        for shape in Shape::ALL {
             let parent = (0..shape.nodes()).map(|k| [k]).collect();
             let inside = take(HangingNode { node: [40], shape, parent, at: [x, 0.0] });
             assert!(!inside || x.abs() <= 1.0 + 1e-12, "{shape:?}, {x}");

@@ -8,8 +8,8 @@ use qless_constraints::types::{HangingNode, OrderTie, Shape};
 use crate::linkages::Outcome;
 
 const TRIANGLE: [[f64; 2]; 6] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]];
-const QUAD: [[f64; 2]; 8] =
-    [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [0.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]];
+const QUAD: [[f64; 2]; 9] =
+    [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [0.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, 0.0]];
 const LINE: [[f64; 2]; 3] = [[-1.0, 0.0], [1.0, 0.0], [0.0, 0.0]];
 
 /// Parameters of the nodes, and of those that one regular refinement adds with children of the same shape.
@@ -25,8 +25,9 @@ fn refined(shape: Shape) -> (&'static [[f64; 2]], Vec<[f64; 2]>) {
         Shape::Tri3 => (&TRIANGLE[..3], lattice(2, 0.0, &|i, j| i + j <= 2)),
         Shape::Tri6 => (&TRIANGLE[..], lattice(4, 0.0, &|i, j| i + j <= 4)),
         Shape::Quad4 => (&QUAD[..4], lattice(2, -1.0, &|_, _| true)),
+        Shape::Quad9 => (&QUAD[..], lattice(4, -1.0, &|_, _| true)),
         // Children have no nodes in their own middles.
-        _ => (&QUAD[..], lattice(4, -1.0, &|i, j| i % 2 == 0 || j % 2 == 0)),
+        _ => (&QUAD[..8], lattice(4, -1.0, &|i, j| i % 2 == 0 || j % 2 == 0)),
     };
     let added = all.into_iter().filter(|at| !own.contains(at)).collect();
     (own, added)
@@ -50,7 +51,8 @@ fn hanging_nodes_are_on_the_polynomial_of_the_parent() -> Outcome {
         Shape::Line2 | Shape::Tri3 => vec![[0, 0], [1, 0], [0, 1]],
         Shape::Quad4 => vec![[0, 0], [1, 0], [0, 1], [1, 1]],
         Shape::Line3 | Shape::Tri6 => vec![[0, 0], [1, 0], [0, 1], [1, 1], [2, 0], [0, 2]],
-        _ => vec![[0, 0], [1, 0], [0, 1], [1, 1], [2, 0], [0, 2], [2, 1], [1, 2]],
+        Shape::Quad8 => vec![[0, 0], [1, 0], [0, 1], [1, 1], [2, 0], [0, 2], [2, 1], [1, 2]],
+        _ => (0..9).map(|k| [k % 3, k / 3]).collect(),
     };
     for (shape, added) in [
         (Shape::Line2, 1),
@@ -59,6 +61,7 @@ fn hanging_nodes_are_on_the_polynomial_of_the_parent() -> Outcome {
         (Shape::Quad4, 5),
         (Shape::Tri6, 9),
         (Shape::Quad8, 13),
+        (Shape::Quad9, 16),
     ] {
         let (set, places) = set_of(shape)?;
         assert_eq!(set.equations(), added, "{shape:?}");

@@ -31,9 +31,10 @@ fn displaced(nodes: &[[f64; 3]]) -> Vec<f64> {
 /// Corners, and middles that are not straight for quadratic shapes.
 fn face(shape: Shape) -> Vec<[f64; 3]> {
     let triangle = [[0.0, 0.0], [2.0, 0.3], [0.4, 1.5], [1.0, 0.1], [1.25, 0.95], [0.15, 0.75]];
-    let quad = [[0.0, 0.0], [2.0, 0.2], [2.2, 1.6], [-0.1, 1.4], [1.0, 0.0], [2.15, 0.9], [1.05, 1.55], [-0.1, 0.7]];
+    let edges = [[0.0, 0.0], [2.0, 0.2], [2.2, 1.6], [-0.1, 1.4], [1.0, 0.0], [2.15, 0.9], [1.05, 1.55], [-0.1, 0.7]];
+    let quad = [&edges[..], &[[1.1, 0.75]]].concat();
     let flat = match shape {
-        Shape::Quad4 | Shape::Quad8 => &quad[..shape.nodes()],
+        Shape::Quad4 | Shape::Quad8 | Shape::Quad9 => &quad[..shape.nodes()],
         _ => &triangle[..shape.nodes()],
     };
     // On the inclined plane z = 0.5 x - 0.25 y.
@@ -43,7 +44,7 @@ fn face(shape: Shape) -> Vec<[f64; 3]> {
 /// A tie lets every linear field through, and its weights sum to one, at a node inside and on a corner.
 #[test]
 fn ties_pass_linear_fields() -> Outcome {
-    for shape in [Shape::Line2, Shape::Tri3, Shape::Quad4, Shape::Tri6, Shape::Quad8] {
+    for shape in [Shape::Line2, Shape::Tri3, Shape::Quad4, Shape::Tri6, Shape::Quad8, Shape::Quad9] {
         let face = face(shape);
         let middle = face[..2].iter().fold([0.0; 3], |sum, x| from_fn(|k| sum[k] + x[k] / 2.0));
         let inside = from_fn(|k| 0.6 * middle[k] + 0.4 * face[face.len().min(3) - 1][k]);

@@ -20,6 +20,8 @@ mod embedded;
 mod enforcement;
 /// Nonlinear equilibrium: beams, chains and mechanisms against what is known of them.
 mod equilibria;
+/// Faces of p-refinement.
+mod face_orders;
 /// Parts whose T would fill and that stay factors: the same results as with T.
 mod factored;
 /// Nodes with any number of fields.
@@ -60,6 +62,8 @@ mod poses;
 mod refused;
 /// Solutions right to what they state, and refusals, by every method.
 mod right_or_refused;
+/// Models in units of any size.
+mod scales;
 /// The nearest face of a surface.
 mod search;
 mod steps;

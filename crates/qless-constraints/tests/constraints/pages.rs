@@ -8,10 +8,11 @@ use std::path::{Path, PathBuf};
 
 use qless::{Options, analyse};
 use qless_constraints::types::{
-    Body, Cyclic, CyclicHarmonic, Cylindrical, Distance, Driven, Equal, EulerNorm, Fixed, FluidNormal, HangingNode,
-    Line, LineTie, LinearEquation, MacroStrain, MortarTie, Multipliers, Node, NodeTie, OnLine, OnPlane, OnSphere,
-    OrderTie, Parallel, Periodic, Perpendicular, Planar, Plane, Point, Prescribed, Prismatic, Revolute, RotationMotor,
-    Shape, Spherical, Surface, TranslationMotor, Turn, Turning, Universal, Volume,
+    Body, Cyclic, CyclicHarmonic, Cylindrical, Distance, Driven, Equal, EulerNorm, FaceOrderTie, FaceSide, Fixed,
+    FluidNormal, HangingNode, Line, LineTie, LinearEquation, MacroStrain, MortarTie, Multipliers, Node, NodeTie,
+    OnLine, OnPlane, OnSphere, OrderTie, Parallel, Periodic, Perpendicular, Planar, Plane, Point, Polynomials,
+    Prescribed, Prismatic, Revolute, RotationMotor, Shape, Spherical, Surface, TranslationMotor, Turn, Turning,
+    Universal, Volume,
 };
 use qless_constraints::{ConstraintSet, SetBuilder};
 
@@ -196,6 +197,15 @@ fn add_ties<const D: usize>(builder: &mut SetBuilder, name: &str) -> Result<bool
         "order_tie" => {
             let coarse = vec![(0.0, parent[0]), (2.0, parent[1])];
             builder.add("", OrderTie { fine: vec![coarse[0], (0.5, slave.dofs), coarse[1]], coarse })?;
+        }
+        // Two corners are shared, the third is not.
+        "face_order_tie" => {
+            let own = |i: usize| std::array::from_fn(|k| 6 * i + k);
+            let side = |third: usize| {
+                let nodes = vec![([0.0, 0.0], own(1)), ([1.0, 0.0], own(2)), ([0.0, 1.0], own(third))];
+                FaceSide { polynomials: Polynomials::Triangle(1), nodes }
+            };
+            builder.add("", FaceOrderTie::<D> { fine: side(0), coarse: side(3) })?;
         }
         "periodic" => {
             let strain = MacroStrain::Given([[0.0; D]; D]);

@@ -65,7 +65,7 @@ fn faults_of_linear_types() {
     assert_refused(mixed, "4 fields are no vectors of 3 components each");
     let reference = Node6::new([0, 1, 2], [3, 4, 5], [0.0; 3]);
     assert_refused(SmallRigidBody { reference, nodes: vec![] }, "no nodes");
-    let inline = [1.0, 2.0].map(|x| (point(2, [x, 0.0, 0.0]).into(), 1.0)).to_vec();
+    let inline = [2, 3].map(|i| (point(i, [i as f64, 0.0, 0.0]).into(), 1.0)).to_vec();
     assert_refused(Average { reference, nodes: inline.clone() }, "not determine the rotation x");
     let negative = vec![(inline[0].0, -1.0)];
     assert_refused(Average { reference, nodes: negative }, "weight 1, from 1, is -1");
@@ -132,12 +132,11 @@ fn faults_of_surface_mortar_ties() {
 
 #[test]
 fn faults_of_couplings() {
-    let beam = Node6 { dofs: [Some(0), Some(1), Some(2), None, None, None], at: [0.0; 3] };
+    let beam = Node6::from(point(0, [0.0; 3]));
     let end = |face: Surface<3>, section: Section| BeamToSolid { beam, face, section };
     let mut face = square(0.0, 0.0);
     assert_refused(end(face.clone(), Section::Mean), "DOF 0 of node 1");
-    face.nodes.iter_mut().for_each(|node| node.dofs = node.dofs.map(|dof| dof.max(3) % 9 + 3));
-    face.nodes[0].dofs = [3, 4, 5];
+    face.nodes.iter_mut().for_each(|node| node.dofs = node.dofs.map(|dof| dof + 3));
     assert_refused(end(face.clone(), Section::Rigid), "needs the rotation");
     assert_refused(
         end(Surface { faces: vec![], ..face.clone() }, Section::Mean),
@@ -161,7 +160,7 @@ fn faults_of_couplings() {
     assert_refused(shell(&[&[0, 3], &[1, 2]], [0.5; 3]), "line 1, from 1, has a shell node");
     let node = Node6::new([6, 7, 8], [9, 10, 11], [1.0; 3]);
     let vector = Body::with_vector([0, 1, 2], [0.0; 3], [3, 4, 5]);
-    let part = node.only([Component::X, Component::TurnZ]);
+    let part = Node6::new([12, 13, 14], [15, 16, 17], [1.0; 3]).only([Component::X, Component::TurnZ]);
     assert_refused(RigidBody { body: vector, nodes: vec![node, part] }, "node 2, from 1, follows with some");
     assert_refused(RigidBody { body: vector, nodes: vec![node.only([])] }, "every DOF of node 1");
 }

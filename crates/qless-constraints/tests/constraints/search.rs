@@ -7,12 +7,15 @@ use qless_constraints::types::{
 
 use crate::linkages::{Outcome, random};
 
-const ALL: [Shape; 6] = [Shape::Line2, Shape::Tri3, Shape::Quad4, Shape::Tri6, Shape::Quad8, Shape::Line3];
+/// Lines and faces.
+fn flat() -> Vec<Shape> {
+    Shape::ALL.into_iter().filter(|shape| shape.dimensions() < 3).collect()
+}
 
 /// Nodes of a shape in the plane, corners first.
 const TRIANGLE: [[f64; 2]; 6] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]];
-const QUAD: [[f64; 2]; 8] =
-    [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.0], [1.0, 0.5], [0.5, 1.0], [0.0, 0.5]];
+const QUAD: [[f64; 2]; 9] =
+    [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.0], [1.0, 0.5], [0.5, 1.0], [0.0, 0.5], [0.5, 0.5]];
 
 fn point(node: usize, at: [f64; 3]) -> Point {
     Point::new(from_fn(|k| 3 * node + k), at)
@@ -20,9 +23,9 @@ fn point(node: usize, at: [f64; 3]) -> Point {
 
 /// Faces of all shapes anywhere in a cube, each with nodes of its own, a little warped and curved.
 fn scattered(faces: usize) -> Surface<3> {
-    let mut surface = Surface { nodes: Vec::new(), faces: Vec::new() };
+    let (mut surface, shapes) = (Surface { nodes: Vec::new(), faces: Vec::new() }, flat());
     for face in 0..faces {
-        let shape = ALL[face % 6];
+        let shape = shapes[face % shapes.len()];
         let part = |k: usize| random(97 * face + k + 5);
         let origin: [f64; 3] = from_fn(|k| 10.0 * part(k));
         let axes: [[f64; 3]; 2] =
@@ -30,7 +33,7 @@ fn scattered(faces: usize) -> Surface<3> {
         let first = surface.nodes.len();
         for i in 0..shape.nodes() {
             let [x, y] = match shape {
-                Shape::Quad4 | Shape::Quad8 => QUAD[i],
+                Shape::Quad4 | Shape::Quad8 | Shape::Quad9 => QUAD[i],
                 Shape::Line3 => [[0.0, 0.0], [1.0, 0.0], [0.5, 0.0]][i],
                 _ => TRIANGLE[i],
             };
@@ -146,7 +149,7 @@ fn weights_that_are_rounding_are_zero() -> Outcome {
             let t = 0.5 + 0.8 * random(i);
             let on_edge: [f64; 3] = from_fn(|k| a[k] + t * (b[k] - a[k]));
             let is_straight = matches!(shape, Shape::Line2 | Shape::Tri3 | Shape::Quad4);
-            for (at, most) in [(a, 1), (b, 1), (on_edge, if is_straight && shift == 0.0 { 2 } else { 8 })] {
+            for (at, most) in [(a, 1), (b, 1), (on_edge, if is_straight && shift == 0.0 { 2 } else { shape.nodes() })] {
                 let n = search.nearest(&at).ok_or("not finite")?.weights;
                 let largest = n.iter().fold(0.0, |most: f64, n| most.max(n.abs()));
                 let unit = 2.0_f64.powi(largest.log2().floor() as i32 - 52);

@@ -7,7 +7,7 @@ use qless_constraints::types::{Face, MortarTie, Multipliers, PlanarPoint, Point,
 
 use crate::linkages::{Outcome, random};
 
-pub const FACETS: [Shape; 4] = [Shape::Tri3, Shape::Quad4, Shape::Tri6, Shape::Quad8];
+pub const FACETS: [Shape; 5] = [Shape::Tri3, Shape::Quad4, Shape::Tri6, Shape::Quad8, Shape::Quad9];
 
 /// How the square [0, 1] x [0, 1] is meshed.
 #[derive(Clone, Copy)]
@@ -26,7 +26,7 @@ impl Mesh {
     fn outlines(self) -> Vec<Vec<[usize; 2]>> {
         let corner = |i: usize, j: usize| [[0, 0], [2, 0], [2, 2], [0, 2]].map(|[p, q]| [2 * i + p, 2 * j + q]);
         let split = |[a, b, c, d]: [[usize; 2]; 4]| match self.shape {
-            Shape::Quad4 | Shape::Quad8 => vec![vec![a, b, c, d]],
+            Shape::Quad4 | Shape::Quad8 | Shape::Quad9 => vec![vec![a, b, c, d]],
             _ => vec![vec![a, b, c], vec![a, c, d]],
         };
         (0..self.cells * self.cells).flat_map(|k| split(corner(k % self.cells, k / self.cells))).collect()
@@ -54,6 +54,11 @@ impl Mesh {
             let mut all: Vec<_> = outline.iter().map(|&at| ([2 * at[0], 2 * at[1]], self.corner(at))).collect();
             if self.shape.nodes() > outline.len() {
                 all.extend(ends().map(|(&a, &b)| ([a[0] + b[0], a[1] + b[1]], self.middle(a, b))));
+            }
+            if self.shape == Shape::Quad9 {
+                let (a, c) = (outline[0], outline[2]);
+                let mean = from_fn(|k| outline.iter().map(|&at| self.corner(at)[k]).sum::<f64>() / 4.0);
+                all.push(([a[0] + c[0], a[1] + c[1]], mean));
             }
             let number = |(key, at)| {
                 *numbers.entry(key).or_insert_with(|| {
@@ -194,7 +199,12 @@ fn integrals_on_rectangles_are_products() -> Outcome {
 #[test]
 fn curved_surfaces_pass_constants() -> Outcome {
     let round = |[x, y]: [f64; 2]| [(1.5 * x).cos(), (1.5 * x).sin(), y];
-    for (a, b) in [(Shape::Quad4, Shape::Tri3), (Shape::Tri3, Shape::Quad8), (Shape::Quad8, Shape::Tri6)] {
+    for (a, b) in [
+        (Shape::Quad4, Shape::Tri3),
+        (Shape::Tri3, Shape::Quad8),
+        (Shape::Quad8, Shape::Tri6),
+        (Shape::Quad9, Shape::Quad8),
+    ] {
         let slave = Mesh { shape: a, cells: 7, wiggle: 0.3, bend: 0.0 };
         let (slave, master) = pair(slave, Mesh { shape: b, cells: 5, ..slave }, round);
         for kind in [Multipliers::Standard, Multipliers::Dual] {

@@ -3,7 +3,7 @@
 use super::super::canvas::{At, BLUE, ORANGE, Picture};
 
 pub fn all() -> Vec<Picture> {
-    vec![node_tie(), line_tie(), mortar_tie(), hanging_node(), order_tie()]
+    vec![node_tie(), line_tie(), mortar_tie(), hanging_node(), order_tie(), face_order_tie()]
 }
 
 /// A face with four corners, seen at an angle.
@@ -69,4 +69,15 @@ fn order_tie() -> Picture {
         .label([160.0, 72.0], "u_k")
         .label([98.0, 42.0], "u_i")
         .label([283.0, 140.0], "s")
+}
+
+/// Nodes of the finer face between those of the coarser one, on its surface.
+fn face_order_tie() -> Picture {
+    let p = Picture::new("face_order_tie", "A face with nine nodes that moves as one with four").area(&FACE, BLUE);
+    let [a, b, c, d] = FACE;
+    let middle = |a: At, b: At| [f64::midpoint(a[0], b[0]), f64::midpoint(a[1], b[1])];
+    let edges = [middle(a, b), middle(b, c), middle(c, d), middle(d, a)];
+    let p = p.dashed(&[edges[0], edges[2]]).dashed(&[edges[1], edges[3]]);
+    let p = nodes(nodes(p, &FACE, BLUE), &edges, ORANGE).node(middle(edges[0], edges[2]), ORANGE);
+    p.label([40.0, 140.0], "u_k").label([135.0, 156.0], "u_i")
 }

@@ -8,13 +8,15 @@ type Side = (Shape, &'static [usize]);
 impl Shape {
     /// The faces of a solid, or the edges of a face in order around; a line has none.
     pub(crate) fn boundary(self) -> &'static [Side] {
-        use Shape::{Line2, Line3, Quad4, Quad8, Tri3, Tri6};
+        use Shape::{Line2, Line3, Quad4, Quad8, Quad9, Tri3, Tri6};
         match self {
             Self::Line2 | Self::Line3 => &[],
             Self::Tri3 => &[(Line2, &[0, 1]), (Line2, &[1, 2]), (Line2, &[2, 0])],
             Self::Quad4 => &[(Line2, &[0, 1]), (Line2, &[1, 2]), (Line2, &[2, 3]), (Line2, &[3, 0])],
             Self::Tri6 => &[(Line3, &[0, 1, 3]), (Line3, &[1, 2, 4]), (Line3, &[2, 0, 5])],
-            Self::Quad8 => &[(Line3, &[0, 1, 4]), (Line3, &[1, 2, 5]), (Line3, &[2, 3, 6]), (Line3, &[3, 0, 7])],
+            Self::Quad8 | Self::Quad9 => {
+                &[(Line3, &[0, 1, 4]), (Line3, &[1, 2, 5]), (Line3, &[2, 3, 6]), (Line3, &[3, 0, 7])]
+            }
             Self::Tet4 => &[(Tri3, &[0, 1, 2]), (Tri3, &[0, 1, 3]), (Tri3, &[1, 2, 3]), (Tri3, &[2, 0, 3])],
             Self::Tet10 => &[
                 (Tri6, &[0, 1, 2, 4, 5, 6]),
@@ -28,6 +30,13 @@ impl Shape {
                 (Tri3, &[1, 2, 4]),
                 (Tri3, &[2, 3, 4]),
                 (Tri3, &[3, 0, 4]),
+            ],
+            Self::Pyramid13 => &[
+                (Quad8, &[0, 1, 2, 3, 5, 6, 7, 8]),
+                (Tri6, &[0, 1, 4, 5, 10, 9]),
+                (Tri6, &[1, 2, 4, 6, 11, 10]),
+                (Tri6, &[2, 3, 4, 7, 12, 11]),
+                (Tri6, &[3, 0, 4, 8, 9, 12]),
             ],
             Self::Wedge6 => &[
                 (Tri3, &[0, 1, 2]),
@@ -59,6 +68,14 @@ impl Shape {
                 (Quad8, &[2, 3, 7, 6, 10, 19, 14, 18]),
                 (Quad8, &[3, 0, 4, 7, 11, 16, 15, 19]),
             ],
+            Self::Hex27 => &[
+                (Quad9, &[0, 1, 2, 3, 8, 9, 10, 11, 20]),
+                (Quad9, &[4, 5, 6, 7, 12, 13, 14, 15, 21]),
+                (Quad9, &[0, 1, 5, 4, 8, 17, 12, 16, 22]),
+                (Quad9, &[1, 2, 6, 5, 9, 18, 13, 17, 23]),
+                (Quad9, &[2, 3, 7, 6, 10, 19, 14, 18, 24]),
+                (Quad9, &[3, 0, 4, 7, 11, 16, 15, 19, 25]),
+            ],
         }
     }
 
@@ -67,8 +84,11 @@ impl Shape {
         match self {
             Self::Line3 => &[[2, 0, 1]],
             Self::Tri6 => &[[3, 0, 1], [4, 1, 2], [5, 2, 0]],
-            Self::Quad8 => &[[4, 0, 1], [5, 1, 2], [6, 2, 3], [7, 3, 0]],
+            Self::Quad8 | Self::Quad9 => &[[4, 0, 1], [5, 1, 2], [6, 2, 3], [7, 3, 0]],
             Self::Tet10 => &[[4, 0, 1], [5, 1, 2], [6, 2, 0], [7, 0, 3], [8, 1, 3], [9, 2, 3]],
+            Self::Pyramid13 => {
+                &[[5, 0, 1], [6, 1, 2], [7, 2, 3], [8, 3, 0], [9, 0, 4], [10, 1, 4], [11, 2, 4], [12, 3, 4]]
+            }
             Self::Wedge15 => &[
                 [6, 0, 1],
                 [7, 1, 2],
@@ -80,7 +100,7 @@ impl Shape {
                 [13, 1, 4],
                 [14, 2, 5],
             ],
-            Self::Hex20 => &[
+            Self::Hex20 | Self::Hex27 => &[
                 [8, 0, 1],
                 [9, 1, 2],
                 [10, 2, 3],
@@ -101,13 +121,13 @@ impl Shape {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::ALL;
+    use super::super::Shape;
     use std::array::from_fn;
 
     /// Every middle is in the middle of its ends, and a side is the shape itself at the nodes and between them.
     #[test]
     fn sides_are_parts_of_the_whole() {
-        for shape in ALL {
+        for shape in Shape::ALL {
             let places = shape.places();
             for &[middle, a, b] in shape.edges() {
                 assert_eq!(places[middle], from_fn(|k| f64::midpoint(places[a][k], places[b][k])), "{shape:?}");

@@ -20,7 +20,7 @@ const TETRAHEDRON: [Parameters; 10] = [
 ];
 const TRIANGLE: [Parameters; 6] =
     [TETRAHEDRON[0], TETRAHEDRON[1], TETRAHEDRON[2], TETRAHEDRON[4], TETRAHEDRON[5], TETRAHEDRON[6]];
-const QUADRILATERAL: [Parameters; 8] = [
+const QUADRILATERAL: [Parameters; 9] = [
     [-1.0, -1.0, 0.0],
     [1.0, -1.0, 0.0],
     [1.0, 1.0, 0.0],
@@ -29,9 +29,23 @@ const QUADRILATERAL: [Parameters; 8] = [
     [1.0, 0.0, 0.0],
     [0.0, 1.0, 0.0],
     [-1.0, 0.0, 0.0],
+    [0.0, 0.0, 0.0],
 ];
-const PYRAMID: [Parameters; 5] =
-    [QUADRILATERAL[0], QUADRILATERAL[1], QUADRILATERAL[2], QUADRILATERAL[3], [0.0, 0.0, 1.0]];
+const PYRAMID: [Parameters; 13] = [
+    QUADRILATERAL[0],
+    QUADRILATERAL[1],
+    QUADRILATERAL[2],
+    QUADRILATERAL[3],
+    [0.0, 0.0, 1.0],
+    QUADRILATERAL[4],
+    QUADRILATERAL[5],
+    QUADRILATERAL[6],
+    QUADRILATERAL[7],
+    [-0.5, -0.5, 0.5],
+    [0.5, -0.5, 0.5],
+    [0.5, 0.5, 0.5],
+    [-0.5, 0.5, 0.5],
+];
 const WEDGE: [Parameters; 15] = [
     [0.0, 0.0, -1.0],
     [1.0, 0.0, -1.0],
@@ -49,7 +63,7 @@ const WEDGE: [Parameters; 15] = [
     [1.0, 0.0, 0.0],
     [0.0, 1.0, 0.0],
 ];
-const HEXAHEDRON: [Parameters; 20] = [
+const HEXAHEDRON: [Parameters; 27] = [
     [-1.0, -1.0, -1.0],
     [1.0, -1.0, -1.0],
     [1.0, 1.0, -1.0],
@@ -70,6 +84,13 @@ const HEXAHEDRON: [Parameters; 20] = [
     [1.0, -1.0, 0.0],
     [1.0, 1.0, 0.0],
     [-1.0, 1.0, 0.0],
+    [0.0, 0.0, -1.0],
+    [0.0, 0.0, 1.0],
+    [0.0, -1.0, 0.0],
+    [1.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [-1.0, 0.0, 0.0],
+    [0.0, 0.0, 0.0],
 ];
 
 impl Shape {
@@ -81,14 +102,17 @@ impl Shape {
             Self::Tri3 => &TRIANGLE[..3],
             Self::Tri6 => &TRIANGLE,
             Self::Quad4 => &QUADRILATERAL[..4],
-            Self::Quad8 => &QUADRILATERAL,
+            Self::Quad8 => &QUADRILATERAL[..8],
+            Self::Quad9 => &QUADRILATERAL,
             Self::Tet4 => &TETRAHEDRON[..4],
             Self::Tet10 => &TETRAHEDRON,
-            Self::Pyramid5 => &PYRAMID,
+            Self::Pyramid5 => &PYRAMID[..5],
+            Self::Pyramid13 => &PYRAMID,
             Self::Wedge6 => &WEDGE[..6],
             Self::Wedge15 => &WEDGE,
             Self::Hex8 => &HEXAHEDRON[..8],
-            Self::Hex20 => &HEXAHEDRON,
+            Self::Hex20 => &HEXAHEDRON[..20],
+            Self::Hex27 => &HEXAHEDRON,
         }
     }
 
@@ -97,7 +121,7 @@ impl Shape {
         match self {
             Self::Tri3 | Self::Tri6 | Self::Wedge6 | Self::Wedge15 => [1.0 / 3.0, 1.0 / 3.0, 0.0],
             Self::Tet4 | Self::Tet10 => [0.25; 3],
-            Self::Pyramid5 => [0.0, 0.0, 0.25],
+            Self::Pyramid5 | Self::Pyramid13 => [0.0, 0.0, 0.25],
             _ => [0.0; 3],
         }
     }
@@ -107,8 +131,8 @@ impl Shape {
         let unit = |x: f64| x.clamp(-1.0, 1.0);
         match self {
             Self::Line2 | Self::Line3 => [unit(xi), 0.0, 0.0],
-            Self::Quad4 | Self::Quad8 => [unit(xi), unit(eta), 0.0],
-            Self::Hex8 | Self::Hex20 => [unit(xi), unit(eta), unit(zeta)],
+            Self::Quad4 | Self::Quad8 | Self::Quad9 => [unit(xi), unit(eta), 0.0],
+            Self::Hex8 | Self::Hex20 | Self::Hex27 => [unit(xi), unit(eta), unit(zeta)],
             Self::Tri3 | Self::Tri6 => {
                 let [xi, eta] = in_triangle(xi, eta);
                 [xi, eta, 0.0]
@@ -118,7 +142,7 @@ impl Shape {
                 [xi, eta, unit(zeta)]
             }
             Self::Tet4 | Self::Tet10 => in_tetrahedron([xi, eta, zeta]),
-            Self::Pyramid5 => {
+            Self::Pyramid5 | Self::Pyramid13 => {
                 let zeta = zeta.clamp(0.0, 1.0);
                 [xi.clamp(zeta - 1.0, 1.0 - zeta), eta.clamp(zeta - 1.0, 1.0 - zeta), zeta]
             }

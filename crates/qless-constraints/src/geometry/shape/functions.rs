@@ -21,10 +21,12 @@ impl Shape {
         let node = |function: fn(Parameters, [S; 3]) -> S| self.places().iter().map(|&p| function(p, xi)).collect();
         match self {
             Self::Line2 => node(|[a, ..], [x, ..]| side(a, x)),
-            Self::Line3 => node(|[a, ..], [x, ..]| if a == 0.0 { bubble(x) } else { side(a, x) * S::from(a) * x }),
+            Self::Line3 => node(|[a, ..], [x, ..]| quadratic(a, x)),
             Self::Quad4 => node(|[a, b, _], [x, y, _]| side(a, x) * side(b, y)),
             Self::Hex8 => node(|[a, b, c], [x, y, z]| side(a, x) * side(b, y) * side(c, z)),
             Self::Quad8 => node(|[a, b, _], [x, y, _]| serendipity([a, b], [x, y])),
+            Self::Quad9 => node(|[a, b, _], [x, y, _]| quadratic(a, x) * quadratic(b, y)),
+            Self::Hex27 => node(|[a, b, c], [x, y, z]| quadratic(a, x) * quadratic(b, y) * quadratic(c, z)),
             Self::Hex20 => node(|p, xi| serendipity(p, xi)),
             Self::Tri3 | Self::Tri6 => simplex(&[one - xi[0] - xi[1], xi[0], xi[1]], self),
             Self::Tet4 | Self::Tet10 => simplex(&[one - xi[0] - xi[1] - xi[2], xi[0], xi[1], xi[2]], self),
@@ -34,6 +36,7 @@ impl Shape {
             }
             Self::Wedge15 => quadratic_wedge([one - xi[0] - xi[1], xi[0], xi[1]], xi[2]),
             Self::Pyramid5 => pyramid(xi),
+            Self::Pyramid13 => quadratic_pyramid(xi),
         }
     }
 }
@@ -46,6 +49,11 @@ fn side<S: Scalar>(a: f64, x: S) -> S {
 /// `1 - x^2`, factored so that it is exactly zero at both ends.
 fn bubble<S: Scalar>(x: S) -> S {
     (S::from(1.0) - x) * (S::from(1.0) + x)
+}
+
+/// 1 at x = a and 0 at the other two of -1, 0 and 1.
+fn quadratic<S: Scalar>(a: f64, x: S) -> S {
+    if a == 0.0 { bubble(x) } else { side(a, x) * S::from(a) * x }
 }
 
 /// At a corner `prod side * (sum a_i x_i - (d - 1))`, in the middle of an edge the bubble times the sides of the other directions.
@@ -75,24 +83,44 @@ fn quadratic_wedge<S: Scalar>(l: [S; 3], z: S) -> Vec<S> {
     corners.chain(around).chain((0..3).map(|i| l[i] * bubble(z))).collect()
 }
 
-/// `(q + a x)(q + b y) / (4 q)` with `q = 1 - z` at the base, z at the tip.
-fn pyramid<S: Scalar>([x, y, z]: [S; 3]) -> Vec<S> {
+/// `corner / 4` at the base, z at the tip.
+fn pyramid<S: Scalar>(xi: [S; 3]) -> Vec<S> {
+    let base = |&[a, b, _]: &Parameters| corner([a, b], xi) * S::from(0.25);
+    Shape::Quad4.places().iter().map(base).chain([xi[2]]).collect()
+}
+
+/// `(q + a x)(q + b y) / q` with `q = 1 - z`.
+fn corner<S: Scalar>([a, b]: [f64; 2], [x, y, z]: [S; 3]) -> S {
     let q = S::from(1.0) - z;
     // At the tip x y / q goes to zero with q, however it is approached from inside.
     let twist = if q.real() == 0.0 { S::from(0.0) } else { x * y / q };
-    let base = |&[a, b, _]: &Parameters| (q + S::from(a) * x + S::from(b) * y + S::from(a * b) * twist) * S::from(0.25);
-    Shape::Quad4.places().iter().map(base).chain([z]).collect()
+    q + S::from(a) * x + S::from(b) * y + S::from(a * b) * twist
+}
+
+/// Corners of the base `corner (a x + b y - 1) / 4`, the tip `z (2 z - 1)`, middles of the base along x `(q - x)(q + x)(q + b y) / (2 q)`,
+/// those below the tip `z corner`.
+fn quadratic_pyramid<S: Scalar>([x, y, z]: [S; 3]) -> Vec<S> {
+    let (q, [quarter, half]) = (S::from(1.0) - z, [0.25, 0.5].map(S::from));
+    let of = |a: f64, b: f64| corner([a, b], [x, y, z]);
+    let at = |&[a, b, _]: &Parameters| match (a == 0.0, b == 0.0) {
+        (true, _) => (q - x) * of(1.0, b) * half,
+        (_, true) => (q - y) * of(a, 1.0) * half,
+        _ => of(a, b) * (S::from(a) * x + S::from(b) * y - S::from(1.0)) * quarter,
+    };
+    let (corners, middles) = Shape::Quad8.places().split_at(4);
+    let rising = corners.iter().map(|&[a, b, _]| z * of(a, b));
+    corners.iter().map(at).chain([z * (z + z - S::from(1.0))]).chain(middles.iter().map(at)).chain(rising).collect()
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{ALL, inside};
+    use super::super::tests::inside;
     use super::*;
 
     /// `N_k` is 1 at node k and exactly 0 at the others.
     #[test]
     fn functions_interpolate() {
-        for shape in ALL {
+        for shape in Shape::ALL {
             assert_eq!(shape.places().len(), shape.nodes());
             for (k, &at) in shape.places().iter().enumerate() {
                 for (l, n) in shape.weights(at).into_iter().enumerate() {
@@ -104,7 +132,7 @@ mod tests {
 
     #[test]
     fn functions_sum_to_one_and_slopes_are_differences() {
-        for (shape, seed) in ALL.into_iter().flat_map(|shape| (0..20).map(move |seed| (shape, seed))) {
+        for (shape, seed) in Shape::ALL.into_iter().flat_map(|shape| (0..20).map(move |seed| (shape, seed))) {
             let at = inside(shape, seed);
             assert!((shape.weights(at).iter().sum::<f64>() - 1.0).abs() < 1e-14, "{shape:?}");
             let slopes = shape.slopes(at);
@@ -124,7 +152,7 @@ mod tests {
     /// Parameters are reproduced, and all polynomials of degree two by the quadratic shapes.
     #[test]
     fn functions_are_complete() {
-        for (shape, seed) in ALL.into_iter().flat_map(|shape| (0..20).map(move |seed| (shape, seed))) {
+        for (shape, seed) in Shape::ALL.into_iter().flat_map(|shape| (0..20).map(move |seed| (shape, seed))) {
             let (at, quadratic) = (inside(shape, seed), !shape.edges().is_empty());
             let field = |[x, y, z]: Parameters| {
                 let square = 0.3 * x * x - 0.6 * y * y + z * z + 0.2 * x * y - 0.4 * y * z + 0.7 * z * x;

@@ -10,8 +10,8 @@ pub(crate) use domain::Parameters;
 ///
 /// Parameters: lines, quadrilaterals and hexahedra in [-1, 1]; triangles and tetrahedra in `xi, eta, zeta >= 0`,
 /// `xi + eta + zeta <= 1`; wedges are a triangle in `xi, eta` times a line in `zeta`; pyramids `|xi|, |eta| <= 1 - zeta`,
-/// `0 <= zeta <= 1`. Quadratic shapes are serendipity; the functions of a pyramid are rational (Bedrosian, Int. J. Numer. Meth.
-/// Engng 35 (1992) 95), so that those with a parallelogram as base are affine.
+/// `0 <= zeta <= 1`. Quadratic shapes are serendipity, those with a node in the centre products of Lagrange's polynomials; the functions
+/// of pyramids are rational (Bedrosian, Int. J. Numer. Meth. Engng 35 (1992) 95), so that those with a parallelogram as base are affine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape {
     /// Two ends.
@@ -26,12 +26,16 @@ pub enum Shape {
     Tri6,
     /// Four corners, then the middles of edges 12, 23, 34, 41.
     Quad8,
+    /// As [`Shape::Quad8`], then the centre.
+    Quad9,
     /// Four corners.
     Tet4,
     /// Four corners, then the middles of edges 12, 23, 31, 14, 24, 34.
     Tet10,
     /// Four corners of the base, in order around, then the tip.
     Pyramid5,
+    /// Four corners of the base, in order around, the tip, then the middles of edges 12, 23, 34, 41, and of 15, 25, 35, 45.
+    Pyramid13,
     /// Three corners, then the three over them.
     Wedge6,
     /// Three corners, the three over them, then the middles of edges 12, 23, 31, of 45, 56, 64, and of 14, 25, 36.
@@ -40,36 +44,56 @@ pub enum Shape {
     Hex8,
     /// Four corners, the four over them, then the middles of edges 12, 23, 34, 41, of 56, 67, 78, 85, and of 15, 26, 37, 48.
     Hex20,
+    /// As [`Shape::Hex20`], then the middles of faces 1234, 5678, 1265, 2376, 3487, 4158, then the centre.
+    Hex27,
 }
 
 impl Shape {
+    /// All shapes: lines, faces, then solids.
+    pub const ALL: [Self; 16] = [
+        Self::Line2,
+        Self::Line3,
+        Self::Tri3,
+        Self::Quad4,
+        Self::Tri6,
+        Self::Quad8,
+        Self::Quad9,
+        Self::Tet4,
+        Self::Tet10,
+        Self::Pyramid5,
+        Self::Pyramid13,
+        Self::Wedge6,
+        Self::Wedge15,
+        Self::Hex8,
+        Self::Hex20,
+        Self::Hex27,
+    ];
+
     /// Number of nodes.
     pub fn nodes(self) -> usize {
-        match self {
-            Self::Line2 => 2,
-            Self::Line3 | Self::Tri3 => 3,
-            Self::Quad4 | Self::Tet4 => 4,
-            Self::Pyramid5 => 5,
-            Self::Tri6 | Self::Wedge6 => 6,
-            Self::Quad8 | Self::Hex8 => 8,
-            Self::Tet10 => 10,
-            Self::Wedge15 => 15,
-            Self::Hex20 => 20,
-        }
+        self.places().len()
     }
 
     /// Number of parameters: 1 for lines, 2 for faces, 3 for solids.
     pub fn dimensions(self) -> usize {
         match self {
             Self::Line2 | Self::Line3 => 1,
-            Self::Tri3 | Self::Quad4 | Self::Tri6 | Self::Quad8 => 2,
+            Self::Tri3 | Self::Quad4 | Self::Tri6 | Self::Quad8 | Self::Quad9 => 2,
             _ => 3,
         }
     }
 
     /// Parameters of the corners.
     pub(crate) fn corners(self) -> &'static [Parameters] {
-        &self.places()[..self.nodes() - self.edges().len()]
+        let count = match self {
+            Self::Line2 | Self::Line3 => 2,
+            Self::Tri3 | Self::Tri6 => 3,
+            Self::Quad4 | Self::Quad8 | Self::Quad9 | Self::Tet4 | Self::Tet10 => 4,
+            Self::Pyramid5 | Self::Pyramid13 => 5,
+            Self::Wedge6 | Self::Wedge15 => 6,
+            Self::Hex8 | Self::Hex20 | Self::Hex27 => 8,
+        };
+        &self.places()[..count]
     }
 
     /// Whether `x(xi)` is linear for every place of the nodes.
@@ -81,22 +105,6 @@ impl Shape {
 #[cfg(test)]
 pub(in crate::geometry) mod tests {
     use super::{Parameters, Shape};
-
-    pub const ALL: [Shape; 13] = [
-        Shape::Line2,
-        Shape::Line3,
-        Shape::Tri3,
-        Shape::Quad4,
-        Shape::Tri6,
-        Shape::Quad8,
-        Shape::Tet4,
-        Shape::Tet10,
-        Shape::Pyramid5,
-        Shape::Wedge6,
-        Shape::Wedge15,
-        Shape::Hex8,
-        Shape::Hex20,
-    ];
 
     /// In [0, 1), the same everywhere.
     pub fn random(seed: usize) -> f64 {

@@ -1,6 +1,5 @@
 //! `r = X - X_r`, and the row of a rigid motion `q = (u_r, theta)` at its end: `d . (u_r + theta x r)`.
 
-use super::node6::Component;
 use crate::scalar::vector::{Vector, cross};
 
 /// `x - origin`; a component that is no more than the rounding of the coordinates is zero.
@@ -25,11 +24,9 @@ pub fn about(e: Vector<f64>) -> [f64; 6] {
     [0.0, 0.0, 0.0, e[0], e[1], e[2]]
 }
 
-/// The row of one component of a node that moves with the reference.
-pub fn moving(component: Component, r: Vector<f64>) -> [f64; 6] {
-    let axis = component as usize % 3;
-    let e = std::array::from_fn(|k| f64::from(u8::from(k == axis)));
-    if component.is_rotation() { about(e) } else { along(e, r) }
+/// The unit vector along an axis of space.
+pub fn axis(k: usize) -> Vector<f64> {
+    std::array::from_fn(|i| f64::from(u8::from(i == k)))
 }
 
 #[cfg(test)]
@@ -47,11 +44,11 @@ mod tests {
     fn rows_are_those_of_a_rigid_motion() {
         let (r, theta, shift) = ([2.0, -3.0, 5.0], [0.5, 0.25, -1.0], [1.0, 2.0, 3.0]);
         let turned = cross(theta, r);
-        for (k, component) in Component::ALL.into_iter().enumerate() {
-            let row = moving(component, r);
+        for k in 0..6 {
+            let row = if k < 3 { along(axis(k), r) } else { about(axis(k - 3)) };
             let found: f64 = (0..3).map(|i| row[i] * shift[i] + row[3 + i] * theta[i]).sum();
             let truth = if k < 3 { shift[k] + turned[k] } else { theta[k - 3] };
-            assert_eq!(found, truth, "{component}");
+            assert_eq!(found, truth, "{k}");
         }
     }
 }

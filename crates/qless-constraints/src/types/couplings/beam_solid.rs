@@ -1,9 +1,10 @@
 //! `u_b + theta x r`: the end of a beam and the face of a solid.
 
 use super::area::{self, mean_normal};
-use super::arm::{about, along, arm, moving};
+use super::arm::{about, along, arm, axis};
 use super::error::CouplingError;
-use super::node6::Node6;
+use super::node6::{Node6, Part};
+use super::owners::Again;
 use super::rows::{check, follow, lead};
 use super::section::Section;
 use super::seen::Seen;
@@ -53,7 +54,7 @@ use crate::{Constraint, Store};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct BeamToSolid {
-    /// The end node of the beam. With `Mean`, a DOF that is `None` does not follow: a hinge.
+    /// The end node of the beam. With `Mean`, a DOF that is `None` does not follow: a hinge, also about a local axis ([`Node6::along`]).
     pub beam: Node6,
     /// The face of the solid; `Plane` needs faces with a common sense of rotation, the others take any, as the wall of a hole.
     pub face: Surface<3>,
@@ -99,10 +100,8 @@ impl Constraint for BeamToSolid {
 
     fn process(self, store: &mut Store) -> Result<(), CouplingError> {
         let points = area::points(&self.face)?;
-        check(&self.beam, self.nodes().iter().map(|(_, node)| node))?;
-        if self.beam.components().next().is_none() {
-            return Err(CouplingError::NoComponents { node: 0 });
-        }
+        let again = if self.section == Section::Mean { Again::Allowed } else { Again::Refused };
+        check(&self.beam, self.nodes().iter().map(|(_, node)| node), again)?;
         match self.section {
             Section::Rigid => (0..3).try_for_each(|k| self.held(store, axis(k), AXES[k])),
             Section::Plane => {
@@ -117,14 +116,9 @@ impl Constraint for BeamToSolid {
             }
             Section::Mean => {
                 let seen = Seen::new(points);
-                let mut own = self.beam.components();
-                own.try_for_each(|(k, _)| self.mean(store, &seen, moving(k, [0.0; 3]), k.to_string()))
+                let name = |own: &Part| self.beam.long_name(own.component);
+                self.beam.parts().try_for_each(|own| self.mean(store, &seen, own.row([0.0; 3]), name(&own)))
             }
         }
     }
-}
-
-/// The unit vector along an axis of space.
-pub fn axis(k: usize) -> Vector<f64> {
-    std::array::from_fn(|i| f64::from(u8::from(i == k)))
 }

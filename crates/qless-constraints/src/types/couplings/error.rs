@@ -27,14 +27,25 @@ pub enum CouplingError {
     },
     /// A DOF stands twice where each must be one of its own.
     #[error(
-        "DOF {dof} of node {node}, from 1 (0 is the reference), is named twice by it or is the reference's own; \
-         each needs DOFs of its own"
+        "DOF {dof} of node {node}, from 1 (0 is the reference), is named twice: by it, by the reference or by another node; \
+         each needs DOFs of its own, and each node is named once"
     )]
     SharedDof {
         /// The node, from 1; 0 for the reference.
         node: usize,
         /// The DOF.
         dof: usize,
+    },
+    /// A component along a local axis needs a DOF that the node does not have.
+    #[error(
+        "the {component} of node {node}, from 1 (0 is the reference), in its local axes is made of DOFs that it does not have; give \
+         them, or leave the component out"
+    )]
+    LocalAxis {
+        /// The node, from 1; 0 for the reference.
+        node: usize,
+        /// The component in its local axes.
+        component: Component,
     },
     /// The motion of a node needs a component of the reference that the reference does not have.
     #[error(
@@ -142,10 +153,20 @@ pub enum LineFault {
     },
     /// The shell node is nowhere, or has DOFs of others.
     #[error(
-        "has a shell node without finite coordinates or that shares a DOF with itself, the solid or the shell node of another \
-         line; each needs DOFs of its own"
+        "has a shell node without finite coordinates, without DOFs of its local axes, or that shares a DOF with itself, the solid or \
+         the shell node of another line; each needs DOFs of its own"
     )]
     Shell,
+    /// A DOF of a node stands twice.
+    #[error(
+        "names node {node} (from 0) with DOF {dof}, which the node has twice or another node has too; each needs DOFs of its own"
+    )]
+    SharedDof {
+        /// The node, from 0, of the surface.
+        node: usize,
+        /// The DOF.
+        dof: usize,
+    },
     /// The faces give the line no weight.
     #[error(
         "has no share of the area of the faces; give the nodes on middles of edges as lines as well, or other faces"

@@ -3,7 +3,7 @@
 //! With `A = diag(sqrt w) D = U S V^T`, about the centre of the observations and with rotations as lengths:
 //! `p . q = sum_k a_k u_k`, `a = diag(sqrt w) U S^-1 V^T p`. Motions with a singular value that is rounding are not determined.
 
-use super::arm::{arm, moving};
+use super::arm::{about, along, arm};
 use super::error::CouplingError;
 use super::jacobi::{Factors, factor};
 use super::node6::Component;
@@ -18,7 +18,9 @@ const ROUNDING: f64 = 16.0 * f64::EPSILON;
 #[derive(Clone, Copy)]
 pub struct Observation {
     pub at: Vector<f64>,
-    pub component: Component,
+    /// What it is along, or about.
+    pub axis: Vector<f64>,
+    pub is_rotation: bool,
     /// The square root of its weight; for rotations times a length.
     pub root: f64,
 }
@@ -108,7 +110,7 @@ fn centre(seen: &[Observation]) -> (Vector<f64>, f64) {
     let Some(first) = seen.first() else { return ([0.0; 3], 0.0) };
     let most = seen.iter().fold(0.0, |most: f64, o| most.max(o.root));
     let weight = |o: &Observation| (o.root / most).powi(2);
-    let of = |o: &&Observation| !o.component.is_rotation();
+    let of = |o: &&Observation| !o.is_rotation;
     // Translations alone have arms; where there are none, any centre will do.
     let total: f64 = seen.iter().filter(of).map(weight).sum();
     let part = |o: &Observation| scale(weight(o) / total, arm(o.at, first.at));
@@ -123,7 +125,7 @@ fn arm_from(at: Vector<f64>, centre: Vector<f64>, size: f64) -> Vector<f64> {
 }
 
 fn row(seen: &Observation, r: Vector<f64>, unit: f64) -> [f64; 6] {
-    let [a, b, c, d, e, f] = moving(seen.component, r);
+    let [a, b, c, d, e, f] = if seen.is_rotation { about(seen.axis) } else { along(seen.axis, r) };
     [a, b, c, d / unit, e / unit, f / unit].map(|x| seen.root * x)
 }
 

@@ -1,6 +1,6 @@
 //! `A = U S V^T` by one-sided Jacobi rotations, A with six columns: accurate also for small singular values, and the same on any threads.
 //!
-//! Demmel and Veselic, SIAM J. Matrix Anal. Appl. 13 (1992) 1204. Columns that are orthogonal from the start are left as they are.
+//! Demmel and Veselic, SIAM J. Matrix Anal. Appl., 1992. Columns that are orthogonal from the start are left as they are.
 
 type Row = [f64; 6];
 
@@ -37,7 +37,7 @@ fn product(rows: &[Row], i: usize, j: usize) -> f64 {
 fn turn(scaled: &mut [Row], v: &mut [Row; 6], (i, j): (usize, usize)) -> bool {
     let (a, b, both) = (product(scaled, i, i), product(scaled, j, j), product(scaled, i, j));
     // Not `<=`: what is not a number is left alone.
-    let oblique = both.abs() > 4.0 * f64::EPSILON * (a * b).sqrt();
+    let oblique = both.abs() > 4.0 * f64::EPSILON * a.sqrt() * b.sqrt();
     if oblique {
         let zeta = (b - a) / (2.0 * both);
         let tangent = zeta.signum() / (zeta.abs() + zeta.hypot(1.0));

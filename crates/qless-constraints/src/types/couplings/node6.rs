@@ -1,5 +1,7 @@
 //! A node with up to six DOFs, and the names of its components.
 
+use super::arm::{about, along, axis as unit};
+use super::axes::Axes;
 use crate::geometry::node::Point;
 use crate::scalar::vector::Vector;
 
@@ -44,16 +46,22 @@ impl std::fmt::Display for Component {
 /// A node in space with translations and rotations, of which any may be missing.
 ///
 /// A DOF that is `None` is one that the node does not have, or that takes no part in the constraint: so component lists are
-/// written. Rotations are small, or the components of one rotation vector; radians.
+/// written. Rotations are small, or the components of one rotation vector; radians. With [`Node6::along`] the components that take
+/// part are those along local axes; DOFs always are along x, y and z.
 ///
 /// ```
-/// use qless_constraints::types::{Component, Node6, Point};
+/// use qless_constraints::types::{Axes, Component, Node6, Point};
 /// let whole = Node6::new([0, 1, 2], [3, 4, 5], [1.0, 0.0, 0.0]);
 /// // What cards call components 1, 2 and 6.
 /// let pin = whole.only([Component::X, Component::Y, Component::TurnZ]);
 /// assert_eq!(pin.dofs, [Some(0), Some(1), None, None, None, Some(5)]);
 /// let solid = Node6::from(Point::new([6, 7, 8], [0.0; 3]));
 /// assert_eq!(solid.dofs, [Some(6), Some(7), Some(8), None, None, None]);
+/// // Of a node on a bore along z, the displacement away from its axis alone.
+/// let axes = Axes::cylindrical([0.0; 3], [0.0, 0.0, 1.0], [3.0, 4.0, 1.0])?;
+/// let radial = Node6::from(Point::new([9, 10, 11], [3.0, 4.0, 1.0])).along(axes, [Component::X]);
+/// assert_eq!(radial.local.map(|local| local.axes.rows()[0]), Some([0.6, 0.8, 0.0]));
+/// # Ok::<(), qless_constraints::types::AxesError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Node6 {
@@ -61,37 +69,108 @@ pub struct Node6 {
     pub dofs: [Option<usize>; 6],
     /// Coordinates at u = 0, a length.
     pub at: Vector<f64>,
+    /// The components that take part, if they are not those of the DOFs.
+    pub local: Option<Local>,
+}
+
+/// Components along local axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Local {
+    /// The axes: `X` is the first of them, `TurnX` the rotation about it.
+    pub axes: Axes,
+    /// Which of [`Component::ALL`] take part.
+    pub listed: [bool; 6],
+}
+
+/// A component that takes part: `sum a_j u_j`, its value at the node.
+pub(crate) struct Part {
+    pub component: Component,
+    /// The axis that it is along or about.
+    pub axis: Vector<f64>,
+    /// What it is in the DOFs of the node.
+    pub terms: Vec<(usize, f64)>,
+}
+
+impl Part {
+    /// Its row in the motion of a point at the end of the arm r.
+    pub fn row(&self, r: Vector<f64>) -> [f64; 6] {
+        if self.component.is_rotation() { about(self.axis) } else { along(self.axis, r) }
+    }
 }
 
 impl Node6 {
     /// A node with all six DOFs.
     pub fn new(translations: [usize; 3], rotations: [usize; 3], at: Vector<f64>) -> Self {
         let ([a, b, c], [d, e, f]) = (translations, rotations);
-        Self { dofs: [a, b, c, d, e, f].map(Some), at }
+        Self { dofs: [a, b, c, d, e, f].map(Some), at, local: None }
     }
 
-    /// The node with those of its DOFs alone that are listed.
+    /// The node with those of its components alone that are listed.
     #[must_use]
     pub fn only(self, components: impl IntoIterator<Item = Component>) -> Self {
+        if let Some(Local { axes, listed }) = self.local {
+            return self.along(axes, components.into_iter().filter(|&component| listed[component as usize]));
+        }
         let mut dofs = [None; 6];
         components.into_iter().for_each(|component| dofs[component as usize] = self.dofs[component as usize]);
         Self { dofs, ..self }
     }
 
-    /// The components that take part, with their DOFs.
-    pub(crate) fn components(&self) -> impl Iterator<Item = (Component, usize)> + use<> {
-        Component::ALL.into_iter().zip(self.dofs).filter_map(|(component, dof)| Some((component, dof?)))
+    /// The node with those of its components along local axes alone that are listed, whatever was listed before.
+    ///
+    /// It must have the DOFs that they are made of: along an oblique axis all three.
+    #[must_use]
+    pub fn along(self, axes: Axes, components: impl IntoIterator<Item = Component>) -> Self {
+        let mut listed = [false; 6];
+        components.into_iter().for_each(|component| listed[component as usize] = true);
+        Self { local: Some(Local { axes, listed }), ..self }
     }
 
-    /// A DOF that this node has as well as another.
-    pub(crate) fn shared_dof(&self, other: &Self) -> Option<usize> {
-        self.components().map(|(_, dof)| dof).find(|dof| other.dofs.contains(&Some(*dof)))
+    /// Whether a component takes part.
+    pub(crate) fn has(&self, component: Component) -> bool {
+        let k = component as usize;
+        self.local.map_or(self.dofs[k].is_some(), |local| local.listed[k])
     }
 
-    /// A DOF that the node has twice.
-    pub(crate) fn repeated_dof(&self) -> Option<usize> {
-        let count = |dof: usize| self.dofs.iter().filter(|&&other| other == Some(dof)).count();
-        self.components().map(|(_, dof)| dof).find(|&dof| count(dof) > 1)
+    /// Whether any does.
+    pub(crate) fn has_any(&self) -> bool {
+        Component::ALL.into_iter().any(|component| self.has(component))
+    }
+
+    /// The axis of a component.
+    pub(crate) fn axis(&self, component: Component) -> Vector<f64> {
+        let k = component as usize % 3;
+        self.local.map_or(unit(k), |local| local.axes.rows()[k])
+    }
+
+    /// A component that takes part; nothing if it does not, or a DOF that it is made of is missing.
+    pub(crate) fn part(&self, component: Component) -> Option<Part> {
+        let (axis, first) = (self.axis(component), component as usize / 3 * 3);
+        let used = (0..3).filter(|&k| axis[k] != 0.0);
+        let terms = used.map(|k| Some((self.dofs[first + k]?, axis[k]))).collect::<Option<_>>()?;
+        self.has(component).then_some(Part { component, axis, terms })
+    }
+
+    /// The components that take part, as [`super::rows::check`] has found them to be there.
+    pub(crate) fn parts(&self) -> impl Iterator<Item = Part> + use<> {
+        let node = *self;
+        Component::ALL.into_iter().filter_map(move |component| node.part(component))
+    }
+
+    /// A component that takes part but has not all of the DOFs that it is made of.
+    pub(crate) fn lacking(&self) -> Option<Component> {
+        let lacks = |component: &Component| self.has(*component) && self.part(*component).is_none();
+        if self.local.is_some() { Component::ALL.into_iter().find(lacks) } else { None }
+    }
+
+    /// What the equation of a component is called.
+    pub(crate) fn name(&self, component: Component) -> String {
+        if self.local.is_some() { format!("local {}", component.part()) } else { component.part().to_owned() }
+    }
+
+    /// The same, with its kind.
+    pub(crate) fn long_name(&self, component: Component) -> String {
+        if self.local.is_some() { format!("local {component}") } else { component.to_string() }
     }
 }
 
@@ -99,6 +178,6 @@ impl From<Point> for Node6 {
     /// A node without rotations.
     fn from(point: Point) -> Self {
         let [x, y, z] = point.dofs.map(Some);
-        Self { dofs: [x, y, z, None, None, None], at: point.at }
+        Self { dofs: [x, y, z, None, None, None], at: point.at, local: None }
     }
 }

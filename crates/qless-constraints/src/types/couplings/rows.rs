@@ -2,7 +2,9 @@
 
 use super::error::CouplingError;
 use super::node6::{Component, Node6};
+use super::owners::{Again, Owners};
 use crate::Store;
+use crate::scalar::vector::dot;
 
 /// Below this part of the largest factor of its kind a factor is rounding: a few operations lie behind each.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
@@ -13,16 +15,27 @@ pub fn follow(
     part: String,
     terms: Vec<(usize, f64)>,
     reference: &Node6,
-    mut motion: [f64; 6],
+    motion: [f64; 6],
 ) -> Result<(), CouplingError> {
-    motion.as_chunks_mut::<3>().0.iter_mut().for_each(|kind| clean(kind.iter_mut(), 1.0));
     let mut all: Vec<(usize, f64)> = terms.into_iter().filter(|&(_, factor)| factor != 0.0).collect();
-    for (component, factor) in Component::ALL.into_iter().zip(motion).filter(|&(_, factor)| factor != 0.0) {
-        let dof = reference.dofs[component as usize].ok_or_else(|| missing(&part, component, factor))?;
-        all.push((dof, -factor));
+    for (component, factor) in in_axes(reference, motion) {
+        let own = reference.part(component).ok_or_else(|| missing(&part, component, factor))?;
+        all.extend(own.terms.iter().map(|&(dof, a)| (dof, -factor * a)));
     }
     store.equation(part, all, 0.0);
     Ok(())
+}
+
+/// `motion . q` by the components of the reference, without those that are rounding of others of their kind.
+fn in_axes(reference: &Node6, motion: [f64; 6]) -> impl Iterator<Item = (Component, f64)> {
+    let of = |component: Component| {
+        let kind =
+            if component.is_rotation() { [motion[3], motion[4], motion[5]] } else { [motion[0], motion[1], motion[2]] };
+        if reference.local.is_none() { kind[component as usize % 3] } else { dot(kind, reference.axis(component)) }
+    };
+    let mut factors = Component::ALL.map(of);
+    factors.as_chunks_mut::<3>().0.iter_mut().for_each(|kind| clean(kind.iter_mut(), 1.0));
+    Component::ALL.into_iter().zip(factors).filter(|&(_, factor)| factor != 0.0)
 }
 
 fn missing(part: &str, component: Component, factor: f64) -> CouplingError {
@@ -47,16 +60,27 @@ pub fn clean<'a>(factors: impl Iterator<Item = &'a mut f64>, blur: f64) {
     factors.iter_mut().filter(|factor| factor.abs() <= ROUNDING * blur * largest).for_each(|factor| **factor = 0.0);
 }
 
-/// Every node is in a finite place and has DOFs of its own, none of which is the reference's.
-pub fn check<'a>(reference: &'a Node6, nodes: impl Iterator<Item = &'a Node6>) -> Result<(), CouplingError> {
+/// Every node is in a finite place and has components, and DOFs that are no others'.
+///
+/// In a mean a node may come again, with more weight.
+pub fn check<'a>(
+    reference: &'a Node6,
+    nodes: impl Iterator<Item = &'a Node6>,
+    again: Again,
+) -> Result<(), CouplingError> {
+    let mut owners = Owners::default();
     for (node, own) in std::iter::once(reference).chain(nodes).enumerate() {
         if own.at.iter().any(|x| !x.is_finite()) {
             return Err(CouplingError::NoPlace { node });
         }
-        let shared = if node == 0 { None } else { own.shared_dof(reference) };
-        if let Some(dof) = own.repeated_dof().or(shared) {
-            return Err(CouplingError::SharedDof { node, dof });
+        if !own.has_any() {
+            return Err(CouplingError::NoComponents { node });
         }
+        if let Some(component) = own.lacking() {
+            return Err(CouplingError::LocalAxis { node, component });
+        }
+        let again = again == Again::Allowed && node > 0;
+        owners.claim(node, own, again).map_err(|dof| CouplingError::SharedDof { node, dof })?;
     }
     Ok(())
 }

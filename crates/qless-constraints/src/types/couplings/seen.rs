@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::area::Gauss;
+use super::arm::axis;
 use super::error::CouplingError;
 use super::fit::{Fit, Observation};
-use super::node6::Component;
 use super::rows::clean;
 use crate::geometry::surface::Surface;
 use crate::scalar::vector::{Vector, add, scale};
@@ -18,9 +18,10 @@ pub struct Seen {
 
 impl Seen {
     pub fn new(points: Vec<Gauss>) -> Self {
+        let most = points.iter().map(Gauss::weight).fold(0.0, f64::max);
         let of = |gauss: &Gauss| {
-            let (at, root) = (gauss.at, gauss.weight().sqrt());
-            [Component::X, Component::Y, Component::Z].map(|component| Observation { at, component, root })
+            let (at, root) = (gauss.at, (gauss.weight() / most).sqrt());
+            [0, 1, 2].map(|k| Observation { at, axis: axis(k), is_rotation: false, root })
         };
         let fit = Fit::new(&points.iter().flat_map(of).collect::<Vec<_>>());
         Self { points, fit }

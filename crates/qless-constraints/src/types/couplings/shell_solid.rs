@@ -1,13 +1,11 @@
 //! `u_s + theta x r`: the edge of a shell and the side of a solid, line by line through the thickness.
 
-use std::collections::BTreeSet;
-
 use super::area;
-use super::arm::{along, arm};
-use super::beam_solid::axis;
+use super::arm::{along, arm, axis};
 use super::error::{CouplingError, LineFault};
 use super::node6::Node6;
-use super::rows::{check, clean, follow};
+use super::owners::Owners;
+use super::rows::{clean, follow};
 use super::section::Section;
 use super::thickness::{Thickness, lines};
 use crate::geometry::node::AXES;
@@ -128,14 +126,20 @@ impl Edge<'_> {
 }
 
 impl ShellToSolid {
-    /// Each shell node has DOFs of its own; lines name nodes that are there.
+    /// Each node has DOFs of its own, and each shell node a place; lines name nodes that are there.
     fn check_dofs(&self) -> Result<(), CouplingError> {
-        let mut taken = BTreeSet::new();
-        for (i, ThicknessLine { shell, nodes }) in self.lines.iter().enumerate() {
-            let solid: Vec<Node6> = nodes.iter().map(|&node| self.face.nodes[node].into()).collect();
-            let own = shell.components().all(|(_, dof)| taken.insert(dof));
-            if !own || check(shell, solid.iter()).is_err() {
-                return Err(CouplingError::Line { line: i + 1, fault: LineFault::Shell });
+        let mut owners = Owners::default();
+        let fault = |line: usize, fault: LineFault| CouplingError::Line { line: line + 1, fault };
+        for (i, ThicknessLine { nodes, .. }) in self.lines.iter().enumerate() {
+            for &node in nodes {
+                let shared = |dof| fault(i, LineFault::SharedDof { node, dof });
+                owners.claim(node, &self.face.nodes[node].into(), false).map_err(shared)?;
+            }
+        }
+        for (i, ThicknessLine { shell, .. }) in self.lines.iter().enumerate() {
+            let sound = shell.at.iter().all(|x| x.is_finite()) && shell.lacking().is_none();
+            if !sound || owners.claim(i, shell, false).is_err() {
+                return Err(fault(i, LineFault::Shell));
             }
         }
         Ok(())

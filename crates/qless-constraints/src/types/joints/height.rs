@@ -3,6 +3,8 @@
 //! `s` is a direction of body a, `s_a` and `s_b` the arms to the point that both bodies have in common in the reference configuration, and h the height
 //! that body b is to have above it.
 
+use std::borrow::Cow;
+
 use super::relative::{rotation_vectors, triangle_before};
 use crate::geometry::carrier::{Body, Carrier};
 use crate::geometry::turned;
@@ -11,7 +13,14 @@ use crate::scalar::vector::{Vector, dot, scale, sub};
 use crate::{Nonlinear, Store};
 
 /// The point `at` of body b keeps its height along the direction `s` of body a, above the same point of body a.
-pub fn height(store: &mut Store, part: &'static str, a: &Body, b: &Body, at: Vector<f64>, s: Vector<f64>) {
+pub fn height(
+    store: &mut Store,
+    part: impl Into<Cow<'static, str>>,
+    a: &Body,
+    b: &Body,
+    at: Vector<f64>,
+    s: Vector<f64>,
+) {
     let parameters = Height::new(a, b, at, s);
     store.numbers(at);
     [a, b].iter().for_each(|body| body.state(store));

@@ -4,7 +4,7 @@
 pub(crate) mod coincident;
 mod cylindrical;
 mod fixed;
-mod height;
+pub(crate) mod height;
 mod motor;
 pub(crate) mod orientation;
 mod parallel;

@@ -1,7 +1,7 @@
 //! `sum_j D_ij u_j - sum_k M_ik u_k = 0`, `D_ij = int Phi_i N_j`, `M_ik = int Phi_i N_k`: a tie of lines or surfaces in the mean.
 //!
-//! Puso, Int. J. Numer. Meth. Engng 59 (2004) 315; with segments as in Popp, Gitterle, Gee and Wall, ibid. 83 (2010) 1428;
-//! quadratic facets by parts as in Puso, Laursen and Solberg, Comput. Methods Appl. Mech. Engng 197 (2008) 555.
+//! Puso, Int. J. Numer. Meth. Engng, 2004; with segments as in Popp, Gitterle, Gee and Wall, ibid., 2010;
+//! quadratic facets by parts as in Puso, Laursen and Solberg, Comput. Methods Appl. Mech. Engng, 2008.
 
 mod cover;
 mod error;

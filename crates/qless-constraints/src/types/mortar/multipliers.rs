@@ -1,8 +1,8 @@
 //! `Phi_i = sum_j B_ij N_j`: the functions of the multipliers on a slave facet, and `D_ij = int Phi_i N_j`.
 //!
 //! Dual functions: `int Phi_i M_j = delta_ij int M_j` with `B = diag(d) (int M M^T)^-1 P`, `M = P N`, `d_i = int M_i` (Wohlmuth, SIAM
-//! J. Numer. Anal. 38 (2000) 989). Linear shapes: `P = I`. Quadratic ones, whose corners may have no integral: `M_c = N_c + a sum N_e`
-//! over the edges at the corner, `M_e = (1 - 2 a) N_e`, `a = 1/5` (Popp, Wohlmuth, Gee and Wall, SIAM J. Sci. Comput. 34 (2012) B421).
+//! J. Numer. Anal., 2000). Linear shapes: `P = I`. Quadratic ones, whose corners may have no integral: `M_c = N_c + a sum N_e`
+//! over the edges at the corner, `M_e = (1 - 2 a) N_e`, `a = 1/5` (Popp, Wohlmuth, Gee and Wall, SIAM J. Sci. Comput., 2012).
 
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, Side};

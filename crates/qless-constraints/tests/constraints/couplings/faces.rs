@@ -30,7 +30,7 @@ pub fn rectangle(shape: Shape, dof: usize, moved: impl Fn([f64; 3]) -> [f64; 3])
     let faces = quads.into_iter().flat_map(|quad| {
         let n = around(quad);
         match shape {
-            Shape::Quad4 | Shape::Quad8 => vec![Face::new(shape, &n[..shape.nodes()])],
+            Shape::Quad4 | Shape::Quad8 | Shape::Quad9 => vec![Face::new(shape, &n[..shape.nodes()])],
             Shape::Tri3 => vec![Face::new(shape, [n[0], n[1], n[2]]), Face::new(shape, [n[0], n[2], n[3]])],
             _ => vec![
                 Face::new(shape, [n[0], n[1], n[2], n[4], n[5], n[8]]),

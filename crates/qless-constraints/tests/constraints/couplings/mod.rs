@@ -8,12 +8,16 @@ mod bodies;
 mod faces;
 /// Walls of fluids.
 mod fluid;
+/// Components along local axes.
+mod local;
 /// Couplings that say things twice.
 mod overlaps;
 /// Shells on solids: motions, resultants, stress.
 mod shells;
 /// Beams and shells that pull at a block of solid elements.
 mod tension;
+/// Nodes and DOFs that are named twice.
+mod twice;
 /// What the nodes of an average do not see.
 mod undetermined;
 

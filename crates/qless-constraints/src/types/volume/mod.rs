@@ -2,18 +2,20 @@
 //!
 //! The triangles are the outer faces of the tetrahedra of the patch (divergence theorem). The divisor makes c a length.
 
+mod patch;
+
 use std::collections::HashMap;
 
-use crate::geometry::node::{Point, moved};
-use crate::scalar::Scalar;
+use crate::geometry::node::Point;
 use crate::scalar::vector::{Vector, cross, dot, norm, sub};
-use crate::{Constraint, Nonlinear, Store};
+use crate::{Constraint, Store};
+use patch::Patch;
 
 /// A patch of tetrahedra of constant volume, one equation.
 ///
-#[doc = include_str!("../../docs/pictures/volume.svg")]
+#[doc = include_str!("../../../docs/pictures/volume.svg")]
 ///
-#[doc = include_str!("../../docs/types/volume.md")]
+#[doc = include_str!("../../../docs/types/volume.md")]
 /// # Example
 ///
 /// ```
@@ -149,77 +151,9 @@ impl Constraint for Volume {
         let origin = self.nodes[used[0]].at;
         let at = used.iter().map(|&node| sub(self.nodes[node].at, origin)).collect();
         let dofs: Vec<usize> = used.iter().flat_map(|&node| self.nodes[node].dofs).collect();
-        let edges = edges(&triangles);
+        store.length(volume.cbrt());
         used.iter().for_each(|&node| store.coordinates_of(&self.nodes[node]));
-        store.nonlinear("", &dofs, Patch { at, triangles, edges, volume, scale: volume.powf(-2.0 / 3.0) });
+        store.nonlinear("", &dofs, Patch::new(at, triangles, volume));
         Ok(())
-    }
-}
-
-/// The stored parameters of [`Volume`].
-struct Patch {
-    at: Vec<Vector<f64>>,
-    triangles: Vec<[u32; 3]>,
-    edges: Vec<(usize, usize)>,
-    volume: f64,
-    scale: f64,
-}
-
-/// Nodes joined by an edge, each once, ascending: the greater first.
-fn edges(triangles: &[[u32; 3]]) -> Vec<(usize, usize)> {
-    let sides = |&[a, b, d]: &[u32; 3]| [(a, b), (b, d), (d, a)];
-    let ordered = |(a, b): (u32, u32)| (a.max(b) as usize, a.min(b) as usize);
-    let mut edges: Vec<_> = triangles.iter().flat_map(sides).map(ordered).collect();
-    edges.sort_unstable();
-    edges.dedup();
-    edges
-}
-
-impl Nonlinear for Patch {
-    const PARTS: &'static [&'static str] = &[""];
-
-    fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
-        let x = |node: u32| moved(&self.at[node as usize], u, 3 * node as usize);
-        let six = self.triangles.iter().fold(S::from(0.0), |sum, &[a, b, d]| sum + dot(x(a), cross(x(b), x(d))));
-        c[0] = (six / S::from(6.0) - S::from(self.volume)) * S::from(self.scale);
-    }
-
-    /// Different components of nodes that an edge joins.
-    fn pairs(&self, _: usize, pair: &mut dyn FnMut(usize, usize)) {
-        for &(j, k) in &self.edges {
-            for row in 0..3 {
-                (0..3).filter(|&col| col != row).for_each(|col| pair(3 * j + row, 3 * k + col));
-            }
-        }
-    }
-
-    /// `dV / da = sum over triangles of b x d / 6`.
-    fn value_and_jacobian(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
-        self.value(u, c);
-        g.fill(0.0);
-        let x = |node: u32| moved(&self.at[node as usize], u, 3 * node as usize);
-        for &[a, b, d] in &self.triangles {
-            for (node, next, last) in [(a, b, d), (b, d, a), (d, a, b)] {
-                let slope = cross(x(next), x(last));
-                (0..3).for_each(|k| g[3 * node as usize + k] += self.scale / 6.0 * slope[k]);
-            }
-        }
-    }
-
-    /// `d^2 V / da db = -[d]x / 6` for each triangle `(a, b, d)`.
-    fn hessian(&self, u: &[f64], w: &[f64], h: &mut [f64]) {
-        h.fill(0.0);
-        let factor = w[0] * self.scale / 6.0;
-        for &[a, b, d] in &self.triangles {
-            for (first, second, other) in [(a, b, d), (b, d, a), (d, a, b)] {
-                let x: Vector<f64> = moved(&self.at[other as usize], u, 3 * other as usize);
-                // d(a . (b x d)) / da_i db_j = e_ijk d_k; transposed, its sign changes.
-                let sign = if first > second { factor } else { -factor };
-                let edge = (first.max(second) as usize, first.min(second) as usize);
-                let slot = 6 * self.edges.partition_point(|&e| e < edge);
-                let entries = [x[2], -x[1], -x[2], x[0], x[1], -x[0]];
-                (0..6).for_each(|k| h[slot + k] += sign * entries[k]);
-            }
-        }
     }
 }

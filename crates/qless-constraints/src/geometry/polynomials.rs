@@ -1,0 +1,148 @@
+//! `p(x) = sum_m c_m P_i(x) P_j(y)`: polynomials on a triangle or a square, and those through given nodes.
+
+use faer::Mat;
+use faer::linalg::solvers::Solve;
+
+use super::project::completed;
+use super::shape::Shape;
+
+/// The polynomials on a face, of a degree of one or more, in the parameters of [`Shape`]; p below is the degree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Polynomials {
+    /// On a triangle, `xi^i eta^j` with `i + j <= p`: (p + 1)(p + 2) / 2 nodes.
+    Triangle(usize),
+    /// On a quadrilateral, `i <= p` and `j <= p`: (p + 1)^2 nodes.
+    Quadrilateral(usize),
+    /// On a quadrilateral, those of which the degree is p at most when factors of degree one are not counted: 4, 8, 12, 17, ... nodes.
+    Serendipity(usize),
+}
+
+/// The least singular value over the largest below which nodes do not determine a polynomial.
+const LEAST: f64 = 1e-10;
+
+impl Polynomials {
+    /// p.
+    pub fn degree(self) -> usize {
+        let (Self::Triangle(p) | Self::Quadrilateral(p) | Self::Serendipity(p)) = self;
+        p
+    }
+
+    /// How many there are, and nodes that determine one.
+    pub fn dimension(self) -> usize {
+        let more = |k: usize| self.degree().saturating_add(k);
+        match self {
+            Self::Triangle(_) => more(1).saturating_mul(more(2)) / 2,
+            Self::Quadrilateral(_) => more(1).saturating_mul(more(1)),
+            Self::Serendipity(p) if p < 2 => 4 * p,
+            Self::Serendipity(p) => p.saturating_mul(more(3)).saturating_add(6) / 2,
+        }
+    }
+
+    /// Those of an element with this face; nothing for lines and solids.
+    pub fn of(shape: Shape) -> Option<Self> {
+        match shape {
+            Shape::Tri3 => Some(Self::Triangle(1)),
+            Shape::Tri6 => Some(Self::Triangle(2)),
+            Shape::Quad4 => Some(Self::Quadrilateral(1)),
+            Shape::Quad8 => Some(Self::Serendipity(2)),
+            Shape::Quad9 => Some(Self::Quadrilateral(2)),
+            _ => None,
+        }
+    }
+
+    /// Whether all of the others are among these.
+    pub fn contain(self, others: Self) -> bool {
+        let alike = matches!(self, Self::Triangle(_)) == matches!(others, Self::Triangle(_));
+        alike && others.exponents().all(|(i, j)| self.has(i, j))
+    }
+
+    /// The face with these parameters.
+    pub(crate) fn face(self) -> Shape {
+        if matches!(self, Self::Triangle(_)) { Shape::Tri3 } else { Shape::Quad4 }
+    }
+
+    fn has(self, i: usize, j: usize) -> bool {
+        let counted = |k: usize| if k > 1 { k } else { 0 };
+        match self {
+            Self::Triangle(p) => i + j <= p,
+            Self::Quadrilateral(p) => i.max(j) <= p,
+            Self::Serendipity(p) => i.max(j) <= p && counted(i) + counted(j) <= p,
+        }
+    }
+
+    /// `(i, j)` of each; with one all lower ones are there, so that products of Legendre's polynomials span the same.
+    fn exponents(self) -> impl Iterator<Item = (usize, usize)> {
+        let p = self.degree();
+        (0..=p).flat_map(move |j| (0..=p).map(move |i| (i, j))).filter(move |&(i, j)| self.has(i, j))
+    }
+
+    fn values(self, [x, y]: [f64; 2]) -> Vec<f64> {
+        let centred = |s: f64| if matches!(self, Self::Triangle(_)) { 2.0 * s - 1.0 } else { s };
+        let [along_x, along_y] = [x, y].map(|s| legendre(self.degree(), centred(s)));
+        self.exponents().map(|(i, j)| along_x[i] * along_y[j]).collect()
+    }
+
+    /// `N_k(x)` at each point, with `p(x) = sum_k N_k(x) p(x_k)` for the nodes `x_k`, as many as the dimension; nothing if they do not
+    /// determine a polynomial.
+    pub(crate) fn weights(self, nodes: &[[f64; 2]], points: &[[f64; 2]]) -> Option<Vec<Vec<f64>>> {
+        let [at_nodes, at_points] = [nodes, points].map(|all| all.iter().map(|&x| self.values(x)).collect::<Vec<_>>());
+        let n = nodes.len();
+        let matrix = Mat::from_fn(n, n, |m, k| at_nodes[k][m]);
+        let sizes = matrix.singular_values().ok()?;
+        let condition = sizes[0] / sizes[n - 1];
+        if condition > 1.0 / LEAST || condition.is_nan() {
+            return None;
+        }
+        let right = Mat::from_fn(n, points.len(), |m, i| at_points[i][m]);
+        let weights = matrix.partial_piv_lu().solve(&right);
+        let column = |i: usize| completed((0..n).map(|k| weights[(k, i)]).collect(), condition);
+        Some((0..points.len()).map(column).collect())
+    }
+}
+
+/// `P_0 .. P_p`: `(k + 1) P_(k+1) = (2 k + 1) x P_k - k P_(k-1)`.
+fn legendre(p: usize, x: f64) -> Vec<f64> {
+    let mut all = vec![1.0, x];
+    for k in 1..p {
+        let of = k as f64;
+        all.push(((2.0 * of + 1.0) * x * all[k] - of * all[k - 1]) / (of + 1.0));
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dimensions_are_counts() {
+        for p in 1..9 {
+            for all in [Polynomials::Triangle(p), Polynomials::Quadrilateral(p), Polynomials::Serendipity(p)] {
+                assert_eq!(all.exponents().count(), all.dimension(), "{all:?}");
+            }
+        }
+        assert_eq!(Polynomials::Quadrilateral(usize::MAX).dimension(), usize::MAX);
+    }
+
+    /// The functions of the shapes, which are written down elsewhere.
+    #[test]
+    fn weights_are_those_of_the_shapes() {
+        for shape in Shape::ALL {
+            let Some(all) = Polynomials::of(shape) else { continue };
+            let flat = |x: &[f64; 3]| [x[0], x[1]];
+            let nodes: Vec<[f64; 2]> = shape.places().iter().map(flat).collect();
+            let points: Vec<[f64; 3]> = (0..20).map(|seed| super::super::shape::tests::inside(shape, seed)).collect();
+            let found = all.weights(&nodes, &points.iter().map(flat).collect::<Vec<_>>()).expect("unisolvent");
+            for (at, found) in points.iter().zip(found) {
+                let off = shape.weights(*at).iter().zip(&found).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+                assert!(off < 1e-14, "{shape:?}: {off}");
+            }
+            let own = all.weights(&nodes, &nodes).expect("unisolvent");
+            let unit = |k: usize, l: usize| f64::from(u8::from(k == l));
+            assert!(
+                own.iter().enumerate().all(|(k, n)| n.iter().enumerate().all(|(l, &n)| n == unit(k, l))),
+                "{shape:?}"
+            );
+        }
+    }
+}
