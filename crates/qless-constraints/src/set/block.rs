@@ -16,14 +16,6 @@ use super::store::Piece;
 use super::tests::double_double::DoubleDouble;
 use crate::constraint::Nonlinear;
 
-/// An entry of H that a number of a Hessian goes to.
-#[derive(Clone, Copy)]
-pub(super) struct Entry {
-    pub row: u32,
-    pub col: u32,
-    pub number: u32,
-}
-
 /// Equations of one type that follow one another: as many as one task takes.
 pub(super) trait Block: Send + Sync {
     /// Another one after each change of its rows of G or of its pairs.
@@ -39,22 +31,22 @@ pub(super) trait Block: Send + Sync {
     fn parts(&self) -> usize;
     /// Entries of its rows of G.
     fn nnz(&self) -> usize;
-    /// Appends the ends and columns of its rows of G.
-    fn write_pattern(&self, end: &mut Vec<usize>, col: &mut Vec<u32>);
+    /// Writes the columns of its rows of G, and where these end; the first starts at `first`.
+    fn write_pattern(&self, first: usize, end: &mut [usize], col: &mut [u32]);
     /// Nearly the last DOF that it reads.
     fn last_dof(&self) -> u32;
     /// Writes c and G.
     fn evaluate(&self, u: &[f64], c: &mut [f64], g: &mut [f64]);
     /// Writes the bounds on the rounding of c and G.
     fn rounding(&self, known: &Known, c: &mut [f64], g: &mut [f64]);
-    /// Counts the entries of each row of H.
-    fn count(&self, counts: &mut [u32]);
+    /// Counts the entries that some items have in each of the rows of H from `row` on.
+    fn count(&self, items: &[Range<u32>], row: u32, counts: &mut [u32]);
     /// Calls `row` with the rows of H that item i has entries in.
     fn touched(&self, i: usize, row: &mut dyn FnMut(u32));
     /// Appends `(chunk, item)` for each of some items and the chunks of H that it has entries in.
     fn share_out(&self, items: &[Range<u32>], cut: &Cut, out: &mut Vec<(u32, u32)>);
-    /// Appends the entries that some items have in some rows of H; their numbers are counted from `first`.
-    fn entries(&self, items: &[Range<u32>], rows: &Range<u32>, first: usize, out: &mut Vec<Entry>);
+    /// Puts `(column, number)` of the entries that [`Block::count`] counts where `next` says for each row; numbers from `first` on.
+    fn keys(&self, items: &[Range<u32>], row: u32, first: usize, next_and_keys: (&mut [u32], &mut [u64]));
     /// How many numbers the Hessian of item i has.
     fn numbers(&self, i: usize) -> usize;
     /// Writes the numbers of the Hessians of these items, one after the other.

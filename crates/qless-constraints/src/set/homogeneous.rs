@@ -5,10 +5,11 @@ use std::ops::Range;
 
 use qless::Identity;
 
-use super::block::{Block, Entry};
+use super::block::Block;
 use super::effective::Cut;
 use super::labels::{Owner, Parts};
 use super::order::Order;
+use super::pairs::Pairs;
 use super::rounding::{Known, bound};
 use super::store::Piece;
 #[cfg(test)]
@@ -132,15 +133,21 @@ impl<Q: Nonlinear> Homogeneous<Q> {
         g.iter_mut().zip(slopes).for_each(|(g, of)| *g = bound(of));
     }
 
-    /// Calls `pair` with the DOFs of each pair of item i, and which of its numbers it takes.
+    /// Calls `entry(row, column, number)` for each entry of H that some items have, whose numbers are counted from `first`.
     #[inline]
-    fn pairs(&self, i: usize, mut pair: impl FnMut(u32, u32, usize)) {
-        let dofs = self.dofs(i);
-        let mut count = 0;
-        self.items[i].pairs(dofs.len(), &mut |j, k| {
-            pair(dofs[j], dofs[k], Q::number(count));
-            count += 1;
-        });
+    fn entries(&self, items: &[Range<u32>], first: usize, mut entry: impl FnMut(u32, u32, u32)) {
+        let (mut pairs, mut first) = (Pairs::default(), first as u32);
+        for i in items.iter().cloned().flatten() {
+            let dofs = self.dofs(i as usize);
+            for &[j, k, number] in pairs.of(&self.items[i as usize], dofs.len()) {
+                let (j, k, number) = (dofs[j as usize], dofs[k as usize], first + number);
+                entry(j, k, number);
+                if j != k {
+                    entry(k, j, number);
+                }
+            }
+            first += self.numbers(i as usize) as u32;
+        }
     }
 }
 
@@ -177,24 +184,23 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
         self.dofs.len() * Q::PARTS.len()
     }
 
-    fn write_pattern(&self, end: &mut Vec<usize>, col: &mut Vec<u32>) {
-        if Q::PARTS.len() == 1 && self.order.is_empty() {
-            let first = col.len();
-            col.extend_from_slice(&self.dofs);
-            return end.extend(self.start[1..].iter().map(|&end| first + end as usize));
-        }
-        let mut sorted = Vec::new();
+    fn write_pattern(&self, first: usize, end: &mut [usize], col: &mut [u32]) {
+        let (mut sorted, mut rest, mut last) = (Vec::new(), col, first);
+        let mut ends = end.iter_mut();
         for i in 0..self.items.len() {
             let mut dofs = self.dofs(i);
-            if !dofs.is_sorted() {
+            if !self.order.is_empty() && !dofs.is_sorted() {
                 sorted.clear();
                 sorted.extend_from_slice(dofs);
                 sorted.sort_unstable();
                 dofs = &sorted;
             }
-            for _ in Q::PARTS {
-                col.extend_from_slice(dofs);
-                end.push(col.len());
+            for end in ends.by_ref().take(Q::PARTS.len()) {
+                let own;
+                (own, rest) = rest.split_at_mut(dofs.len());
+                own.copy_from_slice(dofs);
+                last += dofs.len();
+                *end = last;
             }
         }
     }
@@ -226,46 +232,40 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
         self.order.restore(|i| self.start[i] as usize * rows, rows, g);
     }
 
-    fn count(&self, counts: &mut [u32]) {
-        for i in 0..self.items.len() {
-            self.pairs(i, |j, k, _| {
-                counts[j as usize] += 1;
-                counts[k as usize] += u32::from(j != k);
-            });
-        }
+    fn count(&self, items: &[Range<u32>], row: u32, counts: &mut [u32]) {
+        self.entries(items, 0, |j, _, _| {
+            counts.get_mut(j.wrapping_sub(row) as usize).into_iter().for_each(|count| *count += 1);
+        });
     }
 
     fn touched(&self, i: usize, row: &mut dyn FnMut(u32)) {
-        self.pairs(i, |j, k, _| [j, k].into_iter().for_each(&mut *row));
+        self.entries(&[i as u32..i as u32 + 1], 0, |j, _, _| row(j));
     }
 
     fn share_out(&self, items: &[Range<u32>], cut: &Cut, out: &mut Vec<(u32, u32)>) {
         for i in items.iter().cloned().flatten() {
-            let first = out.len();
-            self.pairs(i as usize, |j, k, _| {
-                for chunk in [cut.chunk(j), cut.chunk(k)].into_iter().flatten() {
-                    if !out[first..].iter().any(|&(known, _)| known == chunk) {
-                        out.push((chunk, i));
-                    }
-                }
+            let mut chunks = self.dofs(i as usize).iter().map(|&j| cut.chunk(j));
+            let first = chunks.next().flatten();
+            if chunks.all(|chunk| chunk == first) {
+                out.extend(first.filter(|_| self.numbers(i as usize) > 0).map(|chunk| (chunk, i)));
+                continue;
+            }
+            let known = out.len();
+            self.entries(&[i..i + 1], 0, |j, _, _| {
+                let new = |chunk: &u32| out[known..].iter().all(|&(known, _)| known != *chunk);
+                let chunk = cut.chunk(j).filter(new);
+                out.extend(chunk.map(|chunk| (chunk, i)));
             });
         }
     }
 
-    fn entries(&self, items: &[Range<u32>], rows: &Range<u32>, first: usize, out: &mut Vec<Entry>) {
-        let mut first = first;
-        for i in items.iter().cloned().flatten() {
-            self.pairs(i as usize, |j, k, number| {
-                let number = (first + number) as u32;
-                if rows.contains(&j) {
-                    out.push(Entry { row: j, col: k, number });
-                }
-                if j != k && rows.contains(&k) {
-                    out.push(Entry { row: k, col: j, number });
-                }
-            });
-            first += self.numbers[i as usize] as usize;
-        }
+    fn keys(&self, items: &[Range<u32>], row: u32, first: usize, (next, keys): (&mut [u32], &mut [u64])) {
+        self.entries(items, first, |j, k, number| {
+            if let Some(next) = next.get_mut(j.wrapping_sub(row) as usize) {
+                keys[*next as usize] = u64::from(k) << 32 | u64::from(number);
+                *next += 1;
+            }
+        });
     }
 
     fn numbers(&self, i: usize) -> usize {

@@ -26,6 +26,8 @@ mod linear;
 mod lists;
 mod offsets;
 mod order;
+mod pairs;
+mod pattern;
 mod quantities;
 pub(crate) mod rotations;
 mod rounding;
