@@ -2,6 +2,7 @@
 
 use std::any::Any;
 use std::ops::Range;
+use std::sync::OnceLock;
 
 use qless::Identity;
 
@@ -11,6 +12,7 @@ use super::labels::{Owner, Parts};
 use super::order::Order;
 use super::pairs::Pairs;
 use super::rounding::{Known, bound};
+use super::stamp::Stamp;
 use super::store::Piece;
 #[cfg(test)]
 use super::tests::double_double::DoubleDouble;
@@ -29,34 +31,33 @@ const NARROW: usize = 64;
 
 /// Items of type Q: parameters, with the DOFs that they share.
 pub(super) struct Homogeneous<Q> {
-    pub stamp: Identity,
+    pub stamp: Stamp,
     pub items: Vec<Q>,
     pub owners: Vec<Owner>,
-    /// Where the DOFs of each item start; one more than items.
+    /// Where the DOFs of each item start, if that varies; one more than items.
     pub start: Vec<u32>,
     pub dofs: Vec<u32>,
     pub order: Order,
     /// Most DOFs of one item.
     pub widest: usize,
-    /// How many numbers the Hessian of each item has, ...
+    /// How many numbers the Hessian of each item has, but where they depend on the weight alone: ...
     pub numbers: Vec<u32>,
-    /// ... and, where they depend on the weight alone, those for a weight of 1: [`Homogeneous::UNITS`] of each item.
-    pub units: Vec<f64>,
+    /// ... then there are [`Homogeneous::UNITS`] of each item, and these are those for a weight of 1, made when somebody needs them.
+    pub units: OnceLock<Box<[f64]>>,
 }
 
 impl<Q> Default for Homogeneous<Q> {
     fn default() -> Self {
-        let (dofs, numbers, units) = (Vec::new(), Vec::new(), Vec::new());
         Self {
-            stamp: Identity::new(),
+            stamp: Stamp::default(),
             items: Vec::new(),
             owners: Vec::new(),
             start: vec![0],
-            dofs,
+            dofs: Vec::new(),
             order: Order::default(),
             widest: 0,
-            numbers,
-            units,
+            numbers: Vec::new(),
+            units: OnceLock::new(),
         }
     }
 }
@@ -67,10 +68,16 @@ impl<Q: Nonlinear> Homogeneous<Q> {
 
     #[inline]
     pub fn dofs(&self, i: usize) -> &[u32] {
+        &self.dofs[self.span(i..i + 1)]
+    }
+
+    /// Where the DOFs of items are that follow one another.
+    #[inline]
+    pub fn span(&self, items: Range<usize>) -> Range<usize> {
         if Q::DOFS > 0 {
-            return &self.dofs[i * Q::DOFS..][..Q::DOFS];
+            return items.start * Q::DOFS..items.end * Q::DOFS;
         }
-        &self.dofs[self.start[i] as usize..self.start[i + 1] as usize]
+        self.start[items.start] as usize..self.start[items.end] as usize
     }
 
     /// Items whose DOFs are gathered at once.
@@ -80,13 +87,13 @@ impl<Q: Nonlinear> Homogeneous<Q> {
 
     /// How many DOFs these items have.
     pub fn width(&self, items: Range<usize>) -> usize {
-        (self.start[items.end] - self.start[items.start]) as usize
+        self.span(items).len()
     }
 
     /// The DOFs of items that follow one another.
     #[inline]
     pub fn gather<'a>(&self, items: Range<usize>, u: &[f64], room: &'a mut [f64]) -> &'a mut [f64] {
-        let dofs = &self.dofs[self.start[items.start] as usize..self.start[items.end] as usize];
+        let dofs = &self.dofs[self.span(items)];
         let local = &mut room[..dofs.len()];
         local.iter_mut().zip(dofs).for_each(|(x, &j)| *x = u[j as usize]);
         local
@@ -153,7 +160,7 @@ impl<Q: Nonlinear> Homogeneous<Q> {
 
 impl<Q: Nonlinear> Block for Homogeneous<Q> {
     fn stamp(&self) -> Identity {
-        self.stamp
+        self.stamp.get()
     }
 
     fn rows(&self) -> usize {
@@ -218,7 +225,7 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
             _ => self.evaluate_any(u, c, g),
         }
         let rows = Q::PARTS.len();
-        self.order.restore(|i| self.start[i] as usize * rows, rows, g);
+        self.order.restore(|i| self.span(i..i).start * rows, rows, g);
     }
 
     fn rounding(&self, known: &Known, c: &mut [f64], g: &mut [f64]) {
@@ -229,7 +236,7 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
             (own, rest) = rest.split_at_mut(rows * self.width(i..i + 1));
             self.rounding_of(i, known, c, own);
         }
-        self.order.restore(|i| self.start[i] as usize * rows, rows, g);
+        self.order.restore(|i| self.span(i..i).start * rows, rows, g);
     }
 
     fn count(&self, items: &[Range<u32>], row: u32, counts: &mut [u32]) {
@@ -269,7 +276,7 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
     }
 
     fn numbers(&self, i: usize) -> usize {
-        self.numbers[i] as usize
+        if Self::UNITS > 0 { Self::UNITS } else { self.numbers[i] as usize }
     }
 
     fn curvatures(&self, items: &[Range<u32>], u: &[f64], w: &[f64], out: &mut [f64]) {
@@ -288,7 +295,7 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
     fn set_time(&mut self, time: f64) {
         if Q::DRIVEN {
             self.items.iter_mut().for_each(|item| item.at_time(time));
-            self.renew_units();
+            self.units.take();
         }
     }
 
@@ -296,8 +303,8 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
         Box::new(self.split(i))
     }
 
-    fn take(&mut self, i: usize, parts: &Parts) -> Box<dyn Piece> {
-        Box::new(self.remove(i, parts))
+    fn take(&mut self, i: usize, parts: &Parts, dofs: &mut Vec<u32>) -> Box<dyn Piece> {
+        Box::new(self.remove(i, parts, dofs))
     }
 
     fn as_any(&self) -> &dyn Any {

@@ -78,7 +78,7 @@ impl ConstraintSet {
     /// Rows behind the first that came or went are moved once, whatever their number; all others stay.
     pub(super) fn follow(&self, quantities: &mut Quantities) -> Result<(), ArgumentError> {
         self.own("the quantities", quantities.of)?;
-        if quantities.evaluated == self.version {
+        if quantities.evaluated == self.version.get() {
             return Ok(());
         }
         let sound = "the set has checked DOFs and sizes";
@@ -97,7 +97,7 @@ impl ConstraintSet {
     pub(super) fn current(&self, quantities: &Quantities) -> Result<(), ArgumentError> {
         self.own("the quantities", quantities.of)?;
         let what = "the quantities";
-        if quantities.evaluated == self.version { Ok(()) } else { Err(ArgumentError::Outdated { what }) }
+        if quantities.evaluated == self.version.get() { Ok(()) } else { Err(ArgumentError::Outdated { what }) }
     }
 
     /// G without numbers, but for the coefficients of linear equations.
@@ -106,7 +106,7 @@ impl ConstraintSet {
     }
 
     pub(super) fn layout(&self) -> Layout {
-        let linear = self.linear.batches.iter().map(|batch| (batch.stamp, batch.rows()));
+        let linear = self.linear.batches.iter().map(|batch| (batch.stamp.get(), batch.rows()));
         linear.chain(self.blocks.all.iter().map(|block| (block.stamp(), block.rows()))).collect()
     }
 
