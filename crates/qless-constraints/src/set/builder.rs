@@ -7,7 +7,6 @@ use super::labels::Register;
 use super::lazy::Planned;
 use super::linear::Rows;
 use super::stamp::Stamp;
-use super::store::Contents;
 use super::{AddError, ConstraintId, ConstraintSet};
 use crate::constraint::Constraint;
 
@@ -32,7 +31,7 @@ impl SetBuilder {
             time: 0.0,
             sizes: Vec::new(),
             version: Stamp::default(),
-            spare: Contents::default(),
+            spare: None,
         })
     }
 

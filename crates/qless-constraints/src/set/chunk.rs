@@ -73,7 +73,7 @@ impl Chunk {
         let numbers = room.gather(&self.shares, blocks, &self.rows);
         room.sort(&mut self.end);
         self.col = room.col.as_slice().into();
-        self.sums = Sums::new(numbers, &room.counts, room.keys.iter().map(|&key| key as u32));
+        self.sums = Sums::new(numbers, &room.counts, &room.keys);
         self.stamp = Identity::new();
     }
 
@@ -133,7 +133,9 @@ impl Room {
     /// Sorts the keys of each row, and finds its columns.
     fn sort(&mut self, ends: &mut Vec<u32>) {
         let Self { next, keys, counts, col } = self;
-        (counts.clear(), col.clear(), ends.clear());
+        counts.clear();
+        col.clear();
+        ends.clear();
         let mut from = 0;
         for &end in &*next {
             let row = &mut keys[from..end as usize];

@@ -72,7 +72,7 @@ impl ConstraintSet {
         let number = self.register.number(constraint)?;
         if self.register.is_active(number) {
             let contents = self.take(number);
-            self.register.park(number, contents);
+            self.register.park(number, Box::new(contents));
         }
         Ok(())
     }
@@ -150,8 +150,8 @@ impl ConstraintSet {
     }
 
     /// What a constraint consists of, checked.
-    fn processed<C: Constraint>(&mut self, constraint: C) -> Result<Contents, Fault<C::Error>> {
-        let mut store = Store::new(self.dofs, self.time, std::mem::take(&mut self.spare));
+    fn processed<C: Constraint>(&mut self, constraint: C) -> Result<Box<Contents>, Fault<C::Error>> {
+        let mut store = Store::new(self.dofs, self.time, self.spare.take().unwrap_or_default());
         constraint.process(&mut store).map_err(Fault::Input)?;
         match store.fault.take().or_else(|| self.too_large(&store.contents)) {
             Some(fault) => Err(Fault::Store(fault)),
@@ -169,13 +169,13 @@ impl ConstraintSet {
     }
 
     /// Puts what a constraint consists of in its place.
-    fn put(&mut self, number: u32, mut contents: Contents) {
+    fn put(&mut self, number: u32, mut contents: Box<Contents>) {
         self.know(&contents);
         let Self { register, linear, blocks, planned, time, .. } = self;
         linear.put(number, &mut contents.equations, &mut register.parts, *time);
         if !contents.pieces.is_empty() {
             planned.outdate();
-            let Contents { pieces, dofs, .. } = &mut contents;
+            let Contents { pieces, dofs, .. } = &mut *contents;
             pieces.drain(..).for_each(|piece| piece.commit(number, dofs, &mut register.parts, *time, blocks));
             if planned.is_wanted() {
                 blocks.of(number).into_iter().for_each(|(_, (b, i))| planned.touch(blocks.all[b].as_ref(), i));
@@ -212,7 +212,7 @@ impl ConstraintSet {
     }
 
     /// Gives a constraint other numbers, if the patterns stay; else they are handed back.
-    fn overwrite(&mut self, number: u32, mut contents: Contents) -> Result<(), Contents> {
+    fn overwrite(&mut self, number: u32, mut contents: Box<Contents>) -> Result<(), Box<Contents>> {
         contents.pieces.sort_by_key(|piece| piece.kind(&self.blocks));
         let places = self.blocks.of(number);
         let same = contents.equations.len() == self.linear.of(number).len() && contents.pieces.len() == places.len();
@@ -222,8 +222,9 @@ impl ConstraintSet {
         }
         self.know(&contents);
         let Self { register, linear, blocks, time, .. } = self;
-        linear.overwrite(number, contents.equations, &mut register.parts, *time);
-        for (piece, (_, place)) in contents.pieces.into_iter().zip(places) {
+        let Contents { equations, pieces, .. } = *contents;
+        linear.overwrite(number, equations, &mut register.parts, *time);
+        for (piece, (_, place)) in pieces.into_iter().zip(places) {
             piece.overwrite(number, &mut register.parts, place, blocks);
         }
         self.version.renew();

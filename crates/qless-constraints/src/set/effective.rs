@@ -5,6 +5,7 @@
 //! touches two chunks is evaluated twice, which costs less than a lock.
 
 use std::ops::Range;
+use std::slice;
 
 use qless::{Csr, Identity, SystemError};
 use rayon::prelude::*;
@@ -74,7 +75,9 @@ impl Plan {
     /// Cuts the rows of H into chunks, and finds the constraints and the places of their numbers for each.
     pub fn new(blocks: &[Box<dyn Block>], dofs: usize) -> Self {
         let mut counts = vec![0; dofs];
-        blocks.iter().for_each(|block| block.count(&[0..block.items() as u32], 0, &mut counts));
+        blocks.iter().for_each(|block| {
+            block.count(slice::from_ref(&(0..block.items() as u32)), 0, &mut counts);
+        });
         let cut = Cut::new(&counts);
         drop(counts);
         let chunks = cut.chunks().map(Chunk::new).collect();
@@ -141,7 +144,7 @@ impl Plan {
     /// Gives the constraints of some blocks to the chunks that they touch.
     fn share_out(&mut self, blocks: &[Box<dyn Block>], which: &[u32]) {
         let items = |b: u32| 0..blocks[b as usize].items() as u32;
-        let all = |&b: &u32| shares(blocks, (b, std::slice::from_ref(&items(b))), &self.cut);
+        let all = |&b: &u32| shares(blocks, (b, slice::from_ref(&items(b))), &self.cut);
         let shares: Vec<Vec<(u32, Share)>> = which.par_iter().map(all).collect();
         for (chunk, share) in shares.into_iter().flatten() {
             self.chunks[chunk as usize].put(share);

@@ -2,6 +2,7 @@
 
 use std::any::Any;
 use std::ops::Range;
+use std::slice;
 use std::sync::OnceLock;
 
 use qless::Identity;
@@ -146,7 +147,7 @@ impl<Q: Nonlinear> Homogeneous<Q> {
         let (mut pairs, mut first) = (Pairs::default(), first as u32);
         for i in items.iter().cloned().flatten() {
             let dofs = self.dofs(i as usize);
-            for &[j, k, number] in pairs.of(&self.items[i as usize], dofs.len()) {
+            for &[j, k, number] in &pairs.of(&self.items[i as usize], dofs.len()).all {
                 let (j, k, number) = (dofs[j as usize], dofs[k as usize], first + number);
                 entry(j, k, number);
                 if j != k {
@@ -240,13 +241,17 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
     }
 
     fn count(&self, items: &[Range<u32>], row: u32, counts: &mut [u32]) {
-        self.entries(items, 0, |j, _, _| {
-            counts.get_mut(j.wrapping_sub(row) as usize).into_iter().for_each(|count| *count += 1);
-        });
+        let mut pairs = Pairs::default();
+        for i in items.iter().cloned().flatten() {
+            let dofs = self.dofs(i as usize);
+            for (j, entries) in dofs.iter().zip(&pairs.of(&self.items[i as usize], dofs.len()).entries) {
+                counts.get_mut(j.wrapping_sub(row) as usize).into_iter().for_each(|count| *count += entries);
+            }
+        }
     }
 
     fn touched(&self, i: usize, row: &mut dyn FnMut(u32)) {
-        self.entries(&[i as u32..i as u32 + 1], 0, |j, _, _| row(j));
+        self.entries(slice::from_ref(&(i as u32..i as u32 + 1)), 0, |j, _, _| row(j));
     }
 
     fn share_out(&self, items: &[Range<u32>], cut: &Cut, out: &mut Vec<(u32, u32)>) {
@@ -258,7 +263,7 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
                 continue;
             }
             let known = out.len();
-            self.entries(&[i..i + 1], 0, |j, _, _| {
+            self.entries(slice::from_ref(&(i..i + 1)), 0, |j, _, _| {
                 let new = |chunk: &u32| out[known..].iter().all(|&(known, _)| known != *chunk);
                 let chunk = cut.chunk(j).filter(new);
                 out.extend(chunk.map(|chunk| (chunk, i)));

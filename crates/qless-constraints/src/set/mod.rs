@@ -93,7 +93,7 @@ pub struct ConstraintSet {
     /// Another one after each change.
     version: Stamp,
     /// Empty, with room for the next constraint.
-    spare: Contents,
+    spare: Option<Box<Contents>>,
 }
 
 impl std::fmt::Debug for ConstraintSet {

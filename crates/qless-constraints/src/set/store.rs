@@ -21,7 +21,7 @@ const FEW: usize = 16;
 pub struct Store {
     dofs: usize,
     time: f64,
-    pub(super) contents: Contents,
+    pub(super) contents: Box<Contents>,
     pub(super) fault: Option<StoreError>,
 }
 
@@ -37,7 +37,7 @@ pub(super) struct Contents {
 }
 
 /// Parts of a constraint whose room is kept for the next one.
-const KEPT: usize = 64;
+const KEPT: usize = 256;
 
 /// Sums of terms on one DOF below so many units in the last place of what was summed are what rounding left of a zero.
 const CANCELLED: f64 = 8.0 * f64::EPSILON;
@@ -49,16 +49,14 @@ impl Contents {
     }
 
     /// Nothing, with the room that a constraint of usual size needs.
-    pub fn emptied(mut self) -> Self {
-        let Self { equations, pieces, dofs, coordinates } = &mut self;
-        if [equations.capacity(), pieces.capacity(), dofs.capacity(), coordinates.capacity()]
-            .iter()
-            .any(|&room| room > KEPT)
-        {
-            return Self::default();
-        }
-        (equations.clear(), pieces.clear(), dofs.clear(), coordinates.clear());
-        self
+    pub fn emptied(mut self: Box<Self>) -> Option<Box<Self>> {
+        let Self { equations, pieces, dofs, coordinates } = &mut *self;
+        let room = equations.capacity() + pieces.capacity() + dofs.capacity() + coordinates.capacity();
+        equations.clear();
+        pieces.clear();
+        dofs.clear();
+        coordinates.clear();
+        (room <= KEPT).then_some(self)
     }
 
     pub fn rows(&self) -> usize {
@@ -90,7 +88,7 @@ pub(super) struct Equation {
 
 impl Store {
     /// With an empty room for what comes.
-    pub(super) fn new(dofs: usize, time: f64, contents: Contents) -> Self {
+    pub(super) fn new(dofs: usize, time: f64, contents: Box<Contents>) -> Self {
         Self { dofs, time, contents, fault: None }
     }
 

@@ -37,12 +37,13 @@ impl Default for Sums {
 }
 
 impl Sums {
-    /// From how many numbers each entry has, at least one, and the places of all, entry by entry, which are below `numbers`.
-    pub fn new(numbers: usize, counts: &[u32], places: impl Iterator<Item = u32>) -> Self {
+    /// From how many numbers each entry has, at least one, and the places of all, entry by entry, in the lower halves of `keys`; these are
+    /// below `numbers`.
+    pub fn new(numbers: usize, counts: &[u32], keys: &[u64]) -> Self {
         if counts.len().max(numbers) <= NUMBERS {
-            Self::Short(Parts::new(counts, places, |k| k as u16))
+            Self::Short(Parts::new(counts, keys, |k| k as u16))
         } else {
-            Self::Long(Parts::new(counts, places, |k| k))
+            Self::Long(Parts::new(counts, keys, |k| k))
         }
     }
 
@@ -57,18 +58,20 @@ impl Sums {
 }
 
 impl<I: Copy> Parts<I> {
-    fn new(counts: &[u32], mut places: impl Iterator<Item = u32>, short: impl Fn(u32) -> I) -> Self {
+    fn new(counts: &[u32], keys: &[u64], short: impl Fn(u32) -> I) -> Self {
         let single = counts.iter().filter(|&&count| count == 1).count();
         let sweep = 2 * single >= counts.len();
-        let mut sums = Self::with_room(counts, sweep);
+        let (mut sums, mut rest) = (Self::with_room(counts, sweep), keys);
         for (entry, &count) in (0..).zip(counts) {
+            let mut own;
+            (own, rest) = rest.split_at(count as usize);
             if sweep {
-                sums.first.extend(places.next().map(&short));
+                sums.first.push(short(own[0] as u32));
+                own = &own[1..];
             }
-            let count = count as usize - usize::from(sweep);
-            if let Some(more) = sums.more.iter_mut().find(|more| more.count == count) {
+            if let Some(more) = sums.more.iter_mut().find(|more| more.count == own.len()) {
                 more.entry.push(short(entry));
-                more.from.extend(places.by_ref().take(count).map(&short));
+                more.from.extend(own.iter().map(|&key| short(key as u32)));
             }
         }
         sums
@@ -162,8 +165,8 @@ mod tests {
             let counts: Vec<u32> =
                 (0..80).map(|entry| if entry < 40 { 1 + entry % 13 } else { 1 + entry % most }).collect();
             let of = |(entry, &count): (usize, &u32)| (0..count).map(move |k| number(entry, k));
-            let places = || counts.iter().enumerate().flat_map(of);
-            for sums in [Sums::new(x.len(), &counts, places()), Sums::new(NUMBERS + 1, &counts, places())] {
+            let keys: Vec<u64> = counts.iter().enumerate().flat_map(of).map(|k| 7 << 32 | u64::from(k)).collect();
+            for sums in [Sums::new(x.len(), &counts, &keys), Sums::new(NUMBERS + 1, &counts, &keys)] {
                 let mut out = vec![f64::NAN; counts.len()];
                 sums.write(&x, &mut out);
                 for (entry, out) in out.iter().enumerate() {
