@@ -71,6 +71,8 @@ pub trait Nonlinear: Send + Sync + Sized + 'static {
     ///
     /// Where few numbers make many entries, `[0, 1, 0]` for `v, -v, v, v, -v, v`, only these are written.
     const NUMBERS: &'static [usize] = &[];
+    /// Whether [`Nonlinear::pairs`] depends on the number of DOFs alone: then one constraint is asked for all that have as many.
+    const SAME_PAIRS: bool = false;
     /// Whether parameters are functions of time: then [`Nonlinear::at_time`] is called, else it is not.
     const DRIVEN: bool = false;
     /// A name for each equation, such as "x"; a single equation has an empty one.

@@ -8,6 +8,7 @@ use qless::Identity;
 
 use super::labels::Owner;
 use super::lists::Recent;
+use super::stamp::Stamp;
 
 /// Equations per batch: their places fit into 16 bits, their values into the nearest cache.
 pub const ROWS: usize = 4096;
@@ -20,7 +21,7 @@ pub type Terms = Vec<(u32, f64)>;
 /// Up to [`ROWS`] equations that follow one another.
 pub struct Batch {
     /// Another one after each change of its rows of G.
-    pub stamp: Identity,
+    pub stamp: Stamp,
     /// Not above the smallest DOF.
     base: u32,
     pub owners: Vec<Owner>,
@@ -65,7 +66,7 @@ macro_rules! with_lengths {
 impl Batch {
     pub fn empty() -> Self {
         Self {
-            stamp: Identity::new(),
+            stamp: Stamp::default(),
             base: 0,
             owners: Vec::new(),
             rhs: Vec::new(),
@@ -99,7 +100,7 @@ impl Batch {
         self.owners.insert(row, owner);
         self.rhs.insert(row, rhs);
         self.nnz += terms.len();
-        self.stamp = Identity::new();
+        self.stamp.renew();
         with_lengths!(&mut self.lengths, all => {
             if !appended {
                 all.iter_mut().for_each(|length| length.shift(row, 1));
@@ -117,7 +118,7 @@ impl Batch {
         });
         self.unused += terms.len();
         self.nnz -= terms.len();
-        self.stamp = Identity::new();
+        self.stamp.renew();
         let out = (self.owners.remove(row), terms, self.rhs.remove(row));
         // A list that several share is counted more than once: then this comes sooner than it need.
         if self.unused > self.numbers.len() / 2 + ROWS {

@@ -16,14 +16,6 @@ use super::store::Piece;
 use super::tests::double_double::DoubleDouble;
 use crate::constraint::Nonlinear;
 
-/// An entry of H that a number of a Hessian goes to.
-#[derive(Clone, Copy)]
-pub(super) struct Entry {
-    pub row: u32,
-    pub col: u32,
-    pub number: u32,
-}
-
 /// Equations of one type that follow one another: as many as one task takes.
 pub(super) trait Block: Send + Sync {
     /// Another one after each change of its rows of G or of its pairs.
@@ -39,22 +31,22 @@ pub(super) trait Block: Send + Sync {
     fn parts(&self) -> usize;
     /// Entries of its rows of G.
     fn nnz(&self) -> usize;
-    /// Appends the ends and columns of its rows of G.
-    fn write_pattern(&self, end: &mut Vec<usize>, col: &mut Vec<u32>);
+    /// Writes the columns of its rows of G, and where these end; the first starts at `first`.
+    fn write_pattern(&self, first: usize, end: &mut [usize], col: &mut [u32]);
     /// Nearly the last DOF that it reads.
     fn last_dof(&self) -> u32;
     /// Writes c and G.
     fn evaluate(&self, u: &[f64], c: &mut [f64], g: &mut [f64]);
     /// Writes the bounds on the rounding of c and G.
     fn rounding(&self, known: &Known, c: &mut [f64], g: &mut [f64]);
-    /// Counts the entries of each row of H.
-    fn count(&self, counts: &mut [u32]);
+    /// Counts the entries that some items have in each of the rows of H from `row` on.
+    fn count(&self, items: &[Range<u32>], row: u32, counts: &mut [u32]);
     /// Calls `row` with the rows of H that item i has entries in.
     fn touched(&self, i: usize, row: &mut dyn FnMut(u32));
     /// Appends `(chunk, item)` for each of some items and the chunks of H that it has entries in.
     fn share_out(&self, items: &[Range<u32>], cut: &Cut, out: &mut Vec<(u32, u32)>);
-    /// Appends the entries that some items have in some rows of H; their numbers are counted from `first`.
-    fn entries(&self, items: &[Range<u32>], rows: &Range<u32>, first: usize, out: &mut Vec<Entry>);
+    /// Puts `(column, number)` of the entries that [`Block::count`] counts where `next` says for each row; numbers from `first` on.
+    fn keys(&self, items: &[Range<u32>], row: u32, first: usize, next_and_keys: (&mut [u32], &mut [u64]));
     /// How many numbers the Hessian of item i has.
     fn numbers(&self, i: usize) -> usize;
     /// Writes the numbers of the Hessians of these items, one after the other.
@@ -65,8 +57,8 @@ pub(super) trait Block: Send + Sync {
     fn set_time(&mut self, time: f64);
     /// The items from i on, in a block of their own.
     fn split_off(&mut self, i: usize) -> Box<dyn Block>;
-    /// Takes item i out.
-    fn take(&mut self, i: usize, parts: &Parts) -> Box<dyn Piece>;
+    /// Takes item i out, and appends its DOFs.
+    fn take(&mut self, i: usize, parts: &Parts, dofs: &mut Vec<u32>) -> Box<dyn Piece>;
     fn as_any(&self) -> &dyn Any;
     fn as_any_mut(&mut self) -> &mut dyn Any;
     /// c and G in twice the digits.
@@ -120,12 +112,13 @@ impl Blocks {
 
     /// Puts an item behind those of its constraint and of those that were added before.
     pub fn insert<Q: Nonlinear>(&mut self, owner: Owner, dofs: &[u32], parameters: Q) {
-        let place = self.recent_room::<Q>(owner.constraint).unwrap_or_else(|| {
-            let kind = self.meet(TypeId::of::<Q>());
-            let place = self.room_at::<Q>(kind, owner.constraint);
-            self.recent = Some((TypeId::of::<Q>(), place));
-            place
-        });
+        if let Some((place, block)) = self.recent_room::<Q>(owner.constraint) {
+            block.insert(owner, dofs, parameters);
+            return self.offsets.grow(place, Q::PARTS.len() as i32);
+        }
+        let kind = self.meet(TypeId::of::<Q>());
+        let place = self.room_at::<Q>(kind, owner.constraint);
+        self.recent = Some((TypeId::of::<Q>(), place));
         if let Some(block) = self.of_type_mut::<Q>(place) {
             block.insert(owner, dofs, parameters);
         }
@@ -133,11 +126,13 @@ impl Blocks {
     }
 
     /// The block of the last item that was put in, if the next one goes behind it.
-    fn recent_room<Q: Nonlinear>(&self, constraint: u32) -> Option<usize> {
+    fn recent_room<Q: Nonlinear>(&mut self, constraint: u32) -> Option<(usize, &mut Homogeneous<Q>)> {
         let (_, place) = self.recent.filter(|&(of, _)| of == TypeId::of::<Q>())?;
-        let block = self.all.get(place)?;
-        let last_of_type = self.kinds.get(place + 1) != Some(&self.kinds[place]);
-        (last_of_type && !block.is_full() && last(block.as_ref()) <= constraint).then_some(place)
+        let last_of_type = self.kinds.get(place + 1) != self.kinds.get(place);
+        let block = self.of_type_mut::<Q>(place)?;
+        let fits =
+            last_of_type && !block.is_full() && block.owners.last().is_none_or(|last| last.constraint <= constraint);
+        fits.then_some((place, block))
     }
 
     /// The number of a type, which the set may not have met before.
@@ -193,17 +188,18 @@ impl Blocks {
     }
 
     /// Takes the items of a constraint out.
-    pub fn take(&mut self, constraint: u32, parts: &Parts) -> Vec<Box<dyn Piece>> {
-        let places = self.of(constraint);
+    pub fn take(&mut self, constraint: u32, parts: &Parts) -> (Vec<Box<dyn Piece>>, Vec<u32>) {
+        let (places, mut dofs) = (self.of(constraint), Vec::new());
         // From the last: the places of the others stay.
-        let mut pieces: Vec<_> = places.iter().rev().map(|&(_, place)| self.take_item(place, parts)).collect();
+        let mut pieces: Vec<_> =
+            places.iter().rev().map(|&(_, place)| self.take_item(place, parts, &mut dofs)).collect();
         pieces.reverse();
-        pieces
+        (pieces, dofs)
     }
 
-    fn take_item(&mut self, (block, item): Place, parts: &Parts) -> Box<dyn Piece> {
+    fn take_item(&mut self, (block, item): Place, parts: &Parts, dofs: &mut Vec<u32>) -> Box<dyn Piece> {
         let rows = self.all[block].parts() as i32;
-        let piece = self.all[block].take(item, parts);
+        let piece = self.all[block].take(item, parts, dofs);
         self.offsets.grow(block, -rows);
         if self.all[block].items() == 0 {
             self.all.remove(block);

@@ -1,11 +1,12 @@
 //! From loose constraints to a [`ConstraintSet`].
 
-use qless::{Identity, SystemError};
+use qless::SystemError;
 
 use super::block::Blocks;
 use super::labels::Register;
 use super::lazy::Planned;
 use super::linear::Rows;
+use super::stamp::Stamp;
 use super::{AddError, ConstraintId, ConstraintSet};
 use crate::constraint::Constraint;
 
@@ -29,7 +30,8 @@ impl SetBuilder {
             planned: Planned::default(),
             time: 0.0,
             sizes: Vec::new(),
-            version: Identity::new(),
+            version: Stamp::default(),
+            spare: None,
         })
     }
 

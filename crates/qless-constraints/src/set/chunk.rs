@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use qless::Identity;
 
-use super::block::{Block, Entry};
-use super::effective::{ENTRIES, Weighted};
+use super::block::Block;
+use super::effective::Weighted;
 use super::sums::Sums;
 
 /// Rows of H that one task owns.
@@ -15,7 +15,7 @@ pub(super) struct Chunk {
     pub rows: Range<u32>,
     /// Where each row ends.
     end: Vec<u32>,
-    col: Vec<u32>,
+    col: Box<[u32]>,
     /// One share per block; blocks of no interest have none.
     pub shares: Vec<Share>,
     /// Entries from the numbers of all shares.
@@ -49,7 +49,7 @@ impl Chunk {
     /// No entries yet.
     pub fn new(rows: Range<u32>) -> Self {
         let end = vec![0; rows.len()];
-        Self { stamp: Identity::new(), rows, end, col: Vec::new(), shares: Vec::new(), sums: Sums::default() }
+        Self { stamp: Identity::new(), rows, end, col: Box::default(), shares: Vec::new(), sums: Sums::default() }
     }
 
     pub fn entries(&self) -> usize {
@@ -69,38 +69,18 @@ impl Chunk {
     }
 
     /// Makes the pattern and the sums anew from the shares: "all pair lists are combined and sorted, duplicates are eliminated".
-    pub fn fill(&mut self, blocks: &[Box<dyn Block>]) {
-        let (mut all, mut first) = (Vec::with_capacity(ENTRIES), 0);
-        for share in &self.shares {
-            blocks[share.block as usize].entries(&share.items, &self.rows, first, &mut all);
-            first += share.numbers;
-        }
-        let (mut keys, ends) = by_row(&all, &self.rows);
-        drop(all);
-        let mut parts = Vec::with_capacity(keys.len());
-        self.col.clear();
-        self.end.clear();
-        let mut from = 0;
-        for end in ends {
-            let row = &mut keys[from..end as usize];
-            row.sort_unstable();
-            for same in row.chunk_by(|a, b| a >> 32 == b >> 32) {
-                parts.extend(same.iter().map(|&key| (self.col.len() as u32, key as u32)));
-                self.col.push((same[0] >> 32) as u32);
-            }
-            self.end.push(self.col.len() as u32);
-            from = end as usize;
-        }
-        self.col.shrink_to_fit();
-        self.sums = Sums::new(self.col.len(), first, &parts);
+    pub fn fill(&mut self, blocks: &[Box<dyn Block>], room: &mut Room) {
+        let numbers = room.gather(&self.shares, blocks, &self.rows);
+        room.sort(&mut self.end);
+        self.col = room.col.as_slice().into();
+        self.sums = Sums::new(numbers, &room.counts, &room.keys);
         self.stamp = Identity::new();
     }
 
-    /// Appends where its rows end, and their columns.
-    pub fn write_pattern(&self, end: &mut Vec<usize>, col: &mut Vec<u32>) {
-        let before = col.len();
-        end.extend(self.end.iter().map(|&end| before + end as usize));
-        col.extend_from_slice(&self.col);
+    /// Writes where its rows end, of which the first starts at `first`, and their columns.
+    pub fn write_pattern(&self, first: usize, end: &mut [usize], col: &mut [u32]) {
+        end.iter_mut().zip(&self.end).for_each(|(to, &end)| *to = first + end as usize);
+        col.copy_from_slice(&self.col);
     }
 
     /// Writes these rows of H; `numbers` is room for the numbers of their constraints.
@@ -117,17 +97,55 @@ impl Chunk {
     }
 }
 
-/// `(column, number)` in one key, row by row, and where each row ends.
-fn by_row(all: &[Entry], rows: &Range<u32>) -> (Vec<u64>, Vec<u32>) {
-    let mut next = vec![0_u32; rows.len() + 1];
-    all.iter().for_each(|entry| next[(entry.row - rows.start) as usize + 1] += 1);
-    (0..rows.len()).for_each(|row| next[row + 1] += next[row]);
-    let mut keys = vec![0; all.len()];
-    for entry in all {
-        let place = &mut next[(entry.row - rows.start) as usize];
-        keys[*place as usize] = u64::from(entry.col) << 32 | u64::from(entry.number);
-        *place += 1;
+/// Room for what chunks are made from, one after the other.
+#[derive(Default)]
+pub(super) struct Room {
+    /// Where each row ends, when the keys are there.
+    next: Vec<u32>,
+    /// `(column, number)` in one key, row by row.
+    keys: Vec<u64>,
+    /// How many keys have the column of each entry.
+    counts: Vec<u32>,
+    col: Vec<u32>,
+}
+
+impl Room {
+    /// The keys of all shares, row by row; how many numbers these have.
+    fn gather(&mut self, shares: &[Share], blocks: &[Box<dyn Block>], rows: &Range<u32>) -> usize {
+        self.next.clear();
+        self.next.resize(rows.len() + 1, 0);
+        for share in shares {
+            blocks[share.block as usize].count(&share.items, rows.start, &mut self.next[1..]);
+        }
+        (0..rows.len()).for_each(|row| self.next[row + 1] += self.next[row]);
+        self.keys.clear();
+        self.keys.resize(self.next[rows.len()] as usize, 0);
+        self.next.pop();
+        let mut first = 0;
+        for share in shares {
+            let block = &blocks[share.block as usize];
+            block.keys(&share.items, rows.start, first, (&mut self.next, &mut self.keys));
+            first += share.numbers;
+        }
+        first
     }
-    next.pop();
-    (keys, next)
+
+    /// Sorts the keys of each row, and finds its columns.
+    fn sort(&mut self, ends: &mut Vec<u32>) {
+        let Self { next, keys, counts, col } = self;
+        counts.clear();
+        col.clear();
+        ends.clear();
+        let mut from = 0;
+        for &end in &*next {
+            let row = &mut keys[from..end as usize];
+            row.sort_unstable();
+            for same in row.chunk_by(|a, b| a >> 32 == b >> 32) {
+                counts.push(same.len() as u32);
+                col.push((same[0] >> 32) as u32);
+            }
+            ends.push(col.len() as u32);
+            from = end as usize;
+        }
+    }
 }

@@ -42,7 +42,8 @@ impl<Q: Nonlinear> Homogeneous<Q> {
 
     /// `w` times what it multiplies.
     fn multiples(&self, run: Range<usize>, w: &[f64], out: &mut [f64]) {
-        let (units, w) = (&self.units[run.start * Self::UNITS..run.end * Self::UNITS], &w[run]);
+        let units = self.units.get_or_init(|| self.for_weights_of_one());
+        let (units, w) = (&units[run.start * Self::UNITS..run.end * Self::UNITS], &w[run]);
         if Self::UNITS == 1 {
             out.iter_mut().zip(units).zip(w).for_each(|((out, unit), w)| *out = w * unit);
         } else {
@@ -51,6 +52,13 @@ impl<Q: Nonlinear> Homogeneous<Q> {
                 .zip(w)
                 .for_each(|((out, units), w)| out.iter_mut().zip(units).for_each(|(out, unit)| *out = w * unit));
         }
+    }
+
+    fn for_weights_of_one(&self) -> Box<[f64]> {
+        let mut units = vec![0.0; self.items.len() * Self::UNITS];
+        let each = units.chunks_exact_mut(Self::UNITS);
+        self.items.iter().zip(each).for_each(|(item, units)| item.hessian(&[], &[1.0], units));
+        units.into()
     }
 
     #[inline]

@@ -8,9 +8,7 @@
 //!
 //! What is evaluated then has the same bits, in the same rows, as from a set that is built from the active constraints.
 
-use qless::Identity;
-
-use super::rounding::{Size, Sizes};
+use super::rounding::Sizes;
 use super::store::{Contents, Coordinate};
 use super::{AddError, ConstraintId, ConstraintSet, EditError, ReplaceError, Store, StoreError, TimeError};
 use crate::constraint::Constraint;
@@ -74,7 +72,7 @@ impl ConstraintSet {
         let number = self.register.number(constraint)?;
         if self.register.is_active(number) {
             let contents = self.take(number);
-            self.register.park(number, contents);
+            self.register.park(number, Box::new(contents));
         }
         Ok(())
     }
@@ -147,13 +145,13 @@ impl ConstraintSet {
             Some(contents) => contents.set_rhs(rhs),
             None => self.linear.set_values(number, rhs),
         }
-        self.version = Identity::new();
+        self.version.renew();
         Ok(())
     }
 
     /// What a constraint consists of, checked.
-    fn processed<C: Constraint>(&self, constraint: C) -> Result<Contents, Fault<C::Error>> {
-        let mut store = Store::new(self.dofs, self.time);
+    fn processed<C: Constraint>(&mut self, constraint: C) -> Result<Box<Contents>, Fault<C::Error>> {
+        let mut store = Store::new(self.dofs, self.time, self.spare.take().unwrap_or_default());
         constraint.process(&mut store).map_err(Fault::Input)?;
         match store.fault.take().or_else(|| self.too_large(&store.contents)) {
             Some(fault) => Err(Fault::Store(fault)),
@@ -171,29 +169,31 @@ impl ConstraintSet {
     }
 
     /// Puts what a constraint consists of in its place.
-    fn put(&mut self, number: u32, contents: Contents) {
+    fn put(&mut self, number: u32, mut contents: Box<Contents>) {
         self.know(&contents);
         let Self { register, linear, blocks, planned, time, .. } = self;
-        linear.put(number, contents.equations, &mut register.parts, *time);
+        linear.put(number, &mut contents.equations, &mut register.parts, *time);
         if !contents.pieces.is_empty() {
             planned.outdate();
-            contents.pieces.into_iter().for_each(|piece| piece.commit(number, &mut register.parts, *time, blocks));
+            let Contents { pieces, dofs, .. } = &mut *contents;
+            pieces.drain(..).for_each(|piece| piece.commit(number, dofs, &mut register.parts, *time, blocks));
             if planned.is_wanted() {
                 blocks.of(number).into_iter().for_each(|(_, (b, i))| planned.touch(blocks.all[b].as_ref(), i));
             }
         }
-        self.version = Identity::new();
+        self.version.renew();
+        self.spare = contents.emptied();
     }
 
     /// Keeps the sizes of the coordinates that a constraint states.
     fn know(&mut self, contents: &Contents) {
-        for &Coordinate { dof, at, node } in contents.coordinates.iter().filter(|stated| stated.node != 0.0) {
+        for &Coordinate { dof, sizes: Sizes { at, node } } in &contents.coordinates {
             let dof = dof as usize;
             if self.sizes.len() <= dof {
                 self.sizes.resize(dof + 1, Sizes::default());
             }
             let known = &mut self.sizes[dof];
-            *known = Sizes { at: known.at.max(Size::above(at)), node: known.node.max(Size::above(node)) };
+            *known = Sizes { at: known.at.max(at), node: known.node.max(node) };
         }
     }
 
@@ -205,27 +205,29 @@ impl ConstraintSet {
             planned.outdate();
             places.iter().for_each(|&(_, (block, item))| planned.touch(blocks.all[block].as_ref(), item));
         }
-        self.version = Identity::new();
-        let (equations, pieces) = (linear.take(number, &register.parts), blocks.take(number, &register.parts));
-        Contents { equations, pieces, coordinates: Vec::new() }
+        self.version.renew();
+        let equations = linear.take(number, &register.parts);
+        let (pieces, dofs) = blocks.take(number, &register.parts);
+        Contents { equations, pieces, dofs, coordinates: Vec::new() }
     }
 
     /// Gives a constraint other numbers, if the patterns stay; else they are handed back.
-    fn overwrite(&mut self, number: u32, mut contents: Contents) -> Result<(), Contents> {
+    fn overwrite(&mut self, number: u32, mut contents: Box<Contents>) -> Result<(), Box<Contents>> {
         contents.pieces.sort_by_key(|piece| piece.kind(&self.blocks));
         let places = self.blocks.of(number);
         let same = contents.equations.len() == self.linear.of(number).len() && contents.pieces.len() == places.len();
         let mut pairs = contents.pieces.iter().zip(&places);
-        if !same || !pairs.all(|(piece, &(_, place))| piece.fits(place, &self.blocks)) {
+        if !same || !pairs.all(|(piece, &(_, place))| piece.fits(&contents.dofs, place, &self.blocks)) {
             return Err(contents);
         }
         self.know(&contents);
         let Self { register, linear, blocks, time, .. } = self;
-        linear.overwrite(number, contents.equations, &mut register.parts, *time);
-        for (piece, (_, place)) in contents.pieces.into_iter().zip(places) {
+        let Contents { equations, pieces, .. } = *contents;
+        linear.overwrite(number, equations, &mut register.parts, *time);
+        for (piece, (_, place)) in pieces.into_iter().zip(places) {
             piece.overwrite(number, &mut register.parts, place, blocks);
         }
-        self.version = Identity::new();
+        self.version.renew();
         Ok(())
     }
 }

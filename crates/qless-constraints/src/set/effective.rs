@@ -5,12 +5,13 @@
 //! touches two chunks is evaluated twice, which costs less than a lock.
 
 use std::ops::Range;
+use std::slice;
 
 use qless::{Csr, Identity, SystemError};
 use rayon::prelude::*;
 
 use super::block::Block;
-use super::chunk::{Chunk, Share};
+use super::chunk::{Chunk, Room, Share};
 use super::tasks::{Task, Work};
 
 /// Entries of constraints in the rows of a new chunk: those of H, of which several fall on one place, stay in the cache of one core.
@@ -74,14 +75,16 @@ impl Plan {
     /// Cuts the rows of H into chunks, and finds the constraints and the places of their numbers for each.
     pub fn new(blocks: &[Box<dyn Block>], dofs: usize) -> Self {
         let mut counts = vec![0; dofs];
-        blocks.iter().for_each(|block| block.count(&mut counts));
+        blocks.iter().for_each(|block| {
+            block.count(slice::from_ref(&(0..block.items() as u32)), 0, &mut counts);
+        });
         let cut = Cut::new(&counts);
         drop(counts);
         let chunks = cut.chunks().map(Chunk::new).collect();
         let mut plan = Self { cut, chunks, stamps: stamps(blocks) };
         let all: Vec<u32> = (0..blocks.len() as u32).collect();
         plan.share_out(blocks, &all);
-        plan.chunks.par_iter_mut().for_each(|chunk| chunk.fill(blocks));
+        plan.chunks.par_iter_mut().for_each_init(Room::default, |room, chunk| chunk.fill(blocks, room));
         plan
     }
 
@@ -92,7 +95,7 @@ impl Plan {
         let mut stale = vec![false; self.chunks.len()];
         touched.iter().for_each(|&row| stale[self.cut.chunk[row as usize] as usize] = true);
         let chunks = self.chunks.par_iter_mut().zip(stale).filter(|(_, stale)| *stale);
-        chunks.for_each(|(chunk, _)| chunk.fill(blocks));
+        chunks.for_each_init(Room::default, |room, (chunk, _)| chunk.fill(blocks, room));
         let large = |chunk: &Chunk| chunk.entries() > 2 * ENTRIES && chunk.rows.len() > 1;
         while let Some(place) = self.chunks.iter().position(large) {
             self.split(place, blocks);
@@ -115,7 +118,7 @@ impl Plan {
             }
         }
         self.cut.only = None;
-        self.chunks[place..place + 2].iter_mut().for_each(|chunk| chunk.fill(blocks));
+        self.chunks[place..place + 2].iter_mut().for_each(|chunk| chunk.fill(blocks, &mut Room::default()));
     }
 
     /// Gives the shares of blocks that did not change their new places, and takes those of others away; the blocks that are new.
@@ -141,7 +144,7 @@ impl Plan {
     /// Gives the constraints of some blocks to the chunks that they touch.
     fn share_out(&mut self, blocks: &[Box<dyn Block>], which: &[u32]) {
         let items = |b: u32| 0..blocks[b as usize].items() as u32;
-        let all = |&b: &u32| shares(blocks, (b, std::slice::from_ref(&items(b))), &self.cut);
+        let all = |&b: &u32| shares(blocks, (b, slice::from_ref(&items(b))), &self.cut);
         let shares: Vec<Vec<(u32, Share)>> = which.par_iter().map(all).collect();
         for (chunk, share) in shares.into_iter().flatten() {
             self.chunks[chunk as usize].put(share);
@@ -156,11 +159,10 @@ impl Plan {
     /// The rows of H of some chunks, with zeros in them.
     pub fn pattern(&self, chunks: Range<usize>) -> Result<Csr, SystemError> {
         let chunks = &self.chunks[chunks];
-        let entries = chunks.iter().map(Chunk::entries).sum();
-        let (mut start, mut col) = (vec![0], Vec::with_capacity(entries));
-        start.reserve_exact(chunks.iter().map(|chunk| chunk.rows.len()).sum());
-        chunks.iter().for_each(|chunk| chunk.write_pattern(&mut start, &mut col));
-        Csr::from_parts(self.cut.chunk.len(), start, col, vec![0.0; entries])
+        let size = |chunk: &Chunk| (chunk.rows.len(), chunk.entries());
+        super::pattern::write(self.cut.chunk.len(), chunks, size, |chunk, part| {
+            chunk.write_pattern(part.first, part.end, part.col);
+        })
     }
 
     /// The tasks that write all entries.

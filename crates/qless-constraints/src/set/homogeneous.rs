@@ -2,14 +2,18 @@
 
 use std::any::Any;
 use std::ops::Range;
+use std::slice;
+use std::sync::OnceLock;
 
 use qless::Identity;
 
-use super::block::{Block, Entry};
+use super::block::Block;
 use super::effective::Cut;
 use super::labels::{Owner, Parts};
 use super::order::Order;
+use super::pairs::Pairs;
 use super::rounding::{Known, bound};
+use super::stamp::Stamp;
 use super::store::Piece;
 #[cfg(test)]
 use super::tests::double_double::DoubleDouble;
@@ -28,34 +32,33 @@ const NARROW: usize = 64;
 
 /// Items of type Q: parameters, with the DOFs that they share.
 pub(super) struct Homogeneous<Q> {
-    pub stamp: Identity,
+    pub stamp: Stamp,
     pub items: Vec<Q>,
     pub owners: Vec<Owner>,
-    /// Where the DOFs of each item start; one more than items.
+    /// Where the DOFs of each item start, if that varies; one more than items.
     pub start: Vec<u32>,
     pub dofs: Vec<u32>,
     pub order: Order,
     /// Most DOFs of one item.
     pub widest: usize,
-    /// How many numbers the Hessian of each item has, ...
+    /// How many numbers the Hessian of each item has, but where they depend on the weight alone: ...
     pub numbers: Vec<u32>,
-    /// ... and, where they depend on the weight alone, those for a weight of 1: [`Homogeneous::UNITS`] of each item.
-    pub units: Vec<f64>,
+    /// ... then there are [`Homogeneous::UNITS`] of each item, and these are those for a weight of 1, made when somebody needs them.
+    pub units: OnceLock<Box<[f64]>>,
 }
 
 impl<Q> Default for Homogeneous<Q> {
     fn default() -> Self {
-        let (dofs, numbers, units) = (Vec::new(), Vec::new(), Vec::new());
         Self {
-            stamp: Identity::new(),
+            stamp: Stamp::default(),
             items: Vec::new(),
             owners: Vec::new(),
             start: vec![0],
-            dofs,
+            dofs: Vec::new(),
             order: Order::default(),
             widest: 0,
-            numbers,
-            units,
+            numbers: Vec::new(),
+            units: OnceLock::new(),
         }
     }
 }
@@ -66,10 +69,16 @@ impl<Q: Nonlinear> Homogeneous<Q> {
 
     #[inline]
     pub fn dofs(&self, i: usize) -> &[u32] {
+        &self.dofs[self.span(i..i + 1)]
+    }
+
+    /// Where the DOFs of items are that follow one another.
+    #[inline]
+    pub fn span(&self, items: Range<usize>) -> Range<usize> {
         if Q::DOFS > 0 {
-            return &self.dofs[i * Q::DOFS..][..Q::DOFS];
+            return items.start * Q::DOFS..items.end * Q::DOFS;
         }
-        &self.dofs[self.start[i] as usize..self.start[i + 1] as usize]
+        self.start[items.start] as usize..self.start[items.end] as usize
     }
 
     /// Items whose DOFs are gathered at once.
@@ -79,13 +88,13 @@ impl<Q: Nonlinear> Homogeneous<Q> {
 
     /// How many DOFs these items have.
     pub fn width(&self, items: Range<usize>) -> usize {
-        (self.start[items.end] - self.start[items.start]) as usize
+        self.span(items).len()
     }
 
     /// The DOFs of items that follow one another.
     #[inline]
     pub fn gather<'a>(&self, items: Range<usize>, u: &[f64], room: &'a mut [f64]) -> &'a mut [f64] {
-        let dofs = &self.dofs[self.start[items.start] as usize..self.start[items.end] as usize];
+        let dofs = &self.dofs[self.span(items)];
         let local = &mut room[..dofs.len()];
         local.iter_mut().zip(dofs).for_each(|(x, &j)| *x = u[j as usize]);
         local
@@ -132,21 +141,27 @@ impl<Q: Nonlinear> Homogeneous<Q> {
         g.iter_mut().zip(slopes).for_each(|(g, of)| *g = bound(of));
     }
 
-    /// Calls `pair` with the DOFs of each pair of item i, and which of its numbers it takes.
+    /// Calls `entry(row, column, number)` for each entry of H that some items have, whose numbers are counted from `first`.
     #[inline]
-    fn pairs(&self, i: usize, mut pair: impl FnMut(u32, u32, usize)) {
-        let dofs = self.dofs(i);
-        let mut count = 0;
-        self.items[i].pairs(dofs.len(), &mut |j, k| {
-            pair(dofs[j], dofs[k], Q::number(count));
-            count += 1;
-        });
+    fn entries(&self, items: &[Range<u32>], first: usize, mut entry: impl FnMut(u32, u32, u32)) {
+        let (mut pairs, mut first) = (Pairs::default(), first as u32);
+        for i in items.iter().cloned().flatten() {
+            let dofs = self.dofs(i as usize);
+            for &[j, k, number] in &pairs.of(&self.items[i as usize], dofs.len()).all {
+                let (j, k, number) = (dofs[j as usize], dofs[k as usize], first + number);
+                entry(j, k, number);
+                if j != k {
+                    entry(k, j, number);
+                }
+            }
+            first += self.numbers(i as usize) as u32;
+        }
     }
 }
 
 impl<Q: Nonlinear> Block for Homogeneous<Q> {
     fn stamp(&self) -> Identity {
-        self.stamp
+        self.stamp.get()
     }
 
     fn rows(&self) -> usize {
@@ -177,24 +192,23 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
         self.dofs.len() * Q::PARTS.len()
     }
 
-    fn write_pattern(&self, end: &mut Vec<usize>, col: &mut Vec<u32>) {
-        if Q::PARTS.len() == 1 && self.order.is_empty() {
-            let first = col.len();
-            col.extend_from_slice(&self.dofs);
-            return end.extend(self.start[1..].iter().map(|&end| first + end as usize));
-        }
-        let mut sorted = Vec::new();
+    fn write_pattern(&self, first: usize, end: &mut [usize], col: &mut [u32]) {
+        let (mut sorted, mut rest, mut last) = (Vec::new(), col, first);
+        let mut ends = end.iter_mut();
         for i in 0..self.items.len() {
             let mut dofs = self.dofs(i);
-            if !dofs.is_sorted() {
+            if !self.order.is_empty() && !dofs.is_sorted() {
                 sorted.clear();
                 sorted.extend_from_slice(dofs);
                 sorted.sort_unstable();
                 dofs = &sorted;
             }
-            for _ in Q::PARTS {
-                col.extend_from_slice(dofs);
-                end.push(col.len());
+            for end in ends.by_ref().take(Q::PARTS.len()) {
+                let own;
+                (own, rest) = rest.split_at_mut(dofs.len());
+                own.copy_from_slice(dofs);
+                last += dofs.len();
+                *end = last;
             }
         }
     }
@@ -212,7 +226,7 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
             _ => self.evaluate_any(u, c, g),
         }
         let rows = Q::PARTS.len();
-        self.order.restore(|i| self.start[i] as usize * rows, rows, g);
+        self.order.restore(|i| self.span(i..i).start * rows, rows, g);
     }
 
     fn rounding(&self, known: &Known, c: &mut [f64], g: &mut [f64]) {
@@ -223,53 +237,51 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
             (own, rest) = rest.split_at_mut(rows * self.width(i..i + 1));
             self.rounding_of(i, known, c, own);
         }
-        self.order.restore(|i| self.start[i] as usize * rows, rows, g);
+        self.order.restore(|i| self.span(i..i).start * rows, rows, g);
     }
 
-    fn count(&self, counts: &mut [u32]) {
-        for i in 0..self.items.len() {
-            self.pairs(i, |j, k, _| {
-                counts[j as usize] += 1;
-                counts[k as usize] += u32::from(j != k);
-            });
+    fn count(&self, items: &[Range<u32>], row: u32, counts: &mut [u32]) {
+        let mut pairs = Pairs::default();
+        for i in items.iter().cloned().flatten() {
+            let dofs = self.dofs(i as usize);
+            for (j, entries) in dofs.iter().zip(&pairs.of(&self.items[i as usize], dofs.len()).entries) {
+                counts.get_mut(j.wrapping_sub(row) as usize).into_iter().for_each(|count| *count += entries);
+            }
         }
     }
 
     fn touched(&self, i: usize, row: &mut dyn FnMut(u32)) {
-        self.pairs(i, |j, k, _| [j, k].into_iter().for_each(&mut *row));
+        self.entries(slice::from_ref(&(i as u32..i as u32 + 1)), 0, |j, _, _| row(j));
     }
 
     fn share_out(&self, items: &[Range<u32>], cut: &Cut, out: &mut Vec<(u32, u32)>) {
         for i in items.iter().cloned().flatten() {
-            let first = out.len();
-            self.pairs(i as usize, |j, k, _| {
-                for chunk in [cut.chunk(j), cut.chunk(k)].into_iter().flatten() {
-                    if !out[first..].iter().any(|&(known, _)| known == chunk) {
-                        out.push((chunk, i));
-                    }
-                }
+            let mut chunks = self.dofs(i as usize).iter().map(|&j| cut.chunk(j));
+            let first = chunks.next().flatten();
+            if chunks.all(|chunk| chunk == first) {
+                out.extend(first.filter(|_| self.numbers(i as usize) > 0).map(|chunk| (chunk, i)));
+                continue;
+            }
+            let known = out.len();
+            self.entries(slice::from_ref(&(i..i + 1)), 0, |j, _, _| {
+                let new = |chunk: &u32| out[known..].iter().all(|&(known, _)| known != *chunk);
+                let chunk = cut.chunk(j).filter(new);
+                out.extend(chunk.map(|chunk| (chunk, i)));
             });
         }
     }
 
-    fn entries(&self, items: &[Range<u32>], rows: &Range<u32>, first: usize, out: &mut Vec<Entry>) {
-        let mut first = first;
-        for i in items.iter().cloned().flatten() {
-            self.pairs(i as usize, |j, k, number| {
-                let number = (first + number) as u32;
-                if rows.contains(&j) {
-                    out.push(Entry { row: j, col: k, number });
-                }
-                if j != k && rows.contains(&k) {
-                    out.push(Entry { row: k, col: j, number });
-                }
-            });
-            first += self.numbers[i as usize] as usize;
-        }
+    fn keys(&self, items: &[Range<u32>], row: u32, first: usize, (next, keys): (&mut [u32], &mut [u64])) {
+        self.entries(items, first, |j, k, number| {
+            if let Some(next) = next.get_mut(j.wrapping_sub(row) as usize) {
+                keys[*next as usize] = u64::from(k) << 32 | u64::from(number);
+                *next += 1;
+            }
+        });
     }
 
     fn numbers(&self, i: usize) -> usize {
-        self.numbers[i] as usize
+        if Self::UNITS > 0 { Self::UNITS } else { self.numbers[i] as usize }
     }
 
     fn curvatures(&self, items: &[Range<u32>], u: &[f64], w: &[f64], out: &mut [f64]) {
@@ -288,7 +300,7 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
     fn set_time(&mut self, time: f64) {
         if Q::DRIVEN {
             self.items.iter_mut().for_each(|item| item.at_time(time));
-            self.renew_units();
+            self.units.take();
         }
     }
 
@@ -296,8 +308,8 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
         Box::new(self.split(i))
     }
 
-    fn take(&mut self, i: usize, parts: &Parts) -> Box<dyn Piece> {
-        Box::new(self.remove(i, parts))
+    fn take(&mut self, i: usize, parts: &Parts, dofs: &mut Vec<u32>) -> Box<dyn Piece> {
+        Box::new(self.remove(i, parts, dofs))
     }
 
     fn as_any(&self) -> &dyn Any {

@@ -70,7 +70,7 @@ pub(super) struct Register {
     /// None for those that were removed.
     names: Vec<Option<Box<str>>>,
     alive: usize,
-    inactive: BTreeMap<u32, Contents>,
+    inactive: BTreeMap<u32, Box<Contents>>,
 }
 
 impl Register {
@@ -112,20 +112,20 @@ impl Register {
     }
 
     /// Keeps what an inactive constraint consists of.
-    pub fn park(&mut self, number: u32, contents: Contents) {
+    pub fn park(&mut self, number: u32, contents: Box<Contents>) {
         self.inactive.insert(number, contents);
     }
 
     pub fn parked(&self, number: u32) -> Option<&Contents> {
-        self.inactive.get(&number)
+        self.inactive.get(&number).map(AsRef::as_ref)
     }
 
     pub fn parked_mut(&mut self, number: u32) -> Option<&mut Contents> {
-        self.inactive.get_mut(&number)
+        self.inactive.get_mut(&number).map(AsMut::as_mut)
     }
 
     /// What an inactive constraint consists of, which it is no more.
-    pub fn take(&mut self, number: u32) -> Option<Contents> {
+    pub fn take(&mut self, number: u32) -> Option<Box<Contents>> {
         self.inactive.remove(&number)
     }
 

@@ -49,14 +49,14 @@ impl Rows {
     }
 
     /// Puts equations of one constraint behind those that it has.
-    pub fn put(&mut self, constraint: u32, equations: Vec<Equation>, parts: &mut Parts, time: f64) {
+    pub fn put(&mut self, constraint: u32, equations: &mut Vec<Equation>, parts: &mut Parts, time: f64) {
         if equations.is_empty() {
             return;
         }
         let last = self.batches.last().and_then(|batch| batch.owners.last());
         let behind = last.is_none_or(|last| last.constraint < constraint);
         let of = if behind { self.rows()..self.rows() } else { self.of(constraint) };
-        for (row, equation) in (of.end..).zip(equations) {
+        for (row, equation) in (of.end..).zip(equations.drain(..)) {
             let owner = Owner { constraint, part: parts.place(equation.part) };
             self.insert(row, owner, &equation.terms, equation.rhs.at(time));
             if let Rhs::Function(function) = equation.rhs {

@@ -26,9 +26,12 @@ mod linear;
 mod lists;
 mod offsets;
 mod order;
+mod pairs;
+mod pattern;
 mod quantities;
 pub(crate) mod rotations;
 mod rounding;
+mod stamp;
 mod store;
 mod sums;
 mod system;
@@ -52,6 +55,8 @@ use linear::Rows;
 pub use quantities::Quantities;
 pub use rounding::Rounding;
 use rounding::Sizes;
+use stamp::Stamp;
+use store::Contents;
 pub use store::Store;
 pub use system::Vanishing;
 pub use time::TimeError;
@@ -86,7 +91,9 @@ pub struct ConstraintSet {
     /// The largest coordinate that was ever stated of each DOF, for [`ConstraintSet::rounding`]; shorter if the others have none.
     sizes: Vec<Sizes>,
     /// Another one after each change.
-    version: Identity,
+    version: Stamp,
+    /// Empty, with room for the next constraint.
+    spare: Option<Box<Contents>>,
 }
 
 impl std::fmt::Debug for ConstraintSet {
@@ -128,7 +135,7 @@ impl ConstraintSet {
         self.follow(quantities)?;
         quantities.u.copy_from_slice(u);
         tasks::run(tasks::of_values(&self.linear, &self.blocks.all, &mut quantities.c, &mut quantities.g), u);
-        quantities.evaluated = self.version;
+        quantities.evaluated = self.version.get();
         Ok(())
     }
 
@@ -178,7 +185,7 @@ impl ConstraintSet {
         let mut tasks = tasks::of_values(&self.linear, &self.blocks.all, c, g);
         tasks.extend(self.plan().tasks(&weighted, h.values_mut()));
         tasks::run(tasks, u);
-        quantities.evaluated = self.version;
+        quantities.evaluated = self.version.get();
         Ok(())
     }
 

@@ -6,7 +6,9 @@ use qless::{ArgumentError, Csr, Identity, SystemError};
 
 use super::ConstraintSet;
 use super::batch::Batch;
+use super::block::Block;
 use super::layout::{Layout, differences};
+use super::pattern::Part;
 
 /// What a set evaluates to. Values are those of the last evaluation; patterns are those of the set at that time. No other set takes it.
 #[derive(Clone, Debug)]
@@ -76,7 +78,7 @@ impl ConstraintSet {
     /// Rows behind the first that came or went are moved once, whatever their number; all others stay.
     pub(super) fn follow(&self, quantities: &mut Quantities) -> Result<(), ArgumentError> {
         self.own("the quantities", quantities.of)?;
-        if quantities.evaluated == self.version {
+        if quantities.evaluated == self.version.get() {
             return Ok(());
         }
         let sound = "the set has checked DOFs and sizes";
@@ -95,7 +97,7 @@ impl ConstraintSet {
     pub(super) fn current(&self, quantities: &Quantities) -> Result<(), ArgumentError> {
         self.own("the quantities", quantities.of)?;
         let what = "the quantities";
-        if quantities.evaluated == self.version { Ok(()) } else { Err(ArgumentError::Outdated { what }) }
+        if quantities.evaluated == self.version.get() { Ok(()) } else { Err(ArgumentError::Outdated { what }) }
     }
 
     /// G without numbers, but for the coefficients of linear equations.
@@ -104,7 +106,7 @@ impl ConstraintSet {
     }
 
     pub(super) fn layout(&self) -> Layout {
-        let linear = self.linear.batches.iter().map(|batch| (batch.stamp, batch.rows()));
+        let linear = self.linear.batches.iter().map(|batch| (batch.stamp.get(), batch.rows()));
         linear.chain(self.blocks.all.iter().map(|block| (block.stamp(), block.rows()))).collect()
     }
 
@@ -113,23 +115,42 @@ impl ConstraintSet {
         let batches = self.linear.batches.len();
         let linear = &self.linear.batches[segments.start.min(batches)..segments.end.min(batches)];
         let blocks = &self.blocks.all[segments.start.saturating_sub(batches)..segments.end.saturating_sub(batches)];
-        let rows = linear.iter().map(Batch::rows).chain(blocks.iter().map(|block| block.rows()));
-        let nnz: usize = linear.iter().map(Batch::nnz).chain(blocks.iter().map(|block| block.nnz())).sum();
-        let mut end = Vec::with_capacity(rows.sum::<usize>() + 1);
-        let (mut col, mut val) = (Vec::with_capacity(nnz), Vec::with_capacity(nnz));
-        end.push(0);
-        for batch in linear {
-            batch.for_each_row(|terms| {
-                terms.for_each(|(j, v)| {
-                    col.push(j);
-                    val.push(v);
-                });
-                end.push(col.len());
-            });
+        let blocks = blocks.iter().map(|block| Segment::Nonlinear(block.as_ref()));
+        let all: Vec<Segment> = linear.iter().map(Segment::Linear).chain(blocks).collect();
+        super::pattern::write(self.dofs, &all, Segment::size, Segment::write)
+    }
+}
+
+/// Rows of G that follow one another.
+enum Segment<'a> {
+    Linear(&'a Batch),
+    Nonlinear(&'a dyn Block),
+}
+
+impl Segment<'_> {
+    /// Rows and entries.
+    fn size(&self) -> (usize, usize) {
+        match self {
+            Self::Linear(batch) => (batch.rows(), batch.nnz()),
+            Self::Nonlinear(block) => (block.rows(), block.nnz()),
         }
-        blocks.iter().for_each(|block| block.write_pattern(&mut end, &mut col));
-        val.resize(nnz, 0.0);
-        Csr::from_parts(self.dofs, end, col, val)
+    }
+
+    fn write(&self, part: Part) {
+        let Part { first, end, col, val } = part;
+        match self {
+            Self::Linear(batch) => {
+                let (mut k, mut ends) = (0, end.iter_mut());
+                batch.for_each_row(|terms| {
+                    terms.for_each(|(j, v)| {
+                        (col[k], val[k]) = (j, v);
+                        k += 1;
+                    });
+                    ends.next().into_iter().for_each(|end| *end = first + k);
+                });
+            }
+            Self::Nonlinear(block) => block.write_pattern(first, end, col),
+        }
     }
 }
 

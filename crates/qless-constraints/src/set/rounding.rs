@@ -44,7 +44,7 @@ impl Rounding {
 pub(super) struct Size(u16);
 
 /// What is known of the coordinates that a DOF adds to.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Sizes {
     /// The largest of them.
     pub at: Size,

@@ -1,12 +1,14 @@
 //! Where a constraint type puts what it consists of, after it has checked its input.
 
 use std::borrow::Cow;
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::StoreError;
 use super::batch::Terms;
 use super::block::{Blocks, Place};
 use super::labels::{Owner, Parts};
+use super::rounding::{Size, Sizes};
 use super::time::Rhs;
 use crate::constraint::Nonlinear;
 use crate::geometry::node::Node;
@@ -21,7 +23,7 @@ const FEW: usize = 16;
 pub struct Store {
     dofs: usize,
     time: f64,
-    pub(super) contents: Contents,
+    pub(super) contents: Box<Contents>,
     pub(super) fault: Option<StoreError>,
 }
 
@@ -30,9 +32,14 @@ pub struct Store {
 pub(super) struct Contents {
     pub equations: Vec<Equation>,
     pub pieces: Vec<Box<dyn Piece>>,
+    /// The DOFs of all pieces.
+    pub dofs: Vec<u32>,
     /// What DOFs add to; of a constraint that rests the set knows it.
     pub coordinates: Vec<Coordinate>,
 }
+
+/// Parts of a constraint whose room is kept for the next one.
+const KEPT: usize = 256;
 
 /// Sums of terms on one DOF below so many units in the last place of what was summed are what rounding left of a zero.
 const CANCELLED: f64 = 8.0 * f64::EPSILON;
@@ -43,6 +50,17 @@ impl Contents {
         self.equations.iter_mut().zip(rhs).for_each(|(equation, &rhs)| equation.rhs = Rhs::Value(rhs));
     }
 
+    /// Nothing, with the room that a constraint of usual size needs.
+    pub fn emptied(mut self: Box<Self>) -> Option<Box<Self>> {
+        let Self { equations, pieces, dofs, coordinates } = &mut *self;
+        let room = equations.capacity() + pieces.capacity() + dofs.capacity() + coordinates.capacity();
+        equations.clear();
+        pieces.clear();
+        dofs.clear();
+        coordinates.clear();
+        (room <= KEPT).then_some(self)
+    }
+
     pub fn rows(&self) -> usize {
         self.equations.len() + self.pieces.iter().map(|piece| piece.rows()).sum::<usize>()
     }
@@ -51,9 +69,8 @@ impl Contents {
 /// A DOF that adds to a coordinate.
 pub(super) struct Coordinate {
     pub dof: u32,
-    pub at: f64,
-    /// The largest coordinate of the node: along an axis where it has none, it is no smaller a model.
-    pub node: f64,
+    /// Of its coordinate, and of the node: along an axis where it has none, it is no smaller a model.
+    pub sizes: Sizes,
 }
 
 impl std::fmt::Debug for Store {
@@ -72,8 +89,9 @@ pub(super) struct Equation {
 }
 
 impl Store {
-    pub(super) fn new(dofs: usize, time: f64) -> Self {
-        Self { dofs, time, ..Self::default() }
+    /// With an empty room for what comes.
+    pub(super) fn new(dofs: usize, time: f64, contents: Box<Contents>) -> Self {
+        Self { dofs, time, contents, fault: None }
     }
 
     /// Number of DOFs of the model.
@@ -106,15 +124,18 @@ impl Store {
     }
 
     fn put(&mut self, part: Cow<'static, str>, terms: impl IntoIterator<Item = (usize, f64)>, rhs: Rhs) {
-        let mut sorted: Terms = Vec::new();
+        let terms = terms.into_iter();
+        let mut sorted: Terms = Vec::with_capacity(terms.size_hint().0);
         for (dof, value) in terms {
             self.check_dof(dof);
             self.check_number(value);
             sorted.push((dof as u32, value));
         }
         sorted.sort_by_key(|&(dof, _)| dof);
-        let terms = sorted.chunk_by(|a, b| a.0 == b.0).map(|same| (same[0].0, sum(same))).collect();
-        self.contents.equations.push(Equation { part, terms, rhs });
+        if sorted.windows(2).any(|two| two[0].0 == two[1].0) {
+            sorted = sorted.chunk_by(|a, b| a.0 == b.0).map(|same| (same[0].0, sum(same))).collect();
+        }
+        self.contents.equations.push(Equation { part, terms: sorted, rhs });
     }
 
     /// Adds the nonlinear equations of `parameters` on the DOFs listed, each of which must occur once.
@@ -122,14 +143,18 @@ impl Store {
         if Q::DOFS != 0 && Q::DOFS != dofs.len() {
             self.fail(StoreError::DofCount { found: dofs.len(), expected: Q::DOFS });
         }
-        dofs.iter().for_each(|&dof| self.check_dof(dof));
+        if let Some(&dof) = dofs.iter().find(|&&dof| dof >= self.dofs) {
+            self.check_dof(dof);
+        }
         if let Some(dof) = repeated(dofs) {
             self.fail(StoreError::RepeatedDof { dof });
         }
         if Q::DRIVEN {
             parameters.at_time(self.time);
         }
-        let dofs = dofs.iter().map(|&dof| dof as u32).collect();
+        let first = self.contents.dofs.len();
+        self.contents.dofs.extend(dofs.iter().map(|&dof| dof as u32));
+        let dofs = first..self.contents.dofs.len();
         self.contents.pieces.push(Box::new(Staged { part: part.into(), dofs, parameters }));
     }
 
@@ -138,15 +163,24 @@ impl Store {
     /// For types that keep differences of coordinates only, for [`crate::ConstraintSet::rounding`].
     pub fn coordinate(&mut self, dof: usize, at: f64) {
         self.numbers([at]);
-        self.contents.coordinates.push(Coordinate { dof: dof as u32, at, node: at });
+        self.add_to(dof, Sizes { at: Size::above(at), node: Size::above(at) });
     }
 
     /// [`Store::coordinate`] of all translations of a node.
     pub fn coordinates_of<const D: usize>(&mut self, node: &Node<D>) {
         let largest = node.at.iter().fold(0.0, |most: f64, at| most.max(at.abs()));
         self.numbers(node.at);
-        let each = node.dofs.iter().zip(node.at).map(|(&dof, at)| Coordinate { dof: dof as u32, at, node: largest });
-        self.contents.coordinates.extend(each);
+        let whole = Size::above(largest);
+        node.dofs
+            .iter()
+            .zip(node.at)
+            .for_each(|(&dof, at)| self.add_to(dof, Sizes { at: Size::above(at), node: whole }));
+    }
+
+    fn add_to(&mut self, dof: usize, sizes: Sizes) {
+        if sizes != Sizes::default() {
+            self.contents.coordinates.push(Coordinate { dof: dof as u32, sizes });
+        }
     }
 
     /// States that the parameters of a nonlinear part hold these numbers, as coordinates: each must be finite, and no larger than 1e50, so
@@ -202,6 +236,9 @@ fn sum(same: &[(u32, f64)]) -> f64 {
 
 /// The smallest DOF that is there twice.
 fn repeated(dofs: &[usize]) -> Option<usize> {
+    if dofs.is_sorted_by(|a, b| a < b) {
+        return None;
+    }
     if dofs.len() <= FEW {
         let twice = |&(k, dof): &(usize, &usize)| dofs[..k].contains(dof);
         return dofs.iter().enumerate().filter(twice).map(|(_, &dof)| dof).min();
@@ -216,17 +253,18 @@ pub(super) trait Piece: Send + Sync {
     fn rows(&self) -> usize;
     /// Which type of the set it is of; none if the set has not met it.
     fn kind(&self, blocks: &Blocks) -> Option<u32>;
-    /// Puts it among those of its type; its part and the time are given.
-    fn commit(self: Box<Self>, constraint: u32, parts: &mut Parts, time: f64, blocks: &mut Blocks);
+    /// Puts it among those of its type; the DOFs of all pieces of its constraint, the parts and the time are given.
+    fn commit(self: Box<Self>, constraint: u32, dofs: &[u32], parts: &mut Parts, time: f64, blocks: &mut Blocks);
     /// Whether it has the DOFs and pairs of an equation of its type, so that it can take its place.
-    fn fits(&self, place: Place, blocks: &Blocks) -> bool;
+    fn fits(&self, dofs: &[u32], place: Place, blocks: &Blocks) -> bool;
     /// Takes that place.
     fn overwrite(self: Box<Self>, constraint: u32, parts: &mut Parts, place: Place, blocks: &mut Blocks);
 }
 
 pub(super) struct Staged<Q> {
     pub part: Cow<'static, str>,
-    pub dofs: Box<[u32]>,
+    /// Places among the DOFs of all pieces.
+    pub dofs: Range<usize>,
     pub parameters: Q,
 }
 
@@ -239,15 +277,17 @@ impl<Q: Nonlinear> Piece for Staged<Q> {
         blocks.kind::<Q>()
     }
 
-    fn commit(mut self: Box<Self>, constraint: u32, parts: &mut Parts, time: f64, blocks: &mut Blocks) {
+    fn commit(mut self: Box<Self>, constraint: u32, dofs: &[u32], parts: &mut Parts, time: f64, blocks: &mut Blocks) {
         if Q::DRIVEN {
             self.parameters.at_time(time);
         }
-        blocks.insert(Owner { constraint, part: parts.place(self.part) }, &self.dofs, self.parameters);
+        let Self { part, dofs: own, parameters } = *self;
+        blocks.insert(Owner { constraint, part: parts.place(part) }, &dofs[own], parameters);
     }
 
-    fn fits(&self, (block, item): Place, blocks: &Blocks) -> bool {
-        blocks.of_type::<Q>(block).is_some_and(|block| block.alike(item, &self.dofs, &self.parameters))
+    fn fits(&self, dofs: &[u32], (block, item): Place, blocks: &Blocks) -> bool {
+        let dofs = &dofs[self.dofs.clone()];
+        blocks.of_type::<Q>(block).is_some_and(|block| block.alike(item, dofs, &self.parameters))
     }
 
     fn overwrite(self: Box<Self>, constraint: u32, parts: &mut Parts, (block, item): Place, blocks: &mut Blocks) {

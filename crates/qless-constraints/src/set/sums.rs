@@ -1,7 +1,8 @@
-//! `out_e = sum_k x_(e,k)`: sums of given numbers, those of equally many together.
+//! `out_e = sum_k x_(e,k)`: sums of given numbers, those of equally many together, in loops of known length.
 //!
-//! Every entry has at least one number: these are copied in one sweep. What else an entry sums follows by the count of it, in loops of
-//! known length. The numbers of an entry keep their order, so that the sum has the same bits whoever makes it.
+//! Where most entries have one number, the first of each is copied in one sweep, and what else an entry sums is added to it: no place has
+//! to be read for these. Where most sum several, a sweep would write them twice. The numbers of an entry keep their order, so that the
+//! sum has the same bits whoever makes it, either way.
 //! Places are kept in 16 bits where that is enough, which it is but for rows of enormous length: they are most of what is read.
 
 /// The x that 16 bits can name; so many are always there, and no place has to be checked.
@@ -16,11 +17,12 @@ pub enum Sums {
 /// Places in 16 or 32 bits.
 #[derive(Default)]
 pub struct Parts<I> {
+    /// The first number of every entry, if they are copied in one sweep.
     first: Vec<I>,
     more: Vec<More<I>>,
 }
 
-/// Entries with equally many numbers after the first.
+/// Entries with equally many numbers, after the first if that is copied before.
 struct More<I> {
     count: usize,
     entry: Vec<I>,
@@ -35,12 +37,13 @@ impl Default for Sums {
 }
 
 impl Sums {
-    /// From `(entry, number)`, ascending by entry; entries are `0..entries`, none is without a number, and numbers are below `numbers`.
-    pub fn new(entries: usize, numbers: usize, parts: &[(u32, u32)]) -> Self {
-        if entries.max(numbers) <= NUMBERS {
-            Self::Short(Parts::new(entries, parts, |k| k as u16))
+    /// From how many numbers each entry has, at least one, and the places of all, entry by entry, in the lower halves of `keys`; these are
+    /// below `numbers`.
+    pub fn new(numbers: usize, counts: &[u32], keys: &[u64]) -> Self {
+        if counts.len().max(numbers) <= NUMBERS {
+            Self::Short(Parts::new(counts, keys, |k| k as u16))
         } else {
-            Self::Long(Parts::new(entries, parts, |k| k))
+            Self::Long(Parts::new(counts, keys, |k| k))
         }
     }
 
@@ -55,69 +58,96 @@ impl Sums {
 }
 
 impl<I: Copy> Parts<I> {
-    /// `parts` ascend by entry.
-    fn new(entries: usize, parts: &[(u32, u32)], short: impl Fn(u32) -> I) -> Self {
-        let mut sums = Self { first: Vec::with_capacity(entries), more: Vec::new() };
-        for same in parts.chunk_by(|a, b| a.0 == b.0) {
-            sums.first.push(short(same[0].1));
-            if same.len() > 1 {
-                let more = sums.more_of(same.len() - 1);
-                more.entry.push(short(same[0].0));
-                more.from.extend(same[1..].iter().map(|&(_, k)| short(k)));
+    fn new(counts: &[u32], keys: &[u64], short: impl Fn(u32) -> I) -> Self {
+        let single = counts.iter().filter(|&&count| count == 1).count();
+        let sweep = 2 * single >= counts.len();
+        let (mut sums, mut rest) = (Self::with_room(counts, sweep), keys);
+        for (entry, &count) in (0..).zip(counts) {
+            let mut own;
+            (own, rest) = rest.split_at(count as usize);
+            if sweep {
+                sums.first.push(short(own[0] as u32));
+                own = &own[1..];
+            }
+            if let Some(more) = sums.more.iter_mut().find(|more| more.count == own.len()) {
+                more.entry.push(short(entry));
+                more.from.extend(own.iter().map(|&key| short(key as u32)));
             }
         }
-        debug_assert_eq!(sums.first.len(), entries);
         sums
     }
 
-    fn more_of(&mut self, count: usize) -> &mut More<I> {
-        let known = self.more.iter().position(|more| more.count == count);
-        let place = known.unwrap_or(self.more.len());
-        if known.is_none() {
-            self.more.push(More { count, entry: Vec::new(), from: Vec::new() });
+    /// Arrays of the right size.
+    fn with_room(counts: &[u32], sweep: bool) -> Self {
+        let mut entries: Vec<(usize, usize)> = Vec::new();
+        for count in counts.iter().map(|&count| count as usize - usize::from(sweep)).filter(|&count| count > 0) {
+            match entries.iter_mut().find(|known| known.0 == count) {
+                Some(known) => known.1 += 1,
+                None => entries.push((count, 1)),
+            }
         }
-        &mut self.more[place]
+        let room = |(count, entries): (usize, usize)| More {
+            count,
+            entry: Vec::with_capacity(entries),
+            from: Vec::with_capacity(entries * count),
+        };
+        let first = Vec::with_capacity(if sweep { counts.len() } else { 0 });
+        Self { first, more: entries.into_iter().map(room).collect() }
     }
 
     #[inline]
     fn write(&self, out: &mut [f64], x: impl Fn(I) -> f64 + Copy, place: impl Fn(I) -> usize + Copy) {
+        if self.first.is_empty() {
+            return self.more.iter().for_each(|more| more.write::<false>(out, x, place));
+        }
         let (out_eight, out_rest) = out.as_chunks_mut::<8>();
         let (eight, rest) = self.first.as_chunks::<8>();
         for (out, from) in out_eight.iter_mut().zip(eight) {
             (0..8).for_each(|k| out[k] = x(from[k]));
         }
         out_rest.iter_mut().zip(rest).for_each(|(out, &k)| *out = x(k));
-        for more in &self.more {
-            match more.count {
-                1 => more.fixed::<1>(out, x, place),
-                2 => more.fixed::<2>(out, x, place),
-                3 => more.fixed::<3>(out, x, place),
-                4 => more.fixed::<4>(out, x, place),
-                5 => more.fixed::<5>(out, x, place),
-                6 => more.fixed::<6>(out, x, place),
-                7 => more.fixed::<7>(out, x, place),
-                _ => more.any(out, x, place),
-            }
-        }
+        self.more.iter().for_each(|more| more.write::<true>(out, x, place));
     }
 }
 
 impl<I: Copy> More<I> {
+    /// Writes sums, or adds them to what is there.
     #[inline]
-    fn fixed<const N: usize>(&self, out: &mut [f64], x: impl Fn(I) -> f64, place: impl Fn(I) -> usize) {
+    fn write<const ADD: bool>(&self, out: &mut [f64], x: impl Fn(I) -> f64 + Copy, place: impl Fn(I) -> usize + Copy) {
+        match self.count {
+            1 => self.fixed::<1, ADD>(out, x, place),
+            2 => self.fixed::<2, ADD>(out, x, place),
+            3 => self.fixed::<3, ADD>(out, x, place),
+            4 => self.fixed::<4, ADD>(out, x, place),
+            5 => self.fixed::<5, ADD>(out, x, place),
+            6 => self.fixed::<6, ADD>(out, x, place),
+            7 => self.fixed::<7, ADD>(out, x, place),
+            8 => self.fixed::<8, ADD>(out, x, place),
+            _ => self.any::<ADD>(out, x, place),
+        }
+    }
+
+    #[inline]
+    fn fixed<const N: usize, const ADD: bool>(
+        &self,
+        out: &mut [f64],
+        x: impl Fn(I) -> f64,
+        place: impl Fn(I) -> usize,
+    ) {
         let (from, _) = self.from.as_chunks::<N>();
         for (&entry, from) in self.entry.iter().zip(from) {
             let out = &mut out[place(entry)];
-            let mut sum = *out;
-            (0..N).for_each(|k| sum += x(from[k]));
+            let mut sum = if ADD { *out + x(from[0]) } else { x(from[0]) };
+            (1..N).for_each(|k| sum += x(from[k]));
             *out = sum;
         }
     }
 
-    fn any(&self, out: &mut [f64], x: impl Fn(I) -> f64, place: impl Fn(I) -> usize) {
+    fn any<const ADD: bool>(&self, out: &mut [f64], x: impl Fn(I) -> f64, place: impl Fn(I) -> usize) {
         for (&entry, from) in self.entry.iter().zip(self.from.chunks_exact(self.count)) {
             let out = &mut out[place(entry)];
-            *out = from.iter().fold(*out, |sum, &k| sum + x(k));
+            let first = if ADD { *out + x(from[0]) } else { x(from[0]) };
+            *out = from[1..].iter().fold(first, |sum, &k| sum + x(k));
         }
     }
 }
@@ -126,23 +156,23 @@ impl<I: Copy> More<I> {
 mod tests {
     use super::*;
 
-    /// Counts from one number to more than any loop of known length has.
+    /// Counts from one number to more than any loop of known length has; in the second half, most entries have one.
     #[test]
     fn sums_are_those_of_the_parts() {
-        let entries: u32 = 40;
         let x: Vec<f64> = (0..200).map(|k| f64::from(k * k % 97) / 8.0).collect();
-        let count = |entry: u32| 1 + entry % 13;
-        let number = |entry: u32, k: u32| (entry * 31 + k * 17) % 200;
-        let longest = (0..13).flat_map(|k| (0..entries).rev().map(move |entry| (entry, k)));
-        let parts = longest.filter(|&(entry, k)| k < count(entry)).map(|(entry, k)| (entry, number(entry, k)));
-        let mut parts: Vec<_> = parts.collect();
-        parts.sort_by_key(|&(entry, _)| entry);
-        for sums in [Sums::new(entries as usize, x.len(), &parts), Sums::new(entries as usize, NUMBERS + 1, &parts)] {
-            let mut out = vec![f64::NAN; entries as usize];
-            sums.write(&x, &mut out);
-            for entry in 0..entries {
-                let truth: f64 = (0..count(entry)).map(|k| x[number(entry, k) as usize]).sum();
-                assert_eq!(out[entry as usize], truth, "entry {entry}");
+        let number = |entry: usize, k: u32| (entry as u32 * 31 + k * 17) % 200;
+        for most in [13, 1] {
+            let counts: Vec<u32> =
+                (0..80).map(|entry| if entry < 40 { 1 + entry % 13 } else { 1 + entry % most }).collect();
+            let of = |(entry, &count): (usize, &u32)| (0..count).map(move |k| number(entry, k));
+            let keys: Vec<u64> = counts.iter().enumerate().flat_map(of).map(|k| 7 << 32 | u64::from(k)).collect();
+            for sums in [Sums::new(x.len(), &counts, &keys), Sums::new(NUMBERS + 1, &counts, &keys)] {
+                let mut out = vec![f64::NAN; counts.len()];
+                sums.write(&x, &mut out);
+                for (entry, out) in out.iter().enumerate() {
+                    let truth: f64 = of((entry, &counts[entry])).map(|k| x[k as usize]).sum();
+                    assert_eq!(*out, truth, "entry {entry}, at most {most}");
+                }
             }
         }
     }

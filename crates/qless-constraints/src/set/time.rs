@@ -5,8 +5,6 @@
 
 use std::sync::Arc;
 
-use qless::Identity;
-
 use super::ConstraintSet;
 
 /// `b(t)`.
@@ -85,7 +83,7 @@ impl ConstraintSet {
         values.into_iter().for_each(|(row, value)| self.linear.set_rhs(row, value));
         self.blocks.all.iter_mut().for_each(|block| block.set_time(time));
         self.time = time;
-        self.version = Identity::new();
+        self.version.renew();
         Ok(())
     }
 }

@@ -80,6 +80,7 @@ impl<const D: usize> Nonlinear for Rod<D> {
     const DOFS: usize = 2 * D;
     const QUADRATIC: bool = true;
     const NUMBERS: &'static [usize] = &[0, 1, 0];
+    const SAME_PAIRS: bool = true;
     const PARTS: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {

@@ -46,6 +46,7 @@ impl Nonlinear for Norm {
     const DOFS: usize = 4;
     const QUADRATIC: bool = true;
     const NUMBERS: &'static [usize] = &[0];
+    const SAME_PAIRS: bool = true;
     const PARTS: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {

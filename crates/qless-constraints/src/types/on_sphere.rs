@@ -69,6 +69,7 @@ impl<const D: usize> Nonlinear for Sphere<D> {
     const DOFS: usize = D;
     const QUADRATIC: bool = true;
     const NUMBERS: &'static [usize] = &[0];
+    const SAME_PAIRS: bool = true;
     const PARTS: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {

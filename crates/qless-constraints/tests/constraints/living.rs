@@ -294,6 +294,51 @@ impl Run {
     }
 }
 
+/// Between each node and the next a rod, or an equal DOF.
+fn chain(nodes: usize, is_rod: impl Fn(usize) -> bool) -> Outcome<(ConstraintSet, Vec<ConstraintId>)> {
+    let mut builder = ConstraintSet::builder(3 * nodes);
+    let add = |node: usize| {
+        if is_rod(node) {
+            return Ok(builder.add("rod", rod(node))?);
+        }
+        Ok(builder.add("tie", Equal::new([3 * node, 3 * node + 3]))?)
+    };
+    let ids = (0..nodes - 1).map(add).collect::<Outcome<_>>()?;
+    Ok((builder.build()?, ids))
+}
+
+fn rod(node: usize) -> Distance<3> {
+    Distance { length: Some(1.0 + (node % 7) as f64), ..Distance::new(point(node), point(node + 1)) }
+}
+
+/// Constraints of one type come between others of that type wherever these fill their segments.
+#[test]
+fn full_segments_take_what_comes_between() -> Outcome {
+    let (nodes, mut random) = (5000, Random(3));
+    let (mut set, ids) = chain(nodes, |node| node.is_multiple_of(2))?;
+    let mut is_rod: Vec<bool> = (0..nodes).map(|node| node.is_multiple_of(2)).collect();
+    let mut quantities = set.allocate();
+    for _ in 0..4 {
+        for _ in 0..1000 {
+            let node = random.below(nodes - 1);
+            is_rod[node] = true;
+            set.replace(ids[node], rod(node))?;
+        }
+        let fresh = chain(nodes, |node| is_rod[node])?.0;
+        let u: Vec<f64> = (0..3 * nodes).map(|_| random.number()).collect();
+        let w: Vec<f64> = (0..nodes - 1).map(|_| random.number()).collect();
+        let mut expected = fresh.allocate();
+        fresh.assemble(&u, &w, &mut expected)?;
+        set.assemble(&u, &w, &mut quantities)?;
+        assert!(bits(quantities.c()) == bits(expected.c()));
+        for (found, expected) in [(quantities.g(), expected.g()), (quantities.h(), expected.h())] {
+            assert_eq!((found.starts(), found.columns()), (expected.starts(), expected.columns()));
+            assert!(bits(found.values()) == bits(expected.values()));
+        }
+    }
+    Ok(())
+}
+
 /// Numbers of before a change are not taken for those after it.
 #[test]
 fn numbers_from_before_a_change_are_refused() -> Outcome {
