@@ -82,16 +82,13 @@ impl ConstraintSet {
     /// Gives a constraint that rests its equations again, in the place that it had, at the time of the set. An active one stays as it is.
     ///
     /// # Errors
-    /// [`EditError::Foreign`], [`EditError::Gone`], [`EditError::Time`] for a right-hand side that is not finite at the time of the set.
+    /// [`EditError::Foreign`], [`EditError::Gone`], [`EditError::Time`] for a function of time that is not finite at that of the set.
     pub fn activate(&mut self, constraint: ConstraintId) -> Result<(), EditError> {
         let number = self.register.number(constraint)?;
-        let Some(contents) = self.register.parked(number) else { return Ok(()) };
-        for equation in &contents.equations {
-            let value = equation.rhs.at(self.time);
-            if !value.is_finite() {
-                let label = self.register.name(number).to_string();
-                return Err(TimeError::NotFinite { label, time: self.time, value }.into());
-            }
+        let Some(contents) = self.register.parked_mut(number) else { return Ok(()) };
+        if let Err(value) = contents.at_time(self.time) {
+            let label = self.register.name(number).to_string();
+            return Err(TimeError::NotFinite { label, time: self.time, value }.into());
         }
         if let Some(contents) = self.register.take(number) {
             self.put(number, contents);
@@ -177,7 +174,7 @@ impl ConstraintSet {
         linear.put(number, contents.equations, &mut register.parts, *time);
         if !contents.pieces.is_empty() {
             planned.outdate();
-            contents.pieces.into_iter().for_each(|piece| piece.commit(number, &mut register.parts, *time, blocks));
+            contents.pieces.into_iter().for_each(|piece| piece.commit(number, &mut register.parts, blocks));
             if planned.is_wanted() {
                 blocks.of(number).into_iter().for_each(|(_, (b, i))| planned.touch(blocks.all[b].as_ref(), i));
             }

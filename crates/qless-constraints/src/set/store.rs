@@ -41,6 +41,14 @@ impl Contents {
         self.equations.iter_mut().zip(rhs).for_each(|(equation, &rhs)| equation.rhs = Rhs::Value(rhs));
     }
 
+    /// Takes the numbers of this time; as an error one that is not finite.
+    pub fn at_time(&mut self, time: f64) -> Result<(), f64> {
+        let values = self.equations.iter().map(|equation| equation.rhs.at(time));
+        let bad = values.into_iter().find(|value| !value.is_finite());
+        bad.map_or(Ok(()), Err)?;
+        self.pieces.iter_mut().try_for_each(|piece| piece.at_time(time))
+    }
+
     pub fn rows(&self) -> usize {
         self.equations.len() + self.pieces.iter().map(|piece| piece.rows()).sum::<usize>()
     }
@@ -124,8 +132,10 @@ impl Store {
         if let Some(dof) = repeated(dofs) {
             self.fail(StoreError::RepeatedDof { dof });
         }
-        if Q::DRIVEN {
-            parameters.at_time(self.time);
+        if Q::DRIVEN
+            && let Err(value) = parameters.at_time(self.time)
+        {
+            self.fail(StoreError::NotFinite { value });
         }
         let dofs = dofs.iter().map(|&dof| dof as u32).collect();
         self.contents.pieces.push(Box::new(Staged { part: part.into(), dofs, parameters }));
@@ -152,11 +162,6 @@ impl Store {
     /// Linear equations need no such statement: the store sees all of their numbers.
     pub fn numbers(&mut self, numbers: impl IntoIterator<Item = f64>) {
         numbers.into_iter().for_each(|number| self.check_number(number));
-    }
-
-    /// The time of the set.
-    pub(crate) fn time(&self) -> f64 {
-        self.time
     }
 
     fn check_dof(&mut self, dof: usize) {
@@ -200,8 +205,10 @@ pub(super) trait Piece: Send + Sync {
     fn rows(&self) -> usize;
     /// Which type of the set it is of; none if the set has not met it.
     fn kind(&self, blocks: &Blocks) -> Option<u32>;
-    /// Puts it among those of its type; its part and the time are given.
-    fn commit(self: Box<Self>, constraint: u32, parts: &mut Parts, time: f64, blocks: &mut Blocks);
+    /// Takes the parameters of this time; as an error the number of it that is not finite.
+    fn at_time(&mut self, time: f64) -> Result<(), f64>;
+    /// Puts it among those of its type; its part is given.
+    fn commit(self: Box<Self>, constraint: u32, parts: &mut Parts, blocks: &mut Blocks);
     /// Whether it has the DOFs and pairs of an equation of its type, so that it can take its place.
     fn fits(&self, place: Place, blocks: &Blocks) -> bool;
     /// Takes that place.
@@ -223,10 +230,11 @@ impl<Q: Nonlinear> Piece for Staged<Q> {
         blocks.kind::<Q>()
     }
 
-    fn commit(mut self: Box<Self>, constraint: u32, parts: &mut Parts, time: f64, blocks: &mut Blocks) {
-        if Q::DRIVEN {
-            self.parameters.at_time(time);
-        }
+    fn at_time(&mut self, time: f64) -> Result<(), f64> {
+        if Q::DRIVEN { self.parameters.at_time(time) } else { Ok(()) }
+    }
+
+    fn commit(self: Box<Self>, constraint: u32, parts: &mut Parts, blocks: &mut Blocks) {
         blocks.insert(Owner { constraint, part: parts.place(self.part) }, &self.dofs, self.parameters);
     }
 
