@@ -1,9 +1,12 @@
 //! The constraints on the way: at rest, or driven through time, `t = t_0 + s (t_1 - t_0)` at the load factor s.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::PI;
 
 use super::Failure;
 use crate::{ConstraintSet, TimeError};
+
+/// Most that a motor turns by in a load step. c would follow nearly half a turn; Newton's method goes over to another branch sooner.
+const FARTHEST: f64 = PI / 8.0;
 
 /// The set of a path.
 pub enum Course<'a> {
@@ -29,7 +32,7 @@ impl Course<'_> {
         self.put(factor).map_err(|error| Failure::Fatal(error.into()))?;
         let turns = before.iter().zip(self.set().angles()).map(|(&(_, before), (row, now))| (row, now - before));
         let most = turns.max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()));
-        let far = most.filter(|(_, angle)| angle.abs() > FRAC_PI_2);
+        let far = most.filter(|(_, angle)| angle.abs() > FARTHEST);
         far.map_or(Ok(()), |(row, angle)| Err(Failure::Turn { row, angle }))
     }
 

@@ -79,7 +79,7 @@ pub enum EquilibriumError {
     },
     /// A motor turns too far in the shortest load step.
     #[error(
-        "at load factor {factor}: {label} would turn by {angle} rad in the shortest load step, and more than a quarter of a turn is not \
+        "at load factor {factor}: {label} would turn by {angle} rad in the shortest load step, and more than a sixteenth of a turn is not \
          followed; allow shorter load steps, or go to a time nearer by"
     )]
     Turn {

@@ -204,8 +204,11 @@ pub fn solve(
 /// `t = t_0 + s (t_1 - t_0)` at the load factor s.
 ///
 /// Multipliers are what the motors push with: on the way `dE = -lambda . db` with b what they prescribe (`phi`, `d`) and E the energy of model and loads.
-/// An angle is followed the right way, however many turns it goes: no load step turns it by more than a quarter of one. Afterwards the
+/// An angle is followed the right way, however many turns it goes: no load step turns it by more than a sixteenth of one. Afterwards the
 /// set is at `time`; after an error, where it was.
+///
+/// What is returned is an equilibrium. It is on the branch of the start unless two branches meet on the way, or nearly so: in a linkage that folds flat
+/// but for less than a hundredth of its bars, Newton's method may go over to the other. Go there by times nearer to one another.
 ///
 /// ```
 /// use qless_constraints::equilibrium::{Assembly, EquilibriumOptions, Model, Start, Target, drive};

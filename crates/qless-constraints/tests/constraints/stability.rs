@@ -1,10 +1,11 @@
 //! Stability of equilibria against second derivatives of closed forms.
 
+use faer::Mat;
 use qless_constraints::ConstraintSet;
 use qless_constraints::equilibrium::{
     Assembly, Equilibrium, EquilibriumError, EquilibriumOptions, Model, Stability, Start, Target, solve,
 };
-use qless_constraints::types::{Distance, Equal, LinearEquation, OnSphere, PlanarPoint};
+use qless_constraints::types::{Distance, Equal, LinearEquation, OnSphere, PlanarPoint, Point};
 
 use crate::equilibria::{UNITS, Weights};
 use crate::linkages::{Outcome, random};
@@ -241,4 +242,73 @@ fn what_has_no_answer() -> Outcome {
         assert!([Some(said), Some(Stability::Undecided)].contains(&found.stability), "{k}: {:?}", found.stability);
     }
     Ok(())
+}
+
+/// Points in space with rods, some of them twice, ties and springs of either sign, in equilibrium at rest: `f_ext = G^T lambda`. The count is that of
+/// the eigenvalues of `Z^T (K + H) Z` with Z from a singular value decomposition, or nothing is said.
+#[test]
+fn random_mechanisms_are_as_unstable_as_their_eigenvalues() -> Outcome {
+    let (mut seen, mut undecided) = ([0; 6], 0);
+    for seed in 0..210 {
+        let [length, force] = UNITS[seed % UNITS.len()];
+        let number = |k: usize| 2.0 * random(4001 * seed + k);
+        let points = 2 + seed % 7;
+        let n = 3 * points;
+        let node = |i: usize| Point::new([3 * i, 3 * i + 1, 3 * i + 2], [0, 1, 2].map(|k| length * number(10 * i + k)));
+        let mut builder = ConstraintSet::builder(n);
+        for i in 1..points {
+            let other = (i as f64 * (0.5 + 0.499 * number(100 + i))) as usize;
+            builder.add(format!("rod {i}"), Distance::new(node(other), node(i)))?;
+            if i % 3 == 0 {
+                builder.add(format!("rod {i} again"), Distance::new(node(i), node(other)))?;
+            }
+        }
+        builder.add("tie", Equal::new([0, n - 1]))?;
+        let set = builder.build()?;
+        let springs: Vec<f64> = (0..n).map(|j| force / length * (number(200 + j) + 0.3)).collect();
+        let (mut quantities, zeros) = (set.allocate(), vec![0.0; n]);
+        let pulls: Vec<f64> = (0..set.equations()).map(|r| 0.5 * force * number(300 + r)).collect();
+        set.assemble(&zeros, &pulls, &mut quantities)?;
+        let mut loads = zeros.clone();
+        (0..set.equations()).for_each(|r| quantities.g().row(r).for_each(|(j, v)| loads[j] += v * pulls[r]));
+        let target = Target { loads: &loads, prescribed: &[] };
+        let found =
+            match solve(&mut Weights { springs: springs.clone() }, &set, &Start::at_rest(&set), &target, &asked()) {
+                Ok(found) => found,
+                // Another equilibrium, or none, may be where Newton's method goes to.
+                Err(_) => continue,
+            };
+        set.assemble(&found.u, &found.multipliers, &mut quantities)?;
+        let (g, h) = (dense(quantities.g()), dense(quantities.h()));
+        let stiff = Mat::from_fn(n, n, |i, j| h[(i, j)] + if i == j { springs[i] } else { 0.0 });
+        let svd = g.svd().map_err(|e| format!("{e:?}"))?;
+        let size = svd.S().column_vector();
+        let rank = (0..size.nrows()).filter(|&k| size[k] > 1e-9 * size[0]).count();
+        let z = svd.V().subcols(rank, n - rank);
+        let eigen =
+            (z.transpose() * &stiff * z).self_adjoint_eigenvalues(faer::Side::Lower).map_err(|e| format!("{e:?}"))?;
+        let scale = eigen.iter().fold(0.0_f64, |most, e| most.max(e.abs()));
+        let Some(said) = found.stability else { panic!("it was asked") };
+        if eigen.iter().any(|e| e.abs() < 1e-8 * scale) {
+            continue;
+        }
+        let directions = eigen.iter().filter(|e| **e < 0.0).count();
+        match said {
+            Stability::Undecided => undecided += 1,
+            other => assert_eq!(other, self::said(directions), "{seed}: {eigen:?}"),
+        }
+        seen[directions.min(5)] += 1;
+    }
+    println!("directions {seen:?}, undecided {undecided}");
+    assert!(
+        seen.iter().sum::<usize>() > 150 && seen[1..].iter().all(|&count| count > 5) && undecided < 5,
+        "{seen:?} {undecided}"
+    );
+    Ok(())
+}
+
+fn dense(a: &qless::Csr) -> Mat<f64> {
+    let mut m = Mat::zeros(a.rows(), a.cols());
+    (0..a.rows()).for_each(|r| a.row(r).for_each(|(j, v)| m[(r, j)] = v));
+    m
 }
