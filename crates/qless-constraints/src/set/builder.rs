@@ -6,6 +6,7 @@ use super::block::Blocks;
 use super::labels::Register;
 use super::lazy::Planned;
 use super::linear::Rows;
+use super::stated::Stated;
 use super::{AddError, ConstraintId, ConstraintSet};
 use crate::constraint::Constraint;
 
@@ -28,7 +29,7 @@ impl SetBuilder {
             blocks: Blocks::default(),
             planned: Planned::default(),
             time: 0.0,
-            sizes: Vec::new(),
+            stated: Stated::default(),
             version: Identity::new(),
         })
     }

@@ -10,8 +10,7 @@
 
 use qless::Identity;
 
-use super::rounding::{Size, Sizes};
-use super::store::{Contents, Coordinate};
+use super::store::Contents;
 use super::{AddError, ConstraintId, ConstraintSet, EditError, ReplaceError, Store, StoreError, TimeError};
 use crate::constraint::Constraint;
 
@@ -169,8 +168,8 @@ impl ConstraintSet {
 
     /// Puts what a constraint consists of in its place.
     fn put(&mut self, number: u32, contents: Contents) {
-        self.know(&contents);
-        let Self { register, linear, blocks, planned, time, .. } = self;
+        let Self { register, linear, blocks, planned, stated, time, .. } = self;
+        stated.put(number, contents.coordinates);
         linear.put(number, contents.equations, &mut register.parts, *time);
         if !contents.pieces.is_empty() {
             planned.outdate();
@@ -180,18 +179,6 @@ impl ConstraintSet {
             }
         }
         self.version = Identity::new();
-    }
-
-    /// Keeps the sizes of the coordinates that a constraint states.
-    fn know(&mut self, contents: &Contents) {
-        for &Coordinate { dof, at, node } in contents.coordinates.iter().filter(|stated| stated.node != 0.0) {
-            let dof = dof as usize;
-            if self.sizes.len() <= dof {
-                self.sizes.resize(dof + 1, Sizes::default());
-            }
-            let known = &mut self.sizes[dof];
-            *known = Sizes { at: known.at.max(Size::above(at)), node: known.node.max(Size::above(node)) };
-        }
     }
 
     /// Takes the equations of a constraint out.
@@ -204,7 +191,7 @@ impl ConstraintSet {
         }
         self.version = Identity::new();
         let (equations, pieces) = (linear.take(number, &register.parts), blocks.take(number, &register.parts));
-        Contents { equations, pieces, coordinates: Vec::new() }
+        Contents { equations, pieces, coordinates: self.stated.take(number) }
     }
 
     /// Gives a constraint other numbers, if the patterns stay; else they are handed back.
@@ -216,8 +203,9 @@ impl ConstraintSet {
         if !same || !pairs.all(|(piece, &(_, place))| piece.fits(place, &self.blocks)) {
             return Err(contents);
         }
-        self.know(&contents);
-        let Self { register, linear, blocks, time, .. } = self;
+        let Self { register, linear, blocks, stated, time, .. } = self;
+        stated.take(number);
+        stated.put(number, contents.coordinates);
         linear.overwrite(number, contents.equations, &mut register.parts, *time);
         for (piece, (_, place)) in contents.pieces.into_iter().zip(places) {
             piece.overwrite(number, &mut register.parts, place, blocks);

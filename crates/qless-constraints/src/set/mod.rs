@@ -29,6 +29,7 @@ mod order;
 mod quantities;
 pub(crate) mod rotations;
 mod rounding;
+mod stated;
 mod store;
 mod sums;
 mod system;
@@ -51,7 +52,7 @@ use lazy::Planned;
 use linear::Rows;
 pub use quantities::Quantities;
 pub use rounding::Rounding;
-use rounding::Sizes;
+use stated::Stated;
 pub use store::Store;
 pub use system::Vanishing;
 pub use time::TimeError;
@@ -83,8 +84,8 @@ pub struct ConstraintSet {
     blocks: Blocks,
     planned: Planned,
     time: f64,
-    /// The largest coordinate that was ever stated of each DOF, for [`ConstraintSet::rounding`]; shorter if the others have none.
-    sizes: Vec<Sizes>,
+    /// The coordinates that DOFs add to, for [`ConstraintSet::rounding`].
+    stated: Stated,
     /// Another one after each change.
     version: Identity,
 }

@@ -7,6 +7,7 @@ use super::StoreError;
 use super::batch::Terms;
 use super::block::{Blocks, Place};
 use super::labels::{Owner, Parts};
+use super::stated::Coordinate;
 use super::time::Rhs;
 use crate::constraint::Nonlinear;
 use crate::geometry::node::Node;
@@ -28,7 +29,7 @@ pub struct Store {
 pub(super) struct Contents {
     pub equations: Vec<Equation>,
     pub pieces: Vec<Box<dyn Piece>>,
-    /// What DOFs add to; of a constraint that rests the set knows it.
+    /// What DOFs add to.
     pub coordinates: Vec<Coordinate>,
 }
 
@@ -52,14 +53,6 @@ impl Contents {
     pub fn rows(&self) -> usize {
         self.equations.len() + self.pieces.iter().map(|piece| piece.rows()).sum::<usize>()
     }
-}
-
-/// A DOF that adds to a coordinate.
-pub(super) struct Coordinate {
-    pub dof: u32,
-    pub at: f64,
-    /// The largest coordinate of the node: along an axis where it has none, it is no smaller a model.
-    pub node: f64,
 }
 
 impl std::fmt::Debug for Store {
@@ -146,15 +139,15 @@ impl Store {
     /// For types that keep differences of coordinates only, for [`crate::ConstraintSet::rounding`].
     pub fn coordinate(&mut self, dof: usize, at: f64) {
         self.check_number(at);
-        self.contents.coordinates.push(Coordinate { dof: dof as u32, at, node: at });
+        self.contents.coordinates.extend((at != 0.0).then(|| Coordinate::new(dof, at, at)));
     }
 
     /// [`Store::coordinate`] of all translations of a node.
     pub fn coordinates_of<const D: usize>(&mut self, node: &Node<D>) {
         let largest = node.at.iter().fold(0.0, |most: f64, at| most.max(at.abs()));
         self.numbers(node.at);
-        let each = node.dofs.iter().zip(node.at).map(|(&dof, at)| Coordinate { dof: dof as u32, at, node: largest });
-        self.contents.coordinates.extend(each);
+        let each = node.dofs.iter().zip(node.at).map(|(&dof, at)| Coordinate::new(dof, at, largest));
+        self.contents.coordinates.extend(each.filter(|_| largest != 0.0));
     }
 
     /// States that the parameters of a nonlinear part hold these numbers, as coordinates: each must be finite.

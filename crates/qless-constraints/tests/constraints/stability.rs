@@ -272,12 +272,9 @@ fn random_mechanisms_are_as_unstable_as_their_eigenvalues() -> Outcome {
         let mut loads = zeros.clone();
         (0..set.equations()).for_each(|r| quantities.g().row(r).for_each(|(j, v)| loads[j] += v * pulls[r]));
         let target = Target { loads: &loads, prescribed: &[] };
-        let found =
-            match solve(&mut Weights { springs: springs.clone() }, &set, &Start::at_rest(&set), &target, &asked()) {
-                Ok(found) => found,
-                // Another equilibrium, or none, may be where Newton's method goes to.
-                Err(_) => continue,
-            };
+        // Another equilibrium, or none, may be where Newton's method goes to.
+        let (mut model, start) = (Weights { springs: springs.clone() }, Start::at_rest(&set));
+        let Ok(found) = solve(&mut model, &set, &start, &target, &asked()) else { continue };
         set.assemble(&found.u, &found.multipliers, &mut quantities)?;
         let (g, h) = (dense(quantities.g()), dense(quantities.h()));
         let stiff = Mat::from_fn(n, n, |i, j| h[(i, j)] + if i == j { springs[i] } else { 0.0 });
