@@ -31,7 +31,7 @@ impl Stated {
             return;
         }
         if let Some(largest) = self.largest.get_mut() {
-            coordinates.iter().for_each(|coordinate| enter(coordinate, largest));
+            coordinates.iter().for_each(|&coordinate| enter(coordinate, largest));
         }
         let place = constraint as usize;
         if self.by_constraint.len() <= place {
@@ -52,13 +52,13 @@ impl Stated {
     pub fn largest(&self) -> &[Sizes] {
         self.largest.get_or_init(|| {
             let mut largest = Vec::new();
-            self.by_constraint.iter().flatten().for_each(|coordinate| enter(coordinate, &mut largest));
+            self.by_constraint.iter().flatten().for_each(|&coordinate| enter(coordinate, &mut largest));
             largest
         })
     }
 }
 
-fn enter(&Coordinate { dof, sizes }: &Coordinate, largest: &mut Vec<Sizes>) {
+fn enter(Coordinate { dof, sizes }: Coordinate, largest: &mut Vec<Sizes>) {
     let dof = dof as usize;
     if largest.len() <= dof {
         largest.resize(dof + 1, Sizes::default());
