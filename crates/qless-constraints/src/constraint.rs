@@ -83,8 +83,21 @@ pub trait Nonlinear: Send + Sync + Sized + 'static {
 
     /// Takes the parameters of this time; the DOFs and [`Nonlinear::pairs`] stay what they are.
     ///
-    /// Called when the constraint is added, with the time of the set (0 at first), and by [`crate::ConstraintSet::set_time`].
-    fn at_time(&mut self, _time: f64) {}
+    /// Called when the constraint is added or activated, with the time of the set (0 at first), and by
+    /// [`crate::ConstraintSet::set_time`].
+    ///
+    /// # Errors
+    /// What a function of time gives where that is not finite. The set then stays where it was, and takes the parameters of that time again.
+    fn at_time(&mut self, _time: f64) -> Result<(), f64> {
+        Ok(())
+    }
+
+    /// The angle, in radians, that the parameters prescribe and that c knows only up to whole turns.
+    ///
+    /// From one time to the next c can be followed over less than half a turn of it; [`crate::equilibrium::drive`] takes shorter steps.
+    fn angle(&self) -> Option<f64> {
+        None
+    }
 
     /// Calls `found(k)` for each rotation vector in the local DOFs k, k + 1, k + 2 of which c uses the rotation and nothing else: it may be replaced by
     /// another vector of the same rotation ([`crate::ConstraintSet::shorten_rotations`]).

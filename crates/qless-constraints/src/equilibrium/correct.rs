@@ -4,6 +4,7 @@
 //! correction with the same matrix, `A^-1 F(x + t dx)`, is shorter than dx by a quarter of t. Where a stiff direction (an axis, a
 //! rod) bends, forces rise for a step while the error falls: the residual itself would forbid that step.
 
+use super::pattern::Pattern;
 use super::rows::Rows;
 use super::saddle::{Entries, Saddle, large};
 use super::state::{State, Unknowns};
@@ -35,6 +36,10 @@ pub struct Corrector<'a, M> {
     pub iterates: Vec<Iterate>,
     /// Times that the kept rows changed.
     pub changes: usize,
+    /// That of the last tangent.
+    pub pattern: &'a mut Pattern,
+    /// Whether scales of DOFs start from their units: where displacements and rotations are as different as their units, only these find those that fit.
+    pub in_units: &'a mut bool,
 }
 
 /// A tangent and its factors.
@@ -120,12 +125,17 @@ impl<M: Model> Corrector<'_, M> {
     }
 
     /// The factored tangent at the last evaluation, with something added if it is singular.
-    pub fn tangent(&self, rows: &Rows) -> Result<Tangent, Failure> {
+    pub fn tangent(&mut self, rows: &Rows) -> Result<Tangent, Failure> {
         let entries = self.entries(rows);
-        let saddle = Saddle::new(&entries, self.free.len(), 0.0).map_err(Failure::Solver)?;
-        let Some(null) = saddle.null_vector() else { return Ok(Tangent { saddle, singular: None }) };
+        let saddle = Saddle::new(&entries, self.free.len(), 0.0, self.pattern).map_err(Failure::Solver)?;
+        let Some(null) = saddle.null_vector(self.pattern) else { return Ok(Tangent { saddle, singular: None }) };
         let dofs = if null.is_empty() { Vec::new() } else { large(&null, self.free.len()) };
-        let saddle = Saddle::new(&entries, self.free.len(), ADDED).map_err(Failure::Solver)?;
+        // The kept rows were independent where they were chosen, in units.
+        if dofs.is_empty() && !*self.in_units {
+            *self.in_units = true;
+            return self.tangent(rows);
+        }
+        let saddle = Saddle::new(&entries, self.free.len(), ADDED, self.pattern).map_err(Failure::Solver)?;
         Ok(Tangent { saddle, singular: Some(dofs.into_iter().map(|i| self.free[i]).collect()) })
     }
 
@@ -141,7 +151,8 @@ impl<M: Model> Corrector<'_, M> {
             g.row(row).filter_map(move |(j, v)| Some((n + r, place[j]?, v)))
         });
         list.extend(border.flat_map(|(r, j, v)| [(r, j, v), (j, r, v)]));
-        Entries { size: n + rows.list().len(), stiff, list }
+        let units = if *self.in_units { self.free.iter().map(|&j| rows.units()[j]).collect() } else { Vec::new() };
+        Entries { size: n + rows.list().len(), stiff, list, units }
     }
 
     /// The place of each DOF among the free ones.
@@ -218,10 +229,8 @@ impl<M: Model> Corrector<'_, M> {
     }
 
     /// Whether the tangent at the equilibrium resists every motion that the constraints allow.
-    pub fn supported(&mut self, rows: &Rows) -> Result<(), Failure> {
-        match self.tangent(rows)?.singular {
-            Some(dofs) => Err(Failure::Unsupported(dofs)),
-            None => Ok(()),
-        }
+    pub fn supported(&mut self, rows: &Rows) -> Result<Saddle, Failure> {
+        let Tangent { saddle, singular } = self.tangent(rows)?;
+        singular.map_or(Ok(saddle), |dofs| Err(Failure::Unsupported(dofs)))
     }
 }

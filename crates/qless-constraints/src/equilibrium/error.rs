@@ -2,8 +2,8 @@
 
 use std::error::Error;
 
-use crate::LineariseError;
 use crate::newton::NewtonError;
+use crate::{LineariseError, TimeError};
 use qless::{AnalysisError, ArgumentError};
 
 /// Why no equilibrium was found.
@@ -77,6 +77,22 @@ pub enum EquilibriumError {
         /// The DOFs that move most in it, the largest first.
         dofs: Vec<usize>,
     },
+    /// A motor turns too far in the shortest load step.
+    #[error(
+        "at load factor {factor}: {label} would turn by {angle} rad in the shortest load step, and more than a sixteenth of a turn is not \
+         followed; allow shorter load steps, or go to a time nearer by"
+    )]
+    Turn {
+        /// Reached so far.
+        factor: f64,
+        /// Its label.
+        label: String,
+        /// By how much, in radians.
+        angle: f64,
+    },
+    /// The time, or a function of it, is not finite on the way.
+    #[error(transparent)]
+    Time(#[from] TimeError),
     /// The constraints have no solution near.
     #[error("at load factor {factor}: {source}")]
     Constraints {

@@ -19,6 +19,11 @@ pub enum Failure {
     Conflict(Vec<usize>),
     /// DOFs of a motion that nothing resists.
     Unsupported(Vec<usize>),
+    /// The row of a motor, and the angle in radians that it would turn by in one load step.
+    Turn {
+        row: usize,
+        angle: f64,
+    },
     NoConvergence,
     Solver(String),
     Constraints(NewtonError),
@@ -83,6 +88,9 @@ impl Failure {
                 EquilibriumError::Conflict { factor, labels: rows.iter().filter_map(|&r| set.label(r).ok()).collect() }
             }
             Self::Unsupported(dofs) => EquilibriumError::Unsupported { factor, dofs },
+            Self::Turn { row, angle } => {
+                EquilibriumError::Turn { factor, label: set.label(row).unwrap_or_default(), angle }
+            }
             Self::NoConvergence => EquilibriumError::NoConvergence { factor, tried, force, constraint },
             Self::Solver(why) => EquilibriumError::Solver { factor, why },
             Self::Constraints(source) => EquilibriumError::Constraints { factor, source },

@@ -1,4 +1,4 @@
-//! Load steps: `f_ext = f_0 + s (f_1 - f_0)`, `u_p = u_p0 + s (v - u_p0)`, s from 0 to 1.
+//! Load steps: `f_ext = f_0 + s (f_1 - f_0)`, `u_p = u_p0 + s (v - u_p0)`, `t = t_0 + s (t_1 - t_0)`, s from 0 to 1.
 //!
 //! A step that fails is tried once more from the nearest configuration that satisfies the constraints (at a dead centre first order knows no
 //! way), then it is cut to a quarter. After an easy step the next one is twice as long.
@@ -6,12 +6,16 @@
 use qless::SystemBuilder;
 
 use super::correct::Corrector;
+use super::course::Course;
 use super::failure::{Failure, Reached};
+use super::pattern::Pattern;
 use super::rows::Rows;
+use super::stability::{Stability, stability};
 use super::state::{State, Unknowns, constraint_forces};
 use super::{Equilibrium, EquilibriumError, EquilibriumOptions, LoadStep, Model, Start, Target};
 use crate::ConstraintSet;
 use crate::newton::{self, NewtonError, NewtonOptions};
+use crate::set::rotations::shorten;
 
 /// A step with fewer iterates was easy.
 const EASY: usize = 8;
@@ -48,7 +52,7 @@ pub fn check(dofs: usize, set: &ConstraintSet, start: &Start, target: &Target) -
 /// The way from the start to the target.
 pub struct Path<'a, M> {
     model: &'a mut M,
-    set: &'a ConstraintSet,
+    course: Course<'a>,
     start: &'a Start,
     target: &'a Target<'a>,
     options: &'a EquilibriumOptions,
@@ -57,26 +61,56 @@ pub struct Path<'a, M> {
     /// The last equilibrium.
     at: Unknowns,
     rows: Option<Rows>,
+    rotations: Vec<[usize; 3]>,
+    pattern: Pattern,
+    in_units: bool,
+    stability: Option<Stability>,
     steps: Vec<LoadStep>,
 }
 
 impl<'a, M: Model> Path<'a, M> {
     pub fn new(
         model: &'a mut M,
-        set: &'a ConstraintSet,
+        course: Course<'a>,
         start: &'a Start,
         target: &'a Target<'a>,
         options: &'a EquilibriumOptions,
     ) -> Result<Self, EquilibriumError> {
+        let set = course.set();
         let mut held = vec![false; set.dofs()];
         target.prescribed.iter().for_each(|&(j, _)| held[j] = true);
         let free = (0..set.dofs()).filter(|&j| !held[j]).collect();
         let state = State::new(model, set)?;
         let at = Unknowns { u: start.u.clone(), multipliers: start.multipliers.clone() };
-        Ok(Self { model, set, start, target, options, free, state, at, rows: None, steps: Vec::new() })
+        Ok(Self {
+            model,
+            course,
+            start,
+            target,
+            options,
+            free,
+            state,
+            at,
+            rows: None,
+            rotations: Vec::new(),
+            pattern: Pattern::default(),
+            in_units: false,
+            stability: None,
+            steps: Vec::new(),
+        })
     }
 
+    /// Where nothing is found, the constraints are those of the start again.
     pub fn follow(mut self) -> Result<Equilibrium, EquilibriumError> {
+        self.rotations = self.loose_rotations();
+        let found = self.go();
+        if found.is_err() {
+            self.course.back(0.0);
+        }
+        found.map(|()| self.finish())
+    }
+
+    fn go(&mut self) -> Result<(), EquilibriumError> {
         let (mut factor, mut length) = (0.0, self.options.first);
         while factor < 1.0 {
             let tried: f64 = if factor + 1.001 * length >= 1.0 { 1.0 } else { factor + length };
@@ -88,14 +122,15 @@ impl<'a, M: Model> Path<'a, M> {
                     length *= if easy { 2.0 } else { 1.0 };
                 }
                 Err(failure) => {
+                    self.course.back(factor);
                     length = 0.25 * (tried - factor);
                     if failure.is_fatal() || length < self.options.shortest {
-                        return Err(failure.into_error(self.set, self.reached(factor)));
+                        return Err(failure.into_error(self.course.set(), self.reached(factor)));
                     }
                 }
             }
         }
-        Ok(self.finish())
+        Ok(())
     }
 
     fn reached(&self, factor: f64) -> Reached {
@@ -111,14 +146,27 @@ impl<'a, M: Model> Path<'a, M> {
         let loads: Vec<f64> = self.start.loads.iter().zip(self.target.loads).map(|(&a, &b)| between(a, b)).collect();
         let prescribed: Vec<(usize, f64)> =
             self.target.prescribed.iter().map(|&(j, v)| (j, between(self.start.u[j], v))).collect();
-        let first = match self.rows.clone().map_or_else(|| self.rows_at_start(&prescribed), Ok) {
-            Ok(rows) => self.attempt(self.at.clone(), rows, factor, (&loads, &prescribed)),
-            Err(failure) => Err(failure),
-        };
+        // Half a turn at most, so that none comes to a whole one, where it is singular.
+        self.rotations.iter().for_each(|&vector| _ = shorten(&mut self.at.u, vector));
+        let rows = self.rows.clone().map_or_else(|| self.rows_at_start(&prescribed), Ok);
+        self.course.go(factor)?;
+        let first = rows.and_then(|rows| self.attempt(self.at.clone(), rows, factor, (&loads, &prescribed)));
         match first {
             Err(failure) if !failure.is_fatal() => self.again(failure, factor, (&loads, &prescribed)),
             other => other,
         }
+    }
+
+    /// Rotation vectors that nobody but the constraints knows.
+    fn loose_rotations(&mut self) -> Vec<[usize; 3]> {
+        let evaluated = self.state.balance(self.model, self.course.set(), &self.at, &self.start.loads).is_ok();
+        let mut known = self.state.assembly.known();
+        self.target.prescribed.iter().for_each(|&(j, _)| known[j] = true);
+        let loads = self.start.loads.iter().zip(self.target.loads);
+        known.iter_mut().zip(loads).for_each(|(known, (a, b))| *known |= *a != 0.0 || *b != 0.0);
+        let mut vectors = self.course.set().rotation_vectors();
+        vectors.retain(|vector| evaluated && vector.iter().all(|&dof| !known[dof]));
+        vectors
     }
 
     /// Rows where the constraints hold nearest to the start; where that is not found in a few steps, at the start.
@@ -133,16 +181,17 @@ impl<'a, M: Model> Path<'a, M> {
     }
 
     fn rows_at(&mut self, u: &[f64], prescribed: &[(usize, f64)]) -> Result<Rows, Failure> {
-        self.set.evaluate(u, &mut self.state.quantities)?;
+        let set = self.course.set();
+        set.evaluate(u, &mut self.state.quantities)?;
         let before = self.rows.as_ref().map_or(&[][..], |rows| rows.list());
-        Rows::new(self.set, &self.state.quantities, prescribed, (self.options, before))
+        Rows::new(set, &self.state.quantities, prescribed, (self.options, before))
     }
 
     /// The nearest configuration that satisfies the constraints.
     fn consistent(&self, prescribed: &[(usize, f64)], steps: usize) -> Result<Vec<f64>, Failure> {
         let (tolerance, analysis) = (self.options.roundings, self.options.analysis.clone());
         let options = NewtonOptions { tolerance, steps, analysis };
-        let found = newton::solve(self.set, &self.at.u, prescribed, &options);
+        let found = newton::solve(self.course.set(), &self.at.u, prescribed, &options);
         found.map(|found| found.u).map_err(Failure::Constraints)
     }
 
@@ -176,7 +225,7 @@ impl<'a, M: Model> Path<'a, M> {
     ) -> Result<(Unknowns, Rows), Failure> {
         let mut corrector = Corrector {
             model: &mut *self.model,
-            set: self.set,
+            set: self.course.set(),
             options: self.options,
             loads,
             prescribed,
@@ -184,10 +233,15 @@ impl<'a, M: Model> Path<'a, M> {
             state: &mut self.state,
             iterates: Vec::new(),
             changes: 0,
+            pattern: &mut self.pattern,
+            in_units: &mut self.in_units,
         };
         let mut result = corrector.run(&mut x, &mut rows);
         if result.is_ok() && factor == 1.0 {
-            result = corrector.supported(&rows);
+            result = corrector.supported(&rows).map(|saddle| {
+                let asked = self.options.stability;
+                self.stability = asked.then(|| stability(saddle.matrix(), self.free.len()));
+            });
         }
         let iterates = corrector.iterates;
         self.steps.push(LoadStep { factor, converged: result.is_ok(), iterates });
@@ -195,7 +249,7 @@ impl<'a, M: Model> Path<'a, M> {
     }
 
     fn finish(self) -> Equilibrium {
-        let Self { target, state, at, rows, steps, .. } = self;
+        let Self { target, state, at, rows, stability, steps, .. } = self;
         let forces = constraint_forces(state.quantities.g(), &at.multipliers);
         let kept = |r: &usize| rows.as_ref().is_none_or(|rows| rows.kept(*r));
         Equilibrium {
@@ -204,6 +258,7 @@ impl<'a, M: Model> Path<'a, M> {
             redundant: (0..at.multipliers.len()).filter(|r| !kept(r)).collect(),
             loads: target.loads.to_vec(),
             u: at.u,
+            stability,
             multipliers: at.multipliers,
             steps,
         }

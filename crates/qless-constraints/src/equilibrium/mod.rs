@@ -4,7 +4,7 @@
 //! | --- | --- | --- |
 //! | evaluation | `f_int, K` by the [`Model`]; `c, G, H = sum_r lambda_r d^2 c_r / du^2` by the set | one pass each |
 //! | rows | redundant equations are left out, their multipliers are zero | one analysis per load step |
-//! | correction | `[K + H, G^T; G, 0] [du; dlambda] = -[r; c]`, scaled from both sides | one sparse LU |
+//! | correction | `[K + H, G^T; G, 0] [du; dlambda] = -[r; c]`, scaled from both sides | one numeric sparse LU; its symbolic part once |
 //! | length | the natural test of affine invariance | one evaluation and solution per trial |
 //! | load steps | cut where a step fails, longer where it is easy | |
 //!
@@ -12,24 +12,29 @@
 //! with the rounding of their own terms ([`ConstraintSet::rounding`]). Nothing is compared with 1, so that the unit of length, force or angle
 //! drops out.
 //!
-//! An equilibrium that is returned is one to these tolerances, and its tangent is not singular; whether it is stable is not asked.
+//! An equilibrium that is returned is one to these tolerances, and its tangent is not singular. It may be unstable: [`EquilibriumOptions::stability`] asks.
 
 mod correct;
+mod course;
 mod error;
 mod failure;
 mod load;
 mod model;
+mod pattern;
 mod rows;
 mod saddle;
+mod stability;
 mod state;
 
 use qless::Options;
 
+use course::Course;
 pub use error::EquilibriumError;
 use failure::Failure;
 pub use model::{Assembly, Model};
+pub use stability::Stability;
 
-use crate::ConstraintSet;
+use crate::{ConstraintSet, TimeError};
 
 /// Settings of [`solve`].
 #[derive(Clone, Debug)]
@@ -44,6 +49,8 @@ pub struct EquilibriumOptions {
     pub first: f64,
     /// The shortest load step. Default 1e-4.
     pub shortest: f64,
+    /// Whether [`Equilibrium::stability`] is asked for. Default no: it costs another factorization.
+    pub stability: bool,
     /// How the constraints are analysed.
     pub analysis: Options,
 }
@@ -51,7 +58,15 @@ pub struct EquilibriumOptions {
 impl Default for EquilibriumOptions {
     fn default() -> Self {
         let analysis = Options::default();
-        Self { tolerance: 1e-10, roundings: 4.0, iterations: 25, first: 1.0, shortest: 1e-4, analysis }
+        Self {
+            tolerance: 1e-10,
+            roundings: 4.0,
+            iterations: 25,
+            first: 1.0,
+            shortest: 1e-4,
+            stability: false,
+            analysis,
+        }
     }
 }
 
@@ -121,6 +136,8 @@ pub struct Equilibrium {
     pub constraint_forces: Vec<f64>,
     /// Equations that are redundant here, without multipliers.
     pub redundant: Vec<usize>,
+    /// Whether it is stable, where [`EquilibriumOptions::stability`] asks.
+    pub stability: Option<Stability>,
     /// All attempts at load steps, those that failed too.
     pub steps: Vec<LoadStep>,
     /// The loads that it carries.
@@ -180,7 +197,65 @@ pub fn solve(
 ) -> Result<Equilibrium, EquilibriumError> {
     options.validate()?;
     load::check(model.dofs(), set, start, target)?;
-    load::Path::new(model, set, start, target, options)?.follow()
+    load::Path::new(model, Course::Still(set), start, target, options)?.follow()
+}
+
+/// [`solve`] while the set goes from its time to another: motors and right-hand sides that are functions of time move with the loads,
+/// `t = t_0 + s (t_1 - t_0)` at the load factor s.
+///
+/// Multipliers are what the motors push with: on the way `dE = -lambda . db` with b what they prescribe (`phi`, `d`) and E the energy of model and loads.
+/// An angle is followed the right way, however many turns it goes: no load step turns it by more than a sixteenth of one. Afterwards the
+/// set is at `time`; after an error, where it was.
+///
+/// What is returned is an equilibrium. It is on the branch of the start unless two branches meet on the way, or nearly so: in a linkage that folds flat
+/// but for less than a hundredth of its bars, Newton's method may go over to the other. Go there by times nearer to one another.
+///
+/// ```
+/// use qless_constraints::equilibrium::{Assembly, EquilibriumOptions, Model, Start, Target, drive};
+/// use qless_constraints::{ConstraintSet, types::{Body, Revolute, RotationMotor}};
+/// /// No stiffness: a weight on an arm.
+/// struct Weight;
+/// impl Model for Weight {
+///     fn dofs(&self) -> usize {
+///         6
+///     }
+///     fn pattern(&self, _: &mut dyn FnMut(usize, usize)) {}
+///     fn assemble(&mut self, _: &[f64], _: &mut Assembly) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+///         Ok(())
+///     }
+/// }
+/// let (ground, arm, axis) = (Body::ground(), Body::with_vector([0, 1, 2], [2.0, 0.0, 0.0], [3, 4, 5]), [0.0, 0.0, 1.0]);
+/// let mut builder = ConstraintSet::builder(6);
+/// builder.add("bearing", Revolute { a: ground, b: arm, at: [0.0; 3], axis })?;
+/// let motor = builder.add("motor", RotationMotor::new(ground, arm, axis, |t| t))?;
+/// let mut set = builder.build()?;
+/// let loads = [0.0, -3.0, 0.0, 0.0, 0.0, 0.0];
+/// let start = Start { loads: loads.to_vec(), ..Start::at_rest(&set) };
+/// let target = Target { loads: &loads, prescribed: &[] };
+/// let found = drive(&mut Weight, &mut set, &start, &target, 7.0, &EquilibriumOptions::default())?;
+/// // One turn and 0.717 rad later the motor carries the moment of the weight.
+/// let moment = -found.multipliers[set.rows_of(motor)?[0]];
+/// assert!((moment - 3.0 * 2.0 * 7_f64.cos()).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`EquilibriumError`].
+pub fn drive(
+    model: &mut impl Model,
+    set: &mut ConstraintSet,
+    start: &Start,
+    target: &Target,
+    time: f64,
+    options: &EquilibriumOptions,
+) -> Result<Equilibrium, EquilibriumError> {
+    options.validate()?;
+    load::check(model.dofs(), set, start, target)?;
+    if !time.is_finite() {
+        return Err(TimeError::Time(time).into());
+    }
+    let times = [set.time(), time];
+    load::Path::new(model, Course::Driven { set, times }, start, target, options)?.follow()
 }
 
 impl EquilibriumOptions {

@@ -134,6 +134,14 @@ impl Assembly {
         self.wanted
     }
 
+    /// Whether the model has stiffness or a force at each DOF.
+    pub(super) fn known(&self) -> Vec<bool> {
+        let mut known: Vec<bool> = self.terms.iter().map(|&size| size != 0.0).collect();
+        self.columns.iter().for_each(|&j| known[j] = true);
+        known.iter_mut().zip(self.start.windows(2)).for_each(|(known, row)| *known |= row[0] < row[1]);
+        known
+    }
+
     /// All entries `(i, j, K_ij)`.
     pub(super) fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
         (0..self.force.len())

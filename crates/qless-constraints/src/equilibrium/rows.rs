@@ -10,10 +10,12 @@ use crate::newton::units;
 use crate::{ConstraintSet, Quantities};
 
 /// Kept rows, ascending.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub struct Rows {
     list: Vec<usize>,
     kept: Vec<bool>,
+    /// Of the DOFs there.
+    units: Vec<f64>,
 }
 
 impl Rows {
@@ -30,13 +32,18 @@ impl Rows {
         let held: Vec<(usize, f64)> = prescribed.iter().map(|&(j, v)| (j, 0.0 * v)).collect();
         let mut settings: Options = options.analysis.clone();
         settings.preferences.equations = before.to_vec();
-        let analysis = analyse(&set.linearised_in(&units(set, quantities)?, &still, &held)?, &settings)?;
+        let units = units(set, quantities)?;
+        let analysis = analyse(&set.linearised_in(&units, &still, &held)?, &settings)?;
         let kept: Vec<bool> = analysis.kinds().iter().map(|&kind| kind == Kind::Independent).collect();
-        Ok(Self { list: (0..kept.len()).filter(|&r| kept[r]).collect(), kept })
+        Ok(Self { list: (0..kept.len()).filter(|&r| kept[r]).collect(), kept, units })
     }
 
     pub fn list(&self) -> &[usize] {
         &self.list
+    }
+
+    pub fn units(&self) -> &[f64] {
+        &self.units
     }
 
     pub fn kept(&self, row: usize) -> bool {
@@ -52,7 +59,7 @@ impl Rows {
         options: &EquilibriumOptions,
     ) -> Result<bool, Failure> {
         let other = Self::new(set, quantities, prescribed, (options, &self.list))?;
-        let changed = other != *self;
+        let changed = other.list != self.list;
         *self = other;
         Ok(changed)
     }

@@ -6,8 +6,8 @@
 use faer::Mat;
 use faer::prelude::Solve;
 use faer::sparse::linalg::solvers::Lu;
-use faer::sparse::{SparseColMat, Triplet};
 
+use super::pattern::{Matrix, Pattern};
 use crate::newton::random;
 
 /// Rounds of scaling by roots of the largest entries.
@@ -19,14 +19,14 @@ const SHIFT: f64 = 1e-13;
 /// A motion has the DOFs that move by at least this part of the one that moves most.
 const MOVES: f64 = 0.1;
 
-type Matrix = SparseColMat<usize, f64>;
-
 /// Entries `(row, column, value)` of a square matrix; repetitions are summed.
 pub struct Entries {
     pub size: usize,
     /// So many of them, the first, are those of the model's stiffness.
     pub stiff: usize,
     pub list: Vec<(usize, usize, f64)>,
+    /// Units of the DOFs, which come first, from which their scales start; none for one that is common to all.
+    pub units: Vec<f64>,
 }
 
 /// The scaled matrix and its factors.
@@ -38,21 +38,25 @@ pub struct Saddle {
 
 impl Saddle {
     /// Scales and factors, with `added` on the first `free` places of the scaled diagonal.
-    pub fn new(entries: &Entries, free: usize, added: f64) -> Result<Self, String> {
+    pub fn new(entries: &Entries, free: usize, added: f64, pattern: &mut Pattern) -> Result<Self, String> {
         let scale = scaling(entries, free);
-        let scaled = entries.list.iter().map(|&(i, j, v)| Triplet::new(i, j, scale[i] * v * scale[j]));
-        let more = (0..entries.size).map(|i| Triplet::new(i, i, if i < free { added } else { 0.0 }));
-        let list: Vec<_> = scaled.chain(more).collect();
-        let a = Matrix::try_new_from_triplets(entries.size, entries.size, &list).map_err(|e| format!("{e:?}"))?;
-        let lu = a.sp_lu().map_err(|e| format!("{e:?}"))?;
+        let scaled = entries.list.iter().map(|&(i, j, v)| (i, j, scale[i] * v * scale[j]));
+        let more = (0..entries.size).map(|i| (i, i, if i < free { added } else { 0.0 }));
+        let a = pattern.matrix(entries.size, &scaled.chain(more).collect::<Vec<_>>())?;
+        let lu = pattern.factors(&a)?;
         Ok(Self { scale, a, lu })
+    }
+
+    /// `A = D (saddle) D`.
+    pub fn matrix(&self) -> &Matrix {
+        &self.a
     }
 
     /// x, with one step of refinement.
     pub fn solve(&self, rhs: &[f64]) -> Vec<f64> {
         let b: Vec<f64> = rhs.iter().zip(&self.scale).map(|(r, d)| r * d).collect();
         let mut y = inverse(&self.lu, &b);
-        let rest: Vec<f64> = b.iter().zip(self.times(&y)).map(|(b, a)| b - a).collect();
+        let rest: Vec<f64> = b.iter().zip(times(&self.a, &y)).map(|(b, a)| b - a).collect();
         y.iter_mut().zip(inverse(&self.lu, &rest)).for_each(|(y, more)| *y += more);
         y.iter().zip(&self.scale).map(|(y, d)| y * d).collect()
     }
@@ -63,34 +67,33 @@ impl Saddle {
     }
 
     /// The scaled vector that A makes smallest, if that is nothing but rounding; by inverse iteration.
-    pub fn null_vector(&self) -> Option<Vec<f64>> {
+    pub fn null_vector(&self, pattern: &Pattern) -> Option<Vec<f64>> {
         match inverse_iteration(&self.lu, self.scale.len()) {
             Some((_, size)) if size >= SINGULAR => None,
             Some((y, _)) => Some(y),
             // A pivot is exactly zero: a little off, the same vector is found.
             None => Some(
-                self.shifted().and_then(|lu| inverse_iteration(&lu, self.scale.len())).map_or_else(Vec::new, |f| f.0),
+                self.shifted(pattern)
+                    .and_then(|lu| inverse_iteration(&lu, self.scale.len()))
+                    .map_or_else(Vec::new, |f| f.0),
             ),
         }
     }
 
-    fn shifted(&self) -> Option<Lu<usize, f64>> {
-        let n = self.scale.len();
-        let column =
-            |j: usize| self.a.symbolic().row_idx_of_col(j).zip(self.a.val_of_col(j)).map(move |(i, &v)| (i, j, v));
-        let shift = (0..n).map(|i| (i, i, SHIFT));
-        let all = (0..n).flat_map(column).chain(shift).map(|(i, j, v)| Triplet::new(i, j, v));
-        Matrix::try_new_from_triplets(n, n, &all.collect::<Vec<_>>()).ok()?.sp_lu().ok()
+    fn shifted(&self, pattern: &Pattern) -> Option<Lu<usize, f64>> {
+        let mut shifted = self.a.clone();
+        (0..self.scale.len()).for_each(|j| shifted[(j, j)] += SHIFT);
+        pattern.factors(&shifted).ok()
     }
+}
 
-    fn times(&self, x: &[f64]) -> Vec<f64> {
-        let mut y = vec![0.0; x.len()];
-        for (j, x) in x.iter().enumerate() {
-            let column = self.a.symbolic().row_idx_of_col(j).zip(self.a.val_of_col(j));
-            column.for_each(|(i, v)| y[i] += v * x);
-        }
-        y
+/// `A x`.
+pub fn times(a: &Matrix, x: &[f64]) -> Vec<f64> {
+    let mut y = vec![0.0; x.len()];
+    for (j, x) in x.iter().enumerate() {
+        a.symbolic().row_idx_of_col(j).zip(a.val_of_col(j)).for_each(|(i, v)| y[i] += v * x);
     }
+    y
 }
 
 fn inverse(lu: &Lu<usize, f64>, b: &[f64]) -> Vec<f64> {
@@ -131,8 +134,15 @@ pub fn large(y: &[f64], free: usize) -> Vec<usize> {
 /// Powers of two that bring the largest entry of each row to about one.
 ///
 /// DOFs with stiffness have their scale from that alone: a turn and a shift that are tied differ in stiffness by what their units differ
-/// by, and constraints must not hide it. All others are scaled to fit these.
+/// by, and constraints must not hide it. All others are scaled to fit these; of several scales that fit, the start decides.
 fn scaling(entries: &Entries, free: usize) -> Vec<f64> {
+    let unit = |i: usize| entries.units.get(i).copied().unwrap_or(1.0);
+    let list = entries.list.iter().map(|&(i, j, v)| (i, j, unit(i) * v * unit(j))).collect();
+    let in_units = Entries { size: entries.size, stiff: entries.stiff, list, units: Vec::new() };
+    fitted(&in_units, free).iter().enumerate().map(|(i, scale)| unit(i) * scale).collect()
+}
+
+fn fitted(entries: &Entries, free: usize) -> Vec<f64> {
     let mut held = vec![false; entries.size];
     entries.list[..entries.stiff].iter().filter(|(.., v)| *v != 0.0).for_each(|&(i, ..)| held[i] = true);
     let mut scale = start(entries, free);
@@ -150,14 +160,13 @@ fn scaling(entries: &Entries, free: usize) -> Vec<f64> {
 
 /// Stiffness and constraints as large as one another: the unit of force drops out.
 fn start(entries: &Entries, free: usize) -> Vec<f64> {
-    let largest = |stiff: bool| {
-        let chosen = entries.list.iter().filter(|(i, j, _)| (*i < free && *j < free) == stiff);
-        let most = chosen.map(|(.., v)| v.abs()).fold(0.0, f64::max);
-        if most > 0.0 { most } else { 1.0 }
-    };
-    let of_dofs = largest(true).sqrt().recip();
-    let of_rows = (largest(false) * of_dofs).recip();
-    (0..entries.size).map(|i| if i < free { of_dofs } else { of_rows }).collect()
+    let of_motion = entries.list.iter().filter(|(i, j, _)| *i < free && *j < free);
+    let most = of_motion.map(|(.., v)| v.abs()).fold(0.0, f64::max);
+    let of_dofs = if most > 0.0 { most.sqrt().recip() } else { 1.0 };
+    let mut scale = vec![of_dofs; entries.size];
+    let most = largest_in_rows(entries.list.iter(), &vec![1.0; entries.size]);
+    (free..entries.size).filter(|&r| most[r] > 0.0).for_each(|r| scale[r] = (most[r] * of_dofs).recip());
+    scale
 }
 
 fn largest_in_rows<'a>(entries: impl Iterator<Item = &'a (usize, usize, f64)>, scale: &[f64]) -> Vec<f64> {
@@ -166,7 +175,7 @@ fn largest_in_rows<'a>(entries: impl Iterator<Item = &'a (usize, usize, f64)>, s
     most
 }
 
-fn norm(x: &[f64]) -> f64 {
+pub fn norm(x: &[f64]) -> f64 {
     x.iter().fold(0.0, |sum: f64, x| sum.hypot(*x))
 }
 

@@ -54,7 +54,11 @@ pub(super) trait Block: Send + Sync {
     /// Calls `found` with the DOFs of each item, and where rotation vectors are among them.
     fn rotation_vectors(&self, found: &mut dyn FnMut(&[u32], &[usize]));
     /// Takes the parameters of this time, where they are functions of it.
-    fn set_time(&mut self, time: f64);
+    ///
+    /// As an error the first row with a number that is not finite, and that number.
+    fn set_time(&mut self, time: f64) -> Result<(), (usize, f64)>;
+    /// Calls `found` with each angle that is prescribed, and the first row that it is in.
+    fn angles(&self, found: &mut dyn FnMut(usize, f64));
     /// The items from i on, in a block of their own.
     fn split_off(&mut self, i: usize) -> Box<dyn Block>;
     /// Takes item i out, and appends its DOFs.
@@ -92,6 +96,13 @@ impl Blocks {
     /// Each block with the number of its type.
     pub fn with_kinds(&self) -> impl Iterator<Item = (&dyn Block, u32)> {
         self.all.iter().map(AsRef::as_ref).zip(self.kinds.iter().copied())
+    }
+
+    /// Takes the parameters of this time; as an error a nonlinear row with a number that is not finite, and that number.
+    pub fn set_time(&mut self, time: f64) -> Result<(), (usize, f64)> {
+        let Self { all, offsets, .. } = self;
+        let mut blocks = all.iter_mut().enumerate();
+        blocks.try_for_each(|(b, block)| block.set_time(time).map_err(|(row, value)| (offsets.first(b) + row, value)))
     }
 
     pub fn kind<Q: Nonlinear>(&self) -> Option<u32> {

@@ -7,6 +7,7 @@ use super::labels::Register;
 use super::lazy::Planned;
 use super::linear::Rows;
 use super::stamp::Stamp;
+use super::stated::Stated;
 use super::{AddError, ConstraintId, ConstraintSet};
 use crate::constraint::Constraint;
 
@@ -29,7 +30,7 @@ impl SetBuilder {
             blocks: Blocks::default(),
             planned: Planned::default(),
             time: 0.0,
-            sizes: Vec::new(),
+            stated: Stated::default(),
             version: Stamp::default(),
             spare: None,
         })

@@ -8,8 +8,7 @@
 //!
 //! What is evaluated then has the same bits, in the same rows, as from a set that is built from the active constraints.
 
-use super::rounding::Sizes;
-use super::store::{Contents, Coordinate};
+use super::store::Contents;
 use super::{AddError, ConstraintId, ConstraintSet, EditError, ReplaceError, Store, StoreError, TimeError};
 use crate::constraint::Constraint;
 
@@ -80,16 +79,13 @@ impl ConstraintSet {
     /// Gives a constraint that rests its equations again, in the place that it had, at the time of the set. An active one stays as it is.
     ///
     /// # Errors
-    /// [`EditError::Foreign`], [`EditError::Gone`], [`EditError::Time`] for a right-hand side that is not finite at the time of the set.
+    /// [`EditError::Foreign`], [`EditError::Gone`], [`EditError::Time`] for a function of time that is not finite at that of the set.
     pub fn activate(&mut self, constraint: ConstraintId) -> Result<(), EditError> {
         let number = self.register.number(constraint)?;
-        let Some(contents) = self.register.parked(number) else { return Ok(()) };
-        for equation in &contents.equations {
-            let value = equation.rhs.at(self.time);
-            if !value.is_finite() {
-                let label = self.register.name(number).to_string();
-                return Err(TimeError::NotFinite { label, time: self.time, value }.into());
-            }
+        let Some(contents) = self.register.parked_mut(number) else { return Ok(()) };
+        if let Err(value) = contents.at_time(self.time) {
+            let label = self.register.name(number).to_string();
+            return Err(TimeError::NotFinite { label, time: self.time, value }.into());
         }
         if let Some(contents) = self.register.take(number) {
             self.put(number, contents);
@@ -170,31 +166,19 @@ impl ConstraintSet {
 
     /// Puts what a constraint consists of in its place.
     fn put(&mut self, number: u32, mut contents: Box<Contents>) {
-        self.know(&contents);
-        let Self { register, linear, blocks, planned, time, .. } = self;
+        let Self { register, linear, blocks, planned, stated, time, .. } = self;
+        stated.put(number, &mut contents.coordinates);
         linear.put(number, &mut contents.equations, &mut register.parts, *time);
         if !contents.pieces.is_empty() {
             planned.outdate();
             let Contents { pieces, dofs, .. } = &mut *contents;
-            pieces.drain(..).for_each(|piece| piece.commit(number, dofs, &mut register.parts, *time, blocks));
+            pieces.drain(..).for_each(|piece| piece.commit(number, dofs, &mut register.parts, blocks));
             if planned.is_wanted() {
                 blocks.of(number).into_iter().for_each(|(_, (b, i))| planned.touch(blocks.all[b].as_ref(), i));
             }
         }
         self.version.renew();
         self.spare = contents.emptied();
-    }
-
-    /// Keeps the sizes of the coordinates that a constraint states.
-    fn know(&mut self, contents: &Contents) {
-        for &Coordinate { dof, sizes: Sizes { at, node } } in &contents.coordinates {
-            let dof = dof as usize;
-            if self.sizes.len() <= dof {
-                self.sizes.resize(dof + 1, Sizes::default());
-            }
-            let known = &mut self.sizes[dof];
-            *known = Sizes { at: known.at.max(at), node: known.node.max(node) };
-        }
     }
 
     /// Takes the equations of a constraint out.
@@ -208,7 +192,7 @@ impl ConstraintSet {
         self.version.renew();
         let equations = linear.take(number, &register.parts);
         let (pieces, dofs) = blocks.take(number, &register.parts);
-        Contents { equations, pieces, dofs, coordinates: Vec::new() }
+        Contents { equations, pieces, dofs, coordinates: self.stated.take(number) }
     }
 
     /// Gives a constraint other numbers, if the patterns stay; else they are handed back.
@@ -220,9 +204,10 @@ impl ConstraintSet {
         if !same || !pairs.all(|(piece, &(_, place))| piece.fits(&contents.dofs, place, &self.blocks)) {
             return Err(contents);
         }
-        self.know(&contents);
-        let Self { register, linear, blocks, time, .. } = self;
-        let Contents { equations, pieces, .. } = *contents;
+        let Self { register, linear, blocks, stated, time, .. } = self;
+        let Contents { equations, pieces, mut coordinates, .. } = *contents;
+        stated.take(number);
+        stated.put(number, &mut coordinates);
         linear.overwrite(number, equations, &mut register.parts, *time);
         for (piece, (_, place)) in pieces.into_iter().zip(places) {
             piece.overwrite(number, &mut register.parts, place, blocks);

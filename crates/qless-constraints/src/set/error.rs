@@ -86,7 +86,7 @@ pub enum EditError {
         /// The number.
         value: f64,
     },
-    /// A right-hand side that is not finite at the time of the set.
+    /// A function of time that is not finite at that of the set.
     #[error(transparent)]
     Time(#[from] TimeError),
 }

@@ -5,7 +5,7 @@ use super::ConstraintSet;
 impl ConstraintSet {
     /// `max(|u_j|, |at|)` with the largest coordinate of the nodes that DOF j moves; at least 1 rad for rotations.
     pub(crate) fn extents(&self, u: &[f64]) -> Vec<f64> {
-        let at = self.sizes.iter().map(|size| size.node.number()).chain(std::iter::repeat(0.0));
+        let at = self.stated.largest().iter().map(|size| size.node.number()).chain(std::iter::repeat(0.0));
         let mut sizes: Vec<f64> = u.iter().zip(at).map(|(u, at)| u.abs().max(at)).collect();
         self.blocks.all.iter().for_each(|block| {
             block.rotation_vectors(&mut |dofs, places| {

@@ -297,10 +297,20 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
         }
     }
 
-    fn set_time(&mut self, time: f64) {
+    fn set_time(&mut self, time: f64) -> Result<(), (usize, f64)> {
         if Q::DRIVEN {
-            self.items.iter_mut().for_each(|item| item.at_time(time));
+            for (i, item) in self.items.iter_mut().enumerate() {
+                item.at_time(time).map_err(|value| (i * Q::PARTS.len(), value))?;
+            }
             self.units.take();
+        }
+        Ok(())
+    }
+
+    fn angles(&self, found: &mut dyn FnMut(usize, f64)) {
+        if Q::DRIVEN {
+            let angles = self.items.iter().enumerate().filter_map(|(i, item)| item.angle().map(|angle| (i, angle)));
+            angles.for_each(|(i, angle)| found(i * Q::PARTS.len(), angle));
         }
     }
 

@@ -32,6 +32,7 @@ mod quantities;
 pub(crate) mod rotations;
 mod rounding;
 mod stamp;
+mod stated;
 mod store;
 mod sums;
 mod system;
@@ -54,8 +55,8 @@ use lazy::Planned;
 use linear::Rows;
 pub use quantities::Quantities;
 pub use rounding::Rounding;
-use rounding::Sizes;
 use stamp::Stamp;
+use stated::Stated;
 use store::Contents;
 pub use store::Store;
 pub use system::Vanishing;
@@ -88,8 +89,8 @@ pub struct ConstraintSet {
     blocks: Blocks,
     planned: Planned,
     time: f64,
-    /// The largest coordinate that was ever stated of each DOF, for [`ConstraintSet::rounding`]; shorter if the others have none.
-    sizes: Vec<Sizes>,
+    /// The coordinates that DOFs add to, for [`ConstraintSet::rounding`].
+    stated: Stated,
     /// Another one after each change.
     version: Stamp,
     /// Empty, with room for the next constraint.

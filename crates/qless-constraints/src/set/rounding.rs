@@ -117,7 +117,7 @@ impl ConstraintSet {
         let (mut c, mut g) = (vec![0.0; self.equations()], self.whole_pattern());
         let constant = self.linear.nnz();
         g.values_mut()[..constant].iter_mut().for_each(|a| *a = Bounded::from(*a).error);
-        let known = Known { u, sizes: &self.sizes };
+        let known = Known { u, sizes: self.stated.largest() };
         of_values(&self.linear, &self.blocks.all, &mut c, &mut g).into_par_iter().for_each(|task| match task.work {
             Work::Linear { batch, c } => of_batch(batch, u, c),
             Work::Nonlinear { block, c, g } => block.rounding(&known, c, g),

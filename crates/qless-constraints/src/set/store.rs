@@ -8,7 +8,7 @@ use super::StoreError;
 use super::batch::Terms;
 use super::block::{Blocks, Place};
 use super::labels::{Owner, Parts};
-use super::rounding::{Size, Sizes};
+use super::stated::Coordinate;
 use super::time::Rhs;
 use crate::constraint::Nonlinear;
 use crate::geometry::node::Node;
@@ -34,7 +34,7 @@ pub(super) struct Contents {
     pub pieces: Vec<Box<dyn Piece>>,
     /// The DOFs of all pieces.
     pub dofs: Vec<u32>,
-    /// What DOFs add to; of a constraint that rests the set knows it.
+    /// What DOFs add to.
     pub coordinates: Vec<Coordinate>,
 }
 
@@ -61,16 +61,17 @@ impl Contents {
         (room <= KEPT).then_some(self)
     }
 
+    /// Takes the numbers of this time; as an error one that is not finite.
+    pub fn at_time(&mut self, time: f64) -> Result<(), f64> {
+        let values = self.equations.iter().map(|equation| equation.rhs.at(time));
+        let bad = values.into_iter().find(|value| !value.is_finite());
+        bad.map_or(Ok(()), Err)?;
+        self.pieces.iter_mut().try_for_each(|piece| piece.at_time(time))
+    }
+
     pub fn rows(&self) -> usize {
         self.equations.len() + self.pieces.iter().map(|piece| piece.rows()).sum::<usize>()
     }
-}
-
-/// A DOF that adds to a coordinate.
-pub(super) struct Coordinate {
-    pub dof: u32,
-    /// Of its coordinate, and of the node: along an axis where it has none, it is no smaller a model.
-    pub sizes: Sizes,
 }
 
 impl std::fmt::Debug for Store {
@@ -149,8 +150,10 @@ impl Store {
         if let Some(dof) = repeated(dofs) {
             self.fail(StoreError::RepeatedDof { dof });
         }
-        if Q::DRIVEN {
-            parameters.at_time(self.time);
+        if Q::DRIVEN
+            && let Err(value) = parameters.at_time(self.time)
+        {
+            self.fail(StoreError::NotFinite { value });
         }
         let first = self.contents.dofs.len();
         self.contents.dofs.extend(dofs.iter().map(|&dof| dof as u32));
@@ -163,24 +166,15 @@ impl Store {
     /// For types that keep differences of coordinates only, for [`crate::ConstraintSet::rounding`].
     pub fn coordinate(&mut self, dof: usize, at: f64) {
         self.numbers([at]);
-        self.add_to(dof, Sizes { at: Size::above(at), node: Size::above(at) });
+        self.contents.coordinates.extend((at != 0.0).then(|| Coordinate::new(dof, at, at)));
     }
 
     /// [`Store::coordinate`] of all translations of a node.
     pub fn coordinates_of<const D: usize>(&mut self, node: &Node<D>) {
         let largest = node.at.iter().fold(0.0, |most: f64, at| most.max(at.abs()));
         self.numbers(node.at);
-        let whole = Size::above(largest);
-        node.dofs
-            .iter()
-            .zip(node.at)
-            .for_each(|(&dof, at)| self.add_to(dof, Sizes { at: Size::above(at), node: whole }));
-    }
-
-    fn add_to(&mut self, dof: usize, sizes: Sizes) {
-        if sizes != Sizes::default() {
-            self.contents.coordinates.push(Coordinate { dof: dof as u32, sizes });
-        }
+        let each = node.dofs.iter().zip(node.at).map(|(&dof, at)| Coordinate::new(dof, at, largest));
+        self.contents.coordinates.extend(each.filter(|_| largest != 0.0));
     }
 
     /// States that the parameters of a nonlinear part hold these numbers, as coordinates: each must be finite, and no larger than 1e50, so
@@ -202,11 +196,6 @@ impl Store {
         if value.abs() < 1.0 / LARGEST {
             self.fail(StoreError::OutOfRange { value });
         }
-    }
-
-    /// The time of the set.
-    pub(crate) fn time(&self) -> f64 {
-        self.time
     }
 
     fn check_dof(&mut self, dof: usize) {
@@ -253,8 +242,10 @@ pub(super) trait Piece: Send + Sync {
     fn rows(&self) -> usize;
     /// Which type of the set it is of; none if the set has not met it.
     fn kind(&self, blocks: &Blocks) -> Option<u32>;
-    /// Puts it among those of its type; the DOFs of all pieces of its constraint, the parts and the time are given.
-    fn commit(self: Box<Self>, constraint: u32, dofs: &[u32], parts: &mut Parts, time: f64, blocks: &mut Blocks);
+    /// Takes the parameters of this time; as an error the number of it that is not finite.
+    fn at_time(&mut self, time: f64) -> Result<(), f64>;
+    /// Puts it among those of its type; the DOFs of all pieces of its constraint and its parts are given.
+    fn commit(self: Box<Self>, constraint: u32, dofs: &[u32], parts: &mut Parts, blocks: &mut Blocks);
     /// Whether it has the DOFs and pairs of an equation of its type, so that it can take its place.
     fn fits(&self, dofs: &[u32], place: Place, blocks: &Blocks) -> bool;
     /// Takes that place.
@@ -277,10 +268,11 @@ impl<Q: Nonlinear> Piece for Staged<Q> {
         blocks.kind::<Q>()
     }
 
-    fn commit(mut self: Box<Self>, constraint: u32, dofs: &[u32], parts: &mut Parts, time: f64, blocks: &mut Blocks) {
-        if Q::DRIVEN {
-            self.parameters.at_time(time);
-        }
+    fn at_time(&mut self, time: f64) -> Result<(), f64> {
+        if Q::DRIVEN { self.parameters.at_time(time) } else { Ok(()) }
+    }
+
+    fn commit(self: Box<Self>, constraint: u32, dofs: &[u32], parts: &mut Parts, blocks: &mut Blocks) {
         let Self { part, dofs: own, parameters } = *self;
         blocks.insert(Owner { constraint, part: parts.place(part) }, &dofs[own], parameters);
     }

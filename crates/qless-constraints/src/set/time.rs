@@ -33,8 +33,8 @@ pub enum TimeError {
     /// No point in time.
     #[error("time {0} is not finite; give a number")]
     Time(f64),
-    /// A right-hand side is not finite then.
-    #[error("the right-hand side of {label} is {value} at time {time}; its function must be finite there")]
+    /// A right-hand side, or what a motor prescribes, is not finite then.
+    #[error("the function of time of {label} is {value} at time {time}; it must be finite there")]
     NotFinite {
         /// The equation.
         label: String,
@@ -66,7 +66,7 @@ impl ConstraintSet {
     /// ```
     ///
     /// # Errors
-    /// [`TimeError`] if the time, or a right-hand side then, is not finite; the set stays at the time where it was.
+    /// [`TimeError`] if the time, or a function of it then, is not finite; the set stays at the time where it was.
     pub fn set_time(&mut self, time: f64) -> Result<(), TimeError> {
         if !time.is_finite() {
             return Err(TimeError::Time(time));
@@ -80,10 +80,25 @@ impl ConstraintSet {
             }
             values.push((row, value));
         }
+        if let Err((row, value)) = self.blocks.set_time(time) {
+            let label = self.label(self.linear.rows() + row).unwrap_or_default();
+            // It was finite there before.
+            let _ = self.blocks.set_time(self.time);
+            return Err(TimeError::NotFinite { label, time, value });
+        }
         values.into_iter().for_each(|(row, value)| self.linear.set_rhs(row, value));
-        self.blocks.all.iter_mut().for_each(|block| block.set_time(time));
         self.time = time;
         self.version.renew();
         Ok(())
+    }
+
+    /// The angles that are prescribed at the time of the set and that equations know up to whole turns only, each with its equation.
+    pub(crate) fn angles(&self) -> Vec<(usize, f64)> {
+        let mut angles = Vec::new();
+        for (b, block) in self.blocks.all.iter().enumerate() {
+            let first = self.linear.rows() + self.blocks.offsets.first(b);
+            block.angles(&mut |row, angle| angles.push((first + row, angle)));
+        }
+        angles
     }
 }

@@ -205,7 +205,7 @@ impl Run {
         Ok(set)
     }
 
-    /// c, G, H, their patterns, rows and labels, to the last bit.
+    /// c, G, H, their patterns and bounds, rows and labels, to the last bit.
     fn compare(&mut self) -> Outcome {
         let fresh = self.fresh()?;
         let u: Vec<f64> = (0..3 * self.nodes).map(|_| self.random.number()).collect();
@@ -224,6 +224,8 @@ impl Run {
             let pattern = (found.starts(), found.columns()) == (expected.starts(), expected.columns());
             assert!(pattern && bits(found.values()) == bits(expected.values()));
         }
+        // Coordinates of those that went or rest are forgotten.
+        assert!(self.set.rounding(&u)? == fresh.rounding(&u)?);
         for row in 0..fresh.equations() {
             assert_eq!(self.set.label(row)?, fresh.label(row)?);
         }

@@ -6,12 +6,16 @@ mod active;
 mod bad_numbers;
 /// Nodes on lines and planes that turn.
 mod beads;
+/// Chains of bodies.
+mod bodies;
 /// Contact by an active set, against a quadratic program.
 mod contact;
 /// Rigid bodies and averages of nodes with rotations, beams and shells on solids, walls of fluids.
 mod couplings;
 /// Slider-cranks at and near their dead centres, rods of all lengths, in all units.
 mod dead_centres;
+/// Equilibria that motors are driven through.
+mod driven;
 /// Dual multipliers of mortar ties: biorthogonal, local, and as exact as the others.
 mod dual_mortar;
 /// Nodes embedded in solids.
@@ -66,6 +70,8 @@ mod right_or_refused;
 mod scales;
 /// The nearest face of a surface.
 mod search;
+/// Stability of equilibria.
+mod stability;
 mod steps;
 /// Mortar ties of surfaces: identities of D and M.
 mod surface_mortar;

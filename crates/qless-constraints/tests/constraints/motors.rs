@@ -3,10 +3,12 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use qless_constraints::newton::{NewtonOptions, Solution, solve};
-use qless_constraints::types::{Body, Cylindrical, Prismatic, Revolute, RotationMotor, TranslationMotor, Universal};
-use qless_constraints::{ConstraintSet, SetBuilder};
+use qless_constraints::types::{
+    Body, Cylindrical, Point, Prismatic, Revolute, RotationMotor, TranslationMotor, Universal,
+};
+use qless_constraints::{AddError, ConstraintSet, SetBuilder};
 
-use crate::linkages::{Outcome, rank};
+use crate::linkages::{Outcome, random, rank};
 use crate::poses::{
     AT_REST, KINDS, Kind, Pose, Quaternion, STRIDE, Vector, add, angle, back, body, dense_rank, dot, norm, norm_of,
     place, pose, scale, sub, then, turn, turned, values,
@@ -383,6 +385,38 @@ fn motors_drive_a_screw() -> Outcome {
             let mut driven = Driven { set, kinds: kinds.to_vec(), from: from.to_vec(), unit, poses: &poses };
             driven.check((0..=100).map(|k| 0.25 * f64::from(k)))?;
             driven.drive((0..=100).map(|k| 0.25 * f64::from(k)))?;
+        }
+    }
+    Ok(())
+}
+
+/// A node without rotations, moved along three axes of a body that turns: `p = R(t) (P + sum d_k(t) t_k)`; by hand a node carries no axis.
+#[test]
+fn motors_move_nodes() -> Outcome {
+    for unit in UNITS {
+        for kind in KINDS {
+            let (from, at) = (scale(unit, [0.3, -0.2, 0.5]), scale(unit, [1.0, 0.7, -0.4]));
+            let (carrier, table) = ([0.6, 0.0, -0.8], body(0, kind, from));
+            let node = Body::node(Point::new([7, 8, 9], at));
+            let axes = [[1.0, 2.0, 2.0], [2.0, 1.0, -2.0], [2.0, -2.0, 1.0]];
+            let travel = move |k: usize, t: f64| unit * (0.5 * t + random(k)) * (t + k as f64).sin();
+            let mut builder = ConstraintSet::builder(STRIDE + 3);
+            builder.add("bearing", Revolute { a: Body::ground(), b: table, at: from, axis: carrier })?;
+            builder.add("turns", RotationMotor::new(Body::ground(), table, carrier, |t| t))?;
+            for (k, axis) in axes.into_iter().enumerate() {
+                builder.add("moves", TranslationMotor::new(table, node, at, axis, move |t| travel(k, t)))?;
+            }
+            let refused = builder.add("none", TranslationMotor::new(node, table, at, Z, |t| t)).expect_err("no axis");
+            assert!(matches!(refused, AddError::Input { .. }), "{refused}");
+            norm_of(&mut builder, 0, kind)?;
+            let mut set = builder.build()?;
+            follow(&mut set, (0..=40).map(|k| 0.3 * f64::from(k)), |time, (_, found)| {
+                let moved = (0..3).fold(at, |p, k| add(p, scale(travel(k, time) / 3.0, axes[k])));
+                let truth = add(from, turned(turn(carrier, time), sub(moved, from)));
+                let off = norm(sub(add(at, [7, 8, 9].map(|j| found.u[j])), truth));
+                assert!(off < ACCURACY * unit, "{kind:?}, unit {unit}, time {time}: {off:e}");
+                Ok(())
+            })?;
         }
     }
     Ok(())

@@ -1,6 +1,8 @@
 use qless_constraints::scalar::Scalar;
-use qless_constraints::types::{Driven, LinearEquation};
-use qless_constraints::{AddError, Constraint, ConstraintSet, Nonlinear, Store, StoreError, TimeError};
+use qless_constraints::types::{Body, Driven, LinearEquation, RotationMotor, TranslationMotor};
+use qless_constraints::{
+    AddError, Constraint, ConstraintSet, EditError, Nonlinear, SetBuilder, Store, StoreError, TimeError,
+};
 
 use crate::linkages::Outcome;
 
@@ -18,8 +20,9 @@ impl Nonlinear for Half {
         c[0] = u[0] * u[0] * S::from(0.5) - S::from(self.time);
     }
 
-    fn at_time(&mut self, time: f64) {
+    fn at_time(&mut self, time: f64) -> Result<(), f64> {
         self.time = time;
+        Ok(())
     }
 }
 
@@ -71,5 +74,53 @@ fn a_time_without_a_value_is_refused() -> Outcome {
     let mut quantities = set.allocate();
     set.evaluate(&[0.0], &mut quantities)?;
     assert_eq!((set.time(), quantities.c()), (4.0, [-8.0, -2.0].as_slice()));
+    Ok(())
+}
+
+/// A motor without a motion then is refused like a right-hand side: at any time, when it is added, and when it comes back.
+#[test]
+fn a_motor_without_a_motion_is_refused() -> Outcome {
+    let (ground, b) = (Body::ground(), Body::with_vector([0, 1, 2], [0.3; 3], [3, 4, 5]));
+    let axis = [0.0, 0.6, 0.8];
+    let root = |builder: &mut SetBuilder, turns: bool, last: f64| -> Outcome<_> {
+        // Finite from `last - 4` on.
+        let motion = move |t: f64| (t - last + 4.0).sqrt();
+        Ok(if turns {
+            builder.add("root", RotationMotor::new(ground, b, axis, motion))?
+        } else {
+            builder.add("root", TranslationMotor::new(ground, b, [0.0; 3], axis, motion))?
+        })
+    };
+    for turns in [true, false] {
+        let mut builder = ConstraintSet::builder(6);
+        builder.add("ramp", Driven::new([(0, 1.0)], |t| 2.0 * t))?;
+        builder.add("turn", RotationMotor::new(ground, b, axis, |t| t))?;
+        assert!(root(&mut builder, turns, 5.0).is_err());
+        let id = root(&mut builder, turns, 2.0)?;
+        let mut set = builder.build()?;
+        set.set_time(1.5)?;
+        let u = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6];
+        let (mut before, mut after) = (set.allocate(), set.allocate());
+        set.evaluate(&u, &mut before)?;
+        for time in [-3.0, f64::NAN, f64::INFINITY] {
+            let refused = set.set_time(time).expect_err("no root");
+            let names_it = refused.to_string().contains("root") && refused.to_string().contains("time -3");
+            assert!(names_it || !time.is_finite(), "{refused}");
+            set.evaluate(&u, &mut after)?;
+            assert_eq!((set.time(), before.c()), (1.5, after.c()));
+        }
+        set.deactivate(id)?;
+        set.set_time(-3.0)?;
+        let refused = set.activate(id).expect_err("no root");
+        assert!(
+            matches!(&refused, EditError::Time(TimeError::NotFinite { label, .. }) if label == "root"),
+            "{refused}"
+        );
+        assert!(!set.is_active(id)?);
+        set.set_time(1.5)?;
+        set.activate(id)?;
+        set.evaluate(&u, &mut after)?;
+        assert_eq!(before.c(), after.c());
+    }
     Ok(())
 }

@@ -5,14 +5,20 @@ use std::sync::Arc;
 use super::height::Height;
 use super::orientation::Twist;
 use super::relative::relative;
-use super::{JointError, check_turns, direction};
-use crate::geometry::carrier::Body;
+use super::{JointError, check_moves, check_turns, direction};
+use crate::geometry::carrier::{Body, Kind};
 use crate::scalar::Scalar;
 use crate::scalar::vector::Vector;
 use crate::{Constraint, Nonlinear, Store};
 
 /// `phi(t)`, `d(t)`.
 pub(super) type Motion = Arc<dyn Fn(f64) -> f64 + Send + Sync>;
+
+/// Its value at a time; as an error one that is not finite.
+pub(super) fn at(motion: &Motion, time: f64) -> Result<f64, f64> {
+    let value = motion(time);
+    if value.is_finite() { Ok(value) } else { Err(value) }
+}
 
 /// Body b is turned on body a about an axis: `c = psi - phi(t)`, an angle, for the time t of the set
 /// ([`set_time`](crate::ConstraintSet::set_time), 0 at first).
@@ -60,7 +66,8 @@ pub struct RotationMotor {
 /// ([`set_time`](crate::ConstraintSet::set_time), 0 at first).
 ///
 /// `p_a` and `p_b` are the points of both bodies that are at `at` in the reference configuration. The motor holds no path: it is added to a joint,
-/// [`super::Prismatic`] or [`super::Cylindrical`]. Its multiplier is the force along the axis. One degree of freedom is removed. Singular: nowhere.
+/// [`super::Prismatic`] or [`super::Cylindrical`], or to a node ([`Body::node`]) that is guided otherwise. Body b may be a node without rotations; body a
+/// carries the axis, so that it is the ground or turns. Its multiplier is the force along the axis. One degree of freedom is removed. Singular: nowhere.
 ///
 #[doc = include_str!("../../../docs/pictures/translation_motor.svg")]
 ///
@@ -84,7 +91,7 @@ pub struct RotationMotor {
 pub struct TranslationMotor {
     /// The body that holds the motor.
     pub a: Body,
-    /// The body that it moves.
+    /// The body that it moves, or a node.
     pub b: Body,
     /// A point in the reference configuration, coordinates.
     pub at: Vector<f64>,
@@ -135,7 +142,6 @@ impl Constraint for RotationMotor {
 
     fn process(self, store: &mut Store) -> Result<(), JointError> {
         check_turns(&self.a, &self.b)?;
-        store.numbers([(self.angle)(store.time())]);
         relative(store, "", &self.a, &self.b, Twist::new(direction(self.axis)?, self.angle));
         Ok(())
     }
@@ -146,10 +152,14 @@ impl Constraint for TranslationMotor {
     type Error = JointError;
 
     fn process(self, store: &mut Store) -> Result<(), JointError> {
-        check_turns(&self.a, &self.b)?;
+        check_moves(&self.a, &self.b)?;
+        // Of body b only a point counts; it is body a that carries the axis.
+        if self.a.kind == Kind::Node {
+            return Err(JointError::NoRotations);
+        }
         let height = Height::new(&self.a, &self.b, self.at, direction(self.axis)?);
         let dofs = [self.a.dofs(), self.b.dofs()].concat();
-        store.numbers(self.at.into_iter().chain([(self.travel)(store.time())]));
+        store.numbers(self.at);
         [self.a, self.b].iter().for_each(|body| body.state(store));
         store.nonlinear("", &dofs, Travel { height, motion: self.travel });
         Ok(())
@@ -166,8 +176,9 @@ impl Nonlinear for Travel {
     const DRIVEN: bool = true;
     const PARTS: &'static [&'static str] = Height::PARTS;
 
-    fn at_time(&mut self, time: f64) {
-        self.height.rise = (self.motion)(time);
+    fn at_time(&mut self, time: f64) -> Result<(), f64> {
+        self.height.rise = at(&self.motion, time)?;
+        Ok(())
     }
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {

@@ -23,7 +23,13 @@ pub trait OfTurn: Send + Sync + 'static {
     const DRIVEN: bool = false;
 
     /// As [`Nonlinear::at_time`].
-    fn at_time(&mut self, _time: f64) {}
+    fn at_time(&mut self, _time: f64) -> Result<(), f64> {
+        Ok(())
+    }
+    /// As [`Nonlinear::angle`].
+    fn angle(&self) -> Option<f64> {
+        None
+    }
     /// `c(q)`.
     fn value<S: Scalar>(&self, q: Quaternion<S>, c: &mut [S]);
     /// `c(q)`, and `dc_r / dq`.
@@ -60,8 +66,12 @@ impl<F: OfTurn> Nonlinear for Relative<F> {
     const PARTS: &'static [&'static str] = F::PARTS;
     const DRIVEN: bool = F::DRIVEN;
 
-    fn at_time(&mut self, time: f64) {
-        self.of.at_time(time);
+    fn at_time(&mut self, time: f64) -> Result<(), f64> {
+        self.of.at_time(time)
+    }
+
+    fn angle(&self) -> Option<f64> {
+        self.of.angle()
     }
 
     fn rotation_vectors(&self, found: &mut dyn FnMut(usize)) {

@@ -7,7 +7,7 @@ use crate::geometry::angle;
 use crate::geometry::quaternion::{Quaternion, inner};
 use crate::scalar::Scalar;
 use crate::scalar::vector::Vector;
-use crate::types::joints::motor::Motion;
+use crate::types::joints::motor::{Motion, at};
 use crate::types::joints::relative::{MOST, OfTurn, Square};
 
 /// The angle about an axis: `m = q0 cos + q_t sin`, `v = q_t cos - q0 sin` of half the angle that it is to have.
@@ -37,8 +37,13 @@ impl OfTurn for Twist {
     const PARTS: &'static [&'static str] = &[""];
     const DRIVEN: bool = true;
 
-    fn at_time(&mut self, time: f64) {
-        self.angle = (self.motion)(time);
+    fn at_time(&mut self, time: f64) -> Result<(), f64> {
+        self.angle = at(&self.motion, time)?;
+        Ok(())
+    }
+
+    fn angle(&self) -> Option<f64> {
+        Some(self.angle)
     }
 
     fn value<S: Scalar>(&self, q: Quaternion<S>, c: &mut [S]) {

@@ -1,0 +1,143 @@
+//! Negative directions of an equilibrium: negative eigenvalues of `Z^T (K + H) Z`, Z a basis of `G Z = 0`.
+//!
+//! With `M = [K + H, G^T; G, -s I]` and m rows, `inertia M = inertia (K + H + G^T G / s) + (0, m)`; with `A = M + s [0, 0; 0, I]`,
+//! `inertia A = inertia (Z^T (K + H) Z) + (m, m)` (Gould 1985). Both matrices have the same inertia where no `M - t (M - A)`, `0 <= t <= 1`, is
+//! singular: where the powers of `M^-1 (M - A) = I - M^-1 A` fall. That is looked at with the factors `L D L^T` as they are, so that
+//! their rounding counts too: nothing is said of an inertia that they do not prove.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
+use faer::sparse::Triplet;
+use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    factorize_symbolic_cholesky,
+};
+use faer::{Conj, MatMut, Par, Side, Spec};
+
+use super::pattern::Matrix;
+use super::saddle::{norm, times};
+use crate::newton::random;
+
+/// s, where entries are of size one: a large one is far from the constraints, a small one rounds the stiffness away.
+const SHIFTS: [f64; 4] = [1e-6, 1e-8, 1e-4, 1e-10];
+/// `G^T G` may have so many terms for each entry of A; a row on all DOFs would fill it.
+const FILL: usize = 100;
+/// Powers of `M^-1 E` that are looked at, and what is left of a vector then.
+const POWERS: usize = 6;
+const LEFT: f64 = 1e-3;
+/// Halves of a tangent that differ by more than this, where entries are of size one, are not those of an energy.
+const SYMMETRIC: f64 = 1e-9;
+
+/// Whether the energy has its minimum at an equilibrium, among the motions that the constraints allow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Stability {
+    /// It has: the tangent is positive definite on them.
+    Stable,
+    /// It has not.
+    Unstable {
+        /// How many independent motions lower the energy: negative eigenvalues of `Z^T (K + H) Z`, `G Z = 0`.
+        directions: usize,
+    },
+    /// The tangent is not symmetric: there is no energy.
+    NotSymmetric,
+    /// The equilibrium is so near to a critical point, or the tangent so badly conditioned, that signs of pivots prove nothing.
+    Undecided,
+}
+
+/// That of a scaled saddle matrix, whose first `free` places are DOFs.
+pub fn stability(a: &Matrix, free: usize) -> Stability {
+    if !symmetric(a) {
+        return Stability::NotSymmetric;
+    }
+    if free == 0 {
+        return Stability::Stable;
+    }
+    match SHIFTS.iter().find_map(|&shift| Factors::new(a, free, shift)?.proven(a)) {
+        Some(0) => Stability::Stable,
+        Some(directions) => Stability::Unstable { directions },
+        None => Stability::Undecided,
+    }
+}
+
+fn symmetric(a: &Matrix) -> bool {
+    let column = |j: usize| a.symbolic().row_idx_of_col(j).zip(a.val_of_col(j));
+    let other = |i: usize, j: usize| a.get(i, j).copied().unwrap_or(0.0);
+    (0..a.ncols()).all(|j| column(j).all(|(i, v)| (v - other(j, i)).abs() <= SYMMETRIC))
+}
+
+/// `K + H + G^T G / s = L D L^T`.
+struct Factors {
+    free: usize,
+    shift: f64,
+    symbolic: SymbolicCholesky<usize>,
+    values: Vec<f64>,
+}
+
+impl Factors {
+    fn new(a: &Matrix, free: usize, shift: f64) -> Option<Self> {
+        let stiff = stiffened(a, free, shift)?;
+        // D of simplicial factors is where it can be read.
+        let simplicial = SupernodalThreshold::FORCE_SIMPLICIAL;
+        let params = CholeskySymbolicParams { supernodal_flop_ratio_threshold: simplicial, ..Default::default() };
+        let (side, order) = (Side::Upper, SymmetricOrdering::Amd);
+        let symbolic = factorize_symbolic_cholesky(stiff.symbolic(), side, order, params).ok()?;
+        let mut values = vec![0.0; symbolic.len_val()];
+        let room = symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Spec::default());
+        let (mut room, none) = (MemBuffer::try_new(room).ok()?, LdltRegularization::default());
+        let (stack, spec) = (MemStack::new(&mut room), Spec::default());
+        symbolic.factorize_numeric_ldlt(&mut values, stiff.as_ref(), side, none, Par::Seq, stack, spec).ok()?;
+        Some(Self { free, shift, symbolic, values })
+    }
+
+    /// The number of negative pivots, if `Z^T (K + H) Z` has as many negative eigenvalues.
+    fn proven(&self, a: &Matrix) -> Option<usize> {
+        let mut x: Vec<f64> = (0..a.ncols() as u64).map(random).collect();
+        let before = norm(&x);
+        for _ in 0..POWERS {
+            let image = self.solve(a, &times(a, &x))?;
+            x.iter_mut().zip(image).for_each(|(x, image)| *x -= image);
+        }
+        let SymbolicCholeskyRaw::Simplicial(raw) = self.symbolic.raw() else { return None };
+        let pivots = raw.col_ptr()[..self.free].iter().map(|&first| self.values[first]);
+        (norm(&x) <= LEFT * before).then(|| pivots.filter(|pivot| *pivot < 0.0).count())
+    }
+
+    /// `M^-1 b`: `x = (K + H + G^T G / s)^-1 (b_1 + G^T b_2 / s)`, `y = (G x - b_2) / s`.
+    fn solve(&self, a: &Matrix, b: &[f64]) -> Option<Vec<f64>> {
+        let (motion, rows) = b.split_at(self.free);
+        let mut whole = [&vec![0.0; self.free][..], rows].concat();
+        let pull = times(a, &whole);
+        let mut x: Vec<f64> = motion.iter().zip(pull).map(|(b, pull)| b + pull / self.shift).collect();
+        let mut room = MemBuffer::try_new(self.symbolic.solve_in_place_scratch::<f64>(1, Par::Seq)).ok()?;
+        let stack = MemStack::new(&mut room);
+        let column = MatMut::from_column_major_slice_mut(&mut x, self.free, 1);
+        LdltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(Conj::No, column, Par::Seq, stack);
+        whole[..self.free].copy_from_slice(&x);
+        whole[self.free..].fill(0.0);
+        let moved = times(a, &whole);
+        let of_rows = moved[self.free..].iter().zip(rows).map(|(moved, b)| (moved - b) / self.shift);
+        Some(x.iter().copied().chain(of_rows).collect())
+    }
+}
+
+/// The upper half of `K + H + G^T G / s`; nothing if that would have too many entries.
+fn stiffened(a: &Matrix, free: usize, shift: f64) -> Option<Matrix> {
+    let column = |j: usize| a.symbolic().row_idx_of_col(j).zip(a.val_of_col(j));
+    // The columns of rows are `G^T`.
+    let rows = free..a.ncols();
+    let terms: usize = rows.clone().map(|r| a.symbolic().row_idx_of_col(r).len().pow(2)).sum();
+    if terms > FILL * a.compute_nnz() {
+        return None;
+    }
+    let upper = |i: usize, j: usize| i <= j && j < free;
+    let mut list: Vec<_> = (0..free).flat_map(|j| column(j).map(move |(i, &v)| Triplet::new(i, j, v))).collect();
+    for r in rows {
+        for (j, &b) in column(r) {
+            list.extend(column(r).map(|(i, &a)| Triplet::new(i, j, a * b / shift)));
+        }
+    }
+    list.retain(|entry| upper(entry.row, entry.col));
+    Matrix::try_new_from_triplets(free, free, &list).ok()
+}
