@@ -10,9 +10,9 @@ pub fn middle(values: impl Iterator<Item = f64>) -> i32 {
     ends.map_or(0, |(least, most)| (least + most).div_euclid(2))
 }
 
-/// e of `2^e <= |v| < 2^(e + 1)`, v not zero; up to one where log2 rounds.
+/// e of `2^e <= |v| < 2^(e + 1)`, up to one where log2 rounds; 0 for zero.
 pub fn power(v: f64) -> i32 {
-    v.abs().log2().floor() as i32
+    if v == 0.0 { 0 } else { v.abs().log2().floor() as i32 }
 }
 
 /// `v 2^e`, in two steps: 2^e alone may leave the range of doubles.

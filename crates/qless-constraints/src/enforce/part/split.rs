@@ -10,56 +10,35 @@ use crate::enforce::method::Method;
 use crate::enforce::problem::Problem;
 use crate::enforce::{scale, stiffness};
 
+/// DOFs and equations of a part, ascending.
+type Members = (Vec<usize>, Vec<usize>);
+
 /// The free DOFs and the equations of each part, and what is prescribed.
 pub struct Split<'a> {
     problem: &'a Problem<'a>,
-    /// DOFs and equations of each part, ascending; parts by their first DOF.
-    members: Vec<(Vec<usize>, Vec<usize>)>,
+    /// By their first DOF.
+    members: Vec<Members>,
     /// The place of each DOF in its part; none where it is prescribed.
     place: Vec<Option<u32>>,
-    prescribed: Prescribed,
-}
-
-/// Prescribed DOFs that K joins with free ones.
-struct Prescribed {
-    /// Their values; zero for others.
-    values: Vec<f64>,
-    /// K by the rows of free DOFs: `(row, column, value)`, ascending.
-    forces: Vec<(usize, usize, f64)>,
+    /// Values of prescribed DOFs; zero for others.
+    given: Vec<f64>,
+    /// K by the rows of free DOFs and the columns of prescribed ones: `(row, column, value)`, ascending.
+    of_given: Vec<(usize, usize, f64)>,
 }
 
 impl<'a> Split<'a> {
     pub fn new(problem: &'a Problem<'a>) -> Self {
-        let (n, system) = (problem.system.dofs(), problem.system);
-        let (mut values, mut place) = (vec![0.0; n], vec![Some(0); n]);
-        for &(j, value) in system.prescribed() {
-            (values[j], place[j]) = (value, None);
-        }
-        let free = |j: usize| place[j].is_some();
-        let of_k = entries(&problem.k).filter(|&(i, j, v)| v != 0.0 && free(i) && free(j)).map(|(i, j, _)| (i, j));
-        let of_row = |&row: &usize| {
-            let row_of_c = system.matrix().row(row).filter(|&(j, v)| v != 0.0 && free(j));
-            row_of_c.map(move |(j, _)| (j, n + row))
-        };
-        let names = scale::parts(n + system.equations(), of_k.chain(problem.kept.iter().flat_map(of_row)));
-        let (mut index, mut members) = (vec![usize::MAX; names.len()], Vec::<(Vec<usize>, Vec<usize>)>::new());
-        for j in (0..n).filter(|&j| free(j)) {
-            let part = &mut index[names[j]];
-            if *part == usize::MAX {
-                *part = members.len();
-                members.push(<(Vec<usize>, Vec<usize>)>::default());
-            }
-            members[*part].0.push(j);
-        }
-        // An independent equation has a free DOF.
-        problem.kept.iter().for_each(|&row| members[index[names[n + row]]].1.push(row));
-        let joins = |&(i, j, v): &(usize, usize, f64)| v != 0.0 && free(i) && !free(j);
-        let mut forces: Vec<_> = entries(&problem.k).filter(joins).collect();
-        forces.sort_by_key(|&(i, j, _)| (i, j));
+        let n = problem.system.dofs();
+        let (mut given, mut free) = (vec![0.0; n], vec![true; n]);
+        problem.system.prescribed().iter().for_each(|&(j, value)| (given[j], free[j]) = (value, false));
+        let joins = |&(i, j, v): &(usize, usize, f64)| v != 0.0 && free[i] && !free[j];
+        let mut of_given: Vec<_> = entries(&problem.k).filter(joins).collect();
+        of_given.sort_by_key(|&(i, j, _)| (i, j));
+        let (members, mut place) = (members(problem, &free), vec![None; n]);
         for (dofs, _) in &members {
             dofs.iter().enumerate().for_each(|(at, &j)| place[j] = Some(at as u32));
         }
-        Self { problem, members, place, prescribed: Prescribed { values, forces } }
+        Self { problem, members, place, given, of_given }
     }
 
     /// The parts, one after the other.
@@ -102,14 +81,14 @@ impl<'a> Split<'a> {
             sizes.push(size);
         };
         for &i in dofs {
-            let first = self.prescribed.forces.partition_point(|&(row, _, _)| row < i);
-            let of_row = self.prescribed.forces[first..].iter().take_while(|&&(row, _, _)| row == i);
-            let given = of_row.map(|&(_, j, v)| times_power(-v, -k) * self.prescribed.values[j]);
+            let first = self.of_given.partition_point(|&(row, _, _)| row < i);
+            let of_row = self.of_given[first..].iter().take_while(|&&(row, _, _)| row == i);
+            let given = of_row.map(|&(_, j, v)| times_power(-v, -k) * self.given[j]);
             add(&mut std::iter::once(times_power(self.problem.f[i], -k)).chain(given));
         }
         for (&row, &power) in rows.iter().zip(equations) {
             let whole = self.problem.system.matrix().row(row).filter(|&(j, _)| self.place[j].is_none());
-            let given = whole.map(|(j, v)| times_power(-v, -power) * self.prescribed.values[j]);
+            let given = whole.map(|(j, v)| times_power(-v, -power) * self.given[j]);
             add(&mut std::iter::once(times_power(self.problem.system.rhs()[row], -power)).chain(given));
         }
         (sums, sizes)
@@ -127,4 +106,24 @@ impl<'a> Split<'a> {
         let row = self.problem.system.matrix().row(row).filter(|(_, v)| *v != 0.0);
         row.filter_map(|(j, v)| Some((self.place[j]? as usize, v)))
     }
+}
+
+/// What entries that are not zero join: of K on free DOFs, and of equations.
+fn members(problem: &Problem, free: &[bool]) -> Vec<Members> {
+    let (n, m) = (problem.system.dofs(), problem.system.equations());
+    let of_k = entries(&problem.k).filter(|&(i, j, v)| v != 0.0 && free[i] && free[j]).map(|(i, j, _)| (i, j));
+    let row = |&row: &usize| problem.system.matrix().row(row).map(move |(j, v)| (n + row, j, v));
+    let of_c = problem.kept.iter().flat_map(row).filter(|&(_, j, v)| v != 0.0 && free[j]).map(|(row, j, _)| (row, j));
+    let names = scale::parts(n + m, of_k.chain(of_c));
+    let (mut index, mut members) = (vec![None; n + m], Vec::<Members>::new());
+    let dofs = (0..n).filter(|&j| free[j]);
+    for member in dofs.chain(problem.kept.iter().map(|row| n + row)) {
+        let part = *index[names[member]].get_or_insert(members.len());
+        if part == members.len() {
+            members.push(Members::default());
+        }
+        let (dofs, rows) = &mut members[part];
+        if member < n { dofs.push(member) } else { rows.push(member - n) }
+    }
+    members
 }
