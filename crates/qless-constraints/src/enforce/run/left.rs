@@ -49,8 +49,8 @@ impl Prepared<'_> {
         if !self.model.is_stiff() {
             return size;
         }
-        let loads = self.part.rhs.1[..self.model.dofs()].iter().zip(self.model.units());
-        loads.fold(size, |size, (load, unit)| size.max(load * unit))
+        let loads = self.part.rhs.0[..self.model.dofs()].iter().zip(self.model.units());
+        loads.fold(size, |size, (load, unit)| size.max(load.abs() * unit))
     }
 }
 
