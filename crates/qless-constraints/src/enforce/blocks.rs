@@ -42,8 +42,12 @@ impl Problem<'_> {
     /// ```
     ///
     /// # Errors
-    /// [`EnforceError`] if the independent equations cannot be reduced.
+    /// [`EnforceError::Limit`] for a limit that is no number or negative, another [`EnforceError`] if the independent equations cannot be
+    /// reduced.
     pub fn plan(&self, limit: f64) -> Result<Vec<BlockPlan>, EnforceError> {
+        if limit.is_nan() || limit < 0.0 {
+            return Err(EnforceError::Limit(limit));
+        }
         let block_of = self.blocks();
         let mut names: Vec<usize> = block_of.iter().copied().filter(|&b| b != NONE).collect();
         names.sort_unstable();

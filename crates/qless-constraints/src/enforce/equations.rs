@@ -54,7 +54,6 @@ pub struct Settled {
     pub rounding: f64,
     /// The largest imbalance relative to its limit: up to 1 is allowed.
     pub share: f64,
-    pub steps: usize,
 }
 
 /// Solves and refines: `x += M^-1 (b - A x)` with what `solve` knows of A; `b_size` are the sizes of the terms of b.
@@ -68,7 +67,7 @@ pub fn settle(
 ) -> Result<Settled, EnforceError> {
     let mut x = solve(b.0)?;
     let (mut left, mut best) = measured(equations, &x, b, goal);
-    for step in 2..=goal.steps {
+    for _ in 1..goal.steps {
         if best.share <= goal.enough {
             break;
         }
@@ -79,7 +78,7 @@ pub fn settle(
         // Also where it is no number.
         let lost = found.share.is_nan() || found.share >= 1e3 * best.share;
         if found.share < best.share {
-            best = Settled { steps: step, ..found };
+            best = found;
         }
         if slow || lost {
             break;
@@ -93,7 +92,7 @@ pub fn settle(
 fn measured(equations: &impl Equations, x: &[f64], b: (&[f64], &[f64]), goal: &Goal) -> (Vec<f64>, Settled) {
     let left: Vec<f64> = b.0.iter().zip(equations.apply(x)).map(|(b, ax)| b - ax).collect();
     let (size, floor) = (equations.size(x), equations.size(&levelled(equations, x)));
-    let mut worst = Settled { x: x.to_vec(), row: 0, imbalance: 0.0, rounding: 0.0, share: 0.0, steps: 1 };
+    let mut worst = Settled { x: x.to_vec(), row: 0, imbalance: 0.0, rounding: 0.0, share: 0.0 };
     for (i, left) in left.iter().enumerate().filter(|(_, left)| **left != 0.0) {
         let imbalance = left.abs() / (size[i] + b.1[i]).max(FLOOR * floor[i]);
         let share = imbalance / (goal.limit)(i);

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use faer::sparse::linalg::matmul::sparse_sparse_matmul;
-use faer::sparse::{SparseColMat, SymbolicSparseColMat, Triplet};
+use faer::sparse::{SparseColMat, Triplet};
 
 use super::EnforceError;
 
@@ -26,23 +26,6 @@ pub fn compressed(a: &Matrix) -> Result<Cow<'_, Matrix>, EnforceError> {
         return Ok(Cow::Borrowed(a));
     }
     from_triplets(a.nrows(), a.ncols(), entries(a)).map(Cow::Owned)
-}
-
-/// The entries in rows and columns that are wanted, of compressed columns.
-pub fn among(a: &Matrix, wanted: &[bool]) -> Matrix {
-    let (mut starts, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
-    for j in 0..a.ncols() {
-        if wanted[j] {
-            let column = a.symbolic().row_idx_of_col(j).zip(a.val_of_col(j)).filter(|&(i, _)| wanted[i]);
-            column.for_each(|(i, &v)| {
-                rows.push(i);
-                values.push(v);
-            });
-        }
-        starts.push(rows.len());
-    }
-    // A part of what was in range and in order.
-    Matrix::new(SymbolicSparseColMat::new_unsorted_checked(a.nrows(), a.ncols(), starts, None, rows), values)
 }
 
 /// All entries `(row, column, value)`, column by column.

@@ -2,7 +2,7 @@
 
 use super::EnforceError;
 use super::matrix::entries;
-use super::problem::Problem;
+use super::part::Part;
 
 /// How one equation is enforced. [`Problem::enforce`] takes one for each, in one solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,7 +11,8 @@ pub enum Method {
     Elimination,
     /// lambda is an unknown (Eq. 10).
     Multiplier,
-    /// A spring of `D = factor k / |C_i|^2` pulls towards the equation (Eq. 11): `C_i u - b_i = lambda_i / D` is left of it.
+    /// A spring of `D = factor k / |C_i|^2` pulls towards the equation (Eq. 11): `C_i u - b_i = lambda_i / D` is left of it, and nothing
+    /// where it acts on a part without any stiffness, since the factor would have no meaning.
     Penalty {
         /// How much stiffer the spring is than what it holds.
         factor: f64,
@@ -32,6 +33,14 @@ impl Method {
         }
     }
 
+    /// Whether its numbers can be used.
+    pub(super) fn checked(self) -> Result<(), EnforceError> {
+        match self.factor() {
+            Some(factor) if !(factor > 0.0 && factor.is_finite()) => Err(EnforceError::Factor(factor)),
+            _ => Ok(()),
+        }
+    }
+
     /// The same with `share` times the spring.
     pub(super) fn times(self, share: f64) -> Self {
         match self {
@@ -47,28 +56,23 @@ impl Method {
     }
 }
 
-/// `D_i = factor k_i / |C_i|^2` of each equation that has a spring, `k_i` the largest entry of K on the diagonal of its DOFs, or, where
-/// there is none, of all; zero for others. It has the units of the equation: the factor has none.
-pub(super) fn springs(problem: &Problem, methods: &[Method]) -> Result<Vec<f64>, EnforceError> {
-    let mut diagonal = vec![0.0_f64; problem.system.dofs()];
-    entries(&problem.k).filter(|&(i, j, _)| i == j).for_each(|(i, _, v)| diagonal[i] += v.abs());
-    let largest = entries(&problem.k).fold(0.0, |most: f64, (_, _, v)| most.max(v.abs()));
-    let mut springs = vec![0.0; problem.system.equations()];
-    for &row in &problem.kept {
-        let Some(factor) = methods[row].factor() else { continue };
-        if !(factor > 0.0 && factor.is_finite()) {
-            return Err(EnforceError::Factor(factor));
-        }
+/// `D_i = factor k_i / |C_i|^2` of each equation that has a spring, `k_i` the largest entry of K on the diagonal of its free DOFs, or, where
+/// there is none, of the part; zero for others. It has the units of the equation: the factor has none. Where a part has no stiffness at all,
+/// no spring can be compared with it: its D is zero, and its equations are met.
+pub(super) fn springs(part: &Part, methods: &[Method]) -> Result<Vec<f64>, EnforceError> {
+    let mut diagonal = vec![0.0_f64; part.dofs.len()];
+    entries(&part.k).filter(|&(i, j, _)| i == j).for_each(|(i, _, v)| diagonal[i] += v.abs());
+    let largest = entries(&part.k).fold(0.0, |most: f64, (_, _, v)| most.max(v.abs()));
+    let of_row = |(row, method): (usize, &Method)| {
+        let Some(factor) = method.factor() else { return Ok(0.0) };
         let (mut near, mut square) = (0.0_f64, 0.0);
-        for (j, v) in problem.system.matrix().row(row) {
+        for (j, v) in part.system.matrix().row(row) {
             near = near.max(diagonal[j]);
             square += v * v;
         }
-        // Without any stiffness every spring is as good as another.
-        let near = [near, largest, 1.0].into_iter().find(|&k| k > 0.0).unwrap_or(1.0);
-        let spring = factor * near / square;
-        springs[row] =
-            if spring > 0.0 && spring.is_finite() { spring } else { return Err(EnforceError::Factor(factor)) };
-    }
-    Ok(springs)
+        let spring = factor * if near > 0.0 { near } else { largest } / square;
+        let is_usable = largest == 0.0 || (spring > 0.0 && spring.is_finite());
+        if is_usable { Ok(spring) } else { Err(EnforceError::Factor(factor)) }
+    };
+    methods.iter().enumerate().map(of_row).collect()
 }

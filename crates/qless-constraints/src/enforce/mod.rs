@@ -8,6 +8,12 @@
 //! | augmented Lagrange | penalty, and `lambda += D (C u - b)` until C u = b | the tolerance asked for |
 //! | mixed | any of these, equation by equation ([`Problem::enforce`]) | as each of them |
 //!
+//! Springs that are too stiff to leave K digits, or too soft to be told from no support, are not guessed about: the part gets multipliers, which give
+//! the exact solution, and a penalty is solved from that, `[K C^T; C -1/D]`. It is the same solution, at the cost of one more factorization.
+//!
+//! Parts that neither K nor C connects are solved one by one, in numbers of their own: what is found of one does not depend on another, to
+//! the last bit.
+//!
 //! Only independent equations are enforced; without that Lagrange's matrix is singular, and no slave exists for some row.
 //! K need not be symmetric, definite, nor regular without the constraints. Prescribed DOFs keep their values.
 //!
@@ -30,6 +36,7 @@ mod inverse;
 mod matrix;
 mod method;
 mod model;
+mod part;
 mod problem;
 mod reduced;
 mod run;

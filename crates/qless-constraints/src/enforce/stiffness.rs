@@ -63,7 +63,7 @@ impl<'a> Stiffness<'a> {
         self.matrix
     }
 
-    /// All entries, and whether they are symmetric.
+    /// All entries, and whether they are declared to be symmetric.
     pub(super) fn whole(self) -> Result<(Cow<'a, Matrix>, bool), EnforceError> {
         let is_off = |&(i, j, v): &(usize, usize, f64)| i != j && v != 0.0;
         let first = |below: bool| entries(self.matrix).filter(is_off).find(|&(i, j, _)| (i > j) == below);
@@ -81,9 +81,7 @@ impl<'a> Stiffness<'a> {
         if !self.triangular && first(true).is_some() != first(false).is_some() {
             return Err(EnforceError::Triangle { lower: first(true).is_some() });
         }
-        let whole = compressed(self.matrix)?;
-        let symmetric = is_symmetric(&whole);
-        Ok((whole, symmetric))
+        Ok((compressed(self.matrix)?, false))
     }
 }
 
@@ -100,12 +98,12 @@ fn mirrored(half: &Matrix) -> Result<Matrix, EnforceError> {
 }
 
 /// `|K_ij - K_ji|` is rounding of the diagonal, or of the entries themselves.
-fn is_symmetric(k: &Matrix) -> bool {
+pub(super) fn is_symmetric(k: &Matrix) -> bool {
     let mut diagonal = vec![0.0_f64; k.ncols()];
     entries(k).filter(|&(i, j, _)| i == j).for_each(|(i, _, v)| diagonal[i] += v.abs());
     let other = |i: usize, j: usize| k.get(j, i).copied().unwrap_or_default();
     entries(k).filter(|&(i, j, _)| i != j).all(|(i, j, v)| {
         let w = other(i, j);
-        (v - w).abs() <= SAME * v.abs().max((diagonal[i] * diagonal[j]).sqrt())
+        (v - w).abs() <= SAME * v.abs().max(diagonal[i].sqrt() * diagonal[j].sqrt())
     })
 }

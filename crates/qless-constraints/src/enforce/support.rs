@@ -26,7 +26,7 @@ const SHARPENINGS: usize = 6;
 /// The share by which entries of A are taken to be wrong: each was rounded more than once before it came here.
 pub const WRONG: f64 = 16.0 * f64::EPSILON;
 /// Entries of A that are wrong by this share make it singular: rounding, in what assembled models have of it.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
+pub const ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// Sensitivities from which on a null vector is looked for: factors may be far more wrong than A is.
 pub const SUSPICIOUS: f64 = 1e-4 / f64::EPSILON;
 /// The share of a direction that an inverse must give back.
@@ -140,7 +140,7 @@ fn sharpened(equations: &impl Equations, solve: &mut Solve<'_>, mut v: Vec<f64>)
 
 /// v in the connected parts that nothing holds, and the largest `|A v|_i / (|A| |v'|)_i` of them, where every number of v' is as
 /// large as the largest of its part. Where all parts are held, v in the part that is held least.
-fn held(equations: &impl Equations, v: &[f64]) -> (Vec<f64>, f64) {
+pub fn held(equations: &impl Equations, v: &[f64]) -> (Vec<f64>, f64) {
     let (left, size) = (equations.apply(v), equations.size(&levelled(equations, v)));
     let parts = equations.parts();
     let mut worst: Vec<f64> = largest_of_parts(equations, v);

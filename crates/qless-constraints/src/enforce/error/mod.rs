@@ -21,8 +21,8 @@ pub enum EnforceError {
         /// How many there should be.
         dofs: usize,
     },
-    /// K or f has a number that is not finite.
-    #[error("K or f holds {value}; every number must be finite")]
+    /// A number that is not finite, of K, f or a prescribed value.
+    #[error("K, f or a prescribed value is {value}; every number must be finite")]
     NotFinite {
         /// The number.
         value: f64,
@@ -88,23 +88,10 @@ pub enum EnforceError {
         /// What is left, relative to the terms.
         imbalance: f64,
     },
-    /// Springs so stiff that rounding of them hides the model.
-    #[error(
-        "penalty factor {factor:.1e}: forces are out of balance by {imbalance:.1e} of their terms; {}",
-        advice("the largest that is not too large is about", *.largest)
-    )]
-    PenaltyTooLarge {
-        /// The largest factor asked for.
-        factor: f64,
-        /// What is left of a row, relative to its terms.
-        imbalance: f64,
-        /// The largest, by powers of ten, that was found to do.
-        largest: Option<f64>,
-    },
     /// Springs so soft that they leave more than was asked for.
     #[error(
         "penalty factor {factor:.1e}: u is off by {cost:.1e} of its size, and {accuracy:.1e} was asked for; {}",
-        advice("a factor that does is", *.smallest)
+        advice(*.smallest)
     )]
     PenaltyTooSmall {
         /// The largest factor asked for.
@@ -132,21 +119,22 @@ pub enum EnforceError {
     /// The author's solver gave no solution.
     #[error(transparent)]
     Solver(#[from] SolverError),
-    /// Augmented Lagrange did not come to an end.
+    /// Augmented equations that rounding keeps from what was asked for.
     #[error(
-        "{left:.1e} of the constraints is left after {steps} steps, and {tolerance:.1e} was asked for; {}",
-        advice("a factor that does is", *.better)
+        "{left:.1e} of the terms of a constraint is left, which is rounding, and {tolerance:.1e} was asked for; ask for more than that"
     )]
     NoConvergence {
-        /// Steps made.
-        steps: usize,
         /// Largest residual of an equation, relative to its terms.
         left: f64,
         /// What was asked for.
         tolerance: f64,
-        /// A penalty factor that was found to do.
-        better: Option<f64>,
     },
+    /// Numbers so large or so small that the solution leaves the range of doubles.
+    #[error("the solution leaves the range of doubles; choose units in which K, f and u are nearer to one")]
+    OutOfRange,
+    /// A limit of fill that is no number, or negative.
+    #[error("the limit of fill is {0}; it must be zero or more, such as 10")]
+    Limit(f64),
     /// The constraints cannot be analysed.
     #[error(transparent)]
     Analysis(#[from] AnalysisError),
@@ -165,9 +153,9 @@ pub enum EnforceError {
 }
 
 /// What a factor would have to be, or that there is none.
-fn advice(text: &str, factor: Option<f64>) -> String {
+fn advice(factor: Option<f64>) -> String {
     match factor {
-        Some(factor) => format!("{text} {factor:.1e}"),
+        Some(factor) => format!("a factor that does is {factor:.1e}"),
         None => "no factor does: use multipliers or elimination".into(),
     }
 }

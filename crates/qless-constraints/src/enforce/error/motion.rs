@@ -28,6 +28,21 @@ impl Motion {
         let motion = dofs.iter().map(|&j| u[j] / largest).collect();
         Self { dofs, motion, held }
     }
+
+    /// The same where DOFs have other numbers, ascending.
+    pub(in super::super) fn of(mut self, dofs: &[usize]) -> Self {
+        self.dofs.iter_mut().for_each(|j| *j = dofs[*j]);
+        self
+    }
+
+    /// Both, each with its largest number 1 or -1.
+    pub(in super::super) fn and(&self, other: &Self) -> Self {
+        let moves = |motion: &Self| motion.dofs.iter().copied().zip(motion.motion.clone()).collect::<Vec<_>>();
+        let mut both = [moves(self), moves(other)].concat();
+        both.sort_by_key(|&(dof, _)| dof);
+        let (dofs, motion) = both.into_iter().unzip();
+        Self { dofs, motion, held: self.held.max(other.held) }
+    }
 }
 
 impl std::fmt::Display for Motion {

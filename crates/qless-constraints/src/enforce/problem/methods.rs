@@ -3,10 +3,8 @@
 use faer::sparse::SparseColMat;
 use qless::ArgumentError;
 
-use super::super::condensation::Condensation;
 use super::super::equations::BALANCED;
-use super::super::inverse::over_unknowns;
-use super::super::matrix::bordered;
+use super::super::matrix::{entries, from_triplets};
 use super::super::{BlockPlan, EnforceError, Method, run};
 use super::{Problem, Solution};
 
@@ -37,15 +35,17 @@ impl Problem<'_> {
     /// ```
     ///
     /// # Errors
-    /// [`EnforceError::Unsupported`] with the motion that nothing holds; [`EnforceError::PenaltyTooLarge`] and
-    /// [`EnforceError::PenaltyTooSmall`] with the factor that would do; [`EnforceError::NoConvergence`] where the multipliers of augmented
-    /// equations do not settle; [`EnforceError::OutOfBalance`] where rounding leaves more than 1e-10 of the terms of a row;
-    /// [`EnforceError::Argument`] for a list of the wrong length, [`EnforceError::Factor`], [`EnforceError::Accuracy`].
+    /// [`EnforceError::Unsupported`] with the motion that nothing holds; [`EnforceError::PenaltyTooSmall`] with a factor that would do;
+    /// [`EnforceError::NoConvergence`] where rounding leaves more of augmented equations than was asked for;
+    /// [`EnforceError::OutOfBalance`] where it leaves more than 1e-10 of the terms of a row, or no digit of u;
+    /// [`EnforceError::OutOfRange`] where the solution leaves the range of doubles; [`EnforceError::Argument`] for a list of the wrong
+    /// length, [`EnforceError::Factor`] for the factor of any equation, [`EnforceError::Accuracy`].
     pub fn enforce(&self, methods: &[Method], accuracy: f64) -> Result<Solution, EnforceError> {
         let (found, expected) = (methods.len(), self.system.equations());
         if found != expected {
             return Err(ArgumentError::WrongLength { what: "the list of methods", found, expected }.into());
         }
+        methods.iter().try_for_each(|method| method.checked())?;
         if !(accuracy > 0.0 && accuracy.is_finite()) {
             return Err(EnforceError::Accuracy(accuracy));
         }
@@ -74,8 +74,8 @@ impl Problem<'_> {
         self.all(Method::Multiplier, BALANCED)
     }
 
-    /// Independent equations as stiff springs; `lambda = D (C u - b)`. What the springs leave falls as 1 / factor; rounding of
-    /// `K + C^T D C` grows as the factor, is refined away as long as it can be, and refused beyond.
+    /// Independent equations as stiff springs; `lambda = D (C u - b)`. What the springs leave falls as 1 / factor; where the factor is so large
+    /// that rounding of `K + C^T D C` shows, the same springs are solved beside K instead of in it.
     ///
     /// # Errors
     /// As [`Problem::enforce`], where u may differ from the exact one by a share of `accuracy`.
@@ -84,7 +84,8 @@ impl Problem<'_> {
     }
 
     /// Penalty with multipliers that take over step by step: `lambda += D (C u - b)`, until every equation holds to
-    /// `tolerance`, relative to its terms, and the forces are in balance.
+    /// `tolerance`, relative to its terms, and the forces are in balance. Springs of which a step closes less than nine tenths of a gap are
+    /// replaced by multipliers at once.
     ///
     /// # Errors
     /// As [`Problem::enforce`].
@@ -119,7 +120,16 @@ impl Problem<'_> {
         if let Some(&found) = rows.iter().find(|&&row| row >= count) {
             return Err(ArgumentError::OutOfRange { what: "equation", found, count }.into());
         }
-        let free = Condensation::new(self.system, &[], &self.k)?;
-        bordered(&free.matrix(&self.k)?, &over_unknowns(self, &free, rows)?)
+        let n = self.system.dofs();
+        let mut free = vec![true; n];
+        self.system.prescribed().iter().for_each(|&(j, _)| free[j] = false);
+        let of_row = |(i, &row): (usize, &usize)| self.system.matrix().row(row).map(move |(j, v)| (n + i, j, v));
+        let border = rows.iter().enumerate().flat_map(of_row).flat_map(|(i, j, v)| [(i, j, v), (j, i, v)]);
+        free.resize(n + rows.len(), true);
+        let place: Vec<usize> =
+            free.iter().scan(0, |next, &free| Some(std::mem::replace(next, *next + usize::from(free)))).collect();
+        let size = free.iter().filter(|free| **free).count();
+        let all = entries(&self.k).chain(border).filter(|&(i, j, _)| free[i] && free[j]);
+        from_triplets(size, size, all.map(|(i, j, v)| (place[i], place[j], v)))
     }
 }

@@ -35,7 +35,8 @@ use super::{EnforceError, Stiffness};
 pub struct Problem<'a> {
     /// All entries of K.
     pub(super) k: Cow<'a, Matrix>,
-    pub(super) symmetric: bool,
+    /// Whether K was declared to be symmetric.
+    pub(super) declared: bool,
     pub(super) f: &'a [f64],
     pub(super) system: &'a ConstraintSystem,
     pub(super) kept: Vec<usize>,
@@ -69,7 +70,7 @@ impl<'a> Problem<'a> {
         if let Some(&value) = k.val().iter().chain(f).find(|value| !value.is_finite()) {
             return Err(EnforceError::NotFinite { value });
         }
-        let (k, symmetric) = stiffness.whole()?;
+        let (k, declared) = stiffness.whole()?;
         let analysis = analyse(system, &Options::default())?;
         let of_kind = |kind| (0..system.equations()).filter(|&row| analysis.kinds()[row] == kind).collect::<Vec<_>>();
         let conflicting = of_kind(Kind::Conflicting);
@@ -79,7 +80,7 @@ impl<'a> Problem<'a> {
         }
         let fixed = analysis.generated().iter().map(|&(dof, _)| dof).collect();
         let (kept, redundant) = (of_kind(Kind::Independent), of_kind(Kind::Redundant));
-        Ok(Self { k, symmetric, f, system, kept, redundant, fixed })
+        Ok(Self { k, declared, f, system, kept, redundant, fixed })
     }
 
     /// The equations that are enforced, ascending.

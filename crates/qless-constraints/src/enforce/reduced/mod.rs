@@ -33,7 +33,8 @@ use transformed::Transformed;
 /// ```
 ///
 /// # Errors
-/// [`EnforceError::Size`] where K, f or the values do not fit to the reduction, [`EnforceError::Unsupported`] if the constraints
+/// [`EnforceError::Size`] where K, f or the values do not fit to the reduction, [`EnforceError::NotFinite`],
+/// [`EnforceError::Unsupported`] if the constraints
 /// do not hold the model, [`EnforceError::OutOfBalance`] if rounding leaves more than 1e-10 of the forces.
 pub fn reduced(
     k: &SparseColMat<usize, f64>,
@@ -52,6 +53,9 @@ pub fn reduced(
         if found != dofs {
             return Err(EnforceError::Size { what, found, dofs });
         }
+    }
+    if let Some(&value) = k.val().iter().chain(f).chain(prescribed).find(|value| !value.is_finite()) {
+        return Err(EnforceError::NotFinite { value });
     }
     let held = held(reduction);
     let t = from_triplets(dofs, reduction.masters().len() + held.len(), triplets(reduction))?;

@@ -13,11 +13,11 @@ use super::Prepared;
 
 /// Steps: what closes has then vanished beside what stays.
 const STEPS: usize = 4;
-/// The share of its gaps that a connected part may keep in the last step; of more it is not sure that anything closes it.
+/// The share of its gaps that a part may keep in the last step; of more it is not sure that anything closes it.
 const CLOSES: f64 = 0.1;
 
 impl Prepared<'_> {
-    /// Whether the gaps of every connected part close.
+    /// Whether the gaps close.
     pub fn springs_give_way(&mut self) -> bool {
         let (mut gaps, mut stays) = (self.first_gaps(), 0.0);
         for _ in 0..STEPS {
@@ -35,25 +35,18 @@ impl Prepared<'_> {
     fn first_gaps(&self) -> Vec<f64> {
         let (n, units) = (self.model.dofs(), self.model.units());
         let mut gaps = vec![0.0; units.len()];
-        for (i, &row) in self.problem.kept.iter().enumerate().filter(|&(_, &row)| self.methods[row].factor().is_some())
-        {
-            gaps[n + row] = uneven(1.0, i, units[n + row].sqrt());
+        for row in (0..self.methods.len()).filter(|&row| self.methods[row].factor().is_some()) {
+            gaps[n + row] = uneven(1.0, row, units[n + row].sqrt());
         }
         gaps
     }
 
-    /// The largest gap of all; those of each part are divided by its largest.
+    /// The largest gap, by which all are divided.
     fn levelled_gaps(&self, gaps: &mut [f64]) -> f64 {
-        let (units, parts) = (self.model.units(), self.model.parts());
-        let mut largest = vec![0.0; gaps.len()];
-        for (i, gap) in gaps.iter().enumerate() {
-            let size = gap.abs() * units[i];
-            // Once no number, always none.
-            largest[parts[i]] = if size > largest[parts[i]] || size.is_nan() { size } else { largest[parts[i]] };
-        }
-        for (gap, part) in gaps.iter_mut().zip(parts).filter(|(gap, _)| **gap != 0.0) {
-            *gap /= largest[*part];
-        }
-        largest.into_iter().fold(0.0, |most, size| if size > most || size.is_nan() { size } else { most })
+        // Once no number, always none.
+        let larger = |most: f64, size: f64| if size > most || size.is_nan() { size } else { most };
+        let largest = gaps.iter().zip(self.model.units()).fold(0.0, |most, (gap, unit)| larger(most, gap.abs() * unit));
+        gaps.iter_mut().filter(|gap| **gap != 0.0).for_each(|gap| *gap /= largest);
+        largest
     }
 }

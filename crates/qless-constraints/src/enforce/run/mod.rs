@@ -1,8 +1,11 @@
-//! One solve by any methods: factored, held against its support, solved and refined until it is in balance, or refused.
+//! One solve by any methods, part by part: factored, held against its support, solved and refined until it is in balance, or refused.
 
-mod advice;
 mod give_way;
 mod left;
+mod multipliers;
+mod penalties;
+mod refusal;
+mod springs;
 mod support;
 
 use super::EnforceError;
@@ -11,11 +14,10 @@ use super::inverse::Inverse;
 use super::matrix::times;
 use super::method::{Method, springs};
 use super::model::Model;
+use super::part::{Part, Split};
 use super::problem::{Problem, Solution};
-use super::support::WRONG;
-use advice::Failure;
 
-/// Solutions and refinements at most; of augmented equations, each of which takes multipliers over.
+/// Solutions and refinements at most; where multipliers take over from springs, or springs from multipliers.
 const REFINEMENTS: usize = 6;
 const AUGMENTATIONS: usize = 200;
 /// The least imbalance that is asked of forces beside augmented equations.
@@ -23,27 +25,43 @@ const TIGHTEST: f64 = 1e-13;
 /// What refinement leaves of a row where nothing hinders it.
 const ROUNDED: f64 = 64.0 * f64::EPSILON;
 
-/// u, multipliers and forces by the methods asked for.
+/// u, multipliers and forces by the methods asked for. Parts are refused together.
 pub fn run(problem: &Problem, methods: &[Method], accuracy: f64) -> Result<Solution, EnforceError> {
-    let mut prepared = support::prepared(problem, methods)?;
-    let sensitivity = support::supported(&mut prepared)?;
-    let asked = Asked { accuracy, sensitivity };
-    let found = prepared.solved(&asked).map_err(|failure| failure.advised(problem, methods, &asked))?;
-    Ok(finished(problem, &found))
+    let (n, m) = (problem.system.dofs(), problem.system.equations());
+    let (u, forces, multipliers) = (vec![0.0; n], vec![0.0; n], vec![0.0; m]);
+    let mut solution = Solution { u, multipliers, forces, reactions: Vec::new(), accuracy: 0.0, imbalance: 0.0 };
+    let mut refused = None;
+    for part in Split::new(problem).parts(methods) {
+        let part = part?;
+        match solved(&part, accuracy) {
+            Ok(found) => {
+                part.place(&found.x, &mut solution);
+                solution.accuracy = solution.accuracy.max(found.accuracy);
+                solution.imbalance = solution.imbalance.max(found.imbalance);
+            }
+            Err(error) => {
+                refused = Some(match refused {
+                    None => error,
+                    Some(first) => refusal::both(first, error),
+                });
+            }
+        }
+    }
+    refused.map_or_else(|| finished(problem, solution), Err)
 }
 
-/// What a solution is measured by.
-struct Asked {
-    accuracy: f64,
-    /// How much of u one share of the terms moves.
-    sensitivity: f64,
+/// By springs, where the equations ask for them and they leave no doubt.
+fn solved(part: &Part, accuracy: f64) -> Result<Found, EnforceError> {
+    let is_sprung = part.methods.iter().any(|method| method.factor().is_some());
+    let found = if is_sprung { springs::solved(part, accuracy)? } else { None };
+    found.map_or_else(|| multipliers::solved(part, accuracy), Ok)
 }
 
-/// The equations of a solve, and the factors of its matrix.
+/// The equations of a part, and the factors of a matrix for them.
 struct Prepared<'a> {
-    problem: &'a Problem<'a>,
-    methods: &'a [Method],
-    model: Model,
+    part: &'a Part<'a>,
+    methods: Vec<Method>,
+    model: Model<'a>,
     inverse: Inverse<'a>,
 }
 
@@ -58,68 +76,46 @@ struct Found {
 
 impl<'a> Prepared<'a> {
     /// With a `shift` of the diagonal that makes a singular matrix regular, or none.
-    fn new(problem: &'a Problem, methods: &'a [Method], shift: f64) -> Result<Self, EnforceError> {
-        let springs = springs(problem, methods)?;
-        let model = Model::new(problem, methods, &springs)?;
-        let inverse = Inverse::new(problem, methods, springs, shift)?;
-        Ok(Self { problem, methods, model, inverse })
+    fn new(part: &'a Part<'a>, methods: Vec<Method>, shift: f64) -> Result<Self, EnforceError> {
+        let springs = springs(part, &methods)?;
+        let model = Model::new(part)?.yielding(&methods, &springs);
+        let inverse = Inverse::new(part, &methods, springs, shift)?;
+        Ok(Self { part, methods, model, inverse })
     }
 
-    /// x in balance, to the accuracy asked for.
-    fn solved(&mut self, asked: &Asked) -> Result<Found, Failure> {
-        let (n, methods) = (self.model.dofs(), self.methods);
-        let is_augmented = |i: usize| i >= n && matches!(methods[i - n], Method::Augmented { .. });
-        let patient = self.problem.kept.iter().any(|&row| is_augmented(n + row));
-        // Forces of springs are not in balance before their equations are met.
-        let forces = if patient { BALANCED.min(asked.accuracy.max(TIGHTEST)) } else { BALANCED };
-        let limit = |i: usize| if is_augmented(i) { asked.accuracy } else { forces };
-        let steps = if patient { AUGMENTATIONS } else { REFINEMENTS };
-        let goal = Goal { limit: &limit, lax: &is_augmented, enough: SHARP, steps, patient };
-        let (rhs, sizes) = &self.model.rhs;
-        let settled = settle(&self.model, &mut |r: &[f64]| self.inverse.solve(r), (rhs, sizes), &goal)?;
-        let Settled { x, row, imbalance, rounding, share, steps } = settled;
-        if share > 1.0 {
-            let slow = is_augmented(row);
-            return Err(if slow {
-                Failure::Left { steps, left: imbalance }
-            } else {
-                Failure::OutOfBalance { row, imbalance }
-            });
-        }
-        let (noise, left) = (rounding.max(WRONG) * asked.sensitivity, self.left_by_springs(&x));
-        let is_penalty = |&row: &usize| matches!(methods[row], Method::Penalty { .. });
-        if self.problem.kept.iter().any(is_penalty) {
-            // Rounding that a softer spring would not have.
-            if noise > asked.accuracy && rounding > ROUNDED {
-                return Err(Failure::OutOfBalance { row, imbalance });
-            }
-            if left > asked.accuracy {
-                return Err(Failure::TooSoft { cost: left });
-            }
-        }
-        // What may be wrong as a whole is no solution, whatever was asked for.
-        if left.is_nan() || left >= 1.0 {
-            return Err(Failure::TooSoft { cost: left });
-        }
-        if noise.is_nan() || noise >= 1.0 {
-            return Err(Failure::OutOfBalance { row, imbalance });
-        }
-        Ok(Found { x, imbalance, accuracy: noise.max(left) })
+    /// x in balance, or as near as it comes; some equations may be met to the accuracy asked for.
+    fn settled(&mut self, accuracy: f64) -> Result<Settled, EnforceError> {
+        let Self { part, methods, model, inverse } = self;
+        let is_taken_over =
+            |i: usize| i >= model.dofs() && matches!(methods[i - model.dofs()], Method::Augmented { .. });
+        let patient = (0..methods.len()).any(|i| is_taken_over(model.dofs() + i));
+        let goal = Goal {
+            limit: &limits(part, if patient { accuracy } else { accuracy.min(BALANCED) }),
+            lax: &is_taken_over,
+            enough: SHARP,
+            steps: if patient { AUGMENTATIONS } else { REFINEMENTS },
+            patient,
+        };
+        settle(model, &mut |r: &[f64]| inverse.solve(r), (&part.rhs.0, &part.rhs.1), &goal)
     }
 }
 
-/// Prescribed values, forces and reactions.
-fn finished(problem: &Problem, found: &Found) -> Solution {
-    let (u, multipliers) = found.x.split_at(problem.system.dofs());
-    let mut u = u.to_vec();
+/// What may be left of each row: of augmented equations the accuracy asked for. Forces of springs are not in balance before their
+/// equations are met.
+fn limits<'a>(part: &'a Part<'a>, accuracy: f64) -> impl Fn(usize) -> f64 + 'a {
+    let is_augmented = |method: &Method| matches!(method, Method::Augmented { .. });
+    let forces = if part.methods.iter().any(is_augmented) { BALANCED.min(accuracy.max(TIGHTEST)) } else { BALANCED };
+    let n = part.dofs.len();
+    move |i: usize| if i >= n && is_augmented(&part.methods[i - n]) { accuracy } else { forces }
+}
+
+/// With prescribed values and reactions, and nothing that is no number.
+fn finished(problem: &Problem, mut solution: Solution) -> Result<Solution, EnforceError> {
+    let Solution { u, multipliers, forces, reactions, .. } = &mut solution;
     problem.system.prescribed().iter().for_each(|&(j, value)| u[j] = value);
-    let mut forces = vec![0.0; u.len()];
-    for (row, lambda) in multipliers.iter().enumerate().filter(|(_, lambda)| **lambda != 0.0) {
-        problem.system.matrix().row(row).for_each(|(j, v)| forces[j] -= v * lambda);
-    }
-    let stressed = times(&problem.k, &u);
+    let stressed = times(&problem.k, u);
     let prescribed = problem.system.prescribed().iter();
-    let reactions = prescribed.map(|&(j, _)| (j, stressed[j] - forces[j] - problem.f[j])).collect();
-    let Found { imbalance, accuracy, .. } = *found;
-    Solution { u, multipliers: multipliers.to_vec(), forces, reactions, accuracy, imbalance }
+    reactions.extend(prescribed.map(|&(j, _)| (j, stressed[j] - forces[j] - problem.f[j])));
+    let mut all = u.iter().chain(&*multipliers).chain(&*forces).chain(reactions.iter().map(|(_, force)| force));
+    if all.all(|v| v.is_finite()) { Ok(solution) } else { Err(EnforceError::OutOfRange) }
 }

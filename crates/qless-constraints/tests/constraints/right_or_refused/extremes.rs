@@ -130,9 +130,95 @@ fn equations_may_be_multiplied() -> Outcome {
         assert!(off <= 1e-9 * most, "{off:e} of {most:e}");
     }
     let methods = vec![Method::Augmented { factor: f64::MAX }; system.equations()];
-    assert!(matches!(
-        other.enforce(&methods, 1e-9),
-        Err(EnforceError::Factor(_) | EnforceError::PenaltyTooLarge { .. })
-    ));
+    assert!(matches!(other.enforce(&methods, 1e-9), Err(EnforceError::Factor(_))));
+    Ok(())
+}
+
+/// K, and each equation, times any number: u is the same as without, or what cannot be written is said; never another u, nor another word.
+#[test]
+fn factors_of_1e290_change_nothing() -> Outcome {
+    let ends = [1e-290, 1e-150, 1e-20, 1.0, 1e20, 1e150, 1e290];
+    let plain =
+        [(0, 0, 3.0), (0, 1, -1.0), (1, 0, -1.0), (1, 1, 2.0), (1, 2, -1.0), (2, 1, -1.0), (2, 2, 1.5), (3, 3, 1.0)];
+    let mut right = 0;
+    for (stiff, row) in ends.into_iter().flat_map(|stiff| ends.map(|row| (stiff, row))) {
+        for held in [true, false] {
+            let k: Vec<_> =
+                plain.iter().filter(|entry| held || entry.0 < 3).map(|&(i, j, v)| (i, j, v * stiff)).collect();
+            let mut builder = SystemBuilder::new(4);
+            builder.equation([(0, row), (2, -2.0 * row)], 0.5 * row);
+            builder.equation([(0, -4.0), (2, 8.0)], -2.0);
+            let (system, f) = (builder.build()?, [1.0, 2.0, -1.0, 3.0].map(|f| f * stiff));
+            let k = matrix(4, &k)?;
+            // With u_0 = 2 u_2 + 1/2 and u_1 from its own row: 9 u_2 = 7/4.
+            let exact = [16.0 / 18.0, (2.0 + 16.0 / 18.0 + 7.0 / 36.0) / 2.0, 7.0 / 36.0, 3.0];
+            for solved in by_all(&Problem::new(&k, &f, &system)?) {
+                match solved {
+                    Ok(solution) => {
+                        let off = (0..4).map(|j| (solution.u[j] - exact[j]).abs()).fold(0.0, f64::max);
+                        assert!(held && off < 1e-4, "{stiff:e}, {row:e}: {:?}", solution.u);
+                        right += 1;
+                    }
+                    Err(EnforceError::Unsupported(motion)) => {
+                        assert!(!held && motion.dofs == [3], "{stiff:e}, {row:e}");
+                    }
+                    // lambda is the stiffness by the factor of the row.
+                    Err(EnforceError::OutOfRange) => assert!(stiff / row > 1e300, "{stiff:e}, {row:e}"),
+                    Err(other) => return Err(format!("{stiff:e}, {row:e}: {other}").into()),
+                }
+            }
+        }
+    }
+    assert!(right > 150, "{right}");
+    Ok(())
+}
+
+/// Neighbours that differ by 1e20: a spring of the stiff one hides the soft one in `K + C^T D C`, and leaves it in `[K C^T; C -1/D]`.
+#[test]
+fn penalties_between_stiff_and_soft_are_no_alarm() -> Outcome {
+    for s in [1e-6, 1.0, 1e6] {
+        let k = matrix(2, &[(0, 0, 1e20 * s), (1, 1, s)])?;
+        let mut builder = SystemBuilder::new(2);
+        builder.equation([(0, 1.0), (1, -1.0)], 0.0);
+        let system = builder.build()?;
+        for f in [[1.0, 0.0], [0.0, 1.0], [1e20, 1.0]] {
+            let problem = Problem::new(&k, &f, &system)?;
+            let exact = (f[0] + f[1]) / (1e20 * s + s);
+            for solution in [problem.penalty(1e8, 1e-6)?, problem.augmented(1e8, 1e-9)?] {
+                assert!(solution.u.iter().all(|u| (u - exact).abs() <= 2e-6 * exact), "{s:e}, {f:?}: {:?}", solution.u);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Factors, accuracies and limits that are no positive numbers, of equations that are enforced and of those that are not.
+#[test]
+fn parameters_that_mean_nothing_are_refused() -> Outcome {
+    let k = matrix(2, &[(0, 0, 1.0), (1, 1, 1.0)])?;
+    let mut builder = SystemBuilder::new(2);
+    builder.equation([(0, 1.0), (1, -1.0)], 0.0);
+    builder.equation([(0, 2.0), (1, -2.0)], 0.0);
+    let system = builder.build()?;
+    let problem = Problem::new(&k, &[1.0, 0.0], &system)?;
+    for bad in [f64::NAN, -1.0, 0.0, -0.0, f64::INFINITY, f64::NEG_INFINITY] {
+        for row in 0..2 {
+            for method in [Method::Penalty { factor: bad }, Method::Augmented { factor: bad }] {
+                let mut methods = [Method::Multiplier; 2];
+                methods[row] = method;
+                assert!(matches!(problem.enforce(&methods, 1e-3), Err(EnforceError::Factor(_))), "{method:?}");
+            }
+        }
+        assert!(matches!(problem.enforce(&[Method::Multiplier; 2], bad), Err(EnforceError::Accuracy(_))), "{bad}");
+        if bad.is_nan() || bad < 0.0 {
+            assert!(matches!(problem.plan(bad), Err(EnforceError::Limit(_))), "{bad}");
+        }
+        if !bad.is_finite() {
+            let reduction = qless::analyse(&system, &Options::default())?.reduction()?;
+            let refused = qless_constraints::enforce::reduced(&k, &[bad, 0.0], &reduction, &[]);
+            assert!(matches!(refused, Err(EnforceError::NotFinite { .. })), "{bad}");
+        }
+    }
+    assert!(problem.plan(f64::INFINITY)?.iter().all(|block| block.eliminate));
     Ok(())
 }

@@ -1,5 +1,6 @@
 //! Solutions that are right to what they state, and models that are refused with the motion that nothing holds.
 
+mod blocks;
 mod dense;
 mod extremes;
 mod half;

@@ -8,10 +8,10 @@ use super::dense;
 use super::models::{Kind, Lack, all_units, model, off};
 use crate::linkages::Outcome;
 
-/// From far too soft to far too stiff: what comes back is as right as was asked for, and each refusal names a factor that does.
+/// From far too soft to 1e20, where `K + C^T D C` has lost K: what comes back is as right as was asked for, and each refusal names a factor that does.
 #[test]
 fn a_penalty_is_right_or_refused_with_one_that_is() -> Outcome {
-    let (mut right, mut soft, mut stiff) = (0, 0, 0);
+    let (mut right, mut soft) = (0, 0);
     for (case, units) in all_units().enumerate() {
         let model = model(case + 60, Kind::Symmetric, Lack::Nothing, units)?;
         let problem = Problem::new(&model.k, &model.f, &model.system)?;
@@ -31,36 +31,26 @@ fn a_penalty_is_right_or_refused_with_one_that_is() -> Outcome {
                     check(smallest, accuracy)?;
                     soft += 1;
                 }
-                Err(EnforceError::PenaltyTooLarge { largest: Some(largest), .. }) => {
-                    assert!(largest < factor, "{}", model.name);
-                    check(largest, accuracy)?;
-                    stiff += 1;
-                }
                 Err(other) => return Err(format!("{}: {factor:e}: {other}", model.name).into()),
             }
         }
     }
-    println!("{right} right, {soft} too soft, {stiff} too stiff");
-    assert!(right > 30 && soft > 9 && stiff > 9);
+    println!("{right} right, {soft} too soft");
+    assert!(right > 50 && soft > 9);
     Ok(())
 }
 
 /// The factors that gave solutions 100 % and 3 to 9 % off, in all units.
 #[test]
-fn stiff_factors_are_right_or_refused() -> Outcome {
+fn stiff_factors_are_right() -> Outcome {
     for (case, units) in all_units().enumerate() {
         let model = model(case, Kind::Symmetric, Lack::Nothing, units)?;
         let problem = Problem::new(&model.k, &model.f, &model.system)?;
         let (u, _) = dense::solution(&model, problem.kept())?;
         for solution in [problem.penalty(1e16, 1e-8), problem.augmented(1e14, 1e-12), problem.augmented(1e16, 1e-12)] {
-            match solution {
-                Ok(solution) => {
-                    let error = off(&model, &solution.u, &u);
-                    assert!(error <= 1e-8 && error <= 3.0 * solution.accuracy, "{}: {error:e}", model.name);
-                }
-                Err(EnforceError::PenaltyTooLarge { largest, .. }) => assert!(largest.is_some(), "{}", model.name),
-                Err(other) => return Err(format!("{}: {other}", model.name).into()),
-            }
+            let solution = solution.map_err(|error| format!("{}: {error}", model.name))?;
+            let error = off(&model, &solution.u, &u);
+            assert!(error <= 1e-8 && error <= 3.0 * solution.accuracy, "{}: {error:e}", model.name);
         }
     }
     Ok(())
@@ -77,15 +67,11 @@ fn what_no_penalty_can_do_is_said() -> Outcome {
         }
         other => return Err(format!("{other:?}").into()),
     }
+    let exact = problem.lagrange()?;
     for factor in [1e-6, 1e-3, 1e14, 1e18, 1e25] {
-        match problem.augmented(factor, 1e-12) {
-            Ok(solution) => assert!(solution.imbalance <= 1e-12, "{factor:e}"),
-            Err(EnforceError::NoConvergence { better: Some(better), .. }) => drop(problem.augmented(better, 1e-12)?),
-            Err(EnforceError::PenaltyTooLarge { largest: Some(largest), .. }) => {
-                problem.augmented(largest, 1e-12)?;
-            }
-            Err(other) => return Err(format!("{factor:e}: {other}").into()),
-        }
+        let solution = problem.augmented(factor, 1e-12)?;
+        let error = off(&model, &solution.u, &exact.u);
+        assert!(solution.imbalance <= 1e-12 && error <= 3.0 * solution.accuracy, "{factor:e}: {error:e}");
     }
     for accuracy in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert!(matches!(problem.penalty(1e6, accuracy), Err(EnforceError::Accuracy(_))));

@@ -10,11 +10,11 @@ use crate::linkages::Outcome;
 pub type Solution = (Vec<f64>, Vec<f64>);
 
 /// Numbers that are the same in every run.
-struct Random(u64);
+pub struct Random(pub u64);
 
 impl Random {
     /// From 0 to n - 1, by splitmix64.
-    fn below(&mut self, n: u64) -> usize {
+    pub fn below(&mut self, n: u64) -> usize {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -35,10 +35,10 @@ impl Random {
 
 pub struct Model {
     pub name: String,
-    k: Vec<Vec<i128>>,
-    f: Vec<i128>,
-    c: Vec<Vec<i128>>,
-    b: Vec<i128>,
+    pub k: Vec<Vec<i128>>,
+    pub f: Vec<i128>,
+    pub c: Vec<Vec<i128>>,
+    pub b: Vec<i128>,
     prescribed: Vec<Option<i128>>,
 }
 
@@ -111,11 +111,11 @@ pub fn model(seed: usize) -> Model {
 }
 
 impl Model {
-    fn free(&self) -> Vec<usize> {
+    pub fn free(&self) -> Vec<usize> {
         (0..self.f.len()).filter(|&j| self.prescribed[j].is_none()).collect()
     }
 
-    fn less_prescribed(&self, row: &[i128], rhs: i128) -> i128 {
+    pub fn less_prescribed(&self, row: &[i128], rhs: i128) -> i128 {
         rhs - row.iter().zip(&self.prescribed).map(|(v, u)| v * u.unwrap_or(0)).sum::<i128>()
     }
 

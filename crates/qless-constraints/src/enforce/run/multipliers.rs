@@ -1,0 +1,34 @@
+//! The equations themselves: a multiplier for each that is not eliminated. What is right here is right, however stiff or soft a spring is.
+//!
+//! Augmented equations come to this anyway, step by step. Penalties are solved from here ([`super::penalties`]).
+
+use super::super::EnforceError;
+use super::super::equations::Settled;
+use super::super::method::Method;
+use super::super::support::WRONG;
+use super::support::supported;
+use super::{Found, Part};
+
+/// In balance and to the accuracy asked for, or refused.
+pub fn solved(part: &Part, accuracy: f64) -> Result<Found, EnforceError> {
+    let (mut exact, growth) = supported(part)?;
+    let settled = exact.settled(accuracy)?;
+    let noise = settled.rounding.max(WRONG) * growth;
+    if settled.share > 1.0 || noise.is_nan() || noise >= 1.0 {
+        return Err(refused(part, &settled, accuracy));
+    }
+    if part.methods.iter().any(|method| matches!(method, Method::Penalty { .. })) {
+        return exact.penalised(&settled.x, noise, accuracy);
+    }
+    let Settled { x, imbalance, .. } = settled;
+    Ok(Found { x, imbalance, accuracy: noise })
+}
+
+/// What rounding leaves is too much: of a row, or of an equation that was to be met to less.
+fn refused(part: &Part, settled: &Settled, tolerance: f64) -> EnforceError {
+    let (n, left) = (part.dofs.len(), settled.imbalance);
+    match settled.row.checked_sub(n).map(|row| part.methods[row]) {
+        Some(Method::Augmented { .. }) if settled.share > 1.0 => EnforceError::NoConvergence { left, tolerance },
+        _ => EnforceError::OutOfBalance { row: part.name(settled.row), imbalance: left },
+    }
+}
