@@ -232,7 +232,10 @@ fn enforcement_of_what_does_not_fit() {
     for tolerance in [f64::NAN, -1.0, f64::NEG_INFINITY] {
         refused("a tolerance", || problem.augmented(1e3, tolerance));
     }
-    for limit in [f64::NAN, -1.0, f64::INFINITY] {
+    for limit in [f64::NAN, -1.0] {
+        refused("a limit", || problem.plan(limit).map(drop));
+    }
+    for limit in [0.0, f64::INFINITY] {
         survives("a plan", || problem.plan(limit).and_then(|plan| problem.mixed(&plan))).expect("either way");
     }
     let block = |rows: Vec<usize>| BlockPlan { rows, fill: 1.0, eliminate: true };

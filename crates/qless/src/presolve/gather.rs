@@ -46,7 +46,8 @@ pub(crate) fn gather(
                 number[j] = out.dofs.len() as u32;
                 out.dofs.push(j as u32);
                 out.free.push(free);
-                out.power.push(if free { 0 } else { -exponent(entry) });
+                // Scaled, a coefficient may have left the range of doubles.
+                out.power.push(if free || entry == 0.0 { 0 } else { -exponent(entry) });
             }
             let counted = ldexp(entry, out.power[number[j] as usize]);
             if !uncertain.is_empty() && uncertain.contains(&(name, j as u32)) {

@@ -95,7 +95,7 @@ fn the_elimination_meets_the_equations() {
             let reduction = eliminate(&system, peer.as_ref(), 1e-5).expect(name);
             assert_eq!(Some(reduction.slaves().len()), truth.rank_free, "{name}");
             let residual = analysis.residual(&reduction).expect("its own DOFs");
-            assert!(residual < 1e-14, "{name}, {}: {residual:e}", peer.name());
+            assert!(residual < 1e-13, "{name}, {}: {residual:e}", peer.name());
         }
     }
 }

@@ -23,7 +23,7 @@ impl Prepared<'_> {
         let cost = match self.yielded(exact, 1.0, accuracy)? {
             (Some(settled), left) if left <= accuracy && left < 1.0 => {
                 let Settled { x, imbalance, .. } = settled;
-                return Ok(Found { x, imbalance, accuracy: noise.max(left) });
+                return Ok(Found { x, imbalance, accuracy: noise + left });
             }
             (Some(_), left) => left,
             (None, left) => left.max(1.0),

@@ -26,7 +26,7 @@ impl Prepared<'_> {
         let is_penalised = self.methods.iter().any(|method| matches!(method, super::Method::Penalty { .. }));
         let limit = if is_penalised { accuracy.min(1.0) } else { 1.0 };
         let is_right = noise < 1.0 && left < 1.0 && left <= limit && !is_hidden;
-        is_right.then_some(Found { x: settled.x, imbalance: settled.imbalance, accuracy: noise.max(left) })
+        is_right.then_some(Found { x: settled.x, imbalance: settled.imbalance, accuracy: noise + left })
     }
 
     /// How sensitive u is to rounding, if springs neither hide K behind their rounding nor hold what their equations do not.
