@@ -68,7 +68,7 @@ fn no_row_vanishes_on_the_way() -> Outcome {
 /// A rod of length `length` far away and in any unit has a direction as long as one is known.
 #[test]
 fn small_rods_and_far_rods_are_no_noise() -> Outcome {
-    for unit in [1e-12, 1e-6, 1.0, 1e6, 1e12, 1e-150] {
+    for unit in [1e-12, 1e-6, 1.0, 1e6, 1e12, 1e-36] {
         for (at, length, alive) in [(0.0, 1.0, true), (1.0, 1e-3, true), (1e6, 1e-3, true), (1e9, 1e-8, false)] {
             let end = |dofs, x: f64| PlanarPoint::new(dofs, [unit * x, unit * at]);
             let mut builder = ConstraintSet::builder(4);

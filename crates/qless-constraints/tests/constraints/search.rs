@@ -29,7 +29,7 @@ fn scattered(faces: usize) -> Surface<3> {
         let part = |k: usize| random(97 * face + k + 5);
         let origin: [f64; 3] = from_fn(|k| 10.0 * part(k));
         let axes: [[f64; 3]; 2] =
-            from_fn(|a| from_fn(|k| f64::from(u8::from(k == (face + a) % 3)) + part(3 + 3 * a + k)));
+            from_fn(|a| from_fn(|k| f64::from(u8::from(k == (face + a) % 3)) + 0.3 * part(3 + 3 * a + k)));
         let first = surface.nodes.len();
         for i in 0..shape.nodes() {
             let [x, y] = match shape {
@@ -37,7 +37,7 @@ fn scattered(faces: usize) -> Surface<3> {
                 Shape::Line3 => [[0.0, 0.0], [1.0, 0.0], [0.5, 0.0]][i],
                 _ => TRIANGLE[i],
             };
-            let at = from_fn(|k| origin[k] + x * axes[0][k] + y * axes[1][k] + 0.1 * part(20 + 3 * i + k));
+            let at = from_fn(|k| origin[k] + x * axes[0][k] + y * axes[1][k] + 0.05 * part(20 + 3 * i + k));
             surface.nodes.push(point(first + i, at));
         }
         surface.faces.push(Face::new(shape, (first..first + shape.nodes()).collect::<Vec<_>>()));
