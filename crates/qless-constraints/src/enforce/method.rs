@@ -4,7 +4,7 @@ use super::EnforceError;
 use super::matrix::entries;
 use super::part::Part;
 
-/// How one equation is enforced. [`Problem::enforce`] takes one for each, in one solve.
+/// How one equation is enforced. [`Problem::enforce`](super::Problem::enforce) takes one for each, in one solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Method {
     /// A slave is eliminated: `u = L q + u_0` (Eq. 6-9).

@@ -18,7 +18,7 @@ impl std::fmt::Display for Dof {
 /// Where something is said: a card, and the lines of it, from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Origin {
-    /// Index into [`Model::cards`].
+    /// Index into [`Model::cards`](super::Model::cards).
     pub card: u32,
     /// First line.
     pub line: u32,
@@ -29,7 +29,7 @@ pub struct Origin {
 /// One equation `sum a_j u_j = rhs`; its first term is the slave in formats that name one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Equation<'a> {
-    /// Columns, which are indices into [`Model::dofs`], and coefficients; a zero one keeps its place.
+    /// Columns, which are indices into [`Model::dofs`](super::Model::dofs), and coefficients; a zero one keeps its place.
     pub columns: &'a [u32],
     /// Coefficients, in the order of `columns`.
     pub coefficients: &'a [f64],
@@ -46,7 +46,7 @@ pub struct Prescribed {
     pub dof: Dof,
     /// Its value; at a time `t`, this times the course at `t`.
     pub value: f64,
-    /// How the value runs in time: index into [`Model::courses`].
+    /// How the value runs in time: index into [`Model::courses`](super::Model::courses).
     pub course: u32,
     /// Where that is said.
     pub origin: Origin,
@@ -86,7 +86,7 @@ impl LoadCase {
 /// Something that the user should know.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
-    /// Index into [`Model::files`].
+    /// Index into [`Model::files`](super::Model::files).
     pub file: u32,
     /// The line, from 1; 0 if it concerns no line.
     pub line: u32,
