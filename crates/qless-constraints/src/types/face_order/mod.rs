@@ -12,8 +12,8 @@ pub use side::FaceSide;
 
 /// A face of p-refinement in a nodal basis: the nodes of the finer side lie on the polynomial through those of the coarser.
 ///
-/// `u_i = sum_k N_k(xi_i) u_k` with the polynomials of the coarser side ([`Polynomials`](crate::types::Polynomials)) that are 1 at one of its nodes and 0 at the
-/// others, wherever on the face they stand: equally spaced, at Fekete points, or otherwise. The polynomials of the coarser side must be
+/// `u_i = sum_k N_k(xi_i) u_k` with the polynomials of the coarser side ([`Polynomials`](crate::types::Polynomials)) that are 1 at one of its
+/// nodes and 0 at the others, wherever on the face they stand: equally spaced, at Fekete points, or otherwise. The polynomials of the coarser side must be
 /// among those of the finer, so that both sides meet everywhere, on the edges of the face too: an [`OrderTie`](super::OrderTie) there would say
 /// it twice. F equations and F DOFs removed for each finer node; one that has the DOFs of a coarser one in the same place (a corner that both
 /// share) has none. Weights are exactly zero where they are rounding, and sum to one. Cost: that of a dense factorisation with the nodes
