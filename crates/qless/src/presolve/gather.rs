@@ -35,6 +35,7 @@ pub(crate) fn gather(
     }
     let mut value = vec![0.0; system.dofs()];
     system.prescribed().iter().for_each(|&(j, v)| value[j] = v);
+    let powers = powers(system, &out.names, scaling);
     let mut number = vec![u32::MAX; system.dofs()];
     for &name in &out.names {
         let i = name as usize;
@@ -46,8 +47,7 @@ pub(crate) fn gather(
                 number[j] = out.dofs.len() as u32;
                 out.dofs.push(j as u32);
                 out.free.push(free);
-                // Scaled, a coefficient may have left the range of doubles.
-                out.power.push(if free || entry == 0.0 { 0 } else { -exponent(entry) });
+                out.power.push(powers.get(j).copied().unwrap_or(0));
             }
             let counted = ldexp(entry, out.power[number[j] as usize]);
             if !uncertain.is_empty() && uncertain.contains(&(name, j as u32)) {
@@ -67,4 +67,19 @@ pub(crate) fn gather(
         out.rows.push(row);
     }
     Ok(out)
+}
+
+/// By local DOF, the power of two that brings the largest coefficient of a prescribed one to one, whatever the order of equations; 0 for free
+/// ones. Empty where none is prescribed.
+fn powers(system: Local, names: &[u32], scaling: &Scaling) -> Vec<i32> {
+    if system.prescribed().is_empty() {
+        return Vec::new();
+    }
+    let mut largest = vec![0.0_f64; system.dofs()];
+    for i in names.iter().map(|&name| name as usize) {
+        let prescribed = system.row(i).filter(|&(j, _)| !system.free()[j]);
+        prescribed.for_each(|(j, v)| largest[j] = largest[j].max(scaling.entry(i, j, v).abs()));
+    }
+    // Scaled, all of them may have left the range of doubles.
+    largest.iter().map(|&v| if v > 0.0 && v.is_finite() { -exponent(v) } else { 0 }).collect()
 }
