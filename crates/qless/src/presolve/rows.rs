@@ -46,7 +46,7 @@ pub(crate) struct Row {
     pub effective_error: f64,
     /// Largest coefficient that ever went into the row: what its entries are relative to.
     pub size: f64,
-    /// Largest coefficient that was cancelled though it was more than rounding.
+    /// Largest coefficient of a free DOF that was cancelled though it was more than rounding.
     pub dropped: f64,
     /// How large a multiple of a user's equation went into the row at most, by the product of the factors along its way: what
     /// rounding of that equation is multiplied by.
@@ -113,17 +113,14 @@ impl Row {
         }
     }
 
-    /// Adds to the entry at a position; true if nothing is left of it.
-    pub fn add(&mut self, position: usize, value: f64, error: f64) -> bool {
+    /// Adds to the entry at a position; where nothing is left of it, what was given up though it was more than rounding, or zero.
+    pub fn add(&mut self, position: usize, value: f64, error: f64) -> Option<f64> {
         let entry = &mut self.entries[position];
         let sum = entry.value + value;
         let error = f64::from(entry.error) + error + f64::EPSILON * sum.abs();
         (entry.value, entry.error) = (sum, bound(error));
-        let zero = sum.abs() <= NOISE * error;
-        if zero && sum.abs() > MORE_THAN_ROUNDING * error {
-            self.dropped = self.dropped.max(sum.abs());
-        }
-        zero
+        let given_up = if sum.abs() > MORE_THAN_ROUNDING * error { sum.abs() } else { 0.0 };
+        (sum.abs() <= NOISE * error).then_some(given_up)
     }
 
     /// Takes the entry at a position out; the last entry moves into its place.

@@ -93,15 +93,15 @@ impl Elimination<'_> {
         if free {
             // What is known is no measure of what is left: it may be in any unit.
             row.size = row.size.max(value.abs());
-        }
-        if value.abs() < f64::MIN_POSITIVE {
             // A product that left the range of doubles was no zero.
-            row.dropped = row.dropped.max(f64::MIN_POSITIVE);
+            let lost = if value.abs() < f64::MIN_POSITIVE { f64::MIN_POSITIVE } else { 0.0 };
+            row.dropped = row.dropped.max(lost);
         }
         if let Some(position) = row.position(l) {
-            if row.add(position, value, error) {
+            if let Some(given_up) = row.add(position, value, error) {
                 row.remove(position);
                 if free {
+                    row.dropped = row.dropped.max(given_up);
                     row.free -= 1;
                     self.leave(l);
                 }
