@@ -61,6 +61,11 @@ impl<'a> Inverse<'a> {
         Ok(Self { part, springs, sum, eliminated, elimination, unknowns: count, border, multipliers, factor })
     }
 
+    /// D of each equation.
+    pub fn springs(&self) -> &[f64] {
+        &self.springs
+    }
+
     /// `M^-1 r`.
     pub fn solve(&mut self, r: &[f64]) -> Result<Vec<f64>, EnforceError> {
         let n = self.part.dofs.len();

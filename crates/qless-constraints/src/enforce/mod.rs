@@ -33,6 +33,7 @@ mod equations;
 mod error;
 mod factor;
 mod inverse;
+mod kinds;
 mod matrix;
 mod method;
 mod model;

@@ -4,6 +4,7 @@
 
 use super::EnforceError;
 use super::equations::Equations;
+use super::kinds::Kinds;
 use super::matrix::{Matrix, add, add_sizes, add_sizes_transposed, add_transposed, entries, from_triplets};
 use super::method::Method;
 use super::part::Part;
@@ -16,6 +17,7 @@ pub struct Model<'a> {
     /// 1 / D of each equation.
     compliance: Vec<f64>,
     units: Vec<f64>,
+    kinds: Kinds,
     /// All of one part.
     parts: Vec<usize>,
 }
@@ -26,7 +28,8 @@ impl<'a> Model<'a> {
         let rows = (0..m).flat_map(|i| part.system.matrix().row(i).map(move |(j, v)| (i, j, v)));
         let (k, c) = (&part.k, from_triplets(m, n, rows)?);
         let units = scale::units(k, &c);
-        Ok(Self { k, c, compliance: vec![0.0; m], units, parts: vec![0; n + m] })
+        let kinds = Kinds::new(k, &c);
+        Ok(Self { k, c, compliance: vec![0.0; m], units, kinds, parts: vec![0; n + m] })
     }
 
     /// The same with penalties of these springs instead of equations.
@@ -53,6 +56,11 @@ impl<'a> Model<'a> {
     pub fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
         let n = self.dofs();
         entries(self.k).chain(entries(&self.c).flat_map(move |(i, j, v)| [(n + i, j, v), (j, n + i, v)]))
+    }
+
+    /// Which DOFs can be compared.
+    pub fn kinds(&self) -> &Kinds {
+        &self.kinds
     }
 
     /// Whether there is any stiffness.

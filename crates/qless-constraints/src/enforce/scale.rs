@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! A = [K C^T; C 0]
-//! s_j = 1 / sqrt(|K_jj|), balanced      DOFs with stiffness: s_j u_j' = u_j, where u_j' are square roots of energy
+//! s_j = 1 / sqrt(|K_jj|)                DOFs with stiffness: s_j u_j' = u_j, where u_j' are square roots of energy
+//! s_j = 1 / max_i |K_ij| s_i            DOFs that feel those; then all are balanced
 //! s_r = 1 / max_j |C_rj| s_j            equations, over DOFs that have their scale
 //! s_j = 1 / max_r |C_rj| s_r            DOFs that only equations know
 //! ```
@@ -12,8 +13,10 @@
 
 use super::matrix::{Matrix, entries};
 
-/// Passes that balance K; definite matrices need none beyond the first.
-const SWEEPS: usize = 3;
+/// Passes that balance K, at most; definite matrices are balanced by their diagonal.
+const SWEEPS: usize = 20;
+/// A largest entry within this factor of one is balanced.
+const EVEN: f64 = 1.5;
 
 /// One unit per DOF, then one per equation of C; powers of two.
 pub fn units(k: &Matrix, c: &Matrix) -> Vec<f64> {
@@ -35,6 +38,7 @@ pub fn units_of(a: &Matrix) -> Vec<f64> {
 
 /// Zero where K has no entry.
 fn of_stiffness(k: &Matrix) -> Vec<f64> {
+    let inverse_root = |v: f64| if v > 0.0 { v.sqrt().recip() } else { 0.0 };
     let (mut diagonal, mut largest) = (vec![0.0_f64; k.ncols()], vec![0.0_f64; k.ncols()]);
     for (i, j, v) in entries(k) {
         if i == j {
@@ -43,9 +47,9 @@ fn of_stiffness(k: &Matrix) -> Vec<f64> {
         largest[i] = largest[i].max(v.abs());
         largest[j] = largest[j].max(v.abs());
     }
-    let inverse_root = |v: f64| if v > 0.0 { v.sqrt().recip() } else { 0.0 };
-    let first = diagonal.iter().zip(&largest).map(|(&d, &most)| inverse_root(if d > 0.0 { d } else { most }));
-    let mut units: Vec<f64> = first.collect();
+    let mut units: Vec<f64> = diagonal.into_iter().map(inverse_root).collect();
+    while reach(k, &mut units) {}
+    units.iter_mut().zip(largest).filter(|(unit, _)| **unit == 0.0).for_each(|(unit, most)| *unit = inverse_root(most));
     for _ in 0..SWEEPS {
         let mut most = vec![0.0_f64; units.len()];
         for (i, j, v) in entries(k) {
@@ -53,9 +57,29 @@ fn of_stiffness(k: &Matrix) -> Vec<f64> {
             most[i] = most[i].max(v);
             most[j] = most[j].max(v);
         }
+        if most.iter().all(|most| *most == 0.0 || (EVEN.recip()..=EVEN).contains(most)) {
+            break;
+        }
         units.iter_mut().zip(most).for_each(|(unit, most)| *unit *= inverse_root(most));
     }
     units
+}
+
+/// From DOFs with a unit to those that have none yet, `s_j = 1 / max_i |K_ij| s_i`; whether anything was new.
+fn reach(k: &Matrix, units: &mut [f64]) -> bool {
+    if units.iter().all(|unit| *unit > 0.0) {
+        return false;
+    }
+    let mut most = vec![0.0_f64; units.len()];
+    for (i, j, v) in entries(k) {
+        most[i] = most[i].max(v.abs() * units[j]);
+        most[j] = most[j].max(v.abs() * units[i]);
+    }
+    let mut found = false;
+    for (unit, most) in units.iter_mut().zip(most).filter(|(unit, most)| **unit == 0.0 && *most > 0.0) {
+        (*unit, found) = (most.recip(), true);
+    }
+    found
 }
 
 /// From DOFs to equations that have none yet, and back; whether anything was new.

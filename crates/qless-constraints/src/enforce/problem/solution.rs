@@ -13,8 +13,8 @@ pub struct Solution {
     pub reactions: Vec<(usize, f64)>,
     /// The share of u, in its largest number per connected part, that may be wrong: what rounding of K and C does to it, and what
     /// penalties leave; if that is more, the share of what loads would do to the stiffness they act on.
-    /// Translations and rotations are compared in units of energy. An estimate: as a rule too large, seldom
-    /// several times too small.
+    /// Translations and rotations are compared in units of energy; DOFs of a part of K without a number on its diagonal, which has no
+    /// such units, each by itself. An estimate: as a rule too large, seldom several times too small.
     pub accuracy: f64,
     /// The largest imbalance of a row of `K u + C^T lambda = f` and `C u - b`, relative to its terms.
     pub imbalance: f64,

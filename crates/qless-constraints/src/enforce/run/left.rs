@@ -1,6 +1,9 @@
 //! What springs leave of u: a penalty is refused by what it costs, not by its factor.
+//!
+//! Shares are those of each kind of DOFs by itself ([`super::super::kinds`]). Numbers that are rounding beside those of other kinds are no measure
+//! of their own kind.
 
-use super::super::equations::{Equations, largest_of_parts};
+use super::super::equations::Equations;
 use super::Prepared;
 
 /// The second step as a share of the first, up to which they are taken for a geometric series.
@@ -8,21 +11,36 @@ const SHORTER: f64 = 0.5;
 
 impl Prepared<'_> {
     /// `|u - u*| / |u|` of the exact u*, by the first two steps that multipliers would take towards it; none where they do not show it.
-    pub fn left_by_springs(&mut self, x: &[f64]) -> Option<f64> {
+    pub fn left_by_springs(&mut self, x: &[f64], noise: f64) -> Option<f64> {
         let [first, second] = self.steps_to_exact(x)?;
-        let (first, second) = (self.size_of_dofs(&first), self.size_of_dofs(&second));
-        if first == 0.0 {
-            return Some(0.0);
+        let (first, second, references) = (self.sizes(&first), self.sizes(&second), self.references(x, noise));
+        let top = references.iter().copied().fold(0.0, f64::max);
+        let mut left = 0.0_f64;
+        for ((first, second), reference) in
+            first.into_iter().zip(second).zip(references).filter(|((first, _), _)| *first > 0.0)
+        {
+            // Many slow modes may hide behind a fast one: only where all of them are fast is the series known.
+            let ratio = if first > noise * top { second / first } else { SHORTER };
+            if ratio.is_nan() || ratio > SHORTER {
+                return None;
+            }
+            left = left.max(first / (1.0 - ratio) / reference);
         }
-        // Many slow modes may hide behind a fast one: only where all of them are fast is the series known.
-        let ratio = second / first;
-        (ratio <= SHORTER).then(|| first / (1.0 - ratio) / self.reference(x))
+        Some(left)
     }
 
     /// `|a - b| / |a|` in DOFs.
-    pub fn share(&self, a: &[f64], b: &[f64]) -> f64 {
-        let off = self.size_of_dofs(&difference(a, b));
-        if off > 0.0 { off / self.reference(a) } else { off }
+    pub fn share(&self, a: &[f64], b: &[f64], noise: f64) -> f64 {
+        let off = self.sizes(&difference(a, b)).into_iter().zip(self.references(a, noise));
+        off.map(|(off, reference)| if off > 0.0 { off / reference } else { off }).fold(0.0, f64::max)
+    }
+
+    /// What rounding leaves of the kind that has the smallest numbers, where it leaves `noise` of the largest.
+    pub fn noise_of_kinds(&self, x: &[f64], noise: f64) -> f64 {
+        let references = self.references(x, noise);
+        let top = references.iter().copied().fold(0.0, f64::max);
+        let least = references.into_iter().filter(|size| *size > 0.0).fold(top, f64::min);
+        if top > 0.0 { noise * (top / least) } else { noise }
     }
 
     /// Corrections of x by `C u - b` with springs, twice. Forces are in balance already: what is left of them is rounding.
@@ -35,22 +53,23 @@ impl Prepared<'_> {
         Some([first, second])
     }
 
-    /// The largest number of u, in units without units.
-    fn size_of_dofs(&self, x: &[f64]) -> f64 {
-        let mut dofs = x.to_vec();
-        dofs[self.model.dofs()..].fill(0.0);
-        largest_of_parts(&self.model, &dofs)[0]
+    /// The largest number of u of each kind, in units without units.
+    fn sizes(&self, x: &[f64]) -> Vec<f64> {
+        self.model.kinds().largest(x.iter().zip(self.model.units()).map(|(x, unit)| x / unit))
     }
 
-    /// What u is measured by. Where equations keep it at zero, that is what its loads would do to the stiffness they act on. Without any there is
-    /// no unit of energy, and nothing to measure loads by.
-    fn reference(&self, x: &[f64]) -> f64 {
-        let size = self.size_of_dofs(x);
-        if !self.model.is_stiff() {
-            return size;
+    /// What each kind is measured by. Where equations keep it at zero, that is what its loads would do to the stiffness they act on; without any
+    /// there is no unit of energy, and nothing to measure loads by.
+    fn references(&self, x: &[f64], noise: f64) -> Vec<f64> {
+        let mut references = self.sizes(x);
+        if self.model.is_stiff() {
+            let loads = self.part.rhs.0.iter().zip(self.model.units()).map(|(load, unit)| load * unit);
+            let loads = self.model.kinds().largest_load(loads);
+            references.iter_mut().zip(loads).for_each(|(size, load)| *size = size.max(load));
         }
-        let loads = self.part.rhs.0[..self.model.dofs()].iter().zip(self.model.units());
-        loads.fold(size, |size, (load, unit)| size.max(load.abs() * unit))
+        let top = references.iter().copied().fold(0.0, f64::max);
+        references.iter_mut().filter(|size| **size <= noise * top).for_each(|size| *size = top);
+        references
     }
 }
 

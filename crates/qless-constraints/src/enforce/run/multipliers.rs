@@ -21,7 +21,8 @@ pub fn solved(part: &Part, accuracy: f64) -> Result<Found, EnforceError> {
         return exact.penalised(&settled.x, noise, accuracy);
     }
     let Settled { x, imbalance, .. } = settled;
-    Ok(Found { x, imbalance, accuracy: noise })
+    let accuracy = exact.noise_of_kinds(&x, noise);
+    Ok(Found { x, imbalance, accuracy })
 }
 
 /// What rounding leaves is too much: of a row, or of an equation that was to be met to less.

@@ -20,10 +20,11 @@ impl Prepared<'_> {
     /// By penalties, to the accuracy asked for, or refused with a factor that does.
     pub fn penalised(&mut self, exact: &[f64], noise: f64, accuracy: f64) -> Result<Found, EnforceError> {
         let factor = self.part.methods.iter().filter_map(|method| method.factor()).fold(0.0, f64::max);
-        let cost = match self.yielded(exact, 1.0, accuracy)? {
+        let cost = match self.yielded(exact, (1.0, noise), accuracy)? {
             (Some(settled), left) if left <= accuracy && left < 1.0 => {
                 let Settled { x, imbalance, .. } = settled;
-                return Ok(Found { x, imbalance, accuracy: noise + left });
+                let accuracy = self.noise_of_kinds(&x, noise) + left;
+                return Ok(Found { x, imbalance, accuracy });
             }
             (Some(_), left) => left,
             (None, left) => left.max(1.0),
@@ -31,7 +32,7 @@ impl Prepared<'_> {
         // What is left falls as 1 / factor, once it is small.
         let first = 2.0 * cost.clamp(accuracy, accuracy.max(1e3)) / accuracy;
         let does = |&share: &f64| {
-            let found = self.yielded(exact, share, accuracy);
+            let found = self.yielded(exact, (share, noise), accuracy);
             matches!(found, Ok((Some(_), left)) if left <= accuracy && left < 1.0)
         };
         let shares = (0..STIFFER).map(|digits| first * 10_f64.powi(digits));
@@ -40,7 +41,12 @@ impl Prepared<'_> {
     }
 
     /// The solution with all springs times `share`, if the steps lead to it, and the share of u by which it is off, by the first step otherwise.
-    fn yielded(&mut self, exact: &[f64], share: f64, accuracy: f64) -> Result<(Option<Settled>, f64), EnforceError> {
+    fn yielded(
+        &mut self,
+        exact: &[f64],
+        (share, noise): (f64, f64),
+        accuracy: f64,
+    ) -> Result<(Option<Settled>, f64), EnforceError> {
         let part = self.part;
         let methods: Vec<Method> = part.methods.iter().map(|method| method.times(share)).collect();
         let model = Model::new(part)?.yielding(&methods, &springs(part, &methods)?);
@@ -55,11 +61,11 @@ impl Prepared<'_> {
         let settled = settle(&model, &mut |r: &[f64]| self.inverse.solve(r), rhs, &goal)?;
         if settled.share <= 1.0 {
             // Less is not to be seen between two solutions.
-            let left = self.share(exact, &settled.x).max(f64::EPSILON);
+            let left = self.share(exact, &settled.x, noise).max(f64::EPSILON);
             return Ok((Some(settled), left));
         }
         let first: Vec<f64> =
             exact.iter().zip(self.inverse.solve(&model.yields(exact))?).map(|(x, step)| x + step).collect();
-        Ok((None, self.share(exact, &first)))
+        Ok((None, self.share(exact, &first, noise)))
     }
 }

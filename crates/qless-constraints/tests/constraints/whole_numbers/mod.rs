@@ -5,6 +5,7 @@ mod measure;
 mod models;
 mod motions;
 mod springs;
+mod units;
 
 use faer::sparse::{SparseColMat, Triplet};
 use qless::{Map, Options, SystemBuilder, View};

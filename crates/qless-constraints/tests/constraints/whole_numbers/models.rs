@@ -33,6 +33,7 @@ impl Random {
     }
 }
 
+#[derive(Clone)]
 pub struct Model {
     pub name: String,
     pub k: Vec<Vec<i128>>,
@@ -153,20 +154,26 @@ impl Model {
 
     /// In other units of length and force.
     pub fn given(&self, length: f64, force: f64) -> Outcome<Given> {
+        self.given_in(length, force, &vec![1.0; self.f.len()])
+    }
+
+    /// The same, with a unit of each DOF besides.
+    pub fn given_in(&self, length: f64, force: f64, units: &[f64]) -> Outcome<Given> {
         let n = self.f.len();
+        let stiffness = |i: usize, j: usize| self.k[i][j] as f64 * force / length / (units[i] * units[j]);
         let entries = (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).filter(|&(i, j)| self.k[i][j] != 0);
-        let entries: Vec<_> = entries.map(|(i, j)| Triplet::new(i, j, self.k[i][j] as f64 * force / length)).collect();
+        let entries: Vec<_> = entries.map(|(i, j)| Triplet::new(i, j, stiffness(i, j))).collect();
         let mut builder = SystemBuilder::new(n);
         for (row, &b) in self.c.iter().zip(&self.b) {
             let terms = row.iter().enumerate().filter(|(_, v)| **v != 0);
-            builder.equation(terms.map(|(j, &v)| (j, v as f64)), b as f64 * length);
+            builder.equation(terms.map(|(j, &v)| (j, v as f64 / units[j])), b as f64 * length);
         }
         for (j, u) in self.prescribed.iter().enumerate().filter_map(|(j, u)| u.map(|u| (j, u))) {
-            builder.prescribe(j, u as f64 * length);
+            builder.prescribe(j, u as f64 * length * units[j]);
         }
         Ok(Given {
             k: SparseColMat::try_new_from_triplets(n, n, &entries)?,
-            f: self.f.iter().map(|&f| f as f64 * force).collect(),
+            f: self.f.iter().zip(units).map(|(&f, unit)| f as f64 * force / unit).collect(),
             system: builder.build()?,
         })
     }

@@ -1,0 +1,70 @@
+//! Which DOFs have units that can be compared.
+//!
+//! ```text
+//! s_i K_ij s_j = 1        u_j / s_j has no unit
+//! ```
+//!
+//! A number on the diagonal says what the unit of its DOF is, and those of all that are joined with it. Where a connected part of K has none, as
+//! `[0 K_01; K_10 0]`, the unit of one DOF may be anything if that of another is its inverse: each of them is a kind of its own.
+
+use super::matrix::{Matrix, entries};
+use super::scale::parts;
+
+/// The kind of each DOF.
+pub struct Kinds {
+    of: Vec<u32>,
+    count: usize,
+}
+
+/// All whose units are known.
+const KNOWN: u32 = 0;
+
+impl Kinds {
+    pub fn new(k: &Matrix, c: &Matrix) -> Self {
+        let n = k.ncols();
+        let real = || entries(k).filter(|&(_, _, v)| v != 0.0);
+        let part = parts(n, real().map(|(i, j, _)| (i, j)));
+        // Without any stiffness, equations alone say what is comparable.
+        let (mut known, mut is_stiff) = (vec![false; n], false);
+        real().for_each(|(i, j, _)| (known[part[j]], is_stiff) = (known[part[j]] || i == j, true));
+        let mut known: Vec<bool> = (0..n).map(|j| !is_stiff || known[part[j]]).collect();
+        let mut alone = vec![true; n];
+        real().for_each(|(i, j, _)| (alone[i], alone[j]) = (false, false));
+        while known.contains(&false) && spread(c, &alone, &mut known) {}
+        let mut count = 1;
+        let mut own = || {
+            count += 1;
+            count - 1
+        };
+        let of = known.into_iter().map(|known| if known { KNOWN } else { own() }).collect();
+        Self { of, count: count as usize }
+    }
+
+    /// The largest number of each kind, of one for each DOF.
+    pub fn largest(&self, numbers: impl Iterator<Item = f64>) -> Vec<f64> {
+        let mut largest = vec![0.0_f64; self.count];
+        for (&kind, number) in self.of.iter().zip(numbers) {
+            largest[kind as usize] = largest[kind as usize].max(number.abs());
+        }
+        largest
+    }
+
+    /// The same for loads, which are no measure but where stiffness has a unit.
+    pub fn largest_load(&self, loads: impl Iterator<Item = f64>) -> Vec<f64> {
+        let mut largest = self.largest(loads);
+        largest[1..].fill(0.0);
+        largest
+    }
+}
+
+/// DOFs that K does not know have the units of an equation of which a DOF has one; whether there are any more.
+fn spread(c: &Matrix, alone: &[bool], known: &mut [bool]) -> bool {
+    let terms = || entries(c).filter(|&(_, _, v)| v != 0.0);
+    let mut rows = vec![false; c.nrows()];
+    terms().for_each(|(i, j, _)| rows[i] |= known[j]);
+    let mut found = false;
+    for (_, j, _) in terms().filter(|&(i, j, _)| rows[i] && alone[j]) {
+        found |= !std::mem::replace(&mut known[j], true);
+    }
+    found
+}
