@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use qless::{Analysis, Form, Options, Reduction, ReductionError, Refresher, analyse};
 
+use super::parts::Columns;
 use super::{NewtonError, NewtonOptions, units};
 use crate::{ConstraintSet, Quantities};
 
@@ -31,12 +32,12 @@ impl Linearisation {
     pub fn new(
         set: &ConstraintSet,
         quantities: &Quantities,
-        held: &[(usize, f64)],
+        (held, of): (&[(usize, f64)], &Columns),
         (step, options): (usize, &NewtonOptions),
     ) -> Result<Self, NewtonError> {
         options.analysis.validate().map_err(|source| NewtonError::Analysis { step, source: source.into() })?;
         let increments: Vec<(usize, f64)> = held.iter().map(|&(j, v)| (j, 0.0 * v)).collect();
-        let units = units(set, quantities).map_err(|source| NewtonError::Argument { step, source })?;
+        let units = units(set, quantities, of).map_err(|source| NewtonError::Argument { step, source })?;
         let system = set
             .linearised_in(&units, quantities, &increments)
             .map_err(|source| NewtonError::System { step, source })?;

@@ -9,7 +9,10 @@
 //! - Where G loses rank and c is not zero (a dead centre), first order knows no way. Second order may: see [`NewtonError::Conflict`].
 
 mod error;
+mod lanczos;
 mod linearisation;
+mod parts;
+mod place;
 mod redundancy;
 mod residual;
 mod run;
@@ -21,6 +24,7 @@ mod units;
 use qless::{Analysis, Options};
 
 pub use error::NewtonError;
+pub(crate) use parts::{Columns, Parts};
 pub(crate) use redundancy::random;
 pub use redundancy::{Redundancy, redundancies};
 pub(crate) use residual::in_roundings;
@@ -110,19 +114,17 @@ pub fn solve(
     if !(options.tolerance >= 1.0 && options.tolerance.is_finite()) {
         return Err(NewtonError::Tolerance(options.tolerance));
     }
-    let mut run = Run::new(set, u, prescribed, options)?;
-    let mut before = None;
-    for step in 0..=options.steps {
+    let (mut run, mut before, mut step) = (Run::new(set, u, prescribed, options)?, None, 0);
+    loop {
         let mut found = run.look(step, before)?;
-        if run.done(&found.analysis).map_err(|source| NewtonError::Argument { step, source })? {
-            return Ok(run.into_solution(dependent(&found.analysis)));
+        run.decide(&found.analysis).map_err(|source| NewtonError::Argument { step, source })?;
+        let Some(part) = run.unfinished() else { return Ok(run.into_solution(dependent(&found.analysis))) };
+        if step == options.steps {
+            return Err(run.no_convergence(step, part));
         }
-        if step == options.steps || !run.advance(&mut found, step)? {
-            return Err(run.no_convergence(step));
-        }
-        before = Some(found);
+        run.advance(&mut found, step)?;
+        (before, step) = (Some(found), step + 1);
     }
-    Err(run.no_convergence(options.steps))
 }
 
 /// Equations that are not kept.
