@@ -116,13 +116,13 @@ pub fn solve(
     }
     let (mut run, mut before, mut step) = (Run::new(set, u, prescribed, options)?, None, 0);
     loop {
-        let mut found = run.look(step, before)?;
+        let found = run.look(step, before)?;
         run.decide(&found.analysis).map_err(|source| NewtonError::Argument { step, source })?;
         let Some(part) = run.unfinished() else { return Ok(run.into_solution(dependent(&found.analysis))) };
         if step == options.steps {
             return Err(run.no_convergence(step, part));
         }
-        run.advance(&mut found, step)?;
+        run.advance(&found, step)?;
         (before, step) = (Some(found), step + 1);
     }
 }

@@ -1,7 +1,5 @@
 //! The state between two steps: all parts go in lock step, each by its own length, and those that are done stay where they are.
 
-use std::sync::Arc;
-
 use qless::{Analysis, ArgumentError, Kind, SystemBuilder};
 
 use super::linearisation::Linearisation;
@@ -79,14 +77,16 @@ impl<'a> Run<'a> {
         Ok(Self { set, options, prescribed, parts, rotations, place, room, residuals, states, contradicted, iterates })
     }
 
+    pub fn linearised(&self, quantities: &Quantities, step: usize) -> Result<Linearisation, NewtonError> {
+        Linearisation::new(self.set, quantities, (self.prescribed, &self.parts.columns), (step, self.options))
+    }
+
     /// Linearises and analyses at the present u; where all equations are linear, what was found before still holds.
     pub fn look(&mut self, step: usize, before: Option<Linearisation>) -> Result<Linearisation, NewtonError> {
         let constant = self.set.linear_rows().len() == self.set.equations();
-        let known = before.filter(|_| constant).and_then(|before| before.refreshed(&self.place.quantities));
-        let held = (self.prescribed, &self.parts.columns);
-        let found = match known {
-            Some(known) => known,
-            None => Linearisation::new(self.set, &self.place.quantities, held, (step, self.options))?,
+        let found = match before.filter(|_| constant) {
+            Some(known) => known.outdated(),
+            None => self.linearised(&self.place.quantities, step)?,
         };
         let on_the_way = self.states.iter().filter(|state| state.way != Way::Done);
         self.iterates.push(Iterate {
@@ -141,14 +141,14 @@ impl<'a> Run<'a> {
     /// Goes with each part as far along its step as that is good for it.
     ///
     /// As an error what the first part that has no way to go says.
-    pub fn advance(&mut self, found: &mut Linearisation, step: usize) -> Result<(), NewtonError> {
-        let analysis = Arc::clone(&found.analysis);
-        let (du, conflicts) = self.directions((found, &analysis), step)?;
-        let target = self.search(du, &kept(&analysis)).map_err(|source| NewtonError::Argument { step, source })?;
+    pub fn advance(&mut self, found: &Linearisation, step: usize) -> Result<(), NewtonError> {
+        let analysis = &found.analysis;
+        let (du, conflicts) = self.directions(found, step)?;
+        let target = self.search(du, &kept(analysis)).map_err(|source| NewtonError::Argument { step, source })?;
         for part in 0..self.parts.count() {
             let stuck = self.states[part].way != Way::Done && target.lengths[part] == 0.0;
             if conflicts[part] {
-                return Err(self.conflict(part, &analysis));
+                return Err(self.conflict(part, analysis));
             } else if stuck && (self.states[part].settled || self.states[part].way == Way::Out) {
                 return Err(self.no_convergence(step, part));
             }
@@ -157,18 +157,12 @@ impl<'a> Run<'a> {
     }
 
     /// du, by what each part has to do, and which parts have proof that there is none.
-    fn directions(
-        &mut self,
-        (found, analysis): (&mut Linearisation, &Analysis),
-        step: usize,
-    ) -> Result<(Vec<f64>, Vec<bool>), NewtonError> {
-        let none = || vec![0.0; self.set.dofs()];
-        let downhill = self.states.iter().any(|state| state.way == Way::Downhill);
-        let down = if downhill { found.step(step)? } else { none() };
+    fn directions(&mut self, found: &Linearisation, step: usize) -> Result<(Vec<f64>, Vec<bool>), NewtonError> {
+        let down = self.downhill(found, step)?;
         let (out, exists) = if self.contradicted.is_empty() {
-            (none(), vec![true; self.parts.count()])
+            (vec![0.0; self.set.dofs()], vec![true; self.parts.count()])
         } else {
-            ways_out(self, analysis, step)?
+            ways_out(self, &found.analysis, step)?
         };
         let choose = |j: usize| match self.parts.of_dof(j).map_or(Way::Done, |part| self.states[part].way) {
             Way::Done => 0.0,
@@ -177,6 +171,14 @@ impl<'a> Run<'a> {
         };
         let conflicts = self.states.iter().zip(exists).map(|(state, exists)| state.way == Way::Out && !exists);
         Ok(((0..self.set.dofs()).map(choose).collect(), conflicts.collect()))
+    }
+
+    /// A step of the parts that want one; that of others means nothing.
+    fn downhill(&self, found: &Linearisation, step: usize) -> Result<Vec<f64>, NewtonError> {
+        if !self.states.iter().any(|state| state.way == Way::Downhill) {
+            return Ok(vec![0.0; self.set.dofs()]);
+        }
+        if found.current { found.step(step) } else { self.linearised(&self.place.quantities, step)?.step(step) }
     }
 
     fn search(&mut self, du: Vec<f64>, kept: &[bool]) -> Result<Target, ArgumentError> {

@@ -8,12 +8,12 @@
 
 use qless::{Analysis, ArgumentError, Form, Reduction};
 
+use super::NewtonError;
 use super::lanczos::{Numbers, lowest};
 use super::parts::Parts;
 use super::residual::sizes_of_dofs;
 use super::run::Run;
 use super::step::times;
-use super::{NewtonError, linearisation::Linearisation};
 use crate::Quantities;
 
 /// Eigenvalues that are negative by less, relative to the sizes of the terms, are none.
@@ -93,8 +93,7 @@ impl Motions {
     fn new(run: &Run, sizes: Vec<f64>, step: usize) -> Result<Self, NewtonError> {
         let mut still = run.place.quantities.clone();
         still.c.fill(0.0);
-        let held = (run.prescribed, &run.parts.columns);
-        let found = Linearisation::new(run.set, &still, held, (step, run.options))?;
+        let found = run.linearised(&still, step)?;
         let reduction = found.analysis.reduction_in(Form::Factored);
         let reduction = reduction.map_err(|source| NewtonError::Reduction { step, source })?;
         Ok(Self { reduction, sizes, held: vec![0.0; run.prescribed.len()], units: found.units })

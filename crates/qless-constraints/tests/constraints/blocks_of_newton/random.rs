@@ -5,7 +5,7 @@ use crate::linkages::random;
 use crate::poses::{add, direction, norm, scale, sub};
 
 /// How many kinds there are.
-pub const KINDS: usize = 12;
+pub const KINDS: usize = 13;
 
 /// In [-1, 1].
 struct Draw(usize);
@@ -40,6 +40,7 @@ pub fn mechanism(kind: usize, seed: usize, unit: f64) -> Mechanism {
         8 => motor(&mut draw, unit),
         9 => ring(&mut draw, unit),
         10 => balls(&mut draw, unit),
+        11 => linear(&mut draw, unit),
         _ => levers(&mut draw, unit),
     }
 }
@@ -179,6 +180,18 @@ fn balls(draw: &mut Draw, unit: f64) -> Mechanism {
     ];
     let off = unit * draw.of(&[0.0, 1e-8, 0.1]);
     Mechanism { items, start: draw.some(4, off), held: vec![(0, 0.0)] }
+}
+
+/// Linear rows with coefficients of many sizes, some of which depend on others by little or altogether.
+fn linear(draw: &mut Draw, unit: f64) -> Mechanism {
+    let dofs = 8;
+    let row =
+        |draw: &mut Draw| (0..dofs).map(|j| (j, draw.next() * 10_f64.powf(3.0 * draw.next()))).collect::<Vec<_>>();
+    let mut rows: Vec<Vec<(usize, f64)>> = (0..5).map(|_| row(draw)).collect();
+    let near = draw.of(&[0.0, 1e-12, 1e-6, 1e-3]);
+    rows.push((0..dofs).map(|j| (j, rows[0][j].1 - 0.3 * rows[1][j].1 + near * draw.next())).collect());
+    let items = rows.into_iter().map(|row| Item::Linear(row, 0.0)).collect();
+    Mechanism { items, start: draw.some(dofs, unit), held: vec![(0, draw.next() * unit)] }
 }
 
 /// Levers between lengths and a body that turns: columns of many sizes, spread over linear rows.
