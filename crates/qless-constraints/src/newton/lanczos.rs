@@ -31,7 +31,7 @@ struct Krylov {
 
 pub fn lowest<E>(apply: impl Fn(&[f64]) -> Result<Vec<f64>, E>, numbers: &Numbers) -> Result<Lowest, E> {
     let krylov = Krylov::new(apply, numbers)?;
-    let pairs: Vec<Option<(f64, Vec<f64>)>> = krylov.projected(numbers).into_iter().map(of_matrix).collect();
+    let pairs: Vec<Option<(f64, Vec<f64>)>> = krylov.projected(numbers).iter().map(of_matrix).collect();
     let mut vectors = vec![0.0; numbers.of.len()];
     for (k, basis) in krylov.basis.iter().enumerate() {
         numbers.each(|i, part| {
@@ -83,7 +83,7 @@ impl Krylov {
     }
 }
 
-fn of_matrix(matrix: Mat<f64>) -> Option<(f64, Vec<f64>)> {
+fn of_matrix(matrix: &Mat<f64>) -> Option<(f64, Vec<f64>)> {
     let k = matrix.nrows();
     if k == 0 {
         return None;

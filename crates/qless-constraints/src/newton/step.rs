@@ -89,7 +89,7 @@ impl<'a> Line<'a> {
         let first = |way: &Way| if *way == Way::Done { Length::Found(0.0) } else { Length::Open(1.0) };
         let mut lengths: Vec<Length> = ways.iter().map(first).collect();
         for _ in 0..TRIES {
-            if !lengths.iter().any(|length| length.is_open()) {
+            if !lengths.iter().any(Length::is_open) {
                 break;
             }
             let trial = self.trial(lengths, room)?;
