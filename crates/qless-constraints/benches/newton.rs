@@ -3,7 +3,7 @@
 //!
 //! A step is: c and G at u, the analysis of `G du = -c`, its reduction in factor form, and du. All sizes have their turns in one
 //! process; exponents are fitted to the medians by least squares of logarithms. Then the same chains are solved from a
-//! configuration that is off by little. `-- spherical` or `-- revolute` for one of them.
+//! configuration that is off by little, and rods that are joined to nothing. `-- spherical`, `-- revolute` or `-- rods` for one of them.
 //!
 //! The process keeps its memory from one round to the next; `-- --fresh` leaves glibc its rule.
 
@@ -17,7 +17,7 @@ use std::time::Instant;
 
 use qless::{Form, Options, analyse};
 use qless_constraints::newton::{NewtonOptions, solve};
-use qless_constraints::types::{Body, EulerNorm, Revolute, Spherical};
+use qless_constraints::types::{Body, Distance, EulerNorm, PlanarPoint, Revolute, Spherical};
 use qless_constraints::{ConstraintSet, Quantities, SetBuilder};
 
 /// In each, every size has its turn.
@@ -33,9 +33,10 @@ fn main() -> ExitCode {
 
 fn run() {
     let short = std::env::args().any(|argument| argument == "--test");
-    let chains: [Chain; 2] = [
+    let chains: [Chain; 3] = [
         ("spherical", spherical, &[200, 400, 800, 1_600, 3_200, 6_400, 12_800]),
         ("revolute", revolute, &[250, 500, 1_000, 2_000, 4_000, 8_000]),
+        ("rods", rods, &[1_000, 3_000, 10_000, 30_000, 100_000]),
     ];
     let wanted =
         |name: &str| std::env::args().all(|argument| !chains.iter().any(|(n, ..)| *n == argument) || argument == name);
@@ -88,6 +89,16 @@ fn revolute(bodies: usize) -> ConstraintSet {
     }
     for i in 0..bodies {
         builder.add("", EulerNorm { parameters: from_fn(|k| 7 * i + 3 + k) }).expect("valid");
+    }
+    builder.build().expect("few DOFs")
+}
+
+/// As many parts as rods: each is joined to nothing.
+fn rods(rods: usize) -> ConstraintSet {
+    let mut builder = ConstraintSet::builder(4 * rods);
+    for i in 0..rods {
+        let end = |k: usize| PlanarPoint::new([4 * i + 2 * k, 4 * i + 2 * k + 1], [k as f64, random(2 * i + k)]);
+        builder.add("", Distance::new(end(0), end(1))).expect("valid");
     }
     builder.build().expect("few DOFs")
 }

@@ -6,7 +6,7 @@
 use qless::{Kind, Options, analyse};
 
 use super::{EquilibriumOptions, Failure};
-use crate::newton::units;
+use crate::newton::{Columns, units};
 use crate::{ConstraintSet, Quantities};
 
 /// Kept rows, ascending.
@@ -32,7 +32,7 @@ impl Rows {
         let held: Vec<(usize, f64)> = prescribed.iter().map(|&(j, v)| (j, 0.0 * v)).collect();
         let mut settings: Options = options.analysis.clone();
         settings.preferences.equations = before.to_vec();
-        let units = units(set, quantities)?;
+        let units = units(set, quantities, &Columns::plain(quantities.g()))?;
         let analysis = analyse(&set.linearised_in(&units, &still, &held)?, &settings)?;
         let kept: Vec<bool> = analysis.kinds().iter().map(|&kind| kind == Kind::Independent).collect();
         Ok(Self { list: (0..kept.len()).filter(|&r| kept[r]).collect(), kept, units })

@@ -4,7 +4,7 @@ use qless::Csr;
 
 use super::model::{Assembly, Fault, Model};
 use super::{EquilibriumError, Failure};
-use crate::newton::{at_rest, in_roundings, weights};
+use crate::newton::{Parts, at_rest, in_roundings, weights};
 use crate::{ConstraintSet, Quantities, Rounding};
 
 /// Rounding of a sum of products, in units in the last place.
@@ -27,7 +27,7 @@ pub struct State {
     pub terms: Vec<f64>,
     /// What rounding of u and G may have added to it.
     rounding: Vec<f64>,
-    /// `|c_r|` in roundings of its own terms; once it no longer falls, of the largest.
+    /// `|c_r|` in roundings of its own terms; once it no longer falls, of the largest in its part.
     pub constraints: Vec<f64>,
     /// Bounds on the rounding of c and G.
     of_constraints: Option<Rounding>,
@@ -88,8 +88,9 @@ impl State {
     /// c no longer falls: what is left of it may be the rounding of other rows.
     pub fn settle(&mut self, set: &ConstraintSet, u: &[f64]) {
         if let Some(rounding) = &self.of_constraints {
-            let weights = weights(self.quantities.g(), rounding.g());
-            self.constraints = at_rest(&weights, &self.quantities, rounding, &set.extents(u));
+            let parts = Parts::new(self.quantities.g(), &[], &[]);
+            let weights = weights(self.quantities.g(), rounding.g(), &parts.columns);
+            self.constraints = at_rest(&weights, &self.quantities, (rounding, &set.extents(u)), &parts);
         }
     }
 

@@ -6,10 +6,15 @@
 //!
 //! - Convergence is counted in roundings of c, so that every model is solved to the last digits that it has, in any unit.
 //! - A step is no longer than second order describes c along it.
+//! - Connected parts go in lock step, each by lengths, a tolerance and an end of its own: what is found of a part depends on it alone, to the
+//!   last bit. Prescribed DOFs do not connect, but for what is stated of their coordinates.
 //! - Where G loses rank and c is not zero (a dead centre), first order knows no way. Second order may: see [`NewtonError::Conflict`].
 
 mod error;
+mod lanczos;
 mod linearisation;
+mod parts;
+mod place;
 mod redundancy;
 mod residual;
 mod run;
@@ -21,6 +26,7 @@ mod units;
 use qless::{Analysis, Options};
 
 pub use error::NewtonError;
+pub(crate) use parts::{Columns, Parts};
 pub(crate) use redundancy::random;
 pub use redundancy::{Redundancy, redundancies};
 pub(crate) use residual::in_roundings;
@@ -35,10 +41,10 @@ use crate::ConstraintSet;
 pub struct NewtonOptions {
     /// Done when each `|c_r|` is at most so many times the bound on its rounding ([`ConstraintSet::rounding`]). Default 4, at least 1.
     ///
-    /// Where c no longer falls, that of the largest terms of the set counts, with the weights of [`Iterate::residual`], for rows that ask for no
+    /// Where c no longer falls, that of the largest terms of its connected part counts, with the weights of [`Iterate::residual`], for rows that ask for no
     /// motion that matters: `|c_r| <= 1e-11 sum_j |G_rj| s_j` with the coordinates `s_j` that the DOFs add to, or `|u_j|`, or one radian.
     pub tolerance: f64,
-    /// Most steps. Default 50.
+    /// Most steps of any part; all go in lock step. Default 50.
     pub steps: usize,
     /// How the linearised equations are analysed.
     pub analysis: Options,
@@ -54,13 +60,14 @@ impl Default for NewtonOptions {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Iterate {
     /// `max_r D_r |c_r| / max_r D_r size_r`: relative to the largest terms that went into any c, with weights D that make equations
-    /// comparable; the same in all units.
+    /// comparable; the same in all units. The largest of all connected parts.
     pub residual: f64,
     /// Rank of G.
     pub rank: usize,
     /// Equations left out of the step.
     pub left_out: Vec<usize>,
-    /// The part of `du` that was gone to come here; 1 for a full step and for the first iterate.
+    /// How much of `du` was gone to come here: the least of the connected parts that were still on their way; 1 for a full step and for the
+    /// first iterate.
     pub length: f64,
 }
 
@@ -100,7 +107,7 @@ pub struct Solution {
 /// ```
 ///
 /// # Errors
-/// [`NewtonError`].
+/// [`NewtonError`]: what the connected part says that is the first to fail, by its step and then by its first row.
 pub fn solve(
     set: &ConstraintSet,
     u: &[f64],
@@ -110,19 +117,17 @@ pub fn solve(
     if !(options.tolerance >= 1.0 && options.tolerance.is_finite()) {
         return Err(NewtonError::Tolerance(options.tolerance));
     }
-    let mut run = Run::new(set, u, prescribed, options)?;
-    let mut before = None;
-    for step in 0..=options.steps {
-        let mut found = run.look(step, before)?;
-        if run.done(&found.analysis).map_err(|source| NewtonError::Argument { step, source })? {
-            return Ok(run.into_solution(dependent(&found.analysis)));
+    let (mut run, mut before, mut step) = (Run::new(set, u, prescribed, options)?, None, 0);
+    loop {
+        let found = run.look(step, before)?;
+        run.decide(&found.analysis).map_err(|source| NewtonError::Argument { step, source })?;
+        let Some(part) = run.unfinished() else { return Ok(run.into_solution(dependent(&found.analysis))) };
+        if step == options.steps {
+            return Err(run.no_convergence(step, part));
         }
-        if step == options.steps || !run.advance(&mut found, step)? {
-            return Err(run.no_convergence(step));
-        }
-        before = Some(found);
+        run.advance(&found, step)?;
+        (before, step) = (Some(found), step + 1);
     }
-    Err(run.no_convergence(options.steps))
 }
 
 /// Equations that are not kept.

@@ -6,6 +6,7 @@
 
 use qless::{Analysis, Form, Options, Reduction, analyse};
 
+use super::parts::Columns;
 use super::residual::{change, sizes_of_dofs};
 use super::{NewtonError, NewtonOptions, dependent, solve, units};
 use crate::{ConstraintSet, Quantities};
@@ -94,7 +95,7 @@ impl Here {
         let sizes = sizes_of_dofs(set, u, &mut quantities).map_err(argument)?;
         // Only the rank is asked for: c is left out, so that nothing conflicts.
         quantities.c.fill(0.0);
-        let units = units(set, &quantities).map_err(argument)?;
+        let units = units(set, &quantities, &Columns::plain(quantities.g())).map_err(argument)?;
         let system =
             set.linearised_in(&units, &quantities, &[]).map_err(|source| NewtonError::System { step: 0, source })?;
         let analysis = analyse(&system, options).map_err(|source| NewtonError::Analysis { step: 0, source })?;

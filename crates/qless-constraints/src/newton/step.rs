@@ -1,15 +1,18 @@
-//! How far to go along du: as far as second order describes c, and only where c gets smaller.
+//! How far to go along du: as far as second order describes c, and only where c gets smaller; each part by itself.
 //!
 //! At a trial point `u + t du` both c and G are known, so that the curvature along du needs no Hessian: with `g = G du` before and
 //! `g'` after, second order is `c' = c + t (g + g') / 2`. What c' differs from that is of third order. Where it is no longer small
 //! beside the second order, t is too long: a crank that would turn by a million radians is found out, wherever it ends, since g'
 //! then grows with du and c' does not.
+//!
+//! The parts try their t in lock step, so that one evaluation serves all; those that have decided keep theirs.
 
 use qless::{ArgumentError, Csr};
 
-use super::residual::in_roundings;
-use super::scaling::{largest, weights};
-use crate::{ConstraintSet, Quantities, Rounding};
+use super::parts::Parts;
+use super::place::Place;
+use super::scaling::largest;
+use crate::{ConstraintSet, Quantities};
 
 /// Third order may be this part of second order, and of what first order promises.
 const THIRD: f64 = 0.25;
@@ -18,124 +21,153 @@ const DECREASE: f64 = 1e-4;
 /// t below `4^-250` is no step: at 1e-150 from a dead centre, du is that much too long.
 const TRIES: usize = 250;
 
-/// A configuration with its c and G.
-pub struct Place {
-    pub u: Vec<f64>,
-    pub quantities: Quantities,
-    /// Bounds on the rounding of c and G.
-    pub rounding: Rounding,
-    /// What makes equations comparable.
-    pub weights: Vec<f64>,
-}
-
-impl Place {
-    pub fn new(set: &ConstraintSet, u: Vec<f64>) -> Result<Self, ArgumentError> {
-        let mut quantities = set.allocate();
-        set.evaluate(&u, &mut quantities)?;
-        let rounding = set.rounding(&u)?;
-        let weights = weights(quantities.g(), rounding.g());
-        Ok(Self { u, quantities, rounding, weights })
-    }
-
-    /// `max_r D_r |c_r|`, relative to the largest terms that went into any c; a row without slope by its own terms.
-    pub fn residual(&self) -> f64 {
-        let (c, bounds) = (self.quantities.c(), self.rounding.c());
-        let all = largest(&self.weights, c);
-        let roundings = if all == 0.0 { 0.0 } else { all / largest(&self.weights, bounds) };
-        let flat = in_roundings(c, bounds).into_iter().zip(&self.weights).filter(|(_, weight)| **weight == 0.0);
-        f64::EPSILON * flat.map(|(own, _)| own).fold(roundings, f64::max)
-    }
+/// What is asked of a step of a part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// There is none: all of its equations hold.
+    Done,
+    /// The kept equations get nearer to zero, or hold to the tolerance.
+    Downhill,
+    /// Second order describes it: a way out of where G has lost rank.
+    Out,
 }
 
 /// A direction from a place.
 pub struct Line<'a> {
-    set: &'a ConstraintSet,
-    from: &'a Place,
+    pub set: &'a ConstraintSet,
+    pub parts: &'a Parts,
+    pub from: &'a Place,
     du: Vec<f64>,
     /// `G du` there.
     slope: Vec<f64>,
+    /// `max_r D_r |c_r|` of each part there.
+    residuals: Vec<f64>,
+}
+
+/// How far a part has got in its search.
+#[derive(Clone, Copy, PartialEq)]
+enum Length {
+    /// To be tried.
+    Open(f64),
+    /// Gone so far; 0 where no length is good.
+    Found(f64),
 }
 
 /// c and its slope at a trial point.
 struct Trial {
-    t: f64,
+    lengths: Vec<Length>,
     c: Vec<f64>,
     slope: Vec<f64>,
 }
 
+/// What a part finds at its trial point.
+#[derive(Clone)]
+struct Verdict {
+    trusted: bool,
+    /// All kept equations hold to the tolerance.
+    holds: bool,
+    /// `sum_r D_r^2 c_r^2` over the kept equations.
+    now: f64,
+    /// Coefficients of `sum_r D_r^2 (c_r + t g_r + t^2 q_r)^2`, from t^0 to t^4.
+    model: [f64; 5],
+}
+
 impl<'a> Line<'a> {
-    pub fn new(set: &'a ConstraintSet, from: &'a Place, du: Vec<f64>) -> Self {
+    pub fn new((set, parts): (&'a ConstraintSet, &'a Parts), from: &'a Place, du: Vec<f64>) -> Self {
         let slope = times(from.quantities.g(), &du);
-        Self { set, from, du, slope }
+        let residuals = largest(&from.weights, from.quantities.c(), parts);
+        Self { set, parts, from, du, slope, residuals }
     }
 
-    pub fn at(&self, t: f64) -> Vec<f64> {
-        self.from.u.iter().zip(&self.du).map(|(u, du)| u + t * du).collect()
-    }
-
-    /// The first t from 1 down that second order describes.
-    pub fn trusted(&self, room: &mut Quantities) -> Result<Option<f64>, ArgumentError> {
-        let mut t = 1.0;
+    /// The first t from 1 down that is good for each part; 0 for those that are done, or find none.
+    pub fn lengths(
+        &self,
+        ways: &[Way],
+        (kept, tolerance): (&[bool], f64),
+        room: &mut Quantities,
+    ) -> Result<Vec<f64>, ArgumentError> {
+        let first = |way: &Way| if *way == Way::Done { Length::Found(0.0) } else { Length::Open(1.0) };
+        let mut lengths: Vec<Length> = ways.iter().map(first).collect();
         for _ in 0..TRIES {
-            if self.trusts(&self.trial(t, room)?) {
-                return Ok(Some(t));
+            if !lengths.iter().any(Length::is_open) {
+                break;
             }
-            t *= 0.25;
+            let trial = self.trial(lengths, room)?;
+            let verdicts = self.verdicts(&trial, kept, tolerance);
+            let each = trial.lengths.iter().zip(&verdicts).zip(ways);
+            lengths = each.map(|((length, verdict), way)| length.next(verdict, *way)).collect();
         }
-        Ok(None)
+        Ok(lengths.into_iter().map(|length| if length.is_open() { 0.0 } else { length.t() }).collect())
     }
 
-    /// A t at which the equations `kept` are nearer to zero, or hold to `tolerance` roundings.
-    pub fn downhill(&self, kept: &[bool], tolerance: f64, room: &mut Quantities) -> Result<Option<f64>, ArgumentError> {
-        let mut t = 1.0;
-        for _ in 0..TRIES {
-            let trial = self.trial(t, room)?;
-            if !self.trusts(&trial) {
-                t *= 0.25;
-                continue;
+    /// `u + t du`; parts whose t is 0 stay where they are, to the last bit.
+    pub fn at(&self, t: impl Fn(usize) -> f64) -> Vec<f64> {
+        let moved = |(j, (u, du)): (usize, (&f64, &f64))| match self.parts.of_dof(j).map_or(0.0, &t) {
+            0.0 => *u,
+            t => u + t * du,
+        };
+        self.from.u.iter().zip(&self.du).enumerate().map(moved).collect()
+    }
+
+    fn trial(&self, lengths: Vec<Length>, room: &mut Quantities) -> Result<Trial, ArgumentError> {
+        self.set.evaluate(&self.at(|part| lengths[part].t()), room)?;
+        Ok(Trial { lengths, c: room.c().to_vec(), slope: times(room.g(), &self.du) })
+    }
+
+    /// Those of parts that have decided mean nothing.
+    fn verdicts(&self, trial: &Trial, kept: &[bool], tolerance: f64) -> Vec<Verdict> {
+        let rounding = self.from.rounding.c();
+        let first = Verdict { trusted: true, holds: true, now: 0.0, model: [0.0; 5] };
+        self.parts.fold(first, |verdict, r| {
+            let Length::Open(t) = trial.lengths[self.parts.of_row(r)] else { return };
+            verdict.trusted &= self.trusts(trial, r, t);
+            if kept[r] {
+                verdict.holds &= trial.c[r].abs() <= tolerance * rounding[r];
+                self.add(verdict, trial, r, t);
             }
-            let model = self.model(&trial, kept);
-            let now: f64 = self.sum(kept, |r| trial.c[r], |r| trial.c[r]);
-            let rounding = self.from.rounding.c();
-            let holds = |r: usize| trial.c[r].abs() <= tolerance * rounding[r];
-            if now <= (1.0 - DECREASE * t) * model[0] || (0..kept.len()).all(|r| !kept[r] || holds(r)) {
-                return Ok(Some(t));
-            }
-            t = lowest(&model, t);
-        }
-        Ok(None)
-    }
-
-    fn trial(&self, t: f64, room: &mut Quantities) -> Result<Trial, ArgumentError> {
-        self.set.evaluate(&self.at(t), room)?;
-        Ok(Trial { t, c: room.c().to_vec(), slope: times(room.g(), &self.du) })
-    }
-
-    fn trusts(&self, trial: &Trial) -> bool {
-        let (c, weights) = (self.from.quantities.c(), &self.from.weights);
-        let residual = largest(weights, c);
-        (0..c.len()).all(|r| {
-            let third = trial.c[r] - c[r] - 0.5 * trial.t * (self.slope[r] + trial.slope[r]);
-            let second = 0.5 * trial.t * (trial.slope[r] - self.slope[r]);
-            let harmless = THIRD * trial.t * residual / weights[r] + 8.0 * self.from.rounding.c()[r];
-            // What is not finite is not to be trusted.
-            third.abs() <= THIRD * second.abs() + if harmless.is_finite() { harmless } else { 0.0 }
         })
     }
 
-    /// Coefficients of `sum_r D_r^2 (c_r + t g_r + t^2 q_r)^2`, from t^0 to t^4.
-    fn model(&self, trial: &Trial, kept: &[bool]) -> [f64; 5] {
-        let c = |r: usize| self.from.quantities.c()[r];
-        let g = |r: usize| self.slope[r];
-        let q = |r: usize| 0.5 * (trial.slope[r] - g(r)) / trial.t;
-        let sum = |a: &dyn Fn(usize) -> f64, b: &dyn Fn(usize) -> f64| self.sum(kept, a, b);
-        [sum(&c, &c), 2.0 * sum(&c, &g), sum(&g, &g) + 2.0 * sum(&c, &q), 2.0 * sum(&g, &q), sum(&q, &q)]
+    fn trusts(&self, trial: &Trial, r: usize, t: f64) -> bool {
+        let c = self.from.quantities.c()[r];
+        let third = trial.c[r] - c - 0.5 * t * (self.slope[r] + trial.slope[r]);
+        let second = 0.5 * t * (trial.slope[r] - self.slope[r]);
+        let residual = self.residuals[self.parts.of_row(r)];
+        let harmless = THIRD * t * residual / self.from.weights[r] + 8.0 * self.from.rounding.c()[r];
+        // What is not finite is not to be trusted.
+        third.abs() <= THIRD * second.abs() + if harmless.is_finite() { harmless } else { 0.0 }
     }
 
-    /// Products of numbers of the kept equations, each by its weight.
-    fn sum(&self, kept: &[bool], a: impl Fn(usize) -> f64, b: impl Fn(usize) -> f64) -> f64 {
-        let weights = &self.from.weights;
-        (0..kept.len()).filter(|&r| kept[r]).map(|r| (weights[r] * a(r)) * (weights[r] * b(r))).sum()
+    /// Adds an equation, by its weight.
+    fn add(&self, Verdict { now, model, .. }: &mut Verdict, trial: &Trial, r: usize, t: f64) {
+        let weight = self.from.weights[r];
+        let (c, g) = (weight * self.from.quantities.c()[r], weight * self.slope[r]);
+        let q = weight * (0.5 * (trial.slope[r] - self.slope[r]) / t);
+        *now += (weight * trial.c[r]) * (weight * trial.c[r]);
+        let products = [c * c, 2.0 * (c * g), g * g + 2.0 * (c * q), 2.0 * (g * q), q * q];
+        model.iter_mut().zip(products).for_each(|(sum, product)| *sum += product);
+    }
+}
+
+impl Length {
+    fn is_open(&self) -> bool {
+        matches!(self, Self::Open(_))
+    }
+
+    fn t(&self) -> f64 {
+        match *self {
+            Self::Open(t) | Self::Found(t) => t,
+        }
+    }
+
+    /// After a trial.
+    fn next(self, verdict: &Verdict, way: Way) -> Self {
+        let Self::Open(t) = self else { return self };
+        if !verdict.trusted {
+            return Self::Open(0.25 * t);
+        }
+        let falls = verdict.now <= (1.0 - DECREASE * t) * verdict.model[0];
+        if way == Way::Out || falls || verdict.holds { Self::Found(t) } else { Self::Open(lowest(&verdict.model, t)) }
     }
 }
 

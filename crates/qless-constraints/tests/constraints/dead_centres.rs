@@ -8,9 +8,10 @@ use qless_constraints::{Constraint, ConstraintSet, Nonlinear, Store};
 use crate::linkages::Outcome;
 
 /// `c = (x - r cos(t))^2 + (r sin t)^2 - l^2) / (2 l)`: an angle t and a slider at `x = r + l + u`.
-struct SliderCrank {
-    crank: f64,
-    rod: f64,
+pub struct SliderCrank {
+    pub dofs: [usize; 2],
+    pub crank: f64,
+    pub rod: f64,
 }
 
 impl Constraint for SliderCrank {
@@ -18,7 +19,8 @@ impl Constraint for SliderCrank {
     type Error = std::convert::Infallible;
 
     fn process(self, store: &mut Store) -> Result<(), Self::Error> {
-        store.nonlinear("", &[0, 1], self);
+        let dofs = self.dofs;
+        store.nonlinear("", &dofs, self);
         Ok(())
     }
 }
@@ -35,7 +37,7 @@ impl Nonlinear for SliderCrank {
 
 fn by_angle(unit: f64) -> Outcome<ConstraintSet> {
     let mut builder = ConstraintSet::builder(2);
-    builder.add("rod", SliderCrank { crank: 0.5 * unit, rod: 2.0 * unit })?;
+    builder.add("rod", SliderCrank { dofs: [0, 1], crank: 0.5 * unit, rod: 2.0 * unit })?;
     Ok(builder.build()?)
 }
 

@@ -6,6 +6,8 @@ mod active;
 mod bad_numbers;
 /// Nodes on lines and planes that turn.
 mod beads;
+/// Mechanisms side by side: each goes as it goes alone.
+mod blocks_of_newton;
 /// Chains of bodies.
 mod bodies;
 /// Contact by an active set, against a quadratic program.

@@ -1,0 +1,131 @@
+//! Connected parts of the equations: two rows are of one part if DOFs lead from one to the other, but for prescribed ones, which do not move.
+//!
+//! What is done and said of a part depends on that part alone. A prescribed DOF may stand in many: its column of G is one for each of
+//! them, so that averages and maxima over columns keep to a part too.
+
+use qless::Csr;
+
+/// Of DOFs that are in no part.
+const NONE: u32 = u32::MAX;
+
+/// The parts of the rows and DOFs, in the order of their first rows.
+pub struct Parts {
+    of_row: Vec<u32>,
+    of_dof: Vec<u32>,
+    count: usize,
+    /// Columns of G within the parts.
+    pub columns: Columns,
+}
+
+impl Parts {
+    /// `together`: DOFs that are one thing, such as those of a rotation.
+    pub fn new(g: &Csr, prescribed: &[(usize, f64)], together: &[[usize; 3]]) -> Self {
+        let mut held = vec![false; g.cols()];
+        prescribed.iter().for_each(|&(j, _)| held[j] = true);
+        let mut union = Union((0..g.cols() as u32).collect());
+        let free = |r: usize| g.row(r).map(|(j, _)| j).filter(|&j| !held[j]);
+        (0..g.rows()).for_each(|r| union.join(free(r)));
+        together.iter().for_each(|&dofs| union.join(dofs.into_iter()));
+        union.flatten();
+        let (mut of_root, mut count) = (vec![NONE; g.cols()], 0);
+        let number = |r: usize| {
+            let root = free(r).next().map(|j| union.0[j] as usize);
+            let known = root.map_or(NONE, |root| of_root[root]);
+            if known != NONE {
+                return known;
+            }
+            root.into_iter().for_each(|root| of_root[root] = count);
+            count += 1;
+            count - 1
+        };
+        let of_row: Vec<u32> = (0..g.rows()).map(number).collect();
+        let of_dof = (0..g.cols()).map(|j| if held[j] { NONE } else { of_root[union.0[j] as usize] }).collect();
+        let columns = Columns::of_parts(g, &held, &of_row);
+        Self { of_row, of_dof, count: count as usize, columns }
+    }
+
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    pub fn of_row(&self, r: usize) -> usize {
+        self.of_row[r] as usize
+    }
+
+    /// None for DOFs that are prescribed or in no equation.
+    pub fn of_dof(&self, j: usize) -> Option<usize> {
+        let part = self.of_dof[j];
+        (part != NONE).then_some(part as usize)
+    }
+
+    /// One number for each part, from those of its rows.
+    pub fn fold<T: Clone>(&self, start: T, mut with: impl FnMut(&mut T, usize)) -> Vec<T> {
+        let mut all = vec![start; self.count];
+        (0..self.of_row.len()).for_each(|r| with(&mut all[self.of_row(r)], r));
+        all
+    }
+}
+
+/// Columns of the entries of G, in their order.
+pub struct Columns {
+    of_entry: Vec<u32>,
+    count: usize,
+}
+
+impl Columns {
+    /// As they are in G.
+    pub fn plain(g: &Csr) -> Self {
+        Self { of_entry: g.columns().to_vec(), count: g.cols() }
+    }
+
+    /// A column of a held DOF is one for each part; they come after the others.
+    fn of_parts(g: &Csr, held: &[bool], of_row: &[u32]) -> Self {
+        let entries = |r: usize| g.row(r).map(move |(j, _)| (j as u32, of_row[r]));
+        let mut split: Vec<_> = (0..g.rows()).flat_map(entries).filter(|&(j, _)| held[j as usize]).collect();
+        split.sort_unstable();
+        split.dedup();
+        let place = |pair: (u32, u32)| (g.cols() + split.partition_point(|other| *other < pair)) as u32;
+        let column = |pair: (u32, u32)| if held[pair.0 as usize] { place(pair) } else { pair.0 };
+        let of_entry = (0..g.rows()).flat_map(entries).map(column).collect();
+        Self { of_entry, count: g.cols() + split.len() }
+    }
+
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// `(column, value)` of the entries of a row.
+    pub fn row(&self, g: &Csr, r: usize) -> impl Iterator<Item = (usize, f64)> {
+        let entries = g.starts()[r]..g.starts()[r + 1];
+        self.of_entry[entries.clone()].iter().zip(&g.values()[entries]).map(|(&j, &v)| (j as usize, v))
+    }
+}
+
+/// Sets that grow together: each member leads to one that is no larger, and the least of a set to itself.
+struct Union(Vec<u32>);
+
+impl Union {
+    /// The least of the set; the way there gets shorter.
+    fn root(&mut self, mut j: usize) -> usize {
+        while self.0[j] as usize != j {
+            self.0[j] = self.0[self.0[j] as usize];
+            j = self.0[j] as usize;
+        }
+        j
+    }
+
+    fn join(&mut self, mut members: impl Iterator<Item = usize>) {
+        let Some(first) = members.next() else { return };
+        let mut root = self.root(first);
+        for member in members {
+            let other = self.root(member);
+            self.0[root.max(other)] = root.min(other) as u32;
+            root = root.min(other);
+        }
+    }
+
+    /// Every member leads to the least.
+    fn flatten(&mut self) {
+        (0..self.0.len()).for_each(|j| self.0[j] = self.0[self.0[j] as usize]);
+    }
+}
