@@ -5,7 +5,7 @@
 //! evaluation takes longer than one without a change.
 //!
 //! Constraints are added one by one, and at once by all threads; who adds a million writes the latter. By both clocks a million rods then
-//! take some 10 evaluations: 3 to be added, 5 for the plan of H, 2 for the arrays; one by one 14.
+//! take 10 to 11 evaluations: 3 to be added, 5 for the plan of H, 2 for the arrays; one by one 14.
 
 mod model;
 
