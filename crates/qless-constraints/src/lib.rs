@@ -37,8 +37,8 @@ pub mod types;
 
 pub use constraint::{Constraint, Nonlinear};
 pub use set::{
-    ActiveError, ActiveSystem, AddError, ConstraintId, ConstraintSet, EditError, LineariseError, Quantities,
-    ReplaceError, Rounding, SetBuilder, Store, StoreError, TimeError, Vanishing, Weights,
+    ActiveError, ActiveSystem, AddError, ConstraintId, ConstraintIds, ConstraintSet, EditError, LineariseError,
+    Quantities, ReplaceError, Rounding, SetBuilder, Store, StoreError, TimeError, Vanishing, Weights,
 };
 
 /// The example of the README, as a test.

@@ -17,23 +17,34 @@ pub fn point(node: usize) -> Point {
 /// Adds constraint i.
 pub type Add = fn(&mut SetBuilder, usize, usize);
 
-pub fn linear(builder: &mut SetBuilder, i: usize, nodes: usize) {
+pub fn one_linear(i: usize, nodes: usize) -> LinearEquation {
     let dof = |k: usize| 3 * ((i + 7 * k) % nodes) + k % 3;
-    let equation = LinearEquation { terms: (0..5).map(|k| (dof(k), 1.0 + k as f64)).collect(), rhs: 1.0 };
-    builder.add("", equation).expect("valid");
+    LinearEquation { terms: (0..5).map(|k| (dof(k), 1.0 + k as f64)).collect(), rhs: 1.0 }
+}
+
+pub fn linear(builder: &mut SetBuilder, i: usize, nodes: usize) {
+    builder.add("", one_linear(i, nodes)).expect("valid");
+}
+
+pub fn one_rod(i: usize, nodes: usize) -> Distance<3> {
+    let other = (i + [1, 100, 101, 99][i % 4]) % nodes;
+    Distance { length: Some(1.0), ..Distance::new(point(i), point(other)) }
 }
 
 pub fn rod(builder: &mut SetBuilder, i: usize, nodes: usize) {
-    let other = (i + [1, 100, 101, 99][i % 4]) % nodes;
-    builder.add("", Distance { length: Some(1.0), ..Distance::new(point(i), point(other)) }).expect("valid");
+    builder.add("", one_rod(i, nodes)).expect("valid");
 }
 
 pub fn sphere(builder: &mut SetBuilder, i: usize, _: usize) {
     builder.add("", OnSphere { point: point(i), centre: [-1.0; 3], radius: Some(2.0) }).expect("valid");
 }
 
+pub fn one_equal(i: usize, nodes: usize) -> Equal {
+    Equal::new([3 * i + 1, 3 * ((i + 1) % nodes) + 1])
+}
+
 pub fn equal(builder: &mut SetBuilder, i: usize, nodes: usize) {
-    builder.add("", Equal::new([3 * i + 1, 3 * ((i + 1) % nodes) + 1])).expect("valid");
+    builder.add("", one_equal(i, nodes)).expect("valid");
 }
 
 pub fn tie(builder: &mut SetBuilder, i: usize, nodes: usize) {

@@ -10,8 +10,8 @@ use super::effective::Cut;
 use super::homogeneous::Homogeneous;
 use super::labels::{Owner, Parts};
 use super::offsets::Offsets;
+use super::piece::Piece;
 use super::rounding::Known;
-use super::store::Piece;
 #[cfg(test)]
 use super::tests::double_double::DoubleDouble;
 use crate::constraint::Nonlinear;
@@ -27,6 +27,8 @@ pub(super) trait Block: Send + Sync {
     fn owner(&self, row: usize) -> (Owner, &'static str);
     /// To which constraint the equations of item i belong.
     fn constraint(&self, i: usize) -> u32;
+    /// Gives the parts that its equations are the numbers that stand at theirs.
+    fn renumber_parts(&mut self, parts: Option<&[u32]>);
     /// Equations of each item.
     fn parts(&self) -> usize;
     /// Entries of its rows of G.
@@ -85,10 +87,17 @@ pub(super) struct Blocks {
     of_type: HashMap<TypeId, u32>,
     /// Where the last item was put, and its type: others of many are put behind it.
     recent: Option<(TypeId, usize)>,
+    /// Whether many of each type are to come.
+    many: bool,
     pub offsets: Offsets,
 }
 
 impl Blocks {
+    /// With room for many of each type from the first on.
+    pub fn of_many() -> Self {
+        Self { many: true, ..Self::default() }
+    }
+
     pub fn rows(&self) -> usize {
         self.offsets.rows()
     }
@@ -159,7 +168,8 @@ impl Blocks {
         if at == of.end {
             if of.is_empty() || self.all[at - 1].is_full() {
                 self.offsets.insert(at);
-                let block = if of.is_empty() { Homogeneous::<Q>::default() } else { Homogeneous::with_room() };
+                let few = of.is_empty() && !self.many;
+                let block = if few { Homogeneous::<Q>::default() } else { Homogeneous::with_room() };
                 self.put(at, kind, Box::new(block));
                 return at;
             }
@@ -173,6 +183,21 @@ impl Blocks {
         self.offsets.split(at, self.all[at].rows());
         self.put(at + 1, kind, second);
         if last(self.all[at].as_ref()) <= constraint { at + 1 } else { at }
+    }
+
+    /// Puts others, of later constraints, behind those of their types; their parts go by other numbers.
+    pub fn join(&mut self, others: Self, parts: Option<&[u32]>) {
+        let mut types: Vec<_> = others.of_type.into_iter().collect();
+        types.sort_unstable_by_key(|&(_, kind)| kind);
+        let kinds: Vec<u32> = types.into_iter().map(|(of, _)| self.meet(of)).collect();
+        for (mut block, kind) in others.all.into_iter().zip(others.kinds) {
+            let kind = kinds[kind as usize];
+            let at = self.of_kind(kind).end;
+            block.renumber_parts(parts);
+            self.offsets.insert(at);
+            self.offsets.grow(at, block.rows() as i32);
+            self.put(at, kind, block);
+        }
     }
 
     fn put(&mut self, at: usize, kind: u32, block: Box<dyn Block>) {

@@ -8,7 +8,7 @@ use super::lazy::Planned;
 use super::linear::Rows;
 use super::stamp::Stamp;
 use super::stated::Stated;
-use super::{AddError, ConstraintId, ConstraintSet};
+use super::{AddError, ConstraintId, ConstraintIds, ConstraintSet};
 use crate::constraint::Constraint;
 
 /// Collects constraints of any types in any order; each is checked when it is added.
@@ -46,6 +46,19 @@ impl SetBuilder {
         constraint: C,
     ) -> Result<ConstraintId, AddError<C::Error>> {
         self.0.add(label, constraint)
+    }
+
+    /// Adds many constraints of one type at once, as [`ConstraintSet::add_all`] does: by all threads, all of them or none.
+    ///
+    /// # Errors
+    /// [`AddError`] of the first faulty one. Nothing is added then.
+    pub fn add_all<C: Constraint>(
+        &mut self,
+        label: impl Into<String>,
+        count: usize,
+        constraint: impl Fn(usize) -> C + Sync,
+    ) -> Result<ConstraintIds, AddError<C::Error>> {
+        self.0.add_all(label, count, constraint)
     }
 
     /// Makes the patterns of G and H from the lists of DOFs and pairs.

@@ -6,6 +6,7 @@ use qless::Identity;
 
 use super::block::Block;
 use super::effective::Weighted;
+use super::ranks::Ranks;
 use super::sums::Sums;
 
 /// Rows of H that one task owns.
@@ -69,7 +70,10 @@ impl Chunk {
     }
 
     /// Makes the pattern and the sums anew from the shares: "all pair lists are combined and sorted, duplicates are eliminated".
-    pub fn fill(&mut self, blocks: &[Box<dyn Block>], room: &mut Room) {
+    ///
+    /// `counts`: how many entries of constraints are in each row, if that is known.
+    pub fn fill(&mut self, blocks: &[Box<dyn Block>], counts: Option<&[u32]>, room: &mut Room) {
+        room.count(&self.shares, blocks, &self.rows, counts);
         let numbers = room.gather(&self.shares, blocks, &self.rows);
         room.sort(&mut self.end);
         self.col = room.col.as_slice().into();
@@ -107,19 +111,28 @@ pub(super) struct Room {
     /// How many keys have the column of each entry.
     counts: Vec<u32>,
     col: Vec<u32>,
+    ranks: Ranks,
 }
 
 impl Room {
-    /// The keys of all shares, row by row; how many numbers these have.
-    fn gather(&mut self, shares: &[Share], blocks: &[Box<dyn Block>], rows: &Range<u32>) -> usize {
+    /// Where the keys of each row start, and one more.
+    fn count(&mut self, shares: &[Share], blocks: &[Box<dyn Block>], rows: &Range<u32>, known: Option<&[u32]>) {
         self.next.clear();
         self.next.resize(rows.len() + 1, 0);
-        for share in shares {
-            blocks[share.block as usize].count(&share.items, rows.start, &mut self.next[1..]);
+        let counts = &mut self.next[1..];
+        match known {
+            Some(known) => counts.copy_from_slice(&known[rows.start as usize..rows.end as usize]),
+            None => {
+                shares.iter().for_each(|share| blocks[share.block as usize].count(&share.items, rows.start, counts));
+            }
         }
         (0..rows.len()).for_each(|row| self.next[row + 1] += self.next[row]);
-        self.keys.clear();
-        self.keys.resize(self.next[rows.len()] as usize, 0);
+    }
+
+    /// The keys of all shares, row by row; how many numbers these have.
+    fn gather(&mut self, shares: &[Share], blocks: &[Box<dyn Block>], rows: &Range<u32>) -> usize {
+        // All of those that count are written.
+        self.keys.resize(self.keys.len().max(self.next[rows.len()] as usize), 0);
         self.next.pop();
         let mut first = 0;
         for share in shares {
@@ -132,14 +145,14 @@ impl Room {
 
     /// Sorts the keys of each row, and finds its columns.
     fn sort(&mut self, ends: &mut Vec<u32>) {
-        let Self { next, keys, counts, col } = self;
+        let Self { next, keys, counts, col, ranks } = self;
         counts.clear();
         col.clear();
         ends.clear();
         let mut from = 0;
         for &end in &*next {
             let row = &mut keys[from..end as usize];
-            row.sort_unstable();
+            ranks.sort(row);
             for same in row.chunk_by(|a, b| a >> 32 == b >> 32) {
                 counts.push(same.len() as u32);
                 col.push((same[0] >> 32) as u32);

@@ -8,7 +8,7 @@
 //!
 //! What is evaluated then has the same bits, in the same rows, as from a set that is built from the active constraints.
 
-use super::store::Contents;
+use super::contents::Contents;
 use super::{AddError, ConstraintId, ConstraintSet, EditError, ReplaceError, Store, StoreError, TimeError};
 use crate::constraint::Constraint;
 
@@ -41,7 +41,7 @@ impl ConstraintSet {
         constraint: C,
     ) -> Result<ConstraintId, AddError<C::Error>> {
         let label = label.into();
-        let contents = match self.processed(constraint) {
+        let contents = match self.processed(constraint, (0, 0)) {
             Ok(contents) => contents,
             Err(fault) => return Err(fault.labelled(C::NAME, label)),
         };
@@ -109,7 +109,7 @@ impl ConstraintSet {
     /// [`ReplaceError`]; the constraint is then what it was.
     pub fn replace<C: Constraint>(&mut self, constraint: ConstraintId, new: C) -> Result<(), ReplaceError<C::Error>> {
         let number = self.register.number(constraint)?;
-        let contents = match self.processed(new) {
+        let contents = match self.processed(new, (0, 0)) {
             Ok(contents) => contents,
             Err(fault) => return Err(fault.labelled(C::NAME, self.register.name(number).to_string()).into()),
         };
@@ -145,27 +145,22 @@ impl ConstraintSet {
         Ok(())
     }
 
-    /// What a constraint consists of, checked.
-    fn processed<C: Constraint>(&mut self, constraint: C) -> Result<Box<Contents>, Fault<C::Error>> {
+    /// What a constraint consists of, checked, if it comes after so many others with so many equations.
+    pub(super) fn processed<C: Constraint>(
+        &mut self,
+        constraint: C,
+        (others, rows): (usize, usize),
+    ) -> Result<Box<Contents>, Fault<C::Error>> {
         let mut store = Store::new(self.dofs, self.time, self.spare.take().unwrap_or_default());
         constraint.process(&mut store).map_err(Fault::Input)?;
-        match store.fault.take().or_else(|| self.too_large(&store.contents)) {
+        match store.fault.take().or_else(|| self.too_large(others, rows + store.rows())) {
             Some(fault) => Err(Fault::Store(fault)),
             None => Ok(store.contents),
         }
     }
 
-    /// The library marks "none" with `u32::MAX`.
-    fn too_large(&self, contents: &Contents) -> Option<StoreError> {
-        let rows = self.equations() + contents.rows();
-        [("DOFs", self.dofs), ("equations", rows), ("constraints", self.register.ever() + 1)]
-            .into_iter()
-            .find(|&(_, found)| found >= u32::MAX as usize)
-            .map(|(what, found)| StoreError::TooLarge { what, found })
-    }
-
     /// Puts what a constraint consists of in its place.
-    fn put(&mut self, number: u32, mut contents: Box<Contents>) {
+    pub(super) fn put(&mut self, number: u32, mut contents: Box<Contents>) {
         let Self { register, linear, blocks, planned, stated, time, .. } = self;
         stated.put(number, &mut contents.coordinates);
         linear.put(number, &mut contents.equations, &mut register.parts, *time);
@@ -218,13 +213,13 @@ impl ConstraintSet {
 }
 
 /// What is wrong with a constraint, before it has a name.
-enum Fault<E> {
+pub(super) enum Fault<E> {
     Input(E),
     Store(StoreError),
 }
 
 impl<E: std::error::Error + 'static> Fault<E> {
-    fn labelled(self, name: &'static str, label: String) -> AddError<E> {
+    pub(super) fn labelled(self, name: &'static str, label: String) -> AddError<E> {
         match self {
             Self::Input(source) => AddError::Input { name, label, source },
             Self::Store(source) => AddError::Store { name, label, source },

@@ -40,15 +40,16 @@ impl Cut {
             entries += count as usize;
         }
         first.push(counts.len() as u32);
-        let mut cut = Self { first, ..Self::default() };
+        let mut cut = Self { first, chunk: Vec::with_capacity(counts.len()), only: None };
         cut.number();
         cut
     }
 
     /// Numbers rows by chunk.
     fn number(&mut self) {
-        let rows = self.first.windows(2).map(|rows| rows[1] - rows[0]);
-        self.chunk = (0..).zip(rows).flat_map(|(chunk, rows)| (0..rows).map(move |_| chunk)).collect();
+        self.chunk.clear();
+        let ends = (0..).zip(&self.first[1..]);
+        ends.for_each(|(chunk, &end)| self.chunk.resize(end as usize, chunk));
     }
 
     pub fn chunks(&self) -> impl Iterator<Item = Range<u32>> + '_ {
@@ -79,12 +80,13 @@ impl Plan {
             block.count(slice::from_ref(&(0..block.items() as u32)), 0, &mut counts);
         });
         let cut = Cut::new(&counts);
-        drop(counts);
         let chunks = cut.chunks().map(Chunk::new).collect();
         let mut plan = Self { cut, chunks, stamps: stamps(blocks) };
         let all: Vec<u32> = (0..blocks.len() as u32).collect();
         plan.share_out(blocks, &all);
-        plan.chunks.par_iter_mut().for_each_init(Room::default, |room, chunk| chunk.fill(blocks, room));
+        plan.chunks.par_iter_mut().for_each_init(Room::default, |room, chunk| {
+            chunk.fill(blocks, Some(&counts), room);
+        });
         plan
     }
 
@@ -95,7 +97,7 @@ impl Plan {
         let mut stale = vec![false; self.chunks.len()];
         touched.iter().for_each(|&row| stale[self.cut.chunk[row as usize] as usize] = true);
         let chunks = self.chunks.par_iter_mut().zip(stale).filter(|(_, stale)| *stale);
-        chunks.for_each_init(Room::default, |room, (chunk, _)| chunk.fill(blocks, room));
+        chunks.for_each_init(Room::default, |room, (chunk, _)| chunk.fill(blocks, None, room));
         let large = |chunk: &Chunk| chunk.entries() > 2 * ENTRIES && chunk.rows.len() > 1;
         while let Some(place) = self.chunks.iter().position(large) {
             self.split(place, blocks);
@@ -118,7 +120,7 @@ impl Plan {
             }
         }
         self.cut.only = None;
-        self.chunks[place..place + 2].iter_mut().for_each(|chunk| chunk.fill(blocks, &mut Room::default()));
+        self.chunks[place..place + 2].iter_mut().for_each(|chunk| chunk.fill(blocks, None, &mut Room::default()));
     }
 
     /// Gives the shares of blocks that did not change their new places, and takes those of others away; the blocks that are new.

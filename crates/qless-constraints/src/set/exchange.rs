@@ -3,7 +3,7 @@
 use super::homogeneous::Homogeneous;
 use super::labels::{Owner, Parts};
 use super::order::Order;
-use super::store::Staged;
+use super::piece::Staged;
 use crate::constraint::Nonlinear;
 
 impl<Q: Nonlinear> Homogeneous<Q> {

@@ -9,12 +9,12 @@ use qless::Identity;
 
 use super::block::Block;
 use super::effective::Cut;
-use super::labels::{Owner, Parts};
+use super::labels::{Owner, Parts, renumber};
 use super::order::Order;
 use super::pairs::Pairs;
+use super::piece::Piece;
 use super::rounding::{Known, bound};
 use super::stamp::Stamp;
-use super::store::Piece;
 #[cfg(test)]
 use super::tests::double_double::DoubleDouble;
 use crate::constraint::Nonlinear;
@@ -184,6 +184,10 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
         self.owners[i].constraint
     }
 
+    fn renumber_parts(&mut self, parts: Option<&[u32]>) {
+        renumber(&mut self.owners, parts);
+    }
+
     fn parts(&self) -> usize {
         Q::PARTS.len()
     }
@@ -193,6 +197,10 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
     }
 
     fn write_pattern(&self, first: usize, end: &mut [usize], col: &mut [u32]) {
+        if Q::PARTS.len() == 1 && self.order.is_empty() {
+            col.copy_from_slice(&self.dofs);
+            return (0..end.len()).for_each(|i| end[i] = first + self.span(i..i + 1).end);
+        }
         let (mut sorted, mut rest, mut last) = (Vec::new(), col, first);
         let mut ends = end.iter_mut();
         for i in 0..self.items.len() {

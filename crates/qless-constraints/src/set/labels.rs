@@ -5,8 +5,9 @@ use std::collections::{BTreeMap, HashMap};
 
 use qless::Identity;
 
+use super::contents::Contents;
 use super::error::EditError;
-use super::store::Contents;
+use super::names::Names;
 
 /// A constraint of a set, which no other set takes; it stays valid until the constraint is removed, and is not given again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -22,12 +23,40 @@ impl ConstraintId {
     }
 }
 
+/// Constraints that were added at once, by [`crate::ConstraintSet::add_all`]; as many as were asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ConstraintIds {
+    pub(super) set: Identity,
+    pub(super) first: u32,
+    pub(super) count: u32,
+}
+
+impl ConstraintIds {
+    /// The i-th of them, from 0; nothing beyond the last.
+    pub fn get(self, i: usize) -> Option<ConstraintId> {
+        (i < self.count as usize).then(|| ConstraintId { set: self.set, number: self.first + i as u32 })
+    }
+
+    /// All, in their order.
+    pub fn iter(self) -> impl ExactSizeIterator<Item = ConstraintId> + DoubleEndedIterator {
+        // As `usize`, whose ranges know their length.
+        (0..self.count as usize).map(move |i| ConstraintId { set: self.set, number: self.first + i as u32 })
+    }
+}
+
 /// The constraint that equations belong to, and which part of it they are.
 #[derive(Clone, Copy)]
 pub(super) struct Owner {
     pub constraint: u32,
     /// Its place among [`Parts`].
     pub part: u32,
+}
+
+/// Gives parts the numbers that stand at theirs.
+pub(super) fn renumber(owners: &mut [Owner], parts: Option<&[u32]>) {
+    if let Some(parts) = parts {
+        owners.iter_mut().for_each(|owner| owner.part = parts[owner.part as usize]);
+    }
 }
 
 /// The names of parts, each once: there are few, and many equations.
@@ -57,6 +86,12 @@ impl Parts {
         place
     }
 
+    /// The places here of all names there, unless they are the same.
+    pub fn places_of(&mut self, others: &Self) -> Option<Vec<u32>> {
+        let places: Vec<u32> = others.names.iter().map(|name| self.place(name.clone())).collect();
+        (0..).zip(&places).any(|(there, &here)| there != here).then_some(places)
+    }
+
     pub fn name(&self, place: u32) -> Cow<'static, str> {
         self.names[place as usize].clone()
     }
@@ -67,8 +102,7 @@ impl Parts {
 pub(super) struct Register {
     pub identity: Identity,
     pub parts: Parts,
-    /// None for those that were removed.
-    names: Vec<Option<Box<str>>>,
+    names: Names,
     alive: usize,
     inactive: BTreeMap<u32, Box<Contents>>,
 }
@@ -80,7 +114,7 @@ impl Register {
 
     /// Number of constraints that were ever added.
     pub fn ever(&self) -> usize {
-        self.names.len()
+        self.names.count() as usize
     }
 
     pub fn alive(&self) -> usize {
@@ -88,10 +122,18 @@ impl Register {
     }
 
     pub fn add(&mut self, label: String) -> ConstraintId {
-        let id = ConstraintId { set: self.identity, number: self.names.len() as u32 };
-        self.names.push(Some(label.into_boxed_str()));
+        let id = ConstraintId { set: self.identity, number: self.names.count() };
+        self.names.push(label);
         self.alive += 1;
         id
+    }
+
+    /// So many at once.
+    pub fn add_all(&mut self, label: String, count: u32) -> ConstraintIds {
+        let ids = ConstraintIds { set: self.identity, first: self.names.count(), count };
+        self.names.push_numbered(label, count);
+        self.alive += count as usize;
+        ids
     }
 
     /// The number of a constraint that is there.
@@ -99,11 +141,12 @@ impl Register {
         if id.set != self.identity {
             return Err(EditError::Foreign);
         }
-        self.names[id.number as usize].as_ref().map(|_| id.number).ok_or(EditError::Gone { place: id.place() })
+        let there = self.names.is_there(id.number);
+        there.then_some(id.number).ok_or(EditError::Gone { place: id.place() })
     }
 
     pub fn remove(&mut self, number: u32) {
-        self.names[number as usize] = None;
+        self.names.remove(number);
         self.alive -= 1;
     }
 
@@ -129,13 +172,13 @@ impl Register {
         self.inactive.remove(&number)
     }
 
-    pub fn name(&self, number: u32) -> &str {
-        self.names[number as usize].as_deref().unwrap_or_default()
+    pub fn name(&self, number: u32) -> Cow<'_, str> {
+        self.names.get(number).unwrap_or_default()
     }
 
     /// The name of the constraint and of the parts that have one, with commas.
     pub fn label(&self, owner: Owner, part: &str) -> String {
-        let mut label = self.name(owner.constraint).to_string();
+        let mut label = self.name(owner.constraint).into_owned();
         for part in [self.parts.name(owner.part).as_ref(), part].into_iter().filter(|part| !part.is_empty()) {
             if !label.is_empty() {
                 label.push_str(", ");

@@ -39,6 +39,11 @@ impl Planned {
         self.last.get_mut().unwrap_or_else(PoisonError::into_inner).is_some()
     }
 
+    /// The rows of H that the items of a block have entries in, which come.
+    pub fn touch_all(&mut self, block: &dyn Block) {
+        (0..block.items()).for_each(|item| self.touch(block, item));
+    }
+
     /// The rows of H that an item has entries in, which comes or goes.
     pub fn touch(&mut self, block: &dyn Block, item: usize) {
         if self.is_wanted() {

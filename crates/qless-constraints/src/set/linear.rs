@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::batch::{Batch, ROWS};
-use super::labels::{Owner, Parts};
+use super::contents::Equation;
+use super::labels::{self, Owner, Parts};
 use super::lists::Recent;
 use super::offsets::Offsets;
-use super::store::Equation;
 use super::time::{Function, Rhs};
 
 /// Linear equations, whatever types they come from.
@@ -59,10 +59,30 @@ impl Rows {
         for (row, equation) in (of.end..).zip(equations.drain(..)) {
             let owner = Owner { constraint, part: parts.place(equation.part) };
             self.insert(row, owner, &equation.terms, equation.rhs.at(time));
-            if let Rhs::Function(function) = equation.rhs {
-                self.driven.insert((constraint, (row - of.start) as u32), function);
-            }
+            self.drive((constraint, (row - of.start) as u32), equation.rhs);
         }
+    }
+
+    fn drive(&mut self, key: (u32, u32), rhs: Rhs) {
+        if let Rhs::Function(function) = rhs {
+            self.driven.insert(key, function);
+        }
+    }
+
+    /// Puts an equation behind all others, the k-th of its constraint.
+    pub fn append(&mut self, owner: Owner, k: u32, (terms, rhs): (&[(u32, f64)], Rhs), time: f64) {
+        self.insert(self.rows(), owner, terms, rhs.at(time));
+        self.drive((owner.constraint, k), rhs);
+    }
+
+    /// Puts others, of later constraints, behind all; their parts go by other numbers.
+    pub fn join(&mut self, others: Self, parts: Option<&[u32]>) {
+        for mut batch in others.batches {
+            labels::renumber(&mut batch.owners, parts);
+            self.offsets.push(batch.rows());
+            self.batches.push(batch);
+        }
+        self.driven.extend(others.driven);
     }
 
     fn insert(&mut self, row: usize, owner: Owner, terms: &[(u32, f64)], rhs: f64) {
@@ -130,9 +150,7 @@ impl Rows {
                 batch.insert(own, owner, &equation.terms, rhs, &mut self.recent);
             }
             self.driven.remove(&(constraint, k));
-            if let Rhs::Function(function) = equation.rhs {
-                self.driven.insert((constraint, k), function);
-            }
+            self.drive((constraint, k), equation.rhs);
         }
     }
 

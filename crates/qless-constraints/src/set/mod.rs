@@ -10,7 +10,9 @@ mod active;
 mod batch;
 mod block;
 mod builder;
+mod bulk;
 mod chunk;
+mod contents;
 mod curvatures;
 mod edit;
 mod effective;
@@ -24,13 +26,18 @@ mod lazy;
 mod length;
 mod linear;
 mod lists;
+mod names;
 mod offsets;
 mod order;
 mod pairs;
 mod pattern;
+mod piece;
+mod portion;
 mod quantities;
+mod ranks;
 pub(crate) mod rotations;
 mod rounding;
+mod rows;
 mod stamp;
 mod stated;
 mod store;
@@ -40,24 +47,22 @@ mod tasks;
 mod time;
 mod weights;
 
-use std::ops::Range;
-
 use qless::{ArgumentError, Identity};
 
 pub use active::{ActiveError, ActiveSystem};
-use block::{Block, Blocks};
+use block::Blocks;
 pub use builder::SetBuilder;
+use contents::Contents;
 use effective::{Plan, Weighted};
 pub use error::{AddError, EditError, LineariseError, ReplaceError, StoreError};
-pub use labels::ConstraintId;
-use labels::{Owner, Register};
+use labels::Register;
+pub use labels::{ConstraintId, ConstraintIds};
 use lazy::Planned;
 use linear::Rows;
 pub use quantities::Quantities;
 pub use rounding::Rounding;
 use stamp::Stamp;
 use stated::Stated;
-use store::Contents;
 pub use store::Store;
 pub use system::Vanishing;
 pub use time::TimeError;
@@ -202,63 +207,6 @@ impl ConstraintSet {
     /// The way into H.
     fn plan(&self) -> &Plan {
         self.planned.plan(&self.blocks.all, self.dofs)
-    }
-
-    /// Which block of equations a row belongs to, and its row there; nothing for linear equations.
-    fn place(&self, row: usize) -> Option<(&dyn Block, usize)> {
-        let (block, own) = self.blocks.offsets.find(row.checked_sub(self.linear.rows())?);
-        Some((self.blocks.all[block].as_ref(), own))
-    }
-
-    /// The constraint of a row and the name of the part that it is.
-    fn owner(&self, row: usize) -> Result<(Owner, &'static str), ArgumentError> {
-        if row >= self.equations() {
-            return Err(ArgumentError::OutOfRange { what: "equation", found: row, count: self.equations() });
-        }
-        Ok(self.place(row).map_or_else(|| (self.linear.owner(row), ""), |(block, own)| block.owner(own)))
-    }
-
-    /// Which constraint an equation belongs to.
-    ///
-    /// # Errors
-    /// [`ArgumentError::OutOfRange`].
-    pub fn constraint_of(&self, row: usize) -> Result<ConstraintId, ArgumentError> {
-        let number = self.owner(row)?.0.constraint;
-        Ok(ConstraintId { set: self.register.identity, number })
-    }
-
-    /// The equations of a constraint, ascending; none if it is not active or was removed.
-    ///
-    /// # Errors
-    /// [`ArgumentError::Foreign`] for a constraint of another set.
-    pub fn rows_of(&self, constraint: ConstraintId) -> Result<Vec<usize>, ArgumentError> {
-        self.own("the constraint", constraint.set)?;
-        let mut rows: Vec<usize> = self.linear.of(constraint.number).collect();
-        for (_, (block, item)) in self.blocks.of(constraint.number) {
-            let parts = self.blocks.all[block].parts();
-            let first = self.linear.rows() + self.blocks.offsets.first(block) + item * parts;
-            rows.extend(first..first + parts);
-        }
-        Ok(rows)
-    }
-
-    /// The label of an equation: that of its constraint, and which part of it.
-    ///
-    /// # Errors
-    /// [`ArgumentError::OutOfRange`].
-    pub fn label(&self, row: usize) -> Result<String, ArgumentError> {
-        let (owner, part) = self.owner(row)?;
-        Ok(self.register.label(owner, part))
-    }
-
-    /// Whether the equation is linear: its row of G never changes.
-    pub fn is_linear(&self, row: usize) -> bool {
-        self.linear_rows().contains(&row)
-    }
-
-    /// The linear equations.
-    pub fn linear_rows(&self) -> Range<usize> {
-        0..self.linear.rows()
     }
 }
 

@@ -31,6 +31,11 @@ impl Offsets {
         self.0[segment + 1..].iter_mut().for_each(|first| *first = first.wrapping_add_signed(by));
     }
 
+    /// One more segment, of so many rows, behind all.
+    pub fn push(&mut self, rows: usize) {
+        self.0.push((self.rows() + rows) as u32);
+    }
+
     /// A segment without rows is put in.
     pub fn insert(&mut self, segment: usize) {
         self.0.insert(segment, self.0[segment]);

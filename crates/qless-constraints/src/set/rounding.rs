@@ -57,6 +57,7 @@ const CUT: u32 = 48;
 
 impl Size {
     /// Of a number that is not NaN.
+    #[inline]
     pub fn above(x: f64) -> Self {
         let largest = (f64::MAX.to_bits() >> CUT) as u16;
         Self(if x == 0.0 { 0 } else { ((x.abs().to_bits() >> CUT) as u16 + 1).min(largest) })

@@ -1,13 +1,13 @@
 //! Where a constraint type puts what it consists of, after it has checked its input.
 
 use std::borrow::Cow;
-use std::ops::Range;
 use std::sync::Arc;
 
 use super::StoreError;
-use super::batch::Terms;
-use super::block::{Blocks, Place};
-use super::labels::{Owner, Parts};
+use super::contents::{Contents, Equation};
+use super::piece::Staged;
+use super::portion::Portion;
+use super::rounding::Size;
 use super::stated::Coordinate;
 use super::time::Rhs;
 use crate::constraint::Nonlinear;
@@ -24,75 +24,44 @@ pub struct Store {
     dofs: usize,
     time: f64,
     pub(super) contents: Box<Contents>,
+    /// Where they go instead, if it is one of many.
+    portion: Option<Box<Portion>>,
     pub(super) fault: Option<StoreError>,
 }
-
-/// What one constraint consists of, as long as it is not among the equations of a set.
-#[derive(Default)]
-pub(super) struct Contents {
-    pub equations: Vec<Equation>,
-    pub pieces: Vec<Box<dyn Piece>>,
-    /// The DOFs of all pieces.
-    pub dofs: Vec<u32>,
-    /// What DOFs add to.
-    pub coordinates: Vec<Coordinate>,
-}
-
-/// Parts of a constraint whose room is kept for the next one.
-const KEPT: usize = 256;
 
 /// Sums of terms on one DOF below so many units in the last place of what was summed are what rounding left of a zero.
 const CANCELLED: f64 = 8.0 * f64::EPSILON;
 
-impl Contents {
-    /// Gives its equations, as many, these right-hand sides.
-    pub fn set_rhs(&mut self, rhs: &[f64]) {
-        self.equations.iter_mut().zip(rhs).for_each(|(equation, &rhs)| equation.rhs = Rhs::Value(rhs));
-    }
-
-    /// Nothing, with the room that a constraint of usual size needs.
-    pub fn emptied(mut self: Box<Self>) -> Option<Box<Self>> {
-        let Self { equations, pieces, dofs, coordinates } = &mut *self;
-        let room = equations.capacity() + pieces.capacity() + dofs.capacity() + coordinates.capacity();
-        equations.clear();
-        pieces.clear();
-        dofs.clear();
-        coordinates.clear();
-        (room <= KEPT).then_some(self)
-    }
-
-    /// Takes the numbers of this time; as an error one that is not finite.
-    pub fn at_time(&mut self, time: f64) -> Result<(), f64> {
-        let values = self.equations.iter().map(|equation| equation.rhs.at(time));
-        let bad = values.into_iter().find(|value| !value.is_finite());
-        bad.map_or(Ok(()), Err)?;
-        self.pieces.iter_mut().try_for_each(|piece| piece.at_time(time))
-    }
-
-    pub fn rows(&self) -> usize {
-        self.equations.len() + self.pieces.iter().map(|piece| piece.rows()).sum::<usize>()
-    }
-}
-
 impl std::fmt::Debug for Store {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let mut text = f.debug_struct("Store");
-        text.field("equations", &self.contents.equations.len()).field("pieces", &self.contents.pieces.len());
-        text.field("fault", &self.fault).finish_non_exhaustive()
+        text.field("dofs", &self.dofs).field("rows", &self.rows()).field("fault", &self.fault).finish_non_exhaustive()
     }
-}
-
-/// `sum a_j u_j = rhs`, DOFs ascending.
-pub(super) struct Equation {
-    pub part: Cow<'static, str>,
-    pub terms: Terms,
-    pub rhs: Rhs,
 }
 
 impl Store {
     /// With an empty room for what comes.
     pub(super) fn new(dofs: usize, time: f64, contents: Box<Contents>) -> Self {
-        Self { dofs, time, contents, fault: None }
+        Self { dofs, time, contents, ..Self::default() }
+    }
+
+    /// For constraints that follow one another.
+    pub(super) fn for_many(dofs: usize, portion: Portion) -> Self {
+        Self { dofs, time: portion.time, portion: Some(Box::new(portion)), ..Self::default() }
+    }
+
+    /// Equations so far, of all constraints.
+    pub(super) fn rows(&self) -> usize {
+        self.portion.as_ref().map_or_else(|| self.contents.rows(), |portion| portion.rows())
+    }
+
+    /// The next of so many.
+    pub(super) fn next(&mut self, expected: usize) {
+        self.portion.iter_mut().for_each(|portion| portion.next(expected));
+    }
+
+    pub(super) fn into_portion(self) -> Portion {
+        self.portion.map_or_else(Portion::default, |portion| *portion)
     }
 
     /// Number of DOFs of the model.
@@ -126,7 +95,10 @@ impl Store {
 
     fn put(&mut self, part: Cow<'static, str>, terms: impl IntoIterator<Item = (usize, f64)>, rhs: Rhs) {
         let terms = terms.into_iter();
-        let mut sorted: Terms = Vec::with_capacity(terms.size_hint().0);
+        let mut sorted = match &mut self.portion {
+            Some(portion) => portion.terms(),
+            None => Vec::with_capacity(terms.size_hint().0),
+        };
         for (dof, value) in terms {
             self.check_dof(dof);
             self.check_number(value);
@@ -136,7 +108,11 @@ impl Store {
         if sorted.windows(2).any(|two| two[0].0 == two[1].0) {
             sorted = sorted.chunk_by(|a, b| a.0 == b.0).map(|same| (same[0].0, sum(same))).collect();
         }
-        self.contents.equations.push(Equation { part, terms: sorted, rhs });
+        match &mut self.portion {
+            _ if self.fault.is_some() => (),
+            Some(portion) => portion.equation(part, sorted, rhs),
+            None => self.contents.equations.push(Equation { part, terms: sorted, rhs }),
+        }
     }
 
     /// Adds the nonlinear equations of `parameters` on the DOFs listed, each of which must occur once.
@@ -155,10 +131,22 @@ impl Store {
         {
             self.fail(StoreError::NotFinite { value });
         }
-        let first = self.contents.dofs.len();
-        self.contents.dofs.extend(dofs.iter().map(|&dof| dof as u32));
-        let dofs = first..self.contents.dofs.len();
-        self.contents.pieces.push(Box::new(Staged { part: part.into(), dofs, parameters }));
+        if self.fault.is_none() {
+            self.put_nonlinear(part.into(), dofs, parameters);
+        }
+    }
+
+    fn put_nonlinear<Q: Nonlinear>(&mut self, part: Cow<'static, str>, dofs: &[usize], parameters: Q) {
+        let room = &mut self.contents.dofs;
+        if self.portion.is_some() {
+            room.clear();
+        }
+        let first = room.len();
+        room.extend(dofs.iter().map(|&dof| dof as u32));
+        match &mut self.portion {
+            Some(portion) => portion.nonlinear(part, room, parameters),
+            None => self.contents.pieces.push(Box::new(Staged { part, dofs: first..room.len(), parameters })),
+        }
     }
 
     /// States that a DOF moves what is at this coordinate for u = 0, `x = at + u`: of x no more is known than its last place.
@@ -166,15 +154,27 @@ impl Store {
     /// For types that keep differences of coordinates only, for [`crate::ConstraintSet::rounding`].
     pub fn coordinate(&mut self, dof: usize, at: f64) {
         self.numbers([at]);
-        self.contents.coordinates.extend((at != 0.0).then(|| Coordinate::new(dof, at, at)));
+        self.put_coordinates(&[dof], [at], at.abs());
     }
 
     /// [`Store::coordinate`] of all translations of a node.
     pub fn coordinates_of<const D: usize>(&mut self, node: &Node<D>) {
         let largest = node.at.iter().fold(0.0, |most: f64, at| most.max(at.abs()));
         self.numbers(node.at);
-        let each = node.dofs.iter().zip(node.at).map(|(&dof, at)| Coordinate::new(dof, at, largest));
-        self.contents.coordinates.extend(each.filter(|_| largest != 0.0));
+        self.put_coordinates(&node.dofs, node.at, largest);
+    }
+
+    fn put_coordinates<const N: usize>(&mut self, dofs: &[usize; N], at: [f64; N], largest: f64) {
+        dofs.iter().for_each(|&dof| self.check_dof(dof));
+        if self.fault.is_none() && largest != 0.0 {
+            let all = match &mut self.portion {
+                Some(portion) => &mut portion.stated.all,
+                None => &mut self.contents.coordinates,
+            };
+            let node = Size::above(largest);
+            let each: [_; N] = std::array::from_fn(|k| Coordinate::new(dofs[k], at[k], node));
+            all.extend_from_slice(&each);
+        }
     }
 
     /// States that the parameters of a nonlinear part hold these numbers, as coordinates: each must be finite, and no larger than 1e50, so
@@ -183,8 +183,10 @@ impl Store {
     /// Linear equations need no such statement: the store sees all of their numbers.
     pub fn numbers(&mut self, numbers: impl IntoIterator<Item = f64>) {
         for value in numbers {
-            self.check_number(value);
-            if value.abs() > LARGEST {
+            // NaN is not.
+            let fits = value.abs() <= LARGEST;
+            if !fits {
+                self.check_number(value);
                 self.fail(StoreError::OutOfRange { value });
             }
         }
@@ -235,57 +237,4 @@ fn repeated(dofs: &[usize]) -> Option<usize> {
     let mut sorted = dofs.to_vec();
     sorted.sort_unstable();
     sorted.windows(2).find(|pair| pair[0] == pair[1]).map(|pair| pair[0])
-}
-
-/// Nonlinear equations that are not among those of their type.
-pub(super) trait Piece: Send + Sync {
-    fn rows(&self) -> usize;
-    /// Which type of the set it is of; none if the set has not met it.
-    fn kind(&self, blocks: &Blocks) -> Option<u32>;
-    /// Takes the parameters of this time; as an error the number of it that is not finite.
-    fn at_time(&mut self, time: f64) -> Result<(), f64>;
-    /// Puts it among those of its type; the DOFs of all pieces of its constraint and its parts are given.
-    fn commit(self: Box<Self>, constraint: u32, dofs: &[u32], parts: &mut Parts, blocks: &mut Blocks);
-    /// Whether it has the DOFs and pairs of an equation of its type, so that it can take its place.
-    fn fits(&self, dofs: &[u32], place: Place, blocks: &Blocks) -> bool;
-    /// Takes that place.
-    fn overwrite(self: Box<Self>, constraint: u32, parts: &mut Parts, place: Place, blocks: &mut Blocks);
-}
-
-pub(super) struct Staged<Q> {
-    pub part: Cow<'static, str>,
-    /// Places among the DOFs of all pieces.
-    pub dofs: Range<usize>,
-    pub parameters: Q,
-}
-
-impl<Q: Nonlinear> Piece for Staged<Q> {
-    fn rows(&self) -> usize {
-        Q::PARTS.len()
-    }
-
-    fn kind(&self, blocks: &Blocks) -> Option<u32> {
-        blocks.kind::<Q>()
-    }
-
-    fn at_time(&mut self, time: f64) -> Result<(), f64> {
-        if Q::DRIVEN { self.parameters.at_time(time) } else { Ok(()) }
-    }
-
-    fn commit(self: Box<Self>, constraint: u32, dofs: &[u32], parts: &mut Parts, blocks: &mut Blocks) {
-        let Self { part, dofs: own, parameters } = *self;
-        blocks.insert(Owner { constraint, part: parts.place(part) }, &dofs[own], parameters);
-    }
-
-    fn fits(&self, dofs: &[u32], (block, item): Place, blocks: &Blocks) -> bool {
-        let dofs = &dofs[self.dofs.clone()];
-        blocks.of_type::<Q>(block).is_some_and(|block| block.alike(item, dofs, &self.parameters))
-    }
-
-    fn overwrite(self: Box<Self>, constraint: u32, parts: &mut Parts, (block, item): Place, blocks: &mut Blocks) {
-        let owner = Owner { constraint, part: parts.place(self.part) };
-        if let Some(block) = blocks.of_type_mut::<Q>(block) {
-            block.overwrite(item, owner, self.parameters);
-        }
-    }
 }
