@@ -8,6 +8,8 @@ mod bad_numbers;
 mod beads;
 /// Chains of bodies.
 mod bodies;
+/// Linkages with two branches, moved far.
+mod branches;
 /// Contact by an active set, against a quadratic program.
 mod contact;
 /// Rigid bodies and averages of nodes with rotations, beams and shells on solids, walls of fluids.
