@@ -29,11 +29,16 @@ impl Course<'_> {
     /// Of an angle c knows no whole turns, and follows it the shorter way: nearer than by half a turn, which is too far for Newton's method too.
     pub fn go(&mut self, factor: f64) -> Result<(), Failure> {
         let before = self.set().angles();
-        self.put(factor).map_err(|error| Failure::Fatal(error.into()))?;
+        self.go_between(factor)?;
         let turns = before.iter().zip(self.set().angles()).map(|(&(_, before), (row, now))| (row, now - before));
         let most = turns.max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()));
         let far = most.filter(|(_, angle)| angle.abs() > FARTHEST);
         far.map_or(Ok(()), |(row, angle)| Err(Failure::Turn { row, angle }))
+    }
+
+    /// Goes to the time of a load factor, however far that turns.
+    pub fn go_between(&mut self, factor: f64) -> Result<(), Failure> {
+        self.put(factor).map_err(|error| Failure::Fatal(error.into()))
     }
 
     /// Goes back to where it was at a load factor.

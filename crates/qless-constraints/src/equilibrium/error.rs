@@ -90,6 +90,15 @@ pub enum EquilibriumError {
         /// By how much, in radians.
         angle: f64,
     },
+    /// The shortest load step turns a linkage so far that it may be on another branch.
+    #[error(
+        "at load factor {factor}: even the shortest load step moves what the constraints determine so far that it may go over to another branch; \
+         allow shorter load steps, or go to a target nearer by"
+    )]
+    Branch {
+        /// Reached so far.
+        factor: f64,
+    },
     /// The time, or a function of it, is not finite on the way.
     #[error(transparent)]
     Time(#[from] TimeError),

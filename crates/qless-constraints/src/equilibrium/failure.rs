@@ -24,6 +24,8 @@ pub enum Failure {
         row: usize,
         angle: f64,
     },
+    /// What the constraints determine may have gone over to another branch; a step that is this part of it may not.
+    Branch(f64),
     NoConvergence,
     Solver(String),
     Constraints(NewtonError),
@@ -75,6 +77,14 @@ impl Failure {
         }
     }
 
+    /// The part of the step that failed which is tried next.
+    pub fn shorter(&self) -> f64 {
+        match self {
+            Self::Branch(part) => part.clamp(0.1, 0.7),
+            _ => 0.25,
+        }
+    }
+
     pub fn is_fatal(&self) -> bool {
         matches!(self, Self::Fatal(_))
     }
@@ -91,6 +101,7 @@ impl Failure {
             Self::Turn { row, angle } => {
                 EquilibriumError::Turn { factor, label: set.label(row).unwrap_or_default(), angle }
             }
+            Self::Branch(_) => EquilibriumError::Branch { factor },
             Self::NoConvergence => EquilibriumError::NoConvergence { factor, tried, force, constraint },
             Self::Solver(why) => EquilibriumError::Solver { factor, why },
             Self::Constraints(source) => EquilibriumError::Constraints { factor, source },

@@ -5,6 +5,7 @@
 
 use qless::SystemBuilder;
 
+use super::branch::{Branch, growth, is_straight};
 use super::correct::Corrector;
 use super::course::Course;
 use super::failure::{Failure, Reached};
@@ -64,6 +65,12 @@ pub struct Path<'a, M> {
     rotations: Vec<[usize; 3]>,
     pattern: Pattern,
     in_units: bool,
+    /// Whether constraints that are not linear are made to move.
+    driven: bool,
+    branch: Option<Branch>,
+    of_branch: Pattern,
+    /// The spectral radius of the last step.
+    radius: f64,
     stability: Option<Stability>,
     steps: Vec<LoadStep>,
 }
@@ -81,6 +88,8 @@ impl<'a, M: Model> Path<'a, M> {
         target.prescribed.iter().for_each(|&(j, _)| held[j] = true);
         let free = (0..set.dofs()).filter(|&j| !held[j]).collect();
         let state = State::new(model, set)?;
+        let prescribed = target.prescribed.iter().any(|&(j, v)| start.u[j] != v);
+        let driven = (prescribed || matches!(course, Course::Driven { .. })) && !is_straight(set);
         let at = Unknowns { u: start.u.clone(), multipliers: start.multipliers.clone() };
         Ok(Self {
             model,
@@ -95,6 +104,10 @@ impl<'a, M: Model> Path<'a, M> {
             rotations: Vec::new(),
             pattern: Pattern::default(),
             in_units: false,
+            driven,
+            branch: None,
+            of_branch: Pattern::default(),
+            radius: 0.0,
             stability: None,
             steps: Vec::new(),
         })
@@ -114,16 +127,17 @@ impl<'a, M: Model> Path<'a, M> {
         let (mut factor, mut length) = (0.0, self.options.first);
         while factor < 1.0 {
             let tried: f64 = if factor + 1.001 * length >= 1.0 { 1.0 } else { factor + length };
-            match self.step(tried) {
+            match self.step([factor, tried]) {
                 Ok((at, rows)) => {
                     self.model.accept(&at.u);
                     (self.at, self.rows, factor) = (at, Some(rows), tried);
                     let easy = self.steps.last().is_some_and(|step| step.iterates.len() <= EASY);
-                    length *= if easy { 2.0 } else { 1.0 };
+                    let longer = growth(self.radius).min(if easy { 2.0 } else { 1.0 });
+                    length = (longer * length).max(length.min(self.options.shortest));
                 }
                 Err(failure) => {
                     self.course.back(factor);
-                    length = 0.25 * (tried - factor);
+                    length = failure.shorter() * (tried - factor);
                     if failure.is_fatal() || length < self.options.shortest {
                         return Err(failure.into_error(self.course.set(), self.reached(factor)));
                     }
@@ -141,17 +155,21 @@ impl<'a, M: Model> Path<'a, M> {
     }
 
     /// Equilibrium at a factor, from the last one.
-    fn step(&mut self, factor: f64) -> Result<(Unknowns, Rows), Failure> {
+    fn step(&mut self, [last, factor]: [f64; 2]) -> Result<(Unknowns, Rows), Failure> {
         let between = |from: f64, to: f64| if factor == 1.0 { to } else { from + factor * (to - from) };
         let loads: Vec<f64> = self.start.loads.iter().zip(self.target.loads).map(|(&a, &b)| between(a, b)).collect();
         let prescribed: Vec<(usize, f64)> =
             self.target.prescribed.iter().map(|&(j, v)| (j, between(self.start.u[j], v))).collect();
         // Half a turn at most, so that none comes to a whole one, where it is singular.
         self.rotations.iter().for_each(|&vector| _ = shorten(&mut self.at.u, vector));
-        let rows = self.rows.clone().map_or_else(|| self.rows_at_start(&prescribed), Ok);
+        let rows = self.origin(&prescribed);
         self.course.go(factor)?;
+        if let Some(branch) = &self.branch {
+            branch.lead(&mut self.course, [last, factor], &mut self.state.quantities)?;
+        }
         let first = rows.and_then(|rows| self.attempt(self.at.clone(), rows, factor, (&loads, &prescribed)));
         match first {
+            Err(failure @ Failure::Branch(_)) => Err(failure),
             Err(failure) if !failure.is_fatal() => self.again(failure, factor, (&loads, &prescribed)),
             other => other,
         }
@@ -169,15 +187,32 @@ impl<'a, M: Model> Path<'a, M> {
         vectors
     }
 
-    /// Rows where the constraints hold nearest to the start; where that is not found in a few steps, at the start.
-    fn rows_at_start(&mut self, prescribed: &[(usize, f64)]) -> Result<Rows, Failure> {
+    /// The rows of the next step, and the branch on which it starts.
+    fn origin(&mut self, prescribed: &[(usize, f64)]) -> Result<Rows, Failure> {
+        (self.branch, self.radius) = (None, 0.0);
+        let (rows, holds) = match self.rows.clone() {
+            Some(rows) => (rows, true),
+            None => self.rows_at_start(prescribed)?,
+        };
+        if self.rows.is_some() && self.driven {
+            self.course.set().evaluate(&self.at.u, &mut self.state.quantities)?;
+        }
+        if self.driven && holds {
+            self.branch = Branch::new(&self.state.quantities, &rows, &self.free, &mut self.of_branch);
+        }
+        Ok(rows)
+    }
+
+    /// Rows where the constraints hold nearest to the start, which is evaluated; where that is not found in a few steps, at the start, and `false`.
+    fn rows_at_start(&mut self, prescribed: &[(usize, f64)]) -> Result<(Rows, bool), Failure> {
         let held: Vec<(usize, f64)> = prescribed.iter().map(|&(j, _)| (j, self.at.u[j])).collect();
-        let found = self.consistent(&held, LOOK).or_else(|_| self.consistent(prescribed, LOOK));
-        let u = match found {
+        let near = self.consistent(&held, LOOK);
+        let holds = near.is_ok();
+        let u = match near.or_else(|_| self.consistent(prescribed, LOOK)) {
             Err(Failure::Constraints(NewtonError::NoConvergence { .. })) => self.at.u.clone(),
             other => other?,
         };
-        self.rows_at(&u, prescribed)
+        Ok((self.rows_at(&u, prescribed)?, holds))
     }
 
     fn rows_at(&mut self, u: &[f64], prescribed: &[(usize, f64)]) -> Result<Rows, Failure> {
@@ -237,6 +272,10 @@ impl<'a, M: Model> Path<'a, M> {
             in_units: &mut self.in_units,
         };
         let mut result = corrector.run(&mut x, &mut rows);
+        if result.is_ok() {
+            let turn = self.branch.as_ref().map_or(Ok(0.0), |branch| branch.turn(&corrector.state.quantities));
+            result = turn.map(|radius| self.radius = radius);
+        }
         if result.is_ok() && factor == 1.0 {
             result = corrector.supported(&rows).map(|saddle| {
                 let asked = self.options.stability;

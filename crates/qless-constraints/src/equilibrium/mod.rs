@@ -6,6 +6,7 @@
 //! | rows | redundant equations are left out, their multipliers are zero | one analysis per load step |
 //! | correction | `[K + H, G^T; G, 0] [du; dlambda] = -[r; c]`, scaled from both sides | one numeric sparse LU; its symbolic part once |
 //! | length | the natural test of affine invariance | one evaluation and solution per trial |
+//! | branch | spectral radius of `G^-1 (G - G')` on what the constraints determine, over a load step | one sparse LU per step that moves prescribed DOFs or time |
 //! | load steps | cut where a step fails, longer where it is easy | |
 //!
 //! Units: forces are compared with the sizes of their own terms and with what one unit in the last place of u does to them, constraints
@@ -14,6 +15,7 @@
 //!
 //! An equilibrium that is returned is one to these tolerances, and its tangent is not singular. It may be unstable: [`EquilibriumOptions::stability`] asks.
 
+mod branch;
 mod correct;
 mod course;
 mod error;
@@ -156,6 +158,10 @@ impl Equilibrium {
 /// Loads and prescribed values go from the start to the target in one step, in shorter ones where that fails. Near a solution the
 /// residuals fall as `r_(k+1) <= C r_k^2`.
 ///
+/// What constraints and prescribed DOFs determine, such as a linkage whose crank is prescribed, stays on the branch of the start: a load step is cut
+/// where G turns by more than half of what would take its rank. Only where two branches meet, or G changes by less than 1/200 of its entries from
+/// one to the other, Newton's method decides. Where stiffness has a part in it, equilibria are those that Newton's method comes to.
+///
 /// ```
 /// use qless_constraints::equilibrium::{Assembly, EquilibriumOptions, Model, Start, Target, solve};
 /// use qless_constraints::{ConstraintSet, types::{OnSphere, PlanarPoint}};
@@ -207,8 +213,8 @@ pub fn solve(
 /// An angle is followed the right way, however many turns it goes: no load step turns it by more than a sixteenth of one. Afterwards the
 /// set is at `time`; after an error, where it was.
 ///
-/// What is returned is an equilibrium. It is on the branch of the start unless two branches meet on the way, or nearly so: in a linkage that folds flat
-/// but for less than a hundredth of its bars, Newton's method may go over to the other. Go there by times nearer to one another.
+/// What constraints and prescribed DOFs determine stays on the branch of the start, as in [`solve`], also between load steps: what does not close on the
+/// way is refused, whether or not it closes at the end.
 ///
 /// ```
 /// use qless_constraints::equilibrium::{Assembly, EquilibriumOptions, Model, Start, Target, drive};

@@ -29,7 +29,7 @@ pub use error::NewtonError;
 pub(crate) use parts::{Columns, Parts};
 pub(crate) use redundancy::random;
 pub use redundancy::{Redundancy, redundancies};
-pub(crate) use residual::in_roundings;
+pub(crate) use residual::{change, in_roundings};
 use run::Run;
 pub(crate) use scaling::{at_rest, weights};
 pub(crate) use units::units;

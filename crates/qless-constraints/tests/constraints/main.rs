@@ -10,6 +10,8 @@ mod beads;
 mod blocks_of_newton;
 /// Chains of bodies.
 mod bodies;
+/// Linkages with two branches, moved far.
+mod branches;
 /// Constraints that are added all at once: the same as one by one.
 mod bulk;
 /// Contact by an active set, against a quadratic program.
