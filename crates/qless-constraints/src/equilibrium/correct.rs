@@ -6,17 +6,15 @@
 
 use super::pattern::Pattern;
 use super::rows::Rows;
-use super::saddle::{Entries, Saddle, large};
+use super::saddle::Saddle;
 use super::state::{State, Unknowns};
 use super::{EquilibriumOptions, Failure, Iterate, Model};
 use crate::ConstraintSet;
 
 /// Steps shorter than this are none.
 const SHORTEST: f64 = 1e-4;
-/// On the scaled diagonal where the tangent is singular on the way.
-const ADDED: f64 = 1e-3;
 /// Changes of the kept rows within one load step.
-const CHANGES: usize = 4;
+pub const CHANGES: usize = 4;
 /// So near to the tolerance, rounding decides what a shorter step would bring.
 const NEAR: f64 = 1e3;
 
@@ -42,14 +40,6 @@ pub struct Corrector<'a, M> {
     pub in_units: &'a mut bool,
 }
 
-/// A tangent and its factors.
-pub struct Tangent {
-    saddle: Saddle,
-    /// If it is singular and something was added: DOFs of a motion that nothing resists, none if it is the kept rows that depend
-    /// on one another.
-    pub singular: Option<Vec<usize>>,
-}
-
 impl<M: Model> Corrector<'_, M> {
     /// Finds equilibrium from x; the kept rows may change on the way.
     pub fn run(&mut self, x: &mut Unknowns, rows: &mut Rows) -> Result<(), Failure> {
@@ -63,16 +53,16 @@ impl<M: Model> Corrector<'_, M> {
                 self.change(rows)?;
                 continue;
             }
-            let tangent = self.tangent(rows)?;
-            if tangent.singular.as_ref().is_some_and(Vec::is_empty) {
-                self.change(rows)?;
+            let before = rows.list().to_vec();
+            let (saddle, motion) = self.regular(rows)?;
+            if before != rows.list() {
                 continue;
             }
             // Multipliers alone may make the tangent regular: a chain without tension.
-            let only_multipliers = tangent.singular.is_some() && loose.is_none() && !rows.list().is_empty();
-            loose.clone_from(&tangent.singular);
-            let dx = tangent.saddle.solve(&self.rhs(x, rows));
-            let found = if only_multipliers { Ok(0.0) } else { self.length(&tangent.saddle, x, rows, (&dx, length)) };
+            let only_multipliers = motion.is_some() && loose.is_none() && !rows.list().is_empty();
+            loose = motion;
+            let dx = saddle.solve(&self.rhs(x, rows));
+            let found = if only_multipliers { Ok(0.0) } else { self.length(&saddle, x, rows, (&dx, length)) };
             length = found.map_err(|failure| failure.or_unsupported(loose.as_ref()))?;
             *x = self.moved(x, rows, &dx, (length, if only_multipliers { 1.0 } else { length }));
             if !only_multipliers {
@@ -115,51 +105,13 @@ impl<M: Model> Corrector<'_, M> {
     }
 
     /// Keeps other rows, those that are independent here.
-    pub fn change(&mut self, rows: &mut Rows) -> Result<(), Failure> {
+    fn change(&mut self, rows: &mut Rows) -> Result<(), Failure> {
         self.changes += 1;
         if self.changes > CHANGES || !rows.renew(self.set, &self.state.quantities, self.prescribed, self.options)? {
             let violated = |&r: &usize| self.state.constraints[r] > self.options.roundings;
             return Err(Failure::Conflict((0..self.set.equations()).filter(violated).collect()));
         }
         Ok(())
-    }
-
-    /// The factored tangent at the last evaluation, with something added if it is singular.
-    pub fn tangent(&mut self, rows: &Rows) -> Result<Tangent, Failure> {
-        let entries = self.entries(rows);
-        let saddle = Saddle::new(&entries, self.free.len(), 0.0, self.pattern).map_err(Failure::Solver)?;
-        let Some(null) = saddle.null_vector(self.pattern) else { return Ok(Tangent { saddle, singular: None }) };
-        let dofs = if null.is_empty() { Vec::new() } else { large(&null, self.free.len()) };
-        // The kept rows were independent where they were chosen, in units.
-        if dofs.is_empty() && !*self.in_units {
-            *self.in_units = true;
-            return self.tangent(rows);
-        }
-        let saddle = Saddle::new(&entries, self.free.len(), ADDED, self.pattern).map_err(Failure::Solver)?;
-        Ok(Tangent { saddle, singular: Some(dofs.into_iter().map(|i| self.free[i]).collect()) })
-    }
-
-    fn entries(&self, rows: &Rows) -> Entries {
-        let (n, place) = (self.free.len(), self.places());
-        let (g, h) = (self.state.quantities.g(), self.state.quantities.h());
-        let free = |(i, j, v): (usize, usize, f64)| Some((place[i]?, place[j]?, v));
-        let mut list: Vec<_> = self.state.assembly.entries().filter_map(free).collect();
-        let stiff = list.len();
-        list.extend((0..h.rows()).flat_map(|i| h.row(i).map(move |(j, v)| (i, j, v))).filter_map(free));
-        let border = rows.list().iter().enumerate().flat_map(|(r, &row)| {
-            let place = &place;
-            g.row(row).filter_map(move |(j, v)| Some((n + r, place[j]?, v)))
-        });
-        list.extend(border.flat_map(|(r, j, v)| [(r, j, v), (j, r, v)]));
-        let units = if *self.in_units { self.free.iter().map(|&j| rows.units()[j]).collect() } else { Vec::new() };
-        Entries { size: n + rows.list().len(), stiff, list, units }
-    }
-
-    /// The place of each DOF among the free ones.
-    fn places(&self) -> Vec<Option<usize>> {
-        let mut place = vec![None; self.set.dofs()];
-        self.free.iter().enumerate().for_each(|(i, &j)| place[j] = Some(i));
-        place
     }
 
     /// `-F` on free DOFs and kept rows; what prescribed DOFs have yet to move goes to the right-hand side.
@@ -226,11 +178,5 @@ impl<M: Model> Corrector<'_, M> {
         let multipliers = rows.list().iter().zip(&dx[self.free.len()..]);
         multipliers.for_each(|(&r, dx)| x.multipliers[r] += of_multipliers * dx);
         x
-    }
-
-    /// Whether the tangent at the equilibrium resists every motion that the constraints allow.
-    pub fn supported(&mut self, rows: &Rows) -> Result<Saddle, Failure> {
-        let Tangent { saddle, singular } = self.tangent(rows)?;
-        singular.map_or(Ok(saddle), |dofs| Err(Failure::Unsupported(dofs)))
     }
 }

@@ -27,6 +27,7 @@ mod rows;
 mod saddle;
 mod stability;
 mod state;
+mod tangent;
 
 use qless::Options;
 

@@ -14,6 +14,8 @@ use crate::{ConstraintSet, Quantities};
 pub struct Rows {
     list: Vec<usize>,
     kept: Vec<bool>,
+    /// Whether one was left out that is independent in the units.
+    thinned: bool,
     /// Of the DOFs there.
     units: Vec<f64>,
 }
@@ -35,7 +37,7 @@ impl Rows {
         let units = units(set, quantities, &Columns::plain(quantities.g()))?;
         let analysis = analyse(&set.linearised_in(&units, &still, &held)?, &settings)?;
         let kept: Vec<bool> = analysis.kinds().iter().map(|&kind| kind == Kind::Independent).collect();
-        Ok(Self { list: (0..kept.len()).filter(|&r| kept[r]).collect(), kept, units })
+        Ok(Self { list: (0..kept.len()).filter(|&r| kept[r]).collect(), kept, thinned: false, units })
     }
 
     pub fn list(&self) -> &[usize] {
@@ -48,6 +50,16 @@ impl Rows {
 
     pub fn kept(&self, row: usize) -> bool {
         self.kept[row]
+    }
+
+    /// Leaves out a row that depends on others.
+    pub fn leave_out(&mut self, row: usize) {
+        self.list.retain(|&r| r != row);
+        (self.kept[row], self.thinned) = (false, true);
+    }
+
+    pub fn is_thinned(&self) -> bool {
+        self.thinned
     }
 
     /// Chooses anew at another configuration; whether that changed anything.

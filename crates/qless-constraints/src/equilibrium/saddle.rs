@@ -131,6 +131,12 @@ pub fn large(y: &[f64], free: usize) -> Vec<usize> {
     places
 }
 
+/// The places at which a vector is large, ascending.
+pub fn largest(y: &[f64]) -> impl Iterator<Item = usize> {
+    let most = y.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
+    (0..y.len()).filter(move |&i| most > 0.0 && y[i].abs() >= MOVES * most)
+}
+
 /// Powers of two that bring the largest entry of each row to about one.
 ///
 /// DOFs with stiffness have their scale from that alone: a turn and a shift that are tied differ in stiffness by what their units differ

@@ -85,5 +85,7 @@ mod surface_mortar;
 mod time;
 /// Rotation vectors that are kept short.
 mod turns;
+/// Rods said twice, whose rows of G differ by rounding.
+mod twins;
 /// Enforcement of small models against exact arithmetic.
 mod whole_numbers;
