@@ -52,8 +52,12 @@ impl Polynomials {
 
     /// Whether all of the others are among these.
     pub fn contain(self, others: Self) -> bool {
-        let alike = matches!(self, Self::Triangle(_)) == matches!(others, Self::Triangle(_));
-        alike && others.exponents().all(|(i, j)| self.has(i, j))
+        let (p, q) = (self.degree(), others.degree());
+        match (self, others) {
+            // `xi^q eta^q` has no factor of degree one.
+            (Self::Serendipity(_), Self::Quadrilateral(_)) => q <= if q > 1 { p / 2 } else { p },
+            _ => self.face() == others.face() && q <= p,
+        }
     }
 
     /// The face with these parameters.
@@ -122,6 +126,20 @@ mod tests {
             }
         }
         assert_eq!(Polynomials::Quadrilateral(usize::MAX).dimension(), usize::MAX);
+    }
+
+    /// As counted out, and at once for any degree.
+    #[test]
+    fn those_among_others_are_contained() {
+        let kinds = [Polynomials::Triangle, Polynomials::Quadrilateral, Polynomials::Serendipity];
+        let all = || (0..9).flat_map(|p| kinds.map(|kind| kind(p)));
+        for (these, others) in all().flat_map(|these| all().map(move |others| (these, others))) {
+            let truth = these.face() == others.face() && others.exponents().all(|(i, j)| these.has(i, j));
+            assert_eq!(these.contain(others), truth, "{these:?}, {others:?}");
+        }
+        for kind in kinds {
+            assert!(kind(usize::MAX).contain(kind(usize::MAX)) && !kind(usize::MAX - 1).contain(kind(usize::MAX)));
+        }
     }
 
     /// The functions of the shapes, which are written down elsewhere.

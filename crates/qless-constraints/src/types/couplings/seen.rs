@@ -43,6 +43,17 @@ impl Seen {
             }
         }
         clean(nodes.values_mut().flatten(), self.fit.blur);
+        for (k, &sum) in motion[..3].iter().enumerate() {
+            complete(nodes.values_mut().map(|a| &mut a[k]), sum);
+        }
         Ok(nodes.into_iter().flat_map(|(node, a)| (0..3).map(move |k| (face.nodes[node].dofs[k], a[k]))).collect())
     }
+}
+
+/// Gives what is missing to a sum to the largest: far from the origin rounding that is left out is more than that of a translation.
+fn complete<'a>(parts: impl Iterator<Item = &'a mut f64>, sum: f64) {
+    let parts: Vec<&mut f64> = parts.collect();
+    let missing = sum - parts.iter().map(|a| **a).sum::<f64>();
+    let largest = parts.into_iter().max_by(|a, b| a.abs().total_cmp(&b.abs()));
+    largest.into_iter().filter(|a| **a != 0.0).for_each(|a| *a += missing);
 }

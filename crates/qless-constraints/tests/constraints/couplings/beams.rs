@@ -38,6 +38,25 @@ fn beams_move_as_the_section() -> Outcome {
     Ok(())
 }
 
+/// Translations leave nothing a million sizes away, where the coordinates themselves are rounded to a part in 1e10 of the face.
+#[test]
+fn far_away_translations_still_pass() {
+    let shapes = [Shape::Tri3, Shape::Quad4, Shape::Tri6, Shape::Quad8, Shape::Quad9];
+    for (seed, shape) in (0..20).flat_map(|seed| shapes.map(|shape| (seed, shape))) {
+        for (scale, far) in [1e-6, 1.0, 1e6].into_iter().flat_map(|scale| [1e3, 1e6].map(|far| (scale, far))) {
+            let moved = |x: [f64; 3]| turned(frame(seed), x).map(|x| scale * (x + far));
+            let (face, beam) = (rectangle(shape, 6, moved), node(0, moved([1.2, 0.7, 0.4])));
+            let nodes: Vec<Node6> = std::iter::once(beam).chain(face.nodes.iter().map(|&p| p.into())).collect();
+            for section in SECTIONS {
+                let set = only(81, BeamToSolid { beam, face: face.clone(), section });
+                let u = rigid(81, &nodes, [1.0, -0.7, 2.0], [0.0; 3]);
+                let left = relative_residual(&set, &u);
+                assert!(left < 3e-14, "{shape:?} {section:?} {scale} {far}: {left}");
+            }
+        }
+    }
+}
+
 /// `int x^p y^q dA` of a monomial over the rectangle 3 x 2 about its middle.
 fn moment(p: i32, q: i32) -> f64 {
     let of = |p: i32, a: f64| (a.powi(p + 1) - (-a).powi(p + 1)) / f64::from(p + 1);
