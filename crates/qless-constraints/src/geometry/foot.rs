@@ -6,6 +6,8 @@ use super::shape::{Parameters, Shape};
 
 /// Steps before giving up; an element that is not folded needs fewer than ten.
 const STEPS: usize = 50;
+/// Halves of a step that are tried.
+const HALVES: usize = 12;
 /// Tangents that are dependent to this sine make no face.
 pub const DEPENDENT: f64 = 1e-7;
 
@@ -41,6 +43,28 @@ pub fn foot_from<const D: usize>(shape: Shape, nodes: &[[f64; D]], start: Parame
         before = size;
     }
     Some(foot)
+}
+
+/// Parameters of the element from which no step leads nearer to the origin: each goes as far as the distance falls.
+///
+/// Far from a curved element whole steps do not come to rest.
+pub fn descended<const D: usize>(shape: Shape, nodes: &[[f64; D]], start: Parameters) -> Parameters {
+    let distance = |xi: Parameters| {
+        let (x, _) = tangents(shape, nodes, xi);
+        dot(&x, &x)
+    };
+    let (mut xi, mut least) = (start, distance(start));
+    for _ in 0..STEPS {
+        let Some(step) = step(shape, nodes, xi) else { break };
+        let along = |part: f64| shape.clamp(std::array::from_fn(|k| xi[k] + part * step[k]));
+        let parts = std::iter::successors(Some(1.0), |part| Some(0.5 * part)).take(HALVES);
+        let Some((lower, next)) = parts.map(|part| (distance(along(part)), along(part))).find(|(d, _)| *d < least)
+        else {
+            break;
+        };
+        (xi, least) = (next, lower);
+    }
+    xi
 }
 
 /// `x` and `dx / dxi_k`.

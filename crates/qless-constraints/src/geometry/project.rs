@@ -3,11 +3,14 @@
 //! In a solid, or a face of the plane, that is the inverse `xi(p)` of its map. A map that is affine takes one step.
 
 use super::bounds::bounds;
-use super::foot::{Foot, foot, foot_from};
-use super::shape::Shape;
+use super::foot::{Foot, descended, dot, foot, foot_from};
+use super::shape::{Parameters, Shape};
 
 /// Of the largest coordinate: what sums of a few rounded products may be off.
 pub(crate) const ROUNDING: f64 = 64.0 * f64::EPSILON;
+/// Of the size of an element: what lies nearer to a plane is in it.
+const FLAT: f64 = 1e-12;
+
 /// Where a point meets an element.
 pub struct Projection {
     /// N_k at the nearest point: exactly zero where they are rounding, and with a sum of one.
@@ -40,13 +43,41 @@ pub fn rounding<const D: usize>(nodes: &[[f64; D]], point: &[f64; D]) -> f64 {
 fn nearest<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> Option<Projection> {
     let foot = inside_or_first(shape, nodes)?;
     let inside = shape.clamp(foot.xi);
-    if foot.settled && inside == foot.xi {
-        return Some(projection(nodes, shape.weights(inside)));
+    let first = projection(nodes, shape.weights(inside));
+    if foot.settled && inside == foot.xi && is_nearest(shape, nodes, &first) {
+        return Some(first);
     }
-    let own =
-        || std::iter::once(inside).chain(if shape.dimensions() == 1 { shape.corners() } else { &[] }.iter().copied());
-    let candidates = own().map(|xi| projection(nodes, shape.weights(xi))).chain(on_sides(shape, nodes));
+    let corners = if shape.dimensions() == 1 { shape.corners() } else { &[] };
+    let own = corners.iter().copied().chain(other_feet(shape, nodes)).map(|xi| projection(nodes, shape.weights(xi)));
+    let candidates = std::iter::once(first).chain(own).chain(on_sides(shape, nodes));
     candidates.filter(|found| found.distance.is_finite()).min_by(|a, b| a.distance.total_cmp(&b.distance))
+}
+
+/// Whether nothing of the element can be nearer than a foot inside of it: the whole of it lies beyond the plane through the foot that looks at
+/// the origin. Of curved elements that is said of flat ones alone, since they bulge between their nodes.
+fn is_nearest<const D: usize>(shape: Shape, nodes: &[[f64; D]], found: &Projection) -> bool {
+    if shape.dimensions() == D {
+        return true;
+    }
+    let foot: [f64; D] = std::array::from_fn(|d| nodes.iter().zip(&found.weights).map(|(x, n)| n * x[d]).sum());
+    let size = nodes.iter().map(|x| dot(x, x)).fold(0.0, f64::max).sqrt();
+    let beyond = |x: &[f64; D]| (dot(&foot, x) / found.distance - found.distance) / size;
+    // A point of the element is at distance zero.
+    found.distance <= ROUNDING * size
+        || nodes.iter().map(beyond).all(|beyond| beyond >= -FLAT && (beyond <= FLAT || shape.edges().is_empty()))
+}
+
+/// The nearest parameters that lead down from other starts, on curved lines and faces, which may turn to the origin more than once.
+fn other_feet<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> impl Iterator<Item = Parameters> {
+    let curved = !shape.is_affine() && shape.dimensions() < D;
+    let starts = if curved { [&[shape.centre()], &halfway(shape)[..], shape.corners()].concat() } else { Vec::new() };
+    starts.into_iter().map(move |start| descended(shape, nodes, start))
+}
+
+/// Half way from the corners to the centre.
+fn halfway(shape: Shape) -> Vec<Parameters> {
+    let centre = shape.centre();
+    shape.corners().iter().map(|p| std::array::from_fn(|k| f64::midpoint(p[k], centre[k]))).collect()
 }
 
 /// The nearest points of the sides, with the weights of the whole. A side that is a point is that of the others that meet there.
@@ -85,9 +116,7 @@ fn inside_or_first<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> Option<F
     if inside(&first) || shape.is_affine() || shape.dimensions() < D || !may_hold(shape, nodes) {
         return Some(first);
     }
-    let centre = shape.centre();
-    let starts = shape.corners().iter().map(|p| std::array::from_fn(|k| f64::midpoint(p[k], centre[k])));
-    let another = starts.filter_map(|start| foot_from(shape, nodes, start)).find(inside);
+    let another = halfway(shape).into_iter().filter_map(|start| foot_from(shape, nodes, start)).find(inside);
     Some(another.unwrap_or(first))
 }
 
@@ -165,6 +194,50 @@ mod tests {
     fn grid(shape: Shape) -> impl Iterator<Item = Parameters> {
         let at = |i: i32| f64::from(i) / 20.0 - 1.0;
         (0..41 * 41).map(move |i| shape.clamp([at(i % 41), at(i / 41), 0.0]))
+    }
+
+    /// Curved lines and faces, distorted, in every unit: no point of a grid is nearer, and points of the face are found.
+    #[test]
+    fn no_point_of_a_distorted_face_is_nearer() {
+        let faces = || Shape::ALL.into_iter().filter(|shape| shape.dimensions() < 3);
+        let (mut checked, mut wrong) = (0, Vec::new());
+        for (shape, seed) in faces().flat_map(|shape| (0..400_usize).map(move |seed| (shape, 977 * seed))) {
+            let (unit, off) = ([1e-6, 1.0, 1e6][seed % 3], 0.3 * random(seed));
+            let place = |(k, p): (usize, &Parameters)| {
+                std::array::from_fn(|d| unit * (p[d] + off * (2.0 * random(seed + 3 * k + d + 1) - 1.0)))
+            };
+            let nodes: Vec<[f64; 3]> = shape.places().iter().enumerate().map(place).collect();
+            let truth = shape.weights(inside(shape, seed));
+            let on: [f64; 3] = std::array::from_fn(|d| nodes.iter().zip(&truth).map(|(x, n)| n * x[d]).sum());
+            for gap in [0.0, 0.1, 0.5, 2.0] {
+                let point: [f64; 3] =
+                    std::array::from_fn(|d| on[d] + unit * gap * (2.0 * random(seed + 400 + d) - 1.0));
+                let Some(found) = project(shape, &nodes, &point) else { continue };
+                let arms = relative(&nodes, &point);
+                let grid = grid(shape).step_by(3).map(|xi| projection(&arms, shape.weights(xi)).distance);
+                let least = if gap == 0.0 { 0.0 } else { grid.fold(f64::INFINITY, f64::min) };
+                checked += 1;
+                if found.distance > least * (1.0 + 1e-9) + 1e-14 * unit {
+                    wrong.push((shape, seed, gap, found.distance / unit, least / unit));
+                }
+            }
+        }
+        assert!(
+            checked > 5000 && wrong.is_empty(),
+            "{} of {checked}: {:?}",
+            wrong.len(),
+            wrong.iter().take(20).collect::<Vec<_>>()
+        );
+    }
+
+    /// Seen from inside of a bow, the foot in its middle is the farthest point nearby; the ends are nearest.
+    #[test]
+    fn the_farthest_point_nearby_is_not_the_nearest() {
+        for (height, nearest) in [(3.0, 10.0_f64.sqrt()), (-3.0, 2.8)] {
+            let bow = [[-1.0, 0.0], [1.0, 0.0], [0.0, -0.2]];
+            let found = project(Shape::Line3, &bow, &[0.0, height]).expect("not degenerate");
+            assert!((found.distance - nearest).abs() < 4e-15, "{}", found.distance);
+        }
     }
 
     /// The same of solids, warped and curved: a point of a grid that is nearer lies within the spacing of the grid.
