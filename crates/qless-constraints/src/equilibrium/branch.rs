@@ -22,6 +22,9 @@ const AIM: f64 = 0.35;
 const POWERS: usize = 8;
 /// Where G changes by less than this part of its entries, the branches that P tells apart have met.
 const MET: f64 = 0.005;
+/// So much nearer to where branches meet than the other end of the step, an end is there: P has the eigenvalue 1 if G' loses rank, and one
+/// beyond all bounds if G does.
+const NEARER: f64 = 1e-3;
 /// Determined is what moves by less than this part of its unit where the others move by theirs.
 const STILL: f64 = 1e-6;
 /// Parts of a step at which functions of time are looked at: no period falls on all of them.
@@ -61,7 +64,8 @@ impl Branch {
             return Ok(0.0);
         }
         let radius = self.radius(after);
-        match changed <= MET {
+        let meet = (radius - 1.0).abs() <= NEARER || radius >= NEARER.recip();
+        match changed <= MET || meet {
             true => Ok(radius.min(AIM)),
             false if radius <= MOST => Ok(radius),
             false => Err(Failure::Branch(growth(radius))),
