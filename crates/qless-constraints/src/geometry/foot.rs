@@ -6,6 +6,8 @@ use super::shape::{Parameters, Shape};
 
 /// Steps before giving up; an element that is not folded needs fewer than ten.
 const STEPS: usize = 50;
+/// The most steps that are halved: far from a curved element each of them takes a part of what is left.
+const MANY: usize = 500;
 /// Halves of a step that are tried.
 const HALVES: usize = 12;
 /// Tangents that are dependent to this sine make no face.
@@ -54,7 +56,7 @@ pub fn descended<const D: usize>(shape: Shape, nodes: &[[f64; D]], start: Parame
         dot(&x, &x)
     };
     let (mut xi, mut least) = (start, distance(start));
-    for _ in 0..STEPS {
+    for _ in 0..MANY {
         let Some(step) = step(shape, nodes, xi) else { break };
         let along = |part: f64| shape.clamp(std::array::from_fn(|k| xi[k] + part * step[k]));
         let parts = std::iter::successors(Some(1.0), |part| Some(0.5 * part)).take(HALVES);
