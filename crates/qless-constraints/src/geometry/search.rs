@@ -15,6 +15,8 @@ use super::surface::{Surface, SurfaceError};
 
 /// Finds the nearest faces of a surface in D dimensions, two or more; or of a mesh, the solids that hold points: `argmin_f |x_f(xi) - p|`.
 ///
+/// Of curved faces it is the nearest of the points to which steps from their corners, their centre and the places half way lead.
+///
 /// Of faces at the same distance, to rounding, the one with the smallest number is found: a point on an edge or a corner has one
 /// face, whatever the order of the search.
 ///

@@ -6,7 +6,8 @@
 //! | [`ConstraintSet::replace`] with the same DOFs, [`set_rhs`](ConstraintSet::set_rhs) | the numbers themselves |
 //! | the next evaluation | the rows of H that were touched are planned anew; rows of G and H behind the first that came or went move once |
 //!
-//! What is evaluated then has the same bits, in the same rows, as from a set that is built from the active constraints.
+//! What is evaluated then has the same bits, in the same rows, as from a set that is built from the active constraints, if that meets their types
+//! in the same order: a set goes on in the order in which it met them first.
 
 use super::contents::Contents;
 use super::{AddError, ConstraintId, ConstraintSet, EditError, ReplaceError, Store, StoreError, TimeError};

@@ -1,8 +1,8 @@
 //! A set of constraints, stored by type: `c(u)`, `G = dc/du` and `H = sum_r w_r d^2 c_r / du^2`.
 //!
 //! The patterns of G and H are made from the lists of DOFs and pairs, and follow changes of the set; the values are written in place, in
-//! parallel. A number is always computed by the same operations in the same order, so that the result depends neither on the threads nor
-//! on what was in the set before.
+//! parallel. A number is always computed by the same operations in the same order, so that the result does not depend on the threads, nor on
+//! what was in the set before but for the order in which it met the types.
 //! Rows: those of active constraints, all linear equations in the order in which the constraints were added, then the nonlinear ones,
 //! type by type in the order in which the set met the types, and of one type in the order in which the constraints were added.
 
