@@ -65,6 +65,11 @@ impl<'a> Run<'a> {
         }
         let mut u = u.to_vec();
         prescribed.iter().for_each(|&(j, v)| u.iter_mut().skip(j).take(1).for_each(|u| *u = v));
+        // Also those that no equation looks at.
+        if let Some(place) = u.iter().position(|u| !u.is_finite()) {
+            let source = ArgumentError::NotFinite { what: "u", place, value: u[place] };
+            return Err(NewtonError::Argument { step: 0, source });
+        }
         let mut rotations = set.rotation_vectors();
         rotations.retain(|vector| prescribed.iter().all(|(dof, _)| !vector.contains(dof)));
         shorten_all(rotations.iter(), &mut u);

@@ -167,3 +167,19 @@ fn set_with_gap(gap: f64) -> Result<ConstraintSet, Box<dyn std::error::Error>> {
     builder.add("ca", LinearEquation { terms: vec![(2, 1.0), (0, -1.0)], rhs: gap })?;
     Ok(builder.build().expect("few DOFs"))
 }
+
+/// Also where no equation looks at the DOF; a prescribed one takes its value, whatever it was.
+#[test]
+fn starts_that_are_no_numbers_are_refused() -> Outcome {
+    let mut builder = ConstraintSet::builder(3);
+    builder.add("tie", Equal::new([0, 1]))?;
+    for set in [ConstraintSet::builder(3).build()?, builder.build()?] {
+        for bad in [f64::NAN, f64::INFINITY] {
+            let options = NewtonOptions::default();
+            let found = solve(&set, &[0.0, 0.0, bad], &[(1, 1.0)], &options);
+            assert!(matches!(found, Err(NewtonError::Argument { step: 0, .. })), "{found:?}");
+            assert_eq!(solve(&set, &[0.0, 0.0, bad], &[(2, 1.0)], &options)?.u[2], 1.0);
+        }
+    }
+    Ok(())
+}
