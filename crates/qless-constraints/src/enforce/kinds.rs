@@ -30,7 +30,9 @@ impl Kinds {
         let mut known: Vec<bool> = (0..n).map(|j| !is_stiff || known[part[j]]).collect();
         let mut alone = vec![true; n];
         real().for_each(|(i, j, _)| (alone[i], alone[j]) = (false, false));
-        while known.contains(&false) && spread(c, &alone, &mut known) {}
+        if known.contains(&false) {
+            spread(c, &alone, &mut known);
+        }
         let mut count = 1;
         let mut own = || {
             count += 1;
@@ -57,14 +59,12 @@ impl Kinds {
     }
 }
 
-/// DOFs that K does not know have the units of an equation of which a DOF has one; whether there are any more.
-fn spread(c: &Matrix, alone: &[bool], known: &mut [bool]) -> bool {
-    let terms = || entries(c).filter(|&(_, _, v)| v != 0.0);
-    let mut rows = vec![false; c.nrows()];
-    terms().for_each(|(i, j, _)| rows[i] |= known[j]);
-    let mut found = false;
-    for (_, j, _) in terms().filter(|&(i, j, _)| rows[i] && alone[j]) {
-        found |= !std::mem::replace(&mut known[j], true);
-    }
-    found
+/// DOFs that K does not know have the units of an equation of which a DOF has one, and so on along equations.
+fn spread(c: &Matrix, alone: &[bool], known: &mut [bool]) {
+    let n = known.len();
+    let terms = || entries(c).filter(|&(_, _, v)| v != 0.0).map(|(i, j, _)| (n + i, j));
+    let part = parts(n + c.nrows(), terms().filter(|&(_, j)| alone[j]));
+    let mut has_one = vec![false; part.len()];
+    terms().filter(|&(_, j)| known[j]).for_each(|(i, _)| has_one[part[i]] = true);
+    (0..n).filter(|&j| alone[j]).for_each(|j| known[j] |= has_one[part[j]]);
 }

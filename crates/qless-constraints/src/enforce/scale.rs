@@ -9,7 +9,7 @@
 //! ```
 //!
 //! Numbers in these units can be compared, whatever the units of lengths and forces, translations and rotations are.
-//! Cost: a few passes over the entries.
+//! Cost: a few passes over the entries, and a sort where units spread.
 
 use super::matrix::{Matrix, entries};
 
@@ -20,10 +20,11 @@ const EVEN: f64 = 1.5;
 
 /// One unit per DOF, then one per equation of C; powers of two.
 pub fn units(k: &Matrix, c: &Matrix) -> Vec<f64> {
-    let mut dofs = of_stiffness(k);
-    let mut rows = vec![0.0; c.nrows()];
-    while spread(c, &mut dofs, &mut rows) {}
-    dofs.into_iter().chain(rows).map(|s| if s > 0.0 { power_of_two(s) } else { 1.0 }).collect()
+    let mut units = of_stiffness(k);
+    let n = units.len();
+    units.resize(n + c.nrows(), 0.0);
+    spread(&mut units, entries(c).map(|(i, j, v)| (n + i, j, v)));
+    units.into_iter().map(|s| if s > 0.0 { power_of_two(s) } else { 1.0 }).collect()
 }
 
 /// Units from the stiffness of each unknown: `1 / sqrt(k_j)`.
@@ -48,7 +49,7 @@ fn of_stiffness(k: &Matrix) -> Vec<f64> {
         largest[j] = largest[j].max(v.abs());
     }
     let mut units: Vec<f64> = diagonal.into_iter().map(inverse_root).collect();
-    while reach(k, &mut units) {}
+    spread(&mut units, entries(k));
     units.iter_mut().zip(largest).filter(|(unit, _)| **unit == 0.0).for_each(|(unit, most)| *unit = inverse_root(most));
     for _ in 0..SWEEPS {
         let mut most = vec![0.0_f64; units.len()];
@@ -65,39 +66,27 @@ fn of_stiffness(k: &Matrix) -> Vec<f64> {
     units
 }
 
-/// From DOFs with a unit to those that have none yet, `s_j = 1 / max_i |K_ij| s_i`; whether anything was new.
-fn reach(k: &Matrix, units: &mut [f64]) -> bool {
+/// From those with a unit to those that have none yet, `s_i = 1 / max_j |v_ij| s_j`, a level at a time.
+fn spread(units: &mut [f64], terms: impl Iterator<Item = (usize, usize, f64)>) {
     if units.iter().all(|unit| *unit > 0.0) {
-        return false;
+        return;
     }
+    let mut terms: Vec<_> = terms.flat_map(|(i, j, v)| [(i, j, v.abs()), (j, i, v.abs())]).collect();
+    terms.sort_unstable_by_key(|&(i, ..)| i);
+    let of = |i: usize| terms[terms.partition_point(|term| term.0 < i)..].iter().take_while(move |term| term.0 == i);
+    let mut level: Vec<usize> = (0..units.len()).filter(|&i| units[i] > 0.0).collect();
     let mut most = vec![0.0_f64; units.len()];
-    for (i, j, v) in entries(k) {
-        most[i] = most[i].max(v.abs() * units[j]);
-        most[j] = most[j].max(v.abs() * units[i]);
+    while !level.is_empty() {
+        let mut next = Vec::new();
+        for (i, &(_, j, v)) in level.iter().flat_map(|&i| of(i).map(move |term| (i, term))) {
+            if units[j] == 0.0 && v * units[i] > 0.0 {
+                next.extend((most[j] == 0.0).then_some(j));
+                most[j] = most[j].max(v * units[i]);
+            }
+        }
+        next.iter().for_each(|&j| units[j] = most[j].recip());
+        level = next;
     }
-    let mut found = false;
-    for (unit, most) in units.iter_mut().zip(most).filter(|(unit, most)| **unit == 0.0 && *most > 0.0) {
-        (*unit, found) = (most.recip(), true);
-    }
-    found
-}
-
-/// From DOFs to equations that have none yet, and back; whether anything was new.
-fn spread(c: &Matrix, dofs: &mut [f64], rows: &mut [f64]) -> bool {
-    let mut found = false;
-    let mut most = vec![0.0_f64; rows.len()];
-    entries(c).for_each(|(i, j, v)| most[i] = most[i].max(v.abs() * dofs[j]));
-    for (row, most) in rows.iter_mut().zip(most).filter(|(row, most)| **row == 0.0 && *most > 0.0) {
-        *row = most.recip();
-        found = true;
-    }
-    let mut most = vec![0.0_f64; dofs.len()];
-    entries(c).for_each(|(i, j, v)| most[j] = most[j].max(v.abs() * rows[i]));
-    for (dof, most) in dofs.iter_mut().zip(most).filter(|(dof, most)| **dof == 0.0 && *most > 0.0) {
-        *dof = most.recip();
-        found = true;
-    }
-    found
 }
 
 /// The nearest one below, within the range of doubles.

@@ -13,6 +13,7 @@ pub mod outline;
 pub mod pairs;
 pub mod polynomials;
 pub mod project;
+mod proof;
 pub mod quaternion;
 pub mod rotation;
 pub mod search;

@@ -3,14 +3,12 @@
 //! In a solid, or a face of the plane, that is the inverse `xi(p)` of its map. A map that is affine takes one step.
 
 use super::bounds::bounds;
-use super::foot::{Foot, descended, dot, foot, foot_from};
+use super::foot::{Foot, descended, foot, foot_from};
+use super::proof::is_nearest;
 use super::shape::{Parameters, Shape};
 
 /// Of the largest coordinate: what sums of a few rounded products may be off.
 pub(crate) const ROUNDING: f64 = 64.0 * f64::EPSILON;
-/// Of the size of an element: what lies nearer to a plane is in it.
-const FLAT: f64 = 1e-12;
-
 /// Where a point meets an element.
 pub struct Projection {
     /// N_k at the nearest point: exactly zero where they are rounding, and with a sum of one.
@@ -38,40 +36,47 @@ pub fn rounding<const D: usize>(nodes: &[[f64; D]], point: &[f64; D]) -> f64 {
 }
 
 /// The point nearest to the origin.
-///
-/// Beyond the boundary of a skew element the nearest parameters are not those of the nearest point, so that each side is asked too.
 fn nearest<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> Option<Projection> {
     let foot = inside_or_first(shape, nodes)?;
     let inside = shape.clamp(foot.xi);
-    let first = projection(nodes, shape.weights(inside));
-    if foot.settled && inside == foot.xi && is_nearest(shape, nodes, &first) {
-        return Some(first);
+    let is_one = shape.is_affine() || shape.dimensions() == D;
+    if foot.settled && inside == foot.xi && (is_one || is_nearest(shape, nodes, inside)) {
+        return Some(projection(nodes, shape.weights(inside)));
     }
+    let near = about_the_boundary(shape, nodes, inside)?;
+    if is_one {
+        return Some(near);
+    }
+    let below = |start: Parameters| descended(shape, nodes, start);
+    let (xi, at) = (below(place(shape, &near.weights)), |xi| projection(nodes, shape.weights(xi)));
+    let found = [near, at(xi)];
+    if is_nearest(shape, nodes, xi) {
+        return nearest_of(found.into_iter());
+    }
+    nearest_of(found.into_iter().chain(starts(shape).into_iter().map(|start| at(below(start)))))
+}
+
+/// The nearest of the boundary and the point at `inside`.
+///
+/// Beyond the boundary of a skew element the nearest parameters are not those of the nearest point, so that each side is asked too.
+fn about_the_boundary<const D: usize>(shape: Shape, nodes: &[[f64; D]], inside: Parameters) -> Option<Projection> {
     let corners = if shape.dimensions() == 1 { shape.corners() } else { &[] };
-    let own = corners.iter().copied().chain(other_feet(shape, nodes)).map(|xi| projection(nodes, shape.weights(xi)));
-    let candidates = std::iter::once(first).chain(own).chain(on_sides(shape, nodes));
-    candidates.filter(|found| found.distance.is_finite()).min_by(|a, b| a.distance.total_cmp(&b.distance))
+    let own = std::iter::once(inside).chain(corners.iter().copied()).map(|xi| projection(nodes, shape.weights(xi)));
+    nearest_of(own.chain(on_sides(shape, nodes)))
 }
 
-/// Whether nothing of the element can be nearer than a foot inside of it: the whole of it lies beyond the plane through the foot that looks at
-/// the origin. Of curved elements that is said of flat ones alone, since they bulge between their nodes.
-fn is_nearest<const D: usize>(shape: Shape, nodes: &[[f64; D]], found: &Projection) -> bool {
-    if shape.dimensions() == D {
-        return true;
-    }
-    let foot: [f64; D] = std::array::from_fn(|d| nodes.iter().zip(&found.weights).map(|(x, n)| n * x[d]).sum());
-    let size = nodes.iter().map(|x| dot(x, x)).fold(0.0, f64::max).sqrt();
-    let beyond = |x: &[f64; D]| (dot(&foot, x) / found.distance - found.distance) / size;
-    // A point of the element is at distance zero.
-    found.distance <= ROUNDING * size
-        || nodes.iter().map(beyond).all(|beyond| beyond >= -FLAT && (beyond <= FLAT || shape.edges().is_empty()))
+fn nearest_of(found: impl Iterator<Item = Projection>) -> Option<Projection> {
+    found.filter(|found| found.distance.is_finite()).min_by(|a, b| a.distance.total_cmp(&b.distance))
 }
 
-/// The nearest parameters that lead down from other starts, on curved lines and faces, which may turn to the origin more than once.
-fn other_feet<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> impl Iterator<Item = Parameters> {
-    let curved = !shape.is_affine() && shape.dimensions() < D;
-    let starts = if curved { [&[shape.centre()], &halfway(shape)[..], shape.corners()].concat() } else { Vec::new() };
-    starts.into_iter().map(move |start| descended(shape, nodes, start))
+/// The parameters of a point by its weights.
+fn place(shape: Shape, weights: &[f64]) -> Parameters {
+    std::array::from_fn(|d| shape.places().iter().zip(weights).map(|(place, n)| n * place[d]).sum())
+}
+
+/// From where curved lines and faces are searched, which may turn to the origin more than once.
+fn starts(shape: Shape) -> Vec<Parameters> {
+    [&[shape.centre()], &halfway(shape)[..], shape.corners()].concat()
 }
 
 /// Half way from the corners to the centre.

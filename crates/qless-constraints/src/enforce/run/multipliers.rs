@@ -20,9 +20,17 @@ pub fn solved(part: &Part, accuracy: f64) -> Result<Found, EnforceError> {
     if part.methods.iter().any(|method| matches!(method, Method::Penalty { .. })) {
         return exact.penalised(&settled.x, noise, accuracy);
     }
+    let stated = exact.noise_of_kinds(&settled.x, noise);
+    found(part, settled, stated, accuracy)
+}
+
+/// A solution of which `stated` may be wrong: less than the whole, or refused.
+pub fn found(part: &Part, settled: Settled, stated: f64, accuracy: f64) -> Result<Found, EnforceError> {
+    if stated.is_nan() || stated >= 1.0 {
+        return Err(refused(part, &settled, accuracy));
+    }
     let Settled { x, imbalance, .. } = settled;
-    let accuracy = exact.noise_of_kinds(&x, noise);
-    Ok(Found { x, imbalance, accuracy })
+    Ok(Found { x, imbalance, accuracy: stated })
 }
 
 /// What rounding leaves is too much: of a row, or of an equation that was to be met to less.

@@ -11,6 +11,7 @@ use super::super::EnforceError;
 use super::super::equations::{BALANCED, Goal, SHARP, Settled, settle};
 use super::super::method::{Method, springs};
 use super::super::model::Model;
+use super::multipliers::found;
 use super::{AUGMENTATIONS, Found, Prepared, limits};
 
 /// Powers of ten that are tried where a spring is too soft.
@@ -22,9 +23,8 @@ impl Prepared<'_> {
         let factor = self.part.methods.iter().filter_map(|method| method.factor()).fold(0.0, f64::max);
         let cost = match self.yielded(exact, (1.0, noise), accuracy)? {
             (Some(settled), left) if left <= accuracy && left < 1.0 => {
-                let Settled { x, imbalance, .. } = settled;
-                let accuracy = self.noise_of_kinds(&x, noise) + left;
-                return Ok(Found { x, imbalance, accuracy });
+                let stated = self.noise_of_kinds(&settled.x, noise) + left;
+                return found(self.part, settled, stated, accuracy);
             }
             (Some(_), left) => left,
             (None, left) => left.max(1.0),

@@ -9,7 +9,7 @@ use super::{MODELS, Outcome, all_methods, is_of_springs, is_of_support};
 use qless_constraints::enforce::{Problem, Stiffness};
 
 /// What an estimate may be wrong by.
-const MARGIN: f64 = 10.0;
+const MARGIN: f64 = 3.0;
 const ROUNDING: f64 = 1e-11;
 /// The powers of two of the units.
 const POWERS: [u64; 3] = [0, 10, 20];
