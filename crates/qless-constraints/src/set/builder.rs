@@ -61,7 +61,7 @@ impl SetBuilder {
         self.0.add_all(label, count, constraint)
     }
 
-    /// Makes the patterns of G and H from the lists of DOFs and pairs.
+    /// The set of all that was added. Patterns are made when they are asked for.
     ///
     /// # Errors
     /// [`SystemError::TooLarge`] for more DOFs than 32 bits can number.
@@ -69,7 +69,6 @@ impl SetBuilder {
         if self.0.dofs >= u32::MAX as usize {
             return Err(SystemError::TooLarge { what: "the number of DOFs", found: self.0.dofs });
         }
-        self.0.plan();
         Ok(self.0)
     }
 }

@@ -17,12 +17,15 @@ pub(super) struct Planned {
 impl Planned {
     /// The plan for the blocks as they are.
     pub fn plan(&self, blocks: &[Box<dyn Block>], dofs: usize) -> &Plan {
-        self.current.get_or_init(|| {
-            let last = self.last.lock().unwrap_or_else(PoisonError::into_inner).take();
-            // Many changes are done at once.
-            let known = last.filter(|_| self.touched.len() < dofs);
-            known.map_or_else(|| Plan::new(blocks, dofs), |last| last.updated(blocks, &self.touched))
-        })
+        if let Some(plan) = self.current.get() {
+            return plan;
+        }
+        let last = self.last.lock().unwrap_or_else(PoisonError::into_inner).take();
+        // Many changes are done at once.
+        let known = last.filter(|_| self.touched.len() < dofs);
+        let plan = known.map_or_else(|| Plan::new(blocks, dofs), |last| last.updated(blocks, &self.touched));
+        // Not within the lock: while its threads wait, they may take up work that asks for the plan too. The first one is kept.
+        self.current.get_or_init(|| plan)
     }
 
     /// Blocks change; the plan is not that of the blocks any more.

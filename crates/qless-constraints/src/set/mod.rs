@@ -157,8 +157,9 @@ impl ConstraintSet {
     ) -> Result<(), ArgumentError> {
         self.check(u, Some(weights))?;
         self.follow(quantities)?;
+        let plan = self.follow_hessian(quantities);
         let weighted = Weighted::new(&self.blocks.all, self.linear.rows(), weights);
-        tasks::run(self.plan().tasks(&weighted, quantities.h.values_mut()), u);
+        tasks::run(plan.tasks(&weighted, quantities.h.values_mut()), u);
         Ok(())
     }
 
@@ -185,11 +186,12 @@ impl ConstraintSet {
     pub fn assemble(&self, u: &[f64], weights: &[f64], quantities: &mut Quantities) -> Result<(), ArgumentError> {
         self.check(u, Some(weights))?;
         self.follow(quantities)?;
+        let plan = self.follow_hessian(quantities);
         quantities.u.copy_from_slice(u);
         let Quantities { c, g, h, .. } = quantities;
         let weighted = Weighted::new(&self.blocks.all, self.linear.rows(), weights);
         let mut tasks = tasks::of_values(&self.linear, &self.blocks.all, c, g);
-        tasks.extend(self.plan().tasks(&weighted, h.values_mut()));
+        tasks.extend(plan.tasks(&weighted, h.values_mut()));
         tasks::run(tasks, u);
         quantities.evaluated = self.version.get();
         Ok(())

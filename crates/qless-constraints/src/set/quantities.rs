@@ -7,6 +7,7 @@ use qless::{ArgumentError, Csr, Identity, SystemError};
 use super::ConstraintSet;
 use super::batch::Batch;
 use super::block::Block;
+use super::effective::Plan;
 use super::layout::{Layout, differences};
 use super::pattern::Part;
 
@@ -48,32 +49,32 @@ impl Quantities {
         &self.g
     }
 
-    /// Effective Hessian, n x n, symmetric, both halves stored.
+    /// Effective Hessian, n x n, symmetric, both halves stored; without entries until one was evaluated.
     pub fn h(&self) -> &Csr {
         &self.h
     }
 }
 
 impl ConstraintSet {
-    /// Arrays of the right size: the pattern of G from the DOF lists, of H from the pair lists.
+    /// Arrays of the right size: the pattern of G from the DOF lists. That of H, from the pair lists, is made by the first evaluation of H.
     ///
     /// The coefficients of linear equations are written here and stay. When the set changes, the next evaluation brings the arrays along.
     pub fn allocate(&self) -> Quantities {
-        let (rows, plan) = (self.layout(), self.plan());
+        let rows = self.layout();
         let sound = "the set has checked DOFs and sizes";
         Quantities {
             of: self.register.identity,
             u: vec![0.0; self.dofs],
             c: vec![0.0; self.equations()],
             g: self.pattern(0..rows.len()).expect(sound),
-            h: plan.pattern(0..plan.layout().len()).expect(sound),
+            h: Csr::from_parts(self.dofs, vec![0; self.dofs + 1], Vec::new(), Vec::new()).expect(sound),
             evaluated: Identity::NONE,
             rows,
-            chunks: plan.layout(),
+            chunks: vec![(Identity::NONE, self.dofs)],
         }
     }
 
-    /// Brings the arrays along with the changes of the set since their last evaluation.
+    /// Brings c and G along with the changes of the set since their last evaluation.
     ///
     /// Rows behind the first that came or went are moved once, whatever their number; all others stay.
     pub(super) fn follow(&self, quantities: &mut Quantities) -> Result<(), ArgumentError> {
@@ -86,11 +87,17 @@ impl ConstraintSet {
         replace(&mut quantities.g, (&quantities.rows, &rows), |segments| self.pattern(segments)).expect(sound);
         quantities.c.resize(self.equations(), 0.0);
         quantities.rows = rows;
-        let (plan, chunks) = (self.plan(), self.plan().layout());
-        replace(&mut quantities.h, (&quantities.chunks, &chunks), |segments| plan.pattern(segments)).expect(sound);
-        quantities.chunks = chunks;
         quantities.evaluated = Identity::NONE;
         Ok(())
+    }
+
+    /// The same of H, with its plan.
+    pub(super) fn follow_hessian(&self, quantities: &mut Quantities) -> &Plan {
+        let (plan, sound) = (self.plan(), "the set has checked DOFs and sizes");
+        let chunks = plan.layout();
+        replace(&mut quantities.h, (&quantities.chunks, &chunks), |segments| plan.pattern(segments)).expect(sound);
+        quantities.chunks = chunks;
+        plan
     }
 
     /// Whether c and G are those of the set as it is now.
@@ -154,12 +161,17 @@ impl Segment<'_> {
     }
 }
 
-/// Replaces the rows of segments that changed.
+/// Replaces the rows of segments that changed; all of them without a copy.
 fn replace(
     matrix: &mut Csr,
     (old, new): (&Layout, &Layout),
     pattern: impl Fn(Range<usize>) -> Result<Csr, SystemError>,
 ) -> Result<(), SystemError> {
     let edits = differences(old, new).into_iter().map(|(rows, segments)| Ok((rows, pattern(segments)?)));
-    matrix.replace_rows(&edits.collect::<Result<Vec<_>, SystemError>>()?)
+    let mut edits = edits.collect::<Result<Vec<_>, SystemError>>()?;
+    if edits.first().is_some_and(|(rows, _)| *rows == (0..matrix.rows())) {
+        *matrix = edits.swap_remove(0).1;
+        return Ok(());
+    }
+    matrix.replace_rows(&edits)
 }

@@ -1,6 +1,8 @@
 //! The same bits for every number of threads, with more constraints than fit into one task.
 
 use std::array::from_fn;
+use std::sync::{Arc, mpsc};
+use std::time::Duration;
 
 use super::every_type::random;
 use crate::types::{Body, Distance, LinearEquation, OnSphere, Point, RigidBody};
@@ -42,4 +44,33 @@ fn results_do_not_depend_on_threads() -> Result<(), Box<dyn std::error::Error>> 
         assert!(more.iter().all(|quantities| *quantities == one), "{threads} threads");
     }
     Ok(())
+}
+
+/// A set that nobody has evaluated yet, by tasks that come while its plan is made: threads that wait for one another take them up.
+#[test]
+fn tasks_that_come_while_others_plan_wait_for_nobody() {
+    let nodes = 20_000;
+    let point = |node: usize| Point::new(from_fn(|k| 3 * node + k), from_fn(|k| node as f64 + random(k as u64)));
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads");
+    for seed in 0..20 {
+        let mut builder = ConstraintSet::builder(3 * nodes);
+        let rod = |i: usize| Distance { length: Some(1.0), ..Distance::new(point(i), point((i + 1 + seed) % nodes)) };
+        builder.add_all("rod", nodes, rod).expect("valid");
+        let set = Arc::new(builder.build().expect("few DOFs"));
+        let (done, all) = mpsc::channel();
+        for k in 0..8 {
+            // While the first one plans.
+            std::thread::sleep(Duration::from_micros(if k == 1 { 200 * seed as u64 } else { 0 }));
+            let (set, done) = (Arc::clone(&set), done.clone());
+            pool.spawn(move || {
+                let mut quantities = set.allocate();
+                let (u, w) = (vec![0.1; set.dofs()], vec![1.0; set.equations()]);
+                set.assemble(&u, &w, &mut quantities).expect("of this set");
+                done.send(quantities).expect("somebody waits");
+            });
+        }
+        let wait = || all.recv_timeout(Duration::from_secs(60)).expect("no task waits for itself");
+        let first = wait();
+        assert!(first.h.nnz() > 0 && (1..8).all(|_| wait() == first));
+    }
 }
