@@ -18,10 +18,13 @@
 mod branch;
 mod correct;
 mod course;
+mod ends;
 mod error;
 mod failure;
-mod load;
+mod found;
 mod model;
+mod options;
+mod path;
 mod pattern;
 mod rows;
 mod saddle;
@@ -29,130 +32,16 @@ mod stability;
 mod state;
 mod tangent;
 
-use qless::Options;
-
 use course::Course;
+pub use ends::{Start, Target};
 pub use error::EquilibriumError;
 use failure::Failure;
+pub use found::{Equilibrium, Iterate, LoadStep};
 pub use model::{Assembly, Model};
+pub use options::EquilibriumOptions;
 pub use stability::Stability;
 
 use crate::{ConstraintSet, TimeError};
-
-/// Settings of [`solve`].
-#[derive(Clone, Debug)]
-pub struct EquilibriumOptions {
-    /// Forces are in balance where `|r_j|` is at most this part of the sum of the sizes of its terms, or rounding. Default 1e-10.
-    pub tolerance: f64,
-    /// Constraints hold as in [`crate::newton::NewtonOptions::tolerance`]. Default 4.
-    pub roundings: f64,
-    /// Most iterations in a load step. Default 25.
-    pub iterations: usize,
-    /// The first load step, a part of the whole. Default 1: all at once, where that works.
-    pub first: f64,
-    /// The shortest load step. Default 1e-4.
-    pub shortest: f64,
-    /// Whether [`Equilibrium::stability`] is asked for. Default no: it costs another factorization.
-    pub stability: bool,
-    /// How the constraints are analysed.
-    pub analysis: Options,
-}
-
-impl Default for EquilibriumOptions {
-    fn default() -> Self {
-        let analysis = Options::default();
-        Self {
-            tolerance: 1e-10,
-            roundings: 4.0,
-            iterations: 25,
-            first: 1.0,
-            shortest: 1e-4,
-            stability: false,
-            analysis,
-        }
-    }
-}
-
-/// Where a load path starts: an equilibrium, or a guess of one.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Start {
-    /// DOFs.
-    pub u: Vec<f64>,
-    /// Multipliers, one per equation.
-    pub multipliers: Vec<f64>,
-    /// The loads that it carries; the load factor 0.
-    pub loads: Vec<f64>,
-}
-
-impl Start {
-    /// All zero.
-    pub fn at_rest(set: &ConstraintSet) -> Self {
-        let zeros = || vec![0.0; set.dofs()];
-        Self { u: zeros(), multipliers: vec![0.0; set.equations()], loads: zeros() }
-    }
-}
-
-/// Where it ends.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Target<'a> {
-    /// `f_ext`, one number per DOF.
-    pub loads: &'a [f64],
-    /// DOFs and their values.
-    pub prescribed: &'a [(usize, f64)],
-}
-
-/// One iterate: what was out of balance when it was reached.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Iterate {
-    /// `max_j |r_j|` over the free DOFs, relative to the sizes of its terms, or to what rounding allows.
-    pub force: f64,
-    /// `max_r eps |c_r| / rounding_r` over the kept rows: relative to the sizes of the terms of c, its own or, where it no longer
-    /// falls, the largest.
-    pub constraint: f64,
-    /// The part of the correction that was gone to come here: 1 for all of it, 0 where only multipliers changed.
-    pub length: f64,
-    /// Whether the tangent before it was singular, and something was added to it.
-    pub regularised: bool,
-}
-
-/// One load step.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LoadStep {
-    /// Part of the way from the start to the target.
-    pub factor: f64,
-    /// Whether equilibrium was found there; if not, it was tried once more from a configuration that satisfies the constraints, or cut.
-    pub converged: bool,
-    /// The way there.
-    pub iterates: Vec<Iterate>,
-}
-
-/// An equilibrium.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Equilibrium {
-    /// DOFs.
-    pub u: Vec<f64>,
-    /// One per equation, in units of force times displacement per unit of c; 0 for those left out.
-    pub multipliers: Vec<f64>,
-    /// `f_int + G^T lambda - f_ext` at prescribed DOFs, in the order of [`Target::prescribed`]: what the supports push with.
-    pub reactions: Vec<f64>,
-    /// `-G^T lambda`: what the constraints push the model with, one per DOF.
-    pub constraint_forces: Vec<f64>,
-    /// Equations that are redundant here, without multipliers.
-    pub redundant: Vec<usize>,
-    /// Whether it is stable, where [`EquilibriumOptions::stability`] asks.
-    pub stability: Option<Stability>,
-    /// All attempts at load steps, those that failed too.
-    pub steps: Vec<LoadStep>,
-    /// The loads that it carries.
-    pub loads: Vec<f64>,
-}
-
-impl Equilibrium {
-    /// From here the next path starts.
-    pub fn start(&self) -> Start {
-        Start { u: self.u.clone(), multipliers: self.multipliers.clone(), loads: self.loads.clone() }
-    }
-}
 
 /// Finds equilibrium at the target: `f_int(u) + G^T lambda = f_ext`, `c(u) = 0`, prescribed DOFs at their values.
 ///
@@ -203,8 +92,8 @@ pub fn solve(
     options: &EquilibriumOptions,
 ) -> Result<Equilibrium, EquilibriumError> {
     options.validate()?;
-    load::check(model.dofs(), set, start, target)?;
-    load::Path::new(model, Course::Still(set), start, target, options)?.follow()
+    path::check(model.dofs(), set, start, target)?;
+    path::Path::new(model, Course::Still(set), start, target, options)?.follow()
 }
 
 /// [`solve`] while the set goes from its time to another: motors and right-hand sides that are functions of time move with the loads,
@@ -257,24 +146,10 @@ pub fn drive(
     options: &EquilibriumOptions,
 ) -> Result<Equilibrium, EquilibriumError> {
     options.validate()?;
-    load::check(model.dofs(), set, start, target)?;
+    path::check(model.dofs(), set, start, target)?;
     if !time.is_finite() {
         return Err(TimeError::Time(time).into());
     }
     let times = [set.time(), time];
-    load::Path::new(model, Course::Driven { set, times }, start, target, options)?.follow()
-}
-
-impl EquilibriumOptions {
-    fn validate(&self) -> Result<(), EquilibriumError> {
-        let part = "it must lie between 0 and 1";
-        let list = [
-            ("tolerance", self.tolerance, self.tolerance > 0.0 && self.tolerance < 1.0, part),
-            ("first", self.first, self.first > 0.0 && self.first <= 1.0, part),
-            ("shortest", self.shortest, self.shortest > 0.0 && self.shortest <= 1.0, part),
-            ("roundings", self.roundings, self.roundings >= 1.0 && self.roundings.is_finite(), "it must be at least 1"),
-        ];
-        let bad = list.into_iter().find(|&(_, _, good, _)| !good);
-        bad.map_or(Ok(()), |(what, value, _, range)| Err(EquilibriumError::Option { what, value, range }))
-    }
+    path::Path::new(model, Course::Driven { set, times }, start, target, options)?.follow()
 }

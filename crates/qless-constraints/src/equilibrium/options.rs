@@ -1,0 +1,53 @@
+//! Settings, and what they may be.
+
+use qless::Options;
+
+use super::EquilibriumError;
+
+/// Settings of [`super::solve`].
+#[derive(Clone, Debug)]
+pub struct EquilibriumOptions {
+    /// Forces are in balance where `|r_j|` is at most this part of the sum of the sizes of its terms, or rounding. Default 1e-10.
+    pub tolerance: f64,
+    /// Constraints hold as in [`crate::newton::NewtonOptions::tolerance`]. Default 4.
+    pub roundings: f64,
+    /// Most iterations in a load step. Default 25.
+    pub iterations: usize,
+    /// The first load step, a part of the whole. Default 1: all at once, where that works.
+    pub first: f64,
+    /// The shortest load step. Default 1e-4.
+    pub shortest: f64,
+    /// Whether [`Equilibrium::stability`] is asked for. Default no: it costs another factorization.
+    pub stability: bool,
+    /// How the constraints are analysed.
+    pub analysis: Options,
+}
+
+impl Default for EquilibriumOptions {
+    fn default() -> Self {
+        let analysis = Options::default();
+        Self {
+            tolerance: 1e-10,
+            roundings: 4.0,
+            iterations: 25,
+            first: 1.0,
+            shortest: 1e-4,
+            stability: false,
+            analysis,
+        }
+    }
+}
+
+impl EquilibriumOptions {
+    pub(super) fn validate(&self) -> Result<(), EquilibriumError> {
+        let part = "it must lie between 0 and 1";
+        let list = [
+            ("tolerance", self.tolerance, self.tolerance > 0.0 && self.tolerance < 1.0, part),
+            ("first", self.first, self.first > 0.0 && self.first <= 1.0, part),
+            ("shortest", self.shortest, self.shortest > 0.0 && self.shortest <= 1.0, part),
+            ("roundings", self.roundings, self.roundings >= 1.0 && self.roundings.is_finite(), "it must be at least 1"),
+        ];
+        let bad = list.into_iter().find(|&(_, _, good, _)| !good);
+        bad.map_or(Ok(()), |(what, value, _, range)| Err(EquilibriumError::Option { what, value, range }))
+    }
+}
