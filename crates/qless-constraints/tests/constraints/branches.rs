@@ -149,6 +149,7 @@ fn what_folds_on_the_way_is_refused() -> Outcome {
         assert!(found.is_err(), "{seed}: {found:?}");
         refused += usize::from(matches!(found, Err(EquilibriumError::Branch { .. })));
     }
-    println!("{refused} of 60 say that a branch ends");
+    // The others end before anything turns: no configuration is found at all.
+    assert!(refused > 15, "{refused} of 60 say that a branch ends");
     Ok(())
 }

@@ -1,0 +1,57 @@
+//! A set that changes is the one that was made from what is left.
+
+mod edits;
+mod recipe;
+mod run;
+
+use crate::linkages::Outcome;
+use recipe::KINDS;
+use run::Run;
+
+/// Thousands of operations in small sets, compared often: whatever was done before, a set is the one with these constraints.
+#[test]
+fn a_set_is_that_of_its_active_constraints() -> Outcome {
+    for seed in 0..40 {
+        let mut run = Run::new(seed, 40 + 10 * seed as usize)?;
+        for _ in 0..30 {
+            for _ in 0..=run.random.below(12) {
+                run.step()?;
+            }
+            run.compare()?;
+        }
+    }
+    Ok(())
+}
+
+/// So many constraints that segments and chunks of H are split, and then nearly all of them gone.
+#[test]
+fn large_sets_grow_and_shrink() -> Outcome {
+    let mut run = Run::new(7, 12_000)?;
+    for _ in 0..4 {
+        (0..9000).try_for_each(|_| run.add())?;
+        run.compare()?;
+        for _ in 0..20 {
+            run.step()?;
+            run.compare_values()?;
+        }
+        run.compare()?;
+    }
+    while run.entries.len() > 500 {
+        for k in (KINDS + 1..run.entries.len()).rev().step_by(2) {
+            let entry = run.entries.remove(k);
+            run.set.remove(entry.id)?;
+        }
+        run.compare()?;
+    }
+    Ok(())
+}
+
+impl Run {
+    /// Brings the arrays along, without a second set.
+    fn compare_values(&mut self) -> Outcome {
+        let u: Vec<f64> = (0..3 * self.nodes).map(|_| self.random.number()).collect();
+        let w = vec![1.0; self.set.equations()];
+        self.set.assemble(&u, &w, &mut self.quantities)?;
+        Ok(())
+    }
+}
