@@ -17,7 +17,7 @@ pub struct EquilibriumOptions {
     pub first: f64,
     /// The shortest load step. Default 1e-4.
     pub shortest: f64,
-    /// Whether [`Equilibrium::stability`] is asked for. Default no: it costs another factorization.
+    /// Whether [`super::Equilibrium::stability`] is asked for. Default no: it costs another factorization.
     pub stability: bool,
     /// How the constraints are analysed.
     pub analysis: Options,
