@@ -47,6 +47,8 @@ fn measure(name: &str, set: &ConstraintSet) -> f64 {
     let u: Vec<f64> = (0..set.dofs()).map(|j| 1e-3 * (j % 17) as f64).collect();
     let w: Vec<f64> = (0..set.equations()).map(|i| (i % 5) as f64).collect();
     let mut quantities = set.allocate();
+    // The first H makes its array.
+    set.assemble(&u, &w, &mut quantities).expect("of this set");
     let mut copy = [set.equations(), quantities.g().nnz(), quantities.h().nnz()].map(|length| vec![0.0; length]);
     let [mut values, mut hessian, mut all, mut writing, mut indexed] = [const { Vec::new() }; 5];
     let longest = copy.iter().map(Vec::len).max().unwrap_or(0);

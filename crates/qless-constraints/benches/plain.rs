@@ -99,7 +99,9 @@ impl Plain {
     /// Of the constraints of which the first shares are rods and spheres.
     fn new(constraints: usize, set: &ConstraintSet, (rods, spheres): (usize, usize)) -> Self {
         let mut at_rest = set.allocate();
-        set.evaluate(&vec![0.0; set.dofs()], &mut at_rest).expect("of this set");
+        let (rest, weights) = (vec![0.0; set.dofs()], vec![0.0; set.equations()]);
+        set.evaluate(&rest, &mut at_rest).expect("of this set");
+        set.effective_hessian(&rest, &weights, &mut at_rest).expect("of this set");
         let (linear, g, h) = (set.linear_rows().len(), at_rest.g(), at_rest.h());
         let nnz = g.starts()[linear];
         let mut plain = Self {
