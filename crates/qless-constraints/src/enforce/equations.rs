@@ -8,7 +8,7 @@
 use super::EnforceError;
 
 /// The least share of the largest terms that a row is measured by.
-const FLOOR: f64 = 1e-3;
+pub const FLOOR: f64 = 1e-3;
 /// The largest imbalance of a row, relative to its terms, that a solution may have.
 pub const BALANCED: f64 = 1e-10;
 /// Below this share of what is allowed a refinement is not worth its cost.

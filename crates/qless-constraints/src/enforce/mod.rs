@@ -29,6 +29,7 @@
 
 mod blocks;
 mod condensation;
+mod doubt;
 mod equations;
 mod error;
 mod factor;

@@ -67,7 +67,7 @@ fn of_stiffness(k: &Matrix) -> Vec<f64> {
 }
 
 /// From those with a unit to those that have none yet, `s_i = 1 / max_j |v_ij| s_j`, a level at a time.
-fn spread(units: &mut [f64], terms: impl Iterator<Item = (usize, usize, f64)>) {
+pub fn spread(units: &mut [f64], terms: impl Iterator<Item = (usize, usize, f64)>) {
     if units.iter().all(|unit| *unit > 0.0) {
         return;
     }

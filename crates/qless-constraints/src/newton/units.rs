@@ -9,6 +9,8 @@ use super::parts::Columns;
 use super::residual::inverse;
 use crate::{ConstraintSet, Quantities};
 
+/// Roundings of an entry.
+const ROUNDINGS: f64 = 16.0 * f64::EPSILON;
 /// Passes over linear rows.
 const SWEEPS: usize = 20;
 
@@ -21,6 +23,7 @@ pub fn units(set: &ConstraintSet, quantities: &Quantities, of: &Columns) -> Resu
 
 /// `1 / max_r (|G_rj| / size_r)` over the nonlinear rows: how far each DOF goes until some c has changed by the size of its terms.
 ///
+/// An entry counts for what its terms are, which its rounding tells, where they cancel: a rod along an axis is not so long across it.
 /// Of linear rows only the ratios of their entries count, since their terms vanish with u: a DOF of no nonlinear row goes as far as its partners. 0
 /// where nothing is known.
 fn reaches(set: &ConstraintSet, quantities: &Quantities, of: &Columns) -> Result<Vec<f64>, ArgumentError> {
@@ -29,8 +32,10 @@ fn reaches(set: &ConstraintSet, quantities: &Quantities, of: &Columns) -> Result
     let mut steepness = vec![0.0_f64; of.count()];
     for (row, bound) in rounding.c().iter().enumerate().filter(|(row, _)| !linear.contains(row)) {
         let weight = inverse(bound / f64::EPSILON);
-        let real = of.row(g, row).zip(rounding.of_row(row)).filter(|((_, v), bound)| v.abs() > **bound);
-        real.for_each(|((j, v), _)| steepness[j] = steepness[j].max(v.abs() * weight));
+        for ((j, v), bound) in of.row(g, row).zip(rounding.of_row(row)) {
+            let least = bound / ROUNDINGS;
+            steepness[j] = steepness[j].max(v.abs().max(least) * weight);
+        }
     }
     let mut reaches: Vec<f64> = steepness.into_iter().map(inverse).collect();
     spread(|row| of.row(g, row), linear, &mut reaches);

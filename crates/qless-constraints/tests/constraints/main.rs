@@ -56,6 +56,8 @@ mod mechanisms;
 mod misuse;
 /// Mechanisms driven over many turns, against closed forms.
 mod motors;
+/// Nets of rods and arms from far: redundancies against singular values.
+mod nets;
 /// Residuals of Newton's method.
 mod newton;
 /// Rows of G that are rounding and nothing else.

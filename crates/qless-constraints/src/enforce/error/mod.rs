@@ -35,6 +35,19 @@ pub enum EnforceError {
         /// Their labels.
         labels: Vec<String>,
     },
+    /// Whether an equation follows from others is in doubt, and u depends on it.
+    #[error(
+        "{label} follows from others but for {left:.1e} of its terms, too little to be sure that it does not; give its coefficients with all \
+         their digits, bring the units of its DOFs nearer to one another, or leave it out"
+    )]
+    Doubtful {
+        /// The equation, 0-based.
+        row: usize,
+        /// Its label.
+        label: String,
+        /// What is left of it where the others hold, relative to the terms.
+        left: f64,
+    },
     /// The plan is not one of this problem.
     #[error("the plan has {planned} equations, but {kept} are independent, and each must occur once")]
     Plan {

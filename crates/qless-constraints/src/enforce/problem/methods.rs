@@ -38,6 +38,7 @@ impl Problem<'_> {
     /// [`EnforceError::Unsupported`] with the motion that nothing holds; [`EnforceError::PenaltyTooSmall`] with a factor that would do;
     /// [`EnforceError::NoConvergence`] where rounding leaves more of augmented equations than was asked for;
     /// [`EnforceError::OutOfBalance`] where it leaves more than 1e-10 of the terms of a row, or no digit of u;
+    /// [`EnforceError::Doubtful`] where u depends on whether an equation is redundant, and that is in doubt;
     /// [`EnforceError::OutOfRange`] where the solution leaves the range of doubles; [`EnforceError::Argument`] for a list of the wrong
     /// length, [`EnforceError::Factor`] for the factor of any equation, [`EnforceError::Accuracy`].
     pub fn enforce(&self, methods: &[Method], accuracy: f64) -> Result<Solution, EnforceError> {

@@ -5,12 +5,12 @@ mod solution;
 
 use std::borrow::Cow;
 
-use qless::{ConstraintSystem, Kind, Options, analyse};
+use qless::{Analysis, ConstraintSystem, Kind, Options, analyse};
 
 pub use solution::Solution;
 
 use super::matrix::Matrix;
-use super::{EnforceError, Stiffness};
+use super::{EnforceError, Stiffness, doubt};
 
 /// Stiffness, loads and constraints, checked.
 ///
@@ -41,6 +41,8 @@ pub struct Problem<'a> {
     pub(super) system: &'a ConstraintSystem,
     pub(super) kept: Vec<usize>,
     redundant: Vec<usize>,
+    /// Where it is in doubt whether those are redundant.
+    doubted: Option<Analysis>,
     /// Free DOFs that the equations fix.
     fixed: Vec<usize>,
 }
@@ -80,7 +82,8 @@ impl<'a> Problem<'a> {
         }
         let fixed = analysis.generated().iter().map(|&(dof, _)| dof).collect();
         let (kept, redundant) = (of_kind(Kind::Independent), of_kind(Kind::Redundant));
-        Ok(Self { k, declared, f, system, kept, redundant, fixed })
+        let doubted = (analysis.confidence().ambiguous && !redundant.is_empty()).then_some(analysis);
+        Ok(Self { k, declared, f, system, kept, redundant, doubted, fixed })
     }
 
     /// The equations that are enforced, ascending.
@@ -91,6 +94,12 @@ impl<'a> Problem<'a> {
     /// The equations that follow from others, ascending; they have no multiplier.
     pub fn redundant(&self) -> &[usize] {
         &self.redundant
+    }
+
+    /// Refuses u where it breaks an equation that is said to be redundant and may not be.
+    pub(super) fn without_doubt(&self, u: &[f64]) -> Result<(), EnforceError> {
+        let settled = |analysis| doubt::settled(analysis, analysis.kinds(), self.system.rhs(), u);
+        self.doubted.as_ref().map_or(Ok(()), settled)
     }
 
     /// `(DOF, load)` for loads on free DOFs that the equations fix (generated boundary conditions): they go into the constraints and

@@ -117,5 +117,9 @@ fn finished(problem: &Problem, mut solution: Solution) -> Result<Solution, Enfor
     let prescribed = problem.system.prescribed().iter();
     reactions.extend(prescribed.map(|&(j, _)| (j, stressed[j] - forces[j] - problem.f[j])));
     let mut all = u.iter().chain(&*multipliers).chain(&*forces).chain(reactions.iter().map(|(_, force)| force));
-    if all.all(|v| v.is_finite()) { Ok(solution) } else { Err(EnforceError::OutOfRange) }
+    if !all.all(|v| v.is_finite()) {
+        return Err(EnforceError::OutOfRange);
+    }
+    problem.without_doubt(u)?;
+    Ok(solution)
 }

@@ -1,18 +1,14 @@
-//! What a step must meet: a support, forces in balance, and the equations.
-
-use qless::Kind;
+//! What the forces of a step must meet: a support, and balance.
 
 use super::super::equations::{BALANCED, Equations, Goal, SHARP, settle};
 use super::super::solver::{Solver, SolverError};
 use super::super::support::{SHIFTS, Verdict, judged, loose};
 use super::super::{EnforceError, Motion};
 use super::Steps;
-use super::terms::{Terms, sizes_of_dofs};
+use super::terms::Terms;
 
 /// Solutions and refinements at most.
 const REFINEMENTS: usize = 6;
-/// What may be left of an equation, relative to its terms; T meets the equations to 1e-10.
-const MET: f64 = 1e-9;
 
 impl<S: Solver> Steps<S> {
     /// Refuses a model that nothing holds, whether its factorization failed or not.
@@ -44,8 +40,8 @@ impl<S: Solver> Steps<S> {
         Err(failed)
     }
 
-    /// The unknowns, refined until every row is in balance.
-    pub(super) fn balanced(&mut self, k: &[f64], f: &[f64]) -> Result<Vec<f64>, EnforceError> {
+    /// The unknowns, refined until every row is in balance, and their units.
+    pub(super) fn balanced(&mut self, k: &[f64], f: &[f64]) -> Result<(Vec<f64>, Vec<f64>), EnforceError> {
         let mut load = vec![0.0; self.condensed.unknowns()];
         self.condensed.load_into(&self.map, k, f, &mut load)?;
         let mut constant = vec![0.0; self.map.dofs()];
@@ -59,25 +55,7 @@ impl<S: Solver> Steps<S> {
             let row = format!("the forces on DOF {}", self.map.masters()[settled.row]);
             return Err(EnforceError::OutOfBalance { row, imbalance: settled.imbalance });
         }
-        Ok(settled.x)
-    }
-
-    /// `|C u - b|_i` against what its terms are made of, for the equations that others do not follow from.
-    pub(super) fn meets_equations(&self, x: &[f64], u: &[f64]) -> Result<(), EnforceError> {
-        let sizes = sizes_of_dofs(&self.map, x);
-        let system = self.map.analysis().system();
-        let independent = (0..system.equations()).filter(|&i| self.map.kinds()[i] == Kind::Independent);
-        for i in independent {
-            let (mut left, mut size) = (-self.map.rhs()[i], self.map.rhs()[i].abs());
-            for (j, v) in system.matrix().row(i) {
-                left += v * u[j];
-                size += v.abs() * sizes[j];
-            }
-            if left.is_nan() || left.abs() > MET * size {
-                return Err(EnforceError::OutOfBalance { row: system.equation_label(i), imbalance: left.abs() / size });
-            }
-        }
-        Ok(())
+        Ok((settled.x, terms.units().to_vec()))
     }
 }
 

@@ -1,6 +1,7 @@
 //! The same model, step after step: `K_q u_q = f_q`, `u = L u_q + u_0`, with the analysis, the pattern and the solver's analysis made once.
 
 mod balance;
+mod gaps;
 mod terms;
 mod turned;
 
@@ -8,7 +9,7 @@ use qless::{Condensed, Given, Index, Map, Storage, View};
 
 use super::factor::uneven;
 use super::solver::{Columns, Solver, SolverError};
-use super::{EnforceError, scale};
+use super::{EnforceError, doubt, scale};
 use terms::Pattern;
 use turned::Turned;
 
@@ -120,7 +121,8 @@ impl<S: Solver> Steps<S> {
     /// The same for other forces, or after a refresh, with the factors of the last [`Steps::solve`]; K must be the same.
     ///
     /// # Errors
-    /// As [`Steps::solve`], and [`EnforceError::OutOfBalance`] if more than 1e-10 of the forces of a row is left after refinement.
+    /// As [`Steps::solve`], and [`EnforceError::OutOfBalance`] if more than 1e-10 of the forces of a row is left after refinement,
+    /// [`EnforceError::Doubtful`] where u depends on whether an equation is redundant, and that is in doubt.
     pub fn solve_again(&mut self, k: &[f64], f: &[f64], u: &mut [f64]) -> Result<(), EnforceError> {
         if !self.is_held {
             return Err(SolverError(
@@ -128,9 +130,10 @@ impl<S: Solver> Steps<S> {
             )
             .into());
         }
-        let x = self.balanced(k, f)?;
+        let (x, units) = self.balanced(k, f)?;
         self.map.expand_into(&x, u)?;
-        self.meets_equations(&x, u)
+        gaps::closed(&self.map, (&x, &units), u)?;
+        doubt::settled(self.map.analysis(), self.map.kinds(), self.map.rhs(), u)
     }
 
     /// Hands K_q to the solver, with a shift of its diagonal in these units.

@@ -3,7 +3,7 @@
 //! Rows are always scaled, so that the largest coefficient of a free DOF in each row lies in `[1, 2)`. More is decided for each
 //! connected component by itself. Where units mix, that is where more than one column in twenty with two entries or more lies
 //! below `2^-10` in all its rows, rows and columns are balanced, the largest number of each being 1 (Ruiz 2001), before the
-//! rows get their final scale. Where only some entries are tiny, below `2^-20`, nobody can know whether they are in another unit or stand
+//! rows get their final scale. Where only some entries are that small, nobody can know whether they are in another unit or stand
 //! for zero. Either way, if the rank is in doubt, the analysis is made again the other way, the surer one counts, and the doubt is reported.
 
 mod balance;
@@ -56,8 +56,7 @@ pub(crate) fn by_rows(
 ) -> (Scaling, Option<Spreads>) {
     let mut rows = Scaling::none(system.equations());
     let smallest = rows::scale(system, exponents, &mut rows);
-    let small = smallest < SMALL;
-    let spreads = small.then(|| Spreads::new(system, columns, exponents, &rows, (smallest, uncertain)));
+    let spreads = (smallest < SMALL).then(|| Spreads::new(system, columns, exponents, &rows, uncertain));
     (rows, spreads.flatten())
 }
 

@@ -7,9 +7,6 @@ use super::{SMALL, Scaling, free};
 use crate::input::components::Labels;
 use crate::input::numbering::{Column, Exponents, Local};
 
-/// Entries below this power of two may be meant as zero.
-const TINY: i32 = -20;
-
 /// How entries of free DOFs lie in the scaled rows of a component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Spread {
@@ -35,13 +32,10 @@ impl Spreads {
         columns: &[Column],
         exponents: &[Exponents],
         scaling: &Scaling,
-        (smallest, uncertain): (i32, &HashSet<(u32, u32)>),
+        uncertain: &HashSet<(u32, u32)>,
     ) -> Option<Self> {
         let small = small_entries(system, exponents, scaling);
         let is_small = |j: usize| columns[j].count >= 2 && small[j] == columns[j].count;
-        if smallest >= TINY && !(0..system.dofs()).any(is_small) {
-            return None;
-        }
         let labels = Labels::of(system);
         let mut tallies = vec![Tally::default(); labels.count];
         let mut label = vec![0; system.dofs()];
@@ -85,7 +79,7 @@ impl Tally {
     fn spread(&self) -> Spread {
         match self.smallest {
             _ if 20 * self.small > self.shared => Spread::UnitsMix,
-            TINY.. => Spread::Even,
+            SMALL.. => Spread::Even,
             _ => Spread::SomeTiny,
         }
     }
