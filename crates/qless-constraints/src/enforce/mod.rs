@@ -38,6 +38,7 @@ mod kinds;
 mod matrix;
 mod method;
 mod model;
+mod noise;
 mod part;
 mod problem;
 mod reduced;

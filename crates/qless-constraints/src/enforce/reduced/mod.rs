@@ -10,6 +10,7 @@ use qless::{Csr, Reduction, ReductionError};
 use super::matrix::{
     Matrix, add_sizes, add_sizes_transposed, bordered, entries, from_triplets, product, times, transposed,
 };
+use super::noise::Noise;
 use super::{EnforceError, scale};
 use transformed::Transformed;
 
@@ -69,9 +70,10 @@ pub fn reduced(
     let units = scale::units(&stiffness, &constraints);
     let matrix = bordered(&stiffness, &constraints)?;
     let parts = scale::parts(rhs.len(), entries(&matrix).map(|(i, j, _)| (i, j)));
-    let mut rhs_sizes = sizes_of_load(k, &t, &constant, f);
+    let t_sizes = sizes_of_t(&t, reduction)?;
+    let mut rhs_sizes = sizes_of_load(k, &t_sizes, &constant, f);
     rhs_sizes.resize(rhs.len(), 0.0);
-    let model = Transformed { k, t, constraints, units, parts };
+    let model = Transformed { k, t, t_sizes, constraints, units, parts };
     let x = model.solved(&matrix, (&rhs, &rhs_sizes))?;
     Ok(times(&model.t, &x[..model.t.ncols()]).iter().zip(&constant).map(|(u, c)| u + c).collect())
 }
@@ -83,6 +85,19 @@ fn sizes_of_load(k: &Matrix, t: &Matrix, constant: &[f64], f: &[f64]) -> Vec<f64
     let mut sizes = vec![0.0; t.ncols()];
     add_sizes_transposed(t, &of_dofs, &mut sizes);
     sizes
+}
+
+/// T, its rounding as large as it may be.
+fn sizes_of_t(t: &Matrix, reduction: &Reduction) -> Result<Matrix, EnforceError> {
+    let noise = Noise::new(reduction.t());
+    let mut place = vec![None; t.nrows()];
+    reduction.slaves().iter().enumerate().for_each(|(i, &dof)| place[dof] = Some(i));
+    let of_slaves = 0..reduction.masters().len();
+    let size = |(dof, q, v): (usize, usize, f64)| {
+        let slave = place[dof].filter(|_| of_slaves.contains(&q));
+        (dof, q, slave.map_or(v, |i| noise.size(i, q, v)))
+    };
+    from_triplets(t.nrows(), t.ncols(), entries(t).map(size))
 }
 
 /// The equations of factored parts on their free DOFs.

@@ -13,6 +13,8 @@ const REFINEMENTS: usize = 6;
 pub struct Transformed<'a> {
     pub k: &'a Matrix,
     pub t: Matrix,
+    /// What its entries are up to.
+    pub t_sizes: Matrix,
     pub constraints: Matrix,
     pub units: Vec<f64>,
     pub parts: Vec<usize>,
@@ -69,9 +71,9 @@ impl Equations for Transformed<'_> {
     fn size(&self, x: &[f64]) -> Vec<f64> {
         let (q, lambda) = x.split_at(self.t.ncols());
         let (mut u, mut forces, mut y) = (vec![0.0; self.k.nrows()], vec![0.0; self.k.nrows()], vec![0.0; q.len()]);
-        add_sizes(&self.t, q, &mut u);
+        add_sizes(&self.t_sizes, q, &mut u);
         add_sizes(self.k, &u, &mut forces);
-        add_sizes_transposed(&self.t, &forces, &mut y);
+        add_sizes_transposed(&self.t_sizes, &forces, &mut y);
         add_sizes_transposed(&self.constraints, lambda, &mut y);
         let mut gaps = vec![0.0; lambda.len()];
         add_sizes(&self.constraints, q, &mut gaps);

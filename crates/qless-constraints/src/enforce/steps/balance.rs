@@ -13,7 +13,7 @@ const REFINEMENTS: usize = 6;
 impl<S: Solver> Steps<S> {
     /// Refuses a model that nothing holds, whether its factorization failed or not.
     pub(super) fn held(&mut self, k: &[f64], factored: Result<(), EnforceError>) -> Result<(), EnforceError> {
-        let terms = Terms::new(&self.map, &self.pattern, k, &self.parts);
+        let terms = Terms::new(&self.map, &self.pattern, k, (&self.parts, &self.noise));
         let units = terms.units().to_vec();
         let failed = match factored {
             Err(error) => error,
@@ -31,7 +31,7 @@ impl<S: Solver> Steps<S> {
             if self.factor(shift, &units).is_err() {
                 continue;
             }
-            let terms = Terms::new(&self.map, &self.pattern, k, &self.parts);
+            let terms = Terms::new(&self.map, &self.pattern, k, (&self.parts, &self.noise));
             if let Some((motion, held)) = loose(&terms, &mut |r: &[f64]| solved(&mut self.solver, r)) {
                 return Err(unsupported(&terms, &motion, held));
             }
@@ -46,7 +46,7 @@ impl<S: Solver> Steps<S> {
         self.condensed.load_into(&self.map, k, f, &mut load)?;
         let mut constant = vec![0.0; self.map.dofs()];
         self.map.expand_into(&vec![0.0; load.len()], &mut constant)?;
-        let terms = Terms::new(&self.map, &self.pattern, k, &self.parts);
+        let terms = Terms::new(&self.map, &self.pattern, k, (&self.parts, &self.noise));
         let sizes = terms.size_of_load(f, &constant);
         let goal = Goal { limit: &|_| BALANCED, lax: &|_| false, enough: SHARP, steps: REFINEMENTS, patient: false };
         let solver = &mut self.solver;
@@ -82,5 +82,5 @@ fn solved(solver: &mut impl Solver, r: &[f64]) -> Result<Vec<f64>, EnforceError>
 /// The motion of all DOFs.
 fn unsupported(terms: &Terms, motion: &[f64], held: f64) -> EnforceError {
     let units = terms.spread_units();
-    EnforceError::Unsupported(Motion::new(&terms.spread(motion, |v| v), &units, held))
+    EnforceError::Unsupported(Motion::new(&terms.moved(motion), &units, held))
 }

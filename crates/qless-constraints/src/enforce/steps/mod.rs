@@ -8,6 +8,7 @@ mod turned;
 use qless::{Condensed, Given, Index, Map, Storage, View};
 
 use super::factor::uneven;
+use super::noise::Noise;
 use super::solver::{Columns, Solver, SolverError};
 use super::{EnforceError, doubt, scale};
 use terms::Pattern;
@@ -45,6 +46,8 @@ pub struct Steps<S> {
     pattern: Pattern,
     /// The connected part of each unknown.
     parts: Vec<usize>,
+    /// What is rounding in T.
+    noise: Noise,
     /// Whether the solver has factors of a K_q that is held.
     is_held: bool,
 }
@@ -83,8 +86,8 @@ impl<S: Solver> Steps<S> {
         let is_turned = !condensed.is_by_columns() && storage == Storage::Full;
         let turned = is_turned.then(|| Turned::new(&condensed));
         let parts = scale::parts(condensed.unknowns(), condensed.entries());
-        let k_q = vec![0.0; condensed.nnz()];
-        Ok(Self { map, condensed, solver, turned, storage, k_q, pattern, parts, is_held: false })
+        let (k_q, noise) = (vec![0.0; condensed.nnz()], Noise::new(map.reduction().t()));
+        Ok(Self { map, condensed, solver, turned, storage, k_q, pattern, parts, noise, is_held: false })
     }
 
     /// The constraints.

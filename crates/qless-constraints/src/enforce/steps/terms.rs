@@ -3,6 +3,7 @@
 use qless::{Index, Map, Storage, View};
 
 use super::super::equations::Equations;
+use super::super::noise::Noise;
 use super::super::scale;
 
 /// Where K has its entries.
@@ -45,11 +46,12 @@ pub struct Terms<'a> {
     k: &'a [f64],
     units: Vec<f64>,
     parts: &'a [usize],
+    noise: &'a Noise,
 }
 
 impl<'a> Terms<'a> {
-    pub fn new(map: &'a Map, pattern: &'a Pattern, k: &'a [f64], parts: &'a [usize]) -> Self {
-        let mut terms = Self { map, pattern, k, units: Vec::new(), parts };
+    pub fn new(map: &'a Map, pattern: &'a Pattern, k: &'a [f64], (parts, noise): (&'a [usize], &'a Noise)) -> Self {
+        let mut terms = Self { map, pattern, k, units: Vec::new(), parts, noise };
         let mut stiffness = vec![0.0_f64; map.dofs()];
         pattern.each(k, |i, j, v| {
             if i == j {
@@ -57,7 +59,7 @@ impl<'a> Terms<'a> {
             }
         });
         let mut of_unknowns = vec![0.0; map.masters().len()];
-        terms.spread_back(&stiffness, &mut of_unknowns, |t| t * t);
+        terms.spread_back(&stiffness, &mut of_unknowns, |_, _, t| t * t);
         terms.units = scale::units_of_diagonal(&of_unknowns);
         terms
     }
@@ -67,41 +69,55 @@ impl<'a> Terms<'a> {
         let mut sizes: Vec<f64> = f.iter().map(|f| f.abs()).collect();
         self.pattern.each(self.k, |i, j, v| sizes[i] += (v * constant[j]).abs());
         let mut of_unknowns = vec![0.0; self.map.masters().len()];
-        self.spread_back(&sizes, &mut of_unknowns, f64::abs);
+        self.spread_back(&sizes, &mut of_unknowns, self.sizes_of_t());
         of_unknowns
     }
 
     /// `y += w(L)^T x`.
-    fn spread_back(&self, x: &[f64], y: &mut [f64], w: impl Fn(f64) -> f64) {
+    fn spread_back(&self, x: &[f64], y: &mut [f64], w: impl Fn(usize, usize, f64) -> f64) {
         self.map.masters().iter().enumerate().for_each(|(q, &dof)| y[q] += x[dof]);
         for (i, &dof) in self.map.slaves().iter().enumerate() {
-            self.map.reduction().t().row(i).for_each(|(q, t)| y[q] += w(t) * x[dof]);
+            self.map.reduction().t().row(i).for_each(|(q, t)| y[q] += w(i, q, t) * x[dof]);
         }
+    }
+
+    /// The sizes of the terms of T.
+    fn sizes_of_t(&self) -> impl Fn(usize, usize, f64) -> f64 + '_ {
+        |i, q, t| self.noise.size(i, q, t)
     }
 
     /// A unit for each DOF: that of the unknowns it follows.
     pub fn spread_units(&self) -> Vec<f64> {
-        self.spread(&self.units, f64::abs).into_iter().map(|s| if s > 0.0 { s } else { 1.0 }).collect()
+        self.spread(&self.units, |_, _, t| t.abs()).into_iter().map(|s| if s > 0.0 { s } else { 1.0 }).collect()
     }
 
-    /// `L x`, or `|L| |x|`.
-    pub fn spread(&self, x: &[f64], w: impl Fn(f64) -> f64) -> Vec<f64> {
+    /// `L x`.
+    pub fn moved(&self, x: &[f64]) -> Vec<f64> {
+        self.spread(x, |_, _, t| t)
+    }
+
+    /// `w(L) x`.
+    fn spread(&self, x: &[f64], w: impl Fn(usize, usize, f64) -> f64) -> Vec<f64> {
         spread(self.map, x, w)
     }
 }
 
-fn spread(map: &Map, x: &[f64], w: impl Fn(f64) -> f64) -> Vec<f64> {
+fn spread(map: &Map, x: &[f64], w: impl Fn(usize, usize, f64) -> f64) -> Vec<f64> {
     let mut u = vec![0.0; map.dofs()];
-    map.masters().iter().enumerate().for_each(|(q, &dof)| u[dof] = w(x[q]));
+    map.masters().iter().enumerate().for_each(|(q, &dof)| u[dof] = x[q]);
     for (i, &dof) in map.slaves().iter().enumerate() {
-        u[dof] = map.reduction().t().row(i).map(|(q, t)| w(t) * w(x[q])).sum();
+        u[dof] = map.reduction().t().row(i).map(|(q, t)| w(i, q, t) * x[q]).sum();
     }
     u
 }
 
+fn absolute(x: &[f64]) -> Vec<f64> {
+    x.iter().map(|x| x.abs()).collect()
+}
+
 /// `|L| |x| + |G| |u_p| + |g|`: the sizes of the terms that u is made of.
 pub fn sizes_of_dofs(map: &Map, x: &[f64]) -> Vec<f64> {
-    let mut sizes = spread(map, x, f64::abs);
+    let mut sizes = spread(map, &absolute(x), |_, _, t| t.abs());
     let (reduction, given) = (map.reduction(), map.prescribed_values());
     map.prescribed().iter().zip(given).for_each(|(&dof, value)| sizes[dof] = value.abs());
     for (i, &dof) in map.slaves().iter().enumerate() {
@@ -113,18 +129,18 @@ pub fn sizes_of_dofs(map: &Map, x: &[f64]) -> Vec<f64> {
 
 impl Equations for Terms<'_> {
     fn apply(&self, x: &[f64]) -> Vec<f64> {
-        let (u, mut forces) = (self.spread(x, |v| v), vec![0.0; self.map.dofs()]);
+        let (u, mut forces) = (self.moved(x), vec![0.0; self.map.dofs()]);
         self.pattern.each(self.k, |i, j, v| forces[i] += v * u[j]);
         let mut y = vec![0.0; x.len()];
-        self.spread_back(&forces, &mut y, |t| t);
+        self.spread_back(&forces, &mut y, |_, _, t| t);
         y
     }
 
     fn size(&self, x: &[f64]) -> Vec<f64> {
-        let (u, mut forces) = (self.spread(x, f64::abs), vec![0.0; self.map.dofs()]);
+        let (u, mut forces) = (self.spread(&absolute(x), self.sizes_of_t()), vec![0.0; self.map.dofs()]);
         self.pattern.each(self.k, |i, j, v| forces[i] += v.abs() * u[j]);
         let mut y = vec![0.0; x.len()];
-        self.spread_back(&forces, &mut y, f64::abs);
+        self.spread_back(&forces, &mut y, self.sizes_of_t());
         y
     }
 

@@ -7,6 +7,7 @@ mod half;
 mod large;
 mod methods;
 mod models;
+mod noise_of_t;
 mod penalties;
 pub mod random;
 mod steps;

@@ -9,9 +9,12 @@ use crate::linkages::Outcome;
 
 const TREES: usize = 4_000;
 
-/// Ties, all of which `right` meets, with the power of two that is the unit of each DOF and of each row.
+/// Terms, value, and the power of two that is the unit of the row.
+type Tie = (Vec<(usize, f64)>, f64, i32);
+
+/// Ties, all of which `right` meets, with the power of two that is the unit of each DOF.
 struct Tree {
-    rows: Vec<(Vec<(usize, f64)>, f64, i32)>,
+    rows: Vec<Tie>,
     units: Vec<i32>,
     right: Vec<f64>,
 }
@@ -23,7 +26,7 @@ impl Tree {
         let mut order: Vec<usize> = (0..n).collect();
         (1..n).rev().for_each(|i| order.swap(i, random.below(i + 1)));
         // Every second tree has more zeros than other values, and factors of which they are no whole multiples.
-        let (is_whole, mut right) = (seed % 2 == 0, vec![0.0; n]);
+        let (is_whole, mut right) = (seed.is_multiple_of(2), vec![0.0; n]);
         let values = right.iter_mut().filter(|_| is_whole || random.below(3) == 0).collect::<Vec<_>>();
         values.into_iter().for_each(|value| *value = random.below(7) as f64 - 3.0);
         let mut rows = Vec::new();
@@ -64,9 +67,7 @@ impl Tree {
     /// The largest gap of a tie, in units without units.
     fn gap(&self, u: &[f64]) -> f64 {
         let plain: Vec<f64> = u.iter().zip(&self.units).map(|(u, unit)| u * 2_f64.powi(-unit)).collect();
-        let gap = |(terms, value, _): &(Vec<(usize, f64)>, f64, i32)| {
-            (terms.iter().map(|&(j, v)| v * plain[j]).sum::<f64>() - value).abs()
-        };
+        let gap = |(terms, value, _): &Tie| (terms.iter().map(|&(j, v)| v * plain[j]).sum::<f64>() - value).abs();
         self.rows.iter().map(gap).fold(0.0, |most, gap| if gap > most || gap.is_nan() { gap } else { most })
     }
 }
