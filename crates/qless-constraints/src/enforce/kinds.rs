@@ -42,6 +42,11 @@ impl Kinds {
         Self { of, count: count as usize }
     }
 
+    /// `(kind, DOF)` of those that have a kind of their own.
+    pub fn alone(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        self.of.iter().enumerate().filter(|(_, kind)| **kind != KNOWN).map(|(j, &kind)| (kind as usize, j))
+    }
+
     /// The largest number of each kind, of one for each DOF.
     pub fn largest(&self, numbers: impl Iterator<Item = f64>) -> Vec<f64> {
         let mut largest = vec![0.0_f64; self.count];

@@ -13,7 +13,8 @@ impl Prepared<'_> {
     /// `|u - u*| / |u|` of the exact u*, by the first two steps that multipliers would take towards it; none where they do not show it.
     pub fn left_by_springs(&mut self, x: &[f64], noise: f64) -> Option<f64> {
         let [first, second] = self.steps_to_exact(x)?;
-        let (first, second, references) = (self.sizes(&first), self.sizes(&second), self.references(x, noise));
+        let (first, second, references) =
+            (self.sizes(&first), self.sizes(&second), self.references_of_springs(x, noise));
         let top = references.iter().copied().fold(0.0, f64::max);
         let mut left = 0.0_f64;
         for ((first, second), reference) in
@@ -31,7 +32,7 @@ impl Prepared<'_> {
 
     /// `|a - b| / |a|` in DOFs.
     pub fn share(&self, a: &[f64], b: &[f64], noise: f64) -> f64 {
-        let off = self.sizes(&difference(a, b)).into_iter().zip(self.references(a, noise));
+        let off = self.sizes(&difference(a, b)).into_iter().zip(self.references_of_springs(a, noise));
         off.map(|(off, reference)| if off > 0.0 { off / reference } else { off }).fold(0.0, f64::max)
     }
 
@@ -70,6 +71,28 @@ impl Prepared<'_> {
         let top = references.iter().copied().fold(0.0, f64::max);
         references.iter_mut().filter(|size| **size <= noise * top).for_each(|size| *size = top);
         references
+    }
+
+    /// What springs may leave is measured by these: a DOF of a kind of its own that is zero, by the terms of its equations, if there are any.
+    fn references_of_springs(&self, x: &[f64], noise: f64) -> Vec<f64> {
+        let (mut references, sizes) = (self.references(x, noise), self.sizes(x));
+        let (kinds, units) = (self.model.kinds(), self.model.units());
+        let zeros: Vec<_> = kinds.alone().filter(|&(kind, _)| sizes[kind] < references[kind]).collect();
+        let terms = if zeros.is_empty() { Vec::new() } else { self.terms_of_dofs(x) };
+        for (kind, j) in zeros.into_iter().filter(|&(_, j)| terms[j] > 0.0) {
+            references[kind] = references[kind].min(sizes[kind].max(terms[j] / units[j]));
+        }
+        references
+    }
+
+    /// `max_r (|C| |u| + |b|)_r / |C_rj|`: how large a DOF would be if it made up an equation alone.
+    fn terms_of_dofs(&self, x: &[f64]) -> Vec<f64> {
+        let n = self.model.dofs();
+        let sizes: Vec<f64> = self.model.size(x).iter().zip(&self.part.rhs.1).map(|(a, b)| a + b).collect();
+        let mut most = vec![0.0_f64; n];
+        let of_equations = self.model.entries().filter(|&(i, j, v)| i >= n && j < n && v != 0.0);
+        of_equations.for_each(|(i, j, v)| most[j] = most[j].max(sizes[i] / v.abs()));
+        most
     }
 }
 

@@ -2,7 +2,7 @@
 
 use faer::sparse::{SparseColMat, Triplet};
 use qless::SystemBuilder;
-use qless_constraints::enforce::{EnforceError, Method, Problem};
+use qless_constraints::enforce::{EnforceError, Method, Problem, Stiffness};
 
 use super::dense;
 use super::models::{Kind, Lack, all_units, model, off};
@@ -102,6 +102,32 @@ fn supports_may_be_equations() -> Outcome {
         assert!(carried, "{:?}", solution.multipliers);
         assert!(matches!(problem.penalty(1e3, 1e-6), Err(EnforceError::PenaltyTooSmall { smallest: Some(_), .. })));
         assert!(problem.augmented(1e4, 1e-10)?.u.iter().all(|u| u.abs() < 1e-9 * units.length));
+    }
+    Ok(())
+}
+
+/// K says only what the product of the units of two DOFs is; a third one follows one of them and should stay at zero. However far a soft spring lets
+/// it go is measured by the terms of its equation, in every unit.
+#[test]
+fn zeros_without_a_unit_are_measured_by_their_equation() -> Outcome {
+    for power in (-12..=12).step_by(3) {
+        let (unit, stiffness) = (2_f64.powi(power), 65536.0);
+        let units = [unit, unit.recip(), unit];
+        let entry = |i: usize, j: usize| Triplet::new(i, j, stiffness / units[i] / units[j]);
+        let k = SparseColMat::try_new_from_triplets(3, 3, &[entry(0, 1), entry(1, 0)])?;
+        let f = [stiffness * 2.0 / units[0], -stiffness / units[1], stiffness * 3.0 / units[2]];
+        let mut builder = SystemBuilder::new(3);
+        builder.equation([(1, -2.0 / units[1]), (2, 4.0 / units[2])], -4.0);
+        let system = builder.build()?;
+        let problem = Problem::new(Stiffness::unsymmetric(&k), &f, &system)?;
+        let right = problem.lagrange()?.u;
+        assert!(right[2].abs() < 1e-12 * units[2], "2^{power}: {right:?}");
+        for factor in [1e4, 1e6, 1e8, 1e10] {
+            if let Ok(solution) = problem.penalty(factor, 1e-5) {
+                let off = (solution.u[2] / units[2]).abs();
+                assert!(off < 1e-4, "2^{power}, {factor:e}: {off:e} where 4 is the largest term");
+            }
+        }
     }
     Ok(())
 }

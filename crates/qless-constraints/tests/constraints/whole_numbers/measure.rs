@@ -5,16 +5,27 @@ use super::models::Model;
 /// The connected part of each DOF, none for prescribed ones, its unit of energy, and its kind: numbers of two kinds cannot be compared.
 pub struct Measure<'a> {
     model: &'a Model,
+    kept: &'a [usize],
     part: Vec<Option<usize>>,
     unit: Vec<f64>,
     kind: Vec<usize>,
 }
 
 impl<'a> Measure<'a> {
-    pub fn new(model: &'a Model, kept: &[usize]) -> Self {
+    pub fn new(model: &'a Model, kept: &'a [usize]) -> Self {
         let free = model.free();
         let (part, unit) = (parts(model, &free, kept), units(model, &free, kept));
-        Self { model, part, unit, kind: kinds(model, &free, kept) }
+        Self { model, kept, part, unit, kind: kinds(model, &free, kept) }
+    }
+
+    /// A DOF of a kind of its own that is at rest, by the terms of its equations.
+    fn of_terms(&self, j: usize, right: &[f64]) -> f64 {
+        let terms = |r: usize| {
+            let of_dofs = self.model.c[r].iter().zip(right).map(|(&c, u)| (c as f64 * u).abs());
+            of_dofs.sum::<f64>() + self.model.b[r].abs() as f64
+        };
+        let rows = self.kept.iter().filter(|&&r| self.model.c[r][j] != 0);
+        rows.map(|&r| terms(r) / self.model.c[r][j].abs() as f64 / self.unit[j]).fold(0.0, f64::max)
     }
 
     /// The largest of all parts and kinds; what is at rest is measured by what its loads do to its stiffness.
@@ -30,7 +41,8 @@ impl<'a> Measure<'a> {
             let load =
                 |j: usize| self.model.less_prescribed(&self.model.k[j], self.model.f[j]).abs() as f64 * self.unit[j];
             let loads = of_part().filter(|&j| kind == 0 && self.kind[j] == 0).map(load).fold(0.0, f64::max);
-            let size = if is_stiff { moved.max(loads) } else { moved };
+            let of_terms = if kind != 0 && moved == 0.0 { self.of_terms(kind - 1, right) } else { 0.0 };
+            let size = if is_stiff { moved.max(loads) } else { moved }.max(of_terms);
             if off > 0.0 { off / size } else { 0.0 }
         };
         // Of a kind at rest whose loads are none, rounding of another kind is all that is left.
