@@ -47,7 +47,7 @@ impl<M: Model> Corrector<'_, M> {
         for _ in 0..=self.options.iterations {
             let found = self.look(x, rows, (length, loose.is_some()))?;
             if self.balanced(x, found) {
-                if self.all_hold() {
+                if self.all_hold(rows) {
                     return Ok(());
                 }
                 self.change(rows)?;
@@ -99,9 +99,11 @@ impl<M: Model> Corrector<'_, M> {
         self.prescribed.iter().all(|&(j, v)| x.u[j] == v)
     }
 
-    /// Rows that are left out too.
-    fn all_hold(&self) -> bool {
-        self.state.constraint(0..self.set.equations()) <= self.options.roundings
+    /// Rows that are left out too: a row that follows from others may be off by what rounding of those makes of it.
+    fn all_hold(&self, rows: &Rows) -> bool {
+        let limit = self.options.roundings;
+        let holds = |r: usize| self.state.constraints[r] <= limit || self.state.follows(r, rows.because(r), limit);
+        (0..self.set.equations()).filter(|&r| !rows.kept(r)).all(holds)
     }
 
     /// Keeps other rows, those that are independent here.

@@ -3,7 +3,9 @@
 //! They are chosen where the constraints hold, and kept on the way: off the constraints by d, redundant rows are independent by d, and
 //! with multipliers on them the matrix would be singular but for d.
 
-use qless::{Kind, Options, analyse};
+use std::sync::Arc;
+
+use qless::{Analysis, Kind, Options, analyse};
 
 use super::{EquilibriumOptions, Failure};
 use crate::newton::{Columns, units};
@@ -18,6 +20,8 @@ pub struct Rows {
     thinned: bool,
     /// Of the DOFs there.
     units: Vec<f64>,
+    /// What says which rows others follow from.
+    analysis: Arc<Analysis>,
 }
 
 impl Rows {
@@ -37,7 +41,8 @@ impl Rows {
         let units = units(set, quantities, &Columns::plain(quantities.g()))?;
         let analysis = analyse(&set.linearised_in(&units, &still, &held)?, &settings)?;
         let kept: Vec<bool> = analysis.kinds().iter().map(|&kind| kind == Kind::Independent).collect();
-        Ok(Self { list: (0..kept.len()).filter(|&r| kept[r]).collect(), kept, thinned: false, units })
+        let list = (0..kept.len()).filter(|&r| kept[r]).collect();
+        Ok(Self { list, kept, thinned: false, units, analysis: Arc::new(analysis) })
     }
 
     pub fn list(&self) -> &[usize] {
@@ -50,6 +55,12 @@ impl Rows {
 
     pub fn kept(&self, row: usize) -> bool {
         self.kept[row]
+    }
+
+    /// `(c_k, k)` of a row that follows from others, `row = sum c_k row_k`; none of one that does not.
+    pub fn because(&self, row: usize) -> impl Iterator<Item = (f64, usize)> {
+        let because = self.analysis.because(row).unwrap_or_default();
+        because.into_iter().map(|term| (term.coefficient, term.row))
     }
 
     /// Leaves out a row that depends on others.

@@ -9,6 +9,8 @@ use crate::{ConstraintSet, Quantities, Rounding};
 
 /// Rounding of a sum of products, in units in the last place.
 const ULPS: f64 = 8.0 * f64::EPSILON;
+/// Roundings of rows that another follows from.
+const OTHERS: f64 = 4.0;
 
 /// Displacements and multipliers.
 #[derive(Clone, Debug)]
@@ -131,6 +133,16 @@ impl State {
             if self.residual[j] == 0.0 { 0.0 } else { self.residual[j].abs() / size }
         };
         free.iter().map(relative).fold(0.0, f64::max)
+    }
+
+    /// Whether `c_r - sum y_k c_k` is rounding of its terms, where row r is `sum y_k row_k`: up to so many of its own, and some of the others.
+    pub fn follows(&self, row: usize, because: impl Iterator<Item = (f64, usize)>, roundings: f64) -> bool {
+        let Some(rounding) = &self.of_constraints else { return false };
+        let (c, bounds) = (self.quantities.c(), rounding.c());
+        let start = (c[row], roundings * bounds[row]);
+        let (left, limit) =
+            because.fold(start, |(left, limit), (y, k)| (left - y * c[k], limit + OTHERS * (y * bounds[k]).abs()));
+        left.abs() <= limit
     }
 
     /// The largest `|c_r|` of the chosen rows, in roundings.

@@ -68,6 +68,8 @@ mod pages;
 mod patch;
 /// Finite strain of a periodic cell of solid elements.
 mod periodic_cell;
+/// Platforms on more arms than they need.
+mod platforms;
 /// Poses of bodies, independent of the library.
 mod poses;
 /// Input that must be refused, and what is said.
