@@ -26,6 +26,9 @@
 //! Rounding of K moves u by a share of some `eps g`, where g is the condition number of Skeel and Bauer, estimated in every solve;
 //! [`Solution::accuracy`] states it. Where a motion is held by no more than rounding, the model is refused and the motion
 //! named ([`EnforceError::Unsupported`]): also where `0.1 + 0.2 - 0.3` looks like a stiffness.
+//!
+//! An equation that follows from others is left out. Where it is in doubt whether it does, u has to meet it too, to 1e-9 of its terms and
+//! those of the others ([`EnforceError::Doubtful`]).
 
 mod blocks;
 mod condensation;

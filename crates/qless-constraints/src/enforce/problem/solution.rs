@@ -16,6 +16,7 @@ pub struct Solution {
     /// Translations and rotations are compared in units of energy; DOFs of a part of K without a number on its diagonal, which has no
     /// such units, each by itself. An estimate: as a rule too large, seldom several times too small.
     pub accuracy: f64,
-    /// The largest imbalance of a row of `K u + C^T lambda = f` and `C u - b`, relative to its terms.
+    /// The largest imbalance, relative to its terms, of a row of the equations that were solved: `K u + C^T lambda = f`, and `C u = b` of
+    /// equations by multipliers. What springs leave of theirs, `C u - b = lambda / D`, is balanced by lambda and part of `accuracy`.
     pub imbalance: f64,
 }
