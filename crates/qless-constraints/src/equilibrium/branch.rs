@@ -27,8 +27,14 @@ const MET: f64 = 0.005;
 const NEARER: f64 = 1e-3;
 /// Determined is what moves by less than this part of its unit where the others move by theirs.
 const STILL: f64 = 1e-6;
-/// Parts of a step at which functions of time are looked at: no period falls on all of them.
-const BETWEEN: [f64; 2] = [0.381_966, 0.618_034];
+/// Parts of a step at which functions of time are looked at: square roots of primes less their whole part. Of no number of periods do they come near
+/// whole ones together, unless it is very large.
+const BETWEEN: [f64; 8] =
+    [0.414_213_6, 0.732_050_8, 0.236_068, 0.645_751_3, 0.316_624_8, 0.605_551_3, 0.123_105_6, 0.358_898_9];
+/// A step whose way is off the straight one by less than this part of its length is seen well enough from its end.
+const BENT: f64 = 0.5;
+/// The spectral radius where a way is off the straight one, of a step that is accepted all the same.
+const BENT_MOST: f64 = 0.1;
 
 /// Where a load step starts.
 pub struct Branch {
@@ -40,6 +46,15 @@ pub struct Branch {
     /// `[S^-2, G^T; G, 0]` with the units S: the shortest of all motions that G allows.
     saddle: Saddle,
     determined: Vec<bool>,
+}
+
+/// What is seen of a step from where it starts to where it ends.
+#[derive(Clone, Copy, Default)]
+pub struct Turn {
+    /// The spectral radius of P.
+    pub radius: f64,
+    /// Whether branches meet on the way, or nearly so: which one is taken, Newton's method decides.
+    pub met: bool,
 }
 
 impl Branch {
@@ -57,17 +72,17 @@ impl Branch {
         determined.contains(&true).then_some(Self { before, rows, free, units, saddle, determined })
     }
 
-    /// The spectral radius of P for G elsewhere; an error if a step that goes there may leave the branch.
-    pub fn turn(&self, after: &Quantities) -> Result<f64, Failure> {
+    /// What P says for G elsewhere; an error if a step that goes there may leave the branch.
+    pub fn turn(&self, after: &Quantities) -> Result<Turn, Failure> {
         let changed = change(&self.before, after, self.rows.units());
         if changed == 0.0 {
-            return Ok(0.0);
+            return Ok(Turn::default());
         }
         let radius = self.radius(after);
         let meet = (radius - 1.0).abs() <= NEARER || radius >= NEARER.recip();
         match changed <= MET || meet {
-            true => Ok(radius.min(AIM)),
-            false if radius <= MOST => Ok(radius),
+            true => Ok(Turn { radius: radius.min(AIM), met: radius.is_nan() || radius > MOST }),
+            false if radius <= MOST => Ok(Turn { radius, met: false }),
             false => Err(Failure::Branch(growth(radius))),
         }
     }
@@ -77,25 +92,36 @@ impl Branch {
         if let Course::Still(_) = course {
             return Ok(());
         }
+        let straight = self.ahead(course, to, room)?;
         for part in BETWEEN {
-            course.go_between(from + part * (to - from))?;
-            course.set().evaluate(self.before.u(), room)?;
-            let ahead = self.ahead(room.c());
-            if ahead.iter().any(|u| !u.is_finite()) {
-                return Err(Failure::Branch(0.0));
+            let there = self.ahead(course, from + part * (to - from), room)?;
+            let off: Vec<f64> = there.iter().zip(&straight).map(|(x, whole)| x - part * whole).collect();
+            let is_straight = self.size(&off) <= BENT * self.size(&straight);
+            if !is_straight {
+                self.comes_back(course.set(), &there, room)?;
             }
-            course.set().evaluate(&ahead, room)?;
-            self.turn(room)?;
         }
         course.go_between(to)
     }
 
-    /// Where the determined DOFs go, to first order, when c at the start becomes `c`.
-    fn ahead(&self, c: &[f64]) -> Vec<f64> {
-        let dx = self.moved(self.rows.list().iter().map(|&r| -c[r]));
+    /// Whether nothing can happen to the branch on a way that goes as far as dx and comes back.
+    fn comes_back(&self, set: &ConstraintSet, dx: &[f64], room: &mut Quantities) -> Result<(), Failure> {
+        if dx.iter().any(|dx| !dx.is_finite()) {
+            return Err(Failure::Branch(0.0));
+        }
         let mut u = self.before.u().to_vec();
         self.free.iter().zip(dx).for_each(|(&j, dx)| u[j] += dx);
-        u
+        set.evaluate(&u, room)?;
+        let turn = self.turn(room)?;
+        let far = turn.radius > BENT_MOST && change(&self.before, room, self.rows.units()) > MET;
+        if far { Err(Failure::Branch(growth(turn.radius))) } else { Ok(()) }
+    }
+
+    /// How far the determined DOFs go by a load factor, to first order.
+    fn ahead(&self, course: &mut Course, factor: f64, room: &mut Quantities) -> Result<Vec<f64>, Failure> {
+        course.go_between(factor)?;
+        course.set().evaluate(self.before.u(), room)?;
+        Ok(self.moved(self.rows.list().iter().map(|&r| -room.c()[r])))
     }
 
     fn radius(&self, after: &Quantities) -> f64 {
@@ -129,7 +155,9 @@ impl Branch {
     }
 
     fn size(&self, x: &[f64]) -> f64 {
-        x.iter().zip(&self.units).map(|(x, unit)| (x / unit).abs()).fold(0.0, f64::max)
+        let sizes = x.iter().zip(&self.units).map(|(x, unit)| (x / unit).abs());
+        // No number is larger than all.
+        sizes.fold(0.0, |most, x| if most.is_nan() || x <= most { most } else { x })
     }
 }
 

@@ -23,6 +23,9 @@ pub struct LoadStep {
     pub factor: f64,
     /// Whether equilibrium was found there; if not, it was tried once more from a configuration that satisfies the constraints, or cut.
     pub converged: bool,
+    /// Whether branches of what the constraints determine meet on the way there, or nearly so: which one was taken, Newton's method decided. Look
+    /// at the result, or go there in other steps.
+    pub branches_meet: bool,
     /// The way there.
     pub iterates: Vec<Iterate>,
 }

@@ -6,7 +6,7 @@ mod check;
 mod origin;
 mod step;
 
-use super::branch::{Branch, growth, is_straight};
+use super::branch::{Branch, Turn, growth, is_straight};
 use super::course::Course;
 use super::failure::Reached;
 use super::pattern::Pattern;
@@ -38,8 +38,10 @@ pub struct Path<'a, M> {
     driven: bool,
     branch: Option<Branch>,
     of_branch: Pattern,
-    /// The spectral radius of the last step.
-    radius: f64,
+    /// Of the last step.
+    turn: Turn,
+    /// The rank of the constraints where the last step started, if they hold there.
+    rank: Option<usize>,
     stability: Option<Stability>,
     steps: Vec<LoadStep>,
 }
@@ -76,7 +78,8 @@ impl<'a, M: Model> Path<'a, M> {
             driven,
             branch: None,
             of_branch: Pattern::default(),
-            radius: 0.0,
+            turn: Turn::default(),
+            rank: None,
             stability: None,
             steps: Vec::new(),
         })
@@ -101,7 +104,7 @@ impl<'a, M: Model> Path<'a, M> {
                     self.model.accept(&at.u);
                     (self.at, self.rows, factor) = (at, Some(rows), tried);
                     let easy = self.steps.last().is_some_and(|step| step.iterates.len() <= EASY);
-                    let longer = growth(self.radius).min(if easy { 2.0 } else { 1.0 });
+                    let longer = growth(self.turn.radius).min(if easy { 2.0 } else { 1.0 });
                     length = (longer * length).max(length.min(self.options.shortest));
                 }
                 Err(failure) => {

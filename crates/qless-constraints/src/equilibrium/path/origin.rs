@@ -1,7 +1,7 @@
 //! Where a step starts: the rows that are not redundant there, the branch of the mechanism, and rotations that only constraints know.
 
 use super::super::Model;
-use super::super::branch::Branch;
+use super::super::branch::{Branch, Turn};
 use super::super::failure::Failure;
 use super::super::rows::Rows;
 use super::Path;
@@ -25,7 +25,7 @@ impl<M: Model> Path<'_, M> {
 
     /// The rows of the next step, and the branch on which it starts.
     pub(super) fn origin(&mut self, prescribed: &[(usize, f64)]) -> Result<Rows, Failure> {
-        (self.branch, self.radius) = (None, 0.0);
+        (self.branch, self.turn) = (None, Turn::default());
         let (rows, holds) = match self.rows.clone() {
             Some(rows) => (rows, true),
             None => self.rows_at_start(prescribed)?,
@@ -33,6 +33,7 @@ impl<M: Model> Path<'_, M> {
         if self.rows.is_some() && self.driven {
             self.course.set().evaluate(&self.at.u, &mut self.state.quantities)?;
         }
+        self.rank = (self.driven && holds).then(|| rows.list().len());
         if self.driven && holds {
             self.branch = Branch::new(&self.state.quantities, &rows, &self.free, &mut self.of_branch);
         }

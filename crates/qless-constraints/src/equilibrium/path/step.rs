@@ -1,6 +1,7 @@
 //! One load step: first from the last equilibrium, then once more from the nearest configuration that satisfies the constraints (at a dead
 //! centre first order knows no way).
 
+use super::super::branch::Turn;
 use super::super::correct::Corrector;
 use super::super::failure::Failure;
 use super::super::rows::Rows;
@@ -76,8 +77,8 @@ impl<M: Model> Path<'_, M> {
         };
         let mut result = corrector.run(&mut x, &mut rows);
         if result.is_ok() {
-            let turn = self.branch.as_ref().map_or(Ok(0.0), |branch| branch.turn(&corrector.state.quantities));
-            result = turn.map(|radius| self.radius = radius);
+            let turn = self.branch.as_ref().map_or(Ok(Turn::default()), |b| b.turn(&corrector.state.quantities));
+            result = turn.map(|turn| self.turn = turn);
         }
         if result.is_ok() && factor == 1.0 {
             result = corrector.supported(&rows).map(|saddle| {
@@ -86,7 +87,8 @@ impl<M: Model> Path<'_, M> {
             });
         }
         let iterates = corrector.iterates;
-        self.steps.push(LoadStep { factor, converged: result.is_ok(), iterates });
+        let branches_meet = self.turn.met || self.rank.is_some_and(|rank| rank != rows.list().len());
+        self.steps.push(LoadStep { factor, converged: result.is_ok(), branches_meet, iterates });
         result.map(|()| (x, rows))
     }
 }
