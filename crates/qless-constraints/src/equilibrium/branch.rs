@@ -32,9 +32,11 @@ const STILL: f64 = 1e-6;
 const BETWEEN: [f64; 8] =
     [0.414_213_6, 0.732_050_8, 0.236_068, 0.645_751_3, 0.316_624_8, 0.605_551_3, 0.123_105_6, 0.358_898_9];
 /// A step whose way is off the straight one by less than this part of its length is seen well enough from its end.
-const BENT: f64 = 0.5;
-/// The spectral radius where a way is off the straight one, of a step that is accepted all the same.
-const BENT_MOST: f64 = 0.1;
+const STRAIGHT: f64 = 0.1;
+/// One that is off by more than this part comes back, as from a whole turn: its end says nothing of it.
+const BACK: f64 = 0.5;
+/// The largest spectral radius anywhere on a way that comes back.
+const MOST_BACK: f64 = 0.1;
 
 /// Where a load step starts.
 pub struct Branch {
@@ -96,25 +98,25 @@ impl Branch {
         for part in BETWEEN {
             let there = self.ahead(course, from + part * (to - from), room)?;
             let off: Vec<f64> = there.iter().zip(&straight).map(|(x, whole)| x - part * whole).collect();
-            let is_straight = self.size(&off) <= BENT * self.size(&straight);
-            if !is_straight {
-                self.comes_back(course.set(), &there, room)?;
+            let off = self.size(&off) / self.size(&straight);
+            if off.is_nan() || off > STRAIGHT {
+                self.passes(course.set(), &there, room, if off <= BACK { MOST } else { MOST_BACK })?;
             }
         }
         course.go_between(to)
     }
 
-    /// Whether nothing can happen to the branch on a way that goes as far as dx and comes back.
-    fn comes_back(&self, set: &ConstraintSet, dx: &[f64], room: &mut Quantities) -> Result<(), Failure> {
+    /// Whether a way may go through where the determined DOFs have gone by dx: not if P has a larger spectral radius there than `most`.
+    fn passes(&self, set: &ConstraintSet, dx: &[f64], room: &mut Quantities, most: f64) -> Result<(), Failure> {
         if dx.iter().any(|dx| !dx.is_finite()) {
             return Err(Failure::Branch(0.0));
         }
         let mut u = self.before.u().to_vec();
         self.free.iter().zip(dx).for_each(|(&j, dx)| u[j] += dx);
         set.evaluate(&u, room)?;
-        let turn = self.turn(room)?;
-        let far = turn.radius > BENT_MOST && change(&self.before, room, self.rows.units()) > MET;
-        if far { Err(Failure::Branch(growth(turn.radius))) } else { Ok(()) }
+        let radius = self.turn(room)?.radius;
+        let far = radius > most && change(&self.before, room, self.rows.units()) > MET;
+        if far { Err(Failure::Branch(growth(radius))) } else { Ok(()) }
     }
 
     /// How far the determined DOFs go by a load factor, to first order.

@@ -153,3 +153,39 @@ fn what_folds_on_the_way_is_refused() -> Outcome {
     assert!(refused > 15, "{refused} of 60 say that a branch ends");
     Ok(())
 }
+
+/// Whole turns, after which everything is where it was: a linkage that does not close on the way is refused, however many they are.
+#[test]
+fn whole_turns_that_do_not_close_are_refused() -> Outcome {
+    let mut open = 0;
+    for seed in 0..500 {
+        let (bar, unit) = (FourBar::random(seed), UNITS[seed % 3]);
+        let (crank, first) = (0.2 + 2.0 * random(17 * seed + 5).abs(), 6.0 * random(17 * seed + 6));
+        let turns = [1.0, -1.0, 2.0, 3.0, 7.0, 25.0, 60.0][seed % 7];
+        // An ellipse: the end of the crank has no one speed.
+        let flat = [1.0, 0.6][seed / 7 % 2];
+        let pin = move |s: f64| {
+            let angle = first + s * turns * TAU;
+            [crank * angle.cos(), flat * crank * angle.sin()]
+        };
+        let closes = |s: f64| bar.joint(pin(s / turns)).is_some();
+        let gaps = (0..2000).filter(|&i| !closes(f64::from(i) / 2000.0)).count();
+        if gaps < 20 || !closes(0.0) {
+            continue;
+        }
+        let mut builder = bar.builder(pin(0.0), unit)?;
+        for k in 0..2 {
+            builder.add("crank", Driven::new([(k, 1.0)], move |s| unit * (pin(s)[k] - pin(0.0)[k])))?;
+        }
+        let mut set = builder.build()?;
+        let (start, target) = (Start::at_rest(&set), Target { loads: &[0.0; 4], prescribed: &[] });
+        let mut model = Weights { springs: vec![0.0; 4] };
+        let found = drive(&mut model, &mut set, &start, &target, 1.0, &EquilibriumOptions::default());
+        let steps = found.map(|found| found.steps.len());
+        assert!(steps.is_err(), "{seed} {bar:?}, crank {crank} by {turns} turns, {gaps} gaps: {steps:?} load steps");
+        open += 1;
+    }
+    println!("{open} linkages that do not close");
+    assert!(open > 100, "{open}");
+    Ok(())
+}
