@@ -208,13 +208,15 @@ mod tests {
         let (mut checked, mut wrong) = (0, Vec::new());
         for (shape, seed) in faces().flat_map(|shape| (0..400_usize).map(move |seed| (shape, 977 * seed))) {
             let (unit, off) = ([1e-6, 1.0, 1e6][seed % 3], 0.3 * random(seed));
+            // A strip may be a thousand times as long as it is wide.
+            let long = [[1.0, 1.0, 1.0], [100.0, 1.0, 1.0], [1.0, 1000.0, 1.0], [30.0, 1.0, 30.0]][seed % 4];
             let place = |(k, p): (usize, &Parameters)| {
-                std::array::from_fn(|d| unit * (p[d] + off * (2.0 * random(seed + 3 * k + d + 1) - 1.0)))
+                std::array::from_fn(|d| unit * long[d] * (p[d] + off * (2.0 * random(seed + 3 * k + d + 1) - 1.0)))
             };
             let nodes: Vec<[f64; 3]> = shape.places().iter().enumerate().map(place).collect();
             let truth = shape.weights(inside(shape, seed));
             let on: [f64; 3] = std::array::from_fn(|d| nodes.iter().zip(&truth).map(|(x, n)| n * x[d]).sum());
-            for gap in [0.0, 0.1, 0.5, 2.0] {
+            for gap in [0.0, 0.1, 0.5, 2.0, 100.0] {
                 let point: [f64; 3] =
                     std::array::from_fn(|d| on[d] + unit * gap * (2.0 * random(seed + 400 + d) - 1.0));
                 let Some(found) = project(shape, &nodes, &point) else { continue };

@@ -189,3 +189,44 @@ fn whole_turns_that_do_not_close_are_refused() -> Outcome {
     assert!(open > 100, "{open}");
     Ok(())
 }
+
+/// So near to folding flat that Newton's method decides between the branches: a load step says so wherever the wrong one was taken.
+#[test]
+fn where_branches_meet_is_said() -> Outcome {
+    let (mut right, mut refused) = (0, 0);
+    // Of those far from folding and those near to it, how many go through where branches meet.
+    let mut said = [[0, 0]; 2];
+    for seed in 0..2000 {
+        let (mut bar, unit) = (FourBar::random(seed), UNITS[seed % 3]);
+        let (crank, first) = (0.2 + 2.0 * random(17 * seed + 5).abs(), 6.0 * random(17 * seed + 6));
+        let margin = 10_f64.powf(-3.0 - 8.0 * random(13 * seed).abs());
+        bar.rocker = (bar.base + crank) * (1.0 + margin) - bar.coupler;
+        let pin = move |s: f64| [0, 1].map(|k| crank * [f64::cos, f64::sin][k](first + s * 0.7 * TAU));
+        let closes = (0..=2000).all(|i| bar.joint(pin(f64::from(i) / 2000.0)).is_some());
+        if bar.rocker <= 0.1 || !closes || (bar.rocker - bar.coupler).abs() > 0.95 * (bar.base - crank).abs() {
+            continue;
+        }
+        let mut builder = bar.builder(pin(0.0), unit)?;
+        for k in 0..2 {
+            builder.add("crank", Driven::new([(k, 1.0)], move |s| unit * (pin(s)[k] - pin(0.0)[k])))?;
+        }
+        let mut set = builder.build()?;
+        let (start, target) = (Start::at_rest(&set), Target { loads: &[0.0; 4], prescribed: &[] });
+        let mut model = Weights { springs: vec![0.0; 4] };
+        let Ok(found) = drive(&mut model, &mut set, &start, &target, 1.0, &EquilibriumOptions::default()) else {
+            refused += 1;
+            continue;
+        };
+        let met = found.steps.iter().any(|step| step.converged && step.branches_meet);
+        let is_right = bar.off([pin(0.0), pin(1.0)], &found.u, unit) < 1e-5;
+        assert!(is_right || met, "{seed} {bar:?}, crank {crank}, margin {margin:e}: {} load steps", found.steps.len());
+        right += usize::from(is_right);
+        let [all, through] = &mut said[usize::from(margin < 1e-5)];
+        (*all, *through) = (*all + 1, *through + usize::from(met));
+    }
+    println!("{right} on their branch, {said:?} through where branches meet, {refused} refused");
+    let [far, near] = said;
+    assert!(right > 100 && refused < right / 10, "{right} {refused}");
+    assert!(near[1] * 4 > near[0] && far[1] * 8 < far[0], "{said:?}");
+    Ok(())
+}
