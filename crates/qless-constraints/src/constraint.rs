@@ -113,6 +113,14 @@ pub trait Nonlinear: Send + Sync + Sized + 'static {
         derive::jacobian(self, u, c, g);
     }
 
+    /// The same in any numbers: with bounds on their rounding, if u has them ([`crate::ConstraintSet::rounding`]).
+    ///
+    /// By dual numbers that costs as many evaluations of c as there are DOFs; a type whose c is a sum over many pieces adds up derivatives of
+    /// the pieces instead.
+    fn jacobian_in<S: Scalar>(&self, u: &[S], c: &mut [S], g: &mut [S]) {
+        derive::jacobian(self, u, c, g);
+    }
+
     /// `sum_r w_r d^2 c_r / du_j du_k`, one number per pair, in the order of [`Nonlinear::pairs`], or as
     /// [`Nonlinear::NUMBERS`] says; every number is written.
     fn hessian(&self, u: &[f64], w: &[f64], h: &mut [f64]) {

@@ -38,7 +38,9 @@ impl Linearisation {
             .linearised_in(&units, quantities, &increments)
             .map_err(|source| NewtonError::System { step, source })?;
         // Along a chain the end moves by its length where the first hinge turns: to avoid that, slaves would have to be looked for far away.
-        let loose = Options { growth: options.analysis.growth.max(GROWTH), ..options.analysis.clone() };
+        let growth = options.analysis.growth.max(GROWTH);
+        // Columns are in units already: what moves little for c is no slave, or steps are as large as it is small.
+        let loose = Options { growth, balance: false, ..options.analysis.clone() };
         let analysis = analyse(&system, &loose).map_err(|source| NewtonError::Analysis { step, source })?;
         let increments = vec![0.0; held.len()];
         Ok(Self { analysis, current: true, increments, units })

@@ -23,7 +23,8 @@ pub fn units(set: &ConstraintSet, quantities: &Quantities, of: &Columns) -> Resu
 
 /// `1 / max_r (|G_rj| / size_r)` over the nonlinear rows: how far each DOF goes until some c has changed by the size of its terms.
 ///
-/// An entry counts for what its terms are, which its rounding tells, where they cancel: a rod along an axis is not so long across it.
+/// An entry counts for what its terms are, which its rounding tells, where they cancel. Displacements of a row have one unit, that of their largest
+/// entry: a rod along an axis gives those across it no longer reach.
 /// Of linear rows only the ratios of their entries count, since their terms vanish with u: a DOF of no nonlinear row goes as far as its partners. 0
 /// where nothing is known.
 fn reaches(set: &ConstraintSet, quantities: &Quantities, of: &Columns) -> Result<Vec<f64>, ArgumentError> {
@@ -32,9 +33,13 @@ fn reaches(set: &ConstraintSet, quantities: &Quantities, of: &Columns) -> Result
     let mut steepness = vec![0.0_f64; of.count()];
     for (row, bound) in rounding.c().iter().enumerate().filter(|(row, _)| !linear.contains(row)) {
         let weight = inverse(bound / f64::EPSILON);
-        for ((j, v), bound) in of.row(g, row).zip(rounding.of_row(row)) {
-            let least = bound / ROUNDINGS;
-            steepness[j] = steepness[j].max(v.abs().max(least) * weight);
+        let entries = || of.row(g, row).zip(g.row(row)).zip(rounding.of_row(row));
+        let sizes = || entries().map(|(((j, v), (dof, _)), bound)| (j, dof, v.abs().max(bound / ROUNDINGS)));
+        let of_displacements =
+            sizes().filter(|&(_, dof, _)| set.is_displacement(dof)).fold(0.0, |most: f64, (.., size)| most.max(size));
+        for (j, dof, size) in sizes() {
+            let size = if set.is_displacement(dof) { of_displacements } else { size };
+            steepness[j] = steepness[j].max(size * weight);
         }
     }
     let mut reaches: Vec<f64> = steepness.into_iter().map(inverse).collect();

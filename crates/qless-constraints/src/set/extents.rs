@@ -15,4 +15,9 @@ impl ConstraintSet {
         });
         sizes
     }
+
+    /// Whether a DOF is known to add to a coordinate: it is a displacement of a node.
+    pub(crate) fn is_displacement(&self, dof: usize) -> bool {
+        self.stated.largest().get(dof).is_some_and(|sizes| sizes.node.is_something())
+    }
 }

@@ -18,7 +18,6 @@ use super::stamp::Stamp;
 #[cfg(test)]
 use super::tests::double_double::DoubleDouble;
 use crate::constraint::Nonlinear;
-use crate::derive;
 use crate::scalar::Bounded;
 
 /// Items per block, ...
@@ -136,7 +135,7 @@ impl<Q: Nonlinear> Homogeneous<Q> {
         let u: Vec<Bounded> = self.dofs(i).iter().map(|&j| known.dof(j)).collect();
         let zero = Bounded::from(0.0);
         let (mut value, mut slopes) = (vec![zero; c.len()], vec![zero; g.len()]);
-        derive::jacobian(&self.items[i], &u, &mut value, &mut slopes);
+        self.items[i].jacobian_in(&u, &mut value, &mut slopes);
         c.iter_mut().zip(value).for_each(|(c, of)| *c = bound(of));
         g.iter_mut().zip(slopes).for_each(|(g, of)| *g = bound(of));
     }
@@ -346,7 +345,7 @@ impl<Q: Nonlinear> Block for Homogeneous<Q> {
             let zero = DoubleDouble::from(0.0);
             let local: Vec<_> = dofs.iter().map(|&j| u[j as usize]).collect();
             let (mut c, mut g) = (vec![zero; Q::PARTS.len()], vec![zero; Q::PARTS.len() * dofs.len()]);
-            derive::jacobian(item, &local, &mut c, &mut g);
+            crate::derive::jacobian(item, &local, &mut c, &mut g);
             all_c.extend(c);
             let mut columns: Vec<usize> = (0..dofs.len()).collect();
             columns.sort_unstable_by_key(|&k| dofs[k]);

@@ -48,7 +48,7 @@ pub(super) struct Size(u16);
 pub(super) struct Sizes {
     /// The largest of them.
     pub at: Size,
-    /// The largest of the nodes that they belong to, along any axis.
+    /// The largest of the nodes that they belong to, along any axis; something if there is a node, wherever it lies.
     pub node: Size,
 }
 
@@ -61,6 +61,15 @@ impl Size {
     pub fn above(x: f64) -> Self {
         let largest = (f64::MAX.to_bits() >> CUT) as u16;
         Self(if x == 0.0 { 0 } else { ((x.abs().to_bits() >> CUT) as u16 + 1).min(largest) })
+    }
+
+    /// Of the least number that there is, for one that is zero.
+    pub fn of_something(x: f64) -> Self {
+        Self::above(x).max(Self(1))
+    }
+
+    pub fn is_something(self) -> bool {
+        self.0 > 0
     }
 
     pub fn number(self) -> f64 {

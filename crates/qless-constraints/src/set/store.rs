@@ -166,12 +166,12 @@ impl Store {
 
     fn put_coordinates<const N: usize>(&mut self, dofs: &[usize; N], at: [f64; N], largest: f64) {
         dofs.iter().for_each(|&dof| self.check_dof(dof));
-        if self.fault.is_none() && largest != 0.0 {
+        if self.fault.is_none() {
             let all = match &mut self.portion {
                 Some(portion) => &mut portion.stated.all,
                 None => &mut self.contents.coordinates,
             };
-            let node = Size::above(largest);
+            let node = Size::of_something(largest);
             let each: [_; N] = std::array::from_fn(|k| Coordinate::new(dofs[k], at[k], node));
             all.extend_from_slice(&each);
         }

@@ -14,6 +14,8 @@ mod bodies;
 mod branches;
 /// Constraints that are added all at once: the same as one by one.
 mod bulk;
+/// Rods along axes in space.
+mod chains;
 /// Contact by an active set, against a quadratic program.
 mod contact;
 /// Rigid bodies and averages of nodes with rotations, beams and shells on solids, walls of fluids.

@@ -50,15 +50,20 @@ impl Nonlinear for Patch {
         }
     }
 
-    /// `dV / da = sum over triangles of b x d / 6`.
     fn value_and_jacobian(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
+        self.jacobian_in(u, c, g);
+    }
+
+    /// `dV / da = sum over triangles of b x d / 6`.
+    fn jacobian_in<S: Scalar>(&self, u: &[S], c: &mut [S], g: &mut [S]) {
         self.value(u, c);
-        g.fill(0.0);
-        let x = |node: u32| moved(&self.at[node as usize], u, 3 * node as usize);
+        g.fill(S::from(0.0));
+        let (factor, x) = (S::from(self.scale / 6.0), |node: u32| moved(&self.at[node as usize], u, 3 * node as usize));
         for &[a, b, d] in &self.triangles {
             for (node, next, last) in [(a, b, d), (b, d, a), (d, a, b)] {
                 let slope = cross(x(next), x(last));
-                (0..3).for_each(|k| g[3 * node as usize + k] += self.scale / 6.0 * slope[k]);
+                let own = &mut g[3 * node as usize..][..3];
+                own.iter_mut().zip(slope).for_each(|(g, slope)| *g = *g + factor * slope);
             }
         }
     }
