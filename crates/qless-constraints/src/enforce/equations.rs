@@ -2,7 +2,8 @@
 //!
 //! A row whose terms are all rounding of larger ones elsewhere cannot be in balance with itself. Its terms count as at least
 //! [`FLOOR`] of what they would be if every unknown of its connected part were as large as the largest one, in the
-//! units of [`super::scale`]: these have no units, so that this compares no length with a force.
+//! units of [`super::scale`]: these have no units, so that this compares no length with a force. Unknowns whose units cannot be compared
+//! ([`super::kinds`]) are taken as large as would make up a row of theirs, `max_i (|A| |x| + |b|)_i / |A_ij|`.
 //! Cost of each measure: three passes over the entries.
 
 use super::EnforceError;
@@ -27,6 +28,13 @@ pub trait Equations {
     fn units(&self) -> &[f64];
     /// The connected part of each unknown, named by one of its members.
     fn parts(&self) -> &[usize];
+    /// How large each unknown may be taken for where it is rounding of others; `size` are the terms of each row.
+    fn levels(&self, x: &[f64], _size: &[f64]) -> Vec<f64>
+    where
+        Self: Sized,
+    {
+        levelled(self, x)
+    }
 }
 
 /// How the balance of x is reached.
@@ -91,10 +99,11 @@ pub fn settle(
 /// `b - A x`, and how large it is.
 fn measured(equations: &impl Equations, x: &[f64], b: (&[f64], &[f64]), goal: &Goal) -> (Vec<f64>, Settled) {
     let left: Vec<f64> = b.0.iter().zip(equations.apply(x)).map(|(b, ax)| b - ax).collect();
-    let (size, floor) = (equations.size(x), equations.size(&levelled(equations, x)));
+    let size: Vec<f64> = equations.size(x).iter().zip(b.1).map(|(ax, b)| ax + b).collect();
+    let floor = equations.size(&equations.levels(x, &size));
     let mut worst = Settled { x: x.to_vec(), row: 0, imbalance: 0.0, rounding: 0.0, share: 0.0 };
     for (i, left) in left.iter().enumerate().filter(|(_, left)| **left != 0.0) {
-        let imbalance = left.abs() / (size[i] + b.1[i]).max(FLOOR * floor[i]);
+        let imbalance = left.abs() / size[i].max(FLOOR * floor[i]);
         let share = imbalance / (goal.limit)(i);
         if !(goal.lax)(i) {
             worst.rounding = worst.rounding.max(imbalance);

@@ -42,9 +42,19 @@ impl Kinds {
         Self { of, count: count as usize }
     }
 
-    /// `(kind, DOF)` of those that have a kind of their own.
-    pub fn alone(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        self.of.iter().enumerate().filter(|(_, kind)| **kind != KNOWN).map(|(j, &kind)| (kind as usize, j))
+    /// `(kind, DOF)` of all.
+    pub fn of_dofs(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        self.of.iter().enumerate().map(|(j, &kind)| (kind as usize, j))
+    }
+
+    /// Whether the units of a DOF are known.
+    pub fn is_known(&self, dof: usize) -> bool {
+        self.of[dof] == KNOWN
+    }
+
+    /// Whether there is more than one kind.
+    pub fn are_many(&self) -> bool {
+        self.count > 1
     }
 
     /// The largest number of each kind, of one for each DOF.

@@ -3,7 +3,7 @@
 //! Unknowns are one list, u and then lambda. `1 / D` is zero but where a penalty is asked for.
 
 use super::EnforceError;
-use super::equations::Equations;
+use super::equations::{Equations, levelled};
 use super::kinds::Kinds;
 use super::matrix::{Matrix, add, add_sizes, add_sizes_transposed, add_transposed, entries, from_triplets};
 use super::method::Method;
@@ -63,6 +63,14 @@ impl<'a> Model<'a> {
         &self.kinds
     }
 
+    /// Which unknowns can be compared: a multiplier as all DOFs of its equation.
+    fn known(&self) -> Vec<bool> {
+        let n = self.dofs();
+        let mut known: Vec<bool> = (0..n + self.c.nrows()).map(|j| j >= n || self.kinds.is_known(j)).collect();
+        entries(&self.c).filter(|&(_, j, _)| !self.kinds.is_known(j)).for_each(|(i, ..)| known[n + i] = false);
+        known
+    }
+
     /// Whether there is any stiffness.
     pub fn is_stiff(&self) -> bool {
         self.k.val().iter().any(|v| *v != 0.0)
@@ -103,5 +111,20 @@ impl Equations for Model<'_> {
 
     fn parts(&self) -> &[usize] {
         &self.parts
+    }
+
+    fn levels(&self, x: &[f64], size: &[f64]) -> Vec<f64> {
+        if !self.kinds.are_many() {
+            return levelled(self, x);
+        }
+        let known = self.known();
+        let of_known: Vec<f64> = x.iter().zip(&known).map(|(x, known)| if *known { *x } else { 0.0 }).collect();
+        let (mut levels, mut most) = (levelled(self, &of_known), vec![0.0_f64; x.len()]);
+        for (i, j, v) in self.entries().filter(|&(_, j, v)| v != 0.0 && !known[j]) {
+            most[j] = most[j].max(size[i] / v.abs());
+        }
+        let alone = (0..x.len()).filter(|&j| !known[j]);
+        alone.for_each(|j| levels[j] = most[j]);
+        levels
     }
 }

@@ -14,7 +14,7 @@ pub struct Solution {
     /// The share of u, in its largest number per connected part, that may be wrong: what rounding of K and C does to it, and what
     /// penalties leave; if that is more, the share of what loads would do to the stiffness they act on.
     /// Translations and rotations are compared in units of energy; DOFs of a part of K without a number on its diagonal, which has no
-    /// such units, each by itself. An estimate: as a rule too large, seldom several times too small.
+    /// such units, each by itself, and by the terms of its equations where it is zero. An estimate: as a rule too large, seldom several times too small.
     pub accuracy: f64,
     /// The largest imbalance, relative to its terms, of a row of the equations that were solved: `K u + C^T lambda = f`, and `C u = b` of
     /// equations by multipliers. What springs leave of theirs, `C u - b = lambda / D`, is balanced by lambda and part of `accuracy`.

@@ -5,6 +5,7 @@ mod left;
 mod multipliers;
 mod penalties;
 mod refusal;
+mod rounding;
 mod springs;
 mod support;
 

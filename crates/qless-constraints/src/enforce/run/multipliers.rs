@@ -5,7 +5,6 @@
 use super::super::EnforceError;
 use super::super::equations::Settled;
 use super::super::method::Method;
-use super::super::support::WRONG;
 use super::support::supported;
 use super::{Found, Part};
 
@@ -13,14 +12,14 @@ use super::{Found, Part};
 pub fn solved(part: &Part, accuracy: f64) -> Result<Found, EnforceError> {
     let (mut exact, growth) = supported(part)?;
     let settled = exact.settled(accuracy)?;
-    let noise = settled.rounding.max(WRONG) * growth;
-    if settled.share > 1.0 || noise.is_nan() || noise >= 1.0 {
-        return Err(refused(part, &settled, accuracy));
-    }
+    let rounding = match exact.rounding(&settled, growth) {
+        Some(rounding) if settled.share <= 1.0 && rounding.share < 1.0 => rounding,
+        _ => return Err(refused(part, &settled, accuracy)),
+    };
     if part.methods.iter().any(|method| matches!(method, Method::Penalty { .. })) {
-        return exact.penalised(&settled.x, noise, accuracy);
+        return exact.penalised(&settled.x, &rounding, accuracy);
     }
-    let stated = exact.noise_of_kinds(&settled.x, noise);
+    let stated = exact.rounded(&settled.x, &rounding);
     found(part, settled, stated, accuracy)
 }
 

@@ -12,6 +12,7 @@ use super::super::equations::{BALANCED, Goal, SHARP, Settled, settle};
 use super::super::method::{Method, springs};
 use super::super::model::Model;
 use super::multipliers::found;
+use super::rounding::Rounding;
 use super::{AUGMENTATIONS, Found, Prepared, limits};
 
 /// Powers of ten that are tried where a spring is too soft.
@@ -19,11 +20,11 @@ const STIFFER: i32 = 6;
 
 impl Prepared<'_> {
     /// By penalties, to the accuracy asked for, or refused with a factor that does.
-    pub fn penalised(&mut self, exact: &[f64], noise: f64, accuracy: f64) -> Result<Found, EnforceError> {
+    pub fn penalised(&mut self, exact: &[f64], rounding: &Rounding, accuracy: f64) -> Result<Found, EnforceError> {
         let factor = self.part.methods.iter().filter_map(|method| method.factor()).fold(0.0, f64::max);
-        let cost = match self.yielded(exact, (1.0, noise), accuracy)? {
+        let cost = match self.yielded(exact, (1.0, rounding), accuracy)? {
             (Some(settled), left) if left <= accuracy && left < 1.0 => {
-                let stated = self.noise_of_kinds(&settled.x, noise) + left;
+                let stated = self.rounded(exact, rounding) + left;
                 return found(self.part, settled, stated, accuracy);
             }
             (Some(_), left) => left,
@@ -32,7 +33,7 @@ impl Prepared<'_> {
         // What is left falls as 1 / factor, once it is small.
         let first = 2.0 * cost.clamp(accuracy, accuracy.max(1e3)) / accuracy;
         let does = |&share: &f64| {
-            let found = self.yielded(exact, (share, noise), accuracy);
+            let found = self.yielded(exact, (share, rounding), accuracy);
             matches!(found, Ok((Some(_), left)) if left <= accuracy && left < 1.0)
         };
         let shares = (0..STIFFER).map(|digits| first * 10_f64.powi(digits));
@@ -44,7 +45,7 @@ impl Prepared<'_> {
     fn yielded(
         &mut self,
         exact: &[f64],
-        (share, noise): (f64, f64),
+        (share, rounding): (f64, &Rounding),
         accuracy: f64,
     ) -> Result<(Option<Settled>, f64), EnforceError> {
         let part = self.part;
@@ -61,11 +62,11 @@ impl Prepared<'_> {
         let settled = settle(&model, &mut |r: &[f64]| self.inverse.solve(r), rhs, &goal)?;
         if settled.share <= 1.0 {
             // Less is not to be seen between two solutions.
-            let left = self.share(exact, &settled.x, noise).max(f64::EPSILON);
+            let left = self.share(exact, &settled.x, rounding).max(f64::EPSILON);
             return Ok((Some(settled), left));
         }
         let first: Vec<f64> =
             exact.iter().zip(self.inverse.solve(&model.yields(exact))?).map(|(x, step)| x + step).collect();
-        Ok((None, self.share(exact, &first, noise)))
+        Ok((None, self.share(exact, &first, rounding)))
     }
 }

@@ -4,7 +4,7 @@
 
 use super::super::EnforceError;
 use super::super::equations::Equations;
-use super::super::support::{SUSPICIOUS, WRONG, sensitivity};
+use super::super::support::{SUSPICIOUS, sensitivity};
 use super::{Found, Part, Prepared, ROUNDED};
 
 /// A solution in balance, to the accuracy asked for; none in doubt.
@@ -20,13 +20,13 @@ impl Prepared<'_> {
     fn without_doubt(&mut self, accuracy: f64) -> Option<Found> {
         let growth = self.seen_growth()?;
         let settled = self.settled(accuracy).ok().filter(|settled| settled.share <= 1.0)?;
-        let noise = settled.rounding.max(WRONG) * growth;
-        let left = self.left_by_springs(&settled.x, noise)?;
+        let rounding = self.rounding(&settled, growth)?;
+        let left = self.left_by_springs(&settled.x, &rounding)?;
         // Rounding that multipliers would not have.
-        let is_hidden = settled.rounding > ROUNDED && noise > accuracy;
+        let is_hidden = settled.rounding > ROUNDED && rounding.share > accuracy;
         let is_penalised = self.methods.iter().any(|method| matches!(method, super::Method::Penalty { .. }));
         let limit = if is_penalised { accuracy.min(1.0) } else { 1.0 };
-        let accuracy = self.noise_of_kinds(&settled.x, noise) + left;
+        let accuracy = self.rounded(&settled.x, &rounding) + left;
         let is_right = accuracy < 1.0 && left <= limit && !is_hidden;
         is_right.then_some(Found { x: settled.x, imbalance: settled.imbalance, accuracy })
     }

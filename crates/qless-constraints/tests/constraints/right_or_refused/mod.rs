@@ -1,6 +1,7 @@
 //! Solutions that are right to what they state, and models that are refused with the motion that nothing holds.
 
 mod blocks;
+mod costs;
 mod dense;
 mod extremes;
 mod half;

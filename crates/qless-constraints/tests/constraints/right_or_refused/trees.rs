@@ -10,17 +10,17 @@ use crate::linkages::Outcome;
 const TREES: usize = 4_000;
 
 /// Terms, value, and the power of two that is the unit of the row.
-type Tie = (Vec<(usize, f64)>, f64, i32);
+pub type Tie = (Vec<(usize, f64)>, f64, i32);
 
 /// Ties, all of which `right` meets, with the power of two that is the unit of each DOF.
-struct Tree {
-    rows: Vec<Tie>,
-    units: Vec<i32>,
-    right: Vec<f64>,
+pub struct Tree {
+    pub rows: Vec<Tie>,
+    pub units: Vec<i32>,
+    pub right: Vec<f64>,
 }
 
 impl Tree {
-    fn new(seed: usize) -> Self {
+    pub fn new(seed: usize) -> Self {
         let mut random = Random::new(seed);
         let n = 2 + random.below(9);
         let mut order: Vec<usize> = (0..n).collect();
@@ -48,7 +48,7 @@ impl Tree {
         Self { rows, units, right }
     }
 
-    fn system(&self) -> Outcome<ConstraintSystem> {
+    pub fn system(&self) -> Outcome<ConstraintSystem> {
         let mut builder = SystemBuilder::new(self.units.len());
         for (terms, value, power) in &self.rows {
             let terms = terms.iter().map(|&(j, v)| (j, v * 2_f64.powi(power - self.units[j])));
@@ -58,7 +58,7 @@ impl Tree {
     }
 
     /// Springs of stiffness one in the units of the DOFs, at rest where all ties hold but for loads of one.
-    fn model(&self) -> (Vec<f64>, Vec<f64>) {
+    pub fn model(&self) -> (Vec<f64>, Vec<f64>) {
         let inverse = self.units.iter().map(|unit| 2_f64.powi(-unit));
         let stiffness = inverse.clone().map(|v| v * v).collect();
         (stiffness, inverse.zip(&self.right).map(|(v, right)| v * (right + 1.0)).collect())

@@ -1,5 +1,6 @@
 //! Enforcement against exact arithmetic: small models of whole numbers, singular ones as often as not, most of them not symmetric or not definite.
 
+mod bare;
 mod exact;
 mod measure;
 mod models;
