@@ -1,4 +1,4 @@
-//! Set-up and changes of a set, in units of one evaluation, `cargo bench -p qless-constraints --bench setup` (`-- --test` small).
+//! Set-up and changes of a set, in units of one evaluation, `cargo bench -p qless-constraints --bench setup` (`-- --test` small, `-- rods` one kind).
 //!
 //! Set-up: all constraints are added and the arrays of c and G allocated; with the first evaluation of H its plan is made. Wanted: at most 10
 //! times one evaluation of c, G and H.
@@ -40,13 +40,16 @@ fn main() {
     let short = std::env::args().any(|argument| argument == "--test");
     let constraints = if short { 10_000 } else { 1_000_000 };
     println!("load before: {}", load());
-    for (name, one, all) in KINDS {
-        set_up(&format!("{name}, at once"), constraints, all);
+    let wanted = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
+    for (name, one, all) in KINDS.iter().filter(|kind| wanted.as_ref().is_none_or(|wanted| kind.0.contains(wanted))) {
+        set_up(&format!("{name}, at once"), constraints, *all);
         set_up(&format!("{name}, one by one"), constraints, |builder, count, nodes| {
             (0..count).for_each(|i| one(builder, i / 2, nodes));
         });
     }
-    changes(constraints);
+    if wanted.is_none() {
+        changes(constraints);
+    }
     println!("load after: {}", load());
 }
 
