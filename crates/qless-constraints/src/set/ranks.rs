@@ -9,6 +9,7 @@ const SHORT: usize = 16;
 pub(super) struct Ranks {
     /// How many of its keys were smaller than each of them, if it was short.
     of: Vec<u8>,
+    unsorted: [u64; SHORT],
     sorted: [u64; SHORT],
     /// Whether each of the sorted keys has another column than the one before.
     new: [bool; SHORT],
@@ -28,17 +29,36 @@ impl Ranks {
             self.find_runs(keys);
             return &self.runs;
         }
+        if self.of.len() == keys.len() && self.shift(keys) {
+            return &self.runs;
+        }
         let alike = self.of.len() == keys.len() && self.place(keys);
         if !alike {
             self.of.clear();
             self.of.extend(keys.iter().map(|key| keys.iter().map(|other| u8::from(other < key)).sum::<u8>()));
             self.place(keys);
         }
+        self.unsorted[..keys.len()].copy_from_slice(keys);
         keys.copy_from_slice(&self.sorted[..keys.len()]);
         if !alike || !self.has_runs(keys) {
             self.find_runs(keys);
         }
         &self.runs
+    }
+
+    /// Sorts keys that are those of the last list, all so many columns further, as in rows of the next direction; whether they are.
+    fn shift(&mut self, keys: &mut [u64]) -> bool {
+        let step = keys[0].wrapping_sub(self.unsorted[0]);
+        let shifted = |(key, last): (&u64, &u64)| key.wrapping_sub(*last) == step;
+        if step as u32 != 0 || !keys.iter().zip(&self.unsorted).all(shifted) {
+            return false;
+        }
+        self.unsorted[..keys.len()].copy_from_slice(keys);
+        keys.iter_mut().zip(&mut self.sorted).for_each(|(key, sorted)| {
+            *sorted = sorted.wrapping_add(step);
+            *key = *sorted;
+        });
+        true
     }
 
     /// Puts each key in the place of its rank; whether they ascend then.
