@@ -65,7 +65,7 @@ impl Ranks {
     fn place(&mut self, keys: &[u64]) -> bool {
         self.of.iter().zip(keys).for_each(|(&rank, &key)| self.sorted[usize::from(rank) % SHORT] = key);
         let sorted = &self.sorted[..keys.len()];
-        sorted.windows(2).fold(true, |ascend, two| ascend & (two[0] < two[1]))
+        sorted.windows(2).filter(|two| two[0] >= two[1]).count() == 0
     }
 
     /// Whether the runs are those of the last list, which was as long.
