@@ -48,6 +48,19 @@ fn arrays_that_are_no_matrix() {
     assert!(matches!(parts(&[0, 1], &[u32::MAX], 1), SystemError::DofOutOfRange { .. }));
     assert!(matches!(parts(&[0, 2], &[1, 1], 2), SystemError::NotAscending { row: 0, column: 1, before: 1 }));
     refused("columns beyond 32 bits", || Csr::from_parts(usize::MAX, vec![0, 1], vec![u32::MAX], vec![1.0]));
+    refused("rows beyond 32 bits", || Csr::zero(usize::MAX, 1));
+}
+
+/// Threads look at rows side by side; what is said does not depend on who finds a fault first.
+#[test]
+fn of_many_faults_that_of_the_first_row_is_named() {
+    let start: Vec<usize> = (0..=100_000).collect();
+    for first in [0, 8191, 8192, 40_001, 89_999] {
+        let mut col = vec![2_u32; 100_000];
+        (col[first], col[first + 1], col[90_000]) = (4, 3, 3);
+        let fault = refused("a column", || Csr::from_parts(3, start.clone(), col.clone(), vec![1.0; 100_000]));
+        assert!(matches!(fault, SystemError::DofOutOfRange { dof: 4, .. }), "{first}: {fault}");
+    }
 }
 
 #[test]

@@ -95,7 +95,7 @@ impl Batch {
     /// Puts an equation before those from `row` on. `recent` finds lists that repeat.
     pub fn insert(&mut self, row: usize, owner: Owner, terms: &[(u32, f64)], rhs: f64, recent: &mut Recent) {
         self.reach(terms);
-        let (appended, base) = (row == self.rows(), self.base);
+        let (appended, base, room) = (row == self.rows(), self.base, self.owners.capacity().saturating_sub(row));
         let list = recent.put(self.lists, &mut self.numbers, terms.iter().map(|&(_, v)| v));
         self.owners.insert(row, owner);
         self.rhs.insert(row, rhs);
@@ -104,6 +104,9 @@ impl Batch {
         with_lengths!(&mut self.lengths, all => {
             if !appended {
                 all.iter_mut().for_each(|length| length.shift(row, 1));
+            }
+            if all.is_empty() {
+                of_terms(all, terms.len()).reserve(room);
             }
             of_terms(all, terms.len()).insert(row, list, terms.iter().map(|&(j, _)| j - base));
         });
@@ -154,6 +157,24 @@ impl Batch {
         });
     }
 
+    /// Writes the columns and coefficients of its rows of G, and where these end; the first starts at `first`.
+    pub fn write_rows(&self, first: usize, end: &mut [usize], col: &mut [u32], val: &mut [f64]) {
+        with_lengths!(&self.lengths, all => {
+            for length in all {
+                length.row.iter().for_each(|&row| end[usize::from(row)] = length.terms);
+            }
+            let mut last = 0;
+            for end in &mut *end {
+                last += *end;
+                *end = last;
+            }
+            for length in all {
+                length.write_rows((self.base, &self.numbers), end, col, val);
+            }
+        });
+        end.iter_mut().for_each(|end| *end += first);
+    }
+
     /// The equations from `row` on, in a batch of their own.
     pub fn split_off(&mut self, row: usize) -> Self {
         let mut all = self.equations();
@@ -190,6 +211,9 @@ impl Batch {
         let far = matches!(self.lengths, Lengths::Far(_));
         if far || least >= self.base && ((most - self.base) as usize) < NEAR {
             return;
+        }
+        if self.rows() == 0 {
+            return self.set_range(least, most);
         }
         *self = Self::from_equations(&self.equations(), (least, most));
     }

@@ -2,7 +2,7 @@
 
 use qless::SystemError;
 
-use super::block::Blocks;
+use super::blocks::Blocks;
 use super::labels::Register;
 use super::lazy::Planned;
 use super::linear::Rows;

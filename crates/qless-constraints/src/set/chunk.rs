@@ -14,7 +14,7 @@ pub(super) struct Chunk {
     /// Another one after each change of its pattern.
     pub stamp: Identity,
     pub rows: Range<u32>,
-    /// Where each row ends.
+    /// Where each row ends; nothing if there are no entries yet.
     end: Vec<u32>,
     col: Box<[u32]>,
     /// One share per block; blocks of no interest have none.
@@ -47,10 +47,10 @@ impl Share {
 }
 
 impl Chunk {
-    /// No entries yet.
-    pub fn new(rows: Range<u32>) -> Self {
-        let end = vec![0; rows.len()];
-        Self { stamp: Identity::new(), rows, end, col: Box::default(), shares: Vec::new(), sums: Sums::default() }
+    /// No entries yet; all patterns without entries are alike.
+    pub fn empty(rows: Range<u32>) -> Self {
+        let (end, col) = (Vec::new(), Box::default());
+        Self { stamp: Identity::NONE, rows, end, col, shares: Vec::new(), sums: Sums::default() }
     }
 
     pub fn entries(&self) -> usize {
@@ -83,7 +83,8 @@ impl Chunk {
 
     /// Writes where its rows end, of which the first starts at `first`, and their columns.
     pub fn write_pattern(&self, first: usize, end: &mut [usize], col: &mut [u32]) {
-        end.iter_mut().zip(&self.end).for_each(|(to, &end)| *to = first + end as usize);
+        let ends = self.end.iter().chain(std::iter::repeat(&0));
+        end.iter_mut().zip(ends).for_each(|(to, &end)| *to = first + end as usize);
         col.copy_from_slice(&self.col);
     }
 
@@ -152,10 +153,12 @@ impl Room {
         let mut from = 0;
         for &end in &*next {
             let row = &mut keys[from..end as usize];
-            ranks.sort(row);
-            for same in row.chunk_by(|a, b| a >> 32 == b >> 32) {
-                counts.push(same.len() as u32);
-                col.push((same[0] >> 32) as u32);
+            let runs = ranks.sort(row);
+            counts.extend_from_slice(runs);
+            let mut first = 0;
+            for &run in runs {
+                col.push((row[first] >> 32) as u32);
+                first += run as usize;
             }
             ends.push(col.len() as u32);
             from = end as usize;

@@ -12,57 +12,9 @@ use rayon::prelude::*;
 
 use super::block::Block;
 use super::chunk::{Chunk, Room, Share};
+use super::cut::{Cut, ENTRIES};
+use super::entries;
 use super::tasks::{Task, Work};
-
-/// Entries of constraints in the rows of a new chunk: those of H, of which several fall on one place, stay in the cache of one core.
-pub(super) const ENTRIES: usize = 1 << 15;
-
-/// To which chunk each row of H belongs.
-#[derive(Default)]
-pub(super) struct Cut {
-    /// The first row of each chunk, and one more: the number of rows.
-    first: Vec<u32>,
-    /// The chunk of each row.
-    chunk: Vec<u32>,
-    /// If only some are of interest.
-    only: Option<Range<u32>>,
-}
-
-impl Cut {
-    /// From the entries of each row.
-    fn new(counts: &[u32]) -> Self {
-        let (mut first, mut entries) = (vec![0], 0);
-        for (row, &count) in counts.iter().enumerate() {
-            if entries > 0 && entries + count as usize > ENTRIES {
-                first.push(row as u32);
-                entries = 0;
-            }
-            entries += count as usize;
-        }
-        first.push(counts.len() as u32);
-        let mut cut = Self { first, chunk: Vec::with_capacity(counts.len()), only: None };
-        cut.number();
-        cut
-    }
-
-    /// Numbers rows by chunk.
-    fn number(&mut self) {
-        self.chunk.clear();
-        let ends = (0..).zip(&self.first[1..]);
-        ends.for_each(|(chunk, &end)| self.chunk.resize(end as usize, chunk));
-    }
-
-    pub fn chunks(&self) -> impl Iterator<Item = Range<u32>> + '_ {
-        self.first.windows(2).map(|rows| rows[0]..rows[1])
-    }
-
-    /// The chunk of a row, if it is of interest.
-    #[inline]
-    pub fn chunk(&self, row: u32) -> Option<u32> {
-        let chunk = self.chunk[row as usize];
-        self.only.as_ref().is_none_or(|only| only.contains(&chunk)).then_some(chunk)
-    }
-}
 
 /// The pattern of H and the way into it.
 pub(super) struct Plan {
@@ -74,13 +26,15 @@ pub(super) struct Plan {
 
 impl Plan {
     /// Cuts the rows of H into chunks, and finds the constraints and the places of their numbers for each.
+    ///
+    /// Where nothing is curved there is nothing to find.
     pub fn new(blocks: &[Box<dyn Block>], dofs: usize) -> Self {
-        let mut counts = vec![0; dofs];
-        blocks.iter().for_each(|block| {
-            block.count(slice::from_ref(&(0..block.items() as u32)), 0, &mut counts);
-        });
+        if blocks.is_empty() {
+            return Self { cut: Cut::of_one(dofs), chunks: vec![Chunk::empty(0..dofs as u32)], stamps: Vec::new() };
+        }
+        let counts = entries::of_rows(blocks, dofs);
         let cut = Cut::new(&counts);
-        let chunks = cut.chunks().map(Chunk::new).collect();
+        let chunks = cut.chunks().map(Chunk::empty).collect();
         let mut plan = Self { cut, chunks, stamps: stamps(blocks) };
         let all: Vec<u32> = (0..blocks.len() as u32).collect();
         plan.share_out(blocks, &all);
@@ -95,7 +49,7 @@ impl Plan {
         let changed = self.renumber(blocks);
         self.share_out(blocks, &changed);
         let mut stale = vec![false; self.chunks.len()];
-        touched.iter().for_each(|&row| stale[self.cut.chunk[row as usize] as usize] = true);
+        touched.iter().for_each(|&row| stale[self.cut.of(row)] = true);
         let chunks = self.chunks.par_iter_mut().zip(stale).filter(|(_, stale)| *stale);
         chunks.for_each_init(Room::default, |room, (chunk, _)| chunk.fill(blocks, None, room));
         let large = |chunk: &Chunk| chunk.entries() > 2 * ENTRIES && chunk.rows.len() > 1;
@@ -109,17 +63,15 @@ impl Plan {
     fn split(&mut self, place: usize, blocks: &[Box<dyn Block>]) {
         let old = self.chunks.remove(place);
         let row = old.middle();
-        self.chunks.insert(place, Chunk::new(row..old.rows.end));
-        self.chunks.insert(place, Chunk::new(old.rows.start..row));
-        self.cut.first.insert(place + 1, row);
-        self.cut.number();
-        self.cut.only = Some(place as u32..place as u32 + 2);
+        self.chunks.insert(place, Chunk::empty(row..old.rows.end));
+        self.chunks.insert(place, Chunk::empty(old.rows.start..row));
+        self.cut.split(place, row);
         for share in &old.shares {
             for (chunk, share) in shares(blocks, (share.block, &share.items), &self.cut) {
                 self.chunks[chunk as usize].put(share);
             }
         }
-        self.cut.only = None;
+        self.cut.widen();
         self.chunks[place..place + 2].iter_mut().for_each(|chunk| chunk.fill(blocks, None, &mut Room::default()));
     }
 
@@ -162,7 +114,7 @@ impl Plan {
     pub fn pattern(&self, chunks: Range<usize>) -> Result<Csr, SystemError> {
         let chunks = &self.chunks[chunks];
         let size = |chunk: &Chunk| (chunk.rows.len(), chunk.entries());
-        super::pattern::write(self.cut.chunk.len(), chunks, size, |chunk, part| {
+        super::pattern::write(self.cut.rows(), chunks, size, |chunk, part| {
             chunk.write_pattern(part.first, part.end, part.col);
         })
     }

@@ -2,6 +2,9 @@
 
 use super::batch::Length;
 
+/// Terms of an equation for many of which room is made before they come.
+const SHORT: usize = 16;
+
 /// A DOF less the base of a batch, in 16 or 32 bits.
 pub trait Offset: Copy {
     fn of(offset: u32) -> Self;
@@ -60,6 +63,27 @@ impl<I: Offset> Length<I> {
     pub fn terms<'a>(&'a self, place: usize, base: u32, lists: &'a [f64]) -> impl Iterator<Item = (u32, f64)> + 'a {
         let dofs = &self.dofs[place * self.terms..(place + 1) * self.terms];
         dofs.iter().zip(&lists[self.list[place] as usize..]).map(move |(&j, &v)| (base + j.value(), v))
+    }
+}
+
+impl<I: Offset> Length<I> {
+    /// Writes columns and coefficients of the rows of these, which end where `end` says.
+    pub fn write_rows(&self, (base, lists): (u32, &[f64]), end: &[usize], col: &mut [u32], val: &mut [f64]) {
+        for (i, (&row, &list)) in self.row.iter().zip(&self.list).enumerate() {
+            let last = end[usize::from(row)];
+            let dofs = &self.dofs[i * self.terms..(i + 1) * self.terms];
+            col[last - self.terms..last].iter_mut().zip(dofs).for_each(|(col, dof)| *col = base + dof.value());
+            val[last - self.terms..last].copy_from_slice(&lists[list as usize..][..self.terms]);
+        }
+    }
+
+    /// Room for rows up to so many, if they are short.
+    pub fn reserve(&mut self, rows: usize) {
+        if self.terms <= SHORT {
+            self.row.reserve_exact(rows);
+            self.list.reserve_exact(rows);
+            self.dofs.reserve_exact(rows * self.terms);
+        }
     }
 }
 

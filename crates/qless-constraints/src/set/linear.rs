@@ -14,6 +14,8 @@ use super::time::{Function, Rhs};
 #[derive(Default)]
 pub(super) struct Rows {
     pub batches: Vec<Batch>,
+    /// Whether many are to come.
+    many: bool,
     offsets: Offsets,
     recent: Recent,
     /// Right-hand sides that are functions of time, by constraint and place among its linear equations.
@@ -21,6 +23,11 @@ pub(super) struct Rows {
 }
 
 impl Rows {
+    /// With room for many from the first on.
+    pub fn of_many() -> Self {
+        Self { many: true, ..Self::default() }
+    }
+
     pub fn rows(&self) -> usize {
         self.offsets.rows()
     }
@@ -97,7 +104,7 @@ impl Rows {
             if self.batches.last().is_none_or(|batch| batch.rows() == ROWS) {
                 self.offsets.insert(self.batches.len());
                 let mut batch = Batch::empty();
-                if !self.batches.is_empty() {
+                if self.many || !self.batches.is_empty() {
                     batch.owners.reserve_exact(ROWS);
                     batch.rhs.reserve_exact(ROWS);
                 }

@@ -14,6 +14,8 @@ const NONE: u32 = u32::MAX;
 pub struct Recent {
     of: Identity,
     places: Vec<u32>,
+    /// The list that was asked for last: most equations of a kind have the same.
+    last: usize,
 }
 
 impl Recent {
@@ -23,16 +25,19 @@ impl Recent {
             self.of = of;
             self.places.clear();
             self.places.resize(1 << BITS, NONE);
+        } else if starts_with(&numbers[self.last..], list.clone()) {
+            return self.last as u32;
         }
         let key =
             list.clone().fold(0_u64, |key, v| (key.rotate_left(5) ^ v.to_bits()).wrapping_mul(0x9E37_79B9_7F4A_7C15));
         // The product of small whole numbers ends with zeros: its first bits tell lists apart.
         let recent = &mut self.places[(key >> (u64::BITS - BITS)) as usize];
-        if *recent != NONE && starts_with(&numbers[*recent as usize..], list.clone()) {
-            return *recent;
+        let known = *recent != NONE && starts_with(&numbers[*recent as usize..], list.clone());
+        if !known {
+            *recent = numbers.len() as u32;
+            numbers.extend(list);
         }
-        *recent = numbers.len() as u32;
-        numbers.extend(list);
+        self.last = *recent as usize;
         *recent
     }
 }

@@ -9,13 +9,16 @@
 mod active;
 mod batch;
 mod block;
+mod blocks;
 mod builder;
 mod bulk;
 mod chunk;
 mod contents;
 mod curvatures;
+mod cut;
 mod edit;
 mod effective;
+mod entries;
 mod error;
 mod exchange;
 mod extents;
@@ -32,6 +35,7 @@ mod order;
 mod pairs;
 mod pattern;
 mod piece;
+mod places;
 mod portion;
 mod quantities;
 mod ranks;
@@ -45,12 +49,14 @@ mod sums;
 mod system;
 mod tasks;
 mod time;
+mod typed;
+mod values;
 mod weights;
 
 use qless::{ArgumentError, Identity};
 
 pub use active::{ActiveError, ActiveSystem};
-use block::Blocks;
+use blocks::Blocks;
 pub use builder::SetBuilder;
 use contents::Contents;
 use effective::{Plan, Weighted};
@@ -64,6 +70,7 @@ pub use rounding::Rounding;
 use stamp::Stamp;
 use stated::Stated;
 pub use store::Store;
+pub(crate) use store::repeated;
 pub use system::Vanishing;
 pub use time::TimeError;
 pub use weights::Weights;
@@ -139,8 +146,10 @@ impl ConstraintSet {
     pub fn evaluate(&self, u: &[f64], quantities: &mut Quantities) -> Result<(), ArgumentError> {
         self.check(u, None)?;
         self.follow(quantities)?;
-        quantities.u.copy_from_slice(u);
-        tasks::run(tasks::of_values(&self.linear, &self.blocks.all, &mut quantities.c, &mut quantities.g), u);
+        let Quantities { u: kept, c, g, .. } = &mut *quantities;
+        let mut tasks = tasks::of_values(&self.linear, &self.blocks.all, c, g);
+        tasks.extend(tasks::of_copies(u, kept));
+        tasks::run(tasks, u);
         quantities.evaluated = self.version.get();
         Ok(())
     }
@@ -187,11 +196,11 @@ impl ConstraintSet {
         self.check(u, Some(weights))?;
         self.follow(quantities)?;
         let plan = self.follow_hessian(quantities);
-        quantities.u.copy_from_slice(u);
-        let Quantities { c, g, h, .. } = quantities;
+        let Quantities { u: kept, c, g, h, .. } = &mut *quantities;
         let weighted = Weighted::new(&self.blocks.all, self.linear.rows(), weights);
         let mut tasks = tasks::of_values(&self.linear, &self.blocks.all, c, g);
         tasks.extend(plan.tasks(&weighted, h.values_mut()));
+        tasks.extend(tasks::of_copies(u, kept));
         tasks::run(tasks, u);
         quantities.evaluated = self.version.get();
         Ok(())

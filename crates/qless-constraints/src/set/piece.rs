@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-use super::block::{Blocks, Place};
+use super::blocks::{Blocks, Place};
 use super::labels::{Owner, Parts};
 use crate::constraint::Nonlinear;
 

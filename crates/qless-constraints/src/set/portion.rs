@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::batch::Terms;
-use super::block::Blocks;
+use super::blocks::Blocks;
 use super::labels::{Owner, Parts};
 use super::linear::Rows;
 use super::stated::Segment;
@@ -29,7 +29,7 @@ pub(super) struct Portion {
 impl Portion {
     /// From this constraint on, at this time.
     pub fn new(constraint: u32, time: f64) -> Self {
-        Self { constraint, time, blocks: Blocks::of_many(), ..Self::default() }
+        Self { constraint, time, linear: Rows::of_many(), blocks: Blocks::of_many(), ..Self::default() }
     }
 
     pub fn rows(&self) -> usize {

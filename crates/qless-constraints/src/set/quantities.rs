@@ -67,7 +67,7 @@ impl ConstraintSet {
             u: vec![0.0; self.dofs],
             c: vec![0.0; self.equations()],
             g: self.pattern(0..rows.len()).expect(sound),
-            h: Csr::from_parts(self.dofs, vec![0; self.dofs + 1], Vec::new(), Vec::new()).expect(sound),
+            h: Csr::zero(self.dofs, self.dofs).expect(sound),
             evaluated: Identity::NONE,
             rows,
             chunks: vec![(Identity::NONE, self.dofs)],
@@ -146,16 +146,7 @@ impl Segment<'_> {
     fn write(&self, part: Part) {
         let Part { first, end, col, val } = part;
         match self {
-            Self::Linear(batch) => {
-                let (mut k, mut ends) = (0, end.iter_mut());
-                batch.for_each_row(|terms| {
-                    terms.for_each(|(j, v)| {
-                        (col[k], val[k]) = (j, v);
-                        k += 1;
-                    });
-                    ends.next().into_iter().for_each(|end| *end = first + k);
-                });
-            }
+            Self::Linear(batch) => batch.write_rows(first, end, col, val),
             Self::Nonlinear(block) => block.write_pattern(first, end, col),
         }
     }

@@ -131,7 +131,7 @@ impl ConstraintSet {
         of_values(&self.linear, &self.blocks.all, &mut c, &mut g).into_par_iter().for_each(|task| match task.work {
             Work::Linear { batch, c } => of_batch(batch, u, c),
             Work::Nonlinear { block, c, g } => block.rounding(&known, c, g),
-            Work::Hessian { .. } => (),
+            Work::Copy { .. } | Work::Hessian { .. } => (),
         });
         Ok(Rounding { c, start: g.starts().to_vec(), g: g.values().to_vec() })
     }

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::StoreError;
+use super::batch::Terms;
 use super::contents::{Contents, Equation};
 use super::piece::Staged;
 use super::portion::Portion;
@@ -99,14 +100,15 @@ impl Store {
             Some(portion) => portion.terms(),
             None => Vec::with_capacity(terms.size_hint().0),
         };
+        let mut ascends = true;
         for (dof, value) in terms {
             self.check_dof(dof);
             self.check_number(value);
+            ascends &= sorted.last().is_none_or(|&(last, _)| last < dof as u32);
             sorted.push((dof as u32, value));
         }
-        sorted.sort_by_key(|&(dof, _)| dof);
-        if sorted.windows(2).any(|two| two[0].0 == two[1].0) {
-            sorted = sorted.chunk_by(|a, b| a.0 == b.0).map(|same| (same[0].0, sum(same))).collect();
+        if !ascends {
+            sorted = summed(sorted);
         }
         match &mut self.portion {
             _ if self.fault.is_some() => (),
@@ -218,6 +220,15 @@ impl Store {
     }
 }
 
+/// Terms in the order of their DOFs, those on the same DOF summed.
+fn summed(mut terms: Terms) -> Terms {
+    terms.sort_by_key(|&(dof, _)| dof);
+    if terms.windows(2).any(|two| two[0].0 == two[1].0) {
+        terms = terms.chunk_by(|a, b| a.0 == b.0).map(|same| (same[0].0, sum(same))).collect();
+    }
+    terms
+}
+
 /// The coefficient of a DOF, from its terms.
 fn sum(same: &[(u32, f64)]) -> f64 {
     let sum: f64 = same.iter().map(|&(_, v)| v).sum();
@@ -226,7 +237,7 @@ fn sum(same: &[(u32, f64)]) -> f64 {
 }
 
 /// The smallest DOF that is there twice.
-fn repeated(dofs: &[usize]) -> Option<usize> {
+pub(crate) fn repeated(dofs: &[usize]) -> Option<usize> {
     if dofs.is_sorted_by(|a, b| a < b) {
         return None;
     }

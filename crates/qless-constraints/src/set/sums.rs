@@ -61,7 +61,7 @@ impl<I: Copy> Parts<I> {
     fn new(counts: &[u32], keys: &[u64], short: impl Fn(u32) -> I) -> Self {
         let single = counts.iter().filter(|&&count| count == 1).count();
         let sweep = 2 * single >= counts.len();
-        let (mut sums, mut rest) = (Self::with_room(counts, sweep), keys);
+        let ((mut sums, place), mut rest) = (Self::with_room(counts, sweep), keys);
         for (entry, &count) in (0..).zip(counts) {
             let mut own;
             (own, rest) = rest.split_at(count as usize);
@@ -69,7 +69,7 @@ impl<I: Copy> Parts<I> {
                 sums.first.push(short(own[0] as u32));
                 own = &own[1..];
             }
-            if let Some(more) = sums.more.iter_mut().find(|more| more.count == own.len()) {
+            if let Some(more) = sums.more.get_mut(place[own.len()]) {
                 more.entry.push(short(entry));
                 more.from.extend(own.iter().map(|&key| short(key as u32)));
             }
@@ -77,22 +77,19 @@ impl<I: Copy> Parts<I> {
         sums
     }
 
-    /// Arrays of the right size.
-    fn with_room(counts: &[u32], sweep: bool) -> Self {
-        let mut entries: Vec<(usize, usize)> = Vec::new();
-        for count in counts.iter().map(|&count| count as usize - usize::from(sweep)).filter(|&count| count > 0) {
-            match entries.iter_mut().find(|known| known.0 == count) {
-                Some(known) => known.1 += 1,
-                None => entries.push((count, 1)),
-            }
-        }
-        let room = |(count, entries): (usize, usize)| More {
-            count,
-            entry: Vec::with_capacity(entries),
-            from: Vec::with_capacity(entries * count),
-        };
+    /// Arrays of the right size; and for each count the place of its entries, if it has any.
+    fn with_room(counts: &[u32], sweep: bool) -> (Self, Vec<usize>) {
+        let most = counts.iter().max().map_or(0, |&most| most as usize);
+        let mut entries = vec![0; most + 1];
+        counts.iter().for_each(|&count| entries[count as usize - usize::from(sweep)] += 1);
         let first = Vec::with_capacity(if sweep { counts.len() } else { 0 });
-        Self { first, more: entries.into_iter().map(room).collect() }
+        let (mut more, mut place) = (Vec::new(), vec![usize::MAX; most + 1]);
+        for (count, entries) in entries.into_iter().enumerate().filter(|&(count, entries)| count > 0 && entries > 0) {
+            place[count] = more.len();
+            let from = Vec::with_capacity(entries * count);
+            more.push(More { count, entry: Vec::with_capacity(entries), from });
+        }
+        (Self { first, more }, place)
     }
 
     #[inline]

@@ -14,6 +14,9 @@ use super::effective::Weighted;
 use super::linear::Rows;
 use super::sums::NUMBERS;
 
+/// DOFs of a configuration that one task copies.
+const COPIED: usize = 1 << 15;
+
 /// What one thread does at a time.
 pub(super) struct Task<'a> {
     /// The last DOF that it reads, or nearly so.
@@ -27,6 +30,8 @@ pub(super) enum Work<'a> {
     Linear { batch: &'a Batch, c: &'a mut [f64] },
     /// c and G of constraints of a block.
     Nonlinear { block: &'a dyn Block, c: &'a mut [f64], g: &'a mut [f64] },
+    /// Keeps the configuration.
+    Copy { u: &'a [f64], to: &'a mut [f64] },
     /// Rows of H.
     Hessian { chunk: &'a Chunk, weighted: &'a Weighted<'a>, h: &'a mut [f64] },
 }
@@ -60,6 +65,16 @@ fn nonlinear<'a>(blocks: &'a [Box<dyn Block>], mut c: &'a mut [f64], mut g: &'a 
     tasks
 }
 
+/// The tasks that keep u, beside those that read it; a short one is copied at once.
+pub(super) fn of_copies<'a>(u: &'a [f64], to: &'a mut [f64]) -> Vec<Task<'a>> {
+    if u.len() <= COPIED {
+        to.copy_from_slice(u);
+        return Vec::new();
+    }
+    let parts = u.chunks(COPIED).zip(to.chunks_mut(COPIED)).enumerate();
+    parts.map(|(k, (u, to))| Task { dof: (k * COPIED) as u32, work: Work::Copy { u, to } }).collect()
+}
+
 /// Does all of them.
 pub(super) fn run(mut tasks: Vec<Task>, u: &[f64]) {
     tasks.sort_by_key(|task| task.dof);
@@ -67,6 +82,7 @@ pub(super) fn run(mut tasks: Vec<Task>, u: &[f64]) {
     tasks.into_par_iter().for_each_init(Vec::new, |numbers, task| match task.work {
         Work::Linear { batch, c } => batch.evaluate(u, c),
         Work::Nonlinear { block, c, g } => block.evaluate(u, c, g),
+        Work::Copy { u, to } => to.copy_from_slice(u),
         Work::Hessian { chunk, weighted, h } => {
             numbers.resize(numbers.len().max(NUMBERS), 0.0);
             chunk.write(weighted, u, numbers, h);

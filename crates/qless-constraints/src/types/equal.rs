@@ -1,5 +1,6 @@
 //! `u_i = u_0`: DOFs that move together.
 
+use crate::set::repeated;
 use crate::{Constraint, Store};
 
 /// Equal DOFs: `u_i - u_0 = 0` for every DOF after the first.
@@ -59,10 +60,8 @@ impl Constraint for Equal {
         if others.is_empty() {
             return Err(EqualError::TooFew { found: 1 });
         }
-        let mut sorted = self.dofs.clone();
-        sorted.sort_unstable();
-        if let Some(pair) = sorted.windows(2).find(|pair| pair[0] == pair[1]) {
-            return Err(EqualError::Repeated { dof: pair[0] });
+        if let Some(dof) = repeated(&self.dofs) {
+            return Err(EqualError::Repeated { dof });
         }
         let single = others.len() == 1;
         for &dof in others {

@@ -4,6 +4,9 @@ mod edits;
 mod recipe;
 mod run;
 
+use qless_constraints::ConstraintSet;
+use qless_constraints::types::{Distance, Equal, Point};
+
 use crate::linkages::Outcome;
 use recipe::KINDS;
 use run::Run;
@@ -42,6 +45,31 @@ fn large_sets_grow_and_shrink() -> Outcome {
             run.set.remove(entry.id)?;
         }
         run.compare()?;
+    }
+    Ok(())
+}
+
+/// H has entries while a set has curved constraints, and none before and after.
+#[test]
+fn curvature_comes_and_goes() -> Outcome {
+    let point = |i: usize| Point::new([3 * i, 3 * i + 1, 3 * i + 2], [i as f64, 0.5, 0.0]);
+    for rods in [1, 30] {
+        let mut builder = ConstraintSet::builder(93);
+        (0..30).try_for_each(|i| builder.add("tie", Equal::new([3 * i + 1, 3 * i + 4])).map(drop))?;
+        let mut set = builder.build()?;
+        let mut quantities = set.allocate();
+        let (u, mut patterns) = (vec![0.1; 93], Vec::new());
+        for _ in 0..3 {
+            set.assemble(&u, &vec![1.0; set.equations()], &mut quantities)?;
+            assert_eq!((quantities.h().rows(), quantities.h().nnz()), (93, 0));
+            let ids = (0..rods).map(|i| set.add("rod", Distance::new(point(i), point(i + 1))));
+            let ids = ids.collect::<Result<Vec<_>, _>>()?;
+            set.assemble(&u, &vec![1.0; set.equations()], &mut quantities)?;
+            assert_eq!(quantities.h().nnz(), 3 * (rods + 1) + 6 * rods);
+            patterns.push(quantities.h().clone());
+            ids.into_iter().try_for_each(|id| set.remove(id))?;
+        }
+        assert!(patterns.iter().all(|h| *h == patterns[0]));
     }
     Ok(())
 }

@@ -1,6 +1,11 @@
 //! `A` as compressed rows: row `i` holds `(col[k], val[k])` for `k` in `start[i]..start[i + 1]`.
 
+use rayon::prelude::*;
+
 use super::SystemError;
+
+/// Rows that one thread checks at a time.
+const PART: usize = 1 << 13;
 
 /// Sparse m x n matrix in compressed rows; columns ascend within a row and none repeats.
 ///
@@ -52,10 +57,24 @@ impl Csr {
     pub fn from_parts(cols: usize, start: Vec<usize>, col: Vec<u32>, val: Vec<f64>) -> Result<Self, SystemError> {
         check_starts(&start, col.len(), val.len())?;
         fits("the number of rows", start.len() - 1)?;
-        for (row, range) in start.windows(2).enumerate() {
-            check_row(row, cols, col[range[0]..range[1]].iter().map(|&j| j as usize))?;
-        }
+        check_rows(cols, &start, &col)?;
         Ok(Self { cols, start, col, val })
+    }
+
+    /// The m x n matrix without entries; no memory is touched before somebody reads it.
+    ///
+    /// ```
+    /// use qless::Csr;
+    /// let a = Csr::zero(3, 2)?;
+    /// assert_eq!((a.rows(), a.cols(), a.nnz()), (3, 2, 0));
+    /// # Ok::<(), qless::SystemError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`SystemError::TooLarge`].
+    pub fn zero(rows: usize, cols: usize) -> Result<Self, SystemError> {
+        fits("the number of rows", rows)?;
+        Ok(Self { cols, start: vec![0; rows + 1], col: Vec::new(), val: Vec::new() })
     }
 
     /// Number of rows m.
@@ -223,12 +242,20 @@ pub(super) fn check_starts(start: &[usize], nnz: usize, values: usize) -> Result
     Ok(())
 }
 
+/// All rows, by all threads; the fault of the first one that has some.
+fn check_rows(cols: usize, start: &[usize], col: &[u32]) -> Result<(), SystemError> {
+    let rows = start.len() - 1;
+    let fault = |row: usize| check_row(row, cols, &col[start[row]..start[row + 1]]).err();
+    let first = |part: usize| (part * PART..rows.min((part + 1) * PART)).find_map(fault);
+    (0..rows.div_ceil(PART)).into_par_iter().find_map_first(first).map_or(Ok(()), Err)
+}
+
 /// Columns ascend, and are below `cols`.
-fn check_row(row: usize, cols: usize, columns: impl Iterator<Item = usize>) -> Result<(), SystemError> {
+fn check_row(row: usize, cols: usize, columns: &[u32]) -> Result<(), SystemError> {
     let mut before = None;
-    for column in columns {
-        check_next(row, cols, before, column)?;
-        before = Some(column);
+    for &column in columns {
+        check_next(row, cols, before, column as usize)?;
+        before = Some(column as usize);
     }
     Ok(())
 }
