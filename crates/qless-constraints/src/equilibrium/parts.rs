@@ -32,12 +32,7 @@ pub struct Parts {
 }
 
 impl Parts {
-    pub fn new(
-        assembly: &Assembly,
-        set: &ConstraintSet,
-        quantities: &Quantities,
-        prescribed: &[(usize, f64)],
-    ) -> Self {
+    pub fn new(assembly: &Assembly, set: &ConstraintSet, quantities: &Quantities, prescribed: &[(usize, f64)]) -> Self {
         let n = set.dofs();
         let mut held = vec![false; n];
         prescribed.iter().for_each(|&(j, _)| held[j] = true);

@@ -52,7 +52,9 @@ impl Stability {
         parts.fold(Self::Stable, |all, part| match (all, part) {
             (Self::NotSymmetric, _) | (_, Self::NotSymmetric) => Self::NotSymmetric,
             (Self::Undecided, _) | (_, Self::Undecided) => Self::Undecided,
-            (Self::Unstable { directions: a }, Self::Unstable { directions: b }) => Self::Unstable { directions: a + b },
+            (Self::Unstable { directions: a }, Self::Unstable { directions: b }) => {
+                Self::Unstable { directions: a + b }
+            }
             (Self::Stable, other) | (other, Self::Stable) => other,
         })
     }

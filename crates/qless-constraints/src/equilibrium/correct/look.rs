@@ -57,9 +57,8 @@ impl<M: Model> Corrector<'_, M> {
 
     fn measure(&mut self, x: &Unknowns) {
         let going = self.going();
-        let constraint = |own: &Self, part: usize| {
-            f64::EPSILON * own.state.constraint(own.all[part].rows.list().iter().copied())
-        };
+        let constraint =
+            |own: &Self, part: usize| f64::EPSILON * own.state.constraint(own.all[part].rows.list().iter().copied());
         let falls = |&part: &usize| {
             let last = self.all[part].iterates.last();
             last.is_none_or(|last| constraint(self, part) <= FALLS * last.constraint)

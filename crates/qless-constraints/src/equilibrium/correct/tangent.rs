@@ -97,16 +97,15 @@ impl<M: Model> Corrector<'_, M> {
         let (free, rows) = (&self.parts.list[part].free, &self.all[part].rows);
         let place = |j: usize| self.parts.place(part, j);
         let (g, h) = (self.state.quantities.g(), self.state.quantities.h());
-        let stiffness = |(i, &dof): (usize, &usize)| {
-            self.state.assembly.row(dof).filter_map(move |(j, v)| Some((i, place(j)?, v)))
-        };
+        let stiffness =
+            |(i, &dof): (usize, &usize)| self.state.assembly.row(dof).filter_map(move |(j, v)| Some((i, place(j)?, v)));
         let mut list: Vec<_> = free.iter().enumerate().flat_map(stiffness).collect();
         let stiff = list.len();
         let bent = |(i, &dof): (usize, &usize)| h.row(dof).filter_map(move |(j, v)| Some((i, place(j)?, v)));
         list.extend(free.iter().enumerate().flat_map(bent));
-        let border = (free.len()..).zip(rows.list()).flat_map(|(r, &row)| {
-            g.row(row).filter_map(move |(j, v)| Some((r, place(j)?, v)))
-        });
+        let border = (free.len()..)
+            .zip(rows.list())
+            .flat_map(|(r, &row)| g.row(row).filter_map(move |(j, v)| Some((r, place(j)?, v))));
         list.extend(border.flat_map(|(r, j, v)| [(r, j, v), (j, r, v)]));
         let in_units = self.factoring[part].in_units;
         let units = if in_units { free.iter().map(|&j| rows.units()[j]).collect() } else { Vec::new() };

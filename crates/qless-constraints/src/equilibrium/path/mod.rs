@@ -66,21 +66,7 @@ impl<'a, M: Model> Path<'a, M> {
         let factoring = parts.list.iter().map(|_| Factoring::default()).collect();
         let at = Unknowns { u: start.u.clone(), multipliers: start.multipliers.clone() };
         let (rows, rotations, steps) = (None, Vec::new(), Vec::new());
-        Ok(Self {
-            model,
-            course,
-            start,
-            target,
-            options,
-            parts,
-            state,
-            at,
-            rows,
-            rotations,
-            factoring,
-            tracks,
-            steps,
-        })
+        Ok(Self { model, course, start, target, options, parts, state, at, rows, rotations, factoring, tracks, steps })
     }
 
     /// Where nothing is found, the constraints are those of the start again.
