@@ -24,6 +24,8 @@ pub struct Part {
 
 pub struct Parts {
     pub list: Vec<Part>,
+    /// Prescribed DOFs that are in none.
+    pub untouched: Part,
     of_dof: Vec<u32>,
     of_row: Vec<u32>,
     place: Vec<u32>,
@@ -60,7 +62,11 @@ impl Parts {
             of_row.push(part);
         }
         list.iter_mut().for_each(|part| part.touch(assembly, quantities, &held));
-        Self { list, of_dof, of_row, place, of_equations: newton::Parts::new(g, prescribed, &[]) }
+        let mut touched: Vec<bool> = held.iter().map(|held| !held).collect();
+        list.iter().flat_map(|part| &part.held).for_each(|&j| touched[j] = true);
+        let rest = (0..n).filter(|&j| !touched[j]).collect();
+        let untouched = Part { held: rest, ..Part::default() };
+        Self { list, untouched, of_dof, of_row, place, of_equations: newton::Parts::new(g, prescribed, &[]) }
     }
 
     pub fn count(&self) -> usize {

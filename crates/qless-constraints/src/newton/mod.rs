@@ -118,12 +118,19 @@ pub fn solve(
         return Err(NewtonError::Tolerance(options.tolerance));
     }
     let mut run = Run::new(set, u, prescribed, options)?;
-    let redundant = run.to_the_end(|failures| failures.is_empty())?;
+    let redundant = run.follow(<[_]>::is_empty)?;
     if run.failures.is_empty() { Ok(run.into_solution(redundant)) } else { Err(run.failures.swap_remove(0).1) }
 }
 
-/// [`solve`] for parts that go on where others fail: u, the parts of the equations, and those that failed, by their steps and then by their first
-/// rows.
+/// What parts come to that go on where others fail.
+pub(crate) struct Each {
+    pub u: Vec<f64>,
+    pub parts: Parts,
+    /// Parts that failed, by their steps and then by their first rows.
+    pub failures: Vec<(usize, NewtonError)>,
+}
+
+/// [`solve`] for each part.
 ///
 /// # Errors
 /// What is wrong with the whole.
@@ -132,10 +139,10 @@ pub(crate) fn solve_each(
     u: &[f64],
     prescribed: &[(usize, f64)],
     options: &NewtonOptions,
-) -> Result<(Vec<f64>, Parts, Vec<(usize, NewtonError)>), NewtonError> {
+) -> Result<Each, NewtonError> {
     let mut run = Run::new(set, u, prescribed, options)?;
-    run.to_the_end(|_| true)?;
-    Ok((run.place.u, run.parts, run.failures))
+    run.follow(|_| true)?;
+    Ok(Each { u: run.place.u, parts: run.parts, failures: run.failures })
 }
 
 /// Equations that are not kept.

@@ -17,6 +17,8 @@ impl<M: Model> Corrector<'_, M> {
             left_out.for_each(|&r| x.multipliers[r] = 0.0);
         }
         self.evaluate(x, &going)?;
+        let rest = &self.parts.untouched;
+        self.state.finite(rest).and_then(|()| self.state.finite_stiffness(rest))?;
         for part in going {
             let there = &self.parts.list[part];
             let found = self.state.finite(there).and_then(|()| self.state.finite_stiffness(there));

@@ -40,8 +40,9 @@ impl Progress {
         matches!(self.way, Way::Done)
     }
 
-    pub fn has_failed(&self) -> bool {
-        matches!(self.way, Way::Failed(_))
+    /// Whether it failed in a way that another start may mend: not by leaving its branch.
+    pub fn may_start_again(&self) -> bool {
+        matches!(&self.way, Way::Failed(failure) if !matches!(failure, Failure::Branch(_)))
     }
 
     /// Whether it is still on its way.

@@ -43,7 +43,7 @@ impl<M: Model> Path<'_, M> {
         end: &End,
     ) -> Option<Failure> {
         let mut retried = Vec::new();
-        for (part, own) in all.iter_mut().enumerate().filter(|(_, own)| own.has_failed()) {
+        for (part, own) in all.iter_mut().enumerate().filter(|(_, own)| own.may_start_again()) {
             match found.errors[part].take() {
                 Some(proof @ NewtonError::Conflict { .. }) => own.way = Way::Failed(Failure::Constraints(proof)),
                 None if self.is_elsewhere(part, &found.u, end) => retried.push(part),

@@ -42,7 +42,9 @@ impl<M: Model> Path<'_, M> {
         if whole.is_none() {
             whole = self.attempt((&mut x, None), &mut all, &end).err();
         }
-        if !whole.as_ref().is_some_and(Failure::is_fatal) && (whole.is_some() || all.iter().any(Progress::has_failed)) {
+        if !whole.as_ref().is_some_and(Failure::is_fatal)
+            && (whole.is_some() || all.iter().any(Progress::may_start_again))
+        {
             whole = self.again(&mut x, &mut all, whole, &end);
         }
         let all = Failures::new(whole, all)?;

@@ -94,10 +94,7 @@ impl<'a> Run<'a> {
     }
 
     /// Goes step by step until no part goes on, or `may_go_on` says that the failures are enough; equations that are redundant there.
-    pub fn to_the_end(
-        &mut self,
-        may_go_on: impl Fn(&[(usize, NewtonError)]) -> bool,
-    ) -> Result<Vec<usize>, NewtonError> {
+    pub fn follow(&mut self, may_go_on: impl Fn(&[(usize, NewtonError)]) -> bool) -> Result<Vec<usize>, NewtonError> {
         let (mut before, mut step) = (None, 0);
         loop {
             let found = self.look(step, before)?;

@@ -178,7 +178,7 @@ fn a_piece_goes_as_it_goes_alone() -> Outcome {
 #[test]
 fn prescribed_dofs_join_nothing() -> Outcome {
     let mut count = [0, 0];
-    for (a, b) in pairs(3) {
+    for (a, b) in pairs(5) {
         let value = 0.3 * UNITS[a % 3];
         let driven = |kind: usize, seed: usize| {
             let mut own = piece(kind, seed, [UNITS[a % 3], UNITS[(kind + seed) % 3]]);
@@ -195,7 +195,7 @@ fn prescribed_dofs_join_nothing() -> Outcome {
         (0..2).for_each(|k| count[k] += counts[k]);
     }
     println!("{count:?}");
-    assert!(count[0] > 30 && count[1] > 15, "{count:?}");
+    assert!(count[0] > 20 && count[1] > 20, "{count:?}");
     Ok(())
 }
 
