@@ -75,7 +75,7 @@ fn motions_are_named_part_by_part() -> Outcome {
             let [unit, force] = [UNITS[(seed + k) % 3], UNITS[(seed + 2 * k) % 3]];
             Piece { loads: vec![0.0, force, 0.0, 0.0], ..piece(16, k, [unit, force]) }
         };
-        let mut pieces = vec![loose(0), piece(13, seed, [UNITS[seed % 3], 1.0]), loose(1), pendulum(seed)];
+        let mut pieces = [loose(0), piece(13, seed, [UNITS[seed % 3], 1.0]), loose(1), pendulum(seed)];
         pieces.rotate_left(seed % 4);
         let mechanisms: Vec<Mechanism> = pieces.iter().map(|piece| piece.mechanism.clone()).collect();
         let together = Together::new(&mechanisms, false, seed)?;
