@@ -4,7 +4,7 @@ use std::error::Error;
 
 use qless::{AnalysisError, ArgumentError};
 
-use super::EquilibriumError;
+use super::{EquilibriumError, Iterate};
 use crate::newton::NewtonError;
 use crate::{ConstraintSet, LineariseError};
 
@@ -64,8 +64,8 @@ impl From<AnalysisError> for Failure {
 pub struct Reached {
     pub factor: f64,
     pub tried: f64,
-    pub force: f64,
-    pub constraint: f64,
+    /// The last of the part.
+    pub iterate: Iterate,
 }
 
 impl Failure {
@@ -90,7 +90,7 @@ impl Failure {
     }
 
     pub fn into_error(self, set: &ConstraintSet, reached: Reached) -> EquilibriumError {
-        let Reached { factor, tried, force, constraint } = reached;
+        let Reached { factor, tried, iterate: Iterate { force, constraint, .. } } = reached;
         match self {
             Self::Model(source) => EquilibriumError::Model { factor, source },
             Self::NotFinite { what, at } => EquilibriumError::NotFinite { factor, what, at },

@@ -10,9 +10,10 @@ pub struct Iterate {
     /// `max_r eps |c_r| / rounding_r` over the kept rows: relative to the sizes of the terms of c, its own or, where it no longer
     /// falls, the largest.
     pub constraint: f64,
-    /// The part of the correction that was gone to come here: 1 for all of it, 0 where only multipliers changed.
+    /// How much of the correction was gone to come here: 1 for all of it, 0 where only multipliers changed. The least of the connected parts that were
+    /// still on their way; all else is the largest of all parts.
     pub length: f64,
-    /// Whether the tangent before it was singular, and something was added to it.
+    /// Whether a tangent before it was singular, and something was added to it.
     pub regularised: bool,
 }
 
@@ -21,12 +22,13 @@ pub struct Iterate {
 pub struct LoadStep {
     /// Part of the way from the start to the target.
     pub factor: f64,
-    /// Whether equilibrium was found there; if not, it was tried once more from a configuration that satisfies the constraints, or cut.
+    /// Whether equilibrium was found there; if not, the parts that failed were tried once more from a configuration that satisfies the constraints, or
+    /// the step was cut.
     pub converged: bool,
     /// Whether branches of what the constraints determine meet on the way there, or nearly so: which one was taken, Newton's method decided. Look
     /// at the result, or go there in other steps.
     pub branches_meet: bool,
-    /// The way there.
+    /// The way there, of the parts that were tried.
     pub iterates: Vec<Iterate>,
 }
 
@@ -43,7 +45,8 @@ pub struct Equilibrium {
     pub constraint_forces: Vec<f64>,
     /// Equations that are redundant here, without multipliers.
     pub redundant: Vec<usize>,
-    /// Whether it is stable, where [`super::EquilibriumOptions::stability`] asks.
+    /// Whether it is stable, where [`super::EquilibriumOptions::stability`] asks: [`Stability::Stable`] if all connected parts are, and unstable in as
+    /// many directions as these together; not symmetric or undecided if one of them is.
     pub stability: Option<Stability>,
     /// All attempts at load steps, those that failed too.
     pub steps: Vec<LoadStep>,

@@ -4,7 +4,7 @@
 //! | --- | --- | --- |
 //! | evaluation | `f_int, K` by the [`Model`]; `c, G, H = sum_r lambda_r d^2 c_r / du^2` by the set | one pass each |
 //! | rows | redundant equations are left out, their multipliers are zero | one analysis per load step |
-//! | correction | `[K + H, G^T; G, 0] [du; dlambda] = -[r; c]`, scaled from both sides | one numeric sparse LU; its symbolic part once |
+//! | correction | `[K + H, G^T; G, 0] [du; dlambda] = -[r; c]`, scaled from both sides | one numeric sparse LU of each part; its symbolic part once |
 //! | length | the natural test of affine invariance | one evaluation and solution per trial |
 //! | branch | spectral radius of `G^-1 (G - G')` on what the constraints determine, over a load step | one sparse LU per step that moves prescribed DOFs or time |
 //! | load steps | cut where a step fails, longer where it is easy | |
@@ -12,6 +12,12 @@
 //! Units: forces are compared with the sizes of their own terms and with what one unit in the last place of u does to them, constraints
 //! with the rounding of their own terms ([`ConstraintSet::rounding`]). Nothing is compared with 1, so that the unit of length, force or angle
 //! drops out.
+//!
+//! Connected parts of the model, joined by K and equations but not by prescribed DOFs, go in lock step: scales, factors, lengths, redundant equations,
+//! convergence, branch and stability are a part's own. What is found of a part is what is found of it alone, to the last bit, where the load steps are
+//! the same. These are common to all, since time and history are the model's: the part that takes a step worst decides on its length. An error is that of
+//! the first part that has one: by their lowest DOFs, then by the rows of equations on prescribed DOFs alone. Where the [`Model`] refuses a configuration, the
+//! parts that it refuses are found by evaluations of parts without the others.
 //!
 //! An equilibrium that is returned is one to these tolerances, and its tangent is not singular. It may be unstable: [`EquilibriumOptions::stability`] asks.
 
@@ -24,13 +30,13 @@ mod failure;
 mod found;
 mod model;
 mod options;
+mod parts;
 mod path;
 mod pattern;
 mod rows;
 mod saddle;
 mod stability;
 mod state;
-mod tangent;
 
 use course::Course;
 pub use ends::{Start, Target};
@@ -83,7 +89,7 @@ use crate::{ConstraintSet, TimeError};
 /// ```
 ///
 /// # Errors
-/// [`EquilibriumError`].
+/// [`EquilibriumError`]: what the first part says that comes to no equilibrium.
 pub fn solve(
     model: &mut impl Model,
     set: &ConstraintSet,

@@ -69,9 +69,9 @@ pub struct Assembly {
     pub(super) force: Vec<f64>,
     /// `sum |terms|` of it.
     pub(super) terms: Vec<f64>,
-    pub(super) start: Vec<usize>,
-    pub(super) columns: Vec<usize>,
-    pub(super) values: Vec<f64>,
+    start: Vec<usize>,
+    columns: Vec<usize>,
+    values: Vec<f64>,
     wanted: bool,
     pub(super) fault: Option<Fault>,
 }
@@ -142,9 +142,9 @@ impl Assembly {
         known
     }
 
-    /// All entries `(i, j, K_ij)`.
-    pub(super) fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
-        (0..self.force.len())
-            .flat_map(move |i| (self.start[i]..self.start[i + 1]).map(move |e| (i, self.columns[e], self.values[e])))
+    /// Entries `(j, K_ij)` of a row.
+    pub(super) fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let entries = self.start[i]..self.start[i + 1];
+        self.columns[entries.clone()].iter().copied().zip(self.values[entries].iter().copied())
     }
 }

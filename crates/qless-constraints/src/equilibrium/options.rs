@@ -11,7 +11,7 @@ pub struct EquilibriumOptions {
     pub tolerance: f64,
     /// Constraints hold as in [`crate::newton::NewtonOptions::tolerance`]. Default 4.
     pub roundings: f64,
-    /// Most iterations in a load step. Default 25.
+    /// Most iterations of any part in a load step. Default 25.
     pub iterations: usize,
     /// The first load step, a part of the whole. Default 1: all at once, where that works.
     pub first: f64,

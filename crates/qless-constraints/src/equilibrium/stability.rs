@@ -46,6 +46,20 @@ pub enum Stability {
     Undecided,
 }
 
+impl Stability {
+    /// That of a model, from those of its parts: what proves nothing in one of them proves nothing of all.
+    pub(super) fn of_parts(parts: impl Iterator<Item = Self>) -> Self {
+        parts.fold(Self::Stable, |all, part| match (all, part) {
+            (Self::NotSymmetric, _) | (_, Self::NotSymmetric) => Self::NotSymmetric,
+            (Self::Undecided, _) | (_, Self::Undecided) => Self::Undecided,
+            (Self::Unstable { directions: a }, Self::Unstable { directions: b }) => {
+                Self::Unstable { directions: a + b }
+            }
+            (Self::Stable, other) | (other, Self::Stable) => other,
+        })
+    }
+}
+
 /// That of a scaled saddle matrix, whose first `free` places are DOFs.
 pub fn stability(a: &Matrix, free: usize) -> Stability {
     if !symmetric(a) {

@@ -3,8 +3,9 @@
 use qless::Csr;
 
 use super::model::{Assembly, Fault, Model};
+use super::parts::{Part, Parts};
 use super::{EquilibriumError, Failure};
-use crate::newton::{Parts, at_rest, in_roundings, weights};
+use crate::newton::{at_rest, in_roundings, weights};
 use crate::{ConstraintSet, Quantities, Rounding};
 
 /// Rounding of a sum of products, in units in the last place.
@@ -79,7 +80,6 @@ impl State {
         model.assemble(&at.u, &mut self.assembly).map_err(Failure::Model)?;
         set.assemble(&at.u, &at.multipliers, &mut self.quantities)?;
         self.sum(at, loads)?;
-        finite("the stiffness", &self.assembly.values)?;
         let rounding = set.rounding(&at.u)?;
         self.constraints = in_roundings(self.quantities.c(), rounding.c());
         self.round(model, at, rounding.g());
@@ -87,12 +87,18 @@ impl State {
         Ok(())
     }
 
-    /// c no longer falls: what is left of it may be the rounding of other rows.
-    pub fn settle(&mut self, set: &ConstraintSet, u: &[f64]) {
+    /// c of these parts no longer falls: what is left of it may be the rounding of other rows.
+    pub fn settle<'a>(
+        &mut self,
+        (set, parts): (&ConstraintSet, &Parts),
+        settled: impl Iterator<Item = &'a Part>,
+        u: &[f64],
+    ) {
         if let Some(rounding) = &self.of_constraints {
-            let parts = Parts::new(self.quantities.g(), &[], &[]);
+            let parts = &parts.of_equations;
             let weights = weights(self.quantities.g(), rounding.g(), &parts.columns);
-            self.constraints = at_rest(&weights, &self.quantities, (rounding, &set.extents(u)), &parts);
+            let at_rest = at_rest(&weights, &self.quantities, (rounding, &set.extents(u)), parts);
+            settled.flat_map(|part| &part.rows).for_each(|&r| self.constraints[r] = at_rest[r]);
         }
     }
 
@@ -110,14 +116,26 @@ impl State {
                 terms[j] += (v * lambda).abs();
             });
         }
-        finite("the force", residual)?;
-        finite("the constraint value", self.quantities.c())
+        Ok(())
+    }
+
+    /// Whether forces and c of a part are numbers.
+    pub fn finite(&self, part: &Part) -> Result<(), Failure> {
+        finite("the force", part.free.iter().chain(&part.held).map(|&j| (j, self.residual[j])))?;
+        finite("the constraint value", part.rows.iter().map(|&r| (r, self.quantities.c()[r])))
+    }
+
+    /// Whether its stiffness is.
+    pub fn finite_stiffness(&self, part: &Part) -> Result<(), Failure> {
+        let rows = part.free.iter().chain(&part.held);
+        finite("the stiffness", rows.flat_map(|&i| self.assembly.row(i).map(move |(_, k)| (i, k))))
     }
 
     fn round(&mut self, model: &impl Model, at: &Unknowns, of_g: &[f64]) {
         self.rounding.fill(0.0);
-        for (i, j, k) in self.assembly.entries() {
-            self.rounding[i] += ULPS * k.abs() * (at.u[j].abs() + model.coordinate(j).abs());
+        for (i, rounding) in self.rounding.iter_mut().enumerate() {
+            let terms = self.assembly.row(i);
+            terms.for_each(|(j, k)| *rounding += ULPS * k.abs() * (at.u[j].abs() + model.coordinate(j).abs()));
         }
         let g = self.quantities.g();
         for (r, &lambda) in at.multipliers.iter().enumerate().filter(|(_, lambda)| **lambda != 0.0) {
@@ -159,9 +177,9 @@ fn fault(assembly: &Assembly) -> Result<(), EquilibriumError> {
     }
 }
 
-fn finite(what: &'static str, numbers: &[f64]) -> Result<(), Failure> {
-    let bad = numbers.iter().position(|x| !x.is_finite());
-    bad.map_or(Ok(()), |at| Err(Failure::NotFinite { what, at }))
+fn finite(what: &'static str, mut numbers: impl Iterator<Item = (usize, f64)>) -> Result<(), Failure> {
+    let bad = numbers.find(|(_, x)| !x.is_finite());
+    bad.map_or(Ok(()), |(at, _)| Err(Failure::NotFinite { what, at }))
 }
 
 /// `G^T lambda`.

@@ -26,7 +26,7 @@ mod units;
 use qless::{Analysis, Options};
 
 pub use error::NewtonError;
-pub(crate) use parts::{Columns, Parts};
+pub(crate) use parts::{Parts, Union};
 pub(crate) use redundancy::random;
 pub use redundancy::{Redundancy, redundancies};
 pub(crate) use residual::{change, in_roundings};
@@ -117,17 +117,32 @@ pub fn solve(
     if !(options.tolerance >= 1.0 && options.tolerance.is_finite()) {
         return Err(NewtonError::Tolerance(options.tolerance));
     }
-    let (mut run, mut before, mut step) = (Run::new(set, u, prescribed, options)?, None, 0);
-    loop {
-        let found = run.look(step, before)?;
-        run.decide(&found.analysis).map_err(|source| NewtonError::Argument { step, source })?;
-        let Some(part) = run.unfinished() else { return Ok(run.into_solution(dependent(&found.analysis))) };
-        if step == options.steps {
-            return Err(run.no_convergence(step, part));
-        }
-        run.advance(&found, step)?;
-        (before, step) = (Some(found), step + 1);
-    }
+    let mut run = Run::new(set, u, prescribed, options)?;
+    let redundant = run.follow(<[_]>::is_empty)?;
+    if run.failures.is_empty() { Ok(run.into_solution(redundant)) } else { Err(run.failures.swap_remove(0).1) }
+}
+
+/// What parts come to that go on where others fail.
+pub(crate) struct Each {
+    pub u: Vec<f64>,
+    pub parts: Parts,
+    /// Parts that failed, by their steps and then by their first rows.
+    pub failures: Vec<(usize, NewtonError)>,
+}
+
+/// [`solve`] for each part.
+///
+/// # Errors
+/// What is wrong with the whole.
+pub(crate) fn solve_each(
+    set: &ConstraintSet,
+    u: &[f64],
+    prescribed: &[(usize, f64)],
+    options: &NewtonOptions,
+) -> Result<Each, NewtonError> {
+    let mut run = Run::new(set, u, prescribed, options)?;
+    run.follow(|_| true)?;
+    Ok(Each { u: run.place.u, parts: run.parts, failures: run.failures })
 }
 
 /// Equations that are not kept.

@@ -22,7 +22,7 @@ impl Parts {
     pub fn new(g: &Csr, prescribed: &[(usize, f64)], together: &[[usize; 3]]) -> Self {
         let mut held = vec![false; g.cols()];
         prescribed.iter().for_each(|&(j, _)| held[j] = true);
-        let mut union = Union((0..g.cols() as u32).collect());
+        let mut union = Union::new(g.cols());
         let free = |r: usize| g.row(r).map(|(j, _)| j).filter(|&j| !held[j]);
         (0..g.rows()).for_each(|r| union.join(free(r)));
         together.iter().for_each(|&dofs| union.join(dofs.into_iter()));
@@ -102,11 +102,15 @@ impl Columns {
 }
 
 /// Sets that grow together: each member leads to one that is no larger, and the least of a set to itself.
-struct Union(Vec<u32>);
+pub(crate) struct Union(Vec<u32>);
 
 impl Union {
+    pub fn new(count: usize) -> Self {
+        Self((0..count as u32).collect())
+    }
+
     /// The least of the set; the way there gets shorter.
-    fn root(&mut self, mut j: usize) -> usize {
+    pub fn root(&mut self, mut j: usize) -> usize {
         while self.0[j] as usize != j {
             self.0[j] = self.0[self.0[j] as usize];
             j = self.0[j] as usize;
@@ -114,7 +118,7 @@ impl Union {
         j
     }
 
-    fn join(&mut self, mut members: impl Iterator<Item = usize>) {
+    pub fn join(&mut self, mut members: impl Iterator<Item = usize>) {
         let Some(first) = members.next() else { return };
         let mut root = self.root(first);
         for member in members {

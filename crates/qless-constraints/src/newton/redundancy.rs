@@ -152,7 +152,8 @@ impl Here {
     fn change_at(&self, set: &ConstraintSet, v: &[f64]) -> Option<f64> {
         let mut quantities = set.allocate();
         set.evaluate(v, &mut quantities).ok()?;
-        Some(change(&self.quantities, &quantities, &self.sizes))
+        let of = Columns::plain(quantities.g());
+        Some(change([&self.quantities, &quantities], 0..set.equations(), (&of, &self.sizes)))
     }
 }
 

@@ -5,6 +5,7 @@
 
 use qless::ArgumentError;
 
+use super::parts::Columns;
 use crate::{ConstraintSet, Quantities};
 
 /// `|c_r|` in roundings of c_r; infinite where the rounding is not known and c is not zero.
@@ -42,14 +43,17 @@ pub fn inverse(x: f64) -> f64 {
     if inverse.is_finite() { inverse } else { 0.0 }
 }
 
-/// `max |G_rj - G'_rj| s_j / max |G'_rj| s_j` over j, the largest over r, with DOFs measured by their sizes s.
-pub fn change(before: &Quantities, after: &Quantities, sizes: &[f64]) -> f64 {
-    let (before, after) = (before.g(), after.g());
+/// `max |G_rj - G'_rj| s_j / max |G'_rj| s_j` over j, the largest over the rows, with columns measured by their sizes s.
+pub fn change(
+    [before, after]: [&Quantities; 2],
+    rows: impl IntoIterator<Item = usize>,
+    (of, sizes): (&Columns, &[f64]),
+) -> f64 {
     let of_row = |row: usize| {
-        let pairs = || before.row(row).zip(after.row(row));
+        let pairs = || of.row(before.g(), row).zip(after.g().row(row));
         let most = pairs().map(|((j, a), (_, b))| (a - b).abs() * sizes[j]).fold(0.0, f64::max);
         let size = pairs().map(|((j, a), (_, b))| a.abs().max(b.abs()) * sizes[j]).fold(0.0, f64::max);
         if most == 0.0 { 0.0 } else { most / size }
     };
-    (0..after.rows()).map(of_row).fold(0.0, f64::max)
+    rows.into_iter().map(of_row).fold(0.0, f64::max)
 }

@@ -14,11 +14,11 @@ const ROUNDINGS: f64 = 16.0 * f64::EPSILON;
 /// Passes over linear rows.
 const SWEEPS: usize = 20;
 
-/// s: the power of two nearest to the reach of each DOF, 1 where there is none, and for DOFs that are held.
+/// s: the power of two nearest to the reach of each column, those of DOFs first; 1 where there is none, and for DOFs that are held.
 pub fn units(set: &ConstraintSet, quantities: &Quantities, of: &Columns) -> Result<Vec<f64>, ArgumentError> {
     let power = |reach: f64| if reach > 0.0 { reach.log2().round().exp2() } else { 1.0 };
     let usable = |unit: f64| if unit.is_normal() && (1.0 / unit).is_normal() { unit } else { 1.0 };
-    Ok(reaches(set, quantities, of)?.into_iter().take(set.dofs()).map(|reach| usable(power(reach))).collect())
+    Ok(reaches(set, quantities, of)?.into_iter().map(|reach| usable(power(reach))).collect())
 }
 
 /// `1 / max_r (|G_rj| / size_r)` over the nonlinear rows: how far each DOF goes until some c has changed by the size of its terms.

@@ -151,6 +151,11 @@ fn the_smallest_problems() -> Outcome {
     let held = Target { loads: &[3.0, 0.0], prescribed: &[(0, 0.25), (1, 0.25)] };
     let found = solve(&mut springs, &set, &Start::at_rest(&set), &held, &options)?;
     assert_eq!((found.u, found.reactions, found.redundant), (vec![0.25; 2], vec![-2.5, 1.25], vec![0]));
+    // A force that is none, at a DOF that no other leads to.
+    let held = Target { loads: &[0.0; 2], prescribed: &[(0, 0.0), (1, 1.0)] };
+    let mut none = Weights { springs: vec![2.0, f64::NAN] };
+    let error = solve(&mut none, &free, &Start::at_rest(&free), &held, &options).expect_err("not a number");
+    assert!(matches!(error, EquilibriumError::NotFinite { at: 1, .. }), "{error}");
     let against = Target { loads: &[3.0, 0.0], prescribed: &[(0, 0.25), (1, 0.5)] };
     let error = solve(&mut springs, &set, &Start::at_rest(&set), &against, &options).expect_err("0.25 is not 0.5");
     assert!(error.to_string().contains("equal"), "{error}");

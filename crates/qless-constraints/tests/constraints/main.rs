@@ -6,6 +6,8 @@ mod active;
 mod bad_numbers;
 /// Nodes on lines and planes that turn.
 mod beads;
+/// Elastic mechanisms side by side: each comes to equilibrium as it does alone.
+mod blocks_of_equilibria;
 /// Mechanisms side by side: each goes as it goes alone.
 mod blocks_of_newton;
 /// Chains of bodies.

@@ -1,24 +1,32 @@
 //! Load steps: `f_ext = f_0 + s (f_1 - f_0)`, `u_p = u_p0 + s (v - u_p0)`, `t = t_0 + s (t_1 - t_0)`, s from 0 to 1.
 //!
-//! A step that fails twice is cut to a quarter. After an easy step the next one is twice as long.
+//! A step that fails twice is cut to a quarter. After an easy step the next one is twice as long. Steps are those of the whole model, whose time and history
+//! they are: they are as long as suits the part that takes them worst.
 
+mod again;
 mod check;
 mod origin;
 mod step;
+mod track;
 
-use super::branch::{Branch, Turn, growth, is_straight};
+use std::sync::Arc;
+
+use super::branch::growth;
+use super::correct::Factoring;
 use super::course::Course;
-use super::failure::Reached;
-use super::pattern::Pattern;
+use super::parts::{Part, Parts};
 use super::rows::Rows;
 use super::stability::Stability;
 use super::state::{State, Unknowns, constraint_forces};
 use super::{Equilibrium, EquilibriumError, EquilibriumOptions, LoadStep, Model, Start, Target};
+use crate::ConstraintSet;
 
 pub use check::check;
+use track::Track;
 
 /// A step with fewer iterates was easy.
 const EASY: usize = 8;
+
 /// The way from the start to the target.
 pub struct Path<'a, M> {
     model: &'a mut M,
@@ -26,23 +34,15 @@ pub struct Path<'a, M> {
     start: &'a Start,
     target: &'a Target<'a>,
     options: &'a EquilibriumOptions,
-    free: Vec<usize>,
+    parts: Arc<Parts>,
     state: State,
     /// The last equilibrium.
     at: Unknowns,
-    rows: Option<Rows>,
+    /// Those of each part there.
+    rows: Option<Vec<Rows>>,
     rotations: Vec<[usize; 3]>,
-    pattern: Pattern,
-    in_units: bool,
-    /// Whether constraints that are not linear are made to move.
-    driven: bool,
-    branch: Option<Branch>,
-    of_branch: Pattern,
-    /// Of the last step.
-    turn: Turn,
-    /// The rank of the constraints where the last step started, if they hold there.
-    rank: Option<usize>,
-    stability: Option<Stability>,
+    factoring: Vec<Factoring>,
+    tracks: Vec<Track>,
     steps: Vec<LoadStep>,
 }
 
@@ -55,34 +55,18 @@ impl<'a, M: Model> Path<'a, M> {
         options: &'a EquilibriumOptions,
     ) -> Result<Self, EquilibriumError> {
         let set = course.set();
-        let mut held = vec![false; set.dofs()];
-        target.prescribed.iter().for_each(|&(j, _)| held[j] = true);
-        let free = (0..set.dofs()).filter(|&j| !held[j]).collect();
         let state = State::new(model, set)?;
-        let prescribed = target.prescribed.iter().any(|&(j, v)| start.u[j] != v);
-        let driven = (prescribed || matches!(course, Course::Driven { .. })) && !is_straight(set);
+        let parts = Arc::new(Parts::new(&state.assembly, set, &state.quantities, target.prescribed));
+        let mut moves = vec![false; set.dofs()];
+        target.prescribed.iter().for_each(|&(j, v)| moves[j] = start.u[j] != v);
+        let in_time = matches!(course, Course::Driven { .. });
+        let driven = |part: &Part| (in_time || part.held.iter().any(|&j| moves[j])) && !is_straight(set, part);
+        let track = |part: &Part| Track { driven: driven(part), ..Track::default() };
+        let tracks = parts.list.iter().map(track).collect();
+        let factoring = parts.list.iter().map(|_| Factoring::default()).collect();
         let at = Unknowns { u: start.u.clone(), multipliers: start.multipliers.clone() };
-        Ok(Self {
-            model,
-            course,
-            start,
-            target,
-            options,
-            free,
-            state,
-            at,
-            rows: None,
-            rotations: Vec::new(),
-            pattern: Pattern::default(),
-            in_units: false,
-            driven,
-            branch: None,
-            of_branch: Pattern::default(),
-            turn: Turn::default(),
-            rank: None,
-            stability: None,
-            steps: Vec::new(),
-        })
+        let (rows, rotations, steps) = (None, Vec::new(), Vec::new());
+        Ok(Self { model, course, start, target, options, parts, state, at, rows, rotations, factoring, tracks, steps })
     }
 
     /// Where nothing is found, the constraints are those of the start again.
@@ -103,15 +87,14 @@ impl<'a, M: Model> Path<'a, M> {
                 Ok((at, rows)) => {
                     self.model.accept(&at.u);
                     (self.at, self.rows, factor) = (at, Some(rows), tried);
-                    let easy = self.steps.last().is_some_and(|step| step.iterates.len() <= EASY);
-                    let longer = growth(self.turn.radius).min(if easy { 2.0 } else { 1.0 });
-                    length = (longer * length).max(length.min(self.options.shortest));
+                    length = (self.longer() * length).max(length.min(self.options.shortest));
                 }
-                Err(failure) => {
+                Err(failures) => {
                     self.course.back(factor);
-                    length = failure.shorter() * (tried - factor);
-                    if failure.is_fatal() || length < self.options.shortest {
-                        return Err(failure.into_error(self.course.set(), self.reached(factor)));
+                    length = failures.shorter() * (tried - factor);
+                    if failures.is_fatal() || length < self.options.shortest {
+                        let tried = self.steps.last().map_or(factor, |step| step.factor);
+                        return Err(failures.into_error(self.course.set(), factor, tried));
                     }
                 }
             }
@@ -119,26 +102,31 @@ impl<'a, M: Model> Path<'a, M> {
         Ok(())
     }
 
-    fn reached(&self, factor: f64) -> Reached {
-        let last = self.steps.last();
-        let iterate = last.and_then(|step| step.iterates.last()).copied().unwrap_or_default();
-        let tried = last.map_or(factor, |step| step.factor);
-        Reached { factor, tried, force: iterate.force, constraint: iterate.constraint }
+    /// How much longer the next step may be.
+    fn longer(&self) -> f64 {
+        let easy = self.tracks.iter().all(|track| track.iterates <= EASY);
+        self.tracks.iter().map(|track| growth(track.turn.radius)).fold(if easy { 2.0 } else { 1.0 }, f64::min)
     }
 
     fn finish(self) -> Equilibrium {
-        let Self { target, state, at, rows, stability, steps, .. } = self;
+        let Self { target, options, parts, state, at, rows, tracks, steps, .. } = self;
         let forces = constraint_forces(state.quantities.g(), &at.multipliers);
-        let kept = |r: &usize| rows.as_ref().is_none_or(|rows| rows.kept(*r));
+        let kept = |r: &usize| rows.as_ref().is_none_or(|rows| rows[parts.of_row(*r)].kept(*r));
+        let stability = || Stability::of_parts(tracks.iter().filter_map(|track| track.stability));
         Equilibrium {
             reactions: target.prescribed.iter().map(|&(j, _)| state.residual[j]).collect(),
             constraint_forces: forces.iter().map(|f| -f).collect(),
             redundant: (0..at.multipliers.len()).filter(|r| !kept(r)).collect(),
             loads: target.loads.to_vec(),
             u: at.u,
-            stability,
+            stability: options.stability.then(stability),
             multipliers: at.multipliers,
             steps,
         }
     }
+}
+
+/// Whether no G of a part can change.
+fn is_straight(set: &ConstraintSet, part: &Part) -> bool {
+    part.rows.iter().all(|r| set.linear_rows().contains(r))
 }

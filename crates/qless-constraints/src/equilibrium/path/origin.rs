@@ -1,14 +1,23 @@
 //! Where a step starts: the rows that are not redundant there, the branch of the mechanism, and rotations that only constraints know.
 
-use super::super::Model;
+use std::sync::Arc;
+
 use super::super::branch::{Branch, Turn};
+use super::super::correct::Progress;
 use super::super::failure::Failure;
-use super::super::rows::Rows;
+use super::super::rows::{Choice, Rows};
+use super::super::{Model, correct::Way};
 use super::Path;
-use crate::newton::{self, NewtonError, NewtonOptions};
+use crate::newton::{Each, NewtonError, NewtonOptions, solve_each};
 
 /// Steps of Newton's method on the constraints, to see which rows are redundant.
 const LOOK: usize = 10;
+
+/// The nearest configuration that satisfies the constraints, and what is said of parts that have none.
+pub(super) struct Nearest {
+    pub u: Vec<f64>,
+    pub errors: Vec<Option<NewtonError>>,
+}
 
 impl<M: Model> Path<'_, M> {
     /// Rotation vectors that nobody but the constraints knows.
@@ -23,47 +32,110 @@ impl<M: Model> Path<'_, M> {
         vectors
     }
 
-    /// The rows of the next step, and the branch on which it starts.
-    pub(super) fn origin(&mut self, prescribed: &[(usize, f64)]) -> Result<Rows, Failure> {
-        (self.branch, self.turn) = (None, Turn::default());
-        let (rows, holds) = match self.rows.clone() {
-            Some(rows) => (rows, true),
+    /// All parts with the rows of the next step, and the branches on which they start.
+    pub(super) fn origin(&mut self, prescribed: &[(usize, f64)]) -> Result<Vec<Progress>, Failure> {
+        self.tracks.iter_mut().for_each(|track| (track.branch, track.turn, track.rank) = (None, Turn::default(), None));
+        let (all, holds) = match self.rows.clone() {
+            Some(rows) => (rows.into_iter().map(Progress::new).collect(), vec![true; self.parts.count()]),
             None => self.rows_at_start(prescribed)?,
         };
-        if self.rows.is_some() && self.driven {
+        let asked = |part: &usize| self.tracks[*part].driven && holds[*part];
+        let asked: Vec<usize> = (0..self.parts.count()).filter(asked).collect();
+        if asked.is_empty() {
+            return Ok(all);
+        }
+        if self.rows.is_some() {
             self.course.set().evaluate(&self.at.u, &mut self.state.quantities)?;
         }
-        self.rank = (self.driven && holds).then(|| rows.list().len());
-        if self.driven && holds {
-            self.branch = Branch::new(&self.state.quantities, &rows, &self.free, &mut self.of_branch);
+        let before = Arc::new(self.state.quantities.clone());
+        for part in asked {
+            let (track, rows) = (&mut self.tracks[part], &all[part].rows);
+            track.rank = Some(rows.list().len());
+            track.branch = Branch::new(&before, rows, (&self.parts, part), &mut track.of_branch);
         }
-        Ok(rows)
+        Ok(all)
     }
 
-    /// Rows where the constraints hold nearest to the start, which is evaluated; where that is not found in a few steps, at the start, and `false`.
-    fn rows_at_start(&mut self, prescribed: &[(usize, f64)]) -> Result<(Rows, bool), Failure> {
+    /// Rows where the constraints of each part hold nearest to the start, which is evaluated; where that is not found in a few steps, at the start,
+    /// and `false`.
+    fn rows_at_start(&mut self, prescribed: &[(usize, f64)]) -> Result<(Vec<Progress>, Vec<bool>), Failure> {
         let held: Vec<(usize, f64)> = prescribed.iter().map(|&(j, _)| (j, self.at.u[j])).collect();
-        let near = self.consistent(&held, LOOK);
-        let holds = near.is_ok();
-        let u = match near.or_else(|_| self.consistent(prescribed, LOOK)) {
-            Err(Failure::Constraints(NewtonError::NoConvergence { .. })) => self.at.u.clone(),
-            other => other?,
+        let near = self.consistent(&held, LOOK).ok();
+        let is_near = |part: usize| near.as_ref().is_some_and(|near| near.errors[part].is_none());
+        let holds: Vec<bool> = (0..self.parts.count()).map(is_near).collect();
+        let mut u = self.at.u.clone();
+        let near = near.iter().flat_map(|near| self.parts.list.iter().map(|part| (part, &near.u))).zip(&holds);
+        let near = near.filter(|(_, holds)| **holds);
+        near.for_each(|((part, near), _)| part.free.iter().for_each(|&j| u[j] = near[j]));
+        let mut far: Vec<Option<Result<Arc<Choice>, NewtonError>>> = holds.iter().map(|_| None).collect();
+        if holds.contains(&false) {
+            self.rows_ahead(&u, &holds, prescribed, &mut far)?;
+        }
+        let choice = self.choice_at(&u, prescribed)?;
+        let start = |(part, far): (usize, Option<Result<Arc<Choice>, NewtonError>>)| {
+            let rows = &self.parts.list[part].rows;
+            match far {
+                Some(Ok(far)) => Progress::new(Rows::new(rows, &far)),
+                other => {
+                    let mut own = Progress::new(Rows::new(rows, &choice));
+                    if let Some(Err(error)) = other {
+                        own.way = Way::Failed(Failure::Constraints(error));
+                    }
+                    own
+                }
+            }
         };
-        Ok((self.rows_at(&u, prescribed)?, holds))
+        Ok((far.into_iter().enumerate().map(start).collect(), holds))
     }
 
-    pub(super) fn rows_at(&mut self, u: &[f64], prescribed: &[(usize, f64)]) -> Result<Rows, Failure> {
+    /// Of parts that do not hold near the start: a choice where they do with their prescribed DOFs at their values, or why they never will.
+    fn rows_ahead(
+        &mut self,
+        u: &[f64],
+        holds: &[bool],
+        prescribed: &[(usize, f64)],
+        far: &mut [Option<Result<Arc<Choice>, NewtonError>>],
+    ) -> Result<(), Failure> {
+        let mut found = self.consistent(prescribed, LOOK)?;
+        let (mut ahead, mut there) = (u.to_vec(), Vec::new());
+        prescribed.iter().for_each(|&(j, v)| ahead[j] = v);
+        for part in (0..holds.len()).filter(|&part| !holds[part]) {
+            match found.errors[part].take() {
+                None => {
+                    self.parts.list[part].free.iter().for_each(|&j| ahead[j] = found.u[j]);
+                    there.push(part);
+                }
+                Some(NewtonError::NoConvergence { .. }) => (),
+                Some(error) => far[part] = Some(Err(error)),
+            }
+        }
+        if !there.is_empty() {
+            let choice = self.choice_at(&ahead, prescribed)?;
+            there.into_iter().for_each(|part| far[part] = Some(Ok(choice.clone())));
+        }
+        Ok(())
+    }
+
+    /// What may be chosen at u, which is evaluated.
+    pub(super) fn choice_at(&mut self, u: &[f64], prescribed: &[(usize, f64)]) -> Result<Arc<Choice>, Failure> {
         let set = self.course.set();
         set.evaluate(u, &mut self.state.quantities)?;
-        let before = self.rows.as_ref().map_or(&[][..], |rows| rows.list());
-        Rows::new(set, &self.state.quantities, prescribed, (self.options, before))
+        let before = self.rows.iter().flatten().flat_map(|rows| rows.list().iter().copied()).collect();
+        Choice::new((set, &self.parts), &self.state.quantities, prescribed, (self.options, before))
     }
 
     /// The nearest configuration that satisfies the constraints.
-    pub(super) fn consistent(&self, prescribed: &[(usize, f64)], steps: usize) -> Result<Vec<f64>, Failure> {
+    pub(super) fn consistent(&self, prescribed: &[(usize, f64)], steps: usize) -> Result<Nearest, Failure> {
         let (tolerance, analysis) = (self.options.roundings, self.options.analysis.clone());
         let options = NewtonOptions { tolerance, steps, analysis };
-        let found = newton::solve(self.course.set(), &self.at.u, prescribed, &options);
-        found.map(|found| found.u).map_err(Failure::Constraints)
+        let found = solve_each(self.course.set(), &self.at.u, prescribed, &options);
+        let Each { u, parts: of_equations, failures } = found.map_err(Failure::Constraints)?;
+        let mut first = vec![usize::MAX; of_equations.count()];
+        failures.iter().enumerate().rev().for_each(|(k, (part, _))| first[*part] = k);
+        let error = |rows: &Vec<usize>| {
+            let first = rows.iter().map(|&r| first[of_equations.of_row(r)]).min()?;
+            failures.get(first).map(|(_, error)| error.clone())
+        };
+        Ok(Nearest { u, errors: self.parts.list.iter().map(|part| error(&part.rows)).collect() })
     }
 }

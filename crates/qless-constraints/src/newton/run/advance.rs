@@ -17,9 +17,7 @@ struct Target {
 }
 
 impl Run<'_> {
-    /// Goes with each part as far along its step as that is good for it.
-    ///
-    /// As an error what the first part that has no way to go says.
+    /// Goes with each part as far along its step as that is good for it; one that has no way to go says so, and stays.
     pub fn advance(&mut self, found: &Linearisation, step: usize) -> Result<(), NewtonError> {
         let analysis = &found.analysis;
         let (du, conflicts) = self.directions(found, step)?;
@@ -27,9 +25,9 @@ impl Run<'_> {
         for part in 0..self.parts.count() {
             let stuck = self.states[part].way != Way::Done && target.lengths[part] == 0.0;
             if conflicts[part] {
-                return Err(self.conflict(part, analysis));
+                self.fail(part, self.conflict(part, analysis));
             } else if stuck && (self.states[part].settled || self.states[part].way == Way::Out) {
-                return Err(self.no_convergence(step, part));
+                self.fail(part, self.no_convergence(step, part));
             }
         }
         self.go(target, step)

@@ -31,9 +31,14 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// The first part that is not done.
-    pub fn unfinished(&self) -> Option<usize> {
-        self.states.iter().position(|state| state.way != Way::Done)
+    /// Whether a part is neither done nor has failed. After the last step that there may be, all others have.
+    pub fn goes_on(&mut self, step: usize) -> bool {
+        if step == self.options.steps {
+            let unfinished = |part: &usize| self.states[*part].way != Way::Done;
+            let late: Vec<usize> = (0..self.parts.count()).filter(unfinished).collect();
+            late.into_iter().for_each(|part| self.fail(part, self.no_convergence(step, part)));
+        }
+        self.states.iter().any(|state| state.way != Way::Done)
     }
 
     /// Whether an equation that is left out does not hold: `c_k` is that of its certificate, and so is its rounding.

@@ -35,6 +35,8 @@ pub struct Run<'a> {
     /// Equations that are left out and do not hold, of parts where all that is kept does.
     pub contradicted: Vec<usize>,
     iterates: Vec<Iterate>,
+    /// Parts that have no way to go, by their steps and then by their first rows.
+    pub failures: Vec<(usize, NewtonError)>,
 }
 
 /// Of a part.
@@ -74,8 +76,38 @@ impl<'a> Run<'a> {
         let place = Place::new(set, u, &parts).map_err(|source| NewtonError::Argument { step: 0, source })?;
         let residuals = in_roundings(place.quantities.c(), place.rounding.c());
         let states = vec![State { way: Way::Downhill, settled: false, length: 1.0 }; parts.count()];
-        let (contradicted, iterates) = (Vec::new(), Vec::new());
-        Ok(Self { set, options, prescribed, parts, rotations, place, room, residuals, states, contradicted, iterates })
+        let (contradicted, iterates, failures) = (Vec::new(), Vec::new(), Vec::new());
+        Ok(Self {
+            set,
+            options,
+            prescribed,
+            parts,
+            rotations,
+            place,
+            room,
+            residuals,
+            states,
+            contradicted,
+            iterates,
+            failures,
+        })
+    }
+
+    /// Goes step by step until no part goes on, or `may_go_on` says that the failures are enough; equations that are redundant there.
+    pub fn follow(&mut self, may_go_on: impl Fn(&[(usize, NewtonError)]) -> bool) -> Result<Vec<usize>, NewtonError> {
+        let (mut before, mut step) = (None, 0);
+        loop {
+            let found = self.look(step, before)?;
+            self.decide(&found.analysis).map_err(|source| NewtonError::Argument { step, source })?;
+            if !self.goes_on(step) || !may_go_on(&self.failures) {
+                return Ok(dependent(&found.analysis));
+            }
+            self.advance(&found, step)?;
+            if !may_go_on(&self.failures) {
+                return Ok(Vec::new());
+            }
+            (before, step) = (Some(found), step + 1);
+        }
     }
 
     pub fn linearised(&self, quantities: &Quantities, step: usize) -> Result<Linearisation, NewtonError> {

@@ -3,9 +3,16 @@
 use qless::Analysis;
 
 use super::super::NewtonError;
+use super::super::step::Way;
 use super::Run;
 
 impl Run<'_> {
+    /// The part stays where it is.
+    pub(super) fn fail(&mut self, part: usize, error: NewtonError) {
+        self.states[part].way = Way::Done;
+        self.failures.push((part, error));
+    }
+
     pub(super) fn conflict(&self, part: usize, analysis: &Analysis) -> NewtonError {
         let rows: Vec<usize> =
             self.contradicted.iter().copied().filter(|&row| self.parts.of_row(row) == part).collect();
@@ -18,7 +25,7 @@ impl Run<'_> {
         NewtonError::Conflict { labels: named(&rows), others: named(&others), rows, amount }
     }
 
-    pub fn no_convergence(&self, steps: usize, part: usize) -> NewtonError {
+    pub(super) fn no_convergence(&self, steps: usize, part: usize) -> NewtonError {
         let weighted = |&r: &usize| self.place.weights[r] * self.place.quantities.c()[r].abs();
         let rows = (0..self.residuals.len()).filter(|&r| self.parts.of_row(r) == part);
         let worst = rows.max_by(|a, b| weighted(a).total_cmp(&weighted(b)));

@@ -1,7 +1,8 @@
 //! Mechanisms as lists of constraints on DOFs of their own, alone or side by side in one set.
 
 use qless_constraints::types::{
-    Body, Distance, Equal, Fixed, Line, LinearEquation, OnLine, OnSphere, PlanarPoint, Point, Revolute, RotationMotor,
+    Body, Distance, Driven, Equal, Fixed, Line, LinearEquation, OnLine, OnSphere, PlanarPoint, Point, Revolute,
+    RotationMotor,
 };
 use qless_constraints::{ConstraintSet, SetBuilder};
 
@@ -26,6 +27,8 @@ pub enum Item {
     Weld(Spatial),
     Hinge(Spatial, Vector),
     Motor(Spatial, Vector, f64),
+    /// `u_j = v t`.
+    Drive(usize, f64),
 }
 
 #[derive(Clone, Debug, Default)]
@@ -67,6 +70,7 @@ impl Item {
             Self::Weld(_) => 7,
             Self::Hinge(..) => 8,
             Self::Motor(..) => 9,
+            Self::Drive(..) => 10,
         }
     }
 
@@ -100,6 +104,7 @@ impl Item {
             Self::Motor(node, axis, angle) => {
                 builder.add(label, RotationMotor::new(Body::ground(), body(node), axis, move |_| angle))?
             }
+            Self::Drive(dof, value) => builder.add(label, Driven::new([(map[dof], 1.0)], move |t| value * t))?,
         };
         Ok(())
     }

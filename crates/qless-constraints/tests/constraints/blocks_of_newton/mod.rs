@@ -1,7 +1,7 @@
 //! The law of blocks in Newton's method: `solve(A + B)` is `solve(A)` and `solve(B)`, to the last bit.
 
-mod mechanism;
-mod random;
+pub mod mechanism;
+pub mod random;
 
 use qless_constraints::ConstraintSet;
 use qless_constraints::newton::{Iterate, NewtonError, NewtonOptions, Solution, solve};
@@ -10,22 +10,22 @@ use crate::linkages::Outcome;
 use mechanism::{Map, Mechanism};
 use random::{KINDS, mechanism};
 
-const UNITS: [f64; 3] = [1e-6, 1.0, 1e6];
+pub const UNITS: [f64; 3] = [1e-6, 1.0, 1e6];
 
 type Found = Result<Solution, NewtonError>;
 
 /// Mechanisms in one set, and where their DOFs and rows are in it.
-struct Together {
-    set: ConstraintSet,
-    start: Vec<f64>,
-    held: Vec<(usize, f64)>,
-    maps: Vec<Map>,
-    rows: Vec<Vec<usize>>,
+pub struct Together {
+    pub set: ConstraintSet,
+    pub start: Vec<f64>,
+    pub held: Vec<(usize, f64)>,
+    pub maps: Vec<Map>,
+    pub rows: Vec<Vec<usize>>,
 }
 
 impl Together {
     /// DOFs are mixed; with `shared`, the last DOF of all mechanisms is one.
-    fn new(all: &[Mechanism], shared: bool, seed: usize) -> Outcome<Self> {
+    pub fn new(all: &[Mechanism], shared: bool, seed: usize) -> Outcome<Self> {
         let mut maps: Vec<Map> = all.iter().map(|_| Vec::new()).collect();
         let (mut dofs, mut turn) = (0, seed);
         let own = |m: usize| all[m].start.len() - usize::from(shared);
@@ -69,7 +69,7 @@ fn alone(mechanism: &Mechanism, name: usize, options: &NewtonOptions) -> Outcome
     Ok(solve(&set, &mechanism.start, &mechanism.held, options))
 }
 
-fn bits(u: impl IntoIterator<Item = f64>) -> Vec<u64> {
+pub fn bits(u: impl IntoIterator<Item = f64>) -> Vec<u64> {
     u.into_iter().map(f64::to_bits).collect()
 }
 
@@ -93,7 +93,7 @@ fn side_by_side(all: &[&Solution], rows: &[Vec<usize>]) -> Vec<Iterate> {
 }
 
 /// What the mechanism says, with the rows that it has among others.
-fn among_others(error: &NewtonError, place: &[usize]) -> NewtonError {
+pub fn among_others(error: &NewtonError, place: &[usize]) -> NewtonError {
     let mut error = error.clone();
     if let NewtonError::Conflict { rows, .. } = &mut error {
         rows.iter_mut().for_each(|row| *row = place[*row]);

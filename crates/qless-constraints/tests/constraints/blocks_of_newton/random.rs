@@ -8,19 +8,19 @@ use crate::poses::{add, direction, norm, scale, sub};
 pub const KINDS: usize = 13;
 
 /// In [-1, 1].
-struct Draw(usize);
+pub struct Draw(pub usize);
 
 impl Draw {
-    fn next(&mut self) -> f64 {
+    pub fn next(&mut self) -> f64 {
         self.0 += 1;
         2.0 * random(self.0)
     }
 
-    fn some(&mut self, count: usize, size: f64) -> Vec<f64> {
+    pub fn some(&mut self, count: usize, size: f64) -> Vec<f64> {
         (0..count).map(|_| size * self.next()).collect()
     }
 
-    fn of<T: Copy>(&mut self, list: &[T]) -> T {
+    pub fn of<T: Copy>(&mut self, list: &[T]) -> T {
         list[((0.5 + 0.499_999 * self.next()) * list.len() as f64) as usize]
     }
 }

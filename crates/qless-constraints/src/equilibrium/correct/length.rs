@@ -1,0 +1,144 @@
+//! Length of a step, by the natural test of affine invariance (Deuflhard, Newton Methods for Nonlinear Problems, NLEQ-ERR): the next
+//! correction with the same matrix, `A^-1 F(x + t dx)`, is shorter than dx by a quarter of t. Where a stiff direction (an axis, a
+//! rod) bends, forces rise for a step while the error falls: the residual itself would forbid that step.
+//!
+//! Parts try their lengths in lock step; those that have found theirs wait where they were.
+
+use super::super::state::Unknowns;
+use super::super::{Failure, Model};
+use super::{Corrector, Step, Way};
+
+/// Steps shorter than this are none.
+const SHORTEST: f64 = 1e-4;
+/// So near to the tolerance, rounding decides what a shorter step would bring.
+const NEAR: f64 = 1e3;
+
+/// A part that looks for its length.
+pub(super) struct Search {
+    step: Step,
+    size: f64,
+    t: f64,
+    found: bool,
+}
+
+impl<M: Model> Corrector<'_, M> {
+    /// Where to start: all the way where only rounding is left. Parts whose prescribed DOFs have yet to move are ready for that.
+    pub(super) fn starts(&mut self, x: &Unknowns, steps: Vec<Step>) -> Vec<Search> {
+        let mut searches = Vec::new();
+        for step in steps {
+            let arrived = self.arrived(step.part, x);
+            let own = &mut self.all[step.part];
+            if step.only_multipliers {
+                searches.push(Search { step, size: 0.0, t: 0.0, found: true });
+            } else if !arrived {
+                own.way = Way::Ready(step.dx);
+            } else {
+                let now = own.iterates.last().copied().unwrap_or_default();
+                let near = now.force <= NEAR * self.options.tolerance
+                    && now.constraint <= NEAR * f64::EPSILON * self.options.roundings;
+                let t = if near || own.length <= 0.0 { 1.0 } else { (4.0 * own.length).min(1.0) };
+                let size = step.saddle.length(&step.dx);
+                searches.push(Search { step, size, t, found: near });
+            }
+        }
+        searches
+    }
+
+    /// Moves each part by its length.
+    pub(super) fn go(&mut self, x: &mut Unknowns, mut searches: Vec<Search>) -> Result<(), Failure> {
+        while searches.iter().any(|search| !search.found) {
+            self.attempt(x, &mut searches)?;
+        }
+        for Search { step, t, .. } in searches {
+            if !step.only_multipliers && is_none(t) {
+                self.give_up(step.part, Failure::NoConvergence, x);
+            } else {
+                let of_multipliers = if step.only_multipliers { 1.0 } else { t };
+                self.advance(x, step.part, &step.dx, (t, of_multipliers));
+                self.all[step.part].length = t;
+            }
+        }
+        Ok(())
+    }
+
+    /// One trial of all that are open; forces, c and G of x are lost.
+    fn attempt(&mut self, x: &Unknowns, searches: &mut [Search]) -> Result<(), Failure> {
+        let mut trial = x.clone();
+        let mut open: Vec<&mut Search> = searches.iter_mut().filter(|search| !search.found).collect();
+        open.iter().for_each(|Search { step, t, .. }| self.advance(&mut trial, step.part, &step.dx, (*t, *t)));
+        match self.state.balance(self.model, self.set, &trial, self.loads) {
+            Ok(()) => open.iter_mut().for_each(|search| self.judge(&trial, search)),
+            Err(Failure::Model(refusal)) => {
+                let parts: Vec<usize> = open.iter().map(|search| search.step.part).collect();
+                let blamed = self.blame(&x.u, &trial.u, &parts, refusal);
+                let is_blamed = |part: usize| blamed.as_ref().map_or(true, |list| list.iter().any(|(p, _)| *p == part));
+                open.iter_mut().filter(|search| is_blamed(search.step.part)).for_each(|search| search.cut(0.25));
+            }
+            Err(other) => return Err(other),
+        }
+        Ok(())
+    }
+
+    /// Whether the next correction, `-A^-1 F(x + t dx)`, is as much shorter as it must be; if not, the next length.
+    fn judge(&self, trial: &Unknowns, search: &mut Search) {
+        let Search { step: Step { part, saddle, dx, .. }, size, t, .. } = &*search;
+        let (size, t) = (*size, *t);
+        if self.state.finite(&self.parts.list[*part]).is_err() {
+            return search.cut(0.25);
+        }
+        let next = saddle.solve(&self.rhs(*part, trial));
+        if saddle.length(&next) <= (1.0 - 0.25 * t) * size {
+            search.found = true;
+            return;
+        }
+        let off: Vec<f64> = next.iter().zip(dx).map(|(a, b)| a - (1.0 - t) * b).collect();
+        let best = 0.5 * size * t * t / saddle.length(&off);
+        search.put(best.clamp(0.1 * t, 0.5 * t));
+    }
+
+    /// Moves a part along a correction.
+    fn advance(&self, x: &mut Unknowns, part: usize, dx: &[f64], (t, of_multipliers): (f64, f64)) {
+        let free = &self.parts.list[part].free;
+        free.iter().zip(dx).for_each(|(&j, dx)| x.u[j] += t * dx);
+        let multipliers = self.all[part].rows.list().iter().zip(&dx[free.len()..]);
+        multipliers.for_each(|(&r, dx)| x.multipliers[r] += of_multipliers * dx);
+    }
+
+    /// Moves prescribed DOFs to their values once all parts are ready for that, and these with them.
+    pub(super) fn set_off(&mut self, x: &mut Unknowns) {
+        let behind = |part: usize| self.all[part].is_going() && !self.arrived(part, x);
+        if (0..self.all.len()).any(behind) {
+            return;
+        }
+        for part in 0..self.all.len() {
+            if let Way::Ready(dx) = &self.all[part].way {
+                self.advance(x, part, dx, (1.0, 1.0));
+                (self.all[part].way, self.all[part].length) = (Way::Going, 1.0);
+            }
+        }
+        self.prescribed.iter().for_each(|&(j, v)| x.u[j] = v);
+    }
+
+    /// No part goes on for ever.
+    pub(super) fn end_late(&mut self, x: &mut Unknowns) {
+        for part in self.going() {
+            if self.all[part].iterates.len() > self.options.iterations {
+                self.give_up(part, Failure::NoConvergence, x);
+            }
+        }
+    }
+}
+
+impl Search {
+    fn cut(&mut self, by: f64) {
+        self.put(by * self.t);
+    }
+
+    fn put(&mut self, t: f64) {
+        (self.t, self.found) = (t, is_none(t));
+    }
+}
+
+fn is_none(t: f64) -> bool {
+    t < SHORTEST || t.is_nan()
+}

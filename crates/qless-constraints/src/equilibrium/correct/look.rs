@@ -1,0 +1,127 @@
+//! Where parts have come to, and what is out of balance there.
+
+use super::super::rows::Choice;
+use super::super::state::Unknowns;
+use super::super::{Failure, Iterate, Model};
+use super::{CHANGES, Corrector, Way};
+
+/// Constraint values above this part of those before no longer fall.
+const FALLS: f64 = 0.5;
+
+impl<M: Model> Corrector<'_, M> {
+    /// Evaluates all at x, and lists for each part that is going what is out of balance.
+    pub(super) fn look(&mut self, x: &mut Unknowns) -> Result<(), Failure> {
+        let going = self.going();
+        for &part in &going {
+            let left_out = self.parts.list[part].rows.iter().filter(|&&r| !self.all[part].rows.kept(r));
+            left_out.for_each(|&r| x.multipliers[r] = 0.0);
+        }
+        self.evaluate(x, &going)?;
+        let rest = &self.parts.untouched;
+        self.state.finite(rest).and_then(|()| self.state.finite_stiffness(rest))?;
+        for part in going {
+            let there = &self.parts.list[part];
+            let found = self.state.finite(there).and_then(|()| self.state.finite_stiffness(there));
+            found.unwrap_or_else(|failure| self.give_up(part, failure, x));
+        }
+        self.measure(x);
+        self.looked = Some(x.clone());
+        Ok(())
+    }
+
+    /// Evaluates; parts at which the model fails go back to where it did not.
+    fn evaluate(&mut self, x: &mut Unknowns, going: &[usize]) -> Result<(), Failure> {
+        loop {
+            let error = match self.state.evaluate(self.model, self.set, x, self.loads) {
+                Err(Failure::Model(error)) => error,
+                other => return other,
+            };
+            let Some(looked) = &self.looked else { return Err(Failure::Model(error)) };
+            let (before, mut moved) = (looked.u.clone(), going.to_vec());
+            moved.retain(|&part| self.all[part].is_going());
+            let found = self.blame(&before, &x.u, &moved, error).map_err(Failure::Model)?;
+            found.into_iter().for_each(|(part, failure)| self.give_up(part, failure, x));
+        }
+    }
+
+    pub(super) fn going(&self) -> Vec<usize> {
+        (0..self.all.len()).filter(|&part| self.all[part].is_going()).collect()
+    }
+
+    /// A part that fails goes back to where it was evaluated last.
+    pub(super) fn give_up(&mut self, part: usize, failure: Failure, x: &mut Unknowns) {
+        self.all[part].fail(failure);
+        let Some(looked) = &self.looked else { return };
+        let there = &self.parts.list[part];
+        there.free.iter().for_each(|&j| x.u[j] = looked.u[j]);
+        there.rows.iter().for_each(|&r| x.multipliers[r] = looked.multipliers[r]);
+    }
+
+    fn measure(&mut self, x: &Unknowns) {
+        let going = self.going();
+        let constraint =
+            |own: &Self, part: usize| f64::EPSILON * own.state.constraint(own.all[part].rows.list().iter().copied());
+        let falls = |&part: &usize| {
+            let last = self.all[part].iterates.last();
+            last.is_none_or(|last| constraint(self, part) <= FALLS * last.constraint)
+        };
+        let settled: Vec<_> = going.iter().filter(|part| !falls(part)).map(|&part| &self.parts.list[part]).collect();
+        if !settled.is_empty() {
+            self.state.settle((self.set, self.parts), settled.into_iter(), &x.u);
+        }
+        for part in going {
+            let force = self.state.force(&self.parts.list[part].free, self.options.tolerance);
+            let constraint = constraint(self, part);
+            let own = &mut self.all[part];
+            let (length, regularised) = (own.length, own.loose.is_some());
+            own.iterates.push(Iterate { force, constraint, length, regularised });
+        }
+    }
+
+    /// The parts that need a correction; others are done, or keep other rows from here on.
+    pub(super) fn unbalanced(&mut self, x: &Unknowns) -> Result<Vec<usize>, Failure> {
+        let (balanced, others): (Vec<usize>, Vec<usize>) =
+            self.going().into_iter().partition(|&part| self.balanced(part, x));
+        let (hold, off): (Vec<usize>, Vec<usize>) = balanced.into_iter().partition(|&part| self.all_hold(part));
+        hold.into_iter().for_each(|part| self.all[part].way = Way::Done);
+        self.change(&off)?;
+        Ok(others)
+    }
+
+    fn balanced(&self, part: usize, x: &Unknowns) -> bool {
+        let found = self.all[part].iterates.last().copied().unwrap_or_default();
+        self.arrived(part, x)
+            && found.force <= self.options.tolerance
+            && found.constraint <= f64::EPSILON * self.options.roundings
+    }
+
+    /// Rows that are left out too: a row that follows from others may be off by what rounding of those makes of it.
+    fn all_hold(&self, part: usize) -> bool {
+        let (limit, rows) = (self.options.roundings, &self.all[part].rows);
+        let holds = |r: usize| self.state.constraints[r] <= limit || self.state.follows(r, rows.because(r), limit);
+        self.parts.list[part].rows.iter().all(|&r| rows.kept(r) || holds(r))
+    }
+
+    /// Keeps other rows in these parts, those that are independent here.
+    fn change(&mut self, off: &[usize]) -> Result<(), Failure> {
+        off.iter().for_each(|&part| self.all[part].changes += 1);
+        let may = |&&part: &&usize| self.all[part].changes <= CHANGES;
+        let choice = if off.iter().any(|part| may(&part)) { Some(self.choose()?) } else { None };
+        for &part in off {
+            let (rows, own) = (&self.parts.list[part].rows, &mut self.all[part]);
+            let choice = choice.as_ref().filter(|_| own.changes <= CHANGES);
+            if !choice.is_some_and(|choice| own.rows.renew(rows, choice)) {
+                let violated = |&&r: &&usize| self.state.constraints[r] > self.options.roundings;
+                own.fail(Failure::Conflict(rows.iter().filter(violated).copied().collect()));
+            }
+        }
+        Ok(())
+    }
+
+    /// Chooses rows where all was evaluated last.
+    pub(super) fn choose(&self) -> Result<std::sync::Arc<Choice>, Failure> {
+        let before = self.all.iter().flat_map(|own| own.rows.list().iter().copied()).collect();
+        let place = (self.set, self.parts);
+        Choice::new(place, &self.state.quantities, self.prescribed, (self.options, before))
+    }
+}
