@@ -80,6 +80,23 @@ impl Saddle {
         }
     }
 
+    /// The scaled vector that A makes smallest, of length one, if it makes it smaller than `below`.
+    pub fn softest(&self, below: f64) -> Option<Vec<f64>> {
+        inverse_iteration(&self.lu, self.scale.len()).filter(|(_, size)| *size < below).map(|(y, _)| y)
+    }
+
+    /// `D (saddle) D y` of another saddle with the scales of this one.
+    pub fn applied(&self, entries: &Entries, y: &[f64]) -> Vec<f64> {
+        let mut sum = vec![0.0; y.len()];
+        entries.list.iter().for_each(|&(i, j, v)| sum[i] += self.scale[i] * v * self.scale[j] * y[j]);
+        sum
+    }
+
+    /// D.
+    pub fn scale(&self) -> &[f64] {
+        &self.scale
+    }
+
     fn shifted(&self, pattern: &Pattern) -> Option<Lu<usize, f64>> {
         let mut shifted = self.a.clone();
         (0..self.scale.len()).for_each(|j| shifted[(j, j)] += SHIFT);

@@ -87,6 +87,8 @@ mod search;
 /// Stability of equilibria.
 mod stability;
 mod steps;
+/// Supports of equilibria that are equations, and motions that only rounding resists.
+mod supports;
 /// Mortar ties of surfaces: identities of D and M.
 mod surface_mortar;
 /// Right-hand sides and parameters that are functions of time.

@@ -97,7 +97,7 @@ impl<M: Model> Corrector<'_, M> {
     }
 
     /// Moves a part along a correction.
-    fn advance(&self, x: &mut Unknowns, part: usize, dx: &[f64], (t, of_multipliers): (f64, f64)) {
+    pub(super) fn advance(&self, x: &mut Unknowns, part: usize, dx: &[f64], (t, of_multipliers): (f64, f64)) {
         let free = &self.parts.list[part].free;
         free.iter().zip(dx).for_each(|(&j, dx)| x.u[j] += t * dx);
         let multipliers = self.all[part].rows.list().iter().zip(&dx[free.len()..]);

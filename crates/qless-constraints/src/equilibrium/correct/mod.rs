@@ -14,6 +14,7 @@ mod blame;
 mod length;
 mod look;
 mod progress;
+mod support;
 mod tangent;
 
 use super::parts::Parts;

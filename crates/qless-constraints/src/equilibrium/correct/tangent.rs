@@ -5,6 +5,7 @@
 
 use super::super::saddle::{Entries, Saddle, large, largest};
 use super::super::{Failure, Model};
+use super::progress::Scales;
 use super::{CHANGES, Corrector};
 
 /// On the scaled diagonal where the tangent is singular on the way.
@@ -23,7 +24,7 @@ enum Singular {
 }
 
 /// A part, its factored tangent, and the DOFs of a motion that nothing resists, if there is one.
-type Regular = (usize, Saddle, Option<Vec<usize>>);
+pub(super) type Regular = (usize, Saddle, Option<Vec<usize>>);
 
 impl<M: Model> Corrector<'_, M> {
     /// The factored tangents of parts, ascending, over rows that do not depend on one another. A part that has none fails.
@@ -77,6 +78,10 @@ impl<M: Model> Corrector<'_, M> {
         let (entries, free) = (self.entries(part), &self.parts.list[part].free);
         let pattern = &mut self.factoring[part].pattern;
         let saddle = Saddle::new(&entries, free.len(), 0.0, pattern).map_err(Failure::Solver)?;
+        let (dofs, rows) = saddle.scale().split_at(free.len());
+        let own = &mut self.all[part];
+        own.scales =
+            Scales { dofs: dofs.to_vec(), rows: own.rows.list().iter().copied().zip(rows.iter().copied()).collect() };
         let Some(null) = saddle.null_vector(pattern) else { return Ok((saddle, None)) };
         let dofs = if null.is_empty() { Vec::new() } else { large(&null, free.len()) };
         if !dofs.is_empty() {
@@ -93,7 +98,7 @@ impl<M: Model> Corrector<'_, M> {
         Ok((saddle, Some(Singular::Rows(dependent.collect()))))
     }
 
-    fn entries(&self, part: usize) -> Entries {
+    pub(super) fn entries(&self, part: usize) -> Entries {
         let (free, rows) = (&self.parts.list[part].free, &self.all[part].rows);
         let place = |j: usize| self.parts.place(part, j);
         let (g, h) = (self.state.quantities.g(), self.state.quantities.h());
@@ -110,20 +115,5 @@ impl<M: Model> Corrector<'_, M> {
         let in_units = self.factoring[part].in_units;
         let units = if in_units { free.iter().map(|&j| rows.units()[j]).collect() } else { Vec::new() };
         Entries { size: free.len() + rows.list().len(), stiff, list, units }
-    }
-
-    /// The tangents of parts in equilibrium; a part fails whose tangent does not resist every motion that the constraints allow.
-    pub fn supported(&mut self, parts: &[usize]) -> Result<Vec<(usize, Saddle)>, Failure> {
-        let before: Vec<_> = parts.iter().map(|&part| self.all[part].rows.clone()).collect();
-        let found = self.regular(parts)?;
-        parts.iter().zip(before).for_each(|(&part, rows)| self.all[part].rows = rows);
-        let mut list = Vec::new();
-        for (part, saddle, motion) in found {
-            match motion {
-                Some(dofs) => self.all[part].fail(Failure::Unsupported(dofs)),
-                None => list.push((part, saddle)),
-            }
-        }
-        Ok(list)
     }
 }

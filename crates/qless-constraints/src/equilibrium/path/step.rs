@@ -95,7 +95,7 @@ impl<M: Model> Path<'_, M> {
         }
         if result.is_ok() && end.factor == 1.0 {
             let done: Vec<usize> = ran.iter().copied().filter(|&part| corrector.all[part].is_done()).collect();
-            result = corrector.supported(&done).map(|tangents| {
+            result = corrector.supported(&done, x).map(|tangents| {
                 for (part, saddle) in tangents.into_iter().filter(|_| self.options.stability) {
                     let free = self.parts.list[part].free.len();
                     self.tracks[part].stability = Some(stability(saddle.matrix(), free));
