@@ -72,7 +72,7 @@ pub struct Sensitivity {
 /// g, and the directions in which A may be singular.
 pub fn sensitivity(equations: &impl Equations, solve: &mut Solve<'_>) -> Result<Sensitivity, EnforceError> {
     let (mut v, mut growth, mut lost) = (equations.units().to_vec(), 0.0_f64, None);
-    let mut random = Random(0x9E37_79B9_7F4A_7C15);
+    let mut random = Random::default();
     for step in 0..STEPS {
         // A row without terms feels a force of size one: nothing else would find that it has no stiffness.
         let force = |(size, unit): (f64, &f64)| random.next() * if size > 0.0 { size } else { unit.recip() };
@@ -160,11 +160,17 @@ fn largest(equations: &impl Equations, x: &[f64]) -> f64 {
 }
 
 /// The same numbers in every run.
-struct Random(u64);
+pub struct Random(u64);
+
+impl Default for Random {
+    fn default() -> Self {
+        Self(0x9E37_79B9_7F4A_7C15)
+    }
+}
 
 impl Random {
     /// In [1/2, 1] or [-1, -1/2]: signs alone cancel in small models.
-    fn next(&mut self) -> f64 {
+    pub fn next(&mut self) -> f64 {
         // splitmix64
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;

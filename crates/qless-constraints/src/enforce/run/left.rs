@@ -44,6 +44,12 @@ impl Prepared<'_> {
         if top > 0.0 { noise * (top / least) } else { noise }
     }
 
+    /// `|e| / |u|` of errors e of u.
+    pub fn share_of(&self, e: &[f64], x: &[f64], noise: f64) -> f64 {
+        let off = self.sizes(e).into_iter().zip(self.references(x, noise));
+        off.filter(|(_, reference)| *reference > 0.0).map(|(off, reference)| off / reference).fold(0.0, f64::max)
+    }
+
     /// Corrections of x by `C u - b` with springs, twice. Forces are in balance already: what is left of them is rounding.
     fn steps_to_exact(&mut self, x: &[f64]) -> Option<[Vec<f64>; 2]> {
         let n = self.model.dofs();

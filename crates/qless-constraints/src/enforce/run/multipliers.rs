@@ -20,7 +20,7 @@ pub fn solved(part: &Part, accuracy: f64) -> Result<Found, EnforceError> {
     if part.methods.iter().any(|method| matches!(method, Method::Penalty { .. })) {
         return exact.penalised(&settled.x, noise, accuracy);
     }
-    let stated = exact.noise_of_kinds(&settled.x, noise);
+    let stated = exact.noise_of_kinds(&settled.x, noise).max(exact.rounding_of(&settled.x, noise));
     found(part, settled, stated, accuracy)
 }
 

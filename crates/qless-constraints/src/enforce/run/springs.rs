@@ -26,7 +26,8 @@ impl Prepared<'_> {
         let is_hidden = settled.rounding > ROUNDED && noise > accuracy;
         let is_penalised = self.methods.iter().any(|method| matches!(method, super::Method::Penalty { .. }));
         let limit = if is_penalised { accuracy.min(1.0) } else { 1.0 };
-        let accuracy = self.noise_of_kinds(&settled.x, noise) + left;
+        let stated = self.noise_of_kinds(&settled.x, noise).max(self.rounding_of(&settled.x, noise));
+        let accuracy = stated + left;
         let is_right = accuracy < 1.0 && left <= limit && !is_hidden;
         is_right.then_some(Found { x: settled.x, imbalance: settled.imbalance, accuracy })
     }
