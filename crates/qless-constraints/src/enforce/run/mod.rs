@@ -92,9 +92,9 @@ impl<'a> Prepared<'a> {
         let is_taken_over =
             |i: usize| i >= model.dofs() && matches!(methods[i - model.dofs()], Method::Augmented { .. });
         let patient = (0..methods.len()).any(|i| is_taken_over(model.dofs() + i));
-        let n = model.dofs();
+        let (n, is_penalty) = (model.dofs(), |method: &Method| matches!(method, Method::Penalty { .. }));
         let goal = Goal {
-            floor: &|i| if i < n { FLOOR } else { FLOOR_OF_EQUATIONS },
+            floor: &|i| if i < n || is_penalty(&part.methods[i - n]) { FLOOR } else { FLOOR_OF_EQUATIONS },
             limit: &limits(part, if patient { accuracy } else { accuracy.min(BALANCED) }),
             lax: &is_taken_over,
             enough: SHARP,

@@ -7,12 +7,18 @@ use super::super::equations::Settled;
 use super::super::method::Method;
 use super::super::support::WRONG;
 use super::support::supported;
-use super::{Found, Part};
+use super::{Found, Part, Prepared};
 
 /// In balance and to the accuracy asked for, or refused.
 pub fn solved(part: &Part, accuracy: f64) -> Result<Found, EnforceError> {
     let (mut exact, growth) = supported(part)?;
-    let settled = exact.settled(accuracy)?;
+    let mut settled = exact.settled(accuracy)?;
+    if settled.share > 1.0
+        && settled.row >= part.dofs.len()
+        && let Some(other) = eliminated(part, accuracy)
+    {
+        (exact, settled) = other;
+    }
     let noise = settled.rounding.max(WRONG) * growth;
     if settled.share > 1.0 || noise.is_nan() || noise >= 1.0 {
         return Err(refused(part, &settled, accuracy));
@@ -22,6 +28,13 @@ pub fn solved(part: &Part, accuracy: f64) -> Result<Found, EnforceError> {
     }
     let stated = exact.noise_of_kinds(&settled.x, noise).max(exact.rounding_of(&settled.x, noise));
     found(part, settled, stated, accuracy)
+}
+
+/// By elimination, where that meets equations that multipliers leave open: terms that are zero are zero in T, and rounding in factors.
+fn eliminated<'a>(part: &'a Part<'a>, accuracy: f64) -> Option<(Prepared<'a>, Settled)> {
+    let mut prepared = Prepared::new(part, vec![Method::Elimination; part.methods.len()], 0.0).ok()?;
+    let settled = prepared.settled(accuracy).ok().filter(|settled| settled.share <= 1.0)?;
+    Some((prepared, settled))
 }
 
 /// A solution of which `stated` may be wrong: less than the whole, or refused.
