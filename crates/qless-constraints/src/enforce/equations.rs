@@ -39,6 +39,8 @@ pub trait Equations {
 
 /// How the balance of x is reached.
 pub struct Goal<'a> {
+    /// What the terms of each row count as at least, as a share of the largest: [`FLOOR`] or less.
+    pub floor: &'a dyn Fn(usize) -> f64,
     /// The largest imbalance of each row, relative to its terms.
     pub limit: &'a dyn Fn(usize) -> f64,
     /// Rows of which more than rounding is left, and known otherwise.
@@ -58,7 +60,7 @@ pub struct Settled {
     /// Its place, and `|A x - b|` relative to its terms.
     pub row: usize,
     pub imbalance: f64,
-    /// The largest imbalance of rows of which only rounding is left.
+    /// The largest imbalance of rows of which only rounding is left, all with [`FLOOR`].
     pub rounding: f64,
     /// The largest imbalance relative to its limit: up to 1 is allowed.
     pub share: f64,
@@ -103,10 +105,11 @@ fn measured(equations: &impl Equations, x: &[f64], b: (&[f64], &[f64]), goal: &G
     let floor = equations.size(&equations.levels(x, &size));
     let mut worst = Settled { x: x.to_vec(), row: 0, imbalance: 0.0, rounding: 0.0, share: 0.0 };
     for (i, left) in left.iter().enumerate().filter(|(_, left)| **left != 0.0) {
-        let imbalance = left.abs() / size[i].max(FLOOR * floor[i]);
+        let measured_by = |share: f64| left.abs() / size[i].max(share * floor[i]);
+        let imbalance = measured_by((goal.floor)(i));
         let share = imbalance / (goal.limit)(i);
         if !(goal.lax)(i) {
-            worst.rounding = worst.rounding.max(imbalance);
+            worst.rounding = worst.rounding.max(measured_by(FLOOR));
         }
         // No number is worse than any.
         let share = if share.is_nan() { f64::INFINITY } else { share };

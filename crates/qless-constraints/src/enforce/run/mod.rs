@@ -10,7 +10,7 @@ mod springs;
 mod support;
 
 use super::EnforceError;
-use super::equations::{BALANCED, Goal, SHARP, Settled, settle};
+use super::equations::{BALANCED, FLOOR, Goal, SHARP, Settled, settle};
 use super::inverse::Inverse;
 use super::matrix::times;
 use super::method::{Method, springs};
@@ -25,6 +25,8 @@ const AUGMENTATIONS: usize = 200;
 const TIGHTEST: f64 = 1e-13;
 /// What refinement leaves of a row where nothing hinders it.
 const ROUNDED: f64 = 64.0 * f64::EPSILON;
+/// The least share of the largest terms that an equation is measured by: a caller holds it against its own terms, unless those are rounding.
+const FLOOR_OF_EQUATIONS: f64 = ROUNDED;
 
 /// u, multipliers and forces by the methods asked for. Parts are refused together.
 pub fn run(problem: &Problem, methods: &[Method], accuracy: f64) -> Result<Solution, EnforceError> {
@@ -90,7 +92,9 @@ impl<'a> Prepared<'a> {
         let is_taken_over =
             |i: usize| i >= model.dofs() && matches!(methods[i - model.dofs()], Method::Augmented { .. });
         let patient = (0..methods.len()).any(|i| is_taken_over(model.dofs() + i));
+        let (n, is_penalty) = (model.dofs(), |method: &Method| matches!(method, Method::Penalty { .. }));
         let goal = Goal {
+            floor: &|i| if i < n || is_penalty(&part.methods[i - n]) { FLOOR } else { FLOOR_OF_EQUATIONS },
             limit: &limits(part, if patient { accuracy } else { accuracy.min(BALANCED) }),
             lax: &is_taken_over,
             enough: SHARP,

@@ -6,12 +6,18 @@ use super::super::EnforceError;
 use super::super::equations::Settled;
 use super::super::method::Method;
 use super::support::supported;
-use super::{Found, Part};
+use super::{Found, Part, Prepared};
 
 /// In balance and to the accuracy asked for, or refused.
 pub fn solved(part: &Part, accuracy: f64) -> Result<Found, EnforceError> {
     let (mut exact, growth) = supported(part)?;
-    let settled = exact.settled(accuracy)?;
+    let mut settled = exact.settled(accuracy)?;
+    if settled.share > 1.0
+        && settled.row >= part.dofs.len()
+        && let Some(other) = eliminated(part, accuracy)
+    {
+        (exact, settled) = other;
+    }
     let rounding = match exact.rounding(&settled, growth) {
         Some(rounding) if settled.share <= 1.0 && rounding.share < 1.0 => rounding,
         _ => return Err(refused(part, &settled, accuracy)),
@@ -21,6 +27,13 @@ pub fn solved(part: &Part, accuracy: f64) -> Result<Found, EnforceError> {
     }
     let stated = exact.rounded(&settled.x, &rounding);
     found(part, settled, stated, accuracy)
+}
+
+/// By elimination, where that meets equations that multipliers leave open: terms that are zero are zero in T, and rounding in factors.
+fn eliminated<'a>(part: &'a Part<'a>, accuracy: f64) -> Option<(Prepared<'a>, Settled)> {
+    let mut prepared = Prepared::new(part, vec![Method::Elimination; part.methods.len()], 0.0).ok()?;
+    let settled = prepared.settled(accuracy).ok().filter(|settled| settled.share <= 1.0)?;
+    Some((prepared, settled))
 }
 
 /// A solution of which `stated` may be wrong: less than the whole, or refused.

@@ -8,7 +8,7 @@
 //! no sum `K + C^T D C` is made.
 
 use super::super::EnforceError;
-use super::super::equations::{BALANCED, Goal, SHARP, Settled, settle};
+use super::super::equations::{BALANCED, FLOOR, Goal, SHARP, Settled, settle};
 use super::super::method::{Method, springs};
 use super::super::model::Model;
 use super::multipliers::found;
@@ -52,6 +52,7 @@ impl Prepared<'_> {
         let methods: Vec<Method> = part.methods.iter().map(|method| method.times(share)).collect();
         let model = Model::new(part)?.yielding(&methods, &springs(part, &methods)?);
         let goal = Goal {
+            floor: &|_| FLOOR,
             limit: &limits(part, accuracy.min(BALANCED)),
             lax: &|_| false,
             enough: SHARP,

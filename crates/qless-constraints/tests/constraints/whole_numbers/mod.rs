@@ -7,6 +7,7 @@ mod models;
 mod motions;
 mod springs;
 mod units;
+mod wide;
 
 use faer::sparse::{SparseColMat, Triplet};
 use qless::{Map, Options, SystemBuilder, View};

@@ -40,7 +40,7 @@ pub struct Model {
     pub f: Vec<i128>,
     pub c: Vec<Vec<i128>>,
     pub b: Vec<i128>,
-    prescribed: Vec<Option<i128>>,
+    pub prescribed: Vec<Option<i128>>,
 }
 
 /// What a solver sees of a model.
