@@ -92,11 +92,6 @@ impl Saddle {
         sum
     }
 
-    /// D.
-    pub fn scale(&self) -> &[f64] {
-        &self.scale
-    }
-
     fn shifted(&self, pattern: &Pattern) -> Option<Lu<usize, f64>> {
         let mut shifted = self.a.clone();
         (0..self.scale.len()).for_each(|j| shifted[(j, j)] += SHIFT);

@@ -87,7 +87,7 @@ impl State {
         Ok(())
     }
 
-    /// c of these parts no longer falls: what is left of it may be the rounding of other rows.
+    /// c of these parts no longer falls: what is left of it may be the rounding of other rows, or of forces.
     pub fn settle<'a>(
         &mut self,
         (set, parts): (&ConstraintSet, &Parts),
@@ -98,8 +98,27 @@ impl State {
             let parts = &parts.of_equations;
             let weights = weights(self.quantities.g(), rounding.g(), &parts.columns);
             let at_rest = at_rest(&weights, &self.quantities, (rounding, &set.extents(u)), parts);
-            settled.flat_map(|part| &part.rows).for_each(|&r| self.constraints[r] = at_rest[r]);
+            for part in settled {
+                let in_forces = self.in_forces(part);
+                let rows = part.rows.iter().zip(in_forces);
+                rows.for_each(|(&r, in_forces)| self.constraints[r] = at_rest[r].min(in_forces));
+            }
         }
+    }
+
+    /// `|c_r / G_rj| K_jj^1/2 / max_i terms_i K_ii^-1/2` in units in the last place, the least over j, for each row: where that is little, a motion that
+    /// makes up for c_r is less than the rounding of forces does, however small the terms of c_r are. Those of a support `u_0 = 0` vanish with u_0.
+    fn in_forces(&self, part: &Part) -> Vec<f64> {
+        let stiffness = |j: usize| self.assembly.row(j).find(|&(k, _)| k == j).map_or(0.0, |(_, v)| v.abs().sqrt());
+        let sizes = part.free.iter().map(|&j| (stiffness(j), self.terms[j])).filter(|(stiffness, _)| *stiffness > 0.0);
+        let most = sizes.map(|(stiffness, terms)| terms / stiffness).fold(0.0, f64::max);
+        let (c, g) = (self.quantities.c(), self.quantities.g());
+        let of_row = |&r: &usize| {
+            let motions = g.row(r).filter(|&(j, v)| v != 0.0 && stiffness(j) > 0.0);
+            let least = motions.map(|(j, v)| (c[r] / v).abs() * stiffness(j)).fold(f64::INFINITY, f64::min);
+            if most > 0.0 { least / (f64::EPSILON * most) } else { f64::INFINITY }
+        };
+        part.rows.iter().map(of_row).collect()
     }
 
     fn sum(&mut self, at: &Unknowns, loads: &[f64]) -> Result<(), Failure> {

@@ -9,11 +9,7 @@ const STEPS: usize = 50;
 /// The most steps that are halved: far from a curved element each of them takes a part of what is left.
 const MANY: usize = 500;
 /// Halves of a step that are tried.
-const HALVES: usize = 40;
-/// Directions of the sides of triangles and quadrilaterals.
-const SIDES: [Parameters; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, -1.0, 0.0]];
-/// A step that would lower the square of the distance by less than this part is rounding.
-const PROMISE: f64 = 1e-15;
+const HALVES: usize = 12;
 /// Tangents that are dependent to this sine make no face.
 pub const DEPENDENT: f64 = 1e-7;
 
@@ -53,51 +49,24 @@ pub fn foot_from<const D: usize>(shape: Shape, nodes: &[[f64; D]], start: Parame
 
 /// Parameters of the element from which no step leads nearer to the origin: each goes as far as the distance falls.
 ///
-/// Far from a curved element whole steps do not come to rest. At a side that a step would leave, what is left of it inside may lead away from the
-/// origin: there steps along the sides are asked too.
+/// Far from a curved element whole steps do not come to rest.
 pub fn descended<const D: usize>(shape: Shape, nodes: &[[f64; D]], start: Parameters) -> Parameters {
-    let mut at = (squared(shape, nodes, start), start);
+    let distance = |xi: Parameters| {
+        let (x, _) = tangents(shape, nodes, xi);
+        dot(&x, &x)
+    };
+    let (mut xi, mut least) = (start, distance(start));
     for _ in 0..MANY {
-        let whole = step(shape, nodes, at.1).and_then(|step| lower(shape, nodes, at, step));
-        match whole.or_else(|| along_sides(shape, nodes, at)) {
-            Some(next) => at = next,
-            None => break,
-        }
+        let Some(step) = step(shape, nodes, xi) else { break };
+        let along = |part: f64| shape.clamp(std::array::from_fn(|k| xi[k] + part * step[k]));
+        let parts = std::iter::successors(Some(1.0), |part| Some(0.5 * part)).take(HALVES);
+        let Some((lower, next)) = parts.map(|part| (distance(along(part)), along(part))).find(|(d, _)| *d < least)
+        else {
+            break;
+        };
+        (xi, least) = (next, lower);
     }
-    at.1
-}
-
-/// `|x(xi)|^2`.
-fn squared<const D: usize>(shape: Shape, nodes: &[[f64; D]], xi: Parameters) -> f64 {
-    let (x, _) = tangents(shape, nodes, xi);
-    dot(&x, &x)
-}
-
-/// The first of ever shorter parts of a step, kept inside, that lowers the distance.
-fn lower<const D: usize>(
-    shape: Shape,
-    nodes: &[[f64; D]],
-    (least, xi): (f64, Parameters),
-    step: Parameters,
-) -> Option<(f64, Parameters)> {
-    let along = |part: f64| shape.clamp(std::array::from_fn(|k| xi[k] + part * step[k]));
-    let parts = std::iter::successors(Some(1.0), |part| Some(0.5 * part)).take(HALVES);
-    parts.map(|part| (squared(shape, nodes, along(part)), along(part))).find(|(d, _)| *d < least)
-}
-
-/// A step that lowers the distance along the direction of a side, where one promises more than rounding.
-fn along_sides<const D: usize>(
-    shape: Shape,
-    nodes: &[[f64; D]],
-    (least, xi): (f64, Parameters),
-) -> Option<(f64, Parameters)> {
-    let (x, t) = tangents(shape, nodes, xi);
-    SIDES.into_iter().find_map(|side| {
-        let t: [f64; D] = std::array::from_fn(|d| (0..2).map(|k| side[k] * t[k][d]).sum());
-        let (slope, square) = (dot(&x, &t), dot(&t, &t));
-        let promising = slope * slope > PROMISE * square * least;
-        promising.then(|| lower(shape, nodes, (least, xi), side.map(|s| -s * slope / square))).flatten()
-    })
+    xi
 }
 
 /// `x` and `dx / dxi_k`.

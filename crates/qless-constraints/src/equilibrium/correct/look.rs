@@ -65,15 +65,9 @@ impl<M: Model> Corrector<'_, M> {
             let last = self.all[part].iterates.last();
             last.is_none_or(|last| constraint(self, part) <= FALLS * last.constraint)
         };
-        let settled: Vec<usize> = going.iter().filter(|part| !falls(part)).copied().collect();
+        let settled: Vec<_> = going.iter().filter(|part| !falls(part)).map(|&part| &self.parts.list[part]).collect();
         if !settled.is_empty() {
-            let parts = settled.iter().map(|&part| &self.parts.list[part]);
-            self.state.settle((self.set, self.parts), parts, &x.u);
-        }
-        for part in settled {
-            let (terms, c) = (&self.state.terms, self.state.quantities.c());
-            let found = self.all[part].in_forces(&self.parts.list[part].free, terms, c);
-            found.into_iter().for_each(|(r, c)| self.state.constraints[r] = self.state.constraints[r].min(c));
+            self.state.settle((self.set, self.parts), settled.into_iter(), &x.u);
         }
         for part in going {
             let force = self.state.force(&self.parts.list[part].free, self.options.tolerance);

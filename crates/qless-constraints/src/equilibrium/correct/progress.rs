@@ -13,17 +13,6 @@ pub struct Progress {
     pub(super) loose: Option<Vec<usize>>,
     /// Times that the kept rows changed.
     pub(super) changes: usize,
-    /// Of the last tangent.
-    pub(super) scales: Scales,
-}
-
-/// What makes forces and equations comparable: they have one unit once they are scaled.
-#[derive(Default)]
-pub(super) struct Scales {
-    /// Of free DOFs.
-    pub dofs: Vec<f64>,
-    /// Of kept rows.
-    pub rows: Vec<(usize, f64)>,
 }
 
 /// What a part has to do next.
@@ -40,15 +29,7 @@ pub enum Way {
 
 impl Progress {
     pub fn new(rows: Rows) -> Self {
-        Self {
-            rows,
-            way: Way::Going,
-            iterates: Vec::new(),
-            length: 1.0,
-            loose: None,
-            changes: 0,
-            scales: Scales::default(),
-        }
+        Self { rows, way: Way::Going, iterates: Vec::new(), length: 1.0, loose: None, changes: 0 }
     }
 
     pub fn is_going(&self) -> bool {

@@ -4,11 +4,11 @@
 //! With y the motion that A makes smallest, and A' the tangent where u and lambda are off by what the residual leaves of them and by their last
 //! places, that is where `|A' y - A y| > |A y| / 2`. Costs two evaluations, and only where a motion is resisted by little.
 
-use super::super::saddle::{Saddle, large};
+use super::super::saddle::{Saddle, large, norm, times};
 use super::super::state::Unknowns;
 use super::super::{Failure, Model};
+use super::Corrector;
 use super::tangent::Regular;
-use super::{Corrector, Progress};
 use crate::newton::random;
 
 /// A singular value below this is little, where the largest entries are one.
@@ -56,11 +56,10 @@ impl<M: Model> Corrector<'_, M> {
         self.state.evaluate(self.model, self.set, &off, self.loads)?;
         for Soft { place, y } in soft {
             let (part, saddle, _) = &found[place];
-            let (there, here) =
-                (saddle.applied(&self.entries(*part), &y), super::super::saddle::times(saddle.matrix(), &y));
-            let size = |x: &mut dyn Iterator<Item = f64>| x.fold(0.0, |sum: f64, x| sum.hypot(x));
-            let change = size(&mut there.iter().zip(&here).map(|(there, here)| there - here));
-            let is_firm = change <= CHANGES_BY * size(&mut here.iter().copied());
+            let here = times(saddle.matrix(), &y);
+            let there = saddle.applied(&self.entries(*part), &y);
+            let change: Vec<f64> = there.iter().zip(&here).map(|(there, here)| there - here).collect();
+            let is_firm = norm(&change) <= CHANGES_BY * norm(&here);
             if !is_firm {
                 let free = &self.parts.list[*part].free;
                 motions[place] = Some(large(&y, free.len()).into_iter().map(|i| free[i]).collect());
@@ -76,15 +75,5 @@ impl<M: Model> Corrector<'_, M> {
         for (k, &j) in (0..).zip(&self.parts.list[*part].free) {
             off.u[j] += OFF * random(k) * (x.u[j].abs() + self.model.coordinate(j).abs());
         }
-    }
-}
-
-impl Progress {
-    /// `D_r |c_r| / max_j D_j terms_j` in units in the last place, for each kept row: where that is little, no solution of the scaled
-    /// equations knows c_r any better, however small its own terms are. Those of `u_0 = 0` vanish with u_0.
-    pub(super) fn in_forces(&self, free: &[usize], terms: &[f64], c: &[f64]) -> Vec<(usize, f64)> {
-        let most = free.iter().zip(&self.scales.dofs).fold(0.0, |most: f64, (&j, d)| most.max(d * terms[j]));
-        let kept = self.scales.rows.iter().filter(|(r, _)| most > 0.0 && self.rows.kept(*r));
-        kept.map(|&(r, d)| (r, d * c[r].abs() / (f64::EPSILON * most))).collect()
     }
 }

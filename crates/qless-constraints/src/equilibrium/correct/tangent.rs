@@ -5,7 +5,6 @@
 
 use super::super::saddle::{Entries, Saddle, large, largest};
 use super::super::{Failure, Model};
-use super::progress::Scales;
 use super::{CHANGES, Corrector};
 
 /// On the scaled diagonal where the tangent is singular on the way.
@@ -78,10 +77,6 @@ impl<M: Model> Corrector<'_, M> {
         let (entries, free) = (self.entries(part), &self.parts.list[part].free);
         let pattern = &mut self.factoring[part].pattern;
         let saddle = Saddle::new(&entries, free.len(), 0.0, pattern).map_err(Failure::Solver)?;
-        let (dofs, rows) = saddle.scale().split_at(free.len());
-        let own = &mut self.all[part];
-        own.scales =
-            Scales { dofs: dofs.to_vec(), rows: own.rows.list().iter().copied().zip(rows.iter().copied()).collect() };
         let Some(null) = saddle.null_vector(pattern) else { return Ok((saddle, None)) };
         let dofs = if null.is_empty() { Vec::new() } else { large(&null, free.len()) };
         if !dofs.is_empty() {
