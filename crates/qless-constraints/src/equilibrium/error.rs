@@ -69,7 +69,7 @@ pub enum EquilibriumError {
     /// Motions that neither stiffness nor constraints resist.
     #[error(
         "at load factor {factor} nothing resists a motion of DOFs {dofs:?}: the tangent is singular; support the model, \
-         or give these DOFs stiffness or constraints"
+         give these DOFs stiffness or constraints, or start where tension holds them"
     )]
     Unsupported {
         /// Reached so far.

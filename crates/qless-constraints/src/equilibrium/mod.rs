@@ -56,7 +56,8 @@ use crate::{ConstraintSet, TimeError};
 ///
 /// What constraints and prescribed DOFs determine, such as a linkage whose crank is prescribed, stays on the branch of the start: a load step is cut
 /// where G turns by more than half of what would take its rank. Only where two branches meet, or G changes by less than 1/200 of its entries from
-/// one to the other, Newton's method decides. Where stiffness has a part in it, equilibria are those that Newton's method comes to.
+/// one to the other, Newton's method decides, and [`LoadStep::branches_meet`] says so. Where stiffness has a part in it, equilibria are those that
+/// Newton's method comes to.
 ///
 /// ```
 /// use qless_constraints::equilibrium::{Assembly, EquilibriumOptions, Model, Start, Target, solve};
@@ -109,8 +110,9 @@ pub fn solve(
 /// An angle is followed the right way, however many turns it goes: no load step turns it by more than a sixteenth of one. Afterwards the
 /// set is at `time`; after an error, where it was.
 ///
-/// What constraints and prescribed DOFs determine stays on the branch of the start, as in [`solve`], also between load steps: what does not close on the
-/// way is refused, whether or not it closes at the end.
+/// What constraints and prescribed DOFs determine stays on the branch of the start, as in [`solve`], also between load steps: what does not close on
+/// the way is refused, whether or not it closes at the end. A load step that starts just where a linkage ceases to close may find where it closes
+/// again: then branches meet there, which [`LoadStep::branches_meet`] says.
 ///
 /// ```
 /// use qless_constraints::equilibrium::{Assembly, EquilibriumOptions, Model, Start, Target, drive};
