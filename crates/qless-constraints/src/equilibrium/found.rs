@@ -8,7 +8,7 @@ pub struct Iterate {
     /// `max_j |r_j|` over the free DOFs, relative to the sizes of its terms, or to what rounding allows.
     pub force: f64,
     /// `max_r eps |c_r| / rounding_r` over the kept rows: relative to the sizes of the terms of c, its own or, where it no longer
-    /// falls, the largest.
+    /// falls, the largest; or less, where a motion that makes up for c is less than the rounding of forces.
     pub constraint: f64,
     /// How much of the correction was gone to come here: 1 for all of it, 0 where only multipliers changed. The least of the connected parts that were
     /// still on their way; all else is the largest of all parts.

@@ -10,7 +10,8 @@
 //! | load steps | cut where a step fails, longer where it is easy | |
 //!
 //! Units: forces are compared with the sizes of their own terms and with what one unit in the last place of u does to them, constraints
-//! with the rounding of their own terms ([`ConstraintSet::rounding`]). Nothing is compared with 1, so that the unit of length, force or angle
+//! with the rounding of their own terms ([`ConstraintSet::rounding`]); those of a support `u_0 = 0` vanish with u, and what is left of it is nothing
+//! where it moves forces by less than their rounding. Nothing is compared with 1, so that the unit of length, force or angle
 //! drops out.
 //!
 //! Connected parts of the model, joined by K and equations but not by prescribed DOFs, go in lock step: scales, factors, lengths, redundant equations,

@@ -30,7 +30,7 @@ pub struct State {
     pub terms: Vec<f64>,
     /// What rounding of u and G may have added to it.
     rounding: Vec<f64>,
-    /// `|c_r|` in roundings of its own terms; once it no longer falls, of the largest in its part.
+    /// `|c_r|` in roundings of its own terms; once it no longer falls, of the largest in its part, or of the forces.
     pub constraints: Vec<f64>,
     /// Bounds on the rounding of c and G.
     of_constraints: Option<Rounding>,
