@@ -5,10 +5,9 @@
 //! A change: one constraint deactivated and activated again, given other parameters, or another right-hand side; and what the next
 //! evaluation takes longer than one without a change.
 //!
-//! Constraints are added one by one, and at once by all threads; who adds a million writes the latter. Measured on a machine that was busy with
-//! other programs (load 18 on two cores), in processor time: rods 5.1 evaluations for c and G, 15.6 with the plan of H; linear equations 22 and
-//! 27, of 4 ms each; equal DOFs 18 and 22. More than half of it for linear equations is the system's: it hands out pages of 4 kB at some
-//! 2 us each when they are touched for the first time, and set-up touches all arrays.
+//! Constraints are added one by one, and at once by all threads; who adds a million writes the latter. Measured on two quiet cores, at once: rods
+//! 4.6 evaluations for c and G, 15 with the plan of H; linear equations 20 and 24, of 2 ms each; equal DOFs 18 and 22. More than half of it for linear
+//! equations is the system's: it hands out pages of 4 kB at some 2 us each when they are touched for the first time, and set-up touches all arrays.
 
 mod model;
 
