@@ -53,6 +53,13 @@ pub struct Goal<'a> {
     pub patient: bool,
 }
 
+impl Goal<'static> {
+    /// Every row balanced, in so many steps.
+    pub fn balance(steps: usize) -> Self {
+        Self { floor: &|_| FLOOR, limit: &|_| BALANCED, lax: &|_| false, enough: SHARP, steps, patient: false }
+    }
+}
+
 /// x, and the row that is worst off.
 #[derive(Clone, Debug)]
 pub struct Settled {

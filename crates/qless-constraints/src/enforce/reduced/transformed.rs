@@ -1,6 +1,6 @@
 //! The equations of a reduction, held against their terms: K_q alone does not show what it was made of.
 
-use super::super::equations::{BALANCED, Equations, FLOOR, Goal, SHARP, settle};
+use super::super::equations::{Equations, Goal, settle};
 use super::super::factor::{Factor, shifted};
 use super::super::matrix::{Matrix, add_sizes, add_sizes_transposed, add_transposed, times};
 use super::super::support::{SHIFTS, Verdict, judged, loose};
@@ -33,15 +33,7 @@ impl Transformed<'_> {
             Ok(Verdict::Loose(motion, held)) => return Err(self.unsupported(&motion, held)),
             Err(_) => return Err(self.free_motion(matrix).unwrap_or(singular)),
         }
-        let goal = Goal {
-            floor: &|_| FLOOR,
-            limit: &|_| BALANCED,
-            lax: &|_| false,
-            enough: SHARP,
-            steps: REFINEMENTS,
-            patient: false,
-        };
-        let settled = settle(self, &mut solve, rhs, &goal)?;
+        let settled = settle(self, &mut solve, rhs, &Goal::balance(REFINEMENTS))?;
         if settled.share > 1.0 {
             let row = format!("the forces on unknown {}", settled.row);
             return Err(EnforceError::OutOfBalance { row, imbalance: settled.imbalance });

@@ -1,6 +1,6 @@
 //! What the forces of a step must meet: a support, and balance.
 
-use super::super::equations::{BALANCED, Equations, FLOOR, Goal, SHARP, settle};
+use super::super::equations::{Equations, Goal, settle};
 use super::super::solver::{Solver, SolverError};
 use super::super::support::{SHIFTS, Verdict, judged, loose};
 use super::super::{EnforceError, Motion};
@@ -48,16 +48,8 @@ impl<S: Solver> Steps<S> {
         self.map.expand_into(&vec![0.0; load.len()], &mut constant)?;
         let terms = Terms::new(&self.map, &self.pattern, k, (&self.parts, &self.noise));
         let sizes = terms.size_of_load(f, &constant);
-        let goal = Goal {
-            floor: &|_| FLOOR,
-            limit: &|_| BALANCED,
-            lax: &|_| false,
-            enough: SHARP,
-            steps: REFINEMENTS,
-            patient: false,
-        };
         let solver = &mut self.solver;
-        let settled = settle(&terms, &mut |r: &[f64]| solved(solver, r), (&load, &sizes), &goal)?;
+        let settled = settle(&terms, &mut |r: &[f64]| solved(solver, r), (&load, &sizes), &Goal::balance(REFINEMENTS))?;
         if settled.share > 1.0 {
             let row = format!("the forces on DOF {}", self.map.masters()[settled.row]);
             return Err(EnforceError::OutOfBalance { row, imbalance: settled.imbalance });

@@ -62,7 +62,9 @@ impl<M: Model> Corrector<'_, M> {
             let is_firm = norm(&change) <= CHANGES_BY * norm(&here);
             if !is_firm {
                 let free = &self.parts.list[*part].free;
-                motions[place] = Some(large(&y, free.len()).into_iter().map(|i| free[i]).collect());
+                let dofs: Vec<usize> = large(&y, free.len()).into_iter().map(|i| free[i]).collect();
+                // Where multipliers hold most of y, rows are nearly dependent: that is no motion.
+                motions[place] = Some(dofs).filter(|dofs| !dofs.is_empty());
             }
         }
         self.state.evaluate(self.model, self.set, x, self.loads)?;
