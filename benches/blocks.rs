@@ -9,7 +9,7 @@ mod timing;
 
 use std::hint::black_box;
 
-use qless::qr::{Backend, spqr::Spqr};
+use qless::backend::{Backend, spqr::Spqr};
 use qless::{Analysis, ConstraintSystem, Form, Options, SystemBuilder, analyse};
 use qless_scenes::fssi::{self, Level, Mesh};
 use qless_scenes::{Scene, families};

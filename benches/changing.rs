@@ -5,7 +5,8 @@ mod timing;
 
 use std::hint::black_box;
 
-use qless::{ChangingSystem, EquationId, Options, SystemBuilder, analyse};
+use qless::change::EquationId;
+use qless::{ChangingSystem, Options, SystemBuilder, analyse};
 
 use timing::{median, seconds};
 

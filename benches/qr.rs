@@ -12,7 +12,7 @@ use std::hint::black_box;
 use std::path::{Path, PathBuf};
 
 use qless::Csr;
-use qless::qr::{Backend, spqr::Spqr};
+use qless::backend::{Backend, spqr::Spqr};
 use qless_qr::{Options, Symbolic, Tolerance};
 use qless_scenes::fssi::{self, Level, Mesh};
 

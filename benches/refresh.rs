@@ -7,7 +7,8 @@ mod timing;
 use std::hint::black_box;
 use std::sync::Arc;
 
-use qless::{Analysis, ConstraintSystem, Options, Reduction, Refresher, analyse};
+use qless::change::Refresher;
+use qless::{Analysis, ConstraintSystem, Options, Reduction, analyse};
 use qless_scenes::families::{self, Windows};
 use qless_scenes::fssi::{self, Mesh};
 

@@ -8,7 +8,9 @@ use std::time::Duration;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use faer::sparse::{SparseColMat, Triplet};
-use qless::{Analysis, ConstraintSystem, Options, Refresher, Timings, analyse};
+use qless::change::Refresher;
+use qless::diagnosis::Timings;
+use qless::{Analysis, ConstraintSystem, Options, analyse};
 use qless_constraints::enforce::reduced;
 use qless_scenes::families::Windows;
 use qless_scenes::fssi::{self, Level, Mesh};

@@ -12,8 +12,8 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use qless::Csr;
-use qless::qr::Backend;
-use qless::qr::spqr::{Spqr, Statistics};
+use qless::backend::Backend;
+use qless::backend::spqr::{Spqr, Statistics};
 use qless_scenes::families::{Windows, gradient};
 use qless_scenes::fssi::{self, Level};
 use qless_scenes::{Scene, SceneError};

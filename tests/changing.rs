@@ -1,7 +1,8 @@
 //! Constraints that come and go: after any history of changes the results are those of a fresh run, to the last bit.
 
 use proptest::prelude::*;
-use qless::{ChangeError, ChangingSystem, EquationId, Kind, Options, SystemBuilder, analyse};
+use qless::change::{ChangeError, EquationId};
+use qless::{ChangingSystem, Kind, Options, SystemBuilder, analyse};
 
 const DOFS: usize = 24;
 

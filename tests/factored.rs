@@ -4,7 +4,8 @@ mod support;
 
 use std::sync::Arc;
 
-use qless::{Analysis, ConstraintSystem, Csr, Form, Options, Reduction, Refresher, SystemBuilder, analyse};
+use qless::change::Refresher;
+use qless::{Analysis, ConstraintSystem, Csr, Form, Options, Reduction, SystemBuilder, analyse};
 use qless_scenes::families;
 use qless_scenes::fssi::{self, Level};
 

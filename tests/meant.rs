@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use qless::{Analysis, ConstraintSystem, Meant, Options, analyse};
+use qless::{Analysis, ConstraintSystem, NearDependence, Options, analyse};
 use qless_scenes::families::{self, Near, near, typed_cosines, typed_twice};
 use qless_scenes::fssi::{self, Mesh};
 use qless_scenes::{Rng, Scene, SceneError};
 
-fn read(system: &ConstraintSystem) -> (Analysis, Option<Meant>) {
+fn read(system: &ConstraintSystem) -> (Analysis, Option<NearDependence>) {
     let analysis = analyse(system, &Options::default()).expect("an analysis");
     let meant = analysis.meant().expect("a small system");
     (analysis, meant)
@@ -21,7 +21,13 @@ fn orders(scene: Scene, seed: u64) -> [Scene; 2] {
 }
 
 /// `|sum_i c_i row_i - row_k|` is small, and no equation of the combination is itself meant as one.
-fn assert_combinations(system: &ConstraintSystem, analysis: &Analysis, meant: &Meant, digits: usize, name: &str) {
+fn assert_combinations(
+    system: &ConstraintSystem,
+    analysis: &Analysis,
+    meant: &NearDependence,
+    digits: usize,
+    name: &str,
+) {
     assert_eq!(meant.rank + meant.equations.len(), analysis.rank(), "{name}");
     assert!(meant.equations.is_sorted_by(|a, b| a.row < b.row), "{name}");
     for equation in &meant.equations {

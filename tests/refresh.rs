@@ -5,9 +5,9 @@ mod support;
 
 use std::sync::Arc;
 
+use qless::change::{RefreshError, Refresher};
 use qless::{
-    Analysis, ArgumentError, BackendChoice, ConstraintSystem, Kind, Options, Preferences, Reduction, RefreshError,
-    Refresher, SystemBuilder,
+    Analysis, ArgumentError, BackendChoice, ConstraintSystem, Kind, Options, Preferences, Reduction, SystemBuilder,
 };
 use qless_scenes::Rng;
 use qless_scenes::families::{self, Windows};

@@ -12,8 +12,8 @@ fn everything_can_be_sent_and_shared() {
     fn both<T: Send + Sync>() {}
     both::<qless::Analysis>();
     both::<qless::ChangingSystem>();
-    both::<qless::Map>();
-    both::<qless::Refresher>();
+    both::<qless::Elimination>();
+    both::<qless::change::Refresher>();
     both::<ConstraintSystem>();
     both::<Reduction>();
     both::<qless_constraints::ConstraintSet>();

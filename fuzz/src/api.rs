@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use arbitrary::{Arbitrary, Unstructured};
+use qless::change::{EquationId, Refresher};
 use qless::exact::{self, Reading, Settings};
 use qless::{
-    Analysis, BackendChoice, ChangingSystem, ConstraintSystem, Csr, EquationId, Form, Options, Preferences, Reduction,
-    Refresher, Report, SystemBuilder, Tolerance, analyse,
+    Analysis, BackendChoice, ChangingSystem, ConstraintSystem, Csr, Form, Options, Preferences, Reduction, Report,
+    SystemBuilder, Tolerance, analyse,
 };
 
 /// At most 16 of them: a count and that many, so that inputs are lists and not ends of lists.
@@ -81,7 +82,7 @@ struct Settled {
 
 impl Settled {
     fn options(&self, dofs: usize, equations: usize) -> Options {
-        let backends = [BackendChoice::Auto, BackendChoice::Faer, BackendChoice::Sparse, BackendChoice::Gauss];
+        let backends = [BackendChoice::Faer, BackendChoice::Faer, BackendChoice::Sparse, BackendChoice::Gauss];
         let all = |list: &[Index], count: usize| list.iter().take(4).map(|k| k.of(count)).collect::<Vec<usize>>();
         let default = Options::default();
         let masters: Vec<usize> = all(&self.masters, dofs);
@@ -103,9 +104,9 @@ impl Settled {
 
 #[derive(Arbitrary, Debug)]
 enum Call {
-    Because(Index),
+    CertificateTerm(Index),
     BecauseFixed(Index),
-    Meant,
+    NearDependence,
     Reduce(u8),
     Expand(List<Number>, List<Number>),
     ExpandFitting(Number),
@@ -173,12 +174,12 @@ fn calls(system: &ConstraintSystem, analysis: Analysis, calls: &[Call]) {
     for call in calls {
         let last = reductions.last();
         match call {
-            Call::Because(row) => {
+            Call::CertificateTerm(row) => {
                 let row = row.of(system.equations());
                 assert_eq!(analysis.because(row).is_ok(), row < system.equations());
             }
             Call::BecauseFixed(dof) => _ = analysis.because_fixed(dof.of(system.dofs())),
-            Call::Meant => {
+            Call::NearDependence => {
                 if let Ok(Some(meant)) = analysis.meant() {
                     Report::new(&analysis, 0).with_meant(&analysis, &meant, 5).expect("of this system");
                 }

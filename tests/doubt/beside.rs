@@ -242,13 +242,13 @@ fn largest(here: &[Entry], there: &[Entry]) -> String {
 
 #[test]
 fn a_component_beside_changes_nothing() {
-    pairs(&even(), &even(), BackendChoice::Auto, 1);
+    pairs(&even(), &even(), BackendChoice::Faer, 1);
 }
 
 /// The choice of scaling is one of each component.
 #[test]
 fn a_component_in_other_units_beside_changes_nothing() {
-    pairs(&uneven(), &[even(), uneven()].concat(), BackendChoice::Auto, 1);
+    pairs(&uneven(), &[even(), uneven()].concat(), BackendChoice::Faer, 1);
 }
 
 /// More than 800 rows are worth some fill in presolve, of which each component has its own.
@@ -256,7 +256,7 @@ fn a_component_in_other_units_beside_changes_nothing() {
 fn large_components_beside_change_nothing() {
     let planted = |rows, dofs, seed| scene("planted", families::planted(rows, dofs, 40, seed, false));
     let large = [planted(1100, 1400, 1), planted(900, 1000, 2), planted(60, 90, 3)];
-    pairs(&large, &large[1..], BackendChoice::Auto, 1);
+    pairs(&large, &large[1..], BackendChoice::Faer, 1);
 }
 
 /// A tenth of all pairs.

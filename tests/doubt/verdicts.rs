@@ -35,12 +35,12 @@ fn hold(law: Law, all: &[Fault]) {
 /// The default backend on everything, judged once.
 fn scene(law: Law) {
     static ALL: OnceLock<Vec<Fault>> = OnceLock::new();
-    hold(law, ALL.get_or_init(|| of_scenes(1, BackendChoice::Auto)));
+    hold(law, ALL.get_or_init(|| of_scenes(1, BackendChoice::Faer)));
 }
 
 fn system(law: Law) {
     static ALL: OnceLock<Vec<Fault>> = OnceLock::new();
-    hold(law, ALL.get_or_init(|| of_random(1, BackendChoice::Auto)));
+    hold(law, ALL.get_or_init(|| of_random(1, BackendChoice::Faer)));
 }
 
 /// A test of each law.

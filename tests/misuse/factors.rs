@@ -1,13 +1,13 @@
-//! `qless::qr` and `qless-qr`: blocks, right-hand sides and tolerances.
+//! `qless::backend` and `qless-qr`: blocks, right-hand sides and tolerances.
 
-use qless::qr::Factor;
+use qless::backend::Factor;
 use qless::{BackendChoice, Csr};
 use qless_qr::{Options, Rows, Symbolic, Tolerance};
 
 use super::{BAD, HUGE, refused, survives};
 
-fn backends() -> Vec<Box<dyn qless::qr::Backend>> {
-    let choices = [BackendChoice::Auto, BackendChoice::Faer, BackendChoice::Sparse, BackendChoice::Gauss];
+fn backends() -> Vec<Box<dyn qless::backend::Backend>> {
+    let choices = [BackendChoice::Faer, BackendChoice::Faer, BackendChoice::Sparse, BackendChoice::Gauss];
     let all = choices.into_iter().chain(cfg!(feature = "spqr").then_some(BackendChoice::Spqr));
     all.map(|choice| choice.get(1 << 30).expect("compiled in")).collect()
 }

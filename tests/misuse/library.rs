@@ -3,10 +3,13 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use qless::change::{ChangeError, RefreshError, Refresher};
+use qless::diagnosis::NearDependent;
 use qless::exact::{self, Reading, Settings};
+use qless::reduction::FactoredBlock;
 use qless::{
-    Analysis, ArgumentError, ChangeError, ChangingSystem, ConstraintSystem, Csr, FactoredBlock, Form, Meant,
-    NearDependent, Options, Preferences, Reduction, RefreshError, Refresher, Report, SystemBuilder, Tolerance, analyse,
+    Analysis, ArgumentError, ChangingSystem, ConstraintSystem, Csr, Form, NearDependence, Options, Preferences,
+    Reduction, Report, SystemBuilder, Tolerance, analyse,
 };
 
 use super::{BAD, HUGE, refused, ring, survives};
@@ -53,7 +56,7 @@ fn options_out_of_range() {
     refused("a contradiction", || analyse(&system, &Options { preferences, ..default() }).map(drop));
     // The least that is allowed, with no memory at all: an error or a result, never a panic.
     for (growth, memory) in [(1.0, 0), (1e300, 1), (4.0, usize::MAX)] {
-        for backend in [qless::BackendChoice::Auto, qless::BackendChoice::Sparse, qless::BackendChoice::Gauss] {
+        for backend in [qless::BackendChoice::Faer, qless::BackendChoice::Sparse, qless::BackendChoice::Gauss] {
             for system in [ring(4), coupled()] {
                 let options = Options { growth, memory, backend, presolve: false, ..default() };
                 survives("little memory", || {
@@ -335,7 +338,7 @@ fn findings_of_another_system_are_not_reported() {
     refused("no parts", || report().with_exact(&analysis, &no_parts));
     refused("part", || report().with_exact(&analysis, &strange_parts));
     let near = NearDependent { row: usize::MAX, digits: 0, distance: f64::NAN, because: Vec::new() };
-    refused("meant", || report().with_meant(&analysis, &Meant { rank: 1, equations: vec![near] }, usize::MAX));
+    refused("meant", || report().with_meant(&analysis, &NearDependence { rank: 1, equations: vec![near] }, usize::MAX));
     survives("nothing", || report().with_reduction(&Reduction::default(), f64::NAN));
     survives("a form of nothing", || report().with_form(Form::Factored));
     survives("times without end", || report().with_timings(Duration::MAX, Duration::ZERO, Duration::MAX));

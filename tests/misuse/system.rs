@@ -1,6 +1,7 @@
 //! `Csr`, `ConstraintSystem`, `SystemBuilder`.
 
-use qless::{ConstraintSystem, Csr, Storage, SystemBuilder, SystemError, View};
+use qless::elimination::{Storage, View};
+use qless::{ConstraintSystem, Csr, SystemBuilder, SystemError};
 
 use super::{BAD, HUGE, refused, ring, survives};
 

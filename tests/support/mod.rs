@@ -5,7 +5,9 @@ pub mod corpus;
 
 use std::collections::HashMap;
 
-use qless::{Analysis, BackendChoice, Because, ConstraintSystem, Kind, Options, Reduction, SystemBuilder, analyse};
+use qless::{
+    Analysis, BackendChoice, CertificateTerm, ConstraintSystem, Kind, Options, Reduction, SystemBuilder, analyse,
+};
 
 /// Runs a test `fn(BackendChoice)` on each backend as a test of its own.
 #[macro_export]
@@ -53,7 +55,7 @@ pub fn orders(n: usize) -> Vec<Vec<usize>> {
 }
 
 /// The largest part of `target - sum c_i row_i` on the free DOFs, relative to the parts.
-pub fn certificate_error(system: &ConstraintSystem, target: &[(usize, f64)], because: &[Because]) -> f64 {
+pub fn certificate_error(system: &ConstraintSystem, target: &[(usize, f64)], because: &[CertificateTerm]) -> f64 {
     let mut rest: HashMap<usize, f64> = HashMap::new();
     let mut size = 0.0_f64;
     let mut add = |j: usize, part: f64| {

@@ -18,7 +18,8 @@ use fenris_solid::MaterialEllipticOperator;
 use fenris_solid::materials::{LameParameters, LinearElasticMaterial, YoungPoisson};
 use lagrange::{Lagrange, agree};
 use model::RIGID;
-use qless::{Condensed, Given, Map, Options, Storage, View};
+use qless::{Elimination, Options};
+use qless::elimination::{CondensedPattern, PrescribedDofs, Storage, View};
 
 const STEPS: usize = 20;
 
@@ -33,8 +34,8 @@ fn run(cells: usize) -> eyre::Result<()> {
     let mesh = model::two_blocks(cells);
     let system = model::constraints(&mesh)?;
     let (known, n) = (3 * mesh.vertices().len(), system.dofs());
-    let mut map = Map::new(&system, &Options::default())?;
-    println!("{map:?}: {} of {} equations redundant", map.analysis().dependent().len(), map.kinds().len());
+    let mut map = Elimination::new(&system, &Options::default())?;
+    println!("{map:?}: {} of {} equations redundant", map.analysis().expect("made from equations").dependent().len(), map.kinds().len());
 
     // Both patterns once: for fenris' K, and for its elements, which need no K.
     let (material, none) = (MaterialEllipticOperator::new(&LinearElasticMaterial), DVector::zeros(known));
@@ -45,11 +46,11 @@ fn run(cells: usize) -> eyre::Result<()> {
     let pattern =
         CsrAssembler::<f64>::default().assemble_pattern(&model::stiffness(&mesh, &material, &softened(0.0), &none));
     let rows = View::rows(pattern.major_offsets(), pattern.minor_indices()).then_empty(RIGID);
-    let condensed = map.condensed(rows, Given::Eliminated)?;
+    let condensed = map.condensed(rows, PrescribedDofs::Eliminated)?;
     let cell_dofs =
         |e: usize| mesh.connectivity()[e].0.iter().flat_map(|&i| [3 * i, 3 * i + 1, 3 * i + 2]).collect::<Vec<_>>();
     let count = mesh.connectivity().len();
-    let scattered = map.condensed_for_elements(count, cell_dofs, Storage::Full, Given::Eliminated)?;
+    let scattered = map.condensed_for_elements(count, cell_dofs, Storage::Full, PrescribedDofs::Eliminated)?;
     let nnz = pattern.nnz();
     let mut k =
         CsrMatrix::try_from_pattern_and_values(pattern, vec![0.0; nnz]).map_err(|error| eyre::eyre!("{error}"))?;
@@ -60,7 +61,7 @@ fn run(cells: usize) -> eyre::Result<()> {
     for step in 1..=STEPS {
         let t = step as f64 / STEPS as f64;
         let rhs = |equation: usize| t * system.rhs()[equation];
-        map.refresh_with(
+        map.update_with(
             rhs,
             |dof| if dof < known { 0.0 } else { [0.01, 0.0, -0.1 * t, 0.0, 0.0, 0.2][dof - known] * t },
         )?;
@@ -82,7 +83,7 @@ fn run(cells: usize) -> eyre::Result<()> {
             let matrix = DMatrixViewMut::from_slice(matrix, size, size);
             elements.assemble_element_matrix_into(e, matrix).expect("the cell is sound: it was assembled above");
         })?;
-        map.project_into(&weight, &mut f_q)?;
+        map.restrict_into(&weight, &mut f_q)?;
         f_e.iter_mut().zip(&f_q).for_each(|(own, weight)| *own += weight);
         let q: Vec<f64> = map.masters().iter().map(|&dof| u[dof]).collect();
 
@@ -102,7 +103,7 @@ fn run(cells: usize) -> eyre::Result<()> {
 }
 
 /// `u_q = K_q^-1 f_q` by faer's Cholesky, on the arrays as they are: the rows of a symmetric matrix are its columns.
-fn solve(condensed: &Condensed, k_q: &[f64], f_q: &[f64]) -> eyre::Result<Vec<f64>> {
+fn solve(condensed: &CondensedPattern, k_q: &[f64], f_q: &[f64]) -> eyre::Result<Vec<f64>> {
     let q = condensed.unknowns();
     let pattern = SymbolicSparseColMatRef::new_checked(q, q, condensed.starts(), None, condensed.index());
     let factors =

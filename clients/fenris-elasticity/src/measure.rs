@@ -9,7 +9,8 @@ use fenris::nalgebra_sparse::CsrMatrix;
 use fenris::quadrature::CanonicalStiffnessQuadrature;
 use fenris_solid::MaterialEllipticOperator;
 use fenris_solid::materials::{LameParameters, LinearElasticMaterial};
-use qless::{Given, Map, Options, Storage, View};
+use qless::{Elimination, Options};
+use qless::elimination::{PrescribedDofs, Storage, View};
 
 use crate::model::{self, RIGID};
 
@@ -18,14 +19,14 @@ const ROUNDS: usize = 5;
 pub fn measure(cells: usize) -> eyre::Result<()> {
     let mesh = model::two_blocks(cells);
     let system = model::constraints(&mesh)?;
-    let (map, of_map) = timed(|| Map::new(&system, &Options::default()));
+    let (map, of_map) = timed(|| Elimination::new(&system, &Options::default()));
     let (map, known) = (map?, 3 * mesh.vertices().len());
     let quadrature = mesh.canonical_stiffness_quadrature().with_uniform_data(LameParameters { mu: 0.4, lambda: 0.6 });
     let (operator, none) = (MaterialEllipticOperator::new(&LinearElasticMaterial), DVector::zeros(known));
     let elements = model::stiffness(&mesh, &operator, &quadrature, &none);
     let pattern = CsrAssembler::<f64>::default().assemble_pattern(&elements);
     let rows = View::rows(pattern.major_offsets(), pattern.minor_indices()).then_empty(RIGID);
-    let (condensed, of_pattern) = timed(|| map.condensed(rows, Given::Eliminated));
+    let (condensed, of_pattern) = timed(|| map.condensed(rows, PrescribedDofs::Eliminated));
     let condensed = condensed?;
     println!(
         "{} DOFs, {} entries of K; {map:?} in {of_map:.4} s, pattern of K_q in {of_pattern:.3} s",
@@ -40,7 +41,7 @@ pub fn measure(cells: usize) -> eyre::Result<()> {
     let count = mesh.connectivity().len();
     let (colours, f) = (color_nodes(&mesh), vec![0.0; map.dofs()]);
     let (mut k_q, mut f_q) = (vec![0.0; condensed.nnz()], vec![0.0; condensed.unknowns()]);
-    let scattered = map.condensed_for_elements(count, cell_dofs, Storage::Full, Given::Eliminated)?;
+    let scattered = map.condensed_for_elements(count, cell_dofs, Storage::Full, PrescribedDofs::Eliminated)?;
     for threads in [1, 2] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
         // The least of some rounds in alternation: whatever else runs on the machine only adds.

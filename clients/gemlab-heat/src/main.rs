@@ -12,7 +12,8 @@ use gemlab::integ::{self, CommonArgs, Gauss};
 use gemlab::mesh::Mesh;
 use gemlab::shapes::GeoKind;
 use lagrange::{Lagrange, agree};
-use qless::{Given, Map, Options, Storage, View};
+use qless::{Elimination, Options};
+use qless::elimination::{PrescribedDofs, Storage, View};
 use russell_lab::{Matrix, Vector};
 use russell_sparse::prelude::{CooMatrix, CscMatrix, LinSolTrait, SolverUMFPACK, Sym};
 
@@ -24,20 +25,20 @@ fn main() -> Result<(), Box<dyn Error>> {
     let cells = std::env::args().nth(1).map_or(Ok(2), |word| word.parse())?;
     let mesh = model::two_blocks(cells)?;
     let (system, n) = (model::constraints(&mesh)?, mesh.points.len());
-    let mut map = Map::new(&system, &Options::default())?;
-    println!("{map:?}: {} of {} equations redundant", map.analysis().dependent().len(), map.kinds().len());
+    let mut map = Elimination::new(&system, &Options::default())?;
+    println!("{map:?}: {} of {} equations redundant", map.analysis().expect("made from equations").dependent().len(), map.kinds().len());
 
     // Capacity and conductivity have one pattern: gemlab's columns, counted from 0 in i32.
     let (m, k) = (assembled(&mesh, capacity)?, assembled(&mesh, conductivity)?);
     let columns = View::columns(m.get_col_pointers(), m.get_row_indices());
-    let condensed = map.condensed(columns, Given::Eliminated)?;
+    let condensed = map.condensed(columns, PrescribedDofs::Eliminated)?;
     let (q, nnz) = (condensed.unknowns(), condensed.nnz());
     let (mut a_q, mut m_q, mut k_q) = (vec![0.0; nnz], vec![0.0; nnz], vec![0.0; nnz]);
     condensed.condense_matrix_into(&map, m.get_values(), &mut m_q)?;
     condensed.condense_matrix_into(&map, k.get_values(), &mut k_q)?;
     // The same by elements, of which no matrix is assembled.
     let dofs = |e: usize| mesh.cells[e].points.as_slice();
-    let scattered = map.condensed_for_elements(mesh.cells.len(), dofs, Storage::Full, Given::Eliminated)?;
+    let scattered = map.condensed_for_elements(mesh.cells.len(), dofs, Storage::Full, PrescribedDofs::Eliminated)?;
     let (mut a_e, mut f_e) = (vec![0.0; scattered.nnz()], vec![0.0; q]);
 
     // UMFPACK's side: triplets whose values are written anew in each step.
@@ -49,7 +50,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for step in 1..=STEPS {
         let t = step as f64 * DT;
         let (rhs, growth) = (|equation: usize| t * system.rhs()[equation], 1.0 + t);
-        map.refresh_with(rhs, |dof| t * model::heated(&mesh, dof))?;
+        map.update_with(rhs, |dof| t * model::heated(&mesh, dof))?;
 
         let a: Vec<f64> = m.get_values().iter().zip(k.get_values()).map(|(m, k)| m / DT + growth * k).collect();
         let mut f = Vector::new(n);

@@ -7,7 +7,7 @@ use faer::Mat;
 use faer::prelude::Solve;
 use faer::sparse::linalg::solvers::Lu;
 use faer::sparse::{SparseColMat, Triplet};
-use qless::{Kind, Map};
+use qless::{Kind, Elimination};
 
 /// How far results may be from one another, relative to the largest.
 pub const TOLERANCE: f64 = 1e-10;
@@ -33,8 +33,8 @@ pub struct Expected {
 
 impl Lagrange {
     /// Factors, for the entries `(row, column, value)` of all of K.
-    pub fn new(map: &Map, k: impl IntoIterator<Item = (usize, usize, f64)>) -> Result<Self, String> {
-        let (n, kinds, system) = (map.dofs(), map.kinds(), map.analysis().system());
+    pub fn new(map: &Elimination, k: impl IntoIterator<Item = (usize, usize, f64)>) -> Result<Self, String> {
+        let (n, kinds, system) = (map.dofs(), map.kinds(), map.analysis().expect("made from equations").system());
         let independent: Vec<usize> = (0..kinds.len()).filter(|&i| kinds[i] == Kind::Independent).collect();
         let mut entries: Vec<_> = k.into_iter().map(|(i, j, v)| Triplet::new(i, j, v)).collect();
         let mut border =

@@ -6,7 +6,7 @@ use std::error::Error;
 use qless::ConstraintSystem;
 use qless_constraints::types::{MacroStrain, Node6, NodeTie, Periodic, Point, Shape, SmallRigidBody};
 use qless_constraints::{ConstraintSet, SetBuilder};
-use qless_mpi::{Map, Ranks, Share};
+use qless_mpi::{DistributedElimination, Ranks, Share};
 
 use crate::cell::{AXES, Cell, Node, RIGID};
 
@@ -69,7 +69,7 @@ impl Constraints {
     }
 
     /// The largest of `|C u - b|`, equation by equation as they were given.
-    pub fn unmet(&self, map: &Map, u: &[f64], e: &Gradient) -> f64 {
+    pub fn unmet(&self, map: &DistributedElimination, u: &[f64], e: &Gradient) -> f64 {
         let value = |j: usize| u[map.dofs().binary_search(&self.dofs[j]).expect("it was asked for")];
         let off = |i: usize| {
             let sum: f64 = self.system.matrix().row(i).map(|(j, coefficient)| coefficient * value(j)).sum();

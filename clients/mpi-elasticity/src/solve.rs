@@ -2,8 +2,9 @@
 
 use std::error::Error;
 
-use qless::{Condensed, Given, Options, Storage};
-use qless_mpi::{Map, Ranks, agree, exact_sum};
+use qless::Options;
+use qless::elimination::{CondensedPattern, PrescribedDofs, Storage};
+use qless_mpi::{DistributedElimination, Ranks, agree, exact_sum};
 
 use crate::cell::Cell;
 use crate::constraints::{Constraints, Gradient, dofs_of};
@@ -15,13 +16,13 @@ const TOLERANCE: f64 = 1e-12;
 /// The hexahedra of one rank, condensed.
 pub struct Model<'a> {
     ranks: &'a dyn Ranks,
-    pub map: Map,
+    pub map: DistributedElimination,
     pub constraints: Constraints,
     /// The block of each hexahedron, and the places of its DOFs among those of the map.
     hexahedra: Vec<(usize, [usize; SIZE])>,
     /// Of the hexahedra of each block.
     stiffness: [Vec<f64>; 2],
-    condensed: Condensed,
+    condensed: CondensedPattern,
     k_q: Vec<f64>,
     /// `-L^T K u_0` of this rank.
     load: Vec<f64>,
@@ -31,7 +32,7 @@ impl<'a> Model<'a> {
     /// Not stretched. Collective.
     pub fn new(cell: &Cell, ranks: &'a dyn Ranks) -> Result<Self, Box<dyn Error>> {
         let constraints = agree(ranks, Constraints::new(cell, ranks).map_err(|error| qless_mpi::Error::of(ranks, &error)))?;
-        let map = Map::new(ranks, &constraints.share, &Options::default())?;
+        let map = DistributedElimination::new(ranks, &constraints.share, &Options::default())?;
         let place = |dof: u64| map.dofs().binary_search(&dof).expect("it was asked for");
         let owned = cell.hexahedra_in(cell.owned(ranks.rank(), ranks.size()));
         let hexahedra: Vec<_> = owned
@@ -42,7 +43,7 @@ impl<'a> Model<'a> {
             .collect();
         let stiffness = cell.blocks.map(|block| stiffness(block.edges(), block.young));
         let dofs = |e: usize| hexahedra[e].1;
-        let condensed = map.transform().condensed_for_elements(hexahedra.len(), dofs, Storage::Full, Given::Eliminated);
+        let condensed = map.local().condensed_for_elements(hexahedra.len(), dofs, Storage::Full, PrescribedDofs::Eliminated);
         let condensed = agree(ranks, condensed.map_err(|error| qless_mpi::Error::of(ranks, &error)))?;
         let (k_q, load) = (vec![0.0; condensed.nnz()], vec![0.0; condensed.unknowns()]);
         Ok(Self { ranks, map, constraints, hexahedra, stiffness, condensed, k_q, load })
@@ -55,7 +56,7 @@ impl<'a> Model<'a> {
         let Self { ranks, map, hexahedra, stiffness, condensed, k_q, load, .. } = self;
         let element = |e: usize, matrix: &mut [f64], _: &mut [f64]| matrix.copy_from_slice(&stiffness[hexahedra[e].0]);
         let dofs = |e: usize| hexahedra[e].1;
-        let done = condensed.assemble(map.transform(), hexahedra.len(), dofs, k_q, load, element);
+        let done = condensed.assemble(map.local(), hexahedra.len(), dofs, k_q, load, element);
         Ok(agree(*ranks, done.map_err(|error| qless_mpi::Error::of(*ranks, &error)))?)
     }
 

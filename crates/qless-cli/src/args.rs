@@ -187,7 +187,7 @@ pub struct ModelArgs {
     #[arg(long, value_name = "FILE")]
     pub prescribed: Option<PathBuf>,
     /// What factors the equations that presolve leaves
-    #[arg(long, value_enum, value_name = "NAME", default_value = "auto")]
+    #[arg(long, value_enum, value_name = "NAME", default_value = "faer")]
     pub backend: BackendName,
     /// How small is zero, relative to each equation's largest coefficient; between 0 and 1 [default: 1e-10]
     #[arg(long, value_name = "X", value_parser = tolerance)]
@@ -260,9 +260,7 @@ pub enum Deny {
 
 #[derive(Clone, Copy, ValueEnum)]
 pub enum BackendName {
-    /// The best for most models: faer
-    Auto,
-    /// Pure Rust: QR with column pivoting, multifrontal sparse QR for large blocks
+    /// Pure Rust, on the kernels of faer: QR with column pivoting, multifrontal sparse QR for large blocks
     Faer,
     /// Pure Rust: multifrontal sparse QR for every block
     Sparse,
@@ -290,7 +288,6 @@ impl ModelArgs {
     /// The library's settings.
     pub fn options(&self) -> Options {
         let backend = match self.backend {
-            BackendName::Auto => BackendChoice::Auto,
             BackendName::Faer => BackendChoice::Faer,
             BackendName::Sparse => BackendChoice::Sparse,
             BackendName::Spqr => BackendChoice::Spqr,

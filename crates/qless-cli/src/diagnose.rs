@@ -4,7 +4,9 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use qless::exact::{self, ExactRank, Reading, Settings};
-use qless::{Analysis, ArgumentError, ConstraintSystem, Form, Kind, Meant, Options, Reduction, Report, analyse};
+use qless::{
+    Analysis, ArgumentError, ConstraintSystem, Form, Kind, NearDependence, Options, Reduction, Report, analyse,
+};
 use qless_io::deck::{self, LoadCase};
 use qless_io::write::Inputs;
 use qless_io::{Content, Opened, read_case};
@@ -28,7 +30,7 @@ pub struct Diagnosis<'a> {
     /// The rank of the numbers as typed, if it was asked for.
     exact: Option<ExactRank>,
     /// What may be meant instead of what is typed, where the rank is in doubt.
-    pub meant: Option<Meant>,
+    pub meant: Option<NearDependence>,
     start: Instant,
     read: Duration,
 }

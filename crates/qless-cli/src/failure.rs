@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
-use qless::qr::BackendError;
+use qless::backend::BackendError;
 use qless::{AnalysisError, ConstraintSystem, OptionError, ReductionError};
 use qless_io::deck::Deck;
 use qless_io::{ReadError, WriteError};

@@ -3,7 +3,7 @@
 //!
 //! What comes out is what [`qless::analyse`] and [`qless::Analysis::reduction`] say of all equations on one machine, to the last bit,
 //! whoever holds which equation. The way of the data: [`Share`] (what a rank gives), `parts` (the owners of DOFs, components across
-//! ranks), `deal` (what is solved where it stands, what goes where), `solve` (the serial library, results home), [`Analysis`], [`Map`].
+//! ranks), `deal` (what is solved where it stands, what goes where), `solve` (the serial library, results home), [`Analysis`], [`DistributedElimination`].
 //! Everything speaks through [`Ranks`]: `World` on MPI with the feature `mpi`, [`together`] within one process.
 //!
 //! ```
@@ -31,12 +31,12 @@ mod ranks;
 mod share;
 mod solve;
 
-pub use analysis::{Analysis, Because, Counts, Dealt, Dependent, Term, analyse};
+pub use analysis::{Analysis, CertificateTerm, Counts, Dealt, Dependent, Term, analyse};
 pub use error::{Error, Said, Spoken, agree};
 pub use exact::exact_sum;
 #[cfg(feature = "files")]
 pub use files::{Case, CaseError, Equation, Facts, Found, read_case};
-pub use map::Map;
+pub use map::DistributedElimination;
 pub use ranks::{Alone, Counted, Message, Ranks, Sent, together};
 #[cfg(feature = "mpi")]
 pub use ranks::{World, WorldError};

@@ -2,8 +2,8 @@
 #![allow(unsafe_code, reason = "exports one function to C")]
 
 use qless::Csr;
-use qless::qr::Backend;
-use qless::qr::spqr::Spqr;
+use qless::backend::Backend;
+use qless::backend::spqr::Spqr;
 
 /// Factors a banded matrix on two threads; the number of task trees that ran.
 #[unsafe(no_mangle)]

@@ -5,7 +5,7 @@
 //! section numbers are those of the paper on over-constraints by Q-less sparse QR (Appl. Sci. 15 (2025) 13059).
 //!
 //! The way of the data, stage by stage: [`ConstraintSystem`] (validated), scaling by powers of two, presolve (what needs no
-//! factorization), blocks, a [`qr::Backend`] per block, checks of the rank, classification with certificates
+//! factorization), blocks, a [`backend::Backend`] per block, checks of the rank, classification with certificates
 //! ([`Analysis`]), and the [`Reduction`] if it is asked for.
 //!
 //! ```
@@ -25,39 +25,33 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod change;
+pub mod change;
 mod common;
-mod diagnosis;
+pub mod diagnosis;
+pub mod elimination;
 mod factor;
 mod input;
-mod map;
 mod options;
 mod presolve;
-mod reduction;
-mod report;
+pub mod reduction;
+pub mod report;
 
-pub use change::changing::{ChangeError, ChangingSystem, EquationId, SolvedBlock};
-pub use change::refresh::{RefreshError, Refreshed, Refresher};
+pub use change::ChangingSystem;
 pub use common::argument::ArgumentError;
 pub use common::identity::Identity;
-pub use diagnosis::analysis::{Analysis, AnalysisError, PresolveStatistics, Timings, analyse};
-pub use diagnosis::certificate::Because;
+pub use diagnosis::analysis::{Analysis, AnalysisError, analyse};
+pub use diagnosis::certificate::CertificateTerm;
 pub use diagnosis::classify::{Dependent, Kind};
 pub use diagnosis::confidence::Confidence;
 pub use diagnosis::exact;
-pub use diagnosis::meant::{Meant, NearDependent};
-pub use factor::qr;
+pub use diagnosis::meant::NearDependence;
+pub use elimination::Elimination;
+pub use factor::backend;
 pub use input::preferences::Preferences;
-pub use input::rounding::Ignored;
 pub use input::system::{ConstraintSystem, Csr, Place, SystemBuilder, SystemError};
-pub use map::{Condensed, Given, Index, Map, MapError, Operator, Storage, Transform, View};
 pub use options::{BackendChoice, OptionError, Options, Tolerance};
-pub use reduction::{FactoredBlock, Form, Parts, Reduction, ReductionError};
-pub use report::{
-    BackendUsed, Certificate, Counts, DependentEquation, ExactDifference, ExactFinding, FactoredSizes,
-    GeneratedCondition, IgnoredCoefficient, InputSizes, MeantFinding, Milliseconds, NearEquation, Omitted,
-    ReductionSizes, Report, Status, Term, Unmet,
-};
+pub use reduction::{Form, Reduction, ReductionError};
+pub use report::{Report, Status};
 
 /// The examples of the README, as tests.
 #[cfg(doctest)]

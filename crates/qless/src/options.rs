@@ -1,6 +1,6 @@
 //! What a caller can choose, with its default.
 
-use crate::factor::qr::{Backend, BackendError};
+use crate::factor::backend::{Backend, BackendError};
 use crate::input::preferences::Preferences;
 
 /// How small is zero.
@@ -35,10 +35,8 @@ impl Tolerance {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum BackendChoice {
-    /// `faer`.
+    /// Pure Rust, on the kernels of faer: dense QR with column pivoting for small blocks, multifrontal sparse QR for large ones.
     #[default]
-    Auto,
-    /// Pure Rust: dense QR with column pivoting, multifrontal sparse QR for large blocks.
     Faer,
     /// Pure Rust: multifrontal sparse QR for every block.
     Sparse,
@@ -55,13 +53,13 @@ impl BackendChoice {
     /// [`BackendError::NotCompiledIn`] for `Spqr` without the feature.
     pub fn get(self, memory: usize) -> Result<Box<dyn Backend>, BackendError> {
         match self {
-            Self::Auto | Self::Faer => Ok(Box::new(crate::factor::qr::choice::DenseOrSparse::new(memory))),
-            Self::Sparse => Ok(Box::new(crate::factor::qr::sparse::Sparse { memory })),
-            Self::Gauss => Ok(Box::new(crate::factor::qr::gauss::Gauss { memory })),
+            Self::Faer => Ok(Box::new(crate::factor::backend::choice::DenseOrSparse::new(memory))),
+            Self::Sparse => Ok(Box::new(crate::factor::backend::sparse::Sparse { memory })),
+            Self::Gauss => Ok(Box::new(crate::factor::backend::gauss::Gauss { memory })),
             #[cfg(feature = "spqr")]
             Self::Spqr => {
-                let spqr = crate::factor::qr::spqr::Spqr::on(0);
-                Ok(Box::new(crate::factor::qr::spqr::Spqr { memory, ..spqr }))
+                let spqr = crate::factor::backend::spqr::Spqr::on(0);
+                Ok(Box::new(crate::factor::backend::spqr::Spqr { memory, ..spqr }))
             }
             #[cfg(not(feature = "spqr"))]
             Self::Spqr => Err(BackendError::NotCompiledIn { backend: "spqr" }),
@@ -72,7 +70,7 @@ impl BackendChoice {
 /// Settings of [`crate::analyse`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Which backend factors the blocks that presolve leaves. Default: `Auto`.
+    /// Which backend factors the blocks that presolve leaves. Default: `Faer`.
     pub backend: BackendChoice,
     /// How small is zero. Default: relative 1e-10.
     pub tolerance: Tolerance,
@@ -97,7 +95,7 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         Self {
-            backend: BackendChoice::Auto,
+            backend: BackendChoice::Faer,
             tolerance: Tolerance::Relative(1e-10),
             presolve: true,
             check: true,

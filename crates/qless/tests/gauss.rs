@@ -2,9 +2,9 @@
 //! follows from it, and the rank of dense QR with column pivoting.
 
 use qless::Csr;
-use qless::qr::faer::Faer;
-use qless::qr::gauss::Gauss;
-use qless::qr::{Backend, BackendError, Factor};
+use qless::backend::faer::Faer;
+use qless::backend::gauss::Gauss;
+use qless::backend::{Backend, BackendError, Factor};
 
 const GAUSS: Gauss = Gauss { memory: usize::MAX };
 const TOLERANCE: f64 = 1e-9;

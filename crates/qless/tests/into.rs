@@ -1,19 +1,20 @@
 //! What a step calls allocates nothing: every `_into` of a map whose T is numbers, after its first call.
 
-use qless::{Condensed, Given, Map, Options, SystemBuilder, View};
+use qless::elimination::{CondensedPattern, PrescribedDofs, View};
+use qless::{Elimination, Options, SystemBuilder};
 
 #[global_allocator]
 static ALLOCATOR: dhat::Alloc = dhat::Alloc;
 
 /// A chain of springs with every seventh DOF tied between its neighbours' neighbours, one prescribed.
-fn map(n: usize) -> Map {
+fn map(n: usize) -> Elimination {
     let mut builder = SystemBuilder::new(n);
     for j in (5..n - 5).step_by(7) {
         builder.equation([(j, 1.0), (j - 3, -0.5), (j + 3, -0.5)], 0.1);
         builder.equation([(j, 2.0), (j - 3, -1.0), (j + 3, -1.0)], 0.2);
     }
     builder.prescribe(0, 1.0);
-    Map::new(&builder.build().expect("valid"), &Options::default()).expect("consistent")
+    Elimination::new(&builder.build().expect("valid"), &Options::default()).expect("consistent")
 }
 
 /// Compressed lines of a matrix with three numbers in each.
@@ -36,7 +37,7 @@ fn allocated(work: &mut dyn FnMut()) -> u64 {
     dhat::HeapStats::get().total_blocks - before
 }
 
-fn steps(map: &Map, condensed: &Condensed) -> Vec<(&'static str, u64)> {
+fn steps(map: &Elimination, condensed: &CondensedPattern) -> Vec<(&'static str, u64)> {
     let (n, q) = (map.dofs(), map.masters().len());
     let (masters, forces) = (vec![1.0; 2 * q], vec![1.0; 2 * n]);
     let (mut u, mut f) = (vec![0.0; 2 * n], vec![0.0; 2 * q]);
@@ -47,8 +48,8 @@ fn steps(map: &Map, condensed: &Condensed) -> Vec<(&'static str, u64)> {
         ("expand", allocated(&mut || map.expand_into(&masters[..q], &mut u[..n]).expect("lengths"))),
         ("increment", allocated(&mut || map.expand_increment_into(&masters[..q], &mut u[..n]).expect("lengths"))),
         ("increments", allocated(&mut || map.expand_increments_into(&masters, &mut u).expect("lengths"))),
-        ("project", allocated(&mut || map.project_into(&forces[..n], &mut f[..q]).expect("lengths"))),
-        ("project many", allocated(&mut || map.project_many_into(&forces, &mut f).expect("lengths"))),
+        ("project", allocated(&mut || map.restrict_into(&forces[..n], &mut f[..q]).expect("lengths"))),
+        ("project many", allocated(&mut || map.restrict_many_into(&forces, &mut f).expect("lengths"))),
         ("operator", allocated(&mut || operator.apply_into(&masters[..q], &mut f[..q]).expect("lengths"))),
         ("condense matrix", allocated(&mut || condensed.condense_matrix_into(map, &k, &mut k_q).expect("numbers"))),
         ("load", allocated(&mut || condensed.load_into(map, &k, &forces[..n], &mut f_q).expect("numbers"))),
@@ -67,7 +68,7 @@ fn no_step_allocates() {
         let map = map(n);
         let (starts, index) = matrix(n);
         for view in [View::rows(&starts, &index), View::columns(&starts, &index)] {
-            for given in [Given::Eliminated, Given::Kept] {
+            for given in [PrescribedDofs::Eliminated, PrescribedDofs::Kept] {
                 let condensed = map.condensed(view, given).expect("a pattern");
                 // Parallel calls hand out their work in lists of the thread pool: what is counted is on one thread.
                 let found = one.install(|| steps(&map, &condensed));

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use qless::Csr;
-use qless::qr::spqr::Spqr;
-use qless::qr::{Backend, Factor};
+use qless::backend::spqr::Spqr;
+use qless::backend::{Backend, Factor};
 
 /// A linear congruential generator: the same systems in every run.
 struct Random(u64);

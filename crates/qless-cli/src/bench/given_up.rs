@@ -1,6 +1,6 @@
 //! Why a method has no number on a system, in words for its line.
 
-use qless::qr::BackendError;
+use qless::backend::BackendError;
 use qless::{AnalysisError, ReductionError};
 
 use super::table::thousands;
@@ -66,7 +66,7 @@ impl From<ReductionError> for Reason {
 
 #[cfg(test)]
 mod tests {
-    use qless::qr::BackendError;
+    use qless::backend::BackendError;
 
     use super::Reason;
 

@@ -9,7 +9,7 @@ pub enum Engine {
     Qless(Options, Option<ThreadPool>),
     /// Another library with this absolute tolerance, in a process of its own.
     #[cfg(feature = "peers")]
-    Peer(Box<dyn qless::qr::Backend>, f64),
+    Peer(Box<dyn qless::backend::Backend>, f64),
 }
 
 /// A choice and its name.

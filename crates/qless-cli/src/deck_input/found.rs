@@ -1,6 +1,7 @@
 //! What is found in one load case.
 
-use qless::{Analysis, ConstraintSystem, Counts, DependentEquation, Kind, Report, Status};
+use qless::report::{Counts, DependentEquation};
+use qless::{Analysis, ConstraintSystem, Kind, Report, Status};
 use qless_io::deck::{Deck, LoadCase};
 
 use super::Run;

@@ -1,6 +1,7 @@
 //! What JSON and the page say of a deck beyond the report.
 
-use qless::{Analysis, Counts, DependentEquation, Status};
+use qless::report::{Counts, DependentEquation};
+use qless::{Analysis, Status};
 use serde::Serialize;
 
 use super::DeckInput;

@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use qless::qr::Backend;
-use qless::{
-    BackendUsed, Because, Certificate, Counts, DependentEquation, GeneratedCondition, InputSizes, Omitted, Options,
-    Report, Term,
+use qless::backend::Backend;
+use qless::report::{
+    BackendUsed, Certificate, Counts, DependentEquation, GeneratedCondition, InputSizes, Omitted, Term,
 };
+use qless::{CertificateTerm, Options, Report};
 use qless_io::part::find_labels;
 use qless_mpi::{Analysis, Case, Equation, Found};
 
@@ -125,13 +125,13 @@ fn labels(path: Option<&Path>, wanted: &[usize]) -> Result<BTreeMap<usize, Strin
     Ok(path.map_or_else(|| Ok(BTreeMap::new()), |path| find_labels(path, wanted))?)
 }
 
-fn terms(because: &[qless_mpi::Because]) -> Vec<Because> {
-    because.iter().map(|term| Because { row: term.equation as usize, coefficient: term.coefficient }).collect()
+fn terms(because: &[qless_mpi::CertificateTerm]) -> Vec<CertificateTerm> {
+    because.iter().map(|term| CertificateTerm { row: term.equation as usize, coefficient: term.coefficient }).collect()
 }
 
 fn dependent(equation: &Equation, known: &Known) -> DependentEquation {
     let row = equation.number as usize;
-    let term = |term: Because| Term::new(term.row + 1, known.label(term.row), term.coefficient);
+    let term = |term: CertificateTerm| Term::new(term.row + 1, known.label(term.row), term.coefficient);
     let certificate = match &equation.because {
         Some(because) => Certificate::of(terms(because).into_iter().map(term).collect()),
         None => Certificate::left_out(Omitted::Terms(equation.terms)),

@@ -5,7 +5,7 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
-use qless::{FactoredBlock, Parts};
+use qless::reduction::{FactoredBlock, Parts};
 use qless_io::WriteError;
 use qless_io::write::Output;
 

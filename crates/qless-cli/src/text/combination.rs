@@ -1,6 +1,6 @@
 //! `row 14 = 1 * row 3 - 2 * row 9`: why an equation is dependent.
 
-use qless::{Because, ConstraintSystem};
+use qless::{CertificateTerm, ConstraintSystem};
 
 use super::COLUMNS;
 use super::fit::{Flow, flow};
@@ -12,7 +12,7 @@ use super::told::{Equations, Facts};
 const TAIL: usize = 26;
 
 /// The equation and its certificate in one or two lines.
-pub fn lines(equations: &dyn Equations, row: usize, because: &[Because]) -> Vec<String> {
+pub fn lines(equations: &dyn Equations, row: usize, because: &[CertificateTerm]) -> Vec<String> {
     let head = format!("  {}", name::equation(equations, row));
     if because.is_empty() {
         return vec![format!("{head} {}", Alone::of(equations, row).one())];
@@ -27,7 +27,7 @@ pub fn lines(equations: &dyn Equations, row: usize, because: &[Because]) -> Vec<
     flowed.finish(&format!(" + ... and {more} more"))
 }
 
-fn fill(equations: &dyn Equations, head: &str, because: &[Because]) -> Flow {
+fn fill(equations: &dyn Equations, head: &str, because: &[CertificateTerm]) -> Flow {
     // Two lines hold fewer than this many, however short they are.
     let shown = because.iter().take(20).enumerate();
     let pieces: Vec<String> = shown.map(|(k, term)| piece(equations, term, k == 0)).collect();
@@ -35,15 +35,15 @@ fn fill(equations: &dyn Equations, head: &str, because: &[Because]) -> Flow {
 }
 
 /// The terms by what they contribute, largest first; those of the same size by row.
-fn largest(equations: &dyn Equations, because: &[Because]) -> Vec<Because> {
-    let size = |term: &Because| term.coefficient.abs() * equations.facts(term.row).largest;
+fn largest(equations: &dyn Equations, because: &[CertificateTerm]) -> Vec<CertificateTerm> {
+    let size = |term: &CertificateTerm| term.coefficient.abs() * equations.facts(term.row).largest;
     let mut terms: Vec<_> = because.iter().map(|term| (size(term), *term)).collect();
     terms.sort_by(|a, b| b.0.total_cmp(&a.0));
     terms.into_iter().map(|(_, term)| term).collect()
 }
 
 /// ` + 2 * row 3 "tie A/B"`.
-fn piece(equations: &dyn Equations, term: &Because, is_first: bool) -> String {
+fn piece(equations: &dyn Equations, term: &CertificateTerm, is_first: bool) -> String {
     let equation = name::equation(equations, term.row);
     let sign = match (is_first, term.coefficient < 0.0) {
         (true, _) => return format!(" = {} * {equation}", number(term.coefficient)),

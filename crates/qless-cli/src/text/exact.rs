@@ -2,7 +2,8 @@
 
 use std::cmp::Ordering;
 
-use qless::{ExactFinding, Report};
+use qless::Report;
+use qless::report::ExactFinding;
 
 use super::name;
 use crate::diagnose::Diagnosis;

@@ -1,6 +1,7 @@
 //! Which parts of the equations stay factors, and what they would cost as numbers.
 
-use qless::{FactoredSizes, Form, Report};
+use qless::report::FactoredSizes;
+use qless::{Form, Report};
 
 use super::name::count;
 

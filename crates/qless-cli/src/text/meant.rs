@@ -1,6 +1,7 @@
 //! What may be meant instead of what is typed.
 
-use qless::{NearDependent, Report};
+use qless::Report;
+use qless::diagnosis::NearDependent;
 
 use super::combination;
 use super::name::{self, count};

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use qless::{Because, ConstraintSystem, Kind, Tolerance};
+use qless::{CertificateTerm, ConstraintSystem, Kind, Tolerance};
 
 use super::combination::is_prescribed;
 use crate::deck_input::DeckInput;
@@ -44,7 +44,7 @@ pub struct Told<'a> {
     pub tolerance: Tolerance,
     pub equations: &'a dyn Equations,
     pub dependent: Vec<Finding>,
-    pub because: &'a dyn Fn(usize) -> Vec<Because>,
+    pub because: &'a dyn Fn(usize) -> Vec<CertificateTerm>,
 }
 
 impl Equations for ConstraintSystem {

@@ -4,15 +4,16 @@
 //! The solution is the same; `L^T K L` of a dense T is as large as the square of the masters.
 
 use faer::sparse::SymbolicSparseColMat;
-use qless::{Condensed, ConstraintSystem, Form, Given, Map, Options, SystemBuilder, View, analyse};
+use qless::elimination::{CondensedPattern, PrescribedDofs, View};
+use qless::{ConstraintSystem, Elimination, Form, Options, SystemBuilder, analyse};
 
 use super::EnforceError;
 use super::matrix::Matrix;
 
 /// Some independent equations on K, with prescribed DOFs at rest and right-hand sides that are [`Condensation::set`].
 pub struct Condensation {
-    pub map: Map,
-    pub condensed: Condensed,
+    pub map: Elimination,
+    pub condensed: CondensedPattern,
     /// The equations that unknowns have to meet.
     pub left: Vec<usize>,
 }
@@ -22,7 +23,7 @@ impl Condensation {
     pub fn new(system: &ConstraintSystem, rows: &[usize], k: &Matrix) -> Result<Self, EnforceError> {
         let map = map_of(system, rows)?;
         let condensed =
-            map.condensed(View::columns(k.symbolic().col_ptr(), k.symbolic().row_idx()), Given::Eliminated)?;
+            map.condensed(View::columns(k.symbolic().col_ptr(), k.symbolic().row_idx()), PrescribedDofs::Eliminated)?;
         let left = condensed.left(&map).into_iter().map(|i| rows[i]).collect();
         Ok(Self { map, condensed, left })
     }
@@ -33,7 +34,7 @@ impl Condensation {
             return Ok(());
         }
         let at_rest = vec![0.0; self.map.prescribed().len()];
-        Ok(self.map.refresh(rhs, &at_rest)?)
+        Ok(self.map.update(rhs, &at_rest)?)
     }
 
     /// `u_0` of all DOFs that are no unknowns.
@@ -72,11 +73,11 @@ impl Condensation {
 }
 
 /// The map of some equations of a system, all right-hand sides zero; parts whose T would fill stay factors.
-pub fn map_of(system: &ConstraintSystem, rows: &[usize]) -> Result<Map, EnforceError> {
+pub fn map_of(system: &ConstraintSystem, rows: &[usize]) -> Result<Elimination, EnforceError> {
     let mut builder = SystemBuilder::new(system.dofs());
     rows.iter().for_each(|&row| {
         builder.equation(system.matrix().row(row), 0.0);
     });
     system.prescribed().iter().for_each(|&(dof, _)| builder.prescribe(dof, 0.0));
-    Ok(Map::of(analyse(&builder.build()?, &Options::default())?, Form::Auto)?)
+    Ok(Elimination::from_analysis(analyse(&builder.build()?, &Options::default())?, Form::Auto)?)
 }

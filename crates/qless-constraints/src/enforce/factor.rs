@@ -3,7 +3,7 @@
 //! S takes the units off ([`super::scale`]): without it, pivots of a saddle matrix in SI units are chosen by units. There is no
 //! `L D L^T` here: faer's has no pivoting across the pattern, and a saddle matrix has zeros on its diagonal.
 
-use qless::Storage;
+use qless::elimination::Storage;
 
 use super::EnforceError;
 use super::matrix::{Matrix, entries, from_triplets};

@@ -20,7 +20,7 @@ pub fn from_triplets(
     Matrix::try_new_from_triplets(rows, cols, &entries).map_err(|_| EnforceError::TooLarge { rows, cols })
 }
 
-/// The same matrix with its columns one after the other, as [`qless::View`] takes it.
+/// The same matrix with its columns one after the other, as [`qless::elimination::View`] takes it.
 pub fn compressed(a: &Matrix) -> Result<Cow<'_, Matrix>, EnforceError> {
     if a.symbolic().col_nnz().is_none() && a.val().len() == a.symbolic().row_idx().len() {
         return Ok(Cow::Borrowed(a));

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use faer::sparse::SparseColMat;
-use qless::Storage;
+use qless::elimination::Storage;
 
 use super::EnforceError;
 use super::matrix::{Matrix, compressed, entries, from_triplets};

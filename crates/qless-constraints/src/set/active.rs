@@ -9,7 +9,8 @@
 
 use std::collections::HashMap;
 
-use qless::{ArgumentError, ChangeError, ChangingSystem, EquationId, Identity, Kind, Options};
+use qless::change::{ChangeError, EquationId};
+use qless::{ArgumentError, ChangingSystem, Identity, Kind, Options};
 
 use super::layout::{Layout, differences};
 use super::{ConstraintSet, Quantities};

@@ -1,7 +1,8 @@
 //! Steps with each solver and each way to hold K, against Lagrange's method.
 
 use faer::sparse::{SparseColMat, Triplet};
-use qless::{ConstraintSystem, Map, Options, Storage, SystemBuilder, View};
+use qless::elimination::{Storage, View};
+use qless::{ConstraintSystem, Elimination, Options, SystemBuilder};
 use qless_constraints::enforce::{EnforceError, Ldlt, Llt, Lu, Problem, Solver, Steps};
 
 use crate::linkages::{Outcome, random};
@@ -56,14 +57,14 @@ fn by_rows(k: &SparseColMat<usize, f64>, storage: Storage) -> (Vec<i32>, Vec<i32
 /// Twenty steps of new stiffness, loads, constants and prescribed values.
 fn follow<S: Solver>(solver: S, convection: f64, storage: Storage) -> Outcome {
     let first = by_rows(&stiffness(convection, 0)?, storage);
-    let map = Map::new(&constraints(0.0)?, &Options::default())?;
+    let map = Elimination::new(&constraints(0.0)?, &Options::default())?;
     let mut steps = Steps::new(map, View::rows(&first.0, &first.1).storing(storage), solver)?;
     for step in 0..20 {
         let t = 0.1 * step as f64;
         let (k, f) = (stiffness(convection, step)?, (0..DOFS).map(|i| random(i + 7 * step)).collect::<Vec<_>>());
         let system = constraints(t)?;
         let values: Vec<f64> = system.prescribed().iter().map(|&(_, value)| value).collect();
-        steps.map_mut().refresh(system.rhs(), &values)?;
+        steps.map_mut().update(system.rhs(), &values)?;
         let mut u = vec![0.0; DOFS];
         steps.solve(&by_rows(&k, storage).2, &f, &mut u)?;
         let truth = Problem::new(&k, &f, &system)?.lagrange()?.u;
@@ -89,7 +90,7 @@ fn every_solver_follows_the_steps() -> Outcome {
 
 #[test]
 fn what_a_solver_cannot_do_is_said() -> Outcome {
-    let map = || -> Outcome<Map> { Ok(Map::new(&constraints(1.0)?, &Options::default())?) };
+    let map = || -> Outcome<Elimination> { Ok(Elimination::new(&constraints(1.0)?, &Options::default())?) };
     let k = stiffness(0.0, 0)?;
     let (starts, index, values) = by_rows(&k, Storage::Lower);
     let mut steps = Steps::new(map()?, View::rows(&starts, &index).storing(Storage::Lower), Lu::default())?;

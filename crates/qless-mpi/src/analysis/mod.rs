@@ -25,12 +25,12 @@ pub struct Dependent {
     /// What was dropped to call the equation dependent, relative to its size; 0 if it is no more than rounding.
     pub dropped: f64,
     /// `row_k = sum c_i row_i` over its free DOFs, ascending by number; equations of any rank.
-    pub because: Vec<Because>,
+    pub because: Vec<CertificateTerm>,
 }
 
 /// One term of a certificate: `coefficient` times an equation of the job.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Because {
+pub struct CertificateTerm {
     /// The number of a kept equation.
     pub equation: u64,
     /// Its coefficient.

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use qless::Kind;
 
 use super::Case;
-use crate::analysis::{Analysis, Because};
+use crate::analysis::{Analysis, CertificateTerm};
 use crate::ranks::{Message, Post, Ranks, real};
 
 /// Of the whole, in numbers from 0; all lists ascend.
@@ -39,7 +39,7 @@ pub struct Equation {
     /// Terms of its certificate.
     pub terms: usize,
     /// Its certificate; none if it was left where it is.
-    pub because: Option<Vec<Because>>,
+    pub because: Option<Vec<CertificateTerm>>,
 }
 
 /// What is said of an equation.
@@ -123,7 +123,7 @@ impl Case {
             let mut rest = &words[..];
             while let [number, count, tail @ ..] = rest {
                 let (own, others) = tail.split_at(2 * *count as usize);
-                let term = |w: &[u64]| Because { equation: w[0], coefficient: real(w[1]) };
+                let term = |w: &[u64]| CertificateTerm { equation: w[0], coefficient: real(w[1]) };
                 if let Ok(place) = dependent.binary_search_by_key(number, |equation| equation.number) {
                     dependent[place].because = Some(own.chunks_exact(2).map(term).collect());
                 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use qless::{Csr, Reduction, Transform};
+use qless::{Csr, Elimination, Reduction};
 
 use crate::analysis::Analysis;
 use crate::error::Failure;
@@ -34,7 +34,7 @@ impl Local {
     }
 
     /// On these DOFs, numbered by their places.
-    pub fn transform(&self, analysis: &Analysis) -> Result<Transform, Failure> {
+    pub fn transform(&self, analysis: &Analysis) -> Result<Elimination, Failure> {
         let [mut slaves, mut masters, mut prescribed] = [Vec::new(), Vec::new(), Vec::new()];
         // Place of each DOF in its list.
         let mut place = Vec::with_capacity(self.dofs.len());
@@ -62,7 +62,7 @@ impl Local {
         let values: Vec<f64> = prescribed.iter().map(|&j| self.given[&self.dofs[j]]).collect();
         let reduction = Reduction::from_parts([slaves, masters, prescribed], t, g_matrix, g);
         let reduction = reduction.map_err(|error| Failure::of(&error))?;
-        Transform::new(reduction, &values).map_err(|error| Failure::of(&error))
+        Elimination::from_reduction(reduction, &values).map_err(|error| Failure::of(&error))
     }
 }
 

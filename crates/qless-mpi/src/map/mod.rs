@@ -12,7 +12,7 @@
 mod ghosts;
 mod local;
 
-use qless::{Options, Transform};
+use qless::{Elimination, Options};
 
 use crate::analysis::{Analysis, analyse};
 use crate::error::{Error, agree};
@@ -24,7 +24,7 @@ use ghosts::Ghosts;
 ///
 /// ```
 /// use qless::Options;
-/// use qless_mpi::{Map, Share, together};
+/// use qless_mpi::{DistributedElimination, Share, together};
 /// // u2 of the second rank follows u0 of the first, by u2 = u0 / 2 + 1.
 /// let sums = together(2, |ranks| {
 ///     let first = ranks.rank() == 0;
@@ -32,7 +32,7 @@ use ghosts::Ghosts;
 ///     if first {
 ///         share.equation(0, [(2, 1.0), (0, -0.5)], 1.0);
 ///     }
-///     let map = Map::new(ranks, &share, &Options::default()).expect("consistent");
+///     let map = DistributedElimination::new(ranks, &share, &Options::default()).expect("consistent");
 ///     let masters = vec![3.0; map.masters().len()];
 ///     let mut u = vec![0.0; map.dofs().len()];
 ///     map.expand_into(ranks, &masters, &mut u);
@@ -42,12 +42,12 @@ use ghosts::Ghosts;
 /// assert_eq!(sums[1], (vec![0, 2, 3], vec![3.0, 2.5, 3.0]));
 /// ```
 #[derive(Debug)]
-pub struct Map {
+pub struct DistributedElimination {
     analysis: Analysis,
     /// The local DOFs, ascending.
     dofs: Vec<u64>,
     /// `u = L u_q + u_0` on them.
-    transform: Transform,
+    transform: Elimination,
     /// The masters that this rank owns.
     masters: Vec<u64>,
     ghosts: Ghosts,
@@ -58,7 +58,7 @@ pub struct Map {
     constants: Vec<f64>,
 }
 
-impl Map {
+impl DistributedElimination {
     /// Analyses the equations of all ranks and solves them for slaves. Collective.
     ///
     /// # Errors
@@ -95,16 +95,16 @@ impl Map {
         &self.masters
     }
 
-    /// T, G and g on the local DOFs, numbered by their places in [`Map::dofs`]: to condense matrices of this rank
-    /// ([`Transform::condensed`]), whose unknowns are then [`Transform::masters`].
-    pub fn transform(&self) -> &Transform {
+    /// T, G and g on the local DOFs, numbered by their places in [`DistributedElimination::dofs`]: to condense matrices of this rank
+    /// ([`Elimination::condensed`]), whose unknowns are then [`Elimination::masters`].
+    pub fn local(&self) -> &Elimination {
         &self.transform
     }
 
     /// u_q of all local masters from that of the ranks that own them; `work` is done while it travels. Collective.
     ///
     /// # Panics
-    /// If a length is not that of [`Map::masters`] and of the masters of [`Map::transform`].
+    /// If a length is not that of [`DistributedElimination::masters`] and of the masters of [`DistributedElimination::local`].
     pub fn gather_into(&self, ranks: &dyn Ranks, masters: &[f64], local: &mut [f64], work: &mut dyn FnMut()) {
         assert_eq!((masters.len(), local.len()), (self.masters.len(), self.transform.masters().len()), "lengths");
         local[self.ghosts.own()].copy_from_slice(masters);
@@ -114,7 +114,7 @@ impl Map {
     /// Adds up what each rank has for its local masters, at the ranks that own them. Collective.
     ///
     /// # Panics
-    /// As [`Map::gather_into`].
+    /// As [`DistributedElimination::gather_into`].
     pub fn sum_into(&self, ranks: &dyn Ranks, local: &[f64], masters: &mut [f64]) {
         assert_eq!((masters.len(), local.len()), (self.masters.len(), self.transform.masters().len()), "lengths");
         masters.copy_from_slice(&local[self.ghosts.own()]);
@@ -124,7 +124,7 @@ impl Map {
     /// `u = L u_q + u_0` on the local DOFs. Collective.
     ///
     /// # Panics
-    /// If a length is not that of [`Map::masters`] and [`Map::dofs`].
+    /// If a length is not that of [`DistributedElimination::masters`] and [`DistributedElimination::dofs`].
     pub fn expand_into(&self, ranks: &dyn Ranks, masters: &[f64], u: &mut [f64]) {
         let given = self.transform.prescribed_values();
         self.transform.prescribed().iter().zip(given).for_each(|(&j, &value)| u[j] = value);
@@ -134,7 +134,7 @@ impl Map {
     /// `du = L du_q`: the same for increments; prescribed DOFs and constants do not move. Collective.
     ///
     /// # Panics
-    /// As [`Map::expand_into`].
+    /// As [`DistributedElimination::expand_into`].
     pub fn expand_increment_into(&self, ranks: &dyn Ranks, masters: &[f64], du: &mut [f64]) {
         self.transform.prescribed().iter().for_each(|&j| du[j] = 0.0);
         self.spread(ranks, masters, du, |_| 0.0);
@@ -160,8 +160,8 @@ impl Map {
     /// `f_q = L^T f`: each rank gives its share of the forces on its local DOFs, the shares of all are summed. Collective.
     ///
     /// # Panics
-    /// As [`Map::expand_into`].
-    pub fn project_into(&self, ranks: &dyn Ranks, forces: &[f64], masters: &mut [f64]) {
+    /// As [`DistributedElimination::expand_into`].
+    pub fn restrict_into(&self, ranks: &dyn Ranks, forces: &[f64], masters: &mut [f64]) {
         assert_eq!(forces.len(), self.dofs.len(), "length of the forces");
         let mut local: Vec<f64> = self.transform.masters().iter().map(|&j| forces[j]).collect();
         let t = self.transform.reduction().t();
@@ -175,7 +175,7 @@ impl Map {
     /// [`Share::set_prescribed`]); slaves, T and G stay, to the last bit, and so do condensed patterns. Costs an analysis. Collective.
     ///
     /// # Errors
-    /// As [`Map::new`]; the map is then as it was.
+    /// As [`DistributedElimination::new`]; the map is then as it was.
     pub fn refresh(&mut self, ranks: &dyn Ranks, share: &Share, options: &Options) -> Result<(), Error> {
         let Self { analysis, dofs, transform, masters, ghosts, inner, outer, constants } =
             Self::new(ranks, share, options)?;
@@ -193,13 +193,13 @@ impl Map {
 }
 
 /// Whether two transforms differ in g and in prescribed values at most.
-fn is_same(a: &Transform, b: &Transform) -> bool {
-    let roles = |of: &Transform| [of.slaves().to_vec(), of.masters().to_vec(), of.prescribed().to_vec()];
+fn is_same(a: &Elimination, b: &Elimination) -> bool {
+    let roles = |of: &Elimination| [of.slaves().to_vec(), of.masters().to_vec(), of.prescribed().to_vec()];
     let (left, right) = (a.reduction(), b.reduction());
     roles(a) == roles(b) && left.t() == right.t() && left.g_matrix() == right.g_matrix()
 }
 
-fn constants(transform: &Transform) -> Vec<f64> {
+fn constants(transform: &Elimination) -> Vec<f64> {
     let (reduction, given) = (transform.reduction(), transform.prescribed_values());
     let row = |i: usize| reduction.g_matrix().row(i).map(|(p, value)| value * given[p]).sum::<f64>() + reduction.g()[i];
     (0..transform.slaves().len()).map(row).collect()

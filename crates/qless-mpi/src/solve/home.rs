@@ -4,7 +4,7 @@ use qless::Kind;
 
 use super::lines::GIVEN;
 use super::{Lines, Solved};
-use crate::analysis::{Because, Dependent};
+use crate::analysis::{CertificateTerm, Dependent};
 use crate::parts::Layout;
 use crate::ranks::{Post, Ranks, real};
 
@@ -91,7 +91,7 @@ fn read_verdicts(words: &[u64], dependent: &mut Vec<Dependent>) {
             mismatch: real(head[2]),
             relative_mismatch: real(head[3]),
             dropped: real(head[4]),
-            because: terms.map(|pair| Because { equation: pair[0], coefficient: real(pair[1]) }).collect(),
+            because: terms.map(|pair| CertificateTerm { equation: pair[0], coefficient: real(pair[1]) }).collect(),
         });
         at += 6 + 2 * len;
     }

@@ -1,7 +1,7 @@
 //! What one rank does wrong, all hear: the same error, and nobody waits.
 
 use qless::{OptionError, Options, Tolerance};
-use qless_mpi::{Error, Map, Ranks, Share, ShareError, SharePlace, analyse, together};
+use qless_mpi::{DistributedElimination, Error, Ranks, Share, ShareError, SharePlace, analyse, together};
 
 /// Three ranks with two DOFs and an equation each, and what one of them adds.
 fn errors(add: impl Fn(usize, &mut Share) + Sync, options: &Options) -> Vec<Option<Error>> {
@@ -124,7 +124,7 @@ fn a_map_of_conflicting_equations_is_refused_by_their_number() {
         let rank = ranks.rank() as u64;
         let mut share = Share::new(rank..rank + 1);
         share.equation(5 - rank, [(0, 1.0), (1, -1.0)], rank as f64);
-        Map::new(ranks, &share, &Options::default()).err()
+        DistributedElimination::new(ranks, &share, &Options::default()).err()
     });
     all_say(&found, &Error::Conflicting { count: 2, first: 4 });
 }

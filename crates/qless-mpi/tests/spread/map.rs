@@ -1,8 +1,9 @@
 //! What a map across ranks does is what the serial map does, whoever owns what.
 
 use crate::common::{Partition, share};
-use qless::{ConstraintSystem, Given, Options, Storage};
-use qless_mpi::{Map, together};
+use qless::elimination::{PrescribedDofs, Storage};
+use qless::{ConstraintSystem, Options};
+use qless_mpi::{DistributedElimination, together};
 use qless_scenes::{Rng, families, fssi};
 
 /// A chain of springs over all DOFs, with a few across: K as elements of two DOFs.
@@ -27,9 +28,9 @@ fn close(a: f64, b: f64, size: f64) -> bool {
 /// One system on some ranks, against the serial map.
 fn compare(name: &str, system: &ConstraintSystem, size: usize, seed: u64) {
     let options = Options::default();
-    let Ok(serial) = qless::Map::new(system, &options) else {
+    let Ok(serial) = qless::Elimination::new(system, &options) else {
         let refused = together(size, |ranks| {
-            Map::new(ranks, &share(system, ranks, Partition::Scattered(seed)), &options).is_err()
+            DistributedElimination::new(ranks, &share(system, ranks, Partition::Scattered(seed)), &options).is_err()
         });
         assert!(refused.iter().all(|&refused| refused), "{name}: the serial map is refused");
         return;
@@ -44,11 +45,11 @@ fn compare(name: &str, system: &ConstraintSystem, size: usize, seed: u64) {
     let mut du = vec![0.0; n];
     serial.expand_increment_into(&q, &mut du).expect("lengths");
     let mut f_q = vec![0.0; q.len()];
-    serial.project_into(&f, &mut f_q).expect("lengths");
+    serial.restrict_into(&f, &mut f_q).expect("lengths");
     let mut k_du = vec![0.0; n];
     multiply(&all, &du, &mut k_du);
     let mut y = vec![0.0; q.len()];
-    serial.project_into(&k_du, &mut y).expect("lengths");
+    serial.restrict_into(&k_du, &mut y).expect("lengths");
     let largest = |v: &[f64]| v.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     let sizes = [largest(&u), largest(&f_q), largest(&y)];
     together(size, |ranks| {
@@ -57,7 +58,7 @@ fn compare(name: &str, system: &ConstraintSystem, size: usize, seed: u64) {
         let mut rng = Rng::new(seed + 1);
         let own: Vec<_> = all.iter().copied().filter(|_| rng.below(ranks.size()) == ranks.rank()).collect();
         own.iter().for_each(|&(a, b, _)| [a, b].iter().for_each(|&j| share.need(j as u64)));
-        let map = Map::new(ranks, &share, &options).expect("as the serial map");
+        let map = DistributedElimination::new(ranks, &share, &options).expect("as the serial map");
         let local = |dof: usize| map.dofs().binary_search(&(dof as u64)).expect("a local DOF");
         let place = |dof: &u64| serial.masters().binary_search(&(*dof as usize)).expect("a master");
         let of_masters: Vec<f64> = map.masters().iter().map(|dof| q[place(dof)]).collect();
@@ -72,7 +73,7 @@ fn compare(name: &str, system: &ConstraintSystem, size: usize, seed: u64) {
         let of_dof = |&dof: &u64| if range.contains(&(dof as usize)) { f[dof as usize] } else { 0.0 };
         let forces: Vec<f64> = map.dofs().iter().map(of_dof).collect();
         let mut projected = vec![0.0; map.masters().len()];
-        map.project_into(ranks, &forces, &mut projected);
+        map.restrict_into(ranks, &forces, &mut projected);
         for (dof, &value) in map.masters().iter().zip(&projected) {
             assert!(close(value, f_q[place(dof)], sizes[1]), "{name}: f_q of {dof}");
         }
@@ -82,15 +83,16 @@ fn compare(name: &str, system: &ConstraintSystem, size: usize, seed: u64) {
         let in_places: Vec<_> = own.iter().map(|&(a, b, k)| (local(a), local(b), k)).collect();
         let mut own_f = vec![0.0; map.dofs().len()];
         multiply(&in_places, &own_du, &mut own_f);
-        map.project_into(ranks, &own_f, &mut projected);
+        map.restrict_into(ranks, &own_f, &mut projected);
         for (dof, &value) in map.masters().iter().zip(&projected) {
             assert!(close(value, y[place(dof)], sizes[2]), "{name}: L^T K L of {dof}");
         }
         // ... and by each rank's condensed matrix.
         let dofs = |e: usize| vec![in_places[e].0, in_places[e].1];
-        let transform = map.transform();
-        let condensed =
-            transform.condensed_for_elements(own.len(), dofs, Storage::Full, Given::Eliminated).expect("a pattern");
+        let transform = map.local();
+        let condensed = transform
+            .condensed_for_elements(own.len(), dofs, Storage::Full, PrescribedDofs::Eliminated)
+            .expect("a pattern");
         let (mut k_q, mut load) = (vec![0.0; condensed.nnz()], vec![0.0; condensed.unknowns()]);
         let element = |e: usize, matrix: &mut [f64], _: &mut [f64]| {
             let k = in_places[e].2;
@@ -141,11 +143,11 @@ fn new_right_hand_sides_leave_t_as_it_is() {
     together(4, |ranks| {
         let mut share = share(&scene.system, ranks, Partition::Scattered(5));
         share.prescribe(3, 0.0);
-        let mut map = Map::new(ranks, &share, &Options::default()).expect("consistent");
-        let before = map.transform().reduction().t().clone();
+        let mut map = DistributedElimination::new(ranks, &share, &Options::default()).expect("consistent");
+        let before = map.local().reduction().t().clone();
         let dofs = |e: usize| [e, e + 1];
         let count = map.dofs().len() - 1;
-        let condensed = map.transform().condensed_for_elements(count, dofs, Storage::Full, Given::Eliminated);
+        let condensed = map.local().condensed_for_elements(count, dofs, Storage::Full, PrescribedDofs::Eliminated);
         let condensed = condensed.expect("a pattern");
         for i in 0..share.equations() {
             // Twice the same equation has the same right-hand side only if it is zero; shifts of the whole model keep all.
@@ -153,10 +155,10 @@ fn new_right_hand_sides_leave_t_as_it_is() {
         }
         share.set_prescribed(|dof| 0.25 + dof as f64);
         map.refresh(ranks, &share, &Options::default()).expect("consistent");
-        assert_eq!(map.transform().reduction().t(), &before);
+        assert_eq!(map.local().reduction().t(), &before);
         let (mut k_q, mut load) = (vec![0.0; condensed.nnz()], vec![0.0; condensed.unknowns()]);
         let spring = |_: usize, matrix: &mut [f64], _: &mut [f64]| matrix.copy_from_slice(&[1.0, -1.0, -1.0, 1.0]);
-        let kept = condensed.assemble(map.transform(), count, dofs, &mut k_q, &mut load, spring);
+        let kept = condensed.assemble(map.local(), count, dofs, &mut k_q, &mut load, spring);
         kept.expect("a pattern outlives new right-hand sides");
         // u0 = 0.25 + j where j is prescribed and nothing else: the load is that of the values now.
         assert!(load.iter().any(|&f| f != 0.0) || !map.dofs().contains(&3));

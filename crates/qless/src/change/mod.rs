@@ -1,4 +1,7 @@
 //! After the first analysis: other right-hand sides, other equations.
 
-pub mod changing;
-pub mod refresh;
+pub(crate) mod changing;
+pub(crate) mod refresh;
+
+pub use changing::{ChangeError, ChangingSystem, EquationId, SolvedBlock};
+pub use refresh::{RefreshError, Refreshed, Refresher};

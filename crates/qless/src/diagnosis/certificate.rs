@@ -11,7 +11,7 @@ use crate::input::scale::ldexp;
 /// One term of a certificate: `coefficient` times the equation `row` (0-based).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct Because {
+pub struct CertificateTerm {
     /// A kept equation.
     pub row: usize,
     /// Its coefficient.
@@ -53,7 +53,7 @@ impl Sum {
 
 impl History {
     /// The certificate of row `k`, given how it depends on rows of its block (`because`, empty outside blocks).
-    pub fn certificate(&self, k: u32, because: &[(u32, f64)]) -> Vec<Because> {
+    pub fn certificate(&self, k: u32, because: &[(u32, f64)]) -> Vec<CertificateTerm> {
         let mut rows: BTreeMap<u32, Sum> = BTreeMap::new();
         let mut steps: BTreeMap<u32, Sum> = BTreeMap::new();
         for &(i, y) in because {
@@ -66,7 +66,7 @@ impl History {
 
     /// The combination of equations that is made of the given amounts of steps and of rows of a block; `exponent` is the
     /// row scaling of what the combination gives.
-    pub fn combination(&self, steps: &[(u32, f64)], block: &[(u32, f64)], exponent: i32) -> Vec<Because> {
+    pub fn combination(&self, steps: &[(u32, f64)], block: &[(u32, f64)], exponent: i32) -> Vec<CertificateTerm> {
         let mut rows: BTreeMap<u32, Sum> = BTreeMap::new();
         let mut sums: BTreeMap<u32, Sum> = BTreeMap::new();
         steps.iter().for_each(|&(t, w)| sums.entry(t).or_default().add(w));
@@ -85,7 +85,12 @@ impl History {
     }
 
     /// Steps become rows, the last first.
-    fn expand(&self, mut rows: BTreeMap<u32, Sum>, mut steps: BTreeMap<u32, Sum>, exponent: i32) -> Vec<Because> {
+    fn expand(
+        &self,
+        mut rows: BTreeMap<u32, Sum>,
+        mut steps: BTreeMap<u32, Sum>,
+        exponent: i32,
+    ) -> Vec<CertificateTerm> {
         while let Some((step, sum)) = steps.pop_last() {
             if !sum.is_zero() {
                 let row = self.steps[step as usize];
@@ -95,7 +100,7 @@ impl History {
         }
         let unscaled = |(&i, sum): (&u32, &Sum)| {
             let row = self.rows[i as usize] as usize;
-            Because { row, coefficient: ldexp(sum.value, self.exponents[row] - exponent) }
+            CertificateTerm { row, coefficient: ldexp(sum.value, self.exponents[row] - exponent) }
         };
         let mut terms: Vec<_> = rows.iter().filter(|(_, sum)| !sum.is_zero()).map(unscaled).collect();
         terms.sort_unstable_by_key(|term| term.row);

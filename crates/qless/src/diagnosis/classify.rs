@@ -1,6 +1,6 @@
 //! Redundant or conflicting: `b_k - sum c_i b_i`, prescribed DOFs moved into b (Eq. 27, 28).
 
-use crate::diagnosis::certificate::{Because, History};
+use crate::diagnosis::certificate::{CertificateTerm, History};
 use crate::input::scale::Scaling;
 use crate::presolve::basis::Diagnosed;
 use crate::presolve::eliminated::Eliminated;
@@ -46,11 +46,11 @@ pub(crate) enum Source {
     /// the last place of the largest of them its coefficients may be off.
     Traced(u32, Vec<(u32, f64)>, f64),
     /// The certificate itself.
-    Given(Vec<Because>),
+    Given(Vec<CertificateTerm>),
 }
 
 impl Source {
-    pub fn explain(&self, history: &History) -> Vec<Because> {
+    pub fn explain(&self, history: &History) -> Vec<CertificateTerm> {
         match self {
             Self::Traced(row, because, _) => history.certificate(*row, because),
             Self::Given(because) => because.clone(),

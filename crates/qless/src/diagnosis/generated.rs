@@ -5,11 +5,11 @@
 
 use std::collections::{BTreeMap, HashSet};
 
-use crate::diagnosis::certificate::{Because, History};
+use crate::diagnosis::certificate::{CertificateTerm, History};
 use crate::diagnosis::samples::{Inverse, Keys, Sample, sweep};
+use crate::factor::backend::{Backend, BackendError};
 use crate::factor::block::Block;
 use crate::factor::block::dependent::NO_PIVOT;
-use crate::factor::qr::{Backend, BackendError};
 use crate::input::numbering::Local;
 use crate::input::scale::{Scaling, ldexp};
 use crate::presolve::basis::{Basis, Part};
@@ -90,7 +90,7 @@ pub(crate) fn times(basis: &Basis, dofs: usize) -> Vec<u32> {
 
 impl Explainer<'_> {
     /// The equations that fix DOF s (local).
-    pub fn because(&self, s: u32) -> Result<Vec<Because>, BackendError> {
+    pub fn because(&self, s: u32) -> Result<Vec<CertificateTerm>, BackendError> {
         let mut rest = Rest { parts: BTreeMap::from([((self.time[s as usize], s), 1.0)]) };
         let (mut own, mut of_steps, mut of_blocks) = (Vec::new(), Vec::new(), Vec::new());
         while let Some((&(time, dof), &value)) = rest.parts.first_key_value() {
@@ -107,7 +107,7 @@ impl Explainer<'_> {
                     if part == Part::Peeled {
                         let row = self.basis.peeled[t];
                         let coefficient = value / self.system.coefficient(row as usize, dof);
-                        own.push(Because { row: row as usize, coefficient });
+                        own.push(CertificateTerm { row: row as usize, coefficient });
                     } else {
                         let step = t - self.basis.peeled.len();
                         let pivot = ldexp(self.basis.pivot_of_step(step), -self.scaling.col(dof as usize));

@@ -5,7 +5,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::diagnosis::certificate::{Because, History};
+use crate::diagnosis::certificate::{CertificateTerm, History};
 use crate::diagnosis::classify::{Dependent, Kind, Mismatch, Source};
 use crate::input::scale::{Scaling, ldexp};
 
@@ -70,7 +70,7 @@ impl Entry {
 
     fn into_dependent(mut self) -> Dependent {
         if self.changed() {
-            let terms = self.because.into_iter().map(|(row, coefficient)| Because { row, coefficient });
+            let terms = self.because.into_iter().map(|(row, coefficient)| CertificateTerm { row, coefficient });
             self.dependent.source = Source::Given(terms.collect());
         }
         self.dependent

@@ -5,7 +5,7 @@
 //! looked for among all DOFs of the equation, not because they come first. O(operations on numbers that are not zero).
 
 use crate::Csr;
-use crate::factor::qr::BackendError;
+use crate::factor::backend::BackendError;
 
 /// A slave is at least this fraction of the largest DOF in what is left of its equation.
 const THRESHOLD: f64 = 0.9;

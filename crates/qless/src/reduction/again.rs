@@ -5,8 +5,8 @@
 
 use super::{Reduction, ReductionError};
 use crate::Csr;
+use crate::factor::backend::BackendError;
 use crate::factor::lu;
-use crate::factor::qr::BackendError;
 use crate::factor::solver::Solver;
 use crate::input::components::Labels;
 use crate::input::numbering::Local;
@@ -42,7 +42,7 @@ pub(super) fn compute(
     let mut rows = vec![None; reduction.slaves.len()];
     for equations in equations {
         let part = Part::new(local, &equations, &roles, scaling);
-        let Ok(order) = crate::factor::qr::sparse::order(&part.slaves) else { continue };
+        let Ok(order) = crate::factor::backend::sparse::order(&part.slaves) else { continue };
         let Ok(lu) = lu::factor(&part.slaves, &order, |_| true, memory) else { continue };
         let solver = Solver::new(&part.slaves, lu);
         let (columns, g) = (solver.solve(&part.right), solver.solve_dense(&part.rhs));

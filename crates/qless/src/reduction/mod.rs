@@ -17,7 +17,7 @@ mod wishes;
 use std::collections::BTreeMap;
 
 use crate::common::identity::Identity;
-use crate::factor::qr::BackendError;
+use crate::factor::backend::BackendError;
 use crate::input::components::Labels;
 use crate::input::numbering::Local;
 use crate::input::preferences::{Preferences, Wishes};

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::block;
 use crate::Analysis;
-use crate::factor::qr::BackendError;
+use crate::factor::backend::BackendError;
 use crate::input::components::Labels;
 use crate::input::numbering::Local;
 use crate::input::preferences::{Wish, Wishes};

@@ -6,7 +6,7 @@ use crate::{ArgumentError, ConstraintSystem, Csr};
 
 impl Reduction {
     /// A reduction that something else made, to be judged ([`crate::Analysis::residual`]) and used as any other; no
-    /// [`crate::Refresher`] takes it.
+    /// [`crate::change::Refresher`] takes it.
     ///
     /// ```
     /// use qless::{Csr, Options, Reduction, SystemBuilder, analyse};

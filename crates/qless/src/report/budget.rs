@@ -1,7 +1,7 @@
 //! Which certificates a report holds, given how many terms it may spend.
 
 use super::{Certificate, DependentEquation, GeneratedCondition, Omitted, Term};
-use crate::{Analysis, Because, ConstraintSystem, Dependent, Kind};
+use crate::{Analysis, CertificateTerm, ConstraintSystem, Dependent, Kind};
 
 /// Terms that may still be spent.
 pub(super) struct Budget<'a> {
@@ -57,7 +57,7 @@ impl<'a> Budget<'a> {
     }
 
     /// Computes a certificate while anything is left, and keeps it if there is room for it.
-    fn certificate(&mut self, work: usize, compute: impl FnOnce() -> Option<Vec<Because>>) -> Certificate {
+    fn certificate(&mut self, work: usize, compute: impl FnOnce() -> Option<Vec<CertificateTerm>>) -> Certificate {
         let left_out = |omitted| Certificate { because: Vec::new(), omitted };
         if self.left == 0 {
             return left_out(Omitted::NotComputed);
@@ -72,7 +72,7 @@ impl<'a> Budget<'a> {
         Certificate { because: terms.iter().map(|term| self.term(term)).collect(), omitted: Omitted::Nothing }
     }
 
-    fn term(&self, term: &Because) -> Term {
+    fn term(&self, term: &CertificateTerm) -> Term {
         let label = self.system.equation_label(term.row);
         Term { row: term.row + 1, label, coefficient: term.coefficient }
     }

@@ -16,7 +16,7 @@ pub struct IgnoredCoefficient {
 }
 
 impl IgnoredCoefficient {
-    pub(super) fn of(ignored: &crate::Ignored) -> Self {
+    pub(super) fn of(ignored: &crate::diagnosis::Ignored) -> Self {
         Self { row: ignored.row + 1, dof: ignored.dof + 1, coefficient: ignored.coefficient }
     }
 }

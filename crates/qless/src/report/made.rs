@@ -10,7 +10,8 @@ impl Report {
     /// A report of an analysis that `ranks` ranks made together, without lists: its fields are public. What presolve did is not known.
     ///
     /// ```
-    /// use qless::{BackendUsed, Certificate, Confidence, Counts, DependentEquation, InputSizes, Kind, Report, Status, Term};
+    /// use qless::{Confidence, Kind, Report, Status};
+    /// use qless::report::{BackendUsed, Certificate, Counts, DependentEquation, InputSizes, Term};
     /// let (input, counts) = (InputSizes::new(2, 3, 4, 0), Counts::new(1, 1, 0));
     /// let backend = BackendUsed::new("faer", 1, "faer 0.24".to_owned());
     /// let mut report = Report::of_ranks(2, input, counts, Confidence::of(1.0, 0.0, false), backend);
@@ -63,7 +64,7 @@ impl Counts {
 }
 
 impl BackendUsed {
-    /// As [`qr::Backend`](crate::qr::Backend) tells them, and threads at work.
+    /// As [`backend::Backend`](crate::backend::Backend) tells them, and threads at work.
     pub fn new(name: &'static str, threads: usize, version: String) -> Self {
         Self { name, threads, version }
     }

@@ -2,9 +2,10 @@
 
 use super::{Certificate, Omitted, Report, Term};
 use crate::common::argument::within;
-use crate::{Analysis, ArgumentError, ConstraintSystem, Meant, NearDependent};
+use crate::diagnosis::NearDependent;
+use crate::{Analysis, ArgumentError, ConstraintSystem, NearDependence};
 
-/// A [`Meant`], counted from 1 and with labels.
+/// A [`NearDependence`], counted from 1 and with labels.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -54,7 +55,12 @@ impl Report {
     ///
     /// # Errors
     /// [`ArgumentError::OutOfRange`] for an equation that the system does not have.
-    pub fn with_meant(mut self, analysis: &Analysis, meant: &Meant, terms: usize) -> Result<Self, ArgumentError> {
+    pub fn with_meant(
+        mut self,
+        analysis: &Analysis,
+        meant: &NearDependence,
+        terms: usize,
+    ) -> Result<Self, ArgumentError> {
         let system = analysis.system();
         let named = |equation: &NearDependent| {
             let rows = equation.because.iter().map(|term| term.row);

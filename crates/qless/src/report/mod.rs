@@ -19,7 +19,8 @@ mod status;
 
 use std::time::Duration;
 
-use crate::{Analysis, Confidence, Form, PresolveStatistics, Reduction};
+use crate::diagnosis::PresolveStatistics;
+use crate::{Analysis, Confidence, Form, Reduction};
 use budget::Budget;
 pub use exact::{ExactDifference, ExactFinding};
 pub use findings::{Certificate, DependentEquation, GeneratedCondition, IgnoredCoefficient, Omitted, Term};

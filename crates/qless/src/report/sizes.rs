@@ -2,7 +2,8 @@
 
 use std::time::Duration;
 
-use crate::{Analysis, ConstraintSystem, FactoredBlock, Form, Kind};
+use crate::reduction::FactoredBlock;
+use crate::{Analysis, ConstraintSystem, Form, Kind};
 
 /// Sizes of a system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

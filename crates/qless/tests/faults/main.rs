@@ -7,8 +7,8 @@ mod neighbours;
 use std::sync::atomic::{AtomicUsize, Ordering::SeqCst};
 
 use qless::Csr;
-use qless::qr::spqr::{Spqr, faults};
-use qless::qr::{Backend, BackendError};
+use qless::backend::spqr::{Spqr, faults};
+use qless::backend::{Backend, BackendError};
 
 struct System {
     name: &'static str,

@@ -5,7 +5,7 @@ use std::mem::zeroed;
 use std::ptr::{from_mut, null_mut};
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering::SeqCst};
 
-use qless::qr::spqr::sys::{self, cholmod_common, cholmod_dense, cholmod_sparse};
+use qless::backend::spqr::sys::{self, cholmod_common, cholmod_dense, cholmod_sparse};
 
 type Factor = c_void;
 type Common = *mut cholmod_common;

@@ -3,7 +3,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use qless::qr::{Backend, BackendError};
+use qless::backend::{Backend, BackendError};
 use qless::{BackendChoice, Options};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 

@@ -1,7 +1,7 @@
 //! `C P = Q R` by Eigen's SparseQR with COLAMD, left-looking and without supernodes: the solver of the paper.
 
 use qless::Csr;
-use qless::qr::{Backend, BackendError, Factor};
+use qless::backend::{Backend, BackendError, Factor};
 
 use super::Rule;
 use super::call::{self, CallError, SparseFactor};

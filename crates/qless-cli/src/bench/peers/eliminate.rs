@@ -1,7 +1,7 @@
 //! The paper's elimination by one factorization `C_f P = Q [R1 R2; 0 0]` (Eq. 21-26), as users of a QR do it:
 //! `T = -R1^-1 R2`, `G = -R1^-1 Q^T C_p`, `g = R1^-1 Q^T b`. No scaling, no presolve, no check of the rank.
 
-use qless::qr::{Backend, BackendError, Factor};
+use qless::backend::{Backend, BackendError, Factor};
 use qless::{ConstraintSystem, Csr, Reduction};
 
 /// T, G and g. The slaves are the first independent columns that the factorization takes.

@@ -1,7 +1,7 @@
 //! `C P = Q R` by LAPACK's dgeqp3: dense Householder QR with column pivoting. O(m n min(m, n)) time, 8 m n bytes.
 
 use qless::Csr;
-use qless::qr::{Backend, BackendError, Factor};
+use qless::backend::{Backend, BackendError, Factor};
 
 use super::Rule;
 use super::call;

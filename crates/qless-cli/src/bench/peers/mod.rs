@@ -1,4 +1,4 @@
-//! What qless is compared with: Eigen's SparseQR, which the paper uses, and LAPACK's dgeqp3; as [`qless::qr::Backend`]s.
+//! What qless is compared with: Eigen's SparseQR, which the paper uses, and LAPACK's dgeqp3; as [`qless::backend::Backend`]s.
 //!
 //! A call cannot be interrupted, so that the bench makes it in a process of its own ([`super::child`]).
 

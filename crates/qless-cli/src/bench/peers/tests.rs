@@ -1,6 +1,6 @@
 //! Ranks of known systems, `R^T R = P^T C^T C P`, and `C u = b` for what the elimination gives.
 
-use qless::qr::{Backend, BackendError, Factor};
+use qless::backend::{Backend, BackendError, Factor};
 use qless::{ConstraintSystem, Csr, Options, SystemBuilder, analyse};
 use qless_scenes::fssi::{Level, tie};
 use qless_scenes::{Scene, families, paper};

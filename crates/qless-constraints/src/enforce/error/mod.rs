@@ -5,7 +5,8 @@ mod motion;
 pub use motion::Motion;
 
 use super::SolverError;
-use qless::{AnalysisError, ArgumentError, MapError, ReductionError, SystemError};
+use qless::elimination::EliminationError;
+use qless::{AnalysisError, ArgumentError, ReductionError, SystemError};
 
 /// Why constraints cannot be enforced.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -159,7 +160,7 @@ pub enum EnforceError {
     System(#[from] SystemError),
     /// The equations cannot be put into the form that K is condensed with.
     #[error(transparent)]
-    Map(#[from] MapError),
+    Elimination(#[from] EliminationError),
     /// Numbers that do not fit, or that lead out of the range of doubles.
     #[error(transparent)]
     Argument(#[from] ArgumentError),

@@ -7,7 +7,7 @@ mod lu;
 
 use faer::Side;
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use qless::Storage;
+use qless::elimination::Storage;
 
 pub use cholesky::{Ldlt, Llt};
 pub use lu::Lu;

@@ -4,7 +4,8 @@
 //! be if every DOF of its connected part were as large as the largest one, in the units of K spread along the equations.
 //! Cost: a pass over C; units are looked for only where an equation does not meet its own terms.
 
-use qless::{Kind, Map};
+use qless::elimination::EliminationError;
+use qless::{ConstraintSystem, Elimination, Kind};
 
 use super::super::equations::FLOOR;
 use super::super::{EnforceError, scale};
@@ -14,9 +15,9 @@ use super::terms::sizes_of_dofs;
 const MET: f64 = 1e-9;
 
 /// Refuses u where it does not meet the equations; x are its unknowns, in these units.
-pub fn closed(map: &Map, (x, units): (&[f64], &[f64]), u: &[f64]) -> Result<(), EnforceError> {
+pub fn closed(map: &Elimination, (x, units): (&[f64], &[f64]), u: &[f64]) -> Result<(), EnforceError> {
     let (sizes, mut levels) = (sizes_of_dofs(map, x), None);
-    let system = map.analysis().system();
+    let system = map.analysis().ok_or(EliminationError::NoEquations)?.system();
     for i in (0..system.equations()).filter(|&i| map.kinds()[i] == Kind::Independent) {
         let (mut left, mut size) = (-map.rhs()[i], map.rhs()[i].abs());
         for (j, v) in system.matrix().row(i) {
@@ -25,7 +26,7 @@ pub fn closed(map: &Map, (x, units): (&[f64], &[f64]), u: &[f64]) -> Result<(), 
         }
         let is_met = |size: f64| left.abs() <= MET * size;
         if !is_met(size) {
-            let levels = levels.get_or_insert_with(|| levelled(map, units, &sizes));
+            let levels = levels.get_or_insert_with(|| levelled(map, system, units, &sizes));
             let level = system.matrix().row(i).map(|(j, v)| v.abs() * levels[j]).sum::<f64>();
             if !is_met(FLOOR * level) {
                 return Err(EnforceError::OutOfBalance { row: system.equation_label(i), imbalance: left.abs() / size });
@@ -36,8 +37,8 @@ pub fn closed(map: &Map, (x, units): (&[f64], &[f64]), u: &[f64]) -> Result<(), 
 }
 
 /// Each DOF as large as the largest of its connected part; zero where it is prescribed.
-fn levelled(map: &Map, of_masters: &[f64], sizes: &[f64]) -> Vec<f64> {
-    let (system, n) = (map.analysis().system(), map.dofs());
+fn levelled(map: &Elimination, system: &ConstraintSystem, of_masters: &[f64], sizes: &[f64]) -> Vec<f64> {
+    let n = map.dofs();
     let mut free = vec![true; n];
     map.prescribed().iter().for_each(|&j| free[j] = false);
     let rows = 0..system.equations();

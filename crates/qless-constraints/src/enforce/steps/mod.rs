@@ -5,7 +5,8 @@ mod gaps;
 mod terms;
 mod turned;
 
-use qless::{Condensed, Given, Index, Map, Storage, View};
+use qless::Elimination;
+use qless::elimination::{CondensedPattern, EliminationError, Index, PrescribedDofs, Storage, View};
 
 use super::factor::uneven;
 use super::noise::Noise;
@@ -17,16 +18,17 @@ use turned::Turned;
 /// A map, the pattern of K condensed by it, and a solver; owned, to be kept beside the model.
 ///
 /// ```
-/// use qless::{Map, Options, SystemBuilder, View};
+/// use qless::{Elimination, Options, SystemBuilder};
+/// use qless::elimination::View;
 /// use qless_constraints::enforce::{Llt, Steps};
 /// // Two springs of stiffness 2 and 4 to the ground, tied with a gap that grows, under a load of 3.
 /// let mut builder = SystemBuilder::new(2);
 /// builder.equation([(0, 1.0), (1, -1.0)], 0.0);
-/// let map = Map::new(&builder.build()?, &Options::default())?;
+/// let map = Elimination::new(&builder.build()?, &Options::default())?;
 /// let mut steps = Steps::new(map, View::columns(&[0, 1, 2], &[0_u32, 1]), Llt::default())?;
 /// let mut u = [0.0; 2];
 /// for gap in [0.0, 0.75, 1.5] {
-///     steps.map_mut().refresh(&[gap], &[])?;
+///     steps.map_mut().update(&[gap], &[])?;
 ///     steps.solve(&[2.0, 4.0], &[3.0, 0.0], &mut u)?;
 ///     assert!((u[0] - (0.5 + gap * 2.0 / 3.0)).abs() < 1e-14 && (u[0] - u[1] - gap).abs() < 1e-14);
 /// }
@@ -34,8 +36,8 @@ use turned::Turned;
 /// ```
 #[derive(Debug)]
 pub struct Steps<S> {
-    map: Map,
-    condensed: Condensed,
+    map: Elimination,
+    condensed: CondensedPattern,
     solver: S,
     /// Of rows of a matrix that need not be symmetric: the columns of K_q.
     turned: Option<Turned>,
@@ -56,9 +58,9 @@ impl<S: Solver> Steps<S> {
     /// For matrices of the pattern of K.
     ///
     /// # Errors
-    /// [`EnforceError::Map`] if the arrays are no pattern, [`EnforceError::Factored`] if parts of T stay factors,
+    /// [`EnforceError::Elimination`] if the arrays are no pattern, [`EnforceError::Factored`] if parts of T stay factors,
     /// [`EnforceError::Triangle`] if the pattern is one half of a matrix that is not declared as such.
-    pub fn new<P: Index, I: Index>(map: Map, k: View<P, I>, solver: S) -> Result<Self, EnforceError> {
+    pub fn new<P: Index, I: Index>(map: Elimination, k: View<P, I>, solver: S) -> Result<Self, EnforceError> {
         let steps = Self::unsymmetric(map, k, solver)?;
         match steps.pattern.triangle() {
             Some(lower) => Err(EnforceError::Triangle { lower }),
@@ -70,11 +72,11 @@ impl<S: Solver> Steps<S> {
     ///
     /// # Errors
     /// As [`Steps::new`], but for triangles.
-    pub fn unsymmetric<P: Index, I: Index>(map: Map, k: View<P, I>, solver: S) -> Result<Self, EnforceError> {
+    pub fn unsymmetric<P: Index, I: Index>(map: Elimination, k: View<P, I>, solver: S) -> Result<Self, EnforceError> {
         if !map.reduction().is_explicit() {
             return Err(EnforceError::Factored);
         }
-        let condensed = map.condensed(k, Given::Eliminated)?;
+        let condensed = map.condensed(k, PrescribedDofs::Eliminated)?;
         // It was checked with the condensed pattern.
         let pattern = Pattern::new(&k);
         // Rows of a half are columns of the other one.
@@ -91,17 +93,17 @@ impl<S: Solver> Steps<S> {
     }
 
     /// The constraints.
-    pub fn map(&self) -> &Map {
+    pub fn map(&self) -> &Elimination {
         &self.map
     }
 
     /// The constraints, to be refreshed.
-    pub fn map_mut(&mut self) -> &mut Map {
+    pub fn map_mut(&mut self) -> &mut Elimination {
         &mut self.map
     }
 
     /// The pattern of K_q.
-    pub fn condensed(&self) -> &Condensed {
+    pub fn condensed(&self) -> &CondensedPattern {
         &self.condensed
     }
 
@@ -136,7 +138,8 @@ impl<S: Solver> Steps<S> {
         let (x, units) = self.balanced(k, f)?;
         self.map.expand_into(&x, u)?;
         gaps::closed(&self.map, (&x, &units), u)?;
-        doubt::settled(self.map.analysis(), self.map.kinds(), self.map.rhs(), u)
+        let analysis = self.map.analysis().ok_or(EliminationError::NoEquations)?;
+        doubt::settled(analysis, self.map.kinds(), self.map.rhs(), u)
     }
 
     /// Hands K_q to the solver, with a shift of its diagonal in these units.

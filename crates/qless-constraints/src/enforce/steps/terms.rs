@@ -1,6 +1,7 @@
 //! `L^T K L x` and the sizes of its terms, from K itself: what K_q was made of is not to be seen in it.
 
-use qless::{Index, Map, Storage, View};
+use qless::Elimination;
+use qless::elimination::{Index, Storage, View};
 
 use super::super::equations::Equations;
 use super::super::noise::Noise;
@@ -41,7 +42,7 @@ impl Pattern {
 
 /// The equations of one step.
 pub struct Terms<'a> {
-    map: &'a Map,
+    map: &'a Elimination,
     pattern: &'a Pattern,
     k: &'a [f64],
     units: Vec<f64>,
@@ -50,7 +51,12 @@ pub struct Terms<'a> {
 }
 
 impl<'a> Terms<'a> {
-    pub fn new(map: &'a Map, pattern: &'a Pattern, k: &'a [f64], (parts, noise): (&'a [usize], &'a Noise)) -> Self {
+    pub fn new(
+        map: &'a Elimination,
+        pattern: &'a Pattern,
+        k: &'a [f64],
+        (parts, noise): (&'a [usize], &'a Noise),
+    ) -> Self {
         let mut terms = Self { map, pattern, k, units: Vec::new(), parts, noise };
         let mut stiffness = vec![0.0_f64; map.dofs()];
         pattern.each(k, |i, j, v| {
@@ -102,7 +108,7 @@ impl<'a> Terms<'a> {
     }
 }
 
-fn spread(map: &Map, x: &[f64], w: impl Fn(usize, usize, f64) -> f64) -> Vec<f64> {
+fn spread(map: &Elimination, x: &[f64], w: impl Fn(usize, usize, f64) -> f64) -> Vec<f64> {
     let mut u = vec![0.0; map.dofs()];
     map.masters().iter().enumerate().for_each(|(q, &dof)| u[dof] = x[q]);
     for (i, &dof) in map.slaves().iter().enumerate() {
@@ -116,7 +122,7 @@ fn absolute(x: &[f64]) -> Vec<f64> {
 }
 
 /// `|L| |x| + |G| |u_p| + |g|`: the sizes of the terms that u is made of.
-pub fn sizes_of_dofs(map: &Map, x: &[f64]) -> Vec<f64> {
+pub fn sizes_of_dofs(map: &Elimination, x: &[f64]) -> Vec<f64> {
     let mut sizes = spread(map, &absolute(x), |_, _, t| t.abs());
     let (reduction, given) = (map.reduction(), map.prescribed_values());
     map.prescribed().iter().zip(given).for_each(|(&dof, value)| sizes[dof] = value.abs());

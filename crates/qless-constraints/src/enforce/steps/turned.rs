@@ -1,6 +1,6 @@
 //! Rows of a matrix that need not be symmetric as the columns that solvers take.
 
-use qless::{Condensed, Storage};
+use qless::elimination::{CondensedPattern, Storage};
 
 use super::super::solver::Columns;
 
@@ -15,7 +15,7 @@ pub struct Turned {
 }
 
 impl Turned {
-    pub fn new(condensed: &Condensed) -> Self {
+    pub fn new(condensed: &CondensedPattern) -> Self {
         let (n, by_row) = (condensed.unknowns(), condensed.starts());
         let mut starts = vec![0_u32; n + 1];
         condensed.index().iter().for_each(|&j| starts[j as usize + 1] += 1);

@@ -1,7 +1,8 @@
 //! Nothing free, nothing stiff; numbers at the ends of the range; parts that have nothing to do with one another.
 
 use faer::sparse::{SparseColMat, Triplet};
-use qless::{Map, Options, SystemBuilder, View};
+use qless::elimination::View;
+use qless::{Elimination, Options, SystemBuilder};
 use qless_constraints::enforce::{EnforceError, Llt, Method, Problem, Solution, Steps};
 
 use super::models::{Kind, Lack, Model, PLAIN, model};
@@ -28,7 +29,7 @@ fn nothing_to_solve_is_solved() -> Outcome {
         let solution = solution?;
         assert_eq!((solution.u, solution.reactions), (vec![1.0, -1.0], vec![(0, 2.5), (1, -3.0)]));
     }
-    let map = Map::new(&system, &Options::default())?;
+    let map = Elimination::new(&system, &Options::default())?;
     let mut steps = Steps::new(map, View::columns(&[0, 2, 4], &[0_u32, 1, 0, 1]), Llt::default())?;
     let mut u = [0.0; 2];
     steps.solve(&[2.0, -1.0, -1.0, 2.0], &[0.5, 0.0], &mut u)?;

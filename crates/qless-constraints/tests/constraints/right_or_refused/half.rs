@@ -1,7 +1,8 @@
 //! K by one half: declared it is read, not declared it is refused.
 
 use faer::sparse::{SparseColMat, Triplet};
-use qless::{Map, Options, View};
+use qless::elimination::View;
+use qless::{Elimination, Options};
 use qless_constraints::enforce::{EnforceError, Llt, Problem, Steps, Stiffness};
 
 use super::models::{Kind, Lack, all_units, model};
@@ -53,7 +54,7 @@ fn a_half_that_is_not_declared_is_refused() -> Outcome {
                 Problem::new(other, &model.f, &model.system),
                 Err(EnforceError::WrongHalf { row, column }) if (row > column) == lower
             ));
-            let map = Map::new(&model.system, &Options::default())?;
+            let map = Elimination::new(&model.system, &Options::default())?;
             let view = View::columns(k.symbolic().col_ptr(), k.symbolic().row_idx());
             assert!(matches!(Steps::new(map, view, Llt::default()), Err(EnforceError::Triangle { .. })));
         }

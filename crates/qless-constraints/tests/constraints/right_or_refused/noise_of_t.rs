@@ -1,7 +1,8 @@
 //! Motions that K feels through entries of T alone that are rounding.
 
 use faer::sparse::{SparseColMat, Triplet};
-use qless::{ConstraintSystem, Map, Options, SystemBuilder, View, analyse};
+use qless::elimination::View;
+use qless::{ConstraintSystem, Elimination, Options, SystemBuilder, analyse};
 use qless_constraints::enforce::{EnforceError, Lu, Problem, Steps, reduced};
 
 use crate::linkages::Outcome;
@@ -54,7 +55,8 @@ fn motions_that_only_rounding_of_t_holds_are_refused() -> Outcome {
     assert!(is_refused(&reduced(&k, &f, &reduction, &[])));
     assert!(is_refused(&Problem::new(&k, &f, &system)?.transformation()));
     let (starts, index) = (k.symbolic().col_ptr(), k.symbolic().row_idx());
-    let mut steps = Steps::new(Map::new(&system, &Options::default())?, View::columns(starts, index), Lu::default())?;
+    let mut steps =
+        Steps::new(Elimination::new(&system, &Options::default())?, View::columns(starts, index), Lu::default())?;
     assert!(is_refused(&steps.solve(k.val(), &f, &mut [0.0; 13])));
     Ok(())
 }

@@ -1,7 +1,8 @@
 //! Steps: the same checks with every solver and every storage.
 
 use faer::sparse::SparseColMat;
-use qless::{Map, Options, Storage, View};
+use qless::elimination::{Storage, View};
+use qless::{Elimination, Options};
 use qless_constraints::enforce::{EnforceError, Ldlt, Llt, Lu, Problem, Solver, SolverError, Steps};
 
 use super::models::{Kind, Lack, Model, Units, all_units, model, off};
@@ -31,7 +32,7 @@ fn columns(k: &SparseColMat<usize, f64>, storage: Storage) -> (Vec<usize>, Vec<u
 
 fn step<S: Solver>(model: &Model, solver: S, storage: Storage) -> Outcome<Solved> {
     let (starts, rows, values) = columns(&model.k, storage);
-    let map = Map::new(&model.system, &Options::default())?;
+    let map = Elimination::new(&model.system, &Options::default())?;
     let mut steps = Steps::new(map, View::columns(&starts, &rows).storing(storage), solver)?;
     let mut u = vec![0.0; model.f.len()];
     Ok(steps.solve(&values, &model.f, &mut u).map(|()| u))
@@ -109,7 +110,7 @@ fn a_wrong_solver_is_found_out() -> Outcome {
 fn nothing_is_solved_with_what_was_refused() -> Outcome {
     let model = model(0, Kind::Symmetric, Lack::Ground, super::models::PLAIN)?;
     let (starts, rows, values) = columns(&model.k, Storage::Lower);
-    let map = Map::new(&model.system, &Options::default())?;
+    let map = Elimination::new(&model.system, &Options::default())?;
     let view = View::columns(&starts, &rows).storing(Storage::Lower);
     let mut steps = Steps::new(map, view, Llt::default())?;
     let (none, mut u) = (vec![0.0; model.f.len()], vec![0.0; model.f.len()]);

@@ -1,7 +1,8 @@
 //! Trees of ties whose DOFs have units far from one another: each tie is sound, and chains of them look nearly dependent.
 
 use faer::sparse::{SparseColMat, Triplet};
-use qless::{ConstraintSystem, Map, Options, SystemBuilder, View};
+use qless::elimination::View;
+use qless::{ConstraintSystem, Elimination, Options, SystemBuilder};
 use qless_constraints::enforce::{EnforceError, Llt, Problem, Steps};
 
 use super::random::Random;
@@ -106,7 +107,7 @@ fn every_tie_holds_or_the_model_is_refused() -> Outcome {
 
 fn by_steps(system: &ConstraintSystem, k: &[f64], f: &[f64]) -> Result<Vec<f64>, EnforceError> {
     let (starts, index): (Vec<usize>, Vec<usize>) = ((0..=k.len()).collect(), (0..k.len()).collect());
-    let map = Map::new(system, &Options::default())?;
+    let map = Elimination::new(system, &Options::default())?;
     let mut u = vec![0.0; k.len()];
     Steps::new(map, View::columns(&starts, &index), Llt::default())?.solve(k, f, &mut u)?;
     Ok(u)

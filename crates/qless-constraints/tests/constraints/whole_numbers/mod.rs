@@ -10,7 +10,8 @@ mod units;
 mod wide;
 
 use faer::sparse::{SparseColMat, Triplet};
-use qless::{Map, Options, SystemBuilder, View};
+use qless::elimination::View;
+use qless::{Elimination, Options, SystemBuilder};
 use qless_constraints::enforce::{EnforceError, Lu, Method, Problem, Solution, Steps, Stiffness};
 
 use crate::linkages::Outcome;
@@ -123,7 +124,7 @@ fn columns(k: &SparseColMat<usize, f64>) -> (Vec<usize>, Vec<usize>, Vec<f64>) {
 fn steps_are_right_where_the_model_is_determined_and_refuse_it_where_not() -> Outcome {
     let (determined, singular) = for_each_case(|case| {
         let (starts, rows, values) = columns(&case.given.k);
-        let map = Map::new(&case.given.system, &Options::default())?;
+        let map = Elimination::new(&case.given.system, &Options::default())?;
         let mut u = vec![0.0; case.given.f.len()];
         let steps = Steps::unsymmetric(map, View::columns(&starts, &rows), Lu::default());
         let solved = steps.and_then(|mut steps| steps.solve(&values, &case.given.f, &mut u));

@@ -87,7 +87,7 @@ pub enum ChangeError {
 /// set.set_rhs(closing, 0.0)?;
 /// set.update()?;
 /// assert_eq!((set.kind(closing), set.rank()), (Some(Kind::Redundant), 2));
-/// # Ok::<(), qless::ChangeError>(())
+/// # Ok::<(), qless::change::ChangeError>(())
 /// ```
 #[derive(Debug)]
 pub struct ChangingSystem {

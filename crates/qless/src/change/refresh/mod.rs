@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 use crate::common::argument::numbers;
 use crate::diagnosis::classify::{Dependent, Kind, Source};
-use crate::factor::qr::BackendError;
+use crate::factor::backend::BackendError;
 use crate::input::numbering::Local;
 use crate::input::scale::ldexp;
 use crate::presolve::eliminated::Mismatch;
@@ -74,7 +74,8 @@ impl Refresher {
     /// `Arc` of one that is used elsewhere too.
     ///
     /// ```
-    /// use qless::{Kind, Options, Refresher, SystemBuilder, analyse};
+    /// use qless::{Kind, Options, SystemBuilder, analyse};
+    /// use qless::change::Refresher;
     /// let mut builder = SystemBuilder::new(2);
     /// builder.equation([(0, 1.0), (1, -1.0)], 0.0);
     /// builder.equation([(0, 2.0), (1, -2.0)], 0.0);

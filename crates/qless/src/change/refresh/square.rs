@@ -1,8 +1,8 @@
 //! `C_S x = b` on the kept rows and slaves of one block, again and again, by sparse LU.
 
+use crate::factor::backend::BackendError;
 use crate::factor::block::Block;
 use crate::factor::lu;
-use crate::factor::qr::BackendError;
 use crate::factor::solver::Solver;
 use crate::input::scale::{Scaling, ldexp};
 use crate::presolve::basis::Kept;

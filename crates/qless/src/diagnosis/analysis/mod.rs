@@ -9,17 +9,18 @@ use std::time::Duration;
 
 use crate::common::argument::{ArgumentError, within};
 use crate::common::identity::Identity;
-use crate::diagnosis::certificate::{Because, History};
+use crate::diagnosis::Ignored;
+use crate::diagnosis::certificate::{CertificateTerm, History};
 use crate::diagnosis::classify::{Dependent, Kind, Source};
 use crate::diagnosis::confidence::Confidence;
 use crate::diagnosis::generated::{self, Explainer};
 use crate::diagnosis::wanted::add;
+use crate::factor::backend::{Backend, BackendError};
 use crate::factor::block::Block;
-use crate::factor::qr::{Backend, BackendError};
 use crate::input::numbering::Numbering;
 use crate::input::scale::Scaling;
 use crate::presolve::basis::Basis;
-use crate::{ConstraintSystem, Ignored, OptionError, Options};
+use crate::{ConstraintSystem, OptionError, Options};
 
 pub use run::analyse;
 
@@ -187,7 +188,7 @@ impl Analysis {
     ///
     /// # Errors
     /// [`ArgumentError::OutOfRange`].
-    pub fn because(&self, row: usize) -> Result<Vec<Because>, ArgumentError> {
+    pub fn because(&self, row: usize) -> Result<Vec<CertificateTerm>, ArgumentError> {
         within("equation", row, self.kinds.len())?;
         Ok(self.dependent_of(row).map_or_else(Vec::new, |dependent| dependent.source.explain(&self.history)))
     }
@@ -201,7 +202,7 @@ impl Analysis {
     ///
     /// # Errors
     /// [`BackendError`] if the block of the DOF cannot be factored again.
-    pub fn because_fixed(&self, dof: usize) -> Result<Vec<Because>, BackendError> {
+    pub fn because_fixed(&self, dof: usize) -> Result<Vec<CertificateTerm>, BackendError> {
         let Ok(place) = self.generated.binary_search_by_key(&dof, |&(j, _)| j) else { return Ok(Vec::new()) };
         let backend: Box<dyn Backend> = self.options.backend.get(self.options.memory)?;
         let explainer = Explainer {
@@ -217,7 +218,7 @@ impl Analysis {
     }
 
     /// Replaces equations that were given up for others by their certificates.
-    fn over_kept(&self, terms: Vec<Because>) -> Vec<Because> {
+    fn over_kept(&self, terms: Vec<CertificateTerm>) -> Vec<CertificateTerm> {
         let given = |row: usize| match &self.dependent_of(row)?.source {
             Source::Given(because) => Some(because),
             Source::Traced(..) => None,
@@ -226,13 +227,13 @@ impl Analysis {
             return terms;
         }
         let mut sum = BTreeMap::new();
-        for Because { row, coefficient } in terms {
+        for CertificateTerm { row, coefficient } in terms {
             match given(row) {
                 Some(parts) => parts.iter().for_each(|part| add(&mut sum, part.row, coefficient * part.coefficient)),
                 None => add(&mut sum, row, coefficient),
             }
         }
-        sum.into_iter().map(|(row, coefficient)| Because { row, coefficient }).collect()
+        sum.into_iter().map(|(row, coefficient)| CertificateTerm { row, coefficient }).collect()
     }
 
     pub(crate) fn independent(&self) -> Vec<bool> {

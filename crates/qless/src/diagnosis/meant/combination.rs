@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use super::NearDependent;
 use super::part::Part;
 use crate::Csr;
-use crate::diagnosis::certificate::Because;
-use crate::factor::qr::{Factor, norm};
+use crate::diagnosis::certificate::CertificateTerm;
+use crate::factor::backend::{Factor, norm};
 use crate::input::scale::ldexp;
 
 /// Parts of a combination below this many times the difference only fit what was rounded.
@@ -155,7 +155,7 @@ pub(super) fn in_order(part: &Part, found: &mut [Combination]) {
 /// In the user's rows and units.
 pub(super) fn explain(part: &Part, found: &Combination) -> NearDependent {
     let k = found.row;
-    let term = |(&i, &y): (&usize, &f64)| Because {
+    let term = |(&i, &y): (&usize, &f64)| CertificateTerm {
         row: part.rows[i] as usize,
         coefficient: ldexp(y, part.exponents[i] - part.exponents[k]),
     };

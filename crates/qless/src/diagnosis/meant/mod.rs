@@ -8,9 +8,9 @@ mod combination;
 mod own;
 mod part;
 
-use crate::diagnosis::certificate::Because;
-use crate::factor::qr::BackendError;
-use crate::factor::qr::choice::DenseOrSparse;
+use crate::diagnosis::certificate::CertificateTerm;
+use crate::factor::backend::BackendError;
+use crate::factor::backend::choice::DenseOrSparse;
 use crate::input::components::components;
 use crate::{Analysis, Kind};
 use own::without_own;
@@ -19,14 +19,14 @@ use part::Part;
 /// The second reading of a system: as it is probably meant.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct Meant {
+pub struct NearDependence {
     /// Rank if the equations below are meant as combinations of others; [`Analysis::rank`] is the rank as typed.
     pub rank: usize,
     /// The equations that are then redundant or conflicting, ascending by row; at least one.
     pub equations: Vec<NearDependent>,
 }
 
-/// An equation that is nearly a combination of others, none of which is in [`Meant::equations`].
+/// An equation that is nearly a combination of others, none of which is in [`NearDependence::equations`].
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct NearDependent {
@@ -39,13 +39,13 @@ pub struct NearDependent {
     /// combination: `|d|^2 / max |d_j|` for the difference d.
     pub distance: f64,
     /// The combination, ascending by row.
-    pub because: Vec<Because>,
+    pub because: Vec<CertificateTerm>,
 }
 
 /// Numbers up to which a part is dense: without pivoting near dependence is easily missed.
 const SMALL: usize = 1 << 20;
 
-impl Meant {
+impl NearDependence {
     /// Decimals to which all of the equations agree with others.
     pub fn digits(&self) -> u32 {
         self.equations.iter().map(|equation| equation.digits).min().unwrap_or(0)
@@ -77,7 +77,7 @@ impl Analysis {
     ///
     /// # Errors
     /// [`BackendError`] where a part is too large for the memory allowed.
-    pub fn meant(&self) -> Result<Option<Meant>, BackendError> {
+    pub fn meant(&self) -> Result<Option<NearDependence>, BackendError> {
         let local = self.numbering.view(&self.system, self.system.rhs());
         let rows = (0..self.kinds.len() as u32).filter(|&i| self.kinds[i as usize] == Kind::Independent).collect();
         let rows = without_own(local, rows, &self.scaling);
@@ -93,6 +93,6 @@ impl Analysis {
         }
         equations.sort_unstable_by_key(|equation: &NearDependent| equation.row);
         let rank = self.rank() - equations.len();
-        Ok((!equations.is_empty()).then_some(Meant { rank, equations }))
+        Ok((!equations.is_empty()).then_some(NearDependence { rank, equations }))
     }
 }

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::NearDependent;
 use super::combination::{Combination, explain, in_order};
 use crate::Csr;
-use crate::factor::qr::{Backend, BackendError, Factor, largest_place, norm};
+use crate::factor::backend::{Backend, BackendError, Factor, largest_place, norm};
 use crate::input::numbering::Local;
 use crate::input::scale::{Scaling, exponent, ldexp};
 

@@ -8,8 +8,8 @@ pub(crate) mod dependent;
 pub(crate) mod tableau;
 mod triangle;
 
-use crate::factor::qr::choice::DenseOrSparse;
-use crate::factor::qr::{Backend, BackendError};
+use crate::factor::backend::choice::DenseOrSparse;
+use crate::factor::backend::{Backend, BackendError};
 use crate::input::scale::{exponent, ldexp};
 use crate::presolve::basis::Diagnosed;
 use crate::presolve::eliminated::Mismatch;

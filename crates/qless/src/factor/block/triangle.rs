@@ -12,8 +12,8 @@ use rayon::prelude::*;
 
 use super::{Block, Means};
 use crate::common::random::signed;
-use crate::factor::qr::many::{Slab, WIDTH, slabs};
-use crate::factor::qr::{BackendError, Factor};
+use crate::factor::backend::many::{Slab, WIDTH, slabs};
+use crate::factor::backend::{BackendError, Factor};
 use crate::presolve::basis::Vectors;
 
 /// Seeds of the vectors of the null space: two, for a number that is zero in both by chance is none.

@@ -4,9 +4,9 @@
 //! is that of the numbers that are there.
 
 use crate::Csr;
+use crate::factor::backend::BackendError;
 use crate::factor::block::Block;
 use crate::factor::lu::{self, LuError};
-use crate::factor::qr::BackendError;
 use crate::factor::solver::Solver;
 
 /// A block's slaves by its masters.

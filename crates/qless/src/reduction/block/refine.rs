@@ -4,10 +4,10 @@
 //! step in the same precision makes the error small in every equation relative to its own parts (Skeel 1980).
 
 use crate::Csr;
+use crate::factor::backend::faer::Faer;
+use crate::factor::backend::{Backend, BackendError};
 use crate::factor::block::Block;
 use crate::factor::block::tableau::Tableau;
-use crate::factor::qr::faer::Faer;
-use crate::factor::qr::{Backend, BackendError};
 
 /// Residuals up to this, relative to the parts of their equation, are left alone.
 const GOOD: f64 = 1e-14;

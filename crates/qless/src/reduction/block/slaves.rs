@@ -3,10 +3,10 @@
 use super::large::{self, Large};
 use super::refine;
 use crate::Csr;
+use crate::factor::backend::faer::Faer;
+use crate::factor::backend::{Backend, BackendError, Factor, SMALL};
 use crate::factor::block::Block;
 use crate::factor::block::tableau::Tableau;
-use crate::factor::qr::faer::Faer;
-use crate::factor::qr::{Backend, BackendError, Factor, SMALL};
 use crate::factor::solver::NOISE;
 use crate::presolve::basis::Kept;
 use crate::presolve::basis::Solved;

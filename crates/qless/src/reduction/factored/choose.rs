@@ -5,8 +5,8 @@
 use super::FactoredBlock;
 use super::finishing::candidates;
 use crate::Csr;
+use crate::factor::backend::BackendError;
 use crate::factor::lu::{self, LuError};
-use crate::factor::qr::BackendError;
 use crate::factor::solver::Solver;
 use crate::input::numbering::Local;
 use crate::input::scale::ldexp;
@@ -91,7 +91,7 @@ impl<'a> Part<'a> {
         for _ in 0..ROUNDS {
             // L has no rows for DOFs that are masters in any case.
             let rows = only(&self.free, &may);
-            let order = crate::factor::qr::sparse::order(&rows)?;
+            let order = crate::factor::backend::sparse::order(&rows)?;
             let lu = match lu::factor(&rows, &order, |j| may[j], basics.memory) {
                 Ok(lu) => lu,
                 Err(LuError::Dependent) => return Ok(None),
@@ -115,7 +115,7 @@ impl<'a> Part<'a> {
     /// Of the DOFs that may be slaves those that are steepest in the user's units, in which T is bounded.
     fn prefer(&self, may: &mut [bool], basics: &Basics) -> Result<(), BackendError> {
         let rows = only(&self.plain(basics), may);
-        let order = crate::factor::qr::sparse::order(&rows)?;
+        let order = crate::factor::backend::sparse::order(&rows)?;
         match lu::factor(&rows, &order, |j| may[j], basics.memory) {
             Ok(lu) => {
                 may.fill(false);

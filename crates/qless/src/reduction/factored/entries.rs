@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::FactoredBlock;
 use crate::common::random::signed;
-use crate::factor::qr::largest_place;
+use crate::factor::backend::largest_place;
 
 /// Starts of the search for the largest entry.
 const STARTS: u64 = 4;

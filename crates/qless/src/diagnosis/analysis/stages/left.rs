@@ -8,7 +8,7 @@ use crate::diagnosis::analysis::{Analysis, Timings};
 use crate::diagnosis::classify::Kind;
 use crate::diagnosis::confidence::Confidence;
 use crate::diagnosis::generated::Generated;
-use crate::factor::qr::Backend;
+use crate::factor::backend::Backend;
 use crate::input::components::Labels;
 use crate::input::numbering::Numbering;
 use crate::input::scale::Scaling;

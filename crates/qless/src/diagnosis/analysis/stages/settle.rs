@@ -7,7 +7,7 @@ use crate::diagnosis::analysis::AnalysisError;
 use crate::diagnosis::confidence::{self, Confidence};
 use crate::diagnosis::samples::{Inverse, Keys, Sample, sweep};
 use crate::diagnosis::sensitivity;
-use crate::factor::qr::BackendError;
+use crate::factor::backend::BackendError;
 use crate::input::components::Labels;
 
 /// Stages that presolve's doubts have been taken from.

@@ -2,10 +2,10 @@
 
 use super::Rows;
 use super::choice::Choice;
+use crate::factor::backend::Factor;
 use crate::factor::block::Block;
 use crate::factor::block::tableau::Tableau;
 use crate::factor::block::triangle::Triangle;
-use crate::factor::qr::Factor;
 use crate::input::scale::ldexp;
 use crate::presolve::basis::BlockDependent as Dependent;
 use crate::presolve::eliminated::Mismatch;

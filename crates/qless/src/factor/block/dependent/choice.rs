@@ -2,9 +2,9 @@
 
 use super::certificate::noise_of;
 use crate::Csr;
+use crate::factor::backend::{BackendError, Factor, largest_place, part_of_largest};
 use crate::factor::block::triangle::Triangle;
 use crate::factor::block::{Block, Means};
-use crate::factor::qr::{BackendError, Factor, largest_place, part_of_largest};
 use crate::presolve::basis::{NEAR, Nearness};
 
 /// Rows that are kept, with their factor, and what is known of them.

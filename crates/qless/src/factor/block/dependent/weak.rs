@@ -13,12 +13,12 @@ use super::certificate::{over_kept, rest, rows};
 use super::choice::Choice;
 use super::{MANY, Rows, STEEP, in_order, later};
 use crate::Csr;
+use crate::factor::backend::faer::Faer;
+use crate::factor::backend::null::Weak;
+use crate::factor::backend::{Backend, BackendError};
 use crate::factor::block::tableau::Tableau;
 use crate::factor::block::triangle::Triangle;
 use crate::factor::block::{Block, Means};
-use crate::factor::qr::faer::Faer;
-use crate::factor::qr::null::Weak;
-use crate::factor::qr::{Backend, BackendError};
 use crate::presolve::basis::NEAR;
 
 /// Most times that rows are dropped and taken back in search of a sound choice.

@@ -1,0 +1,259 @@
+//! `K_q += L_e^T K_e L_e`, `f_q += L_e^T (f_e - K_e u_0)`: elements straight into the condensed matrix, which K never enters.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::values::stretches;
+use super::{CondensedPattern, NONE, PrescribedDofs};
+use crate::ArgumentError;
+use crate::common::argument::{long, numbers, within};
+use crate::elimination::view::{Storage, View};
+use crate::elimination::{Elimination, EliminationError};
+
+/// A stretch of the lines of K_q and of f_q.
+struct Part<'a> {
+    lines: Range<usize>,
+    values: &'a mut [f64],
+    load: &'a mut [f64],
+}
+
+impl Elimination {
+    /// The pattern of K_q for the elements of a model, element e having DOFs `dofs(e)`: lines are rows.
+    ///
+    /// ```
+    /// use qless::{Elimination, Options, SystemBuilder};
+    /// use qless::elimination::{PrescribedDofs, Storage};
+    /// // A chain of springs, its ends tied together; K is never assembled.
+    /// let mut builder = SystemBuilder::new(4);
+    /// builder.equation([(3, 1.0), (0, -1.0)], 0.0);
+    /// builder.prescribe(1, 1.0);
+    /// let elimination = Elimination::new(&builder.build()?, &Options::default())?;
+    /// let dofs = |e: usize| vec![e, e + 1];
+    /// let condensed = elimination.condensed_for_elements(3, dofs, Storage::Lower, PrescribedDofs::Eliminated)?;
+    /// let (mut k_q, mut f_q) = (vec![0.0; condensed.nnz()], vec![0.0; condensed.unknowns()]);
+    /// condensed.assemble(&elimination, 3, dofs, &mut k_q, &mut f_q, |_, matrix, _| {
+    ///     matrix.copy_from_slice(&[1.0, -1.0, -1.0, 1.0]);
+    /// })?;
+    /// assert_eq!((k_q, f_q), (vec![2.0, -1.0, 2.0], vec![1.0, 1.0]));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`EliminationError::Argument`] for a DOF that is not there.
+    pub fn condensed_for_elements<D: AsRef<[usize]>>(
+        &self,
+        elements: usize,
+        dofs: impl Fn(usize) -> D,
+        storage: Storage,
+        given: PrescribedDofs,
+    ) -> Result<CondensedPattern, EliminationError> {
+        let (starts, index) = pattern(self.dofs(), elements, dofs, storage)?;
+        self.condensed(View::rows(&starts, &index).storing(storage), given)
+    }
+}
+
+/// The pattern of K: DOFs that share an element.
+fn pattern<D: AsRef<[usize]>>(
+    n: usize,
+    elements: usize,
+    dofs: impl Fn(usize) -> D,
+    storage: Storage,
+) -> Result<(Vec<usize>, Vec<u32>), ArgumentError> {
+    let mut first = vec![0_usize; n + 1];
+    for e in 0..elements {
+        for &j in dofs(e).as_ref() {
+            within("DOF", j, n)?;
+            first[j + 1] += 1;
+        }
+    }
+    (0..n).for_each(|j| first[j + 1] += first[j]);
+    let (mut next, mut of_dof) = (first.clone(), vec![0_u32; first[n]]);
+    for e in 0..elements {
+        for &j in dofs(e).as_ref() {
+            of_dof[next[j]] = e as u32;
+            next[j] += 1;
+        }
+    }
+    let (mut starts, mut index, mut seen) = (vec![0], Vec::new(), vec![NONE; n]);
+    for i in 0..n {
+        let line = index.len();
+        for &e in &of_dof[first[i]..first[i + 1]] {
+            for &j in dofs(e as usize).as_ref() {
+                let stored = match storage {
+                    Storage::Full => true,
+                    Storage::Lower => j <= i,
+                    Storage::Upper => j >= i,
+                };
+                if stored && seen[j] != i as u32 {
+                    seen[j] = i as u32;
+                    index.push(j as u32);
+                }
+            }
+        }
+        index[line..].sort_unstable();
+        starts.push(index.len());
+    }
+    Ok((starts, index))
+}
+
+/// An element as it is added.
+struct Element<'a> {
+    dofs: &'a [usize],
+    /// By rows.
+    matrix: &'a [f64],
+    forces: &'a [f64],
+}
+
+impl CondensedPattern {
+    /// Adds an element to K_q and f_q: its DOFs, `K_e` by rows and `f_e`. Of a symmetric matrix only the stored half is written.
+    ///
+    /// # Errors
+    /// [`ArgumentError`] for wrong lengths, a DOF that is not there, numbers that are not finite, another map, or DOFs that share no
+    /// entry of the pattern; K_q and f_q are then not to be used.
+    pub fn add_element(
+        &self,
+        elimination: &Elimination,
+        dofs: &[usize],
+        (matrix, forces): (&[f64], &[f64]),
+        k_q: &mut [f64],
+        f_q: &mut [f64],
+    ) -> Result<(), ArgumentError> {
+        self.check(elimination, k_q.len())?;
+        long("the list of forces on unknowns", f_q.len(), self.unknowns())?;
+        let element = self.checked(Element { dofs, matrix, forces })?;
+        self.add(elimination, &element, &mut Part { lines: 0..self.unknowns(), values: k_q, load: f_q })
+    }
+
+    /// `K_q` and `f_q` of all elements, from zero: element e has DOFs `dofs(e)`, and `element(e, matrix, forces)` writes its numbers,
+    /// which are zero before. Each thread has a stretch of the lines and computes the elements that touch it, some at the borders
+    /// twice; sums run in the order of the elements, so that bits do not depend on threads.
+    ///
+    /// # Errors
+    /// As [`CondensedPattern::add_element`].
+    pub fn assemble<D: AsRef<[usize]>>(
+        &self,
+        elimination: &Elimination,
+        elements: usize,
+        dofs: impl Fn(usize) -> D + Sync,
+        k_q: &mut [f64],
+        f_q: &mut [f64],
+        element: impl Fn(usize, &mut [f64], &mut [f64]) + Sync,
+    ) -> Result<(), ArgumentError> {
+        self.check(elimination, k_q.len())?;
+        long("the list of forces on unknowns", f_q.len(), self.unknowns())?;
+        k_q.fill(0.0);
+        f_q.fill(0.0);
+        let mut parts = Vec::new();
+        let mut load = f_q;
+        for (lines, values) in stretches(&self.lines.starts, k_q, rayon::current_num_threads()) {
+            let (own, rest) = load.split_at_mut(lines.len());
+            load = rest;
+            parts.push(Part { lines, values, load: own });
+        }
+        let all = |mut part: Part| {
+            let (mut matrix, mut forces) = (Vec::new(), Vec::new());
+            (0..elements).try_for_each(|e| {
+                let dofs = dofs(e);
+                let dofs = dofs.as_ref();
+                dofs.iter().try_for_each(|&j| within("DOF", j, self.number.len()))?;
+                if !dofs.iter().any(|&j| self.touches(j, &part.lines)) {
+                    return Ok(());
+                }
+                matrix.clear();
+                matrix.resize(dofs.len() * dofs.len(), 0.0);
+                forces.clear();
+                forces.resize(dofs.len(), 0.0);
+                element(e, &mut matrix, &mut forces);
+                self.add(elimination, &self.checked(Element { dofs, matrix: &matrix, forces: &forces })?, &mut part)
+            })
+        };
+        parts.into_par_iter().map(all).reduce(|| Ok(()), Result::and)
+    }
+
+    fn checked<'a>(&self, element: Element<'a>) -> Result<Element<'a>, ArgumentError> {
+        let count = element.dofs.len();
+        element.dofs.iter().try_for_each(|&j| within("DOF", j, self.number.len()))?;
+        numbers("the list of forces of an element", element.forces, count)?;
+        numbers("the matrix of an element", element.matrix, count * count)?;
+        Ok(element)
+    }
+
+    /// Whether DOF j stands for an unknown in these lines.
+    fn touches(&self, j: usize, lines: &Range<usize>) -> bool {
+        match (self.number[j], self.slave[j]) {
+            (NONE, NONE) => false,
+            (NONE, slave) => self.l.row(slave as usize).any(|(r, _)| lines.contains(&r)),
+            (number, _) => lines.contains(&(number as usize)),
+        }
+    }
+
+    fn add(&self, elimination: &Elimination, element: &Element, part: &mut Part) -> Result<(), ArgumentError> {
+        let Element { dofs, matrix, forces } = *element;
+        for (a, &i) in dofs.iter().enumerate() {
+            let row = &matrix[a * dofs.len()..(a + 1) * dofs.len()];
+            let moved = || dofs.iter().zip(row).map(|(&j, v)| v * self.shift(elimination, j)).sum::<f64>();
+            let mut add = |q: usize, weight: f64, force: f64| {
+                if !part.lines.contains(&q) {
+                    return Ok(());
+                }
+                let load = &mut part.load[q - part.lines.start];
+                *load += weight * force;
+                if !load.is_finite() {
+                    return Err(ArgumentError::Overflow { what: "f_q", place: q });
+                }
+                self.add_row(q, weight, dofs, row, part)
+            };
+            match (self.number[i], self.slave[i]) {
+                (NONE, NONE) => {}
+                (NONE, slave) => {
+                    let force = forces[a] - moved();
+                    self.l.row(slave as usize).try_for_each(|(q, weight)| add(q, weight, force))?;
+                }
+                (q, _) => add(q as usize, 1.0, forces[a] - moved())?,
+            }
+        }
+        Ok(())
+    }
+
+    /// `K_q(q, :) += weight row L`.
+    fn add_row(
+        &self,
+        q: usize,
+        weight: f64,
+        dofs: &[usize],
+        row: &[f64],
+        part: &mut Part,
+    ) -> Result<(), ArgumentError> {
+        let (line, base) = (self.lines.range(q), self.lines.starts[part.lines.start] as usize);
+        let index = &self.lines.index[line.clone()];
+        let values = &mut part.values[line.start - base..line.end - base];
+        // DOFs of a node stand side by side: most entries follow the one before.
+        let mut next = 0;
+        let mut add = |r: u32, v: f64| {
+            if self.is_stored(q, r) {
+                let place = match index.get(next) {
+                    Some(&found) if found == r => next,
+                    _ => index.binary_search(&r).map_err(|_| ArgumentError::Foreign { what: "an element" })?,
+                };
+                values[place] += v;
+                if !values[place].is_finite() {
+                    return Err(ArgumentError::Overflow { what: "K_q", place: line.start + place });
+                }
+                next = place + 1;
+            }
+            Ok(())
+        };
+        for (&j, &v) in dofs.iter().zip(row) {
+            match (self.number[j], self.slave[j]) {
+                (NONE, NONE) => {}
+                (NONE, slave) => {
+                    let terms = &mut self.l.row(slave as usize);
+                    terms.try_for_each(|(r, l)| add(r as u32, weight * v * l))?;
+                }
+                (r, _) => add(r, weight * v)?,
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,287 @@
+//! `K_q = L^T K L` and `f_q = L^T (f - K u_0)`: the pattern once, the values in every step.
+//!
+//! ```text
+//! pattern    number of each DOF, lines of K_q, and what of K goes where        O(nnz K + contributions of slaves)
+//! W = K_S L       the lines of slaves over what is left                         O(contributions)
+//! K_q(q, :) = K(q, :) L + sum_{a follows q} L_aq W(a, :)                        O(nnz K + contributions)
+//! ```
+//!
+//! Lines of K without slaves or prescribed DOFs, which are most, are copied. Each line of K_q is made by one thread, in one order: the
+//! bits are the same on any number of threads. Lines are rows or columns, as K has them.
+
+mod elements;
+mod lines;
+mod load;
+mod plan;
+mod spare;
+mod values;
+
+use std::collections::BTreeMap;
+
+use super::view::{Index, Storage, View};
+use super::{Elimination, EliminationError};
+use crate::common::argument::{long, numbers, within};
+use crate::common::identity::Identity;
+use crate::{ArgumentError, Csr};
+use lines::Lines;
+use plan::{Half, Plan};
+use spare::Spare;
+
+/// What becomes of prescribed DOFs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PrescribedDofs {
+    /// They are gone from K_q, and their values are in f_q.
+    #[default]
+    Eliminated,
+    /// They stay unknowns of K_q, for a solver that prescribes them itself.
+    Kept,
+}
+
+/// The pattern of K_q, and how K fills it. For the map that made it, and its [`crate::Elimination::update`]ed states.
+#[derive(Clone, Debug)]
+pub struct CondensedPattern {
+    of: Identity,
+    given: PrescribedDofs,
+    storage: Storage,
+    by_columns: bool,
+    half: Half,
+    /// L: a row for each slave, over the unknowns of K_q.
+    l: Csr,
+    /// `L^T`: for each unknown the slaves that follow it.
+    followers: Csr,
+    /// DOF of each unknown, ascending.
+    dofs: Vec<usize>,
+    /// Unknown of each DOF; [`NONE`] for slaves and what is eliminated.
+    number: Vec<u32>,
+    /// Slave (by place) of each DOF; [`NONE`] for others.
+    slave: Vec<u32>,
+    lines: Lines,
+    plan: Plan,
+    spare: Spare,
+}
+
+/// Marks no place.
+const NONE: u32 = u32::MAX;
+
+impl Elimination {
+    /// The pattern of K_q for matrices of the pattern of K: compressed as K is (rows or columns, the same half if it is symmetric),
+    /// counted from 0, indices ascending.
+    ///
+    /// ```
+    /// use qless::{Elimination, Options, SystemBuilder};
+    /// use qless::elimination::{PrescribedDofs, Storage, View};
+    /// // u2 = (u0 + u1) / 2; K by its lower half.
+    /// let mut builder = SystemBuilder::new(3);
+    /// builder.equation([(2, 2.0), (0, -1.0), (1, -1.0)], 0.0);
+    /// let elimination = Elimination::new(&builder.build()?, &Options::default())?;
+    /// let lower = View::rows(&[0, 1, 2, 4], &[0_u32, 1, 0, 2]).storing(Storage::Lower);
+    /// let condensed = elimination.condensed(lower, PrescribedDofs::Eliminated)?;
+    /// let (mut k_q, mut f_q) = (vec![0.0; condensed.nnz()], vec![0.0; condensed.unknowns()]);
+    /// condensed.condense_into(&elimination, &[4.0, 1.0, 3.0, 8.0], &[0.0; 3], &mut k_q, &mut f_q)?;
+    /// assert_eq!((condensed.starts(), condensed.index()), ([0, 1, 3].as_slice(), [0, 0, 1].as_slice()));
+    /// assert_eq!(k_q.len(), 3);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// Slaves of parts of T that stay factors ([`crate::Form`]) are unknowns as well: their equations are left for multipliers
+    /// ([`CondensedPattern::left`]).
+    ///
+    /// # Errors
+    /// [`EliminationError::Matrix`] if the arrays are no n x n pattern.
+    pub fn condensed<P: Index, I: Index>(
+        &self,
+        k: View<P, I>,
+        given: PrescribedDofs,
+    ) -> Result<CondensedPattern, EliminationError> {
+        CondensedPattern::new(self, k.checked(self.dofs())?, given)
+    }
+}
+
+impl CondensedPattern {
+    fn new<P: Index, I: Index>(
+        elimination: &Elimination,
+        k: View<P, I>,
+        given: PrescribedDofs,
+    ) -> Result<Self, EliminationError> {
+        let kept = given == PrescribedDofs::Kept;
+        let mut dofs = elimination.masters().to_vec();
+        if kept {
+            dofs.extend(elimination.prescribed());
+        }
+        dofs.extend(elimination.reduction.factored.iter().flat_map(|block| &block.slaves));
+        dofs.sort_unstable();
+        let mut number = vec![NONE; elimination.dofs()];
+        dofs.iter().zip(0..).for_each(|(&j, c)| number[j] = c);
+        let mut slave = vec![NONE; elimination.dofs()];
+        let eliminated = elimination.slaves().iter().zip(0..).filter(|&(&j, _)| number[j] == NONE);
+        eliminated.for_each(|(&j, i)| slave[j] = i);
+        let l = rows_over(elimination, &number, dofs.len(), kept);
+        let mut condensed = Self {
+            of: elimination.identity,
+            given,
+            storage: k.storage,
+            by_columns: k.by_columns,
+            half: Half::of(&k),
+            followers: l.transposed(),
+            l,
+            dofs,
+            number,
+            slave,
+            lines: Lines::default(),
+            plan: Plan::default(),
+            spare: Spare::default(),
+        };
+        condensed.plan(elimination.slaves(), k)?;
+        Ok(condensed)
+    }
+
+    /// Number of unknowns of K_q, in the order of [`CondensedPattern::dofs`].
+    pub fn unknowns(&self) -> usize {
+        self.dofs.len()
+    }
+
+    /// DOF of each unknown, ascending: the masters, with the prescribed DOFs if they are kept, and the slaves of factored parts.
+    pub fn dofs(&self) -> &[usize] {
+        &self.dofs
+    }
+
+    /// Number of stored entries of K_q.
+    pub fn nnz(&self) -> usize {
+        self.lines.index.len()
+    }
+
+    /// Where each line of K_q starts in [`CondensedPattern::index`]; one more than there are unknowns.
+    pub fn starts(&self) -> &[u32] {
+        &self.lines.starts
+    }
+
+    /// Indices of the lines of K_q, ascending within each.
+    pub fn index(&self) -> &[u32] {
+        &self.lines.index
+    }
+
+    /// `(row, column)` of each stored entry, in the order of the values: for codes that take matrices as triplets.
+    ///
+    /// ```
+    /// use qless::{Elimination, Options, SystemBuilder};
+    /// use qless::elimination::{PrescribedDofs, View};
+    /// let mut builder = SystemBuilder::new(3);
+    /// builder.equation([(1, 1.0), (2, -1.0)], 0.0);
+    /// let elimination = Elimination::new(&builder.build()?, &Options::default())?;
+    /// let columns = View::columns(&[0, 2, 3, 4], &[0_u32, 2, 1, 2]);
+    /// let condensed = elimination.condensed(columns, PrescribedDofs::Eliminated)?;
+    /// let entries: Vec<_> = condensed.entries().collect();
+    /// assert_eq!((entries, condensed.unknowns()), (vec![(0, 0), (1, 0), (1, 1)], 2));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn entries(&self) -> impl ExactSizeIterator<Item = (usize, usize)> + '_ {
+        let mut line = 0;
+        self.lines.index.iter().enumerate().map(move |(k, &other)| {
+            while self.lines.starts[line + 1] as usize <= k {
+                line += 1;
+            }
+            if self.by_columns { (other as usize, line) } else { (line, other as usize) }
+        })
+    }
+
+    /// Which half is stored; that of K.
+    pub fn storage(&self) -> Storage {
+        self.storage
+    }
+
+    /// Equations that unknowns have to meet, for multipliers: those of factored parts.
+    pub fn left(&self, elimination: &Elimination) -> Vec<usize> {
+        let mut left: Vec<usize> =
+            elimination.reduction.factored.iter().flat_map(|block| block.equations.clone()).collect();
+        left.sort_unstable();
+        left
+    }
+
+    /// `sum_j c_j u_j = b` over the unknowns: (unknown, coefficient), ascending, and what is left of b.
+    ///
+    /// ```
+    /// use qless::{Elimination, Options, SystemBuilder};
+    /// use qless::elimination::{PrescribedDofs, View};
+    /// let mut builder = SystemBuilder::new(3);
+    /// builder.equation([(0, 1.0), (1, -2.0)], 1.0);
+    /// builder.prescribe(2, 4.0);
+    /// let elimination = Elimination::new(&builder.build()?, &Options::default())?;
+    /// let condensed = elimination.condensed(View::rows(&[0, 1, 2, 3], &[0_u32, 1, 2]), PrescribedDofs::Eliminated)?;
+    /// // u0 + u1 + u2 = 6, where u1 = (u0 - 1) / 2 and u2 = 4: 1.5 u0 = 2.5.
+    /// let (terms, b) = condensed.equation(&elimination, [(0, 1.0), (1, 1.0), (2, 1.0)], 6.0)?;
+    /// assert_eq!((terms, b), (vec![(0, 1.5)], 2.5));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ArgumentError`] for a DOF that is not there, a number that is not finite, or another elimination.
+    pub fn equation(
+        &self,
+        elimination: &Elimination,
+        terms: impl IntoIterator<Item = (usize, f64)>,
+        mut rhs: f64,
+    ) -> Result<(Vec<(usize, f64)>, f64), ArgumentError> {
+        self.check(elimination, self.nnz())?;
+        numbers("b", &[rhs], 1)?;
+        let mut sums = BTreeMap::new();
+        for (place, (j, c)) in terms.into_iter().enumerate() {
+            within("DOF", j, self.number.len())?;
+            if !c.is_finite() {
+                return Err(ArgumentError::NotFinite { what: "the list of terms", place, value: c });
+            }
+            rhs -= c * self.shift(elimination, j);
+            match (self.number[j], self.slave[j]) {
+                (NONE, NONE) => {}
+                (NONE, slave) => {
+                    self.l.row(slave as usize).for_each(|(r, v)| *sums.entry(r).or_insert(0.0) += c * v);
+                }
+                (number, _) => *sums.entry(number as usize).or_insert(0.0) += c,
+            }
+        }
+        Ok((sums.into_iter().collect(), rhs))
+    }
+
+    /// Whether lines are columns; those of K.
+    pub fn is_by_columns(&self) -> bool {
+        self.by_columns
+    }
+
+    /// The value of an unknown is no part of `u_0`.
+    fn shift(&self, elimination: &Elimination, dof: usize) -> f64 {
+        if self.number[dof] != NONE {
+            return 0.0;
+        }
+        match (elimination.roles.of[dof], self.given) {
+            (super::Role::Slave(i), PrescribedDofs::Eliminated) => elimination.roles.constants[i as usize],
+            (super::Role::Slave(i), PrescribedDofs::Kept) => elimination.reduction.g[i as usize],
+            (super::Role::Prescribed(p), PrescribedDofs::Eliminated) => elimination.prescribed_values[p as usize],
+            _ => 0.0,
+        }
+    }
+
+    /// The map that made it, and values of K_q of the right length.
+    fn check(&self, elimination: &Elimination, values: usize) -> Result<(), ArgumentError> {
+        if elimination.identity != self.of {
+            return Err(ArgumentError::Foreign { what: "the map" });
+        }
+        long("the list of values of K_q", values, self.nnz())
+    }
+}
+
+/// T, with G if prescribed DOFs are unknowns too.
+fn rows_over(elimination: &Elimination, number: &[u32], unknowns: usize, kept: bool) -> Csr {
+    let reduction = &elimination.reduction;
+    let mut rows = Csr::empty(unknowns);
+    for i in 0..reduction.slaves.len() {
+        let of_masters = reduction.t.row(i).map(|(q, v)| (number[reduction.masters[q]] as usize, v));
+        if kept {
+            let of_given = reduction.g_matrix.row(i).map(|(p, v)| (number[reduction.prescribed[p]] as usize, v));
+            let mut all: Vec<_> = of_masters.chain(of_given).collect();
+            all.sort_unstable_by_key(|&(c, _)| c);
+            rows.append(all);
+        } else {
+            rows.append(of_masters);
+        }
+    }
+    rows
+}

@@ -1,0 +1,183 @@
+//! What of K goes where: once for a pattern.
+
+use super::lines::{Lines, Union};
+use super::{CondensedPattern, NONE};
+use crate::SystemError;
+use crate::elimination::EliminationError;
+use crate::elimination::view::{Index, Storage, View};
+
+/// How the values of K_q come about.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Plan {
+    /// Entries of K.
+    pub entries: usize,
+    /// By unknown.
+    pub source: Vec<Source>,
+    /// Entries of lines that are not copied.
+    pub mixed: Entries,
+    /// Entries of the lines of slaves.
+    pub of_slaves: Entries,
+    /// Entries of the lines of prescribed DOFs, where `K u_0` is summed by columns.
+    pub of_given: Vec<(u32, Entries)>,
+    /// Whether lines are columns of a matrix that need not be symmetric.
+    pub by_columns: bool,
+    /// Pattern of `W = K_S L`.
+    pub w: Lines,
+}
+
+/// Where a line of K_q comes from.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Source {
+    /// From as many entries of K, from this one on.
+    Copied(u32),
+    /// From this line of [`Plan::mixed`], and the slaves that follow the unknown.
+    Mixed(u32),
+}
+
+/// Lists of entries of K and the DOFs of their other index.
+#[derive(Clone, Debug)]
+pub(super) struct Entries {
+    starts: Vec<usize>,
+    places: Vec<(u32, u32)>,
+}
+
+impl Default for Entries {
+    fn default() -> Self {
+        Self { starts: vec![0], places: Vec::new() }
+    }
+}
+
+impl Entries {
+    pub fn line(&self, i: usize) -> &[(u32, u32)] {
+        &self.places[self.starts[i]..self.starts[i + 1]]
+    }
+
+    fn push(&mut self, entries: impl Iterator<Item = (u32, u32)>) {
+        self.places.extend(entries);
+        self.starts.push(self.places.len());
+    }
+}
+
+impl CondensedPattern {
+    /// Makes the pattern and the plan.
+    pub(super) fn plan<P: Index, I: Index>(&mut self, slaves: &[usize], k: View<P, I>) -> Result<(), EliminationError> {
+        let many = |found| EliminationError::Matrix(SystemError::TooLarge { what: "the number of entries", found });
+        if u32::try_from(k.nnz()).is_err() {
+            return Err(many(k.nnz()));
+        }
+        let mirrored = self.mirrored(&k);
+        let entries = |dof: usize| {
+            let stored = k.range(dof).map(|e| (e as u32, k.index(e) as u32));
+            stored.chain(mirrored.line(dof).iter().copied())
+        };
+        let mut plan =
+            Plan { entries: k.nnz(), by_columns: k.by_columns && k.storage == Storage::Full, ..Plan::default() };
+        let mut union = Union::new(self.unknowns());
+        for (i, &dof) in slaves.iter().enumerate() {
+            // Slaves of factored parts are unknowns.
+            let is_eliminated = self.number[dof] == NONE;
+            plan.of_slaves.push(entries(dof).filter(|_| is_eliminated));
+            plan.of_slaves.line(i).iter().for_each(|&(_, j)| self.reached(j, &mut union, |_| true));
+            union.take(&mut plan.w.index);
+            if !plan.w.close() {
+                return Err(many(plan.w.index.len()));
+            }
+        }
+        if plan.by_columns {
+            for dof in (0..self.number.len()).filter(|&j| self.number[j] == NONE && self.slave[j] == NONE) {
+                let mut own = Entries::default();
+                own.push(entries(dof));
+                plan.of_given.push((dof as u32, own));
+            }
+        }
+        let mut lines = Lines::default();
+        for (q, &dof) in self.dofs.iter().enumerate() {
+            let stored = k.range(dof);
+            let ascends = || stored.clone().skip(1).all(|e| k.index(e - 1) < k.index(e));
+            let plain = stored.clone().all(|e| self.number[k.index(e)] != NONE) && mirrored.line(dof).is_empty();
+            if plain && self.followers.row(q).len() == 0 && ascends() {
+                plan.source.push(Source::Copied(stored.start as u32));
+                lines.index.extend(stored.map(|e| self.number[k.index(e)]));
+            } else {
+                plan.source.push(Source::Mixed(plan.mixed.starts.len() as u32 - 1));
+                plan.mixed.push(entries(dof));
+                let own = plan.mixed.line(plan.mixed.starts.len() - 2);
+                let stored = |r: u32| self.is_stored(q, r);
+                own.iter().for_each(|&(_, j)| self.reached(j, &mut union, stored));
+                for (a, _) in self.followers.row(q) {
+                    plan.w.line(a).iter().filter(|&&r| stored(r)).for_each(|&r| union.add(r));
+                }
+                union.take(&mut lines.index);
+            }
+            if !lines.close() {
+                return Err(many(lines.index.len()));
+            }
+        }
+        (self.lines, self.plan) = (lines, plan);
+        Ok(())
+    }
+
+    /// The unknowns that DOF j stands for.
+    fn reached(&self, j: u32, union: &mut Union, stored: impl Fn(u32) -> bool) {
+        let (number, slave) = (self.number[j as usize], self.slave[j as usize]);
+        if number != NONE {
+            if stored(number) {
+                union.add(number);
+            }
+        } else if slave != NONE {
+            self.l.row(slave as usize).map(|(r, _)| r as u32).filter(|&r| stored(r)).for_each(|r| union.add(r));
+        }
+    }
+
+    /// Whether line q of K_q holds index r. Columns of a lower half are rows of an upper one.
+    #[inline]
+    pub(super) fn is_stored(&self, q: usize, r: u32) -> bool {
+        match self.half {
+            Half::All => true,
+            Half::Before => r as usize <= q,
+            Half::After => r as usize >= q,
+        }
+    }
+
+    /// Of a symmetric matrix the entries that are not stored, where their row or column is no unknown: by line, the entries that stand
+    /// for them and the other indices.
+    fn mirrored<P: Index, I: Index>(&self, k: &View<P, I>) -> Entries {
+        let n = self.number.len();
+        let mut found = Vec::new();
+        if k.storage != Storage::Full {
+            for i in 0..n {
+                let is_special = |j: usize| j != i && (self.number[i] == NONE || self.number[j] == NONE);
+                let special = k.range(i).filter(|&e| is_special(k.index(e)));
+                found.extend(special.map(|e| (k.index(e) as u32, e as u32, i as u32)));
+            }
+            found.sort_unstable();
+        }
+        let mut mirrored = Entries::default();
+        let mut rest = found.iter().peekable();
+        for line in 0..n as u32 {
+            let own = std::iter::from_fn(|| rest.next_if(|entry| entry.0 == line));
+            mirrored.push(own.map(|&(_, e, j)| (e, j)));
+        }
+        mirrored
+    }
+}
+
+/// Which indices a line of K_q holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Half {
+    All,
+    /// Up to its own.
+    Before,
+    /// From its own on.
+    After,
+}
+
+impl Half {
+    pub fn of<P, I>(k: &View<P, I>) -> Self {
+        match (k.storage, k.by_columns) {
+            (Storage::Full, _) => Self::All,
+            (Storage::Lower, false) | (Storage::Upper, true) => Self::Before,
+            (Storage::Upper, false) | (Storage::Lower, true) => Self::After,
+        }
+    }
+}

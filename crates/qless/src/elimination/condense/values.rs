@@ -1,0 +1,171 @@
+//! `K_q(q, :) = K(q, :) L + sum_{a follows q} L_aq W(a, :)`, each line by one thread.
+
+use std::ops::Range;
+
+use super::plan::Source;
+use super::{CondensedPattern, NONE};
+use crate::ArgumentError;
+use crate::common::argument::long;
+use crate::elimination::Elimination;
+
+/// Fewer entries of K_q than this are not worth a thread of their own.
+const WORTH_A_THREAD: usize = 1 << 15;
+
+impl CondensedPattern {
+    /// `K_q = L^T K L` and `f_q = L^T (f - K u_0)` for values of K in the order of its pattern and forces on all DOFs.
+    ///
+    /// # Errors
+    /// [`ArgumentError`] for a wrong length, a number that is not finite, or another elimination.
+    pub fn condense_into(
+        &self,
+        elimination: &Elimination,
+        k: &[f64],
+        f: &[f64],
+        k_q: &mut [f64],
+        f_q: &mut [f64],
+    ) -> Result<(), ArgumentError> {
+        self.condense_matrix_into(elimination, k, k_q)?;
+        self.load_into(elimination, k, f, f_q)
+    }
+
+    /// `L^T K L` alone: for masses, dampings, and whatever has the pattern of K.
+    ///
+    /// # Errors
+    /// As [`CondensedPattern::condense_into`].
+    pub fn condense_matrix_into(
+        &self,
+        elimination: &Elimination,
+        k: &[f64],
+        k_q: &mut [f64],
+    ) -> Result<(), ArgumentError> {
+        self.check(elimination, k_q.len())?;
+        long("the list of values of K", k.len(), self.plan.entries)?;
+        let finite = self.spare.with(self.plan.w.index.len(), |w| {
+            self.of_slaves(k, w);
+            let w = &*w;
+            each(&self.lines.starts, k_q, &|range, out: &mut [f64]| self.fill(range, out, k, w))
+        });
+        if finite {
+            return Ok(());
+        }
+        match k.iter().position(|v| !v.is_finite()) {
+            Some(place) => Err(ArgumentError::NotFinite { what: "the list of values of K", place, value: k[place] }),
+            None => Err(ArgumentError::Overflow { what: "K_q", place: position(k_q) }),
+        }
+    }
+
+    /// Writes some lines; false if a number is not finite.
+    fn fill(&self, range: Range<usize>, out: &mut [f64], k: &[f64], w: &[f64]) -> bool {
+        let mixed = |source: &Source| matches!(source, Source::Mixed(_));
+        let sums = if self.plan.source[range.clone()].iter().any(mixed) { self.unknowns() } else { 0 };
+        self.spare.with(sums, |sums| self.fill_with(sums, range, out, k, w))
+    }
+
+    fn fill_with(&self, sums: &mut [f64], range: Range<usize>, mut out: &mut [f64], k: &[f64], w: &[f64]) -> bool {
+        let mut finite = true;
+        for q in range {
+            let line = self.lines.line(q);
+            let (own, rest) = out.split_at_mut(line.len());
+            out = rest;
+            match self.plan.source[q] {
+                Source::Copied(first) => own.copy_from_slice(&k[first as usize..first as usize + own.len()]),
+                Source::Mixed(m) => {
+                    line.iter().for_each(|&r| sums[r as usize] = 0.0);
+                    self.add_line(self.plan.mixed.line(m as usize), k, sums, |r| self.is_stored(q, r));
+                    for (a, v) in self.followers.row(q) {
+                        let of_slave = self.plan.w.line(a).iter().zip(&w[self.plan.w.range(a)]);
+                        of_slave.filter(|(r, _)| self.is_stored(q, **r)).for_each(|(&r, w)| sums[r as usize] += v * w);
+                    }
+                    own.iter_mut().zip(line).for_each(|(own, &r)| *own = sums[r as usize]);
+                }
+            }
+            finite &= own.iter().fold(true, |all, v| all & v.is_finite());
+        }
+        finite
+    }
+
+    /// `sums += line of K times L`.
+    fn add_line(&self, entries: &[(u32, u32)], k: &[f64], sums: &mut [f64], stored: impl Fn(u32) -> bool) {
+        for &(e, j) in entries {
+            let (v, number) = (k[e as usize], self.number[j as usize]);
+            if number != NONE {
+                if stored(number) {
+                    sums[number as usize] += v;
+                }
+            } else if self.slave[j as usize] != NONE {
+                let row = self.l.row(self.slave[j as usize] as usize);
+                row.filter(|&(r, _)| stored(r as u32)).for_each(|(r, l)| sums[r] += v * l);
+            }
+        }
+    }
+
+    /// `W = K_S L`.
+    fn of_slaves(&self, k: &[f64], values: &mut [f64]) {
+        let w = &self.plan.w;
+        let stretch = |range: Range<usize>, mut out: &mut [f64], sums: &mut [f64]| {
+            for a in range {
+                let (own, rest) = out.split_at_mut(w.line(a).len());
+                out = rest;
+                w.line(a).iter().for_each(|&r| sums[r as usize] = 0.0);
+                self.add_line(self.plan.of_slaves.line(a), k, sums, |_| true);
+                own.iter_mut().zip(w.line(a)).for_each(|(own, &r)| *own = sums[r as usize]);
+            }
+        };
+        each(&w.starts, values, &|range, out: &mut [f64]| {
+            self.spare.with(self.unknowns(), |sums| stretch(range, out, sums));
+            true
+        });
+    }
+}
+
+/// Does `work` for lines in stretches of about the same number of entries, on all threads; whether it is true of all.
+fn each(starts: &[u32], values: &mut [f64], work: &(impl Fn(Range<usize>, &mut [f64]) -> bool + Sync)) -> bool {
+    let threads = rayon::current_num_threads();
+    let count = if threads == 1 { 1 } else { (4 * threads).min(values.len() / WORTH_A_THREAD).max(1) };
+    halves(starts, 0..starts.len() - 1, values, count, work)
+}
+
+fn halves(
+    starts: &[u32],
+    lines: Range<usize>,
+    values: &mut [f64],
+    count: usize,
+    work: &(impl Fn(Range<usize>, &mut [f64]) -> bool + Sync),
+) -> bool {
+    if count < 2 {
+        return work(lines, values);
+    }
+    let first = starts[lines.start] as usize;
+    let aim = first + values.len() * (count / 2) / count;
+    let middle = starts.partition_point(|&s| (s as usize) < aim).clamp(lines.start, lines.end);
+    let (left, right) = values.split_at_mut(starts[middle] as usize - first);
+    let (a, b) = rayon::join(
+        || halves(starts, lines.start..middle, left, count / 2, work),
+        || halves(starts, middle..lines.end, right, count - count / 2, work),
+    );
+    a & b
+}
+
+/// Lines in stretches of about the same number of entries, with their values: at most so many.
+pub(super) fn stretches<'a>(
+    starts: &[u32],
+    mut values: &'a mut [f64],
+    most: usize,
+) -> Vec<(Range<usize>, &'a mut [f64])> {
+    let count = if rayon::current_num_threads() == 1 { 1 } else { most.min(values.len() / WORTH_A_THREAD).max(1) };
+    let (total, lines) = (values.len(), starts.len() - 1);
+    let mut all = Vec::new();
+    let mut first = 0;
+    for part in 1..=count {
+        let end = if part == count { lines } else { starts.partition_point(|&s| (s as usize) < total * part / count) };
+        let end = end.clamp(first, lines);
+        let (own, rest) = values.split_at_mut((starts[end] - starts[first]) as usize);
+        all.push((first..end, own));
+        (values, first) = (rest, end);
+    }
+    all
+}
+
+fn position(values: &[f64]) -> usize {
+    values.iter().position(|v| !v.is_finite()).unwrap_or_default()
+}

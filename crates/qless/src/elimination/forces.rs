@@ -1,0 +1,122 @@
+//! `C_S^T lambda = (f - K u)_S`: what constraints carry, for any solver's u.
+
+use qless_qr::Symbolic;
+
+use super::{Elimination, EliminationError, Equations};
+use crate::common::argument::numbers;
+use crate::factor::backend::BackendError;
+use crate::factor::lu;
+use crate::factor::solver::Solver;
+use crate::input::scale::{ldexp, where_needed};
+use crate::{ArgumentError, Csr, Kind};
+
+/// The independent equations in the columns of their slaves, factored.
+pub(super) struct Multipliers {
+    /// The independent equations.
+    equations: Vec<usize>,
+    solver: Solver,
+    /// Exponents of the equations ...
+    of_equations: Vec<i32>,
+    /// ... and of the slaves with which they were factored: units must not decide what is small.
+    of_slaves: Vec<i32>,
+}
+
+impl Multipliers {
+    fn new(known: &Equations, slaves: &[usize]) -> Result<Self, BackendError> {
+        let system = known.analysis.system();
+        // Which equations are independent never changes.
+        let equations: Vec<usize> = (0..known.kinds.len()).filter(|&i| known.kinds[i] == Kind::Independent).collect();
+        let scaling = where_needed(known.analysis.numbering.view(system, system.rhs()));
+        let mut of_slaves = vec![0; slaves.len()];
+        for (l, &dof) in known.analysis.numbering.dofs.iter().enumerate() {
+            if let Ok(k) = slaves.binary_search(&(dof as usize)) {
+                of_slaves[k] = scaling.col(l);
+            }
+        }
+        let mut rows = Csr::empty(slaves.len());
+        for &i in &equations {
+            let place = |(j, v): (usize, f64)| {
+                slaves.binary_search(&j).ok().map(|k| (k, ldexp(v, scaling.row[i] + of_slaves[k])))
+            };
+            rows.append(system.matrix().row(i).filter_map(place));
+        }
+        let of_equations = equations.iter().map(|&i| scaling.row[i]).collect();
+        let memory = known.analysis.options.memory;
+        let failed =
+            |error: qless_qr::Error| BackendError::Failed { backend: "multipliers", message: error.to_string() };
+        let symbolic = Symbolic::analyse(rows.cols, rows.rows(), &rows.start, &rows.col).map_err(failed)?;
+        let order: Vec<usize> = symbolic.order().iter().map(|&i| i as usize).collect();
+        let factors = lu::factor(&rows, &order, |_| true, memory);
+        let factors = factors.map_err(|error| error.of_block("multipliers", &rows, memory))?;
+        Ok(Self { equations, solver: Solver::new(&rows, factors), of_equations, of_slaves })
+    }
+}
+
+impl Elimination {
+    /// lambda of `K u + C^T lambda = f`, by equation, from `residual = f - K u` of any solver's u; zero for dependent equations. The
+    /// equations in the columns of the slaves are factored once, when this is first called.
+    ///
+    /// ```
+    /// use qless::{Elimination, Options, SystemBuilder};
+    /// // u0 = u1 under forces 3 and 1, held at rest: the tie carries what one pushes more than it is held by.
+    /// let mut builder = SystemBuilder::new(2);
+    /// builder.equation([(0, 1.0), (1, -1.0)], 0.0);
+    /// let elimination = Elimination::new(&builder.build()?, &Options::default())?;
+    /// assert_eq!(elimination.multipliers(&[1.0, -1.0])?, [1.0]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`EliminationError::Argument`] for a wrong length or a number that is not finite, [`EliminationError::Backend`].
+    pub fn multipliers(&self, residual: &[f64]) -> Result<Vec<f64>, EliminationError> {
+        numbers("the residual", residual, self.dofs())?;
+        let of_slaves: Vec<f64> = self.slaves().iter().map(|&j| residual[j]).collect();
+        let known = self.equations.as_ref().ok_or(EliminationError::NoEquations)?;
+        let mut all = vec![0.0; known.kinds.len()];
+        let factored = if let Some(factored) = known.multipliers.get() {
+            factored
+        } else {
+            let made = Multipliers::new(known, self.slaves())?;
+            known.multipliers.get_or_init(|| made)
+        };
+        let scaled = |&k: &u32| ldexp(of_slaves[k as usize], factored.of_slaves[k as usize]);
+        let by_step: Vec<f64> = factored.solver.slaves().iter().map(scaled).collect();
+        let lambda = factored.solver.solve_transposed(&by_step);
+        for ((&i, &exponent), lambda) in factored.equations.iter().zip(&factored.of_equations).zip(lambda) {
+            let lambda = ldexp(lambda, exponent);
+            if !lambda.is_finite() {
+                return Err(ArgumentError::Overflow { what: "lambda", place: i }.into());
+            }
+            all[i] = lambda;
+        }
+        Ok(all)
+    }
+
+    /// `C^T lambda - (f - K u)` at each prescribed DOF: what holds it. In the order of [`Elimination::prescribed`].
+    ///
+    /// # Errors
+    /// [`EliminationError::Argument`] for wrong lengths or numbers that are not finite.
+    pub fn reactions(&self, residual: &[f64], multipliers: &[f64]) -> Result<Vec<f64>, EliminationError> {
+        let known = self.equations.as_ref().ok_or(EliminationError::NoEquations)?;
+        numbers("the residual", residual, self.dofs())?;
+        numbers("the list of multipliers", multipliers, known.kinds.len())?;
+        let mut held = vec![0.0; self.dofs()];
+        let matrix = known.analysis.system().matrix();
+        for (i, lambda) in multipliers.iter().enumerate().filter(|(_, lambda)| **lambda != 0.0) {
+            matrix.row(i).for_each(|(j, v)| held[j] += v * lambda);
+        }
+        Ok(self.prescribed().iter().map(|&j| held[j] - residual[j]).collect())
+    }
+
+    /// `(DOF, force)` for forces on free DOFs that the equations fix (generated boundary conditions): they go into the constraints and
+    /// move nothing.
+    ///
+    /// # Errors
+    /// [`EliminationError::Argument`] for a wrong length or a number that is not finite.
+    pub fn loads_without_effect(&self, forces: &[f64]) -> Result<Vec<(usize, f64)>, EliminationError> {
+        let known = self.equations.as_ref().ok_or(EliminationError::NoEquations)?;
+        numbers("the list of forces", forces, self.dofs())?;
+        let fixed = known.analysis.generated().iter().map(|&(j, _)| (j, forces[j]));
+        Ok(fixed.filter(|&(_, force)| force != 0.0).collect())
+    }
+}

@@ -1,0 +1,165 @@
+//! Sparse rows and `row <- row - factor pivot`.
+
+use super::columns::Columns;
+use super::ledger::Ledger;
+use crate::factor::backend::BackendError;
+
+/// An entry at most `2^-50` (8.9e-16) of the largest number that went into it is rounding.
+const ROUNDING_BITS: u32 = 50;
+const ABSENT: u32 = u32::MAX;
+
+/// One number of a row; the entries of a row stand in no order.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Entry {
+    pub col: u32,
+    /// Exponent of the largest number that went into `value`, as f64 stores it.
+    peak: u32,
+    pub value: f64,
+}
+
+impl Entry {
+    pub fn new(col: u32, value: f64) -> Self {
+        Self { col, peak: exponent(value), value }
+    }
+
+    fn subtract(&mut self, part: f64) {
+        self.peak = self.peak.max(exponent(part));
+        self.value -= part;
+    }
+
+    fn is_rounding(&self) -> bool {
+        self.value == 0.0 || exponent(self.value) + ROUNDING_BITS <= self.peak
+    }
+}
+
+/// `floor(log2(abs(value))) + 1023`; 0 for subnormal numbers.
+fn exponent(value: f64) -> u32 {
+    (value.to_bits() >> 52) as u32 & 0x7ff
+}
+
+/// Size of the largest entry of a row.
+pub(super) fn largest(row: &[Entry]) -> f64 {
+    row.iter().fold(0.0, |most, entry| most.max(entry.value.abs()))
+}
+
+/// The pivot row, and where in it each column is.
+pub(super) struct Pivot {
+    pub entries: Vec<Entry>,
+    place: Vec<u32>,
+    /// Which of its entries a row met.
+    met: Vec<bool>,
+}
+
+impl Pivot {
+    pub fn new(cols: usize, ledger: &mut Ledger) -> Result<Self, BackendError> {
+        Ok(Self { entries: Vec::new(), place: ledger.filled(ABSENT, cols)?, met: ledger.filled(false, cols)? })
+    }
+
+    pub fn load(&mut self, entries: Vec<Entry>) {
+        entries.iter().zip(0..).for_each(|(entry, k)| self.place[entry.col as usize] = k);
+        self.entries = entries;
+    }
+
+    pub fn unload(&mut self) -> Vec<Entry> {
+        self.entries.iter().for_each(|entry| self.place[entry.col as usize] = ABSENT);
+        std::mem::take(&mut self.entries)
+    }
+
+    /// `row i <- row i - factor pivot`; returns the sum of the squares of what cancelled.
+    pub fn subtract_from(
+        &mut self,
+        row: &mut Vec<Entry>,
+        factor: f64,
+        i: u32,
+        columns: &mut Columns,
+        ledger: &mut Ledger,
+    ) -> Result<f64, BackendError> {
+        let (mut k, mut common, mut cancelled) = (0, 0, 0.0);
+        while let Some(entry) = row.get_mut(k) {
+            k += 1;
+            let place = self.place[entry.col as usize];
+            if place == ABSENT {
+                continue;
+            }
+            common += 1;
+            self.met[place as usize] = true;
+            entry.subtract(factor * self.entries[place as usize].value);
+            if entry.is_rounding() {
+                k -= 1;
+                let entry = row.swap_remove(k);
+                columns.forget(entry.col);
+                cancelled += entry.value.powi(2);
+            }
+        }
+        self.fill(row, factor, i, self.entries.len() - common, columns, ledger)?;
+        Ok(cancelled)
+    }
+
+    /// Appends `-factor pivot` in the `count` columns that the row did not meet.
+    fn fill(
+        &mut self,
+        row: &mut Vec<Entry>,
+        factor: f64,
+        i: u32,
+        count: usize,
+        columns: &mut Columns,
+        ledger: &mut Ledger,
+    ) -> Result<(), BackendError> {
+        ledger.reserve(row, count)?;
+        for (entry, met) in self.entries.iter().zip(&mut self.met) {
+            let fill = Entry::new(entry.col, -factor * entry.value);
+            // A product too small for a double is no entry.
+            if !std::mem::take(met) && fill.value != 0.0 {
+                columns.add(fill.col, i, ledger)?;
+                row.push(fill);
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Csr;
+
+    fn row(entries: &[(u32, f64)]) -> Vec<Entry> {
+        entries.iter().map(|&(j, v)| Entry::new(j, v)).collect()
+    }
+
+    #[test]
+    fn what_cancels_to_rounding_leaves_the_row_and_the_rest_stays() -> Result<(), BackendError> {
+        let mut a = Csr::empty(1);
+        [0.3, 1.0, 0.0, 1e100].iter().for_each(|&v| a.append([(0, v)]));
+        let mut ledger = Ledger::new(&a, usize::MAX);
+        let (mut columns, mut pivot) = (Columns::new(&a, &mut ledger)?, Pivot::new(4, &mut ledger)?);
+        pivot.load(row(&[(0, 0.1), (1, (1.0 - 1e-14) / 3.0), (2, 2.0)]));
+        let mut target = row(&[(0, 0.3), (1, 1.0), (3, 1e100)]);
+        let cancelled = pivot.subtract_from(&mut target, 3.0, 0, &mut columns, &mut ledger)?;
+        // 0.3 - 3 * 0.1 is -5.6e-17; 1 - (1 - 1e-14) is a number with two digits; column 2 fills in; column 3 is not met.
+        assert!(cancelled > 0.0 && cancelled < 1e-32, "{cancelled:e}");
+        let mut left: Vec<_> = target.iter().map(|entry| (entry.col, entry.value)).collect();
+        left.sort_unstable_by_key(|entry| entry.0);
+        assert!((left[0].1 - 1e-14).abs() < 2e-16, "{left:?}");
+        assert_eq!(left[1..], [(2, -6.0), (3, 1e100)]);
+        assert_eq!([0, 1, 2, 3].map(|j| columns.count(j)), [0, 1, 1, 1]);
+        Ok(())
+    }
+
+    #[test]
+    fn sizes_are_those_of_all_parts_that_went_in() -> Result<(), BackendError> {
+        let mut a = Csr::empty(1);
+        a.append([(0, 1.0)]);
+        let mut ledger = Ledger::new(&a, usize::MAX);
+        let (mut columns, mut pivot) = (Columns::new(&a, &mut ledger)?, Pivot::new(1, &mut ledger)?);
+        let mut target = row(&[(0, 1.0)]);
+        pivot.load(row(&[(0, 1.0)]));
+        pivot.subtract_from(&mut target, 1.0 - 1e-12, 0, &mut columns, &mut ledger)?;
+        assert_eq!(target.len(), 1);
+        // Of 1e-12 with an error of 1e-16, 1e-16 is left.
+        let left = target[0].value;
+        pivot.subtract_from(&mut target, left - 1e-16, 0, &mut columns, &mut ledger)?;
+        assert!(target.is_empty(), "{target:?}");
+        Ok(())
+    }
+}

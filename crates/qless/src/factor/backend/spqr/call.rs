@@ -1,0 +1,206 @@
+//! One call of SuiteSparseQR's C interface: what goes in, what comes out, and who frees it.
+#![allow(unsafe_code, reason = "the one module that calls spqr-sys")]
+
+mod rows;
+
+use std::collections::TryReserveError;
+use std::ptr::{from_mut, null_mut};
+
+use spqr_sys::memory::Common;
+use spqr_sys::{cholmod_dense, cholmod_sparse};
+
+use super::{Statistics, Tall, all_finite, error_of, failed, is_trapezoidal};
+use crate::Csr;
+use crate::factor::backend::{BackendError, Factor};
+use rows::InColumns;
+
+/// What C allocates for one factorization. Dropping it frees all of it, however the call went.
+pub(super) struct Call {
+    pub common: Common,
+    z: *mut cholmod_dense,
+    r: *mut cholmod_sparse,
+    order: *mut i64,
+    order_length: usize,
+}
+
+impl Call {
+    /// None without memory.
+    pub fn start(order_length: usize) -> Option<Self> {
+        let common = Common::start()?;
+        Some(Self { common, z: null_mut(), r: null_mut(), order: null_mut(), order_length })
+    }
+
+    /// The rank, or CHOLMOD's status. The order must be asked for: without it SPQR 2.1 frees a deficient R twice.
+    pub fn run(&mut self, columns: &Csr, b: Tall, tolerance: f64) -> Result<usize, i32> {
+        let no_memory = |_| spqr_sys::CHOLMOD_OUT_OF_MEMORY;
+        let starts = columns.start.iter().map(|&entry| entry as i64);
+        let mut start = collected(columns.start.len(), starts).map_err(no_memory)?;
+        let mut index =
+            collected(columns.col.len(), columns.col.iter().map(|&row| i64::from(row))).map_err(no_memory)?;
+        let mut a = sparse_view(columns, &mut start, &mut index);
+        let mut dense = dense_view(b);
+        let (b_in, z_out) =
+            if b.count == 0 { (null_mut(), null_mut()) } else { (from_mut(&mut dense), &raw mut self.z) };
+        // econ = m keeps every row of Q^T B; R has entries in its first rows only, so this costs nothing.
+        let econ = b.rows as i64;
+        // SAFETY: the views outlive the call, which reads them only; outputs are null or owned by `self`; Z is
+        // asked for dense exactly when B is given; H, HPinv and HTau may be null.
+        let rank = unsafe {
+            spqr_sys::SuiteSparseQR_C(
+                spqr_sys::SPQR_ORDERING_DEFAULT,
+                tolerance,
+                econ,
+                0,
+                &raw mut a,
+                null_mut(),
+                b_in,
+                null_mut(),
+                z_out,
+                &raw mut self.r,
+                &raw mut self.order,
+                null_mut(),
+                null_mut(),
+                null_mut(),
+                self.common.as_mut_ptr(),
+            )
+        };
+        if let Some(status) = self.common.failure() {
+            return Err(status);
+        }
+        let complete = !self.r.is_null() && self.z.is_null() == z_out.is_null();
+        let accepted = self.common.status >= spqr_sys::CHOLMOD_OK && complete;
+        usize::try_from(rank).ok().filter(|_| accepted).ok_or(self.common.status)
+    }
+
+    /// Copies the results, on so many threads of the caller's pool.
+    pub fn read(&self, rank: usize, columns: &Csr, b: Tall, threads: usize) -> Result<Factor, BackendError> {
+        let (m, n) = (columns.cols, columns.rows());
+        let in_columns = self.r(n);
+        // For less the threads take longer to wake up.
+        let threads = if in_columns.row.len() < 1 << 18 { 1 } else { threads };
+        let no_memory = |_| error_of(spqr_sys::CHOLMOD_OUT_OF_MEMORY, m, n);
+        let r = in_columns.by_rows(rank, threads).map_err(no_memory)?;
+        if !is_trapezoidal(&r) {
+            return Err(failed("SuiteSparseQR returned an R that is not [R1 R2]".into()));
+        }
+        let z = self.transformed(b.count);
+        if !all_finite(&r.val) || !all_finite(z.values) {
+            return Err(failed(format!("the {m} x {n} block overflows: scale it")));
+        }
+        let dropped = without_last_bits(self.common.SPQR_norm_E_fro);
+        let order = self.order(n).map_err(no_memory)?;
+        let (rhs, rest) = (z.head(rank).map_err(no_memory)?, z.rest(rank).map_err(no_memory)?);
+        Ok(Factor { rank, order, r, rhs, rest, dropped })
+    }
+
+    pub fn statistics(&self) -> Statistics {
+        let common = &self.common;
+        Statistics {
+            tasks: common.SPQR_istat[3].max(1) as usize,
+            memory: common.memory_usage,
+            analysis: common.SPQR_analyze_time,
+            factorization: common.SPQR_factorize_time,
+            total: 0.0,
+        }
+    }
+
+    /// P; C returns it for `[A B]`, B last, and returns nothing for the identity.
+    fn order(&self, n: usize) -> Result<Vec<usize>, TryReserveError> {
+        if self.order.is_null() {
+            return collected(n, 0..n);
+        }
+        // SAFETY: SPQR wrote `order_length` >= n entries.
+        collected(n, unsafe { slice(self.order, n) }.iter().map(|&j| j as usize))
+    }
+
+    fn r(&self, n: usize) -> InColumns<'_> {
+        // SAFETY: after `run`, R is packed, real, of 64-bit indices: n + 1 starts and as many entries as they say.
+        unsafe {
+            let r = &*self.r;
+            let start = slice(r.p.cast::<i64>(), n + 1);
+            let count = start[n] as usize;
+            InColumns { start, row: slice(r.i.cast::<i64>(), count), value: slice(r.x.cast::<f64>(), count) }
+        }
+    }
+
+    /// `Q^T B`, m x k.
+    fn transformed(&self, count: usize) -> Tall<'_> {
+        if count == 0 {
+            return Tall { rows: 0, count, values: &[] };
+        }
+        // SAFETY: after `run`, Z is dense and real with `d` = `nrow`, as CHOLMOD allocates it.
+        let (rows, values) = unsafe { ((*self.z).nrow, slice((*self.z).x.cast::<f64>(), (*self.z).nrow * count)) };
+        Tall { rows, count, values }
+    }
+}
+
+impl Drop for Call {
+    fn drop(&mut self) {
+        let common = self.common.as_mut_ptr();
+        // SAFETY: each pointer is null or was allocated by SPQR under this `common`; freeing null does nothing.
+        unsafe {
+            spqr_sys::cholmod_l_free_sparse(&raw mut self.r, common);
+            spqr_sys::cholmod_l_free_dense(&raw mut self.z, common);
+            spqr_sys::cholmod_l_free(self.order_length, size_of::<i64>(), self.order.cast(), common);
+        }
+    }
+}
+
+/// To 24 bits: the parts of this norm are summed task by task, so that its last bits depend on the tree, as nothing else does.
+fn without_last_bits(norm: f64) -> f64 {
+    f64::from_bits((norm.to_bits() + (1 << 28)) & !((1 << 29) - 1))
+}
+
+/// At most `length` values, in memory that may not be there.
+pub(super) fn collected<T>(length: usize, values: impl Iterator<Item = T>) -> Result<Vec<T>, TryReserveError> {
+    let mut collected = reserved(length)?;
+    collected.extend(values.take(length));
+    Ok(collected)
+}
+
+fn reserved<T>(length: usize) -> Result<Vec<T>, TryReserveError> {
+    let mut values = Vec::new();
+    values.try_reserve_exact(length)?;
+    Ok(values)
+}
+
+/// # Safety
+/// `data` has `length` entries, or `length` is 0.
+unsafe fn slice<'a, T>(data: *const T, length: usize) -> &'a [T] {
+    // SAFETY: the caller's promise; C may leave the pointer of an empty array null, Rust may not.
+    if length == 0 { &[] } else { unsafe { std::slice::from_raw_parts(data, length) } }
+}
+
+/// A as CHOLMOD sees it, m x n in compressed columns. C takes mutable pointers but only reads.
+fn sparse_view(columns: &Csr, start: &mut [i64], index: &mut [i64]) -> cholmod_sparse {
+    cholmod_sparse {
+        nrow: columns.cols,
+        ncol: columns.rows(),
+        nzmax: columns.nnz(),
+        p: start.as_mut_ptr().cast(),
+        i: index.as_mut_ptr().cast(),
+        nz: null_mut(),
+        x: columns.val.as_ptr().cast_mut().cast(),
+        z: null_mut(),
+        stype: 0,
+        itype: spqr_sys::CHOLMOD_LONG,
+        xtype: spqr_sys::CHOLMOD_REAL,
+        dtype: spqr_sys::CHOLMOD_DOUBLE,
+        sorted: 1,
+        packed: 1,
+    }
+}
+
+/// B as CHOLMOD sees it; read only too.
+fn dense_view(b: Tall) -> cholmod_dense {
+    cholmod_dense {
+        nrow: b.rows,
+        ncol: b.count,
+        nzmax: b.values.len(),
+        d: b.rows,
+        x: b.values.as_ptr().cast_mut().cast(),
+        z: null_mut(),
+        xtype: spqr_sys::CHOLMOD_REAL,
+        dtype: spqr_sys::CHOLMOD_DOUBLE,
+    }
+}

@@ -1,0 +1,14 @@
+//! What a code does with constraints in every step, against dense products with the same L and u_0, for random systems.
+
+#[path = "elimination/condensed.rs"]
+mod condensed;
+#[path = "elimination/dense.rs"]
+mod dense;
+#[path = "elimination/edges.rs"]
+mod edges;
+#[path = "elimination/matrix.rs"]
+mod matrix;
+#[path = "elimination/units.rs"]
+mod units;
+#[path = "elimination/vectors.rs"]
+mod vectors;
