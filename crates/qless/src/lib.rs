@@ -26,7 +26,7 @@
 //! ```
 
 pub mod change;
-mod common;
+pub mod common;
 pub mod diagnosis;
 pub mod elimination;
 mod factor;
@@ -38,7 +38,6 @@ pub mod report;
 
 pub use change::ChangingSystem;
 pub use common::argument::ArgumentError;
-pub use common::identity::Identity;
 pub use diagnosis::analysis::{Analysis, AnalysisError, analyse};
 pub use diagnosis::certificate::CertificateTerm;
 pub use diagnosis::classify::{Dependent, Kind};

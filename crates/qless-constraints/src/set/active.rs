@@ -10,7 +10,8 @@
 use std::collections::HashMap;
 
 use qless::change::{ChangeError, EquationId};
-use qless::{ArgumentError, ChangingSystem, Identity, Kind, Options};
+use qless::common::Identity;
+use qless::{ArgumentError, ChangingSystem, Kind, Options};
 
 use super::layout::{Layout, differences};
 use super::{ConstraintSet, Quantities};

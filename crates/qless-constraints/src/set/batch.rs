@@ -4,7 +4,7 @@
 //! apart, equal neighbours once: in ties and periodic cells most of them repeat, and what is not read costs nothing. DOFs are counted
 //! from one below the smallest of the batch, in 16 bits where that is enough, as in any model whose numbers follow its shape.
 
-use qless::Identity;
+use qless::common::Identity;
 
 use super::labels::Owner;
 use super::lists::Recent;

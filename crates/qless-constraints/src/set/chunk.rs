@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use qless::Identity;
+use qless::common::Identity;
 
 use super::block::Block;
 use super::effective::Weighted;

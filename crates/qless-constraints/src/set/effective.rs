@@ -7,7 +7,8 @@
 use std::ops::Range;
 use std::slice;
 
-use qless::{Csr, Identity, SystemError};
+use qless::common::Identity;
+use qless::{Csr, SystemError};
 use rayon::prelude::*;
 
 use super::block::Block;

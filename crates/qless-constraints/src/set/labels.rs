@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
 
-use qless::Identity;
+use qless::common::Identity;
 
 use super::contents::Contents;
 use super::error::EditError;

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use qless::Identity;
+use qless::common::Identity;
 
 /// The stamp of each segment and how many rows it has, in their order.
 pub(super) type Layout = Vec<(Identity, usize)>;

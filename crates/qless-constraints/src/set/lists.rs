@@ -2,7 +2,7 @@
 //!
 //! A small table of the last lists finds nearly all that repeat, in constant time and memory per list.
 
-use qless::Identity;
+use qless::common::Identity;
 
 /// The table has `2^BITS` places.
 const BITS: u32 = 12;

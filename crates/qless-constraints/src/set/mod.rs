@@ -53,7 +53,8 @@ mod typed;
 mod values;
 mod weights;
 
-use qless::{ArgumentError, Identity};
+use qless::ArgumentError;
+use qless::common::Identity;
 
 pub use active::{ActiveError, ActiveSystem};
 use blocks::Blocks;

@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use qless::{ArgumentError, Csr, Identity, SystemError};
+use qless::common::Identity;
+use qless::{ArgumentError, Csr, SystemError};
 
 use super::ConstraintSet;
 use super::batch::Batch;

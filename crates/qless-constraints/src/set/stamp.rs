@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use qless::Identity;
+use qless::common::Identity;
 
 /// Of the state since the last change.
 #[derive(Default)]

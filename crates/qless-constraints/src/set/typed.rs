@@ -3,7 +3,7 @@
 use std::any::Any;
 use std::ops::Range;
 
-use qless::Identity;
+use qless::common::Identity;
 
 use super::block::Block;
 use super::cut::Cut;

@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Which analysis or set something was made by: one for each of a process; copies stay the same.
 ///
 /// ```
-/// let (one, other) = (qless::Identity::new(), qless::Identity::new());
-/// assert!(one == one.clone() && one != other && one != qless::Identity::NONE);
+/// let (one, other) = (qless::common::Identity::new(), qless::common::Identity::new());
+/// assert!(one == one.clone() && one != other && one != qless::common::Identity::NONE);
 /// ```
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Identity(u64);

@@ -1,7 +1,12 @@
-//! What every stage uses.
+//! Small parts that every stage uses, and crates built on this one.
 
-pub mod argument;
-pub mod identity;
-pub mod pool;
-pub mod prefetch;
-pub mod random;
+pub(crate) mod argument;
+mod disjoint_sets;
+pub(crate) mod identity;
+pub(crate) mod pool;
+pub(crate) mod prefetch;
+pub(crate) mod random;
+
+pub use disjoint_sets::DisjointSets;
+pub use identity::Identity;
+pub use random::SplitMix64;

@@ -1,5 +1,6 @@
 //! Connected components of the graph of equations and free DOFs: nothing that is said of one depends on another (section 3.1).
 
+use crate::common::DisjointSets;
 use crate::input::numbering::Local;
 
 /// The rows of each component, ascending; components in order of their first row. `dofs` gives the free DOFs of a row,
@@ -31,27 +32,17 @@ impl Labels {
 
     fn new<D: Iterator<Item = u32>>(rows: usize, count: usize, dofs: impl Fn(usize) -> D) -> Self {
         let mut owner = vec![u32::MAX; count];
-        let mut parent: Vec<u32> = (0..rows as u32).collect();
+        let mut sets = DisjointSets::new(rows);
         for k in 0..rows {
             for j in dofs(k) {
                 match owner[j as usize] {
                     u32::MAX => owner[j as usize] = k as u32,
-                    other => join(&mut parent, other, k as u32),
+                    other => sets.join(other as usize, k),
                 }
             }
         }
-        let mut number = vec![u32::MAX; rows];
-        let mut count = 0;
-        let mut of_row = Vec::with_capacity(rows);
-        for k in 0..rows as u32 {
-            let root = find(&mut parent, k) as usize;
-            if number[root] == u32::MAX {
-                number[root] = count;
-                count += 1;
-            }
-            of_row.push(number[root]);
-        }
-        Self { of_row, count: count as usize }
+        let (of_row, count) = sets.numbered();
+        Self { of_row, count }
     }
 
     /// Marks all rows that are connected with some.
@@ -60,17 +51,4 @@ impl Labels {
         rows.iter().for_each(|&i| of_label[self.of_row[i] as usize] = true);
         marked.iter_mut().zip(&self.of_row).for_each(|(marked, &label)| *marked |= of_label[label as usize]);
     }
-}
-
-fn find(parent: &mut [u32], mut k: u32) -> u32 {
-    while parent[k as usize] != k {
-        parent[k as usize] = parent[parent[k as usize] as usize];
-        k = parent[k as usize];
-    }
-    k
-}
-
-fn join(parent: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (find(parent, a), find(parent, b));
-    parent[a.max(b) as usize] = a.min(b);
 }
