@@ -1,7 +1,4 @@
 //! The library itself.
 #![no_main]
 
-#[path = "../src/api.rs"]
-mod api;
-
-libfuzzer_sys::fuzz_target!(|data: &[u8]| api::api(data));
+libfuzzer_sys::fuzz_target!(|data: &[u8]| qless_fuzz::api(data));

@@ -1,13 +1,6 @@
-//! What every input must pass, whatever its bytes: the reader returns, and what it accepts is a system.
-//!
-//! An input is one or more files: a line `=== NAME` starts the next one. The same functions run under libFuzzer and, over the
-//! kept corpus, in the tests of `qless-io`.
+//! The checks of `tests/fuzz`, run by libFuzzer on inputs of its own.
 
-mod case;
-mod deck;
-mod files;
-mod folder;
+#[path = "../../tests/fuzz/mod.rs"]
+mod checks;
 
-pub use case::case;
-pub use deck::{ansys, calculix, nastran};
-pub use folder::folder;
+pub use checks::{ansys, api, calculix, case, folder, nastran};

@@ -1,4 +1,4 @@
-//! Answers that were wrong and sure once, each as small as it can be rebuilt: right, or in doubt, or refused.
+//! Systems on which an earlier version gave a wrong answer without doubt, each as small as possible: now right, ambiguous, or refused.
 
 mod support;
 

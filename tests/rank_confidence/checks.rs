@@ -7,7 +7,7 @@ use qless::{Analysis, Kind, Options, SystemBuilder, Tolerance, analyse};
 use qless_scenes::oracle::consistent;
 
 use super::residual;
-use super::truth::{Case, Truth, kept};
+use super::svd_reference::{Case, Truth, kept};
 
 /// Largest residual of what leaves the library.
 const RESIDUAL: f64 = 1e-10;

@@ -6,10 +6,10 @@ use qless::{Analysis, BackendChoice, ConstraintSystem, Kind, Options, Reduction,
 use qless_scenes::families::{self, Near};
 use qless_scenes::{Scene, SceneError, fssi, paper};
 
-use super::judge::text;
+use super::checks::text;
 use super::random;
 use super::scenes::triangle;
-use super::truth::Case;
+use super::svd_reference::Case;
 
 /// A part of a whole: its rows and DOFs by their numbers in the whole, ascending, and the part alone.
 struct Part {

@@ -5,7 +5,7 @@ use qless_scenes::families::{self, Degree, Mortar, Near, Side, Windows};
 use qless_scenes::fssi::{self, Mesh};
 use qless_scenes::{Scene, SceneError, Truth, paper};
 
-use super::truth::Case;
+use super::svd_reference::Case;
 
 /// Family, sizes and seed; the scene.
 pub type Named = (String, Scene);

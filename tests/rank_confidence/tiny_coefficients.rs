@@ -7,9 +7,9 @@ use qless::{ConstraintSystem, Options, SystemBuilder, analyse};
 use qless_scenes::Rng;
 use rayon::prelude::*;
 
-use super::judge::tolerance;
+use super::checks::tolerance;
 use super::random;
-use super::truth::{Case, Truth};
+use super::svd_reference::{Case, Truth};
 
 const COUNT: u64 = 4000;
 

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use qless::{ConstraintSystem, SystemBuilder};
 use qless_scenes::{Rng, Scene, oracle};
 
-use super::truth::{Case, Truth};
+use super::svd_reference::{Case, Truth};
 
 type Row = (BTreeMap<usize, f64>, f64);
 

@@ -5,8 +5,8 @@ use std::sync::OnceLock;
 use qless::{BackendChoice, Options};
 use rayon::prelude::*;
 
-use super::judge::{Fault, Law, faults, tolerance};
-use super::truth::{Case, Truth};
+use super::checks::{Fault, Law, faults, tolerance};
+use super::svd_reference::{Case, Truth};
 use super::{random, scenes};
 use crate::support::settings;
 

@@ -12,7 +12,7 @@ use qless_scenes::families::{self, Near};
 use qless_scenes::oracle::{rank_free, singular_values};
 use qless_scenes::{Rng, Scene};
 
-use super::judge::text;
+use super::checks::text;
 use super::scenes::triangle;
 use crate::support::settings;
 

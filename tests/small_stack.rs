@@ -1,4 +1,4 @@
-//! No recursion as deep as the model is long: everything in a thread with a stack of 256 KiB.
+//! Stack depth does not grow with the model: every call runs in a thread with a stack of 256 KiB.
 
 use qless::{Kind, Options, analyse};
 use qless_scenes::{Scene, families};
