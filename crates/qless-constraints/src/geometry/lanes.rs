@@ -4,6 +4,13 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
+use pulp::{Arch, Simd, WithSimd};
+
+use super::rodrigues::{closed, from_highest, highest};
+use super::rotation::Kind;
+use super::rotation_derivatives::{Phi, slopes_by_vector};
+use crate::scalar::vector::{Vector, dot};
+
 /// Numbers side by side.
 pub const LANES: usize = 8;
 
@@ -51,5 +58,115 @@ impl Neg for Lanes {
     fn neg(mut self) -> Self {
         (0..LANES).for_each(|k| self.0[k] = -self.0[k]);
         self
+    }
+}
+
+/// [`factors`](super::rodrigues::factors) of eight y, each as if it were alone.
+#[inline(always)]
+pub fn factors_of_lanes(y: Lanes) -> [[Lanes; 3]; 2] {
+    let mut all = from_highest(y, highest::<12, _>(y));
+    for (lane, &y) in y.0.iter().enumerate().filter(|&(_, &y)| y >= 4.0) {
+        let of_lane = closed(y);
+        (0..6).for_each(|k| all[k / 3][k % 3].0[lane] = of_lane[k / 3][k % 3]);
+    }
+    all
+}
+
+/// The rotation vectors of up to eight bodies, and the arms that they turn; zeros where a body has none.
+#[derive(Default)]
+pub struct Vectors {
+    theta: Vector<Lanes>,
+    arm: Vector<Lanes>,
+    any: bool,
+}
+
+/// `R s` and `d(R s)` of each, as [`super::rotation_derivatives::slopes`] has them.
+#[derive(Default)]
+pub struct Turns((Vector<Lanes>, [Vector<Lanes>; 3]));
+
+impl Turns {
+    /// That of one body.
+    #[inline]
+    pub fn of(&self, lane: usize) -> (Vector<f64>, [[f64; 4]; 3]) {
+        let (turned, rows) = &self.0;
+        let of_row = |i: usize| [rows[i][0].0[lane], rows[i][1].0[lane], rows[i][2].0[lane], 0.0];
+        (std::array::from_fn(|i| turned[i].0[lane]), std::array::from_fn(of_row))
+    }
+}
+
+impl Vectors {
+    /// That of one more body with the DOFs u.
+    #[inline]
+    pub fn set(&mut self, lane: usize, (kind, arm): (Kind, Vector<f64>), u: &[f64]) {
+        if kind == Kind::Vector {
+            (0..3).for_each(|k| (self.theta[k].0[lane], self.arm[k].0[lane]) = (u[3 + k], arm[k]));
+            self.any = true;
+        }
+    }
+
+    /// `R s` and its slopes.
+    #[inline]
+    pub fn slopes(&self, out: &mut Turns) {
+        if self.any {
+            Arch::new().dispatch(SlopesOfLanes { theta: &self.theta, arm: &self.arm, out: &mut out.0 });
+        }
+    }
+
+    /// The Hessian of `m . (R s)` of each with its `m`.
+    #[inline]
+    pub fn hessians(&self, m: &Vector<Lanes>, out: &mut [Lanes; 6]) {
+        if self.any {
+            Arch::new().dispatch(HessianOfLanes { theta: &self.theta, arm: &self.arm, m, out });
+        }
+    }
+}
+
+struct SlopesOfLanes<'a> {
+    theta: &'a Vector<Lanes>,
+    arm: &'a Vector<Lanes>,
+    out: &'a mut (Vector<Lanes>, [Vector<Lanes>; 3]),
+}
+
+impl WithSimd for SlopesOfLanes<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let theta = *self.theta;
+        *self.out = slopes_by_vector(theta, *self.arm, factors_of_lanes(dot(theta, theta)));
+    }
+}
+
+struct HessianOfLanes<'a> {
+    theta: &'a Vector<Lanes>,
+    arm: &'a Vector<Lanes>,
+    m: &'a Vector<Lanes>,
+    out: &'a mut [Lanes; 6],
+}
+
+impl WithSimd for HessianOfLanes<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let theta = *self.theta;
+        *self.out = Phi::new(theta, *self.arm, *self.m, factors_of_lanes(dot(theta, theta))).hessian();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::rodrigues::factors;
+    use crate::geometry::rodrigues::tests::assert_same;
+
+    /// Each lane is as if it were alone, whatever stands beside it.
+    #[test]
+    fn lanes_are_those_of_one_number() {
+        let y = [0.0, 1e-9, 0.04, 0.06, 1.0, 3.999, 4.0, 30.0];
+        let all = factors_of_lanes(Lanes(y));
+        for (lane, &y) in y.iter().enumerate() {
+            assert_same(all.map(|of| of.map(|x| x.0[lane])), factors(y), 4e-15, y);
+            let alone = factors_of_lanes(Lanes::from(y));
+            assert_eq!(all.map(|of| of.map(|x| x.0[lane])), alone.map(|of| of.map(|x| x.0[0])), "y = {y}");
+        }
     }
 }

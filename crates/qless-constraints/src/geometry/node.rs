@@ -4,6 +4,19 @@ use std::borrow::Cow;
 
 use crate::scalar::Scalar;
 
+/// Of the largest coordinate: what sums of a few rounded products may be off.
+pub(crate) const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// How far a point that lies on an element may seem to be away from it, for the rounding of its coordinates.
+pub fn rounding<const D: usize>(nodes: &[[f64; D]], point: &[f64; D]) -> f64 {
+    ROUNDING * nodes.iter().flatten().chain(point).fold(0.0, |most: f64, x| most.max(x.abs()))
+}
+
+/// `x_k - p`.
+pub fn relative<const D: usize>(nodes: &[[f64; D]], point: &[f64; D]) -> Vec<[f64; D]> {
+    nodes.iter().map(|x| std::array::from_fn(|d| x[d] - point[d])).collect()
+}
+
 /// Components in the order of the DOFs of a node.
 pub(crate) const AXES: [&str; 3] = ["x", "y", "z"];
 

@@ -1,7 +1,5 @@
 //! What a facet is seen as: an interval of a line or a convex polygon of a plane; intersection, size, and Gauss points in it.
 
-use super::clip::{Flat, area, clip, is_convex, perimeter, quadrature};
-
 /// An outline. Points of a line are `[s, 0]`.
 pub enum Outline {
     /// From and to.
@@ -67,6 +65,128 @@ impl Outline {
     }
 }
 
+/// A point of the plane.
+pub type Flat = [f64; 2];
+
+/// Twice the area of the triangle `a b p`, positive if p lies to the left of ab.
+fn side(a: Flat, b: Flat, p: Flat) -> f64 {
+    (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
+}
+
+/// The edges of a polygon, from corner to corner.
+fn edges(polygon: &[Flat]) -> impl Iterator<Item = (Flat, Flat)> {
+    polygon.iter().copied().zip(polygon.iter().copied().cycle().skip(1))
+}
+
+/// Triangles from the first corner to every edge; together they are the polygon.
+fn fan(polygon: &[Flat]) -> impl Iterator<Item = [Flat; 3]> {
+    polygon.windows(2).skip(1).map(|ends| [polygon[0], ends[0], ends[1]])
+}
+
+/// The area, negative if the corners run clockwise.
+pub fn area(polygon: &[Flat]) -> f64 {
+    fan(polygon).map(|[a, b, c]| side(a, b, c) / 2.0).sum()
+}
+
+/// The sum of the lengths of the edges.
+pub fn perimeter(polygon: &[Flat]) -> f64 {
+    edges(polygon).map(|(a, b)| (b[0] - a[0]).hypot(b[1] - a[1])).sum()
+}
+
+/// Whether no corner points inwards, but for rounding.
+pub fn is_convex(polygon: &[Flat]) -> bool {
+    let rounding = 1e-12 * area(polygon);
+    let after = edges(polygon).skip(1).chain(edges(polygon));
+    edges(polygon).zip(after).all(|((a, b), (_, c))| side(a, b, c) >= -rounding)
+}
+
+/// The part of a polygon that lies in a convex window (Sutherland and Hodgman, Commun. ACM, 1974).
+pub fn clip(polygon: Vec<Flat>, window: &[Flat]) -> Vec<Flat> {
+    edges(window).fold(polygon, |left, (a, b)| cut(&left, a, b))
+}
+
+/// The part to the left of the line ab.
+fn cut(polygon: &[Flat], a: Flat, b: Flat) -> Vec<Flat> {
+    let mut kept = Vec::with_capacity(polygon.len() + 1);
+    for (p, q) in edges(polygon) {
+        let (from, to) = (side(a, b, p), side(a, b, q));
+        if from >= 0.0 {
+            kept.push(p);
+        }
+        if (from > 0.0 && to < 0.0) || (from < 0.0 && to > 0.0) {
+            let t = from / (from - to);
+            kept.push([p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])]);
+        }
+    }
+    kept
+}
+
+/// Corners that cut off less than this part of the area are none: rounding puts them on edges and next to one another.
+const STRAIGHT: f64 = 1e-10;
+
+/// The corners of a polygon without those that are none.
+fn true_corners(polygon: &[Flat]) -> Vec<Flat> {
+    let least = 2.0 * STRAIGHT * area(polygon);
+    let mut corners = polygon.to_vec();
+    let mut k = 0;
+    while k < corners.len() && corners.len() > 3 {
+        let n = corners.len();
+        if side(corners[(k + n - 1) % n], corners[k], corners[(k + 1) % n]) < least {
+            corners.remove(k);
+        } else {
+            k += 1;
+        }
+    }
+    corners
+}
+
+/// The mean of a polygon, weighted with the area.
+fn centroid(polygon: &[Flat]) -> Flat {
+    let parts = || fan(polygon).map(|[a, b, c]| (side(a, b, c), [a[0] + b[0] + c[0], a[1] + b[1] + c[1]]));
+    let whole: f64 = parts().map(|(twice, _)| twice).sum();
+    // Shares first: products of areas and lengths vanish in small units.
+    [0, 1].map(|k| parts().map(|(twice, sum)| twice / whole * sum[k]).sum::<f64>() / 3.0)
+}
+
+/// Triangles that depend on the polygon alone, not on which corner is its first: itself, or those from the centroid to every edge.
+fn triangles(polygon: &[Flat]) -> Vec<[Flat; 3]> {
+    match *true_corners(polygon) {
+        [a, b, c] => vec![[a, b, c]],
+        ref corners => {
+            let middle = centroid(corners);
+            edges(corners).map(|(a, b)| [middle, a, b]).collect()
+        }
+    }
+}
+
+/// Points and weights whose sum is the integral over a polygon, exact for polynomials up to degree five; for others it depends on the
+/// polygon alone, so that it turns with the model.
+pub fn quadrature(polygon: &[Flat]) -> impl Iterator<Item = (Flat, f64)> {
+    triangles(polygon).into_iter().flat_map(|triangle| {
+        let whole = side(triangle[0], triangle[1], triangle[2]) / 2.0;
+        seven_points().map(|(l, weight)| {
+            let at = |k: usize| (0..3).map(|i| l[i] * triangle[i][k]).sum();
+            ([at(0), at(1)], whole * weight)
+        })
+    })
+}
+
+/// Area coordinates and weights of Radon's rule of degree five (Monatsh. Math., 1948).
+pub fn seven_points() -> [([f64; 3], f64); 7] {
+    let root = 15.0_f64.sqrt();
+    let [(a, u), (b, v)] = [-root, root].map(|root| ((6.0 + root) / 21.0, (155.0 + root) / 1200.0));
+    let [c, d] = [a, b].map(|x| 1.0 - 2.0 * x);
+    [
+        ([1.0 / 3.0; 3], 0.225),
+        ([c, a, a], u),
+        ([a, c, a], u),
+        ([a, a, c], u),
+        ([d, b, b], v),
+        ([b, d, b], v),
+        ([b, b, d], v),
+    ]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -83,5 +203,38 @@ mod tests {
         }
         let apart = Outline::Interval(2.0, 3.0).common(&line).expect("both are lines");
         assert!(apart.size() < 0.0);
+    }
+
+    /// Corners on an ellipse: convex.
+    fn polygon(corners: u32, centre: Flat, size: f64) -> Vec<Flat> {
+        let angle = |k: u32| std::f64::consts::TAU * (f64::from(k) + 0.3 * f64::from(k % 2)) / f64::from(corners);
+        (0..corners).map(|k| [centre[0] + size * angle(k).cos(), centre[1] + 0.7 * size * angle(k).sin()]).collect()
+    }
+
+    #[test]
+    fn intersections_have_one_area_whichever_is_the_window() {
+        let window = polygon(5, [0.0, 0.0], 1.0);
+        assert!(is_convex(&window) && !is_convex(&[[0.0, 0.0], [1.0, 0.0], [0.2, 0.2], [0.0, 1.0]]));
+        for k in 0..40 {
+            let other = polygon(3 + k % 4, [f64::from(k % 7) * 0.3 - 1.0, f64::from(k % 5) * 0.2], 0.8);
+            let (one, two) = (area(&clip(other.clone(), &window)), area(&clip(window.clone(), &other)));
+            let most = area(&other).min(area(&window)) + 1e-15;
+            assert!((one - two).abs() < 1e-15 && (0.0..=most).contains(&one), "{one}, {two}");
+        }
+        assert_eq!(clip(window.clone(), &window), window);
+        assert_eq!(area(&clip(polygon(4, [3.0, 0.0], 1.0), &window)), 0.0);
+        assert!((perimeter(&[[0.0, 0.0], [3.0, 0.0], [3.0, 4.0]]) - 12.0).abs() < 1e-15);
+    }
+
+    /// `int x^p y^q dA = p! q! / (p + q + 2)!` on the unit triangle.
+    #[test]
+    fn rule_is_exact_up_to_degree_five() {
+        let factorial = |n: i32| (1..=n).map(f64::from).product::<f64>();
+        for (p, q) in (0..=5).flat_map(|p| (0..=5 - p).map(move |q| (p, q))) {
+            let rule = quadrature(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);
+            let sum: f64 = rule.map(|([x, y], weight)| weight * x.powi(p) * y.powi(q)).sum();
+            let truth = factorial(p) * factorial(q) / factorial(p + q + 2);
+            assert!((sum - truth).abs() < 1e-15, "x^{p} y^{q}: {sum}, {truth}");
+        }
     }
 }

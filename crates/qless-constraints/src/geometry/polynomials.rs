@@ -3,7 +3,7 @@
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 
-use super::project::completed;
+use super::closest_point::completed;
 use super::shape::Shape;
 
 /// The polynomials on a face, of a degree of one or more, in the parameters of [`Shape`]; p below is the degree.

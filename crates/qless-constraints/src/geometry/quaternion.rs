@@ -3,9 +3,9 @@
 //! For a rotation vector `q = (C, A theta)` with `C = cos(t / 2)`, `A = sin(t / 2) / t`, functions of `y = t^2 = theta.theta`:
 //! `C' = -A / 4`, and A is half of the first factor of Rodrigues' formula at `y / 4`. Euler parameters are q themselves.
 
-use super::carrier::Kind;
-use super::factors::factors;
+use super::rodrigues::factors;
 use super::rotation;
+use super::rotation::Kind;
 use crate::scalar::vector::{Vector, dot};
 use crate::scalar::{Arithmetic, Scalar};
 
@@ -127,8 +127,8 @@ impl Turn {
 
 #[cfg(test)]
 mod tests {
+    use super::super::rotation::{by_euler, by_vector};
     use super::*;
-    use crate::geometry::rotation::{by_euler, by_vector};
     use crate::scalar::vector::{norm, sub};
 
     /// The same rotation as Rodrigues' formula, at small and large angles, and products are rotations one after the other.

@@ -3,10 +3,42 @@
 use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, add, cross, dot, lift, scale, sub};
 
+/// How a body moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Kind {
+    Ground,
+    Node,
+    Vector,
+    Euler,
+}
+
+impl Kind {
+    pub fn positions(self) -> usize {
+        if self == Self::Ground { 0 } else { 3 }
+    }
+
+    pub fn rotations(self) -> usize {
+        match self {
+            Self::Ground | Self::Node => 0,
+            Self::Vector => 3,
+            Self::Euler => 4,
+        }
+    }
+
+    /// The vector `s` of the reference configuration, turned; `u` are the rotations.
+    pub fn turn<S: Scalar>(self, u: &[S], s: Vector<f64>) -> Vector<S> {
+        match self {
+            Self::Ground | Self::Node => lift(s),
+            Self::Vector => by_vector([u[0], u[1], u[2]], s),
+            Self::Euler => by_euler([S::from(1.0) + u[0], u[1], u[2], u[3]], s),
+        }
+    }
+}
+
 /// `R(theta) s = s + (sin t / t) theta x s + ((1 - cos t) / t^2) ((theta.s) theta - t^2 s)` with `t = |theta|` (Rodrigues).
 ///
 /// Both factors are smooth functions of `t^2`, and series of it near zero, so that derivatives at rest are exact too. The terms are those
-/// of the closed forms in [`super::turned`]: their rounding has one bound.
+/// of the closed forms in [`super::rotation_derivatives`]: their rounding has one bound.
 pub fn by_vector<S: Scalar>(theta: Vector<S>, s: Vector<f64>) -> Vector<S> {
     let (square, s) = (dot(theta, theta), lift(s));
     let (sine, versine) = factors(square);

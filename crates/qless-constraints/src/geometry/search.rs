@@ -8,8 +8,8 @@ use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 
 use super::bounds::bounds;
-use super::node::within;
-use super::project::{ROUNDING, project, rounding};
+use super::closest_point::project;
+use super::node::{ROUNDING, rounding, within};
 use super::shape::Shape;
 use super::surface::{Surface, SurfaceError};
 

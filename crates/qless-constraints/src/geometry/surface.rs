@@ -4,9 +4,8 @@ use std::collections::HashMap;
 
 use rayon::prelude::*;
 
-use super::fold::is_degenerate;
-use super::node::Node;
-use super::project::relative;
+use super::element_quality::is_degenerate;
+use super::node::{Node, relative};
 use super::shape::Shape;
 
 /// A face of a surface, or a line, or a solid of a mesh.

@@ -1,7 +1,6 @@
 //! `n . (p - a) = 0`: a node on a plane; on that through three nodes, `n = (b - a) x (d - a) / |(b - a) x (d - a)|`.
 
-use crate::geometry::node::{Point, moved};
-use crate::geometry::project::rounding;
+use crate::geometry::node::{Point, moved, rounding};
 use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, cross, dot, norm, scale, sub, unit};
 use crate::{Constraint, Nonlinear, Store};

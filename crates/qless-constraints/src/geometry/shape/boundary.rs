@@ -1,5 +1,7 @@
 //! The faces of solids, the edges of faces, and the middles of edges.
 
+use Shape::{Line2, Line3, Quad4, Quad8, Quad9, Tri3, Tri6};
+
 use super::Shape;
 
 /// A part of a boundary: its shape and which nodes of the whole it has.
@@ -8,7 +10,6 @@ type Side = (Shape, &'static [usize]);
 impl Shape {
     /// The faces of a solid, or the edges of a face in order around; a line has none.
     pub(crate) fn boundary(self) -> &'static [Side] {
-        use Shape::{Line2, Line3, Quad4, Quad8, Quad9, Tri3, Tri6};
         match self {
             Self::Line2 | Self::Line3 => &[],
             Self::Tri3 => &[(Line2, &[0, 1]), (Line2, &[1, 2]), (Line2, &[2, 0])],
@@ -121,8 +122,9 @@ impl Shape {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Shape;
     use std::array::from_fn;
+
+    use super::super::Shape;
 
     /// Every middle is in the middle of its ends, and a side is the shape itself at the nodes and between them.
     #[test]

@@ -1,13 +1,12 @@
 //! `u_b + theta x r`: the end of a beam and the face of a solid.
 
-use super::area::{self, mean_normal};
-use super::arm::{about, along, arm, axis};
+use super::Section;
+use super::equations::{Again, check, follow, lead};
 use super::error::CouplingError;
+use super::face_integrals::{self, mean_normal};
+use super::mean_rigid_motion::Seen;
 use super::node6::{Node6, Part};
-use super::owners::Again;
-use super::rows::{check, follow, lead};
-use super::section::Section;
-use super::seen::Seen;
+use super::rigid_motion::{about, along, arm, axis};
 use crate::geometry::node::AXES;
 use crate::geometry::surface::Surface;
 use crate::scalar::vector::{Vector, perpendicular};
@@ -99,7 +98,7 @@ impl Constraint for BeamToSolid {
     type Error = CouplingError;
 
     fn process(self, store: &mut Store) -> Result<(), CouplingError> {
-        let points = area::points(&self.face)?;
+        let points = face_integrals::points(&self.face)?;
         let again = if self.section == Section::Mean { Again::Allowed } else { Again::Refused };
         check(&self.beam, self.nodes().iter().map(|(_, node)| node), again)?;
         match self.section {

@@ -4,9 +4,8 @@ use std::borrow::Cow;
 use std::slice;
 
 use super::relative::{rotation_vectors, triangle};
-use crate::geometry::carrier::{Body, Carrier};
-use crate::geometry::lanes::{LANES, Lanes};
-use crate::geometry::turns::{Turns, Vectors};
+use crate::geometry::attachment::{Body, Carrier};
+use crate::geometry::lanes::{LANES, Lanes, Turns, Vectors};
 use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, scale, sub};
 use crate::{Nonlinear, Store};
@@ -112,7 +111,7 @@ impl Coincident {
             for (vectors, carrier) in all.iter_mut().zip([&item.a, &item.b]) {
                 let own;
                 (own, u) = u.split_at(carrier.dofs());
-                vectors.set(lane, carrier, own);
+                vectors.set(lane, (carrier.kind, carrier.arm), own);
             }
         }
         all

@@ -4,7 +4,7 @@ use super::coincident::coincident;
 use super::orientation::Aligned;
 use super::relative::relative;
 use super::{JointError, check_turns};
-use crate::geometry::carrier::Body;
+use crate::geometry::attachment::Body;
 use crate::scalar::vector::Vector;
 use crate::{Constraint, Store};
 

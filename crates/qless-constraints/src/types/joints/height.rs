@@ -6,8 +6,8 @@
 use std::borrow::Cow;
 
 use super::relative::{rotation_vectors, triangle_before};
-use crate::geometry::carrier::{Body, Carrier};
-use crate::geometry::turned;
+use crate::geometry::attachment::{Body, Carrier};
+use crate::geometry::rotation_derivatives;
 use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, dot, scale, sub};
 use crate::{Nonlinear, Store};
@@ -87,18 +87,18 @@ impl Nonlinear for Height {
         let (risen, turns_b) = of_b.split_at_mut(self.b.kind.positions());
         down.iter_mut().zip(up).for_each(|(g, up)| *g = -up);
         risen.iter_mut().zip(up).for_each(|(g, up)| *g = up);
-        turned::gradient(self.a.kind, &a[first..], self.s, reach, turns_a);
-        turned::gradient(self.b.kind, &b[self.b.kind.positions()..], self.b.arm, up, turns_b);
+        rotation_derivatives::gradient(self.a.kind, &a[first..], self.s, reach, turns_a);
+        rotation_derivatives::gradient(self.b.kind, &b[self.b.kind.positions()..], self.b.arm, up, turns_b);
     }
 
     fn hessian(&self, u: &[f64], w: &[f64], h: &mut [f64]) {
         let ((a, b), [first, second]) = (u.split_at(self.a.dofs()), [self.a.kind.positions(), self.b.kind.positions()]);
         let (turns_a, turns_b, s) = (&a[first..], &b[second..], scale(w[0], self.s));
-        let (up, slopes_a) = turned::slopes(self.a.kind, turns_a, s);
-        let (_, slopes_b) = turned::slopes(self.b.kind, turns_b, self.b.arm);
+        let (up, slopes_a) = rotation_derivatives::slopes(self.a.kind, turns_a, s);
+        let (_, slopes_b) = rotation_derivatives::slopes(self.b.kind, turns_b, self.b.arm);
         let mut own = [[0.0; 10]; 2];
-        turned::hessian(self.a.kind, turns_a, s, self.reach(a, b), &mut own[0]);
-        turned::hessian(self.b.kind, turns_b, self.b.arm, up, &mut own[1]);
+        rotation_derivatives::hessian(self.a.kind, turns_a, s, self.reach(a, b), &mut own[0]);
+        rotation_derivatives::hessian(self.b.kind, turns_b, self.b.arm, up, &mut own[1]);
         // What moves the reach: a position of a or b along its axis, or a rotation of b.
         let moved = |j: usize| -> Vector<f64> {
             let along = |axis: usize, sign: f64| std::array::from_fn(|i| if i == axis { sign } else { 0.0 });

@@ -1,22 +1,24 @@
 //! Joints of multibody work, each a choice of the equations in [`coincident`], [`height`] and [`orientation`]. They hold in the
 //! reference configuration.
 
-pub(crate) mod coincident;
+pub(super) mod coincident;
 mod cylindrical;
+mod euler_norm;
 mod fixed;
-pub(crate) mod height;
+pub(super) mod height;
 mod motor;
-pub(crate) mod orientation;
+pub(super) mod orientation;
 mod parallel;
 mod perpendicular;
 mod planar;
 mod prismatic;
-pub(crate) mod relative;
+pub(super) mod relative;
 mod revolute;
 mod spherical;
 mod universal;
 
 pub use cylindrical::Cylindrical;
+pub use euler_norm::EulerNorm;
 pub use fixed::Fixed;
 pub use motor::{RotationMotor, TranslationMotor};
 pub use parallel::Parallel;
@@ -27,7 +29,7 @@ pub use revolute::Revolute;
 pub use spherical::Spherical;
 pub use universal::Universal;
 
-use crate::geometry::carrier::Body;
+use crate::geometry::attachment::Body;
 use crate::scalar::vector::{Vector, unit};
 
 /// What can be wrong with a joint.

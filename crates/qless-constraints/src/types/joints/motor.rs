@@ -3,22 +3,14 @@
 use std::sync::Arc;
 
 use super::height::Height;
-use super::orientation::Twist;
+use super::orientation::{Motion, Twist, at};
 use super::relative::relative;
 use super::{JointError, check_moves, check_turns, direction};
-use crate::geometry::carrier::{Body, Kind};
+use crate::geometry::attachment::Body;
+use crate::geometry::rotation::Kind;
 use crate::scalar::Scalar;
 use crate::scalar::vector::Vector;
 use crate::{Constraint, Nonlinear, Store};
-
-/// `phi(t)`, `d(t)`.
-pub(super) type Motion = Arc<dyn Fn(f64) -> f64 + Send + Sync>;
-
-/// Its value at a time; as an error one that is not finite.
-pub(super) fn at(motion: &Motion, time: f64) -> Result<f64, f64> {
-    let value = motion(time);
-    if value.is_finite() { Ok(value) } else { Err(value) }
-}
 
 /// Body b is turned on body a about an axis: `c = psi - phi(t)`, an angle, for the time t of the set
 /// ([`set_time`](crate::ConstraintSet::set_time), 0 at first).

@@ -3,7 +3,7 @@
 use super::orientation::Tilt;
 use super::relative::relative;
 use super::{JointError, check_turns, direction};
-use crate::geometry::carrier::Body;
+use crate::geometry::attachment::Body;
 use crate::scalar::vector::Vector;
 use crate::{Constraint, Store};
 

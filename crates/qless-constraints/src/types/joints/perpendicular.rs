@@ -3,7 +3,7 @@
 use super::orientation::Crossing;
 use super::relative::relative;
 use super::{JointError, check_turns, direction};
-use crate::geometry::carrier::Body;
+use crate::geometry::attachment::Body;
 use crate::scalar::vector::{Vector, dot};
 use crate::{Constraint, Store};
 

@@ -4,7 +4,7 @@ use super::height::height;
 use super::orientation::Aligned;
 use super::relative::relative;
 use super::{JointError, check_turns, direction};
-use crate::geometry::carrier::Body;
+use crate::geometry::attachment::Body;
 use crate::scalar::vector::{Vector, perpendicular};
 use crate::{Constraint, Store};
 

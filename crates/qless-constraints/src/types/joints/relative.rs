@@ -5,8 +5,9 @@
 
 use std::borrow::Cow;
 
-use crate::geometry::carrier::{Body, Kind};
+use crate::geometry::attachment::Body;
 use crate::geometry::quaternion::{Quaternion, Turn, conjugate, inner, of_body, product};
+use crate::geometry::rotation::Kind;
 use crate::scalar::Scalar;
 use crate::{Nonlinear, Store};
 

@@ -2,7 +2,7 @@
 
 use super::coincident::coincident;
 use super::{JointError, check_moves};
-use crate::geometry::carrier::Body;
+use crate::geometry::attachment::Body;
 use crate::scalar::vector::Vector;
 use crate::{Constraint, Store};
 

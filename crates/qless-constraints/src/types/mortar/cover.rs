@@ -1,10 +1,9 @@
 //! The segments of each slave facet, which the master side must cover once.
 
+use super::segment::{Part, Segment};
 use super::{MortarError, MortarTie};
-use crate::geometry::node::within;
-use crate::geometry::project::rounding;
+use crate::geometry::node::{rounding, within};
 use crate::geometry::search::FaceSearch;
-use crate::geometry::segment::{Part, Segment};
 use crate::geometry::surface::Surface;
 use crate::scalar::vector::Vector;
 

@@ -4,9 +4,8 @@
 //! quadratic facets by parts as in Puso, Laursen and Solberg, Comput. Methods Appl. Mech. Engng, 2008.
 
 mod cover;
-mod error;
-mod multipliers;
-mod rows;
+mod matrices;
+mod segment;
 
 use std::collections::BTreeMap;
 
@@ -14,9 +13,9 @@ use rayon::prelude::*;
 
 use crate::geometry::node::field_of_node;
 use crate::geometry::search::FaceSearch;
-use crate::geometry::surface::Surface;
+use crate::geometry::shape::Shape;
+use crate::geometry::surface::{Surface, SurfaceError};
 use crate::{Constraint, Store};
-pub use error::MortarError;
 
 /// The functions `Phi_i` of the multipliers of a mortar tie, one for each node of the slave side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -82,14 +81,14 @@ pub struct MortarTie<const D: usize, const F: usize = D> {
 
 impl<const D: usize, const F: usize> MortarTie<D, F> {
     /// The rows of D and M, by slave nodes.
-    fn rows(&self) -> Result<BTreeMap<usize, rows::Row>, MortarError> {
+    fn rows(&self) -> Result<BTreeMap<usize, matrices::Row>, MortarError> {
         let search = FaceSearch::new(&self.master).map_err(|source| MortarError::Surface { side: "master", source })?;
         let facets = 0..self.slave.faces.len();
         let facets: Vec<_> = facets.into_par_iter().map(|facet| self.segments(facet, &search)).collect();
         let mut rows = BTreeMap::new();
         for (number, (face, segments)) in self.slave.faces.iter().zip(facets).enumerate() {
             let segments = segments.map_err(|error| self.with_gap(error))?;
-            rows::add_facet(&mut rows, self.multipliers, face, &self.master.faces, &segments)
+            matrices::add_facet(&mut rows, self.multipliers, face, &self.master.faces, &segments)
                 .ok_or(MortarError::Facet { side: "slave", facet: number + 1 })?;
         }
         Ok(rows)
@@ -111,5 +110,77 @@ impl<const D: usize, const F: usize> Constraint for MortarTie<D, F> {
             }
         }
         Ok(())
+    }
+}
+
+/// What can be wrong with a mortar tie.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MortarError {
+    /// A side is not a surface.
+    #[error("{side} side: {source}")]
+    Surface {
+        /// "slave" or "master".
+        side: &'static str,
+        /// What is wrong with it.
+        source: SurfaceError,
+    },
+    /// A facet has another dimension than it must have.
+    #[error(
+        "facet {facet}, from 1, of the {side} side is a {shape:?}; the facets of both sides must be lines, or in space all faces"
+    )]
+    Dimension {
+        /// "slave" or "master".
+        side: &'static str,
+        /// The facet, from 1.
+        facet: usize,
+        /// What it is.
+        shape: Shape,
+    },
+    /// A facet has no size or a corner that points inwards.
+    #[error("facet {facet}, from 1, of the {side} side has no area, or points inwards at a corner; correct it")]
+    Facet {
+        /// "slave" or "master".
+        side: &'static str,
+        /// The facet, from 1.
+        facet: usize,
+    },
+    /// Part of a slave facet has no master facet over it, or only one that is too far away.
+    #[error(
+        "no master facet lies within the tolerance {tolerance} over {bare} of the size {size} of slave facet {facet}, from 1; {}",
+        beyond(*gap)
+    )]
+    NotCovered {
+        /// The slave facet, from 1.
+        facet: usize,
+        /// The area or length without a master facet.
+        bare: f64,
+        /// That of the facet, or of the part of a quadratic one.
+        size: f64,
+        /// How far the sides may be apart.
+        tolerance: f64,
+        /// How far the nearest master facet is that lies over the facet beyond the tolerance, if one does.
+        gap: Option<f64>,
+    },
+    /// Several master facets lie over the same place.
+    #[error(
+        "master facets lie over {covered}, more than the size {size} of slave facet {facet}, from 1: \
+         take out those that are there twice or lie behind others"
+    )]
+    Overlap {
+        /// The slave facet, from 1.
+        facet: usize,
+        /// The sum of the areas or lengths of the segments.
+        covered: f64,
+        /// That of the facet, or of the part of a quadratic one.
+        size: f64,
+    },
+}
+
+/// What to do about a facet that is not covered.
+fn beyond(gap: Option<f64>) -> String {
+    match gap {
+        Some(gap) => format!("one that lies over it is {gap} away: bring the sides together, or raise the tolerance"),
+        None => "nothing lies over it: extend the master side, shorten the slave side, or exchange the two".to_owned(),
     }
 }

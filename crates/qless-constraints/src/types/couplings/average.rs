@@ -1,0 +1,130 @@
+//! `min sum_i w_i |u_i - u_r - theta x r_i|^2`: a reference node that follows the weighted average of others (RBE3).
+
+use super::equations::{Again, check, lead};
+use super::mean_rigid_motion::{Fit, Observation};
+use super::node6::Part;
+use super::rigid_motion::{arm, clean};
+use crate::types::{CouplingError, Node6};
+use crate::{Constraint, Store};
+
+/// A weighted average: the reference follows the rigid motion that is nearest to those of the nodes. Also known as RBE3.
+///
+/// `(u_r, theta) = argmin sum_i w_i (sum_k (u_ik - (u_r + theta x r_i)_k)^2 + L^2 sum_k (theta_ik - theta_k)^2)` with
+/// `r_i = X_i - X_r`, over the components k that node i has; L is the mean of the `|r_i|` over the list, so that the unit of length
+/// does not matter. Components may be those along local axes, of each node its own ([`Node6::along`]). One equation for each component that the reference has, `u_rk = sum_j a_j u_j`; the motion is always sought
+/// with all six components, whichever of them follow. They add no stiffness, and spread a load on the reference over the nodes as
+/// forces with the same resultant.
+///
+/// DOFs removed: as many as the reference has; the equations are independent, as each has a DOF of its own. What the nodes do not
+/// see is refused: nodes in a line do not see rotations about it, and then neither translations of a reference beside the line;
+/// two nodes are a line; nodes without a component may not see it. A line is one where nodes are off it by less than some 1e-8 of
+/// its length (singular values of the least-squares problem, or the rounding of the coordinates if that is more).
+/// Let the other components follow ([`Node6::only`]), or give nodes whose rotations lead too. Units: lengths for translations,
+/// radians for rotations. Cost: O(nodes) for each component.
+///
+/// Source: RBE3 of Nastran; the conditions of the minimum are `sum_i w_i e_i = 0` and `sum_i w_i r_i x e_i = 0`.
+///
+#[doc = include_str!("../../../docs/pictures/average.svg")]
+///
+#[doc = include_str!("../../../docs/types/average.md")]
+/// # Example
+///
+/// ```
+/// use qless_constraints::{ConstraintSet, types::{Average, Component, Node6, Point}};
+/// let at = |node: usize, x: f64, y: f64| Point::new([3 * node, 3 * node + 1, 3 * node + 2], [x, y, 0.0]).into();
+/// let nodes = vec![(at(2, 0.0, 0.0), 1.0), (at(3, 1.0, 0.0), 1.0), (at(4, 0.0, 1.0), 2.0)];
+/// let reference = Node6::new([0, 1, 2], [3, 4, 5], [0.25, 0.5, 0.0]);
+/// let mut builder = ConstraintSet::builder(15);
+/// builder.add("load", Average { reference, nodes: nodes.clone() })?;
+/// // Two nodes do not tell rotations about the line through them, here x; all else they do.
+/// let pair = nodes[..2].to_vec();
+/// let on_line = Node6 { at: [0.5, 0.0, 0.0], ..reference };
+/// let error = builder.add("pair", Average { reference: on_line, nodes: pair.clone() }).unwrap_err();
+/// assert!(error.to_string().contains("do not determine the rotation x of the reference"));
+/// let rest = Component::ALL.into_iter().filter(|&component| component != Component::TurnX);
+/// builder.add("pair", Average { reference: on_line.only(rest), nodes: pair })?;
+/// assert_eq!(builder.build()?.equations(), 6 + 5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Average {
+    /// The node that follows, with the components in which it does.
+    pub reference: Node6,
+    /// The nodes that lead, with the components that count and their weights.
+    pub nodes: Vec<(Node6, f64)>,
+}
+
+impl Average {
+    fn check(&self) -> Result<(), CouplingError> {
+        if self.nodes.is_empty() {
+            return Err(CouplingError::NoNodes);
+        }
+        check(&self.reference, self.nodes.iter().map(|(node, _)| node), Again::Allowed)?;
+        for (i, (_, weight)) in self.nodes.iter().enumerate() {
+            if !(*weight > 0.0 && weight.is_finite()) {
+                return Err(CouplingError::Weight { node: i + 1, weight: *weight });
+            }
+        }
+        Ok(())
+    }
+
+    /// L, or one where all nodes are at the reference: then nothing is weighed against a rotation.
+    fn mean_arm(&self) -> f64 {
+        let length =
+            |(node, _): &(Node6, f64)| arm(node.at, self.reference.at).iter().fold(0.0, |s: f64, x| s.hypot(*x));
+        let mean = self.nodes.iter().map(length).map(|length| length / self.nodes.len() as f64).sum();
+        if mean > 0.0 { mean } else { 1.0 }
+    }
+
+    /// What the nodes see of the motion, each in the DOFs of its node.
+    fn seen(&self) -> Vec<(Observation, Part)> {
+        let (length, most) = (self.mean_arm(), self.nodes.iter().fold(0.0, |most: f64, (_, weight)| most.max(*weight)));
+        let of = |(node, weight): &(Node6, f64)| {
+            let (at, root) = (node.at, (weight / most).sqrt());
+            node.parts().map(move |own| {
+                let is_rotation = own.component.is_rotation();
+                let root = if is_rotation { root * length } else { root };
+                (Observation { at, axis: own.axis, is_rotation, root }, own)
+            })
+        };
+        self.nodes.iter().flat_map(of).collect()
+    }
+}
+
+impl Constraint for Average {
+    const NAME: &'static str = "weighted average";
+    type Error = CouplingError;
+
+    fn process(self, store: &mut Store) -> Result<(), CouplingError> {
+        self.check()?;
+        let (seen, parts): (Vec<_>, Vec<_>) = self.seen().into_iter().unzip();
+        let fit = Fit::new(&seen);
+        for own in self.reference.parts() {
+            let motion = own.row([0.0; 3]);
+            let mut factors = fit.factors_of(motion, self.reference.at)?;
+            for rotations in [false, true] {
+                let kind = seen.iter().map(|o| o.is_rotation == rotations);
+                clean(factors.iter_mut().zip(kind).filter_map(|(a, own)| own.then_some(a)), fit.blur);
+            }
+            let led = parts.iter().zip(factors);
+            let terms = led.flat_map(|(part, factor)| part.terms.iter().map(move |&(dof, a)| (dof, factor * a)));
+            lead(store, self.reference.long_name(own.component), terms, &self.reference, motion)?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::types::Component;
+
+    /// The mean arm is that over the list.
+    #[test]
+    fn arm_is_the_mean_distance() {
+        let node = |x: f64| (Node6::new([7, 8, 9], [10, 11, 12], [x, 0.0, 0.0]), 1.0);
+        let reference = Node6::new([0, 1, 2], [3, 4, 5], [0.0; 3]).only([Component::X]);
+        assert_eq!(Average { reference, nodes: vec![node(1.0), node(-4.0)] }.mean_arm(), 2.5);
+        assert_eq!(Average { reference, nodes: vec![node(0.0)] }.mean_arm(), 1.0);
+    }
+}

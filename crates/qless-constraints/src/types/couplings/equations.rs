@@ -1,0 +1,118 @@
+//! `sum_j a_j u_j - d . q = 0`: what follows a reference node, as an equation.
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+
+use super::error::CouplingError;
+use super::node6::{Component, Node6};
+use super::rigid_motion::clean;
+use crate::Store;
+use crate::scalar::vector::{Vector, dot};
+
+/// Adds `sum_j a_j u_j - motion . q = 0`, q the DOFs of the reference; terms that are rounding of the others are left out.
+pub fn follow(
+    store: &mut Store,
+    part: String,
+    terms: Vec<(usize, f64)>,
+    reference: &Node6,
+    motion: [f64; 6],
+) -> Result<(), CouplingError> {
+    let mut all: Vec<(usize, f64)> = terms.into_iter().filter(|&(_, factor)| factor != 0.0).collect();
+    for (component, factor) in in_axes(reference, motion) {
+        let own = reference.part(component).ok_or_else(|| missing(&part, component, factor))?;
+        all.extend(own.terms.iter().map(|&(dof, a)| (dof, -factor * a)));
+    }
+    store.equation(part, all, 0.0);
+    Ok(())
+}
+
+/// `motion . q` by the components of the reference, without those that are rounding of others of their kind.
+fn in_axes(reference: &Node6, motion: [f64; 6]) -> impl Iterator<Item = (Component, f64)> {
+    let of = |component: Component| {
+        let kind =
+            if component.is_rotation() { [motion[3], motion[4], motion[5]] } else { [motion[0], motion[1], motion[2]] };
+        if reference.local.is_none() { kind[component as usize % 3] } else { dot(kind, reference.axis(component)) }
+    };
+    let mut factors = Component::ALL.map(of);
+    factors.as_chunks_mut::<3>().0.iter_mut().for_each(|kind| clean(kind.iter_mut(), 1.0));
+    Component::ALL.into_iter().zip(factors).filter(|&(_, factor)| factor != 0.0)
+}
+
+fn missing(part: &str, component: Component, factor: f64) -> CouplingError {
+    CouplingError::MissingDof { part: part.to_owned(), component, factor }
+}
+
+/// The reference as the mean of others: adds `motion . q - sum_j a_j u_j = 0`.
+pub fn lead(
+    store: &mut Store,
+    part: String,
+    terms: impl Iterator<Item = (usize, f64)>,
+    reference: &Node6,
+    motion: [f64; 6],
+) -> Result<(), CouplingError> {
+    follow(store, part, terms.map(|(dof, factor)| (dof, -factor)).collect(), reference, motion.map(|x| -x))
+}
+
+/// Every node is in a finite place and has components, and DOFs that are no others'.
+///
+/// In a mean a node may come again, with more weight.
+pub fn check<'a>(
+    reference: &'a Node6,
+    nodes: impl Iterator<Item = &'a Node6>,
+    again: Again,
+) -> Result<(), CouplingError> {
+    let mut owners = Owners::default();
+    for (node, own) in std::iter::once(reference).chain(nodes).enumerate() {
+        if own.at.iter().any(|x| !x.is_finite()) {
+            return Err(CouplingError::NoPlace { node });
+        }
+        if !own.has_any() {
+            return Err(CouplingError::NoComponents { node });
+        }
+        if let Some(component) = own.lacking() {
+            return Err(CouplingError::LocalAxis { node, component });
+        }
+        let again = again == Again::Allowed && node > 0;
+        owners.claim(node, own, again).map_err(|dof| CouplingError::SharedDof { node, dof })?;
+    }
+    Ok(())
+}
+
+/// Whether a node may be named more than once.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Again {
+    Refused,
+    Allowed,
+}
+
+/// What a DOF stands for: the number of its node in the list, its component, and the place.
+type Meaning = (usize, usize, Vector<f64>);
+
+/// The DOFs met so far.
+#[derive(Default)]
+pub struct Owners {
+    meanings: HashMap<usize, Meaning>,
+}
+
+impl Owners {
+    /// Takes the DOFs of a node, or names one that is taken: one DOF for two displacements would make them equal in silence.
+    ///
+    /// The same component in the same place is the same node, which may be named `again`.
+    pub fn claim(&mut self, number: usize, node: &Node6, again: bool) -> Result<(), usize> {
+        for (k, dof) in node.dofs.into_iter().enumerate().filter_map(|(k, dof)| Some((k, dof?))) {
+            match self.meanings.entry(dof) {
+                Entry::Vacant(free) => {
+                    free.insert((number, k, node.at));
+                }
+                Entry::Occupied(taken) => {
+                    let (first, component, at) = *taken.get();
+                    let same = first != 0 && first != number && (component, at) == (k, node.at);
+                    if !(again && same) {
+                        return Err(dof);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,191 @@
+//! `min_q sum_k w_k (u_k - d_k . q)^2`: the rigid motion `q = (v, omega)` that is nearest to what is observed of it.
+//!
+//! With `A = diag(sqrt w) D = U S V^T`, about the centre of the observations and with rotations as lengths:
+//! `p . q = sum_k a_k u_k`, `a = diag(sqrt w) U S^-1 V^T p`. Motions with a singular value that is rounding are not determined.
+
+use std::collections::BTreeMap;
+
+use super::error::CouplingError;
+use super::face_integrals::Gauss;
+use super::node6::Component;
+use super::rigid_motion::{about, along, arm, axis, clean};
+use super::svd::{Factors, factor};
+use crate::geometry::surface::Surface;
+use crate::scalar::vector::{Vector, add, cross, scale};
+
+/// Singular values below this part of the largest are zero: nodes that are in a line to some ten parts in a billion.
+const LEAST: f64 = 1e-8;
+/// Sums and differences behind an arm, in units in the last place of the coordinates.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+/// A component of the motion of a point that is seen.
+#[derive(Clone, Copy)]
+pub struct Observation {
+    pub at: Vector<f64>,
+    /// What it is along, or about.
+    pub axis: Vector<f64>,
+    pub is_rotation: bool,
+    /// The square root of its weight; for rotations times a length.
+    pub root: f64,
+}
+
+/// The nearest motion, as linear functions of what is observed.
+pub struct Fit {
+    factors: Factors,
+    roots: Vec<f64>,
+    centre: Vector<f64>,
+    /// The length that a rotation is multiplied with.
+    length: f64,
+    /// Singular values up to this one count as zero.
+    least: f64,
+    /// What rounding of the coordinates makes of a unit in the last place, relative to the arms.
+    pub blur: f64,
+}
+
+impl Fit {
+    /// O(m) for m observations.
+    pub fn new(seen: &[Observation]) -> Self {
+        let (centre, size) = centre(seen);
+        let spread = seen.iter().map(|o| norm_of(arm_from(o.at, centre, size))).fold(0.0, f64::max);
+        let unit = if spread > 0.0 { spread } else { 1.0 };
+        let mut rows: Vec<[f64; 6]> = seen.iter().map(|o| row(o, arm_from(o.at, centre, size), unit)).collect();
+        let balance = balance(&rows);
+        rows.iter_mut().for_each(|row| row[3..].iter_mut().for_each(|x| *x *= balance));
+        let factors = factor(rows);
+        let blur = if spread > 0.0 { (size / spread).max(1.0) } else { 1.0 };
+        let least = LEAST.max(ROUNDING * blur).min(0.5) * factors.values.iter().copied().fold(0.0, f64::max);
+        let roots = seen.iter().map(|o| o.root).collect();
+        Self { factors, roots, centre, length: unit / balance, least, blur }
+    }
+
+    /// The factors of the observations in `motion . q`, with the motion q of a reference that is at `place`.
+    pub fn factors_of(&self, motion: [f64; 6], place: Vector<f64>) -> Result<Vec<f64>, CouplingError> {
+        let p = self.about_centre(motion, place);
+        let v = |j: usize| (0..6).map(|i| self.factors.v[i][j] * p[i]).sum::<f64>();
+        // Not `<=`: what is not a number is not determined.
+        let seen = |j: &usize| self.factors.values[*j] > self.least;
+        let unseen: Vec<usize> = (0..6).filter(|j| !seen(j)).collect();
+        let missed = unseen.iter().fold(0.0, |sum: f64, &j| sum.hypot(v(j)));
+        let whole = p.iter().fold(0.0, |sum: f64, x| sum.hypot(*x));
+        if missed > LEAST.max(ROUNDING * self.blur) * whole || missed.is_nan() {
+            return Err(self.undetermined(motion, place, &unseen, v));
+        }
+        let factor: [f64; 6] =
+            std::array::from_fn(
+                |j| if seen(&j) { v(j) / self.factors.values[j] / self.factors.values[j] } else { 0.0 },
+            );
+        let of = |(row, root): (&[f64; 6], &f64)| root * (0..6).map(|j| row[j] * factor[j]).sum::<f64>();
+        Ok(self.factors.scaled.iter().zip(&self.roots).map(of).collect())
+    }
+
+    /// `motion . q(place)` in the scaled motion of the centre: `d . (v + omega x a) + t . omega = d . v + (a x d + t) . omega`.
+    fn about_centre(&self, [a, b, c, d, e, f]: [f64; 6], place: Vector<f64>) -> [f64; 6] {
+        let turn = add(cross(arm(place, self.centre), [a, b, c]), [d, e, f]);
+        [a, b, c, turn[0] / self.length, turn[1] / self.length, turn[2] / self.length]
+    }
+
+    /// Names the motion that is not seen and that moves the component most, as it is at the reference.
+    fn undetermined(
+        &self,
+        motion: [f64; 6],
+        place: Vector<f64>,
+        unseen: &[usize],
+        v: impl Fn(usize) -> f64,
+    ) -> CouplingError {
+        let q: [f64; 6] = std::array::from_fn(|i| unseen.iter().map(|&j| self.factors.v[i][j] * v(j)).sum());
+        let rotation = [q[3], q[4], q[5]];
+        let shift = cross(rotation, scale(1.0 / self.length, arm(place, self.centre)));
+        let translation = add([q[0], q[1], q[2]], shift);
+        let size = norm_of(translation).hypot(norm_of(rotation));
+        let (translation, rotation) = (scale(1.0 / size, translation), scale(1.0 / size, rotation));
+        let most = |a: &Component, b: &Component| motion[*a as usize].abs().total_cmp(&motion[*b as usize].abs());
+        let component = Component::ALL.into_iter().max_by(|a, b| most(a, b)).unwrap_or(Component::X);
+        CouplingError::Undetermined { component, translation, rotation }
+    }
+}
+
+/// Without squares, which overflow.
+fn norm_of(x: Vector<f64>) -> f64 {
+    x[0].hypot(x[1]).hypot(x[2])
+}
+
+/// The weighted mean of the places, from the first of them on, and the largest coordinate.
+fn centre(seen: &[Observation]) -> (Vector<f64>, f64) {
+    let Some(first) = seen.first() else { return ([0.0; 3], 0.0) };
+    let most = seen.iter().fold(0.0, |most: f64, o| most.max(o.root));
+    let weight = |o: &Observation| (o.root / most).powi(2);
+    let of = |o: &&Observation| !o.is_rotation;
+    // Translations alone have arms; where there are none, any centre will do.
+    let total: f64 = seen.iter().filter(of).map(weight).sum();
+    let part = |o: &Observation| scale(weight(o) / total, arm(o.at, first.at));
+    let mean = if total > 0.0 { seen.iter().filter(of).map(part).fold([0.0; 3], add) } else { [0.0; 3] };
+    let size = seen.iter().flat_map(|o| o.at).fold(0.0, |most: f64, x| most.max(x.abs()));
+    (add(first.at, mean), size)
+}
+
+/// The arm from the centre, a rounded number: what is rounding of it is zero.
+fn arm_from(at: Vector<f64>, centre: Vector<f64>, size: f64) -> Vector<f64> {
+    arm(at, centre).map(|x| if x.abs() <= ROUNDING / 4.0 * size { 0.0 } else { x })
+}
+
+fn row(seen: &Observation, r: Vector<f64>, unit: f64) -> [f64; 6] {
+    let [a, b, c, d, e, f] = if seen.is_rotation { about(seen.axis) } else { along(seen.axis, r) };
+    [a, b, c, d / unit, e / unit, f / unit].map(|x| seen.root * x)
+}
+
+/// What makes rotations weigh as much as translations, so that neither is small beside the other.
+fn balance(rows: &[[f64; 6]]) -> f64 {
+    let size = |columns: std::ops::Range<usize>| {
+        rows.iter().flat_map(|row| &row[columns.clone()]).fold(0.0, |sum: f64, x| sum.hypot(*x))
+    };
+    let (translations, rotations) = (size(0..3), size(3..6));
+    if translations > 0.0 && rotations > 0.0 { translations / rotations } else { 1.0 }
+}
+
+/// What the points of integration see of the motion of the face.
+pub struct Seen {
+    points: Vec<Gauss>,
+    fit: Fit,
+}
+
+impl Seen {
+    pub fn new(points: Vec<Gauss>) -> Self {
+        let most = points.iter().map(Gauss::weight).fold(0.0, f64::max);
+        let of = |gauss: &Gauss| {
+            let (at, root) = (gauss.at, (gauss.weight() / most).sqrt());
+            [0, 1, 2].map(|k| Observation { at, axis: axis(k), is_rotation: false, root })
+        };
+        let fit = Fit::new(&points.iter().flat_map(of).collect::<Vec<_>>());
+        Self { points, fit }
+    }
+
+    /// `sum_g a_g N_i(x_g)` for each DOF of the face.
+    pub fn terms(
+        &self,
+        face: &Surface<3>,
+        motion: [f64; 6],
+        place: Vector<f64>,
+    ) -> Result<Vec<(usize, f64)>, CouplingError> {
+        let factors = self.fit.factors_of(motion, place)?;
+        let mut nodes: BTreeMap<usize, Vector<f64>> = BTreeMap::new();
+        for (gauss, &a) in self.points.iter().zip(factors.as_chunks::<3>().0) {
+            for (&node, &function) in face.faces[gauss.face].nodes.iter().zip(&gauss.functions) {
+                let sum = nodes.entry(node).or_default();
+                *sum = add(*sum, scale(function, a));
+            }
+        }
+        clean(nodes.values_mut().flatten(), self.fit.blur);
+        for (k, &sum) in motion[..3].iter().enumerate() {
+            complete(nodes.values_mut().map(|a| &mut a[k]), sum);
+        }
+        Ok(nodes.into_iter().flat_map(|(node, a)| (0..3).map(move |k| (face.nodes[node].dofs[k], a[k]))).collect())
+    }
+}
+
+/// Gives what is missing to a sum to the largest: far from the origin rounding that is left out is more than that of a translation.
+fn complete<'a>(parts: impl Iterator<Item = &'a mut f64>, sum: f64) {
+    let parts: Vec<&mut f64> = parts.collect();
+    let missing = sum - parts.iter().map(|a| **a).sum::<f64>();
+    let largest = parts.into_iter().max_by(|a, b| a.abs().total_cmp(&b.abs()));
+    largest.into_iter().filter(|a| **a != 0.0).for_each(|a| *a += missing);
+}

@@ -1,0 +1,226 @@
+//! `u_i = u_r + theta x (X_i - X_r)`, `theta_i = theta`: nodes that move as a rigid body, for small rotations.
+
+use super::equations::{Again, check, follow};
+use super::rigid_motion::arm;
+use crate::geometry::attachment::{Body, Carrier};
+use crate::geometry::node::Point;
+use crate::geometry::rotation::Kind;
+use crate::scalar::Scalar;
+use crate::scalar::vector::Vector;
+use crate::types::joints::coincident::coincident;
+use crate::types::joints::height::height;
+use crate::types::joints::orientation::Aligned;
+use crate::types::joints::relative::{relative, rotation_vectors};
+use crate::types::{Component, CouplingError, Node6};
+use crate::{Constraint, Nonlinear, Store};
+
+/// A rigid link (one node) or rigid body (many) for small rotations. Also known as RBE2.
+///
+/// `u_i = u_r + theta x (X_i - X_r)` and `theta_i = theta`, one equation for each component that a node has: leave DOFs out
+/// (`None`, [`Node6::only`]) and these components stay free, as with a list of components on a card. Planar models leave out
+/// what they do not have, on both sides: a DOF that the reference lacks must have the factor zero. Components may be those along
+/// local axes, of each node its own ([`Node6::along`]): `e . u_i = e . (u_r + theta x (X_i - X_r))`.
+///
+/// DOFs removed: one for each equation; all are independent, as each has a DOF of its own. Two bodies that share nodes are redundant
+/// (or in conflict) in what these nodes say twice. Units: lengths for translations, radians for rotations.
+///
+/// Source: RBE2 of Nastran; kinematics of a rigid body, linear in theta.
+///
+#[doc = include_str!("../../../docs/pictures/small_rigid_body.svg")]
+///
+#[doc = include_str!("../../../docs/types/small_rigid_body.md")]
+/// # Example
+///
+/// ```
+/// use qless_constraints::{ConstraintSet, types::{Component, Node6, Point, SmallRigidBody}};
+/// let reference = Node6::new([0, 1, 2], [3, 4, 5], [0.0; 3]);
+/// let solid = Node6::from(Point::new([6, 7, 8], [2.0, 0.0, 0.0]));
+/// // A node of a shell, of which the translation z and the rotation about z follow.
+/// let shell = Node6::new([9, 10, 11], [12, 13, 14], [0.0, 1.0, 0.0]).only([Component::Z, Component::TurnZ]);
+/// let mut builder = ConstraintSet::builder(15);
+/// builder.add("link", SmallRigidBody { reference, nodes: vec![solid, shell] })?;
+/// let set = builder.build()?;
+/// assert_eq!(set.label(4)?, "link, node 2, rotation z");
+/// // A turn by 0.1 about z lifts the first node by 0.2, and turns the second.
+/// let mut quantities = set.allocate();
+/// let mut u = [0.0; 15];
+/// (u[5], u[7], u[14]) = (0.1, 0.2, 0.1);
+/// set.evaluate(&u, &mut quantities)?;
+/// assert!(quantities.c().iter().all(|c| c.abs() < 1e-16));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct SmallRigidBody {
+    /// The node that leads, with theta as its rotations.
+    pub reference: Node6,
+    /// The nodes that follow, with the components in which they do.
+    pub nodes: Vec<Node6>,
+}
+
+impl Constraint for SmallRigidBody {
+    const NAME: &'static str = "rigid body, small rotations";
+    type Error = CouplingError;
+
+    fn process(self, store: &mut Store) -> Result<(), CouplingError> {
+        if self.nodes.is_empty() {
+            return Err(CouplingError::NoNodes);
+        }
+        check(&self.reference, self.nodes.iter(), Again::Refused)?;
+        for (i, node) in self.nodes.iter().enumerate() {
+            let r: Vector<f64> = arm(node.at, self.reference.at);
+            for own in node.parts() {
+                let (name, row) = (part(i, self.nodes.len(), node, own.component), own.row(r));
+                follow(store, name, own.terms, &self.reference, row)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What the equation of a component is called.
+pub(super) fn part(number: usize, nodes: usize, node: &Node6, component: Component) -> String {
+    let short = node.name(component);
+    if nodes == 1 { short } else { format!("node {}, {short}", number + 1) }
+}
+
+/// A rigid link (one node) or rigid body (many), exact for finite rotations.
+///
+/// `x_i = x_r + R (X_i - X_r)`, one equation for each translation that a node has: leave DOFs out (`None`, [`Node6::only`]) and these
+/// components stay free; along local axes ([`Node6::along`]) they are those of axes that turn with the body, `R e`. A node with rotations has a rotation vector, and `log(R^T R_i) = 0`, three angles in the axes of the body: it turns
+/// as the body does, which may have Euler parameters. Three rotations or none: single components of a rotation vector mean nothing.
+/// A node with Euler parameters is a [`Body`]: join it by a fixed joint.
+///
+/// DOFs removed: one for each equation; all are independent at any rotation, as each has a DOF of its own. Units: lengths for
+/// translations, radians for rotations.
+///
+/// Source: RBE2 of Nastran, with the kinematics of a rigid body without linearisation.
+///
+#[doc = include_str!("../../../docs/pictures/rigid_body.svg")]
+///
+#[doc = include_str!("../../../docs/types/rigid_body.md")]
+/// # Example
+///
+/// ```
+/// use qless_constraints::{ConstraintSet, types::{Body, Node6, Point, RigidBody}};
+/// let body = Body::with_vector([0, 1, 2], [0.0; 3], [3, 4, 5]);
+/// let node = Node6::from(Point::new([6, 7, 8], [2.0, 0.0, 0.0]));
+/// let mut builder = ConstraintSet::builder(9);
+/// builder.add("link", RigidBody { body, nodes: vec![node] })?;
+/// let set = builder.build()?;
+/// // A quarter turn about z brings the node from (2, 0, 0) to (0, 2, 0).
+/// let mut quantities = set.allocate();
+/// set.evaluate(&[0.0, 0.0, 0.0, 0.0, 0.0, std::f64::consts::FRAC_PI_2, -2.0, 2.0, 0.0], &mut quantities)?;
+/// assert!(quantities.c().iter().all(|c| c.abs() < 1e-15));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct RigidBody {
+    /// Position and rotation of the body.
+    pub body: Body,
+    /// The nodes that follow, with the components in which they do.
+    pub nodes: Vec<Node6>,
+}
+
+/// One translation of a node that follows: `c = X_k + u_k - x_k(body)`, the DOF of the node first.
+struct Coordinate {
+    body: Carrier,
+    axis: usize,
+    at: f64,
+}
+
+impl Nonlinear for Coordinate {
+    const PARTS: &'static [&'static str] = &[""];
+
+    fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
+        c[0] = S::from(self.at) + u[0] - self.body.point(&u[1..])[self.axis];
+    }
+
+    fn rotation_vectors(&self, found: &mut dyn FnMut(usize)) {
+        rotation_vectors([(1 + self.body.kind.positions(), self.body.kind), (0, Kind::Ground)], found);
+    }
+
+    /// Rotations of the body.
+    fn pairs(&self, dofs: usize, pair: &mut dyn FnMut(usize, usize)) {
+        let first = 1 + self.body.kind.positions();
+        (first..dofs).for_each(|j| (first..=j).for_each(|k| pair(j, k)));
+    }
+}
+
+impl RigidBody {
+    /// Translations: three at once, or one by one.
+    fn translations(&self, store: &mut Store, i: usize) {
+        let node = self.nodes[i];
+        if let Some(point) = point(&node).filter(|_| Component::ALL[..3].iter().all(|&k| node.has(k))) {
+            return coincident(store, self.name(i), &self.body, &Body::node(point), node.at);
+        }
+        for own in node.parts().filter(|own| !own.component.is_rotation()) {
+            let name = part(i, self.nodes.len(), &node, own.component);
+            if let Some(point) = point(&node).filter(|_| node.local.is_some()) {
+                height(store, name, &self.body, &Body::node(point), node.at, own.axis);
+            } else if let [(dof, _)] = own.terms[..] {
+                self.coordinate(store, name, node.at, (own.component as usize, dof));
+            }
+        }
+    }
+
+    /// `X_k + u_k - x_k(body) = 0`.
+    fn coordinate(&self, store: &mut Store, name: String, at: Vector<f64>, (axis, dof): (usize, usize)) {
+        let parameters = Coordinate { body: self.body.carry(at), axis, at: at[axis] };
+        store.numbers(at);
+        self.body.state(store);
+        store.nonlinear(name, &[vec![dof], self.body.dofs()].concat(), parameters);
+    }
+
+    /// `log(R^T R_i) = 0`.
+    fn rotations(&self, store: &mut Store, i: usize) -> Result<(), CouplingError> {
+        let node = self.nodes[i];
+        let listed = Component::ALL[3..].iter().filter(|&&component| node.has(component)).count();
+        match (listed, &node.dofs[3..]) {
+            (0, _) => Ok(()),
+            (3, &[Some(x), Some(y), Some(z)]) => {
+                // Rotations alone count; any position will do.
+                let follower = Body::with_vector(self.body.position, node.at, [x, y, z]);
+                relative(store, self.name(i), &self.body, &follower, Aligned);
+                Ok(())
+            }
+            _ => Err(CouplingError::PartOfRotations { node: i + 1 }),
+        }
+    }
+
+    /// Which node it is, if there are several.
+    fn name(&self, i: usize) -> String {
+        if self.nodes.len() == 1 { String::new() } else { format!("node {}", i + 1) }
+    }
+}
+
+impl Constraint for RigidBody {
+    const NAME: &'static str = "rigid body, finite rotations";
+    type Error = CouplingError;
+
+    fn process(self, store: &mut Store) -> Result<(), CouplingError> {
+        if self.nodes.is_empty() {
+            return Err(CouplingError::NoNodes);
+        }
+        if !self.body.turns() {
+            return Err(CouplingError::NoRotations);
+        }
+        check(&lead(&self.body), self.nodes.iter(), Again::Refused)?;
+        for i in 0..self.nodes.len() {
+            self.translations(store, i);
+            self.rotations(store, i)?;
+        }
+        Ok(())
+    }
+}
+
+/// A node with all three translations.
+fn point(node: &Node6) -> Option<Point> {
+    let [x, y, z, ..] = node.dofs;
+    Some(Point::new([x?, y?, z?], node.at))
+}
+
+/// The body's place and its DOFs, the fourth Euler parameter left out.
+fn lead(body: &Body) -> Node6 {
+    let r = body.rotation_dofs();
+    Node6::new(body.position, [r[0], r[1], r[2]], body.at)
+}

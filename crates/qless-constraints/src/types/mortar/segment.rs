@@ -1,0 +1,154 @@
+//! `int N_i N_j` and `int N_i N_k` over a segment: where two facets lie over each other, lines or faces in space.
+//!
+//! Both are seen along the normal of the mean plane of (a part of) the first, lines perpendicular to its chord. There the outlines
+//! are polygons or intervals, and the functions at a point are those at the point of the facet that is seen there. Quadratic
+//! facets are cut into parts with straight edges.
+
+use crate::geometry::closest_point::gauss_newton::foot;
+use crate::geometry::node::relative;
+use crate::geometry::outline::{Flat, Outline};
+use crate::geometry::shape::Shape;
+use crate::scalar::vector::{Vector, add, cross, dot, norm, perpendicular, scale, sub, unit};
+
+/// Segments below this part of the smaller of the two facets are left out: they are what rounding makes of shared edges.
+const SLIVER: f64 = 1e-10;
+
+/// A plane, or a line if the second axis is zero: `x = origin + p axes[0] + q axes[1]`.
+struct Plane {
+    origin: Vector<f64>,
+    axes: [Vector<f64>; 2],
+}
+
+impl Plane {
+    /// Through the mean of the corners, perpendicular to the sum of the normals at the edges; along the chord of two. Nothing without
+    /// area or length.
+    fn mean(corners: &[Vector<f64>]) -> Option<Self> {
+        let origin = scale(1.0 / corners.len() as f64, corners.iter().fold([0.0; 3], |sum, &x| add(sum, x)));
+        if let &[a, b] = corners {
+            return Some(Self { origin, axes: [unit(sub(b, a))?, [0.0; 3]] });
+        }
+        let arms: Vec<_> = corners.iter().map(|&x| sub(x, origin)).collect();
+        let edges = arms.iter().zip(arms.iter().cycle().skip(1));
+        let normal = unit(edges.fold([0.0; 3], |sum, (&a, &b)| add(sum, cross(a, b))))?;
+        Some(Self { origin, axes: perpendicular(normal) })
+    }
+}
+
+/// A facet as it is seen on a plane.
+struct View {
+    shape: Shape,
+    flat: Vec<Flat>,
+    /// Where the nodes are from the origin of the plane.
+    arms: Vec<Vector<f64>>,
+}
+
+impl View {
+    fn new(plane: &Plane, shape: Shape, places: &[Vector<f64>]) -> Self {
+        let arms: Vec<_> = places.iter().map(|&x| sub(x, plane.origin)).collect();
+        Self { shape, flat: arms.iter().map(|&arm| plane.axes.map(|axis| dot(arm, axis))).collect(), arms }
+    }
+
+    fn outline(&self, part: &[usize]) -> Outline {
+        Outline::new(part.iter().map(|&node| self.flat[node]).collect())
+    }
+
+    /// `N_k` where the facet is seen at a point, and the place there. Not clamped: what is linear stays so beyond curved edges.
+    fn functions(&self, point: &Flat) -> Option<(Vec<f64>, Vector<f64>)> {
+        let foot = foot(self.shape, &relative(&self.flat, point)).filter(|foot| foot.settled)?;
+        let n = self.shape.weights(foot.xi);
+        let place = n.iter().zip(&self.arms).fold([0.0; 3], |sum, (&n, &arm)| add(sum, scale(n, arm)));
+        Some((n, place))
+    }
+}
+
+/// Integrals over a segment.
+pub struct Segment {
+    /// `int N_i N_j` of the first facet, n x n by rows.
+    pub own: Vec<f64>,
+    /// `int N_i N_k` with the functions of the other facet, n x m by rows.
+    pub other: Vec<f64>,
+    /// The sizes of what was summed up for these.
+    pub terms: Vec<f64>,
+    /// Its area or length.
+    pub size: f64,
+    /// The largest distance between the facets, as they are seen.
+    pub gap: f64,
+}
+
+/// A part of a facet in its mean plane.
+pub struct Part {
+    plane: Plane,
+    view: View,
+    outline: Outline,
+}
+
+impl Part {
+    /// The parts of a facet; nothing if one has no size or a corner that points inwards.
+    pub fn all(shape: Shape, places: &[Vector<f64>]) -> Option<Vec<Self>> {
+        let part = |nodes: &&[usize]| {
+            let corners: Vec<_> = nodes.iter().map(|&node| places[node]).collect();
+            let plane = Plane::mean(&corners)?;
+            let view = View::new(&plane, shape, places);
+            let outline = view.outline(nodes);
+            outline.is_convex().then_some(Self { plane, view, outline })
+        };
+        parts(shape).iter().map(part).collect()
+    }
+
+    /// Area or length.
+    pub fn size(&self) -> f64 {
+        self.outline.size()
+    }
+
+    /// See [`Outline::border`].
+    pub fn border(&self) -> f64 {
+        self.outline.border()
+    }
+
+    /// The segments with the parts of another facet.
+    pub fn segments(&self, shape: Shape, places: &[Vector<f64>]) -> Vec<Segment> {
+        let other = View::new(&self.plane, shape, places);
+        let segment = |nodes: &&[usize]| {
+            let outline = other.outline(nodes);
+            let least = SLIVER * outline.size().min(self.size());
+            let common = outline.common(&self.outline)?;
+            // Not `<=`: sizes that are not numbers are left out too.
+            if common.size() > least { integrate(&self.view, &other, &common) } else { None }
+        };
+        parts(shape).iter().filter_map(segment).collect()
+    }
+}
+
+/// Nothing where the functions of a facet cannot be found.
+fn integrate(view: &View, other: &View, outline: &Outline) -> Option<Segment> {
+    let (n, m) = (view.flat.len(), other.flat.len());
+    let [own, pairs, terms] = [n * n, n * m, n * m].map(|count| vec![0.0; count]);
+    let mut sums = Segment { own, other: pairs, terms, size: 0.0, gap: 0.0 };
+    for (point, weight) in outline.quadrature() {
+        let ((own, here), (others, there)) = (view.functions(&point)?, other.functions(&point)?);
+        sums.size += weight;
+        sums.gap = sums.gap.max(norm(sub(there, here)));
+        for (i, n_i) in own.iter().enumerate() {
+            own.iter().enumerate().for_each(|(j, n_j)| sums.own[i * n + j] += weight * n_i * n_j);
+            for (k, n_k) in others.iter().enumerate() {
+                sums.other[i * m + k] += weight * n_i * n_k;
+                sums.terms[i * m + k] += (weight * n_i * n_k).abs();
+            }
+        }
+    }
+    Some(sums)
+}
+
+/// Nodes of the parts of a facet, in order around; a solid has none.
+fn parts(shape: Shape) -> &'static [&'static [usize]] {
+    match shape {
+        Shape::Line2 => &[&[0, 1]],
+        Shape::Line3 => &[&[0, 2], &[2, 1]],
+        Shape::Tri3 => &[&[0, 1, 2]],
+        Shape::Quad4 => &[&[0, 1, 2, 3]],
+        Shape::Tri6 => &[&[0, 3, 5], &[3, 1, 4], &[5, 4, 2], &[3, 4, 5]],
+        Shape::Quad8 => &[&[0, 4, 7], &[4, 1, 5], &[5, 2, 6], &[6, 3, 7], &[4, 5, 6, 7]],
+        Shape::Quad9 => &[&[0, 4, 8, 7], &[4, 1, 5, 8], &[8, 5, 2, 6], &[7, 8, 6, 3]],
+        _ => &[],
+    }
+}

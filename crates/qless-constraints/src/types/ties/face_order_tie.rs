@@ -1,0 +1,219 @@
+//! `u_i = sum_k N_k(xi_i) u_k`: a face with nodes for polynomials of a higher degree that moves as one of a lower.
+
+use std::fmt;
+
+use super::interpolate;
+use crate::geometry::node::{ROUNDING, field_of_node};
+use crate::geometry::shape::Shape;
+use crate::types::Polynomials;
+use crate::{Constraint, Store};
+
+/// A face of p-refinement in a nodal basis: the nodes of the finer side lie on the polynomial through those of the coarser.
+///
+/// `u_i = sum_k N_k(xi_i) u_k` with the polynomials of the coarser side ([`Polynomials`](crate::types::Polynomials)) that are 1 at one of its
+/// nodes and 0 at the others, wherever on the face they stand: equally spaced, at Fekete points, or otherwise. The polynomials of the coarser side must be
+/// among those of the finer, so that both sides meet everywhere, on the edges of the face too: an [`OrderTie`](crate::types::OrderTie) there would say
+/// it twice. F equations and F DOFs removed for each finer node; one that has the DOFs of a coarser one in the same place (a corner that both
+/// share) has none. Weights are exactly zero where they are rounding, and sum to one. Cost: that of a dense factorisation with the nodes
+/// of the coarser side.
+///
+/// In a hierarchic basis lower modes are shared, and those of the finer side alone vanish: `u_m = 0`, a [`Prescribed`](crate::types::Prescribed).
+///
+#[doc = include_str!("../../../docs/pictures/face_order_tie.svg")]
+///
+#[doc = include_str!("../../../docs/types/face_order_tie.md")]
+/// # Example
+///
+/// ```
+/// use qless_constraints::{ConstraintSet, types::{FaceOrderTie, FaceSide, Shape}};
+/// // A face with six nodes at one with three; they share their corners.
+/// let fine = FaceSide::of_shape(Shape::Tri6, &[[0], [1], [2], [3], [4], [5]])?;
+/// let coarse = FaceSide::of_shape(Shape::Tri3, &[[0], [1], [2]])?;
+/// let mut builder = ConstraintSet::builder(6);
+/// builder.add("face", FaceOrderTie { fine, coarse })?;
+/// let set = builder.build()?;
+/// assert_eq!(set.equations(), 3);
+/// assert_eq!(set.allocate().g().row(0).collect::<Vec<_>>(), [(0, -0.5), (1, -0.5), (3, 1.0)]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct FaceOrderTie<const F: usize> {
+    /// The side that follows.
+    pub fine: FaceSide<F>,
+    /// The side that leads, with the same parameters: its first corner is the same.
+    pub coarse: FaceSide<F>,
+}
+
+impl<const F: usize> FaceOrderTie<F> {
+    fn check(&self) -> Result<(), FaceOrderTieError> {
+        self.fine.check(Side::Fine)?;
+        self.coarse.check(Side::Coarse)?;
+        let (fine, coarse) = (self.fine.polynomials, self.coarse.polynomials);
+        if !fine.contain(coarse) {
+            return Err(FaceOrderTieError::NotAmong { fine, coarse });
+        }
+        self.fine.weights(Side::Fine, &[]).map(|_| ())
+    }
+
+    /// Whether a finer node is a coarser one; nothing but that may have its DOFs.
+    fn is_shared(&self, i: usize) -> Result<bool, FaceOrderTieError> {
+        let (at, dofs) = self.fine.nodes[i];
+        let here = |other: [f64; 2]| (0..2).all(|k| (other[k] - at[k]).abs() <= ROUNDING);
+        let coarse = &self.coarse.nodes;
+        if coarse.iter().any(|&(other, own)| own == dofs && here(other)) {
+            return Ok(true);
+        }
+        match dofs.iter().find(|dof| coarse.iter().any(|(_, others)| others.contains(dof))) {
+            Some(&dof) => Err(FaceOrderTieError::Shared { node: i + 1, dof }),
+            None => Ok(false),
+        }
+    }
+}
+
+impl<const F: usize> Constraint for FaceOrderTie<F> {
+    const NAME: &'static str = "face of p-refinement";
+    type Error = FaceOrderTieError;
+
+    fn process(self, store: &mut Store) -> Result<(), FaceOrderTieError> {
+        self.check()?;
+        let weights = self.coarse.weights(Side::Coarse, &self.fine.places())?;
+        for (i, ((_, dofs), weights)) in self.fine.nodes.iter().zip(weights).enumerate() {
+            if !self.is_shared(i)? {
+                let masters = self.coarse.nodes.iter().map(|&(_, dofs)| dofs).zip(weights);
+                interpolate(store, |k| field_of_node::<0, F>(i, k).into(), dofs, masters);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// One side of a face.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FaceSide<const F: usize> {
+    /// What it can be.
+    pub polynomials: Polynomials,
+    /// `xi, eta` of each node, as of [`Shape`], and its DOFs, 0-based; as many nodes as there are polynomials.
+    pub nodes: Vec<([f64; 2], [usize; F])>,
+}
+
+impl<const F: usize> FaceSide<F> {
+    /// That of an element, from the DOFs of its nodes in the order of the shape.
+    ///
+    /// # Errors
+    /// [`FaceOrderTieError`] if the shape is no face or has another number of nodes.
+    pub fn of_shape(shape: Shape, dofs: &[[usize; F]]) -> Result<Self, FaceOrderTieError> {
+        let polynomials = Polynomials::of(shape).ok_or(FaceOrderTieError::NoFace { shape })?;
+        if dofs.len() != shape.nodes() {
+            return Err(FaceOrderTieError::Nodes { shape, found: dofs.len() });
+        }
+        let nodes = shape.places().iter().zip(dofs).map(|(x, &dofs)| ([x[0], x[1]], dofs)).collect();
+        Ok(Self { polynomials, nodes })
+    }
+
+    pub(super) fn check(&self, side: Side) -> Result<(), FaceOrderTieError> {
+        let (polynomials, found) = (self.polynomials, self.nodes.len());
+        if polynomials.degree() == 0 || polynomials.dimension() != found {
+            return Err(FaceOrderTieError::Count { side, polynomials, found });
+        }
+        let is_inside = |[x, y]: [f64; 2]| {
+            let inside = polynomials.face().clamp([x, y, 0.0]);
+            (inside[0] - x).abs() <= ROUNDING && (inside[1] - y).abs() <= ROUNDING
+        };
+        match self.nodes.iter().position(|&(at, _)| !is_inside(at)) {
+            Some(i) => Err(FaceOrderTieError::Outside { side, node: i + 1, at: self.nodes[i].0 }),
+            None => Ok(()),
+        }
+    }
+
+    /// `N_k` at these points.
+    pub(super) fn weights(&self, side: Side, points: &[[f64; 2]]) -> Result<Vec<Vec<f64>>, FaceOrderTieError> {
+        self.polynomials.weights(&self.places(), points).ok_or(FaceOrderTieError::Undetermined { side })
+    }
+
+    pub(super) fn places(&self) -> Vec<[f64; 2]> {
+        self.nodes.iter().map(|&(at, _)| at).collect()
+    }
+}
+
+/// Which side of a face it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// That follows.
+    Fine,
+    /// That leads.
+    Coarse,
+}
+
+impl fmt::Display for Side {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(if *self == Self::Fine { "finer" } else { "coarser" })
+    }
+}
+
+/// What can be wrong with a face of p-refinement.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FaceOrderTieError {
+    /// A shape is a line or a solid.
+    #[error("a {shape:?} is no face")]
+    NoFace {
+        /// What it is.
+        shape: Shape,
+    },
+    /// A shape has another number of nodes.
+    #[error("{found} nodes are given; a {shape:?} has {}", shape.nodes())]
+    Nodes {
+        /// The shape.
+        shape: Shape,
+        /// How many were given.
+        found: usize,
+    },
+    /// A side has another number of nodes than polynomials.
+    #[error("the {side} side has {found} nodes, but {polynomials:?} (degree one or more) needs {}", polynomials.dimension())]
+    Count {
+        /// Which side.
+        side: Side,
+        /// Its polynomials.
+        polynomials: Polynomials,
+        /// Its nodes.
+        found: usize,
+    },
+    /// The coarser side can be what the finer cannot.
+    #[error(
+        "not all of {coarse:?} of the coarser side are among {fine:?} of the finer, which could not follow: exchange the sides, or raise its degree"
+    )]
+    NotAmong {
+        /// Polynomials of the finer side.
+        fine: Polynomials,
+        /// Polynomials of the coarser side.
+        coarse: Polynomials,
+    },
+    /// A node is not on the face.
+    #[error("node {node}, from 1, of the {side} side is at {at:?}, which is not on the face; correct its parameters")]
+    Outside {
+        /// Which side.
+        side: Side,
+        /// The node, from 1.
+        node: usize,
+        /// Its parameters.
+        at: [f64; 2],
+    },
+    /// Nodes do not determine a polynomial.
+    #[error(
+        "the nodes of the {side} side do not determine a polynomial of it: two are in one place, or too many on one curve; move them"
+    )]
+    Undetermined {
+        /// Which side.
+        side: Side,
+    },
+    /// A node of the finer side has a DOF of a coarser one in another place.
+    #[error(
+        "node {node}, from 1, of the finer side has DOF {dof}, as a coarser node in another place has; correct one of them"
+    )]
+    Shared {
+        /// The node, from 1.
+        node: usize,
+        /// The DOF, 0-based.
+        dof: usize,
+    },
+}

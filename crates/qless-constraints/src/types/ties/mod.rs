@@ -1,0 +1,34 @@
+//! `u_p - sum_k N_k u_k = 0` for each field: what every tie of a node to others comes down to.
+
+mod cyclic;
+mod face_order_tie;
+mod hanging_node;
+mod line_tie;
+mod node_tie;
+mod order_tie;
+mod periodic;
+
+use std::borrow::Cow;
+
+use crate::Store;
+pub use cyclic::{Cyclic, CyclicError, CyclicHarmonic, Turning};
+pub use face_order_tie::{FaceOrderTie, FaceOrderTieError, FaceSide, Side};
+pub use hanging_node::{HangingNode, HangingNodeError};
+pub use line_tie::{LineTie, LineTieError};
+pub use node_tie::{NodeTie, NodeTieError};
+pub use order_tie::{OrderTie, OrderTieError};
+pub use periodic::{MacroStrain, Periodic, PeriodicError};
+
+/// Adds the F equations; masters that have no weight are left out.
+pub(super) fn interpolate<const F: usize>(
+    store: &mut Store,
+    part: impl Fn(usize) -> Cow<'static, str>,
+    slave: &[usize; F],
+    masters: impl Iterator<Item = ([usize; F], f64)>,
+) {
+    let masters: Vec<_> = masters.filter(|&(_, n)| n != 0.0).collect();
+    for (k, &dof) in slave.iter().enumerate() {
+        let terms = masters.iter().map(|(dofs, n)| (dofs[k], -n));
+        store.equation(part(k), terms.chain([(dof, 1.0)]), 0.0);
+    }
+}

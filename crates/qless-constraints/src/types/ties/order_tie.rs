@@ -1,0 +1,147 @@
+//! `u_i = sum_k L_k(s_i) u_k`: an edge with nodes for degree p that moves as one of degree q < p.
+
+use super::interpolate;
+use crate::geometry::node::{ROUNDING, field_of_node};
+use crate::{Constraint, Store};
+
+/// An edge of p-refinement in a nodal basis: the p + 1 nodes of the finer side lie on the polynomial through the q + 1 of the coarser.
+///
+/// `u_i = sum_k L_k(s_i) u_k` with Lagrange's polynomials of the coarser nodes, which may stand anywhere on the edge: equally spaced,
+/// at Gauss-Lobatto points, or otherwise. F equations and F DOFs removed for each finer node; one that has the DOFs of a coarser one
+/// in the same place (an end that both share) has none. Rank is lost where a finer node is constrained otherwise, as at
+/// a corner where two such edges meet and the end is not shared.
+///
+/// In a hierarchic basis lower modes are shared, and those above q vanish on the edge: `u_m = 0`, a [`Prescribed`](crate::types::Prescribed).
+///
+#[doc = include_str!("../../../docs/pictures/order_tie.svg")]
+///
+#[doc = include_str!("../../../docs/types/order_tie.md")]
+/// # Example
+///
+/// ```
+/// use qless_constraints::{ConstraintSet, types::OrderTie};
+/// // A cubic edge at a linear one; they share their ends.
+/// let coarse = vec![(0.0, [0]), (1.0, [1])];
+/// let fine = vec![(0.0, [0]), (0.25, [2]), (0.75, [3]), (1.0, [1])];
+/// let mut builder = ConstraintSet::builder(4);
+/// builder.add("edge", OrderTie { fine, coarse })?;
+/// let set = builder.build()?;
+/// assert_eq!(set.equations(), 2);
+/// assert_eq!(set.allocate().g().row(0).collect::<Vec<_>>(), [(0, -0.75), (1, -0.25), (2, 1.0)]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct OrderTie<const F: usize> {
+    /// Where each node of the finer side is along the edge, in any unit, and its DOFs.
+    pub fine: Vec<(f64, [usize; F])>,
+    /// The same of the coarser side.
+    pub coarse: Vec<(f64, [usize; F])>,
+}
+
+/// What can be wrong with an edge of p-refinement.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum OrderTieError {
+    /// The coarser side has as many nodes as the finer one, or fewer than two.
+    #[error("{fine} nodes are tied to {coarse}; the coarser side needs at least two, and fewer than the finer")]
+    Order {
+        /// Nodes of the finer side.
+        fine: usize,
+        /// Nodes of the coarser side.
+        coarse: usize,
+    },
+    /// A node is not between the ends of the coarser side, or its place is no number.
+    #[error("node {node}, from 1, of the finer side is at {at}, beyond the ends {from} and {to} of the coarser side")]
+    Outside {
+        /// The node, from 1.
+        node: usize,
+        /// Where it is.
+        at: f64,
+        /// Where the coarser side begins.
+        from: f64,
+        /// Where it ends.
+        to: f64,
+    },
+    /// Two nodes of the coarser side are in one place.
+    #[error("nodes {first} and {second}, from 1, of the coarser side are both at {at}; they must differ")]
+    Repeated {
+        /// One node, from 1.
+        first: usize,
+        /// The other.
+        second: usize,
+        /// Where they are.
+        at: f64,
+    },
+    /// A node of the coarser side has a DOF of a finer one in another place.
+    #[error(
+        "node {node}, from 1, of the finer side has DOF {dof}, as a coarser node in another place has; correct one of them"
+    )]
+    Shared {
+        /// The node, from 1.
+        node: usize,
+        /// The DOF, 0-based.
+        dof: usize,
+    },
+}
+
+/// `L_k(s) = prod_(j != k) (s - s_j) / (s_k - s_j)`: exactly 1 and 0 at the nodes.
+fn lagrange(nodes: &[f64], s: f64) -> Vec<f64> {
+    let factor = |k: usize| {
+        let others = nodes.iter().enumerate().filter(move |&(j, _)| j != k);
+        others.map(|(_, &other)| (s - other) / (nodes[k] - other)).product()
+    };
+    (0..nodes.len()).map(factor).collect()
+}
+
+impl<const F: usize> OrderTie<F> {
+    fn check(&self, places: &[f64]) -> Result<(), OrderTieError> {
+        let (fine, coarse) = (self.fine.len(), self.coarse.len());
+        if coarse < 2 || coarse >= fine {
+            return Err(OrderTieError::Order { fine, coarse });
+        }
+        for (second, &at) in places.iter().enumerate() {
+            if let Some(first) = places[..second].iter().position(|&other| other == at) {
+                return Err(OrderTieError::Repeated { first: first + 1, second: second + 1, at });
+            }
+        }
+        let from = places.iter().copied().fold(f64::INFINITY, f64::min);
+        let to = places.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        // Places may be off by rounding. Not `at < low || at > high`: a NaN is in no place.
+        let off = ROUNDING * from.abs().max(to.abs());
+        match self.fine.iter().position(|(at, _)| !(from - off..=to + off).contains(at)) {
+            Some(i) => Err(OrderTieError::Outside { node: i + 1, at: self.fine[i].0, from, to }),
+            None => Ok(()),
+        }
+    }
+
+    /// Whether a finer node is a coarser one; nothing but that may have its DOFs.
+    fn is_shared(&self, i: usize) -> Result<bool, OrderTieError> {
+        let (at, dofs) = self.fine[i];
+        let here = |other: f64| (other - at).abs() <= ROUNDING * other.abs().max(at.abs());
+        if self.coarse.iter().any(|&(other, own)| own == dofs && here(other)) {
+            return Ok(true);
+        }
+        match dofs.iter().find(|dof| self.coarse.iter().any(|(_, others)| others.contains(dof))) {
+            Some(&dof) => Err(OrderTieError::Shared { node: i + 1, dof }),
+            None => Ok(false),
+        }
+    }
+}
+
+impl<const F: usize> Constraint for OrderTie<F> {
+    const NAME: &'static str = "edge of p-refinement";
+    type Error = OrderTieError;
+
+    fn process(self, store: &mut Store) -> Result<(), OrderTieError> {
+        let places: Vec<f64> = self.coarse.iter().map(|&(at, _)| at).collect();
+        self.check(&places)?;
+        for (i, (at, dofs)) in self.fine.iter().enumerate() {
+            if !self.is_shared(i)? {
+                let weights = lagrange(&places, *at);
+                let masters = self.coarse.iter().map(|&(_, dofs)| dofs).zip(weights);
+                interpolate(store, |k| field_of_node::<0, F>(i, k).into(), dofs, masters);
+            }
+        }
+        Ok(())
+    }
+}
