@@ -50,7 +50,7 @@ fn turned_over<const K: usize>(m: f64, v: [f64; K]) -> bool {
 }
 
 /// f and its derivatives.
-struct Factors {
+struct AngleFactors {
     f: f64,
     m: f64,
     y: f64,
@@ -59,7 +59,7 @@ struct Factors {
     yy: f64,
 }
 
-impl Factors {
+impl AngleFactors {
     fn new(m: f64, y: f64) -> Self {
         let (r, z) = (y + m * m, y / (m * m));
         let (by_m, mm, my) = (-1.0 / r, 2.0 * m / (r * r), 1.0 / (r * r));
@@ -89,7 +89,7 @@ pub fn slopes<const K: usize>(x: [f64; 4]) -> ([f64; K], [[f64; 4]; K]) {
         (rows[0][0], rows[0][1]) = (-v[0] / (m * m), 1.0 / m);
         return (from_fn(|k| if k == 0 { PI + v[0] / m } else { 0.0 }), rows);
     }
-    let factors = Factors::new(m, v.iter().map(|v| v * v).sum());
+    let factors = AngleFactors::new(m, v.iter().map(|v| v * v).sum());
     for (i, row) in rows.iter_mut().enumerate() {
         row[0] = factors.m * v[i];
         (0..K).for_each(|k| row[1 + k] = 2.0 * factors.y * v[i] * v[k]);
@@ -109,7 +109,7 @@ pub fn curvature<const K: usize>(x: [f64; 4], w: [f64; K]) -> ([f64; 4], [[f64; 
         (h[0][1], h[1][0]) = (-w[0] / (m * m), -w[0] / (m * m));
         return (gradient, h);
     }
-    let of = Factors::new(m, v.iter().map(|v| v * v).sum());
+    let of = AngleFactors::new(m, v.iter().map(|v| v * v).sum());
     let p: f64 = (0..K).map(|k| w[k] * v[k]).sum();
     h[0][0] = of.mm * p;
     for j in 0..K {

@@ -1,7 +1,7 @@
 //! What a point or a direction is attached to: the ground, a node, or a body with rotations.
 
-use super::lanes::{Lanes, Turns};
-use super::rotation::Kind;
+use super::lanes::{Lanes, RotatedArmLanes};
+use super::rotation::RotationKind;
 use super::rotation_derivatives;
 use crate::Store;
 use crate::scalar::Scalar;
@@ -24,7 +24,7 @@ use crate::scalar::vector::{Vector, add, lift};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
-    pub(crate) kind: Kind,
+    pub(crate) kind: RotationKind,
     pub(crate) position: [usize; 3],
     pub(crate) at: Vector<f64>,
     pub(crate) rotation: [usize; 4],
@@ -33,23 +33,23 @@ pub struct Body {
 impl Body {
     /// What does not move.
     pub fn ground() -> Self {
-        Self { kind: Kind::Ground, position: [0; 3], at: [0.0; 3], rotation: [0; 4] }
+        Self { kind: RotationKind::Ground, position: [0; 3], at: [0.0; 3], rotation: [0; 4] }
     }
 
     /// A node without rotations, for joints that fix a point only.
     pub fn node(node: super::node::Point) -> Self {
-        Self { kind: Kind::Node, position: node.dofs, at: node.at, ..Self::ground() }
+        Self { kind: RotationKind::Node, position: node.dofs, at: node.at, ..Self::ground() }
     }
 
     /// A body with a rotation vector.
     pub fn with_vector(position: [usize; 3], at: Vector<f64>, rotation: [usize; 3]) -> Self {
         let [x, y, z] = rotation;
-        Self { kind: Kind::Vector, position, at, rotation: [x, y, z, 0] }
+        Self { kind: RotationKind::Vector, position, at, rotation: [x, y, z, 0] }
     }
 
     /// A body with Euler parameters.
     pub fn with_euler(position: [usize; 3], at: Vector<f64>, rotation: [usize; 4]) -> Self {
-        Self { kind: Kind::Euler, position, at, rotation }
+        Self { kind: RotationKind::Euler, position, at, rotation }
     }
 
     pub(crate) fn turns(&self) -> bool {
@@ -67,27 +67,27 @@ impl Body {
 
     /// States the place of the body, and that a rotation is known to one unit in the last place of a radian, and Euler parameters to
     /// that of one, however small they are: what they turn is known no better.
-    pub(crate) fn state(&self, store: &mut Store) {
+    pub(crate) fn declare_magnitudes(&self, store: &mut Store) {
         store.numbers(self.at);
         self.rotation_dofs().iter().for_each(|&dof| store.coordinate(dof, 1.0));
     }
 
     /// What moves with the body at `point`, a point of the reference configuration.
-    pub(crate) fn carry(&self, point: Vector<f64>) -> Carrier {
+    pub(crate) fn attach(&self, point: Vector<f64>) -> AttachedPoint {
         let arm = std::array::from_fn(|k| point[k] - self.at[k]);
-        Carrier { kind: self.kind, at: self.at, arm }
+        AttachedPoint { kind: self.kind, at: self.at, arm }
     }
 }
 
 /// A point that moves with a body: `x = at + u + R arm`.
 #[derive(Clone, Copy)]
-pub(crate) struct Carrier {
-    pub kind: Kind,
+pub(crate) struct AttachedPoint {
+    pub kind: RotationKind,
     at: Vector<f64>,
     pub arm: Vector<f64>,
 }
 
-impl Carrier {
+impl AttachedPoint {
     pub fn dofs(&self) -> usize {
         self.kind.positions() + self.kind.rotations()
     }
@@ -101,7 +101,7 @@ impl Carrier {
 
     /// Where the body is to which the point belongs: `at + u`.
     pub fn centre<S: Scalar>(&self, u: &[S]) -> Vector<S> {
-        if self.kind == Kind::Ground { lift(self.at) } else { add(lift(self.at), [u[0], u[1], u[2]]) }
+        if self.kind == RotationKind::Ground { lift(self.at) } else { add(lift(self.at), [u[0], u[1], u[2]]) }
     }
 
     /// The point x, and `sign dx` in the columns from `first` of `g`, 3 x n; rotation vectors as they are in a lane of `turns`.
@@ -113,13 +113,13 @@ impl Carrier {
         sign: f64,
         [first, n]: [usize; 2],
         g: &mut [f64],
-        (turns, lane): (&Turns, usize),
+        (turns, lane): (&RotatedArmLanes, usize),
     ) -> Vector<f64> {
         let (turned, slopes) = match self.kind {
-            Kind::Ground => return add(self.at, self.arm),
-            Kind::Node => (self.arm, [[0.0; 4]; 3]),
-            Kind::Vector => turns.of(lane),
-            Kind::Euler => rotation_derivatives::slopes(self.kind, &u[3..], self.arm),
+            RotationKind::Ground => return add(self.at, self.arm),
+            RotationKind::Node => (self.arm, [[0.0; 4]; 3]),
+            RotationKind::Vector => turns.lane(lane),
+            RotationKind::Euler => rotation_derivatives::slopes(self.kind, &u[3..], self.arm),
         };
         for axis in 0..3 {
             let row = &mut g[axis * n + first..][..u.len()];
@@ -127,9 +127,9 @@ impl Carrier {
                 (std::array::from_fn(|k| if k == axis { sign } else { 0.0 }), slopes[axis].map(|s| sign * s));
             // Written as a whole, in a length that the compiler knows.
             match self.kind {
-                Kind::Ground | Kind::Node => row.copy_from_slice(&[x, y, z]),
-                Kind::Vector => row.copy_from_slice(&[x, y, z, s[0], s[1], s[2]]),
-                Kind::Euler => row.copy_from_slice(&[x, y, z, s[0], s[1], s[2], s[3]]),
+                RotationKind::Ground | RotationKind::Node => row.copy_from_slice(&[x, y, z]),
+                RotationKind::Vector => row.copy_from_slice(&[x, y, z, s[0], s[1], s[2]]),
+                RotationKind::Euler => row.copy_from_slice(&[x, y, z, s[0], s[1], s[2], s[3]]),
             }
         }
         add(add(self.at, turned), [u[0], u[1], u[2]])
@@ -139,9 +139,9 @@ impl Carrier {
     #[inline]
     pub fn curvature(&self, u: &[f64], m: Vector<f64>, out: &mut [f64], (all, lane): (&[Lanes; 6], usize)) {
         match self.kind {
-            Kind::Ground | Kind::Node => (),
-            Kind::Vector => (0..6).for_each(|k| out[k] = all[k].0[lane]),
-            Kind::Euler => rotation_derivatives::hessian(self.kind, &u[3..], self.arm, m, out),
+            RotationKind::Ground | RotationKind::Node => (),
+            RotationKind::Vector => (0..6).for_each(|k| out[k] = all[k].0[lane]),
+            RotationKind::Euler => rotation_derivatives::hessian(self.kind, &u[3..], self.arm, m, out),
         }
     }
 }

@@ -7,7 +7,7 @@ use std::ops::{Add, Mul, Neg, Sub};
 use pulp::{Arch, Simd, WithSimd};
 
 use super::rodrigues::{closed, from_highest, highest};
-use super::rotation::Kind;
+use super::rotation::RotationKind;
 use super::rotation_derivatives::{Phi, slopes_by_vector};
 use crate::scalar::vector::{Vector, dot};
 
@@ -63,7 +63,7 @@ impl Neg for Lanes {
 
 /// [`factors`](super::rodrigues::factors) of eight y, each as if it were alone.
 #[inline(always)]
-pub fn factors_of_lanes(y: Lanes) -> [[Lanes; 3]; 2] {
+pub fn factors_in_lanes(y: Lanes) -> [[Lanes; 3]; 2] {
     let mut all = from_highest(y, highest::<12, _>(y));
     for (lane, &y) in y.0.iter().enumerate().filter(|&(_, &y)| y >= 4.0) {
         let of_lane = closed(y);
@@ -74,7 +74,7 @@ pub fn factors_of_lanes(y: Lanes) -> [[Lanes; 3]; 2] {
 
 /// The rotation vectors of up to eight bodies, and the arms that they turn; zeros where a body has none.
 #[derive(Default)]
-pub struct Vectors {
+pub struct RotationVectorLanes {
     theta: Vector<Lanes>,
     arm: Vector<Lanes>,
     any: bool,
@@ -82,23 +82,23 @@ pub struct Vectors {
 
 /// `R s` and `d(R s)` of each, as [`super::rotation_derivatives::slopes`] has them.
 #[derive(Default)]
-pub struct Turns((Vector<Lanes>, [Vector<Lanes>; 3]));
+pub struct RotatedArmLanes((Vector<Lanes>, [Vector<Lanes>; 3]));
 
-impl Turns {
+impl RotatedArmLanes {
     /// That of one body.
     #[inline]
-    pub fn of(&self, lane: usize) -> (Vector<f64>, [[f64; 4]; 3]) {
+    pub fn lane(&self, lane: usize) -> (Vector<f64>, [[f64; 4]; 3]) {
         let (turned, rows) = &self.0;
         let of_row = |i: usize| [rows[i][0].0[lane], rows[i][1].0[lane], rows[i][2].0[lane], 0.0];
         (std::array::from_fn(|i| turned[i].0[lane]), std::array::from_fn(of_row))
     }
 }
 
-impl Vectors {
+impl RotationVectorLanes {
     /// That of one more body with the DOFs u.
     #[inline]
-    pub fn set(&mut self, lane: usize, (kind, arm): (Kind, Vector<f64>), u: &[f64]) {
-        if kind == Kind::Vector {
+    pub fn set(&mut self, lane: usize, (kind, arm): (RotationKind, Vector<f64>), u: &[f64]) {
+        if kind == RotationKind::Vector {
             (0..3).for_each(|k| (self.theta[k].0[lane], self.arm[k].0[lane]) = (u[3 + k], arm[k]));
             self.any = true;
         }
@@ -106,7 +106,7 @@ impl Vectors {
 
     /// `R s` and its slopes.
     #[inline]
-    pub fn slopes(&self, out: &mut Turns) {
+    pub fn slopes(&self, out: &mut RotatedArmLanes) {
         if self.any {
             Arch::new().dispatch(SlopesOfLanes { theta: &self.theta, arm: &self.arm, out: &mut out.0 });
         }
@@ -132,7 +132,7 @@ impl WithSimd for SlopesOfLanes<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let theta = *self.theta;
-        *self.out = slopes_by_vector(theta, *self.arm, factors_of_lanes(dot(theta, theta)));
+        *self.out = slopes_by_vector(theta, *self.arm, factors_in_lanes(dot(theta, theta)));
     }
 }
 
@@ -148,7 +148,7 @@ impl WithSimd for HessianOfLanes<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let theta = *self.theta;
-        *self.out = Phi::new(theta, *self.arm, *self.m, factors_of_lanes(dot(theta, theta))).hessian();
+        *self.out = Phi::new(theta, *self.arm, *self.m, factors_in_lanes(dot(theta, theta))).hessian();
     }
 }
 
@@ -162,10 +162,10 @@ mod tests {
     #[test]
     fn lanes_are_those_of_one_number() {
         let y = [0.0, 1e-9, 0.04, 0.06, 1.0, 3.999, 4.0, 30.0];
-        let all = factors_of_lanes(Lanes(y));
+        let all = factors_in_lanes(Lanes(y));
         for (lane, &y) in y.iter().enumerate() {
             assert_same(all.map(|of| of.map(|x| x.0[lane])), factors(y), 4e-15, y);
-            let alone = factors_of_lanes(Lanes::from(y));
+            let alone = factors_in_lanes(Lanes::from(y));
             assert_eq!(all.map(|of| of.map(|x| x.0[lane])), alone.map(|of| of.map(|x| x.0[0])), "y = {y}");
         }
     }

@@ -5,12 +5,12 @@ pub enum Outline {
     /// From and to.
     Interval(f64, f64),
     /// Corners, counter-clockwise.
-    Polygon(Vec<Flat>),
+    Polygon(Vec<PlanePoint>),
 }
 
 impl Outline {
     /// From the ends of a line or the corners of a face, in either direction.
-    pub fn new(mut corners: Vec<Flat>) -> Self {
+    pub fn new(mut corners: Vec<PlanePoint>) -> Self {
         if let [a, b] = corners.as_slice() {
             return Self::Interval(a[0].min(b[0]), a[0].max(b[0]));
         }
@@ -53,7 +53,7 @@ impl Outline {
     }
 
     /// Points and weights whose sum is the integral, exact for polynomials up to degree five.
-    pub fn quadrature(&self) -> Vec<(Flat, f64)> {
+    pub fn quadrature(&self) -> Vec<(PlanePoint, f64)> {
         match *self {
             Self::Interval(from, to) => {
                 let (middle, half) = (f64::midpoint(from, to), (to - from) / 2.0);
@@ -66,47 +66,47 @@ impl Outline {
 }
 
 /// A point of the plane.
-pub type Flat = [f64; 2];
+pub type PlanePoint = [f64; 2];
 
 /// Twice the area of the triangle `a b p`, positive if p lies to the left of ab.
-fn side(a: Flat, b: Flat, p: Flat) -> f64 {
+fn side(a: PlanePoint, b: PlanePoint, p: PlanePoint) -> f64 {
     (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
 }
 
 /// The edges of a polygon, from corner to corner.
-fn edges(polygon: &[Flat]) -> impl Iterator<Item = (Flat, Flat)> {
+fn edges(polygon: &[PlanePoint]) -> impl Iterator<Item = (PlanePoint, PlanePoint)> {
     polygon.iter().copied().zip(polygon.iter().copied().cycle().skip(1))
 }
 
 /// Triangles from the first corner to every edge; together they are the polygon.
-fn fan(polygon: &[Flat]) -> impl Iterator<Item = [Flat; 3]> {
+fn fan(polygon: &[PlanePoint]) -> impl Iterator<Item = [PlanePoint; 3]> {
     polygon.windows(2).skip(1).map(|ends| [polygon[0], ends[0], ends[1]])
 }
 
 /// The area, negative if the corners run clockwise.
-pub fn area(polygon: &[Flat]) -> f64 {
+pub fn area(polygon: &[PlanePoint]) -> f64 {
     fan(polygon).map(|[a, b, c]| side(a, b, c) / 2.0).sum()
 }
 
 /// The sum of the lengths of the edges.
-pub fn perimeter(polygon: &[Flat]) -> f64 {
+pub fn perimeter(polygon: &[PlanePoint]) -> f64 {
     edges(polygon).map(|(a, b)| (b[0] - a[0]).hypot(b[1] - a[1])).sum()
 }
 
 /// Whether no corner points inwards, but for rounding.
-pub fn is_convex(polygon: &[Flat]) -> bool {
+pub fn is_convex(polygon: &[PlanePoint]) -> bool {
     let rounding = 1e-12 * area(polygon);
     let after = edges(polygon).skip(1).chain(edges(polygon));
     edges(polygon).zip(after).all(|((a, b), (_, c))| side(a, b, c) >= -rounding)
 }
 
 /// The part of a polygon that lies in a convex window (Sutherland and Hodgman, Commun. ACM, 1974).
-pub fn clip(polygon: Vec<Flat>, window: &[Flat]) -> Vec<Flat> {
+pub fn clip(polygon: Vec<PlanePoint>, window: &[PlanePoint]) -> Vec<PlanePoint> {
     edges(window).fold(polygon, |left, (a, b)| cut(&left, a, b))
 }
 
 /// The part to the left of the line ab.
-fn cut(polygon: &[Flat], a: Flat, b: Flat) -> Vec<Flat> {
+fn cut(polygon: &[PlanePoint], a: PlanePoint, b: PlanePoint) -> Vec<PlanePoint> {
     let mut kept = Vec::with_capacity(polygon.len() + 1);
     for (p, q) in edges(polygon) {
         let (from, to) = (side(a, b, p), side(a, b, q));
@@ -125,7 +125,7 @@ fn cut(polygon: &[Flat], a: Flat, b: Flat) -> Vec<Flat> {
 const STRAIGHT: f64 = 1e-10;
 
 /// The corners of a polygon without those that are none.
-fn true_corners(polygon: &[Flat]) -> Vec<Flat> {
+fn true_corners(polygon: &[PlanePoint]) -> Vec<PlanePoint> {
     let least = 2.0 * STRAIGHT * area(polygon);
     let mut corners = polygon.to_vec();
     let mut k = 0;
@@ -141,7 +141,7 @@ fn true_corners(polygon: &[Flat]) -> Vec<Flat> {
 }
 
 /// The mean of a polygon, weighted with the area.
-fn centroid(polygon: &[Flat]) -> Flat {
+fn centroid(polygon: &[PlanePoint]) -> PlanePoint {
     let parts = || fan(polygon).map(|[a, b, c]| (side(a, b, c), [a[0] + b[0] + c[0], a[1] + b[1] + c[1]]));
     let whole: f64 = parts().map(|(twice, _)| twice).sum();
     // Shares first: products of areas and lengths vanish in small units.
@@ -149,7 +149,7 @@ fn centroid(polygon: &[Flat]) -> Flat {
 }
 
 /// Triangles that depend on the polygon alone, not on which corner is its first: itself, or those from the centroid to every edge.
-fn triangles(polygon: &[Flat]) -> Vec<[Flat; 3]> {
+fn triangles(polygon: &[PlanePoint]) -> Vec<[PlanePoint; 3]> {
     match *true_corners(polygon) {
         [a, b, c] => vec![[a, b, c]],
         ref corners => {
@@ -161,7 +161,7 @@ fn triangles(polygon: &[Flat]) -> Vec<[Flat; 3]> {
 
 /// Points and weights whose sum is the integral over a polygon, exact for polynomials up to degree five; for others it depends on the
 /// polygon alone, so that it turns with the model.
-pub fn quadrature(polygon: &[Flat]) -> impl Iterator<Item = (Flat, f64)> {
+pub fn quadrature(polygon: &[PlanePoint]) -> impl Iterator<Item = (PlanePoint, f64)> {
     triangles(polygon).into_iter().flat_map(|triangle| {
         let whole = side(triangle[0], triangle[1], triangle[2]) / 2.0;
         seven_points().map(|(l, weight)| {
@@ -206,7 +206,7 @@ mod tests {
     }
 
     /// Corners on an ellipse: convex.
-    fn polygon(corners: u32, centre: Flat, size: f64) -> Vec<Flat> {
+    fn polygon(corners: u32, centre: PlanePoint, size: f64) -> Vec<PlanePoint> {
         let angle = |k: u32| std::f64::consts::TAU * (f64::from(k) + 0.3 * f64::from(k % 2)) / f64::from(corners);
         (0..corners).map(|k| [centre[0] + size * angle(k).cos(), centre[1] + 0.7 * size * angle(k).sin()]).collect()
     }

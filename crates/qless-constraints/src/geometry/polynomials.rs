@@ -3,7 +3,7 @@
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 
-use super::closest_point::completed;
+use super::closest_point::complete_weights;
 use super::shape::Shape;
 
 /// The polynomials on a face, of a degree of one or more, in the parameters of [`Shape`]; p below is the degree.
@@ -39,7 +39,7 @@ impl Polynomials {
     }
 
     /// Those of an element with this face; nothing for lines and solids.
-    pub fn of(shape: Shape) -> Option<Self> {
+    pub fn from_shape(shape: Shape) -> Option<Self> {
         match shape {
             Shape::Tri3 => Some(Self::Triangle(1)),
             Shape::Tri6 => Some(Self::Triangle(2)),
@@ -99,7 +99,7 @@ impl Polynomials {
         }
         let right = Mat::from_fn(n, points.len(), |m, i| at_points[i][m]);
         let weights = matrix.partial_piv_lu().solve(&right);
-        let column = |i: usize| completed((0..n).map(|k| weights[(k, i)]).collect(), condition);
+        let column = |i: usize| complete_weights((0..n).map(|k| weights[(k, i)]).collect(), condition);
         Some((0..points.len()).map(column).collect())
     }
 }
@@ -146,7 +146,7 @@ mod tests {
     #[test]
     fn weights_are_those_of_the_shapes() {
         for shape in Shape::ALL {
-            let Some(all) = Polynomials::of(shape) else { continue };
+            let Some(all) = Polynomials::from_shape(shape) else { continue };
             let flat = |x: &[f64; 3]| [x[0], x[1]];
             let nodes: Vec<[f64; 2]> = shape.places().iter().map(flat).collect();
             let points: Vec<[f64; 3]> = (0..20).map(|seed| super::super::shape::tests::inside(shape, seed)).collect();

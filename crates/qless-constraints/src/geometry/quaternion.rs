@@ -5,7 +5,7 @@
 
 use super::rodrigues::factors;
 use super::rotation;
-use super::rotation::Kind;
+use super::rotation::RotationKind;
 use crate::scalar::vector::{Vector, dot};
 use crate::scalar::{Arithmetic, Scalar};
 
@@ -33,36 +33,36 @@ pub fn inner(p: Quaternion<f64>, q: Quaternion<f64>) -> f64 {
 }
 
 /// q of a body; `u` are its rotations.
-pub fn of_body<S: Scalar>(kind: Kind, u: &[S]) -> Quaternion<S> {
+pub fn body_quaternion<S: Scalar>(kind: RotationKind, u: &[S]) -> Quaternion<S> {
     let one = S::from(1.0);
     match kind {
-        Kind::Ground | Kind::Node => [1.0, 0.0, 0.0, 0.0].map(S::from),
-        Kind::Vector => {
+        RotationKind::Ground | RotationKind::Node => [1.0, 0.0, 0.0, 0.0].map(S::from),
+        RotationKind::Vector => {
             let theta = [u[0], u[1], u[2]];
             let quarter = S::from(0.25) * dot(theta, theta);
             let (sine, versine) = rotation::factors(quarter);
             let [x, y, z] = theta.map(|x| S::from(0.5) * sine * x);
             [one - quarter * versine, x, y, z]
         }
-        Kind::Euler => [one + u[0], u[1], u[2], u[3]],
+        RotationKind::Euler => [one + u[0], u[1], u[2], u[3]],
     }
 }
 
 /// q of a body, and what its derivatives are made of.
-pub struct Turn {
-    kind: Kind,
+pub struct BodyQuaternion {
+    kind: RotationKind,
     theta: Vector<f64>,
     pub q: Quaternion<f64>,
     /// A, A', A''.
     a: [f64; 3],
 }
 
-impl Turn {
+impl BodyQuaternion {
     /// `u` are the rotations of the body.
     #[inline]
-    pub fn new(kind: Kind, u: &[f64]) -> Self {
-        if kind != Kind::Vector {
-            return Self { kind, theta: [0.0; 3], q: of_body(kind, u), a: [0.0; 3] };
+    pub fn new(kind: RotationKind, u: &[f64]) -> Self {
+        if kind != RotationKind::Vector {
+            return Self { kind, theta: [0.0; 3], q: body_quaternion(kind, u), a: [0.0; 3] };
         }
         let theta = [u[0], u[1], u[2]];
         let quarter = 0.25 * dot(theta, theta);
@@ -76,13 +76,13 @@ impl Turn {
     #[inline]
     pub fn gradient(&self, r: Quaternion<f64>, out: &mut [f64]) {
         match self.kind {
-            Kind::Ground | Kind::Node => (),
-            Kind::Vector => {
+            RotationKind::Ground | RotationKind::Node => (),
+            RotationKind::Vector => {
                 let (t, [a, slope, _], v) = (self.theta, self.a, [r[1], r[2], r[3]]);
                 let along = 2.0 * slope * dot(v, t) - 0.5 * a * r[0];
                 (0..3).for_each(|k| out[k] = a * v[k] + along * t[k]);
             }
-            Kind::Euler => out.copy_from_slice(&r),
+            RotationKind::Euler => out.copy_from_slice(&r),
         }
     }
 
@@ -90,7 +90,7 @@ impl Turn {
     #[inline]
     pub fn slopes(&self) -> [Quaternion<f64>; 4] {
         let mut rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
-        if self.kind == Kind::Vector {
+        if self.kind == RotationKind::Vector {
             let by_component = rows.map(|unit| {
                 let mut row = [0.0; 3];
                 self.gradient(unit, &mut row);
@@ -106,8 +106,8 @@ impl Turn {
     #[inline]
     pub fn hessian(&self, r: Quaternion<f64>, out: &mut [f64]) {
         match self.kind {
-            Kind::Ground | Kind::Node => (),
-            Kind::Vector => {
+            RotationKind::Ground | RotationKind::Node => (),
+            RotationKind::Vector => {
                 let (t, [a, slope, curve], v) = (self.theta, self.a, [r[1], r[2], r[3]]);
                 let diagonal = 2.0 * slope * dot(v, t) - 0.5 * a * r[0];
                 let twice = 4.0 * curve * dot(v, t) - slope * r[0];
@@ -120,7 +120,7 @@ impl Turn {
                     }
                 }
             }
-            Kind::Euler => out.fill(0.0),
+            RotationKind::Euler => out.fill(0.0),
         }
     }
 }
@@ -137,13 +137,13 @@ mod tests {
         let s = [1.0, 2.0, -0.5];
         for size in [1e-9, 0.3, 1.9, 3.1, 4.1, 6.2] {
             let (p, q) = ([0.6 * size, 0.0, -0.8 * size], [0.2, -1.1, 0.4]);
-            let [of_p, of_q] = [p, q].map(|theta| Turn::new(Kind::Vector, &theta).q);
+            let [of_p, of_q] = [p, q].map(|theta| BodyQuaternion::new(RotationKind::Vector, &theta).q);
             assert!(norm(sub(by_euler(of_p, s), by_vector(p, s))) < 4e-15, "{size}");
             let both = by_euler(product(of_p, of_q), s);
             assert!(norm(sub(both, by_euler(of_p, by_euler(of_q, s)))) < 4e-15, "{size}");
             let back = product(conjugate(of_p), of_p);
             assert!((back[0] - 1.0).abs() < 1e-15 && back[1..].iter().all(|x| x.abs() < 1e-15));
-            let generic = of_body(Kind::Vector, &p);
+            let generic = body_quaternion(RotationKind::Vector, &p);
             assert!((0..4).all(|k| (generic[k] - of_p[k]).abs() < 4e-16));
         }
     }

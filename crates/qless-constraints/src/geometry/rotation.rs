@@ -5,14 +5,14 @@ use crate::scalar::vector::{Vector, add, cross, dot, lift, scale, sub};
 
 /// How a body moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Kind {
+pub(crate) enum RotationKind {
     Ground,
     Node,
     Vector,
     Euler,
 }
 
-impl Kind {
+impl RotationKind {
     pub fn positions(self) -> usize {
         if self == Self::Ground { 0 } else { 3 }
     }

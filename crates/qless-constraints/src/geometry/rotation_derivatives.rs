@@ -7,7 +7,7 @@
 #![expect(clippy::inline_always, reason = "in functions with wider instructions nothing else gets them")]
 
 use super::rodrigues::factors;
-use super::rotation::Kind;
+use super::rotation::RotationKind;
 use crate::scalar::Arithmetic;
 use crate::scalar::vector::{Vector, add, cross, dot, scale, sub};
 
@@ -16,14 +16,14 @@ const LOWER: [(usize, usize); 10] = [(0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2,
 
 /// The gradient of phi; `u` are the rotations, of which there are as many as entries of the result.
 #[inline]
-pub fn gradient(kind: Kind, u: &[f64], s: Vector<f64>, m: Vector<f64>, out: &mut [f64]) {
+pub fn gradient(kind: RotationKind, u: &[f64], s: Vector<f64>, m: Vector<f64>, out: &mut [f64]) {
     match kind {
-        Kind::Ground | Kind::Node => (),
-        Kind::Vector => {
+        RotationKind::Ground | RotationKind::Node => (),
+        RotationKind::Vector => {
             let theta = [u[0], u[1], u[2]];
             out[..3].copy_from_slice(&Phi::new(theta, s, m, factors(dot(theta, theta))).gradient());
         }
-        Kind::Euler => {
+        RotationKind::Euler => {
             let (e0, e, n, ms) = (1.0 + u[0], [u[1], u[2], u[3]], cross(s, m), dot(m, s));
             let (em, es) = (dot(e, m), dot(e, s));
             out[0] = 2.0 * (e0 * ms + dot(e, n));
@@ -34,14 +34,14 @@ pub fn gradient(kind: Kind, u: &[f64], s: Vector<f64>, m: Vector<f64>, out: &mut
 
 /// `R s`, and `d(R s)`, 3 x rotations.
 #[inline]
-pub fn slopes(kind: Kind, u: &[f64], s: Vector<f64>) -> (Vector<f64>, [[f64; 4]; 3]) {
-    if kind == Kind::Vector {
+pub fn slopes(kind: RotationKind, u: &[f64], s: Vector<f64>) -> (Vector<f64>, [[f64; 4]; 3]) {
+    if kind == RotationKind::Vector {
         let theta = [u[0], u[1], u[2]];
         let (turned, rows) = slopes_by_vector(theta, s, factors(dot(theta, theta)));
         return (turned, rows.map(|[x, y, z]| [x, y, z, 0.0]));
     }
     let mut rows = [[0.0; 4]; 3];
-    if kind == Kind::Euler {
+    if kind == RotationKind::Euler {
         rows.iter_mut().enumerate().for_each(|(axis, row)| gradient(kind, u, s, unit(axis), row));
     }
     (kind.turn(u, s), rows)
@@ -75,14 +75,14 @@ fn unit(axis: usize) -> Vector<f64> {
 
 /// The lower triangle of the Hessian of phi, row by row.
 #[inline]
-pub fn hessian(kind: Kind, u: &[f64], s: Vector<f64>, m: Vector<f64>, out: &mut [f64]) {
+pub fn hessian(kind: RotationKind, u: &[f64], s: Vector<f64>, m: Vector<f64>, out: &mut [f64]) {
     match kind {
-        Kind::Ground | Kind::Node => (),
-        Kind::Vector => {
+        RotationKind::Ground | RotationKind::Node => (),
+        RotationKind::Vector => {
             let theta = [u[0], u[1], u[2]];
             out[..6].copy_from_slice(&Phi::new(theta, s, m, factors(dot(theta, theta))).hessian());
         }
-        Kind::Euler => {
+        RotationKind::Euler => {
             let (n, ms) = (cross(s, m), dot(m, s));
             let entry = |j: usize, k: usize| match (j, k) {
                 (0, 0) => 2.0 * ms,

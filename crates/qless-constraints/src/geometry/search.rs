@@ -142,7 +142,7 @@ impl<'a, const D: usize, const F: usize> FaceSearch<'a, D, F> {
     }
 
     /// Faces whose boxes are within a distance of the box of a face, ascending.
-    pub(crate) fn touching(&self, shape: Shape, places: &[[f64; D]], distance: f64) -> Vec<usize> {
+    pub(crate) fn faces_near(&self, shape: Shape, places: &[[f64; D]], distance: f64) -> Vec<usize> {
         let [low, high] = bounds(shape, places);
         let reach = distance.max(0.0) + ROUNDING * self.size;
         let around = AABB::from_corners(low.map(|x| x - reach), high.map(|x| x + reach));

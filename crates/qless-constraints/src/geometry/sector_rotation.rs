@@ -17,14 +17,14 @@ const BLUR: f64 = 8.0 * f64::EPSILON;
 
 /// A number of a rotation by the angle; zero where that is what it is but for the rounding of the angle: a quarter or a whole turn has
 /// no exact angle, and noise of 1e-16 would make a coefficient, and a rank.
-fn cleaned(x: f64, angle: f64) -> f64 {
+fn snap_to_zero(x: f64, angle: f64) -> f64 {
     if x.abs() <= BLUR * angle.abs().max(1.0) { 0.0 } else { x }
 }
 
 /// The sine and the cosine, each exactly zero where it is rounding.
 pub fn sin_cos(angle: f64) -> (f64, f64) {
     let (sin, cos) = angle.sin_cos();
-    (cleaned(sin, angle), cleaned(cos, angle))
+    (snap_to_zero(sin, angle), snap_to_zero(cos, angle))
 }
 
 /// An axis has no direction.
@@ -44,7 +44,7 @@ impl Turn<3> {
         let direction = unit(axis).ok_or(TurnError { axis })?;
         let turn = |s| by_vector(scale(angle, direction), s);
         let columns = [turn([1.0, 0.0, 0.0]), turn([0.0, 1.0, 0.0]), turn([0.0, 0.0, 1.0])];
-        let rotation = std::array::from_fn(|i| std::array::from_fn(|j| cleaned(columns[j][i], angle)));
+        let rotation = std::array::from_fn(|i| std::array::from_fn(|j| snap_to_zero(columns[j][i], angle)));
         Ok(Self { centre, rotation, angle })
     }
 }

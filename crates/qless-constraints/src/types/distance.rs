@@ -65,18 +65,18 @@ impl<const D: usize> Constraint for Distance<D> {
         store.length(length);
         [self.a, self.b].iter().for_each(|node| store.coordinates_of(node));
         let dofs = [self.a.dofs, self.b.dofs];
-        store.nonlinear("", dofs.as_flattened(), Rod::<D> { between, length });
+        store.nonlinear("", dofs.as_flattened(), RodParameters::<D> { between, length });
         Ok(())
     }
 }
 
 /// The stored parameters of [`Distance`]: `x_b - x_a` at u = 0, and L.
-struct Rod<const D: usize> {
+struct RodParameters<const D: usize> {
     between: [f64; D],
     length: f64,
 }
 
-impl<const D: usize> Nonlinear for Rod<D> {
+impl<const D: usize> Nonlinear for RodParameters<D> {
     const DOFS: usize = 2 * D;
     const QUADRATIC: bool = true;
     const NUMBERS: &'static [usize] = &[0, 1, 0];

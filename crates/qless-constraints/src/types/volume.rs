@@ -151,13 +151,13 @@ impl Constraint for Volume {
         let dofs: Vec<usize> = used.iter().flat_map(|&node| self.nodes[node].dofs).collect();
         store.length(volume.cbrt());
         used.iter().for_each(|&node| store.coordinates_of(&self.nodes[node]));
-        store.nonlinear("", &dofs, Patch::new(at, triangles, volume));
+        store.nonlinear("", &dofs, ClosedSurface::new(at, triangles, volume));
         Ok(())
     }
 }
 
 /// The stored parameters of [`Volume`].
-pub(super) struct Patch {
+pub(super) struct ClosedSurface {
     at: Vec<Vector<f64>>,
     triangles: Vec<[u32; 3]>,
     edges: Vec<(usize, usize)>,
@@ -165,7 +165,7 @@ pub(super) struct Patch {
     scale: f64,
 }
 
-impl Patch {
+impl ClosedSurface {
     /// From coordinates relative to a node, triangles of these, and `V_0`.
     pub fn new(at: Vec<Vector<f64>>, triangles: Vec<[u32; 3]>, volume: f64) -> Self {
         let edges = edges(&triangles);
@@ -183,7 +183,7 @@ fn edges(triangles: &[[u32; 3]]) -> Vec<(usize, usize)> {
     edges
 }
 
-impl Nonlinear for Patch {
+impl Nonlinear for ClosedSurface {
     const PARTS: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {

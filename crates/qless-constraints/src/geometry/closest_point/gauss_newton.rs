@@ -2,7 +2,7 @@
 //!
 //! An element with as many parameters as its space has dimensions is inverted by it, in one step where its map is affine.
 
-use crate::geometry::shape::{Parameters, Shape};
+use crate::geometry::shape::{Shape, ShapeParameters};
 
 /// Steps before giving up; an element that is not folded needs fewer than ten.
 const STEPS: usize = 50;
@@ -14,30 +14,34 @@ const HALVES: usize = 12;
 pub const DEPENDENT: f64 = 1e-7;
 
 /// Where the steps to the foot of a point ended.
-pub struct Foot {
-    /// Parameters, inside of the element or not.
-    pub xi: Parameters,
+pub struct ClosestParameters {
+    /// ShapeParameters, inside of the element or not.
+    pub xi: ShapeParameters,
     /// Whether the steps came to rest.
-    pub settled: bool,
+    pub converged: bool,
 }
 
 /// The foot of the origin on an element that goes on beyond its boundary; nothing if the element is degenerate at its centre.
-pub fn foot<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> Option<Foot> {
-    foot_from(shape, nodes, shape.centre())
+pub fn closest_parameters<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> Option<ClosestParameters> {
+    closest_parameters_from(shape, nodes, shape.centre())
 }
 
 /// The same from other parameters.
-pub fn foot_from<const D: usize>(shape: Shape, nodes: &[[f64; D]], start: Parameters) -> Option<Foot> {
-    let (mut foot, mut before) = (Foot { xi: start, settled: false }, f64::INFINITY);
+pub fn closest_parameters_from<const D: usize>(
+    shape: Shape,
+    nodes: &[[f64; D]],
+    start: ShapeParameters,
+) -> Option<ClosestParameters> {
+    let (mut foot, mut before) = (ClosestParameters { xi: start, converged: false }, f64::INFINITY);
     for count in 0..STEPS {
         let Some(step) = step(shape, nodes, foot.xi) else {
             // The map of a sound element may be singular somewhere beyond its boundary.
-            return (count > 0).then_some(Foot { settled: false, ..foot });
+            return (count > 0).then_some(ClosestParameters { converged: false, ..foot });
         };
         // Not clamped to the element on the way: the path to a point inside may lead outside.
         foot.xi = std::array::from_fn(|k| (foot.xi[k] + step[k]).clamp(-4.0, 4.0));
         let size: f64 = step.iter().map(|x| x.abs()).sum();
-        foot.settled = size < 1e-8;
+        foot.converged = size < 1e-8;
         // To rest, or to where steps are rounding.
         if size < f64::EPSILON || (size < 1e-12 && size >= before) {
             break;
@@ -47,11 +51,11 @@ pub fn foot_from<const D: usize>(shape: Shape, nodes: &[[f64; D]], start: Parame
     Some(foot)
 }
 
-/// Parameters of the element from which no step leads nearer to the origin: each goes as far as the distance falls.
+/// ShapeParameters of the element from which no step leads nearer to the origin: each goes as far as the distance falls.
 ///
 /// Far from a curved element whole steps do not come to rest.
-pub fn descended<const D: usize>(shape: Shape, nodes: &[[f64; D]], start: Parameters) -> Parameters {
-    let distance = |xi: Parameters| {
+pub fn descend<const D: usize>(shape: Shape, nodes: &[[f64; D]], start: ShapeParameters) -> ShapeParameters {
+    let distance = |xi: ShapeParameters| {
         let (x, _) = tangents(shape, nodes, xi);
         dot(&x, &x)
     };
@@ -70,7 +74,7 @@ pub fn descended<const D: usize>(shape: Shape, nodes: &[[f64; D]], start: Parame
 }
 
 /// `x` and `dx / dxi_k`.
-pub fn tangents<const D: usize>(shape: Shape, nodes: &[[f64; D]], xi: Parameters) -> ([f64; D], [[f64; D]; 3]) {
+pub fn tangents<const D: usize>(shape: Shape, nodes: &[[f64; D]], xi: ShapeParameters) -> ([f64; D], [[f64; D]; 3]) {
     let n = shape.slopes(xi);
     let part = |k: usize| std::array::from_fn(|d| nodes.iter().zip(&n).map(|(x, n)| n[k] * x[d]).sum());
     (part(0), [part(1), part(2), part(3)])
@@ -81,7 +85,7 @@ pub fn dot<const D: usize>(x: &[f64; D], y: &[f64; D]) -> f64 {
 }
 
 /// `min |x + J step|` with `J = dx / dxi`, by modified Gram-Schmidt; nothing if the columns of J are dependent.
-pub fn step<const D: usize>(shape: Shape, nodes: &[[f64; D]], xi: Parameters) -> Option<Parameters> {
+pub fn step<const D: usize>(shape: Shape, nodes: &[[f64; D]], xi: ShapeParameters) -> Option<ShapeParameters> {
     let (x, mut q) = tangents(shape, nodes, xi);
     let (n, mut rest) = (shape.dimensions(), x.map(|x| -x));
     let (mut r, mut y) = ([[0.0; 3]; 3], [0.0; 3]);

@@ -7,8 +7,8 @@ mod proof;
 
 use super::bounds::bounds;
 use super::node::relative;
-use super::shape::{Parameters, Shape};
-use gauss_newton::{Foot, descended, foot, foot_from};
+use super::shape::{Shape, ShapeParameters};
+use gauss_newton::{ClosestParameters, closest_parameters, closest_parameters_from, descend};
 use proof::is_nearest;
 
 /// Where a point meets an element.
@@ -24,7 +24,7 @@ pub struct Projection {
 /// Coordinates relative to the point are exact to their own rounding, however far from the origin the element is.
 pub fn project<const D: usize>(shape: Shape, nodes: &[[f64; D]], point: &[f64; D]) -> Option<Projection> {
     let found = nearest(shape, &relative(nodes, point))?;
-    Some(Projection { weights: completed(found.weights, 1.0), ..found })
+    Some(Projection { weights: complete_weights(found.weights, 1.0), ..found })
 }
 
 /// The point nearest to the origin.
@@ -32,14 +32,14 @@ fn nearest<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> Option<Projectio
     let foot = inside_or_first(shape, nodes)?;
     let inside = shape.clamp(foot.xi);
     let is_one = shape.is_affine() || shape.dimensions() == D;
-    if foot.settled && inside == foot.xi && (is_one || is_nearest(shape, nodes, inside)) {
+    if foot.converged && inside == foot.xi && (is_one || is_nearest(shape, nodes, inside)) {
         return Some(projection(nodes, shape.weights(inside)));
     }
     let near = about_the_boundary(shape, nodes, inside)?;
     if is_one {
         return Some(near);
     }
-    let below = |start: Parameters| descended(shape, nodes, start);
+    let below = |start: ShapeParameters| descend(shape, nodes, start);
     let (xi, at) = (below(place(shape, &near.weights)), |xi| projection(nodes, shape.weights(xi)));
     let found = [near, at(xi)];
     if is_nearest(shape, nodes, xi) {
@@ -51,7 +51,7 @@ fn nearest<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> Option<Projectio
 /// The nearest of the boundary and the point at `inside`.
 ///
 /// Beyond the boundary of a skew element the nearest parameters are not those of the nearest point, so that each side is asked too.
-fn about_the_boundary<const D: usize>(shape: Shape, nodes: &[[f64; D]], inside: Parameters) -> Option<Projection> {
+fn about_the_boundary<const D: usize>(shape: Shape, nodes: &[[f64; D]], inside: ShapeParameters) -> Option<Projection> {
     let corners = if shape.dimensions() == 1 { shape.corners() } else { &[] };
     let own = std::iter::once(inside).chain(corners.iter().copied()).map(|xi| projection(nodes, shape.weights(xi)));
     nearest_of(own.chain(on_sides(shape, nodes)))
@@ -62,17 +62,17 @@ fn nearest_of(found: impl Iterator<Item = Projection>) -> Option<Projection> {
 }
 
 /// The parameters of a point by its weights.
-fn place(shape: Shape, weights: &[f64]) -> Parameters {
+fn place(shape: Shape, weights: &[f64]) -> ShapeParameters {
     std::array::from_fn(|d| shape.places().iter().zip(weights).map(|(place, n)| n * place[d]).sum())
 }
 
 /// From where curved lines and faces are searched, which may turn to the origin more than once.
-fn starts(shape: Shape) -> Vec<Parameters> {
+fn starts(shape: Shape) -> Vec<ShapeParameters> {
     [&[shape.centre()], &halfway(shape)[..], shape.corners()].concat()
 }
 
 /// Half way from the corners to the centre.
-fn halfway(shape: Shape) -> Vec<Parameters> {
+fn halfway(shape: Shape) -> Vec<ShapeParameters> {
     let centre = shape.centre();
     shape.corners().iter().map(|p| std::array::from_fn(|k| f64::midpoint(p[k], centre[k]))).collect()
 }
@@ -94,7 +94,7 @@ fn projection<const D: usize>(nodes: &[[f64; D]], weights: Vec<f64>) -> Projecti
 }
 
 /// Weights below 8 units in the last place of the largest, `blur` times, are zero; what is missing to a sum of one goes to the largest.
-pub fn completed(mut weights: Vec<f64>, blur: f64) -> Vec<f64> {
+pub fn complete_weights(mut weights: Vec<f64>, blur: f64) -> Vec<f64> {
     let largest = weights.iter().fold(0.0, |most: f64, n| most.max(n.abs()));
     weights.iter_mut().filter(|n| n.abs() < 8.0 * f64::EPSILON * blur * largest).for_each(|n| *n = 0.0);
     let missing = 1.0 - weights.iter().sum::<f64>();
@@ -107,13 +107,14 @@ pub fn completed(mut weights: Vec<f64>, blur: f64) -> Vec<f64> {
 /// The foot that the steps from the centre find, or one inside that other starts find.
 ///
 /// Where an element fills its space, one point of it at most is the origin; the steps may still go to one of its map beyond it.
-fn inside_or_first<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> Option<Foot> {
-    let first = foot(shape, nodes)?;
-    let inside = |foot: &Foot| foot.settled && shape.clamp(foot.xi) == foot.xi;
+fn inside_or_first<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> Option<ClosestParameters> {
+    let first = closest_parameters(shape, nodes)?;
+    let inside = |foot: &ClosestParameters| foot.converged && shape.clamp(foot.xi) == foot.xi;
     if inside(&first) || shape.is_affine() || shape.dimensions() < D || !may_hold(shape, nodes) {
         return Some(first);
     }
-    let another = halfway(shape).into_iter().filter_map(|start| foot_from(shape, nodes, start)).find(inside);
+    let another =
+        halfway(shape).into_iter().filter_map(|start| closest_parameters_from(shape, nodes, start)).find(inside);
     Some(another.unwrap_or(first))
 }
 
@@ -125,7 +126,7 @@ fn may_hold<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::shape::Parameters;
+    use super::super::shape::ShapeParameters;
     use super::super::shape::tests::{inside, random};
     use super::*;
 
@@ -136,7 +137,8 @@ mod tests {
             let off =
                 |k: usize, d: usize| if d < shape.dimensions() { 0.1 * (random(seed + 3 * k + d) - 0.5) } else { 0.0 };
             for (unit, far) in [(1.0, 0.0), (1e-6, 0.0), (1e6, 0.0), (1.0, 1e6)] {
-                let place = |(k, p): (usize, &Parameters)| std::array::from_fn(|d| unit * (p[d] + off(k, d)) + far);
+                let place =
+                    |(k, p): (usize, &ShapeParameters)| std::array::from_fn(|d| unit * (p[d] + off(k, d)) + far);
                 let nodes: Vec<[f64; 3]> = shape.places().iter().enumerate().map(place).collect();
                 let truth = shape.weights(inside(shape, seed));
                 let arms = relative(&nodes, &nodes[0]);
@@ -188,7 +190,7 @@ mod tests {
         }
     }
 
-    fn grid(shape: Shape) -> impl Iterator<Item = Parameters> {
+    fn grid(shape: Shape) -> impl Iterator<Item = ShapeParameters> {
         let at = |i: i32| f64::from(i) / 20.0 - 1.0;
         (0..41 * 41).map(move |i| shape.clamp([at(i % 41), at(i / 41), 0.0]))
     }
@@ -200,7 +202,7 @@ mod tests {
         let (mut checked, mut wrong) = (0, Vec::new());
         for (shape, seed) in faces().flat_map(|shape| (0..400_usize).map(move |seed| (shape, 977 * seed))) {
             let (unit, off) = ([1e-6, 1.0, 1e6][seed % 3], 0.3 * random(seed));
-            let place = |(k, p): (usize, &Parameters)| {
+            let place = |(k, p): (usize, &ShapeParameters)| {
                 std::array::from_fn(|d| unit * (p[d] + off * (2.0 * random(seed + 3 * k + d + 1) - 1.0)))
             };
             let nodes: Vec<[f64; 3]> = shape.places().iter().enumerate().map(place).collect();
@@ -227,7 +229,7 @@ mod tests {
         );
     }
 
-    /// Seen from inside of a bow, the foot in its middle is the farthest point nearby; the ends are nearest.
+    /// MeanRigidMotion from inside of a bow, the foot in its middle is the farthest point nearby; the ends are nearest.
     #[test]
     fn the_farthest_point_nearby_is_not_the_nearest() {
         for (height, nearest) in [(3.0, 10.0_f64.sqrt()), (-3.0, 2.8)] {
@@ -244,7 +246,7 @@ mod tests {
         for (shape, seed) in solids.flat_map(|shape| (0..4).map(move |seed| (shape, 1000 * seed))) {
             let most = if shape.edges().is_empty() { 0.3 } else { 0.1 };
             let off = |k: usize, d: usize| most * (random(seed + 3 * k + d) - 0.5);
-            let place = |(k, p): (usize, &Parameters)| std::array::from_fn(|d| p[d] + off(k, d));
+            let place = |(k, p): (usize, &ShapeParameters)| std::array::from_fn(|d| p[d] + off(k, d));
             let nodes: Vec<[f64; 3]> = shape.places().iter().enumerate().map(place).collect();
             let at = |i: usize| i as f64 / 6.0 - 1.0;
             let grid: Vec<_> =

@@ -11,7 +11,7 @@
 
 use super::gauss_newton::{dot, tangents};
 use crate::geometry::node::ROUNDING;
-use crate::geometry::shape::{Parameters, Shape};
+use crate::geometry::shape::{Shape, ShapeParameters};
 
 /// Of the size of an element: what lies nearer to a plane is in it.
 const FLAT: f64 = 1e-12;
@@ -19,7 +19,7 @@ const FLAT: f64 = 1e-12;
 const BETWEEN: f64 = 1.25;
 
 /// Whether no point of the element can be nearer than that at `xi`, up to rounding.
-pub fn is_nearest<const D: usize>(shape: Shape, nodes: &[[f64; D]], xi: Parameters) -> bool {
+pub fn is_nearest<const D: usize>(shape: Shape, nodes: &[[f64; D]], xi: ShapeParameters) -> bool {
     let (x, slopes) = tangents(shape, nodes, xi);
     let distance = dot(&x, &x).sqrt();
     let size = nodes.iter().map(|x| dot(x, x)).fold(0.0, f64::max).sqrt();
@@ -31,7 +31,7 @@ pub fn is_nearest<const D: usize>(shape: Shape, nodes: &[[f64; D]], xi: Paramete
     let down = slopes.map(|slope| -dot(&x, &slope));
     // Of squares of lengths, what is rounding.
     let least = (FLAT * distance + ROUNDING * size) * size;
-    let falls = |to: &Parameters| (0..n).map(|k| down[k] * (to[k] - xi[k])).sum::<f64>() > least;
+    let falls = |to: &ShapeParameters| (0..n).map(|k| down[k] * (to[k] - xi[k])).sum::<f64>() > least;
     if shape.corners().iter().any(falls) {
         return false;
     }
@@ -72,7 +72,7 @@ fn bends<const D: usize>(shape: Shape, nodes: &[[f64; D]], normal: &[f64; D], le
 
 #[cfg(test)]
 mod tests {
-    use super::super::gauss_newton::foot;
+    use super::super::gauss_newton::closest_parameters;
     use super::*;
     use crate::geometry::node::relative;
     use crate::geometry::shape::tests::{inside, random};
@@ -89,7 +89,9 @@ mod tests {
             let on: [f64; 3] = std::array::from_fn(|d| nodes.iter().zip(&truth).map(|(x, n)| n * x[d]).sum());
             for gap in [1e-13, 1e-10, 1e-6, 1e-3, 0.1, 0.5] {
                 let arms = relative(&nodes, &[on[0], on[1], on[2] + gap]);
-                let Some(foot) = foot(shape, &arms).filter(|foot| shape.clamp(foot.xi) == foot.xi) else { continue };
+                let Some(foot) = closest_parameters(shape, &arms).filter(|foot| shape.clamp(foot.xi) == foot.xi) else {
+                    continue;
+                };
                 assert!(is_nearest(shape, &arms, foot.xi), "{shape:?}, {seed}, {gap}");
             }
         }

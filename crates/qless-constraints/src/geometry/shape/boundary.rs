@@ -5,11 +5,11 @@ use Shape::{Line2, Line3, Quad4, Quad8, Quad9, Tri3, Tri6};
 use super::Shape;
 
 /// A part of a boundary: its shape and which nodes of the whole it has.
-type Side = (Shape, &'static [usize]);
+type BoundarySide = (Shape, &'static [usize]);
 
 impl Shape {
     /// The faces of a solid, or the edges of a face in order around; a line has none.
-    pub(crate) fn boundary(self) -> &'static [Side] {
+    pub(crate) fn boundary(self) -> &'static [BoundarySide] {
         match self {
             Self::Line2 | Self::Line3 => &[],
             Self::Tri3 => &[(Line2, &[0, 1]), (Line2, &[1, 2]), (Line2, &[2, 0])],

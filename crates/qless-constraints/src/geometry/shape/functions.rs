@@ -1,24 +1,25 @@
 //! `N_k` and their slopes. Each formula stands here once; slopes are taken by dual numbers, exact to rounding.
 
 use super::Shape;
-use super::domain::Parameters;
+use super::domain::ShapeParameters;
 use crate::scalar::{Dual, Scalar};
 
 impl Shape {
     /// `N_k` of each node.
-    pub(crate) fn weights(self, xi: Parameters) -> Vec<f64> {
+    pub(crate) fn weights(self, xi: ShapeParameters) -> Vec<f64> {
         self.functions(xi)
     }
 
     /// `[N_k, dN_k / dxi, dN_k / deta, dN_k / dzeta]` of each node.
-    pub(crate) fn slopes(self, xi: Parameters) -> Vec<[f64; 4]> {
+    pub(crate) fn slopes(self, xi: ShapeParameters) -> Vec<[f64; 4]> {
         let variables: [Dual<3>; 3] = std::array::from_fn(|k| Dual::variable(xi[k], k));
         self.functions(variables).iter().map(|n| [n.real, n.slope[0], n.slope[1], n.slope[2]]).collect()
     }
 
     fn functions<S: Scalar>(self, xi: [S; 3]) -> Vec<S> {
         let one = S::from(1.0);
-        let node = |function: fn(Parameters, [S; 3]) -> S| self.places().iter().map(|&p| function(p, xi)).collect();
+        let node =
+            |function: fn(ShapeParameters, [S; 3]) -> S| self.places().iter().map(|&p| function(p, xi)).collect();
         match self {
             Self::Line2 => node(|[a, ..], [x, ..]| side(a, x)),
             Self::Line3 => node(|[a, ..], [x, ..]| quadratic(a, x)),
@@ -85,7 +86,7 @@ fn quadratic_wedge<S: Scalar>(l: [S; 3], z: S) -> Vec<S> {
 
 /// `corner / 4` at the base, z at the tip.
 fn pyramid<S: Scalar>(xi: [S; 3]) -> Vec<S> {
-    let base = |&[a, b, _]: &Parameters| corner([a, b], xi) * S::from(0.25);
+    let base = |&[a, b, _]: &ShapeParameters| corner([a, b], xi) * S::from(0.25);
     Shape::Quad4.places().iter().map(base).chain([xi[2]]).collect()
 }
 
@@ -102,7 +103,7 @@ fn corner<S: Scalar>([a, b]: [f64; 2], [x, y, z]: [S; 3]) -> S {
 fn quadratic_pyramid<S: Scalar>([x, y, z]: [S; 3]) -> Vec<S> {
     let (q, [quarter, half]) = (S::from(1.0) - z, [0.25, 0.5].map(S::from));
     let of = |a: f64, b: f64| corner([a, b], [x, y, z]);
-    let at = |&[a, b, _]: &Parameters| match (a == 0.0, b == 0.0) {
+    let at = |&[a, b, _]: &ShapeParameters| match (a == 0.0, b == 0.0) {
         (true, _) => (q - x) * of(1.0, b) * half,
         (_, true) => (q - y) * of(a, 1.0) * half,
         _ => of(a, b) * (S::from(a) * x + S::from(b) * y - S::from(1.0)) * quarter,
@@ -149,12 +150,12 @@ mod tests {
         }
     }
 
-    /// Parameters are reproduced, and all polynomials of degree two by the quadratic shapes.
+    /// ShapeParameters are reproduced, and all polynomials of degree two by the quadratic shapes.
     #[test]
     fn functions_are_complete() {
         for (shape, seed) in Shape::ALL.into_iter().flat_map(|shape| (0..20).map(move |seed| (shape, seed))) {
             let (at, quadratic) = (inside(shape, seed), !shape.edges().is_empty());
-            let field = |[x, y, z]: Parameters| {
+            let field = |[x, y, z]: ShapeParameters| {
                 let square = 0.3 * x * x - 0.6 * y * y + z * z + 0.2 * x * y - 0.4 * y * z + 0.7 * z * x;
                 0.4 + x - 2.0 * y + 0.5 * z + if quadratic { square } else { 0.0 }
             };

@@ -4,11 +4,11 @@ mod boundary;
 mod domain;
 mod functions;
 
-pub(crate) use domain::Parameters;
+pub(crate) use domain::ShapeParameters;
 
 /// What an element, a face or an edge of it is: its nodes and their order, `x(xi) = sum_k N_k(xi) x_k`.
 ///
-/// Parameters: lines, quadrilaterals and hexahedra in [-1, 1]; triangles and tetrahedra in `xi, eta, zeta >= 0`,
+/// ShapeParameters: lines, quadrilaterals and hexahedra in [-1, 1]; triangles and tetrahedra in `xi, eta, zeta >= 0`,
 /// `xi + eta + zeta <= 1`; wedges are a triangle in `xi, eta` times a line in `zeta`; pyramids `|xi|, |eta| <= 1 - zeta`,
 /// `0 <= zeta <= 1`. Quadratic shapes are serendipity, those with a node in the centre products of Lagrange's polynomials; the functions
 /// of pyramids are rational (Bedrosian, Int. J. Numer. Meth. Engng 35 (1992) 95), so that those with a parallelogram as base are affine.
@@ -83,8 +83,8 @@ impl Shape {
         }
     }
 
-    /// Parameters of the corners.
-    pub(crate) fn corners(self) -> &'static [Parameters] {
+    /// ShapeParameters of the corners.
+    pub(crate) fn corners(self) -> &'static [ShapeParameters] {
         let count = match self {
             Self::Line2 | Self::Line3 => 2,
             Self::Tri3 | Self::Tri6 => 3,
@@ -104,7 +104,7 @@ impl Shape {
 
 #[cfg(test)]
 pub(in crate::geometry) mod tests {
-    use super::{Parameters, Shape};
+    use super::{Shape, ShapeParameters};
 
     /// In [0, 1), the same everywhere.
     pub fn random(seed: usize) -> f64 {
@@ -113,7 +113,7 @@ pub(in crate::geometry) mod tests {
     }
 
     /// Some point inside of a shape, not on its boundary.
-    pub fn inside(shape: Shape, seed: usize) -> Parameters {
+    pub fn inside(shape: Shape, seed: usize) -> ShapeParameters {
         let weights: Vec<f64> = shape.corners().iter().enumerate().map(|(k, _)| 0.1 + random(97 * seed + k)).collect();
         let sum: f64 = weights.iter().sum();
         let corners = shape.corners().iter().zip(&weights);

@@ -1,8 +1,8 @@
 //! `min sum_i w_i |u_i - u_r - theta x r_i|^2`: a reference node that follows the weighted average of others (RBE3).
 
-use super::equations::{Again, check, lead};
-use super::mean_rigid_motion::{Fit, Observation};
-use super::node6::Part;
+use super::equations::{RepeatedNodes, check, lead};
+use super::mean_rigid_motion::{MotionObservation, RigidMotionFit};
+use super::node6::CoupledComponent;
 use super::rigid_motion::{arm, clean};
 use crate::types::{CouplingError, Node6};
 use crate::{Constraint, Store};
@@ -59,7 +59,7 @@ impl Average {
         if self.nodes.is_empty() {
             return Err(CouplingError::NoNodes);
         }
-        check(&self.reference, self.nodes.iter().map(|(node, _)| node), Again::Allowed)?;
+        check(&self.reference, self.nodes.iter().map(|(node, _)| node), RepeatedNodes::Allowed)?;
         for (i, (_, weight)) in self.nodes.iter().enumerate() {
             if !(*weight > 0.0 && weight.is_finite()) {
                 return Err(CouplingError::Weight { node: i + 1, weight: *weight });
@@ -77,14 +77,14 @@ impl Average {
     }
 
     /// What the nodes see of the motion, each in the DOFs of its node.
-    fn seen(&self) -> Vec<(Observation, Part)> {
+    fn seen(&self) -> Vec<(MotionObservation, CoupledComponent)> {
         let (length, most) = (self.mean_arm(), self.nodes.iter().fold(0.0, |most: f64, (_, weight)| most.max(*weight)));
         let of = |(node, weight): &(Node6, f64)| {
             let (at, root) = (node.at, (weight / most).sqrt());
-            node.parts().map(move |own| {
+            node.coupled_components().map(move |own| {
                 let is_rotation = own.component.is_rotation();
                 let root = if is_rotation { root * length } else { root };
-                (Observation { at, axis: own.axis, is_rotation, root }, own)
+                (MotionObservation { at, axis: own.axis, is_rotation, root }, own)
             })
         };
         self.nodes.iter().flat_map(of).collect()
@@ -98,8 +98,8 @@ impl Constraint for Average {
     fn process(self, store: &mut Store) -> Result<(), CouplingError> {
         self.check()?;
         let (seen, parts): (Vec<_>, Vec<_>) = self.seen().into_iter().unzip();
-        let fit = Fit::new(&seen);
-        for own in self.reference.parts() {
+        let fit = RigidMotionFit::new(&seen);
+        for own in self.reference.coupled_components() {
             let motion = own.row([0.0; 3]);
             let mut factors = fit.factors_of(motion, self.reference.at)?;
             for rotations in [false, true] {

@@ -1,11 +1,11 @@
 //! `u_b + theta x r`: the end of a beam and the face of a solid.
 
 use super::Section;
-use super::equations::{Again, check, follow, lead};
+use super::equations::{RepeatedNodes, check, follow, lead};
 use super::error::CouplingError;
 use super::face_integrals::{self, mean_normal};
-use super::mean_rigid_motion::Seen;
-use super::node6::{Node6, Part};
+use super::mean_rigid_motion::MeanRigidMotion;
+use super::node6::{CoupledComponent, Node6};
 use super::rigid_motion::{about, along, arm, axis};
 use crate::geometry::node::AXES;
 use crate::geometry::surface::Surface;
@@ -87,7 +87,13 @@ impl BeamToSolid {
     }
 
     /// `motion . (u_b, theta)` is that of the motion nearest to the face's.
-    fn mean(&self, store: &mut Store, fit: &Seen, motion: [f64; 6], name: String) -> Result<(), CouplingError> {
+    fn mean(
+        &self,
+        store: &mut Store,
+        fit: &MeanRigidMotion,
+        motion: [f64; 6],
+        name: String,
+    ) -> Result<(), CouplingError> {
         let terms = fit.terms(&self.face, motion, self.beam.at)?;
         lead(store, name, terms.into_iter(), &self.beam, motion)
     }
@@ -99,14 +105,14 @@ impl Constraint for BeamToSolid {
 
     fn process(self, store: &mut Store) -> Result<(), CouplingError> {
         let points = face_integrals::points(&self.face)?;
-        let again = if self.section == Section::Mean { Again::Allowed } else { Again::Refused };
+        let again = if self.section == Section::Mean { RepeatedNodes::Allowed } else { RepeatedNodes::Refused };
         check(&self.beam, self.nodes().iter().map(|(_, node)| node), again)?;
         match self.section {
             Section::Rigid => (0..3).try_for_each(|k| self.held(store, axis(k), AXES[k])),
             Section::Plane => {
                 let normal = mean_normal(&points)?;
                 self.held(store, normal, "normal")?;
-                let seen = Seen::new(points);
+                let seen = MeanRigidMotion::new(points);
                 let [s, t] = perpendicular(normal);
                 let still = [0.0; 3];
                 self.mean(store, &seen, along(s, still), "in the plane 1".to_owned())?;
@@ -114,9 +120,11 @@ impl Constraint for BeamToSolid {
                 self.mean(store, &seen, about(normal), "torsion".to_owned())
             }
             Section::Mean => {
-                let seen = Seen::new(points);
-                let name = |own: &Part| self.beam.long_name(own.component);
-                self.beam.parts().try_for_each(|own| self.mean(store, &seen, own.row([0.0; 3]), name(&own)))
+                let seen = MeanRigidMotion::new(points);
+                let name = |own: &CoupledComponent| self.beam.long_name(own.component);
+                self.beam
+                    .coupled_components()
+                    .try_for_each(|own| self.mean(store, &seen, own.row([0.0; 3]), name(&own)))
             }
         }
     }

@@ -19,7 +19,7 @@ pub fn follow(
 ) -> Result<(), CouplingError> {
     let mut all: Vec<(usize, f64)> = terms.into_iter().filter(|&(_, factor)| factor != 0.0).collect();
     for (component, factor) in in_axes(reference, motion) {
-        let own = reference.part(component).ok_or_else(|| missing(&part, component, factor))?;
+        let own = reference.coupled(component).ok_or_else(|| missing(&part, component, factor))?;
         all.extend(own.terms.iter().map(|&(dof, a)| (dof, -factor * a)));
     }
     store.equation(part, all, 0.0);
@@ -59,9 +59,9 @@ pub fn lead(
 pub fn check<'a>(
     reference: &'a Node6,
     nodes: impl Iterator<Item = &'a Node6>,
-    again: Again,
+    again: RepeatedNodes,
 ) -> Result<(), CouplingError> {
-    let mut owners = Owners::default();
+    let mut owners = DofOwners::default();
     for (node, own) in std::iter::once(reference).chain(nodes).enumerate() {
         if own.at.iter().any(|x| !x.is_finite()) {
             return Err(CouplingError::NoPlace { node });
@@ -69,10 +69,10 @@ pub fn check<'a>(
         if !own.has_any() {
             return Err(CouplingError::NoComponents { node });
         }
-        if let Some(component) = own.lacking() {
+        if let Some(component) = own.without_dofs() {
             return Err(CouplingError::LocalAxis { node, component });
         }
-        let again = again == Again::Allowed && node > 0;
+        let again = again == RepeatedNodes::Allowed && node > 0;
         owners.claim(node, own, again).map_err(|dof| CouplingError::SharedDof { node, dof })?;
     }
     Ok(())
@@ -80,21 +80,21 @@ pub fn check<'a>(
 
 /// Whether a node may be named more than once.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Again {
+pub enum RepeatedNodes {
     Refused,
     Allowed,
 }
 
 /// What a DOF stands for: the number of its node in the list, its component, and the place.
-type Meaning = (usize, usize, Vector<f64>);
+type DofMeaning = (usize, usize, Vector<f64>);
 
 /// The DOFs met so far.
 #[derive(Default)]
-pub struct Owners {
-    meanings: HashMap<usize, Meaning>,
+pub struct DofOwners {
+    meanings: HashMap<usize, DofMeaning>,
 }
 
-impl Owners {
+impl DofOwners {
     /// Takes the DOFs of a node, or names one that is taken: one DOF for two displacements would make them equal in silence.
     ///
     /// The same component in the same place is the same node, which may be named `again`.

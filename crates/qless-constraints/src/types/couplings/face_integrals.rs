@@ -5,13 +5,13 @@
 
 use super::rigid_motion::clean;
 use crate::geometry::outline::seven_points;
-use crate::geometry::shape::{Parameters, Shape};
+use crate::geometry::shape::{Shape, ShapeParameters};
 use crate::geometry::surface::Surface;
 use crate::scalar::vector::{Vector, add, cross, dot, scale, sub, unit};
 use crate::types::CouplingError;
 
 /// A point of integration.
-pub struct Gauss {
+pub struct GaussPoint {
     /// The face that it is on.
     pub face: usize,
     /// `N_k` of the nodes of the face.
@@ -22,7 +22,7 @@ pub struct Gauss {
     pub normal: Vector<f64>,
 }
 
-impl Gauss {
+impl GaussPoint {
     /// The share of the area.
     pub fn weight(&self) -> f64 {
         self.normal.iter().fold(0.0, |sum: f64, x| sum.hypot(*x))
@@ -30,7 +30,7 @@ impl Gauss {
 }
 
 /// All points of integration, face by face.
-pub fn points(surface: &Surface<3>) -> Result<Vec<Gauss>, CouplingError> {
+pub fn points(surface: &Surface<3>) -> Result<Vec<GaussPoint>, CouplingError> {
     surface.check_integrable()?;
     if surface.faces.iter().any(|face| face.shape.dimensions() != 2) {
         return Err(CouplingError::NoNormal);
@@ -38,23 +38,23 @@ pub fn points(surface: &Surface<3>) -> Result<Vec<Gauss>, CouplingError> {
     Ok((0..surface.faces.len()).flat_map(|face| on_face(surface, face)).collect())
 }
 
-fn on_face(surface: &Surface<3>, face: usize) -> impl Iterator<Item = Gauss> + use<> {
+fn on_face(surface: &Surface<3>, face: usize) -> impl Iterator<Item = GaussPoint> + use<> {
     let (shape, places) = (surface.faces[face].shape, surface.places(face));
     rule(shape).into_iter().map(move |(xi, weight)| {
         let (functions, at, normal) = point(shape, &places, xi);
-        Gauss { face, functions, at, normal: scale(weight, normal) }
+        GaussPoint { face, functions, at, normal: scale(weight, normal) }
     })
 }
 
 /// `N_k`, x and `dx/dxi x dx/deta` at a point of a face, from its first node on, so that a plane z = const stays one.
-pub fn point(shape: Shape, places: &[Vector<f64>], xi: Parameters) -> (Vec<f64>, Vector<f64>, Vector<f64>) {
+pub fn point(shape: Shape, places: &[Vector<f64>], xi: ShapeParameters) -> (Vec<f64>, Vector<f64>, Vector<f64>) {
     let n = shape.slopes(xi);
     let arms = || places.iter().map(|&x| sub(x, places[0]));
     let sum = |k: usize| arms().zip(&n).fold([0.0; 3], |sum, (arm, n)| add(sum, scale(n[k], arm)));
     (n.iter().map(|n| n[0]).collect(), add(places[0], sum(0)), cross(sum(1), sum(2)))
 }
 
-fn rule(shape: Shape) -> Vec<(Parameters, f64)> {
+fn rule(shape: Shape) -> Vec<(ShapeParameters, f64)> {
     if shape.corners().len() == 3 {
         return seven_points().map(|(l, weight)| ([l[1], l[2], 0.0], weight / 2.0)).to_vec();
     }
@@ -64,7 +64,7 @@ fn rule(shape: Shape) -> Vec<(Parameters, f64)> {
 }
 
 /// The mean normal of faces that do not point against each other.
-pub fn mean_normal(points: &[Gauss]) -> Result<Vector<f64>, CouplingError> {
+pub fn mean_normal(points: &[GaussPoint]) -> Result<Vector<f64>, CouplingError> {
     let total = points.iter().fold([0.0; 3], |sum, gauss| add(sum, gauss.normal));
     let mut normal = unit(total).ok_or(CouplingError::NoNormal)?;
     clean(normal.iter_mut(), 1.0);

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::face_integrals::point;
 use super::rigid_motion::clean;
 use crate::geometry::search::{FaceSearch, SearchError};
-use crate::geometry::shape::{Parameters, Shape};
+use crate::geometry::shape::{Shape, ShapeParameters};
 use crate::geometry::surface::{Face, Surface, SurfaceError};
 use crate::scalar::vector::{Vector, add, dot, unit};
 use crate::types::Point;
@@ -190,7 +190,7 @@ impl FluidWall {
             let places = side.places(i);
             // A triangle is half of the square of its parameters, a quadrilateral four of it.
             let share = if shape.corners().len() == 3 { 0.5 } else { 4.0 };
-            let at = |(&node, &xi): (&usize, &Parameters)| (node, point(shape, &places, xi).2.map(|x| share * x));
+            let at = |(&node, &xi): (&usize, &ShapeParameters)| (node, point(shape, &places, xi).2.map(|x| share * x));
             Ok(face.nodes.iter().zip(shape.places()).map(at).collect())
         };
         self.faces.iter().enumerate().map(on).collect()

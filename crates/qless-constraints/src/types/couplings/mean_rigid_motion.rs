@@ -6,10 +6,10 @@
 use std::collections::BTreeMap;
 
 use super::error::CouplingError;
-use super::face_integrals::Gauss;
+use super::face_integrals::GaussPoint;
 use super::node6::Component;
 use super::rigid_motion::{about, along, arm, axis, clean};
-use super::svd::{Factors, factor};
+use super::svd::{JacobiSvd, svd};
 use crate::geometry::surface::Surface;
 use crate::scalar::vector::{Vector, add, cross, scale};
 
@@ -20,7 +20,7 @@ const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// A component of the motion of a point that is seen.
 #[derive(Clone, Copy)]
-pub struct Observation {
+pub struct MotionObservation {
     pub at: Vector<f64>,
     /// What it is along, or about.
     pub axis: Vector<f64>,
@@ -30,8 +30,8 @@ pub struct Observation {
 }
 
 /// The nearest motion, as linear functions of what is observed.
-pub struct Fit {
-    factors: Factors,
+pub struct RigidMotionFit {
+    factors: JacobiSvd,
     roots: Vec<f64>,
     centre: Vector<f64>,
     /// The length that a rotation is multiplied with.
@@ -42,16 +42,16 @@ pub struct Fit {
     pub blur: f64,
 }
 
-impl Fit {
+impl RigidMotionFit {
     /// O(m) for m observations.
-    pub fn new(seen: &[Observation]) -> Self {
+    pub fn new(seen: &[MotionObservation]) -> Self {
         let (centre, size) = centre(seen);
         let spread = seen.iter().map(|o| norm_of(arm_from(o.at, centre, size))).fold(0.0, f64::max);
         let unit = if spread > 0.0 { spread } else { 1.0 };
         let mut rows: Vec<[f64; 6]> = seen.iter().map(|o| row(o, arm_from(o.at, centre, size), unit)).collect();
         let balance = balance(&rows);
         rows.iter_mut().for_each(|row| row[3..].iter_mut().for_each(|x| *x *= balance));
-        let factors = factor(rows);
+        let factors = svd(rows);
         let blur = if spread > 0.0 { (size / spread).max(1.0) } else { 1.0 };
         let least = LEAST.max(ROUNDING * blur).min(0.5) * factors.values.iter().copied().fold(0.0, f64::max);
         let roots = seen.iter().map(|o| o.root).collect();
@@ -110,14 +110,14 @@ fn norm_of(x: Vector<f64>) -> f64 {
 }
 
 /// The weighted mean of the places, from the first of them on, and the largest coordinate.
-fn centre(seen: &[Observation]) -> (Vector<f64>, f64) {
+fn centre(seen: &[MotionObservation]) -> (Vector<f64>, f64) {
     let Some(first) = seen.first() else { return ([0.0; 3], 0.0) };
     let most = seen.iter().fold(0.0, |most: f64, o| most.max(o.root));
-    let weight = |o: &Observation| (o.root / most).powi(2);
-    let of = |o: &&Observation| !o.is_rotation;
+    let weight = |o: &MotionObservation| (o.root / most).powi(2);
+    let of = |o: &&MotionObservation| !o.is_rotation;
     // Translations alone have arms; where there are none, any centre will do.
     let total: f64 = seen.iter().filter(of).map(weight).sum();
-    let part = |o: &Observation| scale(weight(o) / total, arm(o.at, first.at));
+    let part = |o: &MotionObservation| scale(weight(o) / total, arm(o.at, first.at));
     let mean = if total > 0.0 { seen.iter().filter(of).map(part).fold([0.0; 3], add) } else { [0.0; 3] };
     let size = seen.iter().flat_map(|o| o.at).fold(0.0, |most: f64, x| most.max(x.abs()));
     (add(first.at, mean), size)
@@ -128,7 +128,7 @@ fn arm_from(at: Vector<f64>, centre: Vector<f64>, size: f64) -> Vector<f64> {
     arm(at, centre).map(|x| if x.abs() <= ROUNDING / 4.0 * size { 0.0 } else { x })
 }
 
-fn row(seen: &Observation, r: Vector<f64>, unit: f64) -> [f64; 6] {
+fn row(seen: &MotionObservation, r: Vector<f64>, unit: f64) -> [f64; 6] {
     let [a, b, c, d, e, f] = if seen.is_rotation { about(seen.axis) } else { along(seen.axis, r) };
     [a, b, c, d / unit, e / unit, f / unit].map(|x| seen.root * x)
 }
@@ -143,19 +143,19 @@ fn balance(rows: &[[f64; 6]]) -> f64 {
 }
 
 /// What the points of integration see of the motion of the face.
-pub struct Seen {
-    points: Vec<Gauss>,
-    fit: Fit,
+pub struct MeanRigidMotion {
+    points: Vec<GaussPoint>,
+    fit: RigidMotionFit,
 }
 
-impl Seen {
-    pub fn new(points: Vec<Gauss>) -> Self {
-        let most = points.iter().map(Gauss::weight).fold(0.0, f64::max);
-        let of = |gauss: &Gauss| {
+impl MeanRigidMotion {
+    pub fn new(points: Vec<GaussPoint>) -> Self {
+        let most = points.iter().map(GaussPoint::weight).fold(0.0, f64::max);
+        let of = |gauss: &GaussPoint| {
             let (at, root) = (gauss.at, (gauss.weight() / most).sqrt());
-            [0, 1, 2].map(|k| Observation { at, axis: axis(k), is_rotation: false, root })
+            [0, 1, 2].map(|k| MotionObservation { at, axis: axis(k), is_rotation: false, root })
         };
-        let fit = Fit::new(&points.iter().flat_map(of).collect::<Vec<_>>());
+        let fit = RigidMotionFit::new(&points.iter().flat_map(of).collect::<Vec<_>>());
         Self { points, fit }
     }
 

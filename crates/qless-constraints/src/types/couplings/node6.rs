@@ -26,7 +26,7 @@ impl Component {
     pub const ALL: [Self; 6] = [Self::X, Self::Y, Self::Z, Self::TurnX, Self::TurnY, Self::TurnZ];
 
     /// What an equation for this component is called: translations by their axis alone.
-    pub(crate) fn part(self) -> &'static str {
+    pub(crate) fn short_name(self) -> &'static str {
         ["x", "y", "z", "rotation x", "rotation y", "rotation z"][self as usize]
     }
 
@@ -82,7 +82,7 @@ pub struct Local {
 }
 
 /// A component that takes part: `sum a_j u_j`, its value at the node.
-pub(crate) struct Part {
+pub(crate) struct CoupledComponent {
     pub component: Component,
     /// The axis that it is along or about.
     pub axis: Vector<f64>,
@@ -90,7 +90,7 @@ pub(crate) struct Part {
     pub terms: Vec<(usize, f64)>,
 }
 
-impl Part {
+impl CoupledComponent {
     /// Its row in the motion of a point at the end of the arm r.
     pub fn row(&self, r: Vector<f64>) -> [f64; 6] {
         if self.component.is_rotation() { about(self.axis) } else { along(self.axis, r) }
@@ -143,28 +143,32 @@ impl Node6 {
     }
 
     /// A component that takes part; nothing if it does not, or a DOF that it is made of is missing.
-    pub(crate) fn part(&self, component: Component) -> Option<Part> {
+    pub(crate) fn coupled(&self, component: Component) -> Option<CoupledComponent> {
         let (axis, first) = (self.axis(component), component as usize / 3 * 3);
         let used = (0..3).filter(|&k| axis[k] != 0.0);
         let terms = used.map(|k| Some((self.dofs[first + k]?, axis[k]))).collect::<Option<_>>()?;
-        self.has(component).then_some(Part { component, axis, terms })
+        self.has(component).then_some(CoupledComponent { component, axis, terms })
     }
 
     /// The components that take part, as [`super::equations::check`] has found them to be there.
-    pub(crate) fn parts(&self) -> impl Iterator<Item = Part> + use<> {
+    pub(crate) fn coupled_components(&self) -> impl Iterator<Item = CoupledComponent> + use<> {
         let node = *self;
-        Component::ALL.into_iter().filter_map(move |component| node.part(component))
+        Component::ALL.into_iter().filter_map(move |component| node.coupled(component))
     }
 
     /// A component that takes part but has not all of the DOFs that it is made of.
-    pub(crate) fn lacking(&self) -> Option<Component> {
-        let lacks = |component: &Component| self.has(*component) && self.part(*component).is_none();
+    pub(crate) fn without_dofs(&self) -> Option<Component> {
+        let lacks = |component: &Component| self.has(*component) && self.coupled(*component).is_none();
         if self.local.is_some() { Component::ALL.into_iter().find(lacks) } else { None }
     }
 
     /// What the equation of a component is called.
     pub(crate) fn name(&self, component: Component) -> String {
-        if self.local.is_some() { format!("local {}", component.part()) } else { component.part().to_owned() }
+        if self.local.is_some() {
+            format!("local {}", component.short_name())
+        } else {
+            component.short_name().to_owned()
+        }
     }
 
     /// The same, with its kind.

@@ -1,10 +1,10 @@
 //! `u_i = u_r + theta x (X_i - X_r)`, `theta_i = theta`: nodes that move as a rigid body, for small rotations.
 
-use super::equations::{Again, check, follow};
+use super::equations::{RepeatedNodes, check, follow};
 use super::rigid_motion::arm;
-use crate::geometry::attachment::{Body, Carrier};
+use crate::geometry::attachment::{AttachedPoint, Body};
 use crate::geometry::node::Point;
-use crate::geometry::rotation::Kind;
+use crate::geometry::rotation::RotationKind;
 use crate::scalar::Scalar;
 use crate::scalar::vector::Vector;
 use crate::types::joints::coincident::coincident;
@@ -65,11 +65,11 @@ impl Constraint for SmallRigidBody {
         if self.nodes.is_empty() {
             return Err(CouplingError::NoNodes);
         }
-        check(&self.reference, self.nodes.iter(), Again::Refused)?;
+        check(&self.reference, self.nodes.iter(), RepeatedNodes::Refused)?;
         for (i, node) in self.nodes.iter().enumerate() {
             let r: Vector<f64> = arm(node.at, self.reference.at);
-            for own in node.parts() {
-                let (name, row) = (part(i, self.nodes.len(), node, own.component), own.row(r));
+            for own in node.coupled_components() {
+                let (name, row) = (equation_name(i, self.nodes.len(), node, own.component), own.row(r));
                 follow(store, name, own.terms, &self.reference, row)?;
             }
         }
@@ -78,7 +78,7 @@ impl Constraint for SmallRigidBody {
 }
 
 /// What the equation of a component is called.
-pub(super) fn part(number: usize, nodes: usize, node: &Node6, component: Component) -> String {
+pub(super) fn equation_name(number: usize, nodes: usize, node: &Node6, component: Component) -> String {
     let short = node.name(component);
     if nodes == 1 { short } else { format!("node {}, {short}", number + 1) }
 }
@@ -122,13 +122,13 @@ pub struct RigidBody {
 }
 
 /// One translation of a node that follows: `c = X_k + u_k - x_k(body)`, the DOF of the node first.
-struct Coordinate {
-    body: Carrier,
+struct BodyCoordinate {
+    body: AttachedPoint,
     axis: usize,
     at: f64,
 }
 
-impl Nonlinear for Coordinate {
+impl Nonlinear for BodyCoordinate {
     const PARTS: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
@@ -136,7 +136,7 @@ impl Nonlinear for Coordinate {
     }
 
     fn rotation_vectors(&self, found: &mut dyn FnMut(usize)) {
-        rotation_vectors([(1 + self.body.kind.positions(), self.body.kind), (0, Kind::Ground)], found);
+        rotation_vectors([(1 + self.body.kind.positions(), self.body.kind), (0, RotationKind::Ground)], found);
     }
 
     /// Rotations of the body.
@@ -153,8 +153,8 @@ impl RigidBody {
         if let Some(point) = point(&node).filter(|_| Component::ALL[..3].iter().all(|&k| node.has(k))) {
             return coincident(store, self.name(i), &self.body, &Body::node(point), node.at);
         }
-        for own in node.parts().filter(|own| !own.component.is_rotation()) {
-            let name = part(i, self.nodes.len(), &node, own.component);
+        for own in node.coupled_components().filter(|own| !own.component.is_rotation()) {
+            let name = equation_name(i, self.nodes.len(), &node, own.component);
             if let Some(point) = point(&node).filter(|_| node.local.is_some()) {
                 height(store, name, &self.body, &Body::node(point), node.at, own.axis);
             } else if let [(dof, _)] = own.terms[..] {
@@ -165,9 +165,9 @@ impl RigidBody {
 
     /// `X_k + u_k - x_k(body) = 0`.
     fn coordinate(&self, store: &mut Store, name: String, at: Vector<f64>, (axis, dof): (usize, usize)) {
-        let parameters = Coordinate { body: self.body.carry(at), axis, at: at[axis] };
+        let parameters = BodyCoordinate { body: self.body.attach(at), axis, at: at[axis] };
         store.numbers(at);
-        self.body.state(store);
+        self.body.declare_magnitudes(store);
         store.nonlinear(name, &[vec![dof], self.body.dofs()].concat(), parameters);
     }
 
@@ -204,7 +204,7 @@ impl Constraint for RigidBody {
         if !self.body.turns() {
             return Err(CouplingError::NoRotations);
         }
-        check(&lead(&self.body), self.nodes.iter(), Again::Refused)?;
+        check(&lead(&self.body), self.nodes.iter(), RepeatedNodes::Refused)?;
         for i in 0..self.nodes.len() {
             self.translations(store, i);
             self.rotations(store, i)?;

@@ -1,8 +1,8 @@
 //! `u_s + theta x r`: the edge of a shell and the side of a solid, line by line through the thickness.
 
-use super::equations::{Owners, follow};
+use super::equations::{DofOwners, follow};
 use super::error::{CouplingError, LineFault};
-use super::face_integrals::Gauss;
+use super::face_integrals::GaussPoint;
 use super::node6::Node6;
 use super::rigid_motion::{along, arm, axis, clean};
 use super::{Section, face_integrals};
@@ -71,14 +71,14 @@ pub struct ThicknessLine {
 }
 
 /// One line, and what it needs to write its equations.
-struct Edge<'a> {
+struct LineCoupling<'a> {
     number: usize,
     shell: &'a Node6,
-    line: &'a Thickness,
+    line: &'a LineShares,
     face: &'a Surface<3>,
 }
 
-impl Edge<'_> {
+impl LineCoupling<'_> {
     /// `sum_i a_i e . (u_i - u_s - theta x r_i) = 0`.
     fn equation(&self, store: &mut Store, a: &[f64], e: Vector<f64>, name: &str) -> Result<(), CouplingError> {
         let (mut terms, mut motion, mut sizes) = (Vec::new(), [0.0; 6], [0.0; 2]);
@@ -106,7 +106,7 @@ impl Edge<'_> {
     }
 
     fn equations(&self, store: &mut Store, section: Section) -> Result<(), CouplingError> {
-        let Thickness { direction, weights, moments, .. } = self.line;
+        let LineShares { direction, weights, moments, .. } = self.line;
         let across = perpendicular(*direction);
         let both = ["across 1", "across 2"].into_iter().zip(across);
         match section {
@@ -126,7 +126,7 @@ impl Edge<'_> {
 impl ShellToSolid {
     /// Each node has DOFs of its own, and each shell node a place; lines name nodes that are there.
     fn check_dofs(&self) -> Result<(), CouplingError> {
-        let mut owners = Owners::default();
+        let mut owners = DofOwners::default();
         let fault = |line: usize, fault: LineFault| CouplingError::Line { line: line + 1, fault };
         for (i, ThicknessLine { nodes, .. }) in self.lines.iter().enumerate() {
             for &node in nodes {
@@ -135,7 +135,7 @@ impl ShellToSolid {
             }
         }
         for (i, ThicknessLine { shell, .. }) in self.lines.iter().enumerate() {
-            let sound = shell.at.iter().all(|x| x.is_finite()) && shell.lacking().is_none();
+            let sound = shell.at.iter().all(|x| x.is_finite()) && shell.without_dofs().is_none();
             if !sound || owners.claim(i, shell, false).is_err() {
                 return Err(fault(i, LineFault::Shell));
             }
@@ -156,7 +156,7 @@ impl Constraint for ShellToSolid {
         let made = lines(&self.lines, &self.face, &points)?;
         self.check_dofs()?;
         for (i, (ThicknessLine { shell, .. }, line)) in self.lines.iter().zip(&made).enumerate() {
-            Edge { number: i + 1, shell, line, face: &self.face }.equations(store, self.section)?;
+            LineCoupling { number: i + 1, shell, line, face: &self.face }.equations(store, self.section)?;
         }
         Ok(())
     }
@@ -168,7 +168,7 @@ const BENT: f64 = 0.01;
 const NOTHING: f64 = 1e-8;
 
 /// A line that is straight and near its shell node.
-pub struct Thickness {
+pub struct LineShares {
     pub direction: Vector<f64>,
     /// Nodes of the surface.
     pub nodes: Vec<usize>,
@@ -181,7 +181,7 @@ pub struct Thickness {
     pub moments: Vec<f64>,
 }
 
-impl Thickness {
+impl LineShares {
     pub fn new(line: &ThicknessLine, face: &Surface<3>) -> Result<Self, LineFault> {
         let places: Vec<Vector<f64>> = line.nodes.iter().map(|&node| face.nodes[node].at).collect();
         let origin = *places.first().ok_or(LineFault::TooShort)?;
@@ -204,7 +204,7 @@ impl Thickness {
     }
 
     /// Adds the share of a point of integration to its node at `place` of the line.
-    pub fn add(&mut self, place: usize, gauss: &Gauss, function: f64) {
+    pub fn add(&mut self, place: usize, gauss: &GaussPoint, function: f64) {
         let share = gauss.weight() * function;
         self.weights[place] += share;
         self.moments[place] += share * dot(arm(gauss.at, self.origin), self.direction);
@@ -248,11 +248,15 @@ fn size(x: Vector<f64>) -> f64 {
 }
 
 /// The lines, with the shares of all faces; each node of a face is in one line.
-pub fn lines(lines: &[ThicknessLine], face: &Surface<3>, points: &[Gauss]) -> Result<Vec<Thickness>, CouplingError> {
+pub fn lines(
+    lines: &[ThicknessLine],
+    face: &Surface<3>,
+    points: &[GaussPoint],
+) -> Result<Vec<LineShares>, CouplingError> {
     let places = places(lines, face)?;
     let fault = |line: usize| move |fault| CouplingError::Line { line: line + 1, fault };
-    let made = lines.iter().enumerate().map(|(i, line)| Thickness::new(line, face).map_err(fault(i)));
-    let mut made: Vec<Thickness> = made.collect::<Result<_, _>>()?;
+    let made = lines.iter().enumerate().map(|(i, line)| LineShares::new(line, face).map_err(fault(i)));
+    let mut made: Vec<LineShares> = made.collect::<Result<_, _>>()?;
     for gauss in points {
         for (&node, &function) in face.faces[gauss.face].nodes.iter().zip(&gauss.functions) {
             let (line, place) = places[node].ok_or(CouplingError::NotInLine { node })?;

@@ -2,22 +2,22 @@
 //!
 //! Demmel and Veselic, SIAM J. Matrix Anal. Appl., 1992. Columns that are orthogonal from the start are left as they are.
 
-type Row = [f64; 6];
+type Row6 = [f64; 6];
 
 /// Sweeps before giving up; columns of any matrix are orthogonal after some eight.
 const SWEEPS: usize = 40;
 
 /// The factors; columns of `scaled` are `U S`.
-pub struct Factors {
-    pub scaled: Vec<Row>,
-    pub values: Row,
-    pub v: [Row; 6],
+pub struct JacobiSvd {
+    pub scaled: Vec<Row6>,
+    pub values: Row6,
+    pub v: [Row6; 6],
 }
 
 /// O(m) for m rows.
-pub fn factor(rows: Vec<Row>) -> Factors {
+pub fn svd(rows: Vec<Row6>) -> JacobiSvd {
     let mut scaled = rows;
-    let mut v: [Row; 6] = std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
+    let mut v: [Row6; 6] = std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
     let pairs = || (0..6).flat_map(|i| (i + 1..6).map(move |j| (i, j)));
     for _ in 0..SWEEPS {
         let turned = pairs().filter(|&pair| turn(&mut scaled, &mut v, pair)).count();
@@ -26,15 +26,15 @@ pub fn factor(rows: Vec<Row>) -> Factors {
         }
     }
     let values = std::array::from_fn(|j| product(&scaled, j, j).sqrt());
-    Factors { scaled, values, v }
+    JacobiSvd { scaled, values, v }
 }
 
-fn product(rows: &[Row], i: usize, j: usize) -> f64 {
+fn product(rows: &[Row6], i: usize, j: usize) -> f64 {
     rows.iter().map(|row| row[i] * row[j]).sum()
 }
 
 /// Makes two columns orthogonal; whether they were not.
-fn turn(scaled: &mut [Row], v: &mut [Row; 6], (i, j): (usize, usize)) -> bool {
+fn turn(scaled: &mut [Row6], v: &mut [Row6; 6], (i, j): (usize, usize)) -> bool {
     let (a, b, both) = (product(scaled, i, i), product(scaled, j, j), product(scaled, i, j));
     // Not `<=`: what is not a number is left alone.
     let oblique = both.abs() > 4.0 * f64::EPSILON * a.sqrt() * b.sqrt();
@@ -62,8 +62,8 @@ mod tests {
             (z >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
         };
         let size = [1.0, 1e-9, 1.0, 1e3, 1.0, 0.5];
-        let a: Vec<Row> = (0..40).map(|i| std::array::from_fn(|j| size[j] * random(6 * i + j as u64))).collect();
-        let f = factor(a.clone());
+        let a: Vec<Row6> = (0..40).map(|i| std::array::from_fn(|j| size[j] * random(6 * i + j as u64))).collect();
+        let f = svd(a.clone());
         for (i, row) in a.iter().enumerate() {
             for j in 0..6 {
                 let found: f64 = (0..6).map(|k| f.scaled[i][k] * f.v[j][k]).sum();

@@ -4,8 +4,8 @@ use std::borrow::Cow;
 use std::slice;
 
 use super::relative::{rotation_vectors, triangle};
-use crate::geometry::attachment::{Body, Carrier};
-use crate::geometry::lanes::{LANES, Lanes, Turns, Vectors};
+use crate::geometry::attachment::{AttachedPoint, Body};
+use crate::geometry::lanes::{LANES, Lanes, RotatedArmLanes, RotationVectorLanes};
 use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, scale, sub};
 use crate::{Nonlinear, Store};
@@ -15,16 +15,16 @@ pub fn coincident(store: &mut Store, part: impl Into<Cow<'static, str>>, a: &Bod
     // The body with the lower DOFs first, as G has its columns: then nothing has to be sorted.
     let swap = a.dofs().first() > b.dofs().first();
     let (first, second, sign) = if swap { (b, a, -1.0) } else { (a, b, 1.0) };
-    let parameters = Coincident { a: first.carry(at), b: second.carry(at), sign };
+    let parameters = Coincident { a: first.attach(at), b: second.attach(at), sign };
     store.numbers(at);
-    [a, b].iter().for_each(|body| body.state(store));
+    [a, b].iter().for_each(|body| body.declare_magnitudes(store));
     store.nonlinear(part, &[first.dofs(), second.dofs()].concat(), parameters);
 }
 
 /// Two points that coincide: `c = sign (x_a - x_b)`.
 struct Coincident {
-    a: Carrier,
-    b: Carrier,
+    a: AttachedPoint,
+    b: AttachedPoint,
     sign: f64,
 }
 
@@ -63,7 +63,7 @@ impl Nonlinear for Coincident {
     /// `[I, d(R_a s_a), -I, -d(R_b s_b)]`.
     fn values_and_jacobians(items: &[Self], u: &[f64], c: &mut [f64], g: &mut [f64]) {
         let [a, b] = Self::vectors(items, u);
-        let [mut of_a, mut of_b] = [Turns::default(), Turns::default()];
+        let [mut of_a, mut of_b] = [RotatedArmLanes::default(), RotatedArmLanes::default()];
         a.slopes(&mut of_a);
         b.slopes(&mut of_b);
         let (mut u, mut g) = (u, g);
@@ -105,8 +105,8 @@ impl Nonlinear for Coincident {
 impl Coincident {
     /// The rotation vectors of the first bodies, and of the second.
     #[inline]
-    fn vectors(items: &[Self], mut u: &[f64]) -> [Vectors; 2] {
-        let mut all = <[Vectors; 2]>::default();
+    fn vectors(items: &[Self], mut u: &[f64]) -> [RotationVectorLanes; 2] {
+        let mut all = <[RotationVectorLanes; 2]>::default();
         for (lane, item) in items.iter().enumerate() {
             for (vectors, carrier) in all.iter_mut().zip([&item.a, &item.b]) {
                 let own;

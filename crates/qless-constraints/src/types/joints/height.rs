@@ -6,7 +6,7 @@
 use std::borrow::Cow;
 
 use super::relative::{rotation_vectors, triangle_before};
-use crate::geometry::attachment::{Body, Carrier};
+use crate::geometry::attachment::{AttachedPoint, Body};
 use crate::geometry::rotation_derivatives;
 use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, dot, scale, sub};
@@ -23,15 +23,15 @@ pub fn height(
 ) {
     let parameters = Height::new(a, b, at, s);
     store.numbers(at);
-    [a, b].iter().for_each(|body| body.state(store));
+    [a, b].iter().for_each(|body| body.declare_magnitudes(store));
     store.nonlinear(part, &[a.dofs(), b.dofs()].concat(), parameters);
 }
 
 /// The stored parameters.
 pub struct Height {
     /// The centre of body a.
-    a: Carrier,
-    b: Carrier,
+    a: AttachedPoint,
+    b: AttachedPoint,
     s: Vector<f64>,
     /// `s . s_a`.
     arm: f64,
@@ -41,7 +41,7 @@ pub struct Height {
 
 impl Height {
     pub fn new(a: &Body, b: &Body, at: Vector<f64>, s: Vector<f64>) -> Self {
-        Self { a: a.carry(a.at), b: b.carry(at), s, arm: dot(s, a.carry(at).arm), rise: 0.0 }
+        Self { a: a.attach(a.at), b: b.attach(at), s, arm: dot(s, a.attach(at).arm), rise: 0.0 }
     }
 
     /// From the centre of body a to the point of body b.

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use super::height::Height;
-use super::orientation::{Motion, Twist, at};
+use super::orientation::{TimeFunction, Twist, at};
 use super::relative::relative;
 use super::{JointError, check_moves, check_turns, direction};
 use crate::geometry::attachment::Body;
-use crate::geometry::rotation::Kind;
+use crate::geometry::rotation::RotationKind;
 use crate::scalar::Scalar;
 use crate::scalar::vector::Vector;
 use crate::{Constraint, Nonlinear, Store};
@@ -146,13 +146,13 @@ impl Constraint for TranslationMotor {
     fn process(self, store: &mut Store) -> Result<(), JointError> {
         check_moves(&self.a, &self.b)?;
         // Of body b only a point counts; it is body a that carries the axis.
-        if self.a.kind == Kind::Node {
+        if self.a.kind == RotationKind::Node {
             return Err(JointError::NoRotations);
         }
         let height = Height::new(&self.a, &self.b, self.at, direction(self.axis)?);
         let dofs = [self.a.dofs(), self.b.dofs()].concat();
         store.numbers(self.at);
-        [self.a, self.b].iter().for_each(|body| body.state(store));
+        [self.a, self.b].iter().for_each(|body| body.declare_magnitudes(store));
         store.nonlinear("", &dofs, Travel { height, motion: self.travel });
         Ok(())
     }
@@ -161,7 +161,7 @@ impl Constraint for TranslationMotor {
 /// A height that changes with time.
 struct Travel {
     height: Height,
-    motion: Motion,
+    motion: TimeFunction,
 }
 
 impl Nonlinear for Travel {

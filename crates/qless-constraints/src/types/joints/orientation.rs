@@ -3,7 +3,7 @@
 //! - [`Aligned`]: `c = log(R_a^T R_b)`, the rotation vector from a to b the shorter way round: `|c| <= pi`;
 //! - [`Tilt`]: the rotation vector, perpendicular to the axis t, that brings the axis of a to that of b: `|c| <= pi`;
 //! - [`Twist`]: the rotation about t that is left after the tilt, less an angle, the shorter way round: `|c| <= pi`;
-//! - [`Crossing`]: `c = (R_a s) . (R_b t)`, the cosine of an angle.
+//! - [`PerpendicularAxes`]: `c = (R_a s) . (R_b t)`, the cosine of an angle.
 //!
 //! Each vanishes where the joint holds and nowhere else. The first three are angle vectors ([`crate::geometry::angle`]) of `(m, v)`, functions of q:
 //! linear ones, or for the tilt squares of it.
@@ -11,18 +11,18 @@
 use std::array::from_fn;
 use std::sync::Arc;
 
-use super::relative::{MOST, OfTurn, Square};
+use super::relative::{MAX_EQUATIONS, QuaternionMatrix, RotationFunction};
 use crate::geometry::quaternion::{Quaternion, inner};
-use crate::geometry::rotation::{Kind, by_euler};
+use crate::geometry::rotation::{RotationKind, by_euler};
 use crate::geometry::{angle, rotation_derivatives};
 use crate::scalar::vector::{Vector, dot, lift, perpendicular};
 use crate::scalar::{Arithmetic, Scalar};
 
 /// `phi(t)`, `d(t)`.
-pub(super) type Motion = Arc<dyn Fn(f64) -> f64 + Send + Sync>;
+pub(super) type TimeFunction = Arc<dyn Fn(f64) -> f64 + Send + Sync>;
 
 /// Its value at a time; as an error one that is not finite.
-pub(super) fn at(motion: &Motion, time: f64) -> Result<f64, f64> {
+pub(super) fn at(motion: &TimeFunction, time: f64) -> Result<f64, f64> {
     let value = motion(time);
     if value.is_finite() { Ok(value) } else { Err(value) }
 }
@@ -48,7 +48,7 @@ fn combined(weights: &[f64], rows: &[Quaternion<f64>]) -> Quaternion<f64> {
 /// The bodies are aligned: `m = q0`, `v`, and the angle is half of that of the rotation.
 pub struct Aligned;
 
-impl OfTurn for Aligned {
+impl RotationFunction for Aligned {
     const PARTS: &'static [&'static str] = &["turn x", "turn y", "turn z"];
 
     fn value<S: Scalar>(&self, q: Quaternion<S>, c: &mut [S]) {
@@ -56,14 +56,14 @@ impl OfTurn for Aligned {
     }
 
     #[inline]
-    fn slopes(&self, q: Quaternion<f64>, c: &mut [f64]) -> [Quaternion<f64>; MOST] {
+    fn slopes(&self, q: Quaternion<f64>, c: &mut [f64]) -> [Quaternion<f64>; MAX_EQUATIONS] {
         let (half, rows) = angle::slopes::<3>(shorter(q));
         c.copy_from_slice(&half.map(|x| 2.0 * x));
         let factor = if negated(q) { -2.0 } else { 2.0 };
         rows.map(|row| row.map(|x| factor * x))
     }
 
-    fn curvature(&self, q: Quaternion<f64>, w: &[f64]) -> (Quaternion<f64>, Square) {
+    fn curvature(&self, q: Quaternion<f64>, w: &[f64]) -> (Quaternion<f64>, QuaternionMatrix) {
         let sign = if negated(q) { -1.0 } else { 1.0 };
         let (slope, square) = angle::curvature(shorter(q), [w[0], w[1], w[2]].map(|w| 2.0 * w));
         (slope.map(|x| sign * x), square)
@@ -106,16 +106,16 @@ impl Tilt {
     }
 
     /// `sum_k slope_k d^2 (m, v)_k / dq^2`.
-    fn bend(&self, slope: [f64; 4]) -> Square {
+    fn bend(&self, slope: [f64; 4]) -> QuaternionMatrix {
         let [m, v, w, _] = slope.map(|x| 2.0 * x);
         let in_frame = [[m, 0.0, v, w], [0.0, m, w, -v], [v, w, -m, 0.0], [w, -v, 0.0, -m]];
         let half = in_frame.map(|row| self.in_space(row));
-        let columns: Square = from_fn(|k| self.in_space(from_fn(|j| half[j][k])));
+        let columns: QuaternionMatrix = from_fn(|k| self.in_space(from_fn(|j| half[j][k])));
         from_fn(|j| from_fn(|k| columns[k][j]))
     }
 }
 
-impl OfTurn for Tilt {
+impl RotationFunction for Tilt {
     const PARTS: &'static [&'static str] = &["tilt 1", "tilt 2"];
 
     fn value<S: Scalar>(&self, q: Quaternion<S>, c: &mut [S]) {
@@ -123,13 +123,13 @@ impl OfTurn for Tilt {
     }
 
     #[inline]
-    fn slopes(&self, q: Quaternion<f64>, c: &mut [f64]) -> [Quaternion<f64>; MOST] {
+    fn slopes(&self, q: Quaternion<f64>, c: &mut [f64]) -> [Quaternion<f64>; MAX_EQUATIONS] {
         let (rows, (tilt, slopes)) = (self.rows(q), angle::slopes::<2>(self.parts(q)));
         c.copy_from_slice(&tilt);
         [combined(&slopes[0], &rows), combined(&slopes[1], &rows), [0.0; 4]]
     }
 
-    fn curvature(&self, q: Quaternion<f64>, w: &[f64]) -> (Quaternion<f64>, Square) {
+    fn curvature(&self, q: Quaternion<f64>, w: &[f64]) -> (Quaternion<f64>, QuaternionMatrix) {
         let rows = self.rows(q);
         let (slope, square) = angle::curvature(self.parts(q), [w[0], w[1]]);
         let half: [Quaternion<f64>; 3] = from_fn(|j| combined(&square[j], &rows));
@@ -146,12 +146,12 @@ pub struct Twist {
     /// In radians, now ...
     angle: f64,
     /// ... and at each time.
-    motion: Motion,
+    motion: TimeFunction,
 }
 
 impl Twist {
     /// `axis` is a unit vector. The angle is that of time 0.
-    pub fn new(axis: Vector<f64>, motion: Motion) -> Self {
+    pub fn new(axis: Vector<f64>, motion: TimeFunction) -> Self {
         Self { axis, angle: motion(0.0), motion }
     }
 
@@ -162,7 +162,7 @@ impl Twist {
     }
 }
 
-impl OfTurn for Twist {
+impl RotationFunction for Twist {
     const PARTS: &'static [&'static str] = &[""];
     const DRIVEN: bool = true;
 
@@ -182,7 +182,7 @@ impl OfTurn for Twist {
     }
 
     #[inline]
-    fn slopes(&self, q: Quaternion<f64>, c: &mut [f64]) -> [Quaternion<f64>; MOST] {
+    fn slopes(&self, q: Quaternion<f64>, c: &mut [f64]) -> [Quaternion<f64>; MAX_EQUATIONS] {
         let rows = self.rows();
         let [m, v] = rows.map(|row| inner(row, q));
         let ([half], [slope]) = angle::slopes::<1>(shorter([m, v, 0.0, 0.0]));
@@ -191,7 +191,7 @@ impl OfTurn for Twist {
         [combined(&slope.map(|x| sign * x), &rows), [0.0; 4], [0.0; 4]]
     }
 
-    fn curvature(&self, q: Quaternion<f64>, w: &[f64]) -> (Quaternion<f64>, Square) {
+    fn curvature(&self, q: Quaternion<f64>, w: &[f64]) -> (Quaternion<f64>, QuaternionMatrix) {
         let rows = self.rows();
         let [m, v] = rows.map(|row| inner(row, q));
         let (slope, square) = angle::curvature(shorter([m, v, 0.0, 0.0]), [2.0 * w[0]]);
@@ -203,12 +203,12 @@ impl OfTurn for Twist {
 }
 
 /// A direction of each body, perpendicular to each other.
-pub struct Crossing {
+pub struct PerpendicularAxes {
     pub of_a: Vector<f64>,
     pub of_b: Vector<f64>,
 }
 
-impl OfTurn for Crossing {
+impl RotationFunction for PerpendicularAxes {
     const PARTS: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, q: Quaternion<S>, c: &mut [S]) {
@@ -216,11 +216,11 @@ impl OfTurn for Crossing {
     }
 
     #[inline]
-    fn slopes(&self, q: Quaternion<f64>, c: &mut [f64]) -> [Quaternion<f64>; MOST] {
+    fn slopes(&self, q: Quaternion<f64>, c: &mut [f64]) -> [Quaternion<f64>; MAX_EQUATIONS] {
         c[0] = dot(self.of_a, by_euler(q, self.of_b));
-        let mut rows = [[0.0; 4]; MOST];
+        let mut rows = [[0.0; 4]; MAX_EQUATIONS];
         rotation_derivatives::gradient(
-            Kind::Euler,
+            RotationKind::Euler,
             &[q[0] - 1.0, q[1], q[2], q[3]],
             self.of_b,
             self.of_a,
@@ -229,12 +229,12 @@ impl OfTurn for Crossing {
         rows
     }
 
-    fn curvature(&self, q: Quaternion<f64>, w: &[f64]) -> (Quaternion<f64>, Square) {
+    fn curvature(&self, q: Quaternion<f64>, w: &[f64]) -> (Quaternion<f64>, QuaternionMatrix) {
         let (s, t) = (self.of_a.map(|x| w[0] * x), self.of_b);
         let u = [q[0] - 1.0, q[1], q[2], q[3]];
         let (mut slope, mut lower) = ([0.0; 4], [0.0; 10]);
-        rotation_derivatives::gradient(Kind::Euler, &u, t, s, &mut slope);
-        rotation_derivatives::hessian(Kind::Euler, &u, t, s, &mut lower);
+        rotation_derivatives::gradient(RotationKind::Euler, &u, t, s, &mut slope);
+        rotation_derivatives::hessian(RotationKind::Euler, &u, t, s, &mut lower);
         let entry = |j: usize, k: usize| lower[j.max(k) * (j.max(k) + 1) / 2 + j.min(k)];
         (slope, from_fn(|j| from_fn(|k| entry(j, k))))
     }
@@ -244,7 +244,7 @@ impl OfTurn for Crossing {
 mod tests {
     use std::sync::Arc;
 
-    use super::super::relative::OfTurn;
+    use super::super::relative::RotationFunction;
     use super::*;
     use crate::scalar::vector::{Vector, cross, norm, scale, sub, unit};
 

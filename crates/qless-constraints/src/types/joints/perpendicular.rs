@@ -1,6 +1,6 @@
 //! Perpendicular axes: `(R_a s) . (R_b t) = 0`.
 
-use super::orientation::Crossing;
+use super::orientation::PerpendicularAxes;
 use super::relative::relative;
 use super::{JointError, check_turns, direction};
 use crate::geometry::attachment::Body;
@@ -47,14 +47,14 @@ impl Constraint for Perpendicular {
 
     fn process(self, store: &mut Store) -> Result<(), JointError> {
         check_turns(&self.a, &self.b)?;
-        relative(store, "", &self.a, &self.b, crossing(self.axis_a, self.axis_b)?);
+        relative(store, "", &self.a, &self.b, perpendicular_axes(self.axis_a, self.axis_b)?);
         Ok(())
     }
 }
 
 /// Two axes that are perpendicular in the reference configuration.
-pub(super) fn crossing(of_a: Vector<f64>, of_b: Vector<f64>) -> Result<Crossing, JointError> {
+pub(super) fn perpendicular_axes(of_a: Vector<f64>, of_b: Vector<f64>) -> Result<PerpendicularAxes, JointError> {
     let (of_a, of_b) = (direction(of_a)?, direction(of_b)?);
     let cosine = dot(of_a, of_b);
-    if cosine.abs() > 1e-9 { Err(JointError::NotPerpendicular(cosine)) } else { Ok(Crossing { of_a, of_b }) }
+    if cosine.abs() > 1e-9 { Err(JointError::NotPerpendicular(cosine)) } else { Ok(PerpendicularAxes { of_a, of_b }) }
 }

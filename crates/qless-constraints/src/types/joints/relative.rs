@@ -6,19 +6,19 @@
 use std::borrow::Cow;
 
 use crate::geometry::attachment::Body;
-use crate::geometry::quaternion::{Quaternion, Turn, conjugate, inner, of_body, product};
-use crate::geometry::rotation::Kind;
+use crate::geometry::quaternion::{BodyQuaternion, Quaternion, body_quaternion, conjugate, inner, product};
+use crate::geometry::rotation::RotationKind;
 use crate::scalar::Scalar;
 use crate::{Nonlinear, Store};
 
 /// Most equations of one function.
-pub const MOST: usize = 3;
+pub const MAX_EQUATIONS: usize = 3;
 /// A matrix on quaternions.
-pub type Square = [Quaternion<f64>; 4];
+pub type QuaternionMatrix = [Quaternion<f64>; 4];
 
 /// A function of the relative rotation.
-pub trait OfTurn: Send + Sync + 'static {
-    /// As [`Nonlinear::PARTS`], at most [`MOST`].
+pub trait RotationFunction: Send + Sync + 'static {
+    /// As [`Nonlinear::PARTS`], at most [`MAX_EQUATIONS`].
     const PARTS: &'static [&'static str];
     /// As [`Nonlinear::DRIVEN`].
     const DRIVEN: bool = false;
@@ -34,36 +34,36 @@ pub trait OfTurn: Send + Sync + 'static {
     /// `c(q)`.
     fn value<S: Scalar>(&self, q: Quaternion<S>, c: &mut [S]);
     /// `c(q)`, and `dc_r / dq`.
-    fn slopes(&self, q: Quaternion<f64>, c: &mut [f64]) -> [Quaternion<f64>; MOST];
+    fn slopes(&self, q: Quaternion<f64>, c: &mut [f64]) -> [Quaternion<f64>; MAX_EQUATIONS];
     /// `d(w.c) / dq`, and `d^2 (w.c) / dq^2`.
-    fn curvature(&self, q: Quaternion<f64>, w: &[f64]) -> (Quaternion<f64>, Square);
+    fn curvature(&self, q: Quaternion<f64>, w: &[f64]) -> (Quaternion<f64>, QuaternionMatrix);
 }
 
 /// The equations `of` on the rotations of two bodies.
-pub fn relative<F: OfTurn>(store: &mut Store, part: impl Into<Cow<'static, str>>, a: &Body, b: &Body, of: F) {
+pub fn relative<F: RotationFunction>(store: &mut Store, part: impl Into<Cow<'static, str>>, a: &Body, b: &Body, of: F) {
     let dofs = [a.rotation_dofs(), b.rotation_dofs()].concat();
-    [a, b].iter().for_each(|body| body.state(store));
-    store.nonlinear(part, &dofs, Relative { a: a.kind, b: b.kind, of });
+    [a, b].iter().for_each(|body| body.declare_magnitudes(store));
+    store.nonlinear(part, &dofs, RelativeRotation { a: a.kind, b: b.kind, of });
 }
 
-struct Relative<F> {
-    a: Kind,
-    b: Kind,
+struct RelativeRotation<F> {
+    a: RotationKind,
+    b: RotationKind,
     of: F,
 }
 
-impl<F> Relative<F> {
+impl<F> RelativeRotation<F> {
     /// Both bodies, and q.
     #[inline]
-    fn turns(&self, u: &[f64]) -> (Turn, Turn, Quaternion<f64>) {
+    fn turns(&self, u: &[f64]) -> (BodyQuaternion, BodyQuaternion, Quaternion<f64>) {
         let (a, b) = u.split_at(self.a.rotations());
-        let (a, b) = (Turn::new(self.a, a), Turn::new(self.b, b));
+        let (a, b) = (BodyQuaternion::new(self.a, a), BodyQuaternion::new(self.b, b));
         let q = product(conjugate(a.q), b.q);
         (a, b, q)
     }
 }
 
-impl<F: OfTurn> Nonlinear for Relative<F> {
+impl<F: RotationFunction> Nonlinear for RelativeRotation<F> {
     const PARTS: &'static [&'static str] = F::PARTS;
     const DRIVEN: bool = F::DRIVEN;
 
@@ -81,7 +81,7 @@ impl<F: OfTurn> Nonlinear for Relative<F> {
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
         let (a, b) = u.split_at(self.a.rotations());
-        self.of.value(product(conjugate(of_body(self.a, a)), of_body(self.b, b)), c);
+        self.of.value(product(conjugate(body_quaternion(self.a, a)), body_quaternion(self.b, b)), c);
     }
 
     #[inline]
@@ -126,7 +126,7 @@ impl<F: OfTurn> Nonlinear for Relative<F> {
 }
 
 /// Entries of the lower triangle of the rotations.
-pub fn triangle(kind: Kind) -> usize {
+pub fn triangle(kind: RotationKind) -> usize {
     triangle_before(kind.rotations())
 }
 
@@ -136,6 +136,6 @@ pub fn triangle_before(j: usize) -> usize {
 }
 
 /// Where rotation vectors are among the DOFs of two bodies; each is given with the place of its first rotation.
-pub fn rotation_vectors(bodies: [(usize, Kind); 2], found: &mut dyn FnMut(usize)) {
-    bodies.into_iter().filter(|&(_, kind)| kind == Kind::Vector).for_each(|(first, _)| found(first));
+pub fn rotation_vectors(bodies: [(usize, RotationKind); 2], found: &mut dyn FnMut(usize)) {
+    bodies.into_iter().filter(|&(_, kind)| kind == RotationKind::Vector).for_each(|(first, _)| found(first));
 }

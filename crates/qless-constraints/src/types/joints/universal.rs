@@ -1,7 +1,7 @@
 //! Universal joint: a cross of two axes; `x_a + R_a s_a = x_b + R_b s_b`, `(R_a s) . (R_b t) = 0`.
 
 use super::coincident::coincident;
-use super::perpendicular::crossing;
+use super::perpendicular::perpendicular_axes;
 use super::relative::relative;
 use super::{JointError, check_turns};
 use crate::geometry::attachment::Body;
@@ -47,7 +47,7 @@ impl Constraint for Universal {
 
     fn process(self, store: &mut Store) -> Result<(), JointError> {
         check_turns(&self.a, &self.b)?;
-        let cross = crossing(self.axis_a, self.axis_b)?;
+        let cross = perpendicular_axes(self.axis_a, self.axis_b)?;
         coincident(store, "", &self.a, &self.b, self.at);
         relative(store, "cross", &self.a, &self.b, cross);
         Ok(())

@@ -6,7 +6,7 @@ use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, Side};
 
 use super::Multipliers;
-use super::cover::Segments;
+use super::cover::FacetSegments;
 use crate::geometry::shape::Shape;
 use crate::geometry::surface::Face;
 
@@ -15,19 +15,19 @@ const ROUNDING: f64 = 256.0 * f64::EPSILON;
 
 /// A sum and the sizes of what went into it.
 #[derive(Clone, Copy, Default)]
-struct Sum {
+struct EntrySum {
     value: f64,
     terms: f64,
 }
 
 /// A row of D and of -M, by nodes of either side.
 #[derive(Default)]
-pub(super) struct Row {
-    slaves: BTreeMap<usize, Sum>,
-    masters: BTreeMap<usize, Sum>,
+pub(super) struct MortarRow {
+    slaves: BTreeMap<usize, EntrySum>,
+    masters: BTreeMap<usize, EntrySum>,
 }
 
-impl Row {
+impl MortarRow {
     pub fn slaves(&self) -> impl Iterator<Item = (usize, f64)> + Clone {
         entries(&self.slaves)
     }
@@ -37,30 +37,30 @@ impl Row {
     }
 }
 
-fn entries(sums: &BTreeMap<usize, Sum>) -> impl Iterator<Item = (usize, f64)> + Clone {
+fn entries(sums: &BTreeMap<usize, EntrySum>) -> impl Iterator<Item = (usize, f64)> + Clone {
     sums.iter().filter(|(_, sum)| sum.value.abs() > ROUNDING * sum.terms).map(|(&node, sum)| (node, sum.value))
 }
 
-fn add(sums: &mut BTreeMap<usize, Sum>, node: usize, value: f64, terms: f64) {
+fn add(sums: &mut BTreeMap<usize, EntrySum>, node: usize, value: f64, terms: f64) {
     let sum = sums.entry(node).or_default();
     sum.value += value;
     sum.terms += terms;
 }
 
 /// `int N_i N_j` over all segments.
-fn mass(nodes: usize, segments: &Segments) -> Mat<f64> {
+fn mass(nodes: usize, segments: &FacetSegments) -> Mat<f64> {
     Mat::from_fn(nodes, nodes, |i, j| segments.iter().map(|(_, segment)| segment.own[i * nodes + j]).sum())
 }
 
 /// Adds a slave facet to the rows of its nodes; nothing if it has no multipliers.
 pub(super) fn add_facet(
-    rows: &mut BTreeMap<usize, Row>,
+    rows: &mut BTreeMap<usize, MortarRow>,
     kind: Multipliers,
     slave: &Face,
     masters: &[Face],
-    segments: &Segments,
+    segments: &FacetSegments,
 ) -> Option<()> {
-    let Functions { b, d } = Functions::new(kind, slave.shape, mass(slave.nodes.len(), segments))?;
+    let MultiplierFunctions { b, d } = MultiplierFunctions::new(kind, slave.shape, mass(slave.nodes.len(), segments))?;
     for (i, &node) in slave.nodes.iter().enumerate() {
         let row = rows.entry(node).or_default();
         for (j, &other) in slave.nodes.iter().enumerate().filter(|&(j, _)| d[(i, j)] != 0.0) {
@@ -83,14 +83,14 @@ pub(super) fn add_facet(
 const SHARE: f64 = 0.2;
 
 /// The multipliers of a slave facet with n nodes.
-pub(super) struct Functions {
+pub(super) struct MultiplierFunctions {
     /// B, n x n.
     pub b: Mat<f64>,
     /// D, n x n.
     pub d: Mat<f64>,
 }
 
-impl Functions {
+impl MultiplierFunctions {
     /// From `int N_i N_j` of the facet; nothing if that is not positive definite.
     pub fn new(kind: Multipliers, shape: Shape, mass: Mat<f64>) -> Option<Self> {
         match kind {
@@ -100,17 +100,17 @@ impl Functions {
     }
 
     fn dual(shape: Shape, mass: &Mat<f64>) -> Option<Self> {
-        let p = shares(shape);
+        let p = edge_shares(shape);
         let inverse = (&p * mass * p.transpose()).llt(Side::Lower).ok()?.inverse();
         // The functions sum to one.
         let d = &p * mass * Mat::<f64>::full(mass.nrows(), 1, 1.0);
         let b = Mat::from_fn(p.nrows(), p.nrows(), |i, j| d[(i, 0)] * inverse[(i, j)]) * &p;
-        Some(Self { b, d: own(shape, &d) })
+        Some(Self { b, d: slave_matrix(shape, &d) })
     }
 }
 
 /// P.
-fn shares(shape: Shape) -> Mat<f64> {
+fn edge_shares(shape: Shape) -> Mat<f64> {
     let mut p = Mat::identity(shape.nodes(), shape.nodes());
     for &[middle, a, b] in shape.edges() {
         p[(middle, middle)] = 1.0 - 2.0 * SHARE;
@@ -120,7 +120,7 @@ fn shares(shape: Shape) -> Mat<f64> {
 }
 
 /// `diag(d) P^-T`: the values of M are those of N at corners, and `(u_e - a (u_1 + u_2)) / (1 - 2 a)` at edges.
-fn own(shape: Shape, d: &Mat<f64>) -> Mat<f64> {
+fn slave_matrix(shape: Shape, d: &Mat<f64>) -> Mat<f64> {
     let mut own = Mat::from_fn(d.nrows(), d.nrows(), |i, j| if i == j { d[(i, 0)] } else { 0.0 });
     for &[middle, a, b] in shape.edges() {
         let scaled = d[(middle, 0)] / (1.0 - 2.0 * SHARE);

@@ -81,7 +81,7 @@ pub struct MortarTie<const D: usize, const F: usize = D> {
 
 impl<const D: usize, const F: usize> MortarTie<D, F> {
     /// The rows of D and M, by slave nodes.
-    fn rows(&self) -> Result<BTreeMap<usize, matrices::Row>, MortarError> {
+    fn rows(&self) -> Result<BTreeMap<usize, matrices::MortarRow>, MortarError> {
         let search = FaceSearch::new(&self.master).map_err(|source| MortarError::Surface { side: "master", source })?;
         let facets = 0..self.slave.faces.len();
         let facets: Vec<_> = facets.into_par_iter().map(|facet| self.segments(facet, &search)).collect();

@@ -1,25 +1,25 @@
 //! `int N_i N_j` and `int N_i N_k` over a segment: where two facets lie over each other, lines or faces in space.
 //!
-//! Both are seen along the normal of the mean plane of (a part of) the first, lines perpendicular to its chord. There the outlines
+//! Both are seen along the normal of the mean plane of (a piece of) the first, lines perpendicular to its chord. There the outlines
 //! are polygons or intervals, and the functions at a point are those at the point of the facet that is seen there. Quadratic
-//! facets are cut into parts with straight edges.
+//! facets are cut into pieces with straight edges.
 
-use crate::geometry::closest_point::gauss_newton::foot;
+use crate::geometry::closest_point::gauss_newton::closest_parameters;
 use crate::geometry::node::relative;
-use crate::geometry::outline::{Flat, Outline};
+use crate::geometry::outline::{Outline, PlanePoint};
 use crate::geometry::shape::Shape;
 use crate::scalar::vector::{Vector, add, cross, dot, norm, perpendicular, scale, sub, unit};
 
-/// Segments below this part of the smaller of the two facets are left out: they are what rounding makes of shared edges.
+/// FacetSegments below this piece of the smaller of the two facets are left out: they are what rounding makes of shared edges.
 const SLIVER: f64 = 1e-10;
 
 /// A plane, or a line if the second axis is zero: `x = origin + p axes[0] + q axes[1]`.
-struct Plane {
+struct MeanPlane {
     origin: Vector<f64>,
     axes: [Vector<f64>; 2],
 }
 
-impl Plane {
+impl MeanPlane {
     /// Through the mean of the corners, perpendicular to the sum of the normals at the edges; along the chord of two. Nothing without
     /// area or length.
     fn mean(corners: &[Vector<f64>]) -> Option<Self> {
@@ -35,26 +35,26 @@ impl Plane {
 }
 
 /// A facet as it is seen on a plane.
-struct View {
+struct FacetView {
     shape: Shape,
-    flat: Vec<Flat>,
+    flat: Vec<PlanePoint>,
     /// Where the nodes are from the origin of the plane.
     arms: Vec<Vector<f64>>,
 }
 
-impl View {
-    fn new(plane: &Plane, shape: Shape, places: &[Vector<f64>]) -> Self {
+impl FacetView {
+    fn new(plane: &MeanPlane, shape: Shape, places: &[Vector<f64>]) -> Self {
         let arms: Vec<_> = places.iter().map(|&x| sub(x, plane.origin)).collect();
         Self { shape, flat: arms.iter().map(|&arm| plane.axes.map(|axis| dot(arm, axis))).collect(), arms }
     }
 
-    fn outline(&self, part: &[usize]) -> Outline {
-        Outline::new(part.iter().map(|&node| self.flat[node]).collect())
+    fn outline(&self, piece: &[usize]) -> Outline {
+        Outline::new(piece.iter().map(|&node| self.flat[node]).collect())
     }
 
     /// `N_k` where the facet is seen at a point, and the place there. Not clamped: what is linear stays so beyond curved edges.
-    fn functions(&self, point: &Flat) -> Option<(Vec<f64>, Vector<f64>)> {
-        let foot = foot(self.shape, &relative(&self.flat, point)).filter(|foot| foot.settled)?;
+    fn functions(&self, point: &PlanePoint) -> Option<(Vec<f64>, Vector<f64>)> {
+        let foot = closest_parameters(self.shape, &relative(&self.flat, point)).filter(|foot| foot.converged)?;
         let n = self.shape.weights(foot.xi);
         let place = n.iter().zip(&self.arms).fold([0.0; 3], |sum, (&n, &arm)| add(sum, scale(n, arm)));
         Some((n, place))
@@ -62,7 +62,7 @@ impl View {
 }
 
 /// Integrals over a segment.
-pub struct Segment {
+pub struct MortarSegment {
     /// `int N_i N_j` of the first facet, n x n by rows.
     pub own: Vec<f64>,
     /// `int N_i N_k` with the functions of the other facet, n x m by rows.
@@ -75,24 +75,24 @@ pub struct Segment {
     pub gap: f64,
 }
 
-/// A part of a facet in its mean plane.
-pub struct Part {
-    plane: Plane,
-    view: View,
+/// A piece of a facet in its mean plane.
+pub struct FacetPiece {
+    plane: MeanPlane,
+    view: FacetView,
     outline: Outline,
 }
 
-impl Part {
-    /// The parts of a facet; nothing if one has no size or a corner that points inwards.
+impl FacetPiece {
+    /// The pieces of a facet; nothing if one has no size or a corner that points inwards.
     pub fn all(shape: Shape, places: &[Vector<f64>]) -> Option<Vec<Self>> {
-        let part = |nodes: &&[usize]| {
+        let piece = |nodes: &&[usize]| {
             let corners: Vec<_> = nodes.iter().map(|&node| places[node]).collect();
-            let plane = Plane::mean(&corners)?;
-            let view = View::new(&plane, shape, places);
+            let plane = MeanPlane::mean(&corners)?;
+            let view = FacetView::new(&plane, shape, places);
             let outline = view.outline(nodes);
             outline.is_convex().then_some(Self { plane, view, outline })
         };
-        parts(shape).iter().map(part).collect()
+        pieces(shape).iter().map(piece).collect()
     }
 
     /// Area or length.
@@ -105,9 +105,9 @@ impl Part {
         self.outline.border()
     }
 
-    /// The segments with the parts of another facet.
-    pub fn segments(&self, shape: Shape, places: &[Vector<f64>]) -> Vec<Segment> {
-        let other = View::new(&self.plane, shape, places);
+    /// The segments with the pieces of another facet.
+    pub fn segments(&self, shape: Shape, places: &[Vector<f64>]) -> Vec<MortarSegment> {
+        let other = FacetView::new(&self.plane, shape, places);
         let segment = |nodes: &&[usize]| {
             let outline = other.outline(nodes);
             let least = SLIVER * outline.size().min(self.size());
@@ -115,15 +115,15 @@ impl Part {
             // Not `<=`: sizes that are not numbers are left out too.
             if common.size() > least { integrate(&self.view, &other, &common) } else { None }
         };
-        parts(shape).iter().filter_map(segment).collect()
+        pieces(shape).iter().filter_map(segment).collect()
     }
 }
 
 /// Nothing where the functions of a facet cannot be found.
-fn integrate(view: &View, other: &View, outline: &Outline) -> Option<Segment> {
+fn integrate(view: &FacetView, other: &FacetView, outline: &Outline) -> Option<MortarSegment> {
     let (n, m) = (view.flat.len(), other.flat.len());
     let [own, pairs, terms] = [n * n, n * m, n * m].map(|count| vec![0.0; count]);
-    let mut sums = Segment { own, other: pairs, terms, size: 0.0, gap: 0.0 };
+    let mut sums = MortarSegment { own, other: pairs, terms, size: 0.0, gap: 0.0 };
     for (point, weight) in outline.quadrature() {
         let ((own, here), (others, there)) = (view.functions(&point)?, other.functions(&point)?);
         sums.size += weight;
@@ -139,8 +139,8 @@ fn integrate(view: &View, other: &View, outline: &Outline) -> Option<Segment> {
     Some(sums)
 }
 
-/// Nodes of the parts of a facet, in order around; a solid has none.
-fn parts(shape: Shape) -> &'static [&'static [usize]] {
+/// Nodes of the pieces of a facet, in order around; a solid has none.
+fn pieces(shape: Shape) -> &'static [&'static [usize]] {
     match shape {
         Shape::Line2 => &[&[0, 1]],
         Shape::Line3 => &[&[0, 2], &[2, 1]],

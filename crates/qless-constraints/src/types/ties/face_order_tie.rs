@@ -102,7 +102,7 @@ impl<const F: usize> FaceSide<F> {
     /// # Errors
     /// [`FaceOrderTieError`] if the shape is no face or has another number of nodes.
     pub fn of_shape(shape: Shape, dofs: &[[usize; F]]) -> Result<Self, FaceOrderTieError> {
-        let polynomials = Polynomials::of(shape).ok_or(FaceOrderTieError::NoFace { shape })?;
+        let polynomials = Polynomials::from_shape(shape).ok_or(FaceOrderTieError::NoFace { shape })?;
         if dofs.len() != shape.nodes() {
             return Err(FaceOrderTieError::Nodes { shape, found: dofs.len() });
         }

@@ -2,7 +2,7 @@
 
 use super::interpolate;
 use crate::geometry::node::{ROUNDING, field};
-use crate::geometry::shape::{Parameters, Shape};
+use crate::geometry::shape::{Shape, ShapeParameters};
 use crate::{Constraint, Store};
 
 /// A hanging node of h-refinement, at the parameters xi of its parent: an edge or face, linear or quadratic, of an element that was
@@ -94,7 +94,7 @@ impl<const F: usize> HangingNode<F> {
     }
 
     /// The parameters, inside to the last bit; they may be off by rounding.
-    fn place(&self) -> Result<Parameters, HangingNodeError> {
+    fn place(&self) -> Result<ShapeParameters, HangingNodeError> {
         let [xi, eta] = self.at;
         let given = [xi, if self.shape.dimensions() == 1 { 0.0 } else { eta }, 0.0];
         let inside = self.shape.clamp(given);
