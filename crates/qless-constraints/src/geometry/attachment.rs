@@ -1,4 +1,4 @@
-//! What a point or a direction is attached to: the ground, a node, or a body with rotations.
+//! Bodies, and points attached to them: to the ground, to a node, or to a body with rotations.
 
 use super::lanes::{Lanes, RotatedArmLanes};
 use super::rotation::RotationKind;
@@ -9,12 +9,13 @@ use crate::scalar::vector::{Vector, add, lift};
 
 /// A body of a mechanism. All its DOFs are zero in the reference configuration.
 ///
-/// Position `x = at + u`. Rotation: a rotation vector `theta`, `R = exp [theta]x`, or Euler parameters `p = (1, 0, 0, 0) + u`, which need
-/// [`crate::types::EulerNorm`] once per body.
+/// The position is `x = at + u`. The rotation is a rotation vector `theta`, `R = exp [theta]x`, or four Euler
+/// parameters `p = (1, 0, 0, 0) + u`, which need one [`crate::types::EulerNorm`] per body.
 ///
-/// At a whole turn, `|theta| = 2 pi`, rotation vectors are singular: all around it are the same rotation. They are kept away from there by
-/// [`shorten_rotations`](crate::ConstraintSet::shorten_rotations), which [`newton::solve`](crate::newton::solve) calls by itself, so that bodies turn any
-/// number of times. Euler parameters are singular nowhere.
+/// Rotation vectors are singular at a full turn, `|theta| = 2 pi`: all vectors of that length are the same rotation.
+/// [`shorten_rotations`](crate::ConstraintSet::shorten_rotations) keeps them away from there;
+/// [`newton::solve`](crate::newton::solve) calls it, so that bodies may turn any number of times. Euler parameters
+/// have no singularity.
 ///
 /// ```
 /// use qless_constraints::types::Body;
@@ -31,12 +32,12 @@ pub struct Body {
 }
 
 impl Body {
-    /// What does not move.
+    /// The ground, which does not move.
     pub fn ground() -> Self {
         Self { kind: RotationKind::Ground, position: [0; 3], at: [0.0; 3], rotation: [0; 4] }
     }
 
-    /// A node without rotations, for joints that fix a point only.
+    /// A node without rotations, for joints that fix only a point.
     pub fn node(node: super::node::Point) -> Self {
         Self { kind: RotationKind::Node, position: node.dofs, at: node.at, ..Self::ground() }
     }
@@ -65,14 +66,16 @@ impl Body {
         [position, self.rotation_dofs()].concat()
     }
 
-    /// States the place of the body, and that a rotation is known to one unit in the last place of a radian, and Euler parameters to
-    /// that of one, however small they are: what they turn is known no better.
+    /// Declares the magnitudes of the coordinates and rotations to the store.
+    ///
+    /// Rotation vectors are known to one unit in the last place of a radian, Euler parameters to one unit in the last
+    /// place of 1, even if they are small.
     pub(crate) fn declare_magnitudes(&self, store: &mut Store) {
         store.numbers(self.at);
         self.rotation_dofs().iter().for_each(|&dof| store.coordinate(dof, 1.0));
     }
 
-    /// What moves with the body at `point`, a point of the reference configuration.
+    /// Attaches `point`, given in the reference configuration, to the body.
     pub(crate) fn attach(&self, point: Vector<f64>) -> AttachedPoint {
         let arm = std::array::from_fn(|k| point[k] - self.at[k]);
         AttachedPoint { kind: self.kind, at: self.at, arm }
@@ -92,19 +95,20 @@ impl AttachedPoint {
         self.kind.positions() + self.kind.rotations()
     }
 
-    /// Where the point is; `u` are the DOFs of the body.
+    /// Current place of the point; `u` are the DOFs of the body.
     pub fn point<S: Scalar>(&self, u: &[S]) -> Vector<S> {
         let (position, rotation) = u.split_at(self.kind.positions());
-        let turned = add(lift(self.at), self.kind.turn(rotation, self.arm));
+        let turned = add(lift(self.at), self.kind.rotate(rotation, self.arm));
         if position.is_empty() { turned } else { add(turned, [position[0], position[1], position[2]]) }
     }
 
-    /// Where the body is to which the point belongs: `at + u`.
+    /// Current place of the body itself: `at + u`.
     pub fn centre<S: Scalar>(&self, u: &[S]) -> Vector<S> {
         if self.kind == RotationKind::Ground { lift(self.at) } else { add(lift(self.at), [u[0], u[1], u[2]]) }
     }
 
-    /// The point x, and `sign dx` in the columns from `first` of `g`, 3 x n; rotation vectors as they are in a lane of `turns`.
+    /// Returns the point x and writes `sign dx/du` to the columns of `g` (3 x n) from `first` on. Rotation vectors
+    /// read their slopes from a lane of `turns`.
     #[expect(clippy::inline_always, reason = "27 numbers would go through memory, which costs a third")]
     #[inline(always)]
     pub fn write_slopes(
@@ -125,7 +129,7 @@ impl AttachedPoint {
             let row = &mut g[axis * n + first..][..u.len()];
             let ([x, y, z], s) =
                 (std::array::from_fn(|k| if k == axis { sign } else { 0.0 }), slopes[axis].map(|s| sign * s));
-            // Written as a whole, in a length that the compiler knows.
+            // Copies of a length known at compile time are faster.
             match self.kind {
                 RotationKind::Ground | RotationKind::Node => row.copy_from_slice(&[x, y, z]),
                 RotationKind::Vector => row.copy_from_slice(&[x, y, z, s[0], s[1], s[2]]),
@@ -135,7 +139,8 @@ impl AttachedPoint {
         add(add(self.at, turned), [u[0], u[1], u[2]])
     }
 
-    /// The lower triangle of the Hessian of `m . x`, in the rotations; for rotation vectors as it is in a lane of `all`.
+    /// Lower triangle of the Hessian of `m . x` in the rotations. For rotation vectors it is read from a lane of
+    /// `all`.
     #[inline]
     pub fn curvature(&self, u: &[f64], m: Vector<f64>, out: &mut [f64], (all, lane): (&[Lanes; 6], usize)) {
         match self.kind {

@@ -1,9 +1,9 @@
-//! Whether an element has no size, or turns over within, or back.
+//! Detects elements without size and elements that fold over themselves.
 
 use super::closest_point::gauss_newton::{DEPENDENT, dot, step, tangents};
 use super::shape::Shape;
 
-/// Whether the tangents at the centre are dependent, or, of a solid or a face, the map turns over at a corner, or a line turns back.
+/// Whether the tangents at the centre are dependent, a solid or face is inverted at a corner, or a line folds back.
 pub fn is_degenerate<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> bool {
     if step(shape, nodes, shape.centre()).is_none() {
         return true;
@@ -14,15 +14,16 @@ pub fn is_degenerate<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> bool {
         _ => (),
     }
     let all: Vec<_> = shape.corners().iter().map(|&xi| tangents(shape, nodes, xi).1).collect();
-    // By the longest tangent in each direction: where corners are one node, or middles at a quarter of their edges, one vanishes.
+    // Volumes are relative to the longest tangent in each direction: single tangents vanish at collapsed corners and
+    // at quarter-point nodes.
     let longest = |k: usize| all.iter().map(|t| length(&t[k])).fold(0.0, f64::max);
     let unit: f64 = (0..3).map(longest).product();
     let volumes = || all.iter().map(|t| determinant(t) / unit);
     volumes().any(|v| v > DEPENDENT) && volumes().any(|v| v < -DEPENDENT)
 }
 
-/// Whether the normal at a corner of a face points against that at the centre:
-/// `(a x b) . (c x d) = (a . c)(b . d) - (a . d)(b . c)`, in any space.
+/// Whether the normal at a corner of a face points against the normal at the centre. Valid in any dimension: `(a x b)
+/// . (c x d) = (a . c)(b . d) - (a . d)(b . c)`.
 fn turns_over<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> bool {
     let [c, d, _] = tangents(shape, nodes, shape.centre()).1;
     let all: Vec<_> = shape.corners().iter().map(|&xi| tangents(shape, nodes, xi).1).collect();
@@ -31,7 +32,7 @@ fn turns_over<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> bool {
     all.iter().any(|[a, b, _]| (dot(a, &c) * dot(b, &d) - dot(a, &d) * dot(b, &c)) / unit < -DEPENDENT)
 }
 
-/// Whether the tangent `a + xi b` of a line vanishes between its ends: the line runs back over itself.
+/// Whether the tangent `a + xi b` of a line vanishes between its ends, so that the line folds back.
 fn turns_back<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> bool {
     let [from, to] = [0, 1].map(|end| tangents(shape, nodes, shape.corners()[end]).1[0]);
     let (a, b): ([f64; D], [f64; D]) =
@@ -45,7 +46,7 @@ fn length<const D: usize>(x: &[f64; D]) -> f64 {
     dot(x, x).sqrt()
 }
 
-/// Of three columns in space.
+/// Determinant of three columns; D is 3.
 fn determinant<const D: usize>([a, b, c]: &[[f64; D]; 3]) -> f64 {
     (0..3).map(|k| a[k] * (b[(k + 1) % 3] * c[(k + 2) % 3] - b[(k + 2) % 3] * c[(k + 1) % 3])).sum()
 }
@@ -55,7 +56,7 @@ mod tests {
     use super::super::shape::tests::random;
     use super::*;
 
-    /// A face or a line in the plane is folded or not wherever the plane lies in space, and in every unit.
+    /// The result for a face or a line depends neither on the plane in space nor on the unit of length.
     #[test]
     fn folds_do_not_depend_on_the_plane() {
         let (mut folded, mut sound) = (0, 0);
@@ -77,7 +78,8 @@ mod tests {
         assert!(folded > 100 && sound > 1000, "{folded}, {sound}");
     }
 
-    /// The middle of a line may go to a quarter of it, as at a crack, and no farther; a bent line turns back nowhere.
+    /// The middle node of a line may lie up to a quarter of its length off the centre, as in crack-tip elements. A
+    /// bent line never folds.
     #[test]
     fn lines_turn_back_beyond_a_quarter() {
         let with = |x: f64, y: f64| is_degenerate(Shape::Line3, &[[0.0, 0.0], [1.0, 0.0], [x, y]]);

@@ -1,4 +1,6 @@
-//! Eight numbers side by side: the same operations for eight constraints, in as few instructions as the processor has them in.
+//! Rotation vectors of up to eight bodies at once, with SIMD instructions.
+//!
+//! The roughly 150 operations for one rotation vector depend on each other; those for eight bodies run in parallel.
 
 #![expect(clippy::inline_always, reason = "in functions with wider instructions nothing else gets them")]
 
@@ -11,10 +13,10 @@ use super::rotation::RotationKind;
 use super::rotation_derivatives::{Phi, slopes_by_vector};
 use crate::scalar::vector::{Vector, dot};
 
-/// Numbers side by side.
+/// Numbers per lane vector.
 pub const LANES: usize = 8;
 
-/// One number of each of eight constraints.
+/// One number for each of eight constraints.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lanes(pub [f64; LANES]);
 
@@ -61,7 +63,7 @@ impl Neg for Lanes {
     }
 }
 
-/// [`factors`](super::rodrigues::factors) of eight y, each as if it were alone.
+/// [`factors`](super::rodrigues::factors) of eight numbers; each result is independent of the other lanes.
 #[inline(always)]
 pub fn factors_in_lanes(y: Lanes) -> [[Lanes; 3]; 2] {
     let mut all = from_highest(y, highest::<12, _>(y));
@@ -72,7 +74,7 @@ pub fn factors_in_lanes(y: Lanes) -> [[Lanes; 3]; 2] {
     all
 }
 
-/// The rotation vectors of up to eight bodies, and the arms that they turn; zeros where a body has none.
+/// Rotation vectors of up to eight bodies and the arms that they rotate; zero for bodies without a rotation vector.
 #[derive(Default)]
 pub struct RotationVectorLanes {
     theta: Vector<Lanes>,
@@ -80,12 +82,12 @@ pub struct RotationVectorLanes {
     any: bool,
 }
 
-/// `R s` and `d(R s)` of each, as [`super::rotation_derivatives::slopes`] has them.
+/// `R s` and `d(R s)` of each body, as returned by [`super::rotation_derivatives::slopes`].
 #[derive(Default)]
 pub struct RotatedArmLanes((Vector<Lanes>, [Vector<Lanes>; 3]));
 
 impl RotatedArmLanes {
-    /// That of one body.
+    /// Result of one body.
     #[inline]
     pub fn lane(&self, lane: usize) -> (Vector<f64>, [[f64; 4]; 3]) {
         let (turned, rows) = &self.0;
@@ -95,7 +97,7 @@ impl RotatedArmLanes {
 }
 
 impl RotationVectorLanes {
-    /// That of one more body with the DOFs u.
+    /// Stores the rotation and the arm of one body; `u` are its DOFs.
     #[inline]
     pub fn set(&mut self, lane: usize, (kind, arm): (RotationKind, Vector<f64>), u: &[f64]) {
         if kind == RotationKind::Vector {
@@ -104,7 +106,7 @@ impl RotationVectorLanes {
         }
     }
 
-    /// `R s` and its slopes.
+    /// `R s` and its slopes for all bodies.
     #[inline]
     pub fn slopes(&self, out: &mut RotatedArmLanes) {
         if self.any {
@@ -112,7 +114,7 @@ impl RotationVectorLanes {
         }
     }
 
-    /// The Hessian of `m . (R s)` of each with its `m`.
+    /// Hessian of `m . (R s)` for all bodies, each with its own `m`.
     #[inline]
     pub fn hessians(&self, m: &Vector<Lanes>, out: &mut [Lanes; 6]) {
         if self.any {
@@ -158,7 +160,7 @@ mod tests {
     use crate::geometry::rodrigues::factors;
     use crate::geometry::rodrigues::tests::assert_same;
 
-    /// Each lane is as if it were alone, whatever stands beside it.
+    /// Each lane gives the same bits regardless of the other lanes.
     #[test]
     fn lanes_are_those_of_one_number() {
         let y = [0.0, 1e-9, 0.04, 0.06, 1.0, 3.999, 4.0, 30.0];

@@ -1,4 +1,4 @@
-//! Elements, surfaces and rotations that the constraint types share.
+//! Geometry that the constraint types share: elements, surfaces and rotations.
 //!
 //! | module | contents |
 //! | --- | --- |

@@ -1,15 +1,15 @@
-//! What a facet is seen as: an interval of a line or a convex polygon of a plane; intersection, size, and Gauss points in it.
+//! Outlines of facets: intervals of a line or convex polygons in a plane, with intersection, size and quadrature.
 
-/// An outline. Points of a line are `[s, 0]`.
+/// Outline of a facet. Points of a line are `[s, 0]`.
 pub enum Outline {
-    /// From and to.
+    /// Lower and upper end.
     Interval(f64, f64),
     /// Corners, counter-clockwise.
     Polygon(Vec<PlanePoint>),
 }
 
 impl Outline {
-    /// From the ends of a line or the corners of a face, in either direction.
+    /// From the ends of a line, or the corners of a face in either sense.
     pub fn new(mut corners: Vec<PlanePoint>) -> Self {
         if let [a, b] = corners.as_slice() {
             return Self::Interval(a[0].min(b[0]), a[0].max(b[0]));
@@ -28,7 +28,8 @@ impl Outline {
         }
     }
 
-    /// The size of a border, per width of it: the number of ends, or the perimeter.
+    /// Size of the boundary: 2 for an interval, the perimeter of a polygon. Times a small width it is the size of a
+    /// strip along the boundary.
     pub fn border(&self) -> f64 {
         match self {
             Self::Interval(..) => 2.0,
@@ -43,7 +44,7 @@ impl Outline {
         }
     }
 
-    /// What two outlines have in common; nothing if one is a line and the other is not.
+    /// Intersection of two outlines. Returns `None` if one is a line and the other a polygon.
     pub fn common(self, window: &Self) -> Option<Self> {
         match (self, window) {
             (Self::Interval(a, b), &Self::Interval(c, d)) => Some(Self::Interval(a.max(c), b.min(d))),
@@ -52,7 +53,7 @@ impl Outline {
         }
     }
 
-    /// Points and weights whose sum is the integral, exact for polynomials up to degree five.
+    /// Quadrature points and weights, exact for polynomials up to degree five.
     pub fn quadrature(&self) -> Vec<(PlanePoint, f64)> {
         match *self {
             Self::Interval(from, to) => {
@@ -65,20 +66,20 @@ impl Outline {
     }
 }
 
-/// A point of the plane.
+/// A point in the plane.
 pub type PlanePoint = [f64; 2];
 
-/// Twice the area of the triangle `a b p`, positive if p lies to the left of ab.
+/// Twice the area of the triangle `a b p`: positive if p lies to the left of ab.
 fn side(a: PlanePoint, b: PlanePoint, p: PlanePoint) -> f64 {
     (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
 }
 
-/// The edges of a polygon, from corner to corner.
+/// The edges of a polygon.
 fn edges(polygon: &[PlanePoint]) -> impl Iterator<Item = (PlanePoint, PlanePoint)> {
     polygon.iter().copied().zip(polygon.iter().copied().cycle().skip(1))
 }
 
-/// Triangles from the first corner to every edge; together they are the polygon.
+/// Triangles between the first corner and every edge; their signed areas sum to that of the polygon.
 fn fan(polygon: &[PlanePoint]) -> impl Iterator<Item = [PlanePoint; 3]> {
     polygon.windows(2).skip(1).map(|ends| [polygon[0], ends[0], ends[1]])
 }
@@ -88,24 +89,23 @@ pub fn area(polygon: &[PlanePoint]) -> f64 {
     fan(polygon).map(|[a, b, c]| side(a, b, c) / 2.0).sum()
 }
 
-/// The sum of the lengths of the edges.
 pub fn perimeter(polygon: &[PlanePoint]) -> f64 {
     edges(polygon).map(|(a, b)| (b[0] - a[0]).hypot(b[1] - a[1])).sum()
 }
 
-/// Whether no corner points inwards, but for rounding.
+/// Whether every corner is convex, up to rounding.
 pub fn is_convex(polygon: &[PlanePoint]) -> bool {
     let rounding = 1e-12 * area(polygon);
     let after = edges(polygon).skip(1).chain(edges(polygon));
     edges(polygon).zip(after).all(|((a, b), (_, c))| side(a, b, c) >= -rounding)
 }
 
-/// The part of a polygon that lies in a convex window (Sutherland and Hodgman, Commun. ACM, 1974).
+/// The intersection of a polygon with a convex window (Sutherland and Hodgman, Commun. ACM, 1974).
 pub fn clip(polygon: Vec<PlanePoint>, window: &[PlanePoint]) -> Vec<PlanePoint> {
     edges(window).fold(polygon, |left, (a, b)| cut(&left, a, b))
 }
 
-/// The part to the left of the line ab.
+/// The part of a polygon to the left of the line ab.
 fn cut(polygon: &[PlanePoint], a: PlanePoint, b: PlanePoint) -> Vec<PlanePoint> {
     let mut kept = Vec::with_capacity(polygon.len() + 1);
     for (p, q) in edges(polygon) {
@@ -121,10 +121,11 @@ fn cut(polygon: &[PlanePoint], a: PlanePoint, b: PlanePoint) -> Vec<PlanePoint> 
     kept
 }
 
-/// Corners that cut off less than this part of the area are none: rounding puts them on edges and next to one another.
+/// A corner is dropped if it cuts off less than this share of the area: rounding makes such corners on edges and
+/// beside other corners.
 const STRAIGHT: f64 = 1e-10;
 
-/// The corners of a polygon without those that are none.
+/// The corners of a polygon, without those that rounding made.
 fn true_corners(polygon: &[PlanePoint]) -> Vec<PlanePoint> {
     let least = 2.0 * STRAIGHT * area(polygon);
     let mut corners = polygon.to_vec();
@@ -140,15 +141,16 @@ fn true_corners(polygon: &[PlanePoint]) -> Vec<PlanePoint> {
     corners
 }
 
-/// The mean of a polygon, weighted with the area.
+/// The centroid of the area.
 fn centroid(polygon: &[PlanePoint]) -> PlanePoint {
     let parts = || fan(polygon).map(|[a, b, c]| (side(a, b, c), [a[0] + b[0] + c[0], a[1] + b[1] + c[1]]));
     let whole: f64 = parts().map(|(twice, _)| twice).sum();
-    // Shares first: products of areas and lengths vanish in small units.
+    // Dividing first avoids underflow of products of areas and lengths in small units.
     [0, 1].map(|k| parts().map(|(twice, sum)| twice / whole * sum[k]).sum::<f64>() / 3.0)
 }
 
-/// Triangles that depend on the polygon alone, not on which corner is its first: itself, or those from the centroid to every edge.
+/// Triangulation that does not depend on the first corner: the triangle itself, or triangles from the centroid to
+/// every edge.
 fn triangles(polygon: &[PlanePoint]) -> Vec<[PlanePoint; 3]> {
     match *true_corners(polygon) {
         [a, b, c] => vec![[a, b, c]],
@@ -159,8 +161,8 @@ fn triangles(polygon: &[PlanePoint]) -> Vec<[PlanePoint; 3]> {
     }
 }
 
-/// Points and weights whose sum is the integral over a polygon, exact for polynomials up to degree five; for others it depends on the
-/// polygon alone, so that it turns with the model.
+/// Quadrature points and weights for a polygon, exact up to degree five. They do not depend on the first corner, so
+/// that they rotate with the model.
 pub fn quadrature(polygon: &[PlanePoint]) -> impl Iterator<Item = (PlanePoint, f64)> {
     triangles(polygon).into_iter().flat_map(|triangle| {
         let whole = side(triangle[0], triangle[1], triangle[2]) / 2.0;

@@ -1,7 +1,9 @@
-//! Quaternions `q = (q0, q1, q2, q3)` of rotations: `R s = q s conj(q)`, and q of a body with its derivatives.
+//! Quaternions `q = (q0, q1, q2, q3)` of rotations, `R s = q s conj(q)`, and the quaternion of a body with its
+//! derivatives.
 //!
-//! For a rotation vector `q = (C, A theta)` with `C = cos(t / 2)`, `A = sin(t / 2) / t`, functions of `y = t^2 = theta.theta`:
-//! `C' = -A / 4`, and A is half of the first factor of Rodrigues' formula at `y / 4`. Euler parameters are q themselves.
+//! For a rotation vector, `q = (C, A theta)` with `C = cos(t / 2)`, `A = sin(t / 2) / t` and `y = t^2 = theta.theta`.
+//! As functions of y, `C' = -A / 4`, and A is half of the first factor in Rodrigues' formula at `y / 4`. Euler
+//! parameters are q itself.
 
 use super::rodrigues::factors;
 use super::rotation;
@@ -12,12 +14,12 @@ use crate::scalar::{Arithmetic, Scalar};
 /// A scalar part and a vector part.
 pub type Quaternion<S> = [S; 4];
 
-/// The rotation the other way round.
+/// The inverse rotation.
 pub fn conjugate<S: Arithmetic>(q: Quaternion<S>) -> Quaternion<S> {
     [q[0], -q[1], -q[2], -q[3]]
 }
 
-/// `p q`: first q, then p.
+/// `p q`: the rotation q, followed by p.
 pub fn product<S: Arithmetic>(p: Quaternion<S>, q: Quaternion<S>) -> Quaternion<S> {
     [
         p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
@@ -27,12 +29,12 @@ pub fn product<S: Arithmetic>(p: Quaternion<S>, q: Quaternion<S>) -> Quaternion<
     ]
 }
 
-/// `p . q`, all four components.
+/// Scalar product of all four components.
 pub fn inner(p: Quaternion<f64>, q: Quaternion<f64>) -> f64 {
     p[0] * q[0] + p[1] * q[1] + p[2] * q[2] + p[3] * q[3]
 }
 
-/// q of a body; `u` are its rotations.
+/// The quaternion of a body with the rotations `u`.
 pub fn body_quaternion<S: Scalar>(kind: RotationKind, u: &[S]) -> Quaternion<S> {
     let one = S::from(1.0);
     match kind {
@@ -48,7 +50,7 @@ pub fn body_quaternion<S: Scalar>(kind: RotationKind, u: &[S]) -> Quaternion<S> 
     }
 }
 
-/// q of a body, and what its derivatives are made of.
+/// The quaternion of a body, and the factors of its derivatives.
 pub struct BodyQuaternion {
     kind: RotationKind,
     theta: Vector<f64>,
@@ -58,7 +60,7 @@ pub struct BodyQuaternion {
 }
 
 impl BodyQuaternion {
-    /// `u` are the rotations of the body.
+    /// For a body with the rotations `u`.
     #[inline]
     pub fn new(kind: RotationKind, u: &[f64]) -> Self {
         if kind != RotationKind::Vector {
@@ -72,7 +74,7 @@ impl BodyQuaternion {
         Self { kind, theta, q: [1.0 - quarter * b[0], x, y, z], a }
     }
 
-    /// The gradient of `r . q`: `A r_v + (2 A' r_v.theta - A r_0 / 2) theta`.
+    /// Gradient of `r . q`: `A r_v + (2 A' r_v.theta - A r_0 / 2) theta`.
     #[inline]
     pub fn gradient(&self, r: Quaternion<f64>, out: &mut [f64]) {
         match self.kind {
@@ -86,7 +88,7 @@ impl BodyQuaternion {
         }
     }
 
-    /// `dq / du_j` for each rotation j; the others are not used.
+    /// `dq / du_j` for each rotation j; surplus entries are meaningless.
     #[inline]
     pub fn slopes(&self) -> [Quaternion<f64>; 4] {
         let mut rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
@@ -101,7 +103,7 @@ impl BodyQuaternion {
         rows
     }
 
-    /// The lower triangle of the Hessian of `r . q`, row by row:
+    /// Lower triangle of the Hessian of `r . q`, row by row:
     /// `(2 A' r_v.theta - A r_0 / 2) I + 2 A' (r_v theta^T + theta r_v^T) + (4 A'' r_v.theta - A' r_0) theta theta^T`.
     #[inline]
     pub fn hessian(&self, r: Quaternion<f64>, out: &mut [f64]) {
@@ -131,7 +133,7 @@ mod tests {
     use super::*;
     use crate::scalar::vector::{norm, sub};
 
-    /// The same rotation as Rodrigues' formula, at small and large angles, and products are rotations one after the other.
+    /// Quaternions rotate like Rodrigues' formula at small and large angles, and products compose rotations.
     #[test]
     fn quaternions_turn_as_rotation_vectors() {
         let s = [1.0, 2.0, -0.5];

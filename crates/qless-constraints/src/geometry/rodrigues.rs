@@ -1,8 +1,9 @@
-//! `a = sin t / t` and `b = (1 - cos t) / t^2` as functions of `y = t^2`, with two derivatives of each.
+//! The factors of Rodrigues' formula, `a = sin t / t` and `b = (1 - cos t) / t^2`, as functions of `y = t^2` with two
+//! derivatives.
 //!
 //! With Stumpff's functions `c_k = sum_i (-y)^i / (2 i + k)!`: `a = c_1`, `b = c_2`, `c_k = 1 / k! - y c_(k+2)` and
-//! `dc_k/dy = (k c_(k+2) - c_(k+1)) / 2`. Two series, for `c_5` and `c_6`, give all six numbers; nothing is divided by y, so that
-//! they are exact at rest.
+//! `dc_k/dy = (k c_(k+2) - c_(k+1)) / 2`. The two series of `c_5` and `c_6` give all six numbers. Without a division
+//! by y, they are exact at y = 0.
 
 #![expect(clippy::inline_always, reason = "in functions with wider instructions nothing else gets them")]
 
@@ -16,11 +17,12 @@ pub fn factors(y: f64) -> [[f64; 3]; 2] {
 
 #[inline]
 fn series(y: f64) -> [[f64; 3]; 2] {
-    // Small rotations are common: of c_5 the seventh term is below 1e-20 for y < 0.05, the thirteenth below 1e-17 for y < 5.
+    // Short series for small rotations, which are common. The first term left out is below 1e-20 for y < 0.05, and
+    // below 1e-17 for y < 5.
     from_highest(y, if y < 0.05 { highest::<6, _>(y) } else { highest::<12, _>(y) })
 }
 
-/// All six from `c_5` and `c_6`.
+/// All six factors from `c_5` and `c_6`.
 #[inline(always)]
 pub fn from_highest<S: Arithmetic>(y: S, [c5, c6]: [S; 2]) -> [[S; 3]; 2] {
     let of = S::from;
@@ -40,7 +42,7 @@ pub fn highest<const TERMS: usize, S: Arithmetic>(y: S) -> [S; 2] {
     sums
 }
 
-/// For y of at least 4: `d(cos t)/dy = -a / 2`, and so on.
+/// Closed forms for y >= 4: `d(cos t)/dy = -a / 2`, and so on.
 pub fn closed(y: f64) -> [[f64; 3]; 2] {
     let t = y.sqrt();
     let (sin, cos) = t.sin_cos();
@@ -74,13 +76,13 @@ pub(super) mod tests {
         }
     }
 
-    /// The closed forms go on where the series end. Nearer to zero they would lose digits in differences.
+    /// Closed forms and series agree at the switch. For smaller y the closed forms lose digits to cancellation.
     #[test]
     fn series_and_closed_forms_agree() {
         [4.0, 4.5, 5.0].into_iter().for_each(|y| assert_same(series(y), closed(y), 1e-14, y));
     }
 
-    /// The plain power series, term by term, on both sides of the change of their length.
+    /// The series agree with the power series, summed term by term, for both lengths.
     #[test]
     fn series_are_the_power_series() {
         for y in [0.0, 1e-8, 0.01, 0.049_999, 0.050_001, 0.5, 1.0] {

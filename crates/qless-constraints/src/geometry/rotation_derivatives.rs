@@ -1,8 +1,8 @@
-//! `phi = m . (R s)` with its gradient and Hessian in the rotations, in closed form.
+//! `phi = m . (R s)` with its gradient and Hessian in the rotations of a body, in closed form.
 //!
-//! With `n = s x m`, for Euler parameters `p = (e0, e)`:
-//! `phi = (e0^2 - e.e) m.s + 2 (e.s)(e.m) + 2 e0 e.n`; for a rotation vector, with `y = theta.theta`:
-//! `phi = m.s + a(y) alpha + b(y) beta`, `alpha = theta.n`, `beta = (m.theta)(s.theta) - y m.s`.
+//! With `n = s x m`, Euler parameters `p = (e0, e)` give `phi = (e0^2 - e.e) m.s + 2 (e.s)(e.m) + 2 e0 e.n`. A
+//! rotation vector, with `y = theta.theta`, gives `phi = m.s + a(y) alpha + b(y) beta`, `alpha = theta.n`, `beta =
+//! (m.theta)(s.theta) - y m.s`.
 
 #![expect(clippy::inline_always, reason = "in functions with wider instructions nothing else gets them")]
 
@@ -11,10 +11,10 @@ use super::rotation::RotationKind;
 use crate::scalar::Arithmetic;
 use crate::scalar::vector::{Vector, add, cross, dot, scale, sub};
 
-/// Lower triangles of up to four rotations, row by row.
+/// Indices of a lower triangle for up to four rotations, row by row.
 const LOWER: [(usize, usize); 10] = [(0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2), (3, 0), (3, 1), (3, 2), (3, 3)];
 
-/// The gradient of phi; `u` are the rotations, of which there are as many as entries of the result.
+/// Gradient of phi. `u` are the rotations; the result has as many entries.
 #[inline]
 pub fn gradient(kind: RotationKind, u: &[f64], s: Vector<f64>, m: Vector<f64>, out: &mut [f64]) {
     match kind {
@@ -32,7 +32,7 @@ pub fn gradient(kind: RotationKind, u: &[f64], s: Vector<f64>, m: Vector<f64>, o
     }
 }
 
-/// `R s`, and `d(R s)`, 3 x rotations.
+/// `R s` and its Jacobian in the rotations.
 #[inline]
 pub fn slopes(kind: RotationKind, u: &[f64], s: Vector<f64>) -> (Vector<f64>, [[f64; 4]; 3]) {
     if kind == RotationKind::Vector {
@@ -44,7 +44,7 @@ pub fn slopes(kind: RotationKind, u: &[f64], s: Vector<f64>) -> (Vector<f64>, [[
     if kind == RotationKind::Euler {
         rows.iter_mut().enumerate().for_each(|(axis, row)| gradient(kind, u, s, unit(axis), row));
     }
-    (kind.turn(u, s), rows)
+    (kind.rotate(u, s), rows)
 }
 
 /// `R s = s + a v + b w` with `v = theta x s`, `w = theta x v`, and
@@ -73,7 +73,7 @@ fn unit(axis: usize) -> Vector<f64> {
     std::array::from_fn(|k| if k == axis { 1.0 } else { 0.0 })
 }
 
-/// The lower triangle of the Hessian of phi, row by row.
+/// Lower triangle of the Hessian of phi, row by row.
 #[inline]
 pub fn hessian(kind: RotationKind, u: &[f64], s: Vector<f64>, m: Vector<f64>, out: &mut [f64]) {
     match kind {
@@ -97,7 +97,7 @@ pub fn hessian(kind: RotationKind, u: &[f64], s: Vector<f64>, m: Vector<f64>, ou
     }
 }
 
-/// The parts of phi for a rotation vector.
+/// The terms of phi for a rotation vector.
 pub struct Phi<S> {
     theta: Vector<S>,
     s: Vector<S>,

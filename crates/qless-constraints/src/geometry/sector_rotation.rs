@@ -1,4 +1,4 @@
-//! `x' = c + R (x - c)`: the turn from one sector to the next.
+//! `x' = c + R (x - c)`: the rotation from one sector of a cyclic model to the next.
 
 use super::rotation::by_vector;
 use crate::scalar::vector::{Vector, scale, unit};
@@ -12,22 +12,22 @@ pub struct Turn<const D: usize> {
     angle: f64,
 }
 
-/// Units in the last place, of the angle or of one, that are rounding in a sine.
+/// Units in the last place of the angle, or of 1, that are rounding in a sine or cosine.
 const BLUR: f64 = 8.0 * f64::EPSILON;
 
-/// A number of a rotation by the angle; zero where that is what it is but for the rounding of the angle: a quarter or a whole turn has
-/// no exact angle, and noise of 1e-16 would make a coefficient, and a rank.
+/// Sets an entry of a rotation matrix to zero if it is only rounding. Quarter and full turns have no exact angle in
+/// floating point, and noise of 1e-16 would become a coefficient and change the rank.
 fn snap_to_zero(x: f64, angle: f64) -> f64 {
     if x.abs() <= BLUR * angle.abs().max(1.0) { 0.0 } else { x }
 }
 
-/// The sine and the cosine, each exactly zero where it is rounding.
+/// Sine and cosine; values that are only rounding are exactly zero.
 pub fn sin_cos(angle: f64) -> (f64, f64) {
     let (sin, cos) = angle.sin_cos();
     (snap_to_zero(sin, angle), snap_to_zero(cos, angle))
 }
 
-/// An axis has no direction.
+/// Error: the axis has no direction.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("the axis {axis:?} has no direction; give a vector that is finite and not zero")]
 pub struct TurnError {
@@ -36,7 +36,7 @@ pub struct TurnError {
 }
 
 impl Turn<3> {
-    /// By an angle in radians about the axis through the centre; its length does not matter.
+    /// A rotation by an angle in radians about the axis through `centre`. The axis may have any length.
     ///
     /// # Errors
     /// [`TurnError`] if the axis has no direction.
@@ -50,7 +50,7 @@ impl Turn<3> {
 }
 
 impl Turn<2> {
-    /// By an angle in radians, counter-clockwise, about a centre in the plane.
+    /// A counter-clockwise rotation in the plane about `centre`, by an angle in radians.
     pub fn in_plane(centre: [f64; 2], angle: f64) -> Self {
         let (sin, cos) = sin_cos(angle);
         Self { centre, rotation: [[cos, -sin], [sin, cos]], angle }
@@ -62,12 +62,12 @@ impl<const D: usize> Turn<D> {
         self.angle
     }
 
-    /// R.
+    /// The matrix R.
     pub(crate) fn rotation(&self) -> &[[f64; D]; D] {
         &self.rotation
     }
 
-    /// Where a place comes to.
+    /// The image of a point.
     pub(crate) fn image(&self, place: [f64; D]) -> [f64; D] {
         std::array::from_fn(|i| {
             self.centre[i] + (0..D).map(|j| self.rotation[i][j] * (place[j] - self.centre[j])).sum::<f64>()

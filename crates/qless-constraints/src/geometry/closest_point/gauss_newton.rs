@@ -1,32 +1,32 @@
-//! `min_xi |x(xi)|`: the parameters of an element, or of what lies beyond its boundary, nearest to the origin, by Gauss-Newton.
-//!
-//! An element with as many parameters as its space has dimensions is inverted by it, in one step where its map is affine.
+//! `min_xi |x(xi)|` by Gauss-Newton: the parameters nearest to the origin, on an element or on its continuation beyond
+//! the boundary.
 
 use crate::geometry::shape::{Shape, ShapeParameters};
 
-/// Steps before giving up; an element that is not folded needs fewer than ten.
+/// Maximum number of steps; sound elements need fewer than ten.
 const STEPS: usize = 50;
-/// The most steps that are halved: far from a curved element each of them takes a part of what is left.
+/// Maximum number of damped steps: far from a curved element each of them makes little progress.
 const MANY: usize = 500;
-/// Halves of a step that are tried.
+/// Maximum number of times that a damped step is halved.
 const HALVES: usize = 12;
-/// Tangents that are dependent to this sine make no face.
+/// Tangents are dependent if the sine of their angle is at most this.
 pub const DEPENDENT: f64 = 1e-7;
 
-/// Where the steps to the foot of a point ended.
+/// Result of the iteration.
 pub struct ClosestParameters {
-    /// ShapeParameters, inside of the element or not.
+    /// Parameters, inside the element or outside.
     pub xi: ShapeParameters,
-    /// Whether the steps came to rest.
+    /// Whether the iteration converged.
     pub converged: bool,
 }
 
-/// The foot of the origin on an element that goes on beyond its boundary; nothing if the element is degenerate at its centre.
+/// The parameters nearest to the origin, not restricted to the element. Returns `None` if the element is degenerate at
+/// its centre.
 pub fn closest_parameters<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> Option<ClosestParameters> {
     closest_parameters_from(shape, nodes, shape.centre())
 }
 
-/// The same from other parameters.
+/// The same from another starting point.
 pub fn closest_parameters_from<const D: usize>(
     shape: Shape,
     nodes: &[[f64; D]],
@@ -35,14 +35,14 @@ pub fn closest_parameters_from<const D: usize>(
     let (mut foot, mut before) = (ClosestParameters { xi: start, converged: false }, f64::INFINITY);
     for count in 0..STEPS {
         let Some(step) = step(shape, nodes, foot.xi) else {
-            // The map of a sound element may be singular somewhere beyond its boundary.
+            // Even a sound element may have a singular map outside of its boundary.
             return (count > 0).then_some(ClosestParameters { converged: false, ..foot });
         };
-        // Not clamped to the element on the way: the path to a point inside may lead outside.
+        // The iterates are not clamped to the element: the path to an inner point may lead outside.
         foot.xi = std::array::from_fn(|k| (foot.xi[k] + step[k]).clamp(-4.0, 4.0));
         let size: f64 = step.iter().map(|x| x.abs()).sum();
         foot.converged = size < 1e-8;
-        // To rest, or to where steps are rounding.
+        // Stop at convergence, or where the steps are only rounding.
         if size < f64::EPSILON || (size < 1e-12 && size >= before) {
             break;
         }
@@ -51,9 +51,9 @@ pub fn closest_parameters_from<const D: usize>(
     Some(foot)
 }
 
-/// ShapeParameters of the element from which no step leads nearer to the origin: each goes as far as the distance falls.
+/// A local minimum of the distance from the origin within the element, by damped steps.
 ///
-/// Far from a curved element whole steps do not come to rest.
+/// Far from a curved element undamped steps do not converge.
 pub fn descend<const D: usize>(shape: Shape, nodes: &[[f64; D]], start: ShapeParameters) -> ShapeParameters {
     let distance = |xi: ShapeParameters| {
         let (x, _) = tangents(shape, nodes, xi);
@@ -84,7 +84,8 @@ pub fn dot<const D: usize>(x: &[f64; D], y: &[f64; D]) -> f64 {
     x.iter().zip(y).map(|(x, y)| x * y).sum()
 }
 
-/// `min |x + J step|` with `J = dx / dxi`, by modified Gram-Schmidt; nothing if the columns of J are dependent.
+/// Solves `min |x + J step|` with `J = dx / dxi` by modified Gram-Schmidt. Returns `None` if the columns of J are
+/// dependent.
 pub fn step<const D: usize>(shape: Shape, nodes: &[[f64; D]], xi: ShapeParameters) -> Option<ShapeParameters> {
     let (x, mut q) = tangents(shape, nodes, xi);
     let (n, mut rest) = (shape.dimensions(), x.map(|x| -x));
@@ -96,7 +97,7 @@ pub fn step<const D: usize>(shape: Shape, nodes: &[[f64; D]], xi: ShapeParameter
             q[k] = std::array::from_fn(|d| q[k][d] - r[j][k] * q[j][d]);
         }
         r[k][k] = dot(&q[k], &q[k]).sqrt();
-        // A NaN is no length.
+        // NaN must not pass as a length.
         if r[k][k].is_nan() || r[k][k] <= DEPENDENT * before {
             return None;
         }

@@ -1,6 +1,7 @@
-//! The point of an element nearest to a given one: `min_xi |x(xi) - p|`, by Gauss-Newton inside of it, or else on its boundary.
+//! The point of an element nearest to a given point: `min_xi |x(xi) - p|`.
 //!
-//! In a solid, or a face of the plane, that is the inverse `xi(p)` of its map. A map that is affine takes one step.
+//! Gauss-Newton finds it inside the element, a search of the sides finds it on the boundary. If the element has as
+//! many parameters as the space has dimensions, this inverts its map `x(xi)`. Affine elements take one step.
 
 pub mod gauss_newton;
 mod proof;
@@ -11,23 +12,23 @@ use super::shape::{Shape, ShapeParameters};
 use gauss_newton::{ClosestParameters, closest_parameters, closest_parameters_from, descend};
 use proof::is_nearest;
 
-/// Where a point meets an element.
+/// The point of an element nearest to a given point.
 pub struct Projection {
-    /// N_k at the nearest point: exactly zero where they are rounding, and with a sum of one.
+    /// `N_k` at the nearest point. They sum to one, and those that are only rounding are exactly zero.
     pub weights: Vec<f64>,
-    /// From the point to the element, a length.
+    /// Distance from the given point to the element.
     pub distance: f64,
 }
 
-/// Projects; nothing if the element is degenerate or folded.
+/// Projects a point on an element. Returns `None` if the element is degenerate or folded.
 ///
-/// Coordinates relative to the point are exact to their own rounding, however far from the origin the element is.
+/// All coordinates are taken relative to the point, so that elements far from the origin lose no digits.
 pub fn project<const D: usize>(shape: Shape, nodes: &[[f64; D]], point: &[f64; D]) -> Option<Projection> {
     let found = nearest(shape, &relative(nodes, point))?;
     Some(Projection { weights: complete_weights(found.weights, 1.0), ..found })
 }
 
-/// The point nearest to the origin.
+/// The point of the element nearest to the origin.
 fn nearest<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> Option<Projection> {
     let foot = inside_or_first(shape, nodes)?;
     let inside = shape.clamp(foot.xi);
@@ -48,9 +49,9 @@ fn nearest<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> Option<Projectio
     nearest_of(found.into_iter().chain(starts(shape).into_iter().map(|start| at(below(start)))))
 }
 
-/// The nearest of the boundary and the point at `inside`.
+/// The nearest of the boundary points and the point with the parameters `inside`.
 ///
-/// Beyond the boundary of a skew element the nearest parameters are not those of the nearest point, so that each side is asked too.
+/// For a skew element the clamped parameters are not the nearest boundary point. So each side is searched too.
 fn about_the_boundary<const D: usize>(shape: Shape, nodes: &[[f64; D]], inside: ShapeParameters) -> Option<Projection> {
     let corners = if shape.dimensions() == 1 { shape.corners() } else { &[] };
     let own = std::iter::once(inside).chain(corners.iter().copied()).map(|xi| projection(nodes, shape.weights(xi)));
@@ -61,23 +62,24 @@ fn nearest_of(found: impl Iterator<Item = Projection>) -> Option<Projection> {
     found.filter(|found| found.distance.is_finite()).min_by(|a, b| a.distance.total_cmp(&b.distance))
 }
 
-/// The parameters of a point by its weights.
+/// Parameters of the point with these weights.
 fn place(shape: Shape, weights: &[f64]) -> ShapeParameters {
     std::array::from_fn(|d| shape.places().iter().zip(weights).map(|(place, n)| n * place[d]).sum())
 }
 
-/// From where curved lines and faces are searched, which may turn to the origin more than once.
+/// Starting points for curved lines and faces, which may have several local minima.
 fn starts(shape: Shape) -> Vec<ShapeParameters> {
     [&[shape.centre()], &halfway(shape)[..], shape.corners()].concat()
 }
 
-/// Half way from the corners to the centre.
+/// Points halfway between the corners and the centre.
 fn halfway(shape: Shape) -> Vec<ShapeParameters> {
     let centre = shape.centre();
     shape.corners().iter().map(|p| std::array::from_fn(|k| f64::midpoint(p[k], centre[k]))).collect()
 }
 
-/// The nearest points of the sides, with the weights of the whole. A side that is a point is that of the others that meet there.
+/// Nearest points of the sides, with weights for the nodes of the whole element. Degenerate sides are skipped: their
+/// neighbours share their points.
 fn on_sides<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> impl Iterator<Item = Projection> {
     shape.boundary().iter().filter_map(|&(side, numbers)| {
         let own: Vec<_> = numbers.iter().map(|&i| nodes[i]).collect();
@@ -93,7 +95,8 @@ fn projection<const D: usize>(nodes: &[[f64; D]], weights: Vec<f64>) -> Projecti
     Projection { distance: place.iter().fold(0.0, |sum: f64, x| sum.hypot(*x)), weights }
 }
 
-/// Weights below 8 units in the last place of the largest, `blur` times, are zero; what is missing to a sum of one goes to the largest.
+/// Sets weights below `8 blur` units in the last place of the largest to zero, and adds what is then missing to a sum
+/// of one to the largest.
 pub fn complete_weights(mut weights: Vec<f64>, blur: f64) -> Vec<f64> {
     let largest = weights.iter().fold(0.0, |most: f64, n| most.max(n.abs()));
     weights.iter_mut().filter(|n| n.abs() < 8.0 * f64::EPSILON * blur * largest).for_each(|n| *n = 0.0);
@@ -104,9 +107,10 @@ pub fn complete_weights(mut weights: Vec<f64>, blur: f64) -> Vec<f64> {
     weights
 }
 
-/// The foot that the steps from the centre find, or one inside that other starts find.
+/// The result of the iteration from the centre, or a result inside the element from another start.
 ///
-/// Where an element fills its space, one point of it at most is the origin; the steps may still go to one of its map beyond it.
+/// If the element fills its space, at most one of its points is the origin. But the iteration from the centre may end
+/// outside at another solution.
 fn inside_or_first<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> Option<ClosestParameters> {
     let first = closest_parameters(shape, nodes)?;
     let inside = |foot: &ClosestParameters| foot.converged && shape.clamp(foot.xi) == foot.xi;
@@ -118,7 +122,7 @@ fn inside_or_first<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> Option<C
     Some(another.unwrap_or(first))
 }
 
-/// Whether the origin is in the box of the element.
+/// Whether the bounding box of the element contains the origin.
 fn may_hold<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> bool {
     let [low, high] = bounds(shape, nodes);
     (0..D).all(|d| low[d] <= 0.0 && high[d] >= 0.0)
@@ -130,7 +134,8 @@ mod tests {
     use super::super::shape::tests::{inside, random};
     use super::*;
 
-    /// `xi(x(xi)) = xi` for every shape, distorted, in every unit and far away; at a corner all other weights are exactly zero.
+    /// `xi(x(xi)) = xi` for every distorted shape, in every unit, also far away. At a corner all other weights are
+    /// exactly zero.
     #[test]
     fn maps_are_inverted() {
         for (shape, seed) in Shape::ALL.into_iter().flat_map(|shape| (0..20).map(move |seed| (shape, seed))) {
@@ -160,7 +165,7 @@ mod tests {
         }
     }
 
-    /// Beyond an edge that is not perpendicular to the others, the foot is on that edge, not at the nearest parameters.
+    /// Beyond an oblique edge, the nearest point is on that edge; clamped parameters are another point.
     #[test]
     fn nearest_point_of_a_skew_face_is_on_its_edge() {
         let triangle = [[0.0, 0.0], [1.0, 0.0], [3.0, 1.0]];
@@ -169,7 +174,7 @@ mod tests {
         assert!((found.weights[1] - 0.4).abs() < 1e-15 && (found.weights[2] - 0.6).abs() < 1e-15);
     }
 
-    /// Whatever the shape and wherever the point, no point of a fine grid on the face is nearer.
+    /// No point of a fine grid on the face is nearer, for every shape and place of the point.
     #[test]
     fn no_point_of_a_grid_is_nearer() {
         let edges = [[0.0, 0.0], [2.0, 0.2], [2.6, 1.6], [0.9, 1.1], [1.0, 0.05], [2.3, 0.9], [1.8, 1.4], [0.4, 0.5]];
@@ -195,7 +200,8 @@ mod tests {
         (0..41 * 41).map(move |i| shape.clamp([at(i % 41), at(i / 41), 0.0]))
     }
 
-    /// Curved lines and faces, distorted, in every unit: no point of a grid is nearer, and points of the face are found.
+    /// On distorted curved lines and faces, in every unit, no point of a grid is nearer, and points of the face are
+    /// found.
     #[test]
     fn no_point_of_a_distorted_face_is_nearer() {
         let faces = || Shape::ALL.into_iter().filter(|shape| shape.dimensions() < 3);
@@ -229,7 +235,7 @@ mod tests {
         );
     }
 
-    /// MeanRigidMotion from inside of a bow, the foot in its middle is the farthest point nearby; the ends are nearest.
+    /// Inside of an arc, the stationary point in its middle is the farthest one; the ends are nearest.
     #[test]
     fn the_farthest_point_nearby_is_not_the_nearest() {
         for (height, nearest) in [(3.0, 10.0_f64.sqrt()), (-3.0, 2.8)] {
@@ -239,7 +245,7 @@ mod tests {
         }
     }
 
-    /// The same of solids, warped and curved: a point of a grid that is nearer lies within the spacing of the grid.
+    /// In warped and curved solids, no grid point is nearer than the result, up to the spacing of the grid.
     #[test]
     fn no_point_of_a_solid_is_nearer() {
         let solids = Shape::ALL.into_iter().filter(|shape| shape.dimensions() == 3);

@@ -1,35 +1,37 @@
-//! Whether a point of a line or a face is proved to be the one nearest to the origin, of all of them.
+//! Proves that a point of a line or face is the nearest of all its points to the origin.
 //!
 //! ```text
 //! x(xi + delta) = x + J delta + e,    x^T J delta >= 0,    |e| <= kappa |delta|^2 / 2
 //! |x(xi + delta)|^2 >= |x|^2 + ((sigma - kappa |delta| / 2)^2 - |x| nu) |delta|^2
 //! ```
 //!
-//! delta is measured by the lengths `|J_k| delta_k`, in which sigma is the least singular value of J. kappa is the most that the second derivatives of
-//! x are anywhere on the element, nu that of their part along x. What is bent little, seen from where the origin is, has one nearest
-//! point. Cost: the tangents at two or four places about each node.
+//! delta is scaled by the lengths `|J_k|`. In this scale, sigma is the least singular value of J, kappa bounds the
+//! second derivatives of x on the whole element, and nu bounds their component along x. An element that bends little,
+//! compared to its distance from the origin, has a single nearest point. Cost: the tangents at two or four points per
+//! node.
 
 use super::gauss_newton::{dot, tangents};
 use crate::geometry::node::ROUNDING;
 use crate::geometry::shape::{Shape, ShapeParameters};
 
-/// Of the size of an element: what lies nearer to a plane is in it.
+/// Points nearer to a plane than this share of the size of the element lie in the plane.
 const FLAT: f64 = 1e-12;
-/// Second derivatives are quadratic along an edge at most, and known at its ends and in the middle.
+/// Safety factor for second derivatives between nodes: they are at most quadratic along an edge, and known at its ends
+/// and its middle.
 const BETWEEN: f64 = 1.25;
 
-/// Whether no point of the element can be nearer than that at `xi`, up to rounding.
+/// Whether `xi` is proved to be the nearest point of the element, up to rounding.
 pub fn is_nearest<const D: usize>(shape: Shape, nodes: &[[f64; D]], xi: ShapeParameters) -> bool {
     let (x, slopes) = tangents(shape, nodes, xi);
     let distance = dot(&x, &x).sqrt();
     let size = nodes.iter().map(|x| dot(x, x)).fold(0.0, f64::max).sqrt();
-    // A point of the element is at distance zero.
+    // The origin lies on the element.
     if distance <= ROUNDING * size {
         return true;
     }
     let n = shape.dimensions();
     let down = slopes.map(|slope| -dot(&x, &slope));
-    // Of squares of lengths, what is rounding.
+    // A length squared: changes below it are rounding.
     let least = (FLAT * distance + ROUNDING * size) * size;
     let falls = |to: &ShapeParameters| (0..n).map(|k| down[k] * (to[k] - xi[k])).sum::<f64>() > least;
     if shape.corners().iter().any(falls) {
@@ -39,14 +41,15 @@ pub fn is_nearest<const D: usize>(shape: Shape, nodes: &[[f64; D]], xi: ShapePar
     let farthest = |k: usize| shape.corners().iter().map(|to| (to[k] - xi[k]).abs()).fold(0.0, f64::max);
     let reach = (0..n).map(|k| lengths[k] * farthest(k)).fold(0.0, f64::hypot);
     let [kappa, nu] = bends(shape, nodes, &x.map(|x| x / distance), lengths);
-    // The nearer the point, the less is known of the direction to it.
+    // The nearer the point, the less accurate is the direction to it.
     let is_flat = distance * nu * reach * reach <= least;
     let cosine = if n == 2 { dot(&slopes[0], &slopes[1]) / (lengths[0] * lengths[1]) } else { 0.0 };
     let straight = (1.0 - cosine.abs()).sqrt() - 0.5 * kappa * reach;
     is_flat || (straight > 0.0 && distance * nu <= straight * straight)
 }
 
-/// The most that `d2x / dxi_k dxi_l` is at a node, in `lengths` of parameters, and its part along `normal`: norms over all k and l.
+/// Largest `d2x / dxi_k dxi_l` at the nodes, with parameters scaled by `lengths`, and the largest component along
+/// `normal`; norms over all k and l.
 fn bends<const D: usize>(shape: Shape, nodes: &[[f64; D]], normal: &[f64; D], lengths: [f64; 3]) -> [f64; 2] {
     let n = shape.dimensions();
     let (mut all, mut along) = ([[0.0_f64; 3]; 3], [[0.0_f64; 3]; 3]);
@@ -55,7 +58,7 @@ fn bends<const D: usize>(shape: Shape, nodes: &[[f64; D]], normal: &[f64; D], le
             let at = |step: f64| {
                 tangents(shape, nodes, std::array::from_fn(|k| place[k] + step * f64::from(u8::from(k == l)))).1
             };
-            // Tangents are quadratic in each parameter at most: differences are exact.
+            // Differences are exact: tangents are at most quadratic in each parameter.
             let (before, after) = (at(-1.0), at(1.0));
             for k in 0..n {
                 let bend: [f64; D] = std::array::from_fn(|d| 0.5 * (after[k][d] - before[k][d]));
@@ -77,7 +80,8 @@ mod tests {
     use crate::geometry::node::relative;
     use crate::geometry::shape::tests::{inside, random};
 
-    /// Of faces that are bent by a few per cent each foot is proved, however near or far; from beyond the centre of a bow none is.
+    /// On faces that bend by a few per cent every nearest point is proved, at any distance. Beyond the centre of an
+    /// arc none is.
     #[test]
     fn feet_on_faces_that_are_bent_little_are_proved() {
         let faces = [Shape::Line3, Shape::Tri6, Shape::Quad4, Shape::Quad8, Shape::Quad9];

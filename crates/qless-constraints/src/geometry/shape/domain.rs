@@ -1,8 +1,8 @@
-//! Which parameters lie inside of a shape.
+//! Parameters of the nodes, and the domain of the parameters of each shape.
 
 use super::Shape;
 
-/// ShapeParameters `xi, eta, zeta`; those that a shape does not have are zero.
+/// Parameters `xi, eta, zeta`; unused ones are zero.
 pub(crate) type ShapeParameters = [f64; 3];
 
 const LINE: [ShapeParameters; 3] = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0; 3]];
@@ -94,7 +94,7 @@ const HEXAHEDRON: [ShapeParameters; 27] = [
 ];
 
 impl Shape {
-    /// ShapeParameters of the nodes.
+    /// Parameters of the nodes.
     pub(crate) fn places(self) -> &'static [ShapeParameters] {
         match self {
             Self::Line2 => &LINE[..2],
@@ -116,7 +116,7 @@ impl Shape {
         }
     }
 
-    /// A point well inside.
+    /// Parameters of an inner point, away from the boundary.
     pub(crate) fn centre(self) -> ShapeParameters {
         match self {
             Self::Tri3 | Self::Tri6 | Self::Wedge6 | Self::Wedge15 => [1.0 / 3.0, 1.0 / 3.0, 0.0],
@@ -126,7 +126,7 @@ impl Shape {
         }
     }
 
-    /// ShapeParameters inside that are near; the same ones if they lie inside.
+    /// The nearest parameters inside the shape, approximately; parameters inside are unchanged.
     pub(crate) fn clamp(self, [xi, eta, zeta]: ShapeParameters) -> ShapeParameters {
         let unit = |x: f64| x.clamp(-1.0, 1.0);
         match self {

@@ -55,7 +55,7 @@ impl Nonlinear for Height {
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
         let (a, b) = u.split_at(self.a.dofs());
-        let up = self.a.kind.turn(&a[self.a.kind.positions()..], self.s);
+        let up = self.a.kind.rotate(&a[self.a.kind.positions()..], self.s);
         c[0] = dot(up, self.reach(a, b)) - S::from(self.arm) - S::from(self.rise);
     }
 
@@ -80,7 +80,7 @@ impl Nonlinear for Height {
     /// `[-R_a s, d(R_a s) . reach, R_a s, d(R_b s_b) . R_a s]`.
     fn value_and_jacobian(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
         let ((a, b), first) = (u.split_at(self.a.dofs()), self.a.kind.positions());
-        let (up, reach) = (self.a.kind.turn(&a[first..], self.s), self.reach(a, b));
+        let (up, reach) = (self.a.kind.rotate(&a[first..], self.s), self.reach(a, b));
         c[0] = dot(up, reach) - self.arm - self.rise;
         let (of_a, of_b) = g.split_at_mut(a.len());
         let (down, turns_a) = of_a.split_at_mut(first);
