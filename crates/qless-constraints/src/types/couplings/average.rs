@@ -1,4 +1,5 @@
-//! `min sum_i w_i |u_i - u_r - theta x r_i|^2`: a reference node that follows the weighted average of others (RBE3).
+//! `min sum_i w_i |u_i - u_r - theta x r_i|^2`: a reference node that follows the weighted average of other nodes
+//! (RBE3).
 
 use super::equations::{RepeatedNodes, check, lead};
 use super::mean_rigid_motion::{MotionObservation, RigidMotionFit};
@@ -7,22 +8,24 @@ use super::rigid_motion::{arm, clean};
 use crate::types::{CouplingError, Node6};
 use crate::{Constraint, Store};
 
-/// A weighted average: the reference follows the rigid motion that is nearest to those of the nodes. Also known as RBE3.
+/// A weighted average: the reference follows the rigid motion that fits the motion of the nodes best. Also known as
+/// RBE3.
 ///
 /// `(u_r, theta) = argmin sum_i w_i (sum_k (u_ik - (u_r + theta x r_i)_k)^2 + L^2 sum_k (theta_ik - theta_k)^2)` with
-/// `r_i = X_i - X_r`, over the components k that node i has; L is the mean of the `|r_i|` over the list, so that the unit of length
-/// does not matter. Components may be those along local axes, of each node its own ([`Node6::along`]). One equation for each component that the reference has, `u_rk = sum_j a_j u_j`; the motion is always sought
-/// with all six components, whichever of them follow. They add no stiffness, and spread a load on the reference over the nodes as
-/// forces with the same resultant.
+/// `r_i = X_i - X_r`. The sums go over the components k of node i, which may be along local axes of that node
+/// ([`Node6::along`]). L is the mean of all `|r_i|`, so that the unit of length does not matter. Each component of the
+/// reference has one equation, `u_rk = sum_j a_j u_j`. The fit always determines all six components, even if only some
+/// of them follow. The equations add no stiffness. They distribute a load on the reference over the nodes, as forces
+/// with the same resultant.
 ///
-/// DOFs removed: as many as the reference has; the equations are independent, as each has a DOF of its own. What the nodes do not
-/// see is refused: nodes in a line do not see rotations about it, and then neither translations of a reference beside the line;
-/// two nodes are a line; nodes without a component may not see it. A line is one where nodes are off it by less than some 1e-8 of
-/// its length (singular values of the least-squares problem, or the rounding of the coordinates if that is more).
-/// Let the other components follow ([`Node6::only`]), or give nodes whose rotations lead too. Units: lengths for translations,
-/// radians for rotations. Cost: O(nodes) for each component.
+/// DOFs removed: one for each component of the reference. The equations are independent, as each has a DOF of its own.
+/// Components that the nodes do not determine are refused. Nodes on a line do not determine rotations about it, nor,
+/// for a reference beside the line, all of its translations; two nodes are always a line. Nodes count as on a line if
+/// they deviate by less than about 1e-8 of its length (measured by singular values), or by less than the rounding of
+/// the coordinates. In this case let only the other components follow ([`Node6::only`]), or add nodes with rotations.
+/// Units: lengths for translations, radians for rotations. Cost: O(nodes) for each component.
 ///
-/// Source: RBE3 of Nastran; the conditions of the minimum are `sum_i w_i e_i = 0` and `sum_i w_i r_i x e_i = 0`.
+/// Source: RBE3 of Nastran. At the minimum, `sum_i w_i e_i = 0` and `sum_i w_i r_i x e_i = 0`.
 ///
 #[doc = include_str!("../../../docs/pictures/average.svg")]
 ///
@@ -48,9 +51,9 @@ use crate::{Constraint, Store};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Average {
-    /// The node that follows, with the components in which it does.
+    /// The node that follows, restricted to the components that do.
     pub reference: Node6,
-    /// The nodes that lead, with the components that count and their weights.
+    /// The nodes that lead, restricted to the components that count, and their weights.
     pub nodes: Vec<(Node6, f64)>,
 }
 
@@ -68,7 +71,7 @@ impl Average {
         Ok(())
     }
 
-    /// L, or one where all nodes are at the reference: then nothing is weighed against a rotation.
+    /// L, or 1 if all nodes coincide with the reference: then the fit weighs no translation against a rotation.
     fn mean_arm(&self) -> f64 {
         let length =
             |(node, _): &(Node6, f64)| arm(node.at, self.reference.at).iter().fold(0.0, |s: f64, x| s.hypot(*x));
@@ -76,7 +79,7 @@ impl Average {
         if mean > 0.0 { mean } else { 1.0 }
     }
 
-    /// What the nodes see of the motion, each in the DOFs of its node.
+    /// The observed components of all nodes: position and weight, and their DOFs.
     fn seen(&self) -> Vec<(MotionObservation, CoupledComponent)> {
         let (length, most) = (self.mean_arm(), self.nodes.iter().fold(0.0, |most: f64, (_, weight)| most.max(*weight)));
         let of = |(node, weight): &(Node6, f64)| {
@@ -119,7 +122,7 @@ mod tests {
     use super::*;
     use crate::types::Component;
 
-    /// The mean arm is that over the list.
+    /// The mean is taken over the whole list.
     #[test]
     fn arm_is_the_mean_distance() {
         let node = |x: f64| (Node6::new([7, 8, 9], [10, 11, 12], [x, 0.0, 0.0]), 1.0);

@@ -1,4 +1,4 @@
-//! `sum_j a_j u_j - d . q = 0`: what follows a reference node, as an equation.
+//! `sum_j a_j u_j - d . q = 0`: checks of the nodes of a coupling, and its equations.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -9,7 +9,8 @@ use super::rigid_motion::clean;
 use crate::Store;
 use crate::scalar::vector::{Vector, dot};
 
-/// Adds `sum_j a_j u_j - motion . q = 0`, q the DOFs of the reference; terms that are rounding of the others are left out.
+/// Adds `sum_j a_j u_j - motion . q = 0`, where q are the DOFs of the reference. Factors that are only rounding are
+/// left out.
 pub fn follow(
     store: &mut Store,
     part: String,
@@ -26,7 +27,8 @@ pub fn follow(
     Ok(())
 }
 
-/// `motion . q` by the components of the reference, without those that are rounding of others of their kind.
+/// Factors of `motion . q` for the components of the reference. Factors that are only rounding, relative to others of
+/// their kind, are left out.
 fn in_axes(reference: &Node6, motion: [f64; 6]) -> impl Iterator<Item = (Component, f64)> {
     let of = |component: Component| {
         let kind =
@@ -42,7 +44,7 @@ fn missing(part: &str, component: Component, factor: f64) -> CouplingError {
     CouplingError::MissingDof { part: part.to_owned(), component, factor }
 }
 
-/// The reference as the mean of others: adds `motion . q - sum_j a_j u_j = 0`.
+/// Adds `motion . q - sum_j a_j u_j = 0`: the reference follows a mean of other DOFs.
 pub fn lead(
     store: &mut Store,
     part: String,
@@ -53,9 +55,9 @@ pub fn lead(
     follow(store, part, terms.map(|(dof, factor)| (dof, -factor)).collect(), reference, motion.map(|x| -x))
 }
 
-/// Every node is in a finite place and has components, and DOFs that are no others'.
+/// Checks that every node has finite coordinates, coupled components, and DOFs that no other node has.
 ///
-/// In a mean a node may come again, with more weight.
+/// Repeated nodes are allowed in a mean, where they add weight.
 pub fn check<'a>(
     reference: &'a Node6,
     nodes: impl Iterator<Item = &'a Node6>,
@@ -78,26 +80,27 @@ pub fn check<'a>(
     Ok(())
 }
 
-/// Whether a node may be named more than once.
+/// Whether a node may be listed more than once.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum RepeatedNodes {
     Refused,
     Allowed,
 }
 
-/// What a DOF stands for: the number of its node in the list, its component, and the place.
+/// Position of the node in the list, component, and coordinates.
 type DofMeaning = (usize, usize, Vector<f64>);
 
-/// The DOFs met so far.
+/// The meaning of each DOF seen so far.
 #[derive(Default)]
 pub struct DofOwners {
     meanings: HashMap<usize, DofMeaning>,
 }
 
 impl DofOwners {
-    /// Takes the DOFs of a node, or names one that is taken: one DOF for two displacements would make them equal in silence.
+    /// Registers the DOFs of a node. The error is a DOF that already has another meaning: the coupling would silently
+    /// equate two displacements.
     ///
-    /// The same component in the same place is the same node, which may be named `again`.
+    /// The same component at the same coordinates is the same node; with `again` it is accepted.
     pub fn claim(&mut self, number: usize, node: &Node6, again: bool) -> Result<(), usize> {
         for (k, dof) in node.dofs.into_iter().enumerate().filter_map(|(k, dof)| Some((k, dof?))) {
             match self.meanings.entry(dof) {

@@ -1,7 +1,7 @@
-//! `int f dA = sum_g w_g f(x_g)` over the faces of a surface, with the functions of their nodes and their normals.
+//! `int f dA = sum_g w_g f(x_g)`: quadrature over the faces of a surface, with shape functions and normals.
 //!
-//! Gauss's rule with 3 x 3 points on quadrilaterals, Radon's with seven on triangles: both of degree five, so that integrals of
-//! `N_i r r^T` are exact where edges are straight and opposite ones parallel.
+//! Quadrilaterals have 3 x 3 Gauss points, triangles the seven points of Radon. Both rules have degree five, so that
+//! integrals of `N_i r r^T` are exact on parallelograms and triangles with straight edges.
 
 use super::rigid_motion::clean;
 use crate::geometry::outline::seven_points;
@@ -10,26 +10,26 @@ use crate::geometry::surface::Surface;
 use crate::scalar::vector::{Vector, add, cross, dot, scale, sub, unit};
 use crate::types::CouplingError;
 
-/// A point of integration.
+/// A quadrature point.
 pub struct GaussPoint {
-    /// The face that it is on.
+    /// Index of its face.
     pub face: usize,
-    /// `N_k` of the nodes of the face.
+    /// Shape functions `N_k` of the nodes of the face.
     pub functions: Vec<f64>,
-    /// Where it is.
+    /// Its coordinates.
     pub at: Vector<f64>,
-    /// The normal, with the share of the area as its length.
+    /// The normal, scaled to the quadrature weight (an area).
     pub normal: Vector<f64>,
 }
 
 impl GaussPoint {
-    /// The share of the area.
+    /// Quadrature weight, an area.
     pub fn weight(&self) -> f64 {
         self.normal.iter().fold(0.0, |sum: f64, x| sum.hypot(*x))
     }
 }
 
-/// All points of integration, face by face.
+/// All quadrature points, face by face.
 pub fn points(surface: &Surface<3>) -> Result<Vec<GaussPoint>, CouplingError> {
     surface.check_integrable()?;
     if surface.faces.iter().any(|face| face.shape.dimensions() != 2) {
@@ -46,7 +46,8 @@ fn on_face(surface: &Surface<3>, face: usize) -> impl Iterator<Item = GaussPoint
     })
 }
 
-/// `N_k`, x and `dx/dxi x dx/deta` at a point of a face, from its first node on, so that a plane z = const stays one.
+/// `N_k`, x and `dx/dxi x dx/deta` at a point of a face. Coordinates are relative to the first node, so that a plane z
+/// = const stays exact.
 pub fn point(shape: Shape, places: &[Vector<f64>], xi: ShapeParameters) -> (Vec<f64>, Vector<f64>, Vector<f64>) {
     let n = shape.slopes(xi);
     let arms = || places.iter().map(|&x| sub(x, places[0]));
@@ -63,7 +64,7 @@ fn rule(shape: Shape) -> Vec<(ShapeParameters, f64)> {
     line.iter().flat_map(|&(xi, a)| line.iter().map(move |&(eta, b)| ([xi, eta, 0.0], a * b))).collect()
 }
 
-/// The mean normal of faces that do not point against each other.
+/// The mean normal. An error if faces point against it.
 pub fn mean_normal(points: &[GaussPoint]) -> Result<Vector<f64>, CouplingError> {
     let total = points.iter().fold([0.0; 3], |sum, gauss| add(sum, gauss.normal));
     let mut normal = unit(total).ok_or(CouplingError::NoNormal)?;

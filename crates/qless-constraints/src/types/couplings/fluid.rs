@@ -1,4 +1,4 @@
-//! `n . (u_s - u_f) = 0`: structure and fluid keep in touch and slide freely.
+//! Structure and fluid with equal normal displacement, node to node or across meshes that do not match.
 
 use std::collections::BTreeSet;
 
@@ -11,10 +11,11 @@ use crate::scalar::vector::{Vector, add, dot, unit};
 use crate::types::Point;
 use crate::{Constraint, Store};
 
-/// The normal displacements of a structure and a fluid in displacement form are equal: `n . (u_s - u_f) = 0`, a length.
+/// Equal normal displacements of a structure and a fluid in displacement form, `n . (u_s - u_f) = 0`, a length.
+/// Tangential sliding is free.
 ///
-/// DOFs removed: one. Two normals at one pair of nodes, as at an edge, are independent if they are not parallel; a fourth is redundant.
-/// For a fluid in pressure form, whose mesh need not match, see [`crate::types::FluidWall`].
+/// DOFs removed: one. At an edge, a pair of nodes may have several normals: equations with linearly independent
+/// normals are independent. For a fluid in pressure form, whose mesh may differ, see [`crate::types::FluidWall`].
 ///
 #[doc = include_str!("../../../docs/pictures/fluid_normal.svg")]
 ///
@@ -35,7 +36,7 @@ pub struct FluidNormal {
     pub structure: [usize; 3],
     /// Translations of the fluid.
     pub fluid: [usize; 3],
-    /// n, of any length.
+    /// The normal n, of any length.
     pub normal: Vector<f64>,
 }
 
@@ -43,7 +44,7 @@ pub struct FluidNormal {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FluidNormalError {
-    /// The normal has no direction.
+    /// The normal is zero or not finite.
     #[error("the normal has no direction; give a vector that is not zero")]
     Normal,
 }
@@ -61,22 +62,23 @@ impl Constraint for FluidNormal {
     }
 }
 
-/// Cosine of the largest angle, 30 degrees, between the normal at a node and that of a face there.
+/// Cosine of 30 degrees, the largest angle between the normal of a face and the mean normal at a node.
 const CREASE: f64 = 0.866;
 
-/// A fluid in pressure form at a wall whose mesh does not match, `C_w (u_i, u_n) = 0` (Eq. A7).
+/// A fluid in pressure form at a wall with another mesh, `C_w (u_i, u_n) = 0` (Eq. A7).
 ///
-/// `u_n,j - n_j . sum_k N_k(xi_j) u_k = 0` for each node j of the fluid's side of the interface: its equivalent normal displacement,
-/// one DOF, is that of the point of the structure's face nearest to it. The fluid's own matrices join `u_n` to the pressure: in Eq. A6
-/// `S` has its columns at `u_n`. `n_j` is the mean of the normals of the fluid's faces at the node, each with the weight of its area;
-/// their nodes go around so that it points to the side that you call positive, as out of the fluid. The same displacement
-/// of both meshes satisfies the equations, and forces on `u_n` reach the structure along `n_j`, with the same resultant.
+/// `u_n,j - n_j . sum_k N_k(xi_j) u_k = 0` for each node j of the fluid's side of the interface. The DOF `u_n,j`, its
+/// equivalent normal displacement, equals that of the nearest point of the structure. The matrices of the fluid couple
+/// `u_n` to the pressure: in Eq. A6 `S` has its columns at `u_n`. `n_j` is the mean normal of the fluid's faces at the
+/// node, weighted by area; the order of their nodes determines its sign, for example out of the fluid. Equal
+/// displacements of both meshes satisfy the equations, and forces on `u_n` act on the structure along `n_j`, with the
+/// same resultant.
 ///
-/// DOFs removed: one for each node of the fluid's side; the equations are independent, as each has a `u_n` of its own. At an edge
-/// of the wall, where it has two normals, a node needs a `u_n` for each side: give each side as a constraint; a node whose
-/// faces are more than 30 degrees off the mean is refused. Units: lengths. Cost: O(n log n).
+/// DOFs removed: one for each node of the fluid's side. The equations are independent, as each has a `u_n` of its own.
+/// At an edge of the wall a node needs one `u_n` per side: give each side as a constraint of its own. Nodes with faces
+/// more than 30 degrees off the mean normal are refused. Units: lengths. Cost: O(n log n).
 ///
-/// Source: the paper's appendix A.2; for a fluid in displacement form [`crate::types::FluidNormal`].
+/// Source: the paper's appendix A.2. For a fluid in displacement form see [`crate::types::FluidNormal`].
 ///
 #[doc = include_str!("../../../docs/pictures/fluid_wall.svg")]
 ///
@@ -104,16 +106,16 @@ pub struct FluidWall {
     pub structure: Surface<3>,
     /// Nodes of the fluid's side.
     pub fluid: Vec<FluidNode>,
-    /// Faces of the fluid's side, which name the nodes in `fluid`.
+    /// Faces of the fluid's side; they index `fluid`.
     pub faces: Vec<Face>,
-    /// Farthest that a node of the fluid may be from the wall, a length.
+    /// Largest distance of a fluid node from the wall, a length.
     pub tolerance: f64,
 }
 
 /// A node of the fluid at the interface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FluidNode {
-    /// `u_n`, a 0-based DOF.
+    /// The DOF `u_n`, 0-based.
     pub normal: usize,
     /// Coordinates at u = 0, a length.
     pub at: Vector<f64>,
@@ -123,21 +125,21 @@ pub struct FluidNode {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FluidWallError {
-    /// The fluid's side is not a surface.
+    /// The fluid's side is not a valid surface.
     #[error("fluid's side: {0}")]
     Fluid(SurfaceError),
-    /// The structure's side is not a surface, or a node of the fluid is not at it.
+    /// The structure's side is not a valid surface, or a node of the fluid is too far from it.
     #[error("structure's side: {0}")]
     Structure(SearchError),
     /// A face of the fluid is a line or a solid.
     #[error("face {face}, from 1, of the fluid is a {shape:?}, which has no normal; give faces")]
     NoFace {
-        /// What it is.
+        /// Its shape.
         shape: Shape,
         /// The face, from 1.
         face: usize,
     },
-    /// Two nodes have one DOF, or a node one of the wall.
+    /// A DOF is used twice.
     #[error("DOF {dof} of node {node}, from 1, of the fluid is that of another node or of the wall; give each its own")]
     SharedDof {
         /// The node, from 1.
@@ -145,7 +147,7 @@ pub enum FluidWallError {
         /// The DOF.
         dof: usize,
     },
-    /// The faces at a node point in directions that differ.
+    /// The normals of the faces at a node differ too much.
     #[error(
         "face {face} and the mean of all faces at node {node} of the fluid, both from 1, have normals with a cosine of \
          {cosine}, below 0.866: split the wall at its edge, with a DOF for each side, or turn faces that point to the other side"
@@ -155,16 +157,16 @@ pub enum FluidWallError {
         node: usize,
         /// The face, from 1.
         face: usize,
-        /// Of the angle between the normals.
+        /// Cosine of the angle between the normals.
         cosine: f64,
     },
 }
 
-/// Nodes of a face with the normal there.
+/// Nodes of a face and the normals there.
 type Normals = Vec<(usize, Vector<f64>)>;
 
 impl FluidWall {
-    /// Each node has a DOF of its own.
+    /// Checks that each fluid node has a DOF of its own.
     fn check_dofs(&self, mut used: impl Iterator<Item = usize>) -> Result<(), FluidWallError> {
         let nodes = self.structure.faces.iter().flat_map(|face| &face.nodes);
         let mut taken: BTreeSet<usize> = nodes.flat_map(|&node| self.structure.nodes[node].dofs).collect();
@@ -172,13 +174,13 @@ impl FluidWall {
         shared.map_or(Ok(()), |i| Err(FluidWallError::SharedDof { node: i + 1, dof: self.fluid[i].normal }))
     }
 
-    /// The fluid's side with its coordinates; its DOFs are of no use there.
+    /// The fluid's side as a surface; only its coordinates are used.
     fn side(&self) -> Surface<3> {
         let nodes = self.fluid.iter().map(|node| Point::new([node.normal; 3], node.at)).collect();
         Surface { nodes, faces: self.faces.clone() }
     }
 
-    /// Nodes of each face with the normal there, of which the length is in proportion to the area.
+    /// For each face, its nodes and the normals there, scaled in proportion to the area.
     fn face_normals(&self) -> Result<Vec<Normals>, FluidWallError> {
         let side = self.side();
         side.check_integrable().map_err(FluidWallError::Fluid)?;
@@ -188,7 +190,7 @@ impl FluidWall {
                 return Err(FluidWallError::NoFace { shape, face: i + 1 });
             }
             let places = side.places(i);
-            // A triangle is half of the square of its parameters, a quadrilateral four of it.
+            // The parameter domain has the area 1/2 for triangles and 4 for quadrilaterals.
             let share = if shape.corners().len() == 3 { 0.5 } else { 4.0 };
             let at = |(&node, &xi): (&usize, &ShapeParameters)| (node, point(shape, &places, xi).2.map(|x| share * x));
             Ok(face.nodes.iter().zip(shape.places()).map(at).collect())
@@ -196,7 +198,7 @@ impl FluidWall {
         self.faces.iter().enumerate().map(on).collect()
     }
 
-    /// The unit normal at each node of a face; nothing at nodes of none.
+    /// The unit normal at each node, `None` for nodes without a face.
     fn normals(&self) -> Result<Vec<Option<Vector<f64>>>, FluidWallError> {
         let faces = self.face_normals()?;
         let mut sums: Vec<Option<Vector<f64>>> = vec![None; self.fluid.len()];
@@ -216,7 +218,7 @@ impl FluidWall {
     }
 }
 
-/// The unit vector, or zero where there is no direction, which no cosine passes.
+/// The unit vector, or zero if x has no direction; zero fails every check of the cosine.
 fn or_zero(x: Vector<f64>) -> Vector<f64> {
     let mut normal = unit(x).unwrap_or_default();
     clean(normal.iter_mut(), 1.0);

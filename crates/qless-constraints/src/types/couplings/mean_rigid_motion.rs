@@ -1,7 +1,8 @@
-//! `min_q sum_k w_k (u_k - d_k . q)^2`: the rigid motion `q = (v, omega)` that is nearest to what is observed of it.
+//! `min_q sum_k w_k (u_k - d_k . q)^2`: the rigid motion `q = (v, omega)` that fits observed displacements best.
 //!
-//! With `A = diag(sqrt w) D = U S V^T`, about the centre of the observations and with rotations as lengths:
-//! `p . q = sum_k a_k u_k`, `a = diag(sqrt w) U S^-1 V^T p`. Motions with a singular value that is rounding are not determined.
+//! About the centre of the observations, with rotations scaled to lengths, let `A = diag(sqrt w) D = U S V^T`. Then `p
+//! . q = sum_k a_k u_k` with `a = diag(sqrt w) U S^-1 V^T p`. Motions whose singular value is only rounding are
+//! undetermined.
 
 use std::collections::BTreeMap;
 
@@ -13,37 +14,39 @@ use super::svd::{JacobiSvd, svd};
 use crate::geometry::surface::Surface;
 use crate::scalar::vector::{Vector, add, cross, scale};
 
-/// Singular values below this part of the largest are zero: nodes that are in a line to some ten parts in a billion.
+/// Singular values below this share of the largest count as zero: nodes that deviate from a line by less than about
+/// 1e-8 of its length.
 const LEAST: f64 = 1e-8;
-/// Sums and differences behind an arm, in units in the last place of the coordinates.
+/// Relative error of an arm: a few operations on the coordinates.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// A component of the motion of a point that is seen.
+/// One observed component of the motion of a point.
 #[derive(Clone, Copy)]
 pub struct MotionObservation {
     pub at: Vector<f64>,
-    /// What it is along, or about.
+    /// Direction of the translation, or axis of the rotation.
     pub axis: Vector<f64>,
     pub is_rotation: bool,
-    /// The square root of its weight; for rotations times a length.
+    /// Square root of the weight, for rotations times a length.
     pub root: f64,
 }
 
-/// The nearest motion, as linear functions of what is observed.
+/// The best fit: a linear function of the observed components.
 pub struct RigidMotionFit {
     factors: JacobiSvd,
     roots: Vec<f64>,
     centre: Vector<f64>,
-    /// The length that a rotation is multiplied with.
+    /// The scale of rotations, a length.
     length: f64,
-    /// Singular values up to this one count as zero.
+    /// Largest singular value that counts as zero.
     least: f64,
-    /// What rounding of the coordinates makes of a unit in the last place, relative to the arms.
+    /// Size of the coordinates over the size of the arms, at least 1: the factor by which the rounding of coordinates
+    /// grows.
     pub blur: f64,
 }
 
 impl RigidMotionFit {
-    /// O(m) for m observations.
+    /// Fits m observations. Cost: O(m).
     pub fn new(seen: &[MotionObservation]) -> Self {
         let (centre, size) = centre(seen);
         let spread = seen.iter().map(|o| norm_of(arm_from(o.at, centre, size))).fold(0.0, f64::max);
@@ -58,11 +61,11 @@ impl RigidMotionFit {
         Self { factors, roots, centre, length: unit / balance, least, blur }
     }
 
-    /// The factors of the observations in `motion . q`, with the motion q of a reference that is at `place`.
+    /// Factors of the observations in `motion . q`, where q is the motion of a reference at `place`.
     pub fn factors_of(&self, motion: [f64; 6], place: Vector<f64>) -> Result<Vec<f64>, CouplingError> {
         let p = self.about_centre(motion, place);
         let v = |j: usize| (0..6).map(|i| self.factors.v[i][j] * p[i]).sum::<f64>();
-        // Not `<=`: what is not a number is not determined.
+        // Written so that NaN counts as undetermined.
         let seen = |j: &usize| self.factors.values[*j] > self.least;
         let unseen: Vec<usize> = (0..6).filter(|j| !seen(j)).collect();
         let missed = unseen.iter().fold(0.0, |sum: f64, &j| sum.hypot(v(j)));
@@ -78,13 +81,14 @@ impl RigidMotionFit {
         Ok(self.factors.scaled.iter().zip(&self.roots).map(of).collect())
     }
 
-    /// `motion . q(place)` in the scaled motion of the centre: `d . (v + omega x a) + t . omega = d . v + (a x d + t) . omega`.
+    /// `motion . q(place)` in terms of the scaled motion of the centre: `d . (v + omega x a) + t . omega = d . v + (a
+    /// x d + t) . omega`.
     fn about_centre(&self, [a, b, c, d, e, f]: [f64; 6], place: Vector<f64>) -> [f64; 6] {
         let turn = add(cross(arm(place, self.centre), [a, b, c]), [d, e, f]);
         [a, b, c, turn[0] / self.length, turn[1] / self.length, turn[2] / self.length]
     }
 
-    /// Names the motion that is not seen and that moves the component most, as it is at the reference.
+    /// Error with the undetermined motion of the reference that moves the component most.
     fn undetermined(
         &self,
         motion: [f64; 6],
@@ -104,18 +108,18 @@ impl RigidMotionFit {
     }
 }
 
-/// Without squares, which overflow.
+/// Norm without squares, which may overflow.
 fn norm_of(x: Vector<f64>) -> f64 {
     x[0].hypot(x[1]).hypot(x[2])
 }
 
-/// The weighted mean of the places, from the first of them on, and the largest coordinate.
+/// The weighted mean of the positions, computed relative to the first, and the largest coordinate.
 fn centre(seen: &[MotionObservation]) -> (Vector<f64>, f64) {
     let Some(first) = seen.first() else { return ([0.0; 3], 0.0) };
     let most = seen.iter().fold(0.0, |most: f64, o| most.max(o.root));
     let weight = |o: &MotionObservation| (o.root / most).powi(2);
     let of = |o: &&MotionObservation| !o.is_rotation;
-    // Translations alone have arms; where there are none, any centre will do.
+    // Only translations depend on arms; without translations, any centre will do.
     let total: f64 = seen.iter().filter(of).map(weight).sum();
     let part = |o: &MotionObservation| scale(weight(o) / total, arm(o.at, first.at));
     let mean = if total > 0.0 { seen.iter().filter(of).map(part).fold([0.0; 3], add) } else { [0.0; 3] };
@@ -123,7 +127,7 @@ fn centre(seen: &[MotionObservation]) -> (Vector<f64>, f64) {
     (add(first.at, mean), size)
 }
 
-/// The arm from the centre, a rounded number: what is rounding of it is zero.
+/// The arm from the centre. Components that are only rounding are zero.
 fn arm_from(at: Vector<f64>, centre: Vector<f64>, size: f64) -> Vector<f64> {
     arm(at, centre).map(|x| if x.abs() <= ROUNDING / 4.0 * size { 0.0 } else { x })
 }
@@ -133,7 +137,7 @@ fn row(seen: &MotionObservation, r: Vector<f64>, unit: f64) -> [f64; 6] {
     [a, b, c, d / unit, e / unit, f / unit].map(|x| seen.root * x)
 }
 
-/// What makes rotations weigh as much as translations, so that neither is small beside the other.
+/// The factor that gives rotations the same total weight as translations, for a good condition.
 fn balance(rows: &[[f64; 6]]) -> f64 {
     let size = |columns: std::ops::Range<usize>| {
         rows.iter().flat_map(|row| &row[columns.clone()]).fold(0.0, |sum: f64, x| sum.hypot(*x))
@@ -142,7 +146,7 @@ fn balance(rows: &[[f64; 6]]) -> f64 {
     if translations > 0.0 && rotations > 0.0 { translations / rotations } else { 1.0 }
 }
 
-/// What the points of integration see of the motion of the face.
+/// The mean rigid motion of a face, `argmin int |u - v - omega x r|^2 dA`, as a function of the DOFs of its nodes.
 pub struct MeanRigidMotion {
     points: Vec<GaussPoint>,
     fit: RigidMotionFit,
@@ -159,7 +163,7 @@ impl MeanRigidMotion {
         Self { points, fit }
     }
 
-    /// `sum_g a_g N_i(x_g)` for each DOF of the face.
+    /// Terms of `motion . q`: `sum_g a_g N_i(x_g)` for each DOF of the face, where q is the mean motion at `place`.
     pub fn terms(
         &self,
         face: &Surface<3>,
@@ -182,7 +186,8 @@ impl MeanRigidMotion {
     }
 }
 
-/// Gives what is missing to a sum to the largest: far from the origin rounding that is left out is more than that of a translation.
+/// Adds what is missing to the given sum to the largest entry: far from the origin, the dropped rounding would change
+/// a translation.
 fn complete<'a>(parts: impl Iterator<Item = &'a mut f64>, sum: f64) {
     let parts: Vec<&mut f64> = parts.collect();
     let missing = sum - parts.iter().map(|a| **a).sum::<f64>();

@@ -1,6 +1,7 @@
-//! Couplings of nodes with translations and rotations: rigid (RBE2), in the mean (RBE3), beam or shell to solid, fluid to wall.
+//! Couplings of nodes with translations and rotations: rigid bodies (RBE2), weighted averages (RBE3), beams or shells
+//! on solids, fluids at walls.
 //!
-//! All are rows of `sum_j a_j u_j = d . q`, with the motion `q = (u_r, theta)` of a reference node.
+//! Every linear equation has the form `sum_j a_j u_j = d . q`, with the motion `q = (u_r, theta)` of a reference node.
 
 mod average;
 mod beam_solid;
@@ -23,13 +24,15 @@ pub use node6::{Axes, AxesError, Component, Local, Node6};
 pub use rigid_body::{RigidBody, SmallRigidBody};
 pub use shell_solid::{ShellToSolid, ThicknessLine};
 
-/// What stays of the shape of the cross-section.
+/// How a cross-section may deform.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Section {
-    /// It is rigid: `u_i = u_r + theta x r_i` at each node. Lateral contraction is held.
+    /// The section is rigid: `u_i = u_r + theta x r_i` at each node. Lateral contraction is prevented.
     Rigid,
-    /// It stays plane and is free to contract: across it each node follows the rigid motion, within it their mean does.
+    /// The section stays plane, but may contract: its nodes follow the rigid motion out of the plane, and only on
+    /// average within the plane.
     Plane,
-    /// It is free to warp and to contract: the beam or shell moves as the mean of the face; a load on it is spread over the face.
+    /// The section may warp and contract: the beam or shell follows the mean motion of the face, and a load on it is
+    /// distributed over the face.
     Mean,
 }

@@ -1,4 +1,4 @@
-//! A node with up to six DOFs, and the names of its components.
+//! Nodes with up to six DOFs, their components and local axes.
 
 use super::rigid_motion::{about, along, axis, clean};
 use crate::geometry::node::Point;
@@ -25,7 +25,7 @@ impl Component {
     /// All six, in the order of the DOFs of a [`Node6`].
     pub const ALL: [Self; 6] = [Self::X, Self::Y, Self::Z, Self::TurnX, Self::TurnY, Self::TurnZ];
 
-    /// What an equation for this component is called: translations by their axis alone.
+    /// Name of an equation for this component.
     pub(crate) fn short_name(self) -> &'static str {
         ["x", "y", "z", "rotation x", "rotation y", "rotation z"][self as usize]
     }
@@ -42,11 +42,11 @@ impl std::fmt::Display for Component {
     }
 }
 
-/// A node in space with translations and rotations, of which any may be missing.
+/// A node in space with translations and rotations. Any of them may be missing.
 ///
-/// A DOF that is `None` is one that the node does not have, or that takes no part in the constraint: so component lists are
-/// written. Rotations are small, or the components of one rotation vector; radians. With [`Node6::along`] the components that take
-/// part are those along local axes; DOFs always are along x, y and z.
+/// A DOF is `None` if the node does not have it or if it is not coupled: this is how component lists are written.
+/// Rotations are small, or components of one rotation vector, in radians. [`Node6::along`] selects components along
+/// local axes; the DOFs are always along x, y and z.
 ///
 /// ```
 /// use qless_constraints::types::{Axes, Component, Node6, Point};
@@ -68,30 +68,30 @@ pub struct Node6 {
     pub dofs: [Option<usize>; 6],
     /// Coordinates at u = 0, a length.
     pub at: Vector<f64>,
-    /// The components that take part, if they are not those of the DOFs.
+    /// Selected components along local axes; `None` if the DOFs select the components.
     pub local: Option<Local>,
 }
 
 /// Components along local axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Local {
-    /// The axes: `X` is the first of them, `TurnX` the rotation about it.
+    /// The axes: `X` is along the first, `TurnX` about it.
     pub axes: Axes,
-    /// Which of [`Component::ALL`] take part.
+    /// Whether each of [`Component::ALL`] is coupled.
     pub listed: [bool; 6],
 }
 
-/// A component that takes part: `sum a_j u_j`, its value at the node.
+/// A coupled component of a node: `sum a_j u_j`.
 pub(crate) struct CoupledComponent {
     pub component: Component,
-    /// The axis that it is along or about.
+    /// Direction of a translation, or axis of a rotation.
     pub axis: Vector<f64>,
-    /// What it is in the DOFs of the node.
+    /// The component as terms in the DOFs of the node.
     pub terms: Vec<(usize, f64)>,
 }
 
 impl CoupledComponent {
-    /// Its row in the motion of a point at the end of the arm r.
+    /// The component as a row in the rigid motion of a reference, from which r is the arm to the node.
     pub fn row(&self, r: Vector<f64>) -> [f64; 6] {
         if self.component.is_rotation() { about(self.axis) } else { along(self.axis, r) }
     }
@@ -104,7 +104,7 @@ impl Node6 {
         Self { dofs: [a, b, c, d, e, f].map(Some), at, local: None }
     }
 
-    /// The node with those of its components alone that are listed.
+    /// The node with only the listed components.
     #[must_use]
     pub fn only(self, components: impl IntoIterator<Item = Component>) -> Self {
         if let Some(Local { axes, listed }) = self.local {
@@ -115,9 +115,9 @@ impl Node6 {
         Self { dofs, ..self }
     }
 
-    /// The node with those of its components along local axes alone that are listed, whatever was listed before.
+    /// The node with only the listed components along local axes. Earlier selections are overridden.
     ///
-    /// It must have the DOFs that they are made of: along an oblique axis all three.
+    /// The node must have all DOFs that these components depend on: three for an oblique axis.
     #[must_use]
     pub fn along(self, axes: Axes, components: impl IntoIterator<Item = Component>) -> Self {
         let mut listed = [false; 6];
@@ -125,13 +125,13 @@ impl Node6 {
         Self { local: Some(Local { axes, listed }), ..self }
     }
 
-    /// Whether a component takes part.
+    /// Whether a component is coupled.
     pub(crate) fn has(&self, component: Component) -> bool {
         let k = component as usize;
         self.local.map_or(self.dofs[k].is_some(), |local| local.listed[k])
     }
 
-    /// Whether any does.
+    /// Whether any component is coupled.
     pub(crate) fn has_any(&self) -> bool {
         Component::ALL.into_iter().any(|component| self.has(component))
     }
@@ -142,7 +142,7 @@ impl Node6 {
         self.local.map_or(axis(k), |local| local.axes.rows()[k])
     }
 
-    /// A component that takes part; nothing if it does not, or a DOF that it is made of is missing.
+    /// The terms of a component. `None` if it is not coupled, or if it depends on a missing DOF.
     pub(crate) fn coupled(&self, component: Component) -> Option<CoupledComponent> {
         let (axis, first) = (self.axis(component), component as usize / 3 * 3);
         let used = (0..3).filter(|&k| axis[k] != 0.0);
@@ -150,19 +150,19 @@ impl Node6 {
         self.has(component).then_some(CoupledComponent { component, axis, terms })
     }
 
-    /// The components that take part, as [`super::equations::check`] has found them to be there.
+    /// The coupled components. [`super::equations::check`] has refused missing DOFs.
     pub(crate) fn coupled_components(&self) -> impl Iterator<Item = CoupledComponent> + use<> {
         let node = *self;
         Component::ALL.into_iter().filter_map(move |component| node.coupled(component))
     }
 
-    /// A component that takes part but has not all of the DOFs that it is made of.
+    /// A coupled component that depends on a missing DOF.
     pub(crate) fn without_dofs(&self) -> Option<Component> {
         let lacks = |component: &Component| self.has(*component) && self.coupled(*component).is_none();
         if self.local.is_some() { Component::ALL.into_iter().find(lacks) } else { None }
     }
 
-    /// What the equation of a component is called.
+    /// Name of the equation of a component.
     pub(crate) fn name(&self, component: Component) -> String {
         if self.local.is_some() {
             format!("local {}", component.short_name())
@@ -171,7 +171,7 @@ impl Node6 {
         }
     }
 
-    /// The same, with its kind.
+    /// The same, with "translation" or "rotation".
     pub(crate) fn long_name(&self, component: Component) -> String {
         if self.local.is_some() { format!("local {component}") } else { component.to_string() }
     }
@@ -185,10 +185,10 @@ impl From<Point> for Node6 {
     }
 }
 
-/// Sine of the angle between two directions below which they make no plane.
+/// Directions are parallel if the sine of their angle is below this.
 const PARALLEL: f64 = 1e-8;
 
-/// Local axes, right-handed and of length one: rectangular ones, or the radial, the circumferential and the axial direction at a point.
+/// Local axes, a right-handed system of unit vectors: Cartesian, or radial, circumferential and axial at a point.
 ///
 /// ```
 /// use qless_constraints::types::Axes;
@@ -205,25 +205,26 @@ pub struct Axes {
     rows: [Vector<f64>; 3],
 }
 
-/// Why there are no local axes.
+/// Why local axes cannot be made.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum AxesError {
-    /// The vectors make no plane.
+    /// The vectors do not span a plane.
     #[error("{first:?} and {second:?} are parallel, zero or not finite; give two directions that differ")]
     NoPlane {
         /// The direction of an axis.
         first: Vector<f64>,
-        /// What the plane goes through.
+        /// The other vector.
         second: Vector<f64>,
     },
 }
 
 impl Axes {
-    /// The first axis along `x`, the second in the plane of `x` and `xy`, on its side; of any lengths.
+    /// The first axis is along `x`; the second lies in the plane of `x` and `xy`, on the side of `xy`. The vectors may
+    /// have any length.
     ///
     /// # Errors
-    /// [`AxesError`] if the two are parallel to a part in 1e8, zero or not finite.
+    /// [`AxesError`] if a vector is zero or not finite, or the sine of their angle is below 1e-8.
     pub fn new(x: Vector<f64>, xy: Vector<f64>) -> Result<Self, AxesError> {
         let fault = AxesError::NoPlane { first: x, second: xy };
         let (first, other) = (unit(x).ok_or(fault)?, unit(xy).ok_or(fault)?);
@@ -232,10 +233,11 @@ impl Axes {
         Ok(Self { rows: cleaned([first, second, third]) })
     }
 
-    /// At the point `at`: away from the line through `origin` along `axis`, around it, and along it.
+    /// Cylindrical axes at the point `at`: radial, circumferential and axial, for the line through `origin` along
+    /// `axis`.
     ///
     /// # Errors
-    /// [`AxesError`] if the point is on the line, to a part in 1e8 of its distance from `origin`.
+    /// [`AxesError`] if the point lies on the line, up to 1e-8 of its distance from `origin`.
     pub fn cylindrical(origin: Vector<f64>, axis: Vector<f64>, at: Vector<f64>) -> Result<Self, AxesError> {
         let arm = sub(at, origin);
         let fault = AxesError::NoPlane { first: axis, second: arm };
@@ -245,7 +247,7 @@ impl Axes {
         Ok(Self { rows: cleaned([out, around, along]) })
     }
 
-    /// The three axes, one after the other.
+    /// The three axes.
     pub fn rows(&self) -> [Vector<f64>; 3] {
         self.rows
     }
@@ -255,11 +257,11 @@ impl Axes {
 fn across(e: Vector<f64>, other: Vector<f64>) -> Option<Vector<f64>> {
     let part = |x: Vector<f64>| sub(x, scale(dot(e, x), e));
     let rest = part(other);
-    // Once more: what is left of the first is rounding that a short rest makes large.
+    // Orthogonalise again: a short remainder of the first pass contains enlarged rounding.
     if norm(rest) > PARALLEL { unit(part(rest)) } else { None }
 }
 
-/// Components that are rounding would be coefficients.
+/// Sets components that are only rounding to zero; they would become coefficients.
 fn cleaned(mut rows: [Vector<f64>; 3]) -> [Vector<f64>; 3] {
     rows.iter_mut().for_each(|row| clean(row.iter_mut(), 1.0));
     rows

@@ -1,4 +1,5 @@
-//! `u_i = u_r + theta x (X_i - X_r)`, `theta_i = theta`: nodes that move as a rigid body, for small rotations.
+//! Nodes that move as a rigid body: `u_i = u_r + theta x (X_i - X_r)` for small rotations, `x_i = x_r + R (X_i - X_r)`
+//! for finite ones.
 
 use super::equations::{RepeatedNodes, check, follow};
 use super::rigid_motion::arm;
@@ -14,17 +15,18 @@ use crate::types::joints::relative::{relative, rotation_vectors};
 use crate::types::{Component, CouplingError, Node6};
 use crate::{Constraint, Nonlinear, Store};
 
-/// A rigid link (one node) or rigid body (many) for small rotations. Also known as RBE2.
+/// A rigid link (one node) or rigid body (many nodes) for small rotations. Also known as RBE2.
 ///
-/// `u_i = u_r + theta x (X_i - X_r)` and `theta_i = theta`, one equation for each component that a node has: leave DOFs out
-/// (`None`, [`Node6::only`]) and these components stay free, as with a list of components on a card. Planar models leave out
-/// what they do not have, on both sides: a DOF that the reference lacks must have the factor zero. Components may be those along
-/// local axes, of each node its own ([`Node6::along`]): `e . u_i = e . (u_r + theta x (X_i - X_r))`.
+/// `u_i = u_r + theta x (X_i - X_r)` and `theta_i = theta`, one equation for each component of a node. Omitted DOFs
+/// (`None`, [`Node6::only`]) stay free, as with a list of components in a deck. In planar models, both sides omit the
+/// other DOFs: a DOF that the reference lacks must have the factor zero. Components may be along local axes of each
+/// node ([`Node6::along`]): `e . u_i = e . (u_r + theta x (X_i - X_r))`.
 ///
-/// DOFs removed: one for each equation; all are independent, as each has a DOF of its own. Two bodies that share nodes are redundant
-/// (or in conflict) in what these nodes say twice. Units: lengths for translations, radians for rotations.
+/// DOFs removed: one per equation. All equations are independent, as each has a DOF of its own. If two bodies share
+/// nodes, some of their equations are redundant or conflicting. Units: lengths for translations, radians for
+/// rotations.
 ///
-/// Source: RBE2 of Nastran; kinematics of a rigid body, linear in theta.
+/// Source: RBE2 of Nastran; the kinematics of a rigid body, linear in theta.
 ///
 #[doc = include_str!("../../../docs/pictures/small_rigid_body.svg")]
 ///
@@ -51,9 +53,9 @@ use crate::{Constraint, Nonlinear, Store};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct SmallRigidBody {
-    /// The node that leads, with theta as its rotations.
+    /// The node that leads; theta are its rotations.
     pub reference: Node6,
-    /// The nodes that follow, with the components in which they do.
+    /// The nodes that follow, restricted to the components that do.
     pub nodes: Vec<Node6>,
 }
 
@@ -77,23 +79,24 @@ impl Constraint for SmallRigidBody {
     }
 }
 
-/// What the equation of a component is called.
+/// Name of the equation of a component.
 pub(super) fn equation_name(number: usize, nodes: usize, node: &Node6, component: Component) -> String {
     let short = node.name(component);
     if nodes == 1 { short } else { format!("node {}, {short}", number + 1) }
 }
 
-/// A rigid link (one node) or rigid body (many), exact for finite rotations.
+/// A rigid link (one node) or rigid body (many nodes), exact for finite rotations.
 ///
-/// `x_i = x_r + R (X_i - X_r)`, one equation for each translation that a node has: leave DOFs out (`None`, [`Node6::only`]) and these
-/// components stay free; along local axes ([`Node6::along`]) they are those of axes that turn with the body, `R e`. A node with rotations has a rotation vector, and `log(R^T R_i) = 0`, three angles in the axes of the body: it turns
-/// as the body does, which may have Euler parameters. Three rotations or none: single components of a rotation vector mean nothing.
-/// A node with Euler parameters is a [`Body`]: join it by a fixed joint.
+/// `x_i = x_r + R (X_i - X_r)`, one equation for each translation of a node. Omitted DOFs (`None`, [`Node6::only`])
+/// stay free. Components along local axes ([`Node6::along`]) are along axes `R e` that rotate with the body. A node
+/// with rotations has a rotation vector and three more equations, `log(R^T R_i) = 0`, angles in the axes of the body.
+/// The body may have a rotation vector or Euler parameters. A node has all three rotations or none: single components
+/// of a rotation vector have no meaning. A node with Euler parameters is a [`Body`]: join it by a fixed joint.
 ///
-/// DOFs removed: one for each equation; all are independent at any rotation, as each has a DOF of its own. Units: lengths for
-/// translations, radians for rotations.
+/// DOFs removed: one per equation. All equations are independent at every rotation, as each has a DOF of its own.
+/// Units: lengths for translations, radians for rotations.
 ///
-/// Source: RBE2 of Nastran, with the kinematics of a rigid body without linearisation.
+/// Source: RBE2 of Nastran, with the exact kinematics of a rigid body.
 ///
 #[doc = include_str!("../../../docs/pictures/rigid_body.svg")]
 ///
@@ -117,11 +120,11 @@ pub(super) fn equation_name(number: usize, nodes: usize, node: &Node6, component
 pub struct RigidBody {
     /// Position and rotation of the body.
     pub body: Body,
-    /// The nodes that follow, with the components in which they do.
+    /// The nodes that follow, restricted to the components that do.
     pub nodes: Vec<Node6>,
 }
 
-/// One translation of a node that follows: `c = X_k + u_k - x_k(body)`, the DOF of the node first.
+/// One translation of a node: `c = X_k + u_k - x_k(body)`. The DOF of the node comes first.
 struct BodyCoordinate {
     body: AttachedPoint,
     axis: usize,
@@ -139,7 +142,7 @@ impl Nonlinear for BodyCoordinate {
         rotation_vectors([(1 + self.body.kind.positions(), self.body.kind), (0, RotationKind::Ground)], found);
     }
 
-    /// Rotations of the body.
+    /// All pairs of rotations of the body.
     fn pairs(&self, dofs: usize, pair: &mut dyn FnMut(usize, usize)) {
         let first = 1 + self.body.kind.positions();
         (first..dofs).for_each(|j| (first..=j).for_each(|k| pair(j, k)));
@@ -147,7 +150,7 @@ impl Nonlinear for BodyCoordinate {
 }
 
 impl RigidBody {
-    /// Translations: three at once, or one by one.
+    /// Equations for the translations of node i: all three together, or one by one.
     fn translations(&self, store: &mut Store, i: usize) {
         let node = self.nodes[i];
         if let Some(point) = point(&node).filter(|_| Component::ALL[..3].iter().all(|&k| node.has(k))) {
@@ -163,7 +166,7 @@ impl RigidBody {
         }
     }
 
-    /// `X_k + u_k - x_k(body) = 0`.
+    /// Adds `X_k + u_k - x_k(body) = 0`.
     fn coordinate(&self, store: &mut Store, name: String, at: Vector<f64>, (axis, dof): (usize, usize)) {
         let parameters = BodyCoordinate { body: self.body.attach(at), axis, at: at[axis] };
         store.numbers(at);
@@ -171,14 +174,14 @@ impl RigidBody {
         store.nonlinear(name, &[vec![dof], self.body.dofs()].concat(), parameters);
     }
 
-    /// `log(R^T R_i) = 0`.
+    /// Adds `log(R^T R_i) = 0`.
     fn rotations(&self, store: &mut Store, i: usize) -> Result<(), CouplingError> {
         let node = self.nodes[i];
         let listed = Component::ALL[3..].iter().filter(|&&component| node.has(component)).count();
         match (listed, &node.dofs[3..]) {
             (0, _) => Ok(()),
             (3, &[Some(x), Some(y), Some(z)]) => {
-                // Rotations alone count; any position will do.
+                // The equations use only the rotations, so the position is arbitrary.
                 let follower = Body::with_vector(self.body.position, node.at, [x, y, z]);
                 relative(store, self.name(i), &self.body, &follower, Aligned);
                 Ok(())
@@ -187,7 +190,7 @@ impl RigidBody {
         }
     }
 
-    /// Which node it is, if there are several.
+    /// Name of node i; empty if there is only one.
     fn name(&self, i: usize) -> String {
         if self.nodes.len() == 1 { String::new() } else { format!("node {}", i + 1) }
     }
@@ -213,13 +216,13 @@ impl Constraint for RigidBody {
     }
 }
 
-/// A node with all three translations.
+/// The node as a point, if it has all three translations.
 fn point(node: &Node6) -> Option<Point> {
     let [x, y, z, ..] = node.dofs;
     Some(Point::new([x?, y?, z?], node.at))
 }
 
-/// The body's place and its DOFs, the fourth Euler parameter left out.
+/// The body as a node for the checks, without the fourth Euler parameter.
 fn lead(body: &Body) -> Node6 {
     let r = body.rotation_dofs();
     Node6::new(body.position, [r[0], r[1], r[2]], body.at)

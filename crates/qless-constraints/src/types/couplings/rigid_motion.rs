@@ -1,20 +1,19 @@
-//! `r = X - X_r`, and the row of a rigid motion `q = (u_r, theta)` at its end: `d . (u_r + theta x r)`.
+//! Rigid motion of a point: with the arm `r = X - X_r` and `q = (u_r, theta)`, the row of `d . (u_r + theta x r)`.
 
 use crate::scalar::vector::{Vector, cross};
 
-/// Below this part of the largest factor of its kind a factor is rounding: a few operations lie behind each.
+/// Factors below this share of the largest of their kind are rounding.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-/// Sets factors of one kind to zero that are `blur` times the rounding of the largest; NaN stays.
+/// Sets factors to zero that are at most `blur` times the rounding of the largest. NaN stays.
 pub fn clean<'a>(factors: impl Iterator<Item = &'a mut f64>, blur: f64) {
     let mut factors: Vec<&mut f64> = factors.collect();
     let largest = factors.iter().fold(0.0, |most: f64, factor| most.max(factor.abs()));
     factors.iter_mut().filter(|factor| factor.abs() <= ROUNDING * blur * largest).for_each(|factor| **factor = 0.0);
 }
 
-/// `x - origin`; a component that is no more than the rounding of the coordinates is zero.
-///
-/// Each coordinate is a rounded number, so that a difference below two units in the last place of them says nothing.
+/// `x - origin`. Components that are only rounding of the coordinates are zero: a difference below two units in the
+/// last place of rounded numbers has no meaning.
 pub fn arm(x: Vector<f64>, origin: Vector<f64>) -> Vector<f64> {
     std::array::from_fn(|k| {
         let (difference, rounding) = (x[k] - origin[k], 2.0 * f64::EPSILON * x[k].abs().max(origin[k].abs()));
@@ -34,7 +33,7 @@ pub fn about(e: Vector<f64>) -> [f64; 6] {
     [0.0, 0.0, 0.0, e[0], e[1], e[2]]
 }
 
-/// The unit vector along an axis of space.
+/// The unit vector along a coordinate axis.
 pub fn axis(k: usize) -> Vector<f64> {
     std::array::from_fn(|i| f64::from(u8::from(i == k)))
 }
@@ -49,7 +48,7 @@ mod tests {
         assert!(arm([f64::NAN, 0.0, f64::INFINITY], [0.0; 3])[0].is_nan());
     }
 
-    /// `theta x r` with the definition, for unit vectors.
+    /// The rows agree with the definition, `theta x r`.
     #[test]
     fn rows_are_those_of_a_rigid_motion() {
         let (r, theta, shift) = ([2.0, -3.0, 5.0], [0.5, 0.25, -1.0], [1.0, 2.0, 3.0]);

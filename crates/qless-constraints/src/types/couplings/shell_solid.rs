@@ -1,4 +1,4 @@
-//! `u_s + theta x r`: the edge of a shell and the side of a solid, line by line through the thickness.
+//! `u_s + theta x r`: the edge of a shell joined to the side of a solid, line by line through the thickness.
 
 use super::equations::{DofOwners, follow};
 use super::error::{CouplingError, LineFault};
@@ -11,24 +11,27 @@ use crate::geometry::surface::Surface;
 use crate::scalar::vector::{Vector, add, cross, dot, norm, perpendicular, scale, unit};
 use crate::{Constraint, Store};
 
-/// The edge of a shell joined to the side of a solid, for small rotations: each shell node with its line of solid nodes.
+/// The edge of a shell joined to the side of a solid, for small rotations: each shell node with a line of solid nodes.
 ///
-/// With the direction d of the line, `e_1`, `e_2` perpendicular to it, `r_i = X_i - X_s`, and for each line one of
+/// Let d be the direction of the line, `e_1` and `e_2` perpendicular to it, and `r_i = X_i - X_s`. The equations of
+/// each line are one of
 ///
 /// - [`Section::Rigid`]: `u_i = u_s + theta x r_i` at each of its n nodes, 3 n equations;
-/// - [`Section::Plane`]: `e . u_i = e . (u_s + theta x r_i)` for `e_1` and `e_2` at each node, and along d the mean: `2 n + 1`;
-/// - [`Section::Mean`]: `sum_i w_i (u_i - u_s - theta x r_i) = 0`, and `e . sum_i m_i (u_i - u_s - theta x r_i) = 0` for `e_1` and
-///   `e_2`: 5 equations.
+/// - [`Section::Plane`]: `e . u_i = e . (u_s + theta x r_i)` for `e_1` and `e_2` at each node, and the mean along d,
+///   `2 n + 1` equations;
+/// - [`Section::Mean`]: `sum_i w_i (u_i - u_s - theta x r_i) = 0`, and `e . sum_i m_i (u_i - u_s - theta x r_i) = 0`
+///   for `e_1` and `e_2`, 5 equations.
 ///
-/// `w_i = int N_i dA` is the tributary area of a node on the side of the solid, `m_i = int N_i z dA` with the height z along the
-/// line above the centre of the `w_i`. So `Mean` hands over the nodal forces of a stress that is linear through the thickness and
-/// the same along the edge, exactly, also for quadratic faces. The rotation about d, which moves no node of a straight line,
-/// is not coupled: hold it at the shell, as elsewhere on it.
+/// `w_i = int N_i dA` is the tributary area of a node on the side of the solid, and `m_i = int N_i z dA`, where z is
+/// the height along the line above the centre of the `w_i`. So `Mean` applies exactly the nodal forces of a stress
+/// that is linear through the thickness and constant along the edge, also for quadratic faces. The rotation about d
+/// moves no node of a straight line. It is not coupled, and must be held at the shell, as elsewhere in the shell.
 ///
-/// DOFs removed: as many as equations; they are independent. Units: lengths for translations, radians for rotations; the choice
-/// of the unit of length changes nothing. Cost: O(nodes + faces).
+/// DOFs removed: one per equation; they are independent. Units: lengths for translations, radians for rotations; the
+/// unit of length does not matter. Cost: O(nodes + faces).
 ///
-/// Source: resultants as in Reissner-Mindlin theory, `n = int sigma dz`, `m = int z sigma dz`, with the virtual work of both sides equal.
+/// Source: resultants of Reissner-Mindlin theory, `n = int sigma dz` and `m = int z sigma dz`, with equal virtual work
+/// on both sides.
 ///
 #[doc = include_str!("../../../docs/pictures/shell_to_solid.svg")]
 ///
@@ -53,15 +56,15 @@ use crate::{Constraint, Store};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShellToSolid {
-    /// One for each node of the shell's edge; every node of the faces is in one.
+    /// One line for each node of the shell's edge. Every node of the faces belongs to one line.
     pub lines: Vec<ThicknessLine>,
-    /// The side of the solid that the edge is joined to.
+    /// The side of the solid.
     pub face: Surface<3>,
-    /// What stays of the shape of the lines.
+    /// How the lines may deform.
     pub section: Section,
 }
 
-/// A node of a shell's edge and the nodes of the solid through the thickness there.
+/// A node of a shell's edge, and the solid nodes through the thickness there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ThicknessLine {
     /// The node of the shell.
@@ -70,7 +73,7 @@ pub struct ThicknessLine {
     pub nodes: Vec<usize>,
 }
 
-/// One line, and what it needs to write its equations.
+/// One line with the data of its equations.
 struct LineCoupling<'a> {
     number: usize,
     shell: &'a Node6,
@@ -79,7 +82,7 @@ struct LineCoupling<'a> {
 }
 
 impl LineCoupling<'_> {
-    /// `sum_i a_i e . (u_i - u_s - theta x r_i) = 0`.
+    /// Adds `sum_i a_i e . (u_i - u_s - theta x r_i) = 0`.
     fn equation(&self, store: &mut Store, a: &[f64], e: Vector<f64>, name: &str) -> Result<(), CouplingError> {
         let (mut terms, mut motion, mut sizes) = (Vec::new(), [0.0; 6], [0.0; 2]);
         for (&node, &a) in self.line.nodes.iter().zip(a) {
@@ -90,7 +93,7 @@ impl LineCoupling<'_> {
             (0..6).for_each(|k| motion[k] += a * own[k]);
             sizes = [sizes[0] + a.abs(), sizes[1] + a.abs() * norm(r)];
         }
-        // Weights sum to one and moments to zero: what rounding leaves of such sums is no factor.
+        // Weights sum to one and moments to zero: sums that are only rounding give no factor.
         let rounding = |k: usize| 64.0 * f64::EPSILON * sizes[k / 3];
         motion.iter_mut().enumerate().filter(|(k, x)| x.abs() <= rounding(*k)).for_each(|(_, x)| *x = 0.0);
         clean(terms.iter_mut().map(|(_, a)| a), 1.0);
@@ -124,7 +127,7 @@ impl LineCoupling<'_> {
 }
 
 impl ShellToSolid {
-    /// Each node has DOFs of its own, and each shell node a place; lines name nodes that are there.
+    /// Checks that each node has DOFs of its own, and that shell nodes have finite coordinates.
     fn check_dofs(&self) -> Result<(), CouplingError> {
         let mut owners = DofOwners::default();
         let fault = |line: usize, fault: LineFault| CouplingError::Line { line: line + 1, fault };
@@ -162,22 +165,22 @@ impl Constraint for ShellToSolid {
     }
 }
 
-/// How far a node may be beside the line, in lengths of it.
+/// Largest distance of a node from the line, relative to its length.
 const BENT: f64 = 0.01;
-/// Sums of weights below this part of their terms are zero.
+/// Sums of weights below this share of the sum of their absolute values are zero.
 const NOTHING: f64 = 1e-8;
 
-/// A line that is straight and near its shell node.
+/// A straight line near its shell node, with the shares `w_i = int N_i dA` and `m_i = int N_i z dA` of its nodes.
 pub struct LineShares {
     pub direction: Vector<f64>,
-    /// Nodes of the surface.
+    /// Indices of its nodes in the surface.
     pub nodes: Vec<usize>,
     origin: Vector<f64>,
     /// Heights of the nodes above the origin.
     heights: Vec<f64>,
-    /// `w_i`, then divided by their sum.
+    /// `w_i`, divided by their sum once normalised.
     pub weights: Vec<f64>,
-    /// `m_i`, then with a sum of zero and `sum m_i z_i = 1`: one over a length.
+    /// `m_i`; once normalised, their sum is zero and `sum m_i z_i = 1`. Unit: one over a length.
     pub moments: Vec<f64>,
 }
 
@@ -203,14 +206,14 @@ impl LineShares {
         Ok(Self { direction, nodes: line.nodes.clone(), origin, heights, weights: none.clone(), moments: none })
     }
 
-    /// Adds the share of a point of integration to its node at `place` of the line.
+    /// Adds the share of a quadrature point to the node at position `place` of the line.
     pub fn add(&mut self, place: usize, gauss: &GaussPoint, function: f64) {
         let share = gauss.weight() * function;
         self.weights[place] += share;
         self.moments[place] += share * dot(arm(gauss.at, self.origin), self.direction);
     }
 
-    /// Makes the weights a mean, and the moments those about the centre of the weights.
+    /// Scales the weights to a mean, and the moments to moments about the centre of the weights.
     pub fn normalise(&mut self) -> Result<(), LineFault> {
         let total = sum(self.weights.iter().copied())?;
         self.weights.iter_mut().for_each(|w| *w /= total);
@@ -222,13 +225,13 @@ impl LineShares {
     }
 }
 
-/// A sum that is more than rounding of its terms.
+/// A sum. An error if it is only rounding of its terms.
 fn sum(terms: impl Iterator<Item = f64> + Clone) -> Result<f64, LineFault> {
     let (total, size) = (terms.clone().sum::<f64>(), terms.map(f64::abs).sum::<f64>());
     if total > NOTHING * size { Ok(total) } else { Err(LineFault::NoArea) }
 }
 
-/// From the first place to the one farthest from it, made longer by what lies on the other side; and the length of the line.
+/// The vector between the outermost nodes, and its length.
 fn extent(arms: &[Vector<f64>]) -> (Vector<f64>, f64) {
     let far = arms.iter().copied().max_by(|&a, &b| size(a).total_cmp(&size(b))).unwrap_or_default();
     let (mut low, mut high) = ([0.0; 3], far);
@@ -247,7 +250,7 @@ fn size(x: Vector<f64>) -> f64 {
     x[0].hypot(x[1]).hypot(x[2])
 }
 
-/// The lines, with the shares of all faces; each node of a face is in one line.
+/// Computes the shares of all lines. Every node of a face must belong to a line.
 pub fn lines(
     lines: &[ThicknessLine],
     face: &Surface<3>,
@@ -267,7 +270,7 @@ pub fn lines(
     Ok(made)
 }
 
-/// The line of each node of the surface, and its place there.
+/// For each node of the surface, its line and its position there.
 fn places(lines: &[ThicknessLine], face: &Surface<3>) -> Result<Vec<Option<(usize, usize)>>, CouplingError> {
     let mut places = vec![None; face.nodes.len()];
     let mut on_face = vec![false; face.nodes.len()];

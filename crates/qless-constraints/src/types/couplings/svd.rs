@@ -1,26 +1,27 @@
-//! `A = U S V^T` by one-sided Jacobi rotations, A with six columns: accurate also for small singular values, and the same on any threads.
+//! `A = U S V^T` of a matrix with six columns, by one-sided Jacobi rotations. Small singular values are accurate.
 //!
-//! Demmel and Veselic, SIAM J. Matrix Anal. Appl., 1992. Columns that are orthogonal from the start are left as they are.
+//! Demmel and Veselic, SIAM J. Matrix Anal. Appl., 1992. Columns that are already orthogonal are not changed. The
+//! result does not depend on threads.
 
 type Row6 = [f64; 6];
 
-/// Sweeps before giving up; columns of any matrix are orthogonal after some eight.
+/// Maximum number of sweeps; about eight suffice for any matrix.
 const SWEEPS: usize = 40;
 
-/// The factors; columns of `scaled` are `U S`.
+/// The factors. The columns of `scaled` are those of `U S`.
 pub struct JacobiSvd {
     pub scaled: Vec<Row6>,
     pub values: Row6,
     pub v: [Row6; 6],
 }
 
-/// O(m) for m rows.
+/// Factors m rows. Cost: O(m).
 pub fn svd(rows: Vec<Row6>) -> JacobiSvd {
     let mut scaled = rows;
     let mut v: [Row6; 6] = std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
     let pairs = || (0..6).flat_map(|i| (i + 1..6).map(move |j| (i, j)));
     for _ in 0..SWEEPS {
-        let turned = pairs().filter(|&pair| turn(&mut scaled, &mut v, pair)).count();
+        let turned = pairs().filter(|&pair| orthogonalise(&mut scaled, &mut v, pair)).count();
         if turned == 0 {
             break;
         }
@@ -33,10 +34,10 @@ fn product(rows: &[Row6], i: usize, j: usize) -> f64 {
     rows.iter().map(|row| row[i] * row[j]).sum()
 }
 
-/// Makes two columns orthogonal; whether they were not.
-fn turn(scaled: &mut [Row6], v: &mut [Row6; 6], (i, j): (usize, usize)) -> bool {
+/// Makes two columns orthogonal. Returns whether they were not.
+fn orthogonalise(scaled: &mut [Row6], v: &mut [Row6; 6], (i, j): (usize, usize)) -> bool {
     let (a, b, both) = (product(scaled, i, i), product(scaled, j, j), product(scaled, i, j));
-    // Not `<=`: what is not a number is left alone.
+    // Written so that NaN is left alone.
     let oblique = both.abs() > 4.0 * f64::EPSILON * a.sqrt() * b.sqrt();
     if oblique {
         let zeta = (b - a) / (2.0 * both);
@@ -54,7 +55,7 @@ fn turn(scaled: &mut [Row6], v: &mut [Row6; 6], (i, j): (usize, usize)) -> bool 
 mod tests {
     use super::*;
 
-    /// `U S V^T = A`, V orthogonal, columns of `U S` orthogonal; a factor of 1e-9 between columns does no harm.
+    /// `U S V^T = A`, V is orthogonal, and so are the columns of `U S`; columns scaled by 1e-9 do no harm.
     #[test]
     fn factors_are_those_of_the_matrix() {
         let random = |k: u64| {
