@@ -1,4 +1,4 @@
-//! `sum_j a_j u_j = b` (Eq. 2): the equation that a user writes.
+//! Linear equations that name their DOFs: general (Eq. 2), driven in time, prescribed values, equal DOFs.
 
 use std::sync::Arc;
 
@@ -24,9 +24,9 @@ use crate::{Constraint, Store};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinearEquation {
-    /// `(DOF, a_j)`.
+    /// Terms `(DOF, a_j)`.
     pub terms: Vec<(usize, f64)>,
-    /// b.
+    /// The right-hand side b.
     pub rhs: f64,
 }
 
@@ -52,9 +52,9 @@ impl Constraint for LinearEquation {
     }
 }
 
-/// A linear equation `sum_j a_j u_j = b(t)`; with the one term `(j, 1)` a DOF that is prescribed in time.
+/// A linear equation `sum_j a_j u_j = b(t)`. With the single term `(j, 1)` it prescribes a DOF as a function of time.
 ///
-/// a has the unit that makes `a_j u_j` one of b; t is what [`crate::ConstraintSet::set_time`] is given, 0 before.
+/// All `a_j u_j` have the unit of b. t is the time of [`crate::ConstraintSet::set_time`], initially 0.
 ///
 #[doc = include_str!("../../docs/pictures/driven.svg")]
 ///
@@ -74,9 +74,9 @@ impl Constraint for LinearEquation {
 /// ```
 #[derive(Clone)]
 pub struct Driven {
-    /// `(DOF, a_j)`; terms on the same DOF are summed.
+    /// Terms `(DOF, a_j)`; terms on the same DOF are summed.
     pub terms: Vec<(usize, f64)>,
-    /// `b(t)`.
+    /// The right-hand side `b(t)`.
     pub rhs: Arc<dyn Fn(f64) -> f64 + Send + Sync>,
 }
 
@@ -118,7 +118,8 @@ impl Constraint for Driven {
     }
 }
 
-/// DOFs with given values, `u_j = v_j`; fixed where the value is zero.
+/// DOFs with prescribed values, `u_j = v_j`; fixed if the value is zero. As equations, they take part in the
+/// diagnosis.
 ///
 #[doc = include_str!("../../docs/pictures/prescribed.svg")]
 ///
@@ -190,7 +191,8 @@ impl Constraint for Prescribed {
 
 /// Equal DOFs: `u_i - u_0 = 0` for every DOF after the first.
 ///
-/// One equation less than there are DOFs, and as many removed. Rank is lost where two such lists share more than one DOF.
+/// One equation and one removed DOF for every DOF after the first. Two lists that share more than one DOF are
+/// redundant.
 ///
 #[doc = include_str!("../../docs/pictures/equal.svg")]
 ///
@@ -218,10 +220,10 @@ pub enum EqualError {
     /// Fewer than two DOFs.
     #[error("{found} DOF named; at least two are needed for them to be equal")]
     TooFew {
-        /// How many there are.
+        /// Number of DOFs given.
         found: usize,
     },
-    /// A DOF stands in the list twice.
+    /// A DOF is repeated.
     #[error("DOF {dof} stands in the list twice; a DOF is always equal to itself")]
     Repeated {
         /// The DOF, 0-based.
@@ -230,7 +232,7 @@ pub enum EqualError {
 }
 
 impl Equal {
-    /// These DOFs are equal.
+    /// Makes these DOFs equal.
     pub fn new(dofs: impl Into<Vec<usize>>) -> Self {
         Self { dofs: dofs.into() }
     }

@@ -1,10 +1,19 @@
-//! The constraint types, one file each.
+//! The constraint types.
 //!
-//! Lengths are in the unit of the coordinates, angles in radians. All DOFs are zero in the reference configuration, that is
-//! where the coordinates hold.
+//! | folder or file | types |
+//! | --- | --- |
+//! | `dof_equations` | linear, driven and prescribed equations, equal DOFs |
+//! | `ties` | nodes on elements and lines, h- and p-refinement, periodic and cyclic cells |
+//! | `mortar` | surfaces tied in the mean |
+//! | `couplings` | rigid bodies, averages, beams and shells on solids, fluids at walls |
+//! | `joints` | joints and motors of multibody systems |
+//! | `distance`, `on_line`, `on_plane`, `on_sphere`, `volume` | nonlinear conditions on points |
+//!
+//! Lengths are in the unit of the coordinates, angles in radians. The coordinates are those of the reference
+//! configuration, in which all DOFs are zero.
 
-// A new type has a page: a picture in `examples/pictures`, which that example writes to `docs/pictures`, a text under the same name in
-// `docs/types` with the headings of the others, and two lines before its `# Example` that put both there.
+// Each type has a page: a picture drawn in `examples/pictures`, which that example writes to `docs/pictures`, and a
+// text of the same name in `docs/types` with the usual headings. Two lines before `# Example` include both.
 
 mod couplings;
 mod distance;

@@ -1,6 +1,7 @@
-//! `c = (V(x) - V_0) / V_0^(2/3)`, `V = sum over triangles of a . (b x d) / 6`: a patch that keeps its volume.
+//! `c = (V(x) - V_0) / V_0^(2/3)`, `V = sum over triangles of a . (b x d) / 6`: a patch of tetrahedra with constant
+//! volume.
 //!
-//! The triangles are the outer faces of the tetrahedra of the patch (divergence theorem). The divisor makes c a length.
+//! The triangles are the outer faces of the patch (divergence theorem). The divisor makes c a length.
 
 use std::collections::HashMap;
 
@@ -9,7 +10,7 @@ use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, cross, dot, norm, sub};
 use crate::{Constraint, Nonlinear, Store};
 
-/// A patch of tetrahedra of constant volume, one equation.
+/// A patch of tetrahedra with constant volume, one equation.
 ///
 #[doc = include_str!("../../docs/pictures/volume.svg")]
 ///
@@ -35,7 +36,7 @@ use crate::{Constraint, Nonlinear, Store};
 pub struct Volume {
     /// The nodes of the patch.
     pub nodes: Vec<Point>,
-    /// Its tetrahedra, by places in the list of nodes; corner 4 on the side that 1, 2, 3 turn to the left towards.
+    /// Tetrahedra as indices into the nodes. Seen from corner 4, the corners 1, 2, 3 are counter-clockwise.
     pub tetrahedra: Vec<[usize; 4]>,
 }
 
@@ -43,17 +44,17 @@ pub struct Volume {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum VolumeError {
-    /// A tetrahedron names a node that is not in the list.
+    /// A tetrahedron names a missing node.
     #[error("tetrahedron {tetrahedron}, from 1, names node {node} (from 0), but the patch has {nodes}")]
     NoNode {
         /// The tetrahedron, from 1.
         tetrahedron: usize,
         /// The node, from 0.
         node: usize,
-        /// How many there are.
+        /// Number of nodes of the patch.
         nodes: usize,
     },
-    /// A tetrahedron is flat, to the rounding of its coordinates, or turned inside out.
+    /// A tetrahedron is inverted, or flat up to the rounding of its coordinates.
     #[error(
         "tetrahedron {tetrahedron}, from 1, has volume {volume}; it must be positive, and more than the rounding of its coordinates: \
          correct its corners or their order"
@@ -64,7 +65,7 @@ pub enum VolumeError {
         /// Its volume.
         volume: f64,
     },
-    /// Two tetrahedra are on the same side of a face that both have: they lie in one another, or are one tetrahedron given twice.
+    /// Two tetrahedra lie on the same side of a common face: they overlap, or are the same tetrahedron.
     #[error(
         "tetrahedra {first} and {second}, from 1, lie on the same side of the face that both have; take one out, or correct its corners"
     )]
@@ -80,7 +81,7 @@ pub enum VolumeError {
 }
 
 impl Volume {
-    /// V_0, after the check.
+    /// Checks the tetrahedra and returns `V_0`.
     fn volume(&self) -> Result<f64, VolumeError> {
         let mut total = 0.0;
         for (t, corners) in self.tetrahedra.iter().enumerate() {
@@ -97,9 +98,10 @@ impl Volume {
         if self.tetrahedra.is_empty() { Err(VolumeError::Empty) } else { Ok(total) }
     }
 
-    /// Faces that belong to one tetrahedron only, seen from outside, in the order of the tetrahedra.
+    /// Faces of only one tetrahedron, oriented outwards, in the order of the tetrahedra.
     ///
-    /// Two tetrahedra see a face that they share in opposite senses, which makes the outer faces a closed surface.
+    /// A shared face has opposite orientations in its two tetrahedra, so that the remaining faces form a closed
+    /// surface.
     fn outer_faces(&self) -> Result<Vec<[usize; 3]>, VolumeError> {
         let faces = |&[a, b, c, d]: &[usize; 4]| [[a, c, b], [a, b, d], [b, c, d], [c, a, d]].map(smallest_first);
         let all: Vec<[usize; 3]> = self.tetrahedra.iter().flat_map(faces).collect();
@@ -114,7 +116,7 @@ impl Volume {
     }
 }
 
-/// The same face in the same sense, its smallest node first.
+/// The same oriented face, with its smallest node first.
 fn smallest_first([a, b, c]: [usize; 3]) -> [usize; 3] {
     if a < b && a < c {
         [a, b, c]
@@ -125,7 +127,7 @@ fn smallest_first([a, b, c]: [usize; 3]) -> [usize; 3] {
     }
 }
 
-/// Of a tetrahedron; and what rounding of the coordinates, and of the products, can make of a flat one.
+/// Volume of a tetrahedron, and the volume that rounding can give to a flat one.
 fn volume([a, b, c, d]: [Vector<f64>; 4]) -> (f64, f64) {
     let [ab, ac, ad] = [b, c, d].map(|x| sub(x, a));
     let place = [a, b, c, d].into_iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
@@ -145,7 +147,7 @@ impl Constraint for Volume {
         used.dedup();
         let place = |node: usize| used.partition_point(|&u| u < node) as u32;
         let triangles: Vec<[u32; 3]> = faces.iter().map(|face| face.map(place)).collect();
-        // Coordinates from a node of the patch: no cancellation far away from the origin.
+        // Coordinates relative to a node of the patch avoid cancellation far from the origin.
         let origin = self.nodes[used[0]].at;
         let at = used.iter().map(|&node| sub(self.nodes[node].at, origin)).collect();
         let dofs: Vec<usize> = used.iter().flat_map(|&node| self.nodes[node].dofs).collect();
@@ -156,7 +158,7 @@ impl Constraint for Volume {
     }
 }
 
-/// The stored parameters of [`Volume`].
+/// The stored parameters of [`Volume`]: a closed surface of triangles.
 pub(super) struct ClosedSurface {
     at: Vec<Vector<f64>>,
     triangles: Vec<[u32; 3]>,
@@ -166,14 +168,14 @@ pub(super) struct ClosedSurface {
 }
 
 impl ClosedSurface {
-    /// From coordinates relative to a node, triangles of these, and `V_0`.
+    /// From coordinates relative to a node, triangles, and `V_0`.
     pub fn new(at: Vec<Vector<f64>>, triangles: Vec<[u32; 3]>, volume: f64) -> Self {
         let edges = edges(&triangles);
         Self { at, triangles, edges, volume, scale: volume.powf(-2.0 / 3.0) }
     }
 }
 
-/// Nodes joined by an edge, each once, ascending: the greater first.
+/// Edges between nodes, without repetition, ascending, the larger node first.
 fn edges(triangles: &[[u32; 3]]) -> Vec<(usize, usize)> {
     let sides = |&[a, b, d]: &[u32; 3]| [(a, b), (b, d), (d, a)];
     let ordered = |(a, b): (u32, u32)| (a.max(b) as usize, a.min(b) as usize);
@@ -192,7 +194,7 @@ impl Nonlinear for ClosedSurface {
         c[0] = (six / S::from(6.0) - S::from(self.volume)) * S::from(self.scale);
     }
 
-    /// Different components of nodes that an edge joins.
+    /// Different components of nodes joined by an edge.
     fn pairs(&self, _: usize, pair: &mut dyn FnMut(usize, usize)) {
         for &(j, k) in &self.edges {
             for row in 0..3 {
@@ -226,7 +228,7 @@ impl Nonlinear for ClosedSurface {
         for &[a, b, d] in &self.triangles {
             for (first, second, other) in [(a, b, d), (b, d, a), (d, a, b)] {
                 let x: Vector<f64> = moved(&self.at[other as usize], u, 3 * other as usize);
-                // d(a . (b x d)) / da_i db_j = e_ijk d_k; transposed, its sign changes.
+                // d(a . (b x d)) / da_i db_j = e_ijk d_k; the transposed entry has the opposite sign.
                 let sign = if first > second { factor } else { -factor };
                 let edge = (first.max(second) as usize, first.min(second) as usize);
                 let slot = 6 * self.edges.partition_point(|&e| e < edge);

@@ -1,4 +1,5 @@
-//! Points of two bodies coincide: `x_a + R_a s_a - x_b - R_b s_b = 0`, a length; eight such constraints at once.
+//! Coincident points of two bodies: `x_a + R_a s_a - x_b - R_b s_b = 0`, a length. Up to eight constraints are
+//! evaluated at once.
 
 use std::borrow::Cow;
 use std::slice;
@@ -10,9 +11,9 @@ use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, scale, sub};
 use crate::{Nonlinear, Store};
 
-/// The point `at` of both bodies stays one point.
+/// Adds the equations that keep the point `at` of both bodies together.
 pub fn coincident(store: &mut Store, part: impl Into<Cow<'static, str>>, a: &Body, b: &Body, at: Vector<f64>) {
-    // The body with the lower DOFs first, as G has its columns: then nothing has to be sorted.
+    // The body with the lower DOFs comes first: then the entries of G are already sorted.
     let swap = a.dofs().first() > b.dofs().first();
     let (first, second, sign) = if swap { (b, a, -1.0) } else { (a, b, 1.0) };
     let parameters = Coincident { a: first.attach(at), b: second.attach(at), sign };
@@ -36,7 +37,7 @@ impl Nonlinear for Coincident {
         c.copy_from_slice(&scale(S::from(self.sign), sub(self.a.point(a), self.b.point(b))));
     }
 
-    /// Rotations of one body only.
+    /// All pairs of rotations of the same body.
     fn pairs(&self, _: usize, pair: &mut dyn FnMut(usize, usize)) {
         for (first, kind) in [(0, self.a.kind), (self.a.dofs(), self.b.kind)] {
             let first = first + kind.positions();
@@ -103,7 +104,7 @@ impl Nonlinear for Coincident {
 }
 
 impl Coincident {
-    /// The rotation vectors of the first bodies, and of the second.
+    /// Rotation vectors of the first and of the second bodies.
     #[inline]
     fn vectors(items: &[Self], mut u: &[f64]) -> [RotationVectorLanes; 2] {
         let mut all = <[RotationVectorLanes; 2]>::default();

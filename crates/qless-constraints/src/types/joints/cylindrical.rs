@@ -8,10 +8,10 @@ use crate::geometry::attachment::Body;
 use crate::scalar::vector::Vector;
 use crate::{Constraint, Store};
 
-/// Body b slides along an axis of body a and turns about it: `(R_a s_i) . (p_b - p_a) = 0` for the two `s_i` perpendicular to the axis,
-/// lengths, and the tilt of the axis, two angles, as in [`super::Revolute`].
+/// Body b slides along an axis of body a and rotates about it: `(R_a s_i) . (p_b - p_a) = 0` for two directions `s_i`
+/// perpendicular to the axis, lengths, and the tilt of the axis, two angles, as in [`super::Revolute`].
 ///
-/// Four degrees of freedom are removed. Singular where the axes are opposite.
+/// Four degrees of freedom are removed. Singular if the axes point in opposite directions.
 ///
 #[doc = include_str!("../../../docs/pictures/cylindrical.svg")]
 ///

@@ -1,11 +1,11 @@
-//! `c = (|p|^2 - 1) / 2`: Euler parameters `p = (1, 0, 0, 0) + u` of length one. Once for each body that has them.
+//! `c = (|p|^2 - 1) / 2`: Euler parameters `p = (1, 0, 0, 0) + u` of length one, one equation per body.
 
 use std::convert::Infallible;
 
 use crate::scalar::Scalar;
 use crate::{Constraint, Nonlinear, Store};
 
-/// Euler parameters of length one.
+/// Euler parameters of length one. Each body with Euler parameters needs this constraint once.
 ///
 #[doc = include_str!("../../../docs/pictures/euler_norm.svg")]
 ///
@@ -39,7 +39,7 @@ impl Constraint for EulerNorm {
     }
 }
 
-/// No parameters to store.
+/// The constraint has no parameters to store.
 struct Norm;
 
 impl Nonlinear for Norm {
@@ -50,7 +50,7 @@ impl Nonlinear for Norm {
     const PARTS: &'static [&'static str] = &[""];
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
-        // |p|^2 - 1 = 2 u_0 + |u|^2, without the cancellation.
+        // |p|^2 - 1 = 2 u_0 + |u|^2; this form avoids cancellation.
         c[0] = u.iter().fold(u[0], |sum, &x| sum + x * x * S::from(0.5));
     }
 

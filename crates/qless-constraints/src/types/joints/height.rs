@@ -1,7 +1,7 @@
-//! A point keeps its height: `(R_a s) . (x_b + R_b s_b - x_a) - s . s_a - h = 0`, a length.
+//! Prescribed height of a point: `(R_a s) . (x_b + R_b s_b - x_a) - s . s_a - h = 0`, a length.
 //!
-//! `s` is a direction of body a, `s_a` and `s_b` the arms to the point that both bodies have in common in the reference configuration, and h the height
-//! that body b is to have above it.
+//! `s` is a direction of body a. `s_a` and `s_b` are the arms to a point that both bodies share in the reference
+//! configuration. h is the height of that point of body b above that of body a.
 
 use std::borrow::Cow;
 
@@ -12,7 +12,8 @@ use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, dot, scale, sub};
 use crate::{Nonlinear, Store};
 
-/// The point `at` of body b keeps its height along the direction `s` of body a, above the same point of body a.
+/// Adds the equation that keeps the point `at` of body b at the same height as that of body a, along the direction `s`
+/// of body a.
 pub fn height(
     store: &mut Store,
     part: impl Into<Cow<'static, str>>,
@@ -33,9 +34,9 @@ pub struct Height {
     a: AttachedPoint,
     b: AttachedPoint,
     s: Vector<f64>,
-    /// `s . s_a`.
+    /// The constant `s . s_a`.
     arm: f64,
-    /// h.
+    /// The prescribed height h.
     pub rise: f64,
 }
 
@@ -44,7 +45,7 @@ impl Height {
         Self { a: a.attach(a.at), b: b.attach(at), s, arm: dot(s, a.attach(at).arm), rise: 0.0 }
     }
 
-    /// From the centre of body a to the point of body b.
+    /// The vector from the centre of body a to the point of body b.
     fn reach<S: Scalar>(&self, a: &[S], b: &[S]) -> Vector<S> {
         sub(self.b.point(b), self.a.centre(a))
     }
@@ -59,7 +60,7 @@ impl Nonlinear for Height {
         c[0] = dot(up, self.reach(a, b)) - S::from(self.arm) - S::from(self.rise);
     }
 
-    /// All but two positions, and the position with the rotation of body b.
+    /// All pairs, except two positions, and a position with a rotation of body b.
     fn pairs(&self, dofs: usize, pair: &mut dyn FnMut(usize, usize)) {
         let (second, turns) = (self.a.dofs(), self.a.kind.positions()..self.a.dofs());
         let rotates_b = |j: usize| j >= second + self.b.kind.positions();
@@ -99,7 +100,7 @@ impl Nonlinear for Height {
         let mut own = [[0.0; 10]; 2];
         rotation_derivatives::hessian(self.a.kind, turns_a, s, self.reach(a, b), &mut own[0]);
         rotation_derivatives::hessian(self.b.kind, turns_b, self.b.arm, up, &mut own[1]);
-        // What moves the reach: a position of a or b along its axis, or a rotation of b.
+        // Derivative of the reach with respect to a DOF: a position of a or b, or a rotation of b.
         let moved = |j: usize| -> Vector<f64> {
             let along = |axis: usize, sign: f64| std::array::from_fn(|i| if i == axis { sign } else { 0.0 });
             match j.checked_sub(a.len()) {

@@ -1,5 +1,5 @@
-//! Joints of multibody work, each a choice of the equations in [`coincident`], [`height`] and [`orientation`]. They hold in the
-//! reference configuration.
+//! Joints of multibody systems. Each is a selection of the equations in [`coincident`], [`height`] and
+//! [`orientation`], and holds in the reference configuration.
 
 pub(super) mod coincident;
 mod cylindrical;
@@ -36,28 +36,28 @@ use crate::scalar::vector::{Vector, unit};
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum JointError {
-    /// Both sides are the ground.
+    /// Both bodies are the ground.
     #[error("both bodies are the ground; at least one must move")]
     NothingMoves,
-    /// A body of a joint that fixes directions has none.
+    /// The joint fixes directions, but a body has no rotations.
     #[error("the joint fixes directions, but a body is a node without rotations; give it some")]
     NoRotations,
-    /// An axis has no direction.
+    /// An axis is zero or not finite.
     #[error("an axis has no direction; give a vector that is not zero")]
     Axis,
-    /// Axes that are to be perpendicular are not.
+    /// Axes that must be perpendicular are not.
     #[error(
         "the axes are to be perpendicular in the reference configuration, but the cosine of their angle is {0}; give axes at a right angle"
     )]
     NotPerpendicular(f64),
 }
 
-/// At least one body moves.
+/// Checks that at least one body can move.
 fn check_moves(a: &Body, b: &Body) -> Result<(), JointError> {
     if a.dofs().is_empty() && b.dofs().is_empty() { Err(JointError::NothingMoves) } else { Ok(()) }
 }
 
-/// Both bodies are the ground or turn, and one does.
+/// Checks that each body has rotations or is the ground, and that one has rotations.
 fn check_turns(a: &Body, b: &Body) -> Result<(), JointError> {
     check_moves(a, b)?;
     let sound = |body: &Body| body.turns() || body.dofs().is_empty();

@@ -1,12 +1,13 @@
-//! The functions of a relative rotation `q = (q0, v)` that joints hold at zero; all but the last are angles, in radians.
+//! Functions of the relative rotation `q = (q0, v)` of two bodies that joints set to zero. All but the last are
+//! angles, in radians.
 //!
-//! - [`Aligned`]: `c = log(R_a^T R_b)`, the rotation vector from a to b the shorter way round: `|c| <= pi`;
-//! - [`Tilt`]: the rotation vector, perpendicular to the axis t, that brings the axis of a to that of b: `|c| <= pi`;
-//! - [`Twist`]: the rotation about t that is left after the tilt, less an angle, the shorter way round: `|c| <= pi`;
+//! - [`Aligned`]: `c = log(R_a^T R_b)`, the shortest rotation vector from a to b, `|c| <= pi`;
+//! - [`Tilt`]: the rotation vector, perpendicular to the axis t, that rotates the axis of a to that of b, `|c| <= pi`;
+//! - [`Twist`]: the rotation about t that remains after the tilt, minus a prescribed angle, modulo 2 pi, `|c| <= pi`;
 //! - [`PerpendicularAxes`]: `c = (R_a s) . (R_b t)`, the cosine of an angle.
 //!
-//! Each vanishes where the joint holds and nowhere else. The first three are angle vectors ([`crate::geometry::angle`]) of `(m, v)`, functions of q:
-//! linear ones, or for the tilt squares of it.
+//! Each function vanishes exactly if the joint condition holds. The first three are angle vectors
+//! ([`crate::geometry::angle`]) of functions `(m, v)` of q, which are linear, or quadratic for the tilt.
 
 use std::array::from_fn;
 use std::sync::Arc;
@@ -18,24 +19,25 @@ use crate::geometry::{angle, rotation_derivatives};
 use crate::scalar::vector::{Vector, dot, lift, perpendicular};
 use crate::scalar::{Arithmetic, Scalar};
 
-/// `phi(t)`, `d(t)`.
+/// A prescribed angle or length as a function of time.
 pub(super) type TimeFunction = Arc<dyn Fn(f64) -> f64 + Send + Sync>;
 
-/// Its value at a time; as an error one that is not finite.
+/// The value at a time. The error is a value that is not finite.
 pub(super) fn at(motion: &TimeFunction, time: f64) -> Result<f64, f64> {
     let value = motion(time);
     if value.is_finite() { Ok(value) } else { Err(value) }
 }
 
-/// An m below zero by less than this part of |q| is not negative: at half a turn exactly, the sense is that of the quaternion, whatever is rounded.
+/// m counts as negative only below minus this share of |q|: at exactly half a turn, rounding must not change the sense
+/// of rotation.
 const HALF_TURN: f64 = 1e-8;
 
-/// Whether -q, the same rotation, is the shorter way to `(m, v)`.
+/// Whether -q, which is the same rotation, gives the smaller angle.
 fn negated([m, v @ ..]: [f64; 4]) -> bool {
     m < -HALF_TURN * v.into_iter().fold(0.0, f64::hypot)
 }
 
-/// `(m, v)` the shorter way.
+/// `(m, v)` with the sign of the smaller angle.
 fn shorter<S: Scalar>(x: [S; 4]) -> [S; 4] {
     if negated(x.map(Scalar::real)) { x.map(|x| -x) } else { x }
 }
@@ -45,7 +47,7 @@ fn combined(weights: &[f64], rows: &[Quaternion<f64>]) -> Quaternion<f64> {
     from_fn(|j| weights.iter().zip(rows).map(|(w, row)| w * row[j]).sum())
 }
 
-/// The bodies are aligned: `m = q0`, `v`, and the angle is half of that of the rotation.
+/// Zero if the bodies are aligned: `m = q0`, v the vector part of q; the angle vector is half of c.
 pub struct Aligned;
 
 impl RotationFunction for Aligned {
@@ -70,12 +72,12 @@ impl RotationFunction for Aligned {
     }
 }
 
-/// The axes of both bodies are parallel, and point the same way.
+/// Zero if the axes of both bodies are parallel and point the same way.
 ///
-/// With `q_t, q_1, q_2` along the axis and two directions perpendicular to it: `m = t . R t = q0^2 + q_t^2 - q_1^2 - q_2^2`,
-/// `v = t x R t = 2 (q0 q_1 - q_t q_2, q0 q_2 + q_t q_1)`.
+/// With the components `q_t, q_1, q_2` along the axis and two directions perpendicular to it: `m = t . R t = q0^2 +
+/// q_t^2 - q_1^2 - q_2^2`, `v = t x R t = 2 (q0 q_1 - q_t q_2, q0 q_2 + q_t q_1)`.
 pub struct Tilt {
-    /// The axis and two directions, a right-handed frame of unit vectors.
+    /// The axis and two perpendicular directions, a right-handed system of unit vectors.
     frame: [Vector<f64>; 3],
 }
 
@@ -92,7 +94,7 @@ impl Tilt {
         [q0 * q0 + t * t - x * x - y * y, two * (q0 * x - t * y), two * (q0 * y + t * x), S::from(0.0)]
     }
 
-    /// Their gradients.
+    /// Gradients of m and v.
     fn rows(&self, q: Quaternion<f64>) -> [Quaternion<f64>; 3] {
         let (q0, [t, x, y]) = (q[0], self.frame.map(|e| dot(e, [q[1], q[2], q[3]])));
         let whole = |in_frame: [f64; 4]| self.in_space(in_frame.map(|x| 2.0 * x));
@@ -139,23 +141,24 @@ impl RotationFunction for Tilt {
     }
 }
 
-/// The angle about an axis: `m = q0 cos + q_t sin`, `v = q_t cos - q0 sin` of half the angle that it is to have.
+/// The angle about an axis, minus a prescribed angle phi: `m = q0 cos(phi/2) + q_t sin(phi/2)`, `v = q_t cos(phi/2) -
+/// q0 sin(phi/2)`.
 pub struct Twist {
     /// Unit vector.
     axis: Vector<f64>,
-    /// In radians, now ...
+    /// phi at the current time, in radians.
     angle: f64,
-    /// ... and at each time.
+    /// phi as a function of time.
     motion: TimeFunction,
 }
 
 impl Twist {
-    /// `axis` is a unit vector. The angle is that of time 0.
+    /// For a unit vector `axis`. The time is 0.
     pub fn new(axis: Vector<f64>, motion: TimeFunction) -> Self {
         Self { axis, angle: motion(0.0), motion }
     }
 
-    /// m and v as products with q.
+    /// Coefficients of m and v in q.
     fn rows(&self) -> [Quaternion<f64>; 2] {
         let ((sin, cos), [x, y, z]) = ((0.5 * self.angle).sin_cos(), self.axis);
         [[cos, sin * x, sin * y, sin * z], [-sin, cos * x, cos * y, cos * z]]
@@ -202,7 +205,7 @@ impl RotationFunction for Twist {
     }
 }
 
-/// A direction of each body, perpendicular to each other.
+/// Zero if a direction of body a and one of body b are perpendicular.
 pub struct PerpendicularAxes {
     pub of_a: Vector<f64>,
     pub of_b: Vector<f64>,
@@ -253,7 +256,7 @@ mod tests {
         [(0.5 * angle).cos(), x, y, z]
     }
 
-    /// What the value says, in radians: at any angle, for q and -q, and for quaternions that are not of length one.
+    /// The values are the angles, for q and -q, also for quaternions that do not have length one.
     #[test]
     fn angles_are_those_of_the_rotation() {
         let axis = unit([1.0, -2.0, 0.5]).expect("not zero");

@@ -7,9 +7,9 @@ use crate::geometry::attachment::Body;
 use crate::scalar::vector::{Vector, dot};
 use crate::{Constraint, Store};
 
-/// An axis of each body, perpendicular to each other: `(R_a s) . (R_b t) = 0`, the cosine of their angle.
+/// An axis of each body, kept perpendicular to each other: `(R_a s) . (R_b t) = 0`, the cosine of their angle.
 ///
-/// Wherever the bodies are does not matter. One degree of freedom is removed. Singular where the axes are parallel.
+/// The positions of the bodies do not matter. One degree of freedom is removed. Singular if the axes are parallel.
 ///
 #[doc = include_str!("../../../docs/pictures/perpendicular.svg")]
 ///
@@ -52,7 +52,7 @@ impl Constraint for Perpendicular {
     }
 }
 
-/// Two axes that are perpendicular in the reference configuration.
+/// Two axes, which must be perpendicular in the reference configuration.
 pub(super) fn perpendicular_axes(of_a: Vector<f64>, of_b: Vector<f64>) -> Result<PerpendicularAxes, JointError> {
     let (of_a, of_b) = (direction(of_a)?, direction(of_b)?);
     let cosine = dot(of_a, of_b);

@@ -8,9 +8,11 @@ use crate::geometry::attachment::Body;
 use crate::scalar::vector::Vector;
 use crate::{Constraint, Store};
 
-/// Body b moves in a plane of body a: `(R_a n) . (p_b - p_a) = 0`, a length, and the tilt of the normal, two angles, as in [`super::Revolute`].
+/// Body b moves in a plane of body a: `(R_a n) . (p_b - p_a) = 0`, a length, and the tilt of the normal, two angles,
+/// as in [`super::Revolute`].
 ///
-/// It slides in two directions and turns about the normal. Three degrees of freedom are removed. Singular where the normals are opposite.
+/// It slides in two directions and rotates about the normal. Three degrees of freedom are removed. Singular if the
+/// normals point in opposite directions.
 ///
 #[doc = include_str!("../../../docs/pictures/planar.svg")]
 ///

@@ -1,7 +1,8 @@
-//! Equations on the relative rotation `R_a^T R_b` of two bodies: functions c of its quaternion `q = conj(q_a) q_b`.
+//! Equations on the relative rotation `R_a^T R_b` of two bodies: functions c of the quaternion `q = conj(q_a) q_b`.
 //!
-//! With `z = dc/dq`: `dc/dq_b = q_a z` and `dc/dq_a = q_b conj(z)`, products of quaternions. The second derivatives are those of q_a and q_b in
-//! these two directions, `dq^T (d^2 c / dq^2) dq`, and `z . (conj(dq_a) dq_b)` between the bodies.
+//! With `z = dc/dq` and products of quaternions, `dc/dq_b = q_a z` and `dc/dq_a = q_b conj(z)`. The Hessian has three
+//! terms: the second derivatives of q_a and q_b in these directions, `dq^T (d^2 c / dq^2) dq`, and `z . (conj(dq_a)
+//! dq_b)` between the bodies.
 
 use std::borrow::Cow;
 
@@ -11,9 +12,9 @@ use crate::geometry::rotation::RotationKind;
 use crate::scalar::Scalar;
 use crate::{Nonlinear, Store};
 
-/// Most equations of one function.
+/// Maximum number of equations of one function.
 pub const MAX_EQUATIONS: usize = 3;
-/// A matrix on quaternions.
+/// A 4 x 4 matrix that acts on quaternions.
 pub type QuaternionMatrix = [Quaternion<f64>; 4];
 
 /// A function of the relative rotation.
@@ -39,7 +40,7 @@ pub trait RotationFunction: Send + Sync + 'static {
     fn curvature(&self, q: Quaternion<f64>, w: &[f64]) -> (Quaternion<f64>, QuaternionMatrix);
 }
 
-/// The equations `of` on the rotations of two bodies.
+/// Adds the equations `of` on the relative rotation of two bodies.
 pub fn relative<F: RotationFunction>(store: &mut Store, part: impl Into<Cow<'static, str>>, a: &Body, b: &Body, of: F) {
     let dofs = [a.rotation_dofs(), b.rotation_dofs()].concat();
     [a, b].iter().for_each(|body| body.declare_magnitudes(store));
@@ -53,7 +54,7 @@ struct RelativeRotation<F> {
 }
 
 impl<F> RelativeRotation<F> {
-    /// Both bodies, and q.
+    /// The quaternions of both bodies, and q.
     #[inline]
     fn turns(&self, u: &[f64]) -> (BodyQuaternion, BodyQuaternion, Quaternion<f64>) {
         let (a, b) = u.split_at(self.a.rotations());
@@ -100,7 +101,7 @@ impl<F: RotationFunction> Nonlinear for RelativeRotation<F> {
         let (z, square) = self.of.curvature(q, w);
         let (count_a, n) = (self.a.rotations(), u.len());
         let (slopes_a, slopes_b) = (a.slopes(), b.slopes());
-        // dq / du_j.
+        // dq / du_j, and its product with d^2 c / dq^2.
         let (mut ways, mut pushed) = ([[0.0; 4]; 8], [[0.0; 4]; 8]);
         (0..count_a).for_each(|j| ways[j] = product(conjugate(slopes_a[j]), b.q));
         (count_a..n).for_each(|j| ways[j] = product(conjugate(a.q), slopes_b[j - count_a]));
@@ -125,17 +126,17 @@ impl<F: RotationFunction> Nonlinear for RelativeRotation<F> {
     }
 }
 
-/// Entries of the lower triangle of the rotations.
+/// Number of entries of the lower triangle of a body's rotations.
 pub fn triangle(kind: RotationKind) -> usize {
     triangle_before(kind.rotations())
 }
 
-/// Where row j of a lower triangle starts.
+/// Index of the first entry of row j in a lower triangle.
 pub fn triangle_before(j: usize) -> usize {
     j * (j + 1) / 2
 }
 
-/// Where rotation vectors are among the DOFs of two bodies; each is given with the place of its first rotation.
+/// Reports the rotation vectors of two bodies, each given with the index of its first rotation.
 pub fn rotation_vectors(bodies: [(usize, RotationKind); 2], found: &mut dyn FnMut(usize)) {
     bodies.into_iter().filter(|&(_, kind)| kind == RotationKind::Vector).for_each(|(first, _)| found(first));
 }

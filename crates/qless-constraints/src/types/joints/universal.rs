@@ -8,10 +8,11 @@ use crate::geometry::attachment::Body;
 use crate::scalar::vector::Vector;
 use crate::{Constraint, Store};
 
-/// A cross of two axes: `x_a + R_a s_a - x_b - R_b s_b = 0`, three lengths, and `(R_a s) . (R_b t) = 0`, the cosine of their angle.
+/// A cross of two axes: `x_a + R_a s_a - x_b - R_b s_b = 0`, three lengths, and `(R_a s) . (R_b t) = 0`, the cosine of
+/// their angle.
 ///
-/// Shafts at an angle beta turn by `tan(psi_b) = tan(psi_a) / cos(beta)`. Four degrees of freedom are removed. Singular where the axes are parallel,
-/// which no assembled joint is; where the shafts are at a right angle, they lock.
+/// Shafts at an angle beta rotate by `tan(psi_b) = tan(psi_a) / cos(beta)`. They lock at a right angle. Four degrees
+/// of freedom are removed. Singular if the axes are parallel, which is impossible in an assembled joint.
 ///
 #[doc = include_str!("../../../docs/pictures/universal.svg")]
 ///
@@ -33,7 +34,7 @@ pub struct Universal {
     pub a: Body,
     /// The other.
     pub b: Body,
-    /// Where the axes cross in the reference configuration, coordinates.
+    /// Point where the axes cross in the reference configuration, coordinates.
     pub at: Vector<f64>,
     /// The axis on body a there, of any length.
     pub axis_a: Vector<f64>,

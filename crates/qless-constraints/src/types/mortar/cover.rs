@@ -1,4 +1,4 @@
-//! The segments of each slave facet, which the master side must cover once.
+//! The segments of each slave facet, and the check that the master side covers the facet exactly once.
 
 use super::segment::{FacetPiece, MortarSegment};
 use super::{MortarError, MortarTie};
@@ -7,13 +7,13 @@ use crate::geometry::search::FaceSearch;
 use crate::geometry::surface::Surface;
 use crate::scalar::vector::Vector;
 
-/// FacetPiece of the size of a facet that may be lost to rounding.
+/// Share of the size of a facet that rounding may lose.
 const ROUNDING: f64 = 1e-8;
 
-/// The segments of a slave facet, each with its master facet.
+/// The segments of a slave facet, each with the index of its master facet.
 pub(super) type FacetSegments = Vec<(usize, MortarSegment)>;
 
-/// Where the nodes of a facet are, in space.
+/// Coordinates of the nodes of a facet, in space.
 fn places<const D: usize, const F: usize>(surface: &Surface<D, F>, facet: usize) -> Vec<Vector<f64>> {
     const { assert!(D == 2 || D == 3, "a mortar tie lies in the plane or in space") };
     let lift = |at: [f64; D]| std::array::from_fn(|k| if k < D { at[k] } else { 0.0 });
@@ -21,7 +21,7 @@ fn places<const D: usize, const F: usize>(surface: &Surface<D, F>, facet: usize)
 }
 
 impl<const D: usize, const F: usize> MortarTie<D, F> {
-    /// Both sides are surfaces of sound facets of one dimension.
+    /// Checks that both sides are valid surfaces, with facets of the same dimension.
     pub(super) fn check(&self) -> Result<(), MortarError> {
         for (side, surface) in [("slave", &self.slave), ("master", &self.master)] {
             surface.check_integrable().map_err(|source| MortarError::Surface { side, source })?;
@@ -54,7 +54,7 @@ impl<const D: usize, const F: usize> MortarTie<D, F> {
         Ok(segments)
     }
 
-    /// Whether the facets are within the tolerance of each other, beyond the rounding of their coordinates.
+    /// Whether the gap is at most the tolerance plus the rounding of the coordinates.
     fn is_near(&self, segment: &MortarSegment, slave: &[[f64; D]], master: usize) -> bool {
         let blur = slave.iter().fold(0.0, |most: f64, place| most.max(rounding(&self.master.places(master), place)));
         within(segment.gap - blur, self.tolerance)
@@ -64,7 +64,7 @@ impl<const D: usize, const F: usize> MortarTie<D, F> {
         FacetPiece::all(self.slave.faces[facet].shape, &places(&self.slave, facet)).unwrap_or_default()
     }
 
-    /// The segments of a piece with a master facet, however far.
+    /// The segments of a piece with a master facet, at any distance.
     fn over(&self, piece: &FacetPiece, master: usize) -> impl Iterator<Item = MortarSegment> + use<D, F> {
         piece.segments(self.master.faces[master].shape, &places(&self.master, master)).into_iter()
     }
@@ -72,7 +72,7 @@ impl<const D: usize, const F: usize> MortarTie<D, F> {
     fn check_cover(&self, facet: usize, piece: &FacetPiece, covered: f64) -> Result<(), MortarError> {
         let (size, tolerance) = (piece.size(), self.tolerance);
         let bare = size - covered;
-        // However large the tolerance, a facet that is bare for the most piece is not tied.
+        // A facet that is mostly uncovered is refused for every tolerance.
         let allowed = (tolerance * piece.border()).min(size / 2.0) + ROUNDING * size;
         if within(bare.abs(), allowed) {
             Ok(())
@@ -83,7 +83,7 @@ impl<const D: usize, const F: usize> MortarTie<D, F> {
         }
     }
 
-    /// Adds the gap to the error, by asking all master facets: too slow to be done for each slave facet that has an error.
+    /// Adds the gap to the error. This searches all master facets, which is too slow unless there is an error.
     pub(super) fn with_gap(&self, error: MortarError) -> MortarError {
         let MortarError::NotCovered { facet, bare, size, tolerance, .. } = error else { return error };
         let masters = || 0..self.master.faces.len();

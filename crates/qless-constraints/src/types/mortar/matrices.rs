@@ -1,4 +1,4 @@
-//! `D` and `M` by rows, summed up from the slave facets; entries that are only rounding are left out.
+//! The functions of the multipliers, and the rows of the mortar matrices `D` and `M`.
 
 use std::collections::BTreeMap;
 
@@ -10,17 +10,18 @@ use super::cover::FacetSegments;
 use crate::geometry::shape::Shape;
 use crate::geometry::surface::Face;
 
-/// Sums below this part of the sizes of their terms are rounding: of the rule, and of the inverse in dual functions.
+/// Sums below this share of the sum of their absolute terms are rounding of the quadrature or of the inverse in dual
+/// functions.
 const ROUNDING: f64 = 256.0 * f64::EPSILON;
 
-/// A sum and the sizes of what went into it.
+/// A sum and the sum of its absolute terms.
 #[derive(Clone, Copy, Default)]
 struct EntrySum {
     value: f64,
     terms: f64,
 }
 
-/// A row of D and of -M, by nodes of either side.
+/// A row of D and of -M, by node.
 #[derive(Default)]
 pub(super) struct MortarRow {
     slaves: BTreeMap<usize, EntrySum>,
@@ -52,7 +53,7 @@ fn mass(nodes: usize, segments: &FacetSegments) -> Mat<f64> {
     Mat::from_fn(nodes, nodes, |i, j| segments.iter().map(|(_, segment)| segment.own[i * nodes + j]).sum())
 }
 
-/// Adds a slave facet to the rows of its nodes; nothing if it has no multipliers.
+/// Adds a slave facet to the rows of its nodes. Returns `None` if the facet has no multipliers.
 pub(super) fn add_facet(
     rows: &mut BTreeMap<usize, MortarRow>,
     kind: Multipliers,
@@ -79,10 +80,15 @@ pub(super) fn add_facet(
     Some(())
 }
 
-/// The share a of an edge's function that goes to each of its corners.
+/// The share a of an edge function that each of its corners gets.
 const SHARE: f64 = 0.2;
 
-/// The multipliers of a slave facet with n nodes.
+/// Functions `Phi_i = sum_j B_ij N_j` of the multipliers on a slave facet with n nodes, and `D_ij = int Phi_i N_j`.
+///
+/// Dual functions satisfy `int Phi_i M_j = delta_ij int M_j`, with `B = diag(d) (int M M^T)^-1 P`, `M = P N` and `d_i
+/// = int M_i` (Wohlmuth, SIAM J. Numer. Anal., 2000). For linear shapes `P = I`. Corner functions of quadratic shapes
+/// may have no integral, so `M_c = N_c + a sum N_e` over the edges at the corner and `M_e = (1 - 2 a) N_e`, with `a =
+/// 1/5` (Popp, Wohlmuth, Gee and Wall, SIAM J. Sci. Comput., 2012).
 pub(super) struct MultiplierFunctions {
     /// B, n x n.
     pub b: Mat<f64>,
@@ -91,7 +97,7 @@ pub(super) struct MultiplierFunctions {
 }
 
 impl MultiplierFunctions {
-    /// From `int N_i N_j` of the facet; nothing if that is not positive definite.
+    /// From `int N_i N_j` of the facet. Returns `None` if this matrix is not positive definite.
     pub fn new(kind: Multipliers, shape: Shape, mass: Mat<f64>) -> Option<Self> {
         match kind {
             Multipliers::Standard => Some(Self { b: Mat::identity(mass.nrows(), mass.ncols()), d: mass }),
@@ -102,7 +108,7 @@ impl MultiplierFunctions {
     fn dual(shape: Shape, mass: &Mat<f64>) -> Option<Self> {
         let p = edge_shares(shape);
         let inverse = (&p * mass * p.transpose()).llt(Side::Lower).ok()?.inverse();
-        // The functions sum to one.
+        // The sum of the functions is one.
         let d = &p * mass * Mat::<f64>::full(mass.nrows(), 1, 1.0);
         let b = Mat::from_fn(p.nrows(), p.nrows(), |i, j| d[(i, 0)] * inverse[(i, j)]) * &p;
         Some(Self { b, d: slave_matrix(shape, &d) })
@@ -119,7 +125,7 @@ fn edge_shares(shape: Shape) -> Mat<f64> {
     p
 }
 
-/// `diag(d) P^-T`: the values of M are those of N at corners, and `(u_e - a (u_1 + u_2)) / (1 - 2 a)` at edges.
+/// `diag(d) P^-T`. The values for M are those for N at corners, and `(u_e - a (u_1 + u_2)) / (1 - 2 a)` at edges.
 fn slave_matrix(shape: Shape, d: &Mat<f64>) -> Mat<f64> {
     let mut own = Mat::from_fn(d.nrows(), d.nrows(), |i, j| if i == j { d[(i, 0)] } else { 0.0 });
     for &[middle, a, b] in shape.edges() {

@@ -1,7 +1,8 @@
-//! `sum_j D_ij u_j - sum_k M_ik u_k = 0`, `D_ij = int Phi_i N_j`, `M_ik = int Phi_i N_k`: a tie of lines or surfaces in the mean.
+//! Mortar ties of lines or surfaces: `sum_j D_ij u_j - sum_k M_ik u_k = 0`, `D_ij = int Phi_i N_j`, `M_ik = int Phi_i
+//! N_k`.
 //!
-//! Puso, Int. J. Numer. Meth. Engng, 2004; with segments as in Popp, Gitterle, Gee and Wall, ibid., 2010;
-//! quadratic facets by parts as in Puso, Laursen and Solberg, Comput. Methods Appl. Mech. Engng, 2008.
+//! Puso, Int. J. Numer. Meth. Engng, 2004; segments as in Popp, Gitterle, Gee and Wall, ibid., 2010; pieces of
+//! quadratic facets as in Puso, Laursen and Solberg, Comput. Methods Appl. Mech. Engng, 2008.
 
 mod cover;
 mod matrices;
@@ -17,31 +18,34 @@ use crate::geometry::shape::Shape;
 use crate::geometry::surface::{Surface, SurfaceError};
 use crate::{Constraint, Store};
 
-/// The functions `Phi_i` of the multipliers of a mortar tie, one for each node of the slave side.
+/// The functions `Phi_i` of the multipliers of a mortar tie, one for each slave node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Multipliers {
-    /// Those of the slave side, `Phi_i = N_i`. D is a mass matrix: each slave depends on all masters, the less the farther they are.
+    /// The shape functions of the slave side, `Phi_i = N_i`. D is a mass matrix: each slave depends on all masters,
+    /// with weights that decay with distance.
     #[default]
     Standard,
-    /// Biorthogonal to those of the slave side, `int Phi_i N_j = 0` for `i != j`: D is diagonal, and a slave node depends on the masters
-    /// over its own facets only. On quadratic facets the middle of an edge depends on those over the facets of its ends too.
+    /// Functions biorthogonal to the shape functions, `int Phi_i N_j = 0` for `i != j`. D is diagonal, and a slave
+    /// node depends only on the masters opposite its own facets. On quadratic facets, a mid-edge node also depends on
+    /// the masters opposite the facets of its corners.
     Dual,
 }
 
-/// `sum_j D_ij u_j - sum_k M_ik u_k = 0`: two meshes of one line or surface, tied in the mean, with F fields in D dimensions.
+/// Two meshes of one line or surface, tied in the mean: `sum_j D_ij u_j - sum_k M_ik u_k = 0`, with F fields in D
+/// dimensions.
 ///
-/// `D_ij = int Phi_i N_j` and `M_ik = int Phi_i N_k` with the functions `N_j` of the slave side, `N_k` of the master side and
-/// `Phi_i` of the multipliers ([`Multipliers`]). One equation for each node i of a slave facet and each field, in the unit of a length
-/// (lines) or an area (faces) times that of u; as many DOFs are removed. Rank is lost where a slave node is constrained otherwise, as
-/// at the ends of two interfaces that meet, or where the slave side names a master node.
+/// `D_ij = int Phi_i N_j` and `M_ik = int Phi_i N_k`, with the functions `N_j` of the slave side, `N_k` of the master
+/// side and `Phi_i` of the multipliers ([`Multipliers`]). Each node i of a slave facet has one equation per field, in
+/// the unit of u times a length (lines) or an area (faces). As many DOFs are removed. Equations become redundant if a
+/// slave node has other constraints, for example where two interfaces meet, or if it is also a master node.
 ///
-/// The integrals go over the segments in which a slave and a master facet lie over each other, seen along the normal of the mean
-/// plane of the slave facet, where areas are measured, or perpendicular to its chord; both over the same ones, so that each row sums
-/// to zero. What is only rounding of these sums is left out. Fields that are linear pass on a flat surface, whatever the shapes,
-/// and a constant stress is transmitted. The rule has degree five on each piece: exact for lines, Tri3, Tri6 with straight
-/// edges and Quad4 that are parallelograms; for a Quad4 whose coordinates are up to a tenth of its size off, entries are within 4e-5 of
-/// the largest, for a fifth within 1e-3. The error is the same in D and in M, and turns with the model.
-/// With n facets on a side near each other the cost is O(n log n).
+/// The integrals go over segments: overlaps of a slave and a master facet, seen along the normal of the mean plane of
+/// the slave facet (perpendicular to its chord for lines). Areas are measured in that plane. D and M use the same
+/// segments, so that each row sums to zero. Entries that are only rounding are left out. On a flat interface, linear
+/// fields satisfy the tie for all shapes, and a constant stress is transmitted. The quadrature has degree five on each
+/// piece: it is exact for lines, Tri3, Tri6 with straight edges and Quad4 that are parallelograms. For a Quad4
+/// distorted by a tenth of its size, the error is below 4e-5 of the largest entry; for a fifth, below 1e-3. The error
+/// is equal in D and M, and rotates with the model. Cost for n facets per side: O(n log n).
 ///
 #[doc = include_str!("../../../docs/pictures/mortar_tie.svg")]
 ///
@@ -68,14 +72,14 @@ pub enum Multipliers {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct MortarTie<const D: usize, const F: usize = D> {
-    /// The side that carries the multipliers.
+    /// The side with the multipliers.
     pub slave: Surface<D, F>,
     /// The other side.
     pub master: Surface<D, F>,
-    /// `Phi_i`.
+    /// The functions `Phi_i`.
     pub multipliers: Multipliers,
-    /// Farthest that the sides may be apart, a length; also how wide a border of a slave facet may have no master facet, up to half
-    /// of its size.
+    /// Largest gap between the sides, a length. A slave facet may also have an uncovered border of this width, up to
+    /// half of its size.
     pub tolerance: f64,
 }
 
@@ -117,7 +121,7 @@ impl<const D: usize, const F: usize> Constraint for MortarTie<D, F> {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MortarError {
-    /// A side is not a surface.
+    /// A side is not a valid surface.
     #[error("{side} side: {source}")]
     Surface {
         /// "slave" or "master".
@@ -125,7 +129,7 @@ pub enum MortarError {
         /// What is wrong with it.
         source: SurfaceError,
     },
-    /// A facet has another dimension than it must have.
+    /// A facet has a wrong dimension.
     #[error(
         "facet {facet}, from 1, of the {side} side is a {shape:?}; the facets of both sides must be lines, or in space all faces"
     )]
@@ -134,10 +138,10 @@ pub enum MortarError {
         side: &'static str,
         /// The facet, from 1.
         facet: usize,
-        /// What it is.
+        /// Its shape.
         shape: Shape,
     },
-    /// A facet has no size or a corner that points inwards.
+    /// A facet has no size, or is not convex.
     #[error("facet {facet}, from 1, of the {side} side has no area, or points inwards at a corner; correct it")]
     Facet {
         /// "slave" or "master".
@@ -145,7 +149,7 @@ pub enum MortarError {
         /// The facet, from 1.
         facet: usize,
     },
-    /// Part of a slave facet has no master facet over it, or only one that is too far away.
+    /// A part of a slave facet has no master facet within the tolerance.
     #[error(
         "no master facet lies within the tolerance {tolerance} over {bare} of the size {size} of slave facet {facet}, from 1; {}",
         beyond(*gap)
@@ -153,16 +157,16 @@ pub enum MortarError {
     NotCovered {
         /// The slave facet, from 1.
         facet: usize,
-        /// The area or length without a master facet.
+        /// The uncovered area or length.
         bare: f64,
-        /// That of the facet, or of the part of a quadratic one.
+        /// Size of the facet, or of a piece of a quadratic facet.
         size: f64,
-        /// How far the sides may be apart.
+        /// Largest allowed gap.
         tolerance: f64,
-        /// How far the nearest master facet is that lies over the facet beyond the tolerance, if one does.
+        /// The smallest gap of a master facet opposite, beyond the tolerance; `None` if there is no such facet.
         gap: Option<f64>,
     },
-    /// Several master facets lie over the same place.
+    /// Several master facets cover the same place.
     #[error(
         "master facets lie over {covered}, more than the size {size} of slave facet {facet}, from 1: \
          take out those that are there twice or lie behind others"
@@ -172,12 +176,12 @@ pub enum MortarError {
         facet: usize,
         /// The sum of the areas or lengths of the segments.
         covered: f64,
-        /// That of the facet, or of the part of a quadratic one.
+        /// Size of the facet, or of a piece of a quadratic facet.
         size: f64,
     },
 }
 
-/// What to do about a facet that is not covered.
+/// Advice for a facet that is not covered.
 fn beyond(gap: Option<f64>) -> String {
     match gap {
         Some(gap) => format!("one that lies over it is {gap} away: bring the sides together, or raise the tolerance"),

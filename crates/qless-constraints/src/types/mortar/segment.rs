@@ -1,8 +1,8 @@
-//! `int N_i N_j` and `int N_i N_k` over a segment: where two facets lie over each other, lines or faces in space.
+//! `int N_i N_j` and `int N_i N_k` over a segment, the overlap of two facets in space.
 //!
-//! Both are seen along the normal of the mean plane of (a piece of) the first, lines perpendicular to its chord. There the outlines
-//! are polygons or intervals, and the functions at a point are those at the point of the facet that is seen there. Quadratic
-//! facets are cut into pieces with straight edges.
+//! Both facets are projected along the normal of the mean plane of the first, lines perpendicular to its chord. In
+//! this plane their outlines are polygons or intervals. The shape functions at a point of the plane are those of the
+//! facet at the point that projects on it. Quadratic facets are cut into pieces with straight edges.
 
 use crate::geometry::closest_point::gauss_newton::closest_parameters;
 use crate::geometry::node::relative;
@@ -10,18 +10,18 @@ use crate::geometry::outline::{Outline, PlanePoint};
 use crate::geometry::shape::Shape;
 use crate::scalar::vector::{Vector, add, cross, dot, norm, perpendicular, scale, sub, unit};
 
-/// FacetSegments below this piece of the smaller of the two facets are left out: they are what rounding makes of shared edges.
+/// Overlaps below this share of the smaller facet are left out: rounding makes such slivers along shared edges.
 const SLIVER: f64 = 1e-10;
 
-/// A plane, or a line if the second axis is zero: `x = origin + p axes[0] + q axes[1]`.
+/// A plane `x = origin + p axes[0] + q axes[1]`, or a line if the second axis is zero.
 struct MeanPlane {
     origin: Vector<f64>,
     axes: [Vector<f64>; 2],
 }
 
 impl MeanPlane {
-    /// Through the mean of the corners, perpendicular to the sum of the normals at the edges; along the chord of two. Nothing without
-    /// area or length.
+    /// The plane through the mean of the corners, perpendicular to the sum of the normals at the edges; for two
+    /// corners, their chord. Returns `None` without area or length.
     fn mean(corners: &[Vector<f64>]) -> Option<Self> {
         let origin = scale(1.0 / corners.len() as f64, corners.iter().fold([0.0; 3], |sum, &x| add(sum, x)));
         if let &[a, b] = corners {
@@ -34,11 +34,11 @@ impl MeanPlane {
     }
 }
 
-/// A facet as it is seen on a plane.
+/// A facet projected on a plane.
 struct FacetView {
     shape: Shape,
     flat: Vec<PlanePoint>,
-    /// Where the nodes are from the origin of the plane.
+    /// Nodes relative to the origin of the plane.
     arms: Vec<Vector<f64>>,
 }
 
@@ -52,7 +52,8 @@ impl FacetView {
         Outline::new(piece.iter().map(|&node| self.flat[node]).collect())
     }
 
-    /// `N_k` where the facet is seen at a point, and the place there. Not clamped: what is linear stays so beyond curved edges.
+    /// `N_k` and the position on the facet for a point of the plane. Parameters are not clamped, so that linear fields
+    /// stay linear beyond curved edges.
     fn functions(&self, point: &PlanePoint) -> Option<(Vec<f64>, Vector<f64>)> {
         let foot = closest_parameters(self.shape, &relative(&self.flat, point)).filter(|foot| foot.converged)?;
         let n = self.shape.weights(foot.xi);
@@ -67,15 +68,15 @@ pub struct MortarSegment {
     pub own: Vec<f64>,
     /// `int N_i N_k` with the functions of the other facet, n x m by rows.
     pub other: Vec<f64>,
-    /// The sizes of what was summed up for these.
+    /// Sums of the absolute terms of `other`.
     pub terms: Vec<f64>,
     /// Its area or length.
     pub size: f64,
-    /// The largest distance between the facets, as they are seen.
+    /// The largest distance between the facets at quadrature points.
     pub gap: f64,
 }
 
-/// A piece of a facet in its mean plane.
+/// A piece of a facet with its mean plane.
 pub struct FacetPiece {
     plane: MeanPlane,
     view: FacetView,
@@ -83,7 +84,7 @@ pub struct FacetPiece {
 }
 
 impl FacetPiece {
-    /// The pieces of a facet; nothing if one has no size or a corner that points inwards.
+    /// All pieces of a facet. Returns `None` if a piece has no size or is not convex.
     pub fn all(shape: Shape, places: &[Vector<f64>]) -> Option<Vec<Self>> {
         let piece = |nodes: &&[usize]| {
             let corners: Vec<_> = nodes.iter().map(|&node| places[node]).collect();
@@ -105,21 +106,21 @@ impl FacetPiece {
         self.outline.border()
     }
 
-    /// The segments with the pieces of another facet.
+    /// The overlaps with the pieces of another facet.
     pub fn segments(&self, shape: Shape, places: &[Vector<f64>]) -> Vec<MortarSegment> {
         let other = FacetView::new(&self.plane, shape, places);
         let segment = |nodes: &&[usize]| {
             let outline = other.outline(nodes);
             let least = SLIVER * outline.size().min(self.size());
             let common = outline.common(&self.outline)?;
-            // Not `<=`: sizes that are not numbers are left out too.
+            // Written so that NaN is left out.
             if common.size() > least { integrate(&self.view, &other, &common) } else { None }
         };
         pieces(shape).iter().filter_map(segment).collect()
     }
 }
 
-/// Nothing where the functions of a facet cannot be found.
+/// Returns `None` if the functions of a facet cannot be evaluated.
 fn integrate(view: &FacetView, other: &FacetView, outline: &Outline) -> Option<MortarSegment> {
     let (n, m) = (view.flat.len(), other.flat.len());
     let [own, pairs, terms] = [n * n, n * m, n * m].map(|count| vec![0.0; count]);
@@ -139,7 +140,7 @@ fn integrate(view: &FacetView, other: &FacetView, outline: &Outline) -> Option<M
     Some(sums)
 }
 
-/// Nodes of the pieces of a facet, in order around; a solid has none.
+/// Nodes of the pieces of a facet, in cyclic order; empty for solids.
 fn pieces(shape: Shape) -> &'static [&'static [usize]] {
     match shape {
         Shape::Line2 => &[&[0, 1]],

@@ -1,22 +1,23 @@
-//! `u_b = R(alpha) u_a`: a node and its image one sector further; for harmonic k, `u_b = e^(i k alpha) R(alpha) u_a`.
+//! Cyclic symmetry: `u_b = R(alpha) u_a` for a node and its image in the next sector; for harmonic k, `u_b = e^(i k
+//! alpha) R(alpha) u_a`.
 
 use crate::geometry::node::{Node, field, rounding, separation, within};
 use crate::geometry::sector_rotation::{Turn, sin_cos};
 use crate::{Constraint, Store};
 
-/// What the F fields of a node are when it turns.
+/// How the F fields of a node change under rotation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Turning {
-    /// Components of vectors, D after D: displacements, and in space rotations. They turn along.
+    /// Components of vectors, D per vector: displacements, and rotations in space. They rotate with the sector.
     Vectors,
-    /// Values that are the same in every direction: temperatures, pressures, rotations in the plane.
+    /// Scalars, which do not change: temperatures, pressures, rotations in the plane.
     Scalars,
 }
 
-/// Cyclic symmetry, harmonic 0: all sectors move alike, `u_b = R(alpha) u_a` (vectors) or `u_b = u_a` (scalars).
+/// Cyclic symmetry of harmonic 0: all sectors deform alike, `u_b = R(alpha) u_a` (vectors) or `u_b = u_a` (scalars).
 ///
-/// F equations, F DOFs removed. Rank is lost, and motions along and about the axis alone remain, where a node is its own image: on the
-/// axis, with `b = a`, only the part across it is held.
+/// F equations, F DOFs removed. A node on the axis is its own image, `b = a`: its equations hold only the components
+/// perpendicular to the axis, and have a lower rank.
 ///
 #[doc = include_str!("../../../docs/pictures/cyclic.svg")]
 ///
@@ -43,18 +44,18 @@ pub struct Cyclic<const D: usize, const F: usize = D> {
     pub a: Node<D, F>,
     /// Its image.
     pub b: Node<D, F>,
-    /// From one sector to the next.
+    /// Rotation from one sector to the next.
     pub turn: Turn<D>,
-    /// What the fields are.
+    /// The kind of the fields.
     pub fields: Turning,
-    /// Farthest that the image may be from where the turn brings the node, a length.
+    /// Largest distance of the image from the rotated node, a length.
     pub tolerance: f64,
 }
 
-/// Cyclic symmetry of a harmonic: real and imaginary parts of the amplitude, 2 F equations and as many DOFs removed.
+/// Cyclic symmetry of a harmonic: real and imaginary parts of the amplitude, 2 F equations, 2 F DOFs removed.
 ///
-/// `u_b' = R (cos(k alpha) u_a' - sin(k alpha) u_a'')`, `u_b'' = R (sin(k alpha) u_a' + cos(k alpha) u_a'')`. For k = 0, and for half
-/// the number of sectors, the parts are separate, and the imaginary one adds nothing.
+/// `u_b' = R (cos(k alpha) u_a' - sin(k alpha) u_a'')`, `u_b'' = R (sin(k alpha) u_a' + cos(k alpha) u_a'')`. For k =
+/// 0, and for half the number of sectors, both parts are independent, and the real part suffices.
 ///
 #[doc = include_str!("../../../docs/pictures/cyclic_harmonic.svg")]
 ///
@@ -75,11 +76,11 @@ pub struct Cyclic<const D: usize, const F: usize = D> {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CyclicHarmonic<const D: usize, const F: usize = D> {
-    /// Geometry, and the DOFs of the real parts.
+    /// Both nodes, and the DOFs of the real parts.
     pub real: Cyclic<D, F>,
-    /// DOFs of the imaginary part at the node.
+    /// DOFs of the imaginary parts at the node.
     pub imaginary_a: [usize; F],
-    /// DOFs of the imaginary part at its image.
+    /// DOFs of the imaginary parts at its image.
     pub imaginary_b: [usize; F],
     /// k, the number of waves around the circumference.
     pub harmonic: u32,
@@ -89,7 +90,7 @@ pub struct CyclicHarmonic<const D: usize, const F: usize = D> {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CyclicError {
-    /// The fields are no vectors.
+    /// The fields are not vectors.
     #[error(
         "{fields} fields are no vectors of {dimensions} components each; tie vectors and scalars by nodes of their own"
     )]
@@ -99,12 +100,12 @@ pub enum CyclicError {
         /// D.
         dimensions: usize,
     },
-    /// The image is not where the turn brings the node.
+    /// The image is too far from the rotated node.
     #[error("the turned node is {distance} away from its image, more than the tolerance {tolerance}")]
     NoImage {
-        /// How far.
+        /// Distance from the rotated node to the image.
         distance: f64,
-        /// How far it may be.
+        /// Largest allowed distance.
         tolerance: f64,
     },
 }
@@ -123,7 +124,7 @@ impl<const D: usize, const F: usize> Cyclic<D, F> {
         }
     }
 
-    /// `-f (R u)_k` for the values u at these DOFs.
+    /// Terms of `-f (R u)_k`, where u are the values of these DOFs.
     fn turned(&self, k: usize, factor: f64, dofs: &[usize; F]) -> Vec<(usize, f64)> {
         let terms: Vec<_> = match self.fields {
             Turning::Scalars => vec![(dofs[k], -factor)],

@@ -1,4 +1,4 @@
-//! `u_i = sum_k N_k(xi_i) u_k`: a face with nodes for polynomials of a higher degree that moves as one of a lower.
+//! `u_i = sum_k N_k(xi_i) u_k`: a face with nodes of a higher polynomial degree, tied to a face of a lower degree.
 
 use std::fmt;
 
@@ -8,16 +8,19 @@ use crate::geometry::shape::Shape;
 use crate::types::Polynomials;
 use crate::{Constraint, Store};
 
-/// A face of p-refinement in a nodal basis: the nodes of the finer side lie on the polynomial through those of the coarser.
+/// A face of p-refinement in a nodal basis: the finer side follows the polynomial through the nodes of the coarser
+/// side.
 ///
-/// `u_i = sum_k N_k(xi_i) u_k` with the polynomials of the coarser side ([`Polynomials`](crate::types::Polynomials)) that are 1 at one of its
-/// nodes and 0 at the others, wherever on the face they stand: equally spaced, at Fekete points, or otherwise. The polynomials of the coarser side must be
-/// among those of the finer, so that both sides meet everywhere, on the edges of the face too: an [`OrderTie`](crate::types::OrderTie) there would say
-/// it twice. F equations and F DOFs removed for each finer node; one that has the DOFs of a coarser one in the same place (a corner that both
-/// share) has none. Weights are exactly zero where they are rounding, and sum to one. Cost: that of a dense factorisation with the nodes
-/// of the coarser side.
+/// `u_i = sum_k N_k(xi_i) u_k`. The polynomials `N_k` of the coarser side ([`Polynomials`](crate::types::Polynomials))
+/// are 1 at one of its nodes and 0 at the others. The nodes may have any position on the face: equally spaced, Fekete
+/// points, or others. The finer polynomials must contain the coarser ones, so that both sides agree everywhere, also
+/// on the edges; an [`OrderTie`](crate::types::OrderTie) on an edge would be redundant. Each finer node has F
+/// equations and removes F DOFs, except shared nodes, which have the same DOFs as a coarser node at the same place.
+/// Weights that are only rounding are exactly zero, and their sum is one. Cost: a dense factorisation of the size of
+/// the coarser side.
 ///
-/// In a hierarchic basis lower modes are shared, and those of the finer side alone vanish: `u_m = 0`, a [`Prescribed`](crate::types::Prescribed).
+/// In a hierarchic basis, lower modes are shared, and additional modes of the finer side vanish: `u_m = 0`, a
+/// [`Prescribed`](crate::types::Prescribed).
 ///
 #[doc = include_str!("../../../docs/pictures/face_order_tie.svg")]
 ///
@@ -40,7 +43,7 @@ use crate::{Constraint, Store};
 pub struct FaceOrderTie<const F: usize> {
     /// The side that follows.
     pub fine: FaceSide<F>,
-    /// The side that leads, with the same parameters: its first corner is the same.
+    /// The side that leads. Its parameters have the same first corner.
     pub coarse: FaceSide<F>,
 }
 
@@ -55,7 +58,7 @@ impl<const F: usize> FaceOrderTie<F> {
         self.fine.weights(Side::Fine, &[]).map(|_| ())
     }
 
-    /// Whether a finer node is a coarser one; nothing but that may have its DOFs.
+    /// Whether a finer node is a shared node. An error if it has a DOF of a coarser node at another place.
     fn is_shared(&self, i: usize) -> Result<bool, FaceOrderTieError> {
         let (at, dofs) = self.fine.nodes[i];
         let here = |other: [f64; 2]| (0..2).all(|k| (other[k] - at[k]).abs() <= ROUNDING);
@@ -90,17 +93,18 @@ impl<const F: usize> Constraint for FaceOrderTie<F> {
 /// One side of a face.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FaceSide<const F: usize> {
-    /// What it can be.
+    /// The polynomials on the face.
     pub polynomials: Polynomials,
-    /// `xi, eta` of each node, as of [`Shape`], and its DOFs, 0-based; as many nodes as there are polynomials.
+    /// `xi, eta` of each node, in the parameters of [`Shape`], and its 0-based DOFs. There are as many nodes as
+    /// polynomials.
     pub nodes: Vec<([f64; 2], [usize; F])>,
 }
 
 impl<const F: usize> FaceSide<F> {
-    /// That of an element, from the DOFs of its nodes in the order of the shape.
+    /// The face of an element, from the DOFs of its nodes in the order of the shape.
     ///
     /// # Errors
-    /// [`FaceOrderTieError`] if the shape is no face or has another number of nodes.
+    /// [`FaceOrderTieError`] if the shape is not a face or has another number of nodes.
     pub fn of_shape(shape: Shape, dofs: &[[usize; F]]) -> Result<Self, FaceOrderTieError> {
         let polynomials = Polynomials::from_shape(shape).ok_or(FaceOrderTieError::NoFace { shape })?;
         if dofs.len() != shape.nodes() {
@@ -135,12 +139,12 @@ impl<const F: usize> FaceSide<F> {
     }
 }
 
-/// Which side of a face it is.
+/// A side of the tie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// That follows.
+    /// The side that follows.
     Fine,
-    /// That leads.
+    /// The side that leads.
     Coarse,
 }
 
@@ -150,11 +154,11 @@ impl fmt::Display for Side {
     }
 }
 
-/// What can be wrong with a face of p-refinement.
+/// What can be wrong with a [`FaceOrderTie`].
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FaceOrderTieError {
-    /// A shape is a line or a solid.
+    /// A shape is not a face.
     #[error("a {shape:?} is no face")]
     NoFace {
         /// What it is.
@@ -168,7 +172,7 @@ pub enum FaceOrderTieError {
         /// How many were given.
         found: usize,
     },
-    /// A side has another number of nodes than polynomials.
+    /// The number of nodes does not match the polynomials.
     #[error("the {side} side has {found} nodes, but {polynomials:?} (degree one or more) needs {}", polynomials.dimension())]
     Count {
         /// Which side.
@@ -178,7 +182,7 @@ pub enum FaceOrderTieError {
         /// Its nodes.
         found: usize,
     },
-    /// The coarser side can be what the finer cannot.
+    /// The finer side does not contain the polynomials of the coarser side.
     #[error(
         "not all of {coarse:?} of the coarser side are among {fine:?} of the finer, which could not follow: exchange the sides, or raise its degree"
     )]
@@ -188,7 +192,7 @@ pub enum FaceOrderTieError {
         /// Polynomials of the coarser side.
         coarse: Polynomials,
     },
-    /// A node is not on the face.
+    /// A node is outside of the face.
     #[error("node {node}, from 1, of the {side} side is at {at:?}, which is not on the face; correct its parameters")]
     Outside {
         /// Which side.
@@ -198,7 +202,7 @@ pub enum FaceOrderTieError {
         /// Its parameters.
         at: [f64; 2],
     },
-    /// Nodes do not determine a polynomial.
+    /// The nodes do not determine a polynomial.
     #[error(
         "the nodes of the {side} side do not determine a polynomial of it: two are in one place, or too many on one curve; move them"
     )]
@@ -206,7 +210,7 @@ pub enum FaceOrderTieError {
         /// Which side.
         side: Side,
     },
-    /// A node of the finer side has a DOF of a coarser one in another place.
+    /// A finer node has a DOF of a coarser node at another place.
     #[error(
         "node {node}, from 1, of the finer side has DOF {dof}, as a coarser node in another place has; correct one of them"
     )]

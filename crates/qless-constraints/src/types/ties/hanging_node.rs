@@ -1,19 +1,20 @@
-//! `u_h = sum_k N_k(xi_h) u_k`: a node on an edge or face of a larger element, which a refinement has put there.
+//! `u_h = sum_k N_k(xi_h) u_k`: a node that refinement has put on an edge or face of a larger element.
 
 use super::interpolate;
 use crate::geometry::node::{ROUNDING, field};
 use crate::geometry::shape::{Shape, ShapeParameters};
 use crate::{Constraint, Store};
 
-/// A hanging node of h-refinement, at the parameters xi of its parent: an edge or face, linear or quadratic, of an element that was
-/// not refined.
+/// A hanging node of h-refinement, at the parameters xi of its parent: a linear or quadratic edge or face of an
+/// element that was not refined.
 ///
-/// F equations, F DOFs removed. The weights come from the parameters alone, so that they are exact (1/2 and 1/2 in the middle of a
-/// linear edge; 3/8, -1/8 and 3/4 at a quarter of a quadratic one), wherever the nodes are. The field is continuous if the children
-/// have the degree of the parent and all their nodes on it hang or are its own. Rank is lost where a node is made to hang on two parents, say on
-/// an edge and on the face that has it: one is enough. Parents may hang themselves.
+/// F equations, F DOFs removed. The weights depend only on the parameters, so they are exact: 1/2 and 1/2 in the
+/// middle of a linear edge; 3/8, -1/8 and 3/4 at a quarter of a quadratic edge. The field is continuous if the
+/// children have the degree of the parent, and if all their nodes on it hang or belong to it. A second parent for the
+/// same node is redundant, for example an edge of the face on which it hangs. Nodes of a parent may hang too.
 ///
-/// A node of p-refinement is tied by [`OrderTie`](crate::types::OrderTie); one whose parameters are not known, by [`NodeTie`](crate::types::NodeTie).
+/// For p-refinement use [`OrderTie`](crate::types::OrderTie). For nodes with unknown parameters use
+/// [`NodeTie`](crate::types::NodeTie).
 ///
 #[doc = include_str!("../../../docs/pictures/hanging_node.svg")]
 ///
@@ -32,13 +33,13 @@ use crate::{Constraint, Store};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct HangingNode<const F: usize> {
-    /// The DOFs of the node, 0-based, one for each field.
+    /// The DOFs of the hanging node, 0-based, one for each field.
     pub node: [usize; F],
-    /// What kind of edge or face the parent is.
+    /// Shape of the parent.
     pub shape: Shape,
     /// The DOFs of its nodes, in the order of the shape.
     pub parent: Vec<[usize; F]>,
-    /// `xi, eta`, the second of no meaning on an edge; [`Shape`] says which lie inside.
+    /// Parameters `xi, eta` of the node; `eta` is ignored on an edge. [`Shape`] defines their range.
     pub at: [f64; 2],
 }
 
@@ -60,7 +61,7 @@ pub enum HangingNodeError {
         /// How many were given.
         found: usize,
     },
-    /// The node is not on the parent.
+    /// The node lies outside the parent.
     #[error(
         "the parameters {at:?} are not inside of a {shape:?}; correct them, or take the parent that the node is on"
     )]
@@ -70,7 +71,7 @@ pub enum HangingNodeError {
         /// The parameters.
         at: [f64; 2],
     },
-    /// The node is one of the parent's.
+    /// The node is a node of the parent.
     #[error("DOF {dof} of the node is one of the parent's too; a node of the parent does not hang on it")]
     OwnParent {
         /// The DOF, 0-based.
@@ -93,7 +94,7 @@ impl<const F: usize> HangingNode<F> {
         }
     }
 
-    /// The parameters, inside to the last bit; they may be off by rounding.
+    /// The parameters, clamped to the parent; they may be outside by rounding.
     fn place(&self) -> Result<ShapeParameters, HangingNodeError> {
         let [xi, eta] = self.at;
         let given = [xi, if self.shape.dimensions() == 1 { 0.0 } else { eta }, 0.0];

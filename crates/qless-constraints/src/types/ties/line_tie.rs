@@ -1,4 +1,4 @@
-//! Line to line: `u_p = sum_k N_k u_k` for every node of one line, each on the segment of the other that is nearest to it.
+//! Line to line: `u_p = sum_k N_k u_k` for every node of one line, on the nearest segment of the other line.
 
 use super::interpolate;
 use crate::geometry::node::{Node, field_of_node};
@@ -6,10 +6,11 @@ use crate::geometry::search::{FaceSearch, SearchError};
 use crate::geometry::surface::{Surface, SurfaceError};
 use crate::{Constraint, Store};
 
-/// A line tied to another, node by node (collocation): `u_p = N_1 u_1 + N_2 u_2`; both are polylines with F fields in D dimensions.
+/// A line tied to another line node by node (collocation): `u_p = N_1 u_1 + N_2 u_2`. Both are polylines with F fields
+/// in D dimensions.
 ///
-/// F equations and as many DOFs removed for each node of the slave line. Rank is lost where a node is tied twice, or is a node of
-/// both lines. With n nodes near each other the cost is O(n log n).
+/// Each slave node has F equations and removes F DOFs. They are redundant if a node is tied twice, or belongs to both
+/// lines. Cost for n nodes: O(n log n).
 ///
 #[doc = include_str!("../../../docs/pictures/line_tie.svg")]
 ///
@@ -34,9 +35,9 @@ use crate::{Constraint, Store};
 pub struct LineTie<const D: usize, const F: usize = D> {
     /// The nodes that are tied.
     pub slave: Vec<Node<D, F>>,
-    /// The nodes of the line that they are tied to, in order along it.
+    /// The nodes of the line they are tied to, in order.
     pub master: Vec<Node<D, F>>,
-    /// Farthest that a node may be from the line, a length.
+    /// Largest distance of a node from the line, a length.
     pub tolerance: f64,
 }
 
@@ -44,7 +45,7 @@ pub struct LineTie<const D: usize, const F: usize = D> {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LineTieError {
-    /// A line needs two nodes, and something to be tied.
+    /// There are too few nodes.
     #[error("{slave} nodes are tied to a line of {master}; give at least one and two")]
     TooFew {
         /// Nodes that are tied.
@@ -58,7 +59,7 @@ pub enum LineTieError {
         /// The segment, from 1.
         segment: usize,
     },
-    /// A node is too far away from the line, or its coordinates are not finite.
+    /// A node is too far from the line, or its coordinates are not finite.
     #[error(transparent)]
     Search(SearchError),
 }

@@ -1,4 +1,4 @@
-//! `u_p - sum_k N_k u_k = 0` for each field: what every tie of a node to others comes down to.
+//! Ties: a node follows other nodes with given weights, `u_p - sum_k N_k u_k = 0`, or its image on an opposite face.
 
 mod cyclic;
 mod face_order_tie;
@@ -19,7 +19,7 @@ pub use node_tie::{NodeTie, NodeTieError};
 pub use order_tie::{OrderTie, OrderTieError};
 pub use periodic::{MacroStrain, Periodic, PeriodicError};
 
-/// Adds the F equations; masters that have no weight are left out.
+/// Adds the F equations `u_p - sum_k N_k u_k = 0`. Masters with weight zero are left out.
 pub(super) fn interpolate<const F: usize>(
     store: &mut Store,
     part: impl Fn(usize) -> Cow<'static, str>,

@@ -1,4 +1,4 @@
-//! `u_p = sum_k N_k(xi) u_k`: a node tied to the point of a line, face or solid that is nearest to it.
+//! `u_p = sum_k N_k(xi) u_k`: a node tied to the nearest point of a line, face or solid.
 
 use super::interpolate;
 use crate::geometry::closest_point::project;
@@ -9,17 +9,20 @@ use crate::geometry::shape::Shape;
 use crate::geometry::surface::Surface;
 use crate::{Constraint, Store};
 
-/// A node with F fields tied to a line, a face, or a solid that it is embedded in, in D dimensions: `u_p = sum_k N_k(xi) u_k`.
+/// A node with F fields, tied to a line, to a face, or to a solid that contains it, in D dimensions: `u_p = sum_k
+/// N_k(xi) u_k`.
 ///
-/// xi is where the element is nearest to the node: in a solid that holds it, `x(xi) = x_p`, by Newton's method, in one step where the
-/// element is affine. Weights below 8 units in the last place of the largest are exactly zero, and they sum to one to two units of
-/// rounding for each, so that constants pass, and linear fields where the node lies on the element. The cost is that of some ten evaluations of N.
+/// xi is the nearest point of the element. In a solid that contains the node, `x(xi) = x_p`, solved by Newton's method
+/// (one step for affine elements). Weights below 8 units in the last place of the largest are exactly zero. Their sum
+/// is one, up to two units of rounding per weight, so that constants are reproduced, and linear fields if the node
+/// lies on the element. Cost: about ten evaluations of N.
 ///
-/// F equations, F DOFs removed. Each field is interpolated by itself: over a gap h a rigid rotation theta leaves `theta h`, which is why the tolerance
-/// should be small against the element. Rank is lost where a node is tied to two elements with the same nodes there, where masters
-/// are tied back to their slave, and where the node is one of the element's own: `0 = 0`.
+/// F equations, F DOFs removed. Each field is interpolated separately: over a gap h, a rigid rotation theta leaves an
+/// error `theta h`. So the tolerance should be small compared with the element. Equations are redundant if a node is
+/// tied to two elements that share its masters, if masters are tied back to their slave, or if the node belongs to the
+/// element (`0 = 0`).
 ///
-/// An embedded node, at the middle of a side and in a tetrahedron:
+/// A node embedded in a tetrahedron:
 ///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Node, NodeTie, Shape}};
@@ -52,13 +55,13 @@ use crate::{Constraint, Store};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct NodeTie<const D: usize, const F: usize = D> {
-    /// The node that is tied.
+    /// The slave node.
     pub node: Node<D, F>,
-    /// What kind of line, face or solid it is tied to.
+    /// Shape of the master element.
     pub shape: Shape,
-    /// The nodes of that, in the order of the shape.
+    /// Nodes of the master element, in the order of the shape.
     pub face: Vec<Node<D, F>>,
-    /// Farthest that the node may be from it, a length, beyond the rounding of the coordinates.
+    /// Largest distance of the node from the element, a length; the rounding of the coordinates is added.
     pub tolerance: f64,
 }
 
@@ -74,7 +77,7 @@ pub enum NodeTieError {
         /// How many were given.
         found: usize,
     },
-    /// The face has no area or volume, folds, or is a solid in the plane.
+    /// The element has no size, is folded, or has more dimensions than the space.
     #[error("the face is degenerate or folded: no nearest point was found; correct its nodes or their order")]
     Degenerate,
     /// The node is too far away.
@@ -83,18 +86,18 @@ pub enum NodeTieError {
          or solid that it is on, or raise the tolerance"
     )]
     TooFar {
-        /// How far.
+        /// Its distance.
         distance: f64,
-        /// How far it may be.
+        /// Largest allowed distance.
         tolerance: f64,
     },
 }
 
 impl<const D: usize, const F: usize> NodeTie<D, F> {
-    /// Ties each node to the nearest of the faces of a surface, or of the solids of a mesh, see [`FaceSearch`]; one tie per node, in
-    /// their order. O((n + m) log n) for m nodes near n faces.
+    /// Ties each node to the nearest face of a surface, or to the nearest solid of a mesh ([`FaceSearch`]); one tie
+    /// per node, in the same order. Cost for m nodes near n faces: O((n + m) log n).
     ///
-    /// The nodes should not be of the surface: the equations of such a tie would say `0 = 0`.
+    /// The nodes should not belong to the surface: their equations would be `0 = 0`.
     ///
     /// ```
     /// use qless_constraints::ConstraintSet;
@@ -112,7 +115,7 @@ impl<const D: usize, const F: usize> NodeTie<D, F> {
     /// ```
     ///
     /// # Errors
-    /// [`SearchError`]: what is wrong with the surface, or the first node without a face within the tolerance, a length.
+    /// [`SearchError`]: the surface is invalid, or a node has no face within the tolerance, a length.
     pub fn to_surface(nodes: &[Node<D, F>], surface: &Surface<D, F>, tolerance: f64) -> Result<Vec<Self>, SearchError> {
         let places: Vec<[f64; D]> = nodes.iter().map(|node| node.at).collect();
         let nearest = FaceSearch::new(surface)?.within(&places, tolerance)?;

@@ -1,17 +1,19 @@
-//! `u_i = sum_k L_k(s_i) u_k`: an edge with nodes for degree p that moves as one of degree q < p.
+//! `u_i = sum_k L_k(s_i) u_k`: an edge with nodes of degree p, tied to an edge of degree q < p.
 
 use super::interpolate;
 use crate::geometry::node::{ROUNDING, field_of_node};
 use crate::{Constraint, Store};
 
-/// An edge of p-refinement in a nodal basis: the p + 1 nodes of the finer side lie on the polynomial through the q + 1 of the coarser.
+/// An edge of p-refinement in a nodal basis: the p + 1 nodes of the finer side follow the polynomial through the q + 1
+/// nodes of the coarser side.
 ///
-/// `u_i = sum_k L_k(s_i) u_k` with Lagrange's polynomials of the coarser nodes, which may stand anywhere on the edge: equally spaced,
-/// at Gauss-Lobatto points, or otherwise. F equations and F DOFs removed for each finer node; one that has the DOFs of a coarser one
-/// in the same place (an end that both share) has none. Rank is lost where a finer node is constrained otherwise, as at
-/// a corner where two such edges meet and the end is not shared.
+/// `u_i = sum_k L_k(s_i) u_k` with the Lagrange polynomials of the coarser nodes. These may have any position on the
+/// edge: equally spaced, Gauss-Lobatto points, or others. Each finer node has F equations and removes F DOFs, except
+/// shared nodes, which have the same DOFs as a coarser node at the same place. Equations are redundant if a finer node
+/// has other constraints, for example at a corner of two such edges whose ends are not shared.
 ///
-/// In a hierarchic basis lower modes are shared, and those above q vanish on the edge: `u_m = 0`, a [`Prescribed`](crate::types::Prescribed).
+/// In a hierarchic basis, lower modes are shared, and modes above q vanish on the edge: `u_m = 0`, a
+/// [`Prescribed`](crate::types::Prescribed).
 ///
 #[doc = include_str!("../../../docs/pictures/order_tie.svg")]
 ///
@@ -32,9 +34,9 @@ use crate::{Constraint, Store};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct OrderTie<const F: usize> {
-    /// Where each node of the finer side is along the edge, in any unit, and its DOFs.
+    /// Position of each finer node along the edge, in any unit, and its DOFs.
     pub fine: Vec<(f64, [usize; F])>,
-    /// The same of the coarser side.
+    /// The same for the coarser nodes.
     pub coarse: Vec<(f64, [usize; F])>,
 }
 
@@ -42,7 +44,7 @@ pub struct OrderTie<const F: usize> {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum OrderTieError {
-    /// The coarser side has as many nodes as the finer one, or fewer than two.
+    /// The coarser side has too few or too many nodes.
     #[error("{fine} nodes are tied to {coarse}; the coarser side needs at least two, and fewer than the finer")]
     Order {
         /// Nodes of the finer side.
@@ -50,29 +52,29 @@ pub enum OrderTieError {
         /// Nodes of the coarser side.
         coarse: usize,
     },
-    /// A node is not between the ends of the coarser side, or its place is no number.
+    /// A finer node is not between the ends of the coarser side.
     #[error("node {node}, from 1, of the finer side is at {at}, beyond the ends {from} and {to} of the coarser side")]
     Outside {
         /// The node, from 1.
         node: usize,
-        /// Where it is.
+        /// Its position.
         at: f64,
-        /// Where the coarser side begins.
+        /// Position of one end of the coarser side.
         from: f64,
-        /// Where it ends.
+        /// Position of the other end.
         to: f64,
     },
-    /// Two nodes of the coarser side are in one place.
+    /// Two coarser nodes have the same position.
     #[error("nodes {first} and {second}, from 1, of the coarser side are both at {at}; they must differ")]
     Repeated {
         /// One node, from 1.
         first: usize,
         /// The other.
         second: usize,
-        /// Where they are.
+        /// Their position.
         at: f64,
     },
-    /// A node of the coarser side has a DOF of a finer one in another place.
+    /// A finer node has a DOF of a coarser node at another place.
     #[error(
         "node {node}, from 1, of the finer side has DOF {dof}, as a coarser node in another place has; correct one of them"
     )]
@@ -106,7 +108,7 @@ impl<const F: usize> OrderTie<F> {
         }
         let from = places.iter().copied().fold(f64::INFINITY, f64::min);
         let to = places.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        // Places may be off by rounding. Not `at < low || at > high`: a NaN is in no place.
+        // Positions may be outside by rounding. Written so that NaN is refused.
         let off = ROUNDING * from.abs().max(to.abs());
         match self.fine.iter().position(|(at, _)| !(from - off..=to + off).contains(at)) {
             Some(i) => Err(OrderTieError::Outside { node: i + 1, at: self.fine[i].0, from, to }),
@@ -114,7 +116,7 @@ impl<const F: usize> OrderTie<F> {
         }
     }
 
-    /// Whether a finer node is a coarser one; nothing but that may have its DOFs.
+    /// Whether a finer node is a shared node. An error if it has a DOF of a coarser node at another place.
     fn is_shared(&self, i: usize) -> Result<bool, OrderTieError> {
         let (at, dofs) = self.fine[i];
         let here = |other: f64| (other - at).abs() <= ROUNDING * other.abs().max(at.abs());

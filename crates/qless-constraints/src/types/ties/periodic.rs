@@ -1,21 +1,22 @@
-//! `u_b - u_a = E (X_b - X_a)`: a pair of nodes on opposite faces of a periodic cell under a macroscopic gradient E.
+//! `u_b - u_a = E (X_b - X_a)`: nodes on opposite faces of a periodic cell, under a macroscopic gradient E.
 
 use crate::geometry::node::{Node, field};
 use crate::{Constraint, Store};
 
-/// The macroscopic gradient E of F fields in D dimensions, F x D: of displacements, dimensionless; of a temperature, per length.
+/// The macroscopic gradient E of F fields in D dimensions, an F x D matrix: dimensionless for displacements, one over
+/// a length times the unit of the field otherwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MacroStrain<const D: usize, const F: usize = D> {
-    /// Given numbers.
+    /// Prescribed numbers.
     Given([[f64; D]; F]),
-    /// DOFs of their own, 0-based: unknown, or driven by other constraints.
+    /// DOFs of their own, 0-based, which are unknown or constrained elsewhere.
     Dofs([[usize; D]; F]),
 }
 
 /// A periodic pair, `u_b - u_a = E (X_b - X_a)`: F equations, F DOFs removed.
 ///
-/// Rank is lost where pairs form rings: of the four corners of a cell that is periodic in two directions, three pairs are enough,
-/// and the fourth is redundant.
+/// Equations are redundant if pairs form a ring: the four corners of a cell that is periodic in two directions need
+/// three pairs, and the fourth is redundant.
 ///
 #[doc = include_str!("../../../docs/pictures/periodic.svg")]
 ///
@@ -55,7 +56,7 @@ pub struct Periodic<const D: usize, const F: usize = D> {
     pub a: Node<D, F>,
     /// Its image on the opposite face.
     pub b: Node<D, F>,
-    /// E.
+    /// The gradient E.
     pub strain: MacroStrain<D, F>,
 }
 
@@ -63,7 +64,7 @@ pub struct Periodic<const D: usize, const F: usize = D> {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PeriodicError {
-    /// Both nodes are in one place.
+    /// Both nodes are at the same place.
     #[error("the two nodes are in one place; a node and its image lie on opposite faces")]
     OnePlace,
 }
