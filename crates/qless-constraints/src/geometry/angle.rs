@@ -111,14 +111,14 @@ pub fn curvature<const K: usize>(x: [f64; 4], w: [f64; K]) -> ([f64; 4], [[f64; 
         (h[0][1], h[1][0]) = (-w[0] / (m * m), -w[0] / (m * m));
         return (gradient, h);
     }
-    let of = AngleFactors::new(m, v.iter().map(|v| v * v).sum());
+    let f = AngleFactors::new(m, v.iter().map(|v| v * v).sum());
     let p: f64 = (0..K).map(|k| w[k] * v[k]).sum();
-    h[0][0] = of.mm * p;
+    h[0][0] = f.mm * p;
     for j in 0..K {
-        h[0][1 + j] = of.m * w[j] + 2.0 * of.my * p * v[j];
+        h[0][1 + j] = f.m * w[j] + 2.0 * f.my * p * v[j];
         h[1 + j][0] = h[0][1 + j];
-        (0..K).for_each(|k| h[1 + j][1 + k] = 2.0 * of.y * (v[j] * w[k] + w[j] * v[k]) + 4.0 * of.yy * p * v[j] * v[k]);
-        h[1 + j][1 + j] += 2.0 * of.y * p;
+        (0..K).for_each(|k| h[1 + j][1 + k] = 2.0 * f.y * (v[j] * w[k] + w[j] * v[k]) + 4.0 * f.yy * p * v[j] * v[k]);
+        h[1 + j][1 + j] += 2.0 * f.y * p;
     }
     (gradient, h)
 }

@@ -27,32 +27,22 @@ impl From<f64> for Lanes {
     }
 }
 
-impl Add for Lanes {
-    type Output = Self;
-    #[inline(always)]
-    fn add(mut self, other: Self) -> Self {
-        (0..LANES).for_each(|k| self.0[k] += other.0[k]);
-        self
-    }
+macro_rules! lane_by_lane {
+    ($operator:ident, $function:ident, $assign:tt) => {
+        impl $operator for Lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn $function(mut self, other: Self) -> Self {
+                (0..LANES).for_each(|k| self.0[k] $assign other.0[k]);
+                self
+            }
+        }
+    };
 }
 
-impl Sub for Lanes {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(mut self, other: Self) -> Self {
-        (0..LANES).for_each(|k| self.0[k] -= other.0[k]);
-        self
-    }
-}
-
-impl Mul for Lanes {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(mut self, other: Self) -> Self {
-        (0..LANES).for_each(|k| self.0[k] *= other.0[k]);
-        self
-    }
-}
+lane_by_lane!(Add, add, +=);
+lane_by_lane!(Sub, sub, -=);
+lane_by_lane!(Mul, mul, *=);
 
 impl Neg for Lanes {
     type Output = Self;

@@ -110,8 +110,8 @@ impl Polynomials {
 fn legendre(p: usize, x: f64) -> Vec<f64> {
     let mut all = vec![1.0, x];
     for k in 1..p {
-        let of = k as f64;
-        all.push(((2.0 * of + 1.0) * x * all[k] - of * all[k - 1]) / (of + 1.0));
+        let degree = k as f64;
+        all.push(((2.0 * degree + 1.0) * x * all[k] - degree * all[k - 1]) / (degree + 1.0));
     }
     all
 }

@@ -25,11 +25,11 @@ fn series(y: f64) -> [[f64; 3]; 2] {
 /// All six factors from `c_5` and `c_6`.
 #[inline(always)]
 pub fn from_highest<S: Arithmetic>(y: S, [c5, c6]: [S; 2]) -> [[S; 3]; 2] {
-    let of = S::from;
-    let (c3, c4) = (of(1.0 / 6.0) - y * c5, of(1.0 / 24.0) - y * c6);
-    let (c1, c2) = (of(1.0) - y * c3, of(0.5) - y * c4);
-    let of_a = [c1, of(0.5) * (c3 - c2), of(0.25) * (c3 - of(3.0) * (c4 - c5))];
-    [of_a, [c2, c4 - of(0.5) * c3, of(2.0) * c6 - of(1.25) * c5 + of(0.25) * c4]]
+    let number = S::from;
+    let (c3, c4) = (number(1.0 / 6.0) - y * c5, number(1.0 / 24.0) - y * c6);
+    let (c1, c2) = (number(1.0) - y * c3, number(0.5) - y * c4);
+    let of_a = [c1, number(0.5) * (c3 - c2), number(0.25) * (c3 - number(3.0) * (c4 - c5))];
+    [of_a, [c2, c4 - number(0.5) * c3, number(2.0) * c6 - number(1.25) * c5 + number(0.25) * c4]]
 }
 
 /// `c_5` and `c_6` by Horner's rule.

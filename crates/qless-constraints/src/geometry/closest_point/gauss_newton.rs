@@ -4,11 +4,11 @@
 use crate::geometry::shape::{Shape, ShapeParameters};
 
 /// Maximum number of steps; sound elements need fewer than ten.
-const STEPS: usize = 50;
+const MAX_STEPS: usize = 50;
 /// Maximum number of damped steps: far from a curved element each of them makes little progress.
-const MANY: usize = 500;
+const MAX_DAMPED_STEPS: usize = 500;
 /// Maximum number of times that a damped step is halved.
-const HALVES: usize = 12;
+const MAX_HALVINGS: usize = 12;
 /// Tangents are dependent if the sine of their angle is at most this.
 pub const DEPENDENT: f64 = 1e-7;
 
@@ -32,23 +32,23 @@ pub fn closest_parameters_from<const D: usize>(
     nodes: &[[f64; D]],
     start: ShapeParameters,
 ) -> Option<ClosestParameters> {
-    let (mut foot, mut before) = (ClosestParameters { xi: start, converged: false }, f64::INFINITY);
-    for count in 0..STEPS {
-        let Some(step) = step(shape, nodes, foot.xi) else {
+    let (mut closest, mut before) = (ClosestParameters { xi: start, converged: false }, f64::INFINITY);
+    for count in 0..MAX_STEPS {
+        let Some(step) = step(shape, nodes, closest.xi) else {
             // Even a sound element may have a singular map outside of its boundary.
-            return (count > 0).then_some(ClosestParameters { converged: false, ..foot });
+            return (count > 0).then_some(ClosestParameters { converged: false, ..closest });
         };
         // The iterates are not clamped to the element: the path to an inner point may lead outside.
-        foot.xi = std::array::from_fn(|k| (foot.xi[k] + step[k]).clamp(-4.0, 4.0));
+        closest.xi = std::array::from_fn(|k| (closest.xi[k] + step[k]).clamp(-4.0, 4.0));
         let size: f64 = step.iter().map(|x| x.abs()).sum();
-        foot.converged = size < 1e-8;
+        closest.converged = size < 1e-8;
         // Stop at convergence, or where the steps are only rounding.
         if size < f64::EPSILON || (size < 1e-12 && size >= before) {
             break;
         }
         before = size;
     }
-    Some(foot)
+    Some(closest)
 }
 
 /// A local minimum of the distance from the origin within the element, by damped steps.
@@ -60,10 +60,10 @@ pub fn descend<const D: usize>(shape: Shape, nodes: &[[f64; D]], start: ShapePar
         dot(&x, &x)
     };
     let (mut xi, mut least) = (start, distance(start));
-    for _ in 0..MANY {
+    for _ in 0..MAX_DAMPED_STEPS {
         let Some(step) = step(shape, nodes, xi) else { break };
         let along = |part: f64| shape.clamp(std::array::from_fn(|k| xi[k] + part * step[k]));
-        let parts = std::iter::successors(Some(1.0), |part| Some(0.5 * part)).take(HALVES);
+        let parts = std::iter::successors(Some(1.0), |part| Some(0.5 * part)).take(MAX_HALVINGS);
         let Some((lower, next)) = parts.map(|part| (distance(along(part)), along(part))).find(|(d, _)| *d < least)
         else {
             break;

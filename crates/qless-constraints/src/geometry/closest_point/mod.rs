@@ -30,23 +30,23 @@ pub fn project<const D: usize>(shape: Shape, nodes: &[[f64; D]], point: &[f64; D
 
 /// The point of the element nearest to the origin.
 fn nearest<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> Option<Projection> {
-    let foot = inside_or_first(shape, nodes)?;
-    let inside = shape.clamp(foot.xi);
-    let is_one = shape.is_affine() || shape.dimensions() == D;
-    if foot.converged && inside == foot.xi && (is_one || is_nearest(shape, nodes, inside)) {
+    let closest = inside_or_first(shape, nodes)?;
+    let inside = shape.clamp(closest.xi);
+    let has_one_minimum = shape.is_affine() || shape.dimensions() == D;
+    if closest.converged && inside == closest.xi && (has_one_minimum || is_nearest(shape, nodes, inside)) {
         return Some(projection(nodes, shape.weights(inside)));
     }
     let near = about_the_boundary(shape, nodes, inside)?;
-    if is_one {
+    if has_one_minimum {
         return Some(near);
     }
-    let below = |start: ShapeParameters| descend(shape, nodes, start);
-    let (xi, at) = (below(place(shape, &near.weights)), |xi| projection(nodes, shape.weights(xi)));
+    let descend_from = |start: ShapeParameters| descend(shape, nodes, start);
+    let (xi, at) = (descend_from(place(shape, &near.weights)), |xi| projection(nodes, shape.weights(xi)));
     let found = [near, at(xi)];
     if is_nearest(shape, nodes, xi) {
         return nearest_of(found.into_iter());
     }
-    nearest_of(found.into_iter().chain(starts(shape).into_iter().map(|start| at(below(start)))))
+    nearest_of(found.into_iter().chain(starts(shape).into_iter().map(|start| at(descend_from(start)))))
 }
 
 /// The nearest of the boundary points and the point with the parameters `inside`.
@@ -113,7 +113,7 @@ pub fn complete_weights(mut weights: Vec<f64>, blur: f64) -> Vec<f64> {
 /// outside at another solution.
 fn inside_or_first<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> Option<ClosestParameters> {
     let first = closest_parameters(shape, nodes)?;
-    let inside = |foot: &ClosestParameters| foot.converged && shape.clamp(foot.xi) == foot.xi;
+    let inside = |closest: &ClosestParameters| closest.converged && shape.clamp(closest.xi) == closest.xi;
     if inside(&first) || shape.is_affine() || shape.dimensions() < D || !may_hold(shape, nodes) {
         return Some(first);
     }

@@ -18,7 +18,7 @@ use crate::geometry::shape::{Shape, ShapeParameters};
 const FLAT: f64 = 1e-12;
 /// Safety factor for second derivatives between nodes: they are at most quadratic along an edge, and known at its ends
 /// and its middle.
-const BETWEEN: f64 = 1.25;
+const SAFETY: f64 = 1.25;
 
 /// Whether `xi` is proved to be the nearest point of the element, up to rounding.
 pub fn is_nearest<const D: usize>(shape: Shape, nodes: &[[f64; D]], xi: ShapeParameters) -> bool {
@@ -30,17 +30,17 @@ pub fn is_nearest<const D: usize>(shape: Shape, nodes: &[[f64; D]], xi: ShapePar
         return true;
     }
     let n = shape.dimensions();
-    let down = slopes.map(|slope| -dot(&x, &slope));
+    let descent = slopes.map(|slope| -dot(&x, &slope));
     // A length squared: changes below it are rounding.
     let least = (FLAT * distance + ROUNDING * size) * size;
-    let falls = |to: &ShapeParameters| (0..n).map(|k| down[k] * (to[k] - xi[k])).sum::<f64>() > least;
+    let falls = |to: &ShapeParameters| (0..n).map(|k| descent[k] * (to[k] - xi[k])).sum::<f64>() > least;
     if shape.corners().iter().any(falls) {
         return false;
     }
     let lengths = slopes.map(|slope| dot(&slope, &slope).sqrt());
     let farthest = |k: usize| shape.corners().iter().map(|to| (to[k] - xi[k]).abs()).fold(0.0, f64::max);
     let reach = (0..n).map(|k| lengths[k] * farthest(k)).fold(0.0, f64::hypot);
-    let [kappa, nu] = bends(shape, nodes, &x.map(|x| x / distance), lengths);
+    let [kappa, nu] = second_derivatives(shape, nodes, &x.map(|x| x / distance), lengths);
     // The nearer the point, the less accurate is the direction to it.
     let is_flat = distance * nu * reach * reach <= least;
     let cosine = if n == 2 { dot(&slopes[0], &slopes[1]) / (lengths[0] * lengths[1]) } else { 0.0 };
@@ -50,7 +50,12 @@ pub fn is_nearest<const D: usize>(shape: Shape, nodes: &[[f64; D]], xi: ShapePar
 
 /// Largest `d2x / dxi_k dxi_l` at the nodes, with parameters scaled by `lengths`, and the largest component along
 /// `normal`; norms over all k and l.
-fn bends<const D: usize>(shape: Shape, nodes: &[[f64; D]], normal: &[f64; D], lengths: [f64; 3]) -> [f64; 2] {
+fn second_derivatives<const D: usize>(
+    shape: Shape,
+    nodes: &[[f64; D]],
+    normal: &[f64; D],
+    lengths: [f64; 3],
+) -> [f64; 2] {
     let n = shape.dimensions();
     let (mut all, mut along) = ([[0.0_f64; 3]; 3], [[0.0_f64; 3]; 3]);
     for place in shape.places() {
@@ -68,8 +73,8 @@ fn bends<const D: usize>(shape: Shape, nodes: &[[f64; D]], normal: &[f64; D], le
         }
     }
     [all, along].map(|most| {
-        let of = |(k, l): (usize, usize)| most[k][l] / (lengths[k] * lengths[l]);
-        BETWEEN * (0..n).flat_map(|k| (0..n).map(move |l| (k, l))).map(of).fold(0.0, f64::hypot)
+        let scaled = |(k, l): (usize, usize)| most[k][l] / (lengths[k] * lengths[l]);
+        SAFETY * (0..n).flat_map(|k| (0..n).map(move |l| (k, l))).map(scaled).fold(0.0, f64::hypot)
     })
 }
 
@@ -93,10 +98,12 @@ mod tests {
             let on: [f64; 3] = std::array::from_fn(|d| nodes.iter().zip(&truth).map(|(x, n)| n * x[d]).sum());
             for gap in [1e-13, 1e-10, 1e-6, 1e-3, 0.1, 0.5] {
                 let arms = relative(&nodes, &[on[0], on[1], on[2] + gap]);
-                let Some(foot) = closest_parameters(shape, &arms).filter(|foot| shape.clamp(foot.xi) == foot.xi) else {
+                let Some(closest) =
+                    closest_parameters(shape, &arms).filter(|closest| shape.clamp(closest.xi) == closest.xi)
+                else {
                     continue;
                 };
-                assert!(is_nearest(shape, &arms, foot.xi), "{shape:?}, {seed}, {gap}");
+                assert!(is_nearest(shape, &arms, closest.xi), "{shape:?}, {seed}, {gap}");
             }
         }
         let bow = |height: f64| [[-1.0, -height], [1.0, -height], [0.0, -height - 0.2]];

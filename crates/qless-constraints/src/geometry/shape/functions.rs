@@ -106,14 +106,14 @@ fn corner<S: Scalar>([a, b]: [f64; 2], [x, y, z]: [S; 3]) -> S {
 /// edges of the base along x, `z corner` at edges to the tip.
 fn quadratic_pyramid<S: Scalar>([x, y, z]: [S; 3]) -> Vec<S> {
     let (q, [quarter, half]) = (S::from(1.0) - z, [0.25, 0.5].map(S::from));
-    let of = |a: f64, b: f64| corner([a, b], [x, y, z]);
+    let base = |a: f64, b: f64| corner([a, b], [x, y, z]);
     let at = |&[a, b, _]: &ShapeParameters| match (a == 0.0, b == 0.0) {
-        (true, _) => (q - x) * of(1.0, b) * half,
-        (_, true) => (q - y) * of(a, 1.0) * half,
-        _ => of(a, b) * (S::from(a) * x + S::from(b) * y - S::from(1.0)) * quarter,
+        (true, _) => (q - x) * base(1.0, b) * half,
+        (_, true) => (q - y) * base(a, 1.0) * half,
+        _ => base(a, b) * (S::from(a) * x + S::from(b) * y - S::from(1.0)) * quarter,
     };
     let (corners, middles) = Shape::Quad8.places().split_at(4);
-    let rising = corners.iter().map(|&[a, b, _]| z * of(a, b));
+    let rising = corners.iter().map(|&[a, b, _]| z * base(a, b));
     corners.iter().map(at).chain([z * (z + z - S::from(1.0))]).chain(middles.iter().map(at)).chain(rising).collect()
 }
 

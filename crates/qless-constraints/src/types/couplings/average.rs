@@ -80,17 +80,17 @@ impl Average {
     }
 
     /// The observed components of all nodes: position and weight, and their DOFs.
-    fn seen(&self) -> Vec<(MotionObservation, CoupledComponent)> {
+    fn observations(&self) -> Vec<(MotionObservation, CoupledComponent)> {
         let (length, most) = (self.mean_arm(), self.nodes.iter().fold(0.0, |most: f64, (_, weight)| most.max(*weight)));
-        let of = |(node, weight): &(Node6, f64)| {
+        let observe = |(node, weight): &(Node6, f64)| {
             let (at, root) = (node.at, (weight / most).sqrt());
-            node.coupled_components().map(move |own| {
-                let is_rotation = own.component.is_rotation();
+            node.coupled_components().map(move |component| {
+                let is_rotation = component.kind.is_rotation();
                 let root = if is_rotation { root * length } else { root };
-                (MotionObservation { at, axis: own.axis, is_rotation, root }, own)
+                (MotionObservation { at, axis: component.axis, is_rotation, root }, component)
             })
         };
-        self.nodes.iter().flat_map(of).collect()
+        self.nodes.iter().flat_map(observe).collect()
     }
 }
 
@@ -100,18 +100,19 @@ impl Constraint for Average {
 
     fn process(self, store: &mut Store) -> Result<(), CouplingError> {
         self.check()?;
-        let (seen, parts): (Vec<_>, Vec<_>) = self.seen().into_iter().unzip();
-        let fit = RigidMotionFit::new(&seen);
-        for own in self.reference.coupled_components() {
-            let motion = own.row([0.0; 3]);
+        let (observations, components): (Vec<_>, Vec<_>) = self.observations().into_iter().unzip();
+        let fit = RigidMotionFit::new(&observations);
+        for component in self.reference.coupled_components() {
+            let motion = component.row([0.0; 3]);
             let mut factors = fit.factors_of(motion, self.reference.at)?;
             for rotations in [false, true] {
-                let kind = seen.iter().map(|o| o.is_rotation == rotations);
+                let kind = observations.iter().map(|o| o.is_rotation == rotations);
                 clean(factors.iter_mut().zip(kind).filter_map(|(a, own)| own.then_some(a)), fit.blur);
             }
-            let led = parts.iter().zip(factors);
-            let terms = led.flat_map(|(part, factor)| part.terms.iter().map(move |&(dof, a)| (dof, factor * a)));
-            lead(store, self.reference.long_name(own.component), terms, &self.reference, motion)?;
+            let led = components.iter().zip(factors);
+            let terms =
+                led.flat_map(|(component, factor)| component.terms.iter().map(move |&(dof, a)| (dof, factor * a)));
+            lead(store, self.reference.long_name(component.kind), terms, &self.reference, motion)?;
         }
         Ok(())
     }

@@ -76,7 +76,7 @@ impl BeamToSolid {
     }
 
     /// `e . u_i = e . (u_b + theta x r_i)` at each node.
-    fn held(&self, store: &mut Store, e: Vector<f64>, name: &str) -> Result<(), CouplingError> {
+    fn equation_per_node(&self, store: &mut Store, e: Vector<f64>, name: &str) -> Result<(), CouplingError> {
         for (i, node) in self.nodes() {
             let terms = self.along(i, e, 1.0).collect();
             let motion = along(e, arm(node.at, self.beam.at));
@@ -113,23 +113,23 @@ impl Constraint for BeamToSolid {
         let again = if self.section == Section::Mean { RepeatedNodes::Allowed } else { RepeatedNodes::Refused };
         check(&self.beam, self.nodes().iter().map(|(_, node)| node), again)?;
         match self.section {
-            Section::Rigid => (0..3).try_for_each(|k| self.held(store, axis(k), AXES[k])),
+            Section::Rigid => (0..3).try_for_each(|k| self.equation_per_node(store, axis(k), AXES[k])),
             Section::Plane => {
                 let normal = mean_normal(&points)?;
-                self.held(store, normal, "normal")?;
-                let seen = MeanRigidMotion::new(points);
+                self.equation_per_node(store, normal, "normal")?;
+                let mean_motion = MeanRigidMotion::new(points);
                 let [s, t] = perpendicular(normal);
-                let still = [0.0; 3];
-                self.mean(store, &seen, along(s, still), "in the plane 1".to_owned())?;
-                self.mean(store, &seen, along(t, still), "in the plane 2".to_owned())?;
-                self.mean(store, &seen, about(normal), "torsion".to_owned())
+                let no_arm = [0.0; 3];
+                self.mean(store, &mean_motion, along(s, no_arm), "in the plane 1".to_owned())?;
+                self.mean(store, &mean_motion, along(t, no_arm), "in the plane 2".to_owned())?;
+                self.mean(store, &mean_motion, about(normal), "torsion".to_owned())
             }
             Section::Mean => {
-                let seen = MeanRigidMotion::new(points);
-                let name = |own: &CoupledComponent| self.beam.long_name(own.component);
+                let mean_motion = MeanRigidMotion::new(points);
+                let name = |component: &CoupledComponent| self.beam.long_name(component.kind);
                 self.beam
                     .coupled_components()
-                    .try_for_each(|own| self.mean(store, &seen, own.row([0.0; 3]), name(&own)))
+                    .try_for_each(|component| self.mean(store, &mean_motion, component.row([0.0; 3]), name(&component)))
             }
         }
     }

@@ -30,12 +30,12 @@ pub fn follow(
 /// Factors of `motion . q` for the components of the reference. Factors that are only rounding, relative to others of
 /// their kind, are left out.
 fn in_axes(reference: &Node6, motion: [f64; 6]) -> impl Iterator<Item = (Component, f64)> {
-    let of = |component: Component| {
+    let factor = |component: Component| {
         let kind =
             if component.is_rotation() { [motion[3], motion[4], motion[5]] } else { [motion[0], motion[1], motion[2]] };
         if reference.local.is_none() { kind[component as usize % 3] } else { dot(kind, reference.axis(component)) }
     };
-    let mut factors = Component::ALL.map(of);
+    let mut factors = Component::ALL.map(factor);
     factors.as_chunks_mut::<3>().0.iter_mut().for_each(|kind| clean(kind.iter_mut(), 1.0));
     Component::ALL.into_iter().zip(factors).filter(|&(_, factor)| factor != 0.0)
 }

@@ -205,10 +205,10 @@ impl FluidWall {
         for &(node, normal) in faces.iter().flatten() {
             sums[node] = Some(add(sums[node].unwrap_or_default(), normal));
         }
-        let normals: Vec<Option<Vector<f64>>> = sums.into_iter().map(|sum| sum.map(or_zero)).collect();
+        let normals: Vec<Option<Vector<f64>>> = sums.into_iter().map(|sum| sum.map(unit_or_zero)).collect();
         for (face, own) in faces.iter().enumerate() {
             for &(node, normal) in own {
-                let cosine = dot(or_zero(normal), normals[node].unwrap_or_default());
+                let cosine = dot(unit_or_zero(normal), normals[node].unwrap_or_default());
                 if cosine < CREASE || cosine.is_nan() {
                     return Err(FluidWallError::Crease { node: node + 1, face: face + 1, cosine });
                 }
@@ -219,7 +219,7 @@ impl FluidWall {
 }
 
 /// The unit vector, or zero if x has no direction; zero fails every check of the cosine.
-fn or_zero(x: Vector<f64>) -> Vector<f64> {
+fn unit_or_zero(x: Vector<f64>) -> Vector<f64> {
     let mut normal = unit(x).unwrap_or_default();
     clean(normal.iter_mut(), 1.0);
     normal

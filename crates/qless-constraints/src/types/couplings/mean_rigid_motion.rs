@@ -47,17 +47,17 @@ pub struct RigidMotionFit {
 
 impl RigidMotionFit {
     /// Fits m observations. Cost: O(m).
-    pub fn new(seen: &[MotionObservation]) -> Self {
-        let (centre, size) = centre(seen);
-        let spread = seen.iter().map(|o| norm_of(arm_from(o.at, centre, size))).fold(0.0, f64::max);
+    pub fn new(observations: &[MotionObservation]) -> Self {
+        let (centre, size) = centre(observations);
+        let spread = observations.iter().map(|o| norm_of(arm_from(o.at, centre, size))).fold(0.0, f64::max);
         let unit = if spread > 0.0 { spread } else { 1.0 };
-        let mut rows: Vec<[f64; 6]> = seen.iter().map(|o| row(o, arm_from(o.at, centre, size), unit)).collect();
+        let mut rows: Vec<[f64; 6]> = observations.iter().map(|o| row(o, arm_from(o.at, centre, size), unit)).collect();
         let balance = balance(&rows);
         rows.iter_mut().for_each(|row| row[3..].iter_mut().for_each(|x| *x *= balance));
         let factors = svd(rows);
         let blur = if spread > 0.0 { (size / spread).max(1.0) } else { 1.0 };
         let least = LEAST.max(ROUNDING * blur).min(0.5) * factors.values.iter().copied().fold(0.0, f64::max);
-        let roots = seen.iter().map(|o| o.root).collect();
+        let roots = observations.iter().map(|o| o.root).collect();
         Self { factors, roots, centre, length: unit / balance, least, blur }
     }
 
@@ -66,19 +66,18 @@ impl RigidMotionFit {
         let p = self.about_centre(motion, place);
         let v = |j: usize| (0..6).map(|i| self.factors.v[i][j] * p[i]).sum::<f64>();
         // Written so that NaN counts as undetermined.
-        let seen = |j: &usize| self.factors.values[*j] > self.least;
-        let unseen: Vec<usize> = (0..6).filter(|j| !seen(j)).collect();
-        let missed = unseen.iter().fold(0.0, |sum: f64, &j| sum.hypot(v(j)));
+        let determined = |j: &usize| self.factors.values[*j] > self.least;
+        let undetermined: Vec<usize> = (0..6).filter(|j| !determined(j)).collect();
+        let missed = undetermined.iter().fold(0.0, |sum: f64, &j| sum.hypot(v(j)));
         let whole = p.iter().fold(0.0, |sum: f64, x| sum.hypot(*x));
         if missed > LEAST.max(ROUNDING * self.blur) * whole || missed.is_nan() {
-            return Err(self.undetermined(motion, place, &unseen, v));
+            return Err(self.undetermined_error(motion, place, &undetermined, v));
         }
-        let factor: [f64; 6] =
-            std::array::from_fn(
-                |j| if seen(&j) { v(j) / self.factors.values[j] / self.factors.values[j] } else { 0.0 },
-            );
-        let of = |(row, root): (&[f64; 6], &f64)| root * (0..6).map(|j| row[j] * factor[j]).sum::<f64>();
-        Ok(self.factors.scaled.iter().zip(&self.roots).map(of).collect())
+        let factor: [f64; 6] = std::array::from_fn(|j| {
+            if determined(&j) { v(j) / self.factors.values[j] / self.factors.values[j] } else { 0.0 }
+        });
+        let coefficient = |(row, root): (&[f64; 6], &f64)| root * (0..6).map(|j| row[j] * factor[j]).sum::<f64>();
+        Ok(self.factors.scaled.iter().zip(&self.roots).map(coefficient).collect())
     }
 
     /// `motion . q(place)` in terms of the scaled motion of the centre: `d . (v + omega x a) + t . omega = d . v + (a
@@ -89,14 +88,14 @@ impl RigidMotionFit {
     }
 
     /// Error with the undetermined motion of the reference that moves the component most.
-    fn undetermined(
+    fn undetermined_error(
         &self,
         motion: [f64; 6],
         place: Vector<f64>,
-        unseen: &[usize],
+        undetermined: &[usize],
         v: impl Fn(usize) -> f64,
     ) -> CouplingError {
-        let q: [f64; 6] = std::array::from_fn(|i| unseen.iter().map(|&j| self.factors.v[i][j] * v(j)).sum());
+        let q: [f64; 6] = std::array::from_fn(|i| undetermined.iter().map(|&j| self.factors.v[i][j] * v(j)).sum());
         let rotation = [q[3], q[4], q[5]];
         let shift = cross(rotation, scale(1.0 / self.length, arm(place, self.centre)));
         let translation = add([q[0], q[1], q[2]], shift);
@@ -114,16 +113,17 @@ fn norm_of(x: Vector<f64>) -> f64 {
 }
 
 /// The weighted mean of the positions, computed relative to the first, and the largest coordinate.
-fn centre(seen: &[MotionObservation]) -> (Vector<f64>, f64) {
-    let Some(first) = seen.first() else { return ([0.0; 3], 0.0) };
-    let most = seen.iter().fold(0.0, |most: f64, o| most.max(o.root));
+fn centre(observations: &[MotionObservation]) -> (Vector<f64>, f64) {
+    let Some(first) = observations.first() else { return ([0.0; 3], 0.0) };
+    let most = observations.iter().fold(0.0, |most: f64, o| most.max(o.root));
     let weight = |o: &MotionObservation| (o.root / most).powi(2);
-    let of = |o: &&MotionObservation| !o.is_rotation;
+    let is_translation = |o: &&MotionObservation| !o.is_rotation;
     // Only translations depend on arms; without translations, any centre will do.
-    let total: f64 = seen.iter().filter(of).map(weight).sum();
+    let total: f64 = observations.iter().filter(is_translation).map(weight).sum();
     let part = |o: &MotionObservation| scale(weight(o) / total, arm(o.at, first.at));
-    let mean = if total > 0.0 { seen.iter().filter(of).map(part).fold([0.0; 3], add) } else { [0.0; 3] };
-    let size = seen.iter().flat_map(|o| o.at).fold(0.0, |most: f64, x| most.max(x.abs()));
+    let mean =
+        if total > 0.0 { observations.iter().filter(is_translation).map(part).fold([0.0; 3], add) } else { [0.0; 3] };
+    let size = observations.iter().flat_map(|o| o.at).fold(0.0, |most: f64, x| most.max(x.abs()));
     (add(first.at, mean), size)
 }
 
@@ -132,9 +132,9 @@ fn arm_from(at: Vector<f64>, centre: Vector<f64>, size: f64) -> Vector<f64> {
     arm(at, centre).map(|x| if x.abs() <= ROUNDING / 4.0 * size { 0.0 } else { x })
 }
 
-fn row(seen: &MotionObservation, r: Vector<f64>, unit: f64) -> [f64; 6] {
-    let [a, b, c, d, e, f] = if seen.is_rotation { about(seen.axis) } else { along(seen.axis, r) };
-    [a, b, c, d / unit, e / unit, f / unit].map(|x| seen.root * x)
+fn row(observation: &MotionObservation, r: Vector<f64>, unit: f64) -> [f64; 6] {
+    let [a, b, c, d, e, f] = if observation.is_rotation { about(observation.axis) } else { along(observation.axis, r) };
+    [a, b, c, d / unit, e / unit, f / unit].map(|x| observation.root * x)
 }
 
 /// The factor that gives rotations the same total weight as translations, for a good condition.
@@ -155,11 +155,11 @@ pub struct MeanRigidMotion {
 impl MeanRigidMotion {
     pub fn new(points: Vec<GaussPoint>) -> Self {
         let most = points.iter().map(GaussPoint::weight).fold(0.0, f64::max);
-        let of = |gauss: &GaussPoint| {
+        let observe = |gauss: &GaussPoint| {
             let (at, root) = (gauss.at, (gauss.weight() / most).sqrt());
             [0, 1, 2].map(|k| MotionObservation { at, axis: axis(k), is_rotation: false, root })
         };
-        let fit = RigidMotionFit::new(&points.iter().flat_map(of).collect::<Vec<_>>());
+        let fit = RigidMotionFit::new(&points.iter().flat_map(observe).collect::<Vec<_>>());
         Self { points, fit }
     }
 

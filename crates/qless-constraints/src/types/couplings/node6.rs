@@ -51,12 +51,12 @@ impl std::fmt::Display for Component {
 /// ```
 /// use qless_constraints::types::{Axes, Component, Node6, Point};
 /// let whole = Node6::new([0, 1, 2], [3, 4, 5], [1.0, 0.0, 0.0]);
-/// // What cards call components 1, 2 and 6.
+/// // Components 1, 2 and 6 in the numbering of decks.
 /// let pin = whole.only([Component::X, Component::Y, Component::TurnZ]);
 /// assert_eq!(pin.dofs, [Some(0), Some(1), None, None, None, Some(5)]);
 /// let solid = Node6::from(Point::new([6, 7, 8], [0.0; 3]));
 /// assert_eq!(solid.dofs, [Some(6), Some(7), Some(8), None, None, None]);
-/// // Of a node on a bore along z, the displacement away from its axis alone.
+/// // Only the radial displacement of a node on a bore along z.
 /// let axes = Axes::cylindrical([0.0; 3], [0.0, 0.0, 1.0], [3.0, 4.0, 1.0])?;
 /// let radial = Node6::from(Point::new([9, 10, 11], [3.0, 4.0, 1.0])).along(axes, [Component::X]);
 /// assert_eq!(radial.local.map(|local| local.axes.rows()[0]), Some([0.6, 0.8, 0.0]));
@@ -83,7 +83,7 @@ pub struct Local {
 
 /// A coupled component of a node: `sum a_j u_j`.
 pub(crate) struct CoupledComponent {
-    pub component: Component,
+    pub kind: Component,
     /// Direction of a translation, or axis of a rotation.
     pub axis: Vector<f64>,
     /// The component as terms in the DOFs of the node.
@@ -93,7 +93,7 @@ pub(crate) struct CoupledComponent {
 impl CoupledComponent {
     /// The component as a row in the rigid motion of a reference, from which r is the arm to the node.
     pub fn row(&self, r: Vector<f64>) -> [f64; 6] {
-        if self.component.is_rotation() { about(self.axis) } else { along(self.axis, r) }
+        if self.kind.is_rotation() { about(self.axis) } else { along(self.axis, r) }
     }
 }
 
@@ -147,7 +147,7 @@ impl Node6 {
         let (axis, first) = (self.axis(component), component as usize / 3 * 3);
         let used = (0..3).filter(|&k| axis[k] != 0.0);
         let terms = used.map(|k| Some((self.dofs[first + k]?, axis[k]))).collect::<Option<_>>()?;
-        self.has(component).then_some(CoupledComponent { component, axis, terms })
+        self.has(component).then_some(CoupledComponent { kind: component, axis, terms })
     }
 
     /// The coupled components. [`super::equations::check`] has refused missing DOFs.

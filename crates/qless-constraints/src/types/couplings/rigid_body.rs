@@ -70,9 +70,9 @@ impl Constraint for SmallRigidBody {
         check(&self.reference, self.nodes.iter(), RepeatedNodes::Refused)?;
         for (i, node) in self.nodes.iter().enumerate() {
             let r: Vector<f64> = arm(node.at, self.reference.at);
-            for own in node.coupled_components() {
-                let (name, row) = (equation_name(i, self.nodes.len(), node, own.component), own.row(r));
-                follow(store, name, own.terms, &self.reference, row)?;
+            for component in node.coupled_components() {
+                let (name, row) = (equation_name(i, self.nodes.len(), node, component.kind), component.row(r));
+                follow(store, name, component.terms, &self.reference, row)?;
             }
         }
         Ok(())
@@ -156,12 +156,12 @@ impl RigidBody {
         if let Some(point) = point(&node).filter(|_| Component::ALL[..3].iter().all(|&k| node.has(k))) {
             return coincident(store, self.name(i), &self.body, &Body::node(point), node.at);
         }
-        for own in node.coupled_components().filter(|own| !own.component.is_rotation()) {
-            let name = equation_name(i, self.nodes.len(), &node, own.component);
+        for component in node.coupled_components().filter(|component| !component.kind.is_rotation()) {
+            let name = equation_name(i, self.nodes.len(), &node, component.kind);
             if let Some(point) = point(&node).filter(|_| node.local.is_some()) {
-                height(store, name, &self.body, &Body::node(point), node.at, own.axis);
-            } else if let [(dof, _)] = own.terms[..] {
-                self.coordinate(store, name, node.at, (own.component as usize, dof));
+                height(store, name, &self.body, &Body::node(point), node.at, component.axis);
+            } else if let [(dof, _)] = component.terms[..] {
+                self.coordinate(store, name, node.at, (component.kind as usize, dof));
             }
         }
     }
@@ -207,7 +207,7 @@ impl Constraint for RigidBody {
         if !self.body.turns() {
             return Err(CouplingError::NoRotations);
         }
-        check(&lead(&self.body), self.nodes.iter(), RepeatedNodes::Refused)?;
+        check(&reference_node(&self.body), self.nodes.iter(), RepeatedNodes::Refused)?;
         for i in 0..self.nodes.len() {
             self.translations(store, i);
             self.rotations(store, i)?;
@@ -223,7 +223,7 @@ fn point(node: &Node6) -> Option<Point> {
 }
 
 /// The body as a node for the checks, without the fourth Euler parameter.
-fn lead(body: &Body) -> Node6 {
+fn reference_node(body: &Body) -> Node6 {
     let r = body.rotation_dofs();
     Node6::new(body.position, [r[0], r[1], r[2]], body.at)
 }

@@ -100,7 +100,7 @@ impl LineCoupling<'_> {
         follow(store, format!("line {}, {name}", self.number), terms, self.shell, motion)
     }
 
-    fn held(&self, store: &mut Store, e: Vector<f64>, name: &str) -> Result<(), CouplingError> {
+    fn equation_per_node(&self, store: &mut Store, e: Vector<f64>, name: &str) -> Result<(), CouplingError> {
         for (i, node) in self.line.nodes.iter().enumerate() {
             let one: Vec<f64> = (0..self.line.nodes.len()).map(|k| f64::from(u8::from(k == i))).collect();
             self.equation(store, &one, e, &format!("node {}, {name}", node + 1))?;
@@ -113,9 +113,9 @@ impl LineCoupling<'_> {
         let across = perpendicular(*direction);
         let both = ["across 1", "across 2"].into_iter().zip(across);
         match section {
-            Section::Rigid => (0..3).try_for_each(|k| self.held(store, axis(k), AXES[k])),
+            Section::Rigid => (0..3).try_for_each(|k| self.equation_per_node(store, axis(k), AXES[k])),
             Section::Plane => {
-                both.into_iter().try_for_each(|(name, e)| self.held(store, e, name))?;
+                both.into_iter().try_for_each(|(name, e)| self.equation_per_node(store, e, name))?;
                 self.equation(store, weights, *direction, "thickness")
             }
             Section::Mean => {
@@ -156,9 +156,9 @@ impl Constraint for ShellToSolid {
         if self.lines.is_empty() {
             return Err(CouplingError::NoNodes);
         }
-        let made = lines(&self.lines, &self.face, &points)?;
+        let shares = line_shares(&self.lines, &self.face, &points)?;
         self.check_dofs()?;
-        for (i, (ThicknessLine { shell, .. }, line)) in self.lines.iter().zip(&made).enumerate() {
+        for (i, (ThicknessLine { shell, .. }, line)) in self.lines.iter().zip(&shares).enumerate() {
             LineCoupling { number: i + 1, shell, line, face: &self.face }.equations(store, self.section)?;
         }
         Ok(())
@@ -168,7 +168,7 @@ impl Constraint for ShellToSolid {
 /// Largest distance of a node from the line, relative to its length.
 const BENT: f64 = 0.01;
 /// Sums of weights below this share of the sum of their absolute values are zero.
-const NOTHING: f64 = 1e-8;
+const NEGLIGIBLE: f64 = 1e-8;
 
 /// A straight line near its shell node, with the shares `w_i = int N_i dA` and `m_i = int N_i z dA` of its nodes.
 pub struct LineShares {
@@ -228,7 +228,7 @@ impl LineShares {
 /// A sum. An error if it is only rounding of its terms.
 fn sum(terms: impl Iterator<Item = f64> + Clone) -> Result<f64, LineFault> {
     let (total, size) = (terms.clone().sum::<f64>(), terms.map(f64::abs).sum::<f64>());
-    if total > NOTHING * size { Ok(total) } else { Err(LineFault::NoArea) }
+    if total > NEGLIGIBLE * size { Ok(total) } else { Err(LineFault::NoArea) }
 }
 
 /// The vector between the outermost nodes, and its length.
@@ -251,23 +251,23 @@ fn size(x: Vector<f64>) -> f64 {
 }
 
 /// Computes the shares of all lines. Every node of a face must belong to a line.
-pub fn lines(
+fn line_shares(
     lines: &[ThicknessLine],
     face: &Surface<3>,
     points: &[GaussPoint],
 ) -> Result<Vec<LineShares>, CouplingError> {
     let places = places(lines, face)?;
     let fault = |line: usize| move |fault| CouplingError::Line { line: line + 1, fault };
-    let made = lines.iter().enumerate().map(|(i, line)| LineShares::new(line, face).map_err(fault(i)));
-    let mut made: Vec<LineShares> = made.collect::<Result<_, _>>()?;
+    let shares = lines.iter().enumerate().map(|(i, line)| LineShares::new(line, face).map_err(fault(i)));
+    let mut shares: Vec<LineShares> = shares.collect::<Result<_, _>>()?;
     for gauss in points {
         for (&node, &function) in face.faces[gauss.face].nodes.iter().zip(&gauss.functions) {
             let (line, place) = places[node].ok_or(CouplingError::NotInLine { node })?;
-            made[line].add(place, gauss, function);
+            shares[line].add(place, gauss, function);
         }
     }
-    made.iter_mut().enumerate().try_for_each(|(i, line)| line.normalise().map_err(fault(i)))?;
-    Ok(made)
+    shares.iter_mut().enumerate().try_for_each(|(i, line)| line.normalise().map_err(fault(i)))?;
+    Ok(shares)
 }
 
 /// For each node of the surface, its line and its position there.

@@ -6,7 +6,7 @@
 type Row6 = [f64; 6];
 
 /// Maximum number of sweeps; about eight suffice for any matrix.
-const SWEEPS: usize = 40;
+const MAX_SWEEPS: usize = 40;
 
 /// The factors. The columns of `scaled` are those of `U S`.
 pub struct JacobiSvd {
@@ -20,7 +20,7 @@ pub fn svd(rows: Vec<Row6>) -> JacobiSvd {
     let mut scaled = rows;
     let mut v: [Row6; 6] = std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
     let pairs = || (0..6).flat_map(|i| (i + 1..6).map(move |j| (i, j)));
-    for _ in 0..SWEEPS {
+    for _ in 0..MAX_SWEEPS {
         let turned = pairs().filter(|&pair| orthogonalise(&mut scaled, &mut v, pair)).count();
         if turned == 0 {
             break;

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::height::Height;
-use super::orientation::{TimeFunction, Twist, at};
+use super::orientation::{TimeFunction, Twist, value_at};
 use super::relative::relative;
 use super::{JointError, check_moves, check_turns, direction};
 use crate::geometry::attachment::Body;
@@ -173,7 +173,7 @@ impl Nonlinear for Travel {
     const PARTS: &'static [&'static str] = Height::PARTS;
 
     fn at_time(&mut self, time: f64) -> Result<(), f64> {
-        self.height.rise = at(&self.motion, time)?;
+        self.height.rise = value_at(&self.motion, time)?;
         Ok(())
     }
 

@@ -23,7 +23,7 @@ use crate::scalar::{Arithmetic, Scalar};
 pub(super) type TimeFunction = Arc<dyn Fn(f64) -> f64 + Send + Sync>;
 
 /// The value at a time. The error is a value that is not finite.
-pub(super) fn at(motion: &TimeFunction, time: f64) -> Result<f64, f64> {
+pub(super) fn value_at(motion: &TimeFunction, time: f64) -> Result<f64, f64> {
     let value = motion(time);
     if value.is_finite() { Ok(value) } else { Err(value) }
 }
@@ -103,8 +103,8 @@ impl Tilt {
 
     fn in_space(&self, q: Quaternion<f64>) -> Quaternion<f64> {
         let [t, x, y] = self.frame;
-        let of = |k: usize| q[1] * t[k] + q[2] * x[k] + q[3] * y[k];
-        [q[0], of(0), of(1), of(2)]
+        let component = |k: usize| q[1] * t[k] + q[2] * x[k] + q[3] * y[k];
+        [q[0], component(0), component(1), component(2)]
     }
 
     /// `sum_k slope_k d^2 (m, v)_k / dq^2`.
@@ -170,7 +170,7 @@ impl RotationFunction for Twist {
     const DRIVEN: bool = true;
 
     fn at_time(&mut self, time: f64) -> Result<(), f64> {
-        self.angle = at(&self.motion, time)?;
+        self.angle = value_at(&self.motion, time)?;
         Ok(())
     }
 

@@ -102,10 +102,10 @@ impl<F: RotationFunction> Nonlinear for RelativeRotation<F> {
         let (count_a, n) = (self.a.rotations(), u.len());
         let (slopes_a, slopes_b) = (a.slopes(), b.slopes());
         // dq / du_j, and its product with d^2 c / dq^2.
-        let (mut ways, mut pushed) = ([[0.0; 4]; 8], [[0.0; 4]; 8]);
-        (0..count_a).for_each(|j| ways[j] = product(conjugate(slopes_a[j]), b.q));
-        (count_a..n).for_each(|j| ways[j] = product(conjugate(a.q), slopes_b[j - count_a]));
-        (0..n).for_each(|j| pushed[j] = square.map(|row| inner(row, ways[j])));
+        let (mut dq, mut hessian_dq) = ([[0.0; 4]; 8], [[0.0; 4]; 8]);
+        (0..count_a).for_each(|j| dq[j] = product(conjugate(slopes_a[j]), b.q));
+        (count_a..n).for_each(|j| dq[j] = product(conjugate(a.q), slopes_b[j - count_a]));
+        (0..n).for_each(|j| hessian_dq[j] = square.map(|row| inner(row, dq[j])));
         let mut own = [[0.0; 10]; 2];
         a.hessian(product(b.q, conjugate(z)), &mut own[0][..triangle(self.a)]);
         b.hessian(product(a.q, z), &mut own[1][..triangle(self.b)]);
@@ -114,13 +114,13 @@ impl<F: RotationFunction> Nonlinear for RelativeRotation<F> {
             let of_b = j >= count_a;
             let across = if of_b { product(z, conjugate(slopes_b[j - count_a])) } else { [0.0; 4] };
             for (k, slot) in (0..=j).zip(&mut slots) {
-                let bent = match (of_b, k >= count_a) {
+                let second = match (of_b, k >= count_a) {
                     // z . (conj(dq_a) dq_b) = conj(dq_a) . (z conj(dq_b)).
                     (true, false) => inner(conjugate(slopes_a[k]), across),
                     (true, true) => own[1][triangle_before(j - count_a) + k - count_a],
                     (false, _) => own[0][triangle_before(j) + k],
                 };
-                *slot = inner(ways[k], pushed[j]) + bent;
+                *slot = inner(dq[k], hessian_dq[j]) + second;
             }
         }
     }

@@ -46,8 +46,9 @@ impl<const D: usize, const F: usize> MortarTie<D, F> {
         let mut segments = Vec::new();
         for piece in self.pieces(facet) {
             let first = segments.len();
-            let over = near.iter().flat_map(|&master| self.over(&piece, master).map(move |segment| (master, segment)));
-            segments.extend(over.filter(|(master, segment)| self.is_near(segment, &places, *master)));
+            let overlaps =
+                near.iter().flat_map(|&master| self.overlaps(&piece, master).map(move |segment| (master, segment)));
+            segments.extend(overlaps.filter(|(master, segment)| self.is_near(segment, &places, *master)));
             let covered = segments[first..].iter().map(|(_, segment)| segment.size).sum();
             self.check_cover(facet + 1, &piece, covered)?;
         }
@@ -65,7 +66,7 @@ impl<const D: usize, const F: usize> MortarTie<D, F> {
     }
 
     /// The segments of a piece with a master facet, at any distance.
-    fn over(&self, piece: &FacetPiece, master: usize) -> impl Iterator<Item = MortarSegment> + use<D, F> {
+    fn overlaps(&self, piece: &FacetPiece, master: usize) -> impl Iterator<Item = MortarSegment> + use<D, F> {
         piece.segments(self.master.faces[master].shape, &places(&self.master, master)).into_iter()
     }
 
@@ -88,7 +89,7 @@ impl<const D: usize, const F: usize> MortarTie<D, F> {
         let MortarError::NotCovered { facet, bare, size, tolerance, .. } = error else { return error };
         let masters = || 0..self.master.faces.len();
         let pieces = self.pieces(facet - 1);
-        let gaps = pieces.iter().flat_map(|piece| masters().flat_map(|master| self.over(piece, master)));
+        let gaps = pieces.iter().flat_map(|piece| masters().flat_map(|master| self.overlaps(piece, master)));
         let gap = gaps.map(|segment| segment.gap).filter(|&gap| !within(gap, tolerance)).min_by(f64::total_cmp);
         MortarError::NotCovered { facet, bare, size, tolerance, gap }
     }

@@ -70,10 +70,10 @@ pub(super) fn add_facet(
         for (facet, segment) in segments {
             let nodes = &masters[*facet].nodes;
             for (k, &other) in nodes.iter().enumerate() {
-                let of = |sums: &[f64], weight: &dyn Fn(f64) -> f64| -> f64 {
+                let sum = |sums: &[f64], weight: &dyn Fn(f64) -> f64| -> f64 {
                     (0..slave.nodes.len()).map(|l| weight(b[(i, l)]) * sums[l * nodes.len() + k]).sum()
                 };
-                add(&mut row.masters, other, -of(&segment.other, &|b| b), of(&segment.terms, &f64::abs));
+                add(&mut row.masters, other, -sum(&segment.other, &|b| b), sum(&segment.terms, &f64::abs));
             }
         }
     }

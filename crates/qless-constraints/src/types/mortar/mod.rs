@@ -66,7 +66,7 @@ pub enum Multipliers {
 /// let mut quantities = set.allocate();
 /// set.evaluate(&[0.0, 1.0, 2.0, 0.0, 0.5, 1.25, 2.0], &mut quantities)?;
 /// assert!(quantities.c().iter().all(|c| c.abs() < 1e-15));
-/// // Of the slaves, each row has its own node only.
+/// // With dual multipliers, each row has a single slave node.
 /// assert_eq!(quantities.g().row(0).filter(|&(dof, _)| dof < 3).count(), 1);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -152,7 +152,7 @@ pub enum MortarError {
     /// A part of a slave facet has no master facet within the tolerance.
     #[error(
         "no master facet lies within the tolerance {tolerance} over {bare} of the size {size} of slave facet {facet}, from 1; {}",
-        beyond(*gap)
+        cover_advice(*gap)
     )]
     NotCovered {
         /// The slave facet, from 1.
@@ -182,7 +182,7 @@ pub enum MortarError {
 }
 
 /// Advice for a facet that is not covered.
-fn beyond(gap: Option<f64>) -> String {
+fn cover_advice(gap: Option<f64>) -> String {
     match gap {
         Some(gap) => format!("one that lies over it is {gap} away: bring the sides together, or raise the tolerance"),
         None => "nothing lies over it: extend the master side, shorten the slave side, or exchange the two".to_owned(),

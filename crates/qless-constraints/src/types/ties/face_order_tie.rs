@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::interpolate;
+use super::{interpolate, is_shared};
 use crate::geometry::node::{ROUNDING, field_of_node};
 use crate::geometry::shape::Shape;
 use crate::types::Polynomials;
@@ -58,18 +58,10 @@ impl<const F: usize> FaceOrderTie<F> {
         self.fine.weights(Side::Fine, &[]).map(|_| ())
     }
 
-    /// Whether a finer node is a shared node. An error if it has a DOF of a coarser node at another place.
     fn is_shared(&self, i: usize) -> Result<bool, FaceOrderTieError> {
         let (at, dofs) = self.fine.nodes[i];
         let here = |other: [f64; 2]| (0..2).all(|k| (other[k] - at[k]).abs() <= ROUNDING);
-        let coarse = &self.coarse.nodes;
-        if coarse.iter().any(|&(other, own)| own == dofs && here(other)) {
-            return Ok(true);
-        }
-        match dofs.iter().find(|dof| coarse.iter().any(|(_, others)| others.contains(dof))) {
-            Some(&dof) => Err(FaceOrderTieError::Shared { node: i + 1, dof }),
-            None => Ok(false),
-        }
+        is_shared(&dofs, &self.coarse.nodes, here).map_err(|dof| FaceOrderTieError::Shared { node: i + 1, dof })
     }
 }
 

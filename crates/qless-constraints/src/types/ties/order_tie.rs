@@ -1,6 +1,6 @@
 //! `u_i = sum_k L_k(s_i) u_k`: an edge with nodes of degree p, tied to an edge of degree q < p.
 
-use super::interpolate;
+use super::{interpolate, is_shared};
 use crate::geometry::node::{ROUNDING, field_of_node};
 use crate::{Constraint, Store};
 
@@ -116,17 +116,10 @@ impl<const F: usize> OrderTie<F> {
         }
     }
 
-    /// Whether a finer node is a shared node. An error if it has a DOF of a coarser node at another place.
     fn is_shared(&self, i: usize) -> Result<bool, OrderTieError> {
         let (at, dofs) = self.fine[i];
         let here = |other: f64| (other - at).abs() <= ROUNDING * other.abs().max(at.abs());
-        if self.coarse.iter().any(|&(other, own)| own == dofs && here(other)) {
-            return Ok(true);
-        }
-        match dofs.iter().find(|dof| self.coarse.iter().any(|(_, others)| others.contains(dof))) {
-            Some(&dof) => Err(OrderTieError::Shared { node: i + 1, dof }),
-            None => Ok(false),
-        }
+        is_shared(&dofs, &self.coarse, here).map_err(|dof| OrderTieError::Shared { node: i + 1, dof })
     }
 }
 
