@@ -30,7 +30,7 @@ use super::surface::{Surface, SurfaceError};
 /// let search = FaceSearch::new(&line)?;
 /// let found = search.within(&[[2.25, 0.5], [3.0, 0.0]], 0.5)?;
 /// assert_eq!((found[0].face, found[0].distance, &found[0].weights[..]), (2, 0.5, &[0.75, 0.25][..]));
-/// // The third and the fourth face meet in the second point.
+/// // The second point belongs to faces 2 and 3.
 /// assert_eq!(found[1].face, 2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

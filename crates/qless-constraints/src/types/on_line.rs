@@ -47,7 +47,7 @@ pub enum Line {
 /// let mut builder = ConstraintSet::builder(9);
 /// builder.add("bead", OnLine { point: at(0, 0.3), line: Line::Nodes(at(1, 0.0), at(2, 1.0)) })?;
 /// let set = builder.build()?;
-/// // Both ends of the line rise by 1, and so does the bead, wherever it slides.
+/// // The line rises by 1, and so does the node, which also slides along it.
 /// let mut quantities = set.allocate();
 /// set.evaluate(&[0.5, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0], &mut quantities)?;
 /// assert_eq!(quantities.c(), [0.0; 2]);

@@ -42,7 +42,7 @@ pub enum Plane {
 /// let set = builder.build()?;
 /// let mut quantities = set.allocate();
 /// set.evaluate(&[0.7, 0.2, 0.0], &mut quantities)?;
-/// // It hovers at height 1.
+/// // The node is 1 above the plane.
 /// assert_eq!(quantities.c(), [1.0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -39,7 +39,7 @@ use crate::{Constraint, Store};
 /// let reference = Node6::new([0, 1, 2], [3, 4, 5], [0.25, 0.5, 0.0]);
 /// let mut builder = ConstraintSet::builder(15);
 /// builder.add("load", Average { reference, nodes: nodes.clone() })?;
-/// // Two nodes do not tell rotations about the line through them, here x; all else they do.
+/// // Two nodes determine all components but the rotation about the line through them, here x.
 /// let pair = nodes[..2].to_vec();
 /// let on_line = Node6 { at: [0.5, 0.0, 0.0], ..reference };
 /// let error = builder.add("pair", Average { reference: on_line, nodes: pair.clone() }).unwrap_err();

@@ -195,7 +195,7 @@ const PARALLEL: f64 = 1e-8;
 /// let beam = Axes::new([1.0, 1.0, 0.0], [0.0, 1.0, 0.0])?;
 /// let half = 0.5_f64.sqrt();
 /// assert!((beam.rows()[1][0] + half).abs() < 1e-15 && beam.rows()[2] == [0.0, 0.0, 1.0]);
-/// // On a bore along z through the origin: outwards, around, along.
+/// // At a bore along z: radial, circumferential and axial direction.
 /// let bore = Axes::cylindrical([0.0; 3], [0.0, 0.0, 2.0], [0.0, 3.0, 7.0])?;
 /// assert_eq!(bore.rows(), [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]);
 /// # Ok::<(), qless_constraints::types::AxesError>(())

@@ -37,13 +37,13 @@ use crate::{Constraint, Nonlinear, Store};
 /// use qless_constraints::{ConstraintSet, types::{Component, Node6, Point, SmallRigidBody}};
 /// let reference = Node6::new([0, 1, 2], [3, 4, 5], [0.0; 3]);
 /// let solid = Node6::from(Point::new([6, 7, 8], [2.0, 0.0, 0.0]));
-/// // A node of a shell, of which the translation z and the rotation about z follow.
+/// // A shell node whose translation and rotation z follow.
 /// let shell = Node6::new([9, 10, 11], [12, 13, 14], [0.0, 1.0, 0.0]).only([Component::Z, Component::TurnZ]);
 /// let mut builder = ConstraintSet::builder(15);
 /// builder.add("link", SmallRigidBody { reference, nodes: vec![solid, shell] })?;
 /// let set = builder.build()?;
 /// assert_eq!(set.label(4)?, "link, node 2, rotation z");
-/// // A turn by 0.1 about z lifts the first node by 0.2, and turns the second.
+/// // A rotation by 0.1 about z moves the first node by 0.2 along y, and rotates the second.
 /// let mut quantities = set.allocate();
 /// let mut u = [0.0; 15];
 /// (u[5], u[7], u[14]) = (0.1, 0.2, 0.1);

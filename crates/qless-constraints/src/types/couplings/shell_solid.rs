@@ -41,7 +41,7 @@ use crate::{Constraint, Store};
 /// ```
 /// use qless_constraints::ConstraintSet;
 /// use qless_constraints::types::{Face, Node6, Point, Section, Shape, ShellToSolid, Surface, ThicknessLine};
-/// // A side of 2 x 1 with two nodes through the thickness, z; the shell's edge at half of it.
+/// // A side of 2 x 1 with two nodes through the thickness, along z. The edge of the shell is at half of it.
 /// let at = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 0.0, 1.0], [0.0, 0.0, 1.0]];
 /// let nodes = (0..4).map(|i| Point::new([12 + 3 * i, 13 + 3 * i, 14 + 3 * i], at[i])).collect();
 /// let face = Surface { nodes, faces: vec![Face::new(Shape::Quad4, [0, 1, 2, 3])] };

@@ -24,7 +24,7 @@ use crate::{Constraint, Store};
 /// let mut builder = ConstraintSet::builder(6);
 /// builder.add("sleeve", Cylindrical { a: Body::ground(), b: rod, at: [0.0; 3], axis: [1.0, 0.0, 0.0] })?;
 /// let set = builder.build()?;
-/// // It slides by 2 and turns by 1 rad.
+/// // The rod slides by 2 and rotates by 1 rad.
 /// let mut quantities = set.allocate();
 /// set.evaluate(&[2.0, 0.0, 0.0, 1.0, 0.0, 0.0], &mut quantities)?;
 /// assert_eq!(quantities.c(), [0.0; 4]);

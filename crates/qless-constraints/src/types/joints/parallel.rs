@@ -26,7 +26,7 @@ use crate::{Constraint, Store};
 /// let mut builder = ConstraintSet::builder(6);
 /// builder.add("upright", Parallel { a: Body::ground(), b: arm, axis: [0.0, 0.0, 1.0] })?;
 /// let set = builder.build()?;
-/// // Tilted by 2 rad.
+/// // The body is tilted by 2 rad.
 /// let mut quantities = set.allocate();
 /// set.evaluate(&[5.0, 5.0, 5.0, 0.0, 2.0, 0.0], &mut quantities)?;
 /// assert!((quantities.c()[0].hypot(quantities.c()[1]) - 2.0).abs() < 1e-15);

@@ -23,7 +23,7 @@ use crate::{Constraint, Store};
 /// let mut builder = ConstraintSet::builder(6);
 /// builder.add("square", joint)?;
 /// let set = builder.build()?;
-/// // Turned about both axes, each in turn, it stays so.
+/// // The axes stay perpendicular if the body rotates about one of them.
 /// let mut quantities = set.allocate();
 /// set.evaluate(&[5.0, 5.0, 5.0, 0.0, 0.0, 2.0], &mut quantities)?;
 /// assert_eq!(quantities.c(), [0.0]);

@@ -25,7 +25,7 @@ use crate::{Constraint, Store};
 /// let mut builder = ConstraintSet::builder(6);
 /// builder.add("table", Planar { a: Body::ground(), b: puck, at: [1.0, 0.0, 0.0], normal: [0.0, 0.0, 1.0] })?;
 /// let set = builder.build()?;
-/// // It slides to another place and spins.
+/// // The body slides and spins.
 /// let mut quantities = set.allocate();
 /// set.evaluate(&[2.0, -1.0, 0.0, 0.0, 0.0, 3.0], &mut quantities)?;
 /// assert_eq!(quantities.c(), [0.0; 3]);

@@ -54,7 +54,7 @@ pub enum Multipliers {
 ///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{MortarTie, Multipliers, Node, Surface}};
-/// // Temperatures of a line of two elements, and of one of three.
+/// // Temperatures on a line of two elements and a line of three.
 /// let line = |first: usize, at: &[f64]| {
 ///     Surface::polyline(at.iter().enumerate().map(|(i, &x)| Node::of_field(first + i, [x, 0.0])).collect())
 /// };
@@ -62,7 +62,7 @@ pub enum Multipliers {
 /// let mut builder = ConstraintSet::builder(7);
 /// builder.add("interface", MortarTie { slave, master, multipliers: Multipliers::Dual, tolerance: 1e-9 })?;
 /// let set = builder.build()?;
-/// // A temperature that is linear along the line satisfies all equations.
+/// // A linear temperature satisfies all equations.
 /// let mut quantities = set.allocate();
 /// set.evaluate(&[0.0, 1.0, 2.0, 0.0, 0.5, 1.25, 2.0], &mut quantities)?;
 /// assert!(quantities.c().iter().all(|c| c.abs() < 1e-15));

@@ -32,7 +32,7 @@ pub enum Turning {
 /// let mut builder = ConstraintSet::builder(6);
 /// builder.add("sector", Cyclic { a, b, turn, fields: Turning::Vectors, tolerance: 1e-9 })?;
 /// let set = builder.build()?;
-/// // Outwards at a is outwards at b.
+/// // A radial displacement of a corresponds to a radial displacement of b.
 /// let mut quantities = set.allocate();
 /// set.evaluate(&[0.1, 0.0, 0.0, 0.0, 0.1, 0.0], &mut quantities)?;
 /// assert!(quantities.c().iter().all(|c| c.abs() < 1e-16));
@@ -64,7 +64,7 @@ pub struct Cyclic<const D: usize, const F: usize = D> {
 ///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{Cyclic, CyclicHarmonic, Node, Turn, Turning}};
-/// // A pressure wave with two lengths around, in sectors of 60 degrees.
+/// // A pressure wave with two periods around the axis, in sectors of 60 degrees.
 /// let turn = Turn::in_plane([0.0; 2], std::f64::consts::FRAC_PI_3);
 /// let (a, b) = (Node::of_field(0, [2.0, 0.0]), Node::of_field(1, [1.0, 3.0_f64.sqrt()]));
 /// let real = Cyclic { a, b, turn, fields: Turning::Scalars, tolerance: 1e-9 };

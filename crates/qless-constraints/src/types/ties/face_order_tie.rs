@@ -29,7 +29,7 @@ use crate::{Constraint, Store};
 ///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{FaceOrderTie, FaceSide, Shape}};
-/// // A face with six nodes at one with three; they share their corners.
+/// // A face with six nodes tied to a face with three nodes, with shared corners.
 /// let fine = FaceSide::of_shape(Shape::Tri6, &[[0], [1], [2], [3], [4], [5]])?;
 /// let coarse = FaceSide::of_shape(Shape::Tri3, &[[0], [1], [2]])?;
 /// let mut builder = ConstraintSet::builder(6);

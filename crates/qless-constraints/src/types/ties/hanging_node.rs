@@ -23,7 +23,7 @@ use crate::{Constraint, Store};
 ///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::{HangingNode, Shape}};
-/// // The middle of the left half of an edge with three nodes; DOFs of two fields.
+/// // The middle of the left half of a quadratic edge, with two fields.
 /// let (node, parent) = ([0, 1], vec![[2, 3], [4, 5], [6, 7]]);
 /// let mut builder = ConstraintSet::builder(8);
 /// builder.add("hanging", HangingNode { node, shape: Shape::Line3, parent, at: [-0.5, 0.0] })?;

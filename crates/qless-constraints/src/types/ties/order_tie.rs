@@ -22,7 +22,7 @@ use crate::{Constraint, Store};
 ///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::OrderTie};
-/// // A cubic edge at a linear one; they share their ends.
+/// // A cubic edge tied to a linear edge, with shared ends.
 /// let coarse = vec![(0.0, [0]), (1.0, [1])];
 /// let fine = vec![(0.0, [0]), (0.25, [2]), (0.75, [3]), (1.0, [1])];
 /// let mut builder = ConstraintSet::builder(4);
