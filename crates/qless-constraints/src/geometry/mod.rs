@@ -8,10 +8,9 @@
 //! | [`outline`], [`polynomials`] | polygons with their quadrature, polynomials through the nodes of a face |
 //! | [`rotation`], [`rodrigues`], [`rotation_derivatives`], [`lanes`] | rotated vectors with first and second derivatives |
 //! | [`quaternion`], [`angle`] | relative rotations and their angles |
-//! | [`attachment`], [`sector_rotation`] | points of bodies; the rotation from one sector to the next |
+//! | [`sector_rotation`] | the rotation from one sector of a cyclic model to the next |
 
 pub mod angle;
-pub mod attachment;
 pub mod bounds;
 pub mod closest_point;
 pub mod element_quality;

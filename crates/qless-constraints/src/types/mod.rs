@@ -26,7 +26,6 @@ mod on_sphere;
 mod ties;
 mod volume;
 
-pub use crate::geometry::attachment::Body;
 pub use crate::geometry::node::{Node, PlanarPoint, Point};
 pub use crate::geometry::pairs::{PairError, pairs};
 pub use crate::geometry::polynomials::Polynomials;
@@ -44,8 +43,8 @@ pub use dof_equations::{
     Driven, DrivenError, Equal, EqualError, LinearEquation, LinearEquationError, Prescribed, PrescribedError,
 };
 pub use joints::{
-    Cylindrical, EulerNorm, Fixed, JointError, Parallel, Perpendicular, Planar, Prismatic, Revolute, RotationMotor,
-    Spherical, TranslationMotor, Universal,
+    Body, Cylindrical, EulerNorm, Fixed, JointError, Parallel, Perpendicular, Planar, Prismatic, Revolute,
+    RotationMotor, Spherical, TranslationMotor, Universal,
 };
 pub use mortar::{MortarError, MortarTie, Multipliers};
 pub use on_line::{Line, OnLine, OnLineError};

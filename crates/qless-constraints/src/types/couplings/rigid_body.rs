@@ -3,11 +3,11 @@
 
 use super::equations::{RepeatedNodes, check, follow};
 use super::rigid_motion::arm;
-use crate::geometry::attachment::{AttachedPoint, Body};
 use crate::geometry::node::Point;
 use crate::geometry::rotation::RotationKind;
 use crate::scalar::Scalar;
 use crate::scalar::vector::Vector;
+use crate::types::joints::attachment::{AttachedPoint, Body};
 use crate::types::joints::coincident::coincident;
 use crate::types::joints::height::height;
 use crate::types::joints::orientation::Aligned;

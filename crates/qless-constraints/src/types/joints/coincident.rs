@@ -4,8 +4,8 @@
 use std::borrow::Cow;
 use std::slice;
 
+use super::attachment::{AttachedPoint, Body};
 use super::relative::{rotation_vectors, triangle};
-use crate::geometry::attachment::{AttachedPoint, Body};
 use crate::geometry::lanes::{LANES, Lanes, RotatedArmLanes, RotationVectorLanes};
 use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, scale, sub};

@@ -1,10 +1,10 @@
 //! Cylindrical joint: a rod in a sleeve; `(R_a s_i) . (p_b - p_a) = 0`, `R_a t = R_b t`.
 
+use super::attachment::Body;
 use super::orientation::Tilt;
 use super::prismatic::path;
 use super::relative::relative;
 use super::{JointError, check_turns, direction};
-use crate::geometry::attachment::Body;
 use crate::scalar::vector::Vector;
 use crate::{Constraint, Store};
 

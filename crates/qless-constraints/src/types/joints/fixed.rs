@@ -1,10 +1,10 @@
 //! Fixed joint: a weld; `x_a + R_a s_a = x_b + R_b s_b`, `log(R_a^T R_b) = 0`.
 
+use super::attachment::Body;
 use super::coincident::coincident;
 use super::orientation::Aligned;
 use super::relative::relative;
 use super::{JointError, check_turns};
-use crate::geometry::attachment::Body;
 use crate::scalar::vector::Vector;
 use crate::{Constraint, Store};
 

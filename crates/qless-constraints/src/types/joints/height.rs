@@ -5,8 +5,8 @@
 
 use std::borrow::Cow;
 
+use super::attachment::{AttachedPoint, Body};
 use super::relative::{rotation_vectors, triangle_before};
-use crate::geometry::attachment::{AttachedPoint, Body};
 use crate::geometry::rotation_derivatives;
 use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, dot, scale, sub};

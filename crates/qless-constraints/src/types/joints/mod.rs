@@ -1,6 +1,7 @@
 //! Joints of multibody systems. Each is a selection of the equations in [`coincident`], [`height`] and
 //! [`orientation`], and holds in the reference configuration.
 
+pub(super) mod attachment;
 pub(super) mod coincident;
 mod cylindrical;
 mod euler_norm;
@@ -17,6 +18,7 @@ mod revolute;
 mod spherical;
 mod universal;
 
+pub use attachment::Body;
 pub use cylindrical::Cylindrical;
 pub use euler_norm::EulerNorm;
 pub use fixed::Fixed;
@@ -29,7 +31,6 @@ pub use revolute::Revolute;
 pub use spherical::Spherical;
 pub use universal::Universal;
 
-use crate::geometry::attachment::Body;
 use crate::scalar::vector::{Vector, unit};
 
 /// What can be wrong with a joint.

@@ -3,11 +3,11 @@
 
 use std::sync::Arc;
 
+use super::attachment::Body;
 use super::height::Height;
 use super::orientation::{TimeFunction, Twist, value_at};
 use super::relative::relative;
 use super::{JointError, check_moves, check_turns, direction};
-use crate::geometry::attachment::Body;
 use crate::geometry::rotation::RotationKind;
 use crate::scalar::Scalar;
 use crate::scalar::vector::Vector;

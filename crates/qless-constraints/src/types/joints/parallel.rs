@@ -1,9 +1,9 @@
 //! Parallel axes: `R_a t = R_b t`.
 
+use super::attachment::Body;
 use super::orientation::Tilt;
 use super::relative::relative;
 use super::{JointError, check_turns, direction};
-use crate::geometry::attachment::Body;
 use crate::scalar::vector::Vector;
 use crate::{Constraint, Store};
 

@@ -1,9 +1,9 @@
 //! Perpendicular axes: `(R_a s) . (R_b t) = 0`.
 
+use super::attachment::Body;
 use super::orientation::PerpendicularAxes;
 use super::relative::relative;
 use super::{JointError, check_turns, direction};
-use crate::geometry::attachment::Body;
 use crate::scalar::vector::{Vector, dot};
 use crate::{Constraint, Store};
 

@@ -1,10 +1,10 @@
 //! Planar joint: a plate on a plate; `(R_a n) . (p_b - p_a) = 0`, `R_a n = R_b n`.
 
+use super::attachment::Body;
 use super::height::height;
 use super::orientation::Tilt;
 use super::relative::relative;
 use super::{JointError, check_turns, direction};
-use crate::geometry::attachment::Body;
 use crate::scalar::vector::Vector;
 use crate::{Constraint, Store};
 

@@ -1,10 +1,10 @@
 //! Prismatic joint: a slider; `(R_a s_i) . (p_b - p_a) = 0`, `log(R_a^T R_b) = 0`.
 
+use super::attachment::Body;
 use super::height::height;
 use super::orientation::Aligned;
 use super::relative::relative;
 use super::{JointError, check_turns, direction};
-use crate::geometry::attachment::Body;
 use crate::scalar::vector::{Vector, perpendicular};
 use crate::{Constraint, Store};
 

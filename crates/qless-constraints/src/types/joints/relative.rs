@@ -6,7 +6,7 @@
 
 use std::borrow::Cow;
 
-use crate::geometry::attachment::Body;
+use super::attachment::Body;
 use crate::geometry::quaternion::{BodyQuaternion, Quaternion, body_quaternion, conjugate, inner, product};
 use crate::geometry::rotation::RotationKind;
 use crate::scalar::Scalar;

@@ -1,10 +1,10 @@
 //! Revolute joint: a hinge; `x_a + R_a s_a = x_b + R_b s_b`, `R_a t = R_b t`.
 
+use super::attachment::Body;
 use super::coincident::coincident;
 use super::orientation::Tilt;
 use super::relative::relative;
 use super::{JointError, check_turns, direction};
-use crate::geometry::attachment::Body;
 use crate::scalar::vector::Vector;
 use crate::{Constraint, Store};
 

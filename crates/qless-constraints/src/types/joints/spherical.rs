@@ -1,8 +1,8 @@
 //! Spherical joint: a point of two bodies coincides; three equations.
 
+use super::attachment::Body;
 use super::coincident::coincident;
 use super::{JointError, check_moves};
-use crate::geometry::attachment::Body;
 use crate::scalar::vector::Vector;
 use crate::{Constraint, Store};
 

@@ -1,10 +1,10 @@
 //! Universal joint: a cross of two axes; `x_a + R_a s_a = x_b + R_b s_b`, `(R_a s) . (R_b t) = 0`.
 
+use super::attachment::Body;
 use super::coincident::coincident;
 use super::perpendicular::perpendicular_axes;
 use super::relative::relative;
 use super::{JointError, check_turns};
-use crate::geometry::attachment::Body;
 use crate::scalar::vector::Vector;
 use crate::{Constraint, Store};
 

@@ -1,9 +1,9 @@
 //! Bodies, and points attached to them: to the ground, to a node, or to a body with rotations.
 
-use super::lanes::{Lanes, RotatedArmLanes};
-use super::rotation::RotationKind;
-use super::rotation_derivatives;
 use crate::Store;
+use crate::geometry::lanes::{Lanes, RotatedArmLanes};
+use crate::geometry::rotation::RotationKind;
+use crate::geometry::rotation_derivatives;
 use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, add, lift};
 
@@ -38,7 +38,7 @@ impl Body {
     }
 
     /// A node without rotations, for joints that fix only a point.
-    pub fn node(node: super::node::Point) -> Self {
+    pub fn node(node: crate::geometry::node::Point) -> Self {
         Self { kind: RotationKind::Node, position: node.dofs, at: node.at, ..Self::ground() }
     }
 
