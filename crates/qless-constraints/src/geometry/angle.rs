@@ -6,8 +6,8 @@
 //! equally near. Within [`TURNED_OVER`] of that point c takes the first direction, `c = (pi + v_1 / m, 0, ..)`, and
 //! its Jacobian has rank one.
 //!
-//! With `r = y + m^2`: `f_m = -1 / r`, `f_mm = 2 m / r^2`, `f_my = 1 / r^2`, `f_y = (m / r - f) / (2 y)`, `f_yy = -(m
-//! / r^2 + 3 f_y) / (2 y)`. Near zero, series in `y / m^2` replace the last two.
+//! With `r = y + m^2`: `f_m = -1 / r`, `f_mm = 2 m / r^2`, `f_my = 1 / r^2`, `f_y = (m / r - f) / (2 y)`,
+//! `f_yy = -(m / r^2 + 3 f_y) / (2 y)`. Near zero, series in `y / m^2` replace the last two.
 
 use std::array::from_fn;
 use std::f64::consts::PI;

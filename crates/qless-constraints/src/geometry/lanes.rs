@@ -2,7 +2,7 @@
 //!
 //! The roughly 150 operations for one rotation vector depend on each other; those for eight bodies run in parallel.
 
-#![expect(clippy::inline_always, reason = "in functions with wider instructions nothing else gets them")]
+#![expect(clippy::inline_always, reason = "only inlined code uses the wide instructions of its caller")]
 
 use std::ops::{Add, Mul, Neg, Sub};
 

@@ -31,7 +31,7 @@ pub enum PairError {
     },
     /// Two nodes have the same image.
     #[error(
-        "nodes {first} and {second}, from 1, have the same image; two of them are in one place, or the tolerance is too wide"
+        "nodes {first} and {second}, from 1, have the same image: they are at the same place, or the tolerance is too large"
     )]
     Shared {
         /// One node, from 1.

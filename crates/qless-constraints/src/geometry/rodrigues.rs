@@ -5,7 +5,7 @@
 //! `dc_k/dy = (k c_(k+2) - c_(k+1)) / 2`. The two series of `c_5` and `c_6` give all six numbers. Without a division
 //! by y, they are exact at y = 0.
 
-#![expect(clippy::inline_always, reason = "in functions with wider instructions nothing else gets them")]
+#![expect(clippy::inline_always, reason = "only inlined code uses the wide instructions of its caller")]
 
 use crate::scalar::Arithmetic;
 

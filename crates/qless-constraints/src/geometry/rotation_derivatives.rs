@@ -1,10 +1,10 @@
 //! `phi = m . (R s)` with its gradient and Hessian in the rotations of a body, in closed form.
 //!
-//! With `n = s x m`, Euler parameters `p = (e0, e)` give `phi = (e0^2 - e.e) m.s + 2 (e.s)(e.m) + 2 e0 e.n`. A
-//! rotation vector, with `y = theta.theta`, gives `phi = m.s + a(y) alpha + b(y) beta`, `alpha = theta.n`, `beta =
-//! (m.theta)(s.theta) - y m.s`.
+//! With `n = s x m`, Euler parameters `p = (e0, e)` give `phi = (e0^2 - e.e) m.s + 2 (e.s)(e.m) + 2 e0 e.n`. A rotation
+//! vector, with `y = theta.theta`, gives `phi = m.s + a(y) alpha + b(y) beta`, `alpha = theta.n`,
+//! `beta = (m.theta)(s.theta) - y m.s`.
 
-#![expect(clippy::inline_always, reason = "in functions with wider instructions nothing else gets them")]
+#![expect(clippy::inline_always, reason = "only inlined code uses the wide instructions of its caller")]
 
 use super::rodrigues::factors;
 use super::rotation::RotationKind;

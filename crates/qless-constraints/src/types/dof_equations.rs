@@ -224,7 +224,7 @@ pub enum EqualError {
         found: usize,
     },
     /// A DOF is repeated.
-    #[error("DOF {dof} stands in the list twice; a DOF is always equal to itself")]
+    #[error("DOF {dof} is in the list twice; take one of them out")]
     Repeated {
         /// The DOF, 0-based.
         dof: usize,

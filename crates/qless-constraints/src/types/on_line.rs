@@ -1,9 +1,9 @@
 //! `e_i . (p - a) = 0`, `i = 1, 2`: a node on a line. If the line is given by two nodes, `e_i` rotate with it.
 //!
 //! Let D be the direction of the line at u = 0, and `d = (b - a) / |b - a|` its current direction. The shortest
-//! rotation from D to d rotates the initial directions `E_i` across the line to `e_i = E_i - (E_i.d) (D + d) / (1 +
-//! D.d)`, unit vectors perpendicular to d and to each other. It is singular for d = -D, so that beyond 123 degrees the
-//! rotation starts from -D instead. No frame is continuous for all directions.
+//! rotation from D to d rotates the initial directions `E_i` across the line to
+//! `e_i = E_i - (E_i.d) (D + d) / (1 + D.d)`, unit vectors perpendicular to d and to each other. It is singular for d =
+//! -D, so that beyond 123 degrees the rotation starts from -D instead. No frame is continuous for all directions.
 
 use crate::geometry::node::{Point, moved, separation};
 use crate::scalar::Scalar;

@@ -6,8 +6,8 @@ mod functions;
 
 pub(crate) use domain::ShapeParameters;
 
-/// Shape of an element, a face or an edge: the number and the order of its nodes, and the functions of `x(xi) = sum_k
-/// N_k(xi) x_k`.
+/// Shape of an element, a face or an edge: the number and the order of its nodes, and the functions of
+/// `x(xi) = sum_k N_k(xi) x_k`.
 ///
 /// Parameters: [-1, 1] for lines, quadrilaterals and hexahedra; `xi, eta, zeta >= 0` and `xi + eta + zeta <= 1` for
 /// triangles and tetrahedra; a triangle in `xi, eta` times a line in `zeta` for wedges; `|xi|, |eta| <= 1 - zeta` and

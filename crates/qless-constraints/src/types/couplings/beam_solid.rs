@@ -17,11 +17,10 @@ use crate::{Constraint, Store};
 /// With `r = X - X_b` and the normal n of the face, the equations are one of
 ///
 /// - [`Section::Rigid`]: `u_i = u_b + theta x r_i` at each of the N nodes of the face, 3 N equations;
-/// - [`Section::Plane`]: `n . u_i = n . (u_b + theta x r_i)` at each node, and the mean motion within the plane, `N +
-///   3` equations;
-/// - [`Section::Mean`]: `(u_b, theta) = argmin int |u - u_b - theta x r|^2 dA`, one equation for each DOF of the
-///   beam's node, at most six. At the minimum, `int (u - u_b - theta x r) dA = 0` and `int r x (u - u_b - theta x r)
-///   dA = 0`.
+/// - [`Section::Plane`]: `n . u_i = n . (u_b + theta x r_i)` at each node, and the mean motion within the plane,
+///   `N + 3` equations;
+/// - [`Section::Mean`]: `(u_b, theta) = argmin int |u - u_b - theta x r|^2 dA`, one equation for each DOF of the beam's
+///   node, at most six. At the minimum, `int (u - u_b - theta x r) dA = 0` and `int r x (u - u_b - theta x r) dA = 0`.
 ///
 /// The integrals use the shape functions of the faces, `u = sum N_i u_i`. So a node has the weight `int N_i dA`, its
 /// tributary area, and the arm `int N_i r dA`. With `Mean` the beam therefore applies the nodal forces of a stress

@@ -125,7 +125,7 @@ pub enum CouplingError {
 #[non_exhaustive]
 pub enum LineFault {
     /// The line does not have two nodes at different places.
-    #[error("has no two nodes in different places; give the nodes through the whole thickness")]
+    #[error("does not have two nodes at different places; give all nodes through the thickness")]
     TooShort,
     /// A node does not exist, or is listed twice.
     #[error("names node {node} (from 0), which is no node of a face, or is in another line or twice in this one")]

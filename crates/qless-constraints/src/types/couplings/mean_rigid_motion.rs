@@ -1,7 +1,7 @@
 //! `min_q sum_k w_k (u_k - d_k . q)^2`: the rigid motion `q = (v, omega)` that fits observed displacements best.
 //!
-//! About the centre of the observations, with rotations scaled to lengths, let `A = diag(sqrt w) D = U S V^T`. Then `p
-//! . q = sum_k a_k u_k` with `a = diag(sqrt w) U S^-1 V^T p`. Motions whose singular value is only rounding are
+//! About the centre of the observations, with rotations scaled to lengths, let `A = diag(sqrt w) D = U S V^T`. Then
+//! `p . q = sum_k a_k u_k` with `a = diag(sqrt w) U S^-1 V^T p`. Motions whose singular value is only rounding are
 //! undetermined.
 
 use std::collections::BTreeMap;
@@ -80,8 +80,8 @@ impl RigidMotionFit {
         Ok(self.factors.scaled.iter().zip(&self.roots).map(coefficient).collect())
     }
 
-    /// `motion . q(place)` in terms of the scaled motion of the centre: `d . (v + omega x a) + t . omega = d . v + (a
-    /// x d + t) . omega`.
+    /// `motion . q(place)` in terms of the scaled motion of the centre:
+    /// `d . (v + omega x a) + t . omega = d . v + (a x d + t) . omega`.
     fn about_centre(&self, [a, b, c, d, e, f]: [f64; 6], place: Vector<f64>) -> [f64; 6] {
         let turn = add(cross(arm(place, self.centre), [a, b, c]), [d, e, f]);
         [a, b, c, turn[0] / self.length, turn[1] / self.length, turn[2] / self.length]

@@ -1,5 +1,5 @@
-//! Motors prescribe a relative motion as a function of time: `angle about an axis = phi(t)` or `travel along an axis =
-//! d(t)`.
+//! Motors prescribe a relative motion as a function of time: `angle about an axis = phi(t)` or
+//! `travel along an axis = d(t)`.
 
 use std::sync::Arc;
 

@@ -74,8 +74,8 @@ impl RotationFunction for Aligned {
 
 /// Zero if the axes of both bodies are parallel and point the same way.
 ///
-/// With the components `q_t, q_1, q_2` along the axis and two directions perpendicular to it: `m = t . R t = q0^2 +
-/// q_t^2 - q_1^2 - q_2^2`, `v = t x R t = 2 (q0 q_1 - q_t q_2, q0 q_2 + q_t q_1)`.
+/// With the components `q_t, q_1, q_2` along the axis and two directions perpendicular to it:
+/// `m = t . R t = q0^2 + q_t^2 - q_1^2 - q_2^2`, `v = t x R t = 2 (q0 q_1 - q_t q_2, q0 q_2 + q_t q_1)`.
 pub struct Tilt {
     /// The axis and two perpendicular directions, a right-handed system of unit vectors.
     frame: [Vector<f64>; 3],
@@ -141,8 +141,8 @@ impl RotationFunction for Tilt {
     }
 }
 
-/// The angle about an axis, minus a prescribed angle phi: `m = q0 cos(phi/2) + q_t sin(phi/2)`, `v = q_t cos(phi/2) -
-/// q0 sin(phi/2)`.
+/// The angle about an axis, minus a prescribed angle phi: `m = q0 cos(phi/2) + q_t sin(phi/2)`,
+/// `v = q_t cos(phi/2) - q0 sin(phi/2)`.
 pub struct Twist {
     /// Unit vector.
     axis: Vector<f64>,

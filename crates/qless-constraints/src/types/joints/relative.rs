@@ -1,8 +1,8 @@
 //! Equations on the relative rotation `R_a^T R_b` of two bodies: functions c of the quaternion `q = conj(q_a) q_b`.
 //!
 //! With `z = dc/dq` and products of quaternions, `dc/dq_b = q_a z` and `dc/dq_a = q_b conj(z)`. The Hessian has three
-//! terms: the second derivatives of q_a and q_b in these directions, `dq^T (d^2 c / dq^2) dq`, and `z . (conj(dq_a)
-//! dq_b)` between the bodies.
+//! terms: the second derivatives of q_a and q_b in these directions, `dq^T (d^2 c / dq^2) dq`, and
+//! `z . (conj(dq_a) dq_b)` between the bodies.
 
 use std::borrow::Cow;
 

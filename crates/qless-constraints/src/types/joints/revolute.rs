@@ -10,10 +10,10 @@ use crate::{Constraint, Store};
 
 /// A hinge: `x_a + R_a s_a - x_b - R_b s_b = 0`, three lengths, and the tilt of the axis, two angles.
 ///
-/// The tilt is the rotation vector that rotates `R_a t` to `R_b t`, in the axes of a, with the angle `acos(R_a t . R_b
-/// t)` in `[0, pi]` ([`super::Parallel`]). So the axes point the same way after assembly, from any initial position.
-/// Multipliers are the force and the two moments perpendicular to the axis. Five degrees of freedom are removed.
-/// Singular only if the axes point in opposite directions. The joint may turn any number of times.
+/// The tilt is the rotation vector that rotates `R_a t` to `R_b t`, in the axes of a, with the angle
+/// `acos(R_a t . R_b t)` in `[0, pi]` ([`super::Parallel`]). So the axes point the same way after assembly, from any
+/// initial position. Multipliers are the force and the two moments perpendicular to the axis. Five degrees of freedom
+/// are removed. Singular only if the axes point in opposite directions. The joint may turn any number of times.
 ///
 #[doc = include_str!("../../../docs/pictures/revolute.svg")]
 ///

@@ -85,10 +85,10 @@ const SHARE: f64 = 0.2;
 
 /// Functions `Phi_i = sum_j B_ij N_j` of the multipliers on a slave facet with n nodes, and `D_ij = int Phi_i N_j`.
 ///
-/// Dual functions satisfy `int Phi_i M_j = delta_ij int M_j`, with `B = diag(d) (int M M^T)^-1 P`, `M = P N` and `d_i
-/// = int M_i` (Wohlmuth, SIAM J. Numer. Anal., 2000). For linear shapes `P = I`. Corner functions of quadratic shapes
-/// may have no integral, so `M_c = N_c + a sum N_e` over the edges at the corner and `M_e = (1 - 2 a) N_e`, with `a =
-/// 1/5` (Popp, Wohlmuth, Gee and Wall, SIAM J. Sci. Comput., 2012).
+/// Dual functions satisfy `int Phi_i M_j = delta_ij int M_j`, with `B = diag(d) (int M M^T)^-1 P`, `M = P N` and
+/// `d_i = int M_i` (Wohlmuth, SIAM J. Numer. Anal., 2000). For linear shapes `P = I`. Corner functions of quadratic
+/// shapes may have no integral, so `M_c = N_c + a sum N_e` over the edges at the corner and `M_e = (1 - 2 a) N_e`, with
+/// `a = 1/5` (Popp, Wohlmuth, Gee and Wall, SIAM J. Sci. Comput., 2012).
 pub(super) struct MultiplierFunctions {
     /// B, n x n.
     pub b: Mat<f64>,

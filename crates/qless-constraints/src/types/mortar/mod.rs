@@ -1,5 +1,5 @@
-//! Mortar ties of lines or surfaces: `sum_j D_ij u_j - sum_k M_ik u_k = 0`, `D_ij = int Phi_i N_j`, `M_ik = int Phi_i
-//! N_k`.
+//! Mortar ties of lines or surfaces: `sum_j D_ij u_j - sum_k M_ik u_k = 0`, `D_ij = int Phi_i N_j`,
+//! `M_ik = int Phi_i N_k`.
 //!
 //! Puso, Int. J. Numer. Meth. Engng, 2004; segments as in Popp, Gitterle, Gee and Wall, ibid., 2010; pieces of
 //! quadratic facets as in Puso, Laursen and Solberg, Comput. Methods Appl. Mech. Engng, 2008.

@@ -1,5 +1,5 @@
-//! Cyclic symmetry: `u_b = R(alpha) u_a` for a node and its image in the next sector; for harmonic k, `u_b = e^(i k
-//! alpha) R(alpha) u_a`.
+//! Cyclic symmetry: `u_b = R(alpha) u_a` for a node and its image in the next sector; for harmonic k,
+//! `u_b = e^(i k alpha) R(alpha) u_a`.
 
 use crate::geometry::node::{Node, field, rounding, separation, within};
 use crate::geometry::sector_rotation::{Turn, sin_cos};
@@ -91,9 +91,7 @@ pub struct CyclicHarmonic<const D: usize, const F: usize = D> {
 #[non_exhaustive]
 pub enum CyclicError {
     /// The fields are not vectors.
-    #[error(
-        "{fields} fields are no vectors of {dimensions} components each; tie vectors and scalars by nodes of their own"
-    )]
+    #[error("{fields} fields are not vectors of {dimensions} components each; tie vectors and scalars separately")]
     NoVectors {
         /// F.
         fields: usize,

@@ -151,7 +151,7 @@ impl fmt::Display for Side {
 #[non_exhaustive]
 pub enum FaceOrderTieError {
     /// A shape is not a face.
-    #[error("a {shape:?} is no face")]
+    #[error("a {shape:?} is not a face")]
     NoFace {
         /// What it is.
         shape: Shape,
@@ -176,7 +176,7 @@ pub enum FaceOrderTieError {
     },
     /// The finer side does not contain the polynomials of the coarser side.
     #[error(
-        "not all of {coarse:?} of the coarser side are among {fine:?} of the finer, which could not follow: exchange the sides, or raise its degree"
+        "not all of {coarse:?} of the coarser side are among {fine:?} of the finer side, which cannot follow: exchange the sides, or raise the finer degree"
     )]
     NotAmong {
         /// Polynomials of the finer side.
@@ -204,7 +204,7 @@ pub enum FaceOrderTieError {
     },
     /// A finer node has a DOF of a coarser node at another place.
     #[error(
-        "node {node}, from 1, of the finer side has DOF {dof}, as a coarser node in another place has; correct one of them"
+        "node {node}, from 1, of the finer side shares DOF {dof} with a coarser node at another place; correct one of them"
     )]
     Shared {
         /// The node, from 1.

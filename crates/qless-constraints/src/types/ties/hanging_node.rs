@@ -72,7 +72,7 @@ pub enum HangingNodeError {
         at: [f64; 2],
     },
     /// The node is a node of the parent.
-    #[error("DOF {dof} of the node is one of the parent's too; a node of the parent does not hang on it")]
+    #[error("DOF {dof} of the node also belongs to the parent; a node of the parent cannot hang on it")]
     OwnParent {
         /// The DOF, 0-based.
         dof: usize,

@@ -46,7 +46,7 @@ pub struct LineTie<const D: usize, const F: usize = D> {
 #[non_exhaustive]
 pub enum LineTieError {
     /// There are too few nodes.
-    #[error("{slave} nodes are tied to a line of {master}; give at least one and two")]
+    #[error("{slave} nodes are tied to a line of {master} nodes; at least one and two are needed")]
     TooFew {
         /// Nodes that are tied.
         slave: usize,

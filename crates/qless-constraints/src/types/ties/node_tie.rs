@@ -9,8 +9,8 @@ use crate::geometry::shape::Shape;
 use crate::geometry::surface::Surface;
 use crate::{Constraint, Store};
 
-/// A node with F fields, tied to a line, to a face, or to a solid that contains it, in D dimensions: `u_p = sum_k
-/// N_k(xi) u_k`.
+/// A node with F fields, tied to a line, to a face, or to a solid that contains it, in D dimensions:
+/// `u_p = sum_k N_k(xi) u_k`.
 ///
 /// xi is the nearest point of the element. In a solid that contains the node, `x(xi) = x_p`, solved by Newton's method
 /// (one step for affine elements). Weights below 8 units in the last place of the largest are exactly zero. Their sum

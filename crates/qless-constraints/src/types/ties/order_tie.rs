@@ -76,7 +76,7 @@ pub enum OrderTieError {
     },
     /// A finer node has a DOF of a coarser node at another place.
     #[error(
-        "node {node}, from 1, of the finer side has DOF {dof}, as a coarser node in another place has; correct one of them"
+        "node {node}, from 1, of the finer side shares DOF {dof} with a coarser node at another place; correct one of them"
     )]
     Shared {
         /// The node, from 1.
