@@ -152,7 +152,7 @@ fn faults_of_couplings() {
     };
     assert_refused(shell(&[], [0.0; 3]), "no nodes");
     assert_refused(shell(&[&[0, 3]], [0.0; 3]), "node 1 (from 0) of the face is in no line");
-    assert_refused(shell(&[&[0, 3], &[1][..]], [0.0; 3]), "line 2, from 1, has no two nodes");
+    assert_refused(shell(&[&[0, 3], &[1][..]], [0.0; 3]), "line 2, from 1, does not have two nodes");
     assert_refused(shell(&[&[0, 3], &[1, 3]], [0.0; 3]), "line 2, from 1, names node 3");
     assert_refused(shell(&[&[0, 7]], [0.0; 3]), "names node 7");
     assert_refused(shell(&[&[0, 1, 2], &[3][..]], [0.0; 3]), "bends: node 1");
