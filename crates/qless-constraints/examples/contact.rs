@@ -1,9 +1,9 @@
-//! Node-to-face contact: gaps `g(u) = C u - b >= 0`, pressures `p >= 0`, `p g = 0`, by an active set.
+//! Node-to-face contact by an active-set method: gaps `g(u) = C u - b >= 0`, contact forces `p >= 0`, `p g = 0`.
 //!
-//! Two elastic strips over one another, as strings on springs: the upper one is bent like a wheel and pressed down, its nodes meet the
-//! faces of the lower one between the nodes of that. Each node has a constraint that says "the gap is closed". All rest at first; those
-//! whose gap is negative are activated, those that pull are deactivated, until nothing changes: the solution of
-//! `min u^T K u / 2 - f^T u` subject to `g(u) >= 0`.
+//! Two elastic strips, modelled as strings on springs, lie over one another. The upper strip is curved like a wheel
+//! and is pressed down, so that its nodes touch faces of the lower strip. Each upper node has a constraint "the gap is
+//! closed", initially inactive. Constraints with a negative gap are activated, and those that pull are deactivated,
+//! until nothing changes. The result solves `min u^T K u / 2 - f^T u` subject to `g(u) >= 0`.
 //!
 //! `cargo run -p qless-constraints --example contact`
 
@@ -15,18 +15,18 @@ use qless_constraints::{ActiveSystem, ConstraintId, ConstraintSet};
 
 type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
 
-/// Two strips; each node has one DOF, its deflection. Any units of length and force.
+/// Two strips. Each node has one DOF, its deflection. Any consistent units.
 #[derive(Clone, Copy, Debug)]
 pub struct Strips {
     /// Nodes of the upper strip.
     pub upper: usize,
-    /// Nodes of the lower strip, over the same length.
+    /// Nodes of the lower strip, which has the same length.
     pub lower: usize,
-    /// Length of the strips.
+    /// Length of both strips.
     pub length: f64,
-    /// Curvature of the upper strip: the gap before loading is `x^2 curvature / 2` from the middle.
+    /// Curvature of the upper strip: the initial gap at the distance x from the middle is `x^2 curvature / 2`.
     pub curvature: f64,
-    /// Stiffness of each spring, a force by a length.
+    /// Stiffness of each spring, a force per length.
     pub stiffness: f64,
     /// Force on each node of the upper strip, downwards.
     pub force: f64,
@@ -51,7 +51,8 @@ impl Strips {
         self.upper + self.lower
     }
 
-    /// Springs `(DOF, other DOF or the ground, stiffness)`: between neighbours, and to the ground. What holds the upper strip is soft.
+    /// Springs `(DOF, other DOF or None for the ground, stiffness)`. Those between the upper strip and the ground are
+    /// soft.
     pub fn springs(&self) -> Vec<(usize, Option<usize>, f64)> {
         let ground = |i: usize| (i, None, if i < self.upper { 0.01 } else { 1.0 } * self.stiffness);
         let pair = |i: usize| (i, Some(i + 1), self.stiffness);
@@ -64,7 +65,7 @@ impl Strips {
         (0..self.dofs()).map(|i| if i < self.upper { -self.force } else { 0.0 }).collect()
     }
 
-    /// `g_i = u_i - (1 - s) u_a - s u_b + gap_i`: the terms and the gap before loading.
+    /// Terms and initial gap of `g_i = u_i - (1 - s) u_a - s u_b + gap_i`.
     pub fn gap(&self, i: usize) -> (Vec<(usize, f64)>, f64) {
         let along = i as f64 / (self.upper - 1) as f64;
         let place = along * (self.lower - 1) as f64;
@@ -84,10 +85,10 @@ impl Strips {
         Ok(SparseColMat::try_new_from_triplets(self.dofs(), self.dofs(), &triplets)?)
     }
 
-    /// Nodes enter and leave the active set until all gaps and pressures are right.
+    /// Updates the active set until all gaps and contact forces are admissible.
     ///
     /// # Errors
-    /// If the stiffness holds nothing, or the active set does not settle.
+    /// If the stiffness is singular, or the active set does not converge.
     pub fn solve(&self) -> Outcome<Contact> {
         let mut builder = ConstraintSet::builder(self.dofs());
         let add = |i: usize| {
@@ -119,7 +120,8 @@ impl Strips {
     }
 }
 
-/// u, and the pressures of all nodes: the multiplier of `K u + C^T lambda = f` pulls, a pressure pushes.
+/// Displacements and contact forces. A multiplier of `K u + C^T lambda = f` is positive in tension, so its sign is
+/// reversed.
 fn balance(
     k: &SparseColMat<usize, f64>,
     f: &[f64],
@@ -133,7 +135,7 @@ fn balance(
     Ok((solution.u, pressures))
 }
 
-/// Closes what overlaps and opens what pulls; whether there was any.
+/// Activates constraints with overlap and deactivates constraints that pull. Returns whether any changed.
 fn change(set: &mut ConstraintSet, nodes: &[ConstraintId], gaps: &[f64], pressures: &[f64]) -> Outcome<bool> {
     let mut changed = false;
     for ((&node, &gap), &pressure) in nodes.iter().zip(gaps).zip(pressures) {

@@ -1,4 +1,4 @@
-//! A driven crank pushes a slider against a spring: load steps, iterates and residuals, through a dead centre.
+//! A driven crank pushes a slider against a spring, through a dead centre. Prints load steps, iterates and residuals.
 //!
 //! `cargo run -p qless-constraints --example equilibrium`
 
@@ -8,7 +8,7 @@ use qless_constraints::ConstraintSet;
 use qless_constraints::equilibrium::{Assembly, EquilibriumOptions, Model, Start, Target, solve};
 use qless_constraints::types::{Distance, LinearEquation, OnSphere, PlanarPoint};
 
-/// Springs from DOFs to the ground: `f_j = k_j u_j + a_j u_j^3`, in newtons and metres.
+/// Nonlinear springs from DOFs to the ground: `f_j = k_j u_j + a_j u_j^3`, in newtons and metres.
 struct Springs {
     k: [f64; 4],
     a: [f64; 4],
@@ -37,7 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut springs = Springs { k: [0.0, 0.0, 2e3, 0.0], a: [0.0, 0.0, 1e4, 0.0] };
     let mut start = Start::at_rest(&set);
     let loads = [0.0; 4];
-    // The slider is free; the pin is driven along x, from one dead centre to the other and half-way back.
+    // The pin is driven along x, from one dead centre to the other and halfway back. The slider follows.
     for x in [-0.05, -0.1, -0.15, -0.2, -0.1] {
         let target = Target { loads: &loads, prescribed: &[(0, x)] };
         let found = solve(&mut springs, &set, &start, &target, &EquilibriumOptions::default())?;
@@ -58,7 +58,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// A crank of 0.1 m, a rod of 0.4 m: DOFs of the pin, then of the slider.
+/// A crank of 0.1 m and a rod of 0.4 m. The DOFs of the pin come first, then those of the slider.
 fn slider_crank() -> Result<ConstraintSet, Box<dyn Error>> {
     let (pin, slider) = (PlanarPoint::new([0, 1], [0.1, 0.0]), PlanarPoint::new([2, 3], [0.5, 0.0]));
     let mut builder = ConstraintSet::builder(4);

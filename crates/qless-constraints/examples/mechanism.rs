@@ -1,4 +1,4 @@
-//! A parallelogram linkage with one arm too many: what is redundant, where, and Newton's way to a driven position.
+//! A parallelogram linkage with a redundant arm: Newton's method to a driven position, and the redundant equations.
 //!
 //! `cargo run -p qless-constraints --example mechanism`
 
@@ -11,7 +11,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let options = NewtonOptions::default();
     println!("{} coordinates, {} equations", set.dofs(), set.equations());
 
-    // The crank is pushed by 0.6 in one step; everything else follows.
+    // The first arm is driven by 0.6 in one step; all other DOFs follow.
     let solution = solve(&set, &[0.0; 6], &[(0, 0.6)], &options)?;
     println!("{:>4} {:>11} {:>5}  left out", "step", "residual", "rank");
     for (step, iterate) in solution.iterates.iter().enumerate() {
@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     println!("u = {:.6?}", solution.u);
 
-    // Folded flat, the coupler adds a second, which is redundant in that configuration only.
+    // Folded flat, the linkage has a second redundancy, in this configuration only.
     for (name, u) in [("driven", solution.u), ("folded flat", vec![1.0, -1.0, 1.0, -1.0, 1.0, -1.0])] {
         for (row, place) in redundancies(&set, &u, &options)? {
             println!("{name}: redundant, {:?}: {}", place, set.label(row)?);

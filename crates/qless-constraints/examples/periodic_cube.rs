@@ -1,8 +1,8 @@
-//! A periodic cube of solid elements, half of it ten times stiffer, under a macroscopic strain: its mean stress.
+//! Mean stress of a periodic cube of solid elements under a macroscopic strain. Half of the cube is ten times stiffer.
 //!
-//! The pairs of opposite nodes make `3 n^2` equations per component, of which `3 n - 1` at edges and corners are redundant.
-//! The example assembles the elements, leaves it to the library to find the redundant equations, and checks the stress of
-//! the homogeneous cube against Hooke's law and that of the layered one against the rule of layers in series.
+//! Pairs of opposite nodes give `3 n^2` equations per component. `3 n - 1` of them, at edges and corners, are
+//! redundant, which the library detects. The stress of the homogeneous cube is checked against Hooke's law, that of
+//! the layered cube against the rule for layers in series.
 //!
 //! `cargo run --release -p qless-constraints --example periodic_cube`
 
@@ -14,12 +14,12 @@ use qless_constraints::ConstraintSet;
 use qless_constraints::enforce::Problem;
 use qless_constraints::types::{MacroStrain, Periodic, Point};
 
-/// Nodes along an edge of the unit cube.
+/// Number of nodes along an edge of the unit cube.
 const NODES: usize = 7;
 /// Lame's constants of the softer material.
 const LAMBDA: f64 = 1.0;
 const MU: f64 = 0.8;
-/// Stretch across the layers.
+/// Macroscopic strain across the layers.
 const STRETCH: f64 = 0.01;
 
 type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
@@ -32,7 +32,7 @@ fn main() -> Outcome<()> {
         let f = vec![0.0; system.dofs()];
         let problem = Problem::new(&k, &f, &system)?;
         let solution = problem.transformation()?;
-        // sigma : E = 2 energy / volume, and only E_xx is not zero.
+        // sigma : E = 2 energy / volume, where only E_xx is nonzero.
         let energy: f64 = energy_twice(&k, &solution.u);
         let (stress, truth) = (energy / STRETCH, STRETCH * 2.0 / (1.0 / soft + 1.0 / (ratio * soft)));
         println!(
@@ -54,7 +54,7 @@ fn point(place: [usize; 3]) -> Point {
     Point::new([3 * node, 3 * node + 1, 3 * node + 2], place.map(|p| p as f64 / (NODES - 1) as f64))
 }
 
-/// All pairs of opposite nodes; one corner is held.
+/// Periodic pairs of all opposite nodes, with one corner fixed.
 fn constraints() -> Outcome<ConstraintSystem> {
     let mut builder = ConstraintSet::builder(3 * NODES.pow(3));
     let strain = MacroStrain::Given([[STRETCH, 0.0, 0.0], [0.0; 3], [0.0; 3]]);
@@ -75,7 +75,7 @@ fn constraints() -> Outcome<ConstraintSystem> {
     Ok(set.linearised(&quantities, &[(0, 0.0), (1, 0.0), (2, 0.0)])?)
 }
 
-/// Bricks of eight nodes; the half with x above 1/2 is `ratio` times stiffer.
+/// Stiffness of trilinear bricks. The half with x > 1/2 is `ratio` times stiffer.
 fn stiffness(ratio: f64) -> Outcome<SparseColMat<usize, f64>> {
     let cells = NODES - 1;
     let brick = brick(1.0 / cells as f64);
@@ -92,7 +92,7 @@ fn stiffness(ratio: f64) -> Outcome<SparseColMat<usize, f64>> {
     Ok(SparseColMat::try_new_from_triplets(n, n, &entries)?)
 }
 
-/// `int lambda div u div v + 2 mu eps(u) : eps(v)` of a cube with edges h, by Gauss's rule with two points per direction.
+/// Element matrix of `int lambda div u div v + 2 mu eps(u) : eps(v)` on a cube with edges h, by Gauss points.
 fn brick(h: f64) -> Vec<[f64; 24]> {
     let mut k = vec![[0.0; 24]; 24];
     for gauss in 0..8 {

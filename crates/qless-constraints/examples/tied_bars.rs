@@ -1,7 +1,9 @@
-//! The tie of the paper's Figure 1, with bars: four parts meet at the nodes D, F, I and L and are tied line to line, all around.
+//! The ties of the paper's Figure 1, with bars: four squares meet at the nodes D, F, I and L; each is tied to the
+//! next.
 //!
-//! Three equations per component are enough for the four nodes to move together; the four ties make four. Another tie lies
-//! between nodes that are both fixed. Both are found, named and left out, and all methods give the same displacements.
+//! Three equations per component suffice for the four nodes to move together, but the four ties give four. Another tie
+//! joins nodes that are both fixed. The library finds and names these redundant equations, and all methods give the
+//! same displacements.
 //!
 //! `cargo run -p qless-constraints --example tied_bars`
 
@@ -11,7 +13,7 @@ use qless_constraints::ConstraintSet;
 use qless_constraints::enforce::Problem;
 use qless_constraints::types::{LineTie, PlanarPoint};
 
-/// `(name, coordinates)`: one square part in each quarter of the plane; its last corner lies at the centre.
+/// `(name, coordinates)` of the nodes. Each quarter of the plane has a square, whose last corner lies at the centre.
 const NODES: [(&str, [f64; 2]); 12] = [
     ("B", [-1.0, -1.0]),
     ("C", [0.0, -1.0]),
@@ -27,7 +29,7 @@ const NODES: [(&str, [f64; 2]); 12] = [
     ("L", [0.0, 0.0]),
 ];
 
-/// Bars of each part, and the bars on the rim that keep it in shape.
+/// Bars along the sides of the squares, as pairs of nodes.
 const BARS: [(usize, usize); 8] = [(0, 1), (0, 2), (3, 4), (4, 5), (6, 7), (6, 8), (9, 10), (10, 11)];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -58,7 +60,7 @@ fn point(node: usize) -> PlanarPoint {
     PlanarPoint::new([2 * node, 2 * node + 1], NODES[node].1)
 }
 
-/// Each line to the line that lies on it; the outer nodes of the lower parts are fixed.
+/// Ties each line to the opposite line. The outer nodes of the lower squares are fixed.
 fn constraints() -> Result<ConstraintSystem, Box<dyn std::error::Error>> {
     let mut builder = ConstraintSet::builder(24);
     for (label, slave, master) in [
@@ -78,7 +80,7 @@ fn constraints() -> Result<ConstraintSystem, Box<dyn std::error::Error>> {
     Ok(set.linearised(&quantities, &fixed)?)
 }
 
-/// Bars of stiffness 1 / length, and a soft bed that holds what they leave free.
+/// Bars of stiffness 1 / length, and soft springs to the ground against rigid-body motion.
 fn stiffness() -> Result<SparseColMat<usize, f64>, Box<dyn std::error::Error>> {
     let mut entries: Vec<_> = (0..24).map(|j| Triplet::new(j, j, 0.01)).collect();
     for (a, b) in BARS {
@@ -93,7 +95,7 @@ fn stiffness() -> Result<SparseColMat<usize, f64>, Box<dyn std::error::Error>> {
     Ok(SparseColMat::try_new_from_triplets(24, 24, &entries)?)
 }
 
-/// The upper right part is pulled outwards.
+/// An outward force on the upper right square.
 fn loads() -> Vec<f64> {
     let mut f = vec![0.0; 24];
     (f[12], f[13]) = (0.1, 0.2);

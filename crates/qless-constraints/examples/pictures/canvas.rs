@@ -1,12 +1,13 @@
-//! Lines, nodes, bodies and labels of a picture, as SVG.
+//! SVG pictures of lines, nodes, bodies and labels.
 //!
-//! Lines and letters take the colour of the text around them, so that a picture can be read on light and on dark pages. y goes down.
+//! Lines and letters take the colour of the surrounding text, so that pictures are legible on light and dark pages. y
+//! points down.
 
 use std::fmt::Write;
 
-/// Bodies and nodes that lead or stand first.
+/// Colour of masters, or of the first body or node.
 pub const BLUE: &str = "#2f7fd0";
-/// Bodies and nodes that follow or stand second.
+/// Colour of slaves, or of the second body or node.
 pub const ORANGE: &str = "#d9691e";
 /// Width and height of every picture.
 pub const SIZE: [f64; 2] = [320.0, 170.0];
@@ -21,12 +22,12 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// An empty one; the title is read out where pictures cannot be seen.
+    /// An empty picture. Screen readers read the title.
     pub fn new(name: &'static str, title: &'static str) -> Self {
         Self { name, title, body: String::new() }
     }
 
-    /// The file; without empty lines, which would end it on a page.
+    /// Contents of the file, without empty lines: in Markdown these would end the picture.
     pub fn svg(&self) -> String {
         let ([width, height], body) = (SIZE, &self.body);
         let head = format!("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\"");
@@ -50,31 +51,31 @@ impl Picture {
         self.path(&through(points), "fill=\"none\" stroke=\"currentColor\" stroke-width=\"1.5\"")
     }
 
-    /// A thin dashed line, for what is not there or was there.
+    /// A thin dashed line, for something imaginary or in its former position.
     pub fn dashed(self, points: &[At]) -> Self {
         let style = "fill=\"none\" stroke=\"currentColor\" stroke-width=\"1\" stroke-dasharray=\"5 4\" opacity=\"0.7\"";
         self.path(&through(points), style)
     }
 
-    /// A thick line in a colour: a rod, an edge of a mesh.
+    /// A thick coloured line: a rod, or an edge of a mesh.
     pub fn bar(self, points: &[At], colour: &str) -> Self {
         let style = format!("fill=\"none\" stroke=\"{colour}\" stroke-width=\"3\" stroke-linejoin=\"round\"");
         self.path(&through(points), &style)
     }
 
-    /// A filled shape with an edge in a colour.
+    /// A filled polygon with an outline of the same colour.
     pub fn area(self, corners: &[At], colour: &str) -> Self {
         let style = format!("fill=\"{colour}\" fill-opacity=\"0.2\" stroke=\"{colour}\" stroke-width=\"1.5\"");
         self.path(&(through(corners) + " Z"), &style)
     }
 
-    /// A body: a rectangle about a centre, turned by an angle in degrees.
+    /// A body: a rectangle about a centre, rotated by an angle in degrees.
     pub fn body(self, centre: At, [width, height]: At, angle: f64, colour: &str) -> Self {
         let corner = |x: f64, y: f64| add(centre, polar_sum(x * width / 2.0, y * height / 2.0, angle));
         self.area(&[corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)], colour)
     }
 
-    /// A line that ends in a head.
+    /// An arrow.
     pub fn arrow(self, from: At, to: At) -> Self {
         let (along, length) = direction(from, to);
         let back = [to[0] - 9.0 * along[0], to[1] - 9.0 * along[1]];
@@ -90,7 +91,7 @@ impl Picture {
         self.arrow(middle, from).arrow(middle, to)
     }
 
-    /// A part of a circle that ends in a head; angles in degrees, from x to y, which is down.
+    /// A circular arrow; angles in degrees, from x towards y.
     pub fn turn(self, centre: At, radius: f64, from: f64, to: f64) -> Self {
         let picture = self.line(&arc(centre, radius, from, to));
         let end = add(centre, polar(radius, to));
@@ -98,12 +99,12 @@ impl Picture {
         picture.arrow(end, add(end, tangent))
     }
 
-    /// A node in a colour.
+    /// A coloured node.
     pub fn node(self, [x, y]: At, colour: &str) -> Self {
         self.put(&format!("<circle cx=\"{}\" cy=\"{}\" r=\"5\" fill=\"{colour}\"/>", short(x), short(y)))
     }
 
-    /// A ring, for a pin, a ball or an axis seen from its end.
+    /// A ring: a pin, a ball, or an axis seen from its end.
     pub fn ring(self, [x, y]: At, radius: f64) -> Self {
         let style = "fill=\"none\" stroke=\"currentColor\" stroke-width=\"1.5\"";
         self.put(&format!("<circle cx=\"{}\" cy=\"{}\" r=\"{}\" {style}/>", short(x), short(y), short(radius)))
@@ -116,7 +117,7 @@ impl Picture {
         strokes.fold(self.line(&[[left, y], [right, y]]), |p, x| p.line(&[[x, y], [x - 8.0, y + 8.0]]))
     }
 
-    /// Letters whose middle is there; `_` makes the letters up to the next blank a subscript.
+    /// Centred text; letters between `_` and the next blank are a subscript.
     pub fn label(self, [x, y]: At, text: &str) -> Self {
         let (mut spans, mut below) = (String::new(), false);
         for (k, word) in text.split(' ').enumerate() {
@@ -140,7 +141,7 @@ fn through(points: &[At]) -> String {
     points.iter().enumerate().map(step).collect()
 }
 
-/// A tenth of a unit is enough to be seen, and the same on every machine.
+/// Rounds to a tenth, so that files are the same on every machine.
 fn short(x: f64) -> String {
     let tenths = (10.0 * x).round() / 10.0;
     format!("{}", if tenths == 0.0 { 0.0 } else { tenths })
@@ -156,7 +157,7 @@ pub fn add(a: At, b: At) -> At {
     [a[0] + b[0], a[1] + b[1]]
 }
 
-/// The point at a distance in the direction of an angle in degrees.
+/// The point with these polar coordinates; the angle is in degrees.
 pub fn polar(radius: f64, angle: f64) -> At {
     let (sin, cos) = angle.to_radians().sin_cos();
     [radius * cos, radius * sin]
@@ -166,7 +167,7 @@ fn polar_sum(x: f64, y: f64, angle: f64) -> At {
     add(polar(x, angle), polar(y, angle + 90.0))
 }
 
-/// Points of a part of a circle.
+/// Points of an arc.
 pub fn arc(centre: At, radius: f64, from: f64, to: f64) -> Vec<At> {
     (0..=24).map(|k| add(centre, polar(radius, from + (to - from) * f64::from(k) / 24.0))).collect()
 }

@@ -1,6 +1,6 @@
-//! Writes the pictures of the constraint types that their pages show: `cargo run -p qless-constraints --example pictures`.
+//! Writes the pictures on the pages of the constraint types: `cargo run -p qless-constraints --example pictures`.
 //!
-//! A new type: a function here that draws it, its name in [`all`](drawings::all), and a page of the same name in `docs/types`.
+//! A new type needs a drawing in [`drawings`], and a page of the same name in `docs/types`.
 
 mod canvas;
 mod drawings;

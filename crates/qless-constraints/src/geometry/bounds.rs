@@ -1,9 +1,11 @@
-//! A box that holds an element.
+//! Bounding boxes of elements.
 
 use super::shape::Shape;
 
-/// The corners of a box that holds an element, also where a curved one bulges beyond its nodes: that of the control points of the
-/// Bernstein form of its edges and faces, whose convex hull holds them. A solid that does not fold lies within its faces.
+/// Lower and upper corner of a box that contains an element, also if a curved one bulges beyond its nodes.
+///
+/// It is the box of the Bernstein control points of all edges and faces: their convex hull contains these. A solid
+/// that is not folded lies within its faces.
 pub(crate) fn bounds<const D: usize>(shape: Shape, places: &[[f64; D]]) -> [[f64; D]; 2] {
     let mut control = Vec::new();
     add_control_points(shape, places, &mut control);
@@ -13,8 +15,8 @@ pub(crate) fn bounds<const D: usize>(shape: Shape, places: &[[f64; D]]) -> [[f64
     [extreme(f64::INFINITY, f64::min), extreme(f64::NEG_INFINITY, f64::max)]
 }
 
-/// Corners as they are; `2 m - (a + b) / 2` for the middle m of the edge ab; in the middle of a Quad8 `sum m - 3/4 sum a`, of a Quad9
-/// with the centre c `4 c - sum m + 1/4 sum a`.
+/// Control points: corners; `2 m - (a + b) / 2` for an edge ab with the middle m; `sum m - 3/4 sum a` for the centre
+/// of a Quad8; `4 c - sum m + 1/4 sum a` for that of a Quad9 with the centre node c.
 fn add_control_points<const D: usize>(shape: Shape, places: &[[f64; D]], control: &mut Vec<[f64; D]>) {
     let corners = shape.corners().len();
     control.extend(&places[..corners]);
@@ -41,7 +43,7 @@ fn add_control_points<const D: usize>(shape: Shape, places: &[[f64; D]], control
 mod tests {
     use super::*;
 
-    /// Curved faces stay within their boxes, and touch those of their control points where these lie on them.
+    /// Curved faces stay within their boxes. The box of a line is exact.
     #[test]
     fn faces_stay_within_their_bounds() {
         let at = |seed: u32| f64::from(seed.wrapping_mul(2_654_435_761) >> 8) / f64::from(1_u32 << 24);

@@ -1,17 +1,30 @@
-//! A node: its DOFs and where it is at u = 0.
+//! Nodes, their names in labels, and distances between them.
 
 use std::borrow::Cow;
 
 use crate::scalar::Scalar;
 
-/// Components in the order of the DOFs of a node.
+/// Relative rounding error of sums of a few products; multiplied by the largest coordinate it is a length.
+pub(crate) const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// Distance within which a point counts as on an element, due to the rounding of their coordinates.
+pub fn rounding<const D: usize>(nodes: &[[f64; D]], point: &[f64; D]) -> f64 {
+    ROUNDING * nodes.iter().flatten().chain(point).fold(0.0, |most: f64, x| most.max(x.abs()))
+}
+
+/// `x_k - p`.
+pub fn relative<const D: usize>(nodes: &[[f64; D]], point: &[f64; D]) -> Vec<[f64; D]> {
+    nodes.iter().map(|x| std::array::from_fn(|d| x[d] - point[d])).collect()
+}
+
+/// Names of the components.
 pub(crate) const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// A node in D dimensions that carries the DOFs of F fields.
 ///
 /// | field | F | DOFs |
 /// | --- | --- | --- |
-/// | displacements (what is meant without F) | D | one translation per coordinate, `x = at + u` |
+/// | displacements (default) | D | one translation per coordinate, `x = at + u` |
 /// | temperature, pressure, potential | 1 | its value ([`Node::of_field`]) |
 /// | shell | 6 | three translations, then three rotations |
 /// | displacements and a temperature | D + 1 | all of them |
@@ -44,13 +57,13 @@ impl<const D: usize, const F: usize> Node<D, F> {
 }
 
 impl<const D: usize> Node<D, 1> {
-    /// A node of a field with one value per node, as a temperature.
+    /// A node of a scalar field such as a temperature.
     pub fn of_field(dof: usize, at: [f64; D]) -> Self {
         Self { dofs: [dof], at }
     }
 }
 
-/// What the equation of field k of F is called: "" if it is the only one, its axis if fields are translations, "field 4" else.
+/// Name of the equation of field k: "" for a single field, the axis for translations, otherwise "field 4".
 pub(crate) fn field<const D: usize, const F: usize>(k: usize) -> Cow<'static, str> {
     match F {
         1 => Cow::Borrowed(""),
@@ -59,18 +72,18 @@ pub(crate) fn field<const D: usize, const F: usize>(k: usize) -> Cow<'static, st
     }
 }
 
-/// The equation of field k of a node: "node 3, x", or "node 3" if it is the only one.
+/// Name of the equation of field k at a node: "node 3, x", or "node 3" for a single field.
 pub(crate) fn field_of_node<const D: usize, const F: usize>(node: usize, k: usize) -> String {
     let field = field::<D, F>(k);
     if field.is_empty() { format!("node {}", node + 1) } else { format!("node {}, {field}", node + 1) }
 }
 
-/// `at + u` for the D values that start at `first`.
+/// `at + u`, with u read from index `first` on.
 pub(crate) fn moved<S: Scalar, const D: usize>(at: &[f64; D], u: &[S], first: usize) -> [S; D] {
     std::array::from_fn(|k| S::from(at[k]) + u[first + k])
 }
 
-/// Whether a distance is at most the tolerance; neither may be NaN.
+/// Whether a distance is at most the tolerance. False if either is NaN.
 pub(crate) fn within(distance: f64, tolerance: f64) -> bool {
     distance <= tolerance
 }

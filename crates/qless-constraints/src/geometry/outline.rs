@@ -1,18 +1,16 @@
-//! What a facet is seen as: an interval of a line or a convex polygon of a plane; intersection, size, and Gauss points in it.
+//! Outlines of facets: intervals of a line or convex polygons in a plane, with intersection, size and quadrature.
 
-use super::clip::{Flat, area, clip, is_convex, perimeter, quadrature};
-
-/// An outline. Points of a line are `[s, 0]`.
+/// Outline of a facet. Points of a line are `[s, 0]`.
 pub enum Outline {
-    /// From and to.
+    /// Lower and upper end.
     Interval(f64, f64),
     /// Corners, counter-clockwise.
-    Polygon(Vec<Flat>),
+    Polygon(Vec<PlanePoint>),
 }
 
 impl Outline {
-    /// From the ends of a line or the corners of a face, in either direction.
-    pub fn new(mut corners: Vec<Flat>) -> Self {
+    /// From the ends of a line, or the corners of a face in either sense.
+    pub fn new(mut corners: Vec<PlanePoint>) -> Self {
         if let [a, b] = corners.as_slice() {
             return Self::Interval(a[0].min(b[0]), a[0].max(b[0]));
         }
@@ -30,7 +28,8 @@ impl Outline {
         }
     }
 
-    /// The size of a border, per width of it: the number of ends, or the perimeter.
+    /// Size of the boundary: 2 for an interval, the perimeter of a polygon. Times a small width it is the size of a
+    /// strip along the boundary.
     pub fn border(&self) -> f64 {
         match self {
             Self::Interval(..) => 2.0,
@@ -45,7 +44,7 @@ impl Outline {
         }
     }
 
-    /// What two outlines have in common; nothing if one is a line and the other is not.
+    /// Intersection of two outlines. Returns `None` if one is a line and the other a polygon.
     pub fn common(self, window: &Self) -> Option<Self> {
         match (self, window) {
             (Self::Interval(a, b), &Self::Interval(c, d)) => Some(Self::Interval(a.max(c), b.min(d))),
@@ -54,8 +53,8 @@ impl Outline {
         }
     }
 
-    /// Points and weights whose sum is the integral, exact for polynomials up to degree five.
-    pub fn quadrature(&self) -> Vec<(Flat, f64)> {
+    /// Quadrature points and weights, exact for polynomials up to degree five.
+    pub fn quadrature(&self) -> Vec<(PlanePoint, f64)> {
         match *self {
             Self::Interval(from, to) => {
                 let (middle, half) = (f64::midpoint(from, to), (to - from) / 2.0);
@@ -65,6 +64,129 @@ impl Outline {
             Self::Polygon(ref corners) => quadrature(corners).collect(),
         }
     }
+}
+
+/// A point in the plane.
+pub type PlanePoint = [f64; 2];
+
+/// Twice the area of the triangle `a b p`: positive if p lies to the left of ab.
+fn side(a: PlanePoint, b: PlanePoint, p: PlanePoint) -> f64 {
+    (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
+}
+
+/// The edges of a polygon.
+fn edges(polygon: &[PlanePoint]) -> impl Iterator<Item = (PlanePoint, PlanePoint)> {
+    polygon.iter().copied().zip(polygon.iter().copied().cycle().skip(1))
+}
+
+/// Triangles between the first corner and every edge; their signed areas sum to that of the polygon.
+fn fan(polygon: &[PlanePoint]) -> impl Iterator<Item = [PlanePoint; 3]> {
+    polygon.windows(2).skip(1).map(|ends| [polygon[0], ends[0], ends[1]])
+}
+
+/// The area, negative if the corners run clockwise.
+pub fn area(polygon: &[PlanePoint]) -> f64 {
+    fan(polygon).map(|[a, b, c]| side(a, b, c) / 2.0).sum()
+}
+
+pub fn perimeter(polygon: &[PlanePoint]) -> f64 {
+    edges(polygon).map(|(a, b)| (b[0] - a[0]).hypot(b[1] - a[1])).sum()
+}
+
+/// Whether every corner is convex, up to rounding.
+pub fn is_convex(polygon: &[PlanePoint]) -> bool {
+    let rounding = 1e-12 * area(polygon);
+    let after = edges(polygon).skip(1).chain(edges(polygon));
+    edges(polygon).zip(after).all(|((a, b), (_, c))| side(a, b, c) >= -rounding)
+}
+
+/// The intersection of a polygon with a convex window (Sutherland and Hodgman, Commun. ACM, 1974).
+pub fn clip(polygon: Vec<PlanePoint>, window: &[PlanePoint]) -> Vec<PlanePoint> {
+    edges(window).fold(polygon, |left, (a, b)| cut(&left, a, b))
+}
+
+/// The part of a polygon to the left of the line ab.
+fn cut(polygon: &[PlanePoint], a: PlanePoint, b: PlanePoint) -> Vec<PlanePoint> {
+    let mut kept = Vec::with_capacity(polygon.len() + 1);
+    for (p, q) in edges(polygon) {
+        let (from, to) = (side(a, b, p), side(a, b, q));
+        if from >= 0.0 {
+            kept.push(p);
+        }
+        if (from > 0.0 && to < 0.0) || (from < 0.0 && to > 0.0) {
+            let t = from / (from - to);
+            kept.push([p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])]);
+        }
+    }
+    kept
+}
+
+/// A corner is dropped if it cuts off less than this share of the area: rounding makes such corners on edges and
+/// beside other corners.
+const STRAIGHT: f64 = 1e-10;
+
+/// The corners of a polygon, without those that rounding made.
+fn true_corners(polygon: &[PlanePoint]) -> Vec<PlanePoint> {
+    let least = 2.0 * STRAIGHT * area(polygon);
+    let mut corners = polygon.to_vec();
+    let mut k = 0;
+    while k < corners.len() && corners.len() > 3 {
+        let n = corners.len();
+        if side(corners[(k + n - 1) % n], corners[k], corners[(k + 1) % n]) < least {
+            corners.remove(k);
+        } else {
+            k += 1;
+        }
+    }
+    corners
+}
+
+/// The centroid of the area.
+fn centroid(polygon: &[PlanePoint]) -> PlanePoint {
+    let parts = || fan(polygon).map(|[a, b, c]| (side(a, b, c), [a[0] + b[0] + c[0], a[1] + b[1] + c[1]]));
+    let whole: f64 = parts().map(|(twice, _)| twice).sum();
+    // Dividing first avoids underflow of products of areas and lengths in small units.
+    [0, 1].map(|k| parts().map(|(twice, sum)| twice / whole * sum[k]).sum::<f64>() / 3.0)
+}
+
+/// Triangulation that does not depend on the first corner: the triangle itself, or triangles from the centroid to
+/// every edge.
+fn triangles(polygon: &[PlanePoint]) -> Vec<[PlanePoint; 3]> {
+    match *true_corners(polygon) {
+        [a, b, c] => vec![[a, b, c]],
+        ref corners => {
+            let middle = centroid(corners);
+            edges(corners).map(|(a, b)| [middle, a, b]).collect()
+        }
+    }
+}
+
+/// Quadrature points and weights for a polygon, exact up to degree five. They do not depend on the first corner, so
+/// that they rotate with the model.
+pub fn quadrature(polygon: &[PlanePoint]) -> impl Iterator<Item = (PlanePoint, f64)> {
+    triangles(polygon).into_iter().flat_map(|triangle| {
+        let whole = side(triangle[0], triangle[1], triangle[2]) / 2.0;
+        seven_points().map(|(l, weight)| {
+            let at = |k: usize| (0..3).map(|i| l[i] * triangle[i][k]).sum();
+            ([at(0), at(1)], whole * weight)
+        })
+    })
+}
+
+/// Area coordinates and weights of Radon's rule of degree five (Monatsh. Math., 1948).
+pub fn seven_points() -> [([f64; 3], f64); 7] {
+    let root = 15.0_f64.sqrt();
+    let [(a, u), (b, v)] = [-root, root].map(|root| ((6.0 + root) / 21.0, (155.0 + root) / 1200.0));
+    let [c, d] = [a, b].map(|x| 1.0 - 2.0 * x);
+    [
+        ([1.0 / 3.0; 3], 0.225),
+        ([c, a, a], u),
+        ([a, c, a], u),
+        ([a, a, c], u),
+        ([d, b, b], v),
+        ([b, d, b], v),
+        ([b, b, d], v),
+    ]
 }
 
 #[cfg(test)]
@@ -83,5 +205,38 @@ mod tests {
         }
         let apart = Outline::Interval(2.0, 3.0).common(&line).expect("both are lines");
         assert!(apart.size() < 0.0);
+    }
+
+    /// Corners on an ellipse: convex.
+    fn polygon(corners: u32, centre: PlanePoint, size: f64) -> Vec<PlanePoint> {
+        let angle = |k: u32| std::f64::consts::TAU * (f64::from(k) + 0.3 * f64::from(k % 2)) / f64::from(corners);
+        (0..corners).map(|k| [centre[0] + size * angle(k).cos(), centre[1] + 0.7 * size * angle(k).sin()]).collect()
+    }
+
+    #[test]
+    fn intersections_have_one_area_whichever_is_the_window() {
+        let window = polygon(5, [0.0, 0.0], 1.0);
+        assert!(is_convex(&window) && !is_convex(&[[0.0, 0.0], [1.0, 0.0], [0.2, 0.2], [0.0, 1.0]]));
+        for k in 0..40 {
+            let other = polygon(3 + k % 4, [f64::from(k % 7) * 0.3 - 1.0, f64::from(k % 5) * 0.2], 0.8);
+            let (one, two) = (area(&clip(other.clone(), &window)), area(&clip(window.clone(), &other)));
+            let most = area(&other).min(area(&window)) + 1e-15;
+            assert!((one - two).abs() < 1e-15 && (0.0..=most).contains(&one), "{one}, {two}");
+        }
+        assert_eq!(clip(window.clone(), &window), window);
+        assert_eq!(area(&clip(polygon(4, [3.0, 0.0], 1.0), &window)), 0.0);
+        assert!((perimeter(&[[0.0, 0.0], [3.0, 0.0], [3.0, 4.0]]) - 12.0).abs() < 1e-15);
+    }
+
+    /// `int x^p y^q dA = p! q! / (p + q + 2)!` on the unit triangle.
+    #[test]
+    fn rule_is_exact_up_to_degree_five() {
+        let factorial = |n: i32| (1..=n).map(f64::from).product::<f64>();
+        for (p, q) in (0..=5).flat_map(|p| (0..=5 - p).map(move |q| (p, q))) {
+            let rule = quadrature(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);
+            let sum: f64 = rule.map(|([x, y], weight)| weight * x.powi(p) * y.powi(q)).sum();
+            let truth = factorial(p) * factorial(q) / factorial(p + q + 2);
+            assert!((sum - truth).abs() < 1e-15, "x^{p} y^{q}: {sum}, {truth}");
+        }
     }
 }

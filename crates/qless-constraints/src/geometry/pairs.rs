@@ -1,11 +1,11 @@
-//! `X_b = X_a + step`: which nodes of opposite faces belong together.
+//! Pairs of nodes on opposite faces: `X_b = X_a + step`.
 
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
 use super::node::{Node, separation, within};
 
-/// Why nodes are no pairs.
+/// Why nodes cannot be paired.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PairError {
     /// The sides have different numbers of nodes.
@@ -24,14 +24,14 @@ pub enum PairError {
     NoImage {
         /// The node, from 1.
         node: usize,
-        /// How far the nearest one is, infinite if the coordinates are no numbers that can be compared.
+        /// Distance of the nearest node; infinite if the coordinates are not finite or too large.
         distance: f64,
-        /// How far it may be.
+        /// Largest allowed distance.
         tolerance: f64,
     },
     /// Two nodes have the same image.
     #[error(
-        "nodes {first} and {second}, from 1, have the same image; two of them are in one place, or the tolerance is too wide"
+        "nodes {first} and {second}, from 1, have the same image: they are at the same place, or the tolerance is too large"
     )]
     Shared {
         /// One node, from 1.
@@ -41,8 +41,9 @@ pub enum PairError {
     },
 }
 
-/// Each node of one side with its image on the other, which is a step away: for [`Periodic`](crate::types::Periodic),
-/// [`Cyclic`](crate::types::Cyclic). In the order of the first side; the order of the other does not matter.
+/// Pairs each node with its image on the opposite side, at the distance `step`, for
+/// [`Periodic`](crate::types::Periodic) and [`Cyclic`](crate::types::Cyclic). The pairs are in the order of the first
+/// side; the order of the other side does not matter.
 ///
 /// ```
 /// use qless_constraints::types::{PlanarPoint, pairs};
@@ -54,7 +55,8 @@ pub enum PairError {
 /// ```
 ///
 /// # Errors
-/// [`PairError`]: different counts, or the first node whose nearest image is farther away than the tolerance, a length, or taken.
+/// [`PairError`]: the counts differ, or a node has no image within the tolerance (a length), or two nodes have the
+/// same image.
 pub fn pairs<const D: usize, const F: usize>(
     from: &[Node<D, F>],
     to: &[Node<D, F>],
@@ -65,7 +67,7 @@ pub fn pairs<const D: usize, const F: usize>(
     if from.len() != to.len() {
         return Err(PairError::Counts { from: from.len(), to: to.len() });
     }
-    // Squares of distances must be numbers, as the tree compares them.
+    // The tree compares squares of distances, which must not overflow.
     let sound = |at: &[f64; D]| at.iter().all(|x| x.abs() < 1e150);
     let places = to.iter().enumerate().filter(|(_, node)| sound(&node.at));
     let tree = RTree::bulk_load(places.map(|(k, node)| GeomWithData::new(node.at, k)).collect());

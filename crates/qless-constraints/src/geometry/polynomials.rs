@@ -1,33 +1,34 @@
-//! `p(x) = sum_m c_m P_i(x) P_j(y)`: polynomials on a triangle or a square, and those through given nodes.
+//! `p(x) = sum_m c_m P_i(x) P_j(y)`: polynomials on a triangle or a square, and interpolation between given nodes.
 
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 
-use super::project::completed;
+use super::closest_point::complete_weights;
 use super::shape::Shape;
 
-/// The polynomials on a face, of a degree of one or more, in the parameters of [`Shape`]; p below is the degree.
+/// A space of polynomials on a face, in the parameters of [`Shape`]. Below, p is the degree, at least one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Polynomials {
-    /// On a triangle, `xi^i eta^j` with `i + j <= p`: (p + 1)(p + 2) / 2 nodes.
+    /// On a triangle, all `xi^i eta^j` with `i + j <= p`; (p + 1)(p + 2) / 2 nodes.
     Triangle(usize),
-    /// On a quadrilateral, `i <= p` and `j <= p`: (p + 1)^2 nodes.
+    /// On a quadrilateral, all `xi^i eta^j` with `i <= p` and `j <= p`; (p + 1)^2 nodes.
     Quadrilateral(usize),
-    /// On a quadrilateral, those of which the degree is p at most when factors of degree one are not counted: 4, 8, 12, 17, ... nodes.
+    /// On a quadrilateral, the serendipity space: factors of degree one do not count towards the degree p; 4, 8, 12,
+    /// 17, ... nodes.
     Serendipity(usize),
 }
 
-/// The least singular value over the largest below which nodes do not determine a polynomial.
+/// Nodes do not determine a polynomial if the ratio of the least to the largest singular value is below this.
 const LEAST: f64 = 1e-10;
 
 impl Polynomials {
-    /// p.
+    /// The degree p.
     pub fn degree(self) -> usize {
         let (Self::Triangle(p) | Self::Quadrilateral(p) | Self::Serendipity(p)) = self;
         p
     }
 
-    /// How many there are, and nodes that determine one.
+    /// Dimension of the space, equal to the number of nodes.
     pub fn dimension(self) -> usize {
         let more = |k: usize| self.degree().saturating_add(k);
         match self {
@@ -38,8 +39,8 @@ impl Polynomials {
         }
     }
 
-    /// Those of an element with this face; nothing for lines and solids.
-    pub fn of(shape: Shape) -> Option<Self> {
+    /// The space of an element shape; `None` for lines and solids.
+    pub fn from_shape(shape: Shape) -> Option<Self> {
         match shape {
             Shape::Tri3 => Some(Self::Triangle(1)),
             Shape::Tri6 => Some(Self::Triangle(2)),
@@ -50,17 +51,17 @@ impl Polynomials {
         }
     }
 
-    /// Whether all of the others are among these.
+    /// Whether this space contains the other.
     pub fn contain(self, others: Self) -> bool {
         let (p, q) = (self.degree(), others.degree());
         match (self, others) {
-            // `xi^q eta^q` has no factor of degree one.
+            // `xi^q eta^q` with q > 1 counts 2 q towards the degree.
             (Self::Serendipity(_), Self::Quadrilateral(_)) => q <= if q > 1 { p / 2 } else { p },
             _ => self.face() == others.face() && q <= p,
         }
     }
 
-    /// The face with these parameters.
+    /// The linear face with the same parameters.
     pub(crate) fn face(self) -> Shape {
         if matches!(self, Self::Triangle(_)) { Shape::Tri3 } else { Shape::Quad4 }
     }
@@ -74,7 +75,8 @@ impl Polynomials {
         }
     }
 
-    /// `(i, j)` of each; with one all lower ones are there, so that products of Legendre's polynomials span the same.
+    /// Exponents `(i, j)`. The set contains all lower exponents, so that products of Legendre polynomials span the
+    /// same space.
     fn exponents(self) -> impl Iterator<Item = (usize, usize)> {
         let p = self.degree();
         (0..=p).flat_map(move |j| (0..=p).map(move |i| (i, j))).filter(move |&(i, j)| self.has(i, j))
@@ -86,8 +88,8 @@ impl Polynomials {
         self.exponents().map(|(i, j)| along_x[i] * along_y[j]).collect()
     }
 
-    /// `N_k(x)` at each point, with `p(x) = sum_k N_k(x) p(x_k)` for the nodes `x_k`, as many as the dimension; nothing if they do not
-    /// determine a polynomial.
+    /// `N_k(x)` at each point, so that `p(x) = sum_k N_k(x) p(x_k)` for the nodes `x_k`. Returns `None` if the nodes
+    /// do not determine a polynomial.
     pub(crate) fn weights(self, nodes: &[[f64; 2]], points: &[[f64; 2]]) -> Option<Vec<Vec<f64>>> {
         let [at_nodes, at_points] = [nodes, points].map(|all| all.iter().map(|&x| self.values(x)).collect::<Vec<_>>());
         let n = nodes.len();
@@ -99,17 +101,17 @@ impl Polynomials {
         }
         let right = Mat::from_fn(n, points.len(), |m, i| at_points[i][m]);
         let weights = matrix.partial_piv_lu().solve(&right);
-        let column = |i: usize| completed((0..n).map(|k| weights[(k, i)]).collect(), condition);
+        let column = |i: usize| complete_weights((0..n).map(|k| weights[(k, i)]).collect(), condition);
         Some((0..points.len()).map(column).collect())
     }
 }
 
-/// `P_0 .. P_p`: `(k + 1) P_(k+1) = (2 k + 1) x P_k - k P_(k-1)`.
+/// Legendre polynomials `P_0 .. P_p`: `(k + 1) P_(k+1) = (2 k + 1) x P_k - k P_(k-1)`.
 fn legendre(p: usize, x: f64) -> Vec<f64> {
     let mut all = vec![1.0, x];
     for k in 1..p {
-        let of = k as f64;
-        all.push(((2.0 * of + 1.0) * x * all[k] - of * all[k - 1]) / (of + 1.0));
+        let degree = k as f64;
+        all.push(((2.0 * degree + 1.0) * x * all[k] - degree * all[k - 1]) / (degree + 1.0));
     }
     all
 }
@@ -128,7 +130,7 @@ mod tests {
         assert_eq!(Polynomials::Quadrilateral(usize::MAX).dimension(), usize::MAX);
     }
 
-    /// As counted out, and at once for any degree.
+    /// `contain` agrees with a comparison of all exponents, and works for any degree.
     #[test]
     fn those_among_others_are_contained() {
         let kinds = [Polynomials::Triangle, Polynomials::Quadrilateral, Polynomials::Serendipity];
@@ -142,11 +144,11 @@ mod tests {
         }
     }
 
-    /// The functions of the shapes, which are written down elsewhere.
+    /// The weights agree with the shape functions of the elements.
     #[test]
     fn weights_are_those_of_the_shapes() {
         for shape in Shape::ALL {
-            let Some(all) = Polynomials::of(shape) else { continue };
+            let Some(all) = Polynomials::from_shape(shape) else { continue };
             let flat = |x: &[f64; 3]| [x[0], x[1]];
             let nodes: Vec<[f64; 2]> = shape.places().iter().map(flat).collect();
             let points: Vec<[f64; 3]> = (0..20).map(|seed| super::super::shape::tests::inside(shape, seed)).collect();

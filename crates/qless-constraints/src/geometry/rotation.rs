@@ -1,12 +1,45 @@
-//! `R s`: a vector that turns with a body.
+//! `R s`: a vector that rotates with a body.
 
 use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, add, cross, dot, lift, scale, sub};
 
-/// `R(theta) s = s + (sin t / t) theta x s + ((1 - cos t) / t^2) ((theta.s) theta - t^2 s)` with `t = |theta|` (Rodrigues).
+/// How a body moves: not at all, without rotations, with a rotation vector, or with Euler parameters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum RotationKind {
+    Ground,
+    Node,
+    Vector,
+    Euler,
+}
+
+impl RotationKind {
+    pub fn positions(self) -> usize {
+        if self == Self::Ground { 0 } else { 3 }
+    }
+
+    pub fn rotations(self) -> usize {
+        match self {
+            Self::Ground | Self::Node => 0,
+            Self::Vector => 3,
+            Self::Euler => 4,
+        }
+    }
+
+    /// The vector `s` of the reference configuration, rotated; `u` are the rotations of the body.
+    pub fn rotate<S: Scalar>(self, u: &[S], s: Vector<f64>) -> Vector<S> {
+        match self {
+            Self::Ground | Self::Node => lift(s),
+            Self::Vector => by_vector([u[0], u[1], u[2]], s),
+            Self::Euler => by_euler([S::from(1.0) + u[0], u[1], u[2], u[3]], s),
+        }
+    }
+}
+
+/// `R(theta) s = s + (sin t / t) theta x s + ((1 - cos t) / t^2) ((theta.s) theta - t^2 s)` with `t = |theta|`
+/// (Rodrigues).
 ///
-/// Both factors are smooth functions of `t^2`, and series of it near zero, so that derivatives at rest are exact too. The terms are those
-/// of the closed forms in [`super::turned`]: their rounding has one bound.
+/// Both factors are smooth functions of `t^2`. Their series near zero make derivatives at rest exact. The terms are
+/// those of [`super::rotation_derivatives`], so that one bound holds for the rounding of both.
 pub fn by_vector<S: Scalar>(theta: Vector<S>, s: Vector<f64>) -> Vector<S> {
     let (square, s) = (dot(theta, theta), lift(s));
     let (sine, versine) = factors(square);
@@ -18,7 +51,7 @@ pub fn by_vector<S: Scalar>(theta: Vector<S>, s: Vector<f64>) -> Vector<S> {
 /// `sin t / t` and `(1 - cos t) / t^2` from `y = t^2`.
 pub(super) fn factors<S: Scalar>(y: S) -> (S, S) {
     if y.real() < 0.25 {
-        // sum (-y)^k / (2k + 1)! and sum (-y)^k / (2k + 2)!; the ninth term is below 1e-20.
+        // sum (-y)^k / (2k + 1)! and sum (-y)^k / (2k + 2)!; the ninth terms are below 1e-20.
         return (series(y, 1.0), series(y, 2.0));
     }
     let t = y.sqrt();
@@ -50,7 +83,7 @@ mod tests {
     use super::*;
     use crate::scalar::vector::norm;
 
-    /// A quarter turn and a tiny one about z, and lengths kept on both sides of the switch to series.
+    /// A quarter turn and a tiny rotation about z; lengths are kept on both sides of the switch to series.
     #[test]
     fn rotation_vectors_rotate() {
         let quarter = by_vector([0.0, 0.0, std::f64::consts::FRAC_PI_2], [1.0, 0.0, 0.0]);

@@ -1,24 +1,26 @@
-//! `argmin_f |x_f(xi) - p|`: the face of a surface, or the solid of a mesh, that is nearest to a point.
+//! `argmin_f |x_f(xi) - p|`: the face of a surface, or the solid of a mesh, nearest to a point.
 //!
-//! Boxes of faces in an R*-tree, loaded at once, are visited from the nearest on, each face in them projected on, until a
-//! box is farther away than the nearest face so far. With n faces and m points near them: O((n + m) log n).
+//! An R*-tree of bounding boxes yields the faces in order of distance. Each is projected on, until a box is farther
+//! away than the nearest face so far. Cost for n faces and m points near them: O((n + m) log n).
 
 use rayon::prelude::*;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 
 use super::bounds::bounds;
-use super::node::within;
-use super::project::{ROUNDING, project, rounding};
+use super::closest_point::project;
+use super::node::{ROUNDING, rounding, within};
 use super::shape::Shape;
 use super::surface::{Surface, SurfaceError};
 
-/// Finds the nearest faces of a surface in D dimensions, two or more; or of a mesh, the solids that hold points: `argmin_f |x_f(xi) - p|`.
+/// Finds the nearest faces of a surface, or the solids of a mesh that contain points, in two or more dimensions:
+/// `argmin_f |x_f(xi) - p|`.
 ///
-/// Of curved faces it is the nearest of the points to which steps from their corners, their centre and the places half way lead.
+/// On a curved face, the search starts from its corners, its centre and the points halfway between, and takes the
+/// nearest result.
 ///
-/// Of faces at the same distance, to rounding, the one with the smallest number is found: a point on an edge or a corner has one
-/// face, whatever the order of the search.
+/// Among faces at the same distance, up to rounding, the face with the smallest number wins. So the face of a point on
+/// an edge or a corner is unique.
 ///
 /// ```
 /// use qless_constraints::types::{Face, FaceSearch, PlanarPoint, Shape, Surface};
@@ -28,14 +30,14 @@ use super::surface::{Surface, SurfaceError};
 /// let search = FaceSearch::new(&line)?;
 /// let found = search.within(&[[2.25, 0.5], [3.0, 0.0]], 0.5)?;
 /// assert_eq!((found[0].face, found[0].distance, &found[0].weights[..]), (2, 0.5, &[0.75, 0.25][..]));
-/// // The third and the fourth face meet in the second point.
+/// // The second point belongs to faces 2 and 3.
 /// assert_eq!(found[1].face, 2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct FaceSearch<'a, const D: usize, const F: usize = D> {
     surface: &'a Surface<D, F>,
     tree: RTree<GeomWithData<Rectangle<[f64; D]>, usize>>,
-    /// The largest coordinate of a face.
+    /// Largest absolute coordinate of the surface.
     size: f64,
 }
 
@@ -50,10 +52,10 @@ impl<const D: usize, const F: usize> std::fmt::Debug for FaceSearch<'_, D, F> {
 pub struct Nearest {
     /// The face, from 0.
     pub face: usize,
-    /// From the point to the face, a length; zero, or rounding, in a solid that holds it.
+    /// Distance from the point to the face. In a solid that contains the point it is zero up to rounding.
     pub distance: f64,
-    /// `N_k` at the nearest point of the face, one for each of its nodes: exactly zero below 8 units in the last place of the largest,
-    /// and with a sum of one, to two units of rounding for each.
+    /// `N_k` at the nearest point, one for each node of the face. Weights below 8 units in the last place of the
+    /// largest are exactly zero; the sum is one, up to two units of rounding per weight.
     pub weights: Vec<f64>,
 }
 
@@ -80,18 +82,19 @@ pub enum SearchError {
         node: usize,
         /// The nearest face, from 1.
         face: usize,
-        /// How far it is.
+        /// Its distance.
         distance: f64,
-        /// How far it may be.
+        /// Largest allowed distance.
         tolerance: f64,
     },
 }
 
 impl<'a, const D: usize, const F: usize> FaceSearch<'a, D, F> {
-    /// Puts the faces into the tree.
+    /// Builds the tree of bounding boxes.
     ///
     /// # Errors
-    /// [`SurfaceError`]: no face, a face with the wrong number of nodes or one that is not there, a degenerate face.
+    /// [`SurfaceError`]: the surface has no faces, or a face is degenerate, has a wrong number of nodes, or names a
+    /// missing node.
     pub fn new(surface: &'a Surface<D, F>) -> Result<Self, SurfaceError> {
         const { assert!(D > 1, "a search needs two dimensions") };
         surface.check()?;
@@ -102,10 +105,11 @@ impl<'a, const D: usize, const F: usize> FaceSearch<'a, D, F> {
         Ok(Self { surface, tree: RTree::bulk_load(leaves.collect()), size })
     }
 
-    /// The face nearest to a point, however far; nothing if the coordinates are not finite, or squares of distances overflow.
+    /// The face nearest to a point. Returns `None` if the coordinates are not finite, or if squares of distances would
+    /// overflow.
     pub fn nearest(&self, point: &[f64; D]) -> Option<Nearest> {
         let size = point.iter().fold(self.size, |most, x| most.max(x.abs()));
-        // Sums of squares must be numbers, as the tree compares them. (A NaN is lost in `max`.)
+        // The tree compares sums of squares, which must not overflow. (`max` ignores NaN.)
         if size > 1e150 || point.iter().any(|x| x.is_nan()) {
             return None;
         }
@@ -123,10 +127,11 @@ impl<'a, const D: usize, const F: usize> FaceSearch<'a, D, F> {
         found.into_iter().filter(|face| face.distance <= least + rounding).min_by_key(|face| face.face)
     }
 
-    /// The nearest face of each point, none farther than the tolerance, a length, beyond the rounding of the coordinates.
+    /// The nearest face of each point, if its distance is at most the tolerance (a length) plus the rounding of the
+    /// coordinates.
     ///
     /// # Errors
-    /// [`SearchError`] for the first point whose nearest face is farther away, or whose coordinates are not finite.
+    /// [`SearchError`] for the first point that is too far away or whose coordinates are not finite.
     pub fn within(&self, points: &[[f64; D]], tolerance: f64) -> Result<Vec<Nearest>, SearchError> {
         let found: Vec<_> = points.par_iter().map(|point| self.nearest(point)).collect();
         let check = |(i, nearest): (usize, Option<Nearest>)| {
@@ -141,8 +146,8 @@ impl<'a, const D: usize, const F: usize> FaceSearch<'a, D, F> {
         found.into_iter().enumerate().map(check).collect()
     }
 
-    /// Faces whose boxes are within a distance of the box of a face, ascending.
-    pub(crate) fn touching(&self, shape: Shape, places: &[[f64; D]], distance: f64) -> Vec<usize> {
+    /// Faces whose bounding boxes are within a distance of the box of this face, ascending.
+    pub(crate) fn faces_near(&self, shape: Shape, places: &[[f64; D]], distance: f64) -> Vec<usize> {
         let [low, high] = bounds(shape, places);
         let reach = distance.max(0.0) + ROUNDING * self.size;
         let around = AABB::from_corners(low.map(|x| x - reach), high.map(|x| x + reach));

@@ -1,15 +1,14 @@
-//! Faces that share nodes, or solids: what a search and a tie of surfaces are given.
+//! Surfaces and meshes: nodes, and faces or solids that share them.
 
 use std::collections::HashMap;
 
 use rayon::prelude::*;
 
-use super::fold::is_degenerate;
-use super::node::Node;
-use super::project::relative;
+use super::element_quality::is_degenerate;
+use super::node::{Node, relative};
 use super::shape::Shape;
 
-/// A face of a surface, or a line, or a solid of a mesh.
+/// A face of a surface, a segment of a line, or a solid of a mesh.
 ///
 /// ```
 /// use qless_constraints::types::{Face, Shape};
@@ -18,9 +17,9 @@ use super::shape::Shape;
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Face {
-    /// What kind of face it is.
+    /// Its element shape.
     pub shape: Shape,
-    /// Its nodes in the order of the shape, from 0, in the list of [`Surface::nodes`].
+    /// Indices into [`Surface::nodes`], from 0, in the order of the shape.
     pub nodes: Vec<usize>,
 }
 
@@ -31,10 +30,10 @@ impl Face {
     }
 }
 
-/// Faces and the nodes that they share, with F fields in D dimensions: `x(xi) = sum_k N_k(xi) x_k` on each face.
+/// Nodes and the faces that share them, with F fields in D dimensions: `x(xi) = sum_k N_k(xi) x_k` on each face.
 ///
-/// Lines and solids are faces too: a polyline, or a mesh in which nodes are embedded. Nodes that no face names are allowed: the list may
-/// be that of the whole model.
+/// Faces may also be lines (a polyline) or solids (a mesh that contains embedded nodes). The list of nodes may contain
+/// unused nodes, such as all nodes of the model.
 ///
 /// ```
 /// use qless_constraints::types::{Face, Point, Shape, Surface};
@@ -56,7 +55,7 @@ pub struct Surface<const D: usize, const F: usize = D> {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SurfaceError {
-    /// There is nothing to search or to integrate over.
+    /// The surface has no faces.
     #[error("the surface has no faces; give at least one")]
     Empty,
     /// A face has the wrong number of nodes.
@@ -66,20 +65,20 @@ pub enum SurfaceError {
         face: usize,
         /// Its shape.
         shape: Shape,
-        /// How many were given.
+        /// Number of nodes given.
         found: usize,
     },
-    /// A face names a node that is not in the list.
+    /// A face names a node that does not exist.
     #[error("face {face}, from 1, names node {node} (from 0), but the surface has {nodes}")]
     NoNode {
         /// The face, from 1.
         face: usize,
         /// The node, from 0.
         node: usize,
-        /// How many nodes there are.
+        /// Number of nodes of the surface.
         nodes: usize,
     },
-    /// Two faces are one: integrals would count it twice.
+    /// Two faces have the same nodes: integrals would count them twice.
     #[error("faces {first} and {second}, from 1, have the same nodes; take one out, as integrals would count both")]
     Repeated {
         /// One face, from 1.
@@ -87,7 +86,7 @@ pub enum SurfaceError {
         /// The other.
         second: usize,
     },
-    /// A face has no length, area or volume, folds, has more dimensions than its space, or has a node whose coordinates are not finite.
+    /// A face has no size, is folded, has more dimensions than its space, or has coordinates that are not finite.
     #[error("face {face}, from 1, is degenerate or folded: correct its nodes, their coordinates or their order")]
     Degenerate {
         /// The face, from 1.
@@ -96,7 +95,7 @@ pub enum SurfaceError {
 }
 
 impl<const D: usize, const F: usize> Surface<D, F> {
-    /// The line through nodes in their order, a face of two nodes between each and the next.
+    /// A polyline through the nodes: one face of two nodes between consecutive nodes.
     ///
     /// ```
     /// use qless_constraints::types::{PlanarPoint, Surface};
@@ -108,12 +107,12 @@ impl<const D: usize, const F: usize> Surface<D, F> {
         Self { nodes, faces }
     }
 
-    /// Where the nodes of a face are.
+    /// Coordinates of the nodes of a face.
     pub(crate) fn places(&self, face: usize) -> Vec<[f64; D]> {
         self.faces[face].nodes.iter().map(|&node| self.nodes[node].at).collect()
     }
 
-    /// What is wrong with the surface, if anything is; the first face with a fault is named.
+    /// Checks all faces; the error names the first faulty one.
     pub(crate) fn check(&self) -> Result<(), SurfaceError> {
         if self.faces.is_empty() {
             return Err(SurfaceError::Empty);
@@ -122,7 +121,7 @@ impl<const D: usize, const F: usize> Surface<D, F> {
         faults.find_first(|_| true).map_or(Ok(()), Err)
     }
 
-    /// As [`Surface::check`], and that no face is there twice: for those who integrate.
+    /// Like [`Surface::check`]; also refuses repeated faces, which integrals would count twice.
     pub(crate) fn check_integrable(&self) -> Result<(), SurfaceError> {
         self.check()?;
         let mut found = HashMap::with_capacity(self.faces.len());

@@ -1,6 +1,6 @@
-//! `c = (|x_b - x_a|^2 - L^2) / (2 L)`: two nodes at a fixed distance, a rod.
+//! `c = (|x_b - x_a|^2 - L^2) / (2 L)`: two nodes at a fixed distance, such as the ends of a rod.
 //!
-//! A polynomial, whose Hessian is constant, and a length: near the solution `c = |x_b - x_a| - L` to first order.
+//! c is a polynomial with a constant Hessian, and a length: near the solution `c = |x_b - x_a| - L` to first order.
 
 use crate::geometry::node::{Node, moved, separation};
 use crate::scalar::Scalar;
@@ -32,7 +32,7 @@ pub struct Distance<const D: usize> {
     pub a: Node<D>,
     /// The other end.
     pub b: Node<D>,
-    /// L, a length; nothing for the distance at u = 0.
+    /// L, a length; `None` for the distance at u = 0.
     pub length: Option<f64>,
 }
 
@@ -46,7 +46,7 @@ pub enum DistanceError {
 }
 
 impl<const D: usize> Distance<D> {
-    /// The distance stays what it is at u = 0.
+    /// Keeps the distance at u = 0.
     pub fn new(a: Node<D>, b: Node<D>) -> Self {
         Self { a, b, length: None }
     }
@@ -65,18 +65,18 @@ impl<const D: usize> Constraint for Distance<D> {
         store.length(length);
         [self.a, self.b].iter().for_each(|node| store.coordinates_of(node));
         let dofs = [self.a.dofs, self.b.dofs];
-        store.nonlinear("", dofs.as_flattened(), Rod::<D> { between, length });
+        store.nonlinear("", dofs.as_flattened(), RodParameters::<D> { between, length });
         Ok(())
     }
 }
 
 /// The stored parameters of [`Distance`]: `x_b - x_a` at u = 0, and L.
-struct Rod<const D: usize> {
+struct RodParameters<const D: usize> {
     between: [f64; D],
     length: f64,
 }
 
-impl<const D: usize> Nonlinear for Rod<D> {
+impl<const D: usize> Nonlinear for RodParameters<D> {
     const DOFS: usize = 2 * D;
     const QUADRATIC: bool = true;
     const NUMBERS: &'static [usize] = &[0, 1, 0];

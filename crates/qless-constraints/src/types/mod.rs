@@ -1,72 +1,58 @@
-//! The constraint types, one file each.
+//! The constraint types.
 //!
-//! Lengths are in the unit of the coordinates, angles in radians. All DOFs are zero in the reference configuration, that is
-//! where the coordinates hold.
+//! | folder or file | types |
+//! | --- | --- |
+//! | `dof_equations` | linear, driven and prescribed equations, equal DOFs |
+//! | `ties` | nodes on elements and lines, h- and p-refinement, periodic and cyclic cells |
+//! | `mortar` | surfaces tied in the mean |
+//! | `couplings` | rigid bodies, averages, beams and shells on solids, fluids at walls |
+//! | `joints` | joints and motors of multibody systems |
+//! | `distance`, `on_line`, `on_plane`, `on_sphere`, `volume` | nonlinear conditions on points |
+//!
+//! Lengths are in the unit of the coordinates, angles in radians. The coordinates are those of the reference
+//! configuration, in which all DOFs are zero.
 
-// A new type has a page: a picture in `examples/pictures`, which that example writes to `docs/pictures`, a text under the same name in
-// `docs/types` with the headings of the others, and two lines before its `# Example` that put both there.
+// Each type has a page: a picture drawn in `examples/pictures`, which that example writes to `docs/pictures`, and a
+// text of the same name in `docs/types` with the usual headings. Two lines before `# Example` include both.
 
-mod average;
 mod couplings;
-mod cyclic;
 mod distance;
-mod driven;
-mod equal;
-mod euler_norm;
-mod face_order;
-mod fluid;
-mod hanging;
-mod interpolation;
+mod dof_equations;
 mod joints;
-mod line_tie;
-mod linear;
 mod mortar;
-mod node_tie;
 mod on_line;
 mod on_plane;
 mod on_sphere;
-mod order_tie;
-mod periodic;
-mod prescribed;
-mod rigid_finite;
-mod rigid_small;
+mod ties;
 mod volume;
 
-pub use crate::geometry::carrier::Body;
 pub use crate::geometry::node::{Node, PlanarPoint, Point};
 pub use crate::geometry::pairs::{PairError, pairs};
 pub use crate::geometry::polynomials::Polynomials;
 pub use crate::geometry::search::{FaceSearch, Nearest, SearchError};
+pub use crate::geometry::sector_rotation::{Turn, TurnError};
 pub use crate::geometry::shape::Shape;
 pub use crate::geometry::surface::{Face, Surface, SurfaceError};
-pub use crate::geometry::turn::{Turn, TurnError};
-pub use average::Average;
 pub use couplings::{
-    Axes, AxesError, BeamToSolid, Component, CouplingError, FluidNode, FluidWall, FluidWallError, LineFault, Local,
-    Node6, Section, ShellToSolid, ThicknessLine,
+    Average, Axes, AxesError, BeamToSolid, Component, CouplingError, FluidNode, FluidNormal, FluidNormalError,
+    FluidWall, FluidWallError, LineFault, Local, Node6, RigidBody, Section, ShellToSolid, SmallRigidBody,
+    ThicknessLine,
 };
-pub use cyclic::{Cyclic, CyclicError, CyclicHarmonic, Turning};
 pub use distance::{Distance, DistanceError};
-pub use driven::{Driven, DrivenError};
-pub use equal::{Equal, EqualError};
-pub use euler_norm::EulerNorm;
-pub use face_order::{FaceOrderTie, FaceOrderTieError, FaceSide, Side};
-pub use fluid::{FluidNormal, FluidNormalError};
-pub use hanging::{HangingNode, HangingNodeError};
-pub use joints::{
-    Cylindrical, Fixed, JointError, Parallel, Perpendicular, Planar, Prismatic, Revolute, RotationMotor, Spherical,
-    TranslationMotor, Universal,
+pub use dof_equations::{
+    Driven, DrivenError, Equal, EqualError, LinearEquation, LinearEquationError, Prescribed, PrescribedError,
 };
-pub use line_tie::{LineTie, LineTieError};
-pub use linear::{LinearEquation, LinearEquationError};
+pub use joints::{
+    Body, Cylindrical, EulerNorm, Fixed, JointError, Parallel, Perpendicular, Planar, Prismatic, Revolute,
+    RotationMotor, Spherical, TranslationMotor, Universal,
+};
 pub use mortar::{MortarError, MortarTie, Multipliers};
-pub use node_tie::{NodeTie, NodeTieError};
 pub use on_line::{Line, OnLine, OnLineError};
 pub use on_plane::{OnPlane, OnPlaneError, Plane};
 pub use on_sphere::{OnSphere, OnSphereError};
-pub use order_tie::{OrderTie, OrderTieError};
-pub use periodic::{MacroStrain, Periodic, PeriodicError};
-pub use prescribed::{Prescribed, PrescribedError};
-pub use rigid_finite::RigidBody;
-pub use rigid_small::SmallRigidBody;
+pub use ties::{
+    Cyclic, CyclicError, CyclicHarmonic, FaceOrderTie, FaceOrderTieError, FaceSide, HangingNode, HangingNodeError,
+    LineTie, LineTieError, MacroStrain, NodeTie, NodeTieError, OrderTie, OrderTieError, Periodic, PeriodicError, Side,
+    Turning,
+};
 pub use volume::{Volume, VolumeError};

@@ -1,38 +1,40 @@
-//! `e_i . (p - a) = 0`, `i = 1, 2`: a node on a line; where the line goes through two nodes, `e_i` turn with it.
+//! `e_i . (p - a) = 0`, `i = 1, 2`: a node on a line. If the line is given by two nodes, `e_i` rotate with it.
 //!
-//! From where the line points at u = 0, D, to where it points now, `d = (b - a) / |b - a|`, the directions E_i across it are carried the shortest way:
-//! `e_i = E_i - (E_i.d) (D + d) / (1 + D.d)`, perpendicular to d and to each other, of length one. Where d is opposite to D there is no
-//! shortest way: from 123 degrees on they are carried from -D. No frame could be carried to all directions.
+//! Let D be the direction of the line at u = 0, and `d = (b - a) / |b - a|` its current direction. The shortest
+//! rotation from D to d rotates the initial directions `E_i` across the line to
+//! `e_i = E_i - (E_i.d) (D + d) / (1 + D.d)`, unit vectors perpendicular to d and to each other. It is singular for d =
+//! -D, so that beyond 123 degrees the rotation starts from -D instead. No frame is continuous for all directions.
 
 use crate::geometry::node::{Point, moved, separation};
 use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, add, dot, lift, norm, perpendicular, scale, sub, unit};
 use crate::{Constraint, Nonlinear, Store};
 
-/// `D.d` from which the frame is carried from -D; no angle at which anything is built.
+/// Value of `D.d` below which the rotation starts from -D. Models are unlikely to be built at this angle.
 const TURNED: f64 = -0.55;
-/// A line that is shorter than this part of its length at u = 0 has no direction.
+/// A line shorter than this share of its initial length has no direction.
 const COLLAPSED: f64 = 1e-12;
 
 /// The line that a node stays on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Line {
-    /// A line that does not move: linear equations.
+    /// A fixed line: linear equations.
     Fixed {
         /// A point of it, coordinates.
         through: Vector<f64>,
         /// Its direction, of any length.
         direction: Vector<f64>,
     },
-    /// The line through two nodes, wherever they go. Where they are in one place it has no direction, and c is not a number.
+    /// The line through two nodes, which may move. If they coincide, the line has no direction and c is NaN.
     Nodes(Point, Point),
 }
 
-/// A node on a line: `c_i = e_i . (p - a)`, two lengths: how far the node is off the line, in two directions across it.
+/// A node on a line: `c_i = e_i . (p - a)`, two lengths: the distances of the node from the line in two directions
+/// across it.
 ///
-/// `|c|` is the distance. The directions turn with a line through nodes; where it has turned by 123 degrees from u = 0 they are chosen
-/// anew, so that c jumps, with the same length. Multipliers are the force across the line, along `e_i`. Two degrees of freedom are
-/// removed. Singular where the nodes of the line are in one place.
+/// `|c|` is the distance from the line. The directions rotate with a line through nodes. At a rotation of 123 degrees
+/// from u = 0 they are redefined: c jumps, but `|c|` does not. Multipliers are the force across the line, along `e_i`.
+/// Two degrees of freedom are removed. Singular if the nodes of the line coincide.
 ///
 #[doc = include_str!("../../docs/pictures/on_line.svg")]
 ///
@@ -45,7 +47,7 @@ pub enum Line {
 /// let mut builder = ConstraintSet::builder(9);
 /// builder.add("bead", OnLine { point: at(0, 0.3), line: Line::Nodes(at(1, 0.0), at(2, 1.0)) })?;
 /// let set = builder.build()?;
-/// // Both ends of the line rise by 1, and so does the bead, wherever it slides.
+/// // The line rises by 1, and so does the node, which also slides along it.
 /// let mut quantities = set.allocate();
 /// set.evaluate(&[0.5, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0], &mut quantities)?;
 /// assert_eq!(quantities.c(), [0.0; 2]);
@@ -101,21 +103,21 @@ impl Constraint for OnLine {
 /// The stored parameters of a line through two nodes.
 struct MovingLine {
     at: [Vector<f64>; 3],
-    /// D, where the line points at u = 0.
+    /// D, the direction at u = 0.
     along: Vector<f64>,
-    /// Its length there.
+    /// The length at u = 0.
     length: f64,
-    /// E_i.
+    /// The initial directions `E_i`.
     across: [Vector<f64>; 2],
 }
 
 impl MovingLine {
-    /// The direction that the frame is carried from: D, or -D where the line has turned farther.
+    /// The direction from which the frame is rotated: D, or -D beyond 123 degrees.
     fn origin(&self, along: Vector<f64>) -> Vector<f64> {
         scale(if dot(along, self.along) < TURNED { -1.0 } else { 1.0 }, self.along)
     }
 
-    /// The length of the line, not a number where nothing is left of it.
+    /// The length of the line, NaN if it has collapsed.
     fn checked<S: Scalar>(&self, length: S) -> S {
         if length.real() > COLLAPSED * self.length { length } else { S::from(f64::NAN) }
     }
@@ -135,12 +137,13 @@ impl Nonlinear for MovingLine {
         }
     }
 
-    /// All but the node with itself.
+    /// All pairs, except those within the node itself.
     fn pairs(&self, dofs: usize, pair: &mut dyn FnMut(usize, usize)) {
         (3..dofs).for_each(|j| (0..=j).for_each(|k| pair(j, k)));
     }
 
-    /// `e_i` for the node; with `v = dc_i / dd` the end b has `(v - (v.d) d) / l`, and the end a what makes the sum zero.
+    /// The node has the gradient `e_i`. With `v = dc_i / dd`, the end b has `(v - (v.d) d) / l`; the end a makes the
+    /// sum zero.
     fn value_and_jacobian(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
         let [p, a, b] = [0, 1, 2].map(|node| moved(&self.at[node], u, 3 * node));
         let (off, along) = (sub(p, a), sub(b, a));
@@ -152,7 +155,7 @@ impl Nonlinear for MovingLine {
             let lean = dot(across, along) / half;
             let e = sub(across, scale(lean, both));
             *c = dot(e, off);
-            // half = 1 + D.d, with the slope D = both - d.
+            // half = 1 + D.d, with the derivative D = both - d.
             let by_lean = sub(across, scale(lean, sub(both, along)));
             let v = sub(scale(-height / half, by_lean), scale(lean, off));
             let of_b = scale(inverse, sub(v, scale(dot(v, along), along)));

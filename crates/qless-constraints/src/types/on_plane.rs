@@ -1,32 +1,32 @@
-//! `n . (p - a) = 0`: a node on a plane; on that through three nodes, `n = (b - a) x (d - a) / |(b - a) x (d - a)|`.
+//! `n . (p - a) = 0`: a node on a plane. If the plane is given by three nodes, `n = (b - a) x (d - a) / |(b - a) x (d
+//! - a)|`.
 
-use crate::geometry::node::{Point, moved};
-use crate::geometry::project::rounding;
+use crate::geometry::node::{Point, moved, rounding};
 use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, cross, dot, norm, scale, sub, unit};
 use crate::{Constraint, Nonlinear, Store};
 
-/// Nodes lie in a line if the sine of their angle is below this.
+/// Nodes are collinear if the sine of their angle is below this.
 const FLAT: f64 = 1e-12;
 
 /// The plane that a node stays on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Plane {
-    /// A plane that does not move: a linear equation.
+    /// A fixed plane: a linear equation.
     Fixed {
         /// A point of it, coordinates.
         through: Vector<f64>,
         /// Its normal, of any length.
         normal: Vector<f64>,
     },
-    /// The plane through three nodes, wherever they go. Where they lie in a line it has no normal, and c is not a number.
+    /// The plane through three nodes, which may move. If they are collinear, the plane has no normal and c is NaN.
     Nodes(Point, Point, Point),
 }
 
-/// A node on a plane: `c = n . (p - a)`, a length: how high the node is above it.
+/// A node on a plane: `c = n . (p - a)`, a length: its height above the plane.
 ///
-/// The normal turns with a plane through nodes. The multiplier is the force along it. One degree of freedom is removed. Singular where the
-/// nodes of the plane lie in a line.
+/// The normal rotates with a plane through nodes. The multiplier is the force along the normal. One degree of freedom
+/// is removed. Singular if the nodes of the plane are collinear.
 ///
 #[doc = include_str!("../../docs/pictures/on_plane.svg")]
 ///
@@ -42,7 +42,7 @@ pub enum Plane {
 /// let set = builder.build()?;
 /// let mut quantities = set.allocate();
 /// set.evaluate(&[0.7, 0.2, 0.0], &mut quantities)?;
-/// // It hovers at height 1.
+/// // The node is 1 above the plane.
 /// assert_eq!(quantities.c(), [1.0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -79,7 +79,7 @@ impl Constraint for OnPlane {
             Plane::Nodes(a, b, d) => {
                 let (ab, ad) = (sub(b.at, a.at), sub(d.at, a.at));
                 let (area, sides) = (norm(cross(ab, ad)), norm(ab).max(norm(ad)));
-                // Far away from the origin the rounding of the coordinates alone makes an area.
+                // Far from the origin, the rounding of the coordinates alone makes an area.
                 let sound = area > FLAT * norm(ab) * norm(ad) && area > rounding(&[b.at, d.at], &a.at) * sides;
                 if !sound {
                     return Err(OnPlaneError::Normal);
@@ -101,7 +101,7 @@ struct MovingPlane {
 }
 
 impl MovingPlane {
-    /// `p - a`, `b - a`, `d - a`, their normal and its length, which is not a number where the nodes lie in a line.
+    /// `p - a`, `b - a`, `d - a`, their normal, and its length, which is NaN if the nodes are collinear.
     fn sides<S: Scalar>(&self, u: &[S]) -> ([Vector<S>; 4], S) {
         let [p, a, b, d] = [0, 1, 2, 3].map(|node| moved(&self.at[node], u, 3 * node));
         let (ab, ad) = (sub(b, a), sub(d, a));
@@ -120,12 +120,13 @@ impl Nonlinear for MovingPlane {
         c[0] = dot(off, normal) / length;
     }
 
-    /// All but the node with itself.
+    /// All pairs, except those within the node itself.
     fn pairs(&self, dofs: usize, pair: &mut dyn FnMut(usize, usize)) {
         (3..dofs).for_each(|j| (0..=j).for_each(|k| pair(j, k)));
     }
 
-    /// n for the node; with `m = dc / d((b - a) x (d - a)) = (p - a - c n) / |..|` the corners have `(d - a) x m` and `m x (b - a)`.
+    /// The node has the gradient n. With `m = dc / d((b - a) x (d - a)) = (p - a - c n) / |..|`, the corners b and d
+    /// have `(d - a) x m` and `m x (b - a)`.
     fn value_and_jacobian(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
         let ([off, ab, ad, normal], length) = self.sides(u);
         let n = scale(1.0 / length, normal);

@@ -1,4 +1,5 @@
-//! `c = (|x - m|^2 - R^2) / (2 R)`: a node on a fixed sphere, in the plane a circle; an arm hinged to the ground.
+//! `c = (|x - m|^2 - R^2) / (2 R)`: a node on a fixed sphere or circle, such as the tip of an arm hinged to the
+//! ground.
 
 use crate::geometry::node::{Node, moved, separation};
 use crate::scalar::Scalar;
@@ -26,9 +27,9 @@ use crate::{Constraint, Nonlinear, Store};
 pub struct OnSphere<const D: usize> {
     /// The node.
     pub point: Node<D>,
-    /// m, coordinates.
+    /// The centre m, coordinates.
     pub centre: [f64; D],
-    /// R, a length; nothing for the distance at u = 0.
+    /// The radius R, a length; `None` for the distance at u = 0.
     pub radius: Option<f64>,
 }
 

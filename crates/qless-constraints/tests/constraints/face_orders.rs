@@ -216,9 +216,9 @@ fn faults_of_faces_of_other_orders_are_named() {
     assert!(said(tie).contains("nodes of the finer side do not determine"));
     let mut tie = of(two, one);
     tie.fine.nodes[4].1 = [100, 3];
-    assert!(said(tie).contains("node 5, from 1, of the finer side has DOF 3"));
+    assert!(said(tie).contains("node 5, from 1, of the finer side shares DOF 3"));
     let side =
         |shape: Shape| FaceSide::of_shape(shape, &[[0]]).map_or_else(|error| error.to_string(), |_| String::new());
-    assert_eq!(side(Shape::Hex8), "a Hex8 is no face");
+    assert_eq!(side(Shape::Hex8), "a Hex8 is not a face");
     assert_eq!(side(Shape::Quad9), "1 nodes are given; a Quad9 has 9");
 }

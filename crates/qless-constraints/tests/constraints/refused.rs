@@ -46,7 +46,7 @@ fn faults_of_linear_types() {
     assert_refused(Prescribed { values: vec![] }, "no DOF");
     assert_refused(Prescribed { values: vec![(3, 1.0), (3, 2.0)] }, "DOF 3 is prescribed as 1 and as 2");
     assert_refused(Equal::new([4]), "at least two");
-    assert_refused(Equal::new([4, 5, 4]), "DOF 4 stands in the list twice");
+    assert_refused(Equal::new([4, 5, 4]), "DOF 4 is in the list twice");
     let strain = MacroStrain::Given([[0.0; 2]; 2]);
     assert_refused(Periodic { a: at(0, 1.0), b: at(1, 1.0), strain }, "one place");
     assert_refused(FluidNormal { structure: [0, 1, 2], fluid: [3, 4, 5], normal: [0.0; 3] }, "no direction");
@@ -62,7 +62,7 @@ fn faults_of_linear_types() {
     assert!(axis.to_string().contains("no direction"));
     let [a, b] = [0, 4].map(|first| Node::new([0, 1, 2, 3].map(|k| first + k), [1.0, 0.0, 0.0]));
     let mixed = Cyclic { a, b, turn: pair.turn, fields: Turning::Vectors, tolerance: 9.0 };
-    assert_refused(mixed, "4 fields are no vectors of 3 components each");
+    assert_refused(mixed, "4 fields are not vectors of 3 components each");
     let reference = Node6::new([0, 1, 2], [3, 4, 5], [0.0; 3]);
     assert_refused(SmallRigidBody { reference, nodes: vec![] }, "no nodes");
     let inline = [2, 3].map(|i| (point(i, [i as f64, 0.0, 0.0]).into(), 1.0)).to_vec();
@@ -152,7 +152,7 @@ fn faults_of_couplings() {
     };
     assert_refused(shell(&[], [0.0; 3]), "no nodes");
     assert_refused(shell(&[&[0, 3]], [0.0; 3]), "node 1 (from 0) of the face is in no line");
-    assert_refused(shell(&[&[0, 3], &[1][..]], [0.0; 3]), "line 2, from 1, has no two nodes");
+    assert_refused(shell(&[&[0, 3], &[1][..]], [0.0; 3]), "line 2, from 1, does not have two nodes");
     assert_refused(shell(&[&[0, 3], &[1, 3]], [0.0; 3]), "line 2, from 1, names node 3");
     assert_refused(shell(&[&[0, 7]], [0.0; 3]), "names node 7");
     assert_refused(shell(&[&[0, 1, 2], &[3][..]], [0.0; 3]), "bends: node 1");

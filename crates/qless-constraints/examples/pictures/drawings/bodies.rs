@@ -1,4 +1,4 @@
-//! Nodes that follow a body, and a node that follows others.
+//! Rigid bodies: nodes that follow a body; and a node that follows others.
 
 use super::super::canvas::{At, BLUE, ORANGE, Picture};
 

@@ -1,4 +1,4 @@
-//! Beams, shells and fluids at solids.
+//! Beams and shells joined to solids; fluids at walls.
 
 use super::super::canvas::{At, BLUE, ORANGE, Picture};
 
@@ -6,7 +6,7 @@ pub fn all() -> Vec<Picture> {
     vec![beam_to_solid(), shell_to_solid(), fluid_wall()]
 }
 
-/// A block of solid elements with its right side at `x`.
+/// Adds a block of solid elements, whose right side is at `x`.
 fn block(picture: Picture, x: f64, rows: u32) -> Picture {
     let (left, height) = (x - 90.0, 110.0 / f64::from(rows));
     let grid = (0..rows).fold(picture, |p, k| {

@@ -1,4 +1,4 @@
-//! Equations on DOFs: given values, equal values, sums, periodicity.
+//! Equations on DOFs: prescribed and equal values, sums, periodic and cyclic symmetry.
 
 use super::super::canvas::{At, BLUE, ORANGE, Picture, add, arc, polar};
 

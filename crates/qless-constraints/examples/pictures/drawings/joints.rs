@@ -1,4 +1,4 @@
-//! Joints: body a in blue, body b in orange.
+//! Joints. Body a is blue, body b is orange.
 
 use super::super::canvas::{At, BLUE, ORANGE, Picture, arc};
 
@@ -7,7 +7,7 @@ pub fn all() -> Vec<Picture> {
     pairs.into_iter().chain([parallel(), perpendicular(), rotation_motor(), translation_motor()]).collect()
 }
 
-/// The names of both bodies.
+/// Adds the names of both bodies.
 fn named(picture: Picture, a: At, b: At) -> Picture {
     picture.label(a, "a").label(b, "b")
 }

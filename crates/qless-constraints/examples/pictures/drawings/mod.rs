@@ -1,4 +1,4 @@
-//! What is drawn of each type, in files by kind.
+//! The drawing of each constraint type.
 
 mod bodies;
 mod couplings;

@@ -1,4 +1,4 @@
-//! Nodes at distances, on lines, planes and spheres; volumes.
+//! Nodes at fixed distances, on lines, planes and spheres; volumes.
 
 use super::super::canvas::{BLUE, ORANGE, Picture, add, arc, polar};
 
@@ -30,7 +30,7 @@ fn on_sphere() -> Picture {
         .label([230.0, 38.0], "x")
 }
 
-/// A circle seen from the side.
+/// A circle in perspective.
 fn ellipse(centre: [f64; 2], a: f64, b: f64) -> Vec<[f64; 2]> {
     arc([0.0; 2], 1.0, 0.0, 360.0).into_iter().map(|[x, y]| add(centre, [a * x, b * y])).collect()
 }

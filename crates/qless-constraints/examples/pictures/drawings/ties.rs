@@ -6,7 +6,7 @@ pub fn all() -> Vec<Picture> {
     vec![node_tie(), line_tie(), mortar_tie(), hanging_node(), order_tie(), face_order_tie()]
 }
 
-/// A face with four corners, seen at an angle.
+/// A quadrilateral, in perspective.
 const FACE: [At; 4] = [[55.0, 130.0], [215.0, 145.0], [265.0, 85.0], [110.0, 72.0]];
 
 fn nodes(picture: Picture, all: &[At], colour: &str) -> Picture {
@@ -71,7 +71,7 @@ fn order_tie() -> Picture {
         .label([283.0, 140.0], "s")
 }
 
-/// Nodes of the finer face between those of the coarser one, on its surface.
+/// The additional nodes of the finer face lie on the surface of the coarser face.
 fn face_order_tie() -> Picture {
     let p = Picture::new("face_order_tie", "A face with nine nodes that moves as one with four").area(&FACE, BLUE);
     let [a, b, c, d] = FACE;

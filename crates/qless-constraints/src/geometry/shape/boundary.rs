@@ -1,14 +1,15 @@
-//! The faces of solids, the edges of faces, and the middles of edges.
+//! Faces of solids, edges of faces, and mid-edge nodes.
+
+use Shape::{Line2, Line3, Quad4, Quad8, Quad9, Tri3, Tri6};
 
 use super::Shape;
 
-/// A part of a boundary: its shape and which nodes of the whole it has.
-type Side = (Shape, &'static [usize]);
+/// A side of an element: its shape, and the indices of its nodes in the element.
+type BoundarySide = (Shape, &'static [usize]);
 
 impl Shape {
-    /// The faces of a solid, or the edges of a face in order around; a line has none.
-    pub(crate) fn boundary(self) -> &'static [Side] {
-        use Shape::{Line2, Line3, Quad4, Quad8, Quad9, Tri3, Tri6};
+    /// The faces of a solid, or the edges of a face in cyclic order; empty for lines.
+    pub(crate) fn boundary(self) -> &'static [BoundarySide] {
         match self {
             Self::Line2 | Self::Line3 => &[],
             Self::Tri3 => &[(Line2, &[0, 1]), (Line2, &[1, 2]), (Line2, &[2, 0])],
@@ -79,7 +80,7 @@ impl Shape {
         }
     }
 
-    /// `[middle, end, end]` of each edge that has a node in its middle, in the order of these nodes.
+    /// `[middle, end, end]` of each edge with a middle node, in the order of the middle nodes.
     pub(crate) fn edges(self) -> &'static [[usize; 3]] {
         match self {
             Self::Line3 => &[[2, 0, 1]],
@@ -121,10 +122,11 @@ impl Shape {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Shape;
     use std::array::from_fn;
 
-    /// Every middle is in the middle of its ends, and a side is the shape itself at the nodes and between them.
+    use super::super::Shape;
+
+    /// Every middle node lies halfway between its ends, and the shape functions on a side are those of its shape.
     #[test]
     fn sides_are_parts_of_the_whole() {
         for shape in Shape::ALL {

@@ -1,12 +1,12 @@
-//! Which parameters lie inside of a shape.
+//! Parameters of the nodes, and the domain of the parameters of each shape.
 
 use super::Shape;
 
-/// Parameters `xi, eta, zeta`; those that a shape does not have are zero.
-pub(crate) type Parameters = [f64; 3];
+/// Parameters `xi, eta, zeta`; unused ones are zero.
+pub(crate) type ShapeParameters = [f64; 3];
 
-const LINE: [Parameters; 3] = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0; 3]];
-const TETRAHEDRON: [Parameters; 10] = [
+const LINE: [ShapeParameters; 3] = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0; 3]];
+const TETRAHEDRON: [ShapeParameters; 10] = [
     [0.0, 0.0, 0.0],
     [1.0, 0.0, 0.0],
     [0.0, 1.0, 0.0],
@@ -18,9 +18,9 @@ const TETRAHEDRON: [Parameters; 10] = [
     [0.5, 0.0, 0.5],
     [0.0, 0.5, 0.5],
 ];
-const TRIANGLE: [Parameters; 6] =
+const TRIANGLE: [ShapeParameters; 6] =
     [TETRAHEDRON[0], TETRAHEDRON[1], TETRAHEDRON[2], TETRAHEDRON[4], TETRAHEDRON[5], TETRAHEDRON[6]];
-const QUADRILATERAL: [Parameters; 9] = [
+const QUADRILATERAL: [ShapeParameters; 9] = [
     [-1.0, -1.0, 0.0],
     [1.0, -1.0, 0.0],
     [1.0, 1.0, 0.0],
@@ -31,7 +31,7 @@ const QUADRILATERAL: [Parameters; 9] = [
     [-1.0, 0.0, 0.0],
     [0.0, 0.0, 0.0],
 ];
-const PYRAMID: [Parameters; 13] = [
+const PYRAMID: [ShapeParameters; 13] = [
     QUADRILATERAL[0],
     QUADRILATERAL[1],
     QUADRILATERAL[2],
@@ -46,7 +46,7 @@ const PYRAMID: [Parameters; 13] = [
     [0.5, 0.5, 0.5],
     [-0.5, 0.5, 0.5],
 ];
-const WEDGE: [Parameters; 15] = [
+const WEDGE: [ShapeParameters; 15] = [
     [0.0, 0.0, -1.0],
     [1.0, 0.0, -1.0],
     [0.0, 1.0, -1.0],
@@ -63,7 +63,7 @@ const WEDGE: [Parameters; 15] = [
     [1.0, 0.0, 0.0],
     [0.0, 1.0, 0.0],
 ];
-const HEXAHEDRON: [Parameters; 27] = [
+const HEXAHEDRON: [ShapeParameters; 27] = [
     [-1.0, -1.0, -1.0],
     [1.0, -1.0, -1.0],
     [1.0, 1.0, -1.0],
@@ -95,7 +95,7 @@ const HEXAHEDRON: [Parameters; 27] = [
 
 impl Shape {
     /// Parameters of the nodes.
-    pub(crate) fn places(self) -> &'static [Parameters] {
+    pub(crate) fn places(self) -> &'static [ShapeParameters] {
         match self {
             Self::Line2 => &LINE[..2],
             Self::Line3 => &LINE,
@@ -116,8 +116,8 @@ impl Shape {
         }
     }
 
-    /// A point well inside.
-    pub(crate) fn centre(self) -> Parameters {
+    /// Parameters of an inner point, away from the boundary.
+    pub(crate) fn centre(self) -> ShapeParameters {
         match self {
             Self::Tri3 | Self::Tri6 | Self::Wedge6 | Self::Wedge15 => [1.0 / 3.0, 1.0 / 3.0, 0.0],
             Self::Tet4 | Self::Tet10 => [0.25; 3],
@@ -126,8 +126,8 @@ impl Shape {
         }
     }
 
-    /// Parameters inside that are near; the same ones if they lie inside.
-    pub(crate) fn clamp(self, [xi, eta, zeta]: Parameters) -> Parameters {
+    /// The nearest parameters inside the shape, approximately; parameters inside are unchanged.
+    pub(crate) fn clamp(self, [xi, eta, zeta]: ShapeParameters) -> ShapeParameters {
         let unit = |x: f64| x.clamp(-1.0, 1.0);
         match self {
             Self::Line2 | Self::Line3 => [unit(xi), 0.0, 0.0],
@@ -162,7 +162,7 @@ fn in_triangle(xi: f64, eta: f64) -> [f64; 2] {
     }
 }
 
-fn in_tetrahedron(xi: Parameters) -> Parameters {
+fn in_tetrahedron(xi: ShapeParameters) -> ShapeParameters {
     let positive = xi.map(|x| x.max(0.0));
     let sum: f64 = positive.iter().sum();
     if sum > 1.0 { positive.map(|x| x / sum) } else { positive }

@@ -1,24 +1,26 @@
-//! `N_k` and their slopes. Each formula stands here once; slopes are taken by dual numbers, exact to rounding.
+//! Shape functions `N_k` and their derivatives. Dual numbers derive the latter from the same formulas, exact to
+//! rounding.
 
 use super::Shape;
-use super::domain::Parameters;
+use super::domain::ShapeParameters;
 use crate::scalar::{Dual, Scalar};
 
 impl Shape {
     /// `N_k` of each node.
-    pub(crate) fn weights(self, xi: Parameters) -> Vec<f64> {
+    pub(crate) fn weights(self, xi: ShapeParameters) -> Vec<f64> {
         self.functions(xi)
     }
 
     /// `[N_k, dN_k / dxi, dN_k / deta, dN_k / dzeta]` of each node.
-    pub(crate) fn slopes(self, xi: Parameters) -> Vec<[f64; 4]> {
+    pub(crate) fn slopes(self, xi: ShapeParameters) -> Vec<[f64; 4]> {
         let variables: [Dual<3>; 3] = std::array::from_fn(|k| Dual::variable(xi[k], k));
         self.functions(variables).iter().map(|n| [n.real, n.slope[0], n.slope[1], n.slope[2]]).collect()
     }
 
     fn functions<S: Scalar>(self, xi: [S; 3]) -> Vec<S> {
         let one = S::from(1.0);
-        let node = |function: fn(Parameters, [S; 3]) -> S| self.places().iter().map(|&p| function(p, xi)).collect();
+        let node =
+            |function: fn(ShapeParameters, [S; 3]) -> S| self.places().iter().map(|&p| function(p, xi)).collect();
         match self {
             Self::Line2 => node(|[a, ..], [x, ..]| side(a, x)),
             Self::Line3 => node(|[a, ..], [x, ..]| quadratic(a, x)),
@@ -41,7 +43,7 @@ impl Shape {
     }
 }
 
-/// `(1 + a x) / 2`, 1 at x = a and 0 at x = -a.
+/// `(1 + a x) / 2` for a = -1 or 1: 1 at x = a, and 0 at x = -a.
 fn side<S: Scalar>(a: f64, x: S) -> S {
     (S::from(1.0) + S::from(a) * x) * S::from(0.5)
 }
@@ -51,12 +53,13 @@ fn bubble<S: Scalar>(x: S) -> S {
     (S::from(1.0) - x) * (S::from(1.0) + x)
 }
 
-/// 1 at x = a and 0 at the other two of -1, 0 and 1.
+/// Quadratic Lagrange polynomial on the nodes -1, 0 and 1: 1 at x = a, and 0 at the others.
 fn quadratic<S: Scalar>(a: f64, x: S) -> S {
     if a == 0.0 { bubble(x) } else { side(a, x) * S::from(a) * x }
 }
 
-/// At a corner `prod side * (sum a_i x_i - (d - 1))`, in the middle of an edge the bubble times the sides of the other directions.
+/// `prod side * (sum a_i x_i - (d - 1))` at a corner; at a mid-edge node, the bubble along the edge times the sides in
+/// the other directions.
 fn serendipity<S: Scalar, const D: usize>(place: [f64; D], xi: [S; D]) -> S {
     let at_edge = place.contains(&0.0);
     let factor = |k: usize| if place[k] == 0.0 { bubble(xi[k]) } else { side(place[k], xi[k]) };
@@ -65,7 +68,8 @@ fn serendipity<S: Scalar, const D: usize>(place: [f64; D], xi: [S; D]) -> S {
     if at_edge { product } else { product * sum }
 }
 
-/// Of the area or volume coordinates l: linear l; quadratic `l (2 l - 1)` at corners, `4 l_i l_j` at edges.
+/// In area or volume coordinates l: `l` for linear shapes; for quadratic ones `l (2 l - 1)` at corners and `4 l_i l_j`
+/// at edges.
 fn simplex<S: Scalar>(l: &[S], shape: Shape) -> Vec<S> {
     if shape.edges().is_empty() {
         return l.to_vec();
@@ -74,7 +78,8 @@ fn simplex<S: Scalar>(l: &[S], shape: Shape) -> Vec<S> {
     corners.chain(shape.edges().iter().map(|&[_, i, j]| S::from(4.0) * l[i] * l[j])).collect()
 }
 
-/// Corners `l side (2 l - 2 + a z)`, middles of edges `4 l_i l_j side`, of those between the triangles `l (1 - z^2)`.
+/// `l side (2 l - 2 + a z)` at corners, `4 l_i l_j side` at edges of the triangles, `l (1 - z^2)` at edges between the
+/// triangles.
 fn quadratic_wedge<S: Scalar>(l: [S; 3], z: S) -> Vec<S> {
     let [two, four] = [2.0, 4.0].map(S::from);
     let ends = || [-1.0, 1.0].into_iter().flat_map(|a| (0..3).map(move |i| (a, i)));
@@ -85,30 +90,30 @@ fn quadratic_wedge<S: Scalar>(l: [S; 3], z: S) -> Vec<S> {
 
 /// `corner / 4` at the base, z at the tip.
 fn pyramid<S: Scalar>(xi: [S; 3]) -> Vec<S> {
-    let base = |&[a, b, _]: &Parameters| corner([a, b], xi) * S::from(0.25);
+    let base = |&[a, b, _]: &ShapeParameters| corner([a, b], xi) * S::from(0.25);
     Shape::Quad4.places().iter().map(base).chain([xi[2]]).collect()
 }
 
 /// `(q + a x)(q + b y) / q` with `q = 1 - z`.
 fn corner<S: Scalar>([a, b]: [f64; 2], [x, y, z]: [S; 3]) -> S {
     let q = S::from(1.0) - z;
-    // At the tip x y / q goes to zero with q, however it is approached from inside.
+    // x y / q tends to zero at the tip on every path inside the pyramid.
     let twist = if q.real() == 0.0 { S::from(0.0) } else { x * y / q };
     q + S::from(a) * x + S::from(b) * y + S::from(a * b) * twist
 }
 
-/// Corners of the base `corner (a x + b y - 1) / 4`, the tip `z (2 z - 1)`, middles of the base along x `(q - x)(q + x)(q + b y) / (2 q)`,
-/// those below the tip `z corner`.
+/// `corner (a x + b y - 1) / 4` at corners of the base, `z (2 z - 1)` at the tip, `(q - x)(q + x)(q + b y) / (2 q)` at
+/// edges of the base along x, `z corner` at edges to the tip.
 fn quadratic_pyramid<S: Scalar>([x, y, z]: [S; 3]) -> Vec<S> {
     let (q, [quarter, half]) = (S::from(1.0) - z, [0.25, 0.5].map(S::from));
-    let of = |a: f64, b: f64| corner([a, b], [x, y, z]);
-    let at = |&[a, b, _]: &Parameters| match (a == 0.0, b == 0.0) {
-        (true, _) => (q - x) * of(1.0, b) * half,
-        (_, true) => (q - y) * of(a, 1.0) * half,
-        _ => of(a, b) * (S::from(a) * x + S::from(b) * y - S::from(1.0)) * quarter,
+    let base = |a: f64, b: f64| corner([a, b], [x, y, z]);
+    let at = |&[a, b, _]: &ShapeParameters| match (a == 0.0, b == 0.0) {
+        (true, _) => (q - x) * base(1.0, b) * half,
+        (_, true) => (q - y) * base(a, 1.0) * half,
+        _ => base(a, b) * (S::from(a) * x + S::from(b) * y - S::from(1.0)) * quarter,
     };
     let (corners, middles) = Shape::Quad8.places().split_at(4);
-    let rising = corners.iter().map(|&[a, b, _]| z * of(a, b));
+    let rising = corners.iter().map(|&[a, b, _]| z * base(a, b));
     corners.iter().map(at).chain([z * (z + z - S::from(1.0))]).chain(middles.iter().map(at)).chain(rising).collect()
 }
 
@@ -149,12 +154,12 @@ mod tests {
         }
     }
 
-    /// Parameters are reproduced, and all polynomials of degree two by the quadratic shapes.
+    /// All shapes reproduce linear fields; quadratic shapes reproduce all polynomials of degree two.
     #[test]
     fn functions_are_complete() {
         for (shape, seed) in Shape::ALL.into_iter().flat_map(|shape| (0..20).map(move |seed| (shape, seed))) {
             let (at, quadratic) = (inside(shape, seed), !shape.edges().is_empty());
-            let field = |[x, y, z]: Parameters| {
+            let field = |[x, y, z]: ShapeParameters| {
                 let square = 0.3 * x * x - 0.6 * y * y + z * z + 0.2 * x * y - 0.4 * y * z + 0.7 * z * x;
                 0.4 + x - 2.0 * y + 0.5 * z + if quadratic { square } else { 0.0 }
             };

@@ -1,17 +1,19 @@
-//! `x(xi) = sum_k N_k(xi) x_k`: lines, faces and solids, numbered corners first, then middles of edges.
+//! Element shapes: lines, faces and solids with `x(xi) = sum_k N_k(xi) x_k`. Corners come first, then mid-edge nodes.
 
 mod boundary;
 mod domain;
 mod functions;
 
-pub(crate) use domain::Parameters;
+pub(crate) use domain::ShapeParameters;
 
-/// What an element, a face or an edge of it is: its nodes and their order, `x(xi) = sum_k N_k(xi) x_k`.
+/// Shape of an element, a face or an edge: the number and the order of its nodes, and the functions of
+/// `x(xi) = sum_k N_k(xi) x_k`.
 ///
-/// Parameters: lines, quadrilaterals and hexahedra in [-1, 1]; triangles and tetrahedra in `xi, eta, zeta >= 0`,
-/// `xi + eta + zeta <= 1`; wedges are a triangle in `xi, eta` times a line in `zeta`; pyramids `|xi|, |eta| <= 1 - zeta`,
-/// `0 <= zeta <= 1`. Quadratic shapes are serendipity, those with a node in the centre products of Lagrange's polynomials; the functions
-/// of pyramids are rational (Bedrosian, Int. J. Numer. Meth. Engng 35 (1992) 95), so that those with a parallelogram as base are affine.
+/// Parameters: [-1, 1] for lines, quadrilaterals and hexahedra; `xi, eta, zeta >= 0` and `xi + eta + zeta <= 1` for
+/// triangles and tetrahedra; a triangle in `xi, eta` times a line in `zeta` for wedges; `|xi|, |eta| <= 1 - zeta` and
+/// `0 <= zeta <= 1` for pyramids. Quadratic shapes without a centre node are serendipity elements, the others use
+/// products of Lagrange polynomials. The functions of pyramids are rational (Bedrosian, Int. J. Numer. Meth. Engng 35
+/// (1992) 95): a pyramid on a parallelogram is affine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape {
     /// Two ends.
@@ -84,7 +86,7 @@ impl Shape {
     }
 
     /// Parameters of the corners.
-    pub(crate) fn corners(self) -> &'static [Parameters] {
+    pub(crate) fn corners(self) -> &'static [ShapeParameters] {
         let count = match self {
             Self::Line2 | Self::Line3 => 2,
             Self::Tri3 | Self::Tri6 => 3,
@@ -96,7 +98,7 @@ impl Shape {
         &self.places()[..count]
     }
 
-    /// Whether `x(xi)` is linear for every place of the nodes.
+    /// Whether `x(xi)` is affine for all positions of the nodes.
     pub(crate) fn is_affine(self) -> bool {
         matches!(self, Self::Line2 | Self::Tri3 | Self::Tet4)
     }
@@ -104,16 +106,16 @@ impl Shape {
 
 #[cfg(test)]
 pub(in crate::geometry) mod tests {
-    use super::{Parameters, Shape};
+    use super::{Shape, ShapeParameters};
 
-    /// In [0, 1), the same everywhere.
+    /// A pseudorandom number in [0, 1), the same on every machine.
     pub fn random(seed: usize) -> f64 {
         let z = (seed as u64 + 11).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29);
         f64::from((z.wrapping_mul(0xD6E8_FEB8_6659_FD93) >> 40) as u32) / f64::from(1_u32 << 24)
     }
 
-    /// Some point inside of a shape, not on its boundary.
-    pub fn inside(shape: Shape, seed: usize) -> Parameters {
+    /// A pseudorandom point inside a shape, not on its boundary.
+    pub fn inside(shape: Shape, seed: usize) -> ShapeParameters {
         let weights: Vec<f64> = shape.corners().iter().enumerate().map(|(k, _)| 0.1 + random(97 * seed + k)).collect();
         let sum: f64 = weights.iter().sum();
         let corners = shape.corners().iter().zip(&weights);

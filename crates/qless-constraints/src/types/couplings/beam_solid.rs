@@ -1,13 +1,12 @@
-//! `u_b + theta x r`: the end of a beam and the face of a solid.
+//! `u_b + theta x r`: the end of a beam joined to a face of a solid.
 
-use super::area::{self, mean_normal};
-use super::arm::{about, along, arm, axis};
+use super::Section;
+use super::equations::{RepeatedNodes, check, follow, lead};
 use super::error::CouplingError;
-use super::node6::{Node6, Part};
-use super::owners::Again;
-use super::rows::{check, follow, lead};
-use super::section::Section;
-use super::seen::Seen;
+use super::face_integrals::{self, mean_normal};
+use super::mean_rigid_motion::MeanRigidMotion;
+use super::node6::{CoupledComponent, Node6};
+use super::rigid_motion::{about, along, arm, axis};
 use crate::geometry::node::AXES;
 use crate::geometry::surface::Surface;
 use crate::scalar::vector::{Vector, perpendicular};
@@ -15,23 +14,25 @@ use crate::{Constraint, Store};
 
 /// The end of a beam joined to a face of a solid, for small rotations.
 ///
-/// With `r = X - X_b`, and the normal n of the face, one of
+/// With `r = X - X_b` and the normal n of the face, the equations are one of
 ///
 /// - [`Section::Rigid`]: `u_i = u_b + theta x r_i` at each of the N nodes of the face, 3 N equations;
-/// - [`Section::Plane`]: `n . u_i = n . (u_b + theta x r_i)` at each node, and within the plane the mean: `N + 3` equations;
-/// - [`Section::Mean`]: `(u_b, theta) = argmin int |u - u_b - theta x r|^2 dA`, one equation for each DOF of the beam's node, six
-///   at most; written out, `int (u - u_b - theta x r) dA = 0` and `int r x (u - u_b - theta x r) dA = 0`.
+/// - [`Section::Plane`]: `n . u_i = n . (u_b + theta x r_i)` at each node, and the mean motion within the plane,
+///   `N + 3` equations;
+/// - [`Section::Mean`]: `(u_b, theta) = argmin int |u - u_b - theta x r|^2 dA`, one equation for each DOF of the beam's
+///   node, at most six. At the minimum, `int (u - u_b - theta x r) dA = 0` and `int r x (u - u_b - theta x r) dA = 0`.
 ///
-/// Integrals go over the faces with the functions of their nodes, `u = sum N_i u_i`: a node has the weight `int N_i dA`, its
-/// tributary area, and the lever arm `int N_i r dA`. So what the beam hands over with `Mean` are the nodal forces of a stress that is
-/// linear over the section, whatever the mesh: under pure tension and bending the solid's stress is the exact one. Forces and
-/// moments of the beam are the resultants of those on the face for all three, as rigid motions satisfy every equation.
+/// The integrals use the shape functions of the faces, `u = sum N_i u_i`. So a node has the weight `int N_i dA`, its
+/// tributary area, and the arm `int N_i r dA`. With `Mean` the beam therefore applies the nodal forces of a stress
+/// that is linear over the section, for every mesh: under pure tension and bending the stress in the solid is exact.
+/// For all three choices, forces and moments of the beam equal the resultants on the face, as rigid motions satisfy
+/// every equation.
 ///
-/// DOFs removed: as many as equations, which are independent if no other constraint holds the same nodes; `Rigid` beside other
-/// ties of these nodes is redundant or in conflict soon. Units: lengths for translations, radians for rotations, and the choice
-/// of the unit of length changes nothing. Cost: O(nodes + faces).
+/// DOFs removed: one per equation. The equations are independent if no other constraint holds the same nodes. With
+/// `Rigid`, other ties of these nodes easily become redundant or conflicting. Units: lengths for translations, radians
+/// for rotations; the unit of length does not matter. Cost: O(nodes + faces).
 ///
-/// Sources: the kinematic form is that of Nastran's RBE2, the mean that of its RBE3 with consistent integrals for weights.
+/// Sources: RBE2 of Nastran for the rigid form, RBE3 with consistent integrals as weights for the mean.
 ///
 #[doc = include_str!("../../../docs/pictures/beam_to_solid.svg")]
 ///
@@ -54,16 +55,18 @@ use crate::{Constraint, Store};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct BeamToSolid {
-    /// The end node of the beam. With `Mean`, a DOF that is `None` does not follow: a hinge, also about a local axis ([`Node6::along`]).
+    /// The end node of the beam. With `Mean`, a DOF that is `None` does not follow: a hinge, possibly about a local
+    /// axis ([`Node6::along`]).
     pub beam: Node6,
-    /// The face of the solid; `Plane` needs faces with a common sense of rotation, the others take any, as the wall of a hole.
+    /// The face of the solid. `Plane` needs faces with consistent normals; the others accept any faces, such as the
+    /// wall of a hole.
     pub face: Surface<3>,
-    /// What stays of the shape of the section.
+    /// How the section may deform.
     pub section: Section,
 }
 
 impl BeamToSolid {
-    /// The nodes of the faces, ascending.
+    /// The nodes of the faces, in ascending order, without repetition.
     fn nodes(&self) -> Vec<(usize, Node6)> {
         let mut used: Vec<usize> = self.face.faces.iter().flat_map(|face| face.nodes.iter().copied()).collect();
         used.sort_unstable();
@@ -72,7 +75,7 @@ impl BeamToSolid {
     }
 
     /// `e . u_i = e . (u_b + theta x r_i)` at each node.
-    fn held(&self, store: &mut Store, e: Vector<f64>, name: &str) -> Result<(), CouplingError> {
+    fn equation_per_node(&self, store: &mut Store, e: Vector<f64>, name: &str) -> Result<(), CouplingError> {
         for (i, node) in self.nodes() {
             let terms = self.along(i, e, 1.0).collect();
             let motion = along(e, arm(node.at, self.beam.at));
@@ -87,8 +90,14 @@ impl BeamToSolid {
         (0..3).map(move |k| (dofs[k], factor * e[k]))
     }
 
-    /// `motion . (u_b, theta)` is that of the motion nearest to the face's.
-    fn mean(&self, store: &mut Store, fit: &Seen, motion: [f64; 6], name: String) -> Result<(), CouplingError> {
+    /// `motion . (u_b, theta)` equals that of the mean rigid motion of the face.
+    fn mean(
+        &self,
+        store: &mut Store,
+        fit: &MeanRigidMotion,
+        motion: [f64; 6],
+        name: String,
+    ) -> Result<(), CouplingError> {
         let terms = fit.terms(&self.face, motion, self.beam.at)?;
         lead(store, name, terms.into_iter(), &self.beam, motion)
     }
@@ -99,25 +108,27 @@ impl Constraint for BeamToSolid {
     type Error = CouplingError;
 
     fn process(self, store: &mut Store) -> Result<(), CouplingError> {
-        let points = area::points(&self.face)?;
-        let again = if self.section == Section::Mean { Again::Allowed } else { Again::Refused };
+        let points = face_integrals::points(&self.face)?;
+        let again = if self.section == Section::Mean { RepeatedNodes::Allowed } else { RepeatedNodes::Refused };
         check(&self.beam, self.nodes().iter().map(|(_, node)| node), again)?;
         match self.section {
-            Section::Rigid => (0..3).try_for_each(|k| self.held(store, axis(k), AXES[k])),
+            Section::Rigid => (0..3).try_for_each(|k| self.equation_per_node(store, axis(k), AXES[k])),
             Section::Plane => {
                 let normal = mean_normal(&points)?;
-                self.held(store, normal, "normal")?;
-                let seen = Seen::new(points);
+                self.equation_per_node(store, normal, "normal")?;
+                let mean_motion = MeanRigidMotion::new(points);
                 let [s, t] = perpendicular(normal);
-                let still = [0.0; 3];
-                self.mean(store, &seen, along(s, still), "in the plane 1".to_owned())?;
-                self.mean(store, &seen, along(t, still), "in the plane 2".to_owned())?;
-                self.mean(store, &seen, about(normal), "torsion".to_owned())
+                let no_arm = [0.0; 3];
+                self.mean(store, &mean_motion, along(s, no_arm), "in the plane 1".to_owned())?;
+                self.mean(store, &mean_motion, along(t, no_arm), "in the plane 2".to_owned())?;
+                self.mean(store, &mean_motion, about(normal), "torsion".to_owned())
             }
             Section::Mean => {
-                let seen = Seen::new(points);
-                let name = |own: &Part| self.beam.long_name(own.component);
-                self.beam.parts().try_for_each(|own| self.mean(store, &seen, own.row([0.0; 3]), name(&own)))
+                let mean_motion = MeanRigidMotion::new(points);
+                let name = |component: &CoupledComponent| self.beam.long_name(component.kind);
+                self.beam
+                    .coupled_components()
+                    .try_for_each(|component| self.mean(store, &mean_motion, component.row([0.0; 3]), name(&component)))
             }
         }
     }

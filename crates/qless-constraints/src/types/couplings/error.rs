@@ -1,4 +1,4 @@
-//! What can be wrong with a coupling, whatever its type.
+//! Errors of couplings.
 
 use super::node6::Component;
 use crate::geometry::surface::SurfaceError;
@@ -8,10 +8,10 @@ use crate::scalar::vector::Vector;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CouplingError {
-    /// There is nothing to couple with.
+    /// There are no nodes besides the reference.
     #[error("the coupling has no nodes besides its reference; give at least one")]
     NoNodes,
-    /// No component is coupled.
+    /// A node has no coupled component.
     #[error(
         "every DOF of node {node}, from 1 (0 is the reference), is None; give those that take part, or leave it out"
     )]
@@ -25,7 +25,7 @@ pub enum CouplingError {
         /// The node, from 1; 0 for the reference.
         node: usize,
     },
-    /// A DOF stands twice where each must be one of its own.
+    /// A DOF is used twice.
     #[error(
         "DOF {dof} of node {node}, from 1 (0 is the reference), is named twice: by it, by the reference or by another node; \
          each needs DOFs of its own, and each node is named once"
@@ -47,17 +47,17 @@ pub enum CouplingError {
         /// The component in its local axes.
         component: Component,
     },
-    /// The motion of a node needs a component of the reference that the reference does not have.
+    /// An equation needs a DOF that the reference does not have.
     #[error(
         "the equation \"{part}\" needs the {component} of the reference, with a factor of {factor}, but the reference has no \
          such DOF; give it one, or leave out the component that needs it"
     )]
     MissingDof {
-        /// The equation, as in labels.
+        /// Name of the equation, as in labels.
         part: String,
-        /// What the reference lacks.
+        /// The missing component of the reference.
         component: Component,
-        /// The factor that it has in an equation; a length for a rotation that moves a node.
+        /// Its factor in the equation; for a rotation that moves a node, a length.
         factor: f64,
     },
     /// A weight is not a positive number.
@@ -68,21 +68,21 @@ pub enum CouplingError {
         /// Its weight.
         weight: f64,
     },
-    /// The nodes do not tell how the reference moves.
+    /// The nodes do not determine the motion of the reference.
     #[error(
         "the nodes do not determine the {component} of the reference: they stay where they are while it moves by \
          {translation:?} and turns about {rotation:?} (nodes in a line do not see rotations about the line); let only its \
          other components follow (Node6::only), or add nodes beside the line or components"
     )]
     Undetermined {
-        /// What is not determined.
+        /// The component that is not determined.
         component: Component,
-        /// The motion that no node sees, at the reference: its translation, in units of the size of the group of nodes,
+        /// Translation of the reference in a motion that no node observes, in units of the size of the group of nodes.
         translation: Vector<f64>,
-        /// and its rotation; both together have length one.
+        /// Rotation in that motion. Translation and rotation together have norm one.
         rotation: Vector<f64>,
     },
-    /// Some rotations of a node, but not all, shall follow a finite rotation.
+    /// Some rotations of a node, but not all three, are to follow a finite rotation.
     #[error(
         "node {node}, from 1, follows with some of its rotations; components of finite rotations are not independent: \
          give all three or none, or join it by a hinge"
@@ -91,18 +91,18 @@ pub enum CouplingError {
         /// The node, from 1.
         node: usize,
     },
-    /// The body does not turn.
+    /// The body has no rotations.
     #[error("the body has no rotations; give it a rotation vector or Euler parameters")]
     NoRotations,
-    /// The face of the solid is not a surface.
+    /// The face of the solid is not a valid surface.
     #[error("face of the solid: {0}")]
     Surface(#[from] SurfaceError),
-    /// A face of the solid is a line or a solid, or the faces point against each other.
+    /// The faces have no common normal.
     #[error(
         "the faces of the solid are lines or solids, or point against each other, so that they have no normal; correct them"
     )]
     NoNormal,
-    /// A line of nodes through the thickness is not one.
+    /// A line of nodes through the thickness is invalid.
     #[error("line {line}, from 1, {fault}")]
     Line {
         /// The line, from 1.
@@ -110,7 +110,7 @@ pub enum CouplingError {
         /// What is wrong with it.
         fault: LineFault,
     },
-    /// A node of the face is not coupled.
+    /// A node of the face belongs to no line.
     #[error(
         "node {node} (from 0) of the face is in no line, so that its part of the area has no shell node; add it to one"
     )]
@@ -124,40 +124,40 @@ pub enum CouplingError {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LineFault {
-    /// It needs two nodes in two places.
-    #[error("has no two nodes in different places; give the nodes through the whole thickness")]
+    /// The line does not have two nodes at different places.
+    #[error("does not have two nodes at different places; give all nodes through the thickness")]
     TooShort,
-    /// A node is not there, or in two lines.
+    /// A node does not exist, or is listed twice.
     #[error("names node {node} (from 0), which is no node of a face, or is in another line or twice in this one")]
     Node {
         /// The node, from 0, of the surface.
         node: usize,
     },
-    /// A node lies beside the line.
+    /// A node lies off the line.
     #[error("bends: node {node} (from 0) is {distance} beside it, more than a hundredth of its length {length}")]
     Bent {
         /// The node, from 0, of the surface.
         node: usize,
-        /// How far it is beside the line.
+        /// Its distance from the line.
         distance: f64,
         /// The length of the line.
         length: f64,
     },
-    /// The shell node is somewhere else.
+    /// The shell node is too far from the line.
     #[error("is {distance} away from its shell node, more than its length {length}: they are not a pair")]
     Apart {
-        /// From the shell node to the line.
+        /// Distance of the shell node from the line.
         distance: f64,
         /// The length of the line.
         length: f64,
     },
-    /// The shell node is nowhere, or has DOFs of others.
+    /// The shell node has invalid coordinates or DOFs.
     #[error(
         "has a shell node without finite coordinates, without DOFs of its local axes, or that shares a DOF with itself, the solid or \
          the shell node of another line; each needs DOFs of its own"
     )]
     Shell,
-    /// A DOF of a node stands twice.
+    /// A DOF of a node is used twice.
     #[error(
         "names node {node} (from 0) with DOF {dof}, which the node has twice or another node has too; each needs DOFs of its own"
     )]

@@ -1,9 +1,8 @@
-//! A node with up to six DOFs, and the names of its components.
+//! Nodes with up to six DOFs, their components and local axes.
 
-use super::arm::{about, along, axis as unit};
-use super::axes::Axes;
+use super::rigid_motion::{about, along, axis, clean};
 use crate::geometry::node::Point;
-use crate::scalar::vector::Vector;
+use crate::scalar::vector::{Vector, cross, dot, norm, scale, sub, unit};
 
 /// A component of the motion of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,8 +25,8 @@ impl Component {
     /// All six, in the order of the DOFs of a [`Node6`].
     pub const ALL: [Self; 6] = [Self::X, Self::Y, Self::Z, Self::TurnX, Self::TurnY, Self::TurnZ];
 
-    /// What an equation for this component is called: translations by their axis alone.
-    pub(crate) fn part(self) -> &'static str {
+    /// Name of an equation for this component.
+    pub(crate) fn short_name(self) -> &'static str {
         ["x", "y", "z", "rotation x", "rotation y", "rotation z"][self as usize]
     }
 
@@ -43,21 +42,21 @@ impl std::fmt::Display for Component {
     }
 }
 
-/// A node in space with translations and rotations, of which any may be missing.
+/// A node in space with translations and rotations. Any of them may be missing.
 ///
-/// A DOF that is `None` is one that the node does not have, or that takes no part in the constraint: so component lists are
-/// written. Rotations are small, or the components of one rotation vector; radians. With [`Node6::along`] the components that take
-/// part are those along local axes; DOFs always are along x, y and z.
+/// A DOF is `None` if the node does not have it or if it is not coupled: this is how component lists are written.
+/// Rotations are small, or components of one rotation vector, in radians. [`Node6::along`] selects components along
+/// local axes; the DOFs are always along x, y and z.
 ///
 /// ```
 /// use qless_constraints::types::{Axes, Component, Node6, Point};
 /// let whole = Node6::new([0, 1, 2], [3, 4, 5], [1.0, 0.0, 0.0]);
-/// // What cards call components 1, 2 and 6.
+/// // Components 1, 2 and 6 in the numbering of decks.
 /// let pin = whole.only([Component::X, Component::Y, Component::TurnZ]);
 /// assert_eq!(pin.dofs, [Some(0), Some(1), None, None, None, Some(5)]);
 /// let solid = Node6::from(Point::new([6, 7, 8], [0.0; 3]));
 /// assert_eq!(solid.dofs, [Some(6), Some(7), Some(8), None, None, None]);
-/// // Of a node on a bore along z, the displacement away from its axis alone.
+/// // Only the radial displacement of a node on a bore along z.
 /// let axes = Axes::cylindrical([0.0; 3], [0.0, 0.0, 1.0], [3.0, 4.0, 1.0])?;
 /// let radial = Node6::from(Point::new([9, 10, 11], [3.0, 4.0, 1.0])).along(axes, [Component::X]);
 /// assert_eq!(radial.local.map(|local| local.axes.rows()[0]), Some([0.6, 0.8, 0.0]));
@@ -69,32 +68,32 @@ pub struct Node6 {
     pub dofs: [Option<usize>; 6],
     /// Coordinates at u = 0, a length.
     pub at: Vector<f64>,
-    /// The components that take part, if they are not those of the DOFs.
+    /// Selected components along local axes; `None` if the DOFs select the components.
     pub local: Option<Local>,
 }
 
 /// Components along local axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Local {
-    /// The axes: `X` is the first of them, `TurnX` the rotation about it.
+    /// The axes: `X` is along the first, `TurnX` about it.
     pub axes: Axes,
-    /// Which of [`Component::ALL`] take part.
+    /// Whether each of [`Component::ALL`] is coupled.
     pub listed: [bool; 6],
 }
 
-/// A component that takes part: `sum a_j u_j`, its value at the node.
-pub(crate) struct Part {
-    pub component: Component,
-    /// The axis that it is along or about.
+/// A coupled component of a node: `sum a_j u_j`.
+pub(crate) struct CoupledComponent {
+    pub kind: Component,
+    /// Direction of a translation, or axis of a rotation.
     pub axis: Vector<f64>,
-    /// What it is in the DOFs of the node.
+    /// The component as terms in the DOFs of the node.
     pub terms: Vec<(usize, f64)>,
 }
 
-impl Part {
-    /// Its row in the motion of a point at the end of the arm r.
+impl CoupledComponent {
+    /// The component as a row in the rigid motion of a reference, from which r is the arm to the node.
     pub fn row(&self, r: Vector<f64>) -> [f64; 6] {
-        if self.component.is_rotation() { about(self.axis) } else { along(self.axis, r) }
+        if self.kind.is_rotation() { about(self.axis) } else { along(self.axis, r) }
     }
 }
 
@@ -105,7 +104,7 @@ impl Node6 {
         Self { dofs: [a, b, c, d, e, f].map(Some), at, local: None }
     }
 
-    /// The node with those of its components alone that are listed.
+    /// The node with only the listed components.
     #[must_use]
     pub fn only(self, components: impl IntoIterator<Item = Component>) -> Self {
         if let Some(Local { axes, listed }) = self.local {
@@ -116,9 +115,9 @@ impl Node6 {
         Self { dofs, ..self }
     }
 
-    /// The node with those of its components along local axes alone that are listed, whatever was listed before.
+    /// The node with only the listed components along local axes. Earlier selections are overridden.
     ///
-    /// It must have the DOFs that they are made of: along an oblique axis all three.
+    /// The node must have all DOFs that these components depend on: three for an oblique axis.
     #[must_use]
     pub fn along(self, axes: Axes, components: impl IntoIterator<Item = Component>) -> Self {
         let mut listed = [false; 6];
@@ -126,13 +125,13 @@ impl Node6 {
         Self { local: Some(Local { axes, listed }), ..self }
     }
 
-    /// Whether a component takes part.
+    /// Whether a component is coupled.
     pub(crate) fn has(&self, component: Component) -> bool {
         let k = component as usize;
         self.local.map_or(self.dofs[k].is_some(), |local| local.listed[k])
     }
 
-    /// Whether any does.
+    /// Whether any component is coupled.
     pub(crate) fn has_any(&self) -> bool {
         Component::ALL.into_iter().any(|component| self.has(component))
     }
@@ -140,35 +139,39 @@ impl Node6 {
     /// The axis of a component.
     pub(crate) fn axis(&self, component: Component) -> Vector<f64> {
         let k = component as usize % 3;
-        self.local.map_or(unit(k), |local| local.axes.rows()[k])
+        self.local.map_or(axis(k), |local| local.axes.rows()[k])
     }
 
-    /// A component that takes part; nothing if it does not, or a DOF that it is made of is missing.
-    pub(crate) fn part(&self, component: Component) -> Option<Part> {
+    /// The terms of a component. `None` if it is not coupled, or if it depends on a missing DOF.
+    pub(crate) fn coupled(&self, component: Component) -> Option<CoupledComponent> {
         let (axis, first) = (self.axis(component), component as usize / 3 * 3);
         let used = (0..3).filter(|&k| axis[k] != 0.0);
         let terms = used.map(|k| Some((self.dofs[first + k]?, axis[k]))).collect::<Option<_>>()?;
-        self.has(component).then_some(Part { component, axis, terms })
+        self.has(component).then_some(CoupledComponent { kind: component, axis, terms })
     }
 
-    /// The components that take part, as [`super::rows::check`] has found them to be there.
-    pub(crate) fn parts(&self) -> impl Iterator<Item = Part> + use<> {
+    /// The coupled components. [`super::equations::check`] has refused missing DOFs.
+    pub(crate) fn coupled_components(&self) -> impl Iterator<Item = CoupledComponent> + use<> {
         let node = *self;
-        Component::ALL.into_iter().filter_map(move |component| node.part(component))
+        Component::ALL.into_iter().filter_map(move |component| node.coupled(component))
     }
 
-    /// A component that takes part but has not all of the DOFs that it is made of.
-    pub(crate) fn lacking(&self) -> Option<Component> {
-        let lacks = |component: &Component| self.has(*component) && self.part(*component).is_none();
+    /// A coupled component that depends on a missing DOF.
+    pub(crate) fn without_dofs(&self) -> Option<Component> {
+        let lacks = |component: &Component| self.has(*component) && self.coupled(*component).is_none();
         if self.local.is_some() { Component::ALL.into_iter().find(lacks) } else { None }
     }
 
-    /// What the equation of a component is called.
+    /// Name of the equation of a component.
     pub(crate) fn name(&self, component: Component) -> String {
-        if self.local.is_some() { format!("local {}", component.part()) } else { component.part().to_owned() }
+        if self.local.is_some() {
+            format!("local {}", component.short_name())
+        } else {
+            component.short_name().to_owned()
+        }
     }
 
-    /// The same, with its kind.
+    /// The same, with "translation" or "rotation".
     pub(crate) fn long_name(&self, component: Component) -> String {
         if self.local.is_some() { format!("local {component}") } else { component.to_string() }
     }
@@ -180,4 +183,86 @@ impl From<Point> for Node6 {
         let [x, y, z] = point.dofs.map(Some);
         Self { dofs: [x, y, z, None, None, None], at: point.at, local: None }
     }
+}
+
+/// Directions are parallel if the sine of their angle is below this.
+const PARALLEL: f64 = 1e-8;
+
+/// Local axes, a right-handed system of unit vectors: Cartesian, or radial, circumferential and axial at a point.
+///
+/// ```
+/// use qless_constraints::types::Axes;
+/// let beam = Axes::new([1.0, 1.0, 0.0], [0.0, 1.0, 0.0])?;
+/// let half = 0.5_f64.sqrt();
+/// assert!((beam.rows()[1][0] + half).abs() < 1e-15 && beam.rows()[2] == [0.0, 0.0, 1.0]);
+/// // At a bore along z: radial, circumferential and axial direction.
+/// let bore = Axes::cylindrical([0.0; 3], [0.0, 0.0, 2.0], [0.0, 3.0, 7.0])?;
+/// assert_eq!(bore.rows(), [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]);
+/// # Ok::<(), qless_constraints::types::AxesError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Axes {
+    rows: [Vector<f64>; 3],
+}
+
+/// Why local axes cannot be made.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum AxesError {
+    /// The vectors do not span a plane.
+    #[error("{first:?} and {second:?} are parallel, zero or not finite; give two directions that differ")]
+    NoPlane {
+        /// The direction of an axis.
+        first: Vector<f64>,
+        /// The other vector.
+        second: Vector<f64>,
+    },
+}
+
+impl Axes {
+    /// The first axis is along `x`; the second lies in the plane of `x` and `xy`, on the side of `xy`. The vectors may
+    /// have any length.
+    ///
+    /// # Errors
+    /// [`AxesError`] if a vector is zero or not finite, or the sine of their angle is below 1e-8.
+    pub fn new(x: Vector<f64>, xy: Vector<f64>) -> Result<Self, AxesError> {
+        let fault = AxesError::NoPlane { first: x, second: xy };
+        let (first, other) = (unit(x).ok_or(fault)?, unit(xy).ok_or(fault)?);
+        let second = across(first, other).ok_or(fault)?;
+        let third = unit(cross(first, second)).ok_or(fault)?;
+        Ok(Self { rows: cleaned([first, second, third]) })
+    }
+
+    /// Cylindrical axes at the point `at`: radial, circumferential and axial, for the line through `origin` along
+    /// `axis`.
+    ///
+    /// # Errors
+    /// [`AxesError`] if the point lies on the line, up to 1e-8 of its distance from `origin`.
+    pub fn cylindrical(origin: Vector<f64>, axis: Vector<f64>, at: Vector<f64>) -> Result<Self, AxesError> {
+        let arm = sub(at, origin);
+        let fault = AxesError::NoPlane { first: axis, second: arm };
+        let (along, away) = (unit(axis).ok_or(fault)?, unit(arm).ok_or(fault)?);
+        let out = across(along, away).ok_or(fault)?;
+        let around = unit(cross(along, out)).ok_or(fault)?;
+        Ok(Self { rows: cleaned([out, around, along]) })
+    }
+
+    /// The three axes.
+    pub fn rows(&self) -> [Vector<f64>; 3] {
+        self.rows
+    }
+}
+
+/// The unit vector perpendicular to `e`, on the side of `other`.
+fn across(e: Vector<f64>, other: Vector<f64>) -> Option<Vector<f64>> {
+    let part = |x: Vector<f64>| sub(x, scale(dot(e, x), e));
+    let rest = part(other);
+    // Orthogonalise again: a short remainder of the first pass contains enlarged rounding.
+    if norm(rest) > PARALLEL { unit(part(rest)) } else { None }
+}
+
+/// Sets components that are only rounding to zero; they would become coefficients.
+fn cleaned(mut rows: [Vector<f64>; 3]) -> [Vector<f64>; 3] {
+    rows.iter_mut().for_each(|row| clean(row.iter_mut(), 1.0));
+    rows
 }

@@ -1,31 +1,31 @@
-//! Points of two bodies coincide: `x_a + R_a s_a - x_b - R_b s_b = 0`, a length; eight such constraints at once.
+//! Coincident points of two bodies: `x_a + R_a s_a - x_b - R_b s_b = 0`, a length. Up to eight constraints are
+//! evaluated at once.
 
 use std::borrow::Cow;
 use std::slice;
 
+use super::attachment::{AttachedPoint, Body};
 use super::relative::{rotation_vectors, triangle};
-use crate::geometry::carrier::{Body, Carrier};
-use crate::geometry::lanes::{LANES, Lanes};
-use crate::geometry::turns::{Turns, Vectors};
+use crate::geometry::lanes::{LANES, Lanes, RotatedArmLanes, RotationVectorLanes};
 use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, scale, sub};
 use crate::{Nonlinear, Store};
 
-/// The point `at` of both bodies stays one point.
+/// Adds the equations that keep the point `at` of both bodies together.
 pub fn coincident(store: &mut Store, part: impl Into<Cow<'static, str>>, a: &Body, b: &Body, at: Vector<f64>) {
-    // The body with the lower DOFs first, as G has its columns: then nothing has to be sorted.
+    // The body with the lower DOFs comes first: then the entries of G are already sorted.
     let swap = a.dofs().first() > b.dofs().first();
     let (first, second, sign) = if swap { (b, a, -1.0) } else { (a, b, 1.0) };
-    let parameters = Coincident { a: first.carry(at), b: second.carry(at), sign };
+    let parameters = Coincident { a: first.attach(at), b: second.attach(at), sign };
     store.numbers(at);
-    [a, b].iter().for_each(|body| body.state(store));
+    [a, b].iter().for_each(|body| body.declare_magnitudes(store));
     store.nonlinear(part, &[first.dofs(), second.dofs()].concat(), parameters);
 }
 
 /// Two points that coincide: `c = sign (x_a - x_b)`.
 struct Coincident {
-    a: Carrier,
-    b: Carrier,
+    a: AttachedPoint,
+    b: AttachedPoint,
     sign: f64,
 }
 
@@ -37,7 +37,7 @@ impl Nonlinear for Coincident {
         c.copy_from_slice(&scale(S::from(self.sign), sub(self.a.point(a), self.b.point(b))));
     }
 
-    /// Rotations of one body only.
+    /// All pairs of rotations of the same body.
     fn pairs(&self, _: usize, pair: &mut dyn FnMut(usize, usize)) {
         for (first, kind) in [(0, self.a.kind), (self.a.dofs(), self.b.kind)] {
             let first = first + kind.positions();
@@ -64,7 +64,7 @@ impl Nonlinear for Coincident {
     /// `[I, d(R_a s_a), -I, -d(R_b s_b)]`.
     fn values_and_jacobians(items: &[Self], u: &[f64], c: &mut [f64], g: &mut [f64]) {
         let [a, b] = Self::vectors(items, u);
-        let [mut of_a, mut of_b] = [Turns::default(), Turns::default()];
+        let [mut of_a, mut of_b] = [RotatedArmLanes::default(), RotatedArmLanes::default()];
         a.slopes(&mut of_a);
         b.slopes(&mut of_b);
         let (mut u, mut g) = (u, g);
@@ -104,15 +104,15 @@ impl Nonlinear for Coincident {
 }
 
 impl Coincident {
-    /// The rotation vectors of the first bodies, and of the second.
+    /// Rotation vectors of the first and of the second bodies.
     #[inline]
-    fn vectors(items: &[Self], mut u: &[f64]) -> [Vectors; 2] {
-        let mut all = <[Vectors; 2]>::default();
+    fn vectors(items: &[Self], mut u: &[f64]) -> [RotationVectorLanes; 2] {
+        let mut all = <[RotationVectorLanes; 2]>::default();
         for (lane, item) in items.iter().enumerate() {
             for (vectors, carrier) in all.iter_mut().zip([&item.a, &item.b]) {
                 let own;
                 (own, u) = u.split_at(carrier.dofs());
-                vectors.set(lane, carrier, own);
+                vectors.set(lane, (carrier.kind, carrier.arm), own);
             }
         }
         all

@@ -1,17 +1,17 @@
 //! Cylindrical joint: a rod in a sleeve; `(R_a s_i) . (p_b - p_a) = 0`, `R_a t = R_b t`.
 
+use super::attachment::Body;
 use super::orientation::Tilt;
 use super::prismatic::path;
 use super::relative::relative;
 use super::{JointError, check_turns, direction};
-use crate::geometry::carrier::Body;
 use crate::scalar::vector::Vector;
 use crate::{Constraint, Store};
 
-/// Body b slides along an axis of body a and turns about it: `(R_a s_i) . (p_b - p_a) = 0` for the two `s_i` perpendicular to the axis,
-/// lengths, and the tilt of the axis, two angles, as in [`super::Revolute`].
+/// Body b slides along an axis of body a and rotates about it: `(R_a s_i) . (p_b - p_a) = 0` for two directions `s_i`
+/// perpendicular to the axis, lengths, and the tilt of the axis, two angles, as in [`super::Revolute`].
 ///
-/// Four degrees of freedom are removed. Singular where the axes are opposite.
+/// Four degrees of freedom are removed. Singular if the axes point in opposite directions.
 ///
 #[doc = include_str!("../../../docs/pictures/cylindrical.svg")]
 ///
@@ -24,7 +24,7 @@ use crate::{Constraint, Store};
 /// let mut builder = ConstraintSet::builder(6);
 /// builder.add("sleeve", Cylindrical { a: Body::ground(), b: rod, at: [0.0; 3], axis: [1.0, 0.0, 0.0] })?;
 /// let set = builder.build()?;
-/// // It slides by 2 and turns by 1 rad.
+/// // The rod slides by 2 and rotates by 1 rad.
 /// let mut quantities = set.allocate();
 /// set.evaluate(&[2.0, 0.0, 0.0, 1.0, 0.0, 0.0], &mut quantities)?;
 /// assert_eq!(quantities.c(), [0.0; 4]);

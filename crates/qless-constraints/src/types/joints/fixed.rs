@@ -1,18 +1,20 @@
 //! Fixed joint: a weld; `x_a + R_a s_a = x_b + R_b s_b`, `log(R_a^T R_b) = 0`.
 
+use super::attachment::Body;
 use super::coincident::coincident;
 use super::orientation::Aligned;
 use super::relative::relative;
 use super::{JointError, check_turns};
-use crate::geometry::carrier::Body;
 use crate::scalar::vector::Vector;
 use crate::{Constraint, Store};
 
-/// Two bodies that move as one: `x_a + R_a s_a - x_b - R_b s_b = 0`, three lengths, and `log(R_a^T R_b) = 0`, three angles.
+/// Two bodies that move as one: `x_a + R_a s_a - x_b - R_b s_b = 0`, three lengths, and `log(R_a^T R_b) = 0`, three
+/// angles.
 ///
-/// The angles are the rotation vector from a to b, in the axes of a, the shorter way round: a joint that is not assembled closes over at most
-/// half a turn, and never with the bodies turned against one another. Multipliers are the force and the moment of the joint, the
-/// moment in the axes of a. Six degrees of freedom are removed. Singular: nowhere; at half a turn exactly, the sense is that of the quaternion.
+/// The angles are the components of the shortest rotation vector from a to b, in the axes of a. So a joint that is not
+/// yet assembled closes over at most half a turn. Multipliers are the force and the moment of the joint, the moment in
+/// the axes of a. Six degrees of freedom are removed. There are no singularities; at exactly half a turn, the sign of
+/// the quaternion decides the sense.
 ///
 #[doc = include_str!("../../../docs/pictures/fixed.svg")]
 ///
@@ -33,7 +35,7 @@ pub struct Fixed {
     pub a: Body,
     /// The other.
     pub b: Body,
-    /// Where the joint is in the reference configuration, coordinates.
+    /// Position of the joint in the reference configuration, coordinates.
     pub at: Vector<f64>,
 }
 

@@ -1,18 +1,19 @@
-//! A point keeps its height: `(R_a s) . (x_b + R_b s_b - x_a) - s . s_a - h = 0`, a length.
+//! Prescribed height of a point: `(R_a s) . (x_b + R_b s_b - x_a) - s . s_a - h = 0`, a length.
 //!
-//! `s` is a direction of body a, `s_a` and `s_b` the arms to the point that both bodies have in common in the reference configuration, and h the height
-//! that body b is to have above it.
+//! `s` is a direction of body a. `s_a` and `s_b` are the arms to a point that both bodies share in the reference
+//! configuration. h is the height of that point of body b above that of body a.
 
 use std::borrow::Cow;
 
+use super::attachment::{AttachedPoint, Body};
 use super::relative::{rotation_vectors, triangle_before};
-use crate::geometry::carrier::{Body, Carrier};
-use crate::geometry::turned;
+use crate::geometry::rotation_derivatives;
 use crate::scalar::Scalar;
 use crate::scalar::vector::{Vector, dot, scale, sub};
 use crate::{Nonlinear, Store};
 
-/// The point `at` of body b keeps its height along the direction `s` of body a, above the same point of body a.
+/// Adds the equation that keeps the point `at` of body b at the same height as that of body a, along the direction `s`
+/// of body a.
 pub fn height(
     store: &mut Store,
     part: impl Into<Cow<'static, str>>,
@@ -23,28 +24,28 @@ pub fn height(
 ) {
     let parameters = Height::new(a, b, at, s);
     store.numbers(at);
-    [a, b].iter().for_each(|body| body.state(store));
+    [a, b].iter().for_each(|body| body.declare_magnitudes(store));
     store.nonlinear(part, &[a.dofs(), b.dofs()].concat(), parameters);
 }
 
 /// The stored parameters.
 pub struct Height {
     /// The centre of body a.
-    a: Carrier,
-    b: Carrier,
+    a: AttachedPoint,
+    b: AttachedPoint,
     s: Vector<f64>,
-    /// `s . s_a`.
+    /// The constant `s . s_a`.
     arm: f64,
-    /// h.
+    /// The prescribed height h.
     pub rise: f64,
 }
 
 impl Height {
     pub fn new(a: &Body, b: &Body, at: Vector<f64>, s: Vector<f64>) -> Self {
-        Self { a: a.carry(a.at), b: b.carry(at), s, arm: dot(s, a.carry(at).arm), rise: 0.0 }
+        Self { a: a.attach(a.at), b: b.attach(at), s, arm: dot(s, a.attach(at).arm), rise: 0.0 }
     }
 
-    /// From the centre of body a to the point of body b.
+    /// The vector from the centre of body a to the point of body b.
     fn reach<S: Scalar>(&self, a: &[S], b: &[S]) -> Vector<S> {
         sub(self.b.point(b), self.a.centre(a))
     }
@@ -55,11 +56,11 @@ impl Nonlinear for Height {
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
         let (a, b) = u.split_at(self.a.dofs());
-        let up = self.a.kind.turn(&a[self.a.kind.positions()..], self.s);
+        let up = self.a.kind.rotate(&a[self.a.kind.positions()..], self.s);
         c[0] = dot(up, self.reach(a, b)) - S::from(self.arm) - S::from(self.rise);
     }
 
-    /// All but two positions, and the position with the rotation of body b.
+    /// All pairs, except two positions, and a position with a rotation of body b.
     fn pairs(&self, dofs: usize, pair: &mut dyn FnMut(usize, usize)) {
         let (second, turns) = (self.a.dofs(), self.a.kind.positions()..self.a.dofs());
         let rotates_b = |j: usize| j >= second + self.b.kind.positions();
@@ -80,26 +81,26 @@ impl Nonlinear for Height {
     /// `[-R_a s, d(R_a s) . reach, R_a s, d(R_b s_b) . R_a s]`.
     fn value_and_jacobian(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
         let ((a, b), first) = (u.split_at(self.a.dofs()), self.a.kind.positions());
-        let (up, reach) = (self.a.kind.turn(&a[first..], self.s), self.reach(a, b));
+        let (up, reach) = (self.a.kind.rotate(&a[first..], self.s), self.reach(a, b));
         c[0] = dot(up, reach) - self.arm - self.rise;
         let (of_a, of_b) = g.split_at_mut(a.len());
         let (down, turns_a) = of_a.split_at_mut(first);
         let (risen, turns_b) = of_b.split_at_mut(self.b.kind.positions());
         down.iter_mut().zip(up).for_each(|(g, up)| *g = -up);
         risen.iter_mut().zip(up).for_each(|(g, up)| *g = up);
-        turned::gradient(self.a.kind, &a[first..], self.s, reach, turns_a);
-        turned::gradient(self.b.kind, &b[self.b.kind.positions()..], self.b.arm, up, turns_b);
+        rotation_derivatives::gradient(self.a.kind, &a[first..], self.s, reach, turns_a);
+        rotation_derivatives::gradient(self.b.kind, &b[self.b.kind.positions()..], self.b.arm, up, turns_b);
     }
 
     fn hessian(&self, u: &[f64], w: &[f64], h: &mut [f64]) {
         let ((a, b), [first, second]) = (u.split_at(self.a.dofs()), [self.a.kind.positions(), self.b.kind.positions()]);
         let (turns_a, turns_b, s) = (&a[first..], &b[second..], scale(w[0], self.s));
-        let (up, slopes_a) = turned::slopes(self.a.kind, turns_a, s);
-        let (_, slopes_b) = turned::slopes(self.b.kind, turns_b, self.b.arm);
+        let (up, slopes_a) = rotation_derivatives::slopes(self.a.kind, turns_a, s);
+        let (_, slopes_b) = rotation_derivatives::slopes(self.b.kind, turns_b, self.b.arm);
         let mut own = [[0.0; 10]; 2];
-        turned::hessian(self.a.kind, turns_a, s, self.reach(a, b), &mut own[0]);
-        turned::hessian(self.b.kind, turns_b, self.b.arm, up, &mut own[1]);
-        // What moves the reach: a position of a or b along its axis, or a rotation of b.
+        rotation_derivatives::hessian(self.a.kind, turns_a, s, self.reach(a, b), &mut own[0]);
+        rotation_derivatives::hessian(self.b.kind, turns_b, self.b.arm, up, &mut own[1]);
+        // Derivative of the reach with respect to a DOF: a position of a or b, or a rotation of b.
         let moved = |j: usize| -> Vector<f64> {
             let along = |axis: usize, sign: f64| std::array::from_fn(|i| if i == axis { sign } else { 0.0 });
             match j.checked_sub(a.len()) {

@@ -1,22 +1,26 @@
-//! Joints of multibody work, each a choice of the equations in [`coincident`], [`height`] and [`orientation`]. They hold in the
-//! reference configuration.
+//! Joints of multibody systems. Each is a selection of the equations in [`coincident`], [`height`] and
+//! [`orientation`], and holds in the reference configuration.
 
-pub(crate) mod coincident;
+pub(super) mod attachment;
+pub(super) mod coincident;
 mod cylindrical;
+mod euler_norm;
 mod fixed;
-pub(crate) mod height;
+pub(super) mod height;
 mod motor;
-pub(crate) mod orientation;
+pub(super) mod orientation;
 mod parallel;
 mod perpendicular;
 mod planar;
 mod prismatic;
-pub(crate) mod relative;
+pub(super) mod relative;
 mod revolute;
 mod spherical;
 mod universal;
 
+pub use attachment::Body;
 pub use cylindrical::Cylindrical;
+pub use euler_norm::EulerNorm;
 pub use fixed::Fixed;
 pub use motor::{RotationMotor, TranslationMotor};
 pub use parallel::Parallel;
@@ -27,35 +31,34 @@ pub use revolute::Revolute;
 pub use spherical::Spherical;
 pub use universal::Universal;
 
-use crate::geometry::carrier::Body;
 use crate::scalar::vector::{Vector, unit};
 
 /// What can be wrong with a joint.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum JointError {
-    /// Both sides are the ground.
+    /// Both bodies are the ground.
     #[error("both bodies are the ground; at least one must move")]
     NothingMoves,
-    /// A body of a joint that fixes directions has none.
+    /// The joint fixes directions, but a body has no rotations.
     #[error("the joint fixes directions, but a body is a node without rotations; give it some")]
     NoRotations,
-    /// An axis has no direction.
+    /// An axis is zero or not finite.
     #[error("an axis has no direction; give a vector that is not zero")]
     Axis,
-    /// Axes that are to be perpendicular are not.
+    /// Axes that must be perpendicular are not.
     #[error(
         "the axes are to be perpendicular in the reference configuration, but the cosine of their angle is {0}; give axes at a right angle"
     )]
     NotPerpendicular(f64),
 }
 
-/// At least one body moves.
+/// Checks that at least one body can move.
 fn check_moves(a: &Body, b: &Body) -> Result<(), JointError> {
     if a.dofs().is_empty() && b.dofs().is_empty() { Err(JointError::NothingMoves) } else { Ok(()) }
 }
 
-/// Both bodies are the ground or turn, and one does.
+/// Checks that each body has rotations or is the ground, and that one has rotations.
 fn check_turns(a: &Body, b: &Body) -> Result<(), JointError> {
     check_moves(a, b)?;
     let sound = |body: &Body| body.turns() || body.dofs().is_empty();

@@ -1,32 +1,26 @@
-//! Motors: relative motion as a function of time, `angle about an axis = phi(t)`, `travel along an axis = d(t)`.
+//! Motors prescribe a relative motion as a function of time: `angle about an axis = phi(t)` or
+//! `travel along an axis = d(t)`.
 
 use std::sync::Arc;
 
+use super::attachment::Body;
 use super::height::Height;
-use super::orientation::Twist;
+use super::orientation::{TimeFunction, Twist, value_at};
 use super::relative::relative;
 use super::{JointError, check_moves, check_turns, direction};
-use crate::geometry::carrier::{Body, Kind};
+use crate::geometry::rotation::RotationKind;
 use crate::scalar::Scalar;
 use crate::scalar::vector::Vector;
 use crate::{Constraint, Nonlinear, Store};
 
-/// `phi(t)`, `d(t)`.
-pub(super) type Motion = Arc<dyn Fn(f64) -> f64 + Send + Sync>;
-
-/// Its value at a time; as an error one that is not finite.
-pub(super) fn at(motion: &Motion, time: f64) -> Result<f64, f64> {
-    let value = motion(time);
-    if value.is_finite() { Ok(value) } else { Err(value) }
-}
-
-/// Body b is turned on body a about an axis: `c = psi - phi(t)`, an angle, for the time t of the set
-/// ([`set_time`](crate::ConstraintSet::set_time), 0 at first).
+/// Rotates body b relative to body a about an axis: `c = psi - phi(t)`, an angle, at the time t of the set
+/// ([`set_time`](crate::ConstraintSet::set_time), initially 0).
 ///
-/// psi is the angle about the axis that is left of `R_a^T R_b` once the axes are aligned. `psi - phi` is known up to whole turns, and c is the
-/// one of these in `[-pi, pi]`: the function runs over any number of turns, and from one time to the next the motor follows the shorter way, so that it
-/// has to be solved for at least every half turn. The motor holds no axis: it is added to a joint, [`super::Revolute`] or [`super::Cylindrical`]. Its
-/// multiplier is the moment about the axis. One degree of freedom is removed. Singular where the axes are opposite.
+/// psi is the angle of `R_a^T R_b` about the axis, once the axes are aligned. `psi - phi` is known only modulo 2 pi,
+/// and c is its value in `[-pi, pi]`. `phi` may cover any number of turns. Between two times the motor takes the
+/// shorter way, so that the time steps must be less than half a turn. The motor does not guide the axis: add it to a
+/// [`super::Revolute`] or [`super::Cylindrical`] joint. Its multiplier is the moment about the axis. One degree of
+/// freedom is removed. Singular if the axes point in opposite directions.
 ///
 #[doc = include_str!("../../../docs/pictures/rotation_motor.svg")]
 ///
@@ -52,9 +46,9 @@ pub(super) fn at(motion: &Motion, time: f64) -> Result<f64, f64> {
 /// ```
 #[derive(Clone)]
 pub struct RotationMotor {
-    /// The body that holds the motor.
+    /// The body that carries the motor.
     pub a: Body,
-    /// The body that it turns.
+    /// The body that is rotated.
     pub b: Body,
     /// The direction of the axis in the reference configuration, of any length.
     pub axis: Vector<f64>,
@@ -62,12 +56,14 @@ pub struct RotationMotor {
     pub angle: Arc<dyn Fn(f64) -> f64 + Send + Sync>,
 }
 
-/// Body b is moved on body a along an axis: `c = (R_a t) . (p_b - p_a) - d(t)`, a length, for the time t of the set
-/// ([`set_time`](crate::ConstraintSet::set_time), 0 at first).
+/// Moves body b relative to body a along an axis: `c = (R_a t) . (p_b - p_a) - d(t)`, a length, at the time t of the
+/// set ([`set_time`](crate::ConstraintSet::set_time), initially 0).
 ///
-/// `p_a` and `p_b` are the points of both bodies that are at `at` in the reference configuration. The motor holds no path: it is added to a joint,
-/// [`super::Prismatic`] or [`super::Cylindrical`], or to a node ([`Body::node`]) that is guided otherwise. Body b may be a node without rotations; body a
-/// carries the axis, so that it is the ground or turns. Its multiplier is the force along the axis. One degree of freedom is removed. Singular: nowhere.
+/// `p_a` and `p_b` are the points of both bodies that are at `at` in the reference configuration. The motor does not
+/// guide the path: add it to a [`super::Prismatic`] or [`super::Cylindrical`] joint, or to a node ([`Body::node`])
+/// with another guide. Body b may be a node without rotations. Body a carries the axis, so it is the ground or has
+/// rotations. The multiplier is the force along the axis. One degree of freedom is removed. There are no
+/// singularities.
 ///
 #[doc = include_str!("../../../docs/pictures/translation_motor.svg")]
 ///
@@ -89,9 +85,9 @@ pub struct RotationMotor {
 /// ```
 #[derive(Clone)]
 pub struct TranslationMotor {
-    /// The body that holds the motor.
+    /// The body that carries the motor.
     pub a: Body,
-    /// The body that it moves, or a node.
+    /// The body or node that is moved.
     pub b: Body,
     /// A point in the reference configuration, coordinates.
     pub at: Vector<f64>,
@@ -102,7 +98,7 @@ pub struct TranslationMotor {
 }
 
 impl RotationMotor {
-    /// A motor that turns body b by `angle`, in radians.
+    /// A motor that rotates body b by `angle`, in radians.
     pub fn new(a: Body, b: Body, axis: Vector<f64>, angle: impl Fn(f64) -> f64 + Send + Sync + 'static) -> Self {
         Self { a, b, axis, angle: Arc::new(angle) }
     }
@@ -153,23 +149,23 @@ impl Constraint for TranslationMotor {
 
     fn process(self, store: &mut Store) -> Result<(), JointError> {
         check_moves(&self.a, &self.b)?;
-        // Of body b only a point counts; it is body a that carries the axis.
-        if self.a.kind == Kind::Node {
+        // Body a carries the axis, so it must not be a node. Of body b only the point matters.
+        if self.a.kind == RotationKind::Node {
             return Err(JointError::NoRotations);
         }
         let height = Height::new(&self.a, &self.b, self.at, direction(self.axis)?);
         let dofs = [self.a.dofs(), self.b.dofs()].concat();
         store.numbers(self.at);
-        [self.a, self.b].iter().for_each(|body| body.state(store));
+        [self.a, self.b].iter().for_each(|body| body.declare_magnitudes(store));
         store.nonlinear("", &dofs, Travel { height, motion: self.travel });
         Ok(())
     }
 }
 
-/// A height that changes with time.
+/// A [`Height`] that is a function of time.
 struct Travel {
     height: Height,
-    motion: Motion,
+    motion: TimeFunction,
 }
 
 impl Nonlinear for Travel {
@@ -177,7 +173,7 @@ impl Nonlinear for Travel {
     const PARTS: &'static [&'static str] = Height::PARTS;
 
     fn at_time(&mut self, time: f64) -> Result<(), f64> {
-        self.height.rise = at(&self.motion, time)?;
+        self.height.rise = value_at(&self.motion, time)?;
         Ok(())
     }
 

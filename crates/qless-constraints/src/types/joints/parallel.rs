@@ -1,17 +1,19 @@
 //! Parallel axes: `R_a t = R_b t`.
 
+use super::attachment::Body;
 use super::orientation::Tilt;
 use super::relative::relative;
 use super::{JointError, check_turns, direction};
-use crate::geometry::carrier::Body;
 use crate::scalar::vector::Vector;
 use crate::{Constraint, Store};
 
-/// An axis of both bodies stays parallel: `c = beta e`, the rotation vector that brings `R_a t` to `R_b t`, in the axes of a, two angles.
+/// An axis of each body, kept parallel: `c = beta e`, the rotation vector that rotates `R_a t` to `R_b t`, in the axes
+/// of a, two angles.
 ///
-/// `beta = acos(R_a t . R_b t)` is in `[0, pi]`, and e perpendicular to t, along `t x R_a^T R_b t`: the axes end pointing the same way. Wherever the bodies
-/// are does not matter. Two degrees of freedom are removed. Singular where the axes are opposite: within 1e-8 rad of there the
-/// rank is one, and c is half a turn about one direction perpendicular to the axis, so that Newton's method finds its way out.
+/// `beta = acos(R_a t . R_b t)` is in `[0, pi]`, and e is along `t x R_a^T R_b t`. So the axes point the same way, not
+/// in opposite directions. The positions of the bodies do not matter. Two degrees of freedom are removed. Singular if
+/// the axes point in opposite directions: within 1e-8 rad of this the rank is one, and c is half a turn about one
+/// direction perpendicular to the axis. This lets Newton's method leave the singularity.
 ///
 #[doc = include_str!("../../../docs/pictures/parallel.svg")]
 ///
@@ -24,7 +26,7 @@ use crate::{Constraint, Store};
 /// let mut builder = ConstraintSet::builder(6);
 /// builder.add("upright", Parallel { a: Body::ground(), b: arm, axis: [0.0, 0.0, 1.0] })?;
 /// let set = builder.build()?;
-/// // Tilted by 2 rad.
+/// // The body is tilted by 2 rad.
 /// let mut quantities = set.allocate();
 /// set.evaluate(&[5.0, 5.0, 5.0, 0.0, 2.0, 0.0], &mut quantities)?;
 /// assert!((quantities.c()[0].hypot(quantities.c()[1]) - 2.0).abs() < 1e-15);

@@ -1,15 +1,15 @@
 //! Perpendicular axes: `(R_a s) . (R_b t) = 0`.
 
-use super::orientation::Crossing;
+use super::attachment::Body;
+use super::orientation::PerpendicularAxes;
 use super::relative::relative;
 use super::{JointError, check_turns, direction};
-use crate::geometry::carrier::Body;
 use crate::scalar::vector::{Vector, dot};
 use crate::{Constraint, Store};
 
-/// An axis of each body, perpendicular to each other: `(R_a s) . (R_b t) = 0`, the cosine of their angle.
+/// An axis of each body, kept perpendicular to each other: `(R_a s) . (R_b t) = 0`, the cosine of their angle.
 ///
-/// Wherever the bodies are does not matter. One degree of freedom is removed. Singular where the axes are parallel.
+/// The positions of the bodies do not matter. One degree of freedom is removed. Singular if the axes are parallel.
 ///
 #[doc = include_str!("../../../docs/pictures/perpendicular.svg")]
 ///
@@ -23,7 +23,7 @@ use crate::{Constraint, Store};
 /// let mut builder = ConstraintSet::builder(6);
 /// builder.add("square", joint)?;
 /// let set = builder.build()?;
-/// // Turned about both axes, each in turn, it stays so.
+/// // The axes stay perpendicular if the body rotates about one of them.
 /// let mut quantities = set.allocate();
 /// set.evaluate(&[5.0, 5.0, 5.0, 0.0, 0.0, 2.0], &mut quantities)?;
 /// assert_eq!(quantities.c(), [0.0]);
@@ -47,14 +47,14 @@ impl Constraint for Perpendicular {
 
     fn process(self, store: &mut Store) -> Result<(), JointError> {
         check_turns(&self.a, &self.b)?;
-        relative(store, "", &self.a, &self.b, crossing(self.axis_a, self.axis_b)?);
+        relative(store, "", &self.a, &self.b, perpendicular_axes(self.axis_a, self.axis_b)?);
         Ok(())
     }
 }
 
-/// Two axes that are perpendicular in the reference configuration.
-pub(super) fn crossing(of_a: Vector<f64>, of_b: Vector<f64>) -> Result<Crossing, JointError> {
+/// Two axes, which must be perpendicular in the reference configuration.
+pub(super) fn perpendicular_axes(of_a: Vector<f64>, of_b: Vector<f64>) -> Result<PerpendicularAxes, JointError> {
     let (of_a, of_b) = (direction(of_a)?, direction(of_b)?);
     let cosine = dot(of_a, of_b);
-    if cosine.abs() > 1e-9 { Err(JointError::NotPerpendicular(cosine)) } else { Ok(Crossing { of_a, of_b }) }
+    if cosine.abs() > 1e-9 { Err(JointError::NotPerpendicular(cosine)) } else { Ok(PerpendicularAxes { of_a, of_b }) }
 }

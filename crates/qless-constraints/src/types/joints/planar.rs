@@ -1,16 +1,18 @@
 //! Planar joint: a plate on a plate; `(R_a n) . (p_b - p_a) = 0`, `R_a n = R_b n`.
 
+use super::attachment::Body;
 use super::height::height;
 use super::orientation::Tilt;
 use super::relative::relative;
 use super::{JointError, check_turns, direction};
-use crate::geometry::carrier::Body;
 use crate::scalar::vector::Vector;
 use crate::{Constraint, Store};
 
-/// Body b moves in a plane of body a: `(R_a n) . (p_b - p_a) = 0`, a length, and the tilt of the normal, two angles, as in [`super::Revolute`].
+/// Body b moves in a plane of body a: `(R_a n) . (p_b - p_a) = 0`, a length, and the tilt of the normal, two angles,
+/// as in [`super::Revolute`].
 ///
-/// It slides in two directions and turns about the normal. Three degrees of freedom are removed. Singular where the normals are opposite.
+/// It slides in two directions and rotates about the normal. Three degrees of freedom are removed. Singular if the
+/// normals point in opposite directions.
 ///
 #[doc = include_str!("../../../docs/pictures/planar.svg")]
 ///
@@ -23,7 +25,7 @@ use crate::{Constraint, Store};
 /// let mut builder = ConstraintSet::builder(6);
 /// builder.add("table", Planar { a: Body::ground(), b: puck, at: [1.0, 0.0, 0.0], normal: [0.0, 0.0, 1.0] })?;
 /// let set = builder.build()?;
-/// // It slides to another place and spins.
+/// // The body slides and spins.
 /// let mut quantities = set.allocate();
 /// set.evaluate(&[2.0, -1.0, 0.0, 0.0, 0.0, 3.0], &mut quantities)?;
 /// assert_eq!(quantities.c(), [0.0; 3]);

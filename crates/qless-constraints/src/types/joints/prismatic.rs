@@ -1,17 +1,18 @@
 //! Prismatic joint: a slider; `(R_a s_i) . (p_b - p_a) = 0`, `log(R_a^T R_b) = 0`.
 
+use super::attachment::Body;
 use super::height::height;
 use super::orientation::Aligned;
 use super::relative::relative;
 use super::{JointError, check_turns, direction};
-use crate::geometry::carrier::Body;
 use crate::scalar::vector::{Vector, perpendicular};
 use crate::{Constraint, Store};
 
-/// Body b slides along an axis of body a and does not turn on it: `(R_a s_i) . (p_b - p_a) = 0` for the two `s_i`
+/// Body b slides along an axis of body a without rotating: `(R_a s_i) . (p_b - p_a) = 0` for two directions `s_i`
 /// perpendicular to the axis, lengths, and `log(R_a^T R_b) = 0`, angles, as in [`super::Fixed`].
 ///
-/// `p_a` and `p_b` are the points of both bodies that are at `at` in the reference configuration. Five degrees of freedom are removed. Singular: nowhere.
+/// `p_a` and `p_b` are the points of both bodies that are at `at` in the reference configuration. Five degrees of
+/// freedom are removed. There are no singularities.
 ///
 #[doc = include_str!("../../../docs/pictures/prismatic.svg")]
 ///
@@ -54,7 +55,7 @@ impl Constraint for Prismatic {
     }
 }
 
-/// The point `at` of body b stays on the axis through it that body a carries.
+/// Adds the two equations that keep the point `at` of body b on an axis of body a.
 pub(super) fn path(store: &mut Store, a: &Body, b: &Body, at: Vector<f64>, axis: Vector<f64>) {
     for (part, side) in ["path 1", "path 2"].into_iter().zip(perpendicular(axis)) {
         height(store, part, a, b, at, side);

@@ -1,23 +1,25 @@
-//! Equations on the relative rotation `R_a^T R_b` of two bodies: functions c of its quaternion `q = conj(q_a) q_b`.
+//! Equations on the relative rotation `R_a^T R_b` of two bodies: functions c of the quaternion `q = conj(q_a) q_b`.
 //!
-//! With `z = dc/dq`: `dc/dq_b = q_a z` and `dc/dq_a = q_b conj(z)`, products of quaternions. The second derivatives are those of q_a and q_b in
-//! these two directions, `dq^T (d^2 c / dq^2) dq`, and `z . (conj(dq_a) dq_b)` between the bodies.
+//! With `z = dc/dq` and products of quaternions, `dc/dq_b = q_a z` and `dc/dq_a = q_b conj(z)`. The Hessian has three
+//! terms: the second derivatives of q_a and q_b in these directions, `dq^T (d^2 c / dq^2) dq`, and
+//! `z . (conj(dq_a) dq_b)` between the bodies.
 
 use std::borrow::Cow;
 
-use crate::geometry::carrier::{Body, Kind};
-use crate::geometry::quaternion::{Quaternion, Turn, conjugate, inner, of_body, product};
+use super::attachment::Body;
+use crate::geometry::quaternion::{BodyQuaternion, Quaternion, body_quaternion, conjugate, inner, product};
+use crate::geometry::rotation::RotationKind;
 use crate::scalar::Scalar;
 use crate::{Nonlinear, Store};
 
-/// Most equations of one function.
-pub const MOST: usize = 3;
-/// A matrix on quaternions.
-pub type Square = [Quaternion<f64>; 4];
+/// Maximum number of equations of one function.
+pub const MAX_EQUATIONS: usize = 3;
+/// A 4 x 4 matrix that acts on quaternions.
+pub type QuaternionMatrix = [Quaternion<f64>; 4];
 
 /// A function of the relative rotation.
-pub trait OfTurn: Send + Sync + 'static {
-    /// As [`Nonlinear::PARTS`], at most [`MOST`].
+pub trait RotationFunction: Send + Sync + 'static {
+    /// As [`Nonlinear::PARTS`], at most [`MAX_EQUATIONS`].
     const PARTS: &'static [&'static str];
     /// As [`Nonlinear::DRIVEN`].
     const DRIVEN: bool = false;
@@ -33,36 +35,36 @@ pub trait OfTurn: Send + Sync + 'static {
     /// `c(q)`.
     fn value<S: Scalar>(&self, q: Quaternion<S>, c: &mut [S]);
     /// `c(q)`, and `dc_r / dq`.
-    fn slopes(&self, q: Quaternion<f64>, c: &mut [f64]) -> [Quaternion<f64>; MOST];
+    fn slopes(&self, q: Quaternion<f64>, c: &mut [f64]) -> [Quaternion<f64>; MAX_EQUATIONS];
     /// `d(w.c) / dq`, and `d^2 (w.c) / dq^2`.
-    fn curvature(&self, q: Quaternion<f64>, w: &[f64]) -> (Quaternion<f64>, Square);
+    fn curvature(&self, q: Quaternion<f64>, w: &[f64]) -> (Quaternion<f64>, QuaternionMatrix);
 }
 
-/// The equations `of` on the rotations of two bodies.
-pub fn relative<F: OfTurn>(store: &mut Store, part: impl Into<Cow<'static, str>>, a: &Body, b: &Body, of: F) {
+/// Adds the equations `of` on the relative rotation of two bodies.
+pub fn relative<F: RotationFunction>(store: &mut Store, part: impl Into<Cow<'static, str>>, a: &Body, b: &Body, of: F) {
     let dofs = [a.rotation_dofs(), b.rotation_dofs()].concat();
-    [a, b].iter().for_each(|body| body.state(store));
-    store.nonlinear(part, &dofs, Relative { a: a.kind, b: b.kind, of });
+    [a, b].iter().for_each(|body| body.declare_magnitudes(store));
+    store.nonlinear(part, &dofs, RelativeRotation { a: a.kind, b: b.kind, of });
 }
 
-struct Relative<F> {
-    a: Kind,
-    b: Kind,
+struct RelativeRotation<F> {
+    a: RotationKind,
+    b: RotationKind,
     of: F,
 }
 
-impl<F> Relative<F> {
-    /// Both bodies, and q.
+impl<F> RelativeRotation<F> {
+    /// The quaternions of both bodies, and q.
     #[inline]
-    fn turns(&self, u: &[f64]) -> (Turn, Turn, Quaternion<f64>) {
+    fn turns(&self, u: &[f64]) -> (BodyQuaternion, BodyQuaternion, Quaternion<f64>) {
         let (a, b) = u.split_at(self.a.rotations());
-        let (a, b) = (Turn::new(self.a, a), Turn::new(self.b, b));
+        let (a, b) = (BodyQuaternion::new(self.a, a), BodyQuaternion::new(self.b, b));
         let q = product(conjugate(a.q), b.q);
         (a, b, q)
     }
 }
 
-impl<F: OfTurn> Nonlinear for Relative<F> {
+impl<F: RotationFunction> Nonlinear for RelativeRotation<F> {
     const PARTS: &'static [&'static str] = F::PARTS;
     const DRIVEN: bool = F::DRIVEN;
 
@@ -80,7 +82,7 @@ impl<F: OfTurn> Nonlinear for Relative<F> {
 
     fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
         let (a, b) = u.split_at(self.a.rotations());
-        self.of.value(product(conjugate(of_body(self.a, a)), of_body(self.b, b)), c);
+        self.of.value(product(conjugate(body_quaternion(self.a, a)), body_quaternion(self.b, b)), c);
     }
 
     #[inline]
@@ -99,11 +101,11 @@ impl<F: OfTurn> Nonlinear for Relative<F> {
         let (z, square) = self.of.curvature(q, w);
         let (count_a, n) = (self.a.rotations(), u.len());
         let (slopes_a, slopes_b) = (a.slopes(), b.slopes());
-        // dq / du_j.
-        let (mut ways, mut pushed) = ([[0.0; 4]; 8], [[0.0; 4]; 8]);
-        (0..count_a).for_each(|j| ways[j] = product(conjugate(slopes_a[j]), b.q));
-        (count_a..n).for_each(|j| ways[j] = product(conjugate(a.q), slopes_b[j - count_a]));
-        (0..n).for_each(|j| pushed[j] = square.map(|row| inner(row, ways[j])));
+        // dq / du_j, and its product with d^2 c / dq^2.
+        let (mut dq, mut hessian_dq) = ([[0.0; 4]; 8], [[0.0; 4]; 8]);
+        (0..count_a).for_each(|j| dq[j] = product(conjugate(slopes_a[j]), b.q));
+        (count_a..n).for_each(|j| dq[j] = product(conjugate(a.q), slopes_b[j - count_a]));
+        (0..n).for_each(|j| hessian_dq[j] = square.map(|row| inner(row, dq[j])));
         let mut own = [[0.0; 10]; 2];
         a.hessian(product(b.q, conjugate(z)), &mut own[0][..triangle(self.a)]);
         b.hessian(product(a.q, z), &mut own[1][..triangle(self.b)]);
@@ -112,29 +114,29 @@ impl<F: OfTurn> Nonlinear for Relative<F> {
             let of_b = j >= count_a;
             let across = if of_b { product(z, conjugate(slopes_b[j - count_a])) } else { [0.0; 4] };
             for (k, slot) in (0..=j).zip(&mut slots) {
-                let bent = match (of_b, k >= count_a) {
+                let second = match (of_b, k >= count_a) {
                     // z . (conj(dq_a) dq_b) = conj(dq_a) . (z conj(dq_b)).
                     (true, false) => inner(conjugate(slopes_a[k]), across),
                     (true, true) => own[1][triangle_before(j - count_a) + k - count_a],
                     (false, _) => own[0][triangle_before(j) + k],
                 };
-                *slot = inner(ways[k], pushed[j]) + bent;
+                *slot = inner(dq[k], hessian_dq[j]) + second;
             }
         }
     }
 }
 
-/// Entries of the lower triangle of the rotations.
-pub fn triangle(kind: Kind) -> usize {
+/// Number of entries of the lower triangle of a body's rotations.
+pub fn triangle(kind: RotationKind) -> usize {
     triangle_before(kind.rotations())
 }
 
-/// Where row j of a lower triangle starts.
+/// Index of the first entry of row j in a lower triangle.
 pub fn triangle_before(j: usize) -> usize {
     j * (j + 1) / 2
 }
 
-/// Where rotation vectors are among the DOFs of two bodies; each is given with the place of its first rotation.
-pub fn rotation_vectors(bodies: [(usize, Kind); 2], found: &mut dyn FnMut(usize)) {
-    bodies.into_iter().filter(|&(_, kind)| kind == Kind::Vector).for_each(|(first, _)| found(first));
+/// Reports the rotation vectors of two bodies, each given with the index of its first rotation.
+pub fn rotation_vectors(bodies: [(usize, RotationKind); 2], found: &mut dyn FnMut(usize)) {
+    bodies.into_iter().filter(|&(_, kind)| kind == RotationKind::Vector).for_each(|(first, _)| found(first));
 }

@@ -1,18 +1,19 @@
 //! Revolute joint: a hinge; `x_a + R_a s_a = x_b + R_b s_b`, `R_a t = R_b t`.
 
+use super::attachment::Body;
 use super::coincident::coincident;
 use super::orientation::Tilt;
 use super::relative::relative;
 use super::{JointError, check_turns, direction};
-use crate::geometry::carrier::Body;
 use crate::scalar::vector::Vector;
 use crate::{Constraint, Store};
 
 /// A hinge: `x_a + R_a s_a - x_b - R_b s_b = 0`, three lengths, and the tilt of the axis, two angles.
 ///
-/// The tilt is the rotation vector that brings `R_a t` to `R_b t`, in the axes of a, with the angle `acos(R_a t . R_b t)` in `[0, pi]` ([`super::Parallel`]):
-/// the axes end pointing the same way, from wherever the joint is assembled. Multipliers are the force and the two moments across the axis.
-/// Five degrees of freedom are removed. Singular where the axes are opposite, and nowhere else; the joint turns any number of times.
+/// The tilt is the rotation vector that rotates `R_a t` to `R_b t`, in the axes of a, with the angle
+/// `acos(R_a t . R_b t)` in `[0, pi]` ([`super::Parallel`]). So the axes point the same way after assembly, from any
+/// initial position. Multipliers are the force and the two moments perpendicular to the axis. Five degrees of freedom
+/// are removed. Singular only if the axes point in opposite directions. The joint may turn any number of times.
 ///
 #[doc = include_str!("../../../docs/pictures/revolute.svg")]
 ///

@@ -1,14 +1,14 @@
 //! Spherical joint: a point of two bodies coincides; three equations.
 
+use super::attachment::Body;
 use super::coincident::coincident;
 use super::{JointError, check_moves};
-use crate::geometry::carrier::Body;
 use crate::scalar::vector::Vector;
 use crate::{Constraint, Store};
 
-/// `x_a + R_a s_a - x_b - R_b s_b = 0`: a ball joint, three lengths.
+/// A ball joint: `x_a + R_a s_a - x_b - R_b s_b = 0`, three lengths.
 ///
-/// Multipliers are the force of the joint. Three degrees of freedom are removed. Singular: nowhere.
+/// Multipliers are the force of the joint. Three degrees of freedom are removed. There are no singularities.
 ///
 #[doc = include_str!("../../../docs/pictures/spherical.svg")]
 ///
@@ -29,7 +29,7 @@ pub struct Spherical {
     pub a: Body,
     /// The other.
     pub b: Body,
-    /// Where the joint is in the reference configuration, coordinates.
+    /// Position of the joint in the reference configuration, coordinates.
     pub at: Vector<f64>,
 }
 

@@ -1,17 +1,18 @@
 //! Universal joint: a cross of two axes; `x_a + R_a s_a = x_b + R_b s_b`, `(R_a s) . (R_b t) = 0`.
 
+use super::attachment::Body;
 use super::coincident::coincident;
-use super::perpendicular::crossing;
+use super::perpendicular::perpendicular_axes;
 use super::relative::relative;
 use super::{JointError, check_turns};
-use crate::geometry::carrier::Body;
 use crate::scalar::vector::Vector;
 use crate::{Constraint, Store};
 
-/// A cross of two axes: `x_a + R_a s_a - x_b - R_b s_b = 0`, three lengths, and `(R_a s) . (R_b t) = 0`, the cosine of their angle.
+/// A cross of two axes: `x_a + R_a s_a - x_b - R_b s_b = 0`, three lengths, and `(R_a s) . (R_b t) = 0`, the cosine of
+/// their angle.
 ///
-/// Shafts at an angle beta turn by `tan(psi_b) = tan(psi_a) / cos(beta)`. Four degrees of freedom are removed. Singular where the axes are parallel,
-/// which no assembled joint is; where the shafts are at a right angle, they lock.
+/// Shafts at an angle beta rotate by `tan(psi_b) = tan(psi_a) / cos(beta)`. They lock at a right angle. Four degrees
+/// of freedom are removed. Singular if the axes are parallel, which is impossible in an assembled joint.
 ///
 #[doc = include_str!("../../../docs/pictures/universal.svg")]
 ///
@@ -33,7 +34,7 @@ pub struct Universal {
     pub a: Body,
     /// The other.
     pub b: Body,
-    /// Where the axes cross in the reference configuration, coordinates.
+    /// Point where the axes cross in the reference configuration, coordinates.
     pub at: Vector<f64>,
     /// The axis on body a there, of any length.
     pub axis_a: Vector<f64>,
@@ -47,7 +48,7 @@ impl Constraint for Universal {
 
     fn process(self, store: &mut Store) -> Result<(), JointError> {
         check_turns(&self.a, &self.b)?;
-        let cross = crossing(self.axis_a, self.axis_b)?;
+        let cross = perpendicular_axes(self.axis_a, self.axis_b)?;
         coincident(store, "", &self.a, &self.b, self.at);
         relative(store, "cross", &self.a, &self.b, cross);
         Ok(())

@@ -1,20 +1,19 @@
-//! The segments of each slave facet, which the master side must cover once.
+//! The segments of each slave facet, and the check that the master side covers the facet exactly once.
 
+use super::segment::{FacetPiece, MortarSegment};
 use super::{MortarError, MortarTie};
-use crate::geometry::node::within;
-use crate::geometry::project::rounding;
+use crate::geometry::node::{rounding, within};
 use crate::geometry::search::FaceSearch;
-use crate::geometry::segment::{Part, Segment};
 use crate::geometry::surface::Surface;
 use crate::scalar::vector::Vector;
 
-/// Part of the size of a facet that may be lost to rounding.
+/// Share of the size of a facet that rounding may lose.
 const ROUNDING: f64 = 1e-8;
 
-/// The segments of a slave facet, each with its master facet.
-pub(super) type Segments = Vec<(usize, Segment)>;
+/// The segments of a slave facet, each with the index of its master facet.
+pub(super) type FacetSegments = Vec<(usize, MortarSegment)>;
 
-/// Where the nodes of a facet are, in space.
+/// Coordinates of the nodes of a facet, in space.
 fn places<const D: usize, const F: usize>(surface: &Surface<D, F>, facet: usize) -> Vec<Vector<f64>> {
     const { assert!(D == 2 || D == 3, "a mortar tie lies in the plane or in space") };
     let lift = |at: [f64; D]| std::array::from_fn(|k| if k < D { at[k] } else { 0.0 });
@@ -22,7 +21,7 @@ fn places<const D: usize, const F: usize>(surface: &Surface<D, F>, facet: usize)
 }
 
 impl<const D: usize, const F: usize> MortarTie<D, F> {
-    /// Both sides are surfaces of sound facets of one dimension.
+    /// Checks that both sides are valid surfaces, with facets of the same dimension.
     pub(super) fn check(&self) -> Result<(), MortarError> {
         for (side, surface) in [("slave", &self.slave), ("master", &self.master)] {
             surface.check_integrable().map_err(|source| MortarError::Surface { side, source })?;
@@ -31,7 +30,7 @@ impl<const D: usize, const F: usize> MortarTie<D, F> {
                 if dimension >= D || dimension != self.slave.faces[0].shape.dimensions() {
                     return Err(MortarError::Dimension { side, facet: facet + 1, shape: face.shape });
                 }
-                if Part::all(face.shape, &places(surface, facet)).is_none() {
+                if FacetPiece::all(face.shape, &places(surface, facet)).is_none() {
                     return Err(MortarError::Facet { side, facet: facet + 1 });
                 }
             }
@@ -40,41 +39,42 @@ impl<const D: usize, const F: usize> MortarTie<D, F> {
     }
 
     /// The segments of one slave facet.
-    pub(super) fn segments(&self, facet: usize, search: &FaceSearch<D, F>) -> Result<Segments, MortarError> {
+    pub(super) fn segments(&self, facet: usize, search: &FaceSearch<D, F>) -> Result<FacetSegments, MortarError> {
         let shape = self.slave.faces[facet].shape;
         let places = self.slave.places(facet);
-        let near = search.touching(shape, &places, self.tolerance);
+        let near = search.faces_near(shape, &places, self.tolerance);
         let mut segments = Vec::new();
-        for part in self.parts(facet) {
+        for piece in self.pieces(facet) {
             let first = segments.len();
-            let over = near.iter().flat_map(|&master| self.over(&part, master).map(move |segment| (master, segment)));
-            segments.extend(over.filter(|(master, segment)| self.is_near(segment, &places, *master)));
+            let overlaps =
+                near.iter().flat_map(|&master| self.overlaps(&piece, master).map(move |segment| (master, segment)));
+            segments.extend(overlaps.filter(|(master, segment)| self.is_near(segment, &places, *master)));
             let covered = segments[first..].iter().map(|(_, segment)| segment.size).sum();
-            self.check_cover(facet + 1, &part, covered)?;
+            self.check_cover(facet + 1, &piece, covered)?;
         }
         Ok(segments)
     }
 
-    /// Whether the facets are within the tolerance of each other, beyond the rounding of their coordinates.
-    fn is_near(&self, segment: &Segment, slave: &[[f64; D]], master: usize) -> bool {
+    /// Whether the gap is at most the tolerance plus the rounding of the coordinates.
+    fn is_near(&self, segment: &MortarSegment, slave: &[[f64; D]], master: usize) -> bool {
         let blur = slave.iter().fold(0.0, |most: f64, place| most.max(rounding(&self.master.places(master), place)));
         within(segment.gap - blur, self.tolerance)
     }
 
-    fn parts(&self, facet: usize) -> Vec<Part> {
-        Part::all(self.slave.faces[facet].shape, &places(&self.slave, facet)).unwrap_or_default()
+    fn pieces(&self, facet: usize) -> Vec<FacetPiece> {
+        FacetPiece::all(self.slave.faces[facet].shape, &places(&self.slave, facet)).unwrap_or_default()
     }
 
-    /// The segments of a part with a master facet, however far.
-    fn over(&self, part: &Part, master: usize) -> impl Iterator<Item = Segment> + use<D, F> {
-        part.segments(self.master.faces[master].shape, &places(&self.master, master)).into_iter()
+    /// The segments of a piece with a master facet, at any distance.
+    fn overlaps(&self, piece: &FacetPiece, master: usize) -> impl Iterator<Item = MortarSegment> + use<D, F> {
+        piece.segments(self.master.faces[master].shape, &places(&self.master, master)).into_iter()
     }
 
-    fn check_cover(&self, facet: usize, part: &Part, covered: f64) -> Result<(), MortarError> {
-        let (size, tolerance) = (part.size(), self.tolerance);
+    fn check_cover(&self, facet: usize, piece: &FacetPiece, covered: f64) -> Result<(), MortarError> {
+        let (size, tolerance) = (piece.size(), self.tolerance);
         let bare = size - covered;
-        // However large the tolerance, a facet that is bare for the most part is not tied.
-        let allowed = (tolerance * part.border()).min(size / 2.0) + ROUNDING * size;
+        // A facet that is mostly uncovered is refused for every tolerance.
+        let allowed = (tolerance * piece.border()).min(size / 2.0) + ROUNDING * size;
         if within(bare.abs(), allowed) {
             Ok(())
         } else if bare < 0.0 {
@@ -84,12 +84,12 @@ impl<const D: usize, const F: usize> MortarTie<D, F> {
         }
     }
 
-    /// Adds the gap to the error, by asking all master facets: too slow to be done for each slave facet that has an error.
+    /// Adds the gap to the error. This searches all master facets, which is too slow unless there is an error.
     pub(super) fn with_gap(&self, error: MortarError) -> MortarError {
         let MortarError::NotCovered { facet, bare, size, tolerance, .. } = error else { return error };
         let masters = || 0..self.master.faces.len();
-        let parts = self.parts(facet - 1);
-        let gaps = parts.iter().flat_map(|part| masters().flat_map(|master| self.over(part, master)));
+        let pieces = self.pieces(facet - 1);
+        let gaps = pieces.iter().flat_map(|piece| masters().flat_map(|master| self.overlaps(piece, master)));
         let gap = gaps.map(|segment| segment.gap).filter(|&gap| !within(gap, tolerance)).min_by(f64::total_cmp);
         MortarError::NotCovered { facet, bare, size, tolerance, gap }
     }

@@ -1,0 +1,196 @@
+//! `min_q sum_k w_k (u_k - d_k . q)^2`: the rigid motion `q = (v, omega)` that fits observed displacements best.
+//!
+//! About the centre of the observations, with rotations scaled to lengths, let `A = diag(sqrt w) D = U S V^T`. Then
+//! `p . q = sum_k a_k u_k` with `a = diag(sqrt w) U S^-1 V^T p`. Motions whose singular value is only rounding are
+//! undetermined.
+
+use std::collections::BTreeMap;
+
+use super::error::CouplingError;
+use super::face_integrals::GaussPoint;
+use super::node6::Component;
+use super::rigid_motion::{about, along, arm, axis, clean};
+use super::svd::{JacobiSvd, svd};
+use crate::geometry::surface::Surface;
+use crate::scalar::vector::{Vector, add, cross, scale};
+
+/// Singular values below this share of the largest count as zero: nodes that deviate from a line by less than about
+/// 1e-8 of its length.
+const LEAST: f64 = 1e-8;
+/// Relative error of an arm: a few operations on the coordinates.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+/// One observed component of the motion of a point.
+#[derive(Clone, Copy)]
+pub struct MotionObservation {
+    pub at: Vector<f64>,
+    /// Direction of the translation, or axis of the rotation.
+    pub axis: Vector<f64>,
+    pub is_rotation: bool,
+    /// Square root of the weight, for rotations times a length.
+    pub root: f64,
+}
+
+/// The best fit: a linear function of the observed components.
+pub struct RigidMotionFit {
+    factors: JacobiSvd,
+    roots: Vec<f64>,
+    centre: Vector<f64>,
+    /// The scale of rotations, a length.
+    length: f64,
+    /// Largest singular value that counts as zero.
+    least: f64,
+    /// Size of the coordinates over the size of the arms, at least 1: the factor by which the rounding of coordinates
+    /// grows.
+    pub blur: f64,
+}
+
+impl RigidMotionFit {
+    /// Fits m observations. Cost: O(m).
+    pub fn new(observations: &[MotionObservation]) -> Self {
+        let (centre, size) = centre(observations);
+        let spread = observations.iter().map(|o| norm_of(arm_from(o.at, centre, size))).fold(0.0, f64::max);
+        let unit = if spread > 0.0 { spread } else { 1.0 };
+        let mut rows: Vec<[f64; 6]> = observations.iter().map(|o| row(o, arm_from(o.at, centre, size), unit)).collect();
+        let balance = balance(&rows);
+        rows.iter_mut().for_each(|row| row[3..].iter_mut().for_each(|x| *x *= balance));
+        let factors = svd(rows);
+        let blur = if spread > 0.0 { (size / spread).max(1.0) } else { 1.0 };
+        let least = LEAST.max(ROUNDING * blur).min(0.5) * factors.values.iter().copied().fold(0.0, f64::max);
+        let roots = observations.iter().map(|o| o.root).collect();
+        Self { factors, roots, centre, length: unit / balance, least, blur }
+    }
+
+    /// Factors of the observations in `motion . q`, where q is the motion of a reference at `place`.
+    pub fn factors_of(&self, motion: [f64; 6], place: Vector<f64>) -> Result<Vec<f64>, CouplingError> {
+        let p = self.about_centre(motion, place);
+        let v = |j: usize| (0..6).map(|i| self.factors.v[i][j] * p[i]).sum::<f64>();
+        // Written so that NaN counts as undetermined.
+        let determined = |j: &usize| self.factors.values[*j] > self.least;
+        let undetermined: Vec<usize> = (0..6).filter(|j| !determined(j)).collect();
+        let missed = undetermined.iter().fold(0.0, |sum: f64, &j| sum.hypot(v(j)));
+        let whole = p.iter().fold(0.0, |sum: f64, x| sum.hypot(*x));
+        if missed > LEAST.max(ROUNDING * self.blur) * whole || missed.is_nan() {
+            return Err(self.undetermined_error(motion, place, &undetermined, v));
+        }
+        let factor: [f64; 6] = std::array::from_fn(|j| {
+            if determined(&j) { v(j) / self.factors.values[j] / self.factors.values[j] } else { 0.0 }
+        });
+        let coefficient = |(row, root): (&[f64; 6], &f64)| root * (0..6).map(|j| row[j] * factor[j]).sum::<f64>();
+        Ok(self.factors.scaled.iter().zip(&self.roots).map(coefficient).collect())
+    }
+
+    /// `motion . q(place)` in terms of the scaled motion of the centre:
+    /// `d . (v + omega x a) + t . omega = d . v + (a x d + t) . omega`.
+    fn about_centre(&self, [a, b, c, d, e, f]: [f64; 6], place: Vector<f64>) -> [f64; 6] {
+        let turn = add(cross(arm(place, self.centre), [a, b, c]), [d, e, f]);
+        [a, b, c, turn[0] / self.length, turn[1] / self.length, turn[2] / self.length]
+    }
+
+    /// Error with the undetermined motion of the reference that moves the component most.
+    fn undetermined_error(
+        &self,
+        motion: [f64; 6],
+        place: Vector<f64>,
+        undetermined: &[usize],
+        v: impl Fn(usize) -> f64,
+    ) -> CouplingError {
+        let q: [f64; 6] = std::array::from_fn(|i| undetermined.iter().map(|&j| self.factors.v[i][j] * v(j)).sum());
+        let rotation = [q[3], q[4], q[5]];
+        let shift = cross(rotation, scale(1.0 / self.length, arm(place, self.centre)));
+        let translation = add([q[0], q[1], q[2]], shift);
+        let size = norm_of(translation).hypot(norm_of(rotation));
+        let (translation, rotation) = (scale(1.0 / size, translation), scale(1.0 / size, rotation));
+        let most = |a: &Component, b: &Component| motion[*a as usize].abs().total_cmp(&motion[*b as usize].abs());
+        let component = Component::ALL.into_iter().max_by(|a, b| most(a, b)).unwrap_or(Component::X);
+        CouplingError::Undetermined { component, translation, rotation }
+    }
+}
+
+/// Norm without squares, which may overflow.
+fn norm_of(x: Vector<f64>) -> f64 {
+    x[0].hypot(x[1]).hypot(x[2])
+}
+
+/// The weighted mean of the positions, computed relative to the first, and the largest coordinate.
+fn centre(observations: &[MotionObservation]) -> (Vector<f64>, f64) {
+    let Some(first) = observations.first() else { return ([0.0; 3], 0.0) };
+    let most = observations.iter().fold(0.0, |most: f64, o| most.max(o.root));
+    let weight = |o: &MotionObservation| (o.root / most).powi(2);
+    let is_translation = |o: &&MotionObservation| !o.is_rotation;
+    // Only translations depend on arms; without translations, any centre will do.
+    let total: f64 = observations.iter().filter(is_translation).map(weight).sum();
+    let part = |o: &MotionObservation| scale(weight(o) / total, arm(o.at, first.at));
+    let mean =
+        if total > 0.0 { observations.iter().filter(is_translation).map(part).fold([0.0; 3], add) } else { [0.0; 3] };
+    let size = observations.iter().flat_map(|o| o.at).fold(0.0, |most: f64, x| most.max(x.abs()));
+    (add(first.at, mean), size)
+}
+
+/// The arm from the centre. Components that are only rounding are zero.
+fn arm_from(at: Vector<f64>, centre: Vector<f64>, size: f64) -> Vector<f64> {
+    arm(at, centre).map(|x| if x.abs() <= ROUNDING / 4.0 * size { 0.0 } else { x })
+}
+
+fn row(observation: &MotionObservation, r: Vector<f64>, unit: f64) -> [f64; 6] {
+    let [a, b, c, d, e, f] = if observation.is_rotation { about(observation.axis) } else { along(observation.axis, r) };
+    [a, b, c, d / unit, e / unit, f / unit].map(|x| observation.root * x)
+}
+
+/// The factor that gives rotations the same total weight as translations, for a good condition.
+fn balance(rows: &[[f64; 6]]) -> f64 {
+    let size = |columns: std::ops::Range<usize>| {
+        rows.iter().flat_map(|row| &row[columns.clone()]).fold(0.0, |sum: f64, x| sum.hypot(*x))
+    };
+    let (translations, rotations) = (size(0..3), size(3..6));
+    if translations > 0.0 && rotations > 0.0 { translations / rotations } else { 1.0 }
+}
+
+/// The mean rigid motion of a face, `argmin int |u - v - omega x r|^2 dA`, as a function of the DOFs of its nodes.
+pub struct MeanRigidMotion {
+    points: Vec<GaussPoint>,
+    fit: RigidMotionFit,
+}
+
+impl MeanRigidMotion {
+    pub fn new(points: Vec<GaussPoint>) -> Self {
+        let most = points.iter().map(GaussPoint::weight).fold(0.0, f64::max);
+        let observe = |gauss: &GaussPoint| {
+            let (at, root) = (gauss.at, (gauss.weight() / most).sqrt());
+            [0, 1, 2].map(|k| MotionObservation { at, axis: axis(k), is_rotation: false, root })
+        };
+        let fit = RigidMotionFit::new(&points.iter().flat_map(observe).collect::<Vec<_>>());
+        Self { points, fit }
+    }
+
+    /// Terms of `motion . q`: `sum_g a_g N_i(x_g)` for each DOF of the face, where q is the mean motion at `place`.
+    pub fn terms(
+        &self,
+        face: &Surface<3>,
+        motion: [f64; 6],
+        place: Vector<f64>,
+    ) -> Result<Vec<(usize, f64)>, CouplingError> {
+        let factors = self.fit.factors_of(motion, place)?;
+        let mut nodes: BTreeMap<usize, Vector<f64>> = BTreeMap::new();
+        for (gauss, &a) in self.points.iter().zip(factors.as_chunks::<3>().0) {
+            for (&node, &function) in face.faces[gauss.face].nodes.iter().zip(&gauss.functions) {
+                let sum = nodes.entry(node).or_default();
+                *sum = add(*sum, scale(function, a));
+            }
+        }
+        clean(nodes.values_mut().flatten(), self.fit.blur);
+        for (k, &sum) in motion[..3].iter().enumerate() {
+            complete(nodes.values_mut().map(|a| &mut a[k]), sum);
+        }
+        Ok(nodes.into_iter().flat_map(|(node, a)| (0..3).map(move |k| (face.nodes[node].dofs[k], a[k]))).collect())
+    }
+}
+
+/// Adds what is missing to the given sum to the largest entry: far from the origin, the dropped rounding would change
+/// a translation.
+fn complete<'a>(parts: impl Iterator<Item = &'a mut f64>, sum: f64) {
+    let parts: Vec<&mut f64> = parts.collect();
+    let missing = sum - parts.iter().map(|a| **a).sum::<f64>();
+    let largest = parts.into_iter().max_by(|a, b| a.abs().total_cmp(&b.abs()));
+    largest.into_iter().filter(|a| **a != 0.0).for_each(|a| *a += missing);
+}

@@ -1,0 +1,215 @@
+//! `u_i = sum_k N_k(xi_i) u_k`: a face with nodes of a higher polynomial degree, tied to a face of a lower degree.
+
+use std::fmt;
+
+use super::{interpolate, is_shared};
+use crate::geometry::node::{ROUNDING, field_of_node};
+use crate::geometry::shape::Shape;
+use crate::types::Polynomials;
+use crate::{Constraint, Store};
+
+/// A face of p-refinement in a nodal basis: the finer side follows the polynomial through the nodes of the coarser
+/// side.
+///
+/// `u_i = sum_k N_k(xi_i) u_k`. The polynomials `N_k` of the coarser side ([`Polynomials`](crate::types::Polynomials))
+/// are 1 at one of its nodes and 0 at the others. The nodes may have any position on the face: equally spaced, Fekete
+/// points, or others. The finer polynomials must contain the coarser ones, so that both sides agree everywhere, also
+/// on the edges; an [`OrderTie`](crate::types::OrderTie) on an edge would be redundant. Each finer node has F
+/// equations and removes F DOFs, except shared nodes, which have the same DOFs as a coarser node at the same place.
+/// Weights that are only rounding are exactly zero, and their sum is one. Cost: a dense factorisation of the size of
+/// the coarser side.
+///
+/// In a hierarchic basis, lower modes are shared, and additional modes of the finer side vanish: `u_m = 0`, a
+/// [`Prescribed`](crate::types::Prescribed).
+///
+#[doc = include_str!("../../../docs/pictures/face_order_tie.svg")]
+///
+#[doc = include_str!("../../../docs/types/face_order_tie.md")]
+/// # Example
+///
+/// ```
+/// use qless_constraints::{ConstraintSet, types::{FaceOrderTie, FaceSide, Shape}};
+/// // A face with six nodes tied to a face with three nodes, with shared corners.
+/// let fine = FaceSide::of_shape(Shape::Tri6, &[[0], [1], [2], [3], [4], [5]])?;
+/// let coarse = FaceSide::of_shape(Shape::Tri3, &[[0], [1], [2]])?;
+/// let mut builder = ConstraintSet::builder(6);
+/// builder.add("face", FaceOrderTie { fine, coarse })?;
+/// let set = builder.build()?;
+/// assert_eq!(set.equations(), 3);
+/// assert_eq!(set.allocate().g().row(0).collect::<Vec<_>>(), [(0, -0.5), (1, -0.5), (3, 1.0)]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct FaceOrderTie<const F: usize> {
+    /// The side that follows.
+    pub fine: FaceSide<F>,
+    /// The side that leads. Its parameters have the same first corner.
+    pub coarse: FaceSide<F>,
+}
+
+impl<const F: usize> FaceOrderTie<F> {
+    fn check(&self) -> Result<(), FaceOrderTieError> {
+        self.fine.check(Side::Fine)?;
+        self.coarse.check(Side::Coarse)?;
+        let (fine, coarse) = (self.fine.polynomials, self.coarse.polynomials);
+        if !fine.contain(coarse) {
+            return Err(FaceOrderTieError::NotAmong { fine, coarse });
+        }
+        self.fine.weights(Side::Fine, &[]).map(|_| ())
+    }
+
+    fn is_shared(&self, i: usize) -> Result<bool, FaceOrderTieError> {
+        let (at, dofs) = self.fine.nodes[i];
+        let here = |other: [f64; 2]| (0..2).all(|k| (other[k] - at[k]).abs() <= ROUNDING);
+        is_shared(&dofs, &self.coarse.nodes, here).map_err(|dof| FaceOrderTieError::Shared { node: i + 1, dof })
+    }
+}
+
+impl<const F: usize> Constraint for FaceOrderTie<F> {
+    const NAME: &'static str = "face of p-refinement";
+    type Error = FaceOrderTieError;
+
+    fn process(self, store: &mut Store) -> Result<(), FaceOrderTieError> {
+        self.check()?;
+        let weights = self.coarse.weights(Side::Coarse, &self.fine.places())?;
+        for (i, ((_, dofs), weights)) in self.fine.nodes.iter().zip(weights).enumerate() {
+            if !self.is_shared(i)? {
+                let masters = self.coarse.nodes.iter().map(|&(_, dofs)| dofs).zip(weights);
+                interpolate(store, |k| field_of_node::<0, F>(i, k).into(), dofs, masters);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// One side of a face.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FaceSide<const F: usize> {
+    /// The polynomials on the face.
+    pub polynomials: Polynomials,
+    /// `xi, eta` of each node, in the parameters of [`Shape`], and its 0-based DOFs. There are as many nodes as
+    /// polynomials.
+    pub nodes: Vec<([f64; 2], [usize; F])>,
+}
+
+impl<const F: usize> FaceSide<F> {
+    /// The face of an element, from the DOFs of its nodes in the order of the shape.
+    ///
+    /// # Errors
+    /// [`FaceOrderTieError`] if the shape is not a face or has another number of nodes.
+    pub fn of_shape(shape: Shape, dofs: &[[usize; F]]) -> Result<Self, FaceOrderTieError> {
+        let polynomials = Polynomials::from_shape(shape).ok_or(FaceOrderTieError::NoFace { shape })?;
+        if dofs.len() != shape.nodes() {
+            return Err(FaceOrderTieError::Nodes { shape, found: dofs.len() });
+        }
+        let nodes = shape.places().iter().zip(dofs).map(|(x, &dofs)| ([x[0], x[1]], dofs)).collect();
+        Ok(Self { polynomials, nodes })
+    }
+
+    pub(super) fn check(&self, side: Side) -> Result<(), FaceOrderTieError> {
+        let (polynomials, found) = (self.polynomials, self.nodes.len());
+        if polynomials.degree() == 0 || polynomials.dimension() != found {
+            return Err(FaceOrderTieError::Count { side, polynomials, found });
+        }
+        let is_inside = |[x, y]: [f64; 2]| {
+            let inside = polynomials.face().clamp([x, y, 0.0]);
+            (inside[0] - x).abs() <= ROUNDING && (inside[1] - y).abs() <= ROUNDING
+        };
+        match self.nodes.iter().position(|&(at, _)| !is_inside(at)) {
+            Some(i) => Err(FaceOrderTieError::Outside { side, node: i + 1, at: self.nodes[i].0 }),
+            None => Ok(()),
+        }
+    }
+
+    /// `N_k` at these points.
+    pub(super) fn weights(&self, side: Side, points: &[[f64; 2]]) -> Result<Vec<Vec<f64>>, FaceOrderTieError> {
+        self.polynomials.weights(&self.places(), points).ok_or(FaceOrderTieError::Undetermined { side })
+    }
+
+    pub(super) fn places(&self) -> Vec<[f64; 2]> {
+        self.nodes.iter().map(|&(at, _)| at).collect()
+    }
+}
+
+/// A side of the tie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// The side that follows.
+    Fine,
+    /// The side that leads.
+    Coarse,
+}
+
+impl fmt::Display for Side {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(if *self == Self::Fine { "finer" } else { "coarser" })
+    }
+}
+
+/// What can be wrong with a [`FaceOrderTie`].
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FaceOrderTieError {
+    /// A shape is not a face.
+    #[error("a {shape:?} is not a face")]
+    NoFace {
+        /// What it is.
+        shape: Shape,
+    },
+    /// A shape has another number of nodes.
+    #[error("{found} nodes are given; a {shape:?} has {}", shape.nodes())]
+    Nodes {
+        /// The shape.
+        shape: Shape,
+        /// How many were given.
+        found: usize,
+    },
+    /// The number of nodes does not match the polynomials.
+    #[error("the {side} side has {found} nodes, but {polynomials:?} (degree one or more) needs {}", polynomials.dimension())]
+    Count {
+        /// Which side.
+        side: Side,
+        /// Its polynomials.
+        polynomials: Polynomials,
+        /// Its nodes.
+        found: usize,
+    },
+    /// The finer side does not contain the polynomials of the coarser side.
+    #[error(
+        "not all of {coarse:?} of the coarser side are among {fine:?} of the finer side, which cannot follow: exchange the sides, or raise the finer degree"
+    )]
+    NotAmong {
+        /// Polynomials of the finer side.
+        fine: Polynomials,
+        /// Polynomials of the coarser side.
+        coarse: Polynomials,
+    },
+    /// A node is outside of the face.
+    #[error("node {node}, from 1, of the {side} side is at {at:?}, which is not on the face; correct its parameters")]
+    Outside {
+        /// Which side.
+        side: Side,
+        /// The node, from 1.
+        node: usize,
+        /// Its parameters.
+        at: [f64; 2],
+    },
+    /// The nodes do not determine a polynomial.
+    #[error(
+        "the nodes of the {side} side do not determine a polynomial of it: two are in one place, or too many on one curve; move them"
+    )]
+    Undetermined {
+        /// Which side.
+        side: Side,
+    },
+    /// A finer node has a DOF of a coarser node at another place.
+    #[error(
+        "node {node}, from 1, of the finer side shares DOF {dof} with a coarser node at another place; correct one of them"
+    )]
+    Shared {
+        /// The node, from 1.
+        node: usize,
+        /// The DOF, 0-based.
+        dof: usize,
+    },
+}
