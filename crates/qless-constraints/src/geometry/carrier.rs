@@ -14,7 +14,7 @@ use crate::scalar::vector::{Vector, add, lift};
 /// [`super::super::types::EulerNorm`] once per body.
 ///
 /// At a whole turn, `|theta| = 2 pi`, rotation vectors are singular: all around it are the same rotation. They are kept away from there by
-/// [`shorten_rotations`](crate::ConstraintSet::shorten_rotations), which [`newton::solve`](crate::newton::solve) calls by itself, so that bodies turn any
+/// [`shorten_rotations`](crate::ConstraintSet::shorten_rotations), which `qless_solve::newton::solve` calls by itself, so that bodies turn any
 /// number of times. Euler parameters are singular nowhere.
 ///
 /// ```

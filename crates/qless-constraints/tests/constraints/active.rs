@@ -2,7 +2,7 @@ use qless::{Kind, Options, analyse};
 use qless_constraints::types::{Distance, Equal, LinearEquation, PlanarPoint, Prescribed};
 use qless_constraints::{ActiveError, ActiveSystem, ConstraintSet};
 
-use crate::linkages::Outcome;
+use crate::common::Outcome;
 
 /// Constraints that come and go at random, in a lattice of rods with ties: rank and solvability are those of an analysis of everything,
 /// and what is expanded satisfies what is independent.

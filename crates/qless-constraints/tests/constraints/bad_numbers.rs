@@ -6,7 +6,7 @@ use qless_constraints::types::{
 };
 use qless_constraints::{Constraint, ConstraintSet};
 
-use crate::linkages::random;
+use crate::common::random;
 
 const BAD: [f64; 11] =
     [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 0.0, -0.0, 5e-324, 1e-200, 1e16, -1e120, 1e200, f64::MAX];

@@ -3,7 +3,7 @@ use qless_constraints::types::{
 };
 use qless_constraints::{AddError, Constraint, ConstraintId, ConstraintSet, SetBuilder, Store, StoreError};
 
-use crate::linkages::Outcome;
+use crate::common::Outcome;
 
 /// Fewer nodes than constraints: they share DOFs.
 const NODES: usize = 2500;

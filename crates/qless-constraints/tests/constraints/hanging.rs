@@ -1,11 +1,9 @@
 use faer::Mat;
-use faer::sparse::{SparseColMat, Triplet};
 use qless::{Options, analyse};
 use qless_constraints::ConstraintSet;
-use qless_constraints::enforce::Problem;
 use qless_constraints::types::{HangingNode, OrderTie, Shape};
 
-use crate::linkages::Outcome;
+use crate::common::Outcome;
 
 const TRIANGLE: [[f64; 2]; 6] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]];
 const QUAD: [[f64; 2]; 9] =
@@ -80,56 +78,6 @@ fn hanging_nodes_are_on_the_polynomial_of_the_parent() -> Outcome {
     Ok(())
 }
 
-/// `int grad N_i . grad N_j` of a rectangle with four nodes, in order around.
-pub fn conduct(nodes: [usize; 4], [a, b]: [f64; 2]) -> Vec<Triplet<usize, usize, f64>> {
-    let x = [[2.0, -2.0, -1.0, 1.0], [-2.0, 2.0, 1.0, -1.0], [-1.0, 1.0, 2.0, -2.0], [1.0, -1.0, -2.0, 2.0]];
-    let y = [[2.0, 1.0, -1.0, -2.0], [1.0, 2.0, -2.0, -1.0], [-1.0, -2.0, 2.0, 1.0], [-2.0, -1.0, 1.0, 2.0]];
-    let value = |i: usize, j: usize| b / a / 6.0 * x[i][j] + a / b / 6.0 * y[i][j];
-    (0..16).map(|k| Triplet::new(nodes[k / 4], nodes[k % 4], value(k / 4, k % 4))).collect()
-}
-
-/// A square element beside one that was refined twice at their common edge: a heat flow that is constant passes, through nodes that hang
-/// on nodes that hang.
-#[test]
-fn a_constant_flow_passes_two_levels_of_refinement() -> Outcome {
-    // Columns of elements of sizes 1, 1/2 and 1/4; interfaces at x = 1 and x = 3/2 have nodes of both sides in one list.
-    let (mut places, mut k) = (Vec::<[f64; 2]>::new(), Vec::new());
-    let mut number = |at: [f64; 2]| {
-        places.iter().position(|&p| p == at).unwrap_or_else(|| {
-            places.push(at);
-            places.len() - 1
-        })
-    };
-    for (x, size) in [(0.0, 1.0), (1.0, 0.5), (1.5, 0.25)] {
-        for cell in 0..(1.0 / size) as usize {
-            let y = cell as f64 * size;
-            let corners = [[x, y], [x + size, y], [x + size, y + size], [x, y + size]].map(&mut number);
-            k.extend(conduct(corners, [size, size]));
-        }
-    }
-    let find = |x: f64, y: f64| places.iter().position(|&p| p == [x, y]).map(|i| [i]).ok_or("no node");
-    let mut builder = ConstraintSet::builder(places.len());
-    for (x, size, cells) in [(1.0, 1.0, 1), (1.5, 0.5, 2)] {
-        for cell in 0..cells {
-            let [low, high] = [0.0, 1.0].map(|end| (f64::from(cell) + end) * size);
-            let (node, parent) = (find(x, low + size / 2.0)?, vec![find(x, low)?, find(x, high)?]);
-            builder.add(format!("{x} {cell}"), HangingNode { node, shape: Shape::Line2, parent, at: [0.0, 0.0] })?;
-        }
-    }
-    let set = builder.build().expect("few DOFs");
-    let truth = |[x, y]: [f64; 2]| 3.0 - 2.0 * x + 0.5 * y;
-    let outer = |&[x, y]: &[f64; 2]| x == 0.0 || x == 1.75 || y == 0.0 || y == 1.0;
-    let held: Vec<_> = (0..places.len()).filter(|&i| outer(&places[i])).map(|i| (i, truth(places[i]))).collect();
-    let system = crate::linkages::at_rest(&set, &held)?;
-    let k = SparseColMat::try_new_from_triplets(places.len(), places.len(), &k)?;
-    let solution = Problem::new(&k, &vec![0.0; places.len()], &system)?.transformation()?;
-    assert!(places.len() - held.len() >= 4);
-    for (i, &place) in places.iter().enumerate() {
-        assert!((solution.u[i] - truth(place)).abs() < 1e-14 * 16.0, "{place:?}: {}, {}", solution.u[i], truth(place));
-    }
-    Ok(())
-}
-
 /// What hangs on an edge and on the face with that edge is said twice; the rank is that of the SVD.
 #[test]
 fn a_node_on_an_edge_and_on_its_face_is_redundant() -> Outcome {
@@ -148,7 +96,7 @@ fn a_node_on_an_edge_and_on_its_face_is_redundant() -> Outcome {
     (0..set.equations()).for_each(|i| quantities.g().row(i).for_each(|(j, v)| dense[(i, j)] = v));
     let sizes = dense.singular_values().map_err(|error| format!("{error:?}"))?;
     let rank = sizes.iter().filter(|&&s| s > 1e-12 * sizes[0]).count();
-    assert_eq!((rank, analyse(&crate::linkages::at_rest(&set, &[])?, &Options::default())?.rank()), (3, 3));
+    assert_eq!((rank, analyse(&crate::common::at_rest(&set, &[])?, &Options::default())?.rank()), (3, 3));
     Ok(())
 }
 
@@ -191,7 +139,7 @@ fn orders_meet_in_the_lower_one() -> Outcome {
             }
             // The finer nodes between the coarser ones see what is missing.
             assert!(residual(q + 1)? > 1e-4, "{p} at {q}: {}", residual(q + 1)?);
-            let rank = analyse(&crate::linkages::at_rest(&set, &[])?, &Options::default())?.rank();
+            let rank = analyse(&crate::common::at_rest(&set, &[])?, &Options::default())?.rank();
             assert_eq!(rank, set.equations());
         }
     }

@@ -7,7 +7,7 @@ use qless_constraints::types::{
 };
 use qless_constraints::{Constraint, ConstraintSet};
 
-use crate::linkages::random;
+use crate::common::random;
 
 const O: [f64; 3] = [0.0; 3];
 const X: [f64; 3] = [1.0, 0.0, 0.0];

@@ -8,7 +8,7 @@ use qless_constraints::types::{
 };
 use qless_constraints::{Constraint, ConstraintSet};
 
-use crate::linkages::random;
+use crate::common::random;
 
 const DOFS: usize = 48;
 

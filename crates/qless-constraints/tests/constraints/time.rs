@@ -4,7 +4,7 @@ use qless_constraints::{
     AddError, Constraint, ConstraintSet, EditError, Nonlinear, SetBuilder, Store, StoreError, TimeError,
 };
 
-use crate::linkages::Outcome;
+use crate::common::Outcome;
 
 /// `u^2 / 2 - t = 0`.
 struct Half {

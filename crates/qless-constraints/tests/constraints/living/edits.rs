@@ -5,7 +5,7 @@ use qless_constraints::{ConstraintId, ConstraintSet, EditError, LineariseError, 
 
 use super::recipe::{Random, point};
 use super::run::bits;
-use crate::linkages::Outcome;
+use crate::common::Outcome;
 
 /// Between each node and the next a rod, or an equal DOF.
 fn chain(nodes: usize, is_rod: impl Fn(usize) -> bool) -> Outcome<(ConstraintSet, Vec<ConstraintId>)> {

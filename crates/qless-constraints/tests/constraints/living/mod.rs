@@ -7,7 +7,7 @@ mod run;
 use qless_constraints::ConstraintSet;
 use qless_constraints::types::{Distance, Equal, Point};
 
-use crate::linkages::Outcome;
+use crate::common::Outcome;
 use recipe::KINDS;
 use run::Run;
 

@@ -8,7 +8,7 @@ use qless_constraints::types::{
 };
 use qless_constraints::{ConstraintId, ConstraintSet, SetBuilder};
 
-use crate::linkages::Outcome;
+use crate::common::Outcome;
 
 /// Numbers that look random, the same in every run.
 pub struct Random(pub u64);

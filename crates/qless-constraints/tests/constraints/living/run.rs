@@ -3,7 +3,7 @@
 use qless_constraints::{ConstraintId, ConstraintSet, EditError, Quantities};
 
 use super::recipe::{KINDS, Random, Recipe};
-use crate::linkages::Outcome;
+use crate::common::Outcome;
 
 /// A constraint as it should be in the set.
 pub struct Entry {

@@ -1,0 +1,163 @@
+//! The same model, step after step: `K_q u_q = f_q`, `u = L u_q + u_0`, with the analysis, the pattern and the solver's analysis made once.
+
+mod balance;
+mod gaps;
+mod terms;
+mod turned;
+
+use qless::Elimination;
+use qless::elimination::{CondensedPattern, EliminationError, Index, PrescribedDofs, Storage, View};
+
+use super::factor::uneven;
+use super::noise::Noise;
+use super::solver::{Columns, Solver, SolverError};
+use super::{EnforceError, doubt, scale};
+use terms::Pattern;
+use turned::Turned;
+
+/// A map, the pattern of K condensed by it, and a solver; owned, to be kept beside the model.
+///
+/// ```
+/// use qless::{Elimination, Options, SystemBuilder};
+/// use qless::elimination::View;
+/// use qless_solve::enforce::{Llt, Steps};
+/// // Two springs of stiffness 2 and 4 to the ground, tied with a gap that grows, under a load of 3.
+/// let mut builder = SystemBuilder::new(2);
+/// builder.equation([(0, 1.0), (1, -1.0)], 0.0);
+/// let map = Elimination::new(&builder.build()?, &Options::default())?;
+/// let mut steps = Steps::new(map, View::columns(&[0, 1, 2], &[0_u32, 1]), Llt::default())?;
+/// let mut u = [0.0; 2];
+/// for gap in [0.0, 0.75, 1.5] {
+///     steps.map_mut().update(&[gap], &[])?;
+///     steps.solve(&[2.0, 4.0], &[3.0, 0.0], &mut u)?;
+///     assert!((u[0] - (0.5 + gap * 2.0 / 3.0)).abs() < 1e-14 && (u[0] - u[1] - gap).abs() < 1e-14);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Steps<S> {
+    map: Elimination,
+    condensed: CondensedPattern,
+    solver: S,
+    /// Of rows of a matrix that need not be symmetric: the columns of K_q.
+    turned: Option<Turned>,
+    /// What is stored of the columns.
+    storage: Storage,
+    k_q: Vec<f64>,
+    /// Where K has its entries.
+    pattern: Pattern,
+    /// The connected part of each unknown.
+    parts: Vec<usize>,
+    /// What is rounding in T.
+    noise: Noise,
+    /// Whether the solver has factors of a K_q that is held.
+    is_held: bool,
+}
+
+impl<S: Solver> Steps<S> {
+    /// For matrices of the pattern of K.
+    ///
+    /// # Errors
+    /// [`EnforceError::Elimination`] if the arrays are no pattern, [`EnforceError::Factored`] if parts of T stay factors,
+    /// [`EnforceError::Triangle`] if the pattern is one half of a matrix that is not declared as such.
+    pub fn new<P: Index, I: Index>(map: Elimination, k: View<P, I>, solver: S) -> Result<Self, EnforceError> {
+        let steps = Self::unsymmetric(map, k, solver)?;
+        match steps.pattern.triangle() {
+            Some(lower) => Err(EnforceError::Triangle { lower }),
+            None => Ok(steps),
+        }
+    }
+
+    /// The same, also where K is a triangle that is meant as such.
+    ///
+    /// # Errors
+    /// As [`Steps::new`], but for triangles.
+    pub fn unsymmetric<P: Index, I: Index>(map: Elimination, k: View<P, I>, solver: S) -> Result<Self, EnforceError> {
+        if !map.reduction().is_explicit() {
+            return Err(EnforceError::Factored);
+        }
+        let condensed = map.condensed(k, PrescribedDofs::Eliminated)?;
+        // It was checked with the condensed pattern.
+        let pattern = Pattern::new(&k);
+        // Rows of a half are columns of the other one.
+        let storage = match (condensed.is_by_columns(), condensed.storage()) {
+            (false, Storage::Lower) => Storage::Upper,
+            (false, Storage::Upper) => Storage::Lower,
+            (_, storage) => storage,
+        };
+        let is_turned = !condensed.is_by_columns() && storage == Storage::Full;
+        let turned = is_turned.then(|| Turned::new(&condensed));
+        let parts = scale::parts(condensed.unknowns(), condensed.entries());
+        let (k_q, noise) = (vec![0.0; condensed.nnz()], Noise::new(map.reduction().t()));
+        Ok(Self { map, condensed, solver, turned, storage, k_q, pattern, parts, noise, is_held: false })
+    }
+
+    /// The constraints.
+    pub fn map(&self) -> &Elimination {
+        &self.map
+    }
+
+    /// The constraints, to be refreshed.
+    pub fn map_mut(&mut self) -> &mut Elimination {
+        &mut self.map
+    }
+
+    /// The pattern of K_q.
+    pub fn condensed(&self) -> &CondensedPattern {
+        &self.condensed
+    }
+
+    /// u of all DOFs for values of K and forces: condensed, factored, held against its support, and solved.
+    ///
+    /// Cost: one factorization and some five solves.
+    ///
+    /// # Errors
+    /// [`EnforceError::Argument`] for lists that do not fit or numbers that are not finite, [`EnforceError::Solver`],
+    /// [`EnforceError::Unsupported`] with the motion that nothing holds, and as [`Steps::solve_again`].
+    pub fn solve(&mut self, k: &[f64], f: &[f64], u: &mut [f64]) -> Result<(), EnforceError> {
+        self.is_held = false;
+        self.condensed.condense_matrix_into(&self.map, k, &mut self.k_q)?;
+        let factored = self.factor(0.0, &[]);
+        self.held(k, factored)?;
+        self.is_held = true;
+        self.solve_again(k, f, u)
+    }
+
+    /// The same for other forces, or after a refresh, with the factors of the last [`Steps::solve`]; K must be the same.
+    ///
+    /// # Errors
+    /// As [`Steps::solve`], and [`EnforceError::OutOfBalance`] if more than 1e-10 of the forces of a row is left after refinement,
+    /// [`EnforceError::Doubtful`] where u depends on whether an equation is redundant, and that is in doubt.
+    pub fn solve_again(&mut self, k: &[f64], f: &[f64], u: &mut [f64]) -> Result<(), EnforceError> {
+        if !self.is_held {
+            return Err(SolverError(
+                "there are no factors to solve with: Steps::solve comes first, without an error".into(),
+            )
+            .into());
+        }
+        let (x, units) = self.balanced(k, f)?;
+        self.map.expand_into(&x, u)?;
+        gaps::closed(&self.map, (&x, &units), u)?;
+        let analysis = self.map.analysis().ok_or(EliminationError::NoEquations)?;
+        doubt::settled(analysis, self.map.kinds(), self.map.rhs(), u)
+    }
+
+    /// Hands K_q to the solver, with a shift of its diagonal in these units.
+    fn factor(&mut self, shift: f64, units: &[f64]) -> Result<(), EnforceError> {
+        if self.condensed.unknowns() == 0 {
+            return Ok(());
+        }
+        let storage = self.storage;
+        if shift > 0.0 {
+            let diagonal = self.condensed.entries().enumerate().filter(|(_, (i, j))| i == j);
+            diagonal.for_each(|(place, (i, _))| self.k_q[place] += uneven(shift, i, units[i]));
+        }
+        let columns = match &mut self.turned {
+            None => {
+                Columns { starts: self.condensed.starts(), rows: self.condensed.index(), values: &self.k_q, storage }
+            }
+            Some(turned) => turned.columns(&self.k_q),
+        };
+        Ok(self.solver.factor(columns)?)
+    }
+}

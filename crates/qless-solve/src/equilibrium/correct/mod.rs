@@ -1,0 +1,132 @@
+//! Newton's method at one load: `[K + H, G^T; G, 0] [du; lambda' - lambda] = -[r; c]`, with H of the present multipliers.
+//!
+//! Parts go in lock step: one evaluation of model and constraints serves all, each where it has come to. Scales, factors, lengths, kept rows and the
+//! end are a part's own; one that has arrived, or has failed, stays where it is. A round of all parts:
+//!
+//! | what | for | cost |
+//! | --- | --- | --- |
+//! | evaluation with stiffness | all parts at once | one pass |
+//! | rows chosen anew | parts that ask | one analysis, seldom |
+//! | tangent | each part | one numeric LU of it |
+//! | lengths | all parts at once | one pass and one solution of each part per trial |
+
+mod blame;
+mod length;
+mod look;
+mod progress;
+mod support;
+mod tangent;
+
+use super::parts::Parts;
+use super::pattern::Pattern;
+use super::saddle::Saddle;
+use super::state::{State, Unknowns};
+use super::{EquilibriumOptions, Failure, Model};
+pub use progress::{Progress, Way, side_by_side};
+use qless_constraints::ConstraintSet;
+
+/// Changes of the kept rows within one load step.
+const CHANGES: usize = 4;
+
+/// What a part knows of its matrices from one load step to the next.
+#[derive(Default)]
+pub struct Factoring {
+    /// That of the last tangent.
+    pub pattern: Pattern,
+    /// Whether scales of DOFs start from their units: where displacements and rotations are as different as their units, only these find those that fit.
+    pub in_units: bool,
+}
+
+/// One load step.
+pub struct Corrector<'a, M> {
+    pub model: &'a mut M,
+    pub set: &'a ConstraintSet,
+    pub options: &'a EquilibriumOptions,
+    pub loads: &'a [f64],
+    /// DOFs and their values.
+    pub prescribed: &'a [(usize, f64)],
+    pub parts: &'a Parts,
+    pub state: &'a mut State,
+    pub factoring: &'a mut [Factoring],
+    pub all: &'a mut [Progress],
+    /// The value of each prescribed DOF.
+    pub goal: &'a [Option<f64>],
+    /// Where all was evaluated last: a part that fails goes back there.
+    pub looked: Option<Unknowns>,
+}
+
+/// A correction of a part.
+struct Step {
+    part: usize,
+    saddle: Saddle,
+    dx: Vec<f64>,
+    /// Multipliers alone may make a tangent regular: a chain without tension.
+    only_multipliers: bool,
+}
+
+impl<M: Model> Corrector<'_, M> {
+    /// Goes with all parts that are on their way from x to equilibrium; their kept rows may change. An error is one of the whole model.
+    pub fn run(&mut self, x: &mut Unknowns) -> Result<(), Failure> {
+        self.set_off(x);
+        loop {
+            self.look(x)?;
+            let going = self.unbalanced(x)?;
+            let steps = self.steps(x, &going)?;
+            let searches = self.starts(x, steps);
+            self.go(x, searches)?;
+            self.set_off(x);
+            self.end_late(x);
+            if !self.all.iter().any(Progress::goes_on) {
+                return Ok(());
+            }
+        }
+    }
+
+    /// The corrections of parts, but of those whose rows changed.
+    fn steps(&mut self, x: &Unknowns, going: &[usize]) -> Result<Vec<Step>, Failure> {
+        let lists: Vec<_> = going.iter().map(|&part| self.all[part].rows.list().to_vec()).collect();
+        let before = |part: usize| going.binary_search(&part).ok().map(|place| &lists[place][..]);
+        let mut steps = Vec::new();
+        for (part, saddle, motion) in self.regular(going)? {
+            if before(part) != Some(self.all[part].rows.list()) {
+                continue;
+            }
+            let own = &mut self.all[part];
+            let only_multipliers = motion.is_some() && own.loose.is_none() && !own.rows.list().is_empty();
+            own.loose = motion;
+            let dx = saddle.solve(&self.rhs(part, x));
+            steps.push(Step { part, saddle, dx, only_multipliers });
+        }
+        Ok(steps)
+    }
+
+    /// `-F` on free DOFs and kept rows of a part; what prescribed DOFs have yet to move goes to the right-hand side.
+    fn rhs(&self, part: usize, x: &Unknowns) -> Vec<f64> {
+        let (g, h) = (self.state.quantities.g(), self.state.quantities.h());
+        let arrived = self.arrived(part, x);
+        let more = |start: f64, entries: &mut dyn Iterator<Item = (usize, f64)>| {
+            let held = entries.filter(|&(j, _)| self.goal[j].is_some());
+            held.fold(start, |sum, (j, v)| sum + v * self.ahead(j, x))
+        };
+        let force = |&i: &usize| {
+            let now = self.state.residual[i];
+            if arrived { now } else { more(more(now, &mut self.state.assembly.row(i)), &mut h.row(i)) }
+        };
+        let c = |&r: &usize| {
+            let now = self.state.quantities.c()[r];
+            if arrived { now } else { more(now, &mut g.row(r)) }
+        };
+        let free = self.parts.list[part].free.iter().map(|j| -force(j));
+        free.chain(self.all[part].rows.list().iter().map(|r| -c(r))).collect()
+    }
+
+    /// What a DOF has yet to move, if it is prescribed.
+    fn ahead(&self, j: usize, x: &Unknowns) -> f64 {
+        self.goal[j].map_or(0.0, |goal| goal - x.u[j])
+    }
+
+    /// Whether the prescribed DOFs of a part have their values.
+    fn arrived(&self, part: usize, x: &Unknowns) -> bool {
+        self.parts.list[part].held.iter().all(|&j| self.goal[j] == Some(x.u[j]))
+    }
+}

@@ -1,0 +1,163 @@
+//! Why no equilibrium was found.
+
+use std::error::Error;
+
+use crate::newton::NewtonError;
+use qless::{AnalysisError, ArgumentError};
+use qless_constraints::{LineariseError, TimeError};
+
+/// Why no equilibrium was found.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum EquilibriumError {
+    /// The numbers of DOFs or equations do not fit together.
+    #[error("there are {found} {what} where the constraint set needs {expected}")]
+    Size {
+        /// What does not fit.
+        what: &'static str,
+        /// How many there are.
+        found: usize,
+        /// How many there should be.
+        expected: usize,
+    },
+    /// A setting out of its range.
+    #[error("the option {what} is {value}; {range}")]
+    Option {
+        /// Which one.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it must be.
+        range: &'static str,
+    },
+    /// The model adds a force to a DOF that is not there.
+    #[error("the model adds a force to DOF {dof}, but there are {dofs} DOFs; correct its list of DOFs")]
+    Force {
+        /// The DOF.
+        dof: usize,
+        /// How many there are.
+        dofs: usize,
+    },
+    /// The model adds stiffness outside its pattern.
+    #[error(
+        "the model adds stiffness at ({row}, {column}), which its pattern does not name; both halves must be named"
+    )]
+    Pattern {
+        /// Row, a DOF.
+        row: usize,
+        /// Column, a DOF.
+        column: usize,
+    },
+    /// The model refuses the configuration.
+    #[error("at load factor {factor}: the model: {source}")]
+    Model {
+        /// Reached so far.
+        factor: f64,
+        /// In its own words.
+        source: Box<dyn Error + Send + Sync>,
+    },
+    /// A force, stiffness, load or constraint value is NaN or infinite.
+    #[error("at load factor {factor}: {what} of DOF or equation {at} is not finite")]
+    NotFinite {
+        /// Reached so far.
+        factor: f64,
+        /// What.
+        what: &'static str,
+        /// Where.
+        at: usize,
+    },
+    /// Motions that neither stiffness nor constraints resist.
+    #[error(
+        "at load factor {factor} nothing resists a motion of DOFs {dofs:?}: the tangent is singular; support the model, \
+         give these DOFs stiffness or constraints, or start where tension holds them"
+    )]
+    Unsupported {
+        /// Reached so far.
+        factor: f64,
+        /// The DOFs that move most in it, the largest first.
+        dofs: Vec<usize>,
+    },
+    /// A motor turns too far in the shortest load step.
+    #[error(
+        "at load factor {factor}: {label} would turn by {angle} rad in the shortest load step, and more than a sixteenth of a turn is not \
+         followed; allow shorter load steps, or go to a time nearer by"
+    )]
+    Turn {
+        /// Reached so far.
+        factor: f64,
+        /// Its label.
+        label: String,
+        /// By how much, in radians.
+        angle: f64,
+    },
+    /// The shortest load step turns a linkage so far that it may be on another branch.
+    #[error(
+        "at load factor {factor}: even the shortest load step moves what the constraints determine so far that it may go over to another branch; \
+         allow shorter load steps, or go to a target nearer by"
+    )]
+    Branch {
+        /// Reached so far.
+        factor: f64,
+    },
+    /// The time, or a function of it, is not finite on the way.
+    #[error(transparent)]
+    Time(#[from] TimeError),
+    /// The constraints have no solution near.
+    #[error("at load factor {factor}: {source}")]
+    Constraints {
+        /// Reached so far.
+        factor: f64,
+        /// Why.
+        source: NewtonError,
+    },
+    /// Equations that are left out of the solution as redundant, and do not hold.
+    #[error("at load factor {factor}: {} cannot hold together with the equations that it depends on", .labels.join(" and "))]
+    Conflict {
+        /// Reached so far.
+        factor: f64,
+        /// Their labels.
+        labels: Vec<String>,
+    },
+    /// The constraints cannot be linearised.
+    #[error("at load factor {factor}: {source}")]
+    System {
+        /// Reached so far.
+        factor: f64,
+        /// What is wrong.
+        source: LineariseError,
+    },
+    /// The constraints cannot be analysed.
+    #[error("at load factor {factor}: {source}")]
+    Analysis {
+        /// Reached so far.
+        factor: f64,
+        /// What is wrong.
+        source: AnalysisError,
+    },
+    /// Numbers that do not fit.
+    #[error(transparent)]
+    Argument(#[from] ArgumentError),
+    /// The steps became too small.
+    #[error(
+        "no equilibrium beyond load factor {factor}: at {tried} the force residual is {force:e}, the constraint residual {constraint:e}; \
+         the load may be more than the model carries, or it snaps through: prescribe a displacement instead"
+    )]
+    NoConvergence {
+        /// The last factor with an equilibrium.
+        factor: f64,
+        /// The factor of the last attempt.
+        tried: f64,
+        /// Its force residual, relative.
+        force: f64,
+        /// Its constraint residual, relative.
+        constraint: f64,
+    },
+    /// The matrix has no factors, or there is no memory for them.
+    #[error("at load factor {factor}: the saddle matrix: {why}")]
+    Solver {
+        /// Reached so far.
+        factor: f64,
+        /// In the words of the solver.
+        why: String,
+    },
+}

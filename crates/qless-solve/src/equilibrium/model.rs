@@ -1,0 +1,150 @@
+//! The user's model: internal forces `f_int(u)` and their tangent `K = d f_int / du`, added up element by element.
+
+use std::error::Error;
+
+/// What a finite-element code gives: forces and stiffness of its elements at u, in its own units.
+///
+/// ```
+/// use qless_solve::equilibrium::{Assembly, Model};
+/// /// A spring with `f = k u + a u^3`.
+/// struct Spring {
+///     k: f64,
+///     a: f64,
+/// }
+/// impl Model for Spring {
+///     fn dofs(&self) -> usize {
+///         1
+///     }
+///     fn pattern(&self, entry: &mut dyn FnMut(usize, usize)) {
+///         entry(0, 0);
+///     }
+///     fn assemble(&mut self, u: &[f64], out: &mut Assembly) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+///         out.force(0, self.k * u[0] + self.a * u[0].powi(3));
+///         out.stiffness(0, 0, self.k + 3.0 * self.a * u[0] * u[0]);
+///         Ok(())
+///     }
+/// }
+/// assert_eq!(Spring { k: 1.0, a: 2.0 }.coordinate(0), 0.0);
+/// ```
+pub trait Model {
+    /// Number of DOFs n; that of the constraint set.
+    fn dofs(&self) -> usize;
+
+    /// Calls `entry(i, j)` for every `K_ij` that may be other than zero, both halves; repetitions do no harm. Asked once per solve.
+    fn pattern(&self, entry: &mut dyn FnMut(usize, usize));
+
+    /// Adds `f_int(u)` and K of all elements to `out`, which is zero.
+    ///
+    /// A part added on its own, as an element's, tells the size of the terms of a sum that cancels. Forces that depend on u
+    /// (followers, contact) belong here.
+    ///
+    /// # Errors
+    /// Whatever the elements refuse at this u (a volume turned inside out). The step is then cut.
+    fn assemble(&mut self, u: &[f64], out: &mut Assembly) -> Result<(), Box<dyn Error + Send + Sync>>;
+
+    /// The size of the number that DOF `dof` is added to, in its unit: the largest coordinate of its node. What one unit in the last
+    /// place of it does to the forces is taken for rounding. Default 0.
+    fn coordinate(&self, dof: usize) -> f64 {
+        let _ = dof;
+        0.0
+    }
+
+    /// An equilibrium was found, from which the next load step starts: the time to take over history variables.
+    fn accept(&mut self, u: &[f64]) {
+        let _ = u;
+    }
+}
+
+/// A number that has no place in the pattern.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Fault {
+    Force(usize),
+    Stiffness(usize, usize),
+}
+
+/// Sums of forces and stiffness, and of the sizes of their terms.
+#[derive(Clone, Debug)]
+pub struct Assembly {
+    /// `f_int`.
+    pub(super) force: Vec<f64>,
+    /// `sum |terms|` of it.
+    pub(super) terms: Vec<f64>,
+    start: Vec<usize>,
+    columns: Vec<usize>,
+    values: Vec<f64>,
+    wanted: bool,
+    pub(super) fault: Option<Fault>,
+}
+
+impl Assembly {
+    /// Zeros in the pattern of a model; entries out of range are a fault.
+    pub(super) fn new(model: &impl Model) -> Self {
+        let (n, mut rows, mut fault) = (model.dofs(), vec![Vec::new(); model.dofs()], None);
+        model.pattern(&mut |i, j| match rows.get_mut(i) {
+            Some(row) if j < n => row.push(j),
+            _ => fault = Some(Fault::Stiffness(i, j)),
+        });
+        let mut start = vec![0];
+        let mut columns = Vec::new();
+        for mut row in rows {
+            row.sort_unstable();
+            row.dedup();
+            columns.extend(row);
+            start.push(columns.len());
+        }
+        let values = vec![0.0; columns.len()];
+        Self { force: vec![0.0; n], terms: vec![0.0; n], start, columns, values, wanted: true, fault }
+    }
+
+    /// Makes all sums zero; without `stiffness`, that is not added up.
+    pub(super) fn clear(&mut self, stiffness: bool) {
+        self.force.fill(0.0);
+        self.terms.fill(0.0);
+        self.wanted = stiffness;
+        if stiffness {
+            self.values.fill(0.0);
+        }
+    }
+
+    /// Adds to the internal force of a DOF.
+    pub fn force(&mut self, dof: usize, value: f64) {
+        match self.force.get_mut(dof) {
+            Some(force) => {
+                *force += value;
+                self.terms[dof] += value.abs();
+            }
+            None => self.fault = Some(Fault::Force(dof)),
+        }
+    }
+
+    /// Adds to `K_ij = d f_i / du_j`, which must be in the pattern.
+    pub fn stiffness(&mut self, i: usize, j: usize, value: f64) {
+        if !self.wanted {
+            return;
+        }
+        let row = if i + 1 < self.start.len() { self.start[i]..self.start[i + 1] } else { 0..0 };
+        match self.columns[row.clone()].binary_search(&j) {
+            Ok(place) => self.values[row.start + place] += value,
+            Err(_) => self.fault = Some(Fault::Stiffness(i, j)),
+        }
+    }
+
+    /// Whether the stiffness is of use this time; computing it then can be spared.
+    pub fn wants_stiffness(&self) -> bool {
+        self.wanted
+    }
+
+    /// Whether the model has stiffness or a force at each DOF.
+    pub(super) fn known(&self) -> Vec<bool> {
+        let mut known: Vec<bool> = self.terms.iter().map(|&size| size != 0.0).collect();
+        self.columns.iter().for_each(|&j| known[j] = true);
+        known.iter_mut().zip(self.start.windows(2)).for_each(|(known, row)| *known |= row[0] < row[1]);
+        known
+    }
+
+    /// Entries `(j, K_ij)` of a row.
+    pub(super) fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let entries = self.start[i]..self.start[i + 1];
+        self.columns[entries.clone()].iter().copied().zip(self.values[entries].iter().copied())
+    }
+}

@@ -1,0 +1,109 @@
+//! Connected parts of a model: DOFs that lead to one another by entries of K, equations or rotations. Prescribed DOFs do not move, and join
+//! nothing.
+//!
+//! What is done and said of a part depends on that part alone. They come by their lowest DOFs; those of equations on prescribed DOFs alone are last,
+//! by their rows.
+
+use super::model::Assembly;
+use crate::newton::{self, Union};
+use qless_constraints::{ConstraintSet, Quantities};
+
+/// Of DOFs that are prescribed.
+const NONE: u32 = u32::MAX;
+
+/// One part.
+#[derive(Default)]
+pub struct Part {
+    /// Its DOFs, ascending.
+    pub free: Vec<usize>,
+    /// Its equations, ascending.
+    pub rows: Vec<usize>,
+    /// Prescribed DOFs in its stiffness or equations, ascending.
+    pub held: Vec<usize>,
+}
+
+pub struct Parts {
+    pub list: Vec<Part>,
+    /// Prescribed DOFs that are in none.
+    pub untouched: Part,
+    of_dof: Vec<u32>,
+    of_row: Vec<u32>,
+    place: Vec<u32>,
+    /// Parts of the equations alone, which stiffness does not join.
+    pub of_equations: newton::Parts,
+}
+
+impl Parts {
+    pub fn new(assembly: &Assembly, set: &ConstraintSet, quantities: &Quantities, prescribed: &[(usize, f64)]) -> Self {
+        let n = set.dofs();
+        let mut held = vec![false; n];
+        prescribed.iter().for_each(|&(j, _)| held[j] = true);
+        let mut roots = joined(assembly, set, quantities, &held);
+        let (mut list, mut place): (Vec<Part>, _) = (Vec::new(), vec![NONE; n]);
+        let mut of_dof = vec![NONE; n];
+        for j in (0..n).filter(|&j| !held[j]) {
+            let root = roots.root(j);
+            if root == j {
+                of_dof[j] = list.len() as u32;
+                list.push(Part::default());
+            }
+            of_dof[j] = of_dof[root];
+            let free = &mut list[of_dof[j] as usize].free;
+            place[j] = free.len() as u32;
+            free.push(j);
+        }
+        let g = quantities.g();
+        let mut of_row = Vec::with_capacity(g.rows());
+        for r in 0..g.rows() {
+            let part = g.row(r).map(|(j, _)| of_dof[j]).find(|&part| part != NONE);
+            let part = part.unwrap_or(list.len() as u32);
+            list.resize_with(list.len().max(part as usize + 1), Part::default);
+            list[part as usize].rows.push(r);
+            of_row.push(part);
+        }
+        list.iter_mut().for_each(|part| part.touch(assembly, quantities, &held));
+        let mut touched: Vec<bool> = held.iter().map(|held| !held).collect();
+        list.iter().flat_map(|part| &part.held).for_each(|&j| touched[j] = true);
+        let rest = (0..n).filter(|&j| !touched[j]).collect();
+        let untouched = Part { held: rest, ..Part::default() };
+        Self { list, untouched, of_dof, of_row, place, of_equations: newton::Parts::new(g, prescribed, &[]) }
+    }
+
+    pub fn count(&self) -> usize {
+        self.list.len()
+    }
+
+    pub fn of_row(&self, r: usize) -> usize {
+        self.of_row[r] as usize
+    }
+
+    /// The place of a DOF among those of a part; none of one that is prescribed or of another.
+    pub fn place(&self, part: usize, j: usize) -> Option<usize> {
+        (self.of_dof[j] as usize == part).then(|| self.place[j] as usize)
+    }
+}
+
+impl Part {
+    /// Finds its prescribed DOFs.
+    fn touch(&mut self, assembly: &Assembly, quantities: &Quantities, held: &[bool]) {
+        let g = quantities.g();
+        let of_row = |&r: &usize| g.row(r).map(|(j, _)| j).filter(|&j| held[j]);
+        let of_k = self.free.iter().flat_map(|&i| assembly.row(i).map(|(j, _)| j)).filter(|&j| held[j]);
+        self.held = of_k.chain(self.rows.iter().flat_map(of_row)).collect();
+        self.held.sort_unstable();
+        self.held.dedup();
+    }
+}
+
+/// Sets of DOFs that are not held and lead to one another.
+fn joined(assembly: &Assembly, set: &ConstraintSet, quantities: &Quantities, held: &[bool]) -> Union {
+    let (mut union, g) = (Union::new(held.len()), quantities.g());
+    (0..g.rows()).for_each(|r| union.join(g.row(r).map(|(j, _)| j).filter(|&j| !held[j])));
+    for i in (0..held.len()).filter(|&i| !held[i]) {
+        let of_k = assembly.row(i).map(|(j, _)| j);
+        union.join(std::iter::once(i).chain(of_k).filter(|&j| !held[j]));
+    }
+    let vectors = set.rotation_vectors().into_iter().filter(|vector| vector.iter().all(|&j| !held[j]));
+    vectors.for_each(|vector| union.join(vector.into_iter()));
+    union
+}

@@ -1,0 +1,132 @@
+//! Load steps: `f_ext = f_0 + s (f_1 - f_0)`, `u_p = u_p0 + s (v - u_p0)`, `t = t_0 + s (t_1 - t_0)`, s from 0 to 1.
+//!
+//! A step that fails twice is cut to a quarter. After an easy step the next one is twice as long. Steps are those of the whole model, whose time and history
+//! they are: they are as long as suits the part that takes them worst.
+
+mod again;
+mod check;
+mod origin;
+mod step;
+mod track;
+
+use std::sync::Arc;
+
+use super::branch::growth;
+use super::correct::Factoring;
+use super::course::Course;
+use super::parts::{Part, Parts};
+use super::rows::Rows;
+use super::stability::Stability;
+use super::state::{State, Unknowns, constraint_forces};
+use super::{Equilibrium, EquilibriumError, EquilibriumOptions, LoadStep, Model, Start, Target};
+use qless_constraints::ConstraintSet;
+
+pub use check::check;
+use track::Track;
+
+/// A step with fewer iterates was easy.
+const EASY: usize = 8;
+
+/// The way from the start to the target.
+pub struct Path<'a, M> {
+    model: &'a mut M,
+    course: Course<'a>,
+    start: &'a Start,
+    target: &'a Target<'a>,
+    options: &'a EquilibriumOptions,
+    parts: Arc<Parts>,
+    state: State,
+    /// The last equilibrium.
+    at: Unknowns,
+    /// Those of each part there.
+    rows: Option<Vec<Rows>>,
+    rotations: Vec<[usize; 3]>,
+    factoring: Vec<Factoring>,
+    tracks: Vec<Track>,
+    steps: Vec<LoadStep>,
+}
+
+impl<'a, M: Model> Path<'a, M> {
+    pub fn new(
+        model: &'a mut M,
+        course: Course<'a>,
+        start: &'a Start,
+        target: &'a Target<'a>,
+        options: &'a EquilibriumOptions,
+    ) -> Result<Self, EquilibriumError> {
+        let set = course.set();
+        let state = State::new(model, set)?;
+        let parts = Arc::new(Parts::new(&state.assembly, set, &state.quantities, target.prescribed));
+        let mut moves = vec![false; set.dofs()];
+        target.prescribed.iter().for_each(|&(j, v)| moves[j] = start.u[j] != v);
+        let in_time = matches!(course, Course::Driven { .. });
+        let driven = |part: &Part| (in_time || part.held.iter().any(|&j| moves[j])) && !is_straight(set, part);
+        let track = |part: &Part| Track { driven: driven(part), ..Track::default() };
+        let tracks = parts.list.iter().map(track).collect();
+        let factoring = parts.list.iter().map(|_| Factoring::default()).collect();
+        let at = Unknowns { u: start.u.clone(), multipliers: start.multipliers.clone() };
+        let (rows, rotations, steps) = (None, Vec::new(), Vec::new());
+        Ok(Self { model, course, start, target, options, parts, state, at, rows, rotations, factoring, tracks, steps })
+    }
+
+    /// Where nothing is found, the constraints are those of the start again.
+    pub fn follow(mut self) -> Result<Equilibrium, EquilibriumError> {
+        self.rotations = self.loose_rotations();
+        let found = self.go();
+        if found.is_err() {
+            self.course.back(0.0);
+        }
+        found.map(|()| self.finish())
+    }
+
+    fn go(&mut self) -> Result<(), EquilibriumError> {
+        let (mut factor, mut length) = (0.0, self.options.first);
+        while factor < 1.0 {
+            let tried: f64 = if factor + 1.001 * length >= 1.0 { 1.0 } else { factor + length };
+            match self.step([factor, tried]) {
+                Ok((at, rows)) => {
+                    self.model.accept(&at.u);
+                    (self.at, self.rows, factor) = (at, Some(rows), tried);
+                    length = (self.longer() * length).max(length.min(self.options.shortest));
+                }
+                Err(failures) => {
+                    self.course.back(factor);
+                    length = failures.shorter() * (tried - factor);
+                    if failures.is_fatal() || length < self.options.shortest {
+                        let tried = self.steps.last().map_or(factor, |step| step.factor);
+                        return Err(failures.into_error(self.course.set(), factor, tried));
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// How much longer the next step may be.
+    fn longer(&self) -> f64 {
+        let easy = self.tracks.iter().all(|track| track.iterates <= EASY);
+        self.tracks.iter().map(|track| growth(track.turn.radius)).fold(if easy { 2.0 } else { 1.0 }, f64::min)
+    }
+
+    fn finish(self) -> Equilibrium {
+        let Self { target, options, parts, state, at, rows, tracks, steps, .. } = self;
+        let forces = constraint_forces(state.quantities.g(), &at.multipliers);
+        let kept = |r: &usize| rows.as_ref().is_none_or(|rows| rows[parts.of_row(*r)].kept(*r));
+        let stability = || Stability::of_parts(tracks.iter().filter_map(|track| track.stability));
+        Equilibrium {
+            reactions: target.prescribed.iter().map(|&(j, _)| state.residual[j]).collect(),
+            constraint_forces: forces.iter().map(|f| -f).collect(),
+            redundant: (0..at.multipliers.len()).filter(|r| !kept(r)).collect(),
+            loads: target.loads.to_vec(),
+            u: at.u,
+            stability: options.stability.then(stability),
+            multipliers: at.multipliers,
+            steps,
+        }
+    }
+}
+
+/// Whether no G of a part can change.
+fn is_straight(set: &ConstraintSet, part: &Part) -> bool {
+    part.rows.iter().all(|r| set.linear_rows().contains(r))
+}

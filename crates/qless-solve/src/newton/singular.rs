@@ -1,0 +1,139 @@
+//! Out of a configuration where G has lost rank: `c_k + z^T Z^T H_k Z z / 2 = 0`, second order where first order is silent.
+//!
+//! At such a place a row that is left out is a combination of the others, `y_k^T G = 0`, but its value is not: `y_k^T c != 0`. No du
+//! changes that to first order. Within the motions `du = Z z` that the kept rows allow, it changes by
+//! `z^T Z^T (sum_r y_kr H_r) Z z / 2`, the effective Hessian with the certificate as weights. With all left-out rows together,
+//! weighted by `f_k = c_k / rounding_k^2`, a solution nearby needs `sum_k f_k c_k + z^T A z / 2 = 0`: a negative eigenvalue of A. If
+//! there is none, that is the proof that none is near. If there is one, its vector is the way.
+
+use qless::{Analysis, ArgumentError, Form, Reduction};
+
+use super::NewtonError;
+use super::lanczos::{Numbers, lowest};
+use super::parts::Parts;
+use super::residual::sizes_of_dofs;
+use super::run::Run;
+use super::step::times;
+use qless_constraints::Quantities;
+
+/// Eigenvalues that are negative by less, relative to the sizes of the terms, are none.
+const NEGATIVE: f64 = 1e-10;
+
+/// A motion of each part that lessens its contradicted rows, of the length that second order gives, and the parts that have one; where a part
+/// has none, that is proof.
+pub fn ways_out(run: &mut Run, analysis: &Analysis, step: usize) -> Result<(Vec<f64>, Vec<bool>), NewtonError> {
+    let argument = |source| NewtonError::Argument { step, source };
+    let sizes = sizes_of_dofs(run.set, &run.place.u, &mut run.place.quantities).map_err(argument)?;
+    let Combination { weights, amounts } = Combination::new(run, analysis).map_err(argument)?;
+    run.set.effective_hessian(&run.place.u, &weights, &mut run.place.quantities).map_err(argument)?;
+    let motions = Motions::new(run, sizes, step)?;
+    let numbers = motions.numbers(&run.parts, &run.contradicted);
+    let mut found = lowest(|z| motions.bent(&run.place.quantities, z), &numbers).map_err(argument)?;
+    let scales = scales(run, &weights);
+    let length = |part: usize| {
+        let lowest = found.values[part].filter(|lowest| *lowest < -NEGATIVE * scales[part]);
+        lowest.map(|lowest| (-2.0 * amounts[part] / lowest).sqrt())
+    };
+    let lengths: Vec<Option<f64>> = (0..run.parts.count()).map(length).collect();
+    numbers.each(|i, part| found.vectors[i] *= lengths[part].unwrap_or(0.0));
+    let du = motions.upwards(&found.vectors, &run.parts).map_err(argument)?;
+    Ok((du, lengths.iter().map(Option::is_some).collect()))
+}
+
+/// Of each part, with f of size one.
+struct Combination {
+    /// `sum_k f_k y_k`.
+    weights: Vec<f64>,
+    /// `sum_k f_k c_k`.
+    amounts: Vec<f64>,
+}
+
+impl Combination {
+    fn new(run: &Run, analysis: &Analysis) -> Result<Self, ArgumentError> {
+        let (c, rounding) = (run.place.quantities.c(), run.place.rounding.c());
+        let raw = |k: usize| Some(c[k] / rounding[k] / rounding[k]).filter(|f| f.is_finite());
+        let mut most = vec![0.0_f64; run.parts.count()];
+        for &k in &run.contradicted {
+            let most = &mut most[run.parts.of_row(k)];
+            *most = most.max(raw(k).unwrap_or(0.0).abs());
+        }
+        let mut all = Self { weights: vec![0.0; c.len()], amounts: vec![0.0; run.parts.count()] };
+        for &k in &run.contradicted {
+            let part = run.parts.of_row(k);
+            let f = raw(k).map_or(0.0, |raw| raw / most[part]);
+            all.weights[k] += f;
+            all.amounts[part] += f * c[k];
+            for because in analysis.because(k)? {
+                all.weights[because.row] -= f * because.coefficient;
+            }
+        }
+        Ok(all)
+    }
+}
+
+/// What the weighted equations of each part have for terms.
+fn scales(run: &Run, weights: &[f64]) -> Vec<f64> {
+    let rounding = run.place.rounding.c();
+    run.parts.fold(0.0, |scale, r| {
+        let terms = weights[r].abs() * rounding[r] / f64::EPSILON;
+        *scale += if terms.is_finite() { terms } else { 0.0 };
+    })
+}
+
+/// `du = Z z`: what the kept rows allow, with masters measured by their sizes.
+struct Motions {
+    reduction: Reduction,
+    sizes: Vec<f64>,
+    held: Vec<f64>,
+    /// `du_j = s_j y_j`, where the reduction is of y.
+    units: Vec<f64>,
+}
+
+impl Motions {
+    fn new(run: &Run, sizes: Vec<f64>, step: usize) -> Result<Self, NewtonError> {
+        let mut still = run.place.quantities.clone();
+        still.clear_values();
+        let found = run.linearised(&still, step)?;
+        let reduction = found.analysis.reduction_in(Form::Factored);
+        let reduction = reduction.map_err(|source| NewtonError::Reduction { step, source })?;
+        Ok(Self { reduction, sizes, held: vec![0.0; run.prescribed.len()], units: found.units })
+    }
+
+    /// The masters of the parts of `rows`.
+    fn numbers(&self, parts: &Parts, rows: &[usize]) -> Numbers {
+        let mut asked = vec![false; parts.count()];
+        rows.iter().for_each(|&row| asked[parts.of_row(row)] = true);
+        let of = |&j: &usize| parts.of_dof(j).filter(|&part| asked[part]);
+        Numbers { of: self.reduction.masters().iter().map(of).collect(), parts: parts.count() }
+    }
+
+    fn motion(&self, z: &[f64]) -> Result<Vec<f64>, ArgumentError> {
+        let masters = self.reduction.masters().iter().zip(z);
+        let masters: Vec<f64> = masters.map(|(&j, z)| self.sizes[j] / self.units[j] * z).collect();
+        let y = self.reduction.expand(&masters, &self.held)?;
+        Ok(y.iter().zip(&self.units).map(|(y, unit)| unit * y).collect())
+    }
+
+    /// `Z^T H Z z`.
+    fn bent(&self, quantities: &Quantities, z: &[f64]) -> Result<Vec<f64>, ArgumentError> {
+        let force = times(quantities.h(), &self.motion(z)?);
+        let force: Vec<f64> = force.iter().zip(&self.units).map(|(force, unit)| unit * force).collect();
+        let slaves: Vec<f64> = self.reduction.slaves().iter().map(|&j| force[j]).collect();
+        let back = self.reduction.apply_transposed(&slaves)?;
+        let masters = self.reduction.masters().iter().zip(back);
+        Ok(masters.map(|(&j, back)| self.sizes[j] / self.units[j] * (force[j] + back)).collect())
+    }
+
+    /// The motion or its opposite, in each part: that in which the DOF that moves most increases.
+    fn upwards(&self, z: &[f64], parts: &Parts) -> Result<Vec<f64>, ArgumentError> {
+        let mut du = self.motion(z)?;
+        let mut most = vec![0.0_f64; parts.count()];
+        for (j, part) in (0..du.len()).filter_map(|j| Some((j, parts.of_dof(j)?))) {
+            let by_size = if self.sizes[j] > 0.0 { du[j] / self.sizes[j] } else { 0.0 };
+            most[part] = if by_size.abs() > most[part].abs() { by_size } else { most[part] };
+        }
+        let sign = |j: usize| parts.of_dof(j).map_or(1.0, |part| most[part].signum());
+        du.iter_mut().enumerate().for_each(|(j, du)| *du *= sign(j));
+        Ok(du)
+    }
+}

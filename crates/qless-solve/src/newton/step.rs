@@ -1,0 +1,185 @@
+//! How far to go along du: as far as second order describes c, and only where c gets smaller; each part by itself.
+//!
+//! At a trial point `u + t du` both c and G are known, so that the curvature along du needs no Hessian: with `g = G du` before and
+//! `g'` after, second order is `c' = c + t (g + g') / 2`. What c' differs from that is of third order. Where it is no longer small
+//! beside the second order, t is too long: a crank that would turn by a million radians is found out, wherever it ends, since g'
+//! then grows with du and c' does not.
+//!
+//! The parts try their t in lock step, so that one evaluation serves all; those that have decided keep theirs.
+
+use qless::{ArgumentError, Csr};
+
+use super::parts::Parts;
+use super::place::Place;
+use super::scaling::largest;
+use qless_constraints::{ConstraintSet, Quantities};
+
+/// Third order may be this part of second order, and of what first order promises.
+const THIRD: f64 = 0.25;
+/// The merit falls by at least this part of what first order promises.
+const DECREASE: f64 = 1e-4;
+/// t below `4^-250` is no step: at 1e-150 from a dead centre, du is that much too long.
+const TRIES: usize = 250;
+
+/// What is asked of a step of a part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// There is none: all of its equations hold.
+    Done,
+    /// The kept equations get nearer to zero, or hold to the tolerance.
+    Downhill,
+    /// Second order describes it: a way out of where G has lost rank.
+    Out,
+}
+
+/// A direction from a place.
+pub struct Line<'a> {
+    pub set: &'a ConstraintSet,
+    pub parts: &'a Parts,
+    pub from: &'a Place,
+    du: Vec<f64>,
+    /// `G du` there.
+    slope: Vec<f64>,
+    /// `max_r D_r |c_r|` of each part there.
+    residuals: Vec<f64>,
+}
+
+/// How far a part has got in its search.
+#[derive(Clone, Copy, PartialEq)]
+enum Length {
+    /// To be tried.
+    Open(f64),
+    /// Gone so far; 0 where no length is good.
+    Found(f64),
+}
+
+/// c and its slope at a trial point.
+struct Trial {
+    lengths: Vec<Length>,
+    c: Vec<f64>,
+    slope: Vec<f64>,
+}
+
+/// What a part finds at its trial point.
+#[derive(Clone)]
+struct Verdict {
+    trusted: bool,
+    /// All kept equations hold to the tolerance.
+    holds: bool,
+    /// `sum_r D_r^2 c_r^2` over the kept equations.
+    now: f64,
+    /// Coefficients of `sum_r D_r^2 (c_r + t g_r + t^2 q_r)^2`, from t^0 to t^4.
+    model: [f64; 5],
+}
+
+impl<'a> Line<'a> {
+    pub fn new((set, parts): (&'a ConstraintSet, &'a Parts), from: &'a Place, du: Vec<f64>) -> Self {
+        let slope = times(from.quantities.g(), &du);
+        let residuals = largest(&from.weights, from.quantities.c(), parts);
+        Self { set, parts, from, du, slope, residuals }
+    }
+
+    /// The first t from 1 down that is good for each part; 0 for those that are done, or find none.
+    pub fn lengths(
+        &self,
+        ways: &[Way],
+        (kept, tolerance): (&[bool], f64),
+        room: &mut Quantities,
+    ) -> Result<Vec<f64>, ArgumentError> {
+        let first = |way: &Way| if *way == Way::Done { Length::Found(0.0) } else { Length::Open(1.0) };
+        let mut lengths: Vec<Length> = ways.iter().map(first).collect();
+        for _ in 0..TRIES {
+            if !lengths.iter().any(Length::is_open) {
+                break;
+            }
+            let trial = self.trial(lengths, room)?;
+            let verdicts = self.verdicts(&trial, kept, tolerance);
+            let each = trial.lengths.iter().zip(&verdicts).zip(ways);
+            lengths = each.map(|((length, verdict), way)| length.next(verdict, *way)).collect();
+        }
+        Ok(lengths.into_iter().map(|length| if length.is_open() { 0.0 } else { length.t() }).collect())
+    }
+
+    /// `u + t du`; parts whose t is 0 stay where they are, to the last bit.
+    pub fn at(&self, t: impl Fn(usize) -> f64) -> Vec<f64> {
+        let moved = |(j, (u, du)): (usize, (&f64, &f64))| match self.parts.of_dof(j).map_or(0.0, &t) {
+            0.0 => *u,
+            t => u + t * du,
+        };
+        self.from.u.iter().zip(&self.du).enumerate().map(moved).collect()
+    }
+
+    fn trial(&self, lengths: Vec<Length>, room: &mut Quantities) -> Result<Trial, ArgumentError> {
+        self.set.evaluate(&self.at(|part| lengths[part].t()), room)?;
+        Ok(Trial { lengths, c: room.c().to_vec(), slope: times(room.g(), &self.du) })
+    }
+
+    /// Those of parts that have decided mean nothing.
+    fn verdicts(&self, trial: &Trial, kept: &[bool], tolerance: f64) -> Vec<Verdict> {
+        let rounding = self.from.rounding.c();
+        let first = Verdict { trusted: true, holds: true, now: 0.0, model: [0.0; 5] };
+        self.parts.fold(first, |verdict, r| {
+            let Length::Open(t) = trial.lengths[self.parts.of_row(r)] else { return };
+            verdict.trusted &= self.trusts(trial, r, t);
+            if kept[r] {
+                verdict.holds &= trial.c[r].abs() <= tolerance * rounding[r];
+                self.add(verdict, trial, r, t);
+            }
+        })
+    }
+
+    fn trusts(&self, trial: &Trial, r: usize, t: f64) -> bool {
+        let c = self.from.quantities.c()[r];
+        let third = trial.c[r] - c - 0.5 * t * (self.slope[r] + trial.slope[r]);
+        let second = 0.5 * t * (trial.slope[r] - self.slope[r]);
+        let residual = self.residuals[self.parts.of_row(r)];
+        let harmless = THIRD * t * residual / self.from.weights[r] + 8.0 * self.from.rounding.c()[r];
+        // What is not finite is not to be trusted.
+        third.abs() <= THIRD * second.abs() + if harmless.is_finite() { harmless } else { 0.0 }
+    }
+
+    /// Adds an equation, by its weight.
+    fn add(&self, Verdict { now, model, .. }: &mut Verdict, trial: &Trial, r: usize, t: f64) {
+        let weight = self.from.weights[r];
+        let (c, g) = (weight * self.from.quantities.c()[r], weight * self.slope[r]);
+        let q = weight * (0.5 * (trial.slope[r] - self.slope[r]) / t);
+        *now += (weight * trial.c[r]) * (weight * trial.c[r]);
+        let products = [c * c, 2.0 * (c * g), g * g + 2.0 * (c * q), 2.0 * (g * q), q * q];
+        model.iter_mut().zip(products).for_each(|(sum, product)| *sum += product);
+    }
+}
+
+impl Length {
+    fn is_open(&self) -> bool {
+        matches!(self, Self::Open(_))
+    }
+
+    fn t(&self) -> f64 {
+        match *self {
+            Self::Open(t) | Self::Found(t) => t,
+        }
+    }
+
+    /// After a trial.
+    fn next(self, verdict: &Verdict, way: Way) -> Self {
+        let Self::Open(t) = self else { return self };
+        if !verdict.trusted {
+            return Self::Open(0.25 * t);
+        }
+        let falls = verdict.now <= (1.0 - DECREASE * t) * verdict.model[0];
+        if way == Way::Out || falls || verdict.holds { Self::Found(t) } else { Self::Open(lowest(&verdict.model, t)) }
+    }
+}
+
+/// The t below half of `last` at which the polynomial is lowest, among halves of halves.
+fn lowest(model: &[f64; 5], last: f64) -> f64 {
+    let value = |t: f64| model.iter().rev().fold(0.0, |sum, a| sum * t + a);
+    let half = |t: &f64| Some(0.5 * t);
+    let candidates = std::iter::successors(Some(0.5 * last), half).take(40);
+    candidates.min_by(|&a, &b| value(a).total_cmp(&value(b))).unwrap_or(0.5 * last)
+}
+
+/// `G x`.
+pub fn times(g: &Csr, x: &[f64]) -> Vec<f64> {
+    (0..g.rows()).map(|r| g.row(r).map(|(j, v)| v * x[j]).sum()).collect()
+}
