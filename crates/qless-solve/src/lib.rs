@@ -9,6 +9,7 @@
 //! Constraints come from [`qless_constraints`]; rank, redundancy and reduction from [`qless`]. `newton` and `equilibrium` do not use
 //! `enforce`; `equilibrium` uses `newton`.
 
+mod common;
 pub mod enforce;
 pub mod equilibrium;
 pub mod newton;

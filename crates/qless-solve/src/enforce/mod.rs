@@ -22,43 +22,44 @@
 //! After every solve both equations are held against their terms, row by row, and refined: `|K u + C^T lambda - f|_i` is at most
 //! 1e-10 of the terms of row i, or the solution is refused ([`EnforceError::OutOfBalance`]). A row whose terms are far smaller than
 //! those of its connected part is measured against a thousandth of the largest, in units in which all numbers are square roots of energy.
-//! Equations are held against their own terms, unless those are rounding of the largest; but for penalties. What multipliers do not meet so
+//! MeasuredEquations are held against their own terms, unless those are rounding of the largest; but for penalties. What multipliers do not meet so
 //! is solved by elimination, or refused.
 //!
-//! Rounding of K moves u by a share of some `eps g`, where g is the condition number of Skeel and Bauer, estimated in every solve;
+//! SolutionRounding of K moves u by a share of some `eps g`, where g is the condition number of Skeel and Bauer, estimated in every solve;
 //! [`Solution::accuracy`] states it, or what rounding of this very solution leaves of u, if that is more. Where a motion is
 //! held by no more than rounding, the model is refused and the motion named ([`EnforceError::Unsupported`]): also where `0.1 + 0.2 - 0.3` looks like a stiffness.
 //!
 //! An equation that follows from others is left out. Where it is in doubt whether it does, u has to meet it too, to 1e-9 of its terms and
 //! those of the others ([`EnforceError::Doubtful`]).
 
-mod blocks;
 mod condensation;
-mod doubt;
-mod equations;
 mod error;
-mod factor;
-mod inverse;
-mod kinds;
 mod matrix;
-mod method;
-mod model;
-mod noise;
+mod methods;
 mod part;
 mod problem;
 mod reduced;
-mod run;
-mod scale;
+mod refinement;
+mod saddle;
+mod singularity;
+mod solve;
 mod solver;
 mod steps;
 mod stiffness;
-mod support;
+mod units;
 
-pub use blocks::BlockPlan;
-pub use error::{EnforceError, Motion};
-pub use method::Method;
-pub use problem::{Problem, Solution};
+pub use error::EnforceError;
+pub use error::Motion;
+pub use methods::BlockPlan;
+pub use problem::Method;
+pub use problem::Problem;
+pub use problem::Solution;
 pub use reduced::reduced;
-pub use solver::{Columns, Ldlt, Llt, Lu, Solver, SolverError};
+pub use solver::Ldlt;
+pub use solver::Llt;
+pub use solver::Lu;
+pub use solver::Solver;
+pub use solver::SolverError;
+pub use solver::SolverMatrix;
 pub use steps::Steps;
 pub use stiffness::Stiffness;

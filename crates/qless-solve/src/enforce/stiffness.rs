@@ -6,7 +6,8 @@ use faer::sparse::SparseColMat;
 use qless::elimination::Storage;
 
 use super::EnforceError;
-use super::matrix::{Matrix, compressed, entries, from_triplets};
+use super::matrix::{compressed, entries, from_triplets};
+use crate::common::SparseMatrix;
 
 /// Entries on both sides of the diagonal that differ by less are the same, relative to the diagonal.
 const SAME: f64 = 64.0 * f64::EPSILON;
@@ -32,7 +33,7 @@ const SAME: f64 = 64.0 * f64::EPSILON;
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Stiffness<'a> {
-    matrix: &'a Matrix,
+    matrix: &'a SparseMatrix,
     storage: Storage,
     /// Whether a triangle is meant as such.
     triangular: bool,
@@ -59,12 +60,12 @@ impl<'a> Stiffness<'a> {
         Self { triangular: true, ..Self::full(matrix) }
     }
 
-    pub(super) fn matrix(&self) -> &'a Matrix {
+    pub(super) fn matrix(&self) -> &'a SparseMatrix {
         self.matrix
     }
 
     /// All entries, and whether they are declared to be symmetric.
-    pub(super) fn whole(self) -> Result<(Cow<'a, Matrix>, bool), EnforceError> {
+    pub(super) fn whole(self) -> Result<(Cow<'a, SparseMatrix>, bool), EnforceError> {
         let is_off = |&(i, j, v): &(usize, usize, f64)| i != j && v != 0.0;
         let first = |below: bool| entries(self.matrix).filter(is_off).find(|&(i, j, _)| (i > j) == below);
         let wrong = match self.storage {
@@ -92,13 +93,13 @@ impl<'a> From<&'a SparseColMat<usize, f64>> for Stiffness<'a> {
 }
 
 /// Both halves from one.
-fn mirrored(half: &Matrix) -> Result<Matrix, EnforceError> {
+fn mirrored(half: &SparseMatrix) -> Result<SparseMatrix, EnforceError> {
     let others = entries(half).filter(|&(i, j, _)| i != j).map(|(i, j, v)| (j, i, v));
     from_triplets(half.nrows(), half.ncols(), entries(half).chain(others))
 }
 
 /// `|K_ij - K_ji|` is rounding of the diagonal, or of the entries themselves.
-pub(super) fn is_symmetric(k: &Matrix) -> bool {
+pub(super) fn is_symmetric(k: &SparseMatrix) -> bool {
     let mut diagonal = vec![0.0_f64; k.ncols()];
     entries(k).filter(|&(i, j, _)| i == j).for_each(|(i, _, v)| diagonal[i] += v.abs());
     let other = |i: usize, j: usize| k.get(j, i).copied().unwrap_or_default();

@@ -1,19 +1,18 @@
 //! The same model, step after step: `K_q u_q = f_q`, `u = L u_q + u_0`, with the analysis, the pattern and the solver's analysis made once.
+//! @@ enforce/steps/turned.rs
+//! Rows of a matrix that need not be symmetric as the columns that solvers take.
 
-mod balance;
-mod gaps;
+mod checks;
 mod terms;
-mod turned;
 
 use qless::Elimination;
 use qless::elimination::{CondensedPattern, EliminationError, Index, PrescribedDofs, Storage, View};
 
-use super::factor::uneven;
-use super::noise::Noise;
-use super::solver::{Columns, Solver, SolverError};
-use super::{EnforceError, doubt, scale};
-use terms::Pattern;
-use turned::Turned;
+use super::condensation::TransformNoise;
+use super::matrix::uneven;
+use super::solver::{Solver, SolverError, SolverMatrix};
+use super::{EnforceError, problem, units};
+use terms::StiffnessPattern;
 
 /// A map, the pattern of K condensed by it, and a solver; owned, to be kept beside the model.
 ///
@@ -40,16 +39,16 @@ pub struct Steps<S> {
     condensed: CondensedPattern,
     solver: S,
     /// Of rows of a matrix that need not be symmetric: the columns of K_q.
-    turned: Option<Turned>,
+    turned: Option<TransposedPattern>,
     /// What is stored of the columns.
     storage: Storage,
     k_q: Vec<f64>,
     /// Where K has its entries.
-    pattern: Pattern,
+    pattern: StiffnessPattern,
     /// The connected part of each unknown.
     parts: Vec<usize>,
     /// What is rounding in T.
-    noise: Noise,
+    noise: TransformNoise,
     /// Whether the solver has factors of a K_q that is held.
     is_held: bool,
 }
@@ -78,7 +77,7 @@ impl<S: Solver> Steps<S> {
         }
         let condensed = map.condensed(k, PrescribedDofs::Eliminated)?;
         // It was checked with the condensed pattern.
-        let pattern = Pattern::new(&k);
+        let pattern = StiffnessPattern::new(&k);
         // Rows of a half are columns of the other one.
         let storage = match (condensed.is_by_columns(), condensed.storage()) {
             (false, Storage::Lower) => Storage::Upper,
@@ -86,9 +85,9 @@ impl<S: Solver> Steps<S> {
             (_, storage) => storage,
         };
         let is_turned = !condensed.is_by_columns() && storage == Storage::Full;
-        let turned = is_turned.then(|| Turned::new(&condensed));
-        let parts = scale::parts(condensed.unknowns(), condensed.entries());
-        let (k_q, noise) = (vec![0.0; condensed.nnz()], Noise::new(map.reduction().t()));
+        let turned = is_turned.then(|| TransposedPattern::new(&condensed));
+        let parts = units::parts(condensed.unknowns(), condensed.entries());
+        let (k_q, noise) = (vec![0.0; condensed.nnz()], TransformNoise::new(map.reduction().t()));
         Ok(Self { map, condensed, solver, turned, storage, k_q, pattern, parts, noise, is_held: false })
     }
 
@@ -137,9 +136,9 @@ impl<S: Solver> Steps<S> {
         }
         let (x, units) = self.balanced(k, f)?;
         self.map.expand_into(&x, u)?;
-        gaps::closed(&self.map, (&x, &units), u)?;
+        checks::closed(&self.map, (&x, &units), u)?;
         let analysis = self.map.analysis().ok_or(EliminationError::NoEquations)?;
-        doubt::settled(analysis, self.map.kinds(), self.map.rhs(), u)
+        problem::check_redundant(analysis, self.map.kinds(), self.map.rhs(), u)
     }
 
     /// Hands K_q to the solver, with a shift of its diagonal in these units.
@@ -153,11 +152,49 @@ impl<S: Solver> Steps<S> {
             diagonal.for_each(|(place, (i, _))| self.k_q[place] += uneven(shift, i, units[i]));
         }
         let columns = match &mut self.turned {
-            None => {
-                Columns { starts: self.condensed.starts(), rows: self.condensed.index(), values: &self.k_q, storage }
-            }
+            None => SolverMatrix {
+                starts: self.condensed.starts(),
+                rows: self.condensed.index(),
+                values: &self.k_q,
+                storage,
+            },
             Some(turned) => turned.columns(&self.k_q),
         };
         Ok(self.solver.factor(columns)?)
+    }
+}
+
+/// SolverMatrix made of rows.
+#[derive(Debug)]
+pub struct TransposedPattern {
+    starts: Vec<u32>,
+    rows: Vec<u32>,
+    /// For each entry its place by rows.
+    places: Vec<u32>,
+    values: Vec<f64>,
+}
+
+impl TransposedPattern {
+    pub fn new(condensed: &CondensedPattern) -> Self {
+        let (n, by_row) = (condensed.unknowns(), condensed.starts());
+        let mut starts = vec![0_u32; n + 1];
+        condensed.index().iter().for_each(|&j| starts[j as usize + 1] += 1);
+        (0..n).for_each(|j| starts[j + 1] += starts[j]);
+        let mut next = starts.clone();
+        let (mut rows, mut places) = (vec![0; condensed.nnz()], vec![0; condensed.nnz()]);
+        for i in 0..n {
+            for place in by_row[i]..by_row[i + 1] {
+                let slot = &mut next[condensed.index()[place as usize] as usize];
+                rows[*slot as usize] = i as u32;
+                places[*slot as usize] = place;
+                *slot += 1;
+            }
+        }
+        Self { starts, rows, places, values: vec![0.0; condensed.nnz()] }
+    }
+
+    pub fn columns(&mut self, k_q: &[f64]) -> SolverMatrix<'_> {
+        self.values.iter_mut().zip(&self.places).for_each(|(value, &place)| *value = k_q[place as usize]);
+        SolverMatrix { starts: &self.starts, rows: &self.rows, values: &self.values, storage: Storage::Full }
     }
 }

@@ -3,19 +3,19 @@
 use qless::Elimination;
 use qless::elimination::{Index, Storage, View};
 
-use super::super::equations::Equations;
-use super::super::noise::Noise;
-use super::super::scale;
+use super::super::condensation::TransformNoise;
+use super::super::refinement::MeasuredEquations;
+use super::super::units;
 
 /// Where K has its entries.
 #[derive(Debug)]
-pub struct Pattern {
+pub struct StiffnessPattern {
     /// `(row, column)` in the order of the values.
     entries: Vec<(u32, u32)>,
     storage: Storage,
 }
 
-impl Pattern {
+impl StiffnessPattern {
     /// Of a view that was checked: its indices are below the number of DOFs, which qless counts with u32.
     pub fn new<P: Index, I: Index>(k: &View<P, I>) -> Self {
         Self { entries: k.entries().map(|(i, j)| (i as u32, j as u32)).collect(), storage: k.storage() }
@@ -41,21 +41,21 @@ impl Pattern {
 }
 
 /// The equations of one step.
-pub struct Terms<'a> {
+pub struct StepEquations<'a> {
     map: &'a Elimination,
-    pattern: &'a Pattern,
+    pattern: &'a StiffnessPattern,
     k: &'a [f64],
     units: Vec<f64>,
     parts: &'a [usize],
-    noise: &'a Noise,
+    noise: &'a TransformNoise,
 }
 
-impl<'a> Terms<'a> {
+impl<'a> StepEquations<'a> {
     pub fn new(
         map: &'a Elimination,
-        pattern: &'a Pattern,
+        pattern: &'a StiffnessPattern,
         k: &'a [f64],
-        (parts, noise): (&'a [usize], &'a Noise),
+        (parts, noise): (&'a [usize], &'a TransformNoise),
     ) -> Self {
         let mut terms = Self { map, pattern, k, units: Vec::new(), parts, noise };
         let mut stiffness = vec![0.0_f64; map.dofs()];
@@ -66,7 +66,7 @@ impl<'a> Terms<'a> {
         });
         let mut of_unknowns = vec![0.0; map.masters().len()];
         terms.spread_back(&stiffness, &mut of_unknowns, |_, _, t| t * t);
-        terms.units = scale::units_of_diagonal(&of_unknowns);
+        terms.units = units::units_of_diagonal(&of_unknowns);
         terms
     }
 
@@ -133,7 +133,7 @@ pub fn sizes_of_dofs(map: &Elimination, x: &[f64]) -> Vec<f64> {
     sizes
 }
 
-impl Equations for Terms<'_> {
+impl MeasuredEquations for StepEquations<'_> {
     fn apply(&self, x: &[f64]) -> Vec<f64> {
         let (u, mut forces) = (self.moved(x), vec![0.0; self.map.dofs()]);
         self.pattern.each(self.k, |i, j, v| forces[i] += v * u[j]);

@@ -86,7 +86,7 @@ fn steps_are_refused_where_it_is_not() -> Outcome {
 fn a_wrong_solver_is_found_out() -> Outcome {
     struct Wrong(Llt, f64);
     impl Solver for Wrong {
-        fn factor(&mut self, matrix: qless_solve::enforce::Columns) -> Result<(), SolverError> {
+        fn factor(&mut self, matrix: qless_solve::enforce::SolverMatrix) -> Result<(), SolverError> {
             self.0.factor(matrix)
         }
         fn solve(&mut self, b: &mut [f64]) -> Result<(), SolverError> {

@@ -14,8 +14,9 @@
 //! Where forces that A cannot carry act on rows that no motion it does not feel enters, as where its zeros alone make it singular, g stays small.
 //! The factors are then no inverse: `M^-1 A v` is not v for the first v, which is looked at whatever g is.
 
-use super::equations::{Equations, Solve, largest_of_parts, levelled};
+use super::refinement::{MeasuredEquations, Solve, largest_of_parts, levelled};
 use super::{EnforceError, SolverError};
+use crate::common::RandomForces;
 
 /// What makes a singular matrix regular, in units without units: far above rounding, far below what holds a model.
 pub const SHIFTS: [f64; 2] = [1e-12, 1e-9];
@@ -35,7 +36,7 @@ const LOST: f64 = 0.5;
 const HOPELESS: f64 = 1.0 / WRONG;
 
 /// What is known of the support of a model.
-pub enum Verdict {
+pub enum SupportVerdict {
     /// It is held, with this g.
     Held(f64),
     /// Nothing holds this motion, but for this share of its terms.
@@ -43,24 +44,28 @@ pub enum Verdict {
 }
 
 /// Whether the model is held; an error if `solve` has one.
-pub fn judged(equations: &impl Equations, solve: &mut Solve<'_>) -> Result<Verdict, EnforceError> {
-    let Sensitivity { growth, mode, lost } = sensitivity(equations, solve)?;
+pub fn judged(equations: &impl MeasuredEquations, solve: &mut Solve<'_>) -> Result<SupportVerdict, EnforceError> {
+    let RoundingGrowth { growth, mode, lost } = sensitivity(equations, solve)?;
     if growth < SUSPICIOUS && lost.is_none() {
-        return Ok(Verdict::Held(growth));
+        return Ok(SupportVerdict::Held(growth));
     }
     let (motion, held) = sharpest(equations, solve, lost, mode);
-    Ok(if held <= ROUNDING || growth >= HOPELESS { Verdict::Loose(motion, held) } else { Verdict::Held(growth) })
+    Ok(if held <= ROUNDING || growth >= HOPELESS {
+        SupportVerdict::Loose(motion, held)
+    } else {
+        SupportVerdict::Held(growth)
+    })
 }
 
 /// The motion that a singular model leaves free, by the inverse of a matrix that was shifted a little.
-pub fn loose(equations: &impl Equations, solve: &mut Solve<'_>) -> Option<(Vec<f64>, f64)> {
-    let Sensitivity { mode, lost, .. } = sensitivity(equations, solve).ok()?;
+pub fn loose(equations: &impl MeasuredEquations, solve: &mut Solve<'_>) -> Option<(Vec<f64>, f64)> {
+    let RoundingGrowth { mode, lost, .. } = sensitivity(equations, solve).ok()?;
     let (motion, held) = sharpest(equations, solve, lost, mode);
     (held <= ROUNDING).then_some((motion, held))
 }
 
 /// How much rounding moves.
-pub struct Sensitivity {
+pub struct RoundingGrowth {
     /// g.
     pub growth: f64,
     /// The direction that grew.
@@ -70,9 +75,9 @@ pub struct Sensitivity {
 }
 
 /// g, and the directions in which A may be singular.
-pub fn sensitivity(equations: &impl Equations, solve: &mut Solve<'_>) -> Result<Sensitivity, EnforceError> {
+pub fn sensitivity(equations: &impl MeasuredEquations, solve: &mut Solve<'_>) -> Result<RoundingGrowth, EnforceError> {
     let (mut v, mut growth, mut lost) = (equations.units().to_vec(), 0.0_f64, None);
-    let mut random = Random::default();
+    let mut random = RandomForces::default();
     for step in 0..STEPS {
         // A row without terms feels a force of size one: nothing else would find that it has no stiffness.
         let force = |(size, unit): (f64, &f64)| random.next() * if size > 0.0 { size } else { unit.recip() };
@@ -91,11 +96,11 @@ pub fn sensitivity(equations: &impl Equations, solve: &mut Solve<'_>) -> Result<
             lost = Some(v.clone());
         }
     }
-    Ok(Sensitivity { growth, mode: v, lost })
+    Ok(RoundingGrowth { growth, mode: v, lost })
 }
 
 /// Whether `M^-1 A v` is something else than v, which is of size one.
-fn is_lost(equations: &impl Equations, solve: &mut Solve<'_>, v: &[f64]) -> bool {
+fn is_lost(equations: &impl MeasuredEquations, solve: &mut Solve<'_>, v: &[f64]) -> bool {
     let Ok(again) = solve(&equations.apply(v)) else { return true };
     let off: Vec<f64> = again.iter().zip(v).map(|(again, v)| again - v).collect();
     let off = largest(equations, &off);
@@ -104,7 +109,7 @@ fn is_lost(equations: &impl Equations, solve: &mut Solve<'_>, v: &[f64]) -> bool
 
 /// The sharper null vector of two.
 fn sharpest(
-    equations: &impl Equations,
+    equations: &impl MeasuredEquations,
     solve: &mut Solve<'_>,
     lost: Option<Vec<f64>>,
     mode: Vec<f64>,
@@ -117,7 +122,7 @@ fn sharpest(
 }
 
 /// A sharper null vector, and how strongly it is held.
-fn sharpened(equations: &impl Equations, solve: &mut Solve<'_>, mut v: Vec<f64>) -> (Vec<f64>, f64) {
+fn sharpened(equations: &impl MeasuredEquations, solve: &mut Solve<'_>, mut v: Vec<f64>) -> (Vec<f64>, f64) {
     let mut best = held(equations, &v);
     for _ in 0..SHARPENINGS {
         if best.1 <= 4.0 * f64::EPSILON {
@@ -140,7 +145,7 @@ fn sharpened(equations: &impl Equations, solve: &mut Solve<'_>, mut v: Vec<f64>)
 
 /// v in the connected parts that nothing holds, and the largest `|A v|_i / (|A| |v'|)_i` of them, where every number of v' is as
 /// large as the largest of its part. Where all parts are held, v in the part that is held least.
-pub fn held(equations: &impl Equations, v: &[f64]) -> (Vec<f64>, f64) {
+pub fn held(equations: &impl MeasuredEquations, v: &[f64]) -> (Vec<f64>, f64) {
     let (left, size) = (equations.apply(v), equations.size(&levelled(equations, v)));
     let parts = equations.parts();
     let mut worst: Vec<f64> = largest_of_parts(equations, v);
@@ -155,29 +160,6 @@ pub fn held(equations: &impl Equations, v: &[f64]) -> (Vec<f64>, f64) {
     (v.iter().zip(parts).map(of_part).collect(), most)
 }
 
-fn largest(equations: &impl Equations, x: &[f64]) -> f64 {
+fn largest(equations: &impl MeasuredEquations, x: &[f64]) -> f64 {
     x.iter().zip(equations.units()).fold(0.0, |most: f64, (x, s)| most.max(x.abs() / s))
-}
-
-/// The same numbers in every run.
-pub struct Random(u64);
-
-impl Default for Random {
-    fn default() -> Self {
-        Self(0x9E37_79B9_7F4A_7C15)
-    }
-}
-
-impl Random {
-    /// In [1/2, 1] or [-1, -1/2]: signs alone cancel in small models.
-    pub fn next(&mut self) -> f64 {
-        // splitmix64
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^= z >> 31;
-        let size = 0.5 + (z >> 12) as f64 / (1_u64 << 53) as f64;
-        if z & 1 == 0 { size } else { -size }
-    }
 }

@@ -1,22 +1,18 @@
 //! One solve by any methods, part by part: factored, held against its support, solved and refined until it is in balance, or refused.
+//! @@ enforce/run/refusal.rs
+//! What is said where several parts are refused: the gravest, of all parts that it is true of.
 
-mod give_way;
-mod left;
 mod multipliers;
-mod penalties;
-mod refusal;
-mod rounding;
+mod penalty_error;
 mod springs;
-mod support;
 
 use super::EnforceError;
-use super::equations::{BALANCED, FLOOR, Goal, SHARP, Settled, settle};
-use super::inverse::Inverse;
+use super::EnforceError::{PenaltyTooSmall, Unsupported};
 use super::matrix::times;
-use super::method::{Method, springs};
-use super::model::Model;
-use super::part::{Part, Split};
-use super::problem::{Problem, Solution};
+use super::part::{EnforcedPart, PartSplitter};
+use super::problem::{Method, Problem, Solution};
+use super::refinement::{BALANCED, FLOOR, Refined, RefinementGoal, SHARP, refine};
+use super::saddle::{SaddleEquations, SaddleInverse, spring_stiffness};
 
 /// Solutions and refinements at most; where multipliers take over from springs, or springs from multipliers.
 const REFINEMENTS: usize = 6;
@@ -34,9 +30,9 @@ pub fn run(problem: &Problem, methods: &[Method], accuracy: f64) -> Result<Solut
     let (u, forces, multipliers) = (vec![0.0; n], vec![0.0; n], vec![0.0; m]);
     let mut solution = Solution { u, multipliers, forces, reactions: Vec::new(), accuracy: 0.0, imbalance: 0.0 };
     let mut refused = None;
-    for part in Split::new(problem).parts(methods) {
+    for part in PartSplitter::new(problem).parts(methods) {
         let part = part?;
-        match solved(&part, accuracy) {
+        match solve_part(&part, accuracy) {
             Ok(found) => {
                 part.place(&found.x, &mut solution);
                 solution.accuracy = solution.accuracy.max(found.accuracy);
@@ -45,7 +41,7 @@ pub fn run(problem: &Problem, methods: &[Method], accuracy: f64) -> Result<Solut
             Err(error) => {
                 refused = Some(match refused {
                     None => error,
-                    Some(first) => refusal::both(first, error),
+                    Some(first) => worse(first, error),
                 });
             }
         }
@@ -54,22 +50,22 @@ pub fn run(problem: &Problem, methods: &[Method], accuracy: f64) -> Result<Solut
 }
 
 /// By springs, where the equations ask for them and they leave no doubt.
-fn solved(part: &Part, accuracy: f64) -> Result<Found, EnforceError> {
+fn solve_part(part: &EnforcedPart, accuracy: f64) -> Result<PartSolution, EnforceError> {
     let is_sprung = part.methods.iter().any(|method| method.factor().is_some());
-    let found = if is_sprung { springs::solved(part, accuracy)? } else { None };
-    found.map_or_else(|| multipliers::solved(part, accuracy), Ok)
+    let found = if is_sprung { springs::by_springs(part, accuracy)? } else { None };
+    found.map_or_else(|| multipliers::by_multipliers(part, accuracy), Ok)
 }
 
 /// The equations of a part, and the factors of a matrix for them.
-struct Prepared<'a> {
-    part: &'a Part<'a>,
+struct FactoredPart<'a> {
+    part: &'a EnforcedPart<'a>,
     methods: Vec<Method>,
-    model: Model<'a>,
-    inverse: Inverse<'a>,
+    model: SaddleEquations<'a>,
+    inverse: SaddleInverse<'a>,
 }
 
 /// A solution in balance.
-struct Found {
+struct PartSolution {
     /// u of the free DOFs and lambda.
     x: Vec<f64>,
     imbalance: f64,
@@ -77,23 +73,23 @@ struct Found {
     accuracy: f64,
 }
 
-impl<'a> Prepared<'a> {
+impl<'a> FactoredPart<'a> {
     /// With a `shift` of the diagonal that makes a singular matrix regular, or none.
-    fn new(part: &'a Part<'a>, methods: Vec<Method>, shift: f64) -> Result<Self, EnforceError> {
-        let springs = springs(part, &methods)?;
-        let model = Model::new(part)?.yielding(&methods, &springs);
-        let inverse = Inverse::new(part, &methods, springs, shift)?;
+    fn new(part: &'a EnforcedPart<'a>, methods: Vec<Method>, shift: f64) -> Result<Self, EnforceError> {
+        let springs = spring_stiffness(part, &methods)?;
+        let model = SaddleEquations::new(part)?.yielding(&methods, &springs);
+        let inverse = SaddleInverse::new(part, &methods, springs, shift)?;
         Ok(Self { part, methods, model, inverse })
     }
 
     /// x in balance, or as near as it comes; some equations may be met to the accuracy asked for.
-    fn settled(&mut self, accuracy: f64) -> Result<Settled, EnforceError> {
+    fn refined(&mut self, accuracy: f64) -> Result<Refined, EnforceError> {
         let Self { part, methods, model, inverse } = self;
         let is_taken_over =
             |i: usize| i >= model.dofs() && matches!(methods[i - model.dofs()], Method::Augmented { .. });
         let patient = (0..methods.len()).any(|i| is_taken_over(model.dofs() + i));
         let (n, is_penalty) = (model.dofs(), |method: &Method| matches!(method, Method::Penalty { .. }));
-        let goal = Goal {
+        let goal = RefinementGoal {
             floor: &|i| if i < n || is_penalty(&part.methods[i - n]) { FLOOR } else { FLOOR_OF_EQUATIONS },
             limit: &limits(part, if patient { accuracy } else { accuracy.min(BALANCED) }),
             lax: &is_taken_over,
@@ -101,13 +97,13 @@ impl<'a> Prepared<'a> {
             steps: if patient { AUGMENTATIONS } else { REFINEMENTS },
             patient,
         };
-        settle(model, &mut |r: &[f64]| inverse.solve(r), (&part.rhs.0, &part.rhs.1), &goal)
+        refine(model, &mut |r: &[f64]| inverse.solve(r), (&part.rhs.0, &part.rhs.1), &goal)
     }
 }
 
 /// What may be left of each row: of augmented equations the accuracy asked for. Forces of springs are not in balance before their
 /// equations are met.
-fn limits<'a>(part: &'a Part<'a>, accuracy: f64) -> impl Fn(usize) -> f64 + 'a {
+fn limits<'a>(part: &'a EnforcedPart<'a>, accuracy: f64) -> impl Fn(usize) -> f64 + 'a {
     let is_augmented = |method: &Method| matches!(method, Method::Augmented { .. });
     let forces = if part.methods.iter().any(is_augmented) { BALANCED.min(accuracy.max(TIGHTEST)) } else { BALANCED };
     let n = part.dofs.len();
@@ -127,4 +123,20 @@ fn finished(problem: &Problem, mut solution: Solution) -> Result<Solution, Enfor
     }
     problem.without_doubt(u)?;
     Ok(solution)
+}
+
+/// One refusal of two, the first where both are of different kinds and equally grave.
+pub fn worse(first: EnforceError, second: EnforceError) -> EnforceError {
+    match (first, second) {
+        (Unsupported(a), Unsupported(b)) => Unsupported(a.and(&b)),
+        (PenaltyTooSmall { factor, accuracy, cost, smallest }, second @ PenaltyTooSmall { .. }) => {
+            let PenaltyTooSmall { factor: f, cost: c, smallest: s, .. } = second else { return second };
+            // One factor for all of them.
+            let smallest = smallest.zip(s).map(|(a, b)| a.max(b));
+            PenaltyTooSmall { factor: factor.max(f), accuracy, cost: cost.max(c), smallest }
+        }
+        // What no factor changes comes first.
+        (PenaltyTooSmall { .. }, other) | (_, other @ Unsupported(_)) => other,
+        (first, _) => first,
+    }
 }

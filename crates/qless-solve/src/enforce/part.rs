@@ -1,23 +1,75 @@
+//! A connected part of K and C together, by itself: its free DOFs and its equations, and nothing of any other part.
+//!
+//! ```text
+//! K' = K / 4^k    C_r' = C_r / 2^r    u' = u / 2^t    lambda_r' = lambda_r 2^r / (4^k 2^t)
+//! ```
+//!
+//! Prescribed DOFs are on the right-hand side, `f - K u_p` and `b - C u_p`. The powers put the numbers of the part around one, so that
+//! no product of them leaves the range of doubles where K, C and u do not; they change no digit.
+//! Cost: one copy of K and C.
+//! @@ enforce/part/split.rs
 //! The parts of a model: DOFs and equations that entries of K and C join.
+//! @@ enforce/part/powers.rs
+//! Powers of two that put numbers around one.
 
-use qless::SystemBuilder;
+use qless::{ConstraintSystem, SystemBuilder};
 
-use super::Part;
-use super::powers::{middle, power, times_power};
-use crate::enforce::EnforceError;
-use crate::enforce::matrix::{Matrix, entries, from_triplets};
-use crate::enforce::method::Method;
-use crate::enforce::problem::Problem;
-use crate::enforce::{scale, stiffness};
+use super::matrix::{entries, from_triplets};
+use super::problem::{Method, Problem, Solution};
+use super::{EnforceError, stiffness, units};
+use crate::common::SparseMatrix;
+
+/// One part, in numbers of its own.
+pub struct EnforcedPart<'a> {
+    /// What it is part of.
+    whole: &'a ConstraintSystem,
+    /// Its free DOFs and its equations as the caller counts them, ascending.
+    pub dofs: Vec<usize>,
+    pub rows: Vec<usize>,
+    pub k: SparseMatrix,
+    pub symmetric: bool,
+    /// C; its right-hand sides are elsewhere.
+    pub system: ConstraintSystem,
+    /// `f - K u_p`, then `b - C u_p`, and the sizes of their terms.
+    pub rhs: (Vec<f64>, Vec<f64>),
+    /// How each equation is enforced.
+    pub methods: Vec<Method>,
+    /// The powers of two that were divided out: of K, of each equation, of u.
+    stiffness: i32,
+    equations: Vec<i32>,
+    size: i32,
+}
+
+impl EnforcedPart<'_> {
+    /// What a row is to the caller.
+    pub fn name(&self, row: usize) -> String {
+        match row.checked_sub(self.dofs.len()) {
+            None => format!("the forces on DOF {}", self.dofs[row]),
+            Some(row) => self.whole.equation_label(self.rows[row]),
+        }
+    }
+
+    /// u, lambda and `-C^T lambda` of the part in the numbers of the caller. Forces are made here: lambda alone may leave the range of doubles.
+    pub fn place(&self, x: &[f64], solution: &mut Solution) {
+        let (of_dofs, of_rows) = x.split_at(self.dofs.len());
+        self.dofs.iter().zip(of_dofs).for_each(|(&j, x)| solution.u[j] = times_power(*x, self.size));
+        let force = self.stiffness + self.size;
+        for ((&row, x), power) in self.rows.iter().zip(of_rows).zip(&self.equations) {
+            solution.multipliers[row] = times_power(*x, force - power);
+            let terms = self.whole.matrix().row(row).map(|(j, v)| (j, times_power(v, -power) * x));
+            terms.for_each(|(j, v)| solution.forces[j] -= times_power(v, force));
+        }
+    }
+}
 
 /// DOFs and equations of a part, ascending.
-type Members = (Vec<usize>, Vec<usize>);
+type PartMembers = (Vec<usize>, Vec<usize>);
 
 /// The free DOFs and the equations of each part, and what is prescribed.
-pub struct Split<'a> {
+pub struct PartSplitter<'a> {
     problem: &'a Problem<'a>,
     /// By their first DOF.
-    members: Vec<Members>,
+    members: Vec<PartMembers>,
     /// The place of each DOF in its part; none where it is prescribed.
     place: Vec<Option<u32>>,
     /// Values of prescribed DOFs; zero for others.
@@ -26,7 +78,7 @@ pub struct Split<'a> {
     of_given: Vec<(usize, usize, f64)>,
 }
 
-impl<'a> Split<'a> {
+impl<'a> PartSplitter<'a> {
     pub fn new(problem: &'a Problem<'a>) -> Self {
         let n = problem.system.dofs();
         let (mut given, mut free) = (vec![0.0; n], vec![true; n]);
@@ -42,11 +94,11 @@ impl<'a> Split<'a> {
     }
 
     /// The parts, one after the other.
-    pub fn parts(&self, methods: &[Method]) -> impl Iterator<Item = Result<Part<'a>, EnforceError>> {
+    pub fn parts(&self, methods: &[Method]) -> impl Iterator<Item = Result<EnforcedPart<'a>, EnforceError>> {
         self.members.iter().map(|(dofs, rows)| self.part(dofs, rows, methods))
     }
 
-    fn part(&self, dofs: &[usize], rows: &[usize], methods: &[Method]) -> Result<Part<'a>, EnforceError> {
+    fn part(&self, dofs: &[usize], rows: &[usize], methods: &[Method]) -> Result<EnforcedPart<'a>, EnforceError> {
         let own = || dofs.iter().flat_map(|&j| self.column(j));
         // The root of a power of four is a power of two: units have the same digits.
         let stiffness = 2 * middle(own().map(|(_, _, v)| v)).div_euclid(2);
@@ -68,7 +120,19 @@ impl<'a> Split<'a> {
         let methods = rows.iter().map(|&row| methods[row]).collect();
         let (dofs, rows, system) = (dofs.to_vec(), rows.to_vec(), builder.build()?);
         let whole = self.problem.system;
-        Ok(Part { whole, dofs, rows, k, symmetric, system, rhs: (sums, sizes), methods, stiffness, equations, size })
+        Ok(EnforcedPart {
+            whole,
+            dofs,
+            rows,
+            k,
+            symmetric,
+            system,
+            rhs: (sums, sizes),
+            methods,
+            stiffness,
+            equations,
+            size,
+        })
     }
 
     /// `f - K u_p` and `b - C u_p`, and the sizes of their terms.
@@ -96,7 +160,7 @@ impl<'a> Split<'a> {
 
     /// A column of K on free DOFs, in places of its part.
     fn column(&self, j: usize) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
-        let (k, at): (&Matrix, _) = (&self.problem.k, self.place[j]);
+        let (k, at): (&SparseMatrix, _) = (&self.problem.k, self.place[j]);
         let column = k.symbolic().row_idx_of_col(j).zip(k.val_of_col(j)).filter(|(_, v)| **v != 0.0);
         column.filter_map(move |(i, &v)| Some((self.place[i]? as usize, at? as usize, v)))
     }
@@ -109,21 +173,42 @@ impl<'a> Split<'a> {
 }
 
 /// What entries that are not zero join: of K on free DOFs, and of equations.
-fn members(problem: &Problem, free: &[bool]) -> Vec<Members> {
+fn members(problem: &Problem, free: &[bool]) -> Vec<PartMembers> {
     let (n, m) = (problem.system.dofs(), problem.system.equations());
     let of_k = entries(&problem.k).filter(|&(i, j, v)| v != 0.0 && free[i] && free[j]).map(|(i, j, _)| (i, j));
     let row = |&row: &usize| problem.system.matrix().row(row).map(move |(j, v)| (n + row, j, v));
     let of_c = problem.kept.iter().flat_map(row).filter(|&(_, j, v)| v != 0.0 && free[j]).map(|(row, j, _)| (row, j));
-    let names = scale::parts(n + m, of_k.chain(of_c));
-    let (mut index, mut members) = (vec![None; n + m], Vec::<Members>::new());
+    let names = units::parts(n + m, of_k.chain(of_c));
+    let (mut index, mut members) = (vec![None; n + m], Vec::<PartMembers>::new());
     let dofs = (0..n).filter(|&j| free[j]);
     for member in dofs.chain(problem.kept.iter().map(|row| n + row)) {
         let part = *index[names[member]].get_or_insert(members.len());
         if part == members.len() {
-            members.push(Members::default());
+            members.push(PartMembers::default());
         }
         let (dofs, rows) = &mut members[part];
         if member < n { dofs.push(member) } else { rows.push(member - n) }
     }
     members
+}
+
+/// The power half way between the smallest and the largest number that is not zero; 0 without any.
+pub fn middle(values: impl Iterator<Item = f64>) -> i32 {
+    let powers = values.filter(|v| *v != 0.0).map(power);
+    let ends = powers.fold(None, |ends: Option<(i32, i32)>, e| match ends {
+        None => Some((e, e)),
+        Some((least, most)) => Some((least.min(e), most.max(e))),
+    });
+    ends.map_or(0, |(least, most)| (least + most).div_euclid(2))
+}
+
+/// e of `2^e <= |v| < 2^(e + 1)`, up to one where log2 rounds; 0 for zero.
+pub fn power(v: f64) -> i32 {
+    if v == 0.0 { 0 } else { v.abs().log2().floor() as i32 }
+}
+
+/// `v 2^e`, in two steps: 2^e alone may leave the range of doubles.
+pub fn times_power(v: f64, e: i32) -> f64 {
+    let half = e.div_euclid(2);
+    v * f64::from(half).exp2() * f64::from(e - half).exp2()
 }

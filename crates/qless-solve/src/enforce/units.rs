@@ -10,8 +10,20 @@
 //!
 //! Numbers in these units can be compared, whatever the units of lengths and forces, translations and rotations are.
 //! Cost: a few passes over the entries, and a sort where units spread.
+//! @@ enforce/kinds.rs
+//! Which DOFs have units that can be compared.
+//!
+//! ```text
+//! s_i K_ij s_j = 1        u_j / s_j has no unit
+//! ```
+//!
+//! A number on the diagonal says what the unit of its DOF is, and those of all that are joined with it. Where a connected part of K has none, as
+//! `[0 K_01; K_10 0]`, the unit of one DOF may be anything if that of another is its inverse: each of them is a kind of its own.
 
-use super::matrix::{Matrix, entries};
+use qless::common::DisjointSets;
+
+use super::matrix::entries;
+use crate::common::SparseMatrix;
 
 /// Passes that balance K, at most; definite matrices are balanced by their diagonal.
 const SWEEPS: usize = 20;
@@ -19,7 +31,7 @@ const SWEEPS: usize = 20;
 const EVEN: f64 = 1.5;
 
 /// One unit per DOF, then one per equation of C; powers of two.
-pub fn units(k: &Matrix, c: &Matrix) -> Vec<f64> {
+pub fn units(k: &SparseMatrix, c: &SparseMatrix) -> Vec<f64> {
     let mut units = of_stiffness(k);
     let n = units.len();
     units.resize(n + c.nrows(), 0.0);
@@ -33,12 +45,12 @@ pub fn units_of_diagonal(stiffness: &[f64]) -> Vec<f64> {
 }
 
 /// Units of a square matrix that has no C.
-pub fn units_of(a: &Matrix) -> Vec<f64> {
+pub fn units_of(a: &SparseMatrix) -> Vec<f64> {
     of_stiffness(a).into_iter().map(|s| if s > 0.0 { power_of_two(s) } else { 1.0 }).collect()
 }
 
 /// Zero where K has no entry.
-fn of_stiffness(k: &Matrix) -> Vec<f64> {
+fn of_stiffness(k: &SparseMatrix) -> Vec<f64> {
     let inverse_root = |v: f64| if v > 0.0 { v.sqrt().recip() } else { 0.0 };
     let (mut diagonal, mut largest) = (vec![0.0_f64; k.ncols()], vec![0.0_f64; k.ncols()]);
     for (i, j, v) in entries(k) {
@@ -94,21 +106,83 @@ fn power_of_two(s: f64) -> f64 {
     s.log2().floor().clamp(-500.0, 500.0).exp2()
 }
 
-/// The connected part of each unknown, as `(i, j)` of the entries join them.
+/// The smallest unknown of each unknown's connected part; `(i, j)` of the entries join them.
 pub fn parts(count: usize, pairs: impl Iterator<Item = (usize, usize)>) -> Vec<usize> {
-    let mut parent: Vec<usize> = (0..count).collect();
-    for (i, j) in pairs {
-        let (a, b) = (root(&mut parent, i), root(&mut parent, j));
-        parent[a.max(b)] = a.min(b);
-    }
-    (0..count).map(|i| root(&mut parent, i)).collect()
+    let mut sets = DisjointSets::new(count);
+    pairs.for_each(|(i, j)| sets.join(i, j));
+    (0..count).map(|i| sets.root(i)).collect()
 }
 
-/// The smallest member, with paths halved on the way.
-pub fn root(parent: &mut [usize], mut member: usize) -> usize {
-    while parent[member] != member {
-        parent[member] = parent[parent[member]];
-        member = parent[member];
+/// The kind of each DOF.
+pub struct UnitGroups {
+    of: Vec<u32>,
+    count: usize,
+}
+
+/// All whose units are known.
+const KNOWN: u32 = 0;
+
+impl UnitGroups {
+    pub fn new(k: &SparseMatrix, c: &SparseMatrix) -> Self {
+        let n = k.ncols();
+        let real = || entries(k).filter(|&(_, _, v)| v != 0.0);
+        let part = parts(n, real().map(|(i, j, _)| (i, j)));
+        // Without any stiffness, equations alone say what is comparable.
+        let (mut known, mut is_stiff) = (vec![false; n], false);
+        real().for_each(|(i, j, _)| (known[part[j]], is_stiff) = (known[part[j]] || i == j, true));
+        let mut known: Vec<bool> = (0..n).map(|j| !is_stiff || known[part[j]]).collect();
+        let mut alone = vec![true; n];
+        real().for_each(|(i, j, _)| (alone[i], alone[j]) = (false, false));
+        if known.contains(&false) {
+            spread_known(c, &alone, &mut known);
+        }
+        let mut count = 1;
+        let mut own = || {
+            count += 1;
+            count - 1
+        };
+        let of = known.into_iter().map(|known| if known { KNOWN } else { own() }).collect();
+        Self { of, count: count as usize }
     }
-    member
+
+    /// `(kind, DOF)` of all.
+    pub fn of_dofs(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        self.of.iter().enumerate().map(|(j, &kind)| (kind as usize, j))
+    }
+
+    /// Whether the units of a DOF are known.
+    pub fn is_known(&self, dof: usize) -> bool {
+        self.of[dof] == KNOWN
+    }
+
+    /// Whether there is more than one kind.
+    pub fn are_many(&self) -> bool {
+        self.count > 1
+    }
+
+    /// The largest number of each kind, of one for each DOF.
+    pub fn largest(&self, numbers: impl Iterator<Item = f64>) -> Vec<f64> {
+        let mut largest = vec![0.0_f64; self.count];
+        for (&kind, number) in self.of.iter().zip(numbers) {
+            largest[kind as usize] = largest[kind as usize].max(number.abs());
+        }
+        largest
+    }
+
+    /// The same for loads, which are no measure but where stiffness has a unit.
+    pub fn largest_load(&self, loads: impl Iterator<Item = f64>) -> Vec<f64> {
+        let mut largest = self.largest(loads);
+        largest[1..].fill(0.0);
+        largest
+    }
+}
+
+/// DOFs that K does not know have the units of an equation of which a DOF has one, and so on along equations.
+fn spread_known(c: &SparseMatrix, alone: &[bool], known: &mut [bool]) {
+    let n = known.len();
+    let terms = || entries(c).filter(|&(_, _, v)| v != 0.0).map(|(i, j, _)| (n + i, j));
+    let part = parts(n + c.nrows(), terms().filter(|&(_, j)| alone[j]));
+    let mut has_one = vec![false; part.len()];
+    terms().filter(|&(_, j)| known[j]).for_each(|(i, _)| has_one[part[i]] = true);
+    (0..n).filter(|&j| alone[j]).for_each(|j| known[j] |= has_one[part[j]]);
 }

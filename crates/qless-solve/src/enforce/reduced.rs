@@ -1,18 +1,21 @@
 //! `T^T K T q = T^T (f - K u_0)`, `u = T q + u_0` (Eq. 6-9) with T, G and g that are given.
 //!
 //! Slaves of factored parts stay unknowns, with `C_S du_s + C_M du_q = 0` by multipliers: `C_S` is the product of the factors.
-
-mod transformed;
+//! @@ enforce/reduced/transformed.rs
+//! The equations of a reduction, held against their terms: K_q alone does not show what it was made of.
 
 use faer::sparse::SparseColMat;
 use qless::{Csr, Reduction, ReductionError};
 
+use super::condensation::TransformNoise;
 use super::matrix::{
-    Matrix, add_sizes, add_sizes_transposed, bordered, entries, from_triplets, product, times, transposed,
+    ScaledFactor, add_sizes, add_sizes_transposed, add_transposed, bordered, entries, from_triplets, product, shifted,
+    times, transposed,
 };
-use super::noise::Noise;
-use super::{EnforceError, scale};
-use transformed::Transformed;
+use super::refinement::{MeasuredEquations, RefinementGoal, refine};
+use super::singularity::{SHIFTS, SupportVerdict, judged, loose};
+use super::{EnforceError, Motion, units};
+use crate::common::SparseMatrix;
 
 /// u of all DOFs, by transformation with a reduction, whoever made it; `prescribed` are the values of its prescribed DOFs.
 ///
@@ -67,19 +70,19 @@ pub fn reduced(
     let mut rhs = times(&back, &load);
     let constraints = product(&equations(reduction, dofs)?, &t)?;
     rhs.resize(t.ncols() + held.len(), 0.0);
-    let units = scale::units(&stiffness, &constraints);
+    let units = units::units(&stiffness, &constraints);
     let matrix = bordered(&stiffness, &constraints)?;
-    let parts = scale::parts(rhs.len(), entries(&matrix).map(|(i, j, _)| (i, j)));
+    let parts = units::parts(rhs.len(), entries(&matrix).map(|(i, j, _)| (i, j)));
     let t_sizes = sizes_of_t(&t, reduction)?;
     let mut rhs_sizes = sizes_of_load(k, &t_sizes, &constant, f);
     rhs_sizes.resize(rhs.len(), 0.0);
-    let model = Transformed { k, t, t_sizes, constraints, units, parts };
+    let model = ReducedEquations { k, t, t_sizes, constraints, units, parts };
     let x = model.solved(&matrix, (&rhs, &rhs_sizes))?;
     Ok(times(&model.t, &x[..model.t.ncols()]).iter().zip(&constant).map(|(u, c)| u + c).collect())
 }
 
 /// `|T|^T (|f| + |K| |u_0|)`.
-fn sizes_of_load(k: &Matrix, t: &Matrix, constant: &[f64], f: &[f64]) -> Vec<f64> {
+fn sizes_of_load(k: &SparseMatrix, t: &SparseMatrix, constant: &[f64], f: &[f64]) -> Vec<f64> {
     let mut of_dofs: Vec<f64> = f.iter().map(|f| f.abs()).collect();
     add_sizes(k, constant, &mut of_dofs);
     let mut sizes = vec![0.0; t.ncols()];
@@ -88,8 +91,8 @@ fn sizes_of_load(k: &Matrix, t: &Matrix, constant: &[f64], f: &[f64]) -> Vec<f64
 }
 
 /// T, its rounding as large as it may be.
-fn sizes_of_t(t: &Matrix, reduction: &Reduction) -> Result<Matrix, EnforceError> {
-    let noise = Noise::new(reduction.t());
+fn sizes_of_t(t: &SparseMatrix, reduction: &Reduction) -> Result<SparseMatrix, EnforceError> {
+    let noise = TransformNoise::new(reduction.t());
     let mut place = vec![None; t.nrows()];
     reduction.slaves().iter().enumerate().for_each(|(i, &dof)| place[dof] = Some(i));
     let of_slaves = 0..reduction.masters().len();
@@ -101,7 +104,7 @@ fn sizes_of_t(t: &Matrix, reduction: &Reduction) -> Result<Matrix, EnforceError>
 }
 
 /// The equations of factored parts on their free DOFs.
-fn equations(reduction: &Reduction, dofs: usize) -> Result<Matrix, EnforceError> {
+fn equations(reduction: &Reduction, dofs: usize) -> Result<SparseMatrix, EnforceError> {
     let (mut all, mut first) = (Vec::new(), 0);
     for block in reduction.factored() {
         let out_of_range = || ReductionError::NotFinite { dof: block.slaves()[0] };
@@ -134,4 +137,86 @@ fn triplets(reduction: &Reduction) -> impl Iterator<Item = (usize, usize, f64)> 
     let of_slaves = slaves.flat_map(|(i, &dof)| reduction.t().row(i).map(move |(q, v)| (dof, q, v)));
     let kept = reduction.masters().iter().copied().chain(held(reduction));
     of_slaves.chain(kept.enumerate().map(|(q, dof)| (dof, q, 1.0)))
+}
+
+/// Solutions and refinements at most.
+const REFINEMENTS: usize = 6;
+
+/// `T^T K T q + B^T lambda = f_q`, `B q = 0`, term by term.
+pub struct ReducedEquations<'a> {
+    pub k: &'a SparseMatrix,
+    pub t: SparseMatrix,
+    /// What its entries are up to.
+    pub t_sizes: SparseMatrix,
+    pub constraints: SparseMatrix,
+    pub units: Vec<f64>,
+    pub parts: Vec<usize>,
+}
+
+impl ReducedEquations<'_> {
+    /// In balance, or refused.
+    pub fn solved(&self, matrix: &SparseMatrix, rhs: (&[f64], &[f64])) -> Result<Vec<f64>, EnforceError> {
+        let singular = EnforceError::Singular { what: "the reduced stiffness" };
+        let Ok(mut factor) = ScaledFactor::new(matrix, self.units.clone(), false) else {
+            return Err(self.free_motion(matrix).unwrap_or(singular));
+        };
+        let mut solve = |r: &[f64]| factor.solve(r);
+        match judged(self, &mut solve) {
+            Ok(SupportVerdict::Held(_)) => {}
+            Ok(SupportVerdict::Loose(motion, held)) => return Err(self.unsupported(&motion, held)),
+            Err(_) => return Err(self.free_motion(matrix).unwrap_or(singular)),
+        }
+        let refined = refine(self, &mut solve, rhs, &RefinementGoal::balance(REFINEMENTS))?;
+        if refined.share > 1.0 {
+            let row = format!("the forces on unknown {}", refined.row);
+            return Err(EnforceError::OutOfBalance { row, imbalance: refined.imbalance });
+        }
+        Ok(refined.x)
+    }
+
+    fn free_motion(&self, matrix: &SparseMatrix) -> Option<EnforceError> {
+        let motion = |shift: f64| {
+            let matrix = shifted(matrix, &self.units, self.t.ncols(), shift).ok()?;
+            let mut factor = ScaledFactor::new(&matrix, self.units.clone(), false).ok()?;
+            let (motion, held) = loose(self, &mut |r: &[f64]| factor.solve(r))?;
+            Some(self.unsupported(&motion, held))
+        };
+        SHIFTS.into_iter().find_map(motion)
+    }
+
+    fn unsupported(&self, motion: &[f64], held: f64) -> EnforceError {
+        let (u, units) = (times(&self.t, &motion[..self.t.ncols()]), units::units_of(self.k));
+        EnforceError::Unsupported(Motion::new(&u, &units, held))
+    }
+}
+
+impl MeasuredEquations for ReducedEquations<'_> {
+    fn apply(&self, x: &[f64]) -> Vec<f64> {
+        let (q, lambda) = x.split_at(self.t.ncols());
+        let mut y = vec![0.0; q.len()];
+        add_transposed(&self.t, &times(self.k, &times(&self.t, q)), &mut y);
+        add_transposed(&self.constraints, lambda, &mut y);
+        y.extend(times(&self.constraints, q));
+        y
+    }
+
+    fn size(&self, x: &[f64]) -> Vec<f64> {
+        let (q, lambda) = x.split_at(self.t.ncols());
+        let (mut u, mut forces, mut y) = (vec![0.0; self.k.nrows()], vec![0.0; self.k.nrows()], vec![0.0; q.len()]);
+        add_sizes(&self.t_sizes, q, &mut u);
+        add_sizes(self.k, &u, &mut forces);
+        add_sizes_transposed(&self.t_sizes, &forces, &mut y);
+        add_sizes_transposed(&self.constraints, lambda, &mut y);
+        let mut gaps = vec![0.0; lambda.len()];
+        add_sizes(&self.constraints, q, &mut gaps);
+        [y, gaps].concat()
+    }
+
+    fn units(&self) -> &[f64] {
+        &self.units
+    }
+
+    fn parts(&self) -> &[usize] {
+        &self.parts
+    }
 }

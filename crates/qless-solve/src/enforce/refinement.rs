@@ -19,7 +19,7 @@ pub const SHARP: f64 = 1e-4;
 pub type Solve<'a> = dyn FnMut(&[f64]) -> Result<Vec<f64>, EnforceError> + 'a;
 
 /// A square system whose terms are known, one by one.
-pub trait Equations {
+pub trait MeasuredEquations {
     /// `A x`.
     fn apply(&self, x: &[f64]) -> Vec<f64>;
     /// `|A| |x|`: the sizes of all terms that go into it, before any of them cancel.
@@ -38,7 +38,7 @@ pub trait Equations {
 }
 
 /// How the balance of x is reached.
-pub struct Goal<'a> {
+pub struct RefinementGoal<'a> {
     /// What the terms of each row count as at least, as a share of the largest: [`FLOOR`] or less.
     pub floor: &'a dyn Fn(usize) -> f64,
     /// The largest imbalance of each row, relative to its terms.
@@ -53,7 +53,7 @@ pub struct Goal<'a> {
     pub patient: bool,
 }
 
-impl Goal<'static> {
+impl RefinementGoal<'static> {
     /// Every row balanced, in so many steps.
     pub fn balance(steps: usize) -> Self {
         Self { floor: &|_| FLOOR, limit: &|_| BALANCED, lax: &|_| false, enough: SHARP, steps, patient: false }
@@ -62,7 +62,7 @@ impl Goal<'static> {
 
 /// x, and the row that is worst off.
 #[derive(Clone, Debug)]
-pub struct Settled {
+pub struct Refined {
     pub x: Vec<f64>,
     /// Its place, and `|A x - b|` relative to its terms.
     pub row: usize,
@@ -76,12 +76,12 @@ pub struct Settled {
 /// Solves and refines: `x += M^-1 (b - A x)` with what `solve` knows of A; `b_size` are the sizes of the terms of b.
 ///
 /// The first solution must come, or its error; a correction that does not come is left out.
-pub fn settle(
-    equations: &impl Equations,
+pub fn refine(
+    equations: &impl MeasuredEquations,
     solve: &mut Solve<'_>,
     b: (&[f64], &[f64]),
-    goal: &Goal,
-) -> Result<Settled, EnforceError> {
+    goal: &RefinementGoal,
+) -> Result<Refined, EnforceError> {
     let mut x = solve(b.0)?;
     let (mut left, mut best) = measured(equations, &x, b, goal);
     for _ in 1..goal.steps {
@@ -106,11 +106,16 @@ pub fn settle(
 }
 
 /// `b - A x`, and how large it is.
-fn measured(equations: &impl Equations, x: &[f64], b: (&[f64], &[f64]), goal: &Goal) -> (Vec<f64>, Settled) {
+fn measured(
+    equations: &impl MeasuredEquations,
+    x: &[f64],
+    b: (&[f64], &[f64]),
+    goal: &RefinementGoal,
+) -> (Vec<f64>, Refined) {
     let left: Vec<f64> = b.0.iter().zip(equations.apply(x)).map(|(b, ax)| b - ax).collect();
     let size: Vec<f64> = equations.size(x).iter().zip(b.1).map(|(ax, b)| ax + b).collect();
     let floor = equations.size(&equations.levels(x, &size));
-    let mut worst = Settled { x: x.to_vec(), row: 0, imbalance: 0.0, rounding: 0.0, share: 0.0 };
+    let mut worst = Refined { x: x.to_vec(), row: 0, imbalance: 0.0, rounding: 0.0, share: 0.0 };
     for (i, left) in left.iter().enumerate().filter(|(_, left)| **left != 0.0) {
         let measured_by = |share: f64| left.abs() / size[i].max(share * floor[i]);
         let imbalance = measured_by((goal.floor)(i));
@@ -128,14 +133,14 @@ fn measured(equations: &impl Equations, x: &[f64], b: (&[f64], &[f64]), goal: &G
 }
 
 /// x with every unknown as large as the largest of its part.
-pub fn levelled(equations: &impl Equations, x: &[f64]) -> Vec<f64> {
+pub fn levelled(equations: &impl MeasuredEquations, x: &[f64]) -> Vec<f64> {
     let (units, parts) = (equations.units(), equations.parts());
     let largest = largest_of_parts(equations, x);
     parts.iter().zip(units).map(|(&part, s)| s * largest[part]).collect()
 }
 
 /// `max |x_j| / s_j` of each part, at its name.
-pub fn largest_of_parts(equations: &impl Equations, x: &[f64]) -> Vec<f64> {
+pub fn largest_of_parts(equations: &impl MeasuredEquations, x: &[f64]) -> Vec<f64> {
     let (units, parts) = (equations.units(), equations.parts());
     let mut largest = vec![0.0_f64; x.len()];
     (0..x.len()).for_each(|j| largest[parts[j]] = largest[parts[j]].max(x[j].abs() / units[j]));

@@ -1,0 +1,144 @@
+//! What the forces of a step must meet: a support, and balance.
+//! @@ enforce/steps/gaps.rs
+//! `|C u - b|_i` against what its terms are made of, for the equations that others do not follow from.
+//!
+//! An equation between DOFs that are zero but for rounding has nothing to be measured by: its terms count as at least [`FLOOR`] of what they would
+//! be if every DOF of its connected part were as large as the largest one, in the units of K spread along the equations.
+//! Cost: a pass over C; units are looked for only where an equation does not meet its own terms.
+
+use qless::elimination::EliminationError;
+use qless::{ConstraintSystem, Elimination, Kind};
+
+use super::super::refinement::{FLOOR, MeasuredEquations, RefinementGoal, refine};
+use super::super::singularity::{SHIFTS, SupportVerdict, judged, loose};
+use super::super::solver::{Solver, SolverError};
+use super::super::{EnforceError, Motion, units};
+use super::Steps;
+use super::terms::{StepEquations, sizes_of_dofs};
+
+/// Solutions and refinements at most.
+const REFINEMENTS: usize = 6;
+
+impl<S: Solver> Steps<S> {
+    /// Refuses a model that nothing holds, whether its factorization failed or not.
+    pub(super) fn held(&mut self, k: &[f64], factored: Result<(), EnforceError>) -> Result<(), EnforceError> {
+        let terms = StepEquations::new(&self.map, &self.pattern, k, (&self.parts, &self.noise));
+        let units = terms.units().to_vec();
+        let failed = match factored {
+            Err(error) => error,
+            Ok(()) => match judged(&terms, &mut |r: &[f64]| backsolve(&mut self.solver, r)) {
+                Ok(SupportVerdict::Held(_)) => return Ok(()),
+                Ok(SupportVerdict::Loose(motion, held)) => return Err(unsupported(&terms, &motion, held)),
+                Err(error) => error,
+            },
+        };
+        if let Some(alone) = without_terms(&terms) {
+            return Err(unsupported(&terms, &alone, 0.0));
+        }
+        for shift in SHIFTS {
+            self.condensed.condense_matrix_into(&self.map, k, &mut self.k_q)?;
+            if self.factor(shift, &units).is_err() {
+                continue;
+            }
+            let terms = StepEquations::new(&self.map, &self.pattern, k, (&self.parts, &self.noise));
+            if let Some((motion, held)) = loose(&terms, &mut |r: &[f64]| backsolve(&mut self.solver, r)) {
+                return Err(unsupported(&terms, &motion, held));
+            }
+        }
+        // The factors of a shifted matrix are none of K.
+        Err(failed)
+    }
+
+    /// The unknowns, refined until every row is in balance, and their units.
+    pub(super) fn balanced(&mut self, k: &[f64], f: &[f64]) -> Result<(Vec<f64>, Vec<f64>), EnforceError> {
+        let mut load = vec![0.0; self.condensed.unknowns()];
+        self.condensed.load_into(&self.map, k, f, &mut load)?;
+        let mut constant = vec![0.0; self.map.dofs()];
+        self.map.expand_into(&vec![0.0; load.len()], &mut constant)?;
+        let terms = StepEquations::new(&self.map, &self.pattern, k, (&self.parts, &self.noise));
+        let sizes = terms.size_of_load(f, &constant);
+        let solver = &mut self.solver;
+        let refined = refine(
+            &terms,
+            &mut |r: &[f64]| backsolve(solver, r),
+            (&load, &sizes),
+            &RefinementGoal::balance(REFINEMENTS),
+        )?;
+        if refined.share > 1.0 {
+            let row = format!("the forces on DOF {}", self.map.masters()[refined.row]);
+            return Err(EnforceError::OutOfBalance { row, imbalance: refined.imbalance });
+        }
+        Ok((refined.x, terms.units().to_vec()))
+    }
+}
+
+/// The motion of one unknown that no entry of K feels: its place in K_q may not even be there.
+fn without_terms(terms: &StepEquations) -> Option<Vec<f64>> {
+    let sizes = terms.size(terms.units());
+    let alone = |q: usize| {
+        let mut motion = vec![0.0; sizes.len()];
+        motion[q] = 1.0;
+        terms.apply(&motion).iter().all(|force| *force == 0.0).then_some(motion)
+    };
+    (0..sizes.len()).filter(|&q| sizes[q] == 0.0).find_map(alone)
+}
+
+/// `K_q^-1 r`, if it is one.
+fn backsolve(solver: &mut impl Solver, r: &[f64]) -> Result<Vec<f64>, EnforceError> {
+    let mut x = r.to_vec();
+    if !x.is_empty() {
+        solver.solve(&mut x)?;
+    }
+    if x.iter().all(|x| x.is_finite()) { Ok(x) } else { Err(SolverError("a pivot is zero".into()).into()) }
+}
+
+/// The motion of all DOFs.
+fn unsupported(terms: &StepEquations, motion: &[f64], held: f64) -> EnforceError {
+    let units = terms.spread_units();
+    EnforceError::Unsupported(Motion::new(&terms.moved(motion), &units, held))
+}
+
+/// What may be left of an equation, relative to its terms; T meets the equations to 1e-10.
+const MET: f64 = 1e-9;
+
+/// Refuses u where it does not meet the equations; x are its unknowns, in these units.
+pub fn closed(map: &Elimination, (x, units): (&[f64], &[f64]), u: &[f64]) -> Result<(), EnforceError> {
+    let (sizes, mut levels) = (sizes_of_dofs(map, x), None);
+    let system = map.analysis().ok_or(EliminationError::NoEquations)?.system();
+    for i in (0..system.equations()).filter(|&i| map.kinds()[i] == Kind::Independent) {
+        let (mut left, mut size) = (-map.rhs()[i], map.rhs()[i].abs());
+        for (j, v) in system.matrix().row(i) {
+            left += v * u[j];
+            size += v.abs() * sizes[j];
+        }
+        let is_met = |size: f64| left.abs() <= MET * size;
+        if !is_met(size) {
+            let levels = levels.get_or_insert_with(|| levelled(map, system, units, &sizes));
+            let level = system.matrix().row(i).map(|(j, v)| v.abs() * levels[j]).sum::<f64>();
+            if !is_met(FLOOR * level) {
+                return Err(EnforceError::OutOfBalance { row: system.equation_label(i), imbalance: left.abs() / size });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Each DOF as large as the largest of its connected part; zero where it is prescribed.
+fn levelled(map: &Elimination, system: &ConstraintSystem, of_masters: &[f64], sizes: &[f64]) -> Vec<f64> {
+    let n = map.dofs();
+    let mut free = vec![true; n];
+    map.prescribed().iter().for_each(|&j| free[j] = false);
+    let rows = 0..system.equations();
+    let terms: Vec<_> = rows.flat_map(|i| system.matrix().row(i).map(move |(j, v)| (n + i, j, v))).collect();
+    let terms = || terms.iter().copied().filter(|&(_, j, v)| free[j] && v != 0.0);
+    let parts = units::parts(n + system.equations(), terms().map(|(i, j, _)| (i, j)));
+    let (mut units, mut has_unit) = (vec![0.0; parts.len()], vec![false; parts.len()]);
+    map.masters().iter().zip(of_masters).for_each(|(&j, &unit)| (units[j], has_unit[parts[j]]) = (unit, true));
+    // What equations alone know has any unit.
+    (0..n).filter(|&j| parts[j] == j && !has_unit[j]).for_each(|j| units[j] = 1.0);
+    units::spread(&mut units, terms());
+    let mut largest = vec![0.0_f64; parts.len()];
+    let known = |j: &usize| free[*j] && units[*j] > 0.0;
+    (0..n).filter(known).for_each(|j| largest[parts[j]] = largest[parts[j]].max(sizes[j] / units[j]));
+    (0..n).map(|j| if free[j] { units[j] * largest[parts[j]] } else { 0.0 }).collect()
+}
