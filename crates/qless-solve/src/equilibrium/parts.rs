@@ -5,7 +5,8 @@
 //! by their rows.
 
 use super::model::Assembly;
-use crate::newton::{self, Union};
+use crate::newton::{EquationParts, join_all};
+use qless::common::DisjointSets;
 use qless_constraints::{ConstraintSet, Quantities};
 
 /// Of DOFs that are prescribed.
@@ -30,7 +31,7 @@ pub struct Parts {
     of_row: Vec<u32>,
     place: Vec<u32>,
     /// Parts of the equations alone, which stiffness does not join.
-    pub of_equations: newton::Parts,
+    pub of_equations: EquationParts,
 }
 
 impl Parts {
@@ -66,7 +67,7 @@ impl Parts {
         list.iter().flat_map(|part| &part.held).for_each(|&j| touched[j] = true);
         let rest = (0..n).filter(|&j| !touched[j]).collect();
         let untouched = Part { held: rest, ..Part::default() };
-        Self { list, untouched, of_dof, of_row, place, of_equations: newton::Parts::new(g, prescribed, &[]) }
+        Self { list, untouched, of_dof, of_row, place, of_equations: EquationParts::new(g, prescribed, &[]) }
     }
 
     pub fn count(&self) -> usize {
@@ -96,14 +97,14 @@ impl Part {
 }
 
 /// Sets of DOFs that are not held and lead to one another.
-fn joined(assembly: &Assembly, set: &ConstraintSet, quantities: &Quantities, held: &[bool]) -> Union {
-    let (mut union, g) = (Union::new(held.len()), quantities.g());
-    (0..g.rows()).for_each(|r| union.join(g.row(r).map(|(j, _)| j).filter(|&j| !held[j])));
+fn joined(assembly: &Assembly, set: &ConstraintSet, quantities: &Quantities, held: &[bool]) -> DisjointSets {
+    let (mut sets, g) = (DisjointSets::new(held.len()), quantities.g());
+    (0..g.rows()).for_each(|r| join_all(&mut sets, g.row(r).map(|(j, _)| j).filter(|&j| !held[j])));
     for i in (0..held.len()).filter(|&i| !held[i]) {
         let of_k = assembly.row(i).map(|(j, _)| j);
-        union.join(std::iter::once(i).chain(of_k).filter(|&j| !held[j]));
+        join_all(&mut sets, std::iter::once(i).chain(of_k).filter(|&j| !held[j]));
     }
     let vectors = set.rotation_vectors().into_iter().filter(|vector| vector.iter().all(|&j| !held[j]));
-    vectors.for_each(|vector| union.join(vector.into_iter()));
-    union
+    vectors.for_each(|vector| join_all(&mut sets, vector));
+    sets
 }

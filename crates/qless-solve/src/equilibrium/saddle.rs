@@ -8,7 +8,7 @@ use faer::prelude::Solve;
 use faer::sparse::linalg::solvers::Lu;
 
 use super::pattern::{Matrix, Pattern};
-use crate::newton::random;
+use crate::common::random;
 
 /// Rounds of scaling by roots of the largest entries.
 const ROUNDS: usize = 10;

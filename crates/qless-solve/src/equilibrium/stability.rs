@@ -17,7 +17,7 @@ use faer::{Conj, MatMut, Par, Side, Spec};
 
 use super::pattern::Matrix;
 use super::saddle::{norm, times};
-use crate::newton::random;
+use crate::common::random;
 
 /// s, where entries are of size one: a large one is far from the constraints, a small one rounds the stiffness away.
 const SHIFTS: [f64; 4] = [1e-6, 1e-8, 1e-4, 1e-10];

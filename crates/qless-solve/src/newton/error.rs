@@ -1,7 +1,6 @@
 //! Why no configuration was found.
 
 use qless::{AnalysisError, ArgumentError, ReductionError};
-
 use qless_constraints::LineariseError;
 
 /// Why no solution was found.

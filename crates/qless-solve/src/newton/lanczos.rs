@@ -5,32 +5,32 @@
 
 use faer::{Mat, Side};
 
-use super::redundancy::random;
+use crate::common::random;
 
 /// Krylov vectors, all of them kept: in parts of fewer numbers this is exact.
 const VECTORS: usize = 60;
 
 /// Of each part the lowest eigenvalue, nothing for one without numbers, and its vector of length one.
-pub struct Lowest {
+pub struct LowestEigenpairs {
     pub values: Vec<Option<f64>>,
     pub vectors: Vec<f64>,
 }
 
 /// Which part each number is of, and how many parts there are; numbers of none stay zero.
-pub struct Numbers {
+pub struct KrylovParts {
     pub of: Vec<Option<usize>>,
     pub parts: usize,
 }
 
 /// Krylov vectors, what the operator makes of them, and how many each part has.
-struct Krylov {
+struct KrylovBasis {
     basis: Vec<Vec<f64>>,
     images: Vec<Vec<f64>>,
     counts: Vec<usize>,
 }
 
-pub fn lowest<E>(apply: impl Fn(&[f64]) -> Result<Vec<f64>, E>, numbers: &Numbers) -> Result<Lowest, E> {
-    let krylov = Krylov::new(apply, numbers)?;
+pub fn lowest<E>(apply: impl Fn(&[f64]) -> Result<Vec<f64>, E>, numbers: &KrylovParts) -> Result<LowestEigenpairs, E> {
+    let krylov = KrylovBasis::new(apply, numbers)?;
     let pairs: Vec<Option<(f64, Vec<f64>)>> = krylov.projected(numbers).iter().map(of_matrix).collect();
     let mut vectors = vec![0.0; numbers.of.len()];
     for (k, basis) in krylov.basis.iter().enumerate() {
@@ -39,11 +39,11 @@ pub fn lowest<E>(apply: impl Fn(&[f64]) -> Result<Vec<f64>, E>, numbers: &Number
             part.into_iter().for_each(|x| vectors[i] += x * basis[i]);
         });
     }
-    Ok(Lowest { values: pairs.into_iter().map(|pair| pair.map(|(value, _)| value)).collect(), vectors })
+    Ok(LowestEigenpairs { values: pairs.into_iter().map(|pair| pair.map(|(value, _)| value)).collect(), vectors })
 }
 
-impl Krylov {
-    fn new<E>(apply: impl Fn(&[f64]) -> Result<Vec<f64>, E>, numbers: &Numbers) -> Result<Self, E> {
+impl KrylovBasis {
+    fn new<E>(apply: impl Fn(&[f64]) -> Result<Vec<f64>, E>, numbers: &KrylovParts) -> Result<Self, E> {
         let (mut next, sizes) = numbers.start();
         let mut all = Self { basis: Vec::new(), images: Vec::new(), counts: vec![0; numbers.parts] };
         while all.basis.len() < VECTORS {
@@ -68,7 +68,7 @@ impl Krylov {
     }
 
     /// `B^T A B` of each part.
-    fn projected(&self, numbers: &Numbers) -> Vec<Mat<f64>> {
+    fn projected(&self, numbers: &KrylovParts) -> Vec<Mat<f64>> {
         let mut all: Vec<Mat<f64>> = self.counts.iter().map(|&k| Mat::zeros(k, k)).collect();
         for (i, basis) in self.basis.iter().enumerate() {
             for (j, image) in self.images.iter().enumerate() {
@@ -93,7 +93,7 @@ fn of_matrix(matrix: &Mat<f64>) -> Option<(f64, Vec<f64>)> {
     Some((eigen.S()[smallest], (0..k).map(|j| eigen.U()[(j, smallest)]).collect()))
 }
 
-impl Numbers {
+impl KrylovParts {
     /// Calls `visit` with the place and the part of each.
     pub fn each(&self, mut visit: impl FnMut(usize, usize)) {
         self.of.iter().enumerate().for_each(|(i, part)| part.iter().for_each(|&part| visit(i, part)));

@@ -10,77 +10,27 @@
 //!   last bit. Prescribed DOFs do not connect, but for what is stated of their coordinates.
 //! - Where G loses rank and c is not zero (a dead centre), first order knows no way. Second order may: see [`NewtonError::Conflict`].
 
+mod advance;
+mod configuration;
 mod error;
 mod lanczos;
 mod linearisation;
 mod parts;
-mod place;
 mod redundancy;
-mod residual;
-mod run;
-mod scaling;
 mod singular;
+mod solution;
+mod state;
 mod step;
-mod units;
-
-use qless::{Analysis, Options};
-
-pub use error::NewtonError;
-pub(crate) use parts::{Parts, Union};
-pub(crate) use redundancy::random;
-pub use redundancy::{Redundancy, redundancies};
-pub(crate) use residual::{change, in_roundings};
-use run::Run;
-pub(crate) use scaling::{at_rest, weights};
-pub(crate) use units::units;
 
 use qless_constraints::ConstraintSet;
 
-/// Settings of [`solve`].
-#[derive(Clone, Debug)]
-pub struct NewtonOptions {
-    /// Done when each `|c_r|` is at most so many times the bound on its rounding ([`ConstraintSet::rounding`]). Default 4, at least 1.
-    ///
-    /// Where c no longer falls, that of the largest terms of its connected part counts, with the weights of [`Iterate::residual`], for rows that ask for no
-    /// motion that matters: `|c_r| <= 1e-11 sum_j |G_rj| s_j` with the coordinates `s_j` that the DOFs add to, or `|u_j|`, or one radian.
-    pub tolerance: f64,
-    /// Most steps of any part; all go in lock step. Default 50.
-    pub steps: usize,
-    /// How the linearised equations are analysed.
-    pub analysis: Options,
-}
-
-impl Default for NewtonOptions {
-    fn default() -> Self {
-        Self { tolerance: 4.0, steps: 50, analysis: Options::default() }
-    }
-}
-
-/// One iterate: what was found before its step was made.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Iterate {
-    /// `max_r D_r |c_r| / max_r D_r size_r`: relative to the largest terms that went into any c, with weights D that make equations
-    /// comparable; the same in all units. The largest of all connected parts.
-    pub residual: f64,
-    /// Rank of G.
-    pub rank: usize,
-    /// Equations left out of the step.
-    pub left_out: Vec<usize>,
-    /// How much of `du` was gone to come here: the least of the connected parts that were still on their way; 1 for a full step and for the
-    /// first iterate.
-    pub length: f64,
-}
-
-/// A configuration that satisfies all constraints.
-#[derive(Clone, Debug)]
-pub struct Solution {
-    /// The DOFs.
-    pub u: Vec<f64>,
-    /// The way there; the last one is the solution.
-    pub iterates: Vec<Iterate>,
-    /// Equations that are redundant at the solution.
-    pub redundant: Vec<usize>,
-}
+pub(crate) use configuration::{at_rest, change, in_roundings, weights};
+pub use error::NewtonError;
+pub(crate) use linearisation::units;
+pub(crate) use parts::{EquationParts, join_all};
+pub use redundancy::{Redundancy, redundancies};
+pub use solution::{NewtonIterate, NewtonOptions, NewtonSolution};
+use state::NewtonState;
 
 /// Finds `c(u) = 0` from `u`; prescribed DOFs `(DOF, value)` take their values, and others move only where they are slaves.
 ///
@@ -113,20 +63,20 @@ pub fn solve(
     u: &[f64],
     prescribed: &[(usize, f64)],
     options: &NewtonOptions,
-) -> Result<Solution, NewtonError> {
+) -> Result<NewtonSolution, NewtonError> {
     if !(options.tolerance >= 1.0 && options.tolerance.is_finite()) {
         return Err(NewtonError::Tolerance(options.tolerance));
     }
-    let mut run = Run::new(set, u, prescribed, options)?;
+    let mut run = NewtonState::new(set, u, prescribed, options)?;
     let redundant = run.follow(<[_]>::is_empty)?;
     if run.failures.is_empty() { Ok(run.into_solution(redundant)) } else { Err(run.failures.swap_remove(0).1) }
 }
 
 /// What parts come to that go on where others fail.
-pub(crate) struct Each {
+pub(crate) struct PartwiseSolution {
     pub u: Vec<f64>,
-    pub parts: Parts,
-    /// Parts that failed, by their steps and then by their first rows.
+    pub parts: EquationParts,
+    /// EquationParts that failed, by their steps and then by their first rows.
     pub failures: Vec<(usize, NewtonError)>,
 }
 
@@ -139,13 +89,8 @@ pub(crate) fn solve_each(
     u: &[f64],
     prescribed: &[(usize, f64)],
     options: &NewtonOptions,
-) -> Result<Each, NewtonError> {
-    let mut run = Run::new(set, u, prescribed, options)?;
+) -> Result<PartwiseSolution, NewtonError> {
+    let mut run = NewtonState::new(set, u, prescribed, options)?;
     run.follow(|_| true)?;
-    Ok(Each { u: run.place.u, parts: run.parts, failures: run.failures })
-}
-
-/// Equations that are not kept.
-pub(crate) fn dependent(analysis: &Analysis) -> Vec<usize> {
-    analysis.dependent().iter().map(|dependent| dependent.row).collect()
+    Ok(PartwiseSolution { u: run.place.u, parts: run.parts, failures: run.failures })
 }

@@ -4,32 +4,33 @@
 //! them, so that averages and maxima over columns keep to a part too.
 
 use qless::Csr;
+use qless::common::DisjointSets;
 
 /// Of DOFs that are in no part.
 const NONE: u32 = u32::MAX;
 
 /// The parts of the rows and DOFs, in the order of their first rows.
-pub struct Parts {
+pub struct EquationParts {
     of_row: Vec<u32>,
     of_dof: Vec<u32>,
     count: usize,
-    /// Columns of G within the parts.
-    pub columns: Columns,
+    /// PartColumns of G within the parts.
+    pub columns: PartColumns,
 }
 
-impl Parts {
+impl EquationParts {
     /// `together`: DOFs that are one thing, such as those of a rotation.
     pub fn new(g: &Csr, prescribed: &[(usize, f64)], together: &[[usize; 3]]) -> Self {
         let mut held = vec![false; g.cols()];
         prescribed.iter().for_each(|&(j, _)| held[j] = true);
-        let mut union = Union::new(g.cols());
+        let mut sets = DisjointSets::new(g.cols());
         let free = |r: usize| g.row(r).map(|(j, _)| j).filter(|&j| !held[j]);
-        (0..g.rows()).for_each(|r| union.join(free(r)));
-        together.iter().for_each(|&dofs| union.join(dofs.into_iter()));
-        union.flatten();
+        (0..g.rows()).for_each(|r| join_all(&mut sets, free(r)));
+        together.iter().for_each(|&dofs| join_all(&mut sets, dofs));
+        let roots: Vec<usize> = (0..g.cols()).map(|j| sets.root(j)).collect();
         let (mut of_root, mut count) = (vec![NONE; g.cols()], 0);
         let number = |r: usize| {
-            let root = free(r).next().map(|j| union.0[j] as usize);
+            let root = free(r).next().map(|j| roots[j]);
             let known = root.map_or(NONE, |root| of_root[root]);
             if known != NONE {
                 return known;
@@ -39,8 +40,8 @@ impl Parts {
             count - 1
         };
         let of_row: Vec<u32> = (0..g.rows()).map(number).collect();
-        let of_dof = (0..g.cols()).map(|j| if held[j] { NONE } else { of_root[union.0[j] as usize] }).collect();
-        let columns = Columns::of_parts(g, &held, &of_row);
+        let of_dof = (0..g.cols()).map(|j| if held[j] { NONE } else { of_root[roots[j]] }).collect();
+        let columns = PartColumns::of_parts(g, &held, &of_row);
         Self { of_row, of_dof, count: count as usize, columns }
     }
 
@@ -66,13 +67,13 @@ impl Parts {
     }
 }
 
-/// Columns of the entries of G, in their order.
-pub struct Columns {
+/// PartColumns of the entries of G, in their order.
+pub struct PartColumns {
     of_entry: Vec<u32>,
     count: usize,
 }
 
-impl Columns {
+impl PartColumns {
     /// As they are in G.
     pub fn plain(g: &Csr) -> Self {
         Self { of_entry: g.columns().to_vec(), count: g.cols() }
@@ -101,35 +102,9 @@ impl Columns {
     }
 }
 
-/// Sets that grow together: each member leads to one that is no larger, and the least of a set to itself.
-pub(crate) struct Union(Vec<u32>);
-
-impl Union {
-    pub fn new(count: usize) -> Self {
-        Self((0..count as u32).collect())
-    }
-
-    /// The least of the set; the way there gets shorter.
-    pub fn root(&mut self, mut j: usize) -> usize {
-        while self.0[j] as usize != j {
-            self.0[j] = self.0[self.0[j] as usize];
-            j = self.0[j] as usize;
-        }
-        j
-    }
-
-    pub fn join(&mut self, mut members: impl Iterator<Item = usize>) {
-        let Some(first) = members.next() else { return };
-        let mut root = self.root(first);
-        for member in members {
-            let other = self.root(member);
-            self.0[root.max(other)] = root.min(other) as u32;
-            root = root.min(other);
-        }
-    }
-
-    /// Every member leads to the least.
-    fn flatten(&mut self) {
-        (0..self.0.len()).for_each(|j| self.0[j] = self.0[self.0[j] as usize]);
-    }
+/// Joins the sets of all members.
+pub(crate) fn join_all(sets: &mut DisjointSets, members: impl IntoIterator<Item = usize>) {
+    let mut members = members.into_iter();
+    let Some(first) = members.next() else { return };
+    members.for_each(|member| sets.join(first, member));
 }

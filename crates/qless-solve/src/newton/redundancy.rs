@@ -5,11 +5,15 @@
 //! `du = T dq` within what the kept equations allow, brought back to the constraints by Newton's method.
 
 use qless::{Analysis, Form, Options, Reduction, analyse};
-
-use super::parts::Columns;
-use super::residual::{change, sizes_of_dofs};
-use super::{NewtonError, NewtonOptions, dependent, solve, units};
 use qless_constraints::{ConstraintSet, Quantities};
+
+use super::configuration::{change, sizes_of_dofs};
+use super::error::NewtonError;
+use super::linearisation::{dependent, units};
+use super::parts::PartColumns;
+use super::solution::NewtonOptions;
+use super::solve;
+use crate::common::random;
 
 /// How much G changes on the way to the second configuration, relative to its entries, DOFs measured by their sizes.
 const STEP: f64 = 0.05;
@@ -50,7 +54,7 @@ pub fn redundancies(
     u: &[f64],
     options: &NewtonOptions,
 ) -> Result<Vec<(usize, Redundancy)>, NewtonError> {
-    let here = Here::new(set, u, &options.analysis)?;
+    let here = LocalAnalysis::new(set, u, &options.analysis)?;
     let rows = dependent(&here.analysis);
     if rows.is_empty() {
         return Ok(Vec::new());
@@ -60,7 +64,7 @@ pub fn redundancies(
         Nearby::At(v) => {
             let mut analysis = options.analysis.clone();
             analysis.preferences.equations = (0..set.equations()).filter(|row| !rows.contains(row)).collect();
-            dependent(&Here::new(set, &v, &analysis)?.analysis)
+            dependent(&LocalAnalysis::new(set, &v, &analysis)?.analysis)
         }
         Nearby::None => return Ok(rows.into_iter().map(|row| (row, Redundancy::Unknown)).collect()),
     };
@@ -69,7 +73,7 @@ pub fn redundancies(
 }
 
 /// What is known at one configuration.
-struct Here {
+struct LocalAnalysis {
     quantities: Quantities,
     sizes: Vec<f64>,
     /// `du_j = s_j y_j`, where analysis and reduction are of y.
@@ -87,7 +91,7 @@ enum Nearby {
     None,
 }
 
-impl Here {
+impl LocalAnalysis {
     fn new(set: &ConstraintSet, u: &[f64], options: &Options) -> Result<Self, NewtonError> {
         let mut quantities = set.allocate();
         let argument = |source| NewtonError::Argument { step: 0, source };
@@ -95,7 +99,7 @@ impl Here {
         let sizes = sizes_of_dofs(set, u, &mut quantities).map_err(argument)?;
         // Only the rank is asked for: c is left out, so that nothing conflicts.
         quantities.clear_values();
-        let units = units(set, &quantities, &Columns::plain(quantities.g())).map_err(argument)?;
+        let units = units(set, &quantities, &PartColumns::plain(quantities.g())).map_err(argument)?;
         let system =
             set.linearised_in(&units, &quantities, &[]).map_err(|source| NewtonError::System { step: 0, source })?;
         let analysis = analyse(&system, options).map_err(|source| NewtonError::Analysis { step: 0, source })?;
@@ -152,16 +156,7 @@ impl Here {
     fn change_at(&self, set: &ConstraintSet, v: &[f64]) -> Option<f64> {
         let mut quantities = set.allocate();
         set.evaluate(v, &mut quantities).ok()?;
-        let of = Columns::plain(quantities.g());
+        let of = PartColumns::plain(quantities.g());
         Some(change([&self.quantities, &quantities], 0..set.equations(), (&of, &self.sizes)))
     }
-}
-
-/// In [-1, 1], away from zero, the same on every machine (SplitMix64).
-pub fn random(seed: u64) -> f64 {
-    let mut z = seed.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    let unit = ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64;
-    if unit < 0.5 { -0.25 - 1.5 * unit } else { 1.5 * unit - 0.5 }
 }

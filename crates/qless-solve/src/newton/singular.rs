@@ -7,26 +7,26 @@
 //! there is none, that is the proof that none is near. If there is one, its vector is the way.
 
 use qless::{Analysis, ArgumentError, Form, Reduction};
-
-use super::NewtonError;
-use super::lanczos::{Numbers, lowest};
-use super::parts::Parts;
-use super::residual::sizes_of_dofs;
-use super::run::Run;
-use super::step::times;
 use qless_constraints::Quantities;
+
+use super::configuration::sizes_of_dofs;
+use super::error::NewtonError;
+use super::lanczos::{KrylovParts, lowest};
+use super::parts::EquationParts;
+use super::state::NewtonState;
+use super::step::times;
 
 /// Eigenvalues that are negative by less, relative to the sizes of the terms, are none.
 const NEGATIVE: f64 = 1e-10;
 
 /// A motion of each part that lessens its contradicted rows, of the length that second order gives, and the parts that have one; where a part
 /// has none, that is proof.
-pub fn ways_out(run: &mut Run, analysis: &Analysis, step: usize) -> Result<(Vec<f64>, Vec<bool>), NewtonError> {
+pub fn ways_out(run: &mut NewtonState, analysis: &Analysis, step: usize) -> Result<(Vec<f64>, Vec<bool>), NewtonError> {
     let argument = |source| NewtonError::Argument { step, source };
     let sizes = sizes_of_dofs(run.set, &run.place.u, &mut run.place.quantities).map_err(argument)?;
-    let Combination { weights, amounts } = Combination::new(run, analysis).map_err(argument)?;
+    let WeightedConflicts { weights, amounts } = WeightedConflicts::new(run, analysis).map_err(argument)?;
     run.set.effective_hessian(&run.place.u, &weights, &mut run.place.quantities).map_err(argument)?;
-    let motions = Motions::new(run, sizes, step)?;
+    let motions = AllowedMotions::new(run, sizes, step)?;
     let numbers = motions.numbers(&run.parts, &run.contradicted);
     let mut found = lowest(|z| motions.bent(&run.place.quantities, z), &numbers).map_err(argument)?;
     let scales = scales(run, &weights);
@@ -41,15 +41,15 @@ pub fn ways_out(run: &mut Run, analysis: &Analysis, step: usize) -> Result<(Vec<
 }
 
 /// Of each part, with f of size one.
-struct Combination {
+struct WeightedConflicts {
     /// `sum_k f_k y_k`.
     weights: Vec<f64>,
     /// `sum_k f_k c_k`.
     amounts: Vec<f64>,
 }
 
-impl Combination {
-    fn new(run: &Run, analysis: &Analysis) -> Result<Self, ArgumentError> {
+impl WeightedConflicts {
+    fn new(run: &NewtonState, analysis: &Analysis) -> Result<Self, ArgumentError> {
         let (c, rounding) = (run.place.quantities.c(), run.place.rounding.c());
         let raw = |k: usize| Some(c[k] / rounding[k] / rounding[k]).filter(|f| f.is_finite());
         let mut most = vec![0.0_f64; run.parts.count()];
@@ -72,7 +72,7 @@ impl Combination {
 }
 
 /// What the weighted equations of each part have for terms.
-fn scales(run: &Run, weights: &[f64]) -> Vec<f64> {
+fn scales(run: &NewtonState, weights: &[f64]) -> Vec<f64> {
     let rounding = run.place.rounding.c();
     run.parts.fold(0.0, |scale, r| {
         let terms = weights[r].abs() * rounding[r] / f64::EPSILON;
@@ -81,7 +81,7 @@ fn scales(run: &Run, weights: &[f64]) -> Vec<f64> {
 }
 
 /// `du = Z z`: what the kept rows allow, with masters measured by their sizes.
-struct Motions {
+struct AllowedMotions {
     reduction: Reduction,
     sizes: Vec<f64>,
     held: Vec<f64>,
@@ -89,8 +89,8 @@ struct Motions {
     units: Vec<f64>,
 }
 
-impl Motions {
-    fn new(run: &Run, sizes: Vec<f64>, step: usize) -> Result<Self, NewtonError> {
+impl AllowedMotions {
+    fn new(run: &NewtonState, sizes: Vec<f64>, step: usize) -> Result<Self, NewtonError> {
         let mut still = run.place.quantities.clone();
         still.clear_values();
         let found = run.linearised(&still, step)?;
@@ -100,11 +100,11 @@ impl Motions {
     }
 
     /// The masters of the parts of `rows`.
-    fn numbers(&self, parts: &Parts, rows: &[usize]) -> Numbers {
+    fn numbers(&self, parts: &EquationParts, rows: &[usize]) -> KrylovParts {
         let mut asked = vec![false; parts.count()];
         rows.iter().for_each(|&row| asked[parts.of_row(row)] = true);
         let of = |&j: &usize| parts.of_dof(j).filter(|&part| asked[part]);
-        Numbers { of: self.reduction.masters().iter().map(of).collect(), parts: parts.count() }
+        KrylovParts { of: self.reduction.masters().iter().map(of).collect(), parts: parts.count() }
     }
 
     fn motion(&self, z: &[f64]) -> Result<Vec<f64>, ArgumentError> {
@@ -125,7 +125,7 @@ impl Motions {
     }
 
     /// The motion or its opposite, in each part: that in which the DOF that moves most increases.
-    fn upwards(&self, z: &[f64], parts: &Parts) -> Result<Vec<f64>, ArgumentError> {
+    fn upwards(&self, z: &[f64], parts: &EquationParts) -> Result<Vec<f64>, ArgumentError> {
         let mut du = self.motion(z)?;
         let mut most = vec![0.0_f64; parts.count()];
         for (j, part) in (0..du.len()).filter_map(|j| Some((j, parts.of_dof(j)?))) {

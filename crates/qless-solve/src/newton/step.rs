@@ -8,11 +8,10 @@
 //! The parts try their t in lock step, so that one evaluation serves all; those that have decided keep theirs.
 
 use qless::{ArgumentError, Csr};
-
-use super::parts::Parts;
-use super::place::Place;
-use super::scaling::largest;
 use qless_constraints::{ConstraintSet, Quantities};
+
+use super::configuration::{Configuration, largest};
+use super::parts::EquationParts;
 
 /// Third order may be this part of second order, and of what first order promises.
 const THIRD: f64 = 0.25;
@@ -23,7 +22,7 @@ const TRIES: usize = 250;
 
 /// What is asked of a step of a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Way {
+pub enum StepGoal {
     /// There is none: all of its equations hold.
     Done,
     /// The kept equations get nearer to zero, or hold to the tolerance.
@@ -33,10 +32,10 @@ pub enum Way {
 }
 
 /// A direction from a place.
-pub struct Line<'a> {
+pub struct StepLine<'a> {
     pub set: &'a ConstraintSet,
-    pub parts: &'a Parts,
-    pub from: &'a Place,
+    pub parts: &'a EquationParts,
+    pub from: &'a Configuration,
     du: Vec<f64>,
     /// `G du` there.
     slope: Vec<f64>,
@@ -46,7 +45,7 @@ pub struct Line<'a> {
 
 /// How far a part has got in its search.
 #[derive(Clone, Copy, PartialEq)]
-enum Length {
+enum TrialLength {
     /// To be tried.
     Open(f64),
     /// Gone so far; 0 where no length is good.
@@ -54,15 +53,15 @@ enum Length {
 }
 
 /// c and its slope at a trial point.
-struct Trial {
-    lengths: Vec<Length>,
+struct TrialPoint {
+    lengths: Vec<TrialLength>,
     c: Vec<f64>,
     slope: Vec<f64>,
 }
 
 /// What a part finds at its trial point.
 #[derive(Clone)]
-struct Verdict {
+struct TrialVerdict {
     trusted: bool,
     /// All kept equations hold to the tolerance.
     holds: bool,
@@ -72,8 +71,8 @@ struct Verdict {
     model: [f64; 5],
 }
 
-impl<'a> Line<'a> {
-    pub fn new((set, parts): (&'a ConstraintSet, &'a Parts), from: &'a Place, du: Vec<f64>) -> Self {
+impl<'a> StepLine<'a> {
+    pub fn new((set, parts): (&'a ConstraintSet, &'a EquationParts), from: &'a Configuration, du: Vec<f64>) -> Self {
         let slope = times(from.quantities.g(), &du);
         let residuals = largest(&from.weights, from.quantities.c(), parts);
         Self { set, parts, from, du, slope, residuals }
@@ -82,14 +81,15 @@ impl<'a> Line<'a> {
     /// The first t from 1 down that is good for each part; 0 for those that are done, or find none.
     pub fn lengths(
         &self,
-        ways: &[Way],
+        ways: &[StepGoal],
         (kept, tolerance): (&[bool], f64),
         room: &mut Quantities,
     ) -> Result<Vec<f64>, ArgumentError> {
-        let first = |way: &Way| if *way == Way::Done { Length::Found(0.0) } else { Length::Open(1.0) };
-        let mut lengths: Vec<Length> = ways.iter().map(first).collect();
+        let first =
+            |way: &StepGoal| if *way == StepGoal::Done { TrialLength::Found(0.0) } else { TrialLength::Open(1.0) };
+        let mut lengths: Vec<TrialLength> = ways.iter().map(first).collect();
         for _ in 0..TRIES {
-            if !lengths.iter().any(Length::is_open) {
+            if !lengths.iter().any(TrialLength::is_open) {
                 break;
             }
             let trial = self.trial(lengths, room)?;
@@ -109,17 +109,17 @@ impl<'a> Line<'a> {
         self.from.u.iter().zip(&self.du).enumerate().map(moved).collect()
     }
 
-    fn trial(&self, lengths: Vec<Length>, room: &mut Quantities) -> Result<Trial, ArgumentError> {
+    fn trial(&self, lengths: Vec<TrialLength>, room: &mut Quantities) -> Result<TrialPoint, ArgumentError> {
         self.set.evaluate(&self.at(|part| lengths[part].t()), room)?;
-        Ok(Trial { lengths, c: room.c().to_vec(), slope: times(room.g(), &self.du) })
+        Ok(TrialPoint { lengths, c: room.c().to_vec(), slope: times(room.g(), &self.du) })
     }
 
     /// Those of parts that have decided mean nothing.
-    fn verdicts(&self, trial: &Trial, kept: &[bool], tolerance: f64) -> Vec<Verdict> {
+    fn verdicts(&self, trial: &TrialPoint, kept: &[bool], tolerance: f64) -> Vec<TrialVerdict> {
         let rounding = self.from.rounding.c();
-        let first = Verdict { trusted: true, holds: true, now: 0.0, model: [0.0; 5] };
+        let first = TrialVerdict { trusted: true, holds: true, now: 0.0, model: [0.0; 5] };
         self.parts.fold(first, |verdict, r| {
-            let Length::Open(t) = trial.lengths[self.parts.of_row(r)] else { return };
+            let TrialLength::Open(t) = trial.lengths[self.parts.of_row(r)] else { return };
             verdict.trusted &= self.trusts(trial, r, t);
             if kept[r] {
                 verdict.holds &= trial.c[r].abs() <= tolerance * rounding[r];
@@ -128,7 +128,7 @@ impl<'a> Line<'a> {
         })
     }
 
-    fn trusts(&self, trial: &Trial, r: usize, t: f64) -> bool {
+    fn trusts(&self, trial: &TrialPoint, r: usize, t: f64) -> bool {
         let c = self.from.quantities.c()[r];
         let third = trial.c[r] - c - 0.5 * t * (self.slope[r] + trial.slope[r]);
         let second = 0.5 * t * (trial.slope[r] - self.slope[r]);
@@ -139,7 +139,7 @@ impl<'a> Line<'a> {
     }
 
     /// Adds an equation, by its weight.
-    fn add(&self, Verdict { now, model, .. }: &mut Verdict, trial: &Trial, r: usize, t: f64) {
+    fn add(&self, TrialVerdict { now, model, .. }: &mut TrialVerdict, trial: &TrialPoint, r: usize, t: f64) {
         let weight = self.from.weights[r];
         let (c, g) = (weight * self.from.quantities.c()[r], weight * self.slope[r]);
         let q = weight * (0.5 * (trial.slope[r] - self.slope[r]) / t);
@@ -149,7 +149,7 @@ impl<'a> Line<'a> {
     }
 }
 
-impl Length {
+impl TrialLength {
     fn is_open(&self) -> bool {
         matches!(self, Self::Open(_))
     }
@@ -161,13 +161,17 @@ impl Length {
     }
 
     /// After a trial.
-    fn next(self, verdict: &Verdict, way: Way) -> Self {
+    fn next(self, verdict: &TrialVerdict, way: StepGoal) -> Self {
         let Self::Open(t) = self else { return self };
         if !verdict.trusted {
             return Self::Open(0.25 * t);
         }
         let falls = verdict.now <= (1.0 - DECREASE * t) * verdict.model[0];
-        if way == Way::Out || falls || verdict.holds { Self::Found(t) } else { Self::Open(lowest(&verdict.model, t)) }
+        if way == StepGoal::Out || falls || verdict.holds {
+            Self::Found(t)
+        } else {
+            Self::Open(lowest(&verdict.model, t))
+        }
     }
 }
 

@@ -15,7 +15,8 @@ use super::parts::Parts;
 use super::pattern::Pattern;
 use super::rows::Rows;
 use super::saddle::{Entries, Saddle};
-use crate::newton::{change, random};
+use crate::common::random;
+use crate::newton::change;
 pub use lead::lead;
 use qless_constraints::Quantities;
 

@@ -9,7 +9,7 @@ use super::super::state::Unknowns;
 use super::super::{Failure, Model};
 use super::Corrector;
 use super::tangent::Regular;
-use crate::newton::random;
+use crate::common::random;
 
 /// A singular value below this is little, where the largest entries are one.
 const LITTLE: f64 = 1e-8;

@@ -8,7 +8,7 @@ use super::super::failure::Failure;
 use super::super::rows::{Choice, Rows};
 use super::super::{Model, correct::Way};
 use super::Path;
-use crate::newton::{Each, NewtonError, NewtonOptions, solve_each};
+use crate::newton::{NewtonError, NewtonOptions, PartwiseSolution, solve_each};
 
 /// Steps of Newton's method on the constraints, to see which rows are redundant.
 const LOOK: usize = 10;
@@ -129,7 +129,7 @@ impl<M: Model> Path<'_, M> {
         let (tolerance, analysis) = (self.options.roundings, self.options.analysis.clone());
         let options = NewtonOptions { tolerance, steps, analysis };
         let found = solve_each(self.course.set(), &self.at.u, prescribed, &options);
-        let Each { u, parts: of_equations, failures } = found.map_err(Failure::Constraints)?;
+        let PartwiseSolution { u, parts: of_equations, failures } = found.map_err(Failure::Constraints)?;
         let mut first = vec![usize::MAX; of_equations.count()];
         failures.iter().enumerate().rev().for_each(|(k, (part, _))| first[*part] = k);
         let error = |rows: &Vec<usize>| {

@@ -4,7 +4,7 @@ pub mod mechanism;
 pub mod random;
 
 use qless_constraints::ConstraintSet;
-use qless_solve::newton::{Iterate, NewtonError, NewtonOptions, Solution, solve};
+use qless_solve::newton::{NewtonError, NewtonIterate, NewtonOptions, NewtonSolution, solve};
 
 use crate::linkages::Outcome;
 use mechanism::{Map, Mechanism};
@@ -12,7 +12,7 @@ use random::{KINDS, mechanism};
 
 pub const UNITS: [f64; 3] = [1e-6, 1.0, 1e6];
 
-type Found = Result<Solution, NewtonError>;
+type Found = Result<NewtonSolution, NewtonError>;
 
 /// Mechanisms in one set, and where their DOFs and rows are in it.
 pub struct Together {
@@ -74,7 +74,7 @@ pub fn bits(u: impl IntoIterator<Item = f64>) -> Vec<u64> {
 }
 
 /// Looks are those of the mechanisms side by side: a mechanism that is done stays as it is.
-fn side_by_side(all: &[&Solution], rows: &[Vec<usize>]) -> Vec<Iterate> {
+fn side_by_side(all: &[&NewtonSolution], rows: &[Vec<usize>]) -> Vec<NewtonIterate> {
     let most = all.iter().map(|solution| solution.iterates.len()).max().unwrap_or(0);
     let look = |k: usize| {
         let now = || all.iter().filter_map(move |s| s.iterates.get(k).or(s.iterates.last()));
@@ -82,7 +82,7 @@ fn side_by_side(all: &[&Solution], rows: &[Vec<usize>]) -> Vec<Iterate> {
         let left_out = now().zip(rows).flat_map(|(look, rows)| look.left_out.iter().map(|&r| rows[r]));
         let mut left_out: Vec<usize> = left_out.collect();
         left_out.sort_unstable();
-        Iterate {
+        NewtonIterate {
             residual: now().map(|look| look.residual).fold(0.0, f64::max),
             rank: now().map(|look| look.rank).sum(),
             left_out,
@@ -114,7 +114,7 @@ fn assert_law(case: &str, together: &Together, found: &Found, single: &[Found]) 
         }
         _ => panic!("{case}: {found:?}, alone {single:?}"),
     };
-    let single: Vec<&Solution> = single.iter().flatten().collect();
+    let single: Vec<&NewtonSolution> = single.iter().flatten().collect();
     for (own, map) in single.iter().zip(&together.maps) {
         let there = map.iter().map(|&j| solution.u[j]);
         assert_eq!(bits(there), bits(own.u.iter().copied()), "{case}");

@@ -1,55 +1,51 @@
 //! The state between two steps: all parts go in lock step, each by its own length, and those that are done stay where they are.
-
-mod advance;
-mod decide;
-mod refusal;
+//! @@ newton/run/refusal.rs
+//! What is said of a part that has no way to go.
 
 use qless::{Analysis, ArgumentError, Kind, SystemBuilder};
+use qless_constraints::{ConstraintSet, Quantities, shorten_rotation};
 
-use super::linearisation::Linearisation;
-use super::parts::Parts;
-use super::place::Place;
-use super::residual::in_roundings;
-use super::scaling::at_rest;
-use super::step::Way;
-use super::{Iterate, NewtonError, NewtonOptions, Solution, dependent};
-use qless_constraints::shorten_rotation;
-use qless_constraints::{ConstraintSet, Quantities};
+use super::configuration::{Configuration, at_rest, in_roundings};
+use super::error::NewtonError;
+use super::linearisation::{Linearisation, dependent};
+use super::parts::EquationParts;
+use super::solution::{NewtonIterate, NewtonOptions, NewtonSolution};
+use super::step::StepGoal;
 
 /// A residual above this part of the one before no longer falls.
-const FALLS: f64 = 0.5;
+pub const FALLS: f64 = 0.5;
 
-pub struct Run<'a> {
+pub struct NewtonState<'a> {
     pub set: &'a ConstraintSet,
     pub options: &'a NewtonOptions,
     pub prescribed: &'a [(usize, f64)],
-    pub parts: Parts,
+    pub parts: EquationParts,
     /// Rotation vectors, none of them prescribed: kept below half a turn, so that none comes to a whole one, where it is singular.
-    rotations: Vec<[usize; 3]>,
-    pub place: Place,
+    pub rotations: Vec<[usize; 3]>,
+    pub place: Configuration,
     /// For trial points.
-    room: Quantities,
+    pub room: Quantities,
     /// `|c_r|` in roundings of its own terms; as [`at_rest`] once its part has settled.
-    residuals: Vec<f64>,
-    states: Vec<State>,
+    pub residuals: Vec<f64>,
+    pub states: Vec<PartStatus>,
     /// Equations that are left out and do not hold, of parts where all that is kept does.
     pub contradicted: Vec<usize>,
-    iterates: Vec<Iterate>,
-    /// Parts that have no way to go, by their steps and then by their first rows.
+    pub iterates: Vec<NewtonIterate>,
+    /// EquationParts that have no way to go, by their steps and then by their first rows.
     pub failures: Vec<(usize, NewtonError)>,
 }
 
 /// Of a part.
 #[derive(Clone)]
-struct State {
-    way: Way,
+pub struct PartStatus {
+    pub way: StepGoal,
     /// Whether c no longer falls.
-    settled: bool,
+    pub settled: bool,
     /// The part of the last step that was gone.
-    length: f64,
+    pub length: f64,
 }
 
-impl<'a> Run<'a> {
+impl<'a> NewtonState<'a> {
     pub fn new(
         set: &'a ConstraintSet,
         u: &[f64],
@@ -72,10 +68,10 @@ impl<'a> Run<'a> {
         rotations.retain(|vector| prescribed.iter().all(|(dof, _)| !vector.contains(dof)));
         shorten_all(rotations.iter(), &mut u);
         let room = set.allocate();
-        let parts = Parts::new(room.g(), prescribed, &rotations);
-        let place = Place::new(set, u, &parts).map_err(|source| NewtonError::Argument { step: 0, source })?;
+        let parts = EquationParts::new(room.g(), prescribed, &rotations);
+        let place = Configuration::new(set, u, &parts).map_err(|source| NewtonError::Argument { step: 0, source })?;
         let residuals = in_roundings(place.quantities.c(), place.rounding.c());
-        let states = vec![State { way: Way::Downhill, settled: false, length: 1.0 }; parts.count()];
+        let states = vec![PartStatus { way: StepGoal::Downhill, settled: false, length: 1.0 }; parts.count()];
         let (contradicted, iterates, failures) = (Vec::new(), Vec::new(), Vec::new());
         Ok(Self {
             set,
@@ -93,23 +89,6 @@ impl<'a> Run<'a> {
         })
     }
 
-    /// Goes step by step until no part goes on, or `may_go_on` says that the failures are enough; equations that are redundant there.
-    pub fn follow(&mut self, may_go_on: impl Fn(&[(usize, NewtonError)]) -> bool) -> Result<Vec<usize>, NewtonError> {
-        let (mut before, mut step) = (None, 0);
-        loop {
-            let found = self.look(step, before)?;
-            self.decide(&found.analysis).map_err(|source| NewtonError::Argument { step, source })?;
-            if !self.goes_on(step) || !may_go_on(&self.failures) {
-                return Ok(dependent(&found.analysis));
-            }
-            self.advance(&found, step)?;
-            if !may_go_on(&self.failures) {
-                return Ok(Vec::new());
-            }
-            (before, step) = (Some(found), step + 1);
-        }
-    }
-
     pub fn linearised(&self, quantities: &Quantities, step: usize) -> Result<Linearisation, NewtonError> {
         Linearisation::new(self.set, quantities, (self.prescribed, &self.parts.columns), (step, self.options))
     }
@@ -121,8 +100,8 @@ impl<'a> Run<'a> {
             Some(known) => known.outdated(),
             None => self.linearised(&self.place.quantities, step)?,
         };
-        let on_the_way = self.states.iter().filter(|state| state.way != Way::Done);
-        self.iterates.push(Iterate {
+        let on_the_way = self.states.iter().filter(|state| state.way != StepGoal::Done);
+        self.iterates.push(NewtonIterate {
             residual: self.place.residual(),
             rank: found.analysis.rank(),
             left_out: dependent(&found.analysis),
@@ -132,7 +111,7 @@ impl<'a> Run<'a> {
     }
 
     /// Where no step makes c smaller, what is left may be the rounding of other rows of the part.
-    fn measure(&mut self) {
+    pub fn measure(&mut self) {
         let place = &self.place;
         self.residuals = in_roundings(place.quantities.c(), place.rounding.c());
         if !self.states.iter().any(|state| state.settled) {
@@ -144,18 +123,46 @@ impl<'a> Run<'a> {
         settled.for_each(|r| self.residuals[r] = at_rest[r]);
     }
 
-    pub fn into_solution(self, redundant: Vec<usize>) -> Solution {
-        Solution { u: self.place.u, iterates: self.iterates, redundant }
+    pub fn into_solution(self, redundant: Vec<usize>) -> NewtonSolution {
+        NewtonSolution { u: self.place.u, iterates: self.iterates, redundant }
     }
 }
 
-fn kept(analysis: &Analysis) -> Vec<bool> {
+pub fn kept(analysis: &Analysis) -> Vec<bool> {
     analysis.kinds().iter().map(|&kind| kind == Kind::Independent).collect()
 }
 
 /// Rotation vectors of at most half a turn, where u has all of their DOFs.
-fn shorten_all<'a>(rotations: impl Iterator<Item = &'a [usize; 3]>, u: &mut [f64]) {
+pub fn shorten_all<'a>(rotations: impl Iterator<Item = &'a [usize; 3]>, u: &mut [f64]) {
     let count = u.len();
     let there = rotations.filter(|vector| vector.iter().all(|&dof| dof < count));
     there.for_each(|&vector| _ = shorten_rotation(u, vector));
+}
+
+impl NewtonState<'_> {
+    /// The part stays where it is.
+    pub fn fail(&mut self, part: usize, error: NewtonError) {
+        self.states[part].way = StepGoal::Done;
+        self.failures.push((part, error));
+    }
+
+    pub fn conflict(&self, part: usize, analysis: &Analysis) -> NewtonError {
+        let rows: Vec<usize> =
+            self.contradicted.iter().copied().filter(|&row| self.parts.of_row(row) == part).collect();
+        let named = |rows: &[usize]| rows.iter().filter_map(|&row| self.set.label(row).ok()).collect();
+        let mut others: Vec<usize> =
+            rows.iter().flat_map(|&row| analysis.because(row).unwrap_or_default()).map(|b| b.row).collect();
+        others.sort_unstable();
+        others.dedup();
+        let amount = rows.iter().map(|&row| self.place.quantities.c()[row].abs()).fold(0.0, f64::max);
+        NewtonError::Conflict { labels: named(&rows), others: named(&others), rows, amount }
+    }
+
+    pub fn no_convergence(&self, steps: usize, part: usize) -> NewtonError {
+        let weighted = |&r: &usize| self.place.weights[r] * self.place.quantities.c()[r].abs();
+        let rows = (0..self.residuals.len()).filter(|&r| self.parts.of_row(r) == part);
+        let worst = rows.max_by(|a, b| weighted(a).total_cmp(&weighted(b)));
+        let label = worst.and_then(|row| self.set.label(row).ok()).unwrap_or_default();
+        NewtonError::NoConvergence { steps, residual: self.place.residuals[part], label }
+    }
 }

@@ -1,0 +1,149 @@
+//! One step of all parts, each by its own length.
+//! @@ newton/run/decide.rs
+//! What each part has to do next: down to c = 0, out of a place where first order knows no way, or nothing.
+
+use qless::{Analysis, ArgumentError};
+
+use super::configuration::Configuration;
+use super::error::NewtonError;
+use super::linearisation::{Linearisation, dependent};
+use super::singular::ways_out;
+use super::state::{FALLS, NewtonState, PartStatus, kept, shorten_all};
+use super::step::{StepGoal, StepLine};
+
+/// Where to.
+struct StepEnd {
+    u: Vec<f64>,
+    /// Of each part, 0 where it stays.
+    lengths: Vec<f64>,
+}
+
+impl NewtonState<'_> {
+    /// Goes step by step until no part goes on, or `may_go_on` says that the failures are enough; equations that are redundant there.
+    pub fn follow(&mut self, may_go_on: impl Fn(&[(usize, NewtonError)]) -> bool) -> Result<Vec<usize>, NewtonError> {
+        let (mut before, mut step) = (None, 0);
+        loop {
+            let found = self.look(step, before)?;
+            self.decide(&found.analysis).map_err(|source| NewtonError::Argument { step, source })?;
+            if !self.goes_on(step) || !may_go_on(&self.failures) {
+                return Ok(dependent(&found.analysis));
+            }
+            self.advance(&found, step)?;
+            if !may_go_on(&self.failures) {
+                return Ok(Vec::new());
+            }
+            (before, step) = (Some(found), step + 1);
+        }
+    }
+
+    /// Goes with each part as far along its step as that is good for it; one that has no way to go says so, and stays.
+    pub fn advance(&mut self, found: &Linearisation, step: usize) -> Result<(), NewtonError> {
+        let analysis = &found.analysis;
+        let (du, conflicts) = self.directions(found, step)?;
+        let target = self.search(du, &kept(analysis)).map_err(|source| NewtonError::Argument { step, source })?;
+        for part in 0..self.parts.count() {
+            let stuck = self.states[part].way != StepGoal::Done && target.lengths[part] == 0.0;
+            if conflicts[part] {
+                self.fail(part, self.conflict(part, analysis));
+            } else if stuck && (self.states[part].settled || self.states[part].way == StepGoal::Out) {
+                self.fail(part, self.no_convergence(step, part));
+            }
+        }
+        self.go(target, step)
+    }
+
+    /// du, by what each part has to do, and which parts have proof that there is none.
+    fn directions(&mut self, found: &Linearisation, step: usize) -> Result<(Vec<f64>, Vec<bool>), NewtonError> {
+        let down = self.downhill(found, step)?;
+        let (out, exists) = if self.contradicted.is_empty() {
+            (vec![0.0; self.set.dofs()], vec![true; self.parts.count()])
+        } else {
+            ways_out(self, &found.analysis, step)?
+        };
+        let choose = |j: usize| match self.parts.of_dof(j).map_or(StepGoal::Done, |part| self.states[part].way) {
+            StepGoal::Done => 0.0,
+            StepGoal::Downhill => down[j],
+            StepGoal::Out => out[j],
+        };
+        let conflicts = self.states.iter().zip(exists).map(|(state, exists)| state.way == StepGoal::Out && !exists);
+        Ok(((0..self.set.dofs()).map(choose).collect(), conflicts.collect()))
+    }
+
+    /// A step of the parts that want one; that of others means nothing.
+    fn downhill(&self, found: &Linearisation, step: usize) -> Result<Vec<f64>, NewtonError> {
+        if !self.states.iter().any(|state| state.way == StepGoal::Downhill) {
+            return Ok(vec![0.0; self.set.dofs()]);
+        }
+        if found.current { found.step(step) } else { self.linearised(&self.place.quantities, step)?.step(step) }
+    }
+
+    fn search(&mut self, du: Vec<f64>, kept: &[bool]) -> Result<StepEnd, ArgumentError> {
+        let line = StepLine::new((self.set, &self.parts), &self.place, du);
+        let ways: Vec<StepGoal> = self.states.iter().map(|state| state.way).collect();
+        let lengths = line.lengths(&ways, (kept, self.options.tolerance), &mut self.room)?;
+        Ok(StepEnd { u: line.at(|part| lengths[part]), lengths })
+    }
+
+    /// EquationParts that stay although they are not done come to rest where they are.
+    fn go(&mut self, StepEnd { mut u, lengths }: StepEnd, step: usize) -> Result<(), NewtonError> {
+        let moves = |part: usize| lengths[part] > 0.0;
+        let moved = |vector: &&[usize; 3]| self.parts.of_dof(vector[0]).is_some_and(moves);
+        shorten_all(self.rotations.iter().filter(moved), &mut u);
+        let place =
+            Configuration::new(self.set, u, &self.parts).map_err(|source| NewtonError::Argument { step, source })?;
+        let before = std::mem::replace(&mut self.place, place);
+        for (part, state) in self.states.iter_mut().enumerate().filter(|(_, state)| state.way != StepGoal::Done) {
+            state.settled = !moves(part) || self.place.residuals[part] > FALLS * before.residuals[part];
+            state.length = if moves(part) { lengths[part] } else { state.length };
+        }
+        self.measure();
+        Ok(())
+    }
+}
+
+impl NewtonState<'_> {
+    /// Finds out what each part has to do next.
+    ///
+    /// A part is done where its kept equations hold to the tolerance, and all others to what that makes of them.
+    pub fn decide(&mut self, analysis: &Analysis) -> Result<(), ArgumentError> {
+        let (kept, tolerance) = (kept(analysis), self.options.tolerance);
+        let off = self.parts.fold(false, |off, r| *off |= kept[r] && self.residuals[r] > tolerance);
+        self.contradicted.clear();
+        for row in dependent(analysis) {
+            let part = self.parts.of_row(row);
+            let asked = self.states[part].way != StepGoal::Done && !off[part];
+            if asked && self.contradicts(analysis, row)? {
+                self.contradicted.push(row);
+            }
+        }
+        let way = |(state, off): (&mut PartStatus, bool)| {
+            if state.way != StepGoal::Done {
+                state.way = if off { StepGoal::Downhill } else { StepGoal::Done };
+            }
+        };
+        self.states.iter_mut().zip(off).for_each(way);
+        self.contradicted.iter().for_each(|&row| self.states[self.parts.of_row(row)].way = StepGoal::Out);
+        Ok(())
+    }
+
+    /// Whether a part is neither done nor has failed. After the last step that there may be, all others have.
+    pub fn goes_on(&mut self, step: usize) -> bool {
+        if step == self.options.steps {
+            let unfinished = |part: &usize| self.states[*part].way != StepGoal::Done;
+            let late: Vec<usize> = (0..self.parts.count()).filter(unfinished).collect();
+            late.into_iter().for_each(|part| self.fail(part, self.no_convergence(step, part)));
+        }
+        self.states.iter().any(|state| state.way != StepGoal::Done)
+    }
+
+    /// Whether an equation that is left out does not hold: `c_k` is that of its certificate, and so is its rounding.
+    fn contradicts(&self, analysis: &Analysis, row: usize) -> Result<bool, ArgumentError> {
+        if self.residuals[row] <= self.options.tolerance {
+            return Ok(false);
+        }
+        let rounding = self.place.rounding.c();
+        let terms = analysis.because(row)?.into_iter().map(|b| b.coefficient.abs() * rounding[b.row]);
+        let allowed = self.options.tolerance * terms.fold(rounding[row], |sum, term| sum + term);
+        Ok(!(self.place.quantities.c()[row].abs() <= allowed && allowed.is_finite()))
+    }
+}
