@@ -24,31 +24,27 @@
 
 mod branch;
 mod correct;
-mod course;
-mod ends;
 mod error;
-mod failure;
-mod found;
+mod load_path;
 mod model;
-mod options;
 mod parts;
 mod path;
-mod pattern;
+mod result;
 mod rows;
 mod saddle;
 mod stability;
 mod state;
-
-use course::Course;
-pub use ends::{Start, Target};
-pub use error::EquilibriumError;
-use failure::Failure;
-pub use found::{Equilibrium, Iterate, LoadStep};
-pub use model::{Assembly, Model};
-pub use options::EquilibriumOptions;
-pub use stability::Stability;
+mod time_path;
 
 use qless_constraints::{ConstraintSet, TimeError};
+
+pub use error::EquilibriumError;
+use error::StepFailure;
+pub use load_path::{EquilibriumOptions, Start, Target};
+pub use model::{Assembly, Model};
+pub use result::{Equilibrium, EquilibriumIterate, LoadStep};
+pub use stability::Stability;
+use time_path::TimePath;
 
 /// Finds equilibrium at the target: `f_int(u) + G^T lambda = f_ext`, `c(u) = 0`, prescribed DOFs at their values.
 ///
@@ -101,7 +97,7 @@ pub fn solve(
 ) -> Result<Equilibrium, EquilibriumError> {
     options.validate()?;
     path::check(model.dofs(), set, start, target)?;
-    path::Path::new(model, Course::Still(set), start, target, options)?.follow()
+    path::Path::new(model, TimePath::Still(set), start, target, options)?.follow()
 }
 
 /// [`solve`] while the set goes from its time to another: motors and right-hand sides that are functions of time move with the loads,
@@ -160,5 +156,5 @@ pub fn drive(
         return Err(TimeError::Time(time).into());
     }
     let times = [set.time(), time];
-    path::Path::new(model, Course::Driven { set, times }, start, target, options)?.follow()
+    path::Path::new(model, TimePath::Driven { set, times }, start, target, options)?.follow()
 }

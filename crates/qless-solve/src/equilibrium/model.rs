@@ -57,7 +57,7 @@ pub trait Model {
 
 /// A number that has no place in the pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Fault {
+pub(super) enum AssemblyFault {
     Force(usize),
     Stiffness(usize, usize),
 }
@@ -73,7 +73,7 @@ pub struct Assembly {
     columns: Vec<usize>,
     values: Vec<f64>,
     wanted: bool,
-    pub(super) fault: Option<Fault>,
+    pub(super) fault: Option<AssemblyFault>,
 }
 
 impl Assembly {
@@ -82,7 +82,7 @@ impl Assembly {
         let (n, mut rows, mut fault) = (model.dofs(), vec![Vec::new(); model.dofs()], None);
         model.pattern(&mut |i, j| match rows.get_mut(i) {
             Some(row) if j < n => row.push(j),
-            _ => fault = Some(Fault::Stiffness(i, j)),
+            _ => fault = Some(AssemblyFault::Stiffness(i, j)),
         });
         let mut start = vec![0];
         let mut columns = Vec::new();
@@ -113,7 +113,7 @@ impl Assembly {
                 *force += value;
                 self.terms[dof] += value.abs();
             }
-            None => self.fault = Some(Fault::Force(dof)),
+            None => self.fault = Some(AssemblyFault::Force(dof)),
         }
     }
 
@@ -125,7 +125,7 @@ impl Assembly {
         let row = if i + 1 < self.start.len() { self.start[i]..self.start[i + 1] } else { 0..0 };
         match self.columns[row.clone()].binary_search(&j) {
             Ok(place) => self.values[row.start + place] += value,
-            Err(_) => self.fault = Some(Fault::Stiffness(i, j)),
+            Err(_) => self.fault = Some(AssemblyFault::Stiffness(i, j)),
         }
     }
 
@@ -142,7 +142,7 @@ impl Assembly {
         known
     }
 
-    /// Entries `(j, K_ij)` of a row.
+    /// SaddleEntries `(j, K_ij)` of a row.
     pub(super) fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         let entries = self.start[i]..self.start[i + 1];
         self.columns[entries.clone()].iter().copied().zip(self.values[entries].iter().copied())

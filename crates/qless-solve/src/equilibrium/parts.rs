@@ -4,17 +4,18 @@
 //! What is done and said of a part depends on that part alone. They come by their lowest DOFs; those of equations on prescribed DOFs alone are last,
 //! by their rows.
 
-use super::model::Assembly;
-use crate::newton::{EquationParts, join_all};
 use qless::common::DisjointSets;
 use qless_constraints::{ConstraintSet, Quantities};
+
+use super::model::Assembly;
+use crate::newton::{EquationParts, join_all};
 
 /// Of DOFs that are prescribed.
 const NONE: u32 = u32::MAX;
 
 /// One part.
 #[derive(Default)]
-pub struct Part {
+pub struct EquilibriumPart {
     /// Its DOFs, ascending.
     pub free: Vec<usize>,
     /// Its equations, ascending.
@@ -23,30 +24,30 @@ pub struct Part {
     pub held: Vec<usize>,
 }
 
-pub struct Parts {
-    pub list: Vec<Part>,
+pub struct EquilibriumParts {
+    pub list: Vec<EquilibriumPart>,
     /// Prescribed DOFs that are in none.
-    pub untouched: Part,
+    pub untouched: EquilibriumPart,
     of_dof: Vec<u32>,
     of_row: Vec<u32>,
     place: Vec<u32>,
-    /// Parts of the equations alone, which stiffness does not join.
+    /// EquilibriumParts of the equations alone, which stiffness does not join.
     pub of_equations: EquationParts,
 }
 
-impl Parts {
+impl EquilibriumParts {
     pub fn new(assembly: &Assembly, set: &ConstraintSet, quantities: &Quantities, prescribed: &[(usize, f64)]) -> Self {
         let n = set.dofs();
         let mut held = vec![false; n];
         prescribed.iter().for_each(|&(j, _)| held[j] = true);
         let mut roots = joined(assembly, set, quantities, &held);
-        let (mut list, mut place): (Vec<Part>, _) = (Vec::new(), vec![NONE; n]);
+        let (mut list, mut place): (Vec<EquilibriumPart>, _) = (Vec::new(), vec![NONE; n]);
         let mut of_dof = vec![NONE; n];
         for j in (0..n).filter(|&j| !held[j]) {
             let root = roots.root(j);
             if root == j {
                 of_dof[j] = list.len() as u32;
-                list.push(Part::default());
+                list.push(EquilibriumPart::default());
             }
             of_dof[j] = of_dof[root];
             let free = &mut list[of_dof[j] as usize].free;
@@ -58,7 +59,7 @@ impl Parts {
         for r in 0..g.rows() {
             let part = g.row(r).map(|(j, _)| of_dof[j]).find(|&part| part != NONE);
             let part = part.unwrap_or(list.len() as u32);
-            list.resize_with(list.len().max(part as usize + 1), Part::default);
+            list.resize_with(list.len().max(part as usize + 1), EquilibriumPart::default);
             list[part as usize].rows.push(r);
             of_row.push(part);
         }
@@ -66,7 +67,7 @@ impl Parts {
         let mut touched: Vec<bool> = held.iter().map(|held| !held).collect();
         list.iter().flat_map(|part| &part.held).for_each(|&j| touched[j] = true);
         let rest = (0..n).filter(|&j| !touched[j]).collect();
-        let untouched = Part { held: rest, ..Part::default() };
+        let untouched = EquilibriumPart { held: rest, ..EquilibriumPart::default() };
         Self { list, untouched, of_dof, of_row, place, of_equations: EquationParts::new(g, prescribed, &[]) }
     }
 
@@ -84,7 +85,7 @@ impl Parts {
     }
 }
 
-impl Part {
+impl EquilibriumPart {
     /// Finds its prescribed DOFs.
     fn touch(&mut self, assembly: &Assembly, quantities: &Quantities, held: &[bool]) {
         let g = quantities.g();

@@ -6,15 +6,15 @@
 use std::sync::Arc;
 
 use qless::{Analysis, Kind, Options, analyse};
-
-use super::parts::Parts;
-use super::{EquilibriumOptions, Failure};
-use crate::newton::units;
 use qless_constraints::{ConstraintSet, Quantities};
+
+use super::parts::EquilibriumParts;
+use super::{EquilibriumOptions, StepFailure};
+use crate::newton::units;
 
 /// What an analysis says of all equations at one configuration.
 #[derive(Debug)]
-pub struct Choice {
+pub struct RowChoice {
     /// Of the columns of G there.
     units: Vec<f64>,
     /// Which equations are independent.
@@ -23,14 +23,14 @@ pub struct Choice {
     analysis: Analysis,
 }
 
-impl Choice {
+impl RowChoice {
     /// The rows that are independent where `quantities` were evaluated, `before` first.
     pub fn new(
-        (set, parts): (&ConstraintSet, &Parts),
+        (set, parts): (&ConstraintSet, &EquilibriumParts),
         quantities: &Quantities,
         prescribed: &[(usize, f64)],
         (options, mut before): (&EquilibriumOptions, Vec<usize>),
-    ) -> Result<Arc<Self>, Failure> {
+    ) -> Result<Arc<Self>, StepFailure> {
         let mut still = quantities.clone();
         // Only the rank is asked for.
         still.clear_values();
@@ -47,16 +47,16 @@ impl Choice {
 
 /// Kept rows of one part, ascending.
 #[derive(Clone, Debug)]
-pub struct Rows {
+pub struct KeptRows {
     list: Vec<usize>,
     /// Whether one was left out that is independent in the units.
     thinned: bool,
-    choice: Arc<Choice>,
+    choice: Arc<RowChoice>,
 }
 
-impl Rows {
+impl KeptRows {
     /// Those of the given ones that are independent.
-    pub fn new(of: &[usize], choice: &Arc<Choice>) -> Self {
+    pub fn new(of: &[usize], choice: &Arc<RowChoice>) -> Self {
         let list = of.iter().copied().filter(|&r| choice.kept[r]).collect();
         Self { list, thinned: false, choice: choice.clone() }
     }
@@ -91,7 +91,7 @@ impl Rows {
     }
 
     /// Chooses anew among the given ones; whether that changed anything.
-    pub fn renew(&mut self, of: &[usize], choice: &Arc<Choice>) -> bool {
+    pub fn renew(&mut self, of: &[usize], choice: &Arc<RowChoice>) -> bool {
         let other = Self::new(of, choice);
         let changed = other.list != self.list;
         *self = other;

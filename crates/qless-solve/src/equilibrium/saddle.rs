@@ -2,13 +2,15 @@
 //!
 //! `A = D (saddle) D` with entries of size one: D of a DOF is a displacement by the root of an energy, so that a scaled correction
 //! `D^-1 x` has the same unit in all its parts, and so has a scaled residual `D r`.
+//! @@ equilibrium/pattern.rs
+//! Where the entries of a saddle matrix are, and the symbolic part of its factors: the same as long as the same rows are kept.
 
 use faer::Mat;
 use faer::prelude::Solve;
-use faer::sparse::linalg::solvers::Lu;
+use faer::sparse::linalg::solvers::{Lu, SymbolicLu};
+use faer::sparse::{Argsort, Pair, SymbolicSparseColMat};
 
-use super::pattern::{Matrix, Pattern};
-use crate::common::random;
+use crate::common::{SparseMatrix, random};
 
 /// Rounds of scaling by roots of the largest entries.
 const ROUNDS: usize = 10;
@@ -19,8 +21,8 @@ const SHIFT: f64 = 1e-13;
 /// A motion has the DOFs that move by at least this part of the one that moves most.
 const MOVES: f64 = 0.1;
 
-/// Entries `(row, column, value)` of a square matrix; repetitions are summed.
-pub struct Entries {
+/// SaddleEntries `(row, column, value)` of a square matrix; repetitions are summed.
+pub struct SaddleEntries {
     pub size: usize,
     /// So many of them, the first, are those of the model's stiffness.
     pub stiff: usize,
@@ -32,13 +34,13 @@ pub struct Entries {
 /// The scaled matrix and its factors.
 pub struct Saddle {
     scale: Vec<f64>,
-    a: Matrix,
+    a: SparseMatrix,
     lu: Lu<usize, f64>,
 }
 
 impl Saddle {
     /// Scales and factors, with `added` on the first `free` places of the scaled diagonal.
-    pub fn new(entries: &Entries, free: usize, added: f64, pattern: &mut Pattern) -> Result<Self, String> {
+    pub fn new(entries: &SaddleEntries, free: usize, added: f64, pattern: &mut SaddlePattern) -> Result<Self, String> {
         let scale = scaling(entries, free);
         let scaled = entries.list.iter().map(|&(i, j, v)| (i, j, scale[i] * v * scale[j]));
         let more = (0..entries.size).map(|i| (i, i, if i < free { added } else { 0.0 }));
@@ -48,7 +50,7 @@ impl Saddle {
     }
 
     /// `A = D (saddle) D`.
-    pub fn matrix(&self) -> &Matrix {
+    pub fn matrix(&self) -> &SparseMatrix {
         &self.a
     }
 
@@ -67,7 +69,7 @@ impl Saddle {
     }
 
     /// The scaled vector that A makes smallest, if that is nothing but rounding; by inverse iteration.
-    pub fn null_vector(&self, pattern: &Pattern) -> Option<Vec<f64>> {
+    pub fn null_vector(&self, pattern: &SaddlePattern) -> Option<Vec<f64>> {
         match inverse_iteration(&self.lu, self.scale.len()) {
             Some((_, size)) if size >= SINGULAR => None,
             Some((y, _)) => Some(y),
@@ -86,13 +88,13 @@ impl Saddle {
     }
 
     /// `D (saddle) D y` of another saddle with the scales of this one.
-    pub fn applied(&self, entries: &Entries, y: &[f64]) -> Vec<f64> {
+    pub fn applied(&self, entries: &SaddleEntries, y: &[f64]) -> Vec<f64> {
         let mut sum = vec![0.0; y.len()];
         entries.list.iter().for_each(|&(i, j, v)| sum[i] += self.scale[i] * v * self.scale[j] * y[j]);
         sum
     }
 
-    fn shifted(&self, pattern: &Pattern) -> Option<Lu<usize, f64>> {
+    fn shifted(&self, pattern: &SaddlePattern) -> Option<Lu<usize, f64>> {
         let mut shifted = self.a.clone();
         (0..self.scale.len()).for_each(|j| shifted[(j, j)] += SHIFT);
         pattern.factors(&shifted).ok()
@@ -100,7 +102,7 @@ impl Saddle {
 }
 
 /// `A x`.
-pub fn times(a: &Matrix, x: &[f64]) -> Vec<f64> {
+pub fn times(a: &SparseMatrix, x: &[f64]) -> Vec<f64> {
     let mut y = vec![0.0; x.len()];
     for (j, x) in x.iter().enumerate() {
         a.symbolic().row_idx_of_col(j).zip(a.val_of_col(j)).for_each(|(i, v)| y[i] += v * x);
@@ -153,14 +155,14 @@ pub fn largest(y: &[f64]) -> impl Iterator<Item = usize> {
 ///
 /// DOFs with stiffness have their scale from that alone: a turn and a shift that are tied differ in stiffness by what their units differ
 /// by, and constraints must not hide it. All others are scaled to fit these; of several scales that fit, the start decides.
-fn scaling(entries: &Entries, free: usize) -> Vec<f64> {
+fn scaling(entries: &SaddleEntries, free: usize) -> Vec<f64> {
     let unit = |i: usize| entries.units.get(i).copied().unwrap_or(1.0);
     let list = entries.list.iter().map(|&(i, j, v)| (i, j, unit(i) * v * unit(j))).collect();
-    let in_units = Entries { size: entries.size, stiff: entries.stiff, list, units: Vec::new() };
+    let in_units = SaddleEntries { size: entries.size, stiff: entries.stiff, list, units: Vec::new() };
     fitted(&in_units, free).iter().enumerate().map(|(i, scale)| unit(i) * scale).collect()
 }
 
-fn fitted(entries: &Entries, free: usize) -> Vec<f64> {
+fn fitted(entries: &SaddleEntries, free: usize) -> Vec<f64> {
     let mut held = vec![false; entries.size];
     entries.list[..entries.stiff].iter().filter(|(.., v)| *v != 0.0).for_each(|&(i, ..)| held[i] = true);
     let mut scale = start(entries, free);
@@ -177,7 +179,7 @@ fn fitted(entries: &Entries, free: usize) -> Vec<f64> {
 }
 
 /// Stiffness and constraints as large as one another: the unit of force drops out.
-fn start(entries: &Entries, free: usize) -> Vec<f64> {
+fn start(entries: &SaddleEntries, free: usize) -> Vec<f64> {
     let of_motion = entries.list.iter().filter(|(i, j, _)| *i < free && *j < free);
     let most = of_motion.map(|(.., v)| v.abs()).fold(0.0, f64::max);
     let of_dofs = if most > 0.0 { most.sqrt().recip() } else { 1.0 };
@@ -200,4 +202,46 @@ pub fn norm(x: &[f64]) -> f64 {
 fn unit(x: &[f64]) -> Vec<f64> {
     let size = norm(x);
     x.iter().map(|x| x / size).collect()
+}
+
+/// Made at the first matrix, and anew for one with entries elsewhere.
+#[derive(Default)]
+pub struct SaddlePattern(Option<KnownPattern>);
+
+struct KnownPattern {
+    /// `(row, column)` of each number, repetitions too.
+    places: Vec<(usize, usize)>,
+    columns: SymbolicSparseColMat<usize>,
+    order: Argsort<usize>,
+    factors: SymbolicLu<usize>,
+}
+
+impl SaddlePattern {
+    /// The matrix with these entries `(row, column, value)`, of which those in one place are summed.
+    pub fn matrix(&mut self, size: usize, entries: &[(usize, usize, f64)]) -> Result<SparseMatrix, String> {
+        let places = || entries.iter().map(|&(i, j, _)| (i, j));
+        let known = match self.0.take() {
+            Some(known) if known.columns.ncols() == size && places().eq(known.places.iter().copied()) => known,
+            _ => KnownPattern::new(size, places().collect())?,
+        };
+        let known = self.0.insert(known);
+        let values: Vec<f64> = entries.iter().map(|&(.., v)| v).collect();
+        SparseMatrix::new_from_argsort(known.columns.clone(), &known.order, &values).map_err(|e| format!("{e:?}"))
+    }
+
+    /// The factors of a matrix with the entries of the last one.
+    pub fn factors(&self, matrix: &SparseMatrix) -> Result<Lu<usize, f64>, String> {
+        let known = self.0.as_ref().ok_or("there is no matrix")?;
+        Lu::try_new_with_symbolic(known.factors.clone(), matrix.as_ref()).map_err(|e| format!("{e:?}"))
+    }
+}
+
+impl KnownPattern {
+    fn new(size: usize, places: Vec<(usize, usize)>) -> Result<Self, String> {
+        let pairs: Vec<_> = places.iter().map(|&(i, j)| Pair::new(i, j)).collect();
+        let (columns, order) =
+            SymbolicSparseColMat::try_new_from_indices(size, size, &pairs).map_err(|e| format!("{e:?}"))?;
+        let factors = SymbolicLu::try_new(columns.as_ref()).map_err(|e| format!("{e:?}"))?;
+        Ok(Self { places, columns, order, factors })
+    }
 }

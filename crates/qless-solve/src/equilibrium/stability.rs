@@ -15,9 +15,8 @@ use faer::sparse::linalg::cholesky::{
 };
 use faer::{Conj, MatMut, Par, Side, Spec};
 
-use super::pattern::Matrix;
 use super::saddle::{norm, times};
-use crate::common::random;
+use crate::common::{SparseMatrix, random};
 
 /// s, where entries are of size one: a large one is far from the constraints, a small one rounds the stiffness away.
 const SHIFTS: [f64; 4] = [1e-6, 1e-8, 1e-4, 1e-10];
@@ -61,36 +60,36 @@ impl Stability {
 }
 
 /// That of a scaled saddle matrix, whose first `free` places are DOFs.
-pub fn stability(a: &Matrix, free: usize) -> Stability {
+pub fn stability(a: &SparseMatrix, free: usize) -> Stability {
     if !symmetric(a) {
         return Stability::NotSymmetric;
     }
     if free == 0 {
         return Stability::Stable;
     }
-    match SHIFTS.iter().find_map(|&shift| Factors::new(a, free, shift)?.proven(a)) {
+    match SHIFTS.iter().find_map(|&shift| InertiaFactors::new(a, free, shift)?.proven(a)) {
         Some(0) => Stability::Stable,
         Some(directions) => Stability::Unstable { directions },
         None => Stability::Undecided,
     }
 }
 
-fn symmetric(a: &Matrix) -> bool {
+fn symmetric(a: &SparseMatrix) -> bool {
     let column = |j: usize| a.symbolic().row_idx_of_col(j).zip(a.val_of_col(j));
     let other = |i: usize, j: usize| a.get(i, j).copied().unwrap_or(0.0);
     (0..a.ncols()).all(|j| column(j).all(|(i, v)| (v - other(j, i)).abs() <= SYMMETRIC))
 }
 
 /// `K + H + G^T G / s = L D L^T`.
-struct Factors {
+struct InertiaFactors {
     free: usize,
     shift: f64,
     symbolic: SymbolicCholesky<usize>,
     values: Vec<f64>,
 }
 
-impl Factors {
-    fn new(a: &Matrix, free: usize, shift: f64) -> Option<Self> {
+impl InertiaFactors {
+    fn new(a: &SparseMatrix, free: usize, shift: f64) -> Option<Self> {
         let stiff = stiffened(a, free, shift)?;
         // D of simplicial factors is where it can be read.
         let simplicial = SupernodalThreshold::FORCE_SIMPLICIAL;
@@ -106,7 +105,7 @@ impl Factors {
     }
 
     /// The number of negative pivots, if `Z^T (K + H) Z` has as many negative eigenvalues.
-    fn proven(&self, a: &Matrix) -> Option<usize> {
+    fn proven(&self, a: &SparseMatrix) -> Option<usize> {
         let mut x: Vec<f64> = (0..a.ncols() as u64).map(random).collect();
         let before = norm(&x);
         for _ in 0..POWERS {
@@ -119,7 +118,7 @@ impl Factors {
     }
 
     /// `M^-1 b`: `x = (K + H + G^T G / s)^-1 (b_1 + G^T b_2 / s)`, `y = (G x - b_2) / s`.
-    fn solve(&self, a: &Matrix, b: &[f64]) -> Option<Vec<f64>> {
+    fn solve(&self, a: &SparseMatrix, b: &[f64]) -> Option<Vec<f64>> {
         let (motion, rows) = b.split_at(self.free);
         let mut whole = [&vec![0.0; self.free][..], rows].concat();
         let pull = times(a, &whole);
@@ -137,7 +136,7 @@ impl Factors {
 }
 
 /// The upper half of `K + H + G^T G / s`; nothing if that would have too many entries.
-fn stiffened(a: &Matrix, free: usize, shift: f64) -> Option<Matrix> {
+fn stiffened(a: &SparseMatrix, free: usize, shift: f64) -> Option<SparseMatrix> {
     let column = |j: usize| a.symbolic().row_idx_of_col(j).zip(a.val_of_col(j));
     // The columns of rows are `G^T`.
     let rows = free..a.ncols();
@@ -153,5 +152,5 @@ fn stiffened(a: &Matrix, free: usize, shift: f64) -> Option<Matrix> {
         }
     }
     list.retain(|entry| upper(entry.row, entry.col));
-    Matrix::try_new_from_triplets(free, free, &list).ok()
+    SparseMatrix::try_new_from_triplets(free, free, &list).ok()
 }

@@ -1,12 +1,12 @@
 //! f_int, K, c, G and H at one configuration, and what is out of balance: `r = f_int + G^T lambda - f_ext`.
 
 use qless::Csr;
-
-use super::model::{Assembly, Fault, Model};
-use super::parts::{Part, Parts};
-use super::{EquilibriumError, Failure};
-use crate::newton::{at_rest, in_roundings, weights};
 use qless_constraints::{ConstraintSet, Quantities, Rounding};
+
+use super::model::{Assembly, AssemblyFault, Model};
+use super::parts::{EquilibriumPart, EquilibriumParts};
+use super::{EquilibriumError, StepFailure};
+use crate::newton::{at_rest, in_roundings, weights};
 
 /// Rounding of a sum of products, in units in the last place.
 const ULPS: f64 = 8.0 * f64::EPSILON;
@@ -21,7 +21,7 @@ pub struct Unknowns {
 }
 
 /// What there is at one configuration.
-pub struct State {
+pub struct EquilibriumState {
     pub assembly: Assembly,
     pub quantities: Quantities,
     /// `f_int + G^T lambda - f_ext` at all DOFs.
@@ -36,7 +36,7 @@ pub struct State {
     of_constraints: Option<Rounding>,
 }
 
-impl State {
+impl EquilibriumState {
     pub fn new(model: &impl Model, set: &ConstraintSet) -> Result<Self, EquilibriumError> {
         let assembly = Assembly::new(model);
         fault(&assembly)?;
@@ -61,9 +61,9 @@ impl State {
         set: &ConstraintSet,
         at: &Unknowns,
         loads: &[f64],
-    ) -> Result<(), Failure> {
+    ) -> Result<(), StepFailure> {
         self.assembly.clear(false);
-        model.assemble(&at.u, &mut self.assembly).map_err(Failure::Model)?;
+        model.assemble(&at.u, &mut self.assembly).map_err(StepFailure::Model)?;
         set.evaluate(&at.u, &mut self.quantities)?;
         self.sum(at, loads)
     }
@@ -75,9 +75,9 @@ impl State {
         set: &ConstraintSet,
         at: &Unknowns,
         loads: &[f64],
-    ) -> Result<(), Failure> {
+    ) -> Result<(), StepFailure> {
         self.assembly.clear(true);
-        model.assemble(&at.u, &mut self.assembly).map_err(Failure::Model)?;
+        model.assemble(&at.u, &mut self.assembly).map_err(StepFailure::Model)?;
         set.assemble(&at.u, &at.multipliers, &mut self.quantities)?;
         self.sum(at, loads)?;
         let rounding = set.rounding(&at.u)?;
@@ -90,8 +90,8 @@ impl State {
     /// c of these parts no longer falls: what is left of it may be the rounding of other rows, or of forces.
     pub fn settle<'a>(
         &mut self,
-        (set, parts): (&ConstraintSet, &Parts),
-        settled: impl Iterator<Item = &'a Part>,
+        (set, parts): (&ConstraintSet, &EquilibriumParts),
+        settled: impl Iterator<Item = &'a EquilibriumPart>,
         u: &[f64],
     ) {
         if let Some(rounding) = &self.of_constraints {
@@ -108,7 +108,7 @@ impl State {
 
     /// `|c_r / G_rj| K_jj^1/2 / max_i terms_i K_ii^-1/2` in units in the last place, the least over j, for each row: where that is little, a motion that
     /// makes up for c_r is less than the rounding of forces does, however small the terms of c_r are. Those of a support `u_0 = 0` vanish with u_0.
-    fn in_forces(&self, part: &Part) -> Vec<f64> {
+    fn in_forces(&self, part: &EquilibriumPart) -> Vec<f64> {
         let stiffness = |j: usize| self.assembly.row(j).find(|&(k, _)| k == j).map_or(0.0, |(_, v)| v.abs().sqrt());
         let sizes = part.free.iter().map(|&j| (stiffness(j), self.terms[j])).filter(|(stiffness, _)| *stiffness > 0.0);
         let most = sizes.map(|(stiffness, terms)| terms / stiffness).fold(0.0, f64::max);
@@ -121,7 +121,7 @@ impl State {
         part.rows.iter().map(of_row).collect()
     }
 
-    fn sum(&mut self, at: &Unknowns, loads: &[f64]) -> Result<(), Failure> {
+    fn sum(&mut self, at: &Unknowns, loads: &[f64]) -> Result<(), StepFailure> {
         fault(&self.assembly)?;
         let Self { assembly, residual, terms, .. } = self;
         for (j, &load) in loads.iter().enumerate() {
@@ -139,13 +139,13 @@ impl State {
     }
 
     /// Whether forces and c of a part are numbers.
-    pub fn finite(&self, part: &Part) -> Result<(), Failure> {
+    pub fn finite(&self, part: &EquilibriumPart) -> Result<(), StepFailure> {
         finite("the force", part.free.iter().chain(&part.held).map(|&j| (j, self.residual[j])))?;
         finite("the constraint value", part.rows.iter().map(|&r| (r, self.quantities.c()[r])))
     }
 
     /// Whether its stiffness is.
-    pub fn finite_stiffness(&self, part: &Part) -> Result<(), Failure> {
+    pub fn finite_stiffness(&self, part: &EquilibriumPart) -> Result<(), StepFailure> {
         let rows = part.free.iter().chain(&part.held);
         finite("the stiffness", rows.flat_map(|&i| self.assembly.row(i).map(move |(_, k)| (i, k))))
     }
@@ -190,15 +190,15 @@ impl State {
 
 fn fault(assembly: &Assembly) -> Result<(), EquilibriumError> {
     match assembly.fault {
-        Some(Fault::Force(dof)) => Err(EquilibriumError::Force { dof, dofs: assembly.force.len() }),
-        Some(Fault::Stiffness(row, column)) => Err(EquilibriumError::Pattern { row, column }),
+        Some(AssemblyFault::Force(dof)) => Err(EquilibriumError::Force { dof, dofs: assembly.force.len() }),
+        Some(AssemblyFault::Stiffness(row, column)) => Err(EquilibriumError::Pattern { row, column }),
         None => Ok(()),
     }
 }
 
-fn finite(what: &'static str, mut numbers: impl Iterator<Item = (usize, f64)>) -> Result<(), Failure> {
+fn finite(what: &'static str, mut numbers: impl Iterator<Item = (usize, f64)>) -> Result<(), StepFailure> {
     let bad = numbers.find(|(_, x)| !x.is_finite());
-    bad.map_or(Ok(()), |(at, _)| Err(Failure::NotFinite { what, at }))
+    bad.map_or(Ok(()), |(at, _)| Err(StepFailure::NotFinite { what, at }))
 }
 
 /// `G^T lambda`.

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use qless_constraints::types::{Distance, Equal, LinearEquation, OnSphere, PlanarPoint};
 use qless_constraints::{ConstraintSet, SetBuilder};
 use qless_solve::equilibrium::{
-    Assembly, Equilibrium, EquilibriumError, EquilibriumOptions, Iterate, Model, Start, Target, solve,
+    Assembly, Equilibrium, EquilibriumError, EquilibriumIterate, EquilibriumOptions, Model, Start, Target, solve,
 };
 
 use crate::linkages::Outcome;
@@ -24,7 +24,7 @@ pub fn assert_quadratic(name: &str, found: &Equilibrium, bound: f64) {
         for (k, i) in step.iterates.iter().enumerate() {
             println!("{k:>4} {:>12.3e} {:>12.3e} {:>8}", i.force, i.constraint, i.length);
         }
-        let larger = |i: &Iterate| i.force.max(i.constraint);
+        let larger = |i: &EquilibriumIterate| i.force.max(i.constraint);
         for pair in step.iterates.windows(2).filter(|_| step.converged) {
             let (before, after) = (larger(&pair[0]), larger(&pair[1]));
             if before < 1e-2 && before > 1e-9 {

@@ -2,11 +2,11 @@
 //! correction with the same matrix, `A^-1 F(x + t dx)`, is shorter than dx by a quarter of t. Where a stiff direction (an axis, a
 //! rod) bends, forces rise for a step while the error falls: the residual itself would forbid that step.
 //!
-//! Parts try their lengths in lock step; those that have found theirs wait where they were.
+//! EquilibriumParts try their lengths in lock step; those that have found theirs wait where they were.
 
 use super::super::state::Unknowns;
-use super::super::{Failure, Model};
-use super::{Corrector, Step, Way};
+use super::super::{Model, StepFailure};
+use super::{Correction, Corrector, PartStage};
 
 /// Steps shorter than this are none.
 const SHORTEST: f64 = 1e-4;
@@ -14,44 +14,44 @@ const SHORTEST: f64 = 1e-4;
 const NEAR: f64 = 1e3;
 
 /// A part that looks for its length.
-pub(super) struct Search {
-    step: Step,
+pub(super) struct LengthSearch {
+    step: Correction,
     size: f64,
     t: f64,
     found: bool,
 }
 
 impl<M: Model> Corrector<'_, M> {
-    /// Where to start: all the way where only rounding is left. Parts whose prescribed DOFs have yet to move are ready for that.
-    pub(super) fn starts(&mut self, x: &Unknowns, steps: Vec<Step>) -> Vec<Search> {
+    /// Where to start: all the way where only rounding is left. EquilibriumParts whose prescribed DOFs have yet to move are ready for that.
+    pub(super) fn starts(&mut self, x: &Unknowns, steps: Vec<Correction>) -> Vec<LengthSearch> {
         let mut searches = Vec::new();
         for step in steps {
             let arrived = self.arrived(step.part, x);
             let own = &mut self.all[step.part];
             if step.only_multipliers {
-                searches.push(Search { step, size: 0.0, t: 0.0, found: true });
+                searches.push(LengthSearch { step, size: 0.0, t: 0.0, found: true });
             } else if !arrived {
-                own.way = Way::Ready(step.dx);
+                own.way = PartStage::Ready(step.dx);
             } else {
                 let now = own.iterates.last().copied().unwrap_or_default();
                 let near = now.force <= NEAR * self.options.tolerance
                     && now.constraint <= NEAR * f64::EPSILON * self.options.roundings;
                 let t = if near || own.length <= 0.0 { 1.0 } else { (4.0 * own.length).min(1.0) };
                 let size = step.saddle.length(&step.dx);
-                searches.push(Search { step, size, t, found: near });
+                searches.push(LengthSearch { step, size, t, found: near });
             }
         }
         searches
     }
 
     /// Moves each part by its length.
-    pub(super) fn go(&mut self, x: &mut Unknowns, mut searches: Vec<Search>) -> Result<(), Failure> {
+    pub(super) fn go(&mut self, x: &mut Unknowns, mut searches: Vec<LengthSearch>) -> Result<(), StepFailure> {
         while searches.iter().any(|search| !search.found) {
             self.attempt(x, &mut searches)?;
         }
-        for Search { step, t, .. } in searches {
+        for LengthSearch { step, t, .. } in searches {
             if !step.only_multipliers && is_none(t) {
-                self.give_up(step.part, Failure::NoConvergence, x);
+                self.give_up(step.part, StepFailure::NoConvergence, x);
             } else {
                 let of_multipliers = if step.only_multipliers { 1.0 } else { t };
                 self.advance(x, step.part, &step.dx, (t, of_multipliers));
@@ -62,15 +62,15 @@ impl<M: Model> Corrector<'_, M> {
     }
 
     /// One trial of all that are open; forces, c and G of x are lost.
-    fn attempt(&mut self, x: &Unknowns, searches: &mut [Search]) -> Result<(), Failure> {
+    fn attempt(&mut self, x: &Unknowns, searches: &mut [LengthSearch]) -> Result<(), StepFailure> {
         let mut trial = x.clone();
-        let mut open: Vec<&mut Search> = searches.iter_mut().filter(|search| !search.found).collect();
-        open.iter().for_each(|Search { step, t, .. }| self.advance(&mut trial, step.part, &step.dx, (*t, *t)));
+        let mut open: Vec<&mut LengthSearch> = searches.iter_mut().filter(|search| !search.found).collect();
+        open.iter().for_each(|LengthSearch { step, t, .. }| self.advance(&mut trial, step.part, &step.dx, (*t, *t)));
         match self.state.balance(self.model, self.set, &trial, self.loads) {
             Ok(()) => open.iter_mut().for_each(|search| self.judge(&trial, search)),
-            Err(Failure::Model(refusal)) => {
+            Err(StepFailure::Model(refusal)) => {
                 let parts: Vec<usize> = open.iter().map(|search| search.step.part).collect();
-                let blamed = self.blame(&x.u, &trial.u, &parts, refusal);
+                let blamed = self.locate_failure(&x.u, &trial.u, &parts, refusal);
                 let is_blamed = |part: usize| blamed.as_ref().map_or(true, |list| list.iter().any(|(p, _)| *p == part));
                 open.iter_mut().filter(|search| is_blamed(search.step.part)).for_each(|search| search.cut(0.25));
             }
@@ -80,8 +80,8 @@ impl<M: Model> Corrector<'_, M> {
     }
 
     /// Whether the next correction, `-A^-1 F(x + t dx)`, is as much shorter as it must be; if not, the next length.
-    fn judge(&self, trial: &Unknowns, search: &mut Search) {
-        let Search { step: Step { part, saddle, dx, .. }, size, t, .. } = &*search;
+    fn judge(&self, trial: &Unknowns, search: &mut LengthSearch) {
+        let LengthSearch { step: Correction { part, saddle, dx, .. }, size, t, .. } = &*search;
         let (size, t) = (*size, *t);
         if self.state.finite(&self.parts.list[*part]).is_err() {
             return search.cut(0.25);
@@ -111,9 +111,9 @@ impl<M: Model> Corrector<'_, M> {
             return;
         }
         for part in 0..self.all.len() {
-            if let Way::Ready(dx) = &self.all[part].way {
+            if let PartStage::Ready(dx) = &self.all[part].way {
                 self.advance(x, part, dx, (1.0, 1.0));
-                (self.all[part].way, self.all[part].length) = (Way::Going, 1.0);
+                (self.all[part].way, self.all[part].length) = (PartStage::Going, 1.0);
             }
         }
         self.prescribed.iter().for_each(|&(j, v)| x.u[j] = v);
@@ -123,13 +123,13 @@ impl<M: Model> Corrector<'_, M> {
     pub(super) fn end_late(&mut self, x: &mut Unknowns) {
         for part in self.going() {
             if self.all[part].iterates.len() > self.options.iterations {
-                self.give_up(part, Failure::NoConvergence, x);
+                self.give_up(part, StepFailure::NoConvergence, x);
             }
         }
     }
 }
 
-impl Search {
+impl LengthSearch {
     fn cut(&mut self, by: f64) {
         self.put(by * self.t);
     }

@@ -1,6 +1,6 @@
 //! Newton's method at one load: `[K + H, G^T; G, 0] [du; lambda' - lambda] = -[r; c]`, with H of the present multipliers.
 //!
-//! Parts go in lock step: one evaluation of model and constraints serves all, each where it has come to. Scales, factors, lengths, kept rows and the
+//! EquilibriumParts go in lock step: one evaluation of model and constraints serves all, each where it has come to. Scales, factors, lengths, kept rows and the
 //! end are a part's own; one that has arrived, or has failed, stays where it is. A round of all parts:
 //!
 //! | what | for | cost |
@@ -9,21 +9,20 @@
 //! | rows chosen anew | parts that ask | one analysis, seldom |
 //! | tangent | each part | one numeric LU of it |
 //! | lengths | all parts at once | one pass and one solution of each part per trial |
+//! @@ equilibrium/correct/progress.rs
+//! How far a part has come in a load step.
 
-mod blame;
+mod evaluate;
 mod length;
-mod look;
-mod progress;
-mod support;
 mod tangent;
 
-use super::parts::Parts;
-use super::pattern::Pattern;
-use super::saddle::Saddle;
-use super::state::{State, Unknowns};
-use super::{EquilibriumOptions, Failure, Model};
-pub use progress::{Progress, Way, side_by_side};
 use qless_constraints::ConstraintSet;
+
+use super::parts::EquilibriumParts;
+use super::rows::KeptRows;
+use super::saddle::{Saddle, SaddlePattern};
+use super::state::{EquilibriumState, Unknowns};
+use super::{EquilibriumIterate, EquilibriumOptions, Model, StepFailure};
 
 /// Changes of the kept rows within one load step.
 const CHANGES: usize = 4;
@@ -32,7 +31,7 @@ const CHANGES: usize = 4;
 #[derive(Default)]
 pub struct Factoring {
     /// That of the last tangent.
-    pub pattern: Pattern,
+    pub pattern: SaddlePattern,
     /// Whether scales of DOFs start from their units: where displacements and rotations are as different as their units, only these find those that fit.
     pub in_units: bool,
 }
@@ -45,10 +44,10 @@ pub struct Corrector<'a, M> {
     pub loads: &'a [f64],
     /// DOFs and their values.
     pub prescribed: &'a [(usize, f64)],
-    pub parts: &'a Parts,
-    pub state: &'a mut State,
+    pub parts: &'a EquilibriumParts,
+    pub state: &'a mut EquilibriumState,
     pub factoring: &'a mut [Factoring],
-    pub all: &'a mut [Progress],
+    pub all: &'a mut [PartProgress],
     /// The value of each prescribed DOF.
     pub goal: &'a [Option<f64>],
     /// Where all was evaluated last: a part that fails goes back there.
@@ -56,7 +55,7 @@ pub struct Corrector<'a, M> {
 }
 
 /// A correction of a part.
-struct Step {
+struct Correction {
     part: usize,
     saddle: Saddle,
     dx: Vec<f64>,
@@ -66,24 +65,24 @@ struct Step {
 
 impl<M: Model> Corrector<'_, M> {
     /// Goes with all parts that are on their way from x to equilibrium; their kept rows may change. An error is one of the whole model.
-    pub fn run(&mut self, x: &mut Unknowns) -> Result<(), Failure> {
+    pub fn run(&mut self, x: &mut Unknowns) -> Result<(), StepFailure> {
         self.set_off(x);
         loop {
-            self.look(x)?;
+            self.evaluate_all(x)?;
             let going = self.unbalanced(x)?;
             let steps = self.steps(x, &going)?;
             let searches = self.starts(x, steps);
             self.go(x, searches)?;
             self.set_off(x);
             self.end_late(x);
-            if !self.all.iter().any(Progress::goes_on) {
+            if !self.all.iter().any(PartProgress::goes_on) {
                 return Ok(());
             }
         }
     }
 
     /// The corrections of parts, but of those whose rows changed.
-    fn steps(&mut self, x: &Unknowns, going: &[usize]) -> Result<Vec<Step>, Failure> {
+    fn steps(&mut self, x: &Unknowns, going: &[usize]) -> Result<Vec<Correction>, StepFailure> {
         let lists: Vec<_> = going.iter().map(|&part| self.all[part].rows.list().to_vec()).collect();
         let before = |part: usize| going.binary_search(&part).ok().map(|place| &lists[place][..]);
         let mut steps = Vec::new();
@@ -95,7 +94,7 @@ impl<M: Model> Corrector<'_, M> {
             let only_multipliers = motion.is_some() && own.loose.is_none() && !own.rows.list().is_empty();
             own.loose = motion;
             let dx = saddle.solve(&self.rhs(part, x));
-            steps.push(Step { part, saddle, dx, only_multipliers });
+            steps.push(Correction { part, saddle, dx, only_multipliers });
         }
         Ok(steps)
     }
@@ -129,4 +128,83 @@ impl<M: Model> Corrector<'_, M> {
     fn arrived(&self, part: usize, x: &Unknowns) -> bool {
         self.parts.list[part].held.iter().all(|&j| self.goal[j] == Some(x.u[j]))
     }
+}
+
+pub struct PartProgress {
+    pub rows: KeptRows,
+    pub way: PartStage,
+    pub iterates: Vec<EquilibriumIterate>,
+    /// How much of the last correction was gone.
+    pub(super) length: f64,
+    /// DOFs of a motion that nothing resists, at the last iterate.
+    pub(super) loose: Option<Vec<usize>>,
+    /// Times that the kept rows changed.
+    pub(super) changes: usize,
+}
+
+/// What a part has to do next.
+pub enum PartStage {
+    /// To go on.
+    Going,
+    /// To take this correction, which moves its prescribed DOFs, once all others are ready for theirs: they may be the same.
+    Ready(Vec<f64>),
+    /// Nothing: it is in equilibrium, or has no part in this.
+    Done,
+    /// Nothing: it comes to none.
+    Failed(StepFailure),
+}
+
+impl PartProgress {
+    pub fn new(rows: KeptRows) -> Self {
+        Self { rows, way: PartStage::Going, iterates: Vec::new(), length: 1.0, loose: None, changes: 0 }
+    }
+
+    pub fn is_going(&self) -> bool {
+        matches!(self.way, PartStage::Going)
+    }
+
+    pub fn is_done(&self) -> bool {
+        matches!(self.way, PartStage::Done)
+    }
+
+    /// Whether it failed in a way that another start may mend: not by leaving its branch.
+    pub fn may_start_again(&self) -> bool {
+        matches!(&self.way, PartStage::Failed(failure) if !matches!(failure, StepFailure::Branch(_)))
+    }
+
+    /// Whether it is still on its way.
+    pub fn goes_on(&self) -> bool {
+        matches!(self.way, PartStage::Going | PartStage::Ready(_))
+    }
+
+    /// Why it failed, and its last iterate.
+    pub fn into_failure(self) -> Option<(StepFailure, EquilibriumIterate)> {
+        let last = self.iterates.last().copied().unwrap_or_default();
+        if let PartStage::Failed(failure) = self.way { Some((failure, last)) } else { None }
+    }
+
+    /// Without convergence where the tangent is singular, that is the reason.
+    pub fn fail(&mut self, failure: StepFailure) {
+        self.way = PartStage::Failed(failure.or_unsupported(self.loose.as_ref()));
+    }
+}
+
+/// The iterates of parts side by side: a part that has come to its end stays as it is.
+pub fn side_by_side(parts: &[&[EquilibriumIterate]]) -> Vec<EquilibriumIterate> {
+    let most = parts.iter().map(|iterates| iterates.len()).max().unwrap_or(0);
+    let mut all = vec![
+        EquilibriumIterate { length: 1.0, ..EquilibriumIterate::default() };
+        if parts.is_empty() { 1 } else { most }
+    ];
+    for iterates in parts {
+        let ended = iterates.last().map(|last| EquilibriumIterate { length: 1.0, regularised: false, ..*last });
+        let own = iterates.iter().copied().chain(ended.into_iter().cycle());
+        all.iter_mut().zip(own).for_each(|(all, own)| {
+            all.force = all.force.max(own.force);
+            all.constraint = all.constraint.max(own.constraint);
+            all.length = all.length.min(own.length);
+            all.regularised |= own.regularised;
+        });
+    }
+    all
 }

@@ -2,27 +2,27 @@
 //!
 //! A step that fails twice is cut to a quarter. After an easy step the next one is twice as long. Steps are those of the whole model, whose time and history
 //! they are: they are as long as suits the part that takes them worst.
+//! @@ equilibrium/path/check.rs
+//! What is refused before anything is done: lists that are too short, numbers that are none, DOFs that are not there.
 
-mod again;
-mod check;
 mod origin;
 mod step;
 mod track;
 
 use std::sync::Arc;
 
-use super::branch::growth;
-use super::correct::Factoring;
-use super::course::Course;
-use super::parts::{Part, Parts};
-use super::rows::Rows;
-use super::stability::Stability;
-use super::state::{State, Unknowns, constraint_forces};
-use super::{Equilibrium, EquilibriumError, EquilibriumOptions, LoadStep, Model, Start, Target};
+use qless::SystemBuilder;
 use qless_constraints::ConstraintSet;
 
-pub use check::check;
-use track::Track;
+use super::branch::growth;
+use super::correct::Factoring;
+use super::parts::{EquilibriumPart, EquilibriumParts};
+use super::rows::KeptRows;
+use super::stability::Stability;
+use super::state::{EquilibriumState, Unknowns, constraint_forces};
+use super::time_path::TimePath;
+use super::{Equilibrium, EquilibriumError, EquilibriumOptions, LoadStep, Model, Start, Target};
+use track::PartTrack;
 
 /// A step with fewer iterates was easy.
 const EASY: usize = 8;
@@ -30,38 +30,39 @@ const EASY: usize = 8;
 /// The way from the start to the target.
 pub struct Path<'a, M> {
     model: &'a mut M,
-    course: Course<'a>,
+    course: TimePath<'a>,
     start: &'a Start,
     target: &'a Target<'a>,
     options: &'a EquilibriumOptions,
-    parts: Arc<Parts>,
-    state: State,
+    parts: Arc<EquilibriumParts>,
+    state: EquilibriumState,
     /// The last equilibrium.
     at: Unknowns,
     /// Those of each part there.
-    rows: Option<Vec<Rows>>,
+    rows: Option<Vec<KeptRows>>,
     rotations: Vec<[usize; 3]>,
     factoring: Vec<Factoring>,
-    tracks: Vec<Track>,
+    tracks: Vec<PartTrack>,
     steps: Vec<LoadStep>,
 }
 
 impl<'a, M: Model> Path<'a, M> {
     pub fn new(
         model: &'a mut M,
-        course: Course<'a>,
+        course: TimePath<'a>,
         start: &'a Start,
         target: &'a Target<'a>,
         options: &'a EquilibriumOptions,
     ) -> Result<Self, EquilibriumError> {
         let set = course.set();
-        let state = State::new(model, set)?;
-        let parts = Arc::new(Parts::new(&state.assembly, set, &state.quantities, target.prescribed));
+        let state = EquilibriumState::new(model, set)?;
+        let parts = Arc::new(EquilibriumParts::new(&state.assembly, set, &state.quantities, target.prescribed));
         let mut moves = vec![false; set.dofs()];
         target.prescribed.iter().for_each(|&(j, v)| moves[j] = start.u[j] != v);
-        let in_time = matches!(course, Course::Driven { .. });
-        let driven = |part: &Part| (in_time || part.held.iter().any(|&j| moves[j])) && !is_straight(set, part);
-        let track = |part: &Part| Track { driven: driven(part), ..Track::default() };
+        let in_time = matches!(course, TimePath::Driven { .. });
+        let driven =
+            |part: &EquilibriumPart| (in_time || part.held.iter().any(|&j| moves[j])) && !is_straight(set, part);
+        let track = |part: &EquilibriumPart| PartTrack { driven: driven(part), ..PartTrack::default() };
         let tracks = parts.list.iter().map(track).collect();
         let factoring = parts.list.iter().map(|_| Factoring::default()).collect();
         let at = Unknowns { u: start.u.clone(), multipliers: start.multipliers.clone() };
@@ -127,6 +128,33 @@ impl<'a, M: Model> Path<'a, M> {
 }
 
 /// Whether no G of a part can change.
-fn is_straight(set: &ConstraintSet, part: &Part) -> bool {
+fn is_straight(set: &ConstraintSet, part: &EquilibriumPart) -> bool {
     part.rows.iter().all(|r| set.linear_rows().contains(r))
+}
+
+/// Lengths, before anything else.
+pub fn check(dofs: usize, set: &ConstraintSet, start: &Start, target: &Target) -> Result<(), EquilibriumError> {
+    let (n, m) = (set.dofs(), set.equations());
+    let lengths = [
+        ("DOFs of the model", dofs, n),
+        ("values of u at the start", start.u.len(), n),
+        ("multipliers at the start", start.multipliers.len(), m),
+        ("loads at the start", start.loads.len(), n),
+        ("loads", target.loads.len(), n),
+    ];
+    if let Some((what, found, expected)) = lengths.into_iter().find(|(_, found, expected)| found != expected) {
+        return Err(EquilibriumError::Size { what, found, expected });
+    }
+    let numbers =
+        [("u", &start.u[..]), ("multiplier", &start.multipliers), ("load", &start.loads), ("load", target.loads)];
+    for (what, list) in numbers {
+        if let Some(at) = list.iter().position(|x| !x.is_finite()) {
+            return Err(EquilibriumError::NotFinite { factor: 0.0, what, at });
+        }
+    }
+    // DOFs out of range or named twice, and values that are not finite.
+    let mut builder = SystemBuilder::new(set.dofs());
+    target.prescribed.iter().for_each(|&(dof, value)| builder.prescribe(dof, value));
+    let checked = builder.build().map(drop).map_err(qless_constraints::LineariseError::from);
+    checked.map_err(|source| EquilibriumError::System { factor: 0.0, source })
 }

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use super::super::branch::{Branch, Turn};
-use super::super::correct::Progress;
-use super::super::failure::Failure;
-use super::super::rows::{Choice, Rows};
-use super::super::{Model, correct::Way};
+use super::super::Model;
+use super::super::branch::{Branch, BranchTurn};
+use super::super::correct::{PartProgress, PartStage};
+use super::super::error::StepFailure;
+use super::super::rows::{KeptRows, RowChoice};
 use super::Path;
 use crate::newton::{NewtonError, NewtonOptions, PartwiseSolution, solve_each};
 
@@ -14,7 +14,7 @@ use crate::newton::{NewtonError, NewtonOptions, PartwiseSolution, solve_each};
 const LOOK: usize = 10;
 
 /// The nearest configuration that satisfies the constraints, and what is said of parts that have none.
-pub(super) struct Nearest {
+pub(super) struct NearestConsistent {
     pub u: Vec<f64>,
     pub errors: Vec<Option<NewtonError>>,
 }
@@ -33,10 +33,12 @@ impl<M: Model> Path<'_, M> {
     }
 
     /// All parts with the rows of the next step, and the branches on which they start.
-    pub(super) fn origin(&mut self, prescribed: &[(usize, f64)]) -> Result<Vec<Progress>, Failure> {
-        self.tracks.iter_mut().for_each(|track| (track.branch, track.turn, track.rank) = (None, Turn::default(), None));
+    pub(super) fn origin(&mut self, prescribed: &[(usize, f64)]) -> Result<Vec<PartProgress>, StepFailure> {
+        self.tracks
+            .iter_mut()
+            .for_each(|track| (track.branch, track.turn, track.rank) = (None, BranchTurn::default(), None));
         let (all, holds) = match self.rows.clone() {
-            Some(rows) => (rows.into_iter().map(Progress::new).collect(), vec![true; self.parts.count()]),
+            Some(rows) => (rows.into_iter().map(PartProgress::new).collect(), vec![true; self.parts.count()]),
             None => self.rows_at_start(prescribed)?,
         };
         let asked = |part: &usize| self.tracks[*part].driven && holds[*part];
@@ -56,9 +58,9 @@ impl<M: Model> Path<'_, M> {
         Ok(all)
     }
 
-    /// Rows where the constraints of each part hold nearest to the start, which is evaluated; where that is not found in a few steps, at the start,
+    /// KeptRows where the constraints of each part hold nearest to the start, which is evaluated; where that is not found in a few steps, at the start,
     /// and `false`.
-    fn rows_at_start(&mut self, prescribed: &[(usize, f64)]) -> Result<(Vec<Progress>, Vec<bool>), Failure> {
+    fn rows_at_start(&mut self, prescribed: &[(usize, f64)]) -> Result<(Vec<PartProgress>, Vec<bool>), StepFailure> {
         let held: Vec<(usize, f64)> = prescribed.iter().map(|&(j, _)| (j, self.at.u[j])).collect();
         let near = self.consistent(&held, LOOK).ok();
         let is_near = |part: usize| near.as_ref().is_some_and(|near| near.errors[part].is_none());
@@ -67,19 +69,19 @@ impl<M: Model> Path<'_, M> {
         let near = near.iter().flat_map(|near| self.parts.list.iter().map(|part| (part, &near.u))).zip(&holds);
         let near = near.filter(|(_, holds)| **holds);
         near.for_each(|((part, near), _)| part.free.iter().for_each(|&j| u[j] = near[j]));
-        let mut far: Vec<Option<Result<Arc<Choice>, NewtonError>>> = holds.iter().map(|_| None).collect();
+        let mut far: Vec<Option<Result<Arc<RowChoice>, NewtonError>>> = holds.iter().map(|_| None).collect();
         if holds.contains(&false) {
             self.rows_ahead(&u, &holds, prescribed, &mut far)?;
         }
         let choice = self.choice_at(&u, prescribed)?;
-        let start = |(part, far): (usize, Option<Result<Arc<Choice>, NewtonError>>)| {
+        let start = |(part, far): (usize, Option<Result<Arc<RowChoice>, NewtonError>>)| {
             let rows = &self.parts.list[part].rows;
             match far {
-                Some(Ok(far)) => Progress::new(Rows::new(rows, &far)),
+                Some(Ok(far)) => PartProgress::new(KeptRows::new(rows, &far)),
                 other => {
-                    let mut own = Progress::new(Rows::new(rows, &choice));
+                    let mut own = PartProgress::new(KeptRows::new(rows, &choice));
                     if let Some(Err(error)) = other {
-                        own.way = Way::Failed(Failure::Constraints(error));
+                        own.way = PartStage::Failed(StepFailure::Constraints(error));
                     }
                     own
                 }
@@ -94,8 +96,8 @@ impl<M: Model> Path<'_, M> {
         u: &[f64],
         holds: &[bool],
         prescribed: &[(usize, f64)],
-        far: &mut [Option<Result<Arc<Choice>, NewtonError>>],
-    ) -> Result<(), Failure> {
+        far: &mut [Option<Result<Arc<RowChoice>, NewtonError>>],
+    ) -> Result<(), StepFailure> {
         let mut found = self.consistent(prescribed, LOOK)?;
         let (mut ahead, mut there) = (u.to_vec(), Vec::new());
         prescribed.iter().for_each(|&(j, v)| ahead[j] = v);
@@ -117,25 +119,29 @@ impl<M: Model> Path<'_, M> {
     }
 
     /// What may be chosen at u, which is evaluated.
-    pub(super) fn choice_at(&mut self, u: &[f64], prescribed: &[(usize, f64)]) -> Result<Arc<Choice>, Failure> {
+    pub(super) fn choice_at(&mut self, u: &[f64], prescribed: &[(usize, f64)]) -> Result<Arc<RowChoice>, StepFailure> {
         let set = self.course.set();
         set.evaluate(u, &mut self.state.quantities)?;
         let before = self.rows.iter().flatten().flat_map(|rows| rows.list().iter().copied()).collect();
-        Choice::new((set, &self.parts), &self.state.quantities, prescribed, (self.options, before))
+        RowChoice::new((set, &self.parts), &self.state.quantities, prescribed, (self.options, before))
     }
 
     /// The nearest configuration that satisfies the constraints.
-    pub(super) fn consistent(&self, prescribed: &[(usize, f64)], steps: usize) -> Result<Nearest, Failure> {
+    pub(super) fn consistent(
+        &self,
+        prescribed: &[(usize, f64)],
+        steps: usize,
+    ) -> Result<NearestConsistent, StepFailure> {
         let (tolerance, analysis) = (self.options.roundings, self.options.analysis.clone());
         let options = NewtonOptions { tolerance, steps, analysis };
         let found = solve_each(self.course.set(), &self.at.u, prescribed, &options);
-        let PartwiseSolution { u, parts: of_equations, failures } = found.map_err(Failure::Constraints)?;
+        let PartwiseSolution { u, parts: of_equations, failures } = found.map_err(StepFailure::Constraints)?;
         let mut first = vec![usize::MAX; of_equations.count()];
         failures.iter().enumerate().rev().for_each(|(k, (part, _))| first[*part] = k);
         let error = |rows: &Vec<usize>| {
             let first = rows.iter().map(|&r| first[of_equations.of_row(r)]).min()?;
             failures.get(first).map(|(_, error)| error.clone())
         };
-        Ok(Nearest { u, errors: self.parts.list.iter().map(|part| error(&part.rows)).collect() })
+        Ok(NearestConsistent { u, errors: self.parts.list.iter().map(|part| error(&part.rows)).collect() })
     }
 }

@@ -1,21 +1,22 @@
 //! What a path knows of a part, and how a load step of all parts failed.
 
-use super::super::branch::{Branch, Turn};
-use super::super::correct::Progress;
-use super::super::failure::{Failure, Reached};
-use super::super::pattern::Pattern;
-use super::super::stability::Stability;
-use super::super::{EquilibriumError, Iterate};
 use qless_constraints::ConstraintSet;
 
+use super::super::branch::{Branch, BranchTurn};
+use super::super::correct::PartProgress;
+use super::super::error::{Reached, StepFailure};
+use super::super::saddle::SaddlePattern;
+use super::super::stability::Stability;
+use super::super::{EquilibriumError, EquilibriumIterate};
+
 #[derive(Default)]
-pub struct Track {
+pub struct PartTrack {
     /// Whether constraints that are not linear are made to move.
     pub driven: bool,
     pub branch: Option<Branch>,
-    pub of_branch: Pattern,
+    pub of_branch: SaddlePattern,
     /// Of the last step.
-    pub turn: Turn,
+    pub turn: BranchTurn,
     /// The rank of the constraints where the last step started, if they hold there.
     pub rank: Option<usize>,
     pub stability: Option<Stability>,
@@ -23,61 +24,64 @@ pub struct Track {
     pub iterates: usize,
 }
 
-impl Track {
+impl PartTrack {
     /// Whether branches meet on the way, so that the rows there may be others.
-    pub fn meets(&self, own: &Progress) -> bool {
+    pub fn meets(&self, own: &PartProgress) -> bool {
         self.turn.met || self.rank.is_some_and(|rank| rank != own.rows.list().len())
     }
 }
 
 /// Why a load step failed: the whole model or some of its parts, in their order, with their last iterates.
-pub struct Failures {
-    whole: Option<Failure>,
-    parts: Vec<(Failure, Iterate)>,
+pub struct StepFailures {
+    whole: Option<StepFailure>,
+    parts: Vec<(StepFailure, EquilibriumIterate)>,
 }
 
-impl Failures {
+impl StepFailures {
     /// Nothing if all parts are where they should be.
-    pub fn new(whole: Option<Failure>, all: Vec<Progress>) -> Result<Vec<Progress>, Self> {
-        if whole.is_none() && all.iter().all(Progress::is_done) {
+    pub fn new(whole: Option<StepFailure>, all: Vec<PartProgress>) -> Result<Vec<PartProgress>, Self> {
+        if whole.is_none() && all.iter().all(PartProgress::is_done) {
             return Ok(all);
         }
-        let parts = all.into_iter().filter_map(Progress::into_failure).collect();
+        let parts = all.into_iter().filter_map(PartProgress::into_failure).collect();
         Err(Self { whole, parts })
     }
 
-    fn all(&self) -> impl Iterator<Item = &Failure> {
+    fn all(&self) -> impl Iterator<Item = &StepFailure> {
         self.whole.iter().chain(self.parts.iter().map(|(failure, _)| failure))
     }
 
     pub fn is_fatal(&self) -> bool {
-        self.all().any(Failure::is_fatal)
+        self.all().any(StepFailure::is_fatal)
     }
 
     /// The worst decides.
     pub fn shorter(&self) -> f64 {
-        self.all().map(Failure::shorter).fold(1.0, f64::min)
+        self.all().map(StepFailure::shorter).fold(1.0, f64::min)
     }
 
     /// What is said: what is fatal, else what is of the whole model, else what the first part says.
     pub fn into_error(self, set: &ConstraintSet, factor: f64, tried: f64) -> EquilibriumError {
-        let whole = self.whole.into_iter().map(|failure| (failure, Iterate::default()));
+        let whole = self.whole.into_iter().map(|failure| (failure, EquilibriumIterate::default()));
         let mut list: Vec<_> = whole.chain(self.parts).collect();
         let first = list.iter().position(|(failure, _)| failure.is_fatal()).unwrap_or(0);
-        let (failure, iterate) =
-            if list.is_empty() { (Failure::NoConvergence, Iterate::default()) } else { list.swap_remove(first) };
+        let (failure, iterate) = if list.is_empty() {
+            (StepFailure::NoConvergence, EquilibriumIterate::default())
+        } else {
+            list.swap_remove(first)
+        };
         failure.into_error(set, Reached { factor, tried, iterate })
     }
 }
 
-impl From<Failure> for Failures {
-    fn from(failure: Failure) -> Self {
+impl From<StepFailure> for StepFailures {
+    fn from(failure: StepFailure) -> Self {
         Self { whole: Some(failure), parts: Vec::new() }
     }
 }
 
-impl FromIterator<Failure> for Failures {
-    fn from_iter<I: IntoIterator<Item = Failure>>(parts: I) -> Self {
-        Self { whole: None, parts: parts.into_iter().map(|failure| (failure, Iterate::default())).collect() }
+impl FromIterator<StepFailure> for StepFailures {
+    fn from_iter<I: IntoIterator<Item = StepFailure>>(parts: I) -> Self {
+        Self { whole: None, parts: parts.into_iter().map(|failure| (failure, EquilibriumIterate::default())).collect() }
     }
 }

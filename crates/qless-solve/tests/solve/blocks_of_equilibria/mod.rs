@@ -4,7 +4,7 @@ mod many;
 mod pieces;
 
 use qless_solve::equilibrium::{
-    Equilibrium, EquilibriumError, EquilibriumOptions, Iterate, Stability, Start, Target, drive, solve,
+    Equilibrium, EquilibriumError, EquilibriumIterate, EquilibriumOptions, Stability, Start, Target, drive, solve,
 };
 
 use qless_solve::newton::NewtonError;
@@ -58,12 +58,12 @@ fn said(error: &EquilibriumError, map: &[usize], rows: &[usize], name: Option<us
     }
 }
 
-fn side_by_side(all: &[&[Iterate]]) -> Vec<Iterate> {
+fn side_by_side(all: &[&[EquilibriumIterate]]) -> Vec<EquilibriumIterate> {
     let most = all.iter().map(|iterates| iterates.len()).max().unwrap_or(0);
     let look = |k: usize| {
         let now = || all.iter().filter_map(move |own| own.get(k).or(own.last()));
         let going = || all.iter().filter_map(move |own| own.get(k));
-        Iterate {
+        EquilibriumIterate {
             force: now().map(|i| i.force).fold(0.0, f64::max),
             constraint: now().map(|i| i.constraint).fold(0.0, f64::max),
             length: going().map(|i| i.length).fold(1.0, f64::min),
@@ -117,7 +117,7 @@ fn assert_law(case: &str, pieces: &[Piece], together: &Together, found: &Found, 
     }
     if alone.iter().all(|own| own.steps.len() == tried(own).len()) {
         for (k, step) in found.steps.iter().enumerate() {
-            let iterates: Vec<&[Iterate]> = alone.iter().map(|own| &own.steps[k].iterates[..]).collect();
+            let iterates: Vec<&[EquilibriumIterate]> = alone.iter().map(|own| &own.steps[k].iterates[..]).collect();
             assert_eq!(step.iterates, side_by_side(&iterates), "{case}: step {k}");
             assert_eq!(step.branches_meet, alone.iter().any(|own| own.steps[k].branches_meet), "{case}");
         }

@@ -4,7 +4,7 @@ use super::Stability;
 
 /// One iterate: what was out of balance when it was reached.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Iterate {
+pub struct EquilibriumIterate {
     /// `max_j |r_j|` over the free DOFs, relative to the sizes of its terms, or to what rounding allows.
     pub force: f64,
     /// `max_r eps |c_r| / rounding_r` over the kept rows: relative to the sizes of the terms of c, its own or, where it no longer
@@ -20,7 +20,7 @@ pub struct Iterate {
 /// One load step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadStep {
-    /// Part of the way from the start to the target.
+    /// EquilibriumPart of the way from the start to the target.
     pub factor: f64,
     /// Whether equilibrium was found there; if not, the parts that failed were tried once more from a configuration that satisfies the constraints, or
     /// the step was cut.
@@ -29,7 +29,7 @@ pub struct LoadStep {
     /// at the result, or go there in other steps.
     pub branches_meet: bool,
     /// The way there, of the parts that were tried.
-    pub iterates: Vec<Iterate>,
+    pub iterates: Vec<EquilibriumIterate>,
 }
 
 /// An equilibrium.

@@ -5,20 +5,23 @@
 //! `x = t P x`: while the spectral radius of P is below one, no G between the two loses rank, which it would where branches meet. A linkage that
 //! went over to its mirror image has an eigenvalue above one, however well it satisfies the constraints. Units drop out: a change of them
 //! is a similarity of P. Each part has a P of its own.
+//! @@ equilibrium/branch/lead.rs
+//! Whether functions of time lead along the branch from one load factor to another: a whole turn between two steps is none at their ends.
+//!
+//! Time is that of the whole model: one evaluation at each time serves all parts.
 
-mod lead;
-
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::Failure;
-use super::parts::Parts;
-use super::pattern::Pattern;
-use super::rows::Rows;
-use super::saddle::{Entries, Saddle};
+use qless_constraints::Quantities;
+
+use super::StepFailure;
+use super::parts::EquilibriumParts;
+use super::rows::KeptRows;
+use super::saddle::{Saddle, SaddleEntries, SaddlePattern};
+use super::time_path::TimePath;
 use crate::common::random;
 use crate::newton::change;
-pub use lead::lead;
-use qless_constraints::Quantities;
 
 /// The largest spectral radius of a step that is accepted.
 const MOST: f64 = 0.5;
@@ -35,10 +38,10 @@ const NEARER: f64 = 1e-3;
 const STILL: f64 = 1e-6;
 /// Where a part starts a load step.
 pub struct Branch {
-    parts: Arc<Parts>,
+    parts: Arc<EquilibriumParts>,
     part: usize,
     before: Arc<Quantities>,
-    rows: Rows,
+    rows: KeptRows,
     /// Of DOFs that are not prescribed.
     units: Vec<f64>,
     /// `[S^-2, G^T; G, 0]` with the units S: the shortest of all motions that G allows.
@@ -48,7 +51,7 @@ pub struct Branch {
 
 /// What is seen of a step from where it starts to where it ends.
 #[derive(Clone, Copy, Default)]
-pub struct Turn {
+pub struct BranchTurn {
     /// The spectral radius of P.
     pub radius: f64,
     /// Whether branches meet on the way, or nearly so: which one is taken, Newton's method decides.
@@ -59,9 +62,9 @@ impl Branch {
     /// At a configuration that satisfies the constraints of a part; nothing if they determine no DOF, or branches meet there.
     pub fn new(
         before: &Arc<Quantities>,
-        rows: &Rows,
-        (parts, part): (&Arc<Parts>, usize),
-        pattern: &mut Pattern,
+        rows: &KeptRows,
+        (parts, part): (&Arc<EquilibriumParts>, usize),
+        pattern: &mut SaddlePattern,
     ) -> Option<Self> {
         let units: Vec<f64> = parts.list[part].free.iter().map(|&j| rows.units()[j]).collect();
         let saddle = Saddle::new(&entries(before, rows, (parts, part)), units.len(), 0.0, pattern).ok()?;
@@ -76,17 +79,17 @@ impl Branch {
     }
 
     /// What P says for G elsewhere; an error if a step that goes there may leave the branch.
-    pub fn turn(&self, after: &Quantities) -> Result<Turn, Failure> {
+    pub fn turn(&self, after: &Quantities) -> Result<BranchTurn, StepFailure> {
         let changed = self.change(after);
         if changed == 0.0 {
-            return Ok(Turn::default());
+            return Ok(BranchTurn::default());
         }
         let radius = self.radius(after);
         let meet = (radius - 1.0).abs() <= NEARER || radius >= NEARER.recip();
         match changed <= MET || meet {
-            true => Ok(Turn { radius: radius.min(AIM), met: radius.is_nan() || radius > MOST }),
-            false if radius <= MOST => Ok(Turn { radius, met: false }),
-            false => Err(Failure::Branch(growth(radius))),
+            true => Ok(BranchTurn { radius: radius.min(AIM), met: radius.is_nan() || radius > MOST }),
+            false if radius <= MOST => Ok(BranchTurn { radius, met: false }),
+            false => Err(StepFailure::Branch(growth(radius))),
         }
     }
 
@@ -136,7 +139,7 @@ pub fn growth(radius: f64) -> f64 {
     (AIM / radius).max(0.1)
 }
 
-fn entries(before: &Quantities, rows: &Rows, (parts, part): (&Parts, usize)) -> Entries {
+fn entries(before: &Quantities, rows: &KeptRows, (parts, part): (&EquilibriumParts, usize)) -> SaddleEntries {
     let (free, g) = (&parts.list[part].free, before.g());
     let n = free.len();
     let mut list: Vec<_> = free.iter().enumerate().map(|(i, &j)| (i, i, rows.units()[j].powi(-2))).collect();
@@ -144,5 +147,97 @@ fn entries(before: &Quantities, rows: &Rows, (parts, part): (&Parts, usize)) -> 
         let there = g.row(row).filter_map(|(j, v)| Some((parts.place(part, j)?, v)));
         list.extend(there.flat_map(|(j, v)| [(r, j, v), (j, r, v)]));
     }
-    Entries { size: n + rows.list().len(), stiff: n, list, units: Vec::new() }
+    SaddleEntries { size: n + rows.list().len(), stiff: n, list, units: Vec::new() }
+}
+
+/// EquilibriumParts of a step at which functions of time are looked at: square roots of primes less their whole part. Of no number of periods do they come near
+/// whole ones together, unless it is very large.
+const BETWEEN: [f64; 8] =
+    [0.414_213_6, 0.732_050_8, 0.236_068, 0.645_751_3, 0.316_624_8, 0.605_551_3, 0.123_105_6, 0.358_898_9];
+/// A step whose way is off the straight one by less than this part of its length is seen well enough from its end.
+const STRAIGHT: f64 = 0.1;
+/// One that is off by more than this part comes back, as from a whole turn: its end says nothing of it.
+const BACK: f64 = 0.5;
+/// The largest spectral radius anywhere on a way that comes back.
+const MOST_BACK: f64 = 0.1;
+
+/// Of a part whose way is not straight: how far it goes, and the largest spectral radius that it may have there.
+struct CurvedWay<'a> {
+    branch: &'a Branch,
+    dx: Vec<f64>,
+    most: f64,
+}
+
+/// The parts that functions of time may lead off their branches, each with the reason.
+pub fn check_jumps(
+    branches: &[&Branch],
+    course: &mut TimePath,
+    [from, to]: [f64; 2],
+    room: &mut Quantities,
+) -> Result<BTreeMap<usize, StepFailure>, StepFailure> {
+    let mut led = BTreeMap::new();
+    if branches.is_empty() || matches!(course, TimePath::Still(_)) {
+        return Ok(led);
+    }
+    let straight = ahead(branches, course, to, room)?;
+    for part in BETWEEN {
+        let there = ahead(branches, course, from + part * (to - from), room)?;
+        let ways = branches.iter().zip(there).zip(&straight);
+        let bent: Vec<CurvedWay> =
+            ways.filter_map(|((branch, dx), straight)| branch.bent(dx, straight, part)).collect();
+        pass(&bent, course, room, &mut led)?;
+    }
+    course.go_between(to)?;
+    Ok(led)
+}
+
+/// How far the determined DOFs of each part go by a load factor, to first order.
+fn ahead(
+    branches: &[&Branch],
+    course: &mut TimePath,
+    factor: f64,
+    room: &mut Quantities,
+) -> Result<Vec<Vec<f64>>, StepFailure> {
+    course.go_between(factor)?;
+    if let Some(first) = branches.first() {
+        course.set().evaluate(first.before.u(), room)?;
+    }
+    Ok(branches.iter().map(|branch| branch.moved(branch.rows.list().iter().map(|&r| -room.c()[r]))).collect())
+}
+
+/// Adds the parts to which something may happen where they pass.
+fn pass(
+    bent: &[CurvedWay],
+    course: &TimePath,
+    room: &mut Quantities,
+    led: &mut BTreeMap<usize, StepFailure>,
+) -> Result<(), StepFailure> {
+    let Some(first) = bent.first() else { return Ok(()) };
+    let mut u = first.branch.before.u().to_vec();
+    let is_finite = |way: &CurvedWay| way.dx.iter().all(|dx| dx.is_finite());
+    for CurvedWay { branch, dx, .. } in bent.iter().filter(|way| is_finite(way)) {
+        branch.parts.list[branch.part].free.iter().zip(dx).for_each(|(&j, dx)| u[j] += dx);
+    }
+    course.set().evaluate(&u, room)?;
+    for way in bent {
+        let found = if is_finite(way) { way.branch.passes(room, way.most) } else { Err(StepFailure::Branch(0.0)) };
+        found.unwrap_or_else(|failure| _ = led.entry(way.branch.part).or_insert(failure));
+    }
+    Ok(())
+}
+
+impl Branch {
+    /// Nothing if a way is as straight as it needs to be; `straight` is that of the whole step, of which it is so large a part.
+    fn bent(&self, dx: Vec<f64>, straight: &[f64], part: f64) -> Option<CurvedWay<'_>> {
+        let off: Vec<f64> = dx.iter().zip(straight).map(|(x, whole)| x - part * whole).collect();
+        let off = self.size(&off) / self.size(straight);
+        let most = if off <= BACK { MOST } else { MOST_BACK };
+        (off.is_nan() || off > STRAIGHT).then_some(CurvedWay { branch: self, dx, most })
+    }
+
+    fn passes(&self, there: &Quantities, most: f64) -> Result<(), StepFailure> {
+        let radius = self.turn(there)?.radius;
+        let far = radius > most && self.change(there) > MET;
+        if far { Err(StepFailure::Branch(growth(radius))) } else { Ok(()) }
+    }
 }

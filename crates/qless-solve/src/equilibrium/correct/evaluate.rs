@@ -1,16 +1,20 @@
 //! Where parts have come to, and what is out of balance there.
+//! @@ equilibrium/correct/blame.rs
+//! Which parts make the model fail: it says no more than that it does, so that parts are tried without the others, by halves.
 
-use super::super::rows::Choice;
+use std::error::Error;
+
+use super::super::rows::RowChoice;
 use super::super::state::Unknowns;
-use super::super::{Failure, Iterate, Model};
-use super::{CHANGES, Corrector, Way};
+use super::super::{EquilibriumIterate, Model, StepFailure};
+use super::{CHANGES, Corrector, PartStage};
 
 /// Constraint values above this part of those before no longer fall.
 const FALLS: f64 = 0.5;
 
 impl<M: Model> Corrector<'_, M> {
     /// Evaluates all at x, and lists for each part that is going what is out of balance.
-    pub(super) fn look(&mut self, x: &mut Unknowns) -> Result<(), Failure> {
+    pub(super) fn evaluate_all(&mut self, x: &mut Unknowns) -> Result<(), StepFailure> {
         let going = self.going();
         for &part in &going {
             let left_out = self.parts.list[part].rows.iter().filter(|&&r| !self.all[part].rows.kept(r));
@@ -30,16 +34,16 @@ impl<M: Model> Corrector<'_, M> {
     }
 
     /// Evaluates; parts at which the model fails go back to where it did not.
-    fn evaluate(&mut self, x: &mut Unknowns, going: &[usize]) -> Result<(), Failure> {
+    fn evaluate(&mut self, x: &mut Unknowns, going: &[usize]) -> Result<(), StepFailure> {
         loop {
             let error = match self.state.evaluate(self.model, self.set, x, self.loads) {
-                Err(Failure::Model(error)) => error,
+                Err(StepFailure::Model(error)) => error,
                 other => return other,
             };
-            let Some(looked) = &self.looked else { return Err(Failure::Model(error)) };
+            let Some(looked) = &self.looked else { return Err(StepFailure::Model(error)) };
             let (before, mut moved) = (looked.u.clone(), going.to_vec());
             moved.retain(|&part| self.all[part].is_going());
-            let found = self.blame(&before, &x.u, &moved, error).map_err(Failure::Model)?;
+            let found = self.locate_failure(&before, &x.u, &moved, error).map_err(StepFailure::Model)?;
             found.into_iter().for_each(|(part, failure)| self.give_up(part, failure, x));
         }
     }
@@ -49,7 +53,7 @@ impl<M: Model> Corrector<'_, M> {
     }
 
     /// A part that fails goes back to where it was evaluated last.
-    pub(super) fn give_up(&mut self, part: usize, failure: Failure, x: &mut Unknowns) {
+    pub(super) fn give_up(&mut self, part: usize, failure: StepFailure, x: &mut Unknowns) {
         self.all[part].fail(failure);
         let Some(looked) = &self.looked else { return };
         let there = &self.parts.list[part];
@@ -74,16 +78,16 @@ impl<M: Model> Corrector<'_, M> {
             let constraint = constraint(self, part);
             let own = &mut self.all[part];
             let (length, regularised) = (own.length, own.loose.is_some());
-            own.iterates.push(Iterate { force, constraint, length, regularised });
+            own.iterates.push(EquilibriumIterate { force, constraint, length, regularised });
         }
     }
 
     /// The parts that need a correction; others are done, or keep other rows from here on.
-    pub(super) fn unbalanced(&mut self, x: &Unknowns) -> Result<Vec<usize>, Failure> {
+    pub(super) fn unbalanced(&mut self, x: &Unknowns) -> Result<Vec<usize>, StepFailure> {
         let (balanced, others): (Vec<usize>, Vec<usize>) =
             self.going().into_iter().partition(|&part| self.balanced(part, x));
         let (hold, off): (Vec<usize>, Vec<usize>) = balanced.into_iter().partition(|&part| self.all_hold(part));
-        hold.into_iter().for_each(|part| self.all[part].way = Way::Done);
+        hold.into_iter().for_each(|part| self.all[part].way = PartStage::Done);
         self.change(&off)?;
         Ok(others)
     }
@@ -95,7 +99,7 @@ impl<M: Model> Corrector<'_, M> {
             && found.constraint <= f64::EPSILON * self.options.roundings
     }
 
-    /// Rows that are left out too: a row that follows from others may be off by what rounding of those makes of it.
+    /// KeptRows that are left out too: a row that follows from others may be off by what rounding of those makes of it.
     fn all_hold(&self, part: usize) -> bool {
         let (limit, rows) = (self.options.roundings, &self.all[part].rows);
         let holds = |r: usize| self.state.constraints[r] <= limit || self.state.follows(r, rows.because(r), limit);
@@ -103,7 +107,7 @@ impl<M: Model> Corrector<'_, M> {
     }
 
     /// Keeps other rows in these parts, those that are independent here.
-    fn change(&mut self, off: &[usize]) -> Result<(), Failure> {
+    fn change(&mut self, off: &[usize]) -> Result<(), StepFailure> {
         off.iter().for_each(|&part| self.all[part].changes += 1);
         let may = |&&part: &&usize| self.all[part].changes <= CHANGES;
         let choice = if off.iter().any(|part| may(&part)) { Some(self.choose()?) } else { None };
@@ -112,16 +116,52 @@ impl<M: Model> Corrector<'_, M> {
             let choice = choice.as_ref().filter(|_| own.changes <= CHANGES);
             if !choice.is_some_and(|choice| own.rows.renew(rows, choice)) {
                 let violated = |&&r: &&usize| self.state.constraints[r] > self.options.roundings;
-                own.fail(Failure::Conflict(rows.iter().filter(violated).copied().collect()));
+                own.fail(StepFailure::Conflict(rows.iter().filter(violated).copied().collect()));
             }
         }
         Ok(())
     }
 
     /// Chooses rows where all was evaluated last.
-    pub(super) fn choose(&self) -> Result<std::sync::Arc<Choice>, Failure> {
+    pub(super) fn choose(&self) -> Result<std::sync::Arc<RowChoice>, StepFailure> {
         let before = self.all.iter().flat_map(|own| own.rows.list().iter().copied()).collect();
         let place = (self.set, self.parts);
-        Choice::new(place, &self.state.quantities, self.prescribed, (self.options, before))
+        RowChoice::new(place, &self.state.quantities, self.prescribed, (self.options, before))
+    }
+}
+
+type ModelRefusal = Box<dyn Error + Send + Sync>;
+
+impl<M: Model> Corrector<'_, M> {
+    /// The parts at which the model fails alone, the others being where they were before; its refusal again if that is none of them.
+    ///
+    /// One evaluation for each halving on the way to each of them, and none where only one part moves.
+    pub(super) fn locate_failure(
+        &mut self,
+        before: &[f64],
+        now: &[f64],
+        moved: &[usize],
+        refusal: ModelRefusal,
+    ) -> Result<Vec<(usize, StepFailure)>, ModelRefusal> {
+        if let [part] = *moved {
+            return Ok(vec![(part, StepFailure::Model(refusal))]);
+        }
+        let (first, second) = moved.split_at(moved.len() / 2);
+        let mut found = Vec::new();
+        for half in [first, second] {
+            if let Err(refusal) = self.alone(before, now, half) {
+                found.extend(self.locate_failure(before, now, half, refusal)?);
+            }
+        }
+        if found.is_empty() { Err(refusal) } else { Ok(found) }
+    }
+
+    /// Evaluates where only these parts have moved, and the prescribed DOFs that they feel.
+    fn alone(&mut self, before: &[f64], now: &[f64], moved: &[usize]) -> Result<(), ModelRefusal> {
+        let mut u = before.to_vec();
+        let moved = moved.iter().map(|&part| &self.parts.list[part]);
+        moved.for_each(|part| part.free.iter().chain(&part.held).for_each(|&j| u[j] = now[j]));
+        self.state.assembly.clear(false);
+        self.model.assemble(&u, &mut self.state.assembly)
     }
 }
