@@ -23,7 +23,7 @@ use crate::common::SparseMatrix;
 
 /// Some independent equations on K, with prescribed DOFs at rest and right-hand sides that are [`Condensation::set`].
 pub struct Condensation {
-    pub map: Elimination,
+    pub elimination: Elimination,
     pub condensed: CondensedPattern,
     /// The equations that unknowns have to meet.
     pub left: Vec<usize>,
@@ -32,11 +32,11 @@ pub struct Condensation {
 impl Condensation {
     /// Eliminates the slaves of `rows` where T stays sparse; with no rows, prescribed DOFs alone.
     pub fn new(system: &ConstraintSystem, rows: &[usize], k: &SparseMatrix) -> Result<Self, EnforceError> {
-        let map = map_of(system, rows)?;
-        let condensed =
-            map.condensed(View::columns(k.symbolic().col_ptr(), k.symbolic().row_idx()), PrescribedDofs::Eliminated)?;
-        let left = condensed.left(&map).into_iter().map(|i| rows[i]).collect();
-        Ok(Self { map, condensed, left })
+        let elimination = elimination_of(system, rows)?;
+        let condensed = elimination
+            .condensed(View::columns(k.symbolic().col_ptr(), k.symbolic().row_idx()), PrescribedDofs::Eliminated)?;
+        let left = condensed.left(&elimination).into_iter().map(|i| rows[i]).collect();
+        Ok(Self { elimination, condensed, left })
     }
 
     /// New right-hand sides of the equations.
@@ -44,14 +44,14 @@ impl Condensation {
         if rhs.is_empty() {
             return Ok(());
         }
-        let at_rest = vec![0.0; self.map.prescribed().len()];
-        Ok(self.map.update(rhs, &at_rest)?)
+        let at_rest = vec![0.0; self.elimination.prescribed().len()];
+        Ok(self.elimination.update(rhs, &at_rest)?)
     }
 
     /// `u_0` of all DOFs that are no unknowns.
     pub fn constant(&self) -> Result<Vec<f64>, EnforceError> {
-        let mut u = vec![0.0; self.map.dofs()];
-        self.map.expand_into(&vec![0.0; self.map.masters().len()], &mut u)?;
+        let mut u = vec![0.0; self.elimination.dofs()];
+        self.elimination.expand_into(&vec![0.0; self.elimination.masters().len()], &mut u)?;
         self.condensed.dofs().iter().for_each(|&dof| u[dof] = 0.0);
         Ok(u)
     }
@@ -59,7 +59,7 @@ impl Condensation {
     /// K_q.
     pub fn matrix(&self, k: &SparseMatrix) -> Result<SparseMatrix, EnforceError> {
         let mut values = vec![0.0; self.condensed.nnz()];
-        self.condensed.condense_matrix_into(&self.map, k.val(), &mut values)?;
+        self.condensed.condense_matrix_into(&self.elimination, k.val(), &mut values)?;
         let n = self.condensed.unknowns();
         let wide = |numbers: &[u32]| numbers.iter().map(|&k| k as usize).collect();
         let (starts, index) = (wide(self.condensed.starts()), wide(self.condensed.index()));
@@ -69,22 +69,22 @@ impl Condensation {
     /// `f_q`.
     pub fn load(&self, k: &SparseMatrix, f: &[f64]) -> Result<Vec<f64>, EnforceError> {
         let mut load = vec![0.0; self.condensed.unknowns()];
-        self.condensed.load_into(&self.map, k.val(), f, &mut load)?;
+        self.condensed.load_into(&self.elimination, k.val(), f, &mut load)?;
         Ok(load)
     }
 
     /// All DOFs from the unknowns.
     pub fn expand(&self, x: &[f64]) -> Result<Vec<f64>, EnforceError> {
         let place = |dof: &usize| self.condensed.dofs().binary_search(dof).unwrap_or_default();
-        let masters: Vec<f64> = self.map.masters().iter().map(|dof| x[place(dof)]).collect();
-        let mut u = vec![0.0; self.map.dofs()];
-        self.map.expand_into(&masters, &mut u)?;
+        let masters: Vec<f64> = self.elimination.masters().iter().map(|dof| x[place(dof)]).collect();
+        let mut u = vec![0.0; self.elimination.dofs()];
+        self.elimination.expand_into(&masters, &mut u)?;
         Ok(u)
     }
 }
 
 /// The map of some equations of a system, all right-hand sides zero; parts whose T would fill stay factors.
-pub fn map_of(system: &ConstraintSystem, rows: &[usize]) -> Result<Elimination, EnforceError> {
+pub fn elimination_of(system: &ConstraintSystem, rows: &[usize]) -> Result<Elimination, EnforceError> {
     let mut builder = SystemBuilder::new(system.dofs());
     rows.iter().for_each(|&row| {
         builder.equation(system.matrix().row(row), 0.0);

@@ -84,7 +84,7 @@ pub enum EnforceError {
     Accuracy(f64),
     /// The constraints and prescribed DOFs leave the model free to move.
     #[error("{0}; support it, or give it stiffness")]
-    Unsupported(Motion),
+    Unsupported(FreeMotion),
     /// The matrix has no inverse, and no motion that it leaves free was found.
     #[error("{what} is singular, but no single motion that it leaves free was found; look for DOFs without stiffness")]
     Singular {
@@ -126,7 +126,7 @@ pub enum EnforceError {
     },
     /// Parts of T stay factors.
     #[error(
-        "T has parts that stay factors, of which no step is made; make the map with Form::Explicit, or use Problem"
+        "T has parts that stay factors, of which no step is made; make the elimination with Form::Explicit, or use Problem"
     )]
     Factored,
     /// The author's solver gave no solution.
@@ -181,7 +181,7 @@ const NAMED: usize = 8;
 /// A motion that constraints and prescribed DOFs leave free, up to rounding.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Motion {
+pub struct FreeMotion {
     /// The DOFs that move, ascending.
     pub dofs: Vec<usize>,
     /// How far each of them moves, in its own unit; the largest number is 1 or -1.
@@ -190,7 +190,7 @@ pub struct Motion {
     pub held: f64,
 }
 
-impl Motion {
+impl FreeMotion {
     /// From a null vector of all DOFs and the unit of each.
     pub(in super::super) fn new(u: &[f64], units: &[f64], held: f64) -> Self {
         let sizes: Vec<f64> = u.iter().zip(units).map(|(u, s)| u.abs() / s).collect();
@@ -218,7 +218,7 @@ impl Motion {
     }
 }
 
-impl std::fmt::Display for Motion {
+impl std::fmt::Display for FreeMotion {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         if self.dofs.is_empty() {
             return write!(f, "the equations depend on one another up to rounding, so that their multipliers are free");

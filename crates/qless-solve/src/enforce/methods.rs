@@ -9,7 +9,7 @@ use faer::sparse::SparseColMat;
 use qless::ArgumentError;
 use qless::common::DisjointSets;
 
-use super::condensation::map_of;
+use super::condensation::elimination_of;
 use super::matrix::{entries, from_triplets};
 use super::problem::{Problem, Solution};
 use super::refinement::BALANCED;
@@ -222,8 +222,8 @@ impl Problem<'_> {
 
     /// The predicted fill of each block, by its name.
     fn fills(&self, block_of: &[usize]) -> Result<Vec<f64>, EnforceError> {
-        let map = map_of(self.system, &self.kept)?;
-        let reduction = map.reduction();
+        let elimination = elimination_of(self.system, &self.kept)?;
+        let reduction = elimination.reduction();
         let mut weight = vec![1.0; self.system.dofs()];
         let mut slave = vec![false; self.system.dofs()];
         for (i, &dof) in reduction.slaves().iter().enumerate() {

@@ -49,7 +49,7 @@ mod stiffness;
 mod units;
 
 pub use error::EnforceError;
-pub use error::Motion;
+pub use error::FreeMotion;
 pub use methods::BlockPlan;
 pub use problem::Method;
 pub use problem::Problem;

@@ -14,7 +14,7 @@ use super::matrix::{
 };
 use super::refinement::{MeasuredEquations, RefinementGoal, refine};
 use super::singularity::{SHIFTS, SupportVerdict, judged, loose};
-use super::{EnforceError, Motion, units};
+use super::{EnforceError, FreeMotion, units};
 use crate::common::SparseMatrix;
 
 /// u of all DOFs, by transformation with a reduction, whoever made it; `prescribed` are the values of its prescribed DOFs.
@@ -186,7 +186,7 @@ impl ReducedEquations<'_> {
 
     fn unsupported(&self, motion: &[f64], held: f64) -> EnforceError {
         let (u, units) = (times(&self.t, &motion[..self.t.ncols()]), units::units_of(self.k));
-        EnforceError::Unsupported(Motion::new(&u, &units, held))
+        EnforceError::Unsupported(FreeMotion::new(&u, &units, held))
     }
 }
 

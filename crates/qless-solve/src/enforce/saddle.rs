@@ -156,7 +156,7 @@ pub struct SaddleInverse<'a> {
     sum: Cow<'a, SparseMatrix>,
     eliminated: Vec<usize>,
     /// None where nothing is eliminated.
-    elimination: Option<Condensation>,
+    condensation: Option<Condensation>,
     /// DOFs that are unknowns.
     unknowns: usize,
     /// MeasuredEquations with a multiplier in the matrix: those of the caller, and of parts of which T would fill.
@@ -178,21 +178,21 @@ impl<'a> SaddleInverse<'a> {
         let mut border: Vec<usize> = of(Method::Multiplier).collect();
         let sum = with_springs(part, &springs)?;
         let is_any = !eliminated.is_empty();
-        let elimination = is_any.then(|| Condensation::new(&part.system, &eliminated, &sum)).transpose()?;
+        let condensation = is_any.then(|| Condensation::new(&part.system, &eliminated, &sum)).transpose()?;
         let multipliers = border.len();
-        border.extend(elimination.iter().flat_map(|elimination| &elimination.left));
-        let k_q = match &elimination {
+        border.extend(condensation.iter().flat_map(|condensation| &condensation.left));
+        let k_q = match &condensation {
             None => Cow::Borrowed(&*sum),
-            Some(elimination) => Cow::Owned(elimination.matrix(&sum)?),
+            Some(condensation) => Cow::Owned(condensation.matrix(&sum)?),
         };
-        let c_q = over_unknowns(part, elimination.as_ref(), &border)?;
+        let c_q = over_unknowns(part, condensation.as_ref(), &border)?;
         let (units, count) = (units::units(&k_q, &c_q), k_q.nrows());
         let definite = part.symmetric && border.is_empty();
         let matrix = if border.is_empty() { k_q } else { Cow::Owned(bordered(&k_q, &c_q)?) };
         let matrix = if shift > 0.0 { Cow::Owned(shifted(&matrix, &units, count, shift)?) } else { matrix };
         let factor = ScaledFactor::new(&matrix, units, definite)?;
         drop(matrix);
-        Ok(Self { part, springs, sum, eliminated, elimination, unknowns: count, border, multipliers, factor })
+        Ok(Self { part, springs, sum, eliminated, condensation, unknowns: count, border, multipliers, factor })
     }
 
     /// D of each equation.
@@ -209,7 +209,7 @@ impl<'a> SaddleInverse<'a> {
         rhs.extend(self.border.iter().map(|&row| gaps[row] - moved(row)));
         let x = self.factor.solve(&rhs)?;
         let (q, of_border) = x.split_at(self.unknowns);
-        let u = self.elimination.as_ref().map_or_else(|| Ok(q.to_vec()), |elimination| elimination.expand(q))?;
+        let u = self.condensation.as_ref().map_or_else(|| Ok(q.to_vec()), |condensation| condensation.expand(q))?;
         let lambda = self.multipliers(forces, gaps, &u, of_border)?;
         Ok([u, lambda].concat())
     }
@@ -217,10 +217,10 @@ impl<'a> SaddleInverse<'a> {
     /// f_q, and u_0 where there is one.
     fn condensed(&mut self, forces: &[f64], gaps: &[f64]) -> Result<(Vec<f64>, Option<Vec<f64>>), EnforceError> {
         let load = self.loaded(forces, gaps);
-        let Some(elimination) = &mut self.elimination else { return Ok((load, None)) };
+        let Some(condensation) = &mut self.condensation else { return Ok((load, None)) };
         let of_eliminated: Vec<f64> = self.eliminated.iter().map(|&row| gaps[row]).collect();
-        elimination.set(&of_eliminated)?;
-        Ok((elimination.load(&self.sum, &load)?, Some(elimination.constant()?)))
+        condensation.set(&of_eliminated)?;
+        Ok((condensation.load(&self.sum, &load)?, Some(condensation.constant()?)))
     }
 
     /// `r + C_P^T D r_P`.
@@ -242,13 +242,13 @@ impl<'a> SaddleInverse<'a> {
         let mut lambda = vec![0.0; gaps.len()];
         self.border[..self.multipliers].iter().zip(of_border).for_each(|(&row, &value)| lambda[row] = value);
         self.sprung().for_each(|(row, d)| lambda[row] = d * (self.along(row, u) - gaps[row]));
-        let Some(elimination) = &self.elimination else { return Ok(lambda) };
+        let Some(condensation) = &self.condensation else { return Ok(lambda) };
         let stressed = times(&self.part.k, u);
         let mut rest: Vec<f64> = forces.iter().zip(stressed).map(|(force, stressed)| force - stressed).collect();
         for row in (0..gaps.len()).filter(|&row| lambda[row] != 0.0) {
             self.part.system.matrix().row(row).for_each(|(j, v)| rest[j] -= v * lambda[row]);
         }
-        let carried = elimination.map.multipliers(&rest)?;
+        let carried = condensation.elimination.multipliers(&rest)?;
         self.eliminated.iter().zip(carried).for_each(|(&row, value)| lambda[row] = value);
         Ok(lambda)
     }
@@ -289,7 +289,7 @@ fn over_unknowns(
         match some {
             None => triplets.extend(row.map(|(j, v)| (i, j, v))),
             Some(some) => {
-                let (terms, _) = some.condensed.equation(&some.map, row, 0.0)?;
+                let (terms, _) = some.condensed.equation(&some.elimination, row, 0.0)?;
                 triplets.extend(terms.into_iter().map(|(j, v)| (i, j, v)));
             }
         }

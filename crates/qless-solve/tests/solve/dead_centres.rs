@@ -3,7 +3,7 @@ use std::f64::consts::TAU;
 use qless_constraints::scalar::Scalar;
 use qless_constraints::types::{Distance, LinearEquation, OnSphere, PlanarPoint};
 use qless_constraints::{Constraint, ConstraintSet, Nonlinear, Store};
-use qless_solve::newton::{NewtonError, NewtonOptions, Redundancy, Solution, redundancies, solve};
+use qless_solve::newton::{NewtonError, NewtonOptions, NewtonSolution, Redundancy, redundancies, solve};
 
 use crate::linkages::Outcome;
 
@@ -59,7 +59,7 @@ fn angle(d: f64) -> f64 {
 
 const UNITS: [f64; 3] = [1e-6, 1.0, 1e6];
 
-fn list(solution: &Solution) -> String {
+fn list(solution: &NewtonSolution) -> String {
     solution.iterates.iter().map(|i| format!("{:.1e} ({})", i.residual, i.length)).collect::<Vec<_>>().join(", ")
 }
 

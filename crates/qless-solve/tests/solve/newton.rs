@@ -4,12 +4,12 @@ use qless_constraints::ConstraintSet;
 use qless_constraints::types::{
     Body, Distance, Equal, LinearEquation, OnPlane, OnSphere, PlanarPoint, Plane, Point, Prescribed, RigidBody, Volume,
 };
-use qless_solve::newton::{NewtonError, NewtonOptions, Solution, solve};
+use qless_solve::newton::{NewtonError, NewtonOptions, NewtonSolution, solve};
 
 use crate::linkages::{Outcome, bricard, four_bar, parallelogram, random};
 
 /// Prints the table of residuals; below 1e-3 and above rounding, each is at most `bound` times the square of the one before.
-fn assert_quadratic(name: &str, solution: &Solution, bound: f64) {
+fn assert_quadratic(name: &str, solution: &NewtonSolution, bound: f64) {
     let residuals: Vec<f64> = solution.iterates.iter().map(|iterate| iterate.residual).collect();
     println!("{name}\n{:>4} {:>12} {:>12} {:>5}", "step", "residual", "r / r_0^2", "rank");
     let mut fast = 0;

@@ -19,7 +19,7 @@ use super::super::problem::Method;
 use super::super::refinement::{BALANCED, FLOOR, MeasuredEquations, Refined, RefinementGoal, SHARP, refine};
 use super::super::saddle::{SaddleEquations, spring_stiffness};
 use super::super::singularity::{ROUNDING, SHIFTS, SupportVerdict, held, judged, loose};
-use super::super::{EnforceError, Motion};
+use super::super::{EnforceError, FreeMotion};
 use super::penalty_error::SolutionRounding;
 use super::{AUGMENTATIONS, EnforcedPart, FactoredPart, PartSolution, limits};
 
@@ -126,7 +126,7 @@ fn by_elimination(part: &EnforcedPart) -> Option<EnforceError> {
 /// The DOFs of a motion, in the units of the caller.
 fn unsupported(part: &EnforcedPart, model: &SaddleEquations, motion: &[f64], held: f64) -> EnforceError {
     let n = model.dofs();
-    EnforceError::Unsupported(Motion::new(&motion[..n], &model.units()[..n], held).of(&part.dofs))
+    EnforceError::Unsupported(FreeMotion::new(&motion[..n], &model.units()[..n], held).of(&part.dofs))
 }
 
 /// Powers of ten that are tried where a spring is too soft.

@@ -12,7 +12,7 @@ use qless::{ConstraintSystem, Elimination, Kind};
 use super::super::refinement::{FLOOR, MeasuredEquations, RefinementGoal, refine};
 use super::super::singularity::{SHIFTS, SupportVerdict, judged, loose};
 use super::super::solver::{Solver, SolverError};
-use super::super::{EnforceError, Motion, units};
+use super::super::{EnforceError, FreeMotion, units};
 use super::Steps;
 use super::terms::{StepEquations, sizes_of_dofs};
 
@@ -22,7 +22,7 @@ const REFINEMENTS: usize = 6;
 impl<S: Solver> Steps<S> {
     /// Refuses a model that nothing holds, whether its factorization failed or not.
     pub(super) fn held(&mut self, k: &[f64], factored: Result<(), EnforceError>) -> Result<(), EnforceError> {
-        let terms = StepEquations::new(&self.map, &self.pattern, k, (&self.parts, &self.noise));
+        let terms = StepEquations::new(&self.elimination, &self.pattern, k, (&self.parts, &self.noise));
         let units = terms.units().to_vec();
         let failed = match factored {
             Err(error) => error,
@@ -36,11 +36,11 @@ impl<S: Solver> Steps<S> {
             return Err(unsupported(&terms, &alone, 0.0));
         }
         for shift in SHIFTS {
-            self.condensed.condense_matrix_into(&self.map, k, &mut self.k_q)?;
+            self.condensed.condense_matrix_into(&self.elimination, k, &mut self.k_q)?;
             if self.factor(shift, &units).is_err() {
                 continue;
             }
-            let terms = StepEquations::new(&self.map, &self.pattern, k, (&self.parts, &self.noise));
+            let terms = StepEquations::new(&self.elimination, &self.pattern, k, (&self.parts, &self.noise));
             if let Some((motion, held)) = loose(&terms, &mut |r: &[f64]| backsolve(&mut self.solver, r)) {
                 return Err(unsupported(&terms, &motion, held));
             }
@@ -52,10 +52,10 @@ impl<S: Solver> Steps<S> {
     /// The unknowns, refined until every row is in balance, and their units.
     pub(super) fn balanced(&mut self, k: &[f64], f: &[f64]) -> Result<(Vec<f64>, Vec<f64>), EnforceError> {
         let mut load = vec![0.0; self.condensed.unknowns()];
-        self.condensed.load_into(&self.map, k, f, &mut load)?;
-        let mut constant = vec![0.0; self.map.dofs()];
-        self.map.expand_into(&vec![0.0; load.len()], &mut constant)?;
-        let terms = StepEquations::new(&self.map, &self.pattern, k, (&self.parts, &self.noise));
+        self.condensed.load_into(&self.elimination, k, f, &mut load)?;
+        let mut constant = vec![0.0; self.elimination.dofs()];
+        self.elimination.expand_into(&vec![0.0; load.len()], &mut constant)?;
+        let terms = StepEquations::new(&self.elimination, &self.pattern, k, (&self.parts, &self.noise));
         let sizes = terms.size_of_load(f, &constant);
         let solver = &mut self.solver;
         let refined = refine(
@@ -65,7 +65,7 @@ impl<S: Solver> Steps<S> {
             &RefinementGoal::balance(REFINEMENTS),
         )?;
         if refined.share > 1.0 {
-            let row = format!("the forces on DOF {}", self.map.masters()[refined.row]);
+            let row = format!("the forces on DOF {}", self.elimination.masters()[refined.row]);
             return Err(EnforceError::OutOfBalance { row, imbalance: refined.imbalance });
         }
         Ok((refined.x, terms.units().to_vec()))
@@ -95,25 +95,25 @@ fn backsolve(solver: &mut impl Solver, r: &[f64]) -> Result<Vec<f64>, EnforceErr
 /// The motion of all DOFs.
 fn unsupported(terms: &StepEquations, motion: &[f64], held: f64) -> EnforceError {
     let units = terms.spread_units();
-    EnforceError::Unsupported(Motion::new(&terms.moved(motion), &units, held))
+    EnforceError::Unsupported(FreeMotion::new(&terms.moved(motion), &units, held))
 }
 
 /// What may be left of an equation, relative to its terms; T meets the equations to 1e-10.
 const MET: f64 = 1e-9;
 
 /// Refuses u where it does not meet the equations; x are its unknowns, in these units.
-pub fn closed(map: &Elimination, (x, units): (&[f64], &[f64]), u: &[f64]) -> Result<(), EnforceError> {
-    let (sizes, mut levels) = (sizes_of_dofs(map, x), None);
-    let system = map.analysis().ok_or(EliminationError::NoEquations)?.system();
-    for i in (0..system.equations()).filter(|&i| map.kinds()[i] == Kind::Independent) {
-        let (mut left, mut size) = (-map.rhs()[i], map.rhs()[i].abs());
+pub fn closed(elimination: &Elimination, (x, units): (&[f64], &[f64]), u: &[f64]) -> Result<(), EnforceError> {
+    let (sizes, mut levels) = (sizes_of_dofs(elimination, x), None);
+    let system = elimination.analysis().ok_or(EliminationError::NoEquations)?.system();
+    for i in (0..system.equations()).filter(|&i| elimination.kinds()[i] == Kind::Independent) {
+        let (mut left, mut size) = (-elimination.rhs()[i], elimination.rhs()[i].abs());
         for (j, v) in system.matrix().row(i) {
             left += v * u[j];
             size += v.abs() * sizes[j];
         }
         let is_met = |size: f64| left.abs() <= MET * size;
         if !is_met(size) {
-            let levels = levels.get_or_insert_with(|| levelled(map, system, units, &sizes));
+            let levels = levels.get_or_insert_with(|| levelled(elimination, system, units, &sizes));
             let level = system.matrix().row(i).map(|(j, v)| v.abs() * levels[j]).sum::<f64>();
             if !is_met(FLOOR * level) {
                 return Err(EnforceError::OutOfBalance { row: system.equation_label(i), imbalance: left.abs() / size });
@@ -124,16 +124,16 @@ pub fn closed(map: &Elimination, (x, units): (&[f64], &[f64]), u: &[f64]) -> Res
 }
 
 /// Each DOF as large as the largest of its connected part; zero where it is prescribed.
-fn levelled(map: &Elimination, system: &ConstraintSystem, of_masters: &[f64], sizes: &[f64]) -> Vec<f64> {
-    let n = map.dofs();
+fn levelled(elimination: &Elimination, system: &ConstraintSystem, of_masters: &[f64], sizes: &[f64]) -> Vec<f64> {
+    let n = elimination.dofs();
     let mut free = vec![true; n];
-    map.prescribed().iter().for_each(|&j| free[j] = false);
+    elimination.prescribed().iter().for_each(|&j| free[j] = false);
     let rows = 0..system.equations();
     let terms: Vec<_> = rows.flat_map(|i| system.matrix().row(i).map(move |(j, v)| (n + i, j, v))).collect();
     let terms = || terms.iter().copied().filter(|&(_, j, v)| free[j] && v != 0.0);
     let parts = units::parts(n + system.equations(), terms().map(|(i, j, _)| (i, j)));
     let (mut units, mut has_unit) = (vec![0.0; parts.len()], vec![false; parts.len()]);
-    map.masters().iter().zip(of_masters).for_each(|(&j, &unit)| (units[j], has_unit[parts[j]]) = (unit, true));
+    elimination.masters().iter().zip(of_masters).for_each(|(&j, &unit)| (units[j], has_unit[parts[j]]) = (unit, true));
     // What equations alone know has any unit.
     (0..n).filter(|&j| parts[j] == j && !has_unit[j]).for_each(|j| units[j] = 1.0);
     units::spread(&mut units, terms());

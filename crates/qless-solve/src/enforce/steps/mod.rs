@@ -23,11 +23,11 @@ use terms::StiffnessPattern;
 /// // Two springs of stiffness 2 and 4 to the ground, tied with a gap that grows, under a load of 3.
 /// let mut builder = SystemBuilder::new(2);
 /// builder.equation([(0, 1.0), (1, -1.0)], 0.0);
-/// let map = Elimination::new(&builder.build()?, &Options::default())?;
-/// let mut steps = Steps::new(map, View::columns(&[0, 1, 2], &[0_u32, 1]), Llt::default())?;
+/// let elimination = Elimination::new(&builder.build()?, &Options::default())?;
+/// let mut steps = Steps::new(elimination, View::columns(&[0, 1, 2], &[0_u32, 1]), Llt::default())?;
 /// let mut u = [0.0; 2];
 /// for gap in [0.0, 0.75, 1.5] {
-///     steps.map_mut().update(&[gap], &[])?;
+///     steps.elimination_mut().update(&[gap], &[])?;
 ///     steps.solve(&[2.0, 4.0], &[3.0, 0.0], &mut u)?;
 ///     assert!((u[0] - (0.5 + gap * 2.0 / 3.0)).abs() < 1e-14 && (u[0] - u[1] - gap).abs() < 1e-14);
 /// }
@@ -35,7 +35,7 @@ use terms::StiffnessPattern;
 /// ```
 #[derive(Debug)]
 pub struct Steps<S> {
-    map: Elimination,
+    elimination: Elimination,
     condensed: CondensedPattern,
     solver: S,
     /// Of rows of a matrix that need not be symmetric: the columns of K_q.
@@ -59,8 +59,8 @@ impl<S: Solver> Steps<S> {
     /// # Errors
     /// [`EnforceError::Elimination`] if the arrays are no pattern, [`EnforceError::Factored`] if parts of T stay factors,
     /// [`EnforceError::Triangle`] if the pattern is one half of a matrix that is not declared as such.
-    pub fn new<P: Index, I: Index>(map: Elimination, k: View<P, I>, solver: S) -> Result<Self, EnforceError> {
-        let steps = Self::unsymmetric(map, k, solver)?;
+    pub fn new<P: Index, I: Index>(elimination: Elimination, k: View<P, I>, solver: S) -> Result<Self, EnforceError> {
+        let steps = Self::unsymmetric(elimination, k, solver)?;
         match steps.pattern.triangle() {
             Some(lower) => Err(EnforceError::Triangle { lower }),
             None => Ok(steps),
@@ -71,11 +71,15 @@ impl<S: Solver> Steps<S> {
     ///
     /// # Errors
     /// As [`Steps::new`], but for triangles.
-    pub fn unsymmetric<P: Index, I: Index>(map: Elimination, k: View<P, I>, solver: S) -> Result<Self, EnforceError> {
-        if !map.reduction().is_explicit() {
+    pub fn unsymmetric<P: Index, I: Index>(
+        elimination: Elimination,
+        k: View<P, I>,
+        solver: S,
+    ) -> Result<Self, EnforceError> {
+        if !elimination.reduction().is_explicit() {
             return Err(EnforceError::Factored);
         }
-        let condensed = map.condensed(k, PrescribedDofs::Eliminated)?;
+        let condensed = elimination.condensed(k, PrescribedDofs::Eliminated)?;
         // It was checked with the condensed pattern.
         let pattern = StiffnessPattern::new(&k);
         // Rows of a half are columns of the other one.
@@ -87,18 +91,18 @@ impl<S: Solver> Steps<S> {
         let is_turned = !condensed.is_by_columns() && storage == Storage::Full;
         let turned = is_turned.then(|| TransposedPattern::new(&condensed));
         let parts = units::parts(condensed.unknowns(), condensed.entries());
-        let (k_q, noise) = (vec![0.0; condensed.nnz()], TransformNoise::new(map.reduction().t()));
-        Ok(Self { map, condensed, solver, turned, storage, k_q, pattern, parts, noise, is_held: false })
+        let (k_q, noise) = (vec![0.0; condensed.nnz()], TransformNoise::new(elimination.reduction().t()));
+        Ok(Self { elimination, condensed, solver, turned, storage, k_q, pattern, parts, noise, is_held: false })
     }
 
     /// The constraints.
-    pub fn map(&self) -> &Elimination {
-        &self.map
+    pub fn elimination(&self) -> &Elimination {
+        &self.elimination
     }
 
     /// The constraints, to be refreshed.
-    pub fn map_mut(&mut self) -> &mut Elimination {
-        &mut self.map
+    pub fn elimination_mut(&mut self) -> &mut Elimination {
+        &mut self.elimination
     }
 
     /// The pattern of K_q.
@@ -115,7 +119,7 @@ impl<S: Solver> Steps<S> {
     /// [`EnforceError::Unsupported`] with the motion that nothing holds, and as [`Steps::solve_again`].
     pub fn solve(&mut self, k: &[f64], f: &[f64], u: &mut [f64]) -> Result<(), EnforceError> {
         self.is_held = false;
-        self.condensed.condense_matrix_into(&self.map, k, &mut self.k_q)?;
+        self.condensed.condense_matrix_into(&self.elimination, k, &mut self.k_q)?;
         let factored = self.factor(0.0, &[]);
         self.held(k, factored)?;
         self.is_held = true;
@@ -135,10 +139,10 @@ impl<S: Solver> Steps<S> {
             .into());
         }
         let (x, units) = self.balanced(k, f)?;
-        self.map.expand_into(&x, u)?;
-        checks::closed(&self.map, (&x, &units), u)?;
-        let analysis = self.map.analysis().ok_or(EliminationError::NoEquations)?;
-        problem::check_redundant(analysis, self.map.kinds(), self.map.rhs(), u)
+        self.elimination.expand_into(&x, u)?;
+        checks::closed(&self.elimination, (&x, &units), u)?;
+        let analysis = self.elimination.analysis().ok_or(EliminationError::NoEquations)?;
+        problem::check_redundant(analysis, self.elimination.kinds(), self.elimination.rhs(), u)
     }
 
     /// Hands K_q to the solver, with a shift of its diagonal in these units.

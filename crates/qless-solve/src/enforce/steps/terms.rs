@@ -42,7 +42,7 @@ impl StiffnessPattern {
 
 /// The equations of one step.
 pub struct StepEquations<'a> {
-    map: &'a Elimination,
+    elimination: &'a Elimination,
     pattern: &'a StiffnessPattern,
     k: &'a [f64],
     units: Vec<f64>,
@@ -52,19 +52,19 @@ pub struct StepEquations<'a> {
 
 impl<'a> StepEquations<'a> {
     pub fn new(
-        map: &'a Elimination,
+        elimination: &'a Elimination,
         pattern: &'a StiffnessPattern,
         k: &'a [f64],
         (parts, noise): (&'a [usize], &'a TransformNoise),
     ) -> Self {
-        let mut terms = Self { map, pattern, k, units: Vec::new(), parts, noise };
-        let mut stiffness = vec![0.0_f64; map.dofs()];
+        let mut terms = Self { elimination, pattern, k, units: Vec::new(), parts, noise };
+        let mut stiffness = vec![0.0_f64; elimination.dofs()];
         pattern.each(k, |i, j, v| {
             if i == j {
                 stiffness[i] += v.abs();
             }
         });
-        let mut of_unknowns = vec![0.0; map.masters().len()];
+        let mut of_unknowns = vec![0.0; elimination.masters().len()];
         terms.spread_back(&stiffness, &mut of_unknowns, |_, _, t| t * t);
         terms.units = units::units_of_diagonal(&of_unknowns);
         terms
@@ -74,16 +74,16 @@ impl<'a> StepEquations<'a> {
     pub fn size_of_load(&self, f: &[f64], constant: &[f64]) -> Vec<f64> {
         let mut sizes: Vec<f64> = f.iter().map(|f| f.abs()).collect();
         self.pattern.each(self.k, |i, j, v| sizes[i] += (v * constant[j]).abs());
-        let mut of_unknowns = vec![0.0; self.map.masters().len()];
+        let mut of_unknowns = vec![0.0; self.elimination.masters().len()];
         self.spread_back(&sizes, &mut of_unknowns, self.sizes_of_t());
         of_unknowns
     }
 
     /// `y += w(L)^T x`.
     fn spread_back(&self, x: &[f64], y: &mut [f64], w: impl Fn(usize, usize, f64) -> f64) {
-        self.map.masters().iter().enumerate().for_each(|(q, &dof)| y[q] += x[dof]);
-        for (i, &dof) in self.map.slaves().iter().enumerate() {
-            self.map.reduction().t().row(i).for_each(|(q, t)| y[q] += w(i, q, t) * x[dof]);
+        self.elimination.masters().iter().enumerate().for_each(|(q, &dof)| y[q] += x[dof]);
+        for (i, &dof) in self.elimination.slaves().iter().enumerate() {
+            self.elimination.reduction().t().row(i).for_each(|(q, t)| y[q] += w(i, q, t) * x[dof]);
         }
     }
 
@@ -104,15 +104,15 @@ impl<'a> StepEquations<'a> {
 
     /// `w(L) x`.
     fn spread(&self, x: &[f64], w: impl Fn(usize, usize, f64) -> f64) -> Vec<f64> {
-        spread(self.map, x, w)
+        spread(self.elimination, x, w)
     }
 }
 
-fn spread(map: &Elimination, x: &[f64], w: impl Fn(usize, usize, f64) -> f64) -> Vec<f64> {
-    let mut u = vec![0.0; map.dofs()];
-    map.masters().iter().enumerate().for_each(|(q, &dof)| u[dof] = x[q]);
-    for (i, &dof) in map.slaves().iter().enumerate() {
-        u[dof] = map.reduction().t().row(i).map(|(q, t)| w(i, q, t) * x[q]).sum();
+fn spread(elimination: &Elimination, x: &[f64], w: impl Fn(usize, usize, f64) -> f64) -> Vec<f64> {
+    let mut u = vec![0.0; elimination.dofs()];
+    elimination.masters().iter().enumerate().for_each(|(q, &dof)| u[dof] = x[q]);
+    for (i, &dof) in elimination.slaves().iter().enumerate() {
+        u[dof] = elimination.reduction().t().row(i).map(|(q, t)| w(i, q, t) * x[q]).sum();
     }
     u
 }
@@ -122,11 +122,11 @@ fn absolute(x: &[f64]) -> Vec<f64> {
 }
 
 /// `|L| |x| + |G| |u_p| + |g|`: the sizes of the terms that u is made of.
-pub fn sizes_of_dofs(map: &Elimination, x: &[f64]) -> Vec<f64> {
-    let mut sizes = spread(map, &absolute(x), |_, _, t| t.abs());
-    let (reduction, given) = (map.reduction(), map.prescribed_values());
-    map.prescribed().iter().zip(given).for_each(|(&dof, value)| sizes[dof] = value.abs());
-    for (i, &dof) in map.slaves().iter().enumerate() {
+pub fn sizes_of_dofs(elimination: &Elimination, x: &[f64]) -> Vec<f64> {
+    let mut sizes = spread(elimination, &absolute(x), |_, _, t| t.abs());
+    let (reduction, given) = (elimination.reduction(), elimination.prescribed_values());
+    elimination.prescribed().iter().zip(given).for_each(|(&dof, value)| sizes[dof] = value.abs());
+    for (i, &dof) in elimination.slaves().iter().enumerate() {
         let of_given = reduction.g_matrix().row(i).map(|(p, v)| (v * given[p]).abs());
         sizes[dof] += of_given.sum::<f64>() + reduction.g()[i].abs();
     }
@@ -135,7 +135,7 @@ pub fn sizes_of_dofs(map: &Elimination, x: &[f64]) -> Vec<f64> {
 
 impl MeasuredEquations for StepEquations<'_> {
     fn apply(&self, x: &[f64]) -> Vec<f64> {
-        let (u, mut forces) = (self.moved(x), vec![0.0; self.map.dofs()]);
+        let (u, mut forces) = (self.moved(x), vec![0.0; self.elimination.dofs()]);
         self.pattern.each(self.k, |i, j, v| forces[i] += v * u[j]);
         let mut y = vec![0.0; x.len()];
         self.spread_back(&forces, &mut y, |_, _, t| t);
@@ -143,7 +143,7 @@ impl MeasuredEquations for StepEquations<'_> {
     }
 
     fn size(&self, x: &[f64]) -> Vec<f64> {
-        let (u, mut forces) = (self.spread(&absolute(x), self.sizes_of_t()), vec![0.0; self.map.dofs()]);
+        let (u, mut forces) = (self.spread(&absolute(x), self.sizes_of_t()), vec![0.0; self.elimination.dofs()]);
         self.pattern.each(self.k, |i, j, v| forces[i] += v.abs() * u[j]);
         let mut y = vec![0.0; x.len()];
         self.spread_back(&forces, &mut y, self.sizes_of_t());

@@ -8,7 +8,7 @@ use std::f64::consts::{PI, TAU};
 
 use qless_constraints::types::{Body, Revolute, RotationMotor};
 use qless_constraints::{ConstraintSet, SetBuilder};
-use qless_solve::newton::{NewtonOptions, Solution, solve};
+use qless_solve::newton::{NewtonOptions, NewtonSolution, solve};
 
 use crate::linkages::Outcome;
 use crate::poses::{
@@ -85,7 +85,7 @@ fn difference(a: f64, b: f64) -> f64 {
 fn follow(
     set: &mut ConstraintSet,
     times: impl IntoIterator<Item = f64>,
-    mut look: impl FnMut(f64, (&ConstraintSet, &Solution)) -> Outcome,
+    mut look: impl FnMut(f64, (&ConstraintSet, &NewtonSolution)) -> Outcome,
 ) -> Outcome {
     let mut u = vec![0.0; set.dofs()];
     for time in times {

@@ -3,7 +3,7 @@
 use faer::sparse::{SparseColMat, Triplet};
 use qless::{ConstraintSystem, SystemBuilder};
 use qless::{Options, analyse};
-use qless_solve::enforce::{EnforceError, Method, Motion, Problem, Solution, reduced};
+use qless_solve::enforce::{EnforceError, FreeMotion, Method, Problem, Solution, reduced};
 
 use super::models::{Kind, Lack, Model, PLAIN, Units, all_units, model};
 use crate::linkages::Outcome;
@@ -28,7 +28,7 @@ fn all_methods(problem: &Problem, equations: usize) -> Result<Vec<(&'static str,
 
 /// Refused by all, with a motion that K and C do not feel.
 #[track_caller]
-fn refused(name: &str, k: &SparseColMat<usize, f64>, f: &[f64], system: &ConstraintSystem) -> Outcome<Motion> {
+fn refused(name: &str, k: &SparseColMat<usize, f64>, f: &[f64], system: &ConstraintSystem) -> Outcome<FreeMotion> {
     let problem = Problem::new(k, f, system)?;
     let mut last = None;
     for (method, solved) in all_methods(&problem, system.equations())? {
@@ -48,7 +48,7 @@ fn refused(name: &str, k: &SparseColMat<usize, f64>, f: &[f64], system: &Constra
 }
 
 /// `v^T K v` and `C v` against their terms; v of prescribed DOFs is zero.
-fn felt(name: &str, k: &SparseColMat<usize, f64>, system: &ConstraintSystem, motion: &Motion) {
+fn felt(name: &str, k: &SparseColMat<usize, f64>, system: &ConstraintSystem, motion: &FreeMotion) {
     let mut v = vec![0.0; k.ncols()];
     motion.dofs.iter().zip(&motion.motion).for_each(|(&dof, &value)| v[dof] = value);
     let (mut work, mut size) = (0.0, 0.0_f64);

@@ -2,7 +2,7 @@
 
 use faer::Mat;
 use faer::linalg::solvers::SolveLstsq;
-use qless_solve::enforce::{EnforceError, Motion};
+use qless_solve::enforce::{EnforceError, FreeMotion};
 
 use super::{Case, Outcome, all_methods, for_each_case};
 
@@ -28,7 +28,7 @@ fn motions_left_free_are_named() -> Outcome {
 }
 
 /// What is left of `K v + C^T lambda` and `C v` with the best lambda, and whether anything but prescribed DOFs moves.
-fn felt(case: &Case, motion: &Motion) -> (f64, bool) {
+fn felt(case: &Case, motion: &FreeMotion) -> (f64, bool) {
     let (model, free, kept) = (case.model, case.model.free(), case.problem.kept());
     let mut v = vec![0.0; model.f.len()];
     motion.dofs.iter().zip(&motion.motion).for_each(|(&j, &x)| v[j] = x);
