@@ -20,10 +20,10 @@ mod face_orders;
 mod fields;
 /// Hanging nodes of h- and p-refinement.
 mod hanging;
+/// Sets that change: the same as new ones.
+mod incremental_updates;
 /// Types that are linear: fields that they must let through, loads that they must carry.
 mod linear_types;
-/// Sets that change: the same as new ones.
-mod living;
 /// Numbers and meshes that no equation may be made of, and noise that must not become one.
 mod misuse;
 /// Rows of G that are rounding and nothing else.

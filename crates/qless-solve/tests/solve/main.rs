@@ -1,7 +1,5 @@
 //! Enforcement, Newton's method and equilibrium as a user meets them.
 
-/// Nodes on lines and planes that turn.
-mod beads;
 /// Elastic mechanisms side by side: each comes to equilibrium as it does alone.
 mod blocks_of_equilibria;
 /// Mechanisms side by side: each goes as it goes alone.
@@ -18,6 +16,8 @@ mod contact;
 mod dead_centres;
 /// Equilibria that motors are driven through.
 mod driven;
+/// Rods said twice, whose rows of G differ by rounding.
+mod duplicate_rods;
 /// Methods that enforce constraints on a stiffness matrix, against one another.
 mod enforcement;
 /// Nonlinear equilibrium: beams, chains and mechanisms against what is known of them.
@@ -26,8 +26,6 @@ mod equilibria;
 mod factored;
 /// Equilibria of mechanisms, and what is refused.
 mod frames;
-/// No equation is let off because the terms of another are large.
-mod holds;
 /// Joints from far off, and what they leave free.
 mod joints;
 /// Planar and spatial linkages, as sets.
@@ -36,10 +34,10 @@ mod linkages;
 mod mechanisms;
 /// Mechanisms driven over many turns, against closed forms.
 mod motors;
-/// Nets of rods and arms from far: redundancies against singular values.
-mod nets;
 /// Residuals of Newton's method.
 mod newton;
+/// Nodes on lines and planes that turn.
+mod on_line_on_plane;
 /// Two blocks of solid elements under tension, tied at meshes that do not match.
 mod patch;
 /// Finite strain of a periodic cell of solid elements.
@@ -48,6 +46,10 @@ mod periodic_cell;
 mod platforms;
 /// Poses of bodies, independent of the library.
 mod poses;
+/// Nets of rods and arms from far: redundancies against singular values.
+mod redundancy_kinds;
+/// No equation is let off because the terms of another are large.
+mod residuals;
 /// Solutions right to what they state, and refusals, by every method.
 mod right_or_refused;
 /// Stability of equilibria.
@@ -57,7 +59,5 @@ mod steps;
 mod supports;
 /// Rotation vectors that are kept short.
 mod turns;
-/// Rods said twice, whose rows of G differ by rounding.
-mod twins;
 /// Enforcement of small models against exact arithmetic.
 mod whole_numbers;

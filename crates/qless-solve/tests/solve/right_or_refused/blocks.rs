@@ -4,8 +4,8 @@ use faer::sparse::{SparseColMat, Triplet};
 use qless::{ConstraintSystem, SystemBuilder};
 use qless_solve::enforce::{EnforceError, Method, Problem, Solution};
 
+use super::Random;
 use super::models::{Kind, Lack, Model, Units, all_units, model};
-use super::random::Random;
 use crate::linkages::Outcome;
 
 type Solved = Result<Solution, EnforceError>;

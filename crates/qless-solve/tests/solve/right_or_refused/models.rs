@@ -3,7 +3,7 @@
 use faer::sparse::{SparseColMat, Triplet};
 use qless::{ConstraintSystem, SystemBuilder};
 
-use super::random::Random;
+use super::Random;
 use crate::linkages::Outcome;
 
 /// How large the numbers of lengths and forces are.

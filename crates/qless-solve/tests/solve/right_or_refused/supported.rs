@@ -2,9 +2,9 @@
 
 use qless_solve::enforce::{Method, Problem, Solution};
 
+use super::Random;
 use super::dense;
 use super::models::{Kind, Lack, Model, Units, all_units, model, off};
-use super::random::Random;
 use crate::linkages::Outcome;
 
 /// What an estimate of an error may be wrong by.

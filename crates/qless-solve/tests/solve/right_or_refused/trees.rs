@@ -5,7 +5,7 @@ use qless::elimination::View;
 use qless::{ConstraintSystem, Elimination, Options, SystemBuilder};
 use qless_solve::enforce::{EnforceError, Llt, Problem, Steps};
 
-use super::random::Random;
+use super::Random;
 use crate::linkages::Outcome;
 
 const TREES: usize = 4_000;

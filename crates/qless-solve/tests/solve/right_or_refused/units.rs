@@ -4,9 +4,9 @@ use faer::sparse::{SparseColMat, Triplet};
 use qless::{ConstraintSystem, SystemBuilder};
 use qless_solve::enforce::{EnforceError, Problem, Solution};
 
+use super::Random;
 use super::dense;
 use super::models::{Kind, Lack, Model, Units, all_units, model, off};
-use super::random::Random;
 use crate::linkages::Outcome;
 use crate::patch::Block;
 

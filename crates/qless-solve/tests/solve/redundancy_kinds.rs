@@ -6,7 +6,7 @@ use qless_constraints::{ConstraintSet, Quantities};
 use qless_solve::newton::{self, NewtonOptions};
 
 use crate::linkages::Outcome;
-use crate::right_or_refused::random::Random;
+use crate::right_or_refused::Random;
 
 const NETS: usize = 4_000;
 
