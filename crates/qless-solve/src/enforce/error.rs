@@ -1,6 +1,4 @@
-//! Why constraints cannot be enforced.
-//! @@ enforce/error/motion.rs
-//! A motion that nothing holds, and its words.
+//! Errors of enforcement, and the motion of a model that lacks support.
 
 use qless::elimination::EliminationError;
 use qless::{AnalysisError, ArgumentError, ReductionError, SystemError};
@@ -11,23 +9,23 @@ use super::SolverError;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum EnforceError {
-    /// K or f does not fit to the constraints.
+    /// The size of K or f does not match the constraints.
     #[error("there are {found} {what}, but the constraints are on {dofs} DOFs")]
     Size {
-        /// What does not fit.
+        /// The list that does not match.
         what: &'static str,
         /// How many there are.
         found: usize,
         /// How many there should be.
         dofs: usize,
     },
-    /// A number that is not finite, of K, f or a prescribed value.
+    /// A number of K, f or a prescribed value is not finite.
     #[error("K, f or a prescribed value is {value}; every number must be finite")]
     NotFinite {
         /// The number.
         value: f64,
     },
-    /// MeasuredEquations contradict others.
+    /// Equations contradict others.
     #[error("{} cannot hold together with the equations that it depends on", .labels.join(" and "))]
     Conflict {
         /// The equations, 0-based.
@@ -35,7 +33,7 @@ pub enum EnforceError {
         /// Their labels.
         labels: Vec<String>,
     },
-    /// Whether an equation follows from others is in doubt, and u depends on it.
+    /// The analysis cannot tell whether an equation is redundant, and u does not satisfy it.
     #[error(
         "{label} follows from others but for {left:.1e} of its terms, too little to be sure that it does not; give its coefficients with all \
          their digits, bring the units of its DOFs nearer to one another, or leave it out"
@@ -45,18 +43,18 @@ pub enum EnforceError {
         row: usize,
         /// Its label.
         label: String,
-        /// What is left of it where the others hold, relative to the terms.
+        /// Residual of the equation if the others hold, relative to its terms.
         left: f64,
     },
-    /// The plan is not one of this problem.
+    /// The plan does not belong to this problem.
     #[error("the plan has {planned} equations, but {kept} are independent, and each must occur once")]
     Plan {
-        /// MeasuredEquations of the plan.
+        /// Number of equations in the plan.
         planned: usize,
-        /// MeasuredEquations that it should have.
+        /// Number of equations that it should have.
         kept: usize,
     },
-    /// One half of K was given as all of it.
+    /// Half of a symmetric K was passed as a full matrix.
     #[error(
         "all entries of K off the diagonal are on one side; declare Stiffness::{} if K is symmetric and this is one half of it, \
          Stiffness::unsymmetric if K is a triangle",
@@ -66,7 +64,7 @@ pub enum EnforceError {
         /// Whether it is the lower half.
         lower: bool,
     },
-    /// K has an entry in the half that was declared not to be stored.
+    /// K has an entry outside of the half that was declared.
     #[error(
         "K has an entry in row {row}, column {column} (from 0), which is not in the half declared; give one half, or Stiffness::full"
     )]
@@ -85,23 +83,23 @@ pub enum EnforceError {
     /// The constraints and prescribed DOFs leave the model free to move.
     #[error("{0}; support it, or give it stiffness")]
     Unsupported(FreeMotion),
-    /// The matrix has no inverse, and no motion that it leaves free was found.
+    /// The matrix is singular, and no motion without resistance was found.
     #[error("{what} is singular, but no single motion that it leaves free was found; look for DOFs without stiffness")]
     Singular {
-        /// Which matrix.
+        /// Name of the matrix.
         what: &'static str,
     },
-    /// A solution that is not in balance.
+    /// The solution is not in balance.
     #[error(
         "{row}: {imbalance:.1e} of the terms is left after refinement; the model is too ill-conditioned for double precision"
     )]
     OutOfBalance {
         /// The forces on a DOF, or the label of an equation.
         row: String,
-        /// What is left, relative to the terms.
+        /// Residual relative to its terms.
         imbalance: f64,
     },
-    /// Springs so soft that they leave more than was asked for.
+    /// The springs are so soft that u misses the requested accuracy.
     #[error(
         "penalty factor {factor:.1e}: u is off by {cost:.1e} of its size, and {accuracy:.1e} was asked for; {}",
         advice(*.smallest)
@@ -109,14 +107,14 @@ pub enum EnforceError {
     PenaltyTooSmall {
         /// The largest factor asked for.
         factor: f64,
-        /// The share of u that was asked for.
+        /// Requested relative accuracy of u.
         accuracy: f64,
-        /// The share of u that is left.
+        /// Relative error of u that the springs cause.
         cost: f64,
-        /// One that was found to do.
+        /// A factor that reaches the accuracy, if one was found.
         smallest: Option<f64>,
     },
-    /// Numbers that do not fit into memory, or into the integers of the solver.
+    /// A matrix exceeds the memory or the integers of the solver.
     #[error("a matrix of {rows} x {cols} is too large")]
     TooLarge {
         /// Its rows.
@@ -124,28 +122,28 @@ pub enum EnforceError {
         /// Its columns.
         cols: usize,
     },
-    /// Parts of T stay factors.
+    /// Parts of T are kept as factors.
     #[error(
         "T has parts that stay factors, of which no step is made; make the elimination with Form::Explicit, or use Problem"
     )]
     Factored,
-    /// The author's solver gave no solution.
+    /// The caller's [`Solver`](super::Solver) failed.
     #[error(transparent)]
     Solver(#[from] SolverError),
-    /// Augmented equations that rounding keeps from what was asked for.
+    /// Rounding keeps the residuals of augmented equations above the tolerance.
     #[error(
         "{left:.1e} of the terms of a constraint is left, which is rounding, and {tolerance:.1e} was asked for; ask for more than that"
     )]
     NoConvergence {
         /// Largest residual of an equation, relative to its terms.
         left: f64,
-        /// What was asked for.
+        /// Requested tolerance.
         tolerance: f64,
     },
-    /// Numbers so large or so small that the solution leaves the range of doubles.
+    /// The solution leaves the range of doubles.
     #[error("the solution leaves the range of doubles; choose units in which K, f and u are nearer to one")]
     OutOfRange,
-    /// A limit of fill that is no number, or negative.
+    /// The limit of fill is negative or not a number.
     #[error("the limit of fill is {0}; it must be zero or more, such as 10")]
     Limit(f64),
     /// The constraints cannot be analysed.
@@ -157,15 +155,15 @@ pub enum EnforceError {
     /// The equations chosen are no valid system.
     #[error(transparent)]
     System(#[from] SystemError),
-    /// The equations cannot be put into the form that K is condensed with.
+    /// The equations cannot be brought into the form that condenses K.
     #[error(transparent)]
     Elimination(#[from] EliminationError),
-    /// Numbers that do not fit, or that lead out of the range of doubles.
+    /// An argument has the wrong length or range.
     #[error(transparent)]
     Argument(#[from] ArgumentError),
 }
 
-/// What a factor would have to be, or that there is none.
+/// The end of the message: a sufficient factor, or that none is.
 fn advice(factor: Option<f64>) -> String {
     match factor {
         Some(factor) => format!("a factor that does is {factor:.1e}"),
@@ -173,9 +171,9 @@ fn advice(factor: Option<f64>) -> String {
     }
 }
 
-/// DOFs that take part by less than this share of the largest are not named; in units without units.
+/// DOFs that move less than this fraction of the largest, in dimensionless units, are not named.
 const SHARE: f64 = 1e-6;
-/// DOFs in the message.
+/// Largest number of DOFs in the message.
 const NAMED: usize = 8;
 
 /// A motion that constraints and prescribed DOFs leave free, up to rounding.
@@ -184,14 +182,14 @@ const NAMED: usize = 8;
 pub struct FreeMotion {
     /// The DOFs that move, ascending.
     pub dofs: Vec<usize>,
-    /// How far each of them moves, in its own unit; the largest number is 1 or -1.
+    /// Displacement of each of these DOFs in its own unit; the largest is 1 or -1.
     pub motion: Vec<f64>,
-    /// The largest force that holds it, relative to its terms: rounding, if not zero.
+    /// Largest force that resists the motion, relative to its terms: zero or rounding.
     pub held: f64,
 }
 
 impl FreeMotion {
-    /// From a null vector of all DOFs and the unit of each.
+    /// From a null vector of all DOFs and the unit of each DOF.
     pub(in super::super) fn new(u: &[f64], units: &[f64], held: f64) -> Self {
         let sizes: Vec<f64> = u.iter().zip(units).map(|(u, s)| u.abs() / s).collect();
         let most = sizes.iter().fold(0.0, |most: f64, size| most.max(*size));
@@ -202,13 +200,13 @@ impl FreeMotion {
         Self { dofs, motion, held }
     }
 
-    /// The same where DOFs have other numbers, ascending.
+    /// Renumbers the DOFs: j becomes `dofs[j]`, which ascends.
     pub(in super::super) fn of(mut self, dofs: &[usize]) -> Self {
         self.dofs.iter_mut().for_each(|j| *j = dofs[*j]);
         self
     }
 
-    /// Both, each with its largest number 1 or -1.
+    /// The union of both motions, each scaled to a largest displacement of 1 or -1.
     pub(in super::super) fn and(&self, other: &Self) -> Self {
         let moves = |motion: &Self| motion.dofs.iter().copied().zip(motion.motion.clone()).collect::<Vec<_>>();
         let mut both = [moves(self), moves(other)].concat();

@@ -1,9 +1,8 @@
-//! Sparse matrices by columns: `A B`, `A x`, `A^T x`, and the same of sizes, `|A| |x|`.
-//! @@ enforce/factor.rs
-//! `A x = b` by `S A S = L L^T` where A may be definite, by LU with partial pivoting otherwise.
+//! Sparse matrices by columns: products with matrices, vectors and absolute values, and factors of scaled matrices.
 //!
-//! S takes the units off ([`super::scale`]): without it, pivots of a saddle matrix in SI units are chosen by units. There is no
-//! `L D L^T` here: faer's has no pivoting across the pattern, and a saddle matrix has zeros on its diagonal.
+//! `A x = b` is solved by `S A S = L L^T` if A may be definite, and by LU with partial pivoting otherwise. S removes the units
+//! ([`super::units`]); without it, the units would choose the pivots of a saddle matrix. `L D L^T` is not used: faer's has no pivoting
+//! outside of the diagonal, and a saddle matrix has zeros on its diagonal.
 
 use std::borrow::Cow;
 
@@ -15,18 +14,18 @@ use super::EnforceError;
 use super::solver::{Llt, Lu, Solver, SolverError, SolverMatrix};
 use crate::common::SparseMatrix;
 
-/// From `(row, column, value)`, summed where they repeat; all indices are in range.
+/// From `(row, column, value)`, all in range; repeated entries are summed.
 pub fn from_triplets(
     rows: usize,
     cols: usize,
     entries: impl IntoIterator<Item = (usize, usize, f64)>,
 ) -> Result<SparseMatrix, EnforceError> {
     let entries: Vec<_> = entries.into_iter().map(|(i, j, v)| Triplet::new(i, j, v)).collect();
-    // What can go wrong here is memory.
+    // Only memory can fail here.
     SparseMatrix::try_new_from_triplets(rows, cols, &entries).map_err(|_| EnforceError::TooLarge { rows, cols })
 }
 
-/// The same matrix with its columns one after the other, as [`qless::elimination::View`] takes it.
+/// The matrix without gaps between its columns, as [`qless::elimination::View`] needs it.
 pub fn compressed(a: &SparseMatrix) -> Result<Cow<'_, SparseMatrix>, EnforceError> {
     if a.symbolic().col_nnz().is_none() && a.val().len() == a.symbolic().row_idx().len() {
         return Ok(Cow::Borrowed(a));
@@ -87,13 +86,13 @@ pub fn bordered(a: &SparseMatrix, b: &SparseMatrix) -> Result<SparseMatrix, Enfo
     from_triplets(size, size, entries(a).chain(border))
 }
 
-/// A factorization that can be used again.
+/// Reusable factors of a scaled matrix.
 pub struct ScaledFactor {
     units: Vec<f64>,
     solver: Option<Box<dyn Solver>>,
 }
 
-/// A scaled matrix with the integers of the solvers.
+/// A scaled matrix with 32-bit indices, as the solvers take it.
 struct ScaledColumns {
     starts: Vec<u32>,
     rows: Vec<u32>,
@@ -101,7 +100,7 @@ struct ScaledColumns {
 }
 
 impl ScaledFactor {
-    /// With the units of the unknowns; `definite` is whether Cholesky is worth a try.
+    /// Factors A, whose unknowns have the given units; `definite` asks for Cholesky first.
     pub fn new(a: &SparseMatrix, units: Vec<f64>, definite: bool) -> Result<Self, EnforceError> {
         if a.nrows() == 0 {
             return Ok(Self { units, solver: None });
@@ -115,7 +114,7 @@ impl ScaledFactor {
         Ok(Self { units, solver: Some(solver) })
     }
 
-    /// `A^-1 b`; an error where a pivot was zero.
+    /// `A^-1 b`; an error if a pivot was zero.
     pub fn solve(&mut self, b: &[f64]) -> Result<Vec<f64>, EnforceError> {
         let mut x: Vec<f64> = b.iter().zip(&self.units).map(|(b, s)| b * s).collect();
         let Some(solver) = &mut self.solver else { return Ok(x) };
@@ -125,14 +124,14 @@ impl ScaledFactor {
     }
 }
 
-/// What is added to the diagonal of unknown j, in its unit, to make a singular matrix regular. No two are the same: where forces that A cannot
-/// carry and motions that it does not feel have nothing in common, `A + s I` is as good as singular.
+/// Shift on the diagonal of unknown j, in its unit, that makes a singular matrix regular. All shifts differ: if the null spaces of A and A^T
+/// are orthogonal, `A + s I` with the same s for all stays almost singular.
 pub fn uneven(shift: f64, j: usize, unit: f64) -> f64 {
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
     shift * (1.0 + (j as f64 * GOLDEN).fract()) / (unit * unit)
 }
 
-/// A with a shift added to the first of its diagonal: regular where A is not.
+/// A with shifts on its first `count` diagonal entries.
 pub fn shifted(a: &SparseMatrix, units: &[f64], count: usize, shift: f64) -> Result<SparseMatrix, EnforceError> {
     let diagonal = (0..count).map(|j| (j, j, uneven(shift, j, units[j])));
     from_triplets(a.nrows(), a.ncols(), entries(a).chain(diagonal))

@@ -1,9 +1,7 @@
-//! The methods: one for each equation, and the same for all by name.
-//! @@ enforce/blocks.rs
-//! Eliminate where T stays sparse, multipliers where it would fill: a choice for each block of equations.
+//! The methods of [`Problem`]: one per equation, the same for all, or elimination for sparse blocks and multipliers for the others.
 //!
-//! A block is a connected component of independent equations and free DOFs. Its fill is predicted before any product is formed:
-//! an entry `K_ij` becomes up to `t_i t_j` entries of `T^T K T`, where `t_i` is the number of entries in row i of T.
+//! A block is a connected component of independent equations and free DOFs. Its fill is predicted before any product is formed: an entry
+//! `K_ij` becomes up to `t_i t_j` entries of `T^T K T`, where `t_i` is the number of entries in row i of T.
 
 use faer::sparse::SparseColMat;
 use qless::ArgumentError;
@@ -16,10 +14,10 @@ use super::refinement::BALANCED;
 use super::{EnforceError, Method, solve};
 
 impl Problem<'_> {
-    /// One method for each equation, in one solve; those of redundant equations do not matter.
+    /// Enforces each equation by its own method, in one solve. The methods of redundant equations are ignored.
     ///
-    /// `accuracy` is what may be left of equations with springs: for penalties the share of u by which it may differ from the exact
-    /// one, for augmented equations `|C_i u - b_i|` relative to its terms. Elimination and multipliers leave rounding alone.
+    /// `accuracy` bounds the error of equations with springs: the relative error of u for penalties, `|C_i u - b_i|` relative to its terms
+    /// for augmented equations. Elimination and multipliers leave rounding only.
     ///
     /// ```
     /// use faer::sparse::{SparseColMat, Triplet};
@@ -42,12 +40,11 @@ impl Problem<'_> {
     /// ```
     ///
     /// # Errors
-    /// [`EnforceError::Unsupported`] with the motion that nothing holds; [`EnforceError::PenaltyTooSmall`] with a factor that would do;
-    /// [`EnforceError::NoConvergence`] where rounding leaves more of augmented equations than was asked for;
-    /// [`EnforceError::OutOfBalance`] where it leaves more than 1e-10 of the terms of a row, or no digit of u;
-    /// [`EnforceError::Doubtful`] where u depends on whether an equation is redundant, and that is in doubt;
-    /// [`EnforceError::OutOfRange`] where the solution leaves the range of doubles; [`EnforceError::Argument`] for a list of the wrong
-    /// length, [`EnforceError::Factor`] for the factor of any equation, [`EnforceError::Accuracy`].
+    /// [`EnforceError::Unsupported`] with the motion that nothing resists; [`EnforceError::PenaltyTooSmall`] with a sufficient factor;
+    /// [`EnforceError::NoConvergence`] if rounding keeps augmented equations from the accuracy; [`EnforceError::OutOfBalance`] if rounding
+    /// leaves more than 1e-10 of the terms of a row, or no digit of u; [`EnforceError::Doubtful`] if an equation may be redundant or not and
+    /// u depends on it; [`EnforceError::OutOfRange`] if the solution leaves the range of doubles; [`EnforceError::Argument`] for a list of
+    /// the wrong length; [`EnforceError::Factor`] and [`EnforceError::Accuracy`] for numbers that are not positive.
     pub fn enforce(&self, methods: &[Method], accuracy: f64) -> Result<Solution, EnforceError> {
         let (found, expected) = (methods.len(), self.system.equations());
         if found != expected {
@@ -64,9 +61,9 @@ impl Problem<'_> {
         self.enforce(&vec![method; self.system.equations()], accuracy)
     }
 
-    /// All slaves eliminated: `K* = T^T K T`, `f* = T^T (f - K u_0)` (Eq. 7-9).
+    /// Eliminates all slaves: `K* = T^T K T`, `f* = T^T (f - K u_0)` (Eq. 7-9).
     ///
-    /// Connected parts of which T would fill ([`qless::Form::Auto`]) get multipliers in the same matrix: the solution is the same.
+    /// Connected parts whose T would fill ([`qless::Form::Auto`]) get multipliers in the same matrix; the solution is the same.
     ///
     /// # Errors
     /// As [`Problem::enforce`].
@@ -74,7 +71,7 @@ impl Problem<'_> {
         self.all(Method::Elimination, BALANCED)
     }
 
-    /// A multiplier for each independent equation (Eq. 10).
+    /// Gives each independent equation a multiplier (Eq. 10).
     ///
     /// # Errors
     /// As [`Problem::enforce`].
@@ -82,18 +79,17 @@ impl Problem<'_> {
         self.all(Method::Multiplier, BALANCED)
     }
 
-    /// Independent equations as stiff springs; `lambda = D (C u - b)`. What the springs leave falls as 1 / factor; where the factor is so large
-    /// that rounding of `K + C^T D C` shows, the same springs are solved beside K instead of in it.
+    /// Replaces independent equations by stiff springs, `lambda = D (C u - b)`. The error falls as 1 / factor. If the factor is so large that
+    /// K loses digits in `K + C^T D C`, the same springs are solved as `[K C^T; C -1/D]`.
     ///
     /// # Errors
-    /// As [`Problem::enforce`], where u may differ from the exact one by a share of `accuracy`.
+    /// As [`Problem::enforce`]; u may differ from the exact solution by a fraction of `accuracy`.
     pub fn penalty(&self, factor: f64, accuracy: f64) -> Result<Solution, EnforceError> {
         self.all(Method::Penalty { factor }, accuracy)
     }
 
-    /// Penalty with multipliers that take over step by step: `lambda += D (C u - b)`, until every equation holds to
-    /// `tolerance`, relative to its terms, and the forces are in balance. Springs of which a step closes less than nine tenths of a gap are
-    /// replaced by multipliers at once.
+    /// Penalty with multipliers that take over: `lambda += D (C u - b)`, until the forces are in balance and every equation holds to
+    /// `tolerance`, relative to its terms. Springs that close less than nine tenths of a gap per step are replaced by multipliers at once.
     ///
     /// # Errors
     /// As [`Problem::enforce`].
@@ -101,7 +97,7 @@ impl Problem<'_> {
         self.all(Method::Augmented { factor }, tolerance)
     }
 
-    /// Elimination of the blocks that are planned so, as in [`Problem::transformation`], multipliers on the others ([`Problem::plan`]).
+    /// Eliminates the blocks that the plan ([`Problem::plan`]) marks so, as in [`Problem::transformation`]; the others get multipliers.
     ///
     /// # Errors
     /// [`EnforceError::Plan`] if the plan does not have each independent equation once, and as [`Problem::enforce`].
@@ -117,12 +113,12 @@ impl Problem<'_> {
         self.enforce(&methods, BALANCED)
     }
 
-    /// Lagrange's matrix `[K C^T; C 0]` on the DOFs that are not prescribed, for the equations `rows` (Eq. 10); not scaled.
+    /// Lagrange's matrix `[K C^T; C 0]` of the equations `rows` on the DOFs that are not prescribed (Eq. 10); not scaled.
     ///
-    /// With a redundant equation among them it is singular, whatever K is.
+    /// A redundant equation among them makes it singular, whatever K is.
     ///
     /// # Errors
-    /// [`EnforceError::Argument`] for a row that is not there, another [`EnforceError`] if the matrix does not fit into memory.
+    /// [`EnforceError::Argument`] for a row out of range, another [`EnforceError`] if the matrix does not fit into memory.
     pub fn lagrange_matrix(&self, rows: &[usize]) -> Result<SparseColMat<usize, f64>, EnforceError> {
         let count = self.system.equations();
         if let Some(&found) = rows.iter().find(|&&row| row >= count) {
@@ -142,19 +138,19 @@ impl Problem<'_> {
     }
 }
 
-/// How a block of equations is to be enforced; a caller may change `eliminate`.
+/// How a block of equations is enforced; the caller may change `eliminate`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlockPlan {
     /// The equations, ascending.
     pub rows: Vec<usize>,
-    /// Entries of `T^T K T` that come from entries of K on slaves of the block, at most, per such entry.
+    /// Predicted fill: most entries of `T^T K T` per entry of K on slaves of the block.
     pub fill: f64,
     /// Whether slaves are eliminated; otherwise each equation gets a multiplier.
     pub eliminate: bool,
 }
 
 impl Problem<'_> {
-    /// Eliminates the blocks whose predicted fill is at most `limit`, such as 10.
+    /// Plans elimination for the blocks whose predicted fill is at most `limit`, such as 10, and multipliers for the others.
     ///
     /// ```
     /// use faer::sparse::{SparseColMat, Triplet};
@@ -176,7 +172,7 @@ impl Problem<'_> {
     /// ```
     ///
     /// # Errors
-    /// [`EnforceError::Limit`] for a limit that is no number or negative, another [`EnforceError`] if the independent equations cannot be
+    /// [`EnforceError::Limit`] if the limit is negative or not a number, another [`EnforceError`] if the independent equations cannot be
     /// reduced.
     pub fn plan(&self, limit: f64) -> Result<Vec<BlockPlan>, EnforceError> {
         if limit.is_nan() || limit < 0.0 {
@@ -206,7 +202,7 @@ impl Problem<'_> {
         self.system.matrix().row(row).map(|(dof, _)| dof).filter(free)
     }
 
-    /// The block of each DOF, named by its smallest DOF; none where no equation acts.
+    /// The block of each DOF, named by its smallest DOF; [`NONE`] if no equation has the DOF.
     fn blocks(&self) -> Vec<usize> {
         let mut sets = DisjointSets::new(self.system.dofs());
         let mut acts = vec![false; self.system.dofs()];
@@ -220,7 +216,7 @@ impl Problem<'_> {
         (0..acts.len()).map(|dof| if acts[dof] { sets.root(dof) } else { NONE }).collect()
     }
 
-    /// The predicted fill of each block, by its name.
+    /// The predicted fill of each block, indexed by its smallest DOF.
     fn fills(&self, block_of: &[usize]) -> Result<Vec<f64>, EnforceError> {
         let elimination = elimination_of(self.system, &self.kept)?;
         let reduction = elimination.reduction();
@@ -245,5 +241,5 @@ impl Problem<'_> {
     }
 }
 
-/// A DOF that no equation acts on.
+/// Marks a DOF without equations.
 const NONE: usize = usize::MAX;

@@ -1,16 +1,11 @@
-//! Stiffness, loads and constraints, checked.
-//! @@ enforce/problem/solution.rs
-//! What comes out of a solve, and what it is worth.
-//! @@ enforce/method.rs
-//! How each equation is enforced.
-//! @@ enforce/doubt.rs
-//! MeasuredEquations that follow from others, where it is in doubt whether they do.
+//! The model with its constraints, the methods of enforcement, the solution, and the check of equations that may be redundant.
+//! A redundant row is a combination of kept rows, up to an error e that the analysis took for zero:
 //!
 //! ```text
 //! row_i = sum c_k row_k + e        e u = (C_i u - b_i) - sum c_k (C_k u - b_k)
 //! ```
 //!
-//! e is what the analysis took for nothing. Where it does nothing to u, whether it is nothing does not matter.
+//! If `e u` is zero, it does not matter whether e is.
 
 use std::borrow::Cow;
 
@@ -19,7 +14,7 @@ use qless::{Analysis, ConstraintSystem, Kind, Options, analyse};
 use super::{EnforceError, Stiffness};
 use crate::common::SparseMatrix;
 
-/// Stiffness, loads and constraints, checked.
+/// A stiffness matrix, loads and constraint equations, validated.
 ///
 /// ```
 /// use faer::sparse::{SparseColMat, Triplet};
@@ -40,7 +35,7 @@ use crate::common::SparseMatrix;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Problem<'a> {
-    /// All entries of K.
+    /// All entries of K, also if only one half was given.
     pub(super) k: Cow<'a, SparseMatrix>,
     /// Whether K was declared to be symmetric.
     pub(super) declared: bool,
@@ -48,9 +43,9 @@ pub struct Problem<'a> {
     pub(super) system: &'a ConstraintSystem,
     pub(super) kept: Vec<usize>,
     redundant: Vec<usize>,
-    /// Where it is in doubt whether those are redundant.
+    /// The analysis, if it is not sure which equations are redundant.
     doubted: Option<Analysis>,
-    /// Free DOFs that the equations fix.
+    /// Free DOFs whose value follows from the equations alone.
     fixed: Vec<usize>,
 }
 
@@ -63,11 +58,11 @@ impl std::fmt::Debug for Problem<'_> {
 }
 
 impl<'a> Problem<'a> {
-    /// Checks sizes and analyses the constraints with default settings. K is `&k`, or a [`Stiffness`] that says what is stored.
+    /// Validates sizes and analyses the constraints with default settings. K is `&k`, or a [`Stiffness`] that declares which half is stored.
     ///
     /// # Errors
-    /// [`EnforceError`] for sizes that do not fit, numbers that are not finite, one half of K that is not declared as such
-    /// ([`EnforceError::Triangle`]), and equations that conflict, with their labels.
+    /// [`EnforceError`] if sizes do not match, a number is not finite, half of K is passed as a full matrix ([`EnforceError::Triangle`]), or
+    /// equations conflict; the error has their labels.
     pub fn new(k: impl Into<Stiffness<'a>>, f: &'a [f64], system: &'a ConstraintSystem) -> Result<Self, EnforceError> {
         let (stiffness, dofs) = (k.into(), system.dofs());
         let k = stiffness.matrix();
@@ -98,19 +93,19 @@ impl<'a> Problem<'a> {
         &self.kept
     }
 
-    /// The equations that follow from others, ascending; they have no multiplier.
+    /// The redundant equations, ascending; they have no multiplier.
     pub fn redundant(&self) -> &[usize] {
         &self.redundant
     }
 
-    /// Refuses u where it breaks an equation that is said to be redundant and may not be.
+    /// Fails if u violates an equation that the analysis is not sure to be redundant.
     pub(super) fn without_doubt(&self, u: &[f64]) -> Result<(), EnforceError> {
         let refined = |analysis| check_redundant(analysis, analysis.kinds(), self.system.rhs(), u);
         self.doubted.as_ref().map_or(Ok(()), refined)
     }
 
-    /// `(DOF, load)` for loads on free DOFs that the equations fix (generated boundary conditions): they go into the constraints and
-    /// move nothing.
+    /// `(DOF, load)` of loads on free DOFs whose value follows from the equations alone (generated boundary conditions). The constraints
+    /// carry these loads; they do not change u.
     ///
     /// ```
     /// use faer::sparse::{SparseColMat, Triplet};
@@ -131,49 +126,50 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// Displacements, multipliers and forces.
+/// Displacements, multipliers, forces and error estimates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
-    /// All DOFs.
+    /// Displacements of all DOFs.
     pub u: Vec<f64>,
-    /// lambda, one per original equation, of `K u + C^T lambda = f`; redundant equations ([`super::Problem::redundant`]) have zero.
+    /// lambda of `K u + C^T lambda = f`, one per equation; zero for redundant equations ([`Problem::redundant`]).
     pub multipliers: Vec<f64>,
-    /// `-C^T lambda`: what the constraints exert on each DOF.
+    /// `-C^T lambda`: force of the constraints on each DOF.
     pub forces: Vec<f64>,
-    /// `(DOF, K u + C^T lambda - f)` for each prescribed DOF: what holds it.
+    /// `(DOF, K u + C^T lambda - f)` for each prescribed DOF: the support reaction.
     pub reactions: Vec<(usize, f64)>,
-    /// The share of u, in its largest number per connected part, that may be wrong: what rounding of K and C does to it, and what
-    /// penalties leave; if that is more, the share of what loads would do to the stiffness they act on.
-    /// Translations and rotations are compared in units of energy; DOFs of a part of K without a number on its diagonal, which has no
-    /// such units, each by itself, and by the terms of its equations where it is zero. An estimate: as a rule too large, seldom several times too small.
+    /// Estimated relative error of u, in the largest displacement of each connected part: the effect of rounding of K and C, plus the error
+    /// of penalties. If the displacement that the loads would cause on the stiffness of their DOFs is larger, the error is relative to that.
+    /// Translations and rotations are compared in units of energy. If K has no diagonal entry in a part, there is no such unit: each DOF is
+    /// then compared with itself, or with the terms of its equations if it is zero. The estimate is usually too large, and seldom several
+    /// times too small.
     pub accuracy: f64,
-    /// The largest imbalance, relative to its terms, of a row of the equations that were solved: `K u + C^T lambda = f`, and `C u = b` of
-    /// equations by multipliers. What springs leave of theirs, `C u - b = lambda / D`, is balanced by lambda and part of `accuracy`.
+    /// Largest residual of the equations that were solved, relative to the terms of its row: `K u + C^T lambda = f`, and `C u = b` for
+    /// equations with multipliers. The residual of a penalty, `C u - b = lambda / D`, does not count here: it is part of `accuracy`.
     pub imbalance: f64,
 }
 
-/// How one equation is enforced. [`Problem::enforce`](super::Problem::enforce) takes one for each, in one solve.
+/// How one equation is enforced. [`Problem::enforce`] takes one method per equation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Method {
-    /// A slave is eliminated: `u = L q + u_0` (Eq. 6-9).
+    /// Eliminate a slave: `u = L q + u_0` (Eq. 6-9).
     Elimination,
-    /// lambda is an unknown (Eq. 10).
+    /// Solve for lambda as an unknown (Eq. 10).
     Multiplier,
-    /// A spring of `D = factor k / |C_i|^2` pulls towards the equation (Eq. 11): `C_i u - b_i = lambda_i / D` is left of it, and nothing
-    /// where it acts on a part without any stiffness, since the factor would have no meaning.
+    /// A spring of stiffness `D = factor k / |C_i|^2` pulls towards the equation (Eq. 11) and leaves `C_i u - b_i = lambda_i / D`. In a part
+    /// without any stiffness k, the factor has no meaning and the equation is satisfied exactly.
     Penalty {
-        /// How much stiffer the spring is than what it holds.
+        /// Stiffness of the spring relative to that of its DOFs.
         factor: f64,
     },
-    /// The same spring, and lambda takes over step by step: nothing is left.
+    /// The same spring with a multiplier that takes over its force step by step, so that the equation is satisfied.
     Augmented {
-        /// How much stiffer the spring is than what it holds.
+        /// Stiffness of the spring relative to that of its DOFs.
         factor: f64,
     },
 }
 
 impl Method {
-    /// The factor of the spring, if there is one.
+    /// Factor of the spring; none if the method has no spring.
     pub(super) fn factor(self) -> Option<f64> {
         match self {
             Self::Penalty { factor } | Self::Augmented { factor } => Some(factor),
@@ -181,7 +177,7 @@ impl Method {
         }
     }
 
-    /// Whether its numbers can be used.
+    /// Validates the factor.
     pub(super) fn checked(self) -> Result<(), EnforceError> {
         match self.factor() {
             Some(factor) if !(factor > 0.0 && factor.is_finite()) => Err(EnforceError::Factor(factor)),
@@ -189,7 +185,7 @@ impl Method {
         }
     }
 
-    /// The same with `share` times the spring.
+    /// The same method with the spring factor multiplied by `share`.
     pub(super) fn times(self, share: f64) -> Self {
         match self {
             Self::Penalty { factor } => Self::Penalty { factor: factor * share },
@@ -198,16 +194,16 @@ impl Method {
         }
     }
 
-    /// The same without a spring.
+    /// The same method with a multiplier instead of a spring.
     pub(super) fn without_spring(self) -> Self {
         if self.factor().is_some() { Self::Multiplier } else { self }
     }
 }
 
-/// What `e u` may be of the terms of the combination.
+/// Largest `e u` relative to the terms of the combination.
 const NOTHING: f64 = 1e-9;
 
-/// Refuses u where a redundant equation of a doubtful rank does not hold as well as those that it is said to follow from.
+/// If the rank is ambiguous: fails if a redundant equation is not satisfied as well as the equations that it depends on.
 pub fn check_redundant(analysis: &Analysis, kinds: &[Kind], rhs: &[f64], u: &[f64]) -> Result<(), EnforceError> {
     if !analysis.confidence().ambiguous {
         return Ok(());

@@ -1,10 +1,6 @@
-//! `A x = b` by the author's solver: a trait of two functions, and three of faer's factorizations that have it.
+//! Factorizations of the condensed matrix: the trait [`Solver`] for the caller's own, and Cholesky, `L D L^T` and LU of faer.
 //!
-//! They run on one thread, so that the bits are the same on any number of them.
-//! @@ enforce/solver/cholesky.rs
-//! `A = L L^T` and `A = L D L^T` of symmetric matrices, of which one half is read.
-//! @@ enforce/solver/lu.rs
-//! `P A Q = L U` with partial pivoting.
+//! faer's run on one thread, so that results do not depend on the number of threads.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
@@ -17,7 +13,7 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side, Spec};
 use qless::elimination::Storage;
 
-/// A square matrix in compressed columns, counted from 0, rows ascending.
+/// A square matrix in compressed columns, with indices from 0 and ascending rows.
 #[derive(Clone, Copy, Debug)]
 pub struct SolverMatrix<'a> {
     /// Where each column starts in `rows`; length n + 1.
@@ -26,11 +22,11 @@ pub struct SolverMatrix<'a> {
     pub rows: &'a [u32],
     /// Value of each entry.
     pub values: &'a [f64],
-    /// Which half is stored, if not all.
+    /// Whether all entries or one half are stored.
     pub storage: Storage,
 }
 
-/// What solves the condensed equations.
+/// Solves the condensed equations.
 ///
 /// ```
 /// use qless_solve::enforce::{SolverMatrix, Llt, Solver};
@@ -43,20 +39,20 @@ pub struct SolverMatrix<'a> {
 /// # Ok::<(), qless_solve::enforce::SolverError>(())
 /// ```
 pub trait Solver {
-    /// Takes new values. The pattern is the same in every call for one solver, so that its analysis may be kept.
+    /// Factors a matrix. All calls have the same pattern, so that the symbolic analysis can be kept.
     ///
     /// # Errors
-    /// [`SolverError`] if the matrix has no such factors.
+    /// [`SolverError`] if the factorization fails.
     fn factor(&mut self, matrix: SolverMatrix) -> Result<(), SolverError>;
 
-    /// `b <- A^-1 b`, of the last values.
+    /// `b <- A^-1 b` for the matrix of the last factorization.
     ///
     /// # Errors
     /// [`SolverError`].
     fn solve(&mut self, b: &mut [f64]) -> Result<(), SolverError>;
 }
 
-/// Why a solver gave no solution, in its own words.
+/// Why a solver failed, in its own words.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("the solver: {0}")]
 pub struct SolverError(pub String);
@@ -90,14 +86,14 @@ impl<'a> SolverMatrix<'a> {
 #[derive(Debug, Default)]
 pub struct Llt(Cholesky);
 
-/// faer's `L D L^T` without pivoting, for symmetric matrices that have it.
+/// faer's `L D L^T` without pivoting, for symmetric matrices.
 ///
-/// Indefinite matrices may have it or not, and nothing bounds its entries then: [`super::super::Steps`] finds what that costs,
-/// refines it or refuses it. For a saddle matrix take [`super::Lu`].
+/// An indefinite matrix may have no such factors, or factors with large entries: [`super::Steps`] measures the error, and refines or refuses
+/// the solution. For a saddle matrix use [`Lu`].
 #[derive(Debug, Default)]
 pub struct Ldlt(Cholesky);
 
-/// The pattern of the factors, made at the first call, and their values; none where there are no factors.
+/// Symbolic factorization, made at the first call, and the values of the factors, if there are any.
 #[derive(Debug, Default)]
 struct Cholesky {
     symbolic: Option<SymbolicCholesky<u32>>,
@@ -173,7 +169,7 @@ impl Solver for Ldlt {
     }
 }
 
-/// faer's LU with partial pivoting, for whatever is not singular; all entries must be stored.
+/// faer's LU with partial pivoting, for any nonsingular matrix; all entries must be stored.
 #[derive(Debug, Default)]
 pub struct Lu {
     symbolic: Option<SymbolicLu<u32>>,

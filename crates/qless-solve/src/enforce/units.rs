@@ -1,4 +1,4 @@
-//! Powers of two that take the units off: `S A S` with `S = diag(s)`, every row of which has a largest entry near 1.
+//! Units of DOFs and equations: powers of two `S = diag(s)` that give every row of `S A S` a largest entry near 1.
 //!
 //! ```text
 //! A = [K C^T; C 0]
@@ -8,26 +8,27 @@
 //! s_j = 1 / max_r |C_rj| s_r            DOFs that only equations know
 //! ```
 //!
-//! Numbers in these units can be compared, whatever the units of lengths and forces, translations and rotations are.
-//! Cost: a few passes over the entries, and a sort where units spread.
-//! @@ enforce/kinds.rs
-//! Which DOFs have units that can be compared.
+//! Numbers in these units can be compared, whatever the units of length, force, translation and rotation are. Cost: a few passes over the
+//! entries, and a sort if units spread along equations.
+//!
+//! Some units remain unknown:
 //!
 //! ```text
 //! s_i K_ij s_j = 1        u_j / s_j has no unit
 //! ```
 //!
-//! A number on the diagonal says what the unit of its DOF is, and those of all that are joined with it. Where a connected part of K has none, as
-//! `[0 K_01; K_10 0]`, the unit of one DOF may be anything if that of another is its inverse: each of them is a kind of its own.
+//! A diagonal entry determines the unit of its DOF and of all DOFs in the same connected part of K. A part without diagonal entries, such as
+//! `[0 K_01; K_10 0]`, does not: the unit of one DOF is arbitrary if the other has the inverse. Each of these DOFs is a group of its own
+//! ([`UnitGroups`]).
 
 use qless::common::DisjointSets;
 
 use super::matrix::entries;
 use crate::common::SparseMatrix;
 
-/// Passes that balance K, at most; definite matrices are balanced by their diagonal.
+/// Most passes that balance K; definite matrices are balanced by their diagonal.
 const SWEEPS: usize = 20;
-/// A largest entry within this factor of one is balanced.
+/// A largest entry within this factor of one counts as balanced.
 const EVEN: f64 = 1.5;
 
 /// One unit per DOF, then one per equation of C; powers of two.
@@ -44,12 +45,12 @@ pub fn units_of_diagonal(stiffness: &[f64]) -> Vec<f64> {
     stiffness.iter().map(|&k| if k > 0.0 { power_of_two(k.sqrt().recip()) } else { 1.0 }).collect()
 }
 
-/// Units of a square matrix that has no C.
+/// Units of a square matrix without C.
 pub fn units_of(a: &SparseMatrix) -> Vec<f64> {
     of_stiffness(a).into_iter().map(|s| if s > 0.0 { power_of_two(s) } else { 1.0 }).collect()
 }
 
-/// Zero where K has no entry.
+/// Units from K alone; zero if K has no entry.
 fn of_stiffness(k: &SparseMatrix) -> Vec<f64> {
     let inverse_root = |v: f64| if v > 0.0 { v.sqrt().recip() } else { 0.0 };
     let (mut diagonal, mut largest) = (vec![0.0_f64; k.ncols()], vec![0.0_f64; k.ncols()]);
@@ -78,7 +79,7 @@ fn of_stiffness(k: &SparseMatrix) -> Vec<f64> {
     units
 }
 
-/// From those with a unit to those that have none yet, `s_i = 1 / max_j |v_ij| s_j`, a level at a time.
+/// Gives rows without a unit the unit `s_i = 1 / max_j |v_ij| s_j` of their neighbours, breadth first.
 pub fn spread(units: &mut [f64], terms: impl Iterator<Item = (usize, usize, f64)>) {
     if units.iter().all(|unit| *unit > 0.0) {
         return;
@@ -101,25 +102,25 @@ pub fn spread(units: &mut [f64], terms: impl Iterator<Item = (usize, usize, f64)
     }
 }
 
-/// The nearest one below, within the range of doubles.
+/// The largest power of two up to s, within the range of doubles.
 fn power_of_two(s: f64) -> f64 {
     s.log2().floor().clamp(-500.0, 500.0).exp2()
 }
 
-/// The smallest unknown of each unknown's connected part; `(i, j)` of the entries join them.
+/// The smallest unknown of each unknown's connected part; each pair `(i, j)` connects two unknowns.
 pub fn parts(count: usize, pairs: impl Iterator<Item = (usize, usize)>) -> Vec<usize> {
     let mut sets = DisjointSets::new(count);
     pairs.for_each(|(i, j)| sets.join(i, j));
     (0..count).map(|i| sets.root(i)).collect()
 }
 
-/// The kind of each DOF.
+/// Groups of DOFs with comparable units.
 pub struct UnitGroups {
     of: Vec<u32>,
     count: usize,
 }
 
-/// All whose units are known.
+/// Group of all DOFs with known units.
 const KNOWN: u32 = 0;
 
 impl UnitGroups {
@@ -127,7 +128,7 @@ impl UnitGroups {
         let n = k.ncols();
         let real = || entries(k).filter(|&(_, _, v)| v != 0.0);
         let part = parts(n, real().map(|(i, j, _)| (i, j)));
-        // Without any stiffness, equations alone say what is comparable.
+        // Without any stiffness, the equations alone decide which units are comparable.
         let (mut known, mut is_stiff) = (vec![false; n], false);
         real().for_each(|(i, j, _)| (known[part[j]], is_stiff) = (known[part[j]] || i == j, true));
         let mut known: Vec<bool> = (0..n).map(|j| !is_stiff || known[part[j]]).collect();
@@ -145,7 +146,7 @@ impl UnitGroups {
         Self { of, count: count as usize }
     }
 
-    /// `(kind, DOF)` of all.
+    /// `(group, DOF)` of all DOFs.
     pub fn of_dofs(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         self.of.iter().enumerate().map(|(j, &kind)| (kind as usize, j))
     }
@@ -155,12 +156,12 @@ impl UnitGroups {
         self.of[dof] == KNOWN
     }
 
-    /// Whether there is more than one kind.
+    /// Whether there is more than one group.
     pub fn are_many(&self) -> bool {
         self.count > 1
     }
 
-    /// The largest number of each kind, of one for each DOF.
+    /// The largest absolute value in each group, given one number per DOF.
     pub fn largest(&self, numbers: impl Iterator<Item = f64>) -> Vec<f64> {
         let mut largest = vec![0.0_f64; self.count];
         for (&kind, number) in self.of.iter().zip(numbers) {
@@ -169,7 +170,7 @@ impl UnitGroups {
         largest
     }
 
-    /// The same for loads, which are no measure but where stiffness has a unit.
+    /// As [`UnitGroups::largest`] for loads; these are comparable in the known group only.
     pub fn largest_load(&self, loads: impl Iterator<Item = f64>) -> Vec<f64> {
         let mut largest = self.largest(loads);
         largest[1..].fill(0.0);
@@ -177,7 +178,7 @@ impl UnitGroups {
     }
 }
 
-/// DOFs that K does not know have the units of an equation of which a DOF has one, and so on along equations.
+/// DOFs without stiffness get a known unit if an equation connects them to a DOF with one.
 fn spread_known(c: &SparseMatrix, alone: &[bool], known: &mut [bool]) {
     let n = known.len();
     let terms = || entries(c).filter(|&(_, _, v)| v != 0.0).map(|(i, j, _)| (n + i, j));
