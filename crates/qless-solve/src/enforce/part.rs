@@ -1,16 +1,11 @@
-//! A connected part of K and C together, by itself: its free DOFs and its equations, and nothing of any other part.
+//! One connected part of K and C: its free DOFs and its equations, scaled by powers of two.
 //!
 //! ```text
 //! K' = K / 4^k    C_r' = C_r / 2^r    u' = u / 2^t    lambda_r' = lambda_r 2^r / (4^k 2^t)
 //! ```
 //!
-//! Prescribed DOFs are on the right-hand side, `f - K u_p` and `b - C u_p`. The powers put the numbers of the part around one, so that
-//! no product of them leaves the range of doubles where K, C and u do not; they change no digit.
-//! Cost: one copy of K and C.
-//! @@ enforce/part/split.rs
-//! The parts of a model: DOFs and equations that entries of K and C join.
-//! @@ enforce/part/powers.rs
-//! Powers of two that put numbers around one.
+//! Prescribed DOFs are moved to the right-hand side, `f - K u_p` and `b - C u_p`. The powers of two bring the numbers of the part near one,
+//! so that products do not leave the range of doubles; they change no digit. Cost: one copy of K and C.
 
 use qless::{ConstraintSystem, SystemBuilder};
 
@@ -19,29 +14,29 @@ use super::problem::{Method, Problem, Solution};
 use super::{EnforceError, stiffness, units};
 use crate::common::SparseMatrix;
 
-/// One part, in numbers of its own.
+/// One connected part, in its own scale.
 pub struct EnforcedPart<'a> {
-    /// What it is part of.
+    /// The constraint system that it is part of.
     whole: &'a ConstraintSystem,
-    /// Its free DOFs and its equations as the caller counts them, ascending.
+    /// Its free DOFs and its equations in the numbering of the caller, ascending.
     pub dofs: Vec<usize>,
     pub rows: Vec<usize>,
     pub k: SparseMatrix,
     pub symmetric: bool,
-    /// C; its right-hand sides are elsewhere.
+    /// C of the part; its right-hand sides are in `rhs`.
     pub system: ConstraintSystem,
-    /// `f - K u_p`, then `b - C u_p`, and the sizes of their terms.
+    /// `f - K u_p`, then `b - C u_p`; and the sizes of their terms.
     pub rhs: (Vec<f64>, Vec<f64>),
     /// How each equation is enforced.
     pub methods: Vec<Method>,
-    /// The powers of two that were divided out: of K, of each equation, of u.
+    /// Exponents of the powers of two that were divided out: of K, of each equation, of u.
     stiffness: i32,
     equations: Vec<i32>,
     size: i32,
 }
 
 impl EnforcedPart<'_> {
-    /// What a row is to the caller.
+    /// The name of a row in messages.
     pub fn name(&self, row: usize) -> String {
         match row.checked_sub(self.dofs.len()) {
             None => format!("the forces on DOF {}", self.dofs[row]),
@@ -49,7 +44,8 @@ impl EnforcedPart<'_> {
         }
     }
 
-    /// u, lambda and `-C^T lambda` of the part in the numbers of the caller. Forces are made here: lambda alone may leave the range of doubles.
+    /// Writes u, lambda and `-C^T lambda` of the part in the caller's scale. Forces are computed here, since lambda alone may leave the range
+    /// of doubles.
     pub fn place(&self, x: &[f64], solution: &mut Solution) {
         let (of_dofs, of_rows) = x.split_at(self.dofs.len());
         self.dofs.iter().zip(of_dofs).for_each(|(&j, x)| solution.u[j] = times_power(*x, self.size));
@@ -62,19 +58,19 @@ impl EnforcedPart<'_> {
     }
 }
 
-/// DOFs and equations of a part, ascending.
+/// Free DOFs and equations of a part, ascending.
 type PartMembers = (Vec<usize>, Vec<usize>);
 
-/// The free DOFs and the equations of each part, and what is prescribed.
+/// Splits a problem into its connected parts.
 pub struct PartSplitter<'a> {
     problem: &'a Problem<'a>,
-    /// By their first DOF.
+    /// In the order of their first DOFs.
     members: Vec<PartMembers>,
-    /// The place of each DOF in its part; none where it is prescribed.
+    /// The index of each DOF within its part; none if it is prescribed.
     place: Vec<Option<u32>>,
     /// Values of prescribed DOFs; zero for others.
     given: Vec<f64>,
-    /// K by the rows of free DOFs and the columns of prescribed ones: `(row, column, value)`, ascending.
+    /// Entries of K in rows of free DOFs and columns of prescribed ones: `(row, column, value)`, ascending.
     of_given: Vec<(usize, usize, f64)>,
 }
 
@@ -93,14 +89,14 @@ impl<'a> PartSplitter<'a> {
         Self { problem, members, place, given, of_given }
     }
 
-    /// The parts, one after the other.
+    /// All parts, one after the other.
     pub fn parts(&self, methods: &[Method]) -> impl Iterator<Item = Result<EnforcedPart<'a>, EnforceError>> {
         self.members.iter().map(|(dofs, rows)| self.part(dofs, rows, methods))
     }
 
     fn part(&self, dofs: &[usize], rows: &[usize], methods: &[Method]) -> Result<EnforcedPart<'a>, EnforceError> {
         let own = || dofs.iter().flat_map(|&j| self.column(j));
-        // The root of a power of four is a power of two: units have the same digits.
+        // An even exponent: the square root of the scale is a power of two as well, so that units keep their digits.
         let stiffness = 2 * middle(own().map(|(_, _, v)| v)).div_euclid(2);
         let scaled = own().map(|(i, j, v)| (i, j, times_power(v, -stiffness)));
         let k = from_triplets(dofs.len(), dofs.len(), scaled)?;
@@ -158,21 +154,21 @@ impl<'a> PartSplitter<'a> {
         (sums, sizes)
     }
 
-    /// A column of K on free DOFs, in places of its part.
+    /// A column of K on free DOFs, with indices within its part.
     fn column(&self, j: usize) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
         let (k, at): (&SparseMatrix, _) = (&self.problem.k, self.place[j]);
         let column = k.symbolic().row_idx_of_col(j).zip(k.val_of_col(j)).filter(|(_, v)| **v != 0.0);
         column.filter_map(move |(i, &v)| Some((self.place[i]? as usize, at? as usize, v)))
     }
 
-    /// A row of C on free DOFs, in places of its part.
+    /// A row of C on free DOFs, with indices within its part.
     fn row(&self, row: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         let row = self.problem.system.matrix().row(row).filter(|(_, v)| *v != 0.0);
         row.filter_map(|(j, v)| Some((self.place[j]? as usize, v)))
     }
 }
 
-/// What entries that are not zero join: of K on free DOFs, and of equations.
+/// Connected components of free DOFs and equations, by nonzero entries of K and C.
 fn members(problem: &Problem, free: &[bool]) -> Vec<PartMembers> {
     let (n, m) = (problem.system.dofs(), problem.system.equations());
     let of_k = entries(&problem.k).filter(|&(i, j, v)| v != 0.0 && free[i] && free[j]).map(|(i, j, _)| (i, j));
@@ -192,7 +188,7 @@ fn members(problem: &Problem, free: &[bool]) -> Vec<PartMembers> {
     members
 }
 
-/// The power half way between the smallest and the largest number that is not zero; 0 without any.
+/// The exponent half way between those of the smallest and the largest nonzero number; 0 without any.
 pub fn middle(values: impl Iterator<Item = f64>) -> i32 {
     let powers = values.filter(|v| *v != 0.0).map(power);
     let ends = powers.fold(None, |ends: Option<(i32, i32)>, e| match ends {
@@ -202,12 +198,12 @@ pub fn middle(values: impl Iterator<Item = f64>) -> i32 {
     ends.map_or(0, |(least, most)| (least + most).div_euclid(2))
 }
 
-/// e of `2^e <= |v| < 2^(e + 1)`, up to one where log2 rounds; 0 for zero.
+/// e with `2^e <= |v| < 2^(e + 1)`, except for rounding of log2; 0 for zero.
 pub fn power(v: f64) -> i32 {
     if v == 0.0 { 0 } else { v.abs().log2().floor() as i32 }
 }
 
-/// `v 2^e`, in two steps: 2^e alone may leave the range of doubles.
+/// `v 2^e`, in two steps, since 2^e may leave the range of doubles.
 pub fn times_power(v: f64, e: i32) -> f64 {
     let half = e.div_euclid(2);
     v * f64::from(half).exp2() * f64::from(e - half).exp2()

@@ -1,34 +1,33 @@
-//! `A x = b` held against what its terms weigh: `|A x - b|_i` against `(|A| |x| + |b|)_i`, row by row.
+//! Iterative refinement of `A x = b`, and its residual `|A x - b|_i` relative to its terms `(|A| |x| + |b|)_i`, row by row.
 //!
-//! A row whose terms are all rounding of larger ones elsewhere cannot be in balance with itself. Its terms count as at least
-//! [`FLOOR`] of what they would be if every unknown of its connected part were as large as the largest one, in the
-//! units of [`super::scale`]: these have no units, so that this compares no length with a force. Unknowns whose units cannot be compared
-//! ([`super::kinds`]) are taken as large as would make up a row of theirs, `max_i (|A| |x| + |b|)_i / |A_ij|`.
-//! Cost of each measure: three passes over the entries.
+//! If all terms of a row are rounding of larger unknowns elsewhere, the row cannot satisfy this measure. Its terms therefore count as at
+//! least [`FLOOR`] times what they would be if every unknown of its connected part were as large as the largest one, in the dimensionless
+//! units of [`super::units`]. An unknown without a known unit ([`super::units::UnitGroups`]) counts as the size that would make up a row of
+//! its own, `max_i (|A| |x| + |b|)_i / |A_ij|`. Cost of one residual: three passes over the entries.
 
 use super::EnforceError;
 
-/// The least share of the largest terms that a row is measured by.
+/// Floor for the terms of a row, relative to the largest terms of its connected part.
 pub const FLOOR: f64 = 1e-3;
-/// The largest imbalance of a row, relative to its terms, that a solution may have.
+/// The largest relative residual of a row that a solution may have.
 pub const BALANCED: f64 = 1e-10;
-/// Below this share of what is allowed a refinement is not worth its cost.
+/// Refinement stops below this fraction of the limit.
 pub const SHARP: f64 = 1e-4;
 
-/// `M^-1 r`, where M is all but A.
+/// `M^-1 r`, where M is A up to rounding.
 pub type Solve<'a> = dyn FnMut(&[f64]) -> Result<Vec<f64>, EnforceError> + 'a;
 
-/// A square system whose terms are known, one by one.
+/// A square system that knows the sizes of its terms.
 pub trait MeasuredEquations {
     /// `A x`.
     fn apply(&self, x: &[f64]) -> Vec<f64>;
-    /// `|A| |x|`: the sizes of all terms that go into it, before any of them cancel.
+    /// `|A| |x|`: the sizes of all terms of A x, before they cancel.
     fn size(&self, x: &[f64]) -> Vec<f64>;
-    /// s: `x_j / s_j` has no units.
+    /// s, such that `x_j / s_j` is dimensionless.
     fn units(&self) -> &[f64];
-    /// The connected part of each unknown, named by one of its members.
+    /// The connected part of each unknown, given by one of its members.
     fn parts(&self) -> &[usize];
-    /// How large each unknown may be taken for where it is rounding of others; `size` are the terms of each row.
+    /// The size that each unknown counts as in rows of small terms; `size` are the terms of each row.
     fn levels(&self, x: &[f64], _size: &[f64]) -> Vec<f64>
     where
         Self: Sized,
@@ -37,45 +36,45 @@ pub trait MeasuredEquations {
     }
 }
 
-/// How the balance of x is reached.
+/// When refinement stops.
 pub struct RefinementGoal<'a> {
-    /// What the terms of each row count as at least, as a share of the largest: [`FLOOR`] or less.
+    /// Floor for the terms of each row, relative to the largest: [`FLOOR`] or less.
     pub floor: &'a dyn Fn(usize) -> f64,
-    /// The largest imbalance of each row, relative to its terms.
+    /// The largest relative residual allowed in each row.
     pub limit: &'a dyn Fn(usize) -> f64,
-    /// Rows of which more than rounding is left, and known otherwise.
+    /// Rows whose residual is larger than rounding by intention.
     pub lax: &'a dyn Fn(usize) -> bool,
-    /// The share of the limit at which it is left at that.
+    /// Refinement stops at this fraction of the limit.
     pub enough: f64,
-    /// Solutions and corrections at most.
+    /// Most solves.
     pub steps: usize,
-    /// Whether slow progress towards the limit is to be expected.
+    /// Whether slow progress towards the limit is expected.
     pub patient: bool,
 }
 
 impl RefinementGoal<'static> {
-    /// Every row balanced, in so many steps.
+    /// Every row balanced, with at most so many solves.
     pub fn balance(steps: usize) -> Self {
         Self { floor: &|_| FLOOR, limit: &|_| BALANCED, lax: &|_| false, enough: SHARP, steps, patient: false }
     }
 }
 
-/// x, and the row that is worst off.
+/// x, and the row with the largest residual.
 #[derive(Clone, Debug)]
 pub struct Refined {
     pub x: Vec<f64>,
-    /// Its place, and `|A x - b|` relative to its terms.
+    /// Index of that row, and its relative residual.
     pub row: usize,
     pub imbalance: f64,
-    /// The largest imbalance of rows of which only rounding is left, all with [`FLOOR`].
+    /// The largest relative residual of the rows that are not lax, all with [`FLOOR`].
     pub rounding: f64,
-    /// The largest imbalance relative to its limit: up to 1 is allowed.
+    /// The largest residual relative to its limit; at most 1 is allowed.
     pub share: f64,
 }
 
-/// Solves and refines: `x += M^-1 (b - A x)` with what `solve` knows of A; `b_size` are the sizes of the terms of b.
+/// Solves and refines: `x += M^-1 (b - A x)`, with `solve` for `M^-1` and the sizes of the terms of b.
 ///
-/// The first solution must come, or its error; a correction that does not come is left out.
+/// An error of the first solve is returned; an error of a correction ends the refinement.
 pub fn refine(
     equations: &impl MeasuredEquations,
     solve: &mut Solve<'_>,
@@ -92,7 +91,7 @@ pub fn refine(
         x.iter_mut().zip(correction).for_each(|(x, more)| *x += more);
         let (rest, found) = measured(equations, &x, b, goal);
         let slow = found.share > 0.5 * best.share && (best.share <= 1.0 || !goal.patient);
-        // Also where it is no number.
+        // True for NaN as well.
         let lost = found.share.is_nan() || found.share >= 1e3 * best.share;
         if found.share < best.share {
             best = found;
@@ -105,7 +104,7 @@ pub fn refine(
     Ok(best)
 }
 
-/// `b - A x`, and how large it is.
+/// `b - A x` and its relative size.
 fn measured(
     equations: &impl MeasuredEquations,
     x: &[f64],
@@ -123,7 +122,7 @@ fn measured(
         if !(goal.lax)(i) {
             worst.rounding = worst.rounding.max(measured_by(FLOOR));
         }
-        // No number is worse than any.
+        // NaN is worse than any number.
         let share = if share.is_nan() { f64::INFINITY } else { share };
         if share > worst.share {
             (worst.row, worst.imbalance, worst.share) = (i, imbalance, share);
@@ -139,7 +138,7 @@ pub fn levelled(equations: &impl MeasuredEquations, x: &[f64]) -> Vec<f64> {
     parts.iter().zip(units).map(|(&part, s)| s * largest[part]).collect()
 }
 
-/// `max |x_j| / s_j` of each part, at its name.
+/// `max |x_j| / s_j` of each part, stored at the index that names the part.
 pub fn largest_of_parts(equations: &impl MeasuredEquations, x: &[f64]) -> Vec<f64> {
     let (units, parts) = (equations.units(), equations.parts());
     let mut largest = vec![0.0_f64; x.len()];

@@ -1,8 +1,7 @@
-//! `K u + C^T lambda = f`, `C u - lambda / D = b` of one part: what every method solves.
+//! The saddle equations `K u + C^T lambda = f`, `C u - lambda / D = b` of one part, and their inverse. The unknowns are u and then lambda; `1
+//! / D` is zero except for penalties.
 //!
-//! Unknowns are one list, u and then lambda. `1 / D` is zero but where a penalty is asked for.
-//! @@ enforce/inverse.rs
-//! `x = M^-1 r` for right-hand sides of all DOFs and all equations: elimination, multipliers and springs in one matrix.
+//! One matrix M contains elimination, multipliers and springs; `x = M^-1 r`:
 //!
 //! ```text
 //! springs        K' = K + C_P^T D C_P                     equations with a penalty or augmented
@@ -11,8 +10,7 @@
 //! back           lambda_P = D (C_P u - r_P),  C_E^T lambda_E = r - K u - C_M^T lambda_M - C_P^T lambda_P
 //! ```
 //!
-//! This is the inverse of [`super::model`] up to rounding, and up to `1 / D` for augmented equations.
-//! @@ enforce/springs.rs
+//! M is [`SaddleEquations`] up to rounding, and up to `1 / D` for augmented equations.
 
 use std::borrow::Cow;
 
@@ -28,15 +26,15 @@ use super::units::UnitGroups;
 use super::{EnforceError, units};
 use crate::common::SparseMatrix;
 
-/// The equations of all methods, and their terms.
+/// The equations that all methods solve, with the sizes of their terms.
 pub struct SaddleEquations<'a> {
     k: &'a SparseMatrix,
     c: SparseMatrix,
-    /// 1 / D of each equation.
+    /// `1 / D` of each equation.
     compliance: Vec<f64>,
     units: Vec<f64>,
-    kinds: UnitGroups,
-    /// All of one part.
+    groups: UnitGroups,
+    /// All unknowns belong to one part.
     parts: Vec<usize>,
 }
 
@@ -46,11 +44,11 @@ impl<'a> SaddleEquations<'a> {
         let rows = (0..m).flat_map(|i| part.system.matrix().row(i).map(move |(j, v)| (i, j, v)));
         let (k, c) = (&part.k, from_triplets(m, n, rows)?);
         let units = units::units(k, &c);
-        let kinds = UnitGroups::new(k, &c);
-        Ok(Self { k, c, compliance: vec![0.0; m], units, kinds, parts: vec![0; n + m] })
+        let groups = UnitGroups::new(k, &c);
+        Ok(Self { k, c, compliance: vec![0.0; m], units, groups, parts: vec![0; n + m] })
     }
 
-    /// The same with penalties of these springs instead of equations.
+    /// Replaces the equations with a penalty by their springs.
     pub fn yielding(mut self, methods: &[Method], springs: &[f64]) -> Self {
         let penalty = |(method, d): (&Method, &f64)| {
             if matches!(method, Method::Penalty { .. }) && *d > 0.0 { d.recip() } else { 0.0 }
@@ -59,12 +57,12 @@ impl<'a> SaddleEquations<'a> {
         self
     }
 
-    /// `A x` without compliance: the equations that penalties stand for.
+    /// `A x` without compliance: penalties count as exact equations.
     pub fn exactly(&self, x: &[f64]) -> Vec<f64> {
         self.apply(x).iter().zip(self.yields(x)).map(|(a, b)| a + b).collect()
     }
 
-    /// `Z x`: zero for DOFs, what springs yield for equations.
+    /// `Z x`: the displacement of the springs, `lambda / D`; zero for DOFs.
     pub fn yields(&self, x: &[f64]) -> Vec<f64> {
         let of_springs = self.compliance.iter().zip(&x[self.dofs()..]).map(|(z, lambda)| z * lambda);
         vec![0.0; self.dofs()].into_iter().chain(of_springs).collect()
@@ -76,16 +74,16 @@ impl<'a> SaddleEquations<'a> {
         entries(self.k).chain(entries(&self.c).flat_map(move |(i, j, v)| [(n + i, j, v), (j, n + i, v)]))
     }
 
-    /// Which DOFs can be compared.
-    pub fn kinds(&self) -> &UnitGroups {
-        &self.kinds
+    /// Groups of DOFs with comparable units.
+    pub fn groups(&self) -> &UnitGroups {
+        &self.groups
     }
 
-    /// Which unknowns can be compared: a multiplier as all DOFs of its equation.
+    /// Which unknowns have a known unit; a multiplier has one if all DOFs of its equation have.
     fn known(&self) -> Vec<bool> {
         let n = self.dofs();
-        let mut known: Vec<bool> = (0..n + self.c.nrows()).map(|j| j >= n || self.kinds.is_known(j)).collect();
-        entries(&self.c).filter(|&(_, j, _)| !self.kinds.is_known(j)).for_each(|(i, ..)| known[n + i] = false);
+        let mut known: Vec<bool> = (0..n + self.c.nrows()).map(|j| j >= n || self.groups.is_known(j)).collect();
+        entries(&self.c).filter(|&(_, j, _)| !self.groups.is_known(j)).for_each(|(i, ..)| known[n + i] = false);
         known
     }
 
@@ -94,7 +92,7 @@ impl<'a> SaddleEquations<'a> {
         self.k.val().iter().any(|v| *v != 0.0)
     }
 
-    /// How many unknowns are DOFs.
+    /// Number of unknowns that are DOFs.
     pub fn dofs(&self) -> usize {
         self.k.nrows()
     }
@@ -132,7 +130,7 @@ impl MeasuredEquations for SaddleEquations<'_> {
     }
 
     fn levels(&self, x: &[f64], size: &[f64]) -> Vec<f64> {
-        if !self.kinds.are_many() {
+        if !self.groups.are_many() {
             return levelled(self, x);
         }
         let known = self.known();
@@ -147,26 +145,26 @@ impl MeasuredEquations for SaddleEquations<'_> {
     }
 }
 
-/// The factored matrix of some methods.
+/// Factors of the matrix that combines the methods of all equations.
 pub struct SaddleInverse<'a> {
     part: &'a EnforcedPart<'a>,
     /// D of each equation; zero without a spring.
     springs: Vec<f64>,
-    /// K with its springs.
+    /// `K + C_P^T D C_P`.
     sum: Cow<'a, SparseMatrix>,
     eliminated: Vec<usize>,
-    /// None where nothing is eliminated.
+    /// None if no equation is eliminated.
     condensation: Option<Condensation>,
-    /// DOFs that are unknowns.
+    /// Number of unknown DOFs.
     unknowns: usize,
-    /// MeasuredEquations with a multiplier in the matrix: those of the caller, and of parts of which T would fill.
+    /// Equations with a multiplier in the matrix: those with [`Method::Multiplier`], and those of components whose T would fill.
     border: Vec<usize>,
     multipliers: usize,
     factor: ScaledFactor,
 }
 
 impl<'a> SaddleInverse<'a> {
-    /// With `shift` on the diagonal of the unknown DOFs in units of [`super::scale`], for a matrix that is singular.
+    /// `shift` is added to the diagonal of the unknown DOFs, in units of [`super::units`], if the matrix is singular.
     pub fn new(
         part: &'a EnforcedPart<'a>,
         methods: &[Method],
@@ -214,7 +212,7 @@ impl<'a> SaddleInverse<'a> {
         Ok([u, lambda].concat())
     }
 
-    /// f_q, and u_0 where there is one.
+    /// f_q, and u_0 if there is an elimination.
     fn condensed(&mut self, forces: &[f64], gaps: &[f64]) -> Result<(Vec<f64>, Option<Vec<f64>>), EnforceError> {
         let load = self.loaded(forces, gaps);
         let Some(condensation) = &mut self.condensation else { return Ok((load, None)) };
@@ -277,7 +275,7 @@ fn with_springs<'a>(part: &'a EnforcedPart<'a>, springs: &[f64]) -> Result<Cow<'
     from_triplets(n, n, entries(&part.k).chain(springs)).map(Cow::Owned)
 }
 
-/// Some rows of C over the unknowns.
+/// Rows of C over the unknowns.
 fn over_unknowns(
     part: &EnforcedPart,
     some: Option<&Condensation>,

@@ -1,49 +1,49 @@
-//! Whether a model is held: how much its unknowns move when each number of A is wrong in its last place.
+//! Whether a matrix is singular up to rounding: how far the unknowns move if each entry of A is wrong in its last place.
 //!
 //! ```text
 //! v <- A^-1 (r |A| |v|),  g = max |v after| / max |v before|       random r in +-[1/2, 1], units of super::scale
 //! ```
 //!
-//! g tends to the condition number of Skeel and Bauer, `| |A^-1| |A| |`: rounding of the entries of A moves x by a share of about
-//! `g eps`. It does not change with the units of rows and columns, and stiff parts on soft ones do not make it large. Sizes are
-//! those of the terms that A was made of: a stiffness `0.1 + 0.2 - 0.3` has a size of 0.6.
+//! g tends to the condition number of Skeel and Bauer, `| |A^-1| |A| |`: rounding of the entries of A changes x by a fraction of about `g
+//! eps`. Units of rows and columns do not change g, and stiff parts on soft ones do not make it large. Sizes are those of the terms that were
+//! summed into A: a stiffness `0.1 + 0.2 - 0.3` has the size 0.6.
 //!
-//! Where g says that rounding decides, v is sharpened to a null vector, `v <- v - M^-1 A v`, and held against its terms: where
-//! `|A v|` is rounding of `|A| max |v|` in every row, a matrix that differs from A by rounding is singular (Rigal and Gaches).
+//! If g is so large that rounding decides, v is refined to a null vector, `v <- v - M^-1 A v`. If `|A v|` is rounding of `|A| max |v|` in
+//! every row, then a matrix that differs from A by rounding is singular (Rigal and Gaches).
 //!
-//! Where forces that A cannot carry act on rows that no motion it does not feel enters, as where its zeros alone make it singular, g stays small.
-//! The factors are then no inverse: `M^-1 A v` is not v for the first v, which is looked at whatever g is.
+//! If the load is incompatible with a singular A, g can stay small, for example if the zero pattern alone makes A singular. The factors are
+//! then not an inverse: `M^-1 A v` differs from v. This is tested for the first v, whatever g is.
 
 use super::refinement::{MeasuredEquations, Solve, largest_of_parts, levelled};
 use super::{EnforceError, SolverError};
 use crate::common::RandomForces;
 
-/// What makes a singular matrix regular, in units without units: far above rounding, far below what holds a model.
+/// Shifts that make a singular matrix regular, dimensionless: far above rounding, far below any support.
 pub const SHIFTS: [f64; 2] = [1e-12, 1e-9];
-/// Steps of the iteration; the first depends on where it starts.
+/// Power iterations; the first one depends on the start vector.
 const STEPS: usize = 3;
-/// Steps that sharpen a null vector, at most.
+/// Most refinements of a null vector.
 const SHARPENINGS: usize = 6;
-/// The share by which entries of A are taken to be wrong: each was rounded more than once before it came here.
+/// Relative error assumed for the entries of A, which were rounded several times before.
 pub const WRONG: f64 = 16.0 * f64::EPSILON;
-/// Entries of A that are wrong by this share make it singular: rounding, in what assembled models have of it.
+/// A is singular if relative errors of its entries up to this size can make it so.
 pub const ROUNDING: f64 = 64.0 * f64::EPSILON;
-/// Sensitivities from which on a null vector is looked for: factors may be far more wrong than A is.
+/// Growth from which a null vector is searched for; factors may have larger errors than A.
 pub const SUSPICIOUS: f64 = 1e-4 / f64::EPSILON;
-/// The share of a direction that an inverse must give back.
+/// `M^-1 A v` may differ from v by this fraction.
 const LOST: f64 = 0.5;
-/// Sensitivities from which on u has not one digit that is sure.
+/// Growth from which u has no correct digit.
 const HOPELESS: f64 = 1.0 / WRONG;
 
-/// What is known of the support of a model.
+/// Whether the model is supported.
 pub enum SupportVerdict {
-    /// It is held, with this g.
+    /// It is supported, with this growth g.
     Held(f64),
-    /// Nothing holds this motion, but for this share of its terms.
+    /// This motion is free, except for forces of this fraction of their terms.
     Loose(Vec<f64>, f64),
 }
 
-/// Whether the model is held; an error if `solve` has one.
+/// Decides whether the model is supported; returns the error of `solve`, if there is one.
 pub fn judged(equations: &impl MeasuredEquations, solve: &mut Solve<'_>) -> Result<SupportVerdict, EnforceError> {
     let RoundingGrowth { growth, mode, lost } = sensitivity(equations, solve)?;
     if growth < SUSPICIOUS && lost.is_none() {
@@ -57,29 +57,29 @@ pub fn judged(equations: &impl MeasuredEquations, solve: &mut Solve<'_>) -> Resu
     })
 }
 
-/// The motion that a singular model leaves free, by the inverse of a matrix that was shifted a little.
+/// The free motion of a singular model, from the inverse of a slightly shifted matrix.
 pub fn loose(equations: &impl MeasuredEquations, solve: &mut Solve<'_>) -> Option<(Vec<f64>, f64)> {
     let RoundingGrowth { mode, lost, .. } = sensitivity(equations, solve).ok()?;
     let (motion, held) = sharpest(equations, solve, lost, mode);
     (held <= ROUNDING).then_some((motion, held))
 }
 
-/// How much rounding moves.
+/// Sensitivity of the unknowns to rounding.
 pub struct RoundingGrowth {
     /// g.
     pub growth: f64,
-    /// The direction that grew.
+    /// The vector that grew most.
     mode: Vec<f64>,
-    /// The first direction, where the factors are no inverse along it.
+    /// The first vector, if the factors do not invert A along it.
     pub lost: Option<Vec<f64>>,
 }
 
-/// g, and the directions in which A may be singular.
+/// Computes g and the candidates for null vectors of A.
 pub fn sensitivity(equations: &impl MeasuredEquations, solve: &mut Solve<'_>) -> Result<RoundingGrowth, EnforceError> {
     let (mut v, mut growth, mut lost) = (equations.units().to_vec(), 0.0_f64, None);
     let mut random = RandomForces::default();
     for step in 0..STEPS {
-        // A row without terms feels a force of size one: nothing else would find that it has no stiffness.
+        // A row without terms gets a force of size one, which reveals that it has no stiffness.
         let force = |(size, unit): (f64, &f64)| random.next() * if size > 0.0 { size } else { unit.recip() };
         let forces: Vec<f64> = equations.size(&v).into_iter().zip(equations.units()).map(force).collect();
         let y = solve(&forces)?;
@@ -99,7 +99,7 @@ pub fn sensitivity(equations: &impl MeasuredEquations, solve: &mut Solve<'_>) ->
     Ok(RoundingGrowth { growth, mode: v, lost })
 }
 
-/// Whether `M^-1 A v` is something else than v, which is of size one.
+/// Whether `M^-1 A v` differs from v, which has size one.
 fn is_lost(equations: &impl MeasuredEquations, solve: &mut Solve<'_>, v: &[f64]) -> bool {
     let Ok(again) = solve(&equations.apply(v)) else { return true };
     let off: Vec<f64> = again.iter().zip(v).map(|(again, v)| again - v).collect();
@@ -107,7 +107,7 @@ fn is_lost(equations: &impl MeasuredEquations, solve: &mut Solve<'_>, v: &[f64])
     off.is_nan() || off > LOST
 }
 
-/// The sharper null vector of two.
+/// The better of two null vectors.
 fn sharpest(
     equations: &impl MeasuredEquations,
     solve: &mut Solve<'_>,
@@ -121,7 +121,7 @@ fn sharpest(
     }
 }
 
-/// A sharper null vector, and how strongly it is held.
+/// A refined null vector, and the relative force that resists it.
 fn sharpened(equations: &impl MeasuredEquations, solve: &mut Solve<'_>, mut v: Vec<f64>) -> (Vec<f64>, f64) {
     let mut best = held(equations, &v);
     for _ in 0..SHARPENINGS {
@@ -143,8 +143,8 @@ fn sharpened(equations: &impl MeasuredEquations, solve: &mut Solve<'_>, mut v: V
     best
 }
 
-/// v in the connected parts that nothing holds, and the largest `|A v|_i / (|A| |v'|)_i` of them, where every number of v' is as
-/// large as the largest of its part. Where all parts are held, v in the part that is held least.
+/// Restricts v to the connected parts without support, and returns the largest `|A v|_i / (|A| |v'|)_i` there, where every entry of v' is as
+/// large as the largest of its part. If all parts are supported, restricts v to the part with the weakest support.
 pub fn held(equations: &impl MeasuredEquations, v: &[f64]) -> (Vec<f64>, f64) {
     let (left, size) = (equations.apply(v), equations.size(&levelled(equations, v)));
     let parts = equations.parts();

@@ -148,7 +148,7 @@ impl UnitGroups {
 
     /// `(group, DOF)` of all DOFs.
     pub fn of_dofs(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        self.of.iter().enumerate().map(|(j, &kind)| (kind as usize, j))
+        self.of.iter().enumerate().map(|(j, &group)| (group as usize, j))
     }
 
     /// Whether the units of a DOF are known.
@@ -164,8 +164,8 @@ impl UnitGroups {
     /// The largest absolute value in each group, given one number per DOF.
     pub fn largest(&self, numbers: impl Iterator<Item = f64>) -> Vec<f64> {
         let mut largest = vec![0.0_f64; self.count];
-        for (&kind, number) in self.of.iter().zip(numbers) {
-            largest[kind as usize] = largest[kind as usize].max(number.abs());
+        for (&group, number) in self.of.iter().zip(numbers) {
+            largest[group as usize] = largest[group as usize].max(number.abs());
         }
         largest
     }

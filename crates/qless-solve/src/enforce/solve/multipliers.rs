@@ -1,17 +1,14 @@
-//! The equations themselves: a multiplier for each that is not eliminated. What is right here is right, however stiff or soft a spring is.
+//! Exact equations: a multiplier for each equation that is not eliminated. The accuracy does not depend on the stiffness of springs.
 //!
-//! Augmented equations come to this anyway, step by step. Penalties are solved from here ([`super::penalties`]).
-//! @@ enforce/run/support.rs
-//! Whether the model of a solve is held, or the motion that nothing holds.
-//! @@ enforce/run/penalties.rs
-//! Penalties from the exact solution: `x <- A^-1 (b + Z x)`, where Z is what springs yield under their multipliers, `1 / D`.
+//! This also decides whether the model is supported. Augmented equations get this solution directly. Penalties start from it: `x <- A^-1 (b +
+//! Z x)`, where `Z x = lambda / D` is the displacement of the springs.
 //!
 //! ```text
 //! [K C^T; C -1/D] [u; lambda] = [f; b]        A = [K C^T; C 0]
 //! ```
 //!
-//! The steps get shorter by what penalties leave of u. Where they do not, no accuracy was to be had; and D may be as large as it likes, since
-//! no sum `K + C^T D C` is made.
+//! The corrections shrink by the relative error of the penalties; if they do not, the penalties are too soft for any accuracy. D may be
+//! arbitrarily large, since no sum `K + C^T D C` is formed.
 
 use qless::{Form, Options, SystemBuilder, analyse};
 
@@ -23,7 +20,7 @@ use super::super::{EnforceError, FreeMotion};
 use super::penalty_error::SolutionRounding;
 use super::{AUGMENTATIONS, EnforcedPart, FactoredPart, PartSolution, limits};
 
-/// In balance and to the accuracy asked for, or refused.
+/// A solution in balance and to the requested accuracy, or an error.
 pub fn by_multipliers(part: &EnforcedPart, accuracy: f64) -> Result<PartSolution, EnforceError> {
     let (mut exact, growth) = supported(part)?;
     let mut refined = exact.refined(accuracy)?;
@@ -44,14 +41,14 @@ pub fn by_multipliers(part: &EnforcedPart, accuracy: f64) -> Result<PartSolution
     found(part, refined, stated, accuracy)
 }
 
-/// By elimination, where that meets equations that multipliers leave open: terms that are zero are zero in T, and rounding in factors.
+/// Tries elimination if multipliers leave an equation unsatisfied: zero terms stay zero in T, but become rounding in the factors.
 fn eliminated<'a>(part: &'a EnforcedPart<'a>, accuracy: f64) -> Option<(FactoredPart<'a>, Refined)> {
     let mut prepared = FactoredPart::new(part, vec![Method::Elimination; part.methods.len()], 0.0).ok()?;
     let refined = prepared.refined(accuracy).ok().filter(|refined| refined.share <= 1.0)?;
     Some((prepared, refined))
 }
 
-/// A solution of which `stated` may be wrong: less than the whole, or refused.
+/// A solution with the relative error `stated`, or an error if that is not below one.
 pub fn found(part: &EnforcedPart, refined: Refined, stated: f64, accuracy: f64) -> Result<PartSolution, EnforceError> {
     if stated.is_nan() || stated >= 1.0 {
         return Err(refused(part, &refined, accuracy));
@@ -60,7 +57,7 @@ pub fn found(part: &EnforcedPart, refined: Refined, stated: f64, accuracy: f64) 
     Ok(PartSolution { x, imbalance, accuracy: stated })
 }
 
-/// What rounding leaves is too much: of a row, or of an equation that was to be met to less.
+/// The error for a residual that rounding keeps above its limit.
 fn refused(part: &EnforcedPart, refined: &Refined, tolerance: f64) -> EnforceError {
     let (n, left) = (part.dofs.len(), refined.imbalance);
     match refined.row.checked_sub(n).map(|row| part.methods[row]) {
@@ -69,7 +66,7 @@ fn refused(part: &EnforcedPart, refined: &Refined, tolerance: f64) -> EnforceErr
     }
 }
 
-/// Factored without springs, and how sensitive u is to rounding; or the motion that nothing holds.
+/// The factored part without springs, and its growth of rounding; or an error with the free motion.
 pub fn supported<'a>(part: &'a EnforcedPart<'a>) -> Result<(FactoredPart<'a>, f64), EnforceError> {
     let methods: Vec<Method> = part.methods.iter().map(|method| method.without_spring()).collect();
     let mut prepared = match FactoredPart::new(part, methods.clone(), 0.0) {
@@ -84,7 +81,7 @@ pub fn supported<'a>(part: &'a EnforcedPart<'a>) -> Result<(FactoredPart<'a>, f6
     }
 }
 
-/// The motion that a matrix without inverse leaves free; what else went wrong, if nothing is.
+/// The free motion of a singular matrix; `error` if none is found.
 fn free_motion(part: &EnforcedPart, methods: &[Method], error: EnforceError) -> EnforceError {
     let motion = |shift: f64| {
         let FactoredPart { model, mut inverse, .. } = FactoredPart::new(part, methods.to_vec(), shift).ok()?;
@@ -97,8 +94,8 @@ fn free_motion(part: &EnforcedPart, methods: &[Method], error: EnforceError) -> 
     })
 }
 
-/// The rows of A as equations of their own: a solution of `A x = 0` that is not zero. Forces that A cannot carry and motions that it does not feel
-/// need have nothing in common here.
+/// Finds a nonzero solution of `A x = 0` by elimination, with the rows of A as equations. Unlike a shift, this also works if the null spaces
+/// of A and A^T are orthogonal.
 fn by_elimination(part: &EnforcedPart) -> Option<EnforceError> {
     let model = SaddleEquations::new(part).ok()?;
     let (n, units) = (model.dofs(), model.units());
@@ -123,17 +120,17 @@ fn by_elimination(part: &EnforcedPart) -> Option<EnforceError> {
     (0..reduction.masters().len()).find_map(mode)
 }
 
-/// The DOFs of a motion, in the units of the caller.
+/// The error with the free motion in the caller's numbering.
 fn unsupported(part: &EnforcedPart, model: &SaddleEquations, motion: &[f64], held: f64) -> EnforceError {
     let n = model.dofs();
     EnforceError::Unsupported(FreeMotion::new(&motion[..n], &model.units()[..n], held).of(&part.dofs))
 }
 
-/// Powers of ten that are tried where a spring is too soft.
+/// Number of powers of ten that are tried as larger factors.
 const STIFFER: i32 = 6;
 
 impl FactoredPart<'_> {
-    /// By penalties, to the accuracy asked for, or refused with a factor that does.
+    /// Penalties to the requested accuracy, or an error with a sufficient factor.
     pub fn penalised(
         &mut self,
         exact: &[f64],
@@ -149,7 +146,7 @@ impl FactoredPart<'_> {
             (Some(_), left) => left,
             (None, left) => left.max(1.0),
         };
-        // What is left falls as 1 / factor, once it is small.
+        // The error falls as 1 / factor once it is small.
         let first = 2.0 * cost.clamp(accuracy, accuracy.max(1e3)) / accuracy;
         let does = |&share: &f64| {
             let found = self.yielded(exact, (share, rounding), accuracy);
@@ -160,7 +157,8 @@ impl FactoredPart<'_> {
         Err(EnforceError::PenaltyTooSmall { factor, accuracy, cost, smallest })
     }
 
-    /// The solution with all springs times `share`, if the steps lead to it, and the share of u by which it is off, by the first step otherwise.
+    /// The solution with all springs multiplied by `share`, if the iteration converges, and its relative error; otherwise the error of the
+    /// first step.
     fn yielded(
         &mut self,
         exact: &[f64],
@@ -181,7 +179,7 @@ impl FactoredPart<'_> {
         let rhs = (&part.rhs.0[..], &part.rhs.1[..]);
         let refined = refine(&model, &mut |r: &[f64]| self.inverse.solve(r), rhs, &goal)?;
         if refined.share <= 1.0 {
-            // Less is not to be seen between two solutions.
+            // Two solutions cannot show a smaller difference.
             let left = self.share(exact, &refined.x, rounding).max(f64::EPSILON);
             return Ok((Some(refined), left));
         }

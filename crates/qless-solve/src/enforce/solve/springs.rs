@@ -1,15 +1,14 @@
-//! `K + C^T D C`: penalties and augmented equations by the springs they ask for, where those leave no doubt.
+//! Penalties and augmented equations by `K + C^T D C`, if the result is certain.
 //!
-//! Nothing is refused here. What springs do not show goes to [`super::multipliers`], at the cost of another factorization.
-//! @@ enforce/run/give_way.rs
-//! Whether springs hold what the equations that they stand for would not.
+//! No model is refused here. If the result is not certain, [`super::multipliers`] solves again, at the cost of another factorization. Springs
+//! can hide a mechanism, which their exact equations would leave free:
 //!
 //! ```text
 //! d <- d - C M^-1 d        gaps d of equations with springs, M = [K C^T; C -1/D]
 //! ```
 //!
-//! Multipliers that take over close gaps, but for a share of about 1 / factor in each step. A gap that stays has `C u = 0` and `K u = C^T D d`:
-//! `[K C^T; C 0]` is singular, though M is not. Cost: a solve per step.
+//! Multipliers that take over the springs' forces close all gaps except for a fraction of about 1 / factor per step. A gap that stays open
+//! has `C u = 0` and `K u = C^T D d`: `[K C^T; C 0]` is singular although M is not. Cost: one solve per step.
 
 use super::super::EnforceError;
 use super::super::matrix::uneven;
@@ -18,7 +17,7 @@ use super::super::refinement::MeasuredEquations;
 use super::super::singularity::{SUSPICIOUS, sensitivity};
 use super::{EnforcedPart, FactoredPart, PartSolution, ROUNDED};
 
-/// A solution in balance, to the accuracy asked for; none in doubt.
+/// A solution in balance and to the requested accuracy; none if it is not certain.
 pub fn by_springs(part: &EnforcedPart, accuracy: f64) -> Result<Option<PartSolution>, EnforceError> {
     match FactoredPart::new(part, part.methods.clone(), 0.0) {
         Ok(mut prepared) => Ok(prepared.without_doubt(accuracy)),
@@ -32,8 +31,8 @@ impl FactoredPart<'_> {
         let growth = self.seen_growth()?;
         let refined = self.refined(accuracy).ok().filter(|refined| refined.share <= 1.0)?;
         let rounding = self.rounding(&refined, growth)?;
-        let left = self.left_by_springs(&refined.x, &rounding)?;
-        // SolutionRounding that multipliers would not have.
+        let left = self.penalty_error(&refined.x, &rounding)?;
+        // Rounding that the solution with multipliers would not have.
         let is_hidden = refined.rounding > ROUNDED && rounding.share > accuracy;
         let is_penalised = self.methods.iter().any(|method| matches!(method, Method::Penalty { .. }));
         let limit = if is_penalised { accuracy.min(1.0) } else { 1.0 };
@@ -42,26 +41,26 @@ impl FactoredPart<'_> {
         is_right.then_some(PartSolution { x: refined.x, imbalance: refined.imbalance, accuracy })
     }
 
-    /// How sensitive u is to rounding, if springs neither hide K behind their rounding nor hold what their equations do not.
+    /// Growth of rounding, if the springs neither make K lose its digits nor hide a mechanism.
     fn seen_growth(&mut self) -> Option<f64> {
         let Self { model, inverse, .. } = self;
-        // In units without units, like the growth: a factor is relative to the stiffest DOF of its equation, and others feel more.
+        // Dimensionless, as the growth. A factor is relative to the stiffest DOF of its equation; it is larger relative to the others.
         let of_rows = inverse.springs().iter().zip(&model.units()[model.dofs()..]);
         let stiffest = of_rows.map(|(spring, unit)| spring / unit / unit).fold(1.0, f64::max);
         let found = sensitivity(model, &mut |r: &[f64]| inverse.solve(r)).ok()?;
         let seen = found.lost.is_none() && found.growth * stiffest < SUSPICIOUS;
-        (seen && self.springs_give_way()).then_some(found.growth)
+        (seen && self.has_no_hidden_mechanism()).then_some(found.growth)
     }
 }
 
-/// Steps: what closes has then vanished beside what stays.
+/// Number of steps after which gaps that close have vanished beside those that stay.
 const STEPS: usize = 4;
-/// The share of its gaps that a part may keep in the last step; of more it is not sure that anything closes it.
+/// Largest fraction of the gaps that may remain in the last step.
 const CLOSES: f64 = 0.1;
 
 impl FactoredPart<'_> {
-    /// Whether the gaps close.
-    pub fn springs_give_way(&mut self) -> bool {
+    /// Whether all gaps close, so that no mechanism is hidden.
+    pub fn has_no_hidden_mechanism(&mut self) -> bool {
         let (mut gaps, mut stays) = (self.first_gaps(), 0.0);
         for _ in 0..STEPS {
             let Ok(x) = self.inverse.solve(&gaps) else { return false };
@@ -70,11 +69,11 @@ impl FactoredPart<'_> {
             }
             stays = self.levelled_gaps(&mut gaps);
         }
-        // Also where it is no number.
+        // False for NaN.
         stays <= CLOSES
     }
 
-    /// A gap for each equation with a spring, of size one in units without units; no two are the same, so that none cancel.
+    /// A gap of dimensionless size one for each equation with a spring. All differ, so that they do not cancel.
     fn first_gaps(&self) -> Vec<f64> {
         let (n, units) = (self.model.dofs(), self.model.units());
         let mut gaps = vec![0.0; units.len()];
@@ -84,9 +83,9 @@ impl FactoredPart<'_> {
         gaps
     }
 
-    /// The largest gap, by which all are divided.
+    /// Divides all gaps by the largest one, which is returned.
     fn levelled_gaps(&self, gaps: &mut [f64]) -> f64 {
-        // Once no number, always none.
+        // Keeps NaN.
         let larger = |most: f64, size: f64| if size > most || size.is_nan() { size } else { most };
         let largest = gaps.iter().zip(self.model.units()).fold(0.0, |most, (gap, unit)| larger(most, gap.abs() * unit));
         gaps.iter_mut().filter(|gap| **gap != 0.0).for_each(|gap| *gap /= largest);

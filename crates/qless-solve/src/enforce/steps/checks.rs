@@ -1,10 +1,8 @@
-//! What the forces of a step must meet: a support, and balance.
-//! @@ enforce/steps/gaps.rs
-//! `|C u - b|_i` against what its terms are made of, for the equations that others do not follow from.
+//! Checks of a step: the model is supported, forces are in balance, and independent equations are satisfied.
 //!
-//! An equation between DOFs that are zero but for rounding has nothing to be measured by: its terms count as at least [`FLOOR`] of what they would
-//! be if every DOF of its connected part were as large as the largest one, in the units of K spread along the equations.
-//! Cost: a pass over C; units are looked for only where an equation does not meet its own terms.
+//! If all DOFs of an equation are zero up to rounding, its residual has no scale. Its terms therefore count as at least [`FLOOR`] times what
+//! they would be if every DOF of its connected part were as large as the largest one, in units that spread from K along the equations. Cost:
+//! one pass over C; the units are computed only if an equation fails by its own terms.
 
 use qless::elimination::EliminationError;
 use qless::{ConstraintSystem, Elimination, Kind};
@@ -16,11 +14,11 @@ use super::super::{EnforceError, FreeMotion, units};
 use super::Steps;
 use super::terms::{StepEquations, sizes_of_dofs};
 
-/// Solutions and refinements at most.
+/// Most solves, including refinements.
 const REFINEMENTS: usize = 6;
 
 impl<S: Solver> Steps<S> {
-    /// Refuses a model that nothing holds, whether its factorization failed or not.
+    /// Fails if the model is not supported, whether or not its factorization succeeded.
     pub(super) fn held(&mut self, k: &[f64], factored: Result<(), EnforceError>) -> Result<(), EnforceError> {
         let terms = StepEquations::new(&self.elimination, &self.pattern, k, (&self.parts, &self.noise));
         let units = terms.units().to_vec();
@@ -45,7 +43,7 @@ impl<S: Solver> Steps<S> {
                 return Err(unsupported(&terms, &motion, held));
             }
         }
-        // The factors of a shifted matrix are none of K.
+        // The factors of a shifted matrix must not be used for K.
         Err(failed)
     }
 
@@ -72,7 +70,7 @@ impl<S: Solver> Steps<S> {
     }
 }
 
-/// The motion of one unknown that no entry of K feels: its place in K_q may not even be there.
+/// The motion of a single unknown without any stiffness; K_q may not even have its diagonal entry.
 fn without_terms(terms: &StepEquations) -> Option<Vec<f64>> {
     let sizes = terms.size(terms.units());
     let alone = |q: usize| {
@@ -83,7 +81,7 @@ fn without_terms(terms: &StepEquations) -> Option<Vec<f64>> {
     (0..sizes.len()).filter(|&q| sizes[q] == 0.0).find_map(alone)
 }
 
-/// `K_q^-1 r`, if it is one.
+/// `K_q^-1 r`; an error if it is not finite.
 fn backsolve(solver: &mut impl Solver, r: &[f64]) -> Result<Vec<f64>, EnforceError> {
     let mut x = r.to_vec();
     if !x.is_empty() {
@@ -92,16 +90,16 @@ fn backsolve(solver: &mut impl Solver, r: &[f64]) -> Result<Vec<f64>, EnforceErr
     if x.iter().all(|x| x.is_finite()) { Ok(x) } else { Err(SolverError("a pivot is zero".into()).into()) }
 }
 
-/// The motion of all DOFs.
+/// The error with the free motion of all DOFs.
 fn unsupported(terms: &StepEquations, motion: &[f64], held: f64) -> EnforceError {
     let units = terms.spread_units();
     EnforceError::Unsupported(FreeMotion::new(&terms.moved(motion), &units, held))
 }
 
-/// What may be left of an equation, relative to its terms; T meets the equations to 1e-10.
+/// Largest residual of an equation relative to its terms; T itself satisfies the equations to 1e-10.
 const MET: f64 = 1e-9;
 
-/// Refuses u where it does not meet the equations; x are its unknowns, in these units.
+/// Fails if u violates an equation; x are the unknowns, with their units.
 pub fn closed(elimination: &Elimination, (x, units): (&[f64], &[f64]), u: &[f64]) -> Result<(), EnforceError> {
     let (sizes, mut levels) = (sizes_of_dofs(elimination, x), None);
     let system = elimination.analysis().ok_or(EliminationError::NoEquations)?.system();
@@ -123,7 +121,7 @@ pub fn closed(elimination: &Elimination, (x, units): (&[f64], &[f64]), u: &[f64]
     Ok(())
 }
 
-/// Each DOF as large as the largest of its connected part; zero where it is prescribed.
+/// Each DOF as large as the largest of its connected part; zero if it is prescribed.
 fn levelled(elimination: &Elimination, system: &ConstraintSystem, of_masters: &[f64], sizes: &[f64]) -> Vec<f64> {
     let n = elimination.dofs();
     let mut free = vec![true; n];
@@ -134,7 +132,7 @@ fn levelled(elimination: &Elimination, system: &ConstraintSystem, of_masters: &[
     let parts = units::parts(n + system.equations(), terms().map(|(i, j, _)| (i, j)));
     let (mut units, mut has_unit) = (vec![0.0; parts.len()], vec![false; parts.len()]);
     elimination.masters().iter().zip(of_masters).for_each(|(&j, &unit)| (units[j], has_unit[parts[j]]) = (unit, true));
-    // What equations alone know has any unit.
+    // A component without a unit gets the unit 1.
     (0..n).filter(|&j| parts[j] == j && !has_unit[j]).for_each(|j| units[j] = 1.0);
     units::spread(&mut units, terms());
     let mut largest = vec![0.0_f64; parts.len()];

@@ -1,6 +1,4 @@
-//! The same model, step after step: `K_q u_q = f_q`, `u = L u_q + u_0`, with the analysis, the pattern and the solver's analysis made once.
-//! @@ enforce/steps/turned.rs
-//! Rows of a matrix that need not be symmetric as the columns that solvers take.
+//! Repeated solves of one model: `K_q u_q = f_q`, `u = L u_q + u_0`. The analysis, the pattern and the symbolic factors are made once.
 
 mod checks;
 mod terms;
@@ -14,7 +12,7 @@ use super::solver::{Solver, SolverError, SolverMatrix};
 use super::{EnforceError, problem, units};
 use terms::StiffnessPattern;
 
-/// A map, the pattern of K condensed by it, and a solver; owned, to be kept beside the model.
+/// An elimination, the pattern of the condensed K, and a solver; it owns all three, so that it can be kept beside the model.
 ///
 /// ```
 /// use qless::{Elimination, Options, SystemBuilder};
@@ -38,27 +36,27 @@ pub struct Steps<S> {
     elimination: Elimination,
     condensed: CondensedPattern,
     solver: S,
-    /// Of rows of a matrix that need not be symmetric: the columns of K_q.
+    /// For an unsymmetric matrix by rows: conversion of K_q to columns.
     turned: Option<TransposedPattern>,
-    /// What is stored of the columns.
+    /// Which half of the columns is stored.
     storage: Storage,
     k_q: Vec<f64>,
-    /// Where K has its entries.
+    /// Positions of the entries of K.
     pattern: StiffnessPattern,
     /// The connected part of each unknown.
     parts: Vec<usize>,
-    /// What is rounding in T.
+    /// Which entries of T are rounding.
     noise: TransformNoise,
-    /// Whether the solver has factors of a K_q that is held.
+    /// Whether the solver has factors of a supported K_q.
     is_held: bool,
 }
 
 impl<S: Solver> Steps<S> {
-    /// For matrices of the pattern of K.
+    /// Prepares solves for matrices with the pattern of K.
     ///
     /// # Errors
-    /// [`EnforceError::Elimination`] if the arrays are no pattern, [`EnforceError::Factored`] if parts of T stay factors,
-    /// [`EnforceError::Triangle`] if the pattern is one half of a matrix that is not declared as such.
+    /// [`EnforceError::Elimination`] if the arrays are not a valid pattern, [`EnforceError::Factored`] if parts of T are kept as factors,
+    /// [`EnforceError::Triangle`] if the pattern is half of a matrix but not declared so.
     pub fn new<P: Index, I: Index>(elimination: Elimination, k: View<P, I>, solver: S) -> Result<Self, EnforceError> {
         let steps = Self::unsymmetric(elimination, k, solver)?;
         match steps.pattern.triangle() {
@@ -67,10 +65,10 @@ impl<S: Solver> Steps<S> {
         }
     }
 
-    /// The same, also where K is a triangle that is meant as such.
+    /// As [`Steps::new`], but accepts a triangular K that is meant as an unsymmetric matrix.
     ///
     /// # Errors
-    /// As [`Steps::new`], but for triangles.
+    /// As [`Steps::new`], except for triangles.
     pub fn unsymmetric<P: Index, I: Index>(
         elimination: Elimination,
         k: View<P, I>,
@@ -80,9 +78,9 @@ impl<S: Solver> Steps<S> {
             return Err(EnforceError::Factored);
         }
         let condensed = elimination.condensed(k, PrescribedDofs::Eliminated)?;
-        // It was checked with the condensed pattern.
+        // The condensed pattern has validated it.
         let pattern = StiffnessPattern::new(&k);
-        // Rows of a half are columns of the other one.
+        // By columns, the other half is stored.
         let storage = match (condensed.is_by_columns(), condensed.storage()) {
             (false, Storage::Lower) => Storage::Upper,
             (false, Storage::Upper) => Storage::Lower,
@@ -95,12 +93,12 @@ impl<S: Solver> Steps<S> {
         Ok(Self { elimination, condensed, solver, turned, storage, k_q, pattern, parts, noise, is_held: false })
     }
 
-    /// The constraints.
+    /// The elimination, with the constraints.
     pub fn elimination(&self) -> &Elimination {
         &self.elimination
     }
 
-    /// The constraints, to be refreshed.
+    /// The elimination, to change right-hand sides and prescribed values.
     pub fn elimination_mut(&mut self) -> &mut Elimination {
         &mut self.elimination
     }
@@ -110,13 +108,13 @@ impl<S: Solver> Steps<S> {
         &self.condensed
     }
 
-    /// u of all DOFs for values of K and forces: condensed, factored, held against its support, and solved.
+    /// Computes u of all DOFs from the values of K and the forces: condenses, factors, checks the support, and solves.
     ///
     /// Cost: one factorization and some five solves.
     ///
     /// # Errors
-    /// [`EnforceError::Argument`] for lists that do not fit or numbers that are not finite, [`EnforceError::Solver`],
-    /// [`EnforceError::Unsupported`] with the motion that nothing holds, and as [`Steps::solve_again`].
+    /// [`EnforceError::Argument`] for lists of the wrong length or numbers that are not finite, [`EnforceError::Solver`],
+    /// [`EnforceError::Unsupported`] with the free motion, and as [`Steps::solve_again`].
     pub fn solve(&mut self, k: &[f64], f: &[f64], u: &mut [f64]) -> Result<(), EnforceError> {
         self.is_held = false;
         self.condensed.condense_matrix_into(&self.elimination, k, &mut self.k_q)?;
@@ -126,11 +124,11 @@ impl<S: Solver> Steps<S> {
         self.solve_again(k, f, u)
     }
 
-    /// The same for other forces, or after a refresh, with the factors of the last [`Steps::solve`]; K must be the same.
+    /// Solves for other forces, right-hand sides or prescribed values with the factors of the last [`Steps::solve`]; K must be the same.
     ///
     /// # Errors
-    /// As [`Steps::solve`], and [`EnforceError::OutOfBalance`] if more than 1e-10 of the forces of a row is left after refinement,
-    /// [`EnforceError::Doubtful`] where u depends on whether an equation is redundant, and that is in doubt.
+    /// As [`Steps::solve`]; [`EnforceError::OutOfBalance`] if a residual is larger than 1e-10 of its terms after refinement;
+    /// [`EnforceError::Doubtful`] if an equation may be redundant or not and u depends on it.
     pub fn solve_again(&mut self, k: &[f64], f: &[f64], u: &mut [f64]) -> Result<(), EnforceError> {
         if !self.is_held {
             return Err(SolverError(
@@ -145,7 +143,7 @@ impl<S: Solver> Steps<S> {
         problem::check_redundant(analysis, self.elimination.kinds(), self.elimination.rhs(), u)
     }
 
-    /// Hands K_q to the solver, with a shift of its diagonal in these units.
+    /// Factors K_q, with a shift of its diagonal in these units.
     fn factor(&mut self, shift: f64, units: &[f64]) -> Result<(), EnforceError> {
         if self.condensed.unknowns() == 0 {
             return Ok(());
@@ -168,12 +166,12 @@ impl<S: Solver> Steps<S> {
     }
 }
 
-/// SolverMatrix made of rows.
+/// Converts a matrix from rows to columns.
 #[derive(Debug)]
 pub struct TransposedPattern {
     starts: Vec<u32>,
     rows: Vec<u32>,
-    /// For each entry its place by rows.
+    /// The index by rows of each entry.
     places: Vec<u32>,
     values: Vec<f64>,
 }

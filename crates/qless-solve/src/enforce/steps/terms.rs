@@ -1,4 +1,4 @@
-//! `L^T K L x` and the sizes of its terms, from K itself: what K_q was made of is not to be seen in it.
+//! `L^T K L x` and the sizes of its terms, computed from K, since K_q does not show the terms that it was summed from.
 
 use qless::Elimination;
 use qless::elimination::{Index, Storage, View};
@@ -7,7 +7,7 @@ use super::super::condensation::TransformNoise;
 use super::super::refinement::MeasuredEquations;
 use super::super::units;
 
-/// Where K has its entries.
+/// Positions of the entries of K.
 #[derive(Debug)]
 pub struct StiffnessPattern {
     /// `(row, column)` in the order of the values.
@@ -16,19 +16,19 @@ pub struct StiffnessPattern {
 }
 
 impl StiffnessPattern {
-    /// Of a view that was checked: its indices are below the number of DOFs, which qless counts with u32.
+    /// From a validated view; its indices are below the number of DOFs, which fits u32.
     pub fn new<P: Index, I: Index>(k: &View<P, I>) -> Self {
         Self { entries: k.entries().map(|(i, j)| (i as u32, j as u32)).collect(), storage: k.storage() }
     }
 
-    /// Whether it is the lower (true) or upper half of a matrix all of which is said to be stored.
+    /// Whether a matrix declared as full has entries on one side of the diagonal only: true for the lower, false for the upper half.
     pub fn triangle(&self) -> Option<bool> {
         let off = |below: bool| self.entries.iter().any(|&(i, j)| i != j && (i > j) == below);
         let (lower, upper) = (off(true), off(false));
         (self.storage == Storage::Full && lower != upper).then_some(lower)
     }
 
-    /// Calls `term(i, j, v)` for all entries of K, stored or not.
+    /// Calls `term(i, j, v)` for all entries of K, including the half that is not stored.
     pub fn each(&self, k: &[f64], mut term: impl FnMut(usize, usize, f64)) {
         let half = self.storage != Storage::Full;
         for (&(i, j), &v) in self.entries.iter().zip(k) {
@@ -87,12 +87,12 @@ impl<'a> StepEquations<'a> {
         }
     }
 
-    /// The sizes of the terms of T.
+    /// The sizes of the entries of T.
     fn sizes_of_t(&self) -> impl Fn(usize, usize, f64) -> f64 + '_ {
         |i, q, t| self.noise.size(i, q, t)
     }
 
-    /// A unit for each DOF: that of the unknowns it follows.
+    /// A unit for each DOF, from the unknowns that it depends on.
     pub fn spread_units(&self) -> Vec<f64> {
         self.spread(&self.units, |_, _, t| t.abs()).into_iter().map(|s| if s > 0.0 { s } else { 1.0 }).collect()
     }
@@ -121,7 +121,7 @@ fn absolute(x: &[f64]) -> Vec<f64> {
     x.iter().map(|x| x.abs()).collect()
 }
 
-/// `|L| |x| + |G| |u_p| + |g|`: the sizes of the terms that u is made of.
+/// `|L| |x| + |G| |u_p| + |g|`: the sizes of the terms of u.
 pub fn sizes_of_dofs(elimination: &Elimination, x: &[f64]) -> Vec<f64> {
     let mut sizes = spread(elimination, &absolute(x), |_, _, t| t.abs());
     let (reduction, given) = (elimination.reduction(), elimination.prescribed_values());
