@@ -1,17 +1,17 @@
-//! `K_q = L^T K L`, `f_q = L^T (f - K u_0)` for some of the equations: what is left when their slaves are eliminated.
+//! Condensation of K by some of the equations: `K_q = L^T K L`, `f_q = L^T (f - K u_0)`, with their slaves eliminated.
 //!
-//! Where T would fill, nothing is eliminated: the slaves of such a part stay unknowns, and its equations are left for multipliers.
-//! The solution is the same; `L^T K L` of a dense T is as large as the square of the masters.
-//! @@ enforce/noise.rs
-//! Entries of T that are rounding.
+//! If T of a connected component would fill, nothing is eliminated there: its slaves stay unknowns, and its equations need multipliers. The
+//! solution is the same; `L^T K L` of a dense T grows with the square of the number of masters.
+//!
+//! Entries of T that are rounding are recognised by their size in an equilibrated T ([`TransformNoise`]):
 //!
 //! ```text
 //! R T S, the largest number of each row and column being 1 (Ruiz 2001)        real: above 2^-40
 //! ```
 //!
-//! T comes out of a factorization, which leaves some `eps` of its numbers where it has zeros. A stiffness that a master feels through such entries
-//! alone is none: in sizes of terms they count as what they are the rounding of. Where the numbers of a row are in other units, R and S show it.
-//! Cost: a pass over T, and a dozen where entries are small.
+//! A factorization leaves entries of relative size `eps` where T has zeros. A master that feels a stiffness through such entries only has no
+//! stiffness: in sizes of terms, these entries count as the numbers whose rounding they are. R and S are needed because the entries of a row
+//! may have different units. Cost: one pass over T, and a dozen if some entries are small.
 
 use faer::sparse::SymbolicSparseColMat;
 use qless::elimination::{CondensedPattern, PrescribedDofs, View};
@@ -21,16 +21,16 @@ use super::EnforceError;
 use super::singularity::WRONG;
 use crate::common::SparseMatrix;
 
-/// Some independent equations on K, with prescribed DOFs at rest and right-hand sides that are [`Condensation::set`].
+/// Condensation by some independent equations. Prescribed DOFs are zero; right-hand sides are passed to [`Condensation::set`].
 pub struct Condensation {
     pub elimination: Elimination,
     pub condensed: CondensedPattern,
-    /// The equations that unknowns have to meet.
+    /// The equations that are not eliminated.
     pub left: Vec<usize>,
 }
 
 impl Condensation {
-    /// Eliminates the slaves of `rows` where T stays sparse; with no rows, prescribed DOFs alone.
+    /// Eliminates the slaves of `rows` where T stays sparse. Without rows, only prescribed DOFs are removed.
     pub fn new(system: &ConstraintSystem, rows: &[usize], k: &SparseMatrix) -> Result<Self, EnforceError> {
         let elimination = elimination_of(system, rows)?;
         let condensed = elimination
@@ -39,7 +39,7 @@ impl Condensation {
         Ok(Self { elimination, condensed, left })
     }
 
-    /// New right-hand sides of the equations.
+    /// Sets the right-hand sides of the equations.
     pub fn set(&mut self, rhs: &[f64]) -> Result<(), EnforceError> {
         if rhs.is_empty() {
             return Ok(());
@@ -48,7 +48,7 @@ impl Condensation {
         Ok(self.elimination.update(rhs, &at_rest)?)
     }
 
-    /// `u_0` of all DOFs that are no unknowns.
+    /// `u_0` of the DOFs that are not unknowns; zero for the others.
     pub fn constant(&self) -> Result<Vec<f64>, EnforceError> {
         let mut u = vec![0.0; self.elimination.dofs()];
         self.elimination.expand_into(&vec![0.0; self.elimination.masters().len()], &mut u)?;
@@ -83,7 +83,7 @@ impl Condensation {
     }
 }
 
-/// The map of some equations of a system, all right-hand sides zero; parts whose T would fill stay factors.
+/// The elimination of some equations, with zero right-hand sides; components whose T would fill are kept as factors.
 pub fn elimination_of(system: &ConstraintSystem, rows: &[usize]) -> Result<Elimination, EnforceError> {
     let mut builder = SystemBuilder::new(system.dofs());
     rows.iter().for_each(|&row| {
@@ -93,12 +93,12 @@ pub fn elimination_of(system: &ConstraintSystem, rows: &[usize]) -> Result<Elimi
     Ok(Elimination::from_analysis(analyse(&builder.build()?, &Options::default())?, Form::Auto)?)
 }
 
-/// What is smaller in every unit is rounding.
+/// Equilibrated entries up to this size are rounding.
 const NOISE: f64 = 1.0 / (1_u64 << 40) as f64;
-/// Passes; each takes the root of what is missing.
+/// Passes of equilibration; each takes square roots of the largest entries.
 const SWEEPS: usize = 12;
 
-/// The units of rows and columns, where any entry is small in its row.
+/// Row and column scales of T; none if no entry is small in its row.
 #[derive(Debug)]
 pub struct TransformNoise {
     scales: Option<(Vec<f64>, Vec<f64>)>,
@@ -114,7 +114,7 @@ impl TransformNoise {
         Self { scales: (0..t.rows()).any(is_small).then(|| equilibrated(t)) }
     }
 
-    /// The size of the terms that an entry was made of: its own, or that of which it is the rounding.
+    /// Size of the terms of an entry: its own, or that of the number whose rounding it is.
     pub fn size(&self, row: usize, col: usize, value: f64) -> f64 {
         let Some((of_row, of_col)) = &self.scales else { return value.abs() };
         let unit = 1.0 / (of_row[row] * of_col[col]);

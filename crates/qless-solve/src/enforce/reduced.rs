@@ -1,8 +1,7 @@
-//! `T^T K T q = T^T (f - K u_0)`, `u = T q + u_0` (Eq. 6-9) with T, G and g that are given.
+//! Transformation with a given reduction T, G, g: `T^T K T q = T^T (f - K u_0)`, `u = T q + u_0` (Eq. 6-9).
 //!
-//! Slaves of factored parts stay unknowns, with `C_S du_s + C_M du_q = 0` by multipliers: `C_S` is the product of the factors.
-//! @@ enforce/reduced/transformed.rs
-//! The equations of a reduction, held against their terms: K_q alone does not show what it was made of.
+//! Slaves of factored components stay unknowns, with `C_S du_s + C_M du_q = 0` by multipliers; `C_S` is the product of the factors. Residuals
+//! are compared with the terms of K, T and f, since K_q does not show the terms that it was summed from.
 
 use faer::sparse::SparseColMat;
 use qless::{Csr, Reduction, ReductionError};
@@ -17,9 +16,9 @@ use super::singularity::{SHIFTS, SupportVerdict, judged, loose};
 use super::{EnforceError, FreeMotion, units};
 use crate::common::SparseMatrix;
 
-/// u of all DOFs, by transformation with a reduction, whoever made it; `prescribed` are the values of its prescribed DOFs.
+/// Computes u of all DOFs by transformation with any reduction; `prescribed` are the values of its prescribed DOFs.
 ///
-/// [`super::Problem`] makes its own reduction; this one shows what another does to the solution.
+/// [`super::Problem`] makes its own reduction. This function shows how a reduction from elsewhere affects the solution.
 ///
 /// ```
 /// use faer::sparse::{SparseColMat, Triplet};
@@ -37,9 +36,8 @@ use crate::common::SparseMatrix;
 /// ```
 ///
 /// # Errors
-/// [`EnforceError::Size`] where K, f or the values do not fit to the reduction, [`EnforceError::NotFinite`],
-/// [`EnforceError::Unsupported`] if the constraints
-/// do not hold the model, [`EnforceError::OutOfBalance`] if rounding leaves more than 1e-10 of the forces.
+/// [`EnforceError::Size`] if K, f or the values do not match the reduction, [`EnforceError::NotFinite`], [`EnforceError::Unsupported`] if the
+/// model is not supported, [`EnforceError::OutOfBalance`] if a residual is larger than 1e-10 of its terms.
 pub fn reduced(
     k: &SparseColMat<usize, f64>,
     f: &[f64],
@@ -90,7 +88,7 @@ fn sizes_of_load(k: &SparseMatrix, t: &SparseMatrix, constant: &[f64], f: &[f64]
     sizes
 }
 
-/// T, its rounding as large as it may be.
+/// The sizes of the terms of T's entries.
 fn sizes_of_t(t: &SparseMatrix, reduction: &Reduction) -> Result<SparseMatrix, EnforceError> {
     let noise = TransformNoise::new(reduction.t());
     let mut place = vec![None; t.nrows()];
@@ -103,7 +101,7 @@ fn sizes_of_t(t: &SparseMatrix, reduction: &Reduction) -> Result<SparseMatrix, E
     from_triplets(t.nrows(), t.ncols(), entries(t).map(size))
 }
 
-/// The equations of factored parts on their free DOFs.
+/// The equations of factored components on their free DOFs.
 fn equations(reduction: &Reduction, dofs: usize) -> Result<SparseMatrix, EnforceError> {
     let (mut all, mut first) = (Vec::new(), 0);
     for block in reduction.factored() {
@@ -124,14 +122,14 @@ fn rows(matrix: &Csr) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
     (0..matrix.rows()).flat_map(|i| matrix.row(i).map(move |(j, v)| (i, j, v)))
 }
 
-/// Slaves of parts that stay factors, ascending: they are unknowns.
+/// Slaves of factored components, ascending; they are unknowns.
 fn held(reduction: &Reduction) -> Vec<usize> {
     let mut held: Vec<usize> = reduction.factored().iter().flat_map(|block| block.slaves().iter().copied()).collect();
     held.sort_unstable();
     held
 }
 
-/// T of the slaves that are eliminated, the masters themselves, and the slaves that are not, which come last.
+/// Entries of T: eliminated slaves, then masters, then the slaves that stay unknowns.
 fn triplets(reduction: &Reduction) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
     let slaves = reduction.slaves().iter().enumerate();
     let of_slaves = slaves.flat_map(|(i, &dof)| reduction.t().row(i).map(move |(q, v)| (dof, q, v)));
@@ -139,14 +137,14 @@ fn triplets(reduction: &Reduction) -> impl Iterator<Item = (usize, usize, f64)> 
     of_slaves.chain(kept.enumerate().map(|(q, dof)| (dof, q, 1.0)))
 }
 
-/// Solutions and refinements at most.
+/// Most solves, including refinements.
 const REFINEMENTS: usize = 6;
 
-/// `T^T K T q + B^T lambda = f_q`, `B q = 0`, term by term.
+/// `T^T K T q + B^T lambda = f_q`, `B q = 0`, with the sizes of all terms.
 pub struct ReducedEquations<'a> {
     pub k: &'a SparseMatrix,
     pub t: SparseMatrix,
-    /// What its entries are up to.
+    /// The sizes of the terms of T's entries.
     pub t_sizes: SparseMatrix,
     pub constraints: SparseMatrix,
     pub units: Vec<f64>,
@@ -154,7 +152,7 @@ pub struct ReducedEquations<'a> {
 }
 
 impl ReducedEquations<'_> {
-    /// In balance, or refused.
+    /// A solution in balance, or an error.
     pub fn solved(&self, matrix: &SparseMatrix, rhs: (&[f64], &[f64])) -> Result<Vec<f64>, EnforceError> {
         let singular = EnforceError::Singular { what: "the reduced stiffness" };
         let Ok(mut factor) = ScaledFactor::new(matrix, self.units.clone(), false) else {

@@ -1,4 +1,4 @@
-//! K as it is stored: all of it, or one half of a symmetric one.
+//! Storage of K: all entries, or one half of a symmetric matrix.
 
 use std::borrow::Cow;
 
@@ -9,12 +9,12 @@ use super::EnforceError;
 use super::matrix::{compressed, entries, from_triplets};
 use crate::common::SparseMatrix;
 
-/// Entries on both sides of the diagonal that differ by less are the same, relative to the diagonal.
+/// Entries `K_ij` and `K_ji` are equal if they differ by less than this, relative to the diagonal.
 const SAME: f64 = 64.0 * f64::EPSILON;
 
-/// A stiffness matrix and what of it is stored. `&k` alone is [`Stiffness::full`].
+/// A stiffness matrix, and which entries are stored. `&k` alone is [`Stiffness::full`].
 ///
-/// Where K is symmetric (by its half, or by its numbers), Cholesky is tried; K may be indefinite all the same.
+/// If K is symmetric, by declaration or by its entries, Cholesky is tried first; K may still be indefinite.
 ///
 /// ```
 /// use faer::sparse::{SparseColMat, Triplet};
@@ -35,7 +35,7 @@ const SAME: f64 = 64.0 * f64::EPSILON;
 pub struct Stiffness<'a> {
     matrix: &'a SparseMatrix,
     storage: Storage,
-    /// Whether a triangle is meant as such.
+    /// Whether a triangular matrix is intended.
     triangular: bool,
 }
 
@@ -55,7 +55,7 @@ impl<'a> Stiffness<'a> {
         Self { storage: Storage::Upper, ..Self::full(matrix) }
     }
 
-    /// All entries are stored, and if they are those of a triangle, it is meant so: a chain of DOFs each of which acts on the next.
+    /// All entries are stored, and K may be triangular: for example a chain of DOFs each of which acts on the next only.
     pub fn unsymmetric(matrix: &'a SparseColMat<usize, f64>) -> Self {
         Self { triangular: true, ..Self::full(matrix) }
     }
@@ -64,7 +64,7 @@ impl<'a> Stiffness<'a> {
         self.matrix
     }
 
-    /// All entries, and whether they are declared to be symmetric.
+    /// The full matrix, and whether it is declared symmetric.
     pub(super) fn whole(self) -> Result<(Cow<'a, SparseMatrix>, bool), EnforceError> {
         let is_off = |&(i, j, v): &(usize, usize, f64)| i != j && v != 0.0;
         let first = |below: bool| entries(self.matrix).filter(is_off).find(|&(i, j, _)| (i > j) == below);
@@ -92,13 +92,13 @@ impl<'a> From<&'a SparseColMat<usize, f64>> for Stiffness<'a> {
     }
 }
 
-/// Both halves from one.
+/// The full matrix from one half.
 fn mirrored(half: &SparseMatrix) -> Result<SparseMatrix, EnforceError> {
     let others = entries(half).filter(|&(i, j, _)| i != j).map(|(i, j, v)| (j, i, v));
     from_triplets(half.nrows(), half.ncols(), entries(half).chain(others))
 }
 
-/// `|K_ij - K_ji|` is rounding of the diagonal, or of the entries themselves.
+/// Whether `|K_ij - K_ji|` is rounding of the entries or of the diagonal.
 pub(super) fn is_symmetric(k: &SparseMatrix) -> bool {
     let mut diagonal = vec![0.0_f64; k.ncols()];
     entries(k).filter(|&(i, j, _)| i == j).for_each(|(i, _, v)| diagonal[i] += v.abs());

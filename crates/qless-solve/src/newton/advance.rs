@@ -1,6 +1,4 @@
-//! One step of all parts, each by its own length.
-//! @@ newton/run/decide.rs
-//! What each part has to do next: down to c = 0, out of a place where first order knows no way, or nothing.
+//! One step of all parts: decide what each part needs, compute its direction, and move it by a length of its own.
 
 use qless::{Analysis, ArgumentError};
 
@@ -11,15 +9,15 @@ use super::singular::ways_out;
 use super::state::{FALLS, NewtonState, PartStatus, kept, shorten_all};
 use super::step::{StepGoal, StepLine};
 
-/// Where to.
+/// End points of a step.
 struct StepEnd {
     u: Vec<f64>,
-    /// Of each part, 0 where it stays.
+    /// Step length of each part; 0 if it does not move.
     lengths: Vec<f64>,
 }
 
 impl NewtonState<'_> {
-    /// Goes step by step until no part goes on, or `may_go_on` says that the failures are enough; equations that are redundant there.
+    /// Steps until no part is left to move, or `may_go_on` rejects the failures; returns the equations that are redundant at the end.
     pub fn follow(&mut self, may_go_on: impl Fn(&[(usize, NewtonError)]) -> bool) -> Result<Vec<usize>, NewtonError> {
         let (mut before, mut step) = (None, 0);
         loop {
@@ -36,7 +34,7 @@ impl NewtonState<'_> {
         }
     }
 
-    /// Goes with each part as far along its step as that is good for it; one that has no way to go says so, and stays.
+    /// Moves each part by its step length. A part that has no direction or no length fails, and stays.
     pub fn advance(&mut self, found: &Linearisation, step: usize) -> Result<(), NewtonError> {
         let analysis = &found.analysis;
         let (du, conflicts) = self.directions(found, step)?;
@@ -52,7 +50,7 @@ impl NewtonState<'_> {
         self.go(target, step)
     }
 
-    /// du, by what each part has to do, and which parts have proof that there is none.
+    /// The direction du of each part, and the parts that have proof of a conflict.
     fn directions(&mut self, found: &Linearisation, step: usize) -> Result<(Vec<f64>, Vec<bool>), NewtonError> {
         let down = self.downhill(found, step)?;
         let (out, exists) = if self.contradicted.is_empty() {
@@ -69,7 +67,7 @@ impl NewtonState<'_> {
         Ok(((0..self.set.dofs()).map(choose).collect(), conflicts.collect()))
     }
 
-    /// A step of the parts that want one; that of others means nothing.
+    /// The Newton step; only its entries in parts that go downhill are used.
     fn downhill(&self, found: &Linearisation, step: usize) -> Result<Vec<f64>, NewtonError> {
         if !self.states.iter().any(|state| state.way == StepGoal::Downhill) {
             return Ok(vec![0.0; self.set.dofs()]);
@@ -84,7 +82,7 @@ impl NewtonState<'_> {
         Ok(StepEnd { u: line.at(|part| lengths[part]), lengths })
     }
 
-    /// EquationParts that stay although they are not done come to rest where they are.
+    /// Parts that do not move although they are not done count as settled.
     fn go(&mut self, StepEnd { mut u, lengths }: StepEnd, step: usize) -> Result<(), NewtonError> {
         let moves = |part: usize| lengths[part] > 0.0;
         let moved = |vector: &&[usize; 3]| self.parts.of_dof(vector[0]).is_some_and(moves);
@@ -102,9 +100,9 @@ impl NewtonState<'_> {
 }
 
 impl NewtonState<'_> {
-    /// Finds out what each part has to do next.
+    /// Decides what each part needs next.
     ///
-    /// A part is done where its kept equations hold to the tolerance, and all others to what that makes of them.
+    /// A part is done if its kept equations hold to the tolerance, and its redundant ones to the tolerance that follows from these.
     pub fn decide(&mut self, analysis: &Analysis) -> Result<(), ArgumentError> {
         let (kept, tolerance) = (kept(analysis), self.options.tolerance);
         let off = self.parts.fold(false, |off, r| *off |= kept[r] && self.residuals[r] > tolerance);
@@ -126,7 +124,7 @@ impl NewtonState<'_> {
         Ok(())
     }
 
-    /// Whether a part is neither done nor has failed. After the last step that there may be, all others have.
+    /// Whether some part is neither done nor failed. After the last allowed step, unfinished parts fail.
     pub fn goes_on(&mut self, step: usize) -> bool {
         if step == self.options.steps {
             let unfinished = |part: &usize| self.states[*part].way != StepGoal::Done;
@@ -136,7 +134,7 @@ impl NewtonState<'_> {
         self.states.iter().any(|state| state.way != StepGoal::Done)
     }
 
-    /// Whether an equation that is left out does not hold: `c_k` is that of its certificate, and so is its rounding.
+    /// Whether a redundant equation does not hold. Its tolerance includes the rounding of the equations in its certificate.
     fn contradicts(&self, analysis: &Analysis, row: usize) -> Result<bool, ArgumentError> {
         if self.residuals[row] <= self.options.tolerance {
             return Ok(false);

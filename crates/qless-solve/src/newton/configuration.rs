@@ -1,14 +1,11 @@
-//! A configuration, and how far each part is from its constraints there.
-//! @@ newton/residual.rs
-//! How far a configuration is from the constraints, in units of the model.
+//! A configuration with its residuals, which are measured independently of units.
 //!
-//! `r_i = eps |c_i| / rounding_i`: relative to the size of the terms of c_i, which is what its rounding is a multiple of. The unit of
-//! length, angle or force drops out, row by row.
-//! @@ newton/scaling.rs
-//! Weights that make equations of different units comparable: `D_r |G_rj| E_j` is one in the mean of logarithms (Curtis and Reid 1972).
+//! - Residual of a row: `r_i = eps |c_i| / rounding_i`. The rounding of c_i is a multiple of the size of its terms, so that units of length,
+//! angle and force cancel.
+//! - Weights D that make equations comparable: the geometric mean of `D_r |G_rj| E_j` over each row and column is one (Curtis and Reid 1972).
 //!
-//! In other units of length, angle or force D changes with the equations, so that `D_r c_r` is the same number but for one factor
-//! common to all. Sizes of terms would not do: those of `u_0 + |u|^2 / 2` vanish with u, and what is left is as large as its terms.
+//! Other units change `D_r c_r` by one common factor only. Sizes of terms would not serve as weights: those of `u_0 + |u|^2 / 2` vanish with
+//! u, and so does c.
 
 use qless::{ArgumentError, Csr};
 use qless_constraints::{ConstraintSet, Quantities, Rounding};
@@ -21,9 +18,10 @@ pub struct Configuration {
     pub quantities: Quantities,
     /// Bounds on the rounding of c and G.
     pub rounding: Rounding,
-    /// What makes equations comparable.
+    /// Weights D of the equations.
     pub weights: Vec<f64>,
-    /// `max_r D_r |c_r|` of each part, relative to the largest terms that went into any c of it; a row without slope by its own terms.
+    /// `max_r D_r |c_r|` of each part, relative to the same maximum of the sizes of terms. Rows with weight 0 are measured by their own
+    /// terms.
     pub residuals: Vec<f64>,
 }
 
@@ -37,7 +35,7 @@ impl Configuration {
         Ok(Self { u, quantities, rounding, weights, residuals })
     }
 
-    /// The largest of all parts.
+    /// The largest residual of all parts.
     pub fn residual(&self) -> f64 {
         self.residuals.iter().copied().fold(0.0, f64::max)
     }
@@ -53,7 +51,7 @@ fn residuals(c: &[f64], bounds: &[f64], weights: &[f64], parts: &EquationParts) 
     list
 }
 
-/// `|c_r|` in roundings of c_r; infinite where the rounding is not known and c is not zero.
+/// `|c_r|` divided by the bound on its rounding; infinite if c is nonzero and the bound is unknown.
 pub fn in_roundings(c: &[f64], rounding: &[f64]) -> Vec<f64> {
     let measure = |(&c, &bound): (&f64, &f64)| {
         if c == 0.0 {
@@ -65,9 +63,8 @@ pub fn in_roundings(c: &[f64], rounding: &[f64]) -> Vec<f64> {
     c.iter().zip(rounding).map(measure).collect()
 }
 
-/// How much each DOF can move until something nonlinear has changed by its own size: `1 / max_r (|G_rj| / size_r)`, and less where
-/// the curvature `|H_jj|`, each row by its size, says so. A length for a position, an angle for a rotation, in any unit. 0 for
-/// DOFs in no equation.
+/// How far each DOF can move until a nonlinear equation changes by the size of its terms: `1 / max_r (|G_rj| / size_r)`, or less if the
+/// curvature `|H_jj|` limits it. A length for a position, an angle for a rotation, in any unit; 0 for DOFs without equations.
 pub fn sizes_of_dofs(set: &ConstraintSet, u: &[f64], quantities: &mut Quantities) -> Result<Vec<f64>, ArgumentError> {
     let weights: Vec<f64> = set.rounding(u)?.c().iter().map(|&bound| inverse(bound / f64::EPSILON)).collect();
     set.effective_hessian(u, &weights, quantities)?;
@@ -82,13 +79,13 @@ pub fn sizes_of_dofs(set: &ConstraintSet, u: &[f64], quantities: &mut Quantities
     Ok(steepness)
 }
 
-/// `1 / x`, and 0 where that is no number of use.
+/// `1 / x`, or 0 if that is not finite.
 pub fn inverse(x: f64) -> f64 {
     let inverse = 1.0 / x;
     if inverse.is_finite() { inverse } else { 0.0 }
 }
 
-/// `max |G_rj - G'_rj| s_j / max |G'_rj| s_j` over j, the largest over the rows, with columns measured by their sizes s.
+/// `max |G_rj - G'_rj| s_j / max |G'_rj| s_j` over j, then the largest over the rows; s are the sizes of the columns.
 pub fn change(
     [before, after]: [&Quantities; 2],
     rows: impl IntoIterator<Item = usize>,
@@ -106,7 +103,7 @@ pub fn change(
 /// Sweeps over rows and columns.
 const SWEEPS: usize = 20;
 
-/// D, one weight per equation; entries that are no more than their rounding do not count, and rows without others have weight 0.
+/// D, one weight per equation. Entries that are rounding do not count; a row without other entries has weight 0.
 pub fn weights(g: &Csr, rounding: &[f64], of: &PartColumns) -> Vec<f64> {
     let entries = entries(g, rounding, of);
     let (mut rows, mut columns) = (vec![0.0; g.rows()], vec![0.0; of.count()]);
@@ -119,14 +116,14 @@ pub fn weights(g: &Csr, rounding: &[f64], of: &PartColumns) -> Vec<f64> {
     rows.iter().zip(counts.0).map(|(row, count)| if count > 0.0 { row.exp2() } else { 0.0 }).collect()
 }
 
-/// AllowedMotions below this part of a DOF are none.
+/// Motions below this fraction of a DOF's size are negligible.
 const NEGLIGIBLE: f64 = 1e-11;
 
-/// `|c_r|` in roundings where c has come to rest: of its own terms, or of the largest in its part, `D_r |c_r| / max_s D_s rounding_s`, if that
-/// is less and the motion that the row asks for is none, `|c_r| <= 1e-11 sum_j |G_rj| s_j`, with s their extents.
+/// `|c_r|` in roundings once c no longer falls: of its own terms or, if smaller, of the largest terms in its part, `D_r |c_r| / max_s D_s
+/// rounding_s`. The latter requires that the row demands a negligible motion only, `|c_r| <= 1e-11 sum_j |G_rj| s_j` with the extents s.
 ///
-/// Where own terms vanish, the rounding of other rows is felt in this one, and among nearly dependent rows steps only do harm. The second
-/// condition is the bound: weights of rows with small entries are huge, and those rows as large as they like.
+/// If the own terms of a row vanish, it still contains rounding of other rows, and further steps among nearly dependent rows do harm. The
+/// condition on the motion is needed since weights of rows with small entries are very large.
 pub fn at_rest(
     weights: &[f64],
     quantities: &Quantities,
@@ -156,7 +153,7 @@ fn entries(g: &Csr, rounding: &[f64], of: &PartColumns) -> Vec<(usize, usize, f6
     list
 }
 
-/// Minus the mean of the numbers of each place.
+/// Minus the mean of the numbers with each index.
 fn average(places: &mut [f64], counts: &[f64], numbers: impl Iterator<Item = (usize, f64)>) {
     places.fill(0.0);
     numbers.for_each(|(i, v)| places[i] -= v);

@@ -1,9 +1,9 @@
-//! Why no configuration was found.
+//! Errors of Newton's method.
 
 use qless::{AnalysisError, ArgumentError, ReductionError};
 use qless_constraints::LineariseError;
 
-/// Why no solution was found.
+/// Why no configuration was found.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NewtonError {
@@ -42,8 +42,7 @@ pub enum NewtonError {
     /// A tolerance below what rounding allows, or not a number.
     #[error("the tolerance is {0}; it counts roundings of c and must be at least 1, such as 4")]
     Tolerance(f64),
-    /// Constraints that cannot hold together with those that they depend on: no motion that the others allow brings them nearer, to
-    /// first or second order.
+    /// Equations that contradict those that they depend on: no motion that the others allow reduces their residual, to first or second order.
     #[error(
         "{} cannot hold together with {}: {amount:e} is left of it, and no motion that these allow makes it less; change one of \
          them, or the prescribed values", .labels.join(" and "), list(.others)
@@ -53,12 +52,12 @@ pub enum NewtonError {
         rows: Vec<usize>,
         /// Their labels.
         labels: Vec<String>,
-        /// Labels of those that they depend on; none if it is the prescribed DOFs alone.
+        /// Labels of the equations that they depend on; empty if these are the prescribed DOFs alone.
         others: Vec<String>,
         /// The largest `|c_r|` among them, in the unit of its equation.
         amount: f64,
     },
-    /// Too many steps, or no step that makes c smaller.
+    /// The number of steps is exhausted, or no step reduces c.
     #[error(
         "no convergence in {steps} steps: {residual:e} of the size of its terms is left of {label}; start nearer to the \
              solution, or go there by smaller steps of the prescribed values"
@@ -68,7 +67,7 @@ pub enum NewtonError {
         steps: usize,
         /// Residual at the end, relative to the sizes of the terms.
         residual: f64,
-        /// The equation that has it.
+        /// The equation with the largest residual.
         label: String,
     },
 }

@@ -1,28 +1,28 @@
-//! The lowest eigenvalue of each part of a symmetric operator that joins no two of them, by Lanczos' method.
+//! The lowest eigenpair of each diagonal block of a symmetric operator, by Lanczos' method. Blocks belong to connected parts.
 //!
-//! The parts go in lock step: one vector holds the Krylov vectors of all, so that the operator is applied to all at once, and each has
-//! products, lengths and an end of its own.
+//! All parts are iterated together: one vector holds a Krylov vector of each part, so that one application of the operator serves all. Scalar
+//! products, norms and termination are separate.
 
 use faer::{Mat, Side};
 
 use crate::common::random;
 
-/// Krylov vectors, all of them kept: in parts of fewer numbers this is exact.
+/// Largest number of Krylov vectors. Parts with fewer unknowns are solved exactly.
 const VECTORS: usize = 60;
 
-/// Of each part the lowest eigenvalue, nothing for one without numbers, and its vector of length one.
+/// The lowest eigenvalue of each part, none for a part without unknowns, and the unit eigenvectors.
 pub struct LowestEigenpairs {
     pub values: Vec<Option<f64>>,
     pub vectors: Vec<f64>,
 }
 
-/// Which part each number is of, and how many parts there are; numbers of none stay zero.
+/// The part of each unknown, and the number of parts. Unknowns without a part stay zero.
 pub struct KrylovParts {
     pub of: Vec<Option<usize>>,
     pub parts: usize,
 }
 
-/// Krylov vectors, what the operator makes of them, and how many each part has.
+/// Krylov vectors, their images, and the number of vectors of each part.
 struct KrylovBasis {
     basis: Vec<Vec<f64>>,
     images: Vec<Vec<f64>>,
@@ -94,12 +94,12 @@ fn of_matrix(matrix: &Mat<f64>) -> Option<(f64, Vec<f64>)> {
 }
 
 impl KrylovParts {
-    /// Calls `visit` with the place and the part of each.
+    /// Calls `visit(index, part)` for each unknown with a part.
     pub fn each(&self, mut visit: impl FnMut(usize, usize)) {
         self.of.iter().enumerate().for_each(|(i, part)| part.iter().for_each(|&part| visit(i, part)));
     }
 
-    /// The first vector, by the places of the numbers in their parts, and how many numbers each part has.
+    /// The start vector, which depends on the index of an unknown within its part, and the number of unknowns of each part.
     fn start(&self) -> (Vec<f64>, Vec<usize>) {
         let (mut first, mut sizes) = (vec![0.0; self.of.len()], vec![0; self.parts]);
         self.each(|i, part| {
@@ -119,7 +119,7 @@ impl KrylovParts {
         self.dots(a, a).into_iter().map(f64::sqrt).collect()
     }
 
-    /// Takes from `a` its part along `b`, of length one.
+    /// Subtracts from `a` its projection on the unit vector `b`.
     fn subtract(&self, a: &mut [f64], b: &[f64]) {
         let dots = self.dots(a, b);
         self.each(|i, part| a[i] -= dots[part] * b[i]);

@@ -1,12 +1,12 @@
-//! `G du = -c` analysed: `du_s = T du_q + g`. Where G is constant, a new c needs no new analysis until a step is wanted.
+//! The analysis of `G du = -c`, and the Newton step `du_s = T du_q + g` with `du_q = 0`. If G is constant, a new c needs no new analysis.
 //!
-//! A step is `du_q = 0`: of T nothing is needed, and along a chain of bodies it is as large as the square of their number. Connected
-//! parts stay factors. Prescribed DOFs have their values from the start, so that their increments are zero.
-//! @@ newton/units.rs
-//! Units of the DOFs, `du_j = s_j y_j`: lengths and angles made comparable before the rank of `G S` is asked for.
+//! T is not needed for a step and would grow with the square of the length of a chain of bodies, so that connected components stay factors.
+//! Prescribed DOFs already have their values; their increments are zero.
 //!
-//! Lengths of 1e-6 beside radians hide rows: what distinguishes two of them may be in columns that are a million times shorter than
-//! others. From the sizes of the terms of c, s follows the unit of length; powers of two round nothing.
+//! Columns of G are scaled by units, `du_j = s_j y_j`, which make lengths and angles comparable before the rank of `G S` is determined.
+//!
+//! With lengths of 1e-6 beside angles in radians, two rows may differ only in columns that are a million times smaller than others. The units
+//! follow from the sizes of the terms of c, and so from the unit of length. They are powers of two, which cause no rounding.
 
 use qless::{Analysis, ArgumentError, Form, Options, analyse};
 use qless_constraints::{ConstraintSet, Quantities};
@@ -16,22 +16,22 @@ use super::error::NewtonError;
 use super::parts::PartColumns;
 use super::solution::NewtonOptions;
 
-/// T may have entries up to this: masters stay where they are, so that T does not enter a step.
+/// Bound on the entries of T. It can be large: masters do not move, so that T does not affect a step.
 const GROWTH: f64 = 1e6;
 
 /// The linearised equations at one iterate.
 pub struct Linearisation {
     pub analysis: Analysis,
-    /// Whether c is still that of the iterate: which equations are independent depends on G alone, a step does not.
+    /// Whether c belongs to this iterate. The choice of independent equations depends on G alone; a step depends on c.
     pub current: bool,
-    /// Of prescribed DOFs.
+    /// Increments of the prescribed DOFs: zeros.
     increments: Vec<f64>,
-    /// `du_j = s_j y_j`: what was analysed are equations for y.
+    /// `du_j = s_j y_j`; the analysis is of y.
     pub units: Vec<f64>,
 }
 
 impl Linearisation {
-    /// Linearises and analyses; DOFs in `held` do not move.
+    /// Linearises and analyses; the DOFs in `held` do not move.
     pub fn new(
         set: &ConstraintSet,
         quantities: &Quantities,
@@ -44,21 +44,21 @@ impl Linearisation {
         let system = set
             .linearised_in(&units, quantities, &increments)
             .map_err(|source| NewtonError::System { step, source })?;
-        // Along a chain the end moves by its length where the first hinge turns: to avoid that, slaves would have to be looked for far away.
+        // If the first hinge of a chain turns, its end moves by the length of the chain. Smaller entries of T would require slaves far away.
         let growth = options.analysis.growth.max(GROWTH);
-        // PartColumns are in units already: what moves little for c is no slave, or steps are as large as it is small.
+        // The columns are scaled already. Balancing would choose slaves that hardly change c, and steps would be long.
         let loose = Options { growth, balance: false, ..options.analysis.clone() };
         let analysis = analyse(&system, &loose).map_err(|source| NewtonError::Analysis { step, source })?;
         let increments = vec![0.0; held.len()];
         Ok(Self { analysis, current: true, increments, units })
     }
 
-    /// The same G, for another c.
+    /// Marks c as changed.
     pub fn outdated(self) -> Self {
         Self { current: false, ..self }
     }
 
-    /// du with masters staying where they are.
+    /// du if masters do not move.
     pub fn step(&self, step: usize) -> Result<Vec<f64>, NewtonError> {
         let reduction = self.analysis.reduction_in(Form::Factored);
         let reduction = reduction.map_err(|source| NewtonError::Reduction { step, source })?;
@@ -69,29 +69,28 @@ impl Linearisation {
     }
 }
 
-/// Equations that are not kept.
+/// Equations that the analysis found to be redundant or conflicting.
 pub fn dependent(analysis: &Analysis) -> Vec<usize> {
     analysis.dependent().iter().map(|dependent| dependent.row).collect()
 }
 
-/// Roundings of an entry.
+/// Relative rounding of an entry.
 const ROUNDINGS: f64 = 16.0 * f64::EPSILON;
-/// Passes over linear rows.
+/// Most passes over linear rows.
 const SWEEPS: usize = 20;
 
-/// s: the power of two nearest to the reach of each column, those of DOFs first; 1 where there is none, and for DOFs that are held.
+/// The power of two nearest to the reach of each column; 1 for DOFs without a reach. Columns of DOFs come first.
 pub fn units(set: &ConstraintSet, quantities: &Quantities, of: &PartColumns) -> Result<Vec<f64>, ArgumentError> {
     let power = |reach: f64| if reach > 0.0 { reach.log2().round().exp2() } else { 1.0 };
     let usable = |unit: f64| if unit.is_normal() && (1.0 / unit).is_normal() { unit } else { 1.0 };
     Ok(reaches(set, quantities, of)?.into_iter().map(|reach| usable(power(reach))).collect())
 }
 
-/// `1 / max_r (|G_rj| / size_r)` over the nonlinear rows: how far each DOF goes until some c has changed by the size of its terms.
+/// Reach of each column: how far a DOF moves until a nonlinear c changes by the size of its terms, `1 / max_r (|G_rj| / size_r)`.
 ///
-/// An entry counts for what its terms are, which its rounding tells, where they cancel. Displacements of a row have one unit, that of their largest
-/// entry: a rod along an axis gives those across it no longer reach.
-/// Of linear rows only the ratios of their entries count, since their terms vanish with u: a DOF of no nonlinear row goes as far as its partners. 0
-/// where nothing is known.
+/// An entry counts as the size of its terms, known from its rounding, even if they cancel. All displacements in a row count as its largest
+/// one: otherwise a rod along an axis would give the DOFs across it a longer reach. Terms of linear rows vanish with u, so that only the
+/// ratios of their entries count: a DOF without nonlinear rows gets the reach of its neighbours, or 0 if these have none.
 fn reaches(set: &ConstraintSet, quantities: &Quantities, of: &PartColumns) -> Result<Vec<f64>, ArgumentError> {
     let (g, rounding) = (quantities.g(), set.rounding(quantities.u())?);
     let linear = set.linear_rows();
@@ -112,7 +111,7 @@ fn reaches(set: &ConstraintSet, quantities: &Quantities, of: &PartColumns) -> Re
     Ok(reaches)
 }
 
-/// Gives DOFs without a reach that of their partners in the given rows, from row to row.
+/// Spreads reaches along the entries of the given rows to columns without one.
 fn spread<I: Iterator<Item = (usize, f64)>>(
     entries: impl Fn(usize) -> I,
     rows: std::ops::Range<usize>,

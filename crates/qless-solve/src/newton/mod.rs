@@ -1,14 +1,14 @@
-//! Newton's method with the elimination applied to G: `G du = -c`, `du_s = T du_q + g` (Eq. 23-26 at every iterate).
+//! Newton's method for constraints `c(u) = 0`. Each iterate solves `G du = -c` by elimination, `du_s = T du_q + g` (Eq. 23-26).
 //!
-//! Redundant constraints are found by the analysis at every iterate, and left out of the step. Off the solution their rows of G
-//! may be independent by as little as the distance to it. That does no harm: their values differ by the square of the
-//! distance, so that a step which satisfies both is no longer than the distance, and the convergence stays quadratic.
+//! The analysis finds redundant equations at every iterate; the step ignores them. At a distance d from the solution, rows of G that are
+//! redundant there may be independent by an amount of order d. Their values differ by an amount of order d^2, so that a step that satisfies
+//! them is still of order d, and convergence stays quadratic.
 //!
-//! - Convergence is counted in roundings of c, so that every model is solved to the last digits that it has, in any unit.
-//! - A step is no longer than second order describes c along it.
-//! - Connected parts go in lock step, each by lengths, a tolerance and an end of its own: what is found of a part depends on it alone, to the
-//!   last bit. Prescribed DOFs do not connect, but for what is stated of their coordinates.
-//! - Where G loses rank and c is not zero (a dead centre), first order knows no way. Second order may: see [`NewtonError::Conflict`].
+//! - Convergence is measured in roundings of c, so that the result has all digits that the model allows, in any unit.
+//! - A step is at most as long as a second-order model of c is valid along it.
+//! - Connected parts are iterated together, each with its own step lengths, tolerance and termination. The result of a part does not depend
+//! on other parts, to the last bit. Prescribed DOFs do not connect parts.
+//! - If G loses rank while c is nonzero (a dead centre), no first-order step exists. A second-order step may; see [`NewtonError::Conflict`].
 
 mod advance;
 mod configuration;
@@ -32,13 +32,13 @@ pub use redundancy::{Redundancy, redundancies};
 pub use solution::{NewtonIterate, NewtonOptions, NewtonSolution};
 use state::NewtonState;
 
-/// Finds `c(u) = 0` from `u`; prescribed DOFs `(DOF, value)` take their values, and others move only where they are slaves.
+/// Finds `c(u) = 0`, starting from `u`. Prescribed DOFs `(DOF, value)` take their values; among the others, only slaves move in a step.
 ///
-/// Near a solution the residual falls as `r_(k+1) <= C r_k^2`, with redundant constraints in the set too. Where two motions
-/// leave a dead centre, the one in which the DOF that moves most, by its size, increases is taken.
+/// Near a solution the residual falls as `r_(k+1) <= C r_k^2`, also with redundant constraints. If two motions lead away from a dead centre,
+/// the one is taken in which the DOF that moves most, relative to its size, increases.
 ///
-/// Rotation vectors are kept below half a turn: one that is longer is replaced by a shorter one of the same rotation
-/// ([`ConstraintSet::shorten_rotations`]), unless one of its DOFs is prescribed.
+/// Rotation vectors longer than half a turn are replaced by shorter ones of the same rotation ([`ConstraintSet::shorten_rotations`]), unless
+/// one of their DOFs is prescribed.
 ///
 /// ```
 /// use qless_solve::newton::{NewtonOptions, solve};
@@ -57,7 +57,7 @@ use state::NewtonState;
 /// ```
 ///
 /// # Errors
-/// [`NewtonError`]: what the connected part says that is the first to fail, by its step and then by its first row.
+/// [`NewtonError`] of the connected part that failed at the earliest step; of several, the one with the first row.
 pub fn solve(
     set: &ConstraintSet,
     u: &[f64],
@@ -72,18 +72,18 @@ pub fn solve(
     if run.failures.is_empty() { Ok(run.into_solution(redundant)) } else { Err(run.failures.swap_remove(0).1) }
 }
 
-/// What parts come to that go on where others fail.
+/// Result of all parts, including those that failed.
 pub(crate) struct PartwiseSolution {
     pub u: Vec<f64>,
     pub parts: EquationParts,
-    /// EquationParts that failed, by their steps and then by their first rows.
+    /// Failed parts, ordered by their steps and then by their first rows.
     pub failures: Vec<(usize, NewtonError)>,
 }
 
-/// [`solve`] for each part.
+/// As [`solve`], but parts continue if others fail.
 ///
 /// # Errors
-/// What is wrong with the whole.
+/// [`NewtonError`] of the whole model.
 pub(crate) fn solve_each(
     set: &ConstraintSet,
     u: &[f64],

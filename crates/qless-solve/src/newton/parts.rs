@@ -1,25 +1,25 @@
-//! Connected parts of the equations: two rows are of one part if DOFs lead from one to the other, but for prescribed ones, which do not move.
+//! Connected parts of the equations: two rows belong to the same part if a chain of DOFs that are not prescribed connects them.
 //!
-//! What is done and said of a part depends on that part alone. A prescribed DOF may stand in many: its column of G is one for each of
-//! them, so that averages and maxima over columns keep to a part too.
+//! Results of a part depend on that part alone. A prescribed DOF may occur in many parts: its column of G is then split into one column per
+//! part, so that means and maxima over columns do not mix parts.
 
 use qless::Csr;
 use qless::common::DisjointSets;
 
-/// Of DOFs that are in no part.
+/// Marks a DOF without a part.
 const NONE: u32 = u32::MAX;
 
-/// The parts of the rows and DOFs, in the order of their first rows.
+/// Parts of rows and DOFs, in the order of their first rows.
 pub struct EquationParts {
     of_row: Vec<u32>,
     of_dof: Vec<u32>,
     count: usize,
-    /// PartColumns of G within the parts.
+    /// Columns of G, split by parts.
     pub columns: PartColumns,
 }
 
 impl EquationParts {
-    /// `together`: DOFs that are one thing, such as those of a rotation.
+    /// `together` lists DOFs that belong together, such as those of a rotation.
     pub fn new(g: &Csr, prescribed: &[(usize, f64)], together: &[[usize; 3]]) -> Self {
         let mut held = vec![false; g.cols()];
         prescribed.iter().for_each(|&(j, _)| held[j] = true);
@@ -59,7 +59,7 @@ impl EquationParts {
         (part != NONE).then_some(part as usize)
     }
 
-    /// One number for each part, from those of its rows.
+    /// Folds the rows of each part into one value.
     pub fn fold<T: Clone>(&self, start: T, mut with: impl FnMut(&mut T, usize)) -> Vec<T> {
         let mut all = vec![start; self.count];
         (0..self.of_row.len()).for_each(|r| with(&mut all[self.of_row(r)], r));
@@ -67,19 +67,19 @@ impl EquationParts {
     }
 }
 
-/// PartColumns of the entries of G, in their order.
+/// Column of each entry of G.
 pub struct PartColumns {
     of_entry: Vec<u32>,
     count: usize,
 }
 
 impl PartColumns {
-    /// As they are in G.
+    /// The columns of G itself.
     pub fn plain(g: &Csr) -> Self {
         Self { of_entry: g.columns().to_vec(), count: g.cols() }
     }
 
-    /// A column of a held DOF is one for each part; they come after the others.
+    /// Splits the column of each held DOF into one per part; these come after the others.
     fn of_parts(g: &Csr, held: &[bool], of_row: &[u32]) -> Self {
         let entries = |r: usize| g.row(r).map(move |(j, _)| (j as u32, of_row[r]));
         let mut split: Vec<_> = (0..g.rows()).flat_map(entries).filter(|&(j, _)| held[j as usize]).collect();

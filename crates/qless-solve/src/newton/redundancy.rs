@@ -1,8 +1,7 @@
-//! Redundant everywhere, or in this configuration only?
+//! Distinguishes equations that are redundant everywhere from those that are redundant in one configuration only.
 //!
-//! At u some rows of G depend on others. A mechanism may lose rank in a special configuration (a linkage that is flat) although
-//! its equations are independent elsewhere. The answer comes from a second configuration: a random step
-//! `du = T dq` within what the kept equations allow, brought back to the constraints by Newton's method.
+//! A mechanism may lose rank in a special configuration, such as a flat linkage, although its equations are independent elsewhere. A second
+//! configuration decides: a random step `du = T dq` that the kept equations allow, corrected by Newton's method.
 
 use qless::{Analysis, Form, Options, Reduction, analyse};
 use qless_constraints::{ConstraintSet, Quantities};
@@ -15,23 +14,23 @@ use super::solution::NewtonOptions;
 use super::solve;
 use crate::common::random;
 
-/// How much G changes on the way to the second configuration, relative to its entries, DOFs measured by their sizes.
+/// Relative change of the entries of G on the way to the second configuration, columns scaled by the sizes of DOFs.
 const STEP: f64 = 0.05;
-/// Directions that are tried.
+/// Number of random directions.
 const TRIES: u64 = 8;
 
-/// Where an equation that is redundant at u is redundant.
+/// Where an equation is redundant that is redundant at u.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Redundancy {
-    /// Also in configurations nearby, or there are none: the equation can be taken out.
+    /// In all configurations nearby, or there are no others: the equation can be removed.
     Everywhere,
-    /// Only in this configuration: elsewhere it is needed. The mechanism is singular here.
+    /// Only in this configuration, which is singular; the equation is needed elsewhere.
     OnlyHere,
-    /// The constraints lead to no second configuration from here, so that nobody can say.
+    /// Unknown: Newton's method reached no second configuration.
     Unknown,
 }
 
-/// The equations that are redundant at a consistent configuration u, and where they are.
+/// Finds the equations that are redundant at a consistent configuration u, and whether they are elsewhere.
 ///
 /// ```
 /// use qless_solve::newton::{NewtonOptions, Redundancy, redundancies};
@@ -72,20 +71,20 @@ pub fn redundancies(
     Ok(rows.iter().map(|row| (*row, sort(row))).collect())
 }
 
-/// What is known at one configuration.
+/// Analysis at one configuration.
 struct LocalAnalysis {
     quantities: Quantities,
     sizes: Vec<f64>,
-    /// `du_j = s_j y_j`, where analysis and reduction are of y.
+    /// `du_j = s_j y_j`; analysis and reduction are of y.
     units: Vec<f64>,
     analysis: Analysis,
-    /// Of `G du = 0`: no constants.
+    /// Reduction of `G du = 0`.
     reduction: Reduction,
 }
 
 /// A second configuration.
 enum Nearby {
-    /// G is the same wherever the mechanism goes.
+    /// G is the same in all configurations.
     Same,
     At(Vec<f64>),
     None,
@@ -97,7 +96,7 @@ impl LocalAnalysis {
         let argument = |source| NewtonError::Argument { step: 0, source };
         set.evaluate(u, &mut quantities).map_err(argument)?;
         let sizes = sizes_of_dofs(set, u, &mut quantities).map_err(argument)?;
-        // Only the rank is asked for: c is left out, so that nothing conflicts.
+        // Only the rank is needed. With c = 0 nothing conflicts.
         quantities.clear_values();
         let units = units(set, &quantities, &PartColumns::plain(quantities.g())).map_err(argument)?;
         let system =
@@ -117,11 +116,11 @@ impl LocalAnalysis {
             let Some(du) = self.step(set, u, seed) else { continue };
             moves = true;
             let start: Vec<f64> = u.iter().zip(&du).map(|(u, du)| u + du).collect();
-            // Not every direction that a singular G allows leads on; with one DOF driven, the others find their way.
+            // A singular G allows directions that lead nowhere. If one DOF is prescribed, Newton's method can adjust the others.
             let driven = self.reduction.masters()[seed as usize % self.reduction.masters().len()];
             for drive in [&[][..], &[(driven, start[driven])]] {
                 let found = solve(set, &start, drive, options);
-                // Newton may have gone back to where it came from.
+                // Newton's method may have returned to the start.
                 if let Some(found) =
                     found.ok().filter(|found| self.change_at(set, &found.u).is_some_and(|change| change > STEP / 10.0))
                 {
@@ -132,7 +131,7 @@ impl LocalAnalysis {
         if moves { Nearby::None } else { Nearby::Same }
     }
 
-    /// A random `du = [T; I] dq`, of such a size that G changes by [`STEP`]; nothing if it does not change.
+    /// A random `du = [T; I] dq` that changes G by [`STEP`]; none if G does not change.
     fn step(&self, set: &ConstraintSet, u: &[f64], seed: u64) -> Option<Vec<f64>> {
         let drawn = |(k, &j): (u64, &usize)| self.sizes[j] / self.units[j] * random(seed << 32 | k);
         let masters: Vec<f64> = (0..).zip(self.reduction.masters()).map(drawn).collect();

@@ -1,10 +1,10 @@
-//! Out of a configuration where G has lost rank: `c_k + z^T Z^T H_k Z z / 2 = 0`, second order where first order is silent.
+//! Directions out of a singular configuration, to second order: `c_k + z^T Z^T H_k Z z / 2 = 0`.
 //!
-//! At such a place a row that is left out is a combination of the others, `y_k^T G = 0`, but its value is not: `y_k^T c != 0`. No du
-//! changes that to first order. Within the motions `du = Z z` that the kept rows allow, it changes by
-//! `z^T Z^T (sum_r y_kr H_r) Z z / 2`, the effective Hessian with the certificate as weights. With all left-out rows together,
-//! weighted by `f_k = c_k / rounding_k^2`, a solution nearby needs `sum_k f_k c_k + z^T A z / 2 = 0`: a negative eigenvalue of A. If
-//! there is none, that is the proof that none is near. If there is one, its vector is the way.
+//! In a singular configuration a redundant row is a combination of the others, `y_k^T G = 0`, but its value may not be: `y_k^T c != 0`. No du
+//! changes that to first order. Motions `du = Z z` that the kept rows allow change it by `z^T Z^T (sum_r y_kr H_r) Z z / 2`: the effective
+//! Hessian with the certificate as weights. Let all contradicted rows be combined with the weights `f_k = c_k / rounding_k^2`. A solution
+//! nearby then requires `sum_k f_k c_k + z^T A z / 2 = 0`, that is, a negative eigenvalue of A. Its eigenvector is the direction; without one
+//! there is no solution nearby.
 
 use qless::{Analysis, ArgumentError, Form, Reduction};
 use qless_constraints::Quantities;
@@ -16,11 +16,11 @@ use super::parts::EquationParts;
 use super::state::NewtonState;
 use super::step::times;
 
-/// Eigenvalues that are negative by less, relative to the sizes of the terms, are none.
+/// Eigenvalues above minus this, relative to the sizes of the terms, do not count as negative.
 const NEGATIVE: f64 = 1e-10;
 
-/// A motion of each part that lessens its contradicted rows, of the length that second order gives, and the parts that have one; where a part
-/// has none, that is proof.
+/// For each part, a motion that reduces its contradicted rows, of the length that second order predicts, and whether there is one. If not,
+/// the rows conflict.
 pub fn ways_out(run: &mut NewtonState, analysis: &Analysis, step: usize) -> Result<(Vec<f64>, Vec<bool>), NewtonError> {
     let argument = |source| NewtonError::Argument { step, source };
     let sizes = sizes_of_dofs(run.set, &run.place.u, &mut run.place.quantities).map_err(argument)?;
@@ -40,7 +40,7 @@ pub fn ways_out(run: &mut NewtonState, analysis: &Analysis, step: usize) -> Resu
     Ok((du, lengths.iter().map(Option::is_some).collect()))
 }
 
-/// Of each part, with f of size one.
+/// Weights and values of the contradicted rows of each part, with `max |f_k| = 1`.
 struct WeightedConflicts {
     /// `sum_k f_k y_k`.
     weights: Vec<f64>,
@@ -71,7 +71,7 @@ impl WeightedConflicts {
     }
 }
 
-/// What the weighted equations of each part have for terms.
+/// Sizes of the terms of the weighted equations of each part.
 fn scales(run: &NewtonState, weights: &[f64]) -> Vec<f64> {
     let rounding = run.place.rounding.c();
     run.parts.fold(0.0, |scale, r| {
@@ -80,12 +80,12 @@ fn scales(run: &NewtonState, weights: &[f64]) -> Vec<f64> {
     })
 }
 
-/// `du = Z z`: what the kept rows allow, with masters measured by their sizes.
+/// `du = Z z`: motions that the kept rows allow, with masters scaled by their sizes.
 struct AllowedMotions {
     reduction: Reduction,
     sizes: Vec<f64>,
     held: Vec<f64>,
-    /// `du_j = s_j y_j`, where the reduction is of y.
+    /// `du_j = s_j y_j`; the reduction is of y.
     units: Vec<f64>,
 }
 
@@ -99,7 +99,7 @@ impl AllowedMotions {
         Ok(Self { reduction, sizes, held: vec![0.0; run.prescribed.len()], units: found.units })
     }
 
-    /// The masters of the parts of `rows`.
+    /// The masters of the parts that contain `rows`.
     fn numbers(&self, parts: &EquationParts, rows: &[usize]) -> KrylovParts {
         let mut asked = vec![false; parts.count()];
         rows.iter().for_each(|&row| asked[parts.of_row(row)] = true);
@@ -124,7 +124,7 @@ impl AllowedMotions {
         Ok(masters.map(|(&j, back)| self.sizes[j] / self.units[j] * (force[j] + back)).collect())
     }
 
-    /// The motion or its opposite, in each part: that in which the DOF that moves most increases.
+    /// Chooses the sign of the motion in each part: the DOF that moves most increases.
     fn upwards(&self, z: &[f64], parts: &EquationParts) -> Result<Vec<f64>, ArgumentError> {
         let mut du = self.motion(z)?;
         let mut most = vec![0.0_f64; parts.count()];

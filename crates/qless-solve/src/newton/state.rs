@@ -1,6 +1,4 @@
-//! The state between two steps: all parts go in lock step, each by its own length, and those that are done stay where they are.
-//! @@ newton/run/refusal.rs
-//! What is said of a part that has no way to go.
+//! The state between two steps of all parts, and the errors of parts that fail.
 
 use qless::{Analysis, ArgumentError, Kind, SystemBuilder};
 use qless_constraints::{ConstraintSet, Quantities, shorten_rotation};
@@ -12,7 +10,7 @@ use super::parts::EquationParts;
 use super::solution::{NewtonIterate, NewtonOptions, NewtonSolution};
 use super::step::StepGoal;
 
-/// A residual above this part of the one before no longer falls.
+/// c falls if its residual is at most this fraction of the one before.
 pub const FALLS: f64 = 0.5;
 
 pub struct NewtonState<'a> {
@@ -20,28 +18,28 @@ pub struct NewtonState<'a> {
     pub options: &'a NewtonOptions,
     pub prescribed: &'a [(usize, f64)],
     pub parts: EquationParts,
-    /// Rotation vectors, none of them prescribed: kept below half a turn, so that none comes to a whole one, where it is singular.
+    /// Rotation vectors without prescribed DOFs. They are kept below half a turn, since a whole turn is singular.
     pub rotations: Vec<[usize; 3]>,
     pub place: Configuration,
-    /// For trial points.
+    /// Buffers for trial points.
     pub room: Quantities,
-    /// `|c_r|` in roundings of its own terms; as [`at_rest`] once its part has settled.
+    /// `|c_r|` in roundings of its own terms, or as [`at_rest`] computes it if the part has settled.
     pub residuals: Vec<f64>,
     pub states: Vec<PartStatus>,
-    /// Equations that are left out and do not hold, of parts where all that is kept does.
+    /// Redundant equations that do not hold, in parts whose kept equations do.
     pub contradicted: Vec<usize>,
     pub iterates: Vec<NewtonIterate>,
-    /// EquationParts that have no way to go, by their steps and then by their first rows.
+    /// Parts that failed, ordered by their steps and then by their first rows.
     pub failures: Vec<(usize, NewtonError)>,
 }
 
-/// Of a part.
+/// Status of one part.
 #[derive(Clone)]
 pub struct PartStatus {
     pub way: StepGoal,
     /// Whether c no longer falls.
     pub settled: bool,
-    /// The part of the last step that was gone.
+    /// Length of the last step, relative to du.
     pub length: f64,
 }
 
@@ -59,7 +57,7 @@ impl<'a> NewtonState<'a> {
         }
         let mut u = u.to_vec();
         prescribed.iter().for_each(|&(j, v)| u.iter_mut().skip(j).take(1).for_each(|u| *u = v));
-        // Also those that no equation looks at.
+        // Includes DOFs without equations.
         if let Some(place) = u.iter().position(|u| !u.is_finite()) {
             let source = ArgumentError::NotFinite { what: "u", place, value: u[place] };
             return Err(NewtonError::Argument { step: 0, source });
@@ -93,7 +91,7 @@ impl<'a> NewtonState<'a> {
         Linearisation::new(self.set, quantities, (self.prescribed, &self.parts.columns), (step, self.options))
     }
 
-    /// Linearises and analyses at the present u; where all equations are linear, what was found before still holds.
+    /// Linearises and analyses at u; the last analysis is kept if all equations are linear.
     pub fn look(&mut self, step: usize, before: Option<Linearisation>) -> Result<Linearisation, NewtonError> {
         let constant = self.set.linear_rows().len() == self.set.equations();
         let found = match before.filter(|_| constant) {
@@ -110,7 +108,7 @@ impl<'a> NewtonState<'a> {
         Ok(found)
     }
 
-    /// Where no step makes c smaller, what is left may be the rounding of other rows of the part.
+    /// In settled parts, a residual may be the rounding of other rows.
     pub fn measure(&mut self) {
         let place = &self.place;
         self.residuals = in_roundings(place.quantities.c(), place.rounding.c());
@@ -132,7 +130,7 @@ pub fn kept(analysis: &Analysis) -> Vec<bool> {
     analysis.kinds().iter().map(|&kind| kind == Kind::Independent).collect()
 }
 
-/// Rotation vectors of at most half a turn, where u has all of their DOFs.
+/// Shortens rotation vectors to half a turn at most; skips those whose DOFs u does not have.
 pub fn shorten_all<'a>(rotations: impl Iterator<Item = &'a [usize; 3]>, u: &mut [f64]) {
     let count = u.len();
     let there = rotations.filter(|vector| vector.iter().all(|&dof| dof < count));
@@ -140,7 +138,7 @@ pub fn shorten_all<'a>(rotations: impl Iterator<Item = &'a [usize; 3]>, u: &mut 
 }
 
 impl NewtonState<'_> {
-    /// The part stays where it is.
+    /// Marks a part as failed; it does not move any more.
     pub fn fail(&mut self, part: usize, error: NewtonError) {
         self.states[part].way = StepGoal::Done;
         self.failures.push((part, error));

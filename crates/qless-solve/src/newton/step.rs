@@ -1,11 +1,11 @@
-//! How far to go along du: as far as second order describes c, and only where c gets smaller; each part by itself.
+//! Step length along du: as far as a second-order model describes c and c gets smaller, for each part separately.
 //!
-//! At a trial point `u + t du` both c and G are known, so that the curvature along du needs no Hessian: with `g = G du` before and
-//! `g'` after, second order is `c' = c + t (g + g') / 2`. What c' differs from that is of third order. Where it is no longer small
-//! beside the second order, t is too long: a crank that would turn by a million radians is found out, wherever it ends, since g'
-//! then grows with du and c' does not.
+//! At a trial point `u + t du` both c and G are known, so that the curvature along du needs no Hessian. With `g = G du` at the start and `g'`
+//! at the trial point, second order predicts `c' = c + t (g + g') / 2`; the difference to the actual c' is of third order. If it is not small
+//! compared with the second order, t is too long. This detects a crank that would turn by a million radians: g' grows with du, but c' does
+//! not.
 //!
-//! The parts try their t in lock step, so that one evaluation serves all; those that have decided keep theirs.
+//! All parts try their lengths together, so that one evaluation serves all. Parts that have found their length keep it.
 
 use qless::{ArgumentError, Csr};
 use qless_constraints::{ConstraintSet, Quantities};
@@ -13,42 +13,42 @@ use qless_constraints::{ConstraintSet, Quantities};
 use super::configuration::{Configuration, largest};
 use super::parts::EquationParts;
 
-/// Third order may be this part of second order, and of what first order promises.
+/// Largest third-order term, relative to the second-order term and to the first-order prediction.
 const THIRD: f64 = 0.25;
-/// The merit falls by at least this part of what first order promises.
+/// Smallest decrease of the merit function, relative to the first-order prediction.
 const DECREASE: f64 = 1e-4;
-/// t below `4^-250` is no step: at 1e-150 from a dead centre, du is that much too long.
+/// Most trials. At a distance of 1e-150 from a dead centre, du is longer by that factor, so that t may be as small as `4^-250`.
 const TRIES: usize = 250;
 
-/// What is asked of a step of a part.
+/// What a part needs from its step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StepGoal {
-    /// There is none: all of its equations hold.
+    /// Nothing: all of its equations hold.
     Done,
-    /// The kept equations get nearer to zero, or hold to the tolerance.
+    /// Smaller residuals of the kept equations, or residuals within the tolerance.
     Downhill,
-    /// Second order describes it: a way out of where G has lost rank.
+    /// A way out of a singular configuration: a length that the second-order model describes.
     Out,
 }
 
-/// A direction from a place.
+/// A configuration and a direction.
 pub struct StepLine<'a> {
     pub set: &'a ConstraintSet,
     pub parts: &'a EquationParts,
     pub from: &'a Configuration,
     du: Vec<f64>,
-    /// `G du` there.
+    /// `G du` at the start.
     slope: Vec<f64>,
-    /// `max_r D_r |c_r|` of each part there.
+    /// `max_r D_r |c_r|` of each part at the start.
     residuals: Vec<f64>,
 }
 
-/// How far a part has got in its search.
+/// State of a part's search for its length.
 #[derive(Clone, Copy, PartialEq)]
 enum TrialLength {
-    /// To be tried.
+    /// Length of the next trial.
     Open(f64),
-    /// Gone so far; 0 where no length is good.
+    /// Accepted length; 0 if no length is acceptable.
     Found(f64),
 }
 
@@ -59,7 +59,7 @@ struct TrialPoint {
     slope: Vec<f64>,
 }
 
-/// What a part finds at its trial point.
+/// Result of a part at its trial point.
 #[derive(Clone)]
 struct TrialVerdict {
     trusted: bool,
@@ -78,7 +78,7 @@ impl<'a> StepLine<'a> {
         Self { set, parts, from, du, slope, residuals }
     }
 
-    /// The first t from 1 down that is good for each part; 0 for those that are done, or find none.
+    /// The first acceptable t of each part, from 1 downwards; 0 for parts that are done or find none.
     pub fn lengths(
         &self,
         ways: &[StepGoal],
@@ -100,7 +100,7 @@ impl<'a> StepLine<'a> {
         Ok(lengths.into_iter().map(|length| if length.is_open() { 0.0 } else { length.t() }).collect())
     }
 
-    /// `u + t du`; parts whose t is 0 stay where they are, to the last bit.
+    /// `u + t du`. Parts with t = 0 keep the bits of u.
     pub fn at(&self, t: impl Fn(usize) -> f64) -> Vec<f64> {
         let moved = |(j, (u, du)): (usize, (&f64, &f64))| match self.parts.of_dof(j).map_or(0.0, &t) {
             0.0 => *u,
@@ -114,7 +114,7 @@ impl<'a> StepLine<'a> {
         Ok(TrialPoint { lengths, c: room.c().to_vec(), slope: times(room.g(), &self.du) })
     }
 
-    /// Those of parts that have decided mean nothing.
+    /// Verdicts of parts that have found their length are meaningless.
     fn verdicts(&self, trial: &TrialPoint, kept: &[bool], tolerance: f64) -> Vec<TrialVerdict> {
         let rounding = self.from.rounding.c();
         let first = TrialVerdict { trusted: true, holds: true, now: 0.0, model: [0.0; 5] };
@@ -134,11 +134,11 @@ impl<'a> StepLine<'a> {
         let second = 0.5 * t * (trial.slope[r] - self.slope[r]);
         let residual = self.residuals[self.parts.of_row(r)];
         let harmless = THIRD * t * residual / self.from.weights[r] + 8.0 * self.from.rounding.c()[r];
-        // What is not finite is not to be trusted.
+        // A third order that is not finite fails the test.
         third.abs() <= THIRD * second.abs() + if harmless.is_finite() { harmless } else { 0.0 }
     }
 
-    /// Adds an equation, by its weight.
+    /// Adds a weighted equation.
     fn add(&self, TrialVerdict { now, model, .. }: &mut TrialVerdict, trial: &TrialPoint, r: usize, t: f64) {
         let weight = self.from.weights[r];
         let (c, g) = (weight * self.from.quantities.c()[r], weight * self.slope[r]);
@@ -160,7 +160,7 @@ impl TrialLength {
         }
     }
 
-    /// After a trial.
+    /// The state after a trial.
     fn next(self, verdict: &TrialVerdict, way: StepGoal) -> Self {
         let Self::Open(t) = self else { return self };
         if !verdict.trusted {
@@ -175,7 +175,7 @@ impl TrialLength {
     }
 }
 
-/// The t below half of `last` at which the polynomial is lowest, among halves of halves.
+/// The t that minimises the polynomial, among `last / 2`, `last / 4` and so on.
 fn lowest(model: &[f64; 5], last: f64) -> f64 {
     let value = |t: f64| model.iter().rev().fold(0.0, |sum, a| sum * t + a);
     let half = |t: &f64| Some(0.5 * t);

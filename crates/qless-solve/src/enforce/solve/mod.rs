@@ -1,6 +1,5 @@
-//! One solve by any methods, part by part: factored, held against its support, solved and refined until it is in balance, or refused.
-//! @@ enforce/run/refusal.rs
-//! What is said where several parts are refused: the gravest, of all parts that it is true of.
+//! One solve, part by part: factor, check the support, solve, and refine until the equations are in balance. The errors of all parts are
+//! merged; the most severe one is returned.
 
 mod multipliers;
 mod penalty_error;
@@ -14,17 +13,17 @@ use super::problem::{Method, Problem, Solution};
 use super::refinement::{BALANCED, FLOOR, Refined, RefinementGoal, SHARP, refine};
 use super::saddle::{SaddleEquations, SaddleInverse, spring_stiffness};
 
-/// Solutions and refinements at most; where multipliers take over from springs, or springs from multipliers.
+/// Most solves, including refinements; and most steps in which multipliers take over from springs.
 const REFINEMENTS: usize = 6;
 const AUGMENTATIONS: usize = 200;
-/// The least imbalance that is asked of forces beside augmented equations.
+/// The smallest relative residual of forces that is required beside augmented equations.
 const TIGHTEST: f64 = 1e-13;
-/// What refinement leaves of a row where nothing hinders it.
+/// Relative residual that refinement normally reaches.
 const ROUNDED: f64 = 64.0 * f64::EPSILON;
-/// The least share of the largest terms that an equation is measured by: a caller holds it against its own terms, unless those are rounding.
+/// Floor for the terms of an equation, relative to the largest terms of its part.
 const FLOOR_OF_EQUATIONS: f64 = ROUNDED;
 
-/// u, multipliers and forces by the methods asked for. Parts are refused together.
+/// Computes u, multipliers and forces by the given methods.
 pub fn run(problem: &Problem, methods: &[Method], accuracy: f64) -> Result<Solution, EnforceError> {
     let (n, m) = (problem.system.dofs(), problem.system.equations());
     let (u, forces, multipliers) = (vec![0.0; n], vec![0.0; n], vec![0.0; m]);
@@ -49,14 +48,14 @@ pub fn run(problem: &Problem, methods: &[Method], accuracy: f64) -> Result<Solut
     refused.map_or_else(|| finished(problem, solution), Err)
 }
 
-/// By springs, where the equations ask for them and they leave no doubt.
+/// Uses springs if the methods ask for them and their result is certain; otherwise multipliers.
 fn solve_part(part: &EnforcedPart, accuracy: f64) -> Result<PartSolution, EnforceError> {
     let is_sprung = part.methods.iter().any(|method| method.factor().is_some());
     let found = if is_sprung { springs::by_springs(part, accuracy)? } else { None };
     found.map_or_else(|| multipliers::by_multipliers(part, accuracy), Ok)
 }
 
-/// The equations of a part, and the factors of a matrix for them.
+/// The equations of a part, and a factored matrix for them.
 struct FactoredPart<'a> {
     part: &'a EnforcedPart<'a>,
     methods: Vec<Method>,
@@ -69,12 +68,12 @@ struct PartSolution {
     /// u of the free DOFs and lambda.
     x: Vec<f64>,
     imbalance: f64,
-    /// The share of u that may be wrong.
+    /// Estimated relative error of u.
     accuracy: f64,
 }
 
 impl<'a> FactoredPart<'a> {
-    /// With a `shift` of the diagonal that makes a singular matrix regular, or none.
+    /// A positive `shift` of the diagonal makes a singular matrix regular.
     fn new(part: &'a EnforcedPart<'a>, methods: Vec<Method>, shift: f64) -> Result<Self, EnforceError> {
         let springs = spring_stiffness(part, &methods)?;
         let model = SaddleEquations::new(part)?.yielding(&methods, &springs);
@@ -82,7 +81,7 @@ impl<'a> FactoredPart<'a> {
         Ok(Self { part, methods, model, inverse })
     }
 
-    /// x in balance, or as near as it comes; some equations may be met to the accuracy asked for.
+    /// x in balance, or as close as refinement gets; augmented equations need the given accuracy only.
     fn refined(&mut self, accuracy: f64) -> Result<Refined, EnforceError> {
         let Self { part, methods, model, inverse } = self;
         let is_taken_over =
@@ -101,8 +100,8 @@ impl<'a> FactoredPart<'a> {
     }
 }
 
-/// What may be left of each row: of augmented equations the accuracy asked for. Forces of springs are not in balance before their
-/// equations are met.
+/// The allowed relative residual of each row: the given accuracy for augmented equations, and at most that for forces, since these are not in
+/// balance before the equations of their springs are satisfied.
 fn limits<'a>(part: &'a EnforcedPart<'a>, accuracy: f64) -> impl Fn(usize) -> f64 + 'a {
     let is_augmented = |method: &Method| matches!(method, Method::Augmented { .. });
     let forces = if part.methods.iter().any(is_augmented) { BALANCED.min(accuracy.max(TIGHTEST)) } else { BALANCED };
@@ -110,7 +109,7 @@ fn limits<'a>(part: &'a EnforcedPart<'a>, accuracy: f64) -> impl Fn(usize) -> f6
     move |i: usize| if i >= n && is_augmented(&part.methods[i - n]) { accuracy } else { forces }
 }
 
-/// With prescribed values and reactions, and nothing that is no number.
+/// Adds prescribed values and reactions; fails if a number is not finite.
 fn finished(problem: &Problem, mut solution: Solution) -> Result<Solution, EnforceError> {
     let Solution { u, multipliers, forces, reactions, .. } = &mut solution;
     problem.system.prescribed().iter().for_each(|&(j, value)| u[j] = value);
@@ -125,17 +124,17 @@ fn finished(problem: &Problem, mut solution: Solution) -> Result<Solution, Enfor
     Ok(solution)
 }
 
-/// One refusal of two, the first where both are of different kinds and equally grave.
+/// The more severe of two errors, or the first one if they are equally severe. Errors of one kind are merged.
 pub fn worse(first: EnforceError, second: EnforceError) -> EnforceError {
     match (first, second) {
         (Unsupported(a), Unsupported(b)) => Unsupported(a.and(&b)),
         (PenaltyTooSmall { factor, accuracy, cost, smallest }, second @ PenaltyTooSmall { .. }) => {
             let PenaltyTooSmall { factor: f, cost: c, smallest: s, .. } = second else { return second };
-            // One factor for all of them.
+            // One factor for all penalties.
             let smallest = smallest.zip(s).map(|(a, b)| a.max(b));
             PenaltyTooSmall { factor: factor.max(f), accuracy, cost: cost.max(c), smallest }
         }
-        // What no factor changes comes first.
+        // Errors that no factor avoids come first.
         (PenaltyTooSmall { .. }, other) | (_, other @ Unsupported(_)) => other,
         (first, _) => first,
     }

@@ -1,17 +1,15 @@
-//! What springs leave of u: a penalty is refused by what it costs, not by its factor.
+//! Errors of u by penalties and by rounding: a penalty is refused by the error that it causes, not by its factor.
 //!
-//! Shares are those of each group of DOFs by itself ([`super::super::groups`]).
-//! @@ enforce/run/rounding.rs
-//! What rounding does to each group of DOFs ([`super::super::groups`]).
+//! Errors are relative within each group of DOFs with comparable units ([`super::super::units::UnitGroups`]). Rounding of a solution is
+//! estimated by random errors of the terms:
 //!
 //! ```text
 //! y = M^-1 (r (|b - A x| + e (|A| |x| + |b|)))        random r in +-[1/2, 1], e the share by which terms are wrong
 //! ```
 //!
-//! DOFs that can be compared are as wrong as the growth of rounding says of the largest of them, or as y, if that is more: the growth is that of all
-//! unknowns together by the worst x, and where multipliers are far larger than u, in units without units, their rounding is a larger share of u.
-//! A number of a group of its own may be far smaller or larger than others in any unit, and is as wrong as the largest of some y. Cost: a solve, and a few
-//! more where there are such groups. What is left of the equations is seen here however lightly it was taken.
+//! The error of a DOF with a known unit is the larger of y and the growth of rounding times the largest such DOF. The growth describes all
+//! unknowns together; if dimensionless multipliers are far larger than u, their rounding is a larger fraction of u, which y shows. A DOF
+//! without a known unit may have any size; its error is the largest of several y. Cost: one solve, and three more if there are such DOFs.
 
 use super::super::refinement::{MeasuredEquations, Refined};
 use super::super::singularity::WRONG;
