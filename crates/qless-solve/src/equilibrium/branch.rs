@@ -1,14 +1,13 @@
-//! Whether a load step stays on its branch: DOFs that constraints and prescribed DOFs determine move along a curve, and loads have no part
-//! in it.
+//! Checks that a load step stays on its branch. DOFs that constraints and prescribed DOFs determine move along a curve, independently of the
+//! loads.
 //!
-//! With G where a step starts, G' elsewhere and x on these DOFs, let `P x = dx` where `G dx = (G - G') x`. If `(1 - t) G x + t G' x = 0` then
-//! `x = t P x`: while the spectral radius of P is below one, no G between the two loses rank, which it would where branches meet. A linkage that
-//! went over to its mirror image has an eigenvalue above one, however well it satisfies the constraints. Units drop out: a change of them
-//! is a similarity of P. Each part has a P of its own.
-//! @@ equilibrium/branch/lead.rs
-//! Whether functions of time lead along the branch from one load factor to another: a whole turn between two steps is none at their ends.
+//! Let G be the Jacobian at the start of a step, G' elsewhere, and x a vector on the determined DOFs. `P x = dx` is defined by `G dx = (G -
+//! G') x`. If `(1 - t) G x + t G' x = 0`, then `x = t P x`. While the spectral radius of P is below one, no matrix between G and G' is
+//! singular, as it would be where branches meet. If a linkage jumps to its mirror image, P has an eigenvalue above one, even if all
+//! constraints hold. A change of units is a similarity of P and does not change its eigenvalues. Each part has its own P.
 //!
-//! Time is that of the whole model: one evaluation at each time serves all parts.
+//! With functions of time, the end points of a step cannot reveal a full turn between them: [`check_jumps`] looks at times in between. One
+//! evaluation at each time serves all parts.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -23,43 +22,43 @@ use super::time_path::TimePath;
 use crate::common::random;
 use crate::newton::change;
 
-/// The largest spectral radius of a step that is accepted.
+/// Largest spectral radius of an accepted step.
 const MOST: f64 = 0.5;
-/// What the next step is chosen for.
+/// Spectral radius that the next step aims at.
 const AIM: f64 = 0.35;
-/// Powers of P that are looked at; the second half tells the radius.
+/// Applications of P; the second half estimates the radius.
 const POWERS: usize = 8;
-/// Where G changes by less than this part of its entries, the branches that P tells apart have met.
+/// Branches have met if G changes by less than this fraction of its entries.
 const MET: f64 = 0.005;
-/// So much nearer to where branches meet than the other end of the step, an end is there: P has the eigenvalue 1 if G' loses rank, and one
-/// beyond all bounds if G does.
+/// An end of the step counts as a meeting point of branches if it is closer to one than the other end by this factor. P then has the
+/// eigenvalue 1 if G' is singular, and a very large one if G is.
 const NEARER: f64 = 1e-3;
-/// Determined is what moves by less than this part of its unit where the others move by theirs.
+/// A DOF is determined if it moves by less than this fraction of its unit while the others move by theirs.
 const STILL: f64 = 1e-6;
-/// Where a part starts a load step.
+/// The branch of a part at the start of a load step.
 pub struct Branch {
     parts: Arc<EquilibriumParts>,
     part: usize,
     before: Arc<Quantities>,
     rows: KeptRows,
-    /// Of DOFs that are not prescribed.
+    /// Units of the free DOFs.
     units: Vec<f64>,
-    /// `[S^-2, G^T; G, 0]` with the units S: the shortest of all motions that G allows.
+    /// `[S^-2, G^T; G, 0]` with the units S; it gives the shortest motion with given G dx.
     saddle: Saddle,
     determined: Vec<bool>,
 }
 
-/// What is seen of a step from where it starts to where it ends.
+/// How a step moves along its branch.
 #[derive(Clone, Copy, Default)]
 pub struct BranchTurn {
     /// The spectral radius of P.
     pub radius: f64,
-    /// Whether branches meet on the way, or nearly so: which one is taken, Newton's method decides.
+    /// Whether branches meet on the way, or nearly meet, so that Newton's method chooses one.
     pub met: bool,
 }
 
 impl Branch {
-    /// At a configuration that satisfies the constraints of a part; nothing if they determine no DOF, or branches meet there.
+    /// At a configuration that satisfies the constraints of a part; none if no DOF is determined, or if branches meet there.
     pub fn new(
         before: &Arc<Quantities>,
         rows: &KeptRows,
@@ -78,7 +77,7 @@ impl Branch {
         determined.contains(&true).then_some(Self { parts, part, before, rows, units, saddle, determined })
     }
 
-    /// What P says for G elsewhere; an error if a step that goes there may leave the branch.
+    /// Checks the step to another configuration; an error if it may leave the branch.
     pub fn turn(&self, after: &Quantities) -> Result<BranchTurn, StepFailure> {
         let changed = self.change(after);
         if changed == 0.0 {
@@ -112,7 +111,7 @@ impl Branch {
         if last == 0.0 { 0.0 } else { (last / half).powf(2.0 / POWERS as f64) }
     }
 
-    /// dx with `G dx = b` on the kept rows, on the determined DOFs.
+    /// dx on the determined DOFs, with `G dx = b` on the kept rows.
     fn moved(&self, b: impl Iterator<Item = f64>) -> Vec<f64> {
         let rhs: Vec<f64> = self.units.iter().map(|_| 0.0).chain(b).collect();
         let dx = self.saddle.solve(&rhs);
@@ -129,12 +128,12 @@ impl Branch {
 
     fn size(&self, x: &[f64]) -> f64 {
         let sizes = x.iter().zip(&self.units).map(|(x, unit)| (x / unit).abs());
-        // No number is larger than all.
+        // Keeps NaN.
         sizes.fold(0.0, |most, x| if most.is_nan() || x <= most { most } else { x })
     }
 }
 
-/// How much longer the next step may be; a radius that is no number is as bad as a large one.
+/// Factor for the length of the next step; NaN counts as a large radius.
 pub fn growth(radius: f64) -> f64 {
     (AIM / radius).max(0.1)
 }
@@ -150,25 +149,25 @@ fn entries(before: &Quantities, rows: &KeptRows, (parts, part): (&EquilibriumPar
     SaddleEntries { size: n + rows.list().len(), stiff: n, list, units: Vec::new() }
 }
 
-/// EquilibriumParts of a step at which functions of time are looked at: square roots of primes less their whole part. Of no number of periods do they come near
-/// whole ones together, unless it is very large.
+/// Fractions of a step at which functions of time are checked: fractional parts of square roots of primes. Small numbers of periods do not
+/// align with all of them.
 const BETWEEN: [f64; 8] =
     [0.414_213_6, 0.732_050_8, 0.236_068, 0.645_751_3, 0.316_624_8, 0.605_551_3, 0.123_105_6, 0.358_898_9];
-/// A step whose way is off the straight one by less than this part of its length is seen well enough from its end.
+/// If the path differs from a straight one by less than this fraction of its length, its end is representative.
 const STRAIGHT: f64 = 0.1;
-/// One that is off by more than this part comes back, as from a whole turn: its end says nothing of it.
+/// If it differs by more than this fraction, it returns, as after a full turn, and its end is not representative.
 const BACK: f64 = 0.5;
-/// The largest spectral radius anywhere on a way that comes back.
+/// Largest spectral radius anywhere on a path that returns.
 const MOST_BACK: f64 = 0.1;
 
-/// Of a part whose way is not straight: how far it goes, and the largest spectral radius that it may have there.
+/// A part whose path is curved: its displacement, and the largest spectral radius allowed there.
 struct CurvedWay<'a> {
     branch: &'a Branch,
     dx: Vec<f64>,
     most: f64,
 }
 
-/// The parts that functions of time may lead off their branches, each with the reason.
+/// Checks all parts between two load factors; returns the parts that may leave their branches, with the reasons.
 pub fn check_jumps(
     branches: &[&Branch],
     course: &mut TimePath,
@@ -191,7 +190,7 @@ pub fn check_jumps(
     Ok(led)
 }
 
-/// How far the determined DOFs of each part go by a load factor, to first order.
+/// First-order displacement of the determined DOFs of each part up to a load factor.
 fn ahead(
     branches: &[&Branch],
     course: &mut TimePath,
@@ -205,7 +204,7 @@ fn ahead(
     Ok(branches.iter().map(|branch| branch.moved(branch.rows.list().iter().map(|&r| -room.c()[r]))).collect())
 }
 
-/// Adds the parts to which something may happen where they pass.
+/// Checks curved parts at their intermediate positions, and adds those that fail to `led`.
 fn pass(
     bent: &[CurvedWay],
     course: &TimePath,
@@ -227,7 +226,7 @@ fn pass(
 }
 
 impl Branch {
-    /// Nothing if a way is as straight as it needs to be; `straight` is that of the whole step, of which it is so large a part.
+    /// None if the path is straight enough; `straight` is the displacement of the whole step, of which `part` is the fraction.
     fn bent(&self, dx: Vec<f64>, straight: &[f64], part: f64) -> Option<CurvedWay<'_>> {
         let off: Vec<f64> = dx.iter().zip(straight).map(|(x, whole)| x - part * whole).collect();
         let off = self.size(&off) / self.size(straight);

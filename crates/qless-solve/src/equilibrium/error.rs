@@ -1,6 +1,4 @@
-//! Why no equilibrium was found.
-//! @@ equilibrium/failure.rs
-//! Why a load step failed; most failures are mended by a shorter one.
+//! Errors of an equilibrium, and failures of load steps, most of which a shorter step avoids.
 
 use std::error::Error;
 
@@ -14,32 +12,32 @@ use crate::newton::NewtonError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum EquilibriumError {
-    /// The numbers of DOFs or equations do not fit together.
+    /// The numbers of DOFs or equations do not match.
     #[error("there are {found} {what} where the constraint set needs {expected}")]
     Size {
-        /// What does not fit.
+        /// The list that does not match.
         what: &'static str,
         /// How many there are.
         found: usize,
         /// How many there should be.
         expected: usize,
     },
-    /// A setting out of its range.
+    /// An option is out of range.
     #[error("the option {what} is {value}; {range}")]
     Option {
-        /// Which one.
+        /// Name of the option.
         what: &'static str,
         /// Its value.
         value: f64,
-        /// What it must be.
+        /// The allowed range.
         range: &'static str,
     },
-    /// The model adds a force to a DOF that is not there.
+    /// The model adds a force to a DOF out of range.
     #[error("the model adds a force to DOF {dof}, but there are {dofs} DOFs; correct its list of DOFs")]
     Force {
         /// The DOF.
         dof: usize,
-        /// How many there are.
+        /// Number of DOFs.
         dofs: usize,
     },
     /// The model adds stiffness outside its pattern.
@@ -47,38 +45,38 @@ pub enum EquilibriumError {
         "the model adds stiffness at ({row}, {column}), which its pattern does not name; both halves must be named"
     )]
     Pattern {
-        /// Row, a DOF.
+        /// Row of K, a DOF.
         row: usize,
-        /// Column, a DOF.
+        /// Column of K, a DOF.
         column: usize,
     },
-    /// The model refuses the configuration.
+    /// The model rejects the configuration.
     #[error("at load factor {factor}: the model: {source}")]
     Model {
-        /// Reached so far.
+        /// Load factor of the last equilibrium.
         factor: f64,
-        /// In its own words.
+        /// The model's own error.
         source: Box<dyn Error + Send + Sync>,
     },
     /// A force, stiffness, load or constraint value is NaN or infinite.
     #[error("at load factor {factor}: {what} of DOF or equation {at} is not finite")]
     NotFinite {
-        /// Reached so far.
+        /// Load factor of the last equilibrium.
         factor: f64,
-        /// What.
+        /// The quantity.
         what: &'static str,
-        /// Where.
+        /// Its DOF or equation.
         at: usize,
     },
-    /// Motions that neither stiffness nor constraints resist.
+    /// Neither stiffness nor constraints resist some motion.
     #[error(
         "at load factor {factor} nothing resists a motion of DOFs {dofs:?}: the tangent is singular; support the model, \
          give these DOFs stiffness or constraints, or start where tension holds them"
     )]
     Unsupported {
-        /// Reached so far.
+        /// Load factor of the last equilibrium.
         factor: f64,
-        /// The DOFs that move most in it, the largest first.
+        /// The DOFs that move most, in descending order.
         dofs: Vec<usize>,
     },
     /// A motor turns too far in the shortest load step.
@@ -87,37 +85,37 @@ pub enum EquilibriumError {
          followed; allow shorter load steps, or go to a time nearer by"
     )]
     Turn {
-        /// Reached so far.
+        /// Load factor of the last equilibrium.
         factor: f64,
-        /// Its label.
+        /// Label of the motor.
         label: String,
-        /// By how much, in radians.
+        /// Angle in radians.
         angle: f64,
     },
-    /// The shortest load step turns a linkage so far that it may be on another branch.
+    /// The shortest load step moves a linkage so far that it may change to another branch.
     #[error(
         "at load factor {factor}: even the shortest load step moves what the constraints determine so far that it may go over to another branch; \
          allow shorter load steps, or go to a target nearer by"
     )]
     Branch {
-        /// Reached so far.
+        /// Load factor of the last equilibrium.
         factor: f64,
     },
-    /// The time, or a function of it, is not finite on the way.
+    /// The time, or a function of it, is not finite.
     #[error(transparent)]
     Time(#[from] TimeError),
-    /// The constraints have no solution near.
+    /// The constraints have no solution nearby.
     #[error("at load factor {factor}: {source}")]
     Constraints {
-        /// Reached so far.
+        /// Load factor of the last equilibrium.
         factor: f64,
-        /// Why.
+        /// Why Newton's method fails.
         source: NewtonError,
     },
-    /// Equations that are left out of the solution as redundant, and do not hold.
+    /// Equations that the solution ignores as redundant do not hold.
     #[error("at load factor {factor}: {} cannot hold together with the equations that it depends on", .labels.join(" and "))]
     Conflict {
-        /// Reached so far.
+        /// Load factor of the last equilibrium.
         factor: f64,
         /// Their labels.
         labels: Vec<String>,
@@ -125,7 +123,7 @@ pub enum EquilibriumError {
     /// The constraints cannot be linearised.
     #[error("at load factor {factor}: {source}")]
     System {
-        /// Reached so far.
+        /// Load factor of the last equilibrium.
         factor: f64,
         /// What is wrong.
         source: LineariseError,
@@ -133,35 +131,35 @@ pub enum EquilibriumError {
     /// The constraints cannot be analysed.
     #[error("at load factor {factor}: {source}")]
     Analysis {
-        /// Reached so far.
+        /// Load factor of the last equilibrium.
         factor: f64,
         /// What is wrong.
         source: AnalysisError,
     },
-    /// Numbers that do not fit.
+    /// An argument has the wrong length or range.
     #[error(transparent)]
     Argument(#[from] ArgumentError),
-    /// The steps became too small.
+    /// The load steps became too short.
     #[error(
         "no equilibrium beyond load factor {factor}: at {tried} the force residual is {force:e}, the constraint residual {constraint:e}; \
          the load may be more than the model carries, or it snaps through: prescribe a displacement instead"
     )]
     NoConvergence {
-        /// The last factor with an equilibrium.
+        /// Load factor of the last equilibrium.
         factor: f64,
-        /// The factor of the last attempt.
+        /// Load factor of the last attempt.
         tried: f64,
-        /// Its force residual, relative.
+        /// Relative force residual of the last attempt.
         force: f64,
-        /// Its constraint residual, relative.
+        /// Relative constraint residual of the last attempt.
         constraint: f64,
     },
-    /// The matrix has no factors, or there is no memory for them.
+    /// The saddle matrix cannot be factored, or memory is exhausted.
     #[error("at load factor {factor}: the saddle matrix: {why}")]
     Solver {
-        /// Reached so far.
+        /// Load factor of the last equilibrium.
         factor: f64,
-        /// In the words of the solver.
+        /// The solver's own error.
         why: String,
     },
 }
@@ -173,23 +171,23 @@ pub enum StepFailure {
         what: &'static str,
         at: usize,
     },
-    /// KeptRows that do not hold.
+    /// Rows that do not hold.
     Conflict(Vec<usize>),
-    /// DOFs of a motion that nothing resists.
+    /// DOFs of a motion without resistance.
     Unsupported(Vec<usize>),
-    /// The row of a motor, and the angle in radians that it would turn by in one load step.
+    /// The row of a motor, and the angle in radians by which it would turn in one load step.
     Turn {
         row: usize,
         angle: f64,
     },
-    /// What the constraints determine may have gone over to another branch; a step that is this part of it may not.
+    /// Determined DOFs may have changed to another branch. A step of this fraction of the length stays on its branch.
     Branch(f64),
     NoConvergence,
     Solver(String),
     Constraints(NewtonError),
     System(LineariseError),
     Analysis(AnalysisError),
-    /// No shorter step will help.
+    /// Shorter steps do not help.
     Fatal(EquilibriumError),
 }
 
@@ -217,17 +215,17 @@ impl From<AnalysisError> for StepFailure {
     }
 }
 
-/// How far the solution came before a failure.
+/// How far the solution got before a failure.
 #[derive(Clone, Copy)]
 pub struct Reached {
     pub factor: f64,
     pub tried: f64,
-    /// The last of the part.
+    /// The last iterate of the failed part.
     pub iterate: EquilibriumIterate,
 }
 
 impl StepFailure {
-    /// Without convergence where the tangent is singular, these DOFs are the reason.
+    /// If the tangent was singular, replaces missing convergence by the DOFs of its free motion.
     pub fn or_unsupported(self, dofs: Option<&Vec<usize>>) -> Self {
         match (self, dofs) {
             (Self::NoConvergence, Some(dofs)) => Self::Unsupported(dofs.clone()),
@@ -235,7 +233,7 @@ impl StepFailure {
         }
     }
 
-    /// The part of the step that failed which is tried next.
+    /// Length of the next attempt, as a fraction of the failed step.
     pub fn shorter(&self) -> f64 {
         match self {
             Self::Branch(part) => part.clamp(0.1, 0.7),

@@ -1,20 +1,18 @@
-//! Where a load path starts and ends.
-//! @@ equilibrium/options.rs
-//! Settings, and what they may be.
+//! Start, target and settings of a load path.
 
 use qless::Options;
 use qless_constraints::ConstraintSet;
 
 use super::{Equilibrium, EquilibriumError};
 
-/// Where a load path starts: an equilibrium, or a guess of one.
+/// Start of a load path: an equilibrium, or a guess of one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Start {
     /// DOFs.
     pub u: Vec<f64>,
     /// Multipliers, one per equation.
     pub multipliers: Vec<f64>,
-    /// The loads that it carries; the load factor 0.
+    /// The loads in equilibrium at the start, at load factor 0.
     pub loads: Vec<f64>,
 }
 
@@ -26,7 +24,7 @@ impl Start {
     }
 }
 
-/// Where it ends.
+/// Target of a load path, at load factor 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target<'a> {
     /// `f_ext`, one number per DOF.
@@ -36,7 +34,7 @@ pub struct Target<'a> {
 }
 
 impl Equilibrium {
-    /// From here the next path starts.
+    /// The start of the next path.
     pub fn start(&self) -> Start {
         Start { u: self.u.clone(), multipliers: self.multipliers.clone(), loads: self.loads.clone() }
     }
@@ -45,17 +43,17 @@ impl Equilibrium {
 /// Settings of [`super::solve`].
 #[derive(Clone, Debug)]
 pub struct EquilibriumOptions {
-    /// Forces are in balance where `|r_j|` is at most this part of the sum of the sizes of its terms, or rounding. Default 1e-10.
+    /// Largest `|r_j|` in equilibrium, relative to the sum of the sizes of its terms; rounding is allowed as well. Default 1e-10.
     pub tolerance: f64,
-    /// Constraints hold as in [`crate::newton::NewtonOptions::tolerance`]. Default 4.
+    /// Tolerance of constraints, as [`crate::newton::NewtonOptions::tolerance`]. Default 4.
     pub roundings: f64,
-    /// Most iterations of any part in a load step. Default 25.
+    /// Most iterations of a part in one load step. Default 25.
     pub iterations: usize,
-    /// The first load step, a part of the whole. Default 1: all at once, where that works.
+    /// The first load step, relative to the whole path. Default 1: a single step, if it works.
     pub first: f64,
-    /// The shortest load step. Default 1e-4.
+    /// The shortest load step, relative to the whole path. Default 1e-4.
     pub shortest: f64,
-    /// Whether [`super::Equilibrium::stability`] is asked for. Default no: it costs another factorization.
+    /// Whether to compute [`super::Equilibrium::stability`], which costs another factorization. Default no.
     pub stability: bool,
     /// How the constraints are analysed.
     pub analysis: Options,

@@ -3,24 +3,25 @@
 //! | stage | formula | cost |
 //! | --- | --- | --- |
 //! | evaluation | `f_int, K` by the [`Model`]; `c, G, H = sum_r lambda_r d^2 c_r / du^2` by the set | one pass each |
-//! | rows | redundant equations are left out, their multipliers are zero | one analysis per load step |
+//! | rows | redundant equations are ignored, their multipliers are zero | one analysis per load step |
 //! | correction | `[K + H, G^T; G, 0] [du; dlambda] = -[r; c]`, scaled from both sides | one numeric sparse LU of each part; its symbolic part once |
 //! | length | the natural test of affine invariance | one evaluation and solution per trial |
-//! | branch | spectral radius of `G^-1 (G - G')` on what the constraints determine, over a load step | one sparse LU per step that moves prescribed DOFs or time |
-//! | load steps | cut where a step fails, longer where it is easy | |
+//! | branch | spectral radius of `G^-1 (G - G')` on the DOFs that the constraints determine, over a load step | one sparse LU per step that moves prescribed DOFs or time |
+//! | load steps | shorter after a failure, longer after an easy step | |
 //!
-//! Units: forces are compared with the sizes of their own terms and with what one unit in the last place of u does to them, constraints
-//! with the rounding of their own terms ([`ConstraintSet::rounding`]); those of a support `u_0 = 0` vanish with u, and what is left of it is nothing
-//! where it moves forces by less than their rounding. Nothing is compared with 1, so that the unit of length, force or angle
-//! drops out.
+//! Residuals are independent of units. Forces are compared with the sizes of their terms and with the effect of one unit in the last place of
+//! u. Constraints are compared with the rounding of their own terms ([`ConstraintSet::rounding`]). The terms of a support `u_0 = 0` vanish
+//! with u; its residual is negligible if the motion that it demands changes forces by less than their rounding.
 //!
-//! Connected parts of the model, joined by K and equations but not by prescribed DOFs, go in lock step: scales, factors, lengths, redundant equations,
-//! convergence, branch and stability are a part's own. What is found of a part is what is found of it alone, to the last bit, where the load steps are
-//! the same. These are common to all, since time and history are the model's: the part that takes a step worst decides on its length. An error is that of
-//! the first part that has one: by their lowest DOFs, then by the rows of equations on prescribed DOFs alone. Where the [`Model`] refuses a configuration, the
-//! parts that it refuses are found by evaluations of parts without the others.
+//! Connected parts are joined by K and by equations, but not by prescribed DOFs. All parts are iterated together; each has its own scales,
+//! factors, step lengths, redundant equations, convergence, branch and stability. The result of a part equals that of a separate solve, to
+//! the last bit, if the load steps are the same. Load steps are common to all parts, since time and history belong to the whole model: the
+//! part with the hardest step determines their length. If several parts fail, the error is that of the first one, ordered by the lowest DOFs;
+//! parts without free DOFs come last. If the [`Model`] rejects a configuration, evaluations without some of the parts find those that it
+//! rejects.
 //!
-//! An equilibrium that is returned is one to these tolerances, and its tangent is not singular. It may be unstable: [`EquilibriumOptions::stability`] asks.
+//! A returned equilibrium satisfies these tolerances, and its tangent is not singular. It may be unstable; [`EquilibriumOptions::stability`]
+//! asks for a check.
 
 mod branch;
 mod correct;
@@ -46,15 +47,15 @@ pub use result::{Equilibrium, EquilibriumIterate, LoadStep};
 pub use stability::Stability;
 use time_path::TimePath;
 
-/// Finds equilibrium at the target: `f_int(u) + G^T lambda = f_ext`, `c(u) = 0`, prescribed DOFs at their values.
+/// Finds an equilibrium at the target: `f_int(u) + G^T lambda = f_ext`, `c(u) = 0`, with prescribed DOFs at their values.
 ///
-/// Loads and prescribed values go from the start to the target in one step, in shorter ones where that fails. Near a solution the
+/// Loads and prescribed values change from the start to the target in one step, or in shorter steps if that fails. Near a solution the
 /// residuals fall as `r_(k+1) <= C r_k^2`.
 ///
-/// What constraints and prescribed DOFs determine, such as a linkage whose crank is prescribed, stays on the branch of the start: a load step is cut
-/// where G turns by more than half of what would take its rank. Only where two branches meet, or G changes by less than 1/200 of its entries from
-/// one to the other, Newton's method decides, and [`LoadStep::branches_meet`] says so. Where stiffness has a part in it, equilibria are those that
-/// Newton's method comes to.
+/// DOFs that constraints and prescribed DOFs determine, such as a linkage with a prescribed crank, stay on the branch of the start. A load
+/// step is shortened if G changes by more than half of what would make it singular. Newton's method chooses the branch only if two branches
+/// meet, or if G changes by less than 1/200 of its entries; [`LoadStep::branches_meet`] then says so. Equilibria that depend on stiffness are
+/// those that Newton's method finds.
 ///
 /// ```
 /// use qless_solve::equilibrium::{Assembly, EquilibriumOptions, Model, Start, Target, solve};
@@ -87,7 +88,7 @@ use time_path::TimePath;
 /// ```
 ///
 /// # Errors
-/// [`EquilibriumError`]: what the first part says that comes to no equilibrium.
+/// [`EquilibriumError`] of the first part without an equilibrium.
 pub fn solve(
     model: &mut impl Model,
     set: &ConstraintSet,
@@ -100,16 +101,16 @@ pub fn solve(
     path::Path::new(model, TimePath::Still(set), start, target, options)?.follow()
 }
 
-/// [`solve`] while the set goes from its time to another: motors and right-hand sides that are functions of time move with the loads,
-/// `t = t_0 + s (t_1 - t_0)` at the load factor s.
+/// As [`solve`], while the set advances to `time`: motors and other functions of time move with the loads, `t = t_0 + s (t_1 - t_0)` at the
+/// load factor s.
 ///
-/// Multipliers are what the motors push with: on the way `dE = -lambda . db` with b what they prescribe (`phi`, `d`) and E the energy of model and loads.
-/// An angle is followed the right way, however many turns it goes: no load step turns it by more than a sixteenth of one. Afterwards the
-/// set is at `time`; after an error, where it was.
+/// The multiplier of a motor is its force: `dE = -lambda . db` along the path, where b is the prescribed motion (`phi`, `d`) and E the energy
+/// of model and loads. Angles may advance by any number of turns; no load step turns a motor by more than a sixteenth of a turn. Afterwards
+/// the set is at `time`; after an error, at its old time.
 ///
-/// What constraints and prescribed DOFs determine stays on the branch of the start, as in [`solve`], also between load steps: what does not close on
-/// the way is refused, whether or not it closes at the end. A load step that starts just where a linkage ceases to close may find where it closes
-/// again: then branches meet there, which [`LoadStep::branches_meet`] says.
+/// As in [`solve`], determined DOFs stay on the branch of the start, also between the ends of load steps: a linkage that cannot close on the
+/// way is rejected, even if it closes at the end. If a load step starts exactly where a linkage stops closing, it may end where the linkage
+/// closes again. Branches meet there, and [`LoadStep::branches_meet`] says so.
 ///
 /// ```
 /// use qless_solve::equilibrium::{Assembly, EquilibriumOptions, Model, Start, Target, drive};

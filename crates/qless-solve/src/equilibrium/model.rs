@@ -1,8 +1,8 @@
-//! The user's model: internal forces `f_int(u)` and their tangent `K = d f_int / du`, added up element by element.
+//! The interface to the user's model: internal forces `f_int(u)` and their tangent `K = d f_int / du`, summed over elements.
 
 use std::error::Error;
 
-/// What a finite-element code gives: forces and stiffness of its elements at u, in its own units.
+/// A finite-element model: forces and stiffness of its elements at u, in its own units.
 ///
 /// ```
 /// use qless_solve::equilibrium::{Assembly, Model};
@@ -27,47 +27,47 @@ use std::error::Error;
 /// assert_eq!(Spring { k: 1.0, a: 2.0 }.coordinate(0), 0.0);
 /// ```
 pub trait Model {
-    /// Number of DOFs n; that of the constraint set.
+    /// Number of DOFs n, the same as that of the constraint set.
     fn dofs(&self) -> usize;
 
-    /// Calls `entry(i, j)` for every `K_ij` that may be other than zero, both halves; repetitions do no harm. Asked once per solve.
+    /// Calls `entry(i, j)` for every `K_ij` that may be nonzero, in both halves; repetitions are allowed. Called once per solve.
     fn pattern(&self, entry: &mut dyn FnMut(usize, usize));
 
-    /// Adds `f_int(u)` and K of all elements to `out`, which is zero.
+    /// Adds `f_int(u)` and K of all elements to `out`, which starts at zero.
     ///
-    /// A part added on its own, as an element's, tells the size of the terms of a sum that cancels. Forces that depend on u
-    /// (followers, contact) belong here.
+    /// Contributions should be added element by element, so that the sizes of terms are known even if their sum cancels. Forces that depend
+    /// on u (follower loads, contact) belong here.
     ///
     /// # Errors
-    /// Whatever the elements refuse at this u (a volume turned inside out). The step is then cut.
+    /// Any error of an element at this u, such as an inverted volume. The load step is then shortened.
     fn assemble(&mut self, u: &[f64], out: &mut Assembly) -> Result<(), Box<dyn Error + Send + Sync>>;
 
-    /// The size of the number that DOF `dof` is added to, in its unit: the largest coordinate of its node. What one unit in the last
-    /// place of it does to the forces is taken for rounding. Default 0.
+    /// Size of the number to which DOF `dof` is added: the largest coordinate of its node, in the unit of the DOF. The effect of its last
+    /// place on the forces counts as rounding. Default 0.
     fn coordinate(&self, dof: usize) -> f64 {
         let _ = dof;
         0.0
     }
 
-    /// An equilibrium was found, from which the next load step starts: the time to take over history variables.
+    /// Called when an equilibrium was found and the next load step starts from it; history variables should be updated here.
     fn accept(&mut self, u: &[f64]) {
         let _ = u;
     }
 }
 
-/// A number that has no place in the pattern.
+/// An entry outside of the pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum AssemblyFault {
     Force(usize),
     Stiffness(usize, usize),
 }
 
-/// Sums of forces and stiffness, and of the sizes of their terms.
+/// Sums of forces and stiffness, with the sizes of their terms.
 #[derive(Clone, Debug)]
 pub struct Assembly {
     /// `f_int`.
     pub(super) force: Vec<f64>,
-    /// `sum |terms|` of it.
+    /// `sum |terms|` of `f_int`.
     pub(super) terms: Vec<f64>,
     start: Vec<usize>,
     columns: Vec<usize>,
@@ -77,7 +77,7 @@ pub struct Assembly {
 }
 
 impl Assembly {
-    /// Zeros in the pattern of a model; entries out of range are a fault.
+    /// Zeros in the pattern of a model; an entry out of range is recorded as a fault.
     pub(super) fn new(model: &impl Model) -> Self {
         let (n, mut rows, mut fault) = (model.dofs(), vec![Vec::new(); model.dofs()], None);
         model.pattern(&mut |i, j| match rows.get_mut(i) {
@@ -96,7 +96,7 @@ impl Assembly {
         Self { force: vec![0.0; n], terms: vec![0.0; n], start, columns, values, wanted: true, fault }
     }
 
-    /// Makes all sums zero; without `stiffness`, that is not added up.
+    /// Resets all sums to zero. Without `stiffness`, stiffness is neither reset nor summed.
     pub(super) fn clear(&mut self, stiffness: bool) {
         self.force.fill(0.0);
         self.terms.fill(0.0);
@@ -117,7 +117,7 @@ impl Assembly {
         }
     }
 
-    /// Adds to `K_ij = d f_i / du_j`, which must be in the pattern.
+    /// Adds to `K_ij = d f_i / du_j`; the entry must be in the pattern.
     pub fn stiffness(&mut self, i: usize, j: usize, value: f64) {
         if !self.wanted {
             return;
@@ -129,7 +129,7 @@ impl Assembly {
         }
     }
 
-    /// Whether the stiffness is of use this time; computing it then can be spared.
+    /// Whether stiffness is needed in this evaluation; if not, its computation can be skipped.
     pub fn wants_stiffness(&self) -> bool {
         self.wanted
     }
@@ -142,7 +142,7 @@ impl Assembly {
         known
     }
 
-    /// SaddleEntries `(j, K_ij)` of a row.
+    /// Entries `(j, K_ij)` of a row.
     pub(super) fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         let entries = self.start[i]..self.start[i + 1];
         self.columns[entries.clone()].iter().copied().zip(self.values[entries].iter().copied())

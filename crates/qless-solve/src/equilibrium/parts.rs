@@ -1,8 +1,7 @@
-//! Connected parts of a model: DOFs that lead to one another by entries of K, equations or rotations. Prescribed DOFs do not move, and join
-//! nothing.
+//! Connected parts of a model: DOFs that are connected by entries of K, equations or rotations. Prescribed DOFs do not connect parts.
 //!
-//! What is done and said of a part depends on that part alone. They come by their lowest DOFs; those of equations on prescribed DOFs alone are last,
-//! by their rows.
+//! Results of a part depend on that part alone. Parts are ordered by their lowest DOFs; those whose equations have prescribed DOFs only come
+//! last, ordered by their rows.
 
 use qless::common::DisjointSets;
 use qless_constraints::{ConstraintSet, Quantities};
@@ -10,7 +9,7 @@ use qless_constraints::{ConstraintSet, Quantities};
 use super::model::Assembly;
 use crate::newton::{EquationParts, join_all};
 
-/// Of DOFs that are prescribed.
+/// Marks a prescribed DOF.
 const NONE: u32 = u32::MAX;
 
 /// One part.
@@ -26,12 +25,12 @@ pub struct EquilibriumPart {
 
 pub struct EquilibriumParts {
     pub list: Vec<EquilibriumPart>,
-    /// Prescribed DOFs that are in none.
+    /// Prescribed DOFs that belong to no part.
     pub untouched: EquilibriumPart,
     of_dof: Vec<u32>,
     of_row: Vec<u32>,
     place: Vec<u32>,
-    /// EquilibriumParts of the equations alone, which stiffness does not join.
+    /// Parts of the equations alone, without stiffness.
     pub of_equations: EquationParts,
 }
 
@@ -79,14 +78,14 @@ impl EquilibriumParts {
         self.of_row[r] as usize
     }
 
-    /// The place of a DOF among those of a part; none of one that is prescribed or of another.
+    /// Index of a DOF within a part; none if it is prescribed or in another part.
     pub fn place(&self, part: usize, j: usize) -> Option<usize> {
         (self.of_dof[j] as usize == part).then(|| self.place[j] as usize)
     }
 }
 
 impl EquilibriumPart {
-    /// Finds its prescribed DOFs.
+    /// Collects its prescribed DOFs.
     fn touch(&mut self, assembly: &Assembly, quantities: &Quantities, held: &[bool]) {
         let g = quantities.g();
         let of_row = |&r: &usize| g.row(r).map(|(j, _)| j).filter(|&j| held[j]);
@@ -97,7 +96,7 @@ impl EquilibriumPart {
     }
 }
 
-/// Sets of DOFs that are not held and lead to one another.
+/// Connected components of the free DOFs.
 fn joined(assembly: &Assembly, set: &ConstraintSet, quantities: &Quantities, held: &[bool]) -> DisjointSets {
     let (mut sets, g) = (DisjointSets::new(held.len()), quantities.g());
     (0..g.rows()).for_each(|r| join_all(&mut sets, g.row(r).map(|(j, _)| j).filter(|&j| !held[j])));

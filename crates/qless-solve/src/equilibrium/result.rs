@@ -1,34 +1,34 @@
-//! What comes out: an equilibrium, and the load steps and iterates on the way to it.
+//! Results: an equilibrium, with its load steps and iterates.
 
 use super::Stability;
 
-/// One iterate: what was out of balance when it was reached.
+/// One iterate, with its residuals.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EquilibriumIterate {
-    /// `max_j |r_j|` over the free DOFs, relative to the sizes of its terms, or to what rounding allows.
+    /// `max_j |r_j|` over the free DOFs, relative to the sizes of its terms or to what rounding allows.
     pub force: f64,
-    /// `max_r eps |c_r| / rounding_r` over the kept rows: relative to the sizes of the terms of c, its own or, where it no longer
-    /// falls, the largest; or less, where a motion that makes up for c is less than the rounding of forces.
+    /// `max_r eps |c_r| / rounding_r` over the kept rows, relative to the sizes of the terms of c. If c no longer falls, the largest terms of
+    /// its part count, or less if the motion that makes up for c changes forces by less than their rounding.
     pub constraint: f64,
-    /// How much of the correction was gone to come here: 1 for all of it, 0 where only multipliers changed. The least of the connected parts that were
-    /// still on their way; all else is the largest of all parts.
+    /// Step length that led to this iterate: 1 for a full correction, 0 if only multipliers changed. The smallest of the connected parts that
+    /// moved; the other fields are the largest of all parts.
     pub length: f64,
-    /// Whether a tangent before it was singular, and something was added to it.
+    /// Whether the tangent of the last correction was singular and was regularised.
     pub regularised: bool,
 }
 
 /// One load step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadStep {
-    /// EquilibriumPart of the way from the start to the target.
+    /// Load factor: 0 at the start, 1 at the target.
     pub factor: f64,
-    /// Whether equilibrium was found there; if not, the parts that failed were tried once more from a configuration that satisfies the constraints, or
-    /// the step was cut.
+    /// Whether the step found an equilibrium. If not, failed parts were tried again from a configuration that satisfies the constraints, or
+    /// the step was shortened.
     pub converged: bool,
-    /// Whether branches of what the constraints determine meet on the way there, or nearly so: which one was taken, Newton's method decided. Look
-    /// at the result, or go there in other steps.
+    /// Whether branches of the determined DOFs meet on the way, or nearly meet. Newton's method then chose one: check the result, or use
+    /// other steps.
     pub branches_meet: bool,
-    /// The way there, of the parts that were tried.
+    /// The iterates of the parts that were tried.
     pub iterates: Vec<EquilibriumIterate>,
 }
 
@@ -37,19 +37,19 @@ pub struct LoadStep {
 pub struct Equilibrium {
     /// DOFs.
     pub u: Vec<f64>,
-    /// One per equation, in units of force times displacement per unit of c; 0 for those left out.
+    /// One per equation, in units of force times displacement per unit of c; 0 for redundant equations.
     pub multipliers: Vec<f64>,
-    /// `f_int + G^T lambda - f_ext` at prescribed DOFs, in the order of [`super::Target::prescribed`]: what the supports push with.
+    /// `f_int + G^T lambda - f_ext` at prescribed DOFs, in the order of [`super::Target::prescribed`]: the support forces.
     pub reactions: Vec<f64>,
-    /// `-G^T lambda`: what the constraints push the model with, one per DOF.
+    /// `-G^T lambda`: force of the constraints on the model, one per DOF.
     pub constraint_forces: Vec<f64>,
-    /// Equations that are redundant here, without multipliers.
+    /// Redundant equations, which have no multiplier.
     pub redundant: Vec<usize>,
-    /// Whether it is stable, where [`super::EquilibriumOptions::stability`] asks: [`Stability::Stable`] if all connected parts are, and unstable in as
-    /// many directions as these together; not symmetric or undecided if one of them is.
+    /// Result of the check that [`super::EquilibriumOptions::stability`] asks for. [`Stability::Stable`] if all connected parts are stable;
+    /// the unstable directions of all parts are added up; not symmetric or undecided if one part is.
     pub stability: Option<Stability>,
-    /// All attempts at load steps, those that failed too.
+    /// All attempted load steps, including failed ones.
     pub steps: Vec<LoadStep>,
-    /// The loads that it carries.
+    /// The loads in equilibrium.
     pub loads: Vec<f64>,
 }

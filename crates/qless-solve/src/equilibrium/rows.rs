@@ -1,7 +1,8 @@
-//! The equations that carry multipliers: those that are independent at a consistent configuration.
+//! The equations that get multipliers: those that are independent at a consistent configuration.
 //!
-//! They are chosen where the constraints hold, and kept on the way: off the constraints by d, redundant rows are independent by d, and
-//! with multipliers on them the matrix would be singular but for d. One analysis serves all parts that choose at the time.
+//! They are chosen where the constraints hold, and kept during the iteration. At a distance d from there, redundant rows are independent by
+//! an amount of order d, and the matrix with their multipliers would be almost singular. One analysis serves all parts that choose at the
+//! same time.
 
 use std::sync::Arc;
 
@@ -12,19 +13,19 @@ use super::parts::EquilibriumParts;
 use super::{EquilibriumOptions, StepFailure};
 use crate::newton::units;
 
-/// What an analysis says of all equations at one configuration.
+/// Independent equations at one configuration.
 #[derive(Debug)]
 pub struct RowChoice {
-    /// Of the columns of G there.
+    /// Units of the columns of G.
     units: Vec<f64>,
     /// Which equations are independent.
     kept: Vec<bool>,
-    /// What says which rows others follow from.
+    /// Knows the certificates of redundant rows.
     analysis: Analysis,
 }
 
 impl RowChoice {
-    /// The rows that are independent where `quantities` were evaluated, `before` first.
+    /// Analyses G as evaluated in `quantities`; rows in `before` are preferred.
     pub fn new(
         (set, parts): (&ConstraintSet, &EquilibriumParts),
         quantities: &Quantities,
@@ -32,7 +33,7 @@ impl RowChoice {
         (options, mut before): (&EquilibriumOptions, Vec<usize>),
     ) -> Result<Arc<Self>, StepFailure> {
         let mut still = quantities.clone();
-        // Only the rank is asked for.
+        // Only the rank is needed.
         still.clear_values();
         let held: Vec<(usize, f64)> = prescribed.iter().map(|&(j, v)| (j, 0.0 * v)).collect();
         let mut settings: Options = options.analysis.clone();
@@ -49,13 +50,13 @@ impl RowChoice {
 #[derive(Clone, Debug)]
 pub struct KeptRows {
     list: Vec<usize>,
-    /// Whether one was left out that is independent in the units.
+    /// Whether a row was removed although the analysis found it independent.
     thinned: bool,
     choice: Arc<RowChoice>,
 }
 
 impl KeptRows {
-    /// Those of the given ones that are independent.
+    /// The independent rows among `of`.
     pub fn new(of: &[usize], choice: &Arc<RowChoice>) -> Self {
         let list = of.iter().copied().filter(|&r| choice.kept[r]).collect();
         Self { list, thinned: false, choice: choice.clone() }
@@ -65,7 +66,7 @@ impl KeptRows {
         &self.list
     }
 
-    /// Of the columns of G, those of DOFs first.
+    /// Units of the columns of G; those of DOFs come first.
     pub fn units(&self) -> &[f64] {
         &self.choice.units
     }
@@ -74,13 +75,13 @@ impl KeptRows {
         self.list.binary_search(&row).is_ok()
     }
 
-    /// `(c_k, k)` of a row that follows from others, `row = sum c_k row_k`; none of one that does not.
+    /// `(c_k, k)` of a redundant row, `row = sum c_k row_k`; empty for others.
     pub fn because(&self, row: usize) -> impl Iterator<Item = (f64, usize)> {
         let because = self.choice.analysis.because(row).unwrap_or_default();
         because.into_iter().map(|term| (term.coefficient, term.row))
     }
 
-    /// Leaves out a row that depends on others.
+    /// Removes a row that depends on others.
     pub fn leave_out(&mut self, row: usize) {
         self.list.retain(|&r| r != row);
         self.thinned = true;
@@ -90,7 +91,7 @@ impl KeptRows {
         self.thinned
     }
 
-    /// Chooses anew among the given ones; whether that changed anything.
+    /// Chooses anew among `of`; returns whether the rows changed.
     pub fn renew(&mut self, of: &[usize], choice: &Arc<RowChoice>) -> bool {
         let other = Self::new(of, choice);
         let changed = other.list != self.list;

@@ -1,9 +1,8 @@
-//! `[K + H, G^T; G, 0] [du; dlambda] = [a; b]` on free DOFs and kept rows, scaled from both sides, by sparse LU.
+//! The saddle system `[K + H, G^T; G, 0] [du; dlambda] = [a; b]` on free DOFs and kept rows, scaled from both sides and solved by sparse LU.
 //!
-//! `A = D (saddle) D` with entries of size one: D of a DOF is a displacement by the root of an energy, so that a scaled correction
-//! `D^-1 x` has the same unit in all its parts, and so has a scaled residual `D r`.
-//! @@ equilibrium/pattern.rs
-//! Where the entries of a saddle matrix are, and the symbolic part of its factors: the same as long as the same rows are kept.
+//! `A = D (saddle) D` has entries of size one. D of a DOF is a displacement per square root of energy, so that all entries of a scaled
+//! correction `D^-1 x` have the same unit, as have those of a scaled residual `D r`. The pattern and the symbolic factors stay the same while
+//! the same rows are kept ([`SaddlePattern`]).
 
 use faer::Mat;
 use faer::prelude::Solve;
@@ -12,26 +11,26 @@ use faer::sparse::{Argsort, Pair, SymbolicSparseColMat};
 
 use crate::common::{SparseMatrix, random};
 
-/// Rounds of scaling by roots of the largest entries.
+/// Passes of scaling by square roots of the largest entries.
 const ROUNDS: usize = 10;
-/// A smallest singular value below this, where the largest entries are one, is none.
+/// A singular value below this counts as zero; the largest entries are one.
 const SINGULAR: f64 = 1e-14;
-/// Added to the diagonal of a matrix with a pivot that is zero.
+/// Added to the diagonal if a pivot is zero.
 const SHIFT: f64 = 1e-13;
-/// A motion has the DOFs that move by at least this part of the one that moves most.
+/// A DOF takes part in a motion if it moves by at least this fraction of the largest.
 const MOVES: f64 = 0.1;
 
-/// SaddleEntries `(row, column, value)` of a square matrix; repetitions are summed.
+/// Entries `(row, column, value)` of a square matrix; repeated ones are summed.
 pub struct SaddleEntries {
     pub size: usize,
-    /// So many of them, the first, are those of the model's stiffness.
+    /// Number of entries of the model's stiffness, which come first.
     pub stiff: usize,
     pub list: Vec<(usize, usize, f64)>,
-    /// Units of the DOFs, which come first, from which their scales start; none for one that is common to all.
+    /// Units of the DOFs, from which scaling starts; empty if all start equal.
     pub units: Vec<f64>,
 }
 
-/// The scaled matrix and its factors.
+/// The scaled matrix with its factors.
 pub struct Saddle {
     scale: Vec<f64>,
     a: SparseMatrix,
@@ -39,7 +38,7 @@ pub struct Saddle {
 }
 
 impl Saddle {
-    /// Scales and factors, with `added` on the first `free` places of the scaled diagonal.
+    /// Scales and factors; `added` is added to the first `free` diagonal entries of the scaled matrix.
     pub fn new(entries: &SaddleEntries, free: usize, added: f64, pattern: &mut SaddlePattern) -> Result<Self, String> {
         let scale = scaling(entries, free);
         let scaled = entries.list.iter().map(|&(i, j, v)| (i, j, scale[i] * v * scale[j]));
@@ -54,7 +53,7 @@ impl Saddle {
         &self.a
     }
 
-    /// x, with one step of refinement.
+    /// Solves, with one step of refinement.
     pub fn solve(&self, rhs: &[f64]) -> Vec<f64> {
         let b: Vec<f64> = rhs.iter().zip(&self.scale).map(|(r, d)| r * d).collect();
         let mut y = inverse(&self.lu, &b);
@@ -68,12 +67,12 @@ impl Saddle {
         x.iter().zip(&self.scale).fold(0.0, |sum: f64, (x, d)| sum.hypot(x / d))
     }
 
-    /// The scaled vector that A makes smallest, if that is nothing but rounding; by inverse iteration.
+    /// The scaled null vector of A up to rounding, if there is one; by inverse iteration.
     pub fn null_vector(&self, pattern: &SaddlePattern) -> Option<Vec<f64>> {
         match inverse_iteration(&self.lu, self.scale.len()) {
             Some((_, size)) if size >= SINGULAR => None,
             Some((y, _)) => Some(y),
-            // A pivot is exactly zero: a little off, the same vector is found.
+            // A pivot is zero. A small shift gives the same vector.
             None => Some(
                 self.shifted(pattern)
                     .and_then(|lu| inverse_iteration(&lu, self.scale.len()))
@@ -82,12 +81,12 @@ impl Saddle {
         }
     }
 
-    /// The scaled vector that A makes smallest, of length one, if it makes it smaller than `below`.
+    /// The unit vector y with the smallest `|A y|`, if that is less than `below`.
     pub fn softest(&self, below: f64) -> Option<Vec<f64>> {
         inverse_iteration(&self.lu, self.scale.len()).filter(|(_, size)| *size < below).map(|(y, _)| y)
     }
 
-    /// `D (saddle) D y` of another saddle with the scales of this one.
+    /// `D (saddle) D y` for another saddle matrix, with the scales of this one.
     pub fn applied(&self, entries: &SaddleEntries, y: &[f64]) -> Vec<f64> {
         let mut sum = vec![0.0; y.len()];
         entries.list.iter().for_each(|&(i, j, v)| sum[i] += self.scale[i] * v * self.scale[j] * y[j]);
@@ -118,7 +117,7 @@ fn inverse(lu: &Lu<usize, f64>, b: &[f64]) -> Vec<f64> {
     (0..b.len()).map(|i| x[(i, 0)]).collect()
 }
 
-/// The vector that the matrix makes smallest, of length one, and how long that is; nothing if a pivot is zero.
+/// The unit vector with the smallest image, and the length of that; none if a pivot is zero.
 fn inverse_iteration(lu: &Lu<usize, f64>, n: usize) -> Option<(Vec<f64>, f64)> {
     let mut y = unit(&(0..n as u64).map(random).collect::<Vec<_>>());
     let mut size = f64::INFINITY;
@@ -133,7 +132,7 @@ fn inverse_iteration(lu: &Lu<usize, f64>, n: usize) -> Option<(Vec<f64>, f64)> {
     Some((y, size))
 }
 
-/// The places among the first `free` at which the vector is large, the largest first; empty if the others hold most of it.
+/// Indices below `free` with large entries, in descending order of size; empty if the other entries are much larger.
 pub fn large(y: &[f64], free: usize) -> Vec<usize> {
     let size = |part: &[f64]| part.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
     let (motion, rest) = (size(&y[..free]), size(&y[free..]));
@@ -145,7 +144,7 @@ pub fn large(y: &[f64], free: usize) -> Vec<usize> {
     places
 }
 
-/// The places at which a vector is large, ascending.
+/// Indices with large entries, ascending.
 pub fn largest(y: &[f64]) -> impl Iterator<Item = usize> {
     let most = y.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
     (0..y.len()).filter(move |&i| most > 0.0 && y[i].abs() >= MOVES * most)
@@ -153,8 +152,8 @@ pub fn largest(y: &[f64]) -> impl Iterator<Item = usize> {
 
 /// Powers of two that bring the largest entry of each row to about one.
 ///
-/// DOFs with stiffness have their scale from that alone: a turn and a shift that are tied differ in stiffness by what their units differ
-/// by, and constraints must not hide it. All others are scaled to fit these; of several scales that fit, the start decides.
+/// DOFs with stiffness are scaled by stiffness alone: a rotation tied to a translation may differ from it in stiffness by the units, and
+/// constraints must not hide that. The other DOFs are scaled to match. If several scales match, the start decides.
 fn scaling(entries: &SaddleEntries, free: usize) -> Vec<f64> {
     let unit = |i: usize| entries.units.get(i).copied().unwrap_or(1.0);
     let list = entries.list.iter().map(|&(i, j, v)| (i, j, unit(i) * v * unit(j))).collect();
@@ -178,7 +177,7 @@ fn fitted(entries: &SaddleEntries, free: usize) -> Vec<f64> {
     scale.iter().map(|d| d.log2().round().exp2()).collect()
 }
 
-/// Stiffness and constraints as large as one another: the unit of force drops out.
+/// Start of scaling: stiffness and constraints of equal size, so that the unit of force cancels.
 fn start(entries: &SaddleEntries, free: usize) -> Vec<f64> {
     let of_motion = entries.list.iter().filter(|(i, j, _)| *i < free && *j < free);
     let most = of_motion.map(|(.., v)| v.abs()).fold(0.0, f64::max);
@@ -204,12 +203,12 @@ fn unit(x: &[f64]) -> Vec<f64> {
     x.iter().map(|x| x / size).collect()
 }
 
-/// Made at the first matrix, and anew for one with entries elsewhere.
+/// Made for the first matrix, and again if the positions of entries change.
 #[derive(Default)]
 pub struct SaddlePattern(Option<KnownPattern>);
 
 struct KnownPattern {
-    /// `(row, column)` of each number, repetitions too.
+    /// `(row, column)` of each entry, including repetitions.
     places: Vec<(usize, usize)>,
     columns: SymbolicSparseColMat<usize>,
     order: Argsort<usize>,
@@ -217,7 +216,7 @@ struct KnownPattern {
 }
 
 impl SaddlePattern {
-    /// The matrix with these entries `(row, column, value)`, of which those in one place are summed.
+    /// The matrix with these entries `(row, column, value)`; repeated ones are summed.
     pub fn matrix(&mut self, size: usize, entries: &[(usize, usize, f64)]) -> Result<SparseMatrix, String> {
         let places = || entries.iter().map(|&(i, j, _)| (i, j));
         let known = match self.0.take() {
@@ -229,7 +228,7 @@ impl SaddlePattern {
         SparseMatrix::new_from_argsort(known.columns.clone(), &known.order, &values).map_err(|e| format!("{e:?}"))
     }
 
-    /// The factors of a matrix with the entries of the last one.
+    /// Factors a matrix with the pattern of the last one.
     pub fn factors(&self, matrix: &SparseMatrix) -> Result<Lu<usize, f64>, String> {
         let known = self.0.as_ref().ok_or("there is no matrix")?;
         Lu::try_new_with_symbolic(known.factors.clone(), matrix.as_ref()).map_err(|e| format!("{e:?}"))

@@ -1,9 +1,9 @@
-//! Negative directions of an equilibrium: negative eigenvalues of `Z^T (K + H) Z`, Z a basis of `G Z = 0`.
+//! Stability of an equilibrium: the number of negative eigenvalues of `Z^T (K + H) Z`, where Z is a basis of `G Z = 0`.
 //!
-//! With `M = [K + H, G^T; G, -s I]` and m rows, `inertia M = inertia (K + H + G^T G / s) + (0, m)`; with `A = M + s [0, 0; 0, I]`,
-//! `inertia A = inertia (Z^T (K + H) Z) + (m, m)` (Gould 1985). Both matrices have the same inertia where no `M - t (M - A)`, `0 <= t <= 1`, is
-//! singular: where the powers of `M^-1 (M - A) = I - M^-1 A` fall. That is looked at with the factors `L D L^T` as they are, so that
-//! their rounding counts too: nothing is said of an inertia that they do not prove.
+//! Let `M = [K + H, G^T; G, -s I]` with m rows of G; then `inertia M = inertia (K + H + G^T G / s) + (0, m)`. For `A = M + s [0, 0; 0, I]`,
+//! `inertia A = inertia (Z^T (K + H) Z) + (m, m)` (Gould 1985). Both have the same inertia if no `M - t (M - A)`, `0 <= t <= 1`, is singular,
+//! that is, if the powers of `M^-1 (M - A) = I - M^-1 A` decay. This is checked with the computed factors `L D L^T`, including their
+//! rounding. If they do not prove the inertia, the result is undecided.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
@@ -18,35 +18,36 @@ use faer::{Conj, MatMut, Par, Side, Spec};
 use super::saddle::{norm, times};
 use crate::common::{SparseMatrix, random};
 
-/// s, where entries are of size one: a large one is far from the constraints, a small one rounds the stiffness away.
+/// Values of s to try, for entries of size one: with a large s, M differs from the constraints; with a small s, the stiffness is lost to
+/// rounding.
 const SHIFTS: [f64; 4] = [1e-6, 1e-8, 1e-4, 1e-10];
-/// `G^T G` may have so many terms for each entry of A; a row on all DOFs would fill it.
+/// Most terms of `G^T G` per entry of A; a row with all DOFs would fill it.
 const FILL: usize = 100;
-/// Powers of `M^-1 E` that are looked at, and what is left of a vector then.
+/// Number of powers of `M^-1 (M - A)`, and the largest remaining fraction of a vector.
 const POWERS: usize = 6;
 const LEFT: f64 = 1e-3;
-/// Halves of a tangent that differ by more than this, where entries are of size one, are not those of an energy.
+/// Largest difference between `A_ij` and `A_ji` of a symmetric tangent with entries of size one.
 const SYMMETRIC: f64 = 1e-9;
 
-/// Whether the energy has its minimum at an equilibrium, among the motions that the constraints allow.
+/// Whether the energy has a minimum at an equilibrium, among the motions that the constraints allow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Stability {
-    /// It has: the tangent is positive definite on them.
+    /// The tangent is positive definite on the admissible motions.
     Stable,
-    /// It has not.
+    /// The tangent has negative directions.
     Unstable {
-        /// How many independent motions lower the energy: negative eigenvalues of `Z^T (K + H) Z`, `G Z = 0`.
+        /// Number of independent motions that lower the energy: negative eigenvalues of `Z^T (K + H) Z`, `G Z = 0`.
         directions: usize,
     },
-    /// The tangent is not symmetric: there is no energy.
+    /// The tangent is not symmetric, so that there is no energy.
     NotSymmetric,
-    /// The equilibrium is so near to a critical point, or the tangent so badly conditioned, that signs of pivots prove nothing.
+    /// The equilibrium is too close to a critical point, or the tangent too badly conditioned, for signs of pivots to prove anything.
     Undecided,
 }
 
 impl Stability {
-    /// That of a model, from those of its parts: what proves nothing in one of them proves nothing of all.
+    /// Stability of a model from that of its parts; one undecided part makes all undecided.
     pub(super) fn of_parts(parts: impl Iterator<Item = Self>) -> Self {
         parts.fold(Self::Stable, |all, part| match (all, part) {
             (Self::NotSymmetric, _) | (_, Self::NotSymmetric) => Self::NotSymmetric,
@@ -59,7 +60,7 @@ impl Stability {
     }
 }
 
-/// That of a scaled saddle matrix, whose first `free` places are DOFs.
+/// Stability by a scaled saddle matrix, whose first `free` rows are DOFs.
 pub fn stability(a: &SparseMatrix, free: usize) -> Stability {
     if !symmetric(a) {
         return Stability::NotSymmetric;
@@ -91,7 +92,7 @@ struct InertiaFactors {
 impl InertiaFactors {
     fn new(a: &SparseMatrix, free: usize, shift: f64) -> Option<Self> {
         let stiff = stiffened(a, free, shift)?;
-        // D of simplicial factors is where it can be read.
+        // Only simplicial factors give access to D.
         let simplicial = SupernodalThreshold::FORCE_SIMPLICIAL;
         let params = CholeskySymbolicParams { supernodal_flop_ratio_threshold: simplicial, ..Default::default() };
         let (side, order) = (Side::Upper, SymmetricOrdering::Amd);
@@ -104,7 +105,7 @@ impl InertiaFactors {
         Some(Self { free, shift, symbolic, values })
     }
 
-    /// The number of negative pivots, if `Z^T (K + H) Z` has as many negative eigenvalues.
+    /// The number of negative pivots, if it is proven to be that of `Z^T (K + H) Z`.
     fn proven(&self, a: &SparseMatrix) -> Option<usize> {
         let mut x: Vec<f64> = (0..a.ncols() as u64).map(random).collect();
         let before = norm(&x);
@@ -135,10 +136,10 @@ impl InertiaFactors {
     }
 }
 
-/// The upper half of `K + H + G^T G / s`; nothing if that would have too many entries.
+/// The upper half of `K + H + G^T G / s`; none if it would have too many entries.
 fn stiffened(a: &SparseMatrix, free: usize, shift: f64) -> Option<SparseMatrix> {
     let column = |j: usize| a.symbolic().row_idx_of_col(j).zip(a.val_of_col(j));
-    // The columns of rows are `G^T`.
+    // The columns of kept rows form `G^T`.
     let rows = free..a.ncols();
     let terms: usize = rows.clone().map(|r| a.symbolic().row_idx_of_col(r).len().pow(2)).sum();
     if terms > FILL * a.compute_nnz() {

@@ -1,4 +1,4 @@
-//! f_int, K, c, G and H at one configuration, and what is out of balance: `r = f_int + G^T lambda - f_ext`.
+//! f_int, K, c, G and H at one configuration, and the residual `r = f_int + G^T lambda - f_ext`.
 
 use qless::Csr;
 use qless_constraints::{ConstraintSet, Quantities, Rounding};
@@ -8,9 +8,9 @@ use super::parts::{EquilibriumPart, EquilibriumParts};
 use super::{EquilibriumError, StepFailure};
 use crate::newton::{at_rest, in_roundings, weights};
 
-/// Rounding of a sum of products, in units in the last place.
+/// Relative rounding of a sum of products.
 const ULPS: f64 = 8.0 * f64::EPSILON;
-/// Roundings of rows that another follows from.
+/// Roundings allowed for each row in the certificate of a redundant row.
 const OTHERS: f64 = 4.0;
 
 /// Displacements and multipliers.
@@ -20,17 +20,17 @@ pub struct Unknowns {
     pub multipliers: Vec<f64>,
 }
 
-/// What there is at one configuration.
+/// All quantities at one configuration.
 pub struct EquilibriumState {
     pub assembly: Assembly,
     pub quantities: Quantities,
     /// `f_int + G^T lambda - f_ext` at all DOFs.
     pub residual: Vec<f64>,
-    /// `sum |terms|` of it.
+    /// `sum |terms|` of the residual.
     pub terms: Vec<f64>,
-    /// What rounding of u and G may have added to it.
+    /// Effect of rounding of u and G on the residual.
     rounding: Vec<f64>,
-    /// `|c_r|` in roundings of its own terms; once it no longer falls, of the largest in its part, or of the forces.
+    /// `|c_r|` in roundings of its own terms; if it no longer falls, of the largest in its part or of the forces.
     pub constraints: Vec<f64>,
     /// Bounds on the rounding of c and G.
     of_constraints: Option<Rounding>,
@@ -54,7 +54,7 @@ impl EquilibriumState {
         })
     }
 
-    /// Residual and c only: for trial points.
+    /// Evaluates the residual and c only, for trial points.
     pub fn balance(
         &mut self,
         model: &mut impl Model,
@@ -68,7 +68,7 @@ impl EquilibriumState {
         self.sum(at, loads)
     }
 
-    /// All of it.
+    /// Evaluates all quantities.
     pub fn evaluate(
         &mut self,
         model: &mut impl Model,
@@ -87,7 +87,7 @@ impl EquilibriumState {
         Ok(())
     }
 
-    /// c of these parts no longer falls: what is left of it may be the rounding of other rows, or of forces.
+    /// For parts whose c no longer falls: the rest may be rounding of other rows or of forces.
     pub fn settle<'a>(
         &mut self,
         (set, parts): (&ConstraintSet, &EquilibriumParts),
@@ -106,8 +106,9 @@ impl EquilibriumState {
         }
     }
 
-    /// `|c_r / G_rj| K_jj^1/2 / max_i terms_i K_ii^-1/2` in units in the last place, the least over j, for each row: where that is little, a motion that
-    /// makes up for c_r is less than the rounding of forces does, however small the terms of c_r are. Those of a support `u_0 = 0` vanish with u_0.
+    /// For each row, the force change of the cheapest motion that removes c_r, `min_j |c_r / G_rj| K_jj^1/2 / max_i terms_i K_ii^-1/2`, in
+    /// units in the last place. If it is small, c_r is negligible, however small its own terms are; those of a support `u_0 = 0` vanish with
+    /// u_0.
     fn in_forces(&self, part: &EquilibriumPart) -> Vec<f64> {
         let stiffness = |j: usize| self.assembly.row(j).find(|&(k, _)| k == j).map_or(0.0, |(_, v)| v.abs().sqrt());
         let sizes = part.free.iter().map(|&j| (stiffness(j), self.terms[j])).filter(|(stiffness, _)| *stiffness > 0.0);
@@ -138,13 +139,13 @@ impl EquilibriumState {
         Ok(())
     }
 
-    /// Whether forces and c of a part are numbers.
+    /// Fails if a force or c of the part is not finite.
     pub fn finite(&self, part: &EquilibriumPart) -> Result<(), StepFailure> {
         finite("the force", part.free.iter().chain(&part.held).map(|&j| (j, self.residual[j])))?;
         finite("the constraint value", part.rows.iter().map(|&r| (r, self.quantities.c()[r])))
     }
 
-    /// Whether its stiffness is.
+    /// Fails if its stiffness is not finite.
     pub fn finite_stiffness(&self, part: &EquilibriumPart) -> Result<(), StepFailure> {
         let rows = part.free.iter().chain(&part.held);
         finite("the stiffness", rows.flat_map(|&i| self.assembly.row(i).map(move |(_, k)| (i, k))))
@@ -163,7 +164,7 @@ impl EquilibriumState {
         }
     }
 
-    /// `max |r_j| / (terms_j + rounding_j / tolerance)` over the free DOFs: at most the tolerance where they are in balance.
+    /// `max |r_j| / (terms_j + rounding_j / tolerance)` over the free DOFs; at most the tolerance in equilibrium.
     pub fn force(&self, free: &[usize], tolerance: f64) -> f64 {
         let relative = |&j: &usize| {
             let size = self.terms[j] + self.rounding[j] / tolerance;
@@ -172,7 +173,8 @@ impl EquilibriumState {
         free.iter().map(relative).fold(0.0, f64::max)
     }
 
-    /// Whether `c_r - sum y_k c_k` is rounding of its terms, where row r is `sum y_k row_k`: up to so many of its own, and some of the others.
+    /// Whether `c_r - sum y_k c_k` is rounding of its terms, if row r is `sum y_k row_k`; `roundings` of its own are allowed, and [`OTHERS`]
+    /// of each other.
     pub fn follows(&self, row: usize, because: impl Iterator<Item = (f64, usize)>, roundings: f64) -> bool {
         let Some(rounding) = &self.of_constraints else { return false };
         let (c, bounds) = (self.quantities.c(), rounding.c());
@@ -182,7 +184,7 @@ impl EquilibriumState {
         left.abs() <= limit
     }
 
-    /// The largest `|c_r|` of the chosen rows, in roundings.
+    /// The largest `|c_r|` of the given rows, in roundings.
     pub fn constraint(&self, rows: impl IntoIterator<Item = usize>) -> f64 {
         rows.into_iter().map(|r| self.constraints[r]).fold(0.0, f64::max)
     }

@@ -1,4 +1,4 @@
-//! The constraints on the way: at rest, or driven through time, `t = t_0 + s (t_1 - t_0)` at the load factor s.
+//! The constraint set along a path: constant, or driven through time, `t = t_0 + s (t_1 - t_0)` at the load factor s.
 
 use std::f64::consts::PI;
 
@@ -6,14 +6,14 @@ use qless_constraints::{ConstraintSet, TimeError};
 
 use super::StepFailure;
 
-/// Most that a motor turns by in a load step. c would follow nearly half a turn; Newton's method goes over to another branch sooner.
+/// Largest turn of a motor in one load step. c alone would allow almost half a turn, but Newton's method changes to another branch earlier.
 const FARTHEST: f64 = PI / 8.0;
 
-/// The set of a path.
+/// The constraint set of a path.
 pub enum TimePath<'a> {
-    /// It stays at its time.
+    /// The set keeps its time.
     Still(&'a ConstraintSet),
-    /// It goes from one time to another.
+    /// The set advances from one time to another.
     Driven { set: &'a mut ConstraintSet, times: [f64; 2] },
 }
 
@@ -25,9 +25,9 @@ impl TimePath<'_> {
         }
     }
 
-    /// Goes to the time of a load factor, from that of an equilibrium.
+    /// Sets the time of a load factor; fails if a motor turns too far from the last equilibrium.
     ///
-    /// Of an angle c knows no whole turns, and follows it the shorter way: nearer than by half a turn, which is too far for Newton's method too.
+    /// c sees an angle modulo 2 pi, so that steps have to stay below pi.
     pub fn go(&mut self, factor: f64) -> Result<(), StepFailure> {
         let before = self.set().angles();
         self.go_between(factor)?;
@@ -37,12 +37,12 @@ impl TimePath<'_> {
         far.map_or(Ok(()), |(row, angle)| Err(StepFailure::Turn { row, angle }))
     }
 
-    /// Goes to the time of a load factor, however far that turns.
+    /// Sets the time of a load factor without a limit on angles.
     pub fn go_between(&mut self, factor: f64) -> Result<(), StepFailure> {
         self.put(factor).map_err(|error| StepFailure::Fatal(error.into()))
     }
 
-    /// Goes back to where it was at a load factor.
+    /// Returns to the time of an earlier load factor.
     pub fn back(&mut self, factor: f64) {
         // All functions of time were finite there.
         let _ = self.put(factor);

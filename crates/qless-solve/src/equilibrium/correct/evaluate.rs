@@ -1,6 +1,5 @@
-//! Where parts have come to, and what is out of balance there.
-//! @@ equilibrium/correct/blame.rs
-//! Which parts make the model fail: it says no more than that it does, so that parts are tried without the others, by halves.
+//! Evaluates all parts and decides which of them need a correction. If the model rejects a configuration, it does not say for which part;
+//! parts are then evaluated without the others, by bisection.
 
 use std::error::Error;
 
@@ -9,11 +8,11 @@ use super::super::state::Unknowns;
 use super::super::{EquilibriumIterate, Model, StepFailure};
 use super::{CHANGES, Corrector, PartStage};
 
-/// Constraint values above this part of those before no longer fall.
+/// Constraint values fall if they are at most this fraction of those before.
 const FALLS: f64 = 0.5;
 
 impl<M: Model> Corrector<'_, M> {
-    /// Evaluates all at x, and lists for each part that is going what is out of balance.
+    /// Evaluates everything at x, and records the residuals of each part that iterates.
     pub(super) fn evaluate_all(&mut self, x: &mut Unknowns) -> Result<(), StepFailure> {
         let going = self.going();
         for &part in &going {
@@ -33,7 +32,7 @@ impl<M: Model> Corrector<'_, M> {
         Ok(())
     }
 
-    /// Evaluates; parts at which the model fails go back to where it did not.
+    /// Evaluates; parts that the model rejects return to their last valid configuration.
     fn evaluate(&mut self, x: &mut Unknowns, going: &[usize]) -> Result<(), StepFailure> {
         loop {
             let error = match self.state.evaluate(self.model, self.set, x, self.loads) {
@@ -52,7 +51,7 @@ impl<M: Model> Corrector<'_, M> {
         (0..self.all.len()).filter(|&part| self.all[part].is_going()).collect()
     }
 
-    /// A part that fails goes back to where it was evaluated last.
+    /// The part fails and returns to the last configuration that could be evaluated.
     pub(super) fn give_up(&mut self, part: usize, failure: StepFailure, x: &mut Unknowns) {
         self.all[part].fail(failure);
         let Some(looked) = &self.looked else { return };
@@ -82,7 +81,7 @@ impl<M: Model> Corrector<'_, M> {
         }
     }
 
-    /// The parts that need a correction; others are done, or keep other rows from here on.
+    /// The parts that need a correction. The others are done, or get other rows.
     pub(super) fn unbalanced(&mut self, x: &Unknowns) -> Result<Vec<usize>, StepFailure> {
         let (balanced, others): (Vec<usize>, Vec<usize>) =
             self.going().into_iter().partition(|&part| self.balanced(part, x));
@@ -99,14 +98,14 @@ impl<M: Model> Corrector<'_, M> {
             && found.constraint <= f64::EPSILON * self.options.roundings
     }
 
-    /// KeptRows that are left out too: a row that follows from others may be off by what rounding of those makes of it.
+    /// Whether redundant rows hold as well; rounding of the rows that they depend on is allowed.
     fn all_hold(&self, part: usize) -> bool {
         let (limit, rows) = (self.options.roundings, &self.all[part].rows);
         let holds = |r: usize| self.state.constraints[r] <= limit || self.state.follows(r, rows.because(r), limit);
         self.parts.list[part].rows.iter().all(|&r| rows.kept(r) || holds(r))
     }
 
-    /// Keeps other rows in these parts, those that are independent here.
+    /// Gives these parts the rows that are independent here.
     fn change(&mut self, off: &[usize]) -> Result<(), StepFailure> {
         off.iter().for_each(|&part| self.all[part].changes += 1);
         let may = |&&part: &&usize| self.all[part].changes <= CHANGES;
@@ -122,7 +121,7 @@ impl<M: Model> Corrector<'_, M> {
         Ok(())
     }
 
-    /// Chooses rows where all was evaluated last.
+    /// Analyses the rows where everything was evaluated last.
     pub(super) fn choose(&self) -> Result<std::sync::Arc<RowChoice>, StepFailure> {
         let before = self.all.iter().flat_map(|own| own.rows.list().iter().copied()).collect();
         let place = (self.set, self.parts);
@@ -133,9 +132,9 @@ impl<M: Model> Corrector<'_, M> {
 type ModelRefusal = Box<dyn Error + Send + Sync>;
 
 impl<M: Model> Corrector<'_, M> {
-    /// The parts at which the model fails alone, the others being where they were before; its refusal again if that is none of them.
+    /// Finds the parts that the model rejects if they move alone from `before` to `now`; returns the refusal if no part alone is rejected.
     ///
-    /// One evaluation for each halving on the way to each of them, and none where only one part moves.
+    /// Cost: one evaluation per bisection, and none if only one part moved.
     pub(super) fn locate_failure(
         &mut self,
         before: &[f64],
@@ -156,7 +155,7 @@ impl<M: Model> Corrector<'_, M> {
         if found.is_empty() { Err(refusal) } else { Ok(found) }
     }
 
-    /// Evaluates where only these parts have moved, and the prescribed DOFs that they feel.
+    /// Evaluates with only these parts moved, and the prescribed DOFs next to them.
     fn alone(&mut self, before: &[f64], now: &[f64], moved: &[usize]) -> Result<(), ModelRefusal> {
         let mut u = before.to_vec();
         let moved = moved.iter().map(|&part| &self.parts.list[part]);

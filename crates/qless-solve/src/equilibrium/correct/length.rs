@@ -1,19 +1,19 @@
-//! Length of a step, by the natural test of affine invariance (Deuflhard, Newton Methods for Nonlinear Problems, NLEQ-ERR): the next
-//! correction with the same matrix, `A^-1 F(x + t dx)`, is shorter than dx by a quarter of t. Where a stiff direction (an axis, a
-//! rod) bends, forces rise for a step while the error falls: the residual itself would forbid that step.
+//! Step lengths by the natural monotonicity test (Deuflhard, Newton Methods for Nonlinear Problems, NLEQ-ERR): the next correction with the
+//! same matrix, `A^-1 F(x + t dx)`, is shorter than dx by the fraction `t / 4`. If a stiff direction bends (an axis, a rod), forces rise for
+//! a step although the error falls; a test of the residual would forbid that step.
 //!
-//! EquilibriumParts try their lengths in lock step; those that have found theirs wait where they were.
+//! All parts try their lengths together. Parts that have found their length wait.
 
 use super::super::state::Unknowns;
 use super::super::{Model, StepFailure};
 use super::{Correction, Corrector, PartStage};
 
-/// Steps shorter than this are none.
+/// Smaller step lengths count as failure.
 const SHORTEST: f64 = 1e-4;
-/// So near to the tolerance, rounding decides what a shorter step would bring.
+/// Within this factor of the tolerance, rounding makes the test meaningless.
 const NEAR: f64 = 1e3;
 
-/// A part that looks for its length.
+/// A part that searches for its step length.
 pub(super) struct LengthSearch {
     step: Correction,
     size: f64,
@@ -22,7 +22,7 @@ pub(super) struct LengthSearch {
 }
 
 impl<M: Model> Corrector<'_, M> {
-    /// Where to start: all the way where only rounding is left. EquilibriumParts whose prescribed DOFs have yet to move are ready for that.
+    /// Starts the searches, with a full step if only rounding is left. Parts whose prescribed DOFs have yet to move become ready instead.
     pub(super) fn starts(&mut self, x: &Unknowns, steps: Vec<Correction>) -> Vec<LengthSearch> {
         let mut searches = Vec::new();
         for step in steps {
@@ -44,7 +44,7 @@ impl<M: Model> Corrector<'_, M> {
         searches
     }
 
-    /// Moves each part by its length.
+    /// Moves each part by its step length.
     pub(super) fn go(&mut self, x: &mut Unknowns, mut searches: Vec<LengthSearch>) -> Result<(), StepFailure> {
         while searches.iter().any(|search| !search.found) {
             self.attempt(x, &mut searches)?;
@@ -61,7 +61,7 @@ impl<M: Model> Corrector<'_, M> {
         Ok(())
     }
 
-    /// One trial of all that are open; forces, c and G of x are lost.
+    /// One trial of all open searches; overwrites forces, c and G of x.
     fn attempt(&mut self, x: &Unknowns, searches: &mut [LengthSearch]) -> Result<(), StepFailure> {
         let mut trial = x.clone();
         let mut open: Vec<&mut LengthSearch> = searches.iter_mut().filter(|search| !search.found).collect();
@@ -79,7 +79,7 @@ impl<M: Model> Corrector<'_, M> {
         Ok(())
     }
 
-    /// Whether the next correction, `-A^-1 F(x + t dx)`, is as much shorter as it must be; if not, the next length.
+    /// Accepts the length if the next correction, `-A^-1 F(x + t dx)`, is short enough; otherwise chooses the next length.
     fn judge(&self, trial: &Unknowns, search: &mut LengthSearch) {
         let LengthSearch { step: Correction { part, saddle, dx, .. }, size, t, .. } = &*search;
         let (size, t) = (*size, *t);
@@ -104,7 +104,7 @@ impl<M: Model> Corrector<'_, M> {
         multipliers.for_each(|(&r, dx)| x.multipliers[r] += of_multipliers * dx);
     }
 
-    /// Moves prescribed DOFs to their values once all parts are ready for that, and these with them.
+    /// Moves prescribed DOFs to their values as soon as all parts are ready, together with these parts.
     pub(super) fn set_off(&mut self, x: &mut Unknowns) {
         let behind = |part: usize| self.all[part].is_going() && !self.arrived(part, x);
         if (0..self.all.len()).any(behind) {
@@ -119,7 +119,7 @@ impl<M: Model> Corrector<'_, M> {
         self.prescribed.iter().for_each(|&(j, v)| x.u[j] = v);
     }
 
-    /// No part goes on for ever.
+    /// Parts that reach the limit of iterations fail.
     pub(super) fn end_late(&mut self, x: &mut Unknowns) {
         for part in self.going() {
             if self.all[part].iterates.len() > self.options.iterations {

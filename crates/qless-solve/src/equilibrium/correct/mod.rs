@@ -1,16 +1,14 @@
-//! Newton's method at one load: `[K + H, G^T; G, 0] [du; lambda' - lambda] = -[r; c]`, with H of the present multipliers.
+//! Newton's method at one load: `[K + H, G^T; G, 0] [du; lambda' - lambda] = -[r; c]`, with H of the current multipliers.
 //!
-//! EquilibriumParts go in lock step: one evaluation of model and constraints serves all, each where it has come to. Scales, factors, lengths, kept rows and the
-//! end are a part's own; one that has arrived, or has failed, stays where it is. A round of all parts:
+//! All parts are iterated together: one evaluation of model and constraints serves all. Scales, factors, step lengths, kept rows and
+//! termination are separate. A part that has converged or failed does not move. One iteration:
 //!
 //! | what | for | cost |
 //! | --- | --- | --- |
-//! | evaluation with stiffness | all parts at once | one pass |
-//! | rows chosen anew | parts that ask | one analysis, seldom |
+//! | evaluation with stiffness | all parts together | one pass |
+//! | new choice of rows | parts that need it | one analysis, rarely |
 //! | tangent | each part | one numeric LU of it |
-//! | lengths | all parts at once | one pass and one solution of each part per trial |
-//! @@ equilibrium/correct/progress.rs
-//! How far a part has come in a load step.
+//! | step lengths | all parts together | one pass and one solve of each part per trial |
 
 mod evaluate;
 mod length;
@@ -24,19 +22,19 @@ use super::saddle::{Saddle, SaddlePattern};
 use super::state::{EquilibriumState, Unknowns};
 use super::{EquilibriumIterate, EquilibriumOptions, Model, StepFailure};
 
-/// Changes of the kept rows within one load step.
+/// Most changes of the kept rows in one load step.
 const CHANGES: usize = 4;
 
-/// What a part knows of its matrices from one load step to the next.
+/// What a part keeps of its matrices from one load step to the next.
 #[derive(Default)]
 pub struct Factoring {
-    /// That of the last tangent.
+    /// Pattern of the last tangent.
     pub pattern: SaddlePattern,
-    /// Whether scales of DOFs start from their units: where displacements and rotations are as different as their units, only these find those that fit.
+    /// Whether scaling starts from the units of DOFs. This is necessary if displacements and rotations differ greatly in size.
     pub in_units: bool,
 }
 
-/// One load step.
+/// One load step of all parts.
 pub struct Corrector<'a, M> {
     pub model: &'a mut M,
     pub set: &'a ConstraintSet,
@@ -48,9 +46,9 @@ pub struct Corrector<'a, M> {
     pub state: &'a mut EquilibriumState,
     pub factoring: &'a mut [Factoring],
     pub all: &'a mut [PartProgress],
-    /// The value of each prescribed DOF.
+    /// The value of each prescribed DOF; none for free DOFs.
     pub goal: &'a [Option<f64>],
-    /// Where all was evaluated last: a part that fails goes back there.
+    /// The last configuration that could be evaluated; failed parts return to it.
     pub looked: Option<Unknowns>,
 }
 
@@ -59,12 +57,12 @@ struct Correction {
     part: usize,
     saddle: Saddle,
     dx: Vec<f64>,
-    /// Multipliers alone may make a tangent regular: a chain without tension.
+    /// Whether to change multipliers only, which may make the tangent regular: a chain without tension.
     only_multipliers: bool,
 }
 
 impl<M: Model> Corrector<'_, M> {
-    /// Goes with all parts that are on their way from x to equilibrium; their kept rows may change. An error is one of the whole model.
+    /// Iterates the parts that are not done to equilibrium; their kept rows may change. An error concerns the whole model.
     pub fn run(&mut self, x: &mut Unknowns) -> Result<(), StepFailure> {
         self.set_off(x);
         loop {
@@ -81,7 +79,7 @@ impl<M: Model> Corrector<'_, M> {
         }
     }
 
-    /// The corrections of parts, but of those whose rows changed.
+    /// The corrections of parts, except those whose rows changed.
     fn steps(&mut self, x: &Unknowns, going: &[usize]) -> Result<Vec<Correction>, StepFailure> {
         let lists: Vec<_> = going.iter().map(|&part| self.all[part].rows.list().to_vec()).collect();
         let before = |part: usize| going.binary_search(&part).ok().map(|place| &lists[place][..]);
@@ -99,7 +97,7 @@ impl<M: Model> Corrector<'_, M> {
         Ok(steps)
     }
 
-    /// `-F` on free DOFs and kept rows of a part; what prescribed DOFs have yet to move goes to the right-hand side.
+    /// `-F` on free DOFs and kept rows of a part, including the effect of prescribed DOFs that have yet to move.
     fn rhs(&self, part: usize, x: &Unknowns) -> Vec<f64> {
         let (g, h) = (self.state.quantities.g(), self.state.quantities.h());
         let arrived = self.arrived(part, x);
@@ -119,12 +117,12 @@ impl<M: Model> Corrector<'_, M> {
         free.chain(self.all[part].rows.list().iter().map(|r| -c(r))).collect()
     }
 
-    /// What a DOF has yet to move, if it is prescribed.
+    /// Remaining motion of a prescribed DOF; zero for free DOFs.
     fn ahead(&self, j: usize, x: &Unknowns) -> f64 {
         self.goal[j].map_or(0.0, |goal| goal - x.u[j])
     }
 
-    /// Whether the prescribed DOFs of a part have their values.
+    /// Whether all prescribed DOFs of a part have their values.
     fn arrived(&self, part: usize, x: &Unknowns) -> bool {
         self.parts.list[part].held.iter().all(|&j| self.goal[j] == Some(x.u[j]))
     }
@@ -134,23 +132,23 @@ pub struct PartProgress {
     pub rows: KeptRows,
     pub way: PartStage,
     pub iterates: Vec<EquilibriumIterate>,
-    /// How much of the last correction was gone.
+    /// Length of the last step.
     pub(super) length: f64,
-    /// DOFs of a motion that nothing resists, at the last iterate.
+    /// DOFs of a motion without resistance, at the last iterate.
     pub(super) loose: Option<Vec<usize>>,
-    /// Times that the kept rows changed.
+    /// Number of changes of the kept rows.
     pub(super) changes: usize,
 }
 
-/// What a part has to do next.
+/// What a part does next.
 pub enum PartStage {
-    /// To go on.
+    /// Iterate.
     Going,
-    /// To take this correction, which moves its prescribed DOFs, once all others are ready for theirs: they may be the same.
+    /// Take this correction as soon as all parts are ready to move their prescribed DOFs, which they may share.
     Ready(Vec<f64>),
-    /// Nothing: it is in equilibrium, or has no part in this.
+    /// Nothing: it is in equilibrium, or takes no part in this attempt.
     Done,
-    /// Nothing: it comes to none.
+    /// Nothing: it has failed.
     Failed(StepFailure),
 }
 
@@ -167,29 +165,29 @@ impl PartProgress {
         matches!(self.way, PartStage::Done)
     }
 
-    /// Whether it failed in a way that another start may mend: not by leaving its branch.
+    /// Whether it failed in a way that another start may avoid; leaving its branch is not.
     pub fn may_start_again(&self) -> bool {
         matches!(&self.way, PartStage::Failed(failure) if !matches!(failure, StepFailure::Branch(_)))
     }
 
-    /// Whether it is still on its way.
+    /// Whether it is neither done nor failed.
     pub fn goes_on(&self) -> bool {
         matches!(self.way, PartStage::Going | PartStage::Ready(_))
     }
 
-    /// Why it failed, and its last iterate.
+    /// The reason of its failure, and its last iterate.
     pub fn into_failure(self) -> Option<(StepFailure, EquilibriumIterate)> {
         let last = self.iterates.last().copied().unwrap_or_default();
         if let PartStage::Failed(failure) = self.way { Some((failure, last)) } else { None }
     }
 
-    /// Without convergence where the tangent is singular, that is the reason.
+    /// Records a failure; missing convergence at a singular tangent counts as missing support.
     pub fn fail(&mut self, failure: StepFailure) {
         self.way = PartStage::Failed(failure.or_unsupported(self.loose.as_ref()));
     }
 }
 
-/// The iterates of parts side by side: a part that has come to its end stays as it is.
+/// Merges the iterates of all parts; a part that has finished keeps its last iterate.
 pub fn side_by_side(parts: &[&[EquilibriumIterate]]) -> Vec<EquilibriumIterate> {
     let most = parts.iter().map(|iterates| iterates.len()).max().unwrap_or(0);
     let mut all = vec![

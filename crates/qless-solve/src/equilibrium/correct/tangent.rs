@@ -1,13 +1,13 @@
-//! The tangents of one iterate, over kept rows that do not depend on one another there.
+//! Tangents of one iterate, over kept rows that are independent there, and the check that they support the model.
 //!
-//! KeptRows that were independent where they were chosen may depend on one another elsewhere, and rows that differ by the rounding of G only always
-//! do: the null vector of the tangent says which.
-//! @@ equilibrium/correct/support.rs
-//! Whether the tangent in equilibrium resists every motion that the constraints allow, and not by rounding: a bar without force has, across it,
-//! what rounding makes of its strain.
+//! Rows that were independent where they were chosen may be dependent elsewhere; rows that differ only by the rounding of G are always
+//! dependent. The null vector of the tangent shows which rows these are.
 //!
-//! With y the motion that A makes smallest, and A' the tangent where u and lambda are off by what the residual leaves of them and by their last
-//! places, that is where `|A' y - A y| > |A y| / 2`. Costs two evaluations, and only where a motion is resisted by little.
+//! In equilibrium the tangent must resist every admissible motion by more than rounding. A bar without force, for example, has a transverse
+//! stiffness from the rounding of its strain.
+//!
+//! Let y be the vector with the smallest `|A y|`, and A' the tangent after a change of u and lambda by their last correction and last places.
+//! The support is rounding if `|A' y - A y| > |A y| / 2`. Cost: two evaluations, if some motion is resisted weakly.
 
 use super::super::saddle::{Saddle, SaddleEntries, large, largest, norm, times};
 use super::super::state::Unknowns;
@@ -15,26 +15,26 @@ use super::super::{Model, StepFailure};
 use super::{CHANGES, Corrector};
 use crate::common::random;
 
-/// On the scaled diagonal where the tangent is singular on the way.
+/// Added to the scaled diagonal if the tangent is singular.
 const ADDED: f64 = 1e-3;
 
-/// Where rows depend on one another, and nobody can tell which.
+/// Rows are dependent, but it is not known which.
 const NO_FACTORS: &str =
     "it is singular, and has no factors even with something added; look for equations that depend on one another";
 
 /// Why a tangent is singular.
 enum SingularCause {
-    /// DOFs of a motion that nothing resists.
+    /// DOFs of a motion without resistance.
     Motion(Vec<usize>),
-    /// Kept rows that depend on one another, ascending; none where nobody can tell which.
+    /// Dependent rows, ascending; empty if they are not known.
     Rows(Vec<usize>),
 }
 
-/// A part, its factored tangent, and the DOFs of a motion that nothing resists, if there is one.
+/// A part, its factored tangent, and the DOFs of a motion without resistance, if there is one.
 pub(super) type RegularTangent = (usize, Saddle, Option<Vec<usize>>);
 
 impl<M: Model> Corrector<'_, M> {
-    /// The factored tangents of parts, ascending, over rows that do not depend on one another. A part that has none fails.
+    /// The factored tangents of parts, ascending, over independent rows. A part without one fails.
     pub(super) fn regular(&mut self, parts: &[usize]) -> Result<Vec<RegularTangent>, StepFailure> {
         let (mut open, mut done) = (parts.to_vec(), Vec::new());
         while !open.is_empty() {
@@ -53,8 +53,8 @@ impl<M: Model> Corrector<'_, M> {
         Ok(done)
     }
 
-    /// Keeps other rows, those that are independent here; where these are the same, one less. KeptRows that differ by the rounding of G only are
-    /// independent where DOFs are measured by their entries, and stay so. Whether the one that goes holds is seen at the end.
+    /// Gives parts the rows that are independent here; if these are the same, removes one row. Rows that differ by the rounding of G count as
+    /// independent in the units of their entries, so that they would be chosen again. Whether the removed row holds is checked at the end.
     fn separate(&mut self, asking: Vec<(usize, Vec<usize>)>) -> Result<Vec<usize>, StepFailure> {
         let may = |part: usize| !self.all[part].rows.is_thinned() && self.all[part].changes < CHANGES;
         let choice = if asking.iter().any(|(part, _)| may(*part)) { Some(self.choose()?) } else { None };
@@ -68,7 +68,7 @@ impl<M: Model> Corrector<'_, M> {
                     continue;
                 }
             }
-            // Of rows that say the same the last one goes, as in an analysis.
+            // As in an analysis, the last of dependent rows is removed.
             match dependent.last() {
                 Some(&last) => {
                     own.rows.leave_out(last);
@@ -80,7 +80,7 @@ impl<M: Model> Corrector<'_, M> {
         Ok(open)
     }
 
-    /// The factored tangent of a part at the last evaluation, with something added if it is singular.
+    /// The factored tangent of a part at the last evaluation; a singular one is regularised.
     fn tangent(&mut self, part: usize) -> Result<(Saddle, Option<SingularCause>), StepFailure> {
         let (entries, free) = (self.entries(part), &self.parts.list[part].free);
         let pattern = &mut self.factoring[part].pattern;
@@ -91,7 +91,7 @@ impl<M: Model> Corrector<'_, M> {
             let saddle = Saddle::new(&entries, free.len(), ADDED, pattern).map_err(StepFailure::Solver)?;
             return Ok((saddle, Some(SingularCause::Motion(dofs.into_iter().map(|i| free[i]).collect()))));
         }
-        // The kept rows were independent where they were chosen, in units.
+        // The analysis found the kept rows independent in these units.
         if !self.factoring[part].in_units {
             self.factoring[part].in_units = true;
             return self.tangent(part);
@@ -121,21 +121,21 @@ impl<M: Model> Corrector<'_, M> {
     }
 }
 
-/// A singular value below this is little, where the largest entries are one.
+/// A singular value below this needs a check; the largest entries are one.
 const LITTLE: f64 = 1e-8;
-/// Support that changes by more than this part of it is none.
+/// Support is rounding if it changes by more than this fraction.
 const CHANGES_BY: f64 = 0.5;
-/// How far u is off, in sizes of its terms.
+/// Relative perturbation of u.
 const OFF: f64 = 4.0 * f64::EPSILON;
 
-/// A part, and the motion that its tangent resists least.
+/// A part, and the motion with the least resistance.
 struct SoftPart {
     place: usize,
     y: Vec<f64>,
 }
 
 impl<M: Model> Corrector<'_, M> {
-    /// The tangents of parts in equilibrium; a part fails whose tangent does not resist every motion that the constraints allow.
+    /// The tangents of parts in equilibrium. A part fails if its tangent does not resist every admissible motion.
     pub fn supported(&mut self, parts: &[usize], x: &Unknowns) -> Result<Vec<(usize, Saddle)>, StepFailure> {
         let before: Vec<_> = parts.iter().map(|&part| self.all[part].rows.clone()).collect();
         let found = self.regular(parts)?;
@@ -151,7 +151,7 @@ impl<M: Model> Corrector<'_, M> {
         Ok(list)
     }
 
-    /// DOFs of motions that are resisted by rounding only, by tangent.
+    /// For each tangent, the DOFs of a motion that only rounding resists.
     fn by_rounding(&mut self, found: &[RegularTangent], x: &Unknowns) -> Result<Vec<Option<Vec<usize>>>, StepFailure> {
         let of = |(place, (_, saddle, motion)): (usize, &RegularTangent)| {
             motion.is_none().then(|| saddle.softest(LITTLE)).flatten().map(|y| SoftPart { place, y })
@@ -173,7 +173,7 @@ impl<M: Model> Corrector<'_, M> {
             if !is_firm {
                 let free = &self.parts.list[*part].free;
                 let dofs: Vec<usize> = large(&y, free.len()).into_iter().map(|i| free[i]).collect();
-                // Where multipliers hold most of y, rows are nearly dependent: that is no motion.
+                // If multipliers dominate y, rows are nearly dependent; that is not a free motion.
                 motions[place] = Some(dofs).filter(|dofs| !dofs.is_empty());
             }
         }
@@ -181,7 +181,7 @@ impl<M: Model> Corrector<'_, M> {
         Ok(motions)
     }
 
-    /// Moves a part by its next correction, and by the last places of what its DOFs add to.
+    /// Perturbs a part by its next correction and by the last places of its coordinates.
     fn put_off(&self, off: &mut Unknowns, x: &Unknowns, (part, saddle, _): &RegularTangent) {
         self.advance(off, *part, &saddle.solve(&self.rhs(*part, x)), (1.0, 1.0));
         for (k, &j) in (0..).zip(&self.parts.list[*part].free) {

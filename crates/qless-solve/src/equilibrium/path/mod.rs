@@ -1,9 +1,7 @@
-//! Load steps: `f_ext = f_0 + s (f_1 - f_0)`, `u_p = u_p0 + s (v - u_p0)`, `t = t_0 + s (t_1 - t_0)`, s from 0 to 1.
+//! Load steps: `f_ext = f_0 + s (f_1 - f_0)`, `u_p = u_p0 + s (v - u_p0)`, `t = t_0 + s (t_1 - t_0)`, with s from 0 to 1.
 //!
-//! A step that fails twice is cut to a quarter. After an easy step the next one is twice as long. Steps are those of the whole model, whose time and history
-//! they are: they are as long as suits the part that takes them worst.
-//! @@ equilibrium/path/check.rs
-//! What is refused before anything is done: lists that are too short, numbers that are none, DOFs that are not there.
+//! A step that fails twice is shortened to a quarter; after an easy step the length is doubled. Time and history belong to the whole model,
+//! so that all parts share their steps; the part with the hardest step determines the length.
 
 mod origin;
 mod step;
@@ -24,10 +22,10 @@ use super::time_path::TimePath;
 use super::{Equilibrium, EquilibriumError, EquilibriumOptions, LoadStep, Model, Start, Target};
 use track::PartTrack;
 
-/// A step with fewer iterates was easy.
+/// A step with at most so many iterates was easy.
 const EASY: usize = 8;
 
-/// The way from the start to the target.
+/// The state of a load path.
 pub struct Path<'a, M> {
     model: &'a mut M,
     course: TimePath<'a>,
@@ -38,7 +36,7 @@ pub struct Path<'a, M> {
     state: EquilibriumState,
     /// The last equilibrium.
     at: Unknowns,
-    /// Those of each part there.
+    /// Kept rows of each part there.
     rows: Option<Vec<KeptRows>>,
     rotations: Vec<[usize; 3]>,
     factoring: Vec<Factoring>,
@@ -70,7 +68,7 @@ impl<'a, M: Model> Path<'a, M> {
         Ok(Self { model, course, start, target, options, parts, state, at, rows, rotations, factoring, tracks, steps })
     }
 
-    /// Where nothing is found, the constraints are those of the start again.
+    /// Runs the path; after an error, the constraint set returns to its start.
     pub fn follow(mut self) -> Result<Equilibrium, EquilibriumError> {
         self.rotations = self.loose_rotations();
         let found = self.go();
@@ -103,7 +101,7 @@ impl<'a, M: Model> Path<'a, M> {
         Ok(())
     }
 
-    /// How much longer the next step may be.
+    /// Factor for the length of the next step.
     fn longer(&self) -> f64 {
         let easy = self.tracks.iter().all(|track| track.iterates <= EASY);
         self.tracks.iter().map(|track| growth(track.turn.radius)).fold(if easy { 2.0 } else { 1.0 }, f64::min)
@@ -127,12 +125,12 @@ impl<'a, M: Model> Path<'a, M> {
     }
 }
 
-/// Whether no G of a part can change.
+/// Whether G of a part is constant.
 fn is_straight(set: &ConstraintSet, part: &EquilibriumPart) -> bool {
     part.rows.iter().all(|r| set.linear_rows().contains(r))
 }
 
-/// Lengths, before anything else.
+/// Validates the lengths and numbers of the arguments.
 pub fn check(dofs: usize, set: &ConstraintSet, start: &Start, target: &Target) -> Result<(), EquilibriumError> {
     let (n, m) = (set.dofs(), set.equations());
     let lengths = [
@@ -152,7 +150,7 @@ pub fn check(dofs: usize, set: &ConstraintSet, start: &Start, target: &Target) -
             return Err(EquilibriumError::NotFinite { factor: 0.0, what, at });
         }
     }
-    // DOFs out of range or named twice, and values that are not finite.
+    // Detects DOFs that are out of range or named twice, and values that are not finite.
     let mut builder = SystemBuilder::new(set.dofs());
     target.prescribed.iter().for_each(|&(dof, value)| builder.prescribe(dof, value));
     let checked = builder.build().map(drop).map_err(qless_constraints::LineariseError::from);

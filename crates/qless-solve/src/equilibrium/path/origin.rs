@@ -1,4 +1,4 @@
-//! Where a step starts: the rows that are not redundant there, the branch of the mechanism, and rotations that only constraints know.
+//! The start of a load step: its independent rows, the branches of mechanisms, and rotations that only constraints use.
 
 use std::sync::Arc;
 
@@ -10,17 +10,17 @@ use super::super::rows::{KeptRows, RowChoice};
 use super::Path;
 use crate::newton::{NewtonError, NewtonOptions, PartwiseSolution, solve_each};
 
-/// Steps of Newton's method on the constraints, to see which rows are redundant.
+/// Newton steps on the constraints, to find the redundant rows.
 const LOOK: usize = 10;
 
-/// The nearest configuration that satisfies the constraints, and what is said of parts that have none.
+/// The nearest configuration that satisfies the constraints, and the errors of parts without one.
 pub(super) struct NearestConsistent {
     pub u: Vec<f64>,
     pub errors: Vec<Option<NewtonError>>,
 }
 
 impl<M: Model> Path<'_, M> {
-    /// Rotation vectors that nobody but the constraints knows.
+    /// Rotation vectors that neither the model nor a load or prescribed value uses.
     pub(super) fn loose_rotations(&mut self) -> Vec<[usize; 3]> {
         let evaluated = self.state.balance(self.model, self.course.set(), &self.at, &self.start.loads).is_ok();
         let mut known = self.state.assembly.known();
@@ -32,7 +32,7 @@ impl<M: Model> Path<'_, M> {
         vectors
     }
 
-    /// All parts with the rows of the next step, and the branches on which they start.
+    /// All parts with the rows of the next step; also sets their branches.
     pub(super) fn origin(&mut self, prescribed: &[(usize, f64)]) -> Result<Vec<PartProgress>, StepFailure> {
         self.tracks
             .iter_mut()
@@ -58,8 +58,8 @@ impl<M: Model> Path<'_, M> {
         Ok(all)
     }
 
-    /// KeptRows where the constraints of each part hold nearest to the start, which is evaluated; where that is not found in a few steps, at the start,
-    /// and `false`.
+    /// Chooses the rows of each part where its constraints hold, near the start. If Newton's method does not find such a configuration within
+    /// a few steps, the start itself is used and the second result is `false`.
     fn rows_at_start(&mut self, prescribed: &[(usize, f64)]) -> Result<(Vec<PartProgress>, Vec<bool>), StepFailure> {
         let held: Vec<(usize, f64)> = prescribed.iter().map(|&(j, _)| (j, self.at.u[j])).collect();
         let near = self.consistent(&held, LOOK).ok();
@@ -90,7 +90,8 @@ impl<M: Model> Path<'_, M> {
         Ok((far.into_iter().enumerate().map(start).collect(), holds))
     }
 
-    /// Of parts that do not hold near the start: a choice where they do with their prescribed DOFs at their values, or why they never will.
+    /// For parts without a consistent configuration near the start: a choice where they are consistent with the new prescribed values, or the
+    /// error that proves that there is none.
     fn rows_ahead(
         &mut self,
         u: &[f64],
@@ -118,7 +119,7 @@ impl<M: Model> Path<'_, M> {
         Ok(())
     }
 
-    /// What may be chosen at u, which is evaluated.
+    /// Evaluates the constraints at u and analyses their rows.
     pub(super) fn choice_at(&mut self, u: &[f64], prescribed: &[(usize, f64)]) -> Result<Arc<RowChoice>, StepFailure> {
         let set = self.course.set();
         set.evaluate(u, &mut self.state.quantities)?;
@@ -126,7 +127,7 @@ impl<M: Model> Path<'_, M> {
         RowChoice::new((set, &self.parts), &self.state.quantities, prescribed, (self.options, before))
     }
 
-    /// The nearest configuration that satisfies the constraints.
+    /// Finds the nearest configuration that satisfies the constraints.
     pub(super) fn consistent(
         &self,
         prescribed: &[(usize, f64)],

@@ -1,7 +1,5 @@
-//! One load step of all parts: first from the last equilibrium, then those that failed once more from the nearest configuration that satisfies the
-//! constraints (at a dead centre first order knows no way).
-//! @@ equilibrium/path/again.rs
-//! The second attempt of a load step: from the nearest configuration that satisfies the constraints.
+//! One load step of all parts. The first attempt starts from the last equilibrium. Failed parts are tried again from the nearest
+//! configuration that satisfies the constraints, which helps at dead centres.
 
 use qless_constraints::shorten_rotation;
 
@@ -17,20 +15,20 @@ use super::origin::NearestConsistent;
 use super::track::StepFailures;
 use crate::newton::{NewtonError, NewtonOptions};
 
-/// Where a load step goes to.
+/// The end of a load step.
 pub(super) struct StepTarget {
     pub factor: f64,
     pub loads: Vec<f64>,
     pub prescribed: Vec<(usize, f64)>,
-    /// The value of each prescribed DOF.
+    /// The value of each prescribed DOF; none for free DOFs.
     pub goal: Vec<Option<f64>>,
 }
 
 impl<M: Model> Path<'_, M> {
-    /// Equilibrium at a factor, from the last one.
+    /// Finds the equilibrium at a load factor, starting from the last one.
     pub(super) fn step(&mut self, [last, factor]: [f64; 2]) -> Result<(Unknowns, Vec<KeptRows>), StepFailures> {
         let end = self.end(factor);
-        // Half a turn at most, so that none comes to a whole one, where it is singular.
+        // Whole turns are singular; half a turn is the limit.
         self.rotations.iter().for_each(|&vector| _ = shorten_rotation(&mut self.at.u, vector));
         let origin = self.origin(&end.prescribed);
         self.course.go(factor)?;
@@ -66,7 +64,7 @@ impl<M: Model> Path<'_, M> {
         StepTarget { factor, loads, prescribed, goal }
     }
 
-    /// Goes with the parts that are going as far as they come; an error is one of the whole model. `before` is where it could be evaluated.
+    /// Iterates the parts that are not done. An error concerns the whole model; `before` is the last configuration that could be evaluated.
     pub(super) fn attempt(
         &mut self,
         (x, before): (&mut Unknowns, Option<Unknowns>),
@@ -121,10 +119,10 @@ impl<M: Model> Path<'_, M> {
 }
 
 impl<M: Model> Path<'_, M> {
-    /// Once more with the parts that failed, or with all if the whole model did. Others stay where they are; what is left of the failure of the whole.
+    /// Second attempt with the failed parts, or with all if the whole model failed; returns the remaining failure of the whole.
     ///
-    /// Of two reasons the first counts, which is that of the shorter way, but where the second attempt knows more than that it does not converge, or
-    /// there is proof that there is no such configuration.
+    /// The error of the first attempt is kept, unless the second one says more than missing convergence, or there is proof that the
+    /// constraints have no solution.
     pub(super) fn again(
         &mut self,
         x: &mut Unknowns,
@@ -210,13 +208,13 @@ impl<M: Model> Path<'_, M> {
         if second.is_none() && !all.iter().all(knows_more) { Some(whole) } else { second }
     }
 
-    /// Whether a part is not where it was.
+    /// Whether a part has moved, or its prescribed DOFs will.
     fn is_elsewhere(&self, part: usize, u: &[f64], end: &StepTarget) -> bool {
         let (part, at) = (&self.parts.list[part], &self.at.u);
         part.free.iter().any(|&j| u[j] != at[j]) || part.held.iter().any(|&j| end.goal[j] != Some(at[j]))
     }
 
-    /// Puts parts to u, and prescribed DOFs to their values.
+    /// Moves parts to u, and prescribed DOFs to their values.
     fn put(&self, x: &mut Unknowns, parts: &[usize], u: &[f64], end: &StepTarget) {
         for part in parts.iter().map(|&part| &self.parts.list[part]) {
             part.free.iter().for_each(|&j| x.u[j] = u[j]);

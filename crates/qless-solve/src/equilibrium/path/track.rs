@@ -1,4 +1,4 @@
-//! What a path knows of a part, and how a load step of all parts failed.
+//! What a path keeps of each part, and the failures of a load step.
 
 use qless_constraints::ConstraintSet;
 
@@ -11,34 +11,34 @@ use super::super::{EquilibriumError, EquilibriumIterate};
 
 #[derive(Default)]
 pub struct PartTrack {
-    /// Whether constraints that are not linear are made to move.
+    /// Whether time or prescribed DOFs move nonlinear constraints of the part.
     pub driven: bool,
     pub branch: Option<Branch>,
     pub of_branch: SaddlePattern,
-    /// Of the last step.
+    /// Result of the branch check of the last step.
     pub turn: BranchTurn,
-    /// The rank of the constraints where the last step started, if they hold there.
+    /// Number of independent rows at the start of the last step, if the constraints hold there.
     pub rank: Option<usize>,
     pub stability: Option<Stability>,
-    /// How many iterates it had in its last attempt.
+    /// Number of iterates in the last attempt.
     pub iterates: usize,
 }
 
 impl PartTrack {
-    /// Whether branches meet on the way, so that the rows there may be others.
+    /// Whether branches meet on the way, or the rank changed.
     pub fn meets(&self, own: &PartProgress) -> bool {
         self.turn.met || self.rank.is_some_and(|rank| rank != own.rows.list().len())
     }
 }
 
-/// Why a load step failed: the whole model or some of its parts, in their order, with their last iterates.
+/// Failures of a load step: of the whole model or of some parts, in order, with their last iterates.
 pub struct StepFailures {
     whole: Option<StepFailure>,
     parts: Vec<(StepFailure, EquilibriumIterate)>,
 }
 
 impl StepFailures {
-    /// Nothing if all parts are where they should be.
+    /// The progress of all parts if all are done; otherwise the failures.
     pub fn new(whole: Option<StepFailure>, all: Vec<PartProgress>) -> Result<Vec<PartProgress>, Self> {
         if whole.is_none() && all.iter().all(PartProgress::is_done) {
             return Ok(all);
@@ -55,12 +55,12 @@ impl StepFailures {
         self.all().any(StepFailure::is_fatal)
     }
 
-    /// The worst decides.
+    /// Length of the next attempt: the shortest that any failure asks for.
     pub fn shorter(&self) -> f64 {
         self.all().map(StepFailure::shorter).fold(1.0, f64::min)
     }
 
-    /// What is said: what is fatal, else what is of the whole model, else what the first part says.
+    /// The most important failure as an error: a fatal one, else that of the whole model, else that of the first part.
     pub fn into_error(self, set: &ConstraintSet, factor: f64, tried: f64) -> EquilibriumError {
         let whole = self.whole.into_iter().map(|failure| (failure, EquilibriumIterate::default()));
         let mut list: Vec<_> = whole.chain(self.parts).collect();
