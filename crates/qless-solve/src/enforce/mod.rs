@@ -20,11 +20,11 @@
 //!
 //! # What is checked
 //!
-//! After every solve the residuals of both equations are compared with the sizes of their terms, row by row, and refined. `|K u + C^T lambda
-//! - f|_i` is at most 1e-10 of the terms of row i; otherwise the solution is refused ([`EnforceError::OutOfBalance`]). If the terms of a row
-//! are far smaller than those of its connected part, a thousandth of the largest counts, in units in which all unknowns are square roots of
-//! energy. Equations are measured by their own terms, unless these are rounding of the largest ones; penalties are exempt. If multipliers do
-//! not satisfy an equation to this tolerance, elimination is tried before the solution is refused.
+//! After every solve the residuals of both equations are compared with the sizes of their terms, row by row, and refined.
+//! `|K u + C^T lambda - f|_i` is at most 1e-10 of the terms of row i; otherwise the solution is refused ([`EnforceError::OutOfBalance`]). If
+//! the terms of a row are far smaller than those of its connected part, a thousandth of the largest counts, in units in which all unknowns
+//! are square roots of energy. Equations are measured by their own terms, unless these are rounding of the largest ones; penalties are
+//! exempt. If multipliers do not satisfy an equation to this tolerance, elimination is tried before the solution is refused.
 //!
 //! Rounding of K changes u by a fraction of about `eps g`, where g is the condition number of Skeel and Bauer, estimated in every solve.
 //! [`Solution::accuracy`] states this fraction, or the effect of rounding on this particular solution if that is larger. If only rounding

@@ -1,5 +1,5 @@
-//! The saddle equations `K u + C^T lambda = f`, `C u - lambda / D = b` of one part, and their inverse. The unknowns are u and then lambda; `1
-//! / D` is zero except for penalties.
+//! The saddle equations `K u + C^T lambda = f`, `C u - lambda / D = b` of one part, and their inverse. The unknowns are u and then lambda;
+//! `1 / D` is zero except for penalties.
 //!
 //! One matrix M contains elimination, multipliers and springs; `x = M^-1 r`:
 //!

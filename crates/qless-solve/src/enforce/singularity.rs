@@ -1,12 +1,12 @@
 //! Whether a matrix is singular up to rounding: how far the unknowns move if each entry of A is wrong in its last place.
 //!
 //! ```text
-//! v <- A^-1 (r |A| |v|),  g = max |v after| / max |v before|       random r in +-[1/2, 1], units of super::scale
+//! v <- A^-1 (r |A| |v|),  g = max |v after| / max |v before|       random r in +-[1/2, 1], in units of super::units
 //! ```
 //!
-//! g tends to the condition number of Skeel and Bauer, `| |A^-1| |A| |`: rounding of the entries of A changes x by a fraction of about `g
-//! eps`. Units of rows and columns do not change g, and stiff parts on soft ones do not make it large. Sizes are those of the terms that were
-//! summed into A: a stiffness `0.1 + 0.2 - 0.3` has the size 0.6.
+//! g tends to the condition number of Skeel and Bauer, `| |A^-1| |A| |`: rounding of the entries of A changes x by a fraction of about
+//! `g eps`. Units of rows and columns do not change g, and stiff parts on soft ones do not make it large. Sizes are those of the terms that
+//! were summed into A: a stiffness `0.1 + 0.2 - 0.3` has the size 0.6.
 //!
 //! If g is so large that rounding decides, v is refined to a null vector, `v <- v - M^-1 A v`. If `|A v|` is rounding of `|A| max |v|` in
 //! every row, then a matrix that differs from A by rounding is singular (Rigal and Gaches).

@@ -1,7 +1,7 @@
 //! A configuration with its residuals, which are measured independently of units.
 //!
 //! - Residual of a row: `r_i = eps |c_i| / rounding_i`. The rounding of c_i is a multiple of the size of its terms, so that units of length,
-//! angle and force cancel.
+//!   angle and force cancel.
 //! - Weights D that make equations comparable: the geometric mean of `D_r |G_rj| E_j` over each row and column is one (Curtis and Reid 1972).
 //!
 //! Other units change `D_r c_r` by one common factor only. Sizes of terms would not serve as weights: those of `u_0 + |u|^2 / 2` vanish with
@@ -119,8 +119,9 @@ pub fn weights(g: &Csr, rounding: &[f64], of: &PartColumns) -> Vec<f64> {
 /// Motions below this fraction of a DOF's size are negligible.
 const NEGLIGIBLE: f64 = 1e-11;
 
-/// `|c_r|` in roundings once c no longer falls: of its own terms or, if smaller, of the largest terms in its part, `D_r |c_r| / max_s D_s
-/// rounding_s`. The latter requires that the row demands a negligible motion only, `|c_r| <= 1e-11 sum_j |G_rj| s_j` with the extents s.
+/// `|c_r|` in roundings once c no longer falls: of its own terms or, if smaller, of the largest terms in its part,
+/// `D_r |c_r| / max_s D_s rounding_s`. The latter requires that the row demands a negligible motion only, `|c_r| <= 1e-11 sum_j |G_rj| s_j`
+/// with the extents s.
 ///
 /// If the own terms of a row vanish, it still contains rounding of other rows, and further steps among nearly dependent rows do harm. The
 /// condition on the motion is needed since weights of rows with small entries are very large.

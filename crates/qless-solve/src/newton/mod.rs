@@ -7,7 +7,7 @@
 //! - Convergence is measured in roundings of c, so that the result has all digits that the model allows, in any unit.
 //! - A step is at most as long as a second-order model of c is valid along it.
 //! - Connected parts are iterated together, each with its own step lengths, tolerance and termination. The result of a part does not depend
-//! on other parts, to the last bit. Prescribed DOFs do not connect parts.
+//!   on other parts, to the last bit. Prescribed DOFs do not connect parts.
 //! - If G loses rank while c is nonzero (a dead centre), no first-order step exists. A second-order step may; see [`NewtonError::Conflict`].
 
 mod advance;

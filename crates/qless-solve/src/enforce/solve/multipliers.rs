@@ -1,7 +1,7 @@
 //! Exact equations: a multiplier for each equation that is not eliminated. The accuracy does not depend on the stiffness of springs.
 //!
-//! This also decides whether the model is supported. Augmented equations get this solution directly. Penalties start from it: `x <- A^-1 (b +
-//! Z x)`, where `Z x = lambda / D` is the displacement of the springs.
+//! This also decides whether the model is supported. Augmented equations get this solution directly. Penalties start from it:
+//! `x <- A^-1 (b + Z x)`, where `Z x = lambda / D` is the displacement of the springs.
 //!
 //! ```text
 //! [K C^T; C -1/D] [u; lambda] = [f; b]        A = [K C^T; C 0]

@@ -16,7 +16,7 @@ use super::super::singularity::WRONG;
 use super::FactoredPart;
 use crate::common::RandomForces;
 
-/// The second step as a share of the first, up to which they are taken for a geometric series.
+/// Two steps count as a geometric series if the second is at most this fraction of the first.
 const SHORTER: f64 = 0.5;
 
 impl FactoredPart<'_> {

@@ -154,7 +154,7 @@ impl<M: Model> Path<'_, M> {
         for (part, own) in all.iter_mut().enumerate().filter(|(_, own)| own.may_start_again()) {
             match found.errors[part].take() {
                 Some(proof @ NewtonError::Conflict { .. }) => {
-                    own.way = PartStage::Failed(StepFailure::Constraints(proof))
+                    own.way = PartStage::Failed(StepFailure::Constraints(proof));
                 }
                 None if self.is_elsewhere(part, &found.u, end) => retried.push(part),
                 _ => (),
