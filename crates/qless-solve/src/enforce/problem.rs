@@ -99,7 +99,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Fails if u violates an equation that the analysis is not sure to be redundant.
-    pub(super) fn without_doubt(&self, u: &[f64]) -> Result<(), EnforceError> {
+    pub(super) fn check_doubtful(&self, u: &[f64]) -> Result<(), EnforceError> {
         let refined = |analysis| check_redundant(analysis, analysis.kinds(), self.system.rhs(), u);
         self.doubted.as_ref().map_or(Ok(()), refined)
     }

@@ -12,7 +12,7 @@ use super::matrix::{
     times, transposed,
 };
 use super::refinement::{MeasuredEquations, RefinementGoal, refine};
-use super::singularity::{SHIFTS, SupportVerdict, judged, loose};
+use super::singularity::{SHIFTS, SupportVerdict, check_support, loose};
 use super::{EnforceError, FreeMotion, units};
 use crate::common::SparseMatrix;
 
@@ -159,7 +159,7 @@ impl ReducedEquations<'_> {
             return Err(self.free_motion(matrix).unwrap_or(singular));
         };
         let mut solve = |r: &[f64]| factor.solve(r);
-        match judged(self, &mut solve) {
+        match check_support(self, &mut solve) {
             Ok(SupportVerdict::Held(_)) => {}
             Ok(SupportVerdict::Loose(motion, held)) => return Err(self.unsupported(&motion, held)),
             Err(_) => return Err(self.free_motion(matrix).unwrap_or(singular)),

@@ -49,7 +49,7 @@ impl<'a> SaddleEquations<'a> {
     }
 
     /// Replaces the equations with a penalty by their springs.
-    pub fn yielding(mut self, methods: &[Method], springs: &[f64]) -> Self {
+    pub fn with_penalties(mut self, methods: &[Method], springs: &[f64]) -> Self {
         let penalty = |(method, d): (&Method, &f64)| {
             if matches!(method, Method::Penalty { .. }) && *d > 0.0 { d.recip() } else { 0.0 }
         };
@@ -58,12 +58,12 @@ impl<'a> SaddleEquations<'a> {
     }
 
     /// `A x` without compliance: penalties count as exact equations.
-    pub fn exactly(&self, x: &[f64]) -> Vec<f64> {
-        self.apply(x).iter().zip(self.yields(x)).map(|(a, b)| a + b).collect()
+    pub fn apply_exact(&self, x: &[f64]) -> Vec<f64> {
+        self.apply(x).iter().zip(self.spring_displacements(x)).map(|(a, b)| a + b).collect()
     }
 
     /// `Z x`: the displacement of the springs, `lambda / D`; zero for DOFs.
-    pub fn yields(&self, x: &[f64]) -> Vec<f64> {
+    pub fn spring_displacements(&self, x: &[f64]) -> Vec<f64> {
         let of_springs = self.compliance.iter().zip(&x[self.dofs()..]).map(|(z, lambda)| z * lambda);
         vec![0.0; self.dofs()].into_iter().chain(of_springs).collect()
     }
@@ -203,7 +203,7 @@ impl<'a> SaddleInverse<'a> {
         let n = self.part.dofs.len();
         let (forces, gaps) = r.split_at(n);
         let (mut rhs, constant) = self.condensed(forces, gaps)?;
-        let moved = |row: usize| constant.as_ref().map_or(0.0, |constant| self.along(row, constant));
+        let moved = |row: usize| constant.as_ref().map_or(0.0, |constant| self.row_product(row, constant));
         rhs.extend(self.border.iter().map(|&row| gaps[row] - moved(row)));
         let x = self.factor.solve(&rhs)?;
         let (q, of_border) = x.split_at(self.unknowns);
@@ -214,7 +214,7 @@ impl<'a> SaddleInverse<'a> {
 
     /// f_q, and u_0 if there is an elimination.
     fn condensed(&mut self, forces: &[f64], gaps: &[f64]) -> Result<(Vec<f64>, Option<Vec<f64>>), EnforceError> {
-        let load = self.loaded(forces, gaps);
+        let load = self.load_with_springs(forces, gaps);
         let Some(condensation) = &mut self.condensation else { return Ok((load, None)) };
         let of_eliminated: Vec<f64> = self.eliminated.iter().map(|&row| gaps[row]).collect();
         condensation.set(&of_eliminated)?;
@@ -222,9 +222,9 @@ impl<'a> SaddleInverse<'a> {
     }
 
     /// `r + C_P^T D r_P`.
-    fn loaded(&self, forces: &[f64], gaps: &[f64]) -> Vec<f64> {
+    fn load_with_springs(&self, forces: &[f64], gaps: &[f64]) -> Vec<f64> {
         let mut load = forces.to_vec();
-        for (row, d) in self.sprung() {
+        for (row, d) in self.springs_in_use() {
             self.part.system.matrix().row(row).for_each(|(j, v)| load[j] += v * d * gaps[row]);
         }
         load
@@ -239,7 +239,7 @@ impl<'a> SaddleInverse<'a> {
     ) -> Result<Vec<f64>, EnforceError> {
         let mut lambda = vec![0.0; gaps.len()];
         self.border[..self.multipliers].iter().zip(of_border).for_each(|(&row, &value)| lambda[row] = value);
-        self.sprung().for_each(|(row, d)| lambda[row] = d * (self.along(row, u) - gaps[row]));
+        self.springs_in_use().for_each(|(row, d)| lambda[row] = d * (self.row_product(row, u) - gaps[row]));
         let Some(condensation) = &self.condensation else { return Ok(lambda) };
         let stressed = times(&self.part.k, u);
         let mut rest: Vec<f64> = forces.iter().zip(stressed).map(|(force, stressed)| force - stressed).collect();
@@ -251,12 +251,12 @@ impl<'a> SaddleInverse<'a> {
         Ok(lambda)
     }
 
-    fn sprung(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+    fn springs_in_use(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
         self.springs.iter().copied().enumerate().filter(|&(_, d)| d > 0.0)
     }
 
     /// `C_i u`.
-    fn along(&self, row: usize, u: &[f64]) -> f64 {
+    fn row_product(&self, row: usize, u: &[f64]) -> f64 {
         self.part.system.matrix().row(row).map(|(j, v)| v * u[j]).sum()
     }
 }

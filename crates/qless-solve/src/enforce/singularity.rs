@@ -44,12 +44,15 @@ pub enum SupportVerdict {
 }
 
 /// Decides whether the model is supported; returns the error of `solve`, if there is one.
-pub fn judged(equations: &impl MeasuredEquations, solve: &mut Solve<'_>) -> Result<SupportVerdict, EnforceError> {
-    let RoundingGrowth { growth, mode, lost } = sensitivity(equations, solve)?;
+pub fn check_support(
+    equations: &impl MeasuredEquations,
+    solve: &mut Solve<'_>,
+) -> Result<SupportVerdict, EnforceError> {
+    let RoundingGrowth { growth, mode, lost } = rounding_growth(equations, solve)?;
     if growth < SUSPICIOUS && lost.is_none() {
         return Ok(SupportVerdict::Held(growth));
     }
-    let (motion, held) = sharpest(equations, solve, lost, mode);
+    let (motion, held) = better_null_vector(equations, solve, lost, mode);
     Ok(if held <= ROUNDING || growth >= HOPELESS {
         SupportVerdict::Loose(motion, held)
     } else {
@@ -59,8 +62,8 @@ pub fn judged(equations: &impl MeasuredEquations, solve: &mut Solve<'_>) -> Resu
 
 /// The free motion of a singular model, from the inverse of a slightly shifted matrix.
 pub fn loose(equations: &impl MeasuredEquations, solve: &mut Solve<'_>) -> Option<(Vec<f64>, f64)> {
-    let RoundingGrowth { mode, lost, .. } = sensitivity(equations, solve).ok()?;
-    let (motion, held) = sharpest(equations, solve, lost, mode);
+    let RoundingGrowth { mode, lost, .. } = rounding_growth(equations, solve).ok()?;
+    let (motion, held) = better_null_vector(equations, solve, lost, mode);
     (held <= ROUNDING).then_some((motion, held))
 }
 
@@ -75,7 +78,10 @@ pub struct RoundingGrowth {
 }
 
 /// Computes g and the candidates for null vectors of A.
-pub fn sensitivity(equations: &impl MeasuredEquations, solve: &mut Solve<'_>) -> Result<RoundingGrowth, EnforceError> {
+pub fn rounding_growth(
+    equations: &impl MeasuredEquations,
+    solve: &mut Solve<'_>,
+) -> Result<RoundingGrowth, EnforceError> {
     let (mut v, mut growth, mut lost) = (equations.units().to_vec(), 0.0_f64, None);
     let mut random = RandomForces::default();
     for step in 0..STEPS {
@@ -92,7 +98,7 @@ pub fn sensitivity(equations: &impl MeasuredEquations, solve: &mut Solve<'_>) ->
         }
         growth = if step == 0 { 1.0 } else { growth.max(largest) };
         v = y.iter().map(|y| y / largest).collect();
-        if step == 0 && is_lost(equations, solve, &v) {
+        if step == 0 && is_not_inverted(equations, solve, &v) {
             lost = Some(v.clone());
         }
     }
@@ -100,7 +106,7 @@ pub fn sensitivity(equations: &impl MeasuredEquations, solve: &mut Solve<'_>) ->
 }
 
 /// Whether `M^-1 A v` differs from v, which has size one.
-fn is_lost(equations: &impl MeasuredEquations, solve: &mut Solve<'_>, v: &[f64]) -> bool {
+fn is_not_inverted(equations: &impl MeasuredEquations, solve: &mut Solve<'_>, v: &[f64]) -> bool {
     let Ok(again) = solve(&equations.apply(v)) else { return true };
     let off: Vec<f64> = again.iter().zip(v).map(|(again, v)| again - v).collect();
     let off = largest(equations, &off);
@@ -108,13 +114,13 @@ fn is_lost(equations: &impl MeasuredEquations, solve: &mut Solve<'_>, v: &[f64])
 }
 
 /// The better of two null vectors.
-fn sharpest(
+fn better_null_vector(
     equations: &impl MeasuredEquations,
     solve: &mut Solve<'_>,
     lost: Option<Vec<f64>>,
     mode: Vec<f64>,
 ) -> (Vec<f64>, f64) {
-    let (a, b) = (lost.map(|v| sharpened(equations, solve, v)), sharpened(equations, solve, mode));
+    let (a, b) = (lost.map(|v| refined_null_vector(equations, solve, v)), refined_null_vector(equations, solve, mode));
     match a {
         Some(a) if a.1 < b.1 => a,
         _ => b,
@@ -122,7 +128,7 @@ fn sharpest(
 }
 
 /// A refined null vector, and the relative force that resists it.
-fn sharpened(equations: &impl MeasuredEquations, solve: &mut Solve<'_>, mut v: Vec<f64>) -> (Vec<f64>, f64) {
+fn refined_null_vector(equations: &impl MeasuredEquations, solve: &mut Solve<'_>, mut v: Vec<f64>) -> (Vec<f64>, f64) {
     let mut best = held(equations, &v);
     for _ in 0..SHARPENINGS {
         if best.1 <= 4.0 * f64::EPSILON {

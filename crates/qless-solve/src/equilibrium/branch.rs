@@ -170,36 +170,36 @@ struct CurvedWay<'a> {
 /// Checks all parts between two load factors; returns the parts that may leave their branches, with the reasons.
 pub fn check_jumps(
     branches: &[&Branch],
-    course: &mut TimePath,
+    time_path: &mut TimePath,
     [from, to]: [f64; 2],
     room: &mut Quantities,
 ) -> Result<BTreeMap<usize, StepFailure>, StepFailure> {
     let mut led = BTreeMap::new();
-    if branches.is_empty() || matches!(course, TimePath::Still(_)) {
+    if branches.is_empty() || matches!(time_path, TimePath::Still(_)) {
         return Ok(led);
     }
-    let straight = ahead(branches, course, to, room)?;
+    let straight = ahead(branches, time_path, to, room)?;
     for part in BETWEEN {
-        let there = ahead(branches, course, from + part * (to - from), room)?;
+        let there = ahead(branches, time_path, from + part * (to - from), room)?;
         let ways = branches.iter().zip(there).zip(&straight);
         let bent: Vec<CurvedWay> =
             ways.filter_map(|((branch, dx), straight)| branch.bent(dx, straight, part)).collect();
-        pass(&bent, course, room, &mut led)?;
+        pass(&bent, time_path, room, &mut led)?;
     }
-    course.go_between(to)?;
+    time_path.set_factor(to)?;
     Ok(led)
 }
 
 /// First-order displacement of the determined DOFs of each part up to a load factor.
 fn ahead(
     branches: &[&Branch],
-    course: &mut TimePath,
+    time_path: &mut TimePath,
     factor: f64,
     room: &mut Quantities,
 ) -> Result<Vec<Vec<f64>>, StepFailure> {
-    course.go_between(factor)?;
+    time_path.set_factor(factor)?;
     if let Some(first) = branches.first() {
-        course.set().evaluate(first.before.u(), room)?;
+        time_path.set().evaluate(first.before.u(), room)?;
     }
     Ok(branches.iter().map(|branch| branch.moved(branch.rows.list().iter().map(|&r| -room.c()[r]))).collect())
 }
@@ -207,20 +207,21 @@ fn ahead(
 /// Checks curved parts at their intermediate positions, and adds those that fail to `led`.
 fn pass(
     bent: &[CurvedWay],
-    course: &TimePath,
+    time_path: &TimePath,
     room: &mut Quantities,
     led: &mut BTreeMap<usize, StepFailure>,
 ) -> Result<(), StepFailure> {
     let Some(first) = bent.first() else { return Ok(()) };
     let mut u = first.branch.before.u().to_vec();
-    let is_finite = |way: &CurvedWay| way.dx.iter().all(|dx| dx.is_finite());
-    for CurvedWay { branch, dx, .. } in bent.iter().filter(|way| is_finite(way)) {
+    let is_finite = |curved: &CurvedWay| curved.dx.iter().all(|dx| dx.is_finite());
+    for CurvedWay { branch, dx, .. } in bent.iter().filter(|curved| is_finite(curved)) {
         branch.parts.list[branch.part].free.iter().zip(dx).for_each(|(&j, dx)| u[j] += dx);
     }
-    course.set().evaluate(&u, room)?;
-    for way in bent {
-        let found = if is_finite(way) { way.branch.passes(room, way.most) } else { Err(StepFailure::Branch(0.0)) };
-        found.unwrap_or_else(|failure| _ = led.entry(way.branch.part).or_insert(failure));
+    time_path.set().evaluate(&u, room)?;
+    for curved in bent {
+        let found =
+            if is_finite(curved) { curved.branch.passes(room, curved.most) } else { Err(StepFailure::Branch(0.0)) };
+        found.unwrap_or_else(|failure| _ = led.entry(curved.branch.part).or_insert(failure));
     }
     Ok(())
 }

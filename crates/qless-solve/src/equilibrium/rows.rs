@@ -51,7 +51,7 @@ impl RowChoice {
 pub struct KeptRows {
     list: Vec<usize>,
     /// Whether a row was removed although the analysis found it independent.
-    thinned: bool,
+    is_thinned: bool,
     choice: Arc<RowChoice>,
 }
 
@@ -59,7 +59,7 @@ impl KeptRows {
     /// The independent rows among `of`.
     pub fn new(of: &[usize], choice: &Arc<RowChoice>) -> Self {
         let list = of.iter().copied().filter(|&r| choice.kept[r]).collect();
-        Self { list, thinned: false, choice: choice.clone() }
+        Self { list, is_thinned: false, choice: choice.clone() }
     }
 
     pub fn list(&self) -> &[usize] {
@@ -76,7 +76,7 @@ impl KeptRows {
     }
 
     /// `(c_k, k)` of a redundant row, `row = sum c_k row_k`; empty for others.
-    pub fn because(&self, row: usize) -> impl Iterator<Item = (f64, usize)> {
+    pub fn certificate(&self, row: usize) -> impl Iterator<Item = (f64, usize)> {
         let because = self.choice.analysis.because(row).unwrap_or_default();
         because.into_iter().map(|term| (term.coefficient, term.row))
     }
@@ -84,11 +84,11 @@ impl KeptRows {
     /// Removes a row that depends on others.
     pub fn leave_out(&mut self, row: usize) {
         self.list.retain(|&r| r != row);
-        self.thinned = true;
+        self.is_thinned = true;
     }
 
     pub fn is_thinned(&self) -> bool {
-        self.thinned
+        self.is_thinned
     }
 
     /// Chooses anew among `of`; returns whether the rows changed.

@@ -28,9 +28,9 @@ impl TimePath<'_> {
     /// Sets the time of a load factor; fails if a motor turns too far from the last equilibrium.
     ///
     /// c sees an angle modulo 2 pi, so that steps have to stay below pi.
-    pub fn go(&mut self, factor: f64) -> Result<(), StepFailure> {
+    pub fn advance_to(&mut self, factor: f64) -> Result<(), StepFailure> {
         let before = self.set().angles();
-        self.go_between(factor)?;
+        self.set_factor(factor)?;
         let turns = before.iter().zip(self.set().angles()).map(|(&(_, before), (row, now))| (row, now - before));
         let most = turns.max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()));
         let far = most.filter(|(_, angle)| angle.abs() > FARTHEST);
@@ -38,17 +38,17 @@ impl TimePath<'_> {
     }
 
     /// Sets the time of a load factor without a limit on angles.
-    pub fn go_between(&mut self, factor: f64) -> Result<(), StepFailure> {
-        self.put(factor).map_err(|error| StepFailure::Fatal(error.into()))
+    pub fn set_factor(&mut self, factor: f64) -> Result<(), StepFailure> {
+        self.set_time_of(factor).map_err(|error| StepFailure::Fatal(error.into()))
     }
 
     /// Returns to the time of an earlier load factor.
-    pub fn back(&mut self, factor: f64) {
+    pub fn return_to(&mut self, factor: f64) {
         // All functions of time were finite there.
-        let _ = self.put(factor);
+        let _ = self.set_time_of(factor);
     }
 
-    fn put(&mut self, factor: f64) -> Result<(), TimeError> {
+    fn set_time_of(&mut self, factor: f64) -> Result<(), TimeError> {
         match self {
             Self::Still(_) => Ok(()),
             Self::Driven { set, times: [from, to] } => {

@@ -5,7 +5,7 @@ use qless::{Analysis, ArgumentError};
 use super::configuration::Configuration;
 use super::error::NewtonError;
 use super::linearisation::{Linearisation, dependent};
-use super::singular::ways_out;
+use super::singular::second_order_directions;
 use super::state::{FALLS, NewtonState, PartStatus, kept, shorten_all};
 use super::step::{StepGoal, StepLine};
 
@@ -21,7 +21,7 @@ impl NewtonState<'_> {
     pub fn follow(&mut self, may_go_on: impl Fn(&[(usize, NewtonError)]) -> bool) -> Result<Vec<usize>, NewtonError> {
         let (mut before, mut step) = (None, 0);
         loop {
-            let found = self.look(step, before)?;
+            let found = self.linearise_here(step, before)?;
             self.decide(&found.analysis).map_err(|source| NewtonError::Argument { step, source })?;
             if !self.goes_on(step) || !may_go_on(&self.failures) {
                 return Ok(dependent(&found.analysis));
@@ -40,14 +40,14 @@ impl NewtonState<'_> {
         let (du, conflicts) = self.directions(found, step)?;
         let target = self.search(du, &kept(analysis)).map_err(|source| NewtonError::Argument { step, source })?;
         for part in 0..self.parts.count() {
-            let stuck = self.states[part].way != StepGoal::Done && target.lengths[part] == 0.0;
+            let stuck = self.states[part].goal != StepGoal::Done && target.lengths[part] == 0.0;
             if conflicts[part] {
                 self.fail(part, self.conflict(part, analysis));
-            } else if stuck && (self.states[part].settled || self.states[part].way == StepGoal::Out) {
+            } else if stuck && (self.states[part].settled || self.states[part].goal == StepGoal::Out) {
                 self.fail(part, self.no_convergence(step, part));
             }
         }
-        self.go(target, step)
+        self.move_to(target, step)
     }
 
     /// The direction du of each part, and the parts that have proof of a conflict.
@@ -56,42 +56,42 @@ impl NewtonState<'_> {
         let (out, exists) = if self.contradicted.is_empty() {
             (vec![0.0; self.set.dofs()], vec![true; self.parts.count()])
         } else {
-            ways_out(self, &found.analysis, step)?
+            second_order_directions(self, &found.analysis, step)?
         };
-        let choose = |j: usize| match self.parts.of_dof(j).map_or(StepGoal::Done, |part| self.states[part].way) {
+        let choose = |j: usize| match self.parts.of_dof(j).map_or(StepGoal::Done, |part| self.states[part].goal) {
             StepGoal::Done => 0.0,
             StepGoal::Downhill => down[j],
             StepGoal::Out => out[j],
         };
-        let conflicts = self.states.iter().zip(exists).map(|(state, exists)| state.way == StepGoal::Out && !exists);
+        let conflicts = self.states.iter().zip(exists).map(|(state, exists)| state.goal == StepGoal::Out && !exists);
         Ok(((0..self.set.dofs()).map(choose).collect(), conflicts.collect()))
     }
 
     /// The Newton step; only its entries in parts that go downhill are used.
     fn downhill(&self, found: &Linearisation, step: usize) -> Result<Vec<f64>, NewtonError> {
-        if !self.states.iter().any(|state| state.way == StepGoal::Downhill) {
+        if !self.states.iter().any(|state| state.goal == StepGoal::Downhill) {
             return Ok(vec![0.0; self.set.dofs()]);
         }
-        if found.current { found.step(step) } else { self.linearised(&self.place.quantities, step)?.step(step) }
+        if found.current { found.step(step) } else { self.linearised(&self.configuration.quantities, step)?.step(step) }
     }
 
     fn search(&mut self, du: Vec<f64>, kept: &[bool]) -> Result<StepEnd, ArgumentError> {
-        let line = StepLine::new((self.set, &self.parts), &self.place, du);
-        let ways: Vec<StepGoal> = self.states.iter().map(|state| state.way).collect();
-        let lengths = line.lengths(&ways, (kept, self.options.tolerance), &mut self.room)?;
+        let line = StepLine::new((self.set, &self.parts), &self.configuration, du);
+        let goals: Vec<StepGoal> = self.states.iter().map(|state| state.goal).collect();
+        let lengths = line.lengths(&goals, (kept, self.options.tolerance), &mut self.buffer)?;
         Ok(StepEnd { u: line.at(|part| lengths[part]), lengths })
     }
 
     /// Parts that do not move although they are not done count as settled.
-    fn go(&mut self, StepEnd { mut u, lengths }: StepEnd, step: usize) -> Result<(), NewtonError> {
+    fn move_to(&mut self, StepEnd { mut u, lengths }: StepEnd, step: usize) -> Result<(), NewtonError> {
         let moves = |part: usize| lengths[part] > 0.0;
         let moved = |vector: &&[usize; 3]| self.parts.of_dof(vector[0]).is_some_and(moves);
         shorten_all(self.rotations.iter().filter(moved), &mut u);
-        let place =
+        let configuration =
             Configuration::new(self.set, u, &self.parts).map_err(|source| NewtonError::Argument { step, source })?;
-        let before = std::mem::replace(&mut self.place, place);
-        for (part, state) in self.states.iter_mut().enumerate().filter(|(_, state)| state.way != StepGoal::Done) {
-            state.settled = !moves(part) || self.place.residuals[part] > FALLS * before.residuals[part];
+        let before = std::mem::replace(&mut self.configuration, configuration);
+        for (part, state) in self.states.iter_mut().enumerate().filter(|(_, state)| state.goal != StepGoal::Done) {
+            state.settled = !moves(part) || self.configuration.residuals[part] > FALLS * before.residuals[part];
             state.length = if moves(part) { lengths[part] } else { state.length };
         }
         self.measure();
@@ -109,29 +109,29 @@ impl NewtonState<'_> {
         self.contradicted.clear();
         for row in dependent(analysis) {
             let part = self.parts.of_row(row);
-            let asked = self.states[part].way != StepGoal::Done && !off[part];
+            let asked = self.states[part].goal != StepGoal::Done && !off[part];
             if asked && self.contradicts(analysis, row)? {
                 self.contradicted.push(row);
             }
         }
-        let way = |(state, off): (&mut PartStatus, bool)| {
-            if state.way != StepGoal::Done {
-                state.way = if off { StepGoal::Downhill } else { StepGoal::Done };
+        let goal = |(state, off): (&mut PartStatus, bool)| {
+            if state.goal != StepGoal::Done {
+                state.goal = if off { StepGoal::Downhill } else { StepGoal::Done };
             }
         };
-        self.states.iter_mut().zip(off).for_each(way);
-        self.contradicted.iter().for_each(|&row| self.states[self.parts.of_row(row)].way = StepGoal::Out);
+        self.states.iter_mut().zip(off).for_each(goal);
+        self.contradicted.iter().for_each(|&row| self.states[self.parts.of_row(row)].goal = StepGoal::Out);
         Ok(())
     }
 
     /// Whether some part is neither done nor failed. After the last allowed step, unfinished parts fail.
     pub fn goes_on(&mut self, step: usize) -> bool {
         if step == self.options.steps {
-            let unfinished = |part: &usize| self.states[*part].way != StepGoal::Done;
+            let unfinished = |part: &usize| self.states[*part].goal != StepGoal::Done;
             let late: Vec<usize> = (0..self.parts.count()).filter(unfinished).collect();
             late.into_iter().for_each(|part| self.fail(part, self.no_convergence(step, part)));
         }
-        self.states.iter().any(|state| state.way != StepGoal::Done)
+        self.states.iter().any(|state| state.goal != StepGoal::Done)
     }
 
     /// Whether a redundant equation does not hold. Its tolerance includes the rounding of the equations in its certificate.
@@ -139,9 +139,9 @@ impl NewtonState<'_> {
         if self.residuals[row] <= self.options.tolerance {
             return Ok(false);
         }
-        let rounding = self.place.rounding.c();
+        let rounding = self.configuration.rounding.c();
         let terms = analysis.because(row)?.into_iter().map(|b| b.coefficient.abs() * rounding[b.row]);
         let allowed = self.options.tolerance * terms.fold(rounding[row], |sum, term| sum + term);
-        Ok(!(self.place.quantities.c()[row].abs() <= allowed && allowed.is_finite()))
+        Ok(!(self.configuration.quantities.c()[row].abs() <= allowed && allowed.is_finite()))
     }
 }

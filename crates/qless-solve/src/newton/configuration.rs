@@ -158,7 +158,7 @@ fn entries(g: &Csr, rounding: &[f64], of: &PartColumns) -> Vec<(usize, usize, f6
 fn average(places: &mut [f64], counts: &[f64], numbers: impl Iterator<Item = (usize, f64)>) {
     places.fill(0.0);
     numbers.for_each(|(i, v)| places[i] -= v);
-    places.iter_mut().zip(counts).for_each(|(place, count)| *place /= count.max(1.0));
+    places.iter_mut().zip(counts).for_each(|(configuration, count)| *configuration /= count.max(1.0));
 }
 
 /// `max_r D_r |x_r|` over the rows of each part.

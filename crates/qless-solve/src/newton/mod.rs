@@ -92,5 +92,5 @@ pub(crate) fn solve_each(
 ) -> Result<PartwiseSolution, NewtonError> {
     let mut run = NewtonState::new(set, u, prescribed, options)?;
     run.follow(|_| true)?;
-    Ok(PartwiseSolution { u: run.place.u, parts: run.parts, failures: run.failures })
+    Ok(PartwiseSolution { u: run.configuration.u, parts: run.parts, failures: run.failures })
 }

@@ -85,8 +85,8 @@ impl PartColumns {
         let mut split: Vec<_> = (0..g.rows()).flat_map(entries).filter(|&(j, _)| held[j as usize]).collect();
         split.sort_unstable();
         split.dedup();
-        let place = |pair: (u32, u32)| (g.cols() + split.partition_point(|other| *other < pair)) as u32;
-        let column = |pair: (u32, u32)| if held[pair.0 as usize] { place(pair) } else { pair.0 };
+        let configuration = |pair: (u32, u32)| (g.cols() + split.partition_point(|other| *other < pair)) as u32;
+        let column = |pair: (u32, u32)| if held[pair.0 as usize] { configuration(pair) } else { pair.0 };
         let of_entry = (0..g.rows()).flat_map(entries).map(column).collect();
         Self { of_entry, count: g.cols() + split.len() }
     }

@@ -21,14 +21,18 @@ const NEGATIVE: f64 = 1e-10;
 
 /// For each part, a motion that reduces its contradicted rows, of the length that second order predicts, and whether there is one. If not,
 /// the rows conflict.
-pub fn ways_out(run: &mut NewtonState, analysis: &Analysis, step: usize) -> Result<(Vec<f64>, Vec<bool>), NewtonError> {
+pub fn second_order_directions(
+    run: &mut NewtonState,
+    analysis: &Analysis,
+    step: usize,
+) -> Result<(Vec<f64>, Vec<bool>), NewtonError> {
     let argument = |source| NewtonError::Argument { step, source };
-    let sizes = sizes_of_dofs(run.set, &run.place.u, &mut run.place.quantities).map_err(argument)?;
+    let sizes = sizes_of_dofs(run.set, &run.configuration.u, &mut run.configuration.quantities).map_err(argument)?;
     let WeightedConflicts { weights, amounts } = WeightedConflicts::new(run, analysis).map_err(argument)?;
-    run.set.effective_hessian(&run.place.u, &weights, &mut run.place.quantities).map_err(argument)?;
+    run.set.effective_hessian(&run.configuration.u, &weights, &mut run.configuration.quantities).map_err(argument)?;
     let motions = AllowedMotions::new(run, sizes, step)?;
     let numbers = motions.numbers(&run.parts, &run.contradicted);
-    let mut found = lowest(|z| motions.bent(&run.place.quantities, z), &numbers).map_err(argument)?;
+    let mut found = lowest(|z| motions.bent(&run.configuration.quantities, z), &numbers).map_err(argument)?;
     let scales = scales(run, &weights);
     let length = |part: usize| {
         let lowest = found.values[part].filter(|lowest| *lowest < -NEGATIVE * scales[part]);
@@ -36,7 +40,7 @@ pub fn ways_out(run: &mut NewtonState, analysis: &Analysis, step: usize) -> Resu
     };
     let lengths: Vec<Option<f64>> = (0..run.parts.count()).map(length).collect();
     numbers.each(|i, part| found.vectors[i] *= lengths[part].unwrap_or(0.0));
-    let du = motions.upwards(&found.vectors, &run.parts).map_err(argument)?;
+    let du = motions.with_sign(&found.vectors, &run.parts).map_err(argument)?;
     Ok((du, lengths.iter().map(Option::is_some).collect()))
 }
 
@@ -50,7 +54,7 @@ struct WeightedConflicts {
 
 impl WeightedConflicts {
     fn new(run: &NewtonState, analysis: &Analysis) -> Result<Self, ArgumentError> {
-        let (c, rounding) = (run.place.quantities.c(), run.place.rounding.c());
+        let (c, rounding) = (run.configuration.quantities.c(), run.configuration.rounding.c());
         let raw = |k: usize| Some(c[k] / rounding[k] / rounding[k]).filter(|f| f.is_finite());
         let mut most = vec![0.0_f64; run.parts.count()];
         for &k in &run.contradicted {
@@ -73,7 +77,7 @@ impl WeightedConflicts {
 
 /// Sizes of the terms of the weighted equations of each part.
 fn scales(run: &NewtonState, weights: &[f64]) -> Vec<f64> {
-    let rounding = run.place.rounding.c();
+    let rounding = run.configuration.rounding.c();
     run.parts.fold(0.0, |scale, r| {
         let terms = weights[r].abs() * rounding[r] / f64::EPSILON;
         *scale += if terms.is_finite() { terms } else { 0.0 };
@@ -91,7 +95,7 @@ struct AllowedMotions {
 
 impl AllowedMotions {
     fn new(run: &NewtonState, sizes: Vec<f64>, step: usize) -> Result<Self, NewtonError> {
-        let mut still = run.place.quantities.clone();
+        let mut still = run.configuration.quantities.clone();
         still.clear_values();
         let found = run.linearised(&still, step)?;
         let reduction = found.analysis.reduction_in(Form::Factored);
@@ -125,7 +129,7 @@ impl AllowedMotions {
     }
 
     /// Chooses the sign of the motion in each part: the DOF that moves most increases.
-    fn upwards(&self, z: &[f64], parts: &EquationParts) -> Result<Vec<f64>, ArgumentError> {
+    fn with_sign(&self, z: &[f64], parts: &EquationParts) -> Result<Vec<f64>, ArgumentError> {
         let mut du = self.motion(z)?;
         let mut most = vec![0.0_f64; parts.count()];
         for (j, part) in (0..du.len()).filter_map(|j| Some((j, parts.of_dof(j)?))) {

@@ -20,9 +20,9 @@ pub struct NewtonState<'a> {
     pub parts: EquationParts,
     /// Rotation vectors without prescribed DOFs. They are kept below half a turn, since a whole turn is singular.
     pub rotations: Vec<[usize; 3]>,
-    pub place: Configuration,
+    pub configuration: Configuration,
     /// Buffers for trial points.
-    pub room: Quantities,
+    pub buffer: Quantities,
     /// `|c_r|` in roundings of its own terms, or as [`at_rest`] computes it if the part has settled.
     pub residuals: Vec<f64>,
     pub states: Vec<PartStatus>,
@@ -36,7 +36,7 @@ pub struct NewtonState<'a> {
 /// Status of one part.
 #[derive(Clone)]
 pub struct PartStatus {
-    pub way: StepGoal,
+    pub goal: StepGoal,
     /// Whether c no longer falls.
     pub settled: bool,
     /// Length of the last step, relative to du.
@@ -65,11 +65,12 @@ impl<'a> NewtonState<'a> {
         let mut rotations = set.rotation_vectors();
         rotations.retain(|vector| prescribed.iter().all(|(dof, _)| !vector.contains(dof)));
         shorten_all(rotations.iter(), &mut u);
-        let room = set.allocate();
-        let parts = EquationParts::new(room.g(), prescribed, &rotations);
-        let place = Configuration::new(set, u, &parts).map_err(|source| NewtonError::Argument { step: 0, source })?;
-        let residuals = in_roundings(place.quantities.c(), place.rounding.c());
-        let states = vec![PartStatus { way: StepGoal::Downhill, settled: false, length: 1.0 }; parts.count()];
+        let buffer = set.allocate();
+        let parts = EquationParts::new(buffer.g(), prescribed, &rotations);
+        let configuration =
+            Configuration::new(set, u, &parts).map_err(|source| NewtonError::Argument { step: 0, source })?;
+        let residuals = in_roundings(configuration.quantities.c(), configuration.rounding.c());
+        let states = vec![PartStatus { goal: StepGoal::Downhill, settled: false, length: 1.0 }; parts.count()];
         let (contradicted, iterates, failures) = (Vec::new(), Vec::new(), Vec::new());
         Ok(Self {
             set,
@@ -77,8 +78,8 @@ impl<'a> NewtonState<'a> {
             prescribed,
             parts,
             rotations,
-            place,
-            room,
+            configuration,
+            buffer,
             residuals,
             states,
             contradicted,
@@ -92,15 +93,15 @@ impl<'a> NewtonState<'a> {
     }
 
     /// Linearises and analyses at u; the last analysis is kept if all equations are linear.
-    pub fn look(&mut self, step: usize, before: Option<Linearisation>) -> Result<Linearisation, NewtonError> {
+    pub fn linearise_here(&mut self, step: usize, before: Option<Linearisation>) -> Result<Linearisation, NewtonError> {
         let constant = self.set.linear_rows().len() == self.set.equations();
         let found = match before.filter(|_| constant) {
             Some(known) => known.outdated(),
-            None => self.linearised(&self.place.quantities, step)?,
+            None => self.linearised(&self.configuration.quantities, step)?,
         };
-        let on_the_way = self.states.iter().filter(|state| state.way != StepGoal::Done);
+        let on_the_way = self.states.iter().filter(|state| state.goal != StepGoal::Done);
         self.iterates.push(NewtonIterate {
-            residual: self.place.residual(),
+            residual: self.configuration.residual(),
             rank: found.analysis.rank(),
             left_out: dependent(&found.analysis),
             length: on_the_way.map(|state| state.length).fold(1.0, f64::min),
@@ -110,19 +111,24 @@ impl<'a> NewtonState<'a> {
 
     /// In settled parts, a residual may be the rounding of other rows.
     pub fn measure(&mut self) {
-        let place = &self.place;
-        self.residuals = in_roundings(place.quantities.c(), place.rounding.c());
+        let configuration = &self.configuration;
+        self.residuals = in_roundings(configuration.quantities.c(), configuration.rounding.c());
         if !self.states.iter().any(|state| state.settled) {
             return;
         }
-        let extents = self.set.extents(&place.u);
-        let at_rest = at_rest(&place.weights, &place.quantities, (&place.rounding, &extents), &self.parts);
+        let extents = self.set.extents(&configuration.u);
+        let at_rest = at_rest(
+            &configuration.weights,
+            &configuration.quantities,
+            (&configuration.rounding, &extents),
+            &self.parts,
+        );
         let settled = (0..at_rest.len()).filter(|&r| self.states[self.parts.of_row(r)].settled);
         settled.for_each(|r| self.residuals[r] = at_rest[r]);
     }
 
     pub fn into_solution(self, redundant: Vec<usize>) -> NewtonSolution {
-        NewtonSolution { u: self.place.u, iterates: self.iterates, redundant }
+        NewtonSolution { u: self.configuration.u, iterates: self.iterates, redundant }
     }
 }
 
@@ -140,7 +146,7 @@ pub fn shorten_all<'a>(rotations: impl Iterator<Item = &'a [usize; 3]>, u: &mut 
 impl NewtonState<'_> {
     /// Marks a part as failed; it does not move any more.
     pub fn fail(&mut self, part: usize, error: NewtonError) {
-        self.states[part].way = StepGoal::Done;
+        self.states[part].goal = StepGoal::Done;
         self.failures.push((part, error));
     }
 
@@ -152,15 +158,15 @@ impl NewtonState<'_> {
             rows.iter().flat_map(|&row| analysis.because(row).unwrap_or_default()).map(|b| b.row).collect();
         others.sort_unstable();
         others.dedup();
-        let amount = rows.iter().map(|&row| self.place.quantities.c()[row].abs()).fold(0.0, f64::max);
+        let amount = rows.iter().map(|&row| self.configuration.quantities.c()[row].abs()).fold(0.0, f64::max);
         NewtonError::Conflict { labels: named(&rows), others: named(&others), rows, amount }
     }
 
     pub fn no_convergence(&self, steps: usize, part: usize) -> NewtonError {
-        let weighted = |&r: &usize| self.place.weights[r] * self.place.quantities.c()[r].abs();
+        let weighted = |&r: &usize| self.configuration.weights[r] * self.configuration.quantities.c()[r].abs();
         let rows = (0..self.residuals.len()).filter(|&r| self.parts.of_row(r) == part);
         let worst = rows.max_by(|a, b| weighted(a).total_cmp(&weighted(b)));
         let label = worst.and_then(|row| self.set.label(row).ok()).unwrap_or_default();
-        NewtonError::NoConvergence { steps, residual: self.place.residuals[part], label }
+        NewtonError::NoConvergence { steps, residual: self.configuration.residuals[part], label }
     }
 }

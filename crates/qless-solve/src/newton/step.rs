@@ -81,21 +81,21 @@ impl<'a> StepLine<'a> {
     /// The first acceptable t of each part, from 1 downwards; 0 for parts that are done or find none.
     pub fn lengths(
         &self,
-        ways: &[StepGoal],
+        goals: &[StepGoal],
         (kept, tolerance): (&[bool], f64),
-        room: &mut Quantities,
+        buffer: &mut Quantities,
     ) -> Result<Vec<f64>, ArgumentError> {
         let first =
-            |way: &StepGoal| if *way == StepGoal::Done { TrialLength::Found(0.0) } else { TrialLength::Open(1.0) };
-        let mut lengths: Vec<TrialLength> = ways.iter().map(first).collect();
+            |goal: &StepGoal| if *goal == StepGoal::Done { TrialLength::Found(0.0) } else { TrialLength::Open(1.0) };
+        let mut lengths: Vec<TrialLength> = goals.iter().map(first).collect();
         for _ in 0..TRIES {
             if !lengths.iter().any(TrialLength::is_open) {
                 break;
             }
-            let trial = self.trial(lengths, room)?;
+            let trial = self.trial(lengths, buffer)?;
             let verdicts = self.verdicts(&trial, kept, tolerance);
-            let each = trial.lengths.iter().zip(&verdicts).zip(ways);
-            lengths = each.map(|((length, verdict), way)| length.next(verdict, *way)).collect();
+            let each = trial.lengths.iter().zip(&verdicts).zip(goals);
+            lengths = each.map(|((length, verdict), goal)| length.next(verdict, *goal)).collect();
         }
         Ok(lengths.into_iter().map(|length| if length.is_open() { 0.0 } else { length.t() }).collect())
     }
@@ -109,9 +109,9 @@ impl<'a> StepLine<'a> {
         self.from.u.iter().zip(&self.du).enumerate().map(moved).collect()
     }
 
-    fn trial(&self, lengths: Vec<TrialLength>, room: &mut Quantities) -> Result<TrialPoint, ArgumentError> {
-        self.set.evaluate(&self.at(|part| lengths[part].t()), room)?;
-        Ok(TrialPoint { lengths, c: room.c().to_vec(), slope: times(room.g(), &self.du) })
+    fn trial(&self, lengths: Vec<TrialLength>, buffer: &mut Quantities) -> Result<TrialPoint, ArgumentError> {
+        self.set.evaluate(&self.at(|part| lengths[part].t()), buffer)?;
+        Ok(TrialPoint { lengths, c: buffer.c().to_vec(), slope: times(buffer.g(), &self.du) })
     }
 
     /// Verdicts of parts that have found their length are meaningless.
@@ -161,13 +161,13 @@ impl TrialLength {
     }
 
     /// The state after a trial.
-    fn next(self, verdict: &TrialVerdict, way: StepGoal) -> Self {
+    fn next(self, verdict: &TrialVerdict, goal: StepGoal) -> Self {
         let Self::Open(t) = self else { return self };
         if !verdict.trusted {
             return Self::Open(0.25 * t);
         }
         let falls = verdict.now <= (1.0 - DECREASE * t) * verdict.model[0];
-        if way == StepGoal::Out || falls || verdict.holds {
+        if goal == StepGoal::Out || falls || verdict.holds {
             Self::Found(t)
         } else {
             Self::Open(lowest(&verdict.model, t))

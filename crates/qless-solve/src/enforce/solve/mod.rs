@@ -45,7 +45,7 @@ pub fn run(problem: &Problem, methods: &[Method], accuracy: f64) -> Result<Solut
             }
         }
     }
-    refused.map_or_else(|| finished(problem, solution), Err)
+    refused.map_or_else(|| with_reactions(problem, solution), Err)
 }
 
 /// Uses springs if the methods ask for them and their result is certain; otherwise multipliers.
@@ -76,7 +76,7 @@ impl<'a> FactoredPart<'a> {
     /// A positive `shift` of the diagonal makes a singular matrix regular.
     fn new(part: &'a EnforcedPart<'a>, methods: Vec<Method>, shift: f64) -> Result<Self, EnforceError> {
         let springs = spring_stiffness(part, &methods)?;
-        let model = SaddleEquations::new(part)?.yielding(&methods, &springs);
+        let model = SaddleEquations::new(part)?.with_penalties(&methods, &springs);
         let inverse = SaddleInverse::new(part, &methods, springs, shift)?;
         Ok(Self { part, methods, model, inverse })
     }
@@ -110,7 +110,7 @@ fn limits<'a>(part: &'a EnforcedPart<'a>, accuracy: f64) -> impl Fn(usize) -> f6
 }
 
 /// Adds prescribed values and reactions; fails if a number is not finite.
-fn finished(problem: &Problem, mut solution: Solution) -> Result<Solution, EnforceError> {
+fn with_reactions(problem: &Problem, mut solution: Solution) -> Result<Solution, EnforceError> {
     let Solution { u, multipliers, forces, reactions, .. } = &mut solution;
     problem.system.prescribed().iter().for_each(|&(j, value)| u[j] = value);
     let stressed = times(&problem.k, u);
@@ -120,7 +120,7 @@ fn finished(problem: &Problem, mut solution: Solution) -> Result<Solution, Enfor
     if !all.all(|v| v.is_finite()) {
         return Err(EnforceError::OutOfRange);
     }
-    problem.without_doubt(u)?;
+    problem.check_doubtful(u)?;
     Ok(solution)
 }
 

@@ -15,7 +15,7 @@ use qless::{Form, Options, SystemBuilder, analyse};
 use super::super::problem::Method;
 use super::super::refinement::{BALANCED, FLOOR, MeasuredEquations, Refined, RefinementGoal, SHARP, refine};
 use super::super::saddle::{SaddleEquations, spring_stiffness};
-use super::super::singularity::{ROUNDING, SHIFTS, SupportVerdict, held, judged, loose};
+use super::super::singularity::{ROUNDING, SHIFTS, SupportVerdict, check_support, held, loose};
 use super::super::{EnforceError, FreeMotion};
 use super::penalty_error::SolutionRounding;
 use super::{AUGMENTATIONS, EnforcedPart, FactoredPart, PartSolution, limits};
@@ -26,39 +26,39 @@ pub fn by_multipliers(part: &EnforcedPart, accuracy: f64) -> Result<PartSolution
     let mut refined = exact.refined(accuracy)?;
     if refined.share > 1.0
         && refined.row >= part.dofs.len()
-        && let Some(other) = eliminated(part, accuracy)
+        && let Some(other) = try_elimination(part, accuracy)
     {
         (exact, refined) = other;
     }
     let rounding = match exact.rounding(&refined, growth) {
         Some(rounding) if refined.share <= 1.0 && rounding.share < 1.0 => rounding,
-        _ => return Err(refused(part, &refined, accuracy)),
+        _ => return Err(residual_error(part, &refined, accuracy)),
     };
     if part.methods.iter().any(|method| matches!(method, Method::Penalty { .. })) {
         return exact.penalised(&refined.x, &rounding, accuracy);
     }
-    let stated = exact.rounded(&refined.x, &rounding);
-    found(part, refined, stated, accuracy)
+    let stated = exact.rounding_share(&refined.x, &rounding);
+    accept(part, refined, stated, accuracy)
 }
 
 /// Tries elimination if multipliers leave an equation unsatisfied: zero terms stay zero in T, but become rounding in the factors.
-fn eliminated<'a>(part: &'a EnforcedPart<'a>, accuracy: f64) -> Option<(FactoredPart<'a>, Refined)> {
+fn try_elimination<'a>(part: &'a EnforcedPart<'a>, accuracy: f64) -> Option<(FactoredPart<'a>, Refined)> {
     let mut prepared = FactoredPart::new(part, vec![Method::Elimination; part.methods.len()], 0.0).ok()?;
     let refined = prepared.refined(accuracy).ok().filter(|refined| refined.share <= 1.0)?;
     Some((prepared, refined))
 }
 
 /// A solution with the relative error `stated`, or an error if that is not below one.
-pub fn found(part: &EnforcedPart, refined: Refined, stated: f64, accuracy: f64) -> Result<PartSolution, EnforceError> {
+pub fn accept(part: &EnforcedPart, refined: Refined, stated: f64, accuracy: f64) -> Result<PartSolution, EnforceError> {
     if stated.is_nan() || stated >= 1.0 {
-        return Err(refused(part, &refined, accuracy));
+        return Err(residual_error(part, &refined, accuracy));
     }
     let Refined { x, imbalance, .. } = refined;
     Ok(PartSolution { x, imbalance, accuracy: stated })
 }
 
 /// The error for a residual that rounding keeps above its limit.
-fn refused(part: &EnforcedPart, refined: &Refined, tolerance: f64) -> EnforceError {
+fn residual_error(part: &EnforcedPart, refined: &Refined, tolerance: f64) -> EnforceError {
     let (n, left) = (part.dofs.len(), refined.imbalance);
     match refined.row.checked_sub(n).map(|row| part.methods[row]) {
         Some(Method::Augmented { .. }) if refined.share > 1.0 => EnforceError::NoConvergence { left, tolerance },
@@ -74,7 +74,7 @@ pub fn supported<'a>(part: &'a EnforcedPart<'a>) -> Result<(FactoredPart<'a>, f6
         other => other?,
     };
     let FactoredPart { model, inverse, .. } = &mut prepared;
-    match judged(model, &mut |r: &[f64]| inverse.solve(r)) {
+    match check_support(model, &mut |r: &[f64]| inverse.solve(r)) {
         Ok(SupportVerdict::Held(growth)) => Ok((prepared, growth)),
         Ok(SupportVerdict::Loose(motion, held)) => Err(unsupported(part, model, &motion, held)),
         Err(error) => Err(free_motion(part, &methods, error)),
@@ -140,8 +140,8 @@ impl FactoredPart<'_> {
         let factor = self.part.methods.iter().filter_map(|method| method.factor()).fold(0.0, f64::max);
         let cost = match self.yielded(exact, (1.0, rounding), accuracy)? {
             (Some(refined), left) if left <= accuracy && left < 1.0 => {
-                let stated = self.rounded(exact, rounding) + left;
-                return found(self.part, refined, stated, accuracy);
+                let stated = self.rounding_share(exact, rounding) + left;
+                return accept(self.part, refined, stated, accuracy);
             }
             (Some(_), left) => left,
             (None, left) => left.max(1.0),
@@ -167,7 +167,7 @@ impl FactoredPart<'_> {
     ) -> Result<(Option<Refined>, f64), EnforceError> {
         let part = self.part;
         let methods: Vec<Method> = part.methods.iter().map(|method| method.times(share)).collect();
-        let model = SaddleEquations::new(part)?.yielding(&methods, &spring_stiffness(part, &methods)?);
+        let model = SaddleEquations::new(part)?.with_penalties(&methods, &spring_stiffness(part, &methods)?);
         let goal = RefinementGoal {
             floor: &|_| FLOOR,
             limit: &limits(part, accuracy.min(BALANCED)),
@@ -183,8 +183,11 @@ impl FactoredPart<'_> {
             let left = self.share(exact, &refined.x, rounding).max(f64::EPSILON);
             return Ok((Some(refined), left));
         }
-        let first: Vec<f64> =
-            exact.iter().zip(self.inverse.solve(&model.yields(exact))?).map(|(x, step)| x + step).collect();
+        let first: Vec<f64> = exact
+            .iter()
+            .zip(self.inverse.solve(&model.spring_displacements(exact))?)
+            .map(|(x, step)| x + step)
+            .collect();
         Ok((None, self.share(exact, &first, rounding)))
     }
 }

@@ -23,7 +23,7 @@ impl FactoredPart<'_> {
     /// Relative error `|u - u*| / |u*|` of the penalty solution, extrapolated from the first two steps of multipliers towards the exact u*;
     /// none if the steps do not converge fast enough.
     pub fn penalty_error(&mut self, x: &[f64], rounding: &SolutionRounding) -> Option<f64> {
-        let [first, second] = self.steps_to_exact(x)?;
+        let [first, second] = self.corrections_to_exact(x)?;
         let exact: Vec<f64> =
             x.iter().zip(&first).zip(&second).map(|((x, first), second)| x + first + second).collect();
         let (first, second, references) = (self.sizes(&first), self.sizes(&second), self.references(&exact, rounding));
@@ -47,7 +47,7 @@ impl FactoredPart<'_> {
     }
 
     /// Relative error of u by rounding, in the group where it is largest.
-    pub fn rounded(&self, x: &[f64], rounding: &SolutionRounding) -> f64 {
+    pub fn rounding_share(&self, x: &[f64], rounding: &SolutionRounding) -> f64 {
         let of_groups = rounding.of_groups.iter().zip(self.references(x, rounding));
         of_groups
             .filter(|(_, reference)| *reference > 0.0)
@@ -56,12 +56,12 @@ impl FactoredPart<'_> {
     }
 
     /// The first two corrections of x by the gaps `C u - b`. Forces are in balance already; their residual is rounding.
-    fn steps_to_exact(&mut self, x: &[f64]) -> Option<[Vec<f64>; 2]> {
+    fn corrections_to_exact(&mut self, x: &[f64]) -> Option<[Vec<f64>; 2]> {
         let n = self.model.dofs();
-        let mut left = difference(&self.part.rhs.0, &self.model.exactly(x));
+        let mut left = difference(&self.part.rhs.0, &self.model.apply_exact(x));
         left[..n].fill(0.0);
         let first = self.inverse.solve(&left).ok()?;
-        let second = self.inverse.solve(&difference(&left, &self.model.exactly(&first))).ok()?;
+        let second = self.inverse.solve(&difference(&left, &self.model.apply_exact(&first))).ok()?;
         Some([first, second])
     }
 

@@ -14,21 +14,21 @@ use super::super::EnforceError;
 use super::super::matrix::uneven;
 use super::super::problem::Method;
 use super::super::refinement::MeasuredEquations;
-use super::super::singularity::{SUSPICIOUS, sensitivity};
+use super::super::singularity::{SUSPICIOUS, rounding_growth};
 use super::{EnforcedPart, FactoredPart, PartSolution, ROUNDED};
 
 /// A solution in balance and to the requested accuracy; none if it is not certain.
 pub fn by_springs(part: &EnforcedPart, accuracy: f64) -> Result<Option<PartSolution>, EnforceError> {
     match FactoredPart::new(part, part.methods.clone(), 0.0) {
-        Ok(mut prepared) => Ok(prepared.without_doubt(accuracy)),
+        Ok(mut prepared) => Ok(prepared.certain_solution(accuracy)),
         Err(EnforceError::Solver(_)) => Ok(None),
         Err(other) => Err(other),
     }
 }
 
 impl FactoredPart<'_> {
-    fn without_doubt(&mut self, accuracy: f64) -> Option<PartSolution> {
-        let growth = self.seen_growth()?;
+    fn certain_solution(&mut self, accuracy: f64) -> Option<PartSolution> {
+        let growth = self.certain_growth()?;
         let refined = self.refined(accuracy).ok().filter(|refined| refined.share <= 1.0)?;
         let rounding = self.rounding(&refined, growth)?;
         let left = self.penalty_error(&refined.x, &rounding)?;
@@ -36,18 +36,18 @@ impl FactoredPart<'_> {
         let is_hidden = refined.rounding > ROUNDED && rounding.share > accuracy;
         let is_penalised = self.methods.iter().any(|method| matches!(method, Method::Penalty { .. }));
         let limit = if is_penalised { accuracy.min(1.0) } else { 1.0 };
-        let accuracy = self.rounded(&refined.x, &rounding) + left;
+        let accuracy = self.rounding_share(&refined.x, &rounding) + left;
         let is_right = accuracy < 1.0 && left <= limit && !is_hidden;
         is_right.then_some(PartSolution { x: refined.x, imbalance: refined.imbalance, accuracy })
     }
 
     /// Growth of rounding, if the springs neither make K lose its digits nor hide a mechanism.
-    fn seen_growth(&mut self) -> Option<f64> {
+    fn certain_growth(&mut self) -> Option<f64> {
         let Self { model, inverse, .. } = self;
         // Dimensionless, as the growth. A factor is relative to the stiffest DOF of its equation; it is larger relative to the others.
         let of_rows = inverse.springs().iter().zip(&model.units()[model.dofs()..]);
         let stiffest = of_rows.map(|(spring, unit)| spring / unit / unit).fold(1.0, f64::max);
-        let found = sensitivity(model, &mut |r: &[f64]| inverse.solve(r)).ok()?;
+        let found = rounding_growth(model, &mut |r: &[f64]| inverse.solve(r)).ok()?;
         let seen = found.lost.is_none() && found.growth * stiffest < SUSPICIOUS;
         (seen && self.has_no_hidden_mechanism()).then_some(found.growth)
     }
@@ -64,7 +64,7 @@ impl FactoredPart<'_> {
         let (mut gaps, mut stays) = (self.first_gaps(), 0.0);
         for _ in 0..STEPS {
             let Ok(x) = self.inverse.solve(&gaps) else { return false };
-            for (gap, closed) in gaps.iter_mut().zip(self.model.exactly(&x)).filter(|(gap, _)| **gap != 0.0) {
+            for (gap, closed) in gaps.iter_mut().zip(self.model.apply_exact(&x)).filter(|(gap, _)| **gap != 0.0) {
                 *gap -= closed;
             }
             stays = self.levelled_gaps(&mut gaps);

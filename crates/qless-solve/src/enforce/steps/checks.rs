@@ -8,7 +8,7 @@ use qless::elimination::EliminationError;
 use qless::{ConstraintSystem, Elimination, Kind};
 
 use super::super::refinement::{FLOOR, MeasuredEquations, RefinementGoal, refine};
-use super::super::singularity::{SHIFTS, SupportVerdict, judged, loose};
+use super::super::singularity::{SHIFTS, SupportVerdict, check_support, loose};
 use super::super::solver::{Solver, SolverError};
 use super::super::{EnforceError, FreeMotion, units};
 use super::Steps;
@@ -19,12 +19,12 @@ const REFINEMENTS: usize = 6;
 
 impl<S: Solver> Steps<S> {
     /// Fails if the model is not supported, whether or not its factorization succeeded.
-    pub(super) fn held(&mut self, k: &[f64], factored: Result<(), EnforceError>) -> Result<(), EnforceError> {
+    pub(super) fn check_model(&mut self, k: &[f64], factored: Result<(), EnforceError>) -> Result<(), EnforceError> {
         let terms = StepEquations::new(&self.elimination, &self.pattern, k, (&self.parts, &self.noise));
         let units = terms.units().to_vec();
         let failed = match factored {
             Err(error) => error,
-            Ok(()) => match judged(&terms, &mut |r: &[f64]| backsolve(&mut self.solver, r)) {
+            Ok(()) => match check_support(&terms, &mut |r: &[f64]| backsolve(&mut self.solver, r)) {
                 Ok(SupportVerdict::Held(_)) => return Ok(()),
                 Ok(SupportVerdict::Loose(motion, held)) => return Err(unsupported(&terms, &motion, held)),
                 Err(error) => error,
@@ -48,7 +48,7 @@ impl<S: Solver> Steps<S> {
     }
 
     /// The unknowns, refined until every row is in balance, and their units.
-    pub(super) fn balanced(&mut self, k: &[f64], f: &[f64]) -> Result<(Vec<f64>, Vec<f64>), EnforceError> {
+    pub(super) fn solve_balanced(&mut self, k: &[f64], f: &[f64]) -> Result<(Vec<f64>, Vec<f64>), EnforceError> {
         let mut load = vec![0.0; self.condensed.unknowns()];
         self.condensed.load_into(&self.elimination, k, f, &mut load)?;
         let mut constant = vec![0.0; self.elimination.dofs()];
@@ -100,7 +100,7 @@ fn unsupported(terms: &StepEquations, motion: &[f64], held: f64) -> EnforceError
 const MET: f64 = 1e-9;
 
 /// Fails if u violates an equation; x are the unknowns, with their units.
-pub fn closed(elimination: &Elimination, (x, units): (&[f64], &[f64]), u: &[f64]) -> Result<(), EnforceError> {
+pub fn check_equations(elimination: &Elimination, (x, units): (&[f64], &[f64]), u: &[f64]) -> Result<(), EnforceError> {
     let (sizes, mut levels) = (sizes_of_dofs(elimination, x), None);
     let system = elimination.analysis().ok_or(EliminationError::NoEquations)?.system();
     for i in (0..system.equations()).filter(|&i| elimination.kinds()[i] == Kind::Independent) {

@@ -37,7 +37,7 @@ pub struct Steps<S> {
     condensed: CondensedPattern,
     solver: S,
     /// For an unsymmetric matrix by rows: conversion of K_q to columns.
-    turned: Option<TransposedPattern>,
+    transposed: Option<TransposedPattern>,
     /// Which half of the columns is stored.
     storage: Storage,
     k_q: Vec<f64>,
@@ -86,11 +86,11 @@ impl<S: Solver> Steps<S> {
             (false, Storage::Upper) => Storage::Lower,
             (_, storage) => storage,
         };
-        let is_turned = !condensed.is_by_columns() && storage == Storage::Full;
-        let turned = is_turned.then(|| TransposedPattern::new(&condensed));
+        let is_transposed = !condensed.is_by_columns() && storage == Storage::Full;
+        let transposed = is_transposed.then(|| TransposedPattern::new(&condensed));
         let parts = units::parts(condensed.unknowns(), condensed.entries());
         let (k_q, noise) = (vec![0.0; condensed.nnz()], TransformNoise::new(elimination.reduction().t()));
-        Ok(Self { elimination, condensed, solver, turned, storage, k_q, pattern, parts, noise, is_held: false })
+        Ok(Self { elimination, condensed, solver, transposed, storage, k_q, pattern, parts, noise, is_held: false })
     }
 
     /// The elimination, with the constraints.
@@ -119,7 +119,7 @@ impl<S: Solver> Steps<S> {
         self.is_held = false;
         self.condensed.condense_matrix_into(&self.elimination, k, &mut self.k_q)?;
         let factored = self.factor(0.0, &[]);
-        self.held(k, factored)?;
+        self.check_model(k, factored)?;
         self.is_held = true;
         self.solve_again(k, f, u)
     }
@@ -136,9 +136,9 @@ impl<S: Solver> Steps<S> {
             )
             .into());
         }
-        let (x, units) = self.balanced(k, f)?;
+        let (x, units) = self.solve_balanced(k, f)?;
         self.elimination.expand_into(&x, u)?;
-        checks::closed(&self.elimination, (&x, &units), u)?;
+        checks::check_equations(&self.elimination, (&x, &units), u)?;
         let analysis = self.elimination.analysis().ok_or(EliminationError::NoEquations)?;
         problem::check_redundant(analysis, self.elimination.kinds(), self.elimination.rhs(), u)
     }
@@ -153,14 +153,14 @@ impl<S: Solver> Steps<S> {
             let diagonal = self.condensed.entries().enumerate().filter(|(_, (i, j))| i == j);
             diagonal.for_each(|(place, (i, _))| self.k_q[place] += uneven(shift, i, units[i]));
         }
-        let columns = match &mut self.turned {
+        let columns = match &mut self.transposed {
             None => SolverMatrix {
                 starts: self.condensed.starts(),
                 rows: self.condensed.index(),
                 values: &self.k_q,
                 storage,
             },
-            Some(turned) => turned.columns(&self.k_q),
+            Some(transposed) => transposed.columns(&self.k_q),
         };
         Ok(self.solver.factor(columns)?)
     }

@@ -14,65 +14,66 @@ const FALLS: f64 = 0.5;
 impl<M: Model> Corrector<'_, M> {
     /// Evaluates everything at x, and records the residuals of each part that iterates.
     pub(super) fn evaluate_all(&mut self, x: &mut Unknowns) -> Result<(), StepFailure> {
-        let going = self.going();
-        for &part in &going {
+        let iterating = self.iterating();
+        for &part in &iterating {
             let left_out = self.parts.list[part].rows.iter().filter(|&&r| !self.all[part].rows.kept(r));
             left_out.for_each(|&r| x.multipliers[r] = 0.0);
         }
-        self.evaluate(x, &going)?;
+        self.evaluate(x, &iterating)?;
         let rest = &self.parts.untouched;
         self.state.finite(rest).and_then(|()| self.state.finite_stiffness(rest))?;
-        for part in going {
+        for part in iterating {
             let there = &self.parts.list[part];
             let found = self.state.finite(there).and_then(|()| self.state.finite_stiffness(there));
-            found.unwrap_or_else(|failure| self.give_up(part, failure, x));
+            found.unwrap_or_else(|failure| self.fail_part(part, failure, x));
         }
         self.measure(x);
-        self.looked = Some(x.clone());
+        self.last_valid = Some(x.clone());
         Ok(())
     }
 
     /// Evaluates; parts that the model rejects return to their last valid configuration.
-    fn evaluate(&mut self, x: &mut Unknowns, going: &[usize]) -> Result<(), StepFailure> {
+    fn evaluate(&mut self, x: &mut Unknowns, iterating: &[usize]) -> Result<(), StepFailure> {
         loop {
             let error = match self.state.evaluate(self.model, self.set, x, self.loads) {
                 Err(StepFailure::Model(error)) => error,
                 other => return other,
             };
-            let Some(looked) = &self.looked else { return Err(StepFailure::Model(error)) };
-            let (before, mut moved) = (looked.u.clone(), going.to_vec());
-            moved.retain(|&part| self.all[part].is_going());
+            let Some(last_valid) = &self.last_valid else { return Err(StepFailure::Model(error)) };
+            let (before, mut moved) = (last_valid.u.clone(), iterating.to_vec());
+            moved.retain(|&part| self.all[part].is_iterating());
             let found = self.locate_failure(&before, &x.u, &moved, error).map_err(StepFailure::Model)?;
-            found.into_iter().for_each(|(part, failure)| self.give_up(part, failure, x));
+            found.into_iter().for_each(|(part, failure)| self.fail_part(part, failure, x));
         }
     }
 
-    pub(super) fn going(&self) -> Vec<usize> {
-        (0..self.all.len()).filter(|&part| self.all[part].is_going()).collect()
+    pub(super) fn iterating(&self) -> Vec<usize> {
+        (0..self.all.len()).filter(|&part| self.all[part].is_iterating()).collect()
     }
 
     /// The part fails and returns to the last configuration that could be evaluated.
-    pub(super) fn give_up(&mut self, part: usize, failure: StepFailure, x: &mut Unknowns) {
+    pub(super) fn fail_part(&mut self, part: usize, failure: StepFailure, x: &mut Unknowns) {
         self.all[part].fail(failure);
-        let Some(looked) = &self.looked else { return };
+        let Some(last_valid) = &self.last_valid else { return };
         let there = &self.parts.list[part];
-        there.free.iter().for_each(|&j| x.u[j] = looked.u[j]);
-        there.rows.iter().for_each(|&r| x.multipliers[r] = looked.multipliers[r]);
+        there.free.iter().for_each(|&j| x.u[j] = last_valid.u[j]);
+        there.rows.iter().for_each(|&r| x.multipliers[r] = last_valid.multipliers[r]);
     }
 
     fn measure(&mut self, x: &Unknowns) {
-        let going = self.going();
+        let iterating = self.iterating();
         let constraint =
             |own: &Self, part: usize| f64::EPSILON * own.state.constraint(own.all[part].rows.list().iter().copied());
         let falls = |&part: &usize| {
             let last = self.all[part].iterates.last();
             last.is_none_or(|last| constraint(self, part) <= FALLS * last.constraint)
         };
-        let settled: Vec<_> = going.iter().filter(|part| !falls(part)).map(|&part| &self.parts.list[part]).collect();
+        let settled: Vec<_> =
+            iterating.iter().filter(|part| !falls(part)).map(|&part| &self.parts.list[part]).collect();
         if !settled.is_empty() {
             self.state.settle((self.set, self.parts), settled.into_iter(), &x.u);
         }
-        for part in going {
+        for part in iterating {
             let force = self.state.force(&self.parts.list[part].free, self.options.tolerance);
             let constraint = constraint(self, part);
             let own = &mut self.all[part];
@@ -84,9 +85,9 @@ impl<M: Model> Corrector<'_, M> {
     /// The parts that need a correction. The others are done, or get other rows.
     pub(super) fn unbalanced(&mut self, x: &Unknowns) -> Result<Vec<usize>, StepFailure> {
         let (balanced, others): (Vec<usize>, Vec<usize>) =
-            self.going().into_iter().partition(|&part| self.balanced(part, x));
+            self.iterating().into_iter().partition(|&part| self.balanced(part, x));
         let (hold, off): (Vec<usize>, Vec<usize>) = balanced.into_iter().partition(|&part| self.all_hold(part));
-        hold.into_iter().for_each(|part| self.all[part].way = PartStage::Done);
+        hold.into_iter().for_each(|part| self.all[part].stage = PartStage::Done);
         self.change(&off)?;
         Ok(others)
     }
@@ -101,7 +102,7 @@ impl<M: Model> Corrector<'_, M> {
     /// Whether redundant rows hold as well; rounding of the rows that they depend on is allowed.
     fn all_hold(&self, part: usize) -> bool {
         let (limit, rows) = (self.options.roundings, &self.all[part].rows);
-        let holds = |r: usize| self.state.constraints[r] <= limit || self.state.follows(r, rows.because(r), limit);
+        let holds = |r: usize| self.state.constraints[r] <= limit || self.state.follows(r, rows.certificate(r), limit);
         self.parts.list[part].rows.iter().all(|&r| rows.kept(r) || holds(r))
     }
 

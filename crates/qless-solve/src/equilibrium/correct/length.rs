@@ -31,7 +31,7 @@ impl<M: Model> Corrector<'_, M> {
             if step.only_multipliers {
                 searches.push(LengthSearch { step, size: 0.0, t: 0.0, found: true });
             } else if !arrived {
-                own.way = PartStage::Ready(step.dx);
+                own.stage = PartStage::Ready(step.dx);
             } else {
                 let now = own.iterates.last().copied().unwrap_or_default();
                 let near = now.force <= NEAR * self.options.tolerance
@@ -51,7 +51,7 @@ impl<M: Model> Corrector<'_, M> {
         }
         for LengthSearch { step, t, .. } in searches {
             if !step.only_multipliers && is_none(t) {
-                self.give_up(step.part, StepFailure::NoConvergence, x);
+                self.fail_part(step.part, StepFailure::NoConvergence, x);
             } else {
                 let of_multipliers = if step.only_multipliers { 1.0 } else { t };
                 self.advance(x, step.part, &step.dx, (t, of_multipliers));
@@ -70,9 +70,10 @@ impl<M: Model> Corrector<'_, M> {
             Ok(()) => open.iter_mut().for_each(|search| self.judge(&trial, search)),
             Err(StepFailure::Model(refusal)) => {
                 let parts: Vec<usize> = open.iter().map(|search| search.step.part).collect();
-                let blamed = self.locate_failure(&x.u, &trial.u, &parts, refusal);
-                let is_blamed = |part: usize| blamed.as_ref().map_or(true, |list| list.iter().any(|(p, _)| *p == part));
-                open.iter_mut().filter(|search| is_blamed(search.step.part)).for_each(|search| search.cut(0.25));
+                let rejected = self.locate_failure(&x.u, &trial.u, &parts, refusal);
+                let is_rejected =
+                    |part: usize| rejected.as_ref().map_or(true, |list| list.iter().any(|(p, _)| *p == part));
+                open.iter_mut().filter(|search| is_rejected(search.step.part)).for_each(|search| search.cut(0.25));
             }
             Err(other) => return Err(other),
         }
@@ -105,25 +106,25 @@ impl<M: Model> Corrector<'_, M> {
     }
 
     /// Moves prescribed DOFs to their values as soon as all parts are ready, together with these parts.
-    pub(super) fn set_off(&mut self, x: &mut Unknowns) {
-        let behind = |part: usize| self.all[part].is_going() && !self.arrived(part, x);
+    pub(super) fn move_prescribed(&mut self, x: &mut Unknowns) {
+        let behind = |part: usize| self.all[part].is_iterating() && !self.arrived(part, x);
         if (0..self.all.len()).any(behind) {
             return;
         }
         for part in 0..self.all.len() {
-            if let PartStage::Ready(dx) = &self.all[part].way {
+            if let PartStage::Ready(dx) = &self.all[part].stage {
                 self.advance(x, part, dx, (1.0, 1.0));
-                (self.all[part].way, self.all[part].length) = (PartStage::Going, 1.0);
+                (self.all[part].stage, self.all[part].length) = (PartStage::Iterating, 1.0);
             }
         }
         self.prescribed.iter().for_each(|&(j, v)| x.u[j] = v);
     }
 
     /// Parts that reach the limit of iterations fail.
-    pub(super) fn end_late(&mut self, x: &mut Unknowns) {
-        for part in self.going() {
+    pub(super) fn stop_at_limit(&mut self, x: &mut Unknowns) {
+        for part in self.iterating() {
             if self.all[part].iterates.len() > self.options.iterations {
-                self.give_up(part, StepFailure::NoConvergence, x);
+                self.fail_part(part, StepFailure::NoConvergence, x);
             }
         }
     }

@@ -49,7 +49,7 @@ pub struct Corrector<'a, M> {
     /// The value of each prescribed DOF; none for free DOFs.
     pub goal: &'a [Option<f64>],
     /// The last configuration that could be evaluated; failed parts return to it.
-    pub looked: Option<Unknowns>,
+    pub last_valid: Option<Unknowns>,
 }
 
 /// A correction of a part.
@@ -64,15 +64,15 @@ struct Correction {
 impl<M: Model> Corrector<'_, M> {
     /// Iterates the parts that are not done to equilibrium; their kept rows may change. An error concerns the whole model.
     pub fn run(&mut self, x: &mut Unknowns) -> Result<(), StepFailure> {
-        self.set_off(x);
+        self.move_prescribed(x);
         loop {
             self.evaluate_all(x)?;
-            let going = self.unbalanced(x)?;
-            let steps = self.steps(x, &going)?;
+            let iterating = self.unbalanced(x)?;
+            let steps = self.steps(x, &iterating)?;
             let searches = self.starts(x, steps);
             self.go(x, searches)?;
-            self.set_off(x);
-            self.end_late(x);
+            self.move_prescribed(x);
+            self.stop_at_limit(x);
             if !self.all.iter().any(PartProgress::goes_on) {
                 return Ok(());
             }
@@ -80,11 +80,11 @@ impl<M: Model> Corrector<'_, M> {
     }
 
     /// The corrections of parts, except those whose rows changed.
-    fn steps(&mut self, x: &Unknowns, going: &[usize]) -> Result<Vec<Correction>, StepFailure> {
-        let lists: Vec<_> = going.iter().map(|&part| self.all[part].rows.list().to_vec()).collect();
-        let before = |part: usize| going.binary_search(&part).ok().map(|place| &lists[place][..]);
+    fn steps(&mut self, x: &Unknowns, iterating: &[usize]) -> Result<Vec<Correction>, StepFailure> {
+        let lists: Vec<_> = iterating.iter().map(|&part| self.all[part].rows.list().to_vec()).collect();
+        let before = |part: usize| iterating.binary_search(&part).ok().map(|place| &lists[place][..]);
         let mut steps = Vec::new();
-        for (part, saddle, motion) in self.regular(going)? {
+        for (part, saddle, motion) in self.regular(iterating)? {
             if before(part) != Some(self.all[part].rows.list()) {
                 continue;
             }
@@ -130,7 +130,7 @@ impl<M: Model> Corrector<'_, M> {
 
 pub struct PartProgress {
     pub rows: KeptRows,
-    pub way: PartStage,
+    pub stage: PartStage,
     pub iterates: Vec<EquilibriumIterate>,
     /// Length of the last step.
     pub(super) length: f64,
@@ -143,7 +143,7 @@ pub struct PartProgress {
 /// What a part does next.
 pub enum PartStage {
     /// Iterate.
-    Going,
+    Iterating,
     /// Take this correction as soon as all parts are ready to move their prescribed DOFs, which they may share.
     Ready(Vec<f64>),
     /// Nothing: it is in equilibrium, or takes no part in this attempt.
@@ -154,36 +154,36 @@ pub enum PartStage {
 
 impl PartProgress {
     pub fn new(rows: KeptRows) -> Self {
-        Self { rows, way: PartStage::Going, iterates: Vec::new(), length: 1.0, loose: None, changes: 0 }
+        Self { rows, stage: PartStage::Iterating, iterates: Vec::new(), length: 1.0, loose: None, changes: 0 }
     }
 
-    pub fn is_going(&self) -> bool {
-        matches!(self.way, PartStage::Going)
+    pub fn is_iterating(&self) -> bool {
+        matches!(self.stage, PartStage::Iterating)
     }
 
     pub fn is_done(&self) -> bool {
-        matches!(self.way, PartStage::Done)
+        matches!(self.stage, PartStage::Done)
     }
 
     /// Whether it failed in a way that another start may avoid; leaving its branch is not.
     pub fn may_start_again(&self) -> bool {
-        matches!(&self.way, PartStage::Failed(failure) if !matches!(failure, StepFailure::Branch(_)))
+        matches!(&self.stage, PartStage::Failed(failure) if !matches!(failure, StepFailure::Branch(_)))
     }
 
     /// Whether it is neither done nor failed.
     pub fn goes_on(&self) -> bool {
-        matches!(self.way, PartStage::Going | PartStage::Ready(_))
+        matches!(self.stage, PartStage::Iterating | PartStage::Ready(_))
     }
 
     /// The reason of its failure, and its last iterate.
     pub fn into_failure(self) -> Option<(StepFailure, EquilibriumIterate)> {
         let last = self.iterates.last().copied().unwrap_or_default();
-        if let PartStage::Failed(failure) = self.way { Some((failure, last)) } else { None }
+        if let PartStage::Failed(failure) = self.stage { Some((failure, last)) } else { None }
     }
 
     /// Records a failure; missing convergence at a singular tangent counts as missing support.
     pub fn fail(&mut self, failure: StepFailure) {
-        self.way = PartStage::Failed(failure.or_unsupported(self.loose.as_ref()));
+        self.stage = PartStage::Failed(failure.or_unsupported(self.loose.as_ref()));
     }
 }
 

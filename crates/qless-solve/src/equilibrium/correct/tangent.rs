@@ -136,7 +136,7 @@ struct SoftPart {
 
 impl<M: Model> Corrector<'_, M> {
     /// The tangents of parts in equilibrium. A part fails if its tangent does not resist every admissible motion.
-    pub fn supported(&mut self, parts: &[usize], x: &Unknowns) -> Result<Vec<(usize, Saddle)>, StepFailure> {
+    pub fn check_support(&mut self, parts: &[usize], x: &Unknowns) -> Result<Vec<(usize, Saddle)>, StepFailure> {
         let before: Vec<_> = parts.iter().map(|&part| self.all[part].rows.clone()).collect();
         let found = self.regular(parts)?;
         let unsupported = self.by_rounding(&found, x)?;

@@ -28,7 +28,7 @@ const EASY: usize = 8;
 /// The state of a load path.
 pub struct Path<'a, M> {
     model: &'a mut M,
-    course: TimePath<'a>,
+    time_path: TimePath<'a>,
     start: &'a Start,
     target: &'a Target<'a>,
     options: &'a EquilibriumOptions,
@@ -47,17 +47,17 @@ pub struct Path<'a, M> {
 impl<'a, M: Model> Path<'a, M> {
     pub fn new(
         model: &'a mut M,
-        course: TimePath<'a>,
+        time_path: TimePath<'a>,
         start: &'a Start,
         target: &'a Target<'a>,
         options: &'a EquilibriumOptions,
     ) -> Result<Self, EquilibriumError> {
-        let set = course.set();
+        let set = time_path.set();
         let state = EquilibriumState::new(model, set)?;
         let parts = Arc::new(EquilibriumParts::new(&state.assembly, set, &state.quantities, target.prescribed));
         let mut moves = vec![false; set.dofs()];
         target.prescribed.iter().for_each(|&(j, v)| moves[j] = start.u[j] != v);
-        let in_time = matches!(course, TimePath::Driven { .. });
+        let in_time = matches!(time_path, TimePath::Driven { .. });
         let driven =
             |part: &EquilibriumPart| (in_time || part.held.iter().any(|&j| moves[j])) && !is_straight(set, part);
         let track = |part: &EquilibriumPart| PartTrack { driven: driven(part), ..PartTrack::default() };
@@ -65,7 +65,21 @@ impl<'a, M: Model> Path<'a, M> {
         let factoring = parts.list.iter().map(|_| Factoring::default()).collect();
         let at = Unknowns { u: start.u.clone(), multipliers: start.multipliers.clone() };
         let (rows, rotations, steps) = (None, Vec::new(), Vec::new());
-        Ok(Self { model, course, start, target, options, parts, state, at, rows, rotations, factoring, tracks, steps })
+        Ok(Self {
+            model,
+            time_path,
+            start,
+            target,
+            options,
+            parts,
+            state,
+            at,
+            rows,
+            rotations,
+            factoring,
+            tracks,
+            steps,
+        })
     }
 
     /// Runs the path; after an error, the constraint set returns to its start.
@@ -73,7 +87,7 @@ impl<'a, M: Model> Path<'a, M> {
         self.rotations = self.loose_rotations();
         let found = self.go();
         if found.is_err() {
-            self.course.back(0.0);
+            self.time_path.return_to(0.0);
         }
         found.map(|()| self.finish())
     }
@@ -89,11 +103,11 @@ impl<'a, M: Model> Path<'a, M> {
                     length = (self.longer() * length).max(length.min(self.options.shortest));
                 }
                 Err(failures) => {
-                    self.course.back(factor);
+                    self.time_path.return_to(factor);
                     length = failures.shorter() * (tried - factor);
                     if failures.is_fatal() || length < self.options.shortest {
                         let tried = self.steps.last().map_or(factor, |step| step.factor);
-                        return Err(failures.into_error(self.course.set(), factor, tried));
+                        return Err(failures.into_error(self.time_path.set(), factor, tried));
                     }
                 }
             }

@@ -31,9 +31,9 @@ impl<M: Model> Path<'_, M> {
         // Whole turns are singular; half a turn is the limit.
         self.rotations.iter().for_each(|&vector| _ = shorten_rotation(&mut self.at.u, vector));
         let origin = self.origin(&end.prescribed);
-        self.course.go(factor)?;
+        self.time_path.advance_to(factor)?;
         let branches: Vec<&Branch> = self.tracks.iter().filter_map(|track| track.branch.as_ref()).collect();
-        let led = check_jumps(&branches, &mut self.course, [last, factor], &mut self.state.quantities)?;
+        let led = check_jumps(&branches, &mut self.time_path, [last, factor], &mut self.state.quantities)?;
         if !led.is_empty() {
             return Err(led.into_values().collect());
         }
@@ -48,7 +48,7 @@ impl<M: Model> Path<'_, M> {
         if !whole.as_ref().is_some_and(StepFailure::is_fatal)
             && (whole.is_some() || all.iter().any(PartProgress::may_start_again))
         {
-            whole = self.again(&mut x, &mut all, whole, &end);
+            whole = self.try_again(&mut x, &mut all, whole, &end);
         }
         let all = StepFailures::new(whole, all)?;
         Ok((x, all.into_iter().map(|own| own.rows).collect()))
@@ -71,10 +71,10 @@ impl<M: Model> Path<'_, M> {
         all: &mut [PartProgress],
         end: &StepTarget,
     ) -> Result<(), StepFailure> {
-        let ran: Vec<usize> = (0..all.len()).filter(|&part| all[part].is_going()).collect();
+        let ran: Vec<usize> = (0..all.len()).filter(|&part| all[part].is_iterating()).collect();
         let mut corrector = Corrector {
             model: &mut *self.model,
-            set: self.course.set(),
+            set: self.time_path.set(),
             options: self.options,
             loads: &end.loads,
             prescribed: &end.prescribed,
@@ -83,7 +83,7 @@ impl<M: Model> Path<'_, M> {
             factoring: &mut self.factoring,
             all,
             goal: &end.goal,
-            looked: before,
+            last_valid: before,
         };
         let mut result = corrector.run(x);
         if result.is_ok() {
@@ -98,7 +98,7 @@ impl<M: Model> Path<'_, M> {
         }
         if result.is_ok() && end.factor == 1.0 {
             let done: Vec<usize> = ran.iter().copied().filter(|&part| corrector.all[part].is_done()).collect();
-            result = corrector.supported(&done, x).map(|tangents| {
+            result = corrector.check_support(&done, x).map(|tangents| {
                 for (part, saddle) in tangents.into_iter().filter(|_| self.options.stability) {
                     let free = self.parts.list[part].free.len();
                     self.tracks[part].stability = Some(stability(saddle.matrix(), free));
@@ -112,7 +112,7 @@ impl<M: Model> Path<'_, M> {
     fn note(&mut self, ran: &[usize], all: &[PartProgress], factor: f64, evaluated: bool) {
         ran.iter().for_each(|&part| self.tracks[part].iterates = all[part].iterates.len());
         let converged = evaluated && ran.iter().all(|&part| all[part].is_done());
-        let branches_meet = self.tracks.iter().zip(all).any(|(track, own)| track.meets(own));
+        let branches_meet = self.tracks.iter().zip(all).any(|(track, own)| track.branches_meet(own));
         let iterates: Vec<_> = ran.iter().map(|&part| &all[part].iterates[..]).collect();
         self.steps.push(LoadStep { factor, converged, branches_meet, iterates: side_by_side(&iterates) });
     }
@@ -123,7 +123,7 @@ impl<M: Model> Path<'_, M> {
     ///
     /// The error of the first attempt is kept, unless the second one says more than missing convergence, or there is proof that the
     /// constraints have no solution.
-    pub(super) fn again(
+    pub(super) fn try_again(
         &mut self,
         x: &mut Unknowns,
         all: &mut Vec<PartProgress>,
@@ -154,7 +154,7 @@ impl<M: Model> Path<'_, M> {
         for (part, own) in all.iter_mut().enumerate().filter(|(_, own)| own.may_start_again()) {
             match found.errors[part].take() {
                 Some(proof @ NewtonError::Conflict { .. }) => {
-                    own.way = PartStage::Failed(StepFailure::Constraints(proof));
+                    own.stage = PartStage::Failed(StepFailure::Constraints(proof));
                 }
                 None if self.is_elsewhere(part, &found.u, end) => retried.push(part),
                 _ => (),
@@ -176,8 +176,8 @@ impl<M: Model> Path<'_, M> {
         let firsts: Vec<_> = retried.iter().map(other).collect();
         let second = self.attempt((x, Some(before)), all, end).err();
         for (part, first) in firsts {
-            if let PartStage::Failed(StepFailure::NoConvergence) = all[part].way {
-                all[part].way = first.way;
+            if let PartStage::Failed(StepFailure::NoConvergence) = all[part].stage {
+                all[part].stage = first.stage;
             }
         }
         second
@@ -204,7 +204,7 @@ impl<M: Model> Path<'_, M> {
         };
         *all = self.parts.list.iter().map(|part| PartProgress::new(KeptRows::new(&part.rows, &choice))).collect();
         let second = self.attempt((x, None), all, end).err();
-        let knows_more = |own: &PartProgress| !matches!(own.way, PartStage::Failed(StepFailure::NoConvergence));
+        let knows_more = |own: &PartProgress| !matches!(own.stage, PartStage::Failed(StepFailure::NoConvergence));
         if second.is_none() && !all.iter().all(knows_more) { Some(whole) } else { second }
     }
 

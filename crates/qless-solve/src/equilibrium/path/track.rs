@@ -26,7 +26,7 @@ pub struct PartTrack {
 
 impl PartTrack {
     /// Whether branches meet on the way, or the rank changed.
-    pub fn meets(&self, own: &PartProgress) -> bool {
+    pub fn branches_meet(&self, own: &PartProgress) -> bool {
         self.turn.met || self.rank.is_some_and(|rank| rank != own.rows.list().len())
     }
 }
