@@ -1,4 +1,4 @@
-//! Chains of bodies with six DOFs each, by their thousands: the catenary of rigid links.
+//! Chains of thousands of bodies with six DOFs each: the catenary of rigid links.
 
 use std::time::Instant;
 
@@ -20,12 +20,12 @@ fn inverse(f: impl Fn(f64) -> f64, y: f64, [mut low, mut high]: [f64; 2]) -> f64
 
 #[derive(Clone, Copy, Debug)]
 enum Joint {
-    /// All axes parallel: three equations say again what others say.
+    /// All axes are parallel, so that three equations of each joint are redundant.
     Revolute,
     Universal,
 }
 
-/// Equal links between two bearings at one height.
+/// Equal links between two bearings at the same height.
 struct Chain {
     links: usize,
     length: f64,
@@ -51,13 +51,13 @@ impl Chain {
         [radius * angle.sin(), -radius * (angle.cos() - (n * g).cos()), 0.0]
     }
 
-    /// Horizontal tension: links go along the mean of the forces at their ends, `x = sum l H / sqrt(H^2 + V_i^2)`.
+    /// Horizontal tension. Links point along the mean of the forces at their ends, `x = sum l H / sqrt(H^2 + V_i^2)`.
     fn tension(&self) -> f64 {
         let wide = |h: f64| (0..self.links).map(|i| self.along(i, h)[0]).sum::<f64>();
         inverse(wide, self.span(), [0.0, 100.0 * self.force])
     }
 
-    /// From one end of a link to the other.
+    /// The vector from one end of a link to the other.
     fn along(&self, i: usize, tension: f64) -> [f64; 2] {
         let weight = self.force / self.links as f64;
         let v = weight * (i as f64 + 0.5 - 0.5 * self.links as f64);
@@ -98,7 +98,7 @@ impl Chain {
             println!("load factor {}", step.factor);
             step.iterates.iter().for_each(|i| println!("{:>12.3e} {:>12.3e} {}", i.force, i.constraint, i.length));
         }
-        // Places of all links, and forces at all joints.
+        // Positions of all links, and forces at all joints.
         let tension = self.tension();
         let mut end = [at[0][0], at[0][1]];
         for i in 0..n {

@@ -22,13 +22,13 @@ pub fn rank(set: &ConstraintSet, u: &[f64]) -> Outcome<usize> {
     Ok(analyse(&set.linearised(&quantities, &[])?, &Options::default())?.rank())
 }
 
-/// In [-0.5, 0.5], the same everywhere.
+/// A number in [-0.5, 0.5], the same for a seed.
 pub fn random(seed: usize) -> f64 {
     let z = (seed as u64 + 11).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29).wrapping_mul(0xD6E8_FEB8_6659_FD93);
     f64::from((z ^ (z >> 32)) as u32) / f64::from(u32::MAX) - 0.5
 }
 
-/// Three arms of length 1 on the ground at x = 0, 1, 2, and a rigid coupler of three points on them: 6 coordinates.
+/// Three arms of length 1 on the ground at x = 0, 1, 2 that carry a rigid coupler of three points: 6 DOFs.
 pub fn parallelogram() -> Outcome<SetBuilder> {
     let mut builder = ConstraintSet::builder(6);
     let top = |i: usize| PlanarPoint::new([2 * i, 2 * i + 1], [i as f64, 1.0]);
@@ -44,9 +44,7 @@ pub fn parallelogram() -> Outcome<SetBuilder> {
     Ok(builder)
 }
 
-/// A closed ring of hinges `(point, axis)`, the first body being the ground; seven coordinates per moving body.
-///
-/// `extra` DOFs come after those of the bodies.
+/// A closed ring of hinges `(point, axis)`. The first body is the ground; each other body has seven DOFs.
 pub fn ring(hinges: &[([f64; 3], [f64; 3])]) -> Outcome<SetBuilder> {
     let bodies = hinges.len();
     let mut builder = ConstraintSet::builder(7 * (bodies - 1));
@@ -86,7 +84,7 @@ pub fn four_bar() -> Outcome<SetBuilder> {
     ring(&[([0.0; 3], z), ([0.3, 1.0, 0.2], z), ([2.0, 1.4, 0.1], z), ([1.8, 0.0, -0.3], z)])
 }
 
-/// A generic consistent configuration: `dof` is moved to `value`, the rest follows by Newton's method.
+/// A generic consistent configuration: `dof` is moved to `value`, and Newton's method moves the others.
 pub fn moved(set: &ConstraintSet, dof: usize, value: f64) -> Outcome<Vec<f64>> {
     Ok(solve(set, &vec![0.0; set.dofs()], &[(dof, value)], &NewtonOptions::default())?.u)
 }

@@ -18,7 +18,7 @@ fn said(directions: usize) -> Stability {
     if directions == 0 { Stability::Stable } else { Stability::Unstable { directions } }
 }
 
-/// Linear springs between DOFs, and to the ground.
+/// Linear springs between DOFs and to the ground.
 struct Springs(Vec<(usize, Option<usize>, f64)>, usize);
 
 impl Model for Springs {
@@ -47,7 +47,7 @@ impl Model for Springs {
     }
 }
 
-/// Negative eigenvalues of a symmetric tridiagonal matrix, by Sturm's sequence; nothing near a change.
+/// Negative eigenvalues of a symmetric tridiagonal matrix, by Sturm's sequence; none if one is near zero.
 fn negative(diagonal: &[f64], beside: &[f64]) -> Option<usize> {
     let mut before = f64::INFINITY;
     let mut count = 0;
@@ -62,7 +62,7 @@ fn negative(diagonal: &[f64], beside: &[f64]) -> Option<usize> {
     Some(count)
 }
 
-/// n pendulums upright, weights on top, with springs to the ground and from one to the next: `E'' = tridiag(-s, k - P / L + 2 s, -s)`.
+/// n upright pendulums with weights on top and springs to the ground and to each other: `E'' = tridiag(-s, k - P / L + 2 s, -s)`.
 #[test]
 fn upright_pendulums() -> Outcome {
     let mut seen = [0; 4];
@@ -101,8 +101,8 @@ fn upright_pendulums() -> Outcome {
     Ok(())
 }
 
-/// A toggle frame of two rigid bars, its foot on a spring: `E(h) = k (s - s_0)^2 / 2 - F h`, `s = 2 sqrt(L^2 - h^2)`, under the load for which h is an
-/// equilibrium. The tie that is there twice is no direction.
+/// A toggle frame of two rigid bars with its foot on a spring: `E(h) = k (s - s_0)^2 / 2 - F h`, `s = 2 sqrt(L^2 - h^2)`, under the load that
+/// makes h an equilibrium. A duplicate tie adds no unstable direction.
 #[test]
 fn toggle_frames() -> Outcome {
     let mut seen = [0; 2];
@@ -133,7 +133,7 @@ fn toggle_frames() -> Outcome {
         assert!((found.u[3] - (h - h0)).abs() < 1e-8 * length, "{seed}");
         assert_eq!(found.stability, Some(said(usize::from(bend < 0.0))), "{seed}: {bend:e}");
         seen[usize::from(bend < 0.0)] += 1;
-        // Its top held, nothing is left that could give way.
+        // With its top held, nothing can become unstable.
         let held = [(0, 0.0), (1, 0.0), (3, found.u[3])];
         let target = Target { prescribed: &held, ..target };
         let found = solve(&mut model, &set, &found.start(), &target, &asked())?;
@@ -143,14 +143,14 @@ fn toggle_frames() -> Outcome {
     Ok(())
 }
 
-/// A strut of rigid links hinged by rotational springs, pressed by P: the discrete column, its critical loads by the eigenvalues of its
-/// second difference, `E'' = c D2^T D2 - P / l D1^T D1` in the heights of its joints.
+/// A strut of rigid links hinged by rotational springs under the pressure P: the discrete column. Its critical loads are the eigenvalues of
+/// its second difference, `E'' = c D2^T D2 - P / l D1^T D1` in the heights of its joints.
 #[test]
 fn a_strut_gives_way_in_as_many_ways_as_loads_are_passed() -> Outcome {
     let n = 9;
     for [length, force] in UNITS {
         let (l, spring) = (length / n as f64, force * length);
-        // Hinges between links: c / 2 (y_(i-1) - 2 y_i + y_(i+1))^2 / l^2, linear in the heights.
+        // Hinges between links: c / 2 (y_(i-1) - 2 y_i + y_(i+1))^2 / l^2, quadratic in the heights.
         for (mode, factor) in [(0, 0.99), (0, 1.01), (1, 0.99), (1, 1.01), (4, 1.01), (7, 0.99), (7, 1.01)] {
             let critical = 4.0 * spring / l * (std::f64::consts::PI * (mode + 1) as f64 / (2 * n) as f64).sin().powi(2);
             let mut builder = ConstraintSet::builder(2 * (n + 1));
@@ -199,7 +199,7 @@ impl Model for Hinges {
     }
 }
 
-/// A follower force has no energy; at the critical load itself the tangent is singular; what is not asked is not said.
+/// A follower force has no energy; at the critical load the tangent is singular; stability is computed only on request.
 #[test]
 fn what_has_no_answer() -> Outcome {
     struct Follower;
@@ -226,7 +226,7 @@ fn what_has_no_answer() -> Outcome {
     assert_eq!(found.stability, Some(Stability::NotSymmetric));
     let found = solve(&mut Follower, &free, &Start::at_rest(&free), &target, &EquilibriumOptions::default())?;
     assert_eq!(found.stability, None);
-    // All held.
+    // All DOFs are prescribed.
     let target = Target { loads: &[1.0, 1.0], prescribed: &[(0, 0.0), (1, 0.0)] };
     let found = solve(&mut Follower, &free, &Start::at_rest(&free), &target, &asked())?;
     assert_eq!(found.stability, Some(Stability::Stable));
@@ -244,8 +244,8 @@ fn what_has_no_answer() -> Outcome {
     Ok(())
 }
 
-/// Points in space with rods, some of them twice, ties and springs of either sign, in equilibrium at rest: `f_ext = G^T lambda`. The count is that of
-/// the eigenvalues of `Z^T (K + H) Z` with Z from a singular value decomposition, or nothing is said.
+/// Points in space with rods (some of them duplicate), ties and springs of either sign, in equilibrium at rest: `f_ext = G^T lambda`. The
+/// count agrees with the eigenvalues of `Z^T (K + H) Z` with Z from a singular value decomposition, or is undecided.
 #[test]
 fn random_mechanisms_are_as_unstable_as_their_eigenvalues() -> Outcome {
     let (mut seen, mut undecided) = ([0; 6], 0);
@@ -272,7 +272,7 @@ fn random_mechanisms_are_as_unstable_as_their_eigenvalues() -> Outcome {
         let mut loads = zeros.clone();
         (0..set.equations()).for_each(|r| quantities.g().row(r).for_each(|(j, v)| loads[j] += v * pulls[r]));
         let target = Target { loads: &loads, prescribed: &[] };
-        // Another equilibrium, or none, may be where Newton's method goes to.
+        // Newton's method may find another equilibrium or none.
         let (mut model, start) = (Weights { springs: springs.clone() }, Start::at_rest(&set));
         let Ok(found) = solve(&mut model, &set, &start, &target, &asked()) else { continue };
         set.assemble(&found.u, &found.multipliers, &mut quantities)?;

@@ -1,4 +1,4 @@
-//! Rotation vectors that are kept short.
+//! Rotation vectors are kept short.
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,7 +13,7 @@ fn arm(first: usize) -> Body {
     Body::with_vector([first, first + 1, first + 2], [0.3, 0.1, -0.2], [first + 3, first + 4, first + 5])
 }
 
-/// Two bodies and a node, and one more constraint.
+/// Two bodies and a node, with one more constraint.
 fn model<C: Constraint>(extra: C) -> Outcome<ConstraintSet> {
     let mut builder = ConstraintSet::builder(15);
     builder.add("hinge", Revolute { a: arm(0), b: arm(6), at: [1.0, 0.0, 0.0], axis: [0.0, 0.0, 1.0] })?;
@@ -22,7 +22,7 @@ fn model<C: Constraint>(extra: C) -> Outcome<ConstraintSet> {
     Ok(builder.build()?)
 }
 
-/// The same configuration in other vectors: c stays, and no vector is longer than half a turn.
+/// Shortening keeps the configuration: c stays, and no vector is longer than half a turn.
 #[test]
 fn shortened_vectors_are_the_same_rotations() -> Outcome {
     let set = model(Spherical { a: Body::ground(), b: arm(6), at: [0.5; 3] })?;
@@ -42,7 +42,7 @@ fn shortened_vectors_are_the_same_rotations() -> Outcome {
     Ok(())
 }
 
-/// A DOF that an equation uses is what it is.
+/// A DOF that an equation uses is not changed.
 #[test]
 fn vectors_that_something_else_uses_stay() -> Outcome {
     let equation = LinearEquation { terms: vec![(5, 1.0), (11, -2.0)], rhs: 0.0 };
@@ -56,7 +56,7 @@ fn vectors_that_something_else_uses_stay() -> Outcome {
     Ok(())
 }
 
-/// From a rotation vector of a whole turn, where all around it is one rotation: a weld has all of its rank on the way, and holds.
+/// From a rotation vector of a whole turn, which is singular, Newton's method reaches a weld with full rank.
 #[test]
 fn a_whole_turn_is_left_behind() -> Outcome {
     let mut builder = ConstraintSet::builder(6);
@@ -66,7 +66,7 @@ fn a_whole_turn_is_left_behind() -> Outcome {
     let solution = solve(&set, &start, &[], &NewtonOptions::default())?;
     assert!(solution.iterates.iter().all(|iterate| iterate.rank == 6), "{:?}", solution.iterates);
     assert!(solution.u.iter().all(|u| u.abs() < 1e-15), "{:?}", solution.u);
-    // A prescribed one stays where it is.
+    // A prescribed vector is not shortened.
     let driven = solve(&set, &start, &[(3, TAU * 0.6), (4, 0.0), (5, TAU * 0.8)], &NewtonOptions::default())?;
     assert_eq!(driven.u[3..], start[3..]);
     assert_eq!(rank(&set, &solution.u)?, 6);

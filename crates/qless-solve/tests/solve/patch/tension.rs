@@ -10,7 +10,7 @@ use crate::linkages::Outcome;
 
 const SECTIONS: [Section; 3] = [Section::Rigid, Section::Plane, Section::Mean];
 
-/// The side of a block of `cells` x `cells` faces, lines along y with a shell node in the middle of each.
+/// A shell on the top of a block of `cells` x `cells` faces; lines along y with a shell node in the middle of each.
 fn shell_on_block(cells: usize, dof: usize, section: Section) -> ShellToSolid {
     let (face, side) = (Block { cells, z: 0.0, first: 0 }.surface(1), cells + 1);
     let line = |i: usize| ThicknessLine {
@@ -24,7 +24,7 @@ fn shell_on_block(cells: usize, dof: usize, section: Section) -> ShellToSolid {
     ShellToSolid { lines: (0..side).map(line).collect(), face, section }
 }
 
-/// Solves a block under the constraint with a force of one along z on `dofs`, each with its part, and supports below.
+/// Solves a block under the constraint with given forces along z and supports below.
 fn tension<C: Constraint>(
     cells: usize,
     constraint: C,
@@ -40,7 +40,7 @@ fn tension<C: Constraint>(
     let mut builder = ConstraintSet::builder(dofs);
     builder.add("top", constraint).unwrap_or_else(|error| panic!("{error}"));
     let set = builder.build().expect("few DOFs");
-    // Rollers below; what holds the rigid motions within the plane; the DOFs of the frame that nothing else holds.
+    // Rollers below, supports of the rigid motions in the plane, and all DOFs of the shell or beam that are otherwise free.
     let side = block.side();
     let mut fixed: Vec<usize> = (0..side * side).map(|i| 3 * i + 2).chain([0, 1, 3 * cells + 1]).collect();
     fixed.extend(held.iter().map(|dof| solid + dof));
@@ -51,7 +51,7 @@ fn tension<C: Constraint>(
     Ok((Problem::new(&k, &f, &system)?.transformation()?.u, block))
 }
 
-/// The solid's displacements are those of uniform tension; returns the largest error.
+/// The largest difference of the solid's displacements from uniform tension.
 fn error_of(u: &[f64], block: &Block) -> f64 {
     let off = |node: &Point| {
         let [x, y, z] = node.at;
@@ -61,7 +61,7 @@ fn error_of(u: &[f64], block: &Block) -> f64 {
     block.nodes().iter().map(off).fold(0.0, f64::max)
 }
 
-/// Pure tension: a beam's force becomes uniform stress with `Mean` and `Plane`; `Rigid` holds the contraction.
+/// A beam's force causes uniform tension with `Mean` and `Plane`; `Rigid` prevents the lateral contraction.
 #[test]
 fn beam_force_becomes_uniform_tension() -> Outcome {
     for cells in [1, 3] {
@@ -83,7 +83,7 @@ fn beam_force_becomes_uniform_tension() -> Outcome {
     Ok(())
 }
 
-/// A line load on the edge of a shell, as its linear elements have it, becomes uniform tension in the solid.
+/// A consistent line load on the edge of a shell causes uniform tension in the solid.
 #[test]
 fn shell_force_becomes_uniform_tension() -> Outcome {
     for cells in [1, 3] {
@@ -91,7 +91,7 @@ fn shell_force_becomes_uniform_tension() -> Outcome {
             let solid = 3 * 2 * (cells + 1) * (cells + 1);
             let share = |i: usize| if i == 0 || i == cells { 0.5 } else { 1.0 } / cells as f64;
             let loads: Vec<(usize, f64)> = (0..=cells).map(|i| (6 * i + 2, share(i))).collect();
-            // Rotations about the lines, along y, and what belongs to no shell node.
+            // Rotations about the lines, along y, and unused DOFs.
             let free: Vec<usize> = (0..=cells).map(|i| 6 * i + 4).chain(6 * (cells + 1)..60).collect();
             let (u, block) = tension(cells, shell_on_block(cells, solid, section), &loads, &free)?;
             let error = error_of(&u, &block);

@@ -1,4 +1,4 @@
-//! What is found of a part does not depend on others: f(A + B) is f(A) and f(B), to the last bit.
+//! Results of a connected part do not depend on other parts, to the last bit: f(A + B) is f(A) and f(B).
 
 use faer::sparse::{SparseColMat, Triplet};
 use qless::{ConstraintSystem, SystemBuilder};
@@ -10,17 +10,17 @@ use crate::linkages::Outcome;
 
 type Solved = Result<Solution, EnforceError>;
 
-/// Two models in one list of DOFs, those of each in their order.
+/// Two models with interleaved DOFs, each in its own order.
 struct Both {
     k: SparseColMat<usize, f64>,
     f: Vec<f64>,
     system: ConstraintSystem,
-    /// The DOFs and the equations of each.
+    /// The DOFs and the equations of each model.
     dofs: [Vec<usize>; 2],
     rows: [Vec<usize>; 2],
 }
 
-/// Shuffles two lists into one, each in its order: the places of each.
+/// Interleaves two lists at random; returns the positions of each.
 fn shuffled(counts: [usize; 2], random: &mut Random) -> [Vec<usize>; 2] {
     let mut places = [Vec::new(), Vec::new()];
     for at in 0..counts[0] + counts[1] {
@@ -55,7 +55,7 @@ fn both(models: [&Model; 2], case: usize) -> Outcome<Both> {
     Ok(Both { k: SparseColMat::try_new_from_triplets(n, n, &entries)?, f, system: builder.build()?, dofs, rows })
 }
 
-/// One method for all equations, or one for each in turn.
+/// One method for all equations, or each method in turn.
 fn solved(k: &SparseColMat<usize, f64>, f: &[f64], system: &ConstraintSystem, turns: &[Method]) -> Solved {
     Problem::new(k, f, system)?.enforce(turns, 1e-3)
 }

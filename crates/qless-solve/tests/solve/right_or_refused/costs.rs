@@ -1,4 +1,4 @@
-//! A penalty is refused for what it costs: the share of u by which it is off, made once more from `[K C^T; C -1/D]` in units without units.
+//! A penalty is refused for its error: the relative error of u, recomputed from the dimensionless `[K C^T; C -1/D]`.
 
 use faer::Mat;
 use faer::prelude::Solve;
@@ -11,12 +11,12 @@ use crate::linkages::Outcome;
 const TREES: usize = 2_000;
 const FACTOR: f64 = 1e9;
 const ACCURACY: f64 = 1e-7;
-/// What an estimate may be wrong by.
+/// Factor by which an estimate may be wrong.
 const MARGIN: f64 = 1.01;
-/// What two solutions of numbers around one may differ by.
+/// Largest difference of two solutions with numbers near one.
 const ROUNDING: f64 = 1e-12;
 
-/// u where K is one; of ties themselves, or of springs of this factor.
+/// u for unit stiffness, with exact ties or with springs of this factor.
 fn displacements(tree: &Tree, factor: Option<f64>) -> Vec<f64> {
     let (n, m) = (tree.units.len(), tree.rows.len());
     let (mut a, mut b) = (Mat::<f64>::zeros(n + m, n + m), Mat::<f64>::zeros(n + m, 1));
@@ -24,7 +24,7 @@ fn displacements(tree: &Tree, factor: Option<f64>) -> Vec<f64> {
     for (row, (terms, value, _)) in tree.rows.iter().enumerate() {
         terms.iter().for_each(|&(j, v)| (a[(n + row, j)], a[(j, n + row)]) = (v, v));
         b[(n + row, 0)] = *value;
-        // Units of rows cancel; those of DOFs do not: k and |C|^2 are of the numbers given.
+        // Units of rows cancel. Those of DOFs do not, since k and |C|^2 are of the given numbers.
         let inverse = |j: usize| 2_f64.powi(-tree.units[j]);
         let near = terms.iter().map(|&(j, _)| inverse(j).powi(2)).fold(0.0, f64::max);
         let square: f64 = terms.iter().map(|&(j, v)| (v * inverse(j)).powi(2)).sum();
@@ -38,7 +38,7 @@ fn displacements(tree: &Tree, factor: Option<f64>) -> Vec<f64> {
     (0..n).map(|j| x[(j, 0)]).collect()
 }
 
-/// The share of u, of each part by itself; u is compared with what loads alone would make of it, if that is more.
+/// The relative error of u in each part. If the loads alone would cause a larger u, the error is relative to that.
 fn cost(tree: &Tree) -> f64 {
     let (exact, soft) = (displacements(tree, None), displacements(tree, Some(FACTOR)));
     let n = exact.len();

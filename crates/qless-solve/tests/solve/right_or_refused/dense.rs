@@ -1,4 +1,4 @@
-//! An independent solution: the dense saddle matrix with its rows scaled, orthogonal factors, and residuals in twice the precision.
+//! An independent solution: the dense saddle matrix with scaled rows, orthogonal factors, and residuals in twice the precision.
 
 use faer::prelude::Solve;
 use faer::{Mat, MatRef};
@@ -6,7 +6,7 @@ use faer::{Mat, MatRef};
 use super::models::Model;
 use crate::linkages::Outcome;
 
-/// u and the multipliers of some equations.
+/// u and the multipliers of the given equations.
 pub fn solution(model: &Model, rows: &[usize]) -> Outcome<(Vec<f64>, Vec<f64>)> {
     let n = model.f.len();
     let mut known = vec![None; n];
@@ -40,7 +40,7 @@ pub fn solution(model: &Model, rows: &[usize]) -> Outcome<(Vec<f64>, Vec<f64>)> 
     Ok((u, lambda))
 }
 
-/// `A x = b`, b as sums of products.
+/// `A x = b`, where b is given as sums of products.
 fn refined(a: MatRef<f64>, b: &[Vec<(f64, f64)>]) -> Vec<f64> {
     let n = a.nrows();
     let (mut rows, mut columns) = (vec![1.0; n], vec![1.0; n]);

@@ -1,4 +1,4 @@
-//! Nothing free, nothing stiff; numbers at the ends of the range; parts that have nothing to do with one another.
+//! Models without free DOFs or stiffness, numbers at the ends of the range, and independent parts.
 
 use faer::sparse::{SparseColMat, Triplet};
 use qless::elimination::View;
@@ -19,7 +19,7 @@ fn by_all(problem: &Problem) -> [Result<Solution, EnforceError>; 4] {
 
 #[test]
 fn nothing_to_solve_is_solved() -> Outcome {
-    // All DOFs are prescribed; K has no say but in the reactions.
+    // All DOFs are prescribed; K affects the reactions only.
     let k = matrix(2, &[(0, 0, 2.0), (0, 1, -1.0), (1, 0, -1.0), (1, 1, 2.0)])?;
     let mut builder = SystemBuilder::new(2);
     builder.prescribe(0, 1.0);
@@ -48,7 +48,7 @@ fn nothing_to_solve_is_solved() -> Outcome {
     Ok(())
 }
 
-/// Right or refused, without a panic, from 1e-300 to 1e300.
+/// From 1e-300 to 1e300 the result is right or an error, and never a panic.
 #[test]
 fn numbers_at_the_ends_of_the_range_do_no_harm() -> Outcome {
     for s in [1e-300, 1e-150, 1e150, 1e300] {
@@ -67,7 +67,7 @@ fn numbers_at_the_ends_of_the_range_do_no_harm() -> Outcome {
     Ok(())
 }
 
-/// A part 1e12 times softer is measured by itself: its forces are in balance too, and its motion is found.
+/// A part that is 1e12 times softer is measured by its own forces; they are in balance, and its free motion is found.
 #[test]
 fn parts_are_judged_by_themselves() -> Outcome {
     for lack in [Lack::Nothing, Lack::Ground] {
@@ -111,7 +111,7 @@ fn parts_are_judged_by_themselves() -> Outcome {
     Ok(())
 }
 
-/// Equations in other units, and in another order, are the same equations.
+/// Equations in other units and in another order give the same results.
 #[test]
 fn equations_may_be_multiplied() -> Outcome {
     let model = model(10, Kind::Symmetric, Lack::Nothing, PLAIN)?;
@@ -135,7 +135,7 @@ fn equations_may_be_multiplied() -> Outcome {
     Ok(())
 }
 
-/// K, and each equation, times any number: u is the same as without, or what cannot be written is said; never another u, nor another word.
+/// If K and the equations are multiplied by any numbers, u is the same, or the error says that a result leaves the range of doubles.
 #[test]
 fn factors_of_1e290_change_nothing() -> Outcome {
     let ends = [1e-290, 1e-150, 1e-20, 1.0, 1e20, 1e150, 1e290];
@@ -163,7 +163,7 @@ fn factors_of_1e290_change_nothing() -> Outcome {
                     Err(EnforceError::Unsupported(motion)) => {
                         assert!(!held && motion.dofs == [3], "{stiff:e}, {row:e}");
                     }
-                    // lambda is the stiffness by the factor of the row.
+                    // lambda is the stiffness divided by the factor of the row.
                     Err(EnforceError::OutOfRange) => assert!(stiff / row > 1e300, "{stiff:e}, {row:e}"),
                     Err(other) => return Err(format!("{stiff:e}, {row:e}: {other}").into()),
                 }
@@ -174,7 +174,7 @@ fn factors_of_1e290_change_nothing() -> Outcome {
     Ok(())
 }
 
-/// Neighbours that differ by 1e20: a spring of the stiff one hides the soft one in `K + C^T D C`, and leaves it in `[K C^T; C -1/D]`.
+/// Neighbours whose stiffness differs by 1e20: a stiff spring hides the soft one in `K + C^T D C`, but not in `[K C^T; C -1/D]`.
 #[test]
 fn penalties_between_stiff_and_soft_are_no_alarm() -> Outcome {
     for s in [1e-6, 1.0, 1e6] {
@@ -193,7 +193,7 @@ fn penalties_between_stiff_and_soft_are_no_alarm() -> Outcome {
     Ok(())
 }
 
-/// Factors, accuracies and limits that are no positive numbers, of equations that are enforced and of those that are not.
+/// Factors, accuracies and limits that are not positive are refused, also for equations that are not enforced.
 #[test]
 fn parameters_that_mean_nothing_are_refused() -> Outcome {
     let k = matrix(2, &[(0, 0, 1.0), (1, 1, 1.0)])?;

@@ -1,4 +1,4 @@
-//! Thousands of DOFs: no false alarm, no motion overlooked, the same bits on any number of threads.
+//! Models with thousands of DOFs: no false alarm, no free motion overlooked, the same bits on any number of threads.
 
 use faer::sparse::{SparseColMat, Triplet};
 use qless::{ConstraintSystem, SystemBuilder};
@@ -30,7 +30,7 @@ fn solved(name: &str, dofs: usize, entries: &Entries, system: &ConstraintSystem,
     Ok(())
 }
 
-/// A membrane of 50 x 50 springs of decimal stiffness in two halves that are tied, on one spring to the ground or none.
+/// A membrane of 50 x 50 springs of decimal stiffness, in two tied halves, with one spring to the ground or none.
 #[test]
 fn membranes() -> Outcome {
     let side = 50;
@@ -64,7 +64,7 @@ fn membranes() -> Outcome {
     Ok(())
 }
 
-/// A truss of 600 bays, as slender as that, held at one end or not at all; turned, so that each entry has rounding.
+/// A slender truss of 600 bays, held at one end or free, and rotated, so that every entry has rounding.
 #[test]
 fn slender_trusses() -> Outcome {
     let bays = 600;
@@ -75,7 +75,7 @@ fn slender_trusses() -> Outcome {
             [x * cos - y * sin, x * sin + y * cos]
         };
         let (nodes, middle) = (2 * bays + 2, bays / 2);
-        // The last two nodes are those of the middle once more.
+        // The last two nodes duplicate those in the middle.
         let dofs = 2 * nodes + 4;
         let mut entries = Entries::new();
         let mut bar = |i: usize, j: usize| {
@@ -111,7 +111,7 @@ fn slender_trusses() -> Outcome {
     Ok(())
 }
 
-/// A beam of 400 elements that nothing holds, of which the softest of its own motions is 1e-10 as stiff as an element.
+/// A free beam of 400 elements. Its softest deformation has 1e-10 of the stiffness of an element.
 #[test]
 fn floating_beams() -> Outcome {
     let count = 400;
@@ -124,7 +124,7 @@ fn floating_beams() -> Outcome {
             [-12.0, -6.0 * h, 12.0, -6.0 * h],
             [6.0 * h, 2.0 * h * h, -6.0 * h, 4.0 * h * h],
         ];
-        // The nodes of the second half come after a tie.
+        // The nodes of the second half come after the tie.
         let shift = if i < count / 2 { 2 * i } else { 2 * i + 2 };
         for (r, row) in k.iter().enumerate() {
             entries.extend(row.iter().enumerate().map(|(c, v)| Triplet::new(shift + r, shift + c, 0.7 * v)));
@@ -137,7 +137,7 @@ fn floating_beams() -> Outcome {
     solved("beam", dofs, &entries, &builder.build()?, false)
 }
 
-/// Equations that are independent by 6e-8 only: u is right to what it states.
+/// Equations that are independent by only 6e-8: u is right to its stated accuracy.
 #[test]
 fn nearly_dependent_equations_are_no_motion() -> Outcome {
     let eps = f64::powi(2.0, -24);

@@ -1,4 +1,4 @@
-//! Solutions that are right to what they state, and models that are refused with the motion that nothing holds.
+//! Solutions are right to their stated accuracy, and unsupported models are refused with their free motion.
 
 mod blocks;
 mod costs;
@@ -40,7 +40,7 @@ impl Random {
     }
 }
 
-/// Only equations with a penalty give way, by `lambda / D`; all others hold to rounding.
+/// Only equations with a penalty have a gap, `lambda / D`; all others hold to rounding.
 #[test]
 fn each_equation_keeps_to_its_method() -> Outcome {
     for (case, units) in all_units().enumerate() {

@@ -1,4 +1,4 @@
-//! Springs, trusses and beams in any units, in two parts that equations tie.
+//! Springs, trusses and beams in any units, in two tied parts.
 
 use faer::sparse::{SparseColMat, Triplet};
 use qless::{ConstraintSystem, SystemBuilder};
@@ -6,7 +6,7 @@ use qless::{ConstraintSystem, SystemBuilder};
 use super::Random;
 use crate::linkages::Outcome;
 
-/// How large the numbers of lengths and forces are.
+/// Factors of lengths and forces.
 #[derive(Clone, Copy, Debug)]
 pub struct Units {
     pub length: f64,
@@ -20,24 +20,24 @@ pub struct Model {
     pub k: SparseColMat<usize, f64>,
     pub f: Vec<f64>,
     pub system: ConstraintSystem,
-    /// Powers of the length in the unit of each DOF.
+    /// Exponent of length in the unit of each DOF.
     pub powers: Vec<i32>,
     pub name: String,
 }
 
-/// What is left out of a model that is to be unsupported.
+/// The defect of a model that is to be unsupported.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lack {
     Nothing,
-    /// Nothing holds the first part, nor anything else.
+    /// The first part is not supported.
     Ground,
-    /// One tie of the second part.
+    /// One tie of the second part is missing.
     Tie,
-    /// Stiffness of one DOF.
+    /// One DOF has no stiffness.
     Stiffness,
 }
 
-/// What is done to the stiffness.
+/// Modification of the stiffness.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
     Symmetric,
@@ -45,11 +45,11 @@ pub enum Kind {
     Indefinite,
 }
 
-/// Entries that add up.
+/// Entries of the stiffness, to be summed.
 struct Assembly {
     dofs: usize,
     entries: Vec<Triplet<usize, usize, f64>>,
-    /// Powers of the length in the unit of each DOF: 1 for translations, 0 for rotations.
+    /// Exponent of length in the unit of each DOF: 1 for translations, 0 for rotations.
     powers: Vec<i32>,
 }
 
@@ -75,13 +75,13 @@ impl Assembly {
     }
 }
 
-/// One of two parts: its assembly's DOFs at the ground, and those at the tie.
+/// DOFs of a part at the ground, and at the tie.
 struct Part {
     ground: Vec<usize>,
     tie: Vec<usize>,
 }
 
-/// Springs of decimal stiffness in a tree with some more; one DOF to the ground, two at the tie.
+/// A tree of springs of decimal stiffness plus a few more; one DOF at the ground, two at the tie.
 fn springs(a: &mut Assembly, random: &mut Random) -> Part {
     let count = 6 + random.below(20);
     let dofs: Vec<usize> = (0..count).map(|_| a.dof(1)).collect();
@@ -97,7 +97,7 @@ fn springs(a: &mut Assembly, random: &mut Random) -> Part {
     Part { ground: vec![dofs[0]], tie: vec![dofs[count - 1]] }
 }
 
-/// Triangles in a strip, turned by some angle; two nodes at each end.
+/// A strip of triangles, rotated; two nodes at each end.
 fn truss(a: &mut Assembly, random: &mut Random) -> Part {
     let bays = 2 + random.below(6);
     let angle = random.between(0.0, 6.0);
@@ -131,13 +131,13 @@ fn truss(a: &mut Assembly, random: &mut Random) -> Part {
     Part { ground: [of(0), of(1)].concat(), tie: [of(2 * bays), of(2 * bays + 1)].concat() }
 }
 
-/// A beam of deflections and rotations in units of length.
+/// A beam of deflections and rotations, in units of length.
 fn beam(a: &mut Assembly, random: &mut Random, units: Units) -> Part {
     let count = 3 + random.below(25);
     let nodes: Vec<[usize; 2]> = (0..=count).map(|_| [a.dof(1), a.dof(0)]).collect();
     for i in 0..count {
         let h = random.between(0.5, 1.5) * units.length;
-        // In the plain units of forces: those of the whole matrix are put on later, and lengths are in the entries here.
+        // Forces are in plain units; those of the whole matrix are applied later. Lengths are in the entries here.
         let s = random.between(0.5, 5.0) * (units.length / h).powi(3);
         let k = [
             [12.0, 6.0 * h, -12.0, 6.0 * h],
@@ -150,7 +150,7 @@ fn beam(a: &mut Assembly, random: &mut Random, units: Units) -> Part {
     Part { ground: nodes[0].to_vec(), tie: nodes[count].to_vec() }
 }
 
-/// Two parts of one family: the first held at the ground, the second tied to it, twice over and with gaps.
+/// Two parts of one family: the first on the ground, the second tied to it redundantly and with gaps.
 pub fn model(case: usize, kind: Kind, lack: Lack, units: Units) -> Outcome<Model> {
     let random = &mut Random::new(case);
     let mut a = Assembly::new();
@@ -166,7 +166,7 @@ pub fn model(case: usize, kind: Kind, lack: Lack, units: Units) -> Outcome<Model
         a.spring(slack, 0, 0.3);
     }
     let mut builder = SystemBuilder::new(a.dofs);
-    // A truss hangs on by three of its four ties: it lacks both of one node.
+    // A truss has four ties and needs three; the missing ones are both ties of one node.
     let of = |i: usize| if family == 1 { i / 2 } else { i };
     let missing = if lack == Lack::Tie { of(random.below(first.tie.len())) } else { usize::MAX };
     let pairs = first.tie.iter().zip(&second.ground).enumerate().filter(|(i, _)| of(*i) != missing);
@@ -197,12 +197,12 @@ fn disturbed(entries: &mut Vec<Triplet<usize, usize, f64>>, dofs: usize, kind: K
     entries.iter().filter(|entry| entry.row == entry.col).for_each(|entry| diagonal[entry.row] += entry.val);
     match kind {
         Kind::Symmetric => {}
-        // A mass under a frequency in the middle of the spectrum.
+        // Minus a mass matrix times a frequency in the middle of the spectrum.
         Kind::Indefinite if lack == Lack::Nothing => {
             entries.extend((0..dofs).map(|j| Triplet::new(j, j, -0.37 * random.between(0.9, 1.1) * diagonal[j])));
         }
         Kind::Indefinite => entries.iter_mut().for_each(|entry| entry.val = -entry.val),
-        // Rows by factors: what has no stiffness keeps none.
+        // Rows multiplied by factors; zero stiffness stays zero.
         Kind::Unsymmetric => {
             let factors: Vec<f64> = (0..dofs).map(|_| random.between(0.7, 1.3)).collect();
             entries.iter_mut().for_each(|entry| entry.val *= factors[entry.row]);
@@ -210,7 +210,7 @@ fn disturbed(entries: &mut Vec<Triplet<usize, usize, f64>>, dofs: usize, kind: K
     }
 }
 
-/// `max |a - b| / max |b|`, each DOF in its unit of energy.
+/// `max |a - b| / max |b|`, with each DOF in its unit of energy.
 pub fn off(model: &Model, a: &[f64], b: &[f64]) -> f64 {
     let energy = |j: usize, u: f64| u.abs() * model.k.get(j, j).map_or(0.0, |k| k.abs().sqrt());
     let size = (0..b.len()).fold(0.0, |most: f64, j| most.max(energy(j, b[j])));

@@ -1,4 +1,4 @@
-//! Motions that K feels through entries of T alone that are rounding.
+//! Motions that K resists only through entries of T that are rounding.
 
 use faer::sparse::{SparseColMat, Triplet};
 use qless::elimination::View;
@@ -7,7 +7,7 @@ use qless_solve::enforce::{EnforceError, Lu, Problem, Steps, reduced};
 
 use crate::linkages::Outcome;
 
-/// Powers of two that are the units of DOFs and of equations.
+/// Exponents of the units of DOFs and of equations.
 const DOFS: [i32; 13] = [-1, 6, 0, -5, 7, -8, -3, 8, 5, -2, -8, 6, 7];
 const ROWS: [i32; 10] = [7, 8, 5, -3, -3, -1, -7, 2, -4, 2];
 const STIFFNESS: [(usize, usize, f64); 6] =
@@ -17,7 +17,7 @@ fn unit(j: usize) -> f64 {
     2_f64.powi(DOFS[j])
 }
 
-/// Two motions together, of DOFs 0, 2, 5, 10 and of 1 and 4, are not felt by K; DOFs 3, 6, 7 and 12, which are, do not take part in them.
+/// K does not resist two combined motions, of DOFs 0, 2, 5, 10 and of 1 and 4. DOFs 3, 6, 7 and 12 have stiffness but do not take part.
 fn system() -> Outcome<ConstraintSystem> {
     let rows: [&[(usize, f64)]; 10] = [
         &[(6, 1.0), (12, 1.0)],

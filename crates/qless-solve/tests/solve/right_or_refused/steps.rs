@@ -1,4 +1,4 @@
-//! Steps: the same checks with every solver and every storage.
+//! `Steps` with every solver and every storage.
 
 use faer::sparse::SparseColMat;
 use qless::elimination::{Storage, View};
@@ -10,7 +10,7 @@ use crate::linkages::Outcome;
 
 type Solved = Result<Vec<f64>, EnforceError>;
 
-/// Starts, rows and values of the columns of one half, or of all.
+/// Starts, rows and values of the columns of one half or of all entries.
 fn columns(k: &SparseColMat<usize, f64>, storage: Storage) -> (Vec<usize>, Vec<usize>, Vec<f64>) {
     let (mut starts, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
     for j in 0..k.ncols() {
@@ -81,7 +81,7 @@ fn steps_are_refused_where_it_is_not() -> Outcome {
     Ok(())
 }
 
-/// A solver that returns something else than the solution is found out.
+/// A solver that returns wrong results is detected.
 #[test]
 fn a_wrong_solver_is_found_out() -> Outcome {
     struct Wrong(Llt, f64);
@@ -97,7 +97,7 @@ fn a_wrong_solver_is_found_out() -> Outcome {
     }
     let model = model(0, Kind::Symmetric, Lack::Nothing, super::models::PLAIN)?;
     let truth = step(&model, Llt::default(), Storage::Lower)??;
-    // A little wrong is refined away, far off is refused.
+    // A small error is refined away; a large one is refused.
     let u = step(&model, Wrong(Llt::default(), 1.0 + 1e-6), Storage::Lower)??;
     assert!(off(&model, &u, &truth) < 1e-11);
     let far = step(&model, Wrong(Llt::default(), 3.0), Storage::Lower)?;
@@ -105,7 +105,7 @@ fn a_wrong_solver_is_found_out() -> Outcome {
     Ok(())
 }
 
-/// After a step that was refused there is nothing to solve with, whatever the load.
+/// After a refused step, there are no factors to solve with, whatever the load.
 #[test]
 fn nothing_is_solved_with_what_was_refused() -> Outcome {
     let model = model(0, Kind::Symmetric, Lack::Ground, super::models::PLAIN)?;

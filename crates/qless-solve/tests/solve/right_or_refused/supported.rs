@@ -1,4 +1,4 @@
-//! Models that are held: every method against a dense solution, to what it states.
+//! Supported models: every method agrees with a dense solution to its stated accuracy.
 
 use qless_solve::enforce::{Method, Problem, Solution};
 
@@ -7,7 +7,7 @@ use super::dense;
 use super::models::{Kind, Lack, Model, Units, all_units, model, off};
 use crate::linkages::Outcome;
 
-/// What an estimate of an error may be wrong by.
+/// Factor by which an estimate of an error may be wrong.
 const MARGIN: f64 = 3.0;
 
 fn mixed_rows(problem: &Problem, model: &Model, case: usize) -> Outcome<Solution> {
@@ -68,7 +68,7 @@ fn all_methods_are_right_to_what_they_state() -> Outcome {
     }
     stated.sort_by(f64::total_cmp);
     println!("stated accuracy: median {:.1e}, 90 % {:.1e}, worst {:.1e}", stated[100], stated[180], stated[199]);
-    // What is stated says something.
+    // Stated accuracies are not trivially large.
     assert!(stated[180] < 1e-7, "{:e}", stated[180]);
     Ok(())
 }

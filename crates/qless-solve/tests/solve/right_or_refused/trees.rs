@@ -1,4 +1,4 @@
-//! Trees of ties whose DOFs have units far from one another: each tie is sound, and chains of them look nearly dependent.
+//! Trees of ties whose DOFs have very different units. Each tie is well-conditioned, but chains of them look nearly dependent.
 
 use faer::sparse::{SparseColMat, Triplet};
 use qless::elimination::View;
@@ -10,10 +10,10 @@ use crate::linkages::Outcome;
 
 const TREES: usize = 4_000;
 
-/// Terms, value, and the power of two that is the unit of the row.
+/// Terms, value, and exponent of the row's unit, a power of two.
 pub type Tie = (Vec<(usize, f64)>, f64, i32);
 
-/// Ties, all of which `right` meets, with the power of two that is the unit of each DOF.
+/// Ties that `right` satisfies, with the exponent of each DOF's unit.
 pub struct Tree {
     pub rows: Vec<Tie>,
     pub units: Vec<i32>,
@@ -26,7 +26,7 @@ impl Tree {
         let n = 2 + random.below(9);
         let mut order: Vec<usize> = (0..n).collect();
         (1..n).rev().for_each(|i| order.swap(i, random.below(i + 1)));
-        // Every second tree has more zeros than other values, and factors of which they are no whole multiples.
+        // Every second tree has mostly zeros, and coefficients that are not whole.
         let (is_whole, mut right) = (seed.is_multiple_of(2), vec![0.0; n]);
         let values = right.iter_mut().filter(|_| is_whole || random.below(3) == 0).collect::<Vec<_>>();
         values.into_iter().for_each(|value| *value = random.below(7) as f64 - 3.0);
@@ -58,14 +58,14 @@ impl Tree {
         Ok(builder.build()?)
     }
 
-    /// Springs of stiffness one in the units of the DOFs, at rest where all ties hold but for loads of one.
+    /// Springs of stiffness one in the units of the DOFs, unloaded where all ties hold, plus loads of one.
     pub fn model(&self) -> (Vec<f64>, Vec<f64>) {
         let inverse = self.units.iter().map(|unit| 2_f64.powi(-unit));
         let stiffness = inverse.clone().map(|v| v * v).collect();
         (stiffness, inverse.zip(&self.right).map(|(v, right)| v * (right + 1.0)).collect())
     }
 
-    /// The largest gap of a tie, in units without units.
+    /// The largest gap of a tie, dimensionless.
     fn gap(&self, u: &[f64]) -> f64 {
         let plain: Vec<f64> = u.iter().zip(&self.units).map(|(u, unit)| u * 2_f64.powi(-unit)).collect();
         let gap = |(terms, value, _): &Tie| (terms.iter().map(|&(j, v)| v * plain[j]).sum::<f64>() - value).abs();
@@ -73,7 +73,8 @@ impl Tree {
     }
 }
 
-/// All of it meets every tie of the caller, also those that the analysis thinks redundant; few are refused, and none for what rounding left of a zero.
+/// A solution satisfies every tie, also those that the analysis takes for redundant. Few models are refused, and none because of a rounded
+/// zero.
 #[test]
 fn every_tie_holds_or_the_model_is_refused() -> Outcome {
     let (mut solved, mut doubted) = (0, 0);

@@ -1,4 +1,4 @@
-//! Stiff and soft, slender and coarse, in any unit: right where a model is held, however weakly, and refused where rounding holds it.
+//! Stiff, soft, slender and coarse models in any unit: right if the model is supported, however weakly; refused if rounding supports it.
 
 use faer::sparse::{SparseColMat, Triplet};
 use qless::{ConstraintSystem, SystemBuilder};
@@ -10,7 +10,7 @@ use super::models::{Kind, Lack, Model, Units, all_units, model, off};
 use crate::linkages::Outcome;
 use crate::patch::Block;
 
-/// Steel: K of 2e11 beside coefficients of one.
+/// Steel: stiffness of 2e11 beside coefficients of one.
 #[test]
 fn steel_is_right_in_displacements_and_multipliers() -> Outcome {
     let (mut worst_u, mut worst_lambda) = (0.0_f64, 0.0_f64);
@@ -21,7 +21,7 @@ fn steel_is_right_in_displacements_and_multipliers() -> Outcome {
             let problem = Problem::new(&model.k, &model.f, &model.system)?;
             let (u, lambda) = dense::solution(&model, problem.kept())?;
             for solution in [problem.lagrange()?, problem.transformation()?] {
-                // What rounding of K itself costs is no matter of the method: in units of 1e-10, or of that.
+                // The effect of rounding of K does not depend on the method; errors are in units of 1e-10, or of that effect.
                 let rounding = (1e10 * solution.accuracy).max(1.0);
                 worst_u = worst_u.max(off(&model, &solution.u, &u) / rounding);
                 let of = |row: usize| {
@@ -49,10 +49,10 @@ fn by_all(problem: &Problem) -> Vec<(&'static str, Result<Solution, EnforceError
     ]
 }
 
-/// Springs in a row from a wall, tied in the middle, under a load at the end: `u = F sum 1 / k`.
+/// Springs in a row from a wall, tied in the middle, with a load at the end: `u = F sum 1 / k`.
 fn row_of_springs(stiffness: &[f64]) -> Outcome<(SparseColMat<usize, f64>, ConstraintSystem)> {
     let (n, middle) = (stiffness.len(), stiffness.len() / 2);
-    // DOF i is the right end of spring i; that of the middle one is there twice.
+    // DOF i is the right end of spring i; that of the middle spring occurs twice.
     let mut entries = vec![Triplet::new(0, 0, stiffness[0])];
     for i in 1..n {
         let (a, b, s) = (if i == middle { n } else { i - 1 }, i, stiffness[i]);
@@ -63,7 +63,7 @@ fn row_of_springs(stiffness: &[f64]) -> Outcome<(SparseColMat<usize, f64>, Const
     Ok((SparseColMat::try_new_from_triplets(n + 1, n + 1, &entries)?, builder.build()?))
 }
 
-/// No alarm where neighbours differ by 1e8, over and over.
+/// No false alarm if neighbours differ by 1e8 many times.
 #[test]
 fn stiff_parts_on_soft_ones_are_held() -> Outcome {
     for units in all_units() {
@@ -85,7 +85,7 @@ fn stiff_parts_on_soft_ones_are_held() -> Outcome {
     Ok(())
 }
 
-/// A wall that gets softer and softer: the less holds the model, the less is promised, until nothing is.
+/// A wall that gets softer and softer: the stated accuracy gets worse, until the model is refused.
 #[test]
 fn doubt_grows_as_support_fades() -> Outcome {
     let (mut before, mut refused) = (0.0, false);
@@ -115,7 +115,7 @@ fn doubt_grows_as_support_fades() -> Outcome {
     Ok(())
 }
 
-/// A cantilever of many elements, tied in the middle: ill-conditioned as the fourth power of their number, and held.
+/// A cantilever of many elements, tied in the middle: its condition grows with the fourth power of their number, but it is supported.
 #[test]
 fn slender_beams_are_held() -> Outcome {
     for units in all_units() {
@@ -125,7 +125,7 @@ fn slender_beams_are_held() -> Outcome {
             let node = |i: usize| if i > count / 2 { 2 * i + 2 } else { 2 * i };
             let mut entries = Vec::new();
             for i in 0..count {
-                // The second half starts with a node of its own.
+                // The second half starts with its own node.
                 let a = if i == count / 2 { 2 * i + 2 } else { node(i) };
                 let (b, s) = (node(i + 1), stiffness / h.powi(3));
                 let k = [
@@ -161,7 +161,7 @@ fn slender_beams_are_held() -> Outcome {
     Ok(())
 }
 
-/// Blocks of solid elements tied face to face, without ground: six motions of a whole.
+/// Blocks of solid elements tied face to face without ground have six free motions.
 #[test]
 fn tied_cubes_without_ground_are_refused() -> Outcome {
     for cells in [1, 3, 6] {
@@ -197,7 +197,7 @@ fn tied_cubes_without_ground_are_refused() -> Outcome {
     Ok(())
 }
 
-/// Trees of springs from 1e-5 to 1e5 in any order, in two that are tied: none is refused, and all are right to what they state.
+/// Two tied trees of springs from 1e-5 to 1e5 in any order: none is refused, and all are right to their stated accuracy.
 #[test]
 fn springs_of_all_sizes_are_held() -> Outcome {
     let mut largest = 0.0_f64;
@@ -206,7 +206,7 @@ fn springs_of_all_sizes_are_held() -> Outcome {
         let (count, mut entries) = (30, Vec::new());
         let s = |random: &mut Random| 10_f64.powf(random.between(-5.0, 5.0));
         for i in 0..count {
-            // DOF 15 hangs on nothing but the tie.
+            // DOF 15 is connected by the tie only.
             let s = s(&mut random);
             match i {
                 0 => entries.push((0, 0, s)),

@@ -1,4 +1,4 @@
-//! Models that nothing holds: every method says so, and which DOFs move.
+//! Unsupported models: every method names the DOFs that move.
 
 use faer::sparse::{SparseColMat, Triplet};
 use qless::{ConstraintSystem, SystemBuilder};
@@ -10,7 +10,7 @@ use crate::linkages::Outcome;
 
 type Solved = Result<Solution, EnforceError>;
 
-/// What each method says.
+/// The result of each method.
 fn all_methods(problem: &Problem, equations: usize) -> Result<Vec<(&'static str, Solved)>, EnforceError> {
     let turns =
         [Method::Elimination, Method::Multiplier, Method::Augmented { factor: 1e5 }, Method::Penalty { factor: 1e6 }];
@@ -26,7 +26,7 @@ fn all_methods(problem: &Problem, equations: usize) -> Result<Vec<(&'static str,
     ])
 }
 
-/// Refused by all, with a motion that K and C do not feel.
+/// All methods refuse the model, and K and C do not resist the motion that they name.
 #[track_caller]
 fn refused(name: &str, k: &SparseColMat<usize, f64>, f: &[f64], system: &ConstraintSystem) -> Outcome<FreeMotion> {
     let problem = Problem::new(k, f, system)?;
@@ -47,7 +47,7 @@ fn refused(name: &str, k: &SparseColMat<usize, f64>, f: &[f64], system: &Constra
     Ok(last.ok_or("a method")?)
 }
 
-/// `v^T K v` and `C v` against their terms; v of prescribed DOFs is zero.
+/// `v^T K v` and `C v` are small compared with their terms; v is zero at prescribed DOFs.
 fn felt(name: &str, k: &SparseColMat<usize, f64>, system: &ConstraintSystem, motion: &FreeMotion) {
     let mut v = vec![0.0; k.ncols()];
     motion.dofs.iter().zip(&motion.motion).for_each(|(&dof, &value)| v[dof] = value);
@@ -69,7 +69,7 @@ fn felt(name: &str, k: &SparseColMat<usize, f64>, system: &ConstraintSystem, mot
     assert!(system.prescribed().iter().all(|&(j, _)| v[j] == 0.0), "{name}: prescribed DOFs do not move");
 }
 
-/// No ground, a tie too few, a DOF without stiffness; K symmetric, unsymmetric, negative.
+/// No ground, a missing tie, a DOF without stiffness; K symmetric, unsymmetric, negative.
 #[test]
 fn two_hundred_models_are_refused_by_all_methods() -> Outcome {
     let units: Vec<Units> = all_units().collect();
@@ -85,7 +85,7 @@ fn two_hundred_models_are_refused_by_all_methods() -> Outcome {
     Ok(())
 }
 
-/// A balanced load, or none, does not hide it: u of it would be finite.
+/// A balanced load does not hide a free motion, although u would be finite.
 #[test]
 fn loads_do_not_decide() -> Outcome {
     for case in 0..9 {
@@ -95,7 +95,7 @@ fn loads_do_not_decide() -> Outcome {
     Ok(())
 }
 
-/// Two tied springs without ground, 0.1 and 0.2: the sum `0.1 + 0.2 - 0.3` is no stiffness, in any unit.
+/// Two tied springs without ground, 0.1 and 0.2: the sum `0.1 + 0.2 - 0.3` is not a stiffness, in any unit.
 #[test]
 fn rounding_is_no_support() -> Outcome {
     for units in all_units() {

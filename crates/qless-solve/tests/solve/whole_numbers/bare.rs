@@ -1,14 +1,14 @@
-//! Parts of K without a number on the diagonal: no unit of one DOF can be compared with that of another, and what is said of u is true of each.
+//! Parts of K without a diagonal entry: units of their DOFs cannot be compared, so that the stated accuracy holds for each DOF.
 
 use super::measure::Measure;
 use super::models::{Random, model};
 use super::{MODELS, Outcome};
 use qless_solve::enforce::{EnforceError, Method, Problem, Stiffness};
 
-/// What an estimate may be wrong by.
+/// Factor by which an estimate may be wrong.
 const MARGIN: f64 = 3.0;
 const ROUNDING: f64 = 1e-12;
-/// The largest power of two of a unit, and the first model: with these, accuracies were stated that were wrong by everything.
+/// Largest exponent of a unit, and the first model. Regression: accuracies stated for these were entirely wrong.
 const POWER: u64 = 30;
 const FIRST: usize = 20_000;
 

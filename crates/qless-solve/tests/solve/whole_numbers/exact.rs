@@ -1,4 +1,4 @@
-//! Reduced row echelon forms of fractions, without rounding.
+//! Exact reduced row echelon forms of fractions.
 
 /// Numerator and positive denominator, without common divisors.
 type Fraction = (i128, i128);
@@ -23,7 +23,7 @@ fn difference(a: Fraction, b: Fraction) -> Option<Fraction> {
     Some(reduced((top, a.1.checked_mul(b.1 / common)?)))
 }
 
-/// The pivot columns among the first `columns`, and the form; nothing where numbers leave 128 bits.
+/// The pivot columns among the first `columns`, and the form; none if numbers exceed 128 bits.
 pub fn echelon(rows: &[Vec<i128>], columns: usize) -> Option<(Vec<usize>, Vec<Vec<Fraction>>)> {
     let mut a: Vec<Vec<Fraction>> = rows.iter().map(|row| row.iter().map(|&v| (v, 1)).collect()).collect();
     let mut pivots = Vec::new();
@@ -45,10 +45,10 @@ pub fn echelon(rows: &[Vec<i128>], columns: usize) -> Option<(Vec<usize>, Vec<Ve
     Some((pivots, a))
 }
 
-/// Numbers that leave 128 bits.
+/// Numbers exceed 128 bits.
 pub struct TooLarge;
 
-/// `A^-1 b` of rows `[A b]`; nothing if A is singular.
+/// `A^-1 b` from rows `[A b]`; none if A is singular.
 pub fn solution(rows: &[Vec<i128>]) -> Result<Option<Vec<f64>>, TooLarge> {
     let (pivots, form) = echelon(rows, rows.len()).ok_or(TooLarge)?;
     let value = |row: &Vec<Fraction>| row[rows.len()].0 as f64 / row[rows.len()].1 as f64;

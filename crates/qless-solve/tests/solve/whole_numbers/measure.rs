@@ -1,8 +1,8 @@
-//! The share of u by which it is off, as [`qless_solve::enforce::Solution::accuracy`] defines it, made once more from its words.
+//! The relative error of u as [`qless_solve::enforce::Solution::accuracy`] defines it, implemented independently.
 
 use super::models::Model;
 
-/// The connected part of each DOF, none for prescribed ones, its unit of energy, and its kind: numbers of two kinds cannot be compared.
+/// Part, unit of energy and unit group of each DOF; numbers of two groups cannot be compared.
 pub struct Measure<'a> {
     model: &'a Model,
     kept: &'a [usize],
@@ -18,7 +18,7 @@ impl<'a> Measure<'a> {
         Self { model, kept, part, unit, kind: kinds(model, &free, kept) }
     }
 
-    /// A DOF of a kind of its own that is at rest, by the terms of its equations.
+    /// Size of a zero DOF without a known unit, by the terms of its equations.
     fn of_terms(&self, j: usize, right: &[f64]) -> f64 {
         let terms = |r: usize| {
             let of_dofs = self.model.c[r].iter().zip(right).map(|(&c, u)| (c as f64 * u).abs());
@@ -28,7 +28,7 @@ impl<'a> Measure<'a> {
         rows.map(|&r| terms(r) / self.model.c[r][j].abs() as f64 / self.unit[j]).fold(0.0, f64::max)
     }
 
-    /// The largest of all parts and kinds; what is at rest is measured by what its loads do to its stiffness.
+    /// The largest error over all parts and groups. If u of a group is zero, the effect of its loads on their own stiffness counts.
     pub fn off(&self, found: &[f64], right: &[f64], length: f64) -> f64 {
         let free = self.model.free();
         let of_kind = |name: usize, kind: usize| {
@@ -45,14 +45,14 @@ impl<'a> Measure<'a> {
             let size = if is_stiff { moved.max(loads) } else { moved }.max(of_terms);
             if off > 0.0 { off / size } else { 0.0 }
         };
-        // Of a kind at rest whose loads are none, rounding of another kind is all that is left.
+        // If the loads of such a group are zero as well, only rounding of other groups is left.
         let all = free.iter().map(|&j| of_kind(self.part[j].unwrap_or(j), self.kind[j]));
         all.filter(|off| off.is_finite()).fold(0.0, f64::max)
     }
 }
 
-/// 0 where a number on the diagonal gives a unit to all that K joins with it; DOFs that K does not know have that of an equation. Others are of a
-/// kind of their own.
+/// 0 for DOFs whose unit is known from a diagonal entry of their part of K, or from an equation if they have no stiffness. Others are groups
+/// of their own.
 fn kinds(model: &Model, free: &[usize], kept: &[usize]) -> Vec<usize> {
     let joined = |i: usize, j: usize| model.k[i][j] != 0 || model.k[j][i] != 0;
     let is_stiff = free.iter().any(|&i| free.iter().any(|&j| joined(i, j)));
@@ -84,7 +84,7 @@ fn parts(model: &Model, free: &[usize], kept: &[usize]) -> Vec<Option<usize>> {
     part
 }
 
-/// `1 / sqrt |K_jj|`, balanced; where there is none, from equations.
+/// `1 / sqrt |K_jj|`, balanced; from equations if K has no entry.
 fn units(model: &Model, free: &[usize], kept: &[usize]) -> Vec<f64> {
     let size = |i: usize, j: usize| model.k[i][j].abs().max(model.k[j][i].abs()) as f64;
     let largest = |row: &dyn Fn(usize) -> f64| free.iter().map(|&j| row(j)).fold(0.0, f64::max);

@@ -1,4 +1,4 @@
-//! Enforcement against exact arithmetic: small models of whole numbers, singular ones as often as not, most of them not symmetric or not definite.
+//! Enforcement against exact arithmetic: small models of whole numbers, about half of them singular, most of them unsymmetric or indefinite.
 
 mod bare;
 mod exact;
@@ -17,25 +17,25 @@ use qless_solve::enforce::{EnforceError, Lu, Method, Problem, Solution, Steps, S
 use crate::linkages::Outcome;
 use models::{Given, model};
 
-/// Models of each test.
+/// Models per test.
 const MODELS: usize = 1200;
 /// `(length, force)`.
 const UNITS: [(f64, f64); 5] = [(1.0, 1.0), (1e-6, 1.0), (1e6, 1e6), (1.0, 1e6), (1e6, 1e-6)];
 
 type Solved = Result<Solution, EnforceError>;
 
-/// The largest difference, and the largest number of the second.
+/// The largest difference, and the largest entry of the second list.
 fn off(found: &[f64], right: &[f64], unit: f64) -> (f64, f64) {
     let pairs = found.iter().zip(right);
     pairs.fold((0.0, 0.0), |(off, most), (a, b)| (off.max((a - b * unit).abs()), most.max((b * unit).abs())))
 }
 
-/// Whether a refusal is one that a supported model may get.
+/// Whether the error concerns springs, which a supported model may get.
 fn is_of_springs(error: &EnforceError) -> bool {
     matches!(error, EnforceError::PenaltyTooSmall { .. })
 }
 
-/// Whether a refusal says that the model is not determined.
+/// Whether the error says that the model is not determined.
 fn is_of_support(error: &EnforceError) -> bool {
     matches!(error, EnforceError::Unsupported(motion) if !motion.dofs.is_empty())
 }
@@ -53,7 +53,7 @@ fn all_methods(problem: &Problem, equations: usize) -> [(&'static str, bool, Sol
     ]
 }
 
-/// A model in its units, with its exact solution, if it has one.
+/// A model in its units, with its exact solution, if there is one.
 struct Case<'a> {
     name: String,
     model: &'a models::Model,
@@ -64,7 +64,7 @@ struct Case<'a> {
     right: Option<(Vec<f64>, Vec<f64>)>,
 }
 
-/// Calls `check` for each model in all units; conflicts must be found where they are. How many were determined, and how many not.
+/// Calls `check` for each model in all units; conflicts must be found. Returns how many models are determined, and how many are not.
 fn for_each_case(mut check: impl FnMut(&Case) -> Outcome) -> Outcome<(usize, usize)> {
     let mut counts = (0, 0);
     for model in (0..MODELS).map(model) {
@@ -135,7 +135,7 @@ fn steps_are_right_where_the_model_is_determined_and_refuse_it_where_not() -> Ou
             }
             (Some(_), Err(error)) => return Err(format!("{}: {error}", case.name).into()),
             (None, Ok(())) => panic!("{}: u = {u:?}", case.name),
-            // A solver may find the matrix singular in words of its own.
+            // A solver may report a singular matrix in its own words.
             (None, Err(error)) => {
                 let singular = matches!(error, EnforceError::Unsupported(_) | EnforceError::Solver(_));
                 assert!(singular, "{}: {error}", case.name);
@@ -147,7 +147,7 @@ fn steps_are_right_where_the_model_is_determined_and_refuse_it_where_not() -> Ou
     Ok(())
 }
 
-/// `u_1 = 0`, and u_0 feels u_1 alone. A spring on u_1 makes the matrix regular.
+/// `u_1 = 0`, and u_0 has stiffness with u_1 only. A spring on u_1 makes the matrix regular and must not hide that.
 #[test]
 fn springs_hold_nothing_that_their_equations_do_not() -> Outcome {
     let entries = [Triplet::new(0, 1, 4.0), Triplet::new(1, 0, 4.0)];
@@ -165,7 +165,7 @@ fn springs_hold_nothing_that_their_equations_do_not() -> Outcome {
     Ok(())
 }
 
-/// Loads on what has no stiffness: what a spring leaves cannot be small beside u, whatever the unit of force.
+/// Loads on DOFs without stiffness: the error of a spring cannot be small compared with u, whatever the unit of force.
 #[test]
 fn springs_without_stiffness_are_measured_by_u_alone() -> Outcome {
     let k = SparseColMat::try_new_from_triplets(1, 1, &[])?;
@@ -182,7 +182,7 @@ fn springs_without_stiffness_are_measured_by_u_alone() -> Outcome {
     Ok(())
 }
 
-/// However soft: multipliers that hardly move u are no sign that u is right.
+/// Soft springs are refused, also if multipliers hardly move u.
 #[test]
 fn soft_springs_are_refused() -> Outcome {
     let entries = [(0, 0, 3.0), (0, 1, -1.0), (1, 0, -1.0), (1, 1, 2.0), (1, 2, -1.0), (2, 1, -1.0), (2, 2, 1.5)];

@@ -1,4 +1,4 @@
-//! Small models of small whole numbers.
+//! Small random models of small whole numbers.
 
 use faer::sparse::{SparseColMat, Triplet};
 use qless::{ConstraintSystem, SystemBuilder};
@@ -9,11 +9,11 @@ use crate::linkages::Outcome;
 /// u and the multipliers.
 pub type Solution = (Vec<f64>, Vec<f64>);
 
-/// Numbers that are the same in every run.
+/// Random numbers, the same in every run.
 pub struct Random(pub u64);
 
 impl Random {
-    /// From 0 to n - 1, by splitmix64.
+    /// From 0 to n - 1 (SplitMix64).
     pub fn below(&mut self, n: u64) -> usize {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
@@ -27,7 +27,7 @@ impl Random {
         self.below(2 * most as u64 + 1) as i128 - most
     }
 
-    /// The same, or zero in one case of two.
+    /// As `number`, or zero in one case of two.
     fn sparse(&mut self, most: i128) -> i128 {
         if self.below(2) == 0 { 0 } else { self.number(most) }
     }
@@ -43,7 +43,7 @@ pub struct Model {
     pub prescribed: Vec<Option<i128>>,
 }
 
-/// What a solver sees of a model.
+/// The floating-point model that a solver gets.
 pub struct Given {
     pub k: SparseColMat<usize, f64>,
     pub f: Vec<f64>,
@@ -55,7 +55,7 @@ fn stiffness(random: &mut Random, kind: usize, n: usize) -> Vec<Vec<i128>> {
     match kind {
         0 | 1 => {
             for _ in 0..n {
-                // Springs between two DOFs or to the ground, or along any direction.
+                // Springs between two DOFs, to the ground, or along any direction.
                 let mut v = vec![0; n];
                 if kind == 0 {
                     v[random.below(n as u64)] += 1;
@@ -120,7 +120,7 @@ impl Model {
         rhs - row.iter().zip(&self.prescribed).map(|(v, u)| v * u.unwrap_or(0)).sum::<i128>()
     }
 
-    /// The rank of the equations on the free DOFs, and whether they contradict one another.
+    /// The rank of the equations on the free DOFs, and whether they contradict each other.
     pub fn rank(&self) -> Option<(usize, bool)> {
         let free = self.free();
         let row = |(row, &b): (&Vec<i128>, &i128)| {
@@ -132,7 +132,7 @@ impl Model {
         Some((pivots.len() - usize::from(conflict), conflict))
     }
 
-    /// u and the multipliers of some equations; nothing where they are not determined.
+    /// u and the multipliers of the given equations; none if they are not determined.
     pub fn solution(&self, kept: &[usize]) -> Result<Option<Solution>, exact::TooLarge> {
         let free = self.free();
         let of_dof = |&i: &usize| {
@@ -152,12 +152,12 @@ impl Model {
         Ok(Some((u, lambda)))
     }
 
-    /// In other units of length and force.
+    /// The model in other units of length and force.
     pub fn given(&self, length: f64, force: f64) -> Outcome<Given> {
         self.given_in(length, force, &vec![1.0; self.f.len()])
     }
 
-    /// The same, with a unit of each DOF besides.
+    /// As `given`, with a unit of each DOF as well.
     pub fn given_in(&self, length: f64, force: f64, units: &[f64]) -> Outcome<Given> {
         let n = self.f.len();
         let stiffness = |i: usize, j: usize| self.k[i][j] as f64 * force / length / (units[i] * units[j]);

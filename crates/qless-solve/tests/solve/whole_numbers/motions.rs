@@ -1,4 +1,4 @@
-//! The motion that is named is one: C does not feel it, and K answers with nothing but forces of C.
+//! The motion that an error names is free: C vanishes on it, and `K v` is a combination of the rows of C.
 
 use faer::Mat;
 use faer::linalg::solvers::SolveLstsq;
@@ -27,7 +27,7 @@ fn motions_left_free_are_named() -> Outcome {
     Ok(())
 }
 
-/// What is left of `K v + C^T lambda` and `C v` with the best lambda, and whether anything but prescribed DOFs moves.
+/// The residuals of `K v + C^T lambda` with the best lambda, and of `C v`, and whether only free DOFs move.
 fn felt(case: &Case, motion: &FreeMotion) -> (f64, bool) {
     let (model, free, kept) = (case.model, case.model.free(), case.problem.kept());
     let mut v = vec![0.0; model.f.len()];

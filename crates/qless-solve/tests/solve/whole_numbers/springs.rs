@@ -1,4 +1,4 @@
-//! Factors and accuracies at random: what is returned is right, and what is refused is refused rightly.
+//! Random factors and accuracies: returned solutions are right, and refusals are justified.
 
 use faer::Mat;
 use faer::prelude::Solve;
@@ -8,12 +8,12 @@ use super::measure::Measure;
 use super::models::{Model, Random};
 use super::{Case, Outcome, for_each_case};
 
-/// What an estimate may be wrong by.
+/// Factor by which an estimate may be wrong.
 const MARGIN: f64 = 3.0;
-/// Shares below are rounding.
+/// Smaller errors are rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// How often a solution was right, refused rightly, and refused though the penalties asked for do what was asked.
+/// How often a solution was right, a refusal justified, and a refusal not justified.
 #[derive(Debug, Default)]
 struct Counts {
     right: usize,
@@ -32,7 +32,7 @@ fn methods(random: &mut Random, rows: usize, turn: usize) -> Vec<Method> {
     (0..rows).map(|row| method(if turn < 2 { turn } else { (row + turn) % 4 })).collect()
 }
 
-/// u of the penalties asked for: `[K C^T; C -1/D]` by orthogonal factors.
+/// u of the exact penalties: `[K C^T; C -1/D]` by orthogonal factors.
 fn penalised(model: &Model, kept: &[usize], methods: &[Method]) -> Vec<f64> {
     let (free, n) = (model.free(), model.free().len());
     let largest = free.iter().flat_map(|&i| free.iter().map(move |&j| model.k[i][j].abs())).max().unwrap_or(0);
@@ -88,7 +88,7 @@ fn check(case: &Case, counts: &mut Counts) {
             }
             Err(EnforceError::PenaltyTooSmall { .. }) => {
                 let off = measure.off(&penalised(case.model, kept, &methods), right, 1.0);
-                // Between the two, an estimate decides.
+                // In between, an estimate decides.
                 counts.rightly += usize::from(off > accuracy / MARGIN);
                 counts.wrongly += usize::from(off <= accuracy / MARGIN);
             }

@@ -1,4 +1,4 @@
-//! A unit for each DOF, as where lengths, angles and pressures are in one model: what is said does not hang on it.
+//! A separate unit for each DOF, as in models with lengths, angles and pressures: results do not depend on units.
 
 use faer::sparse::{SparseColMat, Triplet};
 use qless::SystemBuilder;
@@ -8,10 +8,10 @@ use super::models::{Random, model};
 use super::{MODELS, Outcome, all_methods, is_of_springs, is_of_support};
 use qless_solve::enforce::{Problem, Stiffness};
 
-/// What an estimate may be wrong by.
+/// Factor by which an estimate may be wrong.
 const MARGIN: f64 = 3.0;
 const ROUNDING: f64 = 1e-11;
-/// The powers of two of the units.
+/// Exponents of the units.
 const POWERS: [u64; 3] = [0, 10, 20];
 
 #[test]
@@ -55,7 +55,7 @@ fn units_of_dofs_make_nothing_wrong_that_was_right() -> Outcome {
     Ok(())
 }
 
-/// A free spring 0-1, and two DOFs that equations alone know, in units of 3e4: what springs of 1e17 in that unit leave of K is rounding.
+/// A free spring 0-1, and two DOFs without stiffness in units of 3e4. Springs of 1e17 in that unit leave only rounding of K.
 #[test]
 fn springs_hold_nothing_in_large_units_either() -> Outcome {
     let t = 1.0 / 3e4;
@@ -76,7 +76,7 @@ fn springs_hold_nothing_in_large_units_either() -> Outcome {
     Ok(())
 }
 
-/// `u = (2 / t, t)`, whatever forces there are: K has no diagonal, so that nothing says what 1 of u_0 is beside 1 of u_1.
+/// `u = (2 / t, t)`, whatever the forces are: K has no diagonal, so that u_0 and u_1 cannot be compared.
 #[test]
 fn numbers_that_cannot_be_compared_are_not() -> Outcome {
     for t in [1.0, 1e2, 1e3, 1e4, 1e5] {

@@ -1,6 +1,6 @@
-//! Springs of very different stiffness, of which the solution is chosen first: `f = K u + C^T lambda`, `b = C u`, without rounding.
+//! Springs of very different stiffness. The solution is chosen first: `f = K u + C^T lambda`, `b = C u`, without rounding.
 //!
-//! In units of energy the soft DOFs are nothing beside the stiff ones; a caller holds each equation against its own terms all the same.
+//! In units of energy the soft DOFs are negligible beside the stiff ones; each equation must still hold by its own terms.
 
 use qless_solve::enforce::{EnforceError, Problem, Solution, Stiffness};
 
@@ -8,13 +8,13 @@ use super::Outcome;
 use super::measure::Measure;
 use super::models::{Model, Random};
 
-/// Models that are tried; in a part of them all numbers are doubles.
+/// Models that are tried; only some of them consist of doubles.
 const MODELS: usize = 6000;
-/// Powers of two of the springs.
+/// Largest exponent of the springs.
 const POWERS: u64 = 60;
-/// What may be left of an equation, relative to its terms.
+/// Largest residual of an equation, relative to its terms.
 const HOLDS: f64 = 1e-10;
-/// What an estimate may be wrong by.
+/// Factor by which an estimate may be wrong.
 const MARGIN: f64 = 3.0;
 const ROUNDING: f64 = 1e-14;
 
@@ -34,13 +34,13 @@ fn stiffness(random: &mut Random, n: usize, definite: bool) -> Vec<Vec<i128>> {
     k
 }
 
-/// A number from 1 to most, of any sign.
+/// A number from 1 to `most`, of either sign.
 fn number(random: &mut Random, most: u64) -> i128 {
     let size = 1 + random.below(most) as i128;
     if random.below(2) == 0 { size } else { -size }
 }
 
-/// A model with its u; none where a number is no double.
+/// A model with its u; none if a number is not a double.
 fn model(seed: usize) -> Option<(Model, Vec<f64>)> {
     let random = &mut Random(seed as u64 * 6007 + 5);
     let n = 2 + random.below(7);
@@ -65,7 +65,7 @@ fn model(seed: usize) -> Option<(Model, Vec<f64>)> {
     all.then(|| (Model { name, k, f, c, b, prescribed: vec![None; n] }, right))
 }
 
-/// The largest `|C u - b|` of its terms. Numbers are small and u is right to some digits, so that the difference to it is exact.
+/// The largest `|C u - b|` relative to its terms. Numbers are small and u is right to some digits, so that the difference is exact.
 fn left(model: &Model, kept: &[usize], u: &[f64], right: &[f64]) -> f64 {
     let of_row = |&r: &usize| {
         let terms = || model.c[r].iter().map(|c| *c as f64).zip(u.iter().zip(right));
@@ -75,7 +75,7 @@ fn left(model: &Model, kept: &[usize], u: &[f64], right: &[f64]) -> f64 {
     kept.iter().map(of_row).fold(0.0, f64::max)
 }
 
-/// What the methods said.
+/// Results of the methods.
 #[derive(Debug, Default)]
 struct Counts {
     right: usize,
