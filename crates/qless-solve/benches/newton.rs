@@ -1,11 +1,11 @@
-//! How the time of a Newton step grows along open chains of bodies, `cargo bench -p qless-solve --bench newton` (`-- --test`
-//! for two small sizes).
+//! How the time of a Newton step grows along open chains of bodies: `cargo bench -p qless-solve --bench newton` (`-- --test` for two small
+//! sizes).
 //!
-//! A step is: c and G at u, the analysis of `G du = -c`, its reduction in factor form, and du. All sizes have their turns in one
-//! process; exponents are fitted to the medians by least squares of logarithms. Then the same chains are solved from a
-//! configuration that is off by little, and rods that are joined to nothing. `-- spherical`, `-- revolute` or `-- rods` for one of them.
+//! A step consists of c and G at u, the analysis of `G du = -c`, its reduction in factored form, and du. All sizes take turns in one process;
+//! exponents are fitted to the medians by least squares of logarithms. The same chains, and unconnected rods, are then solved from a slightly
+//! disturbed configuration. `-- spherical`, `-- revolute` or `-- rods` selects one of them.
 //!
-//! The process keeps its memory from one round to the next; `-- --fresh` leaves glibc its rule.
+//! The process keeps its memory between rounds; `-- --fresh` uses the defaults of glibc.
 
 use std::array::from_fn;
 use std::hint::black_box;
@@ -18,11 +18,11 @@ use qless_constraints::{ConstraintSet, Quantities, SetBuilder};
 use qless_scenes::memory;
 use qless_solve::newton::{NewtonOptions, solve};
 
-/// In each, every size has its turn.
+/// Rounds; all sizes take turns in each.
 const ROUNDS: usize = 9;
 const STAGES: [&str; 4] = ["linearise", "analyse", "reduce", "expand"];
 
-/// Name, a chain of so many bodies, and sizes.
+/// Name, constructor for a number of bodies, and sizes.
 type Chain = (&'static str, fn(usize) -> ConstraintSet, &'static [usize]);
 
 fn main() -> ExitCode {
@@ -43,13 +43,13 @@ fn run() {
     }
 }
 
-/// In [-0.5, 0.5], the same everywhere.
+/// A number in [-0.5, 0.5], the same on every machine.
 fn random(seed: usize) -> f64 {
     let z = (seed as u64 + 11).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29).wrapping_mul(0xD6E8_FEB8_6659_FD93);
     f64::from((z ^ (z >> 32)) as u32) / f64::from(u32::MAX) - 0.5
 }
 
-/// Where joint i is: along a line, with some scatter.
+/// Position of joint i: along a line, with some scatter.
 fn joint(i: usize) -> [f64; 3] {
     from_fn(|k| 0.6 * random(3 * i + k) + if k == 0 { i as f64 } else { 0.0 })
 }
@@ -60,7 +60,7 @@ fn centre(i: usize) -> [f64; 3] {
     from_fn(|k| f64::midpoint(p[k], q[k]))
 }
 
-/// Bodies with rotation vectors, each on the one before by a ball joint, the first on the ground.
+/// Bodies with rotation vectors, connected by ball joints; the first one is on the ground.
 fn spherical(bodies: usize) -> ConstraintSet {
     let mut builder = ConstraintSet::builder(6 * bodies);
     let body = |i: usize| match i {
@@ -74,7 +74,7 @@ fn spherical(bodies: usize) -> ConstraintSet {
     builder.build().expect("few DOFs")
 }
 
-/// Bodies with Euler parameters, each on the one before by a hinge in a direction of its own, the first on the ground.
+/// Bodies with Euler parameters, connected by hinges in different directions; the first one is on the ground.
 fn revolute(bodies: usize) -> ConstraintSet {
     let mut builder = ConstraintSet::builder(7 * bodies);
     let body = |i: usize| match i {
@@ -91,7 +91,7 @@ fn revolute(bodies: usize) -> ConstraintSet {
     builder.build().expect("few DOFs")
 }
 
-/// As many parts as rods: each is joined to nothing.
+/// As many connected parts as rods.
 fn rods(rods: usize) -> ConstraintSet {
     let mut builder = ConstraintSet::builder(4 * rods);
     for i in 0..rods {
@@ -101,18 +101,18 @@ fn rods(rods: usize) -> ConstraintSet {
     builder.build().expect("few DOFs")
 }
 
-/// Off the constraints by little.
+/// A configuration slightly off the constraints.
 fn disturbed(set: &ConstraintSet) -> Vec<f64> {
     (0..set.dofs()).map(|j| 1e-3 * random(j)).collect()
 }
 
-/// Seconds of the stages of a step.
+/// Seconds of each stage of a step.
 fn step(set: &ConstraintSet, u: &[f64], quantities: &mut Quantities) -> [f64; 4] {
     let mut marks = vec![Instant::now()];
     set.evaluate(u, quantities).expect("of this set");
     let system = set.linearised(quantities, &[]).expect("finite");
     marks.push(Instant::now());
-    // As `newton::solve` does it.
+    // As in `newton::solve`.
     let analysis = analyse(&system, &Options { growth: 1e6, ..Options::default() }).expect("analysed");
     marks.push(Instant::now());
     let reduction = analysis.reduction_in(Form::Factored).expect("within the gate");
@@ -154,14 +154,14 @@ fn growth(name: &str, make: fn(usize) -> ConstraintSet, sizes: &[usize]) {
     println!("exponents: step {:.2}, solve by steps {:.2}", exponent(&points[0]), exponent(&points[1]));
 }
 
-/// Seconds from the disturbed configuration to a consistent one, and the looks that it took.
+/// Seconds from the disturbed configuration to a consistent one, and the number of iterates.
 fn solved(set: &ConstraintSet) -> (f64, usize) {
     let start = Instant::now();
     let solution = solve(set, &disturbed(set), &[], &NewtonOptions::default()).expect("a solution");
     (start.elapsed().as_secs_f64(), solution.iterates.len())
 }
 
-/// The slope on doubly logarithmic paper.
+/// Slope in doubly logarithmic scale.
 fn exponent(points: &[(f64, f64)]) -> f64 {
     let logarithms: Vec<(f64, f64)> = points.iter().map(|(x, y)| (x.ln(), y.ln())).collect();
     let count = points.len() as f64;

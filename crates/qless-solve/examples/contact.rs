@@ -1,9 +1,8 @@
 //! Node-to-face contact: gaps `g(u) = C u - b >= 0`, pressures `p >= 0`, `p g = 0`, by an active set.
 //!
-//! Two elastic strips over one another, as strings on springs: the upper one is bent like a wheel and pressed down, its nodes meet the
-//! faces of the lower one between the nodes of that. Each node has a constraint that says "the gap is closed". All rest at first; those
-//! whose gap is negative are activated, those that pull are deactivated, until nothing changes: the solution of
-//! `min u^T K u / 2 - f^T u` subject to `g(u) >= 0`.
+//! Two elastic strips, each a string on springs, lie on top of each other. The upper one is curved and pressed down; its nodes meet the faces
+//! of the lower one. Each upper node has the constraint "the gap is closed", inactive at first. Constraints with a negative gap are activated
+//! and those that pull are deactivated, until nothing changes. The result minimises `u^T K u / 2 - f^T u` subject to `g(u) >= 0`.
 //!
 //! `cargo run -p qless-solve --example contact`
 
@@ -15,7 +14,7 @@ use qless_solve::enforce::Problem;
 
 type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
 
-/// Two strips; each node has one DOF, its deflection. Any units of length and force.
+/// Two strips; each node has one DOF, its deflection. Units of length and force are arbitrary.
 #[derive(Clone, Copy, Debug)]
 pub struct Strips {
     /// Nodes of the upper strip.
@@ -26,7 +25,7 @@ pub struct Strips {
     pub length: f64,
     /// Curvature of the upper strip: the gap before loading is `x^2 curvature / 2` from the middle.
     pub curvature: f64,
-    /// Stiffness of each spring, a force by a length.
+    /// Stiffness of each spring, force per length.
     pub stiffness: f64,
     /// Force on each node of the upper strip, downwards.
     pub force: f64,
@@ -51,7 +50,7 @@ impl Strips {
         self.upper + self.lower
     }
 
-    /// Springs `(DOF, other DOF or the ground, stiffness)`: between neighbours, and to the ground. What holds the upper strip is soft.
+    /// Springs `(DOF, other DOF or the ground, stiffness)` between neighbours and to the ground. The support of the upper strip is soft.
     pub fn springs(&self) -> Vec<(usize, Option<usize>, f64)> {
         let ground = |i: usize| (i, None, if i < self.upper { 0.01 } else { 1.0 } * self.stiffness);
         let pair = |i: usize| (i, Some(i + 1), self.stiffness);
@@ -84,10 +83,10 @@ impl Strips {
         Ok(SparseColMat::try_new_from_triplets(self.dofs(), self.dofs(), &triplets)?)
     }
 
-    /// Nodes enter and leave the active set until all gaps and pressures are right.
+    /// Changes the active set until all gaps and pressures have the right sign.
     ///
     /// # Errors
-    /// If the stiffness holds nothing, or the active set does not settle.
+    /// If the model is not supported, or the active set does not converge.
     pub fn solve(&self) -> Outcome<Contact> {
         let mut builder = ConstraintSet::builder(self.dofs());
         let add = |i: usize| {
@@ -133,7 +132,7 @@ fn balance(
     Ok((solution.u, pressures))
 }
 
-/// Closes what overlaps and opens what pulls; whether there was any.
+/// Activates overlapping nodes and deactivates pulling ones; returns whether any changed.
 fn change(set: &mut ConstraintSet, nodes: &[ConstraintId], gaps: &[f64], pressures: &[f64]) -> Outcome<bool> {
     let mut changed = false;
     for ((&node, &gap), &pressure) in nodes.iter().zip(gaps).zip(pressures) {

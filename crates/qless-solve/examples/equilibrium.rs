@@ -58,7 +58,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// A crank of 0.1 m, a rod of 0.4 m: DOFs of the pin, then of the slider.
+/// A crank of 0.1 m and a rod of 0.4 m; DOFs of the pin, then of the slider.
 fn slider_crank() -> Result<ConstraintSet, Box<dyn Error>> {
     let (pin, slider) = (PlanarPoint::new([0, 1], [0.1, 0.0]), PlanarPoint::new([2, 3], [0.5, 0.0]));
     let mut builder = ConstraintSet::builder(4);

@@ -1,4 +1,4 @@
-//! A parallelogram linkage with one arm too many: what is redundant, where, and Newton's way to a driven position.
+//! A parallelogram linkage with a redundant arm: which equations are redundant, where, and how Newton's method reaches a driven position.
 //!
 //! `cargo run -p qless-solve --example mechanism`
 
@@ -11,7 +11,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let options = NewtonOptions::default();
     println!("{} coordinates, {} equations", set.dofs(), set.equations());
 
-    // The crank is pushed by 0.6 in one step; everything else follows.
+    // The crank moves by 0.6 in one step; the rest follows.
     let solution = solve(&set, &[0.0; 6], &[(0, 0.6)], &options)?;
     println!("{:>4} {:>11} {:>5}  left out", "step", "residual", "rank");
     for (step, iterate) in solution.iterates.iter().enumerate() {
@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     println!("u = {:.6?}", solution.u);
 
-    // Folded flat, the coupler adds a second, which is redundant in that configuration only.
+    // Folded flat, the coupler adds a second redundancy, in that configuration only.
     for (name, u) in [("driven", solution.u), ("folded flat", vec![1.0, -1.0, 1.0, -1.0, 1.0, -1.0])] {
         for (row, place) in redundancies(&set, &u, &options)? {
             println!("{name}: redundant, {:?}: {}", place, set.label(row)?);
@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// Three arms of length 1 that carry a coupler of length 2.
+/// Three arms of length 1 with a coupler of length 2.
 fn linkage() -> Result<ConstraintSet, Box<dyn std::error::Error>> {
     let top = |i: usize| PlanarPoint::new([2 * i, 2 * i + 1], [i as f64, 1.0]);
     let mut builder = ConstraintSet::builder(6);

@@ -1,8 +1,8 @@
 //! A periodic cube of solid elements, half of it ten times stiffer, under a macroscopic strain: its mean stress.
 //!
 //! The pairs of opposite nodes make `3 n^2` equations per component, of which `3 n - 1` at edges and corners are redundant.
-//! The example assembles the elements, leaves it to the library to find the redundant equations, and checks the stress of
-//! the homogeneous cube against Hooke's law and that of the layered one against the rule of layers in series.
+//! The example assembles the elements; the library finds the redundant equations. It compares the stress of the homogeneous cube with Hooke's
+//! law, and that of the layered one with the rule of layers in series.
 //!
 //! `cargo run --release -p qless-solve --example periodic_cube`
 
@@ -32,7 +32,7 @@ fn main() -> Outcome<()> {
         let f = vec![0.0; system.dofs()];
         let problem = Problem::new(&k, &f, &system)?;
         let solution = problem.transformation()?;
-        // sigma : E = 2 energy / volume, and only E_xx is not zero.
+        // sigma : E = 2 energy / volume, where only E_xx is nonzero.
         let energy: f64 = energy_twice(&k, &solution.u);
         let (stress, truth) = (energy / STRETCH, STRETCH * 2.0 / (1.0 / soft + 1.0 / (ratio * soft)));
         println!(
@@ -54,7 +54,7 @@ fn point(place: [usize; 3]) -> Point {
     Point::new([3 * node, 3 * node + 1, 3 * node + 2], place.map(|p| p as f64 / (NODES - 1) as f64))
 }
 
-/// All pairs of opposite nodes; one corner is held.
+/// All pairs of opposite nodes; one corner is fixed.
 fn constraints() -> Outcome<ConstraintSystem> {
     let mut builder = ConstraintSet::builder(3 * NODES.pow(3));
     let strain = MacroStrain::Given([[STRETCH, 0.0, 0.0], [0.0; 3], [0.0; 3]]);
@@ -92,7 +92,7 @@ fn stiffness(ratio: f64) -> Outcome<SparseColMat<usize, f64>> {
     Ok(SparseColMat::try_new_from_triplets(n, n, &entries)?)
 }
 
-/// `int lambda div u div v + 2 mu eps(u) : eps(v)` of a cube with edges h, by Gauss's rule with two points per direction.
+/// `int lambda div u div v + 2 mu eps(u) : eps(v)` of a cube with edge length h, by Gauss's rule with two points per direction.
 fn brick(h: f64) -> Vec<[f64; 24]> {
     let mut k = vec![[0.0; 24]; 24];
     for gauss in 0..8 {

@@ -1,7 +1,7 @@
 //! The tie of the paper's Figure 1, with bars: four parts meet at the nodes D, F, I and L and are tied line to line, all around.
 //!
-//! Three equations per component are enough for the four nodes to move together; the four ties make four. Another tie lies
-//! between nodes that are both fixed. Both are found, named and left out, and all methods give the same displacements.
+//! Three equations per component suffice for the four nodes to move together; the four ties make four. A further tie lies between two fixed
+//! nodes. The analysis finds, names and ignores both, and all methods give the same displacements.
 //!
 //! `cargo run -p qless-solve --example tied_bars`
 
@@ -27,7 +27,7 @@ const NODES: [(&str, [f64; 2]); 12] = [
     ("L", [0.0, 0.0]),
 ];
 
-/// Bars of each part, and the bars on the rim that keep it in shape.
+/// Bars of each part, and the bars on the rim that keep its shape.
 const BARS: [(usize, usize); 8] = [(0, 1), (0, 2), (3, 4), (4, 5), (6, 7), (6, 8), (9, 10), (10, 11)];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -58,7 +58,7 @@ fn point(node: usize) -> PlanarPoint {
     PlanarPoint::new([2 * node, 2 * node + 1], NODES[node].1)
 }
 
-/// Each line to the line that lies on it; the outer nodes of the lower parts are fixed.
+/// Ties each line to the one on top of it; the outer nodes of the lower parts are fixed.
 fn constraints() -> Result<ConstraintSystem, Box<dyn std::error::Error>> {
     let mut builder = ConstraintSet::builder(24);
     for (label, slave, master) in [
@@ -78,7 +78,7 @@ fn constraints() -> Result<ConstraintSystem, Box<dyn std::error::Error>> {
     Ok(set.linearised(&quantities, &fixed)?)
 }
 
-/// Bars of stiffness 1 / length, and a soft bed that holds what they leave free.
+/// Bars of stiffness 1 / length, and a soft bed that supports the remaining motions.
 fn stiffness() -> Result<SparseColMat<usize, f64>, Box<dyn std::error::Error>> {
     let mut entries: Vec<_> = (0..24).map(|j| Triplet::new(j, j, 0.01)).collect();
     for (a, b) in BARS {

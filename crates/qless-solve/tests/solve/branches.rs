@@ -1,6 +1,7 @@
-//! Four-bars whose crank is moved point by point, far in one call: always on the side where they started.
+//! Four-bar linkages whose crank moves far in one call stay on the branch where they started.
 //!
-//! Of the two places where circles about both pivots meet, the side is the sign of a determinant: no path is needed to know the right one.
+//! The joint is one of two intersections of circles about both pivots. The sign of a determinant tells them apart, so that no path is needed
+//! to know the right one.
 
 use std::f64::consts::TAU;
 
@@ -14,7 +15,7 @@ use crate::linkages::{Outcome, random};
 type Place = [f64; 2];
 
 const UNITS: [f64; 3] = [1e-6, 1.0, 1e6];
-/// Folded but for less than this part of the shorter bar, a linkage may go over to the other branch.
+/// If it comes closer to folding than this fraction of the shorter bar, a linkage may change its branch.
 const FLAT: f64 = 0.02;
 
 /// A joint with a coupler to the end of the crank and a rocker about a pivot, on one side of the line through both.
@@ -32,7 +33,7 @@ impl FourBar {
         Self { coupler, rocker, base, side: random(31 * seed + 3).signum() }
     }
 
-    /// The joint where the crank ends at `pin`, and the height of the triangle over its shorter bar; nothing if it does not close.
+    /// The joint for the crank's end at `pin`, and the height of its triangle over the shorter bar; none if the linkage does not close.
     fn joint(&self, [x, y]: Place) -> Option<(Place, f64)> {
         let (across, up) = (self.base - x, -y);
         let far = across.hypot(up);
@@ -43,12 +44,12 @@ impl FourBar {
         high.is_finite().then_some((joint, high / self.coupler.min(self.rocker)))
     }
 
-    /// Whether no point of a way folds it nearly flat.
+    /// Whether no point of a path folds it nearly flat.
     fn is_sound(&self, way: impl Fn(f64) -> Place) -> bool {
         (0..=2000).all(|i| self.joint(way(f64::from(i) / 2000.0)).is_some_and(|(_, height)| height > FLAT))
     }
 
-    /// Coupler and rocker with the crank's end at `pin`, in a unit of length; equations of the crank are for the caller.
+    /// Coupler and rocker with the crank's end at `pin`, in a unit of length; the caller adds the equations of the crank.
     fn builder(&self, pin: Place, unit: f64) -> Outcome<SetBuilder> {
         let (joint, _) = self.joint(pin).ok_or("it does not close")?;
         let [pin, joint] =
@@ -59,7 +60,7 @@ impl FourBar {
         Ok(builder)
     }
 
-    /// How far the joint is from where it must be, for `u` from one pin to another.
+    /// Distance of the joint from its right position, for `u` relative to the first pin.
     fn off(&self, [from, to]: [Place; 2], u: &[f64], unit: f64) -> f64 {
         let place = |pin| self.joint(pin).map_or([f64::NAN; 2], |(joint, _)| joint);
         let (from, to) = (place(from), place(to));
@@ -67,7 +68,7 @@ impl FourBar {
     }
 }
 
-/// Functions of time that turn a crank by turns and parts of them, from one load step to many.
+/// Functions of time that turn a crank by turns and fractions of turns, in one load step or many.
 #[test]
 fn cranks_driven_through_whole_turns_keep_their_branch() -> Outcome {
     let (mut sound, mut steps) = (0, 0);
@@ -98,7 +99,7 @@ fn cranks_driven_through_whole_turns_keep_their_branch() -> Outcome {
     Ok(())
 }
 
-/// The end of the crank is prescribed, from corner to corner of a random way.
+/// The end of the crank is prescribed along a random polygon.
 #[test]
 fn cranks_prescribed_from_far_keep_their_branch() -> Outcome {
     let mut sound = 0;
@@ -129,13 +130,13 @@ fn cranks_prescribed_from_far_keep_their_branch() -> Outcome {
     Ok(())
 }
 
-/// Where a linkage cannot go on, no step leads round what is between.
+/// If a linkage cannot pass a position, no load step may skip it.
 #[test]
 fn what_folds_on_the_way_is_refused() -> Outcome {
     let mut refused = 0;
     for seed in 0..60 {
         let (bar, unit) = (FourBar { base: 1.0, coupler: 0.9, rocker: 0.8, side: 1.0 }, UNITS[seed % 3]);
-        // A crank of 0.9 comes to where the pivot is too far, and back from there after a whole turn.
+        // A crank of 0.9 comes to a position where the pivot is out of reach, and would be back after a full turn.
         let first = 0.9 * random(seed);
         let pin = move |s: f64| [0, 1].map(|k| 0.9 * [f64::cos, f64::sin][k](first + s * TAU));
         let mut builder = bar.builder(pin(0.0), unit)?;
@@ -149,13 +150,13 @@ fn what_folds_on_the_way_is_refused() -> Outcome {
         assert!(found.is_err(), "{seed}: {found:?}");
         refused += usize::from(matches!(found, Err(EquilibriumError::Branch { .. })));
     }
-    // The others end before anything turns: no configuration is found at all.
+    // The others fail before anything turns: no configuration is found at all.
     assert!(refused > 15, "{refused} of 60 say that a branch ends");
     Ok(())
 }
 
-/// Whole turns, after which everything is where it was: a linkage that does not close on the way is refused, however many they are; where a load step
-/// happens to start just where it ceases to close, it may find where it closes again, and says that branches meet.
+/// Whole turns that end where they started: a linkage that does not close on the way is refused. If a load step starts exactly where it
+/// ceases to close, it may find where it closes again, and reports that branches meet.
 #[test]
 fn whole_turns_that_do_not_close_are_refused() -> Outcome {
     let (mut open, mut said) = (0, 0);
@@ -163,7 +164,7 @@ fn whole_turns_that_do_not_close_are_refused() -> Outcome {
         let (bar, unit) = (FourBar::random(seed), UNITS[seed % 3]);
         let (crank, first) = (0.2 + 2.0 * random(17 * seed + 5).abs(), 6.0 * random(17 * seed + 6));
         let turns = [1.0, -1.0, 2.0, 3.0, 7.0, 25.0, 60.0][seed % 7];
-        // An ellipse: the end of the crank has no one speed.
+        // An ellipse: the end of the crank has no constant speed.
         let flat = [1.0, 0.6][seed / 7 % 2];
         let pin = move |s: f64| {
             let angle = first + s * turns * TAU;
@@ -192,11 +193,11 @@ fn whole_turns_that_do_not_close_are_refused() -> Outcome {
     Ok(())
 }
 
-/// So near to folding flat that Newton's method decides between the branches: a load step says so wherever the wrong one was taken.
+/// Close to folding flat, Newton's method chooses the branch; a load step reports this wherever the wrong one was taken.
 #[test]
 fn where_branches_meet_is_said() -> Outcome {
     let (mut right, mut refused) = (0, 0);
-    // Of those far from folding and those near to it, how many go through where branches meet.
+    // How many paths pass meeting branches, among those far from folding and those near to it.
     let mut said = [[0, 0]; 2];
     for seed in 0..2000 {
         let (mut bar, unit) = (FourBar::random(seed), UNITS[seed % 3]);

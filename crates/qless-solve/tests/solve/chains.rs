@@ -1,4 +1,4 @@
-//! Rods along an axis in space, nearly: what lies across them has small entries in G, and must not be asked to move for them.
+//! Rods nearly along an axis in space: motions across them have small entries in G and must not be used as slaves.
 
 use qless_constraints::types::{Distance, Point};
 use qless_constraints::{ConstraintSet, SetBuilder};
@@ -12,7 +12,7 @@ fn node(i: usize, at: [f64; 3]) -> Point {
     Point::new([3 * i, 3 * i + 1, 3 * i + 2], at)
 }
 
-/// Solves from nodes that are off by a part of a rod; the number of steps.
+/// Solves from nodes that are displaced by a fraction of a rod; returns the number of steps.
 fn steps(set: SetBuilder, count: usize, (off, seed, unit): (f64, usize, f64)) -> Outcome<usize> {
     let set = set.build()?;
     let u: Vec<f64> = (0..3 * count).map(|j| unit * off * random(1000 * seed + j)).collect();
@@ -23,7 +23,7 @@ fn steps(set: SetBuilder, count: usize, (off, seed, unit): (f64, usize, f64)) ->
     Ok(found.iterates.len() - 1)
 }
 
-/// However long the chain, whatever the axis.
+/// The number of steps depends on neither the length nor the axis of the chain.
 #[test]
 fn chains_along_an_axis_are_assembled_in_a_few_steps() -> Outcome {
     for rods in [5, 10, 20, 80, 300] {
@@ -47,7 +47,7 @@ fn chains_along_an_axis_are_assembled_in_a_few_steps() -> Outcome {
     Ok(())
 }
 
-/// Lattices with diagonals, flat in space, where rods are redundant: across them G has small entries only, and steps fall by a half.
+/// Flat lattices with diagonals in space, with redundant rods: across them G has small entries only, and the residual halves with each step.
 #[test]
 fn flat_lattices_are_assembled_in_a_few_steps() -> Outcome {
     for (seed, off) in (0..12).zip([1e-4, 1e-3, 1e-2].into_iter().cycle()) {

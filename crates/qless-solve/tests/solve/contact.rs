@@ -5,7 +5,7 @@ mod example;
 
 use example::{Contact, Strips};
 
-/// The solution of a dense system, by Gauss with pivots.
+/// Solves a dense system by Gauss elimination with pivoting.
 fn dense(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
     let n = b.len();
     for k in 0..n {
@@ -24,7 +24,7 @@ fn dense(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
     b
 }
 
-/// Of all sets of closed gaps the one with no negative gap and no negative pressure; there is one only, as K is positive definite.
+/// Among all sets of closed gaps, the one without negative gaps and pressures. It is unique, since K is positive definite.
 fn by_trying_all(strips: &Strips) -> Option<(Vec<f64>, Vec<f64>)> {
     let (n, size) = (strips.dofs(), strips.stiffness);
     for closed in 0..1_usize << strips.upper {
@@ -39,7 +39,7 @@ fn by_trying_all(strips: &Strips) -> Option<(Vec<f64>, Vec<f64>)> {
                 a[j][i] -= k;
             }
         }
-        // -C^T p, and C u = -gap, by the stiffness: all pivots are of one size.
+        // -C^T p, and C u = -gap multiplied by the stiffness, so that all pivots have one size.
         for (row, &i) in (n..).zip(&active) {
             let (terms, gap) = strips.gap(i);
             for (j, v) in terms {
@@ -68,8 +68,8 @@ fn close(found: &[f64], truth: &[f64]) -> bool {
     found.iter().zip(truth).all(|(a, b)| (a - b).abs() <= 1e-10 * size)
 }
 
-/// Flat and curved strips, meshes that match and that do not, light and heavy loads, in several units: the solution of the quadratic
-/// program, found by trying all active sets.
+/// Flat and curved strips, matching and non-matching meshes, light and heavy loads, several units: the solution of the quadratic program,
+/// found by trying all active sets.
 #[test]
 fn contact_is_that_of_the_quadratic_program() -> Outcome {
     let (mut sizes, mut left) = (std::collections::BTreeSet::new(), 0);

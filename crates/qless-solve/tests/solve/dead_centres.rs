@@ -7,7 +7,7 @@ use qless_solve::newton::{NewtonError, NewtonOptions, NewtonSolution, Redundancy
 
 use crate::linkages::Outcome;
 
-/// `c = (x - r cos(t))^2 + (r sin t)^2 - l^2) / (2 l)`: an angle t and a slider at `x = r + l + u`.
+/// `c = (x - r cos(t))^2 + (r sin t)^2 - l^2) / (2 l)`: a crank angle t and a slider at `x = r + l + u`.
 pub struct SliderCrank {
     pub dofs: [usize; 2],
     pub crank: f64,
@@ -41,7 +41,7 @@ fn by_angle(unit: f64) -> Outcome<ConstraintSet> {
     Ok(builder.build()?)
 }
 
-/// Crank pin and slider as points: DOFs 0, 1 and 2, 3.
+/// The same linkage by points: the crank pin has DOFs 0 and 1, the slider 2 and 3.
 fn by_points(unit: f64) -> Outcome<ConstraintSet> {
     let (pin, slider) = (PlanarPoint::new([0, 1], [0.5 * unit, 0.0]), PlanarPoint::new([2, 3], [2.5 * unit, 0.0]));
     let mut builder = ConstraintSet::builder(4);
@@ -51,7 +51,7 @@ fn by_points(unit: f64) -> Outcome<ConstraintSet> {
     Ok(builder.build()?)
 }
 
-/// The angle of the crank where the slider has gone in by `d`: the law of cosines, without its cancellation.
+/// The crank angle after the slider has moved inwards by `d`: the law of cosines, without cancellation.
 fn angle(d: f64) -> f64 {
     let (r, l, x) = (0.5_f64, 2.0_f64, 2.5 - d);
     2.0 * (0.5 * (d * (2.0 * l - d) / (2.0 * r * x))).sqrt().asin()
@@ -63,7 +63,7 @@ fn list(solution: &NewtonSolution) -> String {
     solution.iterates.iter().map(|i| format!("{:.1e} ({})", i.residual, i.length)).collect::<Vec<_>>().join(", ")
 }
 
-/// From beside the dead centre, and from the dead centre itself, the crank turns to where the rod has its length.
+/// From the dead centre and from beside it, the crank turns until the rod has its length.
 #[test]
 fn cranks_leave_their_dead_centre() -> Outcome {
     let options = NewtonOptions::default();
@@ -74,9 +74,9 @@ fn cranks_leave_their_dead_centre() -> Outcome {
                 println!("unit {unit}, start {start}, by {d}: {}", list(&found));
                 assert_eq!(found.u[1], -d * unit);
                 let truth = angle(d);
-                // c is quadratic in the angle here: its rounding over the angle is what the angle is known to.
+                // c is quadratic in the angle here: the angle is known to the rounding of c divided by the angle.
                 let tolerance = 1e-12 * truth + 2e-13 / truth;
-                // One way round or the other, but not round and round.
+                // In either direction, but less than a turn.
                 let turned = found.u[0].abs();
                 let off = (turned - truth).abs().min((TAU - turned - truth).abs());
                 assert!(off < tolerance && turned < TAU, "{unit} {start} {d}: {turned} {truth}");
@@ -93,7 +93,7 @@ fn cranks_leave_their_dead_centre() -> Outcome {
     Ok(())
 }
 
-/// Beyond its reach no solution is near, and the rod is named, in every unit; from beside the dead centre it is not found.
+/// Out of reach, the error names the rod in every unit; starting beside the dead centre, there is no convergence.
 #[test]
 fn beyond_the_reach_there_is_no_solution() -> Outcome {
     let options = NewtonOptions::default();
@@ -114,7 +114,7 @@ fn beyond_the_reach_there_is_no_solution() -> Outcome {
     Ok(())
 }
 
-/// All the way round by the slider: in to the second dead centre and out again, by steps that end on the dead centres.
+/// A full turn driven by the slider: inwards to the second dead centre and out again, in steps that end on the dead centres.
 #[test]
 fn the_slider_goes_through_both_dead_centres() -> Outcome {
     for unit in UNITS {
@@ -132,7 +132,7 @@ fn the_slider_goes_through_both_dead_centres() -> Outcome {
     Ok(())
 }
 
-/// A rod that is 32 % too long is brought to its length, whatever that is; so is one beside coordinates a million times as large.
+/// A rod that is 32 % too long gets its length, whatever the length is, and also beside coordinates that are a million times larger.
 #[test]
 fn rods_of_all_lengths() -> Outcome {
     for length in [1e-12, 1e-6, 1.0, 1e6, 1e12] {
@@ -151,7 +151,7 @@ fn rods_of_all_lengths() -> Outcome {
     Ok(())
 }
 
-/// What is redundant, and where, is the same in all units.
+/// Redundancies and their kinds are the same in all units.
 #[test]
 fn redundancy_has_no_unit() -> Outcome {
     for unit in UNITS {
@@ -177,7 +177,7 @@ fn tolerances_below_rounding_are_refused() -> Outcome {
     Ok(())
 }
 
-/// Whatever is given, there is an answer or an error, and no panic.
+/// Any input gives a solution or an error, and never a panic.
 #[test]
 fn wrong_starts_are_refused() -> Outcome {
     let (set, options) = (by_points(1.0)?, NewtonOptions::default());

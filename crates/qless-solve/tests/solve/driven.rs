@@ -1,4 +1,4 @@
-//! Equilibria that motors and right-hand sides are driven through: closed forms of the motion, and the work of the motor.
+//! Equilibria driven by motors and right-hand sides: closed forms of the motion, and the work of the motor.
 
 use std::f64::consts::TAU;
 
@@ -12,9 +12,9 @@ use crate::poses::{KINDS, Kind, STRIDE, Vector, add, body, norm, norm_of, scale,
 
 const Z: Vector = [0.0, 0.0, 1.0];
 
-/// A four-bar linkage with weights and springs at the middles of its bars; the crank is turned by a function of time.
+/// A four-bar linkage with weights and springs at the middles of its bars; a function of time turns the crank.
 struct FourBar {
-    /// Crank, coupler, rocker, and the base from bearing to bearing.
+    /// Crank, coupler, rocker, and the distance of the bearings.
     bars: [f64; 4],
     first: f64,
     weights: [Vector; 3],
@@ -24,12 +24,12 @@ struct FourBar {
 }
 
 impl FourBar {
-    /// A crank that turns all round, in units of length and force.
+    /// A crank that turns fully, in units of length and force.
     fn random(seed: usize, [length, force]: [f64; 2]) -> Self {
         let number = |k: usize| random(97 * seed + k);
         let crank = 0.5 + 0.3 * number(0);
         let base = 2.0 + 0.3 * number(1);
-        // Grashof with room to spare: the shortest and the longest together are shorter than the others.
+        // Grashof's condition with a margin: the shortest and the longest bar together are shorter than the others.
         let (coupler, rocker) = (1.9 + 0.2 * number(2), 1.8 + 0.2 * number(3));
         Self {
             bars: [crank, coupler, rocker, base].map(|x| length * x),
@@ -41,7 +41,7 @@ impl FourBar {
         }
     }
 
-    /// The joints at an angle of the crank: the end of the rocker is where two circles meet.
+    /// The joints at an angle of the crank: the end of the rocker is an intersection of two circles.
     fn joints(&self, phi: f64) -> [Vector; 4] {
         let [crank, coupler, rocker, base] = self.bars;
         let pin = scale(crank, [phi.cos(), phi.sin(), 0.0]);
@@ -74,7 +74,7 @@ impl FourBar {
         for i in 0..3 {
             norm_of(&mut builder, i, self.kind)?;
             if self.kind == Kind::Vector {
-                // What is left of the stride.
+                // The remaining part of the stride.
                 builder.add("spare", Driven::new([(STRIDE * i + 6, 1.0)], |_| 0.0))?;
             }
         }
@@ -93,7 +93,7 @@ impl FourBar {
         loads
     }
 
-    /// Of springs and weights.
+    /// Energy of springs and weights.
     fn energy(&self, phi: f64) -> f64 {
         let of_body = |i: usize| -> f64 {
             let u = sub(self.middle(i, phi), self.middle(i, self.first));
@@ -103,7 +103,7 @@ impl FourBar {
     }
 }
 
-/// Where a driven linkage is, and what its motor carries, must be what the closed form says.
+/// The configuration of a driven linkage and the moment of its motor agree with the closed form.
 fn check(bar: &FourBar, (set, motor): (&ConstraintSet, ConstraintId), found: &Equilibrium) -> Outcome<f64> {
     let [length, force] = [bar.bars[3], norm(bar.weights[0]) + norm(bar.weights[1]) + norm(bar.weights[2])];
     let phi = bar.first + (bar.angle)(set.time());
@@ -120,10 +120,10 @@ fn check(bar: &FourBar, (set, motor): (&ConstraintSet, ConstraintId), found: &Eq
     Ok(moment)
 }
 
-/// The moment of the motor is the slope of the energy, and its work, by Gauss' rule, the change of it; in every unit.
+/// The moment of the motor is the slope of the energy, and its work, by Gauss's rule, is the change of the energy; in every unit.
 #[test]
 fn the_work_of_a_motor_is_the_change_of_energy() -> Outcome {
-    // Five points in [-1, 1], to order ten.
+    // Five points in [-1, 1], order ten.
     let (near, far) =
         ((5.0 - 2.0 * (10.0_f64 / 7.0).sqrt()).sqrt() / 3.0, (5.0 + 2.0 * (10.0_f64 / 7.0).sqrt()).sqrt() / 3.0);
     let (of_near, of_far) = ((322.0 + 13.0 * 70.0_f64.sqrt()) / 900.0, (322.0 - 13.0 * 70.0_f64.sqrt()) / 900.0);
@@ -153,7 +153,7 @@ fn the_work_of_a_motor_is_the_change_of_energy() -> Outcome {
     Ok(())
 }
 
-/// Any linkage, any time, in one call: on the branch where it started, however often the crank went round.
+/// Any linkage, at any time, in one call: on the branch where it started, after any number of turns.
 #[test]
 fn driven_linkages_stay_on_their_branch() -> Outcome {
     for seed in 0..60 {
@@ -170,7 +170,7 @@ fn driven_linkages_stay_on_their_branch() -> Outcome {
     Ok(())
 }
 
-/// A crank that is pushed by its slider comes to its dead centre and not beyond; what cannot be is refused, and the set stays where it was.
+/// A crank pushed by its slider gets to its dead centre and not beyond. Impossible motions are refused, and the set keeps its time.
 #[test]
 fn no_motor_pushes_beyond_a_dead_centre() -> Outcome {
     for [length, force] in UNITS {
@@ -189,7 +189,7 @@ fn no_motor_pushes_beyond_a_dead_centre() -> Outcome {
         let x = [1.0, 0.0, 0.0];
         let motor = builder.add("push", TranslationMotor::new(ground, slider, end, x, move |t| length * t))?;
         let mut set = builder.build()?;
-        // A weight on the crank; at the slider's x its height follows from two triangles.
+        // A weight on the crank; its height follows from the slider's x by two triangles.
         let mut loads = vec![0.0; 15];
         loads[1] = -force;
         let target = Target { loads: &loads, prescribed: &[] };
@@ -217,7 +217,7 @@ fn no_motor_pushes_beyond_a_dead_centre() -> Outcome {
     Ok(())
 }
 
-/// A right-hand side that is a function of time is a support that moves: the same beam, the multiplier the reaction.
+/// A right-hand side that is a function of time acts as a moving support: the beam is the same, and the multiplier is the reaction.
 #[test]
 fn driven_equations_are_supports_that_move() -> Outcome {
     for [length, force] in UNITS {
@@ -246,7 +246,7 @@ fn driven_equations_are_supports_that_move() -> Outcome {
     Ok(())
 }
 
-/// Too many turns, and times at which a motor has no angle: errors that say so, and the set is where it was.
+/// Too many turns, and times at which a motor has no angle: errors that say so; the set keeps its time.
 #[test]
 fn what_cannot_be_followed_is_refused() -> Outcome {
     let (ground, wheel) = (Body::ground(), Body::with_vector([0, 1, 2], [0.0; 3], [3, 4, 5]));
@@ -264,7 +264,7 @@ fn what_cannot_be_followed_is_refused() -> Outcome {
     let mut set = wheel_with(|t| t)?;
     let found = go(&mut set, 1000.0)?;
     let angle = 1000.0 - TAU * (1000.0 / TAU).round();
-    // Known up to whole turns, in rotation vectors as in c.
+    // The angle is known modulo whole turns, in rotation vectors as in c.
     let off = found.u[5] - angle;
     assert!((off - TAU * (off / TAU).round()).abs() < 1e-9 && found.steps.len() > 2500, "{:?}", found.u);
     for turns in 1..4 {
@@ -276,7 +276,7 @@ fn what_cannot_be_followed_is_refused() -> Outcome {
     let refused = go(&mut set, 1e5).expect_err("too far");
     assert!(matches!(&refused, EquilibriumError::Turn { label, .. } if label == "motor"), "{refused}");
     assert_eq!(set.time(), 0.0);
-    // It has angles at both ends of the way, and none between.
+    // It has angles at both ends of the path, but not in between.
     let mut set = wheel_with(|t| if (0.1..0.9).contains(&t) { f64::NAN } else { 3.0 * t })?;
     let refused = go(&mut set, 1.0).expect_err("no angle on the way");
     assert!(matches!(&refused, EquilibriumError::Time(TimeError::NotFinite { .. })), "{refused}");
@@ -284,8 +284,8 @@ fn what_cannot_be_followed_is_refused() -> Outcome {
     Ok(())
 }
 
-/// Linkages that nearly fold flat, where the two branches are as near as the root of what is left: on the right one. A crank that does not go
-/// round is refused.
+/// Linkages that nearly fold flat, where the distance of the branches is the square root of the remaining gap: on the right one. A crank that
+/// does not turn fully is refused.
 #[test]
 fn linkages_that_nearly_fold_keep_their_branch() -> Outcome {
     let mut refused = 0;
@@ -294,7 +294,7 @@ fn linkages_that_nearly_fold_keep_their_branch() -> Outcome {
             let mut bar = FourBar::random(seed, UNITS[seed % UNITS.len()]);
             let [crank, coupler, _, base] = bar.bars;
             bar.bars[2] = crank + (1.0 + margin) * base - coupler;
-            // At its ends the pin is this far from the other bearing.
+            // At its ends the pin has this distance from the other bearing.
             let goes_round = (coupler - bar.bars[2]).abs() <= base - crank;
             let ((mut set, motor), mut model, loads) = (bar.set()?, bar.model(), bar.loads());
             let target = Target { loads: &loads, prescribed: &[] };

@@ -6,7 +6,7 @@ use crate::linkages::{Outcome, random};
 
 const DOFS: usize = 40;
 
-/// A chain of springs on an elastic bed, DOF 0 to 39; with a convective part if it is not to be symmetric.
+/// A chain of springs on an elastic bed, DOFs 0 to 39, with a convective term if it is to be unsymmetric.
 fn stiffness(convection: f64) -> Outcome<SparseColMat<usize, f64>> {
     let mut entries = Vec::new();
     for i in 0..DOFS {
@@ -22,7 +22,7 @@ fn stiffness(convection: f64) -> Outcome<SparseColMat<usize, f64>> {
     Ok(SparseColMat::try_new_from_triplets(DOFS, DOFS, &entries)?)
 }
 
-/// Ties, a mean, a chain of equal DOFs that is closed, sums of rows; four of 13 are redundant. Two DOFs are prescribed.
+/// Ties, a mean, a closed chain of equal DOFs, sums of rows; four of 13 equations are redundant. Two DOFs are prescribed.
 fn constraints(conflict: f64) -> Outcome<ConstraintSystem> {
     let mut builder = SystemBuilder::new(DOFS);
     builder.labelled_equation("tie", [(3, 1.0), (10, -0.25), (11, -0.75)], 0.1);
@@ -61,7 +61,7 @@ fn assert_same(name: &str, a: &Solution, b: &Solution) {
     assert!(difference(&reaction(a), &reaction(b)) < 1e-10, "{name}: reactions");
 }
 
-/// All exact methods give the same u, multipliers, forces and reactions, symmetric or not; each equation holds.
+/// All exact methods give the same u, multipliers, forces and reactions, for symmetric and unsymmetric K; each equation holds.
 #[test]
 fn methods_agree() -> Outcome {
     for convection in [0.0, 0.7] {
@@ -84,7 +84,7 @@ fn methods_agree() -> Outcome {
     Ok(())
 }
 
-/// The plan eliminates sparse blocks and gives the mean a multiplier; a user can turn it round.
+/// The plan eliminates sparse blocks and gives the mean a multiplier; the user can swap that.
 #[test]
 fn plan_is_by_block_and_can_be_changed() -> Outcome {
     let (k, f, system) = (stiffness(0.0)?, loads(), constraints(0.0)?);
@@ -115,7 +115,7 @@ fn penalty_follows_its_theory() -> Outcome {
     Ok(())
 }
 
-/// The factor has no units: other units of force, and equations times any number, give the same u.
+/// The factor is dimensionless: other units of force and multiplied equations give the same u.
 #[test]
 fn penalty_does_not_depend_on_units() -> Outcome {
     let (k, f, system) = (stiffness(0.0)?, loads(), constraints(0.0)?);
@@ -169,7 +169,7 @@ fn what_cannot_be_solved_is_said() -> Outcome {
     let problem = Problem::new(&k, &f, &system)?;
     assert!(matches!(problem.penalty(-1.0, 0.1), Err(EnforceError::Factor(_))));
     assert!(matches!(problem.augmented(1e3, 1e-19), Err(EnforceError::NoConvergence { .. })));
-    // No stiffness at all: the constraints do not hold the model.
+    // Without any stiffness, the constraints do not support the model.
     let nothing = SparseColMat::try_new_from_triplets(DOFS, DOFS, &[])?;
     let loose = Problem::new(&nothing, &f, &system)?;
     assert!(matches!(loose.transformation(), Err(EnforceError::Unsupported(_))));

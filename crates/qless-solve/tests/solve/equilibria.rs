@@ -1,4 +1,4 @@
-//! A corotational beam in the plane, as a finite-element code has it, and what its constraints do.
+//! Corotational beams in the plane, as in a finite-element program, under constraints.
 
 use std::error::Error;
 use std::f64::consts::TAU;
@@ -11,11 +11,11 @@ use qless_solve::equilibrium::{
 
 use crate::linkages::Outcome;
 
-/// Units of length and force: each alone, and both.
+/// Units of length and force: changed separately and together.
 pub const UNITS: [[f64; 2]; 7] =
     [[1.0, 1.0], [1e-6, 1.0], [1e6, 1.0], [1.0, 1e-6], [1.0, 1e6], [1e-6, 1e-6], [1e6, 1e6]];
 
-/// Prints the residuals; where they are small and above rounding, each is at most `bound` times the square of the larger one before.
+/// Prints the residuals. Those that are small but above rounding must be at most `bound` times the square of the larger one before.
 pub fn assert_quadratic(name: &str, found: &Equilibrium, bound: f64) {
     let mut fast = 0;
     for step in &found.steps {
@@ -36,7 +36,7 @@ pub fn assert_quadratic(name: &str, found: &Equilibrium, bound: f64) {
     assert!(fast >= 1, "{name}: too few steps to judge");
 }
 
-/// Beams by pairs of nodes; three DOFs a node: x, y and the turn.
+/// Beams between pairs of nodes; three DOFs per node: x, y and the rotation.
 pub struct Frame {
     pub at: Vec<[f64; 2]>,
     pub beams: Vec<[usize; 2]>,
@@ -51,7 +51,7 @@ impl Frame {
         Self { at, beams: (0..elements).map(|i| [i, i + 1]).collect(), axial, bending }
     }
 
-    /// Stretch, end turns relative to the chord, and the chord: length and direction.
+    /// Stretch, end rotations relative to the chord, and length and direction of the chord.
     fn strains(&self, [a, b]: [usize; 2], u: &[f64]) -> ([f64; 3], f64, f64, [f64; 2]) {
         let first = [0, 1].map(|k| self.at[b][k] - self.at[a][k]);
         let now = [0, 1].map(|k| first[k] + u[3 * b + k] - u[3 * a + k]);
@@ -125,15 +125,15 @@ fn built(builder: SetBuilder) -> ConstraintSet {
     builder.build().expect("few DOFs")
 }
 
-/// The end moment `2 pi E I / L` rolls a cantilever up into a circle. It is made of two beams, tied in the middle by three equations and
-/// by one more that says the same.
+/// The end moment `2 pi E I / L` rolls a cantilever into a circle. It consists of two beams, tied in the middle by three equations and a
+/// redundant one.
 #[test]
 fn a_tied_cantilever_is_rolled_up() -> Outcome {
     let n = 10;
     for [length, force] in UNITS {
         let (axial, bending) = (1e4 * force, force * length * length);
         let mut frame = Frame::straight(2 * n, length, axial, bending);
-        // The second half has a first node of its own.
+        // The second half has its own first node.
         frame.at.push(frame.at[n]);
         frame.beams[n][0] = 2 * n + 1;
         let (left, right) = (3 * n, 3 * (2 * n + 1));
@@ -151,14 +151,14 @@ fn a_tied_cantilever_is_rolled_up() -> Outcome {
         let target = Target { loads: &loads, prescribed: &clamp };
         let found = solve(&mut frame, &set, &Start::at_rest(&set), &target, &EquilibriumOptions::default())?;
         assert_quadratic(&format!("roll-up, units {length} {force}"), &found, 1e3);
-        // The end has come back to the clamp: the circle closes.
+        // The end has returned to the clamp: the circle closes.
         let end = 3 * 2 * n;
         assert!((found.u[end] / length + 1.0).abs() < 1e-9 && (found.u[end + 1] / length).abs() < 1e-9);
         assert!((found.u[end + 2] / TAU - 1.0).abs() < 1e-9, "{}", found.u[end + 2]);
         assert!((frame.energy(&found.u) / (0.5 * moment * TAU) - 1.0).abs() < 1e-9);
         assert!((found.reactions[2] / moment + 1.0).abs() < 1e-8, "{:?}", found.reactions);
         assert!(found.reactions[..2].iter().all(|r| (r * length / moment).abs() < 1e-8), "{:?}", found.reactions);
-        // The tie carries the moment: by one of the two equations, the other is left out.
+        // The tie carries the moment by one of the two equations; the other one is redundant.
         assert_eq!(found.redundant.len(), 1);
         assert_eq!(found.multipliers[found.redundant[0]], 0.0);
         let carried = found.constraint_forces[left + 2];
@@ -167,7 +167,7 @@ fn a_tied_cantilever_is_rolled_up() -> Outcome {
     Ok(())
 }
 
-/// A model that nothing holds is refused, and the DOFs of its motion are named; loads that it cannot carry too.
+/// An unsupported model is refused, and the DOFs of its motion are named; so are loads that it cannot carry.
 #[test]
 fn what_nothing_holds_is_refused() -> Outcome {
     for [length, force] in UNITS {
@@ -191,7 +191,7 @@ fn what_nothing_holds_is_refused() -> Outcome {
     Ok(())
 }
 
-/// Rods in the plane, with weights and springs at joints: all forces are given, all stiffness is springs to the ground.
+/// Rods in the plane, with weights and springs at joints: all forces are constant, all stiffness is from springs to the ground.
 pub struct Weights {
     pub springs: Vec<f64>,
 }
@@ -214,8 +214,8 @@ impl Model for Weights {
     }
 }
 
-/// A chain of rods of equal length between two supports, each joint with the same weight: horizontal tension is the same in all rods, and
-/// vertical forces grow by one weight from rod to rod.
+/// A chain of equal rods between two supports with the same weight on each joint: the horizontal tension is the same in all rods, and the
+/// vertical force grows by one weight per rod.
 fn hanging_chain(rods: usize, [length, force]: [f64; 2]) -> Outcome<Equilibrium> {
     let n = rods as f64;
     let rod = length / n;
@@ -253,7 +253,7 @@ fn hanging_chain(rods: usize, [length, force]: [f64; 2]) -> Outcome<Equilibrium>
         let vertical = first[1] + weight * i as f64;
         assert!((here[1] - vertical).abs() < 1e-7 * force, "rod {i}: {here:?}, {vertical}");
     }
-    // Both supports carry the rods' joints between them, half each, and their own.
+    // The supports carry half of the weights between them each, and the weights on themselves.
     assert!((found.reactions[1] / (0.5 * weight * (n + 1.0)) - 1.0).abs() < 1e-7, "{:?}", found.reactions);
     Ok(found)
 }
@@ -277,7 +277,7 @@ fn chains_of_thousands_of_rods_hang() -> Outcome {
     Ok(())
 }
 
-/// A crank turned by its support pushes a slider against a spring: torque by virtual work, through both dead centres.
+/// A crank turned by its support pushes a slider against a spring, through both dead centres; the torque follows from virtual work.
 #[test]
 fn a_crank_turns_through_its_dead_centres() -> Outcome {
     for [length, force] in UNITS {
@@ -290,7 +290,7 @@ fn a_crank_turns_through_its_dead_centres() -> Outcome {
         let set = built(builder);
         let mut model = Weights { springs: vec![0.0, 0.0, k, 0.0] };
         let mut start = Start::at_rest(&set);
-        // The pin is driven along x from dead centre to dead centre: upper half, there and back.
+        // The pin is driven along x between the dead centres: on the upper half, there and back.
         for step in (1..=10).chain((0..10).rev()).chain(1..=3) {
             let x = -2.0 * r * f64::from(step) / 10.0;
             let target = Target { loads: &[0.0; 4], prescribed: &[(0, x)] };
@@ -299,7 +299,7 @@ fn a_crank_turns_through_its_dead_centres() -> Outcome {
             let (px, py) = (r + found.u[0], found.u[1]);
             let truth = px + (l * l - py * py).sqrt() - r - l;
             assert!((found.u[2] - truth).abs() < 1e-9 * length, "step {step}: {} {truth}", found.u[2]);
-            // Along the rod acts what the spring asks for.
+            // The spring determines the force along the rod.
             let along = (r + l + found.u[2] - px) / l;
             let rod = set.rows_of(set.constraint_of(2)?)?[0];
             assert!((found.multipliers[rod] * along + k * found.u[2]).abs() < 1e-8 * force, "step {step}: {found:?}");

@@ -10,7 +10,7 @@ use qless_solve::newton::{NewtonOptions, solve};
 
 use crate::linkages::{Outcome, bricard, four_bar, random};
 
-/// A chain each link of which follows the one before and two DOFs that two links share: row i of T has i nonzeros. Beside it, a tie.
+/// A chain in which each link depends on the one before and on two DOFs shared by two links: row i of T has i nonzeros. Beside it, a tie.
 fn chain() -> Outcome<ConstraintSystem> {
     let links = 300;
     let mut builder = SystemBuilder::new(2 * links + 5);
@@ -31,7 +31,7 @@ fn mortar() -> Outcome<ConstraintSystem> {
     Ok(fssi::mortar(&Mesh::with_equations(1_500), 1)?.system)
 }
 
-/// Springs from each DOF to the next and to the ground.
+/// Springs between neighbouring DOFs and to the ground.
 fn springs(dofs: usize) -> Outcome<SparseColMat<usize, f64>> {
     let mut entries: Vec<_> = (0..dofs).map(|i| Triplet::new(i, i, 3.0 + random(i))).collect();
     entries.extend((1..dofs).flat_map(|i| [Triplet::new(i, i - 1, -1.0), Triplet::new(i - 1, i, -1.0)]));
@@ -113,7 +113,7 @@ fn enforced_as_with_t(system: &ConstraintSystem, forms: &[Form]) -> Outcome {
     Ok(())
 }
 
-/// A block that stays factors is expanded as a fresh analysis of the whole does it, whatever came before.
+/// After any changes, a factored component expands as after a new analysis of the whole.
 #[test]
 fn dense_parts_change() -> Outcome {
     let system = chain()?;
@@ -146,7 +146,7 @@ fn dense_parts_change() -> Outcome {
     Ok(())
 }
 
-/// Newton's method with steps of the explicit reduction, DOFs in `held` staying where they are.
+/// Newton's method with the explicit reduction; DOFs in `held` do not move.
 fn with_t(set: &ConstraintSet, start: &[f64], held: &[usize]) -> Outcome<Vec<f64>> {
     let (mut u, mut quantities) = (start.to_vec(), set.allocate());
     for _ in 0..12 {
@@ -164,7 +164,7 @@ fn with_t(set: &ConstraintSet, start: &[f64], held: &[usize]) -> Outcome<Vec<f64
     Ok(u)
 }
 
-/// Newton's steps have no T, and lead where those with T do.
+/// Newton steps use no T, and give the same results as those with T.
 #[test]
 fn linkages_are_assembled_as_with_t() -> Outcome {
     let mut compared = 0;
@@ -173,13 +173,13 @@ fn linkages_are_assembled_as_with_t() -> Outcome {
         for case in 0..20 {
             let start: Vec<f64> = (0..set.dofs()).map(|j| 2e-3 * random(j + 101 * case)).collect();
             let solution = solve(&set, &start, &[], &NewtonOptions::default())?;
-            // Where Newton's method shortened a step, it comes to another configuration of the same mechanism.
+            // If Newton's method shortened a step, it may reach another configuration of the same mechanism.
             if solution.iterates.iter().any(|iterate| iterate.length < 1.0) {
                 continue;
             }
             compared += 1;
             let found = solution.u;
-            // Which masters stay where they are is for Newton's method to choose, so that those of T are held where it brought them.
+            // Newton's method chooses which masters stay; those of T are therefore prescribed at its result.
             let mut quantities = set.allocate();
             set.evaluate(&found, &mut quantities).expect("of this set");
             let reduction = analyse(&set.linearised(&quantities, &[])?, &Options::default())?.reduction()?;
@@ -194,7 +194,7 @@ fn linkages_are_assembled_as_with_t() -> Outcome {
     Ok(())
 }
 
-/// Ball joints on joints of scattered places: far more bodies than a dense T would allow in the time of a test.
+/// Ball joints at scattered positions: far more bodies than a dense T would allow in reasonable time.
 #[test]
 fn long_chains_are_assembled() -> Outcome {
     let bodies = 2_000;

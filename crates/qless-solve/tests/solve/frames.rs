@@ -6,8 +6,8 @@ use qless_solve::newton::{NewtonOptions, solve as assemble};
 use crate::equilibria::{UNITS, Weights, assert_quadratic};
 use crate::linkages::{Outcome, four_bar};
 
-/// A frame of n scissors: bars of length L from bottom i to top i + 1 and from top i to bottom i + 1, pinned in their middles. That the bottoms
-/// stay in line is said once more.
+/// A frame of n scissors: bars of length L from bottom i to top i + 1 and from top i to bottom i + 1, pinned in their middles. Redundant
+/// equations keep the bottoms in line.
 fn scissors(n: usize, bar: f64, height: f64) -> Outcome<ConstraintSet> {
     let width = (bar * bar - height * height).sqrt();
     let bottom = |i: usize| PlanarPoint::new([4 * i, 4 * i + 1], [width * i as f64, 0.0]);
@@ -25,7 +25,7 @@ fn scissors(n: usize, bar: f64, height: f64) -> Outcome<ConstraintSet> {
     Ok(builder.build()?)
 }
 
-/// One motion: the height h. `k (h - h_0) = -F n dw/dh` with `w = sqrt(L^2 - h^2)`: pulled at its end against a spring at its first post.
+/// One motion, the height h. `k (h - h_0) = -F n dw/dh` with `w = sqrt(L^2 - h^2)`: pulled at its end against a spring at its first post.
 #[test]
 fn a_scissor_frame_is_pulled() -> Outcome {
     let n = 12;
@@ -51,7 +51,8 @@ fn a_scissor_frame_is_pulled() -> Outcome {
     Ok(())
 }
 
-/// The spatial four-bar linkage, 3 equations too many: the energy is stationary along its motion, taken by Newton's method on both sides.
+/// The spatial four-bar linkage with 3 redundant equations: the energy is stationary along its motion, computed by Newton's method on both
+/// sides.
 #[test]
 fn a_four_bar_linkage_finds_its_equilibrium() -> Outcome {
     let set = four_bar()?.build()?;
@@ -76,7 +77,7 @@ fn a_four_bar_linkage_finds_its_equilibrium() -> Outcome {
     Ok(())
 }
 
-/// What does not fit is refused, with its numbers.
+/// Arguments that do not match are refused with their numbers.
 #[test]
 fn misuse_is_refused() -> Outcome {
     struct Wrong(usize);
@@ -131,7 +132,7 @@ fn misuse_is_refused() -> Outcome {
     Ok(())
 }
 
-/// No DOFs, no constraints, everything held.
+/// No DOFs, no constraints, all DOFs prescribed.
 #[test]
 fn the_smallest_problems() -> Outcome {
     let options = EquilibriumOptions::default();
@@ -144,14 +145,14 @@ fn the_smallest_problems() -> Outcome {
     let mut springs = Weights { springs: vec![2.0, 5.0] };
     let found = solve(&mut springs, &free, &Start::at_rest(&free), &target, &options)?;
     assert!((found.u[0] - 1.5).abs() < 1e-15 && found.u[1] == 0.0);
-    // All DOFs prescribed, as the constraint has it, and against it.
+    // All DOFs are prescribed, consistently with the constraint and in conflict with it.
     let mut builder = ConstraintSet::builder(2);
     builder.add("equal", Equal::new([0, 1]))?;
     let set = builder.build()?;
     let held = Target { loads: &[3.0, 0.0], prescribed: &[(0, 0.25), (1, 0.25)] };
     let found = solve(&mut springs, &set, &Start::at_rest(&set), &held, &options)?;
     assert_eq!((found.u, found.reactions, found.redundant), (vec![0.25; 2], vec![-2.5, 1.25], vec![0]));
-    // A force that is none, at a DOF that no other leads to.
+    // A force that is not finite, at a DOF that no other is connected to.
     let held = Target { loads: &[0.0; 2], prescribed: &[(0, 0.0), (1, 1.0)] };
     let mut none = Weights { springs: vec![2.0, f64::NAN] };
     let error = solve(&mut none, &free, &Start::at_rest(&free), &held, &options).expect_err("not a number");
@@ -162,7 +163,7 @@ fn the_smallest_problems() -> Outcome {
     Ok(())
 }
 
-/// Two springs tied to one another and to no ground, and a rod that cannot reach: errors that name them.
+/// Two springs tied to each other without ground, and a rod that is out of reach: the errors name them.
 #[test]
 fn what_cannot_be_is_named() -> Outcome {
     let options = EquilibriumOptions::default();

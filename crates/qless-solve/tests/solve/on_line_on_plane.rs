@@ -1,4 +1,4 @@
-//! Nodes on lines and planes that turn: wherever they are, c is the distance.
+//! Nodes on moving lines and planes: c is the distance in every position.
 
 use qless_constraints::types::{Line, OnLine, OnPlane, Plane, Point};
 use qless_constraints::{ConstraintSet, SetBuilder};
@@ -22,7 +22,7 @@ fn bead(from: &[Vector; 3]) -> Outcome<ConstraintSet> {
     Ok(builder.build()?)
 }
 
-/// A line turned by any angle about any axis, half a turn included: |c| is the distance of the node, and nothing else holds.
+/// A line rotated by any angle about any axis, including half a turn: |c| is the distance of the node, and no other motion is constrained.
 #[test]
 fn beads_are_as_far_off_as_c_says() -> Outcome {
     let base = [[0.3, 0.0, 0.0], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0]];
@@ -50,7 +50,7 @@ fn beads_are_as_far_off_as_c_says() -> Outcome {
     Ok(())
 }
 
-/// The line turns right round in the plane, and the bead, which a second line leads, goes to where they cross.
+/// The line makes a full turn in the plane; a second line guides the node, which follows the intersection.
 #[test]
 fn a_bead_follows_its_line_all_the_way_round() -> Outcome {
     for unit in [1e-6, 1.0, 1e6] {
@@ -72,7 +72,7 @@ fn a_bead_follows_its_line_all_the_way_round() -> Outcome {
     Ok(())
 }
 
-/// A plane turned by any angle, and a node above or below it.
+/// A plane rotated by any angle, and a node above or below it.
 #[test]
 fn heights_above_a_plane_are_lengths() -> Outcome {
     for unit in [1e-6, 1.0, 1e6] {
@@ -95,7 +95,7 @@ fn heights_above_a_plane_are_lengths() -> Outcome {
     Ok(())
 }
 
-/// A line whose ends meet, and a plane whose corners lie in a line, say nothing of a node: they are refused, not found to hold.
+/// A line whose ends coincide and a plane whose corners are collinear are refused; they must not count as satisfied.
 #[test]
 fn what_has_no_direction_is_refused() -> Outcome {
     let from = [[0.3, 0.0, 0.0], [0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];

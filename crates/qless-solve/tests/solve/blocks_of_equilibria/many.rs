@@ -1,4 +1,4 @@
-//! Many parts at once: what they cost, and what is said of one of them.
+//! Many parts in one model: their cost, and errors of single parts.
 
 use qless_solve::equilibrium::{Equilibrium, EquilibriumError, EquilibriumOptions, Start, Target, solve};
 
@@ -8,7 +8,7 @@ use crate::blocks_of_newton::mechanism::{Item, Mechanism};
 use crate::blocks_of_newton::{Together, bits};
 use crate::linkages::{Outcome, random};
 
-/// The evaluations of the model too.
+/// Also counts the evaluations of the model.
 fn counted(pieces: &[Piece], seed: usize, options: &EquilibriumOptions) -> Outcome<(Equilibrium, usize, Together)> {
     let mechanisms: Vec<Mechanism> = pieces.iter().map(|piece| piece.mechanism.clone()).collect();
     let together = Together::new(&mechanisms, false, seed)?;
@@ -28,7 +28,7 @@ fn pendulum(seed: usize) -> Piece {
     Piece { mechanism, springs, loads: vec![0.0, 0.1, random(seed + 9)], limit: None }
 }
 
-/// Ten thousand take as many evaluations as the one that takes most.
+/// Ten thousand pieces take as many evaluations as the slowest of them alone.
 #[test]
 fn ten_thousand_parts() -> Outcome {
     let kinds: Vec<Piece> = (0..20).map(pendulum).collect();
@@ -37,7 +37,7 @@ fn ten_thousand_parts() -> Outcome {
     let most = alone.iter().map(|(_, evaluations, _)| *evaluations).max().unwrap_or(0);
     let all: Vec<Piece> = (0..10_000).map(|k| kinds[k % 20].clone()).collect();
     let (found, evaluations, together) = counted(&all, 0, &asked())?;
-    // The length of a step is one trial for each part: those that take more of them in one step may take fewer in another.
+    // Step lengths are tried for all parts together, so that a part with more trials in one step may have fewer in another.
     assert!(evaluations >= most && evaluations <= 2 * most, "{evaluations} {most}");
     for (m, map) in together.maps.iter().enumerate() {
         assert_eq!(bits(map.iter().map(|&j| found.u[j])), bits(alone[m % 20].0.u.iter().copied()), "{m}");
@@ -45,7 +45,7 @@ fn ten_thousand_parts() -> Outcome {
     Ok(())
 }
 
-/// One among many makes the model fail: it is found by halves, and alone goes a shorter way.
+/// The model rejects one of many parts: it is found by bisection, and takes a shorter step alone.
 #[test]
 fn the_part_that_the_model_refuses_is_found() -> Outcome {
     for count in [1, 2, 7, 64, 500] {
@@ -60,14 +60,14 @@ fn the_part_that_the_model_refuses_is_found() -> Outcome {
             let map = &together.maps[count / 2];
             assert_eq!(bits(map.iter().map(|&j| found.u[j])), bits(alone.u.iter().copied()), "{count}");
         }
-        // At most so many refusals as alone there are evaluations, each by two evaluations for each halving.
+        // Each rejection of the part alone costs at most two evaluations per bisection.
         let halvings = 2 * (usize::BITS - count.leading_zeros()) as usize + 2;
         assert!(evaluations <= own + without + own * halvings, "{count}: {evaluations}, {own} and {without}");
     }
     Ok(())
 }
 
-/// Parts that nothing holds are named by their own DOFs, the one with the lowest first; what else there is does not matter.
+/// Unsupported parts are named by their own DOFs, the one with the lowest first, whatever the other parts are.
 #[test]
 fn motions_are_named_part_by_part() -> Outcome {
     for seed in 0..12 {

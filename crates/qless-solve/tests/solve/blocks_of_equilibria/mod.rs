@@ -1,4 +1,4 @@
-//! The law of blocks in equilibrium: what is found of `A + B` is what is found of A and of B, to the last bit, where the load steps are the same.
+//! Equilibria of independent parts: the result for `A + B` is that for A and that for B, to the last bit, if the load steps are the same.
 
 mod many;
 mod pieces;
@@ -20,7 +20,7 @@ fn asked() -> EquilibriumOptions {
     EquilibriumOptions { stability: true, ..EquilibriumOptions::default() }
 }
 
-/// All pieces in one model, by [`solve`] or from time 0 to 1.
+/// All pieces in one model, by [`solve`], or by `drive` from time 0 to 1.
 fn found(pieces: &[Piece], together: &mut Together, in_time: bool) -> Found {
     let mut model = Pieces::new(pieces.iter().zip(&together.maps), together.set.dofs());
     let (loads, set, options) = (model.loads(), &mut together.set, asked());
@@ -33,14 +33,14 @@ fn found(pieces: &[Piece], together: &mut Together, in_time: bool) -> Found {
     }
 }
 
-/// The factors that were tried.
+/// The load factors that were tried.
 fn tried(found: &Equilibrium) -> Vec<u64> {
     let mut list = bits(found.steps.iter().map(|step| step.factor));
     list.dedup();
     list
 }
 
-/// What a piece says, with the DOFs, rows and labels that it has among others, but for the load factor: others may go there by other steps.
+/// The error of a piece with its DOFs, rows and labels in the joint model, without the load factor, since other pieces may need other steps.
 fn said(error: &EquilibriumError, map: &[usize], rows: &[usize], name: Option<usize>) -> String {
     let named = |text: &str| name.map_or(text.to_owned(), |name| text.replace("\"0: ", &format!("\"{name}: ")));
     match error {
@@ -73,13 +73,13 @@ fn side_by_side(all: &[&[EquilibriumIterate]]) -> Vec<EquilibriumIterate> {
     (0..most).map(look).collect()
 }
 
-/// Whether all that is found together is what is found of each; how many pieces that were compared.
+/// Checks that the joint result equals that of each piece; returns how many pieces were compared.
 fn assert_law(case: &str, pieces: &[Piece], together: &Together, found: &Found, single: &[Found]) -> [usize; 2] {
     let failed: Vec<usize> = (0..single.len()).filter(|&m| single[m].is_err()).collect();
     if !failed.is_empty() {
         let error = match found {
             Err(error) => error,
-            // In other steps than alone.
+            // The piece alone has other load steps.
             Ok(found) if tried(found).len() > 1 => return [0, 0],
             Ok(_) => panic!("{case}: it fails alone"),
         };
@@ -87,7 +87,7 @@ fn assert_law(case: &str, pieces: &[Piece], together: &Together, found: &Found, 
         let text = said(error, &whole, &whole, None);
         let own = |m: usize| Some(said(single[m].as_ref().err()?, &together.maps[m], &together.rows[m], Some(m)));
         let names: Vec<String> = failed.iter().filter_map(|&m| own(m)).collect();
-        // Where others go their way at all, the load steps are those of one that fails alone.
+        // If all other pieces converge, the load steps are those of the piece that fails.
         assert!(names.contains(&text), "{case}: {text}, alone {names:?}");
         return [0, 1];
     }
@@ -137,7 +137,7 @@ fn of_all(parts: impl Iterator<Item = Stability>) -> Stability {
     }
 }
 
-/// How many were compared, and how many had errors that were.
+/// How many were compared, and how many of these had errors.
 fn check(case: &str, pieces: &[Piece], shared: bool, in_time: bool, seed: usize) -> Outcome<[usize; 2]> {
     let mechanisms: Vec<Mechanism> = pieces.iter().map(|piece| piece.mechanism.clone()).collect();
     let single = |piece: &Piece| -> Outcome<Found> {
@@ -154,12 +154,12 @@ fn units(seed: usize) -> [f64; 2] {
     [UNITS[seed % 3], UNITS[seed / 3 % 3]]
 }
 
-/// One of so many pairs of kinds.
+/// One of all pairs of kinds.
 fn pairs(of: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..ALL_KINDS).flat_map(|a| (0..ALL_KINDS).map(move |b| (a, b))).filter(move |(a, b)| (a + b).is_multiple_of(of))
 }
 
-/// Pairs of all kinds, in units of length and force that differ.
+/// Pairs of all kinds, in different units of length and force.
 #[test]
 fn a_piece_goes_as_it_goes_alone() -> Outcome {
     let mut count = [0, 0];
@@ -169,12 +169,12 @@ fn a_piece_goes_as_it_goes_alone() -> Outcome {
         (0..2).for_each(|k| count[k] += counts[k]);
     }
     println!("{count:?}");
-    // Enough of both.
+    // There are enough of both.
     assert!(count[0] > 60 && count[1] > 60, "{count:?}");
     Ok(())
 }
 
-/// The last DOFs of both are one that is prescribed, which both follow: it joins nothing.
+/// The last DOF of both pieces is the same prescribed one, which does not connect them.
 #[test]
 fn prescribed_dofs_join_nothing() -> Outcome {
     let mut count = [0, 0];

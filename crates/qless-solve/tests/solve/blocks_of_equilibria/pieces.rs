@@ -7,10 +7,10 @@ use qless_solve::equilibrium::{Assembly, Model};
 use crate::blocks_of_newton::mechanism::{Item, Map, Mechanism};
 use crate::blocks_of_newton::random::{Draw, KINDS, mechanism};
 
-/// How many kinds there are.
+/// Number of kinds.
 pub const ALL_KINDS: usize = KINDS + 6;
 
-/// `f = k d + a d^3` with d between two DOFs, or of one that is named twice.
+/// `f = k d + a d^3`, where d is between two DOFs, or that of a DOF named twice.
 type Spring = ([usize; 2], [f64; 2]);
 
 /// A mechanism with springs and loads.
@@ -19,7 +19,7 @@ pub struct Piece {
     pub mechanism: Mechanism,
     pub springs: Vec<Spring>,
     pub loads: Vec<f64>,
-    /// The model refuses displacements beyond this.
+    /// The model rejects larger displacements.
     pub limit: Option<f64>,
 }
 
@@ -32,27 +32,27 @@ pub fn piece(kind: usize, seed: usize, [unit, force]: [f64; 2]) -> Piece {
         Some(0) => truss(&mut draw, unit, force),
         Some(1) => hanging(&mut draw, unit, force),
         Some(2) => {
-            // Twice the same rod, on springs.
+            // The same rod twice, on springs.
             let nodes = [(1, [0.0; 2]), (3, [unit, 0.3 * unit])];
             let items = vec![Item::Rod(nodes, None), Item::Rod(nodes, None)];
             let mechanism = Mechanism { items, start: vec![0.0; 5], held: vec![(0, 0.1 * draw.next() * unit)] };
             sprung(&mut draw, mechanism, [unit, force])
         }
         Some(3) => {
-            // Held by nothing.
+            // Without support.
             let springs = vec![([1, 2], [k, 0.0]), ([2, 3], [2.0 * k, 0.0])];
             let mechanism = Mechanism { items: Vec::new(), start: vec![0.0; 4], held: vec![(0, 0.0)] };
             Piece { mechanism, springs, loads: vec![0.0, draw.of(&[0.0, force]), 0.0, 0.0], limit: None }
         }
         Some(4) => {
-            // Soft at first: the first correction goes much too far, and is refused.
+            // Soft at first: the first correction is much too long, and is rejected.
             let springs = vec![([1, 1], [k, 2e4 * k / unit / unit]), ([1, 2], [k, 0.0])];
             let mechanism = Mechanism { items: Vec::new(), start: vec![0.0; 3], held: vec![(0, 0.1 * unit)] };
             let loads = vec![0.0, (2.0 + draw.next()) * force, 0.0];
             Piece { mechanism, springs, loads, limit: Some(draw.of(&[0.5, 0.2]) * unit) }
         }
         Some(_) => {
-            // Pressed through: buckles where it is straight, unstable.
+            // Snaps through: buckles when it is straight; unstable.
             let items = vec![Item::Arm((1, [unit, 0.0]), [0.0; 2], None)];
             let mechanism = Mechanism { items, start: vec![0.0; 3], held: vec![(0, 0.1 * unit)] };
             let springs = vec![([2, 2], [k, 0.0])];
@@ -79,7 +79,7 @@ fn sprung(draw: &mut Draw, mechanism: Mechanism, [unit, force]: [f64; 2]) -> Pie
     Piece { loads: draw.some(n, size), mechanism, springs, limit: None }
 }
 
-/// Nodes in a strip, each with springs to the two before it, without equations.
+/// A strip of nodes, each with springs to the two before it, without equations.
 fn truss(draw: &mut Draw, unit: f64, force: f64) -> Piece {
     let n = draw.of(&[4, 9, 16]);
     let k = |draw: &mut Draw| [force / unit * (1.0 + draw.next().abs()), 3.0 * force / unit.powi(3)];
@@ -89,7 +89,7 @@ fn truss(draw: &mut Draw, unit: f64, force: f64) -> Piece {
     Piece { loads: draw.some(n, force), mechanism, springs, limit: None }
 }
 
-/// A chain without stiffness, from a level start: tension makes it stiff. Its last node is on a spring.
+/// A chain without stiffness, initially level; tension makes it stiff. Its last node is on a spring.
 fn hanging(draw: &mut Draw, unit: f64, force: f64) -> Piece {
     let count = draw.of(&[1, 3, 6]);
     let node = |i: usize| (1 + 2 * i, [(i + 1) as f64 * unit, 0.0]);
@@ -104,7 +104,7 @@ fn hanging(draw: &mut Draw, unit: f64, force: f64) -> Piece {
     Piece { mechanism, springs, loads, limit: None }
 }
 
-/// Pieces in one model, and how often it was evaluated.
+/// Pieces in one model, with a count of evaluations.
 pub struct Pieces<'a> {
     pub all: Vec<(&'a Piece, &'a Map)>,
     pub dofs: usize,

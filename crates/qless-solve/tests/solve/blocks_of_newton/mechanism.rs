@@ -1,4 +1,4 @@
-//! Mechanisms as lists of constraints on DOFs of their own, alone or side by side in one set.
+//! Mechanisms as lists of constraints on their own DOFs, alone or side by side in one set.
 
 use qless_constraints::types::{
     Body, Distance, Driven, Equal, Fixed, Line, LinearEquation, OnLine, OnSphere, PlanarPoint, Point, Revolute,
@@ -10,11 +10,11 @@ use crate::dead_centres::SliderCrank;
 use crate::linkages::Outcome;
 use crate::poses::Vector;
 
-/// A node in the plane or in space: its first DOF and its place.
+/// A node in the plane or in space: its first DOF and its position.
 pub type Planar = (usize, [f64; 2]);
 pub type Spatial = (usize, Vector);
 
-/// Constraints, in the order in which the types come into a set.
+/// Constraints, in the order in which their types enter a set.
 #[derive(Clone, Debug)]
 pub enum Item {
     Linear(Vec<(usize, f64)>, f64),
@@ -39,7 +39,7 @@ pub struct Mechanism {
 }
 
 impl Mechanism {
-    /// The first DOF follows a new last one, which is prescribed; or is that itself, if no node has it for a coordinate.
+    /// Makes the first DOF follow a new last one, which is prescribed. If no node has it as a coordinate, it is the last one itself.
     pub fn driven(mut self, value: f64, itself: bool) -> Self {
         let (drive, follows) = (self.start.len(), self.held.remove(0).1);
         self.start.push(value);
@@ -54,7 +54,7 @@ impl Mechanism {
     }
 }
 
-/// Where the DOFs of a mechanism are in a set.
+/// The DOFs of a mechanism in a set.
 pub type Map = Vec<usize>;
 
 impl Item {
@@ -110,15 +110,15 @@ impl Item {
     }
 }
 
-/// One set of all mechanisms; the rows of one type are mixed by `seed`, those of one mechanism in their order.
+/// All mechanisms in one set. The rows of one type are mixed by `seed`; those of one mechanism keep their order.
 ///
-/// Labels say by `names` of which mechanism they are.
+/// Labels name the mechanism by `names`.
 pub fn set(dofs: usize, all: &[(&Mechanism, &Map)], names: &[usize], seed: usize) -> Outcome<ConstraintSet> {
     let mut items: Vec<(usize, usize)> = Vec::new();
     for (m, (mechanism, _)) in all.iter().enumerate() {
         items.extend((0..mechanism.items.len()).map(|i| (m, i)));
     }
-    // Along a mechanism the place grows, by a step of its own.
+    // Along a mechanism the position grows by its own increment.
     let place = |(m, i): (usize, usize)| i * (1 + (seed + 3 * m) % 5) + (seed + m) % 3;
     let item = |(m, i): (usize, usize)| &all[m].0.items[i];
     items.sort_by_key(|&at| (item(at).kind(), place(at)));

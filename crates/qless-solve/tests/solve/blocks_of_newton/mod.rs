@@ -1,4 +1,4 @@
-//! The law of blocks in Newton's method: `solve(A + B)` is `solve(A)` and `solve(B)`, to the last bit.
+//! Newton's method on independent parts: `solve(A + B)` is `solve(A)` and `solve(B)`, to the last bit.
 
 pub mod mechanism;
 pub mod random;
@@ -14,7 +14,7 @@ pub const UNITS: [f64; 3] = [1e-6, 1.0, 1e6];
 
 type Found = Result<NewtonSolution, NewtonError>;
 
-/// Mechanisms in one set, and where their DOFs and rows are in it.
+/// Mechanisms in one set, with their DOFs and rows.
 pub struct Together {
     pub set: ConstraintSet,
     pub start: Vec<f64>,
@@ -24,7 +24,7 @@ pub struct Together {
 }
 
 impl Together {
-    /// DOFs are mixed; with `shared`, the last DOF of all mechanisms is one.
+    /// The DOFs of the mechanisms are mixed; with `shared`, they share their last DOF.
     pub fn new(all: &[Mechanism], shared: bool, seed: usize) -> Outcome<Self> {
         let mut maps: Vec<Map> = all.iter().map(|_| Vec::new()).collect();
         let (mut dofs, mut turn) = (0, seed);
@@ -62,7 +62,7 @@ impl Together {
     }
 }
 
-/// A mechanism by itself; its labels are those that it has among the others.
+/// A mechanism alone, with its labels in the joint set.
 fn alone(mechanism: &Mechanism, name: usize, options: &NewtonOptions) -> Outcome<Found> {
     let map: Map = (0..mechanism.start.len()).collect();
     let set = mechanism::set(map.len(), &[(mechanism, &map)], &[name], 0)?;
@@ -73,7 +73,7 @@ pub fn bits(u: impl IntoIterator<Item = f64>) -> Vec<u64> {
     u.into_iter().map(f64::to_bits).collect()
 }
 
-/// Looks are those of the mechanisms side by side: a mechanism that is done stays as it is.
+/// Iterates side by side: a mechanism that is done keeps its last iterate.
 fn side_by_side(all: &[&NewtonSolution], rows: &[Vec<usize>]) -> Vec<NewtonIterate> {
     let most = all.iter().map(|solution| solution.iterates.len()).max().unwrap_or(0);
     let look = |k: usize| {
@@ -92,7 +92,7 @@ fn side_by_side(all: &[&NewtonSolution], rows: &[Vec<usize>]) -> Vec<NewtonItera
     (0..most).map(look).collect()
 }
 
-/// What the mechanism says, with the rows that it has among others.
+/// The error of the mechanism with its rows in the joint set.
 pub fn among_others(error: &NewtonError, place: &[usize]) -> NewtonError {
     let mut error = error.clone();
     if let NewtonError::Conflict { rows, .. } = &mut error {
@@ -101,7 +101,7 @@ pub fn among_others(error: &NewtonError, place: &[usize]) -> NewtonError {
     error
 }
 
-/// Whether all that is found of the mechanisms together is what is found of each.
+/// Checks that the joint result equals that of each mechanism.
 fn assert_law(case: &str, together: &Together, found: &Found, single: &[Found]) {
     let failed: Vec<(usize, &NewtonError)> =
         single.iter().enumerate().filter_map(|(m, found)| Some((m, found.as_ref().err()?))).collect();
@@ -141,7 +141,7 @@ fn check(case: &str, all: &[Mechanism], shared: bool, seed: usize) -> Outcome<[u
     Ok([usize::from(failed == 0), failed])
 }
 
-/// All pairs of kinds, in units that differ.
+/// All pairs of kinds, in different units.
 #[test]
 fn a_mechanism_goes_as_it_goes_alone() -> Outcome {
     let mut count = [0, 0];
@@ -154,12 +154,13 @@ fn a_mechanism_goes_as_it_goes_alone() -> Outcome {
         }
     }
     println!("{count:?}");
-    // Enough of both.
+    // There are enough of both.
     assert!(count[0] > 200 && count[1] > 100, "{count:?}");
     Ok(())
 }
 
-/// The last DOFs of both are one that is prescribed, in linear rows and in others, with coefficients of all sizes: it joins nothing.
+/// The last DOF of both mechanisms is the same prescribed one, in linear and nonlinear rows, with coefficients of all sizes. It does not
+/// connect them.
 #[test]
 fn prescribed_dofs_join_nothing() -> Outcome {
     for seed in 0..3 {
@@ -174,7 +175,7 @@ fn prescribed_dofs_join_nothing() -> Outcome {
     Ok(())
 }
 
-/// Many at once, of all kinds that have a solution.
+/// Many mechanisms of all kinds that have a solution.
 #[test]
 fn any_number_of_mechanisms() -> Outcome {
     for seed in 0..30 {

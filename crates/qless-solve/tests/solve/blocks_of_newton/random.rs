@@ -1,13 +1,13 @@
-//! Random mechanisms: near and far from where they fit, at dead centres, redundant, contradicting themselves, out of reach.
+//! Random mechanisms: near and far from a solution, at dead centres, redundant, contradictory, or out of reach.
 
 use super::mechanism::{Item, Mechanism};
 use crate::linkages::random;
 use crate::poses::{add, direction, norm, scale, sub};
 
-/// How many kinds there are.
+/// Number of kinds.
 pub const KINDS: usize = 13;
 
-/// In [-1, 1].
+/// A number in [-1, 1].
 pub struct Draw(pub usize);
 
 impl Draw {
@@ -25,7 +25,7 @@ impl Draw {
     }
 }
 
-/// A mechanism of the given kind, whose first DOF is prescribed; lengths are in a unit.
+/// A mechanism of the given kind with a prescribed first DOF, in a unit of length.
 pub fn mechanism(kind: usize, seed: usize, unit: f64) -> Mechanism {
     let mut draw = Draw(1_000 * (seed * KINDS + kind));
     match kind {
@@ -45,10 +45,10 @@ pub fn mechanism(kind: usize, seed: usize, unit: f64) -> Mechanism {
     }
 }
 
-/// At and near its dead centre, by points; also pulled out of its reach.
+/// A slider-crank by points, at and near its dead centre, or pulled out of reach.
 fn slider_crank(draw: &mut Draw, unit: f64) -> Mechanism {
     let (pin, slider) = ((1, [0.5 * unit, 0.0]), (0, [2.5 * unit, 0.0]));
-    // DOF 0 is that of the slider, 1 and 2 are those of the pin, 3 goes across the guide.
+    // DOF 0 is the slider, 1 and 2 are the pin, 3 is across the guide.
     let slider_and_guide = (3, [slider.1[0], 0.0]);
     let items = vec![
         Item::Linear(vec![(4, 1.0)], 0.0),
@@ -61,7 +61,7 @@ fn slider_crank(draw: &mut Draw, unit: f64) -> Mechanism {
     Mechanism { items, start: vec![0.0, 0.0, side, 0.0, 0.0], held: vec![(0, by)] }
 }
 
-/// The same by the angle.
+/// The same slider-crank by its angle.
 fn crank(draw: &mut Draw, unit: f64) -> Mechanism {
     let items = vec![Item::Crank([1, 0], [0.5 * unit, 2.0 * unit])];
     let angle = draw.of(&[0.0, 0.0, 1e-60, 1e-10, -1e-6, 1e-3, 0.4]);
@@ -69,7 +69,7 @@ fn crank(draw: &mut Draw, unit: f64) -> Mechanism {
     Mechanism { items, start: vec![0.0, angle], held: vec![(0, by)] }
 }
 
-/// Driven by little and by much, also farther than it can go.
+/// Driven by small and large motions, also out of reach.
 fn four_bar(draw: &mut Draw, unit: f64) -> Mechanism {
     let by = draw.of(&[0.0, 0.05, 0.4, 0.9, 3.0]) * draw.next();
     let [p, q] = [(0, [0.1 * draw.next() * unit, unit]), (2, [2.0 * unit, (1.4 + 0.2 * draw.next()) * unit])];
@@ -78,7 +78,7 @@ fn four_bar(draw: &mut Draw, unit: f64) -> Mechanism {
     Mechanism { items, start: draw.some(4, off), held: vec![(0, by * unit)] }
 }
 
-/// With a redundant arm, which now and then is too long.
+/// With a redundant arm, which is sometimes too long.
 fn parallelogram(draw: &mut Draw, unit: f64) -> Mechanism {
     let top = |i: usize| (2 * i, [i as f64 * unit, unit]);
     let factor = draw.of(&[1.0, 1.0, 1.0, 1.1]);
@@ -93,7 +93,7 @@ fn parallelogram(draw: &mut Draw, unit: f64) -> Mechanism {
     Mechanism { items, start: draw.some(6, off), held: vec![(0, 0.4 * draw.next() * unit)] }
 }
 
-/// Rods from one support to another, now and then straight or too short.
+/// Rods between two supports, sometimes straight or too short.
 fn chain(draw: &mut Draw, unit: f64) -> Mechanism {
     let count = draw.of(&[2, 4, 9]);
     let bend = draw.of(&[0.0, 0.3, 0.6]);
@@ -107,7 +107,7 @@ fn chain(draw: &mut Draw, unit: f64) -> Mechanism {
     Mechanism { items, start: draw.some(2 * count, off), held: vec![(0, 0.2 * draw.next() * unit), (1, 0.0)] }
 }
 
-/// A point on two or three spheres, which may not meet.
+/// A point on two or three spheres, which may not intersect.
 fn spheres(draw: &mut Draw, unit: f64) -> Mechanism {
     let (at, seed) = (scale(unit, direction(draw.0)), draw.0);
     let off = draw.of(&[0.0, 0.2, 1.5]);
@@ -119,7 +119,7 @@ fn spheres(draw: &mut Draw, unit: f64) -> Mechanism {
     Mechanism { items, start: draw.some(3, 0.3 * unit), held: vec![(0, 0.1 * draw.next() * unit)] }
 }
 
-/// A node on a line of two others that turns far.
+/// A node on the line through two others, which turns far.
 fn bead(draw: &mut Draw, unit: f64) -> Mechanism {
     let [a, b] = [direction(draw.0), direction(draw.0 + 1)].map(|d| scale(unit, d));
     let p = scale(unit, add(a.map(|x| x / unit), direction(draw.0 + 2)));
@@ -131,7 +131,7 @@ fn bead(draw: &mut Draw, unit: f64) -> Mechanism {
     Mechanism { items, start: draw.some(9, far * unit), held: vec![(0, 0.3 * draw.next() * unit)] }
 }
 
-/// A body at rest on the ground, from up to half a turn off; DOF 0 only stands beside it.
+/// A body at rest on the ground, starting up to half a turn away; DOF 0 is unused.
 fn weld(draw: &mut Draw, unit: f64) -> Mechanism {
     let at = scale(unit, direction(draw.0));
     let mut items = vec![Item::Linear(vec![(0, 1.0), (1, 1.0)], 0.1 * unit), Item::Weld((2, at))];
@@ -144,7 +144,7 @@ fn weld(draw: &mut Draw, unit: f64) -> Mechanism {
     Mechanism { items, start, held: vec![(0, 0.3 * draw.next() * unit)] }
 }
 
-/// A wheel on its hinge, which a motor turns by up to half a turn.
+/// A wheel on its hinge, turned by a motor by up to half a turn.
 fn motor(draw: &mut Draw, unit: f64) -> Mechanism {
     let (at, axis) = (scale(unit, direction(draw.0)), direction(draw.0 + 5));
     let body = (2, at);
@@ -157,7 +157,7 @@ fn motor(draw: &mut Draw, unit: f64) -> Mechanism {
     Mechanism { items, start, held: vec![(0, 0.3 * draw.next() * unit)] }
 }
 
-/// Linear, closed, now and then with a gap.
+/// Linear and closed, sometimes with a gap.
 fn ring(draw: &mut Draw, unit: f64) -> Mechanism {
     let gap = unit * draw.of(&[0.0, 0.0, 0.25]);
     let items = vec![
@@ -169,7 +169,7 @@ fn ring(draw: &mut Draw, unit: f64) -> Mechanism {
     Mechanism { items, start: draw.some(5, unit), held: vec![(0, draw.next() * unit)] }
 }
 
-/// A point between two spheres that touch at a place, or nearly so: G loses rank there.
+/// A point between two spheres that touch, or almost do: G loses rank there.
 fn balls(draw: &mut Draw, unit: f64) -> Mechanism {
     let gap = draw.of(&[0.0, 1e-9, -1e-3, -0.1, 0.1]);
     let at = |x: f64| [0.0, x * unit, 0.0];
@@ -182,7 +182,7 @@ fn balls(draw: &mut Draw, unit: f64) -> Mechanism {
     Mechanism { items, start: draw.some(4, off), held: vec![(0, 0.0)] }
 }
 
-/// Linear rows with coefficients of many sizes, some of which depend on others by little or altogether.
+/// Linear rows with coefficients of many sizes; some rows depend on others exactly or nearly.
 fn linear(draw: &mut Draw, unit: f64) -> Mechanism {
     let dofs = 8;
     let row =
@@ -194,7 +194,7 @@ fn linear(draw: &mut Draw, unit: f64) -> Mechanism {
     Mechanism { items, start: draw.some(dofs, unit), held: vec![(0, draw.next() * unit)] }
 }
 
-/// Levers between lengths and a body that turns: columns of many sizes, spread over linear rows.
+/// Levers between lengths and a body that turns: columns of many sizes, connected by linear rows.
 fn levers(draw: &mut Draw, unit: f64) -> Mechanism {
     let mut items: Vec<Item> =
         (1..6).map(|j| Item::Linear(vec![(j, 1.0), (j - 1, (1.0 + draw.next()) * 0.3 + 0.1)], 0.0)).collect();
