@@ -41,8 +41,7 @@ fn set_of(shape: Shape) -> Outcome<(ConstraintSet, Vec<[f64; 2]>)> {
     Ok((builder.build().expect("few DOFs"), [own.to_vec(), added].concat()))
 }
 
-/// The nodes that hang lie on the polynomial of the parent: all that its shape contains pass exactly, and one that it does not
-/// contain does not pass.
+/// Hanging nodes lie on the polynomial of the parent: every field of its shape passes exactly, and one of higher degree does not.
 #[test]
 fn hanging_nodes_are_on_the_polynomial_of_the_parent() -> Outcome {
     let degree = |shape: Shape| match shape {
@@ -71,14 +70,14 @@ fn hanging_nodes_are_on_the_polynomial_of_the_parent() -> Outcome {
         let beyond: Vec<f64> = places.iter().map(|[x, y]| (x + 0.3 * y).powi(4)).collect();
         set.evaluate(&beyond, &mut quantities)?;
         assert!(quantities.c().iter().any(|c| c.abs() > 1e-3), "{shape:?}");
-        // Weights are dyadic: no rounding at all.
+        // Weights are dyadic, so that there is no rounding.
         let sums = (0..set.equations()).map(|row| quantities.g().row(row).map(|(_, v)| v).sum::<f64>());
         assert!(sums.into_iter().all(|sum| sum == 0.0), "{shape:?}");
     }
     Ok(())
 }
 
-/// What hangs on an edge and on the face with that edge is said twice; the rank is that of the SVD.
+/// A node that hangs on an edge and on a face with that edge is redundant; the rank is that of the SVD.
 #[test]
 fn a_node_on_an_edge_and_on_its_face_is_redundant() -> Outcome {
     let face: Vec<_> = (0..8).map(|k| [k]).collect();
@@ -109,7 +108,7 @@ fn points(p: usize, lobatto: bool) -> Vec<f64> {
     }
 }
 
-/// Degree q passes and degree q + 1 does not, for all orders, both sets of points, ends shared or not, in every unit of length.
+/// Degree q passes and degree q + 1 does not, for all orders, both sets of points, shared ends or not, in every unit of length.
 #[test]
 fn orders_meet_in_the_lower_one() -> Outcome {
     let orders = (2..=8_usize).flat_map(|p| (1..p).map(move |q| (p, q)));
@@ -137,7 +136,7 @@ fn orders_meet_in_the_lower_one() -> Outcome {
             for degree in 0..=q {
                 assert!(residual(degree)? < 1e-13, "{p} at {q}, {degree}: {}", residual(degree)?);
             }
-            // The finer nodes between the coarser ones see what is missing.
+            // The finer nodes between the coarser ones detect the missing degree.
             assert!(residual(q + 1)? > 1e-4, "{p} at {q}: {}", residual(q + 1)?);
             let rank = analyse(&crate::common::at_rest(&set, &[])?, &Options::default())?.rank();
             assert_eq!(rank, set.equations());
@@ -163,7 +162,7 @@ fn faults_of_hanging_nodes_are_named() {
     assert!(said(tie(Shape::Quad8, 4, [0.0; 2])).contains("has 4 nodes; a Quad8 has 8"));
     assert!(said(tie(Shape::Hex8, 8, [0.0; 2])).contains("is a Hex8; nodes hang on edges and faces"));
     assert!(said(HangingNode { node: [1], ..tie(Shape::Line2, 2, [0.0; 2]) }).contains("DOF 1 of the node is one of"));
-    // What is off by rounding is not outside.
+    // A parameter that is out of range by rounding is accepted.
     assert!(said(tie(Shape::Line2, 2, [1.0 + f64::EPSILON, 0.0])).contains("accepted"));
     assert!(said(tie(Shape::Tri6, 6, [1.0 / 3.0, 2.0 / 3.0 + f64::EPSILON])).contains("accepted"));
     assert!(said(tie(Shape::Tri6, 6, [1.0 / 3.0, 2.0 / 3.0 + 1e-9])).contains("not inside"));

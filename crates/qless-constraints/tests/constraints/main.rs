@@ -1,16 +1,16 @@
-//! Constraint sets as a user meets them.
+//! Public behaviour of constraint sets and types.
 
 /// Linearised equations of sets that change.
 mod active;
-/// Ties given numbers that are not finite, vanish or are huge.
+/// Ties with numbers that are not finite, vanish or are huge.
 mod bad_numbers;
-/// Constraints that are added all at once: the same as one by one.
+/// Constraints added in bulk equal those added one by one.
 mod bulk;
 /// Linearised sets, ranks and random numbers for the tests.
 mod common;
 /// Rigid bodies and averages of nodes with rotations, beams and shells on solids, walls of fluids.
 mod couplings;
-/// Dual multipliers of mortar ties: biorthogonal, local, and as exact as the others.
+/// Dual multipliers of mortar ties: biorthogonal, local, and as accurate as standard ones.
 mod dual_mortar;
 /// Nodes embedded in solids.
 mod embedded;
@@ -20,17 +20,17 @@ mod face_orders;
 mod fields;
 /// Hanging nodes of h- and p-refinement.
 mod hanging;
-/// Sets that change: the same as new ones.
+/// A set that changes equals a new set.
 mod incremental_updates;
-/// Types that are linear: fields that they must let through, loads that they must carry.
+/// Linear types: fields that pass, loads that are carried.
 mod linear_types;
-/// Numbers and meshes that no equation may be made of, and noise that must not become one.
+/// Numbers and meshes that are refused, and noise that must not become an equation.
 mod misuse;
 /// Rows of G that are rounding and nothing else.
 mod noise;
 /// The page of each type.
 mod pages;
-/// Input that must be refused, and what is said.
+/// Refused input and its messages.
 mod refused;
 /// Models in units of any size.
 mod scales;

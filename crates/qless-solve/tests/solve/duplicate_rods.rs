@@ -1,4 +1,4 @@
-//! Rods said twice, from either end, nearly along an axis: their rows of G differ by rounding of its smallest entries.
+//! Duplicate rods nearly along an axis, defined from either end: their rows of G differ by rounding of the smallest entries.
 
 use std::error::Error;
 
@@ -10,7 +10,7 @@ use qless_solve::equilibrium::{
 
 use crate::linkages::Outcome;
 
-/// In [-1, 1].
+/// A number in [-1, 1].
 struct Random(u64);
 
 impl Random {
@@ -41,7 +41,7 @@ impl Model for Springs {
     }
 }
 
-/// A chain of rods that has moved: each was anywhere, and is nearly along an axis.
+/// A chain of rods, nearly along an axis, after a random motion.
 struct Chain {
     points: Vec<PlanarPoint>,
     u: Vec<f64>,
@@ -71,7 +71,7 @@ impl Chain {
         self.u.extend([now[0] - before[0], now[1] - before[1]]);
     }
 
-    /// Every rod by itself, and a second time from its other end, longer by a part of its length.
+    /// Every rod, and a duplicate from its other end, longer by a fraction of its length.
     fn set(&self, second: Option<f64>) -> Outcome<ConstraintSet> {
         let mut builder = ConstraintSet::builder(self.u.len());
         for (k, ends) in self.points.windows(2).enumerate() {
@@ -85,7 +85,7 @@ impl Chain {
         Ok(builder.build()?)
     }
 
-    /// Loads with which the chain hangs where it is, and the multipliers of its rods there.
+    /// Loads that keep the chain in equilibrium where it is, and the multipliers of its rods there.
     fn loads(&self, random: &mut Random, springs: &[f64], unit: f64) -> Outcome<(Vec<f64>, Vec<f64>)> {
         let set = self.set(None)?;
         let mut quantities = set.allocate();
@@ -136,7 +136,7 @@ impl Case {
     }
 }
 
-/// Springs hold a chain where it is, with known forces in its rods: the same with every rod said twice, in every unit, at every slope.
+/// Springs keep a chain in equilibrium with known rod forces: duplicates change nothing, in every unit, at every slope.
 #[test]
 fn rods_said_twice_carry_the_force_of_one() -> Outcome {
     for case in Case::all() {
@@ -154,7 +154,7 @@ fn rods_said_twice_carry_the_force_of_one() -> Outcome {
     Ok(())
 }
 
-/// Where the second rod is longer, both cannot hold: refused, with the labels of rods.
+/// If the duplicate is longer, both cannot hold: refused, with the labels of rods.
 #[test]
 fn rods_of_two_lengths_are_refused_by_name() -> Outcome {
     for (case, longer) in Case::all().zip([1e-9, 1e-6, 1e-3].into_iter().cycle()).step_by(7) {

@@ -1,4 +1,4 @@
-//! Joints assembled from far off, and what they leave free, in every unit.
+//! Joints assembled from far away, and the motions that they allow, in every unit.
 
 use faer::Mat;
 use qless_constraints::types::{
@@ -31,7 +31,7 @@ enum Joint {
 
 use Joint as J;
 
-/// Each joint with the degrees of freedom that it removes.
+/// Each joint with the number of degrees of freedom that it removes.
 const JOINTS: [(Joint, usize); 11] = [
     (J::Fixed, 6),
     (J::Prismatic, 5),
@@ -48,11 +48,11 @@ const JOINTS: [(Joint, usize); 11] = [
 
 const AXIS: Vector = [0.6, 0.0, -0.8];
 const OTHER: Vector = [0.0, 1.0, 0.0];
-/// Where motors are to be.
+/// Position of the motors.
 const ANGLE: f64 = 9.0;
 const TRAVEL: f64 = 0.7;
 
-/// A unit of length, where the bodies are in the reference configuration, and how their rotations are described.
+/// Unit of length, reference positions of the bodies, and the description of their rotations.
 struct Model {
     unit: f64,
     from: [Vector; 2],
@@ -100,7 +100,7 @@ impl Model {
         Ok(())
     }
 
-    /// Where body a is in a case.
+    /// Pose of body a in a case.
     fn pose_a(&self, case: usize) -> Pose {
         if self.grounded {
             return Pose { at: [0.0; 3], turn: AT_REST };
@@ -109,7 +109,7 @@ impl Model {
         Pose { at: scale(self.unit, direction(case + 90)), turn }
     }
 
-    /// Where body b is if it has been turned by `turn` and moved by `shift` on body a, about the joint.
+    /// Pose of body b after it was turned by `turn` and moved by `shift` relative to body a, about the joint.
     fn pose_b(&self, a: Pose, on_a: Quaternion, shift: Vector) -> Pose {
         let joint = add(carried(a, self.from[0], self.at()), turned(a.turn, shift));
         let turn = then(a.turn, on_a);
@@ -131,7 +131,7 @@ impl Model {
     }
 }
 
-/// A motion that a joint allows: the turn and the shift of body b on body a.
+/// A motion that a joint allows: the turn and the shift of body b relative to body a.
 fn motion(joint: Joint, case: usize, unit: f64) -> (Quaternion, Vector) {
     let amount = |k: usize| 6.2 * random(17 * case + k);
     let across = cross(AXIS, OTHER);
@@ -139,9 +139,9 @@ fn motion(joint: Joint, case: usize, unit: f64) -> (Quaternion, Vector) {
     let along = scale(unit * amount(1), AXIS);
     let in_plane = add(scale(unit * amount(2), OTHER), scale(unit * amount(3), across));
     let (about, any) = (turn(AXIS, amount(4)), turn(direction(case + 20), amount(5)));
-    // The axis of a, then that of b: both stay perpendicular.
+    // About the axis of a, then about that of b: both stay perpendicular.
     let crossed = then(turn(AXIS, amount(6)), turn(OTHER, amount(7)));
-    // A twist after any tilt has the angle of the twist.
+    // A twist after a tilt has the angle of the twist.
     let tilted = then(turn(add(OTHER, scale(amount(1), across)), 0.4 * amount(2)), turn(AXIS, ANGLE));
     match joint {
         J::Fixed => (AT_REST, [0.0; 3]),
@@ -158,7 +158,7 @@ fn motion(joint: Joint, case: usize, unit: f64) -> (Quaternion, Vector) {
     }
 }
 
-/// Every motion that the joint allows is allowed, at any angle and in any unit; a motion at random is not.
+/// Every motion of a joint satisfies its equations, at any angle and in any unit; a random motion does not.
 #[test]
 fn joints_allow_their_motions_and_no_others() -> Outcome {
     for unit in [1e-6, 1.0, 1e6] {
@@ -170,7 +170,7 @@ fn joints_allow_their_motions_and_no_others() -> Outcome {
                 let (turn_on_a, shift) = motion(joint, case, unit);
                 let u = model.dofs([a, model.pose_b(a, turn_on_a, shift)]);
                 let (c, rounding) = (values(&set, &u)?, set.rounding(&u)?);
-                // Euler parameters near those of rest have lost digits of their own.
+                // Euler parameters near rest have lost digits.
                 let norms = c.len()
                     - usize::from(!model.grounded && model.kinds[0] == Kind::Euler)
                     - usize::from(model.kinds[1] == Kind::Euler);
@@ -188,7 +188,7 @@ fn joints_allow_their_motions_and_no_others() -> Outcome {
     Ok(())
 }
 
-/// As many degrees of freedom are removed as the table says: singular values of G, at configurations that hold.
+/// The number of removed degrees of freedom agrees with the singular values of G, at consistent configurations.
 #[test]
 fn joints_remove_their_degrees_of_freedom() -> Outcome {
     for (joint, removed) in JOINTS {
@@ -212,7 +212,7 @@ fn joints_remove_their_degrees_of_freedom() -> Outcome {
     Ok(())
 }
 
-/// From 1 to 3 rad off in any direction: every weld ends aligned, and every axis points the way of the other.
+/// From 1 to 3 rad away in any direction, every weld ends aligned, and every axis points in the right direction.
 #[test]
 fn joints_are_assembled_from_far_off() -> Outcome {
     for joint in [J::Fixed, J::Prismatic, J::Revolute, J::Cylindrical, J::Planar, J::Parallel] {
@@ -240,8 +240,8 @@ fn joints_are_assembled_from_far_off() -> Outcome {
     Ok(())
 }
 
-/// Exactly half a turn off about an axis of coordinates, as models are built: welds are assembled. Axes that are opposite are
-/// never found to hold, and where Newton's method knows no way from there, it says so.
+/// Exactly half a turn away about a coordinate axis, as models are often built: welds are assembled. Opposite axes never count as satisfied;
+/// if Newton's method finds no step from there, it fails.
 #[test]
 fn half_a_turn_is_not_aligned() -> Outcome {
     for joint in [J::Fixed, J::Prismatic, J::Revolute, J::Cylindrical, J::Planar, J::Parallel] {
@@ -269,7 +269,7 @@ fn half_a_turn_is_not_aligned() -> Outcome {
     Ok(())
 }
 
-/// The values are angles in radians: of the rotation, and of the axes.
+/// Values are angles in radians: of the rotation, and between the axes.
 #[test]
 fn values_are_angles() -> Outcome {
     for case in 0..40 {

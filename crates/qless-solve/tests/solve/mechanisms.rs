@@ -17,13 +17,12 @@ fn parallelogram_with_three_arms() -> Outcome {
     Ok(())
 }
 
-/// 5 moving bodies of 7 coordinates are 35. 6 hinges of 5 equations and 5 lengths of Euler parameters are 35 equations; with
-/// the one that drives the linkage, 36. One motion is left without it: rank 34. Driven, 36 equations have rank 35: one is
-/// redundant, and nothing moves.
+/// 5 moving bodies have 35 DOFs. 6 hinges with 5 equations and 5 norms of Euler parameters are 35 equations, 36 with the one that drives the
+/// linkage. Without it one motion is left: rank 34. With it, 36 equations have rank 35: one is redundant, and nothing moves.
 #[test]
 fn bricard_linkage() -> Outcome {
     let free = bricard()?.build()?;
-    // The middle of the first link can only rise and fall.
+    // The middle of the first link can only move vertically.
     let u = moved(&free, 2, 0.1)?;
     assert!(u.iter().map(|u| u.abs()).fold(0.0, f64::max) > 0.05);
     assert_eq!((free.dofs(), free.equations(), rank(&free, &u)?), (35, 35, 34));
@@ -37,7 +36,7 @@ fn bricard_linkage() -> Outcome {
     Ok(())
 }
 
-/// 21 coordinates, 4 hinges of 5 equations and 3 lengths: 23 equations, rank 20, three too many.
+/// 21 coordinates, 4 hinges with 5 equations and 3 norms: 23 equations of rank 20, three of them redundant.
 #[test]
 fn spatial_four_bar_linkage() -> Outcome {
     let set = four_bar()?.build()?;
@@ -63,7 +62,7 @@ fn all_distances<const D: usize>(points: usize) -> Outcome<(SetBuilder, usize)> 
     Ok((builder, D * points))
 }
 
-/// `D n - D (D + 1) / 2` motions of n points are not rigid: that is the rank.
+/// n points have `D n - D (D + 1) / 2` motions that are not rigid; that is the rank.
 #[test]
 fn all_pairwise_distances() -> Outcome {
     let (builder, dofs) = all_distances::<2>(4)?;
@@ -100,7 +99,7 @@ fn periodic<const D: usize>(n: usize, strain: MacroStrain<D>, dofs: usize) -> Ou
     Ok(builder.build().expect("few DOFs"))
 }
 
-/// In space `3 n^2` equations per component, of which `3 n - 1` are redundant: 3 (n - 2) on edges and 5 at corners.
+/// In space there are `3 n^2` equations per component; `3 n - 1` of them are redundant: 3 (n - 2) on edges and 5 at corners.
 #[test]
 fn periodic_grids_in_space() -> Outcome {
     for n in [2, 3, 5] {
@@ -108,7 +107,7 @@ fn periodic_grids_in_space() -> Outcome {
         let set = periodic::<3>(n, given, 3 * n.pow(3))?;
         let u = vec![0.0; set.dofs()];
         assert_eq!((set.equations(), rank(&set, &u)?), (9 * n * n, 9 * n * n - 3 * (3 * n - 1)));
-        // With E as DOFs of their own nothing changes: the same combinations cancel there too.
+        // With E as DOFs nothing changes: the same combinations cancel.
         let first = 3 * n.pow(3);
         let dofs = MacroStrain::Dofs(from_fn(|i| from_fn(|j| first + 3 * i + j)));
         let set = periodic::<3>(n, dofs, first + 9)?;
@@ -117,7 +116,7 @@ fn periodic_grids_in_space() -> Outcome {
     Ok(())
 }
 
-/// The field of a macroscopic strain satisfies all pairs, whether the strain is given or DOFs of its own.
+/// The field of a macroscopic strain satisfies all pairs, whether the strain is prescribed or a DOF.
 #[test]
 fn periodic_pairs_follow_the_strain() -> Outcome {
     let (n, e) = (3, [[0.01, 0.02, 0.05], [0.03, -0.01, 0.04], [-0.02, 0.06, 0.005]]);
@@ -135,7 +134,7 @@ fn periodic_pairs_follow_the_strain() -> Outcome {
     Ok(())
 }
 
-/// In the plane `2 n` equations per component, one redundant, at the corners; none conflicts, whatever the strain.
+/// In the plane there are `2 n` equations per component; one is redundant, at the corners. None conflicts, whatever the strain.
 #[test]
 fn periodic_grids_in_the_plane() -> Outcome {
     for n in [2, 4, 9] {
@@ -149,21 +148,21 @@ fn periodic_grids_in_the_plane() -> Outcome {
     Ok(())
 }
 
-/// Two bars in a line fix their hinge twice along the line and not across; any other pair of bars fixes it.
+/// Two collinear bars fix their hinge twice along their line and not across it; any other pair fixes it.
 #[test]
 fn redundant_only_where_bars_are_in_line() -> Outcome {
     let point = Point::new([0, 1, 2], [1.0, 0.0, 0.0]);
     let mut builder = ConstraintSet::builder(3);
     builder.add("bar 1", OnSphere { point, centre: [0.0; 3], radius: None })?;
     builder.add("bar 2", OnSphere { point, centre: [2.0, 0.0, 0.0], radius: None })?;
-    // In line at u = 0, and stretched to their limit: no other configuration satisfies both.
+    // Collinear at u = 0 and fully stretched: no other configuration satisfies both.
     let set = builder.build().expect("few DOFs");
     let found = redundancies(&set, &[0.0; 3], &NewtonOptions::default())?;
     assert_eq!(found.iter().map(|f| f.1).collect::<Vec<_>>(), [Redundancy::Unknown]);
     Ok(())
 }
 
-/// With a third arm one equation is redundant wherever the linkage goes, and one more where it is flat.
+/// With a third arm one equation is redundant in all configurations, and one more in the flat one.
 #[test]
 fn flat_parallelogram_with_three_arms() -> Outcome {
     let set = parallelogram()?.build()?;
@@ -175,7 +174,7 @@ fn flat_parallelogram_with_three_arms() -> Outcome {
     Ok(())
 }
 
-/// A parallelogram passes through its flat configuration, and is regular before and after it.
+/// A parallelogram passes through its flat configuration, and is regular before and after.
 #[test]
 fn flat_parallelogram() -> Outcome {
     let (p, q) = (PlanarPoint::new([0, 1], [0.0, 1.0]), PlanarPoint::new([2, 3], [2.0, 1.0]));

@@ -8,7 +8,7 @@ use qless_solve::newton::{NewtonError, NewtonOptions, NewtonSolution, solve};
 
 use crate::linkages::{Outcome, bricard, four_bar, parallelogram, random};
 
-/// Prints the table of residuals; below 1e-3 and above rounding, each is at most `bound` times the square of the one before.
+/// Prints the table of residuals; those below 1e-3 and above rounding are at most `bound` times the square of the one before.
 fn assert_quadratic(name: &str, solution: &NewtonSolution, bound: f64) {
     let residuals: Vec<f64> = solution.iterates.iter().map(|iterate| iterate.residual).collect();
     println!("{name}\n{:>4} {:>12} {:>12} {:>5}", "step", "residual", "r / r_0^2", "rank");
@@ -31,7 +31,7 @@ fn parallelogram_is_driven() -> Outcome {
     let solution = solve(&set, &[0.0; 6], &[(0, 0.35)], &NewtonOptions::default())?;
     assert_quadratic("parallelogram", &solution, 30.0);
     assert_eq!(solution.redundant.len(), 1);
-    // All points of the coupler move alike, on circles.
+    // All points of the coupler move on equal circles.
     for i in 0..3 {
         assert!((solution.u[2 * i] - 0.35).abs() < 1e-14);
         assert!((solution.u[2 * i + 1] - (1.0 - 0.35_f64.powi(2)).sqrt() + 1.0).abs() < 1e-14);
@@ -39,8 +39,8 @@ fn parallelogram_is_driven() -> Outcome {
     Ok(())
 }
 
-/// Off the constraints the redundant arm is almost, not exactly, redundant, and G almost singular. The way back is no longer
-/// than the disturbance all the same, and takes no more steps.
+/// Off the constraints the redundant arm is only almost redundant, and G almost singular. The correction is still no longer than the
+/// disturbance and takes no more steps.
 #[test]
 fn disturbed_parallelogram_goes_back_to_what_is_near() -> Outcome {
     let set = parallelogram()?.build()?;
@@ -55,7 +55,7 @@ fn disturbed_parallelogram_goes_back_to_what_is_near() -> Outcome {
     Ok(())
 }
 
-/// Example 2, redundant and in space: Bricard's linkage, from a configuration that was disturbed.
+/// Example 2, redundant and spatial: Bricard's linkage from a disturbed configuration.
 #[test]
 fn bricard_linkage_is_assembled() -> Outcome {
     let mut builder = bricard()?;
@@ -67,7 +67,7 @@ fn bricard_linkage_is_assembled() -> Outcome {
     Ok(())
 }
 
-/// Example 3: a block of constant volume stands on a rigid body that arms of new lengths turn, and a node slides on a plane of nodes.
+/// Example 3: a block of constant volume on a rigid body, turned by arms of new lengths; a node slides on a plane through nodes.
 #[test]
 fn volume_and_rotation() -> Outcome {
     let corner = |i: usize| from_fn(|k| f64::from(i as u32 >> k & 1));
@@ -93,7 +93,7 @@ fn volume_and_rotation() -> Outcome {
     Ok(())
 }
 
-/// A third arm of another length cannot be assembled with the other two, and is named.
+/// A third arm of another length cannot be assembled with the other two; the error names it.
 #[test]
 fn what_cannot_be_assembled_is_named() -> Outcome {
     let mut builder = parallelogram()?;
@@ -128,7 +128,7 @@ fn disturbed_linkages_go_back_to_what_is_near() -> Outcome {
             let size = [0.05, 1e-2, 1e-3, 1e-5][case % 4];
             let start: Vec<f64> = (0..set.dofs()).map(|j| size * random(j + 97 * case)).collect();
             let solution = solve(&set, &start, &[], &NewtonOptions::default())?;
-            // DOFs that no slave needs stay, so that some ways are longer: up to 16 times the disturbance.
+            // DOFs that no slave needs do not move, so that some corrections are longer: up to 16 times the disturbance.
             let way = start.iter().zip(&solution.u).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
             assert!(way < 50.0 * size, "{name}, case {case}: {way}");
             assert!(solution.iterates.len() <= 7, "{name}, case {case}: {:?}", solution.iterates);
@@ -138,7 +138,7 @@ fn disturbed_linkages_go_back_to_what_is_near() -> Outcome {
     Ok(())
 }
 
-/// Linear equations only: analysed once, and the second look at them, with another c, finds the same rank and redundancy.
+/// Linear equations only: analysed once; the second iterate, with another c, has the same rank and redundancy.
 #[test]
 fn linear_equations_need_one_step() -> Outcome {
     let mut builder = ConstraintSet::builder(5);
@@ -153,7 +153,7 @@ fn linear_equations_need_one_step() -> Outcome {
     assert!(solution.iterates.iter().all(|iterate| (iterate.rank, iterate.left_out.len()) == (3, 1)));
     let truth = [1.5, 1.5, 1.5, 3.0 * 1.5 + 0.7 * 0.3 - 0.1, 0.3];
     assert!(solution.u.iter().zip(truth).all(|(u, truth)| (u - truth).abs() < 1e-14), "{:?}", solution.u);
-    // A gap that closing the ring contradicts is found, from wherever it starts.
+    // A gap that contradicts the closure of the ring is found from any start.
     let gap = set_with_gap(0.25)?;
     let error = solve(&gap, &[0.3, 0.1, -0.2], &[], &NewtonOptions::default()).expect_err("a gap");
     assert!(matches!(error, NewtonError::Conflict { amount, .. } if (amount - 0.25).abs() < 1e-14), "{error}");
@@ -168,7 +168,7 @@ fn set_with_gap(gap: f64) -> Result<ConstraintSet, Box<dyn std::error::Error>> {
     Ok(builder.build().expect("few DOFs"))
 }
 
-/// Also where no equation looks at the DOF; a prescribed one takes its value, whatever it was.
+/// Values that are not finite are refused, also at DOFs without equations; a prescribed DOF takes its value whatever it was.
 #[test]
 fn starts_that_are_no_numbers_are_refused() -> Outcome {
     let mut builder = ConstraintSet::builder(3);

@@ -36,7 +36,7 @@ fn energy_density(f: Matrix, moduli: [f64; 2]) -> f64 {
     0.5 * (0..4).map(|k| e[k / 2][k % 2] * s[k / 2][k % 2]).sum::<f64>()
 }
 
-/// A square of side `side` of n by n elements of four nodes, of thickness 1; the last four DOFs are the macroscopic displacement gradient.
+/// A square of n by n elements with four nodes, of thickness 1; the last four DOFs are the macroscopic displacement gradient.
 struct Cell {
     n: usize,
     side: f64,
@@ -63,7 +63,7 @@ impl Cell {
         [self.node(i, j), self.node(i + 1, j), self.node(i + 1, j + 1), self.node(i, j + 1)]
     }
 
-    /// Calls `at` at each point of integration with the gradients of shapes, F and the weight.
+    /// Calls `at` at each integration point with the gradients of shapes, F and the weight.
     fn integrate(&self, element: usize, u: &[f64], mut at: impl FnMut([[f64; 2]; 4], Matrix, f64)) {
         let (h, g) = (self.side / self.n as f64, 1.0 / 3.0_f64.sqrt());
         let corners = self.corners(element);
@@ -107,7 +107,7 @@ impl Cell {
         Ok((set, found))
     }
 
-    /// `P V` by the reactions at the macroscopic gradient, and by the multipliers: `-sum lambda_i (X_b - X_a)_j`.
+    /// `P V` from the reactions at the macroscopic gradient, and from the multipliers: `-sum lambda_i (X_b - X_a)_j`.
     fn stresses(&self, set: &ConstraintSet, found: &Equilibrium) -> Outcome<[Matrix; 2]> {
         let reactions = matrix(|i, j| found.reactions[2 + 2 * i + j]);
         let mut sum = [[0.0; 2]; 2];
@@ -172,11 +172,11 @@ fn off(a: Matrix, b: Matrix) -> f64 {
     entries().map(|(i, j)| (a[i][j] - b[i][j]).abs()).fold(0.0, f64::max) / size
 }
 
-/// Of one material, the strain is the same everywhere: `W(F) V`, and `P = F S` from reactions and from multipliers.
+/// With one material the strain is uniform: the energy is `W(F) V`, and `P = F S` from reactions and from multipliers.
 #[test]
 fn a_homogeneous_cell_is_strained_homogeneously() -> Outcome {
     for [length, force] in UNITS {
-        // The thickness is one unit of length: moduli by length only.
+        // The thickness is one unit of length, so that moduli scale with the length only.
         let unit = force / length;
         let moduli = [1.5 * unit, 0.8 * unit];
         let mut cell = Cell { n: 4, side: length, moduli: vec![moduli; 16] };
@@ -194,7 +194,8 @@ fn a_homogeneous_cell_is_strained_homogeneously() -> Outcome {
     Ok(())
 }
 
-/// With stiff inclusions P is the derivative of the energy of the whole cell by the macroscopic gradient (Hill): central differences of other solutions.
+/// With stiff inclusions, P is the derivative of the energy of the cell by the macroscopic gradient (Hill), by central differences of other
+/// solutions.
 #[test]
 fn the_stress_of_a_cell_with_inclusions_is_that_of_its_energy() -> Outcome {
     for [length, force] in UNITS {

@@ -1,4 +1,4 @@
-//! Platforms on three equal arms, one of which is more than is needed: they go round without turning, however nearly in line their joints are.
+//! Platforms on three equal arms, one of them redundant: they translate on circles, however nearly collinear their joints are.
 
 use qless_constraints::ConstraintSet;
 use qless_constraints::types::{Distance, Driven, OnSphere, PlanarPoint};
@@ -9,10 +9,10 @@ use crate::linkages::{Outcome, random};
 
 type Place = [f64; 2];
 
-/// The angle by which the first arm is driven.
+/// The angle of the first arm.
 const SWING: f64 = -1.2;
 
-/// An arm from the origin, and two joints of the platform beside its end; the third arm is as much bent off their line as `bend`.
+/// An arm from the origin, and two more joints of the platform; the third arm is off their line by `bend`.
 struct Platform {
     unit: f64,
     arm: f64,
@@ -51,7 +51,7 @@ impl Platform {
     }
 }
 
-/// The platform has moved by as much as the end of the arm, and one equation is redundant: what the others leave of it, by rounding, is no conflict.
+/// The platform has moved as far as the end of the arm, and one equation is redundant. Its remainder is rounding, and not a conflict.
 #[test]
 fn a_third_arm_never_contradicts_the_others() -> Outcome {
     for case in 0..400 {

@@ -1,4 +1,4 @@
-//! Poses of bodies, independent of the library: quaternions, and the DOFs that a pose is.
+//! Poses of bodies, implemented independently of the library: quaternions, and their DOFs.
 
 use qless_constraints::types::{Body, EulerNorm};
 use qless_constraints::{ConstraintSet, SetBuilder};
@@ -17,7 +17,7 @@ pub enum Kind {
 
 pub const KINDS: [Kind; 2] = [Kind::Vector, Kind::Euler];
 
-/// Where a body is: `x = at + R (X - from)` for a body that was at `from`.
+/// Pose of a body: `x = at + R (X - from)` if it was at `from`.
 #[derive(Clone, Copy, Debug)]
 pub struct Pose {
     pub at: Vector,
@@ -54,13 +54,13 @@ pub fn unit(a: Vector) -> Vector {
     scale(1.0 / norm(a), a)
 }
 
-/// A turn about an axis.
+/// A rotation about an axis.
 pub fn turn(axis: Vector, angle: f64) -> Quaternion {
     let [x, y, z] = scale((0.5 * angle).sin(), unit(axis));
     [(0.5 * angle).cos(), x, y, z]
 }
 
-/// First q, then p.
+/// Applies q first, then p.
 pub fn then([p0, p @ ..]: Quaternion, [q0, q @ ..]: Quaternion) -> Quaternion {
     let [x, y, z] = add(add(scale(p0, q), scale(q0, p)), cross(p, q));
     [p0 * q0 - dot(p, q), x, y, z]
@@ -81,16 +81,16 @@ pub fn angle([q0, q @ ..]: Quaternion) -> f64 {
     2.0 * norm(q).atan2(q0.abs())
 }
 
-/// A direction, the same for a seed.
+/// A unit vector, the same for a seed.
 pub fn direction(seed: usize) -> Vector {
     let v: Vector = std::array::from_fn(|k| random(5 * seed + k));
     if norm(v) > 0.1 { unit(v) } else { direction(seed + 7_777) }
 }
 
-/// Seven DOFs for each body, the last one of no use for a rotation vector.
+/// Seven DOFs for each body; a rotation vector does not use the last one.
 pub const STRIDE: usize = 7;
 
-/// Body `i`, which is at `from` in the reference configuration.
+/// Body `i`, at `from` in the reference configuration.
 pub fn body(i: usize, kind: Kind, from: Vector) -> Body {
     let first = STRIDE * i;
     let position = [first, first + 1, first + 2];
@@ -100,7 +100,7 @@ pub fn body(i: usize, kind: Kind, from: Vector) -> Body {
     }
 }
 
-/// The equation that Euler parameters of body `i` need.
+/// Adds the norm of Euler parameters of body `i`, if it has them.
 pub fn norm_of(builder: &mut SetBuilder, i: usize, kind: Kind) -> Outcome {
     if kind == Kind::Euler {
         let first = STRIDE * i + 3;
@@ -125,7 +125,7 @@ pub fn place(u: &mut [f64], i: usize, kind: Kind, from: Vector, pose: Pose) {
     }
 }
 
-/// Where body `i` is.
+/// Pose of body `i`.
 pub fn pose(u: &[f64], i: usize, kind: Kind, from: Vector) -> Pose {
     let own = &u[STRIDE * i..][..STRIDE];
     let at = add(from, [own[0], own[1], own[2]]);
@@ -139,7 +139,7 @@ pub fn pose(u: &[f64], i: usize, kind: Kind, from: Vector) -> Pose {
     Pose { at, turn }
 }
 
-/// Where a point goes that was at `point` when the body was at `from`.
+/// New position of a point that was at `point` when the body was at `from`.
 pub fn carried(pose: Pose, from: Vector, point: Vector) -> Vector {
     add(pose.at, turned(pose.turn, sub(point, from)))
 }
@@ -151,7 +151,7 @@ pub fn values(set: &ConstraintSet, u: &[f64]) -> Outcome<Vec<f64>> {
     Ok(quantities.c().to_vec())
 }
 
-/// Singular values of G, positions in a unit of length, each row by its largest entry: how many are not zero.
+/// Rank of G by singular values, with positions in a unit of length and rows divided by their largest entry.
 pub fn dense_rank(set: &ConstraintSet, u: &[f64], unit: f64) -> Outcome<usize> {
     let mut quantities = set.allocate();
     set.evaluate(u, &mut quantities)?;
@@ -162,7 +162,7 @@ pub fn dense_rank(set: &ConstraintSet, u: &[f64], unit: f64) -> Outcome<usize> {
         quantities.g().row(r).map(scaled).for_each(|(j, v)| dense[(r, j)] = v / most);
     }
     let values = dense.singular_values().map_err(|_| "no singular values")?;
-    // Far from the gap on both sides, or nothing is shown.
+    // All singular values must be far from the gap.
     let rank = values.iter().filter(|&&s| s > 1e-6 * values[0]).count();
     let clear = values.iter().all(|s| !(1e-11..1e-4).contains(&(s / values[0])));
     if clear { Ok(rank) } else { Err(format!("no clear gap: {values:?}").into()) }

@@ -1,4 +1,4 @@
-//! Nets of rods and arms from far: what Newton's method calls redundant is what the singular values say.
+//! Random nets of rods and arms, solved from far away: the redundancies that Newton's method reports agree with the singular values.
 
 use faer::Mat;
 use qless_constraints::types::{Distance, OnSphere, PlanarPoint};
@@ -10,7 +10,8 @@ use crate::right_or_refused::Random;
 
 const NETS: usize = 4_000;
 
-/// Rods between points of the plane and arms to fixed ones, some said twice by chance, which a place fulfils; and a start that is away from it.
+/// Rods between points of the plane and arms to fixed points, some of them duplicate, which one configuration satisfies; and a start away
+/// from it.
 struct Net {
     set: ConstraintSet,
     prescribed: Vec<(usize, f64)>,
@@ -40,7 +41,7 @@ impl Net {
         Ok(Self { set: builder.build()?, prescribed, start })
     }
 
-    /// G of the free DOFs; c is measured in lengths.
+    /// G of the free DOFs; c is a length.
     fn singular_values(&self, quantities: &Quantities) -> Vec<f64> {
         let g = quantities.g();
         let mut dense = Mat::zeros(g.rows(), g.cols());
@@ -50,7 +51,7 @@ impl Net {
     }
 }
 
-/// Where the singular values have a clear gap, as many rods are redundant as they say; all hold, and most starts lead somewhere.
+/// If the singular values have a clear gap, they confirm the number of redundant rods. All rods hold, and most starts converge.
 #[test]
 fn redundant_rods_of_nets_are_those_that_singular_values_show() -> Outcome {
     let (mut clear, mut found) = (0, 0);

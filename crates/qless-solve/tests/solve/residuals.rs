@@ -1,4 +1,4 @@
-//! What is returned holds: no equation is let off because the terms of another are large.
+//! Returned solutions satisfy every equation, even if the terms of another equation are large.
 
 use qless_constraints::ConstraintSet;
 use qless_constraints::types::{Distance, LinearEquation, PlanarPoint};
@@ -8,10 +8,10 @@ use qless_solve::newton::{NewtonError, NewtonOptions, solve};
 use crate::equilibria::Weights;
 use crate::linkages::Outcome;
 
-/// What one unit in the last place of the far rod is, relative to its length: 1e-4.
+/// One unit in the last place of the far rod, relative to its length: 1e-4.
 const FAR: f64 = 1e12;
 
-/// A rod so far away that its length is known to 1e-4 only, and values of a DOF that has nothing to do with it.
+/// A rod so far away that its length is known to 1e-4 only, and prescribed values of an unrelated DOF.
 fn set(unit: f64, values: &[f64]) -> Outcome<ConstraintSet> {
     let end = |i: usize| PlanarPoint::new([2 * i, 2 * i + 1], [unit * (FAR + i as f64), 0.0]);
     let mut builder = ConstraintSet::builder(5);
@@ -30,7 +30,7 @@ fn a_far_rod_excuses_no_other_equation() -> Outcome {
         start[4] = unit * (1.0 + 1e-5);
         let found = solve(&set, &start, &[], &NewtonOptions::default())?;
         assert!((found.u[4] - unit).abs() <= 1e-15 * unit, "{:e}", found.u[4] / unit - 1.0);
-        // The same in equilibrium, from a place where forces are in balance.
+        // The same in equilibrium, from a configuration in which forces are in balance.
         let mut model = Weights { springs: vec![1.0; 5] };
         let mut loads = vec![0.0; 5];
         loads[4] = 3.0 * unit;

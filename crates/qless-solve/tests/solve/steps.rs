@@ -1,4 +1,4 @@
-//! Steps with each solver and each way to hold K, against Lagrange's method.
+//! `Steps` with each solver and each storage of K, compared with Lagrange's method.
 
 use faer::sparse::{SparseColMat, Triplet};
 use qless::elimination::{Storage, View};
@@ -9,7 +9,7 @@ use crate::linkages::{Outcome, random};
 
 const DOFS: usize = 30;
 
-/// Springs between neighbours and to the ground; a convective part if it is not to be symmetric.
+/// Springs between neighbours and to the ground, with a convective term if K is to be unsymmetric.
 fn stiffness(convection: f64, step: usize) -> Outcome<SparseColMat<usize, f64>> {
     let mut entries = Vec::new();
     for i in 0..DOFS {
@@ -54,7 +54,7 @@ fn by_rows(k: &SparseColMat<usize, f64>, storage: Storage) -> (Vec<i32>, Vec<i32
     (starts, index, values)
 }
 
-/// Twenty steps of new stiffness, loads, constants and prescribed values.
+/// Twenty steps with new stiffness, loads, right-hand sides and prescribed values.
 fn follow<S: Solver>(solver: S, convection: f64, storage: Storage) -> Outcome {
     let first = by_rows(&stiffness(convection, 0)?, storage);
     let map = Elimination::new(&constraints(0.0)?, &Options::default())?;
@@ -84,7 +84,7 @@ fn every_solver_follows_the_steps() -> Outcome {
         follow(Ldlt::default(), 0.0, storage)?;
     }
     follow(Lu::default(), 0.0, Storage::Full)?;
-    // Rows of a matrix that is not symmetric are not taken for its columns.
+    // Rows of an unsymmetric matrix must not be read as its columns.
     follow(Lu::default(), 0.3, Storage::Full)
 }
 

@@ -1,4 +1,4 @@
-//! Equilibria whose supports are equations, where all terms of an equation vanish with u; and motions that only rounding resists.
+//! Supports that are equations, whose terms all vanish with u; and motions that only rounding resists.
 
 use std::error::Error;
 
@@ -17,7 +17,7 @@ struct Springs {
 }
 
 impl Springs {
-    /// Of whole stiffness between all DOFs, in a unit.
+    /// Whole-number stiffness between all DOFs, in a unit.
     fn random(dofs: usize, seed: usize, unit: f64) -> Self {
         let pairs = (0..dofs).flat_map(|i| (0..i).map(move |j| (i, j)));
         let stiffness = |k: usize| unit * (1.0 + (4.5 * (1.0 + random(1000 * seed + k))).floor());
@@ -49,7 +49,7 @@ impl Model for Springs {
     }
 }
 
-/// A support is the same whether it is prescribed, an equation of its own, or a tie to a DOF that is held; its reaction too.
+/// A support gives the same result and reaction if it is prescribed, an equation, or a tie to a fixed DOF.
 #[test]
 fn supports_are_the_same_as_equations() -> Outcome {
     for seed in 0..3000 {
@@ -84,7 +84,7 @@ fn supports_are_the_same_as_equations() -> Outcome {
     Ok(())
 }
 
-/// A point on grounded springs, and another that hangs on it by a bar.
+/// A point on grounded springs, and another that hangs from it by a bar.
 struct Dangling {
     springs: [[f64; 4]; 3],
     bar: f64,
@@ -135,7 +135,7 @@ impl Model for Dangling {
     }
 }
 
-/// Across a bar without force there is no stiffness but the rounding of its strain: refused, and never called stable.
+/// Across a bar without force the only stiffness is rounding of its strain: the model is refused, and never called stable.
 #[test]
 fn what_hangs_without_a_load_is_not_supported() -> Outcome {
     for seed in 0..600 {
@@ -158,7 +158,7 @@ fn what_hangs_without_a_load_is_not_supported() -> Outcome {
             matches!(&found, Err(EquilibriumError::Unsupported { dofs, .. }) if !dofs.is_empty() && dofs.iter().all(|&dof| dof >= 3)),
             "{seed}: {found:?}"
         );
-        // A load along the bar holds it.
+        // A load along the bar supports it.
         (0..3).for_each(|i| loads[3 + i] = 0.1 * force * (model.ends[1][i] - model.ends[0][i]) / length);
         let target = Target { loads: &loads, prescribed: &[] };
         let found = solve(&mut model, &set, &Start::at_rest(&set), &target, &options);

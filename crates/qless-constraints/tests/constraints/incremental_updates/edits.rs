@@ -1,4 +1,4 @@
-//! Single changes: of full segments, of numbers from before, and those that cannot be.
+//! Single changes: in full segments, with outdated quantities, and invalid ones.
 
 use qless_constraints::types::{Distance, Driven, Equal, Prescribed};
 use qless_constraints::{ConstraintId, ConstraintSet, EditError, LineariseError, Quantities, ReplaceError};
@@ -7,7 +7,7 @@ use super::recipe::{Random, point};
 use super::run::bits;
 use crate::common::Outcome;
 
-/// Between each node and the next a rod, or an equal DOF.
+/// A rod or an equal DOF between consecutive nodes.
 fn chain(nodes: usize, is_rod: impl Fn(usize) -> bool) -> Outcome<(ConstraintSet, Vec<ConstraintId>)> {
     let mut builder = ConstraintSet::builder(3 * nodes);
     let add = |node: usize| {
@@ -24,7 +24,7 @@ fn rod(node: usize) -> Distance<3> {
     Distance { length: Some(1.0 + (node % 7) as f64), ..Distance::new(point(node), point(node + 1)) }
 }
 
-/// Constraints of one type come between others of that type wherever these fill their segments.
+/// New constraints of a type are stored with others of that type, also in full segments.
 #[test]
 fn full_segments_take_what_comes_between() -> Outcome {
     let (nodes, mut random) = (5000, Random(3));
@@ -52,7 +52,7 @@ fn full_segments_take_what_comes_between() -> Outcome {
     Ok(())
 }
 
-/// Numbers of before a change are not taken for those after it.
+/// Quantities evaluated before a change are not accepted after it.
 #[test]
 fn numbers_from_before_a_change_are_refused() -> Outcome {
     let mut builder = ConstraintSet::builder(6);
@@ -74,13 +74,13 @@ fn numbers_from_before_a_change_are_refused() -> Outcome {
     assert!(outdated(&set, &quantities));
     set.evaluate(&[0.1; 6], &mut quantities)?;
     set.activate(rod)?;
-    // H alone: c and G are still those of before.
+    // Only H is new; c and G are outdated.
     set.effective_hessian(&[0.1; 6], &[0.0; 3], &mut quantities)?;
     assert!(outdated(&set, &quantities));
     Ok(())
 }
 
-/// Misuse: other sets, wrong counts, numbers that are none, refused input; the set stays what it was.
+/// Misuse (other sets, wrong lengths, numbers that are not finite, refused constraints) leaves the set unchanged.
 #[test]
 fn changes_that_cannot_be_are_refused() -> Outcome {
     let (mut builder, mut others) = (ConstraintSet::builder(6), ConstraintSet::builder(6));
@@ -102,7 +102,7 @@ fn changes_that_cannot_be_are_refused() -> Outcome {
     assert_eq!(quantities, before);
     assert!(other.rows_of(tie).is_err() && other.linearised(&quantities, &[]).is_err());
 
-    // One that rests is not asked when time moves on, but when it is to come back.
+    // An inactive constraint is evaluated when it is activated, not when time advances.
     set.deactivate(slope)?;
     set.set_time(-3.0)?;
     let refused = set.activate(slope).expect_err("no root");

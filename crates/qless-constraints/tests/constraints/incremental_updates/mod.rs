@@ -1,4 +1,4 @@
-//! A set that changes is the one that was made from what is left.
+//! A set after any changes equals a new set with the same constraints.
 
 mod edits;
 mod recipe;
@@ -11,7 +11,7 @@ use crate::common::Outcome;
 use recipe::KINDS;
 use run::Run;
 
-/// Thousands of operations in small sets, compared often: whatever was done before, a set is the one with these constraints.
+/// Thousands of operations on small sets, compared often with a new set.
 #[test]
 fn a_set_is_that_of_its_active_constraints() -> Outcome {
     for seed in 0..40 {
@@ -26,7 +26,7 @@ fn a_set_is_that_of_its_active_constraints() -> Outcome {
     Ok(())
 }
 
-/// So many constraints that segments and chunks of H are split, and then nearly all of them gone.
+/// So many constraints that segments and chunks of H are split; then almost all are removed.
 #[test]
 fn large_sets_grow_and_shrink() -> Outcome {
     let mut run = Run::new(7, 12_000)?;
@@ -49,7 +49,7 @@ fn large_sets_grow_and_shrink() -> Outcome {
     Ok(())
 }
 
-/// H has entries while a set has curved constraints, and none before and after.
+/// H has entries only while the set has curved constraints.
 #[test]
 fn curvature_comes_and_goes() -> Outcome {
     let point = |i: usize| Point::new([3 * i, 3 * i + 1, 3 * i + 2], [i as f64, 0.5, 0.0]);
@@ -75,7 +75,7 @@ fn curvature_comes_and_goes() -> Outcome {
 }
 
 impl Run {
-    /// Brings the arrays along, without a second set.
+    /// Evaluates after changes, without comparing with a second set.
     fn compare_values(&mut self) -> Outcome {
         let u: Vec<f64> = (0..3 * self.nodes).map(|_| self.random.number()).collect();
         let w = vec![1.0; self.set.equations()];

@@ -1,4 +1,4 @@
-//! Random constraints that two sets can have.
+//! Random constraints that can be built for two sets.
 
 use std::array::from_fn;
 
@@ -23,13 +23,13 @@ impl Random {
         (self.next() % count as u64) as usize
     }
 
-    /// In [-0.5, 0.5].
+    /// A number in [-0.5, 0.5].
     pub fn number(&mut self) -> f64 {
         self.next() as f64 / f64::from(u32::MAX >> 1) - 0.5
     }
 }
 
-/// What a constraint was made from, so that another set can have it too.
+/// The data of a constraint, from which it can be built again.
 #[derive(Clone, Copy)]
 pub struct Recipe {
     pub kind: usize,
@@ -49,7 +49,7 @@ pub fn point(node: usize) -> Point {
 impl Recipe {
     pub fn random(random: &mut Random, nodes: usize) -> Self {
         let node = random.below(nodes - 4);
-        // Most reach to neighbours, some far.
+        // Most use neighbouring nodes, some distant ones.
         let far = if random.below(8) == 0 { random.below(nodes - 4) } else { node + 1 + random.below(3) };
         let other = if far == node { node + 1 } else { far };
         Self { kind: random.below(KINDS), node, other, number: random.number() }
@@ -86,7 +86,7 @@ impl Recipe {
     }
 }
 
-/// A set or its builder; or a constraint to be replaced.
+/// A set or its builder, or a constraint to be replaced.
 pub trait Target {
     fn put<C: qless_constraints::Constraint>(&mut self, label: &str, constraint: C) -> Outcome<ConstraintId>;
 }

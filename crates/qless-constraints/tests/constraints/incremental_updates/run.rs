@@ -1,17 +1,17 @@
-//! Random operations on a set, and the set that was made at once to compare with.
+//! Random operations on a set, and a new set to compare with.
 
 use qless_constraints::{ConstraintId, ConstraintSet, EditError, Quantities};
 
 use super::recipe::{KINDS, Random, Recipe};
 use crate::common::Outcome;
 
-/// A constraint as it should be in the set.
+/// The expected state of a constraint.
 pub struct Entry {
     pub id: ConstraintId,
     pub label: String,
     pub recipe: Recipe,
     pub active: bool,
-    /// Right-hand sides given since.
+    /// Right-hand sides that were set later.
     pub rhs: Option<Vec<f64>>,
 }
 
@@ -26,7 +26,7 @@ pub struct Run {
 }
 
 impl Run {
-    /// Each type once, so that both sets meet the types in the same order.
+    /// One constraint of each type, so that both sets have their types in the same order.
     pub fn new(seed: u64, nodes: usize) -> Outcome<Self> {
         let mut builder = ConstraintSet::builder(3 * nodes);
         let mut entries = Vec::new();
@@ -60,7 +60,7 @@ impl Run {
                 entry.active = true;
             }
             9 => {
-                // The same DOFs and other numbers, or anything else.
+                // The same DOFs with other numbers, or a different constraint.
                 let number = self.random.number();
                 let other = Recipe::random(&mut self.random, self.nodes);
                 entry.recipe = if number > 0.0 { Recipe { number, ..entry.recipe } } else { other };
@@ -81,7 +81,7 @@ impl Run {
         Ok(())
     }
 
-    /// Brings some of the arrays along.
+    /// Evaluates some of the quantities.
     fn look(&mut self) -> Outcome {
         let (u, w) = (vec![0.1; 3 * self.nodes], vec![1.0; self.set.equations()]);
         match self.random.below(3) {
@@ -101,7 +101,7 @@ impl Run {
         Ok(())
     }
 
-    /// The same constraints in a set that never changed.
+    /// The same constraints in a new set.
     fn fresh(&self) -> Outcome<ConstraintSet> {
         let mut builder = ConstraintSet::builder(3 * self.nodes);
         let active = || self.entries.iter().filter(|entry| entry.active);
@@ -114,7 +114,7 @@ impl Run {
         Ok(set)
     }
 
-    /// c, G, H, their patterns and bounds, rows and labels, to the last bit.
+    /// Compares c, G, H, their patterns and bounds, rows and labels, to the last bit.
     pub fn compare(&mut self) -> Outcome {
         let fresh = self.fresh()?;
         let u: Vec<f64> = (0..3 * self.nodes).map(|_| self.random.number()).collect();
@@ -133,7 +133,7 @@ impl Run {
             let pattern = (found.starts(), found.columns()) == (expected.starts(), expected.columns());
             assert!(pattern && bits(found.values()) == bits(expected.values()));
         }
-        // Coordinates of those that went or rest are forgotten.
+        // Coordinates of removed and inactive constraints do not count any more.
         assert!(self.set.rounding(&u)? == fresh.rounding(&u)?);
         for row in 0..fresh.equations() {
             assert_eq!(self.set.label(row)?, fresh.label(row)?);

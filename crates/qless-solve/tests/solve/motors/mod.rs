@@ -1,4 +1,4 @@
-//! Mechanisms that motors drive over many turns, against their closed forms, in every unit.
+//! Mechanisms driven by motors over many turns, compared with their closed forms in every unit.
 
 mod planar;
 mod screws;
@@ -18,10 +18,10 @@ use crate::poses::{
 
 const Z: Vector = [0.0, 0.0, 1.0];
 const UNITS: [f64; 3] = [1e-6, 1.0, 1e6];
-/// Relative to the size of the mechanism, in radians; another branch is off by its size.
+/// Tolerance relative to the size of the mechanism, and in radians. Another branch differs by the size of the mechanism.
 const ACCURACY: f64 = 1e-10;
 
-/// A closed ring of hinges `(point, axis)`, the first body being the ground; the first hinge has a motor that turns as time goes.
+/// A closed ring of hinges `(point, axis)` whose first body is the ground; a motor turns the first hinge with time.
 struct Ring {
     hinges: Vec<(Vector, Vector)>,
     kind: Kind,
@@ -33,7 +33,7 @@ impl Ring {
         scale(0.5, add(p, q))
     }
 
-    /// Body `i`, from 0, is between its hinges; after the last one comes the ground.
+    /// Body `i`, from 0, is between its hinges; the ground follows the last one.
     fn body(&self, i: usize) -> Body {
         if i + 1 < self.hinges.len() { body(i, self.kind, self.from(i)) } else { Body::ground() }
     }
@@ -61,7 +61,7 @@ impl Ring {
         pose(u, i, self.kind, self.from(i))
     }
 
-    /// The rotation of body `i`, from 0; of the ground after the last one.
+    /// The rotation of body `i`, from 0; of the ground after the last body.
     fn turn_of(&self, u: &[f64], i: usize) -> Quaternion {
         if i + 1 < self.hinges.len() { self.pose(u, i).turn } else { AT_REST }
     }
@@ -75,13 +75,13 @@ impl Ring {
     }
 }
 
-/// `a - b`, up to whole turns.
+/// `a - b` modulo whole turns.
 fn difference(a: f64, b: f64) -> f64 {
     let d = a - b;
     d - TAU * (d / TAU).round()
 }
 
-/// Goes from time to time by Newton's method, each time from where it was, and looks at each place.
+/// Advances through the times by Newton's method, each time from the last configuration, and calls `look` at each.
 fn follow(
     set: &mut ConstraintSet,
     times: impl IntoIterator<Item = f64>,
@@ -97,7 +97,7 @@ fn follow(
     Ok(())
 }
 
-/// A driven mechanism, and where its bodies are in closed form.
+/// A driven mechanism, and the closed form of its configuration.
 struct Driven<'a> {
     set: ConstraintSet,
     kinds: Vec<Kind>,
@@ -111,7 +111,7 @@ impl Driven<'_> {
         self.kinds.iter().filter(|&&kind| kind == Kind::Euler).count()
     }
 
-    /// At each time the closed form holds to rounding, and nothing can move: the motor holds the mechanism there.
+    /// At each time the closed form satisfies the equations to rounding, and the rank is full: the motor determines the configuration.
     fn check(&mut self, times: impl IntoIterator<Item = f64>) -> Outcome {
         let full = 6 * self.kinds.len() + self.norms();
         for time in times {
@@ -121,7 +121,7 @@ impl Driven<'_> {
                 place(&mut u, i, self.kinds[i], self.from[i], pose);
             }
             let (c, rounding) = (values(&self.set, &u)?, self.set.rounding(&u)?);
-            // Lengths of Euler parameters come last; those that were put in are as long as they are.
+            // Norms of Euler parameters come last; those of the closed form are exact by themselves.
             for row in 0..c.len() - self.norms() {
                 let bound = 64.0 * rounding.c()[row];
                 assert!(c[row].abs() <= bound, "time {time}, {}: {:e}, {bound:e}", self.set.label(row)?, c[row]);
@@ -131,7 +131,7 @@ impl Driven<'_> {
         Ok(())
     }
 
-    /// Newton's method goes there as well, each equation holds to its own rounding, and the rank is that of the singular values.
+    /// Newton's method reaches the closed form, each equation holds to its own rounding, and the rank agrees with the singular values.
     fn drive(&mut self, times: impl IntoIterator<Item = f64>) -> Outcome {
         let (poses, kinds, from) = (self.poses, self.kinds.clone(), self.from.clone());
         let (unit, full) = (self.unit, 6 * self.kinds.len() + self.norms());
@@ -151,7 +151,7 @@ impl Driven<'_> {
     }
 }
 
-/// A body that was at `from`, turned so that its point `point` goes to `to`.
+/// A body that was at `from`, rotated so that its point `point` moves to `to`.
 fn about(turn: Quaternion, from: Vector, point: Vector, to: Vector) -> Pose {
     Pose { at: sub(to, turned(turn, sub(point, from))), turn }
 }
@@ -161,7 +161,7 @@ fn slope(v: Vector) -> f64 {
     v[1].atan2(v[0])
 }
 
-/// Every twelfth part of a turn, dead centres included.
+/// Every twelfth of a turn, including dead centres.
 fn twelfths(turns: u32) -> impl Iterator<Item = f64> {
     (0..=24 * turns).map(|k| f64::from(k) * PI / 12.0)
 }

@@ -1,4 +1,4 @@
-//! Linkages that move in a plane.
+//! Planar linkages.
 
 use std::f64::consts::PI;
 
@@ -9,7 +9,7 @@ use super::{Driven, Ring, UNITS, Z, about, slope, twelfths};
 use crate::linkages::Outcome;
 use crate::poses::{AT_REST, KINDS, STRIDE, Vector, add, body, norm, norm_of, scale, sub, turn};
 
-/// `x = r cos phi + sqrt(l^2 - r^2 sin^2 phi)`, through both dead centres, which are hit exactly, six times round.
+/// `x = r cos phi + sqrt(l^2 - r^2 sin^2 phi)`, six turns through both dead centres, which are met exactly.
 #[test]
 fn slider_crank_through_dead_centres() -> Outcome {
     for unit in UNITS {
@@ -45,7 +45,7 @@ fn slider_crank_through_dead_centres() -> Outcome {
     Ok(())
 }
 
-/// The end of the rocker is where two circles meet; the crank turns three times.
+/// The end of the rocker is an intersection of two circles; the crank makes three turns.
 #[test]
 fn four_bar_linkage_follows_its_circles() -> Outcome {
     for unit in UNITS {

@@ -7,7 +7,7 @@ use super::{ACCURACY, Driven, UNITS, Z, about, follow};
 use crate::linkages::{Outcome, random};
 use crate::poses::{KINDS, Kind, Pose, STRIDE, add, body, norm, norm_of, scale, sub, then, turn, turned};
 
-/// A rod that is turned and pushed in its sleeve, which turns itself: it goes along a screw, eight times round.
+/// A rod that is turned and pushed in its sleeve, which turns as well: it moves along a screw for eight turns.
 #[test]
 fn motors_drive_a_screw() -> Outcome {
     for unit in UNITS {
@@ -37,7 +37,7 @@ fn motors_drive_a_screw() -> Outcome {
     Ok(())
 }
 
-/// A node without rotations, moved along three axes of a body that turns: `p = R(t) (P + sum d_k(t) t_k)`; by hand a node carries no axis.
+/// A node without rotations, moved along three axes of a rotating body: `p = R(t) (P + sum d_k(t) t_k)`.
 #[test]
 fn motors_move_nodes() -> Outcome {
     for unit in UNITS {

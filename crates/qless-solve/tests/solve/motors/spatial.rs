@@ -1,4 +1,4 @@
-//! Linkages that move in space, and shafts at an angle.
+//! Spatial linkages, and shafts at an angle.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -24,7 +24,7 @@ fn chain(angles: &[f64], lengths: &[f64], twists: &[f64]) -> Pose {
 
 /// Bennett's linkage: `a / sin alpha = b / sin beta` and `tan(theta_1 / 2) tan(theta_2 / 2) = sin((beta + alpha) / 2) / sin((beta - alpha) / 2)`.
 ///
-/// Mobility 1, though four hinges in space have -2: 18 coordinates, 20 equations, rank 17.
+/// The mobility is 1, although four hinges in space count as -2: 18 coordinates, 20 equations, rank 17.
 #[test]
 fn bennett_linkage_moves() -> Outcome {
     let (alpha, beta) = (0.7_f64, 1.2_f64);
@@ -37,7 +37,7 @@ fn bennett_linkage_moves() -> Outcome {
         for kind in KINDS {
             let start: Vec<Pose> = (0..4).map(|k| link(1.0, k)).collect();
             let ring = Ring { hinges: start.iter().map(|f| (f.at, turned(f.turn, Z))).collect(), kind };
-            // The end of each link is the hinge after it.
+            // The end of each link is the next hinge.
             let poses = |time: f64| {
                 let moved = |i: usize| {
                     let end = link(1.0 + time, i + 1);
@@ -80,7 +80,7 @@ fn bricard_linkage_moves() -> Outcome {
             ring.add(&mut free)?;
             let (free, mut set) = (free.build()?, ring.driven()?);
             let norms = if kind == Kind::Euler { 5 } else { 0 };
-            // One way or the other, the first angle is a right one and what the motor does.
+            // In either direction, the first angle is a right one, and the motor follows it.
             let mut ways = [true; 2];
             follow(&mut set, (0..=9).map(|k| -0.05 * f64::from(k)), |time, (_, found)| {
                 let u = &found.u;

@@ -13,11 +13,11 @@ fn conduct(nodes: [usize; 4], [a, b]: [f64; 2]) -> Vec<Triplet<usize, usize, f64
     (0..16).map(|k| Triplet::new(nodes[k / 4], nodes[k % 4], value(k / 4, k % 4))).collect()
 }
 
-/// A square element beside one that was refined twice at their common edge: a heat flow that is constant passes, through nodes that hang
-/// on nodes that hang.
+/// A square element beside one that was refined twice at their common edge: a constant heat flow passes, also through hanging nodes whose
+/// parents hang.
 #[test]
 fn a_constant_flow_passes_two_levels_of_refinement() -> Outcome {
-    // Columns of elements of sizes 1, 1/2 and 1/4; interfaces at x = 1 and x = 3/2 have nodes of both sides in one list.
+    // Columns of elements of sizes 1, 1/2 and 1/4; the nodes on the interfaces x = 1 and x = 3/2 are shared.
     let (mut places, mut k) = (Vec::<[f64; 2]>::new(), Vec::new());
     let mut number = |at: [f64; 2]| {
         places.iter().position(|&p| p == at).unwrap_or_else(|| {
@@ -55,8 +55,8 @@ fn a_constant_flow_passes_two_levels_of_refinement() -> Outcome {
     Ok(())
 }
 
-/// A plate of two rows of elements on the unit square that do not match: a constant flow passes the interface exactly, with insulated
-/// sides, whichever row is the slave, turned, in every unit of length and of conductivity.
+/// A plate of two rows of non-matching elements on the unit square with insulated sides: a constant flow passes the interface exactly,
+/// whichever row is the slave, rotated, in every unit of length and conductivity.
 #[test]
 fn a_constant_flow_passes_rows_that_do_not_match() -> Outcome {
     let kinds = [Multipliers::Standard, Multipliers::Dual];
@@ -80,7 +80,7 @@ fn a_constant_flow_passes_rows_that_do_not_match() -> Outcome {
                 let corners = [cell, cell + 1, cell + 1 + side, cell + side].map(|i| low + i);
                 k.extend(conduct(corners, [1.0 / cells[row] as f64, 0.5]));
             }
-            // The upper edge of the lower row, and the lower one of the upper row.
+            // The upper edge of the lower row, and the lower edge of the upper row.
             let edge = (0..side).map(|i| if row == 0 { side + i } else { i });
             edges.push(Surface::polyline(edge.map(|i| Node::of_field(low + i, turned(flat(row, i)))).collect()));
         }

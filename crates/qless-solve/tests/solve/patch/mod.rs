@@ -1,6 +1,6 @@
 /// Heat flows through hanging nodes and mortar ties.
 mod conduction;
-/// Beams and shells that pull at a solid.
+/// Beams and shells that pull on a solid.
 mod tension;
 
 use std::array::from_fn;
@@ -91,7 +91,7 @@ fn brick(nodes: &[Point]) -> Vec<Triplet<usize, usize, f64>> {
     entries
 }
 
-/// Uniform tension goes through the interface as if it were not there (Puso 2004, Sec. 5), whichever side is the slave.
+/// Uniform tension passes the interface without disturbance (Puso 2004, Sec. 5), whichever side is the slave.
 #[test]
 fn tension_passes_meshes_that_do_not_match() -> Outcome {
     let kinds = [Multipliers::Standard, Multipliers::Dual];
@@ -108,7 +108,7 @@ fn tension_passes_meshes_that_do_not_match() -> Outcome {
         let tie = MortarTie { slave: lower.surface(1), master: upper.surface(0), multipliers, tolerance: 1e-12 };
         builder.add("interface", tie)?;
         let set = builder.build().expect("few DOFs");
-        // What holds the rigid motions: three, two and one DOF at three corners.
+        // Supports of the rigid motions: three, two and one DOF at three corners.
         let [b, c] = [lower.cells, lower.cells * lower.side()];
         let held: Vec<_> = [0, 1, 2, 3 * b + 1, 3 * b + 2, 3 * c + 2].into_iter().map(|dof| (dof, 0.0)).collect();
         let mut quantities = set.allocate();

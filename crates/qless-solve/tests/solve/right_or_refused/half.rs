@@ -1,4 +1,4 @@
-//! K by one half: declared it is read, not declared it is refused.
+//! Half of a symmetric K is read if it is declared, and refused if it is not.
 
 use faer::sparse::{SparseColMat, Triplet};
 use qless::elimination::View;
@@ -18,7 +18,7 @@ fn half(k: &Matrix, lower: bool) -> Outcome<Matrix> {
     Ok(Matrix::try_new_from_triplets(k.nrows(), k.ncols(), &entries)?)
 }
 
-/// The same bits as with all of K, which mirrors itself.
+/// The same bits as with the full K.
 #[test]
 fn a_half_that_is_declared_is_the_whole() -> Outcome {
     for (case, units) in all_units().enumerate() {
@@ -62,7 +62,7 @@ fn a_half_that_is_not_declared_is_refused() -> Outcome {
     Ok(())
 }
 
-/// A chain of DOFs each of which acts on the next is a triangle and meant so; a diagonal has no halves.
+/// A chain of DOFs in which each acts on the next only is an intended triangle; a diagonal matrix has no halves.
 #[test]
 fn triangles_and_diagonals_can_be_meant() -> Outcome {
     let system = qless::SystemBuilder::new(3).build()?;
@@ -73,7 +73,7 @@ fn triangles_and_diagonals_can_be_meant() -> Outcome {
     let diagonal = half(&half(&k, true)?, false)?;
     let u = Problem::new(&diagonal, &[4.0, 2.0, 0.0], &system)?.lagrange()?.u;
     assert!((u[0] - 2.0).abs() < 1e-15 && (u[1] - 1.0).abs() < 1e-15 && u[2] == 0.0);
-    // Zeros that are stored on the other side make no second half.
+    // Explicit zeros on the other side do not make a second half.
     let mut with_zero = entries.to_vec();
     with_zero.push((0, 1, 0.0));
     let with_zero: Vec<_> = with_zero.into_iter().map(|(i, j, v)| Triplet::new(i, j, v)).collect();

@@ -1,4 +1,4 @@
-//! Penalties: right to the accuracy asked for, or refused with a factor that is.
+//! Penalties reach the requested accuracy, or are refused with a factor that does.
 
 use faer::sparse::{SparseColMat, Triplet};
 use qless::SystemBuilder;
@@ -8,7 +8,8 @@ use super::dense;
 use super::models::{Kind, Lack, all_units, model, off};
 use crate::linkages::Outcome;
 
-/// From far too soft to 1e20, where `K + C^T D C` has lost K: what comes back is as right as was asked for, and each refusal names a factor that does.
+/// From much too soft to 1e20, where `K + C^T D C` has lost K: returned solutions have the requested accuracy, and each refusal names a
+/// sufficient factor.
 #[test]
 fn a_penalty_is_right_or_refused_with_one_that_is() -> Outcome {
     let (mut right, mut soft) = (0, 0);
@@ -40,7 +41,7 @@ fn a_penalty_is_right_or_refused_with_one_that_is() -> Outcome {
     Ok(())
 }
 
-/// The factors that gave solutions 100 % and 3 to 9 % off, in all units.
+/// Regression: factors that gave solutions 100 % and 3 to 9 % off, in all units.
 #[test]
 fn stiff_factors_are_right() -> Outcome {
     for (case, units) in all_units().enumerate() {
@@ -56,7 +57,7 @@ fn stiff_factors_are_right() -> Outcome {
     Ok(())
 }
 
-/// An accuracy that no penalty can give is refused without a factor; multipliers give it.
+/// An accuracy that no penalty reaches is refused without a factor; multipliers reach it.
 #[test]
 fn what_no_penalty_can_do_is_said() -> Outcome {
     let model = model(4, Kind::Symmetric, Lack::Nothing, super::models::PLAIN)?;
@@ -81,7 +82,7 @@ fn what_no_penalty_can_do_is_said() -> Outcome {
     Ok(())
 }
 
-/// Supports that are equations keep u at zero, but for what the spring gives way: that is not all of u.
+/// Supports that are equations keep u at zero, except for the displacement of the spring, which must not count as all of u.
 #[test]
 fn supports_may_be_equations() -> Outcome {
     for units in all_units() {
@@ -106,8 +107,8 @@ fn supports_may_be_equations() -> Outcome {
     Ok(())
 }
 
-/// K says only what the product of the units of two DOFs is; a third one follows one of them and should stay at zero. However far a soft spring lets
-/// it go is measured by the terms of its equation, in every unit.
+/// K determines only the product of the units of two DOFs; a third DOF depends on one of them and should be zero. Its displacement on a soft
+/// spring is measured by the terms of its equation, in every unit.
 #[test]
 fn zeros_without_a_unit_are_measured_by_their_equation() -> Outcome {
     for power in (-12..=12).step_by(3) {
