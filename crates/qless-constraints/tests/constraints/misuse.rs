@@ -106,7 +106,7 @@ fn volumes_do_not_feel_translations() {
     }
 }
 
-/// Far from the origin, rounding of coordinates gives volumes and areas of either sign; none of them is real in any order of the corners.
+/// Flat tetrahedra and collinear nodes far from the origin are refused: their volumes and areas are rounding, in any order of the corners.
 #[test]
 fn what_is_flat_to_the_rounding_of_its_coordinates_is_refused() {
     let far = |x: [f64; 3]| [0.1 * x[0] + 1e5, 0.1 * x[1] + 1e5, 0.1 * x[2]];

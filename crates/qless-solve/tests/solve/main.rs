@@ -1,63 +1,64 @@
-//! Enforcement, Newton's method and equilibrium as a user meets them.
+//! Public behaviour of enforcement, Newton's method and equilibrium.
 
-/// Elastic mechanisms side by side: each comes to equilibrium as it does alone.
-mod blocks_of_equilibria;
-/// Mechanisms side by side: each goes as it goes alone.
-mod blocks_of_newton;
 /// Chains of bodies.
 mod bodies;
 /// Linkages with two branches, moved far.
 mod branches;
-/// Rods along axes in space.
+/// Rods nearly along an axis in space.
 mod chains;
-/// Contact by an active set, against a quadratic program.
+/// Contact by an active set, compared with a quadratic program.
 mod contact;
-/// Slider-cranks at and near their dead centres, rods of all lengths, in all units.
+/// Slider-cranks at and near their dead centres, for rods of all lengths, in all units.
 mod dead_centres;
-/// Equilibria that motors are driven through.
+/// Equilibria driven by motors.
 mod driven;
-/// Rods said twice, whose rows of G differ by rounding.
+/// Duplicate rods, whose rows of G differ by rounding.
 mod duplicate_rods;
-/// Methods that enforce constraints on a stiffness matrix, against one another.
+/// Methods of enforcement, compared with each other.
 mod enforcement;
-/// Nonlinear equilibrium: beams, chains and mechanisms against what is known of them.
+/// Nonlinear equilibrium of beams, chains and mechanisms with known solutions.
 mod equilibria;
-/// Parts whose T would fill and that stay factors: the same results as with T.
+/// Components whose T would fill and is kept as factors: the same results as with T.
 mod factored;
-/// Equilibria of mechanisms, and what is refused.
+/// Equilibria of mechanisms, and refused input.
 mod frames;
-/// Joints from far off, and what they leave free.
+/// Joints assembled from far away, and their free motions.
 mod joints;
-/// Planar and spatial linkages, as sets.
+/// Planar and spatial linkages, shared by the tests.
 mod linkages;
-/// Known ranks of known mechanisms.
+/// Known ranks of mechanisms.
 mod mechanisms;
-/// Mechanisms driven over many turns, against closed forms.
+/// Mechanisms driven over many turns, compared with closed forms.
 mod motors;
-/// Residuals of Newton's method.
+/// Convergence of Newton's method.
 mod newton;
-/// Nodes on lines and planes that turn.
+/// Nodes on moving lines and planes.
 mod on_line_on_plane;
-/// Two blocks of solid elements under tension, tied at meshes that do not match.
+/// Independent elastic mechanisms: each reaches the equilibrium that it reaches alone.
+mod parts_of_equilibria;
+/// Independent mechanisms: each is solved as it is solved alone.
+mod parts_of_newton;
+/// Patch tests: blocks of solid elements under tension, with non-matching meshes.
 mod patch;
 /// Finite strain of a periodic cell of solid elements.
 mod periodic_cell;
 /// Platforms on more arms than they need.
 mod platforms;
-/// Poses of bodies, independent of the library.
+/// Poses of bodies, implemented independently of the library.
 mod poses;
-/// Nets of rods and arms from far: redundancies against singular values.
+/// Random nets of rods and arms: redundancies compared with singular values.
 mod redundancy_kinds;
-/// No equation is let off because the terms of another are large.
+/// No equation may be violated because the terms of another are large.
 mod residuals;
-/// Solutions right to what they state, and refusals, by every method.
+/// Every method returns an accurate solution or refuses the model.
 mod right_or_refused;
 /// Stability of equilibria.
 mod stability;
+/// `Steps` with each solver and each storage of K.
 mod steps;
-/// Supports of equilibria that are equations, and motions that only rounding resists.
+/// Supports that are equations, and motions that only rounding resists.
 mod supports;
-/// Rotation vectors that are kept short.
+/// Rotation vectors are kept short.
 mod turns;
-/// Enforcement of small models against exact arithmetic.
+/// Enforcement of small models, compared with exact arithmetic.
 mod whole_numbers;

@@ -1,6 +1,5 @@
 //! Solutions are right to their stated accuracy, and unsupported models are refused with their free motion.
 
-mod blocks;
 mod costs;
 mod dense;
 mod extremes;
@@ -8,6 +7,7 @@ mod half;
 mod large;
 mod models;
 mod noise_of_t;
+mod parts;
 mod penalties;
 mod steps;
 mod supported;

@@ -9,9 +9,9 @@ use qless_solve::equilibrium::{
 
 use qless_solve::newton::NewtonError;
 
-use crate::blocks_of_newton::mechanism::{Item, Mechanism};
-use crate::blocks_of_newton::{Together, UNITS, among_others, bits};
 use crate::linkages::Outcome;
+use crate::parts_of_newton::mechanism::{Item, Mechanism};
+use crate::parts_of_newton::{Together, UNITS, among_others, bits};
 use pieces::{ALL_KINDS, Piece, Pieces, piece};
 
 type Found = Result<Equilibrium, EquilibriumError>;

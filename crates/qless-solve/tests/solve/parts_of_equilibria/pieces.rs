@@ -4,8 +4,8 @@ use std::error::Error;
 
 use qless_solve::equilibrium::{Assembly, Model};
 
-use crate::blocks_of_newton::mechanism::{Item, Map, Mechanism};
-use crate::blocks_of_newton::random::{Draw, KINDS, mechanism};
+use crate::parts_of_newton::mechanism::{Item, Map, Mechanism};
+use crate::parts_of_newton::random::{Draw, KINDS, mechanism};
 
 /// Number of kinds.
 pub const ALL_KINDS: usize = KINDS + 6;

@@ -4,9 +4,9 @@ use qless_solve::equilibrium::{Equilibrium, EquilibriumError, EquilibriumOptions
 
 use super::pieces::{Piece, Pieces, piece};
 use super::{UNITS, asked, check, tried};
-use crate::blocks_of_newton::mechanism::{Item, Mechanism};
-use crate::blocks_of_newton::{Together, bits};
 use crate::linkages::{Outcome, random};
+use crate::parts_of_newton::mechanism::{Item, Mechanism};
+use crate::parts_of_newton::{Together, bits};
 
 /// Also counts the evaluations of the model.
 fn counted(pieces: &[Piece], seed: usize, options: &EquilibriumOptions) -> Outcome<(Equilibrium, usize, Together)> {
