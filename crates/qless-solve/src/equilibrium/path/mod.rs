@@ -28,7 +28,7 @@ const EASY: usize = 8;
 /// The state of a load path.
 pub struct Path<'a, M> {
     model: &'a mut M,
-    time_path: TimePath<'a>,
+    constraints: TimePath<'a>,
     start: &'a Start,
     target: &'a Target<'a>,
     options: &'a EquilibriumOptions,
@@ -47,17 +47,17 @@ pub struct Path<'a, M> {
 impl<'a, M: Model> Path<'a, M> {
     pub fn new(
         model: &'a mut M,
-        time_path: TimePath<'a>,
+        constraints: TimePath<'a>,
         start: &'a Start,
         target: &'a Target<'a>,
         options: &'a EquilibriumOptions,
     ) -> Result<Self, EquilibriumError> {
-        let set = time_path.set();
+        let set = constraints.set();
         let state = EquilibriumState::new(model, set)?;
         let parts = Arc::new(EquilibriumParts::new(&state.assembly, set, &state.quantities, target.prescribed));
         let mut moves = vec![false; set.dofs()];
         target.prescribed.iter().for_each(|&(j, v)| moves[j] = start.u[j] != v);
-        let in_time = matches!(time_path, TimePath::Driven { .. });
+        let in_time = matches!(constraints, TimePath::Driven { .. });
         let driven =
             |part: &EquilibriumPart| (in_time || part.held.iter().any(|&j| moves[j])) && !is_straight(set, part);
         let track = |part: &EquilibriumPart| PartTrack { driven: driven(part), ..PartTrack::default() };
@@ -67,7 +67,7 @@ impl<'a, M: Model> Path<'a, M> {
         let (rows, rotations, steps) = (None, Vec::new(), Vec::new());
         Ok(Self {
             model,
-            time_path,
+            constraints,
             start,
             target,
             options,
@@ -87,7 +87,7 @@ impl<'a, M: Model> Path<'a, M> {
         self.rotations = self.loose_rotations();
         let found = self.go();
         if found.is_err() {
-            self.time_path.return_to(0.0);
+            self.constraints.return_to(0.0);
         }
         found.map(|()| self.finish())
     }
@@ -103,11 +103,11 @@ impl<'a, M: Model> Path<'a, M> {
                     length = (self.longer() * length).max(length.min(self.options.shortest));
                 }
                 Err(failures) => {
-                    self.time_path.return_to(factor);
+                    self.constraints.return_to(factor);
                     length = failures.shorter() * (tried - factor);
                     if failures.is_fatal() || length < self.options.shortest {
                         let tried = self.steps.last().map_or(factor, |step| step.factor);
-                        return Err(failures.into_error(self.time_path.set(), factor, tried));
+                        return Err(failures.into_error(self.constraints.set(), factor, tried));
                     }
                 }
             }

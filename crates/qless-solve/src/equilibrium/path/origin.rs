@@ -22,12 +22,12 @@ pub(super) struct NearestConsistent {
 impl<M: Model> Path<'_, M> {
     /// Rotation vectors that neither the model nor a load or prescribed value uses.
     pub(super) fn loose_rotations(&mut self) -> Vec<[usize; 3]> {
-        let evaluated = self.state.balance(self.model, self.time_path.set(), &self.at, &self.start.loads).is_ok();
+        let evaluated = self.state.balance(self.model, self.constraints.set(), &self.at, &self.start.loads).is_ok();
         let mut known = self.state.assembly.known();
         self.target.prescribed.iter().for_each(|&(j, _)| known[j] = true);
         let loads = self.start.loads.iter().zip(self.target.loads);
         known.iter_mut().zip(loads).for_each(|(known, (a, b))| *known |= *a != 0.0 || *b != 0.0);
-        let mut vectors = self.time_path.set().rotation_vectors();
+        let mut vectors = self.constraints.set().rotation_vectors();
         vectors.retain(|vector| evaluated && vector.iter().all(|&dof| !known[dof]));
         vectors
     }
@@ -47,7 +47,7 @@ impl<M: Model> Path<'_, M> {
             return Ok(all);
         }
         if self.rows.is_some() {
-            self.time_path.set().evaluate(&self.at.u, &mut self.state.quantities)?;
+            self.constraints.set().evaluate(&self.at.u, &mut self.state.quantities)?;
         }
         let before = Arc::new(self.state.quantities.clone());
         for part in asked {
@@ -121,7 +121,7 @@ impl<M: Model> Path<'_, M> {
 
     /// Evaluates the constraints at u and analyses their rows.
     pub(super) fn choice_at(&mut self, u: &[f64], prescribed: &[(usize, f64)]) -> Result<Arc<RowChoice>, StepFailure> {
-        let set = self.time_path.set();
+        let set = self.constraints.set();
         set.evaluate(u, &mut self.state.quantities)?;
         let before = self.rows.iter().flatten().flat_map(|rows| rows.list().iter().copied()).collect();
         RowChoice::new((set, &self.parts), &self.state.quantities, prescribed, (self.options, before))
@@ -135,7 +135,7 @@ impl<M: Model> Path<'_, M> {
     ) -> Result<NearestConsistent, StepFailure> {
         let (tolerance, analysis) = (self.options.roundings, self.options.analysis.clone());
         let options = NewtonOptions { tolerance, steps, analysis };
-        let found = solve_each(self.time_path.set(), &self.at.u, prescribed, &options);
+        let found = solve_each(self.constraints.set(), &self.at.u, prescribed, &options);
         let PartwiseSolution { u, parts: of_equations, failures } = found.map_err(StepFailure::Constraints)?;
         let mut first = vec![usize::MAX; of_equations.count()];
         failures.iter().enumerate().rev().for_each(|(k, (part, _))| first[*part] = k);

@@ -31,9 +31,9 @@ impl<M: Model> Path<'_, M> {
         // Whole turns are singular; half a turn is the limit.
         self.rotations.iter().for_each(|&vector| _ = shorten_rotation(&mut self.at.u, vector));
         let origin = self.origin(&end.prescribed);
-        self.time_path.advance_to(factor)?;
+        self.constraints.advance_to(factor)?;
         let branches: Vec<&Branch> = self.tracks.iter().filter_map(|track| track.branch.as_ref()).collect();
-        let led = check_jumps(&branches, &mut self.time_path, [last, factor], &mut self.state.quantities)?;
+        let led = check_jumps(&branches, &mut self.constraints, [last, factor], &mut self.state.quantities)?;
         if !led.is_empty() {
             return Err(led.into_values().collect());
         }
@@ -74,7 +74,7 @@ impl<M: Model> Path<'_, M> {
         let ran: Vec<usize> = (0..all.len()).filter(|&part| all[part].is_iterating()).collect();
         let mut corrector = Corrector {
             model: &mut *self.model,
-            set: self.time_path.set(),
+            set: self.constraints.set(),
             options: self.options,
             loads: &end.loads,
             prescribed: &end.prescribed,
