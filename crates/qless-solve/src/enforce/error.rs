@@ -190,7 +190,7 @@ pub struct FreeMotion {
 
 impl FreeMotion {
     /// From a null vector of all DOFs and the unit of each DOF.
-    pub(in super::super) fn new(u: &[f64], units: &[f64], held: f64) -> Self {
+    pub(super) fn new(u: &[f64], units: &[f64], held: f64) -> Self {
         let sizes: Vec<f64> = u.iter().zip(units).map(|(u, s)| u.abs() / s).collect();
         let most = sizes.iter().fold(0.0, |most: f64, size| most.max(*size));
         let dofs: Vec<usize> = (0..u.len()).filter(|&j| sizes[j] > SHARE * most).collect();
@@ -201,13 +201,13 @@ impl FreeMotion {
     }
 
     /// Renumbers the DOFs: j becomes `dofs[j]`, which ascends.
-    pub(in super::super) fn of(mut self, dofs: &[usize]) -> Self {
+    pub(super) fn renumbered(mut self, dofs: &[usize]) -> Self {
         self.dofs.iter_mut().for_each(|j| *j = dofs[*j]);
         self
     }
 
     /// The union of both motions, each scaled to a largest displacement of 1 or -1.
-    pub(in super::super) fn and(&self, other: &Self) -> Self {
+    pub(super) fn union(&self, other: &Self) -> Self {
         let moves = |motion: &Self| motion.dofs.iter().copied().zip(motion.motion.clone()).collect::<Vec<_>>();
         let mut both = [moves(self), moves(other)].concat();
         both.sort_by_key(|&(dof, _)| dof);

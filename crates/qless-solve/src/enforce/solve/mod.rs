@@ -127,7 +127,7 @@ fn with_reactions(problem: &Problem, mut solution: Solution) -> Result<Solution,
 /// The more severe of two errors, or the first one if they are equally severe. Errors of one kind are merged.
 pub fn worse(first: EnforceError, second: EnforceError) -> EnforceError {
     match (first, second) {
-        (Unsupported(a), Unsupported(b)) => Unsupported(a.and(&b)),
+        (Unsupported(a), Unsupported(b)) => Unsupported(a.union(&b)),
         (PenaltyTooSmall { factor, accuracy, cost, smallest }, second @ PenaltyTooSmall { .. }) => {
             let PenaltyTooSmall { factor: f, cost: c, smallest: s, .. } = second else { return second };
             // One factor for all penalties.

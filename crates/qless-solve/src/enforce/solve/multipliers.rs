@@ -123,7 +123,7 @@ fn by_elimination(part: &EnforcedPart) -> Option<EnforceError> {
 /// The error with the free motion in the caller's numbering.
 fn unsupported(part: &EnforcedPart, model: &SaddleEquations, motion: &[f64], held: f64) -> EnforceError {
     let n = model.dofs();
-    EnforceError::Unsupported(FreeMotion::new(&motion[..n], &model.units()[..n], held).of(&part.dofs))
+    EnforceError::Unsupported(FreeMotion::new(&motion[..n], &model.units()[..n], held).renumbered(&part.dofs))
 }
 
 /// Number of powers of ten that are tried as larger factors.
