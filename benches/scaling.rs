@@ -8,7 +8,6 @@
 //!
 //! The process keeps its memory from one round to the next, as it does at small sizes anyway; `-- --fresh` leaves glibc its rule.
 
-mod memory;
 mod sizes;
 mod timing;
 
@@ -16,7 +15,7 @@ use std::hint::black_box;
 use std::process::ExitCode;
 
 use qless::{ConstraintSystem, Options, analyse};
-use qless_scenes::families;
+use qless_scenes::{families, memory};
 
 use sizes::{ORDERS, Order, exponent, sizes, system, whole};
 use timing::{median, seconds};

@@ -11,9 +11,9 @@ use faer::sparse::{SparseColMat, Triplet};
 use qless::change::Refresher;
 use qless::diagnosis::Timings;
 use qless::{Analysis, ConstraintSystem, Options, analyse};
-use qless_constraints::enforce::reduced;
 use qless_scenes::families::Windows;
 use qless_scenes::fssi::{self, Level, Mesh};
+use qless_solve::enforce::reduced;
 
 type Stage = fn(Timings) -> Duration;
 

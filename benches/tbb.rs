@@ -4,7 +4,6 @@
 //! if two cores gave at least 1.7 times the work of one just before and just after it, and how many of the rounds did is said.
 //! `--test` takes small sizes. The process keeps its memory from one round to the next; `-- --fresh` leaves glibc its rule.
 
-mod memory;
 mod timing;
 
 use std::hint::black_box;
@@ -16,7 +15,7 @@ use qless::backend::Backend;
 use qless::backend::spqr::{Spqr, Statistics};
 use qless_scenes::families::{Windows, gradient};
 use qless_scenes::fssi::{self, Level};
-use qless_scenes::{Scene, SceneError};
+use qless_scenes::{Scene, SceneError, memory};
 
 use timing::{median, seconds};
 

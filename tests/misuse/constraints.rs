@@ -2,8 +2,6 @@
 
 use faer::sparse::{SparseColMat, Triplet};
 use qless::{Options, SystemBuilder, analyse};
-use qless_constraints::enforce::{BlockPlan, Problem, reduced};
-use qless_constraints::newton::{NewtonOptions, redundancies, solve};
 use qless_constraints::scalar::{Dual, Scalar, vector};
 use qless_constraints::types::{
     Average, BeamToSolid, Body, Cyclic, CyclicHarmonic, Distance, Equal, EulerNorm, Face, FaceSearch, Fixed, FluidNode,
@@ -13,6 +11,8 @@ use qless_constraints::types::{
     Universal, Volume,
 };
 use qless_constraints::{Constraint, ConstraintSet, Nonlinear, Store, Weights};
+use qless_solve::enforce::{BlockPlan, Problem, reduced};
+use qless_solve::newton::{NewtonOptions, redundancies, solve};
 
 use super::{BAD, HUGE, refused, survives};
 

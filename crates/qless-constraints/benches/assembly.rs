@@ -1,16 +1,15 @@
-//! Assembly of c, G and H for a million mixed constraints, `cargo bench -p qless-constraints --bench assembly` (`-- --test` small).
+//! Assembly of c, G and H of a million mixed constraints: `cargo bench -p qless-constraints --bench assembly` (`-- --test` for a small size).
 //!
-//! Beside it, in turns and in one process: the same numbers of non-zeros written once into the same arrays, by as many threads.
-//! "Writing" is one value after the other: no arithmetic, nothing read, as fast as memory can be. "Indexed" writes each value
-//! at a place that it reads from a list, as an assembly must for H. The ratio of medians of c, G and H at once to the former should be
-//! at most 2; "best" is that of the shortest times, which other programs on the machine disturb least.
+//! Two memory tests take turns with it in one process; they write the same number of nonzeros into the same arrays with the same number of
+//! threads. "Writing" stores values in order, without arithmetic or reads: the limit of the memory. "Indexed" stores each value at a position
+//! from a list, as H requires. The ratio of the medians of c, G and H together to "writing" should be at most 2; "best" compares the shortest
+//! times, which other programs disturb least.
 //!
-//! What stands in the way. Writing is bound by memory: of the mix's 81 MB one core writes 27 GB/s, two write 33 (a virtual machine on a
-//! Zen 5 server), so that a second core hardly helps, whereas an assembly needs both. Per linear equation of 5 terms, of which plain
-//! writing stores 48 bytes, 8 bytes of c are written and 16 of DOFs and places read, with 5 values of u from a cache: a ratio of 1. A
-//! rod stores 56 bytes of c and G and 36 of H, and reads 24 of DOFs, 32 of parameters, 16 of curvatures and 24 of places in H besides:
-//! more read than written. A rigid link for finite rotations takes about 150 flops for its three rows and 170 for its curvature,
-//! for 290 bytes; they are done for eight links at once.
+//! Why the ratio is above 1: writing is bound by memory. Of the mix's 81 MB one core writes 27 GB/s and two write 33 (a virtual machine on a
+//! Zen 5 server), so that a second core hardly helps writing. A linear equation of 5 terms, for which writing stores 48 bytes, stores 8 bytes
+//! of c and reads 16 bytes of DOFs and positions, and 5 values of u from a cache: a ratio of 1. A rod stores 56 bytes of c and G and 36 of H,
+//! and reads 24 of DOFs, 32 of parameters, 16 of curvatures and 24 of positions in H. A rigid link with finite rotations needs about 150
+//! flops for its three rows and 170 for its curvature, for 290 bytes; eight links are evaluated at once.
 
 mod model;
 
@@ -22,7 +21,7 @@ use rayon::prelude::*;
 
 use model::{finite, linear, mixed, of_one_kind, rod};
 
-/// Values per task of what is only written.
+/// Values per task of "writing".
 const CHUNK: usize = 1 << 14;
 const ROUNDS: usize = 31;
 const REPEATS: usize = 4;
@@ -42,19 +41,19 @@ fn main() {
     println!("target for the mix: a ratio of at most 2; {met}");
 }
 
-/// The ratio of medians.
+/// Returns the ratio of medians.
 fn measure(name: &str, set: &ConstraintSet) -> f64 {
     let u: Vec<f64> = (0..set.dofs()).map(|j| 1e-3 * (j % 17) as f64).collect();
     let w: Vec<f64> = (0..set.equations()).map(|i| (i % 5) as f64).collect();
     let mut quantities = set.allocate();
-    // The first H makes its array.
+    // The first H allocates its array.
     set.assemble(&u, &w, &mut quantities).expect("of this set");
     let mut copy = [set.equations(), quantities.g().nnz(), quantities.h().nnz()].map(|length| vec![0.0; length]);
     let [mut values, mut hessian, mut all, mut writing, mut indexed] = [const { Vec::new() }; 5];
     let longest = copy.iter().map(Vec::len).max().unwrap_or(0);
     let places: Vec<u32> = (0..longest).map(|k| (k % CHUNK) as u32).collect();
     for round in 0..ROUNDS {
-        // As long as the assembly, so that neither slips through between two interruptions by other programs.
+        // As long as the assembly, so that other programs interrupt both equally often.
         writing.push(time(|| (0..REPEATS).for_each(|i| write(&mut copy, (round + i) as f64))) / REPEATS as f64);
         indexed.push(time(|| (0..REPEATS).for_each(|i| write_indexed(&mut copy, &places, i as f64))) / REPEATS as f64);
         values.push(time(|| set.evaluate(&u, &mut quantities).expect("of this set")));
@@ -72,14 +71,14 @@ fn measure(name: &str, set: &ConstraintSet) -> f64 {
     ratio
 }
 
-/// Every number of c, G and H, once.
+/// Writes every number of c, G and H once.
 fn write(numbers: &mut [Vec<f64>; 3], value: f64) {
     for array in numbers {
         array.par_chunks_mut(CHUNK).for_each(|chunk| chunk.fill(black_box(value)));
     }
 }
 
-/// The same, each at a place that is read from a list.
+/// The same, each at a position from a list.
 fn write_indexed(numbers: &mut [Vec<f64>; 3], places: &[u32], value: f64) {
     for array in numbers {
         array.par_chunks_mut(CHUNK).zip(places.par_chunks(CHUNK)).for_each(|(chunk, places)| {

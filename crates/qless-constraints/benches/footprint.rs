@@ -1,7 +1,7 @@
-//! Memory of a set and of its set-up, `cargo bench -p qless-constraints --bench footprint` (`-- --test` small).
+//! Memory of a set and of its construction: `cargo bench -p qless-constraints --bench footprint` (`-- --test` for a small size).
 //!
-//! A program of its own: the allocator that counts would change the times of the others. "Arrays" is what is there when the set is built
-//! and its quantities are allocated; wanted: at no time on the way more than 1.5 times that.
+//! A separate program, since the counting allocator would change the times of other benchmarks. "Arrays" is the memory after the set is built
+//! and its quantities are allocated. Limit: at no time more than 1.5 times that.
 
 mod model;
 
@@ -16,7 +16,7 @@ static MEMORY: PeakAlloc = PeakAlloc;
 fn main() {
     let short = std::env::args().any(|argument| argument == "--test");
     let constraints = if short { 10_000 } else { 1_000_000 };
-    // Threads have memory of their own.
+    // Threads have their own memory.
     let _ = measure(1000, rod);
     println!(
         "{:>20} {:>10} {:>10} {:>10} {:>10} {:>6}",
@@ -33,7 +33,7 @@ fn main() {
     }
 }
 
-/// Bytes of the quantities, of the set, and the most on the way.
+/// Bytes of the quantities, of the set, and the peak.
 fn measure(constraints: usize, add: model::Add) -> [usize; 3] {
     let nodes = constraints / 2 + 200;
     MEMORY.reset_peak_usage();

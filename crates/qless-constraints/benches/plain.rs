@@ -1,9 +1,10 @@
-//! c, G and H beside a plain loop of the same formulas, `cargo bench -p qless-constraints --bench plain` (`-- --test` small).
+//! c, G and H compared with a hand-written loop of the same formulas: `cargo bench -p qless-constraints --bench plain` (`-- --test` for a
+//! small size).
 //!
-//! In one process and in turns: the loop that a program would have that knew its constraints (compressed rows for linear equations, an
-//! array of rods and one of spheres, places in H found before), the set with one thread, and with two. Wanted: at most 1.1 times
-//! the plain loop, and at least 1.7 times as fast with two threads. Medians of many rounds; the load of the machine is said, as other
-//! programs take the second core first.
+//! Three programs take turns in one process: a loop that knows its constraints in advance (compressed rows for linear equations, an array of
+//! rods and one of spheres, known positions in H), the set with one thread, and the set with two. Limits: at most 1.1 times the loop, and at
+//! least 1.7 times as fast with two threads. Medians of many rounds; the load of the machine is printed, since other programs take the second
+//! core first.
 
 mod model;
 
@@ -17,7 +18,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use model::{equal, linear, point, rod, small, sphere, tie};
 
 const ROUNDS: usize = 41;
-/// Of 100 constraints: 20 rods and 6 spheres, the others linear equations.
+/// In 100 constraints: 20 rods and 6 spheres; the others are linear equations.
 const MIX: [(usize, model::Add); 6] = [(20, rod), (6, sphere), (30, linear), (25, equal), (12, tie), (7, small)];
 const RODS: [(usize, model::Add); 1] = [(100, rod)];
 const LINEAR: [(usize, model::Add); 1] = [(100, linear)];
@@ -41,7 +42,7 @@ fn load() -> String {
     std::fs::read_to_string("/proc/loadavg").unwrap_or_else(|_| "not known".into()).trim().into()
 }
 
-/// The lot of constraint i: which share, and its nodes.
+/// Kind and nodes of constraint i.
 fn lot(i: usize) -> (usize, usize) {
     (i * 37 % 100, i / 2)
 }
@@ -70,7 +71,7 @@ struct Rod {
     dofs: [u32; 6],
     between: [f64; 3],
     length: f64,
-    /// Places in H: for each axis `aa, ab, ba, bb`.
+    /// Positions in H: `aa, ab, ba, bb` for each axis.
     places: [u32; 12],
 }
 
@@ -81,7 +82,7 @@ struct Sphere {
     places: [u32; 3],
 }
 
-/// What the plain loop knows.
+/// The data of the hand-written loop.
 struct Plain {
     linear: usize,
     start: Vec<usize>,
@@ -96,7 +97,7 @@ struct Plain {
 }
 
 impl Plain {
-    /// Of the constraints of which the first shares are rods and spheres.
+    /// For constraints whose first kinds are rods and spheres.
     fn new(constraints: usize, set: &ConstraintSet, (rods, spheres): (usize, usize)) -> Self {
         let mut at_rest = set.allocate();
         let (rest, weights) = (vec![0.0; set.dofs()], vec![0.0; set.equations()]);
@@ -240,7 +241,7 @@ fn of_set(pool: &ThreadPool, set: &ConstraintSet, (u, w): (&[f64], &[f64]), quan
     })
 }
 
-/// The same numbers to rounding: sums may be in another order.
+/// Checks equality up to rounding, since sums may be in another order.
 fn same(plain: &[f64], set: &[f64]) {
     assert_eq!(plain.len(), set.len());
     let size = plain.iter().fold(0.0, |most: f64, x| most.max(x.abs()));

@@ -1,13 +1,14 @@
-//! Set-up and changes of a set, in units of one evaluation, `cargo bench -p qless-constraints --bench setup` (`-- --test` small, `-- rods` one kind).
+//! Construction and changes of a set, in units of one evaluation: `cargo bench -p qless-constraints --bench setup` (`-- --test` for a small
+//! size, `-- rods` for one kind).
 //!
-//! Set-up: all constraints are added and the arrays of c and G allocated; with the first evaluation of H its plan is made. Wanted: at most 10
-//! times one evaluation of c, G and H.
-//! A change: one constraint deactivated and activated again, given other parameters, or another right-hand side; and what the next
-//! evaluation takes longer than one without a change.
+//! Construction: all constraints are added and the arrays of c and G are allocated; the first evaluation of H makes its plan. Limit: 10 times
+//! one evaluation of c, G and H.
+//! A change: one constraint is deactivated and activated again, gets other parameters, or another right-hand side. Measured: the change
+//! itself, and the extra time of the next evaluation.
 //!
-//! Constraints are added one by one, and at once by all threads; who adds a million writes the latter. Measured on two quiet cores, at once: rods
-//! 4.6 evaluations for c and G, 15 with the plan of H; linear equations 20 and 24, of 2 ms each; equal DOFs 18 and 22. More than half of it for linear
-//! equations is the system's: it hands out pages of 4 kB at some 2 us each when they are touched for the first time, and set-up touches all arrays.
+//! Constraints are added one by one, or in bulk by all threads. Measured on two quiet cores, in bulk: rods 4.6 evaluations for c and G, 15
+//! with the plan of H; linear equations 20 and 24, of 2 ms each; equal DOFs 18 and 22. For linear equations more than half of this is the
+//! system's time: it provides pages of 4 kB, at about 2 us each, when they are first touched, and construction touches all arrays.
 
 mod model;
 
@@ -21,10 +22,10 @@ use model::{equal, linear, one_equal, one_linear, one_rod, point, rod};
 const ROUNDS: usize = 5;
 const EVALUATIONS: usize = 20;
 
-/// Adds so many constraints on so many nodes.
+/// A function that adds so many constraints on so many nodes.
 type AddAll = fn(&mut SetBuilder, usize, usize);
 
-/// What is added, one by one, or all at once.
+/// Names, and how to add constraints one by one or in bulk.
 const KINDS: [(&str, model::Add, AddAll); 3] = [
     ("rods", rod, |builder, count, nodes| {
         builder.add_all("rod", count, |i| one_rod(i / 2, nodes)).expect("valid");
@@ -58,7 +59,7 @@ fn load() -> String {
     std::fs::read_to_string("/proc/loadavg").unwrap_or_else(|_| "not known".into()).trim().into()
 }
 
-/// Milliseconds that processors worked for this program: other programs do not enter. In steps of 10.
+/// CPU time of this program in milliseconds, in steps of 10; other programs do not count.
 fn busy() -> f64 {
     let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
     let fields: Vec<&str> = text.rsplit(')').next().unwrap_or_default().split_whitespace().collect();
@@ -99,7 +100,7 @@ fn set_up(name: &str, constraints: usize, add: impl Fn(&mut SetBuilder, usize, u
     report("processor time", [work[0], work[1], work[2], evaluations / (ROUNDS * EVALUATIONS) as f64]);
 }
 
-/// The first evaluation is one with a plan of H before it.
+/// Prints a row; the first evaluation includes the plan of H.
 fn report(name: &str, [adding, allocating, first, evaluation]: [f64; 4]) {
     let (of_values, planning) = (adding + allocating, (first - evaluation).max(0.0));
     print!(
@@ -149,7 +150,7 @@ fn changes(constraints: usize) {
     }
 }
 
-/// Milliseconds.
+/// The result and its time in milliseconds.
 fn timed<T>(work: impl FnOnce() -> T) -> (f64, T) {
     let start = Instant::now();
     let result = work();

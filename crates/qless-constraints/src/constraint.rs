@@ -94,7 +94,7 @@ pub trait Nonlinear: Send + Sync + Sized + 'static {
 
     /// The angle, in radians, that the parameters prescribe and that c knows only up to whole turns.
     ///
-    /// From one time to the next c can be followed over less than half a turn of it; [`crate::equilibrium::drive`] takes shorter steps.
+    /// From one time to the next c can be followed over less than half a turn of it; `qless_solve::equilibrium::drive` takes shorter steps.
     fn angle(&self) -> Option<f64> {
         None
     }

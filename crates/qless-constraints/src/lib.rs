@@ -27,10 +27,7 @@
 
 mod constraint;
 mod derive;
-pub mod enforce;
-pub mod equilibrium;
 mod geometry;
-pub mod newton;
 pub mod scalar;
 mod set;
 pub mod types;
@@ -38,7 +35,7 @@ pub mod types;
 pub use constraint::{Constraint, Nonlinear};
 pub use set::{
     ActiveError, ActiveSystem, AddError, ConstraintId, ConstraintIds, ConstraintSet, EditError, LineariseError,
-    Quantities, ReplaceError, Rounding, SetBuilder, Store, StoreError, TimeError, Vanishing, Weights,
+    Quantities, ReplaceError, Rounding, SetBuilder, Store, StoreError, TimeError, Vanishing, Weights, shorten_rotation,
 };
 
 /// The example of the README, as a test.

@@ -9,6 +9,7 @@
 //! | [`fssi`] | fluid-structure-soil interaction, sizes and redundancies of the paper's Table 1, tied or mortar-coupled |
 //! | [`paper`] | the paper's figures and small examples |
 //! | [`families`] | sized and seeded families: planted combinations, graphs, rigid spiders, periodic cells, grids |
+//! | [`memory`] | memory that a benchmark keeps from one round to the next |
 //! | [`oracle`] | exact rank and dense singular values, to check all of the above and anything else |
 //!
 //! ```
@@ -25,6 +26,7 @@ mod change;
 mod error;
 pub mod families;
 pub mod fssi;
+pub mod memory;
 pub mod oracle;
 pub mod paper;
 mod rng;

@@ -6,7 +6,7 @@
 
 use faer::sparse::{SparseColMat, Triplet};
 use qless::{ConstraintSystem, Kind, Options, SystemBuilder, analyse};
-use qless_constraints::enforce::{Problem, reduced};
+use qless_solve::enforce::{Problem, reduced};
 
 use super::chain::Chain;
 use super::gradients::{with_masters, with_multipliers};

@@ -1,4 +1,4 @@
-//! Sets of a million constraints of one kind, or of many.
+//! Sets of a million constraints, of one kind or mixed.
 
 #![allow(dead_code, reason = "each benchmark uses some")]
 
@@ -7,14 +7,14 @@ use qless_constraints::types::{
 };
 use qless_constraints::{ConstraintSet, SetBuilder};
 
-/// Nodes in the order of a mesh: neighbours are near in memory, but not adjacent.
+/// A node; DOFs follow the order of a mesh, so that neighbours are close in memory but not adjacent.
 pub fn point(node: usize) -> Point {
     let line = 100;
     let at = [(node % line) as f64, (node / line % line) as f64, (node / line / line) as f64];
     Point::new([3 * node, 3 * node + 1, 3 * node + 2], at)
 }
 
-/// Adds constraint i.
+/// A function that adds constraint i.
 pub type Add = fn(&mut SetBuilder, usize, usize);
 
 pub fn one_linear(i: usize, nodes: usize) -> LinearEquation {
@@ -73,7 +73,7 @@ pub fn joint(builder: &mut SetBuilder, i: usize, nodes: usize) {
     builder.add("", Spherical { a: body(i), b: body(i + 2), at: point(i + 2).at }).expect("valid");
 }
 
-/// Of 100 constraints: 30 linear equations, 25 equal DOFs, 20 rods, 12 ties, 6 spheres, 5 rigid links, 1 finite, 1 joint.
+/// In 100 constraints: 30 linear equations, 25 equal DOFs, 20 rods, 12 ties, 6 spheres, 5 small rigid links, 1 finite one, 1 joint.
 pub fn mixed(constraints: usize) -> ConstraintSet {
     let shares: [(usize, Add); 8] =
         [(30, linear), (25, equal), (20, rod), (12, tie), (6, sphere), (5, small), (1, finite), (1, joint)];

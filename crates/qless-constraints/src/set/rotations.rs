@@ -55,12 +55,14 @@ impl ConstraintSet {
     /// [`ArgumentError`] if `u` does not have length n.
     pub fn shorten_rotations(&self, u: &mut [f64]) -> Result<usize, ArgumentError> {
         long("u", u.len(), self.dofs)?;
-        Ok(self.rotation_vectors().iter().filter(|vector| shorten(u, **vector)).count())
+        Ok(self.rotation_vectors().iter().filter(|vector| shorten_rotation(u, **vector)).count())
     }
 }
 
-/// Replaces one vector; whether it was too long.
-pub(crate) fn shorten(u: &mut [f64], vector: [usize; 3]) -> bool {
+/// Replaces one rotation vector by the shortest one of the same rotation if it is longer than half a turn; returns whether it was.
+///
+/// `vector` names three entries of u. It has to be one of [`ConstraintSet::rotation_vectors`].
+pub fn shorten_rotation(u: &mut [f64], vector: [usize; 3]) -> bool {
     let length = vector.iter().fold(0.0, |sum: f64, &dof| sum.hypot(u[dof]));
     let long = length > PI && length.is_finite();
     if long {

@@ -76,8 +76,11 @@ impl ConstraintSet {
         self.linearised_in(&vec![1.0; self.dofs], quantities, prescribed)
     }
 
-    /// The same with columns in the given units, `G_rj s_j`: `du_j = s_j y_j`.
-    pub(crate) fn linearised_in(
+    /// [`ConstraintSet::linearised`] with columns in the given units, `G_rj s_j`: `du_j = s_j y_j`, for one unit `s_j` per DOF.
+    ///
+    /// # Errors
+    /// As [`ConstraintSet::linearised`].
+    pub fn linearised_in(
         &self,
         units: &[f64],
         quantities: &Quantities,

@@ -92,8 +92,8 @@ impl ConstraintSet {
         Ok(())
     }
 
-    /// The angles that are prescribed at the time of the set and that equations know up to whole turns only, each with its equation.
-    pub(crate) fn angles(&self) -> Vec<(usize, f64)> {
+    /// Angles prescribed by motors at the time of the set, as `(row of c, angle in radians)`. c knows them modulo 2 pi only.
+    pub fn angles(&self) -> Vec<(usize, f64)> {
         let mut angles = Vec::new();
         for (b, block) in self.blocks.all.iter().enumerate() {
             let first = self.linear.rows() + self.blocks.offsets.first(b);

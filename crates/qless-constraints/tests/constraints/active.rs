@@ -2,10 +2,10 @@ use qless::{Kind, Options, analyse};
 use qless_constraints::types::{Distance, Equal, LinearEquation, PlanarPoint, Prescribed};
 use qless_constraints::{ActiveError, ActiveSystem, ConstraintSet};
 
-use crate::linkages::Outcome;
+use crate::common::Outcome;
 
-/// Constraints that come and go at random, in a lattice of rods with ties: rank and solvability are those of an analysis of everything,
-/// and what is expanded satisfies what is independent.
+/// Random activation and deactivation in a lattice of rods with ties: rank and solvability agree with an analysis of all equations, and
+/// expanded solutions satisfy the independent ones.
 #[test]
 fn rank_follows_the_active_constraints() -> Outcome {
     let side = 7;
@@ -59,7 +59,7 @@ fn rank_follows_the_active_constraints() -> Outcome {
     Ok(())
 }
 
-/// A change costs its own block; without a change nothing is done; misuse is refused.
+/// A change costs its own block; without a change there is no work; misuse is refused.
 #[test]
 fn only_what_changed_is_done_again() -> Outcome {
     let blocks = 2000;
@@ -104,7 +104,7 @@ fn only_what_changed_is_done_again() -> Outcome {
     Ok(())
 }
 
-/// An equation without terms, as one whose row of G vanishes, is a block without DOFs: the others are expanded all the same.
+/// An equation without terms, whose row of G vanishes, is a block without DOFs; the others are expanded as usual.
 #[test]
 fn equations_without_terms_do_not_hinder_the_others() -> Outcome {
     let mut builder = ConstraintSet::builder(4);
@@ -114,7 +114,7 @@ fn equations_without_terms_do_not_hinder_the_others() -> Outcome {
     builder.add("rod", Distance { a: points[0], b: points[1], length: Some(1.0) })?;
     let set = builder.build()?;
     let (mut quantities, mut system) = (set.allocate(), ActiveSystem::new(&set, Options::default())?);
-    // The ends of the rod meet: its row vanishes.
+    // The ends of the rod coincide, so that its row vanishes.
     set.evaluate(&[0.5, 0.0, -0.5, 0.0], &mut quantities)?;
     system.update(&set, &quantities)?;
     assert_eq!(set.vanishing(&quantities)?.len(), 2);

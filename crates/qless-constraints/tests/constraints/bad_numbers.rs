@@ -6,12 +6,12 @@ use qless_constraints::types::{
 };
 use qless_constraints::{Constraint, ConstraintSet};
 
-use crate::linkages::random;
+use crate::common::random;
 
 const BAD: [f64; 11] =
     [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 0.0, -0.0, 5e-324, 1e-200, 1e16, -1e120, 1e200, f64::MAX];
 
-/// Refused, or taken with coefficients that are finite.
+/// The constraint is refused, or its coefficients are finite.
 fn take<C: Constraint>(constraint: C) -> bool {
     let mut builder = ConstraintSet::builder(60);
     let taken = builder.add("it", constraint).is_ok();
@@ -30,8 +30,8 @@ fn somewhere<const D: usize>(seed: usize) -> [f64; D] {
     from_fn(|k| 2.0 * random(3 * seed + k))
 }
 
-/// One coordinate after another of an element of any shape, in the plane and in space, wherever its nodes are: no panic, no coefficient that is
-/// not finite, and nothing that is not finite is taken.
+/// Bad values in each coordinate of elements of every shape, in the plane and in space: no panic, no coefficient that is not finite, and no
+/// acceptance of a coordinate that is not finite.
 #[test]
 fn ties_survive_bad_coordinates() {
     fn ties<const D: usize>() {

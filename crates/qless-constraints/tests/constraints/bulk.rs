@@ -3,11 +3,11 @@ use qless_constraints::types::{
 };
 use qless_constraints::{AddError, Constraint, ConstraintId, ConstraintSet, SetBuilder, Store, StoreError};
 
-use crate::linkages::Outcome;
+use crate::common::Outcome;
 
-/// Fewer nodes than constraints: they share DOFs.
+/// Fewer nodes than constraints, so that they share DOFs.
 const NODES: usize = 2500;
-/// Around what one task makes.
+/// Counts around the size of one task.
 const COUNTS: [usize; 7] = [0, 1, 60, 4095, 4096, 4099, 9000];
 
 /// Constraints of several types, in lengths of this unit.
@@ -73,13 +73,13 @@ impl Constraint for Mix {
                 .process(store)
                 .map_err(|e| said(&e)),
         }?;
-        // Names that are not the same in every part of the list.
+        // Names that differ between parts of the list.
         store.equation(format!("own {}", self.i / 700), [(a.dofs[0], 1.0), (c.dofs[0], -1.0)], 0.0);
         Ok(())
     }
 }
 
-/// One way of adding, and what it gives.
+/// A way of adding constraints, and its result.
 type Way = fn(&mut ConstraintSet, &str, usize, &(dyn Fn(usize) -> Mix + Sync)) -> Outcome<Vec<ConstraintId>>;
 
 fn one_by_one(
@@ -103,7 +103,7 @@ fn at_once(
     Ok(ids.iter().collect())
 }
 
-/// What can be seen of a set: numbers by their bits, patterns, labels, and who an equation belongs to.
+/// Everything visible of a set: numbers by their bits, patterns, labels, and the owners of equations.
 #[derive(PartialEq)]
 struct Seen {
     numbers: Vec<Vec<u64>>,
@@ -132,7 +132,7 @@ fn seen(set: &ConstraintSet, ids: &[ConstraintId], unit: f64) -> Outcome<Seen> {
     })
 }
 
-/// The life of a set: constraints come before, at once, between and after, and then go, rest, return and change.
+/// Constraints are added before, in bulk, between and after; then removed, deactivated, activated and changed.
 fn life(way: Way, seed: usize, count: usize, unit: f64) -> Outcome<Vec<Seen>> {
     let mut set = ConstraintSet::builder(3 * NODES).build()?;
     let mix = |i: usize| Mix::new(i, seed, unit);
@@ -157,7 +157,7 @@ fn life(way: Way, seed: usize, count: usize, unit: f64) -> Outcome<Vec<Seen>> {
     Ok(all)
 }
 
-/// To the last bit, in every unit, whatever is done next, and by any number of threads.
+/// Identical to the last bit, in every unit, after any further changes, with any number of threads.
 #[test]
 fn all_at_once_is_one_by_one() -> Outcome {
     let pools = [1, 2, 5].map(|threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build());
@@ -165,14 +165,14 @@ fn all_at_once_is_one_by_one() -> Outcome {
         let unit = [1e-6, 1.0, 1e6][seed % 3];
         let expected = life(one_by_one, seed, count, unit)?;
         let pool = pools[seed % 3].as_ref().map_err(ToString::to_string)?;
-        // Its error need not go from thread to thread.
+        // Its error need not be `Send`.
         let found = pool.install(|| life(at_once, seed, count, unit).map_err(|error| error.to_string()))?;
         assert!(found == expected, "{count} in units of {unit}");
     }
     Ok(())
 }
 
-/// A set that has arrays and a plan of H takes many more.
+/// A set with arrays and a plan of H accepts many more constraints.
 #[test]
 fn a_set_in_use_takes_many() -> Outcome {
     let build = |way: Way, follows: bool| -> Outcome<_> {
@@ -189,7 +189,7 @@ fn a_set_in_use_takes_many() -> Outcome {
     Ok(())
 }
 
-/// Of several faulty ones the first is named, as if it came alone, and nothing is added.
+/// Among several faulty constraints the first one is named, as if it were added alone, and nothing is added.
 #[test]
 fn all_or_none() -> Outcome {
     for count in [100, 10_000] {
@@ -213,7 +213,7 @@ fn all_or_none() -> Outcome {
     Ok(())
 }
 
-/// More than can be numbered are refused before they are made.
+/// More constraints than can be numbered are refused before they are made.
 #[test]
 fn too_many_are_refused() {
     let too_large = |dofs: usize, count: usize| {
@@ -228,7 +228,7 @@ fn too_many_are_refused() {
     assert_eq!(too_large(u32::MAX as usize, 5), ("DOFs", "tie 0".into()));
 }
 
-/// A type that states coordinates of DOFs that are not there.
+/// A type that states coordinates of DOFs out of range.
 struct Far(usize);
 
 impl Constraint for Far {

@@ -4,7 +4,7 @@ use qless::{Options, analyse};
 use qless_constraints::ConstraintSet;
 use qless_constraints::types::{FaceOrderTie, FaceSide, OrderTie, Polynomials, Shape};
 
-use crate::linkages::{Outcome, random};
+use crate::common::{Outcome, random};
 
 /// Nodes equally spaced on a face; where a serendipity face has none, some further ones anywhere.
 fn places(of: Polynomials) -> Vec<[f64; 2]> {
@@ -83,7 +83,7 @@ fn faces_meet_in_the_coarser_polynomial() -> Outcome {
         }
         let g = set.allocate().g().clone();
         assert!((0..set.equations()).all(|row| g.row(row).map(|(_, a)| a).sum::<f64>().abs() < 1e-13));
-        let rank = analyse(&crate::linkages::at_rest(&set, &[])?, &Options::default())?.rank();
+        let rank = analyse(&crate::common::at_rest(&set, &[])?, &Options::default())?.rank();
         assert_eq!(rank, set.equations());
     }
     Ok(())

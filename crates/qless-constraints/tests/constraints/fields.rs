@@ -5,7 +5,7 @@ use qless_constraints::types::{
 };
 use qless_constraints::{Constraint, ConstraintSet};
 
-use crate::linkages::{Outcome, random};
+use crate::common::{Outcome, random};
 
 /// Nodes on the plane z = 0, or the line z = 0 in two dimensions, with F fields each.
 fn node<const D: usize, const F: usize>(number: usize, at: [f64; 2]) -> Node<D, F> {

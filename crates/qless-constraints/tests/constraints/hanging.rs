@@ -1,11 +1,9 @@
 use faer::Mat;
-use faer::sparse::{SparseColMat, Triplet};
 use qless::{Options, analyse};
 use qless_constraints::ConstraintSet;
-use qless_constraints::enforce::Problem;
 use qless_constraints::types::{HangingNode, OrderTie, Shape};
 
-use crate::linkages::Outcome;
+use crate::common::Outcome;
 
 const TRIANGLE: [[f64; 2]; 6] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]];
 const QUAD: [[f64; 2]; 9] =
@@ -43,8 +41,7 @@ fn set_of(shape: Shape) -> Outcome<(ConstraintSet, Vec<[f64; 2]>)> {
     Ok((builder.build().expect("few DOFs"), [own.to_vec(), added].concat()))
 }
 
-/// The nodes that hang lie on the polynomial of the parent: all that its shape contains pass exactly, and one that it does not
-/// contain does not pass.
+/// Hanging nodes lie on the polynomial of the parent: every field of its shape passes exactly, and one of higher degree does not.
 #[test]
 fn hanging_nodes_are_on_the_polynomial_of_the_parent() -> Outcome {
     let degree = |shape: Shape| match shape {
@@ -73,64 +70,14 @@ fn hanging_nodes_are_on_the_polynomial_of_the_parent() -> Outcome {
         let beyond: Vec<f64> = places.iter().map(|[x, y]| (x + 0.3 * y).powi(4)).collect();
         set.evaluate(&beyond, &mut quantities)?;
         assert!(quantities.c().iter().any(|c| c.abs() > 1e-3), "{shape:?}");
-        // Weights are dyadic: no rounding at all.
+        // Weights are dyadic, so that there is no rounding.
         let sums = (0..set.equations()).map(|row| quantities.g().row(row).map(|(_, v)| v).sum::<f64>());
         assert!(sums.into_iter().all(|sum| sum == 0.0), "{shape:?}");
     }
     Ok(())
 }
 
-/// `int grad N_i . grad N_j` of a rectangle with four nodes, in order around.
-pub fn conduct(nodes: [usize; 4], [a, b]: [f64; 2]) -> Vec<Triplet<usize, usize, f64>> {
-    let x = [[2.0, -2.0, -1.0, 1.0], [-2.0, 2.0, 1.0, -1.0], [-1.0, 1.0, 2.0, -2.0], [1.0, -1.0, -2.0, 2.0]];
-    let y = [[2.0, 1.0, -1.0, -2.0], [1.0, 2.0, -2.0, -1.0], [-1.0, -2.0, 2.0, 1.0], [-2.0, -1.0, 1.0, 2.0]];
-    let value = |i: usize, j: usize| b / a / 6.0 * x[i][j] + a / b / 6.0 * y[i][j];
-    (0..16).map(|k| Triplet::new(nodes[k / 4], nodes[k % 4], value(k / 4, k % 4))).collect()
-}
-
-/// A square element beside one that was refined twice at their common edge: a heat flow that is constant passes, through nodes that hang
-/// on nodes that hang.
-#[test]
-fn a_constant_flow_passes_two_levels_of_refinement() -> Outcome {
-    // Columns of elements of sizes 1, 1/2 and 1/4; interfaces at x = 1 and x = 3/2 have nodes of both sides in one list.
-    let (mut places, mut k) = (Vec::<[f64; 2]>::new(), Vec::new());
-    let mut number = |at: [f64; 2]| {
-        places.iter().position(|&p| p == at).unwrap_or_else(|| {
-            places.push(at);
-            places.len() - 1
-        })
-    };
-    for (x, size) in [(0.0, 1.0), (1.0, 0.5), (1.5, 0.25)] {
-        for cell in 0..(1.0 / size) as usize {
-            let y = cell as f64 * size;
-            let corners = [[x, y], [x + size, y], [x + size, y + size], [x, y + size]].map(&mut number);
-            k.extend(conduct(corners, [size, size]));
-        }
-    }
-    let find = |x: f64, y: f64| places.iter().position(|&p| p == [x, y]).map(|i| [i]).ok_or("no node");
-    let mut builder = ConstraintSet::builder(places.len());
-    for (x, size, cells) in [(1.0, 1.0, 1), (1.5, 0.5, 2)] {
-        for cell in 0..cells {
-            let [low, high] = [0.0, 1.0].map(|end| (f64::from(cell) + end) * size);
-            let (node, parent) = (find(x, low + size / 2.0)?, vec![find(x, low)?, find(x, high)?]);
-            builder.add(format!("{x} {cell}"), HangingNode { node, shape: Shape::Line2, parent, at: [0.0, 0.0] })?;
-        }
-    }
-    let set = builder.build().expect("few DOFs");
-    let truth = |[x, y]: [f64; 2]| 3.0 - 2.0 * x + 0.5 * y;
-    let outer = |&[x, y]: &[f64; 2]| x == 0.0 || x == 1.75 || y == 0.0 || y == 1.0;
-    let held: Vec<_> = (0..places.len()).filter(|&i| outer(&places[i])).map(|i| (i, truth(places[i]))).collect();
-    let system = crate::linkages::at_rest(&set, &held)?;
-    let k = SparseColMat::try_new_from_triplets(places.len(), places.len(), &k)?;
-    let solution = Problem::new(&k, &vec![0.0; places.len()], &system)?.transformation()?;
-    assert!(places.len() - held.len() >= 4);
-    for (i, &place) in places.iter().enumerate() {
-        assert!((solution.u[i] - truth(place)).abs() < 1e-14 * 16.0, "{place:?}: {}, {}", solution.u[i], truth(place));
-    }
-    Ok(())
-}
-
-/// What hangs on an edge and on the face with that edge is said twice; the rank is that of the SVD.
+/// A node that hangs on an edge and on a face with that edge is redundant; the rank is that of the SVD.
 #[test]
 fn a_node_on_an_edge_and_on_its_face_is_redundant() -> Outcome {
     let face: Vec<_> = (0..8).map(|k| [k]).collect();
@@ -148,7 +95,7 @@ fn a_node_on_an_edge_and_on_its_face_is_redundant() -> Outcome {
     (0..set.equations()).for_each(|i| quantities.g().row(i).for_each(|(j, v)| dense[(i, j)] = v));
     let sizes = dense.singular_values().map_err(|error| format!("{error:?}"))?;
     let rank = sizes.iter().filter(|&&s| s > 1e-12 * sizes[0]).count();
-    assert_eq!((rank, analyse(&crate::linkages::at_rest(&set, &[])?, &Options::default())?.rank()), (3, 3));
+    assert_eq!((rank, analyse(&crate::common::at_rest(&set, &[])?, &Options::default())?.rank()), (3, 3));
     Ok(())
 }
 
@@ -161,7 +108,7 @@ fn points(p: usize, lobatto: bool) -> Vec<f64> {
     }
 }
 
-/// Degree q passes and degree q + 1 does not, for all orders, both sets of points, ends shared or not, in every unit of length.
+/// Degree q passes and degree q + 1 does not, for all orders, both sets of points, shared ends or not, in every unit of length.
 #[test]
 fn orders_meet_in_the_lower_one() -> Outcome {
     let orders = (2..=8_usize).flat_map(|p| (1..p).map(move |q| (p, q)));
@@ -189,9 +136,9 @@ fn orders_meet_in_the_lower_one() -> Outcome {
             for degree in 0..=q {
                 assert!(residual(degree)? < 1e-13, "{p} at {q}, {degree}: {}", residual(degree)?);
             }
-            // The finer nodes between the coarser ones see what is missing.
+            // The finer nodes between the coarser ones detect the missing degree.
             assert!(residual(q + 1)? > 1e-4, "{p} at {q}: {}", residual(q + 1)?);
-            let rank = analyse(&crate::linkages::at_rest(&set, &[])?, &Options::default())?.rank();
+            let rank = analyse(&crate::common::at_rest(&set, &[])?, &Options::default())?.rank();
             assert_eq!(rank, set.equations());
         }
     }
@@ -215,7 +162,7 @@ fn faults_of_hanging_nodes_are_named() {
     assert!(said(tie(Shape::Quad8, 4, [0.0; 2])).contains("has 4 nodes; a Quad8 has 8"));
     assert!(said(tie(Shape::Hex8, 8, [0.0; 2])).contains("is a Hex8; nodes hang on edges and faces"));
     assert!(said(HangingNode { node: [1], ..tie(Shape::Line2, 2, [0.0; 2]) }).contains("DOF 1 of the node is one of"));
-    // What is off by rounding is not outside.
+    // A parameter that is out of range by rounding is accepted.
     assert!(said(tie(Shape::Line2, 2, [1.0 + f64::EPSILON, 0.0])).contains("accepted"));
     assert!(said(tie(Shape::Tri6, 6, [1.0 / 3.0, 2.0 / 3.0 + f64::EPSILON])).contains("accepted"));
     assert!(said(tie(Shape::Tri6, 6, [1.0 / 3.0, 2.0 / 3.0 + 1e-9])).contains("not inside"));

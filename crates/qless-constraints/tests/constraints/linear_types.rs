@@ -6,7 +6,7 @@ use qless_constraints::types::{
     OnPlane, PlanarPoint, Plane, Point, Shape, SmallRigidBody, Surface, Turn, Turning,
 };
 
-use crate::linkages::{Outcome, random};
+use crate::common::{Outcome, random};
 
 fn point(node: usize, at: [f64; 3]) -> Point {
     Point::new(from_fn(|k| 3 * node + k), at)

@@ -1,4 +1,4 @@
-//! Numbers and meshes that no equation may be made of, and noise that must not become one.
+//! Numbers and meshes that are refused, and noise that must not become an equation.
 
 use qless_constraints::types::{
     Body, Cyclic, CyclicHarmonic, Cylindrical, Distance, Face, Fixed, Line, MortarTie, Multipliers, Node, OnLine,
@@ -7,7 +7,7 @@ use qless_constraints::types::{
 };
 use qless_constraints::{Constraint, ConstraintSet};
 
-use crate::linkages::random;
+use crate::common::random;
 
 const O: [f64; 3] = [0.0; 3];
 const X: [f64; 3] = [1.0, 0.0, 0.0];
@@ -18,7 +18,7 @@ fn node(i: usize, at: [f64; 3]) -> Point {
     Point::new([3 * i, 3 * i + 1, 3 * i + 2], at)
 }
 
-/// What is said of a constraint, if anything is.
+/// The error of a constraint, if there is one.
 fn refusal<C: Constraint>(constraint: C) -> Option<String> {
     ConstraintSet::builder(40).add("it", constraint).err().map(|error| error.to_string())
 }
@@ -70,7 +70,7 @@ fn motors_without_a_number_to_start_from_are_refused() {
     assert_not_finite(TranslationMotor::new(a, b, O, Z, |t| 1.0 / t));
 }
 
-/// Tetrahedra given twice, or in one another, have no closed surface; this was a panic, and an equation that a translation violates.
+/// Duplicate or nested tetrahedra have no closed surface. Regression: a panic, and an equation that a translation violates.
 #[test]
 fn tetrahedra_on_one_side_of_a_face_are_refused() {
     let nodes: Vec<Point> = [O, X, Y, Z, [0.1, 0.1, 2.0]].into_iter().enumerate().map(|(i, at)| node(i, at)).collect();
@@ -85,7 +85,7 @@ fn tetrahedra_on_one_side_of_a_face_are_refused() {
     assert_eq!(refusal(Volume { nodes, tetrahedra: vec![[0, 1, 2, 3], [0, 2, 1, 4]] }), None);
 }
 
-/// `dc/du` of a patch adds up to zero over its nodes: a translation changes no volume.
+/// `dc/du` of a patch sums to zero over its nodes: a translation changes no volume.
 #[test]
 fn volumes_do_not_feel_translations() {
     let corners: Vec<[f64; 3]> = (0_u32..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
@@ -106,7 +106,7 @@ fn volumes_do_not_feel_translations() {
     }
 }
 
-/// Far away the rounding of the coordinates makes volumes and areas, of either sign; in no order of the corners they are real.
+/// Flat tetrahedra and collinear nodes far from the origin are refused: their volumes and areas are rounding, in any order of the corners.
 #[test]
 fn what_is_flat_to_the_rounding_of_its_coordinates_is_refused() {
     let far = |x: [f64; 3]| [0.1 * x[0] + 1e5, 0.1 * x[1] + 1e5, 0.1 * x[2]];
@@ -120,14 +120,14 @@ fn what_is_flat_to_the_rounding_of_its_coordinates_is_refused() {
     let plane = Plane::Nodes(node(1, line[0]), node(2, line[1]), node(3, line[2]));
     let said = refusal(OnPlane { point: node(0, Z), plane }).expect("in a line");
     assert!(said.contains("to the rounding of their coordinates"), "{said}");
-    // As far away, and sound: a thousandth of the size is no rounding.
+    // As far away, but valid: a thousandth of the size is not rounding.
     let nodes = [O, X, Y, [0.3, 0.3, 1e-3]].map(far).iter().enumerate().map(|(i, &at)| node(i, at)).collect();
     assert_eq!(refusal(Volume { nodes, tetrahedra: vec![[0, 1, 2, 3]] }), None);
     let plane = Plane::Nodes(node(1, far(O)), node(2, far(X)), node(3, far([1.0, 1e-3, 0.0])));
     assert_eq!(refusal(OnPlane { point: node(0, Z), plane }), None);
 }
 
-/// `sin` and `cos` of quarter and whole turns are exact: a node that is its own image after a whole turn is not held.
+/// `sin` and `cos` of quarter and whole turns are exact: a node that is its own image after a whole turn is not constrained.
 #[test]
 fn turns_by_quarters_leave_no_noise() {
     for quarters in 0..9 {
@@ -145,7 +145,7 @@ fn turns_by_quarters_leave_no_noise() {
     }
 }
 
-/// What is not zero in G.
+/// Nonzero entries of G.
 fn entries<C: Constraint>(constraint: C) -> Vec<f64> {
     let mut builder = ConstraintSet::builder(12);
     builder.add("it", constraint).unwrap_or_else(|error| panic!("{error}"));
@@ -193,8 +193,8 @@ fn tied(slave: Surface<3, 1>, master: Surface<3, 1>, multipliers: Multipliers, t
     dense
 }
 
-/// G of a tie of quadrilaterals that are no parallelograms is the same wherever the model points and in every unit; the rule that
-/// integrates is not exact there, but its error may not depend on which corner of a piece is the first.
+/// G of a tie of quadrilaterals that are not parallelograms depends neither on the orientation of the model nor on its unit. The integration
+/// rule is not exact there, but its error must not depend on the first corner of a piece.
 #[test]
 fn mortar_ties_turn_with_the_model() {
     for (seed, multipliers, quads) in
@@ -220,7 +220,7 @@ fn mortar_ties_turn_with_the_model() {
     }
 }
 
-/// Sides that touch but for the rounding of their coordinates need no tolerance, here or far away.
+/// Sides that touch up to rounding of their coordinates need no tolerance, near the origin and far from it.
 #[test]
 fn mortar_ties_need_no_tolerance_for_rounding() {
     let (sin, cos) = 0.7_f64.sin_cos();
@@ -232,7 +232,7 @@ fn mortar_ties_need_no_tolerance_for_rounding() {
     }
 }
 
-/// A facet that is there twice would have twice its weight in the integrals.
+/// A duplicate facet would count twice in the integrals.
 #[test]
 fn facets_that_are_there_twice_are_refused() {
     let (slave, master) = (square(0, 2, 1, true), square(9, 3, 2, true));

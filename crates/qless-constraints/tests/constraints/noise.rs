@@ -1,4 +1,4 @@
-//! Rows of G that are rounding and nothing else are no rank; rows that are small for other reasons are.
+//! Rows of G that are rounding do not count for the rank; rows that are small for other reasons do.
 
 use std::error::Error;
 use std::f64::consts::TAU;
@@ -11,7 +11,7 @@ use qless_constraints::{Constraint, ConstraintSet, LineariseError, Nonlinear, St
 
 type Outcome = Result<(), Box<dyn Error>>;
 
-/// Rank of G at u, and the labels of what vanishes there.
+/// Rank of G at u, and the labels of vanishing rows.
 fn rank(set: &ConstraintSet, u: &[f64]) -> Result<(usize, Vec<String>), Box<dyn Error>> {
     let mut quantities = set.allocate();
     set.evaluate(u, &mut quantities)?;
@@ -30,7 +30,7 @@ where
     Ok(builder.build()?)
 }
 
-/// A rotation vector of whole turns reaches no turn but the one along itself: rank 3 + 1, 3 + 1 or 3, 2 + 1, 3 + 1 or 3.
+/// At a rotation vector of whole turns, only the rotation along it is possible: rank 3 + 1, 3 + 1 or 3, 2 + 1, 3 + 1 or 3.
 #[test]
 fn after_a_turn_a_rotation_vector_reaches_one_turn() -> Outcome {
     let (a, at) = (Body::ground(), [0.3, -0.2, 0.5]);
@@ -44,7 +44,7 @@ fn after_a_turn_a_rotation_vector_reaches_one_turn() -> Outcome {
             u[3 + axis] = turns * TAU;
             let along_z = usize::from(axis == 2);
             assert_eq!(rank(&weld, &u)?.0, 4, "weld, {u:?}");
-            // The hinge lets the turn about z through, the cross holds it alone.
+            // The hinge allows the turn about z; the cross prevents only that.
             assert_eq!(rank(&hinge, &u)?.0, 4 - along_z, "hinge, {u:?}");
             assert_eq!(rank(&slider, &u)?.0, 3, "slider, {u:?}");
             assert_eq!(rank(&cross, &u)?.0, 3 + along_z, "cross, {u:?}");
@@ -53,7 +53,7 @@ fn after_a_turn_a_rotation_vector_reaches_one_turn() -> Outcome {
     Ok(())
 }
 
-/// Nothing vanishes at any other angle.
+/// At any other angle no row vanishes.
 #[test]
 fn no_row_vanishes_on_the_way() -> Outcome {
     let weld = held(|b| Fixed { a: Body::ground(), b, at: [0.3, -0.2, 0.5] })?;
@@ -65,7 +65,7 @@ fn no_row_vanishes_on_the_way() -> Outcome {
     Ok(())
 }
 
-/// A rod of length `length` far away and in any unit has a direction as long as one is known.
+/// A rod of any length, far away and in any unit, has a direction as long as it is known.
 #[test]
 fn small_rods_and_far_rods_are_no_noise() -> Outcome {
     for unit in [1e-12, 1e-6, 1.0, 1e6, 1e12, 1e-36] {
@@ -81,7 +81,7 @@ fn small_rods_and_far_rods_are_no_noise() -> Outcome {
     Ok(())
 }
 
-/// Ends that meet but for rounding leave a rod no direction, in any unit; a rod folded to a thousandth has one.
+/// If its ends coincide up to rounding, a rod has no direction, in any unit; folded to a thousandth, it has one.
 #[test]
 fn a_rod_whose_ends_meet_has_no_direction() -> Outcome {
     for unit in [1e-6, 1.0, 1e6] {
@@ -98,14 +98,14 @@ fn a_rod_whose_ends_meet_has_no_direction() -> Outcome {
         set.evaluate(&meet, &mut quantities)?;
         let found = set.vanishing(&quantities)?;
         assert!(found[0].entry <= found[0].rounding && !found[0].everywhere);
-        // It is half its length short, which no step to first order mends.
+        // It is half its length too short, which no first-order step can change.
         assert!((found[0].value + 0.25 * unit).abs() < 1e-12 * unit, "{:?}", found[0]);
         assert!(found[0].to_string().contains("\"rod\" says nothing at this configuration"), "{}", found[0]);
     }
     Ok(())
 }
 
-/// What vanishes holds there but for rounding: its right-hand side is zero, and nothing conflicts.
+/// A vanishing row holds up to rounding: its right-hand side is zero, and nothing conflicts.
 #[test]
 fn noise_is_no_conflict() -> Outcome {
     let weld = held(|b| Fixed { a: Body::ground(), b, at: [0.3, -0.2, 0.5] })?;
@@ -120,7 +120,7 @@ fn noise_is_no_conflict() -> Outcome {
     Ok(())
 }
 
-/// Terms on one DOF that cancel but for rounding leave no coefficient.
+/// Terms on one DOF that cancel up to rounding leave no coefficient.
 #[test]
 fn cancelled_terms_of_linear_equations_leave_nothing() -> Outcome {
     let mut builder = ConstraintSet::builder(2);
@@ -135,7 +135,7 @@ fn cancelled_terms_of_linear_equations_leave_nothing() -> Outcome {
     Ok(())
 }
 
-/// `c = |x_b - x_a| - L`, as a user might write it: where the ends meet, its slope is 0 / 0.
+/// `c = |x_b - x_a| - L` by a user: if the ends coincide, its slope is 0 / 0.
 struct Length;
 
 impl Nonlinear for Length {
@@ -155,14 +155,14 @@ impl Constraint for Length {
     }
 }
 
-/// Types of users need no bounds of their own; what is not a number is refused and not left out.
+/// Types of users need no bounds of rounding; values that are not finite are refused.
 #[test]
 fn types_of_users_have_bounds_too() -> Outcome {
     let mut builder = ConstraintSet::builder(4);
     builder.add("rod", Length)?;
     let set = builder.build()?;
     assert_eq!(rank(&set, &[0.0, 0.0, 0.6, 0.8])?.0, 1);
-    // Ends a few units in the last place apart: a direction of length one, all of it rounding.
+    // The ends are a few units in the last place apart: a unit direction that is rounding only.
     let meet = [0.1 + 0.2, 0.5, 0.3, 0.5];
     assert_eq!(rank(&set, &meet)?, (0, vec!["rod".to_owned()]));
     let mut quantities = set.allocate();
@@ -172,7 +172,7 @@ fn types_of_users_have_bounds_too() -> Outcome {
     Ok(())
 }
 
-/// A point on a line through nodes: the row of a node that sits on the other has no noise in the answer, 1000 km away or not.
+/// A point on a line through nodes, one of which coincides with the other: its row has no noise, at the origin and 1000 km away.
 #[test]
 fn bounds_do_not_depend_on_threads_and_scale_with_the_unit() -> Outcome {
     let make = |unit: f64| -> Result<ConstraintSet, Box<dyn Error>> {
@@ -191,7 +191,7 @@ fn bounds_do_not_depend_on_threads_and_scale_with_the_unit() -> Outcome {
     let u: Vec<f64> = (0..3000).map(|j| f64::from(j * j % 101) / 64.0).collect();
     let one = rayon_free(1, || make(1.0)?.rounding(&u).map_err(Into::into))?;
     assert_eq!(one, rayon_free(3, || make(1.0)?.rounding(&u).map_err(Into::into))?);
-    // A power of two moves no digit; e_i / L and the product of two lengths make c a length.
+    // Powers of two are exact; e_i / L and a product of two lengths make c a length.
     let unit = 2_f64.powi(40);
     let large = make(unit)?.rounding(&u.iter().map(|u| unit * u).collect::<Vec<_>>())?;
     assert!(one.c().iter().zip(large.c()).all(|(a, b)| a * unit == *b));
@@ -207,7 +207,7 @@ fn rayon_free<T: Send>(
     pool.install(|| work().map_err(|error| error.to_string())).map_err(Into::into)
 }
 
-/// The bound on its rounding is infinite then; that does not make it rounding.
+/// Its bound is infinite; it does not count as rounding.
 #[test]
 fn what_leaves_the_range_of_doubles_is_refused_not_taken_for_rounding() -> Outcome {
     let points = [PlanarPoint::new([0, 1], [0.0, 0.0]), PlanarPoint::new([2, 3], [1.0, 0.0])];

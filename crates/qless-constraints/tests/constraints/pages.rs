@@ -1,4 +1,4 @@
-//! The page of each type: it is there, its picture is the one that the example draws, and the ranks that it states are those found.
+//! Each type has a documentation page with the picture that the example draws, and the stated ranks are right.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -24,7 +24,7 @@ mod drawings;
 type Outcome = Result<(), Box<dyn Error>>;
 
 const HEADINGS: [&str; 5] = ["# Equations", "# Degrees of freedom", "# Singular configurations", "# Units", "# Source"];
-/// Types whose nodes may have any components: their ranks are tested with them.
+/// Types whose nodes may have any components; other tests check their ranks.
 const ELSEWHERE: [&str; 6] =
     ["rigid_body", "small_rigid_body", "average", "beam_to_solid", "shell_to_solid", "fluid_wall"];
 
@@ -50,7 +50,7 @@ fn file_name(of: &str) -> String {
     of.char_indices().map(lower).collect()
 }
 
-/// The files of the pages, and the sources that the types are in.
+/// The page files, and the sources of the types.
 fn types() -> Result<BTreeMap<String, String>, Box<dyn Error>> {
     let mut all = BTreeMap::new();
     for source in sources(&here("src/types"))? {
@@ -86,7 +86,7 @@ fn every_type_has_a_page_with_all_headings() -> Outcome {
     Ok(())
 }
 
-/// `cargo run -p qless-constraints --example pictures` makes them anew.
+/// `cargo run -p qless-constraints --example pictures` regenerates them.
 #[test]
 fn pictures_are_those_that_the_example_draws() -> Outcome {
     let mut drawn: Vec<String> = Vec::new();
@@ -126,7 +126,7 @@ const X: [f64; 3] = [1.0, 0.0, 0.0];
 const Y: [f64; 3] = [0.0, 1.0, 0.0];
 const Z: [f64; 3] = [0.0, 0.0, 1.0];
 
-/// Adds an example of a joint, in the plane one that is as its page says; says whether it knows it.
+/// Adds an example of a joint, planar if its page has a planar row; returns whether the name is known.
 fn add_joint(builder: &mut SetBuilder, name: &str, plane: bool) -> Result<bool, Box<dyn Error>> {
     let (a, b, at, in_it) = (body(0), body(1), [0.7, 0.3, 0.0], [0.6, 0.8, 0.0]);
     let axis = if plane { Z } else { in_it };
@@ -147,7 +147,7 @@ fn add_joint(builder: &mut SetBuilder, name: &str, plane: bool) -> Result<bool, 
     Ok(true)
 }
 
-/// The same of types of nodes in space, and of single DOFs.
+/// The same for types of nodes in space, and of single DOFs.
 fn add_nodes(builder: &mut SetBuilder, name: &str) -> Result<bool, Box<dyn Error>> {
     let (point, through, in_it) = (node(1), [0.0; 3], [0.6, 0.8, 0.0]);
     let image = Point { at: [-0.2, 0.1, 0.0], ..node(1) };
@@ -163,7 +163,7 @@ fn add_nodes(builder: &mut SetBuilder, name: &str) -> Result<bool, Box<dyn Error
             let nodes = (0..4).map(node).collect();
             builder.add("", Volume { nodes, tetrahedra: vec![[0, 1, 2, 3]] })?;
         }
-        // Of the parameters, the second and third are held in the plane.
+        // In the plane the second and third parameters are fixed.
         "euler_norm" => _ = builder.add("", EulerNorm { parameters: [0, 2, 3, 5] })?,
         "cyclic" => _ = builder.add("", sector)?,
         "cyclic_harmonic" => {
@@ -181,7 +181,7 @@ fn add_nodes(builder: &mut SetBuilder, name: &str) -> Result<bool, Box<dyn Error
     Ok(true)
 }
 
-/// The same of ties of nodes in D dimensions.
+/// The same for ties of nodes in D dimensions.
 fn add_ties<const D: usize>(builder: &mut SetBuilder, name: &str) -> Result<bool, Box<dyn Error>> {
     let (slave, ends) = (on_axis::<D>(0, 0.5), [on_axis::<D>(1, 0.0), on_axis::<D>(2, 2.0)]);
     let parent: Vec<_> = ends.iter().map(|end| end.dofs).collect();
@@ -211,7 +211,7 @@ fn add_ties<const D: usize>(builder: &mut SetBuilder, name: &str) -> Result<bool
             let strain = MacroStrain::Given([[0.0; D]; D]);
             builder.add("", Periodic { a: slave, b: ends[1], strain })?;
         }
-        // Two slave nodes, of which the table counts one.
+        // There are two slave nodes; the table counts one.
         "mortar_tie" => {
             let slave = Surface::polyline(vec![on_axis::<D>(3, 0.0), on_axis::<D>(4, 2.0)]);
             let (master, multipliers) = (Surface::polyline(ends.to_vec()), Multipliers::Dual);
@@ -229,7 +229,7 @@ fn rank_of(builder: SetBuilder) -> Result<(usize, usize), Box<dyn Error>> {
     Ok((set.equations(), analyse(&set.linearised(&quantities, &[])?, &Options::default())?.rank()))
 }
 
-/// Equations and DOFs removed; nothing for a type without an example here.
+/// Equations and removed DOFs; none for a type without an example here.
 fn removed(name: &str, plane: bool) -> Result<Option<(usize, usize)>, Box<dyn Error>> {
     let held = || -> Result<SetBuilder, Box<dyn Error>> {
         let mut builder = ConstraintSet::builder(30);
@@ -264,7 +264,7 @@ fn ranks_are_those_that_pages_state() -> Outcome {
         }
         let space = removed(&name, false)?.ok_or(format!("{name}: no example of it stands in this file"))?;
         assert_eq!(stated(&page, "in space"), Some(space), "{name} in space");
-        // No volume has a meaning in the plane.
+        // Volume has no meaning in the plane.
         if name != "volume" {
             assert_eq!(stated(&page, "in the plane"), removed(&name, true)?, "{name} in the plane");
         }

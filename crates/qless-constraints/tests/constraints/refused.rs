@@ -8,7 +8,7 @@ use qless_constraints::types::{
 };
 use qless_constraints::{Constraint, ConstraintSet};
 
-/// What is said of a constraint that must be refused; nothing of it is stored.
+/// The error of a constraint that must be refused; nothing is stored.
 #[track_caller]
 fn assert_refused<C: Constraint>(constraint: C, words: &str)
 where

@@ -8,11 +8,11 @@ use qless_constraints::types::{
 };
 use qless_constraints::{Constraint, ConstraintSet};
 
-use crate::linkages::random;
+use crate::common::random;
 
 const DOFS: usize = 48;
 
-/// A model of one constraint: nothing if it is refused.
+/// A model of one constraint; none if it is refused.
 fn model<C: Constraint>(found: &mut Vec<(&'static str, Option<ConstraintSet>)>, constraint: C) {
     let mut builder = ConstraintSet::builder(DOFS);
     let taken = builder.add("it", constraint).is_ok();
@@ -97,15 +97,15 @@ fn numbers(set: &ConstraintSet, unit: f64) -> [Vec<f64>; 3] {
     let u: Vec<f64> = (0..DOFS).map(|k| 0.5 * random(k + 900) * if k / 3 % 2 == 0 { unit } else { 1.0 }).collect();
     let mut quantities = set.allocate();
     set.evaluate(&u, &mut quantities).expect("of this set");
-    // Lengths count in the unit, angles as they are: so that what adds up in H has one unit.
+    // Lengths are in the unit and angles are not, so that sums in H have one unit.
     let is_length = |row: usize| quantities.g().row(row).any(|(dof, a)| dof / 3 % 2 == 0 && a != 0.0);
     let weights: Vec<f64> = (0..set.equations()).map(|row| if is_length(row) { 1.0 / unit } else { 1.0 }).collect();
     set.effective_hessian(&u, &weights, &mut quantities).expect("of this set");
     [quantities.c().to_vec(), quantities.g().values().to_vec(), quantities.h().values().to_vec()]
 }
 
-/// In a unit that is a power of two every value is that of the unit one times a power of it, or the model is refused; never a number that
-/// is none, never zero for what is not. Units of all lengths that anyone uses are taken.
+/// In a unit that is a power of two, every value equals that of the unit one times a power of it, or the model is refused. No value becomes
+/// infinite, NaN or zero. All units in practical use are accepted.
 #[test]
 fn units_do_not_matter_or_are_refused() {
     let all = |unit: f64| {
@@ -130,7 +130,7 @@ fn units_do_not_matter_or_are_refused() {
                 for (found, one) in found.iter().zip(one) {
                     let is = |power: i32| (found - one * unit.powi(power)).abs() <= 1e-9 * found.abs();
                     let known = (-2..=3).any(is) || (found.abs() < 1e-14 * unit.max(1.0) && one.abs() < 1e-14);
-                    // An integral over an area of a displacement may have no number in this unit: then there is none, not another.
+                    // An integral of a displacement over an area may be out of range in this unit; it is then refused.
                     let beyond = !found.is_finite() && !unit.powi(3).is_finite();
                     assert!(known || beyond, "{name}, {what}, 2^{exponent}: {found:e} for {one:e}");
                 }

@@ -5,7 +5,7 @@ use qless_constraints::types::{
     Face, FaceSearch, Nearest, Node, NodeTie, PairError, Point, SearchError, Shape, Surface, SurfaceError, pairs,
 };
 
-use crate::linkages::{Outcome, random};
+use crate::common::{Outcome, random};
 
 /// Lines and faces.
 fn flat() -> Vec<Shape> {

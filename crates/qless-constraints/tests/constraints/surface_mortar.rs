@@ -5,7 +5,7 @@ use qless::{Options, analyse};
 use qless_constraints::ConstraintSet;
 use qless_constraints::types::{Face, MortarTie, Multipliers, PlanarPoint, Point, Shape, Surface};
 
-use crate::linkages::{Outcome, random};
+use crate::common::{Outcome, random};
 
 pub const FACETS: [Shape; 5] = [Shape::Tri3, Shape::Quad4, Shape::Tri6, Shape::Quad8, Shape::Quad9];
 

@@ -4,7 +4,7 @@ use qless_constraints::{
     AddError, Constraint, ConstraintSet, EditError, Nonlinear, SetBuilder, Store, StoreError, TimeError,
 };
 
-use crate::linkages::Outcome;
+use crate::common::Outcome;
 
 /// `u^2 / 2 - t = 0`.
 struct Half {
@@ -39,7 +39,7 @@ impl Constraint for Square {
     }
 }
 
-/// Right-hand sides and parameters follow time, what is not driven stays, and time 0 is the start.
+/// Driven right-hand sides and parameters follow time, others stay, and time 0 is the start.
 #[test]
 fn numbers_are_those_of_the_time() -> Outcome {
     let mut builder = ConstraintSet::builder(2);
@@ -58,7 +58,7 @@ fn numbers_are_those_of_the_time() -> Outcome {
     Ok(())
 }
 
-/// A time, or a value then, that is no number: nothing changes, and the message says which equation it is.
+/// If a time or a value is not finite, nothing changes, and the message names the equation.
 #[test]
 fn a_time_without_a_value_is_refused() -> Outcome {
     let mut builder = ConstraintSet::builder(1);
@@ -77,7 +77,7 @@ fn a_time_without_a_value_is_refused() -> Outcome {
     Ok(())
 }
 
-/// A motor without a motion then is refused like a right-hand side: at any time, when it is added, and when it comes back.
+/// A motor whose motion is not finite is refused like a right-hand side: at any time, when it is added, and when it is activated.
 #[test]
 fn a_motor_without_a_motion_is_refused() -> Outcome {
     let (ground, b) = (Body::ground(), Body::with_vector([0, 1, 2], [0.3; 3], [3, 4, 5]));

@@ -28,20 +28,17 @@ use crate::{Constraint, Nonlinear, Store};
 /// # Example
 ///
 /// ```
-/// use qless_constraints::newton::{NewtonOptions, solve};
 /// use qless_constraints::{ConstraintSet, types::{Body, Revolute, RotationMotor}};
 /// let (ground, wheel, axis) = (Body::ground(), Body::with_vector([0, 1, 2], [0.0; 3], [3, 4, 5]), [0.0, 0.0, 1.0]);
 /// let mut builder = ConstraintSet::builder(6);
 /// builder.add("bearing", Revolute { a: ground, b: wheel, at: [0.0; 3], axis })?;
 /// builder.add("motor", RotationMotor::new(ground, wheel, axis, |t| 3.0 * t))?;
 /// let mut set = builder.build()?;
-/// let mut u = vec![0.0; 6];
-/// for step in 1..=10 {
-///     set.set_time(0.5 * f64::from(step))?;
-///     u = solve(&set, &u, &[], &NewtonOptions::default())?.u;
-/// }
-/// // 15 rad are two turns and 2.43 rad.
-/// assert!((u[5] - (15.0 - 2.0 * std::f64::consts::TAU)).abs() < 1e-12);
+/// set.set_time(5.0)?;
+/// // 15 rad are two turns and 2.43 rad; `qless_solve::newton::solve` finds this configuration.
+/// let mut quantities = set.allocate();
+/// set.evaluate(&[0.0, 0.0, 0.0, 0.0, 0.0, 15.0 - 2.0 * std::f64::consts::TAU], &mut quantities)?;
+/// assert!(quantities.c().iter().all(|c| c.abs() < 1e-12));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone)]

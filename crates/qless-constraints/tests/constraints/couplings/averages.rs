@@ -7,7 +7,7 @@ use qless_constraints::types::{Average, Node6};
 use super::{
     assert_balanced, cloud, dense, frame, masked, node, only, relative_residual, rigid, row, svd_rank, turned,
 };
-use crate::linkages::random;
+use crate::common::random;
 
 /// The rows of an average against `e_k^T (A^T W A)^-1 A^T W` of a dense solver, any components, weights, places and units.
 #[test]

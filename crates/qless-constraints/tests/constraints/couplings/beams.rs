@@ -3,8 +3,9 @@ use qless_constraints::types::{BeamToSolid, Face, Node6, Point, Section, Shape, 
 
 use super::faces::{SECTIONS, points, rectangle, square, used};
 use super::{assert_balanced, dense, frame, masked, node, only, relative_residual, rigid, svd_rank, turned, values};
-use crate::linkages::{Outcome, rank};
-use crate::patch::POISSON;
+use crate::common::{Outcome, rank};
+
+const POISSON: f64 = 0.3;
 
 fn equations(section: Section, nodes: usize) -> usize {
     match section {

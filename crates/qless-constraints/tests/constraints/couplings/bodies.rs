@@ -4,7 +4,7 @@ use qless_constraints::ConstraintSet;
 use qless_constraints::types::{Body, Node6, RigidBody, SmallRigidBody};
 
 use super::{cloud, cross, dense, masked, node, only, relative_residual, rigid, row, svd_rank};
-use crate::linkages::{Outcome, random, rank};
+use crate::common::{Outcome, random, rank};
 
 /// Any components of any nodes: one independent equation for each, and rigid motions pass, in all units and far from the origin.
 #[test]

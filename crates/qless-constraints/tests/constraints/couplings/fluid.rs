@@ -4,7 +4,7 @@ use qless_constraints::ConstraintSet;
 use qless_constraints::types::{Face, FluidNode, FluidWall, Point, Shape, Surface};
 
 use super::{cross, dense, frame, only, svd_rank, turned, values};
-use crate::linkages::{Outcome, random, rank};
+use crate::common::{Outcome, random, rank};
 
 /// A grid of `n` x `m` squares over 3 x 2.
 fn grid(n: usize, m: usize, moved: impl Fn([f64; 3]) -> [f64; 3]) -> (Vec<[f64; 3]>, Vec<Face>) {

@@ -9,7 +9,7 @@ use qless_constraints::{AddError, ConstraintSet};
 
 use super::faces::{SECTIONS, points, square};
 use super::{cloud, cross, dense, frame, masked, node, only, svd_rank, turned, values};
-use crate::linkages::{Outcome, random};
+use crate::common::{Outcome, random};
 
 /// Axes from the rows of a rotation.
 fn axes(rows: [[f64; 3]; 3]) -> Axes {

@@ -14,8 +14,6 @@ mod local;
 mod overlaps;
 /// Shells on solids: motions, resultants, stress.
 mod shells;
-/// Beams and shells that pull at a block of solid elements.
-mod tension;
 /// Nodes and DOFs that are named twice.
 mod twice;
 /// What the nodes of an average do not see.
@@ -27,7 +25,7 @@ use faer::Mat;
 use qless_constraints::types::{Component, Node6};
 use qless_constraints::{Constraint, ConstraintSet};
 
-use crate::linkages::random;
+use crate::common::random;
 
 /// A set of one constraint.
 fn only<C: Constraint>(dofs: usize, constraint: C) -> ConstraintSet {

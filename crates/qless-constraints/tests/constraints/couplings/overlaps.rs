@@ -3,7 +3,7 @@ use qless_constraints::types::{Average, BeamToSolid, LinearEquation, Node6, Sect
 
 use super::faces::square;
 use super::{cloud, masked, node, svd_rank};
-use crate::linkages::{Outcome, rank};
+use crate::common::{Outcome, rank};
 
 /// Bodies that share n nodes: six rigid motions less what the nodes see of them is what is said twice.
 #[test]

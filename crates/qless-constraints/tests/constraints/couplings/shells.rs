@@ -4,12 +4,23 @@ use qless_constraints::types::{Face, Node6, Point, Section, Shape, ShellToSolid,
 
 use super::faces::{SECTIONS, points, rectangle, used};
 use super::{assert_balanced, dense, frame, node, only, relative_residual, rigid, svd_rank, turned, values};
-use crate::linkages::{Outcome, random, rank};
-use crate::patch::Block;
+use crate::common::{Outcome, random, rank};
+
+/// The upper surface of a block of `cells` x `cells` x 1 elements with eight nodes on the unit cube.
+fn top_of_block(cells: usize) -> Surface<3> {
+    let side = cells + 1;
+    let at = |i: usize| [i % side, i / side % side].map(|k| k as f64 / cells as f64);
+    let nodes: Vec<[f64; 3]> = (0..2 * side * side).map(|i| [at(i)[0], at(i)[1], (i / (side * side)) as f64]).collect();
+    let face = |k: usize| {
+        let a = side * side + k / cells * side + k % cells;
+        Face::new(Shape::Quad4, [a, a + 1, a + 1 + side, a + side])
+    };
+    Surface { nodes: points(0, &nodes), faces: (0..cells * cells).map(face).collect() }
+}
 
 /// The side of a block of `cells` x `cells` faces, lines along y with a shell node in the middle of each.
-pub fn shell_on_block(cells: usize, dof: usize, section: Section) -> ShellToSolid {
-    let (face, side) = (Block { cells, z: 0.0, first: 0 }.surface(1), cells + 1);
+fn shell_on_block(cells: usize, dof: usize, section: Section) -> ShellToSolid {
+    let (face, side) = (top_of_block(cells), cells + 1);
     let line = |i: usize| ThicknessLine {
         shell: Node6::new(
             from_fn(|k| dof + 6 * i + k),

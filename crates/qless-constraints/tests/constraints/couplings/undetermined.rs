@@ -4,7 +4,7 @@ use qless_constraints::ConstraintSet;
 use qless_constraints::types::{Average, Component, CouplingError, Node6, Point};
 
 use super::{cross, dense, frame, masked, node, only, relative_residual, rigid, svd_rank};
-use crate::linkages::random;
+use crate::common::random;
 
 /// Why the average of these nodes is refused.
 fn refusal(reference: Node6, nodes: &[Node6]) -> Option<CouplingError> {

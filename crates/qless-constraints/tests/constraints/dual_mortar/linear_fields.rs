@@ -2,7 +2,7 @@ use qless::{Options, analyse};
 use qless_constraints::types::Multipliers;
 
 use super::{inclined, line, of_field, pair, residual, tied};
-use crate::linkages::Outcome;
+use crate::common::Outcome;
 use crate::surface_mortar::{FACETS, Mesh};
 
 /// On flat surfaces, for all pairs of shapes, in every unit and far from the origin: linear fields pass, rows sum to zero, D sums to the
@@ -27,7 +27,7 @@ fn dual_ties_pass_linear_fields() -> Outcome {
                 (0..g.rows()).flat_map(|i| g.row(i)).filter(|&(j, _)| j < slave.nodes.len()).map(|(_, v)| v).sum();
             let area = 6.0 * 1.3125_f64.sqrt() * unit * unit;
             assert!((d - area).abs() < 1e-11 * area * (1.0 + shift), "{a:?}, {b:?}: {d}, {area}");
-            let rank = analyse(&crate::linkages::at_rest(&set, &[])?, &Options::default())?.rank();
+            let rank = analyse(&crate::common::at_rest(&set, &[])?, &Options::default())?.rank();
             assert_eq!(rank, set.equations(), "{a:?}, {b:?}, {unit}, {shift}");
         }
     }
@@ -51,7 +51,7 @@ fn ties_of_lines_pass_linear_fields() -> Outcome {
             let u: Vec<f64> = slave.nodes.iter().chain(&master.nodes).map(|node| field(node.at)).collect();
             let (off, allowed) = (residual(&set, &u)?, 1e-13 * (1.0 + shift / unit));
             assert!(off < allowed, "{quadratic:?}, {kind:?}, {unit}, {shift}: {off}");
-            let rank = analyse(&crate::linkages::at_rest(&set, &[])?, &Options::default())?.rank();
+            let rank = analyse(&crate::common::at_rest(&set, &[])?, &Options::default())?.rank();
             assert_eq!(rank, slave.nodes.len());
         }
     }
@@ -72,7 +72,7 @@ fn bare_borders_pass_linear_fields() -> Outcome {
         let set = tied(&slave, &master, kind, 0.015)?;
         let u: Vec<f64> = slave.nodes.iter().chain(&master.nodes).map(|n| 1.0 + 2.0 * n.at[0] - n.at[1]).collect();
         assert!(residual(&set, &u)? < 1e-12, "{shape:?}, {kind:?}: {}", residual(&set, &u)?);
-        let rank = analyse(&crate::linkages::at_rest(&set, &[])?, &Options::default())?.rank();
+        let rank = analyse(&crate::common::at_rest(&set, &[])?, &Options::default())?.rank();
         assert_eq!(rank, set.equations(), "{shape:?}, {kind:?}");
     }
     Ok(())

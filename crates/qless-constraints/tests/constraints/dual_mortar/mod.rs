@@ -10,7 +10,7 @@ mod ranks;
 use qless_constraints::ConstraintSet;
 use qless_constraints::types::{Face, MortarTie, Multipliers, Node, Shape, Surface};
 
-use crate::linkages::{Outcome, random};
+use crate::common::{Outcome, random};
 use crate::surface_mortar::Mesh;
 
 fn tied<const D: usize>(

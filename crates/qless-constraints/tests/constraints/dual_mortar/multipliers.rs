@@ -4,7 +4,7 @@ use qless::{Options, analyse};
 use qless_constraints::types::{Face, Multipliers, Node, Shape, Surface};
 
 use super::{inclined, pair, tied};
-use crate::linkages::Outcome;
+use crate::common::Outcome;
 use crate::surface_mortar::{FACETS, Mesh};
 
 /// Where meshes match, `int Phi_i N_k = delta_ik d_i`: a tie node by node, without any other entry.
@@ -86,7 +86,7 @@ fn dual_ties_are_local() -> Outcome {
     }
     let entries = |kind: Multipliers| -> Outcome<usize> {
         let set = tied(&slave, &master, kind, 1e-9)?;
-        let reduction = analyse(&crate::linkages::at_rest(&set, &[])?, &Options::default())?.reduction()?;
+        let reduction = analyse(&crate::common::at_rest(&set, &[])?, &Options::default())?.reduction()?;
         Ok((0..reduction.slaves().len()).map(|i| reduction.row(i).map(|row| row.len())).sum::<Result<usize, _>>()?)
     };
     let [standard, dual] = [entries(Multipliers::Standard)?, entries(Multipliers::Dual)?];

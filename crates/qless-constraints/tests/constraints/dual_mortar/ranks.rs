@@ -6,7 +6,7 @@ use qless_constraints::ConstraintSet;
 use qless_constraints::types::{Face, MortarTie, Multipliers, Node, Shape, Surface};
 
 use super::{inclined, line, pair, tied};
-use crate::linkages::Outcome;
+use crate::common::Outcome;
 use crate::surface_mortar::Mesh;
 
 /// The same bits with one thread and with four.
@@ -55,7 +55,7 @@ fn ranks_are_those_of_the_svd() -> Outcome {
         (0..set.equations()).for_each(|i| quantities.g().row(i).for_each(|(j, v)| dense[(i, j)] = v));
         let sizes = dense.singular_values().map_err(|error| format!("{error:?}"))?;
         let rank = sizes.iter().filter(|&&s| s > 1e-12 * sizes[0]).count();
-        let found = analyse(&crate::linkages::at_rest(&set, &[])?, &Options::default())?.rank();
+        let found = analyse(&crate::common::at_rest(&set, &[])?, &Options::default())?.rank();
         assert_eq!(found, rank, "{kind:?}, {twice}: {sizes:?}");
         println!("{kind:?}, said twice {twice}: rank {rank} of {}", set.equations());
     }

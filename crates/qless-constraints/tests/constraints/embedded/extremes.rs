@@ -4,7 +4,7 @@ use qless_constraints::ConstraintSet;
 use qless_constraints::types::{Face, FaceSearch, Node, NodeTieError, Shape, Surface, SurfaceError};
 
 use super::{Place, corners, inside, off, source, straight, tie, turned, weights};
-use crate::linkages::Outcome;
+use crate::common::Outcome;
 
 /// Middles at a quarter of their edges, as at the tip of a crack, where the map is singular, fold nothing.
 #[test]

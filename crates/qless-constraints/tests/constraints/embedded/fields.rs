@@ -3,7 +3,7 @@ use std::array::from_fn;
 use qless_constraints::types::Shape;
 
 use super::{Place, affine, corners, inside, off, solids, straight, tie, turned, weights};
-use crate::linkages::{Outcome, random};
+use crate::common::{Outcome, random};
 
 /// Distorted, curved and turned elements, in every unit and far from the origin: the weights give the node back, so that linear fields
 /// pass, and are the same.

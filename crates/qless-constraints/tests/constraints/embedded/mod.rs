@@ -10,7 +10,7 @@ use std::array::from_fn;
 use qless_constraints::ConstraintSet;
 use qless_constraints::types::{Node, NodeTie, NodeTieError, Shape};
 
-use crate::linkages::random;
+use crate::common::random;
 
 type Place = [f64; 3];
 

@@ -4,7 +4,7 @@ use qless_constraints::ConstraintSet;
 use qless_constraints::types::{Face, FaceSearch, Node, NodeTieError, SearchError, Shape, Surface};
 
 use super::{Place, affine, corners, off, solids, source, straight, tie, turned, weights};
-use crate::linkages::{Outcome, random};
+use crate::common::{Outcome, random};
 
 /// A block of n x n x n boxes.
 fn block(n: usize) -> Surface<3> {

@@ -1,0 +1,34 @@
+//! What the modules of this crate share: the type of a sparse matrix, and random numbers that are the same in every run.
+
+use faer::sparse::SparseColMat;
+use qless::common::SplitMix64;
+
+/// A sparse matrix by columns.
+pub type SparseMatrix = SparseColMat<usize, f64>;
+
+/// A number in [-1, -1/4] or [1/4, 1] for each seed, the same on every machine.
+pub fn random(seed: u64) -> f64 {
+    let bits = SplitMix64::new(seed.wrapping_mul(GOLDEN)).next();
+    let unit = (bits >> 11) as f64 / (1_u64 << 53) as f64;
+    if unit < 0.5 { -0.25 - 1.5 * unit } else { 1.5 * unit - 0.5 }
+}
+
+/// The increment of SplitMix64: consecutive seeds are consecutive numbers of one stream.
+const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
+
+/// A stream of numbers in [1/2, 1] or [-1, -1/2]: random signs alone would cancel in small models.
+pub struct RandomForces(SplitMix64);
+
+impl Default for RandomForces {
+    fn default() -> Self {
+        Self(SplitMix64::new(GOLDEN))
+    }
+}
+
+impl RandomForces {
+    pub fn next(&mut self) -> f64 {
+        let bits = self.0.next();
+        let size = 0.5 + (bits >> 12) as f64 / (1_u64 << 53) as f64;
+        if bits & 1 == 0 { size } else { -size }
+    }
+}

@@ -1,0 +1,234 @@
+//! Errors of enforcement, and the motion of a model that lacks support.
+
+use qless::elimination::EliminationError;
+use qless::{AnalysisError, ArgumentError, ReductionError, SystemError};
+
+use super::SolverError;
+
+/// Why constraints cannot be enforced.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum EnforceError {
+    /// The size of K or f does not match the constraints.
+    #[error("there are {found} {what}, but the constraints are on {dofs} DOFs")]
+    Size {
+        /// The list that does not match.
+        what: &'static str,
+        /// How many there are.
+        found: usize,
+        /// How many there should be.
+        dofs: usize,
+    },
+    /// A number of K, f or a prescribed value is not finite.
+    #[error("K, f or a prescribed value is {value}; every number must be finite")]
+    NotFinite {
+        /// The number.
+        value: f64,
+    },
+    /// Equations contradict others.
+    #[error("{} cannot hold together with the equations that it depends on", .labels.join(" and "))]
+    Conflict {
+        /// The equations, 0-based.
+        rows: Vec<usize>,
+        /// Their labels.
+        labels: Vec<String>,
+    },
+    /// The analysis cannot tell whether an equation is redundant, and u does not satisfy it.
+    #[error(
+        "{label} follows from others but for {left:.1e} of its terms, too little to be sure that it does not; give its coefficients with all \
+         their digits, bring the units of its DOFs nearer to one another, or leave it out"
+    )]
+    Doubtful {
+        /// The equation, 0-based.
+        row: usize,
+        /// Its label.
+        label: String,
+        /// Residual of the equation if the others hold, relative to its terms.
+        left: f64,
+    },
+    /// The plan does not belong to this problem.
+    #[error("the plan has {planned} equations, but {kept} are independent, and each must occur once")]
+    Plan {
+        /// Number of equations in the plan.
+        planned: usize,
+        /// Number of equations that it should have.
+        kept: usize,
+    },
+    /// Half of a symmetric K was passed as a full matrix.
+    #[error(
+        "all entries of K off the diagonal are on one side; declare Stiffness::{} if K is symmetric and this is one half of it, \
+         Stiffness::unsymmetric if K is a triangle",
+        if *.lower { "lower" } else { "upper" }
+    )]
+    Triangle {
+        /// Whether it is the lower half.
+        lower: bool,
+    },
+    /// K has an entry outside of the half that was declared.
+    #[error(
+        "K has an entry in row {row}, column {column} (from 0), which is not in the half declared; give one half, or Stiffness::full"
+    )]
+    WrongHalf {
+        /// Its row.
+        row: usize,
+        /// Its column.
+        column: usize,
+    },
+    /// A penalty factor is not a positive number.
+    #[error("the penalty factor is {0}; it must be positive, such as 1e6")]
+    Factor(f64),
+    /// An accuracy is not a positive number.
+    #[error("the accuracy is {0}; it must be positive, such as 1e-6")]
+    Accuracy(f64),
+    /// The constraints and prescribed DOFs leave the model free to move.
+    #[error("{0}; support it, or give it stiffness")]
+    Unsupported(FreeMotion),
+    /// The matrix is singular, and no motion without resistance was found.
+    #[error("{what} is singular, but no single motion that it leaves free was found; look for DOFs without stiffness")]
+    Singular {
+        /// Name of the matrix.
+        what: &'static str,
+    },
+    /// The solution is not in balance.
+    #[error(
+        "{row}: {imbalance:.1e} of the terms is left after refinement; the model is too ill-conditioned for double precision"
+    )]
+    OutOfBalance {
+        /// The forces on a DOF, or the label of an equation.
+        row: String,
+        /// Residual relative to its terms.
+        imbalance: f64,
+    },
+    /// The springs are so soft that u misses the requested accuracy.
+    #[error(
+        "penalty factor {factor:.1e}: u is off by {cost:.1e} of its size, and {accuracy:.1e} was asked for; {}",
+        advice(*.smallest)
+    )]
+    PenaltyTooSmall {
+        /// The largest factor asked for.
+        factor: f64,
+        /// Requested relative accuracy of u.
+        accuracy: f64,
+        /// Relative error of u that the springs cause.
+        cost: f64,
+        /// A factor that reaches the accuracy, if one was found.
+        smallest: Option<f64>,
+    },
+    /// A matrix exceeds the memory or the integers of the solver.
+    #[error("a matrix of {rows} x {cols} is too large")]
+    TooLarge {
+        /// Its rows.
+        rows: usize,
+        /// Its columns.
+        cols: usize,
+    },
+    /// Parts of T are kept as factors.
+    #[error(
+        "T has parts that stay factors, of which no step is made; make the elimination with Form::Explicit, or use Problem"
+    )]
+    Factored,
+    /// The caller's [`Solver`](super::Solver) failed.
+    #[error(transparent)]
+    Solver(#[from] SolverError),
+    /// Rounding keeps the residuals of augmented equations above the tolerance.
+    #[error(
+        "{left:.1e} of the terms of a constraint is left, which is rounding, and {tolerance:.1e} was asked for; ask for more than that"
+    )]
+    NoConvergence {
+        /// Largest residual of an equation, relative to its terms.
+        left: f64,
+        /// Requested tolerance.
+        tolerance: f64,
+    },
+    /// The solution leaves the range of doubles.
+    #[error("the solution leaves the range of doubles; choose units in which K, f and u are nearer to one")]
+    OutOfRange,
+    /// The limit of fill is negative or not a number.
+    #[error("the limit of fill is {0}; it must be zero or more, such as 10")]
+    Limit(f64),
+    /// The constraints cannot be analysed.
+    #[error(transparent)]
+    Analysis(#[from] AnalysisError),
+    /// The constraints cannot be solved for slaves.
+    #[error(transparent)]
+    Reduction(#[from] ReductionError),
+    /// The equations chosen are no valid system.
+    #[error(transparent)]
+    System(#[from] SystemError),
+    /// The equations cannot be brought into the form that condenses K.
+    #[error(transparent)]
+    Elimination(#[from] EliminationError),
+    /// An argument has the wrong length or range.
+    #[error(transparent)]
+    Argument(#[from] ArgumentError),
+}
+
+/// The end of the message: a sufficient factor, or that none is.
+fn advice(factor: Option<f64>) -> String {
+    match factor {
+        Some(factor) => format!("a factor that does is {factor:.1e}"),
+        None => "no factor does: use multipliers or elimination".into(),
+    }
+}
+
+/// DOFs that move less than this fraction of the largest, in dimensionless units, are not named.
+const SHARE: f64 = 1e-6;
+/// Largest number of DOFs in the message.
+const NAMED: usize = 8;
+
+/// A motion that constraints and prescribed DOFs leave free, up to rounding.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct FreeMotion {
+    /// The DOFs that move, ascending.
+    pub dofs: Vec<usize>,
+    /// Displacement of each of these DOFs in its own unit; the largest is 1 or -1.
+    pub motion: Vec<f64>,
+    /// Largest force that resists the motion, relative to its terms: zero or rounding.
+    pub held: f64,
+}
+
+impl FreeMotion {
+    /// From a null vector of all DOFs and the unit of each DOF.
+    pub(super) fn new(u: &[f64], units: &[f64], held: f64) -> Self {
+        let sizes: Vec<f64> = u.iter().zip(units).map(|(u, s)| u.abs() / s).collect();
+        let most = sizes.iter().fold(0.0, |most: f64, size| most.max(*size));
+        let dofs: Vec<usize> = (0..u.len()).filter(|&j| sizes[j] > SHARE * most).collect();
+        let largest =
+            dofs.iter().fold(0.0, |largest: f64, &j| if u[j].abs() > f64::abs(largest) { u[j] } else { largest });
+        let motion = dofs.iter().map(|&j| u[j] / largest).collect();
+        Self { dofs, motion, held }
+    }
+
+    /// Renumbers the DOFs: j becomes `dofs[j]`, which ascends.
+    pub(super) fn renumbered(mut self, dofs: &[usize]) -> Self {
+        self.dofs.iter_mut().for_each(|j| *j = dofs[*j]);
+        self
+    }
+
+    /// The union of both motions, each scaled to a largest displacement of 1 or -1.
+    pub(super) fn union(&self, other: &Self) -> Self {
+        let moves = |motion: &Self| motion.dofs.iter().copied().zip(motion.motion.clone()).collect::<Vec<_>>();
+        let mut both = [moves(self), moves(other)].concat();
+        both.sort_by_key(|&(dof, _)| dof);
+        let (dofs, motion) = both.into_iter().unzip();
+        Self { dofs, motion, held: self.held.max(other.held) }
+    }
+}
+
+impl std::fmt::Display for FreeMotion {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if self.dofs.is_empty() {
+            return write!(f, "the equations depend on one another up to rounding, so that their multipliers are free");
+        }
+        write!(f, "nothing holds the motion of DOF ")?;
+        for (place, (dof, value)) in self.dofs.iter().zip(&self.motion).take(NAMED).enumerate() {
+            write!(f, "{}{dof} ({value:+.3})", if place > 0 { ", " } else { "" })?;
+        }
+        let others = self.dofs.len().saturating_sub(NAMED);
+        if others > 0 {
+            write!(f, " and {others} others")?;
+        }
+        write!(f, " but forces of {:.1e} of what they are made of, which is rounding", self.held)
+    }
+}

@@ -1,0 +1,269 @@
+//! Errors of an equilibrium, and failures of load steps, most of which a shorter step avoids.
+
+use std::error::Error;
+
+use qless::{AnalysisError, ArgumentError};
+use qless_constraints::{ConstraintSet, LineariseError, TimeError};
+
+use super::EquilibriumIterate;
+use crate::newton::NewtonError;
+
+/// Why no equilibrium was found.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum EquilibriumError {
+    /// The numbers of DOFs or equations do not match.
+    #[error("there are {found} {what} where the constraint set needs {expected}")]
+    Size {
+        /// The list that does not match.
+        what: &'static str,
+        /// How many there are.
+        found: usize,
+        /// How many there should be.
+        expected: usize,
+    },
+    /// An option is out of range.
+    #[error("the option {what} is {value}; {range}")]
+    Option {
+        /// Name of the option.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// The allowed range.
+        range: &'static str,
+    },
+    /// The model adds a force to a DOF out of range.
+    #[error("the model adds a force to DOF {dof}, but there are {dofs} DOFs; correct its list of DOFs")]
+    Force {
+        /// The DOF.
+        dof: usize,
+        /// Number of DOFs.
+        dofs: usize,
+    },
+    /// The model adds stiffness outside its pattern.
+    #[error(
+        "the model adds stiffness at ({row}, {column}), which its pattern does not name; both halves must be named"
+    )]
+    Pattern {
+        /// Row of K, a DOF.
+        row: usize,
+        /// Column of K, a DOF.
+        column: usize,
+    },
+    /// The model rejects the configuration.
+    #[error("at load factor {factor}: the model: {source}")]
+    Model {
+        /// Load factor of the last equilibrium.
+        factor: f64,
+        /// The model's own error.
+        source: Box<dyn Error + Send + Sync>,
+    },
+    /// A force, stiffness, load or constraint value is NaN or infinite.
+    #[error("at load factor {factor}: {what} of DOF or equation {at} is not finite")]
+    NotFinite {
+        /// Load factor of the last equilibrium.
+        factor: f64,
+        /// The quantity.
+        what: &'static str,
+        /// Its DOF or equation.
+        at: usize,
+    },
+    /// Neither stiffness nor constraints resist some motion.
+    #[error(
+        "at load factor {factor} nothing resists a motion of DOFs {dofs:?}: the tangent is singular; support the model, \
+         give these DOFs stiffness or constraints, or start where tension holds them"
+    )]
+    Unsupported {
+        /// Load factor of the last equilibrium.
+        factor: f64,
+        /// The DOFs that move most, in descending order.
+        dofs: Vec<usize>,
+    },
+    /// A motor turns too far in the shortest load step.
+    #[error(
+        "at load factor {factor}: {label} would turn by {angle} rad in the shortest load step, and more than a sixteenth of a turn is not \
+         followed; allow shorter load steps, or go to a time nearer by"
+    )]
+    Turn {
+        /// Load factor of the last equilibrium.
+        factor: f64,
+        /// Label of the motor.
+        label: String,
+        /// Angle in radians.
+        angle: f64,
+    },
+    /// The shortest load step moves a linkage so far that it may change to another branch.
+    #[error(
+        "at load factor {factor}: even the shortest load step moves what the constraints determine so far that it may go over to another branch; \
+         allow shorter load steps, or go to a target nearer by"
+    )]
+    Branch {
+        /// Load factor of the last equilibrium.
+        factor: f64,
+    },
+    /// The time, or a function of it, is not finite.
+    #[error(transparent)]
+    Time(#[from] TimeError),
+    /// The constraints have no solution nearby.
+    #[error("at load factor {factor}: {source}")]
+    Constraints {
+        /// Load factor of the last equilibrium.
+        factor: f64,
+        /// Why Newton's method fails.
+        source: NewtonError,
+    },
+    /// Equations that the solution ignores as redundant do not hold.
+    #[error("at load factor {factor}: {} cannot hold together with the equations that it depends on", .labels.join(" and "))]
+    Conflict {
+        /// Load factor of the last equilibrium.
+        factor: f64,
+        /// Their labels.
+        labels: Vec<String>,
+    },
+    /// The constraints cannot be linearised.
+    #[error("at load factor {factor}: {source}")]
+    System {
+        /// Load factor of the last equilibrium.
+        factor: f64,
+        /// What is wrong.
+        source: LineariseError,
+    },
+    /// The constraints cannot be analysed.
+    #[error("at load factor {factor}: {source}")]
+    Analysis {
+        /// Load factor of the last equilibrium.
+        factor: f64,
+        /// What is wrong.
+        source: AnalysisError,
+    },
+    /// An argument has the wrong length or range.
+    #[error(transparent)]
+    Argument(#[from] ArgumentError),
+    /// The load steps became too short.
+    #[error(
+        "no equilibrium beyond load factor {factor}: at {tried} the force residual is {force:e}, the constraint residual {constraint:e}; \
+         the load may be more than the model carries, or it snaps through: prescribe a displacement instead"
+    )]
+    NoConvergence {
+        /// Load factor of the last equilibrium.
+        factor: f64,
+        /// Load factor of the last attempt.
+        tried: f64,
+        /// Relative force residual of the last attempt.
+        force: f64,
+        /// Relative constraint residual of the last attempt.
+        constraint: f64,
+    },
+    /// The saddle matrix cannot be factored, or memory is exhausted.
+    #[error("at load factor {factor}: the saddle matrix: {why}")]
+    Solver {
+        /// Load factor of the last equilibrium.
+        factor: f64,
+        /// The solver's own error.
+        why: String,
+    },
+}
+
+#[derive(Debug)]
+pub enum StepFailure {
+    Model(Box<dyn Error + Send + Sync>),
+    NotFinite {
+        what: &'static str,
+        at: usize,
+    },
+    /// Rows that do not hold.
+    Conflict(Vec<usize>),
+    /// DOFs of a motion without resistance.
+    Unsupported(Vec<usize>),
+    /// The row of a motor, and the angle in radians by which it would turn in one load step.
+    Turn {
+        row: usize,
+        angle: f64,
+    },
+    /// Determined DOFs may have changed to another branch. A step of this fraction of the length stays on its branch.
+    Branch(f64),
+    NoConvergence,
+    Solver(String),
+    Constraints(NewtonError),
+    System(LineariseError),
+    Analysis(AnalysisError),
+    /// Shorter steps do not help.
+    Fatal(EquilibriumError),
+}
+
+impl From<EquilibriumError> for StepFailure {
+    fn from(error: EquilibriumError) -> Self {
+        Self::Fatal(error)
+    }
+}
+
+impl From<ArgumentError> for StepFailure {
+    fn from(error: ArgumentError) -> Self {
+        Self::Fatal(error.into())
+    }
+}
+
+impl From<LineariseError> for StepFailure {
+    fn from(error: LineariseError) -> Self {
+        Self::System(error)
+    }
+}
+
+impl From<AnalysisError> for StepFailure {
+    fn from(error: AnalysisError) -> Self {
+        Self::Analysis(error)
+    }
+}
+
+/// How far the solution got before a failure.
+#[derive(Clone, Copy)]
+pub struct Reached {
+    pub factor: f64,
+    pub tried: f64,
+    /// The last iterate of the failed part.
+    pub iterate: EquilibriumIterate,
+}
+
+impl StepFailure {
+    /// If the tangent was singular, replaces missing convergence by the DOFs of its free motion.
+    pub fn or_unsupported(self, dofs: Option<&Vec<usize>>) -> Self {
+        match (self, dofs) {
+            (Self::NoConvergence, Some(dofs)) => Self::Unsupported(dofs.clone()),
+            (other, _) => other,
+        }
+    }
+
+    /// Length of the next attempt, as a fraction of the failed step.
+    pub fn shorter(&self) -> f64 {
+        match self {
+            Self::Branch(part) => part.clamp(0.1, 0.7),
+            _ => 0.25,
+        }
+    }
+
+    pub fn is_fatal(&self) -> bool {
+        matches!(self, Self::Fatal(_))
+    }
+
+    pub fn into_error(self, set: &ConstraintSet, reached: Reached) -> EquilibriumError {
+        let Reached { factor, tried, iterate: EquilibriumIterate { force, constraint, .. } } = reached;
+        match self {
+            Self::Model(source) => EquilibriumError::Model { factor, source },
+            Self::NotFinite { what, at } => EquilibriumError::NotFinite { factor, what, at },
+            Self::Conflict(rows) => {
+                EquilibriumError::Conflict { factor, labels: rows.iter().filter_map(|&r| set.label(r).ok()).collect() }
+            }
+            Self::Unsupported(dofs) => EquilibriumError::Unsupported { factor, dofs },
+            Self::Turn { row, angle } => {
+                EquilibriumError::Turn { factor, label: set.label(row).unwrap_or_default(), angle }
+            }
+            Self::Branch(_) => EquilibriumError::Branch { factor },
+            Self::NoConvergence => EquilibriumError::NoConvergence { factor, tried, force, constraint },
+            Self::Solver(why) => EquilibriumError::Solver { factor, why },
+            Self::Constraints(source) => EquilibriumError::Constraints { factor, source },
+            Self::System(source) => EquilibriumError::System { factor, source },
+            Self::Analysis(source) => EquilibriumError::Analysis { factor, source },
+            Self::Fatal(error) => error,
+        }
+    }
+}

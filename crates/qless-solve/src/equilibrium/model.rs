@@ -1,0 +1,150 @@
+//! The interface to the user's model: internal forces `f_int(u)` and their tangent `K = d f_int / du`, summed over elements.
+
+use std::error::Error;
+
+/// A finite-element model: forces and stiffness of its elements at u, in its own units.
+///
+/// ```
+/// use qless_solve::equilibrium::{Assembly, Model};
+/// /// A spring with `f = k u + a u^3`.
+/// struct Spring {
+///     k: f64,
+///     a: f64,
+/// }
+/// impl Model for Spring {
+///     fn dofs(&self) -> usize {
+///         1
+///     }
+///     fn pattern(&self, entry: &mut dyn FnMut(usize, usize)) {
+///         entry(0, 0);
+///     }
+///     fn assemble(&mut self, u: &[f64], out: &mut Assembly) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+///         out.force(0, self.k * u[0] + self.a * u[0].powi(3));
+///         out.stiffness(0, 0, self.k + 3.0 * self.a * u[0] * u[0]);
+///         Ok(())
+///     }
+/// }
+/// assert_eq!(Spring { k: 1.0, a: 2.0 }.coordinate(0), 0.0);
+/// ```
+pub trait Model {
+    /// Number of DOFs n, the same as that of the constraint set.
+    fn dofs(&self) -> usize;
+
+    /// Calls `entry(i, j)` for every `K_ij` that may be nonzero, in both halves; repetitions are allowed. Called once per solve.
+    fn pattern(&self, entry: &mut dyn FnMut(usize, usize));
+
+    /// Adds `f_int(u)` and K of all elements to `out`, which starts at zero.
+    ///
+    /// Contributions should be added element by element, so that the sizes of terms are known even if their sum cancels. Forces that depend
+    /// on u (follower loads, contact) belong here.
+    ///
+    /// # Errors
+    /// Any error of an element at this u, such as an inverted volume. The load step is then shortened.
+    fn assemble(&mut self, u: &[f64], out: &mut Assembly) -> Result<(), Box<dyn Error + Send + Sync>>;
+
+    /// Size of the number to which DOF `dof` is added: the largest coordinate of its node, in the unit of the DOF. The effect of its last
+    /// place on the forces counts as rounding. Default 0.
+    fn coordinate(&self, dof: usize) -> f64 {
+        let _ = dof;
+        0.0
+    }
+
+    /// Called when an equilibrium was found and the next load step starts from it; history variables should be updated here.
+    fn accept(&mut self, u: &[f64]) {
+        let _ = u;
+    }
+}
+
+/// An entry outside of the pattern.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum AssemblyFault {
+    Force(usize),
+    Stiffness(usize, usize),
+}
+
+/// Sums of forces and stiffness, with the sizes of their terms.
+#[derive(Clone, Debug)]
+pub struct Assembly {
+    /// `f_int`.
+    pub(super) force: Vec<f64>,
+    /// `sum |terms|` of `f_int`.
+    pub(super) terms: Vec<f64>,
+    start: Vec<usize>,
+    columns: Vec<usize>,
+    values: Vec<f64>,
+    wanted: bool,
+    pub(super) fault: Option<AssemblyFault>,
+}
+
+impl Assembly {
+    /// Zeros in the pattern of a model; an entry out of range is recorded as a fault.
+    pub(super) fn new(model: &impl Model) -> Self {
+        let (n, mut rows, mut fault) = (model.dofs(), vec![Vec::new(); model.dofs()], None);
+        model.pattern(&mut |i, j| match rows.get_mut(i) {
+            Some(row) if j < n => row.push(j),
+            _ => fault = Some(AssemblyFault::Stiffness(i, j)),
+        });
+        let mut start = vec![0];
+        let mut columns = Vec::new();
+        for mut row in rows {
+            row.sort_unstable();
+            row.dedup();
+            columns.extend(row);
+            start.push(columns.len());
+        }
+        let values = vec![0.0; columns.len()];
+        Self { force: vec![0.0; n], terms: vec![0.0; n], start, columns, values, wanted: true, fault }
+    }
+
+    /// Resets all sums to zero. Without `stiffness`, stiffness is neither reset nor summed.
+    pub(super) fn clear(&mut self, stiffness: bool) {
+        self.force.fill(0.0);
+        self.terms.fill(0.0);
+        self.wanted = stiffness;
+        if stiffness {
+            self.values.fill(0.0);
+        }
+    }
+
+    /// Adds to the internal force of a DOF.
+    pub fn force(&mut self, dof: usize, value: f64) {
+        match self.force.get_mut(dof) {
+            Some(force) => {
+                *force += value;
+                self.terms[dof] += value.abs();
+            }
+            None => self.fault = Some(AssemblyFault::Force(dof)),
+        }
+    }
+
+    /// Adds to `K_ij = d f_i / du_j`; the entry must be in the pattern.
+    pub fn stiffness(&mut self, i: usize, j: usize, value: f64) {
+        if !self.wanted {
+            return;
+        }
+        let row = if i + 1 < self.start.len() { self.start[i]..self.start[i + 1] } else { 0..0 };
+        match self.columns[row.clone()].binary_search(&j) {
+            Ok(place) => self.values[row.start + place] += value,
+            Err(_) => self.fault = Some(AssemblyFault::Stiffness(i, j)),
+        }
+    }
+
+    /// Whether stiffness is needed in this evaluation; if not, its computation can be skipped.
+    pub fn wants_stiffness(&self) -> bool {
+        self.wanted
+    }
+
+    /// Whether the model has stiffness or a force at each DOF.
+    pub(super) fn known(&self) -> Vec<bool> {
+        let mut known: Vec<bool> = self.terms.iter().map(|&size| size != 0.0).collect();
+        self.columns.iter().for_each(|&j| known[j] = true);
+        known.iter_mut().zip(self.start.windows(2)).for_each(|(known, row)| *known |= row[0] < row[1]);
+        known
+    }
+
+    /// Entries `(j, K_ij)` of a row.
+    pub(super) fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let entries = self.start[i]..self.start[i + 1];
+        self.columns[entries.clone()].iter().copied().zip(self.values[entries].iter().copied())
+    }
+}

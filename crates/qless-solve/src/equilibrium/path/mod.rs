@@ -1,0 +1,172 @@
+//! Load steps: `f_ext = f_0 + s (f_1 - f_0)`, `u_p = u_p0 + s (v - u_p0)`, `t = t_0 + s (t_1 - t_0)`, with s from 0 to 1.
+//!
+//! A step that fails twice is shortened to a quarter; after an easy step the length is doubled. Time and history belong to the whole model,
+//! so that all parts share their steps; the part with the hardest step determines the length.
+
+mod origin;
+mod step;
+mod track;
+
+use std::sync::Arc;
+
+use qless::SystemBuilder;
+use qless_constraints::ConstraintSet;
+
+use super::branch::growth;
+use super::correct::Factoring;
+use super::parts::{EquilibriumPart, EquilibriumParts};
+use super::rows::KeptRows;
+use super::stability::Stability;
+use super::state::{EquilibriumState, Unknowns, constraint_forces};
+use super::time_path::TimePath;
+use super::{Equilibrium, EquilibriumError, EquilibriumOptions, LoadStep, Model, Start, Target};
+use track::PartTrack;
+
+/// A step with at most so many iterates was easy.
+const EASY: usize = 8;
+
+/// The state of a load path.
+pub struct Path<'a, M> {
+    model: &'a mut M,
+    constraints: TimePath<'a>,
+    start: &'a Start,
+    target: &'a Target<'a>,
+    options: &'a EquilibriumOptions,
+    parts: Arc<EquilibriumParts>,
+    state: EquilibriumState,
+    /// The last equilibrium.
+    at: Unknowns,
+    /// Kept rows of each part there.
+    rows: Option<Vec<KeptRows>>,
+    rotations: Vec<[usize; 3]>,
+    factoring: Vec<Factoring>,
+    tracks: Vec<PartTrack>,
+    steps: Vec<LoadStep>,
+}
+
+impl<'a, M: Model> Path<'a, M> {
+    pub fn new(
+        model: &'a mut M,
+        constraints: TimePath<'a>,
+        start: &'a Start,
+        target: &'a Target<'a>,
+        options: &'a EquilibriumOptions,
+    ) -> Result<Self, EquilibriumError> {
+        let set = constraints.set();
+        let state = EquilibriumState::new(model, set)?;
+        let parts = Arc::new(EquilibriumParts::new(&state.assembly, set, &state.quantities, target.prescribed));
+        let mut moves = vec![false; set.dofs()];
+        target.prescribed.iter().for_each(|&(j, v)| moves[j] = start.u[j] != v);
+        let in_time = matches!(constraints, TimePath::Driven { .. });
+        let driven =
+            |part: &EquilibriumPart| (in_time || part.held.iter().any(|&j| moves[j])) && !is_straight(set, part);
+        let track = |part: &EquilibriumPart| PartTrack { driven: driven(part), ..PartTrack::default() };
+        let tracks = parts.list.iter().map(track).collect();
+        let factoring = parts.list.iter().map(|_| Factoring::default()).collect();
+        let at = Unknowns { u: start.u.clone(), multipliers: start.multipliers.clone() };
+        let (rows, rotations, steps) = (None, Vec::new(), Vec::new());
+        Ok(Self {
+            model,
+            constraints,
+            start,
+            target,
+            options,
+            parts,
+            state,
+            at,
+            rows,
+            rotations,
+            factoring,
+            tracks,
+            steps,
+        })
+    }
+
+    /// Runs the path; after an error, the constraint set returns to its start.
+    pub fn follow(mut self) -> Result<Equilibrium, EquilibriumError> {
+        self.rotations = self.loose_rotations();
+        let found = self.go();
+        if found.is_err() {
+            self.constraints.return_to(0.0);
+        }
+        found.map(|()| self.finish())
+    }
+
+    fn go(&mut self) -> Result<(), EquilibriumError> {
+        let (mut factor, mut length) = (0.0, self.options.first);
+        while factor < 1.0 {
+            let tried: f64 = if factor + 1.001 * length >= 1.0 { 1.0 } else { factor + length };
+            match self.step([factor, tried]) {
+                Ok((at, rows)) => {
+                    self.model.accept(&at.u);
+                    (self.at, self.rows, factor) = (at, Some(rows), tried);
+                    length = (self.longer() * length).max(length.min(self.options.shortest));
+                }
+                Err(failures) => {
+                    self.constraints.return_to(factor);
+                    length = failures.shorter() * (tried - factor);
+                    if failures.is_fatal() || length < self.options.shortest {
+                        let tried = self.steps.last().map_or(factor, |step| step.factor);
+                        return Err(failures.into_error(self.constraints.set(), factor, tried));
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Factor for the length of the next step.
+    fn longer(&self) -> f64 {
+        let easy = self.tracks.iter().all(|track| track.iterates <= EASY);
+        self.tracks.iter().map(|track| growth(track.turn.radius)).fold(if easy { 2.0 } else { 1.0 }, f64::min)
+    }
+
+    fn finish(self) -> Equilibrium {
+        let Self { target, options, parts, state, at, rows, tracks, steps, .. } = self;
+        let forces = constraint_forces(state.quantities.g(), &at.multipliers);
+        let kept = |r: &usize| rows.as_ref().is_none_or(|rows| rows[parts.of_row(*r)].kept(*r));
+        let stability = || Stability::of_parts(tracks.iter().filter_map(|track| track.stability));
+        Equilibrium {
+            reactions: target.prescribed.iter().map(|&(j, _)| state.residual[j]).collect(),
+            constraint_forces: forces.iter().map(|f| -f).collect(),
+            redundant: (0..at.multipliers.len()).filter(|r| !kept(r)).collect(),
+            loads: target.loads.to_vec(),
+            u: at.u,
+            stability: options.stability.then(stability),
+            multipliers: at.multipliers,
+            steps,
+        }
+    }
+}
+
+/// Whether G of a part is constant.
+fn is_straight(set: &ConstraintSet, part: &EquilibriumPart) -> bool {
+    part.rows.iter().all(|r| set.linear_rows().contains(r))
+}
+
+/// Validates the lengths and numbers of the arguments.
+pub fn check(dofs: usize, set: &ConstraintSet, start: &Start, target: &Target) -> Result<(), EquilibriumError> {
+    let (n, m) = (set.dofs(), set.equations());
+    let lengths = [
+        ("DOFs of the model", dofs, n),
+        ("values of u at the start", start.u.len(), n),
+        ("multipliers at the start", start.multipliers.len(), m),
+        ("loads at the start", start.loads.len(), n),
+        ("loads", target.loads.len(), n),
+    ];
+    if let Some((what, found, expected)) = lengths.into_iter().find(|(_, found, expected)| found != expected) {
+        return Err(EquilibriumError::Size { what, found, expected });
+    }
+    let numbers =
+        [("u", &start.u[..]), ("multiplier", &start.multipliers), ("load", &start.loads), ("load", target.loads)];
+    for (what, list) in numbers {
+        if let Some(at) = list.iter().position(|x| !x.is_finite()) {
+            return Err(EquilibriumError::NotFinite { factor: 0.0, what, at });
+        }
+    }
+    // Detects DOFs that are out of range or named twice, and values that are not finite.
+    let mut builder = SystemBuilder::new(set.dofs());
+    target.prescribed.iter().for_each(|&(dof, value)| builder.prescribe(dof, value));
+    let checked = builder.build().map(drop).map_err(qless_constraints::LineariseError::from);
+    checked.map_err(|source| EquilibriumError::System { factor: 0.0, source })
+}

@@ -1,0 +1,213 @@
+//! f_int, K, c, G and H at one configuration, and the residual `r = f_int + G^T lambda - f_ext`.
+
+use qless::Csr;
+use qless_constraints::{ConstraintSet, Quantities, Rounding};
+
+use super::model::{Assembly, AssemblyFault, Model};
+use super::parts::{EquilibriumPart, EquilibriumParts};
+use super::{EquilibriumError, StepFailure};
+use crate::newton::{at_rest, in_roundings, weights};
+
+/// Relative rounding of a sum of products.
+const ULPS: f64 = 8.0 * f64::EPSILON;
+/// Roundings allowed for each row in the certificate of a redundant row.
+const OTHERS: f64 = 4.0;
+
+/// Displacements and multipliers.
+#[derive(Clone, Debug)]
+pub struct Unknowns {
+    pub u: Vec<f64>,
+    pub multipliers: Vec<f64>,
+}
+
+/// All quantities at one configuration.
+pub struct EquilibriumState {
+    pub assembly: Assembly,
+    pub quantities: Quantities,
+    /// `f_int + G^T lambda - f_ext` at all DOFs.
+    pub residual: Vec<f64>,
+    /// `sum |terms|` of the residual.
+    pub terms: Vec<f64>,
+    /// Effect of rounding of u and G on the residual.
+    rounding: Vec<f64>,
+    /// `|c_r|` in roundings of its own terms; if it no longer falls, of the largest in its part or of the forces.
+    pub constraints: Vec<f64>,
+    /// Bounds on the rounding of c and G.
+    of_constraints: Option<Rounding>,
+}
+
+impl EquilibriumState {
+    pub fn new(model: &impl Model, set: &ConstraintSet) -> Result<Self, EquilibriumError> {
+        let assembly = Assembly::new(model);
+        fault(&assembly)?;
+        let n = set.dofs();
+        let zeros = || vec![0.0; n];
+        let (quantities, constraints) = (set.allocate(), vec![0.0; set.equations()]);
+        Ok(Self {
+            assembly,
+            quantities,
+            residual: zeros(),
+            terms: zeros(),
+            rounding: zeros(),
+            constraints,
+            of_constraints: None,
+        })
+    }
+
+    /// Evaluates the residual and c only, for trial points.
+    pub fn balance(
+        &mut self,
+        model: &mut impl Model,
+        set: &ConstraintSet,
+        at: &Unknowns,
+        loads: &[f64],
+    ) -> Result<(), StepFailure> {
+        self.assembly.clear(false);
+        model.assemble(&at.u, &mut self.assembly).map_err(StepFailure::Model)?;
+        set.evaluate(&at.u, &mut self.quantities)?;
+        self.sum(at, loads)
+    }
+
+    /// Evaluates all quantities.
+    pub fn evaluate(
+        &mut self,
+        model: &mut impl Model,
+        set: &ConstraintSet,
+        at: &Unknowns,
+        loads: &[f64],
+    ) -> Result<(), StepFailure> {
+        self.assembly.clear(true);
+        model.assemble(&at.u, &mut self.assembly).map_err(StepFailure::Model)?;
+        set.assemble(&at.u, &at.multipliers, &mut self.quantities)?;
+        self.sum(at, loads)?;
+        let rounding = set.rounding(&at.u)?;
+        self.constraints = in_roundings(self.quantities.c(), rounding.c());
+        self.round(model, at, rounding.g());
+        self.of_constraints = Some(rounding);
+        Ok(())
+    }
+
+    /// For parts whose c no longer falls: the rest may be rounding of other rows or of forces.
+    pub fn settle<'a>(
+        &mut self,
+        (set, parts): (&ConstraintSet, &EquilibriumParts),
+        settled: impl Iterator<Item = &'a EquilibriumPart>,
+        u: &[f64],
+    ) {
+        if let Some(rounding) = &self.of_constraints {
+            let parts = &parts.of_equations;
+            let weights = weights(self.quantities.g(), rounding.g(), &parts.columns);
+            let at_rest = at_rest(&weights, &self.quantities, (rounding, &set.extents(u)), parts);
+            for part in settled {
+                let in_forces = self.in_forces(part);
+                let rows = part.rows.iter().zip(in_forces);
+                rows.for_each(|(&r, in_forces)| self.constraints[r] = at_rest[r].min(in_forces));
+            }
+        }
+    }
+
+    /// For each row, the force change of the cheapest motion that removes c_r, `min_j |c_r / G_rj| K_jj^1/2 / max_i terms_i K_ii^-1/2`, in
+    /// units in the last place. If it is small, c_r is negligible, however small its own terms are; those of a support `u_0 = 0` vanish with
+    /// u_0.
+    fn in_forces(&self, part: &EquilibriumPart) -> Vec<f64> {
+        let stiffness = |j: usize| self.assembly.row(j).find(|&(k, _)| k == j).map_or(0.0, |(_, v)| v.abs().sqrt());
+        let sizes = part.free.iter().map(|&j| (stiffness(j), self.terms[j])).filter(|(stiffness, _)| *stiffness > 0.0);
+        let most = sizes.map(|(stiffness, terms)| terms / stiffness).fold(0.0, f64::max);
+        let (c, g) = (self.quantities.c(), self.quantities.g());
+        let of_row = |&r: &usize| {
+            let motions = g.row(r).filter(|&(j, v)| v != 0.0 && stiffness(j) > 0.0);
+            let least = motions.map(|(j, v)| (c[r] / v).abs() * stiffness(j)).fold(f64::INFINITY, f64::min);
+            if most > 0.0 { least / (f64::EPSILON * most) } else { f64::INFINITY }
+        };
+        part.rows.iter().map(of_row).collect()
+    }
+
+    fn sum(&mut self, at: &Unknowns, loads: &[f64]) -> Result<(), StepFailure> {
+        fault(&self.assembly)?;
+        let Self { assembly, residual, terms, .. } = self;
+        for (j, &load) in loads.iter().enumerate() {
+            residual[j] = assembly.force[j] - load;
+            terms[j] = assembly.terms[j] + load.abs();
+        }
+        let g = self.quantities.g();
+        for (r, &lambda) in at.multipliers.iter().enumerate().filter(|(_, lambda)| **lambda != 0.0) {
+            g.row(r).for_each(|(j, v)| {
+                residual[j] += v * lambda;
+                terms[j] += (v * lambda).abs();
+            });
+        }
+        Ok(())
+    }
+
+    /// Fails if a force or c of the part is not finite.
+    pub fn finite(&self, part: &EquilibriumPart) -> Result<(), StepFailure> {
+        finite("the force", part.free.iter().chain(&part.held).map(|&j| (j, self.residual[j])))?;
+        finite("the constraint value", part.rows.iter().map(|&r| (r, self.quantities.c()[r])))
+    }
+
+    /// Fails if its stiffness is not finite.
+    pub fn finite_stiffness(&self, part: &EquilibriumPart) -> Result<(), StepFailure> {
+        let rows = part.free.iter().chain(&part.held);
+        finite("the stiffness", rows.flat_map(|&i| self.assembly.row(i).map(move |(_, k)| (i, k))))
+    }
+
+    fn round(&mut self, model: &impl Model, at: &Unknowns, of_g: &[f64]) {
+        self.rounding.fill(0.0);
+        for (i, rounding) in self.rounding.iter_mut().enumerate() {
+            let terms = self.assembly.row(i);
+            terms.for_each(|(j, k)| *rounding += ULPS * k.abs() * (at.u[j].abs() + model.coordinate(j).abs()));
+        }
+        let g = self.quantities.g();
+        for (r, &lambda) in at.multipliers.iter().enumerate().filter(|(_, lambda)| **lambda != 0.0) {
+            let bounds = &of_g[g.starts()[r]..g.starts()[r + 1]];
+            g.row(r).zip(bounds).for_each(|((j, _), bound)| self.rounding[j] += (lambda * bound).abs());
+        }
+    }
+
+    /// `max |r_j| / (terms_j + rounding_j / tolerance)` over the free DOFs; at most the tolerance in equilibrium.
+    pub fn force(&self, free: &[usize], tolerance: f64) -> f64 {
+        let relative = |&j: &usize| {
+            let size = self.terms[j] + self.rounding[j] / tolerance;
+            if self.residual[j] == 0.0 { 0.0 } else { self.residual[j].abs() / size }
+        };
+        free.iter().map(relative).fold(0.0, f64::max)
+    }
+
+    /// Whether `c_r - sum y_k c_k` is rounding of its terms, if row r is `sum y_k row_k`; `roundings` of its own are allowed, and [`OTHERS`]
+    /// of each other.
+    pub fn follows(&self, row: usize, because: impl Iterator<Item = (f64, usize)>, roundings: f64) -> bool {
+        let Some(rounding) = &self.of_constraints else { return false };
+        let (c, bounds) = (self.quantities.c(), rounding.c());
+        let start = (c[row], roundings * bounds[row]);
+        let (left, limit) =
+            because.fold(start, |(left, limit), (y, k)| (left - y * c[k], limit + OTHERS * (y * bounds[k]).abs()));
+        left.abs() <= limit
+    }
+
+    /// The largest `|c_r|` of the given rows, in roundings.
+    pub fn constraint(&self, rows: impl IntoIterator<Item = usize>) -> f64 {
+        rows.into_iter().map(|r| self.constraints[r]).fold(0.0, f64::max)
+    }
+}
+
+fn fault(assembly: &Assembly) -> Result<(), EquilibriumError> {
+    match assembly.fault {
+        Some(AssemblyFault::Force(dof)) => Err(EquilibriumError::Force { dof, dofs: assembly.force.len() }),
+        Some(AssemblyFault::Stiffness(row, column)) => Err(EquilibriumError::Pattern { row, column }),
+        None => Ok(()),
+    }
+}
+
+fn finite(what: &'static str, mut numbers: impl Iterator<Item = (usize, f64)>) -> Result<(), StepFailure> {
+    let bad = numbers.find(|(_, x)| !x.is_finite());
+    bad.map_or(Ok(()), |(at, _)| Err(StepFailure::NotFinite { what, at }))
+}
+
+/// `G^T lambda`.
+pub fn constraint_forces(g: &Csr, multipliers: &[f64]) -> Vec<f64> {
+    let mut forces = vec![0.0; g.cols()];
+    for (r, lambda) in multipliers.iter().enumerate() {
+        g.row(r).for_each(|(j, v)| forces[j] += v * lambda);
+    }
+    forces
+}

@@ -1,0 +1,178 @@
+use faer::sparse::{SparseColMat, Triplet};
+use qless::{ConstraintSystem, SystemBuilder};
+use qless_solve::enforce::{EnforceError, Problem, Solution};
+
+use crate::linkages::{Outcome, random};
+
+const DOFS: usize = 40;
+
+/// A chain of springs on an elastic bed, DOFs 0 to 39, with a convective term if it is to be unsymmetric.
+fn stiffness(convection: f64) -> Outcome<SparseColMat<usize, f64>> {
+    let mut entries = Vec::new();
+    for i in 0..DOFS {
+        entries.push(Triplet::new(i, i, 0.1 + 0.01 * i as f64));
+        if i + 1 < DOFS {
+            let s = 2.0 + random(i);
+            entries.extend(
+                [(i, i, s), (i + 1, i + 1, s), (i, i + 1, -s + convection), (i + 1, i, -s - convection)]
+                    .map(|(i, j, v)| Triplet::new(i, j, v)),
+            );
+        }
+    }
+    Ok(SparseColMat::try_new_from_triplets(DOFS, DOFS, &entries)?)
+}
+
+/// Ties, a mean, a closed chain of equal DOFs, sums of rows; four of 13 equations are redundant. Two DOFs are prescribed.
+fn constraints(conflict: f64) -> Outcome<ConstraintSystem> {
+    let mut builder = SystemBuilder::new(DOFS);
+    builder.labelled_equation("tie", [(3, 1.0), (10, -0.25), (11, -0.75)], 0.1);
+    builder.labelled_equation("mean", (20..28).map(|j| (j, 1.0)), 2.0);
+    for (a, b) in [(30, 31), (31, 32), (32, 33), (33, 30)] {
+        builder.labelled_equation(format!("ring {a}-{b}"), [(a, 1.0), (b, -1.0)], 0.0);
+    }
+    builder.labelled_equation("lever", [(5, 1.0), (6, -2.0), (0, 0.5)], 0.0);
+    builder.labelled_equation("tie again", [(3, 2.0), (10, -0.5), (11, -1.5)], 0.2 + conflict);
+    let both = [(3, 1.0), (10, -0.25), (11, -0.75), (5, 1.0), (6, -2.0), (0, 0.5)];
+    builder.labelled_equation("tie and lever", both, 0.1);
+    builder.labelled_equation("step", [(15, 1.0), (16, -1.0)], 0.3);
+    builder.labelled_equation("far step", [(16, 1.0), (17, -1.0)], 0.2);
+    builder.labelled_equation("both steps", [(15, 1.0), (17, -1.0)], 0.5);
+    builder.labelled_equation("on the wall", [(39, 1.0), (38, -1.0)], 0.05);
+    builder.prescribe(0, 0.4);
+    builder.prescribe(39, -0.1);
+    Ok(builder.build()?)
+}
+
+fn loads() -> Vec<f64> {
+    (0..DOFS).map(|j| 1.0 + random(j + 300)).collect()
+}
+
+fn difference(a: &[f64], b: &[f64]) -> f64 {
+    let size = b.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    a.iter().zip(b).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs())) / size
+}
+
+#[track_caller]
+fn assert_same(name: &str, a: &Solution, b: &Solution) {
+    let reaction = |s: &Solution| s.reactions.iter().map(|r| r.1).collect::<Vec<_>>();
+    assert!(difference(&a.u, &b.u) < 1e-10, "{name}: u");
+    assert!(difference(&a.multipliers, &b.multipliers) < 1e-10, "{name}: multipliers");
+    assert!(difference(&a.forces, &b.forces) < 1e-10, "{name}: forces");
+    assert!(difference(&reaction(a), &reaction(b)) < 1e-10, "{name}: reactions");
+}
+
+/// All exact methods give the same u, multipliers, forces and reactions, for symmetric and unsymmetric K; each equation holds.
+#[test]
+fn methods_agree() -> Outcome {
+    for convection in [0.0, 0.7] {
+        let (k, f, system) = (stiffness(convection)?, loads(), constraints(0.0)?);
+        let problem = Problem::new(&k, &f, &system)?;
+        assert_eq!((problem.kept().len(), problem.redundant().len()), (9, 4));
+        let truth = problem.lagrange()?;
+        assert_same("transformation", &problem.transformation()?, &truth);
+        assert_same("augmented", &problem.augmented(1e3, 1e-13)?, &truth);
+        for limit in [0.0, 3.0, 1e9] {
+            assert_same("mixed", &problem.mixed(&problem.plan(limit)?)?, &truth);
+        }
+        for row in 0..system.equations() {
+            let value: f64 = system.matrix().row(row).map(|(j, v)| v * truth.u[j]).sum();
+            assert!((value - system.rhs()[row]).abs() < 1e-13, "{}", system.equation_label(row));
+        }
+        assert!(problem.redundant().iter().all(|&row| truth.multipliers[row] == 0.0));
+        assert_eq!((truth.u[0], truth.u[39]), (0.4, -0.1));
+    }
+    Ok(())
+}
+
+/// The plan eliminates sparse blocks and gives the mean a multiplier; the user can swap that.
+#[test]
+fn plan_is_by_block_and_can_be_changed() -> Outcome {
+    let (k, f, system) = (stiffness(0.0)?, loads(), constraints(0.0)?);
+    let problem = Problem::new(&k, &f, &system)?;
+    let mut plan = problem.plan(4.0)?;
+    let mean = plan.iter().position(|block| block.rows == [1]).ok_or("the mean is a block")?;
+    assert!(!plan[mean].eliminate && plan.iter().filter(|block| block.eliminate).count() == plan.len() - 1);
+    plan.iter_mut().for_each(|block| block.eliminate = !block.eliminate);
+    assert_same("turned round", &problem.mixed(&plan)?, &problem.lagrange()?);
+    plan.pop();
+    assert!(matches!(problem.mixed(&plan), Err(EnforceError::Plan { .. })));
+    Ok(())
+}
+
+/// The error of the penalty method falls as 1 / factor: its slope on doubly logarithmic paper is -1.
+#[test]
+fn penalty_follows_its_theory() -> Outcome {
+    let (k, f, system) = (stiffness(0.0)?, loads(), constraints(0.0)?);
+    let problem = Problem::new(&k, &f, &system)?;
+    let truth = problem.transformation()?;
+    let errors: Vec<f64> = (3..8)
+        .map(|digits| Ok(difference(&problem.penalty(10_f64.powi(digits), 0.5)?.u, &truth.u)))
+        .collect::<Result<_, EnforceError>>()?;
+    for pair in errors.windows(2) {
+        println!("penalty error {:.3e}", pair[0]);
+        assert!((pair[0] / pair[1] - 10.0).abs() < 0.2, "{errors:?}");
+    }
+    Ok(())
+}
+
+/// The factor is dimensionless: other units of force and multiplied equations give the same u.
+#[test]
+fn penalty_does_not_depend_on_units() -> Outcome {
+    let (k, f, system) = (stiffness(0.0)?, loads(), constraints(0.0)?);
+    let plain = Problem::new(&k, &f, &system)?.penalty(1e4, 0.1)?;
+    let scale = 1e6;
+    let entries: Vec<_> = (0..DOFS)
+        .flat_map(|j| {
+            k.symbolic().row_idx_of_col(j).zip(k.val_of_col(j)).map(move |(i, &v)| Triplet::new(i, j, scale * v))
+        })
+        .collect();
+    let stiff = SparseColMat::try_new_from_triplets(DOFS, DOFS, &entries)?;
+    let large: Vec<f64> = f.iter().map(|f| scale * f).collect();
+    let mut builder = SystemBuilder::new(DOFS);
+    for row in 0..system.equations() {
+        let factor = [1e-3, 1.0, 4e4][row % 3];
+        builder.equation(system.matrix().row(row).map(|(j, v)| (j, factor * v)), factor * system.rhs()[row]);
+    }
+    system.prescribed().iter().for_each(|&(dof, value)| builder.prescribe(dof, value));
+    let rescaled = builder.build()?;
+    let problem = Problem::new(&stiff, &large, &rescaled)?;
+    assert_eq!(problem.kept(), Problem::new(&k, &f, &system)?.kept());
+    assert!(difference(&problem.penalty(1e4, 0.1)?.u, &plain.u) < 1e-9);
+    Ok(())
+}
+
+fn smallest_to_largest(matrix: &SparseColMat<usize, f64>) -> Outcome<f64> {
+    let values = matrix.to_dense().singular_values().map_err(|_| "no singular values")?;
+    Ok(values[values.len() - 1] / values[0])
+}
+
+/// Lagrange's matrix of all equations is singular; that of the independent ones is not.
+#[test]
+fn redundant_equations_make_the_matrix_singular() -> Outcome {
+    let (k, f, system) = (stiffness(0.0)?, loads(), constraints(0.0)?);
+    let problem = Problem::new(&k, &f, &system)?;
+    let all: Vec<usize> = (0..system.equations()).collect();
+    assert!(smallest_to_largest(&problem.lagrange_matrix(&all)?)? < 1e-15);
+    assert!(smallest_to_largest(&problem.lagrange_matrix(problem.kept())?)? > 1e-5);
+    Ok(())
+}
+
+#[test]
+fn what_cannot_be_solved_is_said() -> Outcome {
+    let (k, f, system) = (stiffness(0.0)?, loads(), constraints(0.3)?);
+    match Problem::new(&k, &f, &system) {
+        Err(EnforceError::Conflict { labels, .. }) => assert_eq!(labels.len(), 1),
+        _ => return Err("the conflict was not found".into()),
+    }
+    let system = constraints(0.0)?;
+    assert!(matches!(Problem::new(&k, &f[1..], &system), Err(EnforceError::Size { found: 39, .. })));
+    let problem = Problem::new(&k, &f, &system)?;
+    assert!(matches!(problem.penalty(-1.0, 0.1), Err(EnforceError::Factor(_))));
+    assert!(matches!(problem.augmented(1e3, 1e-19), Err(EnforceError::NoConvergence { .. })));
+    // Without any stiffness, the constraints do not support the model.
+    let nothing = SparseColMat::try_new_from_triplets(DOFS, DOFS, &[])?;
+    let loose = Problem::new(&nothing, &f, &system)?;
+    assert!(matches!(loose.transformation(), Err(EnforceError::Unsupported(_))));
+    assert!(matches!(loose.lagrange(), Err(EnforceError::Unsupported(_))));
+    Ok(())
+}

@@ -1,0 +1,90 @@
+use qless::{Options, analyse};
+use qless_constraints::types::{Body, Distance, EulerNorm, LinearEquation, OnSphere, PlanarPoint, Revolute};
+use qless_constraints::{ConstraintSet, SetBuilder};
+use qless_solve::newton::{NewtonOptions, solve};
+
+pub type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
+
+/// `G du = -c` at u = 0.
+pub fn at_rest(
+    set: &ConstraintSet,
+    prescribed: &[(usize, f64)],
+) -> Result<qless::ConstraintSystem, Box<dyn std::error::Error>> {
+    let mut quantities = set.allocate();
+    set.evaluate(&vec![0.0; set.dofs()], &mut quantities)?;
+    Ok(set.linearised(&quantities, prescribed)?)
+}
+
+/// Rank of G at u.
+pub fn rank(set: &ConstraintSet, u: &[f64]) -> Outcome<usize> {
+    let mut quantities = set.allocate();
+    set.evaluate(u, &mut quantities).expect("of this set");
+    Ok(analyse(&set.linearised(&quantities, &[])?, &Options::default())?.rank())
+}
+
+/// A number in [-0.5, 0.5], the same for a seed.
+pub fn random(seed: usize) -> f64 {
+    let z = (seed as u64 + 11).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29).wrapping_mul(0xD6E8_FEB8_6659_FD93);
+    f64::from((z ^ (z >> 32)) as u32) / f64::from(u32::MAX) - 0.5
+}
+
+/// Three arms of length 1 on the ground at x = 0, 1, 2 that carry a rigid coupler of three points: 6 DOFs.
+pub fn parallelogram() -> Outcome<SetBuilder> {
+    let mut builder = ConstraintSet::builder(6);
+    let top = |i: usize| PlanarPoint::new([2 * i, 2 * i + 1], [i as f64, 1.0]);
+    for i in 0..3 {
+        let arm = OnSphere { point: top(i), centre: [i as f64, 0.0], radius: None };
+        builder.add(format!("arm {}", i + 1), arm)?;
+    }
+    builder.add("coupler", Distance::new(top(0), top(2)))?;
+    for axis in 0..2 {
+        let terms = vec![(2 + axis, 1.0), (axis, -0.5), (4 + axis, -0.5)];
+        builder.add("middle of the coupler", LinearEquation { terms, rhs: 0.0 })?;
+    }
+    Ok(builder)
+}
+
+/// A closed ring of hinges `(point, axis)`. The first body is the ground; each other body has seven DOFs.
+pub fn ring(hinges: &[([f64; 3], [f64; 3])]) -> Outcome<SetBuilder> {
+    let bodies = hinges.len();
+    let mut builder = ConstraintSet::builder(7 * (bodies - 1));
+    let body = |i: usize| {
+        if i.is_multiple_of(bodies) {
+            return Body::ground();
+        }
+        // Between its two hinges.
+        let (p, q) = (hinges[i - 1].0, hinges[i % bodies].0);
+        let at = std::array::from_fn(|k| f64::midpoint(p[k], q[k]));
+        let first = 7 * (i - 1);
+        Body::with_euler([first, first + 1, first + 2], at, [first + 3, first + 4, first + 5, first + 6])
+    };
+    for (i, &(at, axis)) in hinges.iter().enumerate() {
+        builder.add(format!("hinge {}", i + 1), Revolute { a: body(i), b: body(i + 1), at, axis })?;
+    }
+    for i in 1..bodies {
+        let first = 7 * (i - 1) + 3;
+        let parameters = [first, first + 1, first + 2, first + 3];
+        builder.add(format!("body {}", i + 1), EulerNorm { parameters })?;
+    }
+    Ok(builder)
+}
+
+/// Bricard's orthogonal linkage: six hinges on a closed path along the edges of a cube, each perpendicular to both edges.
+pub fn bricard() -> Outcome<SetBuilder> {
+    let (x, y, z) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
+    let corners =
+        [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 1.0, 1.0], [0.0, 1.0, 1.0], [0.0, 0.0, 1.0]];
+    let axes = [y, z, x, y, z, x];
+    ring(&std::array::from_fn::<_, 6, _>(|i| (corners[i], axes[i])))
+}
+
+/// A four-bar linkage with parallel hinges.
+pub fn four_bar() -> Outcome<SetBuilder> {
+    let z = [0.0, 0.0, 1.0];
+    ring(&[([0.0; 3], z), ([0.3, 1.0, 0.2], z), ([2.0, 1.4, 0.1], z), ([1.8, 0.0, -0.3], z)])
+}
+
+/// A generic consistent configuration: `dof` is moved to `value`, and Newton's method moves the others.
+pub fn moved(set: &ConstraintSet, dof: usize, value: f64) -> Outcome<Vec<f64>> {
+    Ok(solve(set, &vec![0.0; set.dofs()], &[(dof, value)], &NewtonOptions::default())?.u)
+}

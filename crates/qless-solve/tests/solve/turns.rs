@@ -1,0 +1,74 @@
+//! Rotation vectors are kept short.
+
+use std::f64::consts::{PI, TAU};
+
+use qless_constraints::types::{Body, Fixed, LinearEquation, Point, Prescribed, Revolute, RigidBody, Spherical};
+use qless_constraints::{Constraint, ConstraintSet};
+use qless_solve::newton::{NewtonOptions, solve};
+
+use crate::linkages::{Outcome, random, rank};
+use crate::poses::{norm, values};
+
+fn arm(first: usize) -> Body {
+    Body::with_vector([first, first + 1, first + 2], [0.3, 0.1, -0.2], [first + 3, first + 4, first + 5])
+}
+
+/// Two bodies and a node, with one more constraint.
+fn model<C: Constraint>(extra: C) -> Outcome<ConstraintSet> {
+    let mut builder = ConstraintSet::builder(15);
+    builder.add("hinge", Revolute { a: arm(0), b: arm(6), at: [1.0, 0.0, 0.0], axis: [0.0, 0.0, 1.0] })?;
+    builder.add("link", RigidBody { body: arm(0), nodes: vec![Point::new([12, 13, 14], [2.0, 1.0, 0.0]).into()] })?;
+    builder.add("extra", extra)?;
+    Ok(builder.build()?)
+}
+
+/// Shortening keeps the configuration: c stays, and no vector is longer than half a turn.
+#[test]
+fn shortened_vectors_are_the_same_rotations() -> Outcome {
+    let set = model(Spherical { a: Body::ground(), b: arm(6), at: [0.5; 3] })?;
+    assert_eq!(set.rotation_vectors(), [[3, 4, 5], [9, 10, 11]]);
+    for case in 0..60 {
+        let size = [1.0, 9.0, 40.0, 400.0][case % 4];
+        let mut u: Vec<f64> = (0..15).map(|j| size * random(15 * case + j)).collect();
+        let before = values(&set, &u)?;
+        let long = [3, 9].into_iter().filter(|&j| norm([u[j], u[j + 1], u[j + 2]]) > PI).count();
+        assert_eq!(set.shorten_rotations(&mut u)?, long, "case {case}");
+        assert!([3, 9].into_iter().all(|j| norm([u[j], u[j + 1], u[j + 2]]) <= PI * (1.0 + 1e-15)));
+        let after = values(&set, &u)?;
+        let off = before.iter().zip(&after).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-14 * (1.0 + size), "case {case}: {off:e}");
+    }
+    assert!(set.shorten_rotations(&mut [0.0; 3]).is_err());
+    Ok(())
+}
+
+/// A DOF that an equation uses is not changed.
+#[test]
+fn vectors_that_something_else_uses_stay() -> Outcome {
+    let equation = LinearEquation { terms: vec![(5, 1.0), (11, -2.0)], rhs: 0.0 };
+    assert_eq!(model(equation)?.rotation_vectors(), [[0; 3]; 0]);
+    assert_eq!(model(Prescribed { values: vec![(4, 5.0)] })?.rotation_vectors(), [[9, 10, 11]]);
+    // The same DOFs in another order, and as the position of another body.
+    let other = Body::with_vector([0, 1, 2], [0.0; 3], [5, 4, 3]);
+    assert_eq!(model(Spherical { a: Body::ground(), b: other, at: [1.0; 3] })?.rotation_vectors(), [[9, 10, 11]]);
+    let position = Body::node(Point::new([9, 10, 11], [0.0; 3]));
+    assert_eq!(model(Spherical { a: position, b: arm(0), at: [1.0; 3] })?.rotation_vectors(), [[3, 4, 5]]);
+    Ok(())
+}
+
+/// From a rotation vector of a whole turn, which is singular, Newton's method reaches a weld with full rank.
+#[test]
+fn a_whole_turn_is_left_behind() -> Outcome {
+    let mut builder = ConstraintSet::builder(6);
+    builder.add("weld", Fixed { a: Body::ground(), b: arm(0), at: [0.5; 3] })?;
+    let set = builder.build()?;
+    let start = [0.1, 0.0, 0.0, TAU * 0.6, 0.0, TAU * 0.8];
+    let solution = solve(&set, &start, &[], &NewtonOptions::default())?;
+    assert!(solution.iterates.iter().all(|iterate| iterate.rank == 6), "{:?}", solution.iterates);
+    assert!(solution.u.iter().all(|u| u.abs() < 1e-15), "{:?}", solution.u);
+    // A prescribed vector is not shortened.
+    let driven = solve(&set, &start, &[(3, TAU * 0.6), (4, 0.0), (5, TAU * 0.8)], &NewtonOptions::default())?;
+    assert_eq!(driven.u[3..], start[3..]);
+    assert_eq!(rank(&set, &solution.u)?, 6);
+    Ok(())
+}
