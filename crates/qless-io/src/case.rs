@@ -6,45 +6,9 @@ use qless::{ConstraintSystem, Place, SystemError};
 
 use crate::fault::Fault;
 use crate::vectors::{read_labels, read_prescribed, read_rhs};
-use crate::{Opened, ReadError, bytes, matrix_market, part};
+use crate::{ReadError, matrix_market, part};
 
-/// Reads `path`: a Matrix Market file, or a folder with `C.mtx` and what else it holds of a case; `-` is standard input. Text may be
-/// packed by gzip, or be UTF-16 with a byte order mark.
-///
-/// `rhs` and `prescribed` name the other files of a `.mtx` file; with a folder they replace its own.
-/// Without a right-hand side b is zero. Where a line of labels is empty the number stands in its place.
-///
-/// # Errors
-/// [`ReadError`]: the path is no case, or one of its files is malformed.
-///
-/// ```
-/// use qless_io::read_case;
-/// # let place = tempfile::tempdir()?;
-/// let matrix = place.path().join("C.mtx");
-/// std::fs::write(&matrix, "%%MatrixMarket matrix coordinate real general\n1 2 2\n1 1 1\n1 2 -1\n")?;
-/// let rhs = place.path().join("gap.txt");
-/// std::fs::write(&rhs, "0.25\n")?;
-/// let system = read_case(&matrix, Some(&rhs), None)?;
-/// assert_eq!((system.equations(), system.dofs(), system.rhs()), (1, 2, &[0.25][..]));
-///
-/// let folder = read_case(place.path(), None, None)?;
-/// assert_eq!(folder.rhs(), [0.0]);
-///
-/// std::fs::write(&rhs, "inf\n")?;
-/// let error = read_case(&matrix, Some(&rhs), None).unwrap_err().to_string();
-/// assert!(error.contains("gap.txt:1: the right-hand side of row 1 is `inf`: every number must be finite"));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn read_case(path: &Path, rhs: Option<&Path>, prescribed: Option<&Path>) -> Result<ConstraintSystem, ReadError> {
-    if !path.is_dir() {
-        return Opened::read(path, None)?.into_case(rhs, prescribed);
-    }
-    let files = CaseFiles::in_folder(path)?.with(rhs, prescribed);
-    let matrix = bytes::read(&files.matrix).map_err(ReadError::io(&files.matrix))?;
-    files.read_from(matrix)
-}
-
-/// The files that [`read_case`] reads, and those that it would read if they were there.
+/// The files that [`read_case`](crate::read_case) reads, and those that it would read if they were there.
 ///
 /// ```
 /// use std::path::Path;
@@ -77,7 +41,7 @@ pub struct CaseFiles {
 }
 
 impl CaseFiles {
-    /// The files that [`read_case`] reads, none of which is read yet.
+    /// The files that [`read_case`](crate::read_case) reads, none of which is read yet.
     ///
     /// # Errors
     /// [`ReadError`]: the path is no case.
@@ -94,7 +58,7 @@ impl CaseFiles {
         self
     }
 
-    fn in_folder(folder: &Path) -> Result<Self, ReadError> {
+    pub(crate) fn in_folder(folder: &Path) -> Result<Self, ReadError> {
         let part = |name: &str| {
             let path = folder.join(name);
             // A link that leads nowhere is there: reading it says so, rather than taking it for absent.

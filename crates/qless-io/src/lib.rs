@@ -38,10 +38,10 @@ pub mod part;
 pub mod vectors;
 pub mod write;
 
-pub use case::{case_files, read_case};
+pub use case::case_files;
 pub use error::{ReadError, WriteError};
 pub use fault::{Fault, NumberFault, Quantity};
-pub use opened::{Content, Opened};
+pub use opened::{Content, Opened, read_case};
 pub use write::write_case;
 
 /// The example of the README, as a test.

@@ -83,7 +83,7 @@ impl Opened {
         Ok(deck::parse(solver, &path, text, &mut |file: &Path| bytes::read(file))?)
     }
 
-    /// Parses a matrix, with a right-hand side and prescribed DOFs from other files, as [`read_case`](crate::read_case) does.
+    /// Parses a matrix, with a right-hand side and prescribed DOFs from other files, as [`read_case`] does.
     ///
     /// # Errors
     /// [`ReadError`]: a deck, or a malformed file.
@@ -94,6 +94,79 @@ impl Opened {
             Content::Deck(_) => Err(ReadError::OtherContent { path, problem: "it is a deck; name a matrix" }),
         }
     }
+}
+
+/// Reads `path`: a Matrix Market file, or a folder with `C.mtx` and what else it holds of a case; `-` is standard input. Text may be
+/// packed by gzip, or be UTF-16 with a byte order mark.
+///
+/// `rhs` and `prescribed` name the other files of a `.mtx` file; with a folder they replace its own.
+/// Without a right-hand side b is zero. Where a line of labels is empty the number stands in its place.
+///
+/// # Errors
+/// [`ReadError`]: the path is no case, or one of its files is malformed.
+///
+/// ```
+/// use qless_io::read_case;
+/// # let place = tempfile::tempdir()?;
+/// let matrix = place.path().join("C.mtx");
+/// std::fs::write(&matrix, "%%MatrixMarket matrix coordinate real general\n1 2 2\n1 1 1\n1 2 -1\n")?;
+/// let rhs = place.path().join("gap.txt");
+/// std::fs::write(&rhs, "0.25\n")?;
+/// let system = read_case(&matrix, Some(&rhs), None)?;
+/// assert_eq!((system.equations(), system.dofs(), system.rhs()), (1, 2, &[0.25][..]));
+///
+/// let folder = read_case(place.path(), None, None)?;
+/// assert_eq!(folder.rhs(), [0.0]);
+///
+/// std::fs::write(&rhs, "inf\n")?;
+/// let error = read_case(&matrix, Some(&rhs), None).unwrap_err().to_string();
+/// assert!(error.contains("gap.txt:1: the right-hand side of row 1 is `inf`: every number must be finite"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn read_case(path: &Path, rhs: Option<&Path>, prescribed: Option<&Path>) -> Result<ConstraintSystem, ReadError> {
+    if !path.is_dir() {
+        return Opened::read(path, None)?.into_case(rhs, prescribed);
+    }
+    let files = CaseFiles::in_folder(path)?.with(rhs, prescribed);
+    let matrix = bytes::read(&files.matrix).map_err(ReadError::io(&files.matrix))?;
+    files.read_from(matrix)
+}
+
+/// Reads a deck and the files that it includes, as the solver of its format does.
+///
+/// # Errors
+/// As [`read_deck_for`].
+///
+/// ```
+/// # let place = tempfile::tempdir()?;
+/// let path = place.path().join("tie.inp");
+/// std::fs::write(&path, "*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n*EQUATION\n2\n1,1,1.,2,1,-1.\n")?;
+/// let deck = qless_io::deck::read(&path)?;
+/// assert_eq!(deck.model().label(0).as_deref(), Some("line 5 *EQUATION 1:1"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn read_deck(path: &Path) -> Result<Deck, ReadError> {
+    read_deck_for(path, None)
+}
+
+/// Reads a deck and the files that it includes, as this solver does; that of its format where none is given.
+///
+/// # Errors
+/// [`ReadError`]: a file that cannot be read, content that is no deck's, a solver that does not read it, or a [`DeckError`](crate::deck::DeckError) with file,
+/// line, card and field.
+///
+/// ```
+/// use qless_io::deck::{Solver, read_for};
+/// # let place = tempfile::tempdir()?;
+/// let path = place.path().join("tie.inp");
+/// std::fs::write(&path, "*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n*EQUATION\n2\n1,1,1.,2,1,-1.\n")?;
+/// assert_eq!(read_for(&path, Some(Solver::Abaqus))?.solver(), Solver::Abaqus);
+/// let error = read_for(&path, Some(Solver::Nastran)).unwrap_err().to_string();
+/// assert!(error.ends_with("nastran does not read it: it is a deck of CalculiX or Abaqus; leave --solver out, or name ccx or abaqus"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn read_deck_for(path: &Path, solver: Option<Solver>) -> Result<Deck, ReadError> {
+    Opened::read(path, solver)?.into_deck(solver)
 }
 
 /// Whether the ending is that of a matrix.

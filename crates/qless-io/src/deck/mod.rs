@@ -21,6 +21,7 @@ pub mod clean;
 mod columns;
 mod detect;
 mod error;
+mod format;
 mod kinematics;
 mod model;
 mod name;
@@ -38,52 +39,16 @@ pub use cards::{Card, Cards};
 pub use detect::Seen;
 pub(crate) use detect::format_of;
 pub use error::{DeckError, Problem};
+pub use format::{Format, Solver, UnknownSolver};
 pub use model::{Dof, Equation, Load, LoadCase, Model, Origin, Prescribed, Warning};
 pub use name::CardName;
 pub use nastran::CardFault;
-pub use solver::{Outcome, Solver, UnknownSolver};
+pub use solver::Outcome;
 pub use source::Open;
 pub(crate) use source::Sources;
 
-use crate::{Opened, ReadError};
+pub use crate::opened::{read_deck as read, read_deck_for as read_for};
 
-/// The language of a deck.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
-    /// CalculiX and Abaqus, `.inp`.
-    Calculix,
-    /// ANSYS archives, `.cdb`.
-    Ansys,
-    /// Nastran, `.bdf`, `.dat`, `.nas`.
-    Nastran,
-}
-
-impl Format {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Calculix, Self::Ansys, Self::Nastran];
-
-    /// The format that a path's ending stands for, before `.gz` if it ends in that.
-    pub fn of(path: &Path) -> Option<Self> {
-        let ending = path.extension()?.to_str()?.to_ascii_lowercase();
-        match ending.as_str() {
-            "inp" => Some(Self::Calculix),
-            "cdb" => Some(Self::Ansys),
-            "bdf" | "dat" | "nas" | "fem" => Some(Self::Nastran),
-            "gz" => Self::of(Path::new(path.file_stem()?)),
-            _ => None,
-        }
-    }
-}
-
-impl std::fmt::Display for Format {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Calculix => "CalculiX or Abaqus",
-            Self::Ansys => "ANSYS",
-            Self::Nastran => "Nastran",
-        })
-    }
-}
 
 /// A deck: its constraints, and the text that they were read from.
 #[derive(Debug)]
@@ -164,43 +129,6 @@ impl Deck {
         let mut none = |_: &Path| Err(std::io::ErrorKind::NotFound.into());
         read(&mut Sources::again(self.solver, &self.model.files, &self.texts, &mut none))
     }
-}
-
-/// Reads a deck and the files that it includes, as the solver of its format does.
-///
-/// # Errors
-/// As [`read_for`].
-///
-/// ```
-/// # let place = tempfile::tempdir()?;
-/// let path = place.path().join("tie.inp");
-/// std::fs::write(&path, "*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n*EQUATION\n2\n1,1,1.,2,1,-1.\n")?;
-/// let deck = qless_io::deck::read(&path)?;
-/// assert_eq!(deck.model().label(0).as_deref(), Some("line 5 *EQUATION 1:1"));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn read(path: &Path) -> Result<Deck, ReadError> {
-    read_for(path, None)
-}
-
-/// Reads a deck and the files that it includes, as this solver does; that of its format where none is given.
-///
-/// # Errors
-/// [`ReadError`]: a file that cannot be read, content that is no deck's, a solver that does not read it, or a [`DeckError`] with file,
-/// line, card and field.
-///
-/// ```
-/// use qless_io::deck::{Solver, read_for};
-/// # let place = tempfile::tempdir()?;
-/// let path = place.path().join("tie.inp");
-/// std::fs::write(&path, "*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n*EQUATION\n2\n1,1,1.,2,1,-1.\n")?;
-/// assert_eq!(read_for(&path, Some(Solver::Abaqus))?.solver(), Solver::Abaqus);
-/// let error = read_for(&path, Some(Solver::Nastran)).unwrap_err().to_string();
-/// assert!(error.ends_with("nastran does not read it: it is a deck of CalculiX or Abaqus; leave --solver out, or name ccx or abaqus"));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn read_for(path: &Path, solver: Option<Solver>) -> Result<Deck, ReadError> {
-    Opened::read(path, solver)?.into_deck(solver)
 }
 
 /// Reads a deck from its bytes as this solver does, or as that of a format; `open` gives those of the files that it includes.

@@ -3,8 +3,7 @@
 use rustc_hash::FxHashMap;
 
 use super::Fault;
-use super::fault::faults_of;
-use super::plan::prescribed_in;
+use super::find_faults::faults_of;
 use crate::deck::solver::{Profile, ccx};
 use crate::deck::{Dof, LoadCase, Model, Origin, Outcome, Solver};
 
@@ -95,8 +94,8 @@ impl<'a> Look<'a> {
     fn new(model: &'a Model, case: &'a LoadCase, solver: Solver) -> Self {
         Self {
             profile: Profile::of_case(solver, model, case),
-            prescribed: prescribed_in(model, [case]),
-            at_start: prescribed_in(model, model.cases.first()),
+            prescribed: model.prescribed_in([case]),
+            at_start: model.prescribed_in(model.cases.first()),
             findings: Vec::new(),
         }
     }

@@ -5,124 +5,24 @@
 //! anew as `u_s - T u_q - G u_p = g` (Eq. 23-26), in which no slave occurs twice. A deck that was cleaned has no faults left, so
 //! that a second time changes nothing.
 
-mod coupled;
 mod edit;
+mod error;
 mod fault;
+mod find_faults;
 mod finding;
 mod plan;
 mod proof;
-mod repeated;
 
-pub use fault::{Fault, faults, faults_in};
+pub use error::CleanError;
+pub use fault::Fault;
+pub use find_faults::{faults, faults_in};
 pub use finding::{Finding, findings};
 pub use plan::{Cases, Ended, Plan, Reason, Removed, Written, plan};
-pub(in crate::deck) use repeated::global;
 
 pub(super) use edit::Edits;
+pub(crate) use error::Renamed;
 
-use std::path::PathBuf;
-
-use qless::{AnalysisError, ReductionError, SystemError};
-use rustc_hash::FxHashMap;
-
-use super::{Deck, DeckError, Dof, Format, ansys, calculix, nastran};
-
-/// Why a deck cannot be cleaned.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum CleanError {
-    /// The equations contradict each other in this load case.
-    #[error("the equations conflict in {case}: see `qless check`")]
-    Conflicting {
-        /// The load case.
-        case: String,
-    },
-    /// Load cases prescribe different DOFs or remove equations, such that no one set of equations serves all.
-    #[error(
-        "{case} needs {found} independent equations, but only {common} of them can be kept in all load cases; make a deck of each"
-    )]
-    CasesDiffer {
-        /// The load case.
-        case: String,
-        /// Its rank.
-        found: usize,
-        /// The rank with every DOF prescribed that is so in any load case.
-        common: usize,
-    },
-    /// Equations come back, or hold in some load cases only, which the format cannot say of new equations.
-    #[error("{case} has other equations than those before it, which new ones cannot follow; make a deck of each")]
-    Apart {
-        /// The load case.
-        case: String,
-    },
-    /// Equations leave no slave that is not claimed by a card that is no equation.
-    #[error("{case}: {slave} would have to be a slave, but another card has a claim on it; change that card by hand")]
-    Claimed {
-        /// The load case.
-        case: String,
-        /// The DOF.
-        slave: String,
-    },
-    /// The text that was made does not constrain as the deck does. This is a fault of this program.
-    #[error("{case}: the cleaned deck would not say the same ({what}); please report this deck")]
-    Unproven {
-        /// The load case.
-        case: String,
-        /// What differs.
-        what: String,
-    },
-    /// A card that equations cannot stand in for has a fault.
-    #[error("{place} cannot be replaced by equations: {why}; change it or the equations that meet it by hand")]
-    Fixed {
-        /// File, line and card.
-        place: String,
-        /// Why it would have to be replaced.
-        why: String,
-    },
-    /// The solver stops when it reads the deck, whatever its equations say.
-    #[error("{place}: {why} (by hand, before the deck is cleaned)")]
-    Refused {
-        /// File and line.
-        place: String,
-        /// What it stops at, and what to do.
-        why: String,
-    },
-    /// Text that must change stands where it cannot.
-    #[error("{}:{line}: {why}", path.display())]
-    Place {
-        /// The file.
-        path: PathBuf,
-        /// The line.
-        line: usize,
-        /// What to do.
-        why: &'static str,
-    },
-    /// The plan is that of another deck, or was changed by hand.
-    #[error(
-        "the plan names equation {equation} (from 0), but the deck has {count}, each of which goes once; make a plan of this deck"
-    )]
-    Foreign {
-        /// The equation, or its second mention.
-        equation: usize,
-        /// How many there are.
-        count: usize,
-    },
-    /// The deck's numbers cannot be analysed.
-    #[error(transparent)]
-    Analysis(#[from] AnalysisError),
-    /// The deck's equations cannot be solved for slaves.
-    #[error("{0} (rows count from 0 in the order of the deck)")]
-    Reduction(#[from] ReductionError),
-    /// The deck's numbers are no system.
-    #[error(transparent)]
-    System(#[from] SystemError),
-    /// The deck is at fault.
-    #[error(transparent)]
-    Deck(#[from] DeckError),
-}
-
-/// DOFs of a cleaned deck that have another name in the deck that it comes from.
-pub(super) type Renamed = FxHashMap<Dof, Dof>;
+use super::{Deck, Format, ansys, calculix, nastran};
 
 /// The text of the main file with the plan carried out, read again and proved to constrain as the deck does in every load case.
 ///

@@ -6,7 +6,7 @@ use crate::deck::CardName;
 
 impl Model {
     /// Makes room for equations and terms to come.
-    pub(in crate::deck) fn reserve(&mut self, equations: usize, terms: usize) {
+    pub(crate) fn reserve(&mut self, equations: usize, terms: usize) {
         self.ends.reserve_exact(equations);
         self.terms.columns.reserve_exact(terms);
         self.terms.coefficients.reserve_exact(terms);
@@ -14,7 +14,7 @@ impl Model {
     }
 
     /// Gives back the room made for DOFs: there can be as many as terms, but mostly there are fewer.
-    pub(in crate::deck) fn shrink(&mut self) {
+    pub(crate) fn shrink(&mut self) {
         // To give a little back would copy all for nothing.
         if self.dofs.len() < self.dofs.capacity() / 2 {
             self.dofs.shrink_to_fit();
@@ -22,7 +22,7 @@ impl Model {
     }
 
     /// Adds an equation. The terms are kept as they come: repeated DOFs and zeros included.
-    pub(in crate::deck) fn push(&mut self, terms: impl IntoIterator<Item = (Dof, f64)>, rhs: f64, origin: Origin) {
+    pub(crate) fn push(&mut self, terms: impl IntoIterator<Item = (Dof, f64)>, rhs: f64, origin: Origin) {
         let i = self.equations();
         for (turn, (dof, coefficient)) in terms.into_iter().enumerate() {
             let next = self.dofs.len() as u32;
@@ -44,39 +44,39 @@ impl Model {
     }
 
     /// Adds a card and returns its number.
-    pub(in crate::deck) fn card(&mut self, name: impl Into<CardName>, file: u32, line: u32) -> u32 {
+    pub(crate) fn card(&mut self, name: impl Into<CardName>, file: u32, line: u32) -> u32 {
         self.cards.push(name.into(), file, line)
     }
 
     /// Adds a warning about a line.
-    pub(in crate::deck) fn warn(&mut self, file: u32, line: u32, text: impl Into<String>) {
+    pub(crate) fn warn(&mut self, file: u32, line: u32, text: impl Into<String>) {
         self.warnings.push(Warning { file, line, text: text.into(), leaves_out: false });
     }
 
     /// Says what the solver stops at.
-    pub(in crate::deck) fn refuse(&mut self, file: u32, line: u32, text: impl Into<String>) {
+    pub(crate) fn refuse(&mut self, file: u32, line: u32, text: impl Into<String>) {
         self.refusals.push(Warning { file, line, text: text.into(), leaves_out: false });
     }
 
     /// Says that a card constrains, but was left out.
-    pub(in crate::deck) fn leave_out(&mut self, file: u32, line: u32, text: impl Into<String>) {
+    pub(crate) fn leave_out(&mut self, file: u32, line: u32, text: impl Into<String>) {
         self.warnings.push(Warning { file, line, text: text.into(), leaves_out: true });
     }
 
     /// Sets such DOFs.
-    pub(in crate::deck) fn claim(&mut self, mut claims: Vec<(Dof, Origin)>) {
+    pub(crate) fn claim(&mut self, mut claims: Vec<(Dof, Origin)>) {
         claims.sort_by_key(|(dof, _)| *dof);
         claims.dedup_by_key(|(dof, _)| *dof);
         self.claims = claims;
     }
 
     /// Says that the equations of a card are kept by multipliers.
-    pub(in crate::deck) fn keep_by_multipliers(&mut self, card: u32) {
+    pub(crate) fn keep_by_multipliers(&mut self, card: u32) {
         self.without_slaves.insert(card);
     }
 
     /// The number of the course of this name.
-    pub(in crate::deck) fn course(&mut self, name: &str) -> u32 {
+    pub(crate) fn course(&mut self, name: &str) -> u32 {
         let known = self.courses.iter().position(|known| known == name);
         let at = known.unwrap_or_else(|| {
             self.courses.push(name.to_owned());
@@ -86,17 +86,17 @@ impl Model {
     }
 
     /// Names nodes from `first` on by an instance and their numbers in it.
-    pub(in crate::deck) fn name_nodes(&mut self, first: u32, instance: String, own: Vec<u32>) {
+    pub(crate) fn name_nodes(&mut self, first: u32, instance: String, own: Vec<u32>) {
         self.names.instance(first, instance, own);
     }
 
     /// Names a node.
-    pub(in crate::deck) fn name_node(&mut self, node: u32, name: String) {
+    pub(crate) fn name_node(&mut self, node: u32, name: String) {
         self.names.one(node, name);
     }
 
     /// Says that a card that is left out may claim DOFs.
-    pub(in crate::deck) fn claim_left_out(&mut self, dofs: impl IntoIterator<Item = Dof>, origin: Origin) {
+    pub(crate) fn claim_left_out(&mut self, dofs: impl IntoIterator<Item = Dof>, origin: Origin) {
         self.left_out_claims.extend(dofs.into_iter().map(|dof| (dof, origin)));
         self.left_out_claims.sort_by_key(|(dof, origin)| (*dof, origin.card, origin.line));
         self.left_out_claims.dedup();

@@ -3,6 +3,8 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
+use rustc_hash::FxHashMap;
+
 use super::Cards;
 use super::columns::Columns;
 use super::node_names::NodeNames;
@@ -18,17 +20,17 @@ mod runs;
 /// The constraints of a deck.
 #[derive(Clone, Debug, Default)]
 pub struct Model {
-    pub(in crate::deck) files: Vec<PathBuf>,
-    pub(in crate::deck) cards: Cards,
-    pub(in crate::deck) dofs: Vec<Dof>,
-    pub(in crate::deck) cases: Vec<LoadCase>,
-    pub(in crate::deck) warnings: Vec<Warning>,
-    pub(in crate::deck) refusals: Vec<Warning>,
+    pub(crate) files: Vec<PathBuf>,
+    pub(crate) cards: Cards,
+    pub(crate) dofs: Vec<Dof>,
+    pub(crate) cases: Vec<LoadCase>,
+    pub(crate) warnings: Vec<Warning>,
+    pub(crate) refusals: Vec<Warning>,
     /// Rotations that the solver makes for bodies: the first of three components of the reference node.
-    pub(in crate::deck) own_rotations: BTreeSet<Dof>,
-    pub(in crate::deck) traits: Traits,
+    pub(crate) own_rotations: BTreeSet<Dof>,
+    pub(crate) traits: Traits,
     /// Whether a load case takes nothing over from those before it.
-    pub(in crate::deck) has_separate_cases: bool,
+    pub(crate) has_separate_cases: bool,
     /// Names of the courses after the first.
     courses: Vec<String>,
     names: NodeNames,
@@ -37,9 +39,9 @@ pub struct Model {
     /// DOFs that cards put where no slave may be, ascending.
     claims: Vec<(Dof, Origin)>,
     /// Nodes with axes of their own: where one of their DOFs is prescribed, ccx takes slaves there as it likes.
-    pub(in crate::deck) turned: BTreeSet<u32>,
+    pub(crate) turned: BTreeSet<u32>,
     /// Whether the solver does not always add up terms of an equation that name a DOF twice.
-    pub(in crate::deck) keeps_repeated_terms: bool,
+    pub(crate) keeps_repeated_terms: bool,
     /// Cards whose equations the solver keeps by multipliers: none of their DOFs is a slave.
     without_slaves: BTreeSet<u32>,
     columns: Columns,
@@ -53,7 +55,7 @@ pub struct Model {
 
 impl Model {
     /// A model without equations or load cases, of these files.
-    pub(in crate::deck) fn new(files: Vec<PathBuf>) -> Self {
+    pub(crate) fn new(files: Vec<PathBuf>) -> Self {
         Self { files, ..Self::default() }
     }
 
@@ -122,7 +124,7 @@ impl Model {
     }
 
     /// Equation `i`, which is there.
-    pub(in crate::deck) fn nth(&self, i: usize) -> Equation<'_> {
+    pub(crate) fn nth(&self, i: usize) -> Equation<'_> {
         let range = if i == 0 { 0 } else { self.ends[i - 1] as usize }..self.ends[i] as usize;
         let run = self.runs[self.runs.partition_point(|run| run.first <= i as u32) - 1];
         Equation {
@@ -157,5 +159,25 @@ impl Model {
     pub fn in_force(&self, case: &LoadCase) -> impl Iterator<Item = usize> + '_ {
         let removed = case.removed.clone();
         (0..self.equations()).filter(move |&i| removed.binary_search(&(i as u32)).is_err())
+    }
+
+    /// Columns that are prescribed in any of these load cases, and where.
+    pub(crate) fn prescribed_in<'a>(
+        &self,
+        cases: impl IntoIterator<Item = &'a LoadCase>,
+    ) -> FxHashMap<u32, Origin> {
+        let mut prescribed = FxHashMap::default();
+        for given in cases.into_iter().flat_map(|case| &case.prescribed) {
+            if let Some(column) = self.column(given.dof) {
+                prescribed.entry(column).or_insert(given.origin);
+            }
+        }
+        prescribed
+    }
+
+    /// The DOF itself, or component 0 for a translation of a node with local axes: that names all three global translations.
+    pub(crate) fn as_global(&self, dof: Dof) -> Dof {
+        let is_turned = (1..=3).contains(&dof.component) && self.turned.contains(&dof.node);
+        if is_turned { Dof { component: 0, ..dof } } else { dof }
     }
 }

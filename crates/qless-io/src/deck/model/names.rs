@@ -59,7 +59,7 @@ impl Model {
     }
 
     /// The label of equation `i`, which is there.
-    pub(in crate::deck) fn label_of(&self, i: usize) -> String {
+    pub(crate) fn label_of(&self, i: usize) -> String {
         let equation = self.nth(i);
         let place = self.place(equation.origin);
         match equation.columns.first() {
@@ -69,7 +69,7 @@ impl Model {
     }
 
     /// An error at a line of a card.
-    pub(in crate::deck) fn error(&self, origin: Origin, field: Option<usize>, problem: Problem) -> DeckError {
+    pub(crate) fn error(&self, origin: Origin, field: Option<usize>, problem: Problem) -> DeckError {
         let card = self.cards.nth(origin.card);
         let path = self.files[card.file as usize].clone();
         DeckError { path, line: origin.line as usize, card: card.name.to_string(), field, problem }

@@ -98,11 +98,11 @@ pub struct Warning {
 
 /// What a deck says once for all of it, where solvers go by it.
 #[derive(Clone, Copy, Debug, Default)]
-pub(in crate::deck) struct Traits {
+pub(crate) struct Traits {
     /// Whether some nodes have axes of their own.
-    pub(in crate::deck) has_local_axes: bool,
+    pub(crate) has_local_axes: bool,
     /// Whether a step is geometrically nonlinear.
-    pub(in crate::deck) is_nonlinear: bool,
+    pub(crate) is_nonlinear: bool,
     /// Whether a kinematic coupling has axes of its own.
-    pub(in crate::deck) has_turned_couplings: bool,
+    pub(crate) has_turned_couplings: bool,
 }

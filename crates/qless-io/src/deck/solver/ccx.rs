@@ -6,33 +6,32 @@
 
 use rustc_hash::FxHashMap;
 
-use crate::deck::{Dof, LoadCase, Model, Outcome};
-
-use super::kind::Kind;
+use super::{CardKind, Outcome};
+use crate::deck::{Dof, LoadCase, Model};
 
 /// When ccx looks at a card, whatever its place in the deck.
-fn turn(kind: Kind) -> u8 {
+fn turn(kind: CardKind) -> u8 {
     match kind {
-        Kind::Kinematic => 0,
-        Kind::Tie => 2,
+        CardKind::Kinematic => 0,
+        CardKind::Tie => 2,
         _ => 1,
     }
 }
 
 /// Two cards with the same slave, in the order of the deck.
-pub fn twice(first: Kind, second: Kind) -> Outcome {
+pub fn twice(first: CardKind, second: CardKind) -> Outcome {
     let (late, dropped) =
         if turn(second) < turn(first) { (first, Outcome::IgnoresFirst) } else { (second, Outcome::IgnoresSecond) };
     match late {
-        Kind::Tie | Kind::Kinematic | Kind::RigidBody | Kind::Mpc | Kind::Sector => dropped,
+        CardKind::Tie | CardKind::Kinematic | CardKind::RigidBody | CardKind::Mpc | CardKind::Sector => dropped,
         _ => Outcome::Refused,
     }
 }
 
 /// A slave that is prescribed: from the first step on, or only later and then looked at again or not.
-pub fn prescribed(kind: Kind, is_later: bool, is_looked_at: bool) -> Outcome {
+pub fn prescribed(kind: CardKind, is_later: bool, is_looked_at: bool) -> Outcome {
     match (kind, is_later) {
-        (Kind::Tie, false) => Outcome::IgnoresFirst,
+        (CardKind::Tie, false) => Outcome::IgnoresFirst,
         (_, true) if !is_looked_at => Outcome::IgnoresSecond,
         _ => Outcome::Refused,
     }
@@ -66,12 +65,12 @@ pub fn nonlinear_chain(model: &Model, left_out: &[bool]) -> bool {
     if model.traits.has_turned_couplings {
         return true;
     }
-    let kind = |i: usize| Kind::of(&model.cards.nth(model.nth(i).origin.card).name);
-    let is_nonlinear = |i: usize| matches!(kind(i), Kind::Kinematic | Kind::RigidBody | Kind::Mpc);
+    let kind = |i: usize| CardKind::from_name(&model.cards.nth(model.nth(i).origin.card).name);
+    let is_nonlinear = |i: usize| matches!(kind(i), CardKind::Kinematic | CardKind::RigidBody | CardKind::Mpc);
     let mut kept = (0..model.equations()).filter(|&i| !left_out[i]);
     let slaves: FxHashMap<Dof, usize> = kept.clone().filter_map(|i| Some((slave(model, i)?, i))).collect();
     kept.any(|i| {
-        let masters = named(model, i, kind(i) == Kind::Mpc).into_iter().filter(|dof| Some(*dof) != slave(model, i));
+        let masters = named(model, i, kind(i) == CardKind::Mpc).into_iter().filter(|dof| Some(*dof) != slave(model, i));
         masters.filter_map(|dof| slaves.get(&dof)).any(|&j| is_nonlinear(i) || is_nonlinear(j))
     })
 }
@@ -108,7 +107,7 @@ pub fn rotations(model: &Model) -> Vec<(Dof, usize)> {
             continue;
         }
         last = Some(equation.origin.card);
-        if Kind::of(&model.cards.nth(equation.origin.card).name) == Kind::Kinematic {
+        if CardKind::from_name(&model.cards.nth(equation.origin.card).name) == CardKind::Kinematic {
             let nodes = || equation.columns.iter().map(|&j| model.dofs[j as usize].node);
             let reference = nodes().find(|node| Some(*node) != nodes().next());
             rotations
@@ -116,4 +115,65 @@ pub fn rotations(model: &Model) -> Vec<(Dof, usize)> {
         }
     }
     rotations
+}
+
+/// Below this ccx takes a coefficient for zero.
+const ZERO: f64 = 1e-10;
+/// So many insertions at most: where more are needed, nothing is known.
+const MOST_INSERTIONS: usize = 200_000;
+
+/// One equation: its terms, the slave first.
+type TermList = Vec<(u32, f64)>;
+
+/// Whether equations stay equations of their slaves when inserted into each other; `None` where that takes too long to find out.
+pub fn keeps_slaves(model: &Model, equations: &[usize]) -> Option<bool> {
+    let row = |&i: &usize| {
+        let equation = model.nth(i);
+        collected(equation.columns.iter().copied().zip(equation.coefficients.iter().copied()))
+    };
+    let mut rows: Vec<TermList> = equations.iter().map(row).filter(|row| !row.is_empty()).collect();
+    let slaves: FxHashMap<u32, usize> = rows.iter().map(|row| row[0].0).zip(0..).collect();
+    for _ in 0..MOST_INSERTIONS / rows.len().max(1) {
+        let mut is_done = true;
+        for i in 0..rows.len() {
+            let master = |&(j, _): &(u32, f64)| slaves.get(&j).copied().filter(|&k| k != i);
+            let Some((at, k)) = rows[i].iter().enumerate().skip(1).find_map(|(at, term)| Some((at, master(term)?)))
+            else {
+                continue;
+            };
+            rows[i] = inserted(&rows[i], at, &rows[k]);
+            is_done = false;
+            if rows[i][0].1.abs() < ZERO {
+                return Some(false);
+            }
+        }
+        if is_done {
+            return Some(true);
+        }
+    }
+    None
+}
+
+/// Terms of one DOF in one, in the order met; the first stays, of the others those that are not zero.
+fn collected(terms: impl Iterator<Item = (u32, f64)>) -> TermList {
+    let mut row = TermList::new();
+    let mut at: FxHashMap<u32, usize> = FxHashMap::default();
+    for (j, a) in terms {
+        let k = *at.entry(j).or_insert(row.len());
+        if k == row.len() {
+            row.push((j, a));
+        } else {
+            row[k].1 += a;
+        }
+    }
+    let mut is_first = true;
+    row.retain(|(_, a)| std::mem::take(&mut is_first) || a.abs() >= ZERO);
+    row
+}
+
+/// A row with the equation of its master at a place inserted there.
+fn inserted(row: &TermList, at: usize, equation: &TermList) -> TermList {
+    let factor = -row[at].1 / equation[0].1;
+    let instead = equation[1..].iter().map(|&(j, a)| (j, factor * a));
+    collected(row[..at].iter().copied().chain(instead).chain(row[at + 1..].iter().copied()))
 }

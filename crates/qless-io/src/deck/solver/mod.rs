@@ -1,76 +1,20 @@
-//! The solver whose behaviour counts: what a card means to it, and what it does where two cards claim one DOF.
+//! What each solver does with the faults of a deck.
 
-mod abaqus;
-mod ansys;
-mod cascade;
 pub(super) mod ccx;
-pub(super) mod kind;
-mod nastran;
+mod manuals;
 mod outcome;
-mod profile;
 
-use std::str::FromStr;
+use std::cell::OnceCell;
 
-use super::Format;
+use rustc_hash::{FxHashMap, FxHashSet};
+
 use super::clean::Fault;
-use super::model::Model;
-
+use super::{LoadCase, Model, Solver};
+use manuals::{ColumnUses, abaqus_prescribed, abaqus_twice, ansys_outcome, nastran_exclusive, optistruct};
 pub use outcome::Outcome;
-pub(super) use profile::Profile;
-
-/// A finite-element solver.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Solver {
-    /// CalculiX.
-    Ccx,
-    /// Abaqus/Standard.
-    Abaqus,
-    /// MSC and Simcenter Nastran.
-    Nastran,
-    /// MYSTRAN.
-    Mystran,
-    /// OptiStruct.
-    Optistruct,
-    /// ANSYS Mechanical APDL.
-    Ansys,
-}
-
-/// Not one of the names of [`Solver`].
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is no solver that is known here; take one of ccx, abaqus, nastran, mystran, optistruct, ansys")]
-pub struct UnknownSolver(String);
+pub(super) use outcome::CardKind;
 
 impl Solver {
-    /// All of them.
-    pub const ALL: [Self; 6] = [Self::Ccx, Self::Abaqus, Self::Nastran, Self::Mystran, Self::Optistruct, Self::Ansys];
-
-    /// Those that read a format.
-    pub fn that_read(format: Format) -> impl Iterator<Item = Self> {
-        Self::ALL.into_iter().filter(move |solver| solver.format() == format)
-    }
-
-    /// The language that it reads.
-    pub fn format(self) -> Format {
-        match self {
-            Self::Ccx | Self::Abaqus => Format::Calculix,
-            Self::Nastran | Self::Mystran | Self::Optistruct => Format::Nastran,
-            Self::Ansys => Format::Ansys,
-        }
-    }
-
-    /// Its name on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Ccx => "ccx",
-            Self::Abaqus => "abaqus",
-            Self::Nastran => "nastran",
-            Self::Mystran => "mystran",
-            Self::Optistruct => "optistruct",
-            Self::Ansys => "ansys",
-        }
-    }
-
     /// What it does with a fault of a deck. For the faults of a whole load case, [`clean::findings`](super::clean::findings) also
     /// knows which claims are left when others have been dropped.
     ///
@@ -100,28 +44,129 @@ impl Solver {
     }
 }
 
-/// The solver that a format stands for where none is named.
-impl From<Format> for Solver {
-    fn from(format: Format) -> Self {
-        match format {
-            Format::Calculix => Self::Ccx,
-            Format::Nastran => Self::Nastran,
-            Format::Ansys => Self::Ansys,
+/// A solver and a deck.
+pub(super) struct Profile<'a> {
+    pub solver: Solver,
+    pub model: &'a Model,
+    /// Those whose prescribed DOFs count.
+    cases: &'a [LoadCase],
+    /// By equation: whether it is not in force.
+    pub left_out: Vec<bool>,
+    chain: OnceCell<bool>,
+    uses: OnceCell<ColumnUses>,
+}
+
+impl<'a> Profile<'a> {
+    /// Of all load cases.
+    pub fn new(solver: Solver, model: &'a Model) -> Self {
+        let left_out = vec![false; model.equations()];
+        let cases = &model.cases;
+        Self { solver, model, cases, left_out, chain: OnceCell::new(), uses: OnceCell::new() }
+    }
+
+    /// Of one load case, whose removed equations are left out.
+    pub fn of_case(solver: Solver, model: &'a Model, case: &'a LoadCase) -> Self {
+        let mut profile = Self { cases: std::slice::from_ref(case), ..Self::new(solver, model) };
+        case.removed.iter().for_each(|&i| profile.left_out[i as usize] = true);
+        profile
+    }
+
+    /// What the solver does with a fault.
+    pub fn outcome(&self, fault: &Fault) -> Outcome {
+        match *fault {
+            Fault::SlavePrescribed { equation, since, .. } => self.prescribed(fault, equation, since),
+            Fault::SlaveTwice { equation, first, .. } => self.twice(first, equation),
+            Fault::SlaveVanishes { equation, .. } => self.vanishes(equation),
+            // A DOF of a coupled set must be in no other and not prescribed.
+            // Coupled sets are those of ANSYS, sets of DOFs that exclude each other those of Nastran.
+            Fault::CoupledTwice { .. } | Fault::CoupledPrescribed { .. } | Fault::SlaveClaimed { .. } => {
+                Outcome::Refused
+            }
+            Fault::MasterTwice { .. } => match self.solver {
+                Solver::Ccx => Outcome::Unsound,
+                _ => Outcome::Accepted,
+            },
+            Fault::Circle { equation, .. } => self.circle(&connected(self.model, equation)),
         }
     }
-}
 
-impl FromStr for Solver {
-    type Err = UnknownSolver;
+    /// What the solver does with equations whose slaves depend on each other.
+    pub fn circle(&self, equations: &[usize]) -> Outcome {
+        match self.solver {
+            Solver::Ansys => self.ansys(equations),
+            Solver::Ccx if ccx::keeps_slaves(self.model, equations) == Some(true) => Outcome::Unsound,
+            _ => Outcome::Refused,
+        }
+    }
 
-    fn from_str(name: &str) -> Result<Self, UnknownSolver> {
-        let same = |solver: &Self| solver.name().eq_ignore_ascii_case(name);
-        Self::ALL.into_iter().find(same).ok_or_else(|| UnknownSolver(name.to_owned()))
+    /// The kind of card that an equation comes from.
+    pub fn kind(&self, equation: usize) -> CardKind {
+        CardKind::from_name(&self.model.cards.nth(self.model.nth(equation).origin.card).name)
+    }
+
+    fn prescribed(&self, fault: &Fault, equation: usize, since: usize) -> Outcome {
+        let kind = self.kind(equation);
+        match self.solver {
+            Solver::Ccx => {
+                let chain = || *self.chain.get_or_init(|| ccx::nonlinear_chain(self.model, &self.left_out));
+                let is_looked_at = since > 0 && ccx::looks_again(self.model, equation, fault.slave(), since, chain);
+                ccx::prescribed(kind, since > 0, is_looked_at)
+            }
+            Solver::Abaqus => abaqus_prescribed(kind),
+            Solver::Nastran | Solver::Mystran => nastran_exclusive(),
+            Solver::Optistruct => optistruct(&[kind]),
+            Solver::Ansys => self.ansys(&[equation]),
+        }
+    }
+
+    fn twice(&self, first: usize, second: usize) -> Outcome {
+        let kinds = [self.kind(first), self.kind(second)];
+        match self.solver {
+            Solver::Ccx => ccx::twice(kinds[0], kinds[1]),
+            Solver::Abaqus => abaqus_twice(kinds[0], kinds[1]),
+            Solver::Nastran | Solver::Mystran => nastran_exclusive(),
+            Solver::Optistruct => optistruct(&kinds),
+            Solver::Ansys => self.ansys(&[first, second]),
+        }
+    }
+
+    /// A coefficient of zero is refused where it is looked for; ccx looks only at sums of repeated terms, and divides by others. One
+    /// that is only small is divided by.
+    fn vanishes(&self, equation: usize) -> Outcome {
+        let row = self.model.nth(equation);
+        let terms = row.columns.iter().zip(row.coefficients);
+        let of_slave = terms.filter(|(j, _)| Some(*j) == row.columns.first());
+        let (count, own) = of_slave.fold((0, 0.0), |(count, sum), (_, a)| (count + 1, sum + a));
+        match self.solver {
+            Solver::Ansys => self.ansys(&[equation]),
+            Solver::Ccx if count < 2 => Outcome::Unsound,
+            _ if own == 0.0 => Outcome::Refused,
+            _ => Outcome::Unsound,
+        }
+    }
+
+    fn ansys(&self, equations: &[usize]) -> Outcome {
+        let uses = self.uses.get_or_init(|| ColumnUses::count(self.model, self.cases, &self.left_out));
+        let equations: Vec<(usize, CardKind)> = equations.iter().map(|&i| (i, self.kind(i))).collect();
+        ansys_outcome(self.model, uses, &equations)
     }
 }
 
-impl std::fmt::Display for Solver {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.name())
+/// An equation, and those whose slaves it depends on, directly or through others.
+fn connected(model: &Model, equation: usize) -> Vec<usize> {
+    let slave = |i: usize| model.nth(i).columns.first().copied();
+    let mut slaves: FxHashMap<u32, usize> = FxHashMap::default();
+    for i in (0..model.equations()).rev() {
+        slaves.extend(slave(i).map(|j| (j, i)));
     }
+    let mut found = vec![equation];
+    let mut known: FxHashSet<usize> = found.iter().copied().collect();
+    let mut next = 0;
+    while next < found.len() {
+        let masters = model.nth(found[next]).columns.iter().filter_map(|j| slaves.get(j).copied());
+        found.extend(masters.filter(|&i| known.insert(i)));
+        next += 1;
+    }
+    found.sort_unstable();
+    found
 }

@@ -6,7 +6,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::rotations::{refused, unused_node};
-use crate::deck::clean::{Cases, CleanError, Written, global};
+use crate::deck::clean::{Cases, CleanError, Written};
 use crate::deck::{Deck, Dof, Model};
 
 /// New nodes, by the DOF that they stand for: one node for each that needs any.
@@ -74,9 +74,9 @@ impl Doubles {
 /// The first master of an equation at each node of which it names several components; none of an equation that names the node of its slave
 /// again, where ccx adds all up, and none of a node with a value along its axes, which is an equation that ccx inserts.
 fn repeated<'a>(model: &'a Model, equation: &'a Written) -> impl Iterator<Item = Dof> + 'a {
-    let own = global(model, equation.slave);
+    let own = model.as_global(equation.slave);
     let turned =
-        || equation.terms.iter().map(|(dof, _)| (global(model, *dof), *dof)).filter(|(node, _)| node.component == 0);
+        || equation.terms.iter().map(|(dof, _)| (model.as_global(*dof), *dof)).filter(|(node, _)| node.component == 0);
     let mut at: BTreeMap<Dof, Vec<Dof>> = BTreeMap::new();
     if !model.turned.is_empty() {
         turned().for_each(|(node, dof)| at.entry(node).or_default().push(dof));

@@ -8,34 +8,13 @@
 use qless::{Analysis, Kind, Options, Preferences, analyse};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::parts::{parts, text_of};
-use super::{Cases, Ended, Plan, Reason, Removed, solved};
-use crate::deck::clean::CleanError;
-use crate::deck::clean::fault::{Fault, faults_of};
+use super::Cases;
+use crate::deck::clean::find_faults::faults_of;
+use crate::deck::clean::{CleanError, Fault};
 use crate::deck::{Deck, LoadCase, Model, Origin, Prescribed};
-
-/// What a format can say of an equation in a later load case.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub enum May {
-    /// That it is taken back.
-    End,
-    /// Nothing.
-    Nothing,
-}
 
 /// Columns and where they are prescribed.
 pub type Given = FxHashMap<u32, Origin>;
-
-/// Columns that are prescribed in any of these load cases, and where.
-pub fn prescribed_in<'a>(model: &Model, cases: impl IntoIterator<Item = &'a LoadCase>) -> Given {
-    let mut prescribed = Given::default();
-    for given in cases.into_iter().flat_map(|case| &case.prescribed) {
-        if let Some(column) = model.column(given.dof) {
-            prescribed.entry(column).or_insert(given.origin);
-        }
-    }
-    prescribed
-}
 
 /// Load cases up to `last`, and the equations that hold in all of them, independent without what is prescribed in any.
 pub struct Layer {
@@ -56,32 +35,14 @@ pub struct Kept<'a> {
     /// For each equation the layer up to which it is kept; none for those that say nothing new.
     pub layer_of: Vec<Option<usize>>,
     /// Combinations of kept equations that the others are.
-    because: FxHashMap<usize, Vec<(usize, f64)>>,
+    pub because: FxHashMap<usize, Vec<(usize, f64)>>,
     /// For each equation the last load case in which the deck has it in force; none if it never is.
     pub end: Vec<Option<usize>>,
 }
 
-/// The plan for all load cases of a deck.
-pub fn plan(deck: &Deck, options: &Options, may: May) -> Result<Plan, CleanError> {
-    let model = &deck.model;
-    let plan = plan_for(deck, &model.cases, options)?;
-    let says_more = || !plan.ended.is_empty() || plan.written.iter().any(|written| written.cases != Cases::All);
-    if may == May::Nothing && (says_more() || !plan.is_empty() && model.cases.iter().any(|c| !c.removed.is_empty())) {
-        return Err(CleanError::Apart { case: model.cases[model.cases.len() - 1].name.clone() });
-    }
-    Ok(plan)
-}
-
-/// The plan for some load cases that follow each other, as if there were no others.
-pub fn plan_for(deck: &Deck, cases: &[LoadCase], options: &Options) -> Result<Plan, CleanError> {
-    let kept = Kept::of(deck, cases, options)?;
-    check_cases(&kept, cases)?;
-    kept.plan()
-}
-
 impl<'a> Kept<'a> {
     /// Decides for load cases that follow each other.
-    fn of(deck: &'a Deck, cases: &[LoadCase], options: &'a Options) -> Result<Self, CleanError> {
+    pub fn of(deck: &'a Deck, cases: &[LoadCase], options: &'a Options) -> Result<Self, CleanError> {
         let model = &deck.model;
         let end = ends(model, cases)?;
         let count = model.equations();
@@ -89,7 +50,7 @@ impl<'a> Kept<'a> {
         let mut kept = Self { model, options, layers: Vec::new(), layer_of, because, end };
         for last in (0..cases.len()).rev() {
             let next = (last + 1 < cases.len()).then(|| &cases[last + 1]);
-            let prescribed = prescribed_in(model, &cases[..=last]);
+            let prescribed = model.prescribed_in(&cases[..=last]);
             let is_same = |next: &LoadCase| {
                 next.removed == cases[last].removed
                     && kept.layers[kept.layers.len() - 1].prescribed.len() == prescribed.len()
@@ -158,7 +119,7 @@ impl<'a> Kept<'a> {
 
     /// The faults of the equations in each layer, of all or of the kept ones. What one solver takes another does
     /// not, and equations without faults mean the same to all.
-    fn faults(&self, is_in: impl Fn(usize, usize) -> bool) -> Vec<Fault> {
+    pub fn faults(&self, is_in: impl Fn(usize, usize) -> bool) -> Vec<Fault> {
         let count = self.model.equations();
         let of = |(k, layer): (usize, &Layer)| {
             let left_out: Vec<bool> = (0..count).map(|i| !is_in(i, k)).collect();
@@ -167,49 +128,6 @@ impl<'a> Kept<'a> {
         self.layers.iter().enumerate().flat_map(of).collect()
     }
 
-    /// What goes, what comes, and what ends sooner.
-    fn plan(&self) -> Result<Plan, CleanError> {
-        let count = self.model.equations();
-        let before = self.faults(|i, k| self.end[i] >= Some(self.layers[k].last));
-        let fault_of: FxHashMap<usize, Fault> = before.iter().rev().map(|fault| (fault.equation(), *fault)).collect();
-        // The first cases prescribe least, so that most is connected there.
-        let first = &self.layers[self.layers.len() - 1].prescribed;
-        let part_of = parts(self.model, |j| first.contains_key(&j));
-        let mut is_rewritten = vec![false; part_of.iter().max().map_or(0, |last| last + 1)];
-        let after = self.faults(|i, k| self.holds(i, k));
-        after.iter().for_each(|fault| is_rewritten[part_of[fault.equation()]] = true);
-        self.torn().for_each(|i| is_rewritten[part_of[i]] = true);
-        let goes = |i: &usize| self.end[*i].is_some() && self.layer_of[*i].is_none() || is_rewritten[part_of[*i]];
-        let removed = (0..count).filter(goes).map(|i| Removed { equation: i, reason: self.reason(i, &fault_of) });
-        let (removed, stays) = (removed.collect(), |i: &usize| !goes(i));
-        let ended = (0..count).filter(stays).filter_map(|i| {
-            let last = self.layers[self.layer_of[i]?].last;
-            (Some(last) < self.end[i]).then_some(Ended { equation: i, last })
-        });
-        let ended = ended.collect();
-        let written = solved::written(self, &|i| is_rewritten[part_of[i]])?;
-        Ok(Plan { removed, written, ended })
-    }
-
-    fn reason(&self, i: usize, fault_of: &FxHashMap<usize, Fault>) -> Reason {
-        match self.because.get(&i).filter(|_| self.layer_of[i].is_none()) {
-            Some(because) => Reason::Redundant(because.clone()),
-            None => fault_of.get(&i).map_or(Reason::Connected, |fault| Reason::Fault(*fault)),
-        }
-    }
-
-    /// Equations written in the same lines as others that are kept for another time.
-    fn torn(&self) -> impl Iterator<Item = usize> + '_ {
-        let mut kept: FxHashMap<(u32, u32), Option<usize>> = FxHashMap::default();
-        let text = |i: usize| text_of(self.model, self.model.nth(i).origin);
-        let mut torn = FxHashSet::default();
-        for i in 0..self.model.equations() {
-            if *kept.entry(text(i)).or_insert(self.layer_of[i]) != self.layer_of[i] {
-                torn.insert(text(i));
-            }
-        }
-        (0..self.model.equations()).filter(move |&i| torn.contains(&text(i)))
-    }
 }
 
 /// For each equation the last load case in which it is in force; it must be so in all before.
@@ -224,41 +142,6 @@ fn ends(model: &Model, cases: &[LoadCase]) -> Result<Vec<Option<usize>>, CleanEr
         }
     }
     Ok(end)
-}
-
-/// No load case may conflict, and what is kept for it must say all that its equations say.
-fn check_cases(kept: &Kept, cases: &[LoadCase]) -> Result<(), CleanError> {
-    for (k, case) in cases.iter().enumerate() {
-        if k > 0 && case.constrains_as(&cases[k - 1]) {
-            continue;
-        }
-        if conflicts(kept.model, case, kept.options)? {
-            return Err(CleanError::Conflicting { case: case.name.clone() });
-        }
-        let analysis = analyse(&kept.model.system(case)?, kept.options)?;
-        let holds = |layer: &Option<usize>| layer.is_some_and(|layer| kept.layers[layer].last >= k);
-        let (found, common) = (analysis.rank(), kept.layer_of.iter().filter(|layer| holds(layer)).count());
-        if found != common {
-            return Err(CleanError::CasesDiffer { case: case.name.clone(), found, common });
-        }
-    }
-    Ok(())
-}
-
-/// Whether a load case has no solution; where values run differently in time, each course must have one.
-pub fn conflicts(model: &Model, case: &LoadCase, options: &Options) -> Result<bool, CleanError> {
-    let courses = model.courses_of(case);
-    let mut systems = vec![model.system(case)?];
-    for &course in courses.iter().filter(|_| courses.len() > 1) {
-        systems.push(model.system_of_course(case, course)?);
-    }
-    for system in systems {
-        let analysis = analyse(&system, options)?;
-        if analysis.dependent().iter().any(|one| one.kind == Kind::Conflicting) {
-            return Ok(true);
-        }
-    }
-    Ok(false)
 }
 
 /// Equations whose own slave would make others large.

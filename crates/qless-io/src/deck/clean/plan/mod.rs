@@ -4,9 +4,8 @@
 //! force are independent of each other without `P_k`, span what `E_k` spans, and have slaves of their own outside `P_k`.
 
 mod layers;
-mod parts;
-mod removable;
 mod solved;
+mod steps;
 mod subcases;
 
 use std::sync::Arc;
@@ -17,7 +16,7 @@ use super::CleanError;
 use super::fault::Fault;
 use crate::deck::{Deck, Dof, Format, Model};
 
-pub(super) use layers::{Given, conflicts, prescribed_in};
+pub(super) use steps::conflicts;
 
 /// What changes: equations that go, and those that come.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -142,11 +141,33 @@ pub fn plan(deck: &Deck, options: &Options) -> Result<Plan, CleanError> {
     }
     let plan = match deck.format() {
         // CalculiX breaks off at random where a nonlinear step takes equations back.
-        Format::Calculix if model.traits.is_nonlinear => layers::plan(deck, options, layers::May::Nothing)?,
-        Format::Calculix => layers::plan(deck, options, layers::May::End)?,
-        Format::Ansys => layers::plan(deck, options, layers::May::Nothing)?,
+        Format::Calculix if model.traits.is_nonlinear => steps::plan(deck, options, steps::May::Nothing)?,
+        Format::Calculix => steps::plan(deck, options, steps::May::End)?,
+        Format::Ansys => steps::plan(deck, options, steps::May::Nothing)?,
         Format::Nastran => subcases::plan(deck, options)?,
     };
-    removable::check(model, &plan.removed)?;
+    check_removable(model, &plan.removed)?;
     Ok(plan)
+}
+
+/// Cards that equations cannot stand in for must not be among those that go. A fault of the card itself is reported first.
+fn check_removable(model: &Model, removed: &[Removed]) -> Result<(), CleanError> {
+    let card = |removed: &Removed| model.nth(removed.equation).origin.card;
+    let weight = |reason: &Reason| match reason {
+        Reason::Fault(_) => 0,
+        Reason::Redundant(_) => 1,
+        Reason::Connected => 2,
+    };
+    let fixed = removed.iter().filter(|removed| model.cards.nth(card(removed)).is_fixed);
+    let Some(first) = fixed.min_by_key(|removed| weight(&removed.reason)) else { return Ok(()) };
+    let fault = match &first.reason {
+        Reason::Fault(fault) => fault.describe(model),
+        Reason::Redundant(_) => "it repeats what other such cards say".to_owned(),
+        Reason::Connected => "an equation that shares DOFs with it has to be".to_owned(),
+    };
+    let why = match model.cards.why_fixed(card(first)) {
+        Some(why) => format!("{fault}; {why}"),
+        None => fault,
+    };
+    Err(CleanError::Fixed { place: model.place(model.nth(first.equation).origin), why })
 }

@@ -9,8 +9,7 @@ use std::sync::Arc;
 use qless::Options;
 use rustc_hash::FxHashSet;
 
-use super::layers::{May, plan as common_plan, plan_for};
-use super::parts::text_of;
+use super::steps::{May, plan as common_plan, plan_for, text_of};
 use super::{Cases, Plan, Reason, Removed, Written};
 use crate::deck::clean::CleanError;
 use crate::deck::{Deck, LoadCase, Model};
