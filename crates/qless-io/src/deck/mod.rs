@@ -49,7 +49,6 @@ pub(crate) use source::Sources;
 
 pub use crate::opened::{read_deck as read, read_deck_for as read_for};
 
-
 /// A deck: its constraints, and the text that they were read from.
 #[derive(Debug)]
 pub struct Deck {

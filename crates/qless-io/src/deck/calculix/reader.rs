@@ -6,7 +6,8 @@ use super::cards::{boundary, cyclic, equation, mpc, old_coupling, refused, rigid
 use crate::deck::calculix::cards::coupling::{self, Coupling};
 use crate::deck::calculix::cards::rigid::Reference;
 use crate::deck::calculix::model::definitions::Definitions;
-use crate::deck::calculix::syntax::card::{Card, walk};
+use crate::deck::calculix::syntax::card::Card;
+use crate::deck::calculix::syntax::walk::walk;
 use crate::deck::{DeckError, Dof, Load, LoadCase, Model, Prescribed, Problem, Solver, Sources};
 
 /// Reads a deck.

@@ -174,7 +174,11 @@ fn coupled_equations<'a>(model: &'a Model, left_out: &'a [bool]) -> impl Iterato
 }
 
 /// The equations in force of which ccx takes terms wrongly.
-fn repeated_faults(model: &Model, prescribed: &FxHashMap<u32, Origin>, kept: impl Iterator<Item = usize> + Clone) -> Vec<Fault> {
+fn repeated_faults(
+    model: &Model,
+    prescribed: &FxHashMap<u32, Origin>,
+    kept: impl Iterator<Item = usize> + Clone,
+) -> Vec<Fault> {
     if !model.keeps_repeated_terms {
         return Vec::new();
     }

@@ -13,8 +13,7 @@ use super::dense::Factor;
 use super::row::{Poses, Row};
 use super::solved::solved_for;
 use super::vector::{Vector, length, minus, plus, scaled};
-use crate::deck::CardFault;
-use crate::deck::{Dof, Problem};
+use crate::deck::{CardFault, Dof, Problem};
 
 /// Components of some grid points that have the same weight.
 #[derive(Clone, Debug, PartialEq)]

@@ -9,8 +9,7 @@ use super::components::Components;
 use super::dense::Factor;
 use super::row::{Poses, Row};
 use super::vector::{Vector, length, minus, plus, scaled};
-use crate::deck::CardFault;
-use crate::deck::{Dof, Problem};
+use crate::deck::{CardFault, Dof, Problem};
 
 /// Components of grid points, in the order of the card.
 pub type Side = Vec<(u32, Components)>;

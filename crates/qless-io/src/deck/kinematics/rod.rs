@@ -3,8 +3,7 @@
 use super::body::product;
 use super::row::{Poses, Row};
 use super::vector::{minus, unit};
-use crate::deck::CardFault;
-use crate::deck::{Dof, Problem};
+use crate::deck::{CardFault, Dof, Problem};
 
 /// A rigid rod between two grid points; `dependent` is one of their translations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

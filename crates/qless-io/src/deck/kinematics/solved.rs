@@ -5,8 +5,7 @@ use std::collections::BTreeMap;
 use super::body::clean;
 use super::dense::Factor;
 use super::row::Row;
-use crate::deck::CardFault;
-use crate::deck::{Dof, Problem};
+use crate::deck::{CardFault, Dof, Problem};
 
 /// The rows solved for `dependent`, one each. `size` turns a rotation into a length.
 pub fn solved_for(rows: &[Row], dependent: &[Dof], size: f64) -> Result<Vec<Row>, Problem> {

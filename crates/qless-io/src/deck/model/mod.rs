@@ -162,10 +162,7 @@ impl Model {
     }
 
     /// Columns that are prescribed in any of these load cases, and where.
-    pub(crate) fn prescribed_in<'a>(
-        &self,
-        cases: impl IntoIterator<Item = &'a LoadCase>,
-    ) -> FxHashMap<u32, Origin> {
+    pub(crate) fn prescribed_in<'a>(&self, cases: impl IntoIterator<Item = &'a LoadCase>) -> FxHashMap<u32, Origin> {
         let mut prescribed = FxHashMap::default();
         for given in cases.into_iter().flat_map(|case| &case.prescribed) {
             if let Some(column) = self.column(given.dof) {

@@ -21,14 +21,20 @@ pub fn abaqus_twice(first: CardKind, second: CardKind) -> Outcome {
     match (first, second) {
         (CardKind::Tie | CardKind::RigidBody, CardKind::Tie) => Outcome::IgnoresSecond,
         (CardKind::Tie, CardKind::RigidBody) => Outcome::IgnoresFirst,
-        (CardKind::RigidBody, CardKind::RigidBody) | (CardKind::Distributing, _) | (_, CardKind::Distributing) => Outcome::Accepted,
+        (CardKind::RigidBody, CardKind::RigidBody) | (CardKind::Distributing, _) | (_, CardKind::Distributing) => {
+            Outcome::Accepted
+        }
         _ => Outcome::Refused,
     }
 }
 
 /// A slave that is prescribed: an eliminated DOF must not be. The reference node of a distributing coupling is not eliminated.
 pub fn abaqus_prescribed(kind: CardKind) -> Outcome {
-    if matches!(kind, CardKind::Distributing | CardKind::DistributingCoupling) { Outcome::Accepted } else { Outcome::Refused }
+    if matches!(kind, CardKind::Distributing | CardKind::DistributingCoupling) {
+        Outcome::Accepted
+    } else {
+        Outcome::Refused
+    }
 }
 
 /// MSC and Simcenter Nastran, MYSTRAN.

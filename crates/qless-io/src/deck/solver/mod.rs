@@ -11,8 +11,8 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::clean::Fault;
 use super::{LoadCase, Model, Solver};
 use manuals::{ColumnUses, abaqus_prescribed, abaqus_twice, ansys_outcome, nastran_exclusive, optistruct};
-pub use outcome::Outcome;
 pub(super) use outcome::CardKind;
+pub use outcome::Outcome;
 
 impl Solver {
     /// What it does with a fault of a deck. For the faults of a whole load case, [`clean::findings`](super::clean::findings) also

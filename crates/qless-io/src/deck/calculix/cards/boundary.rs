@@ -1,9 +1,8 @@
 //! `*BOUNDARY` and `*CLOAD`: `node or set, first component, last component, value`, or a named support.
 
 use crate::deck::calculix::model::definitions::Definitions;
-use crate::deck::calculix::model::parts::Scope;
-use crate::deck::calculix::syntax::card::Card;
-use crate::deck::calculix::syntax::fields::{Fault, Fields, component, number};
+use crate::deck::calculix::syntax::card::{Card, Scope};
+use crate::deck::calculix::syntax::data::{Fault, Fields, component, number};
 use crate::deck::{DeckError, Dof, Load, Model, Origin, Prescribed, Problem};
 use crate::fault::quote;
 

@@ -7,12 +7,10 @@ use crate::deck::calculix::cards::geometric::{Place, Row};
 use crate::deck::calculix::cards::refused;
 use crate::deck::calculix::cards::rigid::{Reference, kinematic, own_rotation};
 use crate::deck::calculix::model::definitions::Definitions;
-use crate::deck::calculix::model::frames::{Local, orientation};
 use crate::deck::calculix::model::mesh::Surface;
-use crate::deck::calculix::model::parts::Scope;
-use crate::deck::calculix::syntax::card::Card;
-use crate::deck::calculix::syntax::data::Lines;
-use crate::deck::calculix::syntax::fields::{float, number};
+use crate::deck::calculix::syntax::card::{Card, Scope};
+use crate::deck::calculix::syntax::data::{Lines, float, number};
+use crate::deck::kinematics::axes::Frame;
 use crate::deck::kinematics::components::Components;
 use crate::deck::kinematics::mean::{Group, Mean};
 use crate::deck::kinematics::vector::{length, minus};
@@ -51,7 +49,7 @@ impl Coupling {
     }
 
     /// Whether the reference is a node of the surface.
-    pub fn holds_its_reference(&self, definitions: &Definitions) -> bool {
+    fn holds_its_reference(&self, definitions: &Definitions) -> bool {
         let surface = Surface::find(definitions, self.scope, &self.surface);
         let reference = self.reference(definitions).ok();
         surface.is_ok_and(|surface| reference.is_some_and(|reference| surface.all_nodes().contains(&reference)))
@@ -79,9 +77,9 @@ impl Coupling {
         if couples_nothing(card, solver) {
             return Ok(Vec::new());
         }
-        let named = self.orientation.as_deref().map(|name| orientation(definitions, self.scope, name)).transpose()?;
+        let named = self.orientation.as_deref().map(|name| definitions.orientation(self.scope, name)).transpose()?;
         // Without ORIENTATION ccx couples along the basic axes, whatever axes its nodes have.
-        let local = named.or((solver == Solver::Ccx).then_some(Local::BASIC));
+        let local = named.or((solver == Solver::Ccx).then_some(Frame::BASIC));
         let reference = Reference::turning(self.reference(definitions)?);
         let nodes = self.nodes(definitions)?;
         kinematic(definitions, reference, nodes.into_iter(), &components(card, 6)?, local.as_ref())
@@ -121,7 +119,7 @@ pub fn read(
     };
     if is_kinematic && solver == Solver::Ccx && !couples_nothing(card, solver) {
         let components = components(card, 6).map_err(|problem| place.fail(model, problem))?;
-        refused::kinematic(card, &components, coupling, model, definitions);
+        refused::kinematic(card, &components, coupling.holds_its_reference(definitions), model);
     }
     let before = model.equations();
     if is_kinematic {

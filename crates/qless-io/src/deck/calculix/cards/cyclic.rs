@@ -11,7 +11,7 @@ use crate::deck::calculix::model::frames::around;
 use crate::deck::calculix::model::mesh::Surface;
 use crate::deck::calculix::model::project::{Face, Grid};
 use crate::deck::calculix::syntax::card::Card;
-use crate::deck::calculix::syntax::fields::float;
+use crate::deck::calculix::syntax::data::float;
 use crate::deck::kinematics::axes::Frame;
 use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::{Vector, dot, length, minus, plus, scaled};

@@ -3,10 +3,8 @@
 use std::rc::Rc;
 
 use crate::deck::calculix::model::definitions::Definitions;
-use crate::deck::calculix::model::parts::Scope;
-use crate::deck::calculix::syntax::card::Card;
-use crate::deck::calculix::syntax::data::DataLine;
-use crate::deck::calculix::syntax::fields::{Fault, Fields, component, float, number};
+use crate::deck::calculix::syntax::card::{Card, Scope};
+use crate::deck::calculix::syntax::data::{DataLine, Fault, Fields, component, float, number};
 use crate::deck::{DeckError, Dof, Model, Origin, Problem};
 use crate::fault::quote;
 

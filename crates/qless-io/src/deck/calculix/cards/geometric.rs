@@ -1,8 +1,7 @@
 //! What cards with geometry share: their place in the deck, and equations between displacements along any direction.
 
 use crate::deck::calculix::model::definitions::Definitions;
-use crate::deck::calculix::model::parts::Scope;
-use crate::deck::calculix::syntax::card::Card;
+use crate::deck::calculix::syntax::card::{Card, Scope};
 use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::{Vector, dot};
 use crate::deck::{DeckError, Dof, Model, Origin, Problem};

@@ -5,7 +5,7 @@ use crate::deck::calculix::cards::geometric::{Place, Row};
 use crate::deck::calculix::cards::rigid::{Reference, kinematic};
 use crate::deck::calculix::model::definitions::Definitions;
 use crate::deck::calculix::syntax::card::Card;
-use crate::deck::calculix::syntax::fields::float;
+use crate::deck::calculix::syntax::data::float;
 use crate::deck::kinematics::axes::BASIC_AXES;
 use crate::deck::kinematics::mean::Group;
 use crate::deck::kinematics::vector::{Vector, scaled};

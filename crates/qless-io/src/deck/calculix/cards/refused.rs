@@ -2,11 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use crate::deck::calculix::cards::coupling::Coupling;
-use crate::deck::calculix::model::definitions::Definitions;
 use crate::deck::calculix::syntax::card::Card;
-use crate::deck::calculix::syntax::data::DataLine;
-use crate::deck::calculix::syntax::fields::number;
+use crate::deck::calculix::syntax::data::{DataLine, number};
 use crate::deck::{Model, Sources};
 
 /// Fields of a line at most.
@@ -69,12 +66,12 @@ pub fn coupling(card: &Card, model: &mut Model) {
 }
 
 /// `*KINEMATIC` after `*COUPLING`.
-pub fn kinematic(card: &Card, components: &[u8], coupling: &Coupling, model: &mut Model, definitions: &Definitions) {
+pub fn kinematic(card: &Card, components: &[u8], holds_its_reference: bool, model: &mut Model) {
     if components.iter().any(|component| *component > 3) {
         let text = "ccx stops: *KINEMATIC couples components above 3; write 1 to 3 at most";
         model.refuse(card.file, card.line, text);
     }
-    if coupling.holds_its_reference(definitions) {
+    if holds_its_reference {
         let text = "ccx stops: the REF NODE of the *COUPLING is on its own surface; take another node";
         model.refuse(card.file, card.line, text);
     }

@@ -2,10 +2,9 @@
 
 use crate::deck::calculix::cards::geometric::{Place, Row};
 use crate::deck::calculix::model::definitions::Definitions;
-use crate::deck::calculix::model::frames::Local;
 use crate::deck::calculix::syntax::card::Card;
-use crate::deck::calculix::syntax::fields::number;
-use crate::deck::kinematics::axes::BASIC_AXES;
+use crate::deck::calculix::syntax::data::number;
+use crate::deck::kinematics::axes::{BASIC_AXES, Frame};
 use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::{Vector, cross, minus};
 use crate::deck::{DeckError, Dof, Model, Problem, Solver};
@@ -203,7 +202,7 @@ pub fn kinematic(
     reference: Reference,
     nodes: impl Iterator<Item = u32>,
     components: &[u8],
-    local: Option<&Local>,
+    local: Option<&Frame>,
 ) -> Result<Vec<Row>, Problem> {
     let mut rows = Vec::new();
     // All three directions say the same along any axes.

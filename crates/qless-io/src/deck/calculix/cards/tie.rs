@@ -4,7 +4,7 @@ use crate::deck::calculix::cards::geometric::{Place, Row};
 use crate::deck::calculix::model::definitions::Definitions;
 use crate::deck::calculix::model::mesh::Surface;
 use crate::deck::calculix::syntax::card::Card;
-use crate::deck::calculix::syntax::fields::float;
+use crate::deck::calculix::syntax::data::float;
 use crate::deck::kinematics::vector::Vector;
 use crate::deck::{DeckError, Dof, Model, Problem};
 use crate::fault::quote;

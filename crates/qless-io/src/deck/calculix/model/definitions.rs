@@ -5,49 +5,21 @@ use std::cell::{OnceCell, RefCell};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::deck::Problem;
-use crate::deck::calculix::model::frames::{Local, locals};
+use crate::deck::calculix::model::elements::{Elements, Shape};
 use crate::deck::calculix::model::instances::{Instance, Motion, Numbers};
-use crate::deck::calculix::model::mesh::{Elements, positions};
-use crate::deck::calculix::model::parts::Scope;
-use crate::deck::calculix::model::sets::{Part, Set, Sets};
-use crate::deck::calculix::syntax::card::{Card, Piece};
-use crate::deck::calculix::syntax::data::{Lines, name};
-use crate::deck::calculix::syntax::fields::number;
-use crate::deck::kinematics::axes::BASIC_AXES;
+use crate::deck::calculix::model::text::{Axes, Block, Key, Part, Patch, Set, Sets, axes};
+use crate::deck::calculix::syntax::card::{Card, Scope};
+use crate::deck::calculix::syntax::data::{DataPiece, Lines, float, number};
+use crate::deck::kinematics::axes::{BASIC_AXES, Frame};
 use crate::deck::kinematics::body::Pose;
 use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::Vector;
-
-/// A name and whose it is.
-pub type Key = (Scope, String);
-
-/// An `*ELEMENT` card.
-pub struct Block {
-    pub scope: Scope,
-    pub kind: String,
-    pub set: Option<String>,
-    pub data: Vec<Piece>,
-}
-
-/// A `*SURFACE` card.
-pub struct Patch {
-    pub scope: Scope,
-    pub of_nodes: bool,
-    pub data: Vec<Piece>,
-}
-
-/// A `*TRANSFORM` or `*ORIENTATION` card.
-pub struct Axes {
-    pub scope: Scope,
-    pub is_cylindrical: bool,
-    pub data: Vec<Piece>,
-}
 
 /// Definitions, as text until they are needed.
 #[derive(Default)]
 pub struct Definitions {
     /// By scope.
-    nodes: Vec<Vec<Piece>>,
+    nodes: Vec<Vec<DataPiece>>,
     pub sets: Sets,
     pub blocks: Vec<Block>,
     pub surfaces: FxHashMap<Key, Vec<Patch>>,
@@ -62,7 +34,7 @@ pub struct Definitions {
     numbers: OnceCell<Result<Numbers, Problem>>,
     positions: OnceCell<Result<FxHashMap<u32, Vector>, Problem>>,
     elements: OnceCell<Result<Elements, Problem>>,
-    locals: OnceCell<Result<FxHashMap<u32, Local>, Problem>>,
+    locals: OnceCell<Result<FxHashMap<u32, Frame>, Problem>>,
     rotating: OnceCell<FxHashSet<u32>>,
     /// Where nodes are that no card lists, because the solver makes them.
     made: RefCell<FxHashMap<u32, Vector>>,
@@ -143,7 +115,7 @@ impl Definitions {
     }
 
     /// An equation takes two lines at least; a line of k terms has 3 k - 1 commas.
-    fn count(&mut self, piece: &Piece) {
+    fn count(&mut self, piece: &DataPiece) {
         let text = &piece.text[piece.range.clone()];
         let lines = memchr::memchr_iter(b'\n', text).count();
         self.equations += lines / 2;
@@ -216,7 +188,7 @@ impl Definitions {
 
     /// All elements.
     pub fn elements(&self) -> Result<&Elements, Problem> {
-        self.elements.get_or_init(|| Elements::parse(self)).as_ref().map_err(Clone::clone)
+        self.elements.get_or_init(|| self.parse_elements()).as_ref().map_err(Clone::clone)
     }
 
     /// Where all nodes are that cards list.
@@ -241,7 +213,7 @@ impl Definitions {
     }
 
     /// Axes as the scope that gives them stands.
-    pub fn placed(&self, scope: Scope, frame: Local) -> Result<Local, Problem> {
+    pub fn placed(&self, scope: Scope, frame: Frame) -> Result<Frame, Problem> {
         if scope == Scope::DECK { Ok(frame) } else { Ok(self.motion(scope)?.frame(frame)) }
     }
 
@@ -264,9 +236,7 @@ impl Definitions {
     pub fn rotates(&self, node: u32) -> bool {
         let find = || {
             let mut rotating = FxHashSet::default();
-            for block in
-                self.blocks.iter().filter(|block| crate::deck::calculix::model::shape::Shape::of(&block.kind).rotates)
-            {
+            for block in self.blocks.iter().filter(|block| Shape::of(&block.kind).rotates) {
                 let fields = Lines::new(&block.data).flat_map(|line| line.fields().skip(1));
                 rotating.extend(fields.filter_map(|field| self.node(block.scope, field).ok()));
             }
@@ -276,19 +246,22 @@ impl Definitions {
     }
 }
 
-fn axes(card: &Card, is_cylindrical: bool) -> Axes {
-    Axes { scope: card.scope, is_cylindrical, data: card.data.clone() }
+/// Positions by node.
+fn positions(lines: Lines) -> Result<FxHashMap<u32, Vector>, Problem> {
+    let mut positions = FxHashMap::default();
+    for line in lines {
+        let mut fields = line.fields();
+        let node = number(fields.next().unwrap_or_default(), "a node")?;
+        let mut next = || fields.next().filter(|field| !field.is_empty()).map_or(Ok(0.0), float);
+        positions.insert(node, [next()?, next()?, next()?]);
+    }
+    Ok(positions)
 }
 
 impl Poses for Definitions {
     fn pose(&self, node: u32) -> Result<Pose, Problem> {
         let position = self.position(node)?;
-        let locals = self.locals.get_or_init(|| locals(self)).as_ref().map_err(Clone::clone)?;
+        let locals = self.locals.get_or_init(|| self.locals()).as_ref().map_err(Clone::clone)?;
         Ok(Pose { position, axes: locals.get(&node).map_or(BASIC_AXES, |local| local.axes_at(position)) })
     }
-}
-
-/// The name of an amplitude, a surface and the like, as it is compared.
-pub fn word(field: &[u8]) -> String {
-    name(&String::from_utf8_lossy(field))
 }

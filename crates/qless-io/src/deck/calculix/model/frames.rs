@@ -6,41 +6,39 @@
 use rustc_hash::FxHashMap;
 
 use crate::deck::Problem;
-use crate::deck::calculix::model::definitions::{Axes, Definitions};
-use crate::deck::calculix::model::parts::Scope;
-use crate::deck::calculix::syntax::card::Piece;
-use crate::deck::calculix::syntax::data::Lines;
-use crate::deck::calculix::syntax::fields::float;
+use crate::deck::calculix::model::definitions::Definitions;
+use crate::deck::calculix::model::text::Axes;
+use crate::deck::calculix::syntax::card::Scope;
+use crate::deck::calculix::syntax::data::{self, DataPiece, Lines, float};
 use crate::deck::kinematics::axes::{BASIC_AXES, Frame, Kind};
 use crate::deck::kinematics::vector::{Vector, cross, minus, unit};
 
-/// Local axes, which may depend on the place.
-pub type Local = Frame;
-
-/// The local axes of transformed nodes.
-pub fn locals(definitions: &Definitions) -> Result<FxHashMap<u32, Local>, Problem> {
-    let mut locals = FxHashMap::default();
-    for (set, axes) in &definitions.transforms {
-        let local = placed(definitions, axes)?;
-        locals.extend(definitions.nodes(axes.scope, set)?.iter().map(|&node| (node, local)));
+impl Definitions {
+    /// The local axes of transformed nodes.
+    pub fn locals(&self) -> Result<FxHashMap<u32, Frame>, Problem> {
+        let mut locals = FxHashMap::default();
+        for (set, axes) in &self.transforms {
+            let local = self.placed_axes(axes)?;
+            locals.extend(self.nodes(axes.scope, set)?.iter().map(|&node| (node, local)));
+        }
+        Ok(locals)
     }
-    Ok(locals)
-}
 
-/// The axes of an `*ORIENTATION`.
-pub fn orientation(definitions: &Definitions, scope: Scope, name: &str) -> Result<Local, Problem> {
-    let name = crate::deck::calculix::syntax::data::name(name);
-    match definitions.find(&definitions.orientations, scope, &name) {
-        Some((_, axes)) => placed(definitions, axes),
-        None => Err(Problem::Undefined { what: "orientation", name }),
+    /// The axes of an `*ORIENTATION`.
+    pub fn orientation(&self, scope: Scope, name: &str) -> Result<Frame, Problem> {
+        let name = data::name(name);
+        match self.find(&self.orientations, scope, &name) {
+            Some((_, axes)) => self.placed_axes(axes),
+            None => Err(Problem::Undefined { what: "orientation", name }),
+        }
+    }
+
+    fn placed_axes(&self, axes: &Axes) -> Result<Frame, Problem> {
+        self.placed(axes.scope, local(axes.is_cylindrical, &axes.data)?)
     }
 }
 
-fn placed(definitions: &Definitions, axes: &Axes) -> Result<Local, Problem> {
-    definitions.placed(axes.scope, local(axes.is_cylindrical, &axes.data)?)
-}
-
-fn local(cylindrical: bool, data: &[Piece]) -> Result<Local, Problem> {
+fn local(cylindrical: bool, data: &[DataPiece]) -> Result<Frame, Problem> {
     let mut numbers = Vec::with_capacity(6);
     if let Some(line) = Lines::new(data).next() {
         for field in line.fields().take(6) {
@@ -54,14 +52,14 @@ fn local(cylindrical: bool, data: &[Piece]) -> Result<Local, Problem> {
     axes.ok_or_else(|| Problem::Degenerate { what: "the two points define no axes".into() })
 }
 
-fn along(a: Vector, b: Vector) -> Option<Local> {
+fn along(a: Vector, b: Vector) -> Option<Frame> {
     let first = unit(a)?;
     let third = unit(cross(first, unit(b)?))?;
     Some(Frame { kind: Kind::Rectangular, origin: [0.0; 3], axes: [first, cross(third, first), third] })
 }
 
 /// Cylindrical axes around the line from one point to another; none where they coincide.
-pub fn around(a: Vector, b: Vector) -> Option<Local> {
+pub fn around(a: Vector, b: Vector) -> Option<Frame> {
     let axis = unit(minus(b, a))?;
     // Any direction across the axis: the radial one at a point does not depend on it.
     let least = (0..3).min_by(|&i, &j| axis[i].abs().total_cmp(&axis[j].abs()))?;

@@ -1,10 +1,8 @@
 //! Instances of parts: their names, where they stand, and numbers of their nodes that no other node of the deck has.
 
 use crate::deck::Problem;
-use crate::deck::calculix::model::parts::Scope;
-use crate::deck::calculix::syntax::card::Piece;
-use crate::deck::calculix::syntax::data::Lines;
-use crate::deck::calculix::syntax::fields::float;
+use crate::deck::calculix::syntax::card::Scope;
+use crate::deck::calculix::syntax::data::{DataPiece, Lines, float};
 use crate::deck::kinematics::axes::Frame;
 use crate::deck::kinematics::vector::{Vector, cross, dot, minus, plus, scaled, unit};
 
@@ -13,7 +11,7 @@ pub struct Instance {
     /// As the deck writes it.
     pub name: String,
     /// How far it is moved, and how it is turned then.
-    pub data: Vec<Piece>,
+    pub data: Vec<DataPiece>,
 }
 
 /// Where an instance stands: `x = R (x_part + t)`, R a turn about an axis through two points.
@@ -40,7 +38,7 @@ impl Turn {
 
 impl Motion {
     /// Reads the lines of an `*INSTANCE` card: a translation; two points of an axis and an angle in degrees.
-    pub fn read(data: &[Piece]) -> Result<Self, Problem> {
+    pub fn read(data: &[DataPiece]) -> Result<Self, Problem> {
         let mut lines = Lines::new(data);
         let mut motion = Self { shift: [0.0; 3], turn: None };
         if let Some(line) = lines.next() {
@@ -64,7 +62,7 @@ impl Motion {
         self.turn.map_or(moved, |turn| plus(turn.through, turn.direction(minus(moved, turn.through))))
     }
 
-    /// Local axes of the part.
+    /// Frame axes of the part.
     pub fn frame(&self, frame: Frame) -> Frame {
         let axes = frame.axes.map(|axis| self.turn.map_or(axis, |turn| turn.direction(axis)));
         Frame { origin: self.point(frame.origin), axes, ..frame }
@@ -132,7 +130,7 @@ mod tests {
 
     fn motion(text: &str) -> Result<Motion, Problem> {
         let text = Arc::new(text.as_bytes().to_vec());
-        Motion::read(&[Piece { file: 0, line: 1, range: 0..text.len(), text }])
+        Motion::read(&[DataPiece { file: 0, line: 1, range: 0..text.len(), text }])
     }
 
     #[test]

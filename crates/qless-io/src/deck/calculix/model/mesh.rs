@@ -1,61 +1,30 @@
-//! Positions, elements and surfaces, parsed where a card needs geometry.
-
-use rustc_hash::FxHashMap;
+//! Elements and surfaces, parsed where a card needs geometry.
 
 use crate::deck::Problem;
-use crate::deck::calculix::model::definitions::{Definitions, Key, word};
-use crate::deck::calculix::model::parts::Scope;
-use crate::deck::calculix::model::shape::Shape;
-use crate::deck::calculix::syntax::data::{Lines, name};
-use crate::deck::calculix::syntax::fields::{float, number};
-use crate::deck::kinematics::vector::Vector;
+use crate::deck::calculix::model::definitions::Definitions;
+use crate::deck::calculix::model::elements::{Elements, Shape};
+use crate::deck::calculix::model::text::word;
+use crate::deck::calculix::syntax::card::Scope;
+use crate::deck::calculix::syntax::data::{Lines, name, number};
 use crate::fault::quote;
 
-/// Elements: what they are and where their nodes stand.
-#[derive(Default)]
-pub struct Elements {
-    nodes: Vec<u32>,
-    /// Shape, and where its nodes begin and end.
-    all: Vec<(Shape, usize, usize)>,
-    by_number: FxHashMap<(Scope, u32), u32>,
-    /// Elements of the sets that `*ELEMENT` cards name.
-    pub by_set: FxHashMap<Key, Vec<u32>>,
-}
-
-impl Elements {
-    /// The element with this number in the scope.
-    pub fn index(&self, scope: Scope, own: u32) -> Result<u32, Problem> {
-        let undefined = || Problem::Undefined { what: "element", name: own.to_string() };
-        self.by_number.get(&(scope, own)).copied().ok_or_else(undefined)
-    }
-
-    /// The nodes of an element.
-    pub fn nodes(&self, element: u32) -> &[u32] {
-        let (_, start, end) = self.all[element as usize];
-        &self.nodes[start..end]
-    }
-
-    /// The shape of an element.
-    pub fn shape(&self, element: u32) -> Shape {
-        self.all[element as usize].0
-    }
-
+impl Definitions {
     /// Parses `*ELEMENT` cards: a number and its nodes, on as many lines as they take.
-    pub fn parse(definitions: &Definitions) -> Result<Self, Problem> {
-        let mut elements = Self::default();
-        for block in &definitions.blocks {
+    pub fn parse_elements(&self) -> Result<Elements, Problem> {
+        let mut elements = Elements::default();
+        for block in &self.blocks {
             let shape = Shape::of(&block.kind);
             let mut lines = Lines::new(&block.data);
             while let Some(line) = lines.next() {
                 let mut fields = line.fields();
                 let own = number(fields.next().unwrap_or_default(), "an element")?;
                 let start = elements.nodes.len();
-                elements.add(definitions, block.scope, fields)?;
+                self.add_nodes(block.scope, fields, &mut elements.nodes)?;
                 let mut goes_on = line.text.trim_ascii_end().ends_with(b",");
                 while shape.nodes.map_or(goes_on, |count| elements.nodes.len() < start + count) {
                     let Some(line) = lines.next() else { break };
                     goes_on = line.text.trim_ascii_end().ends_with(b",");
-                    elements.add(definitions, block.scope, line.fields())?;
+                    self.add_nodes(block.scope, line.fields(), &mut elements.nodes)?;
                 }
                 let index = elements.all.len() as u32;
                 elements.all.push((shape, start, elements.nodes.len()));
@@ -68,29 +37,17 @@ impl Elements {
         Ok(elements)
     }
 
-    fn add<'a>(
-        &mut self,
-        definitions: &Definitions,
+    fn add_nodes<'a>(
+        &self,
         scope: Scope,
         fields: impl Iterator<Item = &'a [u8]>,
+        nodes: &mut Vec<u32>,
     ) -> Result<(), Problem> {
         for field in fields.filter(|field| !field.is_empty()) {
-            self.nodes.push(definitions.node(scope, field)?);
+            nodes.push(self.node(scope, field)?);
         }
         Ok(())
     }
-}
-
-/// Positions by node.
-pub fn positions(lines: Lines) -> Result<FxHashMap<u32, Vector>, Problem> {
-    let mut positions = FxHashMap::default();
-    for line in lines {
-        let mut fields = line.fields();
-        let node = number(fields.next().unwrap_or_default(), "a node")?;
-        let mut next = || fields.next().filter(|field| !field.is_empty()).map_or(Ok(0.0), float);
-        positions.insert(node, [next()?, next()?, next()?]);
-    }
-    Ok(positions)
 }
 
 /// A surface: nodes by themselves, and faces.

@@ -1,10 +1,10 @@
 //! What other cards refer to: nodes, sets, surfaces, parts and instances, axes, faces.
 
 pub mod definitions;
+pub mod elements;
 pub mod frames;
 pub mod instances;
 pub mod mesh;
-pub mod parts;
 pub mod project;
 pub mod sets;
-pub mod shape;
+pub mod text;

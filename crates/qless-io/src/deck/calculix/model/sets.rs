@@ -1,61 +1,18 @@
 //! Sets of nodes and of elements: what a field stands for that holds a number or a name.
 
-use std::cell::RefCell;
 use std::rc::Rc;
 
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashSet;
 
 use crate::deck::Problem;
-use crate::deck::calculix::model::definitions::{Definitions, Key, word};
-use crate::deck::calculix::model::parts::Scope;
-use crate::deck::calculix::syntax::card::{Card, Piece};
-use crate::deck::calculix::syntax::data::{Lines, name};
-use crate::deck::calculix::syntax::fields::number;
+use crate::deck::calculix::model::definitions::Definitions;
+use crate::deck::calculix::model::text::{Known, Part, Set, word};
+use crate::deck::calculix::syntax::card::Scope;
+use crate::deck::calculix::syntax::data::{Lines, name, number};
 use crate::fault::quote;
 
 /// Members of a set at most.
 const MEMBERS: usize = 200_000_000;
-
-/// Where members stand.
-pub enum Part {
-    /// Lines that begin with a node.
-    Lines(Vec<Piece>),
-    /// Numbers and names of other sets.
-    List(Vec<Piece>),
-    /// `first, last, increment` a line.
-    Generate(Vec<Piece>),
-    /// The nodes of an element set.
-    OfElements(String),
-}
-
-/// A part of a set, and whose members it names.
-pub struct Set {
-    scope: Scope,
-    /// `INSTANCE=` on the card.
-    instance: Option<String>,
-    part: Part,
-}
-
-impl Set {
-    /// The part of a set that a card gives.
-    pub fn of(card: &Card, part: Part) -> Self {
-        Self { scope: card.scope, instance: card.word("INSTANCE"), part }
-    }
-}
-
-/// A set that is being parsed, or has been.
-enum Known {
-    InProgress,
-    Done(Rc<Vec<u32>>),
-}
-
-/// The sets of a deck.
-#[derive(Default)]
-pub struct Sets {
-    pub of_nodes: FxHashMap<Key, Vec<Set>>,
-    pub of_elements: FxHashMap<Key, Vec<Set>>,
-    known: RefCell<FxHashMap<(bool, Key), Known>>,
-}
 
 impl Definitions {
     /// The number in the deck of a node that has this one in the scope.
@@ -111,7 +68,7 @@ impl Definitions {
         }
     }
 
-    /// An element, or the elements of a set, as indices into [`Elements`](crate::deck::calculix::model::mesh::Elements).
+    /// An element, or the elements of a set, as indices into [`Elements`](crate::deck::calculix::model::elements::Elements).
     pub fn element_or_set(&self, scope: Scope, field: &[u8]) -> Result<Vec<u32>, Problem> {
         match number(field, "an element").ok().map(|own| (scope, own)).or_else(|| self.of_instance(field)) {
             Some((scope, own)) => Ok(vec![self.elements()?.index(scope, own)?]),

@@ -1,5 +1,6 @@
 //! Lines as keyword cards, their parameters, data lines and fields.
 
+pub mod assembly;
 pub mod card;
 pub mod data;
-pub mod fields;
+pub mod walk;

@@ -10,8 +10,8 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
 use crate::deck::calculix::model::definitions::Definitions;
-use crate::deck::calculix::model::parts::Scope;
-use crate::deck::calculix::syntax::card::{Card, card_input, is_include, keyword_end, next_keyword, walk};
+use crate::deck::calculix::syntax::card::{Card, Scope};
+use crate::deck::calculix::syntax::walk::{card_input, is_include, keyword_end, next_keyword, walk};
 use crate::deck::clean::{CleanError, Edits, Plan, Reason, Removed, Renamed};
 use crate::deck::{Deck, DeckError, Model};
 use doubles::Doubles;

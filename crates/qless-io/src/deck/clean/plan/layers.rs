@@ -127,7 +127,6 @@ impl<'a> Kept<'a> {
         };
         self.layers.iter().enumerate().flat_map(of).collect()
     }
-
 }
 
 /// For each equation the last load case in which it is in force; it must be so in all before.

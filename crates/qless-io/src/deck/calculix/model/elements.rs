@@ -1,4 +1,10 @@
-//! Shapes of elements: how many nodes they have, and which of them lie on a face.
+//! Elements, and their shapes: how many nodes they have, and which of these lie on a face.
+
+use rustc_hash::FxHashMap;
+
+use crate::deck::Problem;
+use crate::deck::calculix::model::text::Key;
+use crate::deck::calculix::syntax::card::Scope;
 
 /// What is known of an element type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -126,6 +132,36 @@ fn edge(number: usize, nodes: &[u32]) -> Option<Vec<u32>> {
     let mut edge = vec![*nodes.get(first)?, *nodes.get((first + 1) % corners)?];
     edge.extend(nodes.get(corners + first));
     Some(edge)
+}
+
+/// Elements: what they are and where their nodes stand.
+#[derive(Default)]
+pub struct Elements {
+    pub nodes: Vec<u32>,
+    /// Shape, and where its nodes begin and end.
+    pub all: Vec<(Shape, usize, usize)>,
+    pub by_number: FxHashMap<(Scope, u32), u32>,
+    /// Elements of the sets that `*ELEMENT` cards name.
+    pub by_set: FxHashMap<Key, Vec<u32>>,
+}
+
+impl Elements {
+    /// The element with this number in the scope.
+    pub fn index(&self, scope: Scope, own: u32) -> Result<u32, Problem> {
+        let undefined = || Problem::Undefined { what: "element", name: own.to_string() };
+        self.by_number.get(&(scope, own)).copied().ok_or_else(undefined)
+    }
+
+    /// The nodes of an element.
+    pub fn nodes(&self, element: u32) -> &[u32] {
+        let (_, start, end) = self.all[element as usize];
+        &self.nodes[start..end]
+    }
+
+    /// The shape of an element.
+    pub fn shape(&self, element: u32) -> Shape {
+        self.all[element as usize].0
+    }
 }
 
 #[cfg(test)]

@@ -10,18 +10,9 @@ use std::path::PathBuf;
 
 use rustc_hash::FxHashMap;
 
-use crate::deck::calculix::syntax::card::{Card, Visit};
+use crate::deck::calculix::syntax::card::{Card, Scope, Visit};
 use crate::deck::{DeckError, Problem};
 use crate::fault::quote;
-
-/// Whose names and numbers a card uses: 0 are those of the deck, `k` those of its instance `k`, from 1.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub struct Scope(pub u32);
-
-impl Scope {
-    /// The deck itself.
-    pub const DECK: Self = Self(0);
-}
 
 /// Why a card could not be handed on.
 pub enum Stop {
