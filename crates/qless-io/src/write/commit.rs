@@ -13,22 +13,14 @@
 use std::fs;
 use std::path::Path;
 
-use super::stage::{self, NEW, Stage};
-use super::turn::Turn;
-use super::{metadata, moves, switch};
+use super::moves::{self, FolderChange};
+use super::stage::{self, NEW, Stage, WriteLock};
+use super::{metadata, switch};
 use crate::WriteError;
 
-/// The change of a folder.
-pub(super) struct Change {
-    /// Files that are new, by name.
-    pub names: Vec<String>,
-    /// Files that must not be there.
-    pub absent: Vec<String>,
-}
-
 /// Changes `folder`, which is there and holds `stage` with the new files.
-pub(super) fn commit(folder: &Path, stage: &Stage, mut change: Change) -> Result<(), WriteError> {
-    let turn = Turn::take();
+pub(super) fn commit(folder: &Path, stage: &Stage, mut change: FolderChange) -> Result<(), WriteError> {
+    let lock = WriteLock::take();
     for name in change.names.iter().chain(&change.absent) {
         check_place(&folder.join(name))?;
     }
@@ -38,17 +30,17 @@ pub(super) fn commit(folder: &Path, stage: &Stage, mut change: Change) -> Result
         let place = folder.join(name);
         metadata::keep(&place, &staged.join(name)).map_err(WriteError::io(&place))?;
     }
-    put(folder, stage, &change, &turn)?;
+    put(folder, stage, &change, &lock)?;
     stage::sweep(folder);
     Ok(())
 }
 
-fn put(folder: &Path, stage: &Stage, change: &Change, turn: &Turn) -> Result<(), WriteError> {
+fn put(folder: &Path, stage: &Stage, change: &FolderChange, lock: &WriteLock) -> Result<(), WriteError> {
     if let ([name], []) = (&change.names[..], &change.absent[..]) {
         let place = folder.join(name);
         return fs::rename(stage.path().join(NEW).join(name), &place).map_err(WriteError::io(&place));
     }
-    switch::replace(folder, stage, change, turn).unwrap_or_else(|| moves::replace(folder, stage.path(), change))
+    switch::replace(folder, stage, change, lock).unwrap_or_else(|| moves::replace(folder, stage.path(), change))
 }
 
 /// A folder or a device is never replaced by a file.

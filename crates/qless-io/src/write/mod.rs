@@ -23,10 +23,21 @@ mod moves;
 mod one_file;
 mod output;
 mod stage;
-#[cfg_attr(not(any(target_os = "linux", target_vendor = "apple")), path = "no_switch.rs")]
+#[cfg(any(target_os = "linux", target_vendor = "apple"))]
 mod switch;
-mod text;
-mod turn;
+/// Without exchange of folders, files are moved one by one.
+#[cfg(not(any(target_os = "linux", target_vendor = "apple")))]
+mod switch {
+    use std::path::Path;
+
+    use super::moves::FolderChange;
+    use super::stage::{Stage, WriteLock};
+    use crate::WriteError;
+
+    pub(super) fn replace(_: &Path, _: &Stage, _: &FolderChange, _: &WriteLock) -> Option<Result<(), WriteError>> {
+        None
+    }
+}
 
 use std::path::Path;
 
@@ -36,8 +47,8 @@ use crate::WriteError;
 pub use inputs::Inputs;
 pub use one_file::OneFile;
 pub use output::Output;
-pub use stage::{abandon, abandon_unless_at_work};
-pub use turn::is_at_work;
+use output::write_prescribed;
+pub use stage::{abandon, abandon_unless_at_work, is_at_work};
 
 /// Writes `C.mtx`, `b.txt` and, if there are any, `prescribed.txt`, `rows.txt` and `cols.txt`.
 ///
@@ -66,7 +77,7 @@ pub fn write_case(folder: &Path, system: &ConstraintSystem) -> Result<(), WriteE
     if system.prescribed().is_empty() {
         output.absent("prescribed.txt")?;
     } else {
-        output.file("prescribed.txt", |out| text::prescribed(out, system.prescribed()))?;
+        output.file("prescribed.txt", |out| write_prescribed(out, system.prescribed()))?;
     }
     output.labels("rows.txt", system.equation_labels())?;
     output.labels("cols.txt", system.dof_labels())?;

@@ -7,15 +7,22 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::commit::Change;
 use super::stage::NEW;
 use crate::WriteError;
 
+/// The change of a folder.
+pub(super) struct FolderChange {
+    /// Files that are new, by name.
+    pub names: Vec<String>,
+    /// Files that must not be there.
+    pub absent: Vec<String>,
+}
+
 /// Changes `folder`, in which `stage` holds the new files.
-pub(super) fn replace(folder: &Path, stage: &Path, change: &Change) -> Result<(), WriteError> {
+pub(super) fn replace(folder: &Path, stage: &Path, change: &FolderChange) -> Result<(), WriteError> {
     let (staged, old) = (stage.join(NEW), stage.join("old"));
     fs::create_dir(&old).map_err(WriteError::io(folder))?;
-    let mut done = Done(Vec::new());
+    let mut done = UndoLog(Vec::new());
     let each = |name: &String| (folder.join(name), old.join(name), staged.join(name));
     let mut names = change.names.iter();
     let first = names.next().map(each);
@@ -38,9 +45,9 @@ pub(super) fn replace(folder: &Path, stage: &Path, change: &Change) -> Result<()
 }
 
 /// What was changed: its place, and where the old file is kept if there was one.
-struct Done(Vec<(PathBuf, PathBuf)>);
+struct UndoLog(Vec<(PathBuf, PathBuf)>);
 
-impl Done {
+impl UndoLog {
     /// Keeps what stands at `place`, then changes it.
     fn step(
         &mut self,
@@ -88,7 +95,7 @@ mod tests {
         }
         // The third file was never staged, so its move fails after others went well.
         let names = ["old", "fresh", "lost"].map(String::from).to_vec();
-        let change = Change { names, absent: Vec::new() };
+        let change = FolderChange { names, absent: Vec::new() };
         let error = replace(&folder, &stage, &change).expect_err("one is lost");
         assert!(error.to_string().contains("lost: cannot be written"), "{error}");
         assert_eq!(fs::read_to_string(folder.join("old")).expect("put back"), "old");

@@ -6,11 +6,10 @@ use std::path::{Component, Path, PathBuf};
 
 use qless::Csr;
 
-use super::commit::{self, Change};
+use super::commit;
 use super::inputs::Inputs;
-use super::stage::{NEW, Stage};
-use super::text;
-use super::turn::Turn;
+use super::moves::FolderChange;
+use super::stage::{NEW, Stage, WriteLock};
 use crate::WriteError;
 
 /// Files on their way to a folder. They are put there by [`Output::commit`]; dropped before, they are gone.
@@ -47,8 +46,8 @@ impl Output {
     /// [`WriteError`] if `folder` is something else or cannot be written to.
     pub fn new(folder: &Path) -> Result<Self, WriteError> {
         let (base, missing) = split(folder)?;
-        let turn = Turn::take();
-        let stage = Stage::new(&base, &turn).map_err(WriteError::io(folder))?;
+        let lock = WriteLock::take();
+        let stage = Stage::new(&base, &lock).map_err(WriteError::io(folder))?;
         let output = Self { base, missing, stage, names: Vec::new(), absent: Vec::new(), inputs: Inputs::default() };
         fs::create_dir_all(output.staged()).map_err(WriteError::io(folder))?;
         Ok(output)
@@ -84,7 +83,7 @@ impl Output {
     /// # Errors
     /// Those of [`Output::file`].
     pub fn matrix(&mut self, name: &str, matrix: &Csr) -> Result<(), WriteError> {
-        self.file(name, |out| text::matrix(out, matrix))
+        self.file(name, |out| write_matrix(out, matrix))
     }
 
     /// Adds numbers, one a line.
@@ -92,7 +91,7 @@ impl Output {
     /// # Errors
     /// Those of [`Output::file`].
     pub fn numbers(&mut self, name: &str, numbers: &[f64]) -> Result<(), WriteError> {
-        self.file(name, |out| text::numbers(out, numbers))
+        self.file(name, |out| write_numbers(out, numbers))
     }
 
     /// Adds 0-based indices, one a line, as 1-based ones.
@@ -100,7 +99,7 @@ impl Output {
     /// # Errors
     /// Those of [`Output::file`].
     pub fn indices(&mut self, name: &str, indices: &[usize]) -> Result<(), WriteError> {
-        self.file(name, |out| text::indices(out, indices))
+        self.file(name, |out| write_indices(out, indices))
     }
 
     /// Says that the folder must not hold a file of this name, left there from before.
@@ -122,7 +121,7 @@ impl Output {
             let label = labels[index].clone();
             return Err(WriteError::LabelLineBreak { path: self.place(name), index: index + 1, label });
         }
-        self.file(name, |out| text::labels(out, labels))
+        self.file(name, |out| write_labels(out, labels))
     }
 
     /// Puts the files in their place.
@@ -132,9 +131,9 @@ impl Output {
     pub fn commit(self) -> Result<(), WriteError> {
         let Self { base, missing, stage, names, absent, .. } = self;
         let Some(first) = missing.components().next() else {
-            return commit::commit(&base, &stage, Change { names, absent });
+            return commit::commit(&base, &stage, FolderChange { names, absent });
         };
-        let (_turn, target) = (Turn::take(), base.join(first));
+        let (_lock, target) = (WriteLock::take(), base.join(first));
         fs::rename(stage.path().join(NEW).join(first), &target).map_err(WriteError::io(&target))
     }
 
@@ -152,7 +151,7 @@ impl Output {
 /// Creates and fills a file; synchronised, because some systems report a full disk only then.
 fn fill(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     let file = {
-        let _turn = Turn::take();
+        let _lock = WriteLock::take();
         File::create_new(path)?
     };
     let mut out = BufWriter::with_capacity(1 << 16, file);
@@ -181,4 +180,32 @@ fn rest(folder: &Path, base: &Path) -> Result<PathBuf, WriteError> {
         return Ok(rest.components().filter(|part| matches!(part, Component::Normal(_))).collect());
     }
     Err(WriteError::io(folder)(ErrorKind::NotFound.into()))
+}
+
+fn write_matrix(out: &mut dyn Write, matrix: &Csr) -> io::Result<()> {
+    writeln!(out, "%%MatrixMarket matrix coordinate real general")?;
+    writeln!(out, "{} {} {}", matrix.rows(), matrix.cols(), matrix.nnz())?;
+    for row in 0..matrix.rows() {
+        for (column, value) in matrix.row(row) {
+            writeln!(out, "{} {} {value:?}", row + 1, column + 1)?;
+        }
+    }
+    Ok(())
+}
+
+fn write_numbers(out: &mut dyn Write, numbers: &[f64]) -> io::Result<()> {
+    numbers.iter().try_for_each(|number| writeln!(out, "{number:?}"))
+}
+
+fn write_indices(out: &mut dyn Write, indices: &[usize]) -> io::Result<()> {
+    indices.iter().try_for_each(|index| writeln!(out, "{}", *index as u128 + 1))
+}
+
+pub(super) fn write_prescribed(out: &mut dyn Write, prescribed: &[(usize, f64)]) -> io::Result<()> {
+    writeln!(out, "# column(1-based) value")?;
+    prescribed.iter().try_for_each(|(dof, value)| writeln!(out, "{} {value:?}", dof + 1))
+}
+
+fn write_labels(out: &mut dyn Write, labels: &[String]) -> io::Result<()> {
+    labels.iter().try_for_each(|label| writeln!(out, "{label}"))
 }

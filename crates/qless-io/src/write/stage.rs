@@ -1,12 +1,13 @@
 //! Temporary folders that no end of the program leaves behind, save `SIGKILL`.
 //!
 //! New files wait in a hidden folder `.qless-XXXXXX`, removed when dropped. All of them are known in one place, so that
-//! [`abandon`] can remove them when a signal ends the program. Who creates something, or puts it in place, has the [`Turn`]:
+//! [`abandon`] can remove them when a signal ends the program. Who creates something, or puts it in place, has the [`WriteLock`]:
 //! [`abandon`] waits for it and never gives it back, so that no commit is torn and nothing is created afterwards.
 //!
 //! A stage is locked as long as its program lives; one without lock is of a program that was killed, and is removed by the next
 //! that writes to the same folder.
 
+use std::cell::Cell;
 use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io;
@@ -14,7 +15,40 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use super::turn::{Turn, is_at_work};
+static WRITING: Mutex<()> = Mutex::new(());
+
+thread_local! {
+    static AT_WORK: Cell<bool> = const { Cell::new(false) };
+}
+
+/// The right, until it is dropped.
+pub(super) struct WriteLock(#[expect(dead_code, reason = "it is held")] MutexGuard<'static, ()>);
+
+impl WriteLock {
+    /// Waits for it; forever, once the program is ending.
+    pub fn take() -> Self {
+        let guard = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
+        AT_WORK.set(true);
+        Self(guard)
+    }
+}
+
+impl Drop for WriteLock {
+    fn drop(&mut self) {
+        AT_WORK.set(false);
+    }
+}
+
+/// Whether this thread is creating files, putting them in place or removing them for the last time.
+///
+/// A program whose allocator has a reserve may hand it out then: what is cut off at that moment stays behind. Allocates nothing.
+///
+/// ```
+/// assert!(!qless_io::write::is_at_work());
+/// ```
+pub fn is_at_work() -> bool {
+    AT_WORK.get()
+}
 
 /// How the names of all stages begin.
 const PREFIX: &str = ".qless-";
@@ -42,12 +76,12 @@ static STAGES: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 /// std::process::exit(128 + 15);
 /// ```
 pub fn abandon() {
-    let turn = Turn::take();
+    let lock = WriteLock::take();
     let stages = known();
     for path in stages.iter() {
         remove(path);
     }
-    std::mem::forget((turn, stages));
+    std::mem::forget((lock, stages));
 }
 
 /// [`abandon`], unless this thread [is at work](super::is_at_work) itself, and what it does cannot be finished.
@@ -80,7 +114,7 @@ pub(super) struct Stage {
 }
 
 impl Stage {
-    pub fn new(folder: &Path, _turn: &Turn) -> io::Result<Self> {
+    pub fn new(folder: &Path, _lock: &WriteLock) -> io::Result<Self> {
         let mut known = known();
         // Room first: a folder that nobody knows could stay behind.
         known.reserve(1);
@@ -159,7 +193,7 @@ mod tests {
     #[test]
     fn what_a_killed_program_left_is_removed_and_nothing_else() {
         let place = tempfile::tempdir().expect("a temporary folder");
-        let living = Stage::new(place.path(), &Turn::take()).expect("a stage");
+        let living = Stage::new(place.path(), &WriteLock::take()).expect("a stage");
         let names = [".qless-killed", ".qless-before", ".qless-young", ".qless-amid", ".qless-notes"]
             .map(|name| place.path().join(name));
         let [killed, before, young, amid, notes] = &names;

@@ -19,19 +19,23 @@ use std::path::Path;
 
 use rustix::fs::{CWD, RenameFlags, renameat_with};
 
-use super::commit::Change;
-use super::stage::{self, NEW, NOTE, SECOND, Stage};
-use super::turn::Turn;
-use super::{metadata, moves};
+use super::metadata;
+use super::moves::{self, FolderChange};
+use super::stage::{self, NEW, NOTE, SECOND, Stage, WriteLock};
 use crate::WriteError;
 
 const WORDS: &str = "qless was killed while it put files in place. `folder` is the output folder that it changed; the one that stands \
                     in its place has all files, and links that lead here. Move the folders in it back before you remove it.\n";
 
 /// Changes `folder`, which holds `stage`; `None`, and no change, where folders cannot be exchanged.
-pub(super) fn replace(folder: &Path, stage: &Stage, change: &Change, turn: &Turn) -> Option<Result<(), WriteError>> {
+pub(super) fn replace(
+    folder: &Path,
+    stage: &Stage,
+    change: &FolderChange,
+    lock: &WriteLock,
+) -> Option<Result<(), WriteError>> {
     let folder = &folder.canonicalize().ok()?;
-    let aside = Stage::new(folder.parent()?, turn).ok()?;
+    let aside = Stage::new(folder.parent()?, lock).ok()?;
     let second = &aside.path().join(SECOND);
     fs::write(aside.path().join(NOTE), WORDS).ok()?;
     make(second, folder, stage, change).ok()?;
@@ -48,7 +52,7 @@ pub(super) fn replace(folder: &Path, stage: &Stage, change: &Change, turn: &Turn
 }
 
 /// Makes `second` hold what `folder` is to hold.
-fn make(second: &Path, folder: &Path, stage: &Stage, change: &Change) -> io::Result<()> {
+fn make(second: &Path, folder: &Path, stage: &Stage, change: &FolderChange) -> io::Result<()> {
     fs::create_dir(second)?;
     let changed = changed(change);
     for entry in fs::read_dir(folder)? {
@@ -67,12 +71,12 @@ fn make(second: &Path, folder: &Path, stage: &Stage, change: &Change) -> io::Res
     metadata::keep(folder, second)
 }
 
-fn changed(change: &Change) -> BTreeSet<&OsStr> {
+fn changed(change: &FolderChange) -> BTreeSet<&OsStr> {
     change.names.iter().chain(&change.absent).map(|name| OsStr::new(name.as_str())).collect()
 }
 
 /// What others put into `second` while it stood in the place of `folder` is theirs.
-fn take_late(second: &Path, folder: &Path, change: &Change) {
+fn take_late(second: &Path, folder: &Path, change: &FolderChange) {
     let changed = changed(change);
     for entry in fs::read_dir(second).into_iter().flatten().flatten() {
         let (place, name) = (folder.join(entry.file_name()), entry.file_name());
@@ -107,13 +111,13 @@ mod tests {
         {
             fs::write(folder.join(name), text).expect("written");
         }
-        let turn = Turn::take();
-        let (stage, aside) = (Stage::new(&folder, &turn).expect("one"), Stage::new(place.path(), &turn).expect("one"));
+        let lock = WriteLock::take();
+        let (stage, aside) = (Stage::new(&folder, &lock).expect("one"), Stage::new(place.path(), &lock).expect("one"));
         fs::create_dir(stage.path().join(NEW)).expect("created");
         for name in ["a", "b"] {
             fs::write(stage.path().join(NEW).join(name), "new").expect("written");
         }
-        let change = Change { names: vec!["a".into(), "b".into()], absent: vec!["gone".into()] };
+        let change = FolderChange { names: vec!["a".into(), "b".into()], absent: vec!["gone".into()] };
         let second = fs::canonicalize(aside.path()).expect("a path").join(SECOND);
         let expected = [Some("new"), Some("new"), None, Some("mine"), Some("mine")].map(|text| text.map(str::to_owned));
         let all = |folder: &Path| {
@@ -122,7 +126,7 @@ mod tests {
         make(&second, &folder, &stage, &change).expect("made");
         if exchange(&folder, &second).is_err() {
             // This file system exchanges no folders: the files come one by one.
-            assert!(replace(&folder, &stage, &change, &turn).is_none(), "nothing is done, and nobody told otherwise");
+            assert!(replace(&folder, &stage, &change, &lock).is_none(), "nothing is done, and nobody told otherwise");
             moves::replace(&folder, stage.path(), &change).expect("moved");
             assert_eq!(all(&folder), expected);
             return;

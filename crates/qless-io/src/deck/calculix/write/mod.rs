@@ -1,21 +1,16 @@
 //! A deck with other equations: old ones become comments, new ones stand before the first step and are taken back where they end.
 
-mod doubles;
 mod equations;
-mod rotations;
-mod steps;
-mod turned;
+mod local_axes;
+mod new_nodes;
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::deck::calculix::model::definitions::Definitions;
-use crate::deck::calculix::syntax::card::{Card, Scope};
-use crate::deck::calculix::syntax::walk::{card_input, is_include, keyword_end, next_keyword, walk};
+use crate::deck::calculix::syntax::walk::{card_input, is_include, keyword_end, next_keyword};
 use crate::deck::clean::{CleanError, Edits, Plan, Reason, Removed, Renamed};
-use crate::deck::{Deck, DeckError, Model};
-use doubles::Doubles;
-use rotations::Rotations;
+use crate::deck::{Deck, Model};
+use new_nodes::NewNodes;
 
 /// Terms of a certificate that a comment names at most.
 const NAMED: usize = 8;
@@ -23,7 +18,7 @@ const NAMED: usize = 8;
 /// The main file with the plan carried out, and DOFs that have other names in it. Included files that must change are written into it.
 pub fn write(deck: &Deck, plan: &Plan) -> Result<(Vec<u8>, Renamed), CleanError> {
     let model = &deck.model;
-    let plan = &Plan { written: turned::with_slaves_for_ccx(deck, plan)?, ..plan.clone() };
+    let plan = &Plan { written: local_axes::with_slaves_for_ccx(deck, plan)?, ..plan.clone() };
     let mut comments: BTreeMap<(u32, u32), (u32, String)> = BTreeMap::new();
     for removed in &plan.removed {
         let origin = model.nth(removed.equation).origin;
@@ -33,10 +28,10 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<(Vec<u8>, Renamed), CleanError>
             entry.1 = comment(model, removed);
         }
     }
-    let new = New::of(deck, plan)?;
+    let new = NewNodes::build(deck, plan)?;
     comments.extend(new.rotations.lines(deck)?.into_iter().map(|(at, text)| (at, (1, text))));
     let text = equations::new_text(deck, plan, &new)?;
-    let ends = steps::ends(deck, plan, &new.rotations);
+    let ends = equations::ends(deck, plan, &new.rotations);
     let mut writer = Writer { deck, comments, new: Some(text), ends, steps: 0 };
     let text = writer.file(0)?;
     if writer.ends.is_some_and(|ends| ends.len() != writer.steps) {
@@ -44,30 +39,7 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<(Vec<u8>, Renamed), CleanError>
         let why = "equations have to be taken back in a step of an included file; put the steps here";
         return Err(CleanError::Place { path, line: 1, why });
     }
-    Ok((text, new.rotations.renamed().chain(new.doubles.renamed()).collect()))
-}
-
-/// Nodes that the deck does not have.
-struct New {
-    rotations: Rotations,
-    doubles: Doubles,
-}
-
-impl New {
-    fn of(deck: &Deck, plan: &Plan) -> Result<Self, CleanError> {
-        let rotations = Rotations::of(deck, plan)?;
-        let doubles = Doubles::of(deck, &plan.written, rotations.count())?;
-        Ok(Self { rotations, doubles })
-    }
-
-    /// Their text.
-    fn nodes(&self, deck: &Deck) -> String {
-        if self.rotations.count() == 0 && self.doubles.is_empty() {
-            return String::new();
-        }
-        let places = positions(deck);
-        "*NODE\n".to_owned() + &self.rotations.nodes(&places) + &self.doubles.nodes(deck, &places)
-    }
+    Ok((text, new.rotations.renamed().chain(new.proxies.renamed()).collect()))
 }
 
 struct Writer<'a> {
@@ -231,31 +203,4 @@ fn comment(model: &Model, removed: &Removed) -> String {
         Reason::Fault(fault) => format!("{what} written anew below: {}\n", fault.describe(model)),
         Reason::Connected => format!("{what} written anew below: it shares DOFs with others that are\n"),
     }
-}
-
-/// What a deck that was read before defines.
-fn definitions(deck: &Deck) -> Result<Definitions, DeckError> {
-    let mut definitions = Definitions::default();
-    let mut note = |card: &Card| {
-        definitions.note(card);
-        Ok(())
-    };
-    deck.again(|sources| walk(sources, &mut note))?;
-    Ok(definitions)
-}
-
-/// Where the nodes of a deck are; none where its nodes cannot be read.
-pub fn positions(deck: &Deck) -> HashMap<u32, [f64; 3]> {
-    let found = definitions(deck).ok().and_then(|definitions| definitions.all_positions().ok());
-    found.map(|all| all.into_iter().collect()).unwrap_or_default()
-}
-
-/// The nodes of a set, if there is such a set.
-pub fn node_set(deck: &Deck, name: &str) -> Option<Vec<u32>> {
-    definitions(deck).ok()?.nodes(Scope::DECK, name).ok().map(|nodes| nodes.to_vec())
-}
-
-/// The names of all node sets.
-pub fn node_set_names(deck: &Deck) -> Vec<String> {
-    definitions(deck).map(|found| found.node_set_names().map(str::to_owned).collect()).unwrap_or_default()
 }

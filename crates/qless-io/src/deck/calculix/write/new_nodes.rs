@@ -1,24 +1,49 @@
-//! Rotations of bodies that are written as equations.
+//! Nodes that the deck does not have, for what equations cannot name otherwise.
 //!
-//! The solver makes a rotation `w` of its own for the reference node of a `*KINEMATIC` coupling, known as components 4 to 6, or of a
-//! `*RIGID BODY`, known to no other card. Equations can only name it as components 1 to 3 of a node, as `ROT NODE` does: a new node at the same place.
+//! | new node | stands for | why |
+//! | --- | --- | --- |
+//! | [`RotationNodes`] | the rotation `w` of a body's reference node, as its components 1 to 3, like `ROT NODE` | the solver makes `w` itself: for `*KINEMATIC` it is components 4 to 6 of the reference, for `*RIGID BODY` no card can name it |
+//! | [`ProxyNodes`] | a node d with local axes, with `u_d - u = 0` for ccx to insert | an equation with two components of d names the same global DOFs twice, and ccx adds these up only where it inserts another equation |
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use rustc_hash::FxHashSet;
 
-use super::definitions;
-use crate::deck::clean::{CleanError, Plan};
+use crate::deck::calculix::{definitions, positions};
+use crate::deck::clean::{Cases, CleanError, Plan, Written};
 use crate::deck::{Deck, Dof, Model, Origin};
 
-/// Rotations of bodies that become equations, by the first of three components, and the nodes that get them.
-pub struct Rotations {
+/// Nodes that the deck does not have.
+pub struct NewNodes {
+    pub rotations: RotationNodes,
+    pub proxies: ProxyNodes,
+}
+
+impl NewNodes {
+    pub fn build(deck: &Deck, plan: &Plan) -> Result<Self, CleanError> {
+        let rotations = RotationNodes::build(deck, plan)?;
+        let proxies = ProxyNodes::build(deck, &plan.written, rotations.count())?;
+        Ok(Self { rotations, proxies })
+    }
+
+    /// Their text.
+    pub fn nodes(&self, deck: &Deck) -> String {
+        if self.rotations.count() == 0 && self.proxies.is_empty() {
+            return String::new();
+        }
+        let places = positions(deck);
+        "*NODE\n".to_owned() + &self.rotations.nodes(&places) + &self.proxies.nodes(deck, &places)
+    }
+}
+
+/// RotationNodes of bodies that become equations, by the first of three components, and the nodes that get them.
+pub struct RotationNodes {
     node_of: BTreeMap<Dof, u32>,
 }
 
-impl Rotations {
+impl RotationNodes {
     /// Those of the bodies that a plan takes apart.
-    pub fn of(deck: &Deck, plan: &Plan) -> Result<Self, CleanError> {
+    pub fn build(deck: &Deck, plan: &Plan) -> Result<Self, CleanError> {
         let model = &deck.model;
         let gone: FxHashSet<usize> = plan.removed.iter().map(|removed| removed.equation).collect();
         let turns = |i: usize| {
@@ -118,6 +143,85 @@ impl Rotations {
     }
 }
 
+/// New nodes, by the DOF that they stand for: one node for each that needs any.
+#[derive(Default)]
+pub struct ProxyNodes {
+    node_of: BTreeMap<u32, u32>,
+    dofs: BTreeSet<Dof>,
+}
+
+impl ProxyNodes {
+    /// What the equations need; `taken` unused nodes are taken already.
+    pub fn build(deck: &Deck, written: &[Written], taken: u32) -> Result<Self, CleanError> {
+        let dofs: BTreeSet<Dof> = written.iter().flat_map(|equation| repeated(&deck.model, equation)).collect();
+        let Some(first) = dofs.iter().next() else { return Ok(Self::default()) };
+        if deck.model.has_instances() {
+            let name = deck.model.node_name(first.node);
+            let why = format!(
+                "equations with several components of {name}, which has axes of its own, need a new node in the assembly"
+            );
+            return Err(refused(deck, why));
+        }
+        let next = unused_node(deck)?.saturating_add(taken);
+        let nodes: BTreeSet<u32> = dofs.iter().map(|dof| dof.node).collect();
+        Ok(Self { node_of: nodes.into_iter().zip(next..).collect(), dofs })
+    }
+
+    /// Whether there are any.
+    pub fn is_empty(&self) -> bool {
+        self.dofs.is_empty()
+    }
+
+    /// The DOFs of an equation for which others stand in it.
+    pub fn in_place_of(&self, model: &Model, equation: &Written) -> BTreeMap<Dof, Dof> {
+        let all = repeated(model, equation).filter(|_| !self.is_empty());
+        all.map(|dof| (dof, self.proxy(dof))).collect()
+    }
+
+    fn proxy(&self, dof: Dof) -> Dof {
+        self.node_of.get(&dof.node).map_or(dof, |&node| Dof { node, ..dof })
+    }
+
+    /// New DOFs, and the ones of the deck that they are.
+    pub fn renamed(&self) -> impl Iterator<Item = (Dof, Dof)> {
+        self.dofs.iter().map(|&dof| (self.proxy(dof), dof))
+    }
+
+    /// The new nodes, at the places of the old ones.
+    pub fn nodes(&self, deck: &Deck, places: &HashMap<u32, [f64; 3]>) -> String {
+        let text = |(node, proxy): (&u32, &u32)| {
+            let [x, y, z] = places.get(node).copied().unwrap_or_default();
+            let name = deck.model.node_name(*node);
+            format!(
+                "** qless: node {proxy} stands for node {name}, which has axes of its own\n{proxy},{x:?},{y:?},{z:?}\n"
+            )
+        };
+        self.node_of.iter().map(text).collect()
+    }
+
+    /// `u_d - u = 0` for each.
+    pub fn equations(&self) -> impl Iterator<Item = Written> {
+        self.renamed().map(|(slave, dof)| Written { slave, terms: vec![(dof, -1.0)], rhs: 0.0, cases: Cases::All })
+    }
+}
+
+/// The first master of an equation at each node of which it names several components; none of an equation that names the node of its slave
+/// again, where ccx adds all up, and none of a node with a value along its axes, which is an equation that ccx inserts.
+fn repeated<'a>(model: &'a Model, equation: &'a Written) -> impl Iterator<Item = Dof> + 'a {
+    let own = model.as_global(equation.slave);
+    let turned =
+        || equation.terms.iter().map(|(dof, _)| (model.as_global(*dof), *dof)).filter(|(node, _)| node.component == 0);
+    let mut at: BTreeMap<Dof, Vec<Dof>> = BTreeMap::new();
+    if !model.turned.is_empty() {
+        turned().for_each(|(node, dof)| at.entry(node).or_default().push(dof));
+    }
+    if at.contains_key(&own) {
+        at.clear();
+    }
+    let is_given = |node: u32| model.cases.iter().flat_map(|case| &case.prescribed).any(|given| given.dof.node == node);
+    at.into_iter().filter(move |(node, dofs)| dofs.len() > 1 && !is_given(node.node)).map(|(_, dofs)| dofs[0])
+}
+
 /// The rotation that a DOF is of, if the solver makes it.
 fn own_rotation(model: &Model, dof: Dof) -> Option<Dof> {
     let node = Dof { component: 0, ..dof }..=dof;
@@ -128,12 +232,12 @@ fn is_of(dof: Dof, first: Dof) -> bool {
     (first.component..first.component + 3).contains(&dof.component)
 }
 
-pub fn refused(deck: &Deck, why: String) -> CleanError {
+fn refused(deck: &Deck, why: String) -> CleanError {
     CleanError::Fixed { place: deck.model.files[0].display().to_string(), why }
 }
 
 /// One more than the largest number of a node.
-pub fn unused_node(deck: &Deck) -> Result<u32, CleanError> {
+fn unused_node(deck: &Deck) -> Result<u32, CleanError> {
     let listed = definitions(deck)?.node_numbers().last().copied().unwrap_or(0);
     let used = deck.model.dofs.iter().map(|dof| dof.node).max().unwrap_or(0);
     Ok(listed.max(used).saturating_add(1))

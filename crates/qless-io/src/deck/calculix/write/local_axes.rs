@@ -7,7 +7,7 @@
 
 use std::collections::BTreeMap;
 
-use super::definitions;
+use crate::deck::calculix::definitions;
 use crate::deck::clean::{CleanError, Plan, Written};
 use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::Vector;
@@ -34,8 +34,8 @@ pub fn with_slaves_for_ccx(deck: &Deck, plan: &Plan) -> Result<Vec<Written>, Cle
     let definitions = definitions(deck)?;
     for (node, equations) in of_node {
         let pose = definitions.pose(node).map_err(|problem| refused(deck, node, &problem.to_string()))?;
-        let own = Node { deck, number: node, axes: pose.axes };
-        own.settle(&equations, &mut written)?;
+        let own = TransformedNode { deck, number: node, axes: pose.axes };
+        own.choose_slaves(&equations, &mut written)?;
     }
     Ok(written)
 }
@@ -46,15 +46,15 @@ fn refused(deck: &Deck, node: u32, why: &str) -> CleanError {
 }
 
 /// A node and its axes, `axes[c]` in global coordinates.
-struct Node<'a> {
+struct TransformedNode<'a> {
     deck: &'a Deck,
     number: u32,
     axes: [Vector; 3],
 }
 
-impl Node<'_> {
+impl TransformedNode<'_> {
     /// Leaves the equations as they are where ccx takes them, or combines them so that it does.
-    fn settle(&self, equations: &[usize], written: &mut [Written]) -> Result<(), CleanError> {
+    fn choose_slaves(&self, equations: &[usize], written: &mut [Written]) -> Result<(), CleanError> {
         let rows: Vec<[f64; 3]> = equations.iter().map(|&i| self.coefficients(&written[i])).collect();
         let slaves: Vec<usize> = equations.iter().map(|&i| usize::from(written[i].slave.component) - 1).collect();
         if self.is_taken(&rows, &slaves) {
