@@ -6,7 +6,7 @@ use qless::{ConstraintSystem, Place, SystemError};
 
 use crate::fault::Fault;
 use crate::vectors::{read_labels, read_prescribed, read_rhs};
-use crate::{ReadError, matrix_market, part};
+use crate::{ReadError, chunk, matrix_market};
 
 /// The files that [`read_case`](crate::read_case) reads, and those that it would read if they were there.
 ///
@@ -105,7 +105,7 @@ impl CaseFiles {
     /// Those of reading the matrix once more.
     pub fn sum_not_finite(&self, row: usize, dof: usize, sum: f64) -> Result<Option<ReadError>, ReadError> {
         let path = self.matrix.clone();
-        Ok(part::lines_of(&path, row, dof)?.map(|(first_line, last)| {
+        Ok(chunk::lines_of(&path, row, dof)?.map(|(first_line, last)| {
             let fault = Fault::SumNotFinite { row: row + 1, column: dof + 1, first_line, sum };
             ReadError::Malformed { path, line: Some(last), fault }
         }))

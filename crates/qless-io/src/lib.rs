@@ -27,6 +27,7 @@
 
 mod bytes;
 mod case;
+pub mod chunk;
 pub mod deck;
 mod error;
 mod fault;
@@ -34,7 +35,6 @@ mod lines;
 pub mod matrix_market;
 mod number;
 mod opened;
-pub mod part;
 pub mod vectors;
 pub mod write;
 

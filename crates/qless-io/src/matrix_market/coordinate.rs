@@ -16,9 +16,9 @@ const SHORTEST_ENTRY: usize = 6;
 /// Empty rows or columns beyond this many are a slip of the size line, not a model; they cost memory.
 const MOST_EMPTY: usize = 10_000_000;
 
-/// What stands before the entries.
+/// Header and sizes of a matrix file.
 #[derive(Debug)]
-pub(crate) struct Head {
+pub(crate) struct MatrixHead {
     pub rows: usize,
     pub columns: usize,
     pub entries: usize,
@@ -29,51 +29,51 @@ pub(crate) struct Head {
 
 pub(super) fn parse(bytes: &[u8]) -> Result<Triplets, At> {
     let mut lines = Lines::new(bytes);
-    let head = head(&mut lines)?;
-    let entries = entries(&mut lines, &head, 0)?;
-    head.complete(entries.len())?;
+    let head = MatrixHead::read(&mut lines)?;
+    let entries = head.entries(&mut lines, 0)?;
+    head.check_count(entries.len())?;
     Ok(Triplets { rows: head.rows, columns: head.columns, entries })
 }
 
-pub(crate) fn head(lines: &mut Lines) -> Result<Head, At> {
-    let integer = header::read(lines, Layout::Coordinate)?.integer;
-    sizes(lines, integer)
-}
-
-/// The entries in these lines, which come after `before` others.
-pub(crate) fn entries(lines: &mut Lines, head: &Head, before: usize) -> Result<Vec<(usize, usize, f64)>, At> {
-    let room = head.entries.saturating_sub(before).min((lines.left() + 1) / SHORTEST_ENTRY);
-    let mut entries = Vec::with_capacity(room);
-    while let Some(line) = lines.content() {
-        if before + entries.len() >= head.entries {
-            return Err(line.fault(Fault::TooMany { promised: head.entries }));
-        }
-        entries.push(entry(&line, head)?);
+impl MatrixHead {
+    pub(crate) fn read(lines: &mut Lines) -> Result<Self, At> {
+        let integer = header::read(lines, Layout::Coordinate)?.integer;
+        sizes(lines, integer)
     }
-    Ok(entries)
-}
 
-/// First and last of these lines that give an entry of this row and column.
-pub(crate) fn lines_of(lines: &mut Lines, head: &Head, place: (usize, usize)) -> Result<Option<(usize, usize)>, At> {
-    let mut found = None;
-    while let Some(line) = lines.content() {
-        let (row, column, _) = entry(&line, head)?;
-        if (row, column) == place {
-            found = Some((found.map_or(line.number, |(first, _)| first), line.number));
+    /// The entries in these lines, which follow `before` others.
+    pub(crate) fn entries(&self, lines: &mut Lines, before: usize) -> Result<Vec<(usize, usize, f64)>, At> {
+        let room = self.entries.saturating_sub(before).min((lines.left() + 1) / SHORTEST_ENTRY);
+        let mut entries = Vec::with_capacity(room);
+        while let Some(line) = lines.content() {
+            if before + entries.len() >= self.entries {
+                return Err(line.fault(Fault::TooMany { promised: self.entries }));
+            }
+            entries.push(entry(&line, self)?);
         }
+        Ok(entries)
     }
-    Ok(found)
-}
 
-impl Head {
-    /// Whether all entries are there, if so many were found.
-    pub(crate) fn complete(&self, found: usize) -> Result<(), At> {
+    /// First and last of these lines with an entry of this row and column.
+    pub(crate) fn lines_of(&self, lines: &mut Lines, place: (usize, usize)) -> Result<Option<(usize, usize)>, At> {
+        let mut found = None;
+        while let Some(line) = lines.content() {
+            let (row, column, _) = entry(&line, self)?;
+            if (row, column) == place {
+                found = Some((found.map_or(line.number, |(first, _)| first), line.number));
+            }
+        }
+        Ok(found)
+    }
+
+    /// Checks that `found` entries are all that the sizes promise.
+    pub(crate) fn check_count(&self, found: usize) -> Result<(), At> {
         let promised = self.entries;
         if found < promised { Err(At::line(self.line, Fault::TooFew { promised, found })) } else { Ok(()) }
     }
 }
 
-fn sizes(lines: &mut Lines, integer: bool) -> Result<Head, At> {
+fn sizes(lines: &mut Lines, integer: bool) -> Result<MatrixHead, At> {
     let Some(line) = lines.content() else {
         return Err(At::line(lines.number(), Fault::Sizes { expected: SIZES, found: quote(b"") }));
     };
@@ -85,7 +85,7 @@ fn sizes(lines: &mut Lines, integer: bool) -> Result<Head, At> {
     if columns == 0 {
         return Err(line.fault(Fault::NoColumns { rows }));
     }
-    Ok(Head { rows, columns, entries, line: line.number, integer })
+    Ok(MatrixHead { rows, columns, entries, line: line.number, integer })
 }
 
 /// A number of rows or columns, if it is one; the library's largest index is kept back.
@@ -99,7 +99,7 @@ fn size(line: &Line, what: &'static str, word: &[u8], entries: usize) -> Result<
     }
 }
 
-fn entry(line: &Line, head: &Head) -> Result<(usize, usize, f64), At> {
+fn entry(line: &Line, head: &MatrixHead) -> Result<(usize, usize, f64), At> {
     let [row, column, value] = line.fields().ok_or_else(|| line.malformed(ENTRY))?;
     let row = index(line, "row", row, head.rows)?;
     let column = index(line, "column", column, head.columns)?;

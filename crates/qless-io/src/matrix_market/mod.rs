@@ -18,13 +18,14 @@
 //! underflow to zero, and a number of entries other than promised. Memory is proportional to the file,
 //! whatever its sizes claim.
 
-pub(crate) mod coordinate;
+mod coordinate;
 pub(crate) mod header;
 
 use std::path::Path;
 
 use crate::ReadError;
 use crate::error::parse_file;
+pub(crate) use coordinate::MatrixHead;
 
 /// An m x n matrix as the file lists it.
 #[derive(Clone, Debug, Default, PartialEq)]

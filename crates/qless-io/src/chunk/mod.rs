@@ -1,16 +1,16 @@
 //! Files by parts, for readers that share the work: each takes the lines that start in its bytes.
 //!
 //! What is read, and what is refused with which words, is what [`read_case`](crate::read_case) reads and refuses: the same code parses
-//! the lines. Before a part is parsed the lines before it are counted, by whoever reads them ([`Lines::count`]), so that faults
+//! the lines. Before a part is parsed the lines before it are counted, by whoever reads them ([`FileChunk::count`]), so that faults
 //! have the line of the file.
 //!
 //! ```
-//! use qless_io::part::{Count, File, Matrix};
+//! use qless_io::chunk::{ChunkedFile, ChunkedMatrix};
 //! # let place = tempfile::tempdir()?;
 //! let path = place.path().join("C.mtx");
 //! std::fs::write(&path, "%%MatrixMarket matrix coordinate real general\n2 2 2\n1 1 5.0\n2 2 x\n")?;
-//! let file = File::open(&path)?;
-//! let matrix = Matrix::of(&file)?;
+//! let file = ChunkedFile::open(&path)?;
+//! let matrix = ChunkedMatrix::open(&file)?;
 //! assert_eq!((matrix.rows(), matrix.columns(), matrix.start()), (2, 2, 52));
 //!
 //! let (first, second) = (file.lines(52..56)?, file.lines(56..file.len())?);
@@ -21,18 +21,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod contents;
 mod file;
-mod head;
-mod labels;
-mod matrix;
-mod prescribed;
-mod rhs;
 
 pub use crate::case::CaseFiles;
-pub use crate::vectors::prescribed::Given;
-pub use file::{Count, File, Lines};
-pub use labels::{check_labels, find_labels};
-pub use matrix::Matrix;
-pub(crate) use matrix::lines_of;
-pub use prescribed::{given, unite};
-pub use rhs::RightHandSide;
+pub use crate::vectors::PrescribedLine;
+pub(crate) use contents::lines_of;
+pub use contents::{ChunkedMatrix, ChunkedRhs, check_labels, find_labels, merge_prescribed, prescribed_lines};
+pub use file::{ChunkedFile, FileChunk, LineCount};

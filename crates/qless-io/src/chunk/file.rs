@@ -1,10 +1,11 @@
 //! A file, and the lines that start in a range of its bytes.
 
 use std::fs;
-use std::io::{self, ErrorKind, Read, Seek, SeekFrom};
+use std::io::{self, BufRead, ErrorKind, Read, Seek, SeekFrom};
 use std::ops::{Add, Range};
 use std::path::{Path, PathBuf};
 
+use crate::matrix_market::header::is_banner;
 use crate::{ReadError, bytes, lines};
 
 /// Bytes at a time beyond the range, to the end of the last line.
@@ -12,12 +13,12 @@ const PIECE: usize = 1 << 16;
 
 /// A file of which parts are read.
 #[derive(Debug)]
-pub struct File {
+pub struct ChunkedFile {
     path: PathBuf,
     size: u64,
 }
 
-impl File {
+impl ChunkedFile {
     /// Finds out how long the file is.
     ///
     /// # Errors
@@ -48,9 +49,9 @@ impl File {
     ///
     /// # Errors
     /// [`ReadError::Io`], also if there is no memory for them.
-    pub fn lines(&self, range: Range<u64>) -> Result<Lines, ReadError> {
+    pub fn lines(&self, range: Range<u64>) -> Result<FileChunk, ReadError> {
         let bytes = self.read(range.clone()).map_err(ReadError::io(&self.path))?;
-        Ok(Lines { path: self.path.clone(), is_first: range.start == 0, bytes })
+        Ok(FileChunk { path: self.path.clone(), is_first: range.start == 0, bytes })
     }
 
     fn read(&self, Range { start, end }: Range<u64>) -> io::Result<Vec<u8>> {
@@ -91,9 +92,9 @@ fn to_end_of_line(file: &mut fs::File, bytes: &mut Vec<u8>) -> io::Result<()> {
     Ok(())
 }
 
-/// Lines of a file that follow one another.
+/// FileChunk of a file that follow one another.
 #[derive(Debug)]
-pub struct Lines {
+pub struct FileChunk {
     path: PathBuf,
     /// Whether nothing of the file stands before them.
     is_first: bool,
@@ -102,14 +103,14 @@ pub struct Lines {
 
 /// How many lines there are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Count {
-    /// Lines.
+pub struct LineCount {
+    /// FileChunk.
     pub lines: usize,
     /// Those of them that are neither blank nor comments.
     pub items: usize,
 }
 
-impl Add for Count {
+impl Add for LineCount {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
@@ -117,14 +118,14 @@ impl Add for Count {
     }
 }
 
-impl Lines {
+impl FileChunk {
     /// Counts them.
-    pub fn count(&self) -> Count {
+    pub fn count(&self) -> LineCount {
         let (mut lines, mut items) = (self.after(0), 0);
         while lines.content().is_some() {
             items += 1;
         }
-        Count { lines: lines.number(), items }
+        LineCount { lines: lines.number(), items }
     }
 
     /// The number of the last line that holds more than blanks, from 1; 0 if there is none.
@@ -145,4 +146,40 @@ impl Lines {
     pub(super) fn path(&self) -> &Path {
         &self.path
     }
+}
+
+/// Header and sizes, with blank lines in place of comments, so that they take no memory and lines keep their numbers.
+pub(super) struct FileHead {
+    pub text: Vec<u8>,
+    /// Bytes of the file that it stands for.
+    pub end: u64,
+}
+
+/// Reads the head; None if the first line with anything in it is no Matrix Market header, unless `any` will do.
+pub(super) fn read_head(file: &ChunkedFile, any: bool) -> Result<Option<FileHead>, ReadError> {
+    let mut reader = file.reader()?;
+    let mut head = FileHead { text: Vec::new(), end: 0 };
+    let (mut line, mut found) = (Vec::new(), 0);
+    while found < 2 {
+        line.clear();
+        if reader.read_until(b'\n', &mut line).map_err(ReadError::io(file.path()))? == 0 {
+            break;
+        }
+        let mut lines = if head.end == 0 { lines::Lines::new(&line) } else { lines::Lines::after(&line, 0) };
+        let only = lines.any();
+        head.end += line.len() as u64;
+        let counts = |line: &lines::Line| {
+            if found == 0 { !line.text.trim_ascii().is_empty() } else { line.words().next().is_some() }
+        };
+        if !only.as_ref().is_some_and(counts) {
+            head.text.push(b'\n');
+            continue;
+        }
+        if found == 0 && !any && !only.as_ref().is_some_and(is_banner) {
+            return Ok(None);
+        }
+        found += 1;
+        head.text.extend_from_slice(&line);
+    }
+    Ok((any || found > 0).then_some(head))
 }
