@@ -1,8 +1,109 @@
 //! The cards of a deck. A million that count up evenly, as `CE 1`, `CE 2` and so on do, take no more room than one.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::fmt;
 
-use super::CardName;
+/// A card's name as the deck has it, such as `*EQUATION` or `RBE2 12`.
+///
+/// ```
+/// use qless_io::deck::CardName;
+/// let name = CardName::numbered("RBE2", 12);
+/// assert_eq!((name.to_string().as_str(), name == CardName::from("RBE2 12".to_owned())), ("RBE2 12", true));
+/// ```
+#[derive(Clone, Debug)]
+pub struct CardName(NameParts);
+
+#[derive(Clone, Debug)]
+enum NameParts {
+    Word(&'static str),
+    Numbered(&'static str, u32),
+    Text(Box<str>),
+}
+
+impl CardName {
+    /// A word and a number.
+    pub fn numbered(word: &'static str, number: u32) -> Self {
+        Self(NameParts::Numbered(word, number))
+    }
+
+    /// Whether it is this word and a number.
+    pub(super) fn is_numbered(&self, word: &str) -> bool {
+        matches!(self.0, NameParts::Numbered(own, _) if own == word)
+    }
+
+    /// The name with a number that is higher by `more`.
+    pub(super) fn counted(&self, more: u32) -> Self {
+        match self.0 {
+            NameParts::Numbered(word, number) => Self(NameParts::Numbered(word, number.wrapping_add(more))),
+            _ => self.clone(),
+        }
+    }
+
+    /// Whether the other is this name with a number that is higher by `more`.
+    pub(super) fn is_counted(&self, more: u32, other: &Self) -> bool {
+        match (&self.0, &other.0) {
+            (NameParts::Numbered(word, number), NameParts::Numbered(other, count)) => {
+                number.wrapping_add(more) == *count && word == other
+            }
+            _ => self.counted(more) == *other,
+        }
+    }
+
+    /// By how much the number of the other is higher; 0 where one has none.
+    pub(super) fn distance(&self, other: &Self) -> u32 {
+        match (&self.0, &other.0) {
+            (NameParts::Numbered(_, number), NameParts::Numbered(_, other)) => other.wrapping_sub(*number),
+            _ => 0,
+        }
+    }
+
+    fn text(&self) -> Cow<'_, str> {
+        match &self.0 {
+            NameParts::Word(word) => Cow::Borrowed(word),
+            NameParts::Numbered(word, number) => Cow::Owned(format!("{word} {number}")),
+            NameParts::Text(text) => Cow::Borrowed(text),
+        }
+    }
+}
+
+impl fmt::Display for CardName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.0 {
+            NameParts::Numbered(word, number) => write!(f, "{word} {number}"),
+            _ => f.write_str(&self.text()),
+        }
+    }
+}
+
+impl PartialEq for CardName {
+    fn eq(&self, other: &Self) -> bool {
+        match (&self.0, &other.0) {
+            (NameParts::Numbered(word, number), NameParts::Numbered(other, last)) => number == last && word == other,
+            _ => self.text() == other.text(),
+        }
+    }
+}
+
+impl Eq for CardName {}
+
+impl PartialEq<&str> for CardName {
+    fn eq(&self, other: &&str) -> bool {
+        self.text() == *other
+    }
+}
+
+impl From<&'static str> for CardName {
+    fn from(word: &'static str) -> Self {
+        Self(NameParts::Word(word))
+    }
+}
+
+impl From<String> for CardName {
+    fn from(text: String) -> Self {
+        Self(NameParts::Text(text.into()))
+    }
+}
 
 /// A card that constrains: its name and where it begins.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -31,7 +132,7 @@ pub struct Card {
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct Cards {
-    runs: Vec<Run>,
+    runs: Vec<CardRun>,
     count: u32,
     /// Why, where more than the card's name is needed to see it.
     fixed: BTreeMap<u32, Option<&'static str>>,
@@ -39,14 +140,14 @@ pub struct Cards {
 
 /// Cards from `first` on: card `first + k` has a name `k numbers` above that of `card` and stands `k lines` lines further on.
 #[derive(Clone, Debug)]
-struct Run {
+struct CardRun {
     first: u32,
     card: Card,
     numbers: u32,
     lines: u32,
 }
 
-impl Run {
+impl CardRun {
     fn at(&self, i: u32) -> Card {
         let k = i - self.first;
         let name = self.card.name.counted(k.wrapping_mul(self.numbers));
@@ -103,7 +204,7 @@ impl Cards {
     pub(super) fn push(&mut self, name: CardName, file: u32, line: u32) -> u32 {
         let card = Card { name, file, line, is_fixed: false };
         if !self.runs.last_mut().is_some_and(|run| run.take(self.count, &card)) {
-            self.runs.push(Run { first: self.count, card, numbers: 0, lines: 0 });
+            self.runs.push(CardRun { first: self.count, card, numbers: 0, lines: 0 });
         }
         self.count += 1;
         self.count - 1

@@ -9,9 +9,8 @@ use rustc_hash::FxHashMap;
 
 use super::body::{MotionRow, Pose, clean, product};
 use super::components::Components;
-use super::dense::Factor;
+use super::dense::{DenseFactor, solved_for};
 use super::row::{Poses, Row};
-use super::solved::solved_for;
 use super::vector::{Vector, length, minus, plus, scaled};
 use crate::deck::{CardFault, Dof, Problem};
 
@@ -37,7 +36,7 @@ impl Mean {
     /// One equation for each component of the reference, solved for `UM` if there is one.
     pub fn rows(&self, poses: &impl Poses) -> Result<Vec<Row>, Problem> {
         let reference = poses.pose(self.reference)?;
-        let body = Connected::new(self, &reference, poses)?;
+        let body = ConnectedBody::new(self, &reference, poses)?;
         let row = |component| {
             let dof = Dof { node: self.reference, component };
             let undetermined = CardFault::MeanUndetermined { node: dof.node, component };
@@ -54,16 +53,16 @@ impl Mean {
 }
 
 /// The connected components with their motion rows, about their centre and with rotations as lengths.
-struct Connected {
+struct ConnectedBody {
     dofs: Vec<(Dof, MotionRow, f64)>,
     centre: Vector,
     size: f64,
     /// `D S D` with ones on its diagonal, and D: rotations may weigh far more than translations.
-    normal: Factor,
+    normal: DenseFactor,
     scale: MotionRow,
 }
 
-impl Connected {
+impl ConnectedBody {
     fn new(element: &Mean, reference: &Pose, poses: &impl Poses) -> Result<Self, Problem> {
         let nodes = element.nodes(poses)?;
         let count = nodes.len() as f64;
@@ -72,8 +71,13 @@ impl Connected {
         let size = from(centre).fold(0.0, f64::max);
         let arm = from(reference.position).sum::<f64>() / count;
         let unit = |length: f64| if length > 0.0 { length } else { 1.0 };
-        let mut body =
-            Self { dofs: Vec::new(), centre, size: unit(size), normal: Factor::new(0, Vec::new()), scale: [1.0; 6] };
+        let mut body = Self {
+            dofs: Vec::new(),
+            centre,
+            size: unit(size),
+            normal: DenseFactor::new(0, Vec::new()),
+            scale: [1.0; 6],
+        };
         let poses: FxHashMap<u32, Pose> = nodes.into_iter().collect();
         for (dof, weight) in element.weights()? {
             let weight = if dof.component > 3 { weight * unit(arm).powi(2) } else { weight };
@@ -82,7 +86,7 @@ impl Connected {
         let s = body.normal_matrix();
         body.scale = std::array::from_fn(|i| if s[7 * i] > 0.0 { 1.0 / s[7 * i].sqrt() } else { 1.0 });
         let scaled = s.iter().enumerate().map(|(k, value)| value * body.scale[k / 6] * body.scale[k % 6]);
-        body.normal = Factor::new(6, scaled.collect());
+        body.normal = DenseFactor::new(6, scaled.collect());
         Ok(body)
     }
 
@@ -143,6 +147,42 @@ impl Mean {
         }
         Ok(weights)
     }
+}
+
+/// One equation for each component of the reference.
+pub fn partial_rows(element: &Mean, poses: &impl Poses) -> Result<Vec<Row>, Problem> {
+    let reference = poses.pose(element.reference)?;
+    let own: Vec<u8> = element.components.iter().collect();
+    let mut connected: Vec<(Dof, f64, Vec<f64>)> = Vec::new();
+    for (dof, weight) in element.weights()? {
+        let row: MotionRow = poses.pose(dof.node)?.seen_from(&reference).row(dof.component, [0.0; 3]);
+        connected.push((dof, weight, own.iter().map(|&component| row[component as usize - 1]).collect()));
+    }
+    let (factor, scale) = partial_normal(&connected, own.len());
+    let row = |(i, &component): (usize, &u8)| {
+        let mut unit = vec![0.0; own.len()];
+        unit[i] = scale[i];
+        let undetermined = || CardFault::MeanUndetermined { node: element.reference, component };
+        let motion = Some(&factor).filter(|factor| factor.is_regular()).and_then(|factor| factor.solve(&unit));
+        let motion = motion.ok_or_else(undetermined)?;
+        let largest = motion.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        let motion: Vec<f64> = motion.iter().zip(&scale).map(|(x, d)| clean(*x, largest) * d).collect();
+        let share = |row: &[f64]| row.iter().zip(&motion).map(|(a, x)| a * x).sum::<f64>();
+        let terms = connected.iter().map(|(dof, weight, row)| (*dof, weight * share(row)));
+        Ok(Row::new(Dof { node: element.reference, component }, terms))
+    };
+    own.iter().enumerate().map(row).collect()
+}
+
+/// `D S D` with ones on its diagonal, factored, and D.
+fn partial_normal(connected: &[(Dof, f64, Vec<f64>)], n: usize) -> (DenseFactor, Vec<f64>) {
+    let mut s = vec![0.0; n * n];
+    for (_, weight, row) in connected {
+        (0..n * n).for_each(|k| s[k] += weight * row[k / n] * row[k % n]);
+    }
+    let scale: Vec<f64> = (0..n).map(|i| s[(n + 1) * i]).map(|x| if x > 0.0 { 1.0 / x.sqrt() } else { 1.0 }).collect();
+    let scaled = (0..n * n).map(|k| s[k] * scale[k / n] * scale[k % n]).collect();
+    (DenseFactor::new(n, scaled), scale)
 }
 
 #[cfg(test)]

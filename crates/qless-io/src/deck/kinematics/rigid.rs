@@ -6,7 +6,7 @@
 
 use super::body::{MotionRow, Pose, clean};
 use super::components::Components;
-use super::dense::Factor;
+use super::dense::DenseFactor;
 use super::row::{Poses, Row};
 use super::vector::{Vector, length, minus, plus, scaled};
 use crate::deck::{CardFault, Dof, Problem};
@@ -57,7 +57,7 @@ impl Rigid {
     }
 
     fn general(&self, poses: &impl Poses) -> Result<Vec<Row>, Problem> {
-        let body = Body::new(&self.independent, poses)?;
+        let body = IndependentBody::new(&self.independent, poses)?;
         self.each_dependent(poses, |pose, component| body.depends(pose, component))
     }
 
@@ -77,14 +77,14 @@ impl Rigid {
 }
 
 /// The independent components, and A_n^T factored. Rotations are made lengths by the size of the body.
-struct Body {
+struct IndependentBody {
     components: Vec<Dof>,
     origin: Vector,
     size: f64,
-    factor: Factor,
+    factor: DenseFactor,
 }
 
-impl Body {
+impl IndependentBody {
     fn new(independent: &Side, poses: &impl Poses) -> Result<Self, Problem> {
         let placed: Vec<_> = independent
             .iter()
@@ -94,7 +94,7 @@ impl Body {
             placed.iter().fold([0.0; 3], |sum, (.., pose)| plus(sum, scaled(pose.position, 1.0 / placed.len() as f64)));
         let farthest = placed.iter().map(|(.., pose)| length(minus(pose.position, origin))).fold(0.0, f64::max);
         let size = if farthest > 0.0 { farthest } else { 1.0 };
-        let mut body = Self { components: Vec::new(), origin, size, factor: Factor::new(0, Vec::new()) };
+        let mut body = Self { components: Vec::new(), origin, size, factor: DenseFactor::new(0, Vec::new()) };
         let mut transposed = vec![0.0; 36];
         for (node, set, pose) in placed {
             for component in set.iter() {
@@ -106,7 +106,7 @@ impl Body {
                 body.components.push(Dof { node, component });
             }
         }
-        body.factor = Factor::new(6, transposed);
+        body.factor = DenseFactor::new(6, transposed);
         if body.factor.is_regular() { Ok(body) } else { Err(CardFault::IndependentSingular.into()) }
     }
 

@@ -1,6 +1,6 @@
 //! How readers fill a model.
 
-use super::runs::Run;
+use super::storage::OriginRun;
 use super::{Dof, Model, Origin, Warning};
 use crate::deck::CardName;
 
@@ -39,7 +39,7 @@ impl Model {
             self.rhs.push(rhs);
         }
         if !self.runs.last_mut().is_some_and(|run| run.take(i, origin)) {
-            self.runs.push(Run { first: i as u32, origin, stride: 0, cards: 0 });
+            self.runs.push(OriginRun { first: i as u32, origin, stride: 0, cards: 0 });
         }
     }
 

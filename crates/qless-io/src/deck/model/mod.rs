@@ -6,16 +6,16 @@ use std::path::PathBuf;
 use rustc_hash::FxHashMap;
 
 use super::Cards;
-use super::columns::Columns;
-use super::node_names::NodeNames;
-pub(super) use parts::Traits;
-pub use parts::{Dof, Equation, Load, LoadCase, Origin, Prescribed, Warning};
-use runs::{Run, Terms};
+use constraints::DeckTraits;
+pub use constraints::{DeckEquation, Dof, Load, LoadCase, Origin, Prescribed, Warning};
+use names::NodeNames;
+use storage::{ColumnMap, OriginRun, TermStorage};
 
+mod constraints;
 mod fill;
 mod names;
-mod parts;
-mod runs;
+mod storage;
+mod system;
 
 /// The constraints of a deck.
 #[derive(Clone, Debug, Default)]
@@ -28,7 +28,7 @@ pub struct Model {
     pub(crate) refusals: Vec<Warning>,
     /// Rotations that the solver makes for bodies: the first of three components of the reference node.
     pub(crate) own_rotations: BTreeSet<Dof>,
-    pub(crate) traits: Traits,
+    pub(crate) traits: DeckTraits,
     /// Whether a load case takes nothing over from those before it.
     pub(crate) has_separate_cases: bool,
     /// Names of the courses after the first.
@@ -44,13 +44,13 @@ pub struct Model {
     pub(crate) keeps_repeated_terms: bool,
     /// Cards whose equations the solver keeps by multipliers: none of their DOFs is a slave.
     without_slaves: BTreeSet<u32>,
-    columns: Columns,
-    terms: Terms,
+    columns: ColumnMap,
+    terms: TermStorage,
     /// Where the terms of each equation end.
     ends: Vec<u32>,
     /// Right-hand sides up to the last that is not zero.
     rhs: Vec<f64>,
-    runs: Vec<Run>,
+    runs: Vec<OriginRun>,
 }
 
 impl Model {
@@ -119,15 +119,15 @@ impl Model {
     }
 
     /// Equation `i`, from 0, if it is there.
-    pub fn equation(&self, i: usize) -> Option<Equation<'_>> {
+    pub fn equation(&self, i: usize) -> Option<DeckEquation<'_>> {
         (i < self.equations()).then(|| self.nth(i))
     }
 
     /// Equation `i`, which is there.
-    pub(crate) fn nth(&self, i: usize) -> Equation<'_> {
+    pub(crate) fn nth(&self, i: usize) -> DeckEquation<'_> {
         let range = if i == 0 { 0 } else { self.ends[i - 1] as usize }..self.ends[i] as usize;
         let run = self.runs[self.runs.partition_point(|run| run.first <= i as u32) - 1];
-        Equation {
+        DeckEquation {
             columns: &self.terms.columns[range.clone()],
             coefficients: &self.terms.coefficients[range],
             rhs: self.rhs.get(i).copied().unwrap_or(0.0),

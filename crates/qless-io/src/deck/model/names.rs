@@ -75,3 +75,74 @@ impl Model {
         DeckError { path, line: origin.line as usize, card: card.name.to_string(), field, problem }
     }
 }
+
+/// RunNames by number.
+#[derive(Clone, Debug, Default)]
+pub(super) struct NodeNames {
+    /// Ascending by their first numbers.
+    runs: Vec<NameRun>,
+}
+
+/// Nodes from `first` on, in turn.
+#[derive(Clone, Debug)]
+struct NameRun {
+    first: u32,
+    names: RunNames,
+}
+
+#[derive(Clone, Debug)]
+enum RunNames {
+    /// Nodes of an instance, by their numbers in it.
+    Instance(String, Vec<u32>),
+    /// A single one.
+    One(String),
+}
+
+impl NodeNames {
+    /// RunNames the nodes of an instance, from `first` on.
+    pub fn instance(&mut self, first: u32, instance: String, own: Vec<u32>) {
+        self.insert(NameRun { first, names: RunNames::Instance(instance, own) });
+    }
+
+    /// RunNames a node.
+    pub fn one(&mut self, node: u32, name: String) {
+        self.insert(NameRun { first: node, names: RunNames::One(name) });
+    }
+
+    fn insert(&mut self, run: NameRun) {
+        let at = self.runs.partition_point(|known| known.first <= run.first);
+        self.runs.insert(at, run);
+    }
+
+    /// The name of a node, if it has one.
+    pub fn get(&self, node: u32) -> Option<String> {
+        let run = &self.runs[self.runs.partition_point(|run| run.first <= node).checked_sub(1)?];
+        let k = (node - run.first) as usize;
+        match &run.names {
+            RunNames::Instance(instance, own) => own.get(k).map(|own| format!("{instance}.{own}")),
+            RunNames::One(name) => (k == 0).then(|| name.clone()),
+        }
+    }
+
+    /// Whether nodes are those of instances.
+    pub fn has_instances(&self) -> bool {
+        self.runs.iter().any(|run| matches!(run.names, RunNames::Instance(..)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_found_by_number() {
+        let mut names = NodeNames::default();
+        names.one(30, "reference".into());
+        names.instance(10, "I-1".into(), vec![1, 5]);
+        names.instance(12, "I-2".into(), vec![]);
+        names.instance(12, "I-3".into(), vec![7]);
+        let found = [9, 10, 11, 12, 13, 30, 31].map(|node| names.get(node));
+        let expected = [None, Some("I-1.1"), Some("I-1.5"), Some("I-3.7"), None, Some("reference"), None];
+        assert_eq!(found, expected.map(|name| name.map(str::to_owned)));
+    }
+}

@@ -1,9 +1,9 @@
-//! From DOFs to columns, in little more room than the columns themselves.
+//! Compact storage of a model: columns by DOF, terms, and where equations come from.
 
 use rustc_hash::FxHashMap;
 
-use super::Dof;
-use super::chunks::Chunks;
+use super::constraints::{Dof, Origin};
+use crate::deck::chunks::Chunks;
 
 /// Nodes of a page: numbers that follow each other, as they do in most decks.
 const PAGE: u32 = 16;
@@ -11,14 +11,14 @@ const NONE: u32 = u32::MAX;
 
 /// A map from DOFs to columns. DOFs of the same component on consecutive nodes share a page, and it is the pages that are hashed.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Columns {
+pub(super) struct ColumnMap {
     pages: FxHashMap<(u32, u8), u32>,
     entries: Chunks<[u32; PAGE as usize]>,
     /// The pages found last, by place in the equation and component: the same ones come again in the next equation.
     last: [Option<((u32, u8), u32)>; 16],
 }
 
-impl Columns {
+impl ColumnMap {
     /// The column of a DOF.
     pub fn get(&self, dof: Dof) -> Option<u32> {
         let &page = self.pages.get(&key(dof))?;
@@ -52,4 +52,39 @@ impl Columns {
 
 fn key(dof: Dof) -> (u32, u8) {
     (dof.node / PAGE, dof.component)
+}
+
+/// Equations from `first` on that follow each other evenly: equation `first + k` is that of `origin`, `k stride` lines and
+/// `k cards` cards further on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct OriginRun {
+    pub first: u32,
+    pub origin: Origin,
+    pub stride: u32,
+    pub cards: u32,
+}
+
+impl OriginRun {
+    /// Where equation `i` stands.
+    pub fn at(&self, i: usize) -> Origin {
+        let further = |from: u32, stride: u32| from.wrapping_add((i as u32 - self.first).wrapping_mul(stride));
+        let Origin { card, line, lines } = self.origin;
+        Origin { card: further(card, self.cards), line: further(line, self.stride), lines }
+    }
+
+    /// Takes equation `i` in, if it follows; the second one sets the strides.
+    pub fn take(&mut self, i: usize, origin: Origin) -> bool {
+        if self.first + 1 == i as u32 {
+            self.stride = origin.line.wrapping_sub(self.origin.line);
+            self.cards = origin.card.wrapping_sub(self.origin.card);
+        }
+        self.at(i) == origin
+    }
+}
+
+/// Terms of all equations, one after the other.
+#[derive(Clone, Debug, Default)]
+pub(super) struct TermStorage {
+    pub columns: Vec<u32>,
+    pub coefficients: Vec<f64>,
 }

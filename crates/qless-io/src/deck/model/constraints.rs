@@ -28,7 +28,7 @@ pub struct Origin {
 
 /// One equation `sum a_j u_j = rhs`; its first term is the slave in formats that name one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Equation<'a> {
+pub struct DeckEquation<'a> {
     /// Columns, which are indices into [`Model::dofs`](super::Model::dofs), and coefficients; a zero one keeps its place.
     pub columns: &'a [u32],
     /// Coefficients, in the order of `columns`.
@@ -98,7 +98,7 @@ pub struct Warning {
 
 /// What a deck says once for all of it, where solvers go by it.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Traits {
+pub(crate) struct DeckTraits {
     /// Whether some nodes have axes of their own.
     pub(crate) has_local_axes: bool,
     /// Whether a step is geometrically nonlinear.
