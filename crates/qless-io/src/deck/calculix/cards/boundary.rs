@@ -2,7 +2,7 @@
 
 use crate::deck::calculix::model::definitions::Definitions;
 use crate::deck::calculix::syntax::card::{Card, Scope};
-use crate::deck::calculix::syntax::data::{Fault, Fields, component, number};
+use crate::deck::calculix::syntax::{Fault, Fields, component, number};
 use crate::deck::{DeckError, Dof, Load, Model, Origin, Prescribed, Problem};
 use crate::fault::quote;
 
@@ -85,7 +85,7 @@ fn nodes(scope: Scope, fields: &mut Fields, definitions: &Definitions) -> Result
 fn components(fields: &mut Fields) -> Result<Vec<u8>, Fault> {
     const EXPECTED: &str = "a degree of freedom or a support such as ENCASTRE";
     let field = fields.next().unwrap_or_default();
-    let word = crate::deck::calculix::syntax::data::name(&String::from_utf8_lossy(field));
+    let word = crate::deck::calculix::syntax::name(&String::from_utf8_lossy(field));
     if let Some((_, held)) = SUPPORTS.iter().find(|(support, _)| *support == word) {
         return Ok(held.to_vec());
     }

@@ -3,13 +3,12 @@
 //! A distributing reference moves as the weighted mean of its nodes, `u_r = A_r S^-1 sum w_k a_k^T u_k`: so Abaqus has it. In ccx the
 //! card only distributes forces, and the motion of the reference has no effect on the surface.
 
-use crate::deck::calculix::cards::geometric::{Place, Row};
-use crate::deck::calculix::cards::refused;
+use crate::deck::calculix::cards::{refused, Place, Row};
 use crate::deck::calculix::cards::rigid::{Reference, kinematic, own_rotation};
 use crate::deck::calculix::model::definitions::Definitions;
 use crate::deck::calculix::model::mesh::Surface;
 use crate::deck::calculix::syntax::card::{Card, Scope};
-use crate::deck::calculix::syntax::data::{Lines, float, number};
+use crate::deck::calculix::syntax::{Lines, float, number};
 use crate::deck::kinematics::axes::Frame;
 use crate::deck::kinematics::components::Components;
 use crate::deck::kinematics::mean::{Group, Mean};

@@ -4,14 +4,13 @@
 //! Nodes are matched by radius and height; those without a partner follow the point of the master's faces that a turn by a sector
 //! takes them to.
 
-use crate::deck::calculix::cards::geometric::{Place, Row};
-use crate::deck::calculix::cards::tie;
+use crate::deck::calculix::cards::{tie, Place, Row};
 use crate::deck::calculix::model::definitions::Definitions;
 use crate::deck::calculix::model::frames::around;
 use crate::deck::calculix::model::mesh::Surface;
 use crate::deck::calculix::model::project::{Face, Grid};
 use crate::deck::calculix::syntax::card::Card;
-use crate::deck::calculix::syntax::data::float;
+use crate::deck::calculix::syntax::float;
 use crate::deck::kinematics::axes::Frame;
 use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::{Vector, dot, length, minus, plus, scaled};

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use crate::deck::calculix::model::definitions::Definitions;
 use crate::deck::calculix::syntax::card::{Card, Scope};
-use crate::deck::calculix::syntax::data::{DataLine, Fault, Fields, component, float, number};
+use crate::deck::calculix::syntax::{DataLine, Fault, Fields, component, float, number};
 use crate::deck::{DeckError, Dof, Model, Origin, Problem};
 use crate::fault::quote;
 

@@ -1,13 +1,125 @@
-//! What each card that constrains says, as equations and prescribed values.
+//! Cards that constrain, as equations and prescribed values; here what they share: their place in the deck, and equations between
+//! displacements along any direction.
 
 pub mod boundary;
 pub mod coupling;
 pub mod cyclic;
 pub mod equation;
-pub mod geometric;
 pub mod mpc;
 pub mod old_coupling;
 pub mod refused;
 pub mod rigid;
 pub mod tie;
 pub mod unread;
+
+use crate::deck::calculix::model::definitions::Definitions;
+use crate::deck::calculix::syntax::card::{Card, Scope};
+use crate::deck::kinematics::row::Poses;
+use crate::deck::kinematics::vector::{Vector, dot};
+use crate::deck::{DeckError, Dof, Model, Origin, Problem};
+
+/// An equation: its terms, the slave first, and the right-hand side.
+pub struct Row {
+    pub terms: Vec<(Dof, f64)>,
+    pub rhs: f64,
+}
+
+/// Below this part of the largest, a coefficient is rounding.
+const ROUNDING: f64 = 1e-14;
+
+impl Row {
+    /// `sum g_k . u_k = rhs` over nodes k in the axes of each; the slave is the component of the first node that counts most.
+    pub fn along(definitions: &Definitions, gradients: &[(u32, Vector)], rhs: f64) -> Result<Self, Problem> {
+        let mut terms: Vec<(Dof, f64)> = Vec::with_capacity(3 * gradients.len());
+        for &(node, gradient) in gradients {
+            let axes = definitions.pose(node)?.axes;
+            let component = |(axis, component): (&Vector, u8)| (Dof { node, component }, dot(*axis, gradient));
+            terms.extend(axes.iter().zip(1..).map(component));
+        }
+        let largest = terms.iter().fold(0.0_f64, |largest, (_, a)| largest.max(a.abs()));
+        let first = gradients.first().map_or(0, |(node, _)| *node);
+        terms.retain(|(_, a)| a.abs() > ROUNDING * largest);
+        let own = terms.iter().enumerate().filter(|(_, (dof, _))| dof.node == first);
+        // Of several that count as much the first, as ccx has it.
+        let slave = own.rev().max_by(|a, b| a.1.1.abs().total_cmp(&b.1.1.abs())).map(|(k, _)| k);
+        let Some(slave) = slave.filter(|_| largest > 0.0) else {
+            return Err(Problem::Degenerate { what: format!("node {first} is not constrained by its geometry") });
+        };
+        terms.swap(0, slave);
+        let scale = terms[0].1;
+        terms.iter_mut().for_each(|(_, a)| *a /= scale);
+        Ok(Self { terms, rhs: rhs / scale })
+    }
+
+    /// The same equation with another slave, which must not count less than the one it has.
+    pub fn led_by(mut self, slave: Dof) -> Self {
+        let at = self.terms.iter().position(|(dof, a)| *dof == slave && a.abs() >= 1.0 - ROUNDING);
+        if let Some(at) = at {
+            self.lead(at);
+        }
+        self
+    }
+
+    /// The same equation; where its slave is among these, with another component of the same node, the one that counts most, if there
+    /// is one.
+    pub fn led_by_none_of(mut self, slaves: &[Dof]) -> Self {
+        let own = self.terms[0].0;
+        if slaves.contains(&own) {
+            let is_other = |dof: &Dof| dof.node == own.node && dof.component <= 3 && !slaves.contains(dof);
+            let others = self.terms.iter().enumerate().filter(|(_, (dof, _))| is_other(dof));
+            let most = others.rev().max_by(|a, b| a.1.1.abs().total_cmp(&b.1.1.abs())).map(|(at, _)| at);
+            if let Some(at) = most {
+                self.lead(at);
+            }
+        }
+        self
+    }
+
+    fn lead(&mut self, at: usize) {
+        self.terms.swap(0, at);
+        let scale = self.terms[0].1;
+        self.terms.iter_mut().for_each(|(_, a)| *a /= scale);
+        self.rhs /= scale;
+    }
+
+    /// `u_a = u_b` in one component.
+    pub fn equal(a: u32, b: u32, component: u8) -> Self {
+        let dof = |node| Dof { node, component };
+        Self { terms: vec![(dof(a), 1.0), (dof(b), -1.0)], rhs: 0.0 }
+    }
+}
+
+/// A card that is being turned into equations.
+pub struct Place {
+    pub origin: Origin,
+}
+
+impl Place {
+    /// Registers a card under the name that the deck gives it.
+    pub fn of(card: &Card, model: &mut Model, name: &'static str) -> Self {
+        let number = model.card(name, card.file, card.line);
+        let last = card.lines().filter(|line| line.file == card.file).last().map_or(card.line, |line| line.number);
+        let lines = (last + 1).saturating_sub(card.line).max(1);
+        // One text for all instances of a part: it cannot change for one of them.
+        model.cards.fix(number, card.scope != Scope::DECK);
+        Self { origin: Origin { card: number, line: card.line, lines } }
+    }
+
+    /// An error at the keyword line.
+    pub fn fail(&self, model: &Model, problem: Problem) -> DeckError {
+        model.error(self.origin, None, problem)
+    }
+
+    /// Adds equations, or says what is wrong.
+    pub fn push(&self, model: &mut Model, rows: Result<Vec<Row>, Problem>) -> Result<(), DeckError> {
+        for row in rows.map_err(|problem| self.fail(model, problem))? {
+            model.push(row.terms, row.rhs, self.origin);
+        }
+        Ok(())
+    }
+
+    /// Marks the card as one that equations cannot stand in for.
+    pub fn fix(&self, model: &mut Model) {
+        model.cards.fix(self.origin.card, true);
+    }
+}

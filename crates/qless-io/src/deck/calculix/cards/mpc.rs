@@ -11,11 +11,11 @@
 //! | `MEANROT k k k... p` | the mean turn of nodes k about the axis that p's coordinates give is p's first component (CalculiX) |
 //! | `DIST a a a b b b c` | `abs(x_a - x_b)` is at most the first coordinate of c (CalculiX) |
 
-use crate::deck::calculix::cards::geometric::{Place, Row};
+use crate::deck::calculix::cards::{Place, Row};
 use crate::deck::calculix::cards::rigid::{Reference, kinematic};
 use crate::deck::calculix::model::definitions::Definitions;
 use crate::deck::calculix::syntax::card::Card;
-use crate::deck::calculix::syntax::data::name;
+use crate::deck::calculix::syntax::name;
 use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::{Vector, cross, dot, length, minus, plus, scaled, unit};
 use crate::deck::{DeckError, Dof, Model, Problem};

@@ -1,11 +1,11 @@
 //! `*KINEMATIC COUPLING` and `*DISTRIBUTING COUPLING`, older than `*COUPLING`.
 
 use crate::deck::calculix::cards::coupling::{finish, mean, range, translations};
-use crate::deck::calculix::cards::geometric::{Place, Row};
+use crate::deck::calculix::cards::{Place, Row};
 use crate::deck::calculix::cards::rigid::{Reference, kinematic};
 use crate::deck::calculix::model::definitions::Definitions;
 use crate::deck::calculix::syntax::card::Card;
-use crate::deck::calculix::syntax::data::float;
+use crate::deck::calculix::syntax::float;
 use crate::deck::kinematics::axes::BASIC_AXES;
 use crate::deck::kinematics::mean::Group;
 use crate::deck::kinematics::vector::{Vector, scaled};

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::deck::calculix::syntax::card::Card;
-use crate::deck::calculix::syntax::data::{DataLine, number};
+use crate::deck::calculix::syntax::{DataLine, number};
 use crate::deck::{Model, Sources};
 
 /// Fields of a line at most.

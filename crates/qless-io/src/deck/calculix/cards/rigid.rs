@@ -1,9 +1,9 @@
 //! `*RIGID BODY` and `*KINEMATIC`: `u_k = u_r + w x (x_k - x_r)` at the reference configuration.
 
-use crate::deck::calculix::cards::geometric::{Place, Row};
+use crate::deck::calculix::cards::{Place, Row};
 use crate::deck::calculix::model::definitions::Definitions;
 use crate::deck::calculix::syntax::card::Card;
-use crate::deck::calculix::syntax::data::number;
+use crate::deck::calculix::syntax::number;
 use crate::deck::kinematics::axes::{BASIC_AXES, Frame};
 use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::{Vector, cross, minus};

@@ -1,10 +1,10 @@
 //! `*TIE`: each node of the slave surface moves with the point of the master surface nearest to it, `u_s = sum N_i(xi) u_i`.
 
-use crate::deck::calculix::cards::geometric::{Place, Row};
+use crate::deck::calculix::cards::{Place, Row};
 use crate::deck::calculix::model::definitions::Definitions;
 use crate::deck::calculix::model::mesh::Surface;
 use crate::deck::calculix::syntax::card::Card;
-use crate::deck::calculix::syntax::data::float;
+use crate::deck::calculix::syntax::float;
 use crate::deck::kinematics::vector::Vector;
 use crate::deck::{DeckError, Dof, Model, Problem};
 use crate::fault::quote;

@@ -1,6 +1,6 @@
 //! Cards that constrain and are left out by name, with the DOFs that they are known to claim.
 
-use crate::deck::calculix::cards::geometric::Place;
+use crate::deck::calculix::cards::Place;
 use crate::deck::calculix::model::definitions::Definitions;
 use crate::deck::calculix::model::mesh::Surface;
 use crate::deck::calculix::syntax::card::Card;

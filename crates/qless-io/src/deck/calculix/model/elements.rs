@@ -3,7 +3,7 @@
 use rustc_hash::FxHashMap;
 
 use crate::deck::Problem;
-use crate::deck::calculix::model::text::Key;
+use crate::deck::calculix::model::Key;
 use crate::deck::calculix::syntax::card::Scope;
 
 /// What is known of an element type.

@@ -7,9 +7,9 @@ use rustc_hash::FxHashMap;
 
 use crate::deck::Problem;
 use crate::deck::calculix::model::definitions::Definitions;
-use crate::deck::calculix::model::text::Axes;
+use crate::deck::calculix::model::Axes;
 use crate::deck::calculix::syntax::card::Scope;
-use crate::deck::calculix::syntax::data::{self, DataPiece, Lines, float};
+use crate::deck::calculix::syntax::{self, DataPiece, Lines, float};
 use crate::deck::kinematics::axes::{BASIC_AXES, Frame, Kind};
 use crate::deck::kinematics::vector::{Vector, cross, minus, unit};
 
@@ -26,7 +26,7 @@ impl Definitions {
 
     /// The axes of an `*ORIENTATION`.
     pub fn orientation(&self, scope: Scope, name: &str) -> Result<Frame, Problem> {
-        let name = data::name(name);
+        let name = syntax::name(name);
         match self.find(&self.orientations, scope, &name) {
             Some((_, axes)) => self.placed_axes(axes),
             None => Err(Problem::Undefined { what: "orientation", name }),

@@ -2,7 +2,7 @@
 
 use crate::deck::Problem;
 use crate::deck::calculix::syntax::card::Scope;
-use crate::deck::calculix::syntax::data::{DataPiece, Lines, float};
+use crate::deck::calculix::syntax::{DataPiece, Lines, float};
 use crate::deck::kinematics::axes::Frame;
 use crate::deck::kinematics::vector::{Vector, cross, dot, minus, plus, scaled, unit};
 

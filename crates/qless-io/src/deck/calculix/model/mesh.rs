@@ -3,9 +3,9 @@
 use crate::deck::Problem;
 use crate::deck::calculix::model::definitions::Definitions;
 use crate::deck::calculix::model::elements::{Elements, Shape};
-use crate::deck::calculix::model::text::word;
+use crate::deck::calculix::model::word;
 use crate::deck::calculix::syntax::card::Scope;
-use crate::deck::calculix::syntax::data::{Lines, name, number};
+use crate::deck::calculix::syntax::{Lines, name, number};
 use crate::fault::quote;
 
 impl Definitions {

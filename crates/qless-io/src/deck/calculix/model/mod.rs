@@ -1,4 +1,4 @@
-//! What other cards refer to: nodes, sets, surfaces, parts and instances, axes, faces.
+//! What cards define (nodes, sets, elements, surfaces, axes): here as text, in the modules below as numbers once something asks for them.
 
 pub mod definitions;
 pub mod elements;
@@ -7,4 +7,87 @@ pub mod instances;
 pub mod mesh;
 pub mod project;
 pub mod sets;
-pub mod text;
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use rustc_hash::FxHashMap;
+
+use crate::deck::calculix::syntax::card::{Card, Scope};
+use crate::deck::calculix::syntax::{DataPiece, name};
+
+/// A name and whose it is.
+pub type Key = (Scope, String);
+
+/// An `*ELEMENT` card.
+pub struct Block {
+    pub scope: Scope,
+    pub kind: String,
+    pub set: Option<String>,
+    pub data: Vec<DataPiece>,
+}
+
+/// A `*SURFACE` card.
+pub struct Patch {
+    pub scope: Scope,
+    pub of_nodes: bool,
+    pub data: Vec<DataPiece>,
+}
+
+/// A `*TRANSFORM` or `*ORIENTATION` card.
+pub struct Axes {
+    pub scope: Scope,
+    pub is_cylindrical: bool,
+    pub data: Vec<DataPiece>,
+}
+
+/// The axes that a card gives.
+pub fn axes(card: &Card, is_cylindrical: bool) -> Axes {
+    Axes { scope: card.scope, is_cylindrical, data: card.data.clone() }
+}
+
+/// Where members stand.
+pub enum Part {
+    /// Lines that begin with a node.
+    Lines(Vec<DataPiece>),
+    /// Numbers and names of other sets.
+    List(Vec<DataPiece>),
+    /// `first, last, increment` a line.
+    Generate(Vec<DataPiece>),
+    /// The nodes of an element set.
+    OfElements(String),
+}
+
+/// A part of a set, and whose members it names.
+pub struct Set {
+    pub scope: Scope,
+    /// `INSTANCE=` on the card.
+    pub instance: Option<String>,
+    pub part: Part,
+}
+
+impl Set {
+    /// The part of a set that a card gives.
+    pub fn of(card: &Card, part: Part) -> Self {
+        Self { scope: card.scope, instance: card.word("INSTANCE"), part }
+    }
+}
+
+/// A set that is being parsed, or has been.
+pub enum Known {
+    InProgress,
+    Done(Rc<Vec<u32>>),
+}
+
+/// The sets of a deck.
+#[derive(Default)]
+pub struct Sets {
+    pub of_nodes: FxHashMap<Key, Vec<Set>>,
+    pub of_elements: FxHashMap<Key, Vec<Set>>,
+    pub known: RefCell<FxHashMap<(bool, Key), Known>>,
+}
+
+/// The name of an amplitude, a surface and the like, as it is compared.
+pub fn word(field: &[u8]) -> String {
+    name(&String::from_utf8_lossy(field))
+}

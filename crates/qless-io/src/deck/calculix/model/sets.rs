@@ -6,9 +6,9 @@ use rustc_hash::FxHashSet;
 
 use crate::deck::Problem;
 use crate::deck::calculix::model::definitions::Definitions;
-use crate::deck::calculix::model::text::{Known, Part, Set, word};
+use crate::deck::calculix::model::{Known, Part, Set, word};
 use crate::deck::calculix::syntax::card::Scope;
-use crate::deck::calculix::syntax::data::{Lines, name, number};
+use crate::deck::calculix::syntax::{Lines, name, number};
 use crate::fault::quote;
 
 /// Members of a set at most.

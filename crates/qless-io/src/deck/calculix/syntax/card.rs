@@ -1,7 +1,7 @@
 //! A deck as cards: a keyword line and the lines of data below it, wherever includes put them.
 
 use crate::deck::DeckError;
-use crate::deck::calculix::syntax::data::{self, DataPiece, Lines};
+use crate::deck::calculix::syntax::{self, DataPiece, Lines};
 
 /// Whose names and numbers a card uses: 0 are those of the deck, `k` those of its instance `k`, from 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -37,7 +37,7 @@ impl Card {
 
     /// The value of a parameter in capitals and without blanks.
     pub fn word(&self, name: &str) -> Option<String> {
-        self.parameter(name).map(data::name)
+        self.parameter(name).map(syntax::name)
     }
 
     /// Whether the card has the keyword, written without blanks.
@@ -67,7 +67,7 @@ impl Card {
         for part in parts {
             let part = String::from_utf8_lossy(part);
             let (name, value) = part.split_once('=').unwrap_or((&part, ""));
-            let name = data::name(name);
+            let name = syntax::name(name);
             if !name.is_empty() {
                 self.parameters.push((name, value.trim().trim_matches('"').to_owned()));
             }

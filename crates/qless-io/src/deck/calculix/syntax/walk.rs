@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::bytes::LINE;
 use crate::deck::calculix::syntax::assembly::Parts;
 use crate::deck::calculix::syntax::card::{Card, Visit};
-use crate::deck::calculix::syntax::data::DataPiece;
+use crate::deck::calculix::syntax::DataPiece;
 use crate::deck::{DeckError, Problem, Sources};
 
 /// Cards whose data may stand in a file of its own.
