@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use qless::{ConstraintSystem, Place, SystemError};
 
-use crate::fault::Fault;
+use crate::fault::TextFault;
 use crate::vectors::{read_labels, read_prescribed, read_rhs};
 use crate::{ReadError, chunk, matrix_market};
 
@@ -106,7 +106,7 @@ impl CaseFiles {
     pub fn sum_not_finite(&self, row: usize, dof: usize, sum: f64) -> Result<Option<ReadError>, ReadError> {
         let path = self.matrix.clone();
         Ok(chunk::lines_of(&path, row, dof)?.map(|(first_line, last)| {
-            let fault = Fault::SumNotFinite { row: row + 1, column: dof + 1, first_line, sum };
+            let fault = TextFault::SumNotFinite { row: row + 1, column: dof + 1, first_line, sum };
             ReadError::Malformed { path, line: Some(last), fault }
         }))
     }

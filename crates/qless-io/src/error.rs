@@ -3,8 +3,8 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::Fault;
-use crate::deck::{Format, Seen, Solver};
+use crate::TextFault;
+use crate::deck::{Format, Solver, UnrecognizedText};
 
 /// Why an input was refused. Lines, rows and columns count from 1.
 #[derive(Debug, thiserror::Error)]
@@ -26,7 +26,7 @@ pub enum ReadError {
         /// The line, unless the whole file is at fault.
         line: Option<usize>,
         /// What is wrong.
-        fault: Fault,
+        fault: TextFault,
     },
     /// A folder that is not a case.
     #[error("{}: the folder holds no C.mtx; name a folder with one, or a .mtx file", path.display())]
@@ -47,7 +47,7 @@ pub enum ReadError {
         /// The file.
         path: PathBuf,
         /// What it begins with.
-        seen: Seen,
+        seen: UnrecognizedText,
     },
     /// A solver that does not read decks of this format.
     #[error(
@@ -160,17 +160,17 @@ impl WriteError {
 
 /// A fault and its line, before the file is known.
 #[derive(Debug)]
-pub(crate) struct At {
+pub(crate) struct FaultAt {
     pub line: Option<usize>,
-    pub fault: Fault,
+    pub fault: TextFault,
 }
 
-impl At {
-    pub fn line(line: usize, fault: Fault) -> Self {
+impl FaultAt {
+    pub fn line(line: usize, fault: TextFault) -> Self {
         Self { line: Some(line), fault }
     }
 
-    pub fn whole_file(fault: Fault) -> Self {
+    pub fn whole_file(fault: TextFault) -> Self {
         Self { line: None, fault }
     }
 
@@ -181,7 +181,7 @@ impl At {
 }
 
 /// Reads a whole file, parses it, and puts its path on what goes wrong.
-pub(crate) fn parse_file<T>(path: &Path, parse: impl FnOnce(&[u8]) -> Result<T, At>) -> Result<T, ReadError> {
+pub(crate) fn parse_file<T>(path: &Path, parse: impl FnOnce(&[u8]) -> Result<T, FaultAt>) -> Result<T, ReadError> {
     let bytes = crate::bytes::read(path).map_err(ReadError::io(path))?;
     parse(&bytes).map_err(|at| at.of(path))
 }

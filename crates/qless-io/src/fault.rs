@@ -5,7 +5,7 @@ use std::fmt;
 /// What is wrong. Text that was found is quoted, cut and escaped where needed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum Fault {
+pub enum TextFault {
     /// The first line is no Matrix Market header.
     #[error(
         "expected the header `%%MatrixMarket matrix coordinate real general`, found {found}; make it the first line"

@@ -40,8 +40,8 @@ pub mod write;
 
 pub use case::case_files;
 pub use error::{ReadError, WriteError};
-pub use fault::{Fault, NumberFault, Quantity};
-pub use opened::{Content, Opened, read_case};
+pub use fault::{NumberFault, Quantity, TextFault};
+pub use opened::{FileContent, Opened, read_case};
 pub use write::write_case;
 
 /// The example of the README, as a test.

@@ -11,7 +11,7 @@ use crate::{ReadError, bytes};
 
 /// What a file holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Content {
+pub enum FileContent {
     /// A matrix, in Matrix Market format.
     Matrix,
     /// A finite-element deck.
@@ -40,7 +40,7 @@ pub enum Content {
 pub struct Opened {
     path: PathBuf,
     text: Vec<u8>,
-    content: Content,
+    content: FileContent,
 }
 
 impl Opened {
@@ -53,17 +53,17 @@ impl Opened {
         let text = bytes::read(path).map_err(ReadError::io(path))?;
         let expected = solver.map(Solver::format).or_else(|| Format::of(path));
         let content = match format_of(&text, expected) {
-            _ if header::is_present(&text) => Content::Matrix,
-            Ok(format) => Content::Deck(format),
+            _ if header::is_present(&text) => FileContent::Matrix,
+            Ok(format) => FileContent::Deck(format),
             // What is wrong with it, the reader of matrices says best.
-            Err(_) if is_matrix(path) => Content::Matrix,
+            Err(_) if is_matrix(path) => FileContent::Matrix,
             Err(seen) => return Err(ReadError::Unknown { path: path.to_path_buf(), seen }),
         };
         Ok(Self { path: path.to_path_buf(), text, content })
     }
 
     /// What it holds.
-    pub fn content(&self) -> Content {
+    pub fn content(&self) -> FileContent {
         self.content
     }
 
@@ -73,7 +73,7 @@ impl Opened {
     /// [`ReadError`]: a matrix, a solver that does not read the deck's format, or a fault in the deck.
     pub fn into_deck(self, solver: Option<Solver>) -> Result<Deck, ReadError> {
         let Self { path, text, content } = self;
-        let Content::Deck(format) = content else {
+        let FileContent::Deck(format) = content else {
             return Err(ReadError::OtherContent { path, problem: "it is a matrix; name a deck" });
         };
         let solver = solver.unwrap_or(format.into());
@@ -90,8 +90,8 @@ impl Opened {
     pub fn into_case(self, rhs: Option<&Path>, prescribed: Option<&Path>) -> Result<ConstraintSystem, ReadError> {
         let Self { path, text, content } = self;
         match content {
-            Content::Matrix => CaseFiles::lone(&path).with(rhs, prescribed).read_from(text),
-            Content::Deck(_) => Err(ReadError::OtherContent { path, problem: "it is a deck; name a matrix" }),
+            FileContent::Matrix => CaseFiles::lone(&path).with(rhs, prescribed).read_from(text),
+            FileContent::Deck(_) => Err(ReadError::OtherContent { path, problem: "it is a deck; name a matrix" }),
         }
     }
 }

@@ -6,10 +6,10 @@
 use std::path::Path;
 
 use crate::ReadError;
-use crate::error::{At, parse_file};
-use crate::fault::{Fault, NumberFault, Quantity, quote};
-use crate::lines::{Line, Lines};
-use crate::matrix_market::header::{self, Header, Layout};
+use crate::error::{FaultAt, parse_file};
+use crate::fault::{NumberFault, Quantity, TextFault, quote};
+use crate::lines::{TextLine, TextLines};
+use crate::matrix_market::header::{self, MarketHeader, MarketLayout};
 use crate::number::{real, whole};
 
 const SIZES: &str = "rows 1";
@@ -34,7 +34,7 @@ const FORM: &str = "column value";
 /// ```
 pub fn read_rhs(path: &Path, rows: usize) -> Result<Vec<f64>, ReadError> {
     parse_file(path, |bytes| {
-        let mut lines = Lines::new(bytes);
+        let mut lines = TextLines::new(bytes);
         let head = if header::is_present(bytes) { RhsHead::read(&mut lines, rows)? } else { RhsHead::absent(rows) };
         let numbers = head.numbers(&mut lines, 0)?;
         head.check_count(numbers.len())?;
@@ -55,14 +55,14 @@ impl RhsHead {
         Self { rows, integer: false }
     }
 
-    pub(crate) fn read(lines: &mut Lines, rows: usize) -> Result<Self, At> {
-        let header = header::read(lines, Layout::Array)?;
+    pub(crate) fn read(lines: &mut TextLines, rows: usize) -> Result<Self, FaultAt> {
+        let header = header::read(lines, MarketLayout::Array)?;
         check_sizes(lines, &header, rows)?;
         Ok(Self { rows, integer: header.integer })
     }
 
     /// The numbers in these lines, which follow `before` others.
-    pub(crate) fn numbers(&self, lines: &mut Lines, before: usize) -> Result<Vec<f64>, At> {
+    pub(crate) fn numbers(&self, lines: &mut TextLines, before: usize) -> Result<Vec<f64>, FaultAt> {
         let mut numbers = Vec::new();
         while let Some(line) = lines.content() {
             numbers.push(number(&line, before + numbers.len() + 1, self.integer)?);
@@ -71,27 +71,27 @@ impl RhsHead {
     }
 
     /// Checks that `found` numbers are one for each row.
-    pub(crate) fn check_count(&self, found: usize) -> Result<(), At> {
-        if found == self.rows { Ok(()) } else { Err(At::whole_file(wrong_count(found, self.rows))) }
+    pub(crate) fn check_count(&self, found: usize) -> Result<(), FaultAt> {
+        if found == self.rows { Ok(()) } else { Err(FaultAt::whole_file(wrong_count(found, self.rows))) }
     }
 }
 
-fn check_sizes(lines: &mut Lines, header: &Header, rows: usize) -> Result<(), At> {
+fn check_sizes(lines: &mut TextLines, header: &MarketHeader, rows: usize) -> Result<(), FaultAt> {
     let Some(line) = lines.content() else {
-        return Err(At::line(header.line, Fault::Sizes { expected: SIZES, found: quote(b"") }));
+        return Err(FaultAt::line(header.line, TextFault::Sizes { expected: SIZES, found: quote(b"") }));
     };
     match line.fields().map(|[rows, columns]| (whole(rows), whole(columns))) {
         Some((Some(found), Some(1))) if found == rows => Ok(()),
         Some((Some(found), Some(1))) => Err(line.fault(wrong_count(found, rows))),
-        _ => Err(line.fault(Fault::Sizes { expected: SIZES, found: line.quote() })),
+        _ => Err(line.fault(TextFault::Sizes { expected: SIZES, found: line.quote() })),
     }
 }
 
-fn number(line: &Line, row: usize, integer: bool) -> Result<f64, At> {
+fn number(line: &TextLine, row: usize, integer: bool) -> Result<f64, FaultAt> {
     let [word] = line.fields().ok_or_else(|| line.malformed("one number"))?;
     match real(word) {
         Ok(number) if !integer || number.fract() == 0.0 => Ok(number),
-        other => Err(line.fault(Fault::Number {
+        other => Err(line.fault(TextFault::Number {
             what: Quantity::RightHandSide { row },
             found: quote(word),
             problem: other.err().unwrap_or(NumberFault::NotAnInteger),
@@ -99,8 +99,8 @@ fn number(line: &Line, row: usize, integer: bool) -> Result<f64, At> {
     }
 }
 
-fn wrong_count(found: usize, expected: usize) -> Fault {
-    Fault::Count { what: "numbers", found, expected, each: "row" }
+fn wrong_count(found: usize, expected: usize) -> TextFault {
+    TextFault::Count { what: "numbers", found, expected, each: "row" }
 }
 
 /// Reads `(DOF, value)` for a matrix of `columns` columns, ascending by DOF; 0-based.
@@ -124,7 +124,7 @@ fn wrong_count(found: usize, expected: usize) -> Fault {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn read_prescribed(path: &Path, columns: usize) -> Result<Vec<(usize, f64)>, ReadError> {
-    parse_file(path, |bytes| merge_prescribed(prescribed_lines(&mut Lines::new(bytes), columns)?))
+    parse_file(path, |bytes| merge_prescribed(prescribed_lines(&mut TextLines::new(bytes), columns)?))
 }
 
 /// What one line prescribes; the column counts from 1.
@@ -139,7 +139,7 @@ pub struct PrescribedLine {
 }
 
 /// What these lines prescribe.
-pub(crate) fn prescribed_lines(lines: &mut Lines, columns: usize) -> Result<Vec<PrescribedLine>, At> {
+pub(crate) fn prescribed_lines(lines: &mut TextLines, columns: usize) -> Result<Vec<PrescribedLine>, FaultAt> {
     let mut prescribed = Vec::new();
     while let Some(line) = lines.content() {
         prescribed.push(prescribed_line(&line, columns)?);
@@ -148,7 +148,7 @@ pub(crate) fn prescribed_lines(lines: &mut Lines, columns: usize) -> Result<Vec<
 }
 
 /// Values by DOF, of lines in the order of the file.
-pub(crate) fn merge_prescribed(mut prescribed: Vec<PrescribedLine>) -> Result<Vec<(usize, f64)>, At> {
+pub(crate) fn merge_prescribed(mut prescribed: Vec<PrescribedLine>) -> Result<Vec<(usize, f64)>, FaultAt> {
     // Stable, so the earlier line stays first.
     prescribed.sort_by_key(|line| line.column);
     prescribed.windows(2).try_for_each(check_pair)?;
@@ -156,25 +156,25 @@ pub(crate) fn merge_prescribed(mut prescribed: Vec<PrescribedLine>) -> Result<Ve
     Ok(prescribed.iter().map(|line| (line.column - 1, line.value)).collect())
 }
 
-fn prescribed_line(line: &Line, columns: usize) -> Result<PrescribedLine, At> {
+fn prescribed_line(line: &TextLine, columns: usize) -> Result<PrescribedLine, FaultAt> {
     let [word, value] = line.fields().ok_or_else(|| line.malformed(FORM))?;
     let column = whole(word).ok_or_else(|| line.malformed(FORM))?;
     if column == 0 || column > columns {
-        return Err(line.fault(Fault::OutOfRange { what: "column", found: quote(word), size: columns }));
+        return Err(line.fault(TextFault::OutOfRange { what: "column", found: quote(word), size: columns }));
     }
     let what = Quantity::Prescribed { column };
-    let number = real(value).map_err(|problem| line.fault(Fault::Number { what, found: quote(value), problem }))?;
+    let number = real(value).map_err(|problem| line.fault(TextFault::Number { what, found: quote(value), problem }))?;
     Ok(PrescribedLine { column, value: number, line: line.number })
 }
 
-fn check_pair(pair: &[PrescribedLine]) -> Result<(), At> {
+fn check_pair(pair: &[PrescribedLine]) -> Result<(), FaultAt> {
     let [first, second] = pair else { return Ok(()) };
     if first.column != second.column || first.value == second.value {
         return Ok(());
     }
-    Err(At::line(
+    Err(FaultAt::line(
         second.line,
-        Fault::PrescribedTwice {
+        TextFault::PrescribedTwice {
             column: first.column,
             first: first.value,
             first_line: first.line,
@@ -204,7 +204,7 @@ fn check_pair(pair: &[PrescribedLine]) -> Result<(), At> {
 /// ```
 pub fn read_labels(path: &Path, expected: usize, each: &'static str) -> Result<Vec<String>, ReadError> {
     parse_file(path, |bytes| {
-        let mut lines = Lines::new(bytes);
+        let mut lines = TextLines::new(bytes);
         let mut labels = Vec::new();
         while let Some(line) = lines.any() {
             labels.push(String::from_utf8_lossy(line.text).into_owned());
@@ -217,10 +217,15 @@ pub fn read_labels(path: &Path, expected: usize, each: &'static str) -> Result<V
 }
 
 /// Whether there is one label for each row or column in so many lines, the last of which that is not empty is line `filled`.
-pub(crate) fn check_label_count(lines: usize, filled: usize, expected: usize, each: &'static str) -> Result<(), At> {
+pub(crate) fn check_label_count(
+    lines: usize,
+    filled: usize,
+    expected: usize,
+    each: &'static str,
+) -> Result<(), FaultAt> {
     let found = if lines > expected { filled.max(expected) } else { lines };
     if found == expected {
         return Ok(());
     }
-    Err(At::whole_file(Fault::Count { what: "labels", found, expected, each }))
+    Err(FaultAt::whole_file(TextFault::Count { what: "labels", found, expected, each }))
 }

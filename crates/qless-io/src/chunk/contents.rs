@@ -27,7 +27,7 @@ impl ChunkedMatrix {
     /// [`ReadError::Io`], or [`ReadError::Malformed`] with the line.
     pub fn open(file: &ChunkedFile) -> Result<Self, ReadError> {
         let head = read_head(file, true)?.unwrap_or(FileHead { text: Vec::new(), end: 0 });
-        let mut lines = lines::Lines::new(&head.text);
+        let mut lines = lines::TextLines::new(&head.text);
         let read = MatrixHead::read(&mut lines).map_err(|at| at.of(file.path()))?;
         Ok(Self { head: read, before: LineCount { lines: lines.number(), items: 0 }, start: head.end })
     }
@@ -102,7 +102,7 @@ impl ChunkedRhs {
         let Some(head) = read_head(file, false)? else {
             return Ok(Self { head: RhsHead::absent(rows), before: LineCount::default(), start: 0 });
         };
-        let mut lines = lines::Lines::new(&head.text);
+        let mut lines = lines::TextLines::new(&head.text);
         let read = RhsHead::read(&mut lines, rows).map_err(|at| at.of(file.path()))?;
         Ok(Self { head: read, before: LineCount { lines: lines.number(), items: 0 }, start: head.end })
     }
@@ -193,7 +193,7 @@ pub fn find_labels(path: &Path, wanted: &[usize]) -> Result<BTreeMap<usize, Stri
             }
             number += 1;
         }
-        let mut lines = if number == 1 { lines::Lines::new(&line) } else { lines::Lines::after(&line, 0) };
+        let mut lines = if number == 1 { lines::TextLines::new(&line) } else { lines::TextLines::after(&line, 0) };
         let label = lines.any().map(|line| String::from_utf8_lossy(line.text).into_owned());
         found.extend(label.filter(|label| !label.trim().is_empty()).map(|label| (index, label)));
     }

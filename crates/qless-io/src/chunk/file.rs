@@ -139,8 +139,8 @@ impl FileChunk {
         last
     }
 
-    pub(super) fn after(&self, number: usize) -> lines::Lines<'_> {
-        if self.is_first { lines::Lines::new(&self.bytes) } else { lines::Lines::after(&self.bytes, number) }
+    pub(super) fn after(&self, number: usize) -> lines::TextLines<'_> {
+        if self.is_first { lines::TextLines::new(&self.bytes) } else { lines::TextLines::after(&self.bytes, number) }
     }
 
     pub(super) fn path(&self) -> &Path {
@@ -165,10 +165,10 @@ pub(super) fn read_head(file: &ChunkedFile, any: bool) -> Result<Option<FileHead
         if reader.read_until(b'\n', &mut line).map_err(ReadError::io(file.path()))? == 0 {
             break;
         }
-        let mut lines = if head.end == 0 { lines::Lines::new(&line) } else { lines::Lines::after(&line, 0) };
+        let mut lines = if head.end == 0 { lines::TextLines::new(&line) } else { lines::TextLines::after(&line, 0) };
         let only = lines.any();
         head.end += line.len() as u64;
-        let counts = |line: &lines::Line| {
+        let counts = |line: &lines::TextLine| {
             if found == 0 { !line.text.trim_ascii().is_empty() } else { line.words().next().is_some() }
         };
         if !only.as_ref().is_some_and(counts) {

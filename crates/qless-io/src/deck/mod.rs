@@ -32,7 +32,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 pub use cards::{Card, CardName, Cards};
-pub use detect::Seen;
+pub use detect::UnrecognizedText;
 pub(crate) use detect::format_of;
 pub use error::{DeckError, Problem};
 pub use format::{Format, Solver, UnknownSolver};

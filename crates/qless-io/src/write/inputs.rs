@@ -25,12 +25,12 @@ use crate::WriteError;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, Default)]
-pub struct Inputs(Vec<Identity>);
+pub struct Inputs(Vec<FileIdentity>);
 
 impl Inputs {
     /// Knows these files.
     pub fn of(paths: impl IntoIterator<Item: AsRef<Path>>) -> Self {
-        Self(paths.into_iter().filter_map(|path| Identity::of(path.as_ref())).collect())
+        Self(paths.into_iter().filter_map(|path| FileIdentity::of(path.as_ref())).collect())
     }
 
     /// Passes an output that is none of them.
@@ -38,7 +38,7 @@ impl Inputs {
     /// # Errors
     /// [`WriteError::IsInput`].
     pub fn spare(&self, output: &Path) -> Result<(), WriteError> {
-        match Identity::of(output) {
+        match FileIdentity::of(output) {
             Some(identity) if self.0.contains(&identity) => Err(WriteError::IsInput { path: output.to_path_buf() }),
             _ => Ok(()),
         }
@@ -46,12 +46,12 @@ impl Inputs {
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum Identity {
-    There(Node),
-    Absent { folder: Node, name: OsString },
+enum FileIdentity {
+    There(FileId),
+    Absent { folder: FileId, name: OsString },
 }
 
-impl Identity {
+impl FileIdentity {
     fn of(path: &Path) -> Option<Self> {
         if let Some(node) = node(path) {
             return Some(Self::There(node));
@@ -63,17 +63,17 @@ impl Identity {
 
 /// Device and number on it; elsewhere the path without links.
 #[cfg(unix)]
-type Node = (u64, u64);
+type FileId = (u64, u64);
 #[cfg(not(unix))]
-type Node = PathBuf;
+type FileId = PathBuf;
 
 #[cfg(unix)]
-fn node(path: &Path) -> Option<Node> {
+fn node(path: &Path) -> Option<FileId> {
     use std::os::unix::fs::MetadataExt;
     fs::metadata(path).ok().map(|file| (file.dev(), file.ino()))
 }
 
 #[cfg(not(unix))]
-fn node(path: &Path) -> Option<Node> {
+fn node(path: &Path) -> Option<FileId> {
     fs::canonicalize(path).ok()
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use qless_io::deck::Solver::Ccx;
-use qless_io::deck::clean::{self, Fault};
+use qless_io::deck::clean::{self, EquationFault};
 
 use super::ccx::{deck, is_there, solve};
 use super::given::parsed;
@@ -104,7 +104,7 @@ fn ccx_is_wrong_where_we_say_so_and_right_after_clean() {
         let found = solve(&own).expect("solved");
         let read = parsed(Ccx, &own).expect("read");
         let faults = clean::faults(read.model());
-        let is_said = faults.iter().any(|fault| matches!(fault, Fault::MasterTwice { .. }));
+        let is_said = faults.iter().any(|fault| matches!(fault, EquationFault::MasterTwice { .. }));
         let is_wrong = far(&expected[0], &found[0]) > 1e-6;
         assert_eq!(is_said, is_wrong, "{own}\n{faults:?}\n{expected:?}\n{found:?}");
         wrong[usize::from(is_turned)] += usize::from(is_wrong);

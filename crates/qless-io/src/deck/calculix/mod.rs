@@ -24,14 +24,14 @@ pub(super) use write::write;
 use std::collections::HashMap;
 
 use crate::deck::{Deck, DeckError};
-use model::definitions::Definitions;
-use syntax::card::{Card, Scope};
+use model::definitions::DeckDefinitions;
+use syntax::card::{KeywordCard, Scope};
 use syntax::walk::walk;
 
 /// What a deck that was read before defines.
-fn definitions(deck: &Deck) -> Result<Definitions, DeckError> {
-    let mut definitions = Definitions::default();
-    let mut note = |card: &Card| {
+fn definitions(deck: &Deck) -> Result<DeckDefinitions, DeckError> {
+    let mut definitions = DeckDefinitions::default();
+    let mut note = |card: &KeywordCard| {
         definitions.note(card);
         Ok(())
     };

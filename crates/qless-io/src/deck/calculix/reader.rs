@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 
 use super::cards::{boundary, cyclic, equation, mpc, old_coupling, refused, rigid, tie, unread};
-use crate::deck::calculix::cards::coupling::{self, Coupling};
-use crate::deck::calculix::cards::rigid::Reference;
-use crate::deck::calculix::model::definitions::Definitions;
-use crate::deck::calculix::syntax::card::Card;
+use crate::deck::calculix::cards::coupling::{self, CouplingCard};
+use crate::deck::calculix::cards::rigid::BodyReference;
+use crate::deck::calculix::model::definitions::DeckDefinitions;
+use crate::deck::calculix::syntax::card::KeywordCard;
 use crate::deck::calculix::syntax::walk::walk;
 use crate::deck::{DeckError, Dof, Load, LoadCase, Model, Prescribed, Problem, Solver, Sources};
 
@@ -15,8 +15,8 @@ use crate::deck::{DeckError, Dof, Load, LoadCase, Model, Prescribed, Problem, So
 /// # Errors
 /// [`DeckError`].
 pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
-    let (mut definitions, mut has_mpc) = (Definitions::default(), false);
-    walk(sources, &mut |card: &Card| {
+    let (mut definitions, mut has_mpc) = (DeckDefinitions::default(), false);
+    walk(sources, &mut |card: &KeywordCard| {
         definitions.note(card);
         has_mpc |= card.is("*MPC");
         Ok(())
@@ -27,40 +27,40 @@ pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
     }
     // Any *MPC makes all steps nonlinear in ccx.
     definitions.is_nonlinear |= has_mpc && sources.solver() == Solver::Ccx;
-    let mut reader = Reader::new(sources, definitions)?;
+    let mut reader = CalculixReader::new(sources, definitions)?;
     if reader.solver == Solver::Ccx {
         refused::byte_order_marks(sources, &mut reader.model);
     }
-    walk(sources, &mut |card: &Card| reader.card(card))?;
+    walk(sources, &mut |card: &KeywordCard| reader.card(card))?;
     reader.finish()
 }
 
-struct Reader {
+struct CalculixReader {
     solver: Solver,
     model: Model,
-    definitions: Definitions,
+    definitions: DeckDefinitions,
     /// Values in force, with the step that gave them; 0 before the first.
     prescribed: BTreeMap<Dof, (Prescribed, usize)>,
     clashes: Vec<Prescribed>,
     loads: Vec<Load>,
     removed: Vec<u32>,
     /// The last `*COUPLING`, for the card that says of which kind it is.
-    coupling: Option<Coupling>,
+    coupling: Option<CouplingCard>,
     /// References that only distribute forces, by file and line of the card.
     forces: Vec<(u32, u32, u32)>,
     /// References of rigid bodies.
-    bodies: Vec<Reference>,
+    bodies: Vec<BodyReference>,
     /// `*CYCLIC SYMMETRY MODEL` cards, and ties that they may use.
-    sectors: Vec<Card>,
-    cyclic: Vec<Card>,
+    sectors: Vec<KeywordCard>,
+    cyclic: Vec<KeywordCard>,
     steps: usize,
     /// Whether the step, or what stands before the first, has had a `*BOUNDARY` card.
     has_boundary: bool,
     in_step: bool,
 }
 
-impl Reader {
-    fn new(sources: &Sources, definitions: Definitions) -> Result<Self, DeckError> {
+impl CalculixReader {
+    fn new(sources: &Sources, definitions: DeckDefinitions) -> Result<Self, DeckError> {
         let mut model = Model::new(sources.paths().to_vec());
         model.reserve(definitions.equations, definitions.terms);
         name_nodes(&mut model, &definitions)?;
@@ -83,7 +83,7 @@ impl Reader {
         })
     }
 
-    fn card(&mut self, card: &Card) -> Result<(), DeckError> {
+    fn card(&mut self, card: &KeywordCard) -> Result<(), DeckError> {
         match card.keyword.as_slice() {
             b"*EQUATION" if card.parameter("REMOVE").is_some() || card.parameter("REMOVEALL").is_some() => {
                 self.removed.extend(equation::removed(card, &mut self.model, &self.definitions)?);
@@ -104,7 +104,7 @@ impl Reader {
                 if self.solver == Solver::Ccx {
                     refused::coupling(card, &mut self.model);
                 }
-                self.coupling = Some(Coupling::of(card));
+                self.coupling = Some(CouplingCard::of(card));
             }
             b"*KINEMATIC" | b"*DISTRIBUTING" => self.coupled(card)?,
             b"*KINEMATICCOUPLING" => {
@@ -129,7 +129,7 @@ impl Reader {
     }
 
     /// The card that says of which kind the last `*COUPLING` is.
-    fn coupled(&mut self, card: &Card) -> Result<(), DeckError> {
+    fn coupled(&mut self, card: &KeywordCard) -> Result<(), DeckError> {
         let Some(coupling) = &self.coupling else { return Ok(()) };
         let constrains = coupling::read(card, coupling, &mut self.model, &self.definitions, self.solver)?;
         if !constrains && card.is("*DISTRIBUTING") && self.solver == Solver::Ccx {
@@ -141,7 +141,7 @@ impl Reader {
     }
 
     /// Values of a later step replace earlier ones; two in the same step contradict each other.
-    fn boundary(&mut self, card: &Card) -> Result<(), DeckError> {
+    fn boundary(&mut self, card: &KeywordCard) -> Result<(), DeckError> {
         let is_first = !std::mem::replace(&mut self.has_boundary, true);
         if card.word("OP").as_deref() == Some("NEW") {
             self.forget(card, is_first);
@@ -168,7 +168,7 @@ impl Reader {
     }
 
     /// `OP=NEW`: values of earlier steps are no more. ccx heeds it on the first `*BOUNDARY` of a step only.
-    fn forget(&mut self, card: &Card, is_first: bool) {
+    fn forget(&mut self, card: &KeywordCard, is_first: bool) {
         if self.solver == Solver::Ccx && !is_first {
             let text =
                 "*BOUNDARY, OP=NEW is not the first of its step: ccx passes over OP=NEW, so that earlier values stay";
@@ -179,7 +179,7 @@ impl Reader {
         self.clashes.retain(|clash| self.prescribed.contains_key(&clash.dof));
     }
 
-    fn load(&mut self, card: &Card) -> Result<(), DeckError> {
+    fn load(&mut self, card: &KeywordCard) -> Result<(), DeckError> {
         if card.word("OP").as_deref() == Some("NEW") {
             self.loads.clear();
         }
@@ -316,12 +316,12 @@ impl Reader {
 }
 
 /// Whether the values come from another model, from a user's routine or from where the nodes are by then.
-fn is_from_elsewhere(card: &Card) -> bool {
+fn is_from_elsewhere(card: &KeywordCard) -> bool {
     ["SUBMODEL", "USER", "FIXED"].iter().any(|source| card.parameter(source).is_some())
 }
 
 /// Names of the nodes of instances.
-fn name_nodes(model: &mut Model, definitions: &Definitions) -> Result<(), DeckError> {
+fn name_nodes(model: &mut Model, definitions: &DeckDefinitions) -> Result<(), DeckError> {
     if definitions.instances.is_empty() {
         return Ok(());
     }

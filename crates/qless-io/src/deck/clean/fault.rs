@@ -5,7 +5,7 @@ use crate::deck::{Dof, LoadCase, Model, Origin};
 /// A fault of one equation. Equations are numbered from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
-pub enum Fault {
+pub enum EquationFault {
     /// The slave has a prescribed value.
     SlavePrescribed {
         /// The equation.
@@ -78,7 +78,7 @@ pub enum Fault {
     },
 }
 
-impl Fault {
+impl EquationFault {
     /// The equation at fault.
     pub fn equation(&self) -> usize {
         match *self {

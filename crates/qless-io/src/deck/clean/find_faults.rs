@@ -3,18 +3,18 @@
 use qless::{Options, SystemBuilder, analyse};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::fault::Fault;
+use super::fault::EquationFault;
 use crate::deck::{Dof, LoadCase, Model, Origin};
 
 /// A slave's coefficient this much smaller than the largest one makes rounding errors as much larger.
 const SMALL: f64 = 1e-6;
 
 /// The faults of a deck's equations as they stand, each once, in the order of the load cases.
-pub fn faults(model: &Model) -> Vec<Fault> {
-    let mut all: Vec<Fault> = Vec::new();
+pub fn faults(model: &Model) -> Vec<EquationFault> {
+    let mut all: Vec<EquationFault> = Vec::new();
     for (k, case) in model.cases.iter().enumerate() {
         if k == 0 || !case.constrains_as(&model.cases[k - 1]) {
-            let known: FxHashSet<Fault> = all.iter().copied().collect();
+            let known: FxHashSet<EquationFault> = all.iter().copied().collect();
             all.extend(faults_in(model, case).into_iter().filter(|fault| !known.contains(fault)));
         }
     }
@@ -35,14 +35,14 @@ pub fn faults(model: &Model) -> Vec<Fault> {
 /// );
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn faults_in(model: &Model, case: &LoadCase) -> Vec<Fault> {
+pub fn faults_in(model: &Model, case: &LoadCase) -> Vec<EquationFault> {
     let mut left_out = vec![false; model.equations()];
     case.removed.iter().for_each(|&i| left_out[i as usize] = true);
     faults_of(model, &model.prescribed_in([case]), &left_out)
 }
 
 /// The faults of the equations that are not left out; `prescribed` says where a column's value is given.
-pub(super) fn faults_of(model: &Model, prescribed: &FxHashMap<u32, Origin>, left_out: &[bool]) -> Vec<Fault> {
+pub(super) fn faults_of(model: &Model, prescribed: &FxHashMap<u32, Origin>, left_out: &[bool]) -> Vec<EquationFault> {
     let kept = || (0..model.equations()).filter(|&i| !left_out[i] && model.has_slave(i));
     let mut slave_of: FxHashMap<u32, usize> = FxHashMap::default();
     let mut faults = Vec::new();
@@ -57,16 +57,16 @@ pub(super) fn faults_of(model: &Model, prescribed: &FxHashMap<u32, Origin>, left
         let free = terms.filter(|(j, _)| !prescribed.contains_key(j) && alike(**j));
         let largest = free.fold(0.0_f64, |largest, (_, a)| largest.max(a.abs()));
         if own == 0.0 || own.abs() <= SMALL * largest {
-            faults.push(Fault::SlaveVanishes { equation: i, slave });
+            faults.push(EquationFault::SlaveVanishes { equation: i, slave });
         }
         if let Some(&by) = prescribed.get(&column) {
-            faults.push(Fault::SlavePrescribed { equation: i, slave, by, since: since(model, slave) });
+            faults.push(EquationFault::SlavePrescribed { equation: i, slave, by, since: since(model, slave) });
         }
         if let Some(by) = model.claimed(slave) {
-            faults.push(Fault::SlaveClaimed { equation: i, slave, by });
+            faults.push(EquationFault::SlaveClaimed { equation: i, slave, by });
         }
         match slave_of.get(&column) {
-            Some(&first) => faults.push(Fault::SlaveTwice { equation: i, slave, first }),
+            Some(&first) => faults.push(EquationFault::SlaveTwice { equation: i, slave, first }),
             None => drop(slave_of.insert(column, i)),
         }
     }
@@ -92,7 +92,7 @@ fn unit_of(dof: Dof) -> u8 {
 }
 
 /// Slaves that depend on each other and are not determined by their equations: what remains when equations all of whose other DOFs are no slaves are taken away again and again.
-fn circles(model: &Model, slave_of: &FxHashMap<u32, usize>) -> Vec<Fault> {
+fn circles(model: &Model, slave_of: &FxHashMap<u32, usize>) -> Vec<EquationFault> {
     let others = |i: usize| {
         let equation = model.nth(i);
         let own = equation.columns.first().copied();
@@ -120,7 +120,7 @@ fn circles(model: &Model, slave_of: &FxHashMap<u32, usize>) -> Vec<Fault> {
         return Vec::new();
     }
     let slave = |i: usize| model.dofs[model.nth(i).columns[0] as usize];
-    left.into_iter().map(|i| Fault::Circle { equation: i, slave: slave(i) }).collect()
+    left.into_iter().map(|i| EquationFault::Circle { equation: i, slave: slave(i) }).collect()
 }
 
 /// Whether the equations determine their slaves: whether the square matrix of their coefficients has full rank for sure.
@@ -145,7 +145,7 @@ struct CoupledDof {
 }
 
 /// What is wrong with first DOFs; that of the others is said of slaves.
-fn coupled_faults(model: &Model, prescribed: &FxHashMap<u32, Origin>, left_out: &[bool]) -> Vec<Fault> {
+fn coupled_faults(model: &Model, prescribed: &FxHashMap<u32, Origin>, left_out: &[bool]) -> Vec<EquationFault> {
     let mut known: FxHashMap<u32, CoupledDof> = FxHashMap::default();
     let mut faults = Vec::new();
     for (equation, card) in coupled_equations(model, left_out) {
@@ -156,10 +156,14 @@ fn coupled_faults(model: &Model, prescribed: &FxHashMap<u32, Origin>, left_out: 
             let before = *known.entry(column).or_insert(member);
             let is_new = before.equation == equation || before.card != card;
             if is_first && is_new {
-                faults.extend(prescribed.get(&column).map(|&by| Fault::CoupledPrescribed { equation, slave: dof, by }));
+                faults.extend(prescribed.get(&column).map(|&by| EquationFault::CoupledPrescribed {
+                    equation,
+                    slave: dof,
+                    by,
+                }));
             }
             if before.card != card && (is_first || before.is_first) {
-                faults.push(Fault::CoupledTwice { equation, slave: dof, first: before.equation });
+                faults.push(EquationFault::CoupledTwice { equation, slave: dof, first: before.equation });
                 known.insert(column, member);
             }
         }
@@ -178,7 +182,7 @@ fn repeated_faults(
     model: &Model,
     prescribed: &FxHashMap<u32, Origin>,
     kept: impl Iterator<Item = usize> + Clone,
-) -> Vec<Fault> {
+) -> Vec<EquationFault> {
     if !model.keeps_repeated_terms {
         return Vec::new();
     }
@@ -203,7 +207,7 @@ fn repeated_faults(
         }
         let mut seen = FxHashSet::default();
         let master = masters.into_iter().find(|dof| !seen.insert(model.as_global(*dof)))?;
-        Some(Fault::MasterTwice { equation: i, slave, master })
+        Some(EquationFault::MasterTwice { equation: i, slave, master })
     };
     kept.filter(is_equation).filter_map(fault).collect()
 }

@@ -2,7 +2,7 @@
 
 use rustc_hash::FxHashMap;
 
-use super::Fault;
+use super::EquationFault;
 use super::find_faults::faults_of;
 use crate::deck::solver::{Profile, ccx};
 use crate::deck::{Dof, LoadCase, Model, Origin, Outcome, Solver};
@@ -11,7 +11,7 @@ use crate::deck::{Dof, LoadCase, Model, Origin, Outcome, Solver};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Finding {
     /// The fault.
-    pub fault: Fault,
+    pub fault: EquationFault,
     /// What the solver does.
     pub outcome: Outcome,
 }
@@ -29,10 +29,10 @@ impl Finding {
             (Outcome::Refused, _) => "stops".into(),
             (Outcome::Accepted, _) => "takes both".into(),
             (Outcome::Unsound, _) => "may go on, but its results are not to be relied on".into(),
-            (Outcome::IgnoresFirst, Fault::SlaveTwice { first, .. }) => {
+            (Outcome::IgnoresFirst, EquationFault::SlaveTwice { first, .. }) => {
                 format!("drops this equation of {} in every step", equation(first))
             }
-            (Outcome::IgnoresSecond, Fault::SlavePrescribed { by, .. }) => {
+            (Outcome::IgnoresSecond, EquationFault::SlavePrescribed { by, .. }) => {
                 format!("drops the value of {}", model.place(by))
             }
             (Outcome::IgnoresFirst | Outcome::IgnoresSecond, fault) => {
@@ -44,9 +44,9 @@ impl Finding {
     /// The equation that the solver drops, if it drops one.
     pub fn dropped(&self) -> Option<usize> {
         match (self.outcome, self.fault) {
-            (Outcome::IgnoresFirst, Fault::SlaveTwice { first, .. }) => Some(first),
+            (Outcome::IgnoresFirst, EquationFault::SlaveTwice { first, .. }) => Some(first),
             (Outcome::IgnoresFirst, fault) => Some(fault.equation()),
-            (Outcome::IgnoresSecond, Fault::SlaveTwice { equation, .. }) => Some(equation),
+            (Outcome::IgnoresSecond, EquationFault::SlaveTwice { equation, .. }) => Some(equation),
             _ => None,
         }
     }
@@ -73,7 +73,7 @@ impl Finding {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn findings(model: &Model, case: &LoadCase, solver: Solver) -> Vec<Finding> {
-    let mut look = Look::new(model, case, solver);
+    let mut look = FaultSearch::new(model, case, solver);
     look.drop_prescribed();
     look.drop_second();
     look.rest();
@@ -82,7 +82,7 @@ pub fn findings(model: &Model, case: &LoadCase, solver: Solver) -> Vec<Finding> 
 }
 
 /// A load case that is being looked at.
-struct Look<'a> {
+struct FaultSearch<'a> {
     profile: Profile<'a>,
     /// Where columns are prescribed, now and in the first load case.
     prescribed: FxHashMap<u32, Origin>,
@@ -90,7 +90,7 @@ struct Look<'a> {
     findings: Vec<Finding>,
 }
 
-impl<'a> Look<'a> {
+impl<'a> FaultSearch<'a> {
     fn new(model: &'a Model, case: &'a LoadCase, solver: Solver) -> Self {
         Self {
             profile: Profile::of_case(solver, model, case),
@@ -112,7 +112,7 @@ impl<'a> Look<'a> {
     }
 
     /// Notes a fault if the solver drops an equation for it, and leaves that out.
-    fn drop_for(&mut self, fault: Fault) -> Option<usize> {
+    fn drop_for(&mut self, fault: EquationFault) -> Option<usize> {
         let finding = Finding { fault, outcome: self.profile.outcome(&fault) };
         let dropped = finding.dropped()?;
         self.profile.left_out[dropped] = true;
@@ -124,7 +124,7 @@ impl<'a> Look<'a> {
     fn drop_prescribed(&mut self) {
         for (equation, column) in self.slaves() {
             if let Some(&by) = self.at_start.get(&column) {
-                self.drop_for(Fault::SlavePrescribed { equation, slave: self.dof(column), by, since: 0 });
+                self.drop_for(EquationFault::SlavePrescribed { equation, slave: self.dof(column), by, since: 0 });
             }
         }
     }
@@ -138,7 +138,7 @@ impl<'a> Look<'a> {
                 continue;
             };
             let slave = self.dof(column);
-            if self.drop_for(Fault::SlaveTwice { equation, slave, first }) == Some(first) {
+            if self.drop_for(EquationFault::SlaveTwice { equation, slave, first }) == Some(first) {
                 holders.insert(column, equation);
             }
         }
@@ -151,12 +151,12 @@ impl<'a> Look<'a> {
             let rotations: FxHashMap<Dof, usize> = ccx::rotations(self.profile.model).into_iter().collect();
             let taken = |(equation, column): (usize, u32)| {
                 let slave = self.dof(column);
-                rotations.get(&slave).map(|&first| Fault::SlaveTwice { equation, slave, first })
+                rotations.get(&slave).map(|&first| EquationFault::SlaveTwice { equation, slave, first })
             };
             faults.extend(self.slaves().into_iter().filter_map(taken));
         }
-        let is_circle = |fault: &&Fault| matches!(fault, Fault::Circle { .. });
-        let circle: Vec<usize> = faults.iter().filter(is_circle).map(Fault::equation).collect();
+        let is_circle = |fault: &&EquationFault| matches!(fault, EquationFault::Circle { .. });
+        let circle: Vec<usize> = faults.iter().filter(is_circle).map(EquationFault::equation).collect();
         // Once for all of them, which depend on each other.
         let round = (!circle.is_empty()).then(|| self.profile.circle(&circle));
         for fault in faults {

@@ -14,7 +14,7 @@ mod plan;
 mod proof;
 
 pub use error::CleanError;
-pub use fault::Fault;
+pub use fault::EquationFault;
 pub use find_faults::{faults, faults_in};
 pub use finding::{Finding, findings};
 pub use plan::{Cases, Ended, Plan, Reason, Removed, Written, plan};

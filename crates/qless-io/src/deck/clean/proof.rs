@@ -55,7 +55,7 @@ fn partner<'a>(old: &Model, k: usize, new: &'a Model) -> Option<&'a LoadCase> {
 fn same(old: &Model, a: &LoadCase, new: &Model, b: &LoadCase, renamed: &Renamed) -> Result<(), String> {
     let given = same_values(old, a, new, b, renamed)?;
     same_loads(a, b, renamed)?;
-    let both = Both::of(old, new, renamed);
+    let both = SharedColumns::of(old, new, renamed);
     let analyse = |systems: &[(&Model, &LoadCase)], given: &BTreeSet<Dof>| {
         let system = both.system(systems, given).map_err(|error| error.to_string())?;
         analyse(&system, &Options::default()).map_err(|error| error.to_string())
@@ -75,7 +75,7 @@ fn same(old: &Model, a: &LoadCase, new: &Model, b: &LoadCase, renamed: &Renamed)
 }
 
 /// Whether a cleaned load case is clean.
-fn independent(new: &Model, case: &LoadCase, rank: usize, both: &Both) -> Result<(), String> {
+fn independent(new: &Model, case: &LoadCase, rank: usize, both: &SharedColumns) -> Result<(), String> {
     let count = new.in_force(case).filter(|&i| !both.names_one_dof(new, i)).count();
     if count != rank {
         return Err(format!("{} of {count} equations still redundant", count - rank));
@@ -121,24 +121,27 @@ fn same_loads(a: &LoadCase, b: &LoadCase, renamed: &Renamed) -> Result<(), Strin
 
 /// A prescribed value and the name of its course, which is empty for the standard one.
 #[derive(PartialEq)]
-struct Given {
+struct PrescribedValue {
     value: f64,
     course: String,
 }
 
-fn given_in(model: &Model, case: &LoadCase) -> BTreeMap<Dof, Given> {
+fn given_in(model: &Model, case: &LoadCase) -> BTreeMap<Dof, PrescribedValue> {
     let names: Vec<Option<&str>> = model.courses().collect();
     let course = |k: u32| names.get(k as usize).copied().flatten().unwrap_or_default().to_owned();
-    case.prescribed.iter().map(|one| (one.dof, Given { value: one.value, course: course(one.course) })).collect()
+    case.prescribed
+        .iter()
+        .map(|one| (one.dof, PrescribedValue { value: one.value, course: course(one.course) }))
+        .collect()
 }
 
 /// Columns for the DOFs of two models.
-struct Both<'a> {
+struct SharedColumns<'a> {
     columns: FxHashMap<Dof, usize>,
     renamed: &'a Renamed,
 }
 
-impl<'a> Both<'a> {
+impl<'a> SharedColumns<'a> {
     fn of(old: &Model, new: &Model, renamed: &'a Renamed) -> Self {
         let mut columns = FxHashMap::default();
         let named = new.dofs.iter().map(|dof| renamed.get(dof).unwrap_or(dof));

@@ -3,7 +3,7 @@
 mod seen;
 mod words;
 
-pub use seen::Seen;
+pub use seen::UnrecognizedText;
 
 use super::Format;
 
@@ -24,14 +24,14 @@ enum Evidence {
 /// The format of a text; `expected` is that of the file's ending or of the solver asked for.
 ///
 /// # Errors
-/// [`Seen`], where no card of any format comes first.
-pub fn format_of(text: &[u8], expected: Option<Format>) -> Result<Format, Seen> {
-    if let Some(foreign) = Seen::foreign(text) {
+/// [`UnrecognizedText`], where no card of any format comes first.
+pub fn format_of(text: &[u8], expected: Option<Format>) -> Result<Format, UnrecognizedText> {
+    if let Some(foreign) = UnrecognizedText::foreign(text) {
         return Err(foreign);
     }
     let mut is_possible = false;
     for line in lines(text).take(LINES) {
-        if let Some(foreign) = Seen::foreign_card(line) {
+        if let Some(foreign) = UnrecognizedText::foreign_card(line) {
             return Err(foreign);
         }
         let says = |format: Format| evidence(format, line);
@@ -42,7 +42,7 @@ pub fn format_of(text: &[u8], expected: Option<Format>) -> Result<Format, Seen> 
             _ => is_possible |= expected.is_some_and(|format| says(format) == Evidence::Possible),
         }
     }
-    expected.filter(|_| is_possible).ok_or_else(|| Seen::of(text))
+    expected.filter(|_| is_possible).ok_or_else(|| UnrecognizedText::of(text))
 }
 
 /// Lines that are neither blank nor comments in any of the formats, without blanks at their ends.

@@ -12,7 +12,7 @@ const SHOWN: usize = 8;
 /// What a text begins with that is in no language known here.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Seen {
+pub enum UnrecognizedText {
     /// Nothing, or blanks.
     Nothing,
     /// Something else that is known by how it starts: "a page of the web".
@@ -49,7 +49,7 @@ const STARTS: [(&[u8], &str); 15] = [
     (b"ISO-10303-21", "a STEP file"),
 ];
 
-impl Seen {
+impl UnrecognizedText {
     /// What is certainly no deck, whatever cards seem to be in it.
     pub(super) fn foreign(text: &[u8]) -> Option<Self> {
         let start = text.trim_ascii_start();
@@ -83,7 +83,7 @@ impl Seen {
     }
 }
 
-impl fmt::Display for Seen {
+impl fmt::Display for UnrecognizedText {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Nothing => f.write_str("it is empty"),

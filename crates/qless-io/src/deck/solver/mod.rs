@@ -8,7 +8,7 @@ use std::cell::OnceCell;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::clean::Fault;
+use super::clean::EquationFault;
 use super::{LoadCase, Model, Solver};
 use manuals::{ColumnUses, abaqus_prescribed, abaqus_twice, ansys_outcome, nastran_exclusive, optistruct};
 pub(super) use outcome::CardKind;
@@ -28,7 +28,7 @@ impl Solver {
     /// assert_eq!(Solver::Ccx.outcome(fault, deck.model()), Outcome::Refused);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn outcome(self, fault: &Fault, model: &Model) -> Outcome {
+    pub fn outcome(self, fault: &EquationFault, model: &Model) -> Outcome {
         Profile::new(self, model).outcome(fault)
     }
 
@@ -72,21 +72,21 @@ impl<'a> Profile<'a> {
     }
 
     /// What the solver does with a fault.
-    pub fn outcome(&self, fault: &Fault) -> Outcome {
+    pub fn outcome(&self, fault: &EquationFault) -> Outcome {
         match *fault {
-            Fault::SlavePrescribed { equation, since, .. } => self.prescribed(fault, equation, since),
-            Fault::SlaveTwice { equation, first, .. } => self.twice(first, equation),
-            Fault::SlaveVanishes { equation, .. } => self.vanishes(equation),
+            EquationFault::SlavePrescribed { equation, since, .. } => self.prescribed(fault, equation, since),
+            EquationFault::SlaveTwice { equation, first, .. } => self.twice(first, equation),
+            EquationFault::SlaveVanishes { equation, .. } => self.vanishes(equation),
             // A DOF of a coupled set must be in no other and not prescribed.
             // Coupled sets are those of ANSYS, sets of DOFs that exclude each other those of Nastran.
-            Fault::CoupledTwice { .. } | Fault::CoupledPrescribed { .. } | Fault::SlaveClaimed { .. } => {
-                Outcome::Refused
-            }
-            Fault::MasterTwice { .. } => match self.solver {
+            EquationFault::CoupledTwice { .. }
+            | EquationFault::CoupledPrescribed { .. }
+            | EquationFault::SlaveClaimed { .. } => Outcome::Refused,
+            EquationFault::MasterTwice { .. } => match self.solver {
                 Solver::Ccx => Outcome::Unsound,
                 _ => Outcome::Accepted,
             },
-            Fault::Circle { equation, .. } => self.circle(&connected(self.model, equation)),
+            EquationFault::Circle { equation, .. } => self.circle(&connected(self.model, equation)),
         }
     }
 
@@ -104,7 +104,7 @@ impl<'a> Profile<'a> {
         CardKind::from_name(&self.model.cards.nth(self.model.nth(equation).origin.card).name)
     }
 
-    fn prescribed(&self, fault: &Fault, equation: usize, since: usize) -> Outcome {
+    fn prescribed(&self, fault: &EquationFault, equation: usize, since: usize) -> Outcome {
         let kind = self.kind(equation);
         match self.solver {
             Solver::Ccx => {

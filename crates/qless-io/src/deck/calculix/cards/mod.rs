@@ -12,14 +12,14 @@ pub mod rigid;
 pub mod tie;
 pub mod unread;
 
-use crate::deck::calculix::model::definitions::Definitions;
-use crate::deck::calculix::syntax::card::{Card, Scope};
+use crate::deck::calculix::model::definitions::DeckDefinitions;
+use crate::deck::calculix::syntax::card::{KeywordCard, Scope};
 use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::{Vector, dot};
 use crate::deck::{DeckError, Dof, Model, Origin, Problem};
 
 /// An equation: its terms, the slave first, and the right-hand side.
-pub struct Row {
+pub struct CardEquation {
     pub terms: Vec<(Dof, f64)>,
     pub rhs: f64,
 }
@@ -27,9 +27,9 @@ pub struct Row {
 /// Below this part of the largest, a coefficient is rounding.
 const ROUNDING: f64 = 1e-14;
 
-impl Row {
+impl CardEquation {
     /// `sum g_k . u_k = rhs` over nodes k in the axes of each; the slave is the component of the first node that counts most.
-    pub fn along(definitions: &Definitions, gradients: &[(u32, Vector)], rhs: f64) -> Result<Self, Problem> {
+    pub fn along(definitions: &DeckDefinitions, gradients: &[(u32, Vector)], rhs: f64) -> Result<Self, Problem> {
         let mut terms: Vec<(Dof, f64)> = Vec::with_capacity(3 * gradients.len());
         for &(node, gradient) in gradients {
             let axes = definitions.pose(node)?.axes;
@@ -90,13 +90,13 @@ impl Row {
 }
 
 /// A card that is being turned into equations.
-pub struct Place {
+pub struct CardPlace {
     pub origin: Origin,
 }
 
-impl Place {
+impl CardPlace {
     /// Registers a card under the name that the deck gives it.
-    pub fn of(card: &Card, model: &mut Model, name: &'static str) -> Self {
+    pub fn of(card: &KeywordCard, model: &mut Model, name: &'static str) -> Self {
         let number = model.card(name, card.file, card.line);
         let last = card.lines().filter(|line| line.file == card.file).last().map_or(card.line, |line| line.number);
         let lines = (last + 1).saturating_sub(card.line).max(1);
@@ -111,7 +111,7 @@ impl Place {
     }
 
     /// Adds equations, or says what is wrong.
-    pub fn push(&self, model: &mut Model, rows: Result<Vec<Row>, Problem>) -> Result<(), DeckError> {
+    pub fn push(&self, model: &mut Model, rows: Result<Vec<CardEquation>, Problem>) -> Result<(), DeckError> {
         for row in rows.map_err(|problem| self.fail(model, problem))? {
             model.push(row.terms, row.rhs, self.origin);
         }

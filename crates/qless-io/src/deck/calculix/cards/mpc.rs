@@ -11,10 +11,10 @@
 //! | `MEANROT k k k... p` | the mean turn of nodes k about the axis that p's coordinates give is p's first component (CalculiX) |
 //! | `DIST a a a b b b c` | `abs(x_a - x_b)` is at most the first coordinate of c (CalculiX) |
 
-use crate::deck::calculix::cards::{Place, Row};
-use crate::deck::calculix::cards::rigid::{Reference, kinematic};
-use crate::deck::calculix::model::definitions::Definitions;
-use crate::deck::calculix::syntax::card::Card;
+use crate::deck::calculix::cards::rigid::{BodyReference, kinematic};
+use crate::deck::calculix::cards::{CardEquation, CardPlace};
+use crate::deck::calculix::model::definitions::DeckDefinitions;
+use crate::deck::calculix::syntax::card::KeywordCard;
 use crate::deck::calculix::syntax::name;
 use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::{Vector, cross, dot, length, minus, plus, scaled, unit};
@@ -22,8 +22,8 @@ use crate::deck::{DeckError, Dof, Model, Problem};
 use crate::fault::quote;
 
 /// Adds the equations of a card.
-pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) -> Result<(), DeckError> {
-    let place = Place::of(card, model, "*MPC");
+pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) -> Result<(), DeckError> {
+    let place = CardPlace::of(card, model, "*MPC");
     let lists = lists(card, definitions).map_err(|problem| place.fail(model, problem))?;
     for (kind, nodes) in lists {
         let rows = match kind.as_str() {
@@ -31,10 +31,10 @@ pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) -> Result
             "STRAIGHT" => straight(definitions, &nodes),
             "BEAM" => beam(definitions, &nodes),
             "LINK" => pair(&nodes).and_then(|(a, b)| Ok(vec![distance(definitions, a, b)?])),
-            "PIN" => pair(&nodes).map(|(a, b)| (1..=3).map(|c| Row::equal(a, b, c)).collect()),
+            "PIN" => pair(&nodes).map(|(a, b)| (1..=3).map(|c| CardEquation::equal(a, b, c)).collect()),
             "TIE" => pair(&nodes).map(|(a, b)| {
                 let rotate = definitions.rotates(a) && definitions.rotates(b);
-                (1..=if rotate { 6 } else { 3 }).map(|c| Row::equal(a, b, c)).collect()
+                (1..=if rotate { 6 } else { 3 }).map(|c| CardEquation::equal(a, b, c)).collect()
             }),
             "MEANROT" => mean_rotation(definitions, &nodes).map(|row| vec![row]),
             "DIST" => bound(definitions, &nodes).map(|row| row.into_iter().collect()),
@@ -61,7 +61,7 @@ pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) -> Result
 }
 
 /// Types with their nodes; a line that begins with a number goes on.
-fn lists(card: &Card, definitions: &Definitions) -> Result<Vec<(String, Vec<u32>)>, Problem> {
+fn lists(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<Vec<(String, Vec<u32>)>, Problem> {
     let mut lists: Vec<(String, Vec<u32>)> = Vec::new();
     for line in card.lines() {
         let mut fields = line.fields().peekable();
@@ -86,7 +86,7 @@ fn pair(nodes: &[u32]) -> Result<(u32, u32), Problem> {
     }
 }
 
-fn positions<const N: usize>(definitions: &Definitions, nodes: &[u32]) -> Result<[Vector; N], Problem> {
+fn positions<const N: usize>(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<[Vector; N], Problem> {
     let mut positions = [[0.0; 3]; N];
     if nodes.len() < N {
         return Err(Problem::TooFew { what: "nodes", promised: N, found: nodes.len() });
@@ -97,7 +97,7 @@ fn positions<const N: usize>(definitions: &Definitions, nodes: &[u32]) -> Result
     Ok(positions)
 }
 
-fn plane(definitions: &Definitions, nodes: &[u32]) -> Result<Vec<Row>, Problem> {
+fn plane(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<Vec<CardEquation>, Problem> {
     let [a, b, c] = positions(definitions, nodes)?;
     let (to_b, to_c) = (minus(b, a), minus(c, a));
     let normal = cross(to_b, to_c);
@@ -111,12 +111,12 @@ fn plane(definitions: &Definitions, nodes: &[u32]) -> Result<Vec<Row>, Problem> 
         let gradients = [(node, normal), (nodes[0], by_a), (nodes[1], by_b), (nodes[2], by_c)];
         let off = dot(to_k, normal);
         let is_off = off.abs() > 1e-6 * length(normal) * length(to_k);
-        Row::along(definitions, &gradients, if is_off { -off } else { 0.0 })
+        CardEquation::along(definitions, &gradients, if is_off { -off } else { 0.0 })
     };
     nodes[3..].iter().filter(|node| !nodes[..3].contains(node)).map(row).collect()
 }
 
-fn straight(definitions: &Definitions, nodes: &[u32]) -> Result<Vec<Row>, Problem> {
+fn straight(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<Vec<CardEquation>, Problem> {
     let [a, b] = positions(definitions, nodes)?;
     let along = minus(b, a);
     let largest = (0..3).rev().max_by(|&i, &j| along[i].abs().total_cmp(&along[j].abs())).unwrap_or(0);
@@ -134,7 +134,7 @@ fn straight(definitions: &Definitions, nodes: &[u32]) -> Result<Vec<Row>, Proble
             let off = dot(cross(to_k, along), axis);
             let is_off = off.abs() > 1e-6 * length(along) * length(to_k);
             let gradients = [(node, by_k), (nodes[0], by_a), (nodes[1], by_b)];
-            let row = Row::along(definitions, &gradients, if is_off { -off } else { 0.0 })?;
+            let row = CardEquation::along(definitions, &gradients, if is_off { -off } else { 0.0 })?;
             // Each of the two other components is a slave once, on lines through the corners of a cube too.
             rows.push(row.led_by(Dof { node, component: (3 - i - largest) as u8 + 1 }));
         }
@@ -142,26 +142,26 @@ fn straight(definitions: &Definitions, nodes: &[u32]) -> Result<Vec<Row>, Proble
     Ok(rows)
 }
 
-fn beam(definitions: &Definitions, nodes: &[u32]) -> Result<Vec<Row>, Problem> {
+fn beam(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<Vec<CardEquation>, Problem> {
     let (a, b) = pair(nodes)?;
     if definitions.rotates(a) && definitions.rotates(b) {
-        let reference = Reference::turning(b);
+        let reference = BodyReference::turning(b);
         return kinematic(definitions, reference, std::iter::once(a), &[1, 2, 3, 4, 5, 6], None);
     }
     Ok(vec![distance(definitions, a, b)?])
 }
 
-fn distance(definitions: &Definitions, a: u32, b: u32) -> Result<Row, Problem> {
+fn distance(definitions: &DeckDefinitions, a: u32, b: u32) -> Result<CardEquation, Problem> {
     let along = minus(definitions.position(a)?, definitions.position(b)?);
     if length(along) == 0.0 {
         return Err(Problem::Degenerate { what: format!("nodes {a} and {b} coincide") });
     }
-    Row::along(definitions, &[(a, along), (b, scaled(along, -1.0))], 0.0)
+    CardEquation::along(definitions, &[(a, along), (b, scaled(along, -1.0))], 0.0)
 }
 
 /// `sum_k (e x p_k) / abs(p_k)^2 . (u_k - mean u) = n u_p`, with p_k the arm of node k from the mean place, across the axis e; nodes on the axis
 /// count for the mean alone. Each node stands three times.
-fn mean_rotation(definitions: &Definitions, nodes: &[u32]) -> Result<Row, Problem> {
+fn mean_rotation(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<CardEquation, Problem> {
     let Some((&pilot, nodes)) = nodes.split_last().filter(|(_, nodes)| !nodes.is_empty() && nodes.len() % 3 == 0)
     else {
         let found = quote(nodes.len().to_string().as_bytes());
@@ -187,7 +187,7 @@ fn mean_rotation(definitions: &Definitions, nodes: &[u32]) -> Result<Row, Proble
     let size = |gradient: &Vector| dot(*gradient, *gradient);
     let most = (0..gradients.len()).max_by(|&i, &j| size(&gradients[i].1).total_cmp(&size(&gradients[j].1)));
     gradients.swap(0, most.unwrap_or(0));
-    let mut row = Row::along(definitions, &gradients, 0.0)?;
+    let mut row = CardEquation::along(definitions, &gradients, 0.0)?;
     let own = usize::from(row.terms[0].0.component) - 1;
     let scale = dot(definitions.pose(gradients[0].0)?.axes[own], gradients[0].1);
     row.terms.push((Dof { node: pilot, component: 1 }, -(nodes.len() as f64) / scale));
@@ -196,7 +196,7 @@ fn mean_rotation(definitions: &Definitions, nodes: &[u32]) -> Result<Row, Proble
 
 /// The row of a distance that is not to be exceeded, where it is reached already; the first DOF of the last node, which is to be
 /// prescribed, stands for what it exceeds it by.
-fn bound(definitions: &Definitions, nodes: &[u32]) -> Result<Option<Row>, Problem> {
+fn bound(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<Option<CardEquation>, Problem> {
     let [a, _, _, b, _, _, c] = *nodes else {
         return Err(Problem::TooFew { what: "nodes", promised: 7, found: nodes.len() });
     };
@@ -207,7 +207,7 @@ fn bound(definitions: &Definitions, nodes: &[u32]) -> Result<Option<Row>, Proble
     }
     let along = scaled(along, 2.0);
     let rhs = most * most - dot(along, along) / 4.0;
-    let mut row = Row::along(definitions, &[(a, along), (b, scaled(along, -1.0))], rhs)?;
+    let mut row = CardEquation::along(definitions, &[(a, along), (b, scaled(along, -1.0))], rhs)?;
     let own = usize::from(row.terms[0].0.component) - 1;
     let scale = dot(definitions.pose(a)?.axes[own], along);
     row.terms.push((Dof { node: c, component: 1 }, -1.0 / scale));

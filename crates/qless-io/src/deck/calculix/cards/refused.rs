@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::deck::calculix::syntax::card::Card;
+use crate::deck::calculix::syntax::card::KeywordCard;
 use crate::deck::calculix::syntax::{DataLine, number};
 use crate::deck::{Model, Sources};
 
@@ -23,7 +23,7 @@ pub fn byte_order_marks(sources: &Sources, model: &mut Model) {
 }
 
 /// `*EQUATION` after a step has begun, and lines of it that ccx does not take, each kind once.
-pub fn equation(card: &Card, is_late: bool, model: &mut Model) {
+pub fn equation(card: &KeywordCard, is_late: bool, model: &mut Model) {
     if is_late {
         model.refuse(card.file, card.line, "ccx stops: *EQUATION stands after a step begins; write it before");
     }
@@ -59,14 +59,14 @@ fn flaw(line: &DataLine) -> Option<&'static str> {
 }
 
 /// `*COUPLING` itself.
-pub fn coupling(card: &Card, model: &mut Model) {
+pub fn coupling(card: &KeywordCard, model: &mut Model) {
     if card.parameter("CONSTRAINTNAME").is_none_or(str::is_empty) {
         model.refuse(card.file, card.line, "ccx stops: *COUPLING has no CONSTRAINT NAME; give it one");
     }
 }
 
 /// `*KINEMATIC` after `*COUPLING`.
-pub fn kinematic(card: &Card, components: &[u8], holds_its_reference: bool, model: &mut Model) {
+pub fn kinematic(card: &KeywordCard, components: &[u8], holds_its_reference: bool, model: &mut Model) {
     if components.iter().any(|component| *component > 3) {
         let text = "ccx stops: *KINEMATIC couples components above 3; write 1 to 3 at most";
         model.refuse(card.file, card.line, text);

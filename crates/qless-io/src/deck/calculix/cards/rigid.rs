@@ -1,8 +1,8 @@
 //! `*RIGID BODY` and `*KINEMATIC`: `u_k = u_r + w x (x_k - x_r)` at the reference configuration.
 
-use crate::deck::calculix::cards::{Place, Row};
-use crate::deck::calculix::model::definitions::Definitions;
-use crate::deck::calculix::syntax::card::Card;
+use crate::deck::calculix::cards::{CardEquation, CardPlace};
+use crate::deck::calculix::model::definitions::DeckDefinitions;
+use crate::deck::calculix::syntax::card::KeywordCard;
 use crate::deck::calculix::syntax::number;
 use crate::deck::kinematics::axes::{BASIC_AXES, Frame};
 use crate::deck::kinematics::row::Poses;
@@ -11,7 +11,7 @@ use crate::deck::{DeckError, Dof, Model, Problem, Solver};
 
 /// The node whose motion a body follows, and the first of the three components that are the body's rotation.
 #[derive(Clone, Copy)]
-pub struct Reference {
+pub struct BodyReference {
     pub node: u32,
     pub rotation: Dof,
 }
@@ -19,17 +19,22 @@ pub struct Reference {
 /// The rotation that CalculiX makes for a `*RIGID BODY` without `ROT NODE`: no other card reaches it, components 4 to 6 included.
 const UNREACHED: u8 = 21;
 
-impl Reference {
+impl BodyReference {
     /// A reference whose components 4 to 6 are the rotation.
     pub fn turning(node: u32) -> Self {
         Self { node, rotation: Dof { node, component: 4 } }
     }
 
     /// The motion of a point along a direction e: `e . u_k - e . u_r - (r x e) . w = 0`.
-    pub fn follows(&self, definitions: &Definitions, node: u32, direction: Vector) -> Result<Row, Problem> {
+    pub fn follows(
+        &self,
+        definitions: &DeckDefinitions,
+        node: u32,
+        direction: Vector,
+    ) -> Result<CardEquation, Problem> {
         let reference = definitions.pose(self.node)?;
         let arm = minus(definitions.position(node)?, reference.position);
-        let mut row = Row::along(definitions, &[(node, direction), (self.node, direction.map(|x| -x))], 0.0)?;
+        let mut row = CardEquation::along(definitions, &[(node, direction), (self.node, direction.map(|x| -x))], 0.0)?;
         let pose = definitions.pose(node)?;
         let own = row.terms[0].0.component;
         let scale = crate::deck::kinematics::vector::dot(pose.axes[usize::from(own) - 1], direction);
@@ -53,23 +58,23 @@ impl Reference {
     }
 
     /// A node's rotation is the body's.
-    pub fn turns(&self, node: u32, k: usize) -> Row {
+    pub fn turns(&self, node: u32, k: usize) -> CardEquation {
         let own = Dof { node, component: k as u8 + 4 };
-        Row { terms: vec![(own, 1.0), (self.rotation_dof(k), -1.0)], rhs: 0.0 }
+        CardEquation { terms: vec![(own, 1.0), (self.rotation_dof(k), -1.0)], rhs: 0.0 }
     }
 }
 
 /// `*RIGID BODY`: the sets of a body and its reference, which is handed back where anything follows it.
 pub fn read(
-    card: &Card,
+    card: &KeywordCard,
     model: &mut Model,
-    definitions: &Definitions,
+    definitions: &DeckDefinitions,
     solver: Solver,
-) -> Result<Option<Reference>, DeckError> {
-    let place = Place::of(card, model, "*RIGID BODY");
-    let mut body = Body { card, definitions, solver, warnings: Vec::new(), made: None, used: None };
+) -> Result<Option<BodyReference>, DeckError> {
+    let place = CardPlace::of(card, model, "*RIGID BODY");
+    let mut body = RigidBodyCard { card, definitions, solver, warnings: Vec::new(), made: None, used: None };
     let rows = body.rows();
-    let Body { warnings, made, used, .. } = body;
+    let RigidBodyCard { warnings, made, used, .. } = body;
     warnings.into_iter().for_each(|text| model.warn(card.file, card.line, text));
     if let Some(node) = made {
         model.name_node(node, format!("reference of line {}", card.line));
@@ -90,19 +95,19 @@ pub fn read(
 }
 
 /// A body as its card has it.
-struct Body<'a> {
-    card: &'a Card,
-    definitions: &'a Definitions,
+struct RigidBodyCard<'a> {
+    card: &'a KeywordCard,
+    definitions: &'a DeckDefinitions,
     solver: Solver,
     warnings: Vec<String>,
     /// The reference, where the solver makes it.
     made: Option<u32>,
     /// The reference that the rows were made with.
-    used: Option<Reference>,
+    used: Option<BodyReference>,
 }
 
-impl Body<'_> {
-    fn rows(&mut self) -> Result<Vec<Row>, Problem> {
+impl RigidBodyCard<'_> {
+    fn rows(&mut self) -> Result<Vec<CardEquation>, Problem> {
         let nodes = self.nodes()?;
         if nodes.is_empty() {
             return Ok(Vec::new());
@@ -141,11 +146,11 @@ impl Body<'_> {
     }
 
     /// The reference and its rotation, which may be a node's of its own.
-    fn motion(&mut self) -> Result<Reference, Problem> {
+    fn motion(&mut self) -> Result<BodyReference, Problem> {
         let node = self.reference()?;
         let own = Dof { node, component: if self.solver == Solver::Ccx { UNREACHED } else { 4 } };
         let rotation = self.node("ROTNODE")?.map_or(own, |node| Dof { node, component: 1 });
-        Ok(Reference { node, rotation })
+        Ok(BodyReference { node, rotation })
     }
 
     /// The nodes of the body in the order of the card, each once, and whether their rotations are the body's too.
@@ -186,7 +191,7 @@ impl Body<'_> {
 }
 
 /// The solver makes the rotation of a reference: one along the basic axes can be that of a new node.
-pub fn own_rotation(place: &Place, reference: Reference, model: &mut Model, definitions: &Definitions) {
+pub fn own_rotation(place: &CardPlace, reference: BodyReference, model: &mut Model, definitions: &DeckDefinitions) {
     let node = reference.node;
     let is_plain = definitions.pose(node).is_ok_and(|pose| pose.axes == BASIC_AXES);
     if is_plain && !definitions.is_nonlinear && !definitions.rotates(node) {
@@ -198,12 +203,12 @@ pub fn own_rotation(place: &Place, reference: Reference, model: &mut Model, defi
 
 /// The rows of nodes that follow a reference in these components, along the axes of `local` or their own.
 pub fn kinematic(
-    definitions: &Definitions,
-    reference: Reference,
+    definitions: &DeckDefinitions,
+    reference: BodyReference,
     nodes: impl Iterator<Item = u32>,
     components: &[u8],
     local: Option<&Frame>,
-) -> Result<Vec<Row>, Problem> {
+) -> Result<Vec<CardEquation>, Problem> {
     let mut rows = Vec::new();
     // All three directions say the same along any axes.
     let local = local.filter(|_| !(1..=3).all(|component| components.contains(&component)));

@@ -1,9 +1,9 @@
 //! Cards that constrain and are left out by name, with the DOFs that they are known to claim.
 
-use crate::deck::calculix::cards::Place;
-use crate::deck::calculix::model::definitions::Definitions;
-use crate::deck::calculix::model::mesh::Surface;
-use crate::deck::calculix::syntax::card::Card;
+use crate::deck::calculix::cards::CardPlace;
+use crate::deck::calculix::model::definitions::DeckDefinitions;
+use crate::deck::calculix::model::mesh::DeckSurface;
+use crate::deck::calculix::syntax::card::KeywordCard;
 use crate::deck::{Dof, Model, Problem};
 
 /// Keywords without blanks, and as they are written.
@@ -21,12 +21,12 @@ const UNREAD: [(&str, &str); 10] = [
 ];
 
 /// Leaves a card out that constrains; others are none of its business.
-pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) {
+pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) {
     let Some((keyword, name)) = UNREAD.iter().find(|(keyword, _)| card.is(keyword)) else { return };
     if *keyword == "*CONTACTPAIR" && card.parameter("TIED").is_none() {
         return;
     }
-    let place = Place::of(card, model, name);
+    let place = CardPlace::of(card, model, name);
     model.leave_out(card.file, card.line, format!("{name} constrains, but is not understood: left out"));
     // Names that are not defined: then nothing is known to be claimed.
     let nodes = nodes(card, definitions).unwrap_or_default();
@@ -34,9 +34,9 @@ pub fn read(card: &Card, model: &mut Model, definitions: &Definitions) {
 }
 
 /// The nodes whose DOFs a card may take.
-fn nodes(card: &Card, definitions: &Definitions) -> Result<Vec<u32>, Problem> {
+fn nodes(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<Vec<u32>, Problem> {
     let fields = || card.lines().flat_map(|line| line.fields()).filter(|field| !field.is_empty());
-    let surface = |name: &str| Surface::find(definitions, card.scope, name).map(|surface| surface.all_nodes());
+    let surface = |name: &str| DeckSurface::find(definitions, card.scope, name).map(|surface| surface.all_nodes());
     let elements = |field: &[u8]| -> Result<Vec<u32>, Problem> {
         let mut nodes = Vec::new();
         for element in definitions.element_or_set(card.scope, field)? {
@@ -65,7 +65,7 @@ fn nodes(card: &Card, definitions: &Definitions) -> Result<Vec<u32>, Problem> {
 }
 
 /// Says that a card claims all DOFs of nodes.
-pub fn claim(place: &Place, model: &mut Model, definitions: &Definitions, nodes: impl Iterator<Item = u32>) {
+pub fn claim(place: &CardPlace, model: &mut Model, definitions: &DeckDefinitions, nodes: impl Iterator<Item = u32>) {
     let of = |node: u32| {
         let last = if definitions.rotates(node) { 6 } else { 3 };
         (1..=last).map(move |component| Dof { node, component })

@@ -5,11 +5,13 @@ use std::cell::{OnceCell, RefCell};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::deck::Problem;
-use crate::deck::calculix::model::elements::{Elements, Shape};
-use crate::deck::calculix::model::instances::{Instance, Motion, Numbers};
-use crate::deck::calculix::model::{Axes, Block, Key, Part, Patch, Set, Sets, axes};
-use crate::deck::calculix::syntax::card::{Card, Scope};
-use crate::deck::calculix::syntax::{DataPiece, Lines, float, number};
+use crate::deck::calculix::model::elements::{ElementShape, MeshElements};
+use crate::deck::calculix::model::instances::{Instance, InstanceMotion, NodeNumbers};
+use crate::deck::calculix::model::{
+    AxesCard, ElementCard, ScopedName, SetMembers, SetPart, SetTable, SurfaceCard, axes,
+};
+use crate::deck::calculix::syntax::card::{KeywordCard, Scope};
+use crate::deck::calculix::syntax::{DataLines, DataPiece, float, number};
 use crate::deck::kinematics::axes::{BASIC_AXES, Frame};
 use crate::deck::kinematics::body::Pose;
 use crate::deck::kinematics::row::Poses;
@@ -17,23 +19,23 @@ use crate::deck::kinematics::vector::Vector;
 
 /// Definitions, as text until they are needed.
 #[derive(Default)]
-pub struct Definitions {
+pub struct DeckDefinitions {
     /// By scope.
     nodes: Vec<Vec<DataPiece>>,
-    pub sets: Sets,
-    pub blocks: Vec<Block>,
-    pub surfaces: FxHashMap<Key, Vec<Patch>>,
+    pub sets: SetTable,
+    pub blocks: Vec<ElementCard>,
+    pub surfaces: FxHashMap<ScopedName, Vec<SurfaceCard>>,
     /// `*TRANSFORM` with its node set.
-    pub transforms: Vec<(String, Axes)>,
-    pub orientations: FxHashMap<Key, Axes>,
+    pub transforms: Vec<(String, AxesCard)>,
+    pub orientations: FxHashMap<ScopedName, AxesCard>,
     /// Names of `*AMPLITUDE` cards.
     pub amplitudes: FxHashSet<String>,
     pub instances: Vec<Instance>,
     pub by_instance: FxHashMap<String, Scope>,
     assemblies: Vec<String>,
-    numbers: OnceCell<Result<Numbers, Problem>>,
+    numbers: OnceCell<Result<NodeNumbers, Problem>>,
     positions: OnceCell<Result<FxHashMap<u32, Vector>, Problem>>,
-    elements: OnceCell<Result<Elements, Problem>>,
+    elements: OnceCell<Result<MeshElements, Problem>>,
     locals: OnceCell<Result<FxHashMap<u32, Frame>, Problem>>,
     rotating: OnceCell<FxHashSet<u32>>,
     /// Where nodes are that no card lists, because the solver makes them.
@@ -49,9 +51,9 @@ pub struct Definitions {
     pub generates_nodes: bool,
 }
 
-impl Definitions {
+impl DeckDefinitions {
     /// Notes what a card defines.
-    pub fn note(&mut self, card: &Card) {
+    pub fn note(&mut self, card: &KeywordCard) {
         let key = |parameter| (card.scope, card.word(parameter).unwrap_or_default());
         match card.keyword.as_slice() {
             b"*INSTANCE" => self.instance(card),
@@ -60,19 +62,25 @@ impl Definitions {
                 let scope = card.scope.0 as usize;
                 self.nodes.resize_with(self.nodes.len().max(scope + 1), Vec::new);
                 self.nodes[scope].extend_from_slice(&card.data);
-                self.set(card, || Part::Lines(card.data.clone()));
+                self.set(card, || SetMembers::Lines(card.data.clone()));
             }
-            b"*NSET" if card.parameter("GENERATE").is_some() => self.set(card, || Part::Generate(card.data.clone())),
+            b"*NSET" if card.parameter("GENERATE").is_some() => {
+                self.set(card, || SetMembers::Generate(card.data.clone()))
+            }
             b"*NSET" if card.parameter("ELSET").is_some() => {
-                self.set(card, || Part::OfElements(card.word("ELSET").unwrap_or_default()));
+                self.set(card, || SetMembers::OfElements(card.word("ELSET").unwrap_or_default()));
             }
-            b"*NSET" => self.set(card, || Part::List(card.data.clone())),
+            b"*NSET" => self.set(card, || SetMembers::List(card.data.clone())),
             b"*ELSET" => {
                 let data = card.data.clone();
-                let part = if card.parameter("GENERATE").is_some() { Part::Generate(data) } else { Part::List(data) };
-                self.sets.of_elements.entry(key("ELSET")).or_default().push(Set::of(card, part));
+                let part = if card.parameter("GENERATE").is_some() {
+                    SetMembers::Generate(data)
+                } else {
+                    SetMembers::List(data)
+                };
+                self.sets.of_elements.entry(key("ELSET")).or_default().push(SetPart::of(card, part));
             }
-            b"*ELEMENT" => self.blocks.push(Block {
+            b"*ELEMENT" => self.blocks.push(ElementCard {
                 scope: card.scope,
                 kind: card.word("TYPE").unwrap_or_default(),
                 set: card.word("ELSET"),
@@ -80,7 +88,7 @@ impl Definitions {
             }),
             b"*SURFACE" => {
                 let of_nodes = card.word("TYPE").as_deref() == Some("NODE");
-                let patch = Patch { scope: card.scope, of_nodes, data: card.data.clone() };
+                let patch = SurfaceCard { scope: card.scope, of_nodes, data: card.data.clone() };
                 self.surfaces.entry(key("NAME")).or_default().push(patch);
             }
             b"*TRANSFORM" => {
@@ -100,7 +108,7 @@ impl Definitions {
         }
     }
 
-    fn instance(&mut self, card: &Card) {
+    fn instance(&mut self, card: &KeywordCard) {
         let name = card.parameter("NAME").unwrap_or_default().to_owned();
         let key = card.word("NAME").unwrap_or_default();
         self.by_instance.insert(key, card.scope);
@@ -108,9 +116,9 @@ impl Definitions {
     }
 
     /// Notes a part of the node set that a card names, if it names one.
-    fn set(&mut self, card: &Card, part: impl FnOnce() -> Part) {
+    fn set(&mut self, card: &KeywordCard, part: impl FnOnce() -> SetMembers) {
         if let Some(set) = card.word("NSET") {
-            self.sets.of_nodes.entry((card.scope, set)).or_default().push(Set::of(card, part()));
+            self.sets.of_nodes.entry((card.scope, set)).or_default().push(SetPart::of(card, part()));
         }
     }
 
@@ -123,7 +131,12 @@ impl Definitions {
     }
 
     /// Where something of this name is: in the scope itself, or in the instance that the name begins with.
-    pub fn find<'m, V>(&self, map: &'m FxHashMap<Key, V>, scope: Scope, name: &str) -> Option<(Key, &'m V)> {
+    pub fn find<'m, V>(
+        &self,
+        map: &'m FxHashMap<ScopedName, V>,
+        scope: Scope,
+        name: &str,
+    ) -> Option<(ScopedName, &'m V)> {
         let own = (scope, name.to_owned());
         if let Some(value) = map.get(&own) {
             return Some((own, value));
@@ -142,17 +155,17 @@ impl Definitions {
     }
 
     /// The numbers in the deck of the nodes of instances.
-    pub fn numbers(&self) -> Result<&Numbers, Problem> {
+    pub fn numbers(&self) -> Result<&NodeNumbers, Problem> {
         let find = || {
             let scopes = 1..=self.instances.len();
-            Numbers::of(&self.listed(0), scopes.map(|scope| self.listed(scope)))
+            NodeNumbers::of(&self.listed(0), scopes.map(|scope| self.listed(scope)))
         };
         self.numbers.get_or_init(find).as_ref().map_err(Clone::clone)
     }
 
     /// The numbers that the nodes of a scope have in it, ascending.
     fn listed(&self, scope: usize) -> Vec<u32> {
-        let lines = Lines::new(self.nodes.get(scope).map_or(&[], Vec::as_slice));
+        let lines = DataLines::new(self.nodes.get(scope).map_or(&[], Vec::as_slice));
         let mut numbers: Vec<u32> = lines.filter_map(|line| number(line.fields().next()?, "a node").ok()).collect();
         numbers.sort_unstable();
         numbers.dedup();
@@ -162,7 +175,7 @@ impl Definitions {
     /// The numbers of all nodes, ascending.
     pub fn node_numbers(&self) -> Vec<u32> {
         let mut all = self.listed(0);
-        for (first, own) in self.numbers().map_or(&[][..], Numbers::instances) {
+        for (first, own) in self.numbers().map_or(&[][..], NodeNumbers::instances) {
             all.extend((0..own.len() as u32).map(|k| first + k));
         }
         all.extend(self.made.borrow().keys());
@@ -187,7 +200,7 @@ impl Definitions {
     }
 
     /// All elements.
-    pub fn elements(&self) -> Result<&Elements, Problem> {
+    pub fn elements(&self) -> Result<&MeshElements, Problem> {
         self.elements.get_or_init(|| self.parse_elements()).as_ref().map_err(Clone::clone)
     }
 
@@ -199,7 +212,7 @@ impl Definitions {
                 0 => None,
                 _ => Some(self.motion(Scope(scope))?),
             };
-            for (own, position) in positions(Lines::new(pieces))? {
+            for (own, position) in positions(DataLines::new(pieces))? {
                 let position = motion.map_or(position, |motion| motion.point(position));
                 all.insert(self.numbered(Scope(scope), own)?, position);
             }
@@ -208,8 +221,8 @@ impl Definitions {
     }
 
     /// Where an instance stands.
-    fn motion(&self, scope: Scope) -> Result<Motion, Problem> {
-        Motion::read(&self.instances[scope.0 as usize - 1].data)
+    fn motion(&self, scope: Scope) -> Result<InstanceMotion, Problem> {
+        InstanceMotion::read(&self.instances[scope.0 as usize - 1].data)
     }
 
     /// Axes as the scope that gives them stands.
@@ -228,7 +241,7 @@ impl Definitions {
 
     /// Nodes that `*TRANSFORM` gives axes of their own; none of a set that is not defined.
     pub fn turned(&self) -> impl Iterator<Item = u32> {
-        let nodes = |(set, axes): &(String, Axes)| self.nodes(axes.scope, set).map(|nodes| nodes.to_vec());
+        let nodes = |(set, axes): &(String, AxesCard)| self.nodes(axes.scope, set).map(|nodes| nodes.to_vec());
         self.transforms.iter().flat_map(move |transform| nodes(transform).unwrap_or_default())
     }
 
@@ -236,8 +249,8 @@ impl Definitions {
     pub fn rotates(&self, node: u32) -> bool {
         let find = || {
             let mut rotating = FxHashSet::default();
-            for block in self.blocks.iter().filter(|block| Shape::of(&block.kind).rotates) {
-                let fields = Lines::new(&block.data).flat_map(|line| line.fields().skip(1));
+            for block in self.blocks.iter().filter(|block| ElementShape::of(&block.kind).rotates) {
+                let fields = DataLines::new(&block.data).flat_map(|line| line.fields().skip(1));
                 rotating.extend(fields.filter_map(|field| self.node(block.scope, field).ok()));
             }
             rotating
@@ -247,7 +260,7 @@ impl Definitions {
 }
 
 /// Positions by node.
-fn positions(lines: Lines) -> Result<FxHashMap<u32, Vector>, Problem> {
+fn positions(lines: DataLines) -> Result<FxHashMap<u32, Vector>, Problem> {
     let mut positions = FxHashMap::default();
     for line in lines {
         let mut fields = line.fields();
@@ -258,7 +271,7 @@ fn positions(lines: Lines) -> Result<FxHashMap<u32, Vector>, Problem> {
     Ok(positions)
 }
 
-impl Poses for Definitions {
+impl Poses for DeckDefinitions {
     fn pose(&self, node: u32) -> Result<Pose, Problem> {
         let position = self.position(node)?;
         let locals = self.locals.get_or_init(|| self.locals()).as_ref().map_err(Clone::clone)?;

@@ -3,21 +3,21 @@
 use rustc_hash::FxHashMap;
 
 use crate::deck::Problem;
-use crate::deck::calculix::model::Key;
+use crate::deck::calculix::model::ScopedName;
 use crate::deck::calculix::syntax::card::Scope;
 
 /// What is known of an element type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Shape {
+pub struct ElementShape {
     /// Number of nodes; none for a type that is not known, whose lines go on after a comma.
     pub nodes: Option<usize>,
-    family: Family,
+    family: ElementFamily,
     /// Whether nodes of the element have rotations.
     pub rotates: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Family {
+enum ElementFamily {
     Hexahedron,
     Tetrahedron,
     Wedge,
@@ -27,12 +27,12 @@ enum Family {
 }
 
 /// Corners of the faces, and where the middle of each edge stands, from 0.
-struct Table {
+struct FaceTable {
     faces: &'static [&'static [usize]],
     edges: &'static [(usize, usize, usize)],
 }
 
-const HEXAHEDRON: Table = Table {
+const HEXAHEDRON: FaceTable = FaceTable {
     faces: &[&[0, 1, 2, 3], &[4, 7, 6, 5], &[0, 4, 5, 1], &[1, 5, 6, 2], &[2, 6, 7, 3], &[3, 7, 4, 0]],
     edges: &[
         (0, 1, 8),
@@ -49,16 +49,16 @@ const HEXAHEDRON: Table = Table {
         (3, 7, 19),
     ],
 };
-const TETRAHEDRON: Table = Table {
+const TETRAHEDRON: FaceTable = FaceTable {
     faces: &[&[0, 1, 2], &[0, 3, 1], &[1, 3, 2], &[2, 3, 0]],
     edges: &[(0, 1, 4), (1, 2, 5), (2, 0, 6), (0, 3, 7), (1, 3, 8), (2, 3, 9)],
 };
-const WEDGE: Table = Table {
+const WEDGE: FaceTable = FaceTable {
     faces: &[&[0, 1, 2], &[3, 5, 4], &[0, 3, 4, 1], &[1, 4, 5, 2], &[2, 5, 3, 0]],
     edges: &[(0, 1, 6), (1, 2, 7), (2, 0, 8), (3, 4, 9), (4, 5, 10), (5, 3, 11), (0, 3, 12), (1, 4, 13), (2, 5, 14)],
 };
 
-impl Shape {
+impl ElementShape {
     /// The shape of an element type such as `C3D20R`.
     pub fn of(kind: &str) -> Self {
         let digits = |text: &str| text.chars().take_while(char::is_ascii_digit).collect::<String>().parse().ok();
@@ -66,18 +66,18 @@ impl Shape {
         let (family, nodes, rotates) =
             if let Some(nodes) = starts("C3D").or_else(|| starts("F3D")).or_else(|| starts("DC3D")) {
                 let family = match nodes {
-                    Some(8 | 20) => Family::Hexahedron,
-                    Some(4 | 10) => Family::Tetrahedron,
-                    Some(6 | 15) => Family::Wedge,
-                    _ => Family::Other,
+                    Some(8 | 20) => ElementFamily::Hexahedron,
+                    Some(4 | 10) => ElementFamily::Tetrahedron,
+                    Some(6 | 15) => ElementFamily::Wedge,
+                    _ => ElementFamily::Other,
                 };
                 (family, nodes, false)
             } else if let Some(nodes) = starts("CPS").or_else(|| starts("CPE")).or_else(|| starts("CAX")) {
-                (Family::Plane, nodes, false)
+                (ElementFamily::Plane, nodes, false)
             } else if let Some(nodes) = starts("M3D") {
-                (Family::Shell, nodes, false)
+                (ElementFamily::Shell, nodes, false)
             } else if let Some(nodes) = starts("S") {
-                (Family::Shell, nodes, true)
+                (ElementFamily::Shell, nodes, true)
             } else {
                 let is_beam = kind.starts_with('B');
                 let nodes = match kind {
@@ -85,31 +85,31 @@ impl Shape {
                     _ if kind.starts_with("B32") || kind.starts_with("T3D3") => Some(3),
                     _ => None,
                 };
-                (Family::Other, nodes, is_beam)
+                (ElementFamily::Other, nodes, is_beam)
             };
         Self { nodes, family, rotates }
     }
 
     /// Whether faces are lines: those of plane elements.
     pub fn is_plane(&self) -> bool {
-        self.family == Family::Plane
+        self.family == ElementFamily::Plane
     }
 
     /// The nodes of face `S3`: corners in turn, then the middles of the edges between them.
     pub fn face(&self, face: &str, nodes: &[u32]) -> Option<Vec<u32>> {
         let number: Option<usize> = face.strip_prefix('S').and_then(|number| number.parse().ok());
         match self.family {
-            Family::Hexahedron => HEXAHEDRON.face(number?, nodes),
-            Family::Tetrahedron => TETRAHEDRON.face(number?, nodes),
-            Family::Wedge => WEDGE.face(number?, nodes),
-            Family::Shell => Some(nodes.to_vec()),
-            Family::Plane => edge(number?, nodes),
-            Family::Other => None,
+            ElementFamily::Hexahedron => HEXAHEDRON.face(number?, nodes),
+            ElementFamily::Tetrahedron => TETRAHEDRON.face(number?, nodes),
+            ElementFamily::Wedge => WEDGE.face(number?, nodes),
+            ElementFamily::Shell => Some(nodes.to_vec()),
+            ElementFamily::Plane => edge(number?, nodes),
+            ElementFamily::Other => None,
         }
     }
 }
 
-impl Table {
+impl FaceTable {
     fn face(&self, number: usize, nodes: &[u32]) -> Option<Vec<u32>> {
         let corners = *self.faces.get(number.checked_sub(1)?)?;
         let mut face: Vec<u32> = corners.iter().map(|&k| nodes.get(k).copied()).collect::<Option<_>>()?;
@@ -136,16 +136,16 @@ fn edge(number: usize, nodes: &[u32]) -> Option<Vec<u32>> {
 
 /// Elements: what they are and where their nodes stand.
 #[derive(Default)]
-pub struct Elements {
+pub struct MeshElements {
     pub nodes: Vec<u32>,
     /// Shape, and where its nodes begin and end.
-    pub all: Vec<(Shape, usize, usize)>,
+    pub all: Vec<(ElementShape, usize, usize)>,
     pub by_number: FxHashMap<(Scope, u32), u32>,
     /// Elements of the sets that `*ELEMENT` cards name.
-    pub by_set: FxHashMap<Key, Vec<u32>>,
+    pub by_set: FxHashMap<ScopedName, Vec<u32>>,
 }
 
-impl Elements {
+impl MeshElements {
     /// The element with this number in the scope.
     pub fn index(&self, scope: Scope, own: u32) -> Result<u32, Problem> {
         let undefined = || Problem::Undefined { what: "element", name: own.to_string() };
@@ -159,23 +159,27 @@ impl Elements {
     }
 
     /// The shape of an element.
-    pub fn shape(&self, element: u32) -> Shape {
+    pub fn shape(&self, element: u32) -> ElementShape {
         self.all[element as usize].0
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::Shape;
+    use super::ElementShape;
 
     #[test]
     fn faces_go_round_their_corners_and_then_their_middles() {
         let nodes: Vec<u32> = (1..=20).collect();
-        assert_eq!(Shape::of("C3D20R").face("S4", &nodes), Some(vec![2, 6, 7, 3, 18, 14, 19, 10]));
-        assert_eq!(Shape::of("C3D8").face("S6", &nodes[..8]), Some(vec![4, 8, 5, 1]));
-        assert_eq!(Shape::of("C3D10").face("S2", &nodes[..10]), Some(vec![1, 4, 2, 8, 9, 5]));
-        assert_eq!(Shape::of("CPS4").face("S4", &nodes[..4]), Some(vec![4, 1]));
-        assert_eq!(Shape::of("C3D8").face("S7", &nodes[..8]), None);
-        assert!(Shape::of("S8R").rotates && Shape::of("B32R").nodes == Some(3) && !Shape::of("T3D2").rotates);
+        assert_eq!(ElementShape::of("C3D20R").face("S4", &nodes), Some(vec![2, 6, 7, 3, 18, 14, 19, 10]));
+        assert_eq!(ElementShape::of("C3D8").face("S6", &nodes[..8]), Some(vec![4, 8, 5, 1]));
+        assert_eq!(ElementShape::of("C3D10").face("S2", &nodes[..10]), Some(vec![1, 4, 2, 8, 9, 5]));
+        assert_eq!(ElementShape::of("CPS4").face("S4", &nodes[..4]), Some(vec![4, 1]));
+        assert_eq!(ElementShape::of("C3D8").face("S7", &nodes[..8]), None);
+        assert!(
+            ElementShape::of("S8R").rotates
+                && ElementShape::of("B32R").nodes == Some(3)
+                && !ElementShape::of("T3D2").rotates
+        );
     }
 }

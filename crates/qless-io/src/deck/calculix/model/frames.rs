@@ -6,14 +6,14 @@
 use rustc_hash::FxHashMap;
 
 use crate::deck::Problem;
-use crate::deck::calculix::model::definitions::Definitions;
-use crate::deck::calculix::model::Axes;
+use crate::deck::calculix::model::AxesCard;
+use crate::deck::calculix::model::definitions::DeckDefinitions;
 use crate::deck::calculix::syntax::card::Scope;
-use crate::deck::calculix::syntax::{self, DataPiece, Lines, float};
+use crate::deck::calculix::syntax::{self, DataLines, DataPiece, float};
 use crate::deck::kinematics::axes::{BASIC_AXES, Frame, Kind};
 use crate::deck::kinematics::vector::{Vector, cross, minus, unit};
 
-impl Definitions {
+impl DeckDefinitions {
     /// The local axes of transformed nodes.
     pub fn locals(&self) -> Result<FxHashMap<u32, Frame>, Problem> {
         let mut locals = FxHashMap::default();
@@ -33,14 +33,14 @@ impl Definitions {
         }
     }
 
-    fn placed_axes(&self, axes: &Axes) -> Result<Frame, Problem> {
+    fn placed_axes(&self, axes: &AxesCard) -> Result<Frame, Problem> {
         self.placed(axes.scope, local(axes.is_cylindrical, &axes.data)?)
     }
 }
 
 fn local(cylindrical: bool, data: &[DataPiece]) -> Result<Frame, Problem> {
     let mut numbers = Vec::with_capacity(6);
-    if let Some(line) = Lines::new(data).next() {
+    if let Some(line) = DataLines::new(data).next() {
         for field in line.fields().take(6) {
             numbers.push(if field.is_empty() { 0.0 } else { float(field)? });
         }

@@ -2,7 +2,7 @@
 
 use crate::deck::Problem;
 use crate::deck::calculix::syntax::card::Scope;
-use crate::deck::calculix::syntax::{DataPiece, Lines, float};
+use crate::deck::calculix::syntax::{DataLines, DataPiece, float};
 use crate::deck::kinematics::axes::Frame;
 use crate::deck::kinematics::vector::{Vector, cross, dot, minus, plus, scaled, unit};
 
@@ -16,30 +16,30 @@ pub struct Instance {
 
 /// Where an instance stands: `x = R (x_part + t)`, R a turn about an axis through two points.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion {
+pub struct InstanceMotion {
     shift: Vector,
-    turn: Option<Turn>,
+    turn: Option<InstanceRotation>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Turn {
+struct InstanceRotation {
     through: Vector,
     axis: Vector,
     cos: f64,
     sin: f64,
 }
 
-impl Turn {
+impl InstanceRotation {
     fn direction(&self, v: Vector) -> Vector {
         let along = scaled(self.axis, dot(self.axis, v) * (1.0 - self.cos));
         plus(plus(scaled(v, self.cos), scaled(cross(self.axis, v), self.sin)), along)
     }
 }
 
-impl Motion {
+impl InstanceMotion {
     /// Reads the lines of an `*INSTANCE` card: a translation; two points of an axis and an angle in degrees.
     pub fn read(data: &[DataPiece]) -> Result<Self, Problem> {
-        let mut lines = Lines::new(data);
+        let mut lines = DataLines::new(data);
         let mut motion = Self { shift: [0.0; 3], turn: None };
         if let Some(line) = lines.next() {
             for (x, field) in motion.shift.iter_mut().zip(line.fields()) {
@@ -69,7 +69,7 @@ impl Motion {
     }
 }
 
-fn turn(numbers: &[f64]) -> Result<Option<Turn>, Problem> {
+fn turn(numbers: &[f64]) -> Result<Option<InstanceRotation>, Problem> {
     let [ax, ay, az, bx, by, bz, angle] = *numbers else {
         return Err(Problem::TooFew { what: "numbers of a rotation", promised: 7, found: numbers.len() });
     };
@@ -82,16 +82,16 @@ fn turn(numbers: &[f64]) -> Result<Option<Turn>, Problem> {
         quarter if quarter.abs() == 270.0 => (-quarter.signum(), 0.0),
         other => other.to_radians().sin_cos(),
     };
-    Ok(Some(Turn { through: [ax, ay, az], axis, cos, sin }))
+    Ok(Some(InstanceRotation { through: [ax, ay, az], axis, cos, sin }))
 }
 
 /// Numbers of nodes in the deck by their numbers in the instance.
-pub struct Numbers {
+pub struct NodeNumbers {
     /// By scope: the first number, and the instance's own ones, ascending.
     scopes: Vec<(u32, Vec<u32>)>,
 }
 
-impl Numbers {
+impl NodeNumbers {
     /// Numbers the nodes of each instance, from above those of the deck itself.
     pub fn of(deck: &[u32], instances: impl Iterator<Item = Vec<u32>>) -> Result<Self, Problem> {
         let mut next = deck.last().map_or(Some(1), |last| last.checked_add(1));
@@ -128,9 +128,9 @@ mod tests {
 
     use super::*;
 
-    fn motion(text: &str) -> Result<Motion, Problem> {
+    fn motion(text: &str) -> Result<InstanceMotion, Problem> {
         let text = Arc::new(text.as_bytes().to_vec());
-        Motion::read(&[DataPiece { file: 0, line: 1, range: 0..text.len(), text }])
+        InstanceMotion::read(&[DataPiece { file: 0, line: 1, range: 0..text.len(), text }])
     }
 
     #[test]
@@ -155,10 +155,10 @@ mod tests {
 
     #[test]
     fn every_node_gets_a_number_of_its_own() {
-        let numbers = Numbers::of(&[3, 7], [vec![1, 2, 9], vec![9]].into_iter()).expect("few");
+        let numbers = NodeNumbers::of(&[3, 7], [vec![1, 2, 9], vec![9]].into_iter()).expect("few");
         assert_eq!((numbers.get(Scope(1), 9), numbers.get(Scope(2), 9)), (Some(10), Some(11)));
         assert_eq!((numbers.get(Scope(1), 3), numbers.get(Scope::DECK, 3)), (None, Some(3)));
         assert_eq!(numbers.get(Scope::DECK, 8), None);
-        assert!(Numbers::of(&[u32::MAX], [vec![1]].into_iter()).is_err());
+        assert!(NodeNumbers::of(&[u32::MAX], [vec![1]].into_iter()).is_err());
     }
 }

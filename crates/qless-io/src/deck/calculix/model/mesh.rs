@@ -1,20 +1,20 @@
 //! Elements and surfaces, parsed where a card needs geometry.
 
 use crate::deck::Problem;
-use crate::deck::calculix::model::definitions::Definitions;
-use crate::deck::calculix::model::elements::{Elements, Shape};
+use crate::deck::calculix::model::definitions::DeckDefinitions;
+use crate::deck::calculix::model::elements::{ElementShape, MeshElements};
 use crate::deck::calculix::model::word;
 use crate::deck::calculix::syntax::card::Scope;
-use crate::deck::calculix::syntax::{Lines, name, number};
+use crate::deck::calculix::syntax::{DataLines, name, number};
 use crate::fault::quote;
 
-impl Definitions {
+impl DeckDefinitions {
     /// Parses `*ELEMENT` cards: a number and its nodes, on as many lines as they take.
-    pub fn parse_elements(&self) -> Result<Elements, Problem> {
-        let mut elements = Elements::default();
+    pub fn parse_elements(&self) -> Result<MeshElements, Problem> {
+        let mut elements = MeshElements::default();
         for block in &self.blocks {
-            let shape = Shape::of(&block.kind);
-            let mut lines = Lines::new(&block.data);
+            let shape = ElementShape::of(&block.kind);
+            let mut lines = DataLines::new(&block.data);
             while let Some(line) = lines.next() {
                 let mut fields = line.fields();
                 let own = number(fields.next().unwrap_or_default(), "an element")?;
@@ -52,14 +52,14 @@ impl Definitions {
 
 /// A surface: nodes by themselves, and faces.
 #[derive(Default)]
-pub struct Surface {
+pub struct DeckSurface {
     pub nodes: Vec<u32>,
     pub faces: Vec<Vec<u32>>,
     /// Whether the faces are edges of plane elements.
     pub is_line: bool,
 }
 
-impl Surface {
+impl DeckSurface {
     /// All nodes, ascending, each once.
     pub fn all_nodes(&self) -> Vec<u32> {
         let mut nodes: Vec<u32> = self.nodes.iter().chain(self.faces.iter().flatten()).copied().collect();
@@ -69,14 +69,14 @@ impl Surface {
     }
 
     /// The surface of this name: nodes or sets of them, or `element or set, face`.
-    pub fn find(definitions: &Definitions, scope: Scope, surface: &str) -> Result<Self, Problem> {
+    pub fn find(definitions: &DeckDefinitions, scope: Scope, surface: &str) -> Result<Self, Problem> {
         let surface = name(surface);
         let Some((_, patches)) = definitions.find(&definitions.surfaces, scope, &surface) else {
             return Err(Problem::Undefined { what: "surface", name: surface });
         };
         let mut found = Self::default();
         for patch in patches {
-            for line in Lines::new(&patch.data) {
+            for line in DataLines::new(&patch.data) {
                 let mut fields = line.fields();
                 let first = fields.next().unwrap_or_default();
                 if patch.of_nodes {
@@ -89,7 +89,7 @@ impl Surface {
         Ok(found)
     }
 
-    fn add_faces(&mut self, of: &Definitions, scope: Scope, elements: &[u8], face: &str) -> Result<(), Problem> {
+    fn add_faces(&mut self, of: &DeckDefinitions, scope: Scope, elements: &[u8], face: &str) -> Result<(), Problem> {
         for element in of.element_or_set(scope, elements)? {
             let shape = of.elements()?.shape(element);
             let nodes = shape.face(face, of.elements()?.nodes(element)).ok_or_else(|| Problem::Expected {

@@ -13,14 +13,14 @@ use std::rc::Rc;
 
 use rustc_hash::FxHashMap;
 
-use crate::deck::calculix::syntax::card::{Card, Scope};
+use crate::deck::calculix::syntax::card::{KeywordCard, Scope};
 use crate::deck::calculix::syntax::{DataPiece, name};
 
 /// A name and whose it is.
-pub type Key = (Scope, String);
+pub type ScopedName = (Scope, String);
 
 /// An `*ELEMENT` card.
-pub struct Block {
+pub struct ElementCard {
     pub scope: Scope,
     pub kind: String,
     pub set: Option<String>,
@@ -28,26 +28,26 @@ pub struct Block {
 }
 
 /// A `*SURFACE` card.
-pub struct Patch {
+pub struct SurfaceCard {
     pub scope: Scope,
     pub of_nodes: bool,
     pub data: Vec<DataPiece>,
 }
 
 /// A `*TRANSFORM` or `*ORIENTATION` card.
-pub struct Axes {
+pub struct AxesCard {
     pub scope: Scope,
     pub is_cylindrical: bool,
     pub data: Vec<DataPiece>,
 }
 
 /// The axes that a card gives.
-pub fn axes(card: &Card, is_cylindrical: bool) -> Axes {
-    Axes { scope: card.scope, is_cylindrical, data: card.data.clone() }
+pub fn axes(card: &KeywordCard, is_cylindrical: bool) -> AxesCard {
+    AxesCard { scope: card.scope, is_cylindrical, data: card.data.clone() }
 }
 
 /// Where members stand.
-pub enum Part {
+pub enum SetMembers {
     /// Lines that begin with a node.
     Lines(Vec<DataPiece>),
     /// Numbers and names of other sets.
@@ -59,32 +59,32 @@ pub enum Part {
 }
 
 /// A part of a set, and whose members it names.
-pub struct Set {
+pub struct SetPart {
     pub scope: Scope,
     /// `INSTANCE=` on the card.
     pub instance: Option<String>,
-    pub part: Part,
+    pub part: SetMembers,
 }
 
-impl Set {
+impl SetPart {
     /// The part of a set that a card gives.
-    pub fn of(card: &Card, part: Part) -> Self {
+    pub fn of(card: &KeywordCard, part: SetMembers) -> Self {
         Self { scope: card.scope, instance: card.word("INSTANCE"), part }
     }
 }
 
 /// A set that is being parsed, or has been.
-pub enum Known {
+pub enum ParsedSet {
     InProgress,
     Done(Rc<Vec<u32>>),
 }
 
 /// The sets of a deck.
 #[derive(Default)]
-pub struct Sets {
-    pub of_nodes: FxHashMap<Key, Vec<Set>>,
-    pub of_elements: FxHashMap<Key, Vec<Set>>,
-    pub known: RefCell<FxHashMap<(bool, Key), Known>>,
+pub struct SetTable {
+    pub of_nodes: FxHashMap<ScopedName, Vec<SetPart>>,
+    pub of_elements: FxHashMap<ScopedName, Vec<SetPart>>,
+    pub known: RefCell<FxHashMap<(bool, ScopedName), ParsedSet>>,
 }
 
 /// The name of an amplitude, a surface and the like, as it is compared.

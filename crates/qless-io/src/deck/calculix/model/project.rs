@@ -3,31 +3,31 @@
 use rustc_hash::FxHashMap;
 
 use crate::deck::Problem;
-use crate::deck::calculix::model::definitions::Definitions;
+use crate::deck::calculix::model::definitions::DeckDefinitions;
 use crate::deck::kinematics::vector::{Vector, dot, length, minus, plus, scaled};
 
 /// Shape functions below this are rounding.
 const ROUNDING: f64 = 1e-12;
 
 /// A face: corners in turn, then the middles of its edges.
-pub struct Face {
+pub struct MasterFace {
     pub nodes: Vec<u32>,
     points: Vec<Vector>,
-    shape: shape::Shape,
+    shape: shape::FaceShape,
 }
 
 /// Where on a face a point is nearest.
-pub struct Near {
+pub struct NearestPoint {
     pub face: usize,
     pub distance: f64,
     /// Shape functions there, by node of the face.
     pub weights: Vec<f64>,
 }
 
-impl Face {
-    pub fn new(nodes: Vec<u32>, is_line: bool, definitions: &Definitions) -> Result<Self, Problem> {
+impl MasterFace {
+    pub fn new(nodes: Vec<u32>, is_line: bool, definitions: &DeckDefinitions) -> Result<Self, Problem> {
         let points = nodes.iter().map(|&node| definitions.position(node)).collect::<Result<_, _>>()?;
-        let shape = shape::Shape::of(nodes.len(), is_line).ok_or_else(|| Problem::Expected {
+        let shape = shape::FaceShape::of(nodes.len(), is_line).ok_or_else(|| Problem::Expected {
             expected: "a master face with 2, 3, 4, 6 or 8 nodes",
             found: crate::fault::quote(nodes.len().to_string().as_bytes()),
         })?;
@@ -82,14 +82,14 @@ impl Face {
 }
 
 /// Faces by cells of space, so that only those near a point are looked at.
-pub struct Grid {
+pub struct FaceGrid {
     cell: f64,
     cells: FxHashMap<[i64; 3], Vec<usize>>,
 }
 
-impl Grid {
-    pub fn new(faces: &[Face], tolerance: f64) -> Self {
-        let largest = faces.iter().map(Face::size).fold(tolerance, f64::max);
+impl FaceGrid {
+    pub fn new(faces: &[MasterFace], tolerance: f64) -> Self {
+        let largest = faces.iter().map(MasterFace::size).fold(tolerance, f64::max);
         let mut grid = Self { cell: largest.max(f64::MIN_POSITIVE), cells: FxHashMap::default() };
         for (number, face) in faces.iter().enumerate() {
             let (low, high) = face.bounds();
@@ -108,12 +108,12 @@ impl Grid {
     }
 
     /// The nearest of the faces in reach; of several at the same distance the first.
-    pub fn nearest(&self, faces: &[Face], x: Vector) -> Option<Near> {
-        let mut best: Option<Near> = None;
+    pub fn nearest(&self, faces: &[MasterFace], x: Vector) -> Option<NearestPoint> {
+        let mut best: Option<NearestPoint> = None;
         for &face in self.cells.get(&self.cell(x))? {
             let (weights, distance) = faces[face].project(x);
             if best.as_ref().is_none_or(|best| distance < best.distance * (1.0 - 1e-9)) {
-                best = Some(Near { face, distance, weights });
+                best = Some(NearestPoint { face, distance, weights });
             }
         }
         best
@@ -124,7 +124,7 @@ impl Grid {
 mod shape {
     /// Which functions.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-    pub enum Shape {
+    pub enum FaceShape {
         Line2,
         Line3,
         Triangle3,
@@ -133,7 +133,7 @@ mod shape {
         Quadrilateral8,
     }
 
-    impl Shape {
+    impl FaceShape {
         /// The shape of a face with so many nodes.
         pub fn of(nodes: usize, is_line: bool) -> Option<Self> {
             match (nodes, is_line) {
@@ -215,14 +215,14 @@ mod shape {
 
     #[cfg(test)]
     mod tests {
-        use super::Shape;
+        use super::FaceShape;
 
         #[test]
         fn shape_functions_sum_to_one_and_slopes_are_their_differences() {
             let h = 1e-6;
             for (nodes, is_line) in [(2, true), (3, true), (3, false), (4, false), (6, false), (8, false)] {
                 let xi = [0.3, 0.2];
-                let shape = Shape::of(nodes, is_line).expect("a shape");
+                let shape = FaceShape::of(nodes, is_line).expect("a shape");
                 let (n, slopes) = shape.at(xi);
                 assert!((n.iter().sum::<f64>() - 1.0).abs() < 1e-14);
                 for (axis, slope) in slopes.iter().enumerate() {

@@ -5,16 +5,16 @@ use std::rc::Rc;
 use rustc_hash::FxHashSet;
 
 use crate::deck::Problem;
-use crate::deck::calculix::model::definitions::Definitions;
-use crate::deck::calculix::model::{Known, Part, Set, word};
+use crate::deck::calculix::model::definitions::DeckDefinitions;
+use crate::deck::calculix::model::{ParsedSet, SetMembers, SetPart, word};
 use crate::deck::calculix::syntax::card::Scope;
-use crate::deck::calculix::syntax::{Lines, name, number};
+use crate::deck::calculix::syntax::{DataLines, name, number};
 use crate::fault::quote;
 
 /// Members of a set at most.
 const MEMBERS: usize = 200_000_000;
 
-impl Definitions {
+impl DeckDefinitions {
     /// The number in the deck of a node that has this one in the scope.
     pub fn numbered(&self, scope: Scope, own: u32) -> Result<u32, Problem> {
         if self.instances.is_empty() {
@@ -68,7 +68,7 @@ impl Definitions {
         }
     }
 
-    /// An element, or the elements of a set, as indices into [`Elements`](crate::deck::calculix::model::elements::Elements).
+    /// An element, or the elements of a set, as indices into [`MeshElements`](crate::deck::calculix::model::elements::MeshElements).
     pub fn element_or_set(&self, scope: Scope, field: &[u8]) -> Result<Vec<u32>, Problem> {
         match number(field, "an element").ok().map(|own| (scope, own)).or_else(|| self.of_instance(field)) {
             Some((scope, own)) => Ok(vec![self.elements()?.index(scope, own)?]),
@@ -101,11 +101,11 @@ impl Definitions {
             (None, None) => return Err(Problem::Undefined { what, name: set.to_owned() }),
         };
         match self.sets.known.borrow().get(&key) {
-            Some(Known::Done(members)) => return Ok(Rc::clone(members)),
-            Some(Known::InProgress) => return Err(Problem::Circular { what, name: set.to_owned() }),
+            Some(ParsedSet::Done(members)) => return Ok(Rc::clone(members)),
+            Some(ParsedSet::InProgress) => return Err(Problem::Circular { what, name: set.to_owned() }),
             None => {}
         }
-        self.sets.known.borrow_mut().insert(key.clone(), Known::InProgress);
+        self.sets.known.borrow_mut().insert(key.clone(), ParsedSet::InProgress);
         let mut members = named.map(|(_, members)| members.clone()).unwrap_or_default();
         for part in parts.map_or(&[][..], |(_, parts)| parts.as_slice()) {
             self.add(part, of_elements, &mut members)?;
@@ -113,11 +113,11 @@ impl Definitions {
         let mut seen = FxHashSet::default();
         members.retain(|&member| seen.insert(member));
         let members = Rc::new(members);
-        self.sets.known.borrow_mut().insert(key, Known::Done(Rc::clone(&members)));
+        self.sets.known.borrow_mut().insert(key, ParsedSet::Done(Rc::clone(&members)));
         Ok(members)
     }
 
-    fn add(&self, set: &Set, of_elements: bool, members: &mut Vec<u32>) -> Result<(), Problem> {
+    fn add(&self, set: &SetPart, of_elements: bool, members: &mut Vec<u32>) -> Result<(), Problem> {
         let scope = match &set.instance {
             // A flat deck may keep what it once was: ccx passes over it.
             Some(instance) if !self.instances.is_empty() => *self
@@ -127,13 +127,13 @@ impl Definitions {
             _ => set.scope,
         };
         match &set.part {
-            Part::Lines(pieces) => {
-                for line in Lines::new(pieces) {
+            SetMembers::Lines(pieces) => {
+                for line in DataLines::new(pieces) {
                     members.push(self.node(scope, line.fields().next().unwrap_or_default())?);
                 }
             }
-            Part::List(pieces) => {
-                for field in Lines::new(pieces).flat_map(|line| line.fields()).filter(|field| !field.is_empty()) {
+            SetMembers::List(pieces) => {
+                for field in DataLines::new(pieces).flat_map(|line| line.fields()).filter(|field| !field.is_empty()) {
                     if of_elements {
                         members.extend(self.element_or_set(scope, field)?);
                     } else if let Some(node) = self.by_number(scope, field) {
@@ -143,12 +143,12 @@ impl Definitions {
                     }
                 }
             }
-            Part::Generate(pieces) => {
-                for line in Lines::new(pieces) {
+            SetMembers::Generate(pieces) => {
+                for line in DataLines::new(pieces) {
                     self.generate(&mut line.fields(), of_elements, scope, members)?;
                 }
             }
-            Part::OfElements(set) => members.extend(self.nodes_of(scope, set)?),
+            SetMembers::OfElements(set) => members.extend(self.nodes_of(scope, set)?),
         }
         Ok(())
     }

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 
 use rustc_hash::FxHashMap;
 
-use crate::deck::calculix::syntax::card::{Card, Scope, Visit};
+use crate::deck::calculix::syntax::card::{KeywordCard, Scope, Visit};
 use crate::deck::{DeckError, Problem};
 use crate::fault::quote;
 
@@ -24,7 +24,7 @@ pub enum Stop {
 
 impl Stop {
     /// The error at the line of a card.
-    pub fn at(self, card: &Card, path: impl FnOnce() -> PathBuf) -> DeckError {
+    pub fn at(self, card: &KeywordCard, path: impl FnOnce() -> PathBuf) -> DeckError {
         match self {
             Self::Refused(error) => error,
             Self::Card(problem) => {
@@ -36,7 +36,7 @@ impl Stop {
 }
 
 #[derive(Default)]
-enum Place {
+enum Enclosing {
     #[default]
     Deck,
     Part(String),
@@ -45,35 +45,35 @@ enum Place {
 
 /// The parts met so far, and where the next card stands.
 #[derive(Default)]
-pub struct Parts {
-    cards: FxHashMap<String, Vec<Card>>,
-    place: Place,
+pub struct AssemblyExpansion {
+    cards: FxHashMap<String, Vec<KeywordCard>>,
+    place: Enclosing,
     instances: u32,
 }
 
-impl Parts {
+impl AssemblyExpansion {
     /// Hands on a card, or what it stands for.
-    pub fn card(&mut self, card: &Card, visit: Visit) -> Result<(), Stop> {
+    pub fn card(&mut self, card: &KeywordCard, visit: Visit) -> Result<(), Stop> {
         match card.keyword.as_slice() {
             b"*PART" => self.begin_part(card),
-            b"*ENDPART" | b"*ENDINSTANCE" => self.place = Place::Deck,
+            b"*ENDPART" | b"*ENDINSTANCE" => self.place = Enclosing::Deck,
             b"*INSTANCE" => self.instance(card, visit)?,
             _ => match &self.place {
-                Place::Deck => visit(card).map_err(Stop::Refused)?,
-                Place::Part(part) => self.cards.entry(part.clone()).or_default().push(card.clone()),
-                Place::Instance(scope) => visit(&card.in_scope(*scope)).map_err(Stop::Refused)?,
+                Enclosing::Deck => visit(card).map_err(Stop::Refused)?,
+                Enclosing::Part(part) => self.cards.entry(part.clone()).or_default().push(card.clone()),
+                Enclosing::Instance(scope) => visit(&card.in_scope(*scope)).map_err(Stop::Refused)?,
             },
         }
         Ok(())
     }
 
-    fn begin_part(&mut self, card: &Card) {
+    fn begin_part(&mut self, card: &KeywordCard) {
         let part = card.word("NAME").unwrap_or_default();
         self.cards.entry(part.clone()).or_default();
-        self.place = Place::Part(part);
+        self.place = Enclosing::Part(part);
     }
 
-    fn instance(&mut self, card: &Card, visit: Visit) -> Result<(), Stop> {
+    fn instance(&mut self, card: &KeywordCard, visit: Visit) -> Result<(), Stop> {
         for elsewhere in ["LIBRARY", "INSTANCE"] {
             if let Some(name) = card.parameter(elsewhere) {
                 let expected = "an instance of a part of this deck";
@@ -86,7 +86,7 @@ impl Parts {
         };
         self.instances += 1;
         let scope = Scope(self.instances);
-        self.place = Place::Instance(scope);
+        self.place = Enclosing::Instance(scope);
         visit(&card.in_scope(scope)).map_err(Stop::Refused)?;
         cards.iter().try_for_each(|card| visit(&card.in_scope(scope))).map_err(Stop::Refused)
     }

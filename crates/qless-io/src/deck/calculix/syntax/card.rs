@@ -1,7 +1,7 @@
 //! A deck as cards: a keyword line and the lines of data below it, wherever includes put them.
 
 use crate::deck::DeckError;
-use crate::deck::calculix::syntax::{self, DataPiece, Lines};
+use crate::deck::calculix::syntax::{self, DataLines, DataPiece};
 
 /// Whose names and numbers a card uses: 0 are those of the deck, `k` those of its instance `k`, from 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -14,7 +14,7 @@ impl Scope {
 
 /// A card. It is filled anew for each one, so that a deck of a million cards allocates no more than one of ten.
 #[derive(Clone, Default)]
-pub struct Card {
+pub struct KeywordCard {
     /// Whose names and numbers it uses.
     pub scope: Scope,
     /// The keyword in capitals and without blanks: `*RIGIDBODY`.
@@ -29,7 +29,7 @@ pub struct Card {
     pub data: Vec<DataPiece>,
 }
 
-impl Card {
+impl KeywordCard {
     /// The value of a parameter; empty for one without a value.
     pub fn parameter(&self, name: &str) -> Option<&str> {
         self.parameters.iter().find(|(key, _)| key == name).map(|(_, value)| value.as_str())
@@ -51,8 +51,8 @@ impl Card {
     }
 
     /// Lines of data, comments and blank ones passed over.
-    pub fn lines(&self) -> Lines<'_> {
-        Lines::new(&self.data)
+    pub fn lines(&self) -> DataLines<'_> {
+        DataLines::new(&self.data)
     }
 
     /// Reads the keyword line.
@@ -76,4 +76,4 @@ impl Card {
 }
 
 /// What is done with each card.
-pub type Visit<'v> = &'v mut dyn FnMut(&Card) -> Result<(), DeckError>;
+pub type Visit<'v> = &'v mut dyn FnMut(&KeywordCard) -> Result<(), DeckError>;

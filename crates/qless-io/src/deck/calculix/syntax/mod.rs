@@ -23,7 +23,7 @@ pub struct DataPiece {
 }
 
 /// Lines of data: neither blank nor comments.
-pub struct Lines<'a> {
+pub struct DataLines<'a> {
     pieces: std::slice::Iter<'a, DataPiece>,
     file: u32,
     number: u32,
@@ -38,13 +38,13 @@ pub struct DataLine<'a> {
     pub text: &'a [u8],
 }
 
-impl<'a> Lines<'a> {
+impl<'a> DataLines<'a> {
     pub fn new(pieces: &'a [DataPiece]) -> Self {
         Self { pieces: pieces.iter(), file: 0, number: 0, rest: &[] }
     }
 }
 
-impl<'a> Iterator for Lines<'a> {
+impl<'a> Iterator for DataLines<'a> {
     type Item = DataLine<'a>;
 
     fn next(&mut self) -> Option<DataLine<'a>> {
@@ -79,16 +79,16 @@ pub fn name(text: &str) -> String {
 }
 
 /// A field at fault: its number from 1, and what is wrong.
-pub type Fault = (Option<usize>, Problem);
+pub type FieldFault = (Option<usize>, Problem);
 
 /// The fields of a line, taken one by one.
-pub struct Fields<'a> {
+pub struct DataFields<'a> {
     rest: Box<dyn Iterator<Item = &'a [u8]> + 'a>,
     /// Number of the field taken last, from 1.
     pub number: usize,
 }
 
-impl<'a> Fields<'a> {
+impl<'a> DataFields<'a> {
     pub fn of(line: &DataLine<'a>) -> Self {
         Self { rest: Box::new(line.fields()), number: 0 }
     }
@@ -100,7 +100,7 @@ impl<'a> Fields<'a> {
     }
 
     /// A number of a node, a DOF or the like; `None` for an empty or missing field.
-    pub fn whole(&mut self, expected: &'static str) -> Result<Option<u32>, Fault> {
+    pub fn whole(&mut self, expected: &'static str) -> Result<Option<u32>, FieldFault> {
         match self.next() {
             None | Some(b"") => Ok(None),
             Some(field) => number(field, expected).map(Some).map_err(|problem| (Some(self.number), problem)),
@@ -108,7 +108,7 @@ impl<'a> Fields<'a> {
     }
 
     /// A float; `None` for an empty or missing field.
-    pub fn real(&mut self) -> Result<Option<f64>, Fault> {
+    pub fn real(&mut self) -> Result<Option<f64>, FieldFault> {
         match self.next() {
             None | Some(b"") => Ok(None),
             Some(field) => float(field).map(Some).map_err(|problem| (Some(self.number), problem)),
@@ -132,7 +132,7 @@ pub fn float(field: &[u8]) -> Result<f64, Problem> {
 }
 
 /// A component of a node.
-pub fn component(value: u32, field: usize) -> Result<u8, Fault> {
+pub fn component(value: u32, field: usize) -> Result<u8, FieldFault> {
     u8::try_from(value).map_err(|_| {
         let found = quote(value.to_string().as_bytes());
         (Some(field), Problem::Expected { expected: "a degree of freedom", found })

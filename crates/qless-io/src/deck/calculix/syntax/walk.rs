@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use crate::bytes::LINE;
-use crate::deck::calculix::syntax::assembly::Parts;
-use crate::deck::calculix::syntax::card::{Card, Visit};
 use crate::deck::calculix::syntax::DataPiece;
+use crate::deck::calculix::syntax::assembly::AssemblyExpansion;
+use crate::deck::calculix::syntax::card::{KeywordCard, Visit};
 use crate::deck::{DeckError, Problem, Sources};
 
 /// Cards whose data may stand in a file of its own.
@@ -14,12 +14,12 @@ const WITH_INPUT: [&str; 7] = ["*NODE", "*ELEMENT", "*NSET", "*ELSET", "*SURFACE
 /// Visits every card in order; those of a part once for each of its instances.
 pub fn walk(sources: &mut Sources, visit: Visit) -> Result<(), DeckError> {
     let paths = sources.paths().to_vec();
-    let mut parts = Parts::default();
-    let mut expand = |card: &Card| {
+    let mut parts = AssemblyExpansion::default();
+    let mut expand = |card: &KeywordCard| {
         let path = || paths.get(card.file as usize).cloned().unwrap_or_default();
         parts.card(card, visit).map_err(|stop| stop.at(card, path))
     };
-    let mut card = Card::default();
+    let mut card = KeywordCard::default();
     let mut walk = Walk { sources };
     walk.file(0, 0, &mut card, &mut expand)?;
     finish(&mut card, &mut expand)
@@ -30,7 +30,7 @@ struct Walk<'s, 'o> {
 }
 
 /// Hands on the card that is complete.
-fn finish(card: &mut Card, visit: Visit) -> Result<(), DeckError> {
+fn finish(card: &mut KeywordCard, visit: Visit) -> Result<(), DeckError> {
     if card.keyword.is_empty() {
         return Ok(());
     }
@@ -41,7 +41,7 @@ fn finish(card: &mut Card, visit: Visit) -> Result<(), DeckError> {
 
 impl Walk<'_, '_> {
     /// One file: alternately a keyword line and what stands before the next.
-    fn file(&mut self, file: usize, depth: usize, card: &mut Card, visit: Visit) -> Result<(), DeckError> {
+    fn file(&mut self, file: usize, depth: usize, card: &mut KeywordCard, visit: Visit) -> Result<(), DeckError> {
         let text = self.sources.text(file);
         let mut at = if text.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
         let mut line = 1;
@@ -84,7 +84,7 @@ impl Walk<'_, '_> {
         name: &str,
         (file, line): (usize, usize),
         depth: usize,
-        card: &mut Card,
+        card: &mut KeywordCard,
         visit: Visit,
     ) -> Result<(), DeckError> {
         let inner = self.sources.include(name, file, line, depth)?;
@@ -126,7 +126,7 @@ pub fn is_include(keyword: &[u8]) -> bool {
 }
 
 pub fn card_input(keyword: &[u8]) -> Option<String> {
-    let mut card = Card::default();
+    let mut card = KeywordCard::default();
     card.begin(keyword, 0, 0);
     card.parameter("INPUT").map(str::to_owned)
 }

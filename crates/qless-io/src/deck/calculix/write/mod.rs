@@ -32,7 +32,7 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<(Vec<u8>, Renamed), CleanError>
     comments.extend(new.rotations.lines(deck)?.into_iter().map(|(at, text)| (at, (1, text))));
     let text = equations::new_text(deck, plan, &new)?;
     let ends = equations::ends(deck, plan, &new.rotations);
-    let mut writer = Writer { deck, comments, new: Some(text), ends, steps: 0 };
+    let mut writer = CalculixWriter { deck, comments, new: Some(text), ends, steps: 0 };
     let text = writer.file(0)?;
     if writer.ends.is_some_and(|ends| ends.len() != writer.steps) {
         let path = deck.model.files[0].clone();
@@ -42,7 +42,7 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<(Vec<u8>, Renamed), CleanError>
     Ok((text, new.rotations.renamed().chain(new.proxies.renamed()).collect()))
 }
 
-struct Writer<'a> {
+struct CalculixWriter<'a> {
     deck: &'a Deck,
     /// By file and line: how many lines go, and the comment in their place.
     comments: BTreeMap<(u32, u32), (u32, String)>,
@@ -54,7 +54,7 @@ struct Writer<'a> {
     steps: usize,
 }
 
-impl Writer<'_> {
+impl CalculixWriter<'_> {
     fn file(&mut self, file: u32) -> Result<Vec<u8>, CleanError> {
         let text = std::sync::Arc::clone(&self.deck.texts[file as usize]);
         let mut edits = Edits::default();

@@ -10,11 +10,11 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::Cases;
 use crate::deck::clean::find_faults::faults_of;
-use crate::deck::clean::{CleanError, Fault};
+use crate::deck::clean::{CleanError, EquationFault};
 use crate::deck::{Deck, LoadCase, Model, Origin, Prescribed};
 
 /// Columns and where they are prescribed.
-pub type Given = FxHashMap<u32, Origin>;
+pub type PrescribedColumns = FxHashMap<u32, Origin>;
 
 /// Load cases up to `last`, and the equations that hold in all of them, independent without what is prescribed in any.
 pub struct Layer {
@@ -23,11 +23,11 @@ pub struct Layer {
     /// The name of that.
     pub name: String,
     /// What is prescribed in any of its cases.
-    pub prescribed: Given,
+    pub prescribed: PrescribedColumns,
 }
 
 /// What is kept of a deck's equations, and how long.
-pub struct Kept<'a> {
+pub struct KeptEquations<'a> {
     pub model: &'a Model,
     pub options: &'a Options,
     /// The last load case first.
@@ -40,7 +40,7 @@ pub struct Kept<'a> {
     pub end: Vec<Option<usize>>,
 }
 
-impl<'a> Kept<'a> {
+impl<'a> KeptEquations<'a> {
     /// Decides for load cases that follow each other.
     pub fn of(deck: &'a Deck, cases: &[LoadCase], options: &'a Options) -> Result<Self, CleanError> {
         let model = &deck.model;
@@ -119,7 +119,7 @@ impl<'a> Kept<'a> {
 
     /// The faults of the equations in each layer, of all or of the kept ones. What one solver takes another does
     /// not, and equations without faults mean the same to all.
-    pub fn faults(&self, is_in: impl Fn(usize, usize) -> bool) -> Vec<Fault> {
+    pub fn faults(&self, is_in: impl Fn(usize, usize) -> bool) -> Vec<EquationFault> {
         let count = self.model.equations();
         let of = |(k, layer): (usize, &Layer)| {
             let left_out: Vec<bool> = (0..count).map(|i| !is_in(i, k)).collect();
@@ -144,13 +144,17 @@ fn ends(model: &Model, cases: &[LoadCase]) -> Result<Vec<Option<usize>>, CleanEr
 }
 
 /// Equations whose own slave would make others large.
-pub fn vanishing(model: &Model, prescribed: &Given) -> FxHashSet<usize> {
+pub fn vanishing(model: &Model, prescribed: &PrescribedColumns) -> FxHashSet<usize> {
     let faults = faults_of(model, prescribed, &vec![false; model.equations()]);
-    faults.iter().filter(|fault| matches!(fault, Fault::SlaveVanishes { .. })).map(Fault::equation).collect()
+    faults
+        .iter()
+        .filter(|fault| matches!(fault, EquationFault::SlaveVanishes { .. }))
+        .map(EquationFault::equation)
+        .collect()
 }
 
 /// Columns, ascending, each once, without prescribed ones.
-pub fn unprescribed(columns: impl Iterator<Item = u32>, prescribed: &Given) -> Vec<usize> {
+pub fn unprescribed(columns: impl Iterator<Item = u32>, prescribed: &PrescribedColumns) -> Vec<usize> {
     let mut columns: Vec<usize> = columns.filter(|j| !prescribed.contains_key(j)).map(|j| j as usize).collect();
     columns.sort_unstable();
     columns.dedup();

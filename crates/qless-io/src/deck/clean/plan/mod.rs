@@ -13,7 +13,7 @@ use std::sync::Arc;
 use qless::Options;
 
 use super::CleanError;
-use super::fault::Fault;
+use super::fault::EquationFault;
 use crate::deck::{Deck, Dof, Format, Model};
 
 pub(super) use steps::conflicts;
@@ -44,7 +44,7 @@ pub enum Reason {
     /// It is this combination of others: equation from 0 and coefficient; empty where it holds no free DOF.
     Redundant(Vec<(usize, f64)>),
     /// It is written anew because of this fault.
-    Fault(Fault),
+    Fault(EquationFault),
     /// It is written anew because another one of its part is.
     Connected,
 }
@@ -141,9 +141,9 @@ pub fn plan(deck: &Deck, options: &Options) -> Result<Plan, CleanError> {
     }
     let plan = match deck.format() {
         // CalculiX breaks off at random where a nonlinear step takes equations back.
-        Format::Calculix if model.traits.is_nonlinear => steps::plan(deck, options, steps::May::Nothing)?,
-        Format::Calculix => steps::plan(deck, options, steps::May::End)?,
-        Format::Ansys => steps::plan(deck, options, steps::May::Nothing)?,
+        Format::Calculix if model.traits.is_nonlinear => steps::plan(deck, options, steps::LateRemoval::Impossible)?,
+        Format::Calculix => steps::plan(deck, options, steps::LateRemoval::Possible)?,
+        Format::Ansys => steps::plan(deck, options, steps::LateRemoval::Impossible)?,
         Format::Nastran => subcases::plan(deck, options)?,
     };
     check_removable(model, &plan.removed)?;

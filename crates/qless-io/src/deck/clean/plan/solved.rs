@@ -7,12 +7,12 @@ use qless::{Analysis, Preferences};
 use rustc_hash::FxHashSet;
 
 use super::Written;
-use super::layers::{Kept, unprescribed, vanishing};
+use super::layers::{KeptEquations, unprescribed, vanishing};
 use crate::deck::Model;
 use crate::deck::clean::CleanError;
 
 /// The equations of the parts that are written anew.
-pub fn written(kept: &Kept, is_rewritten: &dyn Fn(usize) -> bool) -> Result<Vec<Written>, CleanError> {
+pub fn written(kept: &KeptEquations, is_rewritten: &dyn Fn(usize) -> bool) -> Result<Vec<Written>, CleanError> {
     let mut slaves: FxHashSet<usize> = FxHashSet::default();
     let mut all = Vec::new();
     for layer in 0..kept.layers.len() {
@@ -25,7 +25,7 @@ pub fn written(kept: &Kept, is_rewritten: &dyn Fn(usize) -> bool) -> Result<Vec<
 }
 
 fn solve(
-    kept: &Kept,
+    kept: &KeptEquations,
     layer: usize,
     rows: &[usize],
     slaves: &mut FxHashSet<usize>,
@@ -36,7 +36,7 @@ fn solve(
     let new = rows.iter().filter(|&&i| kept.layer_of[i] == Some(layer) && !vanishing.contains(&i));
     let own = new.filter_map(|&i| kept.model.nth(i).columns.first().copied());
     // The deck's own slaves, but for those that would make others large and those that other cards claim.
-    let claims = Claims::of(kept.model);
+    let claims = SlaveClaims::of(kept.model);
     let wished = own.chain(slaves.iter().map(|&j| j as u32)).filter(|&j| !claims.hold(j as usize));
     let wished = unprescribed(wished, prescribed);
     let masters = (0..kept.model.dofs.len()).filter(|&j| claims.hold(j)).collect();
@@ -53,13 +53,13 @@ fn solve(
 }
 
 /// DOFs over which cards have the say that are no equations.
-struct Claims<'a> {
+struct SlaveClaims<'a> {
     model: &'a Model,
     /// Nodes with axes of their own on which something is prescribed.
     held: FxHashSet<u32>,
 }
 
-impl<'a> Claims<'a> {
+impl<'a> SlaveClaims<'a> {
     fn of(model: &'a Model) -> Self {
         let given = model.cases.iter().filter(|_| !model.turned.is_empty()).flat_map(|case| &case.prescribed);
         let held = given.map(|given| given.dof.node).filter(|node| model.turned.contains(node)).collect();
@@ -76,14 +76,14 @@ impl<'a> Claims<'a> {
 
 /// Adds the rows of slaves that no layer before has.
 fn add(
-    kept: &Kept,
+    kept: &KeptEquations,
     layer: usize,
     analysis: &Analysis,
     before: &FxHashSet<usize>,
     all: &mut Vec<Written>,
 ) -> Result<(), CleanError> {
     let model = kept.model;
-    let claims = Claims::of(model);
+    let claims = SlaveClaims::of(model);
     let reduction = analysis.reduction()?;
     // What sums of right-hand sides leave by rounding is none.
     let rounding = 1e-14 * (0..model.equations()).fold(0.0, |size: f64, i| size.max(model.nth(i).rhs.abs()));

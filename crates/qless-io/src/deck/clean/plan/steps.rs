@@ -4,26 +4,26 @@ use qless::common::DisjointSets;
 use qless::{Kind, Options, analyse};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::layers::Kept;
+use super::layers::KeptEquations;
 use super::{Cases, Ended, Plan, Reason, Removed, solved};
-use crate::deck::clean::{CleanError, Fault};
+use crate::deck::clean::{CleanError, EquationFault};
 use crate::deck::{Deck, LoadCase, Model, Origin};
 
-/// What a format can say of an equation in a later load case.
+/// Whether a format can remove an equation in a later load case.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub enum May {
-    /// That it is taken back.
-    End,
-    /// Nothing.
-    Nothing,
+pub enum LateRemoval {
+    Possible,
+    Impossible,
 }
 
 /// The plan for all load cases of a deck.
-pub fn plan(deck: &Deck, options: &Options, may: May) -> Result<Plan, CleanError> {
+pub fn plan(deck: &Deck, options: &Options, late_removal: LateRemoval) -> Result<Plan, CleanError> {
     let model = &deck.model;
     let plan = plan_for(deck, &model.cases, options)?;
     let says_more = || !plan.ended.is_empty() || plan.written.iter().any(|written| written.cases != Cases::All);
-    if may == May::Nothing && (says_more() || !plan.is_empty() && model.cases.iter().any(|c| !c.removed.is_empty())) {
+    if late_removal == LateRemoval::Impossible
+        && (says_more() || !plan.is_empty() && model.cases.iter().any(|c| !c.removed.is_empty()))
+    {
         return Err(CleanError::Apart { case: model.cases[model.cases.len() - 1].name.clone() });
     }
     Ok(plan)
@@ -31,17 +31,18 @@ pub fn plan(deck: &Deck, options: &Options, may: May) -> Result<Plan, CleanError
 
 /// The plan for some load cases that follow each other, as if there were no others.
 pub fn plan_for(deck: &Deck, cases: &[LoadCase], options: &Options) -> Result<Plan, CleanError> {
-    let kept = Kept::of(deck, cases, options)?;
+    let kept = KeptEquations::of(deck, cases, options)?;
     check_cases(&kept, cases)?;
     kept.plan()
 }
 
-impl Kept<'_> {
+impl KeptEquations<'_> {
     /// What goes, what comes, and what ends sooner.
     fn plan(&self) -> Result<Plan, CleanError> {
         let count = self.model.equations();
         let before = self.faults(|i, k| self.end[i] >= Some(self.layers[k].last));
-        let fault_of: FxHashMap<usize, Fault> = before.iter().rev().map(|fault| (fault.equation(), *fault)).collect();
+        let fault_of: FxHashMap<usize, EquationFault> =
+            before.iter().rev().map(|fault| (fault.equation(), *fault)).collect();
         // The first cases prescribe least, so that most is connected there.
         let first = &self.layers[self.layers.len() - 1].prescribed;
         let part_of = parts(self.model, |j| first.contains_key(&j));
@@ -61,7 +62,7 @@ impl Kept<'_> {
         Ok(Plan { removed, written, ended })
     }
 
-    fn reason(&self, i: usize, fault_of: &FxHashMap<usize, Fault>) -> Reason {
+    fn reason(&self, i: usize, fault_of: &FxHashMap<usize, EquationFault>) -> Reason {
         match self.because.get(&i).filter(|_| self.layer_of[i].is_none()) {
             Some(because) => Reason::Redundant(because.clone()),
             None => fault_of.get(&i).map_or(Reason::Connected, |fault| Reason::Fault(*fault)),
@@ -83,7 +84,7 @@ impl Kept<'_> {
 }
 
 /// No load case may conflict, and what is kept for it must say all that its equations say.
-fn check_cases(kept: &Kept, cases: &[LoadCase]) -> Result<(), CleanError> {
+fn check_cases(kept: &KeptEquations, cases: &[LoadCase]) -> Result<(), CleanError> {
     for (k, case) in cases.iter().enumerate() {
         if k > 0 && case.constrains_as(&cases[k - 1]) {
             continue;

@@ -9,14 +9,14 @@ use std::sync::Arc;
 use qless::Options;
 use rustc_hash::FxHashSet;
 
-use super::steps::{May, plan as common_plan, plan_for, text_of};
+use super::steps::{LateRemoval, plan as common_plan, plan_for, text_of};
 use super::{Cases, Plan, Reason, Removed, Written};
 use crate::deck::clean::CleanError;
 use crate::deck::{Deck, LoadCase, Model};
 
 /// One plan for all subcases, or one for each group of them.
 pub fn plan(deck: &Deck, options: &Options) -> Result<Plan, CleanError> {
-    match common_plan(deck, options, May::Nothing) {
+    match common_plan(deck, options, LateRemoval::Impossible) {
         Err(CleanError::CasesDiffer { .. } | CleanError::Apart { .. }) => each(deck, options),
         plan => plan,
     }
