@@ -1,15 +1,15 @@
-//! A file's bytes as numbered lines, and a line as words; nothing is copied.
+//! Splits the bytes of a file into numbered lines, and lines into words, without copies.
 
 use crate::error::FaultAt;
 use crate::fault::{TextFault, quote};
 
-/// The lines of a file. LF or CRLF ends a line; a byte order mark is passed over.
+/// Iterator over the lines of a file. A line ends with LF or CRLF; a byte order mark is skipped.
 pub(crate) struct TextLines<'a> {
     rest: &'a [u8],
     number: usize,
 }
 
-/// One line, without its end.
+/// One line, without its line end.
 #[derive(Clone, Copy)]
 pub(crate) struct TextLine<'a> {
     pub number: usize,
@@ -21,12 +21,12 @@ impl<'a> TextLines<'a> {
         Self { rest: bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), number: 0 }
     }
 
-    /// Lines that follow `number` others of the same file.
+    /// Lines that follow `number` other lines of the same file.
     pub fn after(bytes: &'a [u8], number: usize) -> Self {
         Self { rest: bytes, number }
     }
 
-    /// The next line, whatever it holds.
+    /// The next line; it may be blank.
     pub fn any(&mut self) -> Option<TextLine<'a>> {
         if self.rest.is_empty() {
             return None;
@@ -53,19 +53,19 @@ impl<'a> TextLines<'a> {
         self.rest.len()
     }
 
-    /// Number of the line read last.
+    /// Number of the last line read.
     pub fn number(&self) -> usize {
         self.number
     }
 }
 
 impl<'a> TextLine<'a> {
-    /// The words up to a comment.
+    /// Words before a comment.
     pub fn words(&self) -> LineWords<'a> {
         LineWords { rest: self.text }
     }
 
-    /// The words if there are exactly N.
+    /// The words, if there are exactly N.
     pub fn fields<const N: usize>(&self) -> Option<[&'a [u8]; N]> {
         let mut words = self.words();
         let mut fields = [&b""[..]; N];
@@ -83,13 +83,13 @@ impl<'a> TextLine<'a> {
         FaultAt::line(self.number, fault)
     }
 
-    /// The fault of a line that has not the form `expected`.
+    /// The fault of a line that does not have the form `expected`.
     pub fn malformed(&self, expected: &'static str) -> FaultAt {
         self.fault(TextFault::Entry { expected, found: self.quote() })
     }
 }
 
-/// Words separated by blanks and tabs; a word that starts with `%` or `#` ends the line.
+/// Words between blanks and tabs; a word that starts with `%` or `#` starts a comment.
 pub(crate) struct LineWords<'a> {
     rest: &'a [u8],
 }

@@ -1,4 +1,4 @@
-//! A file whose content says what it is: a matrix, or a deck of one of the formats.
+//! Reads files and detects by their content whether they hold a matrix or a deck.
 
 use std::path::{Path, PathBuf};
 
@@ -9,7 +9,7 @@ use crate::deck::{self, Deck, Format, Solver, format_of};
 use crate::matrix_market::header;
 use crate::{ReadError, bytes};
 
-/// What a file holds.
+/// Content of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileContent {
     /// A matrix, in Matrix Market format.
@@ -18,7 +18,7 @@ pub enum FileContent {
     Deck(Format),
 }
 
-/// A file that was read, but not yet parsed.
+/// A file that was read but not yet parsed.
 ///
 /// ```
 /// use qless_io::{Content, Opened};
@@ -44,33 +44,33 @@ pub struct Opened {
 }
 
 impl Opened {
-    /// Reads a file, or standard input for a path of `-`, unpacked and decoded where needed. A solver that is asked for decides
-    /// where the first cards do not, and without one the ending.
+    /// Reads a file (or standard input, for the path `-`), unpacked and decoded if needed. The first cards decide a
+    /// deck's format; if they do not, the solver asked for does, or else the ending.
     ///
     /// # Errors
-    /// [`ReadError::Io`], or [`ReadError::Unknown`] where no reader knows the content.
+    /// [`ReadError::Io`], or [`ReadError::Unknown`] if no reader recognises the content.
     pub fn read(path: &Path, solver: Option<Solver>) -> Result<Self, ReadError> {
         let text = bytes::read(path).map_err(ReadError::io(path))?;
         let expected = solver.map(Solver::format).or_else(|| Format::of(path));
         let content = match format_of(&text, expected) {
             _ if header::is_present(&text) => FileContent::Matrix,
             Ok(format) => FileContent::Deck(format),
-            // What is wrong with it, the reader of matrices says best.
+            // The reader of matrices gives the better message.
             Err(_) if is_matrix(path) => FileContent::Matrix,
             Err(seen) => return Err(ReadError::Unknown { path: path.to_path_buf(), seen }),
         };
         Ok(Self { path: path.to_path_buf(), text, content })
     }
 
-    /// What it holds.
+    /// Content of the file.
     pub fn content(&self) -> FileContent {
         self.content
     }
 
-    /// Parses a deck, as this solver reads it, or that of its format.
+    /// Parses a deck for a solver, or for the default solver of its format.
     ///
     /// # Errors
-    /// [`ReadError`]: a matrix, a solver that does not read the deck's format, or a fault in the deck.
+    /// [`ReadError`]: the file is a matrix, the solver does not read its format, or the deck has an error.
     pub fn into_deck(self, solver: Option<Solver>) -> Result<Deck, ReadError> {
         let Self { path, text, content } = self;
         let FileContent::Deck(format) = content else {
@@ -86,7 +86,7 @@ impl Opened {
     /// Parses a matrix, with a right-hand side and prescribed DOFs from other files, as [`read_case`] does.
     ///
     /// # Errors
-    /// [`ReadError`]: a deck, or a malformed file.
+    /// [`ReadError`]: the file is a deck, or is malformed.
     pub fn into_case(self, rhs: Option<&Path>, prescribed: Option<&Path>) -> Result<ConstraintSystem, ReadError> {
         let Self { path, text, content } = self;
         match content {
@@ -96,14 +96,14 @@ impl Opened {
     }
 }
 
-/// Reads `path`: a Matrix Market file, or a folder with `C.mtx` and what else it holds of a case; `-` is standard input. Text may be
-/// packed by gzip, or be UTF-16 with a byte order mark.
+/// Reads a case: a Matrix Market file, or a folder with `C.mtx` and optional files. The path `-` is standard input.
+/// Text may be packed by gzip, or be UTF-16 with a byte order mark.
 ///
-/// `rhs` and `prescribed` name the other files of a `.mtx` file; with a folder they replace its own.
-/// Without a right-hand side b is zero. Where a line of labels is empty the number stands in its place.
+/// `rhs` and `prescribed` name additional files for a `.mtx` file; for a folder they replace its own. Without a
+/// right-hand side, b is zero. An empty label is replaced by the number.
 ///
 /// # Errors
-/// [`ReadError`]: the path is no case, or one of its files is malformed.
+/// [`ReadError`]: the path is not a case, or one of its files is malformed.
 ///
 /// ```
 /// use qless_io::read_case;
@@ -132,7 +132,7 @@ pub fn read_case(path: &Path, rhs: Option<&Path>, prescribed: Option<&Path>) -> 
     files.read_from(matrix)
 }
 
-/// Reads a deck and the files that it includes, as the solver of its format does.
+/// Reads a deck and the files that it includes, for the default solver of its format.
 ///
 /// # Errors
 /// As [`read_deck_for`].
@@ -149,11 +149,11 @@ pub fn read_deck(path: &Path) -> Result<Deck, ReadError> {
     read_deck_for(path, None)
 }
 
-/// Reads a deck and the files that it includes, as this solver does; that of its format where none is given.
+/// Reads a deck and the files that it includes for a solver, or for the default solver of its format.
 ///
 /// # Errors
-/// [`ReadError`]: a file that cannot be read, content that is no deck's, a solver that does not read it, or a [`DeckError`](crate::deck::DeckError) with file,
-/// line, card and field.
+/// [`ReadError`]: a file cannot be read or is no deck, the solver does not read its format, or the deck has an error:
+/// a [`DeckError`](crate::deck::DeckError) with file, line, card and field.
 ///
 /// ```
 /// use qless_io::deck::{Solver, read_for};
@@ -169,7 +169,7 @@ pub fn read_deck_for(path: &Path, solver: Option<Solver>) -> Result<Deck, ReadEr
     Opened::read(path, solver)?.into_deck(solver)
 }
 
-/// Whether the ending is that of a matrix.
+/// Whether a path ends as a matrix file does.
 fn is_matrix(path: &Path) -> bool {
     let ends = |path: &Path, ending: &str| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending));
     ends(path, "mtx") || ends(path, "gz") && path.file_stem().is_some_and(|stem| ends(Path::new(stem), "mtx"))

@@ -1,7 +1,7 @@
 //! The files beside `C.mtx`, with one item a line: right-hand side, prescribed values, labels.
 //!
-//! Files of numbers may have blank lines and `#` or `%` comments; in a file of labels every line is a label.
-//! Columns count from 1 in the files, DOFs from 0 here.
+//! Files of numbers may have blank lines and `#` or `%` comments; in a file of labels every line is a label. Columns
+//! count from 1 in the files, DOFs from 0 here.
 
 use std::path::Path;
 
@@ -18,8 +18,8 @@ const FORM: &str = "column value";
 /// Reads the right-hand side of `rows` equations.
 ///
 /// # Errors
-/// [`ReadError::Io`], or [`ReadError::Malformed`] for what is no finite number (with line and row) or
-/// another count than `rows`.
+/// [`ReadError::Io`], or [`ReadError::Malformed`] for text that is no finite number (with line and row) and for a
+/// wrong number of values.
 ///
 /// ```
 /// use qless_io::vectors::read_rhs;
@@ -50,7 +50,7 @@ pub(crate) struct RhsHead {
 }
 
 impl RhsHead {
-    /// The head of a file that begins with its numbers.
+    /// Head of a file without header.
     pub(crate) fn absent(rows: usize) -> Self {
         Self { rows, integer: false }
     }
@@ -61,7 +61,7 @@ impl RhsHead {
         Ok(Self { rows, integer: header.integer })
     }
 
-    /// The numbers in these lines, which follow `before` others.
+    /// Parses the numbers in these lines, which follow `before` others.
     pub(crate) fn numbers(&self, lines: &mut TextLines, before: usize) -> Result<Vec<f64>, FaultAt> {
         let mut numbers = Vec::new();
         while let Some(line) = lines.content() {
@@ -70,7 +70,7 @@ impl RhsHead {
         Ok(numbers)
     }
 
-    /// Checks that `found` numbers are one for each row.
+    /// Checks that there is one number for each row.
     pub(crate) fn check_count(&self, found: usize) -> Result<(), FaultAt> {
         if found == self.rows { Ok(()) } else { Err(FaultAt::whole_file(wrong_count(found, self.rows))) }
     }
@@ -103,13 +103,13 @@ fn wrong_count(found: usize, expected: usize) -> TextFault {
     TextFault::Count { what: "numbers", found, expected, each: "row" }
 }
 
-/// Reads `(DOF, value)` for a matrix of `columns` columns, ascending by DOF; 0-based.
+/// Reads `(DOF, value)` for a matrix of `columns` columns; ascending by DOF, 0-based.
 ///
-/// The same column with the same value twice is accepted.
+/// A column may repeat with the same value.
 ///
 /// # Errors
-/// [`ReadError::Io`], or [`ReadError::Malformed`] for a column out of range, a value that is not
-/// finite, or one column with two values, which names both lines.
+/// [`ReadError::Io`], or [`ReadError::Malformed`] for a column out of range, a value that is not finite, or one column
+/// with two values; the error names both lines.
 ///
 /// ```
 /// use qless_io::vectors::read_prescribed;
@@ -127,18 +127,18 @@ pub fn read_prescribed(path: &Path, columns: usize) -> Result<Vec<(usize, f64)>,
     parse_file(path, |bytes| merge_prescribed(prescribed_lines(&mut TextLines::new(bytes), columns)?))
 }
 
-/// What one line prescribes; the column counts from 1.
+/// One line of prescribed values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrescribedLine {
-    /// The column.
+    /// Column, from 1.
     pub column: usize,
-    /// Its value.
+    /// Prescribed value.
     pub value: f64,
-    /// The line.
+    /// Line number.
     pub line: usize,
 }
 
-/// What these lines prescribe.
+/// Parses lines of prescribed values.
 pub(crate) fn prescribed_lines(lines: &mut TextLines, columns: usize) -> Result<Vec<PrescribedLine>, FaultAt> {
     let mut prescribed = Vec::new();
     while let Some(line) = lines.content() {
@@ -147,9 +147,9 @@ pub(crate) fn prescribed_lines(lines: &mut TextLines, columns: usize) -> Result<
     Ok(prescribed)
 }
 
-/// Values by DOF, of lines in the order of the file.
+/// Joins prescribed values, in the order of the file, into values by DOF.
 pub(crate) fn merge_prescribed(mut prescribed: Vec<PrescribedLine>) -> Result<Vec<(usize, f64)>, FaultAt> {
-    // Stable, so the earlier line stays first.
+    // The sort is stable, so that the earlier line stays first.
     prescribed.sort_by_key(|line| line.column);
     prescribed.windows(2).try_for_each(check_pair)?;
     prescribed.dedup_by_key(|line| line.column);
@@ -183,13 +183,13 @@ fn check_pair(pair: &[PrescribedLine]) -> Result<(), FaultAt> {
     ))
 }
 
-/// Reads one label for each of `expected` rows or columns (`each` says which).
+/// Reads one label for each of `expected` rows or columns; `each` is "row" or "column".
 ///
-/// A label may hold blanks and `#`; an empty line is an empty label. Bytes that are not UTF-8 are
-/// replaced. Empty lines at the end of the file are passed over.
+/// A label may contain blanks and `#`; an empty line is an empty label. Invalid UTF-8 is replaced. Empty lines at the
+/// end of the file are ignored.
 ///
 /// # Errors
-/// [`ReadError::Io`], or [`ReadError::Malformed`] for another number of labels.
+/// [`ReadError::Io`], or [`ReadError::Malformed`] for a wrong number of labels.
 ///
 /// ```
 /// use qless_io::vectors::read_labels;
@@ -216,7 +216,7 @@ pub fn read_labels(path: &Path, expected: usize, each: &'static str) -> Result<V
     })
 }
 
-/// Whether there is one label for each row or column in so many lines, the last of which that is not empty is line `filled`.
+/// Checks that there is one label for each row or column. `filled` is the last line that is not empty, from 1.
 pub(crate) fn check_label_count(
     lines: usize,
     filled: usize,

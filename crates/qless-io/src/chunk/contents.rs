@@ -1,4 +1,4 @@
-//! What the chunks of each kind of file hold.
+//! Readers of the chunks of a matrix, a right-hand side, prescribed values and labels.
 
 use std::collections::BTreeMap;
 use std::io::BufRead;
@@ -9,10 +9,10 @@ use crate::matrix_market::MatrixHead;
 use crate::vectors::{self, PrescribedLine, RhsHead};
 use crate::{ReadError, lines};
 
-/// Bytes at a time when a file is searched.
+/// Bytes read at a time when a file is searched.
 const SEARCHED: u64 = 1 << 24;
 
-/// What stands before the entries.
+/// Header and sizes of a matrix file, and where its entries start.
 #[derive(Debug)]
 pub struct ChunkedMatrix {
     head: MatrixHead,
@@ -42,17 +42,17 @@ impl ChunkedMatrix {
         self.head.columns
     }
 
-    /// Where the entries begin, in bytes.
+    /// Byte at which the entries start.
     pub fn start(&self) -> u64 {
         self.start
     }
 
-    /// FileChunk before the entries.
+    /// Lines before the entries.
     pub fn before(&self) -> LineCount {
         self.before
     }
 
-    /// The entries in these lines, before which so many stand; 0-based.
+    /// Parses the entries in a chunk; `before` counts the lines and entries in front of it. Indices are 0-based.
     ///
     /// # Errors
     /// [`ReadError::Malformed`] with the line.
@@ -60,16 +60,16 @@ impl ChunkedMatrix {
         self.head.entries(&mut lines.after(before.lines), before.items).map_err(|at| at.of(lines.path()))
     }
 
-    /// Whether the file has all entries that it promises, if so many were found.
+    /// Checks that the whole file has all promised entries; `found` is their number.
     ///
     /// # Errors
-    /// [`ReadError::Malformed`] if some are missing.
+    /// [`ReadError::Malformed`] if entries are missing.
     pub fn check(&self, file: &ChunkedFile, found: usize) -> Result<(), ReadError> {
         self.head.check_count(found).map_err(|at| at.of(file.path()))
     }
 }
 
-/// First and last line that give an entry of this 0-based row and column.
+/// First and last line with an entry of this 0-based row and column.
 pub(crate) fn lines_of(path: &Path, row: usize, column: usize) -> Result<Option<(usize, usize)>, ReadError> {
     let file = ChunkedFile::open(path)?;
     let matrix = ChunkedMatrix::open(&file)?;
@@ -85,7 +85,7 @@ pub(crate) fn lines_of(path: &Path, row: usize, column: usize) -> Result<Option<
     Ok(found)
 }
 
-/// What stands before the numbers.
+/// Head of a file of right-hand sides, and where its numbers start.
 #[derive(Debug)]
 pub struct ChunkedRhs {
     head: RhsHead,
@@ -94,7 +94,7 @@ pub struct ChunkedRhs {
 }
 
 impl ChunkedRhs {
-    /// Reads header and sizes, if there are any; `rows` numbers are wanted.
+    /// Reads header and sizes, if there are any; the file must hold `rows` numbers.
     ///
     /// # Errors
     /// [`ReadError::Io`], or [`ReadError::Malformed`] with the line.
@@ -107,17 +107,18 @@ impl ChunkedRhs {
         Ok(Self { head: read, before: LineCount { lines: lines.number(), items: 0 }, start: head.end })
     }
 
-    /// Where the numbers begin, in bytes.
+    /// Byte at which the numbers start.
     pub fn start(&self) -> u64 {
         self.start
     }
 
-    /// FileChunk before the numbers.
+    /// Lines before the numbers.
     pub fn before(&self) -> LineCount {
         self.before
     }
 
-    /// The numbers in these lines, before which so many stand: the first is that of row `before.items`, counted from 0.
+    /// Parses the numbers in a chunk; `before` counts the lines and numbers in front of it. The first number belongs
+    /// to row `before.items`, from 0.
     ///
     /// # Errors
     /// [`ReadError::Malformed`] with the line.
@@ -125,7 +126,7 @@ impl ChunkedRhs {
         self.head.numbers(&mut lines.after(before.lines), before.items).map_err(|at| at.of(lines.path()))
     }
 
-    /// Whether there is one number for each row, if so many were found.
+    /// Checks that the whole file has one number for each row; `found` is their number.
     ///
     /// # Errors
     /// [`ReadError::Malformed`] if not.
@@ -134,7 +135,8 @@ impl ChunkedRhs {
     }
 }
 
-/// What these lines prescribe, before which so many stand, for a matrix of `columns` columns.
+/// Parses the prescribed values in a chunk for a matrix of `columns` columns; `before` counts the lines in front of
+/// it.
 ///
 /// # Errors
 /// [`ReadError::Malformed`] with the line.
@@ -146,7 +148,8 @@ pub fn prescribed_lines(
     vectors::prescribed_lines(&mut lines.after(before.lines), columns).map_err(|at| at.of(lines.path()))
 }
 
-/// `(DOF, value)`, ascending by DOF, 0-based, of what lines of any parts prescribe, in the order of the file.
+/// Joins the prescribed values of all chunks, in the order of the file, into `(DOF, value)`: ascending by DOF,
+/// 0-based.
 ///
 /// # Errors
 /// [`ReadError::Malformed`] for one column with two values.
@@ -154,8 +157,8 @@ pub fn merge_prescribed(path: &Path, prescribed: Vec<PrescribedLine>) -> Result<
     vectors::merge_prescribed(prescribed).map_err(|at| at.of(path))
 }
 
-/// Whether there is one label for each of `expected` rows or columns (`each` says which) in so many lines, `last_filled` being the
-/// last that is not blank, from 1.
+/// Checks that a file of labels has one for each of `expected` rows or columns. `lines` is its number of lines,
+/// `last_filled` the last line that is not blank, from 1; `each` is "row" or "column".
 ///
 /// # Errors
 /// [`ReadError::Malformed`] if not.
@@ -168,7 +171,8 @@ pub fn check_labels(
     vectors::check_label_count(lines, last_filled, expected, each).map_err(|at| at.of(path))
 }
 
-/// The labels of these rows or columns, 0-based and ascending, in one pass over the file; none for one whose line is blank.
+/// Reads the labels of these rows or columns (0-based, ascending) in one pass over the file. Blank lines give no
+/// label.
 ///
 /// # Errors
 /// [`ReadError::Io`].

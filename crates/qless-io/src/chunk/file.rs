@@ -1,4 +1,4 @@
-//! A file, and the lines that start in a range of its bytes.
+//! A file, and chunks of its lines.
 
 use std::fs;
 use std::io::{self, BufRead, ErrorKind, Read, Seek, SeekFrom};
@@ -8,10 +8,10 @@ use std::path::{Path, PathBuf};
 use crate::matrix_market::header::is_banner;
 use crate::{ReadError, bytes, lines};
 
-/// Bytes at a time beyond the range, to the end of the last line.
+/// Bytes read at a time beyond a range, up to the end of its last line.
 const PIECE: usize = 1 << 16;
 
-/// A file of which parts are read.
+/// A file that is read in chunks.
 #[derive(Debug)]
 pub struct ChunkedFile {
     path: PathBuf,
@@ -19,10 +19,10 @@ pub struct ChunkedFile {
 }
 
 impl ChunkedFile {
-    /// Finds out how long the file is.
+    /// Finds the size of the file.
     ///
     /// # Errors
-    /// [`ReadError::Io`]: it is not there, or has no size, as devices and pipes.
+    /// [`ReadError::Io`]: the file does not exist, or has no size, like a device or a pipe.
     pub fn open(path: &Path) -> Result<Self, ReadError> {
         let kind = fs::metadata(path).map_err(ReadError::io(path))?;
         if !kind.is_file() && !kind.is_dir() {
@@ -34,21 +34,21 @@ impl ChunkedFile {
         Ok(Self { path: path.to_path_buf(), size: kind.len() })
     }
 
-    /// Bytes in it.
+    /// Size in bytes.
     #[expect(clippy::len_without_is_empty, reason = "an empty file is as good as any")]
     pub fn len(&self) -> u64 {
         self.size
     }
 
-    /// Its path.
+    /// Path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The lines that start in this range, to the end of the last of them.
+    /// Reads the lines that start in this range of bytes, up to the end of the last one.
     ///
     /// # Errors
-    /// [`ReadError::Io`], also if there is no memory for them.
+    /// [`ReadError::Io`], also if memory runs out.
     pub fn lines(&self, range: Range<u64>) -> Result<FileChunk, ReadError> {
         let bytes = self.read(range.clone()).map_err(ReadError::io(&self.path))?;
         Ok(FileChunk { path: self.path.clone(), is_first: range.start == 0, bytes })
@@ -60,7 +60,7 @@ impl ChunkedFile {
             return Ok(Vec::new());
         }
         let mut file = fs::File::open(&self.path)?;
-        // The byte before says whether a line starts with the range.
+        // The byte in front shows whether a line starts at the range.
         let from = start.saturating_sub(1);
         file.seek(SeekFrom::Start(from))?;
         let mut bytes = bytes::room_for(end - from)?;
@@ -92,21 +92,21 @@ fn to_end_of_line(file: &mut fs::File, bytes: &mut Vec<u8>) -> io::Result<()> {
     Ok(())
 }
 
-/// FileChunk of a file that follow one another.
+/// Consecutive lines of a file.
 #[derive(Debug)]
 pub struct FileChunk {
     path: PathBuf,
-    /// Whether nothing of the file stands before them.
+    /// Whether the chunk starts the file.
     is_first: bool,
     bytes: Vec<u8>,
 }
 
-/// How many lines there are.
+/// Number of lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LineCount {
-    /// FileChunk.
+    /// All lines.
     pub lines: usize,
-    /// Those of them that are neither blank nor comments.
+    /// Lines that are neither blank nor comments.
     pub items: usize,
 }
 
@@ -119,7 +119,7 @@ impl Add for LineCount {
 }
 
 impl FileChunk {
-    /// Counts them.
+    /// Counts the lines.
     pub fn count(&self) -> LineCount {
         let (mut lines, mut items) = (self.after(0), 0);
         while lines.content().is_some() {
@@ -128,7 +128,7 @@ impl FileChunk {
         LineCount { lines: lines.number(), items }
     }
 
-    /// The number of the last line that holds more than blanks, from 1; 0 if there is none.
+    /// Number of the last line that is not blank, from 1; 0 if all are blank.
     pub fn last_filled(&self) -> usize {
         let (mut lines, mut last) = (self.after(0), 0);
         while let Some(line) = lines.any() {
@@ -148,14 +148,15 @@ impl FileChunk {
     }
 }
 
-/// Header and sizes, with blank lines in place of comments, so that they take no memory and lines keep their numbers.
+/// Header and sizes of a Matrix Market file. Comments are replaced by blank lines: these take no memory and keep the
+/// line numbers.
 pub(super) struct FileHead {
     pub text: Vec<u8>,
-    /// Bytes of the file that it stands for.
+    /// Size of the head in the file, in bytes.
     pub end: u64,
 }
 
-/// Reads the head; None if the first line with anything in it is no Matrix Market header, unless `any` will do.
+/// Reads the head. Returns `None` if the first line that is not blank is no Matrix Market header and `any` is false.
 pub(super) fn read_head(file: &ChunkedFile, any: bool) -> Result<Option<FileHead>, ReadError> {
     let mut reader = file.reader()?;
     let mut head = FileHead { text: Vec::new(), end: 0 };

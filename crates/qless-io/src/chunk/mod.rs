@@ -1,8 +1,9 @@
-//! Files by parts, for readers that share the work: each takes the lines that start in its bytes.
+//! Reads files in chunks, so that several readers can share the work: each takes the lines that start in its range of
+//! bytes.
 //!
-//! What is read, and what is refused with which words, is what [`read_case`](crate::read_case) reads and refuses: the same code parses
-//! the lines. Before a part is parsed the lines before it are counted, by whoever reads them ([`FileChunk::count`]), so that faults
-//! have the line of the file.
+//! The lines are parsed by the same code as in [`read_case`](crate::read_case), with the same errors. Before a chunk
+//! is parsed, its reader needs the number of lines in front of it ([`FileChunk::count`]), so that errors name the line
+//! in the file.
 //!
 //! ```
 //! use qless_io::chunk::{ChunkedFile, ChunkedMatrix};

@@ -1,10 +1,11 @@
-//! The cards of a deck. A million that count up evenly, as `CE 1`, `CE 2` and so on do, take no more room than one.
+//! The cards of a deck and their names. Cards that count up evenly, such as `CE 1`, `CE 2`, ..., are stored as one
+//! run.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// A card's name as the deck has it, such as `*EQUATION` or `RBE2 12`.
+/// Name of a card in the deck, such as `*EQUATION` or `RBE2 12`.
 ///
 /// ```
 /// use qless_io::deck::CardName;
@@ -22,17 +23,17 @@ enum NameParts {
 }
 
 impl CardName {
-    /// A word and a number.
+    /// A name of a word and a number.
     pub fn numbered(word: &'static str, number: u32) -> Self {
         Self(NameParts::Numbered(word, number))
     }
 
-    /// Whether it is this word and a number.
+    /// Whether the name is this word and a number.
     pub(super) fn is_numbered(&self, word: &str) -> bool {
         matches!(self.0, NameParts::Numbered(own, _) if own == word)
     }
 
-    /// The name with a number that is higher by `more`.
+    /// The name with its number increased by `more`.
     pub(super) fn counted(&self, more: u32) -> Self {
         match self.0 {
             NameParts::Numbered(word, number) => Self(NameParts::Numbered(word, number.wrapping_add(more))),
@@ -40,7 +41,7 @@ impl CardName {
         }
     }
 
-    /// Whether the other is this name with a number that is higher by `more`.
+    /// Whether the other name is this one with its number increased by `more`.
     pub(super) fn is_counted(&self, more: u32, other: &Self) -> bool {
         match (&self.0, &other.0) {
             (NameParts::Numbered(word, number), NameParts::Numbered(other, count)) => {
@@ -50,7 +51,7 @@ impl CardName {
         }
     }
 
-    /// By how much the number of the other is higher; 0 where one has none.
+    /// Difference of the two numbers; 0 if one name has none.
     pub(super) fn distance(&self, other: &Self) -> u32 {
         match (&self.0, &other.0) {
             (NameParts::Numbered(_, number), NameParts::Numbered(_, other)) => other.wrapping_sub(*number),
@@ -105,16 +106,16 @@ impl From<String> for CardName {
     }
 }
 
-/// A card that constrains: its name and where it begins.
+/// A card that constrains.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Card {
-    /// As the deck calls it, such as `*EQUATION` or `RBE2 12`.
+    /// Name in the deck, such as `*EQUATION` or `RBE2 12`.
     pub name: CardName,
     /// Index into [`Model::files`](super::Model::files).
     pub file: u32,
     /// First line, from 1.
     pub line: u32,
-    /// Whether equations cannot stand in for it, because the solver adds DOFs of its own to it.
+    /// Whether equations cannot replace the card, because the solver adds DOFs of its own to it.
     pub is_fixed: bool,
 }
 
@@ -134,11 +135,12 @@ pub struct Card {
 pub struct Cards {
     runs: Vec<CardRun>,
     count: u32,
-    /// Why, where more than the card's name is needed to see it.
+    /// Cards that equations cannot replace, with a reason if the name does not explain it.
     fixed: BTreeMap<u32, Option<&'static str>>,
 }
 
-/// Cards from `first` on: card `first + k` has a name `k numbers` above that of `card` and stands `k lines` lines further on.
+/// A run of cards: card `first + k` has a number higher by `k numbers` than `card`, and starts `k lines` lines further
+/// on.
 #[derive(Clone, Debug)]
 struct CardRun {
     first: u32,
@@ -154,7 +156,7 @@ impl CardRun {
         Card { name, line: self.card.line.wrapping_add(k.wrapping_mul(self.lines)), ..self.card }
     }
 
-    /// Takes card `i` in, if it follows; the second one says how they count.
+    /// Takes card `i` into the run if it fits. The second card of a run sets the increments.
     fn take(&mut self, i: u32, card: &Card) -> bool {
         if self.first + 1 == i {
             self.numbers = self.card.name.distance(&card.name);
@@ -169,7 +171,7 @@ impl CardRun {
 }
 
 impl Cards {
-    /// How many there are.
+    /// Number of cards.
     pub fn len(&self) -> usize {
         self.count as usize
     }
@@ -179,12 +181,12 @@ impl Cards {
         self.count == 0
     }
 
-    /// Card `i`, as an [`Origin`](super::Origin) has it, if it is there.
+    /// Card `i`, as in [`Origin`](super::Origin), if it exists.
     pub fn get(&self, i: u32) -> Option<Card> {
         (i < self.count).then(|| self.nth(i))
     }
 
-    /// Card `i`, which is there.
+    /// Card `i`, which must exist.
     pub(super) fn nth(&self, i: u32) -> Card {
         let run = &self.runs[self.runs.partition_point(|run| run.first <= i) - 1];
         Card { is_fixed: self.fixed.contains_key(&i), ..run.at(i) }
@@ -210,7 +212,7 @@ impl Cards {
         self.count - 1
     }
 
-    /// Says whether equations cannot stand in for card `i`.
+    /// Sets whether equations cannot replace card `i`.
     pub(super) fn fix(&mut self, i: u32, is_fixed: bool) {
         if is_fixed {
             self.fixed.insert(i, None);
@@ -219,12 +221,12 @@ impl Cards {
         }
     }
 
-    /// Says why equations cannot stand in for card `i`, and how they could.
+    /// Notes why equations cannot replace card `i`, and how to change that.
     pub(super) fn fix_because(&mut self, i: u32, why: &'static str) {
         self.fixed.insert(i, Some(why));
     }
 
-    /// Why equations cannot stand in for card `i`, where that takes more than its name to see.
+    /// Why equations cannot replace card `i`, unless its name explains it.
     pub fn why_fixed(&self, i: u32) -> Option<&'static str> {
         self.fixed.get(&i).copied().flatten()
     }

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::str::FromStr;
 
-/// The language of a deck.
+/// The format of a deck.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// CalculiX and Abaqus, `.inp`.
@@ -15,10 +15,10 @@ pub enum Format {
 }
 
 impl Format {
-    /// All of them.
+    /// All formats.
     pub const ALL: [Self; 3] = [Self::Calculix, Self::Ansys, Self::Nastran];
 
-    /// The format that a path's ending stands for, before `.gz` if it ends in that.
+    /// The format for the ending of a path, without `.gz`.
     pub fn of(path: &Path) -> Option<Self> {
         let ending = path.extension()?.to_str()?.to_ascii_lowercase();
         match ending.as_str() {
@@ -59,21 +59,21 @@ pub enum Solver {
     Ansys,
 }
 
-/// Not one of the names of [`Solver`].
+/// The name of no known [`Solver`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{0}` is no solver that is known here; take one of ccx, abaqus, nastran, mystran, optistruct, ansys")]
 pub struct UnknownSolver(String);
 
 impl Solver {
-    /// All of them.
+    /// All solvers.
     pub const ALL: [Self; 6] = [Self::Ccx, Self::Abaqus, Self::Nastran, Self::Mystran, Self::Optistruct, Self::Ansys];
 
-    /// Those that read a format.
+    /// The solvers that read a format.
     pub fn that_read(format: Format) -> impl Iterator<Item = Self> {
         Self::ALL.into_iter().filter(move |solver| solver.format() == format)
     }
 
-    /// The language that it reads.
+    /// The format that the solver reads.
     pub fn format(self) -> Format {
         match self {
             Self::Ccx | Self::Abaqus => Format::Calculix,
@@ -82,7 +82,7 @@ impl Solver {
         }
     }
 
-    /// Its name on the command line.
+    /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Ccx => "ccx",
@@ -95,7 +95,7 @@ impl Solver {
     }
 }
 
-/// The solver that a format stands for where none is named.
+/// The default solver of a format.
 impl From<Format> for Solver {
     fn from(format: Format) -> Self {
         match format {

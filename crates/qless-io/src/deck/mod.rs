@@ -1,4 +1,5 @@
-//! Finite-element decks: their constraints as equations `C u = b`, and decks written back with an independent set.
+//! Finite-element decks: reads their constraints as equations `C u = b`, and writes decks with an independent set of
+//! equations.
 //!
 //! | format | module | usual endings |
 //! | --- | --- | --- |
@@ -6,12 +7,13 @@
 //! | Nastran | `nastran` | `.bdf`, `.dat`, `.nas`, `.fem` |
 //! | ANSYS | `ansys` | `.cdb` |
 //!
-//! The first cards of a deck decide which it is; where they leave that open, the solver asked for, or else the ending, does. Text
-//! may be packed by gzip or be UTF-16 with a byte order mark, and its lines may end in LF, CRLF or CR; `-` is standard input.
+//! The first cards of a deck decide its format; if they do not, the solver asked for does, or else the ending. Text
+//! may be packed by gzip, or be UTF-16 with a byte order mark. Lines may end in LF, CRLF or CR. The path `-` is
+//! standard input.
 //!
-//! A reader turns the bytes of a deck and of the files that it includes into a [`Model`], which knows the card and the line of
-//! every equation; [`Model::system`] gives `C u = b` for a load case. [`clean`] decides what must
-//! change so that a solver takes it.
+//! A reader turns a deck and its included files into a [`Model`], which knows the card and the line of every equation.
+//! [`Model::system`] gives `C u = b` for a load case. [`clean`] plans the changes after which a solver accepts the
+//! deck.
 
 mod ansys;
 mod calculix;
@@ -44,7 +46,7 @@ pub(crate) use source::Sources;
 
 pub use crate::opened::{read_deck as read, read_deck_for as read_for};
 
-/// A deck: its constraints, and the text that they were read from.
+/// A deck: its constraints, and the text of its files.
 #[derive(Debug)]
 pub struct Deck {
     solver: Solver,
@@ -53,17 +55,17 @@ pub struct Deck {
 }
 
 impl Deck {
-    /// Its language.
+    /// Format of the deck.
     pub fn format(&self) -> Format {
         self.solver.format()
     }
 
-    /// The solver that it was read for.
+    /// Solver that the deck was read for.
     pub fn solver(&self) -> Solver {
         self.solver
     }
 
-    /// Its constraints.
+    /// Constraints of the deck.
     pub fn model(&self) -> &Model {
         &self.model
     }
@@ -73,8 +75,8 @@ impl Deck {
         &self.texts
     }
 
-    /// Where nodes are in the model's axes, by number. Nodes that commands generate, or give along other axes in a way that is not
-    /// followed (ANSYS), are left out.
+    /// Positions of nodes in the model's axes, by number. Nodes that commands generate are left out, and in ANSYS
+    /// those given along axes that are not followed.
     ///
     /// ```
     /// # let place = tempfile::tempdir()?;
@@ -91,7 +93,8 @@ impl Deck {
         }
     }
 
-    /// The nodes of a set by its name in any case: `*NSET` of CalculiX and Abaqus, components of ANSYS. Nastran's decks name no sets.
+    /// Nodes of a set, by name in any case: `*NSET` in CalculiX and Abaqus, components in ANSYS. Nastran decks have no
+    /// named sets.
     ///
     /// ```
     /// # let place = tempfile::tempdir()?;
@@ -109,7 +112,7 @@ impl Deck {
         }
     }
 
-    /// The names of all node sets.
+    /// Names of all node sets.
     pub fn node_set_names(&self) -> Vec<String> {
         match self.format() {
             Format::Calculix => calculix::node_set_names(self),
@@ -118,14 +121,14 @@ impl Deck {
         }
     }
 
-    /// Goes through the deck's text once more.
+    /// Reads the deck's text again.
     fn again<T>(&self, read: impl FnOnce(&mut Sources) -> T) -> T {
         let mut none = |_: &Path| Err(std::io::ErrorKind::NotFound.into());
         read(&mut Sources::again(self.solver, &self.model.files, &self.texts, &mut none))
     }
 }
 
-/// Reads a deck from its bytes as this solver does, or as that of a format; `open` gives those of the files that it includes.
+/// Parses a deck for a solver, or for the default solver of a format. `open` reads included files.
 ///
 /// # Errors
 /// [`DeckError`].

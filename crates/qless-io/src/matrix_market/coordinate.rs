@@ -1,4 +1,4 @@
-//! `row column value` lines to triplets, in one pass over the bytes.
+//! Parses `row column value` lines into triplets, in one pass over the bytes.
 
 use super::Triplets;
 use super::header::{self, MarketLayout};
@@ -10,10 +10,10 @@ use crate::number::{real, whole};
 const ENTRY: &str = "row column value";
 const SIZES: &str = "rows columns entries";
 
-/// Shortest entry with its line end: `1 1 1` and LF.
+/// Bytes of the shortest entry, `1 1 1` and LF.
 const SHORTEST_ENTRY: usize = 6;
 
-/// Empty rows or columns beyond this many are a slip of the size line, not a model; they cost memory.
+/// Most empty rows or columns. Larger sizes are typing errors, and cost memory.
 const MOST_EMPTY: usize = 10_000_000;
 
 /// Header and sizes of a matrix file.
@@ -22,7 +22,7 @@ pub(crate) struct MatrixHead {
     pub rows: usize,
     pub columns: usize,
     pub entries: usize,
-    /// The line of the sizes.
+    /// Line of the sizes.
     line: usize,
     integer: bool,
 }
@@ -70,7 +70,7 @@ impl MatrixHead {
         Ok(found)
     }
 
-    /// Checks that `found` entries are all that the sizes promise.
+    /// Checks that all promised entries were found.
     pub(crate) fn check_count(&self, found: usize) -> Result<(), FaultAt> {
         let promised = self.entries;
         if found < promised { Err(FaultAt::line(self.line, TextFault::TooFew { promised, found })) } else { Ok(()) }
@@ -92,7 +92,7 @@ fn sizes(lines: &mut TextLines, integer: bool) -> Result<MatrixHead, FaultAt> {
     Ok(MatrixHead { rows, columns, entries, line: line.number, integer })
 }
 
-/// A number of rows or columns, if it is one; the library's largest index is kept back.
+/// Parses a number of rows or columns; `None` if the word is no number. The library reserves the largest index.
 fn size(line: &TextLine, what: &'static str, word: &[u8], entries: usize) -> Result<Option<usize>, FaultAt> {
     match whole(word) {
         Some(size) if size >= u32::MAX as usize => {
@@ -119,7 +119,7 @@ fn entry(line: &TextLine, head: &MatrixHead) -> Result<(usize, usize, f64), Faul
     }
 }
 
-/// A 1-based index of the file as a 0-based one.
+/// Converts a 1-based index of the file to a 0-based one.
 fn index(line: &TextLine, what: &'static str, word: &[u8], size: usize) -> Result<usize, FaultAt> {
     let index = whole(word).ok_or_else(|| line.malformed(ENTRY))?;
     if index == 0 || index > size {

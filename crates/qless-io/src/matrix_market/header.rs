@@ -1,26 +1,26 @@
-//! `%%MatrixMarket matrix FORMAT FIELD SYMMETRY`: which of them are read, and why the others are not.
+//! The header `%%MatrixMarket matrix FORMAT FIELD SYMMETRY`: variants that are read, and advice for the others.
 
 use crate::error::FaultAt;
 use crate::fault::{TextFault, quote};
 use crate::lines::{TextLine, TextLines};
 
-/// How the entries are laid out.
+/// Layout of the entries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum MarketLayout {
     /// `row column value`.
     Coordinate,
-    /// Values alone, column by column.
+    /// Values only, column by column.
     Array,
 }
 
-/// What a supported header says.
+/// Content of a supported header.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct MarketHeader {
     pub integer: bool,
     pub line: usize,
 }
 
-/// Whether the file starts as a Matrix Market file does.
+/// Whether a text starts with a Matrix Market header.
 pub(crate) fn is_present(bytes: &[u8]) -> bool {
     first_line(&mut TextLines::new(bytes)).is_some_and(|line| is_banner(&line))
 }

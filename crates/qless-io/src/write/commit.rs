@@ -1,4 +1,4 @@
-//! Puts new files in the place of old ones.
+//! Replaces old files by new ones.
 //!
 //! | what changes | how | what a kill leaves |
 //! | --- | --- | --- |
@@ -7,8 +7,9 @@
 //! | several files in a folder | the folder is exchanged for a complete one ([`switch`]) | the old or the new files |
 //! | the same where folders cannot be exchanged | one by one ([`moves`]) | the old or the new files, or no first file |
 //!
-//! Folders cannot be exchanged where the file system does not do it or has no hard links (Linux and macOS mostly have both), where the
-//! folder above may not be written to, and where the folder is a mount point. On any error all old files are put back.
+//! Folders cannot be exchanged if the file system cannot exchange them or has no hard links (Linux and macOS mostly
+//! have both), if the parent folder is not writable, or if the folder is a mount point. After an error, all old files
+//! are back in place.
 
 use std::fs;
 use std::path::Path;
@@ -18,7 +19,7 @@ use super::stage::{self, NEW, Stage, WriteLock};
 use super::{metadata, switch};
 use crate::WriteError;
 
-/// Changes `folder`, which is there and holds `stage` with the new files.
+/// Changes an existing folder; `stage` lies in it and holds the new files.
 pub(super) fn commit(folder: &Path, stage: &Stage, mut change: FolderChange) -> Result<(), WriteError> {
     let lock = WriteLock::take();
     for name in change.names.iter().chain(&change.absent) {

@@ -1,4 +1,4 @@
-//! Whether an output would go over an input.
+//! Protects inputs from being overwritten by outputs.
 
 use std::ffi::OsString;
 use std::fs;
@@ -8,10 +8,10 @@ use std::path::PathBuf;
 
 use crate::WriteError;
 
-/// The files that a program reads, which none of its outputs may replace.
+/// Files that a program reads, and that no output may replace.
 ///
-/// A path is known by the file that it leads to, so that links and other spellings of it count too; where there is none yet, by
-/// its name and the folder that it would be in.
+/// A path is identified by the file that it leads to, so that links and other spellings count too. A path to a missing
+/// file is identified by its name and its folder.
 ///
 /// ```
 /// use qless_io::write::Inputs;
@@ -28,12 +28,12 @@ use crate::WriteError;
 pub struct Inputs(Vec<FileIdentity>);
 
 impl Inputs {
-    /// Knows these files.
+    /// Notes these files.
     pub fn of(paths: impl IntoIterator<Item: AsRef<Path>>) -> Self {
         Self(paths.into_iter().filter_map(|path| FileIdentity::of(path.as_ref())).collect())
     }
 
-    /// Passes an output that is none of them.
+    /// Checks that an output is none of the inputs.
     ///
     /// # Errors
     /// [`WriteError::IsInput`].
@@ -61,7 +61,7 @@ impl FileIdentity {
     }
 }
 
-/// Device and number on it; elsewhere the path without links.
+/// Device and inode on Unix; elsewhere the path without links.
 #[cfg(unix)]
 type FileId = (u64, u64);
 #[cfg(not(unix))]

@@ -1,10 +1,10 @@
-//! Output files: Matrix Market matrices, numbers one a line, 1-based indices one a line.
+//! Writes output files: Matrix Market matrices, numbers one a line, 1-based indices one a line.
 //!
 //! Numbers have the fewest digits that read back as the same 64-bit float. Missing folders are created.
 //!
-//! All files of one call wait in a hidden folder beside their place, then are put there at once: whoever looks, and whatever kills
-//! the program, finds the old ones or the new ones. If anything fails, what was there before is there again and nothing else is left.
-//! A file that replaces another keeps its mode, and its owner and group where the system permits.
+//! All files of one call are first written to a hidden folder, and then put in place at once. Readers see either the
+//! old files or the new ones, even if the program is killed. After an error the old files are in place, and nothing
+//! else is left. A new file takes over the mode of the old one, and its owner and group if permitted.
 //!
 //! | module | holds |
 //! | --- | --- |
@@ -52,11 +52,11 @@ pub use stage::{abandon, abandon_unless_at_work, is_at_work};
 
 /// Writes `C.mtx`, `b.txt` and, if there are any, `prescribed.txt`, `rows.txt` and `cols.txt`.
 ///
-/// Those of the last three that the folder holds of an earlier case are removed. Labels are written if
-/// any differs from the plain number that stands where there is none.
+/// The last three are removed from the folder if the system has no such data. Labels are written if any differs from
+/// the default, its number.
 ///
 /// # Errors
-/// [`WriteError`]; then the folder is as it was.
+/// [`WriteError`]; the folder is then unchanged.
 ///
 /// ```
 /// # let place = tempfile::tempdir()?;
@@ -87,7 +87,7 @@ pub fn write_case(folder: &Path, system: &ConstraintSystem) -> Result<(), WriteE
 /// Writes a matrix as `coordinate real general`.
 ///
 /// # Errors
-/// [`WriteError`]; then nothing has changed.
+/// [`WriteError`]; nothing has then changed.
 ///
 /// ```
 /// # let place = tempfile::tempdir()?;
@@ -105,7 +105,7 @@ pub fn write_matrix(path: &Path, matrix: &Csr) -> Result<(), WriteError> {
 /// Writes numbers, one a line.
 ///
 /// # Errors
-/// [`WriteError`]; then nothing has changed.
+/// [`WriteError`]; nothing has then changed.
 ///
 /// ```
 /// # let place = tempfile::tempdir()?;
@@ -121,7 +121,7 @@ pub fn write_numbers(path: &Path, numbers: &[f64]) -> Result<(), WriteError> {
 /// Writes 0-based indices, one a line, as 1-based ones.
 ///
 /// # Errors
-/// [`WriteError`]; then nothing has changed.
+/// [`WriteError`]; nothing has then changed.
 ///
 /// ```
 /// # let place = tempfile::tempdir()?;

@@ -1,7 +1,7 @@
-//! Moves new files over old ones in a folder, one by one, or, on any failure, puts the old ones back.
+//! Moves new files over old ones in a folder, one by one; after an error, restores the old ones.
 //!
-//! The first file goes first and comes last: whoever looks at the folder in between, or after the program was killed there, finds no
-//! first file rather than one that does not belong to the others.
+//! The first file is removed first and added last. While the set is incomplete, even after a kill, there is no first
+//! file rather than one that does not match the others.
 
 use std::fs;
 use std::io;
@@ -10,15 +10,15 @@ use std::path::{Path, PathBuf};
 use super::stage::NEW;
 use crate::WriteError;
 
-/// The change of a folder.
+/// A change of a folder.
 pub(super) struct FolderChange {
-    /// Files that are new, by name.
+    /// Names of new files.
     pub names: Vec<String>,
-    /// Files that must not be there.
+    /// Names of files to remove.
     pub absent: Vec<String>,
 }
 
-/// Changes `folder`, in which `stage` holds the new files.
+/// Changes `folder`; `stage` holds the new files.
 pub(super) fn replace(folder: &Path, stage: &Path, change: &FolderChange) -> Result<(), WriteError> {
     let (staged, old) = (stage.join(NEW), stage.join("old"));
     fs::create_dir(&old).map_err(WriteError::io(folder))?;
@@ -44,11 +44,11 @@ pub(super) fn replace(folder: &Path, stage: &Path, change: &FolderChange) -> Res
     result
 }
 
-/// What was changed: its place, and where the old file is kept if there was one.
+/// Changes made so far: the place of each file, and the copy of the old file, if there was one.
 struct UndoLog(Vec<(PathBuf, PathBuf)>);
 
 impl UndoLog {
-    /// Keeps what stands at `place`, then changes it.
+    /// Keeps the old file at `place`, then changes it.
     fn step(
         &mut self,
         place: &Path,
@@ -63,7 +63,7 @@ impl UndoLog {
         change(place).map_err(WriteError::io(place))
     }
 
-    /// Last first; what cannot be put back is left, since there is nothing more to be done.
+    /// Restores old files, last change first. Errors are ignored: nothing more can be done.
     fn undo(&self) {
         for (place, old) in self.0.iter().rev() {
             let _ = if old.symlink_metadata().is_ok() { fs::rename(old, place) } else { fs::remove_file(place) };
@@ -93,7 +93,7 @@ mod tests {
         for name in ["old", "fresh"] {
             fs::write(stage.join(NEW).join(name), "new").expect("written");
         }
-        // The third file was never staged, so its move fails after others went well.
+        // The third file was never staged, so that its move fails after the others succeeded.
         let names = ["old", "fresh", "lost"].map(String::from).to_vec();
         let change = FolderChange { names, absent: Vec::new() };
         let error = replace(&folder, &stage, &change).expect_err("one is lost");

@@ -1,7 +1,7 @@
 //! CalculiX and Abaqus decks, `.inp`.
 //!
-//! The deck is gone through twice: first for what it defines (nodes, sets, surfaces, elements), then, in order, for what
-//! constrains. Equations are homogeneous and their first term is the slave; every step is a load case.
+//! The deck is read twice: first for definitions (nodes, sets, surfaces, elements), then, in order, for constraints.
+//! Equations are homogeneous, their first term is the slave, and every step is a load case.
 //!
 //! | folder | holds |
 //! | --- | --- |
@@ -10,7 +10,7 @@
 //! | `cards` | what each card that constrains says |
 //! | `write` | the deck with other equations |
 //!
-//! `reader` goes through the cards and keeps what each step inherits.
+//! `reader` reads the cards in order and keeps what each step inherits.
 
 mod cards;
 mod model;
@@ -28,7 +28,7 @@ use model::definitions::DeckDefinitions;
 use syntax::card::{KeywordCard, Scope};
 use syntax::walk::walk;
 
-/// What a deck that was read before defines.
+/// Reads the definitions of a deck again.
 fn definitions(deck: &Deck) -> Result<DeckDefinitions, DeckError> {
     let mut definitions = DeckDefinitions::default();
     let mut note = |card: &KeywordCard| {
@@ -39,18 +39,18 @@ fn definitions(deck: &Deck) -> Result<DeckDefinitions, DeckError> {
     Ok(definitions)
 }
 
-/// Where the nodes of a deck are; none where its nodes cannot be read.
+/// Positions of the nodes of a deck; empty if they cannot be read.
 pub(super) fn positions(deck: &Deck) -> HashMap<u32, [f64; 3]> {
     let found = definitions(deck).ok().and_then(|definitions| definitions.all_positions().ok());
     found.map(|all| all.into_iter().collect()).unwrap_or_default()
 }
 
-/// The nodes of a set, if there is such a set.
+/// Nodes of a set, if it exists.
 pub(super) fn node_set(deck: &Deck, name: &str) -> Option<Vec<u32>> {
     definitions(deck).ok()?.nodes(Scope::DECK, name).ok().map(|nodes| nodes.to_vec())
 }
 
-/// The names of all node sets.
+/// Names of all node sets.
 pub(super) fn node_set_names(deck: &Deck) -> Vec<String> {
     definitions(deck).map(|found| found.node_set_names().map(str::to_owned).collect()).unwrap_or_default()
 }

@@ -1,4 +1,4 @@
-//! From cards to a model: every step inherits what holds before it.
+//! Builds the model from the cards; every step inherits what holds before it.
 
 use std::collections::BTreeMap;
 
@@ -22,10 +22,10 @@ pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
         Ok(())
     })?;
     if !definitions.instances.is_empty() {
-        // Only Abaqus knows parts and instances.
+        // Only Abaqus has instances of parts.
         sources.set_solver(Solver::Abaqus);
     }
-    // Any *MPC makes all steps nonlinear in ccx.
+    // In ccx, any `*MPC` makes all steps nonlinear.
     definitions.is_nonlinear |= has_mpc && sources.solver() == Solver::Ccx;
     let mut reader = CalculixReader::new(sources, definitions)?;
     if reader.solver == Solver::Ccx {
@@ -39,22 +39,22 @@ struct CalculixReader {
     solver: Solver,
     model: Model,
     definitions: DeckDefinitions,
-    /// Values in force, with the step that gave them; 0 before the first.
+    /// Prescribed values in force, with the step of their card; step 0 is before the first step.
     prescribed: BTreeMap<Dof, (Prescribed, usize)>,
     clashes: Vec<Prescribed>,
     loads: Vec<Load>,
     removed: Vec<u32>,
-    /// The last `*COUPLING`, for the card that says of which kind it is.
+    /// Last `*COUPLING`; the next card decides its type.
     coupling: Option<CouplingCard>,
-    /// References that only distribute forces, by file and line of the card.
+    /// References that only distribute forces, with file and line of their cards.
     forces: Vec<(u32, u32, u32)>,
     /// References of rigid bodies.
     bodies: Vec<BodyReference>,
-    /// `*CYCLIC SYMMETRY MODEL` cards, and ties that they may use.
+    /// `*CYCLIC SYMMETRY MODEL` cards, and the ties that they may use.
     sectors: Vec<KeywordCard>,
     cyclic: Vec<KeywordCard>,
     steps: usize,
-    /// Whether the step, or what stands before the first, has had a `*BOUNDARY` card.
+    /// Whether the current step, or the part before the first step, already has a `*BOUNDARY` card.
     has_boundary: bool,
     in_step: bool,
 }
@@ -128,19 +128,19 @@ impl CalculixReader {
         Ok(())
     }
 
-    /// The card that says of which kind the last `*COUPLING` is.
+    /// Reads the card that decides the type of the last `*COUPLING`.
     fn coupled(&mut self, card: &KeywordCard) -> Result<(), DeckError> {
         let Some(coupling) = &self.coupling else { return Ok(()) };
         let constrains = coupling::read(card, coupling, &mut self.model, &self.definitions, self.solver)?;
         if !constrains && card.is("*DISTRIBUTING") && self.solver == Solver::Ccx {
-            // That it is there was checked when the card was read.
+            // Reading the card has already checked that the reference exists.
             let reference = coupling.reference(&self.definitions).unwrap_or_default();
             self.forces.push((card.file, card.line, reference));
         }
         Ok(())
     }
 
-    /// Values of a later step replace earlier ones; two in the same step contradict each other.
+    /// A value of a later step replaces an earlier one; two values in the same step contradict each other.
     fn boundary(&mut self, card: &KeywordCard) -> Result<(), DeckError> {
         let is_first = !std::mem::replace(&mut self.has_boundary, true);
         if card.word("OP").as_deref() == Some("NEW") {
@@ -167,7 +167,7 @@ impl CalculixReader {
         Ok(())
     }
 
-    /// `OP=NEW`: values of earlier steps are no more. ccx heeds it on the first `*BOUNDARY` of a step only.
+    /// `OP=NEW` removes the values of earlier steps. ccx heeds it only on the first `*BOUNDARY` of a step.
     fn forget(&mut self, card: &KeywordCard, is_first: bool) {
         if self.solver == Solver::Ccx && !is_first {
             let text =
@@ -204,7 +204,7 @@ impl CalculixReader {
         }
     }
 
-    /// Cyclic symmetry: each model card with the tie that it names, or with the only one. It is read before the first step.
+    /// Reads cyclic symmetry before the first step: each model card with the tie that it names, or with the only tie.
     fn cyclic_symmetry(&mut self) -> Result<(), DeckError> {
         if self.sectors.is_empty() {
             return Ok(());
@@ -248,7 +248,7 @@ impl CalculixReader {
         Ok(self.model)
     }
 
-    /// A motion prescribed where only forces are distributed.
+    /// Warns of prescribed motions at references that only distribute forces.
     fn warn_of_forces(&mut self) {
         for (file, line, node) in std::mem::take(&mut self.forces) {
             let mut given = self.model.cases.iter().flat_map(|case| &case.prescribed);
@@ -262,7 +262,8 @@ impl CalculixReader {
         }
     }
 
-    /// Values and moments on the components 4 to 6 of a body's reference, which ccx passes over unless an element or an equation has them.
+    /// Warns of values and moments on components 4 to 6 of a body's reference: ccx ignores them unless an element or
+    /// an equation has these DOFs.
     fn warn_of_rotations(&mut self) {
         if self.solver != Solver::Ccx {
             return;
@@ -293,7 +294,7 @@ impl CalculixReader {
         }
     }
 
-    /// A node that no card defines: the first equation that names it is at fault.
+    /// Refuses equations that name an undefined node; the error is at the first of them.
     fn check_nodes(&self) -> Result<(), DeckError> {
         let defined = self.definitions.node_numbers();
         if defined.is_empty() || self.definitions.generates_nodes {
@@ -315,12 +316,12 @@ impl CalculixReader {
     }
 }
 
-/// Whether the values come from another model, from a user's routine or from where the nodes are by then.
+/// Whether the values come from another model, from a user's routine, or from the current displacements.
 fn is_from_elsewhere(card: &KeywordCard) -> bool {
     ["SUBMODEL", "USER", "FIXED"].iter().any(|source| card.parameter(source).is_some())
 }
 
-/// Names of the nodes of instances.
+/// Names the nodes of instances.
 fn name_nodes(model: &mut Model, definitions: &DeckDefinitions) -> Result<(), DeckError> {
     if definitions.instances.is_empty() {
         return Ok(());

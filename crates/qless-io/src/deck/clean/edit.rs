@@ -1,6 +1,6 @@
-//! Changes to a text by lines; what is not changed stays as it is, byte for byte.
+//! Replaces lines of a text; all other lines stay byte for byte.
 
-/// Lines that go, with what stands in their place, and text that is put in.
+/// Changes of a text: lines replaced or inserted.
 #[derive(Debug, Default)]
 pub struct Edits {
     /// First line from 1, number of lines, and the new text.
@@ -8,7 +8,7 @@ pub struct Edits {
 }
 
 impl Edits {
-    /// Puts `text` in the place of `lines` lines from `line` on; 0 lines put it before that line.
+    /// Replaces `lines` lines from `line` on by `text`; with 0 lines, inserts `text` before that line.
     pub fn replace(&mut self, line: u32, lines: u32, text: Vec<u8>) {
         self.changes.push((line, lines, text));
     }
@@ -34,7 +34,7 @@ impl Edits {
     }
 }
 
-/// Where the line begins that is `lines` further on.
+/// Start of the line that is `lines` lines further on.
 fn skip(text: &[u8], at: usize, lines: u32) -> usize {
     let mut ends = memchr::memchr_iter(b'\n', &text[at..]);
     match lines {
@@ -43,7 +43,7 @@ fn skip(text: &[u8], at: usize, lines: u32) -> usize {
     }
 }
 
-/// Adds text whose lines end in `\n`.
+/// Appends text whose lines end in `\n`.
 fn add(result: &mut Vec<u8>, text: &[u8], crlf: bool) {
     for &byte in text {
         if byte == b'\n' && crlf {

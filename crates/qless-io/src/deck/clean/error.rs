@@ -17,7 +17,7 @@ pub enum CleanError {
         /// The load case.
         case: String,
     },
-    /// Load cases prescribe different DOFs or remove equations, such that no one set of equations serves all.
+    /// Load cases prescribe different DOFs or remove equations, so that no single set of equations fits all of them.
     #[error(
         "{case} needs {found} independent equations, but only {common} of them can be kept in all load cases; make a deck of each"
     )]
@@ -26,16 +26,17 @@ pub enum CleanError {
         case: String,
         /// Its rank.
         found: usize,
-        /// The rank with every DOF prescribed that is so in any load case.
+        /// Its rank if every DOF is prescribed that any load case prescribes.
         common: usize,
     },
-    /// Equations come back, or hold in some load cases only, which the format cannot say of new equations.
+    /// Equations return in a later load case or hold in some load cases only, which the format cannot express for new
+    /// equations.
     #[error("{case} has other equations than those before it, which new ones cannot follow; make a deck of each")]
     Apart {
         /// The load case.
         case: String,
     },
-    /// Equations leave no slave that is not claimed by a card that is no equation.
+    /// A DOF would have to become a slave although a card that is no equation claims it.
     #[error("{case}: {slave} would have to be a slave, but another card has a claim on it; change that card by hand")]
     Claimed {
         /// The load case.
@@ -43,7 +44,7 @@ pub enum CleanError {
         /// The DOF.
         slave: String,
     },
-    /// The text that was made does not constrain as the deck does. This is a fault of this program.
+    /// The new text does not constrain as the deck does. This is a fault of this program.
     #[error("{case}: the cleaned deck would not say the same ({what}); please report this deck")]
     Unproven {
         /// The load case.
@@ -51,7 +52,7 @@ pub enum CleanError {
         /// What differs.
         what: String,
     },
-    /// A card that equations cannot stand in for has a fault.
+    /// A card that equations cannot replace has a fault.
     #[error("{place} cannot be replaced by equations: {why}; change it or the equations that meet it by hand")]
     Fixed {
         /// File, line and card.
@@ -59,15 +60,15 @@ pub enum CleanError {
         /// Why it would have to be replaced.
         why: String,
     },
-    /// The solver stops when it reads the deck, whatever its equations say.
+    /// The solver stops when it reads the deck, whatever its equations are.
     #[error("{place}: {why} (by hand, before the deck is cleaned)")]
     Refused {
         /// File and line.
         place: String,
-        /// What it stops at, and what to do.
+        /// Why it stops, and what to do.
         why: String,
     },
-    /// Text that must change stands where it cannot.
+    /// Text that must change is in a place where it cannot.
     #[error("{}:{line}: {why}", path.display())]
     Place {
         /// The file.
@@ -77,14 +78,14 @@ pub enum CleanError {
         /// What to do.
         why: &'static str,
     },
-    /// The plan is that of another deck, or was changed by hand.
+    /// The plan belongs to another deck, or was changed by hand.
     #[error(
         "the plan names equation {equation} (from 0), but the deck has {count}, each of which goes once; make a plan of this deck"
     )]
     Foreign {
         /// The equation, or its second mention.
         equation: usize,
-        /// How many there are.
+        /// Number of equations in the deck.
         count: usize,
     },
     /// The deck's numbers cannot be analysed.
@@ -93,13 +94,13 @@ pub enum CleanError {
     /// The deck's equations cannot be solved for slaves.
     #[error("{0} (rows count from 0 in the order of the deck)")]
     Reduction(#[from] ReductionError),
-    /// The deck's numbers are no system.
+    /// The deck's equations form no valid system.
     #[error(transparent)]
     System(#[from] SystemError),
-    /// The deck is at fault.
+    /// A deck could not be read.
     #[error(transparent)]
     Deck(#[from] DeckError),
 }
 
-/// DOFs of a cleaned deck that have another name in the deck that it comes from.
+/// DOFs of a cleaned deck that have another name in the original deck.
 pub(crate) type Renamed = FxHashMap<Dof, Dof>;

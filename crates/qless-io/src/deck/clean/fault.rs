@@ -1,8 +1,8 @@
-//! What a solver that eliminates the first DOF of each equation cannot take, besides dependent equations.
+//! Faults of equations, besides dependence, that stop a solver which eliminates the first DOF of each equation.
 
 use crate::deck::{Dof, LoadCase, Model, Origin};
 
-/// A fault of one equation. Equations are numbered from 0.
+/// A fault of one equation. Equations count from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum EquationFault {
@@ -12,12 +12,12 @@ pub enum EquationFault {
         equation: usize,
         /// Its slave.
         slave: Dof,
-        /// Where the value is given.
+        /// Card that prescribes the value.
         by: Origin,
         /// The first load case that prescribes it, from 0.
         since: usize,
     },
-    /// The slave is that of an earlier equation too.
+    /// The slave is also the slave of an earlier equation.
     SlaveTwice {
         /// The equation.
         equation: usize,
@@ -26,7 +26,7 @@ pub enum EquationFault {
         /// The earlier equation.
         first: usize,
     },
-    /// The slave's coefficient is zero, or vanishes beside the others.
+    /// The slave's coefficient is zero, or negligible beside the others.
     SlaveVanishes {
         /// The equation.
         equation: usize,
@@ -39,10 +39,10 @@ pub enum EquationFault {
         equation: usize,
         /// Its slave.
         slave: Dof,
-        /// Where it is put into the set.
+        /// Card that puts it into the set.
         by: Origin,
     },
-    /// A DOF of a coupled set of ANSYS is in an earlier one too, and the first of one of them.
+    /// A DOF is in two coupled sets of ANSYS, and is the first DOF of one of them.
     CoupledTwice {
         /// An equation of the set.
         equation: usize,
@@ -57,10 +57,11 @@ pub enum EquationFault {
         equation: usize,
         /// The DOF.
         slave: Dof,
-        /// Where the value is given.
+        /// Card that prescribes the value.
         by: Origin,
     },
-    /// A master is named twice, itself or through the axes of its node, and the solver does not add that up.
+    /// A master occurs twice, directly or through the local axes of its node, and the solver does not add up the
+    /// coefficients.
     MasterTwice {
         /// The equation.
         equation: usize,
@@ -69,7 +70,7 @@ pub enum EquationFault {
         /// The master.
         master: Dof,
     },
-    /// Slaves are expressed by each other in a circle, which leaves some of them next to undetermined.
+    /// Slaves depend on each other in a circle, and the equations hardly determine them.
     Circle {
         /// An equation of the circle.
         equation: usize,
@@ -79,7 +80,7 @@ pub enum EquationFault {
 }
 
 impl EquationFault {
-    /// The equation at fault.
+    /// The equation with the fault.
     pub fn equation(&self) -> usize {
         match *self {
             Self::SlavePrescribed { equation, .. }
@@ -107,7 +108,8 @@ impl EquationFault {
         }
     }
 
-    /// In the deck's language: `1:3 is the slave of line 25 *EQUATION, and prescribed in line 19 *BOUNDARY`.
+    /// Describes the fault in the deck's terms: `1:3 is the slave of line 25 *EQUATION, and prescribed in line 19
+    /// *BOUNDARY`.
     pub fn describe(&self, model: &Model) -> String {
         let place =
             |i: usize| model.equation(i).map_or_else(|| format!("equation {}", i + 1), |e| model.place(e.origin));
@@ -158,7 +160,7 @@ impl EquationFault {
     }
 }
 
-/// ` from step 2 on`, ` in subcase 2`; nothing where the first load case prescribes it.
+/// ` from step 2 on` or ` in subcase 2`; empty if the first load case prescribes it.
 fn when(model: &Model, since: usize) -> String {
     let case = model.cases.get(since).filter(|_| since > 0);
     let text = |case: &LoadCase| {

@@ -6,10 +6,10 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::fault::EquationFault;
 use crate::deck::{Dof, LoadCase, Model, Origin};
 
-/// A slave's coefficient this much smaller than the largest one makes rounding errors as much larger.
+/// A slave's coefficient relative to the largest one: below this, rounding errors grow by the inverse factor.
 const SMALL: f64 = 1e-6;
 
-/// The faults of a deck's equations as they stand, each once, in the order of the load cases.
+/// The faults of a deck's equations, each once, in the order of the load cases.
 pub fn faults(model: &Model) -> Vec<EquationFault> {
     let mut all: Vec<EquationFault> = Vec::new();
     for (k, case) in model.cases.iter().enumerate() {
@@ -21,7 +21,7 @@ pub fn faults(model: &Model) -> Vec<EquationFault> {
     all
 }
 
-/// The faults of a deck's equations in force in a load case, as they stand.
+/// The faults of the equations in force in a load case.
 ///
 /// ```
 /// # let place = tempfile::tempdir()?;
@@ -41,7 +41,7 @@ pub fn faults_in(model: &Model, case: &LoadCase) -> Vec<EquationFault> {
     faults_of(model, &model.prescribed_in([case]), &left_out)
 }
 
-/// The faults of the equations that are not left out; `prescribed` says where a column's value is given.
+/// The faults of the equations that are not left out. `prescribed` gives the card for each prescribed column.
 pub(super) fn faults_of(model: &Model, prescribed: &FxHashMap<u32, Origin>, left_out: &[bool]) -> Vec<EquationFault> {
     let kept = || (0..model.equations()).filter(|&i| !left_out[i] && model.has_slave(i));
     let mut slave_of: FxHashMap<u32, usize> = FxHashMap::default();
@@ -76,13 +76,13 @@ pub(super) fn faults_of(model: &Model, prescribed: &FxHashMap<u32, Origin>, left
     faults
 }
 
-/// The first load case that prescribes a DOF which some case prescribes.
+/// The first load case that prescribes a DOF.
 fn since(model: &Model, dof: Dof) -> usize {
     let prescribes = |case: &LoadCase| case.prescribed.binary_search_by_key(&dof, |given| given.dof).is_ok();
     model.cases.iter().position(prescribes).unwrap_or(0)
 }
 
-/// Translations and rotations have coefficients in different units, of which neither is large or small beside the other.
+/// Translations and rotations have different units, so that their coefficients cannot be compared.
 fn unit_of(dof: Dof) -> u8 {
     match dof.component {
         1..=3 => 1,
@@ -91,7 +91,8 @@ fn unit_of(dof: Dof) -> u8 {
     }
 }
 
-/// Slaves that depend on each other and are not determined by their equations: what remains when equations all of whose other DOFs are no slaves are taken away again and again.
+/// Finds slaves that depend on each other in a circle and are not determined. Equations whose masters are no slaves
+/// are removed repeatedly; a circle remains.
 fn circles(model: &Model, slave_of: &FxHashMap<u32, usize>) -> Vec<EquationFault> {
     let others = |i: usize| {
         let equation = model.nth(i);
@@ -123,7 +124,7 @@ fn circles(model: &Model, slave_of: &FxHashMap<u32, usize>) -> Vec<EquationFault
     left.into_iter().map(|i| EquationFault::Circle { equation: i, slave: slave(i) }).collect()
 }
 
-/// Whether the equations determine their slaves: whether the square matrix of their coefficients has full rank for sure.
+/// Whether the equations surely determine their slaves: the square matrix of the slaves' coefficients has full rank.
 fn determines_slaves(model: &Model, equations: &[usize]) -> bool {
     let slaves: FxHashMap<u32, usize> = equations.iter().map(|&i| model.nth(i).columns[0]).zip(0..).collect();
     let mut builder = SystemBuilder::new(equations.len());
@@ -136,7 +137,8 @@ fn determines_slaves(model: &Model, equations: &[usize]) -> bool {
     analysis.is_some_and(|analysis| analysis.rank() == equations.len() && !analysis.confidence().ambiguous)
 }
 
-/// Where a DOF is in a set.
+/// A DOF in a coupled set of ANSYS, `u_j - u_1 = 0`. No DOF may be in two sets or be prescribed; the first DOF counts
+/// too, although only the others are slaves.
 #[derive(Clone, Copy)]
 struct CoupledDof {
     equation: usize,
@@ -144,7 +146,7 @@ struct CoupledDof {
     is_first: bool,
 }
 
-/// What is wrong with first DOFs; that of the others is said of slaves.
+/// Faults of the first DOFs of coupled sets; the others are slaves and checked as such.
 fn coupled_faults(model: &Model, prescribed: &FxHashMap<u32, Origin>, left_out: &[bool]) -> Vec<EquationFault> {
     let mut known: FxHashMap<u32, CoupledDof> = FxHashMap::default();
     let mut faults = Vec::new();
@@ -171,13 +173,15 @@ fn coupled_faults(model: &Model, prescribed: &FxHashMap<u32, Origin>, left_out: 
     faults
 }
 
-/// The equations of coupled sets, with their cards.
+/// Equations of coupled sets, with their cards.
 fn coupled_equations<'a>(model: &'a Model, left_out: &'a [bool]) -> impl Iterator<Item = (usize, u32)> + 'a {
     let kept = (0..model.equations()).filter(|&i| !left_out[i]);
     kept.map(|i| (i, model.nth(i).origin.card)).filter(|&(_, card)| model.cards.nth(card).name.is_numbered("CP"))
 }
 
-/// The equations in force of which ccx takes terms wrongly.
+/// Masters that an `*EQUATION` names twice. ccx 2.20 adds up such terms only if the slave is named twice too, or if it
+/// inserts another equation into this one; otherwise it continues with a wrong stiffness, without a message. Each term
+/// at a node with local axes stands for three global DOFs, so that two components of it are the same three DOFs twice.
 fn repeated_faults(
     model: &Model,
     prescribed: &FxHashMap<u32, Origin>,
@@ -189,7 +193,7 @@ fn repeated_faults(
     let dof = |j: u32| model.dofs[j as usize];
     let slaves = kept.clone().filter_map(|i| model.nth(i).columns.first().map(|&j| (model.as_global(dof(j)), i)));
     let mut held: FxHashMap<Dof, usize> = slaves.collect();
-    // A value along axes of its own is an equation to ccx.
+    // ccx treats a value prescribed along local axes as an equation.
     let given = prescribed.keys().map(|&j| model.as_global(dof(j))).filter(|dof| dof.component == 0);
     held.extend(given.map(|dof| (dof, usize::MAX)));
     let is_equation = |i: &usize| model.cards.nth(model.nth(*i).origin.card).name == "*EQUATION";

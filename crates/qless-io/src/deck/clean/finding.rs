@@ -1,4 +1,5 @@
-//! The faults of a load case and what a solver does with each. What it drops is out of the way of the rest.
+//! The faults of a load case, and what a solver does with each. Equations that the solver drops have no further
+//! faults.
 
 use rustc_hash::FxHashMap;
 
@@ -7,22 +8,22 @@ use super::find_faults::faults_of;
 use crate::deck::solver::{Profile, ccx};
 use crate::deck::{Dof, LoadCase, Model, Origin, Outcome, Solver};
 
-/// A fault, and what a solver does with it.
+/// A fault, and the solver's reaction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Finding {
     /// The fault.
     pub fault: EquationFault,
-    /// What the solver does.
+    /// The solver's reaction.
     pub outcome: Outcome,
 }
 
 impl Finding {
-    /// In the deck's language: the fault, and what the solver makes of it.
+    /// Describes the fault and the solver's reaction in the deck's terms.
     pub fn describe(&self, model: &Model, solver: Solver) -> String {
         format!("{}: {solver} {}", self.fault.describe(model), self.deed(model))
     }
 
-    /// What the solver does, as a verb with its object.
+    /// The solver's reaction, as a verb with its object.
     fn deed(&self, model: &Model) -> String {
         let equation = |i: usize| model.equation(i).map_or_else(String::new, |e| model.place(e.origin));
         match (self.outcome, self.fault) {
@@ -52,8 +53,8 @@ impl Finding {
     }
 }
 
-/// What a solver does with each fault of the equations in force in a load case, by equation. Faults of equations that it drops
-/// are found no more, and what it has dropped in the first load case stays so.
+/// A solver's reaction to each fault of the equations in force in a load case, sorted by equation. Equations that the
+/// solver drops have no further faults; those dropped in the first load case stay dropped.
 ///
 /// ```
 /// use qless_io::deck::{Outcome, Solver, clean, read};
@@ -81,10 +82,10 @@ pub fn findings(model: &Model, case: &LoadCase, solver: Solver) -> Vec<Finding> 
     look.findings
 }
 
-/// A load case that is being looked at.
+/// Search for the faults of a load case.
 struct FaultSearch<'a> {
     profile: Profile<'a>,
-    /// Where columns are prescribed, now and in the first load case.
+    /// Prescribed columns and their cards, in this load case and in the first one.
     prescribed: FxHashMap<u32, Origin>,
     at_start: FxHashMap<u32, Origin>,
     findings: Vec<Finding>,
@@ -111,7 +112,7 @@ impl<'a> FaultSearch<'a> {
         self.profile.model.dofs[column as usize]
     }
 
-    /// Notes a fault if the solver drops an equation for it, and leaves that out.
+    /// If the solver drops an equation because of this fault, notes the fault and leaves the equation out.
     fn drop_for(&mut self, fault: EquationFault) -> Option<usize> {
         let finding = Finding { fault, outcome: self.profile.outcome(&fault) };
         let dropped = finding.dropped()?;
@@ -120,7 +121,8 @@ impl<'a> FaultSearch<'a> {
         Some(dropped)
     }
 
-    /// Equations that give way to a value; to one that comes later none does.
+    /// Drops equations whose slave is prescribed in the first load case. A value that comes later makes ccx drop no
+    /// equation.
     fn drop_prescribed(&mut self) {
         for (equation, column) in self.slaves() {
             if let Some(&by) = self.at_start.get(&column) {
@@ -129,7 +131,8 @@ impl<'a> FaultSearch<'a> {
         }
     }
 
-    /// Equations that give way to others: of several with one slave each meets the one that is left of those before it.
+    /// Drops equations with the slave of another equation. Each is compared with the one that remains of those before
+    /// it.
     fn drop_second(&mut self) {
         let mut holders: FxHashMap<u32, usize> = FxHashMap::default();
         for (equation, column) in self.slaves() {
@@ -144,7 +147,7 @@ impl<'a> FaultSearch<'a> {
         }
     }
 
-    /// The faults of what is left, and DOFs that the solver itself makes slaves.
+    /// Adds the faults of the remaining equations, and equations whose slave the solver itself makes a slave.
     fn rest(&mut self) {
         let mut faults = faults_of(self.profile.model, &self.prescribed, &self.profile.left_out);
         if self.profile.solver == Solver::Ccx {
@@ -157,7 +160,7 @@ impl<'a> FaultSearch<'a> {
         }
         let is_circle = |fault: &&EquationFault| matches!(fault, EquationFault::Circle { .. });
         let circle: Vec<usize> = faults.iter().filter(is_circle).map(EquationFault::equation).collect();
-        // Once for all of them, which depend on each other.
+        // Slaves of a circle depend on each other, so that one reaction holds for all of them.
         let round = (!circle.is_empty()).then(|| self.profile.circle(&circle));
         for fault in faults {
             let round = round.filter(|_| is_circle(&&fault));

@@ -1,9 +1,9 @@
-//! A deck with an independent set of equations, each slave once and never prescribed.
+//! Cleans a deck: makes its equations independent, with each slave once and never prescribed.
 //!
-//! Equations are looked at by connected parts (equations that share free DOFs, or text). A part without faults stays as it is,
-//! byte for byte. Where the dependent equations can simply be left out, they are. Otherwise the whole part is written
-//! anew as `u_s - T u_q - G u_p = g` (Eq. 23-26), in which no slave occurs twice. A deck that was cleaned has no faults left, so
-//! that a second time changes nothing.
+//! Equations are treated by connected component ("part"); equations that share free DOFs or text belong together. A
+//! part without faults stays byte for byte. If its dependent equations can simply be removed, they are. Otherwise the
+//! whole part is rewritten as `u_s - T u_q - G u_p = g` (Eq. 23-26), in which no slave occurs twice. A cleaned deck
+//! has no faults, so that cleaning it again changes nothing.
 
 mod edit;
 mod error;
@@ -24,10 +24,11 @@ pub(crate) use error::Renamed;
 
 use super::{Deck, Format, ansys, calculix, nastran};
 
-/// The text of the main file with the plan carried out, read again and proved to constrain as the deck does in every load case.
+/// Carries out a plan: returns the new text of the main file. It is read again, and proved to constrain as the deck
+/// does in every load case.
 ///
 /// # Errors
-/// [`CleanError`] where text that must change cannot, or where the proof fails.
+/// [`CleanError`]: text that must change cannot, or the proof fails.
 pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     plan.check(&deck.model)?;
     if plan.is_empty() {

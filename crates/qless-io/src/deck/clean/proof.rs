@@ -1,9 +1,11 @@
-//! A cleaned deck says what the deck says: read again, in every load case its equations span the same space, with none too many.
+//! Proves that a cleaned deck constrains as the original: in every load case its equations span the same space, and
+//! are independent.
 //!
-//! With `C u = b` of the deck, `C' u = b'` of the new one and the same prescribed values: `rank [C b; C' b'] = rank [C b]` over all
-//! DOFs, so that every solution of the deck is one of the new deck, and without the prescribed DOFs `rank C' = rank C`, so that there
-//! are no others. That the deck has solutions is looked at by itself, so that rounding of new numbers beside values decides nothing.
-//! Loads stay at their DOFs. Cost: five analyses a case, and one for each of several courses in time.
+//! Let `C u = b` be the equations of the deck and `C' u = b'` those of the cleaned one. `rank [C b; C' b'] = rank [C
+//! b]` over all DOFs shows that every solution of the deck solves the cleaned deck. `rank C' = rank C` without the
+//! prescribed DOFs shows that the converse holds too. Whether the deck has a solution is tested separately, so that
+//! rounding of new coefficients cannot decide it. Loads must stay at their DOFs. Cost: five analyses for each case,
+//! and one more for each of several time histories.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -16,7 +18,7 @@ use super::{CleanError, Renamed, faults_in};
 use crate::deck::{Deck, Dof, LoadCase, Model, parse};
 
 /// # Errors
-/// [`CleanError::Unproven`] where the text says something else, [`CleanError::Deck`] where it cannot be read.
+/// [`CleanError::Unproven`] if the text constrains differently, [`CleanError::Deck`] if it cannot be read.
 pub fn prove(deck: &Deck, text: &[u8], renamed: &Renamed) -> Result<(), CleanError> {
     let old = &deck.model;
     let mut open = |path: &Path| {
@@ -39,7 +41,8 @@ pub fn prove(deck: &Deck, text: &[u8], renamed: &Renamed) -> Result<(), CleanErr
     Ok(())
 }
 
-/// The new load case that stands for one of the deck: subcases that have come to constrain alike are one, named by all their numbers.
+/// The load case of the cleaned deck for load case `k`. Subcases that now constrain alike are merged; the name lists
+/// all their numbers.
 fn partner<'a>(old: &Model, k: usize, new: &'a Model) -> Option<&'a LoadCase> {
     if old.cases.len() == new.cases.len() {
         return new.cases.get(k);
@@ -51,7 +54,7 @@ fn partner<'a>(old: &Model, k: usize, new: &'a Model) -> Option<&'a LoadCase> {
     new.cases.iter().find(|case| !own.is_empty() && own.iter().all(|number| numbers(case).contains(number)))
 }
 
-/// Whether two load cases constrain the same; else what differs.
+/// Checks that two load cases constrain the same; otherwise says what differs.
 fn same(old: &Model, a: &LoadCase, new: &Model, b: &LoadCase, renamed: &Renamed) -> Result<(), String> {
     let given = same_values(old, a, new, b, renamed)?;
     same_loads(a, b, renamed)?;
@@ -74,7 +77,7 @@ fn same(old: &Model, a: &LoadCase, new: &Model, b: &LoadCase, renamed: &Renamed)
     independent(new, b, after, &both)
 }
 
-/// Whether a cleaned load case is clean.
+/// Checks that the equations of a cleaned load case are independent and have no faults.
 fn independent(new: &Model, case: &LoadCase, rank: usize, both: &SharedColumns) -> Result<(), String> {
     let count = new.in_force(case).filter(|&i| !both.names_one_dof(new, i)).count();
     if count != rank {
@@ -83,7 +86,8 @@ fn independent(new: &Model, case: &LoadCase, rank: usize, both: &SharedColumns) 
     faults_in(new, case).first().map_or(Ok(()), |fault| Err(fault.describe(new)))
 }
 
-/// The prescribed values of the new load case: those of the old one, and others of DOFs that only it has.
+/// Checks the prescribed values of the new load case: those of the old one, and values of DOFs that only the new deck
+/// has.
 fn same_values(
     old: &Model,
     a: &LoadCase,
@@ -100,7 +104,7 @@ fn same_values(
     if let Some((dof, _)) = before.iter().find(|(dof, given)| after.get(dof) != Some(given)) {
         return Err(format!("{dof} is not prescribed as before"));
     }
-    // What only the new deck has carries something for its equations.
+    // DOFs that only the new deck has exist for its equations.
     after.retain(|dof, _| before.contains_key(dof) || new.column(*dof).is_some());
     if let Some(dof) = after.keys().find(|dof| !before.contains_key(dof) && old.column(**dof).is_some()) {
         return Err(format!("{dof} was not prescribed before"));
@@ -108,7 +112,7 @@ fn same_values(
     Ok(after.into_keys().collect())
 }
 
-/// Whether as many loads act on each DOF.
+/// Checks that each DOF has as many loads as before.
 fn same_loads(a: &LoadCase, b: &LoadCase, renamed: &Renamed) -> Result<(), String> {
     let sorted = |mut dofs: Vec<Dof>| {
         dofs.sort_unstable();
@@ -119,7 +123,7 @@ fn same_loads(a: &LoadCase, b: &LoadCase, renamed: &Renamed) -> Result<(), Strin
     if before == after { Ok(()) } else { Err("loads are no longer where they were".into()) }
 }
 
-/// A prescribed value and the name of its course, which is empty for the standard one.
+/// A prescribed value with the name of its time history, which is empty for the standard one.
 #[derive(PartialEq)]
 struct PrescribedValue {
     value: f64,
@@ -135,7 +139,7 @@ fn given_in(model: &Model, case: &LoadCase) -> BTreeMap<Dof, PrescribedValue> {
         .collect()
 }
 
-/// Columns for the DOFs of two models.
+/// Common columns for the DOFs of two models.
 struct SharedColumns<'a> {
     columns: FxHashMap<Dof, usize>,
     renamed: &'a Renamed,
@@ -156,7 +160,7 @@ impl<'a> SharedColumns<'a> {
         self.columns.get(self.renamed.get(&dof).unwrap_or(&dof)).copied()
     }
 
-    /// Whether an equation says of a new DOF that it is the one for which it stands.
+    /// Whether an equation only equates a new DOF with the DOF that it repeats.
     fn names_one_dof(&self, new: &Model, i: usize) -> bool {
         let equation = new.nth(i);
         let names: Vec<Dof> = equation.columns.iter().map(|&j| new.dofs[j as usize]).collect();
@@ -164,7 +168,7 @@ impl<'a> SharedColumns<'a> {
         a != b && self.column(a) == self.column(b) && equation.coefficients[0] == -equation.coefficients[1]
     }
 
-    /// The equations in force in some load cases, one below the other, with these DOFs given as zero.
+    /// The equations in force in some load cases, one below the other, with these DOFs prescribed as zero.
     fn system(
         &self,
         parts: &[(&Model, &LoadCase)],

@@ -1,4 +1,4 @@
-//! Which solver's language a text is in: its first cards decide, and what the caller expects breaks ties.
+//! Detects the format of a deck by its first cards. The expected format breaks ties.
 
 mod seen;
 mod words;
@@ -7,24 +7,24 @@ pub use seen::UnrecognizedText;
 
 use super::Format;
 
-/// Lines looked at that are neither blank nor comments, until one decides.
+/// Most lines examined, without blank lines and comments.
 const LINES: usize = 1000;
 
-/// How much a line says for a format.
+/// How strongly a line points to a format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Evidence {
-    /// Nothing.
+    /// Not at all.
     None,
-    /// It could be one of its cards.
+    /// It may be a card of the format.
     Possible,
-    /// It is one of its cards.
+    /// It is a card of the format.
     Certain,
 }
 
-/// The format of a text; `expected` is that of the file's ending or of the solver asked for.
+/// The format of a text. `expected` comes from the file's ending or from the solver asked for.
 ///
 /// # Errors
-/// [`UnrecognizedText`], where no card of any format comes first.
+/// [`UnrecognizedText`] if no card of any format comes first.
 pub fn format_of(text: &[u8], expected: Option<Format>) -> Result<Format, UnrecognizedText> {
     if let Some(foreign) = UnrecognizedText::foreign(text) {
         return Err(foreign);
@@ -45,7 +45,7 @@ pub fn format_of(text: &[u8], expected: Option<Format>) -> Result<Format, Unreco
     expected.filter(|_| is_possible).ok_or_else(|| UnrecognizedText::of(text))
 }
 
-/// Lines that are neither blank nor comments in any of the formats, without blanks at their ends.
+/// Lines that are neither blank nor comments in any of the formats, trimmed.
 fn lines(text: &[u8]) -> impl Iterator<Item = &[u8]> {
     let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
     let lines = text.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii);
@@ -99,7 +99,7 @@ fn nastran(line: &[u8]) -> Evidence {
     }
 }
 
-/// Executive and case control.
+/// Whether a line belongs to the executive or case control.
 fn is_control(name: &[u8], rest: &[u8], is_set: bool) -> bool {
     let word = rest.trim_ascii().split(|byte| !byte.is_ascii_alphanumeric()).next().unwrap_or_default();
     let of_two = [("SOL", ""), ("BEGIN", "BULK"), ("BEGIN", "SUPER"), ("BEGIN", "AUXMODEL"), ("SUBCASE", "")];
@@ -133,7 +133,7 @@ fn ansys(line: &[u8]) -> Evidence {
     }
 }
 
-/// Whether a command has no more words: fields follow, or a comment.
+/// Whether only fields or a comment follow the name of a command.
 fn is_end(tail: &[u8]) -> bool {
     matches!(tail.first(), None | Some(b',' | b'!'))
 }
@@ -193,7 +193,7 @@ mod tests {
             assert_eq!(format_of(b"*NODE\n1,0.,0.,0.\n", Some(format)), Ok(Format::Calculix));
         }
         assert!(format_of(both, None).is_err());
-        // A keyword that nobody has heard of.
+        // A keyword unknown here.
         assert_eq!(format_of(b"*NOVELTY\n", Some(Format::Calculix)), Ok(Format::Calculix));
         assert!(format_of(b"*NOVELTY\n", None).is_err());
     }

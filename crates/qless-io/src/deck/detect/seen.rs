@@ -1,23 +1,23 @@
-//! What stands where a deck or a matrix was expected.
+//! Text that is neither a deck nor a matrix.
 
 use std::fmt;
 
 use crate::fault::quote;
 
-/// Bytes in which control characters are looked for.
+/// Bytes searched for control characters.
 const HEAD: usize = 1024;
 /// Bytes shown.
 const SHOWN: usize = 8;
 
-/// What a text begins with that is in no language known here.
+/// Start of a text that no reader recognises.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum UnrecognizedText {
     /// Nothing, or blanks.
     Nothing,
-    /// Something else that is known by how it starts: "a page of the web".
+    /// A known file type, such as "a page of the web".
     Known(&'static str),
-    /// Bytes that are no text: the first of them.
+    /// First bytes of a file that is no text.
     Bytes(Vec<u8>),
     /// Letters with zero bytes between them.
     ZeroBytes,
@@ -30,7 +30,7 @@ pub enum UnrecognizedText {
     },
 }
 
-/// How other files start.
+/// First bytes of other file types.
 const STARTS: [(&[u8], &str); 15] = [
     (b"PK\x03\x04", "a zip archive"),
     (b"BZh", "bzip2 data"),
@@ -50,7 +50,7 @@ const STARTS: [(&[u8], &str); 15] = [
 ];
 
 impl UnrecognizedText {
-    /// What is certainly no deck, whatever cards seem to be in it.
+    /// Recognises files that are certainly no deck, even if they seem to hold cards.
     pub(super) fn foreign(text: &[u8]) -> Option<Self> {
         let start = text.trim_ascii_start();
         let is_start = |known: &[u8]| start.len() >= known.len() && start[..known.len()].eq_ignore_ascii_case(known);
@@ -67,13 +67,13 @@ impl UnrecognizedText {
         (zeros > 0 || 50 * strange > head.len()).then(|| Self::Bytes(head[..head.len().min(SHOWN)].to_vec()))
     }
 
-    /// A card that only decks of other solvers have.
+    /// Recognises a card that only other solvers have.
     pub(super) fn foreign_card(line: &[u8]) -> Option<Self> {
         let word = line.split(|byte| !byte.is_ascii_graphic()).next().unwrap_or_default();
         word.eq_ignore_ascii_case(b"*KEYWORD").then_some(Self::Known("an LS-DYNA deck"))
     }
 
-    /// Text that begins with no card: its first line that is not blank.
+    /// A text without cards: its first line that is not blank.
     pub(super) fn of(text: &[u8]) -> Self {
         let mut lines = text.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii).zip(1..);
         match lines.find(|(line, _)| !line.is_empty()) {

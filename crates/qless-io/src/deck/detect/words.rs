@@ -1,11 +1,11 @@
-//! Words that cards begin with. Each list is only as long as it takes to know a deck by its first cards.
+//! Words that start cards. Each list only needs the cards that come first in decks.
 
 /// Whether a word is in a list of upper-case words.
 pub fn is_in(list: &[&str], word: &[u8]) -> bool {
     list.iter().any(|known| word.eq_ignore_ascii_case(known.as_bytes()))
 }
 
-/// First words of keywords of Abaqus and CalculiX, after the star.
+/// First words of Abaqus and CalculiX keywords, without the star.
 pub const CALCULIX: [&str; 112] = [
     "ADJUST",
     "AMPLITUDE",
@@ -121,14 +121,14 @@ pub const CALCULIX: [&str; 112] = [
     "TRANSFORM",
 ];
 
-/// Commands of APDL, after the star.
+/// APDL commands with a star, without it.
 pub const APDL_STARRED: [&str; 40] = [
     "ABBR", "AFUN", "ASK", "CFCLOS", "CFOPEN", "CFWRITE", "CREATE", "CYCLE", "DEL", "DIM", "DO", "DOWHILE", "ELSE",
     "ELSEIF", "END", "ENDDO", "ENDIF", "EXIT", "GET", "GO", "IF", "MFUN", "MOPER", "MSG", "MWRITE", "REPEAT", "RETURN",
     "SET", "SREAD", "STATUS", "TAXIS", "TOPER", "TREAD", "USE", "VFILL", "VGET", "VOPER", "VPUT", "VREAD", "VWRITE",
 ];
 
-/// Commands of APDL that begin fields.
+/// APDL commands followed by fields.
 pub const APDL: [&str; 64] = [
     "ACEL", "ALLSEL", "ANTYPE", "BF", "BFUNIF", "CE", "CEINTF", "CERIG", "CLOCAL", "CMBLOCK", "CMSEL", "CP", "CPINTF",
     "CPNGEN", "CSYS", "D", "DDELE", "DOFSEL", "DSYM", "E", "EBLOCK", "EGEN", "EMODIF", "EN", "ENBLOCK", "ESEL", "ESYS",
@@ -137,13 +137,13 @@ pub const APDL: [&str; 64] = [
     "SECBLOCK", "SECDATA", "SECNUM", "SECTYPE", "SF", "SFE", "SHPP", "TB", "TREF", "TUNIF", "TYPE",
 ];
 
-/// Commands of APDL that stand alone.
+/// APDL commands without fields.
 pub const APDL_ALONE: [&str; 4] = ["FINI", "FINISH", "SOLVE", "SAVE"];
 
-/// Lines of Nastran that stand alone.
+/// Nastran lines without fields.
 pub const NASTRAN_ALONE: [&str; 4] = ["CEND", "BEGIN BULK", "ENDDATA", "BEGIN"];
 
-/// Words of Nastran's case control, and its `NASTRAN` statement, that are set to something.
+/// Words that start assignments in Nastran's case control, and its `NASTRAN` statement.
 pub const NASTRAN_CONTROL: [&str; 28] = [
     "ACCELERATION",
     "ANALYSIS",

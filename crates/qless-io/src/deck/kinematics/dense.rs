@@ -1,4 +1,4 @@
-//! `A x = b` for a small square A by Gauss elimination with complete pivoting; A may be singular.
+//! Solves small square systems `A x = b` by Gauss elimination with complete pivoting; A may be singular.
 
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
@@ -7,7 +7,7 @@ use super::body::clean;
 use super::row::Row;
 use crate::deck::{CardFault, Dof, Problem};
 
-/// `P A Q = L U`, with the rank that the pivots show.
+/// `P A Q = L U`, with the rank found.
 pub struct DenseFactor {
     n: usize,
     rank: usize,
@@ -16,13 +16,13 @@ pub struct DenseFactor {
     columns: Vec<usize>,
 }
 
-/// A pivot below this part of the largest entry counts as zero.
+/// Pivots below this fraction of the largest entry count as zero.
 const SINGULAR: f64 = 1e-10;
-/// A solution has to fulfil the equations without a pivot to this part of the right-hand side.
+/// Largest residual of equations without a pivot, relative to the right-hand side.
 const CONSISTENT: f64 = 1e-9;
 
 impl DenseFactor {
-    /// Factors the n x n matrix `a`, by rows.
+    /// Factors an n x n matrix, given by rows.
     pub fn new(n: usize, a: Vec<f64>) -> Self {
         let mut factor = Self { n, rank: n, lu: a, rows: (0..n).collect(), columns: (0..n).collect() };
         let largest = factor.lu.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
@@ -34,7 +34,7 @@ impl DenseFactor {
         self.rank == self.n
     }
 
-    /// A solution of `A x = b`; none if there is none.
+    /// A solution of `A x = b`; `None` if there is no solution.
     pub fn solve(&self, b: &[f64]) -> Option<Vec<f64>> {
         let n = self.n;
         let mut y: Vec<f64> = self.rows.iter().map(|&row| b[row]).collect();
@@ -55,13 +55,13 @@ impl DenseFactor {
         Some(x)
     }
 
-    /// Step k; false if no pivot is above `least`.
+    /// Eliminates column k; returns false if no pivot exceeds `least`.
     fn eliminate(&mut self, k: usize, least: f64) -> bool {
         let n = self.n;
         let places = (k..n).flat_map(|i| (k..n).map(move |j| (i, j)));
         let size = |&(i, j): &(usize, usize)| self.lu[i * n + j].abs();
         let Some((row, column)) = places.max_by(|a, b| size(a).total_cmp(&size(b))) else { return false };
-        // Neither a number too small nor one that is none.
+        // This also refuses a pivot that is not a number.
         if size(&(row, column)).partial_cmp(&least) != Some(Ordering::Greater) {
             return false;
         }
@@ -85,7 +85,7 @@ impl DenseFactor {
     }
 }
 
-/// The rows solved for `dependent`, one each. `size` turns a rotation into a length.
+/// Solves rows for the components `dependent`, one for each row. `size` converts rotations to lengths.
 pub fn solved_for(rows: &[Row], dependent: &[Dof], size: f64) -> Result<Vec<Row>, Problem> {
     let m = rows.len();
     if dependent.len() != m {
@@ -107,7 +107,7 @@ pub fn solved_for(rows: &[Row], dependent: &[Dof], size: f64) -> Result<Vec<Row>
     Ok((0..m).map(|i| row(i, dependent[i], &solved, size)).collect())
 }
 
-/// The coefficients of each component in every row, all as lengths.
+/// Coefficients of each component in all rows, converted to lengths.
 fn columns(rows: &[Row], size: f64) -> BTreeMap<Dof, Vec<f64>> {
     let mut columns = BTreeMap::new();
     for (i, row) in rows.iter().enumerate() {

@@ -1,9 +1,10 @@
-//! `RBE3`: the reference moves as the weighted mean of its grid points, `u_r = A_r S^-1 sum w_k a_k^T u_k` with
-//! `S = sum w_k a_k^T a_k`.
+//! `RBE3`: the reference moves as the weighted mean of grid points, `u_r = A_r S^-1 sum w_k a_k^T u_k` with `S = sum
+//! w_k a_k^T a_k`.
 //!
-//! a_k is the motion row of connected component k, w_k its weight; A_r holds the rows of the reference components. So that
-//! the result does not depend on the unit of length, the weight of a rotation counts times L^2, where L is the mean distance
-//! of the grid points from the reference. With an `UM` list the equations are solved for its components; what they say stays.
+//! a_k is the motion row of connected component k and w_k its weight; A_r holds the rows of the reference components.
+//! The weight of a rotation is multiplied by L^2, where L is the mean distance of the grid points from the reference;
+//! this makes the result independent of the unit of length. With a `UM` list, the equations are solved for the
+//! components in it, which does not change their meaning.
 
 use rustc_hash::FxHashMap;
 
@@ -14,7 +15,7 @@ use super::row::{Poses, Row};
 use super::vector::{Vector, length, minus, plus, scaled};
 use crate::deck::{CardFault, Dof, Problem};
 
-/// Components of some grid points that have the same weight.
+/// Components of some grid points with the same weight.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
     pub weight: f64,
@@ -22,18 +23,18 @@ pub struct Group {
     pub nodes: Vec<u32>,
 }
 
-/// The element as its card has it.
+/// The element, as on its card.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mean {
     pub reference: u32,
     pub components: Components,
     pub groups: Vec<Group>,
-    /// Components to solve for; empty without `UM`.
+    /// Components to solve for (`UM`); may be empty.
     pub dependent: Vec<(u32, Components)>,
 }
 
 impl Mean {
-    /// One equation for each component of the reference, solved for `UM` if there is one.
+    /// One equation for each component of the reference, solved for the `UM` components if there are any.
     pub fn rows(&self, poses: &impl Poses) -> Result<Vec<Row>, Problem> {
         let reference = poses.pose(self.reference)?;
         let body = ConnectedBody::new(self, &reference, poses)?;
@@ -52,12 +53,12 @@ impl Mean {
     }
 }
 
-/// The connected components with their motion rows, about their centre and with rotations as lengths.
+/// Connected components with their motion rows about their centre; rotations are converted to lengths.
 struct ConnectedBody {
     dofs: Vec<(Dof, MotionRow, f64)>,
     centre: Vector,
     size: f64,
-    /// `D S D` with ones on its diagonal, and D: rotations may weigh far more than translations.
+    /// Factor of `D S D`, where D scales the diagonal to ones: rotations may weigh far more than translations.
     normal: DenseFactor,
     scale: MotionRow,
 }
@@ -90,13 +91,13 @@ impl ConnectedBody {
         Ok(body)
     }
 
-    /// The motion row with every motion as a length.
+    /// Motion row with rotations converted to lengths.
     fn row(&self, pose: &Pose, component: u8) -> MotionRow {
         let [a, b, c, d, e, f] = pose.row(component, self.centre);
         [a, b, c, d / self.size, e / self.size, f / self.size]
     }
 
-    /// S by rows.
+    /// Matrix S, by rows.
     fn normal_matrix(&self) -> Vec<f64> {
         let mut s = vec![0.0; 36];
         for (_, row, weight) in &self.dofs {
@@ -107,7 +108,8 @@ impl ConnectedBody {
         s
     }
 
-    /// What each connected component adds to one of the reference; none if they do not determine it.
+    /// Coefficients of the connected components for one component of the reference; `None` if they do not determine
+    /// it.
     fn mean(&self, reference: &Pose, component: u8) -> Option<Vec<(Dof, f64)>> {
         let scaled = |row: &MotionRow| -> MotionRow { std::array::from_fn(|i| row[i] * self.scale[i]) };
         let mut motion = self.normal.solve(&scaled(&self.row(reference, component)))?;
@@ -118,7 +120,7 @@ impl ConnectedBody {
 }
 
 impl Mean {
-    /// Each connected grid point once, in the order of the card.
+    /// Connected grid points, each once, in the order of the card.
     fn nodes(&self, poses: &impl Poses) -> Result<Vec<(u32, Pose)>, Problem> {
         let mut seen = rustc_hash::FxHashSet::default();
         let nodes = self.groups.iter().flat_map(|group| &group.nodes).filter(|node| seen.insert(**node));
@@ -126,7 +128,7 @@ impl Mean {
         if nodes.is_empty() || self.components.is_empty() { Err(CardFault::NothingConnected.into()) } else { Ok(nodes) }
     }
 
-    /// The weight of each connected component; those given several times add up.
+    /// Weights of the connected components; repeated components add up.
     pub(super) fn weights(&self) -> Result<Vec<(Dof, f64)>, Problem> {
         let mut places = FxHashMap::default();
         let mut weights: Vec<(Dof, f64)> = Vec::new();
@@ -174,7 +176,7 @@ pub fn partial_rows(element: &Mean, poses: &impl Poses) -> Result<Vec<Row>, Prob
     own.iter().enumerate().map(row).collect()
 }
 
-/// `D S D` with ones on its diagonal, factored, and D.
+/// Factor of `D S D`, whose diagonal is 1, and D.
 fn partial_normal(connected: &[(Dof, f64, Vec<f64>)], n: usize) -> (DenseFactor, Vec<f64>) {
     let mut s = vec![0.0; n * n];
     for (_, weight, row) in connected {
@@ -204,7 +206,7 @@ mod tests {
         Mean { reference: 9, components: set(refc), groups: groups.iter().map(group).collect(), dependent: Vec::new() }
     }
 
-    /// Node k on a unit square about node 9, basic axes.
+    /// Node k on a unit square about node 9, with global axes.
     struct Square;
 
     impl Poses for Square {
@@ -249,7 +251,7 @@ mod tests {
         assert_eq!(others.filter(|term| slaves.iter().any(|slave| slave.0 == term.0)).count(), 0);
     }
 
-    /// Node 1 and 2 on either side of node 9, `L` away.
+    /// Nodes 1 and 2 on either side of node 9, at distance `L`.
     struct Beam(f64);
 
     impl Poses for Beam {
@@ -259,7 +261,7 @@ mod tests {
         }
     }
 
-    /// With `S = 2 (L^2 + L^2)` a rotation counts a quarter, in any unit of length; a deflection `L / S`.
+    /// With `S = 2 (L^2 + L^2)`, a rotation has coefficient 1/4 in any unit of length, and a deflection `L / S`.
     #[test]
     fn rotations_weigh_the_same_in_every_unit_of_length() {
         for size in [1e-9, 1.0, 1000.0, 1e9] {

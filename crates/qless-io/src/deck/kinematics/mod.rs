@@ -1,4 +1,4 @@
-//! How points move together: positions, axes, rigid bodies and weighted means as equations, whatever the deck's language.
+//! Equations for points that move together: frames, rigid bodies, rods and weighted means, for decks of all formats.
 
 pub mod axes;
 pub mod body;

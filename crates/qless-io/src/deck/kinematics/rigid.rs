@@ -1,8 +1,8 @@
 //! Rigid elements: `u_m = A_m A_n^-1 u_n`, where A holds the motion rows of the dependent (m) and of six independent (n)
 //! components.
 //!
-//! `RBE2` has its six at one grid point, `RBAR` spreads them over two, `RBE1` over up to six. Where they are all at one
-//! point, A_n is orthogonal and nothing has to be solved.
+//! `RBE2` has its six at one grid point, `RBAR` at two, `RBE1` at up to six. If all are at one point, A_n is
+//! orthogonal and needs no factor.
 
 use super::body::{MotionRow, Pose, clean};
 use super::components::Components;
@@ -14,10 +14,10 @@ use crate::deck::{CardFault, Dof, Problem};
 /// Components of grid points, in the order of the card.
 pub type Side = Vec<(u32, Components)>;
 
-/// An element that lets its grid points move as one rigid body.
+/// A rigid element.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rigid {
-    /// Six components in all.
+    /// Independent components; six in all.
     pub independent: Side,
     pub dependent: Side,
 }
@@ -61,7 +61,7 @@ impl Rigid {
         self.each_dependent(poses, |pose, component| body.depends(pose, component))
     }
 
-    /// A row for each dependent component from its coefficients.
+    /// One row for each dependent component, with the given coefficients.
     fn each_dependent(
         &self,
         poses: &impl Poses,
@@ -76,7 +76,7 @@ impl Rigid {
     }
 }
 
-/// The independent components, and A_n^T factored. Rotations are made lengths by the size of the body.
+/// Independent components, with A_n^T factored. The size of the body converts rotations to lengths.
 struct IndependentBody {
     components: Vec<Dof>,
     origin: Vector,
@@ -110,16 +110,16 @@ impl IndependentBody {
         if body.factor.is_regular() { Ok(body) } else { Err(CardFault::IndependentSingular.into()) }
     }
 
-    /// The motion row with every component and every motion as a length.
+    /// Motion row with components and motions converted to lengths.
     fn row(&self, pose: &Pose, component: u8) -> MotionRow {
         let [a, b, c, d, e, f] = pose.row(component, self.origin);
         let unit = if component > 3 { self.size } else { 1.0 };
         [a, b, c, d / self.size, e / self.size, f / self.size].map(|x| x * unit)
     }
 
-    /// What each independent component adds to a dependent one.
+    /// Coefficients of the independent components for a dependent one.
     fn depends(&self, pose: &Pose, component: u8) -> Vec<(Dof, f64)> {
-        // A regular factor solves every system.
+        // A nonsingular factor solves every system.
         let solution = self.factor.solve(&self.row(pose, component)).unwrap_or_default();
         let largest = solution.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
         let length = |at: u8| if at > 3 { self.size } else { 1.0 };
@@ -179,7 +179,7 @@ mod tests {
         assert_eq!(refused(&[(1, "123456")], &[]), CardFault::NothingConnected.into());
     }
 
-    /// Node k at x = 2 (k - 1), basic axes.
+    /// Node k at x = 2 (k - 1), with global axes.
     struct Straight;
 
     impl Poses for Straight {

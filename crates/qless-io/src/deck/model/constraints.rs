@@ -1,11 +1,11 @@
-//! What a model is made of: DOFs, equations, load cases, warnings, and where each stands in the input.
+//! Constraints of a model: DOFs, equations, load cases, warnings, and their origin in the deck.
 
-/// One component of one node; `node:component` in reports.
+/// A component of a node; reports show `node:component`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Dof {
     /// The node's number in the deck.
     pub node: u32,
-    /// 1 to 3 translations, 4 to 6 rotations, others as the format has them.
+    /// 1 to 3 are translations and 4 to 6 rotations; others depend on the format.
     pub component: u8,
 }
 
@@ -15,40 +15,40 @@ impl std::fmt::Display for Dof {
     }
 }
 
-/// Where something is said: a card, and the lines of it, from 1.
+/// Origin in the deck: a card and its lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Origin {
     /// Index into [`Model::cards`](super::Model::cards).
     pub card: u32,
-    /// First line.
+    /// First line, from 1.
     pub line: u32,
-    /// How many lines.
+    /// Number of lines.
     pub lines: u32,
 }
 
-/// One equation `sum a_j u_j = rhs`; its first term is the slave in formats that name one.
+/// An equation `sum a_j u_j = rhs`. In formats that name a slave, it is the first term.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DeckEquation<'a> {
-    /// Columns, which are indices into [`Model::dofs`](super::Model::dofs), and coefficients; a zero one keeps its place.
+    /// Columns: indices into [`Model::dofs`](super::Model::dofs).
     pub columns: &'a [u32],
-    /// Coefficients, in the order of `columns`.
+    /// Coefficients, in the order of `columns`; zeros included.
     pub coefficients: &'a [f64],
     /// The right-hand side.
     pub rhs: f64,
-    /// Where it stands.
+    /// Origin of the equation.
     pub origin: Origin,
 }
 
-/// A DOF with a given value.
+/// A DOF with a prescribed value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prescribed {
     /// The DOF.
     pub dof: Dof,
-    /// Its value; at a time `t`, this times the course at `t`.
+    /// Value at the end of the load case. At time `t` it is multiplied by the time history.
     pub value: f64,
-    /// How the value runs in time: index into [`Model::courses`](super::Model::courses).
+    /// Time history: index into [`Model::courses`](super::Model::courses).
     pub course: u32,
-    /// Where that is said.
+    /// Origin of the value.
     pub origin: Origin,
 }
 
@@ -57,18 +57,18 @@ pub struct Prescribed {
 pub struct Load {
     /// The DOF.
     pub dof: Dof,
-    /// Where that is said.
+    /// Origin of the load.
     pub origin: Origin,
 }
 
-/// What holds at the same time: a step or a subcase.
+/// A step or a subcase.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoadCase {
     /// `step 1`, `subcase 2`.
     pub name: String,
     /// Prescribed DOFs, ascending, each once.
     pub prescribed: Vec<Prescribed>,
-    /// Further values of prescribed DOFs that contradict those in `prescribed`.
+    /// Other values of DOFs in `prescribed` that contradict them.
     pub clashes: Vec<Prescribed>,
     /// Loads.
     pub loads: Vec<Load>,
@@ -77,32 +77,32 @@ pub struct LoadCase {
 }
 
 impl LoadCase {
-    /// Whether the same holds in another load case, apart from loads.
+    /// Whether another load case constrains the same; loads are ignored.
     pub fn constrains_as(&self, other: &Self) -> bool {
         self.prescribed == other.prescribed && self.clashes == other.clashes && self.removed == other.removed
     }
 }
 
-/// Something that the user should know.
+/// A message for the user.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
     /// Index into [`Model::files`](super::Model::files).
     pub file: u32,
     /// The line, from 1; 0 if it concerns no line.
     pub line: u32,
-    /// What, in one sentence.
+    /// The message: one sentence.
     pub text: String,
-    /// Whether something that constrains was left out, so that the model is incomplete.
+    /// Whether a constraint was left out, so that the model is incomplete.
     pub leaves_out: bool,
 }
 
-/// What a deck says once for all of it, where solvers go by it.
+/// Properties of a whole deck that change a solver's behaviour.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct DeckTraits {
-    /// Whether some nodes have axes of their own.
+    /// Whether some nodes have local axes.
     pub(crate) has_local_axes: bool,
     /// Whether a step is geometrically nonlinear.
     pub(crate) is_nonlinear: bool,
-    /// Whether a kinematic coupling has axes of its own.
+    /// Whether a kinematic coupling has its own axes.
     pub(crate) has_turned_couplings: bool,
 }

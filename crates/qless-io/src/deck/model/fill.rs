@@ -5,7 +5,7 @@ use super::{Dof, Model, Origin, Warning};
 use crate::deck::CardName;
 
 impl Model {
-    /// Makes room for equations and terms to come.
+    /// Reserves memory for equations and terms.
     pub(crate) fn reserve(&mut self, equations: usize, terms: usize) {
         self.ends.reserve_exact(equations);
         self.terms.columns.reserve_exact(terms);
@@ -13,15 +13,15 @@ impl Model {
         self.dofs.reserve_exact(terms);
     }
 
-    /// Gives back the room made for DOFs: there can be as many as terms, but mostly there are fewer.
+    /// Frees memory reserved for DOFs: usually there are fewer DOFs than terms.
     pub(crate) fn shrink(&mut self) {
-        // To give a little back would copy all for nothing.
+        // Freeing little is not worth the copy.
         if self.dofs.len() < self.dofs.capacity() / 2 {
             self.dofs.shrink_to_fit();
         }
     }
 
-    /// Adds an equation. The terms are kept as they come: repeated DOFs and zeros included.
+    /// Adds an equation. Terms are stored as given, with repeated DOFs and zeros.
     pub(crate) fn push(&mut self, terms: impl IntoIterator<Item = (Dof, f64)>, rhs: f64, origin: Origin) {
         let i = self.equations();
         for (turn, (dof, coefficient)) in terms.into_iter().enumerate() {
@@ -53,29 +53,29 @@ impl Model {
         self.warnings.push(Warning { file, line, text: text.into(), leaves_out: false });
     }
 
-    /// Says what the solver stops at.
+    /// Notes a card that stops the solver.
     pub(crate) fn refuse(&mut self, file: u32, line: u32, text: impl Into<String>) {
         self.refusals.push(Warning { file, line, text: text.into(), leaves_out: false });
     }
 
-    /// Says that a card constrains, but was left out.
+    /// Notes a card that constrains but was left out.
     pub(crate) fn leave_out(&mut self, file: u32, line: u32, text: impl Into<String>) {
         self.warnings.push(Warning { file, line, text: text.into(), leaves_out: true });
     }
 
-    /// Sets such DOFs.
+    /// Sets the DOFs that cards claim and that cannot be slaves.
     pub(crate) fn claim(&mut self, mut claims: Vec<(Dof, Origin)>) {
         claims.sort_by_key(|(dof, _)| *dof);
         claims.dedup_by_key(|(dof, _)| *dof);
         self.claims = claims;
     }
 
-    /// Says that the equations of a card are kept by multipliers.
+    /// Notes that the solver enforces the equations of a card by multipliers.
     pub(crate) fn keep_by_multipliers(&mut self, card: u32) {
         self.without_slaves.insert(card);
     }
 
-    /// The number of the course of this name.
+    /// Number of the time history of this name.
     pub(crate) fn course(&mut self, name: &str) -> u32 {
         let known = self.courses.iter().position(|known| known == name);
         let at = known.unwrap_or_else(|| {
@@ -85,7 +85,7 @@ impl Model {
         at as u32 + 1
     }
 
-    /// Names nodes from `first` on by an instance and their numbers in it.
+    /// Names the nodes of an instance, from `first` on, by their numbers in it.
     pub(crate) fn name_nodes(&mut self, first: u32, instance: String, own: Vec<u32>) {
         self.names.instance(first, instance, own);
     }
@@ -95,7 +95,7 @@ impl Model {
         self.names.one(node, name);
     }
 
-    /// Says that a card that is left out may claim DOFs.
+    /// Notes DOFs that a card which is left out may claim.
     pub(crate) fn claim_left_out(&mut self, dofs: impl IntoIterator<Item = Dof>, origin: Origin) {
         self.left_out_claims.extend(dofs.into_iter().map(|dof| (dof, origin)));
         self.left_out_claims.sort_by_key(|(dof, origin)| (*dof, origin.card, origin.line));

@@ -1,4 +1,4 @@
-//! What the input calls nodes, DOFs, equations and places.
+//! Names of nodes, DOFs, equations and places, as in the deck.
 
 use std::path::{Path, PathBuf};
 
@@ -6,7 +6,7 @@ use super::{Dof, Model, Origin, Warning};
 use crate::deck::{DeckError, Problem};
 
 impl Model {
-    /// What the deck calls a node: `Part-1-1.12`, or its number where that is its name.
+    /// Name of a node in the deck: `Part-1-1.12`, or simply its number.
     ///
     /// ```
     /// # let place = tempfile::tempdir()?;
@@ -19,7 +19,7 @@ impl Model {
         self.names.get(node).unwrap_or_else(|| node.to_string())
     }
 
-    /// What the deck calls a DOF: `Part-1-1.12:3`.
+    /// Name of a DOF in the deck: `Part-1-1.12:3`.
     pub fn dof_name(&self, dof: Dof) -> String {
         match self.names.get(dof.node) {
             Some(name) => format!("{name}:{}", dof.component),
@@ -27,13 +27,13 @@ impl Model {
         }
     }
 
-    /// Whether nodes have names of instances, so that their numbers mean nothing in the deck's text.
+    /// Whether nodes belong to instances, so that their numbers do not occur in the deck's text.
     pub fn has_instances(&self) -> bool {
         self.names.has_instances()
     }
 
-    /// Where, and which card: `line 41 *EQUATION` in the main file, `part.inc:41 *EQUATION` in others; the line alone for an origin
-    /// that is none of this model.
+    /// Line and card of an origin: `line 41 *EQUATION` in the main file, `part.inc:41 *EQUATION` in others. An origin
+    /// of another model gives the line alone.
     pub fn place(&self, origin: Origin) -> String {
         let Some(card) = self.cards.get(origin.card) else { return format!("line {}", origin.line) };
         let path = self.files.get(card.file as usize).map(PathBuf::as_path);
@@ -44,7 +44,7 @@ impl Model {
         }
     }
 
-    /// Where something is that the user should know: `line 41`, `part.inc:41` in files that are included.
+    /// Place of a warning: `line 41`, or `part.inc:41` in included files.
     pub fn place_of(&self, warning: &Warning) -> String {
         let path = self.files.get(warning.file as usize).filter(|_| warning.file > 0);
         match path.and_then(|path| path.file_name()) {
@@ -53,12 +53,12 @@ impl Model {
         }
     }
 
-    /// `line 41 *EQUATION 6:3`: the place and the first DOF of equation `i`, if it is there.
+    /// Label of equation `i`, if it exists: its place and its first DOF, as in `line 41 *EQUATION 6:3`.
     pub fn label(&self, i: usize) -> Option<String> {
         (i < self.equations()).then(|| self.label_of(i))
     }
 
-    /// The label of equation `i`, which is there.
+    /// Label of equation `i`, which must exist.
     pub(crate) fn label_of(&self, i: usize) -> String {
         let equation = self.nth(i);
         let place = self.place(equation.origin);
@@ -76,14 +76,14 @@ impl Model {
     }
 }
 
-/// RunNames by number.
+/// Names of nodes by number.
 #[derive(Clone, Debug, Default)]
 pub(super) struct NodeNames {
-    /// Ascending by their first numbers.
+    /// Runs, ascending by first number.
     runs: Vec<NameRun>,
 }
 
-/// Nodes from `first` on, in turn.
+/// Names of consecutive nodes from `first` on.
 #[derive(Clone, Debug)]
 struct NameRun {
     first: u32,
@@ -92,19 +92,19 @@ struct NameRun {
 
 #[derive(Clone, Debug)]
 enum RunNames {
-    /// Nodes of an instance, by their numbers in it.
+    /// An instance, and the numbers of its nodes within it.
     Instance(String, Vec<u32>),
-    /// A single one.
+    /// Name of a single node.
     One(String),
 }
 
 impl NodeNames {
-    /// RunNames the nodes of an instance, from `first` on.
+    /// Names the nodes of an instance, from `first` on.
     pub fn instance(&mut self, first: u32, instance: String, own: Vec<u32>) {
         self.insert(NameRun { first, names: RunNames::Instance(instance, own) });
     }
 
-    /// RunNames a node.
+    /// Names a node.
     pub fn one(&mut self, node: u32, name: String) {
         self.insert(NameRun { first: node, names: RunNames::One(name) });
     }
@@ -114,7 +114,7 @@ impl NodeNames {
         self.runs.insert(at, run);
     }
 
-    /// The name of a node, if it has one.
+    /// Name of a node, if it has one.
     pub fn get(&self, node: u32) -> Option<String> {
         let run = &self.runs[self.runs.partition_point(|run| run.first <= node).checked_sub(1)?];
         let k = (node - run.first) as usize;
@@ -124,7 +124,7 @@ impl NodeNames {
         }
     }
 
-    /// Whether nodes are those of instances.
+    /// Whether some nodes belong to instances.
     pub fn has_instances(&self) -> bool {
         self.runs.iter().any(|run| matches!(run.names, RunNames::Instance(..)))
     }

@@ -1,20 +1,20 @@
-//! Compact storage of a model: columns by DOF, terms, and where equations come from.
+//! Compact storage of a model: columns by DOF, terms, and origins of equations.
 
 use rustc_hash::FxHashMap;
 
 use super::constraints::{Dof, Origin};
 use crate::deck::chunks::Chunks;
 
-/// Nodes of a page: numbers that follow each other, as they do in most decks.
+/// Consecutive nodes in a page.
 const PAGE: u32 = 16;
 const NONE: u32 = u32::MAX;
 
-/// A map from DOFs to columns. DOFs of the same component on consecutive nodes share a page, and it is the pages that are hashed.
+/// A map from DOFs to columns. DOFs of the same component at consecutive nodes share a page; only pages are hashed.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ColumnMap {
     pages: FxHashMap<(u32, u8), u32>,
     entries: Chunks<[u32; PAGE as usize]>,
-    /// The pages found last, by place in the equation and component: the same ones come again in the next equation.
+    /// Pages used last, by position in the equation and by component: the next equation often uses the same ones.
     last: [Option<((u32, u8), u32)>; 16],
 }
 
@@ -26,7 +26,7 @@ impl ColumnMap {
         (column != NONE).then_some(column)
     }
 
-    /// The column of a DOF, which is `next` if it had none.
+    /// The column of a DOF; assigns `next` to a new DOF.
     pub fn get_or_insert(&mut self, dof: Dof, next: u32, turn: usize) -> u32 {
         let key = key(dof);
         let slot = turn % 4 * 4 + usize::from(dof.component % 4);
@@ -54,8 +54,7 @@ fn key(dof: Dof) -> (u32, u8) {
     (dof.node / PAGE, dof.component)
 }
 
-/// Equations from `first` on that follow each other evenly: equation `first + k` is that of `origin`, `k stride` lines and
-/// `k cards` cards further on.
+/// A run of equations: equation `first + k` has the origin `origin` moved by `k stride` lines and `k cards` cards.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OriginRun {
     pub first: u32,
@@ -65,14 +64,14 @@ pub(super) struct OriginRun {
 }
 
 impl OriginRun {
-    /// Where equation `i` stands.
+    /// Origin of equation `i`.
     pub fn at(&self, i: usize) -> Origin {
         let further = |from: u32, stride: u32| from.wrapping_add((i as u32 - self.first).wrapping_mul(stride));
         let Origin { card, line, lines } = self.origin;
         Origin { card: further(card, self.cards), line: further(line, self.stride), lines }
     }
 
-    /// Takes equation `i` in, if it follows; the second one sets the strides.
+    /// Takes equation `i` into the run if it fits. The second equation of a run sets the strides.
     pub fn take(&mut self, i: usize, origin: Origin) -> bool {
         if self.first + 1 == i as u32 {
             self.stride = origin.line.wrapping_sub(self.origin.line);

@@ -1,25 +1,26 @@
-//! `C u = b` of a load case: at the end of it, and for each course that its prescribed values take in time.
+//! `C u = b` of a load case: at its end, and for each time history of its prescribed values.
 //!
-//! Values of different courses are in no fixed proportion, so that the equations are consistent at all times only if they are so
-//! for the values of each course alone, those of the others zero. A sum of consistent right-hand sides is consistent; the other
-//! way round values can cancel at one time and conflict at all others.
+//! Values with different time histories have no fixed ratio. The equations are therefore consistent at all times only
+//! if they are consistent for the values of each history alone, with all others zero. The converse holds because a sum
+//! of consistent right-hand sides is consistent. One test at the end does not suffice: values may cancel at one time
+//! and conflict at all others.
 
 use qless::{ConstraintSystem, SystemBuilder, SystemError};
 
 use super::{Dof, LoadCase, Model, Prescribed};
 
 impl Model {
-    /// `C u = b` of a load case, labelled in the deck's language: a row for each equation in force and then one for each value
-    /// that contradicts another; a column for each DOF in them. Values are those at the end of the load case.
+    /// `C u = b` of a load case, with labels in the deck's terms. Rows: equations in force, then values that
+    /// contradict others. Columns: the DOFs in them. Values are those at the end of the load case.
     ///
     /// # Errors
-    /// [`SystemError`] where coefficients of one DOF in one equation overflow when summed.
+    /// [`SystemError`] if coefficients of one DOF in one equation overflow when summed.
     pub fn system(&self, case: &LoadCase) -> Result<ConstraintSystem, SystemError> {
         self.system_with(case, true, |given| given.value)
     }
 
-    /// The courses that the prescribed values of a load case take, as indices into [`Model::courses`], ascending; values of zero take
-    /// none. With more than one, [`Model::system_of_course`] of each has to be consistent, beside [`Model::system`].
+    /// Time histories of the nonzero prescribed values of a load case, as indices into [`Model::courses`], ascending.
+    /// If there are several, [`Model::system_of_course`] of each must be consistent, and so must [`Model::system`].
     pub fn courses_of(&self, case: &LoadCase) -> Vec<u32> {
         let moved = case.prescribed.iter().chain(&case.clashes).filter(|given| given.value != 0.0);
         let mut courses: Vec<u32> = moved.map(|given| given.course).collect();
@@ -28,8 +29,8 @@ impl Model {
         courses
     }
 
-    /// [`Model::system`] with the values of one course alone: others are zero, and so are the equations' own right-hand sides
-    /// unless this is the first course of the load case.
+    /// [`Model::system`] with the values of one time history alone. All other values are zero. The right-hand sides of
+    /// equations are kept for the first history of the load case only.
     ///
     /// # Errors
     /// As [`Model::system`].
@@ -49,7 +50,7 @@ impl Model {
             Some(j) => Some(j as usize),
             None => extra.binary_search(&dof).ok().map(|k| self.dofs.len() + k),
         };
-        // A system has at least one DOF, so that of a deck without constraints has one that nothing holds.
+        // A system needs at least one DOF: a deck without constraints gets a free one.
         let dofs = self.dofs.len() + extra.len();
         let mut builder = SystemBuilder::new(dofs.max(1));
         for i in self.in_force(case) {
@@ -73,7 +74,7 @@ impl Model {
         builder.build()
     }
 
-    /// DOFs with clashing values that are in no equation.
+    /// DOFs with clashing values that occur in no equation.
     fn clashing_alone(&self, case: &LoadCase) -> Vec<Dof> {
         let clashing = case.clashes.iter().map(|clash| clash.dof);
         let mut alone: Vec<Dof> = clashing.filter(|&dof| self.column(dof).is_none()).collect();
@@ -92,7 +93,7 @@ mod tests {
     use super::*;
     use crate::deck::Origin;
 
-    /// `u1 = u2`, with 1 and these values prescribed in these courses.
+    /// `u1 = u2`, with these values prescribed in these time histories.
     fn two_ends(values: [(f64, u32); 2]) -> (Model, LoadCase) {
         let mut model = Model::new(vec![PathBuf::from("ends.inp")]);
         let card = model.card("*EQUATION", 0, 1);

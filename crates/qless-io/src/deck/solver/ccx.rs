@@ -1,15 +1,15 @@
-//! CalculiX, as version 2.20 does; `tests/calculix/claims.rs` runs it on every pair.
+//! CalculiX 2.20; `tests/calculix/claims.rs` runs it on every pair of cards.
 //!
-//! Couplings are read before all other cards that constrain, ties become equations after the first step has been read. Some cards
-//! stop where their slave is one already, others pass that DOF by. Where a slave is prescribed is looked at in the first step, and in a
-//! later one only where the equations may have changed since.
+//! ccx reads couplings before all other cards that constrain, and turns ties into equations after the first step. If a
+//! slave is a slave already, some cards stop and others skip that DOF. ccx compares slaves with prescribed DOFs in the
+//! first step, and in later steps only if the equations may have changed.
 
 use rustc_hash::FxHashMap;
 
 use super::{CardKind, Outcome};
 use crate::deck::{Dof, LoadCase, Model};
 
-/// When ccx looks at a card, whatever its place in the deck.
+/// Order in which ccx treats cards, regardless of their place in the deck.
 fn turn(kind: CardKind) -> u8 {
     match kind {
         CardKind::Kinematic => 0,
@@ -28,7 +28,7 @@ pub fn twice(first: CardKind, second: CardKind) -> Outcome {
     }
 }
 
-/// A slave that is prescribed: from the first step on, or only later and then looked at again or not.
+/// A prescribed slave: from the first step on or only later, and then compared again or not.
 pub fn prescribed(kind: CardKind, is_later: bool, is_looked_at: bool) -> Outcome {
     match (kind, is_later) {
         (CardKind::Tie, false) => Outcome::IgnoresFirst,
@@ -37,9 +37,9 @@ pub fn prescribed(kind: CardKind, is_later: bool, is_looked_at: bool) -> Outcome
     }
 }
 
-/// Whether ccx compares slaves with prescribed DOFs again in a step from `since` on that prescribes this slave: it does in every step
-/// of a deck with `*TRANSFORM`, where `*EQUATION, REMOVE` takes equations away, and in nonlinear steps where equations of which one is
-/// nonlinear hang together.
+/// Whether ccx compares slaves with prescribed DOFs again in a step from `since` on that prescribes this slave. It
+/// does so in every step of a deck with `*TRANSFORM`, where `*EQUATION, REMOVE` removes equations, and in nonlinear
+/// steps with linked equations of which one is nonlinear.
 pub fn looks_again(
     model: &Model,
     equation: usize,
@@ -56,12 +56,12 @@ pub fn looks_again(
     removes || model.traits.has_local_axes || hangs_together()
 }
 
-/// Whether some equation in force has the slave of another as a master, and one of the two is nonlinear.
+/// Whether a master of some equation in force is the slave of another one, and one of the two is nonlinear.
 pub fn nonlinear_chain(model: &Model, left_out: &[bool]) -> bool {
     if !model.traits.is_nonlinear {
         return false;
     }
-    // It makes them of equations to nodes of its own, which are slaves.
+    // Couplings with their own axes become equations to new nodes, which are slaves.
     if model.traits.has_turned_couplings {
         return true;
     }
@@ -79,8 +79,8 @@ fn slave(model: &Model, equation: usize) -> Option<Dof> {
     model.nth(equation).columns.first().map(|&j| model.dofs[j as usize])
 }
 
-/// The DOFs of an equation. `*MPC` names all directions of its nodes, even with coefficients of zero; where it has two equations for a
-/// node (STRAIGHT), each leaves out the slave's direction of the other.
+/// DOFs of an equation. `*MPC` names all directions of its nodes, even with zero coefficients. If it has two equations
+/// for a node (STRAIGHT), each leaves out the other's slave.
 fn named(model: &Model, equation: usize, is_mpc: bool) -> Vec<Dof> {
     let dofs = model.nth(equation).columns.iter().map(|&j| model.dofs[j as usize]);
     if !is_mpc {
@@ -96,8 +96,8 @@ fn named(model: &Model, equation: usize, is_mpc: bool) -> Vec<Dof> {
     dofs.flat_map(|dof| directions.clone().map(move |component| Dof { component, ..dof })).collect()
 }
 
-/// DOFs that `*KINEMATIC` makes slaves besides those of its nodes, each with the first equation of its card: the rotations of its
-/// reference node, which follow those of a node that ccx adds. They can be prescribed.
+/// Additional slaves of `*KINEMATIC`, with the first equation of each card: the rotations of its reference node follow
+/// those of a node that ccx adds. They can be prescribed.
 pub fn rotations(model: &Model) -> Vec<(Dof, usize)> {
     let mut rotations = Vec::new();
     let mut last = None;
@@ -117,15 +117,17 @@ pub fn rotations(model: &Model) -> Vec<(Dof, usize)> {
     rotations
 }
 
-/// Below this ccx takes a coefficient for zero.
+/// ccx takes coefficients below this for zero.
 const ZERO: f64 = 1e-10;
-/// So many insertions at most: where more are needed, nothing is known.
+/// Most insertions; beyond that, the result is unknown.
 const MOST_INSERTIONS: usize = 200_000;
 
-/// One equation: its terms, the slave first.
+/// Terms of an equation, slave first.
 type TermList = Vec<(u32, f64)>;
 
-/// Whether equations stay equations of their slaves when inserted into each other; `None` where that takes too long to find out.
+/// Inserts equations into each other as ccx does: for each master that is the slave of another equation, until there
+/// is none. ccx stops if the slave of an equation cancels. Returns whether all equations keep their slaves; `None` if
+/// that takes too many insertions.
 pub fn keeps_slaves(model: &Model, equations: &[usize]) -> Option<bool> {
     let row = |&i: &usize| {
         let equation = model.nth(i);
@@ -154,7 +156,7 @@ pub fn keeps_slaves(model: &Model, equations: &[usize]) -> Option<bool> {
     None
 }
 
-/// Terms of one DOF in one, in the order met; the first stays, of the others those that are not zero.
+/// Adds up terms with the same DOF, in order of first occurrence. Keeps the first term, and others that are not zero.
 fn collected(terms: impl Iterator<Item = (u32, f64)>) -> TermList {
     let mut row = TermList::new();
     let mut at: FxHashMap<u32, usize> = FxHashMap::default();
@@ -171,7 +173,7 @@ fn collected(terms: impl Iterator<Item = (u32, f64)>) -> TermList {
     row
 }
 
-/// A row with the equation of its master at a place inserted there.
+/// A row in which the term at position `at` is replaced by its equation.
 fn inserted(row: &TermList, at: usize, equation: &TermList) -> TermList {
     let factor = -row[at].1 / equation[0].1;
     let instead = equation[1..].iter().map(|&(j, a)| (j, factor * a));

@@ -15,8 +15,8 @@ use crate::deck::{LoadCase, Model};
 
 /// Two cards with the same slave.
 ///
-/// The preprocessor keeps one of two ties, drops a tie between nodes of rigid bodies, and joins rigid bodies that share nodes by
-/// their reference nodes. An eliminated DOF must not be used again by any other constraint.
+/// The preprocessor keeps one of two ties, drops a tie between nodes of rigid bodies, and joins rigid bodies that
+/// share nodes. No other constraint may use an eliminated DOF.
 pub fn abaqus_twice(first: CardKind, second: CardKind) -> Outcome {
     match (first, second) {
         (CardKind::Tie | CardKind::RigidBody, CardKind::Tie) => Outcome::IgnoresSecond,
@@ -28,7 +28,8 @@ pub fn abaqus_twice(first: CardKind, second: CardKind) -> Outcome {
     }
 }
 
-/// A slave that is prescribed: an eliminated DOF must not be. The reference node of a distributing coupling is not eliminated.
+/// A prescribed slave: an eliminated DOF must not be prescribed. A distributing coupling does not eliminate its
+/// reference node.
 pub fn abaqus_prescribed(kind: CardKind) -> Outcome {
     if matches!(kind, CardKind::Distributing | CardKind::DistributingCoupling) {
         Outcome::Accepted
@@ -37,21 +38,21 @@ pub fn abaqus_prescribed(kind: CardKind) -> Outcome {
     }
 }
 
-/// MSC and Simcenter Nastran, MYSTRAN.
+/// MSC and Simcenter Nastran, and MYSTRAN.
 pub fn nastran_exclusive() -> Outcome {
     Outcome::Refused
 }
 
-/// OptiStruct, with the kinds of the equations concerned.
+/// OptiStruct, by the kinds of cards concerned.
 pub fn optistruct(kinds: &[CardKind]) -> Outcome {
     if kinds.contains(&CardKind::RigidElement) { Outcome::Accepted } else { Outcome::Refused }
 }
 
-/// How many equations name a column.
+/// Number of equations in which each column occurs.
 pub struct ColumnUses(FxHashMap<u32, u32>);
 
 impl ColumnUses {
-    /// Counts those that are not left out, and what these load cases prescribe.
+    /// Counts the equations that are not left out, and the values that these load cases prescribe.
     pub fn count(model: &Model, cases: &[LoadCase], left_out: &[bool]) -> Self {
         let mut uses = FxHashMap::default();
         for i in (0..model.equations()).filter(|&i| !left_out[i]) {
@@ -60,7 +61,7 @@ impl ColumnUses {
             columns.dedup();
             columns.into_iter().for_each(|j| *uses.entry(j).or_default() += 1);
         }
-        // A prescribed DOF is no more an equation's own than a shared one.
+        // A prescribed DOF counts as shared.
         for given in cases.iter().flat_map(|case| &case.prescribed) {
             if let Some(j) = model.column(given.dof) {
                 *uses.entry(j).or_default() += 2;
@@ -69,7 +70,7 @@ impl ColumnUses {
         Self(uses)
     }
 
-    /// Whether an equation has a DOF that is its own.
+    /// Whether an equation has a DOF that occurs nowhere else.
     fn has_own(&self, model: &Model, equation: usize) -> bool {
         let equation = model.nth(equation);
         let mut terms = equation.columns.iter().zip(equation.coefficients);
@@ -77,7 +78,7 @@ impl ColumnUses {
     }
 }
 
-/// What becomes of these equations, which are at fault.
+/// The outcome for these equations, which have a fault.
 pub fn ansys_outcome(model: &Model, uses: &ColumnUses, equations: &[(usize, CardKind)]) -> Outcome {
     let finds = |&(i, kind): &(usize, CardKind)| kind != CardKind::CoupledSet && uses.has_own(model, i);
     if equations.iter().all(finds) { Outcome::Accepted } else { Outcome::Refused }

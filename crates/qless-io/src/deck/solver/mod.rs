@@ -1,4 +1,4 @@
-//! What each solver does with the faults of a deck.
+//! Predicts what each solver does with the faults of a deck.
 
 pub(super) mod ccx;
 mod manuals;
@@ -15,8 +15,8 @@ pub(super) use outcome::CardKind;
 pub use outcome::Outcome;
 
 impl Solver {
-    /// What it does with a fault of a deck. For the faults of a whole load case, [`clean::findings`](super::clean::findings) also
-    /// knows which claims are left when others have been dropped.
+    /// Predicts the outcome of a fault. For a whole load case use [`clean::findings`](super::clean::findings): it also
+    /// knows which claims remain when others have been dropped.
     ///
     /// ```
     /// use qless_io::deck::{Outcome, Solver, clean, read};
@@ -32,10 +32,10 @@ impl Solver {
         Profile::new(self, model).outcome(fault)
     }
 
-    /// What it does with two values for one DOF in one step: the first claim is the first value.
+    /// The outcome of two values for one DOF in one step; the first claim is the first value.
     ///
-    /// CalculiX takes the last one. The others are said to stop: Nastran and MYSTRAN do where the values differ, Abaqus where both
-    /// cards are in one step; ANSYS takes the last.
+    /// CalculiX and ANSYS take the last value. The other solvers are reported to stop: Nastran and MYSTRAN if the
+    /// values differ, Abaqus if both cards are in one step.
     pub fn prescribed_twice(self) -> Outcome {
         match self {
             Self::Ccx | Self::Ansys => Outcome::IgnoresFirst,
@@ -44,41 +44,41 @@ impl Solver {
     }
 }
 
-/// A solver and a deck.
+/// A solver and a deck, with properties of the deck that are computed once.
 pub(super) struct Profile<'a> {
     pub solver: Solver,
     pub model: &'a Model,
-    /// Those whose prescribed DOFs count.
+    /// Load cases whose prescribed DOFs count.
     cases: &'a [LoadCase],
-    /// By equation: whether it is not in force.
+    /// For each equation, whether it is not in force.
     pub left_out: Vec<bool>,
     chain: OnceCell<bool>,
     uses: OnceCell<ColumnUses>,
 }
 
 impl<'a> Profile<'a> {
-    /// Of all load cases.
+    /// Profile for all load cases.
     pub fn new(solver: Solver, model: &'a Model) -> Self {
         let left_out = vec![false; model.equations()];
         let cases = &model.cases;
         Self { solver, model, cases, left_out, chain: OnceCell::new(), uses: OnceCell::new() }
     }
 
-    /// Of one load case, whose removed equations are left out.
+    /// Profile for one load case, without its removed equations.
     pub fn of_case(solver: Solver, model: &'a Model, case: &'a LoadCase) -> Self {
         let mut profile = Self { cases: std::slice::from_ref(case), ..Self::new(solver, model) };
         case.removed.iter().for_each(|&i| profile.left_out[i as usize] = true);
         profile
     }
 
-    /// What the solver does with a fault.
+    /// The outcome of a fault.
     pub fn outcome(&self, fault: &EquationFault) -> Outcome {
         match *fault {
             EquationFault::SlavePrescribed { equation, since, .. } => self.prescribed(fault, equation, since),
             EquationFault::SlaveTwice { equation, first, .. } => self.twice(first, equation),
             EquationFault::SlaveVanishes { equation, .. } => self.vanishes(equation),
-            // A DOF of a coupled set must be in no other and not prescribed.
-            // Coupled sets are those of ANSYS, sets of DOFs that exclude each other those of Nastran.
+            // These faults are fatal: coupled sets occur only in ANSYS decks, and sets of DOFs that exclude each other
+            // only in Nastran decks.
             EquationFault::CoupledTwice { .. }
             | EquationFault::CoupledPrescribed { .. }
             | EquationFault::SlaveClaimed { .. } => Outcome::Refused,
@@ -90,7 +90,7 @@ impl<'a> Profile<'a> {
         }
     }
 
-    /// What the solver does with equations whose slaves depend on each other.
+    /// The outcome for equations whose slaves depend on each other.
     pub fn circle(&self, equations: &[usize]) -> Outcome {
         match self.solver {
             Solver::Ansys => self.ansys(equations),
@@ -99,7 +99,7 @@ impl<'a> Profile<'a> {
         }
     }
 
-    /// The kind of card that an equation comes from.
+    /// Kind of the card of an equation.
     pub fn kind(&self, equation: usize) -> CardKind {
         CardKind::from_name(&self.model.cards.nth(self.model.nth(equation).origin.card).name)
     }
@@ -130,8 +130,8 @@ impl<'a> Profile<'a> {
         }
     }
 
-    /// A coefficient of zero is refused where it is looked for; ccx looks only at sums of repeated terms, and divides by others. One
-    /// that is only small is divided by.
+    /// Outcome of a small or zero coefficient of a slave. ccx checks only sums of repeated terms for zero, and divides
+    /// by all others; other solvers refuse zero. All divide by a small coefficient.
     fn vanishes(&self, equation: usize) -> Outcome {
         let row = self.model.nth(equation);
         let terms = row.columns.iter().zip(row.coefficients);
@@ -152,7 +152,7 @@ impl<'a> Profile<'a> {
     }
 }
 
-/// An equation, and those whose slaves it depends on, directly or through others.
+/// An equation, and all equations whose slaves it depends on, directly or indirectly.
 fn connected(model: &Model, equation: usize) -> Vec<usize> {
     let slave = |i: usize| model.nth(i).columns.first().copied();
     let mut slaves: FxHashMap<u32, usize> = FxHashMap::default();

@@ -1,20 +1,20 @@
-//! Kinds of cards that claim a DOF, and what a solver does where two cards claim the same one.
+//! Kinds of cards that claim a DOF, and the outcome of two claims on the same DOF.
 
 use crate::deck::CardName;
 
-/// What a solver does with a fault. The first claim is that of the equation that a fault names first, the second that of the value or
-/// of the other equation.
+/// A solver's reaction to a fault. The first claim is the equation that a fault names first; the second is the
+/// prescribed value or the other equation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Outcome {
-    /// It stops.
+    /// The solver stops.
     Refused,
-    /// It drops the first claim and goes on; at most it prints a warning.
+    /// It drops the first claim and continues, at most with a warning.
     IgnoresFirst,
-    /// It drops the second claim and goes on; at most it prints a warning.
+    /// It drops the second claim and continues, at most with a warning.
     IgnoresSecond,
-    /// Both hold.
+    /// Both claims hold.
     Accepted,
-    /// It may go on; what it computes is infinite, not a number, or mostly rounding.
+    /// It may continue, but its results are infinite, not a number, or mostly rounding errors.
     Unsound,
 }
 
@@ -30,12 +30,12 @@ impl Outcome {
     }
 }
 
-/// What claims a DOF as the slave of an equation.
+/// Kind of a card that makes a DOF the slave of an equation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CardKind {
     /// `*EQUATION`.
     Equation,
-    /// `*MPC`, of whatever type, and MPC.
+    /// `*MPC` of any type, and MPC.
     Mpc,
     /// `*TIE`.
     Tie,
@@ -49,7 +49,7 @@ pub enum CardKind {
     DistributingCoupling,
     /// `*CYCLIC SYMMETRY MODEL` and `*PRE-TENSION SECTION`.
     Sector,
-    /// RBE2, RBE3, RBAR and others.
+    /// RBE2, RBE3, RBAR and the like.
     RigidElement,
     /// CP.
     CoupledSet,
@@ -58,7 +58,7 @@ pub enum CardKind {
 }
 
 impl CardKind {
-    /// The kind of a card by its name, whose number does not count.
+    /// The kind for the name of a card, ignoring its number.
     pub fn from_name(name: &CardName) -> Self {
         let name: String = name.to_string().chars().filter(char::is_ascii_alphabetic).collect();
         match name.to_ascii_uppercase().as_str() {

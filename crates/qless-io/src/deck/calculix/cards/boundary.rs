@@ -6,7 +6,7 @@ use crate::deck::calculix::syntax::{DataFields, FieldFault, component, number};
 use crate::deck::{DeckError, Dof, Load, Model, Origin, Prescribed, Problem};
 use crate::fault::quote;
 
-/// Named supports and the components that they hold.
+/// Named supports and the components that they fix.
 const SUPPORTS: [(&str, &[u8]); 8] = [
     ("ENCASTRE", &[1, 2, 3, 4, 5, 6]),
     ("PINNED", &[1, 2, 3]),
@@ -18,7 +18,7 @@ const SUPPORTS: [(&str, &[u8]); 8] = [
     ("ZASYMM", &[1, 2, 6]),
 ];
 
-/// The values that a card prescribes, in its order.
+/// Reads the prescribed values of a card, in its order.
 pub fn read(
     card: &KeywordCard,
     model: &mut Model,
@@ -34,14 +34,14 @@ pub fn read(
         let fail = |(field, problem): FieldFault| model.error(origin, field, problem);
         let dofs = range(card.scope, &mut fields, definitions).map_err(fail)?;
         let value = fields.real().map_err(fail)?.unwrap_or(0.0);
-        // Nothing times any course is nothing.
+        // A value of zero is the same in every time history.
         let course = if value == 0.0 { 0 } else { course };
         prescribed.extend(dofs.into_iter().map(|dof| Prescribed { dof, value, course, origin }));
     }
     Ok(prescribed)
 }
 
-/// How the values of a card run in time: as the step has it, or as an amplitude, which may come late.
+/// Time history of a card's values: the step's default, or a named amplitude, possibly delayed.
 fn course(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) -> Result<u32, Problem> {
     let Some(amplitude) = card.word("AMPLITUDE") else { return Ok(0) };
     if !definitions.amplitudes.contains(&amplitude) {
@@ -53,7 +53,7 @@ fn course(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) 
     })
 }
 
-/// The DOFs that a card loads.
+/// Reads the DOFs that a card loads.
 pub fn loads(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) -> Result<Vec<Load>, DeckError> {
     let number = model.card("*CLOAD", card.file, card.line);
     let mut loads = Vec::new();
@@ -69,7 +69,7 @@ pub fn loads(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinition
     Ok(loads)
 }
 
-/// `node or set, first, last`, the last the same as the first where it is left out; or `node or set, support`.
+/// `node or set, first, last`, where `last` defaults to `first`; or `node or set, support`.
 pub fn range(scope: Scope, fields: &mut DataFields, definitions: &DeckDefinitions) -> Result<Vec<Dof>, FieldFault> {
     let nodes = nodes(scope, fields, definitions)?;
     let components = components(fields)?;

@@ -1,7 +1,7 @@
 //! `*COUPLING` with `*KINEMATIC` or `*DISTRIBUTING`.
 //!
-//! A distributing reference moves as the weighted mean of its nodes, `u_r = A_r S^-1 sum w_k a_k^T u_k`: so Abaqus has it. In ccx the
-//! card only distributes forces, and the motion of the reference has no effect on the surface.
+//! In Abaqus, a distributing reference moves as the weighted mean of its nodes, `u_r = A_r S^-1 sum w_k a_k^T u_k`. In
+//! ccx, the card only distributes forces: the motion of the reference does not move the surface.
 
 use crate::deck::calculix::cards::rigid::{BodyReference, kinematic, own_rotation};
 use crate::deck::calculix::cards::{CardEquation, CardPlace, refused};
@@ -16,14 +16,14 @@ use crate::deck::kinematics::vector::{length, minus};
 use crate::deck::{DeckError, Model, Problem, Solver};
 use crate::fault::quote;
 
-/// What a `*COUPLING` card says to the card after it.
+/// A `*COUPLING` card; the next card decides its type.
 #[derive(Clone)]
 pub struct CouplingCard {
     scope: Scope,
     reference: String,
     surface: String,
     orientation: Option<String>,
-    /// Nodes farther from the reference are not coupled.
+    /// Radius of influence: nodes farther from the reference are not coupled.
     radius: Option<String>,
 }
 
@@ -39,7 +39,7 @@ impl CouplingCard {
         }
     }
 
-    /// The reference: a node, or a set of one.
+    /// The reference node, given as a node or a set of one node.
     pub fn reference(&self, definitions: &DeckDefinitions) -> Result<u32, Problem> {
         if self.reference.is_empty() {
             return Err(Problem::NoParameter { name: "REF NODE" });
@@ -47,14 +47,14 @@ impl CouplingCard {
         definitions.one_node(self.scope, self.reference.as_bytes())
     }
 
-    /// Whether the reference is a node of the surface.
+    /// Whether the reference is itself a node of the surface.
     fn holds_its_reference(&self, definitions: &DeckDefinitions) -> bool {
         let surface = DeckSurface::find(definitions, self.scope, &self.surface);
         let reference = self.reference(definitions).ok();
         surface.is_ok_and(|surface| reference.is_some_and(|reference| surface.all_nodes().contains(&reference)))
     }
 
-    /// The nodes of the surface without the reference, within the radius of influence.
+    /// Nodes of the surface within the radius of influence, without the reference.
     fn nodes(&self, definitions: &DeckDefinitions) -> Result<Vec<u32>, Problem> {
         let reference = self.reference(definitions)?;
         let mut nodes = DeckSurface::find(definitions, self.scope, &self.surface)?.all_nodes();
@@ -82,7 +82,7 @@ impl CouplingCard {
             return Ok(Vec::new());
         }
         let named = self.orientation.as_deref().map(|name| definitions.orientation(self.scope, name)).transpose()?;
-        // Without ORIENTATION ccx couples along the basic axes, whatever axes its nodes have.
+        // Without ORIENTATION, ccx couples along the global axes, even at nodes with local axes.
         let local = named.or((solver == Solver::Ccx).then_some(Frame::BASIC));
         let reference = BodyReference::turning(self.reference(definitions)?);
         let nodes = self.nodes(definitions)?;
@@ -101,12 +101,12 @@ impl CouplingCard {
     }
 }
 
-/// `*KINEMATIC` without data: ccx couples nothing, Abaqus all.
+/// `*KINEMATIC` without data couples nothing in ccx and everything in Abaqus.
 fn couples_nothing(card: &KeywordCard, solver: Solver) -> bool {
     solver == Solver::Ccx && card.lines().next().is_none()
 }
 
-/// `*KINEMATIC` or `*DISTRIBUTING` after `*COUPLING`; false where it constrains nothing.
+/// Reads `*KINEMATIC` or `*DISTRIBUTING` after `*COUPLING`. Returns false if it constrains nothing.
 pub fn read(
     card: &KeywordCard,
     coupling: &CouplingCard,
@@ -134,7 +134,7 @@ pub fn read(
     }
     let constrains = model.equations() > before;
     if is_kinematic && constrains {
-        // That it is there was checked when the rows were made.
+        // Making the rows has already checked that the reference exists.
         let reference = BodyReference::turning(coupling.reference(definitions).unwrap_or_default());
         own_rotation(&place, reference, model, definitions);
         linearised(card, &place, model);
@@ -145,7 +145,8 @@ pub fn read(
     Ok(constrains)
 }
 
-/// Adds the equations of a coupling; the rotations of its reference are DOFs that the solver adds.
+/// Adds the equations of a coupling. Its reference gets rotations that only the solver has, so that equations cannot
+/// replace the card.
 pub fn finish(
     card: &KeywordCard,
     place: &CardPlace,
@@ -170,7 +171,7 @@ fn distance(definitions: &DeckDefinitions, a: u32, b: u32) -> Result<f64, Proble
     Ok(length(minus(definitions.position(a)?, definitions.position(b)?)))
 }
 
-/// The weight of each node by its distance from the reference, in parts of the largest.
+/// Weight of each node by its distance from the reference, relative to the largest distance.
 fn weights(card: &KeywordCard, of: &DeckDefinitions, reference: u32, nodes: &[u32]) -> Result<Vec<f64>, Problem> {
     const EXPECTED: &str = "UNIFORM, LINEAR, QUADRATIC or CUBIC";
     let method = card.word("WEIGHTINGMETHOD").unwrap_or_else(|| "UNIFORM".into());
@@ -185,11 +186,11 @@ fn weights(card: &KeywordCard, of: &DeckDefinitions, reference: u32, nodes: &[u3
     let largest = distances.iter().fold(0.0, |largest: f64, x| largest.max(*x));
     let part = |x: f64| if largest > 0.0 { x / largest } else { 0.0 };
     let weights: Vec<f64> = distances.iter().map(|&x| weight(part(x))).collect();
-    // Nodes that are all as far away count all the same.
+    // Nodes at the same distance get equal weights.
     Ok(if weights.iter().all(|&x| x == 0.0) { vec![1.0; nodes.len()] } else { weights })
 }
 
-/// The rows of a mean motion.
+/// Equations of a weighted mean motion.
 pub fn mean(
     definitions: &DeckDefinitions,
     reference: u32,
@@ -206,7 +207,7 @@ pub fn translations() -> Components {
     Components::parse(b"123").unwrap_or_default()
 }
 
-/// `first, last` a line; all up to `most` without data.
+/// Components given as `first, last` on each line; all up to `most` without data.
 fn components(card: &KeywordCard, most: u8) -> Result<Vec<u8>, Problem> {
     let mut components = Vec::new();
     for line in DataLines::new(&card.data) {
@@ -217,7 +218,7 @@ fn components(card: &KeywordCard, most: u8) -> Result<Vec<u8>, Problem> {
     Ok(if components.is_empty() { (1..=most).collect() } else { components })
 }
 
-/// `first, last`; all up to `most` where nothing stands.
+/// Components `first, last`; all up to `most` if both are missing.
 pub fn range<'a>(fields: &mut impl Iterator<Item = &'a [u8]>, most: u8) -> Result<Vec<u8>, Problem> {
     const EXPECTED: &str = "a degree of freedom from 1 to 6";
     let mut next = || {

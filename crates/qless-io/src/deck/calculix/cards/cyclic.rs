@@ -1,8 +1,8 @@
-//! `*CYCLIC SYMMETRY MODEL` with `*TIE, CYCLIC SYMMETRY`, for nodal diameter 0: the sector's slave side moves as the master side turned onto
-//! it, `e . u_s = (R e) . sum N_i u_i` for every direction e.
+//! `*CYCLIC SYMMETRY MODEL` with `*TIE, CYCLIC SYMMETRY`, for nodal diameter 0. The slave side of the sector moves as
+//! the rotated master side: `e . u_s = (R e) . sum N_i u_i` for every direction e.
 //!
-//! Nodes are matched by radius and height; those without a partner follow the point of the master's faces that a turn by a sector
-//! takes them to.
+//! Nodes are matched by radius and height. A node without a partner is rotated by one sector and follows the nearest
+//! point of the master's faces.
 
 use crate::deck::calculix::cards::{CardEquation, CardPlace, tie};
 use crate::deck::calculix::model::definitions::DeckDefinitions;
@@ -16,12 +16,12 @@ use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::{Vector, dot, length, minus, plus, scaled};
 use crate::deck::{DeckError, Model, Problem};
 
-/// Part of the size of the slave side within which nodes are partners, where the tie does not say.
+/// Default distance between partners, relative to the size of the slave side.
 const TOLERANCE: f64 = 1e-4;
-/// Part of the distance from the origin within which a node lies on the axis.
+/// A node lies on the axis if its radius is below this fraction of its distance from the origin.
 const AXIS: f64 = 1e-9;
 
-/// Adds the equations of a model card and its tie, or leaves them out.
+/// Adds the equations of a model card and its tie, or leaves the card out with a warning.
 pub fn read(
     card: &KeywordCard,
     tie: &KeywordCard,
@@ -51,7 +51,7 @@ pub fn read(
     Ok(())
 }
 
-/// One sector: its axis, its sides.
+/// One sector: its axis and its two sides.
 struct Sector<'a> {
     definitions: &'a DeckDefinitions,
     axis: Frame,
@@ -92,13 +92,13 @@ impl<'a> Sector<'a> {
         Ok(Self { definitions, axis, angle, slaves, masters, faces, tolerance })
     }
 
-    /// The rows of all slaves; none where one is on the axis or has no partner.
+    /// Equations of all slaves; `None` if a slave is on the axis or has no partner.
     fn rows(&self) -> Result<Option<Vec<CardEquation>>, Problem> {
         let mut masters = Vec::with_capacity(self.masters.len());
         for &master in &self.masters {
             masters.push((master, self.meridian(self.definitions.position(master)?)));
         }
-        // Along the radius, so that a partner is looked for among few.
+        // Sorted by radius, so that only few nodes are compared.
         masters.sort_by(|a, b| a.1[0].total_cmp(&b.1[0]));
         let grid = FaceGrid::new(&self.faces, self.tolerance);
         let mut rows = Vec::with_capacity(3 * self.slaves.len());
@@ -125,7 +125,7 @@ impl<'a> Sector<'a> {
         [first.hypot(second), third]
     }
 
-    /// The nearest of the nodes within the tolerance.
+    /// The nearest node within the tolerance.
     fn partner(&self, masters: &[(u32, [f64; 2])], [r, z]: [f64; 2]) -> Option<u32> {
         let start = masters.partition_point(|(_, meridian)| meridian[0] < r - self.tolerance);
         let near = masters[start..].iter().take_while(|(_, meridian)| meridian[0] <= r + self.tolerance);
@@ -134,7 +134,7 @@ impl<'a> Sector<'a> {
         (nearest.1 <= self.tolerance).then_some(nearest.0)
     }
 
-    /// The point of the faces that a turn by a sector, either way, takes a slave to.
+    /// The point of the master's faces nearest to the slave, rotated by one sector in either direction.
     fn projected(&self, grid: &FaceGrid, x: Vector) -> Option<Vec<(u32, f64)>> {
         let typical = self.faces.iter().map(MasterFace::size).sum::<f64>() / self.faces.len().max(1) as f64;
         let near = [self.angle, -self.angle].map(|angle| grid.nearest(&self.faces, self.turned(x, angle)));
@@ -152,7 +152,7 @@ impl<'a> Sector<'a> {
         plus(plus(self.axis.origin, axial), across)
     }
 
-    /// The three components of a slave.
+    /// Equations of the three components of a slave.
     fn follow(&self, slave: u32, position: Vector, partners: &[(u32, f64)]) -> Result<Vec<CardEquation>, Problem> {
         let mut there = [0.0; 3];
         for &(node, weight) in partners {
@@ -169,7 +169,7 @@ impl<'a> Sector<'a> {
     }
 }
 
-/// The diagonal of the box around nodes.
+/// Diagonal of the bounding box of nodes.
 fn size(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<f64, Problem> {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for &node in nodes {

@@ -1,4 +1,4 @@
-//! `*EQUATION`: the number of terms, then `node, component, coefficient` for each, as many on a line as fit.
+//! `*EQUATION`: the number of terms, then `node, component, coefficient` for each of them, several to a line.
 
 use std::rc::Rc;
 
@@ -8,10 +8,10 @@ use crate::deck::calculix::syntax::{DataFields, DataLine, FieldFault, component,
 use crate::deck::{DeckError, Dof, Model, Origin, Problem};
 use crate::fault::quote;
 
-/// Terms of an equation at most.
+/// Most terms of an equation.
 const TERMS: u32 = 50_000_000;
 
-/// One term: a node, or the nodes of a set, which stand for as many equations.
+/// Nodes of a term: one node, or a set, which gives one equation for each of its nodes.
 enum TermNodes {
     One(u32),
     Set(Rc<Vec<u32>>),
@@ -42,7 +42,7 @@ pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions
             };
             add_terms(&line, promised, (card.scope, definitions), &mut terms)
                 .map_err(|fault| fail(model, &line, fault))?;
-            // An equation that goes on in another file is placed where it begins.
+            // The lines of an equation that continues in another file are counted in the first file only.
             if line.file == head.file {
                 lines_of_it = (line.number + 1).saturating_sub(head.number);
             }
@@ -53,7 +53,7 @@ pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions
     Ok(())
 }
 
-/// Cards that follow each other in a file are one, so that a million of them take no room.
+/// Consecutive `*EQUATION` cards of a file are stored as one, to save memory.
 fn number_for(file: u32, line: u32, model: &mut Model) -> u32 {
     match model.cards.last() {
         Some(last) if last.name == "*EQUATION" && last.file == file => model.cards.len() as u32 - 1,
@@ -76,7 +76,7 @@ fn count(head: &DataLine) -> Result<usize, FieldFault> {
     Ok(terms as usize)
 }
 
-/// The terms on a line; more than promised are refused.
+/// Reads the terms on a line; refuses more terms than promised.
 fn add_terms(
     line: &DataLine,
     promised: usize,
@@ -110,7 +110,7 @@ fn nodes(field: &[u8], (scope, definitions): (Scope, &DeckDefinitions)) -> Resul
     }
 }
 
-/// One equation, or one for each member of the sets, which must have as many.
+/// Adds one equation, or one for each member of the sets, which must have the same size.
 fn push(terms: &[EquationTerm], origin: Origin, model: &mut Model) -> Result<(), Problem> {
     let mut sizes =
         terms.iter().filter_map(|term| if let TermNodes::Set(set) = &term.nodes { Some(set.len()) } else { None });
@@ -132,7 +132,7 @@ fn push(terms: &[EquationTerm], origin: Origin, model: &mut Model) -> Result<(),
     Ok(())
 }
 
-/// `*EQUATION, REMOVE`: the equations whose slave is listed as `node or set, first, last`, or all.
+/// `*EQUATION, REMOVE`: finds the equations whose slaves are listed as `node or set, first, last`, or all equations.
 pub fn removed(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) -> Result<Vec<u32>, DeckError> {
     let all = 0..model.equations() as u32;
     if card.parameter("REMOVEALL").is_some() {

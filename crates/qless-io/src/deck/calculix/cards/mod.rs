@@ -1,5 +1,5 @@
-//! Cards that constrain, as equations and prescribed values; here what they share: their place in the deck, and equations between
-//! displacements along any direction.
+//! Cards that constrain, as equations and prescribed values. This file holds what they share: their location in the
+//! deck, and equations between displacements along any direction.
 
 pub mod boundary;
 pub mod coupling;
@@ -18,17 +18,18 @@ use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::{Vector, dot};
 use crate::deck::{DeckError, Dof, Model, Origin, Problem};
 
-/// An equation: its terms, the slave first, and the right-hand side.
+/// An equation: its terms, slave first, and its right-hand side.
 pub struct CardEquation {
     pub terms: Vec<(Dof, f64)>,
     pub rhs: f64,
 }
 
-/// Below this part of the largest, a coefficient is rounding.
+/// Coefficients below this fraction of the largest one are rounding errors.
 const ROUNDING: f64 = 1e-14;
 
 impl CardEquation {
-    /// `sum g_k . u_k = rhs` over nodes k in the axes of each; the slave is the component of the first node that counts most.
+    /// `sum g_k . u_k = rhs` over nodes k, in the local axes of each. The slave is the component of the first node
+    /// with the largest coefficient.
     pub fn along(definitions: &DeckDefinitions, gradients: &[(u32, Vector)], rhs: f64) -> Result<Self, Problem> {
         let mut terms: Vec<(Dof, f64)> = Vec::with_capacity(3 * gradients.len());
         for &(node, gradient) in gradients {
@@ -40,7 +41,7 @@ impl CardEquation {
         let first = gradients.first().map_or(0, |(node, _)| *node);
         terms.retain(|(_, a)| a.abs() > ROUNDING * largest);
         let own = terms.iter().enumerate().filter(|(_, (dof, _))| dof.node == first);
-        // Of several that count as much the first, as ccx has it.
+        // Ties go to the first component, as in ccx.
         let slave = own.rev().max_by(|a, b| a.1.1.abs().total_cmp(&b.1.1.abs())).map(|(k, _)| k);
         let Some(slave) = slave.filter(|_| largest > 0.0) else {
             return Err(Problem::Degenerate { what: format!("node {first} is not constrained by its geometry") });
@@ -51,7 +52,7 @@ impl CardEquation {
         Ok(Self { terms, rhs: rhs / scale })
     }
 
-    /// The same equation with another slave, which must not count less than the one it has.
+    /// The same equation with another slave, if its coefficient is no smaller.
     pub fn led_by(mut self, slave: Dof) -> Self {
         let at = self.terms.iter().position(|(dof, a)| *dof == slave && a.abs() >= 1.0 - ROUNDING);
         if let Some(at) = at {
@@ -60,8 +61,8 @@ impl CardEquation {
         self
     }
 
-    /// The same equation; where its slave is among these, with another component of the same node, the one that counts most, if there
-    /// is one.
+    /// The same equation with a slave that is not in `slaves`, if possible: the component of the same node with the
+    /// largest coefficient.
     pub fn led_by_none_of(mut self, slaves: &[Dof]) -> Self {
         let own = self.terms[0].0;
         if slaves.contains(&own) {
@@ -89,18 +90,18 @@ impl CardEquation {
     }
 }
 
-/// A card that is being turned into equations.
+/// A card that is turned into equations.
 pub struct CardPlace {
     pub origin: Origin,
 }
 
 impl CardPlace {
-    /// Registers a card under the name that the deck gives it.
+    /// Adds the card to the model, under its name in the deck.
     pub fn of(card: &KeywordCard, model: &mut Model, name: &'static str) -> Self {
         let number = model.card(name, card.file, card.line);
         let last = card.lines().filter(|line| line.file == card.file).last().map_or(card.line, |line| line.number);
         let lines = (last + 1).saturating_sub(card.line).max(1);
-        // One text for all instances of a part: it cannot change for one of them.
+        // All instances share the text of their part, so that it cannot change for one of them.
         model.cards.fix(number, card.scope != Scope::DECK);
         Self { origin: Origin { card: number, line: card.line, lines } }
     }
@@ -110,7 +111,7 @@ impl CardPlace {
         model.error(self.origin, None, problem)
     }
 
-    /// Adds equations, or says what is wrong.
+    /// Adds equations, or returns the error at the card.
     pub fn push(&self, model: &mut Model, rows: Result<Vec<CardEquation>, Problem>) -> Result<(), DeckError> {
         for row in rows.map_err(|problem| self.fail(model, problem))? {
             model.push(row.terms, row.rhs, self.origin);
@@ -118,7 +119,7 @@ impl CardPlace {
         Ok(())
     }
 
-    /// Marks the card as one that equations cannot stand in for.
+    /// Marks the card as one that equations cannot replace.
     pub fn fix(&self, model: &mut Model) {
         model.cards.fix(self.origin.card, true);
     }

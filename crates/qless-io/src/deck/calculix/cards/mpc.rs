@@ -52,7 +52,7 @@ pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions
             let text = "*MPC DIST holds only once the nodes are as far apart as it allows: no equation until then";
             model.warn(card.file, card.line, text);
         } else if !matches!(kind.as_str(), "PIN" | "TIE") {
-            // The solver treats them as nonlinear.
+            // The solver treats these types as nonlinear.
             place.fix(model);
             model.warn(card.file, card.line, format!("*MPC {kind} is linearised at the reference configuration"));
         }
@@ -60,7 +60,7 @@ pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions
     Ok(())
 }
 
-/// Types with their nodes; a line that begins with a number goes on.
+/// Reads the types with their nodes; a line that begins with a number continues the list.
 fn lists(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<Vec<(String, Vec<u32>)>, Problem> {
     let mut lists: Vec<(String, Vec<u32>)> = Vec::new();
     for line in card.lines() {
@@ -135,7 +135,7 @@ fn straight(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<Vec<CardEqua
             let is_off = off.abs() > 1e-6 * length(along) * length(to_k);
             let gradients = [(node, by_k), (nodes[0], by_a), (nodes[1], by_b)];
             let row = CardEquation::along(definitions, &gradients, if is_off { -off } else { 0.0 })?;
-            // Each of the two other components is a slave once, on lines through the corners of a cube too.
+            // Each of the other two components becomes a slave once, even on lines through the corners of a cube.
             rows.push(row.led_by(Dof { node, component: (3 - i - largest) as u8 + 1 }));
         }
     }
@@ -159,8 +159,8 @@ fn distance(definitions: &DeckDefinitions, a: u32, b: u32) -> Result<CardEquatio
     CardEquation::along(definitions, &[(a, along), (b, scaled(along, -1.0))], 0.0)
 }
 
-/// `sum_k (e x p_k) / abs(p_k)^2 . (u_k - mean u) = n u_p`, with p_k the arm of node k from the mean place, across the axis e; nodes on the axis
-/// count for the mean alone. Each node stands three times.
+/// `sum_k (e x p_k) / abs(p_k)^2 . (u_k - mean u) = n u_p`: p_k is the arm of node k from the mean position,
+/// perpendicular to the axis e. Nodes on the axis only enter the mean. The card lists each node three times.
 fn mean_rotation(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<CardEquation, Problem> {
     let Some((&pilot, nodes)) = nodes.split_last().filter(|(_, nodes)| !nodes.is_empty() && nodes.len() % 3 == 0)
     else {
@@ -194,8 +194,8 @@ fn mean_rotation(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<CardEqu
     Ok(row)
 }
 
-/// The row of a distance that is not to be exceeded, where it is reached already; the first DOF of the last node, which is to be
-/// prescribed, stands for what it exceeds it by.
+/// Equation of an upper bound on a distance; `None` while the distance is smaller. The first DOF of the last node,
+/// which the deck has to prescribe, is the excess over the bound.
 fn bound(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<Option<CardEquation>, Problem> {
     let [a, _, _, b, _, _, c] = *nodes else {
         return Err(Problem::TooFew { what: "nodes", promised: 7, found: nodes.len() });

@@ -1,4 +1,4 @@
-//! `*KINEMATIC COUPLING` and `*DISTRIBUTING COUPLING`, older than `*COUPLING`.
+//! `*KINEMATIC COUPLING` and `*DISTRIBUTING COUPLING`, the predecessors of `*COUPLING`.
 
 use crate::deck::calculix::cards::coupling::{finish, mean, range, translations};
 use crate::deck::calculix::cards::rigid::{BodyReference, kinematic};
@@ -42,8 +42,8 @@ pub fn kinematic_coupling(
     finish(card, &place, model, rows)
 }
 
-/// `*DISTRIBUTING COUPLING, ELSET=`: `node or set, weight` a line; the element set holds the reference, wherever that is. As ccx has
-/// it: `sum w_k u_k - sum w_k u_r = 0` in each direction, the first node being the slave. As Abaqus has it: the mean motion.
+/// `*DISTRIBUTING COUPLING, ELSET=`: `node or set, weight` a line; the element set holds the reference. In ccx: `sum
+/// w_k u_k - sum w_k u_r = 0` in each direction, with the first node as slave. In Abaqus: the mean motion.
 pub fn distributing_coupling(
     card: &KeywordCard,
     model: &mut Model,
@@ -66,7 +66,7 @@ pub fn distributing_coupling(
     finish(card, &place, model, rows)
 }
 
-/// The reference, and the weighted nodes.
+/// The reference, and the nodes with their weights.
 fn weights(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<(u32, Vec<(u32, f64)>), Problem> {
     let set = card.parameter("ELSET").ok_or(Problem::NoParameter { name: "ELSET" })?;
     let [reference] = definitions.nodes_of(card.scope, set)?[..] else {

@@ -9,14 +9,15 @@ use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::{Vector, cross, minus};
 use crate::deck::{DeckError, Dof, Model, Problem, Solver};
 
-/// The node whose motion a body follows, and the first of the three components that are the body's rotation.
+/// Reference of a body: the node whose motion the body follows, and the first of three components for its rotation.
 #[derive(Clone, Copy)]
 pub struct BodyReference {
     pub node: u32,
     pub rotation: Dof,
 }
 
-/// The rotation that CalculiX makes for a `*RIGID BODY` without `ROT NODE`: no other card reaches it, components 4 to 6 included.
+/// Component of the rotation that CalculiX makes for a `*RIGID BODY` without `ROT NODE`. No card can name it, not even
+/// by components 4 to 6.
 const UNREACHED: u8 = 21;
 
 impl BodyReference {
@@ -25,7 +26,7 @@ impl BodyReference {
         Self { node, rotation: Dof { node, component: 4 } }
     }
 
-    /// The motion of a point along a direction e: `e . u_k - e . u_r - (r x e) . w = 0`.
+    /// Equation of the motion of a point along a direction e: `e . u_k - e . u_r - (r x e) . w = 0`.
     pub fn follows(
         &self,
         definitions: &DeckDefinitions,
@@ -48,7 +49,7 @@ impl BodyReference {
         Ok(row)
     }
 
-    /// The node that has the rotation as its components 1 to 3, if there is one.
+    /// The node whose components 1 to 3 are the rotation, if there is one.
     pub fn rotation_node(&self) -> Option<u32> {
         (self.rotation.component == 1).then_some(self.rotation.node)
     }
@@ -57,14 +58,14 @@ impl BodyReference {
         Dof { component: self.rotation.component + k as u8, ..self.rotation }
     }
 
-    /// A node's rotation is the body's.
+    /// Equation `rotation of a node = rotation of the body` about axis `k`.
     pub fn turns(&self, node: u32, k: usize) -> CardEquation {
         let own = Dof { node, component: k as u8 + 4 };
         CardEquation { terms: vec![(own, 1.0), (self.rotation_dof(k), -1.0)], rhs: 0.0 }
     }
 }
 
-/// `*RIGID BODY`: the sets of a body and its reference, which is handed back where anything follows it.
+/// Reads `*RIGID BODY`. Returns its reference if any node follows it.
 pub fn read(
     card: &KeywordCard,
     model: &mut Model,
@@ -94,15 +95,15 @@ pub fn read(
     Ok(used)
 }
 
-/// A body as its card has it.
+/// A `*RIGID BODY` card that is being read.
 struct RigidBodyCard<'a> {
     card: &'a KeywordCard,
     definitions: &'a DeckDefinitions,
     solver: Solver,
     warnings: Vec<String>,
-    /// The reference, where the solver makes it.
+    /// Reference node, if the solver makes it.
     made: Option<u32>,
-    /// The reference that the rows were made with.
+    /// Reference that the equations use.
     used: Option<BodyReference>,
 }
 
@@ -123,7 +124,7 @@ impl RigidBodyCard<'_> {
         Ok(rows)
     }
 
-    /// A node that a parameter names, or the one of a set.
+    /// The node that a parameter names, directly or as a set of one node.
     fn node(&mut self, parameter: &str) -> Result<Option<u32>, Problem> {
         let Some(text) = self.card.parameter(parameter) else { return Ok(None) };
         if self.solver == Solver::Ccx && number(text.as_bytes(), "a node").is_err() {
@@ -132,7 +133,7 @@ impl RigidBodyCard<'_> {
         self.definitions.one_node(self.card.scope, text.as_bytes()).map(Some)
     }
 
-    /// The reference; ccx makes one at the origin where none is given.
+    /// The reference node; without one, ccx makes a node at the origin.
     fn reference(&mut self) -> Result<u32, Problem> {
         match self.node("REFNODE")? {
             Some(node) => Ok(node),
@@ -145,7 +146,7 @@ impl RigidBodyCard<'_> {
         }
     }
 
-    /// The reference and its rotation, which may be a node's of its own.
+    /// The reference and its rotation, which may belong to another node.
     fn motion(&mut self) -> Result<BodyReference, Problem> {
         let node = self.reference()?;
         let own = Dof { node, component: if self.solver == Solver::Ccx { UNREACHED } else { 4 } };
@@ -153,7 +154,7 @@ impl RigidBodyCard<'_> {
         Ok(BodyReference { node, rotation })
     }
 
-    /// The nodes of the body in the order of the card, each once, and whether their rotations are the body's too.
+    /// Nodes of the body, each once and in the order of the card, and whether they rotate with it.
     fn nodes(&mut self) -> Result<Vec<(u32, bool)>, Problem> {
         let mut all: Vec<(u32, bool)> = Vec::new();
         for (parameter, turns) in self.sets() {
@@ -172,8 +173,8 @@ impl RigidBodyCard<'_> {
         Ok(all)
     }
 
-    /// The parameters that name sets, and whether those tie rotations; a node in several of them is that of the first. What ccx does
-    /// not know it passes over, and a card that names no set it knows altogether.
+    /// Parameters that name sets, and whether nodes of these sets rotate with the body. A node in several sets belongs
+    /// to the first. ccx ignores parameters that it does not know, and the whole card if it knows none of them.
     fn sets(&mut self) -> Vec<(&'static str, bool)> {
         if self.solver != Solver::Ccx {
             return vec![("PINNSET", false), ("TIENSET", true), ("NSET", false), ("ELSET", true)];
@@ -190,7 +191,8 @@ impl RigidBodyCard<'_> {
     }
 }
 
-/// The solver makes the rotation of a reference: one along the basic axes can be that of a new node.
+/// Notes a rotation that the solver makes. If it is along the global axes, a new node can have it; otherwise equations
+/// cannot replace the card.
 pub fn own_rotation(place: &CardPlace, reference: BodyReference, model: &mut Model, definitions: &DeckDefinitions) {
     let node = reference.node;
     let is_plain = definitions.pose(node).is_ok_and(|pose| pose.axes == BASIC_AXES);
@@ -201,7 +203,7 @@ pub fn own_rotation(place: &CardPlace, reference: BodyReference, model: &mut Mod
     }
 }
 
-/// The rows of nodes that follow a reference in these components, along the axes of `local` or their own.
+/// Equations of nodes that follow a reference in these components, along `local` or else along their own axes.
 pub fn kinematic(
     definitions: &DeckDefinitions,
     reference: BodyReference,
@@ -210,7 +212,7 @@ pub fn kinematic(
     local: Option<&Frame>,
 ) -> Result<Vec<CardEquation>, Problem> {
     let mut rows = Vec::new();
-    // All three directions say the same along any axes.
+    // All three directions together mean the same along any axes.
     let local = local.filter(|_| !(1..=3).all(|component| components.contains(&component)));
     for node in nodes {
         let pose = definitions.pose(node)?;

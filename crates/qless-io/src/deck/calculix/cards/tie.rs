@@ -1,4 +1,4 @@
-//! `*TIE`: each node of the slave surface moves with the point of the master surface nearest to it, `u_s = sum N_i(xi) u_i`.
+//! `*TIE`: each node of the slave surface moves with the nearest point of the master surface, `u_s = sum N_i(xi) u_i`.
 
 use crate::deck::calculix::cards::{CardEquation, CardPlace};
 use crate::deck::calculix::model::definitions::DeckDefinitions;
@@ -11,10 +11,11 @@ use crate::fault::quote;
 
 use crate::deck::calculix::model::project::{FaceGrid, MasterFace};
 
-/// Part of the typical size of a face within which a node is tied, where the card does not say.
+/// Default distance within which a node is tied, relative to the typical size of a face.
 pub const TOLERANCE: f64 = 0.025;
 
-/// Part of the typical size of a face up to which a node lies on it: coordinates have six or seven digits in many decks.
+/// Distance within which a node counts as lying on a face, relative to the typical size of a face. In many decks,
+/// coordinates have only six or seven digits.
 const ON_FACE: f64 = 1e-6;
 const MOVED: &str = "its slave nodes are moved onto the master: write ADJUST=NO or close the gap";
 
@@ -45,12 +46,12 @@ pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions
 struct Tied {
     rows: Vec<CardEquation>,
     apart: Vec<u32>,
-    /// Whether some tied node is off its face.
+    /// Whether a tied node does not lie on its face.
     has_gap: bool,
     tolerance: f64,
 }
 
-/// Leaves a tie of a special kind out, with all that its surfaces may claim.
+/// Leaves out a tie of a special kind, with all DOFs that it may claim.
 pub fn leave_out(card: &KeywordCard, kind: &str, model: &mut Model, definitions: &DeckDefinitions) {
     let place = CardPlace::of(card, model, "*TIE");
     let text = format!("*TIE with {kind} constrains, but is not understood: left out");
@@ -113,7 +114,7 @@ fn tied(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<Tied, Probl
     Ok(tied)
 }
 
-/// The three components of a tied node.
+/// Equations of the three components of a tied node.
 fn rows(
     definitions: &DeckDefinitions,
     node: u32,

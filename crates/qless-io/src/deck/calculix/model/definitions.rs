@@ -1,4 +1,4 @@
-//! What a deck defines, as text until something asks for it.
+//! Definitions of a deck, and the lookups that cards need.
 
 use std::cell::{OnceCell, RefCell};
 
@@ -17,15 +17,15 @@ use crate::deck::kinematics::body::Pose;
 use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::Vector;
 
-/// Definitions, as text until they are needed.
+/// Definitions of a deck, kept as text until they are needed.
 #[derive(Default)]
 pub struct DeckDefinitions {
-    /// By scope.
+    /// Text of the `*NODE` cards, by scope.
     nodes: Vec<Vec<DataPiece>>,
     pub sets: SetTable,
     pub blocks: Vec<ElementCard>,
     pub surfaces: FxHashMap<ScopedName, Vec<SurfaceCard>>,
-    /// `*TRANSFORM` with its node set.
+    /// `*TRANSFORM` cards with their node sets.
     pub transforms: Vec<(String, AxesCard)>,
     pub orientations: FxHashMap<ScopedName, AxesCard>,
     /// Names of `*AMPLITUDE` cards.
@@ -38,21 +38,21 @@ pub struct DeckDefinitions {
     elements: OnceCell<Result<MeshElements, Problem>>,
     locals: OnceCell<Result<FxHashMap<u32, Frame>, Problem>>,
     rotating: OnceCell<FxHashSet<u32>>,
-    /// Where nodes are that no card lists, because the solver makes them.
+    /// Positions of nodes that the solver makes.
     made: RefCell<FxHashMap<u32, Vector>>,
     /// Whether a step is geometrically nonlinear.
     pub is_nonlinear: bool,
-    /// Whether modes of several nodal diameters are asked for.
+    /// Whether the deck asks for modes of several nodal diameters.
     pub has_diameters: bool,
-    /// Bounds of the number of equations and of their terms.
+    /// Upper bounds of the number of equations and of their terms.
     pub equations: usize,
     pub terms: usize,
-    /// Whether nodes may exist that no `*NODE` card lists.
+    /// Whether other cards than `*NODE` may define nodes.
     pub generates_nodes: bool,
 }
 
 impl DeckDefinitions {
-    /// Notes what a card defines.
+    /// Notes the definitions on a card.
     pub fn note(&mut self, card: &KeywordCard) {
         let key = |parameter| (card.scope, card.word(parameter).unwrap_or_default());
         match card.keyword.as_slice() {
@@ -115,14 +115,14 @@ impl DeckDefinitions {
         self.instances.push(Instance { name, data: card.data.clone() });
     }
 
-    /// Notes a part of the node set that a card names, if it names one.
+    /// Notes members of the node set that a card names, if it names one.
     fn set(&mut self, card: &KeywordCard, part: impl FnOnce() -> SetMembers) {
         if let Some(set) = card.word("NSET") {
             self.sets.of_nodes.entry((card.scope, set)).or_default().push(SetPart::of(card, part()));
         }
     }
 
-    /// An equation takes two lines at least; a line of k terms has 3 k - 1 commas.
+    /// An equation takes at least two lines; a line of k terms has 3 k - 1 commas.
     fn count(&mut self, piece: &DataPiece) {
         let text = &piece.text[piece.range.clone()];
         let lines = memchr::memchr_iter(b'\n', text).count();
@@ -130,7 +130,7 @@ impl DeckDefinitions {
         self.terms += (memchr::memchr_iter(b',', text).count() + lines / 2) / 3;
     }
 
-    /// Where something of this name is: in the scope itself, or in the instance that the name begins with.
+    /// Looks up a name in the scope itself, or in the instance that the name begins with.
     pub fn find<'m, V>(
         &self,
         map: &'m FxHashMap<ScopedName, V>,
@@ -146,7 +146,8 @@ impl DeckDefinitions {
         map.get(&key).map(|value| (key, value))
     }
 
-    /// `I.rest`, after the name of the assembly or not, with I the name of an instance: its scope and the rest.
+    /// Splits `I.rest`, where I is an instance: returns its scope and the rest. The name of the assembly may stand in
+    /// front.
     pub fn qualified<'n>(&self, name: &'n str) -> Option<(Scope, &'n str)> {
         let inner = |assembly: &String| name.strip_prefix(assembly.as_str()).and_then(|rest| rest.strip_prefix('.'));
         let name = self.assemblies.iter().find_map(inner).unwrap_or(name);
@@ -154,7 +155,7 @@ impl DeckDefinitions {
         name.match_indices('.').find_map(|(dot, _)| split(dot))
     }
 
-    /// The numbers in the deck of the nodes of instances.
+    /// Numbers in the deck for the nodes of instances.
     pub fn numbers(&self) -> Result<&NodeNumbers, Problem> {
         let find = || {
             let scopes = 1..=self.instances.len();
@@ -163,7 +164,7 @@ impl DeckDefinitions {
         self.numbers.get_or_init(find).as_ref().map_err(Clone::clone)
     }
 
-    /// The numbers that the nodes of a scope have in it, ascending.
+    /// Numbers of the nodes of a scope within it, ascending.
     fn listed(&self, scope: usize) -> Vec<u32> {
         let lines = DataLines::new(self.nodes.get(scope).map_or(&[], Vec::as_slice));
         let mut numbers: Vec<u32> = lines.filter_map(|line| number(line.fields().next()?, "a node").ok()).collect();
@@ -172,7 +173,7 @@ impl DeckDefinitions {
         numbers
     }
 
-    /// The numbers of all nodes, ascending.
+    /// Numbers of all nodes, ascending.
     pub fn node_numbers(&self) -> Vec<u32> {
         let mut all = self.listed(0);
         for (first, own) in self.numbers().map_or(&[][..], NodeNumbers::instances) {
@@ -183,13 +184,13 @@ impl DeckDefinitions {
         all
     }
 
-    /// The names of all node sets of the deck itself.
+    /// Names of the node sets outside all instances.
     pub fn node_set_names(&self) -> impl Iterator<Item = &str> {
         let own = self.sets.of_nodes.keys().filter(|(scope, _)| *scope == Scope::DECK);
         own.map(|(_, name)| name.as_str())
     }
 
-    /// A node that the solver makes; its number is that of no other.
+    /// Adds a node that the solver makes, under an unused number.
     pub fn make_node(&self, position: Vector) -> Result<u32, Problem> {
         let advice = "use smaller numbers";
         let limit = Problem::Limit { what: "the largest number of a node", limit: u32::MAX as usize, advice };
@@ -204,7 +205,7 @@ impl DeckDefinitions {
         self.elements.get_or_init(|| self.parse_elements()).as_ref().map_err(Clone::clone)
     }
 
-    /// Where all nodes are that cards list.
+    /// Positions of all nodes that cards list.
     pub fn all_positions(&self) -> Result<FxHashMap<u32, Vector>, Problem> {
         let mut all = FxHashMap::default();
         for (pieces, scope) in self.nodes.iter().zip(0..) {
@@ -220,17 +221,17 @@ impl DeckDefinitions {
         Ok(all)
     }
 
-    /// Where an instance stands.
+    /// Position of an instance.
     fn motion(&self, scope: Scope) -> Result<InstanceMotion, Problem> {
         InstanceMotion::read(&self.instances[scope.0 as usize - 1].data)
     }
 
-    /// Axes as the scope that gives them stands.
+    /// Axes of a scope, moved with its instance.
     pub fn placed(&self, scope: Scope, frame: Frame) -> Result<Frame, Problem> {
         if scope == Scope::DECK { Ok(frame) } else { Ok(self.motion(scope)?.frame(frame)) }
     }
 
-    /// Where a node is.
+    /// Position of a node.
     pub fn position(&self, node: u32) -> Result<Vector, Problem> {
         if let Some(position) = self.made.borrow().get(&node) {
             return Ok(*position);
@@ -239,13 +240,13 @@ impl DeckDefinitions {
         all.get(&node).copied().ok_or_else(|| Problem::Undefined { what: "node", name: node.to_string() })
     }
 
-    /// Nodes that `*TRANSFORM` gives axes of their own; none of a set that is not defined.
+    /// Nodes to which `*TRANSFORM` gives local axes. Undefined sets are skipped.
     pub fn turned(&self) -> impl Iterator<Item = u32> {
         let nodes = |(set, axes): &(String, AxesCard)| self.nodes(axes.scope, set).map(|nodes| nodes.to_vec());
         self.transforms.iter().flat_map(move |transform| nodes(transform).unwrap_or_default())
     }
 
-    /// Whether a node belongs to an element whose nodes rotate.
+    /// Whether a node belongs to an element with rotations.
     pub fn rotates(&self, node: u32) -> bool {
         let find = || {
             let mut rotating = FxHashSet::default();

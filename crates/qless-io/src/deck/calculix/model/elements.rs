@@ -1,4 +1,4 @@
-//! Elements, and their shapes: how many nodes they have, and which of these lie on a face.
+//! Elements and their shapes: number of nodes, and which nodes lie on a face.
 
 use rustc_hash::FxHashMap;
 
@@ -6,13 +6,13 @@ use crate::deck::Problem;
 use crate::deck::calculix::model::ScopedName;
 use crate::deck::calculix::syntax::card::Scope;
 
-/// What is known of an element type.
+/// Shape of an element type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ElementShape {
-    /// Number of nodes; none for a type that is not known, whose lines go on after a comma.
+    /// Number of nodes; `None` for an unknown type, whose lines continue after a trailing comma.
     pub nodes: Option<usize>,
     family: ElementFamily,
-    /// Whether nodes of the element have rotations.
+    /// Whether the nodes have rotations.
     pub rotates: bool,
 }
 
@@ -26,7 +26,7 @@ enum ElementFamily {
     Other,
 }
 
-/// Corners of the faces, and where the middle of each edge stands, from 0.
+/// Corners of each face; corners and middle node of each edge. All count from 0.
 struct FaceTable {
     faces: &'static [&'static [usize]],
     edges: &'static [(usize, usize, usize)],
@@ -90,12 +90,12 @@ impl ElementShape {
         Self { nodes, family, rotates }
     }
 
-    /// Whether faces are lines: those of plane elements.
+    /// Whether the element is plane, so that its faces are lines.
     pub fn is_plane(&self) -> bool {
         self.family == ElementFamily::Plane
     }
 
-    /// The nodes of face `S3`: corners in turn, then the middles of the edges between them.
+    /// Nodes of face `S3`: corners in order, then the middle nodes of the edges between them.
     pub fn face(&self, face: &str, nodes: &[u32]) -> Option<Vec<u32>> {
         let number: Option<usize> = face.strip_prefix('S').and_then(|number| number.parse().ok());
         match self.family {
@@ -125,7 +125,7 @@ impl FaceTable {
     }
 }
 
-/// Edge `number` of a plane element: its ends and, if there is one, its middle.
+/// Edge `number` of a plane element: its ends and, if it has one, its middle node.
 fn edge(number: usize, nodes: &[u32]) -> Option<Vec<u32>> {
     let corners = if matches!(nodes.len(), 3 | 6) { 3 } else { 4 };
     let first = number.checked_sub(1).filter(|&k| k < corners)?;
@@ -134,11 +134,11 @@ fn edge(number: usize, nodes: &[u32]) -> Option<Vec<u32>> {
     Some(edge)
 }
 
-/// Elements: what they are and where their nodes stand.
+/// All elements with their shapes and nodes.
 #[derive(Default)]
 pub struct MeshElements {
     pub nodes: Vec<u32>,
-    /// Shape, and where its nodes begin and end.
+    /// Shape, and range of its nodes in `nodes`.
     pub all: Vec<(ElementShape, usize, usize)>,
     pub by_number: FxHashMap<(Scope, u32), u32>,
     /// Elements of the sets that `*ELEMENT` cards name.

@@ -1,7 +1,7 @@
-//! `*TRANSFORM` and `*ORIENTATION`: local axes by two points a and b.
+//! `*TRANSFORM` and `*ORIENTATION`: local axes from two points a and b.
 //!
-//! Rectangular: the first axis points to a, b lies in the plane of the first two. Cylindrical: the third axis goes from a to b, the first is
-//! radial.
+//! Rectangular: the first axis points to a, and b lies in the plane of the first two axes. Cylindrical: the third axis
+//! points from a to b, and the first is radial.
 
 use rustc_hash::FxHashMap;
 
@@ -14,7 +14,7 @@ use crate::deck::kinematics::axes::{BASIC_AXES, Frame, Kind};
 use crate::deck::kinematics::vector::{Vector, cross, minus, unit};
 
 impl DeckDefinitions {
-    /// The local axes of transformed nodes.
+    /// Local axes of nodes with `*TRANSFORM`.
     pub fn locals(&self) -> Result<FxHashMap<u32, Frame>, Problem> {
         let mut locals = FxHashMap::default();
         for (set, axes) in &self.transforms {
@@ -24,7 +24,7 @@ impl DeckDefinitions {
         Ok(locals)
     }
 
-    /// The axes of an `*ORIENTATION`.
+    /// Axes of an `*ORIENTATION`.
     pub fn orientation(&self, scope: Scope, name: &str) -> Result<Frame, Problem> {
         let name = syntax::name(name);
         match self.find(&self.orientations, scope, &name) {
@@ -58,10 +58,10 @@ fn along(a: Vector, b: Vector) -> Option<Frame> {
     Some(Frame { kind: Kind::Rectangular, origin: [0.0; 3], axes: [first, cross(third, first), third] })
 }
 
-/// Cylindrical axes around the line from one point to another; none where they coincide.
+/// Cylindrical axes around the line between two points; `None` if they coincide.
 pub fn around(a: Vector, b: Vector) -> Option<Frame> {
     let axis = unit(minus(b, a))?;
-    // Any direction across the axis: the radial one at a point does not depend on it.
+    // Any direction across the axis will do: the radial direction at a point does not depend on it.
     let least = (0..3).min_by(|&i, &j| axis[i].abs().total_cmp(&axis[j].abs()))?;
     let second = unit(cross(axis, BASIC_AXES[least]))?;
     Some(Frame { kind: Kind::Cylindrical, origin: a, axes: [cross(second, axis), second, axis] })

@@ -1,4 +1,4 @@
-//! Instances of parts: their names, where they stand, and numbers of their nodes that no other node of the deck has.
+//! Instances of Abaqus parts: names, positions, and unique numbers for their nodes.
 
 use crate::deck::Problem;
 use crate::deck::calculix::syntax::card::Scope;
@@ -6,15 +6,15 @@ use crate::deck::calculix::syntax::{DataLines, DataPiece, float};
 use crate::deck::kinematics::axes::Frame;
 use crate::deck::kinematics::vector::{Vector, cross, dot, minus, plus, scaled, unit};
 
-/// An instance as its card has it.
+/// An `*INSTANCE` card.
 pub struct Instance {
-    /// As the deck writes it.
+    /// Spelling in the deck.
     pub name: String,
-    /// How far it is moved, and how it is turned then.
+    /// Translation, then rotation.
     pub data: Vec<DataPiece>,
 }
 
-/// Where an instance stands: `x = R (x_part + t)`, R a turn about an axis through two points.
+/// Position of an instance: `x = R (x_part + t)`, where R is a rotation about an axis through two points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InstanceMotion {
     shift: Vector,
@@ -37,7 +37,7 @@ impl InstanceRotation {
 }
 
 impl InstanceMotion {
-    /// Reads the lines of an `*INSTANCE` card: a translation; two points of an axis and an angle in degrees.
+    /// Reads the data of an `*INSTANCE` card: a translation, then two points of an axis and an angle in degrees.
     pub fn read(data: &[DataPiece]) -> Result<Self, Problem> {
         let mut lines = DataLines::new(data);
         let mut motion = Self { shift: [0.0; 3], turn: None };
@@ -56,13 +56,13 @@ impl InstanceMotion {
         Ok(motion)
     }
 
-    /// Where a point of the part is.
+    /// Position of a point of the Abaqus part.
     pub fn point(&self, x: Vector) -> Vector {
         let moved = plus(x, self.shift);
         self.turn.map_or(moved, |turn| plus(turn.through, turn.direction(minus(moved, turn.through))))
     }
 
-    /// Frame axes of the part.
+    /// Local axes of the Abaqus part.
     pub fn frame(&self, frame: Frame) -> Frame {
         let axes = frame.axes.map(|axis| self.turn.map_or(axis, |turn| turn.direction(axis)));
         Frame { origin: self.point(frame.origin), axes, ..frame }
@@ -85,17 +85,17 @@ fn turn(numbers: &[f64]) -> Result<Option<InstanceRotation>, Problem> {
     Ok(Some(InstanceRotation { through: [ax, ay, az], axis, cos, sin }))
 }
 
-/// Numbers of nodes in the deck by their numbers in the instance.
+/// Numbers in the deck for the nodes of instances.
 pub struct NodeNumbers {
-    /// By scope: the first number, and the instance's own ones, ascending.
+    /// By scope: the first number in the deck, and the numbers within the instance, ascending.
     scopes: Vec<(u32, Vec<u32>)>,
 }
 
 impl NodeNumbers {
-    /// Numbers the nodes of each instance, from above those of the deck itself.
+    /// Numbers the nodes of all instances consecutively, above the largest number in the deck itself.
     pub fn of(deck: &[u32], instances: impl Iterator<Item = Vec<u32>>) -> Result<Self, Problem> {
         let mut next = deck.last().map_or(Some(1), |last| last.checked_add(1));
-        // Numbers from here on are none of the deck's own.
+        // The deck itself has no number from here on.
         let mut scopes = vec![(next.unwrap_or(u32::MAX), Vec::new())];
         for own in instances {
             let advice = "use smaller numbers for the nodes of the assembly";
@@ -107,7 +107,7 @@ impl NodeNumbers {
         Ok(Self { scopes })
     }
 
-    /// The number in the deck of a node that has this one in the scope.
+    /// Number in the deck of node `own` of a scope.
     pub fn get(&self, scope: Scope, own: u32) -> Option<u32> {
         let (first, numbers) = self.scopes.get(scope.0 as usize)?;
         if scope == Scope::DECK {
@@ -116,7 +116,7 @@ impl NodeNumbers {
         numbers.binary_search(&own).ok().map(|k| first + k as u32)
     }
 
-    /// First numbers and own ones of each instance, in their order.
+    /// For each instance the first number in the deck and the numbers within it.
     pub fn instances(&self) -> &[(u32, Vec<u32>)] {
         &self.scopes[1..]
     }

@@ -1,4 +1,4 @@
-//! Elements and surfaces, parsed where a card needs geometry.
+//! Parses elements and surfaces.
 
 use crate::deck::Problem;
 use crate::deck::calculix::model::definitions::DeckDefinitions;
@@ -9,7 +9,7 @@ use crate::deck::calculix::syntax::{DataLines, name, number};
 use crate::fault::quote;
 
 impl DeckDefinitions {
-    /// Parses `*ELEMENT` cards: a number and its nodes, on as many lines as they take.
+    /// Parses `*ELEMENT` cards: a number and its nodes, over as many lines as needed.
     pub fn parse_elements(&self) -> Result<MeshElements, Problem> {
         let mut elements = MeshElements::default();
         for block in &self.blocks {
@@ -50,7 +50,7 @@ impl DeckDefinitions {
     }
 }
 
-/// A surface: nodes by themselves, and faces.
+/// A surface: single nodes, and faces.
 #[derive(Default)]
 pub struct DeckSurface {
     pub nodes: Vec<u32>,
@@ -68,7 +68,7 @@ impl DeckSurface {
         nodes
     }
 
-    /// The surface of this name: nodes or sets of them, or `element or set, face`.
+    /// Finds a surface by its name. Its lines hold nodes or node sets, or `element or set, face`.
     pub fn find(definitions: &DeckDefinitions, scope: Scope, surface: &str) -> Result<Self, Problem> {
         let surface = name(surface);
         let Some((_, patches)) = definitions.find(&definitions.surfaces, scope, &surface) else {

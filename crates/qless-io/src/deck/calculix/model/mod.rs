@@ -1,4 +1,5 @@
-//! What cards define (nodes, sets, elements, surfaces, axes): here as text, in the modules below as numbers once something asks for them.
+//! Definitions: nodes, sets, elements, surfaces and axes. This file holds the text of their cards; the modules below
+//! parse it when it is needed.
 
 pub mod definitions;
 pub mod elements;
@@ -16,7 +17,7 @@ use rustc_hash::FxHashMap;
 use crate::deck::calculix::syntax::card::{KeywordCard, Scope};
 use crate::deck::calculix::syntax::{DataPiece, name};
 
-/// A name and whose it is.
+/// A name within a scope.
 pub type ScopedName = (Scope, String);
 
 /// An `*ELEMENT` card.
@@ -41,16 +42,16 @@ pub struct AxesCard {
     pub data: Vec<DataPiece>,
 }
 
-/// The axes that a card gives.
+/// The axes on a card.
 pub fn axes(card: &KeywordCard, is_cylindrical: bool) -> AxesCard {
     AxesCard { scope: card.scope, is_cylindrical, data: card.data.clone() }
 }
 
-/// Where members stand.
+/// Members of a set, as one card gives them.
 pub enum SetMembers {
     /// Lines that begin with a node.
     Lines(Vec<DataPiece>),
-    /// Numbers and names of other sets.
+    /// Numbers, and names of other sets.
     List(Vec<DataPiece>),
     /// `first, last, increment` a line.
     Generate(Vec<DataPiece>),
@@ -58,28 +59,28 @@ pub enum SetMembers {
     OfElements(String),
 }
 
-/// A part of a set, and whose members it names.
+/// What one card adds to a set.
 pub struct SetPart {
     pub scope: Scope,
-    /// `INSTANCE=` on the card.
+    /// `INSTANCE=` on the card; replaces the card's own scope.
     pub instance: Option<String>,
     pub part: SetMembers,
 }
 
 impl SetPart {
-    /// The part of a set that a card gives.
+    /// What this card adds to a set.
     pub fn of(card: &KeywordCard, part: SetMembers) -> Self {
         Self { scope: card.scope, instance: card.word("INSTANCE"), part }
     }
 }
 
-/// A set that is being parsed, or has been.
+/// A set, parsed or in progress.
 pub enum ParsedSet {
     InProgress,
     Done(Rc<Vec<u32>>),
 }
 
-/// The sets of a deck.
+/// All node sets and element sets of a deck.
 #[derive(Default)]
 pub struct SetTable {
     pub of_nodes: FxHashMap<ScopedName, Vec<SetPart>>,
@@ -87,7 +88,7 @@ pub struct SetTable {
     pub known: RefCell<FxHashMap<(bool, ScopedName), ParsedSet>>,
 }
 
-/// The name of an amplitude, a surface and the like, as it is compared.
+/// The name in a field, folded for comparison.
 pub fn word(field: &[u8]) -> String {
     name(&String::from_utf8_lossy(field))
 }

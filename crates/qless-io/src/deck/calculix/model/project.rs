@@ -1,4 +1,5 @@
-//! The point of a set of faces that is nearest to a given one: `min over xi of abs(x - sum N_i(xi) x_i)` by Gauss-Newton steps.
+//! Finds the point of a set of faces nearest to a given point: `min over xi of abs(x - sum N_i(xi) x_i)`, by
+//! Gauss-Newton steps.
 
 use rustc_hash::FxHashMap;
 
@@ -6,21 +7,21 @@ use crate::deck::Problem;
 use crate::deck::calculix::model::definitions::DeckDefinitions;
 use crate::deck::kinematics::vector::{Vector, dot, length, minus, plus, scaled};
 
-/// Shape functions below this are rounding.
+/// Shape functions below this are rounding errors.
 const ROUNDING: f64 = 1e-12;
 
-/// A face: corners in turn, then the middles of its edges.
+/// A face of the master surface: corners in order, then the middle nodes of its edges.
 pub struct MasterFace {
     pub nodes: Vec<u32>,
     points: Vec<Vector>,
     shape: shape::FaceShape,
 }
 
-/// Where on a face a point is nearest.
+/// The nearest point of a face.
 pub struct NearestPoint {
     pub face: usize,
     pub distance: f64,
-    /// Shape functions there, by node of the face.
+    /// Shape functions at that point, by node of the face.
     pub weights: Vec<f64>,
 }
 
@@ -34,7 +35,7 @@ impl MasterFace {
         Ok(Self { nodes, points, shape })
     }
 
-    /// The longest side of its bounding box.
+    /// Longest side of the bounding box.
     pub fn size(&self) -> f64 {
         let (low, high) = self.bounds();
         (0..3).fold(0.0, |size: f64, k| size.max(high[k] - low[k]))
@@ -46,7 +47,7 @@ impl MasterFace {
         (self.points.iter().fold([f64::INFINITY; 3], low), self.points.iter().fold([f64::NEG_INFINITY; 3], high))
     }
 
-    /// Parameters inside the face at which it is nearest to `x`, and the distance.
+    /// Shape functions at the point of the face nearest to `x`, and the distance.
     fn project(&self, x: Vector) -> (Vec<f64>, f64) {
         let mut xi = self.shape.centre();
         for _ in 0..30 {
@@ -63,7 +64,7 @@ impl MasterFace {
                 [p / a.max(f64::MIN_POSITIVE), 0.0]
             };
             xi = self.shape.inside([xi[0] + step[0], xi[1] + step[1]]);
-            // On an edge the step may leave the face again; then along the edge is what remains.
+            // On an edge, the clamped step leaves only the part along the edge.
             if (xi[0] - before[0]).abs() + (xi[1] - before[1]).abs() < 1e-14 {
                 break;
             }
@@ -81,7 +82,7 @@ impl MasterFace {
     }
 }
 
-/// Faces by cells of space, so that only those near a point are looked at.
+/// Faces sorted into cells of space, so that only faces near a point are compared.
 pub struct FaceGrid {
     cell: f64,
     cells: FxHashMap<[i64; 3], Vec<usize>>,
@@ -107,7 +108,7 @@ impl FaceGrid {
         x.map(|x| (x / self.cell).floor() as i64)
     }
 
-    /// The nearest of the faces in reach; of several at the same distance the first.
+    /// The nearest face in the cell of a point; ties go to the first face.
     pub fn nearest(&self, faces: &[MasterFace], x: Vector) -> Option<NearestPoint> {
         let mut best: Option<NearestPoint> = None;
         for &face in self.cells.get(&self.cell(x))? {
@@ -120,9 +121,9 @@ impl FaceGrid {
     }
 }
 
-/// Shape functions of faces, corners first, then the middles of the edges.
+/// Shape functions of faces: corners first, then the middle nodes of the edges.
 mod shape {
-    /// Which functions.
+    /// Shape of a face, by number of nodes.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub enum FaceShape {
         Line2,
@@ -155,7 +156,7 @@ mod shape {
             if self.is_triangle() { [1.0 / 3.0; 2] } else { [0.0; 2] }
         }
 
-        /// The parameters moved into the face.
+        /// Parameters, clamped to the face.
         pub fn inside(self, [s, t]: [f64; 2]) -> [f64; 2] {
             match self {
                 Self::Line2 | Self::Line3 => [s.clamp(-1.0, 1.0), 0.0],
@@ -168,7 +169,7 @@ mod shape {
             }
         }
 
-        /// Shape functions and their slopes.
+        /// Shape functions and their derivatives.
         pub fn at(self, [s, t]: [f64; 2]) -> (Vec<f64>, [Vec<f64>; 2]) {
             match self {
                 Self::Line2 => (vec![0.5 - s / 2.0, 0.5 + s / 2.0], [vec![-0.5, 0.5], vec![0.0; 2]]),

@@ -1,4 +1,4 @@
-//! Sets of nodes and of elements: what a field stands for that holds a number or a name.
+//! Sets of nodes and of elements, and fields that hold a number or the name of a set.
 
 use std::rc::Rc;
 
@@ -11,11 +11,11 @@ use crate::deck::calculix::syntax::card::Scope;
 use crate::deck::calculix::syntax::{DataLines, name, number};
 use crate::fault::quote;
 
-/// Members of a set at most.
+/// Most members of a set.
 const MEMBERS: usize = 200_000_000;
 
 impl DeckDefinitions {
-    /// The number in the deck of a node that has this one in the scope.
+    /// Number in the deck of node `own` of a scope.
     pub fn numbered(&self, scope: Scope, own: u32) -> Result<u32, Problem> {
         if self.instances.is_empty() {
             return Ok(own);
@@ -28,18 +28,18 @@ impl DeckDefinitions {
         self.numbers()?.get(scope, own).ok_or_else(undefined)
     }
 
-    /// A node by its number, or by an instance and the number in it.
+    /// The node of a field: a number, or an instance and a number in it.
     pub fn node(&self, scope: Scope, field: &[u8]) -> Result<u32, Problem> {
         self.by_number(scope, field).unwrap_or_else(|| number(field, "a node"))
     }
 
-    /// The node of a field that is a number or an instance and a number; none for other fields.
+    /// The node of a field that holds a number, or an instance and a number; `None` for other fields.
     pub fn by_number(&self, scope: Scope, field: &[u8]) -> Option<Result<u32, Problem>> {
         let own = number(field, "a node").ok().map(|own| (scope, own));
         own.or_else(|| self.of_instance(field)).map(|(scope, own)| self.numbered(scope, own))
     }
 
-    /// `I.12`: the scope of the instance I, and 12.
+    /// Splits `I.12` into the scope of the instance I, and 12.
     fn of_instance(&self, field: &[u8]) -> Option<(Scope, u32)> {
         if self.instances.is_empty() {
             return None;
@@ -49,7 +49,7 @@ impl DeckDefinitions {
         Some((scope, number(rest.as_bytes(), "a number").ok()?))
     }
 
-    /// A node, or the one node of a set.
+    /// A node, or the only node of a set.
     pub fn one_node(&self, scope: Scope, field: &[u8]) -> Result<u32, Problem> {
         match self.node_or_set(scope, field)?[..] {
             [node] => Ok(node),
@@ -76,12 +76,12 @@ impl DeckDefinitions {
         }
     }
 
-    /// The nodes of a set, in the order of its definition, each once.
+    /// Nodes of a set, each once and in the order of its definition.
     pub fn nodes(&self, scope: Scope, set: &str) -> Result<Rc<Vec<u32>>, Problem> {
         self.members(false, scope, &name(set))
     }
 
-    /// The nodes of the elements of a set, ascending, each once.
+    /// Nodes of the elements of a set, ascending, each once.
     pub fn nodes_of(&self, scope: Scope, elements: &str) -> Result<Vec<u32>, Problem> {
         let mut nodes = Vec::new();
         for &element in self.members(true, scope, &name(elements))?.iter() {
@@ -119,7 +119,7 @@ impl DeckDefinitions {
 
     fn add(&self, set: &SetPart, of_elements: bool, members: &mut Vec<u32>) -> Result<(), Problem> {
         let scope = match &set.instance {
-            // A flat deck may keep what it once was: ccx passes over it.
+            // A deck without instances may still name one; ccx ignores it.
             Some(instance) if !self.instances.is_empty() => *self
                 .by_instance
                 .get(instance)
@@ -153,7 +153,8 @@ impl DeckDefinitions {
         Ok(())
     }
 
-    /// `first, last, increment`: numbers in between that no element or node of an instance has are passed over.
+    /// Adds the range `first, last, increment`. Numbers that no element of the deck or node of an instance has are
+    /// skipped.
     fn generate<'a>(
         &self,
         fields: &mut impl Iterator<Item = &'a [u8]>,

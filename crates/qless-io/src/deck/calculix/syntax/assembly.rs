@@ -1,4 +1,5 @@
-//! Parts and their instances, as Abaqus/CAE writes them: what is said in a part holds once for each instance of it.
+//! Abaqus parts and their instances, as Abaqus/CAE writes them: the cards of a part hold once for each of its
+//! instances.
 //!
 //! | card | is |
 //! | --- | --- |
@@ -14,16 +15,16 @@ use crate::deck::calculix::syntax::card::{KeywordCard, Scope, Visit};
 use crate::deck::{DeckError, Problem};
 use crate::fault::quote;
 
-/// Why a card could not be handed on.
+/// Why a card could not be passed on.
 pub enum Stop {
-    /// Whoever was handed the card refused it.
+    /// The visitor refused the card.
     Refused(DeckError),
-    /// The card itself is at fault.
+    /// The card itself is wrong.
     Card(Problem),
 }
 
 impl Stop {
-    /// The error at the line of a card.
+    /// The error, at the line of a card.
     pub fn at(self, card: &KeywordCard, path: impl FnOnce() -> PathBuf) -> DeckError {
         match self {
             Self::Refused(error) => error,
@@ -43,7 +44,7 @@ enum Enclosing {
     Instance(Scope),
 }
 
-/// The parts met so far, and where the next card stands.
+/// The parts met so far, and what encloses the next card.
 #[derive(Default)]
 pub struct AssemblyExpansion {
     cards: FxHashMap<String, Vec<KeywordCard>>,
@@ -52,7 +53,7 @@ pub struct AssemblyExpansion {
 }
 
 impl AssemblyExpansion {
-    /// Hands on a card, or what it stands for.
+    /// Passes on a card, or the cards that it stands for.
     pub fn card(&mut self, card: &KeywordCard, visit: Visit) -> Result<(), Stop> {
         match card.keyword.as_slice() {
             b"*PART" => self.begin_part(card),

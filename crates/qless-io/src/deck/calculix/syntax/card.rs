@@ -1,9 +1,9 @@
-//! A deck as cards: a keyword line and the lines of data below it, wherever includes put them.
+//! A card: a keyword line, and the lines of data below it.
 
 use crate::deck::DeckError;
 use crate::deck::calculix::syntax::{self, DataLines, DataPiece};
 
-/// Whose names and numbers a card uses: 0 are those of the deck, `k` those of its instance `k`, from 1.
+/// Owner of names and numbers on a card: 0 is the deck itself, `k` its instance `k`, from 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Scope(pub u32);
 
@@ -12,35 +12,35 @@ impl Scope {
     pub const DECK: Self = Self(0);
 }
 
-/// A card. It is filled anew for each one, so that a deck of a million cards allocates no more than one of ten.
+/// A card. One value is filled again and again, so that a million cards allocate no more than ten.
 #[derive(Clone, Default)]
 pub struct KeywordCard {
-    /// Whose names and numbers it uses.
+    /// Owner of the names and numbers on the card.
     pub scope: Scope,
-    /// The keyword in capitals and without blanks: `*RIGIDBODY`.
+    /// Keyword in capitals, without blanks: `*RIGIDBODY`.
     pub keyword: Vec<u8>,
-    /// `NAME=value` or `NAME`, the name in capitals and without blanks.
+    /// `NAME=value` or `NAME`, with the name in capitals and without blanks.
     parameters: Vec<(String, String)>,
-    /// File and line of the keyword.
+    /// File of the keyword.
     pub file: u32,
     /// Line of the keyword, from 1.
     pub line: u32,
-    /// Where the data stands, comments and blank lines included.
+    /// Text of the data, with comments and blank lines.
     pub data: Vec<DataPiece>,
 }
 
 impl KeywordCard {
-    /// The value of a parameter; empty for one without a value.
+    /// The value of a parameter; empty if it has none.
     pub fn parameter(&self, name: &str) -> Option<&str> {
         self.parameters.iter().find(|(key, _)| key == name).map(|(_, value)| value.as_str())
     }
 
-    /// The value of a parameter in capitals and without blanks.
+    /// The value of a parameter, in capitals and without blanks.
     pub fn word(&self, name: &str) -> Option<String> {
         self.parameter(name).map(syntax::name)
     }
 
-    /// Whether the card has the keyword, written without blanks.
+    /// Whether the card has this keyword, written without blanks.
     pub fn is(&self, keyword: &str) -> bool {
         self.keyword == keyword.as_bytes()
     }
@@ -50,7 +50,7 @@ impl KeywordCard {
         Self { scope, ..self.clone() }
     }
 
-    /// Lines of data, comments and blank ones passed over.
+    /// Lines of data, without comments and blank lines.
     pub fn lines(&self) -> DataLines<'_> {
         DataLines::new(&self.data)
     }
@@ -75,5 +75,5 @@ impl KeywordCard {
     }
 }
 
-/// What is done with each card.
+/// Callback for each card.
 pub type Visit<'v> = &'v mut dyn FnMut(&KeywordCard) -> Result<(), DeckError>;

@@ -1,4 +1,4 @@
-//! Lines as keyword cards and lines of data, and the fields of a line as numbers or names.
+//! Syntax of decks: keyword cards (`card`, `walk`, `assembly`), and here lines of data and their fields.
 
 pub mod assembly;
 pub mod card;
@@ -22,7 +22,7 @@ pub struct DataPiece {
     pub text: Arc<Vec<u8>>,
 }
 
-/// Lines of data: neither blank nor comments.
+/// Iterator over lines of data; skips comments and blank lines.
 pub struct DataLines<'a> {
     pieces: std::slice::Iter<'a, DataPiece>,
     file: u32,
@@ -65,7 +65,7 @@ impl<'a> Iterator for DataLines<'a> {
 }
 
 impl<'a> DataLine<'a> {
-    /// The fields between commas, without blanks around them; one that is empty after the last comma is none.
+    /// Fields between commas, without surrounding blanks. An empty field after the last comma does not count.
     pub fn fields(&self) -> impl Iterator<Item = &'a [u8]> + use<'a> {
         let text = self.text.trim_ascii();
         let text = text.strip_suffix(b",").unwrap_or(text);
@@ -73,18 +73,18 @@ impl<'a> DataLine<'a> {
     }
 }
 
-/// A name as it is compared: in capitals, without blanks or quotes.
+/// Folds a name for comparison: capitals, no blanks, no quotes.
 pub fn name(text: &str) -> String {
     text.chars().filter(|c| !c.is_whitespace() && *c != '"').map(|c| c.to_ascii_uppercase()).collect()
 }
 
-/// A field at fault: its number from 1, and what is wrong.
+/// An error in a field: the field's number, from 1, and the problem.
 pub type FieldFault = (Option<usize>, Problem);
 
-/// The fields of a line, taken one by one.
+/// Fields of a line, read one by one.
 pub struct DataFields<'a> {
     rest: Box<dyn Iterator<Item = &'a [u8]> + 'a>,
-    /// Number of the field taken last, from 1.
+    /// Number of the last field read, from 1.
     pub number: usize,
 }
 
@@ -93,13 +93,13 @@ impl<'a> DataFields<'a> {
         Self { rest: Box::new(line.fields()), number: 0 }
     }
 
-    /// The next field, empty ones included.
+    /// The next field; it may be empty.
     pub fn next(&mut self) -> Option<&'a [u8]> {
         self.number += 1;
         self.rest.next()
     }
 
-    /// A number of a node, a DOF or the like; `None` for an empty or missing field.
+    /// The number of a node, a DOF or the like; `None` for an empty or missing field.
     pub fn whole(&mut self, expected: &'static str) -> Result<Option<u32>, FieldFault> {
         match self.next() {
             None | Some(b"") => Ok(None),
@@ -116,14 +116,14 @@ impl<'a> DataFields<'a> {
     }
 }
 
-/// A whole number that fits 32 bits.
+/// A whole number that fits into 32 bits.
 pub fn number(field: &[u8], expected: &'static str) -> Result<u32, Problem> {
     whole(field)
         .and_then(|value| u32::try_from(value).ok())
         .ok_or_else(|| Problem::Expected { expected, found: quote(field) })
 }
 
-/// A float; one that is too small to be told from zero is zero, as in the solvers.
+/// A float. As in the solvers, an underflow gives zero.
 pub fn float(field: &[u8]) -> Result<f64, Problem> {
     match real(field) {
         Err(NumberFault::Underflow) => Ok(0.0),

@@ -1,4 +1,4 @@
-//! Goes through the cards of a deck and of the files that it includes.
+//! Visits the cards of a deck and of the files that it includes.
 
 use std::sync::Arc;
 
@@ -8,10 +8,10 @@ use crate::deck::calculix::syntax::assembly::AssemblyExpansion;
 use crate::deck::calculix::syntax::card::{KeywordCard, Visit};
 use crate::deck::{DeckError, Problem, Sources};
 
-/// Cards whose data may stand in a file of its own.
+/// Cards whose data may be in another file.
 const WITH_INPUT: [&str; 7] = ["*NODE", "*ELEMENT", "*NSET", "*ELSET", "*SURFACE", "*EQUATION", "*BOUNDARY"];
 
-/// Visits every card in order; those of a part once for each of its instances.
+/// Visits every card in order. Cards of an Abaqus part are visited once for each of its instances.
 pub fn walk(sources: &mut Sources, visit: Visit) -> Result<(), DeckError> {
     let paths = sources.paths().to_vec();
     let mut parts = AssemblyExpansion::default();
@@ -29,7 +29,7 @@ struct Walk<'s, 'o> {
     sources: &'s mut Sources<'o>,
 }
 
-/// Hands on the card that is complete.
+/// Passes on a complete card.
 fn finish(card: &mut KeywordCard, visit: Visit) -> Result<(), DeckError> {
     if card.keyword.is_empty() {
         return Ok(());
@@ -40,7 +40,7 @@ fn finish(card: &mut KeywordCard, visit: Visit) -> Result<(), DeckError> {
 }
 
 impl Walk<'_, '_> {
-    /// One file: alternately a keyword line and what stands before the next.
+    /// Reads one file: keyword lines, each with its data.
     fn file(&mut self, file: usize, depth: usize, card: &mut KeywordCard, visit: Visit) -> Result<(), DeckError> {
         let text = self.sources.text(file);
         let mut at = if text.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
@@ -78,7 +78,7 @@ impl Walk<'_, '_> {
         Ok(())
     }
 
-    /// Goes on in another file; the card that is open goes on with its data.
+    /// Continues in another file; its first lines may be data of the open card.
     fn include(
         &mut self,
         name: &str,
@@ -97,7 +97,7 @@ impl Walk<'_, '_> {
     }
 }
 
-/// Where the next keyword line begins, at or after `from`, which is the start of a line.
+/// Start of the next keyword line at or after `from`, which must be the start of a line.
 pub fn next_keyword(text: &[u8], from: usize) -> usize {
     memchr::memchr_iter(b'*', &text[from..])
         .map(|k| from + k)
@@ -105,7 +105,7 @@ pub fn next_keyword(text: &[u8], from: usize) -> usize {
         .unwrap_or(text.len())
 }
 
-/// Where a keyword line ends, with the lines that go on after a trailing comma; and how many lines that is.
+/// End of a keyword line with its continuation lines after trailing commas, and the number of these lines.
 pub fn keyword_end(text: &[u8], from: usize) -> (usize, usize) {
     let mut end = from;
     for lines in 1.. {

@@ -1,4 +1,4 @@
-//! New equations as text, and the cards of steps that take equations back.
+//! Writes new equations, and the cards of steps that remove equations.
 
 use rustc_hash::FxHashSet;
 
@@ -6,10 +6,10 @@ use super::new_nodes::{NewNodes, RotationNodes};
 use crate::deck::clean::{Cases, CleanError, Plan, Written};
 use crate::deck::{Deck, Dof, Model};
 
-/// Characters of a number that CalculiX reads.
+/// Most characters of a number that CalculiX reads.
 const NUMBER: usize = 20;
 
-/// The new equations.
+/// Text of the new equations.
 pub fn new_text(deck: &Deck, plan: &Plan, new: &NewNodes) -> Result<Vec<u8>, CleanError> {
     if plan.written.is_empty() {
         return Ok(Vec::new());
@@ -43,7 +43,7 @@ fn add_equation(text: &mut String, written: &Written, model: &Model, new: &NewNo
     }
 }
 
-/// The number with all of its digits, or with as many as CalculiX reads.
+/// The number with all digits, or as many as CalculiX reads.
 fn number(value: f64) -> String {
     let shortest = [format!("{value:?}"), format!("{value:e}")];
     if let Some(text) = shortest.into_iter().filter(|text| text.len() <= NUMBER).min_by_key(String::len) {
@@ -61,7 +61,8 @@ fn error(text: &str, value: f64) -> f64 {
     text.parse::<f64>().map_or(f64::INFINITY, |read| (read - value).abs())
 }
 
-/// For each step the card that takes back what ends before it; none where the deck's own cards stay right.
+/// For each step the card that removes the equations which end before it; `None` if the deck's own cards remain right.
+/// CalculiX accepts one `*EQUATION, REMOVE` a step, with any number of lines.
 pub fn ends(deck: &Deck, plan: &Plan, rotations: &RotationNodes) -> Option<Vec<String>> {
     let cases = &deck.model.cases;
     let ends_sooner = !plan.ended.is_empty() || plan.written.iter().any(|written| written.cases != Cases::All);

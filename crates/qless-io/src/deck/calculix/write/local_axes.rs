@@ -1,9 +1,10 @@
-//! Slaves at nodes with axes of their own (`*TRANSFORM`).
+//! Slaves at nodes with local axes (`*TRANSFORM`).
 //!
-//! There ccx turns an equation into the global axes `d` and takes as its slave a global direction: for a slave along the local axis `e_s` the first
-//! of `s, s + 1, s + 2` (modulo 3) that no equation before has at this node and in which `e_s` has more than 1e-5. It does not look at
-//! the coefficient `sum_c l_c e_c . d` of the whole equation, which may be zero: then it stops. Equations of one node are combined until it is not:
-//! `L_S^-1 E` with the coefficients `L_S` of other local slaves S.
+//! ccx rewrites an equation at such a node in the global axes `d`, and chooses a global direction as its slave: for a
+//! slave along the local axis `e_s`, the first of `s, s + 1, s + 2` (modulo 3) that no earlier equation of this node
+//! has and in which `e_s` exceeds 1e-5. It ignores the coefficient `sum_c l_c e_c . d` of the whole equation; if that
+//! is zero, it stops. This module combines the equations of one node until no such coefficient is zero: `L_S^-1 E`,
+//! with the coefficients `L_S` of other local slaves S.
 
 use std::collections::BTreeMap;
 
@@ -13,12 +14,12 @@ use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::Vector;
 use crate::deck::{Deck, Dof};
 
-/// What ccx takes for a component that is there.
+/// Smallest component that ccx takes for nonzero.
 const LEAST: f64 = 1e-5;
-/// Coefficients below this, beside 1 for the local slave, count as zero.
+/// Coefficients below this count as zero; the local slave has 1.
 const ZERO: f64 = 1e-6;
 
-/// The equations of a plan, with slaves that ccx can take.
+/// The equations of a plan, with slaves that ccx accepts.
 pub fn with_slaves_for_ccx(deck: &Deck, plan: &Plan) -> Result<Vec<Written>, CleanError> {
     let mut written = plan.written.clone();
     let mut of_node: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
@@ -45,7 +46,7 @@ fn refused(deck: &Deck, node: u32, why: &str) -> CleanError {
     CleanError::Fixed { place: deck.model.files[0].display().to_string(), why }
 }
 
-/// A node and its axes, `axes[c]` in global coordinates.
+/// A node with its local axes, `axes[c]` in global coordinates.
 struct TransformedNode<'a> {
     deck: &'a Deck,
     number: u32,
@@ -53,7 +54,7 @@ struct TransformedNode<'a> {
 }
 
 impl TransformedNode<'_> {
-    /// Leaves the equations as they are where ccx takes them, or combines them so that it does.
+    /// Keeps the equations if ccx accepts them; otherwise combines them so that it does.
     fn choose_slaves(&self, equations: &[usize], written: &mut [Written]) -> Result<(), CleanError> {
         let rows: Vec<[f64; 3]> = equations.iter().map(|&i| self.coefficients(&written[i])).collect();
         let slaves: Vec<usize> = equations.iter().map(|&i| usize::from(written[i].slave.component) - 1).collect();
@@ -87,7 +88,7 @@ impl TransformedNode<'_> {
         all
     }
 
-    /// Whether the directions that ccx takes determine the slaves, one after the other and together.
+    /// Whether the directions that ccx chooses determine the slaves, one by one and together.
     fn is_taken(&self, rows: &[[f64; 3]], slaves: &[usize]) -> bool {
         let global = |row: &[f64; 3], d: usize| (0..3).map(|c| row[c] * self.axes[c][d]).sum::<f64>();
         let mut taken: Vec<usize> = Vec::new();
@@ -103,7 +104,7 @@ impl TransformedNode<'_> {
         own && inverse(&turned, &taken).is_some()
     }
 
-    /// Whether these components may be slaves: no other card has the say over them.
+    /// Whether these components may be slaves, since no other card claims them.
     fn is_free(&self, components: &[usize]) -> bool {
         let model = &self.deck.model;
         components.iter().all(|&c| {
@@ -114,7 +115,7 @@ impl TransformedNode<'_> {
     }
 }
 
-/// All ordered choices of this many of three components.
+/// All ordered choices of `count` out of three components.
 fn choices(count: usize) -> Vec<Vec<usize>> {
     let mut all: Vec<Vec<usize>> = vec![Vec::new()];
     for _ in 0..count {
@@ -127,7 +128,7 @@ fn choices(count: usize) -> Vec<Vec<usize>> {
     all
 }
 
-/// The inverse of the chosen columns, by elimination with pivoting; none where it is nearly singular.
+/// Inverse of the chosen columns, by elimination with pivoting; `None` if it is nearly singular.
 fn inverse(rows: &[[f64; 3]], columns: &[usize]) -> Option<Vec<Vec<f64>>> {
     let n = columns.len();
     let unit = |i: usize| (0..n).map(move |j| if i == j { 1.0 } else { 0.0 });
@@ -159,7 +160,7 @@ fn size(by: &[Vec<f64>]) -> f64 {
     by.iter().flatten().fold(0.0, |most, v| most.max(v.abs()))
 }
 
-/// `sum_k by_k E_k`, which has the coefficient 1 at its slave and none at the slaves of its companions.
+/// `sum_k by_k E_k`: coefficient 1 at its slave, and 0 at the slaves of the other equations of the node.
 fn combined(old: &[Written], by: &[f64], slave: Dof) -> Written {
     let mut sums: BTreeMap<Dof, (f64, f64)> = BTreeMap::new();
     for (equation, factor) in old.iter().zip(by) {
@@ -169,7 +170,7 @@ fn combined(old: &[Written], by: &[f64], slave: Dof) -> Written {
         }
     }
     sums.remove(&slave);
-    // What a sum leaves by rounding is no term.
+    // Terms that cancel up to rounding are dropped.
     let terms = sums.into_iter().filter(|(_, (v, size))| v.abs() > 1e-14 * size).map(|(dof, (v, _))| (dof, v));
     let rhs = old.iter().zip(by).map(|(equation, factor)| factor * equation.rhs).sum();
     Written { slave, terms: terms.collect(), rhs, cases: old[0].cases.clone() }

@@ -1,4 +1,5 @@
-//! A deck with other equations: old ones become comments, new ones stand before the first step and are taken back where they end.
+//! Writes a cleaned deck: removed equations become comments, and new ones stand before the first step. Steps remove
+//! equations that end.
 
 mod equations;
 mod local_axes;
@@ -12,10 +13,11 @@ use crate::deck::clean::{CleanError, Edits, Plan, Reason, Removed, Renamed};
 use crate::deck::{Deck, Model};
 use new_nodes::NewNodes;
 
-/// Terms of a certificate that a comment names at most.
+/// Most terms of a certificate that a comment names.
 const NAMED: usize = 8;
 
-/// The main file with the plan carried out, and DOFs that have other names in it. Included files that must change are written into it.
+/// The main file with the plan carried out, and the DOFs that have other names in it. Included files that change are
+/// written into the main file.
 pub fn write(deck: &Deck, plan: &Plan) -> Result<(Vec<u8>, Renamed), CleanError> {
     let model = &deck.model;
     let plan = &Plan { written: local_axes::with_slaves_for_ccx(deck, plan)?, ..plan.clone() };
@@ -44,13 +46,13 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<(Vec<u8>, Renamed), CleanError>
 
 struct CalculixWriter<'a> {
     deck: &'a Deck,
-    /// By file and line: how many lines go, and the comment in their place.
+    /// By file and line: number of lines removed, and the comment in their place.
     comments: BTreeMap<(u32, u32), (u32, String)>,
-    /// What is still to be put before the first step.
+    /// New equations, until they are written before the first step.
     new: Option<Vec<u8>>,
-    /// For each step the equations that it takes back, if any step takes some back; then those of the deck itself go.
+    /// For each step the equations that it removes, if any step removes some. These replace the deck's own removals.
     ends: Option<Vec<String>>,
-    /// Steps of the main file met so far.
+    /// Number of steps of the main file so far.
     steps: usize,
 }
 
@@ -85,7 +87,8 @@ impl CalculixWriter<'_> {
         Ok(edits.apply(&text))
     }
 
-    /// A keyword line: new equations stand before a step or at the end of the assembly, and no `*EQUATION` stands without data.
+    /// Handles a keyword line. New equations go before a step or at the end of the assembly; an `*EQUATION` without
+    /// data is removed.
     fn keyword(
         &mut self,
         file: u32,
@@ -97,7 +100,7 @@ impl CalculixWriter<'_> {
     ) -> Result<(), CleanError> {
         let word: Vec<u8> = keyword.iter().filter(|b| !b.is_ascii_whitespace()).map(u8::to_ascii_uppercase).collect();
         let is_step = word.starts_with(b"*STEP");
-        // Nodes of instances are known to the assembly.
+        // Only the assembly can name nodes of instances.
         let is_place = if self.deck.model.has_instances() { word.starts_with(b"*ENDASSEMBLY") } else { is_step };
         if is_place && file == 0 {
             self.new.take().into_iter().for_each(|new| edits.replace(line, 0, new));
@@ -115,7 +118,7 @@ impl CalculixWriter<'_> {
                 b"** qless: what is taken back stands at the start of the step\n".to_vec(),
             );
         } else if word.starts_with(b"*COUPLING") {
-            // It says nothing without the card that follows.
+            // A `*COUPLING` without its second card would be incomplete.
             let next = line + lines + memchr::memchr_iter(b'\n', data).count() as u32;
             if self.is_removed(file, next) {
                 edits.replace(line, lines, b"** qless: *COUPLING, written as equations\n".to_vec());
@@ -150,7 +153,7 @@ impl CalculixWriter<'_> {
         before.is_some_and(|((_, first), (lines, _))| line < first + lines)
     }
 
-    /// The number of an included file in which, or in whose own includes, something changes.
+    /// Number of an included file, if it or one of its includes changes.
     fn included(&self, name: &str, from: u32) -> Option<u32> {
         let files = &self.deck.model.files;
         let beside = |file: usize| files[file].parent().unwrap_or(Path::new("")).join(name);
@@ -182,7 +185,7 @@ fn with_end(mut text: Vec<u8>) -> Vec<u8> {
     text
 }
 
-/// Why an equation is gone, in a line.
+/// Comment that says why an equation was removed.
 fn comment(model: &Model, removed: &Removed) -> String {
     let origin = model.nth(removed.equation).origin;
     let line = |i: usize| format!("line {}", model.nth(i).origin.line);

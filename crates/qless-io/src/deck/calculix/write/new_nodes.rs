@@ -1,4 +1,4 @@
-//! Nodes that the deck does not have, for what equations cannot name otherwise.
+//! New nodes for DOFs that equations cannot name otherwise.
 //!
 //! | new node | stands for | why |
 //! | --- | --- | --- |
@@ -13,7 +13,7 @@ use crate::deck::calculix::{definitions, positions};
 use crate::deck::clean::{Cases, CleanError, Plan, Written};
 use crate::deck::{Deck, Dof, Model, Origin};
 
-/// Nodes that the deck does not have.
+/// All new nodes.
 pub struct NewNodes {
     pub rotations: RotationNodes,
     pub proxies: ProxyNodes,
@@ -26,7 +26,7 @@ impl NewNodes {
         Ok(Self { rotations, proxies })
     }
 
-    /// Their text.
+    /// Text of the new nodes.
     pub fn nodes(&self, deck: &Deck) -> String {
         if self.rotations.count() == 0 && self.proxies.is_empty() {
             return String::new();
@@ -36,13 +36,13 @@ impl NewNodes {
     }
 }
 
-/// RotationNodes of bodies that become equations, by the first of three components, and the nodes that get them.
+/// Rotations of bodies that become equations, by the first of their three components, and the new nodes for them.
 pub struct RotationNodes {
     node_of: BTreeMap<Dof, u32>,
 }
 
 impl RotationNodes {
-    /// Those of the bodies that a plan takes apart.
+    /// Finds the rotations of the bodies that a plan replaces.
     pub fn build(deck: &Deck, plan: &Plan) -> Result<Self, CleanError> {
         let model = &deck.model;
         let gone: FxHashSet<usize> = plan.removed.iter().map(|removed| removed.equation).collect();
@@ -71,19 +71,19 @@ impl RotationNodes {
         Ok(Self { node_of: taken.into_iter().zip(next..).collect() })
     }
 
-    /// The DOF that stands for this one in the text.
+    /// The DOF that replaces this one in the text.
     pub fn name(&self, dof: Dof) -> Dof {
         let own =
             self.node_of.range(Dof { component: 0, ..dof }..=dof).next_back().filter(|(first, _)| is_of(dof, **first));
         own.map_or(dof, |(first, &node)| Dof { node, component: dof.component - first.component + 1 })
     }
 
-    /// How many there are.
+    /// Number of new nodes.
     pub fn count(&self) -> u32 {
         self.node_of.len() as u32
     }
 
-    /// The new nodes.
+    /// Text of the new nodes.
     pub fn nodes(&self, places: &HashMap<u32, [f64; 3]>) -> String {
         let node = |(Dof { node: reference, .. }, node): (&Dof, &u32)| {
             let [x, y, z] = places.get(reference).copied().unwrap_or_default();
@@ -92,7 +92,7 @@ impl RotationNodes {
         self.node_of.iter().map(node).collect()
     }
 
-    /// New DOFs, and the ones of the deck that they are.
+    /// New DOFs, each with the DOF of the deck that it replaces.
     pub fn renamed(&self) -> impl Iterator<Item = (Dof, Dof)> {
         let dofs = |(&first, &node): (&Dof, &u32)| {
             (0..3).map(move |k| (Dof { node, component: k + 1 }, Dof { component: first.component + k, ..first }))
@@ -100,7 +100,7 @@ impl RotationNodes {
         self.node_of.iter().flat_map(dofs)
     }
 
-    /// Lines that prescribe or load such rotations, by file and line, and what stands in their place.
+    /// Lines that prescribe or load such rotations, by file and line, and the text that replaces them.
     pub fn lines(&self, deck: &Deck) -> Result<BTreeMap<(u32, u32), String>, CleanError> {
         let model = &deck.model;
         let prescribed = model.cases.iter().flat_map(|case| case.prescribed.iter().chain(&case.clashes));
@@ -115,7 +115,8 @@ impl RotationNodes {
         Ok(lines)
     }
 
-    /// `node, first, last, rest` or, of a load, `node, component, rest`, with the rotations at their own node.
+    /// Rewrites `node, first, last, rest`, or `node, component, rest` for a load: the rotations move to their new
+    /// node.
     fn line(&self, deck: &Deck, origin: Origin) -> Result<String, CleanError> {
         let card = deck.model.cards.nth(origin.card);
         let text = &deck.texts[card.file as usize];
@@ -143,7 +144,7 @@ impl RotationNodes {
     }
 }
 
-/// New nodes, by the DOF that they stand for: one node for each that needs any.
+/// New nodes that repeat nodes with local axes, and the DOFs that they repeat.
 #[derive(Default)]
 pub struct ProxyNodes {
     node_of: BTreeMap<u32, u32>,
@@ -151,7 +152,7 @@ pub struct ProxyNodes {
 }
 
 impl ProxyNodes {
-    /// What the equations need; `taken` unused nodes are taken already.
+    /// Finds the proxies that the equations need. `taken` new nodes are in use already.
     pub fn build(deck: &Deck, written: &[Written], taken: u32) -> Result<Self, CleanError> {
         let dofs: BTreeSet<Dof> = written.iter().flat_map(|equation| repeated(&deck.model, equation)).collect();
         let Some(first) = dofs.iter().next() else { return Ok(Self::default()) };
@@ -167,12 +168,12 @@ impl ProxyNodes {
         Ok(Self { node_of: nodes.into_iter().zip(next..).collect(), dofs })
     }
 
-    /// Whether there are any.
+    /// Whether no proxies are needed.
     pub fn is_empty(&self) -> bool {
         self.dofs.is_empty()
     }
 
-    /// The DOFs of an equation for which others stand in it.
+    /// DOFs of an equation that proxies replace, each with its proxy.
     pub fn in_place_of(&self, model: &Model, equation: &Written) -> BTreeMap<Dof, Dof> {
         let all = repeated(model, equation).filter(|_| !self.is_empty());
         all.map(|dof| (dof, self.proxy(dof))).collect()
@@ -182,12 +183,12 @@ impl ProxyNodes {
         self.node_of.get(&dof.node).map_or(dof, |&node| Dof { node, ..dof })
     }
 
-    /// New DOFs, and the ones of the deck that they are.
+    /// New DOFs, each with the DOF of the deck that it repeats.
     pub fn renamed(&self) -> impl Iterator<Item = (Dof, Dof)> {
         self.dofs.iter().map(|&dof| (self.proxy(dof), dof))
     }
 
-    /// The new nodes, at the places of the old ones.
+    /// Text of the new nodes, at the positions of the old ones.
     pub fn nodes(&self, deck: &Deck, places: &HashMap<u32, [f64; 3]>) -> String {
         let text = |(node, proxy): (&u32, &u32)| {
             let [x, y, z] = places.get(node).copied().unwrap_or_default();
@@ -199,14 +200,15 @@ impl ProxyNodes {
         self.node_of.iter().map(text).collect()
     }
 
-    /// `u_d - u = 0` for each.
+    /// The equations `u_d - u = 0`.
     pub fn equations(&self) -> impl Iterator<Item = Written> {
         self.renamed().map(|(slave, dof)| Written { slave, terms: vec![(dof, -1.0)], rhs: 0.0, cases: Cases::All })
     }
 }
 
-/// The first master of an equation at each node of which it names several components; none of an equation that names the node of its slave
-/// again, where ccx adds all up, and none of a node with a value along its axes, which is an equation that ccx inserts.
+/// For each node of which the equation names several components, the first of these masters. Left out are equations
+/// that name the node of their slave again, because ccx then adds up all terms, and nodes with a prescribed value
+/// along their axes, because ccx inserts that as an equation.
 fn repeated<'a>(model: &'a Model, equation: &'a Written) -> impl Iterator<Item = Dof> + 'a {
     let own = model.as_global(equation.slave);
     let turned =
@@ -222,7 +224,7 @@ fn repeated<'a>(model: &'a Model, equation: &'a Written) -> impl Iterator<Item =
     at.into_iter().filter(move |(node, dofs)| dofs.len() > 1 && !is_given(node.node)).map(|(_, dofs)| dofs[0])
 }
 
-/// The rotation that a DOF is of, if the solver makes it.
+/// The rotation that a DOF belongs to, if the solver makes it.
 fn own_rotation(model: &Model, dof: Dof) -> Option<Dof> {
     let node = Dof { component: 0, ..dof }..=dof;
     model.own_rotations.range(node).next_back().copied().filter(|first| is_of(dof, *first))
@@ -236,7 +238,7 @@ fn refused(deck: &Deck, why: String) -> CleanError {
     CleanError::Fixed { place: deck.model.files[0].display().to_string(), why }
 }
 
-/// One more than the largest number of a node.
+/// The smallest node number above all used ones.
 fn unused_node(deck: &Deck) -> Result<u32, CleanError> {
     let listed = definitions(deck)?.node_numbers().last().copied().unwrap_or(0);
     let used = deck.model.dofs.iter().map(|dof| dof.node).max().unwrap_or(0);

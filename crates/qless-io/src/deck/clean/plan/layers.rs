@@ -1,9 +1,11 @@
-//! Load cases that follow each other, as steps do: equations hold from the start and can only be taken back.
+//! Chooses independent equations for load cases that follow each other, as steps do: equations hold from the start and
+//! can only be removed.
 //!
-//! Let `U_k` be what is prescribed in any of the cases up to k. From the last case to the first, the equations of case k that are
-//! independent without `U_k` of those kept so far make layer k: they hold up to case k. Kept ones are independent in every case in
-//! which they hold, since less is prescribed there; that they suffice is a comparison of ranks. With one set of prescribed DOFs
-//! and nothing taken back there is one layer. Cost: an analysis for each layer and for each case.
+//! Let `U_k` be the DOFs prescribed in any of the cases up to k. The cases are treated from last to first. Layer k
+//! consists of the equations of case k that are independent, without the columns `U_k`, of those kept so far; they
+//! hold up to case k. Kept equations are independent in every case in which they hold, since fewer DOFs are prescribed
+//! there. Ranks show whether they suffice. With constant prescribed DOFs and no removal there is one layer. Cost: one
+//! analysis for each layer and for each case.
 
 use qless::{Analysis, Kind, Options, Preferences, analyse};
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -13,35 +15,36 @@ use crate::deck::clean::find_faults::faults_of;
 use crate::deck::clean::{CleanError, EquationFault};
 use crate::deck::{Deck, LoadCase, Model, Origin, Prescribed};
 
-/// Columns and where they are prescribed.
+/// Prescribed columns, with the cards that prescribe them.
 pub type PrescribedColumns = FxHashMap<u32, Origin>;
 
-/// Load cases up to `last`, and the equations that hold in all of them, independent without what is prescribed in any.
+/// Load cases up to `last`. The equations that hold in all of them are independent without the columns prescribed in
+/// any of them.
 pub struct Layer {
-    /// Its last load case.
+    /// Last load case.
     pub last: usize,
-    /// The name of that.
+    /// Name of the last load case.
     pub name: String,
-    /// What is prescribed in any of its cases.
+    /// Columns prescribed in any of the load cases.
     pub prescribed: PrescribedColumns,
 }
 
-/// What is kept of a deck's equations, and how long.
+/// The equations that are kept, and for how long.
 pub struct KeptEquations<'a> {
     pub model: &'a Model,
     pub options: &'a Options,
-    /// The last load case first.
+    /// Layers, with the last load case first.
     pub layers: Vec<Layer>,
-    /// For each equation the layer up to which it is kept; none for those that say nothing new.
+    /// For each equation the layer up to which it is kept; `None` if it is dependent.
     pub layer_of: Vec<Option<usize>>,
-    /// Combinations of kept equations that the others are.
+    /// For each dependent equation, its combination of kept equations.
     pub because: FxHashMap<usize, Vec<(usize, f64)>>,
-    /// For each equation the last load case in which the deck has it in force; none if it never is.
+    /// For each equation the last load case in which the deck has it in force; `None` if it never is.
     pub end: Vec<Option<usize>>,
 }
 
 impl<'a> KeptEquations<'a> {
-    /// Decides for load cases that follow each other.
+    /// Chooses equations for load cases that follow each other.
     pub fn of(deck: &'a Deck, cases: &[LoadCase], options: &'a Options) -> Result<Self, CleanError> {
         let model = &deck.model;
         let end = ends(model, cases)?;
@@ -62,7 +65,7 @@ impl<'a> KeptEquations<'a> {
         Ok(kept)
     }
 
-    /// Keeps what a layer needs besides what is kept already.
+    /// Keeps the equations that a layer needs in addition to those kept already.
     fn add(&mut self, layer: Layer, case: &LoadCase) -> Result<(), CleanError> {
         let rows: Vec<usize> = self.model.in_force(case).collect();
         let vanishing = vanishing(self.model, &layer.prescribed);
@@ -85,7 +88,7 @@ impl<'a> KeptEquations<'a> {
         Ok(())
     }
 
-    /// Keeps the combination that an equation is, of the last load case in which it holds.
+    /// Notes the combination for a dependent equation, from the last load case in which it holds.
     fn note(&mut self, i: usize, rows: &[usize], analysis: &Analysis) {
         let Ok(row) = rows.binary_search(&i) else { return };
         self.because.entry(i).or_insert_with(|| {
@@ -94,7 +97,8 @@ impl<'a> KeptEquations<'a> {
         });
     }
 
-    /// Analyses some equations with what is prescribed in a layer; right-hand sides count as they are, values do not.
+    /// Analyses some equations with the prescribed columns of a layer. Right-hand sides count, prescribed values are
+    /// taken as zero.
     pub fn analyse(&self, layer: &Layer, rows: &[usize], preferences: Preferences) -> Result<Analysis, CleanError> {
         let dof = |&column: &u32| self.model.dofs[column as usize];
         let given = |(column, &origin): (&u32, &Origin)| Prescribed { dof: dof(column), value: 0.0, course: 0, origin };
@@ -117,8 +121,8 @@ impl<'a> KeptEquations<'a> {
         if layer == 0 { Cases::All } else { Cases::UpTo(self.layers[layer].last) }
     }
 
-    /// The faults of the equations in each layer, of all or of the kept ones. What one solver takes another does
-    /// not, and equations without faults mean the same to all.
+    /// The faults of the equations in each layer; `is_in` selects equations by number and layer. Solvers react
+    /// differently to faults, but all treat equations without faults alike.
     pub fn faults(&self, is_in: impl Fn(usize, usize) -> bool) -> Vec<EquationFault> {
         let count = self.model.equations();
         let of = |(k, layer): (usize, &Layer)| {
@@ -129,7 +133,7 @@ impl<'a> KeptEquations<'a> {
     }
 }
 
-/// For each equation the last load case in which it is in force; it must be so in all before.
+/// For each equation the last load case in which it is in force. It must be in force in all earlier ones.
 fn ends(model: &Model, cases: &[LoadCase]) -> Result<Vec<Option<usize>>, CleanError> {
     let mut end = vec![cases.len().checked_sub(1); model.equations()];
     for (k, case) in cases.iter().enumerate().rev() {
@@ -143,7 +147,7 @@ fn ends(model: &Model, cases: &[LoadCase]) -> Result<Vec<Option<usize>>, CleanEr
     Ok(end)
 }
 
-/// Equations whose own slave would make others large.
+/// Equations whose own slave has a coefficient too small to divide by.
 pub fn vanishing(model: &Model, prescribed: &PrescribedColumns) -> FxHashSet<usize> {
     let faults = faults_of(model, prescribed, &vec![false; model.equations()]);
     faults
@@ -153,7 +157,7 @@ pub fn vanishing(model: &Model, prescribed: &PrescribedColumns) -> FxHashSet<usi
         .collect()
 }
 
-/// Columns, ascending, each once, without prescribed ones.
+/// Columns that are not prescribed, ascending, each once.
 pub fn unprescribed(columns: impl Iterator<Item = u32>, prescribed: &PrescribedColumns) -> Vec<usize> {
     let mut columns: Vec<usize> = columns.filter(|j| !prescribed.contains_key(j)).map(|j| j as usize).collect();
     columns.sort_unstable();

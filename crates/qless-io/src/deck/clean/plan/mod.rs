@@ -1,7 +1,7 @@
-//! What must change in a deck, and why.
+//! Plans the changes of a deck.
 //!
-//! Load case k holds the equations `E_k` and the prescribed DOFs `P_k`. Equations are kept or written such that in each case those in
-//! force are independent of each other without `P_k`, span what `E_k` spans, and have slaves of their own outside `P_k`.
+//! Load case k has the equations `E_k` and the prescribed DOFs `P_k`. In each case, the equations kept or written are
+//! independent without `P_k`, span the same space as `E_k`, and have distinct slaves outside `P_k`.
 
 mod layers;
 mod solved;
@@ -18,34 +18,35 @@ use crate::deck::{Deck, Dof, Format, Model};
 
 pub(super) use steps::conflicts;
 
-/// What changes: equations that go, and those that come.
+/// Changes of a deck: equations removed and equations written.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Plan {
-    /// Equations whose text goes, ascending.
+    /// Equations removed from the text, ascending.
     pub removed: Vec<Removed>,
-    /// Equations that are written in their place.
+    /// New equations.
     pub written: Vec<Written>,
-    /// Equations whose text stays, but which hold no longer than up to a load case, ascending.
+    /// Equations that stay in the text but end after a load case, ascending.
     pub ended: Vec<Ended>,
 }
 
-/// An equation whose text goes.
+/// An equation removed from the text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Removed {
     /// Its number, from 0.
     pub equation: usize,
-    /// Why.
+    /// Why it is removed.
     pub reason: Reason,
 }
 
-/// Why an equation's text goes.
+/// Why an equation is removed from the text.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Reason {
-    /// It is this combination of others: equation from 0 and coefficient; empty where it holds no free DOF.
+    /// It is dependent: this combination of others, as equation (from 0) and coefficient. Empty if the equation has no
+    /// free DOF.
     Redundant(Vec<(usize, f64)>),
-    /// It is written anew because of this fault.
+    /// It is rewritten because of this fault.
     Fault(EquationFault),
-    /// It is written anew because another one of its part is.
+    /// It is rewritten because another equation of its part is.
     Connected,
 }
 
@@ -58,24 +59,24 @@ pub struct Written {
     pub terms: Vec<(Dof, f64)>,
     /// The right-hand side.
     pub rhs: f64,
-    /// The load cases in which it holds.
+    /// Load cases in which it holds.
     pub cases: Cases,
 }
 
-/// Load cases, by their number from 0.
+/// A set of load cases, by number from 0.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Cases {
-    /// All.
+    /// All load cases.
     #[default]
     All,
-    /// The first ones, up to this one.
+    /// The first load cases, up to this one.
     UpTo(usize),
-    /// These, ascending.
+    /// These load cases, ascending.
     Only(Arc<[usize]>),
 }
 
 impl Cases {
-    /// Whether load case `k` is among them.
+    /// Whether the set contains load case `k`.
     pub fn contain(&self, k: usize) -> bool {
         match self {
             Self::All => true,
@@ -85,7 +86,7 @@ impl Cases {
     }
 }
 
-/// An equation that holds in the first load cases only.
+/// An equation that ends after a load case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ended {
     /// Its number, from 0.
@@ -95,12 +96,12 @@ pub struct Ended {
 }
 
 impl Plan {
-    /// Whether nothing changes.
+    /// Whether the plan changes nothing.
     pub fn is_empty(&self) -> bool {
         self.removed.is_empty() && self.ended.is_empty()
     }
 
-    /// Equations that go are there, ascending, and so are those that explain why.
+    /// Checks that the equations of the plan exist and ascend, and that its explanations refer to existing equations.
     pub(super) fn check(&self, model: &Model) -> Result<(), CleanError> {
         let count = model.equations();
         let mut next = 0;
@@ -119,11 +120,12 @@ impl Plan {
     }
 }
 
-/// Decides what must change so that the equations in force are independent in every load case, each slave once and never
-/// prescribed.
+/// Plans the changes after which the equations in force are independent in every load case, with each slave once and
+/// never prescribed.
 ///
 /// # Errors
-/// [`CleanError`]: a deck that the solver does not read, conflicting equations, load cases that no single deck serves, or cards that cannot be replaced.
+/// [`CleanError`]: a deck that stops the solver, conflicting equations, load cases that no single deck serves, or
+/// cards that cannot be replaced.
 ///
 /// ```
 /// # let place = tempfile::tempdir()?;
@@ -140,7 +142,7 @@ pub fn plan(deck: &Deck, options: &Options) -> Result<Plan, CleanError> {
         return Err(CleanError::Refused { place: model.place_of(refusal), why: refusal.text.clone() });
     }
     let plan = match deck.format() {
-        // CalculiX breaks off at random where a nonlinear step takes equations back.
+        // CalculiX crashes at random if a nonlinear step removes equations.
         Format::Calculix if model.traits.is_nonlinear => steps::plan(deck, options, steps::LateRemoval::Impossible)?,
         Format::Calculix => steps::plan(deck, options, steps::LateRemoval::Possible)?,
         Format::Ansys => steps::plan(deck, options, steps::LateRemoval::Impossible)?,
@@ -150,7 +152,8 @@ pub fn plan(deck: &Deck, options: &Options) -> Result<Plan, CleanError> {
     Ok(plan)
 }
 
-/// Cards that equations cannot stand in for must not be among those that go. A fault of the card itself is reported first.
+/// Checks that no removed equation belongs to a card that equations cannot replace. Faults of the card itself are
+/// reported first.
 fn check_removable(model: &Model, removed: &[Removed]) -> Result<(), CleanError> {
     let card = |removed: &Removed| model.nth(removed.equation).origin.card;
     let weight = |reason: &Reason| match reason {

@@ -1,7 +1,7 @@
-//! Equations solved for their slaves: `u_s - T u_q - G u_p = g`.
+//! Solves equations for their slaves: `u_s - T u_q - G u_p = g`.
 //!
-//! Layer by layer from the last load case: the slaves of the layers before stay slaves, and only the rows of the new ones are
-//! written. Rows of earlier layers may name them as masters, as the solver follows chains.
+//! Layers are solved from the last load case on. Slaves of earlier solved layers stay slaves, and only the rows of new
+//! slaves are written. These may be masters in rows of other layers, since solvers follow chains.
 
 use qless::{Analysis, Preferences};
 use rustc_hash::FxHashSet;
@@ -11,7 +11,7 @@ use super::layers::{KeptEquations, unprescribed, vanishing};
 use crate::deck::Model;
 use crate::deck::clean::CleanError;
 
-/// The equations of the parts that are written anew.
+/// The rows of the parts that are rewritten.
 pub fn written(kept: &KeptEquations, is_rewritten: &dyn Fn(usize) -> bool) -> Result<Vec<Written>, CleanError> {
     let mut slaves: FxHashSet<usize> = FxHashSet::default();
     let mut all = Vec::new();
@@ -35,7 +35,7 @@ fn solve(
     let vanishing = vanishing(kept.model, prescribed);
     let new = rows.iter().filter(|&&i| kept.layer_of[i] == Some(layer) && !vanishing.contains(&i));
     let own = new.filter_map(|&i| kept.model.nth(i).columns.first().copied());
-    // The deck's own slaves, but for those that would make others large and those that other cards claim.
+    // The deck's own slaves are preferred, except those with small coefficients and those that other cards claim.
     let claims = SlaveClaims::of(kept.model);
     let wished = own.chain(slaves.iter().map(|&j| j as u32)).filter(|&j| !claims.hold(j as usize));
     let wished = unprescribed(wished, prescribed);
@@ -52,10 +52,10 @@ fn solve(
     Ok(())
 }
 
-/// DOFs over which cards have the say that are no equations.
+/// DOFs that cannot be slaves because other cards claim them.
 struct SlaveClaims<'a> {
     model: &'a Model,
-    /// Nodes with axes of their own on which something is prescribed.
+    /// Nodes with local axes and a prescribed DOF.
     held: FxHashSet<u32>,
 }
 
@@ -66,7 +66,7 @@ impl<'a> SlaveClaims<'a> {
         Self { model, held }
     }
 
-    /// Whether a DOF can be no slave.
+    /// Whether a DOF cannot be a slave.
     fn hold(&self, column: usize) -> bool {
         let dof = self.model.dofs[column];
         let left_out = || self.model.left_out_claims().binary_search_by_key(&dof, |(claimed, _)| *claimed).is_ok();
@@ -74,7 +74,7 @@ impl<'a> SlaveClaims<'a> {
     }
 }
 
-/// Adds the rows of slaves that no layer before has.
+/// Adds the rows of slaves that are new in this layer.
 fn add(
     kept: &KeptEquations,
     layer: usize,
@@ -85,7 +85,7 @@ fn add(
     let model = kept.model;
     let claims = SlaveClaims::of(model);
     let reduction = analysis.reduction()?;
-    // What sums of right-hand sides leave by rounding is none.
+    // Right-hand sides that cancel up to rounding are zero.
     let rounding = 1e-14 * (0..model.equations()).fold(0.0, |size: f64, i| size.max(model.nth(i).rhs.abs()));
     for (row, &slave) in reduction.slaves().iter().enumerate().filter(|(_, slave)| !before.contains(slave)) {
         let masters = reduction.t().row(row).map(|(j, v)| (model.dofs[reduction.masters()[j]], -v));

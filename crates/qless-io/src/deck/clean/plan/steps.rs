@@ -1,4 +1,4 @@
-//! The plan for load cases that follow each other, as steps do.
+//! Plans the changes for load cases that follow each other, as steps do.
 
 use qless::common::DisjointSets;
 use qless::{Kind, Options, analyse};
@@ -29,7 +29,7 @@ pub fn plan(deck: &Deck, options: &Options, late_removal: LateRemoval) -> Result
     Ok(plan)
 }
 
-/// The plan for some load cases that follow each other, as if there were no others.
+/// The plan for some load cases that follow each other, ignoring all others.
 pub fn plan_for(deck: &Deck, cases: &[LoadCase], options: &Options) -> Result<Plan, CleanError> {
     let kept = KeptEquations::of(deck, cases, options)?;
     check_cases(&kept, cases)?;
@@ -37,13 +37,13 @@ pub fn plan_for(deck: &Deck, cases: &[LoadCase], options: &Options) -> Result<Pl
 }
 
 impl KeptEquations<'_> {
-    /// What goes, what comes, and what ends sooner.
+    /// Decides which equations are removed, written and ended.
     fn plan(&self) -> Result<Plan, CleanError> {
         let count = self.model.equations();
         let before = self.faults(|i, k| self.end[i] >= Some(self.layers[k].last));
         let fault_of: FxHashMap<usize, EquationFault> =
             before.iter().rev().map(|fault| (fault.equation(), *fault)).collect();
-        // The first cases prescribe least, so that most is connected there.
+        // The first cases prescribe the fewest DOFs, so that the parts are largest there.
         let first = &self.layers[self.layers.len() - 1].prescribed;
         let part_of = parts(self.model, |j| first.contains_key(&j));
         let mut is_rewritten = vec![false; part_of.iter().max().map_or(0, |last| last + 1)];
@@ -69,7 +69,7 @@ impl KeptEquations<'_> {
         }
     }
 
-    /// Equations written in the same lines as others that are kept for another time.
+    /// Equations that share their lines with others that are kept for another time.
     fn torn(&self) -> impl Iterator<Item = usize> + '_ {
         let mut kept: FxHashMap<(u32, u32), Option<usize>> = FxHashMap::default();
         let text = |i: usize| text_of(self.model, self.model.nth(i).origin);
@@ -83,7 +83,7 @@ impl KeptEquations<'_> {
     }
 }
 
-/// No load case may conflict, and what is kept for it must say all that its equations say.
+/// Checks that no load case conflicts, and that the equations kept for it have the rank of its own equations.
 fn check_cases(kept: &KeptEquations, cases: &[LoadCase]) -> Result<(), CleanError> {
     for (k, case) in cases.iter().enumerate() {
         if k > 0 && case.constrains_as(&cases[k - 1]) {
@@ -102,7 +102,8 @@ fn check_cases(kept: &KeptEquations, cases: &[LoadCase]) -> Result<(), CleanErro
     Ok(())
 }
 
-/// Whether a load case has no solution; where values run differently in time, each course must have one.
+/// Whether a load case has no solution. If its values follow several time histories, each of these must have a
+/// solution of its own.
 pub fn conflicts(model: &Model, case: &LoadCase, options: &Options) -> Result<bool, CleanError> {
     let courses = model.courses_of(case);
     let mut systems = vec![model.system(case)?];
@@ -118,7 +119,7 @@ pub fn conflicts(model: &Model, case: &LoadCase, options: &Options) -> Result<bo
     Ok(false)
 }
 
-/// For each equation the number of its part, from 0 in the order of the first equation of each.
+/// For each equation the number of its part (connected component), in order of their first equations.
 pub fn parts(model: &Model, is_prescribed: impl Fn(u32) -> bool) -> Vec<usize> {
     let mut sets = DisjointSets::new(model.equations());
     let mut by_column: FxHashMap<u32, usize> = FxHashMap::default();
@@ -133,7 +134,7 @@ pub fn parts(model: &Model, is_prescribed: impl Fn(u32) -> bool) -> Vec<usize> {
     sets.numbered().0.into_iter().map(|number| number as usize).collect()
 }
 
-/// Equations with the same key are written in the same lines. A card of a part is read once for each of its instances.
+/// Key of the lines of an equation. An Abaqus part is read once for each instance, so that its equations share lines.
 pub fn text_of(model: &Model, origin: Origin) -> (u32, u32) {
     let card = if model.has_instances() { model.cards.nth(origin.card).file } else { origin.card };
     (card, origin.line)

@@ -1,7 +1,7 @@
-//! Load cases that stand beside each other, as subcases do: each selects its own equations.
+//! Plans the changes for independent load cases, such as subcases: each selects its own equations.
 //!
-//! Where no one plan serves all, each group of cases that constrain alike has its own. What goes in any of them goes from the text,
-//! and what the others keep of it is written for them.
+//! If one plan cannot serve all, each group of cases that constrain alike gets its own plan. An equation removed in
+//! any group is removed from the text, and rewritten for the groups that keep it.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use super::{Cases, Plan, Reason, Removed, Written};
 use crate::deck::clean::CleanError;
 use crate::deck::{Deck, LoadCase, Model};
 
-/// One plan for all subcases, or one for each group of them.
+/// One plan for all subcases, or else one for each group.
 pub fn plan(deck: &Deck, options: &Options) -> Result<Plan, CleanError> {
     match common_plan(deck, options, LateRemoval::Impossible) {
         Err(CleanError::CasesDiffer { .. } | CleanError::Apart { .. }) => each(deck, options),
@@ -22,7 +22,7 @@ pub fn plan(deck: &Deck, options: &Options) -> Result<Plan, CleanError> {
     }
 }
 
-/// Load cases that constrain alike, by their numbers.
+/// Groups of load cases that constrain alike, by number.
 fn groups(model: &Model) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for k in 0..model.cases.len() {
@@ -61,7 +61,7 @@ fn each(deck: &Deck, options: &Options) -> Result<Plan, CleanError> {
     Ok(Plan { removed, written, ended: Vec::new() })
 }
 
-/// The plan for one load case, as if it were alone: other equations are not touched.
+/// The plan for one load case alone; does not touch equations outside it.
 fn of_group(deck: &Deck, case: &LoadCase, options: &Options) -> Result<Plan, CleanError> {
     let mut plan = plan_for(deck, std::slice::from_ref(case), options)?;
     plan.removed.retain(|removed| case.removed.binary_search(&(removed.equation as u32)).is_err());
