@@ -175,7 +175,7 @@ impl FaultAt {
     }
 
     /// The error in this file.
-    pub fn of(self, path: &Path) -> ReadError {
+    pub fn in_file(self, path: &Path) -> ReadError {
         ReadError::Malformed { path: path.to_path_buf(), line: self.line, fault: self.fault }
     }
 }
@@ -183,5 +183,5 @@ impl FaultAt {
 /// Reads and parses a whole file; adds its path to errors.
 pub(crate) fn parse_file<T>(path: &Path, parse: impl FnOnce(&[u8]) -> Result<T, FaultAt>) -> Result<T, ReadError> {
     let bytes = crate::bytes::read(path).map_err(ReadError::io(path))?;
-    parse(&bytes).map_err(|at| at.of(path))
+    parse(&bytes).map_err(|at| at.in_file(path))
 }

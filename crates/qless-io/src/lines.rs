@@ -49,7 +49,7 @@ impl<'a> TextLines<'a> {
     }
 
     /// Bytes not yet read.
-    pub fn left(&self) -> usize {
+    pub fn unread_bytes(&self) -> usize {
         self.rest.len()
     }
 
@@ -121,6 +121,6 @@ mod tests {
         assert!(line.fields::<2>().is_none() && line.fields::<4>().is_none());
         let line = lines.content().expect("a line");
         assert_eq!((line.number, line.fields()), (5, Some([&b"4"[..]])));
-        assert!(lines.content().is_none() && lines.left() == 0 && lines.number() == 5);
+        assert!(lines.content().is_none() && lines.unread_bytes() == 0 && lines.number() == 5);
     }
 }

@@ -51,7 +51,7 @@ impl Opened {
     /// [`ReadError::Io`], or [`ReadError::Unknown`] if no reader recognises the content.
     pub fn read(path: &Path, solver: Option<Solver>) -> Result<Self, ReadError> {
         let text = bytes::read(path).map_err(ReadError::io(path))?;
-        let expected = solver.map(Solver::format).or_else(|| Format::of(path));
+        let expected = solver.map(Solver::format).or_else(|| Format::from_path(path));
         let content = match format_of(&text, expected) {
             _ if header::is_present(&text) => FileContent::Matrix,
             Ok(format) => FileContent::Deck(format),

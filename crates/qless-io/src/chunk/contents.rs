@@ -28,7 +28,7 @@ impl ChunkedMatrix {
     pub fn open(file: &ChunkedFile) -> Result<Self, ReadError> {
         let head = read_head(file, true)?.unwrap_or(FileHead { text: Vec::new(), end: 0 });
         let mut lines = lines::TextLines::new(&head.text);
-        let read = MatrixHead::read(&mut lines).map_err(|at| at.of(file.path()))?;
+        let read = MatrixHead::read(&mut lines).map_err(|at| at.in_file(file.path()))?;
         Ok(Self { head: read, before: LineCount { lines: lines.number(), items: 0 }, start: head.end })
     }
 
@@ -57,7 +57,7 @@ impl ChunkedMatrix {
     /// # Errors
     /// [`ReadError::Malformed`] with the line.
     pub fn entries(&self, lines: &FileChunk, before: LineCount) -> Result<Vec<(usize, usize, f64)>, ReadError> {
-        self.head.entries(&mut lines.after(before.lines), before.items).map_err(|at| at.of(lines.path()))
+        self.head.entries(&mut lines.after(before.lines), before.items).map_err(|at| at.in_file(lines.path()))
     }
 
     /// Checks that the whole file has all promised entries; `found` is their number.
@@ -65,7 +65,7 @@ impl ChunkedMatrix {
     /// # Errors
     /// [`ReadError::Malformed`] if entries are missing.
     pub fn check(&self, file: &ChunkedFile, found: usize) -> Result<(), ReadError> {
-        self.head.check_count(found).map_err(|at| at.of(file.path()))
+        self.head.check_count(found).map_err(|at| at.in_file(file.path()))
     }
 }
 
@@ -78,7 +78,7 @@ pub(crate) fn lines_of(path: &Path, row: usize, column: usize) -> Result<Option<
     while start < file.len() {
         let chunk = file.lines(start..start.saturating_add(SEARCHED))?;
         let mut lines = chunk.after(before);
-        let of_chunk = matrix.head.lines_of(&mut lines, (row, column)).map_err(|at| at.of(path))?;
+        let of_chunk = matrix.head.lines_of(&mut lines, (row, column)).map_err(|at| at.in_file(path))?;
         found = of_chunk.map(|(first, last)| (found.map_or(first, |(first, _)| first), last)).or(found);
         (before, start) = (lines.number().max(before), start.saturating_add(SEARCHED));
     }
@@ -103,7 +103,7 @@ impl ChunkedRhs {
             return Ok(Self { head: RhsHead::absent(rows), before: LineCount::default(), start: 0 });
         };
         let mut lines = lines::TextLines::new(&head.text);
-        let read = RhsHead::read(&mut lines, rows).map_err(|at| at.of(file.path()))?;
+        let read = RhsHead::read(&mut lines, rows).map_err(|at| at.in_file(file.path()))?;
         Ok(Self { head: read, before: LineCount { lines: lines.number(), items: 0 }, start: head.end })
     }
 
@@ -123,7 +123,7 @@ impl ChunkedRhs {
     /// # Errors
     /// [`ReadError::Malformed`] with the line.
     pub fn numbers(&self, lines: &FileChunk, before: LineCount) -> Result<Vec<f64>, ReadError> {
-        self.head.numbers(&mut lines.after(before.lines), before.items).map_err(|at| at.of(lines.path()))
+        self.head.numbers(&mut lines.after(before.lines), before.items).map_err(|at| at.in_file(lines.path()))
     }
 
     /// Checks that the whole file has one number for each row; `found` is their number.
@@ -131,7 +131,7 @@ impl ChunkedRhs {
     /// # Errors
     /// [`ReadError::Malformed`] if not.
     pub fn check(&self, file: &ChunkedFile, found: usize) -> Result<(), ReadError> {
-        self.head.check_count(found).map_err(|at| at.of(file.path()))
+        self.head.check_count(found).map_err(|at| at.in_file(file.path()))
     }
 }
 
@@ -145,7 +145,7 @@ pub fn prescribed_lines(
     before: LineCount,
     columns: usize,
 ) -> Result<Vec<PrescribedLine>, ReadError> {
-    vectors::prescribed_lines(&mut lines.after(before.lines), columns).map_err(|at| at.of(lines.path()))
+    vectors::prescribed_lines(&mut lines.after(before.lines), columns).map_err(|at| at.in_file(lines.path()))
 }
 
 /// Joins the prescribed values of all chunks, in the order of the file, into `(DOF, value)`: ascending by DOF,
@@ -154,7 +154,7 @@ pub fn prescribed_lines(
 /// # Errors
 /// [`ReadError::Malformed`] for one column with two values.
 pub fn merge_prescribed(path: &Path, prescribed: Vec<PrescribedLine>) -> Result<Vec<(usize, f64)>, ReadError> {
-    vectors::merge_prescribed(prescribed).map_err(|at| at.of(path))
+    vectors::merge_prescribed(prescribed).map_err(|at| at.in_file(path))
 }
 
 /// Checks that a file of labels has one for each of `expected` rows or columns. `lines` is its number of lines,
@@ -168,7 +168,7 @@ pub fn check_labels(
     expected: usize,
     each: &'static str,
 ) -> Result<(), ReadError> {
-    vectors::check_label_count(lines, last_filled, expected, each).map_err(|at| at.of(path))
+    vectors::check_label_count(lines, last_filled, expected, each).map_err(|at| at.in_file(path))
 }
 
 /// Reads the labels of these rows or columns (0-based, ascending) in one pass over the file. Blank lines give no

@@ -19,13 +19,13 @@ impl Format {
     pub const ALL: [Self; 3] = [Self::Calculix, Self::Ansys, Self::Nastran];
 
     /// The format for the ending of a path, without `.gz`.
-    pub fn of(path: &Path) -> Option<Self> {
+    pub fn from_path(path: &Path) -> Option<Self> {
         let ending = path.extension()?.to_str()?.to_ascii_lowercase();
         match ending.as_str() {
             "inp" => Some(Self::Calculix),
             "cdb" => Some(Self::Ansys),
             "bdf" | "dat" | "nas" | "fem" => Some(Self::Nastran),
-            "gz" => Self::of(Path::new(path.file_stem()?)),
+            "gz" => Self::from_path(Path::new(path.file_stem()?)),
             _ => None,
         }
     }

@@ -43,7 +43,7 @@ impl MatrixHead {
 
     /// The entries in these lines, which follow `before` others.
     pub(crate) fn entries(&self, lines: &mut TextLines, before: usize) -> Result<Vec<(usize, usize, f64)>, FaultAt> {
-        let room = self.entries.saturating_sub(before).min((lines.left() + 1) / SHORTEST_ENTRY);
+        let room = self.entries.saturating_sub(before).min((lines.unread_bytes() + 1) / SHORTEST_ENTRY);
         let mut entries = Vec::with_capacity(room);
         while let Some(line) = lines.content() {
             if before + entries.len() >= self.entries {

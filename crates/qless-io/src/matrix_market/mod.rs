@@ -61,5 +61,5 @@ pub fn read(path: &Path) -> Result<Triplets, ReadError> {
 
 /// Parses the text of a matrix file.
 pub(crate) fn parse(path: &Path, text: &[u8]) -> Result<Triplets, ReadError> {
-    coordinate::parse(text).map_err(|at| at.of(path))
+    coordinate::parse(text).map_err(|at| at.in_file(path))
 }

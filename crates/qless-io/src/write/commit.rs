@@ -1,11 +1,11 @@
 //! Replaces old files by new ones.
 //!
-//! | what changes | how | what a kill leaves |
+//! | change | method | left behind by a kill |
 //! | --- | --- | --- |
-//! | a folder that was not there | the folder is renamed | nothing or all of it |
-//! | one file | the file is renamed | the old or the new file |
-//! | several files in a folder | the folder is exchanged for a complete one ([`switch`]) | the old or the new files |
-//! | the same where folders cannot be exchanged | one by one ([`moves`]) | the old or the new files, or no first file |
+//! | a new folder | rename the folder | nothing, or the whole folder |
+//! | one file | rename the file | the old file or the new one |
+//! | several files in a folder | exchange the folder for a complete one ([`switch`]) | the old files or the new ones |
+//! | the same, if folders cannot be exchanged | move files one by one ([`moves`]) | the old files or the new ones, or no first file |
 //!
 //! Folders cannot be exchanged if the file system cannot exchange them or has no hard links (Linux and macOS mostly
 //! have both), if the parent folder is not writable, or if the folder is a mount point. After an error, all old files

@@ -30,7 +30,7 @@ pub struct Inputs(Vec<FileIdentity>);
 impl Inputs {
     /// Notes these files.
     pub fn of(paths: impl IntoIterator<Item: AsRef<Path>>) -> Self {
-        Self(paths.into_iter().filter_map(|path| FileIdentity::of(path.as_ref())).collect())
+        Self(paths.into_iter().filter_map(|path| FileIdentity::from_path(path.as_ref())).collect())
     }
 
     /// Checks that an output is none of the inputs.
@@ -38,7 +38,7 @@ impl Inputs {
     /// # Errors
     /// [`WriteError::IsInput`].
     pub fn spare(&self, output: &Path) -> Result<(), WriteError> {
-        match FileIdentity::of(output) {
+        match FileIdentity::from_path(output) {
             Some(identity) if self.0.contains(&identity) => Err(WriteError::IsInput { path: output.to_path_buf() }),
             _ => Ok(()),
         }
@@ -52,7 +52,7 @@ enum FileIdentity {
 }
 
 impl FileIdentity {
-    fn of(path: &Path) -> Option<Self> {
+    fn from_path(path: &Path) -> Option<Self> {
         if let Some(node) = node(path) {
             return Some(Self::There(node));
         }

@@ -6,15 +6,14 @@
 //! old files or the new ones, even if the program is killed. After an error the old files are in place, and nothing
 //! else is left. A new file takes over the mode of the old one, and its owner and group if permitted.
 //!
-//! | module | holds |
+//! | module | content, lowest layer first |
 //! | --- | --- |
-//! | `output`, `one_file` | [`Output`], a set of files for a folder; [`OneFile`], one for its path |
-//! | `inputs` | [`Inputs`]: no output replaces one of them |
-//! | `stage` | where files wait; [`abandon`] removes them when a signal ends the program |
-//! | `turn` | one thread at a time creates files and puts them in place |
-//! | `commit` | how they are put in place, and what holds where: `switch` at once, `moves` one by one |
-//! | `metadata` | what a file keeps, and where links lead |
-//! | `text` | the text of each kind of file |
+//! | `inputs` | [`Inputs`]: files that no output may replace |
+//! | `metadata` | mode, owner, group and links of files |
+//! | `stage` | hidden folders for new files, and the lock of their writers; [`abandon`] removes them when a signal ends the program |
+//! | `moves`, `switch` | put files in place: one by one, or by an exchange of folders |
+//! | `commit` | chooses between the two, with a table of what a kill leaves behind |
+//! | `output`, `one_file` | [`Output`], a set of files for a folder; [`OneFile`], a single file |
 
 mod commit;
 mod inputs;

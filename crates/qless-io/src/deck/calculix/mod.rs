@@ -3,12 +3,12 @@
 //! The deck is read twice: first for definitions (nodes, sets, surfaces, elements), then, in order, for constraints.
 //! Equations are homogeneous, their first term is the slave, and every step is a load case.
 //!
-//! | folder | holds |
+//! | folder | content, lowest layer first |
 //! | --- | --- |
-//! | `syntax` | lines as cards, parameters and fields |
-//! | `model` | what cards refer to: nodes, sets, surfaces, parts and instances |
-//! | `cards` | what each card that constrains says |
-//! | `write` | the deck with other equations |
+//! | `syntax` | cards, parameters and fields; expands Abaqus parts into instances |
+//! | `model` | definitions that cards refer to: nodes, sets, elements, surfaces, axes, instances |
+//! | `cards` | equations and prescribed values of each card that constrains |
+//! | `write` | the cleaned deck |
 //!
 //! `reader` reads the cards in order and keeps what each step inherits.
 

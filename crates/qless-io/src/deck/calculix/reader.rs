@@ -104,7 +104,7 @@ impl CalculixReader {
                 if self.solver == Solver::Ccx {
                     refused::coupling(card, &mut self.model);
                 }
-                self.coupling = Some(CouplingCard::of(card));
+                self.coupling = Some(CouplingCard::from_card(card));
             }
             b"*KINEMATIC" | b"*DISTRIBUTING" => self.coupled(card)?,
             b"*KINEMATICCOUPLING" => {

@@ -115,13 +115,13 @@ fn circles(model: &Model, slave_of: &FxHashMap<u32, usize>) -> Vec<EquationFault
             }
         }
     }
-    let mut left: Vec<usize> = waits.into_keys().collect();
-    left.sort_unstable();
-    if left.is_empty() || determines_slaves(model, &left) {
+    let mut circle: Vec<usize> = waits.into_keys().collect();
+    circle.sort_unstable();
+    if circle.is_empty() || determines_slaves(model, &circle) {
         return Vec::new();
     }
     let slave = |i: usize| model.dofs[model.nth(i).columns[0] as usize];
-    left.into_iter().map(|i| EquationFault::Circle { equation: i, slave: slave(i) }).collect()
+    circle.into_iter().map(|i| EquationFault::Circle { equation: i, slave: slave(i) }).collect()
 }
 
 /// Whether the equations surely determine their slaves: the square matrix of the slaves' coefficients has full rank.

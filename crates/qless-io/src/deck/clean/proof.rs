@@ -58,7 +58,7 @@ fn partner<'a>(old: &Model, k: usize, new: &'a Model) -> Option<&'a LoadCase> {
 fn same(old: &Model, a: &LoadCase, new: &Model, b: &LoadCase, renamed: &Renamed) -> Result<(), String> {
     let given = same_values(old, a, new, b, renamed)?;
     same_loads(a, b, renamed)?;
-    let both = SharedColumns::of(old, new, renamed);
+    let both = SharedColumns::new(old, new, renamed);
     let analyse = |systems: &[(&Model, &LoadCase)], given: &BTreeSet<Dof>| {
         let system = both.system(systems, given).map_err(|error| error.to_string())?;
         analyse(&system, &Options::default()).map_err(|error| error.to_string())
@@ -146,7 +146,7 @@ struct SharedColumns<'a> {
 }
 
 impl<'a> SharedColumns<'a> {
-    fn of(old: &Model, new: &Model, renamed: &'a Renamed) -> Self {
+    fn new(old: &Model, new: &Model, renamed: &'a Renamed) -> Self {
         let mut columns = FxHashMap::default();
         let named = new.dofs.iter().map(|dof| renamed.get(dof).unwrap_or(dof));
         for &dof in old.dofs.iter().chain(named) {

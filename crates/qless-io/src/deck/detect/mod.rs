@@ -42,7 +42,7 @@ pub fn format_of(text: &[u8], expected: Option<Format>) -> Result<Format, Unreco
             _ => is_possible |= expected.is_some_and(|format| says(format) == Evidence::Possible),
         }
     }
-    expected.filter(|_| is_possible).ok_or_else(|| UnrecognizedText::of(text))
+    expected.filter(|_| is_possible).ok_or_else(|| UnrecognizedText::from_text(text))
 }
 
 /// Lines that are neither blank nor comments in any of the formats, trimmed.
@@ -142,7 +142,7 @@ fn is_end(tail: &[u8]) -> bool {
 mod tests {
     use super::*;
 
-    fn of(text: &str) -> Option<Format> {
+    fn detect(text: &str) -> Option<Format> {
         format_of(text.as_bytes(), None).ok()
     }
 
@@ -180,7 +180,7 @@ mod tests {
                 ],
             ),
         ] {
-            texts.iter().for_each(|text| assert_eq!(of(text), Some(format), "{text}"));
+            texts.iter().for_each(|text| assert_eq!(detect(text), Some(format), "{text}"));
         }
     }
 
@@ -200,7 +200,7 @@ mod tests {
 
     #[test]
     fn what_is_nothing_known_is_told_by_what_it_is() {
-        for (text, told) in [
+        for (text, message) in [
             (&b""[..], "it is empty"),
             (b" \n\n", "it is empty"),
             (b"** a\n$ b\n! c\n", "line 1 is `** a`"),
@@ -214,8 +214,8 @@ mod tests {
             (b"\x01\x02\xfe*NODE\n", "it starts with the bytes 01 02 fe 2a 4e 4f 44 45"),
         ] {
             for expected in [None, Some(Format::Calculix), Some(Format::Nastran), Some(Format::Ansys)] {
-                let seen = format_of(text, expected).expect_err(told).to_string();
-                assert!(seen.contains(told), "{seen}");
+                let seen = format_of(text, expected).expect_err(message).to_string();
+                assert!(seen.contains(message), "{seen}");
             }
         }
     }

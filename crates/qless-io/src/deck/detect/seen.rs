@@ -74,7 +74,7 @@ impl UnrecognizedText {
     }
 
     /// A text without cards: its first line that is not blank.
-    pub(super) fn of(text: &[u8]) -> Self {
+    pub(super) fn from_text(text: &[u8]) -> Self {
         let mut lines = text.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii).zip(1..);
         match lines.find(|(line, _)| !line.is_empty()) {
             Some((found, line)) => Self::Line { line, found: quote(found) },

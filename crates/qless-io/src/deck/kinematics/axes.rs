@@ -2,7 +2,7 @@
 //!
 //! | kind        | coordinates   | (a, b, c)                                        |
 //! | ----------- | ------------- | ------------------------------------------------ |
-//! | rectangular | x, y, z       | as they are                                      |
+//! | rectangular | x, y, z       | x, y, z                                          |
 //! | cylindrical | r, theta, z   | r cos theta, r sin theta, z                      |
 //! | spherical   | r, theta, phi | r sin theta cos phi, r sin theta sin phi, r cos theta |
 //!

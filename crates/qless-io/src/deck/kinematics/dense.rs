@@ -44,7 +44,7 @@ impl DenseFactor {
             }
         }
         let size = b.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-        if y[self.rank..].iter().any(|left| left.abs() > CONSISTENT * size) {
+        if y[self.rank..].iter().any(|residual| residual.abs() > CONSISTENT * size) {
             return None;
         }
         let mut x = vec![0.0; n];

@@ -151,7 +151,9 @@ impl Mean {
     }
 }
 
-/// One equation for each component of the reference.
+/// The mean over the reference's own components only: `u_r = S^-1 sum w_k a_k^T u_k` with `S = sum w_k a_k^T a_k`,
+/// where a_k has only their columns. Without rotations among them it is the weighted mean, without lever arms.
+/// MYSTRAN's `RBE3` works this way.
 pub fn partial_rows(element: &Mean, poses: &impl Poses) -> Result<Vec<Row>, Problem> {
     let reference = poses.pose(element.reference)?;
     let own: Vec<u8> = element.components.iter().collect();

@@ -4,7 +4,7 @@
 //! | --- | --- | --- |
 //! | Abaqus/Standard | Analysis User's Guide: "Linear constraint equations", "Kinematic coupling constraints", "Coupling constraints", "Overconstraint checks" | an eliminated DOF must not be used by another constraint |
 //! | MSC and Simcenter Nastran | Quick Reference Guide | sets of DOFs are mutually exclusive: a dependent DOF that is dependent again or constrained is fatal (message 2101A) |
-//! | MYSTRAN | `tests/mystran.rs` runs it on every pair | as MSC Nastran |
+//! | MYSTRAN | `tests/mystran.rs` runs it on every pair of cards | as MSC Nastran |
 //! | OptiStruct | Reference Guide | rigid elements may choose other dependent DOFs (`PARAM,AUTOMSET` defaults to `YES`) |
 //! | ANSYS | Modeling and Meshing Guide: "Coupling and Constraint Equations" | a constraint equation eliminates its first DOF that is in no other equation, in no coupled set and not prescribed; a coupled DOF must be in one set only and not prescribed |
 

@@ -30,7 +30,7 @@ pub fn read(
     let mut prescribed = Vec::new();
     for line in card.lines() {
         let origin = Origin { card: number, line: line.number, lines: 1 };
-        let mut fields = DataFields::of(&line);
+        let mut fields = DataFields::new(&line);
         let fail = |(field, problem): FieldFault| model.error(origin, field, problem);
         let dofs = range(card.scope, &mut fields, definitions).map_err(fail)?;
         let value = fields.real().map_err(fail)?.unwrap_or(0.0);
@@ -59,7 +59,7 @@ pub fn loads(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinition
     let mut loads = Vec::new();
     for line in card.lines() {
         let origin = Origin { card: number, line: line.number, lines: 1 };
-        let mut fields = DataFields::of(&line);
+        let mut fields = DataFields::new(&line);
         let fail = |(field, problem): FieldFault| model.error(origin, field, problem);
         let nodes = nodes(card.scope, &mut fields, definitions).map_err(fail)?;
         let Some(dof) = fields.whole("a degree of freedom").map_err(fail)? else { continue };

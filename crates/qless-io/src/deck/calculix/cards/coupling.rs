@@ -28,7 +28,7 @@ pub struct CouplingCard {
 }
 
 impl CouplingCard {
-    pub fn of(card: &KeywordCard) -> Self {
+    pub fn from_card(card: &KeywordCard) -> Self {
         let text = |name| card.parameter(name).map(str::to_owned);
         Self {
             scope: card.scope,
@@ -115,7 +115,7 @@ pub fn read(
     solver: Solver,
 ) -> Result<bool, DeckError> {
     let is_kinematic = card.is("*KINEMATIC");
-    let place = CardPlace::of(card, model, if is_kinematic { "*KINEMATIC" } else { "*DISTRIBUTING" });
+    let place = CardPlace::register(card, model, if is_kinematic { "*KINEMATIC" } else { "*DISTRIBUTING" });
     let rows = match (is_kinematic, solver) {
         (true, _) => coupling.kinematic(card, definitions, solver),
         (false, Solver::Ccx) => coupling.reference(definitions).map(|_| Vec::new()),

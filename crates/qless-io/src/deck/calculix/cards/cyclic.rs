@@ -28,7 +28,7 @@ pub fn read(
     model: &mut Model,
     definitions: &DeckDefinitions,
 ) -> Result<(), DeckError> {
-    let place = CardPlace::of(card, model, "*CYCLIC SYMMETRY MODEL");
+    let place = CardPlace::register(card, model, "*CYCLIC SYMMETRY MODEL");
     place.fix(model);
     let sector = Sector::new(card, tie, definitions);
     let sector = sector.map_err(|problem| place.fail(model, problem))?;

@@ -142,7 +142,7 @@ pub fn removed(card: &KeywordCard, model: &mut Model, definitions: &DeckDefiniti
     let mut slaves = rustc_hash::FxHashSet::default();
     for line in card.lines() {
         let fail = |(field, problem): FieldFault| model.error(Origin { line: line.number, ..origin }, field, problem);
-        for dof in crate::deck::calculix::cards::boundary::range(card.scope, &mut DataFields::of(&line), definitions)
+        for dof in crate::deck::calculix::cards::boundary::range(card.scope, &mut DataFields::new(&line), definitions)
             .map_err(fail)?
         {
             slaves.insert(dof);

@@ -97,7 +97,7 @@ pub struct CardPlace {
 
 impl CardPlace {
     /// Adds the card to the model, under its name in the deck.
-    pub fn of(card: &KeywordCard, model: &mut Model, name: &'static str) -> Self {
+    pub fn register(card: &KeywordCard, model: &mut Model, name: &'static str) -> Self {
         let number = model.card(name, card.file, card.line);
         let last = card.lines().filter(|line| line.file == card.file).last().map_or(card.line, |line| line.number);
         let lines = (last + 1).saturating_sub(card.line).max(1);

@@ -1,15 +1,15 @@
 //! `*MPC`: a type and nodes, linearised at the reference configuration.
 //!
-//! | type | says |
+//! | type | equation |
 //! | --- | --- |
 //! | `PLANE a b c k...` | `det[x_k - x_a, x_b - x_a, x_c - x_a] = 0` for each k |
 //! | `STRAIGHT a b k...` | `(x_k - x_a) x (x_b - x_a) = 0` for each k |
-//! | `BEAM a b` | a rigid beam where both nodes rotate (Abaqus), else a constant distance (CalculiX) |
+//! | `BEAM a b` | a rigid beam if both nodes have rotations (Abaqus), else a constant distance (CalculiX) |
 //! | `LINK a b` | `abs(x_a - x_b)` constant |
 //! | `PIN a b` | `u_a = u_b` |
-//! | `TIE a b` | `u_a = u_b`, rotations too where both nodes have them |
-//! | `MEANROT k k k... p` | the mean turn of nodes k about the axis that p's coordinates give is p's first component (CalculiX) |
-//! | `DIST a a a b b b c` | `abs(x_a - x_b)` is at most the first coordinate of c (CalculiX) |
+//! | `TIE a b` | `u_a = u_b`, also for rotations if both nodes have them |
+//! | `MEANROT k k k... p` | component 1 of p is the mean rotation of nodes k about the axis along p's coordinates (CalculiX) |
+//! | `DIST a a a b b b c` | `abs(x_a - x_b)` does not exceed the first coordinate of c (CalculiX) |
 
 use crate::deck::calculix::cards::rigid::{BodyReference, kinematic};
 use crate::deck::calculix::cards::{CardEquation, CardPlace};
@@ -23,7 +23,7 @@ use crate::fault::quote;
 
 /// Adds the equations of a card.
 pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) -> Result<(), DeckError> {
-    let place = CardPlace::of(card, model, "*MPC");
+    let place = CardPlace::register(card, model, "*MPC");
     let lists = lists(card, definitions).map_err(|problem| place.fail(model, problem))?;
     for (kind, nodes) in lists {
         let rows = match kind.as_str() {

@@ -19,7 +19,7 @@ pub fn kinematic_coupling(
     definitions: &DeckDefinitions,
     solver: Solver,
 ) -> Result<(), DeckError> {
-    let place = CardPlace::of(card, model, "*KINEMATIC COUPLING");
+    let place = CardPlace::register(card, model, "*KINEMATIC COUPLING");
     if solver == Solver::Ccx {
         let text = "*KINEMATIC COUPLING is no card of ccx; write *COUPLING with *KINEMATIC";
         model.warn(card.file, card.line, text);
@@ -50,7 +50,7 @@ pub fn distributing_coupling(
     definitions: &DeckDefinitions,
     solver: Solver,
 ) -> Result<(), DeckError> {
-    let place = CardPlace::of(card, model, "*DISTRIBUTING COUPLING");
+    let place = CardPlace::register(card, model, "*DISTRIBUTING COUPLING");
     let rows = || {
         let (reference, weights) = weights(card, definitions)?;
         if solver == Solver::Ccx {

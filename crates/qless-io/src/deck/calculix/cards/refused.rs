@@ -28,9 +28,9 @@ pub fn equation(card: &KeywordCard, is_late: bool, model: &mut Model) {
     if is_late {
         model.refuse(card.file, card.line, "ccx stops: *EQUATION stands after a step begins; write it before");
     }
-    let mut told = BTreeSet::new();
+    let mut reported = BTreeSet::new();
     for line in card.lines() {
-        if let Some(flaw) = flaw(&line).filter(|flaw| told.insert(*flaw)) {
+        if let Some(flaw) = flaw(&line).filter(|flaw| reported.insert(*flaw)) {
             model.refuse(line.file, line.number, format!("ccx stops: {flaw}"));
         }
     }

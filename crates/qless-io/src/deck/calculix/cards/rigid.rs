@@ -72,7 +72,7 @@ pub fn read(
     definitions: &DeckDefinitions,
     solver: Solver,
 ) -> Result<Option<BodyReference>, DeckError> {
-    let place = CardPlace::of(card, model, "*RIGID BODY");
+    let place = CardPlace::register(card, model, "*RIGID BODY");
     let mut body = RigidBodyCard { card, definitions, solver, warnings: Vec::new(), made: None, used: None };
     let rows = body.rows();
     let RigidBodyCard { warnings, made, used, .. } = body;

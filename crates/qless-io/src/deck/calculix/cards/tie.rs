@@ -27,7 +27,7 @@ pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions
             return Ok(());
         }
     }
-    let place = CardPlace::of(card, model, "*TIE");
+    let place = CardPlace::register(card, model, "*TIE");
     let tied = tied(card, definitions).map_err(|problem| place.fail(model, problem))?;
     if let Some(first) = tied.apart.first() {
         let text = format!(
@@ -53,7 +53,7 @@ struct Tied {
 
 /// Leaves out a tie of a special kind, with all DOFs that it may claim.
 pub fn leave_out(card: &KeywordCard, kind: &str, model: &mut Model, definitions: &DeckDefinitions) {
-    let place = CardPlace::of(card, model, "*TIE");
+    let place = CardPlace::register(card, model, "*TIE");
     let text = format!("*TIE with {kind} constrains, but is not understood: left out");
     model.leave_out(card.file, card.line, text);
     let nodes = sides(card).and_then(|sides| nodes(card, definitions, &sides)).unwrap_or_default();

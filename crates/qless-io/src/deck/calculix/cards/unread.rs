@@ -26,7 +26,7 @@ pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions
     if *keyword == "*CONTACTPAIR" && card.parameter("TIED").is_none() {
         return;
     }
-    let place = CardPlace::of(card, model, name);
+    let place = CardPlace::register(card, model, name);
     model.leave_out(card.file, card.line, format!("{name} constrains, but is not understood: left out"));
     // If a name is not defined, no claims are known.
     let nodes = nodes(card, definitions).unwrap_or_default();

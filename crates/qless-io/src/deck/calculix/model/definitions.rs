@@ -65,7 +65,7 @@ impl DeckDefinitions {
                 self.set(card, || SetMembers::Lines(card.data.clone()));
             }
             b"*NSET" if card.parameter("GENERATE").is_some() => {
-                self.set(card, || SetMembers::Generate(card.data.clone()))
+                self.set(card, || SetMembers::Generate(card.data.clone()));
             }
             b"*NSET" if card.parameter("ELSET").is_some() => {
                 self.set(card, || SetMembers::OfElements(card.word("ELSET").unwrap_or_default()));
@@ -78,7 +78,7 @@ impl DeckDefinitions {
                 } else {
                     SetMembers::List(data)
                 };
-                self.sets.of_elements.entry(key("ELSET")).or_default().push(SetPart::of(card, part));
+                self.sets.of_elements.entry(key("ELSET")).or_default().push(SetPart::from_card(card, part));
             }
             b"*ELEMENT" => self.blocks.push(ElementCard {
                 scope: card.scope,
@@ -118,7 +118,7 @@ impl DeckDefinitions {
     /// Notes members of the node set that a card names, if it names one.
     fn set(&mut self, card: &KeywordCard, part: impl FnOnce() -> SetMembers) {
         if let Some(set) = card.word("NSET") {
-            self.sets.of_nodes.entry((card.scope, set)).or_default().push(SetPart::of(card, part()));
+            self.sets.of_nodes.entry((card.scope, set)).or_default().push(SetPart::from_card(card, part()));
         }
     }
 
@@ -159,7 +159,7 @@ impl DeckDefinitions {
     pub fn numbers(&self) -> Result<&NodeNumbers, Problem> {
         let find = || {
             let scopes = 1..=self.instances.len();
-            NodeNumbers::of(&self.listed(0), scopes.map(|scope| self.listed(scope)))
+            NodeNumbers::build(&self.listed(0), scopes.map(|scope| self.listed(scope)))
         };
         self.numbers.get_or_init(find).as_ref().map_err(Clone::clone)
     }
@@ -250,7 +250,7 @@ impl DeckDefinitions {
     pub fn rotates(&self, node: u32) -> bool {
         let find = || {
             let mut rotating = FxHashSet::default();
-            for block in self.blocks.iter().filter(|block| ElementShape::of(&block.kind).rotates) {
+            for block in self.blocks.iter().filter(|block| ElementShape::from_type(&block.kind).rotates) {
                 let fields = DataLines::new(&block.data).flat_map(|line| line.fields().skip(1));
                 rotating.extend(fields.filter_map(|field| self.node(block.scope, field).ok()));
             }

@@ -60,7 +60,7 @@ const WEDGE: FaceTable = FaceTable {
 
 impl ElementShape {
     /// The shape of an element type such as `C3D20R`.
-    pub fn of(kind: &str) -> Self {
+    pub fn from_type(kind: &str) -> Self {
         let digits = |text: &str| text.chars().take_while(char::is_ascii_digit).collect::<String>().parse().ok();
         let starts = |prefix: &str| kind.strip_prefix(prefix).map(digits);
         let (family, nodes, rotates) =
@@ -171,15 +171,15 @@ mod tests {
     #[test]
     fn faces_go_round_their_corners_and_then_their_middles() {
         let nodes: Vec<u32> = (1..=20).collect();
-        assert_eq!(ElementShape::of("C3D20R").face("S4", &nodes), Some(vec![2, 6, 7, 3, 18, 14, 19, 10]));
-        assert_eq!(ElementShape::of("C3D8").face("S6", &nodes[..8]), Some(vec![4, 8, 5, 1]));
-        assert_eq!(ElementShape::of("C3D10").face("S2", &nodes[..10]), Some(vec![1, 4, 2, 8, 9, 5]));
-        assert_eq!(ElementShape::of("CPS4").face("S4", &nodes[..4]), Some(vec![4, 1]));
-        assert_eq!(ElementShape::of("C3D8").face("S7", &nodes[..8]), None);
+        assert_eq!(ElementShape::from_type("C3D20R").face("S4", &nodes), Some(vec![2, 6, 7, 3, 18, 14, 19, 10]));
+        assert_eq!(ElementShape::from_type("C3D8").face("S6", &nodes[..8]), Some(vec![4, 8, 5, 1]));
+        assert_eq!(ElementShape::from_type("C3D10").face("S2", &nodes[..10]), Some(vec![1, 4, 2, 8, 9, 5]));
+        assert_eq!(ElementShape::from_type("CPS4").face("S4", &nodes[..4]), Some(vec![4, 1]));
+        assert_eq!(ElementShape::from_type("C3D8").face("S7", &nodes[..8]), None);
         assert!(
-            ElementShape::of("S8R").rotates
-                && ElementShape::of("B32R").nodes == Some(3)
-                && !ElementShape::of("T3D2").rotates
+            ElementShape::from_type("S8R").rotates
+                && ElementShape::from_type("B32R").nodes == Some(3)
+                && !ElementShape::from_type("T3D2").rotates
         );
     }
 }

@@ -93,7 +93,7 @@ pub struct NodeNumbers {
 
 impl NodeNumbers {
     /// Numbers the nodes of all instances consecutively, above the largest number in the deck itself.
-    pub fn of(deck: &[u32], instances: impl Iterator<Item = Vec<u32>>) -> Result<Self, Problem> {
+    pub fn build(deck: &[u32], instances: impl Iterator<Item = Vec<u32>>) -> Result<Self, Problem> {
         let mut next = deck.last().map_or(Some(1), |last| last.checked_add(1));
         // The deck itself has no number from here on.
         let mut scopes = vec![(next.unwrap_or(u32::MAX), Vec::new())];
@@ -155,10 +155,10 @@ mod tests {
 
     #[test]
     fn every_node_gets_a_number_of_its_own() {
-        let numbers = NodeNumbers::of(&[3, 7], [vec![1, 2, 9], vec![9]].into_iter()).expect("few");
+        let numbers = NodeNumbers::build(&[3, 7], [vec![1, 2, 9], vec![9]].into_iter()).expect("few");
         assert_eq!((numbers.get(Scope(1), 9), numbers.get(Scope(2), 9)), (Some(10), Some(11)));
         assert_eq!((numbers.get(Scope(1), 3), numbers.get(Scope::DECK, 3)), (None, Some(3)));
         assert_eq!(numbers.get(Scope::DECK, 8), None);
-        assert!(NodeNumbers::of(&[u32::MAX], [vec![1]].into_iter()).is_err());
+        assert!(NodeNumbers::build(&[u32::MAX], [vec![1]].into_iter()).is_err());
     }
 }

@@ -13,7 +13,7 @@ impl DeckDefinitions {
     pub fn parse_elements(&self) -> Result<MeshElements, Problem> {
         let mut elements = MeshElements::default();
         for block in &self.blocks {
-            let shape = ElementShape::of(&block.kind);
+            let shape = ElementShape::from_type(&block.kind);
             let mut lines = DataLines::new(&block.data);
             while let Some(line) = lines.next() {
                 let mut fields = line.fields();

@@ -69,7 +69,7 @@ pub struct SetPart {
 
 impl SetPart {
     /// What this card adds to a set.
-    pub fn of(card: &KeywordCard, part: SetMembers) -> Self {
+    pub fn from_card(card: &KeywordCard, part: SetMembers) -> Self {
         Self { scope: card.scope, instance: card.word("INSTANCE"), part }
     }
 }

@@ -28,7 +28,7 @@ pub struct NearestPoint {
 impl MasterFace {
     pub fn new(nodes: Vec<u32>, is_line: bool, definitions: &DeckDefinitions) -> Result<Self, Problem> {
         let points = nodes.iter().map(|&node| definitions.position(node)).collect::<Result<_, _>>()?;
-        let shape = shape::FaceShape::of(nodes.len(), is_line).ok_or_else(|| Problem::Expected {
+        let shape = shape::FaceShape::with_nodes(nodes.len(), is_line).ok_or_else(|| Problem::Expected {
             expected: "a master face with 2, 3, 4, 6 or 8 nodes",
             found: crate::fault::quote(nodes.len().to_string().as_bytes()),
         })?;
@@ -136,7 +136,7 @@ mod shape {
 
     impl FaceShape {
         /// The shape of a face with so many nodes.
-        pub fn of(nodes: usize, is_line: bool) -> Option<Self> {
+        pub fn with_nodes(nodes: usize, is_line: bool) -> Option<Self> {
             match (nodes, is_line) {
                 (2, _) => Some(Self::Line2),
                 (3, true) => Some(Self::Line3),
@@ -223,7 +223,7 @@ mod shape {
             let h = 1e-6;
             for (nodes, is_line) in [(2, true), (3, true), (3, false), (4, false), (6, false), (8, false)] {
                 let xi = [0.3, 0.2];
-                let shape = FaceShape::of(nodes, is_line).expect("a shape");
+                let shape = FaceShape::with_nodes(nodes, is_line).expect("a shape");
                 let (n, slopes) = shape.at(xi);
                 assert!((n.iter().sum::<f64>() - 1.0).abs() < 1e-14);
                 for (axis, slope) in slopes.iter().enumerate() {

@@ -1,11 +1,11 @@
 //! Abaqus parts and their instances, as Abaqus/CAE writes them: the cards of a part hold once for each of its
 //! instances.
 //!
-//! | card | is |
+//! | cards | treatment |
 //! | --- | --- |
-//! | `*PART, NAME=P` to `*END PART` | cards that are kept until an instance asks for them |
-//! | `*INSTANCE, NAME=I, PART=P` to `*END INSTANCE` | the cards of P and those between, all in a scope of their own |
-//! | all others | cards of the deck itself, which an assembly adds no scope to |
+//! | `*PART, NAME=P` to `*END PART` | stored until an instance needs them |
+//! | `*INSTANCE, NAME=I, PART=P` to `*END INSTANCE` | visited in a new scope, after the cards of P |
+//! | all others, including those of the assembly | visited in the scope of the deck |
 
 use std::path::PathBuf;
 

@@ -89,7 +89,7 @@ pub struct DataFields<'a> {
 }
 
 impl<'a> DataFields<'a> {
-    pub fn of(line: &DataLine<'a>) -> Self {
+    pub fn new(line: &DataLine<'a>) -> Self {
         Self { rest: Box::new(line.fields()), number: 0 }
     }
 

@@ -1,9 +1,11 @@
 //! New nodes for DOFs that equations cannot name otherwise.
 //!
-//! | new node | stands for | why |
-//! | --- | --- | --- |
-//! | [`RotationNodes`] | the rotation `w` of a body's reference node, as its components 1 to 3, like `ROT NODE` | the solver makes `w` itself: for `*KINEMATIC` it is components 4 to 6 of the reference, for `*RIGID BODY` no card can name it |
-//! | [`ProxyNodes`] | a node d with local axes, with `u_d - u = 0` for ccx to insert | an equation with two components of d names the same global DOFs twice, and ccx adds these up only where it inserts another equation |
+//! - [`RotationNodes`]: the solver makes a rotation `w` for the reference node of a body. For a `*KINEMATIC` coupling it
+//!   is components 4 to 6 of that node; for a `*RIGID BODY`, no card can name it. A new node at the same position gets
+//!   `w` as its components 1 to 3, like a `ROT NODE`.
+//! - [`ProxyNodes`]: an equation that names two components of a node with local axes names the same global DOFs twice.
+//!   ccx adds these up only if it inserts another equation. One of the components is therefore written as that of a new
+//!   node d, with `u_d - u = 0` for ccx to insert.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 

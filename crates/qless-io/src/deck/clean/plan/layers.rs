@@ -45,7 +45,7 @@ pub struct KeptEquations<'a> {
 
 impl<'a> KeptEquations<'a> {
     /// Chooses equations for load cases that follow each other.
-    pub fn of(deck: &'a Deck, cases: &[LoadCase], options: &'a Options) -> Result<Self, CleanError> {
+    pub fn choose(deck: &'a Deck, cases: &[LoadCase], options: &'a Options) -> Result<Self, CleanError> {
         let model = &deck.model;
         let end = ends(model, cases)?;
         let count = model.equations();

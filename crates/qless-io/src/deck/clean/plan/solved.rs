@@ -36,11 +36,11 @@ fn solve(
     let new = rows.iter().filter(|&&i| kept.layer_of[i] == Some(layer) && !vanishing.contains(&i));
     let own = new.filter_map(|&i| kept.model.nth(i).columns.first().copied());
     // The deck's own slaves are preferred, except those with small coefficients and those that other cards claim.
-    let claims = SlaveClaims::of(kept.model);
-    let wished = own.chain(slaves.iter().map(|&j| j as u32)).filter(|&j| !claims.hold(j as usize));
-    let wished = unprescribed(wished, prescribed);
+    let claims = SlaveClaims::collect(kept.model);
+    let preferred = own.chain(slaves.iter().map(|&j| j as u32)).filter(|&j| !claims.hold(j as usize));
+    let preferred = unprescribed(preferred, prescribed);
     let masters = (0..kept.model.dofs.len()).filter(|&j| claims.hold(j)).collect();
-    let preferences = Preferences { slaves: wished, masters, ..Preferences::default() };
+    let preferences = Preferences { slaves: preferred, masters, ..Preferences::default() };
     let analysis = kept.analyse(&kept.layers[layer], rows, preferences)?;
     let before = all.len();
     add(kept, layer, &analysis, slaves, all)?;
@@ -60,7 +60,7 @@ struct SlaveClaims<'a> {
 }
 
 impl<'a> SlaveClaims<'a> {
-    fn of(model: &'a Model) -> Self {
+    fn collect(model: &'a Model) -> Self {
         let given = model.cases.iter().filter(|_| !model.turned.is_empty()).flat_map(|case| &case.prescribed);
         let held = given.map(|given| given.dof.node).filter(|node| model.turned.contains(node)).collect();
         Self { model, held }
@@ -83,7 +83,7 @@ fn add(
     all: &mut Vec<Written>,
 ) -> Result<(), CleanError> {
     let model = kept.model;
-    let claims = SlaveClaims::of(model);
+    let claims = SlaveClaims::collect(model);
     let reduction = analysis.reduction()?;
     // Right-hand sides that cancel up to rounding are zero.
     let rounding = 1e-14 * (0..model.equations()).fold(0.0, |size: f64, i| size.max(model.nth(i).rhs.abs()));

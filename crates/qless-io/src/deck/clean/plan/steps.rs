@@ -31,7 +31,7 @@ pub fn plan(deck: &Deck, options: &Options, late_removal: LateRemoval) -> Result
 
 /// The plan for some load cases that follow each other, ignoring all others.
 pub fn plan_for(deck: &Deck, cases: &[LoadCase], options: &Options) -> Result<Plan, CleanError> {
-    let kept = KeptEquations::of(deck, cases, options)?;
+    let kept = KeptEquations::choose(deck, cases, options)?;
     check_cases(&kept, cases)?;
     kept.plan()
 }
