@@ -1,4 +1,4 @@
-//! Every input that the fuzz targets have kept, and the seeds that they began with, pass what the targets demand.
+//! The fuzz targets pass on all kept inputs and on their seeds.
 
 use std::path::{Path, PathBuf};
 

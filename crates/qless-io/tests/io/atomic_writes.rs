@@ -1,4 +1,4 @@
-//! A failed write leaves the place as it was: no new file, no half file, no temporary folder.
+//! A failed write changes nothing: no new file, no partial file, no temporary folder.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -15,7 +15,7 @@ fn labelled(label: &str) -> ConstraintSystem {
     builder.build().expect("valid")
 }
 
-/// Names in a folder with the text of the files.
+/// Entries of a folder, with the text of files.
 fn content(folder: &Path) -> BTreeMap<String, Option<String>> {
     let entries = fs::read_dir(folder).expect("a folder").flatten();
     entries
@@ -23,7 +23,7 @@ fn content(folder: &Path) -> BTreeMap<String, Option<String>> {
         .collect()
 }
 
-/// Runs `write` in a folder that `prepare` fills; it must fail and change nothing.
+/// Runs `write` in a folder filled by `prepare`; it must fail and change nothing.
 fn assert_unchanged(prepare: impl Fn(&Path), write: impl Fn(&Path) -> Result<(), WriteError>) -> String {
     let place = tempfile::tempdir().expect("a temporary folder");
     prepare(place.path());

@@ -4,14 +4,14 @@ use std::path::Path;
 
 use qless_io::deck::{Deck, DeckError, LoadCase, Model, Solver, parse};
 
-/// Four corners of a face at z = 1 over four at z = 0, and two more nodes.
+/// Corners of a face at z = 1 above those of a face at z = 0, and two more nodes.
 pub const BRICK: &str = "*NODE, NSET=NALL
 1,0.,0.,0.\n2,1.,0.,0.\n3,1.,1.,0.\n4,0.,1.,0.\n5,0.,0.,1.\n6,1.,0.,1.\n7,1.,1.,1.\n8,0.,1.,1.\n9,.5,.5,2.\n10,.2,.3,3.
 *ELEMENT, TYPE=C3D8, ELSET=E\n1,1,2,3,4,5,6,7,8
 *NSET, NSET=TOP\n5,6,7,8\n*NSET, NSET=REF\n9\n*SURFACE, NAME=STOP\n1,S2
 ";
 
-/// The deck `deck.inp` with this text as a solver reads it.
+/// The deck `deck.inp` with this text, read for a solver.
 pub fn parsed(solver: Solver, text: &str) -> Result<Deck, DeckError> {
     let mut none = |_: &Path| Err(std::io::ErrorKind::NotFound.into());
     parse(solver, Path::new("deck.inp"), text.as_bytes().to_vec(), &mut none)
@@ -26,7 +26,7 @@ pub fn model(solver: Solver, text: &str) -> Model {
     parsed(solver, text).unwrap_or_else(|error| panic!("{error}")).model().clone()
 }
 
-/// The message of a deck that is refused.
+/// The message for a deck that must be refused.
 pub fn refused(solver: Solver, text: &str) -> String {
     parsed(solver, text).map_or_else(|error| error.to_string(), |_| "accepted".into())
 }
@@ -42,7 +42,7 @@ pub fn equations(model: &Model) -> Vec<String> {
     (0..model.equations()).map(text).collect()
 }
 
-/// Prescribed values as `1:3=0`, with the course where it has a name.
+/// Prescribed values as `1:3=0`, with the time history if it has a name.
 pub fn prescribed(model: &Model, case: &LoadCase) -> Vec<String> {
     let courses: Vec<_> = model.courses().collect();
     let course = |at: u32| courses[at as usize].map(|name| format!(" {name}")).unwrap_or_default();
