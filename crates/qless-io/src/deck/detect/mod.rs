@@ -72,8 +72,8 @@ fn calculix(line: &[u8]) -> Evidence {
     let is_keyword = keyword.first().is_some_and(u8::is_ascii_alphabetic)
         && keyword.iter().all(|&byte| byte.is_ascii_alphanumeric() || matches!(byte, b' ' | b'-' | b'\t'));
     // `*END` alone ends a macro of APDL, `*END STEP` a step.
-    match is_keyword && !words::is_in(&words::APDL_STARRED, keyword.trim_ascii()) {
-        true if words::is_in(&words::CALCULIX, first) => Evidence::Certain,
+    match is_keyword && !words::is_in(words::APDL_STARRED, keyword.trim_ascii()) {
+        true if words::is_in(words::CALCULIX, first) => Evidence::Certain,
         true => Evidence::Possible,
         false => Evidence::None,
     }
@@ -89,11 +89,11 @@ fn nastran(line: &[u8]) -> Evidence {
     let is_field = matches!(rest.first(), Some(b',' | b' ' | b'\t'));
     let is_number = next.is_some_and(|byte| byte.is_ascii_digit() || matches!(byte, b'+' | b'-' | b'.'));
     let is_set = next == Some(b'=') || rest.contains(&b'=');
-    if words::is_in(&words::NASTRAN_ALONE, line) || is_card && is_control(name, rest, is_set) {
+    if words::is_in(words::NASTRAN_ALONE, line) || is_card && is_control(name, rest, is_set) {
         return Evidence::Certain;
     }
     match is_card && is_field {
-        true if words::is_in(&words::NASTRAN_BULK, name) && (is_number || rest.starts_with(b",")) => Evidence::Certain,
+        true if words::is_in(words::NASTRAN_BULK, name) && (is_number || rest.starts_with(b",")) => Evidence::Certain,
         true if is_number => Evidence::Possible,
         _ => Evidence::None,
     }
@@ -108,7 +108,7 @@ fn is_control(name: &[u8], rest: &[u8], is_set: bool) -> bool {
             && (second.is_empty() && !word.is_empty() && rest.starts_with(b" ")
                 || word.eq_ignore_ascii_case(second.as_bytes()))
     };
-    of_two.into_iter().any(is_pair) || is_set && words::is_in(&words::NASTRAN_CONTROL, name)
+    of_two.into_iter().any(is_pair) || is_set && words::is_in(words::NASTRAN_CONTROL, name)
 }
 
 /// `/PREP7`, `*DIM,...`, `CE,...`, `NBLOCK,...`.
@@ -125,9 +125,9 @@ fn ansys(line: &[u8]) -> Evidence {
     match mark {
         _ if !is_command => Evidence::None,
         Some(b'/') => Evidence::Certain,
-        Some(_) if words::is_in(&words::APDL_STARRED, name) && is_end(tail) => Evidence::Certain,
-        None if words::is_in(&words::APDL, name) && tail.starts_with(b",") => Evidence::Certain,
-        None if words::is_in(&words::APDL_ALONE, name) && tail.is_empty() => Evidence::Certain,
+        Some(_) if words::is_in(words::APDL_STARRED, name) && is_end(tail) => Evidence::Certain,
+        None if words::is_in(words::APDL, name) && tail.starts_with(b",") => Evidence::Certain,
+        None if words::is_in(words::APDL_ALONE, name) && tail.is_empty() => Evidence::Certain,
         None if tail.starts_with(b",") => Evidence::Possible,
         Some(_) | None => Evidence::None,
     }

@@ -6,7 +6,7 @@
 
 use crate::deck::calculix::cards::{CardEquation, CardPlace, tie};
 use crate::deck::calculix::model::definitions::DeckDefinitions;
-use crate::deck::calculix::model::frames::around;
+use crate::deck::calculix::model::frames::{around, two_points};
 use crate::deck::calculix::model::mesh::DeckSurface;
 use crate::deck::calculix::model::project::{FaceGrid, MasterFace};
 use crate::deck::calculix::syntax::card::KeywordCard;
@@ -70,14 +70,8 @@ impl<'a> Sector<'a> {
             let found = crate::fault::quote(count.to_string().as_bytes());
             return Err(Problem::Expected { expected: "at least one sector", found });
         }
-        let mut numbers = Vec::with_capacity(6);
-        for field in card.lines().flat_map(|line| line.fields()).take(6) {
-            numbers.push(if field.is_empty() { 0.0 } else { float(field)? });
-        }
-        let [ax, ay, az, bx, by, bz] = numbers[..] else {
-            return Err(Problem::TooFew { what: "coordinates of two points", promised: 6, found: numbers.len() });
-        };
-        let axis = around([ax, ay, az], [bx, by, bz]);
+        let [a, b] = two_points(card.lines().flat_map(|line| line.fields()))?;
+        let axis = around(a, b);
         let axis = axis.ok_or_else(|| Problem::Degenerate { what: "the two points define no axis".into() })?;
         let [slave, master] = tie::sides(tie)?;
         let slaves = DeckSurface::find(definitions, tie.scope, &slave)?.all_nodes();

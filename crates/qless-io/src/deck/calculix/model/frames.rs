@@ -39,17 +39,21 @@ impl DeckDefinitions {
 }
 
 fn local(cylindrical: bool, data: &[DataPiece]) -> Result<Frame, Problem> {
+    let [a, b] = two_points(DataLines::new(data).take(1).flat_map(|line| line.fields()))?;
+    let axes = if cylindrical { around(a, b) } else { along(a, b) };
+    axes.ok_or_else(|| Problem::Degenerate { what: "the two points define no axes".into() })
+}
+
+/// Two points, as six coordinates; empty fields are zero.
+pub fn two_points<'a>(fields: impl Iterator<Item = &'a [u8]>) -> Result<[Vector; 2], Problem> {
     let mut numbers = Vec::with_capacity(6);
-    if let Some(line) = DataLines::new(data).next() {
-        for field in line.fields().take(6) {
-            numbers.push(if field.is_empty() { 0.0 } else { float(field)? });
-        }
+    for field in fields.take(6) {
+        numbers.push(if field.is_empty() { 0.0 } else { float(field)? });
     }
     let [ax, ay, az, bx, by, bz] = numbers[..] else {
         return Err(Problem::TooFew { what: "coordinates of two points", promised: 6, found: numbers.len() });
     };
-    let axes = if cylindrical { around([ax, ay, az], [bx, by, bz]) } else { along([ax, ay, az], [bx, by, bz]) };
-    axes.ok_or_else(|| Problem::Degenerate { what: "the two points define no axes".into() })
+    Ok([[ax, ay, az], [bx, by, bz]])
 }
 
 fn along(a: Vector, b: Vector) -> Option<Frame> {
