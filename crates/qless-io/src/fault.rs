@@ -39,7 +39,7 @@ pub enum TextFault {
         found: String,
     },
     /// A size far beyond the number of entries.
-    #[error("{found} {what} for {entries} entries cannot be meant; correct the sizes")]
+    #[error("{found} {what} for {entries} entries are implausible; correct the sizes")]
     SizeImplausible {
         /// "rows" or "columns".
         what: &'static str,

@@ -33,17 +33,17 @@ impl fmt::Display for TooMuch {
         match self {
             Self::Stream { read } => write!(
                 out,
-                "it goes on after {read} bytes, and of what has no size {STREAM} are the most; save it as a file and name that"
+                "it continues after {read} bytes, but at most {STREAM} are read from a source without a size; save it as a file and name that"
             ),
             Self::Line { read } => {
-                write!(out, "no line ends within {read} bytes, and {LINE} are the most; name a file of text")
+                write!(out, "no line ends within {read} bytes, but a line may have at most {LINE}; name a text file")
             }
             Self::Unpacked { packed, most } => write!(
                 out,
-                "its {packed} packed bytes unpack to more than {most}, which are the most; unpack it and name that file"
+                "its {packed} packed bytes unpack to more than the limit of {most}; unpack it and name that file"
             ),
             Self::Memory { size } => {
-                write!(out, "its {size} bytes do not fit into the memory that is left; free some or split the file")
+                write!(out, "its {size} bytes do not fit into the free memory; free some or split the file")
             }
         }
     }
@@ -124,7 +124,8 @@ mod tests {
     fn what_never_ends_is_left() {
         let error = read(Path::new("/dev/zero")).expect_err("no end");
         assert!(
-            is_too_much(&error) && error.to_string().contains("no line ends within 1114112 bytes, and 1048576 are")
+            is_too_much(&error)
+                && error.to_string().contains("no line ends within 1114112 bytes, but a line may have at most 1048576")
         );
         assert!(check(STREAM, LINE).is_ok());
         let error = io::Error::from(check(STREAM + 1, 0).expect_err("too much"));

@@ -175,7 +175,7 @@ fn values_and_loads_on_the_rotation_of_a_reference_have_no_effect_in_ccx() {
         warnings(&brick(solver, &format!("*RIGID BODY, NSET=TOP, REF NODE=9{body}\n{cards}")))
     };
     for cards in ["*BOUNDARY\n9,6,6,.1\n", "*STEP\n*STATIC\n*CLOAD\n9,6,1.\n*END STEP\n"] {
-        let without = "9:6 has no effect: the rotation of a *RIGID BODY without ROT NODE is reached by no card";
+        let without = "9:6 has no effect: no card can name the rotation of a *RIGID BODY without ROT NODE";
         assert!(told(Ccx, "", cards).contains(without), "{cards}");
         let with =
             "9:6 has no effect: the rotation of a *RIGID BODY with ROT NODE is components 1 to 3 of that, node 10";

@@ -285,9 +285,7 @@ impl CalculixReader {
                     "{name} has no effect: the rotation of a *RIGID BODY with ROT NODE is components 1 to 3 of that, node {node}"
                 ),
                 None => {
-                    format!(
-                        "{name} has no effect: the rotation of a *RIGID BODY without ROT NODE is reached by no card"
-                    )
+                    format!("{name} has no effect: no card can name the rotation of a *RIGID BODY without ROT NODE")
                 }
             };
             self.model.warn(file, line, text);

@@ -19,7 +19,7 @@ pub enum CleanError {
     },
     /// Load cases prescribe different DOFs or remove equations, so that no single set of equations fits all of them.
     #[error(
-        "{case} needs {found} independent equations, but only {common} of them can be kept in all load cases; make a deck of each"
+        "{case} needs {found} independent equations, but only {common} of them can be kept in all load cases; make a deck for each load case"
     )]
     CasesDiffer {
         /// The load case.
@@ -31,13 +31,15 @@ pub enum CleanError {
     },
     /// Equations return in a later load case or hold in some load cases only, which the format cannot express for new
     /// equations.
-    #[error("{case} has other equations than those before it, which new ones cannot follow; make a deck of each")]
+    #[error(
+        "{case} has other equations than earlier load cases, which new equations cannot express; make a deck for each load case"
+    )]
     Apart {
         /// The load case.
         case: String,
     },
     /// A DOF would have to become a slave although a card that is no equation claims it.
-    #[error("{case}: {slave} would have to be a slave, but another card has a claim on it; change that card by hand")]
+    #[error("{case}: {slave} would have to be a slave, but another card claims it; change that card by hand")]
     Claimed {
         /// The load case.
         case: String,
@@ -45,7 +47,7 @@ pub enum CleanError {
         slave: String,
     },
     /// The new text does not constrain as the deck does. This is a fault of this program.
-    #[error("{case}: the cleaned deck would not say the same ({what}); please report this deck")]
+    #[error("{case}: the cleaned deck would not constrain the same ({what}); please report this deck")]
     Unproven {
         /// The load case.
         case: String,
@@ -80,7 +82,7 @@ pub enum CleanError {
     },
     /// The plan belongs to another deck, or was changed by hand.
     #[error(
-        "the plan names equation {equation} (from 0), but the deck has {count}, each of which goes once; make a plan of this deck"
+        "the plan names equation {equation} (from 0), but the deck has {count}, each of which can be removed only once; make a plan of this deck"
     )]
     Foreign {
         /// The equation, or its second mention.

@@ -1,9 +1,9 @@
 //! Detects the format of a deck by its first cards. The expected format breaks ties.
 
-mod seen;
+mod unrecognized;
 mod words;
 
-pub use seen::UnrecognizedText;
+pub use unrecognized::UnrecognizedText;
 
 use super::Format;
 
