@@ -1,11 +1,16 @@
 //! Finite-element decks: reads their constraints as equations `C u = b`, and writes decks with an independent set of
 //! equations.
 //!
-//! | format | module | usual endings |
-//! | --- | --- | --- |
-//! | CalculiX, Abaqus | `calculix` | `.inp` |
-//! | Nastran | `nastran` | `.bdf`, `.dat`, `.nas`, `.fem` |
-//! | ANSYS | `ansys` | `.cdb` |
+//! | module, lowest layer first | content |
+//! | --- | --- |
+//! | `format`, `error` | formats and solvers; errors in decks |
+//! | `source`, `detect` | a deck and its included files; detection of the format |
+//! | `cards`, `model` | constraints of a deck, whatever its format |
+//! | `kinematics` | equations of rigid bodies and weighted means |
+//! | `faults`, `solver` | faults of equations; the reactions of solvers |
+//! | `plan` | changes that make the equations independent |
+//! | `calculix`, `nastran`, `ansys` | readers and writers of `.inp`; `.bdf`, `.dat`, `.nas`, `.fem`; `.cdb` |
+//! | [`clean`] | writes a cleaned deck, and proves that it constrains the same |
 //!
 //! The first cards of a deck decide its format; if they do not, the solver asked for does, or else the ending. Text
 //! may be packed by gzip, or be UTF-16 with a byte order mark. Lines may end in LF, CRLF or CR. The path `-` is
@@ -22,10 +27,12 @@ mod chunks;
 pub mod clean;
 mod detect;
 mod error;
+mod faults;
 mod format;
 mod kinematics;
 mod model;
 mod nastran;
+mod plan;
 mod solver;
 mod source;
 

@@ -5,22 +5,12 @@
 //! whole part is rewritten as `u_s - T u_q - G u_p = g` (Eq. 23-26), in which no slave occurs twice. A cleaned deck
 //! has no faults, so that cleaning it again changes nothing.
 
-mod edit;
-mod error;
-mod fault;
-mod find_faults;
-mod finding;
-mod plan;
 mod proof;
 
-pub use error::CleanError;
-pub use fault::EquationFault;
-pub use find_faults::{faults, faults_in};
-pub use finding::{Finding, findings};
-pub use plan::{Cases, Ended, Plan, Reason, Removed, Written, plan};
-
-pub(super) use edit::Edits;
-pub(crate) use error::Renamed;
+pub use super::faults::{EquationFault, faults, faults_in};
+pub use super::plan::{Cases, CleanError, Ended, Plan, Reason, Removed, Written, plan};
+pub(super) use super::plan::{Edits, Renamed};
+pub use super::solver::{Finding, findings};
 
 use super::{Deck, Format, ansys, calculix, nastran};
 

@@ -13,8 +13,8 @@ use std::path::Path;
 use qless::{Analysis, ConstraintSystem, Kind, Options, SystemBuilder, analyse};
 use rustc_hash::FxHashMap;
 
-use super::plan::conflicts;
 use super::{CleanError, Renamed, faults_in};
+use crate::deck::plan::conflicts;
 use crate::deck::{Deck, Dof, LoadCase, Model, parse};
 
 /// # Errors

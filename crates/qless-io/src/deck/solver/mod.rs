@@ -1,6 +1,7 @@
 //! Predicts what each solver does with the faults of a deck.
 
-pub(super) mod ccx;
+mod ccx;
+mod findings;
 mod manuals;
 mod outcome;
 
@@ -8,8 +9,9 @@ use std::cell::OnceCell;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::clean::EquationFault;
+use super::faults::EquationFault;
 use super::{LoadCase, Model, Solver};
+pub use findings::{Finding, findings};
 use manuals::{ColumnUses, abaqus_prescribed, abaqus_twice, ansys_outcome, nastran_exclusive, optistruct};
 pub(super) use outcome::CardKind;
 pub use outcome::Outcome;

@@ -3,7 +3,7 @@
 use rustc_hash::FxHashSet;
 
 use super::new_nodes::{NewNodes, RotationNodes};
-use crate::deck::clean::{Cases, CleanError, Plan, Written};
+use crate::deck::plan::{Cases, CleanError, Plan, Written};
 use crate::deck::{Deck, Dof, Model};
 
 /// Most characters of a number that CalculiX reads.

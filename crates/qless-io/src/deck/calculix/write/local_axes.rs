@@ -9,9 +9,9 @@
 use std::collections::BTreeMap;
 
 use crate::deck::calculix::definitions;
-use crate::deck::clean::{CleanError, Plan, Written};
 use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::Vector;
+use crate::deck::plan::{CleanError, Plan, Written};
 use crate::deck::{Deck, Dof};
 
 /// Smallest component that ccx takes for nonzero.

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::deck::calculix::syntax::walk::{card_input, is_include, keyword_end, next_keyword};
-use crate::deck::clean::{CleanError, Edits, Plan, Reason, Removed, Renamed};
+use crate::deck::plan::{CleanError, Edits, Plan, Reason, Removed, Renamed};
 use crate::deck::{Deck, Model};
 use new_nodes::NewNodes;
 

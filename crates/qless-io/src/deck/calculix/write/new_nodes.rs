@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use rustc_hash::FxHashSet;
 
 use crate::deck::calculix::{definitions, positions};
-use crate::deck::clean::{Cases, CleanError, Plan, Written};
+use crate::deck::plan::{Cases, CleanError, Plan, Written};
 use crate::deck::{Deck, Dof, Model, Origin};
 
 /// All new nodes.

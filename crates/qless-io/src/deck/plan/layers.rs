@@ -10,9 +10,8 @@
 use qless::{Analysis, Kind, Options, Preferences, analyse};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::Cases;
-use crate::deck::clean::find_faults::faults_of;
-use crate::deck::clean::{CleanError, EquationFault};
+use super::{Cases, CleanError};
+use crate::deck::faults::{EquationFault, faults_of};
 use crate::deck::{Deck, LoadCase, Model, Origin, Prescribed};
 
 /// Prescribed columns, with the cards that prescribe them.

@@ -10,8 +10,7 @@ use qless::Options;
 use rustc_hash::FxHashSet;
 
 use super::steps::{LateRemoval, plan as common_plan, plan_for, text_of};
-use super::{Cases, Plan, Reason, Removed, Written};
-use crate::deck::clean::CleanError;
+use super::{Cases, CleanError, Plan, Reason, Removed, Written};
 use crate::deck::{Deck, LoadCase, Model};
 
 /// One plan for all subcases, or else one for each group.

@@ -5,8 +5,8 @@ use qless::{Kind, Options, analyse};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::layers::KeptEquations;
-use super::{Cases, Ended, Plan, Reason, Removed, solved};
-use crate::deck::clean::{CleanError, EquationFault};
+use super::{Cases, CleanError, Ended, Plan, Reason, Removed, solved};
+use crate::deck::faults::EquationFault;
 use crate::deck::{Deck, LoadCase, Model, Origin};
 
 /// Whether a format can remove an equation in a later load case.

@@ -3,6 +3,8 @@
 //! Load case k has the equations `E_k` and the prescribed DOFs `P_k`. In each case, the equations kept or written are
 //! independent without `P_k`, span the same space as `E_k`, and have distinct slaves outside `P_k`.
 
+mod edit;
+mod error;
 mod layers;
 mod solved;
 mod steps;
@@ -12,10 +14,12 @@ use std::sync::Arc;
 
 use qless::Options;
 
-use super::CleanError;
-use super::fault::EquationFault;
+use crate::deck::faults::EquationFault;
 use crate::deck::{Deck, Dof, Format, Model};
 
+pub(super) use edit::Edits;
+pub use error::CleanError;
+pub(crate) use error::Renamed;
 pub(super) use steps::conflicts;
 
 /// Changes of a deck: equations removed and equations written.

@@ -3,7 +3,7 @@
 use qless::{Options, SystemBuilder, analyse};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::fault::EquationFault;
+use super::EquationFault;
 use crate::deck::{Dof, LoadCase, Model, Origin};
 
 /// A slave's coefficient relative to the largest one: below this, rounding errors grow by the inverse factor.
@@ -42,7 +42,7 @@ pub fn faults_in(model: &Model, case: &LoadCase) -> Vec<EquationFault> {
 }
 
 /// The faults of the equations that are not left out. `prescribed` gives the card for each prescribed column.
-pub(super) fn faults_of(model: &Model, prescribed: &FxHashMap<u32, Origin>, left_out: &[bool]) -> Vec<EquationFault> {
+pub fn faults_of(model: &Model, prescribed: &FxHashMap<u32, Origin>, left_out: &[bool]) -> Vec<EquationFault> {
     let kept = || (0..model.equations()).filter(|&i| !left_out[i] && model.has_slave(i));
     let mut slave_of: FxHashMap<u32, usize> = FxHashMap::default();
     let mut faults = Vec::new();

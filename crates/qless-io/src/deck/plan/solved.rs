@@ -6,10 +6,9 @@
 use qless::{Analysis, Preferences};
 use rustc_hash::FxHashSet;
 
-use super::Written;
 use super::layers::{KeptEquations, unprescribed, vanishing};
+use super::{CleanError, Written};
 use crate::deck::Model;
-use crate::deck::clean::CleanError;
 
 /// The rows of the parts that are rewritten.
 pub fn written(kept: &KeptEquations, is_rewritten: &dyn Fn(usize) -> bool) -> Result<Vec<Written>, CleanError> {

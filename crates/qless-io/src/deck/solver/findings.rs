@@ -3,10 +3,9 @@
 
 use rustc_hash::FxHashMap;
 
-use super::EquationFault;
-use super::find_faults::faults_of;
-use crate::deck::solver::{Profile, ccx};
-use crate::deck::{Dof, LoadCase, Model, Origin, Outcome, Solver};
+use super::{Outcome, Profile, ccx};
+use crate::deck::faults::{EquationFault, faults_of};
+use crate::deck::{Dof, LoadCase, Model, Origin, Solver};
 
 /// A fault, and the solver's reaction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

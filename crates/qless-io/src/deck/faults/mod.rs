@@ -1,5 +1,10 @@
 //! Faults of equations, besides dependence, that stop a solver which eliminates the first DOF of each equation.
 
+mod find;
+
+pub(crate) use find::faults_of;
+pub use find::{faults, faults_in};
+
 use crate::deck::{Dof, LoadCase, Model, Origin};
 
 /// A fault of one equation. Equations count from 0.

@@ -32,7 +32,7 @@ pub enum CleanError {
     /// Equations return in a later load case or hold in some load cases only, which the format cannot express for new
     /// equations.
     #[error(
-        "{case} has other equations than earlier load cases, which new equations cannot express; make a deck for each load case"
+        "{case} has other equations than those before it, which new equations cannot express; make a deck for each load case"
     )]
     Apart {
         /// The load case.
