@@ -19,11 +19,11 @@ pub struct Finding {
 impl Finding {
     /// Describes the fault and the solver's reaction in the deck's terms.
     pub fn describe(&self, model: &Model, solver: Solver) -> String {
-        format!("{}: {solver} {}", self.fault.describe(model), self.deed(model))
+        format!("{}: {solver} {}", self.fault.describe(model), self.reaction(model))
     }
 
     /// The solver's reaction, as a verb with its object.
-    fn deed(&self, model: &Model) -> String {
+    fn reaction(&self, model: &Model) -> String {
         let equation = |i: usize| model.equation(i).map_or_else(String::new, |e| model.place(e.origin));
         match (self.outcome, self.fault) {
             (Outcome::Refused, _) => "stops".into(),
@@ -73,12 +73,12 @@ impl Finding {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn findings(model: &Model, case: &LoadCase, solver: Solver) -> Vec<Finding> {
-    let mut look = FaultSearch::new(model, case, solver);
-    look.drop_prescribed();
-    look.drop_second();
-    look.rest();
-    look.findings.sort_by_key(|finding| finding.fault.equation());
-    look.findings
+    let mut search = FaultSearch::new(model, case, solver);
+    search.drop_prescribed();
+    search.drop_shared();
+    search.add_remaining();
+    search.findings.sort_by_key(|finding| finding.fault.equation());
+    search.findings
 }
 
 /// Search for the faults of a load case.
@@ -132,7 +132,7 @@ impl<'a> FaultSearch<'a> {
 
     /// Drops equations with the slave of another equation. Each is compared with the one that remains of those before
     /// it.
-    fn drop_second(&mut self) {
+    fn drop_shared(&mut self) {
         let mut holders: FxHashMap<u32, usize> = FxHashMap::default();
         for (equation, column) in self.slaves() {
             let Some(&first) = holders.get(&column) else {
@@ -147,7 +147,7 @@ impl<'a> FaultSearch<'a> {
     }
 
     /// Adds the faults of the remaining equations, and equations whose slave the solver itself makes a slave.
-    fn rest(&mut self) {
+    fn add_remaining(&mut self) {
         let mut faults = faults_of(self.profile.model, &self.prescribed, &self.profile.left_out);
         if self.profile.solver == Solver::Ccx {
             let rotations: FxHashMap<Dof, usize> = ccx::rotations(self.profile.model).into_iter().collect();

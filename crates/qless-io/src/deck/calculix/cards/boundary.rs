@@ -89,7 +89,7 @@ fn nodes(scope: Scope, fields: &mut DataFields, definitions: &DeckDefinitions) -
 fn components(fields: &mut DataFields) -> Result<Vec<u8>, FieldFault> {
     const EXPECTED: &str = "a degree of freedom or a support such as ENCASTRE";
     let field = fields.next().unwrap_or_default();
-    let word = crate::deck::calculix::syntax::name(&String::from_utf8_lossy(field));
+    let word = crate::deck::calculix::syntax::fold_name(&String::from_utf8_lossy(field));
     if let Some((_, held)) = SUPPORTS.iter().find(|(support, _)| *support == word) {
         return Ok(held.to_vec());
     }

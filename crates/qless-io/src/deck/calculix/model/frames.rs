@@ -26,7 +26,7 @@ impl DeckDefinitions {
 
     /// Axes of an `*ORIENTATION`.
     pub fn orientation(&self, scope: Scope, name: &str) -> Result<Frame, Problem> {
-        let name = syntax::name(name);
+        let name = syntax::fold_name(name);
         match self.find(&self.orientations, scope, &name) {
             Some((_, axes)) => self.placed_axes(axes),
             None => Err(Problem::Undefined { what: "orientation", name }),

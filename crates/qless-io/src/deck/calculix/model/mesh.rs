@@ -3,9 +3,9 @@
 use crate::deck::Problem;
 use crate::deck::calculix::model::definitions::DeckDefinitions;
 use crate::deck::calculix::model::elements::{ElementShape, MeshElements};
-use crate::deck::calculix::model::word;
+use crate::deck::calculix::model::folded;
 use crate::deck::calculix::syntax::card::Scope;
-use crate::deck::calculix::syntax::{DataLines, name, number};
+use crate::deck::calculix::syntax::{DataLines, fold_name, number};
 use crate::fault::quote;
 
 impl DeckDefinitions {
@@ -70,7 +70,7 @@ impl DeckSurface {
 
     /// Finds a surface by its name. Its lines hold nodes or node sets, or `element or set, face`.
     pub fn find(definitions: &DeckDefinitions, scope: Scope, surface: &str) -> Result<Self, Problem> {
-        let surface = name(surface);
+        let surface = fold_name(surface);
         let Some((_, patches)) = definitions.find(&definitions.surfaces, scope, &surface) else {
             return Err(Problem::Undefined { what: "surface", name: surface });
         };
@@ -82,7 +82,7 @@ impl DeckSurface {
                 if patch.of_nodes {
                     found.nodes.extend(definitions.node_or_set(patch.scope, first)?);
                 } else {
-                    found.add_faces(definitions, patch.scope, first, &word(fields.next().unwrap_or_default()))?;
+                    found.add_faces(definitions, patch.scope, first, &folded(fields.next().unwrap_or_default()))?;
                 }
             }
         }

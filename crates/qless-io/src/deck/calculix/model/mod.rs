@@ -15,7 +15,7 @@ use std::rc::Rc;
 use rustc_hash::FxHashMap;
 
 use crate::deck::calculix::syntax::card::{KeywordCard, Scope};
-use crate::deck::calculix::syntax::{DataPiece, name};
+use crate::deck::calculix::syntax::{DataPiece, fold_name};
 
 /// A name within a scope.
 pub type ScopedName = (Scope, String);
@@ -89,6 +89,6 @@ pub struct SetTable {
 }
 
 /// The name in a field, folded for comparison.
-pub fn word(field: &[u8]) -> String {
-    name(&String::from_utf8_lossy(field))
+pub fn folded(field: &[u8]) -> String {
+    fold_name(&String::from_utf8_lossy(field))
 }

@@ -6,9 +6,9 @@ use rustc_hash::FxHashSet;
 
 use crate::deck::Problem;
 use crate::deck::calculix::model::definitions::DeckDefinitions;
-use crate::deck::calculix::model::{ParsedSet, SetMembers, SetPart, word};
+use crate::deck::calculix::model::{ParsedSet, SetMembers, SetPart, folded};
 use crate::deck::calculix::syntax::card::Scope;
-use crate::deck::calculix::syntax::{DataLines, name, number};
+use crate::deck::calculix::syntax::{DataLines, fold_name, number};
 use crate::fault::quote;
 
 /// Most members of a set.
@@ -44,7 +44,7 @@ impl DeckDefinitions {
         if self.instances.is_empty() {
             return None;
         }
-        let text = word(field);
+        let text = folded(field);
         let (scope, rest) = self.qualified(&text)?;
         Some((scope, number(rest.as_bytes(), "a number").ok()?))
     }
@@ -72,19 +72,19 @@ impl DeckDefinitions {
     pub fn element_or_set(&self, scope: Scope, field: &[u8]) -> Result<Vec<u32>, Problem> {
         match number(field, "an element").ok().map(|own| (scope, own)).or_else(|| self.of_instance(field)) {
             Some((scope, own)) => Ok(vec![self.elements()?.index(scope, own)?]),
-            None => self.members(true, scope, &word(field)).map(|elements| elements.to_vec()),
+            None => self.members(true, scope, &folded(field)).map(|elements| elements.to_vec()),
         }
     }
 
     /// Nodes of a set, each once and in the order of its definition.
     pub fn nodes(&self, scope: Scope, set: &str) -> Result<Rc<Vec<u32>>, Problem> {
-        self.members(false, scope, &name(set))
+        self.members(false, scope, &fold_name(set))
     }
 
     /// Nodes of the elements of a set, ascending, each once.
     pub fn nodes_of(&self, scope: Scope, elements: &str) -> Result<Vec<u32>, Problem> {
         let mut nodes = Vec::new();
-        for &element in self.members(true, scope, &name(elements))?.iter() {
+        for &element in self.members(true, scope, &fold_name(elements))?.iter() {
             nodes.extend_from_slice(self.elements()?.nodes(element));
         }
         nodes.sort_unstable();

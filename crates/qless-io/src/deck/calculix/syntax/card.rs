@@ -37,7 +37,7 @@ impl KeywordCard {
 
     /// The value of a parameter, in capitals and without blanks.
     pub fn word(&self, name: &str) -> Option<String> {
-        self.parameter(name).map(syntax::name)
+        self.parameter(name).map(syntax::fold_name)
     }
 
     /// Whether the card has this keyword, written without blanks.
@@ -67,7 +67,7 @@ impl KeywordCard {
         for part in parts {
             let part = String::from_utf8_lossy(part);
             let (name, value) = part.split_once('=').unwrap_or((&part, ""));
-            let name = syntax::name(name);
+            let name = syntax::fold_name(name);
             if !name.is_empty() {
                 self.parameters.push((name, value.trim().trim_matches('"').to_owned()));
             }

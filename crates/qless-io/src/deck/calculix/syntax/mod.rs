@@ -74,7 +74,7 @@ impl<'a> DataLine<'a> {
 }
 
 /// Folds a name for comparison: capitals, no blanks, no quotes.
-pub fn name(text: &str) -> String {
+pub fn fold_name(text: &str) -> String {
     text.chars().filter(|c| !c.is_whitespace() && *c != '"').map(|c| c.to_ascii_uppercase()).collect()
 }
 
