@@ -3,8 +3,8 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::TextFault;
-use crate::deck::{Format, Solver, UnrecognizedText};
+use crate::deck::{Format, Problem, Solver, UnrecognizedText};
+use crate::{TextFault, bytes};
 
 /// Why an input was refused. Lines, rows and columns count from 1.
 #[derive(Debug, thiserror::Error)]
@@ -139,8 +139,8 @@ impl ReadError {
     /// Whether a limit of size or memory was exceeded, so that the content may be valid.
     pub fn is_resource(&self) -> bool {
         match self {
-            Self::Io { source, .. } => crate::bytes::is_too_much(source),
-            Self::Deck(error) => matches!(error.problem, crate::deck::Problem::IncludeTooLarge { .. }),
+            Self::Io { source, .. } => bytes::is_too_much(source),
+            Self::Deck(error) => matches!(error.problem, Problem::IncludeTooLarge { .. }),
             _ => false,
         }
     }
@@ -182,6 +182,6 @@ impl FaultAt {
 
 /// Reads and parses a whole file; adds its path to errors.
 pub(crate) fn parse_file<T>(path: &Path, parse: impl FnOnce(&[u8]) -> Result<T, FaultAt>) -> Result<T, ReadError> {
-    let bytes = crate::bytes::read(path).map_err(ReadError::io(path))?;
+    let bytes = bytes::read(path).map_err(ReadError::io(path))?;
     parse(&bytes).map_err(|at| at.in_file(path))
 }

@@ -1,6 +1,7 @@
 //! `*BOUNDARY` and `*CLOAD`: `node or set, first component, last component, value`, or a named support.
 
 use crate::deck::calculix::model::definitions::DeckDefinitions;
+use crate::deck::calculix::model::folded;
 use crate::deck::calculix::syntax::card::{KeywordCard, Scope};
 use crate::deck::calculix::syntax::{DataFields, FieldFault, component, number};
 use crate::deck::{DeckError, Dof, Load, Model, Origin, Prescribed, Problem};
@@ -89,7 +90,7 @@ fn nodes(scope: Scope, fields: &mut DataFields, definitions: &DeckDefinitions) -
 fn components(fields: &mut DataFields) -> Result<Vec<u8>, FieldFault> {
     const EXPECTED: &str = "a degree of freedom or a support such as ENCASTRE";
     let field = fields.next().unwrap_or_default();
-    let word = crate::deck::calculix::syntax::fold_name(&String::from_utf8_lossy(field));
+    let word = folded(field);
     if let Some((_, held)) = SUPPORTS.iter().find(|(support, _)| *support == word) {
         return Ok(held.to_vec());
     }

@@ -4,6 +4,7 @@
 //! Nodes are matched by radius and height. A node without a partner is rotated by one sector and follows the nearest
 //! point of the master's faces.
 
+use crate::deck::calculix::cards::unread::claim;
 use crate::deck::calculix::cards::{CardEquation, CardPlace, tie};
 use crate::deck::calculix::model::definitions::DeckDefinitions;
 use crate::deck::calculix::model::frames::{around, two_points};
@@ -15,6 +16,7 @@ use crate::deck::kinematics::axes::Frame;
 use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::{Vector, dot, length, minus, plus, scaled};
 use crate::deck::{DeckError, Model, Problem};
+use crate::fault::quote;
 
 /// Default distance between partners, relative to the size of the slave side.
 const TOLERANCE: f64 = 1e-4;
@@ -42,12 +44,7 @@ pub fn read(
         "nodes of the slave side lie on the axis or have no partner on the master side"
     };
     model.leave_out(card.file, card.line, format!("*CYCLIC SYMMETRY MODEL constrains, but {why}: left out"));
-    crate::deck::calculix::cards::unread::claim(
-        &place,
-        model,
-        definitions,
-        sector.slaves.iter().chain(&sector.masters).copied(),
-    );
+    claim(&place, model, definitions, sector.slaves.iter().chain(&sector.masters).copied());
     Ok(())
 }
 
@@ -67,7 +64,7 @@ impl<'a> Sector<'a> {
         let count = card.parameter("N").ok_or(Problem::NoParameter { name: "N" })?;
         let count = float(count.as_bytes())?;
         if count < 1.0 {
-            let found = crate::fault::quote(count.to_string().as_bytes());
+            let found = quote(count.to_string().as_bytes());
             return Err(Problem::Expected { expected: "at least one sector", found });
         }
         let [a, b] = two_points(card.lines().flat_map(|line| line.fields()))?;

@@ -2,6 +2,7 @@
 
 use std::rc::Rc;
 
+use crate::deck::calculix::cards::boundary::range;
 use crate::deck::calculix::model::definitions::DeckDefinitions;
 use crate::deck::calculix::syntax::card::{KeywordCard, Scope};
 use crate::deck::calculix::syntax::{DataFields, DataLine, FieldFault, component, float, number};
@@ -142,9 +143,7 @@ pub fn removed(card: &KeywordCard, model: &mut Model, definitions: &DeckDefiniti
     let mut slaves = rustc_hash::FxHashSet::default();
     for line in card.lines() {
         let fail = |(field, problem): FieldFault| model.error(Origin { line: line.number, ..origin }, field, problem);
-        for dof in crate::deck::calculix::cards::boundary::range(card.scope, &mut DataFields::new(&line), definitions)
-            .map_err(fail)?
-        {
+        for dof in range(card.scope, &mut DataFields::new(&line), definitions).map_err(fail)? {
             slaves.insert(dof);
         }
     }

@@ -12,10 +12,11 @@
 //! | `DIST a a a b b b c` | `abs(x_a - x_b)` does not exceed the first coordinate of c (CalculiX) |
 
 use crate::deck::calculix::cards::rigid::{BodyReference, kinematic};
+use crate::deck::calculix::cards::unread::claim;
 use crate::deck::calculix::cards::{CardEquation, CardPlace};
 use crate::deck::calculix::model::definitions::DeckDefinitions;
+use crate::deck::calculix::model::folded;
 use crate::deck::calculix::syntax::card::KeywordCard;
-use crate::deck::calculix::syntax::fold_name;
 use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::{Vector, cross, dot, length, minus, plus, scaled, unit};
 use crate::deck::{DeckError, Dof, Model, Problem};
@@ -42,7 +43,7 @@ pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions
                 let text =
                     format!("*MPC of type {kind} constrains {} nodes, but is not understood: left out", nodes.len());
                 model.leave_out(card.file, card.line, text);
-                crate::deck::calculix::cards::unread::claim(&place, model, definitions, nodes.iter().copied());
+                claim(&place, model, definitions, nodes.iter().copied());
                 continue;
             }
         };
@@ -67,7 +68,7 @@ fn lists(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<Vec<(Strin
         let mut fields = line.fields().peekable();
         let starts = fields.peek().is_some_and(|field| !field.first().is_some_and(u8::is_ascii_digit));
         if starts || lists.is_empty() {
-            lists.push((fold_name(&String::from_utf8_lossy(fields.next().unwrap_or_default())), Vec::new()));
+            lists.push((folded(fields.next().unwrap_or_default()), Vec::new()));
         }
         for field in fields.filter(|field| !field.is_empty() && *field != b"0") {
             let nodes = definitions.node_or_set(card.scope, field)?;

@@ -5,8 +5,9 @@ use crate::deck::calculix::model::definitions::DeckDefinitions;
 use crate::deck::calculix::syntax::card::KeywordCard;
 use crate::deck::calculix::syntax::number;
 use crate::deck::kinematics::axes::{BASIC_AXES, Frame};
+use crate::deck::kinematics::body::product;
 use crate::deck::kinematics::row::Poses;
-use crate::deck::kinematics::vector::{Vector, cross, minus};
+use crate::deck::kinematics::vector::{Vector, cross, dot, minus};
 use crate::deck::{DeckError, Dof, Model, Problem, Solver};
 
 /// Reference of a body: the node whose motion the body follows, and the first of three components for its rotation.
@@ -38,10 +39,10 @@ impl BodyReference {
         let mut row = CardEquation::along(definitions, &[(node, direction), (self.node, direction.map(|x| -x))], 0.0)?;
         let pose = definitions.pose(node)?;
         let own = row.terms[0].0.component;
-        let scale = crate::deck::kinematics::vector::dot(pose.axes[usize::from(own) - 1], direction);
+        let scale = dot(pose.axes[usize::from(own) - 1], direction);
         let moment = cross(arm, direction);
         for (k, axis) in reference.axes.iter().enumerate() {
-            let value = -crate::deck::kinematics::body::product(axis, &moment) / scale;
+            let value = -product(axis, &moment) / scale;
             if value != 0.0 {
                 row.terms.push((self.rotation_dof(k), value));
             }

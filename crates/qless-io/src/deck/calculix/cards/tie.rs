@@ -1,10 +1,13 @@
 //! `*TIE`: each node of the slave surface moves with the nearest point of the master surface, `u_s = sum N_i(xi) u_i`.
 
+use crate::deck::calculix::cards::unread::claim;
 use crate::deck::calculix::cards::{CardEquation, CardPlace};
 use crate::deck::calculix::model::definitions::DeckDefinitions;
 use crate::deck::calculix::model::mesh::DeckSurface;
 use crate::deck::calculix::syntax::card::KeywordCard;
 use crate::deck::calculix::syntax::float;
+use crate::deck::kinematics::axes::BASIC_AXES;
+use crate::deck::kinematics::row::Poses;
 use crate::deck::kinematics::vector::Vector;
 use crate::deck::{DeckError, Dof, Model, Problem};
 use crate::fault::quote;
@@ -57,7 +60,7 @@ pub fn leave_out(card: &KeywordCard, kind: &str, model: &mut Model, definitions:
     let text = format!("*TIE with {kind} constrains, but is not understood: left out");
     model.leave_out(card.file, card.line, text);
     let nodes = sides(card).and_then(|sides| nodes(card, definitions, &sides)).unwrap_or_default();
-    crate::deck::calculix::cards::unread::claim(&place, model, definitions, nodes.into_iter());
+    claim(&place, model, definitions, nodes.into_iter());
 }
 
 /// The names of the slave and of the master surface.
@@ -121,11 +124,9 @@ fn rows(
     masters: &[u32],
     weights: &[f64],
 ) -> Result<Vec<CardEquation>, Problem> {
-    use crate::deck::kinematics::row::Poses;
-    let plain = crate::deck::kinematics::axes::BASIC_AXES;
-    let mut is_plain = definitions.pose(node)?.axes == plain;
+    let mut is_plain = definitions.pose(node)?.axes == BASIC_AXES;
     for &master in masters {
-        is_plain &= definitions.pose(master)?.axes == plain;
+        is_plain &= definitions.pose(master)?.axes == BASIC_AXES;
     }
     let row = |k: usize| {
         if is_plain {

@@ -6,6 +6,7 @@ use rustc_hash::FxHashMap;
 use crate::deck::Problem;
 use crate::deck::calculix::model::definitions::DeckDefinitions;
 use crate::deck::kinematics::vector::{Vector, dot, length, minus, plus, scaled};
+use crate::fault::quote;
 
 /// Shape functions below this are rounding errors.
 const ROUNDING: f64 = 1e-12;
@@ -30,7 +31,7 @@ impl MasterFace {
         let points = nodes.iter().map(|&node| definitions.position(node)).collect::<Result<_, _>>()?;
         let shape = shape::FaceShape::with_nodes(nodes.len(), is_line).ok_or_else(|| Problem::Expected {
             expected: "a master face with 2, 3, 4, 6 or 8 nodes",
-            found: crate::fault::quote(nodes.len().to_string().as_bytes()),
+            found: quote(nodes.len().to_string().as_bytes()),
         })?;
         Ok(Self { nodes, points, shape })
     }
