@@ -21,14 +21,14 @@ pub enum FileContent {
 /// A file that was read but not yet parsed.
 ///
 /// ```
-/// use qless_io::{Content, Opened};
+/// use qless_io::{FileContent, Opened};
 /// use qless_io::deck::Format;
 /// # let place = tempfile::tempdir()?;
 /// // The ending says something else.
 /// let path = place.path().join("links.inp");
 /// std::fs::write(&path, "GRID,1,,0.,0.,0.\nGRID,2,,0.,0.,0.\nMPC,1,1,1,1.,2,1,-1.\n")?;
 /// let opened = Opened::read(&path, None)?;
-/// assert_eq!(opened.content(), Content::Deck(Format::Nastran));
+/// assert_eq!(opened.content(), FileContent::Deck(Format::Nastran));
 /// assert_eq!(opened.into_deck(None)?.format(), Format::Nastran);
 ///
 /// std::fs::write(&path, "<html>")?;
