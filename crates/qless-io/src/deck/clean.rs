@@ -1,11 +1,18 @@
-//! Proves that a cleaned deck constrains as the original: in every load case its equations span the same space, and
-//! are independent.
+//! Cleans a deck: makes its equations independent, with each slave once and never prescribed.
 //!
-//! Let `C u = b` be the equations of the deck and `C' u = b'` those of the cleaned one. `rank [C b; C' b'] = rank [C
-//! b]` over all DOFs shows that every solution of the deck solves the cleaned deck. `rank C' = rank C` without the
-//! prescribed DOFs shows that the converse holds too. Whether the deck has a solution is tested separately, so that
-//! rounding of new coefficients cannot decide it. Loads must stay at their DOFs. Cost: five analyses for each case,
-//! and one more for each of several time histories.
+//! Equations are treated by connected component ("part"); equations that share free DOFs or text belong together. A
+//! part without faults stays byte for byte. If its dependent equations can simply be removed, they are. Otherwise the
+//! whole part is rewritten as `u_s - T u_q - G u_p = g` (Eq. 23-26), in which no slave occurs twice. A cleaned deck
+//! has no faults, so that cleaning it again changes nothing.
+//!
+//! The new text is read again to prove that it constrains as the original: in every load case its equations span the
+//! same space, and are independent. Let `C u = b` be the equations of the deck and `C' u = b'` those of the cleaned one.
+//!
+//! - `rank [C b; C' b'] = rank [C b]` over all DOFs: every solution of the deck solves the cleaned deck.
+//! - `rank C' = rank C` without the prescribed DOFs: the converse holds too.
+//!
+//! Whether the deck has a solution is tested separately, so that rounding of new coefficients cannot decide it. Loads
+//! must stay at their DOFs. Cost: five analyses for each case, and one more for each of several time histories.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -13,13 +20,38 @@ use std::path::Path;
 use qless::{Analysis, ConstraintSystem, Kind, Options, SystemBuilder, analyse};
 use rustc_hash::FxHashMap;
 
-use super::{CleanError, Renamed, faults_in};
-use crate::deck::plan::conflicts;
-use crate::deck::{Deck, Dof, LoadCase, Model, parse};
+use super::plan::conflicts;
+use super::{Deck, Dof, Format, LoadCase, Model, ansys, calculix, nastran, parse};
 
+pub use super::faults::{EquationFault, faults, faults_in};
+pub use super::plan::{Cases, CleanError, Ended, Plan, Reason, Removed, Written, plan};
+pub(super) use super::plan::{Edits, Renamed};
+pub use super::solver::{Finding, findings};
+
+/// Carries out a plan: returns the new text of the main file. It is read again, and proved to constrain as the deck
+/// does in every load case.
+///
+/// # Errors
+/// [`CleanError`]: text that must change cannot, or the proof fails.
+pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
+    plan.check(&deck.model)?;
+    if plan.is_empty() {
+        return Ok(deck.texts[0].to_vec());
+    }
+    let (text, renamed) = match deck.format() {
+        Format::Calculix => calculix::write(deck, plan)?,
+        Format::Nastran => (nastran::write(deck, plan)?, Renamed::default()),
+        Format::Ansys => (ansys::write(deck, plan)?, Renamed::default()),
+    };
+    prove(deck, &text, &renamed)?;
+    Ok(text)
+}
+
+/// Proves that a new text of the main file constrains as the deck does.
+///
 /// # Errors
 /// [`CleanError::Unproven`] if the text constrains differently, [`CleanError::Deck`] if it cannot be read.
-pub fn prove(deck: &Deck, text: &[u8], renamed: &Renamed) -> Result<(), CleanError> {
+fn prove(deck: &Deck, text: &[u8], renamed: &Renamed) -> Result<(), CleanError> {
     let old = &deck.model;
     let mut open = |path: &Path| {
         let known = old.files.iter().position(|file| file == path);
